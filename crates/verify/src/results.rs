@@ -1,0 +1,175 @@
+//! The `results.json` contract: what a reproduction run says, as data.
+//!
+//! The same types are written by `xtask`, read by its report, and documented in `docs/results.md`. All
+//! timings live in [`Provenance`], so that everything else is bit-identical for the same seed on any number of
+//! threads and any instruction set.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// Version of the contract; raised whenever a reader of the old one would misread the new one.
+pub const SCHEMA: u32 = 1;
+
+/// A whole run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Results {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Where, when and how; the only part that may differ between two runs with the same seed.
+    pub provenance: Provenance,
+    /// The panels, in the order of the paper.
+    pub panels: Vec<Panel>,
+    /// The statements of the paper, each with a verdict.
+    pub claims: Vec<Claim>,
+}
+
+/// Where a run comes from and how long it took.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Provenance {
+    /// Commit of the workspace, with `-dirty` appended when the tree differs from it.
+    pub git: String,
+    /// Compiler version.
+    pub rustc: String,
+    /// Processor name.
+    pub cpu: String,
+    /// Instruction set the kernels ran on: `avx512`, `avx2` or `baseline`.
+    pub simd: String,
+    /// Worker threads.
+    pub threads: usize,
+    /// Master seed.
+    pub seed: u64,
+    /// `paper` or `quick`.
+    pub mode: String,
+    /// The command line.
+    pub command: String,
+    /// Wall time of the whole run in seconds.
+    pub wall_s: f64,
+    /// Wall time of each panel and each statement in seconds, by id.
+    pub wall_s_by_id: BTreeMap<String, f64>,
+}
+
+/// What a panel shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// Root-mean-square error against the step size.
+    Strong,
+    /// Signed weak error against the step size.
+    Weak,
+    /// An invariant along one path, with its conformal law.
+    Invariant,
+}
+
+/// One figure of the paper.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Panel {
+    /// Identifier, for example `pendulum-strong`.
+    pub id: String,
+    /// What is plotted.
+    pub kind: Kind,
+    /// Title in words.
+    pub title: String,
+    /// System, damping, initial value, final time, steps: the set-up in one line of plain text.
+    pub setup: String,
+    /// What the paper says this figure shows.
+    pub paper: String,
+    /// Number of sample paths.
+    pub samples: u64,
+    /// The reference solution, in words.
+    pub reference: String,
+    /// Paths left out because a step had no solution or left the domain, with where and why.
+    pub failures: Vec<String>,
+    /// The curves.
+    pub series: Vec<Series>,
+}
+
+/// One curve.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Series {
+    /// Scheme id: `sexp`, `em` or `midpoint`.
+    pub scheme: String,
+    /// What is measured: `y(T)`, `sup y` (strong), `y1`, `y2^2`, `cos y3` (weak), `C`, `H` (invariant).
+    pub quantity: String,
+    /// The points, in the order of decreasing step size, or of time.
+    pub points: Vec<Point>,
+    /// Fitted order, for strong and weak panels.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub rate: Option<Rate>,
+    /// Largest relative defect of the conformal law along the path, for invariant panels.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub max_relative_defect: Option<f64>,
+}
+
+/// One point of a curve.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Point {
+    /// A measured error at a step size, with its standard error.
+    Error {
+        /// Step size.
+        tau: f64,
+        /// Root-mean-square error (strong) or signed weak error (weak).
+        value: f64,
+        /// Standard error of `value`.
+        se: f64,
+    },
+    /// A value along a path.
+    Value {
+        /// Time.
+        t: f64,
+        /// Value of the invariant on the numerical path.
+        value: f64,
+        /// What the conformal law exp(−p ∫₀ᵗ γ) F(y₀) asks for.
+        exact: f64,
+    },
+}
+
+/// A fitted convergence order with a confidence interval.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Rate {
+    /// The order.
+    pub estimate: f64,
+    /// Lower end of the interval.
+    pub lo: f64,
+    /// Upper end of the interval.
+    pub hi: f64,
+    /// Confidence of the interval, for example 0.95.
+    pub confidence: f64,
+    /// How it was fitted, in words, with the goodness of fit.
+    pub method: String,
+}
+
+/// The answer to a statement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The measurement supports the statement.
+    Holds,
+    /// The measurement contradicts the statement.
+    Refuted,
+    /// The measurement cannot decide; never counted as a pass.
+    Undecided,
+}
+
+/// A statement, what was measured about it, and the verdict.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Claim {
+    /// Identifier, for example `strong-one`.
+    pub id: String,
+    /// The panel it was measured on; empty when it was measured on its own.
+    pub panel: String,
+    /// The scheme it is about; empty when it is about none.
+    pub scheme: String,
+    /// The statement in words.
+    pub statement: String,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The measurement in words, with numbers and intervals.
+    pub evidence: String,
+    /// Whether the paper proves it: a refuted proven claim fails the run.
+    pub proven: bool,
+    /// The documented reason why a refutation is expected (a misprint in the statement), or empty.
+    #[serde(skip_serializing_if = "String::is_empty", default)]
+    pub erratum: String,
+}
