@@ -1,1 +1,62 @@
-//! stub
+//! **Damped stochastic Poisson systems as two formulas: B(y)·v and the Hamiltonian increment.**
+//!
+//! dy = (B(y)∇H₀(y) − γ(t)y) dt + Σₘ B(y)∇Hₘ(y) ∘ dWₘ (Stratonovich), B skew-symmetric. A [`PoissonSystem`] says
+//! what B(y)v and h(y) = H₀(y)dt + Σₘ Hₘ(y)dwₘ are, once, for every number type; gradients, discrete gradients,
+//! Itô corrections and Jacobians follow. A [`Damping`] gives γ and its integral, a [`Problem`] adds the initial
+//! value and the final time and checks them all.
+//!
+//! ```
+//! use real::Real;
+//! use systems::{Constant, PoissonSystem, Problem};
+//!
+//! /// A harmonic oscillator whose frequency is shaken.
+//! struct Oscillator;
+//! impl PoissonSystem<2, 1> for Oscillator {
+//!     fn name(&self) -> &'static str {
+//!         "oscillator"
+//!     }
+//!     fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+//!         [-v[1], v[0]]
+//!     }
+//!     fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
+//!         (y[0] * y[0] + y[1] * y[1]) * (0.5 * dt) + y[1] * y[1] * (0.5 * dw[0])
+//!     }
+//! }
+//! let problem = Problem::new(Oscillator, Constant::new(0.1)?, [1.0, 0.0], 1.0)?;
+//! assert_eq!(problem.system.gradient([1.0, 2.0], 0.5, [0.25]), [0.5, 1.5]);
+//! assert!(Problem::new(Oscillator, Constant::new(0.1)?, [f64::NAN, 0.0], 1.0).is_err());
+//! # Ok::<(), systems::SystemError>(())
+//! ```
+//!
+//! | item | job |
+//! |---|---|
+//! | [`PoissonSystem`] | B(y)v, h(y), and what follows from them |
+//! | [`vector_field`], [`ito_correction`] | f = B∇h, ½Σ fₘ′fₘ |
+//! | [`Damping`]: [`Constant`], [`Linear`], [`Sine`], [`Cosine`], [`DampingFunction`] | γ(t) and ∫γ |
+//! | [`Invariant`] | a Casimir or an energy with its degree and its conformal law |
+//! | [`Pendulum`], [`RigidBody`], [`RigidBodyEnergy`], [`LotkaVolterra`], [`MaxwellBloch`], [`Poisson3`] | the five systems of the paper |
+//! | [`Problem`] | system, damping, y₀ and T, validated |
+
+mod damping;
+mod error;
+mod field;
+mod invariant;
+mod lotka_volterra;
+mod maxwell_bloch;
+mod pendulum;
+mod poisson3;
+mod problem;
+mod rigid_body;
+mod system;
+
+pub use damping::{Constant, Cosine, Damping, DampingFunction, Linear, Sine};
+pub use error::SystemError;
+pub use field::{HamiltonianIncrement, ito_correction, unit_noise, vector_field};
+pub use invariant::{Form, Invariant, InvariantKind};
+pub use lotka_volterra::{Exponents, IntegerExponents, LotkaVolterra, RealExponents};
+pub use maxwell_bloch::MaxwellBloch;
+pub use pendulum::Pendulum;
+pub use poisson3::Poisson3;
+pub use problem::Problem;
+pub use rigid_body::{RigidBody, RigidBodyEnergy};
+pub use system::PoissonSystem;

@@ -1,0 +1,125 @@
+//! ∇̄H(a, b)·(b − a) = H(b) − H(a), symmetry, consistency, and closed forms against quadrature.
+
+use dgrad::{
+    GradientField, averaged, averaged_with_error, mean_cosine, mean_sine, nodes_for_degree,
+    quadratic,
+};
+use proptest::prelude::*;
+use real::{Dual, Real};
+
+struct Sine;
+impl GradientField<1> for Sine {
+    fn gradient<R: Real>(&self, y: [R; 1]) -> [R; 1] {
+        [y[0].cos()]
+    }
+}
+
+/// H = y₁² y₂² y₃, whose gradient has degree 4.
+struct Monomial;
+impl GradientField<3> for Monomial {
+    fn gradient<R: Real>(&self, [x, y, z]: [R; 3]) -> [R; 3] {
+        [x * y * y * z * 2.0, x * x * y * z * 2.0, x * x * y * y]
+    }
+}
+fn monomial([x, y, z]: [f64; 3]) -> f64 {
+    x * x * y * y * z
+}
+
+/// H = ln(1 + |y|²): no polynomial.
+struct Logarithm;
+impl GradientField<2> for Logarithm {
+    fn gradient<R: Real>(&self, [x, y]: [R; 2]) -> [R; 2] {
+        let s = x * x + y * y + 1.0;
+        [x * 2.0 / s, y * 2.0 / s]
+    }
+}
+
+fn dot<const D: usize>(mean: [f64; D], a: [f64; D], b: [f64; D]) -> f64 {
+    (0..D).map(|i| mean[i] * (b[i] - a[i])).sum()
+}
+
+const POINT: std::ops::Range<f64> = -3.0..3.0;
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn sine_identity_to_round_off(a in -20.0..20.0, b in -20.0..20.0) {
+        // sin b − sin a and its product form: a few roundings of numbers of size ≤ 20 in the argument.
+        let difference = mean_cosine(a, b) * (b - a);
+        prop_assert!((difference - (b.sin() - a.sin())).abs() < 64.0 * f64::EPSILON);
+        let difference = mean_sine(a, b) * (b - a);
+        prop_assert!((difference - (a.cos() - b.cos())).abs() < 64.0 * f64::EPSILON);
+    }
+
+    #[test]
+    fn sine_without_cancellation(a in POINT, exponent in -16.0..0.0) {
+        // The mean of the cosine over [a, a + h] differs from cos a by at most h/2.
+        let h = 10f64.powf(exponent);
+        let mean: f64 = mean_cosine(a, a + h);
+        prop_assert!((mean - a.cos()).abs() <= 0.5 * h + 4.0 * f64::EPSILON);
+        prop_assert!((mean_cosine(a, a) - a.cos()).abs() <= 2.0 * f64::EPSILON);
+    }
+
+    #[test]
+    fn closed_form_and_quadrature_agree(a in POINT, b in POINT) {
+        // 20 nodes on an interval of length ≤ 6: remainder 6^{40}(20!)⁴/(41 (40!)³) < 1e-30.
+        let by_nodes: [f64; 1] = averaged::<20, _, _, 1>(&Sine, [a], [b]);
+        prop_assert!((by_nodes[0] - mean_cosine(a, b)).abs() < 32.0 * f64::EPSILON);
+    }
+
+    #[test]
+    fn polynomials_are_exact_with_the_fewest_nodes(a in [POINT, POINT, POINT], b in [POINT, POINT, POINT]) {
+        const NODES: usize = nodes_for_degree(4);
+        prop_assert_eq!(NODES, 3);
+        let mean: [f64; 3] = averaged::<NODES, _, _, 3>(&Monomial, a, b);
+        // Terms of size up to 2·3⁴·6 in each of three products, tens of roundings.
+        let scale = 3f64.powi(4) * 6.0 * 6.0;
+        prop_assert!((dot(mean, a, b) - (monomial(b) - monomial(a))).abs() < 16.0 * f64::EPSILON * scale);
+    }
+
+    #[test]
+    fn the_error_estimate_bounds_the_error(a in [POINT, POINT], b in [POINT, POINT], n in 2usize..12) {
+        let (mean, estimate) = averaged_with_error(&Logarithm, a, b, n).unwrap();
+        let energy = |[x, y]: [f64; 2]| (1.0 + x * x + y * y).ln();
+        let defect = (dot(mean, a, b) - (energy(b) - energy(a))).abs();
+        let length = (b[0] - a[0]).abs() + (b[1] - a[1]).abs();
+        prop_assert!(defect <= estimate * length + 64.0 * f64::EPSILON, "{} {}", defect, estimate);
+    }
+
+    #[test]
+    fn the_gradient_is_symmetric_and_consistent(a in [POINT, POINT], b in [POINT, POINT]) {
+        let forward: [f64; 2] = averaged::<8, _, _, 2>(&Logarithm, a, b);
+        let backward: [f64; 2] = averaged::<8, _, _, 2>(&Logarithm, b, a);
+        let (same, gradient): ([f64; 2], _) = (averaged::<8, _, _, 2>(&Logarithm, a, a), Logarithm.gradient(a));
+        for i in 0..2 {
+            prop_assert!((forward[i] - backward[i]).abs() < 16.0 * f64::EPSILON);
+            prop_assert!((same[i] - gradient[i]).abs() < 16.0 * f64::EPSILON);
+        }
+    }
+
+    #[test]
+    fn a_quadratic_needs_only_the_midpoint(a in [POINT, POINT], b in [POINT, POINT]) {
+        let energy = |[x, y]: [f64; 2]| 1.5 * x * x - 0.25 * y * y + x * y;
+        let [x, y] = quadratic(a, b);
+        let mean = [3.0 * x + y, -0.5 * y + x];
+        prop_assert!((dot(mean, a, b) - (energy(b) - energy(a))).abs() < 64.0 * f64::EPSILON * 30.0);
+    }
+
+    #[test]
+    fn derivatives_pass_through(a in POINT, b in POINT) {
+        // d/db ∇̄ by Dual against a central difference, whose error is h²/6·max|f‴| + ε/h.
+        let slope = mean_cosine(Dual::fixed(a), Dual::variable(b)).derivative;
+        let h = 1e-5;
+        let difference = (mean_cosine(a, b + h) - mean_cosine(a, b - h)) / (2.0 * h);
+        prop_assert!((slope - difference).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn too_few_nodes_break_the_identity() {
+    // The twin of the exactness tests: one node fewer than needed is visibly wrong.
+    let (a, b) = ([1.0, 2.0, 3.0], [2.0, 1.0, -1.0]);
+    let mean: [f64; 3] = averaged::<2, _, _, 3>(&Monomial, a, b);
+    assert!((dot(mean, a, b) - (monomial(b) - monomial(a))).abs() > 1e-3);
+}

@@ -1,0 +1,84 @@
+//! Sums of fine increments over every coarser step of a dyadic ladder.
+
+use real::{Block, WIDTH};
+
+/// Level ℓ has steps of 2^ℓ finest steps. Fine increments are pushed one at a time; a level is complete when its
+/// step ends, and then holds the *untruncated* sum W(t + 2^ℓτ) − W(t) and the sum over the first half of the
+/// step. Memory: two blocks a level, nothing per step.
+#[derive(Clone, Debug)]
+pub struct DyadicLadder<const M: usize> {
+    first_half: Vec<Block<M>>,
+    sum: Vec<Block<M>>,
+    pushed: u64,
+}
+
+impl<const M: usize> DyadicLadder<M> {
+    /// A ladder of `levels` levels above the finest, which is level 0.
+    #[must_use]
+    pub fn new(levels: usize) -> Self {
+        Self {
+            first_half: vec![Block::zero(); levels + 1],
+            sum: vec![Block::zero(); levels + 1],
+            pushed: 0,
+        }
+    }
+
+    /// Adds the next finest increment; returns the highest level whose step is now complete. All levels below it
+    /// are complete, too.
+    pub fn push(&mut self, dw: &Block<M>) -> usize {
+        self.sum[0] = *dw;
+        self.pushed += 1;
+        let top = self.sum.len() - 1;
+        for level in 1..=top {
+            let lower = self.sum[level - 1];
+            if self.pushed >> (level - 1) & 1 == 1 {
+                self.first_half[level] = lower;
+                return level - 1;
+            }
+            for m in 0..M {
+                for p in 0..WIDTH {
+                    self.sum[level].0[m][p] = self.first_half[level].0[m][p] + lower.0[m][p];
+                }
+            }
+        }
+        top
+    }
+
+    /// The increment over the whole step of `level` that has just been completed.
+    #[must_use]
+    pub fn increment(&self, level: usize) -> &Block<M> {
+        &self.sum[level]
+    }
+
+    /// The increment over the first half of the step of `level` ≥ 1 that has just been completed; the second half
+    /// is [`increment`](Self::increment) of the level below.
+    #[must_use]
+    pub fn first_half(&self, level: usize) -> &Block<M> {
+        &self.first_half[level]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_level_holds_the_sum_of_its_step() {
+        let mut ladder = DyadicLadder::<1>::new(3);
+        // Increment number n is n + 1, so sums are differences of triangular numbers: exact in floating point.
+        let triangular = |n: u64| (n * (n + 1) / 2) as f64;
+        for n in 0..32u64 {
+            let complete = ladder.push(&Block::splat([(n + 1) as f64]));
+            assert_eq!(complete, ((n + 1).trailing_zeros() as usize).min(3));
+            for level in 0..=complete {
+                let step = 1 << level;
+                let expected = triangular(n + 1) - triangular(n + 1 - step);
+                assert_eq!(ladder.increment(level).0[0][5], expected);
+                if level > 0 {
+                    let first = triangular(n + 1 - step / 2) - triangular(n + 1 - step);
+                    assert_eq!(ladder.first_half(level).0[0][5], first);
+                }
+            }
+        }
+    }
+}

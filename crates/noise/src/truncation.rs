@@ -1,0 +1,103 @@
+//! Truncated Wiener increments (Milstein, Repin and Tretyakov 2002; paper, equation (10)).
+//!
+//! ΔŴ = √τ χ(ΔW/√τ), where χ clips to ±A and A = √(2k|log τ|). Bounded increments make an implicit step solvable
+//! for every outcome of the noise; the price is E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^{k+1}.
+
+use real::{Block, WIDTH};
+
+use crate::NoiseError;
+
+/// The rule by which increments are clipped: the order k, or not at all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Truncation {
+    order: Option<u32>,
+}
+
+impl Truncation {
+    /// Clips at A = √(2k|log τ|).
+    ///
+    /// # Errors
+    /// [`NoiseError::TruncationOrderZero`] for k = 0.
+    pub fn new(k: u32) -> Result<Self, NoiseError> {
+        if k == 0 {
+            Err(NoiseError::TruncationOrderZero)
+        } else {
+            Ok(Self { order: Some(k) })
+        }
+    }
+
+    /// Clips nothing: for explicit schemes, and for showing what truncation is for.
+    #[must_use]
+    pub fn none() -> Self {
+        Self { order: None }
+    }
+
+    /// The order k, or `None` where nothing is clipped.
+    #[must_use]
+    pub fn order(self) -> Option<u32> {
+        self.order
+    }
+
+    /// The largest |ΔŴ| at step `tau`: √τ·√(2k|log τ|), infinite for [`Truncation::none`].
+    ///
+    /// # Errors
+    /// [`NoiseError::StepOutsideUnitInterval`] unless 0 < τ < 1: at τ ≥ 1 the threshold is zero or grows with τ.
+    pub fn bound(self, tau: f64) -> Result<f64, NoiseError> {
+        match self.order {
+            None => Ok(f64::INFINITY),
+            Some(k) if tau > 0.0 && tau < 1.0 => {
+                Ok(tau.sqrt() * (2.0 * f64::from(k) * tau.ln().abs()).sqrt())
+            }
+            Some(_) => Err(NoiseError::StepOutsideUnitInterval { tau }),
+        }
+    }
+}
+
+/// Clips every increment of a block to ±`bound`; returns how many were clipped.
+#[inline]
+pub fn clip<const M: usize>(dw: &Block<M>, bound: f64, clipped: &mut Block<M>) -> u32 {
+    let mut count = 0;
+    for m in 0..M {
+        for p in 0..WIDTH {
+            let w = dw.0[m][p];
+            let below = if w < bound { w } else { bound };
+            clipped.0[m][p] = if below > -bound { below } else { -bound };
+            count += u32::from(clipped.0[m][p] != w);
+        }
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bad_requests_name_the_value() {
+        assert_eq!(Truncation::new(0), Err(NoiseError::TruncationOrderZero));
+        for tau in [0.0, -0.5, 1.0, 2.0, f64::NAN, f64::INFINITY] {
+            let error = Truncation::new(2).unwrap().bound(tau).unwrap_err();
+            assert!(
+                error.to_string().contains(&format!("tau = {tau}")),
+                "{error}"
+            );
+        }
+        assert_eq!(Truncation::none().bound(3.0), Ok(f64::INFINITY));
+    }
+
+    #[test]
+    fn clipping_keeps_signs_and_counts() {
+        let mut dw = Block::<2>::zero();
+        dw.0[0][3] = 5.0;
+        dw.0[1][4] = -7.0;
+        dw.0[1][5] = 0.5;
+        let mut clipped = Block::zero();
+        assert_eq!(clip(&dw, 1.0, &mut clipped), 2);
+        assert_eq!(
+            (clipped.0[0][3], clipped.0[1][4], clipped.0[1][5]),
+            (1.0, -1.0, 0.5)
+        );
+        assert_eq!(clip(&dw, f64::INFINITY, &mut clipped), 0);
+        assert_eq!(clipped, dw);
+    }
+}

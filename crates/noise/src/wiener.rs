@@ -1,0 +1,169 @@
+//! Normal increments by Box–Muller, for a block of paths and for one.
+//!
+//! From two words of a path's stream: u ∈ (0, 1) and a turn v ∈ [0, 1), then
+//! √(−2 ln u)·(cos 2πv, sin 2πv) are two independent standard normals. Both paths of this module call the same
+//! functions, so that path p of a block and path p alone are the same bits. u is a multiple of 2⁻⁵³ and at least
+//! 2⁻⁵³, so no normal exceeds √(106 ln 2) ≈ 8.57.
+
+use real::{Block, Kernel, Real, WIDTH, dispatch, elementary};
+
+use crate::StreamKey;
+use crate::stream::{BlockStreams, next_word};
+
+/// Increments of M independent Wiener processes on each of 32 consecutive paths.
+///
+/// Normals are consumed in order: step by step, noise by noise. With odd M every second step starts with a spare
+/// normal of the step before.
+#[derive(Clone, Debug)]
+pub struct WienerBlock<const M: usize> {
+    streams: BlockStreams,
+    spare: Block<1>,
+    has_spare: bool,
+}
+
+impl<const M: usize> WienerBlock<M> {
+    /// The noise of paths `first_path` .. `first_path + 32` of a family of streams.
+    #[must_use]
+    pub fn new(key: StreamKey, first_path: u64) -> Self {
+        Self {
+            streams: BlockStreams::new(key, first_path),
+            spare: Block::zero(),
+            has_spare: false,
+        }
+    }
+
+    /// The next increments, N(0, τ) each, where `sqrt_tau` = √τ.
+    #[inline]
+    pub fn increments(&mut self, sqrt_tau: f64, dw: &mut Block<M>) {
+        let mut drawn = 0;
+        if self.has_spare && M > 0 {
+            for p in 0..WIDTH {
+                dw.0[0][p] = self.spare.0[0][p] * sqrt_tau;
+            }
+            self.has_spare = false;
+            drawn = 1;
+        }
+        if drawn < M {
+            self.has_spare = (M - drawn) % 2 == 1;
+            dispatch(Fill {
+                streams: &mut self.streams,
+                spare: &mut self.spare,
+                dw,
+                drawn,
+                sqrt_tau,
+            });
+        }
+    }
+}
+
+/// Draws pairs of normals into the rows `drawn..M` of `dw`, and the odd one out into `spare`.
+struct Fill<'a, const M: usize> {
+    streams: &'a mut BlockStreams,
+    spare: &'a mut Block<1>,
+    dw: &'a mut Block<M>,
+    drawn: usize,
+    sqrt_tau: f64,
+}
+
+impl<const M: usize> Kernel for Fill<'_, M> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let mut rows = &mut self.dw.0[self.drawn..];
+        while let [first, second, rest @ ..] = rows {
+            fill_pair(self.streams, first, second, self.sqrt_tau, self.sqrt_tau);
+            rows = rest;
+        }
+        if let [last] = rows {
+            fill_pair(self.streams, last, &mut self.spare.0[0], self.sqrt_tau, 1.0);
+        }
+    }
+}
+
+/// Two normals on each path, multiplied by the two scales.
+#[inline(always)]
+fn fill_pair(
+    streams: &mut BlockStreams,
+    first: &mut [f64; WIDTH],
+    second: &mut [f64; WIDTH],
+    first_scale: f64,
+    second_scale: f64,
+) {
+    let words = &mut streams.0;
+    for p in 0..WIDTH {
+        let mut state = [words[0][p], words[1][p], words[2][p], words[3][p]];
+        let radius_word = next_word(&mut state);
+        let angle_word = next_word(&mut state);
+        let (one, other) = box_muller(radius_word, angle_word);
+        for i in 0..4 {
+            words[i][p] = state[i];
+        }
+        first[p] = one * first_scale;
+        second[p] = other * second_scale;
+    }
+}
+
+/// Two independent standard normals from two random words.
+#[inline(always)]
+fn box_muller(radius_word: u64, angle_word: u64) -> (f64, f64) {
+    let radius = (elementary::ln_unit(open_unit(radius_word)) * -2.0).sqrt();
+    let (sin, cos) = elementary::sin_cos_turn(half_open_unit(angle_word));
+    (radius * cos, radius * sin)
+}
+
+/// 52 random bits as a float in [1, 2), by writing them under the exponent of 1.
+#[inline(always)]
+fn one_to_two(word: u64) -> f64 {
+    f64::from_bits(0x3ff0_0000_0000_0000 | (word >> 12))
+}
+
+/// (k + ½)·2⁻⁵² for k random in 0 .. 2⁵²: never 0, never 1, and the subtraction is exact.
+#[inline(always)]
+fn open_unit(word: u64) -> f64 {
+    one_to_two(word) - (1.0 - 0.5 * f64::EPSILON)
+}
+
+/// k·2⁻⁵² for k random in 0 .. 2⁵².
+#[inline(always)]
+fn half_open_unit(word: u64) -> f64 {
+    one_to_two(word) - 1.0
+}
+
+/// Increments of M independent Wiener processes on one path: the same bits as that path of a [`WienerBlock`].
+#[derive(Clone, Debug)]
+pub struct WienerPath<const M: usize> {
+    state: [u64; 4],
+    spare: Option<f64>,
+}
+
+impl<const M: usize> WienerPath<M> {
+    /// The noise of path `path` of a family of streams.
+    #[must_use]
+    pub fn new(key: StreamKey, path: u64) -> Self {
+        Self {
+            state: key.state(path),
+            spare: None,
+        }
+    }
+
+    /// The next increments, N(0, τ) each, where `sqrt_tau` = √τ.
+    pub fn increments(&mut self, sqrt_tau: f64) -> [f64; M] {
+        let mut dw = [f64::zero(); M];
+        for increment in &mut dw {
+            *increment = self.normal() * sqrt_tau;
+        }
+        dw
+    }
+
+    /// The next standard normal of the path.
+    pub fn normal(&mut self) -> f64 {
+        if let Some(spare) = self.spare.take() {
+            return spare;
+        }
+        let radius_word = next_word(&mut self.state);
+        let angle_word = next_word(&mut self.state);
+        let (first, second) = box_muller(radius_word, angle_word);
+        self.spare = Some(second);
+        first
+    }
+}

@@ -1,0 +1,118 @@
+//! The state of a block of paths, path index innermost.
+
+/// Paths in a block. A loop of exactly 8 would be unrolled before it is vectorised; 32 is not, and is four
+/// vectors of AVX-512, enough to hide latency.
+pub const WIDTH: usize = 32;
+
+/// D numbers for each of [`WIDTH`] paths: component `i` of path `p` is `block.0[i][p]`.
+///
+/// Aligned to a cache line, so that no vector load straddles two.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub struct Block<const D: usize>(pub [[f64; WIDTH]; D]);
+
+impl<const D: usize> Block<D> {
+    /// All zero.
+    #[inline(always)]
+    #[must_use]
+    pub fn zero() -> Self {
+        Self([[0.0; WIDTH]; D])
+    }
+
+    /// The same `y` on every path.
+    #[inline(always)]
+    #[must_use]
+    pub fn splat(y: [f64; D]) -> Self {
+        let mut block = Self::zero();
+        for i in 0..D {
+            block.0[i] = [y[i]; WIDTH];
+        }
+        block
+    }
+
+    /// The D numbers of path `p`.
+    #[inline(always)]
+    #[must_use]
+    pub fn path(&self, p: usize) -> [f64; D] {
+        let mut y = [0.0; D];
+        for i in 0..D {
+            y[i] = self.0[i][p];
+        }
+        y
+    }
+
+    /// Replaces the D numbers of path `p`.
+    #[inline(always)]
+    pub fn set_path(&mut self, p: usize, y: [f64; D]) {
+        for i in 0..D {
+            self.0[i][p] = y[i];
+        }
+    }
+}
+
+/// A subset of the paths of a block: bit `p` is path `p`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PathMask(pub u32);
+
+impl PathMask {
+    /// No path.
+    pub const NONE: Self = Self(0);
+    /// Every path.
+    pub const ALL: Self = Self(u32::MAX);
+
+    /// The first `n` paths, n ≤ [`WIDTH`].
+    #[must_use]
+    pub fn first(n: usize) -> Self {
+        if n >= WIDTH {
+            Self::ALL
+        } else {
+            Self((1 << n) - 1)
+        }
+    }
+
+    /// Whether path `p` is in the set.
+    #[must_use]
+    pub fn contains(self, p: usize) -> bool {
+        self.0 >> p & 1 == 1
+    }
+
+    /// Adds path `p`.
+    pub fn insert(&mut self, p: usize) {
+        self.0 |= 1 << p;
+    }
+
+    /// Whether no path is in the set.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// How many paths are in the set.
+    #[must_use]
+    pub fn len(self) -> u32 {
+        self.0.count_ones()
+    }
+
+    /// Paths in both sets.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+
+    /// Paths in either set.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Paths in this set and not in the other.
+    #[must_use]
+    pub fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
+    /// The paths in increasing order.
+    pub fn paths(self) -> impl Iterator<Item = usize> {
+        (0..WIDTH).filter(move |&p| self.contains(p))
+    }
+}

@@ -1,0 +1,53 @@
+//! The two derivatives that integrators ask for.
+
+use crate::{Dual, Real};
+
+/// A scalar function of D numbers, written for every [`Real`].
+///
+/// A trait and not a closure, because a closure cannot be generic over the number and is not reliably inlined
+/// into a vectorised loop.
+pub trait ScalarFunction<const D: usize> {
+    /// f(y).
+    fn value<R: Real>(&self, y: [R; D]) -> R;
+}
+
+/// A vector function of D numbers with K results, written for every [`Real`].
+pub trait VectorFunction<const D: usize, const K: usize> {
+    /// f(y).
+    fn value<R: Real>(&self, y: [R; D]) -> [R; K];
+}
+
+/// ∇f(y), by D evaluations on dual numbers.
+#[inline(always)]
+pub fn gradient<R: Real, F: ScalarFunction<D>, const D: usize>(f: &F, y: [R; D]) -> [R; D] {
+    let mut gradient = [R::zero(); D];
+    for i in 0..D {
+        let mut seeded = [Dual::fixed(R::zero()); D];
+        for j in 0..D {
+            seeded[j] = Dual::fixed(y[j]);
+        }
+        seeded[i].derivative = R::one();
+        gradient[i] = f.value(seeded).derivative;
+    }
+    gradient
+}
+
+/// (f(y), f′(y)·v), by one evaluation on dual numbers.
+#[inline(always)]
+pub fn directional<R: Real, F: VectorFunction<D, K>, const D: usize, const K: usize>(
+    f: &F,
+    y: [R; D],
+    v: [R; D],
+) -> ([R; K], [R; K]) {
+    let mut seeded = [Dual::fixed(R::zero()); D];
+    for j in 0..D {
+        seeded[j] = Dual::new(y[j], v[j]);
+    }
+    let result = f.value(seeded);
+    let (mut value, mut slope) = ([R::zero(); K], [R::zero(); K]);
+    for i in 0..K {
+        value[i] = result[i].value;
+        slope[i] = result[i].derivative;
+    }
+    (value, slope)
+}

@@ -1,0 +1,133 @@
+//! What a formula may ask of a number.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::elementary;
+
+/// A real number, or something that computes like one.
+///
+/// Implemented by `f64` and by [`Dual`](crate::Dual) over any `Real`. Operations with an `f64` on the right are
+/// cheaper than turning the constant into a `Self` first. There are no comparisons: a formula with a branch would
+/// not vectorise; [`Real::select`] chooses between two values by a condition on [`Real::value`].
+pub trait Real:
+    Copy
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+{
+    /// The constant `x`, with derivative zero.
+    fn constant(x: f64) -> Self;
+    /// The value, without derivatives.
+    fn value(self) -> f64;
+    /// (sin x, cos x), sharing the reduction of the argument.
+    fn sin_cos(self) -> (Self, Self);
+    /// eˣ.
+    fn exp(self) -> Self;
+    /// Natural logarithm; NaN for negative values.
+    fn ln(self) -> Self;
+    /// √x.
+    fn sqrt(self) -> Self;
+    /// sin(x)/x, continued by 1 at x = 0, without cancellation.
+    fn sinc(self) -> Self;
+    /// `a` if `condition`, else `b`, without a branch.
+    fn select(condition: bool, a: Self, b: Self) -> Self;
+
+    /// 0.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::constant(0.0)
+    }
+    /// 1.
+    #[inline(always)]
+    fn one() -> Self {
+        Self::constant(1.0)
+    }
+    /// sin x.
+    #[inline(always)]
+    fn sin(self) -> Self {
+        self.sin_cos().0
+    }
+    /// cos x.
+    #[inline(always)]
+    fn cos(self) -> Self {
+        self.sin_cos().1
+    }
+    /// 1/x.
+    #[inline(always)]
+    fn recip(self) -> Self {
+        Self::one() / self
+    }
+    /// xⁿ by repeated squaring; n is meant to be a constant.
+    #[inline(always)]
+    fn powi(self, n: i32) -> Self {
+        let mut base = if n < 0 { self.recip() } else { self };
+        let mut exponent = n.unsigned_abs();
+        let mut power = Self::one();
+        while exponent > 0 {
+            if exponent & 1 == 1 {
+                power = power * base;
+            }
+            exponent >>= 1;
+            if exponent > 0 {
+                base = base * base;
+            }
+        }
+        power
+    }
+    /// xᵖ = e^{p ln x} for x > 0.
+    #[inline(always)]
+    fn powf(self, p: f64) -> Self {
+        (self.ln() * p).exp()
+    }
+}
+
+impl Real for f64 {
+    #[inline(always)]
+    fn constant(x: f64) -> Self {
+        x
+    }
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        elementary::sin_cos(self)
+    }
+    #[inline(always)]
+    fn sin(self) -> Self {
+        elementary::sin(self)
+    }
+    #[inline(always)]
+    fn cos(self) -> Self {
+        elementary::cos(self)
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        elementary::exp(self)
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        elementary::ln(self)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+    #[inline(always)]
+    fn sinc(self) -> Self {
+        elementary::sinc(self)
+    }
+    #[inline(always)]
+    fn select(condition: bool, a: Self, b: Self) -> Self {
+        if condition { a } else { b }
+    }
+}

@@ -1,0 +1,402 @@
+//! The elementary functions against 60-digit reference values, against the standard library in
+//! dense sweeps, at their special values, and bit for bit across instruction sets.
+
+use real::elementary::{cos, exp, ln, ln_unit, powi, sin, sin_cos, sin_cos_turn, sinc};
+
+/// Printed by `python3 crates/real/tools/reference_values.py`.
+const REFERENCE: &str = include_str!("elementary_reference.txt");
+
+/// A name, the function and the bound of its error.
+type Bound = (&'static str, fn(f64) -> f64, f64);
+
+/// Asserted bounds, as documented in the module; the last column is absolute for `*_turn`.
+const BOUNDS: [Bound; 8] = [
+    ("sin", sin, 1.1),
+    ("cos", cos, 1.1),
+    ("sinc", sinc, 2.0),
+    ("sin_turn", |u| sin_cos_turn(u).0, 2.1e-16),
+    ("cos_turn", |u| sin_cos_turn(u).1, 2.1e-16),
+    ("exp", exp, 1.1),
+    ("ln", ln, 1.0),
+    ("ln_unit", ln_unit, 3.0),
+];
+
+/// The unit in the last place of `y`.
+fn ulp(y: f64) -> f64 {
+    let y = y.abs();
+    (f64::from_bits(y.to_bits() & (0x7ff << 52)) * f64::EPSILON).max(f64::from_bits(1))
+}
+
+/// `(ours - exact) / ulp(exact)` for the nearest `value` to an exact one.
+fn error_in_ulp(ours: f64, value: f64, remainder: f64) -> f64 {
+    if ours == value {
+        return remainder.abs();
+    }
+    // Scaled by a power of two, so that a subnormal unit divides exactly.
+    let scale = if value.abs() < 1e-200 {
+        2f64.powi(600)
+    } else {
+        1.0
+    };
+    ((ours * scale - value * scale) / (ulp(value) * scale) - remainder).abs()
+}
+
+/// A small generator of equidistributed bits.
+struct Bits(u64);
+
+impl Bits {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
+    }
+
+    /// Uniform in `(0, 1)`.
+    fn unit(&mut self) -> f64 {
+        ((self.next() >> 12) as f64 + 0.5) * 2f64.powi(-52)
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+}
+
+#[test]
+fn reference_values() {
+    for (name, function, bound) in BOUNDS {
+        let (mut worst, mut at, mut count) = (0.0, 0.0, 0);
+        for line in REFERENCE.lines() {
+            let mut fields = line.split(' ');
+            if fields.next() != Some(name) {
+                continue;
+            }
+            let mut bits =
+                || f64::from_bits(u64::from_str_radix(fields.next().unwrap(), 16).unwrap());
+            let (x, value) = (bits(), bits());
+            let remainder: f64 = fields.next().unwrap().parse().unwrap();
+            let mut error = error_in_ulp(function(x), value, remainder);
+            if name.ends_with("_turn") {
+                error *= ulp(value);
+            }
+            assert!(!error.is_nan(), "{name}({x:e})");
+            if error > worst {
+                (worst, at) = (error, x);
+            }
+            count += 1;
+        }
+        println!("{name}: {count} values, worst {worst:.4e} at {at:e}");
+        assert!(count >= 280, "{name}: only {count} values");
+        assert!(worst <= bound, "{name}({at:e}) is off by {worst:.3e}");
+    }
+}
+
+/// The worst distance from `theirs`, in ulp, which is below ours + 1 (theirs rounds within one).
+fn sweep(
+    name: &str,
+    ours: impl Fn(f64) -> f64,
+    theirs: impl Fn(f64) -> f64,
+    bound: f64,
+    mut point: impl FnMut(&mut Bits) -> f64,
+) {
+    let mut bits = Bits(0x9e37_79b9_7f4a_7c15);
+    let (mut worst, mut at) = (0.0, 0.0);
+    for _ in 0..300_000 {
+        let x = point(&mut bits);
+        let error = error_in_ulp(ours(x), theirs(x), 0.0);
+        assert!(!error.is_nan(), "{name}({x:e})");
+        if error > worst {
+            (worst, at) = (error, x);
+        }
+    }
+    println!("{name}: worst distance {worst} at {at:e}");
+    assert!(worst <= bound + 1.0, "{name}({at:e}) is off by {worst}");
+}
+
+#[test]
+fn dense_sweeps() {
+    let limit = 2f64.powi(20);
+    sweep("sin", sin, f64::sin, 1.1, |b| b.between(-7.0, 7.0));
+    sweep("cos", cos, f64::cos, 1.1, |b| b.between(-7.0, 7.0));
+    sweep("sin", sin, f64::sin, 1.1, |b| b.between(-limit, limit));
+    sweep("cos", cos, f64::cos, 1.1, |b| b.between(-limit, limit));
+    sweep("sin", sin, f64::sin, 1.1, |b| b.between(-40.0, 0.0).exp());
+    sweep(
+        "sinc",
+        sinc,
+        |x| x.sin() / x,
+        2.0,
+        |b| b.between(-50.0, 50.0),
+    );
+    sweep("exp", exp, f64::exp, 1.1, |b| b.between(-746.0, 709.8));
+    sweep("exp", exp, f64::exp, 1.1, |b| b.between(-2.0, 2.0));
+    sweep("exp", exp, f64::exp, 1.1, |b| b.between(-40.0, 0.0).exp());
+    sweep("ln", ln, f64::ln, 1.0, |b| {
+        f64::from_bits(b.next() % f64::INFINITY.to_bits()).max(1e-320)
+    });
+    sweep("ln", ln, f64::ln, 1.0, |b| b.between(0.3, 3.0));
+    sweep("ln", ln, f64::ln, 1.0, |b| 1.0 + b.between(-0.01, 0.01));
+    sweep("ln_unit", ln_unit, f64::ln, 3.0, Bits::unit);
+    sweep("ln_unit", ln_unit, f64::ln, 3.0, |b| {
+        1.0 - b.between(-36.0, -1.0).exp()
+    });
+}
+
+/// Input of `reference_values.py --measure`.
+#[test]
+#[ignore = "prints arguments and values for the measurement of the documented errors"]
+fn print_values() {
+    let mut b = Bits(0x1234_5678_9abc_def1);
+    for i in 0..250_000 {
+        for (name, function, _) in BOUNDS {
+            let x = match (name, i % 4) {
+                ("sin" | "cos" | "sinc", 0) => b.between(-4.0, 4.0),
+                ("sin" | "cos" | "sinc", 1) => b.between(-0.8, 0.8),
+                ("sin" | "cos" | "sinc", 2) => b.between(-50.0, 50.0),
+                ("sin" | "cos" | "sinc", _) => b.between(-1_048_576.0, 1_048_576.0),
+                ("exp", 0 | 1) => b.between(-0.4, 0.4),
+                ("exp", 2) => b.between(-745.2, -708.0),
+                ("exp", _) => b.between(-708.0, 709.8),
+                ("ln", 0 | 1) => b.between(0.6, 1.5),
+                ("ln", 2) => b.between(0.0, 10.0),
+                ("ln", _) => b.between(-1073.0, 1024.0).exp2(),
+                ("ln_unit", 0 | 1) => b.between(0.4, 1.0),
+                _ => b.unit(),
+            };
+            println!("{name} {:016x} {:016x}", x.to_bits(), function(x).to_bits());
+        }
+    }
+}
+
+#[test]
+fn large_arguments() {
+    // The documented degradation: an argument changed by at most one ulp.
+    let mut bits = Bits(7);
+    for _ in 0..200_000 {
+        let x = bits.between(20.0, 30.0).exp2();
+        let (s, c) = sin_cos(x);
+        let bound = ulp(x) + 1e-15;
+        assert!(
+            (s - x.sin()).abs() <= bound && (c - x.cos()).abs() <= bound,
+            "{x:e}"
+        );
+        assert!(s.abs() <= 1.0 && c.abs() <= 1.0, "{x:e}");
+    }
+    for _ in 0..200_000 {
+        let x = f64::from_bits(bits.next());
+        let (s, c) = sin_cos(x);
+        if x.is_finite() {
+            assert!(s.abs() <= 1.0 && c.abs() <= 1.0, "{x:e}: {s} {c}");
+            assert!((s * s + c * c - 1.0).abs() < 1e-15, "{x:e}: {s} {c}");
+        } else {
+            assert!(s.is_nan() && c.is_nan(), "{x:e}");
+        }
+    }
+    for x in [2f64.powi(31), 1e100, f64::MAX] {
+        assert_eq!(sin_cos(x), (0.0, 1.0));
+        assert_eq!(sin_cos(-x), (0.0, 1.0));
+    }
+}
+
+#[test]
+fn special_values() {
+    let nan = |x: f64| assert!(x.is_nan());
+    let same = |x: f64, y: f64| assert_eq!(x.to_bits(), y.to_bits(), "{x:e} is not {y:e}");
+    for x in [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        nan(sin(x));
+        nan(cos(x));
+        nan(sin_cos(x).0);
+        nan(sin_cos(x).1);
+        nan(sin_cos_turn(x).0);
+        nan(sin_cos_turn(x).1);
+        nan(sinc(x));
+    }
+    same(sin(0.0), 0.0);
+    same(sin(-0.0), -0.0);
+    same(cos(0.0), 1.0);
+    same(cos(-0.0), 1.0);
+    for tiny in [5e-324, 1e-310, f64::MIN_POSITIVE, 1e-20] {
+        same(sin(tiny), tiny);
+        same(sin(-tiny), -tiny);
+        same(cos(tiny), 1.0);
+        same(sinc(tiny), 1.0);
+    }
+    same(sinc(0.0), 1.0);
+    same(sinc(-0.0), 1.0);
+
+    assert_eq!(sin_cos_turn(0.0), (0.0, 1.0));
+    assert_eq!(sin_cos_turn(0.25), (1.0, 0.0));
+    assert_eq!(sin_cos_turn(0.5), (0.0, -1.0));
+    assert_eq!(sin_cos_turn(0.75), (-1.0, 0.0));
+    assert_eq!(sin_cos_turn(1.0), (0.0, 1.0));
+
+    same(exp(0.0), 1.0);
+    same(exp(-0.0), 1.0);
+    same(exp(f64::INFINITY), f64::INFINITY);
+    same(exp(f64::NEG_INFINITY), 0.0);
+    same(exp(f64::MAX), f64::INFINITY);
+    same(exp(f64::MIN), 0.0);
+    same(exp(709.782_712_893_385), f64::INFINITY);
+    assert!(exp(709.782_712_893_383_9).is_finite());
+    same(exp(-745.133_219_101_941_2), 0.0);
+    same(exp(-745.133_219_101_941_1), 5e-324);
+    nan(exp(f64::NAN));
+    nan(exp(-f64::NAN));
+
+    same(ln(1.0), 0.0);
+    same(ln(0.0), f64::NEG_INFINITY);
+    same(ln(-0.0), f64::NEG_INFINITY);
+    same(ln(f64::INFINITY), f64::INFINITY);
+    for x in [
+        -5e-324,
+        -1.0,
+        f64::MIN,
+        f64::NEG_INFINITY,
+        f64::NAN,
+        -f64::NAN,
+    ] {
+        nan(ln(x));
+    }
+}
+
+#[test]
+fn unit_circle() {
+    let mut bits = Bits(3);
+    for _ in 0..300_000 {
+        let u = bits.unit();
+        let (s, c) = sin_cos_turn(u);
+        assert!((s * s + c * c - 1.0).abs() < 1e-15, "{u:e}");
+        assert!(s.abs() <= 1.0 && c.abs() <= 1.0, "{u:e}");
+    }
+}
+
+#[test]
+fn integer_powers() {
+    let mut bits = Bits(5);
+    for _ in 0..20_000 {
+        let x = bits.between(-2.0, 2.0);
+        for n in -40_i32..=40 {
+            let error = error_in_ulp(powi(x, n), x.powi(n), 0.0);
+            assert!(error <= 2.0 + f64::from(n.abs()), "{x:e}^{n}: {error}");
+        }
+        assert_eq!(powi(x, 0), 1.0);
+        assert_eq!(powi(x, 1), x);
+        assert_eq!(powi(x, 2), x * x);
+        assert_eq!(powi(x, 3), x * (x * x));
+        assert_eq!(powi(x, 4), (x * x) * (x * x));
+        assert_eq!(powi(x, -1), 1.0 / x);
+    }
+    assert_eq!(powi(f64::NAN, 0), 1.0);
+    assert_eq!(powi(0.0, -1), f64::INFINITY);
+    assert_eq!(powi(-0.0, -1), f64::NEG_INFINITY);
+    assert_eq!(powi(1.0, i32::MIN), 1.0);
+    assert_eq!(powi(2.0, i32::MAX), f64::INFINITY);
+    assert_eq!(powi(2.0, i32::MIN), 0.0);
+    assert_eq!(powi(-1.0, i32::MAX), -1.0);
+}
+
+type Block = [f64; 32];
+type Functions = [Block; 11];
+
+#[inline(always)]
+fn apply_all(x: &Block, u: &Block, y: &mut Functions) {
+    for l in 0..32 {
+        y[0][l] = sin(x[l]);
+    }
+    for l in 0..32 {
+        y[1][l] = cos(x[l]);
+    }
+    for l in 0..32 {
+        (y[2][l], y[3][l]) = sin_cos(x[l]);
+    }
+    for l in 0..32 {
+        (y[4][l], y[5][l]) = sin_cos_turn(u[l]);
+    }
+    for l in 0..32 {
+        y[6][l] = exp(x[l]);
+    }
+    for l in 0..32 {
+        y[7][l] = ln(x[l]);
+    }
+    for l in 0..32 {
+        y[8][l] = ln_unit(u[l]);
+    }
+    for l in 0..32 {
+        y[9][l] = sinc(x[l]);
+    }
+    for l in 0..32 {
+        y[10][l] = powi(x[l], -5);
+    }
+}
+
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
+fn widest(x: &Block, u: &Block, y: &mut Functions) {
+    apply_all(x, u, y);
+}
+
+#[multiversion::multiversion(targets("x86_64+avx2"))]
+fn middle(x: &Block, u: &Block, y: &mut Functions) {
+    apply_all(x, u, y);
+}
+
+#[inline(never)]
+fn narrow(x: &Block, u: &Block, y: &mut Functions) {
+    apply_all(x, u, y);
+}
+
+/// Lane by lane, without any loop that could vectorise.
+#[inline(never)]
+fn scalar(x: f64, u: f64) -> [f64; 11] {
+    let x = std::hint::black_box(x);
+    let u = std::hint::black_box(u);
+    let (s, c) = sin_cos(x);
+    let (st, ct) = sin_cos_turn(u);
+    let p = powi(x, -5);
+    [
+        sin(x),
+        cos(x),
+        s,
+        c,
+        st,
+        ct,
+        exp(x),
+        ln(x),
+        ln_unit(u),
+        sinc(x),
+        p,
+    ]
+}
+
+#[test]
+fn same_bits_on_every_instruction_set() {
+    // The sign and payload of a NaN are not specified.
+    let bits = |y: f64| {
+        if y.is_nan() {
+            f64::NAN.to_bits()
+        } else {
+            y.to_bits()
+        }
+    };
+    let mut random = Bits(11);
+    for round in 0..3000 {
+        let x: Block = std::array::from_fn(|l| match (round + l) % 4 {
+            0 => random.between(-10.0, 10.0),
+            1 => random.between(-800.0, 800.0),
+            2 => random.between(-20.0, 20.0).exp2(),
+            _ => f64::from_bits(random.next()),
+        });
+        let u: Block = std::array::from_fn(|_| random.unit());
+        let mut y = [[[0.0; 32]; 11]; 3];
+        widest(&x, &u, &mut y[0]);
+        middle(&x, &u, &mut y[1]);
+        narrow(&x, &u, &mut y[2]);
+        for l in 0..32 {
+            let expected = scalar(x[l], u[l]);
+            for version in &y {
+                for (f, e) in expected.iter().enumerate() {
+                    assert_eq!(bits(version[f][l]), bits(*e), "function {f} of {:e}", x[l]);
+                }
+            }
+        }
+    }
+}

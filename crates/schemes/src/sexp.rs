@@ -1,0 +1,157 @@
+//! The stochastic conformal exponential integrator (paper, equations (13) and (15)).
+//!
+//! For dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ (Stratonovich), with h = H₀τ + Σ HₘΔŴₘ:
+//!
+//! ẑ = e^{−∫γ, first half} y_n,  z = ẑ + B((ẑ+z)/2) ∇̄h(ẑ, z),  y_{n+1} = e^{−∫γ, second half} z.
+//!
+//! A Strang splitting into exact damping and an energy-preserving step. Strong order ½ for several noises, 1 for one
+//! noise (k ≥ 2); weak order 1. Keeps linear and quadratic Casimirs exactly on their damped law for every τ; with one
+//! noise, dy = B∇H(dt + c∘dW) − γy dt, also a homogeneous H. Implicit: one nonlinear system of D equations a step.
+
+use nonlin::{BlockFixedPoint, BlockStatus, FixedPoint, Solution, Solver};
+use real::{Block, Kernel, Real, WIDTH, dispatch};
+use systems::PoissonSystem;
+
+use crate::{Scheme, Step};
+
+/// The stochastic conformal exponential integrator, `sexp`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sexp {
+    /// How the implicit equation is solved.
+    pub solver: Solver,
+}
+
+/// z = ẑ + B((ẑ+z)/2) ∇̄h(ẑ, z) on one path.
+struct PathEquation<'a, S, const D: usize, const M: usize> {
+    system: &'a S,
+    tau: f64,
+    dw: [f64; M],
+    z_hat: [f64; D],
+}
+
+impl<S, const D: usize, const M: usize> Clone for PathEquation<'_, S, D, M> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<S, const D: usize, const M: usize> Copy for PathEquation<'_, S, D, M> {}
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> FixedPoint<D>
+    for PathEquation<'_, S, D, M>
+{
+    #[inline(always)]
+    fn start(&self) -> [f64; D] {
+        self.z_hat
+    }
+
+    #[inline(always)]
+    fn map<R: Real>(&self, z: [R; D]) -> [R; D] {
+        let mut z_hat = [R::zero(); D];
+        let mut middle = [R::zero(); D];
+        for i in 0..D {
+            z_hat[i] = R::constant(self.z_hat[i]);
+            middle[i] = (z[i] + self.z_hat[i]) * 0.5;
+        }
+        let gradient = self.system.averaged_gradient(z_hat, z, self.tau, self.dw);
+        let mut next = self.system.structure(middle, gradient);
+        for i in 0..D {
+            next[i] = next[i] + self.z_hat[i];
+        }
+        next
+    }
+}
+
+/// The equations of a block.
+struct BlockEquation<'a, S, const D: usize, const M: usize> {
+    system: &'a S,
+    tau: f64,
+    dw: &'a Block<M>,
+    z_hat: &'a Block<D>,
+}
+
+impl<'a, S: PoissonSystem<D, M>, const D: usize, const M: usize> BlockFixedPoint<D>
+    for BlockEquation<'a, S, D, M>
+{
+    type Path = PathEquation<'a, S, D, M>;
+    #[inline(always)]
+    fn path(&self, p: usize) -> Self::Path {
+        PathEquation {
+            system: self.system,
+            tau: self.tau,
+            dw: self.dw.path(p),
+            z_hat: self.z_hat.path(p),
+        }
+    }
+}
+
+struct StepKernel<'a, S, const D: usize, const M: usize> {
+    solver: Solver,
+    system: &'a S,
+    step: &'a Step,
+    dw: &'a Block<M>,
+    y: &'a mut Block<D>,
+    status: &'a mut BlockStatus,
+}
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for StepKernel<'_, S, D, M> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let mut z_hat = Block::zero();
+        for i in 0..D {
+            for p in 0..WIDTH {
+                z_hat.0[i][p] = self.step.first_decay * self.y.0[i][p];
+            }
+        }
+        let equations = BlockEquation {
+            system: self.system,
+            tau: self.step.tau,
+            dw: self.dw,
+            z_hat: &z_hat,
+        };
+        let mut z = Block::zero();
+        self.solver.solve_block(&equations, &mut z, self.status);
+        for i in 0..D {
+            for p in 0..WIDTH {
+                self.y.0[i][p] = self.step.second_decay * z.0[i][p];
+            }
+        }
+    }
+}
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for Sexp {
+    fn id(&self) -> &'static str {
+        "sexp"
+    }
+
+    fn step_block(
+        &self,
+        system: &S,
+        step: &Step,
+        dw: &Block<M>,
+        y: &mut Block<D>,
+        status: &mut BlockStatus,
+    ) {
+        dispatch(StepKernel {
+            solver: self.solver,
+            system,
+            step,
+            dw,
+            y,
+            status,
+        });
+    }
+
+    fn step(&self, system: &S, step: &Step, dw: [f64; M], y: [f64; D]) -> Solution<D> {
+        let z_hat = y.map(|component| step.first_decay * component);
+        let mut solution = self.solver.solve(&PathEquation {
+            system,
+            tau: step.tau,
+            dw,
+            z_hat,
+        });
+        solution.z = solution.z.map(|component| step.second_decay * component);
+        solution
+    }
+}

@@ -1,0 +1,99 @@
+//! Vector fields that follow from a system: f = B∇h, and the Itô correction.
+
+use dgrad::GradientField;
+use real::{Real, ScalarFunction, VectorFunction, directional};
+
+use crate::PoissonSystem;
+
+/// h(y) = H₀(y)dt + Σ Hₘ(y)dwₘ as a function of y.
+pub(crate) struct Energy<'a, S: ?Sized, const M: usize> {
+    pub(crate) system: &'a S,
+    pub(crate) dt: f64,
+    pub(crate) dw: [f64; M],
+}
+
+impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> ScalarFunction<D>
+    for Energy<'_, S, M>
+{
+    #[inline(always)]
+    fn value<R: Real>(&self, y: [R; D]) -> R {
+        self.system.energy(y, self.dt, self.dw)
+    }
+}
+
+/// The Hamiltonian increment h of one step as a gradient field, for quadratures of any order.
+pub struct HamiltonianIncrement<'a, S: ?Sized, const M: usize> {
+    /// The system whose Hamiltonians are weighed.
+    pub system: &'a S,
+    /// Weight of H₀.
+    pub dt: f64,
+    /// Weights of H₁ … H_M.
+    pub dw: [f64; M],
+}
+
+impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> GradientField<D>
+    for HamiltonianIncrement<'_, S, M>
+{
+    #[inline(always)]
+    fn gradient<R: Real>(&self, y: [R; D]) -> [R; D] {
+        self.system.gradient(y, self.dt, self.dw)
+    }
+}
+
+struct VectorField<'a, S: ?Sized, const M: usize> {
+    system: &'a S,
+    dt: f64,
+    dw: [f64; M],
+}
+
+impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> VectorFunction<D, D>
+    for VectorField<'_, S, M>
+{
+    #[inline(always)]
+    fn value<R: Real>(&self, y: [R; D]) -> [R; D] {
+        vector_field(self.system, y, self.dt, self.dw)
+    }
+}
+
+/// f(y) = B(y)∇h(y): f₀dt + Σ fₘdwₘ.
+#[inline(always)]
+pub fn vector_field<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, const M: usize>(
+    system: &S,
+    y: [R; D],
+    dt: f64,
+    dw: [f64; M],
+) -> [R; D] {
+    system.structure(y, system.gradient(y, dt, dw))
+}
+
+/// The weights (0, eₘ) that pick fₘ out of [`vector_field`].
+#[inline(always)]
+#[must_use]
+pub fn unit_noise<const M: usize>(m: usize) -> [f64; M] {
+    let mut dw = [0.0; M];
+    dw[m] = 1.0;
+    dw
+}
+
+/// ½Σₘ fₘ′(y)fₘ(y), the drift that turns the Stratonovich equation into an Itô equation. The derivative includes
+/// that of B; one evaluation on dual numbers for each noise.
+#[inline(always)]
+pub fn ito_correction<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+    system: &S,
+    y: [f64; D],
+) -> [f64; D] {
+    let mut correction = [0.0; D];
+    for m in 0..M {
+        let field = VectorField {
+            system,
+            dt: 0.0,
+            dw: unit_noise(m),
+        };
+        let direction = field.value(y);
+        let (_, derivative) = directional(&field, y, direction);
+        for i in 0..D {
+            correction[i] += 0.5 * derivative[i];
+        }
+    }
+    correction
+}

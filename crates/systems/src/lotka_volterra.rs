@@ -1,0 +1,254 @@
+//! The damped stochastic Lotka–Volterra system (paper, Example 3).
+
+use dgrad::{GradientField, averaged};
+use real::Real;
+
+use crate::error::finite;
+use crate::{Form, Invariant, InvariantKind, PoissonSystem, SystemError};
+
+/// B(y)v = c·y₁^{1−p}y₂^{1−q}·(av₂ + v₃, −av₁ − pv₃, −v₁ + pv₂), H = y₁ᵖy₂^q y₃, noise H, where p = ab and q = −b.
+///
+/// The energy H has degree p + q + 1 = ab − b + 1. The Casimir of this B is linear, ab·y₁ + y₂ − a·y₃, and not the
+/// logarithm that the paper names, which is ln H. The type of the exponents decides how powers are taken: see
+/// [`IntegerExponents`] and [`RealExponents`].
+#[derive(Clone, Copy, Debug)]
+pub struct LotkaVolterra<E> {
+    a: f64,
+    c: f64,
+    exponents: E,
+}
+
+/// The exponents p = ab of y₁ and q = −b of y₂ in H.
+pub trait Exponents: Copy + Send + Sync {
+    /// p = ab.
+    fn p(&self) -> f64;
+    /// q = −b.
+    fn q(&self) -> f64;
+    /// y₁^{p−1}y₂^{q−1}: all that B and ∇H need of the powers.
+    fn powers<R: Real>(&self, y1: R, y2: R) -> R;
+    /// ∇̄ of a field made of these powers.
+    fn averaged<R: Real, F: GradientField<3>>(&self, field: &F, a: [R; 3], b: [R; 3]) -> [R; 3];
+    /// Checks that y is where the powers are defined.
+    ///
+    /// # Errors
+    /// [`SystemError::OutsideDomain`].
+    fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError>;
+}
+
+/// Positive integer exponents: H is a polynomial and the discrete gradient is exact to round-off.
+///
+/// The paper's two cases are (a, b) = (−1, −2), which is `IntegerExponents<2, 2>`, and (−1, −1), `<1, 1>`.
+#[derive(Clone, Copy, Debug)]
+pub struct IntegerExponents<const P: i32, const Q: i32>;
+
+/// The largest P + Q, the degree of ∇H, for which the nodes of [`IntegerExponents`] are exact.
+const MAX_DEGREE: i32 = 9;
+
+impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
+    fn p(&self) -> f64 {
+        f64::from(P)
+    }
+    fn q(&self) -> f64 {
+        f64::from(Q)
+    }
+    #[inline(always)]
+    fn powers<R: Real>(&self, y1: R, y2: R) -> R {
+        y1.powi(P - 1) * y2.powi(Q - 1)
+    }
+    #[inline(always)]
+    fn averaged<R: Real, F: GradientField<3>>(&self, field: &F, a: [R; 3], b: [R; 3]) -> [R; 3] {
+        // ∇H has degree P + Q; n nodes are exact to degree 2n − 1. The branch is decided at compile time.
+        match P + Q {
+            ..=3 => averaged::<2, R, F, 3>(field, a, b),
+            4..=5 => averaged::<3, R, F, 3>(field, a, b),
+            6..=7 => averaged::<4, R, F, 3>(field, a, b),
+            _ => averaged::<5, R, F, 3>(field, a, b),
+        }
+    }
+    fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
+        // The prefactor y₁^{1−P}y₂^{1−Q} of B has poles on the coordinate planes when P or Q exceed 1.
+        const {
+            assert!(
+                P >= 1 && Q >= 1 && P + Q <= MAX_DEGREE,
+                "exponents must be positive, with P + Q at most 9"
+            )
+        };
+        positive_octant(y)
+    }
+}
+
+/// Any real exponents; powers are e^{p ln y} and the discrete gradient a quadrature with 12 nodes, whose error for
+/// one step of a scheme is below round-off while y stays away from the coordinate planes.
+#[derive(Clone, Copy, Debug)]
+pub struct RealExponents {
+    p: f64,
+    q: f64,
+}
+
+const REAL_EXPONENT_NODES: usize = 12;
+
+impl Exponents for RealExponents {
+    fn p(&self) -> f64 {
+        self.p
+    }
+    fn q(&self) -> f64 {
+        self.q
+    }
+    #[inline(always)]
+    fn powers<R: Real>(&self, y1: R, y2: R) -> R {
+        (y1.ln() * (self.p - 1.0) + y2.ln() * (self.q - 1.0)).exp()
+    }
+    #[inline(always)]
+    fn averaged<R: Real, F: GradientField<3>>(&self, field: &F, a: [R; 3], b: [R; 3]) -> [R; 3] {
+        averaged::<REAL_EXPONENT_NODES, R, F, 3>(field, a, b)
+    }
+    fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
+        positive_octant(y)
+    }
+}
+
+/// Populations are positive; on the coordinate planes the prefactor of B or its derivative has a pole.
+fn positive_octant(y: [f64; 3]) -> Result<(), SystemError> {
+    match y
+        .iter()
+        .position(|&component| component.is_nan() || component <= 0.0)
+    {
+        None => Ok(()),
+        Some(i) => Err(SystemError::OutsideDomain {
+            component: i + 1,
+            value: y[i],
+            domain: "y1 > 0, y2 > 0 and y3 > 0",
+        }),
+    }
+}
+
+impl<const P: i32, const Q: i32> LotkaVolterra<IntegerExponents<P, Q>> {
+    /// The system with ab = P and −b = Q, hence a = −P/Q, and scale c of B.
+    ///
+    /// # Errors
+    /// [`SystemError::NonFiniteParameter`].
+    pub fn integer(c: f64) -> Result<Self, SystemError> {
+        let a = -f64::from(P) / f64::from(Q);
+        Ok(Self {
+            a,
+            c: finite("the scale c", c)?,
+            exponents: IntegerExponents,
+        })
+    }
+}
+
+impl LotkaVolterra<RealExponents> {
+    /// The system with parameters a and b, and scale c of B.
+    ///
+    /// # Errors
+    /// [`SystemError::NonFiniteParameter`].
+    pub fn new(a: f64, b: f64, c: f64) -> Result<Self, SystemError> {
+        let (a, b) = (finite("a", a)?, finite("b", b)?);
+        Ok(Self {
+            a,
+            c: finite("the scale c", c)?,
+            exponents: RealExponents { p: a * b, q: -b },
+        })
+    }
+}
+
+/// ∇H as a field of its own, without the weight of the step.
+struct Gradient<E> {
+    exponents: E,
+}
+
+impl<E: Exponents> GradientField<3> for Gradient<E> {
+    #[inline(always)]
+    fn gradient<R: Real>(&self, y: [R; 3]) -> [R; 3] {
+        let powers = self.exponents.powers(y[0], y[1]);
+        let with_third = powers * y[2];
+        [
+            with_third * y[1] * self.exponents.p(),
+            with_third * y[0] * self.exponents.q(),
+            powers * y[0] * y[1],
+        ]
+    }
+}
+
+impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
+    fn name(&self) -> &'static str {
+        "lotka-volterra"
+    }
+
+    #[inline(always)]
+    fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+        let prefactor = self.exponents.powers(y[0], y[1]).recip() * self.c;
+        let p = self.exponents.p();
+        [
+            prefactor * (v[1] * self.a + v[2]),
+            -(prefactor * (v[0] * self.a + v[2] * p)),
+            prefactor * (v[1] * p - v[0]),
+        ]
+    }
+
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> R {
+        self.invariant(0, y) * (dt + dw[0])
+    }
+
+    #[inline(always)]
+    fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
+        scaled(
+            Gradient {
+                exponents: self.exponents,
+            }
+            .gradient(y),
+            dt + dw[0],
+        )
+    }
+
+    #[inline(always)]
+    fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
+        scaled(
+            self.exponents.averaged(
+                &Gradient {
+                    exponents: self.exponents,
+                },
+                a,
+                b,
+            ),
+            dt + dw[0],
+        )
+    }
+
+    fn invariants(&self) -> Vec<Invariant> {
+        let energy = Invariant {
+            name: "H",
+            formula: "y₁^{ab} y₂^{−b} y₃",
+            kind: InvariantKind::Energy,
+            form: Form::Homogeneous,
+            degree: self.exponents.p() + self.exponents.q() + 1.0,
+        };
+        let casimir = Invariant {
+            name: "C",
+            formula: "ab y₁ + y₂ − a y₃",
+            kind: InvariantKind::Casimir,
+            form: Form::Linear,
+            degree: 1.0,
+        };
+        vec![energy, casimir]
+    }
+
+    #[inline(always)]
+    fn invariant<R: Real>(&self, index: usize, y: [R; 3]) -> R {
+        if index == 0 {
+            self.exponents.powers(y[0], y[1]) * y[0] * y[1] * y[2]
+        } else {
+            y[0] * self.exponents.p() + y[1] - y[2] * self.a
+        }
+    }
+
+    fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
+        self.exponents.check_domain(y)
+    }
+}
+
+#[inline(always)]
+fn scaled<R: Real>(v: [R; 3], weight: f64) -> [R; 3] {
+    [v[0] * weight, v[1] * weight, v[2] * weight]
+}

@@ -1,0 +1,52 @@
+//! The damped stochastic Maxwell–Bloch system of laser-matter dynamics (paper, Example 4).
+
+use real::Real;
+
+use crate::{Form, Invariant, InvariantKind, PoissonSystem};
+
+/// B(y)v = (−y₃v₂ + y₂v₃, y₃v₁, −y₂v₁), H₀ = ½y₁² + y₃, H₁ = y₃.
+///
+/// Casimir ½(y₂² + y₃²) of degree 2.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MaxwellBloch;
+
+impl PoissonSystem<3, 1> for MaxwellBloch {
+    fn name(&self) -> &'static str {
+        "maxwell-bloch"
+    }
+
+    #[inline(always)]
+    fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+        [y[1] * v[2] - y[2] * v[1], y[2] * v[0], -(y[1] * v[0])]
+    }
+
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> R {
+        y[0] * y[0] * (0.5 * dt) + y[2] * (dt + dw[0])
+    }
+
+    #[inline(always)]
+    fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
+        [y[0] * dt, R::zero(), R::constant(dt + dw[0])]
+    }
+
+    #[inline(always)]
+    fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
+        self.gradient(dgrad::quadratic(a, b), dt, dw)
+    }
+
+    fn invariants(&self) -> Vec<Invariant> {
+        vec![Invariant {
+            name: "C",
+            formula: "½(y₂² + y₃²)",
+            kind: InvariantKind::Casimir,
+            form: Form::Quadratic,
+            degree: 2.0,
+        }]
+    }
+
+    #[inline(always)]
+    fn invariant<R: Real>(&self, _index: usize, y: [R; 3]) -> R {
+        (y[1] * y[1] + y[2] * y[2]) * 0.5
+    }
+}

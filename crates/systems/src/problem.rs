@@ -1,0 +1,49 @@
+//! A system with its damping, initial value and final time.
+
+use crate::{Damping, PoissonSystem, SystemError};
+
+/// An initial value problem, checked at construction.
+#[derive(Clone, Debug)]
+pub struct Problem<S, G, const D: usize> {
+    /// The system.
+    pub system: S,
+    /// γ.
+    pub damping: G,
+    /// y(0).
+    pub y0: [f64; D],
+    /// The final time T.
+    pub t_end: f64,
+}
+
+impl<S, G: Damping, const D: usize> Problem<S, G, D> {
+    /// The problem dy = …, y(0) = `y0`, on [0, `t_end`].
+    ///
+    /// # Errors
+    /// [`SystemError::NonFiniteState`], [`SystemError::OutsideDomain`] or [`SystemError::FinalTime`].
+    pub fn new<const M: usize>(
+        system: S,
+        damping: G,
+        y0: [f64; D],
+        t_end: f64,
+    ) -> Result<Self, SystemError>
+    where
+        S: PoissonSystem<D, M>,
+    {
+        if let Some(i) = y0.iter().position(|component| !component.is_finite()) {
+            return Err(SystemError::NonFiniteState {
+                component: i + 1,
+                value: y0[i],
+            });
+        }
+        system.check_domain(y0)?;
+        if !(t_end > 0.0 && t_end.is_finite()) {
+            return Err(SystemError::FinalTime { t_end });
+        }
+        Ok(Self {
+            system,
+            damping,
+            y0,
+            t_end,
+        })
+    }
+}

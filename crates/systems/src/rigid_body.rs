@@ -1,0 +1,210 @@
+//! The damped stochastic free rigid body (paper, Example 2): y is the angular momentum in the body frame.
+
+use real::Real;
+
+use crate::error::{finite, positive};
+use crate::{Form, Invariant, InvariantKind, PoissonSystem, SystemError};
+
+/// y × v.
+#[inline(always)]
+fn cross<R: Real>(y: [R; 3], v: [R; 3]) -> [R; 3] {
+    [
+        y[1] * v[2] - y[2] * v[1],
+        y[2] * v[0] - y[0] * v[2],
+        y[0] * v[1] - y[1] * v[0],
+    ]
+}
+
+#[inline(always)]
+fn half_square<R: Real>(y: [R; 3]) -> R {
+    (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]) * 0.5
+}
+
+const CASIMIR: Invariant = Invariant {
+    name: "C",
+    formula: "½(y₁² + y₂² + y₃²)",
+    kind: InvariantKind::Casimir,
+    form: Form::Quadratic,
+    degree: 2.0,
+};
+
+fn reciprocals<const N: usize>(
+    inertia: [f64; N],
+    names: [&'static str; N],
+) -> Result<[f64; N], SystemError> {
+    let mut reciprocal = [0.0; N];
+    for i in 0..N {
+        reciprocal[i] = 1.0 / positive(names[i], inertia[i])?;
+    }
+    Ok(reciprocal)
+}
+
+/// B(y)v = y × v, H₀ = ½Σ yᵢ²/Iᵢ, Hₘ = ½yₘ²/Îₘ for m = 1 … M: one noise is the case "only W₁".
+///
+/// Casimir ½|y|² of degree 2, so solutions stay on damped spheres.
+#[derive(Clone, Copy, Debug)]
+pub struct RigidBody<const M: usize> {
+    /// 1/Iᵢ.
+    drift: [f64; 3],
+    /// 1/Îₘ, zero where there is no noise.
+    noise: [f64; M],
+}
+
+impl RigidBody<3> {
+    /// Moments of inertia I of the body, and Î of the three noises.
+    ///
+    /// # Errors
+    /// [`SystemError::NonPositiveParameter`].
+    pub fn three_noises(inertia: [f64; 3], noise_inertia: [f64; 3]) -> Result<Self, SystemError> {
+        let drift = reciprocals(inertia, ["I1", "I2", "I3"])?;
+        Ok(Self {
+            drift,
+            noise: reciprocals(noise_inertia, ["Î1", "Î2", "Î3"])?,
+        })
+    }
+}
+
+impl RigidBody<1> {
+    /// Moments of inertia I of the body, and Î₁ of the single noise W₁.
+    ///
+    /// # Errors
+    /// [`SystemError::NonPositiveParameter`].
+    pub fn one_noise(inertia: [f64; 3], noise_inertia: f64) -> Result<Self, SystemError> {
+        let drift = reciprocals(inertia, ["I1", "I2", "I3"])?;
+        Ok(Self {
+            drift,
+            noise: reciprocals([noise_inertia], ["Î1"])?,
+        })
+    }
+}
+
+impl<const M: usize> RigidBody<M> {
+    /// dt/Iᵢ + dwᵢ/Îᵢ: the increment is the quadratic form ½Σ kᵢyᵢ².
+    #[inline(always)]
+    fn coefficients(&self, dt: f64, dw: [f64; M]) -> [f64; 3] {
+        let mut k = [0.0; 3];
+        for i in 0..3 {
+            k[i] = self.drift[i] * dt;
+            if i < M {
+                k[i] += self.noise[i] * dw[i];
+            }
+        }
+        k
+    }
+}
+
+impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
+    fn name(&self) -> &'static str {
+        "rigid-body"
+    }
+
+    #[inline(always)]
+    fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+        cross(y, v)
+    }
+
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; M]) -> R {
+        let k = self.coefficients(dt, dw);
+        (y[0] * y[0] * k[0] + y[1] * y[1] * k[1] + y[2] * y[2] * k[2]) * 0.5
+    }
+
+    #[inline(always)]
+    fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; M]) -> [R; 3] {
+        let k = self.coefficients(dt, dw);
+        [y[0] * k[0], y[1] * k[1], y[2] * k[2]]
+    }
+
+    #[inline(always)]
+    fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; M]) -> [R; 3] {
+        self.gradient(dgrad::quadratic(a, b), dt, dw)
+    }
+
+    fn invariants(&self) -> Vec<Invariant> {
+        vec![CASIMIR]
+    }
+
+    #[inline(always)]
+    fn invariant<R: Real>(&self, _index: usize, y: [R; 3]) -> R {
+        half_square(y)
+    }
+}
+
+/// B(y)v = y × v with H₀ = ½Σ yᵢ²/Iᵢ as drift and as noise cH₀.
+///
+/// Casimir ½|y|² and energy H₀, both of degree 2.
+#[derive(Clone, Copy, Debug)]
+pub struct RigidBodyEnergy {
+    drift: [f64; 3],
+    noise: f64,
+}
+
+impl RigidBodyEnergy {
+    /// Moments of inertia I and noise of size c.
+    ///
+    /// # Errors
+    /// [`SystemError::NonPositiveParameter`], [`SystemError::NonFiniteParameter`].
+    pub fn new(inertia: [f64; 3], c: f64) -> Result<Self, SystemError> {
+        Ok(Self {
+            drift: reciprocals(inertia, ["I1", "I2", "I3"])?,
+            noise: finite("the noise size c", c)?,
+        })
+    }
+
+    #[inline(always)]
+    fn hamiltonian<R: Real>(&self, y: [R; 3]) -> R {
+        (y[0] * y[0] * self.drift[0] + y[1] * y[1] * self.drift[1] + y[2] * y[2] * self.drift[2])
+            * 0.5
+    }
+}
+
+impl PoissonSystem<3, 1> for RigidBodyEnergy {
+    fn name(&self) -> &'static str {
+        "rigid-body"
+    }
+
+    #[inline(always)]
+    fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+        cross(y, v)
+    }
+
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> R {
+        self.hamiltonian(y) * (dt + self.noise * dw[0])
+    }
+
+    #[inline(always)]
+    fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
+        let weight = dt + self.noise * dw[0];
+        [
+            y[0] * (self.drift[0] * weight),
+            y[1] * (self.drift[1] * weight),
+            y[2] * (self.drift[2] * weight),
+        ]
+    }
+
+    #[inline(always)]
+    fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
+        self.gradient(dgrad::quadratic(a, b), dt, dw)
+    }
+
+    fn invariants(&self) -> Vec<Invariant> {
+        let energy = Invariant {
+            name: "H",
+            formula: "½(y₁²/I₁ + y₂²/I₂ + y₃²/I₃)",
+            kind: InvariantKind::Energy,
+            form: Form::Quadratic,
+            degree: 2.0,
+        };
+        vec![CASIMIR, energy]
+    }
+
+    #[inline(always)]
+    fn invariant<R: Real>(&self, index: usize, y: [R; 3]) -> R {
+        if index == 0 {
+            half_square(y)
+        } else {
+            self.hamiltonian(y)
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! The trait that a system is written in.
+
+use dgrad::averaged;
+use real::{Real, gradient};
+
+use crate::field::{Energy, HamiltonianIncrement};
+use crate::{Invariant, SystemError};
+
+/// Nodes of the default discrete gradient: error of order |b − a|¹⁶, round-off for the small steps of a scheme.
+const DEFAULT_NODES: usize = 8;
+
+/// A damped stochastic Poisson system in D dimensions with M noises, less its damping.
+///
+/// Two formulas are asked for. Everything provided follows from them and may be overridden by a closed form that
+/// is faster or more accurate. Implementations must be `#[inline(always)]` and free of branches to run fast in a
+/// block of paths. Time and noise increments are plain numbers: nothing is ever differentiated by them, and
+/// constants kept out of the dual numbers are multiplications saved in every Jacobian.
+pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
+    /// Its name in reports.
+    fn name(&self) -> &'static str;
+
+    /// B(y)·v, with B(y) skew-symmetric.
+    fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D];
+
+    /// The Hamiltonian increment h(y) = H₀(y)·dt + Σₘ Hₘ(y)·dwₘ, linear in (dt, dw).
+    fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> R;
+
+    /// ∇h(y); by dual numbers unless overridden.
+    #[inline(always)]
+    fn gradient<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
+        gradient(
+            &Energy {
+                system: self,
+                dt,
+                dw,
+            },
+            y,
+        )
+    }
+
+    /// ∇̄h(a, b) = ∫₀¹ ∇h((1−η)a + ηb) dη; by 8 Gauss–Legendre nodes unless overridden.
+    #[inline(always)]
+    fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
+        averaged::<DEFAULT_NODES, R, _, D>(
+            &HamiltonianIncrement {
+                system: self,
+                dt,
+                dw,
+            },
+            a,
+            b,
+        )
+    }
+
+    /// The homogeneous Casimirs and, for one noise, the homogeneous Hamiltonian; none unless overridden.
+    fn invariants(&self) -> Vec<Invariant> {
+        Vec::new()
+    }
+
+    /// The value of `invariants()[index]` at y.
+    fn invariant<R: Real>(&self, index: usize, y: [R; D]) -> R {
+        let _ = y;
+        unreachable!("{} has no invariant number {index}", self.name())
+    }
+
+    /// Checks that y is where the system is defined; everywhere unless overridden.
+    ///
+    /// # Errors
+    /// [`SystemError::OutsideDomain`] names the component and the domain.
+    fn check_domain(&self, y: [f64; D]) -> Result<(), SystemError> {
+        let _ = y;
+        Ok(())
+    }
+}

@@ -1,0 +1,108 @@
+//! Colours and markers: fixed for the known schemes, distinct for every other.
+
+use plotters::style::RGBColor;
+
+/// Shape of a marker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marker {
+    /// ●
+    Circle,
+    /// ■
+    Square,
+    /// ◆
+    Diamond,
+    /// ▲
+    Triangle,
+    /// ▼
+    Wedge,
+    /// A star of four points.
+    Star,
+}
+
+/// Appearance of a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// Colour of the line and the marker.
+    pub color: RGBColor,
+    /// Shape of the marker.
+    pub marker: Marker,
+}
+
+const fn look(rgb: (u8, u8, u8), marker: Marker) -> Look {
+    Look {
+        color: RGBColor(rgb.0, rgb.1, rgb.2),
+        marker,
+    }
+}
+
+// The palette of Okabe and Ito, which readers with any colour vision can tell apart.
+const BLUE: (u8, u8, u8) = (0, 114, 178);
+const VERMILLION: (u8, u8, u8) = (213, 94, 0);
+const GREEN: (u8, u8, u8) = (0, 158, 115);
+const PURPLE: (u8, u8, u8) = (204, 121, 167);
+const ORANGE: (u8, u8, u8) = (230, 159, 0);
+const SKY: (u8, u8, u8) = (86, 180, 233);
+const BLACK: (u8, u8, u8) = (0, 0, 0);
+
+/// The schemes of the paper, which look the same on every panel.
+const SCHEMES: [(&str, Look); 3] = [
+    ("sexp", look(BLUE, Marker::Circle)),
+    ("em", look(VERMILLION, Marker::Square)),
+    ("midpoint", look(GREEN, Marker::Diamond)),
+];
+
+/// Looks for further schemes, in the order of their appearance.
+const SPARE: [Look; 4] = [
+    look(PURPLE, Marker::Triangle),
+    look(ORANGE, Marker::Wedge),
+    look(SKY, Marker::Star),
+    look(BLACK, Marker::Circle),
+];
+
+/// Looks for the quantities of a weak panel; no colour is that of a scheme.
+const QUANTITIES: [Look; 5] = [
+    look(BLACK, Marker::Circle),
+    look(ORANGE, Marker::Square),
+    look(PURPLE, Marker::Triangle),
+    look(SKY, Marker::Diamond),
+    look(GREEN, Marker::Wedge),
+];
+
+/// The looks of a panel's curves, one per entry of `schemes`; equal ids look equal.
+pub fn of_schemes<'a>(schemes: impl IntoIterator<Item = &'a str>) -> Vec<Look> {
+    let mut strangers: Vec<&str> = Vec::new();
+    schemes
+        .into_iter()
+        .map(|id| {
+            if let Some((_, look)) = SCHEMES.iter().find(|(known, _)| *known == id) {
+                return *look;
+            }
+            let place = strangers.iter().position(|s| *s == id).unwrap_or_else(|| {
+                strangers.push(id);
+                strangers.len() - 1
+            });
+            SPARE[place % SPARE.len()]
+        })
+        .collect()
+}
+
+/// The look of the `n`-th quantity of a weak panel.
+pub fn of_quantity(n: usize) -> Look {
+    QUANTITIES[n % QUANTITIES.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_scheme_gets_a_look_of_its_own() {
+        let looks = of_schemes(["sexp", "sexp-levy", "em", "other", "sexp-levy"]);
+        assert_eq!(looks[1], looks[4]);
+        for (i, a) in looks[..4].iter().enumerate() {
+            for b in &looks[..i] {
+                assert!(a.color != b.color && a.marker != b.marker);
+            }
+        }
+    }
+}

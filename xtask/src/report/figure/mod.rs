@@ -1,0 +1,25 @@
+//! The figure of a panel as a stand-alone SVG document, readable at the width of a journal column.
+
+mod axis;
+mod canvas;
+mod convergence;
+mod evolution;
+mod frame;
+mod legend;
+mod look;
+mod scripts;
+mod slope;
+mod ticks;
+
+use anyhow::Result;
+use verify::results::{Kind, Panel};
+
+pub use convergence::QUANTILE;
+
+/// Draws a panel.
+pub fn figure(panel: &Panel) -> Result<String> {
+    match panel.kind {
+        Kind::Strong | Kind::Weak => convergence::convergence(panel),
+        Kind::Invariant => evolution::evolution(panel),
+    }
+}

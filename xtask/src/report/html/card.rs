@@ -1,0 +1,83 @@
+//! One panel of the page: its figure, what the paper says, what was measured, and where the numbers are.
+
+use verify::results::{Claim, Kind, Panel, Series};
+
+use super::claims;
+use super::measured;
+use super::number::{count, quantity};
+use crate::report::escape::escape;
+use crate::report::{file_stem, main_quantity};
+
+/// The card of a panel with its figure inside.
+pub fn card(panel: &Panel, figure: &str, all_claims: &[Claim]) -> String {
+    let (id, stem) = (escape(&panel.id), file_stem(&panel.id));
+    let reference = match panel.reference.as_str() {
+        "" => String::new(),
+        text => format!("<dt>Reference</dt><dd>{}</dd>", escape(text)),
+    };
+    format!(
+        "<article class=\"card\" id=\"panel-{id}\">\n<header><h3>{title}</h3><code>{id}</code></header>\n\
+         <figure><div class=\"paper\">{figure}</div><figcaption>{caption}</figcaption></figure>\n{badges}\
+         <dl><dt>Set-up</dt><dd>{setup}</dd><dt>What the paper says</dt><dd>{paper}</dd>\
+         <dt>What was measured</dt><dd>{measured}</dd><dt>Samples</dt><dd>{samples}</dd>{reference}\
+         {failures}</dl>\n<p class=\"files\"><a href=\"data/{stem}.csv\">Numbers (CSV)</a> \
+         <a href=\"figures/{stem}.svg\">Figure (SVG)</a></p>\n</article>\n",
+        title = escape(&panel.title),
+        caption = caption(panel),
+        badges = claims::badges(all_claims, &panel.id),
+        setup = escape(&panel.setup),
+        paper = escape(&panel.paper),
+        measured = measured::measured(panel),
+        samples = samples(panel.samples),
+        failures = failures(&panel.failures),
+    )
+}
+
+/// How to read the figure: what is drawn, and what is only in the table.
+fn caption(panel: &Panel) -> String {
+    let main = main_quantity(panel);
+    let others: Vec<&Series> = panel.series.iter().filter(|s| s.quantity != main).collect();
+    let elsewhere = match others.first() {
+        Some(_) if panel.kind != Kind::Weak => " Further quantities are in the table.",
+        _ => "",
+    };
+    match panel.kind {
+        Kind::Strong => format!(
+            "Root-mean-square error of {} with 95\u{202f}% error bars; dashed: reference slopes.{elsewhere}",
+            quantity(main)
+        ),
+        Kind::Weak => "Size of the weak error, filled where it is positive and hollow where it is negative, with \
+             95\u{202f}% error bars; a bar without a lower cap reaches zero. Markers at one step are set side by \
+             side. Dashed: reference slope."
+            .to_owned(),
+        Kind::Invariant => format!(
+            "Above: {} along the path and, thin and black, its conformal law. Below: relative defect of the law; \
+             a defect of zero is drawn at the mark 0.{elsewhere}",
+            quantity(main)
+        ),
+    }
+}
+
+fn samples(n: u64) -> String {
+    match n {
+        1 => "one path".to_owned(),
+        n => format!("{} paths", count(n)),
+    }
+}
+
+fn failures(failures: &[String]) -> String {
+    const SHOWN: usize = 8;
+    if failures.is_empty() {
+        return String::new();
+    }
+    let items: String = failures
+        .iter()
+        .take(SHOWN)
+        .map(|f| format!("<li>{}</li>", escape(f)))
+        .collect();
+    let rest = match failures.len().saturating_sub(SHOWN) {
+        0 => String::new(),
+        n => format!("<li>and {n} more</li>"),
+    };
+    format!("<dt>Paths left out</dt><dd><ul>{items}{rest}</ul></dd>")
+}
