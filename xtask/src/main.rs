@@ -1,2 +1,39 @@
 //! Chores of the workspace.
-fn main() {}
+//!
+//! `cargo xtask reproduce` runs the experiments of the paper, prints a verdict for every statement and writes a
+//! report with figures, tables and `results.json`.
+
+mod output;
+mod progress;
+mod provenance;
+mod report;
+mod reproduce;
+mod table;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Chores of the workspace.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", version, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    chore: Chore,
+}
+
+#[derive(Subcommand)]
+enum Chore {
+    /// Run the paper's experiments, print the verdicts and write the report.
+    Reproduce(reproduce::Reproduce),
+}
+
+fn main() -> ExitCode {
+    let result = match Arguments::parse().chore {
+        Chore::Reproduce(arguments) => reproduce::run(&arguments),
+    };
+    result.unwrap_or_else(|error| {
+        eprintln!("error: {error:#}");
+        ExitCode::from(2)
+    })
+}

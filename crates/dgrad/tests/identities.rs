@@ -44,7 +44,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     #[test]
-    fn sine_identity_to_round_off(a in -20.0..20.0, b in -20.0..20.0) {
+    fn sine_identity_to_round_off(a in -20.0..20.0f64, b in -20.0..20.0f64) {
         // sin b − sin a and its product form: a few roundings of numbers of size ≤ 20 in the argument.
         let difference = mean_cosine(a, b) * (b - a);
         prop_assert!((difference - (b.sin() - a.sin())).abs() < 64.0 * f64::EPSILON);
@@ -53,7 +53,7 @@ proptest! {
     }
 
     #[test]
-    fn sine_without_cancellation(a in POINT, exponent in -16.0..0.0) {
+    fn sine_without_cancellation(a in POINT, exponent in -16.0..0.0f64) {
         // The mean of the cosine over [a, a + h] differs from cos a by at most h/2.
         let h = 10f64.powf(exponent);
         let mean: f64 = mean_cosine(a, a + h);

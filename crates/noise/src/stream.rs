@@ -112,7 +112,11 @@ mod tests {
         };
         assert_eq!([0, 1, 4711].map(|path| key.path_seed(path)), PINNED);
     }
-    const PINNED: [u64; 3] = [0, 0, 0];
+    const PINNED: [u64; 3] = [
+        13_625_505_645_108_458_277,
+        8_269_527_995_984_263_926,
+        9_288_204_210_041_451_558,
+    ];
 
     #[test]
     fn neighbours_do_not_share_a_stream() {

@@ -167,3 +167,44 @@ impl<const M: usize> WienerPath<M> {
         first
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_most_extreme_words_give_finite_normals() {
+        // Radius √(106 ln 2) at the smallest u = 2⁻⁵³, √(2·2⁻⁵³) at the largest u = 1 − 2⁻⁵³; a few roundings.
+        let largest = (106.0 * std::f64::consts::LN_2).sqrt();
+        let smallest = f64::EPSILON.sqrt();
+        let rounding = 1.0 + 8.0 * f64::EPSILON;
+        for angle_word in [
+            0,
+            u64::MAX,
+            1 << 62,
+            1 << 63,
+            3 << 62,
+            0x1234_5678_9abc_def0,
+        ] {
+            for (radius_word, radius) in [(0, largest), (u64::MAX, smallest)] {
+                let (one, other) = box_muller(radius_word, angle_word);
+                assert!(one.is_finite() && other.is_finite());
+                assert!(one.abs().max(other.abs()) <= radius * rounding);
+                assert!((one.hypot(other) / radius - 1.0).abs() < 8.0 * f64::EPSILON);
+            }
+        }
+        assert!(largest > 8.57 && largest < 8.58);
+        // The quarter turns are exact: the largest normal is reached, with both signs.
+        let signs = [0, 1 << 62, 1 << 63, 3 << 62].map(|word| box_muller(0, word));
+        assert!(signs[0].0 > 8.57 && signs[1].1 > 8.57);
+        assert!(signs[2].0 < -8.57 && signs[3].1 < -8.57);
+    }
+
+    #[test]
+    fn uniforms_keep_their_intervals() {
+        assert_eq!(open_unit(0), 0.5 * f64::EPSILON);
+        assert_eq!(open_unit(u64::MAX), 1.0 - 0.5 * f64::EPSILON);
+        assert_eq!(half_open_unit(0), 0.0);
+        assert_eq!(half_open_unit(u64::MAX), 1.0 - f64::EPSILON);
+    }
+}

@@ -1,2 +1,48 @@
-//! stub
+//! **The statements and figures of the paper as experiments that can fail.**
+//!
+//! [`reproduce`] runs the [`EXPERIMENTS`] that make the 14 panels and the measurements behind the [`STATEMENTS`], and
+//! returns [`results::Results`]: curves with standard errors, fitted orders with intervals, and a verdict for every
+//! statement: holds, refuted or undecided. The pieces can be used on their own: [`fit_strong`] and [`fit_weak`] fit
+//! orders with intervals from any errors with a covariance.
+//!
+//! ```
+//! use mc::CrossMoments;
+//! use verify::fit_strong;
+//!
+//! // Squared errors of 200 paths at four step sizes, exactly of order one but for the scatter from path to path.
+//! let taus = [0.1, 0.05, 0.025, 0.0125];
+//! let mut squares = CrossMoments::new(4);
+//! for path in 0..200 {
+//!     let scatter = |l: usize| 1.0 + 0.3 * ((path * 7 + l * 13) as f64).sin();
+//!     let errors: Vec<f64> = taus.iter().enumerate().map(|(l, tau)| tau * tau * scatter(l)).collect();
+//!     squares.add(&errors);
+//! }
+//! let order = fit_strong(&taus, None, &squares).expect("four levels are enough");
+//! assert!(order.lo < 1.0 && 1.0 < order.hi && order.hi - order.lo < 0.1, "{order:?}");
+//! ```
+//!
+//! | item | job |
+//! |---|---|
+//! | [`reproduce`], [`Settings`], [`Mode`], [`Progress`] | run everything, or a selection |
+//! | [`EXPERIMENTS`], [`STATEMENTS`], [`panel_ids`] | what there is to run |
+//! | [`fit_strong`], [`fit_weak`], [`order_verdict`] | orders with intervals, and when an order is said to hold |
+//! | [`results`] | the `results.json` contract |
+
+mod experiment;
+mod invariant;
+mod least_squares;
+mod order;
+mod paper;
+mod reproduce;
 pub mod results;
+mod statement;
+mod statements;
+mod strong;
+mod weak;
+
+pub use experiment::{Context, Experiment, Mode, Progress, Settings, Silent};
+pub use order::{ORDER_MARGIN, fit_strong, fit_weak, order_verdict};
+pub use paper::EXPERIMENTS;
+pub use reproduce::{UnknownPanel, check_ids, panel_ids, reproduce};
+pub use statement::Statement;
+pub use statements::STATEMENTS;

@@ -13,11 +13,12 @@ mod html;
 mod label;
 
 use std::fs;
-use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result};
 use verify::results::{Panel, Results};
+
+use crate::output::write;
 
 /// Writes the report of `results` into the existing directory `dir`.
 ///
@@ -36,26 +37,11 @@ pub fn write_report(results: &Results, dir: &Path) -> Result<()> {
     for panel in &results.panels {
         let drawing = figure::figure(panel).with_context(|| format!("drawing {}", panel.id))?;
         let stem = file_stem(&panel.id);
-        write_whole(&figures, &format!("{stem}.svg"), &drawing)?;
-        write_whole(&data, &format!("{stem}.csv"), &csv::csv(panel))?;
+        write(&figures.join(format!("{stem}.svg")), drawing.as_bytes())?;
+        write(&data.join(format!("{stem}.csv")), csv::csv(panel).as_bytes())?;
         drawings.push(drawing);
     }
-    write_whole(dir, "index.html", &html::page(results, &drawings))
-}
-
-fn write_whole(folder: &Path, name: &str, text: &str) -> Result<()> {
-    let path = folder.join(name);
-    let mut builder = tempfile::Builder::new();
-    // Temporary files are private by default; a report is for everybody whom the umask admits.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let write = || -> Result<()> {
-        let mut file = builder.tempfile_in(folder)?;
-        file.write_all(text.as_bytes())?;
-        file.persist(&path)?;
-        Ok(())
-    };
-    write().with_context(|| format!("writing {}", path.display()))
+    write(&dir.join("index.html"), html::page(results, &drawings).as_bytes())
 }
 
 /// The name of a panel's files: its id, without what could leave the folder.

@@ -1,0 +1,227 @@
+//! The way of a group of blocks up the time axis.
+
+use nonlin::BlockStatus;
+use noise::{DyadicLadder, WienerBlock, clip};
+use real::{Block, PathMask, WIDTH};
+use schemes::Step;
+use systems::{Damping, PoissonSystem};
+
+use crate::ladder::{Ladder, Part, Run, Statistic};
+use crate::{Cause, PathFailure};
+
+/// Blocks that march together and share the damping of each step, which costs as much as two paths of a block.
+pub(crate) struct Group<'a, S, G, const D: usize, const M: usize> {
+    ladder: &'a Ladder<'a, S, G, D, M>,
+    blocks: Vec<Marcher<D, M>>,
+}
+
+/// One block: its noise and the state of every run.
+struct Marcher<const D: usize, const M: usize> {
+    first_path: u64,
+    live: PathMask,
+    noise: WienerBlock<M>,
+    sums: DyadicLadder<M>,
+    states: Vec<Block<D>>,
+}
+
+/// How many finest steps of a block pass between two reports of progress.
+const PROGRESS_STEPS: u64 = 4096;
+
+/// The current step of a level and the one before.
+#[derive(Clone, Copy)]
+struct StepPair {
+    before: Step,
+    now: Step,
+}
+
+impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Group<'a, S, G, D, M> {
+    /// Blocks in a group.
+    pub(crate) const BLOCKS: usize = 4;
+
+    pub(crate) fn new(ladder: &'a Ladder<'a, S, G, D, M>, first_path: u64, paths: u64) -> Self {
+        let blocks = (0..paths.div_ceil(WIDTH as u64))
+            .map(|b| {
+                let offset = b * WIDTH as u64;
+                Marcher {
+                    first_path: first_path + offset,
+                    live: PathMask::first((paths - offset).min(WIDTH as u64) as usize),
+                    noise: WienerBlock::new(ladder.key, first_path + offset),
+                    sums: DyadicLadder::new(ladder.levels),
+                    states: vec![Block::splat(ladder.problem.y0); ladder.runs.len()],
+                }
+            })
+            .collect();
+        Self { ladder, blocks }
+    }
+
+    pub(crate) fn march<T: Statistic<D>>(mut self, statistic: T, progress: &(dyn Fn(u64) + Sync)) -> Part<T> {
+        let ladder = self.ladder;
+        let levels = ladder.levels;
+        let mut part = Part { statistic, failed: 0, failures: Vec::new(), clipped: vec![0; levels + 1] };
+        let runs: Vec<RunsOfLevel<'_, S, D, M>> = (0..=levels).map(|level| RunsOfLevel::new(ladder, level)).collect();
+        let sqrt_tau = ladder.tau(0).sqrt();
+        let mut steps: Vec<StepPair> = (0..=levels).map(|level| first_step(ladder, level)).collect();
+        let paths: u64 = self.blocks.iter().map(|block| u64::from(block.live.len())).sum();
+        let (mut reported, total) = (0, ladder.steps_per_path());
+        for n in 1..=ladder.finest_steps {
+            for (level, pair) in steps.iter_mut().enumerate() {
+                if n % (1 << level) != 0 {
+                    break;
+                }
+                if !runs[level].is_empty() {
+                    let now = checked_step(ladder, level, (n >> level) - 1);
+                    *pair = StepPair { before: pair.now, now };
+                }
+            }
+            for block in &mut self.blocks {
+                block.advance(ladder, &runs, &steps, sqrt_tau, n, &mut part);
+            }
+            if n % PROGRESS_STEPS == 0 || n == ladder.finest_steps {
+                // In proportion, so that the reports of a path add up to its steps exactly.
+                let done = (u128::from(total) * u128::from(n) / u128::from(ladder.finest_steps)) as u64;
+                progress((done - reported) * paths);
+                reported = done;
+            }
+        }
+        part
+    }
+}
+
+/// The runs that advance when a step of the level ends, by their number.
+struct RunsOfLevel<'a, S, const D: usize, const M: usize> {
+    plain: Vec<(usize, &'a Run<'a, S, D, M>)>,
+    /// Runs of this level that wait for the end of a step of the level above.
+    swapped: Vec<(usize, &'a Run<'a, S, D, M>)>,
+}
+
+impl<'a, S: PoissonSystem<D, M>, const D: usize, const M: usize> RunsOfLevel<'a, S, D, M> {
+    fn new<G>(ladder: &'a Ladder<'a, S, G, D, M>, level: usize) -> Self {
+        let of_level = |swapped| {
+            ladder.runs.iter().enumerate().filter(move |(_, run)| run.level == level && run.swapped == swapped).collect()
+        };
+        Self { plain: of_level(false), swapped: of_level(true) }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.plain.is_empty() && self.swapped.is_empty()
+    }
+}
+
+/// Step sizes are positive because the final time is, and it was checked.
+fn checked_step<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    ladder: &Ladder<'_, S, G, D, M>,
+    level: usize,
+    n: u64,
+) -> Step {
+    Step::new(&ladder.problem.damping, n, ladder.tau(level))
+        .unwrap_or_else(|error| unreachable!("a validated problem has positive steps: {error}"))
+}
+
+fn first_step<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    ladder: &Ladder<'_, S, G, D, M>,
+    level: usize,
+) -> StepPair {
+    let step = checked_step(ladder, level, 0);
+    StepPair { before: step, now: step }
+}
+
+impl<const D: usize, const M: usize> Marcher<D, M> {
+    /// Finest step number n, counted from 1, and every coarser step that ends with it.
+    fn advance<S: PoissonSystem<D, M>, G: Damping, T: Statistic<D>>(
+        &mut self,
+        ladder: &Ladder<'_, S, G, D, M>,
+        runs: &[RunsOfLevel<'_, S, D, M>],
+        steps: &[StepPair],
+        sqrt_tau: f64,
+        n: u64,
+        part: &mut Part<T>,
+    ) {
+        let mut dw = Block::zero();
+        self.noise.increments(sqrt_tau, &mut dw);
+        let complete = self.sums.push(&dw);
+        let mut clipped = Block::zero();
+        for level in 0..=complete {
+            if !runs[level].plain.is_empty() {
+                let count = clip(self.sums.increment(level), ladder.bounds[level], &mut clipped);
+                part.clipped[level] += u64::from(count);
+                for &(number, run) in &runs[level].plain {
+                    self.step(ladder, number, run, &steps[level].now, &clipped, n, part);
+                }
+            }
+            if level > 0 && !runs[level - 1].swapped.is_empty() {
+                // Second half first, then the first half, each clipped as an increment of the level below.
+                let StepPair { before, now } = steps[level - 1];
+                let halves = [(*self.sums.increment(level - 1), before), (*self.sums.first_half(level), now)];
+                for (half, step) in halves {
+                    clip(&half, ladder.bounds[level - 1], &mut clipped);
+                    for &(number, run) in &runs[level - 1].swapped {
+                        self.step(ladder, number, run, &step, &clipped, n, part);
+                    }
+                }
+            }
+        }
+        if complete == ladder.levels {
+            self.drop_non_finite(ladder, n, part);
+            part.statistic.observe(n >> ladder.levels, &self.states, self.live);
+        }
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn step<S: PoissonSystem<D, M>, G: Damping, T>(
+        &mut self,
+        ladder: &Ladder<'_, S, G, D, M>,
+        number: usize,
+        run: &Run<'_, S, D, M>,
+        step: &Step,
+        dw: &Block<M>,
+        n: u64,
+        part: &mut Part<T>,
+    ) {
+        let mut status = BlockStatus::explicit();
+        run.scheme.step_block(&ladder.problem.system, step, dw, &mut self.states[number], &mut status);
+        let failed = status.failed.and(self.live);
+        if !failed.is_empty() {
+            for p in failed.paths() {
+                let cause = Cause::NoSolution { residual: status.residual(p) };
+                part.record(self.failure(ladder, run, p, n, cause));
+            }
+            self.live = self.live.without(failed);
+        }
+    }
+
+    #[cold]
+    fn failure<S: PoissonSystem<D, M>, G: Damping>(
+        &self,
+        ladder: &Ladder<'_, S, G, D, M>,
+        run: &Run<'_, S, D, M>,
+        p: usize,
+        n: u64,
+        cause: Cause,
+    ) -> PathFailure {
+        PathFailure {
+            path: self.first_path + p as u64,
+            key: ladder.key,
+            scheme: run.scheme.id(),
+            tau: ladder.tau(run.level),
+            step: (n >> run.level).saturating_sub(1),
+            cause,
+        }
+    }
+
+    /// A scheme without a solver notices nothing when its state blows up; this does, once in each coarse step.
+    fn drop_non_finite<S: PoissonSystem<D, M>, G: Damping, T>(
+        &mut self,
+        ladder: &Ladder<'_, S, G, D, M>,
+        n: u64,
+        part: &mut Part<T>,
+    ) {
+        for (state, run) in self.states.iter().zip(&ladder.runs) {
+            for p in self.live.paths() {
+                if state.path(p).iter().any(|component| !component.is_finite()) {
+                    part.record(self.failure(ladder, run, p, n, Cause::NotFinite));
+                    self.live = self.live.without(PathMask(1 << p));
+                }
+            }
+        }
+    }
+}

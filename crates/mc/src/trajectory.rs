@@ -1,0 +1,58 @@
+//! One path, kept.
+
+use noise::{StreamKey, Truncation, WienerPath};
+use schemes::{Scheme, Step};
+use systems::{Damping, PoissonSystem, Problem};
+
+use crate::{Cause, LadderError, PathFailure};
+
+/// The states of one path at t_n = nτ, n = 0 … N; fewer when a step failed.
+#[derive(Clone, Debug)]
+pub struct Trajectory<const D: usize> {
+    /// Times.
+    pub times: Vec<f64>,
+    /// States.
+    pub states: Vec<[f64; D]>,
+    /// Why it ends early, if it does.
+    pub failure: Option<PathFailure>,
+}
+
+/// Follows path number `path` in `steps` steps to the final time of the problem.
+///
+/// # Errors
+/// [`LadderError::Steps`] for zero steps, [`LadderError::Noise`] when the truncation is not defined at T/steps.
+pub fn trajectory<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    problem: &Problem<S, G, D>,
+    scheme: &dyn Scheme<S, D, M>,
+    steps: u64,
+    truncation: Truncation,
+    key: StreamKey,
+    path: u64,
+) -> Result<Trajectory<D>, LadderError> {
+    if steps == 0 {
+        return Err(LadderError::Steps { steps, multiple_of: 1 });
+    }
+    let tau = problem.t_end / steps as f64;
+    let bound = truncation.bound(tau)?;
+    let mut noise = WienerPath::<M>::new(key, path);
+    let mut y = problem.y0;
+    let mut trajectory = Trajectory { times: vec![0.0], states: vec![y], failure: None };
+    for n in 0..steps {
+        let step = Step::new(&problem.damping, n, tau)?;
+        let dw = noise.increments(tau.sqrt()).map(|w| w.clamp(-bound, bound));
+        let solution = scheme.step(&problem.system, &step, dw, y);
+        y = solution.z;
+        let cause = match solution.outcome {
+            nonlin::Outcome::Failed { residual } => Some(Cause::NoSolution { residual }),
+            _ if y.iter().any(|component| !component.is_finite()) => Some(Cause::NotFinite),
+            _ => None,
+        };
+        if let Some(cause) = cause {
+            trajectory.failure = Some(PathFailure { path, key, scheme: scheme.id(), tau, step: n, cause });
+            break;
+        }
+        trajectory.times.push((n + 1) as f64 * tau);
+        trajectory.states.push(y);
+    }
+    Ok(trajectory)
+}

@@ -1,0 +1,49 @@
+//! Sums on a fixed binary tree.
+
+/// Merges parts in the order in which they are pushed, always two neighbouring parts of the same size, as carries
+/// run through a binary counter. The tree depends on the number of parts alone, so the bits of the result do not
+/// depend on who computed the parts or when; its depth, and with it the memory and the round-off, is logarithmic.
+pub(crate) struct MergeTree<T, F> {
+    /// Parts with the logarithm of the number of leaves under them, sizes strictly decreasing.
+    parts: Vec<(u32, T)>,
+    merge: F,
+}
+
+impl<T, F: Fn(&mut T, T)> MergeTree<T, F> {
+    pub(crate) fn new(merge: F) -> Self {
+        Self { parts: Vec::new(), merge }
+    }
+
+    pub(crate) fn push(&mut self, part: T) {
+        let mut carry = (0, part);
+        while let Some((size, mut left)) = self.parts.pop_if(|(size, _)| *size == carry.0) {
+            (self.merge)(&mut left, carry.1);
+            carry = (size + 1, left);
+        }
+        self.parts.push(carry);
+    }
+
+    /// The sum of everything pushed, or `None` if nothing was.
+    pub(crate) fn finish(mut self) -> Option<T> {
+        let (_, mut sum) = self.parts.pop()?;
+        while let Some((_, mut left)) = self.parts.pop() {
+            (self.merge)(&mut left, sum);
+            sum = left;
+        }
+        Some(sum)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_are_merged_in_order_on_a_balanced_tree() {
+        let mut tree = MergeTree::new(|left: &mut String, right: String| *left = format!("({left}{right})"));
+        for part in 0..7 {
+            tree.push(part.to_string());
+        }
+        assert_eq!(tree.finish().unwrap(), "(((01)(23))((45)6))");
+    }
+}

@@ -1,0 +1,171 @@
+//! Contractions are solved to round-off by both methods, at every size of the unknowns.
+
+mod common;
+
+use common::{SineMap, difference, norm, residual};
+use nonlin::{FixedPoint, Method, Outcome, Solver};
+use proptest::prelude::*;
+use real::Real;
+
+const METHODS: [Method; 2] = [Method::FixedPoint, Method::Newton];
+
+/// Numbers of a map in three dimensions: 2·9 of the matrix and the phases, 3 of the constant, 3 of the start.
+const NUMBERS: usize = 24;
+
+fn numbers() -> impl Strategy<Value = Vec<f64>> {
+    proptest::collection::vec(-1.0..1.0f64, NUMBERS)
+}
+
+/// ‖z − ψ(z)‖₁ of a solution, relative to ‖c‖₁ + D·r: the tolerance of the solver, 2ε‖z‖₁, its error as a forecast
+/// (a factor of a few where two modes of the map contract differently), and the rounding of ψ itself, D + 3 operations
+/// of half an ulp on each component.
+const RESIDUAL: f64 = 16.0 * f64::EPSILON;
+
+fn size<const D: usize>(map: &SineMap<D>) -> f64 {
+    norm(map.constant) + D as f64 * map.scale
+}
+
+fn solved_by_both<const D: usize>(
+    contraction: f64,
+    numbers: &[f64],
+    scale: f64,
+) -> Result<(), TestCaseError> {
+    let map = SineMap::<D>::new(contraction, numbers).scaled(scale);
+    let mut solutions = [[0.0; D]; 2];
+    for (solution, method) in solutions.iter_mut().zip(METHODS) {
+        let found = Solver::new(method).solve(&map);
+        prop_assert!(found.outcome.converged(), "{method:?} {:?}", found.outcome);
+        let left = residual(&map, found.z);
+        prop_assert!(
+            left <= RESIDUAL * size(&map),
+            "{method:?}: {} {found:?}",
+            left / size(&map)
+        );
+        *solution = found.z;
+    }
+    // A residual r is an error of at most r/(1 − L) in the maximum norm, D times that in the sum norm.
+    let distance = difference(solutions[0], solutions[1]);
+    let allowed = 2.0 * RESIDUAL * D as f64 / (1.0 - contraction) * size(&map);
+    prop_assert!(distance <= allowed, "{distance} {allowed}");
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(3000))]
+
+    #[test]
+    fn random_contractions_in_one_dimension(contraction in 0.0..0.9, numbers in numbers()) {
+        solved_by_both::<1>(contraction, &numbers, 1.0)?;
+    }
+
+    #[test]
+    fn random_contractions_in_two_dimensions(contraction in 0.0..0.9, numbers in numbers()) {
+        solved_by_both::<2>(contraction, &numbers, 1.0)?;
+    }
+
+    #[test]
+    fn random_contractions_in_three_dimensions(contraction in 0.0..0.9, numbers in numbers()) {
+        solved_by_both::<3>(contraction, &numbers, 1.0)?;
+    }
+
+    #[test]
+    fn every_size_of_the_unknowns(
+        contraction in 0.0..0.9,
+        numbers in numbers(),
+        exponent in -150.0..150.0f64,
+    ) {
+        solved_by_both::<3>(contraction, &numbers, 10f64.powf(exponent))?;
+    }
+
+    #[test]
+    fn a_weak_contraction_is_solved_by_sweeps_alone(
+        contraction in 0.0..0.3,
+        numbers in numbers(),
+    ) {
+        // 0.3^32 < ε/2: the default number of sweeps, of three evaluations each, is far more than enough.
+        let map = SineMap::<3>::new(contraction, &numbers);
+        for method in METHODS {
+            let Outcome::Fast { iterations } = Solver::new(method).solve(&map).outcome else {
+                return Err(TestCaseError::fail("not solved by the fast method"));
+            };
+            prop_assert!(iterations <= 14, "{}", iterations);
+        }
+    }
+}
+
+/// z = Az with the solution 0, which no relative tolerance of ‖z‖ helps to find.
+#[derive(Clone, Copy)]
+struct Linear {
+    factor: f64,
+    start: [f64; 2],
+}
+
+impl FixedPoint<2> for Linear {
+    fn start(&self) -> [f64; 2] {
+        self.start
+    }
+    fn map<R: Real>(&self, z: [R; 2]) -> [R; 2] {
+        [z[1] * self.factor, -(z[0] * self.factor)]
+    }
+}
+
+#[test]
+fn the_zero_solution_is_found() {
+    for method in METHODS {
+        for factor in [0.0, 0.01, 0.5, 0.99] {
+            let at_zero = Linear {
+                factor,
+                start: [0.0, 0.0],
+            };
+            let found = Solver::new(method).solve(&at_zero);
+            assert_eq!(found.outcome, Outcome::Fast { iterations: 1 });
+            assert_eq!(found.z.map(f64::abs), [0.0, 0.0]);
+            for scale in [1e-150, 1.0, 1e150] {
+                let away = Linear {
+                    factor,
+                    start: [scale, -2.0 * scale],
+                };
+                let found = Solver::new(method).solve(&away);
+                assert!(found.outcome.converged(), "{method:?} {factor} {scale}");
+                // Round-off of the start is left at most.
+                assert!(norm(found.z) <= 4.0 * f64::EPSILON * scale, "{found:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_solution_at_the_start_costs_one_sweep() {
+    for method in METHODS {
+        let mut map = SineMap::<2>::new(0.5, &[0.3, -0.8, 0.1, 0.9, -0.4]);
+        map.start = Solver::default().solve(&map).z;
+        let again = Solver::new(method).solve(&map);
+        assert_eq!(again.outcome, Outcome::Fast { iterations: 1 });
+        assert!(difference(again.z, map.start) <= RESIDUAL * size(&map));
+    }
+}
+
+#[test]
+fn the_number_of_sweeps_is_kept() {
+    // Contraction 0.9 in one dimension needs some 300 evaluations: not within two sweeps, hence Newton.
+    let map = SineMap::<1> {
+        matrix: [[-0.9]],
+        phase: [[0.0]],
+        constant: [0.1],
+        start: [1.0],
+        scale: 1.0,
+    };
+    for max_sweeps in [0, 1, 2] {
+        let solver = Solver {
+            max_sweeps,
+            ..Solver::default()
+        };
+        let found = solver.solve(&map);
+        assert!(
+            matches!(found.outcome, Outcome::Robust { .. }),
+            "{:?}",
+            found.outcome
+        );
+        assert!(residual(&map, found.z) <= RESIDUAL * size(&map));
+    }
+}

@@ -1,0 +1,93 @@
+//! `gradient` and `directional` against derivatives taken by hand, first and second order.
+
+use proptest::prelude::*;
+use real::{Dual, Real, ScalarFunction, VectorFunction, directional, gradient};
+
+/// f = x² y + eˣ sin y + √(1 + z²) + x/(2 + z²).
+struct Scalar;
+impl ScalarFunction<3> for Scalar {
+    fn value<R: Real>(&self, [x, y, z]: [R; 3]) -> R {
+        x * x * y + x.exp() * y.sin() + (z * z + 1.0).sqrt() + x / (z * z + 2.0)
+    }
+}
+
+fn scalar_gradient([x, y, z]: [f64; 3]) -> [f64; 3] {
+    let quotient = z * z + 2.0;
+    [
+        2.0 * x * y + x.exp() * y.sin() + 1.0 / quotient,
+        x * x + x.exp() * y.cos(),
+        z / (1.0 + z * z).sqrt() - 2.0 * x * z / (quotient * quotient),
+    ]
+}
+
+/// f = (xy, y³, x cos z, 7): more results than arguments, one of them constant.
+struct Vector;
+impl VectorFunction<3, 4> for Vector {
+    fn value<R: Real>(&self, [x, y, z]: [R; 3]) -> [R; 4] {
+        [x * y, y.powi(3), x * z.cos(), R::constant(7.0)]
+    }
+}
+
+/// ½|∇f|² of a vector function, to nest `gradient` inside `gradient`.
+struct HalfSquareOfGradient;
+impl ScalarFunction<3> for HalfSquareOfGradient {
+    fn value<R: Real>(&self, y: [R; 3]) -> R {
+        let g = gradient(&Cubic, y);
+        (g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) * 0.5
+    }
+}
+
+/// x³/3 + y³/3 + z³/3, whose gradient is (x², y², z²).
+struct Cubic;
+impl ScalarFunction<3> for Cubic {
+    fn value<R: Real>(&self, [x, y, z]: [R; 3]) -> R {
+        (x.powi(3) + y.powi(3) + z.powi(3)) / 3.0
+    }
+}
+
+const POINT: std::ops::Range<f64> = -3.0..3.0;
+/// No formula here has more than 16 operations, none amplifies, and no term exceeds e³ + 27 < 64.
+const TOLERANCE: f64 = 16.0 * 64.0 * f64::EPSILON;
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
+    #[test]
+    fn the_gradient_is_the_one_by_hand(y in [POINT, POINT, POINT]) {
+        let (ours, exact) = (gradient(&Scalar, y), scalar_gradient(y));
+        for i in 0..3 {
+            prop_assert!((ours[i] - exact[i]).abs() < TOLERANCE, "{:?} {:?}", ours, exact);
+        }
+    }
+
+    #[test]
+    fn the_direction_is_the_one_by_hand(y in [POINT, POINT, POINT], v in [POINT, POINT, POINT]) {
+        let (value, slope) = directional(&Vector, y, v);
+        prop_assert_eq!(value, Vector.value(y));
+        let exact = [
+            v[0] * y[1] + y[0] * v[1],
+            3.0 * y[1] * y[1] * v[1],
+            v[0] * y[2].cos() - y[0] * y[2].sin() * v[2],
+            0.0,
+        ];
+        for i in 0..4 {
+            prop_assert!((slope[i] - exact[i]).abs() < TOLERANCE, "{:?} {:?}", slope, exact);
+        }
+    }
+
+    #[test]
+    fn derivatives_nest(y in [POINT, POINT, POINT]) {
+        // ½Σ x⁴ has the gradient 2x³; the inner gradient runs on dual numbers.
+        let ours = gradient(&HalfSquareOfGradient, y);
+        for i in 0..3 {
+            prop_assert!((ours[i] - 2.0 * y[i].powi(3)).abs() < TOLERANCE, "{:?}", ours);
+        }
+    }
+
+    #[test]
+    fn the_value_is_not_touched_by_differentiation(y in [POINT, POINT, POINT]) {
+        let plain = Scalar.value(y);
+        let dual = Scalar.value(y.map(Dual::variable));
+        prop_assert_eq!(plain.to_bits(), dual.value.to_bits());
+    }
+}

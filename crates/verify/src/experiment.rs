@@ -1,0 +1,102 @@
+//! What an experiment is, and what it is told.
+
+use noise::{StreamKey, Truncation};
+
+use crate::results::{Claim, Panel};
+
+/// How much to compute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// The paper's step and sample sizes.
+    Paper,
+    /// Fewer steps and samples, for continuous integration; intervals are wide and verdicts often undecided.
+    Quick,
+}
+
+/// What a run is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Master seed.
+    pub seed: u64,
+    /// How much to compute.
+    pub mode: Mode,
+}
+
+/// Is told how far a run is. Work is counted in path-steps.
+pub trait Progress: Sync {
+    /// A panel or statement begins; it will do about `work` path-steps.
+    fn begin(&self, id: &str, work: u64);
+    /// Some of it is done; called from any thread.
+    fn advance(&self, work: u64);
+    /// It has ended.
+    fn end(&self);
+}
+
+/// Tells nobody.
+#[derive(Clone, Copy, Debug)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn begin(&self, _id: &str, _work: u64) {}
+    fn advance(&self, _work: u64) {}
+    fn end(&self) {}
+}
+
+/// What an experiment is told.
+pub struct Context<'a> {
+    /// Seed and mode.
+    pub settings: Settings,
+    /// Number of the experiment, so that no two share noise.
+    pub experiment: u64,
+    /// Which panels are wanted of those that the experiment can make.
+    pub wanted: &'a [&'a str],
+    /// Who is told how far it is.
+    pub progress: &'a dyn Progress,
+}
+
+/// The truncation order of the reproduction. The theorems ask k ≥ 2; with k = 2 a handful of clipped increments
+/// dominates the mean-square error, with k = 4 none is clipped.
+pub(crate) const TRUNCATION_ORDER: u32 = 4;
+
+/// Streams for the parts of one experiment.
+const PARTS_PER_EXPERIMENT: u64 = 16;
+
+impl Context<'_> {
+    /// The family of streams of part number `part` of the experiment.
+    pub(crate) fn key(&self, part: u64) -> StreamKey {
+        StreamKey { seed: self.settings.seed, experiment: self.experiment * PARTS_PER_EXPERIMENT + part }
+    }
+
+    pub(crate) fn wants(&self, panel: &str) -> bool {
+        self.wanted.contains(&panel)
+    }
+
+    /// `paper` at the paper's sizes, `quick` for continuous integration.
+    pub(crate) fn choose<T>(&self, paper: T, quick: T) -> T {
+        match self.settings.mode {
+            Mode::Paper => paper,
+            Mode::Quick => quick,
+        }
+    }
+}
+
+/// The truncation of the reproduction.
+pub(crate) fn truncation() -> Truncation {
+    Truncation::new(TRUNCATION_ORDER).unwrap_or_else(|error| unreachable!("the order is a positive constant: {error}"))
+}
+
+/// What an experiment yields.
+pub struct Yield {
+    /// Panels of the paper.
+    pub panels: Vec<Panel>,
+    /// Claims measured on them.
+    pub claims: Vec<Claim>,
+}
+
+/// One set of runs, which makes one or more panels.
+pub struct Experiment {
+    /// The panels it can make.
+    pub panels: &'static [&'static str],
+    /// Runs it.
+    pub run: fn(&Context<'_>) -> Yield,
+}

@@ -1,0 +1,31 @@
+//! Statements that are measured on their own and not on a panel.
+
+use crate::experiment::Context;
+use crate::results::{Claim, Verdict};
+
+/// A statement of the paper with its measurement.
+pub struct Statement {
+    /// Identifier, as in the claims it makes.
+    pub id: &'static str,
+    /// Measures it.
+    pub measure: fn(&Context<'_>) -> Vec<Claim>,
+}
+
+/// A claim about no panel and no scheme; the fields that matter are given, the others can be replaced.
+pub(crate) fn claim(id: &str, statement: &str, verdict: Verdict, evidence: String) -> Claim {
+    Claim {
+        id: id.to_owned(),
+        panel: String::new(),
+        scheme: String::new(),
+        statement: statement.to_owned(),
+        verdict,
+        evidence,
+        proven: true,
+        erratum: String::new(),
+    }
+}
+
+/// Holds or refuted, for measurements that have no statistical error.
+pub(crate) fn decide(holds: bool) -> Verdict {
+    if holds { Verdict::Holds } else { Verdict::Refuted }
+}

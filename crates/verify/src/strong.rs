@@ -1,0 +1,150 @@
+//! Strong convergence: root-mean-square errors of three schemes at many step sizes, on one noise.
+
+use mc::{CrossMoments, Ladder, Moments, Run, StrongErrors};
+use noise::Truncation;
+use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp};
+use systems::{Damping, PoissonSystem, Problem};
+
+use crate::experiment::Context;
+use crate::order::fit_strong;
+use crate::results::{Kind, Panel, Point, Series};
+
+/// What a strong experiment is made of; step sizes are powers of two.
+pub(crate) struct StrongSetup {
+    pub id: &'static str,
+    pub title: &'static str,
+    pub paper: &'static str,
+    /// What is special about the set-up, in words.
+    pub setup: String,
+    /// Step sizes 2^−first … 2^−last.
+    pub first: u32,
+    pub last: u32,
+    /// Step size of the reference, 2^−reference.
+    pub reference: u32,
+    pub samples: u64,
+}
+
+impl StrongSetup {
+    /// The step sizes, coarsest first.
+    fn taus(&self) -> Vec<f64> {
+        (self.first..=self.last).map(|exponent| 0.5f64.powi(exponent as i32)).collect()
+    }
+
+    fn level(&self, exponent: u32) -> usize {
+        (self.reference - exponent) as usize
+    }
+}
+
+/// A scheme with the name that its curve goes by.
+pub(crate) struct Curve<'a, S, const D: usize, const M: usize> {
+    pub name: String,
+    pub scheme: &'a dyn Scheme<S, D, M>,
+}
+
+/// The panel with the paper's three schemes.
+pub(crate) fn strong_panel<S, G, const D: usize, const M: usize>(
+    context: &Context<'_>,
+    setup: &StrongSetup,
+    problem: &Problem<S, G, D>,
+) -> Panel
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    let (sexp, em, midpoint) = (Sexp::default(), EulerMaruyama, Midpoint::default());
+    let schemes: [&dyn Scheme<S, D, M>; 3] = [&sexp, &em, &midpoint];
+    let curves: Vec<Curve<'_, S, D, M>> =
+        schemes.iter().map(|&scheme| Curve { name: scheme.id().to_owned(), scheme }).collect();
+    strong_curves(context, setup, problem, crate::experiment::truncation(), &curves)
+}
+
+/// One curve for each scheme given; the reference is `sexp` with the same truncation rule.
+pub(crate) fn strong_curves<S, G, const D: usize, const M: usize>(
+    context: &Context<'_>,
+    setup: &StrongSetup,
+    problem: &Problem<S, G, D>,
+    truncation: Truncation,
+    curves: &[Curve<'_, S, D, M>],
+) -> Panel
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    let reference = Sexp::default();
+    let mut runs: Vec<Run<'_, S, D, M>> = vec![Run::new(&reference, 0)];
+    let mut series = Vec::new();
+    for curve in curves {
+        let first = runs.len();
+        runs.extend((setup.first..=setup.last).map(|exponent| Run::new(curve.scheme, setup.level(exponent))));
+        series.push((first..runs.len()).collect::<Vec<_>>());
+    }
+    let finest_steps = (problem.t_end * 2f64.powi(setup.reference as i32)).round() as u64;
+    let ladder = Ladder::new(problem, finest_steps, setup.level(setup.first), truncation, context.key(0), runs)
+        .unwrap_or_else(|error| unreachable!("the set-ups of the paper are valid: {error}"));
+    context.progress.begin(setup.id, ladder.steps_per_path() * setup.samples);
+    let outcome = ladder.run(setup.samples, || StrongErrors::new(0, &series, ladder.coarse_steps()), &|work| {
+        context.progress.advance(work);
+    });
+    context.progress.end();
+
+    let taus = setup.taus();
+    let reference_tau = 0.5f64.powi(setup.reference as i32);
+    let mut curves_out = Vec::new();
+    for (s, curve) in curves.iter().enumerate() {
+        let squares = outcome.statistic.at_end(s);
+        curves_out.push(Series {
+            scheme: curve.name.clone(),
+            quantity: "y(T)".to_owned(),
+            points: root_mean_squares(&taus, squares),
+            rate: fit_strong(&taus, Some(reference_tau), squares),
+            max_relative_defect: None,
+        });
+    }
+    for (s, curve) in curves.iter().enumerate() {
+        let worst: Vec<Moments> = (0..taus.len()).map(|r| outcome.statistic.worst_time(s, r)).collect();
+        let points = taus.iter().zip(&worst);
+        curves_out.push(Series {
+            scheme: curve.name.clone(),
+            quantity: "sup y".to_owned(),
+            points: points
+                .filter_map(|(&tau, moments)| root_mean_square(tau, moments.mean(), moments.standard_error()))
+                .collect(),
+            rate: None,
+            max_relative_defect: None,
+        });
+    }
+    Panel {
+        id: setup.id.to_owned(),
+        kind: Kind::Strong,
+        title: setup.title.to_owned(),
+        setup: setup.setup.clone(),
+        paper: setup.paper.to_owned(),
+        samples: setup.samples,
+        reference: format!("sexp at τ = 2^-{} on the same noise", setup.reference),
+        failures: describe_failures(outcome.failed, &outcome.failures),
+        series: curves_out,
+    }
+}
+
+/// Paths that were left out: how many, and the first few.
+pub(crate) fn describe_failures(failed: u64, failures: &[mc::PathFailure]) -> Vec<String> {
+    let mut lines: Vec<String> = failures.iter().map(ToString::to_string).collect();
+    if failed > failures.len() as u64 {
+        lines.push(format!("… {failed} paths in all"));
+    }
+    lines
+}
+
+fn root_mean_squares(taus: &[f64], squares: &CrossMoments) -> Vec<Point> {
+    let points = taus.iter().enumerate();
+    points
+        .filter_map(|(l, &tau)| root_mean_square(tau, squares.mean(l), squares.covariance_of_means(l, l).sqrt()))
+        .collect()
+}
+
+/// √mean with its standard error by the delta method; nothing without samples.
+fn root_mean_square(tau: f64, mean: f64, se: f64) -> Option<Point> {
+    let value = mean.sqrt();
+    let se = if value > 0.0 { se / (2.0 * value) } else { 0.0 };
+    (value.is_finite() && se.is_finite()).then_some(Point::Error { tau, value, se })
+}

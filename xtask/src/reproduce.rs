@@ -1,0 +1,108 @@
+//! `cargo xtask reproduce`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use clap::{Args, ValueEnum};
+use real::{Level, limit_to};
+use verify::results::{Claim, Results, Verdict};
+use verify::{Mode, Settings};
+
+use crate::progress::Bars;
+use crate::{output, provenance, report, table};
+
+/// Arguments of `cargo xtask reproduce`.
+#[derive(Args)]
+pub struct Reproduce {
+    /// Fewer steps and samples: seconds instead of a minute, wide intervals, verdicts often undecided.
+    #[arg(long)]
+    quick: bool,
+    /// Run only this panel or statement; may be given several times.
+    #[arg(long, value_name = "ID")]
+    only: Vec<String>,
+    /// Master seed; the same seed gives the same results on any machine and any number of threads.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Worker threads; all processors unless given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Folder for the report; created if it does not exist.
+    #[arg(long, value_name = "DIR", default_value = "target/reproduce")]
+    out: PathBuf,
+    /// Use no wider vector instructions than these; the results are the same, only slower.
+    #[arg(long, value_enum, value_name = "LEVEL")]
+    simd: Option<Simd>,
+}
+
+/// Instruction sets by name.
+#[derive(Clone, Copy, ValueEnum)]
+enum Simd {
+    Baseline,
+    Avx2,
+    Avx512,
+}
+
+/// Runs the experiments and writes the report. Succeeds unless something that the paper proves is refuted.
+pub fn run(arguments: &Reproduce) -> Result<ExitCode> {
+    if let Some(simd) = arguments.simd {
+        limit_to(match simd {
+            Simd::Baseline => Level::Baseline,
+            Simd::Avx2 => Level::Avx2,
+            Simd::Avx512 => Level::Avx512,
+        });
+    }
+    verify::check_ids(&arguments.only)?;
+    output::prepare(&arguments.out)?;
+    let threads = arguments.threads.map_or(0, usize::from);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("cannot start the threads")?;
+    let mode = if arguments.quick { Mode::Quick } else { Mode::Paper };
+    let settings = Settings { seed: arguments.seed, mode };
+
+    let start = Instant::now();
+    let bars = Bars::new();
+    let mut results = pool.install(|| verify::reproduce(settings, &arguments.only, &bars))?;
+    bars.finish();
+    let provenance = &mut results.provenance;
+    provenance.git = provenance::git();
+    provenance.rustc = provenance::rustc();
+    provenance.cpu = provenance::cpu();
+    provenance.simd = provenance::simd();
+    provenance.threads = pool.current_num_threads();
+    provenance.command = command_line();
+    provenance.wall_s = start.elapsed().as_secs_f64();
+
+    let mut json = serde_json::to_vec_pretty(&results)?;
+    json.push(b'\n');
+    output::write(&arguments.out.join("results.json"), &json)?;
+    report::write_report(&results, &arguments.out)?;
+    print_summary(&results, arguments);
+    Ok(if results.claims.iter().any(fails) { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+/// A proven statement that is refuted, and not for a documented misprint in it.
+fn fails(claim: &Claim) -> bool {
+    claim.proven && claim.verdict == Verdict::Refuted && claim.erratum.is_empty()
+}
+
+/// The command as a user would type it.
+fn command_line() -> String {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    format!("cargo xtask {}", arguments.join(" "))
+}
+
+fn print_summary(results: &Results, arguments: &Reproduce) {
+    println!("{}", table::verdicts(results));
+    let provenance = &results.provenance;
+    for (id, seconds) in &provenance.wall_s_by_id {
+        println!("{seconds:8.2} s  {id}");
+    }
+    let memory = provenance::peak_memory_mb().map_or(String::new(), |mb| format!(", peak memory {mb:.0} MB"));
+    println!("{:8.2} s  in all, {} threads, {}{memory}", provenance.wall_s, provenance.threads, provenance.simd);
+    println!("{}", table::counts(&results.claims));
+    for claim in results.claims.iter().filter(|claim| fails(claim)) {
+        println!("REFUTED: {} on {}: {}", claim.id, claim.panel, claim.evidence);
+    }
+    println!("report: {}", arguments.out.join("index.html").display());
+}
