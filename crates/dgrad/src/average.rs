@@ -68,12 +68,7 @@ pub fn averaged_with_error<F: GradientField<D>, const D: usize>(
     Ok((fine, error))
 }
 
-fn averaged_by<F: GradientField<D>, const D: usize>(
-    field: &F,
-    a: [f64; D],
-    b: [f64; D],
-    rule: &Rule,
-) -> [f64; D] {
+fn averaged_by<F: GradientField<D>, const D: usize>(field: &F, a: [f64; D], b: [f64; D], rule: &Rule) -> [f64; D] {
     let mut mean = [0.0; D];
     for (&eta, &weight) in rule.nodes().iter().zip(rule.weights()) {
         let gradient = field.gradient(between(a, b, eta));

@@ -23,10 +23,7 @@ impl fmt::Display for QuadratureError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Nodes { nodes } => {
-                write!(
-                    f,
-                    "a Gauss-Legendre rule has 1 to {MAX_NODES} nodes, got {nodes}"
-                )
+                write!(f, "a Gauss-Legendre rule has 1 to {MAX_NODES} nodes, got {nodes}")
             }
         }
     }
@@ -90,12 +87,7 @@ impl Rule {
     #[must_use]
     pub fn integrate(&self, a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
         let length = b - a;
-        let sum: f64 = self
-            .nodes
-            .iter()
-            .zip(&self.weights)
-            .map(|(&eta, &weight)| weight * f(a + length * eta))
-            .sum();
+        let sum: f64 = self.nodes.iter().zip(&self.weights).map(|(&eta, &weight)| weight * f(a + length * eta)).sum();
         sum * length
     }
 }
@@ -108,11 +100,7 @@ const NEWTON_STEPS: usize = 6;
 const fn node(n: usize, i: usize) -> (f64, f64) {
     // By symmetry the root number i from the left is minus the root number i from the right.
     let from_right = if 2 * i < n { i } else { n - 1 - i };
-    let mut x = if 2 * i + 1 == n {
-        0.0
-    } else {
-        root_guess(n, from_right)
-    };
+    let mut x = if 2 * i + 1 == n { 0.0 } else { root_guess(n, from_right) };
     let mut step = 0;
     while step < NEWTON_STEPS {
         let (value, slope) = legendre(n, x);
@@ -123,11 +111,7 @@ const fn node(n: usize, i: usize) -> (f64, f64) {
     }
     let (_, slope) = legendre(n, x);
     let weight = 1.0 / ((1.0 - x * x) * slope * slope);
-    let node = if 2 * i < n {
-        0.5 - 0.5 * x
-    } else {
-        0.5 + 0.5 * x
-    };
+    let node = if 2 * i < n { 0.5 - 0.5 * x } else { 0.5 + 0.5 * x };
     (node, weight)
 }
 
@@ -182,10 +166,7 @@ mod tests {
                 let integral = rule.integrate(0.0, 1.0, |x| x.powi(degree as i32));
                 let exact = 1.0 / (degree as f64 + 1.0);
                 // n terms, each with a few roundings.
-                assert!(
-                    (integral - exact).abs() < (8.0 + n as f64) * f64::EPSILON,
-                    "{n} {degree}: {integral}"
-                );
+                assert!((integral - exact).abs() < (8.0 + n as f64) * f64::EPSILON, "{n} {degree}: {integral}");
             }
             if n <= 8 {
                 // Error of x^{2n}: (n!)⁴/((2n+1) ((2n)!)²), far above round-off for these n.
@@ -196,10 +177,7 @@ mod tests {
                 error /= (2 * n + 1) as f64;
                 let integral = rule.integrate(0.0, 1.0, |x| x.powi(2 * n as i32));
                 let measured = 1.0 / (2.0 * n as f64 + 1.0) - integral;
-                assert!(
-                    (measured / error - 1.0).abs() < 1e-4,
-                    "{n}: {measured} {error}"
-                );
+                assert!((measured / error - 1.0).abs() < 1e-4, "{n}: {measured} {error}");
             }
         }
     }
@@ -215,10 +193,7 @@ mod tests {
 
     #[test]
     fn impossible_rules_are_refused() {
-        assert_eq!(
-            Rule::new(0).unwrap_err(),
-            QuadratureError::Nodes { nodes: 0 }
-        );
+        assert_eq!(Rule::new(0).unwrap_err(), QuadratureError::Nodes { nodes: 0 });
         assert!(Rule::new(513).unwrap_err().to_string().contains("got 513"));
     }
 }

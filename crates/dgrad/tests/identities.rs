@@ -1,9 +1,6 @@
 //! ∇̄H(a, b)·(b − a) = H(b) − H(a), symmetry, consistency, and closed forms against quadrature.
 
-use dgrad::{
-    GradientField, averaged, averaged_with_error, mean_cosine, mean_sine, nodes_for_degree,
-    quadratic,
-};
+use dgrad::{GradientField, averaged, averaged_with_error, mean_cosine, mean_sine, nodes_for_degree, quadratic};
 use proptest::prelude::*;
 use real::{Dual, Real};
 

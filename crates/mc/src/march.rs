@@ -1,7 +1,7 @@
 //! The way of a group of blocks up the time axis.
 
-use nonlin::BlockStatus;
 use noise::{DyadicLadder, WienerBlock, clip};
+use nonlin::BlockStatus;
 use real::{Block, PathMask, WIDTH};
 use schemes::Step;
 use systems::{Damping, PoissonSystem};
@@ -97,7 +97,12 @@ struct RunsOfLevel<'a, S, const D: usize, const M: usize> {
 impl<'a, S: PoissonSystem<D, M>, const D: usize, const M: usize> RunsOfLevel<'a, S, D, M> {
     fn new<G>(ladder: &'a Ladder<'a, S, G, D, M>, level: usize) -> Self {
         let of_level = |swapped| {
-            ladder.runs.iter().enumerate().filter(move |(_, run)| run.level == level && run.swapped == swapped).collect()
+            ladder
+                .runs
+                .iter()
+                .enumerate()
+                .filter(move |(_, run)| run.level == level && run.swapped == swapped)
+                .collect()
         };
         Self { plain: of_level(false), swapped: of_level(true) }
     }

@@ -128,7 +128,11 @@ mod tests {
         let (mut all, mut half) = (CrossMoments::new(3), CrossMoments::new(3));
         let mut single = Moments::default();
         for (n, x) in samples.iter().enumerate() {
-            if n < 2 { all.add(x) } else { half.add(x) }
+            if n < 2 {
+                all.add(x)
+            } else {
+                half.add(x)
+            }
             single.add(x[2]);
         }
         all.merge(&half);

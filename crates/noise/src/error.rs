@@ -19,16 +19,10 @@ impl fmt::Display for NoiseError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::StepOutsideUnitInterval { tau } => {
-                write!(
-                    f,
-                    "truncated increments need a step size with 0 < tau < 1, got tau = {tau}"
-                )
+                write!(f, "truncated increments need a step size with 0 < tau < 1, got tau = {tau}")
             }
             Self::TruncationOrderZero => {
-                write!(
-                    f,
-                    "the truncation order k must be at least 1 (the theorems ask k >= 2), got k = 0"
-                )
+                write!(f, "the truncation order k must be at least 1 (the theorems ask k >= 2), got k = 0")
             }
         }
     }

@@ -16,11 +16,7 @@ impl<const M: usize> DyadicLadder<M> {
     /// A ladder of `levels` levels above the finest, which is level 0.
     #[must_use]
     pub fn new(levels: usize) -> Self {
-        Self {
-            first_half: vec![Block::zero(); levels + 1],
-            sum: vec![Block::zero(); levels + 1],
-            pushed: 0,
-        }
+        Self { first_half: vec![Block::zero(); levels + 1], sum: vec![Block::zero(); levels + 1], pushed: 0 }
     }
 
     /// Adds the next finest increment; returns the highest level whose step is now complete. All levels below it

@@ -29,9 +29,7 @@ impl StreamKey {
     #[must_use]
     pub fn path_seed(self, path: u64) -> u64 {
         let experiment = mix(mix(self.seed.wrapping_add(GOLDEN)).wrapping_add(self.experiment));
-        mix(experiment
-            .wrapping_add(GOLDEN)
-            .wrapping_add(path.wrapping_mul(GOLDEN)))
+        mix(experiment.wrapping_add(GOLDEN).wrapping_add(path.wrapping_mul(GOLDEN)))
     }
 
     /// The four words of xoshiro256++ that `seed_from_u64` makes of [`path_seed`](Self::path_seed) by SplitMix64.
@@ -47,10 +45,7 @@ impl StreamKey {
 /// One draw of xoshiro256++ (Blackman and Vigna 2019).
 #[inline(always)]
 pub(crate) fn next_word(state: &mut [u64; 4]) -> u64 {
-    let result = state[0]
-        .wrapping_add(state[3])
-        .rotate_left(23)
-        .wrapping_add(state[0]);
+    let result = state[0].wrapping_add(state[3]).rotate_left(23).wrapping_add(state[0]);
     let shifted = state[1] << 17;
     state[2] ^= state[0];
     state[3] ^= state[1];
@@ -88,12 +83,7 @@ mod tests {
 
     #[test]
     fn the_stream_is_xoshiro256plusplus_bit_for_bit() {
-        for (seed, experiment, path) in [
-            (0, 0, 0),
-            (1, 2, 3),
-            (u64::MAX, 5, 4711),
-            (42, u64::MAX, u64::MAX),
-        ] {
+        for (seed, experiment, path) in [(0, 0, 0), (1, 2, 3), (u64::MAX, 5, 4711), (42, u64::MAX, u64::MAX)] {
             let key = StreamKey { seed, experiment };
             let mut ours = key.state(path);
             let mut theirs = Xoshiro256PlusPlus::seed_from_u64(key.path_seed(path));
@@ -106,17 +96,10 @@ mod tests {
     #[test]
     fn path_seeds_are_pinned() {
         // A change here changes every published number: it is a value-breaking change.
-        let key = StreamKey {
-            seed: 1,
-            experiment: 1,
-        };
+        let key = StreamKey { seed: 1, experiment: 1 };
         assert_eq!([0, 1, 4711].map(|path| key.path_seed(path)), PINNED);
     }
-    const PINNED: [u64; 3] = [
-        13_625_505_645_108_458_277,
-        8_269_527_995_984_263_926,
-        9_288_204_210_041_451_558,
-    ];
+    const PINNED: [u64; 3] = [13_625_505_645_108_458_277, 8_269_527_995_984_263_926, 9_288_204_210_041_451_558];
 
     #[test]
     fn neighbours_do_not_share_a_stream() {

@@ -19,11 +19,7 @@ impl Truncation {
     /// # Errors
     /// [`NoiseError::TruncationOrderZero`] for k = 0.
     pub fn new(k: u32) -> Result<Self, NoiseError> {
-        if k == 0 {
-            Err(NoiseError::TruncationOrderZero)
-        } else {
-            Ok(Self { order: Some(k) })
-        }
+        if k == 0 { Err(NoiseError::TruncationOrderZero) } else { Ok(Self { order: Some(k) }) }
     }
 
     /// Clips nothing: for explicit schemes, and for showing what truncation is for.
@@ -45,9 +41,7 @@ impl Truncation {
     pub fn bound(self, tau: f64) -> Result<f64, NoiseError> {
         match self.order {
             None => Ok(f64::INFINITY),
-            Some(k) if tau > 0.0 && tau < 1.0 => {
-                Ok(tau.sqrt() * (2.0 * f64::from(k) * tau.ln().abs()).sqrt())
-            }
+            Some(k) if tau > 0.0 && tau < 1.0 => Ok(tau.sqrt() * (2.0 * f64::from(k) * tau.ln().abs()).sqrt()),
             Some(_) => Err(NoiseError::StepOutsideUnitInterval { tau }),
         }
     }
@@ -77,10 +71,7 @@ mod tests {
         assert_eq!(Truncation::new(0), Err(NoiseError::TruncationOrderZero));
         for tau in [0.0, -0.5, 1.0, 2.0, f64::NAN, f64::INFINITY] {
             let error = Truncation::new(2).unwrap().bound(tau).unwrap_err();
-            assert!(
-                error.to_string().contains(&format!("tau = {tau}")),
-                "{error}"
-            );
+            assert!(error.to_string().contains(&format!("tau = {tau}")), "{error}");
         }
         assert_eq!(Truncation::none().bound(3.0), Ok(f64::INFINITY));
     }
@@ -93,10 +84,7 @@ mod tests {
         dw.0[1][5] = 0.5;
         let mut clipped = Block::zero();
         assert_eq!(clip(&dw, 1.0, &mut clipped), 2);
-        assert_eq!(
-            (clipped.0[0][3], clipped.0[1][4], clipped.0[1][5]),
-            (1.0, -1.0, 0.5)
-        );
+        assert_eq!((clipped.0[0][3], clipped.0[1][4], clipped.0[1][5]), (1.0, -1.0, 0.5));
         assert_eq!(clip(&dw, f64::INFINITY, &mut clipped), 0);
         assert_eq!(clipped, dw);
     }

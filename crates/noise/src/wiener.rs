@@ -25,11 +25,7 @@ impl<const M: usize> WienerBlock<M> {
     /// The noise of paths `first_path` .. `first_path + 32` of a family of streams.
     #[must_use]
     pub fn new(key: StreamKey, first_path: u64) -> Self {
-        Self {
-            streams: BlockStreams::new(key, first_path),
-            spare: Block::zero(),
-            has_spare: false,
-        }
+        Self { streams: BlockStreams::new(key, first_path), spare: Block::zero(), has_spare: false }
     }
 
     /// The next increments, N(0, τ) each, where `sqrt_tau` = √τ.
@@ -45,13 +41,7 @@ impl<const M: usize> WienerBlock<M> {
         }
         if drawn < M {
             self.has_spare = (M - drawn) % 2 == 1;
-            dispatch(Fill {
-                streams: &mut self.streams,
-                spare: &mut self.spare,
-                dw,
-                drawn,
-                sqrt_tau,
-            });
+            dispatch(Fill { streams: &mut self.streams, spare: &mut self.spare, dw, drawn, sqrt_tau });
         }
     }
 }
@@ -140,10 +130,7 @@ impl<const M: usize> WienerPath<M> {
     /// The noise of path `path` of a family of streams.
     #[must_use]
     pub fn new(key: StreamKey, path: u64) -> Self {
-        Self {
-            state: key.state(path),
-            spare: None,
-        }
+        Self { state: key.state(path), spare: None }
     }
 
     /// The next increments, N(0, τ) each, where `sqrt_tau` = √τ.
@@ -178,14 +165,7 @@ mod tests {
         let largest = (106.0 * std::f64::consts::LN_2).sqrt();
         let smallest = f64::EPSILON.sqrt();
         let rounding = 1.0 + 8.0 * f64::EPSILON;
-        for angle_word in [
-            0,
-            u64::MAX,
-            1 << 62,
-            1 << 63,
-            3 << 62,
-            0x1234_5678_9abc_def0,
-        ] {
+        for angle_word in [0, u64::MAX, 1 << 62, 1 << 63, 3 << 62, 0x1234_5678_9abc_def0] {
             for (radius_word, radius) in [(0, largest), (u64::MAX, smallest)] {
                 let (one, other) = box_muller(radius_word, angle_word);
                 assert!(one.is_finite() && other.is_finite());

@@ -4,10 +4,7 @@
 use noise::{DyadicLadder, StreamKey, WienerBlock, WienerPath};
 use real::{Block, Level, WIDTH, limit_to};
 
-const KEY: StreamKey = StreamKey {
-    seed: 42,
-    experiment: 3,
-};
+const KEY: StreamKey = StreamKey { seed: 42, experiment: 3 };
 
 /// Steps of different sizes, so that a spare normal crosses from one step size to the next.
 fn sqrt_tau(n: usize) -> f64 {
@@ -16,9 +13,7 @@ fn sqrt_tau(n: usize) -> f64 {
 
 fn block_equals_its_paths<const M: usize>(first_path: u64, steps: usize) {
     let mut block = WienerBlock::<M>::new(KEY, first_path);
-    let mut paths: Vec<_> = (0..WIDTH as u64)
-        .map(|p| WienerPath::<M>::new(KEY, first_path + p))
-        .collect();
+    let mut paths: Vec<_> = (0..WIDTH as u64).map(|p| WienerPath::<M>::new(KEY, first_path + p)).collect();
     let mut dw = Block::splat([f64::NAN; M]);
     for n in 0..steps {
         block.increments(sqrt_tau(n), &mut dw);
@@ -56,10 +51,7 @@ fn without_noise_nothing_is_drawn() {
 #[test]
 fn a_path_is_the_same_in_every_block() {
     // Path 40 as member 8 of the block that starts at 32 and as member 23 of the one that starts at 17.
-    let (mut one, mut other) = (
-        WienerBlock::<3>::new(KEY, 32),
-        WienerBlock::<3>::new(KEY, 17),
-    );
+    let (mut one, mut other) = (WienerBlock::<3>::new(KEY, 32), WienerBlock::<3>::new(KEY, 17));
     let (mut dw, mut other_dw) = (Block::zero(), Block::zero());
     for _ in 0..100 {
         one.increments(1.0, &mut dw);
@@ -81,15 +73,8 @@ fn the_noises_share_one_sequence_of_normals() {
 
 #[test]
 fn seed_experiment_and_path_all_matter() {
-    let first = |seed, experiment, path| {
-        WienerPath::<1>::new(StreamKey { seed, experiment }, path).normal()
-    };
-    let all = [
-        first(1, 1, 1),
-        first(2, 1, 1),
-        first(1, 2, 1),
-        first(1, 1, 2),
-    ];
+    let first = |seed, experiment, path| WienerPath::<1>::new(StreamKey { seed, experiment }, path).normal();
+    let all = [first(1, 1, 1), first(2, 1, 1), first(1, 2, 1), first(1, 1, 2)];
     for i in 0..4 {
         for j in 0..i {
             assert_ne!(all[i], all[j]);
@@ -100,18 +85,11 @@ fn seed_experiment_and_path_all_matter() {
 #[test]
 fn the_first_normals_are_pinned() {
     // A change here changes every published number: it is a value-breaking change.
-    let key = StreamKey {
-        seed: 1,
-        experiment: 1,
-    };
+    let key = StreamKey { seed: 1, experiment: 1 };
     for (path, pinned) in [(0, PINNED_0), (4711, PINNED_4711)] {
         let mut stream = WienerPath::<1>::new(key, path);
         let normals = [(); 6].map(|()| stream.normal());
-        assert_eq!(
-            normals.map(f64::to_bits),
-            pinned.map(f64::to_bits),
-            "{normals:?}"
-        );
+        assert_eq!(normals.map(f64::to_bits), pinned.map(f64::to_bits), "{normals:?}");
     }
 }
 
@@ -149,13 +127,8 @@ fn ladder_sums_can_be_recomputed_from_a_path() {
     let mut noise = WienerBlock::<3>::new(KEY, 96);
     let mut ladder = DyadicLadder::<3>::new(LEVELS);
     let mut dw = Block::zero();
-    let mut replay: Vec<Vec<_>> = (0..=LEVELS)
-        .map(|_| {
-            (0..WIDTH as u64)
-                .map(|p| WienerPath::<3>::new(KEY, 96 + p))
-                .collect()
-        })
-        .collect();
+    let mut replay: Vec<Vec<_>> =
+        (0..=LEVELS).map(|_| (0..WIDTH as u64).map(|p| WienerPath::<3>::new(KEY, 96 + p)).collect()).collect();
     let mut completed = [0; LEVELS + 1];
     for _ in 0..1 << 9 {
         noise.increments(scale, &mut dw);

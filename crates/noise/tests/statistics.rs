@@ -48,11 +48,7 @@ impl Sample {
 
     /// Every normal replaced by `f` of it.
     fn map(mut self, mut f: impl FnMut(f64) -> f64) -> Self {
-        self.noise
-            .iter_mut()
-            .flatten()
-            .flatten()
-            .for_each(|x| *x = f(*x));
+        self.noise.iter_mut().flatten().flatten().for_each(|x| *x = f(*x));
         self
     }
 
@@ -75,10 +71,7 @@ struct Check {
 impl Check {
     fn rejects(&self) -> bool {
         // A NaN is a rejection.
-        !matches!(
-            self.statistic.abs().partial_cmp(&self.critical),
-            Some(std::cmp::Ordering::Less)
-        )
+        !matches!(self.statistic.abs().partial_cmp(&self.critical), Some(std::cmp::Ordering::Less))
     }
 
     /// Σ f(x)/√(n var) for terms with mean 0 under the hypothesis. The critical value is the normal quantile with
@@ -90,12 +83,8 @@ impl Check {
             sum += term;
         }
         let z = Normal::standard().inverse_cdf(1.0 - 0.5 * FALSE_ALARM / CHECKS as f64);
-        let corrections = skewness.abs() / f64::sqrt(n) * (z * z - 1.0) / 6.0
-            + excess / n * (z * z - 3.0) * z / 24.0;
-        Self {
-            statistic: sum / f64::sqrt(n * variance),
-            critical: z + corrections,
-        }
+        let corrections = skewness.abs() / f64::sqrt(n) * (z * z - 1.0) / 6.0 + excess / n * (z * z - 3.0) * z / 24.0;
+        Self { statistic: sum / f64::sqrt(n * variance), critical: z + corrections }
     }
 
     /// Σ xy/√n: variance 1, skewness 0, fourth moment 9.
@@ -137,10 +126,7 @@ fn kolmogorov_smirnov(sample: &Sample) -> Check {
         let f = normal.cdf(x);
         f64::max(distance, f64::max(f - i as f64 / n, (i + 1) as f64 / n - f))
     });
-    Check {
-        statistic: n.sqrt() * distance,
-        critical: (0.5 * (2.0 * CHECKS as f64 / FALSE_ALARM).ln()).sqrt(),
-    }
+    Check { statistic: n.sqrt() * distance, critical: (0.5 * (2.0 * CHECKS as f64 / FALSE_ALARM).ln()).sqrt() }
 }
 
 fn between_noises(sample: &Sample) -> Check {
@@ -166,21 +152,12 @@ fn between_squares(sample: &Sample) -> Check {
 }
 
 fn between_steps(sample: &Sample) -> Check {
-    Check::of_correlation(
-        sample
-            .paths()
-            .flat_map(|path| path.iter().zip(&path[1..]).map(|(&x, &y)| (x, y))),
-    )
+    Check::of_correlation(sample.paths().flat_map(|path| path.iter().zip(&path[1..]).map(|(&x, &y)| (x, y))))
 }
 
 fn between_paths(sample: &Sample) -> Check {
-    let neighbours = sample
-        .noise
-        .iter()
-        .flat_map(|noise| noise.iter().zip(&noise[1..]));
-    Check::of_correlation(
-        neighbours.flat_map(|(one, next)| one.iter().zip(next).map(|(&x, &y)| (x, y))),
-    )
+    let neighbours = sample.noise.iter().flat_map(|noise| noise.iter().zip(&noise[1..]));
+    Check::of_correlation(neighbours.flat_map(|(one, next)| one.iter().zip(next).map(|(&x, &y)| (x, y))))
 }
 
 /// A check by its name.
@@ -204,12 +181,7 @@ fn increments_are_independent_normals() {
         let sample = Sample::draw(key);
         for (name, check) in OF_A_SAMPLE {
             let check = check(&sample);
-            assert!(
-                !check.rejects(),
-                "{name} of {key:?}: {} exceeds {}",
-                check.statistic,
-                check.critical
-            );
+            assert!(!check.rejects(), "{name} of {key:?}: {} exceeds {}", check.statistic, check.critical);
         }
     }
 }
@@ -230,15 +202,8 @@ fn two_keys_are_independent() {
 /// Asserts that each of the named checks rejects.
 fn must_reject(twin: &str, sample: &Sample, names: &[&str]) {
     for &wanted in names {
-        let (_, check) = OF_A_SAMPLE
-            .into_iter()
-            .find(|&(name, _)| name == wanted)
-            .unwrap();
-        assert!(
-            check(sample).rejects(),
-            "{wanted} does not reject {twin}: {}",
-            check(sample).statistic
-        );
+        let (_, check) = OF_A_SAMPLE.into_iter().find(|&(name, _)| name == wanted).unwrap();
+        assert!(check(sample).rejects(), "{wanted} does not reject {twin}: {}", check(sample).statistic);
     }
 }
 
@@ -253,11 +218,7 @@ fn wrong_distributions_are_rejected() {
         must_reject("a scale", &wide, &["variance", "fourth moment"]);
 
         let clipped = Sample::draw(key).map(|x| x.clamp(-2.0, 2.0));
-        must_reject(
-            "normals truncated at 2",
-            &clipped,
-            &["variance", "fourth moment", "Kolmogorov-Smirnov"],
-        );
+        must_reject("normals truncated at 2", &clipped, &["variance", "fourth moment", "Kolmogorov-Smirnov"]);
 
         let mut generator = Xoshiro256PlusPlus::seed_from_u64(key.path_seed(0));
         let mut uniform = || (generator.next_u64() >> 11) as f64 * 2f64.powi(-53);
@@ -271,22 +232,14 @@ fn wrong_dependence_is_rejected() {
     for key in KEYS {
         let mut one_stream = Sample::draw(key);
         one_stream.noise[1] = one_stream.noise[0].clone();
-        must_reject(
-            "two noises fed by one stream",
-            &one_stream,
-            &["between noises", "between squares"],
-        );
+        must_reject("two noises fed by one stream", &one_stream, &["between noises", "between squares"]);
 
         let mut late = Sample::draw(key);
         for p in 0..WIDTH {
             late.noise[1][p] = late.noise[0][p][1..].to_vec();
             late.noise[1][p].push(0.0);
         }
-        must_reject(
-            "one stream a step apart",
-            &late,
-            &["between noises a step apart"],
-        );
+        must_reject("one stream a step apart", &late, &["between noises a step apart"]);
 
         // A radius shared by more than one pair: uncorrelated, normal one by one, dependent.
         let mut signed = Sample::draw(key);
@@ -313,9 +266,7 @@ fn wrong_dependence_is_rejected() {
                 (0..STEPS).map(|_| path.normal()).collect()
             })
             .collect();
-        let shared = Sample {
-            noise: [halves.clone(), halves],
-        };
+        let shared = Sample { noise: [halves.clone(), halves] };
         must_reject("shared streams", &shared, &["between paths"]);
     }
 }
@@ -348,12 +299,7 @@ fn compare_defect(key: StreamKey, tau: f64, claimed: f64) -> Check {
     let mean = differences.iter().sum::<f64>() / n;
     let moment = |p| differences.iter().map(|d| (d - mean).powi(p)).sum::<f64>() / n;
     let (variance, third, fourth) = (moment(2), moment(3), moment(4));
-    Check::of_sum(
-        differences.into_iter(),
-        variance,
-        third / variance.powf(1.5),
-        fourth / (variance * variance) - 3.0,
-    )
+    Check::of_sum(differences.into_iter(), variance, third / variance.powf(1.5), fourth / (variance * variance) - 3.0)
 }
 
 #[test]
@@ -377,10 +323,7 @@ fn the_bound_of_the_paper_holds_for_the_closed_form() {
             let tau = 2f64.powi(-exponent);
             let a = (2.0 * f64::from(k) * tau.ln().abs()).sqrt();
             let defect = truncation_defect(k, tau);
-            assert!(
-                defect > 0.0 && defect <= (1.0 + a) * tau.powi(k as i32 + 1),
-                "k = {k}, tau = {tau}: {defect}"
-            );
+            assert!(defect > 0.0 && defect <= (1.0 + a) * tau.powi(k as i32 + 1), "k = {k}, tau = {tau}: {defect}");
         }
     }
 }

@@ -17,10 +17,7 @@ struct Iterates<const D: usize> {
 impl<const D: usize> Iterates<D> {
     #[inline(always)]
     fn unset() -> Self {
-        Self {
-            z: Block::zero(),
-            pending: Block::zero(),
-        }
+        Self { z: Block::zero(), pending: Block::zero() }
     }
 
     /// The first sweep, from the starts of the equations; returns how many paths are not done.
@@ -42,13 +39,7 @@ impl<const D: usize> Iterates<D> {
     /// Sweep number `number`: from these iterates to the `next`, which are other memory. Written in place, the
     /// selects that freeze a path would become masked stores, which stall the loads of the next sweep.
     #[inline(always)]
-    fn advance<E: BlockFixedPoint<D>>(
-        &self,
-        equations: &E,
-        method: Method,
-        number: u32,
-        next: &mut Self,
-    ) -> u64 {
+    fn advance<E: BlockFixedPoint<D>>(&self, equations: &E, method: Method, number: u32, next: &mut Self) -> u64 {
         let number = f64::from(number);
         let mut unfinished = 0u64;
         for p in 0..WIDTH {
@@ -131,11 +122,7 @@ fn finish<E: BlockFixedPoint<D>, const D: usize>(
 /// Hands every unfinished path to the robust method.
 #[cold]
 #[inline(never)]
-fn rescue<E: BlockFixedPoint<D>, const D: usize>(
-    equations: &E,
-    z: &mut Block<D>,
-    status: &mut BlockStatus,
-) {
+fn rescue<E: BlockFixedPoint<D>, const D: usize>(equations: &E, z: &mut Block<D>, status: &mut BlockStatus) {
     for p in 0..WIDTH {
         if status.pending.0[0][p] <= 0.0 {
             continue;

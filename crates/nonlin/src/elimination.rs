@@ -5,10 +5,7 @@
 
 /// Solves A x = b without pivoting, for A near the identity; branch-free.
 #[inline(always)]
-pub(crate) fn solve_near_identity<const D: usize>(
-    mut a: [[f64; D]; D],
-    mut b: [f64; D],
-) -> [f64; D] {
+pub(crate) fn solve_near_identity<const D: usize>(mut a: [[f64; D]; D], mut b: [f64; D]) -> [f64; D] {
     for k in 0..D {
         let pivot = 1.0 / a[k][k];
         for i in k + 1..D {
@@ -25,9 +22,7 @@ pub(crate) fn solve_near_identity<const D: usize>(
 /// Solves A x = b with partial pivoting; infinite or NaN when A is singular.
 pub(crate) fn solve_pivoted<const D: usize>(mut a: [[f64; D]; D], mut b: [f64; D]) -> [f64; D] {
     for k in 0..D {
-        let largest = (k..D)
-            .max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()))
-            .unwrap_or(k);
+        let largest = (k..D).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap_or(k);
         a.swap(k, largest);
         b.swap(k, largest);
         for i in k + 1..D {
@@ -65,10 +60,7 @@ mod tests {
     fn both_eliminations_solve() {
         let a = [[1.1, -0.2, 0.3], [0.25, 0.9, -0.1], [-0.3, 0.15, 1.05]];
         let x = [0.3, -2.0, 5.0];
-        for solution in [
-            solve_near_identity(a, product(&a, x)),
-            solve_pivoted(a, product(&a, x)),
-        ] {
+        for solution in [solve_near_identity(a, product(&a, x)), solve_pivoted(a, product(&a, x))] {
             for i in 0..3 {
                 assert!((solution[i] - x[i]).abs() < 1e-14, "{solution:?}");
             }

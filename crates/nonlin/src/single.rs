@@ -9,14 +9,11 @@ impl Solver {
     #[must_use]
     pub fn solve<E: FixedPoint<D>, const D: usize>(&self, equation: &E) -> Solution<D> {
         let mut z = equation.start();
-        for iterations in 1..=self.max_sweeps {
+        for iterations in 1..=self.max_sweeps.max(1) {
             let (next, excess) = sweep(equation, z, self.method, iterations == 1);
             z = next;
             if excess <= 0.0 {
-                return Solution {
-                    z,
-                    outcome: Outcome::Fast { iterations },
-                };
+                return Solution { z, outcome: Outcome::Fast { iterations } };
             }
         }
         solve_robust(equation)

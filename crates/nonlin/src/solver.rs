@@ -9,7 +9,8 @@ pub enum Method {
     /// rigid body with three noises at τ = 2⁻⁸ it costs less than Newton (`cargo bench -p schemes`).
     #[default]
     FixedPoint,
-    /// z ← z − (I − ψ′(z))⁻¹(z − ψ(z)): quadratic convergence, D + 1 evaluations and a linear system a sweep.
+    /// z ← z − (I − ψ′(z))⁻¹(z − ψ(z)): quadratic convergence, D + 1 evaluations and a linear system a sweep. Where ψ
+    /// does not contract it may find a solution on another branch than the one that starts at the start.
     Newton,
 }
 
@@ -18,7 +19,7 @@ pub enum Method {
 pub struct Solver {
     /// The fast method.
     pub method: Method,
-    /// Sweeps of the fast method before a path is handed to the robust one.
+    /// Sweeps of the fast method before a path is handed to the robust one; one is made in any case.
     pub max_sweeps: u32,
 }
 
@@ -28,10 +29,7 @@ const MAX_SWEEPS: u32 = 56;
 
 impl Default for Solver {
     fn default() -> Self {
-        Self {
-            method: Method::default(),
-            max_sweeps: MAX_SWEEPS,
-        }
+        Self { method: Method::default(), max_sweeps: MAX_SWEEPS }
     }
 }
 
@@ -39,10 +37,7 @@ impl Solver {
     /// The given method with the default number of sweeps.
     #[must_use]
     pub fn new(method: Method) -> Self {
-        Self {
-            method,
-            ..Self::default()
-        }
+        Self { method, ..Self::default() }
     }
 }
 
@@ -100,11 +95,7 @@ impl BlockStatus {
     /// Every path solved in one iteration: the status of an explicit step.
     #[must_use]
     pub fn explicit() -> Self {
-        Self {
-            pending: Block::splat([-1.0]),
-            robust: PathMask::NONE,
-            failed: PathMask::NONE,
-        }
+        Self { pending: Block::splat([-1.0]), robust: PathMask::NONE, failed: PathMask::NONE }
     }
 
     /// Iterations of path `p`: sweeps of the fast method, or Newton iterations of the robust one; zero where both
@@ -118,10 +109,6 @@ impl BlockStatus {
     #[must_use]
     pub fn residual(&self, p: usize) -> f64 {
         // A residual may be infinite or NaN; only a solved path has a negative entry.
-        if self.failed.contains(p) {
-            self.pending.0[0][p]
-        } else {
-            0.0
-        }
+        if self.failed.contains(p) { self.pending.0[0][p] } else { 0.0 }
     }
 }

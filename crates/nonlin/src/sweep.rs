@@ -14,6 +14,11 @@ pub(crate) const TOLERANCE: f64 = 2.0 * f64::EPSILON;
 const FIRST_EVALUATIONS: usize = 8;
 const EVALUATIONS: usize = 3;
 
+/// The test below multiplies two changes; for unknowns of size r the product is as small as (εr)². This power of two
+/// keeps it above the smallest number for r down to 10⁻¹⁵⁵, where an underflow to zero would pass for convergence.
+/// For r above 10¹⁴⁵ the product of the first changes may overflow, which counts as not done, and rightly so.
+const GUARD: f64 = (1u128 << 64) as f64;
+
 /// After a Newton step the residual is of the order of the square of the change; √ε therefore suffices, with a
 /// margin of 2⁶ for the constant.
 const NEWTON_TOLERANCE: f64 = 1.0 / (1u64 << 32) as f64;
@@ -36,10 +41,7 @@ pub(crate) fn sweep<E: FixedPoint<D>, const D: usize>(
 /// N evaluations. The last two changes c, c′ give the contraction c′/c and with it the next change, which is the
 /// residual: done when c′²/c ≤ tolerance.
 #[inline(always)]
-fn fixed_point_sweep<const N: usize, E: FixedPoint<D>, const D: usize>(
-    equation: &E,
-    z: [f64; D],
-) -> ([f64; D], f64) {
+fn fixed_point_sweep<const N: usize, E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> ([f64; D], f64) {
     let (mut previous, mut before, mut next) = (z, z, z);
     for _ in 0..N {
         previous = before;
@@ -54,8 +56,8 @@ fn fixed_point_sweep<const N: usize, E: FixedPoint<D>, const D: usize>(
         size += next[i].abs();
     }
     // An iteration that does not contract (c′ > c) is never done by this test unless the change is zero.
-    let allowed = size * TOLERANCE;
-    (next, change * change - allowed * change_before)
+    let allowed = size * (GUARD * TOLERANCE);
+    (next, change * GUARD * change - allowed * change_before)
 }
 
 #[inline(always)]
@@ -83,10 +85,7 @@ fn newton_step<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> [
 
 /// I − ψ′(z) and z − ψ(z).
 #[inline(always)]
-pub(crate) fn linearised<E: FixedPoint<D>, const D: usize>(
-    equation: &E,
-    z: [f64; D],
-) -> ([[f64; D]; D], [f64; D]) {
+pub(crate) fn linearised<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> ([[f64; D]; D], [f64; D]) {
     let (value, mut matrix) = equation.jacobian(z);
     let mut defect = [0.0; D];
     for i in 0..D {

@@ -63,11 +63,7 @@ impl PathMask {
     /// The first `n` paths, n ≤ [`WIDTH`].
     #[must_use]
     pub fn first(n: usize) -> Self {
-        if n >= WIDTH {
-            Self::ALL
-        } else {
-            Self((1 << n) - 1)
-        }
+        if n >= WIDTH { Self::ALL } else { Self((1 << n) - 1) }
     }
 
     /// Whether path `p` is in the set.

@@ -59,10 +59,7 @@ impl<R: Real> Mul for Dual<R> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, b: Self) -> Self {
-        Self::new(
-            self.value * b.value,
-            self.derivative * b.value + self.value * b.derivative,
-        )
+        Self::new(self.value * b.value, self.derivative * b.value + self.value * b.derivative)
     }
 }
 
@@ -71,10 +68,7 @@ impl<R: Real> Div for Dual<R> {
     #[inline(always)]
     fn div(self, b: Self) -> Self {
         let quotient = self.value / b.value;
-        Self::new(
-            quotient,
-            (self.derivative - quotient * b.derivative) / b.value,
-        )
+        Self::new(quotient, (self.derivative - quotient * b.derivative) / b.value)
     }
 }
 
@@ -153,10 +147,7 @@ impl<R: Real> Real for Dual<R> {
     }
     #[inline(always)]
     fn select(condition: bool, a: Self, b: Self) -> Self {
-        Self::new(
-            R::select(condition, a.value, b.value),
-            R::select(condition, a.derivative, b.derivative),
-        )
+        Self::new(R::select(condition, a.value, b.value), R::select(condition, a.derivative, b.derivative))
     }
 }
 
@@ -210,14 +201,8 @@ mod tests {
             let theirs = oracle(Dual64::from(x).derivative());
             let scale = 1.0 + theirs.re.abs() + theirs.eps.abs();
             // A dozen operations, each good to a few ulp.
-            assert!(
-                (ours.value - theirs.re).abs() < 64.0 * f64::EPSILON * scale,
-                "{x}: {ours:?} {theirs:?}"
-            );
-            assert!(
-                (ours.derivative - theirs.eps).abs() < 64.0 * f64::EPSILON * scale,
-                "{x}: {ours:?} {theirs:?}"
-            );
+            assert!((ours.value - theirs.re).abs() < 64.0 * f64::EPSILON * scale, "{x}: {ours:?} {theirs:?}");
+            assert!((ours.derivative - theirs.eps).abs() < 64.0 * f64::EPSILON * scale, "{x}: {ours:?} {theirs:?}");
         }
     }
 

@@ -124,10 +124,7 @@ fn turn(quarters: u64, s: f64, c: f64) -> (f64, f64) {
     let (s, c) = if quarters & 1 == 0 { (s, c) } else { (c, s) };
     let sin_sign = (quarters << 62) & SIGN;
     let cos_sign = sin_sign ^ (quarters << 63);
-    (
-        f64::from_bits(s.to_bits() ^ sin_sign),
-        f64::from_bits(c.to_bits() ^ cos_sign),
-    )
+    (f64::from_bits(s.to_bits() ^ sin_sign), f64::from_bits(c.to_bits() ^ cos_sign))
 }
 
 /// `(sin x, cos x)`.
@@ -229,10 +226,7 @@ fn exponent_fraction(x: f64) -> (f64, f64) {
     const TWO_52: f64 = 4_503_599_627_370_496.0;
     const BIAS: u64 = 1024;
     // The bits of x / √½, with an exponent which stays positive for every x.
-    let bits = x
-        .to_bits()
-        .wrapping_sub(SQRT_HALF_BITS)
-        .wrapping_add(BIAS << 52);
+    let bits = x.to_bits().wrapping_sub(SQRT_HALF_BITS).wrapping_add(BIAS << 52);
     let e = f64::from_bits((bits >> 52) | TWO_52.to_bits()) - (TWO_52 + BIAS as f64);
     let m = f64::from_bits((bits & FRACTION).wrapping_add(SQRT_HALF_BITS));
     (e, m - 1.0)

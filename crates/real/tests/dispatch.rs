@@ -25,8 +25,7 @@ impl Kernel for Iterate<'_> {
             let [a, b] = self.y.path(p);
             let next = formula(Dual::variable(a), Dual::fixed(b));
             // Folded back into (−2, 2), so that the iteration neither settles nor overflows.
-            self.y
-                .set_path(p, [next.value.sin() * 2.0, next.derivative.cos() * 2.0]);
+            self.y.set_path(p, [next.value.sin() * 2.0, next.derivative.cos() * 2.0]);
             self.derivative.0[0][p] = next.derivative;
             above += if next.value > 0.0 { 1 } else { 0 };
         }
@@ -44,10 +43,7 @@ fn run(level: Level) -> Vec<(u64, [u64; 3])> {
     let mut derivative = Block::zero();
     let mut seen = Vec::new();
     for _ in 0..500 {
-        let above = dispatch(Iterate {
-            y: &mut y,
-            derivative: &mut derivative,
-        });
+        let above = dispatch(Iterate { y: &mut y, derivative: &mut derivative });
         for p in 0..WIDTH {
             let [a, b] = y.path(p);
             seen.push((above, [a, b, derivative.0[0][p]].map(f64::to_bits)));
@@ -63,13 +59,8 @@ fn every_level_gives_the_same_bits() {
         assert!(run(level) == baseline, "{} differs", level.name());
     }
     // The chain is chaotic: the paths did not all fall on one orbit, so equality says something.
-    let last: std::collections::HashSet<_> = baseline[baseline.len() - WIDTH..]
-        .iter()
-        .map(|(_, bits)| bits[0])
-        .collect();
+    let last: std::collections::HashSet<_> =
+        baseline[baseline.len() - WIDTH..].iter().map(|(_, bits)| bits[0]).collect();
     assert!(last.len() > WIDTH / 2, "{}", last.len());
-    assert_eq!(
-        [Level::Baseline, Level::Avx2, Level::Avx512].map(Level::name),
-        ["baseline", "avx2", "avx512"]
-    );
+    assert_eq!([Level::Baseline, Level::Avx2, Level::Avx512].map(Level::name), ["baseline", "avx2", "avx512"]);
 }

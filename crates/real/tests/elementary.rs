@@ -33,11 +33,7 @@ fn error_in_ulp(ours: f64, value: f64, remainder: f64) -> f64 {
         return remainder.abs();
     }
     // Scaled by a power of two, so that a subnormal unit divides exactly.
-    let scale = if value.abs() < 1e-200 {
-        2f64.powi(600)
-    } else {
-        1.0
-    };
+    let scale = if value.abs() < 1e-200 { 2f64.powi(600) } else { 1.0 };
     ((ours * scale - value * scale) / (ulp(value) * scale) - remainder).abs()
 }
 
@@ -71,8 +67,7 @@ fn reference_values() {
             if fields.next() != Some(name) {
                 continue;
             }
-            let mut bits =
-                || f64::from_bits(u64::from_str_radix(fields.next().unwrap(), 16).unwrap());
+            let mut bits = || f64::from_bits(u64::from_str_radix(fields.next().unwrap(), 16).unwrap());
             let (x, value) = (bits(), bits());
             let remainder: f64 = fields.next().unwrap().parse().unwrap();
             let mut error = error_in_ulp(function(x), value, remainder);
@@ -121,25 +116,15 @@ fn dense_sweeps() {
     sweep("sin", sin, f64::sin, 1.1, |b| b.between(-limit, limit));
     sweep("cos", cos, f64::cos, 1.1, |b| b.between(-limit, limit));
     sweep("sin", sin, f64::sin, 1.1, |b| b.between(-40.0, 0.0).exp());
-    sweep(
-        "sinc",
-        sinc,
-        |x| x.sin() / x,
-        2.0,
-        |b| b.between(-50.0, 50.0),
-    );
+    sweep("sinc", sinc, |x| x.sin() / x, 2.0, |b| b.between(-50.0, 50.0));
     sweep("exp", exp, f64::exp, 1.1, |b| b.between(-746.0, 709.8));
     sweep("exp", exp, f64::exp, 1.1, |b| b.between(-2.0, 2.0));
     sweep("exp", exp, f64::exp, 1.1, |b| b.between(-40.0, 0.0).exp());
-    sweep("ln", ln, f64::ln, 1.0, |b| {
-        f64::from_bits(b.next() % f64::INFINITY.to_bits()).max(1e-320)
-    });
+    sweep("ln", ln, f64::ln, 1.0, |b| f64::from_bits(b.next() % f64::INFINITY.to_bits()).max(1e-320));
     sweep("ln", ln, f64::ln, 1.0, |b| b.between(0.3, 3.0));
     sweep("ln", ln, f64::ln, 1.0, |b| 1.0 + b.between(-0.01, 0.01));
     sweep("ln_unit", ln_unit, f64::ln, 3.0, Bits::unit);
-    sweep("ln_unit", ln_unit, f64::ln, 3.0, |b| {
-        1.0 - b.between(-36.0, -1.0).exp()
-    });
+    sweep("ln_unit", ln_unit, f64::ln, 3.0, |b| 1.0 - b.between(-36.0, -1.0).exp());
 }
 
 /// Input of `reference_values.py --measure`.
@@ -176,10 +161,7 @@ fn large_arguments() {
         let x = bits.between(20.0, 30.0).exp2();
         let (s, c) = sin_cos(x);
         let bound = ulp(x) + 1e-15;
-        assert!(
-            (s - x.sin()).abs() <= bound && (c - x.cos()).abs() <= bound,
-            "{x:e}"
-        );
+        assert!((s - x.sin()).abs() <= bound && (c - x.cos()).abs() <= bound, "{x:e}");
         assert!(s.abs() <= 1.0 && c.abs() <= 1.0, "{x:e}");
     }
     for _ in 0..200_000 {
@@ -247,14 +229,7 @@ fn special_values() {
     same(ln(0.0), f64::NEG_INFINITY);
     same(ln(-0.0), f64::NEG_INFINITY);
     same(ln(f64::INFINITY), f64::INFINITY);
-    for x in [
-        -5e-324,
-        -1.0,
-        f64::MIN,
-        f64::NEG_INFINITY,
-        f64::NAN,
-        -f64::NAN,
-    ] {
+    for x in [-5e-324, -1.0, f64::MIN, f64::NEG_INFINITY, f64::NAN, -f64::NAN] {
         nan(ln(x));
     }
 }
@@ -352,30 +327,14 @@ fn scalar(x: f64, u: f64) -> [f64; 11] {
     let (s, c) = sin_cos(x);
     let (st, ct) = sin_cos_turn(u);
     let p = powi(x, -5);
-    [
-        sin(x),
-        cos(x),
-        s,
-        c,
-        st,
-        ct,
-        exp(x),
-        ln(x),
-        ln_unit(u),
-        sinc(x),
-        p,
-    ]
+    [sin(x), cos(x), s, c, st, ct, exp(x), ln(x), ln_unit(u), sinc(x), p]
 }
 
 #[test]
 fn same_bits_on_every_instruction_set() {
     // The sign and payload of a NaN are not specified.
     let bits = |y: f64| {
-        if y.is_nan() {
-            f64::NAN.to_bits()
-        } else {
-            y.to_bits()
-        }
+        if y.is_nan() { f64::NAN.to_bits() } else { y.to_bits() }
     };
     let mut random = Bits(11);
     for round in 0..3000 {

@@ -22,36 +22,18 @@ fn main() {
     for level in [Level::Avx512] {
         limit_to(level);
         let schemes: [(&str, &dyn Scheme<RigidBody<3>, 3, 3>); 4] = [
-            (
-                "sexp fp",
-                &Sexp {
-                    solver: nonlin::Solver::new(nonlin::Method::FixedPoint),
-                },
-            ),
-            (
-                "sexp newton",
-                &Sexp {
-                    solver: nonlin::Solver::new(nonlin::Method::Newton),
-                },
-            ),
+            ("sexp fp", &Sexp { solver: nonlin::Solver::new(nonlin::Method::FixedPoint) }),
+            ("sexp newton", &Sexp { solver: nonlin::Solver::new(nonlin::Method::Newton) }),
             ("midpoint", &Midpoint::default()),
             ("em", &EulerMaruyama),
         ];
         for (name, scheme) in schemes {
             let mut b = 0;
-            let steps: Vec<Step> = (0..256)
-                .map(|n| Step::new(&damping, n, tau).unwrap())
-                .collect();
+            let steps: Vec<Step> = (0..256).map(|n| Step::new(&damping, n, tau).unwrap()).collect();
             let mut status = nonlin::BlockStatus::explicit();
             let t = best(|| {
                 b += 1;
-                let mut noise = WienerBlock::<3>::new(
-                    StreamKey {
-                        seed: 1,
-                        experiment: 1,
-                    },
-                    b * 32,
-                );
+                let mut noise = WienerBlock::<3>::new(StreamKey { seed: 1, experiment: 1 }, b * 32);
                 let mut y = Block::splat([1.1f64.cos(), 0.0, 1.1f64.sin()]);
                 let mut dw = Block::zero();
                 for n in 0..256 {
@@ -63,13 +45,7 @@ fn main() {
             });
             println!("{level:?} {name}: {t:.2} ns");
         }
-        let mut noise = WienerBlock::<3>::new(
-            StreamKey {
-                seed: 1,
-                experiment: 1,
-            },
-            0,
-        );
+        let mut noise = WienerBlock::<3>::new(StreamKey { seed: 1, experiment: 1 }, 0);
         let mut dw = Block::zero();
         let t = best(|| {
             for _ in 0..256 {

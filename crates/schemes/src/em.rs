@@ -57,28 +57,13 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
         "em"
     }
 
-    fn step_block(
-        &self,
-        system: &S,
-        step: &Step,
-        dw: &Block<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    ) {
-        dispatch(StepKernel {
-            system,
-            step,
-            dw,
-            y,
-        });
+    fn step_block(&self, system: &S, step: &Step, dw: &Block<M>, y: &mut Block<D>, status: &mut BlockStatus) {
+        dispatch(StepKernel { system, step, dw, y });
         *status = BlockStatus::explicit();
     }
 
     fn step(&self, system: &S, step: &Step, dw: [f64; M], y: [f64; D]) -> Solution<D> {
         let z = advance(system, step, dw, y);
-        Solution {
-            z,
-            outcome: Outcome::Fast { iterations: 1 },
-        }
+        Solution { z, outcome: Outcome::Fast { iterations: 1 } }
     }
 }

@@ -34,9 +34,7 @@ impl<S, const D: usize, const M: usize> Clone for PathEquation<'_, S, D, M> {
 }
 impl<S, const D: usize, const M: usize> Copy for PathEquation<'_, S, D, M> {}
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> FixedPoint<D>
-    for PathEquation<'_, S, D, M>
-{
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> FixedPoint<D> for PathEquation<'_, S, D, M> {
     #[inline(always)]
     fn start(&self) -> [f64; D] {
         self.y
@@ -64,9 +62,7 @@ struct BlockEquation<'a, S, const D: usize, const M: usize> {
     y: &'a Block<D>,
 }
 
-impl<'a, S: PoissonSystem<D, M>, const D: usize, const M: usize> BlockFixedPoint<D>
-    for BlockEquation<'a, S, D, M>
-{
+impl<'a, S: PoissonSystem<D, M>, const D: usize, const M: usize> BlockFixedPoint<D> for BlockEquation<'a, S, D, M> {
     type Path = PathEquation<'a, S, D, M>;
     #[inline(always)]
     fn path(&self, p: usize) -> Self::Path {
@@ -111,32 +107,12 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
         "midpoint"
     }
 
-    fn step_block(
-        &self,
-        system: &S,
-        step: &Step,
-        dw: &Block<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    ) {
-        dispatch(StepKernel {
-            solver: self.solver,
-            system,
-            step,
-            dw,
-            y,
-            status,
-        });
+    fn step_block(&self, system: &S, step: &Step, dw: &Block<M>, y: &mut Block<D>, status: &mut BlockStatus) {
+        dispatch(StepKernel { solver: self.solver, system, step, dw, y, status });
     }
 
     fn step(&self, system: &S, step: &Step, dw: [f64; M], y: [f64; D]) -> Solution<D> {
         let damping = step.tau * step.rate_at_middle;
-        self.solver.solve(&PathEquation {
-            system,
-            tau: step.tau,
-            damping,
-            dw,
-            y,
-        })
+        self.solver.solve(&PathEquation { system, tau: step.tau, damping, dw, y })
     }
 }

@@ -15,14 +15,7 @@ pub trait Scheme<S, const D: usize, const M: usize>: Send + Sync {
 
     /// Advances every path of a block by one step and overwrites `status`. A path that is `failed` there holds the
     /// last iterate, which is no solution.
-    fn step_block(
-        &self,
-        system: &S,
-        step: &Step,
-        dw: &Block<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    );
+    fn step_block(&self, system: &S, step: &Step, dw: &Block<M>, y: &mut Block<D>, status: &mut BlockStatus);
 
     /// Advances one path by one step: the same bits as that path of [`step_block`](Self::step_block).
     fn step(&self, system: &S, step: &Step, dw: [f64; M], y: [f64; D]) -> Solution<D>;

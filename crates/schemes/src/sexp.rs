@@ -37,9 +37,7 @@ impl<S, const D: usize, const M: usize> Clone for PathEquation<'_, S, D, M> {
 }
 impl<S, const D: usize, const M: usize> Copy for PathEquation<'_, S, D, M> {}
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> FixedPoint<D>
-    for PathEquation<'_, S, D, M>
-{
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> FixedPoint<D> for PathEquation<'_, S, D, M> {
     #[inline(always)]
     fn start(&self) -> [f64; D] {
         self.z_hat
@@ -70,18 +68,11 @@ struct BlockEquation<'a, S, const D: usize, const M: usize> {
     z_hat: &'a Block<D>,
 }
 
-impl<'a, S: PoissonSystem<D, M>, const D: usize, const M: usize> BlockFixedPoint<D>
-    for BlockEquation<'a, S, D, M>
-{
+impl<'a, S: PoissonSystem<D, M>, const D: usize, const M: usize> BlockFixedPoint<D> for BlockEquation<'a, S, D, M> {
     type Path = PathEquation<'a, S, D, M>;
     #[inline(always)]
     fn path(&self, p: usize) -> Self::Path {
-        PathEquation {
-            system: self.system,
-            tau: self.tau,
-            dw: self.dw.path(p),
-            z_hat: self.z_hat.path(p),
-        }
+        PathEquation { system: self.system, tau: self.tau, dw: self.dw.path(p), z_hat: self.z_hat.path(p) }
     }
 }
 
@@ -104,12 +95,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for StepKern
                 z_hat.0[i][p] = self.step.first_decay * self.y.0[i][p];
             }
         }
-        let equations = BlockEquation {
-            system: self.system,
-            tau: self.step.tau,
-            dw: self.dw,
-            z_hat: &z_hat,
-        };
+        let equations = BlockEquation { system: self.system, tau: self.step.tau, dw: self.dw, z_hat: &z_hat };
         let mut z = Block::zero();
         self.solver.solve_block(&equations, &mut z, self.status);
         for i in 0..D {
@@ -125,32 +111,13 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
         "sexp"
     }
 
-    fn step_block(
-        &self,
-        system: &S,
-        step: &Step,
-        dw: &Block<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    ) {
-        dispatch(StepKernel {
-            solver: self.solver,
-            system,
-            step,
-            dw,
-            y,
-            status,
-        });
+    fn step_block(&self, system: &S, step: &Step, dw: &Block<M>, y: &mut Block<D>, status: &mut BlockStatus) {
+        dispatch(StepKernel { solver: self.solver, system, step, dw, y, status });
     }
 
     fn step(&self, system: &S, step: &Step, dw: [f64; M], y: [f64; D]) -> Solution<D> {
         let z_hat = y.map(|component| step.first_decay * component);
-        let mut solution = self.solver.solve(&PathEquation {
-            system,
-            tau: step.tau,
-            dw,
-            z_hat,
-        });
+        let mut solution = self.solver.solve(&PathEquation { system, tau: step.tau, dw, z_hat });
         solution.z = solution.z.map(|component| step.second_decay * component);
         solution
     }

@@ -37,10 +37,7 @@ pub enum StepError {
 impl fmt::Display for StepError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Size { tau } => write!(
-                f,
-                "a step size must be positive and finite, got tau = {tau}"
-            ),
+            Self::Size { tau } => write!(f, "a step size must be positive and finite, got tau = {tau}"),
         }
     }
 }
@@ -59,10 +56,7 @@ impl Step {
         // Grid times are products and not sums, so that t_n of different step sizes agree.
         let (start, end) = (n as f64 * tau, (n + 1) as f64 * tau);
         let middle = (n as f64 + 0.5) * tau;
-        let (first, second) = (
-            damping.integral(start, middle),
-            damping.integral(middle, end),
-        );
+        let (first, second) = (damping.integral(start, middle), damping.integral(middle, end));
         Ok(Self {
             t: start,
             tau,

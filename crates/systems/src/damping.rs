@@ -29,9 +29,7 @@ impl Constant {
     /// # Errors
     /// [`SystemError::NonFiniteParameter`].
     pub fn new(rate: f64) -> Result<Self, SystemError> {
-        Ok(Self {
-            rate: finite("the damping rate", rate)?,
-        })
+        Ok(Self { rate: finite("the damping rate", rate)? })
     }
 }
 
@@ -59,9 +57,7 @@ impl Linear {
     /// # Errors
     /// [`SystemError::NonFiniteParameter`].
     pub fn new(slope: f64) -> Result<Self, SystemError> {
-        Ok(Self {
-            slope: finite("the slope of the damping rate", slope)?,
-        })
+        Ok(Self { slope: finite("the slope of the damping rate", slope)? })
     }
 }
 
@@ -91,10 +87,7 @@ impl Sine {
     /// [`SystemError::NonFiniteParameter`].
     pub fn new(amplitude: f64, frequency: f64) -> Result<Self, SystemError> {
         let amplitude = finite("the amplitude of the damping rate", amplitude)?;
-        Ok(Self {
-            amplitude,
-            frequency: finite("the frequency of the damping rate", frequency)?,
-        })
+        Ok(Self { amplitude, frequency: finite("the frequency of the damping rate", frequency)? })
     }
 }
 
@@ -107,11 +100,7 @@ impl Damping for Sine {
         self.amplitude * (b - a) * dgrad::mean_sine(self.frequency * a, self.frequency * b)
     }
     fn describe(&self) -> String {
-        format!(
-            "γ = {}sin {}t",
-            factor(self.amplitude),
-            factor(self.frequency)
-        )
+        format!("γ = {}sin {}t", factor(self.amplitude), factor(self.frequency))
     }
 }
 
@@ -129,10 +118,7 @@ impl Cosine {
     /// [`SystemError::NonFiniteParameter`].
     pub fn new(amplitude: f64, frequency: f64) -> Result<Self, SystemError> {
         let amplitude = finite("the amplitude of the damping rate", amplitude)?;
-        Ok(Self {
-            amplitude,
-            frequency: finite("the frequency of the damping rate", frequency)?,
-        })
+        Ok(Self { amplitude, frequency: finite("the frequency of the damping rate", frequency)? })
     }
 }
 
@@ -144,21 +130,13 @@ impl Damping for Cosine {
         self.amplitude * (b - a) * dgrad::mean_cosine(self.frequency * a, self.frequency * b)
     }
     fn describe(&self) -> String {
-        format!(
-            "γ = {}cos {}t",
-            factor(self.amplitude),
-            factor(self.frequency)
-        )
+        format!("γ = {}cos {}t", factor(self.amplitude), factor(self.frequency))
     }
 }
 
 /// A factor in a formula: nothing for 1.
 fn factor(x: f64) -> String {
-    if x == 1.0 {
-        String::new()
-    } else {
-        format!("{x} ")
-    }
+    if x == 1.0 { String::new() } else { format!("{x} ") }
 }
 
 /// Any γ(t), integrated by Gauss–Legendre.
@@ -175,10 +153,7 @@ impl<F: Fn(f64) -> f64 + Send + Sync> DampingFunction<F> {
     /// # Errors
     /// [`SystemError::Quadrature`] when the number of nodes is out of range.
     pub fn new(rate: F, nodes: usize) -> Result<Self, SystemError> {
-        Ok(Self {
-            rate,
-            rule: Rule::new(nodes)?,
-        })
+        Ok(Self { rate, rule: Rule::new(nodes)? })
     }
 }
 
@@ -208,34 +183,17 @@ mod tests {
         ];
         for damping in closed {
             let by_nodes = DampingFunction::new(|t| damping.rate(t), 24).unwrap();
-            for (a, b) in [
-                (0.0, 1.0),
-                (0.3, 2.9),
-                (4.0, 4.0 + 1e-9),
-                (10.0, 7.5),
-                (1.0, 1.0),
-            ] {
+            for (a, b) in [(0.0, 1.0), (0.3, 2.9), (4.0, 4.0 + 1e-9), (10.0, 7.5), (1.0, 1.0)] {
                 let (exact, numeric) = (damping.integral(a, b), by_nodes.integral(a, b));
-                assert!(
-                    (exact - numeric).abs() < 32.0 * f64::EPSILON * (1.0 + exact.abs()),
-                    "{exact} {numeric}"
-                );
+                assert!((exact - numeric).abs() < 32.0 * f64::EPSILON * (1.0 + exact.abs()), "{exact} {numeric}");
             }
             // 4096 short intervals: the sum of their integrals is the integral, each good to a few ulp.
             let steps = 4096;
             let sum: f64 = (0..steps)
-                .map(|n| {
-                    damping.integral(
-                        f64::from(n) * 10.0 / 4096.0,
-                        f64::from(n + 1) * 10.0 / 4096.0,
-                    )
-                })
+                .map(|n| damping.integral(f64::from(n) * 10.0 / 4096.0, f64::from(n + 1) * 10.0 / 4096.0))
                 .sum();
             let whole = damping.integral(0.0, 10.0);
-            assert!(
-                (sum - whole).abs() < 1e-12 * (1.0 + whole.abs()),
-                "{sum} {whole}"
-            );
+            assert!((sum - whole).abs() < 1e-12 * (1.0 + whole.abs()), "{sum} {whole}");
         }
     }
 

@@ -12,9 +12,7 @@ pub(crate) struct Energy<'a, S: ?Sized, const M: usize> {
     pub(crate) dw: [f64; M],
 }
 
-impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> ScalarFunction<D>
-    for Energy<'_, S, M>
-{
+impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> ScalarFunction<D> for Energy<'_, S, M> {
     #[inline(always)]
     fn value<R: Real>(&self, y: [R; D]) -> R {
         self.system.energy(y, self.dt, self.dw)
@@ -46,9 +44,7 @@ struct VectorField<'a, S: ?Sized, const M: usize> {
     dw: [f64; M],
 }
 
-impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> VectorFunction<D, D>
-    for VectorField<'_, S, M>
-{
+impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> VectorFunction<D, D> for VectorField<'_, S, M> {
     #[inline(always)]
     fn value<R: Real>(&self, y: [R; D]) -> [R; D] {
         vector_field(self.system, y, self.dt, self.dw)
@@ -64,6 +60,18 @@ pub fn vector_field<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, co
     dw: [f64; M],
 ) -> [R; D] {
     system.structure(y, system.gradient(y, dt, dw))
+}
+
+/// (B∇h)′(y)·v, the derivative of [`vector_field`] in the direction v; it includes the derivative of B.
+#[inline(always)]
+pub fn vector_field_derivative<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+    system: &S,
+    y: [f64; D],
+    dt: f64,
+    dw: [f64; M],
+    v: [f64; D],
+) -> [f64; D] {
+    directional(&VectorField { system, dt, dw }, y, v).1
 }
 
 /// The weights (0, eₘ) that pick fₘ out of [`vector_field`].
@@ -84,13 +92,8 @@ pub fn ito_correction<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: 
 ) -> [f64; D] {
     let mut correction = [0.0; D];
     for m in 0..M {
-        let field = VectorField {
-            system,
-            dt: 0.0,
-            dw: unit_noise(m),
-        };
-        let direction = field.value(y);
-        let (_, derivative) = directional(&field, y, direction);
+        let direction = vector_field(system, y, 0.0, unit_noise(m));
+        let derivative = vector_field_derivative(system, y, 0.0, unit_noise(m), direction);
         for i in 0..D {
             correction[i] += 0.5 * derivative[i];
         }

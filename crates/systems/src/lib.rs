@@ -31,7 +31,7 @@
 //! | item | job |
 //! |---|---|
 //! | [`PoissonSystem`] | B(y)v, h(y), and what follows from them |
-//! | [`vector_field`], [`ito_correction`] | f = B∇h, ½Σ fₘ′fₘ |
+//! | [`vector_field`], [`vector_field_derivative`], [`ito_correction`] | f = B∇h, f′v, ½Σ fₘ′fₘ |
 //! | [`Damping`]: [`Constant`], [`Linear`], [`Sine`], [`Cosine`], [`DampingFunction`] | γ(t) and ∫γ |
 //! | [`Invariant`] | a Casimir or an energy with its degree and its conformal law |
 //! | [`Pendulum`], [`RigidBody`], [`RigidBodyEnergy`], [`LotkaVolterra`], [`MaxwellBloch`], [`Poisson3`] | the five systems of the paper |
@@ -51,7 +51,7 @@ mod system;
 
 pub use damping::{Constant, Cosine, Damping, DampingFunction, Linear, Sine};
 pub use error::SystemError;
-pub use field::{HamiltonianIncrement, ito_correction, unit_noise, vector_field};
+pub use field::{HamiltonianIncrement, ito_correction, unit_noise, vector_field, vector_field_derivative};
 pub use invariant::{Form, Invariant, InvariantKind};
 pub use lotka_volterra::{Exponents, IntegerExponents, LotkaVolterra, RealExponents};
 pub use maxwell_bloch::MaxwellBloch;

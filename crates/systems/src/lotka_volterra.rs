@@ -67,12 +67,7 @@ impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
     }
     fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
         // The prefactor y₁^{1−P}y₂^{1−Q} of B has poles on the coordinate planes when P or Q exceed 1.
-        const {
-            assert!(
-                P >= 1 && Q >= 1 && P + Q <= MAX_DEGREE,
-                "exponents must be positive, with P + Q at most 9"
-            )
-        };
+        const { assert!(P >= 1 && Q >= 1 && P + Q <= MAX_DEGREE, "exponents must be positive, with P + Q at most 9") };
         positive_octant(y)
     }
 }
@@ -109,16 +104,11 @@ impl Exponents for RealExponents {
 
 /// Populations are positive; on the coordinate planes the prefactor of B or its derivative has a pole.
 fn positive_octant(y: [f64; 3]) -> Result<(), SystemError> {
-    match y
-        .iter()
-        .position(|&component| component.is_nan() || component <= 0.0)
-    {
+    match y.iter().position(|&component| component.is_nan() || component <= 0.0) {
         None => Ok(()),
-        Some(i) => Err(SystemError::OutsideDomain {
-            component: i + 1,
-            value: y[i],
-            domain: "y1 > 0, y2 > 0 and y3 > 0",
-        }),
+        Some(i) => {
+            Err(SystemError::OutsideDomain { component: i + 1, value: y[i], domain: "y1 > 0, y2 > 0 and y3 > 0" })
+        }
     }
 }
 
@@ -129,11 +119,7 @@ impl<const P: i32, const Q: i32> LotkaVolterra<IntegerExponents<P, Q>> {
     /// [`SystemError::NonFiniteParameter`].
     pub fn integer(c: f64) -> Result<Self, SystemError> {
         let a = -f64::from(P) / f64::from(Q);
-        Ok(Self {
-            a,
-            c: finite("the scale c", c)?,
-            exponents: IntegerExponents,
-        })
+        Ok(Self { a, c: finite("the scale c", c)?, exponents: IntegerExponents })
     }
 }
 
@@ -144,11 +130,7 @@ impl LotkaVolterra<RealExponents> {
     /// [`SystemError::NonFiniteParameter`].
     pub fn new(a: f64, b: f64, c: f64) -> Result<Self, SystemError> {
         let (a, b) = (finite("a", a)?, finite("b", b)?);
-        Ok(Self {
-            a,
-            c: finite("the scale c", c)?,
-            exponents: RealExponents { p: a * b, q: -b },
-        })
+        Ok(Self { a, c: finite("the scale c", c)?, exponents: RealExponents { p: a * b, q: -b } })
     }
 }
 
@@ -162,11 +144,7 @@ impl<E: Exponents> GradientField<3> for Gradient<E> {
     fn gradient<R: Real>(&self, y: [R; 3]) -> [R; 3] {
         let powers = self.exponents.powers(y[0], y[1]);
         let with_third = powers * y[2];
-        [
-            with_third * y[1] * self.exponents.p(),
-            with_third * y[0] * self.exponents.q(),
-            powers * y[0] * y[1],
-        ]
+        [with_third * y[1] * self.exponents.p(), with_third * y[0] * self.exponents.q(), powers * y[0] * y[1]]
     }
 }
 
@@ -179,11 +157,7 @@ impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
     fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
         let prefactor = self.exponents.powers(y[0], y[1]).recip() * self.c;
         let p = self.exponents.p();
-        [
-            prefactor * (v[1] * self.a + v[2]),
-            -(prefactor * (v[0] * self.a + v[2] * p)),
-            prefactor * (v[1] * p - v[0]),
-        ]
+        [prefactor * (v[1] * self.a + v[2]), -(prefactor * (v[0] * self.a + v[2] * p)), prefactor * (v[1] * p - v[0])]
     }
 
     #[inline(always)]
@@ -193,27 +167,12 @@ impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
 
     #[inline(always)]
     fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-        scaled(
-            Gradient {
-                exponents: self.exponents,
-            }
-            .gradient(y),
-            dt + dw[0],
-        )
+        scaled(Gradient { exponents: self.exponents }.gradient(y), dt + dw[0])
     }
 
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-        scaled(
-            self.exponents.averaged(
-                &Gradient {
-                    exponents: self.exponents,
-                },
-                a,
-                b,
-            ),
-            dt + dw[0],
-        )
+        scaled(self.exponents.averaged(&Gradient { exponents: self.exponents }, a, b), dt + dw[0])
     }
 
     fn invariants(&self) -> Vec<Invariant> {

@@ -20,9 +20,7 @@ impl Pendulum {
     /// # Errors
     /// [`SystemError::NonFiniteParameter`].
     pub fn new(c: f64) -> Result<Self, SystemError> {
-        Ok(Self {
-            noise: finite("the noise size c", c)?,
-        })
+        Ok(Self { noise: finite("the noise size c", c)? })
     }
 }
 
@@ -50,9 +48,6 @@ impl PoissonSystem<2, 1> for Pendulum {
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 2], b: [R; 2], dt: f64, dw: [f64; 1]) -> [R; 2] {
         let weight = dt + self.noise * dw[0];
-        [
-            (a[0] + b[0]) * (0.5 * weight),
-            mean_sine(a[1], b[1]) * weight,
-        ]
+        [(a[0] + b[0]) * (0.5 * weight), mean_sine(a[1], b[1]) * weight]
     }
 }

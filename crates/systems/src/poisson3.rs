@@ -20,9 +20,7 @@ impl Poisson3 {
     /// # Errors
     /// [`SystemError::NonFiniteParameter`].
     pub fn new(c: f64) -> Result<Self, SystemError> {
-        Ok(Self {
-            noise: finite("the noise size c", c)?,
-        })
+        Ok(Self { noise: finite("the noise size c", c)? })
     }
 }
 
@@ -44,21 +42,13 @@ impl PoissonSystem<3, 1> for Poisson3 {
     #[inline(always)]
     fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
         let weight = dt + self.noise * dw[0];
-        [
-            y[0].cos() * weight,
-            y[1].cos() * weight,
-            y[2].cos() * weight,
-        ]
+        [y[0].cos() * weight, y[1].cos() * weight, y[2].cos() * weight]
     }
 
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
         let weight = dt + self.noise * dw[0];
-        [
-            mean_cosine(a[0], b[0]) * weight,
-            mean_cosine(a[1], b[1]) * weight,
-            mean_cosine(a[2], b[2]) * weight,
-        ]
+        [mean_cosine(a[0], b[0]) * weight, mean_cosine(a[1], b[1]) * weight, mean_cosine(a[2], b[2]) * weight]
     }
 
     fn invariants(&self) -> Vec<Invariant> {
@@ -69,16 +59,7 @@ impl PoissonSystem<3, 1> for Poisson3 {
             form: Form::Quadratic,
             degree: 2.0,
         };
-        vec![
-            casimir,
-            Invariant {
-                name: "S",
-                formula: "y₁ + y₂ + y₃",
-                form: Form::Linear,
-                degree: 1.0,
-                ..casimir
-            },
-        ]
+        vec![casimir, Invariant { name: "S", formula: "y₁ + y₂ + y₃", form: Form::Linear, degree: 1.0, ..casimir }]
     }
 
     #[inline(always)]

@@ -20,30 +20,17 @@ impl<S, G: Damping, const D: usize> Problem<S, G, D> {
     ///
     /// # Errors
     /// [`SystemError::NonFiniteState`], [`SystemError::OutsideDomain`] or [`SystemError::FinalTime`].
-    pub fn new<const M: usize>(
-        system: S,
-        damping: G,
-        y0: [f64; D],
-        t_end: f64,
-    ) -> Result<Self, SystemError>
+    pub fn new<const M: usize>(system: S, damping: G, y0: [f64; D], t_end: f64) -> Result<Self, SystemError>
     where
         S: PoissonSystem<D, M>,
     {
         if let Some(i) = y0.iter().position(|component| !component.is_finite()) {
-            return Err(SystemError::NonFiniteState {
-                component: i + 1,
-                value: y0[i],
-            });
+            return Err(SystemError::NonFiniteState { component: i + 1, value: y0[i] });
         }
         system.check_domain(y0)?;
         if !(t_end > 0.0 && t_end.is_finite()) {
             return Err(SystemError::FinalTime { t_end });
         }
-        Ok(Self {
-            system,
-            damping,
-            y0,
-            t_end,
-        })
+        Ok(Self { system, damping, y0, t_end })
     }
 }

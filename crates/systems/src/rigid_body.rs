@@ -8,11 +8,7 @@ use crate::{Form, Invariant, InvariantKind, PoissonSystem, SystemError};
 /// y × v.
 #[inline(always)]
 fn cross<R: Real>(y: [R; 3], v: [R; 3]) -> [R; 3] {
-    [
-        y[1] * v[2] - y[2] * v[1],
-        y[2] * v[0] - y[0] * v[2],
-        y[0] * v[1] - y[1] * v[0],
-    ]
+    [y[1] * v[2] - y[2] * v[1], y[2] * v[0] - y[0] * v[2], y[0] * v[1] - y[1] * v[0]]
 }
 
 #[inline(always)]
@@ -28,10 +24,7 @@ const CASIMIR: Invariant = Invariant {
     degree: 2.0,
 };
 
-fn reciprocals<const N: usize>(
-    inertia: [f64; N],
-    names: [&'static str; N],
-) -> Result<[f64; N], SystemError> {
+fn reciprocals<const N: usize>(inertia: [f64; N], names: [&'static str; N]) -> Result<[f64; N], SystemError> {
     let mut reciprocal = [0.0; N];
     for i in 0..N {
         reciprocal[i] = 1.0 / positive(names[i], inertia[i])?;
@@ -57,10 +50,7 @@ impl RigidBody<3> {
     /// [`SystemError::NonPositiveParameter`].
     pub fn three_noises(inertia: [f64; 3], noise_inertia: [f64; 3]) -> Result<Self, SystemError> {
         let drift = reciprocals(inertia, ["I1", "I2", "I3"])?;
-        Ok(Self {
-            drift,
-            noise: reciprocals(noise_inertia, ["Î1", "Î2", "Î3"])?,
-        })
+        Ok(Self { drift, noise: reciprocals(noise_inertia, ["Î1", "Î2", "Î3"])? })
     }
 }
 
@@ -71,10 +61,7 @@ impl RigidBody<1> {
     /// [`SystemError::NonPositiveParameter`].
     pub fn one_noise(inertia: [f64; 3], noise_inertia: f64) -> Result<Self, SystemError> {
         let drift = reciprocals(inertia, ["I1", "I2", "I3"])?;
-        Ok(Self {
-            drift,
-            noise: reciprocals([noise_inertia], ["Î1"])?,
-        })
+        Ok(Self { drift, noise: reciprocals([noise_inertia], ["Î1"])? })
     }
 }
 
@@ -145,16 +132,12 @@ impl RigidBodyEnergy {
     /// # Errors
     /// [`SystemError::NonPositiveParameter`], [`SystemError::NonFiniteParameter`].
     pub fn new(inertia: [f64; 3], c: f64) -> Result<Self, SystemError> {
-        Ok(Self {
-            drift: reciprocals(inertia, ["I1", "I2", "I3"])?,
-            noise: finite("the noise size c", c)?,
-        })
+        Ok(Self { drift: reciprocals(inertia, ["I1", "I2", "I3"])?, noise: finite("the noise size c", c)? })
     }
 
     #[inline(always)]
     fn hamiltonian<R: Real>(&self, y: [R; 3]) -> R {
-        (y[0] * y[0] * self.drift[0] + y[1] * y[1] * self.drift[1] + y[2] * y[2] * self.drift[2])
-            * 0.5
+        (y[0] * y[0] * self.drift[0] + y[1] * y[1] * self.drift[1] + y[2] * y[2] * self.drift[2]) * 0.5
     }
 }
 
@@ -176,11 +159,7 @@ impl PoissonSystem<3, 1> for RigidBodyEnergy {
     #[inline(always)]
     fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
         let weight = dt + self.noise * dw[0];
-        [
-            y[0] * (self.drift[0] * weight),
-            y[1] * (self.drift[1] * weight),
-            y[2] * (self.drift[2] * weight),
-        ]
+        [y[0] * (self.drift[0] * weight), y[1] * (self.drift[1] * weight), y[2] * (self.drift[2] * weight)]
     }
 
     #[inline(always)]
@@ -201,10 +180,6 @@ impl PoissonSystem<3, 1> for RigidBodyEnergy {
 
     #[inline(always)]
     fn invariant<R: Real>(&self, index: usize, y: [R; 3]) -> R {
-        if index == 0 {
-            half_square(y)
-        } else {
-            self.hamiltonian(y)
-        }
+        if index == 0 { half_square(y) } else { self.hamiltonian(y) }
     }
 }

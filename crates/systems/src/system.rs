@@ -28,28 +28,13 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
     /// ∇h(y); by dual numbers unless overridden.
     #[inline(always)]
     fn gradient<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
-        gradient(
-            &Energy {
-                system: self,
-                dt,
-                dw,
-            },
-            y,
-        )
+        gradient(&Energy { system: self, dt, dw }, y)
     }
 
     /// ∇̄h(a, b) = ∫₀¹ ∇h((1−η)a + ηb) dη; by 8 Gauss–Legendre nodes unless overridden.
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
-        averaged::<DEFAULT_NODES, R, _, D>(
-            &HamiltonianIncrement {
-                system: self,
-                dt,
-                dw,
-            },
-            a,
-            b,
-        )
+        averaged::<DEFAULT_NODES, R, _, D>(&HamiltonianIncrement { system: self, dt, dw }, a, b)
     }
 
     /// The homogeneous Casimirs and, for one noise, the homogeneous Hamiltonian; none unless overridden.

@@ -22,8 +22,7 @@ pub(crate) fn fit(design: &[Vec<f64>], y: &[f64], covariance: &[Vec<f64>]) -> Op
     let columns: Vec<Vec<f64>> =
         (0..parameters).map(|c| forward(&factor, &design.iter().map(|row| row[c]).collect::<Vec<_>>())).collect();
     let target = forward(&factor, y);
-    let normal: Vec<Vec<f64>> =
-        columns.iter().map(|a| columns.iter().map(|b| dot(a, b)).collect()).collect();
+    let normal: Vec<Vec<f64>> = columns.iter().map(|a| columns.iter().map(|b| dot(a, b)).collect()).collect();
     let normal_factor = cholesky(&normal)?;
     let right: Vec<f64> = columns.iter().map(|column| dot(column, &target)).collect();
     let beta = backward(&normal_factor, &forward(&normal_factor, &right));

@@ -24,7 +24,7 @@
 //! | item | job |
 //! |---|---|
 //! | [`reproduce`], [`Settings`], [`Mode`], [`Progress`] | run everything, or a selection |
-//! | [`EXPERIMENTS`], [`STATEMENTS`], [`panel_ids`] | what there is to run |
+//! | [`EXPERIMENTS`], [`STATEMENTS`], [`SUPPLEMENTS`], [`panel_ids`] | what there is to run |
 //! | [`fit_strong`], [`fit_weak`], [`order_verdict`] | orders with intervals, and when an order is said to hold |
 //! | [`results`] | the `results.json` contract |
 
@@ -35,9 +35,11 @@ mod order;
 mod paper;
 mod reproduce;
 pub mod results;
+mod runge_kutta;
 mod statement;
 mod statements;
 mod strong;
+mod supplement;
 mod weak;
 
 pub use experiment::{Context, Experiment, Mode, Progress, Settings, Silent};
@@ -46,3 +48,4 @@ pub use paper::EXPERIMENTS;
 pub use reproduce::{UnknownPanel, check_ids, panel_ids, reproduce};
 pub use statement::Statement;
 pub use statements::STATEMENTS;
+pub use supplement::{SUPPLEMENTS, Supplement};

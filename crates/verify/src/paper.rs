@@ -2,8 +2,8 @@
 
 use mc::Observable;
 use systems::{
-    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, Problem, RigidBody,
-    RigidBodyEnergy, Sine, SystemError,
+    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, Problem,
+    RigidBody, RigidBodyEnergy, Sine, SystemError,
 };
 
 use crate::experiment::{Context, Experiment, TRUNCATION_ORDER, Yield};
@@ -55,7 +55,8 @@ pub(crate) fn half_cosine() -> Cosine {
 
 /// "γ = …, y₀ = …, T = …", the part of a set-up that all panels share.
 fn describe<S, G: Damping, const D: usize>(system: &str, problem: &Problem<S, G, D>, rest: &str) -> String {
-    let start: Vec<String> = problem.y0.iter().map(|y| format!("{y:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()).collect();
+    let start: Vec<String> =
+        problem.y0.iter().map(|y| format!("{y:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()).collect();
     format!(
         "{system}, {}, y₀ = ({}), T = {}, {rest}, increments truncated with k = {TRUNCATION_ORDER}",
         problem.damping.describe(),
@@ -70,7 +71,7 @@ fn steps(first: u32, last: u32) -> String {
 
 fn pendulum_strong(context: &Context<'_>) -> Yield {
     let problem = valid(Problem::new(valid(Pendulum::new(1.0)), valid(Constant::new(2.0)), [0.2, 1.0], 1.0));
-    let (last, reference) = context.choose((12, 14), (9, 11));
+    let (last, reference) = context.choose((12, 14), (10, 12));
     let setup = StrongSetup {
         id: "pendulum-strong",
         title: "Damped stochastic pendulum: strong convergence",
@@ -79,7 +80,7 @@ fn pendulum_strong(context: &Context<'_>) -> Yield {
         first: 5,
         last,
         reference,
-        samples: context.choose(500, 128),
+        samples: context.choose(500, 512),
     };
     strong_yield(strong_panel(context, &setup, &problem), "strong-one", STRONG_ONE, 1.0)
 }
@@ -87,7 +88,7 @@ fn pendulum_strong(context: &Context<'_>) -> Yield {
 fn rigid_body_strong_3(context: &Context<'_>) -> Yield {
     let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
     let problem = valid(Problem::new(body, half_cosine(), rigid_body_start(), 1.0));
-    let (last, reference) = context.choose((14, 16), (9, 11));
+    let (last, reference) = context.choose((14, 16), (10, 12));
     let setup = StrongSetup {
         id: "rigid-body-strong-3",
         title: "Damped stochastic rigid body, three noises: strong convergence",
@@ -96,7 +97,7 @@ fn rigid_body_strong_3(context: &Context<'_>) -> Yield {
         first: 5,
         last,
         reference,
-        samples: context.choose(1000, 128),
+        samples: context.choose(1000, 512),
     };
     strong_yield(strong_panel(context, &setup, &problem), "strong-half", STRONG_HALF, 0.5)
 }
@@ -104,7 +105,7 @@ fn rigid_body_strong_3(context: &Context<'_>) -> Yield {
 fn rigid_body_strong_1(context: &Context<'_>) -> Yield {
     let body = valid(RigidBody::one_noise(INERTIA, NOISE_INERTIA[0]));
     let problem = valid(Problem::new(body, half_cosine(), rigid_body_start(), 1.0));
-    let (last, reference) = context.choose((14, 16), (9, 11));
+    let (last, reference) = context.choose((14, 16), (10, 12));
     let setup = StrongSetup {
         id: "rigid-body-strong-1",
         title: "Damped stochastic rigid body, only W₁: strong convergence",
@@ -113,7 +114,7 @@ fn rigid_body_strong_1(context: &Context<'_>) -> Yield {
         first: 5,
         last,
         reference,
-        samples: context.choose(1000, 128),
+        samples: context.choose(1000, 512),
     };
     strong_yield(strong_panel(context, &setup, &problem), "strong-one", STRONG_ONE, 1.0)
 }
@@ -121,7 +122,7 @@ fn rigid_body_strong_1(context: &Context<'_>) -> Yield {
 fn lotka_volterra_strong(context: &Context<'_>) -> Yield {
     let system = valid(LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0));
     let problem = valid(Problem::new(system, valid(Sine::new(1.0, 1.0)), LOTKA_VOLTERRA_START, 1.0));
-    let (last, reference) = context.choose((12, 14), (9, 11));
+    let (last, reference) = context.choose((12, 14), (10, 12));
     let setup = StrongSetup {
         id: "lotka-volterra-strong",
         title: "Damped stochastic Lotka–Volterra system: strong convergence",
@@ -131,7 +132,7 @@ fn lotka_volterra_strong(context: &Context<'_>) -> Yield {
         first: 5,
         last,
         reference,
-        samples: context.choose(500, 128),
+        samples: context.choose(500, 512),
     };
     let mut result = strong_yield(strong_panel(context, &setup, &problem), "strong-one", STRONG_ONE, 1.0);
     for claim in &mut result.claims {
@@ -143,7 +144,7 @@ fn lotka_volterra_strong(context: &Context<'_>) -> Yield {
 
 fn poisson3_strong(context: &Context<'_>) -> Yield {
     let problem = valid(Problem::new(valid(Poisson3::new(1.0)), half_cosine(), [1.0, 2.0, 3.0], 0.5));
-    let (last, reference) = context.choose((12, 14), (9, 11));
+    let (last, reference) = context.choose((12, 14), (10, 12));
     let setup = StrongSetup {
         id: "poisson3-strong",
         title: "Damped three-dimensional Poisson system: strong convergence",
@@ -152,7 +153,7 @@ fn poisson3_strong(context: &Context<'_>) -> Yield {
         first: 5,
         last,
         reference,
-        samples: context.choose(400, 128),
+        samples: context.choose(400, 512),
     };
     strong_yield(strong_panel(context, &setup, &problem), "strong-one", STRONG_ONE, 1.0)
 }
@@ -174,14 +175,19 @@ fn strong_yield(panel: Panel, id: &str, statement: &str, order: f64) -> Yield {
                 panel: panel.id.clone(),
                 scheme: series.scheme.clone(),
                 proven: series.scheme == "sexp",
-                ..claim(id, &statement, order_verdict(series.rate.as_ref(), expected), rate_evidence(series.rate.as_ref()))
+                ..claim(
+                    id,
+                    &statement,
+                    order_verdict(series.rate.as_ref(), expected),
+                    rate_evidence(series.rate.as_ref()),
+                )
             }
         })
         .collect();
     Yield { panels: vec![panel], claims }
 }
 
-fn rate_evidence(rate: Option<&Rate>) -> String {
+pub(crate) fn rate_evidence(rate: Option<&Rate>) -> String {
     match rate {
         None => "no order can be named: the error is inside the noise, or there are too few paths".to_owned(),
         Some(rate) => format!(
@@ -199,7 +205,7 @@ fn rigid_body_weak(context: &Context<'_>) -> Yield {
     let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
     let problem = valid(Problem::new(body, half_cosine(), rigid_body_start(), 1.0));
     let last = context.choose(12, 9);
-    let samples = context.choose(500_000, 8_192);
+    let samples = context.choose(500_000, 16_384);
     let setup = WeakSetup {
         paper: "sexp has weak order 1 for every test function.",
         setup: describe("rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)", &problem, &steps(6, last)),
@@ -233,11 +239,7 @@ fn weak_observables() -> [WeakPanel<3>; 4] {
         WeakPanel {
             id: "rigid-body-weak-y",
             title: "Rigid body, three noises: weak error of E[y_j]",
-            observables: vec![
-                observable("y1", |y| y[0]),
-                observable("y2", |y| y[1]),
-                observable("y3", |y| y[2]),
-            ],
+            observables: vec![observable("y1", |y| y[0]), observable("y2", |y| y[1]), observable("y3", |y| y[2])],
         },
         WeakPanel {
             id: "rigid-body-weak-y2",

@@ -8,6 +8,7 @@ use crate::experiment::{Context, Progress, Settings};
 use crate::paper::EXPERIMENTS;
 use crate::results::{Provenance, Results, SCHEMA};
 use crate::statements::STATEMENTS;
+use crate::supplement::SUPPLEMENTS;
 
 /// A panel or statement that does not exist.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,9 +22,11 @@ impl fmt::Display for UnknownPanel {
         let statements: Vec<&str> = STATEMENTS.iter().map(|statement| statement.id).collect();
         write!(
             f,
-            "there is no panel or statement {:?}; the panels are {}, the statements that are measured on their own {}",
+            "there is no panel or statement {:?}; the panels are {}; figures that are not in the paper: {}; statements \
+             that are measured on their own: {}",
             self.id,
             panel_ids().join(", "),
+            SUPPLEMENTS.iter().map(|supplement| supplement.id).collect::<Vec<_>>().join(", "),
             statements.join(", ")
         )
     }
@@ -42,17 +45,22 @@ pub fn panel_ids() -> Vec<&'static str> {
 /// # Errors
 /// [`UnknownPanel`] names the first that does not, and lists those that do.
 pub fn check_ids(ids: &[String]) -> Result<(), UnknownPanel> {
-    let known = |id: &str| panel_ids().contains(&id) || STATEMENTS.iter().any(|statement| statement.id == id);
+    let known = |id: &str| {
+        panel_ids().contains(&id)
+            || STATEMENTS.iter().any(|statement| statement.id == id)
+            || SUPPLEMENTS.iter().any(|supplement| supplement.id == id)
+    };
     match ids.iter().find(|id| !known(id)) {
         None => Ok(()),
         Some(id) => Err(UnknownPanel { id: id.clone() }),
     }
 }
 
-/// First experiment number of the statements; experiments are numbered from 1.
+/// First experiment numbers of the statements and of the supplements; the paper's experiments count from 1.
 const STATEMENT_NUMBERS: u64 = 1000;
+const SUPPLEMENT_NUMBERS: u64 = 2000;
 
-/// Runs the panels and statements in `only`, or all of them when it is empty, on the current rayon pool.
+/// Runs the panels, statements and supplements in `only`, or all of them when it is empty, on the current rayon pool.
 ///
 /// Of the provenance, the seed, the mode and the timings by id are filled in; the rest is left to the caller.
 ///
@@ -84,11 +92,20 @@ pub fn reproduce(settings: Settings, only: &[String], progress: &dyn Progress) -
         claims.extend((statement.measure)(&context));
         wall_s_by_id.insert(statement.id.to_owned(), start.elapsed().as_secs_f64());
     }
+    let mut supplements = Vec::new();
+    for (number, supplement) in (SUPPLEMENT_NUMBERS..).zip(SUPPLEMENTS) {
+        if !wanted(supplement.id) {
+            continue;
+        }
+        let start = Instant::now();
+        let context = Context { settings, experiment: number, wanted: &[], progress };
+        supplements.push((supplement.run)(&context));
+        wall_s_by_id.insert(supplement.id.to_owned(), start.elapsed().as_secs_f64());
+    }
     let mode = match settings.mode {
         crate::Mode::Paper => "paper",
         crate::Mode::Quick => "quick",
     };
-    let provenance =
-        Provenance { seed: settings.seed, mode: mode.to_owned(), wall_s_by_id, ..Provenance::default() };
-    Ok(Results { schema: SCHEMA, provenance, panels, claims })
+    let provenance = Provenance { seed: settings.seed, mode: mode.to_owned(), wall_s_by_id, ..Provenance::default() };
+    Ok(Results { schema: SCHEMA, provenance, panels, supplements, claims })
 }

@@ -20,6 +20,9 @@ pub struct Results {
     pub provenance: Provenance,
     /// The panels, in the order of the paper.
     pub panels: Vec<Panel>,
+    /// Figures that are not in the paper, for example the effect of the truncation order.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub supplements: Vec<Panel>,
     /// The statements of the paper, each with a verdict.
     pub claims: Vec<Claim>,
 }
@@ -87,7 +90,7 @@ pub struct Panel {
 /// One curve.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Series {
-    /// Scheme id: `sexp`, `em` or `midpoint`.
+    /// Scheme id: `sexp`, `em` or `midpoint`; with a qualifier on a supplement.
     pub scheme: String,
     /// What is measured: `y(T)`, `sup y` (strong), `y1`, `y2^2`, `cos y3` (weak), `C`, `H` (invariant).
     pub quantity: String,

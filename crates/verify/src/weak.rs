@@ -149,9 +149,8 @@ fn weak_series(name: &str, taus: &[f64], main: &CrossMoments, tail: &CrossMoment
                 .collect()
         })
         .collect();
-    let points = (0..levels)
-        .map(|l| Point::Error { tau: taus[l], value: errors[l], se: covariance[l][l].sqrt() })
-        .collect();
+    let points =
+        (0..levels).map(|l| Point::Error { tau: taus[l], value: errors[l], se: covariance[l][l].sqrt() }).collect();
     Series {
         scheme: "sexp".to_owned(),
         quantity: name.to_owned(),

@@ -32,10 +32,7 @@ pub fn csv(panel: &Panel) -> String {
                     format!("{tau:e},{value:e},{se:e}")
                 }
                 (Kind::Invariant, Point::Value { t, value, exact }) => {
-                    format!(
-                        "{t:e},{value:e},{exact:e},{:e}",
-                        relative_defect(*value, *exact)
-                    )
+                    format!("{t:e},{value:e},{exact:e},{:e}", relative_defect(*value, *exact))
                 }
                 // A point of the other kind has no row in this table.
                 _ => continue,
@@ -49,11 +46,7 @@ pub fn csv(panel: &Panel) -> String {
 
 /// Quotes a field when it holds a separator, a quote or a line break.
 fn field(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
-    }
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
 #[cfg(test)]
@@ -63,13 +56,8 @@ mod tests {
     use super::*;
 
     fn panel(kind: Kind, quantity: &str, points: Vec<Point>) -> Panel {
-        let series = Series {
-            scheme: "sexp".into(),
-            quantity: quantity.into(),
-            points,
-            rate: None,
-            max_relative_defect: None,
-        };
+        let series =
+            Series { scheme: "sexp".into(), quantity: quantity.into(), points, rate: None, max_relative_defect: None };
         Panel {
             id: "test".into(),
             kind,
@@ -86,11 +74,7 @@ mod tests {
     #[test]
     fn errors_read_back_bit_for_bit() {
         let (tau, value, se) = (2f64.powi(-14), 0.1 + 0.2, 1.0 / 3.0 * 1e-300);
-        let table = csv(&panel(
-            Kind::Strong,
-            "y(T)",
-            vec![Point::Error { tau, value, se }],
-        ));
+        let table = csv(&panel(Kind::Strong, "y(T)", vec![Point::Error { tau, value, se }]));
         let mut lines = table.lines();
         assert_eq!(lines.next(), Some(ERROR_COLUMNS));
         let fields: Vec<&str> = lines.next().unwrap_or("").split(',').collect();
@@ -101,24 +85,14 @@ mod tests {
 
     #[test]
     fn invariants_carry_their_relative_defect() {
-        let point = Point::Value {
-            t: 0.5,
-            value: 3.0,
-            exact: -2.0,
-        };
+        let point = Point::Value { t: 0.5, value: 3.0, exact: -2.0 };
         let table = csv(&panel(Kind::Invariant, "C", vec![point]));
-        assert_eq!(
-            table,
-            format!("{VALUE_COLUMNS}\nsexp,C,5e-1,3e0,-2e0,2.5e0\n")
-        );
+        assert_eq!(table, format!("{VALUE_COLUMNS}\nsexp,C,5e-1,3e0,-2e0,2.5e0\n"));
     }
 
     #[test]
     fn separators_are_quoted_and_no_points_leave_the_header() {
         assert_eq!(field("a,\"b\""), "\"a,\"\"b\"\"\"");
-        assert_eq!(
-            csv(&panel(Kind::Weak, "y1", vec![])),
-            format!("{ERROR_COLUMNS}\n")
-        );
+        assert_eq!(csv(&panel(Kind::Weak, "y1", vec![])), format!("{ERROR_COLUMNS}\n"));
     }
 }

@@ -25,10 +25,7 @@ mod tests {
 
     #[test]
     fn markup_becomes_text() {
-        assert_eq!(
-            escape("<b a=\"1\" c='2'>x & y</b>"),
-            "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;x &amp; y&lt;/b&gt;"
-        );
+        assert_eq!(escape("<b a=\"1\" c='2'>x & y</b>"), "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;x &amp; y&lt;/b&gt;");
         assert_eq!(escape("τ < 2⁻⁵\n"), "τ &lt; 2⁻⁵\n");
         assert_eq!(escape("a\u{0}b"), "a\u{fffd}b");
     }

@@ -22,25 +22,14 @@ impl Label {
     pub fn new(notation: &str) -> Self {
         let (base, exponent) = notation.split_once('^').unwrap_or((notation, ""));
         let stem = base.trim_end_matches(|c: char| c.is_ascii_digit());
-        let (base, index) = if stem.ends_with(|c: char| c.is_alphabetic()) {
-            base.split_at(stem.len())
-        } else {
-            (base, "")
-        };
-        Self {
-            base: base.replace('-', "−"),
-            index: index.to_owned(),
-            exponent: exponent.replace('-', "−"),
-        }
+        let (base, index) =
+            if stem.ends_with(|c: char| c.is_alphabetic()) { base.split_at(stem.len()) } else { (base, "") };
+        Self { base: base.replace('-', "−"), index: index.to_owned(), exponent: exponent.replace('-', "−") }
     }
 
     /// Plain words, in which digits and hyphens stay what they are.
     pub fn words(text: &str) -> Self {
-        Self {
-            base: text.to_owned(),
-            index: String::new(),
-            exponent: String::new(),
-        }
+        Self { base: text.to_owned(), index: String::new(), exponent: String::new() }
     }
 
     /// A power, for example 10⁻³.
@@ -61,9 +50,7 @@ impl Label {
 fn width(text: &str) -> f64 {
     text.chars()
         .map(|c| match c {
-            'i' | 'j' | 'l' | 't' | 'f' | 'r' | ' ' | '.' | ',' | ':' | '(' | ')' | '|' | '/' => {
-                0.4
-            }
+            'i' | 'j' | 'l' | 't' | 'f' | 'r' | ' ' | '.' | ',' | ':' | '(' | ')' | '|' | '/' => 0.4,
             'm' | 'w' | 'M' | 'W' | '−' | '≤' => 0.86,
             _ => 0.6,
         })

@@ -33,8 +33,8 @@ pub fn write_report(results: &Results, dir: &Path) -> Result<()> {
     for folder in [&figures, &data] {
         fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))?;
     }
-    let mut drawings = Vec::with_capacity(results.panels.len());
-    for panel in &results.panels {
+    let mut drawings = Vec::new();
+    for panel in results.panels.iter().chain(&results.supplements) {
         let drawing = figure::figure(panel).with_context(|| format!("drawing {}", panel.id))?;
         let stem = file_stem(&panel.id);
         write(&figures.join(format!("{stem}.svg")), drawing.as_bytes())?;
@@ -46,15 +46,7 @@ pub fn write_report(results: &Results, dir: &Path) -> Result<()> {
 
 /// The name of a panel's files: its id, without what could leave the folder.
 fn file_stem(id: &str) -> String {
-    id.chars()
-        .map(|c| {
-            if c.is_ascii_alphanumeric() || c == '-' {
-                c
-            } else {
-                '_'
-            }
-        })
-        .collect()
+    id.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }
 
 /// The quantity a strong or invariant figure shows: the error at the final time, or whatever comes first.
@@ -67,11 +59,7 @@ fn main_quantity(panel: &Panel) -> &str {
 
 /// |value − exact| / |exact|, and zero where the two agree.
 fn relative_defect(value: f64, exact: f64) -> f64 {
-    if value == exact {
-        0.0
-    } else {
-        ((value - exact) / exact).abs()
-    }
+    if value == exact { 0.0 } else { ((value - exact) / exact).abs() }
 }
 
 #[cfg(test)]
@@ -109,30 +97,16 @@ mod tests {
             vec![],
             vec![error(0.1, 1e-3, 0.0)],
             vec![error(0.1, 0.0, 0.0), error(0.05, 0.0, 0.0)],
-            vec![
-                error(0.1, f64::MAX, f64::MAX),
-                error(0.05, -5e-324, f64::NAN),
-            ],
-            vec![
-                error(0.1, f64::NAN, 1.0),
-                error(0.0, 1.0, 0.0),
-                error(-1.0, 1.0, f64::INFINITY),
-            ],
+            vec![error(0.1, f64::MAX, f64::MAX), error(0.05, -5e-324, f64::NAN)],
+            vec![error(0.1, f64::NAN, 1.0), error(0.0, 1.0, 0.0), error(-1.0, 1.0, f64::INFINITY)],
             vec![value(0.0, 1.0, 1.0), error(0.1, 5e3, 1e4)],
         ];
         let values = [
             vec![],
             vec![value(0.0, 1.0, 1.0)],
-            vec![
-                value(0.0, 0.0, 0.0),
-                value(2.0, 1.0, 0.0),
-                value(1.0, 0.0, 0.0),
-            ],
+            vec![value(0.0, 0.0, 0.0), value(2.0, 1.0, 0.0), value(1.0, 0.0, 0.0)],
             vec![value(0.0, f64::MAX, -f64::MAX), value(1.0, f64::NAN, 1.0)],
-            vec![
-                value(f64::NAN, 1.0, 1.0),
-                value(1.0, f64::INFINITY, f64::NEG_INFINITY),
-            ],
+            vec![value(f64::NAN, 1.0, 1.0), value(1.0, f64::INFINITY, f64::NEG_INFINITY)],
         ];
         let mut panels = Vec::new();
         for (n, points) in errors.into_iter().enumerate() {
@@ -148,12 +122,8 @@ mod tests {
     #[test]
     fn awkward_data_still_make_a_report() -> Result<()> {
         let dir = tempfile::tempdir()?;
-        let results = Results {
-            schema: SCHEMA,
-            provenance: Provenance::default(),
-            panels: awkward(),
-            claims: Vec::new(),
-        };
+        let results =
+            Results { schema: SCHEMA, provenance: Provenance::default(), panels: awkward(), supplements: Vec::new(), claims: Vec::new() };
         write_report(&results, dir.path())?;
         // A second run replaces the first.
         write_report(&results, dir.path())?;

@@ -102,12 +102,7 @@ pub fn solve_block<E: FixedPoint<D>, const D: usize>(
     equations: &Equations<E>,
 ) -> (Block<D>, BlockStatus) {
     let (mut z, mut status) = (Block::splat([f64::NAN; D]), BlockStatus::explicit());
-    dispatch(SolveKernel {
-        solver,
-        equations,
-        z: &mut z,
-        status: &mut status,
-    });
+    dispatch(SolveKernel { solver, equations, z: &mut z, status: &mut status });
     (z, status)
 }
 

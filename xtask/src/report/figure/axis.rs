@@ -36,18 +36,13 @@ impl Range {
             .into_iter()
             .filter(|v| v.is_finite())
             .map(|v| v.clamp(-LARGEST, LARGEST))
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| {
-                (lo.min(v), hi.max(v))
-            });
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
         if lo <= hi { Self { lo, hi } } else { otherwise }
     }
 
     /// Widened by the factor `margin` at both ends.
     pub fn times(self, margin: f64) -> Self {
-        Self {
-            lo: self.lo / margin,
-            hi: self.hi * margin,
-        }
+        Self { lo: self.lo / margin, hi: self.hi * margin }
     }
 
     /// Widened by `share` of its length at both ends; a single value gets a range of its own magnitude.
@@ -58,10 +53,7 @@ impl Range {
             (false, false) => 0.1 * self.hi.abs(),
             (false, true) => 1.0,
         };
-        Self {
-            lo: self.lo - pad,
-            hi: self.hi + pad,
-        }
+        Self { lo: self.lo - pad, hi: self.hi + pad }
     }
 
     /// Widened until it holds two powers of ten, because one labelled tick does not define a scale.
@@ -97,9 +89,7 @@ impl Axis {
             Scale::Linear => (value - self.range.lo) / (self.range.hi - self.range.lo),
             Scale::Logarithmic if value <= 0.0 => 0.0,
             // Differences of logarithms, because the ratio of two values may overflow.
-            Scale::Logarithmic => {
-                (value.ln() - self.range.lo.ln()) / (self.range.hi.ln() - self.range.lo.ln())
-            }
+            Scale::Logarithmic => (value.ln() - self.range.lo.ln()) / (self.range.hi.ln() - self.range.lo.ln()),
         };
         self.start + share * (self.end - self.start)
     }
@@ -112,12 +102,7 @@ mod tests {
     const UNIT: Range = Range { lo: 1.0, hi: 100.0 };
 
     fn axis(scale: Scale) -> Axis {
-        Axis {
-            scale,
-            range: UNIT,
-            start: 200.0,
-            end: 0.0,
-        }
+        Axis { scale, range: UNIT, start: 200.0, end: 0.0 }
     }
 
     #[test]
@@ -156,11 +141,7 @@ mod tests {
     #[test]
     fn a_single_value_gets_a_range() {
         for value in [0.0, 3.0, -1e9] {
-            let range = Range {
-                lo: value,
-                hi: value,
-            }
-            .padded(0.05);
+            let range = Range { lo: value, hi: value }.padded(0.05);
             assert!(range.lo < value && value < range.hi);
         }
     }

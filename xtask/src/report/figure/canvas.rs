@@ -5,9 +5,7 @@
 
 use anyhow::Result;
 use plotters::backend::DrawingBackend;
-use plotters::prelude::{
-    Color, FontTransform, IntoFont, RGBColor, SVGBackend, ShapeStyle, TextStyle,
-};
+use plotters::prelude::{Color, FontTransform, IntoFont, RGBColor, SVGBackend, ShapeStyle, TextStyle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::look::{Look, Marker};
@@ -45,11 +43,7 @@ pub struct Stroke {
 impl Stroke {
     /// An opaque stroke.
     pub fn new(color: RGBColor, width: f64) -> Self {
-        Self {
-            color,
-            width,
-            opacity: 1.0,
-        }
+        Self { color, width, opacity: 1.0 }
     }
 
     /// The same stroke, partly transparent.
@@ -82,16 +76,10 @@ pub struct Canvas<'a> {
 /// Draws a page of the given size with `draw` and returns it as a stand-alone SVG document.
 ///
 /// `title` is what a screen reader says in place of the picture.
-pub fn page(
-    (width, height): (f64, f64),
-    title: &str,
-    draw: impl FnOnce(&mut Canvas) -> Result<()>,
-) -> Result<String> {
+pub fn page((width, height): (f64, f64), title: &str, draw: impl FnOnce(&mut Canvas) -> Result<()>) -> Result<String> {
     let mut svg = String::new();
     let size = ((width * GRID) as u32, (height * GRID) as u32);
-    let mut canvas = Canvas {
-        backend: SVGBackend::with_string(&mut svg, size),
-    };
+    let mut canvas = Canvas { backend: SVGBackend::with_string(&mut svg, size) };
     draw(&mut canvas)?;
     canvas.backend.present()?;
     drop(canvas);
@@ -150,18 +138,14 @@ impl Canvas<'_> {
         if look.marker == Marker::Circle {
             let size = (radius * GRID) as u32;
             let fill = if hollow { WHITE } else { look.color };
-            self.backend
-                .draw_circle(grid(at), size, &fill.filled(), true)?;
+            self.backend.draw_circle(grid(at), size, &fill.filled(), true)?;
             if hollow {
-                self.backend
-                    .draw_circle(grid(at), size, &edge.style(), false)?;
+                self.backend.draw_circle(grid(at), size, &edge.style(), false)?;
             }
             return Ok(());
         }
-        let mut outline: Vec<Position> = outline(look.marker)
-            .iter()
-            .map(|(x, y)| (at.0 + radius * x, at.1 + radius * y))
-            .collect();
+        let mut outline: Vec<Position> =
+            outline(look.marker).iter().map(|(x, y)| (at.0 + radius * x, at.1 + radius * y)).collect();
         let fill = if hollow { WHITE } else { look.color };
         let corners = outline.iter().copied().map(grid);
         self.backend.fill_polygon(corners, &fill.filled())?;
@@ -183,14 +167,7 @@ impl Canvas<'_> {
         self.text(text, at, size, Align::Middle, FontTransform::Rotate270)
     }
 
-    fn text(
-        &mut self,
-        text: &str,
-        at: Position,
-        size: f64,
-        align: Align,
-        transform: FontTransform,
-    ) -> Result<()> {
+    fn text(&mut self, text: &str, at: Position, size: f64, align: Align, transform: FontTransform) -> Result<()> {
         // The backend divides font sizes by this factor.
         const BACKEND_FACTOR: f64 = 1.24;
         let anchor = match align {
@@ -199,9 +176,7 @@ impl Canvas<'_> {
             Align::Right => HPos::Right,
         };
         let font = ("sans-serif", (size * GRID).round() * BACKEND_FACTOR).into_font();
-        let style = TextStyle::from(font.transform(transform))
-            .color(&INK)
-            .pos(Pos::new(anchor, VPos::Center));
+        let style = TextStyle::from(font.transform(transform)).color(&INK).pos(Pos::new(anchor, VPos::Center));
         self.backend.draw_text(text, &style, grid(at))?;
         Ok(())
     }

@@ -47,18 +47,8 @@ pub fn convergence(panel: &Panel) -> Result<String> {
     let top = legend.height() + 7.0;
     let height = top + PLOT_HEIGHT + BELOW;
     let frame = Frame {
-        x: Axis {
-            scale: Scale::Logarithmic,
-            range: step_range(&curves),
-            start: LEFT,
-            end: WIDTH - RIGHT,
-        },
-        y: Axis {
-            scale: Scale::Logarithmic,
-            range: error_range(&curves, &slopes),
-            start: top + PLOT_HEIGHT,
-            end: top,
-        },
+        x: Axis { scale: Scale::Logarithmic, range: step_range(&curves), start: LEFT, end: WIDTH - RIGHT },
+        y: Axis { scale: Scale::Logarithmic, range: error_range(&curves, &slopes), start: top + PLOT_HEIGHT, end: top },
     };
     canvas::page((WIDTH, height), &panel.title, |canvas| {
         legend.draw(canvas, LEFT, 2.0)?;
@@ -69,9 +59,7 @@ pub fn convergence(panel: &Panel) -> Result<String> {
         let title = if weak {
             "|weak error|".to_owned()
         } else {
-            format!("RMS error of {quantity}")
-                .trim_end_matches(" of ")
-                .to_owned()
+            format!("RMS error of {quantity}").trim_end_matches(" of ").to_owned()
         };
         frame.title_left(canvas, &title)?;
         let mut obstacles = obstacles(&frame, &curves);
@@ -80,11 +68,7 @@ pub fn convergence(panel: &Panel) -> Result<String> {
         }
         for (n, curve) in curves.iter().enumerate() {
             // Bars of weak errors are long and would cover each other: set them side by side.
-            let shift = if weak {
-                2.4 * (n as f64 - 0.5 * (curves.len() as f64 - 1.0))
-            } else {
-                0.0
-            };
+            let shift = if weak { 2.4 * (n as f64 - 0.5 * (curves.len() as f64 - 1.0)) } else { 0.0 };
             curve.draw(canvas, &frame, shift, weak)?;
         }
         if curves.iter().all(|c| c.points.is_empty()) {
@@ -99,14 +83,8 @@ pub fn convergence(panel: &Panel) -> Result<String> {
 fn curves(panel: &Panel) -> Vec<Curve> {
     let weak = panel.kind == Kind::Weak;
     let quantity = main_quantity(panel);
-    let drawn: Vec<&Series> = panel
-        .series
-        .iter()
-        .filter(|s| weak || s.quantity == quantity)
-        .collect();
-    let several_schemes = drawn
-        .windows(2)
-        .any(|pair| pair[0].scheme != pair[1].scheme);
+    let drawn: Vec<&Series> = panel.series.iter().filter(|s| weak || s.quantity == quantity).collect();
+    let several_schemes = drawn.windows(2).any(|pair| pair[0].scheme != pair[1].scheme);
     let looks = look::of_schemes(drawn.iter().map(|s| s.scheme.as_str()));
     drawn
         .iter()
@@ -118,11 +96,7 @@ fn curves(panel: &Panel) -> Vec<Curve> {
                 (true, true) => Label::new(&format!("{} {}", series.scheme, series.quantity)),
             },
             look: if weak { look::of_quantity(n) } else { looks[n] },
-            order: series
-                .rate
-                .as_ref()
-                .map(|r| r.estimate)
-                .filter(|r| r.is_finite()),
+            order: series.rate.as_ref().map(|r| r.estimate).filter(|r| r.is_finite()),
             points: series.points.iter().filter_map(measurement).collect(),
         })
         .collect()
@@ -132,11 +106,7 @@ fn measurement(point: &Point) -> Option<Measurement> {
     match *point {
         Point::Error { tau, value, se } => {
             let se = if se.is_finite() { se.abs() } else { 0.0 };
-            (tau > 0.0 && tau.is_finite() && value.is_finite()).then_some(Measurement {
-                tau,
-                value,
-                se,
-            })
+            (tau > 0.0 && tau.is_finite() && value.is_finite()).then_some(Measurement { tau, value, se })
         }
         Point::Value { .. } => None,
     }
@@ -161,21 +131,13 @@ impl Curve {
     /// too noisy to choose between two lines.
     fn trend(&self, weak: bool) -> Trend {
         let pairs = |keep: fn(&Measurement) -> bool| -> Vec<(f64, f64)> {
-            self.points
-                .iter()
-                .filter(|p| keep(p))
-                .map(|p| (p.tau, p.size()))
-                .collect()
+            self.points.iter().filter(|p| keep(p)).map(|p| (p.tau, p.size())).collect()
         };
         let mut points = pairs(|p| p.lower() > 0.0);
         if points.is_empty() {
             points = pairs(|p| p.size() > 0.0);
         }
-        let order = if weak {
-            Some(1.0)
-        } else {
-            self.order.or_else(|| slope::fitted_order(&points))
-        };
+        let order = if weak { Some(1.0) } else { self.order.or_else(|| slope::fitted_order(&points)) };
         Trend { order, points }
     }
 
@@ -191,13 +153,7 @@ impl Curve {
         let line = Stroke::new(self.look.color, if weak { 0.8 } else { 1.2 });
         frame.polyline(canvas, &places, line.faded(if weak { 0.45 } else { 1.0 }))?;
         for (point, at) in self.points.iter().zip(&places) {
-            error_bar(
-                canvas,
-                frame,
-                point,
-                at.0,
-                Stroke::new(self.look.color, 1.0),
-            )?;
+            error_bar(canvas, frame, point, at.0, Stroke::new(self.look.color, 1.0))?;
         }
         for (point, at) in self.points.iter().zip(&places) {
             canvas.marker(*at, self.look, MARKER_RADIUS, point.value < 0.0)?;
@@ -207,13 +163,7 @@ impl Curve {
 }
 
 /// Draws the interval of a point; where it reaches zero or leaves the frame it ends at the border, uncapped.
-fn error_bar(
-    canvas: &mut Canvas,
-    frame: &Frame,
-    point: &Measurement,
-    x: f64,
-    stroke: Stroke,
-) -> Result<()> {
+fn error_bar(canvas: &mut Canvas, frame: &Frame, point: &Measurement, x: f64, stroke: Stroke) -> Result<()> {
     const CAP: f64 = 2.2;
     if point.se == 0.0 {
         return Ok(());
@@ -232,45 +182,20 @@ fn error_bar(
 }
 
 fn entries(curves: &[Curve], weak: bool) -> Vec<(Sample, Label)> {
-    let mut entries: Vec<_> = curves
-        .iter()
-        .map(|c| (Sample::Curve(c.look), c.name.clone()))
-        .collect();
+    let mut entries: Vec<_> = curves.iter().map(|c| (Sample::Curve(c.look), c.name.clone())).collect();
     if weak {
-        let plain = Look {
-            color: INK,
-            marker: Marker::Circle,
-        };
-        entries.push((
-            Sample::Point {
-                look: plain,
-                hollow: false,
-            },
-            Label::words("> 0"),
-        ));
-        entries.push((
-            Sample::Point {
-                look: plain,
-                hollow: true,
-            },
-            Label::words("< 0"),
-        ));
+        let plain = Look { color: INK, marker: Marker::Circle };
+        entries.push((Sample::Point { look: plain, hollow: false }, Label::words("> 0")));
+        entries.push((Sample::Point { look: plain, hollow: true }, Label::words("< 0")));
     }
     entries
 }
 
 fn step_range(curves: &[Curve]) -> Range {
-    let typical = Range {
-        lo: 2f64.powi(-12),
-        hi: 2f64.powi(-5),
-    };
+    let typical = Range { lo: 2f64.powi(-12), hi: 2f64.powi(-5) };
     let steps = curves.iter().flat_map(|c| c.points.iter().map(|p| p.tau));
     let range = Range::of_positive(steps, typical);
-    range.times(if range.lo < range.hi {
-        (range.hi / range.lo).powf(0.04)
-    } else {
-        2.0
-    })
+    range.times(if range.lo < range.hi { (range.hi / range.lo).powf(0.04) } else { 2.0 })
 }
 
 /// Covers the errors, their bars as far as they stay near the error, and the reference lines.
@@ -278,40 +203,25 @@ fn error_range(curves: &[Curve], slopes: &[ReferenceSlope]) -> Range {
     // An error far below its own noise, or a bar that comes close to zero, says nothing at a depth that
     // would squeeze the rest of the figure.
     const DEPTH: f64 = 0.25;
-    let errors = curves.iter().flat_map(|c| &c.points).flat_map(|p| {
-        [
-            p.size().max(DEPTH * p.se),
-            p.upper(),
-            p.lower().max(DEPTH * p.size().max(p.se)),
-        ]
-    });
-    let steps = Range::of_positive(
-        curves.iter().flat_map(|c| &c.points).map(|p| p.tau),
-        Range { lo: 1.0, hi: 1.0 },
-    );
+    let errors = curves
+        .iter()
+        .flat_map(|c| &c.points)
+        .flat_map(|p| [p.size().max(DEPTH * p.se), p.upper(), p.lower().max(DEPTH * p.size().max(p.se))]);
+    let steps = Range::of_positive(curves.iter().flat_map(|c| &c.points).map(|p| p.tau), Range { lo: 1.0, hi: 1.0 });
     let lines = slopes.iter().flat_map(|s| [s.at(steps.lo), s.at(steps.hi)]);
-    Range::of_positive(errors.chain(lines), Range { lo: 1e-4, hi: 1.0 })
-        .times(1.4)
-        .with_two_decades()
+    Range::of_positive(errors.chain(lines), Range { lo: 1e-4, hi: 1.0 }).times(1.4).with_two_decades()
 }
 
 /// Points of everything a name beside a reference line should stay away from.
 fn obstacles(frame: &Frame, curves: &[Curve]) -> Vec<Position> {
     let mut obstacles = Vec::new();
     for curve in curves {
-        let places: Vec<Position> = curve
-            .points
-            .iter()
-            .map(|p| frame.place(p.tau, p.size()))
-            .collect();
+        let places: Vec<Position> = curve.points.iter().map(|p| frame.place(p.tau, p.size())).collect();
         for pair in places.windows(2) {
             obstacles.extend(slope::along(pair[0], pair[1]));
         }
         for (point, place) in curve.points.iter().zip(&places) {
-            let bar = (
-                frame.place(point.tau, point.lower()),
-                frame.place(point.tau, point.upper()),
-            );
+            let bar = (frame.place(point.tau, point.lower()), frame.place(point.tau, point.upper()));
             obstacles.extend(slope::along(bar.0, bar.1));
             obstacles.push(*place);
         }

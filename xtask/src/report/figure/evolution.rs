@@ -41,10 +41,7 @@ struct Curve {
 pub fn evolution(panel: &Panel) -> Result<String> {
     let curves = curves(panel);
     let law = Stroke::new(INK, 0.7);
-    let mut entries: Vec<_> = curves
-        .iter()
-        .map(|c| (Sample::Curve(c.look), c.name.clone()))
-        .collect();
+    let mut entries: Vec<_> = curves.iter().map(|c| (Sample::Curve(c.look), c.name.clone())).collect();
     entries.push((Sample::Line(law), Label::words("conformal law")));
     let legend = Legend::new(entries, WIDTH - LEFT - RIGHT);
     let value_top = legend.height() + 7.0;
@@ -52,33 +49,11 @@ pub fn evolution(panel: &Panel) -> Result<String> {
     let height = defect_top + DEFECT_HEIGHT + BELOW;
 
     let times = Range::of(points(&curves).map(|p| p.t), Range { lo: 0.0, hi: 1.0 });
-    let times = if times.lo < times.hi {
-        times
-    } else {
-        times.padded(0.1)
-    };
-    let x = Axis {
-        scale: Scale::Linear,
-        range: times,
-        start: LEFT,
-        end: WIDTH - RIGHT,
-    };
-    let stacked = |scale, range, top, height| Frame {
-        x,
-        y: Axis {
-            scale,
-            range,
-            start: top + height,
-            end: top,
-        },
-    };
+    let times = if times.lo < times.hi { times } else { times.padded(0.1) };
+    let x = Axis { scale: Scale::Linear, range: times, start: LEFT, end: WIDTH - RIGHT };
+    let stacked = |scale, range, top, height| Frame { x, y: Axis { scale, range, start: top + height, end: top } };
     let value = stacked(Scale::Linear, value_range(&curves), value_top, VALUE_HEIGHT);
-    let defect = stacked(
-        Scale::Logarithmic,
-        defect_range(&curves),
-        defect_top,
-        DEFECT_HEIGHT,
-    );
+    let defect = stacked(Scale::Logarithmic, defect_range(&curves), defect_top, DEFECT_HEIGHT);
 
     canvas::page((WIDTH, height), &panel.title, |canvas| {
         legend.draw(canvas, LEFT, 2.0)?;
@@ -99,11 +74,7 @@ pub fn evolution(panel: &Panel) -> Result<String> {
         }
         // The law is drawn last and thin, so that it stays visible on the curves that follow it.
         if let Some(curve) = curves.iter().max_by_key(|c| c.points.len()) {
-            let path: Vec<Position> = curve
-                .points
-                .iter()
-                .map(|p| value.place(p.t, p.exact))
-                .collect();
+            let path: Vec<Position> = curve.points.iter().map(|p| value.place(p.t, p.exact)).collect();
             value.polyline(canvas, &path, law)?;
         }
         if points(&curves).next().is_none() {
@@ -146,24 +117,14 @@ fn value_range(curves: &[Curve]) -> Range {
     let law = Range::of(points(curves).map(|p| p.exact), unit);
     let all = Range::of(points(curves).flat_map(|p| [p.value, p.exact]), unit);
     let reach = EXCURSION * (law.hi - law.lo).max(0.1 * law.hi.abs());
-    let seen = if reach > 0.0 {
-        Range {
-            lo: all.lo.max(law.lo - reach),
-            hi: all.hi.min(law.hi + reach),
-        }
-    } else {
-        all
-    };
+    let seen = if reach > 0.0 { Range { lo: all.lo.max(law.lo - reach), hi: all.hi.min(law.hi + reach) } } else { all };
     seen.padded(0.06)
 }
 
 fn defect_range(curves: &[Curve]) -> Range {
     let defects = points(curves).map(|p| relative_defect(p.value, p.exact));
     let hi = Range::of_positive(defects, Range { lo: FLOOR, hi: 1.0 }).hi;
-    Range {
-        lo: 0.4 * FLOOR,
-        hi: (4.0 * hi).max(1e-14),
-    }
+    Range { lo: 0.4 * FLOOR, hi: (4.0 * hi).max(1e-14) }
 }
 
 /// Decades, and a zero at the floor with room around it.
@@ -177,23 +138,12 @@ fn defect_ticks(range: Range) -> Ticks {
 
 impl Curve {
     /// Draws the curve with about ten markers, which no two curves carry at the same times.
-    fn draw(
-        &self,
-        canvas: &mut Canvas,
-        frame: &Frame,
-        place: impl Fn(&Sampled) -> Position,
-        n: usize,
-    ) -> Result<()> {
+    fn draw(&self, canvas: &mut Canvas, frame: &Frame, place: impl Fn(&Sampled) -> Position, n: usize) -> Result<()> {
         let path: Vec<Position> = self.points.iter().map(place).collect();
         frame.polyline(canvas, &path, Stroke::new(self.look.color, 1.1))?;
         let stride = (path.len() / 10).max(1);
         let first = (n * stride / 3 + stride / 6) % stride;
-        for at in path
-            .iter()
-            .skip(first)
-            .step_by(stride)
-            .filter(|at| frame.holds(**at))
-        {
+        for at in path.iter().skip(first).step_by(stride).filter(|at| frame.holds(**at)) {
             canvas.marker(*at, self.look, 2.6, false)?;
         }
         Ok(())

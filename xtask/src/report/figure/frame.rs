@@ -41,12 +41,8 @@ impl Frame {
             return None;
         }
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-        let borders = [
-            (-dx, a.0 - self.x.start),
-            (dx, self.x.end - a.0),
-            (-dy, a.1 - self.y.end),
-            (dy, self.y.start - a.1),
-        ];
+        let borders =
+            [(-dx, a.0 - self.x.start), (dx, self.x.end - a.0), (-dy, a.1 - self.y.end), (dy, self.y.start - a.1)];
         for (speed, distance) in borders {
             if speed == 0.0 && distance < 0.0 {
                 return None;
@@ -79,13 +75,7 @@ impl Frame {
     }
 
     /// Draws grid, marks and border. A plot that stands on another one goes without the labels below.
-    pub fn draw(
-        &self,
-        canvas: &mut Canvas,
-        x: &Ticks,
-        y: &Ticks,
-        labels_below: bool,
-    ) -> Result<()> {
+    pub fn draw(&self, canvas: &mut Canvas, x: &Ticks, y: &Ticks, labels_below: bool) -> Result<()> {
         const MAJOR: f64 = 3.5;
         const MINOR: f64 = 2.0;
         let (left, right) = (self.x.start, self.x.end);
@@ -134,12 +124,7 @@ impl Frame {
     /// Writes the title of the horizontal axis below the labels.
     pub fn title_below(&self, canvas: &mut Canvas, title: &str) -> Result<()> {
         let at = (0.5 * (self.x.start + self.x.end), self.y.start + 23.5);
-        canvas.label(
-            &crate::report::label::Label::words(title),
-            at,
-            TITLE_SIZE,
-            Align::Middle,
-        )
+        canvas.label(&crate::report::label::Label::words(title), at, TITLE_SIZE, Align::Middle)
     }
 
     /// Writes the title of the vertical axis at the left edge of the page.
@@ -155,33 +140,16 @@ mod tests {
     use super::*;
 
     fn square() -> Frame {
-        let axis = |start, end| Axis {
-            scale: Scale::Linear,
-            range: Range { lo: 0.0, hi: 1.0 },
-            start,
-            end,
-        };
-        Frame {
-            x: axis(0.0, 10.0),
-            y: axis(10.0, 0.0),
-        }
+        let axis = |start, end| Axis { scale: Scale::Linear, range: Range { lo: 0.0, hi: 1.0 }, start, end };
+        Frame { x: axis(0.0, 10.0), y: axis(10.0, 0.0) }
     }
 
     #[test]
     fn segments_are_cut_at_the_border() {
         let frame = square();
-        assert_eq!(
-            frame.clip((1.0, 1.0), (2.0, 2.0)),
-            Some(((1.0, 1.0), (2.0, 2.0)))
-        );
-        assert_eq!(
-            frame.clip((-5.0, 5.0), (15.0, 5.0)),
-            Some(((0.0, 5.0), (10.0, 5.0)))
-        );
-        assert_eq!(
-            frame.clip((5.0, 5.0), (5.0, 50.0)),
-            Some(((5.0, 5.0), (5.0, 10.0)))
-        );
+        assert_eq!(frame.clip((1.0, 1.0), (2.0, 2.0)), Some(((1.0, 1.0), (2.0, 2.0))));
+        assert_eq!(frame.clip((-5.0, 5.0), (15.0, 5.0)), Some(((0.0, 5.0), (10.0, 5.0))));
+        assert_eq!(frame.clip((5.0, 5.0), (5.0, 50.0)), Some(((5.0, 5.0), (5.0, 10.0))));
         assert_eq!(frame.clip((-5.0, -1.0), (15.0, -1.0)), None);
         assert_eq!(frame.clip((11.0, 0.0), (20.0, 9.0)), None);
     }

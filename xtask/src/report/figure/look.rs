@@ -29,10 +29,7 @@ pub struct Look {
 }
 
 const fn look(rgb: (u8, u8, u8), marker: Marker) -> Look {
-    Look {
-        color: RGBColor(rgb.0, rgb.1, rgb.2),
-        marker,
-    }
+    Look { color: RGBColor(rgb.0, rgb.1, rgb.2), marker }
 }
 
 // The palette of Okabe and Ito, which readers with any colour vision can tell apart.
@@ -52,12 +49,8 @@ const SCHEMES: [(&str, Look); 3] = [
 ];
 
 /// Looks for further schemes, in the order of their appearance.
-const SPARE: [Look; 4] = [
-    look(PURPLE, Marker::Triangle),
-    look(ORANGE, Marker::Wedge),
-    look(SKY, Marker::Star),
-    look(BLACK, Marker::Circle),
-];
+const SPARE: [Look; 4] =
+    [look(PURPLE, Marker::Triangle), look(ORANGE, Marker::Wedge), look(SKY, Marker::Star), look(BLACK, Marker::Circle)];
 
 /// Looks for the quantities of a weak panel; no colour is that of a scheme.
 const QUANTITIES: [Look; 5] = [

@@ -22,17 +22,8 @@ pub fn marked(label: &Label) -> String {
         "" => String::new(),
         text => format!("{open}{}{CLOSE}", unmarked(text)),
     };
-    let exponent = if label.index.is_empty() {
-        EXPONENT
-    } else {
-        EXPONENT_BEHIND
-    };
-    format!(
-        "{}{}{}",
-        unmarked(&label.base),
-        script(INDEX, &label.index),
-        script(exponent, &label.exponent)
-    )
+    let exponent = if label.index.is_empty() { EXPONENT } else { EXPONENT_BEHIND };
+    format!("{}{}{}", unmarked(&label.base), script(INDEX, &label.index), script(exponent, &label.exponent))
 }
 
 /// Text without marks of its own, which would break the document.

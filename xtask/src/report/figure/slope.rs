@@ -46,18 +46,10 @@ pub fn reference_slopes(trends: &[Trend]) -> Vec<ReferenceSlope> {
     let points = || trends.iter().flat_map(|t| t.points.iter());
     let line = |order: f64, above: bool| {
         let ratios = points().map(|(tau, error)| error / tau.powf(order));
-        let constant = if above {
-            ratios.reduce(f64::max)? * CLEARANCE
-        } else {
-            ratios.reduce(f64::min)? / CLEARANCE
-        };
+        let constant = if above { ratios.reduce(f64::max)? * CLEARANCE } else { ratios.reduce(f64::min)? / CLEARANCE };
         Some(ReferenceSlope { order, constant })
     };
-    wanted
-        .iter()
-        .enumerate()
-        .filter_map(|(place, (order, _))| line(*order, place > 0))
-        .collect()
+    wanted.iter().enumerate().filter_map(|(place, (order, _))| line(*order, place > 0)).collect()
 }
 
 fn nearest_order(order: f64) -> f64 {
@@ -78,9 +70,7 @@ pub fn fitted_order(points: &[(f64, f64)]) -> Option<f64> {
         let dx = p.0 - mean_x;
         (xy + dx * (p.1 - mean_y), xx + dx * dx)
     });
-    (xx > 0.0)
-        .then_some(xy / xx)
-        .filter(|order| order.is_finite())
+    (xx > 0.0).then_some(xy / xx).filter(|order| order.is_finite())
 }
 
 impl ReferenceSlope {
@@ -91,28 +81,16 @@ impl ReferenceSlope {
 
     /// Its name.
     pub fn label(&self) -> Label {
-        Label::words(if self.order == 0.5 {
-            "slope 1/2"
-        } else {
-            "slope 1"
-        })
+        Label::words(if self.order == 0.5 { "slope 1/2" } else { "slope 1" })
     }
 
     /// Draws the line across the frame and its name where it is farthest from `obstacles`.
     ///
     /// Line and name become obstacles themselves.
-    pub fn draw(
-        &self,
-        canvas: &mut Canvas,
-        frame: &Frame,
-        obstacles: &mut Vec<Position>,
-    ) -> Result<()> {
+    pub fn draw(&self, canvas: &mut Canvas, frame: &Frame, obstacles: &mut Vec<Position>) -> Result<()> {
         const SIZE: f64 = 10.0;
         let (first, last) = (frame.x.range.lo, frame.x.range.hi);
-        let ends = (
-            frame.place(first, self.at(first)),
-            frame.place(last, self.at(last)),
-        );
+        let ends = (frame.place(first, self.at(first)), frame.place(last, self.at(last)));
         let Some((from, to)) = frame.clip(ends.0, ends.1) else {
             return Ok(());
         };
@@ -121,10 +99,7 @@ impl ReferenceSlope {
         let size = (SIZE * label.width(), SIZE);
         if let Some(centre) = roomiest(frame, (from, to), size, obstacles) {
             canvas.label(&label, centre, SIZE, Align::Middle)?;
-            obstacles.extend(along(
-                (centre.0 - size.0 / 2.0, centre.1),
-                (centre.0 + size.0 / 2.0, centre.1),
-            ));
+            obstacles.extend(along((centre.0 - size.0 / 2.0, centre.1), (centre.0 + size.0 / 2.0, centre.1)));
         }
         obstacles.extend(along(from, to));
         Ok(())
@@ -136,12 +111,7 @@ pub fn along(from: Position, to: Position) -> impl Iterator<Item = Position> {
     const STEP: f64 = 3.0;
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let steps = (dx.hypot(dy) / STEP).ceil().clamp(1.0, 1000.0);
-    (0..=steps as usize).map(move |n| {
-        (
-            from.0 + dx * n as f64 / steps,
-            from.1 + dy * n as f64 / steps,
-        )
-    })
+    (0..=steps as usize).map(move |n| (from.0 + dx * n as f64 / steps, from.1 + dy * n as f64 / steps))
 }
 
 /// Centre of the text box beside a rising line that keeps the largest distance from the obstacles.
@@ -154,14 +124,8 @@ fn roomiest(
     const OFFSET: f64 = 3.0;
     let half = (0.5 * width, 0.5 * height);
     let sides = [1.0, -1.0];
-    let candidates = along(from, to).flat_map(|p| {
-        sides.map(|side| {
-            (
-                p.0 + side * (half.0 + OFFSET),
-                p.1 + side * (half.1 + OFFSET),
-            )
-        })
-    });
+    let candidates = along(from, to)
+        .flat_map(|p| sides.map(|side| (p.0 + side * (half.0 + OFFSET), p.1 + side * (half.1 + OFFSET))));
     let inside = |c: &Position| {
         frame.holds((c.0 - half.0 - OFFSET, c.1 - half.1 - OFFSET))
             && frame.holds((c.0 + half.0 + OFFSET, c.1 + half.1 + OFFSET))
@@ -175,9 +139,7 @@ fn roomiest(
             })
             .fold(f64::INFINITY, f64::min)
     };
-    candidates
-        .filter(inside)
-        .max_by(|a, b| room(a).total_cmp(&room(b)))
+    candidates.filter(inside).max_by(|a, b| room(a).total_cmp(&room(b)))
 }
 
 #[cfg(test)]
@@ -185,14 +147,8 @@ mod tests {
     use super::*;
 
     fn trend(order: f64, constant: f64) -> Trend {
-        let points: Vec<_> = (5..13)
-            .map(|k| 2f64.powi(-k))
-            .map(|tau| (tau, constant * tau.powf(order)))
-            .collect();
-        Trend {
-            order: fitted_order(&points),
-            points,
-        }
+        let points: Vec<_> = (5..13).map(|k| 2f64.powi(-k)).map(|tau| (tau, constant * tau.powf(order))).collect();
+        Trend { order: fitted_order(&points), points }
     }
 
     #[test]

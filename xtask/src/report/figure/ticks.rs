@@ -96,11 +96,7 @@ impl Ticks {
             })
             .collect();
         let factor = (power != 0).then(|| Label::new(&format!("×10^{power}")));
-        Self {
-            major,
-            minor: Vec::new(),
-            factor,
-        }
+        Self { major, minor: Vec::new(), factor }
     }
 }
 
@@ -126,48 +122,27 @@ mod tests {
 
     #[test]
     fn decades_at_the_ends_are_kept() {
-        let ticks = Ticks::decades(
-            Range {
-                lo: 1e-17,
-                hi: 1e-3,
-            },
-            20,
-        );
+        let ticks = Ticks::decades(Range { lo: 1e-17, hi: 1e-3 }, 20);
         assert_eq!(ticks.major.len(), 15);
     }
 
     #[test]
     fn many_decades_are_thinned_to_a_common_stride() {
-        let ticks = Ticks::decades(
-            Range {
-                lo: 1e-300,
-                hi: 1e300,
-            },
-            6,
-        );
+        let ticks = Ticks::decades(Range { lo: 1e-300, hi: 1e300 }, 6);
         assert!((3..=6).contains(&ticks.major.len()));
         let few = Ticks::decades(Range { lo: 1e-17, hi: 1.0 }, 6);
         assert_eq!(
-            few.major
-                .iter()
-                .map(|(_, l)| l.exponent.as_str())
-                .collect::<Vec<_>>(),
+            few.major.iter().map(|(_, l)| l.exponent.as_str()).collect::<Vec<_>>(),
             ["−15", "−12", "−9", "−6", "−3", "0"]
         );
     }
 
     #[test]
     fn powers_of_two_cover_the_steps() {
-        let range = Range {
-            lo: 2f64.powi(-14),
-            hi: 2f64.powi(-5),
-        };
+        let range = Range { lo: 2f64.powi(-14), hi: 2f64.powi(-5) };
         assert_eq!(Ticks::powers_of_two(range, 12).major.len(), 10);
         let thinned = Ticks::powers_of_two(range, 8);
-        assert_eq!(
-            values(&thinned),
-            [-14, -12, -10, -8, -6].map(|k| 2f64.powi(k))
-        );
+        assert_eq!(values(&thinned), [-14, -12, -10, -8, -6].map(|k| 2f64.powi(k)));
         assert_eq!(thinned.minor.len(), 5);
     }
 
@@ -175,17 +150,8 @@ mod tests {
     fn decimal_steps_are_one_two_or_five() {
         let ticks = Ticks::decimal(Range { lo: 0.0, hi: 10.0 }, 6);
         assert_eq!(bases(&ticks), ["0", "2", "4", "6", "8", "10"]);
-        let ticks = Ticks::decimal(
-            Range {
-                lo: -0.03,
-                hi: 0.09,
-            },
-            4,
-        );
-        assert_eq!(
-            bases(&ticks),
-            ["0.00", "0.05"].map(|s| if s == "0.00" { "0" } else { s })
-        );
+        let ticks = Ticks::decimal(Range { lo: -0.03, hi: 0.09 }, 4);
+        assert_eq!(bases(&ticks), ["0.00", "0.05"].map(|s| if s == "0.00" { "0" } else { s }));
     }
 
     #[test]
@@ -193,50 +159,16 @@ mod tests {
         let ticks = Ticks::decimal(Range { lo: 0.0, hi: 3e7 }, 4);
         assert_eq!(bases(&ticks), ["0", "1", "2", "3"]);
         assert_eq!(ticks.factor, Some(Label::new("×10^7")));
-        let ticks = Ticks::decimal(
-            Range {
-                lo: -1.2e-5,
-                hi: 0.0,
-            },
-            4,
-        );
+        let ticks = Ticks::decimal(Range { lo: -1.2e-5, hi: 0.0 }, 4);
         assert_eq!(bases(&ticks), ["−1.0", "−0.5", "0"]);
         assert_eq!(ticks.factor, Some(Label::new("×10^-5")));
     }
 
     #[test]
     fn hopeless_ranges_have_no_ticks() {
-        assert!(
-            Ticks::decimal(Range { lo: 1.0, hi: 1.0 }, 5)
-                .major
-                .is_empty()
-        );
-        assert!(
-            Ticks::decimal(
-                Range {
-                    lo: -f64::MAX,
-                    hi: f64::MAX
-                },
-                5
-            )
-            .major
-            .is_empty()
-        );
-        assert!(
-            Ticks::decimal(
-                Range {
-                    lo: 1e17,
-                    hi: 1e17 + 16.0
-                },
-                5
-            )
-            .major
-            .is_empty()
-        );
-        assert!(
-            Ticks::decades(Range { lo: 2.0, hi: 3.0 }, 5)
-                .major
-                .is_empty()
-        );
+        assert!(Ticks::decimal(Range { lo: 1.0, hi: 1.0 }, 5).major.is_empty());
+        assert!(Ticks::decimal(Range { lo: -f64::MAX, hi: f64::MAX }, 5).major.is_empty());
+        assert!(Ticks::decimal(Range { lo: 1e17, hi: 1e17 + 16.0 }, 5).major.is_empty());
+        assert!(Ticks::decades(Range { lo: 2.0, hi: 3.0 }, 5).major.is_empty());
     }
 }

@@ -70,11 +70,7 @@ fn failures(failures: &[String]) -> String {
     if failures.is_empty() {
         return String::new();
     }
-    let items: String = failures
-        .iter()
-        .take(SHOWN)
-        .map(|f| format!("<li>{}</li>", escape(f)))
-        .collect();
+    let items: String = failures.iter().take(SHOWN).map(|f| format!("<li>{}</li>", escape(f))).collect();
     let rest = match failures.len().saturating_sub(SHOWN) {
         0 => String::new(),
         n => format!("<li>and {n} more</li>"),

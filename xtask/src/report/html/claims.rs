@@ -28,14 +28,11 @@ pub fn summary(results: &Results) -> String {
         format!("<strong>{}</strong>", counted(n, one, many))
     };
     let refuted = tally(&|c: &Claim| c.verdict == Verdict::Refuted && c.proven);
-    let misprints =
-        tally(&|c: &Claim| c.verdict == Verdict::Refuted && c.proven && !c.erratum.is_empty());
+    let misprints = tally(&|c: &Claim| c.verdict == Verdict::Refuted && c.proven && !c.erratum.is_empty());
     let proven = match (refuted, misprints) {
         (0, _) => "Nothing the paper proves is refuted.".to_owned(),
         (n, 0) => format!("Refuted although the paper proves it: {n}."),
-        (n, m) => format!(
-            "Refuted although the paper proves it: {n}, of which {m} by a documented misprint."
-        ),
+        (n, m) => format!("Refuted although the paper proves it: {n}, of which {m} by a documented misprint."),
     };
     let provenance = &results.provenance;
     format!(
@@ -58,11 +55,7 @@ fn counted(n: usize, one: &str, many: &str) -> String {
 
 /// All claims, in the order of the results.
 pub fn table(claims: &[Claim], panels: &[Panel]) -> String {
-    let rows: String = claims
-        .iter()
-        .enumerate()
-        .map(|(n, claim)| row(n, claim, panels))
-        .collect();
+    let rows: String = claims.iter().enumerate().map(|(n, claim)| row(n, claim, panels)).collect();
     format!(
         "<table class=\"claims\"><thead><tr><th>Verdict</th><th>Statement</th><th>Panel and scheme</th>\
          <th>Evidence</th></tr></thead><tbody>{rows}</tbody></table>"
@@ -70,20 +63,13 @@ pub fn table(claims: &[Claim], panels: &[Panel]) -> String {
 }
 
 fn row(number: usize, claim: &Claim, panels: &[Panel]) -> String {
-    let origin = if claim.proven {
-        "proven in the paper"
-    } else {
-        "not proven in the paper"
-    };
+    let origin = if claim.proven { "proven in the paper" } else { "not proven in the paper" };
     let erratum = match claim.erratum.as_str() {
         "" => String::new(),
         text => format!("<p class=\"erratum\"><b>Misprint.</b> {}</p>", escape(text)),
     };
     let panel = match panels.iter().find(|p| p.id == claim.panel) {
-        Some(panel) => format!(
-            "<a href=\"#panel-{0}\"><code>{0}</code></a>",
-            escape(&panel.id)
-        ),
+        Some(panel) => format!("<a href=\"#panel-{0}\"><code>{0}</code></a>", escape(&panel.id)),
         None if claim.panel.is_empty() => "<span class=\"quiet\">on its own</span>".to_owned(),
         None => format!("<code>{}</code>", escape(&claim.panel)),
     };
@@ -121,9 +107,5 @@ pub fn badges(claims: &[Claim], panel: &str) -> String {
             )
         })
         .collect();
-    if items.is_empty() {
-        String::new()
-    } else {
-        format!("<ul class=\"badges\">{items}</ul>")
-    }
+    if items.is_empty() { String::new() } else { format!("<ul class=\"badges\">{items}</ul>") }
 }

@@ -25,26 +25,13 @@ fn orders(panel: &Panel) -> String {
         .series
         .iter()
         .map(|series| {
-            let order = series
-                .rate
-                .as_ref()
-                .map_or("<td>—</td><td>—</td>".to_owned(), |rate| {
-                    format!(
-                        "<td>{}</td><td>{}</td>",
-                        fixed(rate.estimate, 2),
-                        interval(rate)
-                    )
+            let order = series.rate.as_ref().map_or("<td>—</td><td>—</td>".to_owned(), |rate| {
+                format!("<td>{}</td><td>{}</td>", fixed(rate.estimate, 2), interval(rate))
+            });
+            let finest =
+                errors_of(series).min_by(|a, b| a.0.total_cmp(&b.0)).map_or("—".to_owned(), |(tau, value, se)| {
+                    format!("{} <span class=\"quiet\">at {}</span>", with_bar(value, se), step(tau))
                 });
-            let finest = errors_of(series).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(
-                "—".to_owned(),
-                |(tau, value, se)| {
-                    format!(
-                        "{} <span class=\"quiet\">at {}</span>",
-                        with_bar(value, se),
-                        step(tau)
-                    )
-                },
-            );
             format!("<tr>{}{order}<td>{finest}</td></tr>", names(series))
         })
         .collect();
@@ -55,11 +42,7 @@ fn orders(panel: &Panel) -> String {
 }
 
 fn names(series: &Series) -> String {
-    format!(
-        "<th><code>{}</code></th><td>{}</td>",
-        escape(&series.scheme),
-        quantity(&series.quantity)
-    )
+    format!("<th><code>{}</code></th><td>{}</td>", escape(&series.scheme), quantity(&series.quantity))
 }
 
 fn interval(rate: &Rate) -> String {
@@ -72,11 +55,7 @@ fn interval(rate: &Rate) -> String {
 }
 
 fn with_bar(value: f64, se: f64) -> String {
-    format!(
-        "{} ± {}",
-        scientific(value, 2),
-        scientific(QUANTILE * se, 1)
-    )
+    format!("{} ± {}", scientific(value, 2), scientific(QUANTILE * se, 1))
 }
 
 /// How the orders were fitted: said once if it is the same for all.
@@ -91,10 +70,7 @@ fn methods(panel: &Panel) -> String {
         return String::new();
     };
     if fitted.iter().all(|(_, method)| method == first) {
-        return format!(
-            "<p class=\"quiet\">Orders: {}.</p>",
-            escape(first.trim_end_matches('.'))
-        );
+        return format!("<p class=\"quiet\">Orders: {}.</p>", escape(first.trim_end_matches('.')));
     }
     let items: String = fitted
         .iter()
@@ -115,12 +91,7 @@ fn errors_of(series: &Series) -> impl Iterator<Item = (f64, f64, f64)> {
 
 /// Errors of all series, one row per step.
 fn errors(panel: &Panel) -> String {
-    let mut steps: Vec<f64> = panel
-        .series
-        .iter()
-        .flat_map(errors_of)
-        .map(|e| e.0)
-        .collect();
+    let mut steps: Vec<f64> = panel.series.iter().flat_map(errors_of).map(|e| e.0).collect();
     steps.sort_by(|a, b| b.total_cmp(a));
     steps.dedup();
     if steps.is_empty() {
@@ -129,13 +100,7 @@ fn errors(panel: &Panel) -> String {
     let heads: String = panel
         .series
         .iter()
-        .map(|s| {
-            format!(
-                "<th><code>{}</code><br>{}</th>",
-                escape(&s.scheme),
-                quantity(&s.quantity)
-            )
-        })
+        .map(|s| format!("<th><code>{}</code><br>{}</th>", escape(&s.scheme), quantity(&s.quantity)))
         .collect();
     let rows: String = steps
         .iter()
@@ -146,9 +111,7 @@ fn errors(panel: &Panel) -> String {
                 .map(|series| {
                     errors_of(series)
                         .find(|e| e.0 == *tau)
-                        .map_or("<td>—</td>".to_owned(), |e| {
-                            format!("<td>{}</td>", with_bar(e.1, e.2))
-                        })
+                        .map_or("<td>—</td>".to_owned(), |e| format!("<td>{}</td>", with_bar(e.1, e.2)))
                 })
                 .collect();
             format!("<tr><th>{}</th>{cells}</tr>", step(*tau))
@@ -165,15 +128,10 @@ fn defects(panel: &Panel) -> String {
         .series
         .iter()
         .map(|series| {
-            let largest = series
-                .max_relative_defect
-                .or_else(|| largest_defect(series));
+            let largest = series.max_relative_defect.or_else(|| largest_defect(series));
             let largest = largest.map_or("—".to_owned(), |d| scientific(d, 2));
             let steps = series.points.len();
-            format!(
-                "<tr>{}<td>{largest}</td><td>{steps}</td></tr>",
-                names(series)
-            )
+            format!("<tr>{}<td>{largest}</td><td>{steps}</td></tr>", names(series))
         })
         .collect();
     format!(

@@ -5,7 +5,7 @@ mod claims;
 mod measured;
 mod number;
 
-use verify::results::{Provenance, Results};
+use verify::results::{Panel, Provenance, Results};
 
 use super::csv::{ERROR_COLUMNS, VALUE_COLUMNS};
 use super::escape::escape;
@@ -16,26 +16,27 @@ const TITLE: &str = "Structure-preserving simulation of damped stochastic Poisso
 
 /// Ids of the schemes and what they stand for.
 const SCHEMES: [(&str, &str); 3] = [
-    (
-        "sexp",
-        "stochastic conformal exponential integrator, the method of the paper",
-    ),
+    ("sexp", "stochastic conformal exponential integrator, the method of the paper"),
     ("em", "Euler–Maruyama on the Itô form"),
     ("midpoint", "stochastic midpoint, damping included"),
 ];
 
-/// The page for `results`; `figures` are the drawings of its panels, in the same order.
+/// The page for `results`; `figures` are the drawings of its panels and then of its supplements, in the same order.
 pub fn page(results: &Results, figures: &[String]) -> String {
-    let cards: String = results
-        .panels
-        .iter()
-        .zip(figures)
-        .map(|(panel, figure)| card::card(panel, figure, &results.claims))
-        .collect();
-    let schemes: String = SCHEMES
-        .iter()
-        .map(|(id, name)| format!("<dt><code>{id}</code></dt><dd>{name}</dd>"))
-        .collect();
+    let (of_panels, of_supplements) = figures.split_at(results.panels.len());
+    let cards = |panels: &[Panel], figures: &[String]| -> String {
+        panels.iter().zip(figures).map(|(panel, figure)| card::card(panel, figure, &results.claims)).collect()
+    };
+    let supplements = if results.supplements.is_empty() {
+        String::new()
+    } else {
+        format!(
+            "<section id=\"supplements\"><h2>Not in the paper</h2>\n<div class=\"grid\">{}</div></section>\n",
+            cards(&results.supplements, of_supplements)
+        )
+    };
+    let schemes: String =
+        SCHEMES.iter().map(|(id, name)| format!("<dt><code>{id}</code></dt><dd>{name}</dd>")).collect();
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
@@ -45,7 +46,8 @@ pub fn page(results: &Results, figures: &[String]) -> String {
          <nav><a href=\"#verdicts\">Verdicts</a> <a href=\"#panels\">Panels</a> <a href=\"#provenance\">Provenance</a></nav>\
          </header>\n<main>\n<section id=\"verdicts\"><h2>Verdicts</h2>\n{claims}</section>\n\
          <section id=\"panels\"><h2>Panels</h2>\n<div class=\"grid\">{cards}</div></section>\n\
-         <section id=\"provenance\"><h2>Provenance</h2>\n{provenance}</section>\n</main>\n</body>\n</html>\n",
+         {supplements}<section id=\"provenance\"><h2>Provenance</h2>\n{provenance}</section>\n</main>\n</body>\n</html>\n",
+        cards = cards(&results.panels, of_panels),
         summary = claims::summary(results),
         claims = claims::table(&results.claims, &results.panels),
         provenance = provenance(&results.provenance),
@@ -67,20 +69,12 @@ fn provenance(provenance: &Provenance) -> String {
         ("Command", &provenance.command),
         ("Wall time", &wall),
     ];
-    let facts: String = facts
-        .iter()
-        .map(|(name, value)| format!("<dt>{name}</dt><dd><code>{}</code></dd>", escape(value)))
-        .collect();
+    let facts: String =
+        facts.iter().map(|(name, value)| format!("<dt>{name}</dt><dd><code>{}</code></dd>", escape(value))).collect();
     let times: String = provenance
         .wall_s_by_id
         .iter()
-        .map(|(id, s)| {
-            format!(
-                "<tr><th><code>{}</code></th><td>{}</td></tr>",
-                escape(id),
-                number::duration(*s)
-            )
-        })
+        .map(|(id, s)| format!("<tr><th><code>{}</code></th><td>{}</td></tr>", escape(id), number::duration(*s)))
         .collect();
     let times = if times.is_empty() {
         String::new()

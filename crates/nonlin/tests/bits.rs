@@ -1,0 +1,133 @@
+//! A block is 32 equations and nothing else: the same bits alone, at every level, and beside any neighbours.
+
+mod common;
+
+use common::{Equations, Numbers, SineMap, solve_block};
+use nonlin::{BlockStatus, FixedPoint, Method, Outcome, Solver};
+use real::{Block, Level, WIDTH, limit_to};
+
+const METHODS: [Method; 2] = [Method::FixedPoint, Method::Newton];
+
+/// Easy, slow and non-contracting maps, some that start at NaN or infinity: every way a path can go.
+fn mixed<const D: usize>(seed: u64) -> Equations<SineMap<D>> {
+    let mut numbers = Numbers(seed);
+    Equations(std::array::from_fn(|p| {
+        let contraction = [0.02, 0.3, 0.97, 4.0][p % 4] * (1.5 + 0.5 * numbers.next());
+        let mut map = SineMap::new(contraction, &numbers.take(24));
+        map.start[0] = match p {
+            13 => f64::NAN,
+            22 => f64::INFINITY,
+            _ => map.start[0],
+        };
+        if p == 5 {
+            map.constant[0] = f64::NAN;
+        }
+        map
+    }))
+}
+
+fn bits<const D: usize>(z: [f64; D]) -> [u64; D] {
+    // Sign and payload of a NaN are not specified.
+    z.map(|x| if x.is_nan() { f64::NAN } else { x }.to_bits())
+}
+
+/// What a single solve and a path of a block have in common.
+fn same_as_single<E: FixedPoint<D>, const D: usize>(
+    solver: Solver,
+    equation: &E,
+    (z, status): &(Block<D>, BlockStatus),
+    p: usize,
+) -> Outcome {
+    let single = solver.solve(equation);
+    assert_eq!(bits(single.z), bits(z.path(p)), "{:?} path {p}", solver.method);
+    assert_eq!(status.failed.contains(p), !single.outcome.converged());
+    match single.outcome {
+        Outcome::Fast { iterations } => {
+            assert_eq!(status.iterations(p), iterations);
+            assert!(!status.robust.contains(p));
+            assert_eq!(status.residual(p), 0.0);
+        }
+        Outcome::Robust { iterations, .. } => {
+            assert_eq!(status.iterations(p), iterations);
+            assert!(status.robust.contains(p));
+            assert_eq!(status.residual(p), 0.0);
+        }
+        Outcome::Failed { residual } => {
+            assert_eq!(status.iterations(p), 0);
+            assert!(!status.robust.contains(p));
+            assert_eq!(bits([residual]), bits([status.residual(p)]));
+        }
+    }
+    single.outcome
+}
+
+/// [fast, robust, failed] counts.
+fn block_is_its_paths<const D: usize>() -> [u32; 3] {
+    let mut seen = [0; 3];
+    for seed in 1..=20 {
+        let equations = mixed::<D>(seed);
+        for method in METHODS {
+            let solver = Solver::new(method);
+            let solved = solve_block(solver, &equations);
+            for p in 0..WIDTH {
+                let outcome = same_as_single(solver, &equations.0[p], &solved, p);
+                seen[match outcome {
+                    Outcome::Fast { .. } => 0,
+                    Outcome::Robust { .. } => 1,
+                    _ => 2,
+                }] += 1;
+            }
+        }
+    }
+    seen
+}
+
+/// One test: the limit belongs to the whole process.
+#[test]
+fn a_block_is_its_paths_at_every_level() {
+    for level in [Level::Baseline, Level::Avx2, Level::Avx512] {
+        limit_to(level);
+        for seen in [block_is_its_paths::<1>(), block_is_its_paths::<2>(), block_is_its_paths::<3>()] {
+            // All three ways were gone, so all three were compared.
+            assert!(seen.iter().all(|&count| count >= 100), "{seen:?}");
+        }
+    }
+}
+
+#[test]
+fn a_path_does_not_see_its_neighbours() {
+    for method in METHODS {
+        let solver = Solver::new(method);
+        let original = mixed::<3>(77);
+        let (z, status) = solve_block(solver, &original);
+        for p in 0..WIDTH {
+            // All other paths replaced: by other equations, by easy ones, by ones that fail.
+            let mut easy = SineMap::<3>::new(0.0, &[0.5]);
+            easy.start = easy.constant;
+            let mut broken = easy;
+            broken.constant = [f64::NAN; 3];
+            for mut others in [mixed::<3>(1000 + p as u64), Equations([easy; WIDTH]), Equations([broken; WIDTH])] {
+                others.0[p] = original.0[p];
+                let (beside, status_beside) = solve_block(solver, &others);
+                assert_eq!(bits(z.path(p)), bits(beside.path(p)), "{method:?} path {p}");
+                assert_eq!(status.iterations(p), status_beside.iterations(p));
+                assert_eq!(status.robust.contains(p), status_beside.robust.contains(p));
+                assert_eq!(status.failed.contains(p), status_beside.failed.contains(p));
+            }
+        }
+    }
+}
+
+#[test]
+fn few_sweeps_are_the_same_sweeps_in_a_block() {
+    for max_sweeps in 0..6 {
+        for method in METHODS {
+            let solver = Solver { method, max_sweeps };
+            let equations = mixed::<2>(5);
+            let solved = solve_block(solver, &equations);
+            for p in 0..WIDTH {
+                same_as_single(solver, &equations.0[p], &solved, p);
+            }
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! Equations without a solution, and input that is no number, end as `Failed`: no panic, no hang.
+
+mod common;
+
+use common::{Equations, SineMap, solve_block};
+use nonlin::{FixedPoint, Method, Outcome, Solver};
+use real::{PathMask, Real, WIDTH};
+
+/// ψ(z) on the line, by number.
+#[derive(Clone, Copy, Debug)]
+enum Line {
+    /// z + 1: parallel to the diagonal, I − ψ′ = 0.
+    Parallel,
+    /// z² + z + 1: z² = −1.
+    NoRealRoot,
+    /// eᶻ: above the diagonal everywhere, and overflowing.
+    Exponential,
+    /// 1/z from 0: infinite at the start.
+    Pole,
+    /// ln z from −1: NaN at the start.
+    NoNumber,
+    /// NaN everywhere.
+    AlwaysNan,
+    /// ∞ everywhere.
+    AlwaysInfinite,
+}
+
+const LINES: [Line; 7] = [
+    Line::Parallel,
+    Line::NoRealRoot,
+    Line::Exponential,
+    Line::Pole,
+    Line::NoNumber,
+    Line::AlwaysNan,
+    Line::AlwaysInfinite,
+];
+
+impl FixedPoint<1> for Line {
+    fn start(&self) -> [f64; 1] {
+        match self {
+            Self::NoNumber => [-1.0],
+            Self::Pole => [0.0],
+            _ => [0.5],
+        }
+    }
+    fn map<R: Real>(&self, [z]: [R; 1]) -> [R; 1] {
+        [match self {
+            Self::Parallel => z + 1.0,
+            Self::NoRealRoot => z * z + z + 1.0,
+            Self::Exponential => z.exp(),
+            Self::Pole => z.recip(),
+            Self::NoNumber => z.ln(),
+            Self::AlwaysNan => z * f64::NAN,
+            Self::AlwaysInfinite => R::constant(f64::INFINITY),
+        }]
+    }
+}
+
+/// An equation that counts its evaluations.
+#[derive(Clone, Copy)]
+struct Counted<'a, E> {
+    equation: E,
+    count: &'a std::cell::Cell<u32>,
+}
+
+impl<E: FixedPoint<D>, const D: usize> FixedPoint<D> for Counted<'_, E> {
+    fn start(&self) -> [f64; D] {
+        self.equation.start()
+    }
+    fn map<R: Real>(&self, z: [R; D]) -> [R; D] {
+        self.count.set(self.count.get() + 1);
+        self.equation.map(z)
+    }
+}
+
+/// 56 sweeps of at most 3 evaluations, 5 more in the first, and 100 trials of at most 20 Newton iterations of D = 1
+/// evaluation: 14 halvings down to the smallest step in s and as many on each of a few approaches to a fold.
+const MOST_EVALUATIONS: u32 = 5 + 56 * 3 + 100 * 20;
+
+#[test]
+fn unsolvable_equations_fail_in_finite_time() {
+    for method in [Method::FixedPoint, Method::Newton] {
+        for equation in LINES {
+            let count = std::cell::Cell::new(0);
+            let counted = Counted { equation, count: &count };
+            let found = Solver::new(method).solve(&counted);
+            assert!(matches!(found.outcome, Outcome::Failed { .. }), "{equation:?} {method:?}: {found:?}");
+            assert!(!found.outcome.converged());
+            assert!(count.get() <= MOST_EVALUATIONS, "{equation:?}: {count:?}");
+        }
+    }
+}
+
+#[test]
+fn a_residual_is_the_defect_of_the_last_iterate() {
+    let found = Solver::default().solve(&Line::NoRealRoot);
+    let Outcome::Failed { residual } = found.outcome else { panic!("{found:?}") };
+    // z − ψ(z) = −(z² + 1): a few roundings.
+    let defect = found.z[0] * found.z[0] + 1.0;
+    assert!((residual / defect - 1.0).abs() < 8.0 * f64::EPSILON);
+    assert!(residual >= 1.0);
+}
+
+#[test]
+fn numbers_that_are_none_fail() {
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for method in [Method::FixedPoint, Method::Newton] {
+            for i in 0..3 {
+                let good = SineMap::<3>::new(0.4, &[0.3, -0.7, 0.2, 0.9]);
+                let (mut start, mut constant) = (good, good);
+                start.start[i] = bad;
+                constant.constant[i] = bad;
+                let solver = Solver::new(method);
+                assert!(!solver.solve(&constant).outcome.converged());
+                // A contraction forgets a bad start only if ψ maps it to numbers, which the sine of ∞ is not.
+                assert!(!solver.solve(&start).outcome.converged());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_failure_in_a_block_is_named_and_alone() {
+    let mut equations = Equations([SineMap::<2>::new(0.4, &[0.3, -0.7, 0.2, 0.9]); WIDTH]);
+    equations.0[9].constant[1] = f64::NAN;
+    equations.0[31].start[0] = f64::INFINITY;
+    for method in [Method::FixedPoint, Method::Newton] {
+        let (z, status) = solve_block(Solver::new(method), &equations);
+        assert_eq!(status.failed, PathMask(1 << 9 | 1 << 31));
+        assert_eq!(status.robust, PathMask::NONE);
+        let expected = z.path(0);
+        for p in (0..WIDTH).filter(|&p| p != 9 && p != 31) {
+            assert_eq!(z.path(p), expected);
+        }
+    }
+}

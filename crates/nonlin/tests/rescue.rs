@@ -1,0 +1,173 @@
+//! Where the fixed point does not contract the robust method takes over, and finds the solution that is connected
+//! with the start.
+
+mod common;
+
+use common::{Equations, Numbers, difference, norm, solve_block};
+use nonlin::{FixedPoint, Method, Outcome, Solver};
+use real::{PathMask, Real};
+
+/// z = ẑ + s·m × Km with m = (ẑ + z)/2: a step of the free rigid body, a nonlinear rotation. It keeps |z| = |ẑ|, has a
+/// solution for every s, and several for large s.
+#[derive(Clone, Copy, Debug)]
+struct Rotation {
+    s: f64,
+    k: [f64; 3],
+    start: [f64; 3],
+}
+
+impl FixedPoint<3> for Rotation {
+    fn start(&self) -> [f64; 3] {
+        self.start
+    }
+    #[inline(always)]
+    fn map<R: Real>(&self, z: [R; 3]) -> [R; 3] {
+        let (mut m, mut v) = ([R::zero(); 3], [R::zero(); 3]);
+        for i in 0..3 {
+            m[i] = (z[i] + self.start[i]) * 0.5;
+            v[i] = m[i] * (self.k[i] * self.s);
+        }
+        [
+            m[1] * v[2] - m[2] * v[1] + self.start[0],
+            m[2] * v[0] - m[0] * v[2] + self.start[1],
+            m[0] * v[1] - m[1] * v[0] + self.start[2],
+        ]
+    }
+}
+
+impl Rotation {
+    fn random(s: f64, numbers: &mut Numbers) -> Self {
+        let mut three = || [numbers.next(), numbers.next(), numbers.next()];
+        Self { s, k: three(), start: three() }
+    }
+}
+
+fn determinant(a: [[f64; 3]; 3]) -> f64 {
+    a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) - a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0])
+        + a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0])
+}
+
+/// Steps in s of the reference.
+const STEPS: u32 = 4000;
+/// The reference is believed while det(I − ψ′) stays above this and no step moves z by more.
+const REGULAR: f64 = 0.1;
+
+/// The solution on the branch of the start by brute force: thousands of steps in s, Newton by Cramer's rule. `None`
+/// where the branch comes close to a fold.
+fn fine_continuation(equation: &Rotation) -> Option<[f64; 3]> {
+    let mut z = equation.start;
+    for n in 1..=STEPS {
+        let before = z;
+        let partial = Rotation { s: equation.s * f64::from(n) / f64::from(STEPS), ..*equation };
+        for _ in 0..6 {
+            let (value, mut matrix) = partial.jacobian(z);
+            for i in 0..3 {
+                matrix[i] = matrix[i].map(|x| -x);
+                matrix[i][i] += 1.0;
+            }
+            let all = determinant(matrix);
+            if all < REGULAR {
+                return None;
+            }
+            let defect = [0, 1, 2].map(|i| z[i] - value[i]);
+            for j in 0..3 {
+                let mut replaced = matrix;
+                for i in 0..3 {
+                    replaced[i][j] = defect[i];
+                }
+                z[j] -= determinant(replaced) / all;
+            }
+        }
+        if difference(z, before) > REGULAR {
+            return None;
+        }
+    }
+    Some(z)
+}
+
+/// Error of a solution: a residual of a few ε, amplified by the inverse of I − ψ′, which is at most the cofactors,
+/// below (1 + s)², over a determinant of at least 0.1.
+fn tolerance(s: f64) -> f64 {
+    8.0 * f64::EPSILON * (1.0 + s) * (1.0 + s) / REGULAR
+}
+
+#[test]
+fn the_branch_is_the_one_of_the_start() {
+    let mut numbers = Numbers(12_345);
+    let (mut robust, mut folded, mut elsewhere) = (0, 0, 0);
+    for s in [1.0, 2.0, 4.0, 8.0, 16.0, 32.0] {
+        for _ in 0..60 {
+            let equation = Rotation::random(s, &mut numbers);
+            let Some(expected) = fine_continuation(&equation) else {
+                folded += 1;
+                continue;
+            };
+            let found = Solver::default().solve(&equation);
+            assert!(found.outcome.converged(), "{equation:?}");
+            let distance = difference(found.z, expected);
+            assert!(distance <= tolerance(s), "{equation:?} {found:?} {expected:?}");
+            robust += u32::from(matches!(found.outcome, Outcome::Robust { .. }));
+
+            // A rotation keeps the length.
+            let square = |z: [f64; 3]| z.iter().map(|x| x * x).sum::<f64>();
+            let defect = square(found.z) / square(equation.start) - 1.0;
+            assert!(defect.abs() <= 16.0 * f64::EPSILON * (1.0 + s), "{defect}");
+
+            // The twin: Newton from the start, without continuation.
+            let twin = Solver::new(Method::Newton).solve(&equation);
+            elsewhere += u32::from(difference(twin.z, expected) > 1e-3);
+        }
+    }
+    assert!(robust > 200, "{robust}");
+    assert!(folded < 20, "{folded}");
+    assert!(elsewhere >= 10, "{elsewhere}");
+}
+
+#[test]
+fn a_rescue_in_a_block_is_named_and_alone() {
+    let mut numbers = Numbers(99);
+    let mut equations = Equations(std::array::from_fn(|_| Rotation::random(0.3, &mut numbers)));
+    let (easy, _) = solve_block(Solver::default(), &equations);
+    equations.0[3].s = 12.0;
+    equations.0[30].s = 12.0;
+    let (z, status) = solve_block(Solver::default(), &equations);
+    assert_eq!(status.robust, PathMask(1 << 3 | 1 << 30));
+    assert_eq!(status.failed, PathMask::NONE);
+    for p in 0..32 {
+        if status.robust.contains(p) {
+            let expected = fine_continuation(&equations.0[p]).unwrap();
+            assert!(difference(z.path(p), expected) <= tolerance(12.0));
+            assert_ne!(z.path(p), easy.path(p));
+        } else {
+            assert_eq!(z.path(p), easy.path(p));
+        }
+    }
+}
+
+/// z = a·sin z + c on the line, started at c: for a > 1 the fixed point wanders.
+#[derive(Clone, Copy)]
+struct Wave {
+    a: f64,
+    c: f64,
+}
+
+impl FixedPoint<1> for Wave {
+    fn start(&self) -> [f64; 1] {
+        [self.c]
+    }
+    fn map<R: Real>(&self, z: [R; 1]) -> [R; 1] {
+        [z[0].sin() * self.a + self.c]
+    }
+}
+
+#[test]
+fn a_repelling_solution_is_found() {
+    // ψ′ = a cos z = −3 at z = π, where c = π − a sin π = π; the start is off by 0.1·a.
+    let wave = Wave { a: 3.0, c: std::f64::consts::PI + 0.1 };
+    let found = Solver::default().solve(&wave);
+    assert!(matches!(found.outcome, Outcome::Robust { .. }), "{:?}", found.outcome);
+    let [z] = found.z;
+    // Between π and c there is one sign change of z − 3 sin z − c, with slope 1 − 3 cos z > 3.
+    assert!(z > std::f64::consts::PI && z < wave.c);
+    assert!((z - 3.0 * z.sin() - wave.c).abs() < 8.0 * f64::EPSILON * norm(found.z));
+}
