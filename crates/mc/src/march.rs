@@ -148,7 +148,7 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
         for level in 0..=complete {
             if !runs[level].plain.is_empty() {
                 let count = clip(self.sums.increment(level), ladder.bounds[level], &mut clipped);
-                part.clipped[level] += u64::from(count);
+                part.clipped[level] += count;
                 for &(number, run) in &runs[level].plain {
                     self.step(ladder, number, run, &steps[level].now, &clipped, n, part);
                 }

@@ -49,14 +49,15 @@ impl Truncation {
 
 /// Clips every increment of a block to ±`bound`; returns how many were clipped.
 #[inline]
-pub fn clip<const M: usize>(dw: &Block<M>, bound: f64, clipped: &mut Block<M>) -> u32 {
-    let mut count = 0;
+pub fn clip<const M: usize>(dw: &Block<M>, bound: f64, clipped: &mut Block<M>) -> u64 {
+    // Counted in the width of the lanes; wrapping, since a checked sum is a branch.
+    let mut count = 0u64;
     for m in 0..M {
         for p in 0..WIDTH {
             let w = dw.0[m][p];
             let below = if w < bound { w } else { bound };
             clipped.0[m][p] = if below > -bound { below } else { -bound };
-            count += u32::from(clipped.0[m][p] != w);
+            count = count.wrapping_add(u64::from(clipped.0[m][p] != w));
         }
     }
     count

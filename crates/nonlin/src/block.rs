@@ -23,7 +23,8 @@ impl<const D: usize> Iterates<D> {
     /// The first sweep, from the starts of the equations; returns how many paths are not done.
     #[inline(always)]
     fn start<E: BlockFixedPoint<D>>(&mut self, equations: &E, method: Method) -> u64 {
-        // Counted in the width of the lanes: a narrower counter would be summed one path at a time.
+        // Counted in the width of the lanes, and wrapping: a narrower counter would be summed one path at a time, and a
+        // checked one is a branch.
         let mut unfinished = 0u64;
         for p in 0..WIDTH {
             let equation = equations.path(p);
@@ -31,7 +32,7 @@ impl<const D: usize> Iterates<D> {
             let done = excess <= 0.0;
             self.z.set_path(p, after);
             self.pending.0[0][p] = if done { -1.0 } else { 1.0 };
-            unfinished += if done { 0 } else { 1 };
+            unfinished = unfinished.wrapping_add(if done { 0 } else { 1 });
         }
         unfinished
     }
@@ -54,7 +55,7 @@ impl<const D: usize> Iterates<D> {
             let now = if excess <= 0.0 { -number } else { 1.0 };
             let now = if frozen { pending } else { now };
             next.pending.0[0][p] = now;
-            unfinished += if now <= 0.0 { 0 } else { 1 };
+            unfinished = unfinished.wrapping_add(if now <= 0.0 { 0 } else { 1 });
         }
         unfinished
     }

@@ -42,12 +42,15 @@ pub(crate) fn sweep<E: FixedPoint<D>, const D: usize>(
 /// residual: done when c′²/c ≤ tolerance.
 #[inline(always)]
 fn fixed_point_sweep<const N: usize, E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> ([f64; D], f64) {
-    let (mut previous, mut before, mut next) = (z, z, z);
-    for _ in 0..N {
-        previous = before;
-        before = next;
-        next = equation.map(before);
-    }
+    // Written out: a loop of long bodies would not be unrolled, and then the loop over paths is not vectorised.
+    let z = if N > 7 { equation.map(z) } else { z };
+    let z = if N > 6 { equation.map(z) } else { z };
+    let z = if N > 5 { equation.map(z) } else { z };
+    let z = if N > 4 { equation.map(z) } else { z };
+    let z = if N > 3 { equation.map(z) } else { z };
+    let z = if N > 2 { equation.map(z) } else { z };
+    let (previous, before) = (z, equation.map(z));
+    let next = equation.map(before);
     // Sums and not maxima: a NaN anywhere makes the sum NaN, and NaN is not at most zero.
     let (mut change, mut change_before, mut size) = (0.0, 0.0, 0.0);
     for i in 0..D {

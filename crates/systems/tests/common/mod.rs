@@ -1,21 +1,15 @@
 //! All systems of the paper at random points, and ways to spoil them.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
-use proptest::prelude::ProptestConfig;
-use proptest::test_runner::RngSeed;
 use real::{Real, ScalarFunction, gradient};
 use systems::{
-    LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody, RigidBodyEnergy,
+    IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody, RigidBodyEnergy,
 };
 
 /// Something to check of every system.
 pub trait Check {
     /// Checks `system`; `around` draws points where it is defined, from numbers in [−1, 1].
-    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-        &mut self,
-        system: &S,
-        region: Region,
-    );
+    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, region: Region);
 }
 
 /// Where random points are taken from.
@@ -44,19 +38,16 @@ pub const NOISE_INERTIA: [f64; 3] = [1.0, 2.0, 3.0];
 pub fn every_system(check: &mut impl Check) {
     use Region::{Box, Positive};
     check.check(&Pendulum::new(0.7).unwrap(), Box);
-    check.check(
-        &RigidBody::three_noises(INERTIA, NOISE_INERTIA).unwrap(),
-        Box,
-    );
+    check.check(&RigidBody::three_noises(INERTIA, NOISE_INERTIA).unwrap(), Box);
     check.check(&RigidBody::one_noise(INERTIA, 1.5).unwrap(), Box);
     check.check(&RigidBodyEnergy::new(INERTIA, 0.7).unwrap(), Box);
     check.check(&LotkaVolterra::new(-1.0, -2.0, 1.3).unwrap(), Positive);
     check.check(&LotkaVolterra::new(-0.7, -1.9, 1.0).unwrap(), Positive);
     check.check(&LotkaVolterra::new(1.2, 0.8, -0.5).unwrap(), Positive);
-    check.check(&LotkaVolterra::integer::<1, 1>(1.0).unwrap(), Positive);
-    check.check(&LotkaVolterra::integer::<2, 2>(1.3).unwrap(), Positive);
-    check.check(&LotkaVolterra::integer::<3, 2>(0.5).unwrap(), Positive);
-    check.check(&LotkaVolterra::integer::<4, 5>(0.5).unwrap(), Positive);
+    check.check(&LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0).unwrap(), Positive);
+    check.check(&LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.3).unwrap(), Positive);
+    check.check(&LotkaVolterra::<IntegerExponents<3, 2>>::integer(0.5).unwrap(), Positive);
+    check.check(&LotkaVolterra::<IntegerExponents<4, 5>>::integer(0.5).unwrap(), Positive);
     check.check(&MaxwellBloch, Box);
     check.check(&Poisson3::new(0.7).unwrap(), Box);
 }
@@ -67,9 +58,7 @@ pub struct InvariantFunction<'a, S, const M: usize> {
     pub index: usize,
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ScalarFunction<D>
-    for InvariantFunction<'_, S, M>
-{
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ScalarFunction<D> for InvariantFunction<'_, S, M> {
     fn value<R: Real>(&self, y: [R; D]) -> R {
         self.system.invariant(self.index, y)
     }
@@ -84,10 +73,7 @@ pub fn invariant_gradient<S: PoissonSystem<D, M>, const D: usize, const M: usize
 }
 
 /// The matrix B(y), column by column.
-pub fn matrix<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-    system: &S,
-    y: [f64; D],
-) -> [[f64; D]; D] {
+pub fn matrix<S: PoissonSystem<D, M>, const D: usize, const M: usize>(system: &S, y: [f64; D]) -> [[f64; D]; D] {
     let mut b = [[0.0; D]; D];
     for j in 0..D {
         let mut unit = [0.0; D];
@@ -128,15 +114,5 @@ impl Numbers {
 
     pub fn vector<const D: usize>(&mut self) -> [f64; D] {
         [(); D].map(|()| self.next())
-    }
-}
-
-/// The same cases in every run.
-pub fn cases(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(1),
-        failure_persistence: None,
-        ..ProptestConfig::default()
     }
 }

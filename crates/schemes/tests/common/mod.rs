@@ -1,0 +1,153 @@
+//! Systems, dampings and the conformal defect that the tests share.
+#![allow(dead_code, reason = "each test binary uses a part of it")]
+
+use noise::Truncation;
+use real::{Real, ScalarFunction, gradient};
+use schemes::Step;
+use systems::{
+    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
+    PoissonSystem, RigidBody, RigidBodyEnergy, Sine,
+};
+
+pub const INERTIA: [f64; 3] = [2.0, 1.0, 2.0 / 3.0];
+pub const NOISE_INERTIA: [f64; 3] = [1.0, 2.0, 3.0];
+
+pub fn body() -> RigidBody<3> {
+    RigidBody::three_noises(INERTIA, NOISE_INERTIA).unwrap()
+}
+
+/// Something to do with every system of the paper.
+pub trait Visit {
+    /// `y0` is the paper's initial value.
+    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]);
+}
+
+/// The systems whose discrete gradient is exact.
+pub fn exact_systems(visit: &mut impl Visit) {
+    let momentum = [1.1f64.cos(), 0.0, 1.1f64.sin()];
+    let populations = [0.2, 0.4, 0.6];
+    visit.visit(&Pendulum::new(1.0).unwrap(), [0.2, 1.0]);
+    visit.visit(&body(), momentum);
+    visit.visit(&RigidBody::one_noise(INERTIA, 1.0).unwrap(), momentum);
+    visit.visit(&RigidBodyEnergy::new(INERTIA, 1.0).unwrap(), momentum);
+    visit.visit(&populations_1(), populations);
+    visit.visit(&populations_2(), populations);
+    visit.visit(&MaxwellBloch, [1.0, 2.0, 3.0]);
+    visit.visit(&Poisson3::new(1.0).unwrap(), [1.0, 2.0, 3.0]);
+}
+
+/// All systems: with Lotka–Volterra with real exponents, whose discrete gradient is a quadrature.
+pub fn every_system(visit: &mut impl Visit) {
+    exact_systems(visit);
+    visit.visit(&LotkaVolterra::new(-0.7, -1.9, 1.0).unwrap(), [0.2, 0.4, 0.6]);
+}
+
+/// a = b = −1: H = y₁y₂y₃.
+pub fn populations_1() -> LotkaVolterra<IntegerExponents<1, 1>> {
+    LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0).unwrap()
+}
+
+/// a = −1, b = −2: H = y₁²y₂²y₃.
+pub fn populations_2() -> LotkaVolterra<IntegerExponents<2, 2>> {
+    LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0).unwrap()
+}
+
+/// A point near y₀, or, for populations, in the positive octant.
+pub fn any_state<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    numbers: &mut Numbers,
+    system: &S,
+    y0: [f64; D],
+) -> [f64; D] {
+    if system.name() == "lotka-volterra" { numbers.point([1.0; D], 0.8) } else { numbers.point(y0, 1.0) }
+}
+
+/// One of the four closed forms with coefficients up to 2.
+pub fn any_damping(numbers: &mut Numbers) -> Box<dyn Damping> {
+    let (a, b) = (2.0 * numbers.next(), 2.0 * numbers.next());
+    match (numbers.next() * 2.0).floor() as i32 {
+        -2 => Box::new(Constant::new(a).unwrap()),
+        -1 => Box::new(Linear::new(0.1 * a).unwrap()),
+        0 => Box::new(Sine::new(a, b).unwrap()),
+        _ => Box::new(Cosine::new(a, b).unwrap()),
+    }
+}
+
+/// Step number 0 … 49 of a size between 10⁻⁴ and 0.9, evenly on a logarithmic scale.
+pub fn any_step(numbers: &mut Numbers, damping: &dyn Damping) -> Step {
+    let tau = 0.009 * 100f64.powf(numbers.next());
+    Step::new(damping, (25.0 + 25.0 * numbers.next()) as u64, tau).unwrap()
+}
+
+/// Increments spread over all that truncation with k = 4 lets through, the bounds included.
+pub fn any_increments<const M: usize>(numbers: &mut Numbers, tau: f64) -> [f64; M] {
+    let bound = Truncation::new(4).unwrap().bound(tau).unwrap();
+    [(); M].map(|()| bound * (1.25 * numbers.next()).clamp(-1.0, 1.0))
+}
+
+struct InvariantFunction<'a, S, const M: usize> {
+    system: &'a S,
+    index: usize,
+}
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ScalarFunction<D> for InvariantFunction<'_, S, M> {
+    fn value<R: Real>(&self, y: [R; D]) -> R {
+        self.system.invariant(self.index, y)
+    }
+}
+
+/// |F(y₁) − e^{−p∫γ}F(y₀)| in units of ε times the terms that make up F and the step.
+///
+/// F(z) − F(ẑ) = ∇̄F·(z − ẑ), so a component of z that is off by δ moves F by at most |∂F|δ. Each component is ẑ plus
+/// a sum of |Bᵢⱼ||∇̄hⱼ|, of which every term is rounded a few times, and the solver leaves some ulp of ‖z‖. The
+/// factors of the law add the rounding of ∫γ and of two exponentials.
+pub fn conformal_defect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    system: &S,
+    index: usize,
+    step: &Step,
+    dw: [f64; M],
+    y0: [f64; D],
+    y1: [f64; D],
+) -> f64 {
+    let degree = system.invariants()[index].degree;
+    let function = InvariantFunction::<S, M> { system, index };
+    let exponent = degree * step.damping_integral();
+    let law = (-exponent).exp();
+    let f0: f64 = system.invariant(index, y0);
+    let f1: f64 = system.invariant(index, y1);
+
+    let before = y0.map(|x| step.first_decay * x);
+    let after = y1.map(|x| x / step.second_decay);
+    let middle: [f64; D] = std::array::from_fn(|i| 0.5 * (before[i] + after[i]));
+    let slopes = [before, after, middle].map(|y| gradient(&function, y).map(f64::abs));
+    let discrete = system.averaged_gradient(before, after, step.tau, dw);
+    let length: f64 = before.iter().chain(&after).map(|x| x.abs()).sum();
+    let mut terms = 0.0;
+    for i in 0..D {
+        let mut size = length;
+        for j in 0..D {
+            let mut unit = [0.0; D];
+            unit[j] = 1.0;
+            size += (system.structure(middle, unit)[i] * discrete[j]).abs();
+        }
+        terms += slopes.iter().map(|slope| slope[i]).fold(0.0, f64::max) * size;
+    }
+    terms *= step.second_decay.powf(degree);
+    terms += (1.0 + exponent.abs()) * (law * f0).abs();
+    (f1 - law * f0).abs() / (f64::EPSILON * terms)
+}
+
+/// A small generator of numbers in [−1, 1).
+pub struct Numbers(pub u64);
+
+impl Numbers {
+    pub fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 * 2f64.powi(-52) - 1.0
+    }
+
+    pub fn point<const D: usize>(&mut self, centre: [f64; D], radius: f64) -> [f64; D] {
+        centre.map(|c| c + radius * self.next())
+    }
+}

@@ -1,0 +1,375 @@
+//! `sexp` keeps every claimed invariant on its conformal law: to round-off, in every step, for every step size,
+//! damping and outcome of the noise. And wrong schemes do not, by the same measure.
+
+mod common;
+
+use common::{
+    INERTIA, Numbers, Visit, any_damping, any_increments, any_state, any_step, body, conformal_defect, exact_systems,
+    populations_1, populations_2,
+};
+use nonlin::{Method, Outcome, Solver};
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use real::Real;
+use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step};
+use systems::{
+    Constant, Damping, Invariant, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBodyEnergy,
+    vector_field,
+};
+
+/// Largest defect in the units of [`conformal_defect`]. Newton solves to the rounding of the equation: each of the
+/// terms counted there is rounded at most four times, half an ε each.
+const NEWTON: f64 = 2.0;
+/// The fixed point stops at a residual that it foresees from two changes; where modes that contract differently mix
+/// it may leave more than it meant to, in rare cases and up to this many ε (see the tests of `nonlin`).
+const FIXED_POINT: f64 = 256.0;
+/// Half of all steps must be within this, whatever the solver.
+const TYPICAL: f64 = 0.5;
+
+const SAMPLES: usize = 4000;
+
+/// All claims of all systems that are exact.
+struct KeepsTheLaw {
+    method: Method,
+    invariants: usize,
+}
+
+impl Visit for KeepsTheLaw {
+    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]) {
+        let sexp = Sexp { solver: Solver::new(self.method) };
+        let allowed = match self.method {
+            Method::FixedPoint => FIXED_POINT,
+            Method::Newton => NEWTON,
+        };
+        let mut numbers = Numbers(5);
+        let claims = system.invariants();
+        let mut defects = vec![Vec::new(); claims.len()];
+        let mut unsolved = 0;
+        for _ in 0..SAMPLES {
+            let damping = any_damping(&mut numbers);
+            let step = any_step(&mut numbers, damping.as_ref());
+            let dw = any_increments(&mut numbers, step.tau);
+            let y = any_state(&mut numbers, system, y0);
+            let solution = sexp.step(system, &step, dw, y);
+            if let Outcome::Failed { .. } = solution.outcome {
+                unsolved += 1;
+                continue;
+            }
+            for index in 0..claims.len() {
+                let defect = conformal_defect(system, index, &step, dw, y, solution.z);
+                assert!(
+                    defect <= allowed,
+                    "{} {:?}: {defect} at {step:?} {dw:?} {y:?} {solution:?}",
+                    system.name(),
+                    claims[index]
+                );
+                defects[index].push(defect);
+            }
+        }
+        // Truncated increments make nearly every step solvable, even at the largest step size.
+        assert!(unsolved <= SAMPLES / 1000, "{}: {unsolved}", system.name());
+        for mut sorted in defects {
+            self.invariants += 1;
+            sorted.sort_by(f64::total_cmp);
+            assert!(sorted[sorted.len() / 2] < TYPICAL);
+        }
+    }
+}
+
+#[test]
+fn every_invariant_of_every_system_by_newton() {
+    let mut keeps = KeepsTheLaw { method: Method::Newton, invariants: 0 };
+    exact_systems(&mut keeps);
+    // Rigid body 1 + 1 + 2, Lotka–Volterra 2 + 2, Maxwell–Bloch 1, Poisson3 2.
+    assert_eq!(keeps.invariants, 11);
+}
+
+#[test]
+fn every_invariant_of_every_system_by_fixed_point() {
+    let mut keeps = KeepsTheLaw { method: Method::FixedPoint, invariants: 0 };
+    exact_systems(&mut keeps);
+    assert_eq!(keeps.invariants, 11);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 4000,
+        rng_seed: RngSeed::Fixed(1),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn the_relative_law_of_the_casimir(
+        y in [-3.0..3.0f64, -3.0..3.0, -3.0..3.0],
+        dw in [-1.0..1.0f64, -1.0..1.0, -1.0..1.0],
+        tau in 1e-6..0.9f64,
+        rate in -2.0..2.0f64,
+        n in 0u64..1000,
+    ) {
+        // A positive definite Casimir, so the defect can be taken relative to the value, as in the paper's figures.
+        // The rotation vector has length below 0.9·1.5 + 1 + 0.5 + 1/3 in units where |z| = 1.
+        let system = body();
+        let step = Step::new(&Constant::new(rate).unwrap(), n, tau).unwrap();
+        let y1 = Sexp::default().step(&system, &step, dw, y);
+        let exact = (-2.0 * rate * tau).exp();
+        let ratio = system.invariant(0, y1.z) / system.invariant(0, y);
+        // Grid times nτ up to 900 lose 900ε of a damping of at most 2·2 per unit of time.
+        let tolerance = (64.0 + 4.0 * step.t) * f64::EPSILON;
+        prop_assert!((ratio / exact - 1.0).abs() < tolerance, "{} {}", ratio, exact);
+    }
+
+    #[test]
+    fn populations_with_real_exponents(
+        y in [0.3..1.7f64, 0.3..1.7, 0.3..1.7],
+        dw in -0.1..0.1f64,
+        tau in 1e-4..0.05f64,
+        a in -2.0..-0.3f64,
+        b in -2.0..-0.3f64,
+    ) {
+        // As long as no component changes by half of itself the twelve nodes leave ρ⁻²⁴ < 10⁻²³, with ρ = 5 + √24.
+        let system = LotkaVolterra::new(a, b, 1.0).unwrap();
+        let step = Step::new(&Constant::new(0.3).unwrap(), 0, tau).unwrap();
+        let solution = Sexp::default().step(&system, &step, [dw], y);
+        prop_assume!((0..3).all(|i| (solution.z[i] / y[i] - 1.0).abs() < 0.5));
+        for index in 0..2 {
+            // Powers through the exponential function are good to ten ε, not to half an ε.
+            let defect = conformal_defect(&system, index, &step, [dw], y, solution.z);
+            prop_assert!(defect < 32.0, "{}: {}", index, defect);
+        }
+    }
+}
+
+#[test]
+fn a_long_path_stays_on_the_law() {
+    // Each step leaves a defect of at most a few ε, of random sign: after n steps at most 4√n ε would be typical; nε is
+    // never exceeded.
+    let system = body();
+    let damping = systems::Cosine::new(0.5, 2.0).unwrap();
+    let mut numbers = Numbers(8);
+    let mut y = [1.1f64.cos(), 0.0, 1.1f64.sin()];
+    let start: f64 = system.invariant(0, y);
+    let (tau, steps) = (0.1, 1000);
+    for n in 0..steps {
+        let step = Step::new(&damping, n, tau).unwrap();
+        y = Sexp::default().step(&system, &step, any_increments(&mut numbers, tau), y).z;
+    }
+    let law = (-2.0 * damping.integral(0.0, tau * steps as f64)).exp();
+    let ratio = system.invariant(0, y) / start;
+    assert!((ratio / law - 1.0).abs() < steps as f64 * f64::EPSILON);
+}
+
+/// What a twin is measured on: as many ε as make a visible defect, 10⁶ε ≈ 2·10⁻¹⁰.
+const VISIBLE: f64 = 1e6;
+
+/// The share of steps with a visible defect, for steps taken by `advance`. Rates of damping are one and steps are 0.05,
+/// where a defect is a matter of the order of the scheme and not of the size of the step.
+fn visible<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    system: &S,
+    index: usize,
+    y0: [f64; D],
+    advance: impl Fn(&S, &Step, [f64; M], [f64; D]) -> [f64; D],
+) -> f64 {
+    let damping = systems::Sine::new(1.0, 1.0).unwrap();
+    let mut numbers = Numbers(6);
+    let samples = 400;
+    let mut count = 0;
+    for n in 0..samples {
+        let step = Step::new(&damping, 10 + n, 0.05).unwrap();
+        let dw = any_increments(&mut numbers, step.tau);
+        let y = any_state(&mut numbers, system, y0);
+        let y1 = advance(system, &step, dw, y);
+        count += u32::from(conformal_defect(system, index, &step, dw, y, y1) > VISIBLE);
+    }
+    f64::from(count) / samples as f64
+}
+
+/// All but a few steps: those where the defect happens to pass through zero.
+const NEARLY_ALL: f64 = 0.9;
+
+fn sexp<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    system: &S,
+    step: &Step,
+    dw: [f64; M],
+    y: [f64; D],
+) -> [f64; D] {
+    Sexp::default().step(system, step, dw, y).z
+}
+
+#[test]
+fn the_measure_itself_sees_nothing_in_sexp() {
+    assert_eq!(visible(&body(), 0, [0.5; 3], sexp), 0.0);
+    assert_eq!(visible(&populations_2(), 0, [1.0; 3], sexp), 0.0);
+}
+
+#[test]
+fn damping_at_the_wrong_half_breaks_the_law() {
+    // The factor of the first half used for both.
+    let twin = |system: &_, step: &Step, dw, y| {
+        let mut wrong = *step;
+        wrong.second_decay = step.first_decay;
+        sexp(system, &wrong, dw, y)
+    };
+    assert!(visible(&body(), 0, [0.5; 3], twin) > NEARLY_ALL);
+    // Both factors before the step keep the law; what they break is the order, see `order.rs`.
+}
+
+#[test]
+fn explicit_euler_breaks_the_law() {
+    fn twin<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        system: &S,
+        step: &Step,
+        dw: [f64; M],
+        y: [f64; D],
+    ) -> [f64; D] {
+        let before = y.map(|x| step.first_decay * x);
+        let field = vector_field(system, before, step.tau, dw);
+        std::array::from_fn(|i| step.second_decay * (before[i] + field[i]))
+    }
+    assert!(visible(&body(), 0, [0.5; 3], twin) > NEARLY_ALL);
+    assert!(visible(&MaxwellBloch, 0, [1.0, 2.0, 3.0], twin) > NEARLY_ALL);
+    assert!(visible(&populations_2(), 0, [1.0; 3], twin) > NEARLY_ALL);
+    // A linear Casimir is kept by anything that stays in the image of B.
+    assert_eq!(visible(&populations_2(), 1, [1.0; 3], twin), 0.0);
+}
+
+#[test]
+fn euler_maruyama_and_midpoint_break_the_law() {
+    let em = |system: &_, step: &Step, dw, y| EulerMaruyama.step(system, step, dw, y).z;
+    assert!(visible(&body(), 0, [0.5; 3], em) > NEARLY_ALL);
+    let midpoint = |system: &_, step: &Step, dw, y| Midpoint::default().step(system, step, dw, y).z;
+    assert!(visible(&body(), 0, [0.5; 3], midpoint) > NEARLY_ALL);
+}
+
+/// A system with one part replaced.
+struct Twin<S> {
+    system: S,
+    /// ∇̄h by the gradient at the midpoint: the quadrature with one node.
+    one_node: bool,
+    /// The last component of B(y)v with the wrong sign.
+    wrong_sign: bool,
+}
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M> for Twin<S> {
+    fn name(&self) -> &'static str {
+        self.system.name()
+    }
+    fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
+        let mut b = self.system.structure(y, v);
+        if self.wrong_sign {
+            b[D - 1] = -b[D - 1];
+        }
+        b
+    }
+    fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> R {
+        self.system.energy(y, dt, dw)
+    }
+    fn gradient<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
+        self.system.gradient(y, dt, dw)
+    }
+    fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
+        if self.one_node {
+            self.system.gradient(dgrad::quadratic(a, b), dt, dw)
+        } else {
+            self.system.averaged_gradient(a, b, dt, dw)
+        }
+    }
+    fn invariants(&self) -> Vec<Invariant> {
+        self.system.invariants()
+    }
+    fn invariant<R: Real>(&self, index: usize, y: [R; D]) -> R {
+        self.system.invariant(index, y)
+    }
+}
+
+#[test]
+fn a_wrong_sign_in_the_structure_breaks_the_law() {
+    let wrong = |system| Twin { system, one_node: false, wrong_sign: true };
+    let twin = wrong(RigidBodyEnergy::new(INERTIA, 1.0).unwrap());
+    assert!(visible(&twin, 0, [0.5; 3], sexp) > NEARLY_ALL);
+    assert!(visible(&twin, 1, [0.5; 3], sexp) > NEARLY_ALL);
+}
+
+#[test]
+fn one_node_breaks_the_energy_and_nothing_else() {
+    let one_node = Twin { system: populations_2(), one_node: true, wrong_sign: false };
+    assert!(visible(&one_node, 0, [1.0; 3], sexp) > NEARLY_ALL);
+    // The linear Casimir does not depend on the gradient, and a cubic H = y₁y₂y₃ is beyond one node, too.
+    assert_eq!(visible(&one_node, 1, [1.0; 3], sexp), 0.0);
+    let cubic = Twin { system: populations_1(), one_node: true, wrong_sign: false };
+    assert!(visible(&cubic, 0, [1.0; 3], sexp) > NEARLY_ALL);
+}
+
+/// Solved to the rounding of the equation, so that a tolerance is about the scheme and not about the solver.
+fn by_newton() -> Sexp {
+    Sexp { solver: Solver::new(Method::Newton) }
+}
+
+/// Σ|∇̄Hᵢ| times the lengths involved, and |H|: what H(z) − H(ẑ) is rounded relative to; sines are good to an ε, a sinc
+/// to two, and the solver leaves a few ε of ‖z‖.
+const UNDAMPED: f64 = 32.0 * f64::EPSILON;
+
+/// The defect of the energy in an undamped step, relative to its terms.
+fn undamped_defect<S: PoissonSystem<D, 1>, const D: usize>(system: &S, numbers: &mut Numbers, y0: [f64; D]) -> f64 {
+    let step = Step::new(&Constant::new(0.0).unwrap(), 3, 0.05).unwrap();
+    let y = any_state(numbers, system, y0);
+    let y1 = Sexp::default().step(system, &step, any_increments(numbers, step.tau), y).z;
+    let h = |y| -> f64 { system.energy(y, 1.0, [0.0]) };
+    let slope: [f64; D] = system.averaged_gradient(y, y1, 1.0, [0.0]);
+    let lengths: f64 = y.iter().chain(&y1).map(|x| x.abs()).sum();
+    let terms = slope.iter().map(|x| x.abs()).sum::<f64>() * lengths + h(y).abs() + 3.0;
+    (h(y1) - h(y)).abs() / terms
+}
+
+#[test]
+fn without_damping_any_energy_is_kept() {
+    // Sines and cosines: not homogeneous, so there is no conformal law, but the law without damping holds.
+    let mut numbers = Numbers(7);
+    let (pendulum, poisson) = (Pendulum::new(1.0).unwrap(), Poisson3::new(1.0).unwrap());
+    let one_node = Twin { system: poisson, one_node: true, wrong_sign: false };
+    let mut broken = 0;
+    for _ in 0..2000 {
+        let defect = undamped_defect(&pendulum, &mut numbers, [0.2, 1.0]);
+        assert!(defect < UNDAMPED, "{defect}");
+        let defect = undamped_defect(&poisson, &mut numbers, [1.0, 2.0, 3.0]);
+        assert!(defect < UNDAMPED, "{defect}");
+        broken += u32::from(undamped_defect(&one_node, &mut numbers, [1.0, 2.0, 3.0]) > 1e-9);
+    }
+    assert!(broken > 1800, "{broken}");
+}
+
+#[test]
+fn what_midpoint_keeps() {
+    // C(y₁) − C(y₀) = ∇C(m)·(y₁ − y₀) = −τγ·∇C(m)·m: for a quadratic Casimir −2τγC(m), for a linear one the factor
+    // (1 − τγ/2)/(1 + τγ/2).
+    let mut numbers = Numbers(9);
+    let midpoint = Midpoint { solver: Solver::new(Method::Newton) };
+    for _ in 0..2000 {
+        let damping = any_damping(&mut numbers);
+        let step = any_step(&mut numbers, damping.as_ref());
+        let strength = step.tau * step.rate_at_middle;
+
+        let system = body();
+        let y = any_state(&mut numbers, &system, [0.5; 3]);
+        let dw = any_increments(&mut numbers, step.tau);
+        let y1 = midpoint.step(&system, &step, dw, y).z;
+        let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (y[i] + y1[i]));
+        let c = |y| -> f64 { system.invariant(0, y) };
+        // Increments amplify the rounding: |B∇h| is up to 4|m|².
+        let terms = c(y) + c(y1) + 8.0 * c(middle);
+        let expected = c(y) - 2.0 * strength * c(middle);
+        let defect = (c(y1) - expected).abs() / (f64::EPSILON * terms);
+        assert!(defect < 32.0, "{defect} {step:?} {y:?} {y1:?} {dw:?}");
+
+        let system = Poisson3::new(1.0).unwrap();
+        let y = any_state(&mut numbers, &system, [1.0, 2.0, 3.0]);
+        let dw = any_increments(&mut numbers, step.tau);
+        let solution = midpoint.step(&system, &step, dw, y);
+        if !solution.outcome.converged() {
+            continue;
+        }
+        let sum = |y| -> f64 { system.invariant(1, y) };
+        let expected = sum(y) * (1.0 - 0.5 * strength) / (1.0 + 0.5 * strength);
+        assert!((sum(solution.z) - expected).abs() < 256.0 * f64::EPSILON * 12.0);
+    }
+}

@@ -1,0 +1,146 @@
+//! Every constructor refuses what makes no sense, with the right error, and the error names the value.
+
+use systems::{
+    Constant, Cosine, Damping, DampingFunction, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum,
+    Poisson3, Problem, RigidBody, RigidBodyEnergy, Sine, SystemError,
+};
+
+const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+const NOT_POSITIVE: [f64; 5] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -2.5];
+
+/// The text of the error, after checking that it names the parameter and the value.
+fn named(error: SystemError, name: &str, value: f64) {
+    let text = error.to_string();
+    assert!(text.contains(name), "{text} does not name {name}");
+    assert!(text.ends_with(&format!("{value}")), "{text} does not name {value}");
+    // It is an error like any other.
+    let boxed: Box<dyn std::error::Error + Send + Sync> = Box::new(error);
+    assert_eq!(boxed.to_string(), text);
+}
+
+fn not_finite<T: std::fmt::Debug>(name: &str, make: impl Fn(f64) -> Result<T, SystemError>) {
+    for bad in NOT_FINITE {
+        let error = make(bad).unwrap_err();
+        assert!(matches!(error, SystemError::NonFiniteParameter { .. }), "{error:?}");
+        named(error, name, bad);
+    }
+    for good in [-1.5, 0.0, 2.0] {
+        assert!(make(good).is_ok());
+    }
+}
+
+fn not_positive<T: std::fmt::Debug>(name: &str, make: impl Fn(f64) -> Result<T, SystemError>) {
+    for bad in NOT_POSITIVE {
+        let error = make(bad).unwrap_err();
+        assert!(matches!(error, SystemError::NonPositiveParameter { .. }), "{error:?}");
+        named(error, name, bad);
+    }
+    assert!(make(0.5).is_ok());
+}
+
+#[test]
+fn systems_refuse_parameters() {
+    not_finite("c", Pendulum::new);
+    not_finite("c", Poisson3::new);
+    not_finite("c", |c| RigidBodyEnergy::new([2.0, 1.0, 0.5], c));
+    not_finite("a must", |a| LotkaVolterra::new(a, -1.0, 1.0));
+    not_finite("b must", |b| LotkaVolterra::new(-1.0, b, 1.0));
+    not_finite("c must", |c| LotkaVolterra::new(-1.0, -1.0, c));
+    not_finite("c must", LotkaVolterra::<IntegerExponents<2, 2>>::integer);
+}
+
+#[test]
+fn moments_of_inertia_are_positive() {
+    for i in 0..3 {
+        let with = |value| {
+            let mut inertia = [2.0, 1.0, 0.5];
+            inertia[i] = value;
+            inertia
+        };
+        let name = ["I1", "I2", "I3"][i];
+        not_positive(name, |x| RigidBody::three_noises(with(x), [1.0; 3]));
+        not_positive(name, |x| RigidBody::one_noise(with(x), 1.0));
+        not_positive(name, |x| RigidBodyEnergy::new(with(x), 1.0));
+        not_positive(["Î1", "Î2", "Î3"][i], |x| RigidBody::three_noises([1.0; 3], with(x)));
+    }
+    not_positive("Î1", |x| RigidBody::one_noise([1.0; 3], x));
+}
+
+#[test]
+fn dampings_refuse_parameters() {
+    not_finite("rate", Constant::new);
+    not_finite("slope", Linear::new);
+    not_finite("amplitude", |x| Sine::new(x, 1.0));
+    not_finite("frequency", |x| Sine::new(1.0, x));
+    not_finite("amplitude", |x| Cosine::new(x, 1.0));
+    not_finite("frequency", |x| Cosine::new(1.0, x));
+    for nodes in [0, 513] {
+        let error = DampingFunction::new(|t| t, nodes).map(|_| ()).unwrap_err();
+        assert!(matches!(error, SystemError::Quadrature(_)), "{error:?}");
+        assert!(error.to_string().ends_with(&format!("got {nodes}")));
+    }
+}
+
+#[test]
+fn dampings_say_what_they_are() {
+    let described: [(&dyn Damping, &str); 6] = [
+        (&Constant::new(2.0).unwrap(), "γ = 2"),
+        (&Linear::new(1.0).unwrap(), "γ = t"),
+        (&Linear::new(0.5).unwrap(), "γ = 0.5 t"),
+        (&Sine::new(1.0, 1.0).unwrap(), "γ = sin t"),
+        (&Cosine::new(0.5, 2.0).unwrap(), "γ = 0.5 cos 2 t"),
+        (&DampingFunction::new(|t| t, 3).unwrap(), "γ given as a function"),
+    ];
+    for (damping, words) in described {
+        assert_eq!(damping.describe(), words);
+    }
+}
+
+#[test]
+fn problems_refuse_initial_values() {
+    let damping = Constant::new(1.0).unwrap();
+    for bad in NOT_FINITE {
+        for i in 0..3 {
+            let mut y0 = [1.0, 2.0, 3.0];
+            y0[i] = bad;
+            let error = Problem::new(MaxwellBloch, damping, y0, 1.0).unwrap_err();
+            assert!(matches!(error, SystemError::NonFiniteState { component, .. } if component == i + 1), "{error:?}");
+            named(error, &format!("y{}", i + 1), bad);
+        }
+    }
+}
+
+#[test]
+fn problems_refuse_final_times() {
+    let damping = Constant::new(1.0).unwrap();
+    for bad in NOT_POSITIVE {
+        let error = Problem::new(MaxwellBloch, damping, [1.0, 2.0, 3.0], bad).unwrap_err();
+        assert!(matches!(error, SystemError::FinalTime { .. }), "{error:?}");
+        named(error, "T =", bad);
+    }
+}
+
+#[test]
+fn populations_are_positive() {
+    let damping = Constant::new(1.0).unwrap();
+    for bad in [0.0, -0.25] {
+        for i in 0..3 {
+            let mut y0 = [0.2, 0.4, 0.6];
+            y0[i] = bad;
+            let integer = LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0).unwrap();
+            let real = LotkaVolterra::new(-1.0, -2.0, 1.0).unwrap();
+            for error in [
+                Problem::new(integer, damping, y0, 1.0).unwrap_err(),
+                Problem::new(real, damping, y0, 1.0).unwrap_err(),
+            ] {
+                assert!(
+                    matches!(error, SystemError::OutsideDomain { component, .. } if component == i + 1),
+                    "{error:?}"
+                );
+                named(error, "y1 > 0, y2 > 0 and y3 > 0", bad);
+            }
+        }
+    }
+    let fine = LotkaVolterra::new(-1.0, -2.0, 1.0).unwrap();
+    assert!(Problem::new(fine, damping, [0.2, 0.4, 0.6], 1.0).is_ok());
+}
