@@ -1,59 +1,148 @@
+//! What one step of one path costs, noise included.
+//!
+//! Measured, each time 256 steps of τ = 2⁻⁸ from the paper's initial value, with increments drawn and truncated:
+//!
+//! - `rigid body`: every scheme on the rigid body with three noises; `block` advances 32 paths at once, `path` one;
+//! - `sexp`: the conformal scheme on the five systems, in blocks.
+//!
+//! An element is one path and step, so criterion's `Melem/s` are millions of path-steps a second: **ns per path-step =
+//! 1000 / (Melem/s)**. The rate of `block` over the rate of `path` says what vectorisation brings. It guards the path
+//! loop: a ratio near one means that something in it is no longer inlined or vectorised.
+
 use std::hint::black_box;
-use std::time::Instant;
+use std::time::Duration;
 
-use noise::{StreamKey, WienerBlock};
-use real::{Block, Level, WIDTH, limit_to};
-use schemes::*;
-use systems::*;
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
+use noise::{StreamKey, Truncation, WienerBlock, WienerPath, clip};
+use nonlin::{BlockStatus, Method, Solver};
+use real::{Block, WIDTH};
+use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step};
+use systems::{
+    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
+    PoissonSystem, RigidBody, Sine,
+};
 
-fn best(mut f: impl FnMut() -> u64) -> f64 {
-    let mut best = f64::INFINITY;
-    for _ in 0..400 {
-        let start = Instant::now();
-        let n = f();
-        best = best.min(start.elapsed().as_secs_f64() * 1e9 / n as f64);
-    }
-    best
+const STEPS: u64 = 256;
+const TAU: f64 = 1.0 / STEPS as f64;
+const KEY: StreamKey = StreamKey { seed: 1, experiment: 1 };
+
+/// A system with what it takes to run it: damping tabulated for every step, and y₀.
+struct Run<S, const D: usize> {
+    system: S,
+    steps: Vec<Step>,
+    bound: f64,
+    y0: [f64; D],
 }
-fn main() {
-    let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
-    let damping = Cosine::new(0.5, 2.0).unwrap();
-    let tau = 1.0 / 4096.0f64;
-    for level in [Level::Avx512] {
-        limit_to(level);
-        let schemes: [(&str, &dyn Scheme<RigidBody<3>, 3, 3>); 4] = [
-            ("sexp fp", &Sexp { solver: nonlin::Solver::new(nonlin::Method::FixedPoint) }),
-            ("sexp newton", &Sexp { solver: nonlin::Solver::new(nonlin::Method::Newton) }),
-            ("midpoint", &Midpoint::default()),
-            ("em", &EulerMaruyama),
-        ];
-        for (name, scheme) in schemes {
-            let mut b = 0;
-            let steps: Vec<Step> = (0..256).map(|n| Step::new(&damping, n, tau).unwrap()).collect();
-            let mut status = nonlin::BlockStatus::explicit();
-            let t = best(|| {
-                b += 1;
-                let mut noise = WienerBlock::<3>::new(StreamKey { seed: 1, experiment: 1 }, b * 32);
-                let mut y = Block::splat([1.1f64.cos(), 0.0, 1.1f64.sin()]);
-                let mut dw = Block::zero();
-                for n in 0..256 {
-                    noise.increments(tau.sqrt(), &mut dw);
-                    scheme.step_block(&body, &steps[n], &dw, &mut y, &mut status);
-                }
-                black_box(&y);
-                256 * WIDTH as u64
-            });
-            println!("{level:?} {name}: {t:.2} ns");
+
+impl<S, const D: usize> Run<S, D> {
+    fn new(system: S, damping: &dyn Damping, y0: [f64; D]) -> Self {
+        Self {
+            system,
+            steps: (0..STEPS).map(|n| Step::new(damping, n, TAU).expect("0 < τ")).collect(),
+            bound: Truncation::new(4).and_then(|truncation| truncation.bound(TAU)).expect("0 < τ < 1"),
+            y0,
         }
-        let mut noise = WienerBlock::<3>::new(StreamKey { seed: 1, experiment: 1 }, 0);
-        let mut dw = Block::zero();
-        let t = best(|| {
-            for _ in 0..256 {
-                noise.increments(tau.sqrt(), &mut dw);
-                black_box(&dw);
-            }
-            256 * 32
+    }
+
+    /// 32 paths from 0 to 1; every call takes the next paths of the stream.
+    fn block<const M: usize>(&self, group: &mut BenchmarkGroup<'_, WallTime>, name: &str, scheme: &impl Scheme<S, D, M>)
+    where
+        S: PoissonSystem<D, M>,
+    {
+        group.throughput(Throughput::Elements(WIDTH as u64 * STEPS));
+        group.bench_function(name, |bencher| {
+            let (mut dw, mut clipped) = (Block::zero(), Block::zero());
+            let mut status = BlockStatus::explicit();
+            let mut first_path = 0;
+            bencher.iter(|| {
+                let mut noise = WienerBlock::<M>::new(KEY, first_path);
+                first_path += WIDTH as u64;
+                let mut y = Block::splat(self.y0);
+                for step in &self.steps {
+                    noise.increments(TAU.sqrt(), &mut dw);
+                    clip(&dw, self.bound, &mut clipped);
+                    scheme.step_block(&self.system, step, &clipped, &mut y, &mut status);
+                }
+                black_box(y)
+            });
         });
-        println!("{level:?} noise {t:.2}");
+    }
+
+    /// One path from 0 to 1.
+    fn path<const M: usize>(&self, group: &mut BenchmarkGroup<'_, WallTime>, name: &str, scheme: &impl Scheme<S, D, M>)
+    where
+        S: PoissonSystem<D, M>,
+    {
+        group.throughput(Throughput::Elements(STEPS));
+        group.bench_function(name, |bencher| {
+            let mut path = 0;
+            bencher.iter(|| {
+                let mut noise = WienerPath::<M>::new(KEY, path);
+                path += 1;
+                let mut y = self.y0;
+                for step in &self.steps {
+                    let dw = noise.increments(TAU.sqrt());
+                    let clipped = dw.map(|w| w.clamp(-self.bound, self.bound));
+                    y = scheme.step(&self.system, step, clipped, y).z;
+                }
+                black_box(y)
+            });
+        });
     }
 }
+
+const MOMENTUM: [f64; 3] = [0.453_596_121_425_577_3, 0.0, 0.891_207_360_061_435_3];
+const POPULATIONS: [f64; 3] = [0.2, 0.4, 0.6];
+
+fn short<'a>(criterion: &'a mut Criterion, name: &str) -> BenchmarkGroup<'a, WallTime> {
+    let mut group = criterion.benchmark_group(name);
+    group.sample_size(20).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
+    group
+}
+
+fn rigid_body(criterion: &mut Criterion) {
+    let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).expect("positive");
+    let damping = Cosine::new(0.5, 2.0).expect("finite");
+    let run = Run::new(body, &damping, MOMENTUM);
+    let sexp = |method| Sexp { solver: Solver::new(method) };
+    let mut group = short(criterion, "rigid body");
+    run.block(&mut group, "sexp/block", &sexp(Method::FixedPoint));
+    run.path(&mut group, "sexp/path", &sexp(Method::FixedPoint));
+    run.block(&mut group, "sexp newton/block", &sexp(Method::Newton));
+    run.path(&mut group, "sexp newton/path", &sexp(Method::Newton));
+    run.block(&mut group, "midpoint/block", &Midpoint::default());
+    run.path(&mut group, "midpoint/path", &Midpoint::default());
+    run.block(&mut group, "em/block", &EulerMaruyama);
+    run.path(&mut group, "em/path", &EulerMaruyama);
+    group.finish();
+}
+
+fn systems(criterion: &mut Criterion) {
+    let mut group = short(criterion, "sexp");
+    let sexp = Sexp::default();
+    let constant = Constant::new(2.0).expect("finite");
+    let sine = Sine::new(1.0, 1.0).expect("finite");
+    let cosine = Cosine::new(0.5, 2.0).expect("finite");
+    let linear = Linear::new(1.0).expect("finite");
+
+    let pendulum = Pendulum::new(1.0).expect("finite");
+    Run::new(pendulum, &constant, [0.2, 1.0]).block(&mut group, "pendulum", &sexp);
+    let body = RigidBody::one_noise([2.0, 1.0, 2.0 / 3.0], 1.0).expect("positive");
+    Run::new(body, &cosine, MOMENTUM).block(&mut group, "rigid body, one noise", &sexp);
+    let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).expect("positive");
+    Run::new(body, &cosine, MOMENTUM).block(&mut group, "rigid body, three noises", &sexp);
+    let populations = LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0).expect("finite");
+    Run::new(populations, &sine, POPULATIONS).block(&mut group, "lotka-volterra 1, 1", &sexp);
+    let populations = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0).expect("finite");
+    Run::new(populations, &sine, POPULATIONS).block(&mut group, "lotka-volterra 2, 2", &sexp);
+    let populations = LotkaVolterra::new(-1.0, -2.0, 1.0).expect("finite");
+    Run::new(populations, &sine, POPULATIONS).block(&mut group, "lotka-volterra real", &sexp);
+    Run::new(MaxwellBloch, &cosine, [1.0, 2.0, 3.0]).block(&mut group, "maxwell-bloch", &sexp);
+    let poisson = Poisson3::new(1.0).expect("finite");
+    Run::new(poisson, &linear, [1.0, 2.0, 3.0]).block(&mut group, "poisson3", &sexp);
+    group.finish();
+}
+
+criterion_group!(benches, rigid_body, systems);
+criterion_main!(benches);

@@ -3,7 +3,8 @@
 //! y_{n+1} = y_n + B(m)∇h(m) − τγ(t_{n+½})m,  m = (y_n + y_{n+1})/2,  h = H₀τ + Σ HₘΔŴₘ (Stratonovich).
 //!
 //! Strong order ½ for several noises, 1 for one; weak order 1. Keeps quadratic Casimirs where γ = 0; with damping it
-//! multiplies them by ((1 − τγ/2)/(1 + τγ/2))² and not by e^{−2τγ}. Implicit: one nonlinear system of D equations a step.
+//! takes 2τγC(m) from them, which depends on the path, instead of multiplying them by e^{−2∫γ}, and multiplies linear
+//! ones by (1 − τγ/2)/(1 + τγ/2). Implicit: one nonlinear system of D equations a step.
 
 use nonlin::{BlockFixedPoint, BlockStatus, FixedPoint, Solution, Solver};
 use real::{Block, Kernel, Real, dispatch};

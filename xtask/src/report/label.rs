@@ -1,4 +1,4 @@
-//! Short mathematical labels: a base with an optional subscript and superscript.
+//! Short mathematical labels: a base with an optional subscript and superscript, and words behind it.
 //!
 //! One notation serves the figures and the page: `2^-5` is 2⁻⁵, `y2^2` is y₂², `cos y3` is cos y₃. Digits
 //! that follow a letter are an index; what follows `^` is an exponent.
@@ -15,6 +15,8 @@ pub struct Label {
     pub index: String,
     /// The exponent, possibly empty.
     pub exponent: String,
+    /// Plain words behind all of it, possibly empty.
+    pub tail: String,
 }
 
 impl Label {
@@ -24,12 +26,18 @@ impl Label {
         let stem = base.trim_end_matches(|c: char| c.is_ascii_digit());
         let (base, index) =
             if stem.ends_with(|c: char| c.is_alphabetic()) { base.split_at(stem.len()) } else { (base, "") };
-        Self { base: base.replace('-', "−"), index: index.to_owned(), exponent: exponent.replace('-', "−") }
+        let minus = |text: &str| text.replace('-', "−");
+        Self { base: minus(base), index: index.to_owned(), exponent: minus(exponent), tail: String::new() }
     }
 
     /// Plain words, in which digits and hyphens stay what they are.
     pub fn words(text: &str) -> Self {
-        Self { base: text.to_owned(), index: String::new(), exponent: String::new() }
+        Self { base: text.to_owned(), index: String::new(), exponent: String::new(), tail: String::new() }
+    }
+
+    /// The same label with plain words behind it.
+    pub fn with_tail(self, text: &str) -> Self {
+        Self { tail: text.to_owned(), ..self }
     }
 
     /// A power, for example 10⁻³.
@@ -39,7 +47,7 @@ impl Label {
 
     /// Estimated width in units of its font size.
     pub fn width(&self) -> f64 {
-        width(&self.base) + SCRIPT_SIZE * (width(&self.index) + width(&self.exponent))
+        width(&self.base) + SCRIPT_SIZE * (width(&self.index) + width(&self.exponent)) + width(&self.tail)
     }
 }
 

@@ -138,18 +138,23 @@ fn distances(powers: &[i32]) -> Claim {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use statrs::function::erf::erfc;
 
     #[test]
     fn quadrature_is_the_textbook_formula() {
-        for (tau, k) in [(0.25f64, 1), (0.1, 1), (0.1, 2), (0.01, 2)] {
-            let a = (2.0 * f64::from(k) * tau.ln().abs()).sqrt();
-            let (density, q) =
-                ((-0.5 * a * a).exp() / (2.0 * std::f64::consts::PI).sqrt(), 0.5 * erfc(a / 2f64.sqrt()));
-            let lost = 2.0 * ((1.0 - a * a) * q + a * density);
-            let square = 2.0 * ((1.0 + a * a) * q - a * density);
-            assert!((lost_variance(tau, k) / lost - 1.0).abs() < 1e-10, "{tau} {k}");
-            assert!((distance(tau, k, 2).powi(2) / (tau * square) - 1.0).abs() < 1e-9, "{tau} {k}");
+        // 2[(1−A²)Q + Aφ], 2[(1+A²)Q − Aφ] and 2[(A⁴+6A²+3)Q − (A³+5A)φ] at A = √(2k|log τ|), to 40 digits: in double
+        // precision these forms cancel.
+        let exact: [(f64, u32, f64, f64, f64); 4] = [
+            (0.25, 1, 0.16216598821258041, 0.029615946072350398, 0.03841063415548144),
+            (0.1, 1, 0.056306031291669242, 0.0074453473219366392, 0.0077624495073862047),
+            (0.1, 2, 0.0044562897048776339, 0.00035674921276788426, 0.00025648882322066853),
+            (0.01, 2, 3.3882554161687979e-5, 1.542476863254036e-6, 7.0082714426383272e-7),
+        ];
+        for (tau, k, lost, square, fourth) in exact {
+            // 128 nodes and a few roundings of τᵏ = e^{−A²/2}, whose exponent is up to 10.
+            let close = |value: f64, exact: f64| assert!((value / exact - 1.0).abs() < 1e-13, "{tau} {k} {value:e}");
+            close(lost_variance(tau, k), lost);
+            close(distance(tau, k, 2).powi(2) / tau, square);
+            close(distance(tau, k, 4).powi(4) / (tau * tau), fourth);
         }
     }
 }

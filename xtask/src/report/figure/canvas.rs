@@ -8,6 +8,7 @@ use plotters::backend::DrawingBackend;
 use plotters::prelude::{Color, FontTransform, IntoFont, RGBColor, SVGBackend, ShapeStyle, TextStyle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::dash;
 use super::look::{Look, Marker};
 use super::scripts;
 use crate::report::label::Label;
@@ -29,7 +30,7 @@ const GRID: f64 = 20.0;
 /// Pixels to a centimetre, by the definition of the CSS pixel.
 const PER_CENTIMETRE: f64 = 96.0 / 2.54;
 
-/// Colour, width and opacity of a line.
+/// Colour, width, opacity and continuity of a line.
 #[derive(Clone, Copy, Debug)]
 pub struct Stroke {
     /// Colour.
@@ -38,12 +39,19 @@ pub struct Stroke {
     pub width: f64,
     /// 1 is opaque.
     pub opacity: f64,
+    /// Whether it is broken into dashes.
+    pub dashed: bool,
 }
 
 impl Stroke {
-    /// An opaque stroke.
+    /// An opaque stroke without gaps.
     pub fn new(color: RGBColor, width: f64) -> Self {
-        Self { color, width, opacity: 1.0 }
+        Self { color, width, opacity: 1.0, dashed: false }
+    }
+
+    /// The same stroke in dashes.
+    pub fn dashed(self) -> Self {
+        Self { dashed: true, ..self }
     }
 
     /// The same stroke, partly transparent.
@@ -106,23 +114,12 @@ fn grid((x, y): Position) -> (i32, i32) {
 impl Canvas<'_> {
     /// A line through `points`.
     pub fn polyline(&mut self, points: &[Position], stroke: Stroke) -> Result<()> {
-        if points.len() > 1 {
-            let points = points.iter().copied().map(grid);
-            self.backend.draw_path(points, &stroke.style())?;
+        if points.len() < 2 {
+            return Ok(());
         }
-        Ok(())
-    }
-
-    /// A dashed straight line.
-    pub fn dashes(&mut self, from: Position, to: Position, stroke: Stroke) -> Result<()> {
-        const DASH: f64 = 4.0;
-        const PERIOD: f64 = 7.0;
-        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-        let length = dx.hypot(dy);
-        let at = |s: f64| (from.0 + dx * s / length, from.1 + dy * s / length);
-        for n in 0..(length / PERIOD).ceil() as usize {
-            let s = n as f64 * PERIOD;
-            self.polyline(&[at(s), at((s + DASH).min(length))], stroke)?;
+        let pieces = if stroke.dashed { dash::dashes(points) } else { vec![points.to_vec()] };
+        for piece in pieces {
+            self.backend.draw_path(piece.into_iter().map(grid), &stroke.style())?;
         }
         Ok(())
     }

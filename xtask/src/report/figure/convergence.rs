@@ -1,13 +1,13 @@
 //! Errors against the step size in logarithmic coordinates, for strong and weak panels.
 
 use anyhow::Result;
-use verify::results::{Kind, Panel, Point, Series};
+use verify::results::{Kind, Panel, Point, Rate, Series};
 
 use super::axis::{Axis, Range, Scale};
 use super::canvas::{self, Align, Canvas, INK, Position, Stroke};
 use super::frame::{Frame, TITLE_SIZE};
 use super::legend::{Legend, Sample};
-use super::look::{self, Look, Marker};
+use super::look::{self, Layer, Look, Marker};
 use super::slope::{self, ReferenceSlope, Trend};
 use super::ticks::Ticks;
 use crate::report::label::Label;
@@ -34,7 +34,7 @@ struct Measurement {
 struct Curve {
     name: Label,
     look: Look,
-    order: Option<f64>,
+    rate: Option<Rate>,
     points: Vec<Measurement>,
 }
 
@@ -66,7 +66,9 @@ pub fn convergence(panel: &Panel) -> Result<String> {
         for line in &slopes {
             line.draw(canvas, &frame, &mut obstacles)?;
         }
-        for (n, curve) in curves.iter().enumerate() {
+        let mut from_below: Vec<(usize, &Curve)> = curves.iter().enumerate().collect();
+        from_below.sort_by_key(|(_, curve)| curve.look.layer);
+        for (n, curve) in from_below {
             // Bars of weak errors are long and would cover each other: set them side by side.
             let shift = if weak { 2.4 * (n as f64 - 0.5 * (curves.len() as f64 - 1.0)) } else { 0.0 };
             curve.draw(canvas, &frame, shift, weak)?;
@@ -96,7 +98,7 @@ fn curves(panel: &Panel) -> Vec<Curve> {
                 (true, true) => Label::new(&format!("{} {}", series.scheme, series.quantity)),
             },
             look: if weak { look::of_quantity(n) } else { looks[n] },
-            order: series.rate.as_ref().map(|r| r.estimate).filter(|r| r.is_finite()),
+            rate: series.rate.clone().filter(|rate| rate.estimate.is_finite()),
             points: series.points.iter().filter_map(measurement).collect(),
         })
         .collect()
@@ -127,6 +129,14 @@ impl Measurement {
 }
 
 impl Curve {
+    /// Its name and the order fitted to it.
+    fn caption(&self) -> Label {
+        match &self.rate {
+            Some(rate) => self.name.clone().with_tail(&format!(": {}", order(rate))),
+            None => self.name.clone(),
+        }
+    }
+
     /// What this curve asks of the reference slopes. A weak order is only ever compared with 1: its fit is
     /// too noisy to choose between two lines.
     fn trend(&self, weak: bool) -> Trend {
@@ -137,26 +147,28 @@ impl Curve {
         if points.is_empty() {
             points = pairs(|p| p.size() > 0.0);
         }
-        let order = if weak { Some(1.0) } else { self.order.or_else(|| slope::fitted_order(&points)) };
+        let order = if weak { Some(1.0) } else { self.rate.as_ref().map(|rate| rate.estimate).or_else(|| slope::fitted_order(&points)) };
         Trend { order, points }
     }
 
     fn draw(&self, canvas: &mut Canvas, frame: &Frame, shift: f64, weak: bool) -> Result<()> {
         // A point below the range shows its whole marker at the floor.
-        let floor = frame.y.start - MARKER_RADIUS;
+        let radius = self.look.radius(MARKER_RADIUS);
+        let floor = frame.y.start - radius;
         let places: Vec<Position> = self
             .points
             .iter()
             .map(|p| frame.place(p.tau, p.size()))
             .map(|(x, y)| (x + shift, y.clamp(frame.y.end, floor)))
             .collect();
-        let line = Stroke::new(self.look.color, if weak { 0.8 } else { 1.2 });
+        let line = self.look.line(if weak { 0.8 } else { 1.2 });
+        let bar = Stroke { dashed: false, ..self.look.line(1.0) };
         frame.polyline(canvas, &places, line.faded(if weak { 0.45 } else { 1.0 }))?;
         for (point, at) in self.points.iter().zip(&places) {
-            error_bar(canvas, frame, point, at.0, Stroke::new(self.look.color, 1.0))?;
+            error_bar(canvas, frame, point, at.0, bar)?;
         }
         for (point, at) in self.points.iter().zip(&places) {
-            canvas.marker(*at, self.look, MARKER_RADIUS, point.value < 0.0)?;
+            canvas.marker(*at, self.look, radius, self.look.hollow() || point.value < 0.0)?;
         }
         Ok(())
     }
@@ -181,10 +193,17 @@ fn error_bar(canvas: &mut Canvas, frame: &Frame, point: &Measurement, x: f64, st
     Ok(())
 }
 
+/// An order with the half-width of its interval, which is never rounded to zero.
+fn order(rate: &Rate) -> String {
+    let estimate = format!("{:.2}", rate.estimate).replace('-', "−");
+    let half_width = 0.5 * (rate.hi - rate.lo);
+    if half_width.is_finite() { format!("{estimate} ± {:.2}", half_width.max(0.01)) } else { estimate }
+}
+
 fn entries(curves: &[Curve], weak: bool) -> Vec<(Sample, Label)> {
-    let mut entries: Vec<_> = curves.iter().map(|c| (Sample::Curve(c.look), c.name.clone())).collect();
+    let mut entries: Vec<_> = curves.iter().map(|c| (Sample::Curve(c.look), c.caption())).collect();
     if weak {
-        let plain = Look { color: INK, marker: Marker::Circle };
+        let plain = Look { color: INK, marker: Marker::Circle, layer: Layer::Plain };
         entries.push((Sample::Point { look: plain, hollow: false }, Label::words("> 0")));
         entries.push((Sample::Point { look: plain, hollow: true }, Label::words("< 0")));
     }
@@ -227,4 +246,17 @@ fn obstacles(frame: &Frame, curves: &[Curve]) -> Vec<Position> {
         }
     }
     obstacles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orders_are_short_and_never_certain() {
+        let rate = |estimate, lo, hi| Rate { estimate, lo, hi, confidence: 0.95, method: String::new() };
+        assert_eq!(order(&rate(1.0015, 0.954, 1.049)), "1.00 ± 0.05");
+        assert_eq!(order(&rate(0.5, 0.499, 0.501)), "0.50 ± 0.01");
+        assert_eq!(order(&rate(-0.1, f64::NAN, 0.3)), "−0.10");
+    }
 }

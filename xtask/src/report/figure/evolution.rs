@@ -63,7 +63,9 @@ pub fn evolution(panel: &Panel) -> Result<String> {
         value.title_left(canvas, main_quantity(panel))?;
         defect.title_left(canvas, "relative defect")?;
         defect.title_below(canvas, "time t")?;
-        for (n, curve) in curves.iter().enumerate() {
+        let mut from_below: Vec<(usize, &Curve)> = curves.iter().enumerate().collect();
+        from_below.sort_by_key(|(_, curve)| curve.look.layer);
+        for (n, curve) in from_below {
             let values = |p: &Sampled| value.place(p.t, p.value);
             let defects = |p: &Sampled| {
                 let size = relative_defect(p.value, p.exact);
@@ -140,11 +142,11 @@ impl Curve {
     /// Draws the curve with about ten markers, which no two curves carry at the same times.
     fn draw(&self, canvas: &mut Canvas, frame: &Frame, place: impl Fn(&Sampled) -> Position, n: usize) -> Result<()> {
         let path: Vec<Position> = self.points.iter().map(place).collect();
-        frame.polyline(canvas, &path, Stroke::new(self.look.color, 1.1))?;
+        frame.polyline(canvas, &path, self.look.line(1.1))?;
         let stride = (path.len() / 10).max(1);
         let first = (n * stride / 3 + stride / 6) % stride;
         for at in path.iter().skip(first).step_by(stride).filter(|at| frame.holds(**at)) {
-            canvas.marker(*at, self.look, 2.6, false)?;
+            canvas.marker(*at, self.look, self.look.radius(2.6), self.look.hollow())?;
         }
         Ok(())
     }

@@ -32,7 +32,8 @@ pub enum Sample {
 impl Sample {
     fn width(self) -> f64 {
         match self {
-            Sample::Curve(_) | Sample::Line(_) => 16.0,
+            // Two dashes and the gap between them, and as much on the other side of the marker.
+            Sample::Curve(_) | Sample::Line(_) => 18.4,
             Sample::Point { .. } => 7.0,
         }
     }
@@ -78,8 +79,8 @@ impl Legend {
                 let middle = (0.5 * (x + end), y);
                 match *sample {
                     Sample::Curve(look) => {
-                        canvas.polyline(&[(x, y), (end, y)], Stroke::new(look.color, 1.2))?;
-                        canvas.marker(middle, look, 2.8, false)?;
+                        canvas.polyline(&[(x, y), (end, y)], look.line(1.2))?;
+                        canvas.marker(middle, look, look.radius(2.8), look.hollow())?;
                     }
                     Sample::Line(stroke) => canvas.polyline(&[(x, y), (end, y)], stroke)?,
                     Sample::Point { look, hollow } => canvas.marker(middle, look, 2.8, hollow)?,

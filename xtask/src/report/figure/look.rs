@@ -1,6 +1,11 @@
-//! Colours and markers: fixed for the known schemes, distinct for every other.
+//! Colours, markers and weights of curves: fixed for the known schemes, distinct for every other.
+//!
+//! Two methods may give the same numbers to the eye. One of such a pair is drawn wide with open markers
+//! underneath, the other thin and dashed with small markers on top, so that each shows through the other.
 
 use plotters::style::RGBColor;
+
+use super::canvas::Stroke;
 
 /// Shape of a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +24,17 @@ pub enum Marker {
     Star,
 }
 
+/// Where a curve lies in a stack of curves that may coincide; ordered from below.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Layer {
+    /// Wide line, large open markers.
+    Under,
+    /// Nothing special.
+    Plain,
+    /// Thin dashed line, small markers.
+    Over,
+}
+
 /// Appearance of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
@@ -26,10 +42,45 @@ pub struct Look {
     pub color: RGBColor,
     /// Shape of the marker.
     pub marker: Marker,
+    /// Whether it is made to be seen below or above another curve.
+    pub layer: Layer,
 }
 
 const fn look(rgb: (u8, u8, u8), marker: Marker) -> Look {
-    Look { color: RGBColor(rgb.0, rgb.1, rgb.2), marker }
+    Look { color: RGBColor(rgb.0, rgb.1, rgb.2), marker, layer: Layer::Plain }
+}
+
+impl Look {
+    const fn under(self) -> Self {
+        Self { layer: Layer::Under, ..self }
+    }
+
+    const fn over(self) -> Self {
+        Self { layer: Layer::Over, ..self }
+    }
+
+    /// The line of the curve, where that of a plain curve has the width `width`.
+    pub fn line(self, width: f64) -> Stroke {
+        let factor = match self.layer {
+            Layer::Under => 1.9,
+            Layer::Plain | Layer::Over => 1.0,
+        };
+        Stroke { dashed: self.layer == Layer::Over, ..Stroke::new(self.color, factor * width) }
+    }
+
+    /// The radius of its markers, where that of a plain curve is `radius`.
+    pub fn radius(self, radius: f64) -> f64 {
+        match self.layer {
+            Layer::Under => 1.35 * radius,
+            Layer::Plain => radius,
+            Layer::Over => 0.8 * radius,
+        }
+    }
+
+    /// Whether the paper shows inside of its markers.
+    pub fn hollow(self) -> bool {
+        self.layer == Layer::Under
+    }
 }
 
 // The palette of Okabe and Ito, which readers with any colour vision can tell apart.
@@ -43,14 +94,18 @@ const BLACK: (u8, u8, u8) = (0, 0, 0);
 
 /// The schemes of the paper, which look the same on every panel.
 const SCHEMES: [(&str, Look); 3] = [
-    ("sexp", look(BLUE, Marker::Circle)),
+    ("sexp", look(BLUE, Marker::Circle).under()),
     ("em", look(VERMILLION, Marker::Square)),
-    ("midpoint", look(GREEN, Marker::Diamond)),
+    ("midpoint", look(GREEN, Marker::Diamond).over()),
 ];
 
 /// Looks for further schemes, in the order of their appearance.
-const SPARE: [Look; 4] =
-    [look(PURPLE, Marker::Triangle), look(ORANGE, Marker::Wedge), look(SKY, Marker::Star), look(BLACK, Marker::Circle)];
+const SPARE: [Look; 4] = [
+    look(PURPLE, Marker::Triangle),
+    look(ORANGE, Marker::Wedge),
+    look(SKY, Marker::Circle).under(),
+    look(BLACK, Marker::Star).over(),
+];
 
 /// Looks for the quantities of a weak panel; no colour is that of a scheme.
 const QUANTITIES: [Look; 5] = [
@@ -96,6 +151,16 @@ mod tests {
             for b in &looks[..i] {
                 assert!(a.color != b.color && a.marker != b.marker);
             }
+        }
+    }
+
+    #[test]
+    fn methods_that_may_coincide_show_through_each_other() {
+        for pair in [of_schemes(["sexp", "midpoint"]), of_schemes(["a", "b", "c", "d"]).split_off(2)] {
+            let (below, above) = (pair[0], pair[1]);
+            assert!(below.layer < above.layer && below.hollow() && !above.hollow());
+            assert!(below.radius(1.0) > above.radius(1.0));
+            assert!(below.line(1.0).width > above.line(1.0).width && above.line(1.0).dashed);
         }
     }
 }

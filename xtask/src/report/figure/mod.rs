@@ -3,6 +3,7 @@
 mod axis;
 mod canvas;
 mod convergence;
+mod dash;
 mod evolution;
 mod frame;
 mod legend;

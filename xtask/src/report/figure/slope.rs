@@ -94,7 +94,7 @@ impl ReferenceSlope {
         let Some((from, to)) = frame.clip(ends.0, ends.1) else {
             return Ok(());
         };
-        canvas.dashes(from, to, Stroke::new(GREY, 1.0))?;
+        canvas.polyline(&[from, to], Stroke::new(GREY, 1.0).dashed())?;
         let label = self.label();
         let size = (SIZE * label.width(), SIZE);
         if let Some(centre) = roomiest(frame, (from, to), size, obstacles) {

@@ -1,0 +1,217 @@
+//! The ladder against paths followed one at a time, its reproducibility, and what it does with paths that fail.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use mc::{Cause, Ladder, LadderError, Moments, Run, Statistic, StrongErrors, trajectory};
+use noise::{NoiseError, StreamKey, Truncation, WienerPath};
+use nonlin::{Method, Solver};
+use real::{Block, PathMask, Real};
+use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step};
+use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
+
+type Body = Problem<RigidBody<3>, Cosine, 3>;
+
+fn body() -> Body {
+    let system = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
+    Problem::new(system, Cosine::new(0.5, 2.0).unwrap(), [1.1f64.cos(), 0.0, 1.1f64.sin()], 1.0).unwrap()
+}
+
+const KEY: StreamKey = StreamKey { seed: 5, experiment: 9 };
+
+/// Keeps every final state of every run, in order.
+struct Keep<const D: usize> {
+    last_time: u64,
+    runs: Vec<Vec<[f64; D]>>,
+}
+
+impl<const D: usize> Keep<D> {
+    fn new(last_time: u64, runs: usize) -> Self {
+        Self { last_time, runs: vec![Vec::new(); runs] }
+    }
+}
+
+impl<const D: usize> Statistic<D> for Keep<D> {
+    fn observe(&mut self, time: u64, states: &[Block<D>], live: PathMask) {
+        if time == self.last_time {
+            for (kept, state) in self.runs.iter_mut().zip(states) {
+                kept.extend(live.paths().map(|p| state.path(p)));
+            }
+        }
+    }
+    fn merge(&mut self, later: Self) {
+        for (kept, more) in self.runs.iter_mut().zip(later.runs) {
+            kept.extend(more);
+        }
+    }
+}
+
+/// The final state of one path at 2^level finest steps a step, by hand: fine increments summed pairwise, clipped,
+/// optionally with the increments of every pair of steps exchanged.
+fn by_hand(
+    problem: &Body,
+    scheme: &dyn Scheme<RigidBody<3>, 3, 3>,
+    steps: u64,
+    level: u32,
+    path: u64,
+    swapped: bool,
+) -> [f64; 3] {
+    let fine_tau = problem.t_end / steps as f64;
+    let mut noise = WienerPath::<3>::new(KEY, path);
+    let mut sums: Vec<[f64; 3]> = (0..steps).map(|_| noise.increments(fine_tau.sqrt())).collect();
+    for _ in 0..level {
+        sums = sums.chunks(2).map(|pair| std::array::from_fn(|m| pair[0][m] + pair[1][m])).collect();
+    }
+    if swapped {
+        for pair in sums.chunks_mut(2) {
+            pair.swap(0, 1);
+        }
+    }
+    let tau = fine_tau * f64::from(1 << level);
+    let bound = Truncation::new(2).unwrap().bound(tau).unwrap();
+    let mut y = problem.y0;
+    for (n, dw) in sums.iter().enumerate() {
+        let step = Step::new(&problem.damping, n as u64, tau).unwrap();
+        y = scheme.step(&problem.system, &step, dw.map(|w| w.clamp(-bound, bound)), y).z;
+    }
+    y
+}
+
+#[test]
+fn every_run_is_the_path_that_one_would_follow_by_hand() {
+    let problem = body();
+    let (sexp, em, midpoint) = (Sexp::default(), EulerMaruyama, Midpoint::default());
+    let schemes: [&dyn Scheme<RigidBody<3>, 3, 3>; 3] = [&sexp, &em, &midpoint];
+    let mut runs = Vec::new();
+    let mut expected = Vec::new();
+    for scheme in schemes {
+        for level in [0, 2, 3] {
+            runs.push(Run::new(scheme, level));
+            expected.push((scheme, level as u32, false));
+        }
+        for level in [0, 2] {
+            runs.push(Run::swapped(scheme, level));
+            expected.push((scheme, level as u32, true));
+        }
+    }
+    let ladder = Ladder::new(&problem, 32, 3, Truncation::new(2).unwrap(), KEY, runs).unwrap();
+    // Not a multiple of the block, more than one group.
+    let samples = 150;
+    let outcome = ladder.run(samples, || Keep::new(ladder.coarse_steps(), expected.len()), &|_| ());
+    assert_eq!(outcome.failed, 0);
+    for (kept, (scheme, level, swapped)) in outcome.statistic.runs.iter().zip(&expected) {
+        assert_eq!(kept.len(), samples as usize);
+        for path in [0, 1, 31, 32, 77, 149] {
+            let alone = by_hand(&problem, *scheme, 32, *level, path, *swapped);
+            assert_eq!(kept[path as usize], alone, "{} level {level} swapped {swapped} path {path}", scheme.id());
+        }
+    }
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let problem = body();
+    let (sexp, em) = (Sexp::default(), EulerMaruyama);
+    let mean_squares = |threads: usize| {
+        let runs = vec![Run::new(&sexp as &dyn Scheme<_, 3, 3>, 0), Run::new(&sexp, 2), Run::new(&em, 3)];
+        let ladder = Ladder::new(&problem, 64, 3, Truncation::new(4).unwrap(), KEY, runs).unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let series = [vec![1], vec![2]];
+        let outcome =
+            pool.install(|| ladder.run(2000, || StrongErrors::new(0, &series, ladder.coarse_steps()), &|_| ()));
+        (outcome.statistic.at_end(0).clone(), outcome.statistic.at_end(1).clone(), outcome.statistic.worst_time(1, 0))
+    };
+    let one = mean_squares(1);
+    assert_eq!(one.0.count(), 2000);
+    for threads in [2, 3, 7] {
+        assert_eq!(one, mean_squares(threads), "{threads} threads");
+    }
+}
+
+#[test]
+fn progress_adds_up_to_the_work() {
+    let problem = body();
+    let sexp = Sexp::default();
+    let ladder =
+        Ladder::new(&problem, 96, 5, Truncation::none(), KEY, vec![Run::new(&sexp, 0), Run::new(&sexp, 5)]).unwrap();
+    assert_eq!(ladder.steps_per_path(), 99);
+    let done = AtomicU64::new(0);
+    ladder.run(70, || Keep::<3>::new(0, 2), &|work| {
+        done.fetch_add(work, Ordering::Relaxed);
+    });
+    assert_eq!(done.into_inner(), 99 * 70);
+}
+
+#[test]
+fn impossible_ladders_are_refused() {
+    let problem = body();
+    let sexp = Sexp::default();
+    let refuse =
+        |steps, levels, truncation, run| Ladder::new(&problem, steps, levels, truncation, KEY, vec![run]).err();
+    let k = Truncation::new(2).unwrap();
+    assert_eq!(refuse(0, 2, k, Run::new(&sexp, 0)), Some(LadderError::Steps { steps: 0, multiple_of: 4 }));
+    assert_eq!(refuse(10, 2, k, Run::new(&sexp, 0)), Some(LadderError::Steps { steps: 10, multiple_of: 4 }));
+    assert_eq!(refuse(8, 2, k, Run::new(&sexp, 3)), Some(LadderError::Level { level: 3, highest: 2 }));
+    assert_eq!(refuse(8, 2, k, Run::swapped(&sexp, 2)), Some(LadderError::Level { level: 2, highest: 1 }));
+    let error = refuse(4, 2, k, Run::new(&sexp, 2));
+    assert_eq!(error, Some(LadderError::Noise(NoiseError::StepOutsideUnitInterval { tau: 1.0 })));
+    assert!(trajectory(&problem, &sexp, 0, k, KEY, 0).is_err());
+    assert!(trajectory(&problem, &sexp, 1, k, KEY, 0).is_err());
+}
+
+/// dz = (z² + 1)·h with a step that has no real solution once h is large: B∇H cannot do that in one dimension, so the
+/// system is two-dimensional with H = y₁(y₂² + 1)-like growth.
+struct Explosive;
+
+impl PoissonSystem<2, 1> for Explosive {
+    fn name(&self) -> &'static str {
+        "explosive"
+    }
+    #[inline(always)]
+    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+        [-v[1], v[0]]
+    }
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
+        y[0] * (y[1] * y[1] + 1.0) * (dt + dw[0])
+    }
+}
+
+#[test]
+fn paths_without_a_solution_are_left_out_counted_and_described() {
+    let problem = Problem::new(Explosive, Constant::new(0.0).unwrap(), [0.1, 0.5], 1.0).unwrap();
+    let (sexp, em) = (Sexp { solver: Solver::new(Method::Newton) }, EulerMaruyama);
+    let runs = vec![Run::new(&sexp as &dyn Scheme<_, 2, 1>, 0), Run::new(&sexp, 2), Run::new(&em, 0)];
+    let ladder = Ladder::new(&problem, 16, 2, Truncation::new(4).unwrap(), KEY, runs).unwrap();
+    let samples = 400;
+    let outcome = ladder.run(samples, || Keep::new(ladder.coarse_steps(), 3), &|_| ());
+    let kept = outcome.statistic.runs[0].len() as u64;
+    // y₂ = tan(arctan ½ + t + W) leaves every bound when t + W passes 1.1: on many paths, and not on all.
+    assert!(outcome.failed > 20 && kept > 20, "{} failed", outcome.failed);
+    assert_eq!(outcome.failed + kept, samples);
+    assert!(outcome.statistic.runs.iter().flatten().flatten().all(|component| component.is_finite()));
+    assert!(outcome.failures.len() <= 8 && !outcome.failures.is_empty());
+    for failure in &outcome.failures {
+        let text = failure.to_string();
+        for part in ["path ", "seed 5", "experiment 9", failure.scheme, "tau = ", "step ", "t = "] {
+            assert!(text.contains(part), "{text}");
+        }
+        // Replayed alone, the path fails at the same step.
+        if failure.scheme == "sexp" && failure.tau == 1.0 / 16.0 && matches!(failure.cause, Cause::NoSolution { .. }) {
+            let alone = trajectory(&problem, &sexp, 16, Truncation::new(4).unwrap(), KEY, failure.path).unwrap();
+            assert_eq!(alone.failure.map(|failure| failure.step), Some(failure.step), "{text}");
+        }
+    }
+}
+
+#[test]
+fn a_trajectory_keeps_the_conformal_law() {
+    let problem = body();
+    let path = trajectory(&problem, &Sexp::default(), 64, Truncation::new(4).unwrap(), KEY, 3).unwrap();
+    assert_eq!((path.times.len(), path.states.len()), (65, 65));
+    let mut defect = Moments::default();
+    for (t, y) in path.times.iter().zip(&path.states) {
+        let law = (-2.0 * problem.damping.integral(0.0, *t)).exp() * problem.system.invariant(0, problem.y0);
+        defect.add((problem.system.invariant(0, *y) / law - 1.0).abs());
+    }
+    assert!(defect.mean() < 64.0 * 16.0 * f64::EPSILON);
+}

@@ -1,0 +1,111 @@
+//! A block is 32 paths and nothing else: same bits for every scheme, every system and every level of instructions,
+//! whether a path is easy, needs the robust method or cannot be solved.
+
+mod common;
+
+use common::{Visit, every_system};
+use noise::{StreamKey, Truncation, WienerBlock, clip};
+use nonlin::{BlockStatus, Method, Outcome, Solver};
+use real::{Block, Level, WIDTH, limit_to};
+use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step};
+use systems::{Cosine, PoissonSystem};
+
+const TAU: f64 = 0.05;
+const STEPS: u64 = 40;
+
+fn bits<const D: usize>(z: [f64; D]) -> [u64; D] {
+    // Sign and payload of a NaN are not specified.
+    z.map(|x| if x.is_nan() { f64::NAN } else { x }.to_bits())
+}
+
+/// Drives a block and its 32 paths side by side, and counts the ways that the equations went.
+struct SideBySide {
+    level: Level,
+    /// [fast, robust, failed]
+    ways: [u32; 3],
+}
+
+impl SideBySide {
+    fn compare<S, C, const D: usize, const M: usize>(&mut self, scheme: &C, system: &S, y0: [f64; D])
+    where
+        S: PoissonSystem<D, M>,
+        C: Scheme<S, D, M>,
+    {
+        let key = StreamKey { seed: 9, experiment: 1 };
+        let damping = Cosine::new(0.5, 2.0).unwrap();
+        let bound = Truncation::new(4).unwrap().bound(TAU).unwrap();
+        let mut noise = WienerBlock::<M>::new(key, 0);
+        let mut block = Block::splat(y0);
+        // A path that is no number from the start must not disturb the others.
+        block.0[D - 1][13] = f64::NAN;
+        let mut paths: Vec<[f64; D]> = (0..WIDTH).map(|p| block.path(p)).collect();
+        let (mut dw, mut clipped) = (Block::zero(), Block::zero());
+        let mut status = BlockStatus::explicit();
+        for n in 0..STEPS {
+            let step = Step::new(&damping, n, TAU).unwrap();
+            noise.increments(TAU.sqrt(), &mut dw);
+            clip(&dw, bound, &mut clipped);
+            // Some increments are far larger than truncation allows, so that the robust method has work.
+            for p in [4, 21] {
+                clipped.set_path(p, clipped.path(p).map(|x| 8.0 * x));
+            }
+            scheme.step_block(system, &step, &clipped, &mut block, &mut status);
+            for p in 0..WIDTH {
+                let single = scheme.step(system, &step, clipped.path(p), paths[p]);
+                let place = || format!("{} of {} at {:?}, step {n}, path {p}", scheme.id(), system.name(), self.level);
+                assert_eq!(bits(single.z), bits(block.path(p)), "{}", place());
+                assert_eq!(status.failed.contains(p), !single.outcome.converged(), "{}", place());
+                match single.outcome {
+                    Outcome::Fast { iterations } => {
+                        assert_eq!(status.iterations(p), iterations, "{}", place());
+                        self.ways[0] += 1;
+                    }
+                    Outcome::Robust { iterations, .. } => {
+                        assert_eq!(status.iterations(p), iterations, "{}", place());
+                        assert!(status.robust.contains(p), "{}", place());
+                        self.ways[1] += 1;
+                    }
+                    Outcome::Failed { .. } => self.ways[2] += 1,
+                }
+                paths[p] = single.z;
+            }
+        }
+    }
+}
+
+impl Visit for SideBySide {
+    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]) {
+        for method in [Method::FixedPoint, Method::Newton] {
+            let solver = Solver::new(method);
+            self.compare(&Sexp { solver }, system, y0);
+            self.compare(&Midpoint { solver }, system, y0);
+        }
+        self.compare(&EulerMaruyama, system, y0);
+    }
+}
+
+/// One test: the limit belongs to the whole process.
+#[test]
+fn a_block_is_its_paths_at_every_level() {
+    let mut seen = Vec::new();
+    for level in [Level::Baseline, Level::Avx2, Level::Avx512] {
+        limit_to(level);
+        let mut side_by_side = SideBySide { level, ways: [0; 3] };
+        every_system(&mut side_by_side);
+        seen.push(side_by_side.ways);
+    }
+    let [fast, robust, failed] = seen[0];
+    assert!(fast > 10_000 && robust > 100 && failed > 100, "{seen:?}");
+    assert_eq!(seen[0], seen[1]);
+    assert_eq!(seen[0], seen[2]);
+}
+
+#[test]
+fn schemes_have_the_ids_of_the_paper() {
+    let body = common::body();
+    let schemes: [&dyn Scheme<_, 3, 3>; 3] = [&Sexp::default(), &EulerMaruyama, &Midpoint::default()];
+    fn ids<S, const N: usize>(schemes: [&dyn Scheme<S, 3, 3>; N], _: &S) -> [&'static str; N] {
+        schemes.map(|scheme| scheme.id())
+    }
+    assert_eq!(ids(schemes, &body), ["sexp", "em", "midpoint"]);
+}

@@ -1,0 +1,109 @@
+//! Without noise `sexp` and `midpoint` have order two and `em` order one, with damping, on every system; and damping
+//! at the wrong time has order one.
+
+mod common;
+
+use common::{Visit, body, every_system};
+use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step};
+use systems::{Damping, PoissonSystem, Sine, ito_correction, vector_field};
+
+const T: f64 = 1.0;
+/// Errors behave like cτᵖ(1 + dτ): between τ = 2⁻⁷ and 2⁻⁸ the observed order is p + dτ/ln 4, off by 0.1 when the
+/// remainder is d = 18, and by 1 when the order is wrong.
+const WINDOW: f64 = 0.1;
+const EXPONENTS: [i32; 2] = [7, 8];
+
+fn damping() -> Sine {
+    // γ(0) and γ(T) differ, so that a splitting that is wrong at both ends does not cancel.
+    Sine::new(1.5, 1.3).unwrap()
+}
+
+/// y(T) by `advance`, with 2^exponent steps.
+fn march<const D: usize>(y0: [f64; D], exponent: i32, advance: impl Fn(&Step, [f64; D]) -> [f64; D]) -> [f64; D] {
+    let tau = T / 2f64.powi(exponent);
+    (0..1 << exponent).fold(y0, |y, n| advance(&Step::new(&damping(), n, tau).unwrap(), y))
+}
+
+/// y(T) by the classical Runge–Kutta scheme with 2¹⁰ steps, error of order 10⁻¹²; with the Itô correction of the drift
+/// for `em`, which integrates another equation when the noise is switched off.
+fn reference<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    system: &S,
+    y0: [f64; D],
+    corrected: bool,
+) -> [f64; D] {
+    let slope = |t: f64, y: [f64; D]| -> [f64; D] {
+        let field = vector_field(system, y, 1.0, [0.0; M]);
+        let correction = ito_correction(system, y);
+        std::array::from_fn(|i| field[i] - damping().rate(t) * y[i] + if corrected { correction[i] } else { 0.0 })
+    };
+    let plus = |y: [f64; D], h: f64, k: [f64; D]| std::array::from_fn(|i| y[i] + h * k[i]);
+    let h = T / 1024.0;
+    (0..1024).fold(y0, |y, n| {
+        let t = f64::from(n) * h;
+        let k1 = slope(t, y);
+        let k2 = slope(t + 0.5 * h, plus(y, 0.5 * h, k1));
+        let k3 = slope(t + 0.5 * h, plus(y, 0.5 * h, k2));
+        let k4 = slope(t + h, plus(y, h, k3));
+        std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
+    })
+}
+
+fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    (0..D).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// log₂ of the ratio of the errors at the two step sizes.
+fn order<const D: usize>(y0: [f64; D], exact: [f64; D], advance: impl Fn(&Step, [f64; D]) -> [f64; D]) -> f64 {
+    let [coarse, fine] = EXPONENTS.map(|exponent| distance(march(y0, exponent, &advance), exact));
+    (coarse / fine).log2()
+}
+
+struct Orders;
+
+impl Visit for Orders {
+    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]) {
+        let exact = reference(system, y0, false);
+        let sexp = order(y0, exact, |step, y| Sexp::default().step(system, step, [0.0; M], y).z);
+        assert!((sexp - 2.0).abs() < WINDOW, "sexp on {}: {sexp}", system.name());
+        let midpoint = order(y0, exact, |step, y| Midpoint::default().step(system, step, [0.0; M], y).z);
+        assert!((midpoint - 2.0).abs() < WINDOW, "midpoint on {}: {midpoint}", system.name());
+        let em = order(y0, reference(system, y0, true), |step, y| EulerMaruyama.step(system, step, [0.0; M], y).z);
+        assert!((em - 1.0).abs() < WINDOW, "em on {}: {em}", system.name());
+    }
+}
+
+#[test]
+fn deterministic_orders() {
+    every_system(&mut Orders);
+}
+
+#[test]
+fn richardson_needs_no_reference() {
+    // One path of sexp against itself at half the step: the differences shrink by four.
+    let y0 = [1.1f64.cos(), 0.0, 1.1f64.sin()];
+    let ends =
+        [6, 7, 8].map(|exponent| march(y0, exponent, |step, y| Sexp::default().step(&body(), step, [0.0; 3], y).z));
+    let observed = (distance(ends[0], ends[1]) / distance(ends[1], ends[2])).log2();
+    assert!((observed - 2.0).abs() < WINDOW, "{observed}");
+}
+
+#[test]
+fn damping_at_the_wrong_time_has_order_one() {
+    let y0 = [1.1f64.cos(), 0.0, 1.1f64.sin()];
+    let exact = reference(&body(), y0, false);
+    // Both halves before the step: it keeps the conformal law, so only the order tells.
+    let before = order(y0, exact, |step, y| {
+        let mut wrong = *step;
+        wrong.first_decay = step.first_decay * step.second_decay;
+        wrong.second_decay = 1.0;
+        Sexp::default().step(&body(), &wrong, [0.0; 3], y).z
+    });
+    assert!((before - 1.0).abs() < WINDOW, "{before}");
+    // The rate of the midpoint rule taken at the start of the step.
+    let early = order(y0, exact, |step, y| {
+        let mut wrong = *step;
+        wrong.rate_at_middle = step.rate_at_start;
+        Midpoint::default().step(&body(), &wrong, [0.0; 3], y).z
+    });
+    assert!((early - 1.0).abs() < WINDOW, "{early}");
+}

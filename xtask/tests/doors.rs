@@ -1,0 +1,106 @@
+//! The doors between the crates: a dependency within the workspace that is not in the table below is a mistake of
+//! design, whatever it compiles to. Only normal and build dependencies count; tests may look anywhere.
+
+use std::process::Command;
+
+use serde_json::Value;
+
+/// A crate and the crates that it may depend on, in the order of the layers; see `docs/` on the architecture.
+const DOORS: [(&str, &[&str]); 9] = [
+    ("real", &[]),
+    ("noise", &["real"]),
+    ("dgrad", &["real"]),
+    ("nonlin", &["real"]),
+    ("systems", &["real", "dgrad"]),
+    ("schemes", &["real", "systems", "dgrad", "nonlin", "noise"]),
+    ("mc", &["real", "schemes", "systems", "noise", "nonlin"]),
+    ("verify", &["mc", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
+    ("xtask", &["verify", "real"]),
+];
+
+fn metadata() -> anyhow::Result<Value> {
+    let output = Command::new(env!("CARGO"))
+        .args(["metadata", "--format-version", "1", "--no-deps", "--offline"])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()?;
+    anyhow::ensure!(output.status.success(), "cargo metadata: {}", String::from_utf8_lossy(&output.stderr));
+    Ok(serde_json::from_slice(&output.stdout)?)
+}
+
+fn members(metadata: &Value) -> impl Iterator<Item = (&str, &Value)> {
+    metadata["packages"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .filter_map(|package| Some((package["name"].as_str()?, package)))
+}
+
+/// `from -> to` for every door that is not in the table, and every crate that is not in it.
+fn forbidden(metadata: &Value) -> Vec<String> {
+    let names: Vec<&str> = members(metadata).map(|(name, _)| name).collect();
+    let mut found = Vec::new();
+    for (name, package) in members(metadata) {
+        let Some((_, allowed)) = DOORS.iter().find(|(member, _)| *member == name) else {
+            found.push(format!("{name} is not in the table"));
+            continue;
+        };
+        for dependency in package["dependencies"].as_array().into_iter().flatten() {
+            // The kind is null for a normal dependency. The name is that of the package, not an alias.
+            let to = dependency["name"].as_str().unwrap_or_default();
+            if dependency["kind"] != "dev" && names.contains(&to) && !allowed.contains(&to) {
+                found.push(format!("{name} -> {to}"));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn no_door_is_open_that_is_not_in_the_table() -> anyhow::Result<()> {
+    let found = forbidden(&metadata()?);
+    assert!(found.is_empty(), "{}", found.join("\n"));
+    Ok(())
+}
+
+#[test]
+fn the_table_names_every_crate_and_points_one_way() -> anyhow::Result<()> {
+    let metadata = metadata()?;
+    let mut names: Vec<&str> = members(&metadata).map(|(name, _)| name).collect();
+    let mut table = DOORS.map(|(name, _)| name);
+    names.sort_unstable();
+    table.sort_unstable();
+    assert_eq!(names, table);
+    // Whatever a crate may depend on comes before it: no circle is possible.
+    for (i, (name, allowed)) in DOORS.iter().enumerate() {
+        for to in *allowed {
+            let earlier = DOORS[..i].iter().any(|(member, _)| member == to);
+            assert!(earlier, "{name} -> {to}");
+        }
+    }
+    Ok(())
+}
+
+/// The twin: the same check on a workspace with wrong doors.
+#[test]
+fn wrong_doors_are_found() -> anyhow::Result<()> {
+    let mut metadata = metadata()?;
+    let packages = metadata["packages"].as_array_mut().expect("packages");
+    for package in packages.iter_mut() {
+        let dependencies = package["dependencies"].clone();
+        let mut dependencies = dependencies.as_array().cloned().unwrap_or_default();
+        match package["name"].as_str() {
+            Some("real") => dependencies.push(serde_json::json!({"name": "mc", "kind": null})),
+            Some("systems") => {
+                dependencies.push(serde_json::json!({"name": "nonlin", "kind": "build"}));
+                dependencies.push(serde_json::json!({"name": "schemes", "kind": "dev"}));
+            }
+            _ => {}
+        }
+        package["dependencies"] = Value::Array(dependencies);
+    }
+    packages.push(serde_json::json!({"name": "attic", "dependencies": []}));
+    let mut found = forbidden(&metadata);
+    found.sort_unstable();
+    assert_eq!(found, ["attic is not in the table", "real -> mc", "systems -> nonlin"]);
+    Ok(())
+}
