@@ -13,7 +13,7 @@
 //! let taus = [0.1, 0.05, 0.025, 0.0125];
 //! let mut squares = CrossMoments::new(4);
 //! for path in 0..200 {
-//!     let scatter = |l: usize| 1.0 + 0.3 * ((path * 7 + l * 13) as f64).sin();
+//!     let scatter = |l: usize| 1.0 + 0.3 * ((path * (l + 7)) as f64).sin();
 //!     let errors: Vec<f64> = taus.iter().enumerate().map(|(l, tau)| tau * tau * scatter(l)).collect();
 //!     squares.add(&errors);
 //! }

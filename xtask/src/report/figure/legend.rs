@@ -32,8 +32,8 @@ pub enum Sample {
 impl Sample {
     fn width(self) -> f64 {
         match self {
-            // Two dashes and the gap between them, and as much on the other side of the marker.
-            Sample::Curve(_) | Sample::Line(_) => 18.4,
+            // Long enough for a dash on both sides of the marker.
+            Sample::Curve(_) | Sample::Line(_) => 17.5,
             Sample::Point { .. } => 7.0,
         }
     }
