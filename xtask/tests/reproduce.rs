@@ -50,7 +50,13 @@ fn one_panel_alone_is_that_panel_of_the_whole() {
     assert!(reproduce(&part, &["--only", "poisson3-strong", "--only", "rigid-body-weak-cos"]).status.success());
     let (whole, part) = (results(&whole), results(&part));
     let find = |results: &Value, id: &str| {
-        results["panels"].as_array().unwrap().iter().find(|panel| panel["id"] == id).cloned().expect("the panel is there")
+        results["panels"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|panel| panel["id"] == id)
+            .cloned()
+            .expect("the panel is there")
     };
     assert_eq!(part["panels"].as_array().unwrap().len(), 2);
     for id in ["poisson3-strong", "rigid-body-weak-cos"] {

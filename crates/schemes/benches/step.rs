@@ -2,8 +2,10 @@
 //!
 //! Measured, each time 256 steps of τ = 2⁻⁸ from the paper's initial value, with increments drawn and truncated:
 //!
-//! - `rigid body`: every scheme on the rigid body with three noises; `block` advances 32 paths at once, `path` one;
-//! - `sexp`: the conformal scheme on the five systems, in blocks.
+//! - `rigid body`: every scheme on the rigid body with three noises;
+//! - `sexp`: the conformal scheme on the five systems.
+//!
+//! `block` advances 32 paths at once, `path` one.
 //!
 //! An element is one path and step, so criterion's `Melem/s` are millions of path-steps a second: **ns per path-step =
 //! 1000 / (Melem/s)**. The rate of `block` over the rate of `path` says what vectorisation brings. It guards the path
@@ -69,6 +71,15 @@ impl<S, const D: usize> Run<S, D> {
         });
     }
 
+    /// `name/block` and `name/path`.
+    fn both<const M: usize>(&self, group: &mut BenchmarkGroup<'_, WallTime>, name: &str, scheme: &impl Scheme<S, D, M>)
+    where
+        S: PoissonSystem<D, M>,
+    {
+        self.block(group, &format!("{name}/block"), scheme);
+        self.path(group, &format!("{name}/path"), scheme);
+    }
+
     /// One path from 0 to 1.
     fn path<const M: usize>(&self, group: &mut BenchmarkGroup<'_, WallTime>, name: &str, scheme: &impl Scheme<S, D, M>)
     where
@@ -110,14 +121,10 @@ fn rigid_body(criterion: &mut Criterion) {
     let run = Run::new(body, &damping, momentum());
     let sexp = |method| Sexp { solver: Solver::new(method) };
     let mut group = short(criterion, "rigid body");
-    run.block(&mut group, "sexp/block", &sexp(Method::FixedPoint));
-    run.path(&mut group, "sexp/path", &sexp(Method::FixedPoint));
-    run.block(&mut group, "sexp newton/block", &sexp(Method::Newton));
-    run.path(&mut group, "sexp newton/path", &sexp(Method::Newton));
-    run.block(&mut group, "midpoint/block", &Midpoint::default());
-    run.path(&mut group, "midpoint/path", &Midpoint::default());
-    run.block(&mut group, "em/block", &EulerMaruyama);
-    run.path(&mut group, "em/path", &EulerMaruyama);
+    run.both(&mut group, "sexp", &sexp(Method::FixedPoint));
+    run.both(&mut group, "sexp newton", &sexp(Method::Newton));
+    run.both(&mut group, "midpoint", &Midpoint::default());
+    run.both(&mut group, "em", &EulerMaruyama);
     group.finish();
 }
 
@@ -130,20 +137,20 @@ fn systems(criterion: &mut Criterion) {
     let linear = Linear::new(1.0).expect("finite");
 
     let pendulum = Pendulum::new(1.0).expect("finite");
-    Run::new(pendulum, &constant, [0.2, 1.0]).block(&mut group, "pendulum", &sexp);
+    Run::new(pendulum, &constant, [0.2, 1.0]).both(&mut group, "pendulum", &sexp);
     let body = RigidBody::one_noise([2.0, 1.0, 2.0 / 3.0], 1.0).expect("positive");
-    Run::new(body, &cosine, momentum()).block(&mut group, "rigid body, one noise", &sexp);
+    Run::new(body, &cosine, momentum()).both(&mut group, "rigid body, one noise", &sexp);
     let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).expect("positive");
-    Run::new(body, &cosine, momentum()).block(&mut group, "rigid body, three noises", &sexp);
+    Run::new(body, &cosine, momentum()).both(&mut group, "rigid body, three noises", &sexp);
     let populations = LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0).expect("finite");
-    Run::new(populations, &sine, POPULATIONS).block(&mut group, "lotka-volterra 1, 1", &sexp);
+    Run::new(populations, &sine, POPULATIONS).both(&mut group, "lotka-volterra 1, 1", &sexp);
     let populations = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0).expect("finite");
-    Run::new(populations, &sine, POPULATIONS).block(&mut group, "lotka-volterra 2, 2", &sexp);
+    Run::new(populations, &sine, POPULATIONS).both(&mut group, "lotka-volterra 2, 2", &sexp);
     let populations = LotkaVolterra::new(-1.0, -2.0, 1.0).expect("finite");
-    Run::new(populations, &sine, POPULATIONS).block(&mut group, "lotka-volterra real", &sexp);
-    Run::new(MaxwellBloch, &cosine, [1.0, 2.0, 3.0]).block(&mut group, "maxwell-bloch", &sexp);
+    Run::new(populations, &sine, POPULATIONS).both(&mut group, "lotka-volterra real", &sexp);
+    Run::new(MaxwellBloch, &cosine, [1.0, 2.0, 3.0]).both(&mut group, "maxwell-bloch", &sexp);
     let poisson = Poisson3::new(1.0).expect("finite");
-    Run::new(poisson, &linear, [1.0, 2.0, 3.0]).block(&mut group, "poisson3", &sexp);
+    Run::new(poisson, &linear, [1.0, 2.0, 3.0]).both(&mut group, "poisson3", &sexp);
     group.finish();
 }
 

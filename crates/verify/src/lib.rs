@@ -49,3 +49,8 @@ pub use reproduce::{UnknownPanel, check_ids, panel_ids, reproduce};
 pub use statement::Statement;
 pub use statements::STATEMENTS;
 pub use supplement::{SUPPLEMENTS, Supplement};
+
+/// The example of the README, compiled and run with the other examples.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

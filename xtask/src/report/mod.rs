@@ -122,8 +122,13 @@ mod tests {
     #[test]
     fn awkward_data_still_make_a_report() -> Result<()> {
         let dir = tempfile::tempdir()?;
-        let results =
-            Results { schema: SCHEMA, provenance: Provenance::default(), panels: awkward(), supplements: Vec::new(), claims: Vec::new() };
+        let results = Results {
+            schema: SCHEMA,
+            provenance: Provenance::default(),
+            panels: awkward(),
+            supplements: Vec::new(),
+            claims: Vec::new(),
+        };
         write_report(&results, dir.path())?;
         // A second run replaces the first.
         write_report(&results, dir.path())?;

@@ -9,7 +9,7 @@
 //! are averaged: all terms of odd degree in W cancel, among them those of size τ^{3/2}, so that a mean of size τ² can
 //! be seen.
 
-use mc::Moments;
+use mc::{CrossMoments, Moments};
 use noise::WienerPath;
 use schemes::{Scheme, Sexp, Step};
 use systems::{Damping, RigidBody, unit_noise, vector_field, vector_field_derivative};
@@ -52,21 +52,22 @@ fn measure(
         let tau = 0.5f64.powi(exponent);
         let mut noise = WienerPath::<3>::new(context.key(0), exponent as u64);
         let mut square = Moments::default();
-        let mut mean = [Moments::default(); 3];
+        let mut mean = CrossMoments::new(3);
         for _ in 0..samples {
             let pieces: [Vector; PIECES] = std::array::from_fn(|_| noise.increments((tau / PIECES as f64).sqrt()));
             let plus = remainder(tau, &pieces);
             let minus = remainder(tau, &pieces.map(|dw| dw.map(|w| -w)));
             // Both signs have the same law: their average square is one sample of E‖R‖².
             square.add(0.5 * (dot(plus, plus) + dot(minus, minus)));
-            for i in 0..3 {
-                mean[i].add(0.5 * (plus[i] + minus[i]));
-            }
+            mean.add(&[0, 1, 2].map(|i| 0.5 * (plus[i] + minus[i])));
         }
         taus.push(tau);
         roots.push((square.mean().sqrt(), square.standard_error() / (2.0 * square.mean().sqrt())));
-        let length = mean.iter().map(|moments| moments.mean() * moments.mean()).sum::<f64>().sqrt();
-        let variance: f64 = mean.iter().map(|moments| (moments.mean() * moments.standard_error()).powi(2)).sum();
+        let vector = [0, 1, 2].map(|i| mean.mean(i));
+        let length = dot(vector, vector).sqrt();
+        // mᵀΣm/|m|², the variance of |m| along m.
+        let pairs = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
+        let variance: f64 = pairs.map(|(i, j)| vector[i] * mean.covariance_of_means(i, j) * vector[j]).sum();
         means.push((length, variance.sqrt() / length));
         context.progress.advance(1);
     }

@@ -147,7 +147,11 @@ impl Curve {
         if points.is_empty() {
             points = pairs(|p| p.size() > 0.0);
         }
-        let order = if weak { Some(1.0) } else { self.rate.as_ref().map(|rate| rate.estimate).or_else(|| slope::fitted_order(&points)) };
+        let order = if weak {
+            Some(1.0)
+        } else {
+            self.rate.as_ref().map(|rate| rate.estimate).or_else(|| slope::fitted_order(&points))
+        };
         Trend { order, points }
     }
 
@@ -162,8 +166,8 @@ impl Curve {
             .map(|(x, y)| (x + shift, y.clamp(frame.y.end, floor)))
             .collect();
         let line = self.look.line(if weak { 0.8 } else { 1.2 });
-        let bar = Stroke { dashed: false, ..self.look.line(1.0) };
-        frame.polyline(canvas, &places, line.faded(if weak { 0.45 } else { 1.0 }))?;
+        let bar = Stroke::new(self.look.color, 1.0);
+        frame.polyline(canvas, &places, if weak { line.faded(0.45) } else { line })?;
         for (point, at) in self.points.iter().zip(&places) {
             error_bar(canvas, frame, point, at.0, bar)?;
         }

@@ -27,7 +27,7 @@ pub enum Marker {
 /// Where a curve lies in a stack of curves that may coincide; ordered from below.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Layer {
-    /// Wide line, large open markers.
+    /// Wide pale line, large open markers.
     Under,
     /// Nothing special.
     Plain,
@@ -61,11 +61,13 @@ impl Look {
 
     /// The line of the curve, where that of a plain curve has the width `width`.
     pub fn line(self, width: f64) -> Stroke {
-        let factor = match self.layer {
-            Layer::Under => 1.9,
-            Layer::Plain | Layer::Over => 1.0,
-        };
-        Stroke { dashed: self.layer == Layer::Over, ..Stroke::new(self.color, factor * width) }
+        let plain = Stroke::new(self.color, width);
+        match self.layer {
+            // Pale, so that dashes of a colour as dark as its own stand out on it.
+            Layer::Under => Stroke { width: 2.3 * width, ..plain.faded(0.5) },
+            Layer::Plain => plain,
+            Layer::Over => plain.dashed(),
+        }
     }
 
     /// The radius of its markers, where that of a plain curve is `radius`.

@@ -2,31 +2,32 @@
 
 use verify::results::{Claim, Kind, Panel, Series};
 
-use super::claims;
 use super::measured;
 use super::number::{count, quantity};
+use super::prose::prose;
+use super::statements;
 use crate::report::escape::escape;
 use crate::report::{file_stem, main_quantity};
 
-/// The card of a panel with its figure inside.
-pub fn card(panel: &Panel, figure: &str, all_claims: &[Claim]) -> String {
+/// The card of a panel with its figure inside; `comment` is the heading of what [`Panel::paper`] says.
+pub fn card(panel: &Panel, figure: &str, all_claims: &[Claim], comment: &str) -> String {
     let (id, stem) = (escape(&panel.id), file_stem(&panel.id));
     let reference = match panel.reference.as_str() {
         "" => String::new(),
-        text => format!("<dt>Reference</dt><dd>{}</dd>", escape(text)),
+        text => format!("<dt>Reference</dt><dd>{}</dd>", prose(text)),
     };
     format!(
         "<article class=\"card\" id=\"panel-{id}\">\n<header><h3>{title}</h3><code>{id}</code></header>\n\
          <figure><div class=\"paper\">{figure}</div><figcaption>{caption}</figcaption></figure>\n{badges}\
-         <dl><dt>Set-up</dt><dd>{setup}</dd><dt>What the paper says</dt><dd>{paper}</dd>\
+         <dl><dt>Set-up</dt><dd>{setup}</dd><dt>{comment}</dt><dd>{paper}</dd>\
          <dt>What was measured</dt><dd>{measured}</dd><dt>Samples</dt><dd>{samples}</dd>{reference}\
          {failures}</dl>\n<p class=\"files\"><a href=\"data/{stem}.csv\">Numbers (CSV)</a> \
          <a href=\"figures/{stem}.svg\">Figure (SVG)</a></p>\n</article>\n",
-        title = escape(&panel.title),
+        title = prose(&panel.title),
         caption = caption(panel),
-        badges = claims::badges(all_claims, &panel.id),
-        setup = escape(&panel.setup),
-        paper = escape(&panel.paper),
+        badges = statements::badges(all_claims, &panel.id),
+        setup = prose(&panel.setup),
+        paper = prose(&panel.paper),
         measured = measured::measured(panel),
         samples = samples(panel.samples),
         failures = failures(&panel.failures),
@@ -41,15 +42,23 @@ fn caption(panel: &Panel) -> String {
         Some(_) if panel.kind != Kind::Weak => " Further quantities are in the table.",
         _ => "",
     };
+    let orders = match panel.series.iter().find_map(|s| s.rate.as_ref()) {
+        Some(rate) => format!(
+            " In the legend: fitted order ± half the width of its {}\u{202f}% interval.",
+            (1e4 * rate.confidence).round() / 1e2
+        ),
+        None => String::new(),
+    };
     match panel.kind {
         Kind::Strong => format!(
-            "Root-mean-square error of {} with 95\u{202f}% error bars; dashed: reference slopes.{elsewhere}",
+            "Root-mean-square error of {} with 95\u{202f}% error bars; dashed, in grey: reference slopes.{orders}{elsewhere}",
             quantity(main)
         ),
-        Kind::Weak => "Size of the weak error, filled where it is positive and hollow where it is negative, with \
+        Kind::Weak => format!(
+            "Size of the weak error, filled where it is positive and hollow where it is negative, with \
              95\u{202f}% error bars; a bar without a lower cap reaches zero. Markers at one step are set side by \
-             side. Dashed: reference slope."
-            .to_owned(),
+             side. Dashed: reference slope.{orders}"
+        ),
         Kind::Invariant => format!(
             "Above: {} along the path and, thin and black, its conformal law. Below: relative defect of the law; \
              a defect of zero is drawn at the mark 0.{elsewhere}",
@@ -70,7 +79,7 @@ fn failures(failures: &[String]) -> String {
     if failures.is_empty() {
         return String::new();
     }
-    let items: String = failures.iter().take(SHOWN).map(|f| format!("<li>{}</li>", escape(f))).collect();
+    let items: String = failures.iter().take(SHOWN).map(|f| format!("<li>{}</li>", prose(f))).collect();
     let rest = match failures.len().saturating_sub(SHOWN) {
         0 => String::new(),
         n => format!("<li>and {n} more</li>"),

@@ -21,7 +21,7 @@ pub fn digest(group: &Group) -> String {
         };
     }
     if let Some(defects) = evidence().map(defect).collect::<Option<Vec<_>>>() {
-        return format!("largest relative defects along {} paths {}", defects.len(), prose(&range(&defects)));
+        return format!("largest relative defects {} in {} checks", prose(&range(&defects)), defects.len());
     }
     let telling = group.claims.iter().find(|claim| Outcome::of(claim) == group.verdict());
     prose(&format!("for example, {}", telling.unwrap_or(&group.first()).evidence))
@@ -94,7 +94,7 @@ mod tests {
         let defects = ["1.8e-15", "5.6e-1"].map(|d| format!("largest relative defect of C along the path: {d}"));
         assert_eq!(
             digest_of(&[&defects[0], &defects[1]]),
-            "largest relative defects along 2 paths between 1.8·10<sup>−15</sup> and 0.56"
+            "largest relative defects between 1.8·10<sup>−15</sup> and 0.56 in 2 checks"
         );
     }
 

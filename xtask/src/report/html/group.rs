@@ -37,7 +37,10 @@ impl<'a> Group<'a> {
     /// Refuted if one claim is, else undecided if one is; a misprint counts only where nothing else is left.
     pub fn verdict(&self) -> Outcome {
         let worst = |outcome| self.tally(outcome) > 0;
-        [Outcome::Refuted, Outcome::Undecided, Outcome::Holds].into_iter().find(|o| worst(*o)).unwrap_or(Outcome::Misprint)
+        [Outcome::Refuted, Outcome::Undecided, Outcome::Holds]
+            .into_iter()
+            .find(|o| worst(*o))
+            .unwrap_or(Outcome::Misprint)
     }
 
     /// Whether every claim simply holds.
@@ -53,7 +56,9 @@ impl<'a> Group<'a> {
             .into_iter()
             .map(|outcome| (outcome, self.tally(outcome)))
             .filter(|(_, n)| *n > 0)
-            .map(|(outcome, n)| format!(", {}", outcome.counted(n)))
+            .map(|(outcome, n)| {
+                format!(", {n} {}", if outcome == Outcome::Misprint { "misprint" } else { outcome.words() })
+            })
             .collect();
         format!("{holding} of {all} {verb}{rest}")
     }

@@ -3,6 +3,7 @@
 use verify::results::{Kind, Panel, Point, Rate, Series};
 
 use super::number::{fixed, quantity, scientific, step};
+use super::prose::prose;
 use crate::report::escape::escape;
 use crate::report::figure::QUANTILE;
 use crate::report::relative_defect;
@@ -70,13 +71,13 @@ fn methods(panel: &Panel) -> String {
         return String::new();
     };
     if fitted.iter().all(|(_, method)| method == first) {
-        return format!("<p class=\"quiet\">Orders: {}.</p>", escape(first.trim_end_matches('.')));
+        return format!("<p class=\"quiet\">Orders: {}.</p>", prose(first.trim_end_matches('.')));
     }
     let items: String = fitted
         .iter()
         .map(|(series, method)| {
             let (scheme, of) = (escape(&series.scheme), quantity(&series.quantity));
-            format!("<li><code>{scheme}</code>, {of}: {}</li>", escape(method))
+            format!("<li><code>{scheme}</code>, {of}: {}</li>", prose(method))
         })
         .collect();
     format!("<details><summary>How the orders were fitted</summary><ul>{items}</ul></details>")

@@ -26,25 +26,24 @@ impl Outcome {
         }
     }
 
-    /// A coloured badge that also says its verdict in words.
-    pub fn badge(self) -> String {
-        let (class, sign, words) = match self {
-            Self::Holds => ("holds", "✓", "holds"),
-            Self::Misprint => ("misprint", "✎", "refuted: misprint in the statement"),
-            Self::Undecided => ("undecided", "?", "undecided"),
-            Self::Refuted => ("refuted", "✗", "refuted"),
-        };
-        format!("<span class=\"badge {class}\"><span aria-hidden=\"true\">{sign}</span> {words}</span>")
+    /// The outcome as a predicate.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Misprint => "refuted: misprint in the statement",
+            Self::Undecided => "undecided",
+            Self::Refuted => "refuted",
+        }
     }
 
-    /// `n` claims with this outcome, in words.
-    pub fn counted(self, n: usize) -> String {
-        let verb = |one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
-        match self {
-            Self::Holds => verb("holds", "hold"),
-            Self::Misprint => verb("refuted by a misprint", "refuted by misprints"),
-            Self::Undecided => format!("{n} undecided"),
-            Self::Refuted => format!("{n} refuted"),
-        }
+    /// A coloured badge that also says the outcome in words.
+    pub fn badge(self) -> String {
+        let (class, sign) = match self {
+            Self::Holds => ("holds", "✓"),
+            Self::Misprint => ("misprint", "✎"),
+            Self::Undecided => ("undecided", "?"),
+            Self::Refuted => ("refuted", "✗"),
+        };
+        format!("<span class=\"badge {class}\"><span aria-hidden=\"true\">{sign}</span> {}</span>", self.words())
     }
 }

@@ -23,6 +23,7 @@ fn formula(chars: &[char], at: usize) -> Option<(String, usize)> {
         (format!("<{tag}>{}</{tag}>", prose(&inner.iter().collect::<String>())), end)
     };
     match chars[at] {
+        ' ' if before(1).is_some_and(|c| binds(before(2), c, after(1))) => Some(("\u{a0}".to_owned(), at + 1)),
         '^' if at > 0 => script(chars, at + 1).map(|inner| tagged("sup", inner)),
         // A name such as `relative_defect` has no index.
         '_' if before(1).is_some_and(char::is_alphabetic) && !before(2).is_some_and(is_word) => {
@@ -40,6 +41,14 @@ fn formula(chars: &[char], at: usize) -> Option<(String, usize)> {
     }
 }
 
+/// Whether no line may end between `left` and `right`: behind a relation, and between a single letter and a
+/// relation or the step size.
+fn binds(before_left: Option<char>, left: char, right: Option<char>) -> bool {
+    let relation = |c: char| "=≤≥".contains(c);
+    let single = left.is_alphabetic() && !before_left.is_some_and(is_word);
+    relation(left) || single && right.is_some_and(|c| relation(c) || c == 'τ')
+}
+
 fn is_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
@@ -51,7 +60,8 @@ fn script(chars: &[char], start: usize) -> Option<(&[char], usize)> {
         '{' => '}',
         _ => {
             let signs = usize::from("-−+".contains(chars[start]));
-            let word = chars[start + signs..].iter().take_while(|c| c.is_alphabetic() || c.is_ascii_digit() || **c == '½');
+            let word =
+                chars[start + signs..].iter().take_while(|c| c.is_alphabetic() || c.is_ascii_digit() || **c == '½');
             let end = start + signs + word.count();
             return (end > start + signs).then(|| (&chars[start..end], end));
         }
@@ -98,12 +108,12 @@ mod tests {
 
     #[test]
     fn formulas_are_typeset() {
-        assert_eq!(prose("τ = 2^-5 … 2^-12"), "τ = 2<sup>−5</sup> … 2<sup>−12</sup>");
-        assert_eq!(prose("C τ^((1+k)/2) <"), "C τ<sup>(1+k)/2</sup> &lt;");
+        assert_eq!(prose("τ = 2^-5 … 2^-12"), "τ\u{a0}=\u{a0}2<sup>−5</sup> … 2<sup>−12</sup>");
+        assert_eq!(prose("C τ^((1+k)/2) <"), "C\u{a0}τ<sup>(1+k)/2</sup> &lt;");
         assert_eq!(prose("(E‖y_n − y(t_n)‖²)^½"), "(E‖y<sub>n</sub> − y(t<sub>n</sub>)‖²)<sup>½</sup>");
-        assert_eq!(prose("φ = cos y3, y1^2"), "φ = cos y<sub>3</sub>, y<sub>1</sub><sup>2</sup>");
+        assert_eq!(prose("φ = cos y3, y1^2"), "φ\u{a0}=\u{a0}cos y<sub>3</sub>, y<sub>1</sub><sup>2</sup>");
         assert_eq!(prose("y₁^{ab} y₂^{−b}"), "y₁<sup>ab</sup> y₂<sup>−b</sup>");
-        assert_eq!(prose("c τ_ref/τ"), "c τ<sub>ref</sub>/τ");
+        assert_eq!(prose("c τ_ref/τ"), "c\u{a0}τ<sub>ref</sub>/τ");
     }
 
     #[test]
@@ -115,7 +125,21 @@ mod tests {
 
     #[test]
     fn everything_else_is_left_alone() {
-        for text in ["relative_defect", "rigid-body-strong-3", "2eggs", "1e", "1.", "a ^ b", "y10", "x^(", "by2", "^2", "e-5"] {
+        for text in [
+            "relative_defect",
+            "rigid-body-strong-3",
+            "2eggs",
+            "1e",
+            "1.",
+            "a ^ b",
+            "of τ",
+            "a b",
+            "y10",
+            "x^(",
+            "by2",
+            "^2",
+            "e-5",
+        ] {
             assert_eq!(prose(text), text);
         }
         assert_eq!(prose("<b>"), "&lt;b&gt;");

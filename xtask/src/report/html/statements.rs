@@ -38,20 +38,19 @@ fn table(title: &str, groups: &[Group], panels: &[Panel]) -> String {
 
 fn body(group: &Group, panels: &[Panel]) -> String {
     let claim = group.first();
-    let words = match describe::statement(&claim.id) {
-        Some(words) if claim.proven => words,
-        _ => &claim.statement,
-    };
     let misprint = match (group.verdict(), group.tally(Outcome::Misprint)) {
         (Outcome::Misprint, _) | (_, 0) => "",
         _ => " <span class=\"badge misprint\"><span aria-hidden=\"true\">✎</span> misprint</span>",
     };
     let scheme = if claim.proven { String::new() } else { scheme(" · ", claim) };
     let checks: String = group.claims.iter().map(|claim| check(claim, panels)).collect();
-    let (open, title) = (if group.is_clear() { "" } else { " open" }, match group.claims.len() {
-        1 => "The check in full".to_owned(),
-        n => format!("The {n} checks one by one"),
-    });
+    let (open, title) = (
+        if group.is_clear() { "" } else { " open" },
+        match group.claims.len() {
+            1 => "The check in full".to_owned(),
+            n => format!("The {n} checks one by one"),
+        },
+    );
     format!(
         "<tbody id=\"{anchor}\"><tr class=\"statement\"><td>{badge}{misprint}<p class=\"quiet\">{counts}</p></td>\
          <td><p>{words}</p><p class=\"quiet\"><code>{id}</code>{scheme}</p></td><td>{digest}</td></tr>\n\
@@ -60,7 +59,7 @@ fn body(group: &Group, panels: &[Panel]) -> String {
         anchor = group.anchor(),
         badge = group.verdict().badge(),
         counts = group.counts(),
-        words = prose(words),
+        words = prose(describe::statement(claim)),
         id = escape(&claim.id),
         digest = digest(group),
     )

@@ -12,23 +12,30 @@ use crate::report::escape::escape;
 pub fn summary(results: &Results) -> String {
     let (proven, reported): (Vec<Group>, Vec<Group>) =
         Group::all(&results.claims).into_iter().partition(|group| group.first().proven);
+    let misprinted = proven.iter().any(|g| g.verdict() == Outcome::Holds && g.tally(Outcome::Misprint) > 0);
     let mut sentences = Vec::new();
     if !proven.is_empty() {
         sentences.push(format!(
-            "Of {} that the paper proves {}, by {}.",
+            "{} that the paper proves {} put to {}: {}{}.",
             counted(proven.len(), "statement", "statements"),
-            strong(&proven),
+            if proven.len() == 1 { "was" } else { "were" },
             counted(checks(&proven), "check", "checks"),
+            strong(&proven),
+            if misprinted { ", apart from what is misprinted" } else { "" },
         ));
         sentences.extend(named("refuted", "Refuted", &proven, Outcome::Refuted));
         sentences.extend(named("undecided", "Undecided", &proven, Outcome::Undecided));
     }
     if !reported.is_empty() {
         sentences.push(format!(
-            "Of {} that it reports without a proof {}.",
+            "{} that it reports without a proof {} put to {}: {}.",
             counted(reported.len(), "observation", "observations"),
+            if reported.len() == 1 { "was" } else { "were" },
+            counted(checks(&reported), "check", "checks"),
             strong(&reported)
         ));
+        sentences.extend(named("refuted", "Refuted", &reported, Outcome::Refuted));
+        sentences.extend(named("undecided", "Undecided", &reported, Outcome::Undecided));
     }
     if [&proven, &reported].into_iter().flatten().any(|group| group.tally(Outcome::Undecided) > 0) {
         sentences.push("An interval too wide to decide counts as undecided, never as a pass.".to_owned());
@@ -36,7 +43,7 @@ pub fn summary(results: &Results) -> String {
     let provenance = &results.provenance;
     sentences.push(format!(
         "The run covers {} in <em>{}</em> mode with seed {} and took {}.",
-        counted(results.panels.len(), "figure of the paper", "figures of the paper"),
+        counted(results.panels.len(), "panel", "panels"),
         escape(&provenance.mode),
         provenance.seed,
         duration(provenance.wall_s),
@@ -61,9 +68,9 @@ fn strong(groups: &[Group]) -> String {
         .filter(|(outcome, n)| *n > 0 || *outcome == Outcome::Holds)
         .map(|(outcome, n)| match outcome {
             Outcome::Holds if n > 1 && n == groups.len() => format!("<strong>all {n} hold</strong>"),
-            Outcome::Holds => format!("<strong>{}</strong>", outcome.counted(n)),
-            _ if n == 1 => format!("<strong>1 is {}</strong>", &outcome.counted(n)[2..]),
-            _ => format!("<strong>{n} are {}</strong>", outcome.counted(n).trim_start_matches(|c: char| c != ' ').trim()),
+            Outcome::Holds => format!("<strong>{}</strong>", counted(n, "holds", "hold")),
+            Outcome::Misprint => format!("<strong>{}</strong>", counted(n, "is misprinted", "are misprinted")),
+            _ => format!("<strong>{} {}</strong>", counted(n, "is", "are"), outcome.words()),
         })
         .collect();
     match &parts[..] {
@@ -79,7 +86,9 @@ fn named(class: &str, title: &str, groups: &[Group], verdict: Outcome) -> Option
 }
 
 fn link(group: &Group) -> String {
-    format!("<a href=\"#{}\"><code>{}</code></a>", group.anchor(), escape(&group.first().id))
+    let claim = group.first();
+    let scheme = if claim.proven { String::new() } else { format!(" {}", escape(&claim.scheme)) };
+    format!("<a href=\"#{}\"><code>{}{scheme}</code></a>", group.anchor(), escape(&claim.id))
 }
 
 /// What the documented misprints say, each in a paragraph of its own.
@@ -122,11 +131,11 @@ mod tests {
             claim("d", "", true, Verdict::Holds, ""),
         ]);
         for words in [
-            "Of 4 statements that the paper proves <strong>2 hold</strong>, <strong>1 is refuted</strong> and \
-             <strong>1 is undecided</strong>, by 5 checks.",
+            "4 statements that the paper proves were put to 5 checks: <strong>2 hold</strong>, \
+             <strong>1 is refuted</strong> and <strong>1 is undecided</strong>, apart from what is misprinted.",
             "Refuted: <a href=\"#statement-c\">",
             "Undecided: <a href=\"#statement-b\">",
-            "(<a href=\"#statement-d\"><code>d</code></a>): p ≤ 2",
+            "(<a href=\"#statement-d\"><code>d</code></a>): p\u{a0}≤\u{a0}2",
         ] {
             assert!(text.contains(words), "{words} is not in {text}");
         }
