@@ -66,7 +66,7 @@ impl BlockStreams {
     pub(crate) fn new(key: StreamKey, first: u64) -> Self {
         let mut words = [[0; WIDTH]; 4];
         for p in 0..WIDTH {
-            let state = key.state(first + p as u64);
+            let state = key.state(first.wrapping_add(p as u64));
             for i in 0..4 {
                 words[i][p] = state[i];
             }

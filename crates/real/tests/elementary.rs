@@ -127,32 +127,6 @@ fn dense_sweeps() {
     sweep("ln_unit", ln_unit, f64::ln, 3.0, |b| 1.0 - b.between(-36.0, -1.0).exp());
 }
 
-/// Input of `reference_values.py --measure`.
-#[test]
-#[ignore = "prints arguments and values for the measurement of the documented errors"]
-fn print_values() {
-    let mut b = Bits(0x1234_5678_9abc_def1);
-    for i in 0..250_000 {
-        for (name, function, _) in BOUNDS {
-            let x = match (name, i % 4) {
-                ("sin" | "cos" | "sinc", 0) => b.between(-4.0, 4.0),
-                ("sin" | "cos" | "sinc", 1) => b.between(-0.8, 0.8),
-                ("sin" | "cos" | "sinc", 2) => b.between(-50.0, 50.0),
-                ("sin" | "cos" | "sinc", _) => b.between(-1_048_576.0, 1_048_576.0),
-                ("exp", 0 | 1) => b.between(-0.4, 0.4),
-                ("exp", 2) => b.between(-745.2, -708.0),
-                ("exp", _) => b.between(-708.0, 709.8),
-                ("ln", 0 | 1) => b.between(0.6, 1.5),
-                ("ln", 2) => b.between(0.0, 10.0),
-                ("ln", _) => b.between(-1073.0, 1024.0).exp2(),
-                ("ln_unit", 0 | 1) => b.between(0.4, 1.0),
-                _ => b.unit(),
-            };
-            println!("{name} {:016x} {:016x}", x.to_bits(), function(x).to_bits());
-        }
-    }
-}
-
 #[test]
 fn large_arguments() {
     // The documented degradation: an argument changed by at most one ulp.

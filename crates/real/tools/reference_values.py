@@ -7,10 +7,10 @@ value + remainder * ulp(value). Computed with mpmath at 60 digits.
 
 Usage: python3 crates/real/tools/reference_values.py > crates/real/tests/elementary_reference.txt
 
-With --measure it reads the lines printed by an ignored test and prints the largest error of each
-function, in ulp (absolute for sin_turn and cos_turn):
+With --measure it reads the lines printed by an example of the crate and prints the largest error of
+each function, in ulp (absolute for sin_turn and cos_turn):
 
-    cargo test --package real --test elementary -- --ignored --nocapture print_values |
+    cargo run --release --package real --example elementary_values |
         python3 crates/real/tools/reference_values.py --measure
 """
 

@@ -46,13 +46,10 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> FixedPoint<D> for P
     #[inline(always)]
     fn map<R: Real>(&self, z: [R; D]) -> [R; D] {
         let mut z_hat = [R::zero(); D];
-        let mut middle = [R::zero(); D];
         for i in 0..D {
             z_hat[i] = R::constant(self.z_hat[i]);
-            middle[i] = (z[i] + self.z_hat[i]) * 0.5;
         }
-        let gradient = self.system.averaged_gradient(z_hat, z, self.tau, self.dw);
-        let mut next = self.system.structure(middle, gradient);
+        let mut next = self.system.averaged_field(z_hat, z, self.tau, self.dw);
         for i in 0..D {
             next[i] = next[i] + self.z_hat[i];
         }

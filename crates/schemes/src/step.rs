@@ -54,7 +54,7 @@ impl Step {
             return Err(StepError::Size { tau });
         }
         // Grid times are products and not sums, so that t_n of different step sizes agree.
-        let (start, end) = (n as f64 * tau, (n + 1) as f64 * tau);
+        let (start, end) = (n as f64 * tau, (n as f64 + 1.0) * tau);
         let middle = (n as f64 + 0.5) * tau;
         let (first, second) = (damping.integral(start, middle), damping.integral(middle, end));
         Ok(Self {

@@ -107,6 +107,19 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
         self.gradient(dgrad::quadratic(a, b), dt, dw)
     }
 
+    /// With s = a + b, the cross product (s/2) × K(s/2) has the components ¼(k₃ − k₂)s₂s₃ and so on: nine
+    /// operations, where composing it takes eighteen.
+    #[inline(always)]
+    fn averaged_field<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; M]) -> [R; 3] {
+        let k = self.coefficients(dt, dw);
+        let s = [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+        [
+            s[1] * s[2] * (0.25 * (k[2] - k[1])),
+            s[2] * s[0] * (0.25 * (k[0] - k[2])),
+            s[0] * s[1] * (0.25 * (k[1] - k[0])),
+        ]
+    }
+
     fn invariants(&self) -> Vec<Invariant> {
         vec![CASIMIR]
     }

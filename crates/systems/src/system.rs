@@ -1,6 +1,6 @@
 //! The trait that a system is written in.
 
-use dgrad::averaged;
+use dgrad::{averaged, quadratic};
 use real::{Real, gradient};
 
 use crate::field::{Energy, HamiltonianIncrement};
@@ -35,6 +35,12 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
         averaged::<DEFAULT_NODES, R, _, D>(&HamiltonianIncrement { system: self, dt, dw }, a, b)
+    }
+
+    /// B((a+b)/2)·∇̄h(a, b), the change over an implicit step from a to b; composed of the two unless overridden.
+    #[inline(always)]
+    fn averaged_field<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
+        self.structure(quadratic(a, b), self.averaged_gradient(a, b, dt, dw))
     }
 
     /// The homogeneous Casimirs and, for one noise, the homogeneous Hamiltonian; none unless overridden.

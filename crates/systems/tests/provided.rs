@@ -66,6 +66,23 @@ impl Check for ClosedForms {
                 );
             }
 
+            let field = system.averaged_field(a, b, dt, dw);
+            let composed: [f64; D] = Plain(system).averaged_field(a, b, dt, dw);
+            // |B(y)v| is at most the largest entry of B, found column by column, times D|v|.
+            let mut entry = 1.0;
+            for j in 0..D {
+                let mut unit = [0.0; D];
+                unit[j] = 1.0;
+                let column = system.structure(dgrad::quadratic(a, b), unit);
+                entry = column.iter().fold(entry, |m: f64, x| m.max(x.abs()));
+            }
+            for i in 0..D {
+                assert!(
+                    (field[i] - composed[i]).abs() < ROUND_OFF * largest * entry,
+                    "{name} from {a:?} to {b:?}: {field:?} {composed:?}"
+                );
+            }
+
             // What a discrete gradient is for: ∇̄h·(b − a) = h(b) − h(a).
             let step = std::array::from_fn(|i| b[i] - a[i]);
             let (h_a, h_b): (f64, f64) = (system.energy(a, dt, dw), system.energy(b, dt, dw));

@@ -151,7 +151,9 @@ mod tests {
         ];
         for (tau, k, lost, square, fourth) in exact {
             // 128 nodes and a few roundings of τᵏ = e^{−A²/2}, whose exponent is up to 10.
-            let close = |value: f64, exact: f64| assert!((value / exact - 1.0).abs() < 1e-13, "{tau} {k} {:e}", value / exact - 1.0);
+            let close = |value: f64, exact: f64| {
+                assert!((value / exact - 1.0).abs() < 1e-13, "{tau} {k} {:e}", value / exact - 1.0)
+            };
             close(lost_variance(tau, k), lost);
             close(distance(tau, k, 2).powi(2) / tau, square);
             close(distance(tau, k, 4).powi(4) / (tau * tau), fourth);

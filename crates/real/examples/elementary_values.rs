@@ -1,0 +1,53 @@
+//! Prints arguments and values of the elementary functions, as bits, for `crates/real/tools/reference_values.py
+//! --measure`, which compares them with many digits and prints the errors that the module documents.
+
+use real::elementary::{cos, exp, ln, ln_unit, sin, sin_cos_turn, sinc};
+
+/// A small generator of equidistributed numbers.
+struct Uniform(u64);
+
+impl Uniform {
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        let word = self.0.wrapping_mul(0x2545_f491_4f6c_dd1d);
+        low + (high - low) * (((word >> 12) as f64 + 0.5) * 2f64.powi(-52))
+    }
+}
+
+type Function = (&'static str, fn(f64) -> f64);
+
+const FUNCTIONS: [Function; 8] = [
+    ("sin", sin),
+    ("cos", cos),
+    ("sinc", sinc),
+    ("sin_turn", |u| sin_cos_turn(u).0),
+    ("cos_turn", |u| sin_cos_turn(u).1),
+    ("exp", exp),
+    ("ln", ln),
+    ("ln_unit", ln_unit),
+];
+
+fn main() {
+    let mut uniform = Uniform(0x1234_5678_9abc_def1);
+    for i in 0..250_000 {
+        for (name, function) in FUNCTIONS {
+            let x = match (name, i % 4) {
+                ("sin" | "cos" | "sinc", 0) => uniform.between(-4.0, 4.0),
+                ("sin" | "cos" | "sinc", 1) => uniform.between(-0.8, 0.8),
+                ("sin" | "cos" | "sinc", 2) => uniform.between(-50.0, 50.0),
+                ("sin" | "cos" | "sinc", _) => uniform.between(-1_048_576.0, 1_048_576.0),
+                ("exp", 0 | 1) => uniform.between(-0.4, 0.4),
+                ("exp", 2) => uniform.between(-745.2, -708.0),
+                ("exp", _) => uniform.between(-708.0, 709.8),
+                ("ln", 0 | 1) => uniform.between(0.6, 1.5),
+                ("ln", 2) => uniform.between(0.0, 10.0),
+                ("ln", _) => uniform.between(-1073.0, 1024.0).exp2(),
+                ("ln_unit", 0 | 1) => uniform.between(0.4, 1.0),
+                _ => uniform.between(0.0, 1.0),
+            };
+            println!("{name} {:016x} {:016x}", x.to_bits(), function(x).to_bits());
+        }
+    }
+}
