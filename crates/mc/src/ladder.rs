@@ -35,13 +35,35 @@ impl<'a, S, const D: usize, const M: usize> Run<'a, S, D, M> {
     }
 }
 
-/// What is kept of the paths. Called at the ends of the coarsest steps, where all levels meet.
+/// A block as a [`Statistic`] sees it at the end of a coarsest step, where all levels meet.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a, const D: usize> {
+    /// Number of the coarse time; 1 is the end of the first coarse step.
+    pub time: u64,
+    /// The state of each run.
+    pub states: &'a [Block<D>],
+    /// For each run the paths of which an increment has been clipped so far.
+    pub clipped: &'a [PathMask],
+    /// What the [`Clock`] of the ladder has reached; zero without one.
+    pub clock: &'a Block<1>,
+    /// The paths that count.
+    pub live: PathMask,
+}
+
+/// What is kept of the paths.
 pub trait Statistic<const D: usize>: Send {
-    /// Folds in one block at coarse time number `time` (1 is the end of the first coarse step); `states[r]` is the
-    /// state of run r, and only the paths in `live` count.
-    fn observe(&mut self, time: u64, states: &[Block<D>], live: PathMask);
+    /// Folds in one block.
+    fn observe(&mut self, view: &View<'_, D>);
     /// Adds what `later` has seen.
     fn merge(&mut self, later: Self);
+}
+
+/// A number that is carried along each path, driven by the untruncated finest increments: for example the random
+/// time at which the exact solution of a one-noise system is a deterministic flow.
+pub trait Clock<const M: usize>: Send + Sync {
+    /// Finest step number n (from 0) with its increments; `normals` are standard normals of their own stream, for
+    /// what the increments do not determine.
+    fn advance(&self, n: u64, dw: &Block<M>, normals: &Block<1>, clock: &mut Block<1>);
 }
 
 /// Schemes on a dyadic ladder of steps, driven by one noise. Checked at construction.
@@ -53,6 +75,7 @@ pub struct Ladder<'a, S, G, const D: usize, const M: usize> {
     pub(crate) bounds: Vec<f64>,
     pub(crate) key: StreamKey,
     pub(crate) runs: Vec<Run<'a, S, D, M>>,
+    pub(crate) clock: Option<&'a dyn Clock<M>>,
 }
 
 /// What a ladder measured.
@@ -105,7 +128,14 @@ where
             let tau = problem.t_end * (1u64 << run.level) as f64 / finest_steps as f64;
             bounds[run.level] = truncation.bound(tau)?;
         }
-        Ok(Self { problem, finest_steps, levels, bounds, key, runs })
+        Ok(Self { problem, finest_steps, levels, bounds, key, runs, clock: None })
+    }
+
+    /// Carries a number along each path, see [`Clock`].
+    #[must_use]
+    pub fn with_clock(mut self, clock: &'a dyn Clock<M>) -> Self {
+        self.clock = Some(clock);
+        self
     }
 
     /// Step size of a level.

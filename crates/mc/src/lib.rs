@@ -6,7 +6,7 @@
 //! with steps. [`trajectory`] follows a single path and keeps it.
 //!
 //! ```
-//! use mc::{Ladder, Run, StrongErrors};
+//! use mc::{Ladder, Reference, Run, StrongErrors};
 //! use noise::{StreamKey, Truncation};
 //! use schemes::{EulerMaruyama, Sexp};
 //! use systems::{Constant, Pendulum, Problem};
@@ -18,7 +18,7 @@
 //! let key = StreamKey { seed: 1, experiment: 1 };
 //! let ladder = Ladder::new(&problem, 256, 3, Truncation::new(4)?, key, runs)?;
 //! let series = [vec![1], vec![2]];
-//! let outcome = ladder.run(64, || StrongErrors::new(0, &series, ladder.coarse_steps()), &|_| ());
+//! let outcome = ladder.run(64, || StrongErrors::new(Reference::Run(0), &series, ladder.coarse_steps()), &|_| ());
 //! let mean_square = |s: usize| outcome.statistic.at_end(s).mean(0);
 //! assert!(mean_square(0) < 0.1 * mean_square(1));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -28,6 +28,7 @@
 //! |---|---|
 //! | [`Ladder`], [`Run`] | which schemes at which steps, on which noise |
 //! | [`Statistic`]: [`StrongErrors`], [`WeakDifferences`] | what is kept of the paths |
+//! | [`Clock`] | a number carried along each path, for exact references |
 //! | [`Moments`], [`CrossMoments`] | means and covariances |
 //! | [`trajectory`] | one path, kept |
 //! | [`PathFailure`] | a path that was left out: where, when and why |
@@ -44,8 +45,8 @@ mod weak;
 
 pub use error::LadderError;
 pub use failure::{Cause, PathFailure};
-pub use ladder::{Ladder, Outcome, Run, Statistic};
+pub use ladder::{Clock, Ladder, Outcome, Run, Statistic, View};
 pub use moments::{CrossMoments, Moments};
-pub use strong::StrongErrors;
+pub use strong::{Reference, StrongErrors};
 pub use trajectory::{Trajectory, trajectory};
 pub use weak::{Observable, WeakDifferences};

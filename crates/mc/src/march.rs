@@ -1,12 +1,12 @@
 //! The way of a group of blocks up the time axis.
 
-use noise::{DyadicLadder, WienerBlock, clip};
+use noise::{DyadicLadder, StreamKey, WienerBlock, clip};
 use nonlin::BlockStatus;
 use real::{Block, PathMask, WIDTH};
 use schemes::Step;
 use systems::{Damping, PoissonSystem};
 
-use crate::ladder::{Ladder, Part, Run, Statistic};
+use crate::ladder::{Ladder, Part, Run, Statistic, View};
 use crate::{Cause, PathFailure};
 
 /// Blocks that march together and share the damping of each step, which costs as much as two paths of a block.
@@ -22,7 +22,14 @@ struct Marcher<const D: usize, const M: usize> {
     noise: WienerBlock<M>,
     sums: DyadicLadder<M>,
     states: Vec<Block<D>>,
+    /// For each run the paths of which an increment has been clipped.
+    clipped: Vec<PathMask>,
+    clock: Block<1>,
+    clock_noise: WienerBlock<1>,
 }
+
+/// The clock draws from a family of streams of its own, which differs in the top bit of the experiment.
+const CLOCK_STREAM: u64 = 1 << 63;
 
 /// How many finest steps of a block pass between two reports of progress.
 const PROGRESS_STEPS: u64 = 4096;
@@ -48,6 +55,12 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Gro
                     noise: WienerBlock::new(ladder.key, first_path + offset),
                     sums: DyadicLadder::new(ladder.levels),
                     states: vec![Block::splat(ladder.problem.y0); ladder.runs.len()],
+                    clipped: vec![PathMask::NONE; ladder.runs.len()],
+                    clock: Block::zero(),
+                    clock_noise: WienerBlock::new(
+                        StreamKey { experiment: ladder.key.experiment ^ CLOCK_STREAM, ..ladder.key },
+                        first_path + offset,
+                    ),
                 }
             })
             .collect();
@@ -130,6 +143,16 @@ fn first_step<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
     StepPair { before: step, now: step }
 }
 
+/// The paths on which two blocks differ.
+#[cold]
+fn differing<const M: usize>(a: &Block<M>, b: &Block<M>) -> PathMask {
+    let mut paths = PathMask::NONE;
+    for p in (0..WIDTH).filter(|&p| a.path(p) != b.path(p)) {
+        paths.insert(p);
+    }
+    paths
+}
+
 impl<const D: usize, const M: usize> Marcher<D, M> {
     /// Finest step number n, counted from 1, and every coarser step that ends with it.
     fn advance<S: PoissonSystem<D, M>, G: Damping, T: Statistic<D>>(
@@ -143,13 +166,20 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
     ) {
         let mut dw = Block::zero();
         self.noise.increments(sqrt_tau, &mut dw);
+        if let Some(clock) = ladder.clock {
+            let mut normals = Block::zero();
+            self.clock_noise.increments(1.0, &mut normals);
+            clock.advance(n - 1, &dw, &normals, &mut self.clock);
+        }
         let complete = self.sums.push(&dw);
         let mut clipped = Block::zero();
         for level in 0..=complete {
             if !runs[level].plain.is_empty() {
                 let count = clip(self.sums.increment(level), ladder.bounds[level], &mut clipped);
+                let paths = if count > 0 { differing(self.sums.increment(level), &clipped) } else { PathMask::NONE };
                 part.clipped[level] += count;
                 for &(number, run) in &runs[level].plain {
+                    self.clipped[number] = self.clipped[number].or(paths);
                     self.step(ladder, number, run, &steps[level].now, &clipped, n, part);
                 }
             }
@@ -158,8 +188,10 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
                 let StepPair { before, now } = steps[level - 1];
                 let halves = [(*self.sums.increment(level - 1), before), (*self.sums.first_half(level), now)];
                 for (half, step) in halves {
-                    clip(&half, ladder.bounds[level - 1], &mut clipped);
+                    let count = clip(&half, ladder.bounds[level - 1], &mut clipped);
+                    let paths = if count > 0 { differing(&half, &clipped) } else { PathMask::NONE };
                     for &(number, run) in &runs[level - 1].swapped {
+                        self.clipped[number] = self.clipped[number].or(paths);
                         self.step(ladder, number, run, &step, &clipped, n, part);
                     }
                 }
@@ -167,7 +199,8 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
         }
         if complete == ladder.levels {
             self.drop_non_finite(ladder, n, part);
-            part.statistic.observe(n >> ladder.levels, &self.states, self.live);
+            let Self { states, clipped, clock, live, .. } = self;
+            part.statistic.observe(&View { time: n >> ladder.levels, states, clipped, clock, live: *live });
         }
     }
 

@@ -1,31 +1,51 @@
 //! Mean-square errors against a reference run on the same noise.
 
-use real::{Block, PathMask};
-
-use crate::{CrossMoments, Moments, Statistic};
+use crate::{CrossMoments, Moments, Statistic, View};
 
 /// |y − y_ref|² of every run of every series: with covariances between the runs of a series at the final time, and
 /// alone at every coarse time, for the supremum over time.
 #[derive(Clone, Debug)]
-pub struct StrongErrors {
-    reference: usize,
+pub struct StrongErrors<'a, const D: usize> {
+    reference: Reference<'a, D>,
     series: Vec<Vec<usize>>,
     at_end: Vec<CrossMoments>,
     /// For each series and run of it, one entry a coarse time.
     in_time: Vec<Vec<Vec<Moments>>>,
+    /// For each series and run of it, the squares at the end of the paths with clipped increments, zero elsewhere.
+    clipped: Vec<Vec<Moments>>,
     last_time: u64,
 }
 
-impl StrongErrors {
-    /// Errors against run number `reference`; `series[s]` lists the runs of series s.
+/// What errors are measured against.
+#[derive(Clone, Copy)]
+pub enum Reference<'a, const D: usize> {
+    /// A run on the same noise.
+    Run(usize),
+    /// The exact solution at the final time, as a function of what the ladder's [`Clock`](crate::Clock) shows. Errors
+    /// are then known at the final time only.
+    Exact(&'a (dyn Fn(f64) -> [f64; D] + Sync)),
+}
+
+impl<const D: usize> std::fmt::Debug for Reference<'_, D> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Run(run) => write!(f, "Run({run})"),
+            Self::Exact(_) => write!(f, "Exact"),
+        }
+    }
+}
+
+impl<'a, const D: usize> StrongErrors<'a, D> {
+    /// Errors against `reference`; `series[s]` lists the runs of series s.
     #[must_use]
-    pub fn new(reference: usize, series: &[Vec<usize>], coarse_steps: u64) -> Self {
+    pub fn new(reference: Reference<'a, D>, series: &[Vec<usize>], coarse_steps: u64) -> Self {
         let times = vec![Moments::default(); coarse_steps as usize];
         Self {
             reference,
             series: series.to_vec(),
             at_end: series.iter().map(|runs| CrossMoments::new(runs.len())).collect(),
             in_time: series.iter().map(|runs| vec![times.clone(); runs.len()]).collect(),
+            clipped: series.iter().map(|runs| vec![Moments::default(); runs.len()]).collect(),
             last_time: coarse_steps,
         }
     }
@@ -36,6 +56,13 @@ impl StrongErrors {
         &self.at_end[s]
     }
 
+    /// The share of the paths with clipped increments in the mean-square error of run r of series s at the end.
+    #[must_use]
+    pub fn clipped_share(&self, s: usize, r: usize) -> f64 {
+        let mean = self.at_end[s].mean(r);
+        if mean > 0.0 { self.clipped[s][r].mean() / mean } else { 0.0 }
+    }
+
     /// The coarse time with the largest mean-square error of run r of series s.
     #[must_use]
     pub fn worst_time(&self, s: usize, r: usize) -> Moments {
@@ -44,20 +71,33 @@ impl StrongErrors {
     }
 }
 
-impl<const D: usize> Statistic<D> for StrongErrors {
-    fn observe(&mut self, time: u64, states: &[Block<D>], live: PathMask) {
-        let reference = &states[self.reference];
-        for (s, runs) in self.series.iter().enumerate() {
-            let mut squares = vec![0.0; runs.len()];
-            for p in live.paths() {
-                let exact = reference.path(p);
-                for (r, &run) in runs.iter().enumerate() {
-                    let y = states[run].path(p);
-                    squares[r] = (0..D).map(|i| (y[i] - exact[i]) * (y[i] - exact[i])).sum();
-                    self.in_time[s][r][time as usize - 1].add(squares[r]);
+impl<const D: usize> Statistic<D> for StrongErrors<'_, D> {
+    fn observe(&mut self, view: &View<'_, D>) {
+        let at_end = view.time == self.last_time;
+        let only_at_end = matches!(self.reference, Reference::Exact(_));
+        if only_at_end && !at_end {
+            return;
+        }
+        for p in view.live.paths() {
+            let exact = match self.reference {
+                Reference::Run(run) => view.states[run].path(p),
+                Reference::Exact(solution) => solution(view.clock.0[0][p]),
+            };
+            for (s, runs) in self.series.iter().enumerate() {
+                let square = |&run: &usize| {
+                    let y = view.states[run].path(p);
+                    (0..D).map(|i| (y[i] - exact[i]) * (y[i] - exact[i])).sum()
+                };
+                let squares: Vec<f64> = runs.iter().map(square).collect();
+                for (r, &square) in squares.iter().enumerate() {
+                    self.in_time[s][r][view.time as usize - 1].add(square);
                 }
-                if time == self.last_time {
+                if at_end {
                     self.at_end[s].add(&squares);
+                    for (r, &run) in runs.iter().enumerate() {
+                        let clipped = if view.clipped[run].contains(p) { squares[r] } else { 0.0 };
+                        self.clipped[s][r].add(clipped);
+                    }
                 }
             }
         }
@@ -65,6 +105,9 @@ impl<const D: usize> Statistic<D> for StrongErrors {
 
     fn merge(&mut self, later: Self) {
         for (sum, more) in self.at_end.iter_mut().zip(&later.at_end) {
+            sum.merge(more);
+        }
+        for (sum, more) in self.clipped.iter_mut().flatten().zip(later.clipped.into_iter().flatten()) {
             sum.merge(more);
         }
         let sums = self.in_time.iter_mut().flatten().flatten();

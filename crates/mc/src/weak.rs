@@ -5,9 +5,7 @@
 //! the variance of the difference falls like τ² where that of φ(coarse) − φ(fine) falls like τ (Giles and Szpruch,
 //! *Ann. Appl. Probab.* 24, 2014).
 
-use real::{Block, PathMask};
-
-use crate::{CrossMoments, Statistic};
+use crate::{CrossMoments, Statistic, View};
 
 /// A test function φ.
 #[derive(Clone, Copy, Debug)]
@@ -55,14 +53,14 @@ impl<const D: usize> WeakDifferences<D> {
 }
 
 impl<const D: usize> Statistic<D> for WeakDifferences<D> {
-    fn observe(&mut self, time: u64, states: &[Block<D>], live: PathMask) {
-        if time != self.last_time {
+    fn observe(&mut self, view: &View<'_, D>) {
+        if view.time != self.last_time {
             return;
         }
         let mut differences = vec![0.0; self.differences.len()];
         for (observable, moments) in self.observables.iter().zip(&mut self.moments) {
-            let phi = |run: usize, p: usize| (observable.function)(states[run].path(p));
-            for p in live.paths() {
+            let phi = |run: usize, p: usize| (observable.function)(view.states[run].path(p));
+            for p in view.live.paths() {
                 for (value, runs) in differences.iter_mut().zip(&self.differences) {
                     *value = phi(runs.coarse, p) - 0.5 * (phi(runs.fine, p) + phi(runs.swapped, p));
                 }

@@ -2,10 +2,10 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use mc::{Cause, Ladder, LadderError, Moments, Run, Statistic, StrongErrors, trajectory};
+use mc::{Cause, Ladder, LadderError, Moments, Reference, Run, Statistic, StrongErrors, View, trajectory};
 use noise::{NoiseError, StreamKey, Truncation, WienerPath};
 use nonlin::{Method, Solver};
-use real::{Block, PathMask, Real};
+use real::Real;
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step};
 use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
 
@@ -31,10 +31,10 @@ impl<const D: usize> Keep<D> {
 }
 
 impl<const D: usize> Statistic<D> for Keep<D> {
-    fn observe(&mut self, time: u64, states: &[Block<D>], live: PathMask) {
-        if time == self.last_time {
-            for (kept, state) in self.runs.iter_mut().zip(states) {
-                kept.extend(live.paths().map(|p| state.path(p)));
+    fn observe(&mut self, view: &View<'_, D>) {
+        if view.time == self.last_time {
+            for (kept, state) in self.runs.iter_mut().zip(view.states) {
+                kept.extend(view.live.paths().map(|p| state.path(p)));
             }
         }
     }
@@ -116,8 +116,9 @@ fn threads_do_not_change_a_bit() {
         let ladder = Ladder::new(&problem, 64, 3, Truncation::new(4).unwrap(), KEY, runs).unwrap();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let series = [vec![1], vec![2]];
-        let outcome =
-            pool.install(|| ladder.run(2000, || StrongErrors::new(0, &series, ladder.coarse_steps()), &|_| ()));
+        let outcome = pool.install(|| {
+            ladder.run(2000, || StrongErrors::new(Reference::Run(0), &series, ladder.coarse_steps()), &|_| ())
+        });
         (outcome.statistic.at_end(0).clone(), outcome.statistic.at_end(1).clone(), outcome.statistic.worst_time(1, 0))
     };
     let one = mean_squares(1);

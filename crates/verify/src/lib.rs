@@ -1,6 +1,6 @@
 //! **The statements and figures of the paper as experiments that can fail.**
 //!
-//! [`reproduce`] runs the [`EXPERIMENTS`] that make the 14 panels and the measurements behind the [`STATEMENTS`], and
+//! [`reproduce()`] runs the [`EXPERIMENTS`] that make the 14 panels and the measurements behind the [`STATEMENTS`], and
 //! returns [`results::Results`]: curves with standard errors, fitted orders with intervals, and a verdict for every
 //! statement: holds, refuted or undecided. The pieces can be used on their own: [`fit_strong`] and [`fit_weak`] fit
 //! orders with intervals from any errors with a covariance.
@@ -23,7 +23,7 @@
 //!
 //! | item | job |
 //! |---|---|
-//! | [`reproduce`], [`Settings`], [`Mode`], [`Progress`] | run everything, or a selection |
+//! | [`reproduce()`], [`Settings`], [`Mode`], [`Progress`] | run everything, or a selection |
 //! | [`EXPERIMENTS`], [`STATEMENTS`], [`SUPPLEMENTS`], [`panel_ids`] | what there is to run |
 //! | [`fit_strong`], [`fit_weak`], [`order_verdict`] | orders with intervals, and when an order is said to hold |
 //! | [`results`] | the `results.json` contract |

@@ -1,6 +1,6 @@
 //! Strong convergence: root-mean-square errors of three schemes at many step sizes, on one noise.
 
-use mc::{CrossMoments, Ladder, Moments, Run, StrongErrors};
+use mc::{CrossMoments, Ladder, Moments, Reference, Run, StrongErrors};
 use noise::Truncation;
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp};
 use systems::{Damping, PoissonSystem, Problem};
@@ -82,9 +82,10 @@ where
     let ladder = Ladder::new(problem, finest_steps, setup.level(setup.first), truncation, context.key(0), runs)
         .unwrap_or_else(|error| unreachable!("the set-ups of the paper are valid: {error}"));
     context.progress.begin(setup.id, ladder.steps_per_path() * setup.samples);
-    let outcome = ladder.run(setup.samples, || StrongErrors::new(0, &series, ladder.coarse_steps()), &|work| {
-        context.progress.advance(work);
-    });
+    let outcome =
+        ladder.run(setup.samples, || StrongErrors::new(Reference::Run(0), &series, ladder.coarse_steps()), &|work| {
+            context.progress.advance(work);
+        });
     context.progress.end();
 
     let taus = setup.taus();

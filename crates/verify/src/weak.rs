@@ -2,7 +2,7 @@
 //!
 //! The weak error at a step size is a sum of differences between neighbouring levels, each measured with an
 //! antithetic twin (see [`mc::WeakDifferences`]), plus what is left below the finest level. The reference is the
-//! Richardson extrapolation 2E[φ] at half the finest step − E[φ] at the finest step, measured on streams of its own.
+//! Richardson extrapolation 2E[φ] at half the finest step − the expectation at the finest step, measured on streams of its own.
 
 use mc::{CrossMoments, Ladder, Observable, Outcome, Run, WeakDifferences};
 use schemes::Sexp;
@@ -133,7 +133,7 @@ where
 }
 
 /// Errors e_l = Σ_{j≥l} d_j + 2d̃, where d_j are the differences of the ladder and d̃ that of the reference: with an
-/// error Cτ + O(τ²), E[φ] at the finest step is 2d̃ away from the limit up to O(τ²).
+/// error Cτ + O(τ²), the expectation at the finest step is 2d̃ away from the limit up to O(τ²).
 fn weak_series(name: &str, taus: &[f64], main: &CrossMoments, tail: &CrossMoments) -> Series {
     let levels = taus.len();
     let tail_variance = 4.0 * tail.covariance_of_means(0, 0);
