@@ -46,7 +46,7 @@ mod weak;
 pub use error::LadderError;
 pub use failure::{Cause, PathFailure};
 pub use ladder::{Clock, Ladder, Outcome, Run, Statistic, View};
-pub use moments::{CrossMoments, Moments};
+pub use moments::{BATCHES, CrossMoments, Moments};
 pub use strong::{Reference, StrongErrors};
 pub use trajectory::{Trajectory, trajectory};
 pub use weak::{Observable, WeakDifferences};

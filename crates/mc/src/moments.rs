@@ -47,20 +47,31 @@ impl Moments {
     }
 }
 
-/// Means and covariances of a vector.
+/// Number of batches that [`CrossMoments`] keeps apart: enough that a bootstrap over batches is one over paths for
+/// all practical purposes (with up to 256 samples it is one), few enough that memory does not matter.
+pub const BATCHES: usize = 256;
+
+/// Means and covariances of a vector, and its sums over [`BATCHES`] batches for the bootstrap.
+///
+/// Sample number n, in the order of adding and merging, belongs to batch n mod [`BATCHES`]. Samples are independent, so
+/// any rule that does not look at their values will do; this one does not depend on how the samples were grouped, and
+/// memory does not grow with their number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CrossMoments {
     count: u64,
     sum: Vec<f64>,
     /// Σ xᵢxⱼ for i ≤ j, row by row.
     products: Vec<f64>,
+    /// Sums over the batches that have samples, batch by batch.
+    batches: Vec<f64>,
 }
 
 impl CrossMoments {
     /// No samples of a vector of the given length.
     #[must_use]
     pub fn new(length: usize) -> Self {
-        Self { count: 0, sum: vec![0.0; length], products: vec![0.0; length * (length + 1) / 2] }
+        let products = vec![0.0; length * (length + 1) / 2];
+        Self { count: 0, sum: vec![0.0; length], products, batches: Vec::new() }
     }
 
     /// Adds a sample.
@@ -69,6 +80,7 @@ impl CrossMoments {
     /// If `x` has another length.
     pub fn add(&mut self, x: &[f64]) {
         assert_eq!(x.len(), self.sum.len(), "a sample has the length of the vector");
+        self.add_to_batch(self.count, x);
         self.count += 1;
         let mut products = self.products.iter_mut();
         for (i, &xi) in x.iter().enumerate() {
@@ -79,8 +91,22 @@ impl CrossMoments {
         }
     }
 
+    /// Adds `x` to the batch of sample number n.
+    fn add_to_batch(&mut self, n: u64, x: &[f64]) {
+        let start = (n % BATCHES as u64) as usize * x.len();
+        if self.batches.len() < start + x.len() {
+            self.batches.resize(start + x.len(), 0.0);
+        }
+        for (sum, &addend) in self.batches[start..].iter_mut().zip(x) {
+            *sum += addend;
+        }
+    }
+
     /// Adds all samples of `other`, which has the same length.
     pub fn merge(&mut self, other: &Self) {
+        for (n, sums) in (self.count..).zip(other.batches.chunks_exact(self.sum.len().max(1))) {
+            self.add_to_batch(n, sums);
+        }
         self.count += other.count;
         for (sum, &addend) in self.sum.iter_mut().zip(&other.sum) {
             *sum += addend;
@@ -116,6 +142,22 @@ impl CrossMoments {
         let row = i * self.sum.len() - i * (i + 1) / 2;
         (self.products[row + j] - self.sum[i] * self.sum[j] / n) / (n - 1.0) / n
     }
+
+    /// Effective number of samples of component i, (Σx)²/Σx² (Kish): how many equal samples would carry the sum of a
+    /// positive quantity as evenly. All of them for a constant, a third for squares of centred normals, about one when
+    /// a single sample dominates. NaN without samples or when all are zero.
+    #[must_use]
+    pub fn effective_samples(&self, i: usize) -> f64 {
+        let row = i * self.sum.len() - i * (i + 1) / 2;
+        self.sum[i] * self.sum[i] / self.products[row + i]
+    }
+
+    /// The batches: number of samples and sum of each. There are [`BATCHES`] of them, or one for each sample when there
+    /// are fewer samples.
+    pub fn batches(&self) -> impl Iterator<Item = (u64, &[f64])> {
+        let (each, one_more) = (self.count / BATCHES as u64, self.count % BATCHES as u64);
+        (0..).map(move |b| each + u64::from(b < one_more)).zip(self.batches.chunks_exact(self.sum.len().max(1)))
+    }
 }
 
 #[cfg(test)]
@@ -145,5 +187,39 @@ mod tests {
             }
         }
         assert!((single.standard_error().powi(2) - all.covariance_of_means(2, 2)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn effective_samples_are_counted_as_they_carry_the_sum() {
+        let mut moments = CrossMoments::new(2);
+        for n in 0..100 {
+            moments.add(&[3.0, if n == 50 { 1e6 } else { 1e-3 }]);
+        }
+        assert!((moments.effective_samples(0) - 100.0).abs() < 1e-12);
+        assert!((moments.effective_samples(1) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn batches_do_not_depend_on_how_samples_are_grouped() {
+        // Integers, so that every order of summation gives the same bits.
+        let samples: Vec<[f64; 2]> = (0..700).map(|n| [f64::from(n), f64::from(n * n % 97)]).collect();
+        let grouped = |size: usize| {
+            let mut all = CrossMoments::new(2);
+            for group in samples.chunks(size) {
+                let mut part = CrossMoments::new(2);
+                group.iter().for_each(|sample| part.add(sample));
+                all.merge(&part);
+            }
+            all
+        };
+        let one = grouped(700);
+        assert_eq!(one.batches().map(|(count, _)| count).sum::<u64>(), 700);
+        let (count, sums) = one.batches().nth(100).unwrap();
+        assert_eq!((count, sums[0]), (3, 100.0 + 356.0 + 612.0));
+        assert_eq!(one.batches().nth(200).unwrap().0, 2);
+        for size in [1, 3, 128, 255, 256, 257, 300] {
+            assert_eq!(grouped(size), one, "{size}");
+        }
+        assert_eq!(CrossMoments::new(2).batches().count(), 0);
     }
 }

@@ -16,29 +16,58 @@ pub(crate) struct Fit {
 
 /// Fits y ≈ Xβ with covariance V of y; `None` when V or XᵀV⁻¹X is not positive definite.
 pub(crate) fn fit(design: &[Vec<f64>], y: &[f64], covariance: &[Vec<f64>]) -> Option<Fit> {
-    let factor = cholesky(covariance)?;
-    // Whitened: L⁻¹X and L⁻¹y.
-    let parameters = design[0].len();
-    let columns: Vec<Vec<f64>> =
-        (0..parameters).map(|c| forward(&factor, &design.iter().map(|row| row[c]).collect::<Vec<_>>())).collect();
-    let target = forward(&factor, y);
-    let normal: Vec<Vec<f64>> = columns.iter().map(|a| columns.iter().map(|b| dot(a, b)).collect()).collect();
-    let normal_factor = cholesky(&normal)?;
-    let right: Vec<f64> = columns.iter().map(|column| dot(column, &target)).collect();
-    let beta = backward(&normal_factor, &forward(&normal_factor, &right));
-    let inverse: Vec<Vec<f64>> = (0..parameters)
-        .map(|c| {
-            let unit: Vec<f64> = (0..parameters).map(|r| if r == c { 1.0 } else { 0.0 }).collect();
-            backward(&normal_factor, &forward(&normal_factor, &unit))
-        })
-        .collect();
-    let chi_square = (0..target.len())
-        .map(|i| {
-            let model: f64 = (0..parameters).map(|c| columns[c][i] * beta[c]).sum();
-            (target[i] - model) * (target[i] - model)
-        })
-        .sum();
-    Some(Fit { parameters: beta, covariance: inverse, chi_square })
+    Weighting::new(covariance)?.fit(design, y)
+}
+
+/// The Cholesky factor of a covariance, for several fits with the same one.
+#[derive(Clone, Debug)]
+pub(crate) struct Weighting {
+    factor: Vec<Vec<f64>>,
+}
+
+impl Weighting {
+    /// `None` when V is not positive definite.
+    pub(crate) fn new(covariance: &[Vec<f64>]) -> Option<Self> {
+        Some(Self { factor: cholesky(covariance)? })
+    }
+
+    /// L⁻¹X, column by column.
+    fn whitened(&self, design: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let column = |c: usize| forward(&self.factor, &design.iter().map(|row| row[c]).collect::<Vec<_>>());
+        (0..design[0].len()).map(column).collect()
+    }
+
+    /// Fits y ≈ Xβ; `None` when XᵀV⁻¹X is not positive definite.
+    pub(crate) fn fit(&self, design: &[Vec<f64>], y: &[f64]) -> Option<Fit> {
+        let columns = self.whitened(design);
+        let parameters = columns.len();
+        let target = forward(&self.factor, y);
+        let normal: Vec<Vec<f64>> = columns.iter().map(|a| columns.iter().map(|b| dot(a, b)).collect()).collect();
+        let normal_factor = cholesky(&normal)?;
+        let right: Vec<f64> = columns.iter().map(|column| dot(column, &target)).collect();
+        let beta = backward(&normal_factor, &forward(&normal_factor, &right));
+        let inverse: Vec<Vec<f64>> = (0..parameters)
+            .map(|c| {
+                let unit: Vec<f64> = (0..parameters).map(|r| if r == c { 1.0 } else { 0.0 }).collect();
+                backward(&normal_factor, &forward(&normal_factor, &unit))
+            })
+            .collect();
+        let chi_square = (0..target.len())
+            .map(|i| {
+                let model: f64 = (0..parameters).map(|c| columns[c][i] * beta[c]).sum();
+                (target[i] - model) * (target[i] - model)
+            })
+            .sum();
+        Some(Fit { parameters: beta, covariance: inverse, chi_square })
+    }
+
+    /// The weights w with β_c = w·y: row c of (XᵀV⁻¹X)⁻¹XᵀV⁻¹, where `inverse` is that row of (XᵀV⁻¹X)⁻¹.
+    pub(crate) fn gain(&self, design: &[Vec<f64>], inverse: &[f64]) -> Vec<f64> {
+        let columns = self.whitened(design);
+        let whitened: Vec<f64> =
+            (0..design.len()).map(|i| columns.iter().zip(inverse).map(|(column, a)| column[i] * a).sum()).collect();
+        backward(&self.factor, &whitened)
+    }
 }
 
 /// Pivots below this fraction of the diagonal mean that the matrix is singular to round-off.
@@ -116,6 +145,22 @@ mod tests {
         let fit = fit(&design, &[1.0, 2.0, 3.0, 4.0, 5.0], &covariance).unwrap();
         assert!((fit.parameters[0] - 3.0).abs() < 1e-15 && (fit.covariance[0][0] - 0.1).abs() < 1e-15);
         assert!((fit.chi_square - 20.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn gains_give_back_the_parameters() {
+        let design: Vec<Vec<f64>> = [0.0f64, 1.0, 2.5, 4.0].iter().map(|&x| vec![1.0, x, x.sin()]).collect();
+        let covariance: Vec<Vec<f64>> =
+            (0..4i32).map(|i| (0..4i32).map(|j| 0.5f64.powi((i - j).abs())).collect()).collect();
+        let y = [0.3, -1.0, 2.0, 0.7];
+        let weighting = Weighting::new(&covariance).unwrap();
+        let fit = weighting.fit(&design, &y).unwrap();
+        for c in 0..3 {
+            let gain = weighting.gain(&design, &fit.covariance[c]);
+            assert!((dot(&gain, &y) - fit.parameters[c]).abs() < 1e-13);
+            let variance: f64 = (0..4).map(|i| gain[i] * dot(&covariance[i], &gain)).sum();
+            assert!((variance - fit.covariance[c][c]).abs() < 1e-13 * variance.max(1.0));
+        }
     }
 
     #[test]

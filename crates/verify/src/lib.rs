@@ -25,9 +25,11 @@
 //! |---|---|
 //! | [`reproduce()`], [`Settings`], [`Mode`], [`Progress`] | run everything, or a selection |
 //! | [`EXPERIMENTS`], [`STATEMENTS`], [`SUPPLEMENTS`], [`panel_ids`] | what there is to run |
+//! | [`strong_order`], [`weak_order`], [`Study`] | the order of any scheme on any problem |
 //! | [`fit_strong`], [`fit_weak`], [`order_verdict`] | orders with intervals, and when an order is said to hold |
 //! | [`results`] | the `results.json` contract |
 
+mod exact;
 mod experiment;
 mod invariant;
 mod least_squares;
@@ -39,6 +41,7 @@ mod runge_kutta;
 mod statement;
 mod statements;
 mod strong;
+mod study;
 mod supplement;
 mod weak;
 
@@ -48,6 +51,7 @@ pub use paper::EXPERIMENTS;
 pub use reproduce::{UnknownPanel, check_ids, panel_ids, reproduce};
 pub use statement::Statement;
 pub use statements::STATEMENTS;
+pub use study::{Exact, Order, Study, strong_order, strong_order_exact, weak_order};
 pub use supplement::{SUPPLEMENTS, Supplement};
 
 /// The example of the README, compiled and run with the other examples.

@@ -41,7 +41,7 @@ pub(crate) fn rigid_body_start() -> [f64; 3] {
     [1.1f64.cos(), 0.0, 1.1f64.sin()]
 }
 
-const LOTKA_VOLTERRA_START: [f64; 3] = [0.2, 0.4, 0.6];
+pub(crate) const LOTKA_VOLTERRA_START: [f64; 3] = [0.2, 0.4, 0.6];
 
 /// The paper's parameters are valid, so a constructor that refuses one is a bug here.
 pub(crate) fn valid<T>(constructed: Result<T, SystemError>) -> T {

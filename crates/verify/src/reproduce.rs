@@ -99,7 +99,9 @@ pub fn reproduce(settings: Settings, only: &[String], progress: &dyn Progress) -
         }
         let start = Instant::now();
         let context = Context { settings, experiment: number, wanted: &[], progress };
-        supplements.push((supplement.run)(&context));
+        let result = (supplement.run)(&context);
+        supplements.extend(result.panels);
+        claims.extend(result.claims);
         wall_s_by_id.insert(supplement.id.to_owned(), start.elapsed().as_secs_f64());
     }
     let mode = match settings.mode {

@@ -136,7 +136,7 @@ pub(crate) fn describe_failures(failed: u64, failures: &[mc::PathFailure]) -> Ve
     lines
 }
 
-fn root_mean_squares(taus: &[f64], squares: &CrossMoments) -> Vec<Point> {
+pub(crate) fn root_mean_squares(taus: &[f64], squares: &CrossMoments) -> Vec<Point> {
     let points = taus.iter().enumerate();
     points
         .filter_map(|(l, &tau)| root_mean_square(tau, squares.mean(l), squares.covariance_of_means(l, l).sqrt()))

@@ -1,59 +1,21 @@
 //! Figures that are not in the paper.
 
-use noise::Truncation;
-use schemes::Sexp;
-use systems::{Problem, RigidBody};
+mod exact_references;
+mod truncation_orders;
 
-use crate::experiment::{Context, truncation};
-use crate::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid};
-use crate::results::Panel;
-use crate::strong::{Curve, StrongSetup, strong_curves};
+use crate::experiment::{Context, Yield};
 
 /// A figure that is not in the paper.
 pub struct Supplement {
     /// Its id.
     pub id: &'static str,
     /// Runs it.
-    pub(crate) run: fn(&Context<'_>) -> Panel,
+    pub(crate) run: fn(&Context<'_>) -> Yield,
 }
 
 /// All of them.
-pub const SUPPLEMENTS: &[Supplement] = &[Supplement { id: "truncation-orders", run: truncation_orders }];
-
-/// Strong errors of `sexp` with k = 1, 2, 4 and without truncation, on the same noise.
-fn truncation_orders(context: &Context<'_>) -> Panel {
-    let body = valid(RigidBody::one_noise(INERTIA, NOISE_INERTIA[0]));
-    let problem = valid(Problem::new(body, half_cosine(), rigid_body_start(), 1.0));
-    let (last, reference) = context.choose((12, 14), (10, 12));
-    let setup = StrongSetup {
-        id: "truncation-orders",
-        title: "What the truncation order k does: sexp on the rigid body, only W₁",
-        paper: "The theorems ask k ≥ 2 for order 1; the k of the experiments is not stated. With k = 1 clipped increments \
-                spoil the order, with k = 2 a handful of them dominates the mean-square error of coarse steps.",
-        setup: format!(
-            "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1, γ = 0.5 cos 2 t, y₀ = (cos 1.1, 0, sin 1.1), T = 1, \
-             τ = 2^-5 … 2^-{last}, increments truncated with k = 1, 2, 4 and not at all, those of the reference by the same rule"
-        ),
-        first: 5,
-        last,
-        reference,
-        samples: context.choose(1000, 512),
-    };
-    let sexp = Sexp::default();
-    let rules = [
-        ("sexp, k = 1", Truncation::new(1)),
-        ("sexp, k = 2", Truncation::new(2)),
-        ("sexp, k = 4", Ok(truncation())),
-        ("sexp, not truncated", Ok(Truncation::none())),
-    ];
-    let mut panels = rules.into_iter().map(|(name, rule)| {
-        let rule = rule.unwrap_or_else(|error| unreachable!("the orders are positive: {error}"));
-        strong_curves(context, &setup, &problem, rule, &[Curve { name: name.to_owned(), scheme: &sexp }])
-    });
-    let mut all = panels.next().unwrap_or_else(|| unreachable!("there are four rules"));
-    for panel in panels {
-        all.series.extend(panel.series);
-        all.failures.extend(panel.failures);
-    }
-    all
-}
+pub const SUPPLEMENTS: &[Supplement] = &[
+    Supplement { id: "truncation-orders", run: truncation_orders::run },
+    Supplement { id: "lotka-volterra-exact", run: exact_references::lotka_volterra },
+    Supplement { id: "rigid-body-energy-exact", run: exact_references::rigid_body },
+];

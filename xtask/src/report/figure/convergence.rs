@@ -258,7 +258,7 @@ mod tests {
 
     #[test]
     fn orders_are_short_and_never_certain() {
-        let rate = |estimate, lo, hi| Rate { estimate, lo, hi, confidence: 0.95, method: String::new() };
+        let rate = |estimate, lo, hi| Rate { estimate, lo, hi, confidence: 0.95, ..Rate::default() };
         assert_eq!(order(&rate(1.0015, 0.954, 1.049)), "1.00 ± 0.05");
         assert_eq!(order(&rate(0.5, 0.499, 0.501)), "0.50 ± 0.01");
         assert_eq!(order(&rate(-0.1, f64::NAN, 0.3)), "−0.10");

@@ -1,0 +1,25 @@
+//! Convergence orders with intervals, and when an order is said to hold.
+
+mod bootstrap;
+mod strong;
+mod verdict;
+mod weak;
+
+use statrs::distribution::{ContinuousCDF, Normal};
+
+pub use strong::fit_strong;
+pub(crate) use strong::{Logarithms, Terms};
+pub use verdict::{ORDER_MARGIN, order_verdict};
+pub(crate) use weak::fit_independent;
+pub use weak::fit_weak;
+
+/// Confidence of the reported intervals.
+const CONFIDENCE: f64 = 0.95;
+
+/// Two-sided quantile of the standard normal distribution.
+fn quantile(confidence: f64) -> f64 {
+    Normal::standard().inverse_cdf(0.5 + 0.5 * confidence)
+}
+
+#[cfg(test)]
+mod tests;

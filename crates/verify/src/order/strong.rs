@@ -1,0 +1,199 @@
+//! The strong order from squared errors that share paths.
+
+use mc::CrossMoments;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
+
+use super::{CONFIDENCE, bootstrap};
+use crate::least_squares::{Fit, Weighting};
+use crate::results::{Rate, StraightLine};
+
+/// Levels whose squared errors are carried by fewer paths than this, (Σx)²/Σx², are called unreliable.
+const FEW_PATHS: f64 = 30.0;
+/// Fewer levels than this make no fit from which others have been left out.
+const LEAST_LEVELS: usize = 4;
+/// Confidence at which a straight line is refuted.
+const STRAIGHT_CONFIDENCE: f64 = 0.99;
+
+/// Terms of the model besides a + 2p ln τ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Terms {
+    /// c τ_ref/τ, with this τ_ref.
+    pub reference: Option<f64>,
+    /// bτ.
+    pub curvature: bool,
+}
+
+impl Terms {
+    /// What can be afforded with so many levels: two more than parameters.
+    fn affordable(reference: Option<f64>, levels: usize) -> Self {
+        Self { reference: reference.filter(|_| levels >= 5), curvature: levels >= 6 }
+    }
+
+    const STRAIGHT: Self = Self { reference: None, curvature: false };
+
+    fn design(self, taus: &[f64]) -> Vec<Vec<f64>> {
+        let row = |&tau: &f64| {
+            let mut row = vec![1.0, tau.ln()];
+            row.extend(self.reference.map(|reference| reference / tau));
+            row.extend(self.curvature.then_some(tau / taus[0]));
+            row
+        };
+        taus.iter().map(row).collect()
+    }
+}
+
+/// Logarithms of mean squares at some levels, with their estimated covariance.
+pub(crate) struct Logarithms<'a> {
+    squares: &'a CrossMoments,
+    levels: Vec<usize>,
+    taus: Vec<f64>,
+    values: Vec<f64>,
+    covariance: Vec<Vec<f64>>,
+}
+
+/// A fitted order.
+pub(crate) struct Estimate {
+    pub order: f64,
+    pub se: f64,
+    pub chi_square: f64,
+    pub degrees: usize,
+    /// Weights of the logarithms in the order.
+    pub gain: Vec<f64>,
+    /// Coefficients of the terms over their standard errors, in the order of [`Terms`].
+    pub t: Vec<f64>,
+}
+
+impl<'a> Logarithms<'a> {
+    /// `None` when a mean is not positive.
+    pub(crate) fn new(taus: &[f64], squares: &'a CrossMoments, levels: Vec<usize>) -> Option<Self> {
+        let means: Vec<f64> = levels.iter().map(|&l| squares.mean(l)).collect();
+        if means.iter().any(|mean| !(mean.is_finite() && *mean > 0.0)) {
+            return None;
+        }
+        let covariance = (0..levels.len())
+            .map(|i| {
+                let row = 0..levels.len();
+                row.map(|j| squares.covariance_of_means(levels[i], levels[j]) / (means[i] * means[j])).collect()
+            })
+            .collect();
+        let values = means.iter().map(|mean| mean.ln()).collect();
+        Some(Self { squares, taus: levels.iter().map(|&l| taus[l]).collect(), levels, values, covariance })
+    }
+
+    /// The twin of everything here: levels taken for independent.
+    pub(crate) fn forget_covariance(&mut self) {
+        for (i, row) in self.covariance.iter_mut().enumerate() {
+            row.iter_mut().enumerate().filter(|(j, _)| i != *j).for_each(|(_, entry)| *entry = 0.0);
+        }
+    }
+
+    pub(crate) fn fit(&self, terms: Terms) -> Option<Estimate> {
+        let design = terms.design(&self.taus);
+        let weighting = Weighting::new(&self.covariance)?;
+        let Fit { parameters, covariance, chi_square } = weighting.fit(&design, &self.values)?;
+        let gain = weighting.gain(&design, &covariance[1]).iter().map(|g| 0.5 * g).collect();
+        Some(Estimate {
+            order: 0.5 * parameters[1],
+            se: 0.5 * covariance[1][1].sqrt(),
+            chi_square,
+            degrees: self.levels.len() - parameters.len(),
+            gain,
+            t: (2..parameters.len()).map(|c| parameters[c] / covariance[c][c].sqrt()).collect(),
+        })
+    }
+
+    /// Half the width of the interval of an estimate in standard errors.
+    fn reach(&self, estimate: &Estimate) -> f64 {
+        let degrees = bootstrap::degrees_of_freedom(self.squares, &self.levels, &estimate.gain);
+        student(degrees) * self.estimated_weights(estimate.degrees)
+    }
+
+    fn estimated_weights(&self, degrees: usize) -> f64 {
+        let n = self.squares.count() as f64;
+        ((n - 1.0) / (n - 1.0 - degrees as f64)).sqrt()
+    }
+}
+
+fn student(degrees: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, degrees.max(1.0)).map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + 0.5 * CONFIDENCE))
+}
+
+/// The strong order from squared errors at several step sizes, coarsest first.
+#[must_use]
+pub fn fit_strong(taus: &[f64], reference: Option<f64>, squares: &CrossMoments) -> Option<Rate> {
+    let all: Vec<usize> = (0..taus.len()).collect();
+    // A zero error anywhere means that there is no order to speak of, even where its level would be left out.
+    Logarithms::new(taus, squares, all.clone())?;
+    let (reliable, few): (Vec<usize>, Vec<usize>) =
+        all.iter().copied().partition(|&l| squares.effective_samples(l) >= FEW_PATHS);
+    let (levels, left_out) = if reliable.len() < LEAST_LEVELS { (all, Vec::new()) } else { (reliable, few.clone()) };
+    let conservative = left_out.len() < few.len();
+    let terms = Terms::affordable(reference, levels.len());
+    let logarithms = Logarithms::new(taus, squares, levels)?;
+    let estimate = logarithms.fit(terms)?;
+    let half_width = logarithms.reach(&estimate) * estimate.se;
+    let bootstrap = bootstrap::reach(squares, &logarithms.levels, &estimate.gain).map(|(below, above)| {
+        let scale = logarithms.estimated_weights(estimate.degrees) * estimate.se;
+        (estimate.order - below * scale, estimate.order + above * scale)
+    });
+    let (mut lo, mut hi) = (estimate.order - half_width, estimate.order + half_width);
+    if let Some((low, high)) = bootstrap.filter(|_| conservative) {
+        (lo, hi) = (lo.min(low), hi.max(high));
+    }
+    let straight = (terms != Terms::STRAIGHT).then(|| logarithms.straight()).flatten();
+    let effective = (0..taus.len()).map(|l| squares.effective_samples(l)).fold(f64::INFINITY, f64::min);
+    let mut t = estimate.t.iter().copied();
+    let reference_t = terms.reference.and_then(|_| t.next());
+    let curvature_t = t.next();
+    let mut rate = Rate {
+        estimate: estimate.order,
+        lo,
+        hi,
+        confidence: CONFIDENCE,
+        method: String::new(),
+        bootstrap_lo: bootstrap.map(|(low, _)| low),
+        bootstrap_hi: bootstrap.map(|(_, high)| high),
+        straight,
+        curvature_t,
+        reference_t,
+        effective_paths: Some(effective),
+        left_out: left_out.iter().map(|&l| taus[l]).collect(),
+    };
+    rate.method = describe(&rate, &estimate, terms, conservative);
+    Some(rate)
+}
+
+impl Logarithms<'_> {
+    /// The straight line, refuted when χ² is beyond the 99 % quantile of Hotelling's T² with the covariance estimated
+    /// from n paths: χ²(n − d)/(d(n − 1)) has the F distribution with d and n − d degrees of freedom.
+    fn straight(&self) -> Option<StraightLine> {
+        let estimate = self.fit(Terms::STRAIGHT)?;
+        let half_width = self.reach(&estimate) * estimate.se;
+        Some(StraightLine {
+            estimate: estimate.order,
+            lo: estimate.order - half_width,
+            hi: estimate.order + half_width,
+            chi_square: estimate.chi_square,
+            degrees: estimate.degrees as u32,
+            refuted: self.p_value(&estimate) < 1.0 - STRAIGHT_CONFIDENCE,
+        })
+    }
+
+    fn p_value(&self, estimate: &Estimate) -> f64 {
+        let (n, d) = (self.squares.count() as f64, estimate.degrees as f64);
+        let f = estimate.chi_square * (n - d) / (d * (n - 1.0));
+        FisherSnedecor::new(d, n - d).map_or(1.0, |distribution| distribution.sf(f))
+    }
+}
+
+fn describe(rate: &Rate, estimate: &Estimate, terms: Terms, conservative: bool) -> String {
+    let mut text = format!(
+        "generalised least squares, ln mean square = a + 2p ln τ{}{}, χ² = {:.1} with {} degrees of freedom",
+        if terms.curvature { " + bτ" } else { "" },
+        if terms.reference.is_some() { " + c τ_ref/τ" } else { "" },
+        estimate.chi_square,
+        estimate.degrees,
+    );
+    let _ = (rate, conservative, &mut text);
+    text
+}

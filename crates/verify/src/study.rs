@@ -1,0 +1,251 @@
+//! Orders of any scheme on any problem: the door for other people's methods.
+//!
+//! A [`Study`] says which step sizes, how many paths and which noise; [`strong_order`] and [`weak_order`] run the
+//! scheme on a ladder beside a reference and fit the order with its interval. The reference is `sexp` on the same
+//! noise, or the exact solution where there is one.
+
+use mc::{
+    Clock, CrossMoments, Ladder, LadderError, Moments, Observable, Outcome, Reference, Run, Statistic, StrongErrors,
+    View,
+};
+use noise::{StreamKey, Truncation};
+use schemes::{Scheme, Sexp};
+use systems::{Damping, PoissonSystem, Problem};
+
+use crate::order::{fit_strong, fit_weak};
+use crate::results::{Point, Rate};
+
+/// Step sizes, paths and noise of a convergence study.
+#[derive(Clone, Copy, Debug)]
+pub struct Study {
+    /// Number of the coarsest steps on [0, T].
+    pub coarsest_steps: u64,
+    /// Step sizes, each half of the one before.
+    pub levels: usize,
+    /// The reference's steps are 2^refinement times finer than the finest of the study.
+    pub refinement: u32,
+    /// Paths.
+    pub samples: u64,
+    /// How increments are truncated.
+    pub truncation: Truncation,
+    /// Which noise.
+    pub key: StreamKey,
+}
+
+/// Errors of one scheme with a fitted order.
+#[derive(Clone, Debug)]
+pub struct Order {
+    /// Error at each step size, coarsest first, with its standard error.
+    pub points: Vec<Point>,
+    /// The fitted order; `None` when no order can be named.
+    pub rate: Option<Rate>,
+    /// Paths that were left out.
+    pub failed: u64,
+}
+
+impl Study {
+    /// The level above the finest of step size number `index`, coarsest first.
+    fn level(&self, index: usize) -> usize {
+        self.levels - 1 - index + self.refinement as usize
+    }
+
+    fn taus(&self, t_end: f64) -> Vec<f64> {
+        (0..self.levels).map(|index| t_end / (self.coarsest_steps << index) as f64).collect()
+    }
+
+    /// Runs a reference at the finest level and the scheme at every step size, the scheme's runs from number 1 on.
+    fn run<S, G, T, const D: usize, const M: usize>(
+        &self,
+        scheme: &dyn Scheme<S, D, M>,
+        problem: &Problem<S, G, D>,
+        clock: Option<&dyn Clock<M>>,
+        statistic: impl Fn(u64, Vec<usize>) -> T + Sync,
+    ) -> Result<Outcome<T>, LadderError>
+    where
+        S: PoissonSystem<D, M>,
+        G: Damping,
+        T: Statistic<D>,
+    {
+        let reference = Sexp::default();
+        let mut runs: Vec<Run<'_, S, D, M>> = vec![Run::new(&reference, 0)];
+        runs.extend((0..self.levels).map(|index| Run::new(scheme, self.level(index))));
+        let top = self.level(0);
+        let mut ladder = Ladder::new(problem, self.coarsest_steps << top, top, self.truncation, self.key, runs)?;
+        if let Some(clock) = clock {
+            ladder = ladder.with_clock(clock);
+        }
+        let steps = ladder.coarse_steps();
+        Ok(ladder.run(self.samples, || statistic(steps, (1..=self.levels).collect()), &|_| ()))
+    }
+}
+
+/// The strong order of `scheme`: root-mean-square errors at the final time against `sexp` at the reference step.
+///
+/// # Errors
+/// [`LadderError`] when the truncation is not defined at one of the step sizes.
+pub fn strong_order<S, G, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    study: &Study,
+) -> Result<Order, LadderError>
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    let outcome =
+        study.run(scheme, problem, None, |steps, runs| StrongErrors::new(Reference::Run(0), &[runs], steps))?;
+    let taus = study.taus(problem.t_end);
+    let reference = taus[taus.len() - 1] / f64::from(1u32 << study.refinement);
+    let squares = outcome.statistic.at_end(0);
+    Ok(Order {
+        points: crate::strong::root_mean_squares(&taus, squares),
+        rate: fit_strong(&taus, Some(reference), squares),
+        failed: outcome.failed,
+    })
+}
+
+/// The strong order of `scheme` against the exact solution, which is `solution` of what `clock` shows at the end.
+///
+/// # Errors
+/// [`LadderError`] when the truncation is not defined at one of the step sizes.
+pub fn strong_order_exact<S, G, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    study: &Study,
+    clock: &dyn Clock<M>,
+    solution: &(dyn Fn(f64) -> [f64; D] + Sync),
+) -> Result<Order, LadderError>
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    let outcome = study.run(scheme, problem, Some(clock), |steps, runs| {
+        StrongErrors::new(Reference::Exact(solution), &[runs], steps)
+    })?;
+    let taus = study.taus(problem.t_end);
+    let squares = outcome.statistic.at_end(0);
+    Ok(Order {
+        points: crate::strong::root_mean_squares(&taus, squares),
+        rate: fit_strong(&taus, None, squares),
+        failed: outcome.failed,
+    })
+}
+
+/// The weak order of `scheme` for one test function, by coupled differences: the mean over paths of φ of the scheme
+/// minus φ of the reference on the same noise.
+///
+/// The reference is `sexp` at the reference step, or the exact solution where `exact` gives a clock and a solution.
+///
+/// # Errors
+/// [`LadderError`] when the truncation is not defined at one of the step sizes.
+pub fn weak_order<S, G, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    observable: Observable<D>,
+    study: &Study,
+    exact: Option<Exact<'_, D, M>>,
+) -> Result<Order, LadderError>
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    let outcome = study.run(scheme, problem, exact.map(|exact| exact.clock), |steps, runs| CoupledDifferences {
+        observable,
+        reference: exact.map_or(Reference::Run(0), |exact| Reference::Exact(exact.solution)),
+        differences: CrossMoments::new(runs.len()),
+        runs,
+        last_time: steps,
+    })?;
+    let taus = study.taus(problem.t_end);
+    let differences = &outcome.statistic.differences;
+    let levels = study.levels;
+    let errors: Vec<f64> = (0..levels).map(|l| differences.mean(l)).collect();
+    let covariance: Vec<Vec<f64>> =
+        (0..levels).map(|l| (0..levels).map(|m| differences.covariance_of_means(l, m)).collect()).collect();
+    let points =
+        (0..levels).map(|l| Point::Error { tau: taus[l], value: errors[l], se: covariance[l][l].sqrt() }).collect();
+    Ok(Order { points, rate: fit_weak(&taus, &errors, &covariance), failed: outcome.failed })
+}
+
+/// An exact solution at the final time as a function of what a clock shows there.
+#[derive(Clone, Copy)]
+pub struct Exact<'a, const D: usize, const M: usize> {
+    /// Carried along each path.
+    pub clock: &'a dyn Clock<M>,
+    /// y(T) as a function of the clock.
+    pub solution: &'a (dyn Fn(f64) -> [f64; D] + Sync),
+}
+
+/// Mean of φ over exact solutions on sampled paths, with its standard error.
+pub(crate) fn exact_mean<S, G, const D: usize, const M: usize>(
+    problem: &Problem<S, G, D>,
+    observable: Observable<D>,
+    study: &Study,
+    exact: Exact<'_, D, M>,
+) -> (f64, f64)
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    let outcome = study
+        .run(&Sexp::default(), problem, Some(exact.clock), |steps, _| ExactMean {
+            observable,
+            solution: exact.solution,
+            last_time: steps,
+            moments: Moments::default(),
+        })
+        .unwrap_or_else(|error| unreachable!("the set-ups of this crate are valid: {error}"));
+    (outcome.statistic.moments.mean(), outcome.statistic.moments.standard_error())
+}
+
+/// φ of the exact solution at the final time.
+struct ExactMean<'a, const D: usize> {
+    observable: Observable<D>,
+    solution: &'a (dyn Fn(f64) -> [f64; D] + Sync),
+    last_time: u64,
+    moments: Moments,
+}
+
+impl<const D: usize> Statistic<D> for ExactMean<'_, D> {
+    fn observe(&mut self, view: &View<'_, D>) {
+        if view.time == self.last_time {
+            for p in view.live.paths() {
+                self.moments.add((self.observable.function)((self.solution)(view.clock.0[0][p])));
+            }
+        }
+    }
+
+    fn merge(&mut self, later: Self) {
+        self.moments.merge(later.moments);
+    }
+}
+
+/// φ(run) − φ(reference) at the final time, with covariances between the runs.
+struct CoupledDifferences<'a, const D: usize> {
+    observable: Observable<D>,
+    reference: Reference<'a, D>,
+    runs: Vec<usize>,
+    last_time: u64,
+    differences: CrossMoments,
+}
+
+impl<const D: usize> Statistic<D> for CoupledDifferences<'_, D> {
+    fn observe(&mut self, view: &View<'_, D>) {
+        if view.time != self.last_time {
+            return;
+        }
+        for p in view.live.paths() {
+            let exact = match self.reference {
+                Reference::Run(run) => view.states[run].path(p),
+                Reference::Exact(solution) => solution(view.clock.0[0][p]),
+            };
+            let expected = (self.observable.function)(exact);
+            let difference = |&run: &usize| (self.observable.function)(view.states[run].path(p)) - expected;
+            self.differences.add(&self.runs.iter().map(difference).collect::<Vec<_>>());
+        }
+    }
+
+    fn merge(&mut self, later: Self) {
+        self.differences.merge(&later.differences);
+    }
+}
