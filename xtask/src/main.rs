@@ -1,14 +1,16 @@
 //! Chores of the workspace.
 //!
 //! `cargo xtask reproduce` runs the experiments of the paper, prints a verdict for every statement and writes a
-//! report with figures, tables and `results.json`.
+//! report with figures, tables and `results.json`. `cargo xtask verify` runs the battery for many seeds.
 
+mod battery;
 mod output;
 mod progress;
 mod provenance;
 mod report;
 mod reproduce;
 mod table;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -26,11 +28,14 @@ struct Arguments {
 enum Chore {
     /// Run the paper's experiments, print the verdicts and write the report.
     Reproduce(reproduce::Reproduce),
+    /// Run the whole battery for many seeds, with all wrong twins, and write docs/verification.md.
+    Verify(verify::Verify),
 }
 
 fn main() -> ExitCode {
     let result = match Arguments::parse().chore {
         Chore::Reproduce(arguments) => reproduce::run(&arguments),
+        Chore::Verify(arguments) => verify::run(&arguments),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error:#}");

@@ -23,6 +23,11 @@ impl Bars {
         Self { bar }
     }
 
+    /// Prints a line above the bar, also where there is no bar.
+    pub fn println(&self, line: &str) {
+        self.bar.suspend(|| println!("{line}"));
+    }
+
     /// Takes the bar off the terminal.
     pub fn finish(&self) {
         self.bar.finish_and_clear();

@@ -26,15 +26,19 @@
 //! | [`reproduce()`], [`Settings`], [`Mode`], [`Progress`] | run everything, or a selection |
 //! | [`EXPERIMENTS`], [`STATEMENTS`], [`SUPPLEMENTS`], [`panel_ids`] | what there is to run |
 //! | [`strong_order`], [`weak_order`], [`Study`] | the order of any scheme on any problem |
+//! | [`TWINS`], [`measure_twins`] | wrong methods that the claims must refute |
+//! | [`PathScheme`] | a scheme written for one path, to be put to the test |
 //! | [`fit_strong`], [`fit_weak`], [`order_verdict`] | orders with intervals, and when an order is said to hold |
 //! | [`results`] | the `results.json` contract |
 
+mod coverage;
 mod exact;
 mod experiment;
 mod invariant;
 mod least_squares;
 mod order;
 mod paper;
+mod path_scheme;
 mod reproduce;
 pub mod results;
 mod runge_kutta;
@@ -43,16 +47,20 @@ mod statements;
 mod strong;
 mod study;
 mod supplement;
+mod twins;
 mod weak;
 
+pub use coverage::{CoverageRow, coverage};
 pub use experiment::{Context, Experiment, Mode, Progress, Settings, Silent};
 pub use order::{ORDER_MARGIN, fit_strong, fit_weak, order_verdict};
 pub use paper::EXPERIMENTS;
+pub use path_scheme::PathScheme;
 pub use reproduce::{UnknownPanel, check_ids, panel_ids, reproduce};
 pub use statement::Statement;
 pub use statements::STATEMENTS;
 pub use study::{Exact, Order, Study, strong_order, strong_order_exact, weak_order};
 pub use supplement::{SUPPLEMENTS, Supplement};
+pub use twins::{TWINS, Twin, measure_twins};
 
 /// The example of the README, compiled and run with the other examples.
 #[cfg(doctest)]

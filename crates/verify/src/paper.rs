@@ -342,7 +342,7 @@ fn poisson3_casimir(context: &Context<'_>) -> Yield {
 /// Largest relative defect of `sexp` that counts as round-off on the paper's paths of at most 500 steps. A step
 /// leaves a residual of at most two ulp and a handful of roundings, say 16 ε in all; if none cancelled, 500 steps
 /// would give 1.8e-12, as a random walk √500·16 ε = 8e-14. 2e-13 lies between, below the worst case.
-const ROUND_OFF_DEFECT: f64 = 2e-13;
+pub(crate) const ROUND_OFF_DEFECT: f64 = 2e-13;
 /// A relative defect above this is visible in a figure: Euler–Maruyama is expected there.
 const VISIBLE_DEFECT: f64 = 1e-3;
 

@@ -1,10 +1,10 @@
 //! The statements of the paper that are measured on their own and not on a panel.
 
-mod exact_conformal;
-mod local;
-mod moment_bound;
-mod solvability;
-mod truncation;
+pub(crate) mod exact_conformal;
+pub(crate) mod local;
+pub(crate) mod moment_bound;
+pub(crate) mod solvability;
+pub(crate) mod truncation;
 
 use crate::statement::Statement;
 

@@ -134,7 +134,7 @@ where
 
 /// Errors e_l = Σ_{j≥l} d_j + 2d̃, where d_j are the differences of the ladder and d̃ that of the reference: with an
 /// error Cτ + O(τ²), the expectation at the finest step is 2d̃ away from the limit up to O(τ²).
-fn weak_series(name: &str, taus: &[f64], main: &CrossMoments, tail: &CrossMoments) -> Series {
+pub(crate) fn weak_series(name: &str, taus: &[f64], main: &CrossMoments, tail: &CrossMoments) -> Series {
     let levels = taus.len();
     let tail_variance = 4.0 * tail.covariance_of_means(0, 0);
     let sum_from = |l: usize| (l..levels - 1).map(|j| main.mean(j)).sum::<f64>();

@@ -90,9 +90,7 @@ fn weak(seed: u64, p: f64, a: f64, b: f64, noise_size: f64) -> (Vec<f64>, Vec<Ve
         })
         .collect();
     let covariance = (0..8)
-        .map(|l| {
-            (0..8).map(|m| noise_size * noise_size * TAUS[l] * TAUS[m] * if l == m { 1.0 } else { 0.5 }).collect()
-        })
+        .map(|l| (0..8).map(|m| noise_size * noise_size * TAUS[l] * TAUS[m] * if l == m { 1.0 } else { 0.5 }).collect())
         .collect();
     (errors, covariance)
 }

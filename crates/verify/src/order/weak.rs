@@ -29,6 +29,7 @@ pub(crate) fn fit_independent(taus: &[f64], values: &[(f64, f64)]) -> Option<Rat
             "weighted least squares, ln error = a + p ln τ + bτ + cτ², χ² = {chi_square:.1} with {} degrees of freedom",
             levels - 4
         ),
+        ..Rate::default()
     })
 }
 
@@ -84,5 +85,6 @@ pub fn fit_weak(taus: &[f64], errors: &[f64], covariance: &[Vec<f64>]) -> Option
             if terms == 3 { " + Cτ^(p+2)" } else { "" },
             levels - terms as usize - 1
         ),
+        ..Rate::default()
     })
 }

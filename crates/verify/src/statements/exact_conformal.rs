@@ -43,7 +43,12 @@ const REDUCTION: f64 = 1000.0;
 /// Round-off of 2048 Runge–Kutta steps: a defect below this has nothing left to be reduced.
 const ROUND_OFF: f64 = 1e-12;
 
-fn law<S, G, const D: usize, const M: usize>(context: &Context<'_>, part: u64, problem: &Problem<S, G, D>) -> Vec<Claim>
+/// A claim for each invariant of the system.
+pub(crate) fn law<S, G, const D: usize, const M: usize>(
+    context: &Context<'_>,
+    part: u64,
+    problem: &Problem<S, G, D>,
+) -> Vec<Claim>
 where
     S: PoissonSystem<D, M>,
     G: Damping,

@@ -21,10 +21,10 @@ use crate::results::Claim;
 use crate::runge_kutta::piece;
 use crate::statement::claim;
 
-type Vector = [f64; 3];
+pub(crate) type Vector = [f64; 3];
 
 /// Linear pieces of the noise in a step.
-const PIECES: usize = 64;
+pub(crate) const PIECES: usize = 64;
 /// Exponents j of the steps τ = 2^−j.
 const EXPONENTS: std::ops::RangeInclusive<i32> = 2..=9;
 
@@ -38,7 +38,8 @@ pub(super) fn measure_sexp(context: &Context<'_>) -> Vec<Claim> {
     measure(context, "local-sexp", "sexp", remainder)
 }
 
-fn measure(
+/// Both claims about a remainder.
+pub(crate) fn measure(
     context: &Context<'_>,
     id: &str,
     of: &str,
@@ -91,7 +92,7 @@ fn body() -> RigidBody<3> {
 }
 
 /// y + τ(f₀ − γy) + Σ fₘwₘ, the part of the expansion that both have.
-fn first_order(tau: f64, w: Vector) -> Vector {
+pub(crate) fn first_order(tau: f64, w: Vector) -> Vector {
     let (system, y) = (body(), rigid_body_start());
     let field = vector_field(&system, y, tau, w);
     let rate = half_cosine().rate(0.0) * tau;
@@ -99,14 +100,25 @@ fn first_order(tau: f64, w: Vector) -> Vector {
 }
 
 fn exact_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let (system, damping, start) = (body(), half_cosine(), rigid_body_start());
+    let (end, expansion) = (exact_end(tau, pieces), expansion(tau, pieces));
+    std::array::from_fn(|i| end[i] - expansion[i])
+}
+
+/// y(τ) on piecewise linear noise.
+pub(crate) fn exact_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
+    let (system, damping) = (body(), half_cosine());
     let length = tau / PIECES as f64;
-    let mut y = start;
+    let end = |y, (n, dw): (usize, &Vector)| piece(&system, &damping, n as f64 * length, length, *dw, 1, y);
+    pieces.iter().enumerate().fold(rigid_body_start(), end)
+}
+
+/// y + τ(f₀ − γy) + Σ fₘΔWₘ + Σ fₘ′f_l J_lm with the iterated integrals of piecewise linear noise.
+pub(crate) fn expansion(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
+    let (system, start) = (body(), rigid_body_start());
     let mut w = [0.0; 3];
     // J_lm with l the inner index.
     let mut iterated = [[0.0; 3]; 3];
-    for (n, dw) in pieces.iter().enumerate() {
-        y = piece(&system, &damping, n as f64 * length, length, *dw, 1, y);
+    for dw in pieces {
         for l in 0..3 {
             for m in 0..3 {
                 iterated[l][m] += (w[l] + 0.5 * dw[l]) * dw[m];
@@ -116,30 +128,39 @@ fn exact_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
             w[m] += dw[m];
         }
     }
-    let mut remainder = first_order(tau, w);
+    let mut sum = first_order(tau, w);
     for m in 0..3 {
         for l in 0..3 {
             let inner = vector_field(&system, start, 0.0, unit_noise(l));
             let term = vector_field_derivative(&system, start, 0.0, unit_noise(m), inner);
             for i in 0..3 {
-                remainder[i] += term[i] * iterated[l][m];
+                sum[i] += term[i] * iterated[l][m];
             }
         }
     }
-    std::array::from_fn(|i| y[i] - remainder[i])
+    sum
+}
+
+/// The truncated increments of the whole step.
+fn truncated(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
+    let bound = truncation().bound(tau).unwrap_or(f64::NAN);
+    std::array::from_fn(|m| pieces.iter().map(|dw| dw[m]).sum::<f64>().clamp(-bound, bound))
+}
+
+/// One step of `sexp`.
+pub(crate) fn sexp_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
+    let step =
+        Step::new(&half_cosine(), 0, tau).unwrap_or_else(|error| unreachable!("the steps are positive: {error}"));
+    Sexp::default().step(&body(), &step, truncated(tau, pieces), rigid_body_start()).z
 }
 
 fn sexp_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let (system, damping, start) = (body(), half_cosine(), rigid_body_start());
-    let bound = truncation().bound(tau).unwrap_or(f64::NAN);
-    let w: Vector = std::array::from_fn(|m| pieces.iter().map(|dw| dw[m]).sum::<f64>().clamp(-bound, bound));
-    let step = Step::new(&damping, 0, tau).unwrap_or_else(|error| unreachable!("the steps are positive: {error}"));
-    let y = Sexp::default().step(&system, &step, w, start).z;
+    let (system, start, w) = (body(), rigid_body_start(), truncated(tau, pieces));
     // ½Σ fₘ′f_l ΔŴ_lΔŴₘ = ½f′f with f = Σ fₘΔŴₘ.
     let field = vector_field(&system, start, 0.0, w);
     let second = vector_field_derivative(&system, start, 0.0, w, field);
-    let first = first_order(tau, w);
-    std::array::from_fn(|i| y[i] - first[i] - 0.5 * second[i])
+    let (end, first) = (sexp_end(tau, pieces), first_order(tau, w));
+    std::array::from_fn(|i| end[i] - first[i] - 0.5 * second[i])
 }
 
 fn dot(a: Vector, b: Vector) -> f64 {
@@ -162,9 +183,7 @@ mod tests {
         assert!((ratio(&exact_remainder) - 8.0).abs() < 0.5, "{}", ratio(&exact_remainder));
         let without = |tau: f64, pieces: &[Vector; PIECES]| {
             let w = std::array::from_fn(|m| pieces.iter().map(|dw| dw[m]).sum());
-            let first = first_order(tau, w);
-            let step = Step::new(&half_cosine(), 0, tau).unwrap();
-            let end = Sexp::default().step(&body(), &step, w, rigid_body_start()).z;
+            let (end, first) = (sexp_end(tau, pieces), first_order(tau, w));
             std::array::from_fn(|i| end[i] - first[i])
         };
         assert!((ratio(&without) - 4.0).abs() < 0.5, "{}", ratio(&without));

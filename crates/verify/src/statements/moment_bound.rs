@@ -2,8 +2,8 @@
 //! (paper, Corollary 2).
 
 use mc::trajectory;
-use schemes::Sexp;
-use systems::{Damping, DampingFunction, PoissonSystem, Problem, RigidBody, RigidBodyEnergy, Sine};
+use schemes::{Scheme, Sexp};
+use systems::{Constant, Damping, DampingFunction, PoissonSystem, Problem, RigidBody, RigidBodyEnergy, Sine};
 
 use crate::experiment::{Context, truncation};
 use crate::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid};
@@ -11,26 +11,41 @@ use crate::results::{Claim, Verdict};
 use crate::statement::{claim, decide};
 
 pub(super) fn measure(context: &Context<'_>) -> Vec<Claim> {
-    context.progress.begin("moment-bound", 2);
+    context.progress.begin("moment-bound", 3);
     let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
     let casimir = valid(Problem::new(body, half_cosine(), rigid_body_start(), 10.0));
     let energy = valid(RigidBodyEnergy::new(INERTIA, 1.0));
     let energy = valid(Problem::new(energy, valid(Sine::new(1.0, 1.0)), rigid_body_start(), 10.0));
+    let sexp = Sexp::default();
     // ½|y|² is ½ everywhere on the sphere; H₀ is smallest along the axis of the largest moment of inertia.
     let largest_inertia = INERTIA.iter().copied().fold(0.0, f64::max);
-    let claims = vec![bound(context, 0, &casimir, "C", 0.5), bound(context, 1, &energy, "H", 0.5 / largest_inertia)];
+    let claims = vec![
+        bound(context, 0, &casimir, &sexp, "C", 0.5),
+        bound(context, 1, &energy, &sexp, "H", 0.5 / largest_inertia),
+        bound(context, 2, &undamped(), &sexp, "C", 0.5),
+    ];
     context.progress.end();
     claims
 }
+
+/// The rigid body without damping, where the bound is an equality for every n.
+pub(crate) fn undamped() -> Problem<RigidBody<3>, Constant, 3> {
+    let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
+    valid(Problem::new(body, valid(Constant::new(0.0)), rigid_body_start(), 10.0))
+}
+
+/// Where the bound is an equality it is missed by the round-off of 1000 steps, 16 ε each if none cancelled.
+const ROUND_OFF: f64 = 16_000.0 * f64::EPSILON;
 
 /// Steps on [0, 10]: τ = 0.5, 0.1 and 0.01.
 const STEPS: [u64; 3] = [20, 100, 1000];
 
 /// The largest ‖y_n‖ over the bound at t_n, over many paths and all n ≥ 1, for a quadratic F with minimum m.
-fn bound<S, G, const M: usize>(
+pub(crate) fn bound<S, G, const M: usize>(
     context: &Context<'_>,
     part: u64,
     problem: &Problem<S, G, 3>,
+    scheme: &dyn Scheme<S, 3, M>,
     invariant: &str,
     minimum: f64,
 ) -> Claim
@@ -54,8 +69,7 @@ where
             })
             .collect();
         for path in 0..paths {
-            let Ok(followed) = trajectory(problem, &Sexp::default(), steps, truncation(), context.key(part), path)
-            else {
+            let Ok(followed) = trajectory(problem, scheme, steps, truncation(), context.key(part), path) else {
                 failed += 1;
                 continue;
             };
@@ -68,10 +82,14 @@ where
     }
     claim(
         "moment-bound",
-        &format!("{}: ‖y_n‖ ≤ (F(y₀)/m(F))^(1/p) exp ∫|γ| with F = {invariant}", problem.system.name()),
-        if failed > 0 { Verdict::Undecided } else { decide(largest <= 1.0) },
+        &format!(
+            "{}, {}: ‖y_n‖ ≤ (F(y₀)/m(F))^(1/p) exp ∫|γ| with F = {invariant}",
+            problem.system.name(),
+            problem.damping.describe()
+        ),
+        if failed > 0 { Verdict::Undecided } else { decide(largest <= 1.0 + ROUND_OFF) },
         format!(
-            "largest ‖y_n‖ over its bound: {largest:.3} on {paths} paths with τ = 0.5, 0.1 and 0.01; {failed} paths failed"
+            "largest ‖y_n‖ over its bound: {largest:.4} on {paths} paths with τ = 0.5, 0.1 and 0.01; {failed} paths failed"
         ),
     )
 }

@@ -17,8 +17,8 @@ use crate::statement::{claim, decide};
 pub(super) fn measure(context: &Context<'_>) -> Vec<Claim> {
     context.progress.begin("solvability", 2);
     let claims = vec![
-        contraction::<_, 2>(context, 0, &valid(Pendulum::new(1.0)), 1.0),
-        contraction::<_, 3>(context, 1, &valid(Poisson3::new(1.0)), 3f64.sqrt()),
+        contraction::<_, 2>(context, 0, &valid(Pendulum::new(1.0)), 1.0, 1.0),
+        contraction::<_, 3>(context, 1, &valid(Poisson3::new(1.0)), 3f64.sqrt(), 1.0),
     ];
     context.progress.end();
     claims
@@ -34,17 +34,19 @@ const SPREAD: f64 = 10.0;
 /// Two iterations agree when they differ by round-off, amplified by 1/(1 − C) near the bound.
 const AGREEMENT: f64 = 1e-9;
 
-fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
+/// The claim for one system, ‖B‖ = `structure`; increments go up to `reach` times the truncation bound.
+pub(crate) fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
     context: &Context<'_>,
     part: u64,
     system: &S,
     structure: f64,
+    reach: f64,
 ) -> Claim {
     // The constant rises from 0, and below one there is a largest step.
     let exponent = (1..60).find(|&j| constant(0.5f64.powi(j), structure) < 1.0).unwrap_or(60);
     let tau = 0.5f64.powi(exponent);
     let lipschitz = constant(tau, structure);
-    let bound = truncation().bound(tau).unwrap_or(f64::NAN);
+    let bound = reach * truncation().bound(tau).unwrap_or(f64::NAN);
     let mut noise = WienerPath::<1>::new(context.key(part), 0);
     let mut point = || -> [f64; D] { std::array::from_fn(|_| noise.normal() * SPREAD) };
     let pairs = context.choose(5_000, 500);

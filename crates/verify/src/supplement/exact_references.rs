@@ -141,7 +141,7 @@ where
         coarsest_steps: 8,
         levels: 5,
         refinement: 0,
-        samples: context.choose(4000, 400),
+        samples: context.choose(16_000, 400),
         truncation: truncation(),
         key: context.key(1),
     };

@@ -117,8 +117,7 @@ fn sexp_keeps_every_casimir() {
 
 fn energies<const D: usize>() {
     let tally = Tally::default();
-    let draws =
-        (one_noise(any_structure(), 1..=MAX_DEGREE), any_method(), (any_rate(), NUMBERS), any_noise(), state());
+    let draws = (one_noise(any_structure(), 1..=MAX_DEGREE), any_method(), (any_rate(), NUMBERS), any_noise(), state());
     for_all(CASES, draws, |(system, method, damping, noise, y0): (OneNoise<D>, _, _, _, _)| {
         tally.follow(&system, &system.hamiltonian, method, damping, noise, y0)
     });

@@ -23,7 +23,7 @@ pub struct Polynomial<const D: usize> {
 }
 
 impl<const D: usize> ScalarFunction<D> for Polynomial<D> {
-    #[inline(always)]
+    #[inline(never)]
     fn value<R: Real>(&self, y: [R; D]) -> R {
         let mut sum = R::zero();
         for t in 0..TERMS {
@@ -38,7 +38,7 @@ impl<const D: usize> ScalarFunction<D> for Polynomial<D> {
 }
 
 impl<const D: usize> GradientField<D> for Polynomial<D> {
-    #[inline(always)]
+    #[inline(never)]
     fn gradient<R: Real>(&self, y: [R; D]) -> [R; D] {
         gradient(self, y)
     }
@@ -56,7 +56,7 @@ pub enum Hamiltonian<const D: usize> {
 }
 
 impl<const D: usize> ScalarFunction<D> for Hamiltonian<D> {
-    #[inline(always)]
+    #[inline(never)]
     fn value<R: Real>(&self, y: [R; D]) -> R {
         match self {
             Self::Polynomial(polynomial) => polynomial.value(y),
@@ -67,7 +67,7 @@ impl<const D: usize> ScalarFunction<D> for Hamiltonian<D> {
 }
 
 impl<const D: usize> GradientField<D> for Hamiltonian<D> {
-    #[inline(always)]
+    #[inline(never)]
     fn gradient<R: Real>(&self, y: [R; D]) -> [R; D] {
         gradient(self, y)
     }
@@ -77,8 +77,11 @@ impl<const D: usize> GradientField<D> for Hamiltonian<D> {
 pub fn polynomial<const D: usize>(
     degrees: std::ops::RangeInclusive<usize>,
 ) -> impl Strategy<Value = Polynomial<D>> + Clone {
-    (degrees, vector(1.0), uniform(uniform(0..D)))
-        .prop_map(|(degree, coefficients, factors)| Polynomial { degree, coefficients, factors })
+    (degrees, vector(1.0), uniform(uniform(0..D))).prop_map(|(degree, coefficients, factors)| Polynomial {
+        degree,
+        coefficients,
+        factors,
+    })
 }
 
 /// A sine or an exponential.

@@ -124,7 +124,7 @@ pub fn residual<P: VectorFunction<D, D>, const D: usize>(
         jacobian[j][j] += 1.0;
     }
     let largest = jacobian.map(norm).into_iter().fold(0.0, f64::max);
-    let defect = norm(std::array::from_fn(|i| z[i] - value[i]));
+    let defect = norm::<D>(std::array::from_fn(|i| z[i] - value[i]));
     (defect, f64::EPSILON * (norm(z) + norm(before)) * (solver + 2.0 * largest) + rounding)
 }
 

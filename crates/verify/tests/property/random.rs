@@ -26,11 +26,9 @@ impl<const D: usize, const M: usize> PoissonSystem<D, M> for Several<D, M> {
     fn name(&self) -> &'static str {
         "several noises"
     }
-    #[inline(always)]
     fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
         self.structure.apply(y, v)
     }
-    #[inline(always)]
     fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> R {
         let mut sum = self.drift.value(y) * R::constant(dt);
         for m in 0..M {
@@ -39,7 +37,6 @@ impl<const D: usize, const M: usize> PoissonSystem<D, M> for Several<D, M> {
         sum
     }
     /// Two nodes, which is not exact for sines and exponentials: a Casimir must not notice.
-    #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
         averaged::<2, R, _, D>(&HamiltonianIncrement { system: self, dt, dw }, a, b)
     }
@@ -57,16 +54,13 @@ impl<const D: usize> PoissonSystem<D, 1> for OneNoise<D> {
     fn name(&self) -> &'static str {
         "one noise"
     }
-    #[inline(always)]
     fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
         self.structure.apply(y, v)
     }
-    #[inline(always)]
     fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; 1]) -> R {
         self.hamiltonian.value(y) * R::constant(dt + self.noise * dw[0])
     }
     /// Exact: a gradient of degree three needs two nodes.
-    #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; 1]) -> [R; D] {
         averaged::<2, R, _, D>(&HamiltonianIncrement { system: self, dt, dw }, a, b)
     }
@@ -75,8 +69,11 @@ impl<const D: usize> PoissonSystem<D, 1> for OneNoise<D> {
 pub fn several<const D: usize, const M: usize>(
     structure: impl Strategy<Value = Structure<D>>,
 ) -> impl Strategy<Value = Several<D, M>> {
-    (structure, hamiltonian(), uniform(hamiltonian()))
-        .prop_map(|(structure, drift, noise)| Several { structure, drift, noise })
+    (structure, hamiltonian(), uniform(hamiltonian())).prop_map(|(structure, drift, noise)| Several {
+        structure,
+        drift,
+        noise,
+    })
 }
 
 pub fn one_noise<const D: usize>(
@@ -84,8 +81,11 @@ pub fn one_noise<const D: usize>(
     degrees: std::ops::RangeInclusive<usize>,
 ) -> impl Strategy<Value = OneNoise<D>> {
     assert!(*degrees.end() <= MAX_DEGREE);
-    (structure, polynomial(degrees), -1.0..1.0f64)
-        .prop_map(|(structure, hamiltonian, noise)| OneNoise { structure, hamiltonian, noise })
+    (structure, polynomial(degrees), -1.0..1.0f64).prop_map(|(structure, hamiltonian, noise)| OneNoise {
+        structure,
+        hamiltonian,
+        noise,
+    })
 }
 
 /// States.
@@ -103,11 +103,13 @@ pub struct Noise<const M: usize, const K: usize> {
 /// Steps between 10^low and 10^high, evenly on a logarithmic scale; increments spread over all that truncation with a k
 /// of 1 to 4 lets through, the bounds included.
 fn noise_between<const M: usize, const K: usize>(low: f64, high: f64) -> impl Strategy<Value = Noise<M, K>> {
-    (low..high, 1..5u32, uniform(uniform(-1.25..1.25f64))).prop_map(|(exponent, k, shares): (f64, u32, [[f64; M]; K])| {
-        let tau = 10f64.powf(exponent);
-        let bound = Truncation::new(k).unwrap().bound(tau).unwrap();
-        Noise { tau, dw: shares.map(|share| share.map(|x| bound * x.clamp(-1.0, 1.0))) }
-    })
+    (low..high, 1..5u32, uniform(uniform(-1.25..1.25f64))).prop_map(
+        |(exponent, k, shares): (f64, u32, [[f64; M]; K])| {
+            let tau = 10f64.powf(exponent);
+            let bound = Truncation::new(k).unwrap().bound(tau).unwrap();
+            Noise { tau, dw: shares.map(|share| share.map(|x| bound * x.clamp(-1.0, 1.0))) }
+        },
+    )
 }
 
 /// τ from 10⁻⁶ to 0.9.

@@ -20,7 +20,6 @@ pub enum Casimir<const D: usize> {
 
 impl<const D: usize> Casimir<D> {
     /// ∇C(y).
-    #[inline(always)]
     pub fn normal<R: Real>(&self, y: [R; D]) -> [R; D] {
         match self {
             Self::Linear(beta) => beta.map(R::constant),
@@ -64,7 +63,6 @@ pub struct Structure<const D: usize> {
     pub base: Base<D>,
 }
 
-#[inline(always)]
 fn times<R: Real, const D: usize>(matrix: &Matrix<D>, v: [R; D]) -> [R; D] {
     let mut product = [R::zero(); D];
     for i in 0..D {
@@ -74,7 +72,6 @@ fn times<R: Real, const D: usize>(matrix: &Matrix<D>, v: [R; D]) -> [R; D] {
 }
 
 impl<const D: usize> Base<D> {
-    #[inline(always)]
     fn apply<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
         let mut result = [R::zero(); D];
         match self {
@@ -134,8 +131,8 @@ impl<const D: usize> Base<D> {
 }
 
 impl<const D: usize> Structure<D> {
-    /// B(y)·v.
-    #[inline(always)]
+    /// B(y)·v. Not inlined: a test has no need for speed, and it is compiled for many kinds of numbers.
+    #[inline(never)]
     pub fn apply<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
         let mut result = self.base.apply(y, v);
         let one = R::one();
@@ -217,7 +214,9 @@ fn scaled<const D: usize>(base: impl Strategy<Value = Base<D>>) -> impl Strategy
     (scale, base).prop_map(|(scale, base)| Structure { scale, base })
 }
 
-fn base_with_casimir<const D: usize>(casimir: impl Strategy<Value = Casimir<D>> + Clone) -> impl Strategy<Value = Base<D>> {
+fn base_with_casimir<const D: usize>(
+    casimir: impl Strategy<Value = Casimir<D>> + Clone,
+) -> impl Strategy<Value = Base<D>> {
     // The cross product stands in for another projection in other dimensions.
     let cross = |(casimir, s)| if D == 3 { Base::Cross(casimir) } else { Base::Projected(casimir, s) };
     prop_oneof![
