@@ -43,7 +43,11 @@ pub fn run(arguments: &Verify) -> Result<ExitCode> {
     let page = battery::page(&battery);
     output::write(&arguments.out, page.as_bytes()).context("the battery is done, but its page cannot be written")?;
     let (alarms, missed) = (battery.false_alarms(), battery.missed_twins());
-    println!("{} seeds in {:.0} s: {alarms} false alarms, {missed} twins not refuted", arguments.seeds, start.elapsed().as_secs_f64());
+    println!(
+        "{} seeds in {:.0} s: {alarms} false alarms, {missed} twins not refuted",
+        arguments.seeds,
+        start.elapsed().as_secs_f64()
+    );
     println!("page: {}", arguments.out.display());
     Ok(if alarms + missed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

@@ -81,6 +81,7 @@ where
         samples: 1,
         reference: "the conformal law exp(−p ∫γ) F(y₀)".to_owned(),
         failures,
+        clipped: Vec::new(),
         series,
     }
 }

@@ -85,6 +85,22 @@ pub struct Panel {
     pub failures: Vec<String>,
     /// The curves.
     pub series: Vec<Series>,
+    /// Where increments were clipped: how many, and what share they have in the errors. Empty where none was.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub clipped: Vec<Clipped>,
+}
+
+/// Clipped increments of one curve at one step size.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Clipped {
+    /// Scheme id, as that of the curve.
+    pub scheme: String,
+    /// Step size.
+    pub tau: f64,
+    /// How many increments of this size were clipped, over all paths.
+    pub increments: u64,
+    /// Share of the paths with clipped increments in the mean-square error at the final time.
+    pub share: f64,
 }
 
 /// One curve.

@@ -7,7 +7,7 @@ use systems::{Damping, PoissonSystem, Problem};
 
 use crate::experiment::Context;
 use crate::order::fit_strong;
-use crate::results::{Kind, Panel, Point, Series};
+use crate::results::{Clipped, Kind, Panel, Point, Series};
 
 /// What a strong experiment is made of; step sizes are powers of two.
 pub(crate) struct StrongSetup {
@@ -114,6 +114,16 @@ where
             max_relative_defect: None,
         });
     }
+    let mut clipped = Vec::new();
+    for (s, curve) in curves.iter().enumerate() {
+        for (r, exponent) in (setup.first..=setup.last).enumerate() {
+            let increments = outcome.clipped[setup.level(exponent)];
+            if increments > 0 {
+                let share = outcome.statistic.clipped_share(s, r);
+                clipped.push(Clipped { scheme: curve.name.clone(), tau: taus[r], increments, share });
+            }
+        }
+    }
     Panel {
         id: setup.id.to_owned(),
         kind: Kind::Strong,
@@ -123,6 +133,7 @@ where
         samples: setup.samples,
         reference: format!("sexp at τ = 2^-{} on the same noise", setup.reference),
         failures: describe_failures(outcome.failed, &outcome.failures),
+        clipped,
         series: curves_out,
     }
 }

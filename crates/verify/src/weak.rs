@@ -92,6 +92,7 @@ where
                     setup.reference_samples
                 ),
                 failures: failures.clone(),
+                clipped: Vec::new(),
                 series,
             }
         })

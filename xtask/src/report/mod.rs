@@ -85,6 +85,7 @@ mod tests {
             samples: 1,
             reference: String::new(),
             failures: Vec::new(),
+            clipped: Vec::new(),
             series: vec![series("sexp"), series("other")],
         }
     }

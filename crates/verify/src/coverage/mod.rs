@@ -112,7 +112,7 @@ pub fn coverage(replications: u64, seed: u64) -> Vec<CoverageRow> {
     .enumerate()
     {
         let taus = g.taus();
-        tally(&mut rows, case, ["rate", "boot", "plain", "diagonal", "coarse", "fine"], replications, |r| {
+        tally(&mut rows, case, ["rate", "boot", "plain", "diagonal", "coarse", "fine", "bcoarse", "bfine", "neff<30", "neff<100", "median width >.1"], replications, |r| {
             let mut squares = CrossMoments::new(taus.len());
             g.for_each_path(StreamKey { seed, experiment: ((100 + i as u64) << 32) + r }, |x, exact| {
                 squares.add(&x.iter().map(|x| (x - exact).powi(2)).collect::<Vec<_>>());
@@ -125,6 +125,11 @@ pub fn coverage(replications: u64, seed: u64) -> Vec<CoverageRow> {
                 Point::Error { tau, value, se } => (value - g.mean_square(tau).sqrt()).abs() <= 1.96 * se,
                 Point::Value { .. } => false,
             };
+            let bpoint = |l: usize| {
+                let (lo, hi) = crate::order::root_mean_square_interval(&squares, l).unwrap();
+                let truth = g.mean_square(taus[l]).sqrt();
+                lo <= truth && truth <= hi
+            };
             [
                 contains(rate.as_ref(), order),
                 boot(rate.as_ref(), order),
@@ -132,12 +137,17 @@ pub fn coverage(replications: u64, seed: u64) -> Vec<CoverageRow> {
                 diagonal(&taus, &squares, terms, order),
                 point(0),
                 point(taus.len() - 1),
+                bpoint(0),
+                bpoint(taus.len() - 1),
+                squares.effective_samples(0) < 30.0,
+                squares.effective_samples(0) < 100.0,
+                rate.as_ref().unwrap().hi - rate.as_ref().unwrap().lo > 0.1,
             ]
         });
     }
-    let g = Geometric { drift: 1.5, volatility: 0.4, milstein: false, first: 1, last: 6, paths: 400 };
+    let g = Geometric { drift: 0.6, volatility: 0.5, milstein: false, first: 2, last: 8, paths: 400 };
     let taus = g.taus();
-    let tail = Geometric { first: 6, last: 7, ..g };
+    let tail = Geometric { first: 8, last: 9, ..g };
     tally(&mut rows, "weak", ["rate", "coarse", "fine", "none"], replications, |r| {
         let mut main = CrossMoments::new(taus.len() - 1);
         g.for_each_path(StreamKey { seed, experiment: (200 << 32) + r }, |x, _| {

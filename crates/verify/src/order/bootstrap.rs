@@ -1,11 +1,11 @@
 //! A bootstrap-t interval for a weighted sum of logarithms of means, resampling whole paths.
 //!
-//! θ = Σ_l g_l ln m_l with fixed weights Σ g_l = 0, where m_l is the mean of x_l over the paths: the slope of a fit is of this
-//! form. The errors of one path at all step sizes belong together, so whole paths are resampled, in the batches that
+//! θ = Σ_l g_l ln m_l with fixed weights, where m_l is the mean of x_l over the paths: the slope of a fit is of this form, and the
+//! logarithm of a root-mean-square. The errors of one path at all step sizes belong together, so whole paths are resampled, in the batches that
 //! [`CrossMoments`] keeps (Efron and Tibshirani, *An Introduction to the Bootstrap*, 1993, §12.5):
 //!
 //! 1. draw batches with replacement, as many as there are; m*_l are their means, θ* = Σ g_l ln m*_l;
-//! 2. with u_b = Σ_l g_l x_bl/m*_l, the influence of batch b, the standard error is se* = √(Σ u_b²)/N*;
+//! 2. with u_b = Σ_l g_l (x_bl/m*_l − n_b), the influence of batch b, the standard error is se* = √(Σ u_b²)/N*;
 //! 3. t* = (θ* − θ)/se*; the interval is [θ − t*_{hi} se, θ − t*_{lo} se] with the quantiles of t*.
 //!
 //! Studentising lets the interval lean to the side on which a large error has not been seen yet; a percentile interval
@@ -24,56 +24,56 @@ const LEAST_BATCHES: usize = 32;
 ///
 /// `levels` are the components that the weights `gain` belong to.
 pub(super) fn reach(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> Option<(f64, f64)> {
-    let width = levels.len();
-    let mut counts = Vec::new();
-    // Scaled by their means, so that logarithms of means are differences to the estimate.
-    let mut values = Vec::new();
-    for (count, sums) in squares.batches() {
-        counts.push(count as f64);
-        values.extend(levels.iter().map(|&l| sums[l] / squares.mean(l)));
-    }
+    let counts: Vec<f64> = squares.batches().map(|(count, _)| count as f64).collect();
     let batches = counts.len();
     if batches < LEAST_BATCHES {
         return None;
     }
+    // Scaled by their means, so that logarithms of means are differences to the estimate.
+    let values: Vec<Vec<f64>> =
+        levels.iter().map(|&l| squares.batches().map(|(_, sums)| sums[l] / squares.mean(l)).collect()).collect();
+    let total: f64 = gain.iter().sum();
     let mut statistics = Vec::with_capacity(RESAMPLES as usize);
-    let (mut times, mut weights) = (vec![0.0; batches], vec![0.0; width]);
+    let (mut times, mut influences) = (vec![0.0; batches], vec![0.0; batches]);
     for resample in 0..RESAMPLES {
         times.fill(0.0);
         draw(resample, batches as u64, &mut times);
-        let mut means = vec![0.0; width];
-        let mut count = 0.0;
-        for b in 0..batches {
-            count += times[b] * counts[b];
-            for (mean, value) in means.iter_mut().zip(&values[b * width..]) {
-                *mean += times[b] * value;
-            }
-        }
+        let count = dot(&times, &counts);
         let mut shift = 0.0;
-        for l in 0..width {
-            means[l] /= count;
-            weights[l] = gain[l] / means[l];
-            shift += gain[l] * means[l].ln();
+        influences.iter_mut().zip(&counts).for_each(|(influence, count)| *influence = -total * count);
+        for (value, &g) in values.iter().zip(gain) {
+            let mean = dot(&times, value) / count;
+            shift += g * mean.ln();
+            let weight = g / mean;
+            influences.iter_mut().zip(value).for_each(|(influence, x)| *influence += weight * x);
         }
-        let squared: f64 = (0..batches)
-            .map(|b| {
-                let influence: f64 = weights.iter().zip(&values[b * width..]).map(|(w, value)| w * value).sum();
-                times[b] * influence * influence
-            })
-            .sum();
-        statistics.push(shift / (squared.sqrt() / count));
+        influences.iter_mut().for_each(|influence| *influence *= *influence);
+        statistics.push(shift / (dot(&times, &influences).sqrt() / count));
     }
     statistics.sort_by(f64::total_cmp);
     let (low, high) = (statistics[RANK - 1], statistics[RESAMPLES as usize - RANK]);
     (low.is_finite() && high.is_finite()).then_some((high, -low))
 }
 
+/// a·b in eight partial sums, which vectorise.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 8];
+    let (a_chunks, b_chunks) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f64 = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in a_chunks.zip(b_chunks) {
+        for i in 0..8 {
+            sums[i] += a[i] * b[i];
+        }
+    }
+    sums.iter().sum::<f64>() + rest
+}
+
 /// Degrees of freedom of the estimated variance of θ by Satterthwaite's rule, 2B/(κ − 1) with κ the kurtosis of the
 /// influences u_b of the B batches: B for normal influences, 2 when a single batch dominates.
 pub(super) fn degrees_of_freedom(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> f64 {
     let (mut batches, mut second, mut fourth) = (0.0, 0.0, 0.0);
-    for (_, sums) in squares.batches() {
-        let influence: f64 = levels.iter().zip(gain).map(|(&l, g)| g * sums[l] / squares.mean(l)).sum();
+    for (count, sums) in squares.batches() {
+        let influence: f64 = levels.iter().zip(gain).map(|(&l, g)| g * (sums[l] / squares.mean(l) - count as f64)).sum();
         batches += 1.0;
         second += influence.powi(2);
         fourth += influence.powi(4);
@@ -94,6 +94,14 @@ fn draw(resample: u64, batches: u64, times: &mut [f64]) {
         word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         word = (word ^ (word >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         word ^= word >> 31;
-        times[((word >> 32) * batches >> 32) as usize] += 1.0;
+        times[(((word >> 32) * batches) >> 32) as usize] += 1.0;
     }
+}
+
+/// The root-mean-square of component `l` with a 95 % interval, by bootstrap-t for its logarithm; `None` with fewer than 32 paths.
+pub(crate) fn root_mean_square_interval(squares: &CrossMoments, l: usize) -> Option<(f64, f64)> {
+    let mean = squares.mean(l);
+    let se = 0.5 * squares.covariance_of_means(l, l).sqrt() / mean;
+    let (below, above) = reach(squares, &[l], &[0.5])?;
+    Some((mean.sqrt() * (-below * se).exp(), mean.sqrt() * (above * se).exp()))
 }

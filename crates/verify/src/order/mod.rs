@@ -7,6 +7,7 @@ mod weak;
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
+pub(crate) use bootstrap::root_mean_square_interval;
 pub use strong::fit_strong;
 pub(crate) use strong::{Logarithms, Terms};
 pub use verdict::{ORDER_MARGIN, order_verdict};

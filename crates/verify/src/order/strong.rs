@@ -11,6 +11,14 @@ use crate::results::{Rate, StraightLine};
 const FEW_PATHS: f64 = 30.0;
 /// Fewer levels than this make no fit from which others have been left out.
 const LEAST_LEVELS: usize = 4;
+/// Correlation between neighbouring levels in the working weights.
+const WORKING_CORRELATION: f64 = 0.5;
+/// Gauss–Newton ends when c and b move by less than this; it converges linearly, with a rate of the size of the residuals.
+const STANDSTILL: f64 = 1e-9;
+/// Or after this many steps.
+const GAUSS_NEWTON_STEPS: u32 = 50;
+/// The corrections may take away this much of the leading term, and no more: 1 − 1/50.
+const LEAST_FACTOR: f64 = 0.02;
 /// Confidence at which a straight line is refuted.
 const STRAIGHT_CONFIDENCE: f64 = 0.99;
 
@@ -31,12 +39,11 @@ impl Terms {
 
     const STRAIGHT: Self = Self { reference: None, curvature: false };
 
-    fn design(self, taus: &[f64]) -> Vec<Vec<f64>> {
+    /// The factors of c and b at each level.
+    fn regressors(self, taus: &[f64]) -> Vec<Vec<f64>> {
         let row = |&tau: &f64| {
-            let mut row = vec![1.0, tau.ln()];
-            row.extend(self.reference.map(|reference| reference / tau));
-            row.extend(self.curvature.then_some(tau / taus[0]));
-            row
+            let reference = self.reference.map(|reference| reference / tau);
+            reference.into_iter().chain(self.curvature.then_some(tau / taus[0])).collect()
         };
         taus.iter().map(row).collect()
     }
@@ -87,31 +94,76 @@ impl<'a> Logarithms<'a> {
         }
     }
 
+    /// Fits the order with the working weights, and χ² with those of the estimated covariance.
     pub(crate) fn fit(&self, terms: Terms) -> Option<Estimate> {
-        let design = terms.design(&self.taus);
-        let weighting = Weighting::new(&self.covariance)?;
-        let Fit { parameters, covariance, chi_square } = weighting.fit(&design, &self.values)?;
-        let gain = weighting.gain(&design, &covariance[1]).iter().map(|g| 0.5 * g).collect();
+        let levels = self.levels.len();
+        let working = Weighting::new(&working_covariance(levels))?;
+        let (design, Fit { parameters, covariance: inverse, .. }) = self.gauss_newton(&working, terms)?;
+        let (_, Fit { chi_square, .. }) = self.gauss_newton(&Weighting::new(&self.covariance)?, terms)?;
+        let gains: Vec<Vec<f64>> = inverse.iter().map(|row| working.gain(&design, row)).collect();
+        let se = |c: usize| self.standard_error(&gains[c]);
         Some(Estimate {
             order: 0.5 * parameters[1],
-            se: 0.5 * covariance[1][1].sqrt(),
+            se: 0.5 * se(1),
             chi_square,
-            degrees: self.levels.len() - parameters.len(),
-            gain,
-            t: (2..parameters.len()).map(|c| parameters[c] / covariance[c][c].sqrt()).collect(),
+            degrees: levels - parameters.len(),
+            t: (2..parameters.len()).map(|c| parameters[c] / se(c)).collect(),
+            gain: gains[1].iter().map(|g| 0.5 * g).collect(),
         })
     }
 
-    /// Half the width of the interval of an estimate in standard errors.
-    fn reach(&self, estimate: &Estimate) -> f64 {
-        let degrees = bootstrap::degrees_of_freedom(self.squares, &self.levels, &estimate.gain);
-        student(degrees) * self.estimated_weights(estimate.degrees)
+    /// √(gᵀVg).
+    fn standard_error(&self, gain: &[f64]) -> f64 {
+        let row = |i: usize| -> f64 { self.covariance[i].iter().zip(gain).map(|(v, g)| v * g).sum() };
+        (0..gain.len()).map(|i| gain[i] * row(i)).sum::<f64>().sqrt()
     }
 
-    fn estimated_weights(&self, degrees: usize) -> f64 {
-        let n = self.squares.count() as f64;
-        ((n - 1.0) / (n - 1.0 - degrees as f64)).sqrt()
+    /// ln m ≈ a + 2p ln τ + ln(1 + c τ_ref/τ + bτ), linearised about the last c and b until they stand still; gives the
+    /// last design, too. Steps are halved while the argument of the logarithm would fall below [`LEAST_FACTOR`].
+    fn gauss_newton(&self, weighting: &Weighting, terms: Terms) -> Option<(Vec<Vec<f64>>, Fit)> {
+        let regressors = terms.regressors(&self.taus);
+        let mut extra = vec![0.0; regressors[0].len()];
+        let mut left = GAUSS_NEWTON_STEPS;
+        loop {
+            let factors = factors(&regressors, &extra);
+            let design: Vec<Vec<f64>> = (0..self.taus.len())
+                .map(|l| {
+                    let slopes = regressors[l].iter().map(|x| x / factors[l]);
+                    [1.0, self.taus[l].ln()].into_iter().chain(slopes).collect()
+                })
+                .collect();
+            let target: Vec<f64> = (0..self.taus.len())
+                .map(|l| self.values[l] - factors[l].ln() + (factors[l] - 1.0) / factors[l])
+                .collect();
+            let fit = weighting.fit(&design, &target)?;
+            let mut step: Vec<f64> = extra.iter().zip(&fit.parameters[2..]).map(|(old, new)| new - old).collect();
+            let moved = |step: &[f64]| -> Vec<f64> { extra.iter().zip(step).map(|(old, step)| old + step).collect() };
+            while self::factors(&regressors, &moved(&step)).iter().any(|&factor| factor < LEAST_FACTOR) {
+                step.iter_mut().for_each(|step| *step *= 0.5);
+            }
+            left -= 1;
+            if left == 0 || step.iter().all(|step| step.abs() < STANDSTILL) {
+                return Some((design, fit));
+            }
+            extra = moved(&step);
+        }
     }
+
+    /// Half the width of the interval of an estimate in standard errors: Student's quantile.
+    fn reach(&self, estimate: &Estimate) -> f64 {
+        student(bootstrap::degrees_of_freedom(self.squares, &self.levels, &estimate.gain))
+    }
+}
+
+/// 1 + Σ θx at each level.
+fn factors(regressors: &[Vec<f64>], extra: &[f64]) -> Vec<f64> {
+    regressors.iter().map(|row| 1.0 + row.iter().zip(extra).map(|(x, theta)| x * theta).sum::<f64>()).collect()
+}
+
+/// Equal variances and correlations ρ^|l − m|.
+fn working_covariance(levels: usize) -> Vec<Vec<f64>> {
+    let power = |l: usize, m: usize| WORKING_CORRELATION.powi(l.abs_diff(m) as i32);
+    (0..levels).map(|l| (0..levels).map(|m| power(l, m)).collect()).collect()
 }
 
 fn student(degrees: f64) -> f64 {
@@ -133,8 +185,7 @@ pub fn fit_strong(taus: &[f64], reference: Option<f64>, squares: &CrossMoments) 
     let estimate = logarithms.fit(terms)?;
     let half_width = logarithms.reach(&estimate) * estimate.se;
     let bootstrap = bootstrap::reach(squares, &logarithms.levels, &estimate.gain).map(|(below, above)| {
-        let scale = logarithms.estimated_weights(estimate.degrees) * estimate.se;
-        (estimate.order - below * scale, estimate.order + above * scale)
+        (estimate.order - below * estimate.se, estimate.order + above * estimate.se)
     });
     let (mut lo, mut hi) = (estimate.order - half_width, estimate.order + half_width);
     if let Some((low, high)) = bootstrap.filter(|_| conservative) {

@@ -121,6 +121,7 @@ where
         samples,
         reference: "the exact solution by a change of time, path by path".to_owned(),
         failures: describe_failures(outcome.failed, &outcome.failures),
+        clipped: Vec::new(),
         series: curves,
     };
     Yield { panels: vec![panel], claims }

@@ -42,6 +42,7 @@ pub(super) fn run(context: &Context<'_>) -> Yield {
     for panel in panels {
         all.series.extend(panel.series);
         all.failures.extend(panel.failures);
+        all.clipped.extend(panel.clipped);
     }
     Yield { panels: vec![all], claims: Vec::new() }
 }

@@ -11,12 +11,14 @@
 //! | `law` | the defect of a conformal law and what round-off and the solver may make of it |
 //! | `identities` | skewness, Casimirs, discrete gradients: no scheme yet |
 //! | `conformal` | `sexp` keeps Casimirs and energies over several steps; `midpoint` keeps Casimirs undamped |
-//! | `solver` | Newton = fixed point, block = paths bit for bit, scaling by powers of two bit for bit |
+//! | `solver` | Newton = fixed point; scaling by powers of two bit for bit |
+//! | `block` | a block is its paths bit for bit |
 //! | `twins` | the same checks reject what is wrong on purpose |
 //!
 //! All draws come from proptest with a fixed seed, so a run is reproducible. `--nocapture` prints how much of each
 //! tolerance was used.
 
+mod block;
 mod conformal;
 mod damping;
 mod hamiltonian;

@@ -1,6 +1,6 @@
 //! One panel of the page: its figure, what the paper says, what was measured, and where the numbers are.
 
-use verify::results::{Claim, Kind, Panel, Series};
+use verify::results::{Claim, Clipped, Kind, Panel, Series};
 
 use super::measured;
 use super::number::{count, quantity};
@@ -21,7 +21,7 @@ pub fn card(panel: &Panel, figure: &str, all_claims: &[Claim], comment: &str) ->
          <figure><div class=\"paper\">{figure}</div><figcaption>{caption}</figcaption></figure>\n{badges}\
          <dl><dt>Set-up</dt><dd>{setup}</dd><dt>{comment}</dt><dd>{paper}</dd>\
          <dt>What was measured</dt><dd>{measured}</dd><dt>Samples</dt><dd>{samples}</dd>{reference}\
-         {failures}</dl>\n<p class=\"files\"><a href=\"data/{stem}.csv\">Numbers (CSV)</a> \
+         {clipped}{failures}</dl>\n<p class=\"files\"><a href=\"data/{stem}.csv\">Numbers (CSV)</a> \
          <a href=\"figures/{stem}.svg\">Figure (SVG)</a></p>\n</article>\n",
         title = prose(&panel.title),
         caption = caption(panel),
@@ -30,6 +30,7 @@ pub fn card(panel: &Panel, figure: &str, all_claims: &[Claim], comment: &str) ->
         paper = prose(&panel.paper),
         measured = measured::measured(panel),
         samples = samples(panel.samples),
+        clipped = clipped(&panel.clipped),
         failures = failures(&panel.failures),
     )
 }
@@ -72,6 +73,26 @@ fn samples(n: u64) -> String {
         1 => "one path".to_owned(),
         n => format!("{} paths", count(n)),
     }
+}
+
+/// Where clipped increments matter: one line a curve and step size.
+fn clipped(clipped: &[Clipped]) -> String {
+    if clipped.is_empty() {
+        return String::new();
+    }
+    let items: String = clipped
+        .iter()
+        .map(|c| {
+            format!(
+                "<li>{}, τ = 2<sup>{:.0}</sup>: {} clipped, {:.0}\u{202f}% of the mean-square error</li>",
+                escape(&c.scheme),
+                c.tau.log2(),
+                count(c.increments),
+                100.0 * c.share
+            )
+        })
+        .collect();
+    format!("<dt>Clipped increments</dt><dd><ul>{items}</ul></dd>")
 }
 
 fn failures(failures: &[String]) -> String {
