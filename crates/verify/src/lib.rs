@@ -29,6 +29,7 @@
 //! | [`TWINS`], [`measure_twins`] | wrong methods that the claims must refute |
 //! | [`PathScheme`] | a scheme written for one path, to be put to the test |
 //! | [`fit_strong`], [`fit_weak`], [`order_verdict`] | orders with intervals, and when an order is said to hold |
+//! | [`coverage()`], [`CoverageRow`] | how often those intervals cover the truth |
 //! | [`results`] | the `results.json` contract |
 
 mod coverage;
@@ -50,9 +51,9 @@ mod supplement;
 mod twins;
 mod weak;
 
-pub use coverage::{CoverageRow, coverage};
+pub use coverage::{CoverageRow, Expected, coverage};
 pub use experiment::{Context, Experiment, Mode, Progress, Settings, Silent};
-pub use order::{ORDER_MARGIN, fit_strong, fit_weak, order_verdict};
+pub use order::{ORDER_MARGIN, fit_strong, fit_weak, order_verdict, root_mean_square_interval};
 pub use paper::EXPERIMENTS;
 pub use path_scheme::PathScheme;
 pub use reproduce::{UnknownPanel, check_ids, panel_ids, reproduce};

@@ -1,6 +1,16 @@
+//! Nominal 95 % intervals cover 93 to 97 %, and their twins do not.
+//!
+//! With 2000 data sets the share covered by a calibrated interval has the standard error 0.49 %; 2 % are 4.1 of them, which a
+//! calibrated interval misses with probability 4·10⁻⁵, and two dozen of them together with less than 10⁻³.
+
+use verify::coverage;
+
 #[test]
-fn explore() {
-    for row in verify::coverage(2000, 1) {
-        println!("{:20} {:10} {:.3}", row.case, row.interval, row.covered as f64 / row.replications as f64);
+fn intervals_cover_as_often_as_they_say() {
+    let rows = coverage(2000, 1);
+    for row in &rows {
+        println!("{:70} {:60} {:.3} {:?}", row.case, row.interval, row.share(), row.expected);
     }
+    let wrong: Vec<_> = rows.iter().filter(|row| !row.as_expected(0.02)).collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }

@@ -4,8 +4,8 @@ use mc::CrossMoments;
 use noise::{StreamKey, WienerBlock, WienerPath};
 use real::{Block, WIDTH};
 
-/// Squared errors C τ^{2p}(1 + bτ)(1 − c τ_ref/τ)Z² of paths, with Z normal and half its variance shared between the
-/// levels of a path.
+/// Squared errors C τ^{2p}(1 + bτ)(1 − c τ_ref/τ)Z² of paths, with Z normal and most of its variance shared between
+/// the levels of a path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Synthetic {
     pub order: f64,
@@ -16,6 +16,10 @@ pub(super) struct Synthetic {
     pub outliers: Option<Outliers>,
     pub paths: u64,
 }
+
+/// Share of the variance of Z that the levels of a path have in common: their squares then have the correlation 0.64, as
+/// errors at neighbouring steps have.
+const SHARED: f64 = 0.8;
 
 /// Some paths have larger errors on the coarse levels, as those have whose increments are clipped.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +56,7 @@ impl Synthetic {
             let mut noise = WienerPath::<1>::new(key, path);
             let shared = noise.normal();
             for (error, scale) in errors.iter_mut().zip(&scales) {
-                *error = 0.5 * scale * (shared + noise.normal()).powi(2);
+                *error = scale * (SHARED.sqrt() * shared + (1.0 - SHARED).sqrt() * noise.normal()).powi(2);
             }
             if let Some(Outliers { one_in, factor, levels }) = self.outliers {
                 // For two independent normals exp(−(x² + y²)/2) is uniform.

@@ -1,13 +1,14 @@
 //! Convergence orders with intervals, and when an order is said to hold.
 
 mod bootstrap;
+mod describe;
 mod strong;
 mod verdict;
 mod weak;
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-pub(crate) use bootstrap::root_mean_square_interval;
+pub use bootstrap::root_mean_square_interval;
 pub use strong::fit_strong;
 pub(crate) use strong::{Logarithms, Terms};
 pub use verdict::{ORDER_MARGIN, order_verdict};

@@ -119,3 +119,67 @@ fn an_error_inside_the_noise_has_no_order() {
     let rate = fit_weak(&TAUS, &errors, &covariance);
     assert_eq!(order_verdict(rate.as_ref(), 1.0), Verdict::Refuted);
 }
+
+#[test]
+fn curvature_is_named_and_the_straight_line_refuted() {
+    let squares = |curvature: f64| {
+        let mut squares = CrossMoments::new(8);
+        for path in 0..1000 {
+            let mut noise = WienerPath::<1>::new(StreamKey { seed: 5, experiment: 3 }, path);
+            let shared = noise.normal();
+            squares.add(&TAUS.map(|tau| tau * (1.0 + curvature * tau) * (shared + 0.3 * noise.normal()).powi(2)));
+        }
+        squares
+    };
+    let curved = fit_strong(&TAUS, None, &squares(20.0)).unwrap();
+    let line = curved.straight.as_ref().unwrap();
+    assert!(line.refuted && line.lo > 0.5, "{line:?}");
+    assert!(curved.lo < 0.5 && 0.5 < curved.hi && curved.curvature_t.unwrap() > 3.0, "{curved:?}");
+    assert!(curved.method.contains("not yet asymptotic"), "{}", curved.method);
+    let straight = fit_strong(&TAUS, None, &squares(0.0)).unwrap();
+    let line = straight.straight.unwrap();
+    assert!(!line.refuted && line.lo < 0.5 && 0.5 < line.hi, "{line:?}");
+    assert!(straight.method.contains("do not contradict"), "{}", straight.method);
+}
+
+/// Squared errors of order one; path 123 has 30 times the error at the `hit` coarsest levels.
+fn with_an_outlier(hit: usize) -> CrossMoments {
+    let mut squares = CrossMoments::new(8);
+    for path in 0..1000 {
+        let mut noise = WienerPath::<1>::new(StreamKey { seed: 6, experiment: 3 }, path);
+        let shared = noise.normal();
+        let mut errors = TAUS.map(|tau| tau * tau * (shared + 0.5 * noise.normal()).powi(2));
+        if path == 123 {
+            errors[..hit].iter_mut().zip(&TAUS).for_each(|(error, tau)| *error = 2000.0 * tau * tau);
+        }
+        squares.add(&errors);
+    }
+    squares
+}
+
+#[test]
+fn levels_that_one_path_dominates_are_left_out_and_named() {
+    let rate = fit_strong(&TAUS, None, &with_an_outlier(2)).unwrap();
+    assert_eq!(rate.left_out, TAUS[..2]);
+    assert!(rate.effective_paths.unwrap() < 10.0 && rate.method.contains("left out"), "{}", rate.method);
+    assert_eq!(order_verdict(Some(&rate), 1.0), Verdict::Holds);
+    // The twin: with all levels the outlier bends the line.
+    let logarithms =
+        Logarithms::new(&TAUS, &with_an_outlier(2), (0..8).collect()).unwrap().fit(Terms::STRAIGHT).unwrap();
+    assert!(logarithms.order > 1.05, "{}", logarithms.order);
+}
+
+#[test]
+fn an_order_that_hangs_on_one_path_comes_with_a_wide_interval() {
+    let few = fit_strong(&TAUS, None, &with_an_outlier(6)).unwrap();
+    assert!(few.left_out.is_empty() && few.method.contains("wider of both"), "{}", few.method);
+    let calm = fit_strong(&TAUS, None, &with_an_outlier(0)).unwrap();
+    assert!(few.hi - few.lo > 5.0 * (calm.hi - calm.lo), "{few:?} {calm:?}");
+    assert_eq!(order_verdict(Some(&few), 1.0), Verdict::Undecided);
+}
+
+#[test]
+fn intervals_are_the_same_bits_every_time() {
+    let squares = synthetic(1, 0.5, None);
+    assert_eq!(fit_strong(&TAUS, None, &squares), fit_strong(&TAUS, None, &squares));
+}

@@ -133,5 +133,5 @@ fn a_block_is_its_paths_for_random_systems() {
     ways.of(straight_line::<3, 2>());
     let [fast, robust, failed] = ways.0.map(Cell::into_inner);
     println!("paths: {fast} fast, {robust} robust, {failed} failed");
-    assert!(fast > 1000 && robust > 20 && failed > 20, "{fast} {robust} {failed}");
+    assert!(fast > 1000 && robust > 20 && failed > 5, "{fast} {robust} {failed}");
 }

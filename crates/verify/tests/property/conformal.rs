@@ -20,9 +20,10 @@ const CASES: u32 = 500;
 const STEPS: usize = 4;
 /// The largest allowed share of steps that no solver could do: at τ up to 0.9 and with increments at the bound some
 /// random equations have no solution that continues the flow.
-const UNSOLVED: f64 = 0.05;
-/// The largest allowed share of steps solved, but to less than round-off: next to a double root.
-const LOOSE: f64 = 0.005;
+const UNSOLVED: f64 = 0.02;
+/// The largest allowed share of steps that a solver takes for solved although their residual is too large: the fixed
+/// point takes an iterate that comes back from far away for fast contraction. One in 20 000 random steps does.
+const LOOSE: f64 = 0.001;
 /// Bounds are worst cases, and count what a solver may leave in the rarest case.
 const SHARP: f64 = 0.01;
 
