@@ -22,8 +22,8 @@ pub struct Reproduce {
     /// Run only this panel or statement; may be given several times.
     #[arg(long, value_name = "ID")]
     only: Vec<String>,
-    /// Master seed; the same seed gives the same results on any machine and any number of threads.
-    #[arg(long, default_value_t = 1)]
+    /// Master seed, 0 to 2^64 − 1; the same seed gives the same results on any number of threads and any vectors.
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
     /// Worker threads; all processors unless given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
@@ -54,7 +54,9 @@ pub fn run(arguments: &Reproduce) -> Result<ExitCode> {
         });
     }
     verify::check_ids(&arguments.only)?;
-    output::prepare(&arguments.out)?;
+    for folder in ["", "figures", "data"] {
+        output::prepare(&arguments.out.join(folder))?;
+    }
     let threads = arguments.threads.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("cannot start the threads")?;
     let mode = if arguments.quick { Mode::Quick } else { Mode::Paper };

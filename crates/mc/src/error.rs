@@ -16,12 +16,14 @@ pub enum LadderError {
         /// What it must be a multiple of.
         multiple_of: u64,
     },
-    /// A run is on a level that the ladder does not have.
+    /// A run is on a level that the ladder does not have; a swapped run needs a level above its own.
     Level {
         /// The level asked for.
         level: usize,
-        /// The highest level it may be on.
-        highest: usize,
+        /// Whether the run is swapped.
+        swapped: bool,
+        /// Levels of the ladder above the finest.
+        levels: usize,
     },
     /// The increments cannot be truncated at one of the step sizes.
     Noise(NoiseError),
@@ -35,8 +37,15 @@ impl fmt::Display for LadderError {
             Self::Steps { steps, multiple_of } => {
                 write!(f, "the number of finest steps must be a positive multiple of {multiple_of}, got {steps}")
             }
-            Self::Level { level, highest } => {
-                write!(f, "a run is on level {level}, but the highest level it may be on is {highest}")
+            Self::Level { level, swapped: false, levels } => {
+                write!(f, "a run is on level {level}, but the ladder has levels 0 to {levels}")
+            }
+            Self::Level { level, swapped: true, levels } => {
+                write!(
+                    f,
+                    "a swapped run on level {level} needs level {} above it, but the ladder has levels 0 to {levels}",
+                    level + 1
+                )
             }
             Self::Noise(error) => error.fmt(f),
             Self::Step(error) => error.fmt(f),

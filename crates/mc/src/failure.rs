@@ -25,6 +25,8 @@ pub struct PathFailure {
     pub key: StreamKey,
     /// The scheme that failed.
     pub scheme: &'static str,
+    /// Whether it ran on exchanged increments, see [`Run`](crate::Run).
+    pub swapped: bool,
     /// Its step size.
     pub tau: f64,
     /// The step that failed, counted from zero; for a state that was found not finite, the last step before.
@@ -35,10 +37,11 @@ pub struct PathFailure {
 
 impl fmt::Display for PathFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { path, key, scheme, tau, step, cause } = self;
+        let Self { path, key, scheme, swapped, tau, step, cause } = self;
+        let swapped = if *swapped { ", increments exchanged," } else { "" };
         write!(
             f,
-            "path {path} (seed {}, experiment {}): {scheme} at tau = {tau}, step {step}, t = {}: ",
+            "path {path} (seed {}, experiment {}): {scheme}{swapped} at tau = {tau}, step {step}, t = {}: ",
             key.seed,
             key.experiment,
             *step as f64 * tau

@@ -87,7 +87,7 @@ pub struct Outcome<T> {
     pub failed: u64,
     /// The first few of them.
     pub failures: Vec<PathFailure>,
-    /// How many increments were clipped on each level, over all paths that were advanced (whole blocks).
+    /// How many increments were clipped on each level, on the paths that count; of levels with plain runs only.
     pub clipped: Vec<u64>,
 }
 
@@ -121,9 +121,8 @@ where
         }
         let mut bounds = vec![f64::INFINITY; levels + 1];
         for run in &runs {
-            let highest = if run.swapped { levels.saturating_sub(1) } else { levels };
-            if run.level > highest {
-                return Err(LadderError::Level { level: run.level, highest });
+            if run.level + usize::from(run.swapped) > levels {
+                return Err(LadderError::Level { level: run.level, swapped: run.swapped, levels });
             }
             let tau = problem.t_end * (1u64 << run.level) as f64 / finest_steps as f64;
             bounds[run.level] = truncation.bound(tau)?;

@@ -143,6 +143,11 @@ fn first_step<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
     StepPair { before: step, now: step }
 }
 
+/// The number of a step, from its time.
+fn step_number(step: &Step) -> u64 {
+    (step.t / step.tau).round() as u64
+}
+
 /// The paths on which two blocks differ.
 #[cold]
 fn differing<const M: usize>(a: &Block<M>, b: &Block<M>) -> PathMask {
@@ -151,6 +156,13 @@ fn differing<const M: usize>(a: &Block<M>, b: &Block<M>) -> PathMask {
         paths.insert(p);
     }
     paths
+}
+
+/// How many entries of the given paths differ.
+#[cold]
+fn count_on<const M: usize>(paths: PathMask, a: &Block<M>, b: &Block<M>) -> u64 {
+    let differ = |p: usize| (0..M).filter(|&m| a.0[m][p] != b.0[m][p]).count() as u64;
+    paths.paths().map(differ).sum()
 }
 
 impl<const D: usize, const M: usize> Marcher<D, M> {
@@ -175,12 +187,15 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
         let mut clipped = Block::zero();
         for level in 0..=complete {
             if !runs[level].plain.is_empty() {
-                let count = clip(self.sums.increment(level), ladder.bounds[level], &mut clipped);
-                let paths = if count > 0 { differing(self.sums.increment(level), &clipped) } else { PathMask::NONE };
-                part.clipped[level] += count;
+                let increment = self.sums.increment(level);
+                let count = clip(increment, ladder.bounds[level], &mut clipped);
+                let paths = if count > 0 { differing(increment, &clipped) } else { PathMask::NONE };
+                if count > 0 {
+                    part.clipped[level] += count_on(self.live, increment, &clipped);
+                }
                 for &(number, run) in &runs[level].plain {
                     self.clipped[number] = self.clipped[number].or(paths);
-                    self.step(ladder, number, run, &steps[level].now, &clipped, n, part);
+                    self.step(ladder, number, run, &steps[level].now, &clipped, part);
                 }
             }
             if level > 0 && !runs[level - 1].swapped.is_empty() {
@@ -192,7 +207,7 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
                     let paths = if count > 0 { differing(&half, &clipped) } else { PathMask::NONE };
                     for &(number, run) in &runs[level - 1].swapped {
                         self.clipped[number] = self.clipped[number].or(paths);
-                        self.step(ladder, number, run, &step, &clipped, n, part);
+                        self.step(ladder, number, run, &step, &clipped, part);
                     }
                 }
             }
@@ -204,7 +219,6 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
         }
     }
 
-    #[allow(clippy::too_many_arguments)]
     fn step<S: PoissonSystem<D, M>, G: Damping, T>(
         &mut self,
         ladder: &Ladder<'_, S, G, D, M>,
@@ -212,7 +226,6 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
         run: &Run<'_, S, D, M>,
         step: &Step,
         dw: &Block<M>,
-        n: u64,
         part: &mut Part<T>,
     ) {
         let mut status = BlockStatus::explicit();
@@ -221,7 +234,7 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
         if !failed.is_empty() {
             for p in failed.paths() {
                 let cause = Cause::NoSolution { residual: status.residual(p) };
-                part.record(self.failure(ladder, run, p, n, cause));
+                part.record(self.failure(ladder, run, p, step_number(step), cause));
             }
             self.live = self.live.without(failed);
         }
@@ -233,15 +246,16 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
         ladder: &Ladder<'_, S, G, D, M>,
         run: &Run<'_, S, D, M>,
         p: usize,
-        n: u64,
+        step: u64,
         cause: Cause,
     ) -> PathFailure {
         PathFailure {
             path: self.first_path + p as u64,
             key: ladder.key,
             scheme: run.scheme.id(),
+            swapped: run.swapped,
             tau: ladder.tau(run.level),
-            step: (n >> run.level).saturating_sub(1),
+            step,
             cause,
         }
     }
@@ -256,7 +270,7 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
         for (state, run) in self.states.iter().zip(&ladder.runs) {
             for p in self.live.paths() {
                 if state.path(p).iter().any(|component| !component.is_finite()) {
-                    part.record(self.failure(ladder, run, p, n, Cause::NotFinite));
+                    part.record(self.failure(ladder, run, p, (n >> run.level).saturating_sub(1), Cause::NotFinite));
                     self.live = self.live.without(PathMask(1 << p));
                 }
             }

@@ -2,15 +2,13 @@
 
 use crate::{CrossMoments, Moments, Statistic, View};
 
-/// |y − y_ref|² of every run of every series: with covariances between the runs of a series at the final time, and
-/// alone at every coarse time, for the supremum over time.
+/// |y − y_ref|² of every run of every series: with covariances between the runs of a series, at every coarse time.
 #[derive(Clone, Debug)]
 pub struct StrongErrors<'a, const D: usize> {
     reference: Reference<'a, D>,
     series: Vec<Vec<usize>>,
-    at_end: Vec<CrossMoments>,
-    /// For each series and run of it, one entry a coarse time.
-    in_time: Vec<Vec<Vec<Moments>>>,
+    /// For each series one entry a coarse time; the last is the final time.
+    in_time: Vec<Vec<CrossMoments>>,
     /// For each series and run of it, the squares at the end of the paths with clipped increments, zero elsewhere.
     clipped: Vec<Vec<Moments>>,
     last_time: u64,
@@ -39,12 +37,10 @@ impl<'a, const D: usize> StrongErrors<'a, D> {
     /// Errors against `reference`; `series[s]` lists the runs of series s.
     #[must_use]
     pub fn new(reference: Reference<'a, D>, series: &[Vec<usize>], coarse_steps: u64) -> Self {
-        let times = vec![Moments::default(); coarse_steps as usize];
         Self {
             reference,
             series: series.to_vec(),
-            at_end: series.iter().map(|runs| CrossMoments::new(runs.len())).collect(),
-            in_time: series.iter().map(|runs| vec![times.clone(); runs.len()]).collect(),
+            in_time: series.iter().map(|runs| vec![CrossMoments::new(runs.len()); coarse_steps as usize]).collect(),
             clipped: series.iter().map(|runs| vec![Moments::default(); runs.len()]).collect(),
             last_time: coarse_steps,
         }
@@ -53,21 +49,23 @@ impl<'a, const D: usize> StrongErrors<'a, D> {
     /// |y(T) − y_ref(T)|² of the runs of series s.
     #[must_use]
     pub fn at_end(&self, s: usize) -> &CrossMoments {
-        &self.at_end[s]
+        let times = &self.in_time[s];
+        &times[times.len() - 1]
     }
 
     /// The share of the paths with clipped increments in the mean-square error of run r of series s at the end.
     #[must_use]
     pub fn clipped_share(&self, s: usize, r: usize) -> f64 {
-        let mean = self.at_end[s].mean(r);
+        let mean = self.at_end(s).mean(r);
         if mean > 0.0 { self.clipped[s][r].mean() / mean } else { 0.0 }
     }
 
-    /// The coarse time with the largest mean-square error of run r of series s.
+    /// The mean-square errors of the runs of series s at the coarse time where that of its first run is largest: the
+    /// supremum over the times that all step sizes share.
     #[must_use]
-    pub fn worst_time(&self, s: usize, r: usize) -> Moments {
-        let larger = |a: Moments, b: Moments| if b.mean() > a.mean() { b } else { a };
-        self.in_time[s][r].iter().copied().reduce(larger).unwrap_or_default()
+    pub fn at_worst_time(&self, s: usize) -> &CrossMoments {
+        let larger = |a: &&CrossMoments, b: &&CrossMoments| a.mean(0).total_cmp(&b.mean(0));
+        self.in_time[s].iter().max_by(larger).unwrap_or(self.at_end(s))
     }
 }
 
@@ -89,11 +87,8 @@ impl<const D: usize> Statistic<D> for StrongErrors<'_, D> {
                     (0..D).map(|i| (y[i] - exact[i]) * (y[i] - exact[i])).sum()
                 };
                 let squares: Vec<f64> = runs.iter().map(square).collect();
-                for (r, &square) in squares.iter().enumerate() {
-                    self.in_time[s][r][view.time as usize - 1].add(square);
-                }
+                self.in_time[s][view.time as usize - 1].add(&squares);
                 if at_end {
-                    self.at_end[s].add(&squares);
                     for (r, &run) in runs.iter().enumerate() {
                         let clipped = if view.clipped[run].contains(p) { squares[r] } else { 0.0 };
                         self.clipped[s][r].add(clipped);
@@ -104,14 +99,10 @@ impl<const D: usize> Statistic<D> for StrongErrors<'_, D> {
     }
 
     fn merge(&mut self, later: Self) {
-        for (sum, more) in self.at_end.iter_mut().zip(&later.at_end) {
-            sum.merge(more);
-        }
         for (sum, more) in self.clipped.iter_mut().flatten().zip(later.clipped.into_iter().flatten()) {
             sum.merge(more);
         }
-        let sums = self.in_time.iter_mut().flatten().flatten();
-        for (sum, more) in sums.zip(later.in_time.into_iter().flatten().flatten()) {
+        for (sum, more) in self.in_time.iter_mut().flatten().zip(later.in_time.iter().flatten()) {
             sum.merge(more);
         }
     }

@@ -48,7 +48,8 @@ pub fn trajectory<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
             _ => None,
         };
         if let Some(cause) = cause {
-            trajectory.failure = Some(PathFailure { path, key, scheme: scheme.id(), tau, step: n, cause });
+            trajectory.failure =
+                Some(PathFailure { path, key, scheme: scheme.id(), swapped: false, tau, step: n, cause });
             break;
         }
         trajectory.times.push((n + 1) as f64 * tau);

@@ -119,7 +119,11 @@ fn threads_do_not_change_a_bit() {
         let outcome = pool.install(|| {
             ladder.run(2000, || StrongErrors::new(Reference::Run(0), &series, ladder.coarse_steps()), &|_| ())
         });
-        (outcome.statistic.at_end(0).clone(), outcome.statistic.at_end(1).clone(), outcome.statistic.worst_time(1, 0))
+        (
+            outcome.statistic.at_end(0).clone(),
+            outcome.statistic.at_end(1).clone(),
+            outcome.statistic.at_worst_time(1).clone(),
+        )
     };
     let one = mean_squares(1);
     assert_eq!(one.0.count(), 2000);
@@ -151,8 +155,15 @@ fn impossible_ladders_are_refused() {
     let k = Truncation::new(2).unwrap();
     assert_eq!(refuse(0, 2, k, Run::new(&sexp, 0)), Some(LadderError::Steps { steps: 0, multiple_of: 4 }));
     assert_eq!(refuse(10, 2, k, Run::new(&sexp, 0)), Some(LadderError::Steps { steps: 10, multiple_of: 4 }));
-    assert_eq!(refuse(8, 2, k, Run::new(&sexp, 3)), Some(LadderError::Level { level: 3, highest: 2 }));
-    assert_eq!(refuse(8, 2, k, Run::swapped(&sexp, 2)), Some(LadderError::Level { level: 2, highest: 1 }));
+    assert_eq!(refuse(8, 2, k, Run::new(&sexp, 3)), Some(LadderError::Level { level: 3, swapped: false, levels: 2 }));
+    assert_eq!(
+        refuse(8, 2, k, Run::swapped(&sexp, 2)),
+        Some(LadderError::Level { level: 2, swapped: true, levels: 2 })
+    );
+    assert_eq!(
+        refuse(8, 0, k, Run::swapped(&sexp, 0)),
+        Some(LadderError::Level { level: 0, swapped: true, levels: 0 })
+    );
     let error = refuse(4, 2, k, Run::new(&sexp, 2));
     assert_eq!(error, Some(LadderError::Noise(NoiseError::StepOutsideUnitInterval { tau: 1.0 })));
     assert!(trajectory(&problem, &sexp, 0, k, KEY, 0).is_err());

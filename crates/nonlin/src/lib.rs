@@ -2,7 +2,7 @@
 //!
 //! A [`FixedPoint`] is the equation of one path, written for every [`real::Real`]; a [`BlockFixedPoint`] says
 //! which equation each path of a block has. [`Solver::solve_block`] iterates the whole block, freezes a path when
-//! it is done, and hands the few paths that the fast method cannot do to a damped Newton method with
+//! it is done, and hands the few paths that the fast method cannot do to a Newton method with
 //! continuation. [`Solver::solve`] does the same for one path and gives the same bits.
 //!
 //! ```

@@ -13,7 +13,7 @@ use crate::sweep::{TOLERANCE, linearised};
 use crate::{FixedPoint, Outcome, Solution};
 
 /// Newton iterations at one s. Contracting by [`CONTRACTION`] at first and quadratically soon after, ten reach
-/// round-off.
+/// round-off, and twenty leave room for a slow start.
 const MAX_ITERATIONS: u32 = 20;
 /// Each Newton change must be at most this fraction of the one before.
 const CONTRACTION: f64 = 0.5;

@@ -39,7 +39,7 @@ pub(crate) fn sweep<E: FixedPoint<D>, const D: usize>(
 }
 
 /// N evaluations. The last two changes c, c′ give the contraction c′/c and with it the next change, which is the
-/// residual: done when c′²/c ≤ tolerance.
+/// residual: done when c′²/c ≤ tolerance, with c counted as at most ‖z‖.
 #[inline(always)]
 fn fixed_point_sweep<const N: usize, E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> ([f64; D], f64) {
     // Written out: a loop of long bodies would not be unrolled, and then the loop over paths is not vectorised.
@@ -58,9 +58,10 @@ fn fixed_point_sweep<const N: usize, E: FixedPoint<D>, const D: usize>(equation:
         change_before += (before[i] - previous[i]).abs();
         size += next[i].abs();
     }
-    // An iteration that does not contract (c′ > c) is never done by this test unless the change is zero.
+    // A first change c larger than z itself is an excursion and says nothing about contraction.
+    let before = if change_before < size { change_before } else { size };
     let allowed = size * (GUARD * TOLERANCE);
-    (next, change * GUARD * change - allowed * change_before)
+    (next, change * GUARD * change - allowed * before)
 }
 
 #[inline(always)]

@@ -1,4 +1,4 @@
-//! The stochastic conformal exponential integrator (paper, equations (13) and (15)).
+//! The stochastic conformal exponential integrator (paper, `confexp` and `split`).
 //!
 //! For dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ (Stratonovich), with h = H₀τ + Σ HₘΔŴₘ:
 //!

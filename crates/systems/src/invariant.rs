@@ -23,7 +23,7 @@ pub enum Form {
 /// A homogeneous function that the exact solution damps by its degree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Invariant {
-    /// Its symbol: `C` or `H`.
+    /// Its symbol: `C`, `H`, or `S` for a linear Casimir beside a quadratic one.
     pub name: &'static str,
     /// The formula.
     pub formula: &'static str,

@@ -85,6 +85,11 @@ pub(crate) fn truncation() -> Truncation {
     Truncation::new(TRUNCATION_ORDER).unwrap_or_else(|error| unreachable!("the order is a positive constant: {error}"))
 }
 
+/// The largest truncated increment of the reproduction at a step size below one.
+pub(crate) fn bound(tau: f64) -> f64 {
+    truncation().bound(tau).unwrap_or_else(|error| unreachable!("the steps are below one: {error}"))
+}
+
 /// What an experiment yields.
 pub struct Yield {
     /// Panels of the paper.

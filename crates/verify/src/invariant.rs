@@ -6,6 +6,7 @@ use systems::{Damping, PoissonSystem, Problem};
 
 use crate::experiment::{Context, truncation};
 use crate::results::{Kind, Panel, Point, Series};
+use crate::statement::worse;
 
 /// What an invariant panel is made of.
 pub(crate) struct InvariantSetup {
@@ -62,7 +63,7 @@ where
                     (t, problem.system.invariant(index, y), decay * initial)
                 })
                 .collect();
-            let defect = points.iter().map(|(_, value, exact)| ((value - exact) / exact).abs()).fold(0.0, f64::max);
+            let defect = points.iter().map(|(_, value, exact)| ((value - exact) / exact).abs()).fold(0.0, worse);
             series.push(Series {
                 scheme: scheme.id().to_owned(),
                 quantity: name.to_owned(),

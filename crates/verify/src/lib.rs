@@ -53,7 +53,7 @@ mod weak;
 
 pub use coverage::{CoverageRow, Expected, coverage};
 pub use experiment::{Context, Experiment, Mode, Progress, Settings, Silent};
-pub use order::{ORDER_MARGIN, fit_strong, fit_weak, order_verdict, root_mean_square_interval};
+pub use order::{ORDER_MARGIN, bound_verdict, fit_strong, fit_weak, order_verdict, root_mean_square_interval};
 pub use paper::EXPERIMENTS;
 pub use path_scheme::PathScheme;
 pub use reproduce::{UnknownPanel, check_ids, panel_ids, reproduce};

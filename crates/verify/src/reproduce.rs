@@ -23,7 +23,7 @@ impl fmt::Display for UnknownPanel {
         write!(
             f,
             "there is no panel or statement {:?}; the panels are {}; figures that are not in the paper: {}; statements \
-             that are measured on their own: {}",
+             that are measured on their own: {} (all other statements are measured on the panels)",
             self.id,
             panel_ids().join(", "),
             SUPPLEMENTS.iter().map(|supplement| supplement.id).collect::<Vec<_>>().join(", "),

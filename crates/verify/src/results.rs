@@ -81,7 +81,8 @@ pub struct Panel {
     pub samples: u64,
     /// The reference solution, in words.
     pub reference: String,
-    /// Paths left out because a step had no solution or left the domain, with where and why.
+    /// Paths left out because a step had no solution or its state was not finite: for each, path, seed, experiment,
+    /// scheme, step size, step, time and reason in words.
     pub failures: Vec<String>,
     /// The curves.
     pub series: Vec<Series>,
@@ -155,6 +156,9 @@ pub struct Rate {
     pub hi: f64,
     /// Confidence of the interval, for example 0.95.
     pub confidence: f64,
+    /// Degrees of freedom of Student's quantile behind the interval; absent where it is the normal one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub student_degrees: Option<f64>,
     /// How it was fitted, in words, with the goodness of fit.
     pub method: String,
     /// Lower end of a bootstrap interval over whole paths, of the same confidence.

@@ -25,7 +25,12 @@ pub(crate) fn claim(id: &str, statement: &str, verdict: Verdict, evidence: Strin
     }
 }
 
-/// Holds or refuted, for measurements that have no statistical error.
+/// The larger of two measurements, NaN if either is: a NaN must not be lost on the way to a verdict.
+pub(crate) fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
+/// Holds or refuted, for measurements that have no statistical error. A comparison with NaN is false, hence refuted.
 pub(crate) fn decide(holds: bool) -> Verdict {
     if holds { Verdict::Holds } else { Verdict::Refuted }
 }

@@ -1,6 +1,6 @@
 //! Strong convergence: root-mean-square errors of three schemes at many step sizes, on one noise.
 
-use mc::{CrossMoments, Ladder, Moments, Reference, Run, StrongErrors};
+use mc::{CrossMoments, Ladder, Reference, Run, StrongErrors};
 use noise::Truncation;
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp};
 use systems::{Damping, PoissonSystem, Problem};
@@ -102,15 +102,12 @@ where
         });
     }
     for (s, curve) in curves.iter().enumerate() {
-        let worst: Vec<Moments> = (0..taus.len()).map(|r| outcome.statistic.worst_time(s, r)).collect();
-        let points = taus.iter().zip(&worst);
+        let squares = outcome.statistic.at_worst_time(s);
         curves_out.push(Series {
             scheme: curve.name.clone(),
             quantity: "sup y".to_owned(),
-            points: points
-                .filter_map(|(&tau, moments)| root_mean_square(tau, moments.mean(), moments.standard_error()))
-                .collect(),
-            rate: None,
+            points: root_mean_squares(&taus, squares),
+            rate: fit_strong(&taus, Some(reference_tau), squares),
             max_relative_defect: None,
         });
     }

@@ -22,7 +22,8 @@ pub struct Study {
     pub coarsest_steps: u64,
     /// Step sizes, each half of the one before.
     pub levels: usize,
-    /// The reference's steps are 2^refinement times finer than the finest of the study.
+    /// The reference's steps are 2^refinement times finer than the finest of the study. With 0, `sexp` has no error at
+    /// the finest step, and no order can be named.
     pub refinement: u32,
     /// Paths.
     pub samples: u64,
@@ -31,6 +32,10 @@ pub struct Study {
     /// Which noise.
     pub key: StreamKey,
 }
+
+/// The most step sizes, and the largest refinement: 2⁴⁸ steps would take years.
+const MAX_LEVELS: usize = 24;
+const MAX_REFINEMENT: u32 = 24;
 
 /// Errors of one scheme with a fitted order.
 #[derive(Clone, Debug)]
@@ -66,6 +71,16 @@ impl Study {
         G: Damping,
         T: Statistic<D>,
     {
+        if self.levels == 0 || self.levels > MAX_LEVELS || self.refinement > MAX_REFINEMENT {
+            return Err(LadderError::Level {
+                level: self.levels + self.refinement as usize,
+                swapped: false,
+                levels: MAX_LEVELS + MAX_REFINEMENT as usize,
+            });
+        }
+        if self.coarsest_steps == 0 || self.coarsest_steps.leading_zeros() <= self.level(0) as u32 {
+            return Err(LadderError::Steps { steps: self.coarsest_steps, multiple_of: 1 });
+        }
         let reference = Sexp::default();
         let mut runs: Vec<Run<'_, S, D, M>> = vec![Run::new(&reference, 0)];
         runs.extend((0..self.levels).map(|index| Run::new(scheme, self.level(index))));
@@ -82,7 +97,8 @@ impl Study {
 /// The strong order of `scheme`: root-mean-square errors at the final time against `sexp` at the reference step.
 ///
 /// # Errors
-/// [`LadderError`] when the truncation is not defined at one of the step sizes.
+/// [`LadderError`] when there is no step size or no step, too many of either, or when the truncation is not defined at
+/// one of the step sizes.
 pub fn strong_order<S, G, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
@@ -107,7 +123,8 @@ where
 /// The strong order of `scheme` against the exact solution, which is `solution` of what `clock` shows at the end.
 ///
 /// # Errors
-/// [`LadderError`] when the truncation is not defined at one of the step sizes.
+/// [`LadderError`] when there is no step size or no step, too many of either, or when the truncation is not defined at
+/// one of the step sizes.
 pub fn strong_order_exact<S, G, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
@@ -137,7 +154,8 @@ where
 /// The reference is `sexp` at the reference step, or the exact solution where `exact` gives a clock and a solution.
 ///
 /// # Errors
-/// [`LadderError`] when the truncation is not defined at one of the step sizes.
+/// [`LadderError`] when there is no step size or no step, too many of either, or when the truncation is not defined at
+/// one of the step sizes.
 pub fn weak_order<S, G, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,

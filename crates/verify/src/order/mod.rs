@@ -6,12 +6,12 @@ mod strong;
 mod verdict;
 mod weak;
 
-use statrs::distribution::{ContinuousCDF, Normal};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 pub use bootstrap::root_mean_square_interval;
 pub use strong::fit_strong;
 pub(crate) use strong::{Logarithms, Terms};
-pub use verdict::{ORDER_MARGIN, order_verdict};
+pub use verdict::{ORDER_MARGIN, bound_verdict, order_verdict};
 pub(crate) use weak::fit_independent;
 pub use weak::fit_weak;
 
@@ -21,6 +21,11 @@ const CONFIDENCE: f64 = 0.95;
 /// Two-sided quantile of the standard normal distribution.
 fn quantile(confidence: f64) -> f64 {
     Normal::standard().inverse_cdf(0.5 + 0.5 * confidence)
+}
+
+/// Two-sided quantile of Student's distribution.
+fn student(degrees: f64, confidence: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, degrees.max(1.0)).map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + 0.5 * confidence))
 }
 
 #[cfg(test)]

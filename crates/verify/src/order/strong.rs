@@ -18,10 +18,10 @@
 //! How often the intervals cover is measured by [`coverage`](crate::coverage()).
 
 use mc::CrossMoments;
-use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::describe::describe;
-use super::{CONFIDENCE, bootstrap};
+use super::{CONFIDENCE, bootstrap, student};
 use crate::least_squares::{Fit, Weighting};
 use crate::results::{Rate, StraightLine};
 
@@ -167,9 +167,9 @@ impl<'a> Logarithms<'a> {
         }
     }
 
-    /// Half the width of the interval of an estimate in standard errors: Student's quantile.
-    fn reach(&self, estimate: &Estimate) -> f64 {
-        student(bootstrap::degrees_of_freedom(self.squares, &self.levels, &estimate.gain))
+    /// Degrees of freedom of the standard error of an estimate.
+    fn degrees(&self, estimate: &Estimate) -> f64 {
+        bootstrap::degrees_of_freedom(self.squares, &self.levels, &estimate.gain)
     }
 }
 
@@ -182,10 +182,6 @@ fn factors(regressors: &[Vec<f64>], extra: &[f64]) -> Vec<f64> {
 fn working_covariance(levels: usize) -> Vec<Vec<f64>> {
     let power = |l: usize, m: usize| WORKING_CORRELATION.powi(l.abs_diff(m) as i32);
     (0..levels).map(|l| (0..levels).map(|m| power(l, m)).collect()).collect()
-}
-
-fn student(degrees: f64) -> f64 {
-    StudentsT::new(0.0, 1.0, degrees.max(1.0)).map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + 0.5 * CONFIDENCE))
 }
 
 /// The strong order from squared errors at several step sizes, coarsest first.
@@ -208,7 +204,8 @@ pub fn fit_strong(taus: &[f64], reference: Option<f64>, squares: &CrossMoments) 
     let terms = Terms::affordable(reference, levels.len());
     let logarithms = Logarithms::new(taus, squares, levels)?;
     let estimate = logarithms.fit(terms)?;
-    let half_width = logarithms.reach(&estimate) * estimate.se;
+    let degrees = logarithms.degrees(&estimate);
+    let half_width = student(degrees, CONFIDENCE) * estimate.se;
     let bootstrap = bootstrap::reach(squares, &logarithms.levels, &estimate.gain)
         .map(|(below, above)| (estimate.order - below * estimate.se, estimate.order + above * estimate.se));
     let (mut lo, mut hi) = (estimate.order - half_width, estimate.order + half_width);
@@ -225,6 +222,7 @@ pub fn fit_strong(taus: &[f64], reference: Option<f64>, squares: &CrossMoments) 
         lo,
         hi,
         confidence: CONFIDENCE,
+        student_degrees: Some(degrees),
         method: String::new(),
         bootstrap_lo: bootstrap.map(|(low, _)| low),
         bootstrap_hi: bootstrap.map(|(_, high)| high),
@@ -243,7 +241,7 @@ impl Logarithms<'_> {
     /// from n paths: χ²(n − d)/(d(n − 1)) has the F distribution with d and n − d degrees of freedom.
     fn straight(&self) -> Option<StraightLine> {
         let estimate = self.fit(Terms::STRAIGHT)?;
-        let half_width = self.reach(&estimate) * estimate.se;
+        let half_width = student(self.degrees(&estimate), CONFIDENCE) * estimate.se;
         Some(StraightLine {
             estimate: estimate.order,
             lo: estimate.order - half_width,

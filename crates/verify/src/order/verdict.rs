@@ -1,9 +1,9 @@
 //! When an order is said to hold.
 
-use super::quantile;
+use super::{quantile, student};
 use crate::results::{Rate, Verdict};
 
-/// Confidence at which verdicts are given: one run gives some thirty verdicts, and a false alarm fails it.
+/// Confidence at which verdicts are given: one run gives some sixty verdicts about orders, and a false alarm fails it.
 const VERDICT_CONFIDENCE: f64 = 0.999;
 /// Orders are multiples of ½; this is half the distance between neighbours.
 pub const ORDER_MARGIN: f64 = 0.25;
@@ -15,10 +15,7 @@ pub const ORDER_MARGIN: f64 = 0.25;
 /// refuted when the widened interval lies farther away than that; anything else, or no fit, is undecided.
 #[must_use]
 pub fn order_verdict(rate: Option<&Rate>, order: f64) -> Verdict {
-    let Some(rate) = rate else { return Verdict::Undecided };
-    let widening = quantile(VERDICT_CONFIDENCE) / quantile(rate.confidence);
-    let lo = rate.estimate - widening * (rate.estimate - rate.lo);
-    let hi = rate.estimate + widening * (rate.hi - rate.estimate);
+    let Some((lo, hi)) = rate.map(widened) else { return Verdict::Undecided };
     if lo > order + ORDER_MARGIN || hi < order - ORDER_MARGIN {
         Verdict::Refuted
     } else if lo <= order && order <= hi && lo > order - ORDER_MARGIN && hi < order + ORDER_MARGIN {
@@ -26,4 +23,28 @@ pub fn order_verdict(rate: Option<&Rate>, order: f64) -> Verdict {
     } else {
         Verdict::Undecided
     }
+}
+
+/// Whether an error is bounded by Cτ^`order`, which a higher order is, too.
+///
+/// As [`order_verdict`], but one-sided: the bound holds when the widened interval reaches `order` or lies above it and
+/// stays above `order` − [`ORDER_MARGIN`]; it is refuted when the widened interval lies below that.
+#[must_use]
+pub fn bound_verdict(rate: Option<&Rate>, order: f64) -> Verdict {
+    let Some((lo, hi)) = rate.map(widened) else { return Verdict::Undecided };
+    if hi < order - ORDER_MARGIN {
+        Verdict::Refuted
+    } else if hi >= order && lo > order - ORDER_MARGIN {
+        Verdict::Holds
+    } else {
+        Verdict::Undecided
+    }
+}
+
+/// The interval at [`VERDICT_CONFIDENCE`].
+fn widened(rate: &Rate) -> (f64, f64) {
+    let quantile =
+        |confidence| rate.student_degrees.map_or(quantile(confidence), |degrees| student(degrees, confidence));
+    let widening = quantile(VERDICT_CONFIDENCE) / quantile(rate.confidence);
+    (rate.estimate - widening * (rate.estimate - rate.lo), rate.estimate + widening * (rate.hi - rate.estimate))
 }

@@ -1,4 +1,4 @@
-//! `exact-conformal`: the exact flow obeys the conformal law (paper, Proposition 1).
+//! `exact-conformal`: the exact flow obeys the conformal law (paper, `prop:Casimir`).
 //!
 //! Along a path with piecewise linear noise the equation is an ordinary differential equation with the same chain
 //! rule as the Stratonovich equation, and the law holds exactly. It is integrated by the classical Runge–Kutta method,

@@ -1,4 +1,4 @@
-//! `local-exact` and `local-sexp`: one-step Taylor remainders (paper, Lemmas 2 and 3), on the rigid body with three
+//! `local-exact` and `local-sexp`: one-step Taylor remainders (paper, `lem:expansionexact` and `lem:expansionnum`), on the rigid body with three
 //! noises.
 //!
 //! Exact flow: R = y(τ) − y − τ(f₀ − γy) − Σ fₘΔWₘ − Σ fₘ′f_l J_lm with J_lm = ∫∫ ∘dW_l ∘dWₘ. Scheme: the same with
@@ -14,7 +14,7 @@ use noise::WienerPath;
 use schemes::{Scheme, Sexp, Step};
 use systems::{Damping, RigidBody, unit_noise, vector_field, vector_field_derivative};
 
-use crate::experiment::{Context, truncation};
+use crate::experiment::{Context, bound};
 use crate::order::{fit_independent, order_verdict};
 use crate::paper::{INERTIA, NOISE_INERTIA, half_cosine, rate_evidence, rigid_body_start, valid};
 use crate::results::Claim;
@@ -143,7 +143,7 @@ pub(crate) fn expansion(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
 
 /// The truncated increments of the whole step.
 fn truncated(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let bound = truncation().bound(tau).unwrap_or(f64::NAN);
+    let bound = bound(tau);
     std::array::from_fn(|m| pieces.iter().map(|dw| dw[m]).sum::<f64>().clamp(-bound, bound))
 }
 

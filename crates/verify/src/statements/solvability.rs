@@ -1,4 +1,4 @@
-//! `solvability`: the step has a unique solution once the contraction constant is below one (paper, Lemma 1).
+//! `solvability`: the step has a unique solution once the contraction constant is below one (paper, `lem:scheme`).
 //!
 //! C_{k,τ} = τ(½‖B′‖‖∇H₀‖ + ‖B‖‖∇²H₀‖) + √(2kτ|log τ|) Σₘ (½‖B′‖‖∇Hₘ‖ + ‖B‖‖∇²Hₘ‖). Two systems have globally
 //! Lipschitz data with constant B: the pendulum (‖B‖ = 1) and the three-dimensional Poisson system (‖B‖ = √3), both
@@ -9,10 +9,10 @@ use noise::WienerPath;
 use real::elementary;
 use systems::{Pendulum, Poisson3, PoissonSystem};
 
-use crate::experiment::{Context, TRUNCATION_ORDER, truncation};
+use crate::experiment::{Context, TRUNCATION_ORDER, bound};
 use crate::paper::valid;
 use crate::results::Claim;
-use crate::statement::{claim, decide};
+use crate::statement::{claim, decide, worse};
 
 pub(super) fn measure(context: &Context<'_>) -> Vec<Claim> {
     context.progress.begin("solvability", 2);
@@ -46,7 +46,7 @@ pub(crate) fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
     let exponent = (1..60).find(|&j| constant(0.5f64.powi(j), structure) < 1.0).unwrap_or(60);
     let tau = 0.5f64.powi(exponent);
     let lipschitz = constant(tau, structure);
-    let bound = reach * truncation().bound(tau).unwrap_or(f64::NAN);
+    let bound = reach * bound(tau);
     let mut noise = WienerPath::<1>::new(context.key(part), 0);
     let mut point = || -> [f64; D] { std::array::from_fn(|_| noise.normal() * SPREAD) };
     let pairs = context.choose(5_000, 500);
@@ -57,14 +57,14 @@ pub(crate) fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
         let dw = bound * (2.0 * f64::from(pair) / f64::from(pairs - 1) - 1.0);
         let distance = norm(&one, &other);
         quotient =
-            f64::max(quotient, norm(&map(system, z_hat, one, tau, dw), &map(system, z_hat, other, tau, dw)) / distance);
+            worse(quotient, norm(&map(system, z_hat, one, tau, dw), &map(system, z_hat, other, tau, dw)) / distance);
         // q^n·distance below round-off.
         let sweeps = (elementary::ln(AGREEMENT * 1e-3 / distance) / elementary::ln(lipschitz)).ceil() as u32;
         for _ in 0..sweeps {
             one = map(system, z_hat, one, tau, dw);
             other = map(system, z_hat, other, tau, dw);
         }
-        apart = f64::max(apart, norm(&one, &other));
+        apart = worse(apart, norm(&one, &other));
     }
     claim(
         "solvability",

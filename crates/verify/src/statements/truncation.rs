@@ -1,4 +1,4 @@
-//! `truncation-moments`: what truncating the increments costs (paper, equations (11) and (12)).
+//! `truncation-moments`: what truncating the increments costs (paper, `wtrunc` and `wtrunc2`).
 //!
 //! With ζ standard normal, χ its truncation at A = √(2k|log τ|) and s = |ζ| − A beyond the threshold,
 //! E|ζ − χ|ᵖ = 2φ(A) ∫₀^∞ sᵖ e^{−As − s²/2} ds and E[ζ²] − E[χ²] = 2φ(A) ∫₀^∞ s(s + 2A) e^{−As − s²/2} ds: sums of
@@ -10,7 +10,7 @@ use noise::{Truncation, WienerPath};
 
 use crate::experiment::Context;
 use crate::results::{Claim, Verdict};
-use crate::statement::{claim, decide};
+use crate::statement::{claim, decide, worse};
 
 /// Orders k and exponents j of τ = 2^−j at which the closed forms are evaluated.
 const ORDERS: std::ops::RangeInclusive<u32> = 1..=6;
@@ -52,7 +52,7 @@ fn variance() -> Claim {
             let tau = 0.5f64.powi(j as i32);
             let threshold = (2.0 * f64::from(k) * tau.ln().abs()).sqrt();
             let ratio = lost_variance(tau, k) / ((1.0 + threshold) * tau.powi(k as i32));
-            largest = f64::max(largest, ratio);
+            largest = worse(largest, ratio);
             smallest = f64::min(smallest, ratio);
         }
     }
@@ -73,7 +73,9 @@ const SAMPLED_ORDER: u32 = 1;
 
 /// The bound of the increments there.
 pub(crate) fn sampled_bound() -> f64 {
-    Truncation::new(SAMPLED_ORDER).and_then(|truncation| truncation.bound(SAMPLED_STEP)).unwrap_or(f64::NAN)
+    Truncation::new(SAMPLED_ORDER)
+        .and_then(|truncation| truncation.bound(SAMPLED_STEP))
+        .unwrap_or_else(|error| unreachable!("k and τ are valid constants: {error}"))
 }
 
 /// Increments of this project clipped to ±`bound`, against the closed form.
@@ -111,7 +113,7 @@ fn distances(powers: &[i32]) -> Claim {
         let mut growth = 0.0;
         for k in ORDERS {
             let ratio = |tau: f64| distance(tau, k, p) / tau.powf(0.5 * f64::from(1 + k));
-            growth = f64::max(growth, ratio(fine) / ratio(coarse));
+            growth = worse(growth, ratio(fine) / ratio(coarse));
         }
         bounded &= growth <= 1.0;
         // The exponent that is seen between two fine steps, at the k of the reproduction.

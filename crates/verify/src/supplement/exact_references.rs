@@ -117,7 +117,7 @@ where
             problem.damping.describe(),
             problem.t_end
         ),
-        paper: agreement,
+        paper: format!("Not in the paper. {agreement}"),
         samples,
         reference: "the exact solution by a change of time, path by path".to_owned(),
         failures: describe_failures(outcome.failed, &outcome.failures),

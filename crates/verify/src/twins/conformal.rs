@@ -11,7 +11,7 @@ use crate::paper::{
 };
 use crate::path_scheme::PathScheme;
 use crate::results::Claim;
-use crate::statement::{claim, decide};
+use crate::statement::{claim, decide, worse};
 use crate::statements::{exact_conformal, moment_bound};
 
 fn body() -> RigidBody<3> {
@@ -42,7 +42,7 @@ where
         let exact = (-degree * problem.damping.integral(0.0, t)).exp() * initial;
         (problem.system.invariant(0, y) / exact - 1.0).abs()
     });
-    let defect = defect.fold(0.0, f64::max);
+    let defect = defect.fold(0.0, worse);
     claim(
         id,
         "the conformal law holds at every step",
