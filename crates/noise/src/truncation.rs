@@ -28,12 +28,6 @@ impl Truncation {
         Self { order: None }
     }
 
-    /// The order k, or `None` where nothing is clipped.
-    #[must_use]
-    pub fn order(self) -> Option<u32> {
-        self.order
-    }
-
     /// The largest |ΔŴ| at step `tau`: √τ·√(2k|log τ|), infinite for [`Truncation::none`].
     ///
     /// # Errors

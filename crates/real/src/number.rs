@@ -127,6 +127,10 @@ impl Real for f64 {
         elementary::sinc(self)
     }
     #[inline(always)]
+    fn powi(self, n: i32) -> Self {
+        elementary::powi(self, n)
+    }
+    #[inline(always)]
     fn select(condition: bool, a: Self, b: Self) -> Self {
         if condition { a } else { b }
     }

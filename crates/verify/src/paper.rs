@@ -38,7 +38,7 @@ pub(crate) const NOISE_INERTIA: [f64; 3] = [1.0, 2.0, 3.0];
 
 /// (cos 1.1, 0, sin 1.1).
 pub(crate) fn rigid_body_start() -> [f64; 3] {
-    [1.1f64.cos(), 0.0, 1.1f64.sin()]
+    [real::elementary::cos(1.1), 0.0, real::elementary::sin(1.1)]
 }
 
 pub(crate) const LOTKA_VOLTERRA_START: [f64; 3] = [0.2, 0.4, 0.6];

@@ -109,7 +109,7 @@ pub struct Clipped {
 pub struct Series {
     /// Scheme id: `sexp`, `em` or `midpoint`; with a qualifier on a supplement.
     pub scheme: String,
-    /// What is measured: `y(T)`, `sup y` (strong), `y1`, `y2^2`, `cos y3` (weak), `C`, `H` (invariant).
+    /// What is measured: `y(T)`, `sup y` (strong; at the common coarse time where the coarsest step's error is largest), `y1`, `y2^2`, `cos y3` (weak), `C`, `H` (invariant).
     pub quantity: String,
     /// The points, in the order of decreasing step size, or of time.
     pub points: Vec<Point>,
