@@ -17,12 +17,11 @@ pub fn statements(claims: &[Claim], panels: &[Panel]) -> String {
         section.push_str(&table("What the paper proves", &proven, panels));
     }
     if !reported.is_empty() {
-        let own = reported.iter().any(|group| group.first().scheme == "sexp");
-        let own = if own { " The same goes for <code>sexp</code> where its theorems do not apply." } else { "" };
         section.push_str(&format!(
-            "<h3 class=\"part\">What the paper reports about the other schemes</h3>\n<p class=\"lead\">Observations \
-             on the figures of the paper, which it does not prove.{own}</p>\n{}",
-            table("What the paper reports", &reported, panels)
+            "<h3 class=\"part\">What is observed without a proof</h3>\n<p class=\"lead\">About the other schemes and \
+             where the theorems do not apply, as the figures of the paper report it; and against exact solutions, which \
+             the paper does not use.</p>\n{}",
+            table("What is observed", &reported, panels)
         ));
     }
     if section.is_empty() { "<p>None was checked.</p>".to_owned() } else { section }

@@ -28,7 +28,7 @@ pub fn summary(results: &Results) -> String {
     }
     if !reported.is_empty() {
         sentences.push(format!(
-            "{} that it reports without a proof {} put to {}: {}.",
+            "{} without a proof {} put to {}: {}.",
             counted(reported.len(), "observation", "observations"),
             if reported.len() == 1 { "was" } else { "were" },
             counted(checks(&reported), "check", "checks"),
