@@ -28,6 +28,7 @@
 //! | [`EulerMaruyama`] | explicit | ½ / ½ | nothing |
 
 mod em;
+mod implicit;
 mod midpoint;
 mod scheme;
 mod sexp;

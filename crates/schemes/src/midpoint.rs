@@ -6,10 +6,11 @@
 //! takes 2τγC(m) from them, which depends on the path, instead of multiplying them by e^{−2∫γ}, and multiplies linear
 //! ones by (1 − τγ/2)/(1 + τγ/2). Implicit: one nonlinear system of D equations a step.
 
-use nonlin::{BlockFixedPoint, BlockStatus, FixedPoint, Solution, Solver};
+use nonlin::{BlockStatus, Solution, Solver};
 use real::{Block, Kernel, Real, dispatch};
 use systems::{PoissonSystem, vector_field};
 
+use crate::implicit::{Rule, solve_block, solve_path};
 use crate::{Scheme, Step};
 
 /// The stochastic midpoint rule, `midpoint`.
@@ -19,61 +20,32 @@ pub struct Midpoint {
     pub solver: Solver,
 }
 
-struct PathEquation<'a, S, const D: usize, const M: usize> {
-    system: &'a S,
+/// B(m)∇h(m) − τγm at the midpoint m.
+#[derive(Clone, Copy)]
+struct MidpointField {
     tau: f64,
+    /// τγ(t_{n+½}).
     damping: f64,
-    dw: [f64; M],
-    y: [f64; D],
 }
 
-impl<S, const D: usize, const M: usize> Clone for PathEquation<'_, S, D, M> {
-    #[inline(always)]
-    fn clone(&self) -> Self {
-        *self
+impl MidpointField {
+    fn new(step: &Step) -> Self {
+        Self { tau: step.tau, damping: step.tau * step.rate_at_middle }
     }
 }
-impl<S, const D: usize, const M: usize> Copy for PathEquation<'_, S, D, M> {}
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> FixedPoint<D> for PathEquation<'_, S, D, M> {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, D, M> for MidpointField {
     #[inline(always)]
-    fn start(&self) -> [f64; D] {
-        self.y
-    }
-
-    #[inline(always)]
-    fn map<R: Real>(&self, z: [R; D]) -> [R; D] {
+    fn change<R: Real>(&self, system: &S, dw: [f64; M], start: [f64; D], z: [R; D]) -> [R; D] {
         let mut middle = [R::zero(); D];
         for i in 0..D {
-            middle[i] = (z[i] + self.y[i]) * 0.5;
+            middle[i] = (z[i] + start[i]) * 0.5;
         }
-        let mut next = vector_field(self.system, middle, self.tau, self.dw);
+        let mut change = vector_field(system, middle, self.tau, dw);
         for i in 0..D {
-            next[i] = (next[i] - middle[i] * self.damping) + self.y[i];
+            change[i] = change[i] - middle[i] * self.damping;
         }
-        next
-    }
-}
-
-struct BlockEquation<'a, S, const D: usize, const M: usize> {
-    system: &'a S,
-    tau: f64,
-    damping: f64,
-    dw: &'a Block<M>,
-    y: &'a Block<D>,
-}
-
-impl<'a, S: PoissonSystem<D, M>, const D: usize, const M: usize> BlockFixedPoint<D> for BlockEquation<'a, S, D, M> {
-    type Path = PathEquation<'a, S, D, M>;
-    #[inline(always)]
-    fn path(&self, p: usize) -> Self::Path {
-        PathEquation {
-            system: self.system,
-            tau: self.tau,
-            damping: self.damping,
-            dw: self.dw.path(p),
-            y: self.y.path(p),
-        }
+        change
     }
 }
 
@@ -90,16 +62,9 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for StepKern
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let equations = BlockEquation {
-            system: self.system,
-            tau: self.step.tau,
-            damping: self.step.tau * self.step.rate_at_middle,
-            dw: self.dw,
-            y: self.y,
-        };
-        let mut z = Block::zero();
-        self.solver.solve_block(&equations, &mut z, self.status);
-        *self.y = z;
+        let start = *self.y;
+        let rule = MidpointField::new(self.step);
+        *self.y = solve_block(&self.solver, rule, self.system, self.dw, &start, self.status);
     }
 }
 
@@ -113,7 +78,6 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
     }
 
     fn step(&self, system: &S, step: &Step, dw: [f64; M], y: [f64; D]) -> Solution<D> {
-        let damping = step.tau * step.rate_at_middle;
-        self.solver.solve(&PathEquation { system, tau: step.tau, damping, dw, y })
+        solve_path(&self.solver, MidpointField::new(step), system, dw, y)
     }
 }

@@ -8,10 +8,11 @@
 //! noise (k ≥ 2); weak order 1. Keeps linear and quadratic Casimirs exactly on their damped law for every τ; with one
 //! noise, dy = B∇H(dt + c∘dW) − γy dt, also a homogeneous H. Implicit: one nonlinear system of D equations a step.
 
-use nonlin::{BlockFixedPoint, BlockStatus, FixedPoint, Solution, Solver};
+use nonlin::{BlockStatus, Solution, Solver};
 use real::{Block, Kernel, Real, WIDTH, dispatch};
 use systems::PoissonSystem;
 
+use crate::implicit::{Rule, solve_block, solve_path};
 use crate::{Scheme, Step};
 
 /// The stochastic conformal exponential integrator, `sexp`.
@@ -21,55 +22,20 @@ pub struct Sexp {
     pub solver: Solver,
 }
 
-/// z = ẑ + B((ẑ+z)/2) ∇̄h(ẑ, z) on one path.
-struct PathEquation<'a, S, const D: usize, const M: usize> {
-    system: &'a S,
+/// B((ẑ+z)/2) ∇̄h(ẑ, z).
+#[derive(Clone, Copy)]
+struct AveragedField {
     tau: f64,
-    dw: [f64; M],
-    z_hat: [f64; D],
 }
 
-impl<S, const D: usize, const M: usize> Clone for PathEquation<'_, S, D, M> {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, D, M> for AveragedField {
     #[inline(always)]
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-impl<S, const D: usize, const M: usize> Copy for PathEquation<'_, S, D, M> {}
-
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> FixedPoint<D> for PathEquation<'_, S, D, M> {
-    #[inline(always)]
-    fn start(&self) -> [f64; D] {
-        self.z_hat
-    }
-
-    #[inline(always)]
-    fn map<R: Real>(&self, z: [R; D]) -> [R; D] {
+    fn change<R: Real>(&self, system: &S, dw: [f64; M], start: [f64; D], z: [R; D]) -> [R; D] {
         let mut z_hat = [R::zero(); D];
         for i in 0..D {
-            z_hat[i] = R::constant(self.z_hat[i]);
+            z_hat[i] = R::constant(start[i]);
         }
-        let mut next = self.system.averaged_field(z_hat, z, self.tau, self.dw);
-        for i in 0..D {
-            next[i] = next[i] + self.z_hat[i];
-        }
-        next
-    }
-}
-
-/// The equations of a block.
-struct BlockEquation<'a, S, const D: usize, const M: usize> {
-    system: &'a S,
-    tau: f64,
-    dw: &'a Block<M>,
-    z_hat: &'a Block<D>,
-}
-
-impl<'a, S: PoissonSystem<D, M>, const D: usize, const M: usize> BlockFixedPoint<D> for BlockEquation<'a, S, D, M> {
-    type Path = PathEquation<'a, S, D, M>;
-    #[inline(always)]
-    fn path(&self, p: usize) -> Self::Path {
-        PathEquation { system: self.system, tau: self.tau, dw: self.dw.path(p), z_hat: self.z_hat.path(p) }
+        system.averaged_field(z_hat, z, self.tau, dw)
     }
 }
 
@@ -92,9 +58,8 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for StepKern
                 z_hat.0[i][p] = self.step.first_decay * self.y.0[i][p];
             }
         }
-        let equations = BlockEquation { system: self.system, tau: self.step.tau, dw: self.dw, z_hat: &z_hat };
-        let mut z = Block::zero();
-        self.solver.solve_block(&equations, &mut z, self.status);
+        let rule = AveragedField { tau: self.step.tau };
+        let z = solve_block(&self.solver, rule, self.system, self.dw, &z_hat, self.status);
         for i in 0..D {
             for p in 0..WIDTH {
                 self.y.0[i][p] = self.step.second_decay * z.0[i][p];
@@ -114,7 +79,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
 
     fn step(&self, system: &S, step: &Step, dw: [f64; M], y: [f64; D]) -> Solution<D> {
         let z_hat = y.map(|component| step.first_decay * component);
-        let mut solution = self.solver.solve(&PathEquation { system, tau: step.tau, dw, z_hat });
+        let mut solution = solve_path(&self.solver, AveragedField { tau: step.tau }, system, dw, z_hat);
         solution.z = solution.z.map(|component| step.second_decay * component);
         solution
     }
