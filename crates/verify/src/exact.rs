@@ -11,7 +11,10 @@
 use dgrad::Rule;
 use mc::Clock;
 use real::{Block, WIDTH};
-use systems::{Damping, PoissonSystem, Problem, vector_field};
+use systems::{Constant, Damping, PoissonSystem, Problem};
+
+use crate::paper::valid;
+use crate::runge_kutta::piece;
 
 /// S along a path: see the module.
 pub(crate) struct RandomTime<'a, G> {
@@ -82,22 +85,11 @@ const STEPS_PER_UNIT: f64 = 1024.0;
 /// φ_s(y): the flow of f = B∇H₀ over time s, to round-off.
 fn flow<S: PoissonSystem<D, 1>, const D: usize>(system: &S, y: [f64; D], s: f64) -> [f64; D] {
     let steps = (s.abs() * STEPS_PER_UNIT).ceil().max(1.0) as u32;
-    let (coarse, fine) = (runge_kutta(system, y, s, steps), runge_kutta(system, y, s, 2 * steps));
+    let undamped = valid(Constant::new(0.0));
+    let end = |steps| piece(system, &undamped, 0.0, s, [0.0], steps, y);
+    let (coarse, fine) = (end(steps), end(2 * steps));
     // The error of the classical method is Ch⁴ + O(h⁵).
     std::array::from_fn(|i| fine[i] + (fine[i] - coarse[i]) / 15.0)
-}
-
-fn runge_kutta<S: PoissonSystem<D, 1>, const D: usize>(system: &S, y: [f64; D], s: f64, steps: u32) -> [f64; D] {
-    let h = s / f64::from(steps);
-    let field = |y: [f64; D]| -> [f64; D] { vector_field(system, y, h, [0.0]) };
-    let shifted = |y: [f64; D], k: [f64; D], weight: f64| -> [f64; D] { std::array::from_fn(|i| y[i] + weight * k[i]) };
-    (0..steps).fold(y, |y, _| {
-        let k1 = field(y);
-        let k2 = field(shifted(y, k1, 0.5));
-        let k3 = field(shifted(y, k2, 0.5));
-        let k4 = field(shifted(y, k3, 1.0));
-        std::array::from_fn(|i| y[i] + (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0)
-    })
 }
 
 /// E[φ(y(T))] by Gauss–Legendre over ±9 standard deviations of S, on pieces of one standard deviation.
@@ -122,8 +114,8 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::{INERTIA, rigid_body_start, valid};
-    use systems::{Constant, RigidBodyEnergy, Sine};
+    use crate::paper::{INERTIA, rigid_body_start};
+    use systems::{RigidBodyEnergy, Sine};
 
     #[test]
     fn the_flow_keeps_invariants_and_runs_backwards() {

@@ -25,6 +25,10 @@ pub(crate) fn claim(id: &str, statement: &str, verdict: Verdict, evidence: Strin
     }
 }
 
+/// Standard errors beyond which a measured mean contradicts its known value: the two-sided normal quantile of a false
+/// alarm once in 1e5 runs.
+pub(crate) const DEVIATIONS: f64 = 4.42;
+
 /// The larger of two measurements, NaN if either is: a NaN must not be lost on the way to a verdict.
 pub(crate) fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }

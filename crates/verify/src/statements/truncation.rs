@@ -10,7 +10,7 @@ use noise::{Truncation, WienerPath};
 
 use crate::experiment::Context;
 use crate::results::{Claim, Verdict};
-use crate::statement::{claim, decide, worse};
+use crate::statement::{DEVIATIONS, claim, decide, worse};
 
 /// Orders k and exponents j of τ = 2^−j at which the closed forms are evaluated.
 const ORDERS: std::ops::RangeInclusive<u32> = 1..=6;
@@ -64,9 +64,6 @@ fn variance() -> Claim {
     )
 }
 
-/// A false alarm once in 1e5 runs: two-sided normal quantile.
-const SAMPLED_DEVIATIONS: f64 = 4.42;
-
 /// Where enough increments are clipped to see it: τ = 1/4, k = 1.
 const SAMPLED_STEP: f64 = 0.25;
 const SAMPLED_ORDER: u32 = 1;
@@ -94,7 +91,7 @@ pub(crate) fn sampled_variance(context: &Context<'_>, bound: f64) -> Claim {
     claim(
         "truncation-moments",
         "sampled increments lose the variance of the closed form",
-        decide(deviations.abs() <= SAMPLED_DEVIATIONS),
+        decide(deviations.abs() <= DEVIATIONS),
         format!(
             "{samples} increments at τ = 1/4, k = 1: {:.5} ± {:.5} against {expected:.5}, {deviations:+.1} standard errors",
             lost.mean(),

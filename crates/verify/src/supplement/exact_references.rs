@@ -9,7 +9,7 @@ use crate::experiment::{Context, Yield, truncation};
 use crate::order::{fit_strong, order_verdict};
 use crate::paper::{INERTIA, LOTKA_VOLTERRA_START, rate_evidence, rigid_body_start, valid};
 use crate::results::{Claim, Kind, Panel, Series};
-use crate::statement::{claim, decide};
+use crate::statement::{DEVIATIONS, claim, decide};
 use crate::strong::{describe_failures, root_mean_squares};
 use crate::study::{Exact, Study, weak_order};
 
@@ -32,9 +32,6 @@ const DEGREE: f64 = 2.0;
 const NOISE: f64 = 1.0;
 /// Coarsest step 2⁻⁵.
 const FIRST: u32 = 5;
-/// A false alarm once in 1e5 runs: two-sided normal quantile.
-const DEVIATIONS: f64 = 4.42;
-
 fn against_exact<S, G>(
     context: &Context<'_>,
     id: &str,
