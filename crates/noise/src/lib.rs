@@ -31,13 +31,16 @@
 //! | [`WienerBlock`], [`WienerPath`] | normal increments for 32 paths, for one path |
 //! | [`Truncation`], [`clip`] | ΔŴ = √τ χ(ΔW/√τ) |
 //! | [`DyadicLadder`] | sums of fine increments over all coarser steps |
+//! | [`AreaBlock`], [`AreaLadder`], [`join`] | Lévy areas, and those of coarser steps by Chen's relation |
 
+mod area;
 mod error;
 mod ladder;
 mod stream;
 mod truncation;
 mod wiener;
 
+pub use area::{AreaBlock, AreaLadder, join};
 pub use error::NoiseError;
 pub use ladder::DyadicLadder;
 pub use stream::StreamKey;

@@ -1,0 +1,218 @@
+//! Lévy areas of a block of paths, their truncation, and Chen's relation up a dyadic ladder.
+//!
+//! A_ij = ½(J_ij − J_ji) with the iterated Stratonovich integrals J_ij = ∫₀ʰ∫₀ˢ ∘dW_i(r) ∘dW_j(s), so that
+//! J = ½WWᵀ + A. A is skew: only the entries i < j are kept.
+
+use real::{Block, WIDTH};
+
+use crate::{DyadicLadder, NoiseError, Truncation};
+
+/// Lévy areas of 32 paths: A_ij of path p, for i < j, is `block.0[i][j][p]`; the other entries are zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub struct AreaBlock<const M: usize>(pub [[[f64; WIDTH]; M]; M]);
+
+impl<const M: usize> AreaBlock<M> {
+    /// All zero.
+    #[inline(always)]
+    #[must_use]
+    pub fn zero() -> Self {
+        Self([[[0.0; WIDTH]; M]; M])
+    }
+
+    /// The whole skew matrix A of path `p`.
+    #[inline(always)]
+    #[must_use]
+    pub fn path(&self, p: usize) -> [[f64; M]; M] {
+        let mut area = [[0.0; M]; M];
+        for i in 0..M {
+            for j in 0..M {
+                area[i][j] = self.0[i][j][p] - self.0[j][i][p];
+            }
+        }
+        area
+    }
+
+    /// Replaces the areas of path `p` by those of a skew matrix, of which the entries i < j are read.
+    #[inline(always)]
+    pub fn set_path(&mut self, p: usize, area: [[f64; M]; M]) {
+        for i in 0..M {
+            for j in i + 1..M {
+                self.0[i][j][p] = area[i][j];
+            }
+        }
+    }
+
+    /// Clips every area to ±`bound`; returns the areas and how many entries were clipped.
+    #[inline]
+    #[must_use]
+    pub fn clipped(&self, bound: f64) -> (Self, u64) {
+        let mut clipped = Self::zero();
+        let mut count = 0u64;
+        for i in 0..M {
+            for j in i + 1..M {
+                for p in 0..WIDTH {
+                    let area = self.0[i][j][p];
+                    let below = if area < bound { area } else { bound };
+                    clipped.0[i][j][p] = if below > -bound { below } else { -bound };
+                    count = count.wrapping_add(u64::from(clipped.0[i][j][p] != area));
+                }
+            }
+        }
+        (clipped, count)
+    }
+}
+
+impl Truncation {
+    /// The largest |Â_ij| at step `tau`: (k/π) τ|log τ|, infinite for [`Truncation::none`]; 1/(2π) of the square of
+    /// [`Truncation::bound`].
+    ///
+    /// A_ij has the density sech(πx/τ)/τ, so clipping it there costs E[(A − Â)²] ≤ (8/π³) τ^{2+k}: with k ≥ 1 no more
+    /// than the τ³ that a method of strong order one may lose in a step.
+    ///
+    /// # Errors
+    /// [`NoiseError::StepOutsideUnitInterval`] unless 0 < τ < 1.
+    pub fn area_bound(self, tau: f64) -> Result<f64, NoiseError> {
+        let bound = self.bound(tau)?;
+        Ok(bound * bound / (2.0 * std::f64::consts::PI))
+    }
+}
+
+/// Areas over every coarser step of a [`DyadicLadder`], joined by Chen's relation: over a step of two halves ′ and ″,
+/// A = A′ + A″ + ½(W′W″ᵀ − W″W′ᵀ).
+#[derive(Clone, Debug)]
+pub struct AreaLadder<const M: usize> {
+    first_half: Vec<AreaBlock<M>>,
+    joined: Vec<AreaBlock<M>>,
+}
+
+impl<const M: usize> AreaLadder<M> {
+    /// A ladder of `levels` levels above the finest, to go with a [`DyadicLadder`] of as many.
+    #[must_use]
+    pub fn new(levels: usize) -> Self {
+        Self { first_half: vec![AreaBlock::zero(); levels + 1], joined: vec![AreaBlock::zero(); levels + 1] }
+    }
+
+    /// Adds the areas of the finest step whose increment `sums` has just been given; `complete` is what
+    /// [`DyadicLadder::push`] returned.
+    pub fn push(&mut self, areas: &AreaBlock<M>, sums: &DyadicLadder<M>, complete: usize) {
+        self.joined[0] = *areas;
+        for level in 1..=complete {
+            let (first, second) = (sums.first_half(level), sums.increment(level - 1));
+            self.joined[level] = join(&self.first_half[level], first, &self.joined[level - 1], second);
+        }
+        if let Some(first_half) = self.first_half.get_mut(complete + 1) {
+            *first_half = self.joined[complete];
+        }
+    }
+
+    /// The areas over the whole step of `level` that has just been completed.
+    #[must_use]
+    pub fn areas(&self, level: usize) -> &AreaBlock<M> {
+        &self.joined[level]
+    }
+
+    /// The areas over the first half of the step of `level` ≥ 1 that has just been completed; those of the second half
+    /// are [`areas`](Self::areas) of the level below.
+    #[must_use]
+    pub fn first_half(&self, level: usize) -> &AreaBlock<M> {
+        &self.first_half[level]
+    }
+}
+
+/// Chen's relation for two consecutive pieces of a path, each given by its areas and its increment.
+#[inline]
+#[must_use]
+pub fn join<const M: usize>(
+    first_areas: &AreaBlock<M>,
+    first: &Block<M>,
+    second_areas: &AreaBlock<M>,
+    second: &Block<M>,
+) -> AreaBlock<M> {
+    let mut joined = AreaBlock::zero();
+    for i in 0..M {
+        for j in i + 1..M {
+            for p in 0..WIDTH {
+                let wedge = first.0[i][p] * second.0[j][p] - second.0[i][p] * first.0[j][p];
+                joined.0[i][j][p] = (first_areas.0[i][j][p] + second_areas.0[i][j][p]) + 0.5 * wedge;
+            }
+        }
+    }
+    joined
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A path made of straight pieces; its areas are sums of triangles.
+    fn pieces() -> Vec<[f64; 3]> {
+        (0..32).map(|n| [(n * n % 7) as f64 - 3.0, (n * 5 % 11) as f64 - 5.0, (n * 3 % 13) as f64 - 6.0]).collect()
+    }
+
+    /// ½ Σ (W_i ΔW_j − W_j ΔW_i) over straight pieces, integers and halves: exact in floating point.
+    fn area_of(pieces: &[[f64; 3]], i: usize, j: usize) -> f64 {
+        let (mut at, mut area) = ([0.0; 3], 0.0);
+        for piece in pieces {
+            area += 0.5 * (at[i] * piece[j] - at[j] * piece[i]);
+            for m in 0..3 {
+                at[m] += piece[m];
+            }
+        }
+        area
+    }
+
+    #[test]
+    fn the_ladder_joins_the_area_of_the_path() {
+        let pieces = pieces();
+        let (mut sums, mut areas) = (DyadicLadder::<3>::new(4), AreaLadder::<3>::new(4));
+        for (n, piece) in pieces.iter().enumerate() {
+            let complete = sums.push(&Block::splat(*piece));
+            areas.push(&AreaBlock::zero(), &sums, complete);
+            for level in 0..=complete {
+                let step = &pieces[n + 1 - (1 << level)..=n];
+                let halves = step.split_at(step.len() / 2);
+                for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+                    assert_eq!(areas.areas(level).0[i][j], [area_of(step, i, j); WIDTH], "{n} {level}");
+                    assert_eq!(areas.areas(level).path(5)[j][i], -area_of(step, i, j));
+                    if level > 0 {
+                        assert_eq!(areas.first_half(level).0[i][j], [area_of(halves.0, i, j); WIDTH]);
+                        assert_eq!(areas.areas(level - 1).0[i][j], [area_of(halves.1, i, j); WIDTH]);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn areas_of_the_finest_steps_are_added() {
+        let (mut sums, mut areas) = (DyadicLadder::<2>::new(1), AreaLadder::<2>::new(1));
+        for area in [2.0, -0.5] {
+            let mut finest = AreaBlock::zero();
+            finest.set_path(3, [[7.0, area], [7.0, 7.0]]);
+            let complete = sums.push(&Block::zero());
+            areas.push(&finest, &sums, complete);
+        }
+        assert_eq!(areas.areas(1).path(3), [[0.0, 1.5], [-1.5, 0.0]]);
+        assert_eq!(areas.areas(1).path(4), [[0.0; 2]; 2]);
+    }
+
+    #[test]
+    fn clipping_keeps_signs_and_counts() {
+        let mut areas = AreaBlock::<3>::zero();
+        areas.set_path(0, [[0.0, 5.0, -7.0], [0.0, 0.0, 0.5], [0.0; 3]]);
+        let (clipped, count) = areas.clipped(1.0);
+        assert_eq!((count, clipped.path(0)), (2, [[0.0, 1.0, -1.0], [-1.0, 0.0, 0.5], [1.0, -0.5, 0.0]]));
+        assert_eq!(areas.clipped(f64::INFINITY), (areas, 0));
+    }
+
+    #[test]
+    fn the_bound_is_the_one_of_the_increments_squared() {
+        let tau: f64 = 1.0 / 512.0;
+        let expected = 2.0 / std::f64::consts::PI * tau * tau.ln().abs();
+        let bound = Truncation::new(2).unwrap().area_bound(tau).unwrap();
+        assert!((bound / expected - 1.0).abs() < 1e-15);
+        assert!(Truncation::new(2).unwrap().area_bound(1.0).is_err());
+        assert_eq!(Truncation::none().area_bound(0.5), Ok(f64::INFINITY));
+    }
+}
