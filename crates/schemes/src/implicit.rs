@@ -1,31 +1,69 @@
 //! What the implicit schemes share: the equation z = start + change(start, z), on one path and on a block.
 
+use noise::AreaBlock;
 use nonlin::{BlockFixedPoint, BlockStatus, FixedPoint, Solution, Solver};
 use real::{Block, Real};
 
-/// The change over one step of an implicit scheme.
-pub(crate) trait Rule<S, const D: usize, const M: usize>: Copy {
+/// The change over one step of an implicit scheme on systems of type S, driven by noise of type N on each path.
+pub(crate) trait Rule<S, N, const D: usize>: Copy {
     /// The change from `start` to `z`. Must be `#[inline(always)]`.
-    fn change<R: Real>(&self, system: &S, dw: [f64; M], start: [f64; D], z: [R; D]) -> [R; D];
+    fn change<R: Real>(&self, system: &S, noise: N, start: [f64; D], z: [R; D]) -> [R; D];
+}
+
+/// What a block of paths sees of the noise over a step.
+pub(crate) trait BlockNoise {
+    /// What one path sees.
+    type Path: Copy;
+    /// What path `p` sees. Must be `#[inline(always)]`.
+    fn path(&self, p: usize) -> Self::Path;
+}
+
+impl<const M: usize> BlockNoise for Block<M> {
+    type Path = [f64; M];
+    #[inline(always)]
+    fn path(&self, p: usize) -> [f64; M] {
+        self.path(p)
+    }
+}
+
+/// Increments and Lévy areas of one path.
+#[derive(Clone, Copy)]
+pub(crate) struct WithAreas<const M: usize> {
+    pub(crate) dw: [f64; M],
+    pub(crate) areas: [[f64; M]; M],
+}
+
+/// Increments and Lévy areas of a block.
+pub(crate) struct BlockWithAreas<'a, const M: usize> {
+    pub(crate) dw: &'a Block<M>,
+    pub(crate) areas: &'a AreaBlock<M>,
+}
+
+impl<const M: usize> BlockNoise for BlockWithAreas<'_, M> {
+    type Path = WithAreas<M>;
+    #[inline(always)]
+    fn path(&self, p: usize) -> WithAreas<M> {
+        WithAreas { dw: self.dw.path(p), areas: self.areas.path(p) }
+    }
 }
 
 /// The equation of one path.
-struct PathEquation<'a, S, Q, const D: usize, const M: usize> {
+struct PathEquation<'a, S, Q, N, const D: usize> {
     rule: Q,
     system: &'a S,
-    dw: [f64; M],
+    noise: N,
     start: [f64; D],
 }
 
-impl<S, Q: Copy, const D: usize, const M: usize> Clone for PathEquation<'_, S, Q, D, M> {
+impl<S, Q: Copy, N: Copy, const D: usize> Clone for PathEquation<'_, S, Q, N, D> {
     #[inline(always)]
     fn clone(&self) -> Self {
         *self
     }
 }
-impl<S, Q: Copy, const D: usize, const M: usize> Copy for PathEquation<'_, S, Q, D, M> {}
+impl<S, Q: Copy, N: Copy, const D: usize> Copy for PathEquation<'_, S, Q, N, D> {}
 
-impl<S, Q: Rule<S, D, M>, const D: usize, const M: usize> FixedPoint<D> for PathEquation<'_, S, Q, D, M> {
+impl<S, Q: Rule<S, N, D>, N: Copy, const D: usize> FixedPoint<D> for PathEquation<'_, S, Q, N, D> {
     #[inline(always)]
     fn start(&self) -> [f64; D] {
         self.start
@@ -33,7 +71,7 @@ impl<S, Q: Rule<S, D, M>, const D: usize, const M: usize> FixedPoint<D> for Path
 
     #[inline(always)]
     fn map<R: Real>(&self, z: [R; D]) -> [R; D] {
-        let mut next = self.rule.change(self.system, self.dw, self.start, z);
+        let mut next = self.rule.change(self.system, self.noise, self.start, z);
         for i in 0..D {
             next[i] = next[i] + self.start[i];
         }
@@ -42,43 +80,45 @@ impl<S, Q: Rule<S, D, M>, const D: usize, const M: usize> FixedPoint<D> for Path
 }
 
 /// The equations of a block.
-struct BlockEquation<'a, S, Q, const D: usize, const M: usize> {
+struct BlockEquation<'a, S, Q, B, const D: usize> {
     rule: Q,
     system: &'a S,
-    dw: &'a Block<M>,
+    noise: &'a B,
     start: &'a Block<D>,
 }
 
-impl<'a, S, Q: Rule<S, D, M>, const D: usize, const M: usize> BlockFixedPoint<D> for BlockEquation<'a, S, Q, D, M> {
-    type Path = PathEquation<'a, S, Q, D, M>;
+impl<'a, S, Q: Rule<S, B::Path, D>, B: BlockNoise, const D: usize> BlockFixedPoint<D>
+    for BlockEquation<'a, S, Q, B, D>
+{
+    type Path = PathEquation<'a, S, Q, B::Path, D>;
     #[inline(always)]
     fn path(&self, p: usize) -> Self::Path {
-        PathEquation { rule: self.rule, system: self.system, dw: self.dw.path(p), start: self.start.path(p) }
+        PathEquation { rule: self.rule, system: self.system, noise: self.noise.path(p), start: self.start.path(p) }
     }
 }
 
 /// Solves the equations of a block; to be called inside a kernel.
 #[inline(always)]
-pub(crate) fn solve_block<S, Q: Rule<S, D, M>, const D: usize, const M: usize>(
+pub(crate) fn solve_block<S, Q: Rule<S, B::Path, D>, B: BlockNoise, const D: usize>(
     solver: &Solver,
     rule: Q,
     system: &S,
-    dw: &Block<M>,
+    noise: &B,
     start: &Block<D>,
     status: &mut BlockStatus,
 ) -> Block<D> {
     let mut z = Block::zero();
-    solver.solve_block(&BlockEquation { rule, system, dw, start }, &mut z, status);
+    solver.solve_block(&BlockEquation { rule, system, noise, start }, &mut z, status);
     z
 }
 
 /// Solves the equation of one path.
-pub(crate) fn solve_path<S, Q: Rule<S, D, M>, const D: usize, const M: usize>(
+pub(crate) fn solve_path<S, Q: Rule<S, N, D>, N: Copy, const D: usize>(
     solver: &Solver,
     rule: Q,
     system: &S,
-    dw: [f64; M],
+    noise: N,
     start: [f64; D],
 ) -> Solution<D> {
-    solver.solve(&PathEquation { rule, system, dw, start })
+    solver.solve(&PathEquation { rule, system, noise, start })
 }

@@ -1,4 +1,4 @@
-//! **The conformal exponential integrator and the two schemes it is compared with, one file each.**
+//! **The conformal exponential integrator, with and without Lévy areas, and the two schemes it is compared with.**
 //!
 //! A [`Scheme`] advances one path or a block of 32 by one step, with the same arithmetic: a block is 32 paths and
 //! nothing else. [`Sexp`] keeps quadratic Casimirs, and with one noise homogeneous Hamiltonians, exactly on their
@@ -24,6 +24,7 @@
 //! | scheme | kind | strong order, one noise / several | keeps |
 //! |---|---|---|---|
 //! | [`Sexp`] | implicit, exponential | 1 / ½ | conformal quadratic Casimirs; one noise: conformal homogeneous energy |
+//! | [`SexpLevy`] | the same with Lévy areas | 1 / 1 | the same |
 //! | [`Midpoint`] | implicit | 1 / ½ | quadratic Casimirs when undamped |
 //! | [`EulerMaruyama`] | explicit | ½ / ½ | nothing |
 
@@ -32,10 +33,12 @@ mod implicit;
 mod midpoint;
 mod scheme;
 mod sexp;
+mod sexp_levy;
 mod step;
 
 pub use em::EulerMaruyama;
 pub use midpoint::Midpoint;
 pub use scheme::Scheme;
 pub use sexp::Sexp;
+pub use sexp_levy::SexpLevy;
 pub use step::{Step, StepError};

@@ -34,7 +34,7 @@ impl MidpointField {
     }
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, D, M> for MidpointField {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, [f64; M], D> for MidpointField {
     #[inline(always)]
     fn change<R: Real>(&self, system: &S, dw: [f64; M], start: [f64; D], z: [R; D]) -> [R; D] {
         let mut middle = [R::zero(); D];

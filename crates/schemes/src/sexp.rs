@@ -12,7 +12,7 @@ use nonlin::{BlockStatus, Solution, Solver};
 use real::{Block, Kernel, Real, WIDTH, dispatch};
 use systems::PoissonSystem;
 
-use crate::implicit::{Rule, solve_block, solve_path};
+use crate::implicit::{BlockNoise, Rule, solve_block, solve_path};
 use crate::{Scheme, Step};
 
 /// The stochastic conformal exponential integrator, `sexp`.
@@ -24,11 +24,11 @@ pub struct Sexp {
 
 /// B((ẑ+z)/2) ∇̄h(ẑ, z).
 #[derive(Clone, Copy)]
-struct AveragedField {
-    tau: f64,
+pub(crate) struct AveragedField {
+    pub(crate) tau: f64,
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, D, M> for AveragedField {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, [f64; M], D> for AveragedField {
     #[inline(always)]
     fn change<R: Real>(&self, system: &S, dw: [f64; M], start: [f64; D], z: [R; D]) -> [R; D] {
         let mut z_hat = [R::zero(); D];
@@ -52,20 +52,50 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for StepKern
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let mut z_hat = Block::zero();
-        for i in 0..D {
-            for p in 0..WIDTH {
-                z_hat.0[i][p] = self.step.first_decay * self.y.0[i][p];
-            }
-        }
         let rule = AveragedField { tau: self.step.tau };
-        let z = solve_block(&self.solver, rule, self.system, self.dw, &z_hat, self.status);
-        for i in 0..D {
-            for p in 0..WIDTH {
-                self.y.0[i][p] = self.step.second_decay * z.0[i][p];
-            }
+        split_block(&self.solver, rule, self.system, self.step, self.dw, self.y, self.status);
+    }
+}
+
+/// Half the damping, the implicit step of a rule, the other half of the damping, for a block; to be called inside a
+/// kernel.
+#[inline(always)]
+pub(crate) fn split_block<S, Q: Rule<S, B::Path, D>, B: BlockNoise, const D: usize>(
+    solver: &Solver,
+    rule: Q,
+    system: &S,
+    step: &Step,
+    noise: &B,
+    y: &mut Block<D>,
+    status: &mut BlockStatus,
+) {
+    let mut z_hat = Block::zero();
+    for i in 0..D {
+        for p in 0..WIDTH {
+            z_hat.0[i][p] = step.first_decay * y.0[i][p];
         }
     }
+    let z = solve_block(solver, rule, system, noise, &z_hat, status);
+    for i in 0..D {
+        for p in 0..WIDTH {
+            y.0[i][p] = step.second_decay * z.0[i][p];
+        }
+    }
+}
+
+/// The same for one path.
+pub(crate) fn split_path<S, Q: Rule<S, N, D>, N: Copy, const D: usize>(
+    solver: &Solver,
+    rule: Q,
+    system: &S,
+    step: &Step,
+    noise: N,
+    y: [f64; D],
+) -> Solution<D> {
+    let z_hat = y.map(|component| step.first_decay * component);
+    let mut solution = solve_path(solver, rule, system, noise, z_hat);
+    solution.z = solution.z.map(|component| step.second_decay * component);
+    solution
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for Sexp {
@@ -78,9 +108,6 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
     }
 
     fn step(&self, system: &S, step: &Step, dw: [f64; M], y: [f64; D]) -> Solution<D> {
-        let z_hat = y.map(|component| step.first_decay * component);
-        let mut solution = solve_path(&self.solver, AveragedField { tau: step.tau }, system, dw, z_hat);
-        solution.z = solution.z.map(|component| step.second_decay * component);
-        solution
+        split_path(&self.solver, AveragedField { tau: step.tau }, system, step, dw, y)
     }
 }

@@ -3,11 +3,11 @@
 
 mod common;
 
-use common::{Visit, every_system};
-use noise::{StreamKey, Truncation, WienerBlock, clip};
+use common::{Numbers, Visit, every_system};
+use noise::{AreaBlock, StreamKey, Truncation, WienerBlock, clip};
 use nonlin::{BlockStatus, Method, Outcome, Solver};
 use real::{Block, Level, WIDTH, limit_to};
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step};
+use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, Step};
 use systems::{Cosine, PoissonSystem};
 
 const TAU: f64 = 0.05;
@@ -33,7 +33,10 @@ impl SideBySide {
     {
         let key = StreamKey { seed: 9, experiment: 1 };
         let damping = Cosine::new(0.5, 2.0).unwrap();
-        let bound = Truncation::new(4).unwrap().bound(TAU).unwrap();
+        let truncation = Truncation::new(4).unwrap();
+        let (bound, area_bound) = (truncation.bound(TAU).unwrap(), truncation.area_bound(TAU).unwrap());
+        let mut numbers = Numbers(3);
+        let mut areas = AreaBlock::zero();
         let mut noise = WienerBlock::<M>::new(key, 0);
         let mut block = Block::splat(y0);
         // A path that is no number from the start must not disturb the others.
@@ -49,9 +52,12 @@ impl SideBySide {
             for p in [4, 21] {
                 clipped.set_path(p, clipped.path(p).map(|x| 8.0 * x));
             }
-            scheme.step_block(system, &step, &clipped, &mut block, &mut status);
             for p in 0..WIDTH {
-                let single = scheme.step(system, &step, clipped.path(p), paths[p]);
+                areas.set_path(p, [(); M].map(|()| [(); M].map(|()| area_bound * numbers.next())));
+            }
+            scheme.step_block_with_areas(system, &step, &clipped, &areas, &mut block, &mut status);
+            for p in 0..WIDTH {
+                let single = scheme.step_with_areas(system, &step, clipped.path(p), areas.path(p), paths[p]);
                 let place = || format!("{} of {} at {:?}, step {n}, path {p}", scheme.id(), system.name(), self.level);
                 assert_eq!(bits(single.z), bits(block.path(p)), "{}", place());
                 assert_eq!(status.failed.contains(p), !single.outcome.converged(), "{}", place());
@@ -92,6 +98,14 @@ fn a_block_is_its_paths_at_every_level() {
         limit_to(level);
         let mut side_by_side = SideBySide { level, ways: [0; 3] };
         every_system(&mut side_by_side);
+        for method in [Method::FixedPoint, Method::Newton] {
+            let (body, y0) = (common::body(), [0.6, 0.0, 0.8]);
+            let mut levy = SexpLevy::new(&body, y0);
+            levy.solver = Solver::new(method);
+            side_by_side.compare(&levy, &body, y0);
+            // The same without closed forms: commutators and gradients by dual numbers.
+            side_by_side.compare(&levy, &common::Plain(body), y0);
+        }
         seen.push(side_by_side.ways);
     }
     let [fast, robust, failed] = seen[0];
@@ -103,9 +117,10 @@ fn a_block_is_its_paths_at_every_level() {
 #[test]
 fn schemes_have_the_ids_of_the_paper() {
     let body = common::body();
-    let schemes: [&dyn Scheme<_, 3, 3>; 3] = [&Sexp::default(), &EulerMaruyama, &Midpoint::default()];
+    let levy = SexpLevy::new(&body, [1.0, 2.0, 3.0]);
+    let schemes: [&dyn Scheme<_, 3, 3>; 4] = [&Sexp::default(), &EulerMaruyama, &Midpoint::default(), &levy];
     fn ids<S, const N: usize>(schemes: [&dyn Scheme<S, 3, 3>; N], _: &S) -> [&'static str; N] {
         schemes.map(|scheme| scheme.id())
     }
-    assert_eq!(ids(schemes, &body), ["sexp", "em", "midpoint"]);
+    assert_eq!(ids(schemes, &body), ["sexp", "em", "midpoint", "sexp-levy"]);
 }

@@ -32,9 +32,11 @@
 //! |---|---|
 //! | [`PoissonSystem`] | B(y)v, h(y), and what follows from them |
 //! | [`vector_field`], [`vector_field_derivative`], [`ito_correction`] | f = B∇h, f′v, ½Σ fₘ′fₘ |
+//! | [`noises_commute`] | whether [fₘ, f_l] = 0, so that Lévy areas are not needed |
 //! | [`Damping`]: [`Constant`], [`Linear`], [`Sine`], [`Cosine`], [`DampingFunction`] | γ(t) and ∫γ |
 //! | [`Invariant`] | a Casimir or an energy with its degree and its conformal law |
 //! | [`Pendulum`], [`RigidBody`], [`RigidBodyEnergy`], [`LotkaVolterra`], [`MaxwellBloch`], [`Poisson3`] | the five systems of the paper |
+//! | [`SpinChain`] | a Heisenberg chain in a fluctuating field: more than three dimensions, noises that do not commute |
 //! | [`Problem`] | system, damping, y₀ and T, validated |
 
 mod damping;
@@ -47,11 +49,14 @@ mod pendulum;
 mod poisson3;
 mod problem;
 mod rigid_body;
+mod spin_chain;
 mod system;
 
 pub use damping::{Constant, Cosine, Damping, DampingFunction, Linear, Sine};
 pub use error::SystemError;
-pub use field::{HamiltonianIncrement, ito_correction, unit_noise, vector_field, vector_field_derivative};
+pub use field::{
+    HamiltonianIncrement, ito_correction, noises_commute, unit_noise, vector_field, vector_field_derivative,
+};
 pub use invariant::{Form, Invariant, InvariantKind};
 pub use lotka_volterra::{Exponents, IntegerExponents, LotkaVolterra, RealExponents};
 pub use maxwell_bloch::MaxwellBloch;
@@ -59,4 +64,5 @@ pub use pendulum::Pendulum;
 pub use poisson3::Poisson3;
 pub use problem::Problem;
 pub use rigid_body::{RigidBody, RigidBodyEnergy};
+pub use spin_chain::SpinChain;
 pub use system::PoissonSystem;

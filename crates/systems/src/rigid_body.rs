@@ -120,6 +120,25 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
         ]
     }
 
+    /// By Jacobi's identity [fₘ, f_l] = B∇{H_l, Hₘ}, and {H_l, Hₘ} = ± y₁y₂y₃/(ÎₘÎ_l) with the sign of (eₘ × e_l)·y: the sum is
+    /// y × ∇(c y₁y₂y₃) with one number c.
+    #[inline(always)]
+    fn commutators<R: Real>(&self, y: [R; 3], areas: [[f64; M]; M]) -> [R; 3] {
+        let mut c = 0.0;
+        for m in 0..M {
+            for l in m + 1..M {
+                let weight = self.noise[m] * self.noise[l] * areas[m][l];
+                c += if l == m + 1 { weight } else { -weight };
+            }
+        }
+        let squares = [y[0] * y[0], y[1] * y[1], y[2] * y[2]];
+        [
+            y[0] * (squares[1] - squares[2]) * c,
+            y[1] * (squares[2] - squares[0]) * c,
+            y[2] * (squares[0] - squares[1]) * c,
+        ]
+    }
+
     fn invariants(&self) -> Vec<Invariant> {
         vec![CASIMIR]
     }

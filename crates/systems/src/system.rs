@@ -3,7 +3,7 @@
 use dgrad::{averaged, quadratic};
 use real::{Real, gradient};
 
-use crate::field::{Energy, HamiltonianIncrement};
+use crate::field::{Energy, HamiltonianIncrement, commutators};
 use crate::{Invariant, SystemError};
 
 /// Nodes of the default discrete gradient: error of order |b − a|¹⁶, round-off for the small steps of a scheme.
@@ -41,6 +41,14 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
     #[inline(always)]
     fn averaged_field<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
         self.structure(quadratic(a, b), self.averaged_gradient(a, b, dt, dw))
+    }
+
+    /// Σ_{m<l} A_ml [fₘ, f_l](y) for a skew matrix A of Lévy areas, with fₘ = B∇Hₘ and [f, g] = g′f − f′g; by dual numbers,
+    /// nested where a Jacobian is wanted, unless overridden. It is tangent to the level sets of every Casimir:
+    /// [fₘ, f_l]C = fₘ(f_l C) − f_l(fₘ C) = 0.
+    #[inline(always)]
+    fn commutators<R: Real>(&self, y: [R; D], areas: [[f64; M]; M]) -> [R; D] {
+        commutators(self, y, areas)
     }
 
     /// The homogeneous Casimirs and, for one noise, the homogeneous Hamiltonian; none unless overridden.

@@ -6,7 +6,7 @@ use real::{Real, ScalarFunction, gradient};
 use schemes::Step;
 use systems::{
     Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
-    PoissonSystem, RigidBody, RigidBodyEnergy, Sine,
+    PoissonSystem, RigidBody, RigidBodyEnergy, Sine, SpinChain,
 };
 
 pub const INERTIA: [f64; 3] = [2.0, 1.0, 2.0 / 3.0];
@@ -16,9 +16,9 @@ pub fn body() -> RigidBody<3> {
     RigidBody::three_noises(INERTIA, NOISE_INERTIA).unwrap()
 }
 
-/// Something to do with every system of the paper.
+/// Something to do with every system.
 pub trait Visit {
-    /// `y0` is the paper's initial value.
+    /// `y0` is the paper's initial value where the system is one of the paper.
     fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]);
 }
 
@@ -42,6 +42,11 @@ pub fn every_system(visit: &mut impl Visit) {
     visit.visit(&LotkaVolterra::new(-0.7, -1.9, 1.0).unwrap(), [0.2, 0.4, 0.6]);
 }
 
+/// Two spins in a fluctuating field.
+pub fn spins() -> SpinChain<6> {
+    SpinChain::new(1.0, 0.5, 0.8).unwrap()
+}
+
 /// a = b = −1: H = y₁y₂y₃.
 pub fn populations_1() -> LotkaVolterra<IntegerExponents<1, 1>> {
     LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0).unwrap()
@@ -50,6 +55,24 @@ pub fn populations_1() -> LotkaVolterra<IntegerExponents<1, 1>> {
 /// a = −1, b = −2: H = y₁²y₂²y₃.
 pub fn populations_2() -> LotkaVolterra<IntegerExponents<2, 2>> {
     LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0).unwrap()
+}
+
+/// A system that says only what must be said.
+#[derive(Clone, Copy)]
+pub struct Plain<S>(pub S);
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M> for Plain<S> {
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+    #[inline(always)]
+    fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
+        self.0.structure(y, v)
+    }
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> R {
+        self.0.energy(y, dt, dw)
+    }
 }
 
 /// A point near y₀, or, for populations, in the positive octant.

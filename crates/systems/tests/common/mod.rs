@@ -4,6 +4,7 @@
 use real::{Real, ScalarFunction, gradient};
 use systems::{
     IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody, RigidBodyEnergy,
+    SpinChain,
 };
 
 /// Something to check of every system.
@@ -33,7 +34,7 @@ impl Region {
 pub const INERTIA: [f64; 3] = [2.0, 1.0, 2.0 / 3.0];
 pub const NOISE_INERTIA: [f64; 3] = [1.0, 2.0, 3.0];
 
-/// Every system of the paper, Lotka–Volterra with integer and with real exponents, with noise sizes and scales that
+/// Every system: those of the paper, Lotka–Volterra with integer and with real exponents, with noise sizes and scales that
 /// are not 1.
 pub fn every_system(check: &mut impl Check) {
     use Region::{Box, Positive};
@@ -50,6 +51,7 @@ pub fn every_system(check: &mut impl Check) {
     check.check(&LotkaVolterra::<IntegerExponents<4, 5>>::integer(0.5).unwrap(), Positive);
     check.check(&MaxwellBloch, Box);
     check.check(&Poisson3::new(0.7).unwrap(), Box);
+    check.check(&SpinChain::<6>::new(0.9, 0.4, 0.7).unwrap(), Box);
 }
 
 /// An invariant as a function, to be differentiated.

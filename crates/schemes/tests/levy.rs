@@ -1,0 +1,140 @@
+//! `sexp-levy`: what it keeps, what it adds to `sexp`, and that it adds nothing where noises commute.
+
+mod common;
+
+use common::{Numbers, Visit, any_damping, any_increments, any_state, any_step, conformal_defect, every_system, spins};
+use noise::Truncation;
+use nonlin::{Method, Outcome, Solver};
+use real::Real;
+use schemes::{Scheme, Sexp, SexpLevy, Step};
+use systems::{Constant, InvariantKind, PoissonSystem};
+
+/// Areas spread over all that truncation with k = 4 lets through.
+fn any_areas<const M: usize>(numbers: &mut Numbers, tau: f64) -> [[f64; M]; M] {
+    let bound = Truncation::new(4).unwrap().area_bound(tau).unwrap();
+    let mut areas = [[0.0; M]; M];
+    for m in 0..M {
+        for l in m + 1..M {
+            areas[m][l] = bound * (1.25 * numbers.next()).clamp(-1.0, 1.0);
+            areas[l][m] = -areas[m][l];
+        }
+    }
+    areas
+}
+
+const SAMPLES: usize = 2000;
+
+/// Newton solves to the rounding of the equation, of which the commutators are three more terms of the size of those
+/// that [`conformal_defect`] counts; the areas reach twice the increments squared.
+const ALLOWED: f64 = 8.0;
+
+struct KeepsCasimirs(usize);
+
+impl Visit for KeepsCasimirs {
+    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]) {
+        let mut levy = SexpLevy::new(system, y0);
+        levy.solver = Solver::new(Method::Newton);
+        if !Scheme::<S, D, M>::needs_areas(&levy) {
+            return;
+        }
+        let mut numbers = Numbers(6);
+        let mut unsolved = 0;
+        for _ in 0..SAMPLES {
+            let damping = any_damping(&mut numbers);
+            let step = any_step(&mut numbers, damping.as_ref());
+            let dw = any_increments(&mut numbers, step.tau);
+            let areas = any_areas(&mut numbers, step.tau);
+            let y = any_state(&mut numbers, system, y0);
+            let solution = levy.step_with_areas(system, &step, dw, areas, y);
+            if let Outcome::Failed { .. } = solution.outcome {
+                unsolved += 1;
+                continue;
+            }
+            for (index, invariant) in system.invariants().iter().enumerate() {
+                assert_eq!(invariant.kind, InvariantKind::Casimir);
+                let defect = conformal_defect(system, index, &step, dw, y, solution.z);
+                assert!(
+                    defect <= ALLOWED,
+                    "{} {invariant:?}: {defect} at {step:?} {dw:?} {areas:?} {y:?}",
+                    system.name()
+                );
+                self.0 += 1;
+            }
+        }
+        assert!(unsolved <= SAMPLES / 100, "{}: {unsolved}", system.name());
+    }
+}
+
+#[test]
+fn casimirs_are_kept_whatever_the_areas() {
+    let mut keeps = KeepsCasimirs(0);
+    every_system(&mut keeps);
+    keeps.visit(&spins(), [1.0, 0.0, 0.0, 0.0, 0.6, 0.8]);
+    // The body's one Casimir and the two of the spins.
+    assert!(keeps.0 > 5000, "{}", keeps.0);
+}
+
+struct NothingToAdd(usize);
+
+impl Visit for NothingToAdd {
+    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]) {
+        let levy = SexpLevy::new(system, y0);
+        let mut numbers = Numbers(8);
+        for _ in 0..50 {
+            let step = Step::new(&Constant::new(0.3).unwrap(), 0, 0.01).unwrap();
+            let dw = any_increments(&mut numbers, step.tau);
+            let areas = any_areas(&mut numbers, step.tau);
+            let y = any_state(&mut numbers, system, y0);
+            let without = Sexp::default().step(system, &step, dw, y).z;
+            let with = levy.step_with_areas(system, &step, dw, areas, y).z;
+            assert_eq!(levy.step(system, &step, dw, y).z, without, "without areas it is sexp");
+            assert_eq!(with == without, levy.commuting(), "{}", system.name());
+            assert_eq!(Scheme::<S, D, M>::needs_areas(&levy), !levy.commuting());
+            self.0 += usize::from(levy.commuting());
+        }
+    }
+}
+
+#[test]
+fn commuting_noises_cost_nothing() {
+    let mut nothing = NothingToAdd(0);
+    every_system(&mut nothing);
+    assert!(nothing.0 > 0);
+}
+
+/// Rotations about x and y: dy = Σ y × eₘ ∘ dWₘ.
+struct Rotations;
+
+impl PoissonSystem<3, 2> for Rotations {
+    fn name(&self) -> &'static str {
+        "rotations"
+    }
+    fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+        [y[1] * v[2] - y[2] * v[1], y[2] * v[0] - y[0] * v[2], y[0] * v[1] - y[1] * v[0]]
+    }
+    fn energy<R: Real>(&self, y: [R; 3], _dt: f64, dw: [f64; 2]) -> R {
+        y[0] * dw[0] + y[1] * dw[1]
+    }
+}
+
+#[test]
+fn a_small_loop_of_the_noise_turns_about_the_third_axis() {
+    // Round a square of side h the increments vanish and the area is h²: exactly a product of four rotations. One
+    // step of `sexp` stays where it is, one of `sexp-levy` turns by the area, and the sign is that of the loop.
+    let (levy, sexp) = (SexpLevy::new(&Rotations, [0.6, 0.0, 0.8]), Sexp::default());
+    let step = Step::new(&Constant::new(0.0).unwrap(), 0, 0.01).unwrap();
+    for h in [0.1, 0.05] {
+        let y0 = [0.6, 0.0, 0.8];
+        let mut round = y0;
+        for piece in [[h, 0.0], [0.0, h], [-h, 0.0], [0.0, -h]] {
+            round = sexp.step(&Rotations, &step, piece, round).z;
+        }
+        let areas = [[0.0, h * h], [-h * h, 0.0]];
+        let at_once = levy.step_with_areas(&Rotations, &step, [0.0; 2], areas, y0).z;
+        // Terms of order h³ and on are left out: half of them for each of the four corners is less than 4h³.
+        let distance = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+        assert!(distance(round, y0) > 0.5 * h * h, "the loop moves the state");
+        assert!(distance(round, at_once) < 4.0 * h * h * h, "{round:?} {at_once:?}");
+        assert_eq!(sexp.step(&Rotations, &step, [0.0; 2], y0).z, y0);
+    }
+}

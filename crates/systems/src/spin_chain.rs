@@ -1,0 +1,105 @@
+//! A damped classical Heisenberg chain in a fluctuating magnetic field.
+
+use real::Real;
+
+use crate::error::finite;
+use crate::{Form, Invariant, InvariantKind, PoissonSystem, SystemError};
+
+/// n = D/3 classical spins sᵢ ∈ ℝ³ with B(y)v = (s₁ × v₁, …, sₙ × vₙ),
+/// H₀ = −J Σ sᵢ·sᵢ₊₁ − ½K Σ (sᵢᶻ)², and a field that fluctuates alike on all spins, Hₘ = −σ Σᵢ sᵢᵐ for m = x, y, z.
+///
+/// The three noises do not commute: [fₓ, f_y] turns about z. Casimirs ½|sᵢ|² of degree 2, one for each spin.
+#[derive(Clone, Copy, Debug)]
+pub struct SpinChain<const D: usize> {
+    exchange: f64,
+    anisotropy: f64,
+    field: f64,
+}
+
+impl<const D: usize> SpinChain<D> {
+    /// Exchange J, anisotropy K and field strength σ. Does not compile unless D is a positive multiple of 3.
+    ///
+    /// # Errors
+    /// [`SystemError::NonFiniteParameter`].
+    pub fn new(exchange: f64, anisotropy: f64, field: f64) -> Result<Self, SystemError> {
+        const { assert!(D > 0 && D.is_multiple_of(3), "a spin has three components") };
+        Ok(Self {
+            exchange: finite("the exchange J", exchange)?,
+            anisotropy: finite("the anisotropy K", anisotropy)?,
+            field: finite("the field strength σ", field)?,
+        })
+    }
+}
+
+impl<const D: usize> PoissonSystem<D, 3> for SpinChain<D> {
+    fn name(&self) -> &'static str {
+        "spin-chain"
+    }
+
+    #[inline(always)]
+    fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
+        let mut turned = y;
+        for i in (0..D).step_by(3) {
+            turned[i] = y[i + 1] * v[i + 2] - y[i + 2] * v[i + 1];
+            turned[i + 1] = y[i + 2] * v[i] - y[i] * v[i + 2];
+            turned[i + 2] = y[i] * v[i + 1] - y[i + 1] * v[i];
+        }
+        turned
+    }
+
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; 3]) -> R {
+        let mut energy = R::zero();
+        for i in (0..D).step_by(3) {
+            energy = energy - y[i + 2] * y[i + 2] * (0.5 * self.anisotropy * dt);
+            for j in 0..3 {
+                energy = energy - y[i + j] * (self.field * dw[j]);
+                if i + 3 < D {
+                    energy = energy - y[i + j] * y[i + 3 + j] * (self.exchange * dt);
+                }
+            }
+        }
+        energy
+    }
+
+    #[inline(always)]
+    fn gradient<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; 3]) -> [R; D] {
+        let mut gradient = y;
+        for i in (0..D).step_by(3) {
+            for j in 0..3 {
+                let mut neighbours = R::zero();
+                if i + 3 < D {
+                    neighbours = neighbours + y[i + 3 + j];
+                }
+                if i >= 3 {
+                    neighbours = neighbours + y[i + j - 3];
+                }
+                gradient[i + j] = neighbours * (-self.exchange * dt) - self.field * dw[j];
+            }
+            gradient[i + 2] = gradient[i + 2] - y[i + 2] * (self.anisotropy * dt);
+        }
+        gradient
+    }
+
+    #[inline(always)]
+    fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; 3]) -> [R; D] {
+        self.gradient(dgrad::quadratic(a, b), dt, dw)
+    }
+
+    fn invariants(&self) -> Vec<Invariant> {
+        let casimir = Invariant {
+            name: "C",
+            formula: "½|sᵢ|²",
+            kind: InvariantKind::Casimir,
+            form: Form::Quadratic,
+            degree: 2.0,
+        };
+        vec![casimir; D / 3]
+    }
+
+    #[inline(always)]
+    fn invariant<R: Real>(&self, index: usize, y: [R; D]) -> R {
+        let s = [y[3 * index], y[3 * index + 1], y[3 * index + 2]];
+        (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) * 0.5
+    }
+}

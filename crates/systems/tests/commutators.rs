@@ -1,0 +1,157 @@
+//! Commutators of the noise fields: against formulas, against finite differences, tangent to the Casimirs; and when
+//! noises are found to commute.
+
+mod common;
+
+use common::{Check, INERTIA, NOISE_INERTIA, Numbers, Region, dot, every_system, invariant_gradient};
+use real::Real;
+use systems::{
+    Constant, InvariantKind, Pendulum, PoissonSystem, Problem, RigidBody, SpinChain, noises_commute, unit_noise,
+    vector_field,
+};
+
+/// A random skew matrix.
+fn skew<const M: usize>(numbers: &mut Numbers) -> [[f64; M]; M] {
+    let mut areas = [[0.0; M]; M];
+    for m in 0..M {
+        for l in m + 1..M {
+            areas[m][l] = numbers.next();
+            areas[l][m] = -areas[m][l];
+        }
+    }
+    areas
+}
+
+/// Only what must be said, so that commutators are the provided ones.
+struct Plain<'a, S>(&'a S);
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M> for Plain<'_, S> {
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+    fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
+        self.0.structure(y, v)
+    }
+    fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> R {
+        self.0.energy(y, dt, dw)
+    }
+}
+
+/// Σ A_ml (f_l′fₘ − fₘ′f_l) by central differences.
+fn by_differences<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    system: &S,
+    y: [f64; D],
+    areas: [[f64; M]; M],
+    h: f64,
+) -> [f64; D] {
+    let field = |m: usize, y: [f64; D]| vector_field(system, y, 0.0, unit_noise(m));
+    let along = |l: usize, v: [f64; D]| {
+        let at = |s: f64| field(l, std::array::from_fn(|i| y[i] + s * v[i]));
+        let (ahead, behind) = (at(h), at(-h));
+        std::array::from_fn::<f64, D, _>(|i| (ahead[i] - behind[i]) / (2.0 * h))
+    };
+    let mut sum = [0.0; D];
+    for m in 0..M {
+        for l in m + 1..M {
+            let (one, other) = (along(l, field(m, y)), along(m, field(l, y)));
+            for i in 0..D {
+                sum[i] += areas[m][l] * (one[i] - other[i]);
+            }
+        }
+    }
+    sum
+}
+
+struct Commutators;
+
+impl Check for Commutators {
+    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, region: Region) {
+        let mut numbers = Numbers(21);
+        for _ in 0..200 {
+            let y: [f64; D] = region.point(&mut numbers);
+            let areas = skew::<M>(&mut numbers);
+            let ours = system.commutators(y, areas);
+            let provided = Plain(system).commutators(y, areas);
+            let name = system.name();
+            // Fields of degree two at points within [−2, 2]: three pairs of terms of at most 2·2³. Differences with
+            // h = 1e-4 are exact for quadratic fields but for cancellation, ε·8/h a derivative.
+            let terms = 48.0;
+            let differences = by_differences(system, y, areas, 1e-4);
+            for i in 0..D {
+                assert!((ours[i] - provided[i]).abs() <= 16.0 * f64::EPSILON * terms, "{name} at {y:?}");
+                assert!((ours[i] - differences[i]).abs() <= f64::EPSILON * terms * 1e4, "{name} at {y:?}");
+            }
+            for (index, invariant) in system.invariants().iter().enumerate() {
+                if invariant.kind == InvariantKind::Casimir {
+                    let slope = invariant_gradient(system, index, y);
+                    let along = dot(slope, ours);
+                    assert!(along.abs() <= 32.0 * f64::EPSILON * terms, "{name} at {y:?}: {along}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn commutators_are_what_they_should_be() {
+    every_system(&mut Commutators);
+}
+
+#[test]
+fn fields_of_a_common_rotation_turn_about_the_third_axis() {
+    // Hₘ = −σ Σ sᵢᵐ turns every spin about axis m, and so(3) says [fₓ, f_y] = X_{{H_y, Hₓ}} with {H_y, Hₓ} = σ²Σ sᵢᶻ.
+    let chain = SpinChain::<6>::new(1.0, 0.3, 0.5).unwrap();
+    let y = [0.1, 0.2, 0.3, -0.4, 0.5, 0.6];
+    let areas = [[0.0, 2.0, 0.0], [-2.0, 0.0, 0.0], [0.0; 3]];
+    let expected = [0.2 * 0.5, -0.1 * 0.5, 0.0, 0.5 * 0.5, 0.4 * 0.5, 0.0];
+    let ours: [f64; 6] = chain.commutators(y, areas);
+    for i in 0..6 {
+        assert!((ours[i] - expected[i]).abs() < 1e-15, "{ours:?}");
+    }
+}
+
+/// An oscillator shaken by two noises that are functions of one Hamiltonian, or of two different ones.
+struct Shaken {
+    same: bool,
+}
+
+impl PoissonSystem<2, 2> for Shaken {
+    fn name(&self) -> &'static str {
+        "shaken"
+    }
+    fn structure<R: Real>(&self, y: [R; 2], v: [R; 2]) -> [R; 2] {
+        let size = y[0] * y[0] * 0.1 + 1.0;
+        [-v[1] * size, v[0] * size]
+    }
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 2]) -> R {
+        let h = (y[0] * y[0] + y[1].sin() * 0.7) * 0.5;
+        let other = if self.same { h * h } else { y[1] * 0.3 };
+        h * (dt + dw[0]) + other * dw[1]
+    }
+}
+
+struct NeedsAreas(Vec<(&'static str, bool)>);
+
+impl Check for NeedsAreas {
+    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, region: Region) {
+        let y: [f64; D] = region.point(&mut Numbers(4));
+        let commute = noises_commute(system, y);
+        assert_eq!(commute, M == 1, "{}", system.name());
+        self.0.push((system.name(), commute));
+    }
+}
+
+#[test]
+fn commuting_noises_are_recognised() {
+    let mut seen = NeedsAreas(Vec::new());
+    every_system(&mut seen);
+    assert!(seen.0.contains(&("spin-chain", false)) && seen.0.contains(&("pendulum", true)));
+    // Functions of one Hamiltonian commute, B constant or not: {H, H²} = 0. The default gradient rounds, and is seen through.
+    assert!(noises_commute(&Shaken { same: true }, [0.3, -0.8]));
+    assert!(!noises_commute(&Shaken { same: false }, [0.3, -0.8]));
+    // Two of the three noises of the body alone, and a point where every field of the third vanishes.
+    let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA).unwrap();
+    assert!(!noises_commute(&body, [0.0, 0.0, 0.0]));
+    let damped = Problem::new(Pendulum::new(1.0).unwrap(), Constant::new(1.0).unwrap(), [0.2, 1.0], 1.0).unwrap();
+    assert!(noises_commute(&damped.system, damped.y0));
+}
