@@ -1,6 +1,6 @@
 //! What runs on the ladder, and the loop over all paths.
 
-use noise::{StreamKey, Truncation};
+use noise::{AreaMethod, StreamKey, Truncation, strong_order_one_error};
 use rayon::prelude::*;
 use real::{Block, PathMask, WIDTH};
 use schemes::Scheme;
@@ -71,11 +71,20 @@ pub struct Ladder<'a, S, G, const D: usize, const M: usize> {
     pub(crate) problem: &'a Problem<S, G, D>,
     pub(crate) finest_steps: u64,
     pub(crate) levels: usize,
-    /// Largest truncated increment on each level.
-    pub(crate) bounds: Vec<f64>,
+    /// Largest truncated increment and area on each level.
+    pub(crate) bounds: Vec<Bounds>,
+    /// How Lévy areas of the finest steps are drawn, if a scheme reads them.
+    pub(crate) areas: Option<(AreaMethod, usize)>,
     pub(crate) key: StreamKey,
     pub(crate) runs: Vec<Run<'a, S, D, M>>,
     pub(crate) clock: Option<&'a dyn Clock<M>>,
+}
+
+/// The largest truncated increment and area on a level.
+#[derive(Clone, Copy)]
+pub(crate) struct Bounds {
+    pub(crate) increment: f64,
+    pub(crate) area: f64,
 }
 
 /// What a ladder measured.
@@ -103,6 +112,11 @@ where
 {
     /// `finest_steps` steps on [0, T] at level 0, and `levels` levels above.
     ///
+    /// Where a scheme reads Lévy areas they are drawn on the finest steps after Mrongowius and Rößler, with an error of no
+    /// more than τ^{3/2} as strong order one asks, and joined to coarser steps by Chen's relation. With their tail the
+    /// areas have the right covariance given the increments for any number of terms, so that areas drawn at a step and
+    /// areas joined from finer steps agree in it.
+    ///
     /// # Errors
     /// [`LadderError`] when the steps are no positive multiple of the coarsest step, when a run is on a level that
     /// does not exist (a swapped run needs a level above its own), or when the truncation is not defined at one of
@@ -119,15 +133,22 @@ where
         if finest_steps == 0 || !finest_steps.is_multiple_of(coarsest) {
             return Err(LadderError::Steps { steps: finest_steps, multiple_of: coarsest });
         }
-        let mut bounds = vec![f64::INFINITY; levels + 1];
+        let mut bounds = vec![Bounds { increment: f64::INFINITY, area: f64::INFINITY }; levels + 1];
         for run in &runs {
             if run.level + usize::from(run.swapped) > levels {
                 return Err(LadderError::Level { level: run.level, swapped: run.swapped, levels });
             }
             let tau = problem.t_end * (1u64 << run.level) as f64 / finest_steps as f64;
-            bounds[run.level] = truncation.bound(tau)?;
+            bounds[run.level] = Bounds { increment: truncation.bound(tau)?, area: truncation.area_bound(tau)? };
         }
-        Ok(Self { problem, finest_steps, levels, bounds, key, runs, clock: None })
+        let finest = problem.t_end / finest_steps as f64;
+        let areas = if runs.iter().any(|run| run.scheme.needs_areas()) {
+            let method = AreaMethod::MrongowiusRoessler;
+            Some((method, method.terms_for(strong_order_one_error(finest), finest, M)?))
+        } else {
+            None
+        };
+        Ok(Self { problem, finest_steps, levels, bounds, areas, key, runs, clock: None })
     }
 
     /// Carries a number along each path, see [`Clock`].

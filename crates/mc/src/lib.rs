@@ -32,12 +32,14 @@
 //! | [`Moments`], [`CrossMoments`] | means and covariances |
 //! | [`trajectory`] | one path, kept |
 //! | [`PathFailure`] | a path that was left out: where, when and why |
+//! | [`multilevel`] | E[φ(y(T))] to a requested accuracy |
 
 mod error;
 mod failure;
 mod ladder;
 mod march;
 mod moments;
+pub mod multilevel;
 mod strong;
 mod trajectory;
 mod tree;

@@ -1,6 +1,6 @@
 //! The way of a group of blocks up the time axis.
 
-use noise::{DyadicLadder, StreamKey, WienerBlock, clip};
+use noise::{AreaBlock, AreaLadder, AreaSampler, DyadicLadder, StreamKey, WienerBlock, clip};
 use nonlin::BlockStatus;
 use real::{Block, PathMask, WIDTH};
 use schemes::Step;
@@ -26,6 +26,28 @@ struct Marcher<const D: usize, const M: usize> {
     clipped: Vec<PathMask>,
     clock: Block<1>,
     clock_noise: WienerBlock<1>,
+    areas: Option<Areas<M>>,
+}
+
+/// Lévy areas of a block: drawn on the finest steps, joined above.
+struct Areas<const M: usize> {
+    sampler: AreaSampler<M>,
+    drawn: AreaBlock<M>,
+    ladder: AreaLadder<M>,
+}
+
+impl<const M: usize> Areas<M> {
+    /// A finest step of size τ with its increments has been pushed into `sums`, which has completed a level.
+    fn advance(&mut self, tau: f64, dw: &Block<M>, sums: &DyadicLadder<M>, complete: usize) {
+        self.sampler.areas(tau, dw, &mut self.drawn);
+        self.ladder.push(&self.drawn, sums, complete);
+    }
+}
+
+/// Increments and areas of a step as the schemes of a level see them.
+struct Truncated<const M: usize> {
+    dw: Block<M>,
+    areas: AreaBlock<M>,
 }
 
 /// The clock draws from a family of streams of its own, which differs in the top bit of the experiment.
@@ -61,6 +83,11 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Gro
                         StreamKey { experiment: ladder.key.experiment ^ CLOCK_STREAM, ..ladder.key },
                         first_path + offset,
                     ),
+                    areas: ladder.areas.map(|(method, terms)| Areas {
+                        sampler: AreaSampler::new(ladder.key, first_path + offset, method, terms),
+                        drawn: AreaBlock::zero(),
+                        ladder: AreaLadder::new(ladder.levels),
+                    }),
                 }
             })
             .collect();
@@ -184,30 +211,45 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
             clock.advance(n - 1, &dw, &normals, &mut self.clock);
         }
         let complete = self.sums.push(&dw);
-        let mut clipped = Block::zero();
+        if let Some(areas) = &mut self.areas {
+            areas.advance(ladder.tau(0), &dw, &self.sums, complete);
+        }
+        let mut noise = Truncated { dw: Block::zero(), areas: AreaBlock::zero() };
         for level in 0..=complete {
             if !runs[level].plain.is_empty() {
                 let increment = self.sums.increment(level);
-                let count = clip(increment, ladder.bounds[level], &mut clipped);
-                let paths = if count > 0 { differing(increment, &clipped) } else { PathMask::NONE };
+                let count = clip(increment, ladder.bounds[level].increment, &mut noise.dw);
+                let paths = if count > 0 { differing(increment, &noise.dw) } else { PathMask::NONE };
                 if count > 0 {
-                    part.clipped[level] += count_on(self.live, increment, &clipped);
+                    part.clipped[level] += count_on(self.live, increment, &noise.dw);
+                }
+                if let Some(areas) = &self.areas {
+                    noise.areas = areas.ladder.areas(level).clipped(ladder.bounds[level].area).0;
                 }
                 for &(number, run) in &runs[level].plain {
                     self.clipped[number] = self.clipped[number].or(paths);
-                    self.step(ladder, number, run, &steps[level].now, &clipped, part);
+                    self.step(ladder, number, run, &steps[level].now, &noise, part);
                 }
             }
             if level > 0 && !runs[level - 1].swapped.is_empty() {
-                // Second half first, then the first half, each clipped as an increment of the level below.
+                // Second half first, then the first half, each clipped as of the level below.
                 let StepPair { before, now } = steps[level - 1];
-                let halves = [(*self.sums.increment(level - 1), before), (*self.sums.first_half(level), now)];
-                for (half, step) in halves {
-                    let count = clip(&half, ladder.bounds[level - 1], &mut clipped);
-                    let paths = if count > 0 { differing(&half, &clipped) } else { PathMask::NONE };
+                let bounds = ladder.bounds[level - 1];
+                for second in [true, false] {
+                    let (half, step) = if second {
+                        (self.sums.increment(level - 1), before)
+                    } else {
+                        (self.sums.first_half(level), now)
+                    };
+                    let count = clip(half, bounds.increment, &mut noise.dw);
+                    let paths = if count > 0 { differing(half, &noise.dw) } else { PathMask::NONE };
+                    if let Some(Areas { ladder: areas, .. }) = &self.areas {
+                        let half = if second { areas.areas(level - 1) } else { areas.first_half(level) };
+                        noise.areas = half.clipped(bounds.area).0;
+                    }
                     for &(number, run) in &runs[level - 1].swapped {
                         self.clipped[number] = self.clipped[number].or(paths);
-                        self.step(ladder, number, run, &step, &clipped, part);
+                        self.step(ladder, number, run, &step, &noise, part);
                     }
                 }
             }
@@ -225,11 +267,12 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
         number: usize,
         run: &Run<'_, S, D, M>,
         step: &Step,
-        dw: &Block<M>,
+        noise: &Truncated<M>,
         part: &mut Part<T>,
     ) {
+        let (system, state) = (&ladder.problem.system, &mut self.states[number]);
         let mut status = BlockStatus::explicit();
-        run.scheme.step_block(&ladder.problem.system, step, dw, &mut self.states[number], &mut status);
+        run.scheme.step_block_with_areas(system, step, &noise.dw, &noise.areas, state, &mut status);
         let failed = status.failed.and(self.live);
         if !failed.is_empty() {
             for p in failed.paths() {

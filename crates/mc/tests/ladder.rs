@@ -3,10 +3,10 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use mc::{Cause, Ladder, LadderError, Moments, Reference, Run, Statistic, StrongErrors, View, trajectory};
-use noise::{NoiseError, StreamKey, Truncation, WienerPath};
+use noise::{AreaMethod, AreaPath, NoiseError, StreamKey, Truncation, WienerPath, strong_order_one_error};
 use nonlin::{Method, Solver};
 use real::Real;
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step};
+use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, Step};
 use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
 
 type Body = Problem<RigidBody<3>, Cosine, 3>;
@@ -45,8 +45,23 @@ impl<const D: usize> Statistic<D> for Keep<D> {
     }
 }
 
-/// The final state of one path at 2^level finest steps a step, by hand: fine increments summed pairwise, clipped,
-/// optionally with the increments of every pair of steps exchanged.
+/// A piece of a path: increment and areas.
+type Piece = ([f64; 3], [[f64; 3]; 3]);
+
+/// Chen's relation, written out once more.
+fn join(first: &Piece, second: &Piece) -> Piece {
+    let w = std::array::from_fn(|m| first.0[m] + second.0[m]);
+    let areas = std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            let wedge = first.0[i] * second.0[j] - second.0[i] * first.0[j];
+            (first.1[i][j] + second.1[i][j]) + 0.5 * wedge
+        })
+    });
+    (w, areas)
+}
+
+/// The final state of one path at 2^level finest steps a step, by hand: fine increments summed pairwise and their areas
+/// joined, clipped, optionally with the two halves of every pair of steps exchanged.
 fn by_hand(
     problem: &Body,
     scheme: &dyn Scheme<RigidBody<3>, 3, 3>,
@@ -57,21 +72,31 @@ fn by_hand(
 ) -> [f64; 3] {
     let fine_tau = problem.t_end / steps as f64;
     let mut noise = WienerPath::<3>::new(KEY, path);
-    let mut sums: Vec<[f64; 3]> = (0..steps).map(|_| noise.increments(fine_tau.sqrt())).collect();
+    let method = AreaMethod::MrongowiusRoessler;
+    let terms = method.terms_for(strong_order_one_error(fine_tau), fine_tau, 3).unwrap();
+    let mut area_noise = AreaPath::<3>::new(KEY, path, method, terms);
+    let draw = |_| {
+        let dw = noise.increments(fine_tau.sqrt());
+        (dw, area_noise.areas(fine_tau, dw))
+    };
+    let mut pieces: Vec<Piece> = (0..steps).map(draw).collect();
     for _ in 0..level {
-        sums = sums.chunks(2).map(|pair| std::array::from_fn(|m| pair[0][m] + pair[1][m])).collect();
+        pieces = pieces.chunks(2).map(|pair| join(&pair[0], &pair[1])).collect();
     }
     if swapped {
-        for pair in sums.chunks_mut(2) {
+        for pair in pieces.chunks_mut(2) {
             pair.swap(0, 1);
         }
     }
     let tau = fine_tau * f64::from(1 << level);
-    let bound = Truncation::new(2).unwrap().bound(tau).unwrap();
+    let truncation = Truncation::new(2).unwrap();
+    let (bound, area_bound) = (truncation.bound(tau).unwrap(), truncation.area_bound(tau).unwrap());
     let mut y = problem.y0;
-    for (n, dw) in sums.iter().enumerate() {
+    for (n, (dw, areas)) in pieces.iter().enumerate() {
         let step = Step::new(&problem.damping, n as u64, tau).unwrap();
-        y = scheme.step(&problem.system, &step, dw.map(|w| w.clamp(-bound, bound)), y).z;
+        let dw = dw.map(|w| w.clamp(-bound, bound));
+        let areas = areas.map(|row| row.map(|area| area.clamp(-area_bound, area_bound)));
+        y = scheme.step_with_areas(&problem.system, &step, dw, areas, y).z;
     }
     y
 }
@@ -80,7 +105,8 @@ fn by_hand(
 fn every_run_is_the_path_that_one_would_follow_by_hand() {
     let problem = body();
     let (sexp, em, midpoint) = (Sexp::default(), EulerMaruyama, Midpoint::default());
-    let schemes: [&dyn Scheme<RigidBody<3>, 3, 3>; 3] = [&sexp, &em, &midpoint];
+    let levy = SexpLevy::new(&problem.system, problem.y0);
+    let schemes: [&dyn Scheme<RigidBody<3>, 3, 3>; 4] = [&sexp, &em, &midpoint, &levy];
     let mut runs = Vec::new();
     let mut expected = Vec::new();
     for scheme in schemes {
@@ -103,6 +129,11 @@ fn every_run_is_the_path_that_one_would_follow_by_hand() {
         for path in [0, 1, 31, 32, 77, 149] {
             let alone = by_hand(&problem, *scheme, 32, *level, path, *swapped);
             assert_eq!(kept[path as usize], alone, "{} level {level} swapped {swapped} path {path}", scheme.id());
+            if *level == 0 && !swapped {
+                let k = Truncation::new(2).unwrap();
+                let followed = trajectory(&problem, *scheme, 32, k, KEY, path).unwrap();
+                assert_eq!(followed.states[32], alone, "{} path {path}", scheme.id());
+            }
         }
     }
 }

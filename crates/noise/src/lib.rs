@@ -31,17 +31,55 @@
 //! | [`WienerBlock`], [`WienerPath`] | normal increments for 32 paths, for one path |
 //! | [`Truncation`], [`clip`] | ΔŴ = √τ χ(ΔW/√τ) |
 //! | [`DyadicLadder`] | sums of fine increments over all coarser steps |
+//! | [`AreaMethod`] | which approximation of the Lévy areas and how many terms: errors and costs as formulas |
+//! | [`AreaSampler`], [`AreaPath`] | Lévy areas given the increments, for 32 paths, for one path |
+//! | [`ExactArea`] | the area of two noises from its characteristic function |
 //! | [`AreaBlock`], [`AreaLadder`], [`join`] | Lévy areas, and those of coarser steps by Chen's relation |
+//! | [`stratonovich`], [`ito`] | iterated integrals of one path |
+//!
+//! With several noises a method of strong order one needs the Lévy areas, too. Their error may be h^{3/2} in each step:
+//!
+//! ```
+//! use noise::{AreaBlock, AreaMethod, AreaPath, AreaSampler, StreamKey, WienerBlock, stratonovich, strong_order_one_error};
+//! use real::Block;
+//!
+//! let key = StreamKey { seed: 1, experiment: 7 };
+//! let tau: f64 = 1.0 / 4096.0;
+//! let (method, terms) = AreaMethod::cheapest(strong_order_one_error(tau), tau, 3)?;
+//! assert_eq!((method, terms), (AreaMethod::MrongowiusRoessler, 11));
+//!
+//! let mut noise = WienerBlock::<3>::new(key, 0);
+//! let mut sampler = AreaSampler::<3>::new(key, 0, method, terms); // streams of its own
+//! let (mut dw, mut areas) = (Block::zero(), AreaBlock::zero());
+//! noise.increments(tau.sqrt(), &mut dw);
+//! sampler.areas(tau, &dw, &mut areas);
+//!
+//! // Path 17 alone has the same areas; J_ij + J_ji = W_i W_j.
+//! let mut path = AreaPath::<3>::new(key, 17, method, terms);
+//! let (w, a) = (dw.path(17), path.areas(tau, dw.path(17)));
+//! assert_eq!(a, areas.path(17));
+//! let j = stratonovich(w, a);
+//! assert!((j[0][2] + j[2][0] - w[0] * w[2]).abs() < 1e-18);
+//! # Ok::<(), noise::NoiseError>(())
+//! ```
 
 mod area;
+mod area_method;
+mod area_sampler;
 mod error;
+mod exact_area;
+mod iterated;
 mod ladder;
 mod stream;
 mod truncation;
 mod wiener;
 
 pub use area::{AreaBlock, AreaLadder, join};
+pub use area_method::{AreaMethod, strong_order_one_error};
+pub use area_sampler::{AREA_STREAM, AreaPath, AreaSampler};
 pub use error::NoiseError;
+pub use exact_area::ExactArea;
+pub use iterated::{ito, stratonovich};
 pub use ladder::DyadicLadder;
 pub use stream::StreamKey;
 pub use truncation::{Truncation, clip};

@@ -61,26 +61,25 @@ impl<const M: usize> Kernel for Fill<'_, M> {
     fn run(self) {
         let mut rows = &mut self.dw.0[self.drawn..];
         while let [first, second, rest @ ..] = rows {
-            fill_pair(self.streams, first, second, self.sqrt_tau, self.sqrt_tau);
+            fill_pair(&mut self.streams.0, first, second, self.sqrt_tau, self.sqrt_tau);
             rows = rest;
         }
         if let [last] = rows {
-            fill_pair(self.streams, last, &mut self.spare.0[0], self.sqrt_tau, 1.0);
+            fill_pair(&mut self.streams.0, last, &mut self.spare.0[0], self.sqrt_tau, 1.0);
         }
     }
 }
 
-/// Two normals on each path, multiplied by the two scales.
+/// Two normals on each of L paths, multiplied by the two scales.
 #[inline(always)]
-fn fill_pair(
-    streams: &mut BlockStreams,
-    first: &mut [f64; WIDTH],
-    second: &mut [f64; WIDTH],
+pub(crate) fn fill_pair<const L: usize>(
+    words: &mut [[u64; L]; 4],
+    first: &mut [f64; L],
+    second: &mut [f64; L],
     first_scale: f64,
     second_scale: f64,
 ) {
-    let words = &mut streams.0;
-    for p in 0..WIDTH {
+    for p in 0..L {
         let mut state = [words[0][p], words[1][p], words[2][p], words[3][p]];
         let radius_word = next_word(&mut state);
         let angle_word = next_word(&mut state);
@@ -95,7 +94,7 @@ fn fill_pair(
 
 /// Two independent standard normals from two random words.
 #[inline(always)]
-fn box_muller(radius_word: u64, angle_word: u64) -> (f64, f64) {
+pub(crate) fn box_muller(radius_word: u64, angle_word: u64) -> (f64, f64) {
     let radius = (elementary::ln_unit(open_unit(radius_word)) * -2.0).sqrt();
     let (sin, cos) = elementary::sin_cos_turn(half_open_unit(angle_word));
     (radius * cos, radius * sin)
@@ -109,7 +108,7 @@ fn one_to_two(word: u64) -> f64 {
 
 /// (k + ½)·2⁻⁵² for k random in 0 .. 2⁵²: never 0, never 1, and the subtraction is exact.
 #[inline(always)]
-fn open_unit(word: u64) -> f64 {
+pub(crate) fn open_unit(word: u64) -> f64 {
     one_to_two(word) - (1.0 - 0.5 * f64::EPSILON)
 }
 

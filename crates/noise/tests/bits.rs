@@ -1,7 +1,9 @@
-//! Increments are a function of (seed, experiment, path) alone: the same bits in a block and alone, at every
+//! Increments and areas are a function of (seed, experiment, path) alone: the same bits in a block and alone, at every
 //! level of instructions, in any block, and in every release.
 
-use noise::{DyadicLadder, StreamKey, WienerBlock, WienerPath};
+use noise::{
+    AreaBlock, AreaMethod, AreaPath, AreaSampler, DyadicLadder, ExactArea, StreamKey, WienerBlock, WienerPath,
+};
 use real::{Block, Level, WIDTH, limit_to};
 
 const KEY: StreamKey = StreamKey { seed: 42, experiment: 3 };
@@ -27,6 +29,32 @@ fn block_equals_its_paths<const M: usize>(first_path: u64, steps: usize) {
     }
 }
 
+fn areas_equal_those_of_the_paths<const M: usize>(first_path: u64, steps: usize) {
+    for (n, method) in AreaMethod::ALL.into_iter().enumerate() {
+        let terms = [9, 5, 4, 3][n];
+        let mut noise = WienerBlock::<M>::new(KEY, first_path);
+        let mut block = AreaSampler::<M>::new(KEY, first_path, method, terms);
+        let mut paths: Vec<_> =
+            (0..WIDTH as u64).map(|p| AreaPath::<M>::new(KEY, first_path + p, method, terms)).collect();
+        let mut dw = Block::zero();
+        // Whatever was in the block is overwritten.
+        let mut areas = AreaBlock([[[f64::NAN; WIDTH]; M]; M]);
+        for n in 0..steps {
+            noise.increments(sqrt_tau(n), &mut dw);
+            let step = sqrt_tau(n) * sqrt_tau(n);
+            block.areas(step, &dw, &mut areas);
+            for (p, path) in paths.iter_mut().enumerate() {
+                let alone = path.areas(step, dw.path(p));
+                assert_eq!(
+                    areas.path(p).map(|row| row.map(f64::to_bits)),
+                    alone.map(|row| row.map(f64::to_bits)),
+                    "{method:?}, M = {M}, step {n}, path {p}"
+                );
+            }
+        }
+    }
+}
+
 /// One test: the limit belongs to the whole process.
 #[test]
 fn a_block_is_its_paths_at_every_level() {
@@ -37,6 +65,11 @@ fn a_block_is_its_paths_at_every_level() {
         block_equals_its_paths::<3>(64, 2000);
         block_equals_its_paths::<4>(1 << 40, 2000);
         block_equals_its_paths::<5>(7, 500);
+        areas_equal_those_of_the_paths::<1>(0, 10);
+        areas_equal_those_of_the_paths::<2>(32, 200);
+        areas_equal_those_of_the_paths::<3>(64, 200);
+        areas_equal_those_of_the_paths::<4>(1 << 40, 100);
+        areas_equal_those_of_the_paths::<5>(7, 100);
     }
 }
 
@@ -59,6 +92,59 @@ fn a_path_is_the_same_in_every_block() {
         assert_eq!(dw.path(8), other_dw.path(23));
     }
 }
+
+#[test]
+fn areas_of_a_path_are_the_same_in_every_block() {
+    let method = AreaMethod::Wiktorsson;
+    let (mut one, mut other) = (AreaSampler::<3>::new(KEY, 32, method, 2), AreaSampler::<3>::new(KEY, 17, method, 2));
+    let (mut areas, mut other_areas) = (AreaBlock::zero(), AreaBlock::zero());
+    for n in 0..100 {
+        let dw = Block::splat([1.0, -0.5, 0.1 * f64::from(n)]);
+        one.areas(1.0, &dw, &mut areas);
+        other.areas(1.0, &dw, &mut other_areas);
+        assert_eq!(areas.path(8), other_areas.path(23));
+    }
+}
+
+#[test]
+fn one_noise_has_no_areas() {
+    let mut areas = AreaBlock([[[f64::NAN; WIDTH]]]);
+    AreaSampler::<1>::new(KEY, 0, AreaMethod::Milstein, 3).areas(1.0, &Block::splat([1.0]), &mut areas);
+    assert_eq!(areas, AreaBlock::zero());
+    assert_eq!(AreaPath::<0>::new(KEY, 0, AreaMethod::Milstein, 3).areas(1.0, []), [[0.0; 0]; 0]);
+}
+
+#[test]
+fn the_first_areas_are_pinned() {
+    // A change here changes every published number: it is a value-breaking change.
+    let key = StreamKey { seed: 1, experiment: 1 };
+    let mut areas = Vec::new();
+    for method in AreaMethod::ALL {
+        let mut path = AreaPath::<3>::new(key, 4711, method, 2);
+        for _ in 0..2 {
+            let a = path.areas(0.5, [0.5, -0.25, 1.0]);
+            areas.push([a[0][1], a[0][2], a[1][2]]);
+        }
+    }
+    let mut path = ExactArea::new(key, 4711);
+    areas.push([(); 3].map(|()| path.area(0.5, [0.5, -0.25])));
+    for (n, (areas, pinned)) in areas.iter().zip(PINNED_AREAS).enumerate() {
+        assert_eq!(areas.map(f64::to_bits), pinned.map(f64::to_bits), "{n}: {areas:?}");
+    }
+    assert_eq!(areas.len(), PINNED_AREAS.len());
+}
+
+const PINNED_AREAS: [[f64; 3]; 9] = [
+    [-0.1485653568792302, 0.032546440963638484, 0.021931279897931897],
+    [-0.13991573596311918, 0.2804035511389258, 0.00367308180016961],
+    [-0.11553366468124204, 0.13362446966441552, -0.0946711188484329],
+    [0.17061441209446054, 0.09430536033064701, 0.050227505608413395],
+    [-0.23047143890396796, 0.1584418509794862, 0.13827640565318164],
+    [0.032644788623923414, 0.12401479720426836, 0.17731353033978006],
+    [-0.08768726602597586, 0.09251423223902801, -0.0508614875642002],
+    [-0.10760866337656935, 0.5614349143498122, -0.001972422494833692],
+    [-0.1351830957949393, -0.17779401888534005, -0.5564203500854272],
+];
 
 #[test]
 fn the_noises_share_one_sequence_of_normals() {

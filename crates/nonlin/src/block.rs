@@ -2,62 +2,84 @@
 
 use real::{Block, PathMask, WIDTH};
 
-use crate::FixedPoint as _;
 use crate::robust::solve_robust;
-use crate::sweep::sweep;
+use crate::sweep::{Swept, first_sweep, first_sweeps, sweep};
 use crate::{BlockFixedPoint, BlockStatus, Method, Outcome, Solver};
 
+/// The paths of a block in two halves: path p of the first has its first sweep together with path p of the second.
+const HALF: usize = WIDTH / 2;
+
 /// The state of the iteration on every path, kept small: it is what a sweep reads and writes.
-struct Iterates<const D: usize> {
-    z: Block<D>,
+struct Iterates<'a, const D: usize> {
+    z: &'a mut Block<D>,
     /// Minus the number of sweeps on a path that is done, positive or NaN on one that is not.
-    pending: Block<1>,
+    pending: &'a mut Block<1>,
 }
 
-impl<const D: usize> Iterates<D> {
-    #[inline(always)]
-    fn unset() -> Self {
-        Self { z: Block::zero(), pending: Block::zero() }
-    }
-
+impl<const D: usize> Iterates<'_, D> {
     /// The first sweep, from the starts of the equations; returns how many paths are not done.
     #[inline(always)]
     fn start<E: BlockFixedPoint<D>>(&mut self, equations: &E, method: Method) -> u64 {
         // Counted in the width of the lanes, and wrapping: a narrower counter would be summed one path at a time, and a
         // checked one is a branch.
         let mut unfinished = 0u64;
-        for p in 0..WIDTH {
-            let equation = equations.path(p);
-            let (after, excess) = sweep(&equation, equation.start(), method, true);
-            let done = excess <= 0.0;
-            self.z.set_path(p, after);
-            self.pending.0[0][p] = if done { -1.0 } else { 1.0 };
-            unfinished = unfinished.wrapping_add(if done { 0 } else { 1 });
+        match method {
+            Method::FixedPoint => {
+                for p in 0..HALF {
+                    let (one, other) = first_sweeps(&equations.path(p), &equations.path(p + HALF));
+                    unfinished = unfinished.wrapping_add(self.set(p, one)).wrapping_add(self.set(p + HALF, other));
+                }
+            }
+            Method::Newton => {
+                for p in 0..WIDTH {
+                    unfinished = unfinished.wrapping_add(self.set(p, first_sweep(&equations.path(p), method)));
+                }
+            }
         }
         unfinished
+    }
+
+    /// Keeps the first sweep of path p; returns 1 if it is not done.
+    #[inline(always)]
+    fn set(&mut self, p: usize, (after, excess): Swept<D>) -> u64 {
+        let done = excess <= 0.0;
+        self.z.set_path(p, after);
+        self.pending.0[0][p] = if done { -1.0 } else { 1.0 };
+        if done { 0 } else { 1 }
     }
 
     /// Sweep number `number`: from these iterates to the `next`, which are other memory. Written in place, the
     /// selects that freeze a path would become masked stores, which stall the loads of the next sweep.
     #[inline(always)]
-    fn advance<E: BlockFixedPoint<D>>(&self, equations: &E, method: Method, number: u32, next: &mut Self) -> u64 {
+    fn advance<E: BlockFixedPoint<D>>(
+        &self,
+        equations: &E,
+        method: Method,
+        number: u32,
+        next: &mut Iterates<'_, D>,
+    ) -> u64 {
         let number = f64::from(number);
         let mut unfinished = 0u64;
         for p in 0..WIDTH {
-            let before = self.z.path(p);
-            let (after, excess) = sweep(&equations.path(p), before, method, false);
-            let pending = self.pending.0[0][p];
-            let frozen = pending <= 0.0;
-            for i in 0..D {
-                next.z.0[i][p] = if frozen { before[i] } else { after[i] };
-            }
-            // NaN is not at most zero, hence not done.
-            let now = if excess <= 0.0 { -number } else { 1.0 };
-            let now = if frozen { pending } else { now };
-            next.pending.0[0][p] = now;
-            unfinished = unfinished.wrapping_add(if now <= 0.0 { 0 } else { 1 });
+            let swept = sweep(&equations.path(p), self.z.path(p), method);
+            unfinished = unfinished.wrapping_add(self.carry(p, number, swept, next));
         }
         unfinished
+    }
+
+    /// Keeps sweep number `number` of path p, if the path was not done before; returns 1 if it is not done now.
+    #[inline(always)]
+    fn carry(&self, p: usize, number: f64, (after, excess): Swept<D>, next: &mut Iterates<'_, D>) -> u64 {
+        let pending = self.pending.0[0][p];
+        let frozen = pending <= 0.0;
+        for i in 0..D {
+            next.z.0[i][p] = if frozen { self.z.0[i][p] } else { after[i] };
+        }
+        // NaN is not at most zero, hence not done.
+        let now = if excess <= 0.0 { -number } else { 1.0 };
+        let now = if frozen { pending } else { now };
+        next.pending.0[0][p] = now;
+        if now <= 0.0 { 0 } else { 1 }
     }
 }
 
@@ -87,36 +109,28 @@ impl Solver {
         z: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        let (mut even, mut odd) = (Iterates::unset(), Iterates::unset());
+        status.robust = PathMask::NONE;
+        status.failed = PathMask::NONE;
+        let mut odd = Iterates { z, pending: &mut status.pending };
         let mut unfinished = odd.start(equations, method);
-        let mut sweeps = 1;
-        while unfinished > 0 && sweeps < self.max_sweeps {
-            sweeps += 1;
-            unfinished = odd.advance(equations, method, sweeps, &mut even);
-            if unfinished == 0 || sweeps >= self.max_sweeps {
-                return finish(equations, &even, unfinished, z, status);
+        if unfinished > 0 && self.max_sweeps > 1 {
+            let (mut even_z, mut even_pending) = (Block::zero(), Block::zero());
+            let mut even = Iterates { z: &mut even_z, pending: &mut even_pending };
+            let mut sweeps = 1;
+            while unfinished > 0 && sweeps < self.max_sweeps {
+                sweeps += 1;
+                unfinished = odd.advance(equations, method, sweeps, &mut even);
+                if unfinished == 0 || sweeps >= self.max_sweeps {
+                    (*odd.z, *odd.pending) = (*even.z, *even.pending);
+                    break;
+                }
+                sweeps += 1;
+                unfinished = even.advance(equations, method, sweeps, &mut odd);
             }
-            sweeps += 1;
-            unfinished = even.advance(equations, method, sweeps, &mut odd);
         }
-        finish(equations, &odd, unfinished, z, status);
-    }
-}
-
-#[inline(always)]
-fn finish<E: BlockFixedPoint<D>, const D: usize>(
-    equations: &E,
-    iterates: &Iterates<D>,
-    unfinished: u64,
-    z: &mut Block<D>,
-    status: &mut BlockStatus,
-) {
-    *z = iterates.z;
-    status.pending = iterates.pending;
-    status.robust = PathMask::NONE;
-    status.failed = PathMask::NONE;
-    if unfinished > 0 {
-        rescue(equations, z, status);
+        if unfinished > 0 {
+            rescue(equations, z, status);
+        }
     }
 }
 

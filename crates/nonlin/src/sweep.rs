@@ -9,9 +9,10 @@ use crate::solver::Method;
 pub(crate) const TOLERANCE: f64 = 2.0 * f64::EPSILON;
 
 /// Evaluations of ψ in the first sweep and in each later sweep of the fixed-point iteration. The state of a path
-/// stays in registers between them and only the last change is tested. Chosen by `cargo bench -p schemes`: on the
-/// rigid body 8 and 3 are the fastest pair both at τ = 2⁻⁸ and at τ = 2⁻¹².
-const FIRST_EVALUATIONS: usize = 8;
+/// stays in registers between them and only the last change is tested. Chosen by `cargo bench -p schemes`: with 11 the
+/// rigid body at τ = 2⁻⁸ is solved in the first sweep on nearly every block, and a sweep more costs as much as five
+/// evaluations.
+const FIRST_EVALUATIONS: usize = 11;
 const EVALUATIONS: usize = 3;
 
 /// The test below multiplies two changes; for unknowns of size r the product is as small as (εr)². This power of two
@@ -24,33 +25,78 @@ const GUARD: f64 = (1u128 << 64) as f64;
 const NEWTON_TOLERANCE: f64 = 1.0 / (1u64 << 32) as f64;
 
 /// The next iterate and a number that is at most zero when it is the solution, NaN when it has left the numbers.
+pub(crate) type Swept<const D: usize> = ([f64; D], f64);
+
+/// The first sweep, from the start of the equation.
 #[inline(always)]
-pub(crate) fn sweep<E: FixedPoint<D>, const D: usize>(
-    equation: &E,
-    z: [f64; D],
-    method: Method,
-    first: bool,
-) -> ([f64; D], f64) {
+pub(crate) fn first_sweep<E: FixedPoint<D>, const D: usize>(equation: &E, method: Method) -> Swept<D> {
     match method {
-        Method::FixedPoint if first => fixed_point_sweep::<FIRST_EVALUATIONS, E, D>(equation, z),
-        Method::FixedPoint => fixed_point_sweep::<EVALUATIONS, E, D>(equation, z),
+        Method::FixedPoint => verdict(evaluations::<FIRST_EVALUATIONS, E, D>(equation, equation.start())),
+        Method::Newton => newton_sweep(equation, equation.start()),
+    }
+}
+
+/// The first fixed-point sweep of two paths, evaluated in turn: an evaluation is a chain of operations that wait for each
+/// other, and two chains fit into the time of one.
+#[inline(always)]
+pub(crate) fn first_sweeps<E: FixedPoint<D>, const D: usize>(one: &E, other: &E) -> (Swept<D>, Swept<D>) {
+    let (one, other) = evaluations_in_turn::<FIRST_EVALUATIONS, E, D>(one, other);
+    (verdict(one), verdict(other))
+}
+
+/// A later sweep, from z.
+#[inline(always)]
+pub(crate) fn sweep<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D], method: Method) -> Swept<D> {
+    match method {
+        Method::FixedPoint => verdict(evaluations::<EVALUATIONS, E, D>(equation, z)),
         Method::Newton => newton_sweep(equation, z),
     }
 }
 
-/// N evaluations. The last two changes c, c′ give the contraction c′/c and with it the next change, which is the
-/// residual: done when c′²/c ≤ tolerance, with c counted as at most ‖z‖.
+/// The last three iterates.
+type Tail<const D: usize> = [[f64; D]; 3];
+
+/// The last three of N evaluations from z.
 #[inline(always)]
-fn fixed_point_sweep<const N: usize, E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> ([f64; D], f64) {
+fn evaluations<const N: usize, E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> Tail<D> {
+    const { assert!(N >= 2 && N <= 11, "as many evaluations as are written out") };
     // Written out: a loop of long bodies would not be unrolled, and then the loop over paths is not vectorised.
+    let z = if N > 10 { equation.map(z) } else { z };
+    let z = if N > 9 { equation.map(z) } else { z };
+    let z = if N > 8 { equation.map(z) } else { z };
     let z = if N > 7 { equation.map(z) } else { z };
     let z = if N > 6 { equation.map(z) } else { z };
     let z = if N > 5 { equation.map(z) } else { z };
     let z = if N > 4 { equation.map(z) } else { z };
     let z = if N > 3 { equation.map(z) } else { z };
     let z = if N > 2 { equation.map(z) } else { z };
-    let (previous, before) = (z, equation.map(z));
-    let next = equation.map(before);
+    let before = equation.map(z);
+    [z, before, equation.map(before)]
+}
+
+/// [`evaluations`] of two paths from their starts, in turn.
+#[inline(always)]
+fn evaluations_in_turn<const N: usize, E: FixedPoint<D>, const D: usize>(one: &E, other: &E) -> (Tail<D>, Tail<D>) {
+    const { assert!(N >= 2 && N <= 11, "as many evaluations as are written out") };
+    let (y, z) = (one.start(), other.start());
+    let (y, z) = if N > 10 { (one.map(y), other.map(z)) } else { (y, z) };
+    let (y, z) = if N > 9 { (one.map(y), other.map(z)) } else { (y, z) };
+    let (y, z) = if N > 8 { (one.map(y), other.map(z)) } else { (y, z) };
+    let (y, z) = if N > 7 { (one.map(y), other.map(z)) } else { (y, z) };
+    let (y, z) = if N > 6 { (one.map(y), other.map(z)) } else { (y, z) };
+    let (y, z) = if N > 5 { (one.map(y), other.map(z)) } else { (y, z) };
+    let (y, z) = if N > 4 { (one.map(y), other.map(z)) } else { (y, z) };
+    let (y, z) = if N > 3 { (one.map(y), other.map(z)) } else { (y, z) };
+    let (y, z) = if N > 2 { (one.map(y), other.map(z)) } else { (y, z) };
+    let before = (one.map(y), other.map(z));
+    let next = (one.map(before.0), other.map(before.1));
+    ([y, before.0, next.0], [z, before.1, next.1])
+}
+
+/// The last two changes c, c′ give the contraction c′/c and with it the next change, which is the residual: done when
+/// c′²/c ≤ tolerance, with c counted as at most ‖z‖.
+#[inline(always)]
+fn verdict<const D: usize>([previous, before, next]: Tail<D>) -> Swept<D> {
     // Sums and not maxima: a NaN anywhere makes the sum NaN, and NaN is not at most zero.
     let (mut change, mut change_before, mut size) = (0.0, 0.0, 0.0);
     for i in 0..D {
@@ -65,7 +111,7 @@ fn fixed_point_sweep<const N: usize, E: FixedPoint<D>, const D: usize>(equation:
 }
 
 #[inline(always)]
-fn newton_sweep<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> ([f64; D], f64) {
+fn newton_sweep<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> Swept<D> {
     let next = newton_step(equation, z);
     let (mut change, mut size) = (0.0, 0.0);
     for i in 0..D {

@@ -69,13 +69,12 @@ pub(crate) fn split_block<S, Q: Rule<S, B::Path, D>, B: BlockNoise, const D: usi
     y: &mut Block<D>,
     status: &mut BlockStatus,
 ) {
-    let mut z_hat = Block::zero();
     for i in 0..D {
         for p in 0..WIDTH {
-            z_hat.0[i][p] = step.first_decay * y.0[i][p];
+            y.0[i][p] *= step.first_decay;
         }
     }
-    let z = solve_block(solver, rule, system, noise, &z_hat, status);
+    let z = solve_block(solver, rule, system, noise, y, status);
     for i in 0..D {
         for p in 0..WIDTH {
             y.0[i][p] = step.second_decay * z.0[i][p];

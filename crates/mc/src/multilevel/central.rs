@@ -1,0 +1,106 @@
+//! Mean, variance and kurtosis of one quantity, merged without cancellation.
+
+/// Number, mean and the sums of the second, third and fourth powers of the deviations from it.
+///
+/// Merged by the pairwise formulas of Pébay (SAND2008-6212), which subtract no large sums: a quantity whose mean is many
+/// times its spread, as φ itself may be, keeps its digits.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Central {
+    count: u64,
+    mean: f64,
+    m2: f64,
+    m3: f64,
+    m4: f64,
+}
+
+impl Central {
+    pub(crate) fn add(&mut self, x: f64) {
+        self.merge(&Self { count: 1, mean: x, ..Self::default() });
+    }
+
+    /// Adds all samples of `later`.
+    pub(crate) fn merge(&mut self, later: &Self) {
+        if self.count == 0 || later.count == 0 {
+            if self.count == 0 {
+                *self = *later;
+            }
+            return;
+        }
+        let (a, b) = (self.count as f64, later.count as f64);
+        let n = a + b;
+        let delta = later.mean - self.mean;
+        let step = delta / n;
+        let square = delta * step * a * b;
+        let m4 = self.m4
+            + later.m4
+            + square * step * step * (a * a - a * b + b * b)
+            + 6.0 * step * step * (a * a * later.m2 + b * b * self.m2)
+            + 4.0 * step * (a * later.m3 - b * self.m3);
+        let m3 = self.m3 + later.m3 + square * step * (a - b) + 3.0 * step * (a * later.m2 - b * self.m2);
+        let m2 = self.m2 + later.m2 + square;
+        *self = Self { count: self.count + later.count, mean: self.mean + b * step, m2, m3, m4 };
+    }
+
+    pub(crate) fn mean(&self) -> f64 {
+        self.mean
+    }
+
+    /// Sample variance; NaN with fewer than two samples.
+    pub(crate) fn variance(&self) -> f64 {
+        self.m2 / (self.count as f64 - 1.0)
+    }
+
+    /// Squared standard error of the mean; NaN with fewer than two samples.
+    pub(crate) fn variance_of_mean(&self) -> f64 {
+        self.variance() / self.count as f64
+    }
+
+    /// E[(x − Ex)⁴]/Var(x)², three for normals; NaN for a constant.
+    pub(crate) fn kurtosis(&self) -> f64 {
+        self.count as f64 * self.m4 / (self.m2 * self.m2)
+    }
+
+    /// Whether the spread is more than what rounding makes of numbers of the size of `scale`.
+    pub(crate) fn is_spread(&self, scale: f64) -> bool {
+        self.variance().sqrt() > ROUND_OFF * scale
+    }
+}
+
+/// A spread below this fraction of φ is rounding in some thousand steps and no randomness.
+const ROUND_OFF: f64 = 4096.0 * f64::EPSILON;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn merged_moments_are_those_of_all_samples() {
+        // A mean of 10⁶ spreads: sums of squares would keep four digits of the variance, sums of fourth powers none.
+        let samples: Vec<f64> = (0..300).map(|n| 1e6 + f64::from(n * n % 97) / 97.0).collect();
+        let n = samples.len() as f64;
+        let mean = 1e6 + samples.iter().map(|x| x - 1e6).sum::<f64>() / n;
+        let power = |k: i32| samples.iter().map(|x| (x - mean).powi(k)).sum::<f64>() / n;
+        for size in [1, 7, 128, 300] {
+            let mut all = Central::default();
+            for group in samples.chunks(size) {
+                let mut part = Central::default();
+                group.iter().for_each(|&x| part.add(x));
+                all.merge(&part);
+            }
+            assert_eq!(all.count, 300);
+            assert!((all.mean() - mean).abs() < 1e-8);
+            assert!((all.variance() * (n - 1.0) / n / power(2) - 1.0).abs() < 1e-8, "{size}");
+            assert!((all.m3 / n / power(3) - 1.0).abs() < 1e-6, "{size}");
+            assert!((all.kurtosis() / (power(4) / power(2).powi(2)) - 1.0).abs() < 1e-8, "{size}");
+        }
+    }
+
+    #[test]
+    fn a_constant_has_no_kurtosis_and_no_spread() {
+        let mut constant = Central::default();
+        for _ in 0..10 {
+            constant.add(0.1);
+        }
+        assert!(constant.kurtosis().is_nan() && constant.variance() == 0.0 && !constant.is_spread(0.1));
+    }
+}

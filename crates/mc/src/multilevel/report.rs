@@ -1,0 +1,209 @@
+//! What is known about an expectation in the end.
+
+use std::fmt;
+
+use super::Coupling;
+
+/// Expectations of all test functions, with everything that speaks for and against them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expectation {
+    /// One for each test function, in their order.
+    pub estimates: Vec<Estimate>,
+    /// Half-width that was asked for.
+    pub accuracy: f64,
+    /// Path-steps of everything that was computed, pilots and failed paths included.
+    pub cost: u64,
+    /// The levels that were sampled.
+    pub levels: Vec<Level>,
+    /// What contradicts the assumptions that the intervals rest on; none, as a rule.
+    pub warnings: Vec<Warning>,
+}
+
+impl Expectation {
+    /// Whether every interval is as narrow as was asked for.
+    #[must_use]
+    pub fn reached(&self) -> bool {
+        self.estimates.iter().all(|estimate| estimate.half_width() <= self.accuracy)
+    }
+}
+
+/// E[φ(y(T))] for one φ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Name of φ.
+    pub name: &'static str,
+    /// The estimate.
+    pub value: f64,
+    /// Standard error of the estimate, statistical alone.
+    pub standard_error: f64,
+    /// What E[φ(y(T))] is thought to be above E[φ(y_τ)] at the finest step: d/(2^α − 1) from the last difference d. It is
+    /// not added to the estimate.
+    pub bias: f64,
+    /// Bound on its size: the largest (|d_l| + 1.96 standard errors)·2^{−α(L−l)}/(2^α − 1) of the last three levels l.
+    pub bias_bound: f64,
+    /// Observed α in E[φ(y_τ)] − E[φ(y_{2τ})] ∝ τ^α, from the differences that exceed four standard errors; `None` with
+    /// fewer than two of them.
+    pub alpha: Option<Rate>,
+    /// Observed β in Var ∝ τ^β of the differences; `None` where they do not vary.
+    pub beta: Option<Rate>,
+}
+
+impl Estimate {
+    /// Half of the 95 % interval: 1.96 standard errors and the bound on the bias.
+    #[must_use]
+    pub fn half_width(&self) -> f64 {
+        super::plan::QUANTILE * self.standard_error + self.bias_bound
+    }
+
+    /// The 95 % interval, from and to. It covers more often when the bias is below its bound.
+    #[must_use]
+    pub fn interval(&self) -> (f64, f64) {
+        (self.value - self.half_width(), self.value + self.half_width())
+    }
+}
+
+/// An exponent with its 95 % interval, which is widened when the points do not lie on a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rate {
+    /// The slope.
+    pub value: f64,
+    /// Lower end.
+    pub lower: f64,
+    /// Upper end.
+    pub upper: f64,
+}
+
+/// What one level contributed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// Its number.
+    pub level: usize,
+    /// Step size of the fine path.
+    pub tau: f64,
+    /// How it is coupled with the level below; `None` for φ itself on single paths.
+    pub coupling: Option<Coupling>,
+    /// Paths that count.
+    pub samples: u64,
+    /// Paths that failed.
+    pub failed: u64,
+    /// Path-steps of one sample.
+    pub cost_per_path: u64,
+    /// One for each test function.
+    pub values: Vec<LevelValue>,
+}
+
+/// The samples of one test function on one level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LevelValue {
+    /// Their mean.
+    pub mean: f64,
+    /// Their variance.
+    pub variance: f64,
+    /// Their kurtosis, three for normals; NaN where they do not vary.
+    pub kurtosis: f64,
+    /// How far the coarse mean lies from the fine mean of the level below, which has the same expectation, in standard
+    /// errors of the difference; zero without a level below.
+    pub deviation: f64,
+}
+
+/// An assumption that does not hold, or a limit that was met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// Paths without a solution were left out: the estimate is conditional on survival.
+    FailedPaths {
+        /// The level.
+        level: usize,
+        /// How many.
+        failed: u64,
+    },
+    /// The kurtosis is above 100 and above a sixteenth of the samples, so that the variance is not known to a quarter, nor
+    /// the standard error of the level to an eighth.
+    Kurtosis {
+        /// Name of φ.
+        observable: &'static str,
+        /// The level.
+        level: usize,
+        /// Its kurtosis.
+        kurtosis: f64,
+    },
+    /// Variances fall more slowly than costs grow, so the cost is not of order ε⁻²: wrong coupling, or an order of strong
+    /// convergence below ½.
+    VarianceDecay {
+        /// Name of φ.
+        observable: &'static str,
+        /// Observed exponent, significantly below one.
+        beta: Rate,
+    },
+    /// The differences fall more slowly than the weak order says; the bias is judged by the upper end of the observed
+    /// interval then, but by no order below ½.
+    WeakOrder {
+        /// Name of φ.
+        observable: &'static str,
+        /// Observed exponent.
+        alpha: Rate,
+        /// Weak order of the settings.
+        assumed: f64,
+    },
+    /// The coarse mean of a level contradicts the fine mean of the level below: the sum over the levels does not
+    /// telescope.
+    Inconsistent {
+        /// Name of φ.
+        observable: &'static str,
+        /// The level of the coarse mean.
+        level: usize,
+        /// Distance in standard errors.
+        deviation: f64,
+    },
+    /// With this number of coarsest steps the same accuracy would have cost less.
+    CoarsestSteps {
+        /// The better number.
+        steps: u64,
+    },
+    /// The cost reached its limit before the accuracy.
+    CostLimit {
+        /// Path-steps allowed.
+        max_cost: u64,
+    },
+    /// The bias is too large on the finest level allowed.
+    LevelLimit {
+        /// That level.
+        level: usize,
+    },
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::FailedPaths { level, failed } => {
+                write!(f, "{failed} paths failed on level {level} and were left out, which may bias the estimate")
+            }
+            Self::Kurtosis { observable, level, kurtosis } => {
+                write!(f, "{observable}: kurtosis {kurtosis:.0} on level {level}, its variance is not reliable")
+            }
+            Self::VarianceDecay { observable, beta } => write!(
+                f,
+                "{observable}: variances fall with exponent {:.2} ({:.2} to {:.2}), below the exponent 1 of the cost",
+                beta.value, beta.lower, beta.upper
+            ),
+            Self::WeakOrder { observable, alpha, assumed } => write!(
+                f,
+                "{observable}: differences fall with exponent {:.2} ({:.2} to {:.2}), the weak order given is {assumed}",
+                alpha.value, alpha.lower, alpha.upper
+            ),
+            Self::Inconsistent { observable, level, deviation } => write!(
+                f,
+                "{observable}: the coarse mean of level {level} is {deviation:.1} standard errors from the fine mean of \
+                 level {}, the levels do not telescope",
+                level - 1
+            ),
+            Self::CoarsestSteps { steps } => write!(f, "{steps} coarsest steps would have cost less"),
+            Self::CostLimit { max_cost } => {
+                write!(f, "the accuracy was not reached with the {max_cost} path-steps allowed")
+            }
+            Self::LevelLimit { level } => {
+                write!(f, "the bias is too large for the accuracy on the finest level allowed, {level}")
+            }
+        }
+    }
+}

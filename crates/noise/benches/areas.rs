@@ -1,0 +1,84 @@
+//! What a Lévy area costs.
+//!
+//! Measured: [`AreaSampler::areas`] with [`AreaMethod::MrongowiusRoessler`], and the other methods at the error of eleven
+//! of its terms for three noises (strong order one at a step of 2⁻¹²), 64 steps of 32 paths; the same steps of
+//! [`AreaPath`] for a single path; and [`ExactArea`]. The increments are drawn beforehand.
+//!
+//! An element is one path and step, so criterion's `Melem/s` are millions of path-steps a second: **ns per path-step =
+//! 1000 / (Melem/s)**; divided by [`AreaMethod::normals`] it is ns per normal, to be compared with `increments`.
+
+use std::hint::black_box;
+use std::time::Duration;
+
+use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
+use noise::{AreaBlock, AreaMethod, AreaPath, AreaSampler, ExactArea, StreamKey, WienerBlock};
+use real::{Block, WIDTH};
+
+const STEPS: usize = 64;
+const STEP: f64 = 1.0 / 4096.0;
+
+const KEY: StreamKey = StreamKey { seed: 1, experiment: 1 };
+
+type Group<'a> = BenchmarkGroup<'a, criterion::measurement::WallTime>;
+
+fn increment<const M: usize>() -> Block<M> {
+    let mut dw = Block::zero();
+    WienerBlock::<M>::new(KEY, 0).increments(STEP.sqrt(), &mut dw);
+    dw
+}
+
+fn areas<const M: usize>(group: &mut Group<'_>, noises: &str, method: AreaMethod, terms: usize) {
+    let name = format!("{noises}/{method:?} {terms}");
+    let dw = increment::<M>();
+    group.throughput(Throughput::Elements((WIDTH * STEPS) as u64));
+    group.bench_function(format!("{name}/block"), |bencher| {
+        let mut sampler = AreaSampler::<M>::new(KEY, 0, method, terms);
+        let mut areas = AreaBlock::zero();
+        bencher.iter(|| {
+            for _ in 0..STEPS {
+                sampler.areas(STEP, black_box(&dw), &mut areas);
+                black_box(&areas);
+            }
+        });
+    });
+    if method == AreaMethod::MrongowiusRoessler {
+        group.throughput(Throughput::Elements(STEPS as u64));
+        group.bench_function(format!("{name}/path"), |bencher| {
+            let mut sampler = AreaPath::<M>::new(KEY, 0, method, terms);
+            bencher.iter(|| {
+                for _ in 0..STEPS {
+                    black_box(sampler.areas(STEP, black_box(dw.path(0))));
+                }
+            });
+        });
+    }
+}
+
+fn exact(group: &mut Group<'_>) {
+    let dw = increment::<2>();
+    group.throughput(Throughput::Elements((WIDTH * STEPS) as u64));
+    group.bench_function("two noises/exact", |bencher| {
+        let mut sampler = ExactArea::new(KEY, 0);
+        bencher.iter(|| {
+            for n in 0..STEPS * WIDTH {
+                black_box(sampler.area(STEP, dw.path(n % WIDTH)));
+            }
+        });
+    });
+}
+
+fn bench(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("areas");
+    group.sample_size(20).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
+    areas::<3>(&mut group, "three noises", AreaMethod::MrongowiusRoessler, 11);
+    areas::<3>(&mut group, "three noises", AreaMethod::Wiktorsson, 23);
+    areas::<3>(&mut group, "three noises", AreaMethod::Milstein, 208);
+    areas::<3>(&mut group, "three noises", AreaMethod::Fourier, 623);
+    areas::<2>(&mut group, "two noises", AreaMethod::MrongowiusRoessler, 9);
+    areas::<6>(&mut group, "six noises", AreaMethod::MrongowiusRoessler, 15);
+    exact(&mut group);
+    group.finish();
+}
+
+criterion_group!(benches, bench);
+criterion_main!(benches);

@@ -1,0 +1,251 @@
+//! Lévy areas given the increments, for a block of paths and for one.
+//!
+//! Both run the same functions, written for any number of paths at a time, so that path p of a block and path p alone
+//! are the same bits.
+
+use std::f64::consts::{SQRT_2, TAU};
+
+use real::{Block, Kernel, dispatch};
+
+use crate::area_method::AreaMethod;
+use crate::stream::BlockStreams;
+use crate::wiener::fill_pair;
+use crate::{AreaBlock, StreamKey};
+
+/// Areas draw from a family of streams of their own, which differs in this bit of the experiment: a Wiener increment
+/// is the same whether areas are drawn or not.
+pub const AREA_STREAM: u64 = 1 << 62;
+
+impl StreamKey {
+    /// The family of streams that the areas of this key are drawn from: [`AREA_STREAM`] flipped.
+    pub(crate) fn of_areas(self) -> Self {
+        Self { experiment: self.experiment ^ AREA_STREAM, ..self }
+    }
+}
+
+/// Lévy areas of M Wiener processes on each of 32 consecutive paths, given their increments.
+///
+/// A path consumes its normals term by term, noise by noise, X before Y, each pair one of Box–Muller; then those of the
+/// tail, Ψ before g and g_12, g_13, …, g_23, …. With an odd number of them the last one of the step is dropped, so that
+/// nothing but the state of the streams is carried from step to step. Steps may differ in size.
+#[derive(Clone, Debug)]
+pub struct AreaSampler<const M: usize> {
+    streams: BlockStreams,
+    series: Series,
+}
+
+/// What is computed once: the method, n, and the amplitude of its tail.
+#[derive(Clone, Copy, Debug)]
+struct Series {
+    method: AreaMethod,
+    terms: usize,
+    tail_amplitude: f64,
+}
+
+impl Series {
+    fn new(method: AreaMethod, terms: usize) -> Self {
+        Self { method, terms, tail_amplitude: AreaMethod::tail_amplitude(terms) }
+    }
+}
+
+impl<const M: usize> AreaSampler<M> {
+    /// The areas of paths `first_path` .. `first_path + 32`, by `method` with `terms` terms of the series;
+    /// [`AreaMethod::cheapest`] says which.
+    #[must_use]
+    pub fn new(key: StreamKey, first_path: u64, method: AreaMethod, terms: usize) -> Self {
+        Self { streams: BlockStreams::new(key.of_areas(), first_path), series: Series::new(method, terms) }
+    }
+
+    /// The areas over the next step, of size `step` > 0, whose *untruncated* increments are `dw`.
+    ///
+    /// With less than two noises nothing is drawn.
+    #[inline]
+    pub fn areas(&mut self, step: f64, dw: &Block<M>, areas: &mut AreaBlock<M>) {
+        *areas = AreaBlock::zero();
+        if M > 1 {
+            let words = &mut self.streams.0;
+            dispatch(Draw { words, series: self.series, step, dw: &dw.0, areas: &mut areas.0 });
+        }
+    }
+}
+
+/// Lévy areas on one path: the same bits as that path of an [`AreaSampler`].
+#[derive(Clone, Debug)]
+pub struct AreaPath<const M: usize> {
+    words: [[u64; 1]; 4],
+    series: Series,
+}
+
+impl<const M: usize> AreaPath<M> {
+    /// The areas of path `path`, by `method` with `terms` terms of the series.
+    #[must_use]
+    pub fn new(key: StreamKey, path: u64, method: AreaMethod, terms: usize) -> Self {
+        Self { words: key.of_areas().state(path).map(|word| [word]), series: Series::new(method, terms) }
+    }
+
+    /// The skew matrix of the areas over the next step, of size `step` > 0, whose *untruncated* increment is `dw`.
+    pub fn areas(&mut self, step: f64, dw: [f64; M]) -> [[f64; M]; M] {
+        let mut upper = [[[0.0]; M]; M];
+        if M > 1 {
+            Draw { words: &mut self.words, series: self.series, step, dw: &dw.map(|w| [w]), areas: &mut upper }.run();
+        }
+        let mut areas = [[0.0; M]; M];
+        for i in 0..M {
+            for j in 0..M {
+                areas[i][j] = upper[i][j][0] - upper[j][i][0];
+            }
+        }
+        areas
+    }
+}
+
+/// Adds the areas of a step of L paths to `areas`, which are zero.
+struct Draw<'a, const M: usize, const L: usize> {
+    words: &'a mut [[u64; L]; 4],
+    series: Series,
+    step: f64,
+    dw: &'a [[f64; L]; M],
+    areas: &'a mut [[[f64; L]; M]; M],
+}
+
+/// Scratch rows of L paths, aligned as blocks are.
+#[repr(align(64))]
+struct Rows<const M: usize, const L: usize>([[f64; L]; M]);
+
+impl<const M: usize, const L: usize> Rows<M, L> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self([[0.0; L]; M])
+    }
+}
+
+impl<const M: usize, const L: usize> Kernel for Draw<'_, M, L> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { words, series: Series { method, terms, tail_amplitude }, step, dw, areas } = self;
+        let per_root = 1.0 / step.sqrt();
+        // w = W/√h, and √2 w.
+        let (mut w, mut shift) = (Rows::<M, L>::zero(), Rows::<M, L>::zero());
+        for i in 0..M {
+            for p in 0..L {
+                w.0[i][p] = dw[i][p] * per_root;
+                shift.0[i][p] = w.0[i][p] * SQRT_2;
+            }
+        }
+        let (mut x, mut z) = (Rows::<M, L>::zero(), Rows::<M, L>::zero());
+        for r in 1..=terms {
+            let weight = 1.0 / r as f64;
+            for i in 0..M {
+                fill_pair(words, &mut x.0[i], &mut z.0[i], weight, 1.0);
+                for p in 0..L {
+                    z.0[i][p] -= shift.0[i][p];
+                }
+            }
+            add_wedges(areas, &x, &z);
+        }
+        let tail = draw_tail::<M, L>(words, method.tail_normals(M), tail_amplitude);
+        match method {
+            AreaMethod::Fourier => {}
+            AreaMethod::Milstein => add_noise_tail(areas, &w, &tail),
+            AreaMethod::Wiktorsson => {
+                add_pairs(areas, &tail, 0);
+                add_given_w(areas, &w, &tail);
+            }
+            AreaMethod::MrongowiusRoessler => {
+                add_noise_tail(areas, &w, &tail);
+                add_pairs(areas, &tail, M);
+            }
+        }
+        let scale = step / TAU;
+        for i in 0..M {
+            for j in i + 1..M {
+                for p in 0..L {
+                    areas[i][j][p] *= scale;
+                }
+            }
+        }
+    }
+}
+
+/// A_ij += x_i z_j − x_j z_i.
+#[inline(always)]
+fn add_wedges<const M: usize, const L: usize>(areas: &mut [[[f64; L]; M]; M], x: &Rows<M, L>, z: &Rows<M, L>) {
+    for i in 0..M {
+        for j in i + 1..M {
+            for p in 0..L {
+                areas[i][j][p] += x.0[i][p] * z.0[j][p] - x.0[j][p] * z.0[i][p];
+            }
+        }
+    }
+}
+
+/// The normals of a tail, numbered row by row; M² places are enough for M(M+1)/2 normals and the one to be dropped.
+#[repr(align(64))]
+struct Tail<const M: usize, const L: usize>([[[f64; L]; M]; M]);
+
+/// Draws `count` normals for each path, none for no tail, multiplied by `amplitude`.
+#[inline(always)]
+fn draw_tail<const M: usize, const L: usize>(words: &mut [[u64; L]; 4], count: usize, amplitude: f64) -> Tail<M, L> {
+    let mut tail = Tail([[[0.0; L]; M]; M]);
+    let mut places = &mut tail.0.as_flattened_mut()[..count.next_multiple_of(2)];
+    while let [first, second, rest @ ..] = places {
+        fill_pair(words, first, second, amplitude, amplitude);
+        places = rest;
+    }
+    tail
+}
+
+/// A_ij += a(w_iΨ_j − w_jΨ_i), aΨ in the first M places of the tail.
+#[inline(always)]
+fn add_noise_tail<const M: usize, const L: usize>(areas: &mut [[[f64; L]; M]; M], w: &Rows<M, L>, tail: &Tail<M, L>) {
+    for i in 0..M {
+        for j in i + 1..M {
+            for p in 0..L {
+                areas[i][j][p] += w.0[i][p] * tail.0[0][j][p] - w.0[j][p] * tail.0[0][i][p];
+            }
+        }
+    }
+}
+
+/// A_ij += a g_ij, which are in the places of the tail from number `first` on.
+#[inline(always)]
+fn add_pairs<const M: usize, const L: usize>(areas: &mut [[[f64; L]; M]; M], tail: &Tail<M, L>, first: usize) {
+    let mut place = first;
+    for i in 0..M {
+        for j in i + 1..M {
+            let g = &tail.0[place / M][place % M];
+            for p in 0..L {
+                areas[i][j][p] += g[p];
+            }
+            place += 1;
+        }
+    }
+}
+
+/// A += [(Gw)wᵀ − w(Gw)ᵀ]/(1 + √(1+|w|²)), the entries i < j of the skew G in the first places of the tail.
+#[inline(always)]
+fn add_given_w<const M: usize, const L: usize>(areas: &mut [[[f64; L]; M]; M], w: &Rows<M, L>, tail: &Tail<M, L>) {
+    let mut gw = Rows::<M, L>::zero();
+    let mut norm = Rows::<1, L>::zero();
+    let mut place = 0;
+    for i in 0..M {
+        for p in 0..L {
+            norm.0[0][p] += w.0[i][p] * w.0[i][p];
+        }
+        for j in i + 1..M {
+            let g = &tail.0[place / M][place % M];
+            for p in 0..L {
+                gw.0[i][p] += g[p] * w.0[j][p];
+                gw.0[j][p] -= g[p] * w.0[i][p];
+            }
+            place += 1;
+        }
+    }
+    for i in 0..M {
+        for p in 0..L {
+            gw.0[i][p] /= 1.0 + (1.0 + norm.0[0][p]).sqrt();
+        }
+    }
+    add_wedges(areas, &gw, w);
+}

@@ -1,0 +1,109 @@
+//! The areas are those of paths: orientation and sign, on paths rebuilt from the coefficients.
+
+use std::f64::consts::{PI, SQRT_2, TAU};
+
+use noise::{AreaMethod, AreaPath, WienerPath, ito, stratonovich};
+
+use crate::key;
+use crate::written_out::{Coefficients, normals};
+
+const GRID: usize = 4096;
+
+/// W(t) = Wt/h + Σ_r √(h/2)/(πr) [X_r (cos(2πrt/h) − 1) + Y_r sin(2πrt/h)] at t = hg/G, g = 0 .. G.
+fn path<const M: usize>(coefficients: &Coefficients<M>, terms: usize, step: f64, dw: [f64; M]) -> Vec<[f64; M]> {
+    let point = |g: usize| {
+        let mut at = dw.map(|w| w * g as f64 / GRID as f64);
+        for r in 1..=terms {
+            // r·g turns of the grid, reduced exactly.
+            let (sin, cos) = (TAU * (r * g % GRID) as f64 / GRID as f64).sin_cos();
+            for m in 0..M {
+                let size = (0.5 * step).sqrt() / (PI * r as f64);
+                at[m] += size * (coefficients.x[r - 1][m] * (cos - 1.0) + coefficients.y[r - 1][m] * sin);
+            }
+        }
+        at
+    };
+    (0..=GRID).map(point).collect()
+}
+
+/// ∫W_i∘dW_j of the polygon through the points.
+fn integral<const M: usize>(path: &[[f64; M]], i: usize, j: usize) -> f64 {
+    path.windows(2).map(|at| 0.5 * (at[0][i] + at[1][i]) * (at[1][j] - at[0][j])).sum()
+}
+
+/// The polygon of the path that is cut after n terms has the area and the integrals of the sampler, sign included.
+///
+/// On the grid, the products of different frequencies still add up to zero, and the coupling of a frequency to the
+/// straight part is exact; the area of frequency r with itself is multiplied by sin(φ)/φ, φ = 2πr/G, an error of φ²/6
+/// at most.
+#[test]
+fn areas_are_those_of_the_path_with_their_sign() {
+    const TERMS: usize = 12;
+    let step = 0.7;
+    let (mut products, mut squares) = (0.0, 0.0);
+    for number in 0..64 {
+        let key = key(400);
+        let dw = WienerPath::<3>::new(key, number).increments(f64::sqrt(step));
+        let areas = AreaPath::<3>::new(key, number, AreaMethod::Fourier, TERMS).areas(step, dw);
+        let coefficients = Coefficients::<3>::draw(&mut normals(key, number), TERMS);
+        let path = path(&coefficients, TERMS, step, dw);
+        let (j, i) = (stratonovich(dw, areas), ito(dw, areas, step));
+        for a in 0..3 {
+            assert!((path[GRID][a] - dw[a]).abs() < 1e-12);
+            for b in 0..3 {
+                let frequency = |r: usize| {
+                    let (x, y) = (coefficients.x[r - 1], coefficients.y[r - 1]);
+                    let phase = TAU * r as f64 / GRID as f64;
+                    (x[a] * y[b] - x[b] * y[a]).abs() / r as f64 * phase * phase / 6.0
+                };
+                let error = step / TAU * (1..=TERMS).map(frequency).sum::<f64>() + 1e-12;
+                let polygon = integral(&path, a, b);
+                assert!((polygon - j[a][b]).abs() <= error, "{a}{b}: {polygon} {} {error}", j[a][b]);
+                let correction = if a == b { 0.5 * step } else { 0.0 };
+                assert!((polygon - correction - i[a][b]).abs() <= error);
+                let area = 0.5 * (polygon - integral(&path, b, a));
+                assert!((area - areas[a][b]).abs() <= error);
+                products += area * areas[a][b];
+                squares += areas[a][b] * areas[a][b];
+            }
+        }
+    }
+    // The correlation is one, not minus one: the slope of the regression on the sampler's areas.
+    assert!((products / squares - 1.0).abs() < 1e-4);
+}
+
+/// The coefficients make a Brownian path, as far as n terms can: at t, E[W(t)²] is short of the variance of the terms
+/// left out, Σ_{r>n} (h/2π²r²)·(2 − 2cos(2πrt/h)).
+#[test]
+fn the_rebuilt_path_is_brownian() {
+    const TERMS: usize = 12;
+    const PATHS: u64 = 2000;
+    let step = 0.7;
+    for g in [GRID / 4, GRID / 2] {
+        let t = step * g as f64 / GRID as f64;
+        let turn = |r: usize| 2.0 - 2.0 * (TAU * (r * g % GRID) as f64 / GRID as f64).cos();
+        let drawn: f64 = (1..=TERMS).map(|r| step * turn(r) / (2.0 * PI * PI * (r * r) as f64)).sum();
+        let variance = t * t / step + drawn;
+        // The terms left out are at most 4h/(2π²n).
+        assert!(variance <= t && t - variance < 4.0 * step / (2.0 * PI * PI * TERMS as f64));
+        let mut sum = 0.0;
+        for number in 0..PATHS {
+            let key = key(401);
+            let dw = WienerPath::<2>::new(key, number).increments(f64::sqrt(step));
+            let coefficients = Coefficients::<2>::draw(&mut normals(key, number), TERMS);
+            let mut at = dw.map(|w| w * t / step);
+            for r in 1..=TERMS {
+                let (sin, cos) = (TAU * (r * g % GRID) as f64 / GRID as f64).sin_cos();
+                for m in 0..2 {
+                    let (x, y) = (coefficients.x[r - 1][m], coefficients.y[r - 1][m]);
+                    at[m] += step.sqrt() / (SQRT_2 * PI * r as f64) * (x * (cos - 1.0) + y * sin);
+                }
+            }
+            sum += at.map(|w| w * w / variance - 1.0).iter().sum::<f64>();
+        }
+        // 2·PATHS squares of normals, minus one: variance 2, skewness √8.
+        let n = 2.0 * PATHS as f64;
+        let z = crate::critical();
+        assert!((sum / (2.0 * n).sqrt()).abs() < z + 8f64.sqrt() / n.sqrt() * (z * z - 1.0) / 6.0);
+    }
+}
