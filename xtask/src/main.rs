@@ -4,6 +4,7 @@
 //! report with figures, tables and `results.json`. `cargo xtask verify` runs the battery for many seeds.
 
 mod battery;
+mod budget;
 mod output;
 mod progress;
 mod provenance;

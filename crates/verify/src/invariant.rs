@@ -83,6 +83,7 @@ where
         reference: "the conformal law exp(−p ∫γ) F(y₀)".to_owned(),
         failures,
         clipped: Vec::new(),
+        differences: Vec::new(),
         series,
     }
 }

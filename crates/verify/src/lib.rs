@@ -26,9 +26,11 @@
 //! | [`reproduce()`], [`Settings`], [`Mode`], [`Progress`] | run everything, or a selection |
 //! | [`EXPERIMENTS`], [`STATEMENTS`], [`SUPPLEMENTS`], [`panel_ids`] | what there is to run |
 //! | [`strong_order`], [`weak_order`], [`Study`] | the order of any scheme on any problem |
+//! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo against the Kolmogorov equation |
 //! | [`TWINS`], [`measure_twins`] | wrong methods that the claims must refute |
 //! | [`PathScheme`] | a scheme written for one path, to be put to the test |
-//! | [`fit_strong`], [`fit_weak`], [`order_verdict`] | orders with intervals, and when an order is said to hold |
+//! | [`fit_strong`], [`fit_weak`], [`fit_weak_differences`], [`order_verdict`] | orders with intervals, and when an order is said to hold |
+//! | [`rigid_body_expectations`] | expectations of the rigid body with no sampling |
 //! | [`coverage()`], [`CoverageRow`] | how often those intervals cover the truth |
 //! | [`results`] | the `results.json` contract |
 
@@ -43,6 +45,7 @@ mod path_scheme;
 mod reproduce;
 pub mod results;
 mod runge_kutta;
+mod sphere;
 mod statement;
 mod statements;
 mod strong;
@@ -53,14 +56,17 @@ mod weak;
 
 pub use coverage::{CoverageRow, Expected, coverage};
 pub use experiment::{Context, Experiment, Mode, Progress, Settings, Silent};
-pub use order::{ORDER_MARGIN, bound_verdict, fit_strong, fit_weak, order_verdict, root_mean_square_interval};
+pub use order::{
+    ORDER_MARGIN, bound_verdict, fit_strong, fit_weak, fit_weak_differences, order_verdict, root_mean_square_interval,
+};
 pub use paper::EXPERIMENTS;
 pub use path_scheme::PathScheme;
 pub use reproduce::{UnknownPanel, check_ids, panel_ids, reproduce};
+pub use sphere::rigid_body_expectations;
 pub use statement::Statement;
 pub use statements::STATEMENTS;
 pub use study::{Exact, Order, Study, strong_order, strong_order_exact, weak_order};
-pub use supplement::{SUPPLEMENTS, Supplement};
+pub use supplement::{SUPPLEMENTS, Supplement, expectation_claims};
 pub use twins::{TWINS, Twin, measure_twins};
 
 /// The example of the README, compiled and run with the other examples.

@@ -62,6 +62,8 @@ pub enum Kind {
     Weak,
     /// An invariant along one path, with its conformal law.
     Invariant,
+    /// Path-steps against the accuracy of an expectation.
+    Cost,
 }
 
 /// One figure of the paper.
@@ -77,7 +79,7 @@ pub struct Panel {
     pub setup: String,
     /// What the paper says this figure shows.
     pub paper: String,
-    /// Number of sample paths.
+    /// Number of sample paths; of a weak panel those of the coarsest difference.
     pub samples: u64,
     /// The reference solution, in words.
     pub reference: String,
@@ -89,6 +91,18 @@ pub struct Panel {
     /// Where increments were clipped: how many, and what share they have in the errors. Empty where none was.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub clipped: Vec<Clipped>,
+    /// Of a weak panel, the sample paths of each difference between neighbouring step sizes, coarsest first.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub differences: Vec<DifferenceSamples>,
+}
+
+/// The sample paths of one difference of a weak panel.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DifferenceSamples {
+    /// The coarser step size; the finer one is half of it.
+    pub tau: f64,
+    /// Number of sample paths.
+    pub samples: u64,
 }
 
 /// Clipped increments of one curve at one step size.
@@ -133,6 +147,22 @@ pub enum Point {
         value: f64,
         /// Standard error of `value`.
         se: f64,
+        /// Lower end of a 95 % interval that allows for skewed errors, of strong points; elsewhere `value` ± 1.96 `se` is one.
+        #[serde(skip_serializing_if = "Option::is_none", default)]
+        lo: Option<f64>,
+        /// Its upper end.
+        #[serde(skip_serializing_if = "Option::is_none", default)]
+        hi: Option<f64>,
+        /// Why no interval can be trusted here; absent where one can.
+        #[serde(skip_serializing_if = "Option::is_none", default)]
+        warning: Option<String>,
+    },
+    /// What an accuracy costs.
+    Cost {
+        /// Half-width of the 95 % interval that was asked for.
+        accuracy: f64,
+        /// Path-steps that it took.
+        path_steps: u64,
     },
     /// A value along a path.
     Value {
@@ -143,6 +173,14 @@ pub enum Point {
         /// What the conformal law exp(−p ∫₀ᵗ γ) F(y₀) asks for.
         exact: f64,
     },
+}
+
+impl Point {
+    /// An error whose estimate is normal: `value` ± 1.96 `se` is its 95 % interval.
+    #[must_use]
+    pub fn normal(tau: f64, value: f64, se: f64) -> Self {
+        Self::Error { tau, value, se, lo: None, hi: None, warning: None }
+    }
 }
 
 /// A fitted convergence order with a confidence interval.
@@ -182,6 +220,12 @@ pub struct Rate {
     /// Step sizes that were left out of the fit because a few paths dominate their error.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub left_out: Vec<f64>,
+    /// The probability of residuals as large as these when the model is right; absent without degrees of freedom.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub p_value: Option<f64>,
+    /// Why the interval is not known to cover the order; absent where it is. With a `p_value` below 1e-5 no verdict is given.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub warning: Option<String>,
 }
 
 /// A straight line through the points of a log-log plot, and whether the points lie on one.

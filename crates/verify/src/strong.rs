@@ -6,7 +6,7 @@ use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp};
 use systems::{Damping, PoissonSystem, Problem};
 
 use crate::experiment::Context;
-use crate::order::fit_strong;
+use crate::order::{FEW_PATHS, fit_strong, root_mean_square_interval};
 use crate::results::{Clipped, Kind, Panel, Point, Series};
 
 /// What a strong experiment is made of; step sizes are powers of two.
@@ -55,23 +55,23 @@ where
     let schemes: [&dyn Scheme<S, D, M>; 3] = [&sexp, &em, &midpoint];
     let curves: Vec<Curve<'_, S, D, M>> =
         schemes.iter().map(|&scheme| Curve { name: scheme.id().to_owned(), scheme }).collect();
-    strong_curves(context, setup, problem, crate::experiment::truncation(), &curves)
+    strong_curves(context, setup, problem, crate::experiment::truncation(), &sexp, &curves)
 }
 
-/// One curve for each scheme given; the reference is `sexp` with the same truncation rule.
+/// One curve for each scheme given; the reference is a scheme at the finest step with the same truncation rule.
 pub(crate) fn strong_curves<S, G, const D: usize, const M: usize>(
     context: &Context<'_>,
     setup: &StrongSetup,
     problem: &Problem<S, G, D>,
     truncation: Truncation,
+    reference: &dyn Scheme<S, D, M>,
     curves: &[Curve<'_, S, D, M>],
 ) -> Panel
 where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let reference = Sexp::default();
-    let mut runs: Vec<Run<'_, S, D, M>> = vec![Run::new(&reference, 0)];
+    let mut runs: Vec<Run<'_, S, D, M>> = vec![Run::new(reference, 0)];
     let mut series = Vec::new();
     for curve in curves {
         let first = runs.len();
@@ -128,9 +128,10 @@ where
         setup: setup.setup.clone(),
         paper: setup.paper.to_owned(),
         samples: setup.samples,
-        reference: format!("sexp at τ = 2^-{} on the same noise", setup.reference),
+        reference: format!("{} at τ = 2^-{} on the same noise", reference.id(), setup.reference),
         failures: describe_failures(outcome.failed, &outcome.failures),
         clipped,
+        differences: Vec::new(),
         series: curves_out,
     }
 }
@@ -144,16 +145,22 @@ pub(crate) fn describe_failures(failed: u64, failures: &[mc::PathFailure]) -> Ve
     lines
 }
 
+/// The points of a curve, with bootstrap-t intervals for the root-mean-squares and a warning where a few paths carry one.
 pub(crate) fn root_mean_squares(taus: &[f64], squares: &CrossMoments) -> Vec<Point> {
-    let points = taus.iter().enumerate();
-    points
-        .filter_map(|(l, &tau)| root_mean_square(tau, squares.mean(l), squares.covariance_of_means(l, l).sqrt()))
-        .collect()
+    taus.iter().enumerate().filter_map(|(l, &tau)| root_mean_square(tau, l, squares)).collect()
 }
 
 /// √mean with its standard error by the delta method; nothing without samples.
-fn root_mean_square(tau: f64, mean: f64, se: f64) -> Option<Point> {
-    let value = mean.sqrt();
-    let se = if value > 0.0 { se / (2.0 * value) } else { 0.0 };
-    (value.is_finite() && se.is_finite()).then_some(Point::Error { tau, value, se })
+fn root_mean_square(tau: f64, l: usize, squares: &CrossMoments) -> Option<Point> {
+    let value = squares.mean(l).sqrt();
+    let se_of_square = squares.covariance_of_means(l, l).sqrt();
+    let se = if value > 0.0 { se_of_square / (2.0 * value) } else { 0.0 };
+    if !(value.is_finite() && se.is_finite()) {
+        return None;
+    }
+    let effective = squares.effective_samples(l);
+    let warning = (effective < FEW_PATHS)
+        .then(|| format!("only {effective:.0} effective paths carry the error; the interval may be too narrow"));
+    let (lo, hi) = root_mean_square_interval(squares, l).unzip();
+    Some(Point::Error { tau, value, se, lo, hi, warning })
 }

@@ -2,17 +2,17 @@
 //!
 //! A [`Study`] says which step sizes, how many paths and which noise; [`strong_order`] and [`weak_order`] run the
 //! scheme on a ladder beside a reference and fit the order with its interval. The reference is `sexp` on the same
-//! noise, or the exact solution where there is one.
+//! noise, `sexp-levy` for a scheme that reads Lévy areas, or the exact solution where there is one.
 
 use mc::{
     Clock, CrossMoments, Ladder, LadderError, Moments, Observable, Outcome, Reference, Run, Statistic, StrongErrors,
     View,
 };
 use noise::{StreamKey, Truncation};
-use schemes::{Scheme, Sexp};
+use schemes::{Scheme, Sexp, SexpLevy};
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::order::{fit_strong, fit_weak};
+use crate::order::{fit_strong, fit_weak, fit_weak_against};
 use crate::results::{Point, Rate};
 
 /// Step sizes, paths and noise of a convergence study.
@@ -58,6 +58,11 @@ impl Study {
         (0..self.levels).map(|index| t_end / (self.coarsest_steps << index) as f64).collect()
     }
 
+    /// The step size of the reference.
+    fn reference(&self, t_end: f64) -> f64 {
+        t_end / (self.coarsest_steps << self.level(0)) as f64
+    }
+
     /// Runs a reference at the finest level and the scheme at every step size, the scheme's runs from number 1 on.
     fn run<S, G, T, const D: usize, const M: usize>(
         &self,
@@ -81,8 +86,9 @@ impl Study {
         if self.coarsest_steps == 0 || self.coarsest_steps.leading_zeros() <= self.level(0) as u32 {
             return Err(LadderError::Steps { steps: self.coarsest_steps, multiple_of: 1 });
         }
-        let reference = Sexp::default();
-        let mut runs: Vec<Run<'_, S, D, M>> = vec![Run::new(&reference, 0)];
+        let (sexp, levy) = (Sexp::default(), SexpLevy::new(&problem.system, problem.y0));
+        let reference: &dyn Scheme<S, D, M> = if scheme.needs_areas() { &levy } else { &sexp };
+        let mut runs: Vec<Run<'_, S, D, M>> = vec![Run::new(reference, 0)];
         runs.extend((0..self.levels).map(|index| Run::new(scheme, self.level(index))));
         let top = self.level(0);
         let mut ladder = Ladder::new(problem, self.coarsest_steps << top, top, self.truncation, self.key, runs)?;
@@ -94,7 +100,8 @@ impl Study {
     }
 }
 
-/// The strong order of `scheme`: root-mean-square errors at the final time against `sexp` at the reference step.
+/// The strong order of `scheme`: root-mean-square errors at the final time against `sexp`, or `sexp-levy` if the scheme
+/// reads Lévy areas, at the reference step.
 ///
 /// # Errors
 /// [`LadderError`] when there is no step size or no step, too many of either, or when the truncation is not defined at
@@ -111,7 +118,7 @@ where
     let outcome =
         study.run(scheme, problem, None, |steps, runs| StrongErrors::new(Reference::Run(0), &[runs], steps))?;
     let taus = study.taus(problem.t_end);
-    let reference = taus[taus.len() - 1] / f64::from(1u32 << study.refinement);
+    let reference = study.reference(problem.t_end);
     let squares = outcome.statistic.at_end(0);
     Ok(Order {
         points: crate::strong::root_mean_squares(&taus, squares),
@@ -151,7 +158,9 @@ where
 /// The weak order of `scheme` for one test function, by coupled differences: the mean over paths of φ of the scheme
 /// minus φ of the reference on the same noise.
 ///
-/// The reference is `sexp` at the reference step, or the exact solution where `exact` gives a clock and a solution.
+/// The reference is `sexp` at the reference step, or the exact solution where `exact` gives a clock and a solution. The
+/// errors of `sexp` against itself are fitted as the differences e(τ) − e(τ_ref) that they are; those of another scheme
+/// as if the reference had no error, so `refinement` should make it small.
 ///
 /// # Errors
 /// [`LadderError`] when there is no step size or no step, too many of either, or when the truncation is not defined at
@@ -180,9 +189,14 @@ where
     let errors: Vec<f64> = (0..levels).map(|l| differences.mean(l)).collect();
     let covariance: Vec<Vec<f64>> =
         (0..levels).map(|l| (0..levels).map(|m| differences.covariance_of_means(l, m)).collect()).collect();
-    let points =
-        (0..levels).map(|l| Point::Error { tau: taus[l], value: errors[l], se: covariance[l][l].sqrt() }).collect();
-    Ok(Order { points, rate: fit_weak(&taus, &errors, &covariance), failed: outcome.failed })
+    let points = (0..levels).map(|l| Point::normal(taus[l], errors[l], covariance[l][l].sqrt())).collect();
+    let against_itself = exact.is_none() && scheme.id() == Scheme::<S, D, M>::id(&Sexp::default());
+    let rate = if against_itself {
+        fit_weak_against(&taus, study.reference(problem.t_end), &errors, &covariance)
+    } else {
+        fit_weak(&taus, &errors, &covariance)
+    };
+    Ok(Order { points, rate, failed: outcome.failed })
 }
 
 /// An exact solution at the final time as a function of what a clock shows there.

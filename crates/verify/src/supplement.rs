@@ -1,7 +1,11 @@
 //! Figures that are not in the paper.
 
 mod exact_references;
+mod expectations;
+pub(crate) mod levy;
 mod truncation_orders;
+
+pub use expectations::expectation_claims;
 
 use crate::experiment::{Context, Yield};
 
@@ -18,4 +22,7 @@ pub const SUPPLEMENTS: &[Supplement] = &[
     Supplement { id: "truncation-orders", run: truncation_orders::run },
     Supplement { id: "lotka-volterra-exact", run: exact_references::lotka_volterra },
     Supplement { id: "rigid-body-energy-exact", run: exact_references::rigid_body },
+    Supplement { id: "spin-pair-levy", run: levy::spin_pair },
+    Supplement { id: "rigid-body-expectations", run: expectations::expectations },
+    Supplement { id: "expectation-cost", run: expectations::cost },
 ];

@@ -5,6 +5,7 @@
 //! the battery.
 
 mod conformal;
+mod levy;
 mod local;
 mod orders;
 mod systems;
@@ -80,6 +81,13 @@ pub const TWINS: &[Twin] = &[
         mistake: "truncation with a bound of half a standard deviation",
         measure: orders::truncated_too_early,
     },
+    Twin { claim: "strong-one-levy", mistake: "Lévy areas of the wrong sign", measure: levy::wrong_sign },
+    Twin {
+        claim: "strong-one-levy",
+        mistake: "Lévy areas drawn afresh on each coarse grid",
+        measure: levy::fresh_areas,
+    },
+    Twin { claim: "strong-one-levy", mistake: "no Lévy areas", measure: levy::without_areas },
     Twin { claim: "weak-one", mistake: "the Itô correction is dropped", measure: orders::weak_correction_dropped },
     Twin { claim: "weak-one", mistake: "the Itô correction is doubled", measure: orders::weak_correction_doubled },
 ];

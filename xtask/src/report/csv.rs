@@ -10,30 +10,35 @@ use verify::results::{Kind, Panel, Point};
 use super::relative_defect;
 
 /// Columns of strong and weak panels: scheme id, quantity, step size, root-mean-square error (strong) or signed
-/// weak error (weak), and the standard error of that value.
-pub const ERROR_COLUMNS: &str = "scheme,quantity,tau,value,se";
+/// weak error (weak), the standard error of that value, and the ends of its interval, empty where it is value ± 1.96 se.
+pub const ERROR_COLUMNS: &str = "scheme,quantity,tau,value,se,lo,hi";
 
 /// Columns of invariant panels: scheme id, quantity, time, value on the numerical path, value by the conformal
 /// law, and |value − exact| / |exact|.
 pub const VALUE_COLUMNS: &str = "scheme,quantity,t,value,exact,relative_defect";
+
+/// Columns of cost panels: method, quantity, half-width asked for, path-steps taken.
+pub const COST_COLUMNS: &str = "scheme,quantity,accuracy,path_steps";
 
 /// All series of a panel, one row per point, with a header row.
 pub fn csv(panel: &Panel) -> String {
     let header = match panel.kind {
         Kind::Strong | Kind::Weak => ERROR_COLUMNS,
         Kind::Invariant => VALUE_COLUMNS,
+        Kind::Cost => COST_COLUMNS,
     };
     let mut table = format!("{header}\n");
     for series in &panel.series {
         let name = format!("{},{}", field(&series.scheme), field(&series.quantity));
         for point in &series.points {
             let row = match (panel.kind, point) {
-                (Kind::Strong | Kind::Weak, Point::Error { tau, value, se }) => {
-                    format!("{tau:e},{value:e},{se:e}")
+                (Kind::Strong | Kind::Weak, Point::Error { tau, value, se, lo, hi, .. }) => {
+                    format!("{tau:e},{value:e},{se:e},{},{}", optional(*lo), optional(*hi))
                 }
                 (Kind::Invariant, Point::Value { t, value, exact }) => {
                     format!("{t:e},{value:e},{exact:e},{:e}", relative_defect(*value, *exact))
                 }
+                (Kind::Cost, Point::Cost { accuracy, path_steps }) => format!("{accuracy:e},{path_steps}"),
                 // A point of the other kind has no row in this table.
                 _ => continue,
             };
@@ -42,6 +47,11 @@ pub fn csv(panel: &Panel) -> String {
         }
     }
     table
+}
+
+/// A number, or an empty field.
+fn optional(number: Option<f64>) -> String {
+    number.map_or(String::new(), |number| format!("{number:e}"))
 }
 
 /// Quotes a field when it holds a separator, a quote or a line break.
@@ -68,6 +78,7 @@ mod tests {
             reference: String::new(),
             failures: Vec::new(),
             clipped: Vec::new(),
+            differences: Vec::new(),
             series: vec![series],
         }
     }
@@ -75,13 +86,15 @@ mod tests {
     #[test]
     fn errors_read_back_bit_for_bit() {
         let (tau, value, se) = (2f64.powi(-14), 0.1 + 0.2, 1.0 / 3.0 * 1e-300);
-        let table = csv(&panel(Kind::Strong, "y(T)", vec![Point::Error { tau, value, se }]));
+        let table = csv(&panel(Kind::Strong, "y(T)", vec![Point::normal(tau, value, se)]));
         let mut lines = table.lines();
         assert_eq!(lines.next(), Some(ERROR_COLUMNS));
         let fields: Vec<&str> = lines.next().unwrap_or("").split(',').collect();
         assert_eq!(fields[..2], ["sexp", "y(T)"]);
         let numbers: Vec<f64> = fields[2..].iter().filter_map(|f| f.parse().ok()).collect();
         assert_eq!(numbers, [tau, value, se]);
+        let point = Point::Error { tau, value, se, lo: Some(0.25), hi: Some(0.5), warning: None };
+        assert!(csv(&panel(Kind::Strong, "y(T)", vec![point])).ends_with(",2.5e-1,5e-1\n"));
     }
 
     #[test]

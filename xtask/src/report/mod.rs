@@ -86,19 +86,28 @@ mod tests {
             reference: String::new(),
             failures: Vec::new(),
             clipped: Vec::new(),
+            differences: Vec::new(),
             series: vec![series("sexp"), series("other")],
         }
     }
 
     /// Data no figure likes: none, a single point, zeros, what is not finite, and the ends of the range of `f64`.
     fn awkward() -> Vec<Panel> {
-        let error = |tau, value, se| Point::Error { tau, value, se };
+        let error = Point::normal;
         let value = |t, value, exact| Point::Value { t, value, exact };
         let errors = [
             vec![],
             vec![error(0.1, 1e-3, 0.0)],
             vec![error(0.1, 0.0, 0.0), error(0.05, 0.0, 0.0)],
             vec![error(0.1, f64::MAX, f64::MAX), error(0.05, -5e-324, f64::NAN)],
+            vec![Point::Error {
+                tau: 0.1,
+                value: 1.0,
+                se: 0.1,
+                lo: Some(-1.0),
+                hi: Some(f64::NAN),
+                warning: Some("<w>".into()),
+            }],
             vec![error(0.1, f64::NAN, 1.0), error(0.0, 1.0, 0.0), error(-1.0, 1.0, f64::INFINITY)],
             vec![value(0.0, 1.0, 1.0), error(0.1, 5e3, 1e4)],
         ];

@@ -14,6 +14,8 @@ pub(super) struct Synthetic {
     /// τ_ref, with c = 1.
     pub reference: Option<f64>,
     pub outliers: Option<Outliers>,
+    /// Factor of the squares at every other step size: with another one than 1, no power law.
+    pub uneven: f64,
     pub paths: u64,
 }
 
@@ -34,13 +36,18 @@ pub(super) struct Outliers {
 
 impl Synthetic {
     pub(super) const fn new(order: f64) -> Self {
-        Self { order, curvature: 0.0, reference: None, outliers: None, paths: 400 }
+        Self { order, curvature: 0.0, reference: None, outliers: None, uneven: 1.0, paths: 400 }
     }
 
     /// Mean square of the error at a level.
     pub(super) fn mean_square(&self, taus: &[f64], level: usize) -> f64 {
         let hit = self.outliers.filter(|outliers| level < outliers.levels);
-        self.scale(taus[level]) * hit.map_or(1.0, |hit| 1.0 + (hit.factor * hit.factor - 1.0) / hit.one_in)
+        self.scales(taus)[level] * hit.map_or(1.0, |hit| 1.0 + (hit.factor * hit.factor - 1.0) / hit.one_in)
+    }
+
+    fn scales(&self, taus: &[f64]) -> Vec<f64> {
+        let scale = |(l, &tau): (usize, &f64)| self.scale(tau) * if l % 2 == 1 { self.uneven } else { 1.0 };
+        taus.iter().enumerate().map(scale).collect()
     }
 
     fn scale(&self, tau: f64) -> f64 {
@@ -49,7 +56,7 @@ impl Synthetic {
     }
 
     pub(super) fn squares(&self, taus: &[f64], key: StreamKey) -> CrossMoments {
-        let scales: Vec<f64> = taus.iter().map(|&tau| self.scale(tau)).collect();
+        let scales = self.scales(taus);
         let mut squares = CrossMoments::new(taus.len());
         let mut errors = vec![0.0; taus.len()];
         for path in 0..self.paths {

@@ -2,6 +2,7 @@
 
 mod bootstrap;
 mod describe;
+mod misfit;
 mod strong;
 mod verdict;
 mod weak;
@@ -10,10 +11,10 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 pub use bootstrap::root_mean_square_interval;
 pub use strong::fit_strong;
-pub(crate) use strong::{Logarithms, Terms};
+pub(crate) use strong::{FEW_PATHS, Logarithms, Terms};
 pub use verdict::{ORDER_MARGIN, bound_verdict, order_verdict};
-pub(crate) use weak::fit_independent;
-pub use weak::fit_weak;
+pub(crate) use weak::{fit_independent, fit_weak_against};
+pub use weak::{fit_weak, fit_weak_differences};
 
 /// Confidence of the reported intervals.
 const CONFIDENCE: f64 = 0.95;

@@ -21,12 +21,12 @@ use mc::CrossMoments;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::describe::describe;
-use super::{CONFIDENCE, bootstrap, student};
+use super::{CONFIDENCE, bootstrap, misfit, student};
 use crate::least_squares::{Fit, Weighting};
 use crate::results::{Rate, StraightLine};
 
 /// Levels whose squared errors are carried by fewer paths than this, (Σx)²/Σx², are called unreliable.
-pub(super) const FEW_PATHS: f64 = 30.0;
+pub(crate) const FEW_PATHS: f64 = 30.0;
 /// Fewer levels than this make no fit from which others have been left out.
 const LEAST_LEVELS: usize = 4;
 /// Correlation between neighbouring levels in the working weights.
@@ -189,7 +189,8 @@ fn working_covariance(levels: usize) -> Vec<Vec<f64>> {
 /// Fits ln m = a + 2p ln τ + ln(1 + bτ + c τ_ref/τ) to the mean squares m with fixed weights, and gives p with an interval by the
 /// delta method from the estimated covariance of the ln m, which share paths; beside it a bootstrap-t interval over whole
 /// paths, and the straight line with a test whether the points lie on one. The terms with c (five levels) and b (six
-/// levels) are left out when there are fewer levels; levels that a few paths dominate are left out and named.
+/// levels) are left out when there are fewer levels; levels that a few paths dominate are left out and named. When χ² is
+/// improbable, the rate carries a warning, and [`order_verdict`](crate::order_verdict) is undecided.
 ///
 /// `None` when an error is zero, or the covariance singular: with fewer paths than levels, for example.
 #[must_use]
@@ -231,9 +232,15 @@ pub fn fit_strong(taus: &[f64], reference: Option<f64>, squares: &CrossMoments) 
         reference_t,
         effective_paths: Some(effective),
         left_out: left_out.iter().map(|&l| taus[l]).collect(),
+        p_value: logarithms.p_value(&estimate),
+        warning: conservative.then(|| {
+            format!(
+                "fewer than {FEW_PATHS} effective paths carry the error; the interval is the wider of two at each end"
+            )
+        }),
     };
     rate.method = describe(&rate, &estimate, terms, conservative);
-    Some(rate)
+    Some(misfit::flag(rate))
 }
 
 impl Logarithms<'_> {
@@ -248,13 +255,14 @@ impl Logarithms<'_> {
             hi: estimate.order + half_width,
             chi_square: estimate.chi_square,
             degrees: estimate.degrees as u32,
-            refuted: self.p_value(&estimate) < 1.0 - STRAIGHT_CONFIDENCE,
+            refuted: self.p_value(&estimate).is_some_and(|p| p < 1.0 - STRAIGHT_CONFIDENCE),
         })
     }
 
-    fn p_value(&self, estimate: &Estimate) -> f64 {
+    /// The probability of so large a χ² by Hotelling's T²; `None` without degrees of freedom.
+    fn p_value(&self, estimate: &Estimate) -> Option<f64> {
         let (n, d) = (self.squares.count() as f64, estimate.degrees as f64);
         let f = estimate.chi_square * (n - d) / (d * (n - 1.0));
-        FisherSnedecor::new(d, n - d).map_or(1.0, |distribution| distribution.sf(f))
+        FisherSnedecor::new(d, n - d).ok().map(|distribution| distribution.sf(f))
     }
 }

@@ -110,6 +110,90 @@ fn weak_intervals_cover_the_order_through_a_change_of_sign() {
     }
 }
 
+/// Independent differences e(τ) − e(τ_ref) of e = τᵖ + τ^{p+1}, with noise of 0.5 % of the leading one.
+fn weak_differences(seed: u64, p: f64, reference: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let mut noise = WienerPath::<1>::new(StreamKey { seed, experiment: 4 }, 0);
+    let error = |tau: f64| tau.powf(p) + tau.powf(p + 1.0);
+    let sizes = TAUS.map(|tau| 0.005 * (tau.powf(p) - reference(tau).powf(p)));
+    let differences = TAUS
+        .iter()
+        .zip(&sizes)
+        .map(|(&tau, size)| error(tau) - error(reference(tau)) + size * noise.normal())
+        .collect();
+    let covariance = (0..8).map(|l| (0..8).map(|m| if l == m { sizes[l] * sizes[l] } else { 0.0 }).collect()).collect();
+    (differences, covariance)
+}
+
+/// How many of 200 intervals cover the order and lie within ¼ of it, which is ten standard errors: 190 expected; fewer than 176 or
+/// 200 of 200 has probability below 1e-4.
+fn covers(p: f64, fit: impl Fn(u64) -> Option<Rate>) -> usize {
+    let near = |rate: &Rate| rate.lo > p - ORDER_MARGIN && rate.hi < p + ORDER_MARGIN;
+    (0..200).filter(|&seed| fit(seed).is_some_and(|rate| near(&rate) && rate.lo <= p && p <= rate.hi)).count()
+}
+
+#[test]
+fn differences_need_no_tail() {
+    for p in [0.5, 1.0, 2.0] {
+        let covered = covers(p, |seed| {
+            let (differences, covariance) = weak_differences(seed, p, |tau| 0.5 * tau);
+            fit_weak_differences(&TAUS, &differences, &covariance)
+        });
+        assert!((176..200).contains(&covered), "order {p}: {covered} of 200");
+        let reference = TAUS[7] / 4.0;
+        let covered = covers(p, |seed| {
+            let (errors, covariance) = weak_differences(seed, p, |_| reference);
+            fit_weak_against(&TAUS, reference, &errors, &covariance)
+        });
+        assert!((176..200).contains(&covered), "order {p} against a reference: {covered} of 200");
+    }
+    // The twins: sums of differences of order 2 with the tail of order 1, and a reference taken for exact.
+    let tailed = covers(2.0, |seed| {
+        let (differences, _) = weak_differences(seed, 2.0, |tau| 0.5 * tau);
+        let sum = |l: usize, tail: &dyn Fn(usize) -> f64| (l..7).map(tail).sum::<f64>() + 2.0 * tail(7);
+        let errors: Vec<f64> = (0..8).map(|l| sum(l, &|j| differences[j])).collect();
+        let variance = |j: usize| (0.005 * 0.75 * TAUS[j] * TAUS[j]).powi(2);
+        let covariance: Vec<Vec<f64>> =
+            (0..8usize).map(|l| (0..8).map(|m| sum(l.max(m), &variance) + 2.0 * variance(7)).collect()).collect();
+        fit_weak(&TAUS, &errors, &covariance)
+    });
+    assert!(tailed < 100, "{tailed} of 200");
+    let forgotten = covers(1.0, |seed| {
+        let (errors, covariance) = weak_differences(seed, 1.0, |_| TAUS[7] / 4.0);
+        fit_weak(&TAUS, &errors, &covariance)
+    });
+    assert!(forgotten < 100, "{forgotten} of 200");
+}
+
+#[test]
+fn an_order_is_not_read_off_a_model_that_does_not_fit() {
+    // Every other error is 5 % larger, ten standard errors: no sum of powers of τ does that.
+    let (mut errors, covariance) = weak(5, 1.0, 1.0, 1.0, 0.005);
+    let calm = fit_weak(&TAUS, &errors, &covariance).unwrap();
+    assert!(calm.warning.is_none() && calm.p_value.unwrap() > 1e-5, "{calm:?}");
+    assert_eq!(order_verdict(Some(&calm), 1.0), Verdict::Holds);
+    errors.iter_mut().step_by(2).for_each(|error| *error *= 1.05);
+    let bent = fit_weak(&TAUS, &errors, &covariance).unwrap();
+    assert!(bent.warning.as_ref().unwrap().contains("does not fit"), "{bent:?}");
+    for order in [0.0, 0.5, 1.0, 1.5, 2.0] {
+        assert_eq!(order_verdict(Some(&bent), order), Verdict::Undecided);
+        assert_eq!(bound_verdict(Some(&bent), order), Verdict::Undecided);
+    }
+    // Independent values and strong errors have the same guard.
+    let values: Vec<(f64, f64)> =
+        TAUS.iter().enumerate().map(|(l, tau)| (tau * (1.0 + 0.05 * (l % 2) as f64), 0.002 * tau)).collect();
+    assert!(fit_independent(&TAUS, &values).unwrap().warning.is_some());
+    let mut squares = CrossMoments::new(8);
+    for path in 0..1000 {
+        let mut noise = WienerPath::<1>::new(StreamKey { seed: 7, experiment: 3 }, path);
+        let shared = noise.normal();
+        let error = |l: usize| TAUS[l] * (1.0 + 0.4 * (l % 2) as f64) * (shared + 0.3 * noise.normal()).powi(2);
+        squares.add(&(0..8).map(error).collect::<Vec<_>>());
+    }
+    let strong = fit_strong(&TAUS, None, &squares).unwrap();
+    assert!(strong.warning.is_some() && strong.p_value.unwrap() < 1e-5, "{strong:?}");
+    assert_eq!(order_verdict(Some(&strong), 0.5), Verdict::Undecided);
+}
+
 #[test]
 fn an_error_inside_the_noise_has_no_order() {
     let (errors, covariance) = weak(3, 1.0, 1e-3, 0.0, 1.0);

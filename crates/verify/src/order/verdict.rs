@@ -1,6 +1,6 @@
 //! When an order is said to hold.
 
-use super::{quantile, student};
+use super::{misfit, quantile, student};
 use crate::results::{Rate, Verdict};
 
 /// Confidence at which verdicts are given: one run gives some sixty verdicts about orders, and a false alarm fails it.
@@ -12,10 +12,11 @@ pub const ORDER_MARGIN: f64 = 0.25;
 ///
 /// The interval is widened about its estimate from [`Rate::confidence`] to 99.9 %. The order holds when the widened
 /// interval contains it and lies within [`ORDER_MARGIN`] of it, so that no other multiple of ½ is as near; it is
-/// refuted when the widened interval lies farther away than that; anything else, or no fit, is undecided.
+/// refuted when the widened interval lies farther away than that; anything else, no fit, or a model that its residuals
+/// contradict, is undecided.
 #[must_use]
 pub fn order_verdict(rate: Option<&Rate>, order: f64) -> Verdict {
-    let Some((lo, hi)) = rate.map(widened) else { return Verdict::Undecided };
+    let Some((lo, hi)) = rate.filter(|rate| !misfit::misfits(rate)).map(widened) else { return Verdict::Undecided };
     if lo > order + ORDER_MARGIN || hi < order - ORDER_MARGIN {
         Verdict::Refuted
     } else if lo <= order && order <= hi && lo > order - ORDER_MARGIN && hi < order + ORDER_MARGIN {
@@ -31,7 +32,7 @@ pub fn order_verdict(rate: Option<&Rate>, order: f64) -> Verdict {
 /// stays above `order` − [`ORDER_MARGIN`]; it is refuted when the widened interval lies below that.
 #[must_use]
 pub fn bound_verdict(rate: Option<&Rate>, order: f64) -> Verdict {
-    let Some((lo, hi)) = rate.map(widened) else { return Verdict::Undecided };
+    let Some((lo, hi)) = rate.filter(|rate| !misfit::misfits(rate)).map(widened) else { return Verdict::Undecided };
     if hi < order - ORDER_MARGIN {
         Verdict::Refuted
     } else if hi >= order && lo > order - ORDER_MARGIN {

@@ -119,6 +119,7 @@ where
         reference: "the exact solution by a change of time, path by path".to_owned(),
         failures: describe_failures(outcome.failed, &outcome.failures),
         clipped: Vec::new(),
+        differences: Vec::new(),
         series: curves,
     };
     Yield { panels: vec![panel], claims }

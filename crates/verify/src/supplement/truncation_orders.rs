@@ -36,7 +36,7 @@ pub(super) fn run(context: &Context<'_>) -> Yield {
     ];
     let mut panels = rules.into_iter().map(|(name, rule)| {
         let rule = rule.unwrap_or_else(|error| unreachable!("the orders are positive: {error}"));
-        strong_curves(context, &setup, &problem, rule, &[Curve { name: name.to_owned(), scheme: &sexp }])
+        strong_curves(context, &setup, &problem, rule, &sexp, &[Curve { name: name.to_owned(), scheme: &sexp }])
     });
     let mut all = panels.next().unwrap_or_else(|| unreachable!("there are four rules"));
     for panel in panels {

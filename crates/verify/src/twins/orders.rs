@@ -15,7 +15,7 @@ use crate::results::Claim;
 use crate::statement::claim;
 use crate::study::{Order, Study, strong_order, weak_order};
 
-fn three_noises() -> Problem<RigidBody<3>, Cosine, 3> {
+pub(super) fn three_noises() -> Problem<RigidBody<3>, Cosine, 3> {
     let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
     valid(Problem::new(body, half_cosine(), rigid_body_start(), 1.0))
 }
@@ -30,7 +30,7 @@ fn study(context: &Context<'_>, truncation: Truncation) -> Study {
     Study { coarsest_steps: 32, levels: 8, refinement: 2, samples: 512, truncation, key: context.key(0) }
 }
 
-fn strong<S, G, const M: usize>(
+pub(super) fn strong<S, G, const M: usize>(
     context: &Context<'_>,
     id: &str,
     problem: &Problem<S, G, 3>,

@@ -1,4 +1,4 @@
-//! Errors against the step size in logarithmic coordinates, for strong and weak panels.
+//! Errors against the step size, or cost against accuracy, in logarithmic coordinates.
 
 use anyhow::Result;
 use verify::results::{Kind, Panel, Point, Rate, Series};
@@ -23,12 +23,15 @@ const RIGHT: f64 = 10.0;
 const BELOW: f64 = 33.0;
 const MARKER_RADIUS: f64 = 3.0;
 
-/// A measured error.
+/// A measured error, or what an accuracy cost.
 #[derive(Clone, Copy, Debug)]
 struct Measurement {
+    /// The step size, or the accuracy.
     tau: f64,
     value: f64,
     se: f64,
+    /// The ends of the interval, where it is not `value` ± 1.96 `se`; of positive values only.
+    ends: Option<(f64, f64)>,
 }
 
 struct Curve {
@@ -38,11 +41,13 @@ struct Curve {
     points: Vec<Measurement>,
 }
 
-/// The figure of a strong or weak panel as an SVG document.
+/// The figure of a strong, weak or cost panel as an SVG document.
 pub fn convergence(panel: &Panel) -> Result<String> {
     let curves = curves(panel);
     let weak = panel.kind == Kind::Weak;
-    let slopes = slope::reference_slopes(&curves.iter().map(|c| c.trend(weak)).collect::<Vec<_>>());
+    let cost = panel.kind == Kind::Cost;
+    let trends: Vec<Trend> = curves.iter().filter(|_| !cost).map(|c| c.trend(weak)).collect();
+    let slopes = slope::reference_slopes(&trends);
     let legend = Legend::new(entries(&curves, weak), WIDTH - LEFT - RIGHT);
     let top = legend.height() + 7.0;
     let height = top + PLOT_HEIGHT + BELOW;
@@ -52,12 +57,14 @@ pub fn convergence(panel: &Panel) -> Result<String> {
     };
     canvas::page((WIDTH, height), &panel.title, |canvas| {
         legend.draw(canvas, LEFT, 2.0)?;
-        let steps = Ticks::powers_of_two(frame.x.range, 8);
+        let steps = if cost { Ticks::decades(frame.x.range, 7) } else { Ticks::powers_of_two(frame.x.range, 8) };
         frame.draw(canvas, &steps, &Ticks::decades(frame.y.range, 7), true)?;
-        frame.title_below(canvas, "step size τ")?;
+        frame.title_below(canvas, if cost { "half-width ε of the 95 % interval" } else { "step size τ" })?;
         let quantity = main_quantity(panel);
         let title = if weak {
             "|weak error|".to_owned()
+        } else if cost {
+            "path-steps".to_owned()
         } else {
             format!("RMS error of {quantity}").trim_end_matches(" of ").to_owned()
         };
@@ -106,9 +113,13 @@ fn curves(panel: &Panel) -> Vec<Curve> {
 
 fn measurement(point: &Point) -> Option<Measurement> {
     match *point {
-        Point::Error { tau, value, se } => {
+        Point::Error { tau, value, se, lo, hi, .. } => {
             let se = if se.is_finite() { se.abs() } else { 0.0 };
-            (tau > 0.0 && tau.is_finite() && value.is_finite()).then_some(Measurement { tau, value, se })
+            let ends = lo.zip(hi).filter(|(lo, hi)| *lo >= 0.0 && hi.is_finite());
+            (tau > 0.0 && tau.is_finite() && value.is_finite()).then_some(Measurement { tau, value, se, ends })
+        }
+        Point::Cost { accuracy, path_steps } => {
+            (accuracy > 0.0).then_some(Measurement { tau: accuracy, value: path_steps as f64, se: 0.0, ends: None })
         }
         Point::Value { .. } => None,
     }
@@ -120,11 +131,11 @@ impl Measurement {
     }
 
     fn upper(&self) -> f64 {
-        self.size() + QUANTILE * self.se
+        self.ends.map_or(self.size() + QUANTILE * self.se, |(_, hi)| hi)
     }
 
     fn lower(&self) -> f64 {
-        self.size() - QUANTILE * self.se
+        self.ends.map_or(self.size() - QUANTILE * self.se, |(lo, _)| lo)
     }
 }
 

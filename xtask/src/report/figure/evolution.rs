@@ -104,7 +104,7 @@ fn curves(panel: &Panel) -> Vec<Curve> {
 fn sampled(point: &Point) -> Option<Sampled> {
     match *point {
         Point::Value { t, value, exact } => t.is_finite().then_some(Sampled { t, value, exact }),
-        Point::Error { .. } => None,
+        Point::Error { .. } | Point::Cost { .. } => None,
     }
 }
 

@@ -20,7 +20,7 @@ pub use convergence::QUANTILE;
 /// Draws a panel.
 pub fn figure(panel: &Panel) -> Result<String> {
     match panel.kind {
-        Kind::Strong | Kind::Weak => convergence::convergence(panel),
+        Kind::Strong | Kind::Weak | Kind::Cost => convergence::convergence(panel),
         Kind::Invariant => evolution::evolution(panel),
     }
 }

@@ -60,6 +60,7 @@ fn caption(panel: &Panel) -> String {
              95\u{202f}% error bars; a bar without a lower cap reaches zero. Markers at one step are set side by \
              side. Dashed: reference slope.{orders}"
         ),
+        Kind::Cost => "Path-steps, pilots included, that an interval of the given half-width took.".to_owned(),
         Kind::Invariant => format!(
             "Above: {} along the path and, thin and black, its conformal law. Below: relative defect of the law; \
              a defect of zero is drawn at the mark 0.{elsewhere}",

@@ -18,6 +18,7 @@ pub fn measured(panel: &Panel) -> String {
             format!("{}{}{}", orders(panel), methods(panel), errors(panel))
         }
         Kind::Invariant => defects(panel),
+        Kind::Cost => costs(panel),
     }
 }
 
@@ -30,8 +31,8 @@ fn orders(panel: &Panel) -> String {
                 format!("<td>{}</td><td>{}</td>", fixed(rate.estimate, 2), interval(rate))
             });
             let finest =
-                errors_of(series).min_by(|a, b| a.0.total_cmp(&b.0)).map_or("—".to_owned(), |(tau, value, se)| {
-                    format!("{} <span class=\"quiet\">at {}</span>", with_bar(value, se), step(tau))
+                errors_of(series).min_by(|a, b| a.0.total_cmp(&b.0)).map_or("—".to_owned(), |(tau, text)| {
+                    format!("{text} <span class=\"quiet\">at {}</span>", step(tau))
                 });
             format!("<tr>{}{order}<td>{finest}</td></tr>", names(series))
         })
@@ -39,6 +40,28 @@ fn orders(panel: &Panel) -> String {
     format!(
         "<div class=\"wide\"><table class=\"numbers\"><thead><tr><th>scheme</th><th>quantity</th><th>order</th>\
          <th>interval</th><th>error at the finest step</th></tr></thead><tbody>{rows}</tbody></table></div>"
+    )
+}
+
+/// Path-steps for each accuracy.
+fn costs(panel: &Panel) -> String {
+    let rows: String = panel
+        .series
+        .iter()
+        .flat_map(|series| series.points.iter().map(move |point| (series, point)))
+        .filter_map(|(series, point)| match point {
+            Point::Cost { accuracy, path_steps } => Some(format!(
+                "<tr>{}<td>{}</td><td>{}</td></tr>",
+                names(series),
+                scientific(*accuracy, 1),
+                scientific(*path_steps as f64, 2)
+            )),
+            _ => None,
+        })
+        .collect();
+    format!(
+        "<div class=\"wide\"><table class=\"numbers\"><thead><tr><th>method</th><th>quantity</th><th>half-width</th>\
+         <th>path-steps</th></tr></thead><tbody>{rows}</tbody></table></div>"
     )
 }
 
@@ -55,8 +78,16 @@ fn interval(rate: &Rate) -> String {
     )
 }
 
-fn with_bar(value: f64, se: f64) -> String {
-    format!("{} ± {}", scientific(value, 2), scientific(QUANTILE * se, 1))
+/// An error with its interval, and a mark where the interval comes with a warning.
+fn with_interval(value: f64, se: f64, ends: Option<(f64, f64)>, warning: Option<&str>) -> String {
+    let interval = match ends {
+        Some((lo, hi)) => format!("{} [{}, {}]", scientific(value, 2), scientific(lo, 2), scientific(hi, 2)),
+        None => format!("{} ± {}", scientific(value, 2), scientific(QUANTILE * se, 1)),
+    };
+    match warning {
+        Some(warning) => format!("{interval} <abbr title=\"{}\">(!)</abbr>", escape(warning)),
+        None => interval,
+    }
 }
 
 /// How the orders were fitted: said once if it is the same for all.
@@ -83,10 +114,13 @@ fn methods(panel: &Panel) -> String {
     format!("<details><summary>How the orders were fitted</summary><ul>{items}</ul></details>")
 }
 
-fn errors_of(series: &Series) -> impl Iterator<Item = (f64, f64, f64)> {
-    series.points.iter().filter_map(|p| match *p {
-        Point::Error { tau, value, se } => Some((tau, value, se)),
-        Point::Value { .. } => None,
+/// Step sizes and errors with their intervals.
+fn errors_of(series: &Series) -> impl Iterator<Item = (f64, String)> {
+    series.points.iter().filter_map(|p| match p {
+        Point::Error { tau, value, se, lo, hi, warning } => {
+            Some((*tau, with_interval(*value, *se, lo.zip(*hi), warning.as_deref())))
+        }
+        Point::Value { .. } | Point::Cost { .. } => None,
     })
 }
 
@@ -112,7 +146,7 @@ fn errors(panel: &Panel) -> String {
                 .map(|series| {
                     errors_of(series)
                         .find(|e| e.0 == *tau)
-                        .map_or("<td>—</td>".to_owned(), |e| format!("<td>{}</td>", with_bar(e.1, e.2)))
+                        .map_or("<td>—</td>".to_owned(), |e| format!("<td>{}</td>", e.1))
                 })
                 .collect();
             format!("<tr><th>{}</th>{cells}</tr>", step(*tau))
@@ -144,7 +178,7 @@ fn defects(panel: &Panel) -> String {
 fn largest_defect(series: &Series) -> Option<f64> {
     let defects = series.points.iter().filter_map(|p| match *p {
         Point::Value { value, exact, .. } => Some(relative_defect(value, exact)),
-        Point::Error { .. } => None,
+        Point::Error { .. } | Point::Cost { .. } => None,
     });
     // A defect that is not a number must not hide behind smaller ones, as it would with `f64::max`.
     defects.max_by(f64::total_cmp)
