@@ -49,7 +49,7 @@ pub fn page(battery: &Battery) -> String {
          1 to {seeds}. An order *holds* when its interval, widened to 99.9 %, contains the claimed order and no other \
          multiple of ½ is as near; it is *refuted* when the widened interval lies nearer to another; anything else is \
          *undecided* and no pass, and so is an order from a model that its residuals contradict. The statements are measured at \
-         the paper's sizes, but the weak panels, the spin pair and the expectations, which are so for seed 1 and small for the others. Twins are measured at small \
+         the paper's sizes, but the weak panels, the exact references, the spin pair and the expectations, which are so for seed 1 and small for the others. Twins are measured at small \
          sizes. How many deliberate faults in the code itself the tests find is in [mutation.md](mutation.md).\n\n",
     );
     alarms(&mut page, battery);

@@ -84,7 +84,14 @@ fn progress(battery: &battery::Battery, seeds: u64, seconds: f64) -> String {
 
 /// What takes most of the time, and is done at the paper's sizes for the first seed only.
 fn is_long(id: &str) -> bool {
-    id.starts_with("rigid-body-weak") || ["spin-pair-levy", "rigid-body-expectations", "expectation-cost"].contains(&id)
+    const LONG: [&str; 5] = [
+        "lotka-volterra-exact",
+        "rigid-body-energy-exact",
+        "spin-pair-levy",
+        "rigid-body-expectations",
+        "expectation-cost",
+    ];
+    id.starts_with("rigid-body-weak") || LONG.contains(&id)
 }
 
 /// All claims for one seed, at the paper's sizes where [`is_long`] does not say otherwise.

@@ -86,6 +86,19 @@ impl<const D: usize> PoissonSystem<D, 3> for SpinChain<D> {
         self.gradient(dgrad::quadratic(a, b), dt, dw)
     }
 
+    /// [fₘ, f_l] = B∇{H_l, Hₘ} with {H_l, Hₘ} = σ² Σᵢ sᵢ·(eₘ × e_l): the areas turn all spins about one axis.
+    #[inline(always)]
+    fn commutators<R: Real>(&self, y: [R; D], areas: [[f64; 3]; 3]) -> [R; D] {
+        let axis = [areas[1][2], -areas[0][2], areas[0][1]].map(|area| self.field * self.field * area);
+        let mut turned = y;
+        for i in (0..D).step_by(3) {
+            turned[i] = y[i + 1] * axis[2] - y[i + 2] * axis[1];
+            turned[i + 1] = y[i + 2] * axis[0] - y[i] * axis[2];
+            turned[i + 2] = y[i] * axis[1] - y[i + 1] * axis[0];
+        }
+        turned
+    }
+
     fn invariants(&self) -> Vec<Invariant> {
         let casimir = Invariant {
             name: "C",

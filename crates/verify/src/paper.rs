@@ -107,7 +107,7 @@ fn rigid_body_strong_3(context: &Context<'_>) -> Yield {
 }
 
 /// A fourth series, not in the paper: `sexp-levy` against itself at a finer step. Drawing areas costs as many normals as the
-/// square root of the step count, so its steps end two levels before those of the others.
+/// square root of the step count, so its steps end three levels before those of the others.
 fn add_levy_series(
     context: &Context<'_>,
     setup: &StrongSetup,
@@ -116,7 +116,7 @@ fn add_levy_series(
 ) {
     let levy = SexpLevy::new(&problem.system, problem.y0);
     let curves = [Curve { name: "sexp-levy".to_owned(), scheme: &levy as &dyn Scheme<RigidBody<3>, 3, 3> }];
-    let (last, reference) = context.choose((12, 14), (setup.last, setup.reference));
+    let (last, reference) = context.choose((11, 13), (setup.last, setup.reference));
     let setup = StrongSetup { last, reference, setup: setup.setup.clone(), ..*setup };
     let with_areas = strong_curves(context, &setup, problem, truncation(), &levy, &curves);
     for panel in &mut result.panels {
