@@ -279,6 +279,7 @@ mod tests {
         Battery {
             claims: verdicts.map(|verdict| vec![claim(verdict, "")]).collect(),
             twins: vec![vec![claim(Verdict::Refuted, "")]; 11],
+            expectations: Vec::new(),
             coverage: Vec::new(),
         }
     }

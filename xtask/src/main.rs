@@ -1,7 +1,8 @@
 //! Chores of the workspace.
 //!
 //! `cargo xtask reproduce` runs the experiments of the paper, prints a verdict for every statement and writes a
-//! report with figures, tables and `results.json`. `cargo xtask verify` runs the battery for many seeds.
+//! report with figures, tables and `results.json`. `cargo xtask verify` runs the battery for many seeds;
+//! `cargo xtask work-precision` measures errors against processor time.
 
 mod battery;
 mod budget;
@@ -12,6 +13,7 @@ mod report;
 mod reproduce;
 mod table;
 mod verify;
+mod work_precision;
 
 use std::process::ExitCode;
 
@@ -31,12 +33,15 @@ enum Chore {
     Reproduce(reproduce::Reproduce),
     /// Run the whole battery for many seeds, with all wrong twins, and write docs/verification.md.
     Verify(verify::Verify),
+    /// Measure the errors of every scheme against the processor time they take.
+    WorkPrecision(work_precision::WorkPrecision),
 }
 
 fn main() -> ExitCode {
     let result = match Arguments::parse().chore {
         Chore::Reproduce(arguments) => reproduce::run(&arguments),
         Chore::Verify(arguments) => verify::run(&arguments),
+        Chore::WorkPrecision(arguments) => work_precision::run(&arguments),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error:#}");

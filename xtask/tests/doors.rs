@@ -6,7 +6,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// A crate and the crates that it may depend on, in the order of the layers; see `docs/` on the architecture.
-const DOORS: [(&str, &[&str]); 9] = [
+const DOORS: [(&str, &[&str]); 10] = [
     ("real", &[]),
     ("noise", &["real"]),
     ("dgrad", &["real"]),
@@ -15,7 +15,8 @@ const DOORS: [(&str, &[&str]); 9] = [
     ("schemes", &["real", "systems", "dgrad", "nonlin", "noise"]),
     ("mc", &["real", "schemes", "systems", "noise", "nonlin"]),
     ("verify", &["mc", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
-    ("xtask", &["verify", "real"]),
+    ("precision", &["verify", "mc", "schemes", "systems", "nonlin", "noise", "real"]),
+    ("xtask", &["precision", "verify", "real"]),
 ];
 
 fn metadata() -> anyhow::Result<Value> {

@@ -1,8 +1,9 @@
-//! What one step of one path costs, noise included.
+//! What one step of one path costs, noise included, Lévy areas where the scheme reads them.
 //!
 //! Measured, each time 256 steps of τ = 2⁻⁸ from the paper's initial value, with increments drawn and truncated:
 //!
-//! - `rigid body`: every scheme on the rigid body with three noises;
+//! - `rigid body`: every scheme on the rigid body with three noises; `sexp-levy` draws its areas at its own step, with an
+//!   error of τ^{3/2} as strong order one asks;
 //! - `sexp`: the conformal scheme on the five systems.
 //!
 //! `block` advances 32 paths at once, `path` one.
@@ -16,10 +17,13 @@ use std::time::Duration;
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use noise::{StreamKey, Truncation, WienerBlock, WienerPath, clip};
+use noise::{
+    AreaBlock, AreaMethod, AreaPath, AreaSampler, StreamKey, Truncation, WienerBlock, WienerPath, clip,
+    strong_order_one_error,
+};
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Block, WIDTH};
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step};
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step};
 use systems::{
     Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
     PoissonSystem, RigidBody, Sine,
@@ -29,11 +33,18 @@ const STEPS: u64 = 256;
 const TAU: f64 = 1.0 / STEPS as f64;
 const KEY: StreamKey = StreamKey { seed: 1, experiment: 1 };
 
+/// How areas are drawn, and how many terms strong order one asks for.
+const METHOD: AreaMethod = AreaMethod::MrongowiusRoessler;
+fn terms<const M: usize>() -> usize {
+    METHOD.terms_for(strong_order_one_error(TAU), TAU, M).expect("a handful of terms")
+}
+
 /// A system with what it takes to run it: damping tabulated for every step, and y₀.
 struct Run<S, const D: usize> {
     system: S,
     steps: Vec<Step>,
     bound: f64,
+    area_bound: f64,
     y0: [f64; D],
 }
 
@@ -43,6 +54,7 @@ impl<S, const D: usize> Run<S, D> {
             system,
             steps: (0..STEPS).map(|n| Step::new(damping, n, TAU).expect("0 < τ")).collect(),
             bound: Truncation::new(4).and_then(|truncation| truncation.bound(TAU)).expect("0 < τ < 1"),
+            area_bound: Truncation::new(4).and_then(|truncation| truncation.area_bound(TAU)).expect("0 < τ < 1"),
             y0,
         }
     }
@@ -59,13 +71,20 @@ impl<S, const D: usize> Run<S, D> {
             let mut first_path = 0;
             bencher.iter(|| {
                 let mut noise = WienerBlock::<M>::new(KEY, first_path);
-                first_path += WIDTH as u64;
+                let mut sampler =
+                    scheme.needs_areas().then(|| AreaSampler::<M>::new(KEY, first_path, METHOD, terms::<M>()));
+                let (mut drawn, mut areas) = (AreaBlock::zero(), AreaBlock::zero());
                 let mut y = Block::splat(self.y0);
                 for step in &self.steps {
                     noise.increments(TAU.sqrt(), &mut dw);
+                    if let Some(sampler) = &mut sampler {
+                        sampler.areas(TAU, &dw, &mut drawn);
+                        areas = drawn.clipped(self.area_bound).0;
+                    }
                     clip(&dw, self.bound, &mut clipped);
-                    scheme.step_block(&self.system, step, &clipped, &mut y, &mut status);
+                    scheme.step_block_with_areas(&self.system, step, &clipped, &areas, &mut y, &mut status);
                 }
+                first_path += WIDTH as u64;
                 black_box(y)
             });
         });
@@ -90,13 +109,19 @@ impl<S, const D: usize> Run<S, D> {
             let mut path = 0;
             bencher.iter(|| {
                 let mut noise = WienerPath::<M>::new(KEY, path);
-                path += 1;
+                let mut sampler = scheme.needs_areas().then(|| AreaPath::<M>::new(KEY, path, METHOD, terms::<M>()));
+                let mut areas = [[0.0; M]; M];
                 let mut y = self.y0;
                 for step in &self.steps {
                     let dw = noise.increments(TAU.sqrt());
+                    if let Some(sampler) = &mut sampler {
+                        let drawn = sampler.areas(TAU, dw);
+                        areas = drawn.map(|row| row.map(|area| area.clamp(-self.area_bound, self.area_bound)));
+                    }
                     let clipped = dw.map(|w| w.clamp(-self.bound, self.bound));
-                    y = scheme.step(&self.system, step, clipped, y).z;
+                    y = scheme.step_with_areas(&self.system, step, clipped, areas, y).z;
                 }
+                path += 1;
                 black_box(y)
             });
         });
@@ -123,7 +148,9 @@ fn rigid_body(criterion: &mut Criterion) {
     let mut group = short(criterion, "rigid body");
     run.both(&mut group, "sexp", &sexp(Method::FixedPoint));
     run.both(&mut group, "sexp newton", &sexp(Method::Newton));
+    run.both(&mut group, "sexp-levy", &SexpLevy::new(&body, momentum()));
     run.both(&mut group, "midpoint", &Midpoint::default());
+    run.both(&mut group, "heun", &Heun);
     run.both(&mut group, "em", &EulerMaruyama);
     group.finish();
 }

@@ -1,8 +1,8 @@
-//! **The conformal exponential integrator, with and without Lévy areas, and the two schemes it is compared with.**
+//! **The conformal exponential integrator, with and without Lévy areas, and the schemes it is compared with.**
 //!
 //! A [`Scheme`] advances one path or a block of 32 by one step, with the same arithmetic: a block is 32 paths and
 //! nothing else. [`Sexp`] keeps quadratic Casimirs, and with one noise homogeneous Hamiltonians, exactly on their
-//! damped law; [`EulerMaruyama`] and [`Midpoint`] do not.
+//! damped law; [`EulerMaruyama`], [`Heun`] and [`Midpoint`] do not.
 //!
 //! ```
 //! use schemes::{Scheme, Sexp, Step};
@@ -26,9 +26,11 @@
 //! | [`Sexp`] | implicit, exponential | 1 / ½ | conformal quadratic Casimirs; one noise: conformal homogeneous energy |
 //! | [`SexpLevy`] | the same with Lévy areas | 1 / 1 | the same |
 //! | [`Midpoint`] | implicit | 1 / ½ | quadratic Casimirs when undamped |
+//! | [`Heun`] | explicit, no derivatives | 1 / ½ | nothing |
 //! | [`EulerMaruyama`] | explicit | ½ / ½ | nothing |
 
 mod em;
+mod heun;
 mod implicit;
 mod midpoint;
 mod scheme;
@@ -37,6 +39,7 @@ mod sexp_levy;
 mod step;
 
 pub use em::EulerMaruyama;
+pub use heun::Heun;
 pub use midpoint::Midpoint;
 pub use scheme::Scheme;
 pub use sexp::Sexp;

@@ -11,7 +11,7 @@ use crate::Step;
 /// Increments are given as they are to be used: truncated by the caller where the scheme asks for it. Schemes draw
 /// no random number and keep no state.
 pub trait Scheme<S, const D: usize, const M: usize>: Send + Sync {
-    /// Identifier in results: `sexp`, `em`, `midpoint`, `sexp-levy`.
+    /// Identifier in results: `sexp`, `em`, `heun`, `midpoint`, `sexp-levy`.
     fn id(&self) -> &'static str;
 
     /// Advances every path of a block by one step and overwrites `status`. A path that is `failed` there holds the

@@ -2,7 +2,7 @@
 //!
 //! With ẑ = e^{−∫γ, first half} y_n, z̄ = (ẑ+z)/2 and the Lévy areas A_ml of the step,
 //!
-//! z = ẑ + B(z̄) ∇̄h(ẑ, z) + Σ_{m<l} Â_ml [fₘ, f_l](z̄),  y_{n+1} = e^{−∫γ, second half} z,
+//! z = ẑ + B(z̄) ∇̄h(ẑ, z) + Σ_{m<l} Â_ml \[fₘ, f_l\](z̄),  y_{n+1} = e^{−∫γ, second half} z,
 //!
 //! where fₘ = B∇Hₘ and [f, g] = g′f − f′g. The sum is what the Stratonovich–Taylor expansion of order one has and the step of
 //! [`Sexp`](crate::Sexp) lacks: Σ f_l′fₘ J_ml with J = ½ΔWΔWᵀ + A, of which the symmetric half is in the averaged
@@ -43,7 +43,7 @@ impl SexpLevy {
     }
 }
 
-/// B(z̄) ∇̄h(ẑ, z) + Σ A_ml [fₘ, f_l](z̄).
+/// B(z̄) ∇̄h(ẑ, z) + Σ A_ml \[fₘ, f_l\](z̄).
 #[derive(Clone, Copy)]
 struct FieldWithAreas {
     averaged: AveragedField,

@@ -20,6 +20,8 @@ pub struct Step {
     pub rate_at_start: f64,
     /// γ(t_n + τ/2).
     pub rate_at_middle: f64,
+    /// γ(t_n + τ).
+    pub rate_at_end: f64,
     damping_integral: f64,
 }
 
@@ -64,6 +66,7 @@ impl Step {
             second_decay: elementary::exp(-second),
             rate_at_start: damping.rate(start),
             rate_at_middle: damping.rate(middle),
+            rate_at_end: damping.rate(end),
             damping_integral: first + second,
         })
     }

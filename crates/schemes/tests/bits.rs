@@ -7,7 +7,7 @@ use common::{Numbers, Visit, every_system};
 use noise::{AreaBlock, StreamKey, Truncation, WienerBlock, clip};
 use nonlin::{BlockStatus, Method, Outcome, Solver};
 use real::{Block, Level, WIDTH, limit_to};
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, Step};
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step};
 use systems::{Cosine, PoissonSystem};
 
 const TAU: f64 = 0.05;
@@ -87,6 +87,7 @@ impl Visit for SideBySide {
             self.compare(&Midpoint { solver }, system, y0);
         }
         self.compare(&EulerMaruyama, system, y0);
+        self.compare(&Heun, system, y0);
     }
 }
 
@@ -118,9 +119,9 @@ fn a_block_is_its_paths_at_every_level() {
 fn schemes_have_the_ids_of_the_paper() {
     let body = common::body();
     let levy = SexpLevy::new(&body, [1.0, 2.0, 3.0]);
-    let schemes: [&dyn Scheme<_, 3, 3>; 4] = [&Sexp::default(), &EulerMaruyama, &Midpoint::default(), &levy];
+    let schemes: [&dyn Scheme<_, 3, 3>; 5] = [&Sexp::default(), &EulerMaruyama, &Midpoint::default(), &levy, &Heun];
     fn ids<S, const N: usize>(schemes: [&dyn Scheme<S, 3, 3>; N], _: &S) -> [&'static str; N] {
         schemes.map(|scheme| scheme.id())
     }
-    assert_eq!(ids(schemes, &body), ["sexp", "em", "midpoint", "sexp-levy"]);
+    assert_eq!(ids(schemes, &body), ["sexp", "em", "midpoint", "sexp-levy", "heun"]);
 }

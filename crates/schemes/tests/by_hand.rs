@@ -5,7 +5,7 @@ mod common;
 use common::{INERTIA, NOISE_INERTIA, Numbers, any_damping, any_increments, any_state, body};
 use noise::Truncation;
 use nonlin::{Method, Solver};
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step};
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, Step};
 use systems::{Cosine, Damping};
 
 /// Sums of some tens of terms, each rounded a few times.
@@ -51,6 +51,27 @@ fn euler_maruyama() {
         }
         let ours = EulerMaruyama.step(&body(), &step, dw, y);
         close(ours.z, exact, 4.0, "em");
+    }
+}
+
+#[test]
+fn heun() {
+    let mut numbers = Numbers(33);
+    for _ in 0..1000 {
+        let damping = any_damping(&mut numbers);
+        let tau = 0.01 * (1.1 + numbers.next());
+        let step = Step::new(damping.as_ref(), 7, tau).unwrap();
+        let dw: [f64; 3] = any_increments(&mut numbers, tau);
+        let y: [f64; 3] = any_state(&mut numbers, &body(), [0.0; 3]);
+
+        let change = |t: f64, y: [f64; 3]| -> [f64; 3] {
+            let f = rotation(y, tau, dw);
+            std::array::from_fn(|i| f[i] - tau * damping.rate(t) * y[i])
+        };
+        let first = change(7.0 * tau, y);
+        let second = change(8.0 * tau, std::array::from_fn(|i| y[i] + first[i]));
+        let exact = std::array::from_fn(|i| y[i] + 0.5 * first[i] + 0.5 * second[i]);
+        close(Heun.step(&body(), &step, dw, y).z, exact, 10.0 * norm(y), "heun");
     }
 }
 
@@ -110,6 +131,7 @@ fn a_step_holds_time_and_damping() {
     assert_eq!((step.t, step.tau), (0.625, 0.125));
     assert_eq!(step.rate_at_start, damping.rate(0.625));
     assert_eq!(step.rate_at_middle, damping.rate(0.6875));
+    assert_eq!(step.rate_at_end, damping.rate(0.75));
     let halves = [damping.integral(0.625, 0.6875), damping.integral(0.6875, 0.75)];
     assert_eq!(step.damping_integral(), halves[0] + halves[1]);
     // The exponential is good to 1.1 ulp.

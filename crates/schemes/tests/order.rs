@@ -1,10 +1,10 @@
-//! Without noise `sexp` and `midpoint` have order two and `em` order one, with damping, on every system; and damping
+//! Without noise `sexp`, `midpoint` and `heun` have order two and `em` order one, with damping, on every system; and damping
 //! at the wrong time has order one.
 
 mod common;
 
 use common::{Visit, body, every_system};
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step};
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, Step};
 use systems::{Damping, PoissonSystem, Sine, ito_correction, vector_field};
 
 const T: f64 = 1.0;
@@ -67,6 +67,8 @@ impl Visit for Orders {
         assert!((sexp - 2.0).abs() < WINDOW, "sexp on {}: {sexp}", system.name());
         let midpoint = order(y0, exact, |step, y| Midpoint::default().step(system, step, [0.0; M], y).z);
         assert!((midpoint - 2.0).abs() < WINDOW, "midpoint on {}: {midpoint}", system.name());
+        let heun = order(y0, exact, |step, y| Heun.step(system, step, [0.0; M], y).z);
+        assert!((heun - 2.0).abs() < WINDOW, "heun on {}: {heun}", system.name());
         let em = order(y0, reference(system, y0, true), |step, y| EulerMaruyama.step(system, step, [0.0; M], y).z);
         assert!((em - 1.0).abs() < WINDOW, "em on {}: {em}", system.name());
     }
@@ -106,4 +108,11 @@ fn damping_at_the_wrong_time_has_order_one() {
         Midpoint::default().step(&body(), &wrong, [0.0; 3], y).z
     });
     assert!((early - 1.0).abs() < WINDOW, "{early}");
+    // The rate of the corrector of the Heun method taken at the start of the step.
+    let stale = order(y0, exact, |step, y| {
+        let mut wrong = *step;
+        wrong.rate_at_end = step.rate_at_start;
+        Heun.step(&body(), &wrong, [0.0; 3], y).z
+    });
+    assert!((stale - 1.0).abs() < WINDOW, "{stale}");
 }

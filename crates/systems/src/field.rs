@@ -101,7 +101,7 @@ pub fn ito_correction<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: 
     correction
 }
 
-/// Σ_{m<l} A_ml [fₘ, f_l](y) with [f, g] = g′f − f′g, for a skew matrix A: the field that a step of strong order one adds
+/// Σ_{m<l} A_ml \[fₘ, f_l\](y) with [f, g] = g′f − f′g, for a skew matrix A: the field that a step of strong order one adds
 /// for the Lévy areas A. As Σ_l f_l′gₗ with g_l = Σₘ A_ml fₘ: one directional derivative for each noise.
 #[inline(always)]
 pub(crate) fn commutators<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, const M: usize>(

@@ -43,7 +43,7 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
         self.structure(quadratic(a, b), self.averaged_gradient(a, b, dt, dw))
     }
 
-    /// Σ_{m<l} A_ml [fₘ, f_l](y) for a skew matrix A of Lévy areas, with fₘ = B∇Hₘ and [f, g] = g′f − f′g; by dual numbers,
+    /// Σ_{m<l} A_ml \[fₘ, f_l\](y) for a skew matrix A of Lévy areas, with fₘ = B∇Hₘ and [f, g] = g′f − f′g; by dual numbers,
     /// nested where a Jacobian is wanted, unless overridden. It is tangent to the level sets of every Casimir:
     /// [fₘ, f_l]C = fₘ(f_l C) − f_l(fₘ C) = 0.
     #[inline(always)]

@@ -20,6 +20,8 @@ use verify::results::{Panel, Results};
 
 use crate::output::write;
 
+pub use figure::{WorkPlot, WorkPoint, work_figure};
+
 /// Writes the report of `results` into the existing directory `dir`.
 ///
 /// Each file appears whole or not at all: a reader never sees half a page, and an interrupted run leaves the

@@ -71,7 +71,7 @@ fn agrees(estimate: &Estimate, exact: f64) -> bool {
 /// Number of the experiment behind [`expectation_claims`].
 const EXPERIMENT: u64 = 4000;
 
-/// The twelve expectations of the weak panels, E[y_j], E[y_j²], E[cos y_j] and E[sin y_j] at T = 1, each to the half-width
+/// The twelve expectations of the weak panels, E of y_j, y_j², cos y_j and sin y_j at T = 1, each to the half-width
 /// `accuracy` of its 95 % interval, against the Kolmogorov equation. The cost grows like accuracy⁻²: 2e-4 takes seconds,
 /// 2e-5 minutes.
 #[must_use]

@@ -11,11 +11,13 @@ mod look;
 mod scripts;
 mod slope;
 mod ticks;
+mod work;
 
 use anyhow::Result;
 use verify::results::{Kind, Panel};
 
 pub use convergence::QUANTILE;
+pub use work::{WorkPlot, WorkPoint, work_figure};
 
 /// Draws a panel.
 pub fn figure(panel: &Panel) -> Result<String> {
