@@ -111,22 +111,14 @@ impl Solver {
     ) {
         status.robust = PathMask::NONE;
         status.failed = PathMask::NONE;
-        let mut odd = Iterates { z, pending: &mut status.pending };
-        let mut unfinished = odd.start(equations, method);
-        if unfinished > 0 && self.max_sweeps > 1 {
-            let (mut even_z, mut even_pending) = (Block::zero(), Block::zero());
-            let mut even = Iterates { z: &mut even_z, pending: &mut even_pending };
-            let mut sweeps = 1;
-            while unfinished > 0 && sweeps < self.max_sweeps {
-                sweeps += 1;
-                unfinished = odd.advance(equations, method, sweeps, &mut even);
-                if unfinished == 0 || sweeps >= self.max_sweeps {
-                    (*odd.z, *odd.pending) = (*even.z, *even.pending);
-                    break;
-                }
-                sweeps += 1;
-                unfinished = even.advance(equations, method, sweeps, &mut odd);
-            }
+        let mut iterates = Iterates { z, pending: &mut status.pending };
+        let mut unfinished = iterates.start(equations, method);
+        let mut sweeps = 1;
+        while unfinished > 0 && sweeps < self.max_sweeps {
+            sweeps += 1;
+            let (mut z, mut pending) = (*iterates.z, *iterates.pending);
+            let last = Iterates { z: &mut z, pending: &mut pending };
+            unfinished = last.advance(equations, method, sweeps, &mut iterates);
         }
         if unfinished > 0 {
             rescue(equations, z, status);

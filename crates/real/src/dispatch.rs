@@ -7,6 +7,7 @@
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use multiversion::multiversion;
+use multiversion::target::match_target;
 
 /// A piece of work on blocks of paths.
 ///
@@ -90,16 +91,30 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     match Level::limit() {
         Level::Avx512 => up_to_avx512(kernel),
         Level::Avx2 => up_to_avx2(kernel),
-        Level::Baseline => kernel.run(),
+        Level::Baseline => baseline(kernel),
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
+// Every function below has the kernel once, for its own level, and hands a machine that has less to the next one:
+// compiling the kernels is most of what compiling the workspace costs.
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw"))]
 fn up_to_avx512<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run()
+    match_target! {
+        "x86_64+avx512f+avx512vl+avx512dq+avx512bw" => kernel.run(),
+        _ => up_to_avx2(kernel),
+    }
 }
 
 #[multiversion(targets("x86_64+avx2"))]
 fn up_to_avx2<K: Kernel>(kernel: K) -> K::Output {
+    match_target! {
+        "x86_64+avx2" => kernel.run(),
+        _ => baseline(kernel),
+    }
+}
+
+#[inline(never)]
+fn baseline<K: Kernel>(kernel: K) -> K::Output {
     kernel.run()
 }

@@ -34,6 +34,7 @@
 //! | [`coverage()`], [`CoverageRow`] | how often those intervals cover the truth |
 //! | [`results`] | the `results.json` contract |
 
+mod approach;
 mod coverage;
 mod exact;
 mod experiment;

@@ -8,10 +8,10 @@ use systems::{
 };
 
 use crate::experiment::{Context, Experiment, TRUNCATION_ORDER, Yield, truncation};
-use crate::invariant::{InvariantSetup, invariant_panel};
+use crate::invariant::{InvariantSetup, invariant_yield};
 use crate::order::{bound_verdict, order_verdict};
-use crate::results::{Claim, Panel, Rate, Verdict};
-use crate::statement::{claim, decide};
+use crate::results::{Claim, Panel, Rate};
+use crate::statement::claim;
 use crate::strong::{Curve, StrongSetup, strong_curves, strong_panel};
 use crate::supplement::levy::order_claim;
 use crate::weak::{WeakPanel, WeakSetup, weak_panels};
@@ -307,7 +307,7 @@ fn rigid_body_casimir(context: &Context<'_>) -> Yield {
         steps: 100,
         invariants: &["C"],
     };
-    invariant_yield(invariant_panel(context, &setup, &problem), setup.steps)
+    invariant_yield(context, &setup, &problem)
 }
 
 fn rigid_body_energy(context: &Context<'_>) -> Yield {
@@ -321,7 +321,7 @@ fn rigid_body_energy(context: &Context<'_>) -> Yield {
         steps: 100,
         invariants: &["H", "C"],
     };
-    invariant_yield(invariant_panel(context, &setup, &problem), setup.steps)
+    invariant_yield(context, &setup, &problem)
 }
 
 fn lotka_volterra_energy(context: &Context<'_>) -> Yield {
@@ -335,7 +335,7 @@ fn lotka_volterra_energy(context: &Context<'_>) -> Yield {
         steps: 100,
         invariants: &["H", "C"],
     };
-    invariant_yield(invariant_panel(context, &setup, &problem), setup.steps)
+    invariant_yield(context, &setup, &problem)
 }
 
 fn maxwell_bloch_casimir(context: &Context<'_>) -> Yield {
@@ -348,7 +348,7 @@ fn maxwell_bloch_casimir(context: &Context<'_>) -> Yield {
         steps: 500,
         invariants: &["C"],
     };
-    invariant_yield(invariant_panel(context, &setup, &problem), setup.steps)
+    invariant_yield(context, &setup, &problem)
 }
 
 fn poisson3_casimir(context: &Context<'_>) -> Yield {
@@ -361,59 +361,5 @@ fn poisson3_casimir(context: &Context<'_>) -> Yield {
         steps: 100,
         invariants: &["C", "S"],
     };
-    invariant_yield(invariant_panel(context, &setup, &problem), setup.steps)
-}
-
-/// Largest relative defect of `sexp` that counts as round-off on the paper's paths of at most 500 steps. A step
-/// leaves a residual of at most two ulp and a handful of roundings, say 16 ε in all; if none cancelled, 500 steps
-/// would give 1.8e-12, as a random walk √500·16 ε = 8e-14. 2e-13 lies between, below the worst case.
-pub(crate) const ROUND_OFF_DEFECT: f64 = 2e-13;
-/// A relative defect below this is a curve that follows the law to the eye.
-const CLOSE_DEFECT: f64 = 0.1;
-/// A relative defect above this is visible in a figure: Euler–Maruyama is expected there.
-const VISIBLE_DEFECT: f64 = 1e-3;
-
-fn invariant_yield(panel: Panel, steps: u64) -> Yield {
-    let claims = panel
-        .series
-        .iter()
-        .map(|series| {
-            let energy = series.quantity == "H";
-            let function = if energy { "H" } else { "the Casimir" };
-            let defect = series.max_relative_defect;
-            let (statement, holds, proven) = match series.scheme.as_str() {
-                "sexp" => (
-                    format!("{function} obeys the conformal law at every step"),
-                    defect.is_some_and(|defect| defect <= ROUND_OFF_DEFECT),
-                    true,
-                ),
-                "em" => (
-                    format!("{function} visibly leaves the conformal law"),
-                    defect.is_some_and(|defect| defect > VISIBLE_DEFECT),
-                    false,
-                ),
-                _ => (
-                    format!("{function} is close to the conformal law, but not on it"),
-                    defect.is_some_and(|defect| defect > ROUND_OFF_DEFECT && defect < CLOSE_DEFECT),
-                    false,
-                ),
-            };
-            // A path that ended early proves nothing about the rest.
-            let complete = series.points.len() as u64 == steps + 1;
-            let verdict = if complete { decide(holds) } else { Verdict::Undecided };
-            let defect = defect.map_or("no points".to_owned(), |defect| format!("{defect:.1e}"));
-            Claim {
-                panel: panel.id.clone(),
-                scheme: series.scheme.clone(),
-                proven,
-                ..claim(
-                    if energy { "energy-balance" } else { "conformal-casimir" },
-                    &statement,
-                    verdict,
-                    format!("largest relative defect of {} along the path: {defect}", series.quantity),
-                )
-            }
-        })
-        .collect();
-    Yield { panels: vec![panel], claims }
+    invariant_yield(context, &setup, &problem)
 }

@@ -60,6 +60,11 @@ pub const TWINS: &[Twin] = &[
         measure: conformal::explicit_noise,
     },
     Twin {
+        claim: "conformal-casimir",
+        mistake: "explicit noise in an implicit scheme, at steps that shrink",
+        measure: conformal::explicit_noise_at_small_steps,
+    },
+    Twin {
         claim: "energy-balance",
         mistake: "the gradient at the midpoint instead of its average",
         measure: conformal::midpoint_quadrature,
