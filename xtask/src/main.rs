@@ -2,9 +2,10 @@
 //!
 //! `cargo xtask reproduce` runs the experiments of the paper, prints a verdict for every statement and writes a
 //! report with figures, tables and `results.json`. `cargo xtask verify` runs the battery for many seeds;
-//! `cargo xtask work-precision` measures errors against processor time.
+//! `cargo xtask work-precision` measures errors against processor time, `cargo xtask bench` speed.
 
 mod battery;
+mod bench;
 mod budget;
 mod output;
 mod progress;
@@ -35,6 +36,8 @@ enum Chore {
     Verify(verify::Verify),
     /// Measure the errors of every scheme against the processor time they take.
     WorkPrecision(work_precision::WorkPrecision),
+    /// Measure what a path-step costs: every scheme on every system, threads, memory, growth, dimension.
+    Bench(bench::Bench),
 }
 
 fn main() -> ExitCode {
@@ -42,6 +45,7 @@ fn main() -> ExitCode {
         Chore::Reproduce(arguments) => reproduce::run(&arguments),
         Chore::Verify(arguments) => verify::run(&arguments),
         Chore::WorkPrecision(arguments) => work_precision::run(&arguments),
+        Chore::Bench(arguments) => bench::run(&arguments),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error:#}");

@@ -6,7 +6,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// A crate and the crates that it may depend on, in the order of the layers; see `docs/` on the architecture.
-const DOORS: [(&str, &[&str]); 10] = [
+const DOORS: [(&str, &[&str]); 11] = [
     ("real", &[]),
     ("noise", &["real"]),
     ("dgrad", &["real"]),
@@ -14,6 +14,7 @@ const DOORS: [(&str, &[&str]); 10] = [
     ("systems", &["real", "dgrad"]),
     ("schemes", &["real", "systems", "dgrad", "nonlin", "noise"]),
     ("mc", &["real", "schemes", "systems", "noise", "nonlin"]),
+    ("speed", &["mc", "schemes", "systems", "nonlin", "noise", "real"]),
     ("verify", &["mc", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
     ("precision", &["verify", "mc", "schemes", "systems", "nonlin", "noise", "real"]),
     ("xtask", &["precision", "verify", "real"]),
