@@ -10,40 +10,102 @@ pub trait GradientField<const D: usize> {
     fn gradient<R: Real>(&self, y: [R; D]) -> [R; D];
 }
 
-/// The rule with N nodes as a constant of the code that uses it.
-struct Fixed<const N: usize>;
-
-impl<const N: usize> Fixed<N> {
-    const RULE: ([f64; N], [f64; N]) = fixed_rule::<N>();
-}
-
 /// ∇̄H(a, b) ≈ Σ wᵢ ∇H(a + ηᵢ(b − a)) with N nodes: exact to round-off when ∇H is a polynomial of degree ≤ 2N − 1,
-/// else an error of order |b − a|^{2N}. N is a constant so that the loop unrolls inside a block kernel.
+/// else an error of order |b − a|^{2N}. N is a constant, so that the sum is written
+/// out inside a block kernel; a kernel with more than 9 nodes is not vectorised.
+///
+/// The nodes lie symmetrically about the middle, and two gradients share a weight.
 #[inline(always)]
 pub fn averaged<const N: usize, R: Real, F: GradientField<D>, const D: usize>(
     field: &F,
     a: [R; D],
     b: [R; D],
 ) -> [R; D] {
-    let (nodes, weights) = Fixed::<N>::RULE;
-    let mut mean = [R::zero(); D];
-    for k in 0..N {
-        let gradient = field.gradient(between(a, b, nodes[k]));
-        for i in 0..D {
-            mean[i] = mean[i] + gradient[i] * weights[k];
+    let (mut middle, mut difference) = (a, a);
+    for i in 0..D {
+        middle[i] = (a[i] + b[i]) * 0.5;
+        difference[i] = b[i] - a[i];
+    }
+    let nodes = Nodes::<F, R, N, D> { field, middle, difference };
+    let mut mean = nodes.first();
+    // Written out up to 9 nodes: a loop of long bodies inside the loop over paths is unrolled too late for that one to be
+    // vectorised. With more nodes it is a loop, which is slow and quick to compile.
+    if (4..10).contains(&N) {
+        mean = nodes.add_pair(mean, 1);
+    }
+    if (6..10).contains(&N) {
+        mean = nodes.add_pair(mean, 2);
+    }
+    if (8..10).contains(&N) {
+        mean = nodes.add_pair(mean, 3);
+    }
+    if N > 9 {
+        for k in 1..N / 2 {
+            mean = nodes.add_pair(mean, k);
         }
     }
-    mean
+    if N > 1 && N % 2 == 1 { nodes.add_middle(mean) } else { mean }
 }
 
-/// a + η(b − a).
-#[inline(always)]
-fn between<R: Real, const D: usize>(a: [R; D], b: [R; D], eta: f64) -> [R; D] {
-    let mut y = a;
-    for i in 0..D {
-        y[i] = a[i] + (b[i] - a[i]) * eta;
+/// A field along the way from a to b, at the nodes of the rule with N of them.
+struct Nodes<'a, F, R, const N: usize, const D: usize> {
+    field: &'a F,
+    middle: [R; D],
+    difference: [R; D],
+}
+
+impl<F: GradientField<D>, R: Real, const N: usize, const D: usize> Nodes<'_, F, R, N, D> {
+    const RULE: ([f64; N], [f64; N]) = fixed_rule::<N>();
+
+    /// The first pair, or the middle if there is no other node.
+    #[inline(always)]
+    fn first(&self) -> [R; D] {
+        if N == 1 {
+            return self.field.gradient(self.middle);
+        }
+        let mut mean = self.pair(0);
+        for i in 0..D {
+            mean[i] = mean[i] * Self::RULE.1[0];
+        }
+        mean
     }
-    y
+
+    #[inline(always)]
+    fn add_pair(&self, mean: [R; D], k: usize) -> [R; D] {
+        plus(mean, self.pair(k), Self::RULE.1[k])
+    }
+
+    #[inline(always)]
+    fn add_middle(&self, mean: [R; D]) -> [R; D] {
+        plus(mean, self.field.gradient(self.middle), Self::RULE.1[N / 2])
+    }
+
+    /// The sum of the gradients at node k and its mirror image.
+    #[inline(always)]
+    fn pair(&self, k: usize) -> [R; D] {
+        let distance = 0.5 - Self::RULE.0[k];
+        let (mut lower, mut upper) = (self.middle, self.middle);
+        for i in 0..D {
+            let step = self.difference[i] * distance;
+            lower[i] = lower[i] - step;
+            upper[i] = upper[i] + step;
+        }
+        let (lower, upper) = (self.field.gradient(lower), self.field.gradient(upper));
+        let mut sum = lower;
+        for i in 0..D {
+            sum[i] = lower[i] + upper[i];
+        }
+        sum
+    }
+}
+
+/// mean + gradient·weight.
+#[inline(always)]
+fn plus<R: Real, const D: usize>(mut mean: [R; D], gradient: [R; D], weight: f64) -> [R; D] {
+    for i in 0..D {
+        mean[i] = mean[i] + gradient[i] * weight;
+    }
+    mean
 }
 
 /// ∇̄H(a, b) with n nodes and an estimate of its error, ‖∇̄ₙH − ∇̄₂ₙ₊₁H‖∞.
@@ -71,10 +133,11 @@ pub fn averaged_with_error<F: GradientField<D>, const D: usize>(
 fn averaged_by<F: GradientField<D>, const D: usize>(field: &F, a: [f64; D], b: [f64; D], rule: &Rule) -> [f64; D] {
     let mut mean = [0.0; D];
     for (&eta, &weight) in rule.nodes().iter().zip(rule.weights()) {
-        let gradient = field.gradient(between(a, b, eta));
+        let mut y = a;
         for i in 0..D {
-            mean[i] += gradient[i] * weight;
+            y[i] += (b[i] - a[i]) * eta;
         }
+        mean = plus(mean, field.gradient(y), weight);
     }
     mean
 }

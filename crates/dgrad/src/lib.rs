@@ -30,6 +30,7 @@
 //! |---|---|
 //! | [`quadratic`] | quadratic H: ∇H at the midpoint |
 //! | [`mean_cosine`], [`mean_sine`] | separable sines: cos(mid)·sinc(half difference), no cancellation |
+//! | [`ShortMean`] | the same over short steps, with slopes and rough guesses, in fewer operations |
 //! | [`averaged`] | N Gauss–Legendre nodes known at compile time, for block kernels; exact up to degree 2N − 1 |
 //! | [`averaged_with_error`] | any number of nodes, with an error estimate |
 //! | [`Rule`], [`nodes_for_degree`] | Gauss–Legendre rules on [0, 1] with computed nodes |
@@ -37,7 +38,9 @@
 mod average;
 mod closed;
 mod legendre;
+mod short;
 
 pub use average::{GradientField, averaged, averaged_with_error};
 pub use closed::{mean_cosine, mean_sine, quadratic};
 pub use legendre::{MAX_NODES, QuadratureError, Rule, nodes_for_degree};
+pub use short::ShortMean;

@@ -1,6 +1,8 @@
 //! ∇̄H(a, b)·(b − a) = H(b) − H(a), symmetry, consistency, and closed forms against quadrature.
 
-use dgrad::{GradientField, averaged, averaged_with_error, mean_cosine, mean_sine, nodes_for_degree, quadratic};
+use dgrad::{
+    GradientField, ShortMean, averaged, averaged_with_error, mean_cosine, mean_sine, nodes_for_degree, quadratic,
+};
 use proptest::prelude::*;
 use real::{Dual, Real};
 
@@ -39,6 +41,32 @@ const POINT: std::ops::Range<f64> = -3.0..3.0;
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn short_means_are_the_means(a in -20.0..20.0f64, h in -0.7..0.7f64, w in -2.0..2.0f64) {
+        for (short, mean) in [
+            (ShortMean::of_cosine(a, w), mean_cosine(Dual::fixed(a), Dual::variable(a + h))),
+            (ShortMean::of_sine(a, w), mean_sine(Dual::fixed(a), Dual::variable(a + h))),
+        ] {
+            let h = (a + h) - a;
+            let (value, slope) = short.with_slope(h);
+            // The middle of a and a + h, which the general form takes, is rounded.
+            let allowed = (4.0 + a.abs()) * f64::EPSILON * w.abs();
+            prop_assert_eq!(short.value(h), value);
+            prop_assert!((value - w * mean.value).abs() <= allowed, "{} {}", value, mean.value);
+            prop_assert!((slope - w * mean.derivative).abs() <= allowed);
+            prop_assert!((short.quadratic(h) - value).abs() <= w.abs() * h.abs().powi(3) / 24.0 + 1e-15);
+            prop_assert!((short.cubic(h) - value).abs() <= w.abs() * h.powi(4) / 120.0 + 1e-15);
+        }
+    }
+
+    #[test]
+    fn short_means_are_discrete_gradients(a in -20.0..20.0f64, h in -0.7..0.7f64) {
+        let b = a + h;
+        let h = b - a;
+        prop_assert!((ShortMean::of_cosine(a, 1.0).value(h) * h - (b.sin() - a.sin())).abs() <= 4.0 * f64::EPSILON);
+        prop_assert!((ShortMean::of_sine(a, 1.0).value(h) * h - (a.cos() - b.cos())).abs() <= 4.0 * f64::EPSILON);
+    }
 
     #[test]
     fn sine_identity_to_round_off(a in -20.0..20.0f64, b in -20.0..20.0f64) {
@@ -119,4 +147,15 @@ fn too_few_nodes_break_the_identity() {
     let (a, b) = ([1.0, 2.0, 3.0], [2.0, 1.0, -1.0]);
     let mean: [f64; 3] = averaged::<2, _, _, 3>(&Monomial, a, b);
     assert!((dot(mean, a, b) - (monomial(b) - monomial(a))).abs() > 1e-3);
+}
+
+#[test]
+fn short_means_of_long_steps_are_none() {
+    for h in [0.71, -3.0, 1e300, f64::INFINITY, f64::NAN] {
+        let (value, slope) = ShortMean::of_sine(1.0, 1.0).with_slope(h);
+        assert!(value.is_nan() && slope.is_nan());
+    }
+    assert!(
+        ShortMean::of_cosine(f64::NAN, 1.0).value(0.1).is_nan() && ShortMean::of_cosine(2e6, 1.0).value(0.1).is_nan()
+    );
 }

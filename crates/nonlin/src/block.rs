@@ -4,7 +4,7 @@ use real::{Block, PathMask, WIDTH};
 
 use crate::robust::solve_robust;
 use crate::sweep::{Swept, first_sweep, first_sweeps, sweep};
-use crate::{BlockFixedPoint, BlockStatus, Method, Outcome, Solver};
+use crate::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Outcome, Solver};
 
 /// The paths of a block in two halves: path p of the first has its first sweep together with path p of the second.
 const HALF: usize = WIDTH / 2;
@@ -23,17 +23,15 @@ impl<const D: usize> Iterates<'_, D> {
         // Counted in the width of the lanes, and wrapping: a narrower counter would be summed one path at a time, and a
         // checked one is a branch.
         let mut unfinished = 0u64;
-        match method {
-            Method::FixedPoint => {
-                for p in 0..HALF {
-                    let (one, other) = first_sweeps(&equations.path(p), &equations.path(p + HALF));
-                    unfinished = unfinished.wrapping_add(self.set(p, one)).wrapping_add(self.set(p + HALF, other));
-                }
+        if method == Method::FixedPoint || E::Path::METHOD == method {
+            for p in 0..HALF {
+                let (one, other) = first_sweeps(&equations.path(p), &equations.path(p + HALF), method);
+                unfinished = unfinished.wrapping_add(self.set(p, one)).wrapping_add(self.set(p + HALF, other));
             }
-            Method::Newton => {
-                for p in 0..WIDTH {
-                    unfinished = unfinished.wrapping_add(self.set(p, first_sweep(&equations.path(p), method)));
-                }
+        } else {
+            // Half the code to compile for a method that is not preferred.
+            for p in 0..WIDTH {
+                unfinished = unfinished.wrapping_add(self.set(p, first_sweep(&equations.path(p), method)));
             }
         }
         unfinished
@@ -95,7 +93,7 @@ impl Solver {
         z: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        match self.method {
+        match self.method.unwrap_or(E::Path::METHOD) {
             Method::FixedPoint => self.iterate(equations, Method::FixedPoint, z, status),
             Method::Newton => self.iterate(equations, Method::Newton, z, status),
         }

@@ -3,20 +3,100 @@
 //! D is 2 or 3 here and the systems sit inside a vectorised loop over paths, or must give the same bits on every
 //! machine; a linear-algebra library is made for neither.
 
-/// Solves A x = b without pivoting, for A near the identity; branch-free.
+/// A matrix near the identity, made ready for A x = b with many b; branch-free, without pivoting.
+///
+/// Up to D = 3 its inverse by cofactors, with one division where an elimination has D that wait for each other; else its LU
+/// factors, with the inverses of the pivots on the diagonal.
+#[derive(Clone, Copy)]
+pub(crate) struct Factored<const D: usize>([[f64; D]; D]);
+
+impl<const D: usize> Factored<D> {
+    #[inline(always)]
+    pub(crate) fn new(a: [[f64; D]; D]) -> Self {
+        Self(match D {
+            1 => [[1.0 / a[0][0]; D]; D],
+            2 => inverse_2(a),
+            3 => inverse_3(a),
+            _ => lu(a),
+        })
+    }
+
+    /// x with A x = b.
+    #[inline(always)]
+    pub(crate) fn solve(&self, b: [f64; D]) -> [f64; D] {
+        if D > 3 { substitute(&self.0, b) } else { product(&self.0, b) }
+    }
+}
+
 #[inline(always)]
-pub(crate) fn solve_near_identity<const D: usize>(mut a: [[f64; D]; D], mut b: [f64; D]) -> [f64; D] {
-    for k in 0..D {
-        let pivot = 1.0 / a[k][k];
-        for i in k + 1..D {
-            let factor = a[i][k] * pivot;
-            for j in k + 1..D {
-                a[i][j] -= factor * a[k][j];
-            }
-            b[i] -= factor * b[k];
+fn product<const D: usize>(a: &[[f64; D]; D], b: [f64; D]) -> [f64; D] {
+    let mut x = b;
+    for i in 0..D {
+        x[i] = a[i][0] * b[0];
+        for j in 1..D {
+            x[i] += a[i][j] * b[j];
         }
     }
-    back_substitute(&a, b)
+    x
+}
+
+#[inline(always)]
+fn inverse_2<const D: usize>(mut a: [[f64; D]; D]) -> [[f64; D]; D] {
+    let inverse = 1.0 / (a[0][0] * a[1][1] - a[0][1] * a[1][0]);
+    (a[0][0], a[1][1]) = (a[1][1] * inverse, a[0][0] * inverse);
+    (a[0][1], a[1][0]) = (-(a[0][1] * inverse), -(a[1][0] * inverse));
+    a
+}
+
+#[inline(always)]
+fn inverse_3<const D: usize>(a: [[f64; D]; D]) -> [[f64; D]; D] {
+    // Column i of the adjugate is the cross product of the other two rows.
+    let columns = [cross(a[1], a[2]), cross(a[2], a[0]), cross(a[0], a[1])];
+    let inverse = 1.0 / (a[0][0] * columns[0][0] + a[0][1] * columns[0][1] + a[0][2] * columns[0][2]);
+    let mut x = a;
+    for i in 0..3 {
+        for j in 0..3 {
+            x[i][j] = columns[j][i] * inverse;
+        }
+    }
+    x
+}
+
+#[inline(always)]
+fn cross<const D: usize>(u: [f64; D], v: [f64; D]) -> [f64; 3] {
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+}
+
+#[inline(always)]
+fn lu<const D: usize>(mut a: [[f64; D]; D]) -> [[f64; D]; D] {
+    for k in 0..D {
+        a[k][k] = 1.0 / a[k][k];
+        for i in k + 1..D {
+            a[i][k] *= a[k][k];
+            for j in k + 1..D {
+                a[i][j] -= a[i][k] * a[k][j];
+            }
+        }
+    }
+    a
+}
+
+/// Forwards with the lower triangle, backwards with the upper one.
+#[inline(always)]
+fn substitute<const D: usize>(lu: &[[f64; D]; D], b: [f64; D]) -> [f64; D] {
+    let mut x = b;
+    for k in 0..D {
+        for i in k + 1..D {
+            x[i] -= lu[i][k] * x[k];
+        }
+    }
+    for k in (0..D).rev() {
+        for j in k + 1..D {
+            x[k] -= lu[k][j] * x[j];
+        }
+        x[k] *= lu[k][k];
+    }
+    x
 }
 
 /// Solves A x = b with partial pivoting; infinite or NaN when A is singular.
@@ -36,7 +116,6 @@ pub(crate) fn solve_pivoted<const D: usize>(mut a: [[f64; D]; D], mut b: [f64; D
     back_substitute(&a, b)
 }
 
-#[inline(always)]
 fn back_substitute<const D: usize>(a: &[[f64; D]; D], b: [f64; D]) -> [f64; D] {
     let mut x = b;
     for k in (0..D).rev() {
@@ -52,25 +131,25 @@ fn back_substitute<const D: usize>(a: &[[f64; D]; D], b: [f64; D]) -> [f64; D] {
 mod tests {
     use super::*;
 
-    fn product<const D: usize>(a: &[[f64; D]; D], x: [f64; D]) -> [f64; D] {
-        std::array::from_fn(|i| (0..D).map(|j| a[i][j] * x[j]).sum())
-    }
-
     #[test]
-    fn both_eliminations_solve() {
+    fn every_elimination_solves() {
         let a = [[1.1, -0.2, 0.3], [0.25, 0.9, -0.1], [-0.3, 0.15, 1.05]];
         let x = [0.3, -2.0, 5.0];
-        for solution in [solve_near_identity(a, product(&a, x)), solve_pivoted(a, product(&a, x))] {
+        let b = product(&a, x);
+        for solution in [Factored::new(a).solve(b), substitute(&lu(a), b), solve_pivoted(a, b)] {
             for i in 0..3 {
                 assert!((solution[i] - x[i]).abs() < 1e-14, "{solution:?}");
             }
         }
+        let (plane, y) = ([[1.1, -0.2], [0.25, 0.9]], [0.3, -2.0]);
+        let solution = Factored::new(plane).solve(product(&plane, y));
+        assert!((solution[0] - y[0]).abs() < 1e-15 && (solution[1] - y[1]).abs() < 1e-15, "{solution:?}");
     }
 
     #[test]
     fn pivoting_survives_a_zero_on_the_diagonal() {
         let a = [[0.0, 2.0], [3.0, 1.0]];
         assert_eq!(solve_pivoted(a, [4.0, 5.0]), [1.0, 2.0]);
-        assert!(!solve_near_identity(a, [4.0, 5.0])[0].is_finite());
+        assert!(!substitute(&lu(a), [4.0, 5.0])[0].is_finite());
     }
 }

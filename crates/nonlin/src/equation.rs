@@ -1,9 +1,14 @@
 //! The equation z = ψ(z).
 
-use real::{Dual, Real};
+use real::{Real, VectorFunction, jacobian};
+
+use crate::Method;
 
 /// One equation z = ψ(z) in D unknowns.
 pub trait FixedPoint<const D: usize>: Copy {
+    /// The method that solves it with the least work, taken by a [`Solver`](crate::Solver) that is not told another.
+    const METHOD: Method = Method::FixedPoint;
+
     /// Where iterations start. For an implicit step this is the state before the step, to which the solution
     /// shrinks with the step; continuation follows the branch that starts here.
     fn start(&self) -> [f64; D];
@@ -11,24 +16,39 @@ pub trait FixedPoint<const D: usize>: Copy {
     /// ψ(z). Must be `#[inline(always)]` and free of branches to run fast in a block.
     fn map<R: Real>(&self, z: [R; D]) -> [R; D];
 
-    /// ψ(z) and the Jacobian ψ′(z), row i holding ∂ψᵢ/∂zⱼ. By dual numbers unless overridden.
+    /// ψ(z) and the Jacobian ψ′(z), row i holding ∂ψᵢ/∂zⱼ, by dual numbers.
     #[inline(always)]
     fn jacobian(&self, z: [f64; D]) -> ([f64; D], [[f64; D]; D]) {
-        let mut value = [0.0; D];
-        let mut jacobian = [[0.0; D]; D];
-        for j in 0..D {
-            let mut seeded = [Dual::new(0.0, 0.0); D];
-            for i in 0..D {
-                seeded[i] = Dual::fixed(z[i]);
-            }
-            seeded[j].derivative = 1.0;
-            let column = self.map(seeded);
-            for i in 0..D {
-                value[i] = column[i].value;
-                jacobian[i][j] = column[i].derivative;
-            }
-        }
-        (value, jacobian)
+        jacobian(&Map(*self), z)
+    }
+
+    /// A guess of the solution, from which Newton's method sets out; two evaluations unless overridden.
+    #[inline(always)]
+    fn predictor(&self) -> [f64; D] {
+        self.map(self.map(self.start()))
+    }
+
+    /// [`map`](FixedPoint::map) where z is near the start, NaN where it is too far away: the first sweep of Newton's method calls
+    /// this, and the second one starts again with `map` if it met a NaN.
+    #[inline(always)]
+    fn map_near(&self, z: [f64; D]) -> [f64; D] {
+        self.map(z)
+    }
+
+    /// [`jacobian`](FixedPoint::jacobian) where z is near the start, NaN where it is too far away.
+    #[inline(always)]
+    fn jacobian_near(&self, z: [f64; D]) -> ([f64; D], [[f64; D]; D]) {
+        self.jacobian(z)
+    }
+}
+
+/// ψ as a function.
+struct Map<E>(E);
+
+impl<E: FixedPoint<D>, const D: usize> VectorFunction<D, D> for Map<E> {
+    #[inline(always)]
+    fn value<R: Real>(&self, z: [R; D]) -> [R; D] {
+        self.0.map(z)
     }
 }
 

@@ -8,7 +8,8 @@ impl Solver {
     /// Solves one equation; the same bits as that path of [`solve_block`](Self::solve_block).
     #[must_use]
     pub fn solve<E: FixedPoint<D>, const D: usize>(&self, equation: &E) -> Solution<D> {
-        let (mut z, mut excess) = first_sweep(equation, self.method);
+        let method = self.method.unwrap_or(E::METHOD);
+        let (mut z, mut excess) = first_sweep(equation, method);
         let mut iterations = 1;
         loop {
             // NaN is not at most zero, hence not done.
@@ -18,7 +19,7 @@ impl Solver {
             if iterations >= self.max_sweeps {
                 return solve_robust(equation);
             }
-            (z, excess) = sweep(equation, z, self.method);
+            (z, excess) = sweep(equation, z, method);
             iterations += 1;
         }
     }

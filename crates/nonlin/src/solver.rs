@@ -3,23 +3,22 @@
 use real::{Block, PathMask};
 
 /// The fast method, tried first on every path.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// z ← ψ(z): linear convergence with the Lipschitz constant of ψ, eleven evaluations in the first sweep and three in
-    /// each later one. The default: on the rigid body with three noises at τ = 2⁻⁸ it costs less than Newton (`cargo
-    /// bench -p schemes`).
-    #[default]
+    /// each later one. The faster one where ψ is a few products (`cargo bench -p schemes`).
     FixedPoint,
-    /// z ← z − (I − ψ′(z))⁻¹(z − ψ(z)): quadratic convergence, D + 1 evaluations and a linear system a sweep. Where ψ
-    /// does not contract it may find a solution on another branch than the one that starts at the start.
+    /// z ← z − (I − ψ′(z))⁻¹(z − ψ(z)), first from a prediction ([`FixedPoint::predictor`](crate::FixedPoint::predictor)) with
+    /// two corrections that keep the matrix, and a full Newton iteration in each later sweep. The faster one where ψ is
+    /// costly. Where ψ does not contract it may find a solution on another branch than the one that starts at the start.
     Newton,
 }
 
 /// How implicit steps are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Solver {
-    /// The fast method.
-    pub method: Method,
+    /// The fast method; `None` is the one that the equation prefers ([`FixedPoint::METHOD`](crate::FixedPoint::METHOD)).
+    pub method: Option<Method>,
     /// Sweeps of the fast method before a path is handed to the robust one; one is made in any case.
     pub max_sweeps: u32,
 }
@@ -30,7 +29,7 @@ const MAX_SWEEPS: u32 = 55;
 
 impl Default for Solver {
     fn default() -> Self {
-        Self { method: Method::default(), max_sweeps: MAX_SWEEPS }
+        Self { method: None, max_sweeps: MAX_SWEEPS }
     }
 }
 
@@ -38,7 +37,7 @@ impl Solver {
     /// The given method with the default number of sweeps.
     #[must_use]
     pub fn new(method: Method) -> Self {
-        Self { method, ..Self::default() }
+        Self { method: Some(method), ..Self::default() }
     }
 }
 

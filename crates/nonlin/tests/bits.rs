@@ -122,7 +122,7 @@ fn a_path_does_not_see_its_neighbours() {
 fn few_sweeps_are_the_same_sweeps_in_a_block() {
     for max_sweeps in 0..6 {
         for method in METHODS {
-            let solver = Solver { method, max_sweeps };
+            let solver = Solver { method: Some(method), max_sweeps };
             let equations = mixed::<2>(5);
             let solved = solve_block(solver, &equations);
             for p in 0..WIDTH {

@@ -1,7 +1,7 @@
 //! Prints arguments and values of the elementary functions, as bits, for `crates/real/tools/reference_values.py
 //! --measure`, which compares them with many digits and prints the errors that the module documents.
 
-use real::elementary::{cos, exp, ln, ln_unit, sin, sin_cos_turn, sinc};
+use real::elementary::{cos, deficit_versine, exp, ln, ln_unit, sin, sin_cos_absolute, sin_cos_turn, sinc};
 
 /// A small generator of equidistributed numbers.
 struct Uniform(u64);
@@ -18,7 +18,7 @@ impl Uniform {
 
 type Function = (&'static str, fn(f64) -> f64);
 
-const FUNCTIONS: [Function; 8] = [
+const FUNCTIONS: [Function; 12] = [
     ("sin", sin),
     ("cos", cos),
     ("sinc", sinc),
@@ -27,6 +27,10 @@ const FUNCTIONS: [Function; 8] = [
     ("exp", exp),
     ("ln", ln),
     ("ln_unit", ln_unit),
+    ("sin_absolute", |x| sin_cos_absolute(x).0),
+    ("cos_absolute", |x| sin_cos_absolute(x).1),
+    ("deficit", |x| deficit_versine(x).0),
+    ("versine", |x| deficit_versine(x).1),
 ];
 
 fn main() {
@@ -34,10 +38,13 @@ fn main() {
     for i in 0..250_000 {
         for (name, function) in FUNCTIONS {
             let x = match (name, i % 4) {
-                ("sin" | "cos" | "sinc", 0) => uniform.between(-4.0, 4.0),
-                ("sin" | "cos" | "sinc", 1) => uniform.between(-0.8, 0.8),
-                ("sin" | "cos" | "sinc", 2) => uniform.between(-50.0, 50.0),
-                ("sin" | "cos" | "sinc", _) => uniform.between(-1_048_576.0, 1_048_576.0),
+                ("sin" | "cos" | "sinc" | "sin_absolute" | "cos_absolute", 0) => uniform.between(-4.0, 4.0),
+                ("sin" | "cos" | "sinc" | "sin_absolute" | "cos_absolute", 1) => uniform.between(-0.8, 0.8),
+                ("sin" | "cos" | "sinc" | "sin_absolute" | "cos_absolute", 2) => uniform.between(-50.0, 50.0),
+                ("sin" | "cos" | "sinc" | "sin_absolute" | "cos_absolute", _) => {
+                    uniform.between(-1_048_576.0, 1_048_576.0)
+                }
+                ("deficit" | "versine", _) => uniform.between(-0.7, 0.7),
                 ("exp", 0 | 1) => uniform.between(-0.4, 0.4),
                 ("exp", 2) => uniform.between(-745.2, -708.0),
                 ("exp", _) => uniform.between(-708.0, 709.8),

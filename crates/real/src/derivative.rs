@@ -51,3 +51,44 @@ pub fn directional<R: Real, F: VectorFunction<D, K>, const D: usize, const K: us
     }
     (value, slope)
 }
+
+/// (f(y), f′(y)), row i of f′ holding the derivatives of component i, by D evaluations on dual numbers.
+#[inline(always)]
+pub fn jacobian<F: VectorFunction<D, K>, const D: usize, const K: usize>(
+    f: &F,
+    y: [f64; D],
+) -> ([f64; K], [[f64; D]; K]) {
+    let (mut value, mut jacobian) = ([0.0; K], [[0.0; D]; K]);
+    // Written out up to three columns: a loop of long bodies inside a loop over paths is unrolled too late for that one to
+    // be vectorised.
+    if D > 0 {
+        (value, jacobian) = with_column(f, y, jacobian, 0);
+    }
+    if D > 1 {
+        (value, jacobian) = with_column(f, y, jacobian, 1);
+    }
+    if D > 2 {
+        (value, jacobian) = with_column(f, y, jacobian, 2);
+    }
+    for j in 3..D {
+        (value, jacobian) = with_column(f, y, jacobian, j);
+    }
+    (value, jacobian)
+}
+
+/// f(y), and the Jacobian with column j filled in.
+#[inline(always)]
+fn with_column<F: VectorFunction<D, K>, const D: usize, const K: usize>(
+    f: &F,
+    y: [f64; D],
+    mut jacobian: [[f64; D]; K],
+    j: usize,
+) -> ([f64; K], [[f64; D]; K]) {
+    let mut seed = [0.0; D];
+    seed[j] = 1.0;
+    let (value, column) = directional(f, y, seed);
+    for i in 0..K {
+        jacobian[i][j] = column[i];
+    }
+    (value, jacobian)
+}

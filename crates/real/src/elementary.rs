@@ -16,6 +16,8 @@
 //! | [`exp`] | all `x`, subnormal results too | 0.99 ulp | 1.1 ulp |
 //! | [`ln`] | all `x > 0`, subnormal too | 0.78 ulp | 1 ulp |
 //! | [`ln_unit`] | normal `u` in `(0, 1)` | 2.55 ulp | 3 ulp |
+//! | [`sin_cos_absolute`] | `abs(x) <= 2^20` | 1.7e-16 absolute | 2.2e-16 |
+//! | [`deficit_versine`] | `x² <= ½` | 1.2e-16, 6.4e-16 absolute | 1.4e-16, 7e-16 |
 //! | [`sinc`] | `abs(x) <= 2^20` | 1.73 ulp | 2 ulp |
 
 use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E, TAU};
@@ -33,6 +35,7 @@ const HALF_PI_1: f64 = 1.5707963267341256;
 const HALF_PI_2: f64 = 6.077100506303966e-11;
 const HALF_PI_3: f64 = 2.0222662487111665e-21;
 const HALF_PI_4: f64 = 8.4784276603689e-32;
+const HALF_PI_REST: f64 = 6.077100506506192e-11;
 const LN_2_1: f64 = 0.6931471805592082;
 const LN_2_2: f64 = 7.371002565167799e-13;
 const SQRT_HALF_BITS: u64 = 0x3fe6_a09e_667f_3bcd;
@@ -96,6 +99,24 @@ const EXP: [f64; 10] = [
     2.7630745947458114e-07,
     2.501986859727815e-08,
 ];
+// DEFICIT: 6 coefficients, error 2^-60.10
+const DEFICIT: [f64; 6] = [
+    0.16666666666666657,
+    -0.008333333333329637,
+    0.00019841269836416443,
+    -2.7557316310289196e-06,
+    2.5051226272577386e-08,
+    -1.5927800262341192e-10,
+];
+// VERSINE: 6 coefficients, error 2^-54.85
+const VERSINE: [f64; 6] = [
+    0.49999999999999944,
+    -0.041666666666635294,
+    0.001388888888384938,
+    -2.4801583837666267e-05,
+    2.7556162367203845e-07,
+    -2.0691247961394255e-09,
+];
 // End of the constants.
 
 /// `c[0] + c[1] z + … + c[N-1] z^(N-1)`, the even and the odd powers by Horner's scheme in `z²`:
@@ -158,6 +179,24 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     let z = r * r;
     let s = r - (e - r * (z * polynomial(SIN, z)));
     let c = 1.0 - (0.5 * z - (z * z * polynomial(COS, z) + r * e));
+    turn(t.to_bits(), s, c)
+}
+
+/// `(sin x, cos x)` for `|x| <= 2^20` with an absolute error instead of a relative one, in three quarters of the operations.
+///
+/// As [`sin_cos`] with `π/2` in two parts and nothing carried along. Error at most 1.7e-16 (measured); any other `x` gives
+/// NaN.
+#[inline(always)]
+#[must_use]
+pub fn sin_cos_absolute(x: f64) -> (f64, f64) {
+    let t = x * FRAC_2_PI + ROUND;
+    let k = t - ROUND;
+    let r = (x - k * HALF_PI_1) - k * HALF_PI_REST;
+    let r = if x.abs() <= 1_048_576.0 { r } else { f64::NAN };
+    let z = r * r;
+    // Written for short chains of operations that wait for each other.
+    let s = r + (r * z) * polynomial(SIN, z);
+    let c = (1.0 - 0.5 * z) + (z * z) * polynomial(COS, z);
     turn(t.to_bits(), s, c)
 }
 
@@ -283,6 +322,19 @@ pub fn ln_unit(u: f64) -> f64 {
 pub fn sinc(x: f64) -> f64 {
     let q = sin(x) / x;
     if x == 0.0 { 1.0 } else { q }
+}
+
+/// `((1 - sin(x)/x)/x², (1 - cos x)/x²)` for `x² <= ½`: what the means of `cos(ηx)` and `sin(ηx)` over `0 <= η <= 1` are made
+/// of, `1 - x² deficit` and `x versine`, and their derivatives, `x (deficit - versine)` and `1 - x² deficit - versine`.
+///
+/// Two polynomials in `x²`, without a division or a reduction: made for the small differences of a short step. The
+/// absolute errors, 1.2e-16 and 6.4e-16 at most (measured), are multiplied by `x²` and `x` in the means. For any other `x` the deficit is NaN.
+#[inline(always)]
+#[must_use]
+pub fn deficit_versine(x: f64) -> (f64, f64) {
+    let z = x * x;
+    let deficit = polynomial(DEFICIT, z);
+    (if z <= 0.5 { deficit } else { f64::NAN }, polynomial(VERSINE, z))
 }
 
 /// `x^n` by repeated squaring; `powi(x, 0) = 1` for every `x`, NaN included.

@@ -34,7 +34,7 @@ pub mod elementary;
 mod number;
 
 pub use block::{Block, PathMask, WIDTH};
-pub use derivative::{ScalarFunction, VectorFunction, directional, gradient};
+pub use derivative::{ScalarFunction, VectorFunction, directional, gradient, jacobian};
 pub use dispatch::{Kernel, Level, dispatch, limit_to};
 pub use dual::Dual;
 pub use number::Real;

@@ -111,6 +111,7 @@ def main():
     one = mpf(1)
     tiny = mpf(10) ** -12
     parts("HALF_PI", pi / 2, [33, 33, 33])
+    print(f"const HALF_PI_REST: f64 = {literal(pi / 2 - truncated(pi / 2, 33))};")
     parts("LN_2", log(mpf(2)), [40])
     half = f"{struct.unpack('<Q', struct.pack('<d', float(sqrt(one / 2))))[0]:016x}"
     print(f"const SQRT_HALF_BITS: u64 = 0x{'_'.join(half[i : i + 4] for i in range(0, 16, 4))};")
@@ -156,6 +157,11 @@ def main():
         lambda r: r * r / exp(r),
         -h, h * mpf("1.00001"), 9,
     )
+    z = one / 2
+    deficit = lambda z: (1 - sin(sqrt(z)) / sqrt(z)) / z
+    versine = lambda z: (1 - cos(sqrt(z))) / z
+    polynomial("DEFICIT", deficit, lambda z: z, mpf(10) ** -8, z, 5)
+    polynomial("VERSINE", versine, lambda z: sqrt(z), mpf(10) ** -8, z, 5)
 
 
 if __name__ == "__main__":

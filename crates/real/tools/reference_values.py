@@ -8,7 +8,7 @@ value + remainder * ulp(value). Computed with mpmath at 60 digits.
 Usage: python3 crates/real/tools/reference_values.py > crates/real/tests/elementary_reference.txt
 
 With --measure it reads the lines printed by an example of the crate and prints the largest error of
-each function, in ulp (absolute for sin_turn and cos_turn):
+each function, in ulp (absolute where `absolute` says so):
 
     cargo run --release --package real --example elementary_values |
         python3 crates/real/tools/reference_values.py --measure
@@ -86,7 +86,15 @@ EXACT = {
     "exp": exp,
     "ln": log,
     "ln_unit": log,
+    "sin_absolute": sin,
+    "cos_absolute": cos,
+    "deficit": lambda x: (1 - sin(x) / x) / x**2,
+    "versine": lambda x: (1 - cos(x)) / x**2,
 }
+
+
+def absolute(name):
+    return name.endswith(("_turn", "_absolute")) or name in ("deficit", "versine")
 
 
 def measure():
@@ -101,7 +109,7 @@ def measure():
         if math.isinf(y):
             continue
         v = EXACT[name](mpf(x))
-        unit = 1 if name.endswith("_turn") else mpf(math.ulp(nearest(v)))
+        unit = 1 if absolute(name) else mpf(math.ulp(nearest(v)))
         worst[name] = max(worst.get(name, (0.0, 0.0)), (float(abs(mpf(y) - v) / unit), x))
     for name, (error, x) in worst.items():
         print(f"{name}: {error:.4g} at {x!r}")
@@ -144,6 +152,16 @@ def main():
     emit("ln", log, normal + one + edges + powers + subnormal)
     unit = [x for x in normal + one + edges + powers if x < 1]
     emit("ln_unit", log, unit + [random.random() for _ in range(150)] + near(1, (-3, -2, -1)))
+
+    few = signed(log_uniform(-10, 20, 30)) + signed([random.uniform(0, 8) for _ in range(30)])
+    for k in list(range(1, 5)) + [random.randrange(17, 2**19) for _ in range(4)]:
+        few += signed([float(k * pi / 2), float((k - mpf(1) / 2) * pi / 2)])
+    emit("sin_absolute", sin, few)
+    emit("cos_absolute", cos, few)
+    short = signed(log_uniform(-30, -0.51, 40)) + signed([random.uniform(0, 0.7) for _ in range(35)])
+    mp.dps = 100
+    emit("deficit", EXACT["deficit"], short)
+    emit("versine", EXACT["versine"], short)
 
 
 if __name__ == "__main__":

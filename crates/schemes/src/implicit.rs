@@ -1,13 +1,50 @@
 //! What the implicit schemes share: the equation z = start + change(start, z), on one path and on a block.
 
 use noise::AreaBlock;
-use nonlin::{BlockFixedPoint, BlockStatus, FixedPoint, Solution, Solver};
-use real::{Block, Real};
+use nonlin::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Solution, Solver};
+use real::{Block, Real, VectorFunction, jacobian};
+use systems::PoissonSystem;
 
 /// The change over one step of an implicit scheme on systems of type S, driven by noise of type N on each path.
-pub(crate) trait Rule<S, N, const D: usize>: Copy {
+pub(crate) trait Rule<S, N: Copy, const D: usize>: Copy {
+    /// The method that solves its equations with the least work.
+    const METHOD: Method;
+
     /// The change from `start` to `z`. Must be `#[inline(always)]`.
     fn change<R: Real>(&self, system: &S, noise: N, start: [f64; D], z: [R; D]) -> [R; D];
+
+    /// A guess of z for `equation`. Must be `#[inline(always)]`.
+    #[inline(always)]
+    fn predictor(&self, equation: &PathEquation<'_, S, Self, N, D>) -> [f64; D] {
+        equation.map(equation.map(equation.start))
+    }
+
+    /// The change where z is near the start, NaN where it is not. Must be `#[inline(always)]`.
+    #[inline(always)]
+    fn change_near(&self, system: &S, noise: N, start: [f64; D], z: [f64; D]) -> [f64; D] {
+        self.change(system, noise, start, z)
+    }
+
+    /// The same with the Jacobian by z. Must be `#[inline(always)]`.
+    #[inline(always)]
+    fn jacobian_near(&self, system: &S, noise: N, start: [f64; D], z: [f64; D]) -> ([f64; D], [[f64; D]; D]) {
+        jacobian(&Change { rule: *self, system, noise, start }, z)
+    }
+}
+
+/// The change as a function of z.
+struct Change<'a, S, Q, N, const D: usize> {
+    rule: Q,
+    system: &'a S,
+    noise: N,
+    start: [f64; D],
+}
+
+impl<S, Q: Rule<S, N, D>, N: Copy, const D: usize> VectorFunction<D, D> for Change<'_, S, Q, N, D> {
+    #[inline(always)]
+    fn value<R: Real>(&self, z: [R; D]) -> [R; D] {
+        self.rule.change(self.system, self.noise, self.start, z)
+    }
 }
 
 /// What a block of paths sees of the noise over a step.
@@ -48,11 +85,11 @@ impl<const M: usize> BlockNoise for BlockWithAreas<'_, M> {
 }
 
 /// The equation of one path.
-struct PathEquation<'a, S, Q, N, const D: usize> {
+pub(crate) struct PathEquation<'a, S, Q, N, const D: usize> {
     rule: Q,
-    system: &'a S,
-    noise: N,
-    start: [f64; D],
+    pub(crate) system: &'a S,
+    pub(crate) noise: N,
+    pub(crate) start: [f64; D],
 }
 
 impl<S, Q: Copy, N: Copy, const D: usize> Clone for PathEquation<'_, S, Q, N, D> {
@@ -63,7 +100,14 @@ impl<S, Q: Copy, N: Copy, const D: usize> Clone for PathEquation<'_, S, Q, N, D>
 }
 impl<S, Q: Copy, N: Copy, const D: usize> Copy for PathEquation<'_, S, Q, N, D> {}
 
+/// The method for the steps of a system.
+pub(crate) const fn method<S: PoissonSystem<D, M>, const D: usize, const M: usize>() -> Method {
+    if S::PREFERS_NEWTON { Method::Newton } else { Method::FixedPoint }
+}
+
 impl<S, Q: Rule<S, N, D>, N: Copy, const D: usize> FixedPoint<D> for PathEquation<'_, S, Q, N, D> {
+    const METHOD: Method = Q::METHOD;
+
     #[inline(always)]
     fn start(&self) -> [f64; D] {
         self.start
@@ -76,6 +120,33 @@ impl<S, Q: Rule<S, N, D>, N: Copy, const D: usize> FixedPoint<D> for PathEquatio
             next[i] = next[i] + self.start[i];
         }
         next
+    }
+
+    #[inline(always)]
+    fn predictor(&self) -> [f64; D] {
+        self.rule.predictor(self)
+    }
+
+    #[inline(always)]
+    fn map_near(&self, z: [f64; D]) -> [f64; D] {
+        self.moved(self.rule.change_near(self.system, self.noise, self.start, z))
+    }
+
+    #[inline(always)]
+    fn jacobian_near(&self, z: [f64; D]) -> ([f64; D], [[f64; D]; D]) {
+        let (change, jacobian) = self.rule.jacobian_near(self.system, self.noise, self.start, z);
+        (self.moved(change), jacobian)
+    }
+}
+
+impl<S, Q, N, const D: usize> PathEquation<'_, S, Q, N, D> {
+    /// start + change.
+    #[inline(always)]
+    fn moved(&self, mut change: [f64; D]) -> [f64; D] {
+        for i in 0..D {
+            change[i] += self.start[i];
+        }
+        change
     }
 }
 

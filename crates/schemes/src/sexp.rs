@@ -8,11 +8,11 @@
 //! noise (k ≥ 2); weak order 1. Keeps linear and quadratic Casimirs exactly on their damped law for every τ; with one
 //! noise, dy = B∇H(dt + c∘dW) − γy dt, also a homogeneous H. Implicit: one nonlinear system of D equations a step.
 
-use nonlin::{BlockStatus, Solution, Solver};
+use nonlin::{BlockStatus, Method, Solution, Solver};
 use real::{Block, Kernel, Real, WIDTH, dispatch};
 use systems::PoissonSystem;
 
-use crate::implicit::{BlockNoise, Rule, solve_block, solve_path};
+use crate::implicit::{BlockNoise, PathEquation, Rule, method, solve_block, solve_path};
 use crate::{Scheme, Step};
 
 /// The stochastic conformal exponential integrator, `sexp`.
@@ -29,6 +29,8 @@ pub(crate) struct AveragedField {
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, [f64; M], D> for AveragedField {
+    const METHOD: Method = method::<S, D, M>();
+
     #[inline(always)]
     fn change<R: Real>(&self, system: &S, dw: [f64; M], start: [f64; D], z: [R; D]) -> [R; D] {
         let mut z_hat = [R::zero(); D];
@@ -36,6 +38,21 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, [f64; M], D
             z_hat[i] = R::constant(start[i]);
         }
         system.averaged_field(z_hat, z, self.tau, dw)
+    }
+
+    #[inline(always)]
+    fn predictor(&self, equation: &PathEquation<'_, S, Self, [f64; M], D>) -> [f64; D] {
+        equation.system.predictor(equation.start, self.tau, equation.noise)
+    }
+
+    #[inline(always)]
+    fn change_near(&self, system: &S, dw: [f64; M], start: [f64; D], z: [f64; D]) -> [f64; D] {
+        system.averaged_field_near(start, z, self.tau, dw)
+    }
+
+    #[inline(always)]
+    fn jacobian_near(&self, system: &S, dw: [f64; M], start: [f64; D], z: [f64; D]) -> ([f64; D], [[f64; D]; D]) {
+        system.averaged_field_jacobian_near(start, z, self.tau, dw)
     }
 }
 

@@ -134,7 +134,7 @@ impl LotkaVolterra<RealExponents> {
     }
 }
 
-/// ∇H as a field of its own, without the weight of the step.
+/// (∂₁H/p, ∂₂H/q, ∂₃H) as a field of its own: what is averaged, without factors that are the same at every node.
 struct Gradient<E> {
     exponents: E,
 }
@@ -144,7 +144,15 @@ impl<E: Exponents> GradientField<3> for Gradient<E> {
     fn gradient<R: Real>(&self, y: [R; 3]) -> [R; 3] {
         let powers = self.exponents.powers(y[0], y[1]);
         let with_third = powers * y[2];
-        [with_third * y[1] * self.exponents.p(), with_third * y[0] * self.exponents.q(), powers * y[0] * y[1]]
+        [with_third * y[1], with_third * y[0], powers * (y[0] * y[1])]
+    }
+}
+
+impl<E: Exponents> LotkaVolterra<E> {
+    /// The factors p, q and 1 and the weight of the step.
+    #[inline(always)]
+    fn weighed<R: Real>(&self, v: [R; 3], weight: f64) -> [R; 3] {
+        [v[0] * (self.exponents.p() * weight), v[1] * (self.exponents.q() * weight), v[2] * weight]
     }
 }
 
@@ -167,12 +175,12 @@ impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
 
     #[inline(always)]
     fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-        scaled(Gradient { exponents: self.exponents }.gradient(y), dt + dw[0])
+        self.weighed(Gradient { exponents: self.exponents }.gradient(y), dt + dw[0])
     }
 
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-        scaled(self.exponents.averaged(&Gradient { exponents: self.exponents }, a, b), dt + dw[0])
+        self.weighed(self.exponents.averaged(&Gradient { exponents: self.exponents }, a, b), dt + dw[0])
     }
 
     fn invariants(&self) -> Vec<Invariant> {
@@ -205,9 +213,4 @@ impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
     fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
         self.exponents.check_domain(y)
     }
-}
-
-#[inline(always)]
-fn scaled<R: Real>(v: [R; 3], weight: f64) -> [R; 3] {
-    [v[0] * weight, v[1] * weight, v[2] * weight]
 }

@@ -1,6 +1,6 @@
 //! The damped three-dimensional Poisson system with constant structure (paper, Example 5).
 
-use dgrad::mean_cosine;
+use dgrad::{ShortMean, mean_cosine};
 use real::Real;
 
 use crate::error::finite;
@@ -24,14 +24,25 @@ impl Poisson3 {
     }
 }
 
+impl Poisson3 {
+    /// The averages of the three cosines from a, times dt + c dw.
+    #[inline(always)]
+    fn means(&self, a: [f64; 3], dt: f64, dw: [f64; 1]) -> [ShortMean; 3] {
+        let weight = dt + self.noise * dw[0];
+        [ShortMean::of_cosine(a[0], weight), ShortMean::of_cosine(a[1], weight), ShortMean::of_cosine(a[2], weight)]
+    }
+}
+
 impl PoissonSystem<3, 1> for Poisson3 {
+    const PREFERS_NEWTON: bool = true;
+
     fn name(&self) -> &'static str {
         "poisson3"
     }
 
     #[inline(always)]
     fn structure<R: Real>(&self, _y: [R; 3], v: [R; 3]) -> [R; 3] {
-        [v[1] - v[2], v[2] - v[0], v[0] - v[1]]
+        rotated(v)
     }
 
     #[inline(always)]
@@ -51,6 +62,40 @@ impl PoissonSystem<3, 1> for Poisson3 {
         [mean_cosine(a[0], b[0]) * weight, mean_cosine(a[1], b[1]) * weight, mean_cosine(a[2], b[2]) * weight]
     }
 
+    /// Six fixed-point iterations with Taylor polynomials for the averages.
+    #[inline(always)]
+    fn predictor(&self, a: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
+        let means = self.means(a, dt, dw);
+        let change = rotated([means[0].constant(), means[1].constant(), means[2].constant()]);
+        let change = rotated(quadratic(&means, change));
+        let change = rotated(quadratic(&means, change));
+        let change = rotated(cubic(&means, change));
+        let change = rotated(cubic(&means, change));
+        let change = rotated(cubic(&means, change));
+        [a[0] + change[0], a[1] + change[1], a[2] + change[2]]
+    }
+
+    #[inline(always)]
+    fn averaged_field_near(&self, a: [f64; 3], b: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
+        let means = self.means(a, dt, dw);
+        rotated([means[0].value(b[0] - a[0]), means[1].value(b[1] - a[1]), means[2].value(b[2] - a[2])])
+    }
+
+    #[inline(always)]
+    fn averaged_field_jacobian_near(
+        &self,
+        a: [f64; 3],
+        b: [f64; 3],
+        dt: f64,
+        dw: [f64; 1],
+    ) -> ([f64; 3], [[f64; 3]; 3]) {
+        let means = self.means(a, dt, dw);
+        let (v0, s0) = means[0].with_slope(b[0] - a[0]);
+        let (v1, s1) = means[1].with_slope(b[1] - a[1]);
+        let (v2, s2) = means[2].with_slope(b[2] - a[2]);
+        (rotated([v0, v1, v2]), [[0.0, s1, -s2], [-s0, 0.0, s2], [s0, -s1, 0.0]])
+    }
+
     fn invariants(&self) -> Vec<Invariant> {
         let casimir = Invariant {
             name: "C",
@@ -67,4 +112,20 @@ impl PoissonSystem<3, 1> for Poisson3 {
         let sum = y[0] + y[1] + y[2];
         if index == 0 { sum * sum * 0.5 } else { sum }
     }
+}
+
+/// B v.
+#[inline(always)]
+fn rotated<R: Real>(v: [R; 3]) -> [R; 3] {
+    [v[1] - v[2], v[2] - v[0], v[0] - v[1]]
+}
+
+#[inline(always)]
+fn quadratic(means: &[ShortMean; 3], change: [f64; 3]) -> [f64; 3] {
+    [means[0].quadratic(change[0]), means[1].quadratic(change[1]), means[2].quadratic(change[2])]
+}
+
+#[inline(always)]
+fn cubic(means: &[ShortMean; 3], change: [f64; 3]) -> [f64; 3] {
+    [means[0].cubic(change[0]), means[1].cubic(change[1]), means[2].cubic(change[2])]
 }

@@ -83,6 +83,33 @@ impl Check for ClosedForms {
                 );
             }
 
+            let near = system.averaged_field_near(a, b, dt, dw);
+            let (value, slopes) = system.averaged_field_jacobian_near(a, b, dt, dw);
+            let (plain, columns) = Plain(system).averaged_field_jacobian_near(a, b, dt, dw);
+            let largest_slope = columns.iter().flatten().fold(largest * entry, |m: f64, x| m.max(x.abs()));
+            for i in 0..D {
+                assert!(
+                    (value[i] - near[i]).abs() <= 2.0 * f64::EPSILON * largest * entry,
+                    "{name}: {value:?} {near:?}"
+                );
+                assert!((value[i] - plain[i]).abs() < ROUND_OFF * largest * entry, "{name}: {value:?} {plain:?}");
+                for j in 0..D {
+                    assert!(
+                        (slopes[i][j] - columns[i][j]).abs() < ROUND_OFF * largest_slope,
+                        "{name} from {a:?} to {b:?}: {slopes:?} {columns:?}"
+                    );
+                }
+            }
+
+            // A small step leads close to the prediction.
+            let small = [1e-3, 1e-4];
+            let guess = system.predictor(a, small[0], [small[1]; M]);
+            let field = system.averaged_field(a, guess, small[0], [small[1]; M]);
+            for i in 0..D {
+                let change = field.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+                assert!((a[i] + field[i] - guess[i]).abs() <= 1e-4 * change + 1e-15, "{name}: {guess:?}");
+            }
+
             // What a discrete gradient is for: ∇̄h·(b − a) = h(b) − h(a).
             let step = std::array::from_fn(|i| b[i] - a[i]);
             let (h_a, h_b): (f64, f64) = (system.energy(a, dt, dw), system.energy(b, dt, dw));
