@@ -3,7 +3,7 @@
 use real::{Block, PathMask, WIDTH};
 
 use crate::robust::solve_robust;
-use crate::sweep::{Swept, first_sweep, first_sweeps, sweep};
+use crate::sweep::{Swept, first_sweeps, sweep};
 use crate::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Outcome, Solver};
 
 /// The paths of a block in two halves: path p of the first has its first sweep together with path p of the second.
@@ -17,24 +17,25 @@ struct Iterates<'a, const D: usize> {
 }
 
 impl<const D: usize> Iterates<'_, D> {
-    /// The first sweep, from the starts of the equations; returns how many paths are not done.
+    /// The first sweep of the preferred method; returns how many paths are not done.
     #[inline(always)]
-    fn start<E: BlockFixedPoint<D>>(&mut self, equations: &E, method: Method) -> u64 {
+    fn start<E: BlockFixedPoint<D>>(&mut self, equations: &E) -> u64 {
         // Counted in the width of the lanes, and wrapping: a narrower counter would be summed one path at a time, and a
         // checked one is a branch.
         let mut unfinished = 0u64;
-        if method == Method::FixedPoint || E::Path::METHOD == method {
-            for p in 0..HALF {
-                let (one, other) = first_sweeps(&equations.path(p), &equations.path(p + HALF), method);
-                unfinished = unfinished.wrapping_add(self.set(p, one)).wrapping_add(self.set(p + HALF, other));
-            }
-        } else {
-            // Half the code to compile for a method that is not preferred.
-            for p in 0..WIDTH {
-                unfinished = unfinished.wrapping_add(self.set(p, first_sweep(&equations.path(p), method)));
-            }
+        for p in 0..HALF {
+            let (one, other) = first_sweeps(&equations.path(p), &equations.path(p + HALF));
+            unfinished = unfinished.wrapping_add(self.set(p, one)).wrapping_add(self.set(p + HALF, other));
         }
         unfinished
+    }
+
+    /// Puts every path where its iteration starts.
+    #[inline(always)]
+    fn wait<E: BlockFixedPoint<D>>(&mut self, equations: &E) {
+        for p in 0..WIDTH {
+            self.set(p, (equations.path(p).start(), f64::INFINITY));
+        }
     }
 
     /// Keeps the first sweep of path p; returns 1 if it is not done.
@@ -110,9 +111,14 @@ impl Solver {
         status.robust = PathMask::NONE;
         status.failed = PathMask::NONE;
         let mut iterates = Iterates { z, pending: &mut status.pending };
-        let mut unfinished = iterates.start(equations, method);
-        let mut sweeps = 1;
-        while unfinished > 0 && sweeps < self.max_sweeps {
+        // The first sweep is long code: only that of the preferred method is compiled.
+        let (mut unfinished, mut sweeps) = if method == E::Path::METHOD {
+            (iterates.start(equations), 1)
+        } else {
+            iterates.wait(equations);
+            (WIDTH as u64, 0)
+        };
+        while unfinished > 0 && sweeps < self.max_sweeps.max(1) {
             sweeps += 1;
             let (mut z, mut pending) = (*iterates.z, *iterates.pending);
             let last = Iterates { z: &mut z, pending: &mut pending };

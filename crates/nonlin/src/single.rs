@@ -9,14 +9,14 @@ impl Solver {
     #[must_use]
     pub fn solve<E: FixedPoint<D>, const D: usize>(&self, equation: &E) -> Solution<D> {
         let method = self.method.unwrap_or(E::METHOD);
-        let (mut z, mut excess) = first_sweep(equation, method);
-        let mut iterations = 1;
+        let ((mut z, mut excess), mut iterations) =
+            if method == E::METHOD { (first_sweep(equation), 1) } else { ((equation.start(), f64::INFINITY), 0) };
         loop {
             // NaN is not at most zero, hence not done.
             if excess <= 0.0 {
                 return Solution { z, outcome: Outcome::Fast { iterations } };
             }
-            if iterations >= self.max_sweeps {
+            if iterations >= self.max_sweeps.max(1) {
                 return solve_robust(equation);
             }
             (z, excess) = sweep(equation, z, method);

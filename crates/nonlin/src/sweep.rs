@@ -1,4 +1,9 @@
 //! One sweep of the fast methods on one path; shared by block and single path, so that both give the same bits.
+//!
+//! The first sweep of the fixed-point iteration makes eleven evaluations of ψ and each later one three. The state of a path
+//! stays in registers between them and only the last change is tested. Chosen by `cargo bench -p schemes`: with eleven the
+//! rigid body at τ = 2⁻⁸ is solved in the first sweep on nearly every block, and a sweep more costs as much as five
+//! evaluations.
 
 use crate::FixedPoint;
 use crate::elimination::Factored;
@@ -7,13 +12,6 @@ use crate::solver::Method;
 /// A path is done when ‖z − ψ(z)‖₁, as far as it can be foreseen, is below this fraction of ‖z‖₁. Evaluating ψ rounds
 /// each component of z by up to half an ulp, so residuals of this size carry no information.
 pub(crate) const TOLERANCE: f64 = 2.0 * f64::EPSILON;
-
-/// Evaluations of ψ in the first sweep and in each later sweep of the fixed-point iteration. The state of a path
-/// stays in registers between them and only the last change is tested. Chosen by `cargo bench -p schemes`: with 11 the
-/// rigid body at τ = 2⁻⁸ is solved in the first sweep on nearly every block, and a sweep more costs as much as five
-/// evaluations.
-const FIRST_EVALUATIONS: usize = 11;
-const EVALUATIONS: usize = 3;
 
 /// The test below multiplies two changes; for unknowns of size r the product is as small as (εr)². This power of two
 /// keeps it above the smallest number for r down to 10⁻¹⁵⁵, where an underflow to zero would pass for convergence.
@@ -31,11 +29,11 @@ const NEWTON_MARGIN: f64 = 256.0;
 /// The next iterate and a number that is at most zero when it is the solution, NaN when it has left the numbers.
 pub(crate) type Swept<const D: usize> = ([f64; D], f64);
 
-/// The first sweep, from the start of the equation.
+/// The first sweep of the method that the equation prefers, from its start. Another method begins with [`sweep`].
 #[inline(always)]
-pub(crate) fn first_sweep<E: FixedPoint<D>, const D: usize>(equation: &E, method: Method) -> Swept<D> {
-    match method {
-        Method::FixedPoint => verdict(evaluations::<FIRST_EVALUATIONS, E, D>(equation, equation.start())),
+pub(crate) fn first_sweep<E: FixedPoint<D>, const D: usize>(equation: &E) -> Swept<D> {
+    match E::METHOD {
+        Method::FixedPoint => verdict(eleven_evaluations(equation)),
         Method::Newton => newton_verdict(equation.start(), newton_twice(equation)),
     }
 }
@@ -43,14 +41,10 @@ pub(crate) fn first_sweep<E: FixedPoint<D>, const D: usize>(equation: &E, method
 /// The first sweep of two paths, in turn: an evaluation is a chain of operations that wait for each other, and two chains
 /// fit into the time of one.
 #[inline(always)]
-pub(crate) fn first_sweeps<E: FixedPoint<D>, const D: usize>(
-    one: &E,
-    other: &E,
-    method: Method,
-) -> (Swept<D>, Swept<D>) {
-    match method {
+pub(crate) fn first_sweeps<E: FixedPoint<D>, const D: usize>(one: &E, other: &E) -> (Swept<D>, Swept<D>) {
+    match E::METHOD {
         Method::FixedPoint => {
-            let (one, other) = evaluations_in_turn::<FIRST_EVALUATIONS, E, D>(one, other);
+            let (one, other) = eleven_in_turn(one, other);
             (verdict(one), verdict(other))
         }
         Method::Newton => {
@@ -64,7 +58,7 @@ pub(crate) fn first_sweeps<E: FixedPoint<D>, const D: usize>(
 #[inline(always)]
 pub(crate) fn sweep<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D], method: Method) -> Swept<D> {
     match method {
-        Method::FixedPoint => verdict(evaluations::<EVALUATIONS, E, D>(equation, z)),
+        Method::FixedPoint => verdict(two_evaluations(equation, equation.map(z))),
         Method::Newton => newton_sweep(equation, z),
     }
 }
@@ -72,41 +66,49 @@ pub(crate) fn sweep<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D],
 /// The last three iterates.
 type Tail<const D: usize> = [[f64; D]; 3];
 
-/// The last three of N evaluations from z.
+/// Two evaluations from z: the last three iterates.
 #[inline(always)]
-fn evaluations<const N: usize, E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> Tail<D> {
-    const { assert!(N >= 2 && N <= 11, "as many evaluations as are written out") };
-    // Written out: a loop of long bodies would not be unrolled, and then the loop over paths is not vectorised.
-    let z = if N > 10 { equation.map(z) } else { z };
-    let z = if N > 9 { equation.map(z) } else { z };
-    let z = if N > 8 { equation.map(z) } else { z };
-    let z = if N > 7 { equation.map(z) } else { z };
-    let z = if N > 6 { equation.map(z) } else { z };
-    let z = if N > 5 { equation.map(z) } else { z };
-    let z = if N > 4 { equation.map(z) } else { z };
-    let z = if N > 3 { equation.map(z) } else { z };
-    let z = if N > 2 { equation.map(z) } else { z };
+fn two_evaluations<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> Tail<D> {
     let before = equation.map(z);
     [z, before, equation.map(before)]
 }
 
-/// [`evaluations`] of two paths from their starts, in turn.
+// Evaluations are written out by functions of three: a loop of long bodies would not be unrolled, and then the loop over paths
+// is not vectorised.
+
 #[inline(always)]
-fn evaluations_in_turn<const N: usize, E: FixedPoint<D>, const D: usize>(one: &E, other: &E) -> (Tail<D>, Tail<D>) {
-    const { assert!(N >= 2 && N <= 11, "as many evaluations as are written out") };
-    let (y, z) = (one.start(), other.start());
-    let (y, z) = if N > 10 { (one.map(y), other.map(z)) } else { (y, z) };
-    let (y, z) = if N > 9 { (one.map(y), other.map(z)) } else { (y, z) };
-    let (y, z) = if N > 8 { (one.map(y), other.map(z)) } else { (y, z) };
-    let (y, z) = if N > 7 { (one.map(y), other.map(z)) } else { (y, z) };
-    let (y, z) = if N > 6 { (one.map(y), other.map(z)) } else { (y, z) };
-    let (y, z) = if N > 5 { (one.map(y), other.map(z)) } else { (y, z) };
-    let (y, z) = if N > 4 { (one.map(y), other.map(z)) } else { (y, z) };
-    let (y, z) = if N > 3 { (one.map(y), other.map(z)) } else { (y, z) };
-    let (y, z) = if N > 2 { (one.map(y), other.map(z)) } else { (y, z) };
-    let before = (one.map(y), other.map(z));
-    let next = (one.map(before.0), other.map(before.1));
-    ([y, before.0, next.0], [z, before.1, next.1])
+fn three_evaluations<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> [f64; D] {
+    equation.map(equation.map(equation.map(z)))
+}
+
+/// Eleven evaluations from the start.
+#[inline(always)]
+fn eleven_evaluations<E: FixedPoint<D>, const D: usize>(equation: &E) -> Tail<D> {
+    let z = three_evaluations(equation, three_evaluations(equation, three_evaluations(equation, equation.start())));
+    two_evaluations(equation, z)
+}
+
+/// Two equations and an iterate of each.
+type Pair<'a, E, const D: usize> = ((&'a E, [f64; D]), (&'a E, [f64; D]));
+
+/// An evaluation of each.
+#[inline(always)]
+fn one_in_turn<'a, E: FixedPoint<D>, const D: usize>(((one, y), (other, z)): Pair<'a, E, D>) -> Pair<'a, E, D> {
+    ((one, one.map(y)), (other, other.map(z)))
+}
+
+#[inline(always)]
+fn three_in_turn<E: FixedPoint<D>, const D: usize>(pair: Pair<'_, E, D>) -> Pair<'_, E, D> {
+    one_in_turn(one_in_turn(one_in_turn(pair)))
+}
+
+/// [`eleven_evaluations`] of two paths from their starts, in turn.
+#[inline(always)]
+fn eleven_in_turn<E: FixedPoint<D>, const D: usize>(one: &E, other: &E) -> (Tail<D>, Tail<D>) {
+    let pair = three_in_turn(three_in_turn(three_in_turn(((one, one.start()), (other, other.start())))));
+    let before = one_in_turn(pair);
+    let next = one_in_turn(before);
+    ([pair.0.1, before.0.1, next.0.1], [pair.1.1, before.1.1, next.1.1])
 }
 
 /// The last two changes c, c′ give the contraction c′/c and with it the next change, which is the residual: done when

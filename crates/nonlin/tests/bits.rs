@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Equations, Numbers, SineMap, solve_block};
+use common::{Equations, Numbers, PrefersNewton, SineMap, solve_block};
 use nonlin::{BlockStatus, FixedPoint, Method, Outcome, Solver};
 use real::{Block, Level, WIDTH, limit_to};
 
@@ -61,23 +61,27 @@ fn same_as_single<E: FixedPoint<D>, const D: usize>(
     single.outcome
 }
 
+/// Adds to the counts [fast, robust, failed].
+fn compare<E: FixedPoint<D>, const D: usize>(solver: Solver, equations: &Equations<E>, seen: &mut [u32; 3]) {
+    let solved = solve_block(solver, equations);
+    for p in 0..WIDTH {
+        seen[match same_as_single(solver, &equations.0[p], &solved, p) {
+            Outcome::Fast { .. } => 0,
+            Outcome::Robust { .. } => 1,
+            _ => 2,
+        }] += 1;
+    }
+}
+
 /// [fast, robust, failed] counts.
 fn block_is_its_paths<const D: usize>() -> [u32; 3] {
     let mut seen = [0; 3];
     for seed in 1..=20 {
         let equations = mixed::<D>(seed);
         for method in METHODS {
-            let solver = Solver::new(method);
-            let solved = solve_block(solver, &equations);
-            for p in 0..WIDTH {
-                let outcome = same_as_single(solver, &equations.0[p], &solved, p);
-                seen[match outcome {
-                    Outcome::Fast { .. } => 0,
-                    Outcome::Robust { .. } => 1,
-                    _ => 2,
-                }] += 1;
-            }
+            compare(Solver::new(method), &equations, &mut seen);
         }
+        compare(Solver::default(), &Equations(equations.0.map(PrefersNewton)), &mut seen);
     }
     seen
 }
@@ -129,5 +133,7 @@ fn few_sweeps_are_the_same_sweeps_in_a_block() {
                 same_as_single(solver, &equations.0[p], &solved, p);
             }
         }
+        let solver = Solver { method: None, max_sweeps };
+        compare(solver, &Equations(mixed::<2>(5).0.map(PrefersNewton)), &mut [0; 3]);
     }
 }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{SineMap, difference, norm, residual};
+use common::{PrefersNewton, SineMap, difference, norm, residual};
 use nonlin::{FixedPoint, Method, Outcome, Solver};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -44,18 +44,22 @@ fn size<const D: usize>(map: &SineMap<D>) -> f64 {
 
 fn solved_by_both<const D: usize>(contraction: f64, numbers: &[f64], scale: f64) -> Result<(), TestCaseError> {
     let map = SineMap::<D>::new(contraction, numbers).scaled(scale);
-    let mut solutions = [[0.0; D]; 2];
-    for (solution, method) in solutions.iter_mut().zip(METHODS) {
-        let found = Solver::new(method).solve(&map);
+    let mut solutions = [[0.0; D]; 3];
+    // The third begins with Newton's long first sweep.
+    let found = METHODS.map(|method| (method, Solver::new(method).solve(&map)));
+    let preferred = (Method::Newton, Solver::default().solve(&PrefersNewton(map)));
+    for (solution, (method, found)) in solutions.iter_mut().zip(found.into_iter().chain([preferred])) {
         prop_assert!(found.outcome.converged(), "{method:?} {:?}", found.outcome);
         let left = residual(&map, found.z);
         prop_assert!(left <= allowed_residual(method) * size(&map), "{method:?}: {} {found:?}", left / size(&map));
         *solution = found.z;
     }
     // A residual r is an error of at most r/(1 − L) in the maximum norm, D times that in the sum norm.
-    let distance = difference(solutions[0], solutions[1]);
     let allowed = (NEWTON_RESIDUAL + FIXED_POINT_RESIDUAL) * D as f64 / (1.0 - contraction) * size(&map);
-    prop_assert!(distance <= allowed, "{distance} {allowed}");
+    for other in [1, 2] {
+        let distance = difference(solutions[0], solutions[other]);
+        prop_assert!(distance <= allowed, "{distance} {allowed}");
+    }
     Ok(())
 }
 

@@ -1,7 +1,7 @@
 //! Equations that the tests share.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
-use nonlin::{BlockFixedPoint, BlockStatus, FixedPoint, Solver};
+use nonlin::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Solver};
 use real::{Block, Kernel, Real, WIDTH, dispatch};
 
 /// zᵢ = cᵢ + r·Σⱼ Aᵢⱼ sin(zⱼ/r + bᵢⱼ), which scales with r: z is a solution for r where z/r is one for 1.
@@ -67,6 +67,24 @@ impl<const D: usize> FixedPoint<D> for SineMap<D> {
             next[i] = sum * self.scale + self.constant[i];
         }
         next
+    }
+}
+
+/// The same equation, which prefers Newton's method and so begins with its long first sweep.
+#[derive(Clone, Copy, Debug)]
+pub struct PrefersNewton<E>(pub E);
+
+impl<E: FixedPoint<D>, const D: usize> FixedPoint<D> for PrefersNewton<E> {
+    const METHOD: Method = Method::Newton;
+
+    #[inline(always)]
+    fn start(&self) -> [f64; D] {
+        self.0.start()
+    }
+
+    #[inline(always)]
+    fn map<R: Real>(&self, z: [R; D]) -> [R; D] {
+        self.0.map(z)
     }
 }
 
