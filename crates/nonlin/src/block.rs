@@ -17,7 +17,7 @@ struct Iterates<'a, const D: usize> {
 }
 
 impl<const D: usize> Iterates<'_, D> {
-    /// The first sweep of the preferred method; returns how many paths are not done.
+    /// The long first sweep of the preferred method; returns how many paths are not done.
     #[inline(always)]
     fn start<E: BlockFixedPoint<D>>(&mut self, equations: &E) -> u64 {
         // Counted in the width of the lanes, and wrapping: a narrower counter would be summed one path at a time, and a
@@ -111,8 +111,7 @@ impl Solver {
         status.robust = PathMask::NONE;
         status.failed = PathMask::NONE;
         let mut iterates = Iterates { z, pending: &mut status.pending };
-        // The first sweep is long code: only that of the preferred method is compiled.
-        let (mut unfinished, mut sweeps) = if method == E::Path::METHOD {
+        let (mut unfinished, mut sweeps) = if E::Path::LONG_FIRST_SWEEP && method == E::Path::METHOD {
             (iterates.start(equations), 1)
         } else {
             iterates.wait(equations);

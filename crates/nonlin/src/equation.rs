@@ -9,6 +9,11 @@ pub trait FixedPoint<const D: usize>: Copy {
     /// The method that solves it with the least work, taken by a [`Solver`](crate::Solver) that is not told another.
     const METHOD: Method = Method::FixedPoint;
 
+    /// Whether that method begins with a long first sweep, written out for two paths at a time: eleven evaluations of ψ, or two
+    /// steps of Newton's method from a prediction. Fast where ψ is a few dozen operations, and long code to compile where it is
+    /// not; without it all sweeps are alike.
+    const LONG_FIRST_SWEEP: bool = false;
+
     /// Where iterations start. For an implicit step this is the state before the step, to which the solution
     /// shrinks with the step; continuation follows the branch that starts here.
     fn start(&self) -> [f64; D];

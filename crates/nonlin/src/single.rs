@@ -9,8 +9,11 @@ impl Solver {
     #[must_use]
     pub fn solve<E: FixedPoint<D>, const D: usize>(&self, equation: &E) -> Solution<D> {
         let method = self.method.unwrap_or(E::METHOD);
-        let ((mut z, mut excess), mut iterations) =
-            if method == E::METHOD { (first_sweep(equation), 1) } else { ((equation.start(), f64::INFINITY), 0) };
+        let ((mut z, mut excess), mut iterations) = if E::LONG_FIRST_SWEEP && method == E::METHOD {
+            (first_sweep(equation), 1)
+        } else {
+            ((equation.start(), f64::INFINITY), 0)
+        };
         loop {
             // NaN is not at most zero, hence not done.
             if excess <= 0.0 {

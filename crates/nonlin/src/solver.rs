@@ -5,8 +5,8 @@ use real::{Block, PathMask};
 /// The fast method, tried first on every path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// z ← ψ(z): linear convergence with the Lipschitz constant of ψ, eleven evaluations in the first sweep and three in
-    /// each later one. The faster one where ψ is a few products (`cargo bench -p schemes`).
+    /// z ← ψ(z): linear convergence with the Lipschitz constant of ψ, three evaluations a sweep, eleven in a long
+    /// first one. The faster one where ψ is a few products (`cargo bench -p schemes`).
     FixedPoint,
     /// z ← z − (I − ψ′(z))⁻¹(z − ψ(z)), first from a prediction ([`FixedPoint::predictor`](crate::FixedPoint::predictor)) with
     /// two corrections that keep the matrix, and a full Newton iteration in each later sweep. The faster one where ψ is

@@ -1,6 +1,6 @@
 //! One sweep of the fast methods on one path; shared by block and single path, so that both give the same bits.
 //!
-//! The first sweep of the fixed-point iteration makes eleven evaluations of ψ and each later one three. The state of a path
+//! A long first sweep of the fixed-point iteration makes eleven evaluations of ψ and each later one three. The state of a path
 //! stays in registers between them and only the last change is tested. Chosen by `cargo bench -p schemes`: with eleven the
 //! rigid body at τ = 2⁻⁸ is solved in the first sweep on nearly every block, and a sweep more costs as much as five
 //! evaluations.
@@ -29,7 +29,8 @@ const NEWTON_MARGIN: f64 = 256.0;
 /// The next iterate and a number that is at most zero when it is the solution, NaN when it has left the numbers.
 pub(crate) type Swept<const D: usize> = ([f64; D], f64);
 
-/// The first sweep of the method that the equation prefers, from its start. Another method begins with [`sweep`].
+/// The long first sweep of the method that the equation prefers, from its start. Where there is none, and for another method, the
+/// iteration begins with [`sweep`].
 #[inline(always)]
 pub(crate) fn first_sweep<E: FixedPoint<D>, const D: usize>(equation: &E) -> Swept<D> {
     match E::METHOD {

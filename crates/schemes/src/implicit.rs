@@ -10,6 +10,9 @@ pub(crate) trait Rule<S, N: Copy, const D: usize>: Copy {
     /// The method that solves its equations with the least work.
     const METHOD: Method;
 
+    /// Whether it begins with a long first sweep.
+    const LONG_FIRST_SWEEP: bool;
+
     /// The change from `start` to `z`. Must be `#[inline(always)]`.
     fn change<R: Real>(&self, system: &S, noise: N, start: [f64; D], z: [R; D]) -> [R; D];
 
@@ -105,8 +108,14 @@ pub(crate) const fn method<S: PoissonSystem<D, M>, const D: usize, const M: usiz
     if S::PREFERS_NEWTON { Method::Newton } else { Method::FixedPoint }
 }
 
+/// Whether the steps of a system begin with a long first sweep.
+pub(crate) const fn long_first_sweep<S: PoissonSystem<D, M>, const D: usize, const M: usize>() -> bool {
+    S::PREFERS_NEWTON || S::SHORT_FIELD
+}
+
 impl<S, Q: Rule<S, N, D>, N: Copy, const D: usize> FixedPoint<D> for PathEquation<'_, S, Q, N, D> {
     const METHOD: Method = Q::METHOD;
+    const LONG_FIRST_SWEEP: bool = Q::LONG_FIRST_SWEEP;
 
     #[inline(always)]
     fn start(&self) -> [f64; D] {

@@ -12,7 +12,7 @@ use nonlin::{BlockStatus, Method, Solution, Solver};
 use real::{Block, Kernel, Real, WIDTH, dispatch};
 use systems::PoissonSystem;
 
-use crate::implicit::{BlockNoise, PathEquation, Rule, method, solve_block, solve_path};
+use crate::implicit::{BlockNoise, PathEquation, Rule, long_first_sweep, method, solve_block, solve_path};
 use crate::{Scheme, Step};
 
 /// The stochastic conformal exponential integrator, `sexp`.
@@ -30,6 +30,7 @@ pub(crate) struct AveragedField {
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, [f64; M], D> for AveragedField {
     const METHOD: Method = method::<S, D, M>();
+    const LONG_FIRST_SWEEP: bool = long_first_sweep::<S, D, M>();
 
     #[inline(always)]
     fn change<R: Real>(&self, system: &S, dw: [f64; M], start: [f64; D], z: [R; D]) -> [R; D] {

@@ -20,6 +20,8 @@ pub struct LotkaVolterra<E> {
 
 /// The exponents p = ab of y₁ and q = −b of y₂ in H.
 pub trait Exponents: Copy + Send + Sync {
+    /// Whether ∇̄ takes so few nodes that it counts as a closed form.
+    const FEW_NODES: bool;
     /// p = ab.
     fn p(&self) -> f64;
     /// q = −b.
@@ -45,6 +47,8 @@ pub struct IntegerExponents<const P: i32, const Q: i32>;
 const MAX_DEGREE: i32 = 9;
 
 impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
+    const FEW_NODES: bool = P + Q <= 5;
+
     fn p(&self) -> f64 {
         f64::from(P)
     }
@@ -83,6 +87,8 @@ pub struct RealExponents {
 const REAL_EXPONENT_NODES: usize = 12;
 
 impl Exponents for RealExponents {
+    const FEW_NODES: bool = false;
+
     fn p(&self) -> f64 {
         self.p
     }
@@ -157,6 +163,8 @@ impl<E: Exponents> LotkaVolterra<E> {
 }
 
 impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
+    const SHORT_FIELD: bool = E::FEW_NODES;
+
     fn name(&self) -> &'static str {
         "lotka-volterra"
     }

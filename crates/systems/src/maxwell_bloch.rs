@@ -11,6 +11,8 @@ use crate::{Form, Invariant, InvariantKind, PoissonSystem};
 pub struct MaxwellBloch;
 
 impl PoissonSystem<3, 1> for MaxwellBloch {
+    const SHORT_FIELD: bool = true;
+
     fn name(&self) -> &'static str {
         "maxwell-bloch"
     }

@@ -81,6 +81,8 @@ impl<const M: usize> RigidBody<M> {
 }
 
 impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
+    const SHORT_FIELD: bool = true;
+
     fn name(&self) -> &'static str {
         "rigid-body"
     }
@@ -174,6 +176,8 @@ impl RigidBodyEnergy {
 }
 
 impl PoissonSystem<3, 1> for RigidBodyEnergy {
+    const SHORT_FIELD: bool = true;
+
     fn name(&self) -> &'static str {
         "rigid-body"
     }

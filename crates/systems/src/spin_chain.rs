@@ -32,6 +32,8 @@ impl<const D: usize> SpinChain<D> {
 }
 
 impl<const D: usize> PoissonSystem<D, 3> for SpinChain<D> {
+    const SHORT_FIELD: bool = D <= 6;
+
     fn name(&self) -> &'static str {
         "spin-chain"
     }

@@ -20,6 +20,11 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
     /// system knows a cheap [`predictor`](PoissonSystem::predictor) and Jacobian.
     const PREFERS_NEWTON: bool = false;
 
+    /// Whether [`averaged_field`](PoissonSystem::averaged_field) is a closed form of some dozen operations. Then the fixed-point iteration begins with
+    /// eleven evaluations that are written out for two paths at a time: a third faster, and too much code where the field is
+    /// a quadrature.
+    const SHORT_FIELD: bool = false;
+
     /// Its name in reports.
     fn name(&self) -> &'static str;
 

@@ -51,6 +51,8 @@ impl<const D: usize> SineMap<D> {
 }
 
 impl<const D: usize> FixedPoint<D> for SineMap<D> {
+    const LONG_FIRST_SWEEP: bool = true;
+
     #[inline(always)]
     fn start(&self) -> [f64; D] {
         self.start
@@ -76,6 +78,7 @@ pub struct PrefersNewton<E>(pub E);
 
 impl<E: FixedPoint<D>, const D: usize> FixedPoint<D> for PrefersNewton<E> {
     const METHOD: Method = Method::Newton;
+    const LONG_FIRST_SWEEP: bool = true;
 
     #[inline(always)]
     fn start(&self) -> [f64; D] {
