@@ -17,7 +17,8 @@ const DOORS: [(&str, &[&str]); 11] = [
     ("speed", &["mc", "schemes", "systems", "nonlin", "noise", "real"]),
     ("verify", &["mc", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
     ("precision", &["verify", "mc", "schemes", "systems", "nonlin", "noise", "real"]),
-    ("xtask", &["precision", "verify", "real"]),
+    ("stability", &["verify", "mc", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
+    ("xtask", &["stability", "precision", "verify", "real"]),
 ];
 
 fn metadata() -> anyhow::Result<Value> {
