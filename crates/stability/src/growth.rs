@@ -17,7 +17,7 @@ use crate::{Effort, Settings};
 
 /// Steps of a full run: 10⁷.
 const STEPS: u64 = 10_000_000;
-const QUICK_STEPS: u64 = 20_000;
+const QUICK_STEPS: u64 = 200_000;
 /// Blocks of 32 paths.
 const BLOCKS: u64 = 2;
 /// The exponent is fitted from here on: before, a handful of roundings has not become a walk.
