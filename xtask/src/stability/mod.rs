@@ -24,7 +24,7 @@ pub struct Stability {
     /// Run only this case, or `growth`, or `fuzz`; may be given several times.
     #[arg(long, value_name = "ID")]
     only: Vec<String>,
-    /// Inputs for each fuzzed target; by default about a minute's worth, with --quick a second's.
+    /// Inputs for the cheapest fuzzed targets, fewer for the others; by default about a minute's worth, with --quick a second's.
     #[arg(long, value_name = "N")]
     inputs: Option<u64>,
     /// Master seed, 0 to 2^64 − 1; the same seed gives the same bits.

@@ -300,8 +300,13 @@ The conformal law of a Casimir of degree two asks for |y_n|² = e^(−2∫γ)|y�
 
 const GROWTH: &str = "\
 The conformal law holds to rounding in every step. What becomes of it after ten million steps depends on whether the roundings have a direction: errors without one make a random walk, \
-√n·ε, errors with one a drift, n·ε. Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over independent paths. The exponent is the slope of log root mean square over log n, from n = 1000 on; its \
+√n·ε, errors with one a drift, n·ε. Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over independent paths. The exponent is the slope of log root mean square over log n, from n = 1024 on; its \
 interval comes from resampling whole paths.
+
+*Guarantee.* With a settled solver the root mean square stays below 32ε√n, the walk whose steps are the worst roundings of a step. Three sources of a drift were found and closed: a damping factor \
+that is rounded alike in every step (the number of the step now decides between its two neighbours, by the golden ratio), integrals of γ that do not add up (they are now differences of a function of \
+one time), and the stopping test of the implicit equation, which leaves a residual of up to 2ε in a direction that is the same in every step. The last is closed by one more sweep, \
+`Solver::settled()`, and not by default, since it costs a sweep: the first run shows what the default does.
 
 ";
 

@@ -20,7 +20,7 @@ pub(super) const TARGETS: [Target; 3] = [
     Target {
         name: "quadrature rules",
         checks: "a rule is refused or has positive weights that add up to one",
-        cost: 400,
+        cost: 2000,
         run: rules,
     },
 ];

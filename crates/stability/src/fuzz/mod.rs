@@ -48,7 +48,7 @@ pub struct Target {
     pub name: &'static str,
     /// What is checked, in words.
     pub checks: &'static str,
-    /// About how many times as long as the cheapest target one input takes; the default number of inputs is divided by it.
+    /// About how many times as long as the cheapest target one input takes; the number of inputs is divided by it.
     pub cost: u64,
     /// Feeds one input. A broken check is an error in words.
     pub run: fn(&mut Bits) -> Result<Report, String>,
@@ -60,7 +60,8 @@ const QUICK_INPUTS: u64 = 10_000;
 /// Failures that are described one by one; the rest are counted.
 const DESCRIBED: usize = 5;
 
-/// Feeds all targets of this crate, and `more`. `inputs` for each target, or a default that depends on the effort.
+/// Feeds all targets of this crate, and `more`. `inputs` for a target of cost one, or a default that depends on the
+/// effort, and as many times fewer for one that takes longer.
 #[must_use]
 pub fn run(settings: Settings, inputs: Option<u64>, more: &[Target], begin: &dyn Fn(&str)) -> Vec<Fuzzed> {
     let targets = [&functions::TARGETS[..], &constructors::TARGETS, &steps::TARGETS, more].concat();
@@ -73,7 +74,7 @@ pub fn run(settings: Settings, inputs: Option<u64>, more: &[Target], begin: &dyn
         .zip(0..)
         .map(|(target, number)| {
             begin(target.name);
-            feed(target, settings.seed, number, inputs.unwrap_or(base / target.cost))
+            feed(target, settings.seed, number, (inputs.unwrap_or(base) / target.cost).max(1))
         })
         .collect()
 }
