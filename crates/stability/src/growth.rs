@@ -45,7 +45,7 @@ struct Run<'a, S, const D: usize> {
 pub fn run_growth(settings: Settings, begin: &dyn Fn(&str)) -> Vec<Growth> {
     let body = || valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
     let lotka_volterra = || valid(LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0));
-    let (none, slow, pumped) = (valid(Constant::new(0.0)), valid(Constant::new(2e-4)), valid(Constant::new(-2e-4)));
+    let (none, slow, pumped) = (valid(Constant::new(0.0)), valid(Constant::new(2e-5)), valid(Constant::new(-2e-5)));
     let (linear, cosine, sine) = (valid(Linear::new(1e-8)), valid(Cosine::new(0.5, 2.0)), valid(Sine::new(1.0, 1.0)));
     let plain = Sexp::default();
     let fixed = Sexp { solver: plain.solver.settled() };
