@@ -120,8 +120,7 @@ pub(crate) fn split_path<S, Q: Rule<S, N, D>, N: Copy, const D: usize>(
 /// Whether the second half of the damping may take a solution out of the numbers; a NaN may.
 #[inline(always)]
 fn may_overflow(step: &Step) -> bool {
-    // Not `>`: NaN.
-    !(step.second_decay <= 1.0)
+    step.second_decay > 1.0 || step.second_decay.is_nan()
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for Sexp {

@@ -77,8 +77,7 @@ pub(crate) fn follow<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
             }
             last = super::cases::length(change);
         }
-        // NaN is not small.
-        if !(last <= AGREES * super::cases::length(z)) {
+        if last.is_nan() || last > AGREES * super::cases::length(z) {
             return Branch::Turns;
         }
     }

@@ -9,6 +9,9 @@ use systems::{Damping, PoissonSystem};
 
 use crate::method::{Method, Noise};
 
+/// Sees the number of a step, the step, the state after it and how it was solved.
+pub(crate) type Observe<'a, const D: usize> = dyn FnMut(u64, &Step, [f64; D], Outcome) + 'a;
+
 /// A system with damping, start and steps.
 pub(crate) struct Path<'a, S, const D: usize> {
     pub(crate) system: &'a S,
@@ -48,7 +51,7 @@ impl<S, const D: usize> Path<'_, S, D> {
         &self,
         method: Method,
         noise: &mut dyn FnMut() -> Noise<M>,
-        observe: &mut dyn FnMut(u64, &Step, [f64; D], Outcome),
+        observe: &mut Observe<'_, D>,
     ) -> Result<[f64; D], Stop>
     where
         S: PoissonSystem<D, M>,
