@@ -2,7 +2,8 @@
 //!
 //! `cargo xtask reproduce` runs the experiments of the paper, prints a verdict for every statement and writes a
 //! report with figures, tables and `results.json`. `cargo xtask verify` runs the battery for many seeds;
-//! `cargo xtask work-precision` measures errors against processor time, `cargo xtask bench` speed.
+//! `cargo xtask work-precision` measures errors against processor time, `cargo xtask bench` speed; `cargo xtask stability` runs hard cases and
+//! fuzzes.
 
 mod battery;
 mod bench;
@@ -12,6 +13,7 @@ mod progress;
 mod provenance;
 mod report;
 mod reproduce;
+mod stability;
 mod table;
 mod verify;
 mod work_precision;
@@ -38,6 +40,8 @@ enum Chore {
     WorkPrecision(work_precision::WorkPrecision),
     /// Measure what a path-step costs: every scheme on every system, threads, memory, growth, dimension.
     Bench(bench::Bench),
+    /// Run the hard cases, the long runs and the fuzzer, and say what is guaranteed.
+    Stability(stability::Stability),
 }
 
 fn main() -> ExitCode {
@@ -46,6 +50,7 @@ fn main() -> ExitCode {
         Chore::Verify(arguments) => verify::run(&arguments),
         Chore::WorkPrecision(arguments) => work_precision::run(&arguments),
         Chore::Bench(arguments) => bench::run(&arguments),
+        Chore::Stability(arguments) => stability::run(&arguments),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error:#}");

@@ -6,7 +6,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// A crate and the crates that it may depend on, in the order of the layers; see `docs/` on the architecture.
-const DOORS: [(&str, &[&str]); 11] = [
+const DOORS: [(&str, &[&str]); 12] = [
     ("real", &[]),
     ("noise", &["real"]),
     ("dgrad", &["real"]),
@@ -17,7 +17,8 @@ const DOORS: [(&str, &[&str]); 11] = [
     ("speed", &["mc", "schemes", "systems", "nonlin", "noise", "real"]),
     ("verify", &["mc", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
     ("precision", &["verify", "mc", "schemes", "systems", "nonlin", "noise", "real"]),
-    ("xtask", &["precision", "verify", "real"]),
+    ("stability", &["verify", "mc", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
+    ("xtask", &["stability", "precision", "verify", "real"]),
 ];
 
 fn metadata() -> anyhow::Result<Value> {

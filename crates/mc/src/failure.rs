@@ -16,6 +16,13 @@ pub enum Cause {
     NotFinite,
 }
 
+impl Cause {
+    /// Why a step failed, from its residual: infinite where the state itself is not finite.
+    pub(crate) fn of_residual(residual: f64) -> Self {
+        if residual == f64::INFINITY { Self::NotFinite } else { Self::NoSolution { residual } }
+    }
+}
+
 /// A path that was left out of every statistic from some time on: enough to replay it alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathFailure {

@@ -3,7 +3,7 @@
 use noise::{AreaMethod, StreamKey, Truncation, strong_order_one_error};
 use rayon::prelude::*;
 use real::{Block, PathMask, WIDTH};
-use schemes::Scheme;
+use schemes::{Scheme, StepError};
 use systems::{Damping, PoissonSystem, Problem};
 
 use crate::march::Group;
@@ -119,8 +119,8 @@ where
     ///
     /// # Errors
     /// [`LadderError`] when the steps are no positive multiple of the coarsest step, when a run is on a level that
-    /// does not exist (a swapped run needs a level above its own), or when the truncation is not defined at one of
-    /// the step sizes in use.
+    /// does not exist (a swapped run needs a level above its own), when the truncation is not defined at one of
+    /// the step sizes in use, or when T is so small that the finest step underflows.
     pub fn new(
         problem: &'a Problem<S, G, D>,
         finest_steps: u64,
@@ -133,6 +133,11 @@ where
         if finest_steps == 0 || !finest_steps.is_multiple_of(coarsest) {
             return Err(LadderError::Steps { steps: finest_steps, multiple_of: coarsest });
         }
+        // A final time next to the smallest number has no finer steps.
+        let finest = problem.t_end / finest_steps as f64;
+        if finest <= 0.0 {
+            return Err(LadderError::Step(StepError::Size { tau: finest }));
+        }
         let mut bounds = vec![Bounds { increment: f64::INFINITY, area: f64::INFINITY }; levels + 1];
         for run in &runs {
             if run.level + usize::from(run.swapped) > levels {
@@ -141,7 +146,6 @@ where
             let tau = problem.t_end * (1u64 << run.level) as f64 / finest_steps as f64;
             bounds[run.level] = Bounds { increment: truncation.bound(tau)?, area: truncation.area_bound(tau)? };
         }
-        let finest = problem.t_end / finest_steps as f64;
         let areas = if runs.iter().any(|run| run.scheme.needs_areas()) {
             let method = AreaMethod::MrongowiusRoessler;
             Some((method, method.terms_for(strong_order_one_error(finest), finest, M)?))

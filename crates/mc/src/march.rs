@@ -276,7 +276,7 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
         let failed = status.failed.and(self.live);
         if !failed.is_empty() {
             for p in failed.paths() {
-                let cause = Cause::NoSolution { residual: status.residual(p) };
+                let cause = Cause::of_residual(status.residual(p));
                 part.record(self.failure(ladder, run, p, step_number(step), cause));
             }
             self.live = self.live.without(failed);

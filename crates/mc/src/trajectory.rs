@@ -54,7 +54,7 @@ pub fn trajectory<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
         let solution = scheme.step_with_areas(&problem.system, &step, dw, areas, y);
         y = solution.z;
         let cause = match solution.outcome {
-            nonlin::Outcome::Failed { residual } => Some(Cause::NoSolution { residual }),
+            nonlin::Outcome::Failed { residual } => Some(Cause::of_residual(residual)),
             _ if y.iter().any(|component| !component.is_finite()) => Some(Cause::NotFinite),
             _ => None,
         };

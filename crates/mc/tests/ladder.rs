@@ -258,3 +258,22 @@ fn a_trajectory_keeps_the_conformal_law() {
     }
     assert!(defect.mean() < 64.0 * 16.0 * f64::EPSILON);
 }
+
+/// Found by fuzzing: the finest step of a tiny final time is zero.
+#[test]
+fn steps_that_underflow_are_refused() {
+    let problem = Problem { t_end: 5e-324, ..body() };
+    let ladder = Ladder::new(&problem, 4, 0, Truncation::none(), KEY, vec![Run::new(&EulerMaruyama, 0)]);
+    assert!(matches!(ladder.err(), Some(LadderError::Step(_))));
+}
+
+/// An explicit scheme that blows up says so in the step in which it does.
+#[test]
+fn a_blown_up_path_names_its_step() {
+    let system = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
+    let problem = Problem::new::<3>(system, Constant::new(1e4).unwrap(), [1.0, 1.0, 1.0], 1.0).unwrap();
+    let path = trajectory(&problem, &EulerMaruyama, 16, Truncation::new(4).unwrap(), KEY, 0).unwrap();
+    let failure = path.failure.expect("the step is far from stable");
+    assert_eq!((failure.cause, path.states.len() as u64), (Cause::NotFinite, failure.step + 1));
+    assert!(path.states.iter().flatten().all(|y| y.is_finite()));
+}

@@ -3,7 +3,7 @@
 use real::{Block, PathMask, WIDTH};
 
 use crate::robust::solve_robust;
-use crate::sweep::{Swept, first_sweeps, sweep};
+use crate::sweep::{Swept, first_sweeps, settled_path, sweep};
 use crate::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Outcome, Solver};
 
 /// The paths of a block in two halves: path p of the first has its first sweep together with path p of the second.
@@ -123,10 +123,23 @@ impl Solver {
             let last = Iterates { z: &mut z, pending: &mut pending };
             unfinished = last.advance(equations, method, sweeps, &mut iterates);
         }
+        if self.settle {
+            settle(equations, method, z);
+        }
         if unfinished > 0 {
             rescue(equations, z, status);
         }
     }
+}
+
+/// One more sweep on every path; of those that are not done the robust method makes something else.
+#[inline(always)]
+fn settle<E: BlockFixedPoint<D>, const D: usize>(equations: &E, method: Method, z: &mut Block<D>) {
+    let mut settled = Block::zero();
+    for p in 0..WIDTH {
+        settled.set_path(p, settled_path(&equations.path(p), z.path(p), method));
+    }
+    *z = settled;
 }
 
 /// Hands every unfinished path to the robust method.

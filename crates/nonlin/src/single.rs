@@ -1,7 +1,7 @@
 //! The fast method on one path.
 
 use crate::robust::solve_robust;
-use crate::sweep::{first_sweep, sweep};
+use crate::sweep::{first_sweep, settled_path, sweep};
 use crate::{FixedPoint, Outcome, Solution, Solver};
 
 impl Solver {
@@ -17,6 +17,7 @@ impl Solver {
         loop {
             // NaN is not at most zero, hence not done.
             if excess <= 0.0 {
+                let z = if self.settle { settled_path(equation, z, method) } else { z };
                 return Solution { z, outcome: Outcome::Fast { iterations } };
             }
             if iterations >= self.max_sweeps.max(1) {

@@ -64,6 +64,18 @@ pub(crate) fn sweep<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D],
     }
 }
 
+/// One more sweep from a solution, unless it leads out of the numbers, as Newton's may where I − ψ′ is singular.
+#[inline(always)]
+pub(crate) fn settled_path<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D], method: Method) -> [f64; D] {
+    let (after, excess) = sweep(equation, z, method);
+    let keep = excess.is_finite();
+    let mut settled = z;
+    for i in 0..D {
+        settled[i] = if keep { after[i] } else { z[i] };
+    }
+    settled
+}
+
 /// The last three iterates.
 type Tail<const D: usize> = [[f64; D]; 3];
 

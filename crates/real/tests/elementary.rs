@@ -361,3 +361,27 @@ fn same_bits_on_every_instruction_set() {
         }
     }
 }
+
+#[test]
+fn the_remainder_of_the_exponential_has_its_missing_digits() {
+    use real::elementary::exp_with_remainder;
+    let within = |error: f64, x: f64| error.abs() <= f64::min(2f64.powi(-54), 2f64.powi(-50) * x * x + 1e-24);
+    for n in 1..20_000 {
+        // Small and large arguments of both signs; 2x is exact.
+        let x = (if n % 2 == 0 { 1.0 } else { -1.0 }) * 2f64.powi(n % 18 - 12) * (1.0 + f64::from(n) / 20_000.0);
+        let ((p, e), (q, f), (s, g)) = (exp_with_remainder(x), exp_with_remainder(-x), exp_with_remainder(2.0 * x));
+        assert!(
+            (p - real::elementary::exp(x)).abs() <= 1.5 * f64::EPSILON * p && e.abs() <= 0.7 * f64::EPSILON * p,
+            "{x}"
+        );
+        // The products in full: their roundings are what is left by a fused multiplication.
+        let one = p.mul_add(q, -1.0) + (p * f + q * e);
+        assert!(within(one, x), "{x}: e^x e^-x - 1 = {one:e}");
+        let square = (s - p * p) - p.mul_add(p, -(p * p)) + (g - 2.0 * p * e);
+        assert!(within(square / s, x), "{x}: e^2x - (e^x)^2 = {:e}", square / s);
+    }
+    assert_eq!(exp_with_remainder(0.0), (1.0, 0.0));
+    assert_eq!(exp_with_remainder(800.0), (f64::INFINITY, 0.0));
+    assert_eq!(exp_with_remainder(-800.0), (0.0, 0.0));
+    assert!(exp_with_remainder(f64::NAN).0.is_nan());
+}

@@ -38,6 +38,7 @@ struct StepKernel<'a, S, const D: usize, const M: usize> {
     step: &'a Step,
     dw: &'a Block<M>,
     y: &'a mut Block<D>,
+    status: &'a mut BlockStatus,
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for StepKernel<'_, S, D, M> {
@@ -49,6 +50,8 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for StepKern
             y.set_path(p, advance(self.system, self.step, dw.path(p), y.path(p)));
         }
         *self.y = y;
+        *self.status = BlockStatus::explicit();
+        self.status.fail_where_not_finite(&y);
     }
 }
 
@@ -58,12 +61,11 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
     }
 
     fn step_block(&self, system: &S, step: &Step, dw: &Block<M>, y: &mut Block<D>, status: &mut BlockStatus) {
-        dispatch(StepKernel { system, step, dw, y });
-        *status = BlockStatus::explicit();
+        dispatch(StepKernel { system, step, dw, y, status });
     }
 
     fn step(&self, system: &S, step: &Step, dw: [f64; M], y: [f64; D]) -> Solution<D> {
         let z = advance(system, step, dw, y);
-        Solution { z, outcome: Outcome::Fast { iterations: 1 } }
+        Solution { z, outcome: Outcome::Fast { iterations: 1 } }.checked()
     }
 }

@@ -98,6 +98,9 @@ pub(crate) fn split_block<S, Q: Rule<S, B::Path, D>, B: BlockNoise, const D: usi
             y.0[i][p] = step.second_decay * z.0[i][p];
         }
     }
+    if may_overflow(step) {
+        status.fail_where_not_finite(y);
+    }
 }
 
 /// The same for one path.
@@ -112,7 +115,13 @@ pub(crate) fn split_path<S, Q: Rule<S, N, D>, N: Copy, const D: usize>(
     let z_hat = y.map(|component| step.first_decay * component);
     let mut solution = solve_path(solver, rule, system, noise, z_hat);
     solution.z = solution.z.map(|component| step.second_decay * component);
-    solution
+    if may_overflow(step) { solution.checked() } else { solution }
+}
+
+/// Whether the second half of the damping may take a solution out of the numbers; a NaN may.
+#[inline(always)]
+fn may_overflow(step: &Step) -> bool {
+    step.second_decay > 1.0 || step.second_decay.is_nan()
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for Sexp {

@@ -6,6 +6,13 @@ use real::elementary;
 use systems::Damping;
 
 /// Step number n of size τ: t_n = nτ, and the damping over it.
+///
+/// A damping factor is one of the two floating-point numbers next to e^{−∫γ}, and the number of the step decides which: the upper one
+/// as often as the position of e^{−∫γ} between them asks, by the sequence of the golden ratio. Rounded to nearest, a constant γ would
+/// have the same error in every step, and n steps an error of n·ε; so it stays below log n·ε. A factor is a function of the step and of
+/// nothing else, the same in a run that is resumed or computed in parts.
+///
+/// A factor is infinite where γ < 0 and the exact one exceeds 1.8·10³⁰⁸, and NaN where ∫γ is; the step of every scheme then fails.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     /// t_n.
@@ -62,8 +69,8 @@ impl Step {
         Ok(Self {
             t: start,
             tau,
-            first_decay: elementary::exp(-first),
-            second_decay: elementary::exp(-second),
+            first_decay: dithered_exp(-first, n.wrapping_mul(2)),
+            second_decay: dithered_exp(-second, n.wrapping_mul(2).wrapping_add(1)),
             rate_at_start: damping.rate(start),
             rate_at_middle: damping.rate(middle),
             rate_at_end: damping.rate(end),
@@ -75,5 +82,49 @@ impl Step {
     #[must_use]
     pub fn damping_integral(&self) -> f64 {
         self.damping_integral
+    }
+}
+
+/// 2⁶⁴/φ made odd: the multiples of the golden ratio, modulo one, as 64-bit fractions. Of all sequences of multiples it leaves the smallest
+/// gaps.
+const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// One of the two numbers next to eˣ, the farther one for the fraction |remainder|/spacing of all `number`s.
+fn dithered_exp(x: f64, number: u64) -> f64 {
+    let (nearest, remainder) = elementary::exp_with_remainder(x);
+    let other = if remainder > 0.0 {
+        nearest.next_up()
+    } else if remainder < 0.0 {
+        nearest.next_down()
+    } else {
+        return nearest;
+    };
+    let position = number.wrapping_mul(GOLDEN) as f64 / (u64::MAX as f64);
+    if position * (other - nearest).abs() < remainder.abs() { other } else { nearest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_product_of_many_equal_factors_has_no_drift() {
+        for x in [-1e-3, -0.01, 1e-5, -0.3, 2.0f64.ln(), 1.7e-8, -5.0] {
+            let (nearest, remainder) = elementary::exp_with_remainder(x);
+            let steps = 100_000u64;
+            // The sum of relative errors; each difference of neighbours is exact.
+            let error: f64 = (0..steps).map(|n| ((dithered_exp(x, n) - nearest) - remainder) / nearest).sum();
+            // The discrepancy of the sequence is below 3 log n / n.
+            assert!(error.abs() < 36.0 * f64::EPSILON, "{x}: {error:e}");
+            let fixed = steps as f64 * (remainder / nearest).abs();
+            assert!(fixed > 100.0 * error.abs() || fixed < 100.0 * f64::EPSILON, "{x}: rounding to nearest would do");
+        }
+    }
+
+    #[test]
+    fn extreme_factors_stay_what_they_are() {
+        assert_eq!([0.0, -800.0, f64::NEG_INFINITY].map(|x| dithered_exp(x, 7)), [1.0, 0.0, 0.0]);
+        assert_eq!(dithered_exp(710.0, 3), f64::INFINITY);
+        assert!(dithered_exp(f64::NAN, 3).is_nan());
     }
 }

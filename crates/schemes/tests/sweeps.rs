@@ -157,16 +157,17 @@ const PINNED: [(&str, usize, f64, u32); 7] = [
     ("rigid-body", 3, 1.1, 2),
     ("rigid-body", 1, 1.2, 3),
     ("lotka-volterra", 1, 2.1, 4),
-    ("maxwell-bloch", 1, 1.1, 1),
+    ("maxwell-bloch", 1, 1.1, 2),
     ("poisson3", 1, 2.6, 5),
     ("spin-chain", 3, 2.2, 3),
 ];
-/// The same at 2⁻¹² for every system: the first sweep is enough on nearly every block.
-const PINNED_SMALL: (f64, u32) = (1.1, 2);
+/// The same at 2⁻¹² for every system: the first sweep is enough on nearly every block. A rescue from a cycle of roundings costs 55 sweeps, so that
+/// four of them on 2048 blocks add a tenth to the mean.
+const PINNED_SMALL: (f64, u32) = (1.15, 2);
 
 /// Steps beyond their derived bound, where changes of the size of round-off do not shrink: at most 15 of the 65 536.
 const LARGEST_SHARE_BEYOND: f64 = 1e-3;
-/// Rescues from cycles of roundings: none, or up to two of the 65 536 with `midpoint` on Lotka–Volterra.
+/// Rescues from cycles of roundings: none, or up to four of the 65 536 on Lotka–Volterra.
 const LARGEST_SHARE_RESCUED: f64 = 1e-4;
 
 /// What is wrong with a count; empty if nothing. The derived bound is one for the fixed point, and not for systems that prefer

@@ -6,8 +6,8 @@ use real::Real;
 use crate::SystemError;
 use crate::error::finite;
 
-/// γ(t) and ∫γ. Integrals are closed forms without cancellation over short intervals, so that the damping factors
-/// of many small steps multiply to the factor of the whole time up to round-off.
+/// γ(t) and ∫γ. The integrals of many small steps should add up to the integral over the whole time up to round-off: closed forms
+/// without cancellation where their arguments are exact, else differences of a function of one time, whose errors cancel in the sum.
 pub trait Damping: Send + Sync {
     /// γ(t), in 1/time.
     fn rate(&self, t: f64) -> f64;
@@ -89,6 +89,11 @@ impl Sine {
         let amplitude = finite("the amplitude of the damping rate", amplitude)?;
         Ok(Self { amplitude, frequency: finite("the frequency of the damping rate", frequency)? })
     }
+
+    /// ∫₀ᵗ γ = αt·sin(ωt/2)·sinc(ωt/2).
+    fn primitive(self, t: f64) -> f64 {
+        self.amplitude * t * dgrad::mean_sine(0.0, self.frequency * t)
+    }
 }
 
 impl Damping for Sine {
@@ -96,8 +101,8 @@ impl Damping for Sine {
         self.amplitude * Real::sin(self.frequency * t)
     }
     fn integral(&self, a: f64, b: f64) -> f64 {
-        // The mean of sin ωt over [a, b] is sin(ω(a+b)/2)·sinc(ω(b−a)/2).
-        self.amplitude * (b - a) * dgrad::mean_sine(self.frequency * a, self.frequency * b)
+        // Not the mean over [a, b]: its argument ω(a+b)/2 is rounded anew in every step, by up to an ulp of t.
+        self.primitive(b) - self.primitive(a)
     }
     fn describe(&self) -> String {
         format!("γ = {}sin {}t", factor(self.amplitude), factor(self.frequency))
@@ -120,6 +125,11 @@ impl Cosine {
         let amplitude = finite("the amplitude of the damping rate", amplitude)?;
         Ok(Self { amplitude, frequency: finite("the frequency of the damping rate", frequency)? })
     }
+
+    /// ∫₀ᵗ γ = αt·sinc(ωt).
+    fn primitive(self, t: f64) -> f64 {
+        self.amplitude * t * Real::sinc(self.frequency * t)
+    }
 }
 
 impl Damping for Cosine {
@@ -127,7 +137,8 @@ impl Damping for Cosine {
         self.amplitude * Real::cos(self.frequency * t)
     }
     fn integral(&self, a: f64, b: f64) -> f64 {
-        self.amplitude * (b - a) * dgrad::mean_cosine(self.frequency * a, self.frequency * b)
+        // As with the sine.
+        self.primitive(b) - self.primitive(a)
     }
     fn describe(&self) -> String {
         format!("γ = {}cos {}t", factor(self.amplitude), factor(self.frequency))

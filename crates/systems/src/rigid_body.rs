@@ -133,11 +133,12 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
                 c += if l == m + 1 { weight } else { -weight };
             }
         }
+        // c before the squares: a product of three large components may overflow where c, of a heavy body, is as small as they are large.
         let squares = [y[0] * y[0], y[1] * y[1], y[2] * y[2]];
         [
-            y[0] * (squares[1] - squares[2]) * c,
-            y[1] * (squares[2] - squares[0]) * c,
-            y[2] * (squares[0] - squares[1]) * c,
+            y[0] * c * (squares[1] - squares[2]),
+            y[1] * c * (squares[2] - squares[0]),
+            y[2] * c * (squares[0] - squares[1]),
         ]
     }
 

@@ -20,7 +20,7 @@ use verify::results::{Panel, Results};
 
 use crate::output::write;
 
-pub use figure::{WorkPlot, WorkPoint, work_figure};
+pub use figure::{GrowthCurve, WorkPlot, WorkPoint, growth_figure, work_figure};
 
 /// Writes the report of `results` into the existing directory `dir`.
 ///

@@ -13,6 +13,8 @@ use clap::Args;
 use precision::results::Measurements;
 use verify::{Mode, Settings};
 
+pub use words::number;
+
 use crate::progress::Bars;
 use crate::{output, provenance};
 
@@ -85,7 +87,7 @@ fn provenance_seconds(measured: &Measurements) -> f64 {
 }
 
 /// The command as a user would type it, without the folders, which say nothing about the numbers.
-fn command_line() -> String {
+pub fn command_line() -> String {
     let mut words = Vec::new();
     let mut arguments = std::env::args().skip(1);
     while let Some(word) = arguments.next() {

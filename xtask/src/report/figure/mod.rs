@@ -6,6 +6,7 @@ mod convergence;
 mod dash;
 mod evolution;
 mod frame;
+mod growth;
 mod legend;
 mod look;
 mod scripts;
@@ -17,6 +18,7 @@ use anyhow::Result;
 use verify::results::{Kind, Panel};
 
 pub use convergence::QUANTILE;
+pub use growth::{GrowthCurve, growth_figure};
 pub use work::{WorkPlot, WorkPoint, work_figure};
 
 /// Draws a panel.
