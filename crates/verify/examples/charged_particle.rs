@@ -1,3 +1,6 @@
+//! A charged particle in a trap, across a magnetic field that is not uniform, in an electric field that fluctuates: the program
+//! of `docs/guide.md`.
+
 use mc::{Simulation, write_csv, write_json};
 use noise::{StreamKey, Truncation};
 use real::Real;
@@ -82,9 +85,9 @@ fn many_paths(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
 
 fn order(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
     let study = Study {
-        coarsest_steps: 64,
+        coarsest_steps: 512,
         levels: 5,
-        refinement: 2,
+        refinement: 3,
         samples: 200,
         truncation: Truncation::new(4)?,
         key: StreamKey { seed: 1, experiment: 1 },

@@ -37,7 +37,7 @@ impl Damping for Shutter {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let shutter = Shutter { rate: 0.8, open: 0.25 };
+    let shutter = Shutter { rate: 0.8, open: 0.3 };
     let problem = Problem::new(MaxwellBloch, shutter, [1.0, 2.0, 3.0], 4.0)?;
     let report = inspect_problem(&problem)?;
     println!("{}\n", report.problem.as_ref().map_or("", |problem| problem.damping.as_str()));

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let study = Study {
         coarsest_steps: 32,
         levels: 6,
-        refinement: 2,
+        refinement: 4,
         samples: 400,
         truncation: Truncation::new(4)?,
         key: StreamKey { seed: 1, experiment: 0 },

@@ -110,8 +110,8 @@ where
     pub fn recorded(&self, recording: &Recording<M>) -> Result<TimeSeries, SimulationError> {
         let steps = recording.increments().len();
         let (recorded, t_end) = (recording.tau() * steps as f64, self.problem.t_end);
-        // NaN and infinities are refused too.
-        if !((recorded - t_end).abs() <= TIME_AGREEMENT * t_end) {
+        let agree = (recorded - t_end).abs() <= TIME_AGREEMENT * t_end;
+        if !agree {
             return Err(SimulationError::Duration { recorded, t_end });
         }
         if self.scheme.needs_areas() && recording.areas().is_none() {

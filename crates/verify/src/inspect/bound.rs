@@ -86,8 +86,8 @@ impl ProblemFindings {
             let given = problem.damping.integral(a, b);
             let scale = size.max(total / f64::from(n + 1));
             integral.see(given - exact, scale, &[a]);
-            // NaN disagrees.
-            disagreeing += u32::from(!((given - exact).abs() <= AGREEMENT * scale));
+            let agree = (given - exact).abs() <= AGREEMENT * scale;
+            disagreeing += u32::from(!agree);
             difference += given - exact;
             damped += given;
             least = least.min(damped);

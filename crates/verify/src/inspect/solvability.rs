@@ -57,14 +57,16 @@ impl Solvability {
     pub fn largest_step(&self, k: u32) -> f64 {
         // Down from 1 on a grid, to the first step below which C never reaches one; C rises from zero with τ up to 1/e.
         let grid = |n: u32| f64::powf(2.0, -f64::from(n) / 16.0);
-        let Some(n) = (1..16 * 1000).rev().find(|&n| !(self.contraction(k, grid(n)) < 1.0)) else { return 1.0 };
+        // NaN contracts nowhere.
+        let contracts = |tau: f64| self.contraction(k, tau) < 1.0;
+        let Some(n) = (1..16 * 1000).rev().find(|&n| !contracts(grid(n))) else { return 1.0 };
         if n + 1 == 16 * 1000 {
             return 0.0;
         }
         let (mut below, mut above) = (grid(n + 1), grid(n));
         for _ in 0..60 {
             let middle = 0.5 * (below + above);
-            if self.contraction(k, middle) < 1.0 { below = middle } else { above = middle }
+            if contracts(middle) { below = middle } else { above = middle }
         }
         below
     }
