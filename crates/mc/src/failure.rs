@@ -23,6 +23,15 @@ impl Cause {
     }
 }
 
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSolution { residual } => write!(f, "no solution found, residual {residual:e}"),
+            Self::NotFinite => write!(f, "the state is not finite"),
+        }
+    }
+}
+
 /// A path that was left out of every statistic from some time on: enough to replay it alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathFailure {
@@ -53,9 +62,6 @@ impl fmt::Display for PathFailure {
             key.experiment,
             *step as f64 * tau
         )?;
-        match cause {
-            Cause::NoSolution { residual } => write!(f, "no solution found, residual {residual:e}"),
-            Cause::NotFinite => write!(f, "the state is not finite"),
-        }
+        cause.fmt(f)
     }
 }

@@ -31,15 +31,20 @@
 //! | [`Clock`] | a number carried along each path, for exact references |
 //! | [`Moments`], [`CrossMoments`] | means and covariances |
 //! | [`trajectory`] | one path, kept |
+//! | [`Simulation`], [`TimeSeries`], [`write_csv`], [`write_json`] | paths with observables and conformal defects, as tables |
+//! | [`Recording`] | the increments of a path, from or for another code |
 //! | [`PathFailure`] | a path that was left out: where, when and why |
 //! | [`multilevel`] | E[φ(y(T))] to a requested accuracy |
 
 mod error;
 mod failure;
+mod follow;
 mod ladder;
 mod march;
 mod moments;
 pub mod multilevel;
+mod recording;
+mod simulation;
 mod strong;
 mod trajectory;
 mod tree;
@@ -49,6 +54,8 @@ pub use error::LadderError;
 pub use failure::{Cause, PathFailure};
 pub use ladder::{Clock, Ladder, Outcome, Run, Statistic, View};
 pub use moments::{BATCHES, CrossMoments, Moments};
+pub use recording::{Recording, RecordingError};
+pub use simulation::{Column, NoiseOrigin, Simulation, SimulationError, TimeSeries, write_csv, write_json};
 pub use strong::{Reference, StrongErrors};
 pub use trajectory::{Trajectory, trajectory};
 pub use weak::{Observable, WeakDifferences};

@@ -85,7 +85,7 @@ impl<const D: usize> Iterates<'_, D> {
 impl Solver {
     /// Solves the equations of all paths; on return `z` holds the solutions.
     ///
-    /// Meant to be called inside a [`real::Kernel`], into which it is inlined. A path that is done is frozen by a
+    /// Meant to be called inside a `Kernel` of `real`, into which it is inlined. A path that is done is frozen by a
     /// select and never changes again, so a path's solution does not depend on its neighbours.
     #[inline(always)]
     pub fn solve_block<E: BlockFixedPoint<D>, const D: usize>(

@@ -25,9 +25,13 @@
 //! | [`Block`], [`PathMask`] | the state of 32 paths, and a subset of them |
 //! | [`Kernel`], [`dispatch`], [`Level`] | run a block kernel on the widest instruction set, or on a chosen one |
 //! | [`elementary`] | branch-free sin, cos, exp, ln, sinc |
+//!
+//! The feature `dispatch`, on by default, is the choice of the instruction set and the only thing here that needs another
+//! crate. Without it kernels are compiled for the baseline of the target.
 
 mod block;
 mod derivative;
+#[cfg(feature = "dispatch")]
 mod dispatch;
 mod dual;
 pub mod elementary;
@@ -35,6 +39,7 @@ mod number;
 
 pub use block::{Block, PathMask, WIDTH};
 pub use derivative::{ScalarFunction, VectorFunction, directional, gradient, jacobian};
+#[cfg(feature = "dispatch")]
 pub use dispatch::{Kernel, Level, dispatch, limit_to};
 pub use dual::Dual;
 pub use number::Real;

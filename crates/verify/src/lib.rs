@@ -28,6 +28,7 @@
 //! | [`strong_order`], [`weak_order`], [`Study`] | the order of any scheme on any problem |
 //! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo against the Kolmogorov equation |
 //! | [`TWINS`], [`measure_twins`] | wrong methods that the claims must refute |
+//! | [`inspect()`], [`inspect_problem`] | what a system is: skew, Casimirs, degrees, commuting noises, which statements apply |
 //! | [`PathScheme`] | a scheme written for one path, to be put to the test |
 //! | [`fit_strong`], [`fit_weak`], [`fit_weak_differences`], [`order_verdict`] | orders with intervals, and when an order is said to hold |
 //! | [`rigid_body_expectations`] | expectations of the rigid body with no sampling |
@@ -38,6 +39,7 @@ mod approach;
 mod coverage;
 mod exact;
 mod experiment;
+pub mod inspect;
 mod invariant;
 mod least_squares;
 mod order;
@@ -57,6 +59,7 @@ mod weak;
 
 pub use coverage::{CoverageRow, Expected, coverage};
 pub use experiment::{Context, Experiment, Mode, Progress, Settings, Silent};
+pub use inspect::{inspect, inspect_problem};
 pub use order::{
     ORDER_MARGIN, bound_verdict, fit_strong, fit_weak, fit_weak_differences, order_verdict, root_mean_square_interval,
 };
@@ -74,3 +77,8 @@ pub use twins::{TWINS, Twin, measure_twins};
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;
+
+/// The snippets of the guide that stand alone.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/guide.md")]
+struct Guide;

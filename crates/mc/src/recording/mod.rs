@@ -1,0 +1,170 @@
+//! The noise of one path, written down: to drive a scheme by increments from elsewhere, or another code by ours.
+
+mod csv;
+mod error;
+
+use noise::StreamKey;
+
+use crate::LadderError;
+use crate::follow::{Drawn, NoiseSource, StepNoise};
+
+pub(crate) use csv::TIME_AGREEMENT;
+pub use error::RecordingError;
+
+/// Increments ΔW of steps of one size τ, one row of M for each step, and their Lévy areas if they are known.
+///
+/// Increments are as they were drawn: a scheme's truncation is applied when they are used. As text, by
+/// [`parse`](str::parse) and by `to_string`, a recording is a table of comma-separated values with one line for each step
+/// under the header `tau,dW1,…,dWM`, followed by `A12,A13,…` where there are areas (`A1_2` for ten noises and more); numbers are the shortest that read
+/// back to the same bits.
+///
+/// ```
+/// use mc::Recording;
+///
+/// let recording: Recording<2> = "tau,dW1,dW2\n0.25,0.1,-0.3\n0.25,0.2,0.4\n".parse()?;
+/// assert_eq!(recording.increments()[1], [0.2, 0.4]);
+/// assert_eq!(recording.to_string().parse::<Recording<2>>()?, recording);
+///
+/// let error = "tau,dW1,dW2\n0.25,0.1,-0.3\n0.25,NaN,0.4\n".parse::<Recording<2>>().unwrap_err();
+/// assert_eq!(error.to_string(), "line 3, column dW1: an increment must be finite, got NaN");
+/// # Ok::<(), mc::RecordingError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording<const M: usize> {
+    tau: f64,
+    increments: Vec<[f64; M]>,
+    areas: Option<Vec<[[f64; M]; M]>>,
+}
+
+impl<const M: usize> Recording<M> {
+    /// Increments of steps of size `tau`, in the order of time.
+    ///
+    /// # Errors
+    /// [`RecordingError`] when there is no step, when τ is not positive and finite, or when a number is not finite; steps
+    /// are counted as lines of the table, of which the header is the first.
+    pub fn new(tau: f64, increments: Vec<[f64; M]>) -> Result<Self, RecordingError> {
+        if increments.is_empty() {
+            return Err(RecordingError::Empty);
+        }
+        if !(tau > 0.0 && tau.is_finite()) {
+            return Err(RecordingError::StepSize { line: 2, tau });
+        }
+        for (n, dw) in increments.iter().enumerate() {
+            if let Some(m) = dw.iter().position(|w| !w.is_finite()) {
+                return Err(RecordingError::NotFinite { line: n + 2, column: format!("dW{}", m + 1), value: dw[m] });
+            }
+        }
+        Ok(Self { tau, increments, areas: None })
+    }
+
+    /// The same with the Lévy areas A_ml = ½∫(W_m dW_l − W_l dW_m) of each step; what is above the diagonal is read, the
+    /// rest follows.
+    ///
+    /// # Errors
+    /// [`RecordingError::AreaRows`] unless there is one matrix for each step, [`RecordingError::NotFinite`].
+    pub fn with_areas(mut self, mut areas: Vec<[[f64; M]; M]>) -> Result<Self, RecordingError> {
+        if areas.len() != self.increments.len() {
+            return Err(RecordingError::AreaRows { found: areas.len(), expected: self.increments.len() });
+        }
+        for (n, area) in areas.iter_mut().enumerate() {
+            for m in 0..M {
+                area[m][m] = 0.0;
+                for l in m + 1..M {
+                    let value = area[m][l];
+                    if !value.is_finite() {
+                        let column = csv::area_name(m + 1, l + 1, M);
+                        return Err(RecordingError::NotFinite { line: n + 2, column, value });
+                    }
+                    area[l][m] = -value;
+                }
+            }
+        }
+        self.areas = Some(areas);
+        Ok(self)
+    }
+
+    /// The noise of path number `path` that `steps` steps to the time `t_end` see, areas included if they are wanted.
+    ///
+    /// # Errors
+    /// [`LadderError::Steps`] for zero steps, [`LadderError::Step`] unless 0 < T < ∞, [`LadderError::Noise`] when no number
+    /// of terms is large enough for the areas.
+    pub fn draw(key: StreamKey, path: u64, steps: u64, t_end: f64, with_areas: bool) -> Result<Self, LadderError> {
+        if steps == 0 {
+            return Err(LadderError::Steps { steps, multiple_of: 1 });
+        }
+        let tau = t_end / steps as f64;
+        if !(tau > 0.0 && tau.is_finite()) {
+            return Err(schemes::StepError::Size { tau }.into());
+        }
+        let mut noise = Drawn::<M>::new(key, path, tau, with_areas)?;
+        let (increments, areas): (Vec<_>, Vec<_>) = (0..steps).map(|_| noise.next(tau)).unzip();
+        Ok(Self { tau, increments, areas: with_areas.then_some(areas) })
+    }
+
+    /// The same path in steps that are `factor` times longer: increments are added, areas joined by Chen's relation.
+    ///
+    /// # Errors
+    /// [`LadderError::Steps`] unless `factor` is positive and divides the number of steps.
+    pub fn coarsened(&self, factor: usize) -> Result<Self, LadderError> {
+        let steps = self.increments.len();
+        if factor == 0 || !steps.is_multiple_of(factor) {
+            return Err(LadderError::Steps { steps: steps as u64, multiple_of: factor as u64 });
+        }
+        let mut coarse = Self {
+            tau: self.tau * factor as f64,
+            increments: Vec::with_capacity(steps / factor),
+            areas: self.areas.as_ref().map(|_| Vec::with_capacity(steps / factor)),
+        };
+        for first in (0..steps).step_by(factor) {
+            let (mut sum, mut joined) = ([0.0; M], [[0.0; M]; M]);
+            for n in first..first + factor {
+                let (dw, areas) = (self.increments[n], self.areas.as_ref().map_or([[0.0; M]; M], |areas| areas[n]));
+                for m in 0..M {
+                    for l in 0..M {
+                        joined[m][l] += areas[m][l] + 0.5 * (sum[m] * dw[l] - dw[m] * sum[l]);
+                    }
+                }
+                for m in 0..M {
+                    sum[m] += dw[m];
+                }
+            }
+            coarse.increments.push(sum);
+            if let Some(areas) = &mut coarse.areas {
+                areas.push(joined);
+            }
+        }
+        Ok(coarse)
+    }
+
+    /// τ.
+    #[must_use]
+    pub fn tau(&self) -> f64 {
+        self.tau
+    }
+
+    /// One row of increments for each step.
+    #[must_use]
+    pub fn increments(&self) -> &[[f64; M]] {
+        &self.increments
+    }
+
+    /// One skew matrix of Lévy areas for each step, if they are known.
+    #[must_use]
+    pub fn areas(&self) -> Option<&[[[f64; M]; M]]> {
+        self.areas.as_deref()
+    }
+}
+
+/// A recording being played.
+pub(crate) struct Played<'a, const M: usize> {
+    pub(crate) recording: &'a Recording<M>,
+    pub(crate) n: usize,
+}
+
+impl<const M: usize> NoiseSource<M> for Played<'_, M> {
+    fn next(&mut self, _tau: f64) -> StepNoise<M> {
+        let n = self.n;
+        self.n += 1;
+        (self.recording.increments[n], self.recording.areas.as_ref().map_or([[0.0; M]; M], |areas| areas[n]))
+    }
+}

@@ -1,0 +1,211 @@
+//! Paths as tables, and paths driven by recorded increments.
+
+use mc::{
+    LadderError, NoiseOrigin, Recording, RecordingError, Simulation, SimulationError, trajectory, write_csv, write_json,
+};
+use noise::{StreamKey, Truncation};
+use schemes::{EulerMaruyama, Sexp, SexpLevy};
+use systems::{Cosine, Damping, PoissonSystem, Problem, RigidBody, SpinChain};
+
+const KEY: StreamKey = StreamKey { seed: 5, experiment: 2 };
+
+fn body() -> Problem<RigidBody<3>, Cosine, 3> {
+    let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
+    Problem::new(body, Cosine::new(0.5, 2.0).unwrap(), [0.45, 0.0, 0.89], 1.0).unwrap()
+}
+
+fn k4() -> Truncation {
+    Truncation::new(4).unwrap()
+}
+
+#[test]
+fn a_table_holds_the_trajectory_and_the_conformal_defect() {
+    let (problem, sexp) = (body(), Sexp::default());
+    let all = trajectory(&problem, &sexp, 64, k4(), KEY, 7).unwrap();
+    let table =
+        Simulation::new(&problem, &sexp, k4()).every(10).observing("y1 y2", |y| y[0] * y[1]).path(64, KEY, 7).unwrap();
+    let saved = [0, 10, 20, 30, 40, 50, 60, 64];
+    assert_eq!(table.times(), saved.map(|n| all.times[n]));
+    for (row, &n) in saved.iter().enumerate() {
+        let y = all.states[n];
+        for i in 0..3 {
+            assert_eq!(table.column(&format!("y{}", i + 1)).unwrap()[row], y[i]);
+        }
+        assert_eq!(table.column("y1 y2").unwrap()[row], y[0] * y[1]);
+        assert_eq!(table.column("C").unwrap()[row], problem.system.invariant(0, y));
+        let law = (-2.0 * problem.damping.integral(0.0, all.times[n])).exp() * problem.system.invariant(0, problem.y0);
+        let defect = problem.system.invariant(0, y) / law - 1.0;
+        // A hundred roundings in the state, a few in the law.
+        assert!((table.column("C defect").unwrap()[row] - defect).abs() < 128.0 * f64::EPSILON);
+    }
+    assert_eq!(table.column("energy"), None);
+    assert_eq!(table.noise, NoiseOrigin::Drawn { seed: 5, experiment: 2, path: 7 });
+    assert_eq!((table.scheme.as_str(), table.system.as_str(), table.tau), ("sexp", "rigid-body", 1.0 / 64.0));
+
+    // The twin: Euler–Maruyama on the same noise leaves the law, and the column shows it.
+    let worst = |table: &mc::TimeSeries| table.column("C defect").unwrap().iter().fold(0.0, |m: f64, d| m.max(d.abs()));
+    let euler = Simulation::new(&problem, &EulerMaruyama, k4()).path(64, KEY, 7).unwrap();
+    assert!(worst(&table) < 1e-13 && worst(&euler) > 1e-3, "{} {}", worst(&table), worst(&euler));
+}
+
+#[test]
+fn many_paths_come_in_order_and_do_not_depend_on_threads() {
+    let (problem, sexp) = (body(), Sexp::default());
+    let simulation = Simulation::new(&problem, &sexp, k4()).every(8);
+    let paths = simulation.paths(16, KEY, 3..9).unwrap();
+    for (path, table) in (3..9).zip(&paths) {
+        assert_eq!(*table, simulation.path(16, KEY, path).unwrap());
+    }
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(one_thread.install(|| simulation.paths(16, KEY, 3..9)).unwrap(), paths);
+}
+
+#[test]
+fn tables_read_back_to_the_same_bits() {
+    let (problem, sexp) = (body(), Sexp::default());
+    let paths = Simulation::new(&problem, &sexp, k4()).observing("a \"b\", c", |y| y[0]).paths(8, KEY, 0..3).unwrap();
+    let mut csv = Vec::new();
+    write_csv(&paths, &mut csv).unwrap();
+    let csv = String::from_utf8(csv).unwrap();
+    let mut lines = csv.lines();
+    assert_eq!(lines.next(), Some("scheme,path,t,y1,y2,y3,\"a \"\"b\"\", c\",C,C defect"));
+    for table in &paths {
+        for row in 0..9 {
+            let entries: Vec<&str> = lines.next().unwrap().split(',').collect();
+            for (column, text) in table.columns.iter().zip(&entries[2..]) {
+                assert_eq!(text.parse(), Ok(column.values[row]));
+            }
+        }
+    }
+    assert_eq!(lines.next(), None);
+
+    let mut json = Vec::new();
+    write_json(&paths, &mut json).unwrap();
+    let json: serde_json::Value = serde_json::from_slice(&json).unwrap();
+    assert_eq!(json[2]["noise"]["drawn"]["path"], 2);
+    assert_eq!(json[2]["columns"][1]["name"], "y1");
+    let read: Vec<f64> = serde_json::from_value(json[2]["columns"][1]["values"].clone()).unwrap();
+    assert_eq!(read, paths[2].columns[1].values);
+
+    // Tables with other columns do not fit below.
+    let other = Simulation::new(&problem, &sexp, k4()).path(8, KEY, 0).unwrap();
+    let error = write_csv(&[paths[0].clone(), other], &mut Vec::new()).unwrap_err();
+    assert!(error.to_string().contains("a \"\"b\"\", c"), "{error}");
+    write_csv(&[], &mut Vec::new()).unwrap();
+}
+
+#[test]
+fn recorded_increments_give_the_drawn_path_bit_for_bit() {
+    let (problem, sexp) = (body(), Sexp::default());
+    let simulation = Simulation::new(&problem, &sexp, k4());
+    let recording = Recording::<3>::draw(KEY, 4, 32, 1.0, false).unwrap();
+    let read: Recording<3> = recording.to_string().parse().unwrap();
+    assert_eq!(read, recording);
+    let (drawn, recorded) = (simulation.path(32, KEY, 4).unwrap(), simulation.recorded(&read).unwrap());
+    assert_eq!(recorded.columns, drawn.columns);
+    assert_eq!(recorded.noise, NoiseOrigin::Recorded);
+
+    // With areas, for the scheme that reads them.
+    let levy = SexpLevy::new(&problem.system, problem.y0);
+    let simulation = Simulation::new(&problem, &levy, k4());
+    assert_eq!(simulation.recorded(&read), Err(SimulationError::NoAreas { scheme: "sexp-levy" }));
+    let recording = Recording::<3>::draw(KEY, 4, 32, 1.0, true).unwrap();
+    let read: Recording<3> = recording.to_string().parse().unwrap();
+    assert_eq!(read, recording);
+    assert_eq!(simulation.recorded(&read).unwrap().columns, simulation.path(32, KEY, 4).unwrap().columns);
+}
+
+#[test]
+fn coarsened_recordings_follow_chens_relation() {
+    let fine = Recording::<3>::draw(KEY, 0, 12, 1.0, true).unwrap();
+    let (two, six) = (fine.coarsened(2).unwrap(), fine.coarsened(6).unwrap());
+    let again = two.coarsened(3).unwrap();
+    assert_eq!(again.tau(), six.tau());
+    for n in 0..2 {
+        for m in 0..3 {
+            let sum: f64 = fine.increments()[6 * n..6 * n + 6].iter().map(|dw| dw[m]).sum();
+            assert!((six.increments()[n][m] - sum).abs() < 1e-15 && (again.increments()[n][m] - sum).abs() < 1e-15);
+            for l in 0..3 {
+                let (one, other) = (six.areas().unwrap()[n], again.areas().unwrap()[n]);
+                assert!((one[m][l] - other[m][l]).abs() < 1e-15);
+                assert_eq!(one[m][l], -one[l][m]);
+            }
+        }
+    }
+    // A quarter turn and back: the triangle with corners (0, 0), (1, 0), (1, 1) has area ½.
+    let turn =
+        Recording::<2>::new(0.5, vec![[1.0, 0.0], [0.0, 1.0]]).unwrap().with_areas(vec![[[0.0; 2]; 2]; 2]).unwrap();
+    assert_eq!(turn.coarsened(2).unwrap().areas().unwrap(), [[[0.0, 0.5], [-0.5, 0.0]]]);
+    assert_eq!(fine.coarsened(5).unwrap_err(), LadderError::Steps { steps: 12, multiple_of: 5 });
+    assert!(fine.coarsened(0).is_err());
+}
+
+#[test]
+fn bad_tables_are_refused_by_line_and_column() {
+    let message = |text: &str| text.parse::<Recording<2>>().unwrap_err().to_string();
+    assert_eq!(message(""), "a recording must have at least one step, got none");
+    assert_eq!(message("tau,dW1,dW2\n\n"), "a recording must have at least one step, got none");
+    assert_eq!(message("0.1,0.2,0.3\n"), "line 1, column 1: the header must say tau, got \"0.1\"");
+    assert_eq!(message("tau,dW1\n0.1,0.2"), "line 1: expected 3 columns, got 2");
+    assert_eq!(message("tau,dW1,dW2\n0.1,0.2,0.3\n0.1,0.2\n"), "line 3: expected 3 columns, got 2");
+    assert_eq!(message("tau,dW1,dW2\n0.1,x,0.3\n"), "line 2, column dW1: expected a number, got \"x\"");
+    assert_eq!(message("tau,dW1,dW2\n0.1,,0.3\n"), "line 2, column dW1: expected a number, got \"\"");
+    assert_eq!(message("tau,dW1,dW2\n0.1,1,inf\n"), "line 2, column dW2: an increment must be finite, got inf");
+    assert_eq!(message("tau,dW1,dW2\n0,1,1\n"), "line 2, column tau: a step size must be positive and finite, got 0");
+    assert_eq!(
+        message("tau,dW1,dW2\n0.1,1,1\n0.2,1,1\n"),
+        "line 3, column tau: all steps must have the size of the first, 0.1, got 0.2"
+    );
+    assert_eq!(message("tau,dW1,dW2,A13\n0.1,1,1,0\n"), "line 1, column 4: the header must say A12, got \"A13\"");
+    assert_eq!(message("tau,dW1,dW2,A12\n0.1,1,1,NaN\n"), "line 2, column A12: an increment must be finite, got NaN");
+    assert!(matches!("tau,dW1\nNaN,1\n".parse::<Recording<1>>(), Err(RecordingError::StepSize { line: 2, .. })));
+
+    // What other programs write: a comment sign, blanks, carriage returns, empty lines at the end.
+    let read: Recording<2> = "\u{feff}# tau, dW1, dW2\r\n1e-1, 1, -2\r\n\r\n".parse().unwrap();
+    assert_eq!(read, Recording::new(0.1, vec![[1.0, -2.0]]).unwrap());
+}
+
+#[test]
+fn bad_recordings_and_simulations_are_refused() {
+    assert_eq!(Recording::<1>::new(0.1, vec![]), Err(RecordingError::Empty));
+    assert_eq!(Recording::<1>::new(-0.1, vec![[1.0]]), Err(RecordingError::StepSize { line: 2, tau: -0.1 }));
+    assert!(matches!(Recording::<1>::new(0.1, vec![[f64::NAN]]), Err(RecordingError::NotFinite { line: 2, .. })));
+    let one = Recording::<2>::new(0.1, vec![[1.0, 2.0]]).unwrap();
+    assert_eq!(one.clone().with_areas(vec![]), Err(RecordingError::AreaRows { found: 0, expected: 1 }));
+    assert!(one.with_areas(vec![[[0.0, f64::NAN], [0.0; 2]]]).is_err());
+    assert!(Recording::<2>::draw(KEY, 0, 0, 1.0, false).is_err());
+    assert!(Recording::<2>::draw(KEY, 0, 4, f64::NAN, false).is_err());
+
+    let (problem, sexp) = (body(), Sexp::default());
+    let simulation = || Simulation::new(&problem, &sexp, k4());
+    assert_eq!(simulation().every(0).path(8, KEY, 0), Err(SimulationError::Every));
+    assert_eq!(
+        simulation().observing("y2", |y| y[1]).path(8, KEY, 0),
+        Err(SimulationError::Column { name: "y2".to_owned() })
+    );
+    assert!(matches!(simulation().path(0, KEY, 0), Err(SimulationError::Ladder(LadderError::Steps { .. }))));
+    assert!(matches!(simulation().path(1, KEY, 0), Err(SimulationError::Ladder(LadderError::Noise(_)))));
+    let short = Recording::<3>::draw(KEY, 0, 8, 0.5, false).unwrap();
+    let error = simulation().recorded(&short).unwrap_err();
+    assert_eq!(error.to_string(), "the recorded increments must end at the final time T = 1 of the problem, got 0.5");
+}
+
+#[test]
+fn invariants_that_share_a_name_are_numbered() {
+    let chain = SpinChain::<6>::new(0.9, 0.4, 0.7).unwrap();
+    let problem = Problem::new(chain, Cosine::new(0.5, 2.0).unwrap(), [0.0, 0.6, 0.8, 0.0, 0.0, 0.0], 1.0).unwrap();
+    let table = Simulation::new(&problem, &Sexp::default(), k4()).path(16, KEY, 0).unwrap();
+    let names: Vec<&str> = table.columns[7..].iter().map(|column| column.name.as_str()).collect();
+    assert_eq!(names, ["C1", "C1 defect", "C2", "C2 defect"]);
+    // The second spin is zero and stays so: there is no relative defect, and none is needed.
+    assert_eq!(table.column("C2 defect").unwrap(), [0.0; 17]);
+}
+
+#[test]
+fn a_path_that_ends_early_says_so() {
+    let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
+    let problem = Problem::new(body, Cosine::new(0.0, 1.0).unwrap(), [1e200, 1e200, 1.0], 1.0).unwrap();
+    let table = Simulation::new(&problem, &EulerMaruyama, k4()).path(8, KEY, 0).unwrap();
+    assert_eq!(table.times(), [0.0]);
+    assert_eq!(table.halted.as_deref(), Some("step 0 of size 0.125, at t = 0: the state is not finite"));
+}

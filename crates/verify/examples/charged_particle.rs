@@ -1,0 +1,101 @@
+//! A charged particle in a trap, across a magnetic field that is not uniform, in an electric field that fluctuates: the program
+//! of `docs/guide.md`.
+
+use mc::{Simulation, write_csv, write_json};
+use noise::{StreamKey, Truncation};
+use real::Real;
+use schemes::Sexp;
+use systems::{Constant, PoissonSystem, Problem};
+use verify::{Study, inspect_problem, strong_order};
+
+/// A charged particle in the plane, y = (x, y, u, v): a harmonic trap, a magnetic field b₀ + b₁x across the plane, and an
+/// electric field along x that fluctuates.
+struct Particle {
+    trap: f64,
+    field: f64,
+    gradient: f64,
+    noise: f64,
+}
+
+impl PoissonSystem<4, 1> for Particle {
+    fn name(&self) -> &'static str {
+        "charged-particle"
+    }
+
+    /// ẋ = ∂H/∂u, ẏ = ∂H/∂v, u̇ = −∂H/∂x + b ∂H/∂v, v̇ = −∂H/∂y − b ∂H/∂u.
+    #[inline(always)]
+    fn structure<R: Real>(&self, y: [R; 4], v: [R; 4]) -> [R; 4] {
+        let b = y[0] * self.gradient + self.field;
+        [v[2], v[3], b * v[3] - v[0], -(b * v[2]) - v[1]]
+    }
+
+    /// H₀ = ½(u² + v²) + ½k(x² + y²), H₁ = −σx.
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 4], dt: f64, dw: [f64; 1]) -> R {
+        let kinetic = (y[2] * y[2] + y[3] * y[3]) * 0.5;
+        let trap = (y[0] * y[0] + y[1] * y[1]) * (0.5 * self.trap);
+        (kinetic + trap) * dt - y[0] * (self.noise * dw[0])
+    }
+
+    /// The energy is quadratic, and its gradient is averaged at the midpoint.
+    #[inline(always)]
+    fn averaged_gradient<R: Real>(&self, a: [R; 4], b: [R; 4], dt: f64, dw: [f64; 1]) -> [R; 4] {
+        self.gradient(dgrad::quadratic(a, b), dt, dw)
+    }
+}
+
+type Error = Box<dyn std::error::Error>;
+
+fn main() -> Result<(), Error> {
+    let particle = Particle { trap: 1.0, field: 2.0, gradient: 0.5, noise: 0.4 };
+    let problem = Problem::new(particle, Constant::new(0.2)?, [1.0, 0.0, 0.0, 0.5], 8.0)?;
+    println!("{}\n", inspect_problem(&problem)?);
+    one_path(&problem)?;
+    many_paths(&problem)?;
+    order(&problem)
+}
+
+fn one_path(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
+    let sexp = Sexp::default();
+    let key = StreamKey { seed: 1, experiment: 0 };
+    let path = Simulation::new(problem, &sexp, Truncation::new(4)?)
+        .every(32)
+        .observing("energy", |y| problem.system.energy(y, 1.0, [0.0]))
+        .path(256, key, 0)?;
+    write_csv(&[path], &mut std::io::stdout())?;
+    Ok(())
+}
+
+fn many_paths(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
+    let sexp = Sexp::default();
+    let key = StreamKey { seed: 1, experiment: 0 };
+    let paths = Simulation::new(problem, &sexp, Truncation::new(4)?)
+        .every(64)
+        .observing("energy", |y| problem.system.energy(y, 1.0, [0.0]))
+        .paths(256, key, 0..400)?;
+    for (row, t) in paths[0].times().iter().enumerate() {
+        let sum: f64 = paths.iter().filter_map(|path| path.column("energy")?.get(row)).sum();
+        println!("t = {t}: mean energy {:.3}", sum / paths.len() as f64);
+    }
+    let file = std::env::temp_dir().join("particle.json");
+    write_json(&paths, &mut std::fs::File::create(&file)?)?;
+    println!("all paths: {}", file.display());
+    Ok(())
+}
+
+fn order(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
+    let study = Study {
+        coarsest_steps: 512,
+        levels: 5,
+        refinement: 3,
+        samples: 200,
+        truncation: Truncation::new(4)?,
+        key: StreamKey { seed: 1, experiment: 1 },
+    };
+    let order = strong_order(&Sexp::default(), problem, &study)?;
+    match order.rate {
+        Some(rate) => println!("strong order {:.2}, 95 % interval [{:.2}, {:.2}]", rate.estimate, rate.lo, rate.hi),
+        None => println!("no order can be named: {:?}", order.points),
+    }
+    Ok(())
+}

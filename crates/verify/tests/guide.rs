@@ -1,0 +1,21 @@
+//! The guide's program is the example that is compiled and run.
+
+use std::fs::read_to_string;
+use std::path::Path;
+
+#[test]
+fn the_blocks_of_the_guide_are_the_example() {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let guide = read_to_string(here.join("../../docs/guide.md")).unwrap();
+    let example = read_to_string(here.join("examples/charged_particle.rs")).unwrap();
+    let mut blocks = Vec::new();
+    let mut lines = guide.lines();
+    while let Some(line) = lines.next() {
+        if line == "```rust,ignore" {
+            let block: Vec<&str> = lines.by_ref().take_while(|line| *line != "```").collect();
+            blocks.push(block.join("\n"));
+        }
+    }
+    assert_eq!(blocks.len(), 6);
+    assert_eq!(blocks.join("\n\n") + "\n", example);
+}
