@@ -160,9 +160,9 @@ fn growth<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         id: run.id.to_owned(),
         setup: run.setup.clone(),
         scheme: match run.scheme.solver.method {
-            Method::Newton => "sexp-newton, settled".to_owned(),
-            Method::FixedPoint if settled => "sexp, settled".to_owned(),
-            Method::FixedPoint => "sexp".to_owned(),
+            Some(Method::Newton) => "sexp-newton, settled".to_owned(),
+            _ if settled => "sexp, settled".to_owned(),
+            _ => "sexp".to_owned(),
         },
         invariant: run.system.invariants()[run.invariant].name.to_owned(),
         paths,

@@ -68,7 +68,7 @@ impl Method {
         y: [f64; D],
     ) -> Solution<D> {
         match self {
-            Self::Sexp => Sexp::default().step(system, step, noise.dw, y),
+            Self::Sexp => Sexp { solver: Solver::new(nonlin::Method::FixedPoint) }.step(system, step, noise.dw, y),
             Self::SexpNewton => Sexp { solver: Solver::new(nonlin::Method::Newton) }.step(system, step, noise.dw, y),
             Self::SexpLevy => levy.step_with_areas(system, step, noise.dw, noise.areas, y),
             Self::Midpoint => Midpoint::default().step(system, step, noise.dw, y),

@@ -120,9 +120,11 @@ fn blocks<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     let Some(step) = step(bits) else { return Ok(Report::refused()) };
     let levy = SexpLevy::new(system, [1.0; D]);
     let newton = Sexp { solver: Solver::new(nonlin::Method::Newton) };
-    let schemes: [&dyn Scheme<S, D, M>; 6] =
-        [&Sexp::default(), &newton, &levy, &Midpoint::default(), &Heun, &EulerMaruyama];
-    let scheme = schemes[bits.below(6) as usize];
+    let (fixed, settled) =
+        (Sexp { solver: Solver::new(nonlin::Method::FixedPoint) }, Sexp { solver: Solver::default().settled() });
+    let schemes: [&dyn Scheme<S, D, M>; 7] =
+        [&fixed, &newton, &settled, &levy, &Midpoint::default(), &Heun, &EulerMaruyama];
+    let scheme = schemes[bits.below(7) as usize];
     let (mut dw, mut areas, mut start) = (Block::<M>::zero(), AreaBlock::<M>::zero(), Block::<D>::zero());
     for p in 0..WIDTH {
         let noise = noise::<M>(bits);
