@@ -38,7 +38,7 @@ use results::Case;
 /// How much is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// Everything: a minute or two.
+    /// Everything: minutes.
     Full,
     /// The same cases with fewer paths, steps and inputs: seconds.
     Quick,

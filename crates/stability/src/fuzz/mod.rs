@@ -55,7 +55,7 @@ pub struct Target {
 }
 
 /// Inputs for a target of cost one.
-const INPUTS: u64 = 2_000_000;
+const INPUTS: u64 = 1_000_000;
 const QUICK_INPUTS: u64 = 10_000;
 /// Failures that are described one by one; the rest are counted.
 const DESCRIBED: usize = 5;
