@@ -3,7 +3,7 @@
 //! ΔŴ = √τ χ(ΔW/√τ), where χ clips to ±A and A = √(2k|log τ|). Bounded increments make an implicit step solvable
 //! for every outcome of the noise; the price is E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^{k+1}.
 
-use real::{Block, WIDTH};
+use real::{Block, Kernel, WIDTH, dispatch};
 
 use crate::NoiseError;
 
@@ -44,17 +44,32 @@ impl Truncation {
 /// Clips every increment of a block to ±`bound`; returns how many were clipped.
 #[inline]
 pub fn clip<const M: usize>(dw: &Block<M>, bound: f64, clipped: &mut Block<M>) -> u64 {
-    // Counted in the width of the lanes; wrapping, since a checked sum is a branch.
-    let mut count = 0u64;
-    for m in 0..M {
-        for p in 0..WIDTH {
-            let w = dw.0[m][p];
-            let below = if w < bound { w } else { bound };
-            clipped.0[m][p] = if below > -bound { below } else { -bound };
-            count = count.wrapping_add(u64::from(clipped.0[m][p] != w));
+    dispatch(Clip { dw, bound, clipped })
+}
+
+struct Clip<'a, const M: usize> {
+    dw: &'a Block<M>,
+    bound: f64,
+    clipped: &'a mut Block<M>,
+}
+
+impl<const M: usize> Kernel for Clip<'_, M> {
+    type Output = u64;
+    #[inline(always)]
+    fn run(self) -> u64 {
+        // Counted in the width of the lanes; wrapping, since a checked sum is a branch.
+        let mut count = 0u64;
+        for m in 0..M {
+            for p in 0..WIDTH {
+                let w = self.dw.0[m][p];
+                let below = if w < self.bound { w } else { self.bound };
+                let inside = if below > -self.bound { below } else { -self.bound };
+                self.clipped.0[m][p] = inside;
+                count = count.wrapping_add(if inside != w { 1 } else { 0 });
+            }
         }
+        count
     }
-    count
 }
 
 #[cfg(test)]
