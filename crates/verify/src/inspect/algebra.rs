@@ -125,8 +125,9 @@ mod tests {
     fn eigenvalues_of_known_matrices() {
         let second_differences = vec![vec![2.0, -1.0, 0.0], vec![-1.0, 2.0, -1.0], vec![0.0, -1.0, 2.0]];
         let root = 2f64.sqrt();
+        // Some fifteen rotations round entries of up to 4 by an ulp each.
         for (found, exact) in eigenvalues(second_differences).iter().zip([2.0 - root, 2.0, 2.0 + root]) {
-            assert!((found - exact).abs() < 8.0 * f64::EPSILON, "{found} {exact}");
+            assert!((found - exact).abs() < 60.0 * f64::EPSILON, "{found} {exact}");
         }
         assert_eq!(eigenvalues(vec![vec![3.0, 0.0], vec![0.0, -1.0]]), [-1.0, 3.0]);
         // The norm of a shear, (1 + √5)/2.
