@@ -188,12 +188,12 @@ fn differing<const M: usize>(a: &Block<M>, b: &Block<M>) -> PathMask {
     paths
 }
 
-/// Whether every entry of a block is finite, without a branch for each: x − x is NaN where it is not, and so is the sum.
+/// Whether every entry of a block is finite, without a branch for each: 0·x is NaN where it is not, and so is the sum.
 fn all_finite<const D: usize>(block: &Block<D>) -> bool {
     let mut sums = [0.0; WIDTH];
     for row in &block.0 {
         for p in 0..WIDTH {
-            sums[p] += row[p] - row[p];
+            sums[p] += 0.0 * row[p];
         }
     }
     sums.iter().sum::<f64>() == 0.0
