@@ -188,17 +188,6 @@ fn differing<const M: usize>(a: &Block<M>, b: &Block<M>) -> PathMask {
     paths
 }
 
-/// Whether every entry of a block is finite, without a branch for each: 0·x is NaN where it is not, and so is the sum.
-fn all_finite<const D: usize>(block: &Block<D>) -> bool {
-    let mut sums = [0.0; WIDTH];
-    for row in &block.0 {
-        for p in 0..WIDTH {
-            sums[p] += 0.0 * row[p];
-        }
-    }
-    sums.iter().sum::<f64>() == 0.0
-}
-
 /// How many entries of the given paths differ.
 #[cold]
 fn count_on<const M: usize>(paths: PathMask, a: &Block<M>, b: &Block<M>) -> u64 {
@@ -315,7 +304,7 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
         }
     }
 
-    /// A scheme without a solver notices nothing when its state blows up; this does, once in each coarse step.
+    /// The schemes of this workspace fail where their state is not finite; for anybody else's this looks, once in each coarse step.
     fn drop_non_finite<S: PoissonSystem<D, M>, G: Damping, T>(
         &mut self,
         ladder: &Ladder<'_, S, G, D, M>,
@@ -323,15 +312,13 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
         part: &mut Part<T>,
     ) {
         for (state, run) in self.states.iter().zip(&ladder.runs) {
-            if all_finite(state) {
-                continue;
+            let mut status = BlockStatus::explicit();
+            status.fail_where_not_finite(state);
+            let failed = status.failed.and(self.live);
+            for p in failed.paths() {
+                part.record(self.failure(ladder, run, p, (n >> run.level).saturating_sub(1), Cause::NotFinite));
             }
-            for p in self.live.paths() {
-                if state.path(p).iter().any(|component| !component.is_finite()) {
-                    part.record(self.failure(ladder, run, p, (n >> run.level).saturating_sub(1), Cause::NotFinite));
-                    self.live = self.live.without(PathMask(1 << p));
-                }
-            }
+            self.live = self.live.without(failed);
         }
     }
 }
