@@ -35,19 +35,22 @@ impl ShortMean {
     #[inline(always)]
     #[must_use]
     pub fn value(&self, h: f64) -> f64 {
-        self.with_slope(h).0
+        let (deficit, versine) = elementary::deficit_versine(h);
+        // sin(h)/h = 1 − h²·deficit and (1 − cos h)/h = h·versine.
+        (self.value - (self.value * (h * h)) * deficit) + (self.derivative * h) * versine
     }
 
-    /// The average over h and its derivative by h, to round-off.
+    /// The average over h and its derivative by h, with errors of at most w|h|⁹/3.5·10⁶ and w h⁸/2.8·10⁶, for all h² ≤ ½:
+    /// [`value`](ShortMean::value) with four terms of Taylor's series of the deficit and of the versine.
     #[inline(always)]
     #[must_use]
-    pub fn with_slope(&self, h: f64) -> (f64, f64) {
-        let (deficit, versine) = elementary::deficit_versine(h);
-        // sin(h)/h = 1 − h²·deficit and (1 − cos h)/h = h·versine; products with h first, since they need not wait.
-        let (value_h, derivative_h) = (self.value * h, self.derivative * h);
-        let mean = (self.value - (value_h * h) * deficit) + derivative_h * versine;
-        let slope = value_h * (deficit - versine) + self.derivative * ((1.0 - versine) - (h * h) * deficit);
-        (mean, slope)
+    pub fn estimate_with_slope(&self, h: f64) -> (f64, f64) {
+        let z = h * h;
+        let zz = z * z;
+        let deficit = (1.0 / 6.0 - z * (1.0 / 120.0)) + zz * (1.0 / 5040.0 - z * (1.0 / 362_880.0));
+        let versine = (0.5 - z * (1.0 / 24.0)) + zz * (1.0 / 720.0 - z * (1.0 / 40320.0));
+        let (value_h, derivative_h, sinc) = (self.value * h, self.derivative * h, 1.0 - z * deficit);
+        (self.value * sinc + derivative_h * versine, value_h * (deficit - versine) + self.derivative * (sinc - versine))
     }
 
     /// For h = 0.
@@ -70,5 +73,15 @@ impl ShortMean {
     pub fn cubic(&self, h: f64) -> f64 {
         let inner = self.value * (1.0 / 6.0) + h * (self.derivative * (1.0 / 24.0));
         self.value + h * (self.derivative * (1.0 / 2.0) - h * inner)
+    }
+
+    /// [`cubic`](ShortMean::cubic) and its derivative by h.
+    #[inline(always)]
+    #[must_use]
+    pub fn cubic_with_slope(&self, h: f64) -> (f64, f64) {
+        let (sixth, half) = (self.value * (1.0 / 6.0), self.derivative * (1.0 / 2.0));
+        let eighth = h * (self.derivative * (1.0 / 8.0));
+        let inner = sixth + eighth * (1.0 / 3.0);
+        (self.value + h * (half - h * inner), half - h * (2.0 * sixth + eighth))
     }
 }

@@ -4,7 +4,7 @@ use real::{Block, PathMask, WIDTH};
 
 use crate::robust::solve_robust;
 use crate::sweep::{Swept, first_sweeps, settled_path, sweep};
-use crate::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Outcome, Solver};
+use crate::{BlockFixedPoint, BlockStatus, FirstSweep, FixedPoint, Method, Outcome, Solver};
 
 /// The paths of a block in two halves: path p of the first has its first sweep together with path p of the second.
 const HALF: usize = WIDTH / 2;
@@ -17,7 +17,7 @@ struct Iterates<'a, const D: usize> {
 }
 
 impl<const D: usize> Iterates<'_, D> {
-    /// The long first sweep of the preferred method; returns how many paths are not done.
+    /// The first sweep that the equations ask for; returns how many paths are not done.
     #[inline(always)]
     fn start<E: BlockFixedPoint<D>>(&mut self, equations: &E) -> u64 {
         // Counted in the width of the lanes, and wrapping: a narrower counter would be summed one path at a time, and a
@@ -111,7 +111,7 @@ impl Solver {
         status.robust = PathMask::NONE;
         status.failed = PathMask::NONE;
         let mut iterates = Iterates { z, pending: &mut status.pending };
-        let (mut unfinished, mut sweeps) = if E::Path::LONG_FIRST_SWEEP && method == E::Path::METHOD {
+        let (mut unfinished, mut sweeps) = if E::Path::FIRST_SWEEP != FirstSweep::Plain && method == E::Path::METHOD {
             (iterates.start(equations), 1)
         } else {
             iterates.wait(equations);

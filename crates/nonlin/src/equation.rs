@@ -9,10 +9,8 @@ pub trait FixedPoint<const D: usize>: Copy {
     /// The method that solves it with the least work, taken by a [`Solver`](crate::Solver) that is not told another.
     const METHOD: Method = Method::FixedPoint;
 
-    /// Whether that method begins with a long first sweep, written out for two paths at a time: eleven evaluations of ψ, or two
-    /// steps of Newton's method from a prediction. Fast where ψ is a few dozen operations, and long code to compile where it is
-    /// not; without it all sweeps are alike.
-    const LONG_FIRST_SWEEP: bool = false;
+    /// How that method begins.
+    const FIRST_SWEEP: FirstSweep = FirstSweep::Plain;
 
     /// Where iterations start. For an implicit step this is the state before the step, to which the solution
     /// shrinks with the step; continuation follows the branch that starts here.
@@ -27,24 +25,25 @@ pub trait FixedPoint<const D: usize>: Copy {
         jacobian(&Map(*self), z)
     }
 
-    /// A guess of the solution, from which Newton's method sets out; two evaluations unless overridden.
+    /// A z on the branch of the start and a bound of its residual ‖z − ψ(z)‖₁, rounding excepted, for
+    /// [`FirstSweep::Own`]. A bound that is infinite or NaN says that there is none, and z is not looked at.
     #[inline(always)]
-    fn predictor(&self) -> [f64; D] {
-        self.map(self.map(self.start()))
+    fn own_sweep(&self) -> ([f64; D], f64) {
+        (self.start(), f64::INFINITY)
     }
+}
 
-    /// [`map`](FixedPoint::map) where z is near the start, NaN where it is too far away: the first sweep of Newton's method calls
-    /// this, and the second one starts again with `map` if it met a NaN.
-    #[inline(always)]
-    fn map_near(&self, z: [f64; D]) -> [f64; D] {
-        self.map(z)
-    }
-
-    /// [`jacobian`](FixedPoint::jacobian) where z is near the start, NaN where it is too far away.
-    #[inline(always)]
-    fn jacobian_near(&self, z: [f64; D]) -> ([f64; D], [[f64; D]; D]) {
-        self.jacobian(z)
-    }
+/// How the iteration for an equation begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FirstSweep {
+    /// Like every other sweep.
+    Plain,
+    /// Eleven evaluations of ψ, or two steps of Newton's method from ψ(ψ(start)), written out for two paths at a time. Fast where ψ
+    /// is a few dozen operations, and long code to compile where it is not.
+    Long,
+    /// [`FixedPoint::own_sweep`]: an equation whose structure is known can be solved by fewer operations than any general method
+    /// needs, and its own bound says whether it is solved. If not, sweeps of the method follow.
+    Own,
 }
 
 /// ψ as a function.

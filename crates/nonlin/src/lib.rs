@@ -29,6 +29,7 @@
 //! | item | job |
 //! |---|---|
 //! | [`FixedPoint`], [`BlockFixedPoint`] | the equation, of one path and of a block |
+//! | [`FirstSweep`] | how its iteration begins: a system that knows its equation may solve it itself |
 //! | [`Solver`], [`Method`] | which iteration, how many sweeps |
 //! | [`BlockStatus`], [`Outcome`] | per path: converged or not, by which method, iterations, residual |
 
@@ -40,5 +41,5 @@ mod single;
 mod solver;
 mod sweep;
 
-pub use equation::{BlockFixedPoint, FixedPoint};
+pub use equation::{BlockFixedPoint, FirstSweep, FixedPoint};
 pub use solver::{BlockStatus, Method, Outcome, Solution, Solver};

@@ -2,14 +2,14 @@
 
 use crate::robust::solve_robust;
 use crate::sweep::{first_sweep, settled_path, sweep};
-use crate::{FixedPoint, Outcome, Solution, Solver};
+use crate::{FirstSweep, FixedPoint, Outcome, Solution, Solver};
 
 impl Solver {
     /// Solves one equation; the same bits as that path of [`solve_block`](Self::solve_block).
     #[must_use]
     pub fn solve<E: FixedPoint<D>, const D: usize>(&self, equation: &E) -> Solution<D> {
         let method = self.method.unwrap_or(E::METHOD);
-        let ((mut z, mut excess), mut iterations) = if E::LONG_FIRST_SWEEP && method == E::METHOD {
+        let ((mut z, mut excess), mut iterations) = if E::FIRST_SWEEP != FirstSweep::Plain && method == E::METHOD {
             (first_sweep(equation), 1)
         } else {
             ((equation.start(), f64::INFINITY), 0)

@@ -8,7 +8,7 @@ pub enum Method {
     /// z ← ψ(z): linear convergence with the Lipschitz constant of ψ, three evaluations a sweep, eleven in a long
     /// first one. The faster one where ψ is a few products (`cargo bench -p schemes`).
     FixedPoint,
-    /// z ← z − (I − ψ′(z))⁻¹(z − ψ(z)), first from a prediction ([`FixedPoint::predictor`](crate::FixedPoint::predictor)) with
+    /// z ← z − (I − ψ′(z))⁻¹(z − ψ(z)), in a long first sweep from ψ(ψ(start)) with
     /// two corrections that keep the matrix, and a full Newton iteration in each later sweep. The faster one where ψ is
     /// costly. Where ψ does not contract it may find a solution on another branch than the one that starts at the start.
     Newton,

@@ -5,9 +5,9 @@
 //! rigid body at τ = 2⁻⁸ is solved in the first sweep on nearly every block, and a sweep more costs as much as five
 //! evaluations.
 
-use crate::FixedPoint;
 use crate::elimination::Factored;
 use crate::solver::Method;
+use crate::{FirstSweep, FixedPoint};
 
 /// A path is done when ‖z − ψ(z)‖₁, as far as it can be foreseen, is below this fraction of ‖z‖₁. Evaluating ψ rounds
 /// each component of z by up to half an ulp, so residuals of this size carry no information.
@@ -29,30 +29,47 @@ const NEWTON_MARGIN: f64 = 256.0;
 /// The next iterate and a number that is at most zero when it is the solution, NaN when it has left the numbers.
 pub(crate) type Swept<const D: usize> = ([f64; D], f64);
 
-/// The long first sweep of the method that the equation prefers, from its start. Where there is none, and for another method, the
-/// iteration begins with [`sweep`].
+/// The first sweep that the equation asks for, with the method that it prefers.
 #[inline(always)]
 pub(crate) fn first_sweep<E: FixedPoint<D>, const D: usize>(equation: &E) -> Swept<D> {
-    match E::METHOD {
-        Method::FixedPoint => verdict(eleven_evaluations(equation)),
-        Method::Newton => newton_verdict(equation.start(), newton_twice(equation)),
+    match (E::FIRST_SWEEP, E::METHOD) {
+        (FirstSweep::Plain, method) => sweep(equation, equation.start(), method),
+        (FirstSweep::Own, _) => own_sweep(equation),
+        (FirstSweep::Long, Method::FixedPoint) => verdict(eleven_evaluations(equation)),
+        (FirstSweep::Long, Method::Newton) => newton_verdict(equation.start(), newton_twice(equation)),
     }
 }
 
-/// The first sweep of two paths, in turn: an evaluation is a chain of operations that wait for each other, and two chains
-/// fit into the time of one.
+/// The first sweep of two paths, a long one in turn: an evaluation is a chain of operations that wait for each other, and two
+/// chains fit into the time of one.
 #[inline(always)]
 pub(crate) fn first_sweeps<E: FixedPoint<D>, const D: usize>(one: &E, other: &E) -> (Swept<D>, Swept<D>) {
-    match E::METHOD {
-        Method::FixedPoint => {
+    match (E::FIRST_SWEEP, E::METHOD) {
+        (FirstSweep::Plain | FirstSweep::Own, _) => (first_sweep(one), first_sweep(other)),
+        (FirstSweep::Long, Method::FixedPoint) => {
             let (one, other) = eleven_in_turn(one, other);
             (verdict(one), verdict(other))
         }
-        Method::Newton => {
+        (FirstSweep::Long, Method::Newton) => {
             let (first, second) = newton_twice_in_turn(one, other);
             (newton_verdict(one.start(), first), newton_verdict(other.start(), second))
         }
     }
+}
+
+/// The equation's own solution, done when its bound says so; the start where it has none.
+#[inline(always)]
+fn own_sweep<E: FixedPoint<D>, const D: usize>(equation: &E) -> Swept<D> {
+    let (found, bound) = equation.own_sweep();
+    let start = equation.start();
+    let has_bound = bound < f64::INFINITY;
+    let (mut z, mut size) = (start, 0.0);
+    for i in 0..D {
+        z[i] = if has_bound { found[i] } else { start[i] };
+        size += found[i].abs();
+    }
+    // The last product is NaN where a number is infinite, and zero otherwise.
+    (z, (bound - size * TOLERANCE) + size * 0.0)
 }
 
 /// A later sweep, from z.
@@ -141,23 +158,28 @@ fn verdict<const D: usize>([previous, before, next]: Tail<D>) -> Swept<D> {
     (next, change * GUARD * change - allowed * before)
 }
 
-/// The prediction, a Newton step and a simplified one, which keeps its matrix, with values of ψ near the start.
+/// The prediction ψ(ψ(start)), a Newton step and a simplified one, which keeps its matrix.
 ///
 /// Newton's step squares the error of the prediction, and the simplified one multiplies it once more: on short steps from 10⁻⁵
 /// through 10⁻¹⁰ to round-off.
 #[inline(always)]
 fn newton_twice<E: FixedPoint<D>, const D: usize>(equation: &E) -> Tail<D> {
-    let z = equation.predictor();
-    let (matrix, next) = newton_step(z, equation.jacobian_near(z));
+    let z = prediction(equation);
+    let (matrix, next) = newton_step(z, equation.jacobian(z));
     [z, next, simplified_step(equation, matrix, next)]
+}
+
+#[inline(always)]
+fn prediction<E: FixedPoint<D>, const D: usize>(equation: &E) -> [f64; D] {
+    equation.map(equation.map(equation.start()))
 }
 
 /// [`newton_twice`] of two paths, in turn.
 #[inline(always)]
 fn newton_twice_in_turn<E: FixedPoint<D>, const D: usize>(one: &E, other: &E) -> (Tail<D>, Tail<D>) {
-    let (y, z) = (one.predictor(), other.predictor());
+    let (y, z) = (prediction(one), prediction(other));
     let ((matrix, before), (matrix_other, before_other)) =
-        (newton_step(y, one.jacobian_near(y)), newton_step(z, other.jacobian_near(z)));
+        (newton_step(y, one.jacobian(y)), newton_step(z, other.jacobian(z)));
     let next = (simplified_step(one, matrix, before), simplified_step(other, matrix_other, before_other));
     ([y, before, next.0], [z, before_other, next.1])
 }
@@ -172,7 +194,7 @@ fn newton_step<const D: usize>(z: [f64; D], (value, jacobian): ([f64; D], [[f64;
 /// z − (I − ψ′)⁻¹(z − ψ(z)) with a given matrix.
 #[inline(always)]
 fn simplified_step<E: FixedPoint<D>, const D: usize>(equation: &E, matrix: Factored<D>, z: [f64; D]) -> [f64; D] {
-    minus(z, matrix.solve(minus(z, equation.map_near(z))))
+    minus(z, matrix.solve(minus(z, equation.map(z))))
 }
 
 /// The verdict on a first Newton sweep, from its two changes as in [`verdict`] with a margin; and the start again if it is

@@ -1,8 +1,8 @@
 //! What the implicit schemes share: the equation z = start + change(start, z), on one path and on a block.
 
 use noise::AreaBlock;
-use nonlin::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Solution, Solver};
-use real::{Block, Real, VectorFunction, jacobian};
+use nonlin::{BlockFixedPoint, BlockStatus, FirstSweep, FixedPoint, Method, Solution, Solver};
+use real::{Block, Real};
 use systems::PoissonSystem;
 
 /// The change over one step of an implicit scheme on systems of type S, driven by noise of type N on each path.
@@ -10,43 +10,17 @@ pub(crate) trait Rule<S, N: Copy, const D: usize>: Copy {
     /// The method that solves its equations with the least work.
     const METHOD: Method;
 
-    /// Whether it begins with a long first sweep.
-    const LONG_FIRST_SWEEP: bool;
+    /// How it begins.
+    const FIRST_SWEEP: FirstSweep;
 
     /// The change from `start` to `z`. Must be `#[inline(always)]`.
     fn change<R: Real>(&self, system: &S, noise: N, start: [f64; D], z: [R; D]) -> [R; D];
 
-    /// A guess of z for `equation`. Must be `#[inline(always)]`.
+    /// The solution from `start` and a bound of its residual, for [`FirstSweep::Own`]. Must be `#[inline(always)]`.
     #[inline(always)]
-    fn predictor(&self, equation: &PathEquation<'_, S, Self, N, D>) -> [f64; D] {
-        equation.map(equation.map(equation.start))
-    }
-
-    /// The change where z is near the start, NaN where it is not. Must be `#[inline(always)]`.
-    #[inline(always)]
-    fn change_near(&self, system: &S, noise: N, start: [f64; D], z: [f64; D]) -> [f64; D] {
-        self.change(system, noise, start, z)
-    }
-
-    /// The same with the Jacobian by z. Must be `#[inline(always)]`.
-    #[inline(always)]
-    fn jacobian_near(&self, system: &S, noise: N, start: [f64; D], z: [f64; D]) -> ([f64; D], [[f64; D]; D]) {
-        jacobian(&Change { rule: *self, system, noise, start }, z)
-    }
-}
-
-/// The change as a function of z.
-struct Change<'a, S, Q, N, const D: usize> {
-    rule: Q,
-    system: &'a S,
-    noise: N,
-    start: [f64; D],
-}
-
-impl<S, Q: Rule<S, N, D>, N: Copy, const D: usize> VectorFunction<D, D> for Change<'_, S, Q, N, D> {
-    #[inline(always)]
-    fn value<R: Real>(&self, z: [R; D]) -> [R; D] {
-        self.rule.change(self.system, self.noise, self.start, z)
+    fn own_sweep(&self, system: &S, noise: N, start: [f64; D]) -> ([f64; D], f64) {
+        let _ = (system, noise);
+        (start, f64::INFINITY)
     }
 }
 
@@ -108,14 +82,14 @@ pub(crate) const fn method<S: PoissonSystem<D, M>, const D: usize, const M: usiz
     if S::PREFERS_NEWTON { Method::Newton } else { Method::FixedPoint }
 }
 
-/// Whether the steps of a system begin with a long first sweep.
-pub(crate) const fn long_first_sweep<S: PoissonSystem<D, M>, const D: usize, const M: usize>() -> bool {
-    S::PREFERS_NEWTON || S::SHORT_FIELD
+/// How the steps of a system begin where it cannot solve them itself.
+pub(crate) const fn first_sweep<S: PoissonSystem<D, M>, const D: usize, const M: usize>() -> FirstSweep {
+    if S::PREFERS_NEWTON || S::SHORT_FIELD { FirstSweep::Long } else { FirstSweep::Plain }
 }
 
 impl<S, Q: Rule<S, N, D>, N: Copy, const D: usize> FixedPoint<D> for PathEquation<'_, S, Q, N, D> {
     const METHOD: Method = Q::METHOD;
-    const LONG_FIRST_SWEEP: bool = Q::LONG_FIRST_SWEEP;
+    const FIRST_SWEEP: FirstSweep = Q::FIRST_SWEEP;
 
     #[inline(always)]
     fn start(&self) -> [f64; D] {
@@ -132,30 +106,8 @@ impl<S, Q: Rule<S, N, D>, N: Copy, const D: usize> FixedPoint<D> for PathEquatio
     }
 
     #[inline(always)]
-    fn predictor(&self) -> [f64; D] {
-        self.rule.predictor(self)
-    }
-
-    #[inline(always)]
-    fn map_near(&self, z: [f64; D]) -> [f64; D] {
-        self.moved(self.rule.change_near(self.system, self.noise, self.start, z))
-    }
-
-    #[inline(always)]
-    fn jacobian_near(&self, z: [f64; D]) -> ([f64; D], [[f64; D]; D]) {
-        let (change, jacobian) = self.rule.jacobian_near(self.system, self.noise, self.start, z);
-        (self.moved(change), jacobian)
-    }
-}
-
-impl<S, Q, N, const D: usize> PathEquation<'_, S, Q, N, D> {
-    /// start + change.
-    #[inline(always)]
-    fn moved(&self, mut change: [f64; D]) -> [f64; D] {
-        for i in 0..D {
-            change[i] += self.start[i];
-        }
-        change
+    fn own_sweep(&self) -> ([f64; D], f64) {
+        self.rule.own_sweep(self.system, self.noise, self.start)
     }
 }
 

@@ -6,11 +6,11 @@
 //! takes 2τγC(m) from them, which depends on the path, instead of multiplying them by e^{−2∫γ}, and multiplies linear
 //! ones by (1 − τγ/2)/(1 + τγ/2). Implicit: one nonlinear system of D equations a step.
 
-use nonlin::{BlockStatus, Method, Solution, Solver};
+use nonlin::{BlockStatus, FirstSweep, Method, Solution, Solver};
 use real::{Block, Kernel, Real, dispatch};
 use systems::{PoissonSystem, vector_field};
 
-use crate::implicit::{Rule, long_first_sweep, method, solve_block, solve_path};
+use crate::implicit::{Rule, first_sweep, method, solve_block, solve_path};
 use crate::{Scheme, Step};
 
 /// The stochastic midpoint rule, `midpoint`.
@@ -36,7 +36,7 @@ impl MidpointField {
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, [f64; M], D> for MidpointField {
     const METHOD: Method = method::<S, D, M>();
-    const LONG_FIRST_SWEEP: bool = long_first_sweep::<S, D, M>();
+    const FIRST_SWEEP: FirstSweep = first_sweep::<S, D, M>();
 
     #[inline(always)]
     fn change<R: Real>(&self, system: &S, dw: [f64; M], start: [f64; D], z: [R; D]) -> [R; D] {

@@ -8,11 +8,11 @@
 //! noise (k ≥ 2); weak order 1. Keeps linear and quadratic Casimirs exactly on their damped law for every τ; with one
 //! noise, dy = B∇H(dt + c∘dW) − γy dt, also a homogeneous H. Implicit: one nonlinear system of D equations a step.
 
-use nonlin::{BlockStatus, Method, Solution, Solver};
+use nonlin::{BlockStatus, FirstSweep, Method, Solution, Solver};
 use real::{Block, Kernel, Real, WIDTH, dispatch};
 use systems::PoissonSystem;
 
-use crate::implicit::{BlockNoise, PathEquation, Rule, long_first_sweep, method, solve_block, solve_path};
+use crate::implicit::{BlockNoise, Rule, first_sweep, method, solve_block, solve_path};
 use crate::{Scheme, Step};
 
 /// The stochastic conformal exponential integrator, `sexp`.
@@ -30,7 +30,7 @@ pub(crate) struct AveragedField {
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, [f64; M], D> for AveragedField {
     const METHOD: Method = method::<S, D, M>();
-    const LONG_FIRST_SWEEP: bool = long_first_sweep::<S, D, M>();
+    const FIRST_SWEEP: FirstSweep = if S::SOLVES_SHORT_STEPS { FirstSweep::Own } else { first_sweep::<S, D, M>() };
 
     #[inline(always)]
     fn change<R: Real>(&self, system: &S, dw: [f64; M], start: [f64; D], z: [R; D]) -> [R; D] {
@@ -42,18 +42,8 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, [f64; M], D
     }
 
     #[inline(always)]
-    fn predictor(&self, equation: &PathEquation<'_, S, Self, [f64; M], D>) -> [f64; D] {
-        equation.system.predictor(equation.start, self.tau, equation.noise)
-    }
-
-    #[inline(always)]
-    fn change_near(&self, system: &S, dw: [f64; M], start: [f64; D], z: [f64; D]) -> [f64; D] {
-        system.averaged_field_near(start, z, self.tau, dw)
-    }
-
-    #[inline(always)]
-    fn jacobian_near(&self, system: &S, dw: [f64; M], start: [f64; D], z: [f64; D]) -> ([f64; D], [[f64; D]; D]) {
-        system.averaged_field_jacobian_near(start, z, self.tau, dw)
+    fn own_sweep(&self, system: &S, dw: [f64; M], start: [f64; D]) -> ([f64; D], f64) {
+        system.short_step(start, self.tau, dw)
     }
 }
 

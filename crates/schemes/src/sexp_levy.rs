@@ -12,11 +12,11 @@
 //! equation stays solvable ([`noise::Truncation::area_bound`]).
 
 use noise::AreaBlock;
-use nonlin::{BlockStatus, Method, Solution, Solver};
+use nonlin::{BlockStatus, FirstSweep, Method, Solution, Solver};
 use real::{Block, Kernel, Real, dispatch};
 use systems::{PoissonSystem, noises_commute};
 
-use crate::implicit::{BlockWithAreas, Rule, WithAreas, long_first_sweep, method};
+use crate::implicit::{BlockWithAreas, Rule, WithAreas, first_sweep, method};
 use crate::sexp::{AveragedField, split_block, split_path};
 use crate::{Scheme, Sexp, Step};
 
@@ -51,7 +51,7 @@ struct FieldWithAreas {
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, WithAreas<M>, D> for FieldWithAreas {
     const METHOD: Method = method::<S, D, M>();
-    const LONG_FIRST_SWEEP: bool = long_first_sweep::<S, D, M>();
+    const FIRST_SWEEP: FirstSweep = first_sweep::<S, D, M>();
 
     #[inline(always)]
     fn change<R: Real>(&self, system: &S, noise: WithAreas<M>, start: [f64; D], z: [R; D]) -> [R; D] {

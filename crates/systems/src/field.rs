@@ -38,27 +38,6 @@ impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> GradientFi
     }
 }
 
-/// B((a+b)/2)∇̄h(a, b) as a function of b.
-pub(crate) struct AveragedField<'a, S: ?Sized, const D: usize, const M: usize> {
-    pub(crate) system: &'a S,
-    pub(crate) a: [f64; D],
-    pub(crate) dt: f64,
-    pub(crate) dw: [f64; M],
-}
-
-impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> VectorFunction<D, D>
-    for AveragedField<'_, S, D, M>
-{
-    #[inline(always)]
-    fn value<R: Real>(&self, b: [R; D]) -> [R; D] {
-        let mut a = [R::zero(); D];
-        for i in 0..D {
-            a[i] = R::constant(self.a[i]);
-        }
-        self.system.averaged_field(a, b, self.dt, self.dw)
-    }
-}
-
 struct VectorField<'a, S: ?Sized, const M: usize> {
     system: &'a S,
     dt: f64,
@@ -93,31 +72,6 @@ pub fn vector_field_derivative<S: PoissonSystem<D, M> + ?Sized, R: Real, const D
     v: [R; D],
 ) -> [R; D] {
     directional(&VectorField { system, dt, dw }, y, v).1
-}
-
-/// a + f(a + ½f(a + ½f(a))) for f = B∇h: two fixed-point iterations for the midpoint rule.
-#[inline(always)]
-pub(crate) fn midpoint_predictor<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
-    system: &S,
-    a: [f64; D],
-    dt: f64,
-    dw: [f64; M],
-) -> [f64; D] {
-    let middle = half_way(a, vector_field(system, half_way(a, vector_field(system, a, dt, dw)), dt, dw));
-    let mut guess = vector_field(system, middle, dt, dw);
-    for i in 0..D {
-        guess[i] += a[i];
-    }
-    guess
-}
-
-/// a + ½v.
-#[inline(always)]
-fn half_way<const D: usize>(mut a: [f64; D], v: [f64; D]) -> [f64; D] {
-    for i in 0..D {
-        a[i] += 0.5 * v[i];
-    }
-    a
 }
 
 /// The weights (0, eₘ) that pick fₘ out of [`vector_field`].

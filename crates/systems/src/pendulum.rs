@@ -26,6 +26,7 @@ impl Pendulum {
 
 impl PoissonSystem<2, 1> for Pendulum {
     const PREFERS_NEWTON: bool = true;
+    const SOLVES_SHORT_STEPS: bool = true;
 
     fn name(&self) -> &'static str {
         "pendulum"
@@ -53,33 +54,27 @@ impl PoissonSystem<2, 1> for Pendulum {
         [(a[0] + b[0]) * (0.5 * weight), mean_sine(a[1], b[1]) * weight]
     }
 
-    /// The change h of the angle satisfies h = w(a₁ − ½w·mean sine), which three iterations solve.
+    /// Newton's method for the change h of the angle, f(h) = h − w(a₁ − ½M(h)) = 0 with the average force M(h): after two iterations
+    /// with polynomials a step δ₁ with the derivative to seven digits, and one δ that keeps it.
+    ///
+    /// The force after δ is the one before with that derivative, so that f = 0 and what is left is in the momentum: M″ is at most |w|/3
+    /// and the derivative lacks at most 2.3·10⁻⁸|w|, hence ‖z − ψ(z)‖₁ ≤ |w|(⅓(|δ₁| + |δ|) + 3·10⁻⁸)|δ|. For |w| < 1 the map contracts, and there
+    /// is no other solution.
     #[inline(always)]
-    fn predictor(&self, a: [f64; 2], dt: f64, dw: [f64; 1]) -> [f64; 2] {
+    fn short_step(&self, a: [f64; 2], dt: f64, dw: [f64; 1]) -> ([f64; 2], f64) {
         let weight = dt + self.noise * dw[0];
         let (drift, half) = (weight * a[0], 0.5 * weight);
         let force = ShortMean::of_sine(a[1], weight);
-        let change = drift - half * force.quadratic(drift);
-        let change = drift - half * force.cubic(change);
-        [a[0] - force.cubic(change), a[1] + change]
-    }
-
-    #[inline(always)]
-    fn averaged_field_near(&self, a: [f64; 2], b: [f64; 2], dt: f64, dw: [f64; 1]) -> [f64; 2] {
-        let weight = dt + self.noise * dw[0];
-        [-ShortMean::of_sine(a[1], weight).value(b[1] - a[1]), (a[0] + b[0]) * (0.5 * weight)]
-    }
-
-    #[inline(always)]
-    fn averaged_field_jacobian_near(
-        &self,
-        a: [f64; 2],
-        b: [f64; 2],
-        dt: f64,
-        dw: [f64; 1],
-    ) -> ([f64; 2], [[f64; 2]; 2]) {
-        let weight = dt + self.noise * dw[0];
-        let (mean, slope) = ShortMean::of_sine(a[1], weight).with_slope(b[1] - a[1]);
-        ([-mean, (a[0] + b[0]) * (0.5 * weight)], [[0.0, -slope], [0.5 * weight, 0.0]])
+        let h = drift - half * force.quadratic(drift);
+        let h = drift - half * force.cubic(h);
+        let (mean, slope) = force.estimate_with_slope(h);
+        let inverse = 1.0 / (1.0 + half * slope);
+        let first = ((h - drift) + half * mean) * inverse;
+        let h = h - first;
+        let mean = force.value(h);
+        let last = ((h - drift) + half * mean) * inverse;
+        let bound = (weight.abs() * last.abs()) * ((first.abs() + last.abs()) * (1.0 / 3.0) + 3e-8);
+        let bound = if weight.abs() < 1.0 { bound } else { f64::INFINITY };
+        ([a[0] - (mean - slope * last), a[1] + (h - last)], bound)
     }
 }

@@ -1,9 +1,9 @@
 //! The trait that a system is written in.
 
 use dgrad::{averaged, quadratic};
-use real::{Real, gradient, jacobian};
+use real::{Real, gradient};
 
-use crate::field::{AveragedField, Energy, HamiltonianIncrement, commutators, midpoint_predictor};
+use crate::field::{Energy, HamiltonianIncrement, commutators};
 use crate::{Invariant, SystemError};
 
 /// Nodes of the default discrete gradient: error of order |b − a|¹⁶, round-off for the small steps of a scheme.
@@ -16,14 +16,16 @@ const DEFAULT_NODES: usize = 8;
 /// block of paths. Time and noise increments are plain numbers: nothing is ever differentiated by them, and
 /// constants kept out of the dual numbers are multiplications saved in every Jacobian.
 pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
-    /// Whether schemes solve their steps by Newton's method unless told otherwise: the faster one where ∇̄h is costly and the
-    /// system knows a cheap [`predictor`](PoissonSystem::predictor) and Jacobian.
+    /// Whether schemes solve their steps by Newton's method unless told otherwise: the faster one where ∇̄h is costly.
     const PREFERS_NEWTON: bool = false;
 
     /// Whether [`averaged_field`](PoissonSystem::averaged_field) is a closed form of some dozen operations. Then the fixed-point iteration begins with
     /// eleven evaluations that are written out for two paths at a time: a third faster, and too much code where the field is
     /// a quadrature.
     const SHORT_FIELD: bool = false;
+
+    /// Whether [`short_step`](PoissonSystem::short_step) solves the implicit steps that are not too long.
+    const SOLVES_SHORT_STEPS: bool = false;
 
     /// Its name in reports.
     fn name(&self) -> &'static str;
@@ -52,29 +54,16 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
         self.structure(quadratic(a, b), self.averaged_gradient(a, b, dt, dw))
     }
 
-    /// A guess of the b with b = a + averaged_field(a, b), where an implicit step leads: a + f(a + ½f(a + ½f(a))) unless
-    /// overridden.
+    /// The b with b = a + averaged_field(a, b), where an implicit step leads, and a bound of what it lacks of that,
+    /// ‖b − a − averaged_field(a, b)‖₁, rounding excepted.
+    ///
+    /// For systems that set [`SOLVES_SHORT_STEPS`](PoissonSystem::SOLVES_SHORT_STEPS): what is known of an equation, and a general solver cannot know, saves
+    /// most of its work. If the bound is not round-off, which the solver decides, its sweeps go on from b; where it
+    /// is infinite or NaN they begin at a. There must be no other solution that begins at a for smaller steps than the one that b is near.
     #[inline(always)]
-    fn predictor(&self, a: [f64; D], dt: f64, dw: [f64; M]) -> [f64; D] {
-        midpoint_predictor(self, a, dt, dw)
-    }
-
-    /// [`averaged_field`](PoissonSystem::averaged_field) where b is near a, to the same accuracy, and NaN where it is not.
-    #[inline(always)]
-    fn averaged_field_near(&self, a: [f64; D], b: [f64; D], dt: f64, dw: [f64; M]) -> [f64; D] {
-        self.averaged_field(a, b, dt, dw)
-    }
-
-    /// The same with its Jacobian by b, row i holding the derivatives of component i; by dual numbers unless overridden.
-    #[inline(always)]
-    fn averaged_field_jacobian_near(
-        &self,
-        a: [f64; D],
-        b: [f64; D],
-        dt: f64,
-        dw: [f64; M],
-    ) -> ([f64; D], [[f64; D]; D]) {
-        jacobian(&AveragedField { system: self, a, dt, dw }, b)
+    fn short_step(&self, a: [f64; D], dt: f64, dw: [f64; M]) -> ([f64; D], f64) {
+        let _ = (dt, dw);
+        (a, f64::INFINITY)
     }
 
     /// Σ_{m<l} A_ml \[fₘ, f_l\](y) for a skew matrix A of Lévy areas, with fₘ = B∇Hₘ and [f, g] = g′f − f′g; by dual numbers,

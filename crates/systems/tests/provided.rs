@@ -4,7 +4,7 @@ mod common;
 
 use common::{Check, Numbers, Region, dot, every_system};
 use real::Real;
-use systems::{Pendulum, PoissonSystem};
+use systems::{Pendulum, Poisson3, PoissonSystem};
 
 /// A system that says only what must be said.
 struct Plain<'a, S>(&'a S);
@@ -83,33 +83,6 @@ impl Check for ClosedForms {
                 );
             }
 
-            let near = system.averaged_field_near(a, b, dt, dw);
-            let (value, slopes) = system.averaged_field_jacobian_near(a, b, dt, dw);
-            let (plain, columns) = Plain(system).averaged_field_jacobian_near(a, b, dt, dw);
-            let largest_slope = columns.iter().flatten().fold(largest * entry, |m: f64, x| m.max(x.abs()));
-            for i in 0..D {
-                assert!(
-                    (value[i] - near[i]).abs() <= 2.0 * f64::EPSILON * largest * entry,
-                    "{name}: {value:?} {near:?}"
-                );
-                assert!((value[i] - plain[i]).abs() < ROUND_OFF * largest * entry, "{name}: {value:?} {plain:?}");
-                for j in 0..D {
-                    assert!(
-                        (slopes[i][j] - columns[i][j]).abs() < ROUND_OFF * largest_slope,
-                        "{name} from {a:?} to {b:?}: {slopes:?} {columns:?}"
-                    );
-                }
-            }
-
-            // A small step leads close to the prediction.
-            let small = [1e-3, 1e-4];
-            let guess = system.predictor(a, small[0], [small[1]; M]);
-            let field = system.averaged_field(a, guess, small[0], [small[1]; M]);
-            for i in 0..D {
-                let change = field.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-                assert!((a[i] + field[i] - guess[i]).abs() <= 1e-4 * change + 1e-15, "{name}: {guess:?}");
-            }
-
             // What a discrete gradient is for: ∇̄h·(b − a) = h(b) − h(a).
             let step = std::array::from_fn(|i| b[i] - a[i]);
             let (h_a, h_b): (f64, f64) = (system.energy(a, dt, dw), system.energy(b, dt, dw));
@@ -125,6 +98,62 @@ impl Check for ClosedForms {
 #[test]
 fn closed_forms_agree_with_the_provided_ones() {
     every_system(&mut ClosedForms);
+}
+
+/// What a system solves itself is a solution within its bound, from short steps to steps that it declines.
+struct ShortSteps {
+    solved: usize,
+}
+
+impl Check for ShortSteps {
+    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, region: Region) {
+        let mut numbers = Numbers(9);
+        for n in 0..4000 {
+            let a: [f64; D] = region.point(&mut numbers);
+            // Four sizes of steps, the largest beyond what is declined.
+            let size = [1e-3, 0.03, 0.3, 3.0][n % 4];
+            let (dt, dw): (f64, [f64; M]) = (size * numbers.next().abs(), numbers.vector().map(|w| size * w));
+            let (b, bound) = system.short_step(a, dt, dw);
+            if !S::SOLVES_SHORT_STEPS {
+                assert!(b == a && bound == f64::INFINITY, "{}", system.name());
+                continue;
+            }
+            self.solved += 1;
+            let sum = |v: [f64; D]| v.iter().map(|x| x.abs()).sum::<f64>();
+            if size <= 0.03 {
+                assert!(bound <= 2.0 * f64::EPSILON * sum(b), "{}: {bound:e} at {dt} {dw:?}", system.name());
+            }
+            if bound < f64::INFINITY {
+                let field = system.averaged_field(a, b, dt, dw);
+                let left = sum(std::array::from_fn(|i| b[i] - a[i] - field[i]));
+                // Half an ulp for each of a dozen roundings.
+                assert!(
+                    left <= bound + 6.0 * f64::EPSILON * (sum(a) + sum(b)),
+                    "{}: {left:e} {bound:e}",
+                    system.name()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn short_steps_are_solved_within_their_bound() {
+    let mut check = ShortSteps { solved: 0 };
+    every_system(&mut check);
+    assert!(check.solved > 0);
+}
+
+/// A step whose solution is not unique, or too long for the polynomials, is declined.
+#[test]
+fn long_steps_are_declined() {
+    let declined = |bound: f64| bound == f64::INFINITY || bound.is_nan();
+    for dt in [1.0, -1.0, 10.0, 1e300, f64::INFINITY, f64::NAN] {
+        assert!(declined(Pendulum::new(1.0).unwrap().short_step([0.5, 1.0], dt, [0.0]).1), "{dt}");
+        assert!(declined(Poisson3::new(1.0).unwrap().short_step([0.5, 1.0, 2.0], dt, [0.0]).1), "{dt}");
+    }
+    assert!(declined(Pendulum::new(1.0).unwrap().short_step([100.0, 1.0], 0.1, [0.0]).1));
+    assert!(declined(Poisson3::new(1.0).unwrap().short_step([0.5, 1e7, 2.0], 0.1, [0.0]).1));
 }
 
 struct EnergyIsLinear;

@@ -148,6 +148,8 @@ enum Fault {
     /// ∇̄ at an end point: right at a = b and nowhere else.
     OneSided,
     AveragedField,
+    /// Explicit, and said to be exact.
+    ShortStep,
     Commutators,
     Degree,
     Form,
@@ -166,6 +168,7 @@ fn body() -> RigidBody<3> {
 }
 
 impl PoissonSystem<3, 3> for Spoiled {
+    const SOLVES_SHORT_STEPS: bool = true;
     fn name(&self) -> &'static str {
         "spoiled"
     }
@@ -201,6 +204,13 @@ impl PoissonSystem<3, 3> for Spoiled {
     fn averaged_field<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 3]) -> [R; 3] {
         let at = if self.0 == Fault::AveragedField { a } else { dgrad::quadratic(a, b) };
         self.structure(at, self.averaged_gradient(a, b, dt, dw))
+    }
+    fn short_step(&self, a: [f64; 3], dt: f64, dw: [f64; 3]) -> ([f64; 3], f64) {
+        if self.0 != Fault::ShortStep {
+            return (a, f64::INFINITY);
+        }
+        let field = systems::vector_field(self, a, dt, dw);
+        (std::array::from_fn(|i| a[i] + field[i]), 0.0)
     }
     fn commutators<R: Real>(&self, y: [R; 3], areas: [[f64; 3]; 3]) -> [R; 3] {
         if self.0 == Fault::Commutators {
@@ -264,6 +274,7 @@ fn every_mistake_is_named() {
         (Fault::AveragedGradient, "averaged_gradient(y, y) is not the gradient"),
         (Fault::OneSided, "is not the change of energy"),
         (Fault::AveragedField, "averaged_field(a, b) is not structure"),
+        (Fault::ShortStep, "short_step does not solve"),
         (Fault::Commutators, "commutators is not what follows"),
         (Fault::Degree, "is claimed to have degree 3 and has degree 2"),
         (Fault::Form, "is claimed as homogeneous and is quadratic"),

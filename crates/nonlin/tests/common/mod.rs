@@ -1,7 +1,7 @@
 //! Equations that the tests share.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
-use nonlin::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Solver};
+use nonlin::{BlockFixedPoint, BlockStatus, FirstSweep, FixedPoint, Method, Solver};
 use real::{Block, Kernel, Real, WIDTH, dispatch};
 
 /// zᵢ = cᵢ + r·Σⱼ Aᵢⱼ sin(zⱼ/r + bᵢⱼ), which scales with r: z is a solution for r where z/r is one for 1.
@@ -51,7 +51,7 @@ impl<const D: usize> SineMap<D> {
 }
 
 impl<const D: usize> FixedPoint<D> for SineMap<D> {
-    const LONG_FIRST_SWEEP: bool = true;
+    const FIRST_SWEEP: FirstSweep = FirstSweep::Long;
 
     #[inline(always)]
     fn start(&self) -> [f64; D] {
@@ -78,7 +78,7 @@ pub struct PrefersNewton<E>(pub E);
 
 impl<E: FixedPoint<D>, const D: usize> FixedPoint<D> for PrefersNewton<E> {
     const METHOD: Method = Method::Newton;
-    const LONG_FIRST_SWEEP: bool = true;
+    const FIRST_SWEEP: FirstSweep = FirstSweep::Long;
 
     #[inline(always)]
     fn start(&self) -> [f64; D] {

@@ -23,7 +23,8 @@ pub(super) trait Probe {
     fn dual_gradient(&self, y: &[f64], weights: &[f64]) -> Vec<f64>;
     fn averaged_gradient(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64>;
     fn averaged_field(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64>;
-    fn averaged_field_near(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64>;
+    /// `short_step`, where the system has one.
+    fn short_step(&self, a: &[f64], weights: &[f64]) -> Option<(Vec<f64>, f64)>;
     /// ∇²h, rows.
     fn hessian(&self, y: &[f64], weights: &[f64]) -> Matrix;
     /// B∇h.
@@ -139,8 +140,9 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Probe for Of<'_, S,
     fn averaged_field(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64> {
         self.0.averaged_field::<f64>(array(a), array(b), weights[0], array(&weights[1..])).to_vec()
     }
-    fn averaged_field_near(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64> {
-        self.0.averaged_field_near(array(a), array(b), weights[0], array(&weights[1..])).to_vec()
+    fn short_step(&self, a: &[f64], weights: &[f64]) -> Option<(Vec<f64>, f64)> {
+        let (b, bound) = self.0.short_step(array(a), weights[0], array(&weights[1..]));
+        S::SOLVES_SHORT_STEPS.then(|| (b.to_vec(), bound))
     }
     fn hessian(&self, y: &[f64], weights: &[f64]) -> Matrix {
         rows::<_, D>(&self.energy_of(weights), array(y))

@@ -27,6 +27,10 @@ pub(super) fn mistakes(inspection: &Inspection) -> Vec<String> {
     must(&hamiltonians.gradient, "gradient is not the gradient of energy");
     must(&hamiltonians.averaged_gradient, "averaged_gradient(y, y) is not the gradient of energy at y");
     must(&hamiltonians.averaged_field, "averaged_field(a, b) is not structure((a+b)/2, averaged_gradient(a, b))");
+    must(
+        &hamiltonians.short_step,
+        "short_step does not solve b = a + averaged_field(a, b) within the bound that it gives",
+    );
     must(&noise.commutators, "commutators is not what follows from B and the energy");
     if hamiltonians.discrete_gradient.defect > POOR_QUADRATURE {
         must(&hamiltonians.discrete_gradient, "averaged_gradient(a, b)·(b − a) is not the change of energy");
