@@ -7,7 +7,7 @@
 use std::hint::black_box;
 use std::process::Command;
 use std::thread;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use clap::Parser;
@@ -114,16 +114,18 @@ impl<const D: usize> Case<D> {
     }
 }
 
-/// The best of some repetitions in seconds, and the last result.
-fn best<T>(repetitions: u32, mut work: impl FnMut() -> T) -> (f64, T) {
-    let mut result = work();
+/// The best time of as many repetitions as fit into the budget, one at least, in seconds, and the last result.
+fn best<T>(budget: Duration, mut work: impl FnMut() -> T) -> (f64, T) {
+    let whole = Instant::now();
     let mut best = f64::INFINITY;
-    for _ in 0..repetitions {
+    loop {
         let start = Instant::now();
-        result = black_box(work());
+        let result = black_box(work());
         best = best.min(start.elapsed().as_secs_f64());
+        if whole.elapsed() >= budget {
+            return (best, result);
+        }
     }
-    (best, result)
 }
 
 /// A time in microseconds, and how it ended.
@@ -139,34 +141,39 @@ fn ended(outcome: Outcome) -> String {
     }
 }
 
-fn rows<const D: usize>(table: &mut Table, quick: bool) -> Result<()> {
-    // The dearer the step, the fewer repetitions: about the same time for every dimension.
-    let many = if quick { 1 } else { 60_000 / D as u32 };
-    let few = if quick { 1 } else { (400_000 / (D * D)).clamp(5, 500) as u32 };
+/// Beyond this contraction a block is not measured: from about 0.8 on its paths are rescued, one after the other, which the column
+/// of the single path shows.
+const CONTRACTS: f64 = 0.75;
+
+fn rows<const D: usize>(table: &mut Table, budget: Duration) -> Result<()> {
     let by = |method| Sexp { solver: Solver::new(method) };
     for exchange in EXCHANGES {
         let case = Case::<D>::new(exchange)?;
         let (mut matrix, mut defect) = (Mat::zeros(D, D), Mat::zeros(D, 1));
         let (system, step) = (&case.system, &case.step);
         let contraction = case.contraction();
-        let (library, (iterations, solution)) = best(few, || case.newton_by_library(&mut matrix, &mut defect));
-        let (assembly, ()) = best(few, || case.linearised(case.start(), case.y, &mut matrix, &mut defect));
-        let (newton, own) = best(few, || by(Method::Newton).step(system, step, INCREMENTS, black_box(case.y)));
-        // Where the iteration does not contract the rescue is Newton's method with continuation, which is slow.
-        let many = if contraction < 0.8 { many } else { few.min(20) };
-        let (path, fixed) = best(many, || by(Method::FixedPoint).step(system, step, INCREMENTS, black_box(case.y)));
-        let (start, dw) = (Block::splat(case.y), Block::splat(INCREMENTS));
-        let mut status = BlockStatus::explicit();
-        let (block, _) = best((many / 8).max(1), || {
-            let mut y = black_box(start);
-            by(Method::FixedPoint).step_block(system, step, &dw, &mut y, &mut status);
-            y
-        });
+        eprintln!("D = {D}, exchange constant {exchange}: contraction {contraction:.3}");
+        let (library, (iterations, solution)) = best(budget, || case.newton_by_library(&mut matrix, &mut defect));
+        let (assembly, ()) = best(budget, || case.linearised(case.start(), case.y, &mut matrix, &mut defect));
+        let (newton, own) = best(budget, || by(Method::Newton).step(system, step, INCREMENTS, black_box(case.y)));
+        let (path, fixed) = best(budget, || by(Method::FixedPoint).step(system, step, INCREMENTS, black_box(case.y)));
+        let block = if contraction < CONTRACTS {
+            let (start, dw) = (Block::splat(case.y), Block::splat(INCREMENTS));
+            let mut status = BlockStatus::explicit();
+            let (block, _) = best(budget, || {
+                let mut y = black_box(start);
+                by(Method::FixedPoint).step_block(system, step, &dw, &mut y, &mut status);
+                y
+            });
+            cell(block / WIDTH as f64, &ended(fixed.outcome))
+        } else {
+            "not measured".to_owned()
+        };
         let distance = (0..D).map(|i| (fixed.z[i] - solution[i]).abs()).fold(0.0, f64::max);
         table.add_row([
             D.to_string(),
             format!("{contraction:.3}"),
-            cell(block / WIDTH as f64, &ended(fixed.outcome)),
+            block,
             cell(path, &ended(fixed.outcome)),
             cell(newton, &ended(own.outcome)),
             cell(library, &iterations.map_or_else(|| "none".to_owned(), |n| n.to_string())),
@@ -227,10 +234,13 @@ fn table(header: &[&str]) -> Table {
     table
 }
 
+/// For each number of the table.
+const BUDGET: Duration = Duration::from_millis(300);
+
 /// The stack on which the times are measured, more than the largest case needs.
 const STACK: usize = 256 << 20;
 
-fn times(quick: bool) -> Result<()> {
+fn times(budget: Duration) -> Result<()> {
     faer::set_global_parallelism(Par::Seq);
     let mut table = table(&[
         "D",
@@ -242,11 +252,11 @@ fn times(quick: bool) -> Result<()> {
         "of which one Jacobian",
         "distance",
     ]);
-    rows::<6>(&mut table, quick)?;
-    rows::<30>(&mut table, quick)?;
-    rows::<90>(&mut table, quick)?;
-    rows::<150>(&mut table, quick)?;
-    rows::<300>(&mut table, quick)?;
+    rows::<6>(&mut table, budget)?;
+    rows::<30>(&mut table, budget)?;
+    rows::<90>(&mut table, budget)?;
+    rows::<150>(&mut table, budget)?;
+    rows::<300>(&mut table, budget)?;
     println!("µs for one step of one path, {}, best of many:\n{table}\n", Level::current().name());
     Ok(())
 }
@@ -264,8 +274,8 @@ fn main() -> Result<()> {
             other => anyhow::bail!("no spin chain of dimension {other}"),
         };
     }
-    let quick = arguments.quick;
-    let worker = thread::Builder::new().stack_size(STACK).spawn(move || times(quick))?;
+    let budget = if arguments.quick { Duration::ZERO } else { BUDGET };
+    let worker = thread::Builder::new().stack_size(STACK).spawn(move || times(budget))?;
     worker.join().map_err(|_| anyhow::anyhow!("the measurement panicked"))??;
     let methods = ["block-fixed-point", "path-fixed-point", "path-newton"];
     let mut stacks = table(&["D", methods[0], methods[1], methods[2]]);
