@@ -4,13 +4,16 @@
 //!
 //! - `rigid body`: every scheme on the rigid body with three noises; `sexp-levy` draws its areas at its own step, with an
 //!   error of τ^{3/2} as strong order one asks;
-//! - `sexp`: the conformal scheme on the five systems.
+//! - `sexp`: the conformal scheme on the five systems;
+//! - `own system`: the rigid body with three noises as somebody else might write it.
 //!
 //! `block` advances 32 paths at once, `path` one.
 //!
 //! An element is one path and step, so criterion's `Melem/s` are millions of path-steps a second: **ns per path-step =
 //! 1000 / (Melem/s)**. The rate of `block` over the rate of `path` says what vectorisation brings. It guards the path
 //! loop: a ratio near one means that something in it is no longer inlined or vectorised.
+
+mod own;
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -181,5 +184,16 @@ fn systems(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, rigid_body, systems);
+fn own_system(criterion: &mut Criterion) {
+    let mut group = short(criterion, "own system");
+    let damping = Cosine::new(0.5, 2.0).expect("finite");
+    let sexp = Sexp::default();
+    let tuned = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).expect("positive");
+    Run::new(tuned, &damping, momentum()).block(&mut group, "tuned", &sexp);
+    Run::new(own::TwentyLines, &damping, momentum()).block(&mut group, "twenty lines", &sexp);
+    Run::new(own::TwoFormulas, &damping, momentum()).block(&mut group, "two formulas", &sexp);
+    group.finish();
+}
+
+criterion_group!(benches, rigid_body, systems, own_system);
 criterion_main!(benches);
