@@ -81,6 +81,29 @@ fn without_a_bound_they_begin_at_the_start() {
     }
 }
 
+/// Says that it solves itself, and does not.
+#[derive(Clone, Copy, Debug)]
+struct Silent(SineMap<2>);
+
+impl FixedPoint<2> for Silent {
+    const METHOD: Method = Method::Newton;
+    const FIRST_SWEEP: FirstSweep = FirstSweep::Own;
+    fn start(&self) -> [f64; 2] {
+        self.0.start()
+    }
+    #[inline(always)]
+    fn map<R: Real>(&self, z: [R; 2]) -> [R; 2] {
+        self.0.map(z)
+    }
+}
+
+#[test]
+fn one_that_has_no_solution_of_its_own_is_solved_all_the_same() {
+    let map = map();
+    let (plain, silent) = (Solver::new(Method::Newton).solve(&map), Solver::default().solve(&Silent(map)));
+    assert_eq!(silent.z, plain.z);
+}
+
 /// A bound of zero for what is no number.
 #[test]
 fn an_infinity_is_no_solution() {
