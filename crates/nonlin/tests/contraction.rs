@@ -96,8 +96,10 @@ proptest! {
         let solver = Solver { max_sweeps: 1, ..Solver::default() };
         let found = solver.solve(&map);
         prop_assert!(found.outcome.converged());
-        if let Outcome::Robust { residual: reported, .. } = found.outcome {
+        if let Outcome::Robust { residual: reported, iterations } = found.outcome {
             prop_assert_eq!(reported, residual(&map, found.z));
+            // One Newton method at least, and 1/MIN_STEP = 2¹⁴ at most, of up to twenty iterations each.
+            prop_assert!((1..=20 << 14).contains(&iterations), "{}", iterations);
             prop_assert!(reported <= NEWTON_RESIDUAL * size(&map));
         }
     }
@@ -153,6 +155,29 @@ fn the_zero_solution_is_found() {
             }
         }
     }
+}
+
+/// A settled solution is one sweep behind the one it settles, and no further from the equation: on maps that contract slowly
+/// what is left has shrunk.
+#[test]
+fn a_settled_solution_is_one_sweep_further() {
+    let mut numbers = common::Numbers(3);
+    let (mut left, mut settled_left) = (0.0, 0.0);
+    for _ in 0..200 {
+        let map = SineMap::<3>::new(0.6, &numbers.take(NUMBERS));
+        let plain = Solver::new(Method::FixedPoint);
+        let (found, settled) = (plain.solve(&map), plain.settled().solve(&map));
+        assert_eq!(found.outcome, settled.outcome, "the sweep is not counted");
+        // A sweep of the fixed point is three evaluations.
+        assert_eq!(settled.z, map.map(map.map(map.map(found.z))));
+        left += residual(&map, found.z);
+        settled_left += residual(&map, settled.z);
+    }
+    assert!(settled_left < 0.8 * left, "{settled_left:e} {left:e}");
+    assert_eq!(
+        Solver { max_sweeps: 7, ..Solver::new(Method::Newton) }.settled(),
+        Solver { method: Some(Method::Newton), max_sweeps: 7, settle: true }
+    );
 }
 
 #[test]
