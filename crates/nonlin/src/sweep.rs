@@ -259,3 +259,125 @@ fn identity_minus<const D: usize>(mut matrix: [[f64; D]; D]) -> [[f64; D]; D] {
     }
     matrix
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const START: [f64; 2] = [7.0, -7.0];
+
+    /// Three iterates near (1, 2), whose last two changes have these components.
+    fn tail(before: [f64; 2], last: [f64; 2]) -> Tail<2> {
+        let previous = [1.0, 2.0];
+        let middle = [previous[0] + before[0], previous[1] + before[1]];
+        [previous, middle, [middle[0] + last[0], middle[1] + last[1]]]
+    }
+
+    /// The size is 3, so that 2ε‖z‖ = 1.33e-15.
+    #[test]
+    fn the_last_changes_foresee_the_residual() {
+        for (before, last, done) in [
+            // c′²/c = 1e-15, in either component and shared by both.
+            ([1e-3, 0.0], [0.0, 1e-9], true),
+            ([0.0, -1e-3], [-1e-9, 0.0], true),
+            ([5e-4, -5e-4], [-5e-10, 5e-10], true),
+            // 4e-15.
+            ([1e-3, 0.0], [0.0, 2e-9], false),
+            ([-5e-4, 5e-4], [1e-9, 1e-9], false),
+            // Equal changes are no contraction, whatever their size above round-off.
+            ([1e-12, 0.0], [1e-12, 0.0], false),
+            ([0.0, 0.0], [0.0, 0.0], true),
+            // A first change of 1000 counts as 3: 1.6e-15.
+            ([1e3, 0.0], [-1e3, 7e-8], false),
+        ] {
+            let iterates = tail(before, last);
+            let (z, excess) = verdict(iterates);
+            assert_eq!(z, iterates[2]);
+            assert_eq!(excess <= 0.0, done, "{before:?} {last:?}: {excess:e}");
+        }
+        // An excursion: from (1, 2) far away and back to within 7e-8, c′²/c would be 5e-18 beside 1000, and is 1.6e-15 beside 3.
+        let (_, excess) = verdict([[1e3, 2.0], [1.0, 2.0], [1.0, 2.0 + 7e-8]]);
+        assert!(excess > 0.0);
+        for wrong in [f64::NAN, f64::INFINITY] {
+            // An iterate before the last two counts as an excursion, whatever it was.
+            for place in 1..3 {
+                let mut iterates = tail([1e-3, 0.0], [1e-9, 0.0]);
+                iterates[place][1] = wrong;
+                assert!(verdict(iterates).1.is_nan() || verdict(iterates).1 > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn a_first_newton_sweep_is_judged_with_a_margin() {
+        let (next, again) = (true, false);
+        for (before, last, done, goes_on) in [
+            // 256 c′²/c = 6e-16, in either component and shared by both.
+            ([1e-3, 0.0], [0.0, 5e-11], true, next),
+            ([0.0, -1e-3], [-5e-11, 0.0], true, next),
+            ([5e-4, -5e-4], [-2.5e-11, 2.5e-11], true, next),
+            // 2.6e-15: not done, but on the way.
+            ([1e-3, 0.0], [0.0, 1e-10], false, next),
+            ([-5e-4, 5e-4], [5e-11, 5e-11], false, next),
+            ([0.1, 0.0], [0.05, 0.04], false, next),
+            // Grew, in sum or in one component.
+            ([0.1, 0.0], [0.05, 0.06], false, again),
+            ([0.0, 0.1], [0.0, -0.3], false, again),
+            ([0.05, 0.04], [-0.1, 0.0], false, again),
+            // Round-off need not shrink.
+            ([0.0, 0.0], [0.0, 8.9e-16], true, next),
+            ([4.5e-16, 0.0], [0.0, 8.9e-16], true, next),
+            ([0.0, 0.0], [0.0, 2.7e-15], false, again),
+        ] {
+            let iterates = tail(before, last);
+            let (z, excess) = newton_verdict(START, iterates);
+            assert_eq!(excess <= 0.0, done, "{before:?} {last:?}: {excess:e}");
+            assert_eq!(z, if goes_on { iterates[2] } else { START }, "{before:?} {last:?}");
+            assert!(excess.abs() == 1.0);
+        }
+        // An excursion as above: 256 c′² = 4e-15 beside 3 and not beside 1000.
+        let (z, excess) = newton_verdict(START, [[1e3, 2.0], [1.0, 2.0], [1.0, 2.0 + 7e-9]]);
+        assert!(excess > 0.0 && z == [1.0, 2.0 + 7e-9]);
+        for wrong in [f64::NAN, f64::INFINITY] {
+            for place in 1..3 {
+                let mut iterates = tail([1e-3, 0.0], [1e-12, 0.0]);
+                iterates[place][1] = wrong;
+                let (z, excess) = newton_verdict(START, iterates);
+                assert!(excess > 0.0, "{iterates:?}");
+                assert!(z.iter().all(|x| x.is_finite()), "{iterates:?}");
+            }
+        }
+    }
+
+    #[derive(Clone, Copy)]
+    struct Own([f64; 2], f64);
+
+    impl FixedPoint<2> for Own {
+        const FIRST_SWEEP: FirstSweep = FirstSweep::Own;
+        fn start(&self) -> [f64; 2] {
+            START
+        }
+        fn map<R: real::Real>(&self, z: [R; 2]) -> [R; 2] {
+            z
+        }
+        fn own_sweep(&self) -> ([f64; 2], f64) {
+            (self.0, self.1)
+        }
+    }
+
+    #[test]
+    fn an_own_solution_is_done_within_the_tolerance() {
+        let found = [1.0, -2.0];
+        for (bound, done) in [(0.0, true), (3.0 * TOLERANCE, true), (3.1 * TOLERANCE, false), (1.0, false)] {
+            let (z, excess) = own_sweep(&Own(found, bound));
+            assert_eq!((z, excess <= 0.0), (found, done), "{bound:e}");
+        }
+        for bound in [f64::INFINITY, f64::NAN] {
+            let (z, excess) = own_sweep(&Own(found, bound));
+            assert!(z == START && (excess.is_nan() || excess > 0.0), "{bound} {excess}");
+        }
+        for found in [[f64::INFINITY, 0.0], [0.0, f64::NEG_INFINITY], [f64::NAN, 0.0]] {
+            assert!(own_sweep(&Own(found, 0.0)).1.is_nan());
+        }
+    }
+}

@@ -180,6 +180,20 @@ fn a_settled_solution_is_one_sweep_further() {
     );
 }
 
+/// With a contraction of 10⁻³ the prediction ψ(ψ(z₀)) is right to 10⁻⁶, Newton's step to its square, and the long first sweep is
+/// all that it takes: of the fixed point, too, whose eleven evaluations leave 10⁻³³.
+#[test]
+fn a_long_first_sweep_solves_a_strong_contraction() {
+    let mut numbers = common::Numbers(4);
+    for _ in 0..200 {
+        let map = SineMap::<3>::new(1e-3, &numbers.take(NUMBERS));
+        for found in [Solver::default().solve(&map), Solver::default().solve(&PrefersNewton(map))] {
+            assert_eq!(found.outcome, Outcome::Fast { iterations: 1 }, "{map:?}");
+            assert!(residual(&map, found.z) <= NEWTON_RESIDUAL * size(&map));
+        }
+    }
+}
+
 #[test]
 fn a_solution_at_the_start_costs_one_sweep() {
     for method in METHODS {
