@@ -79,9 +79,7 @@ impl ShortMean {
     #[inline(always)]
     #[must_use]
     pub fn cubic_with_slope(&self, h: f64) -> (f64, f64) {
-        let (sixth, half) = (self.value * (1.0 / 6.0), self.derivative * (1.0 / 2.0));
-        let eighth = h * (self.derivative * (1.0 / 8.0));
-        let inner = sixth + eighth * (1.0 / 3.0);
-        (self.value + h * (half - h * inner), half - h * (2.0 * sixth + eighth))
+        let inner = self.value * (1.0 / 3.0) + h * (self.derivative * (1.0 / 8.0));
+        (self.cubic(h), self.derivative * (1.0 / 2.0) - h * inner)
     }
 }

@@ -3,8 +3,8 @@
 use real::{Block, PathMask, WIDTH};
 
 use crate::robust::solve_robust;
-use crate::sweep::{Swept, first_sweeps, settled_path, sweep};
-use crate::{BlockFixedPoint, BlockStatus, FirstSweep, FixedPoint, Method, Outcome, Solver};
+use crate::sweep::{Swept, begins_otherwise, first_sweeps, settled_path, sweep};
+use crate::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Outcome, Solver};
 
 /// The paths of a block in two halves: path p of the first has its first sweep together with path p of the second.
 const HALF: usize = WIDTH / 2;
@@ -111,7 +111,7 @@ impl Solver {
         status.robust = PathMask::NONE;
         status.failed = PathMask::NONE;
         let mut iterates = Iterates { z, pending: &mut status.pending };
-        let (mut unfinished, mut sweeps) = if E::Path::FIRST_SWEEP != FirstSweep::Plain && method == E::Path::METHOD {
+        let (mut unfinished, mut sweeps) = if begins_otherwise::<E::Path, D>(method) {
             (iterates.start(equations), 1)
         } else {
             iterates.wait(equations);

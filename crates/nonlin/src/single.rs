@@ -1,15 +1,15 @@
 //! The fast method on one path.
 
 use crate::robust::solve_robust;
-use crate::sweep::{first_sweep, settled_path, sweep};
-use crate::{FirstSweep, FixedPoint, Outcome, Solution, Solver};
+use crate::sweep::{begins_otherwise, first_sweep, settled_path, sweep};
+use crate::{FixedPoint, Outcome, Solution, Solver};
 
 impl Solver {
     /// Solves one equation; the same bits as that path of [`solve_block`](Self::solve_block).
     #[must_use]
     pub fn solve<E: FixedPoint<D>, const D: usize>(&self, equation: &E) -> Solution<D> {
         let method = self.method.unwrap_or(E::METHOD);
-        let ((mut z, mut excess), mut iterations) = if E::FIRST_SWEEP != FirstSweep::Plain && method == E::METHOD {
+        let ((mut z, mut excess), mut iterations) = if begins_otherwise::<E, D>(method) {
             (first_sweep(equation), 1)
         } else {
             ((equation.start(), f64::INFINITY), 0)
