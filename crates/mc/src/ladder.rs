@@ -1,12 +1,12 @@
 //! What runs on the ladder, and the loop over all paths.
 
 use noise::{AreaMethod, StreamKey, Truncation, strong_order_one_error};
-use rayon::prelude::*;
 use real::{Block, PathMask, WIDTH};
 use schemes::{Scheme, StepError};
 use systems::{Damping, PoissonSystem, Problem};
 
 use crate::march::Group;
+use crate::parallel::in_parallel;
 use crate::tree::MergeTree;
 use crate::{LadderError, PathFailure};
 
@@ -195,13 +195,10 @@ where
         let mut tree = MergeTree::new(Part::merge);
         tree.push(Part { statistic: new(), failed: 0, failures: Vec::new(), clipped: vec![0; self.levels + 1] });
         for first in (0..groups).step_by(wave as usize) {
-            let parts: Vec<Part<T>> = (first..groups.min(first + wave))
-                .into_par_iter()
-                .map(|g| {
-                    let first_path = g * group_paths;
-                    Group::new(self, first_path, group_paths.min(samples - first_path)).march(new(), progress)
-                })
-                .collect();
+            let parts: Vec<Part<T>> = in_parallel(first..groups.min(first + wave), &|g| {
+                let first_path = g * group_paths;
+                Group::new(self, first_path, group_paths.min(samples - first_path)).march(new(), progress)
+            });
             for part in parts {
                 tree.push(part);
             }

@@ -43,6 +43,7 @@ mod ladder;
 mod march;
 mod moments;
 pub mod multilevel;
+mod parallel;
 mod recording;
 mod simulation;
 mod strong;

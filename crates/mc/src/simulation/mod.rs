@@ -7,11 +7,11 @@ mod write;
 use std::ops::Range;
 
 use noise::{StreamKey, Truncation};
-use rayon::prelude::*;
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem};
 
 use crate::follow::{Drawn, NoiseSource, follow};
+use crate::parallel::in_parallel;
 use crate::recording::{Played, TIME_AGREEMENT};
 use crate::{LadderError, Recording};
 use series::InvariantColumn;
@@ -98,7 +98,7 @@ where
     /// # Errors
     /// As for [`path`](Self::path).
     pub fn paths(&self, steps: u64, key: StreamKey, paths: Range<u64>) -> Result<Vec<TimeSeries>, SimulationError> {
-        paths.into_par_iter().map(|path| self.path(steps, key, path)).collect()
+        in_parallel(paths, &|path| self.path(steps, key, path)).into_iter().collect()
     }
 
     /// The path that recorded increments drive. They are truncated like drawn ones; with [`Truncation::none`] they are used as

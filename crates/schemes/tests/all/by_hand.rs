@@ -1,8 +1,6 @@
 //! One step of each scheme on the rigid body against formulas written out by hand, solved by a plain iteration.
 
-mod common;
-
-use common::{INERTIA, NOISE_INERTIA, Numbers, any_damping, any_increments, any_state, body};
+use crate::common::{INERTIA, NOISE_INERTIA, Numbers, any_damping, any_increments, any_state, body};
 use noise::Truncation;
 use nonlin::{Method, Solver};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, Step};

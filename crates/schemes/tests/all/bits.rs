@@ -1,9 +1,7 @@
 //! A block is 32 paths and nothing else: same bits for every scheme, every system and every level of instructions,
 //! whether a path is easy, needs the robust method or cannot be solved.
 
-mod common;
-
-use common::{Numbers, Visit, every_system};
+use crate::common::{Numbers, Plain, Visit, body, every_system, populations_2};
 use noise::{AreaBlock, StreamKey, Truncation, WienerBlock, clip};
 use nonlin::{BlockStatus, Method, Outcome, Solver};
 use real::{Block, Level, WIDTH, limit_to};
@@ -26,10 +24,9 @@ struct SideBySide {
 }
 
 impl SideBySide {
-    fn compare<S, C, const D: usize, const M: usize>(&mut self, scheme: &C, system: &S, y0: [f64; D])
+    fn compare<S, const D: usize, const M: usize>(&mut self, scheme: &dyn Scheme<S, D, M>, system: &S, y0: [f64; D])
     where
         S: PoissonSystem<D, M>,
-        C: Scheme<S, D, M>,
     {
         let key = StreamKey { seed: 9, experiment: 1 };
         let damping = Cosine::new(0.5, 2.0).unwrap();
@@ -98,16 +95,16 @@ fn a_block_is_its_paths_at_every_level() {
         let mut side_by_side = SideBySide { level, ways: [0; 3] };
         every_system(&mut side_by_side);
         for method in [Method::FixedPoint, Method::Newton] {
-            let (body, y0) = (common::body(), [0.6, 0.0, 0.8]);
+            let (body, y0) = (body(), [0.6, 0.0, 0.8]);
             let solver = Solver::new(method);
             // What the midpoint rule asks of a system is part of what `heun` asks: two systems are enough for its solver.
             side_by_side.compare(&Midpoint { solver }, &body, y0);
-            side_by_side.compare(&Midpoint { solver }, &common::populations_2(), [0.2, 0.4, 0.6]);
+            side_by_side.compare(&Midpoint { solver }, &populations_2(), [0.2, 0.4, 0.6]);
             let mut levy = SexpLevy::new(&body, y0);
             levy.solver = solver;
             side_by_side.compare(&levy, &body, y0);
             // The same without closed forms: commutators and gradients by dual numbers.
-            side_by_side.compare(&levy, &common::Plain(body), y0);
+            side_by_side.compare(&levy, &Plain(body), y0);
         }
         seen.push(side_by_side.ways);
     }
@@ -119,7 +116,7 @@ fn a_block_is_its_paths_at_every_level() {
 
 #[test]
 fn schemes_have_the_ids_of_the_paper() {
-    let body = common::body();
+    let body = body();
     let levy = SexpLevy::new(&body, [1.0, 2.0, 3.0]);
     let schemes: [&dyn Scheme<_, 3, 3>; 5] = [&Sexp::default(), &EulerMaruyama, &Midpoint::default(), &levy, &Heun];
     fn ids<S, const N: usize>(schemes: [&dyn Scheme<S, 3, 3>; N], _: &S) -> [&'static str; N] {

@@ -1,9 +1,7 @@
 //! Without noise `sexp`, `midpoint` and `heun` have order two and `em` order one, with damping, on every system; and damping
 //! at the wrong time has order one.
 
-mod common;
-
-use common::{Visit, body, every_system};
+use crate::common::{Visit, body, every_system};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, Step};
 use systems::{Damping, PoissonSystem, Sine, ito_correction, vector_field};
 

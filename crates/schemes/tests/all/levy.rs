@@ -1,8 +1,8 @@
 //! `sexp-levy`: what it keeps, what it adds to `sexp`, and that it adds nothing where noises commute.
 
-mod common;
-
-use common::{Numbers, Visit, any_damping, any_increments, any_state, any_step, conformal_defect, every_system, spins};
+use crate::common::{
+    Numbers, Visit, any_damping, any_increments, any_state, any_step, conformal_defect, every_system, spins,
+};
 use noise::Truncation;
 use nonlin::{Method, Outcome, Solver};
 use real::Real;

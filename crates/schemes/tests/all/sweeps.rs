@@ -7,9 +7,7 @@
 //! the other: the sweeps of the slowest path of a block, which are what a block costs, in the mean over blocks and steps, and
 //! the most sweeps of a path, both pinned a little above what they are.
 
-mod common;
-
-use common::{Visit, exact_systems, spins};
+use crate::common::{Visit, body, exact_systems, spins};
 use noise::{AreaMethod, AreaPath, StreamKey, Truncation, WienerPath, strong_order_one_error};
 use nonlin::{Outcome, Solver};
 use real::WIDTH;
@@ -243,7 +241,7 @@ fn no_step_takes_more_sweeps_than_its_equation_needs() {
 /// The twins: larger steps than those that are pinned, and harder equations than those that the bound is derived from.
 #[test]
 fn more_work_is_noticed() {
-    let (body, y0) = (common::body(), [1.1f64.cos(), 0.0, 1.1f64.sin()]);
+    let (body, y0) = (body(), [1.1f64.cos(), 0.0, 1.1f64.sin()]);
     let pinned = (1.1, 2);
     let right = count(&Sexp::default(), Rule::Sexp, &body, y0, (8, 1.0));
     assert_eq!(wrong(&right, false, pinned), "");

@@ -1,9 +1,7 @@
 //! `sexp` keeps every claimed invariant on its conformal law: to round-off, in every step, for every step size,
 //! damping and outcome of the noise. And wrong schemes do not, by the same measure.
 
-mod common;
-
-use common::{
+use crate::common::{
     INERTIA, Numbers, Visit, any_damping, any_increments, any_state, any_step, body, conformal_defect, exact_systems,
     populations_1, populations_2,
 };

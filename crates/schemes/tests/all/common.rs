@@ -1,5 +1,4 @@
 //! Systems, dampings and the conformal defect that the tests share.
-#![allow(dead_code, reason = "each test binary uses a part of it")]
 
 use noise::Truncation;
 use real::{Real, ScalarFunction, gradient};

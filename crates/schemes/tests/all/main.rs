@@ -1,0 +1,9 @@
+//! The tests of the schemes in one binary, so that the kernels of each system are compiled once for all of them.
+
+mod bits;
+mod by_hand;
+mod common;
+mod conformal;
+mod levy;
+mod order;
+mod sweeps;
