@@ -6,17 +6,18 @@ use std::process::Command;
 use serde_json::Value;
 
 /// A crate and the crates that it may depend on, in the order of the layers; see `docs/` on the architecture.
-const DOORS: [(&str, &[&str]); 12] = [
+const DOORS: [(&str, &[&str]); 13] = [
     ("real", &[]),
     ("noise", &["real"]),
     ("dgrad", &["real"]),
     ("nonlin", &["real"]),
     ("systems", &["real", "dgrad"]),
     ("schemes", &["real", "systems", "dgrad", "nonlin", "noise"]),
+    ("compiled", &["systems", "schemes"]),
     ("mc", &["real", "schemes", "systems", "noise", "nonlin"]),
-    ("speed", &["mc", "schemes", "systems", "nonlin", "noise", "real"]),
-    ("verify", &["mc", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
-    ("precision", &["verify", "mc", "schemes", "systems", "nonlin", "noise", "real"]),
+    ("speed", &["compiled", "mc", "schemes", "systems", "nonlin", "noise", "real"]),
+    ("verify", &["compiled", "mc", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
+    ("precision", &["compiled", "verify", "mc", "schemes", "systems", "nonlin", "noise", "real"]),
     ("stability", &["verify", "mc", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
     ("xtask", &["stability", "precision", "verify", "real"]),
 ];

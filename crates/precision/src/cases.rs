@@ -2,13 +2,14 @@
 
 use std::fmt;
 
+use compiled::Compiled;
 use mc::{Ladder, Moments, Observable, Run};
 use noise::{StreamKey, Truncation};
 use real::elementary::{cos, sin};
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy};
+use schemes::{Midpoint, Scheme, Sexp, SexpLevy};
 use systems::{
-    Constant, Cosine, Damping, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
-    Problem, RigidBody, Sine, SystemError,
+    Constant, Cosine, Damping, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, Problem, RigidBody,
+    Sine, SystemError,
 };
 use verify::{Progress, Settings, rigid_body_expectations, root_mean_square_interval};
 
@@ -223,57 +224,46 @@ fn poisson3(context: &Context<'_>) -> Case {
 }
 
 /// The schemes of a case. What runs on the ladder and what is timed differ for `sexp-levy` only, see [`OwnAreas`].
-struct Schemes {
-    sexp: Sexp,
-    midpoint: Midpoint,
-    levy: SexpLevy,
-    own: OwnAreas,
-    areas: bool,
+struct Schemes<S, const D: usize, const M: usize> {
+    sexp: Box<dyn Scheme<S, D, M>>,
+    /// Where it differs from `sexp`.
+    levy: Option<Box<dyn Scheme<S, D, M>>>,
+    own: OwnAreas<S, D, M>,
+    /// `midpoint`, `heun` and `em`.
+    others: [Box<dyn Scheme<S, D, M>>; 3],
 }
 
-impl Schemes {
-    fn new<S: PoissonSystem<D, M>, const D: usize, const M: usize>(system: &S, y0: [f64; D]) -> Self {
-        let levy = SexpLevy::new(system, y0);
+impl<S: Compiled<D, M>, const D: usize, const M: usize> Schemes<S, D, M> {
+    fn new(system: &S, y0: [f64; D]) -> Self {
+        let levy = S::sexp_levy(SexpLevy::new(system, y0));
         Self {
-            sexp: Sexp::default(),
-            midpoint: Midpoint::default(),
-            levy,
-            own: OwnAreas { levy },
-            areas: Scheme::<S, D, M>::needs_areas(&levy),
+            sexp: S::sexp(Sexp::default()),
+            levy: levy.needs_areas().then_some(levy),
+            own: OwnAreas { levy: S::sexp_levy(SexpLevy::new(system, y0)) },
+            others: [S::midpoint(Midpoint::default()), S::heun(), S::euler_maruyama()],
         }
     }
 
-    fn with<'a, S, const D: usize, const M: usize>(
-        &'a self,
-        levy: &'a dyn Scheme<S, D, M>,
-    ) -> Vec<&'a dyn Scheme<S, D, M>>
-    where
-        S: PoissonSystem<D, M>,
-    {
-        let mut schemes: Vec<&dyn Scheme<S, D, M>> = vec![&self.sexp];
-        if self.areas {
-            schemes.push(levy);
-        }
-        schemes.extend([&self.midpoint as &dyn Scheme<S, D, M>, &Heun, &EulerMaruyama]);
-        schemes
+    fn with<'a>(&'a self, levy: Option<&'a dyn Scheme<S, D, M>>) -> Vec<&'a dyn Scheme<S, D, M>> {
+        let first = std::iter::once(self.sexp.as_ref()).chain(levy);
+        first.chain(self.others.iter().map(AsRef::as_ref)).collect()
     }
 
     /// As they are timed.
-    fn timed<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&self) -> Vec<&dyn Scheme<S, D, M>> {
-        self.with(&self.levy)
+    fn timed(&self) -> Vec<&dyn Scheme<S, D, M>> {
+        self.with(self.levy.as_deref())
     }
 
     /// As their errors are measured; at the end `sexp-levy` with exact areas, where it is among them.
-    fn measured<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&self) -> Vec<&dyn Scheme<S, D, M>> {
-        let mut schemes = self.with(&self.own);
-        if self.areas {
-            schemes.push(&self.levy);
-        }
+    fn measured(&self) -> Vec<&dyn Scheme<S, D, M>> {
+        let own = self.levy.is_some().then_some(&self.own as &dyn Scheme<S, D, M>);
+        let mut schemes = self.with(own);
+        schemes.extend(self.levy.as_deref());
         schemes
     }
 
-    fn reference<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&self) -> &dyn Scheme<S, D, M> {
-        if self.areas { &self.levy } else { &self.sexp }
+    fn reference(&self) -> &dyn Scheme<S, D, M> {
+        self.levy.as_ref().unwrap_or(&self.sexp).as_ref()
     }
 }
 
@@ -285,10 +275,10 @@ struct Errors {
 }
 
 /// How a case is measured.
-struct Bench<'a, S, G, const D: usize> {
+struct Bench<'a, S, G, const D: usize, const M: usize> {
     context: &'a Context<'a>,
     problem: &'a Problem<S, G, D>,
-    schemes: Schemes,
+    schemes: Schemes<S, D, M>,
     plan: Plan,
     observables: [Observable<D>; 2],
 }
@@ -299,11 +289,11 @@ fn case<S, G, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
 ) -> Case
 where
-    S: PoissonSystem<D, M>,
+    S: Compiled<D, M>,
     G: Damping,
 {
-    let schemes = Schemes::new::<S, D, M>(&problem.system, problem.y0);
-    let plan = Plan::new(context.settings.mode, schemes.areas);
+    let schemes = Schemes::new(&problem.system, problem.y0);
+    let plan = Plan::new(context.settings.mode, schemes.levy.is_some());
     let start: Vec<String> =
         problem.y0.iter().map(|y| format!("{y:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()).collect();
     let setup = format!(
@@ -314,30 +304,27 @@ where
         problem.t_end
     );
     let bench = Bench { context, problem, schemes, plan, observables: description.observables };
-    let strong = bench.errors::<M>(false);
-    let weak = bench.errors::<M>(true);
+    let strong = bench.errors(false);
+    let weak = bench.errors(true);
     let steps = plan.timed_steps();
-    let times = bench.times::<M>(&steps);
+    let times = bench.times(&steps);
     let time = |s: usize, of: u64| times[s][steps.iter().position(|&steps| steps == of).unwrap_or(0)];
     Case {
         id: context.id.to_owned(),
         title: description.title.to_owned(),
         setup,
         invariants: problem.system.invariants().iter().map(|invariant| invariant.name.to_owned()).collect(),
-        strong: bench.strong::<M>(&strong, &time),
-        weak: bench.weak::<M>(&weak, &time, description.exact.as_deref()),
+        strong: bench.strong(&strong, &time),
+        weak: bench.weak(&weak, &time, description.exact.as_deref()),
     }
 }
 
-impl<S, G: Damping, const D: usize> Bench<'_, S, G, D> {
+impl<S: Compiled<D, M>, G: Damping, const D: usize, const M: usize> Bench<'_, S, G, D, M> {
     /// Errors at the final time, on the ladder of strong or weak errors.
-    fn errors<const M: usize>(&self, weak: bool) -> Errors
-    where
-        S: PoissonSystem<D, M>,
-    {
+    fn errors(&self, weak: bool) -> Errors {
         let plan = if weak { self.plan.weak } else { self.plan.strong };
-        let schemes = self.schemes.measured::<S, D, M>();
-        let reference = self.schemes.reference::<S, D, M>();
+        let schemes = self.schemes.measured();
+        let reference = self.schemes.reference();
         let mut runs: Vec<Run<'_, S, D, M>> = vec![Run::new(reference, 0)];
         if weak {
             runs.push(Run::new(reference, 1));
@@ -381,12 +368,9 @@ impl<S, G: Damping, const D: usize> Bench<'_, S, G, D> {
     }
 
     /// Times of every scheme at the given numbers of steps.
-    fn times<const M: usize>(&self, steps: &[u64]) -> Vec<Vec<Time>>
-    where
-        S: PoissonSystem<D, M>,
-    {
+    fn times(&self, steps: &[u64]) -> Vec<Vec<Time>> {
         let Plan { repetitions, path_steps, .. } = self.plan;
-        let schemes = self.schemes.timed::<S, D, M>();
+        let schemes = self.schemes.timed();
         let course = Course { problem: self.problem, truncation: truncation(), key: self.context.key(2) };
         let work = Course::<S, G, D>::work(schemes.len(), steps, repetitions, path_steps);
         self.context.progress.begin(&format!("{}: times", self.context.id), work);
@@ -396,16 +380,13 @@ impl<S, G: Damping, const D: usize> Bench<'_, S, G, D> {
     }
 
     /// Area terms of a scheme at a step size, where it reads areas.
-    fn area_terms<const M: usize>(&self, scheme: &dyn Scheme<S, D, M>, tau: f64) -> Option<usize> {
+    fn area_terms(&self, scheme: &dyn Scheme<S, D, M>, tau: f64) -> Option<usize> {
         scheme.needs_areas().then(|| terms(tau, M))
     }
 
-    fn strong<const M: usize>(&self, errors: &Errors, time: &dyn Fn(usize, u64) -> Time) -> Strong
-    where
-        S: PoissonSystem<D, M>,
-    {
+    fn strong(&self, errors: &Errors, time: &dyn Fn(usize, u64) -> Time) -> Strong {
         let plan = self.plan.strong;
-        let schemes = self.schemes.timed::<S, D, M>();
+        let schemes = self.schemes.timed();
         let series = schemes.iter().enumerate().map(|(s, &scheme)| {
             let points = plan.steps().enumerate().map(|(l, steps)| {
                 let tau = self.problem.t_end / steps as f64;
@@ -435,19 +416,16 @@ impl<S, G: Damping, const D: usize> Bench<'_, S, G, D> {
             failures: errors.failures.clone(),
             reference: format!(
                 "{} with {} steps on the same noise",
-                self.schemes.reference::<S, D, M>().id(),
+                self.schemes.reference().id(),
                 1u64 << plan.reference
             ),
             series: series.collect(),
         }
     }
 
-    fn weak<const M: usize>(&self, errors: &Errors, time: &dyn Fn(usize, u64) -> Time, exact: Option<&[f64]>) -> Weak
-    where
-        S: PoissonSystem<D, M>,
-    {
+    fn weak(&self, errors: &Errors, time: &dyn Fn(usize, u64) -> Time, exact: Option<&[f64]>) -> Weak {
         let plan = self.plan.weak;
-        let schemes = self.schemes.timed::<S, D, M>();
+        let schemes = self.schemes.timed();
         let observables = self.observables.iter().enumerate().map(|(f, observable)| {
             let series = schemes.iter().enumerate().map(|(s, scheme)| {
                 let points = plan.steps().enumerate().map(|(l, steps)| {
@@ -473,7 +451,7 @@ impl<S, G: Damping, const D: usize> Bench<'_, S, G, D> {
             failures: errors.failures.clone(),
             reference: format!(
                 "{} extrapolated from {} and {} steps on the same noise",
-                self.schemes.reference::<S, D, M>().id(),
+                self.schemes.reference().id(),
                 1u64 << (plan.reference - 1),
                 1u64 << plan.reference
             ),

@@ -121,8 +121,9 @@ impl<S, G: Damping, const D: usize> Course<'_, S, G, D> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use compiled::Compiled;
     use mc::trajectory;
-    use schemes::{Heun, Sexp, SexpLevy};
+    use schemes::{Sexp, SexpLevy};
     use systems::{Cosine, RigidBody};
 
     #[test]
@@ -131,9 +132,10 @@ mod tests {
         let problem = Problem::new(body, Cosine::new(0.5, 2.0)?, [0.45, 0.0, 0.89], 1.0)?;
         let (truncation, key) = (Truncation::new(4)?, StreamKey { seed: 3, experiment: 1 });
         let course = Course { problem: &problem, truncation, key };
-        let levy = SexpLevy::new(&problem.system, problem.y0);
-        let schemes: [&dyn Scheme<_, 3, 3>; 3] = [&Sexp::default(), &levy, &Heun];
-        for scheme in schemes {
+        let levy = RigidBody::sexp_levy(SexpLevy::new(&problem.system, problem.y0));
+        let schemes = [RigidBody::sexp(Sexp::default()), levy, RigidBody::heun()];
+        let schemes: Vec<&dyn Scheme<_, 3, 3>> = schemes.iter().map(AsRef::as_ref).collect();
+        for &scheme in &schemes {
             let ends = course.march(scheme, 32, 128);
             for path in [0usize, 31, 32, 127] {
                 let alone = trajectory(&problem, scheme, 32, truncation, key, 128 + path as u64)?;

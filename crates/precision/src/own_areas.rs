@@ -10,8 +10,7 @@
 use noise::{AreaBlock, AreaMethod, StreamKey, WienerPath, strong_order_one_error};
 use nonlin::{BlockStatus, Solution};
 use real::{Block, WIDTH};
-use schemes::{Scheme, SexpLevy, Step};
-use systems::PoissonSystem;
+use schemes::{Scheme, Step};
 
 /// The method that areas are drawn with.
 pub(crate) const METHOD: AreaMethod = AreaMethod::MrongowiusRoessler;
@@ -24,8 +23,8 @@ pub(crate) fn terms(tau: f64, noises: usize) -> usize {
 }
 
 /// The scheme on areas with the error of areas drawn at the step.
-pub(crate) struct OwnAreas {
-    pub(crate) levy: SexpLevy,
+pub(crate) struct OwnAreas<S, const D: usize, const M: usize> {
+    pub(crate) levy: Box<dyn Scheme<S, D, M>>,
 }
 
 /// A stream of its own among those of the workspace.
@@ -50,13 +49,13 @@ fn disturb<const M: usize>(tau: f64, areas: [[f64; M]; M]) -> [[f64; M]; M] {
     disturbed
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for OwnAreas {
+impl<S, const D: usize, const M: usize> Scheme<S, D, M> for OwnAreas<S, D, M> {
     fn id(&self) -> &'static str {
         "sexp-levy"
     }
 
     fn needs_areas(&self) -> bool {
-        Scheme::<S, D, M>::needs_areas(&self.levy)
+        self.levy.needs_areas()
     }
 
     fn step_block(&self, system: &S, step: &Step, dw: &Block<M>, y: &mut Block<D>, status: &mut BlockStatus) {

@@ -1,8 +1,9 @@
 //! More samples, more steps, more levels: is time linear, is memory flat?
 
+use compiled::Compiled;
 use mc::Run;
 use schemes::Sexp;
-use systems::Problem;
+use systems::{Problem, RigidBody};
 
 use crate::memory::{forget_peak, peak_memory_mb};
 use crate::rows::{ladder, pool, run_once, time_on_one_thread};
@@ -47,13 +48,14 @@ fn sizes(workload: &Workload) -> Vec<Size> {
 
 pub(crate) fn rows(workload: &Workload, progress: &(dyn Fn(&str) + Sync)) -> Result<Vec<GrowthRow>, SpeedError> {
     let one = pool(1)?;
-    let sexp = Sexp::default();
+    let sexp = RigidBody::<3>::sexp(Sexp::default());
     let mut rows = Vec::new();
     for Size { grows, value, paths, steps, levels } in sizes(workload) {
         progress(&format!("{value} {grows}"));
         let (body, damping) = rigid_body()?;
         let problem = Problem::new(body, damping, momentum(), steps as f64 * TAU)?;
-        let ladder = ladder(&problem, steps, levels, (0..=levels).map(|level| Run::new(&sexp, level)).collect())?;
+        let ladder =
+            ladder(&problem, steps, levels, (0..=levels).map(|level| Run::new(sexp.as_ref(), level)).collect())?;
         let path_steps = ladder.steps_per_path() * paths;
         let forgotten = forget_peak();
         one.install(|| run_once(&ladder, paths));

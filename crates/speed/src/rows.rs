@@ -2,6 +2,7 @@
 
 use std::hint::black_box;
 
+use compiled::Compiled;
 use mc::{Ladder, Run};
 use noise::{StreamKey, Truncation};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -75,7 +76,7 @@ struct Measure<'a> {
 impl Visit for Measure<'_> {
     type Error = SpeedError;
 
-    fn visit<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    fn visit<S: Compiled<D, M>, G: Damping, const D: usize, const M: usize>(
         &mut self,
         name: &str,
         system: S,
@@ -85,7 +86,7 @@ impl Visit for Measure<'_> {
         let Workload { paths, steps, repetitions } = *self.workload;
         let schemes = schemes_for(&system, y0);
         let problem = Problem::new(system, damping, y0, self.workload.t_end())?;
-        debug_assert!((problem.t_end / steps as f64 - TAU).abs() < f64::EPSILON);
+        assert!((problem.t_end / steps as f64 - TAU).abs() < f64::EPSILON);
         let ns = 1e9 / (paths * steps) as f64;
         for scheme in &schemes {
             (self.progress)(&format!("{} on {name}", scheme.id()));

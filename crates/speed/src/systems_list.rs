@@ -1,9 +1,10 @@
 //! The systems that are measured, and the schemes that make sense on each.
 
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy};
+use compiled::Compiled;
+use schemes::{Midpoint, Scheme, Sexp, SexpLevy};
 use systems::{
-    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
-    PoissonSystem, RigidBody, RigidBodyEnergy, Sine, SpinChain, SystemError,
+    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, RigidBody,
+    RigidBodyEnergy, Sine, SpinChain, SystemError,
 };
 
 /// Something to do with every system.
@@ -15,7 +16,7 @@ pub trait Visit {
     ///
     /// # Errors
     /// Whatever the visitor's own.
-    fn visit<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    fn visit<S: Compiled<D, M>, G: Damping, const D: usize, const M: usize>(
         &mut self,
         name: &str,
         system: S,
@@ -65,17 +66,17 @@ pub fn visit_systems<V: Visit>(visitor: &mut V) -> Result<(), V::Error> {
 
 /// The schemes for a system; `sexp-levy` only where it differs from `sexp`.
 #[must_use]
-pub fn schemes_for<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+pub fn schemes_for<S: Compiled<D, M>, const D: usize, const M: usize>(
     system: &S,
     y0: [f64; D],
 ) -> Vec<Box<dyn Scheme<S, D, M>>> {
-    let mut schemes: Vec<Box<dyn Scheme<S, D, M>>> = vec![Box::new(Sexp::default())];
+    let mut schemes: Vec<Box<dyn Scheme<S, D, M>>> = vec![S::sexp(Sexp::default())];
     let levy = SexpLevy::new(system, y0);
     if Scheme::<S, D, M>::needs_areas(&levy) {
-        schemes.push(Box::new(levy));
+        schemes.push(S::sexp_levy(levy));
     }
-    schemes.push(Box::new(Midpoint::default()));
-    schemes.push(Box::new(Heun));
-    schemes.push(Box::new(EulerMaruyama));
+    schemes.push(S::midpoint(Midpoint::default()));
+    schemes.push(S::heun());
+    schemes.push(S::euler_maruyama());
     schemes
 }

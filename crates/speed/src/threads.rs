@@ -2,9 +2,10 @@
 
 use std::thread::available_parallelism;
 
+use compiled::Compiled;
 use mc::Run;
 use schemes::Sexp;
-use systems::Problem;
+use systems::{Problem, RigidBody};
 
 use crate::rows::{ladder, pool, run_once};
 use crate::stopwatch::repeat;
@@ -22,8 +23,8 @@ fn counts(processors: usize) -> Vec<usize> {
 pub(crate) fn rows(workload: &Workload, progress: &(dyn Fn(&str) + Sync)) -> Result<Vec<ThreadRow>, SpeedError> {
     let (body, damping) = rigid_body()?;
     let problem = Problem::new(body, damping, momentum(), workload.t_end())?;
-    let sexp = Sexp::default();
-    let ladder = ladder(&problem, workload.steps, 0, vec![Run::new(&sexp, 0)])?;
+    let sexp = RigidBody::<3>::sexp(Sexp::default());
+    let ladder = ladder(&problem, workload.steps, 0, vec![Run::new(sexp.as_ref(), 0)])?;
     let mut rows: Vec<ThreadRow> = Vec::new();
     for threads in counts(available_parallelism().map_or(1, usize::from)) {
         progress(&format!("{threads} threads"));

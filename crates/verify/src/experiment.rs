@@ -64,7 +64,7 @@ const PARTS_PER_EXPERIMENT: u64 = 16;
 impl Context<'_> {
     /// The family of streams of part number `part` of the experiment.
     pub(crate) fn key(&self, part: u64) -> StreamKey {
-        debug_assert!(part < PARTS_PER_EXPERIMENT, "part {part} would share its noise with the next experiment");
+        assert!(part < PARTS_PER_EXPERIMENT, "part {part} would share its noise with the next experiment");
         StreamKey { seed: self.settings.seed, experiment: self.experiment * PARTS_PER_EXPERIMENT + part }
     }
 

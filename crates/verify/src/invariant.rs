@@ -1,13 +1,15 @@
 //! Invariants along one path, beside their conformal law.
 
+use compiled::Compiled;
 use mc::trajectory;
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp};
+use schemes::Midpoint;
 use systems::{Damping, PoissonSystem, Problem};
 
 use crate::approach::{largest_defect, returns_to_law};
 use crate::experiment::{Context, Yield, truncation};
 use crate::results::{Claim, Kind, Panel, Point, Series, Verdict};
 use crate::statement::{claim, decide};
+use crate::strong::schemes_of_the_paper;
 
 /// What an invariant panel is made of.
 pub(crate) struct InvariantSetup {
@@ -27,17 +29,16 @@ fn invariant_panel<S, G, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
 ) -> Panel
 where
-    S: PoissonSystem<D, M>,
+    S: Compiled<D, M>,
     G: Damping,
 {
-    let (sexp, em, midpoint) = (Sexp::default(), EulerMaruyama, Midpoint::default());
-    let schemes: [&dyn Scheme<S, D, M>; 3] = [&sexp, &em, &midpoint];
+    let schemes = schemes_of_the_paper::<S, D, M>();
     context.progress.begin(setup.id, setup.steps * schemes.len() as u64);
     let mut failures = Vec::new();
     let paths: Vec<_> = schemes
         .iter()
-        .map(|&scheme| {
-            let path = trajectory(problem, scheme, setup.steps, truncation(), context.key(0), 0)
+        .map(|scheme| {
+            let path = trajectory(problem, scheme.as_ref(), setup.steps, truncation(), context.key(0), 0)
                 .unwrap_or_else(|error| unreachable!("the set-ups of the paper are valid: {error}"));
             failures.extend(path.failure.map(|failure| failure.to_string()));
             context.progress.advance(setup.steps);
@@ -100,7 +101,7 @@ pub(crate) fn invariant_yield<S, G, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
 ) -> Yield
 where
-    S: PoissonSystem<D, M>,
+    S: Compiled<D, M>,
     G: Damping,
 {
     let panel = invariant_panel(context, setup, problem);
@@ -123,7 +124,8 @@ where
                 }
                 _ => {
                     let index = position(problem, &series.quantity);
-                    let (returns, how) = returns_to_law(context, problem, &Midpoint::default(), index, setup.steps);
+                    let (returns, how) =
+                        returns_to_law(context, problem, S::midpoint(Midpoint::default()).as_ref(), index, setup.steps);
                     evidence = format!("{evidence}; {how}");
                     let verdict = if defect > ROUND_OFF_DEFECT { returns } else { Verdict::Refuted };
                     (format!("{function} leaves the conformal law, and returns to it as τ → 0"), verdict, false)

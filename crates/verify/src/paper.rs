@@ -1,7 +1,8 @@
 //! The 14 panels of the paper as data (paper, §5).
 
+use compiled::Compiled;
 use mc::Observable;
-use schemes::{Scheme, SexpLevy};
+use schemes::SexpLevy;
 use systems::{
     Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, Problem,
     RigidBody, RigidBodyEnergy, Sine, SystemError,
@@ -114,11 +115,11 @@ fn add_levy_series(
     problem: &Problem<RigidBody<3>, Cosine, 3>,
     result: &mut Yield,
 ) {
-    let levy = SexpLevy::new(&problem.system, problem.y0);
-    let curves = [Curve { name: "sexp-levy".to_owned(), scheme: &levy as &dyn Scheme<RigidBody<3>, 3, 3> }];
+    let levy = RigidBody::sexp_levy(SexpLevy::new(&problem.system, problem.y0));
+    let curves = [Curve { name: "sexp-levy".to_owned(), scheme: levy.as_ref() }];
     let (last, reference) = context.choose((11, 13), (setup.last, setup.reference));
     let setup = StrongSetup { last, reference, setup: setup.setup.clone(), ..*setup };
-    let with_areas = strong_curves(context, &setup, problem, truncation(), &levy, &curves);
+    let with_areas = strong_curves(context, &setup, problem, truncation(), levy.as_ref(), &curves);
     for panel in &mut result.panels {
         panel.reference = format!("{}; sexp-levy: {}", panel.reference, with_areas.reference);
         panel.failures.extend(with_areas.failures.iter().cloned());

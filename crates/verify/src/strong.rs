@@ -1,8 +1,9 @@
 //! Strong convergence: root-mean-square errors of three schemes at many step sizes, on one noise.
 
+use compiled::Compiled;
 use mc::{CrossMoments, Ladder, Reference, Run, StrongErrors};
 use noise::Truncation;
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp};
+use schemes::{Midpoint, Scheme, Sexp};
 use systems::{Damping, PoissonSystem, Problem};
 
 use crate::experiment::Context;
@@ -41,6 +42,12 @@ pub(crate) struct Curve<'a, S, const D: usize, const M: usize> {
     pub scheme: &'a dyn Scheme<S, D, M>,
 }
 
+/// `sexp`, `em` and `midpoint`, in the order of the paper's legends.
+pub(crate) fn schemes_of_the_paper<S: Compiled<D, M>, const D: usize, const M: usize>() -> [Box<dyn Scheme<S, D, M>>; 3]
+{
+    [S::sexp(Sexp::default()), S::euler_maruyama(), S::midpoint(Midpoint::default())]
+}
+
 /// The panel with the paper's three schemes.
 pub(crate) fn strong_panel<S, G, const D: usize, const M: usize>(
     context: &Context<'_>,
@@ -48,14 +55,13 @@ pub(crate) fn strong_panel<S, G, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
 ) -> Panel
 where
-    S: PoissonSystem<D, M>,
+    S: Compiled<D, M>,
     G: Damping,
 {
-    let (sexp, em, midpoint) = (Sexp::default(), EulerMaruyama, Midpoint::default());
-    let schemes: [&dyn Scheme<S, D, M>; 3] = [&sexp, &em, &midpoint];
+    let schemes = schemes_of_the_paper::<S, D, M>();
     let curves: Vec<Curve<'_, S, D, M>> =
-        schemes.iter().map(|&scheme| Curve { name: scheme.id().to_owned(), scheme }).collect();
-    strong_curves(context, setup, problem, crate::experiment::truncation(), &sexp, &curves)
+        schemes.iter().map(|scheme| Curve { name: scheme.id().to_owned(), scheme: scheme.as_ref() }).collect();
+    strong_curves(context, setup, problem, crate::experiment::truncation(), schemes[0].as_ref(), &curves)
 }
 
 /// One curve for each scheme given; the reference is a scheme at the finest step with the same truncation rule.

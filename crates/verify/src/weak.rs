@@ -30,9 +30,10 @@
 #[cfg(test)]
 mod estimators;
 
+use compiled::Compiled;
 use mc::{CrossMoments, Ladder, Observable, Outcome, Run, WeakDifferences};
 use schemes::Sexp;
-use systems::{Damping, PoissonSystem, Problem};
+use systems::{Damping, Problem};
 
 use crate::experiment::{Context, truncation};
 use crate::order::fit_weak_differences;
@@ -72,7 +73,7 @@ pub(crate) fn weak_panels<S, G, const D: usize, const M: usize>(
     panels: &[WeakPanel<D>],
 ) -> Vec<Panel>
 where
-    S: PoissonSystem<D, M>,
+    S: Compiled<D, M>,
     G: Damping,
 {
     let observables: Vec<Observable<D>> = panels.iter().flat_map(|panel| panel.observables.iter().copied()).collect();
@@ -128,14 +129,14 @@ fn differences<S, G, const D: usize, const M: usize>(
     observables: &[Observable<D>],
 ) -> Vec<Outcome<WeakDifferences<D>>>
 where
-    S: PoissonSystem<D, M>,
+    S: Compiled<D, M>,
     G: Damping,
 {
-    let sexp = Sexp::default();
+    let sexp = S::sexp(Sexp::default());
     let ladders: Vec<(u64, Ladder<'_, S, G, D, M>)> = (setup.first..=setup.last)
         .zip(0..)
         .map(|(exponent, part)| {
-            let runs = vec![Run::new(&sexp, 1), Run::new(&sexp, 0), Run::swapped(&sexp, 0)];
+            let runs = vec![Run::new(sexp.as_ref(), 1), Run::new(sexp.as_ref(), 0), Run::swapped(sexp.as_ref(), 0)];
             let finest_steps = (problem.t_end * 2f64.powi(exponent as i32 + 1)).round() as u64;
             let ladder = Ladder::new(problem, finest_steps, 1, truncation(), context.key(part), runs)
                 .unwrap_or_else(|error| unreachable!("the set-up of the paper is valid: {error}"));

@@ -69,7 +69,7 @@ impl Sums {
         }
         // Every sample adds to the same checks in the same order.
         let (known, _, sum) = &mut self.0[*cursor];
-        debug_assert_eq!(*known, name);
+        assert_eq!(*known, name);
         sum.add(term);
         *cursor += 1;
     }

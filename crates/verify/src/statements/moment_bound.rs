@@ -1,6 +1,7 @@
 //! `moment-bound`: ‖y_n‖ ≤ (F(y₀)/m(F))^{1/p} e^{∫|γ|} almost surely when m(F) = min over the unit sphere of F > 0
 //! (paper, `cor:num`).
 
+use compiled::Compiled;
 use mc::trajectory;
 use schemes::{Scheme, Sexp};
 use systems::{Constant, Damping, DampingFunction, PoissonSystem, Problem, RigidBody, RigidBodyEnergy, Sine};
@@ -16,13 +17,12 @@ pub(super) fn measure(context: &Context<'_>) -> Vec<Claim> {
     let casimir = valid(Problem::new(body, half_cosine(), rigid_body_start(), 10.0));
     let energy = valid(RigidBodyEnergy::new(INERTIA, 1.0));
     let energy = valid(Problem::new(energy, valid(Sine::new(1.0, 1.0)), rigid_body_start(), 10.0));
-    let sexp = Sexp::default();
     // ½|y|² is ½ everywhere on the sphere; H₀ is smallest along the axis of the largest moment of inertia.
     let largest_inertia = INERTIA.iter().copied().fold(0.0, f64::max);
     let claims = vec![
-        bound(context, 0, &casimir, &sexp, "C", 0.5),
-        bound(context, 1, &energy, &sexp, "H", 0.5 / largest_inertia),
-        bound(context, 2, &undamped(), &sexp, "C", 0.5),
+        bound(context, 0, &casimir, RigidBody::<3>::sexp(Sexp::default()).as_ref(), "C", 0.5),
+        bound(context, 1, &energy, RigidBodyEnergy::sexp(Sexp::default()).as_ref(), "H", 0.5 / largest_inertia),
+        bound(context, 2, &undamped(), RigidBody::<3>::sexp(Sexp::default()).as_ref(), "C", 0.5),
     ];
     context.progress.end();
     claims

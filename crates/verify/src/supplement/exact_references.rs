@@ -1,8 +1,9 @@
 //! Strong and weak errors of one-noise systems against their exact solution, beside the paper's kind of reference.
 
+use compiled::Compiled;
 use mc::{Ladder, Observable, Reference, Run, StrongErrors};
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp};
-use systems::{Damping, IntegerExponents, LotkaVolterra, PoissonSystem, Problem, RigidBodyEnergy, Sine};
+use schemes::Sexp;
+use systems::{Damping, IntegerExponents, LotkaVolterra, Problem, RigidBodyEnergy, Sine};
 
 use crate::exact::{RandomTime, expectation, solution};
 use crate::experiment::{Context, Yield, truncation};
@@ -10,7 +11,7 @@ use crate::order::{fit_strong, order_verdict};
 use crate::paper::{INERTIA, LOTKA_VOLTERRA_START, rate_evidence, rigid_body_start, valid};
 use crate::results::{Claim, Kind, Panel, Series};
 use crate::statement::{DEVIATIONS, claim, decide};
-use crate::strong::{describe_failures, root_mean_squares};
+use crate::strong::{describe_failures, root_mean_squares, schemes_of_the_paper};
 use crate::study::{Exact, Study, weak_order};
 
 pub(super) fn lotka_volterra(context: &Context<'_>) -> Yield {
@@ -40,20 +41,19 @@ fn against_exact<S, G>(
     problem: &Problem<S, G, 3>,
 ) -> Yield
 where
-    S: PoissonSystem<3, 1>,
+    S: Compiled<3, 1>,
     G: Damping,
 {
     let last: u32 = context.choose(12, 10);
     let reference_level = last + 2;
     let samples = context.choose(500, 200);
-    let (sexp, em, midpoint) = (Sexp::default(), EulerMaruyama, Midpoint::default());
-    let schemes: [&dyn Scheme<S, 3, 1>; 3] = [&sexp, &em, &midpoint];
+    let schemes = schemes_of_the_paper::<S, 3, 1>();
     // Series 0 is the run that the paper would take as the reference.
-    let mut runs: Vec<Run<'_, S, 3, 1>> = vec![Run::new(&sexp, 0)];
+    let mut runs: Vec<Run<'_, S, 3, 1>> = vec![Run::new(schemes[0].as_ref(), 0)];
     let mut series = vec![vec![0]];
-    for scheme in schemes {
+    for scheme in &schemes {
         let first = runs.len();
-        runs.extend((FIRST..=last).map(|exponent| Run::new(scheme, (reference_level - exponent) as usize)));
+        runs.extend((FIRST..=last).map(|exponent| Run::new(scheme.as_ref(), (reference_level - exponent) as usize)));
         series.push((first..runs.len()).collect());
     }
     let finest_steps = 1u64 << reference_level;
@@ -129,7 +129,7 @@ where
 /// against the Gaussian integral.
 fn weak_claims<S, G>(context: &Context<'_>, id: &str, problem: &Problem<S, G, 3>) -> Vec<Claim>
 where
-    S: PoissonSystem<3, 1>,
+    S: Compiled<3, 1>,
     G: Damping,
 {
     let observables: [Observable<3>; 2] = [
@@ -179,7 +179,7 @@ fn expectation_claim<S, G>(
     steps: u64,
 ) -> Claim
 where
-    S: PoissonSystem<3, 1>,
+    S: Compiled<3, 1>,
     G: Damping,
 {
     let expected = expectation(problem, time, steps, observable.function);

@@ -1,6 +1,7 @@
 //! E[φ(y(T))] of the rigid body with three noises by multilevel Monte Carlo, against the Kolmogorov equation, and what an
 //! accuracy costs.
 
+use compiled::Compiled;
 use mc::Observable;
 use mc::multilevel::{Coupling, Estimate, Expectation, Settings, expectation, expectation_plain};
 use schemes::Sexp;
@@ -35,8 +36,8 @@ fn twelve(context: &Context<'_>, accuracy: f64) -> Vec<Claim> {
     let problem = body();
     let observables: Vec<Observable<3>> = weak_observables().into_iter().flat_map(|panel| panel.observables).collect();
     let exact = rigid_body_expectations(&problem, degree(context), &observables);
-    let sexp = Sexp::default();
-    let measured = expectation(&sexp, &problem, &observables, accuracy, &settings(context, 0), &|work| {
+    let sexp = RigidBody::<3>::sexp(Sexp::default());
+    let measured = expectation(sexp.as_ref(), &problem, &observables, accuracy, &settings(context, 0), &|work| {
         context.progress.advance(work);
     })
     .unwrap_or_else(|error| unreachable!("the set-up is valid: {error}"));
@@ -93,7 +94,7 @@ const COS_Y3: [Observable<3>; 1] = [Observable { name: "cos y3", function: |y| r
 pub(super) fn cost(context: &Context<'_>) -> Yield {
     let id = "expectation-cost";
     let problem = body();
-    let sexp = Sexp::default();
+    let sexp = RigidBody::<3>::sexp(Sexp::default());
     let accuracies = context.choose([1e-2, 3e-3, 1e-3, 3e-4], [1e-2, 5e-3, 3e-3, 2e-3]);
     // Single paths at the next accuracy would take twenty times as long as all of these.
     let finer = context.choose([1e-4, 3e-5], [1e-3, 5e-4]);
@@ -101,7 +102,7 @@ pub(super) fn cost(context: &Context<'_>) -> Yield {
     let run = |part: u64, accuracy: f64, multilevel: bool| -> Expectation {
         let method = if multilevel { expectation } else { expectation_plain };
         let settings = settings(context, part);
-        method(&sexp, &problem, &COS_Y3, accuracy, &settings, &|work| context.progress.advance(work))
+        method(sexp.as_ref(), &problem, &COS_Y3, accuracy, &settings, &|work| context.progress.advance(work))
             .unwrap_or_else(|error| unreachable!("the set-up is valid: {error}"))
     };
     let exact = rigid_body_expectations(&problem, degree(context), &COS_Y3)[0];

@@ -1,8 +1,9 @@
 //! `sexp-levy` beyond three dimensions and over long paths.
 
+use compiled::Compiled;
 use mc::trajectory;
-use schemes::{Scheme, Sexp, SexpLevy};
-use systems::{Cosine, Damping, PoissonSystem, Problem, RigidBody, SpinChain};
+use schemes::{Sexp, SexpLevy};
+use systems::{Cosine, Damping, Problem, RigidBody, SpinChain};
 
 use crate::experiment::{Context, Yield, truncation};
 use crate::order::order_verdict;
@@ -33,10 +34,10 @@ pub(super) fn spin_pair(context: &Context<'_>) -> Yield {
         reference,
         samples: context.choose(500, 256),
     };
-    let (sexp, levy) = (Sexp::default(), SexpLevy::new(&problem.system, problem.y0));
-    let schemes: [&dyn Scheme<SpinChain<6>, 6, 3>; 2] = [&sexp, &levy];
-    let curves = schemes.map(|scheme| Curve { name: scheme.id().to_owned(), scheme });
-    let panel = strong_curves(context, &setup, &problem, truncation(), &levy, &curves);
+    let levy = SpinChain::sexp_levy(SexpLevy::new(&problem.system, problem.y0));
+    let schemes = [SpinChain::sexp(Sexp::default()), levy];
+    let curves = [0, 1].map(|s| Curve { name: schemes[s].id().to_owned(), scheme: schemes[s].as_ref() });
+    let panel = strong_curves(context, &setup, &problem, truncation(), schemes[1].as_ref(), &curves);
     let mut claims: Vec<Claim> = panel.series.iter().map(|series| order_claim(&panel.id, series)).collect();
     claims.push(keeps_law(context, "spin-pair-levy", &spins()));
     let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
@@ -71,14 +72,14 @@ const PATHS: u64 = 32;
 /// Every Casimir on its conformal law, at every step of many paths.
 fn keeps_law<S, G, const D: usize>(context: &Context<'_>, panel: &str, problem: &Problem<S, G, D>) -> Claim
 where
-    S: PoissonSystem<D, 3>,
+    S: Compiled<D, 3>,
     G: Damping,
 {
-    let levy = SexpLevy::new(&problem.system, problem.y0);
+    let levy = S::sexp_levy(SexpLevy::new(&problem.system, problem.y0));
     let invariants = problem.system.invariants();
     let mut largest = 0.0;
     for path in 0..PATHS {
-        let path = trajectory(problem, &levy, STEPS, truncation(), context.key(3), path)
+        let path = trajectory(problem, levy.as_ref(), STEPS, truncation(), context.key(3), path)
             .unwrap_or_else(|error| unreachable!("the set-up is valid: {error}"));
         for (index, invariant) in invariants.iter().enumerate() {
             let initial = problem.system.invariant(index, problem.y0);

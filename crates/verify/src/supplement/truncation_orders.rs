@@ -1,5 +1,6 @@
 //! `truncation-orders`: what the truncation order k does to the strong error.
 
+use compiled::Compiled;
 use noise::Truncation;
 use schemes::Sexp;
 use systems::{Problem, RigidBody};
@@ -27,7 +28,7 @@ pub(super) fn run(context: &Context<'_>) -> Yield {
         reference,
         samples: context.choose(1000, 512),
     };
-    let sexp = Sexp::default();
+    let sexp = RigidBody::<1>::sexp(Sexp::default());
     let rules = [
         ("sexp, k = 1", Truncation::new(1)),
         ("sexp, k = 2", Truncation::new(2)),
@@ -36,7 +37,14 @@ pub(super) fn run(context: &Context<'_>) -> Yield {
     ];
     let mut panels = rules.into_iter().map(|(name, rule)| {
         let rule = rule.unwrap_or_else(|error| unreachable!("the orders are positive: {error}"));
-        strong_curves(context, &setup, &problem, rule, &sexp, &[Curve { name: name.to_owned(), scheme: &sexp }])
+        strong_curves(
+            context,
+            &setup,
+            &problem,
+            rule,
+            sexp.as_ref(),
+            &[Curve { name: name.to_owned(), scheme: sexp.as_ref() }],
+        )
     });
     let mut all = panels.next().unwrap_or_else(|| unreachable!("there are four rules"));
     for panel in panels {

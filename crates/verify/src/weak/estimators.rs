@@ -1,5 +1,6 @@
 //! Variance times cost of three estimators of E[φ(y_τ)] − E[φ(y_{τ/2})].
 
+use compiled::Compiled;
 use mc::{CrossMoments, Ladder, Observable, Run, Statistic, View};
 use noise::StreamKey;
 use schemes::Sexp;
@@ -48,11 +49,11 @@ fn antithetic_estimators_are_the_narrowest_per_path_step() {
     let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
     let problem = valid(Problem::new(body, half_cosine(), rigid_body_start(), 1.0));
     let observables: Vec<Observable<3>> = weak_observables().into_iter().flat_map(|panel| panel.observables).collect();
-    let sexp = Sexp::default();
+    let sexp = RigidBody::<3>::sexp(Sexp::default());
     let mut variances = Vec::new();
     println!("| τ | independent | plain coupling | antithetic | variance of an antithetic difference / τ² |");
     for exponent in [6, 8, 10] {
-        let runs = vec![Run::new(&sexp, 1), Run::new(&sexp, 0), Run::swapped(&sexp, 0)];
+        let runs = vec![Run::new(sexp.as_ref(), 1), Run::new(sexp.as_ref(), 0), Run::swapped(sexp.as_ref(), 0)];
         let key = StreamKey { seed: 1, experiment: exponent };
         let ladder = Ladder::<RigidBody<3>, _, 3, 3>::new(&problem, 2 << exponent, 1, truncation(), key, runs).unwrap();
         let statistic = || Estimates {
