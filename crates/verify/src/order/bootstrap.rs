@@ -11,7 +11,10 @@
 //! Studentising lets the interval lean to the side on which a large error has not been seen yet; a percentile interval
 //! leans to the other one. Draws are functions of the number of the resample alone, so the interval is reproducible.
 
-use mc::CrossMoments;
+use std::sync::OnceLock;
+
+use mc::{BATCHES, CrossMoments};
+use real::{Kernel, dispatch};
 
 /// Resamples; with 399 the quantiles of 2½ % and 97½ % are the 10th smallest and the 10th largest.
 const RESAMPLES: u64 = 399;
@@ -32,40 +35,80 @@ pub(super) fn reach(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> O
     // Scaled by their means, so that logarithms of means are differences to the estimate.
     let values: Vec<Vec<f64>> =
         levels.iter().map(|&l| squares.batches().map(|(_, sums)| sums[l] / squares.mean(l)).collect()).collect();
-    let total: f64 = gain.iter().sum();
     let mut statistics = Vec::with_capacity(RESAMPLES as usize);
     let (mut times, mut influences) = (vec![0.0; batches], vec![0.0; batches]);
     for resample in 0..RESAMPLES {
-        times.fill(0.0);
-        draw(resample, batches as u64, &mut times);
-        let count = dot(&times, &counts);
-        let mut shift = 0.0;
-        influences.iter_mut().zip(&counts).for_each(|(influence, count)| *influence = -total * count);
-        for (value, &g) in values.iter().zip(gain) {
-            let mean = dot(&times, value) / count;
-            shift += g * mean.ln();
-            let weight = g / mean;
-            influences.iter_mut().zip(value).for_each(|(influence, x)| *influence += weight * x);
-        }
-        influences.iter_mut().for_each(|influence| *influence *= *influence);
-        statistics.push(shift / (dot(&times, &influences).sqrt() / count));
+        drawn(resample, &mut times);
+        statistics.push(dispatch(Studentised {
+            times: &times,
+            counts: &counts,
+            values: &values,
+            gain,
+            influences: &mut influences,
+        }));
     }
     statistics.sort_by(f64::total_cmp);
     let (low, high) = (statistics[RANK - 1], statistics[RESAMPLES as usize - RANK]);
     (low.is_finite() && high.is_finite()).then_some((high, -low))
 }
 
+/// t* of one resample.
+struct Studentised<'a> {
+    /// How often each batch was drawn.
+    times: &'a [f64],
+    counts: &'a [f64],
+    values: &'a [Vec<f64>],
+    gain: &'a [f64],
+    /// Room for u_b.
+    influences: &'a mut [f64],
+}
+
+impl Kernel for Studentised<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let Self { times, counts, values, gain, influences } = self;
+        let count = dot(times, counts);
+        let total: f64 = gain.iter().sum();
+        for (influence, count) in influences.iter_mut().zip(counts) {
+            *influence = -total * count;
+        }
+        let mut shift = 0.0;
+        for (value, &g) in values.iter().zip(gain) {
+            let mean = dot(times, value) / count;
+            shift += g * mean.ln();
+            let weight = g / mean;
+            for (influence, x) in influences.iter_mut().zip(value) {
+                *influence += weight * x;
+            }
+        }
+        for influence in influences.iter_mut() {
+            *influence *= *influence;
+        }
+        shift / (dot(times, influences).sqrt() / count)
+    }
+}
+
 /// a·b in eight partial sums, which vectorise.
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 8];
     let (a_chunks, b_chunks) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(a, b)| a * b).sum();
+    let mut rest = 0.0;
+    for (a, b) in a_chunks.remainder().iter().zip(b_chunks.remainder()) {
+        rest += a * b;
+    }
     for (a, b) in a_chunks.zip(b_chunks) {
         for i in 0..8 {
             sums[i] += a[i] * b[i];
         }
     }
-    sums.iter().sum::<f64>() + rest
+    let mut sum = 0.0;
+    for partial in sums {
+        sum += partial;
+    }
+    sum + rest
 }
 
 /// Degrees of freedom of the estimated variance of θ by Satterthwaite's rule, 2B/(κ − 1) with κ the kurtosis of the
@@ -83,11 +126,31 @@ pub(super) fn degrees_of_freedom(squares: &CrossMoments, levels: &[usize], gain:
     2.0 * batches / (kurtosis - 1.0).max(f64::EPSILON)
 }
 
-/// How often each batch is drawn in a resample.
+/// How often each batch is drawn in a resample. With all [`BATCHES`] of them, which is nearly always, it is looked up:
+/// drawing takes twice as long as the rest.
+fn drawn(resample: u64, times: &mut [f64]) {
+    static ALL: OnceLock<Vec<u16>> = OnceLock::new();
+    if times.len() == BATCHES {
+        let all = ALL.get_or_init(|| {
+            let mut all = vec![0; RESAMPLES as usize * BATCHES];
+            for (resample, times) in (0..).zip(all.chunks_exact_mut(BATCHES)) {
+                draw(resample, BATCHES as u64, |batch| times[batch] += 1);
+            }
+            all
+        });
+        let row = &all[resample as usize * BATCHES..][..BATCHES];
+        times.iter_mut().zip(row).for_each(|(times, &drawn)| *times = f64::from(drawn));
+    } else {
+        times.fill(0.0);
+        draw(resample, times.len() as u64, |batch| times[batch] += 1.0);
+    }
+}
+
+/// Draws as many batches as there are.
 ///
 /// The numbers are those of SplitMix64 (Steele, Lea and Flood 2014) started at the number of the resample times 2³²;
 /// the upper half of a word times the number of batches, over 2³², is uniform up to 2⁻²⁴.
-fn draw(resample: u64, batches: u64, times: &mut [f64]) {
+fn draw(resample: u64, batches: u64, mut count: impl FnMut(usize)) {
     let mut counter = resample << 32;
     for _ in 0..batches {
         counter = counter.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -95,7 +158,7 @@ fn draw(resample: u64, batches: u64, times: &mut [f64]) {
         word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         word = (word ^ (word >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         word ^= word >> 31;
-        times[(((word >> 32) * batches) >> 32) as usize] += 1.0;
+        count((((word >> 32) * batches) >> 32) as usize);
     }
 }
 
@@ -107,4 +170,20 @@ pub fn root_mean_square_interval(squares: &CrossMoments, l: usize) -> Option<(f6
     let se = 0.5 * squares.covariance_of_means(l, l).sqrt() / mean;
     let (below, above) = reach(squares, &[l], &[0.5])?;
     Some((mean.sqrt() * (-below * se).exp(), mean.sqrt() * (above * se).exp()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_looked_up_is_what_is_drawn() {
+        for resample in [0, 1, 57, RESAMPLES - 1] {
+            let (mut looked_up, mut counted) = (vec![0.0; BATCHES], vec![0.0; BATCHES]);
+            drawn(resample, &mut looked_up);
+            draw(resample, BATCHES as u64, |batch| counted[batch] += 1.0);
+            assert_eq!(looked_up, counted);
+            assert_eq!(looked_up.iter().sum::<f64>(), BATCHES as f64);
+        }
+    }
 }
