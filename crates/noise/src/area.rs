@@ -190,6 +190,8 @@ mod tests {
         for area in [2.0, -0.5] {
             let mut finest = AreaBlock::zero();
             finest.set_path(3, [[7.0, area], [7.0, 7.0]]);
+            let entries = [finest.0[0][0][3], finest.0[0][1][3], finest.0[1][0][3], finest.0[1][1][3]];
+            assert_eq!(entries, [0.0, area, 0.0, 0.0]);
             let complete = sums.push(&Block::zero());
             areas.push(&finest, &sums, complete);
         }

@@ -224,6 +224,9 @@ mod tests {
         let step = 2f64.powi(-12);
         let terms = AreaMethod::ALL.map(|method| method.terms_for(strong_order_one_error(step), step, 3).unwrap());
         assert_eq!(terms, [623, 208, 23, 11]);
+        // 2·3 for each term, and 0, 3, 3 and 6 for the tails.
+        let normals = AreaMethod::ALL.map(|method| method.normals(11, 3));
+        assert_eq!(normals, [66, 69, 69, 72]);
     }
 
     #[test]
@@ -235,6 +238,12 @@ mod tests {
                     let error = method.rms_error(0.3, terms, m);
                     assert_eq!(method.terms_for(error, 0.3, m), Ok(terms), "{method:?}");
                     assert_eq!(method.terms_for(error * (1.0 - 1e-12), 0.3, m), Ok(terms + 1), "{method:?}");
+                }
+                // Where the quotient may round to either side of the integer.
+                for terms in 1..500 {
+                    let error = method.rms_error(0.3, terms, m);
+                    assert_eq!(method.terms_for(error.next_up(), 0.3, m), Ok(terms), "{method:?}");
+                    assert_eq!(method.terms_for(error.next_down(), 0.3, m), Ok(terms + 1), "{method:?}");
                 }
             }
         }
