@@ -31,6 +31,12 @@ pub trait FixedPoint<const D: usize>: Copy {
     fn own_sweep(&self) -> ([f64; D], f64) {
         (self.start(), f64::INFINITY)
     }
+
+    /// [`own_sweep`](Self::own_sweep) of two equations, the same bits, which may be solved in turn.
+    #[inline(always)]
+    fn own_sweeps(one: &Self, other: &Self) -> [([f64; D], f64); 2] {
+        [one.own_sweep(), other.own_sweep()]
+    }
 }
 
 /// How the iteration for an equation begins.

@@ -40,7 +40,7 @@ pub(crate) fn begins_otherwise<E: FixedPoint<D>, const D: usize>(method: Method)
 pub(crate) fn first_sweep<E: FixedPoint<D>, const D: usize>(equation: &E) -> Swept<D> {
     match (E::FIRST_SWEEP, E::METHOD) {
         (FirstSweep::Plain, method) => sweep(equation, equation.start(), method),
-        (FirstSweep::Own, _) => own_sweep(equation),
+        (FirstSweep::Own, _) => own_verdict(equation.start(), equation.own_sweep()),
         (FirstSweep::Long, Method::FixedPoint) => verdict(eleven_evaluations(equation)),
         (FirstSweep::Long, Method::Newton) => newton_verdict(equation.start(), newton_twice(equation)),
     }
@@ -51,7 +51,11 @@ pub(crate) fn first_sweep<E: FixedPoint<D>, const D: usize>(equation: &E) -> Swe
 #[inline(always)]
 pub(crate) fn first_sweeps<E: FixedPoint<D>, const D: usize>(one: &E, other: &E) -> (Swept<D>, Swept<D>) {
     match (E::FIRST_SWEEP, E::METHOD) {
-        (FirstSweep::Plain | FirstSweep::Own, _) => (first_sweep(one), first_sweep(other)),
+        (FirstSweep::Plain, _) => (first_sweep(one), first_sweep(other)),
+        (FirstSweep::Own, _) => {
+            let [found, other_found] = E::own_sweeps(one, other);
+            (own_verdict(one.start(), found), own_verdict(other.start(), other_found))
+        }
         (FirstSweep::Long, Method::FixedPoint) => {
             let (one, other) = eleven_in_turn(one, other);
             (verdict(one), verdict(other))
@@ -65,9 +69,7 @@ pub(crate) fn first_sweeps<E: FixedPoint<D>, const D: usize>(one: &E, other: &E)
 
 /// The equation's own solution, done when its bound says so; the start where it has none.
 #[inline(always)]
-fn own_sweep<E: FixedPoint<D>, const D: usize>(equation: &E) -> Swept<D> {
-    let (found, bound) = equation.own_sweep();
-    let start = equation.start();
+fn own_verdict<const D: usize>(start: [f64; D], (found, bound): ([f64; D], f64)) -> Swept<D> {
     let has_bound = bound < f64::INFINITY;
     let (mut z, mut size) = (start, 0.0);
     for i in 0..D {
@@ -353,35 +355,19 @@ mod tests {
         }
     }
 
-    #[derive(Clone, Copy)]
-    struct Own([f64; 2], f64);
-
-    impl FixedPoint<2> for Own {
-        const FIRST_SWEEP: FirstSweep = FirstSweep::Own;
-        fn start(&self) -> [f64; 2] {
-            START
-        }
-        fn map<R: real::Real>(&self, z: [R; 2]) -> [R; 2] {
-            z
-        }
-        fn own_sweep(&self) -> ([f64; 2], f64) {
-            (self.0, self.1)
-        }
-    }
-
     #[test]
     fn an_own_solution_is_done_within_the_tolerance() {
         let found = [1.0, -2.0];
         for (bound, done) in [(0.0, true), (3.0 * TOLERANCE, true), (3.1 * TOLERANCE, false), (1.0, false)] {
-            let (z, excess) = own_sweep(&Own(found, bound));
+            let (z, excess) = own_verdict(START, (found, bound));
             assert_eq!((z, excess <= 0.0), (found, done), "{bound:e}");
         }
         for bound in [f64::INFINITY, f64::NAN] {
-            let (z, excess) = own_sweep(&Own(found, bound));
+            let (z, excess) = own_verdict(START, (found, bound));
             assert!(z == START && (excess.is_nan() || excess > 0.0), "{bound} {excess}");
         }
         for found in [[f64::INFINITY, 0.0], [0.0, f64::NEG_INFINITY], [f64::NAN, 0.0]] {
-            assert!(own_sweep(&Own(found, 0.0)).1.is_nan());
+            assert!(own_verdict(START, (found, 0.0)).1.is_nan());
         }
     }
 }

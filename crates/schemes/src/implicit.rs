@@ -22,6 +22,12 @@ pub(crate) trait Rule<S, N: Copy, const D: usize>: Copy {
         let _ = (system, noise);
         (start, f64::INFINITY)
     }
+
+    /// The same of two paths, which may be taken in turn. Must be `#[inline(always)]`.
+    #[inline(always)]
+    fn own_sweeps(&self, system: &S, noise: [N; 2], start: [[f64; D]; 2]) -> [([f64; D], f64); 2] {
+        [self.own_sweep(system, noise[0], start[0]), self.own_sweep(system, noise[1], start[1])]
+    }
 }
 
 /// What a block of paths sees of the noise over a step.
@@ -108,6 +114,11 @@ impl<S, Q: Rule<S, N, D>, N: Copy, const D: usize> FixedPoint<D> for PathEquatio
     #[inline(always)]
     fn own_sweep(&self) -> ([f64; D], f64) {
         self.rule.own_sweep(self.system, self.noise, self.start)
+    }
+
+    #[inline(always)]
+    fn own_sweeps(one: &Self, other: &Self) -> [([f64; D], f64); 2] {
+        one.rule.own_sweeps(one.system, [one.noise, other.noise], [one.start, other.start])
     }
 }
 

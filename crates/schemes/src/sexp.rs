@@ -45,6 +45,11 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, [f64; M], D
     fn own_sweep(&self, system: &S, dw: [f64; M], start: [f64; D]) -> ([f64; D], f64) {
         system.short_step(start, self.tau, dw)
     }
+
+    #[inline(always)]
+    fn own_sweeps(&self, system: &S, dw: [[f64; M]; 2], start: [[f64; D]; 2]) -> [([f64; D], f64); 2] {
+        system.short_steps(start, self.tau, dw)
+    }
 }
 
 struct StepKernel<'a, S, const D: usize, const M: usize> {

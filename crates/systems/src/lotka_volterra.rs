@@ -1,5 +1,7 @@
 //! The damped stochastic Lotka–Volterra system (paper, Example 3).
 
+mod quartic;
+
 use dgrad::{GradientField, averaged};
 use real::Real;
 
@@ -22,6 +24,8 @@ pub struct LotkaVolterra<E> {
 pub trait Exponents: Copy + Send + Sync {
     /// Whether ∇̄ takes so few nodes that it counts as a closed form.
     const FEW_NODES: bool;
+    /// Whether [`short_step`](Exponents::short_step) solves the implicit steps that are not too long.
+    const SOLVES_SHORT_STEPS: bool = false;
     /// p = ab.
     fn p(&self) -> f64;
     /// q = −b.
@@ -35,6 +39,17 @@ pub trait Exponents: Copy + Send + Sync {
     /// # Errors
     /// [`SystemError::OutsideDomain`].
     fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError>;
+    /// [`PoissonSystem::short_step`] for the weight κ of the step, c included.
+    #[inline(always)]
+    fn short_step(&self, a: [f64; 3], kappa: f64) -> ([f64; 3], f64) {
+        let _ = kappa;
+        (a, f64::INFINITY)
+    }
+    /// The same of two paths, in turn.
+    #[inline(always)]
+    fn short_steps(&self, a: [[f64; 3]; 2], kappa: [f64; 2]) -> [([f64; 3], f64); 2] {
+        [self.short_step(a[0], kappa[0]), self.short_step(a[1], kappa[1])]
+    }
 }
 
 /// Positive integer exponents: H is a polynomial and the discrete gradient is exact to round-off.
@@ -48,6 +63,7 @@ const MAX_DEGREE: i32 = 9;
 
 impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
     const FEW_NODES: bool = P + Q <= 5;
+    const SOLVES_SHORT_STEPS: bool = P == 2 && Q == 2;
 
     fn p(&self) -> f64 {
         f64::from(P)
@@ -73,6 +89,14 @@ impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
         // The prefactor y₁^{1−P}y₂^{1−Q} of B has poles on the coordinate planes when P or Q exceed 1.
         const { assert!(P >= 1 && Q >= 1 && P + Q <= MAX_DEGREE, "exponents must be positive, with P + Q at most 9") };
         positive_octant(y)
+    }
+    #[inline(always)]
+    fn short_step(&self, a: [f64; 3], kappa: f64) -> ([f64; 3], f64) {
+        if Self::SOLVES_SHORT_STEPS { quartic::short_step(a, kappa) } else { (a, f64::INFINITY) }
+    }
+    #[inline(always)]
+    fn short_steps(&self, a: [[f64; 3]; 2], kappa: [f64; 2]) -> [([f64; 3], f64); 2] {
+        if Self::SOLVES_SHORT_STEPS { quartic::short_steps(a, kappa) } else { a.map(|a| (a, f64::INFINITY)) }
     }
 }
 
@@ -164,6 +188,7 @@ impl<E: Exponents> LotkaVolterra<E> {
 
 impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
     const SHORT_FIELD: bool = E::FEW_NODES;
+    const SOLVES_SHORT_STEPS: bool = E::SOLVES_SHORT_STEPS;
 
     fn name(&self) -> &'static str {
         "lotka-volterra"
@@ -189,6 +214,16 @@ impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
         self.weighed(self.exponents.averaged(&Gradient { exponents: self.exponents }, a, b), dt + dw[0])
+    }
+
+    #[inline(always)]
+    fn short_step(&self, a: [f64; 3], dt: f64, dw: [f64; 1]) -> ([f64; 3], f64) {
+        self.exponents.short_step(a, self.c * (dt + dw[0]))
+    }
+
+    #[inline(always)]
+    fn short_steps(&self, a: [[f64; 3]; 2], dt: f64, dw: [[f64; 1]; 2]) -> [([f64; 3], f64); 2] {
+        self.exponents.short_steps(a, [self.c * (dt + dw[0][0]), self.c * (dt + dw[1][0])])
     }
 
     fn invariants(&self) -> Vec<Invariant> {

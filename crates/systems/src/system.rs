@@ -66,6 +66,13 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
         (a, f64::INFINITY)
     }
 
+    /// [`short_step`](PoissonSystem::short_step) for two paths, the same bits. A system whose solution is a chain of operations that wait for each
+    /// other takes them in turn here, and two chains fit into the time of one.
+    #[inline(always)]
+    fn short_steps(&self, a: [[f64; D]; 2], dt: f64, dw: [[f64; M]; 2]) -> [([f64; D], f64); 2] {
+        [self.short_step(a[0], dt, dw[0]), self.short_step(a[1], dt, dw[1])]
+    }
+
     /// Σ_{m<l} A_ml \[fₘ, f_l\](y) for a skew matrix A of Lévy areas, with fₘ = B∇Hₘ and [f, g] = g′f − f′g; by dual numbers,
     /// nested where a Jacobian is wanted, unless overridden. It is tangent to the level sets of every Casimir:
     /// [fₘ, f_l]C = fₘ(f_l C) − f_l(fₘ C) = 0.

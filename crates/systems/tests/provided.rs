@@ -4,7 +4,7 @@ mod common;
 
 use common::{Check, Numbers, Region, dot, every_system};
 use real::Real;
-use systems::{Pendulum, Poisson3, PoissonSystem};
+use systems::{IntegerExponents, LotkaVolterra, Pendulum, Poisson3, PoissonSystem};
 
 /// A system that says only what must be said.
 struct Plain<'a, S>(&'a S);
@@ -111,7 +111,9 @@ impl Check for ShortSteps {
         for n in 0..4000 {
             let a: [f64; D] = region.point(&mut numbers);
             // Four sizes of steps, the largest beyond what is declined.
-            let size = [1e-3, 0.03, 0.3, 3.0][n % 4];
+            // Populations of the region are larger than those of the paper, and their steps that much longer.
+            let scale = if region == Region::Positive { 0.25 } else { 1.0 };
+            let size = scale * [1e-3, 0.03, 0.3, 3.0][n % 4];
             let (dt, dw): (f64, [f64; M]) = (size * numbers.next().abs(), numbers.vector().map(|w| size * w));
             let (b, bound) = system.short_step(a, dt, dw);
             if !S::SOLVES_SHORT_STEPS {
@@ -152,8 +154,49 @@ fn long_steps_are_declined() {
         assert!(declined(Pendulum::new(1.0).unwrap().short_step([0.5, 1.0], dt, [0.0]).1), "{dt}");
         assert!(declined(Poisson3::new(1.0).unwrap().short_step([0.5, 1.0, 2.0], dt, [0.0]).1), "{dt}");
     }
+    let populations = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0).unwrap();
+    for dt in [1.0, -1.0, 10.0, 1e300, f64::INFINITY, f64::NAN] {
+        assert!(declined(populations.short_step([0.2, 0.4, 0.6], dt, [0.0]).1), "{dt}");
+    }
+    // A population that a step would change by more than half.
+    assert!(declined(populations.short_step([0.01, 0.4, 1.0], 0.2, [0.0]).1));
+    assert!(declined(populations.short_step([0.2, -0.4, 0.6], 0.1, [0.0]).1));
     assert!(declined(Pendulum::new(1.0).unwrap().short_step([100.0, 1.0], 0.1, [0.0]).1));
     assert!(declined(Poisson3::new(1.0).unwrap().short_step([0.5, 1e7, 2.0], 0.1, [0.0]).1));
+}
+
+/// The solution that the system finds is the one on the branch that begins at a: followed in 64 steps of the weight by the plain
+/// iteration, which contracts as long as no step is declined.
+#[test]
+fn short_steps_of_populations_stay_on_the_branch() {
+    const PIECES: u32 = 64;
+    let system = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.3).unwrap();
+    let mut numbers = Numbers(10);
+    let (mut accepted, mut longest) = (0, 0.0f64);
+    for _ in 0..4000 {
+        // From 10⁻² to 1, evenly on a logarithmic scale.
+        let a: [f64; 3] = numbers.vector().map(|x: f64| 10f64.powf(x - 1.0));
+        let weight = 0.7 * numbers.next() / (2.0 * a[0] + a[1] + a[2]);
+        let (b, bound) = system.short_step(a, weight, [0.0]);
+        if bound == f64::INFINITY {
+            continue;
+        }
+        accepted += 1;
+        longest = longest.max(weight.abs() * (2.0 * a[0] + a[1] + a[2]));
+        let mut followed = a;
+        for piece in 1..=PIECES {
+            let part = weight * f64::from(piece) / f64::from(PIECES);
+            for _ in 0..200 {
+                let field = system.averaged_field(a, followed, part, [0.0]);
+                followed = std::array::from_fn(|i| a[i] + field[i]);
+            }
+        }
+        let sum = |v: [f64; 3]| v.iter().map(|x| x.abs()).sum::<f64>();
+        let apart = sum(std::array::from_fn(|i| b[i] - followed[i]));
+        // Residuals of both, times 1/(1 − L): the plain iteration ends within round-off, so it contracts by ¾ or better.
+        assert!(apart <= 4.0 * (bound + 16.0 * f64::EPSILON * (sum(a) + sum(b))), "{a:?} {weight}: {b:?} {followed:?}");
+    }
+    assert!(accepted > 1000 && longest > 0.25, "{accepted} {longest}");
 }
 
 struct EnergyIsLinear;
