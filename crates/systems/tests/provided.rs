@@ -116,6 +116,14 @@ impl Check for ShortSteps {
             let size = scale * [1e-3, 0.03, 0.3, 3.0][n % 4];
             let (dt, dw): (f64, [f64; M]) = (size * numbers.next().abs(), numbers.vector().map(|w| size * w));
             let (b, bound) = system.short_step(a, dt, dw);
+            let (other_a, other_dw) = (region.point(&mut numbers), numbers.vector().map(|w| size * w));
+            // Two in turn are each of them alone, to the bit; sign and payload of a NaN are not specified.
+            let alone = [(b, bound), system.short_step(other_a, dt, other_dw)];
+            for (one, of_pair) in alone.into_iter().zip(system.short_steps([a, other_a], dt, [dw, other_dw])) {
+                let bits = |x: f64| if x.is_nan() { f64::NAN } else { x }.to_bits();
+                assert_eq!(one.0.map(bits), of_pair.0.map(bits), "{}", system.name());
+                assert_eq!(bits(one.1), bits(of_pair.1), "{}", system.name());
+            }
             if !S::SOLVES_SHORT_STEPS {
                 assert!(b == a && bound == f64::INFINITY, "{}", system.name());
                 continue;
