@@ -46,8 +46,8 @@ pub(crate) fn first_sweep<E: FixedPoint<D>, const D: usize>(equation: &E) -> Swe
     }
 }
 
-/// The first sweep of two paths, a long one in turn, and the equations' own as they have it: an evaluation is a chain of operations that wait for each other, and two
-/// chains fit into the time of one.
+/// The first sweep of two paths, a long one in turn, and the equations' own as they have it: an evaluation is a chain of
+/// operations that wait for each other, and two chains fit into the time of one.
 #[inline(always)]
 pub(crate) fn first_sweeps<E: FixedPoint<D>, const D: usize>(one: &E, other: &E) -> (Swept<D>, Swept<D>) {
     match (E::FIRST_SWEEP, E::METHOD) {
