@@ -1,8 +1,8 @@
-//! **Every scheme on every system of the paper, compiled once.**
+//! **Every scheme on every system of the paper, and on a pair of spins, compiled once.**
 //!
 //! [`schemes`] are generic over the system, so each crate that runs one compiles its block kernels anew, three times, for
 //! three instruction sets. This crate does it for the systems of [`systems`], behind [`Scheme`] as an object, and those
-//! that run the paper link it. The numbers are the same: these are the schemes of [`schemes`] and nothing else.
+//! that run these systems link it. The numbers are the same: these are the schemes of [`schemes`] and nothing else.
 //!
 //! ```
 //! use compiled::Compiled;

@@ -166,8 +166,9 @@ fn long_steps_are_declined() {
     for dt in [1.0, -1.0, 10.0, 1e300, f64::INFINITY, f64::NAN] {
         assert!(declined(populations.short_step([0.2, 0.4, 0.6], dt, [0.0]).1), "{dt}");
     }
-    // A population that a step would change by more than half.
-    assert!(declined(populations.short_step([0.01, 0.4, 1.0], 0.2, [0.0]).1));
+    // A population that becomes more than twice as large, by a weight that is not too long.
+    assert!(declined(populations.short_step([0.001, 0.001, 1.0], 0.4, [0.0]).1));
+    assert!(populations.short_step([0.001, 0.001, 1.0], 0.2, [0.0]).1 < 1e-12);
     assert!(declined(populations.short_step([0.2, -0.4, 0.6], 0.1, [0.0]).1));
     assert!(declined(Pendulum::new(1.0).unwrap().short_step([100.0, 1.0], 0.1, [0.0]).1));
     assert!(declined(Poisson3::new(1.0).unwrap().short_step([0.5, 1e7, 2.0], 0.1, [0.0]).1));
@@ -190,7 +191,7 @@ fn short_steps_of_populations_stay_on_the_branch() {
             continue;
         }
         accepted += 1;
-        longest = longest.max(weight.abs() * (2.0 * a[0] + a[1] + a[2]));
+        longest = longest.max(1.3 * weight.abs() * (2.0 * a[0] + a[1] + a[2]));
         let mut followed = a;
         for piece in 1..=PIECES {
             let part = weight * f64::from(piece) / f64::from(PIECES);
@@ -201,10 +202,10 @@ fn short_steps_of_populations_stay_on_the_branch() {
         }
         let sum = |v: [f64; 3]| v.iter().map(|x| x.abs()).sum::<f64>();
         let apart = sum(std::array::from_fn(|i| b[i] - followed[i]));
-        // Residuals of both, times 1/(1 − L): the plain iteration ends within round-off, so it contracts by ¾ or better.
+        // Residuals of both, times 1/(1 − L) where the plain iteration contracts by L = ¾, which this asserts as well.
         assert!(apart <= 4.0 * (bound + 16.0 * f64::EPSILON * (sum(a) + sum(b))), "{a:?} {weight}: {b:?} {followed:?}");
     }
-    assert!(accepted > 1000 && longest > 0.25, "{accepted} {longest}");
+    assert!(accepted > 1000 && longest > 0.4, "{accepted} {longest}");
 }
 
 struct EnergyIsLinear;

@@ -150,6 +150,7 @@ enum Fault {
     AveragedField,
     /// Explicit, and said to be exact.
     ShortStep,
+    ShortSteps,
     Commutators,
     Degree,
     Form,
@@ -211,6 +212,10 @@ impl PoissonSystem<3, 3> for Spoiled {
         }
         let field = systems::vector_field(self, a, dt, dw);
         (std::array::from_fn(|i| a[i] + field[i]), 0.0)
+    }
+    fn short_steps(&self, a: [[f64; 3]; 2], dt: f64, dw: [[f64; 3]; 2]) -> [([f64; 3], f64); 2] {
+        let [one, other] = [0, 1].map(|i| self.short_step(a[i], dt, dw[i]));
+        if self.0 == Fault::ShortSteps { [other, one] } else { [one, other] }
     }
     fn commutators<R: Real>(&self, y: [R; 3], areas: [[f64; 3]; 3]) -> [R; 3] {
         if self.0 == Fault::Commutators {
@@ -275,6 +280,7 @@ fn every_mistake_is_named() {
         (Fault::OneSided, "is not the change of energy"),
         (Fault::AveragedField, "averaged_field(a, b) is not structure"),
         (Fault::ShortStep, "short_step does not solve"),
+        (Fault::ShortSteps, "short_steps is not short_step of each"),
         (Fault::Commutators, "commutators is not what follows"),
         (Fault::Degree, "is claimed to have degree 3 and has degree 2"),
         (Fault::Form, "is claimed as homogeneous and is quadratic"),

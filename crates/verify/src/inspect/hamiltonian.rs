@@ -28,6 +28,8 @@ pub struct Hamiltonians {
     pub averaged_field: Finding,
     /// `short_step(a)`, where there is one, lacks no more of b = a + averaged_field(a, b) than its bound says.
     pub short_step: Finding,
+    /// `short_steps` of two paths is, to the bit, `short_step` of each.
+    pub short_steps: Finding,
 }
 
 /// The distance of the two points of a discrete gradient, beside that of two random points.
@@ -43,7 +45,7 @@ impl Hamiltonians {
         let mut numbers = Numbers::new();
         let (mut linear, mut gradient) = (Finding::new(), Finding::new());
         let (mut averaged, mut discrete, mut field) = (Finding::new(), Finding::new(), Finding::new());
-        let mut short = Finding::new();
+        let (mut short, mut in_turn) = (Finding::new(), Finding::new());
         for (n, y) in points.few.iter().enumerate() {
             let weights: Vec<f64> = (0..=noises).map(|_| numbers.uniform()).collect();
             let (mut sum, mut size) = (0.0, 0.0);
@@ -76,6 +78,7 @@ impl Hamiltonians {
 
             // From very short steps to ones that contract badly, as the weights come.
             let weights: Vec<f64> = weights.iter().map(|w| w * SHORT[n % SHORT.len()]).collect();
+            in_turn.see(if system.short_steps_agree(y, &b, &weights) { 0.0 } else { 1.0 }, 1.0, y);
             if let Some((b, bound)) = system.short_step(y, &weights)
                 && bound < f64::INFINITY
             {
@@ -93,6 +96,7 @@ impl Hamiltonians {
             discrete_gradient: discrete,
             averaged_field: field,
             short_step: short,
+            short_steps: in_turn,
         }
     }
 }

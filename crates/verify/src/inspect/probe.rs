@@ -25,6 +25,8 @@ pub(super) trait Probe {
     fn averaged_field(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64>;
     /// `short_step`, where the system has one.
     fn short_step(&self, a: &[f64], weights: &[f64]) -> Option<(Vec<f64>, f64)>;
+    /// Whether `short_steps` of two paths is, to the bit, `short_step` of each.
+    fn short_steps_agree(&self, a: &[f64], b: &[f64], weights: &[f64]) -> bool;
     /// ∇²h, rows.
     fn hessian(&self, y: &[f64], weights: &[f64]) -> Matrix;
     /// B∇h.
@@ -143,6 +145,17 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Probe for Of<'_, S,
     fn short_step(&self, a: &[f64], weights: &[f64]) -> Option<(Vec<f64>, f64)> {
         let (b, bound) = self.0.short_step(array(a), weights[0], array(&weights[1..]));
         S::SOLVES_SHORT_STEPS.then(|| (b.to_vec(), bound))
+    }
+    fn short_steps_agree(&self, a: &[f64], b: &[f64], weights: &[f64]) -> bool {
+        let (a, dt, dw): ([[f64; D]; 2], f64, [f64; M]) = ([array(a), array(b)], weights[0], array(&weights[1..]));
+        let dw = [dw, dw.map(|w| -0.5 * w)];
+        // Sign and payload of a NaN are not specified.
+        let bits = |(z, bound): ([f64; D], f64)| {
+            let of = |x: f64| if x.is_nan() { f64::NAN } else { x }.to_bits();
+            (z.map(of), of(bound))
+        };
+        let alone = [0, 1].map(|i| bits(self.0.short_step(a[i], dt, dw[i])));
+        alone == self.0.short_steps(a, dt, dw).map(bits)
     }
     fn hessian(&self, y: &[f64], weights: &[f64]) -> Matrix {
         rows::<_, D>(&self.energy_of(weights), array(y))

@@ -31,6 +31,7 @@ pub(super) fn mistakes(inspection: &Inspection) -> Vec<String> {
         &hamiltonians.short_step,
         "short_step does not solve b = a + averaged_field(a, b) within the bound that it gives",
     );
+    must(&hamiltonians.short_steps, "short_steps is not short_step of each of its two paths, to the bit");
     must(&noise.commutators, "commutators is not what follows from B and the energy");
     if hamiltonians.discrete_gradient.defect > POOR_QUADRATURE {
         must(&hamiltonians.discrete_gradient, "averaged_gradient(a, b)·(b − a) is not the change of energy");

@@ -36,49 +36,51 @@ pub(super) fn reach(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> O
     let values: Vec<Vec<f64>> =
         levels.iter().map(|&l| squares.batches().map(|(_, sums)| sums[l] / squares.mean(l)).collect()).collect();
     let mut statistics = Vec::with_capacity(RESAMPLES as usize);
-    let (mut times, mut influences) = (vec![0.0; batches], vec![0.0; batches]);
+    let (mut times, mut influences, mut means) = (vec![0.0; batches], vec![0.0; batches], vec![0.0; levels.len()]);
     for resample in 0..RESAMPLES {
         drawn(resample, &mut times);
-        statistics.push(dispatch(Studentised {
+        let se = dispatch(Resample {
             times: &times,
             counts: &counts,
             values: &values,
             gain,
+            means: &mut means,
             influences: &mut influences,
-        }));
+        });
+        let shift: f64 = means.iter().zip(gain).map(|(mean, g)| g * mean.ln()).sum();
+        statistics.push(shift / se);
     }
     statistics.sort_by(f64::total_cmp);
     let (low, high) = (statistics[RANK - 1], statistics[RESAMPLES as usize - RANK]);
     (low.is_finite() && high.is_finite()).then_some((high, -low))
 }
 
-/// t* of one resample.
-struct Studentised<'a> {
+/// The means m*_l of one resample, and se*.
+struct Resample<'a> {
     /// How often each batch was drawn.
     times: &'a [f64],
     counts: &'a [f64],
     values: &'a [Vec<f64>],
     gain: &'a [f64],
+    means: &'a mut [f64],
     /// Room for u_b.
     influences: &'a mut [f64],
 }
 
-impl Kernel for Studentised<'_> {
+impl Kernel for Resample<'_> {
     type Output = f64;
 
     #[inline(always)]
     fn run(self) -> f64 {
-        let Self { times, counts, values, gain, influences } = self;
+        let Self { times, counts, values, gain, means, influences } = self;
         let count = dot(times, counts);
         let total: f64 = gain.iter().sum();
         for (influence, count) in influences.iter_mut().zip(counts) {
             *influence = -total * count;
         }
-        let mut shift = 0.0;
-        for (value, &g) in values.iter().zip(gain) {
-            let mean = dot(times, value) / count;
-            shift += g * mean.ln();
-            let weight = g / mean;
+        for ((value, &g), mean) in values.iter().zip(gain).zip(means) {
+            *mean = dot(times, value) / count;
+            let weight = g / *mean;
             for (influence, x) in influences.iter_mut().zip(value) {
                 *influence += weight * x;
             }
@@ -86,7 +88,7 @@ impl Kernel for Studentised<'_> {
         for influence in influences.iter_mut() {
             *influence *= *influence;
         }
-        shift / (dot(times, influences).sqrt() / count)
+        dot(times, influences).sqrt() / count
     }
 }
 
