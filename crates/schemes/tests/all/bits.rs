@@ -6,7 +6,7 @@ use noise::{AreaBlock, StreamKey, Truncation, WienerBlock, clip};
 use nonlin::{BlockStatus, Method, Outcome, Solver};
 use real::{Block, Level, WIDTH, limit_to};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step};
-use systems::{Cosine, PoissonSystem};
+use systems::{Cosine, PoissonSystem, RigidBody};
 
 const TAU: f64 = 0.05;
 const STEPS: u64 = 40;
@@ -123,4 +123,9 @@ fn schemes_have_the_ids_of_the_paper() {
         schemes.map(|scheme| scheme.id())
     }
     assert_eq!(ids(schemes, &body), ["sexp", "em", "midpoint", "sexp-levy", "heun"]);
+    // Areas are asked for by the one scheme that reads them, where there are any.
+    assert_eq!(schemes.map(|scheme| scheme.needs_areas()), [false, false, false, true, false]);
+    let turning = RigidBody::one_noise([2.0, 1.0, 2.0 / 3.0], 1.0).unwrap();
+    let levy = SexpLevy::new(&turning, [1.0, 2.0, 3.0]);
+    assert!(!Scheme::<RigidBody<1>, 3, 1>::needs_areas(&levy));
 }

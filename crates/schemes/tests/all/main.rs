@@ -7,4 +7,5 @@ mod common;
 mod conformal;
 mod levy;
 mod order;
+mod overflow;
 mod sweeps;
