@@ -7,6 +7,7 @@ use systems::PoissonSystem;
 const DRIFT: [f64; 3] = [0.5, 1.0, 1.5];
 const NOISE: [f64; 3] = [1.0, 0.5, 1.0 / 3.0];
 
+#[inline(always)]
 fn cross<R: Real>(y: [R; 3], v: [R; 3]) -> [R; 3] {
     [y[1] * v[2] - y[2] * v[1], y[2] * v[0] - y[0] * v[2], y[0] * v[1] - y[1] * v[0]]
 }
@@ -51,7 +52,11 @@ impl PoissonSystem<3, 3> for TwentyLines {
     }
     #[inline(always)]
     fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 3]) -> [R; 3] {
-        [0, 1, 2].map(|i| y[i] * (dt * DRIFT[i] + dw[i] * NOISE[i]))
+        let mut v = y;
+        for i in 0..3 {
+            v[i] = y[i] * (dt * DRIFT[i] + dw[i] * NOISE[i]);
+        }
+        v
     }
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 3]) -> [R; 3] {
