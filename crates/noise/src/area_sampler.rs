@@ -249,3 +249,17 @@ fn add_given_w<const M: usize, const L: usize>(areas: &mut [[[f64; L]; M]; M], w
     }
     add_wedges(areas, &gw, w);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_experiments_share_the_streams_of_their_areas() {
+        for experiment in [0, 5, AREA_STREAM, AREA_STREAM | 5, u64::MAX] {
+            let areas = StreamKey { seed: 3, experiment }.of_areas();
+            assert_eq!(areas, StreamKey { seed: 3, experiment: experiment ^ (1 << 62) });
+            assert_eq!(areas.of_areas().experiment, experiment);
+        }
+    }
+}
