@@ -12,6 +12,9 @@
 const LARGEST_RATIO: f64 = 0.25;
 const LARGEST_MOVE: f64 = 1.0 / 32.0;
 const LARGEST_WEIGHT: f64 = 0.5;
+/// So close to the coordinate planes, in μY below, B has a pole, and the bound and the roundings of the averages are large: an iteration that began at
+/// the solution would see nothing but roundings and never end.
+const LARGEST_SPREAD: f64 = 4096.0;
 
 /// The b of a and κ, and the bound of ‖b − a − averaged_field(a, b)‖₁.
 ///
@@ -114,7 +117,7 @@ impl Iterate {
         let bound = (7.0 * kappa.abs()) * second * way * size(change);
         let near = end.contains([moved[0].abs() + change[0].abs(), moved[1].abs() + change[1].abs()]);
         let inside = end.inside() & near;
-        let short = kappa.abs() * (sum + largest(0)) <= LARGEST_WEIGHT;
+        let short = (kappa.abs() * (sum + largest(0)) <= LARGEST_WEIGHT) & (ratio <= LARGEST_SPREAD);
         let bound = if inside & short { bound } else { f64::INFINITY };
         ([a[0] + 2.0 * end.u[0], a[1] + 2.0 * end.u[1], a[2] + 2.0 * end.u[2]], bound)
     }
