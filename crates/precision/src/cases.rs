@@ -235,11 +235,12 @@ struct Schemes<S, const D: usize, const M: usize> {
 
 impl<S: Compiled<D, M>, const D: usize, const M: usize> Schemes<S, D, M> {
     fn new(system: &S, y0: [f64; D]) -> Self {
-        let levy = S::sexp_levy(SexpLevy::new(system, y0));
+        let scheme = SexpLevy::new(system, y0);
+        let levy = S::sexp_levy(scheme);
         Self {
             sexp: S::sexp(Sexp::default()),
             levy: levy.needs_areas().then_some(levy),
-            own: OwnAreas { levy: S::sexp_levy(SexpLevy::new(system, y0)) },
+            own: OwnAreas { levy: S::sexp_levy(scheme) },
             others: [S::midpoint(Midpoint::default()), S::heun(), S::euler_maruyama()],
         }
     }

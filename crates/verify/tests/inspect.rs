@@ -150,6 +150,7 @@ enum Fault {
     AveragedField,
     /// Explicit, and said to be exact.
     ShortStep,
+    /// The two paths exchanged.
     ShortSteps,
     Commutators,
     Degree,

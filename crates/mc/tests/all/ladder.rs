@@ -5,9 +5,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use mc::{Cause, Ladder, LadderError, Moments, Reference, Run, Statistic, StrongErrors, View, trajectory};
 use noise::{AreaMethod, AreaPath, NoiseError, StreamKey, Truncation, WienerPath, strong_order_one_error};
 use nonlin::{Method, Solver};
-use real::Real;
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, Step};
 use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
+
+use crate::explosive::Explosive;
 
 type Body = Problem<RigidBody<3>, Cosine, 3>;
 
@@ -199,24 +200,6 @@ fn impossible_ladders_are_refused() {
     assert_eq!(error, Some(LadderError::Noise(NoiseError::StepOutsideUnitInterval { tau: 1.0 })));
     assert!(trajectory(&problem, &sexp, 0, k, KEY, 0).is_err());
     assert!(trajectory(&problem, &sexp, 1, k, KEY, 0).is_err());
-}
-
-/// dz = (z² + 1)·h with a step that has no real solution once h is large: B∇H cannot do that in one dimension, so the
-/// system is two-dimensional with H = y₁(y₂² + 1)-like growth.
-struct Explosive;
-
-impl PoissonSystem<2, 1> for Explosive {
-    fn name(&self) -> &'static str {
-        "explosive"
-    }
-    #[inline(always)]
-    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
-        [-v[1], v[0]]
-    }
-    #[inline(always)]
-    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
-        y[0] * (y[1] * y[1] + 1.0) * (dt + dw[0])
-    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The tests of the crate in one binary, so that the kernels of each system are compiled once for all of them.
 
+mod explosive;
 mod ladder;
 mod multilevel;
 mod simulation;

@@ -16,6 +16,8 @@ use real::{Block, Real};
 use schemes::{Scheme, Sexp, SexpLevy, Step};
 use systems::{Constant, Cosine, PoissonSystem, Problem, RigidBody};
 
+use crate::explosive::Explosive;
+
 fn settings(seed: u64, coupling: Coupling) -> Settings {
     Settings::new(StreamKey { seed, experiment: 1 }, Truncation::new(4).unwrap(), 4, coupling)
 }
@@ -431,23 +433,6 @@ fn more_coarsest_steps_are_advised_where_they_pay() {
     let better = run(steps);
     assert!(better.cost < first.cost, "{steps} steps: {} against {}", better.cost, first.cost);
     assert_eq!(advice(&better), None, "{better:?}");
-}
-
-/// In two dimensions with H = y₁(y₂² + 1)·(t + W): y₂ = tan(… + t + W) has no value once the noise is large.
-struct Explosive;
-
-impl PoissonSystem<2, 1> for Explosive {
-    fn name(&self) -> &'static str {
-        "explosive"
-    }
-    #[inline(always)]
-    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
-        [-v[1], v[0]]
-    }
-    #[inline(always)]
-    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
-        y[0] * (y[1] * y[1] + 1.0) * (dt + dw[0])
-    }
 }
 
 #[test]

@@ -110,14 +110,14 @@ impl Iterate {
         let end = Point::new(a, self.u);
         let moved = minus(self.u, first);
         let way = size(moved) + size(change);
-        let largest = |i: usize| end.m[i].abs() + end.u[i].abs();
-        let sum = largest(0) + largest(1) + largest(2);
+        let largest = [end.largest(0), end.largest(1), end.largest(2)];
+        let sum = largest[0] + largest[1] + largest[2];
         let ratio = (end.m[0] + end.m[1]) * sum / (end.m[0] * end.m[1]);
         let second = 3.6 + ratio * (4.0 + 1.25 * ratio);
         let bound = (7.0 * kappa.abs()) * second * way * size(change);
         let near = end.contains([moved[0].abs() + change[0].abs(), moved[1].abs() + change[1].abs()]);
         let inside = end.inside() & near;
-        let short = (kappa.abs() * (sum + largest(0)) <= LARGEST_WEIGHT) & (ratio <= LARGEST_SPREAD);
+        let short = (kappa.abs() * (sum + largest[0]) <= LARGEST_WEIGHT) & (ratio <= LARGEST_SPREAD);
         let bound = if inside & short { bound } else { f64::INFINITY };
         ([a[0] + 2.0 * end.u[0], a[1] + 2.0 * end.u[1], a[2] + 2.0 * end.u[2]], bound)
     }
@@ -158,6 +158,12 @@ impl Point {
         (way[0] <= LARGEST_MOVE * self.m[0]) & (way[1] <= LARGEST_MOVE * self.m[1])
     }
 
+    /// The largest |y_i| on the way.
+    #[inline(always)]
+    fn largest(&self, i: usize) -> f64 {
+        self.m[i].abs() + self.u[i].abs()
+    }
+
     /// With y₁y₂ = A + sB + s²C and y_jq_j = D + sE + s²F the mean of the product is
     /// A(D + F/3) + BE/3 + C(D/3 + F/5).
     #[inline(always)]
@@ -166,12 +172,11 @@ impl Point {
         let (n, v) = ([m[1] - 2.0 * m[2], m[2] - m[0]], [u[1] - 2.0 * u[2], u[2] - u[0]]);
         let product = [m[0] * m[1], m[0] * u[1] + u[0] * m[1], u[0] * u[1]];
         let third = product[1] * (1.0 / 3.0);
-        let row = |j: usize| {
-            let (d, e, f) = (m[j] * n[j], m[j] * v[j] + u[j] * n[j], u[j] * v[j]);
-            let (p, q) = (d + f * (1.0 / 3.0), d * (1.0 / 3.0) + f * 0.2);
-            Row { p, e, q, mean: product[0] * p + third * e + product[2] * q }
-        };
-        Means { product, third, inverse: 1.0 / product[0], n, v, rows: [row(0), row(1)] }
+        let rows = [
+            Row::new(product, third, (m[0], u[0]), (n[0], v[0])),
+            Row::new(product, third, (m[1], u[1]), (n[1], v[1])),
+        ];
+        Means { product, third, inverse: 1.0 / product[0], n, v, rows }
     }
 }
 
@@ -182,6 +187,22 @@ struct Row {
     e: f64,
     q: f64,
     mean: f64,
+}
+
+impl Row {
+    /// From A, B, C, B/3 and the values of y_j and q_j in the middle with half their changes.
+    #[inline(always)]
+    fn new(product: [f64; 3], third: f64, (m, u): (f64, f64), (n, v): (f64, f64)) -> Self {
+        let (d, e, f) = (m * n, m * v + u * n, u * v);
+        let [p, q] = means_of_ends(d, f);
+        Self { p, e, q, mean: product[0] * p + third * e + product[2] * q }
+    }
+}
+
+/// D + F/3 and D/3 + F/5.
+#[inline(always)]
+fn means_of_ends(d: f64, f: f64) -> [f64; 2] {
+    [d + f * (1.0 / 3.0), d * (1.0 / 3.0) + f * 0.2]
 }
 
 /// The averages at a point.
@@ -202,7 +223,23 @@ impl Means {
     /// u_j − k_jN_j/A.
     #[inline(always)]
     fn residual(&self, k: [f64; 2], u: [f64; 2]) -> [f64; 2] {
-        [u[0] - k[0] * self.rows[0].mean * self.inverse, u[1] - k[1] * self.rows[1].mean * self.inverse]
+        [u[0] - self.image(k, 0), u[1] - self.image(k, 1)]
+    }
+
+    /// k_jN_j/A.
+    #[inline(always)]
+    fn image(&self, k: [f64; 2], j: usize) -> f64 {
+        k[j] * self.rows[j].mean * self.inverse
+    }
+
+    /// The derivative of −k_jN_j/A along a direction, from those of A, C, D and F.
+    #[inline(always)]
+    fn slope(&self, k: [f64; 2], j: usize, [a, c, d, f]: [f64; 4]) -> f64 {
+        let Row { p, e, q, .. } = self.rows[j];
+        let [dp, dq] = means_of_ends(d, f);
+        let middle = (a + c) * (1.0 / 3.0) * e + self.third * (d + f);
+        let mean = (a * p + self.product[0] * dp) + middle + (c * q + self.product[2] * dq);
+        (self.image(k, j) * a - k[j] * mean) * self.inverse
     }
 
     /// The derivative of the residual by u₁ and u₂, along which (m, u) changes by (1, 0, −2) and (0, 1, −1). At s = −1 is
@@ -211,20 +248,14 @@ impl Means {
     fn matrix(&self, point: &Point, k: [f64; 2]) -> Matrix {
         let Point { m, u } = *point;
         let (n, v) = (self.n, self.v);
-        let scaled = [k[0] * self.rows[0].mean * self.inverse, k[1] * self.rows[1].mean * self.inverse];
-        let entry = |j: usize, area: f64, corner: f64, d: f64, f: f64| {
-            let Row { p, e, q, .. } = self.rows[j];
-            let (dp, dq) = (d + f * (1.0 / 3.0), d * (1.0 / 3.0) + f * 0.2);
-            let middle = (area + corner) * (1.0 / 3.0) * e + self.third * (d + f);
-            let mean = (area * p + self.product[0] * dp) + middle + (corner * q + self.product[2] * dq);
-            (scaled[j] * area - k[j] * mean) * self.inverse
-        };
         let along_first = [
-            entry(0, m[1], u[1], n[0] + 4.0 * m[0], v[0] + 4.0 * u[0]),
-            entry(1, m[1], u[1], -3.0 * m[1], -3.0 * u[1]),
+            self.slope(k, 0, [m[1], u[1], n[0] + 4.0 * m[0], v[0] + 4.0 * u[0]]),
+            self.slope(k, 1, [m[1], u[1], -3.0 * m[1], -3.0 * u[1]]),
         ];
-        let along_second =
-            [entry(0, m[0], u[0], 3.0 * m[0], 3.0 * u[0]), entry(1, m[0], u[0], n[1] - m[1], v[1] - u[1])];
+        let along_second = [
+            self.slope(k, 0, [m[0], u[0], 3.0 * m[0], 3.0 * u[0]]),
+            self.slope(k, 1, [m[0], u[0], n[1] - m[1], v[1] - u[1]]),
+        ];
         Matrix::inverse([[1.0 + along_first[0], along_second[0]], [along_first[1], 1.0 + along_second[1]]])
     }
 }
