@@ -24,7 +24,12 @@ pub struct Battery {
 impl Battery {
     /// Claims refuted over all seeds, misprints aside.
     pub fn false_alarms(&self) -> usize {
-        self.claims.iter().flatten().chain(&self.expectations).filter(|claim| is_alarm(claim)).count()
+        self.claims
+            .iter()
+            .flatten()
+            .chain(&self.expectations)
+            .filter(|claim| is_alarm(claim))
+            .count()
     }
 
     /// Twins not refuted over all seeds.
@@ -69,7 +74,8 @@ fn alarms(page: &mut String, battery: &Battery) {
     let alarms = battery.false_alarms();
     let undecided = verdicts.iter().filter(|claim| claim.verdict == Verdict::Undecided).count();
     let weak = |claim: &&&Claim| claim.panel.starts_with("rigid-body-weak");
-    let undecided_weak = verdicts.iter().filter(weak).filter(|claim| claim.verdict == Verdict::Undecided).count();
+    let undecided_weak =
+        verdicts.iter().filter(weak).filter(|claim| claim.verdict == Verdict::Undecided).count();
     let twins: usize = battery.twins.iter().map(Vec::len).sum();
     let _ = write!(
         page,
@@ -126,8 +132,10 @@ fn grid(page: &mut String, rows: &[Vec<Claim>], letter: impl Fn(&Claim) -> char)
         .collect();
     let width = labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
     for (c, label) in labels.iter().enumerate() {
-        let letters: Vec<char> = rows.iter().map(|claims| claims.get(c).map_or('?', &letter)).collect();
-        let groups: Vec<String> = letters.chunks(SEEDS_TOGETHER).map(|group| group.iter().collect()).collect();
+        let letters: Vec<char> =
+            rows.iter().map(|claims| claims.get(c).map_or('?', &letter)).collect();
+        let groups: Vec<String> =
+            letters.chunks(SEEDS_TOGETHER).map(|group| group.iter().collect()).collect();
         let _ = writeln!(page, "{label:width$}  {}", groups.join(" "));
     }
 }
@@ -199,7 +207,8 @@ fn expectations(page: &mut String, claims: &[Claim]) {
     );
     for claim in claims {
         let what = claim.statement.split(" of ").next().unwrap_or(&claim.statement);
-        let _ = writeln!(page, "| {} | {} | {} |", cell(what), cell(&claim.evidence), verdict(claim));
+        let _ =
+            writeln!(page, "| {} | {} | {} |", cell(what), cell(&claim.evidence), verdict(claim));
     }
     page.push('\n');
 }
@@ -269,7 +278,8 @@ mod tests {
         }
     }
 
-    /// Eleven seeds of one statement: holds, but undecided with the third and, if asked for, refuted with the last.
+    /// Eleven seeds of one statement: holds, but undecided with the third and, if asked for,
+    /// refuted with the last.
     fn battery(last: Verdict) -> Battery {
         let verdicts = (1..=11).map(|seed| match seed {
             3 => Verdict::Undecided,
@@ -292,7 +302,10 @@ mod tests {
         assert!(calm.contains("Undecided: 1 of 11 verdicts, 9.1 %"), "{calm}");
         assert!(calm.contains("(mutation.md)"));
         let alarmed = page(&battery(Verdict::Refuted));
-        assert!(alarmed.contains("··u······· R\n") && alarmed.contains("**1 false alarms**"), "{alarmed}");
+        assert!(
+            alarmed.contains("··u······· R\n") && alarmed.contains("**1 false alarms**"),
+            "{alarmed}"
+        );
     }
 
     #[test]

@@ -1,7 +1,8 @@
-//! `cargo xtask bench`: builds and runs the crate `speed`, and adds to its numbers where they come from.
+//! `cargo xtask bench`: builds and runs the crate `speed`, and adds to its numbers where they come
+//! from.
 //!
-//! A process of its own and not a library here: every scheme on every system takes longer to compile than all of the
-//! report, for which nobody who wants the report should wait.
+//! A process of its own and not a library here: every scheme on every system takes longer to
+//! compile than all of the report, for which nobody who wants the report should wait.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -20,7 +21,8 @@ pub struct Bench {
     /// Write the numbers to this file, with where they come from.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Time against dimension instead: the fixed point against Newton's method on spin chains up to D = 300.
+    /// Time against dimension instead: the fixed point against Newton's method on spin chains up to
+    /// D = 300.
     #[arg(long, conflicts_with = "json")]
     dimension: bool,
     /// What else the measuring program takes: --quick, --repetitions N, --simd LEVEL.
@@ -89,7 +91,10 @@ mod tests {
         assert_eq!(report["speed"], speed);
         assert_eq!(report["provenance"]["wall_s"], 2.5);
         for key in ["git", "rustc", "cpu", "command"] {
-            assert!(report["provenance"][key].as_str().is_some_and(|text| !text.is_empty()), "{key}");
+            assert!(
+                report["provenance"][key].as_str().is_some_and(|text| !text.is_empty()),
+                "{key}"
+            );
         }
     }
 

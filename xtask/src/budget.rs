@@ -17,12 +17,14 @@ pub fn expected_alarms(verdicts: &[&Claim]) -> f64 {
     verdicts.iter().map(alarm).sum()
 }
 
-/// The smallest k that a Poisson number with this mean exceeds with a probability of at most 1 − `confidence`.
+/// The smallest k that a Poisson number with this mean exceeds with a probability of at most 1 −
+/// `confidence`.
 pub fn poisson_quantile(mean: f64, confidence: f64) -> u64 {
     let mut term = (-mean).exp();
     let mut below = term;
     let mut k = 0;
-    // With a mean so large that its exponential is zero there is no sum to speak of; no page is so long.
+    // With a mean so large that its exponential is zero there is no sum to speak of; no page is so
+    // long.
     while below < confidence && term > 0.0 {
         k += 1;
         term *= mean / k as f64;
@@ -31,7 +33,8 @@ pub fn poisson_quantile(mean: f64, confidence: f64) -> u64 {
     k
 }
 
-/// The least power with which `trials` out of `trials` refutations are no surprise at 95 % confidence: pⁿ = 5 %.
+/// The least power with which `trials` out of `trials` refutations are no surprise at 95 %
+/// confidence: pⁿ = 5 %.
 pub fn least_power(trials: u64) -> f64 {
     0.05f64.powf(1.0 / trials.max(1) as f64)
 }
@@ -42,7 +45,8 @@ mod tests {
 
     #[test]
     fn textbook_quantiles() {
-        // Poisson tables: P(X ≤ 5 | 1) = 0.99941, P(X ≤ 4 | 1) = 0.99634; P(X ≤ 0 | 0.0005) = 0.9995.
+        // Poisson tables: P(X ≤ 5 | 1) = 0.99941, P(X ≤ 4 | 1) = 0.99634; P(X ≤ 0 | 0.0005) =
+        // 0.9995.
         assert_eq!(poisson_quantile(1.0, 0.999), 5);
         assert_eq!(poisson_quantile(1.0, 0.99), 4);
         assert_eq!(poisson_quantile(0.0005, 0.999), 0);

@@ -1,9 +1,9 @@
 //! Chores of the workspace.
 //!
-//! `cargo xtask reproduce` runs the experiments of the paper, prints a verdict for every statement and writes a
-//! report with figures, tables and `results.json`. `cargo xtask verify` runs the battery for many seeds;
-//! `cargo xtask work-precision` measures errors against processor time, `cargo xtask bench` speed; `cargo xtask stability` runs hard cases and
-//! fuzzes.
+//! `cargo xtask reproduce` runs the experiments of the paper, prints a verdict for every statement
+//! and writes a report with figures, tables and `results.json`. `cargo xtask verify` runs the
+//! battery for many seeds; `cargo xtask work-precision` measures errors against processor time,
+//! `cargo xtask bench` speed; `cargo xtask stability` runs hard cases and fuzzes.
 
 mod battery;
 mod bench;
@@ -38,7 +38,8 @@ enum Chore {
     Verify(verify::Verify),
     /// Measure the errors of every scheme against the processor time they take.
     WorkPrecision(work_precision::WorkPrecision),
-    /// Measure what a path-step costs: every scheme on every system, threads, memory, growth, dimension.
+    /// Measure what a path-step costs: every scheme on every system, threads, memory, growth,
+    /// dimension.
     Bench(bench::Bench),
     /// Run the hard cases, the long runs and the fuzzer, and say what is guaranteed.
     Stability(stability::Stability),

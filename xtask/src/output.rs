@@ -9,12 +9,15 @@ use tempfile::{Builder, NamedTempFile};
 
 /// Creates the folder and checks that a file can be written into it.
 pub fn prepare(dir: &Path) -> Result<()> {
-    fs::create_dir_all(dir).with_context(|| format!("cannot create the output folder {}", dir.display()))?;
-    NamedTempFile::new_in(dir).with_context(|| format!("cannot write into the output folder {}", dir.display()))?;
+    fs::create_dir_all(dir)
+        .with_context(|| format!("cannot create the output folder {}", dir.display()))?;
+    NamedTempFile::new_in(dir)
+        .with_context(|| format!("cannot write into the output folder {}", dir.display()))?;
     Ok(())
 }
 
-/// Replaces a file in one step: a reader sees the old file or the new one, whenever this is interrupted.
+/// Replaces a file in one step: a reader sees the old file or the new one, whenever this is
+/// interrupted.
 pub fn write(path: &Path, content: &[u8]) -> Result<()> {
     let folder = path.parent().unwrap_or_else(|| Path::new("."));
     let mut builder = Builder::new();

@@ -16,13 +16,15 @@ use crate::{output, provenance, report, table};
 /// Arguments of `cargo xtask reproduce`.
 #[derive(Args)]
 pub struct Reproduce {
-    /// Fewer steps and samples: seconds instead of a minute, wide intervals, verdicts often undecided.
+    /// Fewer steps and samples: seconds instead of a minute, wide intervals, verdicts often
+    /// undecided.
     #[arg(long)]
     quick: bool,
     /// Run only this panel or statement; may be given several times.
     #[arg(long, value_name = "ID")]
     only: Vec<String>,
-    /// Master seed, 0 to 2^64 − 1; the same seed gives the same results on any number of threads and any vectors.
+    /// Master seed, 0 to 2^64 − 1; the same seed gives the same results on any number of threads
+    /// and any vectors.
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
     /// Worker threads; all processors unless given.
@@ -44,7 +46,8 @@ enum Simd {
     Avx512,
 }
 
-/// Runs the experiments and writes the report. Succeeds unless something that the paper proves is refuted.
+/// Runs the experiments and writes the report. Succeeds unless something that the paper proves is
+/// refuted.
 pub fn run(arguments: &Reproduce) -> Result<ExitCode> {
     if let Some(simd) = arguments.simd {
         limit_to(match simd {
@@ -58,7 +61,10 @@ pub fn run(arguments: &Reproduce) -> Result<ExitCode> {
         output::prepare(&arguments.out.join(folder))?;
     }
     let threads = arguments.threads.map_or(0, usize::from);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("cannot start the threads")?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .context("cannot start the threads")?;
     let mode = if arguments.quick { Mode::Quick } else { Mode::Paper };
     let settings = Settings { seed: arguments.seed, mode };
 
@@ -100,8 +106,12 @@ fn print_summary(results: &Results, arguments: &Reproduce) {
     for (id, seconds) in &provenance.wall_s_by_id {
         println!("{seconds:8.2} s  {id}");
     }
-    let memory = provenance::peak_memory_mb().map_or(String::new(), |mb| format!(", peak memory {mb:.0} MB"));
-    println!("{:8.2} s  in all, {} threads, {}{memory}", provenance.wall_s, provenance.threads, provenance.simd);
+    let memory = provenance::peak_memory_mb()
+        .map_or(String::new(), |mb| format!(", peak memory {mb:.0} MB"));
+    println!(
+        "{:8.2} s  in all, {} threads, {}{memory}",
+        provenance.wall_s, provenance.threads, provenance.simd
+    );
     println!("{}", table::counts(&results.claims));
     for claim in results.claims.iter().filter(|claim| fails(claim)) {
         println!("REFUTED: {} on {}: {}", claim.id, claim.panel, claim.evidence);

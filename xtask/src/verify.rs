@@ -39,9 +39,14 @@ fn accuracy(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Runs the battery. Succeeds when nothing is refuted, documented misprints aside, and every twin is.
+/// Runs the battery. Succeeds when nothing is refuted, documented misprints aside, and every twin
+/// is.
 pub fn run(arguments: &Verify) -> Result<ExitCode> {
-    anyhow::ensure!(!arguments.out.is_dir(), "{} is a folder; name a file", arguments.out.display());
+    anyhow::ensure!(
+        !arguments.out.is_dir(),
+        "{} is a folder; name a file",
+        arguments.out.display()
+    );
     let folder = arguments.out.parent().filter(|folder| !folder.as_os_str().is_empty());
     output::prepare(folder.unwrap_or_else(|| std::path::Path::new(".")))?;
     let start = Instant::now();
@@ -59,7 +64,8 @@ pub fn run(arguments: &Verify) -> Result<ExitCode> {
     battery.coverage = verify::coverage(arguments.replications, 1);
     bars.finish();
     let page = battery::page(&battery);
-    output::write(&arguments.out, page.as_bytes()).context("the battery is done, but its page cannot be written")?;
+    output::write(&arguments.out, page.as_bytes())
+        .context("the battery is done, but its page cannot be written")?;
     let (alarms, missed) = (battery.false_alarms(), battery.missed_twins());
     println!(
         "{} seeds in {:.0} s: {alarms} false alarms, {missed} twins not refuted",
@@ -97,8 +103,10 @@ fn is_long(id: &str) -> bool {
 /// All claims for one seed, at the paper's sizes where [`is_long`] does not say otherwise.
 fn claims(seed: u64, bars: &Bars) -> Result<Vec<Claim>> {
     let panels = EXPERIMENTS.iter().flat_map(|experiment| experiment.panels.iter().copied());
-    let others = STATEMENTS.iter().map(|statement| statement.id).chain(SUPPLEMENTS.iter().map(|s| s.id));
-    let (long, short): (Vec<String>, Vec<String>) = panels.chain(others).map(str::to_owned).partition(|id| is_long(id));
+    let others =
+        STATEMENTS.iter().map(|statement| statement.id).chain(SUPPLEMENTS.iter().map(|s| s.id));
+    let (long, short): (Vec<String>, Vec<String>) =
+        panels.chain(others).map(str::to_owned).partition(|id| is_long(id));
     let mut claims = verify::reproduce(Settings { seed, mode: Mode::Paper }, &short, bars)?.claims;
     let mode = if seed == 1 { Mode::Paper } else { Mode::Quick };
     claims.extend(verify::reproduce(Settings { seed, mode }, &long, bars)?.claims);

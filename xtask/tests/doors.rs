@@ -1,11 +1,13 @@
-//! The doors between the crates: a dependency within the workspace that is not in the table below is a mistake of
-//! design, whatever it compiles to. Only normal and build dependencies count; tests may look anywhere.
+//! The doors between the crates: a dependency within the workspace that is not in the table below
+//! is a mistake of design, whatever it compiles to. Only normal and build dependencies count; tests
+//! may look anywhere.
 
 use std::process::Command;
 
 use serde_json::Value;
 
-/// A crate and the crates that it may depend on, in the order of the layers; see `docs/` on the architecture.
+/// A crate and the crates that it may depend on, in the order of the layers; see `docs/` on the
+/// architecture.
 const DOORS: [(&str, &[&str]); 13] = [
     ("real", &[]),
     ("noise", &["real"]),
@@ -27,7 +29,11 @@ fn metadata() -> anyhow::Result<Value> {
         .args(["metadata", "--format-version", "1", "--no-deps", "--offline"])
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .output()?;
-    anyhow::ensure!(output.status.success(), "cargo metadata: {}", String::from_utf8_lossy(&output.stderr));
+    anyhow::ensure!(
+        output.status.success(),
+        "cargo metadata: {}",
+        String::from_utf8_lossy(&output.stderr)
+    );
     Ok(serde_json::from_slice(&output.stdout)?)
 }
 
@@ -49,7 +55,8 @@ fn forbidden(metadata: &Value) -> Vec<String> {
             continue;
         };
         for dependency in package["dependencies"].as_array().into_iter().flatten() {
-            // The kind is null for a normal dependency. The name is that of the package, not an alias.
+            // The kind is null for a normal dependency. The name is that of the package, not an
+            // alias.
             let to = dependency["name"].as_str().unwrap_or_default();
             if dependency["kind"] != "dev" && names.contains(&to) && !allowed.contains(&to) {
                 found.push(format!("{name} -> {to}"));

@@ -1,4 +1,5 @@
-//! `cargo xtask reproduce` as a user meets it: the same bits however it is run, and clear words for bad input.
+//! `cargo xtask reproduce` as a user meets it: the same bits however it is run, and clear words for
+//! bad input.
 
 use std::fs;
 use std::path::Path;
@@ -17,7 +18,8 @@ fn reproduce(out: &Path, arguments: &[&str]) -> Output {
 
 /// Everything but the provenance, which holds the timings.
 fn results(out: &Path) -> Value {
-    let text = fs::read_to_string(out.join("results.json")).expect("a successful run writes results.json");
+    let text =
+        fs::read_to_string(out.join("results.json")).expect("a successful run writes results.json");
     let mut results: Value = serde_json::from_str(&text).expect("results.json is JSON");
     let provenance = results.as_object_mut().and_then(|object| object.remove("provenance"));
     assert!(provenance.is_some(), "results.json says where it comes from");
@@ -42,10 +44,12 @@ fn results_are_the_same_bits_however_they_are_computed() {
         assert_eq!(reference, baseline.join().expect("a run of its own"));
     });
 
-    // One panel alone is that panel of the whole; with another seed it is not, or the comparisons see nothing.
+    // One panel alone is that panel of the whole; with another seed it is not, or the comparisons
+    // see nothing.
     let ids = ["poisson3-strong", "rigid-body-weak-cos"];
     let only: Vec<&str> = ids.iter().flat_map(|&id| ["--only", id]).collect();
-    let (part, other_seed) = (run("part", &only), run("other-seed", &[&only[..], &["--seed", "2"]].concat()));
+    let (part, other_seed) =
+        (run("part", &only), run("other-seed", &[&only[..], &["--seed", "2"]].concat()));
     let find = |results: &Value, id: &str| {
         let panels = results["panels"].as_array().unwrap();
         panels.iter().find(|panel| panel["id"] == id).cloned().expect("the panel is there")

@@ -23,7 +23,10 @@ fn every_case_has_rows_and_words_and_nothing_is_refuted() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
     let text = fs::read_to_string(dir.path().join("stability.json")).unwrap();
     let results: Value = serde_json::from_str(&text).unwrap();
-    assert_eq!((results["schema"].as_u64(), results["provenance"]["mode"].as_str()), (Some(1), Some("quick")));
+    assert_eq!(
+        (results["schema"].as_u64(), results["provenance"]["mode"].as_str()),
+        (Some(1), Some("quick"))
+    );
     let text = fs::read_to_string(dir.path().join("stability.md")).unwrap();
     assert_eq!(text, fs::read_to_string(&page).unwrap());
     assert!(!text.contains("REFUTED") && text.contains("command line"));

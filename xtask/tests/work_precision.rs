@@ -16,7 +16,8 @@ fn work_precision(out: &Path, arguments: &[&str]) -> Output {
 }
 
 fn measured(out: &Path) -> Value {
-    let text = fs::read_to_string(out.join("work-precision.json")).expect("a successful run writes its numbers");
+    let text = fs::read_to_string(out.join("work-precision.json"))
+        .expect("a successful run writes its numbers");
     serde_json::from_str(&text).expect("work-precision.json is JSON")
 }
 
@@ -45,7 +46,10 @@ fn all_cases_have_numbers_figures_and_words() {
     let output = work_precision(dir.path(), &["--page", page.to_str().unwrap()]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let measured = measured(dir.path());
-    assert_eq!((measured["schema"].as_u64(), measured["provenance"]["mode"].as_str()), (Some(1), Some("quick")));
+    assert_eq!(
+        (measured["schema"].as_u64(), measured["provenance"]["mode"].as_str()),
+        (Some(1), Some("quick"))
+    );
     let cases = measured["cases"].as_array().unwrap();
     assert_eq!(cases.len(), 6);
     let text = fs::read_to_string(dir.path().join("work-precision.md")).unwrap();
@@ -60,21 +64,28 @@ fn all_cases_have_numbers_figures_and_words() {
             assert!(page.parent().unwrap().join(&name).is_file(), "{name}");
         }
         let series = case["strong"]["series"].as_array().unwrap();
-        let schemes: Vec<&str> = series.iter().map(|series| series["scheme"].as_str().unwrap()).collect();
+        let schemes: Vec<&str> =
+            series.iter().map(|series| series["scheme"].as_str().unwrap()).collect();
         let levy: &[&str] = if id == "rigid-body-3" { &["sexp-levy"] } else { &[] };
         assert_eq!(schemes, [&["sexp"], levy, &["midpoint", "heun", "em"]].concat(), "{id}");
         for series in series {
             for point in series["points"].as_array().unwrap() {
-                let (least, median) = (point["time"]["min_s"].as_f64(), point["time"]["median_s"].as_f64());
+                let (least, median) =
+                    (point["time"]["min_s"].as_f64(), point["time"]["median_s"].as_f64());
                 assert!(
-                    point["error"].as_f64().unwrap() > 0.0 && least.unwrap() > 0.0 && least <= median,
+                    point["error"].as_f64().unwrap() > 0.0
+                        && least.unwrap() > 0.0
+                        && least <= median,
                     "{id} {point}"
                 );
                 let scheme = series["scheme"].as_str().unwrap();
                 for defect in point["defects"].as_array().unwrap() {
                     // Quadratic and linear Casimirs, and with one noise the homogeneous energy.
                     let kept = defect.as_f64().unwrap() < 1e-12;
-                    assert!(kept == scheme.starts_with("sexp") || id == "poisson3", "{id} {scheme} {point}");
+                    assert!(
+                        kept == scheme.starts_with("sexp") || id == "poisson3",
+                        "{id} {scheme} {point}"
+                    );
                 }
                 assert_eq!(point["area_terms"].is_u64(), scheme == "sexp-levy");
             }

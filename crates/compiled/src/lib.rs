@@ -1,8 +1,9 @@
 //! **Every scheme on every system of the paper, and on a pair of spins, compiled once.**
 //!
-//! [`schemes`] are generic over the system, so each crate that runs one compiles its block kernels anew, three times, for
-//! three instruction sets. This crate does it for the systems of [`systems`], behind [`Scheme`] as an object, and those
-//! that run these systems link it. The numbers are the same: these are the schemes of [`schemes`] and nothing else.
+//! [`schemes`] are generic over the system, so each crate that runs one compiles its block kernels
+//! anew, three times, for three instruction sets. This crate does it for the systems of
+//! [`systems`], behind [`Scheme`] as an object, and those that run these systems link it. The
+//! numbers are the same: these are the schemes of [`schemes`] and nothing else.
 //!
 //! ```
 //! use compiled::Compiled;
@@ -20,8 +21,8 @@
 
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy};
 use systems::{
-    IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody, RigidBodyEnergy,
-    SpinChain,
+    IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
+    RigidBodyEnergy, SpinChain,
 };
 
 /// A system for which the schemes are compiled here.

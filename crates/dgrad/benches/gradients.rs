@@ -1,9 +1,10 @@
 //! What an averaged discrete gradient costs.
 //!
-//! Measured on 32 paths in a [`real::Kernel`]: the closed forms, and Gauss–Legendre with 2, 8 and 12 nodes on a field with
-//! two exponentials. An element is one path, so criterion's `Melem/s` are millions of gradients a second: **ns per gradient =
-//! 1000 / (Melem/s)**. Per node the rate must not depend on the number of nodes; where it falls, the loop over the nodes
-//! is no longer unrolled.
+//! Measured on 32 paths in a [`real::Kernel`]: the closed forms, and Gauss–Legendre with 2, 8 and
+//! 12 nodes on a field with two exponentials. An element is one path, so criterion's `Melem/s` are
+//! millions of gradients a second: **ns per gradient = 1000 / (Melem/s)**. Per node the rate must
+//! not depend on the number of nodes; where it falls, the loop over the nodes is no longer
+//! unrolled.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -96,7 +97,10 @@ fn measure(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, mean: impl Mean
 
 fn bench(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("gradients");
-    group.sample_size(20).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
+    group
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(1));
     measure(&mut group, "quadratic", Middle);
     measure(&mut group, "mean cosine, two", Cosines);
     measure(&mut group, "2 nodes", Quadrature::<2>);

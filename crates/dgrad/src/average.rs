@@ -10,9 +10,9 @@ pub trait GradientField<const D: usize> {
     fn gradient<R: Real>(&self, y: [R; D]) -> [R; D];
 }
 
-/// ∇̄H(a, b) ≈ Σ wᵢ ∇H(a + ηᵢ(b − a)) with N nodes: exact to round-off when ∇H is a polynomial of degree ≤ 2N − 1,
-/// else an error of order |b − a|^{2N}. N is a constant, so that the sum is written
-/// out inside a block kernel; a kernel with more than 9 nodes is not vectorised.
+/// ∇̄H(a, b) ≈ Σ wᵢ ∇H(a + ηᵢ(b − a)) with N nodes: exact to round-off when ∇H is a polynomial of
+/// degree ≤ 2N − 1, else an error of order |b − a|^{2N}. N is a constant, so that the sum is
+/// written out inside a block kernel; a kernel with more than 9 nodes is not vectorised.
 ///
 /// The nodes lie symmetrically about the middle, and two gradients share a weight.
 #[inline(always)]
@@ -28,8 +28,9 @@ pub fn averaged<const N: usize, R: Real, F: GradientField<D>, const D: usize>(
     }
     let nodes = Nodes::<F, R, N, D> { field, middle, difference };
     let mut mean = nodes.first();
-    // Written out up to 9 nodes: a loop of long bodies inside the loop over paths is unrolled too late for that one to be
-    // vectorised. With more nodes it is a loop, which is slow and quick to compile.
+    // Written out up to 9 nodes: a loop of long bodies inside the loop over paths is unrolled too
+    // late for that one to be vectorised. With more nodes it is a loop, which is slow and quick to
+    // compile.
     if (4..10).contains(&N) {
         mean = nodes.add_pair(mean, 1);
     }
@@ -110,8 +111,8 @@ fn plus<R: Real, const D: usize>(mut mean: [R; D], gradient: [R; D], weight: f64
 
 /// ∇̄H(a, b) with n nodes and an estimate of its error, ‖∇̄ₙH − ∇̄₂ₙ₊₁H‖∞.
 ///
-/// For a smooth H the finer rule is far more accurate, so the estimate is the error of the coarser one; the finer
-/// value is returned.
+/// For a smooth H the finer rule is far more accurate, so the estimate is the error of the coarser
+/// one; the finer value is returned.
 ///
 /// # Errors
 /// [`QuadratureError::Nodes`] unless n and 2n + 1 are sizes of a rule.
@@ -130,7 +131,12 @@ pub fn averaged_with_error<F: GradientField<D>, const D: usize>(
     Ok((fine, error))
 }
 
-fn averaged_by<F: GradientField<D>, const D: usize>(field: &F, a: [f64; D], b: [f64; D], rule: &Rule) -> [f64; D] {
+fn averaged_by<F: GradientField<D>, const D: usize>(
+    field: &F,
+    a: [f64; D],
+    b: [f64; D],
+    rule: &Rule,
+) -> [f64; D] {
     let mut mean = [0.0; D];
     for (&eta, &weight) in rule.nodes().iter().zip(rule.weights()) {
         let mut y = a;

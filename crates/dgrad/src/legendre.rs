@@ -1,7 +1,8 @@
 //! Gauss–Legendre rules on [0, 1], nodes computed by Newton's method on the Legendre polynomial.
 //!
-//! Σ wᵢ f(ηᵢ) = ∫₀¹ f for polynomials of degree ≤ 2n − 1. The functions are `const`, so that a kernel has the nodes
-//! as literals in its code; for a rule chosen at run time the same functions fill a [`Rule`].
+//! Σ wᵢ f(ηᵢ) = ∫₀¹ f for polynomials of degree ≤ 2n − 1. The functions are `const`, so that a
+//! kernel has the nodes as literals in its code; for a rule chosen at run time the same functions
+//! fill a [`Rule`].
 
 use std::fmt;
 
@@ -87,13 +88,18 @@ impl Rule {
     #[must_use]
     pub fn integrate(&self, a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
         let length = b - a;
-        let sum: f64 = self.nodes.iter().zip(&self.weights).map(|(&eta, &weight)| weight * f(a + length * eta)).sum();
+        let sum: f64 = self
+            .nodes
+            .iter()
+            .zip(&self.weights)
+            .map(|(&eta, &weight)| weight * f(a + length * eta))
+            .sum();
         sum * length
     }
 }
 
-/// Newton's method is quadratic and starts within 1e-3 of the root, so it is done after four steps; two more
-/// cost nothing.
+/// Newton's method is quadratic and starts within 1e-3 of the root, so it is done after four steps;
+/// two more cost nothing.
 const NEWTON_STEPS: usize = 6;
 
 /// Node and weight number i of n.
@@ -166,7 +172,10 @@ mod tests {
                 let integral = rule.integrate(0.0, 1.0, |x| x.powi(degree as i32));
                 let exact = 1.0 / (degree as f64 + 1.0);
                 // n terms, each with a few roundings.
-                assert!((integral - exact).abs() < (8.0 + n as f64) * f64::EPSILON, "{n} {degree}: {integral}");
+                assert!(
+                    (integral - exact).abs() < (8.0 + n as f64) * f64::EPSILON,
+                    "{n} {degree}: {integral}"
+                );
             }
             if n <= 8 {
                 // Error of x^{2n}: (n!)⁴/((2n+1) ((2n)!)²), far above round-off for these n.

@@ -1,8 +1,9 @@
-//! **The averaged discrete gradient, exact where mathematics allows and to a stated accuracy everywhere else.**
+//! **The averaged discrete gradient, exact where mathematics allows and to a stated accuracy
+//! everywhere else.**
 //!
-//! ∇̄H(a, b) = ∫₀¹ ∇H((1−η)a + ηb) dη satisfies ∇̄H(a, b)·(b − a) = H(b) − H(a) for every H. An integrator built on
-//! it keeps H exactly when the integral is exact, so each closed form here is exact to round-off and the
-//! quadrature says how far it is off.
+//! ∇̄H(a, b) = ∫₀¹ ∇H((1−η)a + ηb) dη satisfies ∇̄H(a, b)·(b − a) = H(b) − H(a) for every H. An
+//! integrator built on it keeps H exactly when the integral is exact, so each closed form here is
+//! exact to round-off and the quadrature says how far it is off.
 //!
 //! ```
 //! use dgrad::{GradientField, averaged, averaged_with_error};

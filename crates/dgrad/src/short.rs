@@ -4,8 +4,8 @@ use real::elementary;
 
 /// w∫₀¹ g(a + ηh) dη for g = sin or cos as a function of h, for |a| ≤ 2²⁰ and h² ≤ ½; NaN beyond.
 ///
-/// It is w g(a)·sin(h)/h + w g′(a)·(1 − cos h)/h, where sine and cosine are those of a alone: an iteration for h takes them once,
-/// and the rest is two polynomials.
+/// It is w g(a)·sin(h)/h + w g′(a)·(1 − cos h)/h, where sine and cosine are those of a alone: an
+/// iteration for h takes them once, and the rest is two polynomials.
 #[derive(Clone, Copy, Debug)]
 pub struct ShortMean {
     /// w g(a).
@@ -40,8 +40,9 @@ impl ShortMean {
         (self.value - (self.value * (h * h)) * deficit) + (self.derivative * h) * versine
     }
 
-    /// The average over h and its derivative by h, with errors of at most w|h|⁹/3.5·10⁶ and w h⁸/2.8·10⁶, for all h² ≤ ½:
-    /// [`value`](ShortMean::value) with four terms of Taylor's series of the deficit and of the versine.
+    /// The average over h and its derivative by h, with errors of at most w|h|⁹/3.5·10⁶ and w
+    /// h⁸/2.8·10⁶, for all h² ≤ ½: [`value`](ShortMean::value) with four terms of Taylor's series
+    /// of the deficit and of the versine.
     #[inline(always)]
     #[must_use]
     pub fn estimate_with_slope(&self, h: f64) -> (f64, f64) {
@@ -49,8 +50,12 @@ impl ShortMean {
         let zz = z * z;
         let deficit = (1.0 / 6.0 - z * (1.0 / 120.0)) + zz * (1.0 / 5040.0 - z * (1.0 / 362_880.0));
         let versine = (0.5 - z * (1.0 / 24.0)) + zz * (1.0 / 720.0 - z * (1.0 / 40320.0));
-        let (value_h, derivative_h, sinc) = (self.value * h, self.derivative * h, 1.0 - z * deficit);
-        (self.value * sinc + derivative_h * versine, value_h * (deficit - versine) + self.derivative * (sinc - versine))
+        let (value_h, derivative_h, sinc) =
+            (self.value * h, self.derivative * h, 1.0 - z * deficit);
+        (
+            self.value * sinc + derivative_h * versine,
+            value_h * (deficit - versine) + self.derivative * (sinc - versine),
+        )
     }
 
     /// For h = 0.

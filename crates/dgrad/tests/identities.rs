@@ -1,7 +1,8 @@
 //! ∇̄H(a, b)·(b − a) = H(b) − H(a), symmetry, consistency, and closed forms against quadrature.
 
 use dgrad::{
-    GradientField, ShortMean, averaged, averaged_with_error, mean_cosine, mean_sine, nodes_for_degree, quadratic,
+    GradientField, ShortMean, averaged, averaged_with_error, mean_cosine, mean_sine,
+    nodes_for_degree, quadratic,
 };
 use proptest::prelude::*;
 use real::{Dual, Real};
@@ -74,7 +75,8 @@ proptest! {
 
     #[test]
     fn sine_identity_to_round_off(a in -20.0..20.0f64, b in -20.0..20.0f64) {
-        // sin b − sin a and its product form: a few roundings of numbers of size ≤ 20 in the argument.
+        // sin b − sin a and its product form: a few roundings of numbers of size ≤ 20 in the
+        // argument.
         let difference = mean_cosine(a, b) * (b - a);
         prop_assert!((difference - (b.sin() - a.sin())).abs() < 64.0 * f64::EPSILON);
         let difference = mean_sine(a, b) * (b - a);
@@ -159,6 +161,7 @@ fn short_means_of_long_steps_are_none() {
         assert!(ShortMean::of_sine(1.0, 1.0).value(h).is_nan());
     }
     assert!(
-        ShortMean::of_cosine(f64::NAN, 1.0).value(0.1).is_nan() && ShortMean::of_cosine(2e6, 1.0).value(0.1).is_nan()
+        ShortMean::of_cosine(f64::NAN, 1.0).value(0.1).is_nan()
+            && ShortMean::of_cosine(2e6, 1.0).value(0.1).is_nan()
     );
 }

@@ -16,7 +16,8 @@ impl GradientField<1> for Logarithm {
 fn the_error_compares_n_nodes_with_2n_plus_1() {
     let (a, b) = (0.3, 2.8);
     for n in [3, 4] {
-        let mean = |n: usize| Rule::new(n).unwrap().integrate(a, b, |y| 2.0 * y / (1.0 + y * y)) / (b - a);
+        let mean =
+            |n: usize| Rule::new(n).unwrap().integrate(a, b, |y| 2.0 * y / (1.0 + y * y)) / (b - a);
         let ([fine], error) = averaged_with_error(&Logarithm, [a], [b], n).unwrap();
         assert!((fine - mean(2 * n + 1)).abs() < 4.0 * f64::EPSILON, "{n}");
         assert!((error - (mean(n) - mean(2 * n + 1)).abs()).abs() < 4.0 * f64::EPSILON, "{n}");

@@ -16,7 +16,8 @@ pub enum LadderError {
         /// What it must be a multiple of.
         multiple_of: u64,
     },
-    /// A run is on a level that the ladder does not have; a swapped run needs a level above its own.
+    /// A run is on a level that the ladder does not have; a swapped run needs a level above its
+    /// own.
     Level {
         /// The level asked for.
         level: usize,
@@ -35,7 +36,10 @@ impl fmt::Display for LadderError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Steps { steps, multiple_of } => {
-                write!(f, "the number of finest steps must be a positive multiple of {multiple_of}, got {steps}")
+                write!(
+                    f,
+                    "the number of finest steps must be a positive multiple of {multiple_of}, got {steps}"
+                )
             }
             Self::Level { level, swapped: false, levels } => {
                 write!(f, "a run is on level {level}, but the ladder has levels 0 to {levels}")

@@ -45,7 +45,8 @@ pub struct PathFailure {
     pub swapped: bool,
     /// Its step size.
     pub tau: f64,
-    /// The step that failed, counted from zero; for a state that was found not finite, the last step before.
+    /// The step that failed, counted from zero; for a state that was found not finite, the last
+    /// step before.
     pub step: u64,
     /// Why.
     pub cause: Cause,

@@ -23,7 +23,12 @@ pub(crate) struct Drawn<const M: usize> {
 
 impl<const M: usize> Drawn<M> {
     /// With areas of an error that strong order one asks at step `tau`, if they are wanted.
-    pub(crate) fn new(key: StreamKey, path: u64, tau: f64, with_areas: bool) -> Result<Self, LadderError> {
+    pub(crate) fn new(
+        key: StreamKey,
+        path: u64,
+        tau: f64,
+        with_areas: bool,
+    ) -> Result<Self, LadderError> {
         let areas = if with_areas {
             let method = AreaMethod::MrongowiusRoessler;
             let terms = method.terms_for(strong_order_one_error(tau), tau, M)?;
@@ -42,8 +47,9 @@ impl<const M: usize> NoiseSource<M> for Drawn<M> {
     }
 }
 
-/// Takes `steps` steps to the final time. `keep` is told (n, ∫γ over the n-th step, yₙ) for n = 1, 2, …; a step
-/// without a solution, or to a state that is not finite, is the last and is returned with its number from 0.
+/// Takes `steps` steps to the final time. `keep` is told (n, ∫γ over the n-th step, yₙ) for n = 1,
+/// 2, …; a step without a solution, or to a state that is not finite, is the last and is returned
+/// with its number from 0.
 pub(crate) fn follow<S, G, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
     scheme: &dyn Scheme<S, D, M>,

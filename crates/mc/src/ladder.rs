@@ -16,8 +16,8 @@ pub struct Run<'a, S, const D: usize, const M: usize> {
     pub scheme: &'a dyn Scheme<S, D, M>,
     /// The level; 0 is the finest.
     pub level: usize,
-    /// Whether the two increments of every step of the level above are exchanged: the antithetic twin (Giles and
-    /// Szpruch 2014), which has the same law and the same coarse path.
+    /// Whether the two increments of every step of the level above are exchanged: the antithetic
+    /// twin (Giles and Szpruch 2014), which has the same law and the same coarse path.
     pub swapped: bool,
 }
 
@@ -58,11 +58,12 @@ pub trait Statistic<const D: usize>: Send {
     fn merge(&mut self, later: Self);
 }
 
-/// A number that is carried along each path, driven by the untruncated finest increments: for example the random
-/// time at which the exact solution of a one-noise system is a deterministic flow.
+/// A number that is carried along each path, driven by the untruncated finest increments: for
+/// example the random time at which the exact solution of a one-noise system is a deterministic
+/// flow.
 pub trait Clock<const M: usize>: Send + Sync {
-    /// Finest step number n (from 0) with its increments; `normals` are standard normals of their own stream, for
-    /// what the increments do not determine.
+    /// Finest step number n (from 0) with its increments; `normals` are standard normals of their
+    /// own stream, for what the increments do not determine.
     fn advance(&self, n: u64, dw: &Block<M>, normals: &Block<1>, clock: &mut Block<1>);
 }
 
@@ -96,7 +97,8 @@ pub struct Outcome<T> {
     pub failed: u64,
     /// The first few of them.
     pub failures: Vec<PathFailure>,
-    /// How many increments were clipped on each level, on the paths that count; of levels with plain runs only.
+    /// How many increments were clipped on each level, on the paths that count; of levels with
+    /// plain runs only.
     pub clipped: Vec<u64>,
 }
 
@@ -112,15 +114,17 @@ where
 {
     /// `finest_steps` steps on [0, T] at level 0, and `levels` levels above.
     ///
-    /// Where a scheme reads Lévy areas they are drawn on the finest steps after Mrongowius and Rößler, with an error of no
-    /// more than τ^{3/2} as strong order one asks, and joined to coarser steps by Chen's relation. With their tail the
-    /// areas have the right covariance given the increments for any number of terms, so that areas drawn at a step and
-    /// areas joined from finer steps agree in it.
+    /// Where a scheme reads Lévy areas they are drawn on the finest steps after Mrongowius and
+    /// Rößler, with an error of no more than τ^{3/2} as strong order one asks, and joined to
+    /// coarser steps by Chen's relation. With their tail the areas have the right covariance given
+    /// the increments for any number of terms, so that areas drawn at a step and areas joined from
+    /// finer steps agree in it.
     ///
     /// # Errors
-    /// [`LadderError`] when the steps are no positive multiple of the coarsest step, when a run is on a level that
-    /// does not exist (a swapped run needs a level above its own), when the truncation is not defined at one of
-    /// the step sizes in use, or when T is so small that the finest step underflows.
+    /// [`LadderError`] when the steps are no positive multiple of the coarsest step, when a run is
+    /// on a level that does not exist (a swapped run needs a level above its own), when the
+    /// truncation is not defined at one of the step sizes in use, or when T is so small that the
+    /// finest step underflows.
     pub fn new(
         problem: &'a Problem<S, G, D>,
         finest_steps: u64,
@@ -144,7 +148,8 @@ where
                 return Err(LadderError::Level { level: run.level, swapped: run.swapped, levels });
             }
             let tau = problem.t_end * (1u64 << run.level) as f64 / finest_steps as f64;
-            bounds[run.level] = Bounds { increment: truncation.bound(tau)?, area: truncation.area_bound(tau)? };
+            bounds[run.level] =
+                Bounds { increment: truncation.bound(tau)?, area: truncation.area_bound(tau)? };
         }
         let areas = if runs.iter().any(|run| run.scheme.needs_areas()) {
             let method = AreaMethod::MrongowiusRoessler;
@@ -193,11 +198,17 @@ where
         let groups = samples.div_ceil(group_paths);
         let wave = (rayon::current_num_threads() * GROUPS_PER_THREAD) as u64;
         let mut tree = MergeTree::new(Part::merge);
-        tree.push(Part { statistic: new(), failed: 0, failures: Vec::new(), clipped: vec![0; self.levels + 1] });
+        tree.push(Part {
+            statistic: new(),
+            failed: 0,
+            failures: Vec::new(),
+            clipped: vec![0; self.levels + 1],
+        });
         for first in (0..groups).step_by(wave as usize) {
             let parts: Vec<Part<T>> = in_parallel(first..groups.min(first + wave), &|g| {
                 let first_path = g * group_paths;
-                Group::new(self, first_path, group_paths.min(samples - first_path)).march(new(), progress)
+                Group::new(self, first_path, group_paths.min(samples - first_path))
+                    .march(new(), progress)
             });
             for part in parts {
                 tree.push(part);

@@ -1,9 +1,10 @@
 //! **One pass over the finest noise drives every scheme at every step size.**
 //!
-//! A [`Ladder`] says which schemes run at which levels of a dyadic ladder of steps; [`Ladder::run`] advances blocks
-//! of paths through it in parallel and folds them into a [`Statistic`]. Partial sums are merged on a fixed tree, so
-//! one thread, many threads and any instruction set give the same bits; memory grows neither with samples nor
-//! with steps. [`trajectory`] follows a single path and keeps it.
+//! A [`Ladder`] says which schemes run at which levels of a dyadic ladder of steps; [`Ladder::run`]
+//! advances blocks of paths through it in parallel and folds them into a [`Statistic`]. Partial
+//! sums are merged on a fixed tree, so one thread, many threads and any instruction set give the
+//! same bits; memory grows neither with samples nor with steps. [`trajectory`] follows a single
+//! path and keeps it.
 //!
 //! ```
 //! use mc::{Ladder, Reference, Run, StrongErrors};
@@ -56,7 +57,9 @@ pub use failure::{Cause, PathFailure};
 pub use ladder::{Clock, Ladder, Outcome, Run, Statistic, View};
 pub use moments::{BATCHES, CrossMoments, Moments};
 pub use recording::{Recording, RecordingError};
-pub use simulation::{Column, NoiseOrigin, Simulation, SimulationError, TimeSeries, write_csv, write_json};
+pub use simulation::{
+    Column, NoiseOrigin, Simulation, SimulationError, TimeSeries, write_csv, write_json,
+};
 pub use strong::{Reference, StrongErrors};
 pub use trajectory::{Trajectory, trajectory};
 pub use weak::{Observable, WeakDifferences};

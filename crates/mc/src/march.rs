@@ -9,7 +9,8 @@ use systems::{Damping, PoissonSystem};
 use crate::ladder::{Ladder, Part, Run, Statistic, View};
 use crate::{Cause, PathFailure};
 
-/// Blocks that march together and share the damping of each step, which costs as much as two paths of a block.
+/// Blocks that march together and share the damping of each step, which costs as much as two paths
+/// of a block.
 pub(crate) struct Group<'a, S, G, const D: usize, const M: usize> {
     ladder: &'a Ladder<'a, S, G, D, M>,
     blocks: Vec<Marcher<D, M>>,
@@ -21,7 +22,8 @@ struct Marcher<const D: usize, const M: usize> {
     live: PathMask,
     noise: WienerBlock<M>,
     sums: DyadicLadder<M>,
-    /// What the schemes are shown of them; kept here, since zeroing it anew takes as long as a tenth of a step.
+    /// What the schemes are shown of them; kept here, since zeroing it anew takes as long as a
+    /// tenth of a step.
     truncated: Truncated<M>,
     states: Vec<Block<D>>,
     /// For each run the paths of which an increment has been clipped.
@@ -39,7 +41,8 @@ struct Areas<const M: usize> {
 }
 
 impl<const M: usize> Areas<M> {
-    /// A finest step of size τ with its increments has been pushed into `sums`, which has completed a level.
+    /// A finest step of size τ with its increments has been pushed into `sums`, which has completed
+    /// a level.
     fn advance(&mut self, tau: f64, dw: &Block<M>, sums: &DyadicLadder<M>, complete: usize) {
         self.sampler.areas(tau, dw, &mut self.drawn);
         self.ladder.push(&self.drawn, sums, complete);
@@ -52,7 +55,8 @@ struct Truncated<const M: usize> {
     areas: AreaBlock<M>,
 }
 
-/// The clock draws from a family of streams of its own, which differs in the top bit of the experiment.
+/// The clock draws from a family of streams of its own, which differs in the top bit of the
+/// experiment.
 const CLOCK_STREAM: u64 = 1 << 63;
 
 /// How many finest steps of a block pass between two reports of progress.
@@ -83,7 +87,10 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Gro
                     clipped: vec![PathMask::NONE; ladder.runs.len()],
                     clock: Block::zero(),
                     clock_noise: WienerBlock::new(
-                        StreamKey { experiment: ladder.key.experiment ^ CLOCK_STREAM, ..ladder.key },
+                        StreamKey {
+                            experiment: ladder.key.experiment ^ CLOCK_STREAM,
+                            ..ladder.key
+                        },
                         first_path + offset,
                     ),
                     areas: ladder.areas.map(|(method, terms)| Areas {
@@ -97,13 +104,20 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Gro
         Self { ladder, blocks }
     }
 
-    pub(crate) fn march<T: Statistic<D>>(mut self, statistic: T, progress: &(dyn Fn(u64) + Sync)) -> Part<T> {
+    pub(crate) fn march<T: Statistic<D>>(
+        mut self,
+        statistic: T,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Part<T> {
         let ladder = self.ladder;
         let levels = ladder.levels;
-        let mut part = Part { statistic, failed: 0, failures: Vec::new(), clipped: vec![0; levels + 1] };
-        let runs: Vec<RunsOfLevel<'_, S, D, M>> = (0..=levels).map(|level| RunsOfLevel::new(ladder, level)).collect();
+        let mut part =
+            Part { statistic, failed: 0, failures: Vec::new(), clipped: vec![0; levels + 1] };
+        let runs: Vec<RunsOfLevel<'_, S, D, M>> =
+            (0..=levels).map(|level| RunsOfLevel::new(ladder, level)).collect();
         let sqrt_tau = ladder.tau(0).sqrt();
-        let mut steps: Vec<StepPair> = (0..=levels).map(|level| first_step(ladder, level)).collect();
+        let mut steps: Vec<StepPair> =
+            (0..=levels).map(|level| first_step(ladder, level)).collect();
         let paths: u64 = self.blocks.iter().map(|block| u64::from(block.live.len())).sum();
         let (mut reported, total) = (0, ladder.steps_per_path());
         for n in 1..=ladder.finest_steps {
@@ -121,7 +135,8 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Gro
             }
             if n % PROGRESS_STEPS == 0 || n == ladder.finest_steps {
                 // In proportion, so that the reports of a path add up to its steps exactly.
-                let done = (u128::from(total) * u128::from(n) / u128::from(ladder.finest_steps)) as u64;
+                let done =
+                    (u128::from(total) * u128::from(n) / u128::from(ladder.finest_steps)) as u64;
                 progress((done - reported) * paths);
                 reported = done;
             }
@@ -221,12 +236,17 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
             if !runs[level].plain.is_empty() {
                 let increment = self.sums.increment(level);
                 let count = clip(increment, ladder.bounds[level].increment, &mut self.truncated.dw);
-                let paths = if count > 0 { differing(increment, &self.truncated.dw) } else { PathMask::NONE };
+                let paths = if count > 0 {
+                    differing(increment, &self.truncated.dw)
+                } else {
+                    PathMask::NONE
+                };
                 if count > 0 {
                     part.clipped[level] += count_on(self.live, increment, &self.truncated.dw);
                 }
                 if let Some(areas) = &self.areas {
-                    self.truncated.areas = areas.ladder.areas(level).clipped(ladder.bounds[level].area).0;
+                    self.truncated.areas =
+                        areas.ladder.areas(level).clipped(ladder.bounds[level].area).0;
                 }
                 for &(number, run) in &runs[level].plain {
                     self.clipped[number] = self.clipped[number].or(paths);
@@ -244,9 +264,14 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
                         (self.sums.first_half(level), now)
                     };
                     let count = clip(half, bounds.increment, &mut self.truncated.dw);
-                    let paths = if count > 0 { differing(half, &self.truncated.dw) } else { PathMask::NONE };
+                    let paths = if count > 0 {
+                        differing(half, &self.truncated.dw)
+                    } else {
+                        PathMask::NONE
+                    };
                     if let Some(Areas { ladder: areas, .. }) = &self.areas {
-                        let half = if second { areas.areas(level - 1) } else { areas.first_half(level) };
+                        let half =
+                            if second { areas.areas(level - 1) } else { areas.first_half(level) };
                         self.truncated.areas = half.clipped(bounds.area).0;
                     }
                     for &(number, run) in &runs[level - 1].swapped {
@@ -259,7 +284,13 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
         if complete == ladder.levels {
             self.drop_non_finite(ladder, n, part);
             let Self { states, clipped, clock, live, .. } = self;
-            part.statistic.observe(&View { time: n >> ladder.levels, states, clipped, clock, live: *live });
+            part.statistic.observe(&View {
+                time: n >> ladder.levels,
+                states,
+                clipped,
+                clock,
+                live: *live,
+            });
         }
     }
 
@@ -271,7 +302,8 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
         step: &Step,
         part: &mut Part<T>,
     ) {
-        let (system, state, noise) = (&ladder.problem.system, &mut self.states[number], &self.truncated);
+        let (system, state, noise) =
+            (&ladder.problem.system, &mut self.states[number], &self.truncated);
         let mut status = BlockStatus::explicit();
         run.scheme.step_block_with_areas(system, step, &noise.dw, &noise.areas, state, &mut status);
         let failed = status.failed.and(self.live);
@@ -304,7 +336,8 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
         }
     }
 
-    /// The schemes of this workspace fail where their state is not finite; for anybody else's this looks, once in each coarse step.
+    /// The schemes of this workspace fail where their state is not finite; for anybody else's this
+    /// looks, once in each coarse step.
     fn drop_non_finite<S: PoissonSystem<D, M>, G: Damping, T>(
         &mut self,
         ladder: &Ladder<'_, S, G, D, M>,
@@ -316,7 +349,13 @@ impl<const D: usize, const M: usize> Marcher<D, M> {
             status.fail_where_not_finite(state);
             let failed = status.failed.and(self.live);
             for p in failed.paths() {
-                part.record(self.failure(ladder, run, p, (n >> run.level).saturating_sub(1), Cause::NotFinite));
+                part.record(self.failure(
+                    ladder,
+                    run,
+                    p,
+                    (n >> run.level).saturating_sub(1),
+                    Cause::NotFinite,
+                ));
             }
             self.live = self.live.without(failed);
         }

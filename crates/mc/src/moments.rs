@@ -1,7 +1,7 @@
 //! Means, variances and covariances from sums.
 //!
-//! Sums of squares lose digits only where the mean is many times the standard deviation; what is folded here are
-//! errors and differences, whose mean is of the size of their spread or below.
+//! Sums of squares lose digits only where the mean is many times the standard deviation; what is
+//! folded here are errors and differences, whose mean is of the size of their spread or below.
 
 /// Mean and variance of one quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -47,15 +47,16 @@ impl Moments {
     }
 }
 
-/// Number of batches that [`CrossMoments`] keeps apart: enough that a bootstrap over batches is one over paths for
-/// all practical purposes (with up to 256 samples it is one), few enough that memory does not matter.
+/// Number of batches that [`CrossMoments`] keeps apart: enough that a bootstrap over batches is one
+/// over paths for all practical purposes (with up to 256 samples it is one), few enough that memory
+/// does not matter.
 pub const BATCHES: usize = 256;
 
 /// Means and covariances of a vector, and its sums over [`BATCHES`] batches for the bootstrap.
 ///
-/// Sample number n, in the order of adding and merging, belongs to batch n mod [`BATCHES`]. Samples are independent, so
-/// any rule that does not look at their values will do; this one does not depend on how the samples were grouped, and
-/// memory does not grow with their number.
+/// Sample number n, in the order of adding and merging, belongs to batch n mod [`BATCHES`]. Samples
+/// are independent, so any rule that does not look at their values will do; this one does not
+/// depend on how the samples were grouped, and memory does not grow with their number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CrossMoments {
     count: u64,
@@ -134,7 +135,8 @@ impl CrossMoments {
         self.sum[i] / self.count as f64
     }
 
-    /// Covariance of the sample *means* of components i and j: the sample covariance over the number of samples.
+    /// Covariance of the sample *means* of components i and j: the sample covariance over the
+    /// number of samples.
     #[must_use]
     pub fn covariance_of_means(&self, i: usize, j: usize) -> f64 {
         let (i, j) = (i.min(j), i.max(j));
@@ -143,20 +145,23 @@ impl CrossMoments {
         (self.products[row + j] - self.sum[i] * self.sum[j] / n) / (n - 1.0) / n
     }
 
-    /// Effective number of samples of component i, (Σx)²/Σx² (Kish): how many equal samples would carry the sum of a
-    /// positive quantity as evenly. All of them for a constant, a third for squares of centred normals, about one when
-    /// a single sample dominates. NaN without samples or when all are zero.
+    /// Effective number of samples of component i, (Σx)²/Σx² (Kish): how many equal samples would
+    /// carry the sum of a positive quantity as evenly. All of them for a constant, a third for
+    /// squares of centred normals, about one when a single sample dominates. NaN without samples or
+    /// when all are zero.
     #[must_use]
     pub fn effective_samples(&self, i: usize) -> f64 {
         let row = i * self.sum.len() - i * (i + 1) / 2;
         self.sum[i] * self.sum[i] / self.products[row + i]
     }
 
-    /// The batches: number of samples and sum of each. There are [`BATCHES`] of them, or one for each sample when there
-    /// are fewer samples.
+    /// The batches: number of samples and sum of each. There are [`BATCHES`] of them, or one for
+    /// each sample when there are fewer samples.
     pub fn batches(&self) -> impl Iterator<Item = (u64, &[f64])> {
         let (each, one_more) = (self.count / BATCHES as u64, self.count % BATCHES as u64);
-        (0..).map(move |b| each + u64::from(b < one_more)).zip(self.batches.chunks_exact(self.sum.len().max(1)))
+        (0..)
+            .map(move |b| each + u64::from(b < one_more))
+            .zip(self.batches.chunks_exact(self.sum.len().max(1)))
     }
 }
 
@@ -181,8 +186,12 @@ mod tests {
         assert_eq!((all.count(), all.mean(0), all.mean(1)), (4, 2.75, 1.25));
         for i in 0..3 {
             for j in 0..3 {
-                let direct: f64 =
-                    samples.iter().map(|x| (x[i] - all.mean(i)) * (x[j] - all.mean(j))).sum::<f64>() / 3.0 / 4.0;
+                let direct: f64 = samples
+                    .iter()
+                    .map(|x| (x[i] - all.mean(i)) * (x[j] - all.mean(j)))
+                    .sum::<f64>()
+                    / 3.0
+                    / 4.0;
                 assert!((all.covariance_of_means(i, j) - direct).abs() < 1e-14, "{i} {j}");
             }
         }
@@ -202,7 +211,8 @@ mod tests {
     #[test]
     fn batches_do_not_depend_on_how_samples_are_grouped() {
         // Integers, so that every order of summation gives the same bits.
-        let samples: Vec<[f64; 2]> = (0..700).map(|n| [f64::from(n), f64::from(n * n % 97)]).collect();
+        let samples: Vec<[f64; 2]> =
+            (0..700).map(|n| [f64::from(n), f64::from(n * n % 97)]).collect();
         let grouped = |size: usize| {
             let mut all = CrossMoments::new(2);
             for group in samples.chunks(size) {

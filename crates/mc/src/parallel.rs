@@ -7,14 +7,15 @@ use rayon::prelude::*;
 
 /// The result of `work` for every item, in their order.
 ///
-/// Only the slots know the type of the results: rayon's machinery is compiled once, here, and not again for every
-/// system, damping and statistic in every crate that runs a ladder.
+/// Only the slots know the type of the results: rayon's machinery is compiled once, here, and not
+/// again for every system, damping and statistic in every crate that runs a ladder.
 pub(crate) fn in_parallel<R: Send>(items: Range<u64>, work: &(dyn Fn(u64) -> R + Sync)) -> Vec<R> {
     let slots: Vec<Mutex<Option<R>>> = items.clone().map(|_| Mutex::new(None)).collect();
     let first = items.start;
     for_each(items, &|item| {
         let result = work(item);
-        *slots[(item - first) as usize].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+        *slots[(item - first) as usize].lock().unwrap_or_else(PoisonError::into_inner) =
+            Some(result);
     });
     slots
         .into_iter()

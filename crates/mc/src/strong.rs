@@ -9,7 +9,8 @@ pub struct StrongErrors<'a, const D: usize> {
     series: Vec<Vec<usize>>,
     /// For each series one entry a coarse time; the last is the final time.
     in_time: Vec<Vec<CrossMoments>>,
-    /// For each series and run of it, the squares at the end of the paths with clipped increments, zero elsewhere.
+    /// For each series and run of it, the squares at the end of the paths with clipped increments,
+    /// zero elsewhere.
     clipped: Vec<Vec<Moments>>,
     last_time: u64,
 }
@@ -19,8 +20,8 @@ pub struct StrongErrors<'a, const D: usize> {
 pub enum Reference<'a, const D: usize> {
     /// A run on the same noise.
     Run(usize),
-    /// The exact solution at the final time, as a function of what the ladder's [`Clock`](crate::Clock) shows. Errors
-    /// are then known at the final time only.
+    /// The exact solution at the final time, as a function of what the ladder's
+    /// [`Clock`](crate::Clock) shows. Errors are then known at the final time only.
     Exact(&'a (dyn Fn(f64) -> [f64; D] + Sync)),
 }
 
@@ -40,7 +41,10 @@ impl<'a, const D: usize> StrongErrors<'a, D> {
         Self {
             reference,
             series: series.to_vec(),
-            in_time: series.iter().map(|runs| vec![CrossMoments::new(runs.len()); coarse_steps as usize]).collect(),
+            in_time: series
+                .iter()
+                .map(|runs| vec![CrossMoments::new(runs.len()); coarse_steps as usize])
+                .collect(),
             clipped: series.iter().map(|runs| vec![Moments::default(); runs.len()]).collect(),
             last_time: coarse_steps,
         }
@@ -53,15 +57,16 @@ impl<'a, const D: usize> StrongErrors<'a, D> {
         &times[times.len() - 1]
     }
 
-    /// The share of the paths with clipped increments in the mean-square error of run r of series s at the end.
+    /// The share of the paths with clipped increments in the mean-square error of run r of series s
+    /// at the end.
     #[must_use]
     pub fn clipped_share(&self, s: usize, r: usize) -> f64 {
         let mean = self.at_end(s).mean(r);
         if mean > 0.0 { self.clipped[s][r].mean() / mean } else { 0.0 }
     }
 
-    /// The mean-square errors of the runs of series s at the coarse time where that of its first run is largest: the
-    /// supremum over the times that all step sizes share.
+    /// The mean-square errors of the runs of series s at the coarse time where that of its first
+    /// run is largest: the supremum over the times that all step sizes share.
     #[must_use]
     pub fn at_worst_time(&self, s: usize) -> &CrossMoments {
         let larger = |a: &&CrossMoments, b: &&CrossMoments| a.mean(0).total_cmp(&b.mean(0));
@@ -99,7 +104,9 @@ impl<const D: usize> Statistic<D> for StrongErrors<'_, D> {
     }
 
     fn merge(&mut self, later: Self) {
-        for (sum, more) in self.clipped.iter_mut().flatten().zip(later.clipped.into_iter().flatten()) {
+        for (sum, more) in
+            self.clipped.iter_mut().flatten().zip(later.clipped.into_iter().flatten())
+        {
             sum.merge(more);
         }
         for (sum, more) in self.in_time.iter_mut().flatten().zip(later.in_time.iter().flatten()) {

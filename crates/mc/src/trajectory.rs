@@ -18,12 +18,12 @@ pub struct Trajectory<const D: usize> {
     pub failure: Option<PathFailure>,
 }
 
-/// Follows path number `path` in `steps` steps to the final time of the problem. [`Simulation`](crate::Simulation) does so
-/// with observables, for many paths, and into files.
+/// Follows path number `path` in `steps` steps to the final time of the problem.
+/// [`Simulation`](crate::Simulation) does so with observables, for many paths, and into files.
 ///
 /// # Errors
-/// [`LadderError::Steps`] for zero steps, [`LadderError::Noise`] when the truncation is not defined at T/steps, or when the
-/// scheme reads Lévy areas and no number of terms is large enough for them.
+/// [`LadderError::Steps`] for zero steps, [`LadderError::Noise`] when the truncation is not defined
+/// at T/steps, or when the scheme reads Lévy areas and no number of terms is large enough for them.
 pub fn trajectory<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
     scheme: &dyn Scheme<S, D, M>,
@@ -42,7 +42,14 @@ pub fn trajectory<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
         trajectory.times.push(n as f64 * tau);
         trajectory.states.push(y);
     })?;
-    trajectory.failure =
-        halt.map(|(step, cause)| PathFailure { path, key, scheme: scheme.id(), swapped: false, tau, step, cause });
+    trajectory.failure = halt.map(|(step, cause)| PathFailure {
+        path,
+        key,
+        scheme: scheme.id(),
+        swapped: false,
+        tau,
+        step,
+        cause,
+    });
     Ok(trajectory)
 }

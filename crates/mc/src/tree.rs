@@ -1,8 +1,9 @@
 //! Sums on a fixed binary tree.
 
-/// Merges parts in the order in which they are pushed, always two neighbouring parts of the same size, as carries
-/// run through a binary counter. The tree depends on the number of parts alone, so the bits of the result do not
-/// depend on who computed the parts or when; its depth, and with it the memory and the round-off, is logarithmic.
+/// Merges parts in the order in which they are pushed, always two neighbouring parts of the same
+/// size, as carries run through a binary counter. The tree depends on the number of parts alone, so
+/// the bits of the result do not depend on who computed the parts or when; its depth, and with it
+/// the memory and the round-off, is logarithmic.
 pub(crate) struct MergeTree<T, F> {
     /// Parts with the logarithm of the number of leaves under them, sizes strictly decreasing.
     parts: Vec<(u32, T)>,
@@ -40,7 +41,8 @@ mod tests {
 
     #[test]
     fn parts_are_merged_in_order_on_a_balanced_tree() {
-        let mut tree = MergeTree::new(|left: &mut String, right: String| *left = format!("({left}{right})"));
+        let mut tree =
+            MergeTree::new(|left: &mut String, right: String| *left = format!("({left}{right})"));
         for part in 0..7 {
             tree.push(part.to_string());
         }

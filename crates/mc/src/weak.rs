@@ -1,9 +1,9 @@
 //! Differences of expectations between neighbouring levels, with antithetic twins.
 //!
-//! E[φ(y_τ)] − E[φ(y_{τ/2})] is the mean of φ(coarse) − ½(φ(fine) + φ(swapped)), where the swapped path takes the two
-//! increments of every coarse step in the other order. The twin cancels the Lévy areas that the schemes leave out:
-//! the variance of the difference falls like τ² where that of φ(coarse) − φ(fine) falls like τ (Giles and Szpruch,
-//! *Ann. Appl. Probab.* 24, 2014).
+//! E[φ(y_τ)] − E[φ(y_{τ/2})] is the mean of φ(coarse) − ½(φ(fine) + φ(swapped)), where the swapped
+//! path takes the two increments of every coarse step in the other order. The twin cancels the Lévy
+//! areas that the schemes leave out: the variance of the difference falls like τ² where that of
+//! φ(coarse) − φ(fine) falls like τ (Giles and Szpruch, *Ann. Appl. Probab.* 24, 2014).
 
 use crate::{CrossMoments, Statistic, View};
 
@@ -36,10 +36,17 @@ pub struct WeakDifferences<const D: usize> {
 impl<const D: usize> WeakDifferences<D> {
     /// `runs[l]` are the runs (coarse, fine, swapped) of difference number l.
     #[must_use]
-    pub fn new(observables: &[Observable<D>], runs: &[(usize, usize, usize)], coarse_steps: u64) -> Self {
+    pub fn new(
+        observables: &[Observable<D>],
+        runs: &[(usize, usize, usize)],
+        coarse_steps: u64,
+    ) -> Self {
         Self {
             observables: observables.to_vec(),
-            differences: runs.iter().map(|&(coarse, fine, swapped)| Difference { coarse, fine, swapped }).collect(),
+            differences: runs
+                .iter()
+                .map(|&(coarse, fine, swapped)| Difference { coarse, fine, swapped })
+                .collect(),
             last_time: coarse_steps,
             moments: vec![CrossMoments::new(runs.len()); observables.len()],
         }

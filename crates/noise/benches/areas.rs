@@ -1,11 +1,13 @@
 //! What a Lévy area costs.
 //!
-//! Measured: [`AreaSampler::areas`] with [`AreaMethod::MrongowiusRoessler`], and the other methods at the error of eleven
-//! of its terms for three noises (strong order one at a step of 2⁻¹²), 64 steps of 32 paths; the same steps of
-//! [`AreaPath`] for a single path; and [`ExactArea`]. The increments are drawn beforehand.
+//! Measured: [`AreaSampler::areas`] with [`AreaMethod::MrongowiusRoessler`], and the other methods
+//! at the error of eleven of its terms for three noises (strong order one at a step of 2⁻¹²), 64
+//! steps of 32 paths; the same steps of [`AreaPath`] for a single path; and [`ExactArea`]. The
+//! increments are drawn beforehand.
 //!
-//! An element is one path and step, so criterion's `Melem/s` are millions of path-steps a second: **ns per path-step =
-//! 1000 / (Melem/s)**; divided by [`AreaMethod::normals`] it is ns per normal, to be compared with `increments`.
+//! An element is one path and step, so criterion's `Melem/s` are millions of path-steps a second:
+//! **ns per path-step = 1000 / (Melem/s)**; divided by [`AreaMethod::normals`] it is ns per normal,
+//! to be compared with `increments`.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -69,7 +71,10 @@ fn exact(group: &mut Group<'_>) {
 
 fn bench(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("areas");
-    group.sample_size(20).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
+    group
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(1));
     areas::<3>(&mut group, "three noises", AreaMethod::MrongowiusRoessler, 11);
     areas::<3>(&mut group, "three noises", AreaMethod::Wiktorsson, 23);
     areas::<3>(&mut group, "three noises", AreaMethod::Milstein, 208);

@@ -1,13 +1,14 @@
 //! Lévy areas of a block of paths, their truncation, and Chen's relation up a dyadic ladder.
 //!
-//! A_ij = ½(J_ij − J_ji) with the iterated Stratonovich integrals J_ij = ∫₀ʰ∫₀ˢ ∘dW_i(r) ∘dW_j(s), so that
-//! J = ½WWᵀ + A. A is skew: only the entries i < j are kept.
+//! A_ij = ½(J_ij − J_ji) with the iterated Stratonovich integrals J_ij = ∫₀ʰ∫₀ˢ ∘dW_i(r) ∘dW_j(s),
+//! so that J = ½WWᵀ + A. A is skew: only the entries i < j are kept.
 
 use real::{Block, WIDTH};
 
 use crate::{DyadicLadder, NoiseError, Truncation};
 
-/// Lévy areas of 32 paths: A_ij of path p, for i < j, is `block.0[i][j][p]`; the other entries are zero.
+/// Lévy areas of 32 paths: A_ij of path p, for i < j, is `block.0[i][j][p]`; the other entries are
+/// zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub struct AreaBlock<const M: usize>(pub [[[f64; WIDTH]; M]; M]);
@@ -33,7 +34,8 @@ impl<const M: usize> AreaBlock<M> {
         area
     }
 
-    /// Replaces the areas of path `p` by those of a skew matrix, of which the entries i < j are read.
+    /// Replaces the areas of path `p` by those of a skew matrix, of which the entries i < j are
+    /// read.
     #[inline(always)]
     pub fn set_path(&mut self, p: usize, area: [[f64; M]; M]) {
         for i in 0..M {
@@ -64,11 +66,11 @@ impl<const M: usize> AreaBlock<M> {
 }
 
 impl Truncation {
-    /// The largest |Â_ij| at step `tau`: (k/π) τ|log τ|, infinite for [`Truncation::none`]; 1/(2π) of the square of
-    /// [`Truncation::bound`].
+    /// The largest |Â_ij| at step `tau`: (k/π) τ|log τ|, infinite for [`Truncation::none`]; 1/(2π)
+    /// of the square of [`Truncation::bound`].
     ///
-    /// A_ij has the density sech(πx/τ)/τ, so clipping it there costs E[(A − Â)²] ≤ (8/π³) τ^{2+k}: with k ≥ 1 no more
-    /// than the τ³ that a method of strong order one may lose in a step.
+    /// A_ij has the density sech(πx/τ)/τ, so clipping it there costs E[(A − Â)²] ≤ (8/π³) τ^{2+k}:
+    /// with k ≥ 1 no more than the τ³ that a method of strong order one may lose in a step.
     ///
     /// # Errors
     /// [`NoiseError::StepOutsideUnitInterval`] unless 0 < τ < 1.
@@ -78,8 +80,8 @@ impl Truncation {
     }
 }
 
-/// Areas over every coarser step of a [`DyadicLadder`], joined by Chen's relation: over a step of two halves ′ and ″,
-/// A = A′ + A″ + ½(W′W″ᵀ − W″W′ᵀ).
+/// Areas over every coarser step of a [`DyadicLadder`], joined by Chen's relation: over a step of
+/// two halves ′ and ″, A = A′ + A″ + ½(W′W″ᵀ − W″W′ᵀ).
 #[derive(Clone, Debug)]
 pub struct AreaLadder<const M: usize> {
     first_half: Vec<AreaBlock<M>>,
@@ -90,16 +92,20 @@ impl<const M: usize> AreaLadder<M> {
     /// A ladder of `levels` levels above the finest, to go with a [`DyadicLadder`] of as many.
     #[must_use]
     pub fn new(levels: usize) -> Self {
-        Self { first_half: vec![AreaBlock::zero(); levels + 1], joined: vec![AreaBlock::zero(); levels + 1] }
+        Self {
+            first_half: vec![AreaBlock::zero(); levels + 1],
+            joined: vec![AreaBlock::zero(); levels + 1],
+        }
     }
 
-    /// Adds the areas of the finest step whose increment `sums` has just been given; `complete` is what
-    /// [`DyadicLadder::push`] returned.
+    /// Adds the areas of the finest step whose increment `sums` has just been given; `complete` is
+    /// what [`DyadicLadder::push`] returned.
     pub fn push(&mut self, areas: &AreaBlock<M>, sums: &DyadicLadder<M>, complete: usize) {
         self.joined[0] = *areas;
         for level in 1..=complete {
             let (first, second) = (sums.first_half(level), sums.increment(level - 1));
-            self.joined[level] = join(&self.first_half[level], first, &self.joined[level - 1], second);
+            self.joined[level] =
+                join(&self.first_half[level], first, &self.joined[level - 1], second);
         }
         if let Some(first_half) = self.first_half.get_mut(complete + 1) {
             *first_half = self.joined[complete];
@@ -112,8 +118,8 @@ impl<const M: usize> AreaLadder<M> {
         &self.joined[level]
     }
 
-    /// The areas over the first half of the step of `level` ≥ 1 that has just been completed; those of the second half
-    /// are [`areas`](Self::areas) of the level below.
+    /// The areas over the first half of the step of `level` ≥ 1 that has just been completed; those
+    /// of the second half are [`areas`](Self::areas) of the level below.
     #[must_use]
     pub fn first_half(&self, level: usize) -> &AreaBlock<M> {
         &self.first_half[level]
@@ -134,7 +140,8 @@ pub fn join<const M: usize>(
         for j in i + 1..M {
             for p in 0..WIDTH {
                 let wedge = first.0[i][p] * second.0[j][p] - second.0[i][p] * first.0[j][p];
-                joined.0[i][j][p] = (first_areas.0[i][j][p] + second_areas.0[i][j][p]) + 0.5 * wedge;
+                joined.0[i][j][p] =
+                    (first_areas.0[i][j][p] + second_areas.0[i][j][p]) + 0.5 * wedge;
             }
         }
     }
@@ -147,10 +154,15 @@ mod tests {
 
     /// A path made of straight pieces; its areas are sums of triangles.
     fn pieces() -> Vec<[f64; 3]> {
-        (0..32).map(|n| [(n * n % 7) as f64 - 3.0, (n * 5 % 11) as f64 - 5.0, (n * 3 % 13) as f64 - 6.0]).collect()
+        (0..32)
+            .map(|n| {
+                [(n * n % 7) as f64 - 3.0, (n * 5 % 11) as f64 - 5.0, (n * 3 % 13) as f64 - 6.0]
+            })
+            .collect()
     }
 
-    /// ½ Σ (W_i ΔW_j − W_j ΔW_i) over straight pieces, integers and halves: exact in floating point.
+    /// ½ Σ (W_i ΔW_j − W_j ΔW_i) over straight pieces, integers and halves: exact in floating
+    /// point.
     fn area_of(pieces: &[[f64; 3]], i: usize, j: usize) -> f64 {
         let (mut at, mut area) = ([0.0; 3], 0.0);
         for piece in pieces {
@@ -173,11 +185,21 @@ mod tests {
                 let step = &pieces[n + 1 - (1 << level)..=n];
                 let halves = step.split_at(step.len() / 2);
                 for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-                    assert_eq!(areas.areas(level).0[i][j], [area_of(step, i, j); WIDTH], "{n} {level}");
+                    assert_eq!(
+                        areas.areas(level).0[i][j],
+                        [area_of(step, i, j); WIDTH],
+                        "{n} {level}"
+                    );
                     assert_eq!(areas.areas(level).path(5)[j][i], -area_of(step, i, j));
                     if level > 0 {
-                        assert_eq!(areas.first_half(level).0[i][j], [area_of(halves.0, i, j); WIDTH]);
-                        assert_eq!(areas.areas(level - 1).0[i][j], [area_of(halves.1, i, j); WIDTH]);
+                        assert_eq!(
+                            areas.first_half(level).0[i][j],
+                            [area_of(halves.0, i, j); WIDTH]
+                        );
+                        assert_eq!(
+                            areas.areas(level - 1).0[i][j],
+                            [area_of(halves.1, i, j); WIDTH]
+                        );
                     }
                 }
             }
@@ -190,7 +212,8 @@ mod tests {
         for area in [2.0, -0.5] {
             let mut finest = AreaBlock::zero();
             finest.set_path(3, [[7.0, area], [7.0, 7.0]]);
-            let entries = [finest.0[0][0][3], finest.0[0][1][3], finest.0[1][0][3], finest.0[1][1][3]];
+            let entries =
+                [finest.0[0][0][3], finest.0[0][1][3], finest.0[1][0][3], finest.0[1][1][3]];
             assert_eq!(entries, [0.0, area, 0.0, 0.0]);
             let complete = sums.push(&Block::zero());
             areas.push(&finest, &sums, complete);
@@ -204,7 +227,10 @@ mod tests {
         let mut areas = AreaBlock::<3>::zero();
         areas.set_path(0, [[0.0, 5.0, -7.0], [0.0, 0.0, 0.5], [0.0; 3]]);
         let (clipped, count) = areas.clipped(1.0);
-        assert_eq!((count, clipped.path(0)), (2, [[0.0, 1.0, -1.0], [-1.0, 0.0, 0.5], [1.0, -0.5, 0.0]]));
+        assert_eq!(
+            (count, clipped.path(0)),
+            (2, [[0.0, 1.0, -1.0], [-1.0, 0.0, 0.5], [1.0, -0.5, 0.0]])
+        );
         assert_eq!(areas.clipped(f64::INFINITY), (areas, 0));
     }
 

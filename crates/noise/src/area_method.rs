@@ -6,17 +6,18 @@ use crate::NoiseError;
 
 /// An approximation of the Lévy areas over a step h, given the increment W = √h w.
 ///
-/// All four begin with n terms of the Fourier series of the Brownian bridge. In
-/// W(t) = Wt/h + Σ_r [a_r (cos(2πrt/h) − 1) + b_r sin(2πrt/h)] the coefficients of each noise are independent,
-/// a_r = √(h/2)/(πr) X_r and b_r = √(h/2)/(πr) Y_r with standard normals X, Y (the constants −a_r make W(0) = 0). Put
-/// into A_ij = ½∫(W_i dW_j − W_j dW_i), where ∫ t sin(2πrt/h) dt = −h²/(2πr) over a step and all else is orthogonal,
-/// this gives
+/// All four begin with n terms of the Fourier series of the Brownian bridge. In W(t) = Wt/h + Σ_r
+/// [a_r (cos(2πrt/h) − 1) + b_r sin(2πrt/h)] the coefficients of each noise are independent, a_r =
+/// √(h/2)/(πr) X_r and b_r = √(h/2)/(πr) Y_r with standard normals X, Y (the constants −a_r make
+/// W(0) = 0). Put into A_ij = ½∫(W_i dW_j − W_j dW_i), where ∫ t sin(2πrt/h) dt = −h²/(2πr) over a
+/// step and all else is orthogonal, this gives
 ///
 /// A_ij = (h/2π) Σ_{r≥1} (1/r)[X_r^i (Y_r^j − √2 w_j) − X_r^j (Y_r^i − √2 w_i)].
 ///
-/// They differ in what they put for the terms r > n. With a² = 2ψ₁(n+1) = 2Σ_{r>n} r⁻², ψ₁ the trigamma function, the
-/// sum of the terms with w is (h/2π)·a(w_iΨ_j − w_jΨ_i) *exactly*, with standard normals Ψ; and given X the rest is
-/// normal, with a covariance that tends to a² times the identity.
+/// They differ in what they put for the terms r > n. With a² = 2ψ₁(n+1) = 2Σ_{r>n} r⁻², ψ₁ the
+/// trigamma function, the sum of the terms with w is (h/2π)·a(w_iΨ_j − w_jΨ_i) *exactly*, with
+/// standard normals Ψ; and given X the rest is normal, with a covariance that tends to a² times the
+/// identity.
 ///
 /// ```
 /// use noise::{AreaMethod, strong_order_one_error};
@@ -30,28 +31,31 @@ use crate::NoiseError;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AreaMethod {
-    /// n terms and nothing else: the area of the path whose Fourier series is cut (Kloeden, Platen and Wright 1992,
-    /// without their correction). Error √3 h/(√2 π) n^{−1/2}.
+    /// n terms and nothing else: the area of the path whose Fourier series is cut (Kloeden, Platen
+    /// and Wright 1992, without their correction). Error √3 h/(√2 π) n^{−1/2}.
     Fourier,
-    /// Adds (h/2π) a (w_iΨ_j − w_jΨ_i), Ψ one normal for each noise: the terms with w are complete (Milstein 1988;
-    /// Kloeden, Platen and Wright 1992). Error h/(√2 π) n^{−1/2}.
+    /// Adds (h/2π) a (w_iΨ_j − w_jΨ_i), Ψ one normal for each noise: the terms with w are complete
+    /// (Milstein 1988; Kloeden, Platen and Wright 1992). Error h/(√2 π) n^{−1/2}.
     Milstein,
-    /// Adds (h/2π){G + [(Gw)wᵀ − w(Gw)ᵀ]/(1 + √(1+|w|²))} to the n terms, G skew with entries a g_ij, g one normal for
-    /// each pair: a normal tail with the covariance of the whole rest given w (Wiktorsson 2001). Error
-    /// √(5m/12) h/(πn).
+    /// Adds (h/2π){G + [(Gw)wᵀ − w(Gw)ᵀ]/(1 + √(1+|w|²))} to the n terms, G skew with entries a
+    /// g_ij, g one normal for each pair: a normal tail with the covariance of the whole rest given
+    /// w (Wiktorsson 2001). Error √(5m/12) h/(πn).
     ///
-    /// The law of (W, A) is that of [`MrongowiusRoessler`](Self::MrongowiusRoessler) with as many terms: both tails are
-    /// normal given w, with the covariance (h/2π)²a²(1 + L), L the linear map G ↦ (Gw)wᵀ − w(Gw)ᵀ. Only the published
-    /// bound is larger, by √5; [`cheapest`](Self::cheapest) goes by the bounds.
+    /// The law of (W, A) is that of [`MrongowiusRoessler`](Self::MrongowiusRoessler) with as many
+    /// terms: both tails are normal given w, with the covariance (h/2π)²a²(1 + L), L the linear map
+    /// G ↦ (Gw)wᵀ − w(Gw)ᵀ. Only the published bound is larger, by √5; [`cheapest`](Self::cheapest)
+    /// goes by the bounds.
     Wiktorsson,
-    /// The tail of [`Milstein`](Self::Milstein), and (h/2π) a g_ij for each i < j in place of the terms without w
-    /// (Mrongowius and Rößler 2022, *On the approximation and simulation of iterated stochastic integrals*; compared
-    /// with the others by Kastner and Rößler 2023). Error √(m/12) h/(πn).
+    /// The tail of [`Milstein`](Self::Milstein), and (h/2π) a g_ij for each i < j in place of the
+    /// terms without w (Mrongowius and Rößler 2022, *On the approximation and simulation of
+    /// iterated stochastic integrals*; compared with the others by Kastner and Rößler 2023). Error
+    /// √(m/12) h/(πn).
     MrongowiusRoessler,
 }
 
-/// The root-mean-square error of every area, h^{3/2}, with which a method of strong order one keeps its order: errors
-/// of N = T/h steps are independent and add up in mean square to √N h^{3/2} = √T h.
+/// The root-mean-square error of every area, h^{3/2}, with which a method of strong order one keeps
+/// its order: errors of N = T/h steps are independent and add up in mean square to √N h^{3/2} = √T
+/// h.
 #[must_use]
 pub fn strong_order_one_error(step: f64) -> f64 {
     step * step.sqrt()
@@ -59,20 +63,24 @@ pub fn strong_order_one_error(step: f64) -> f64 {
 
 impl AreaMethod {
     /// All of them, the oldest first.
-    pub const ALL: [Self; 4] = [Self::Fourier, Self::Milstein, Self::Wiktorsson, Self::MrongowiusRoessler];
+    pub const ALL: [Self; 4] =
+        [Self::Fourier, Self::Milstein, Self::Wiktorsson, Self::MrongowiusRoessler];
 
     /// The largest number of terms that [`terms_for`](Self::terms_for) will ask for.
     pub const MAX_TERMS: usize = 1 << 24;
 
-    /// A bound of E[(A_ij − Â_ij)²]^{1/2}, the same for every pair i ≠ j of the m = `noises`: the norm is L² over all
-    /// outcomes, W included, of *one entry*; the Frobenius norm of the whole skew matrix is √(m(m−1)) times as large.
+    /// A bound of E[(A_ij − Â_ij)²]^{1/2}, the same for every pair i ≠ j of the m = `noises`: the
+    /// norm is L² over all outcomes, W included, of *one entry*; the Frobenius norm of the whole
+    /// skew matrix is √(m(m−1)) times as large.
     ///
-    /// For the first two the error is that against the same series with all terms, exactly [`Fourier`](Self::Fourier)'s
-    /// and [`Milstein`](Self::Milstein)'s constant times √ψ₁(n+1) < n^{−1/2}. For the other two it is that of a
-    /// coupling with the exact areas: the tail is S^{1/2}g with g normal and independent of its random covariance S, and
-    /// a g is put for it. The published constant comes from ‖S^{1/2} − a‖ ≤ ‖S − a²‖/a; since S^{1/2} − a ≈ (S − a²)/2a,
-    /// the error of [`MrongowiusRoessler`](Self::MrongowiusRoessler) tends to *half* this bound as n → ∞, and is below
-    /// half of it wherever the tests compute it; the bound is kept because it is the one that is proven for all n.
+    /// For the first two the error is that against the same series with all terms, exactly
+    /// [`Fourier`](Self::Fourier)'s and [`Milstein`](Self::Milstein)'s constant times √ψ₁(n+1) <
+    /// n^{−1/2}. For the other two it is that of a coupling with the exact areas: the tail is
+    /// S^{1/2}g with g normal and independent of its random covariance S, and a g is put for it.
+    /// The published constant comes from ‖S^{1/2} − a‖ ≤ ‖S − a²‖/a; since S^{1/2} − a ≈ (S −
+    /// a²)/2a, the error of [`MrongowiusRoessler`](Self::MrongowiusRoessler) tends to *half* this
+    /// bound as n → ∞, and is below half of it wherever the tests compute it; the bound is kept
+    /// because it is the one that is proven for all n.
     ///
     /// Infinite without terms, zero for less than two noises, which have no areas.
     #[must_use]
@@ -90,11 +98,12 @@ impl AreaMethod {
         step / PI * square.sqrt()
     }
 
-    /// The least number of terms whose [`rms_error`](Self::rms_error) is at most `error`; zero for less than two noises.
+    /// The least number of terms whose [`rms_error`](Self::rms_error) is at most `error`; zero for
+    /// less than two noises.
     ///
     /// # Errors
-    /// [`NoiseError::AreaErrorNotPositive`] and [`NoiseError::StepNotPositive`] for values that are not positive and
-    /// finite, [`NoiseError::TooManyTerms`] beyond [`MAX_TERMS`](Self::MAX_TERMS).
+    /// [`NoiseError::AreaErrorNotPositive`] and [`NoiseError::StepNotPositive`] for values that are
+    /// not positive and finite, [`NoiseError::TooManyTerms`] beyond [`MAX_TERMS`](Self::MAX_TERMS).
     pub fn terms_for(self, error: f64, step: f64, noises: usize) -> Result<usize, NoiseError> {
         if !(error > 0.0 && error.is_finite()) {
             return Err(NoiseError::AreaErrorNotPositive { error });
@@ -124,7 +133,8 @@ impl AreaMethod {
         Ok(terms)
     }
 
-    /// What the areas of one step of one path cost, in normals: 2mn for the series, and those of the tail.
+    /// What the areas of one step of one path cost, in normals: 2mn for the series, and those of
+    /// the tail.
     #[must_use]
     pub fn normals(self, terms: usize, noises: usize) -> usize {
         if noises < 2 { 0 } else { 2 * noises * terms + self.tail_normals(noises) }
@@ -147,7 +157,8 @@ impl AreaMethod {
     /// # Errors
     /// Those of [`terms_for`](Self::terms_for), if no method reaches it.
     pub fn cheapest(error: f64, step: f64, noises: usize) -> Result<(Self, usize), NoiseError> {
-        let reach = |method: Self| method.terms_for(error, step, noises).map(|terms| (method, terms));
+        let reach =
+            |method: Self| method.terms_for(error, step, noises).map(|terms| (method, terms));
         let cheapest = Self::ALL.into_iter().filter_map(|method| reach(method).ok());
         match cheapest.min_by_key(|&(method, terms)| method.normals(terms, noises)) {
             Some(best) => Ok(best),
@@ -163,8 +174,8 @@ impl AreaMethod {
 
 /// ψ₁(n+1) = Σ_{r>n} r⁻² = π²/6 − Σ_{r≤n} r⁻², without the cancellation of that difference.
 ///
-/// From x = 21 on the asymptotic series ψ₁(x) = 1/x + 1/(2x²) + Σ B_{2k}/x^{2k+1}, whose first omitted term B₁₂/x¹³ is
-/// below 4e-17 of the value; before, the missing terms are added to ψ₁(21).
+/// From x = 21 on the asymptotic series ψ₁(x) = 1/x + 1/(2x²) + Σ B_{2k}/x^{2k+1}, whose first
+/// omitted term B₁₂/x¹³ is below 4e-17 of the value; before, the missing terms are added to ψ₁(21).
 pub(crate) fn trigamma_after(n: usize) -> f64 {
     const SERIES_FROM: usize = 20;
     let start = n.max(SERIES_FROM);
@@ -210,19 +221,24 @@ mod tests {
 
     #[test]
     fn terms_for_strong_order_one() {
-        // The closed forms ⌈√(m/(12π²h))⌉ and ⌈3/(2π²h)⌉, at steps where neither is close to an integer.
+        // The closed forms ⌈√(m/(12π²h))⌉ and ⌈3/(2π²h)⌉, at steps where neither is close to an
+        // integer.
         for exponent in 4..=16 {
             let step = 2f64.powi(-exponent);
             let error = strong_order_one_error(step);
             for m in 2..=6 {
                 let closed = (m as f64 / (12.0 * PI * PI * step)).sqrt().ceil() as usize;
-                assert_eq!(AreaMethod::MrongowiusRoessler.terms_for(error, step, m), Ok(closed.max(1)));
+                assert_eq!(
+                    AreaMethod::MrongowiusRoessler.terms_for(error, step, m),
+                    Ok(closed.max(1))
+                );
                 let closed = (3.0 / (2.0 * PI * PI * step)).ceil() as usize;
                 assert_eq!(AreaMethod::Fourier.terms_for(error, step, m), Ok(closed));
             }
         }
         let step = 2f64.powi(-12);
-        let terms = AreaMethod::ALL.map(|method| method.terms_for(strong_order_one_error(step), step, 3).unwrap());
+        let terms = AreaMethod::ALL
+            .map(|method| method.terms_for(strong_order_one_error(step), step, 3).unwrap());
         assert_eq!(terms, [623, 208, 23, 11]);
         // 2·3 for each term, and 0, 3, 3 and 6 for the tails.
         let normals = AreaMethod::ALL.map(|method| method.normals(11, 3));
@@ -237,13 +253,21 @@ mod tests {
                     // Exactly reachable, and just not.
                     let error = method.rms_error(0.3, terms, m);
                     assert_eq!(method.terms_for(error, 0.3, m), Ok(terms), "{method:?}");
-                    assert_eq!(method.terms_for(error * (1.0 - 1e-12), 0.3, m), Ok(terms + 1), "{method:?}");
+                    assert_eq!(
+                        method.terms_for(error * (1.0 - 1e-12), 0.3, m),
+                        Ok(terms + 1),
+                        "{method:?}"
+                    );
                 }
                 // Where the quotient may round to either side of the integer.
                 for terms in 1..500 {
                     let error = method.rms_error(0.3, terms, m);
                     assert_eq!(method.terms_for(error.next_up(), 0.3, m), Ok(terms), "{method:?}");
-                    assert_eq!(method.terms_for(error.next_down(), 0.3, m), Ok(terms + 1), "{method:?}");
+                    assert_eq!(
+                        method.terms_for(error.next_down(), 0.3, m),
+                        Ok(terms + 1),
+                        "{method:?}"
+                    );
                 }
             }
         }
@@ -272,15 +296,24 @@ mod tests {
         for method in AreaMethod::ALL {
             for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
                 let message = method.terms_for(bad, 0.1, 3).unwrap_err().to_string();
-                assert!(message.contains("error") && message.ends_with(&format!("got {bad}")), "{message}");
+                assert!(
+                    message.contains("error") && message.ends_with(&format!("got {bad}")),
+                    "{message}"
+                );
                 let message = method.terms_for(0.1, bad, 3).unwrap_err().to_string();
-                assert!(message.contains("step") && message.ends_with(&format!("got {bad}")), "{message}");
+                assert!(
+                    message.contains("step") && message.ends_with(&format!("got {bad}")),
+                    "{message}"
+                );
             }
             let absurd = method.terms_for(1e-300, 1.0, 3).unwrap_err();
             assert!(matches!(absurd, NoiseError::TooManyTerms { .. }), "{absurd}");
         }
         assert!(matches!(AreaMethod::cheapest(1e-9, 1.0, 2), Err(NoiseError::TooManyTerms { .. })));
-        assert!(matches!(AreaMethod::cheapest(f64::NAN, 1.0, 2), Err(NoiseError::AreaErrorNotPositive { .. })));
+        assert!(matches!(
+            AreaMethod::cheapest(f64::NAN, 1.0, 2),
+            Err(NoiseError::AreaErrorNotPositive { .. })
+        ));
     }
 
     #[test]

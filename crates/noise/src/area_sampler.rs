@@ -1,7 +1,7 @@
 //! Lévy areas given the increments, for a block of paths and for one.
 //!
-//! Both run the same functions, written for any number of paths at a time, so that path p of a block and path p alone
-//! are the same bits.
+//! Both run the same functions, written for any number of paths at a time, so that path p of a
+//! block and path p alone are the same bits.
 
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -12,8 +12,8 @@ use crate::stream::BlockStreams;
 use crate::wiener::fill_pair;
 use crate::{AreaBlock, StreamKey};
 
-/// Areas draw from a family of streams of their own, which differs in this bit of the experiment: a Wiener increment
-/// is the same whether areas are drawn or not.
+/// Areas draw from a family of streams of their own, which differs in this bit of the experiment: a
+/// Wiener increment is the same whether areas are drawn or not.
 pub const AREA_STREAM: u64 = 1 << 62;
 
 impl StreamKey {
@@ -25,9 +25,10 @@ impl StreamKey {
 
 /// Lévy areas of M Wiener processes on each of 32 consecutive paths, given their increments.
 ///
-/// A path consumes its normals term by term, noise by noise, X before Y, each pair one of Box–Muller; then those of the
-/// tail, Ψ before g and g_12, g_13, …, g_23, …. With an odd number of them the last one of the step is dropped, so that
-/// nothing but the state of the streams is carried from step to step. Steps may differ in size.
+/// A path consumes its normals term by term, noise by noise, X before Y, each pair one of
+/// Box–Muller; then those of the tail, Ψ before g and g_12, g_13, …, g_23, …. With an odd number of
+/// them the last one of the step is dropped, so that nothing but the state of the streams is
+/// carried from step to step. Steps may differ in size.
 #[derive(Clone, Debug)]
 pub struct AreaSampler<const M: usize> {
     streams: BlockStreams,
@@ -49,11 +50,14 @@ impl Series {
 }
 
 impl<const M: usize> AreaSampler<M> {
-    /// The areas of paths `first_path` .. `first_path + 32`, by `method` with `terms` terms of the series;
-    /// [`AreaMethod::cheapest`] says which.
+    /// The areas of paths `first_path` .. `first_path + 32`, by `method` with `terms` terms of the
+    /// series; [`AreaMethod::cheapest`] says which.
     #[must_use]
     pub fn new(key: StreamKey, first_path: u64, method: AreaMethod, terms: usize) -> Self {
-        Self { streams: BlockStreams::new(key.of_areas(), first_path), series: Series::new(method, terms) }
+        Self {
+            streams: BlockStreams::new(key.of_areas(), first_path),
+            series: Series::new(method, terms),
+        }
     }
 
     /// The areas over the next step, of size `step` > 0, whose *untruncated* increments are `dw`.
@@ -80,14 +84,25 @@ impl<const M: usize> AreaPath<M> {
     /// The areas of path `path`, by `method` with `terms` terms of the series.
     #[must_use]
     pub fn new(key: StreamKey, path: u64, method: AreaMethod, terms: usize) -> Self {
-        Self { words: key.of_areas().state(path).map(|word| [word]), series: Series::new(method, terms) }
+        Self {
+            words: key.of_areas().state(path).map(|word| [word]),
+            series: Series::new(method, terms),
+        }
     }
 
-    /// The skew matrix of the areas over the next step, of size `step` > 0, whose *untruncated* increment is `dw`.
+    /// The skew matrix of the areas over the next step, of size `step` > 0, whose *untruncated*
+    /// increment is `dw`.
     pub fn areas(&mut self, step: f64, dw: [f64; M]) -> [[f64; M]; M] {
         let mut upper = [[[0.0]; M]; M];
         if M > 1 {
-            Draw { words: &mut self.words, series: self.series, step, dw: &dw.map(|w| [w]), areas: &mut upper }.run();
+            Draw {
+                words: &mut self.words,
+                series: self.series,
+                step,
+                dw: &dw.map(|w| [w]),
+                areas: &mut upper,
+            }
+            .run();
         }
         let mut areas = [[0.0; M]; M];
         for i in 0..M {
@@ -123,7 +138,8 @@ impl<const M: usize, const L: usize> Kernel for Draw<'_, M, L> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { words, series: Series { method, terms, tail_amplitude }, step, dw, areas } = self;
+        let Self { words, series: Series { method, terms, tail_amplitude }, step, dw, areas } =
+            self;
         let per_root = 1.0 / step.sqrt();
         // w = W/√h, and √2 w.
         let (mut w, mut shift) = (Rows::<M, L>::zero(), Rows::<M, L>::zero());
@@ -170,7 +186,11 @@ impl<const M: usize, const L: usize> Kernel for Draw<'_, M, L> {
 
 /// A_ij += x_i z_j − x_j z_i.
 #[inline(always)]
-fn add_wedges<const M: usize, const L: usize>(areas: &mut [[[f64; L]; M]; M], x: &Rows<M, L>, z: &Rows<M, L>) {
+fn add_wedges<const M: usize, const L: usize>(
+    areas: &mut [[[f64; L]; M]; M],
+    x: &Rows<M, L>,
+    z: &Rows<M, L>,
+) {
     for i in 0..M {
         for j in i + 1..M {
             for p in 0..L {
@@ -180,13 +200,18 @@ fn add_wedges<const M: usize, const L: usize>(areas: &mut [[[f64; L]; M]; M], x:
     }
 }
 
-/// The normals of a tail, numbered row by row; M² places are enough for M(M+1)/2 normals and the one to be dropped.
+/// The normals of a tail, numbered row by row; M² places are enough for M(M+1)/2 normals and the
+/// one to be dropped.
 #[repr(align(64))]
 struct Tail<const M: usize, const L: usize>([[[f64; L]; M]; M]);
 
 /// Draws `count` normals for each path, none for no tail, multiplied by `amplitude`.
 #[inline(always)]
-fn draw_tail<const M: usize, const L: usize>(words: &mut [[u64; L]; 4], count: usize, amplitude: f64) -> Tail<M, L> {
+fn draw_tail<const M: usize, const L: usize>(
+    words: &mut [[u64; L]; 4],
+    count: usize,
+    amplitude: f64,
+) -> Tail<M, L> {
     let mut tail = Tail([[[0.0; L]; M]; M]);
     let mut places = &mut tail.0.as_flattened_mut()[..count.next_multiple_of(2)];
     while let [first, second, rest @ ..] = places {
@@ -198,7 +223,11 @@ fn draw_tail<const M: usize, const L: usize>(words: &mut [[u64; L]; 4], count: u
 
 /// A_ij += a(w_iΨ_j − w_jΨ_i), aΨ in the first M places of the tail.
 #[inline(always)]
-fn add_noise_tail<const M: usize, const L: usize>(areas: &mut [[[f64; L]; M]; M], w: &Rows<M, L>, tail: &Tail<M, L>) {
+fn add_noise_tail<const M: usize, const L: usize>(
+    areas: &mut [[[f64; L]; M]; M],
+    w: &Rows<M, L>,
+    tail: &Tail<M, L>,
+) {
     for i in 0..M {
         for j in i + 1..M {
             for p in 0..L {
@@ -210,7 +239,11 @@ fn add_noise_tail<const M: usize, const L: usize>(areas: &mut [[[f64; L]; M]; M]
 
 /// A_ij += a g_ij, which are in the places of the tail from number `first` on.
 #[inline(always)]
-fn add_pairs<const M: usize, const L: usize>(areas: &mut [[[f64; L]; M]; M], tail: &Tail<M, L>, first: usize) {
+fn add_pairs<const M: usize, const L: usize>(
+    areas: &mut [[[f64; L]; M]; M],
+    tail: &Tail<M, L>,
+    first: usize,
+) {
     let mut place = first;
     for i in 0..M {
         for j in i + 1..M {
@@ -223,9 +256,14 @@ fn add_pairs<const M: usize, const L: usize>(areas: &mut [[[f64; L]; M]; M], tai
     }
 }
 
-/// A += [(Gw)wᵀ − w(Gw)ᵀ]/(1 + √(1+|w|²)), the entries i < j of the skew G in the first places of the tail.
+/// A += [(Gw)wᵀ − w(Gw)ᵀ]/(1 + √(1+|w|²)), the entries i < j of the skew G in the first places of
+/// the tail.
 #[inline(always)]
-fn add_given_w<const M: usize, const L: usize>(areas: &mut [[[f64; L]; M]; M], w: &Rows<M, L>, tail: &Tail<M, L>) {
+fn add_given_w<const M: usize, const L: usize>(
+    areas: &mut [[[f64; L]; M]; M],
+    w: &Rows<M, L>,
+    tail: &Tail<M, L>,
+) {
     let mut gw = Rows::<M, L>::zero();
     let mut norm = Rows::<1, L>::zero();
     let mut place = 0;

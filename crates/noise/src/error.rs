@@ -23,7 +23,8 @@ pub enum NoiseError {
         /// The step that was given.
         step: f64,
     },
-    /// The error that was asked for needs more terms than [`AreaMethod::MAX_TERMS`](crate::AreaMethod::MAX_TERMS).
+    /// The error that was asked for needs more terms than
+    /// [`AreaMethod::MAX_TERMS`](crate::AreaMethod::MAX_TERMS).
     TooManyTerms {
         /// The number of terms that it needs, before rounding up.
         terms: f64,
@@ -37,17 +38,26 @@ impl fmt::Display for NoiseError {
                 write!(f, "truncated increments need a step size with 0 < tau < 1, got tau = {tau}")
             }
             Self::TruncationOrderZero => {
-                write!(f, "the truncation order k must be at least 1 (the theorems ask k >= 2), got k = 0")
+                write!(
+                    f,
+                    "the truncation order k must be at least 1 (the theorems ask k >= 2), got k = 0"
+                )
             }
             Self::AreaErrorNotPositive { error } => {
-                write!(f, "the root-mean-square error of an area must be positive and finite, got {error}")
+                write!(
+                    f,
+                    "the root-mean-square error of an area must be positive and finite, got {error}"
+                )
             }
             Self::StepNotPositive { step } => {
                 write!(f, "Levy areas need a step size that is positive and finite, got {step}")
             }
             Self::TooManyTerms { terms } => {
                 let most = crate::AreaMethod::MAX_TERMS;
-                write!(f, "the error asked of the areas needs {terms:.3e} terms a step, more than {most}")
+                write!(
+                    f,
+                    "the error asked of the areas needs {terms:.3e} terms a step, more than {most}"
+                )
             }
         }
     }

@@ -41,7 +41,8 @@ mod tests {
         let (j, i) = (stratonovich(dw, areas), ito(dw, areas, step));
         for a in 0..3 {
             for b in 0..3 {
-                // J_ab + J_ba = W_a W_b, ½(J_ab − J_ba) = A_ab, and Itô's formula; all exact in floating point.
+                // J_ab + J_ba = W_a W_b, ½(J_ab − J_ba) = A_ab, and Itô's formula; all exact in
+                // floating point.
                 assert_eq!(j[a][b] + j[b][a], dw[a] * dw[b]);
                 assert_eq!(0.5 * (j[a][b] - j[b][a]), areas[a][b]);
                 assert_eq!(i[a][b] + i[b][a], dw[a] * dw[b] - if a == b { step } else { 0.0 });

@@ -2,9 +2,9 @@
 
 use real::{Block, WIDTH};
 
-/// Level ℓ has steps of 2^ℓ finest steps. Fine increments are pushed one at a time; a level is complete when its
-/// step ends, and then holds the *untruncated* sum W(t + 2^ℓτ) − W(t) and the sum over the first half of the
-/// step. Memory: two blocks a level, nothing per step.
+/// Level ℓ has steps of 2^ℓ finest steps. Fine increments are pushed one at a time; a level is
+/// complete when its step ends, and then holds the *untruncated* sum W(t + 2^ℓτ) − W(t) and the sum
+/// over the first half of the step. Memory: two blocks a level, nothing per step.
 #[derive(Clone, Debug)]
 pub struct DyadicLadder<const M: usize> {
     first_half: Vec<Block<M>>,
@@ -16,11 +16,15 @@ impl<const M: usize> DyadicLadder<M> {
     /// A ladder of `levels` levels above the finest, which is level 0.
     #[must_use]
     pub fn new(levels: usize) -> Self {
-        Self { first_half: vec![Block::zero(); levels + 1], sum: vec![Block::zero(); levels + 1], pushed: 0 }
+        Self {
+            first_half: vec![Block::zero(); levels + 1],
+            sum: vec![Block::zero(); levels + 1],
+            pushed: 0,
+        }
     }
 
-    /// Adds the next finest increment; returns the highest level whose step is now complete. All levels below it
-    /// are complete, too.
+    /// Adds the next finest increment; returns the highest level whose step is now complete. All
+    /// levels below it are complete, too.
     pub fn push(&mut self, dw: &Block<M>) -> usize {
         self.sum[0] = *dw;
         self.pushed += 1;
@@ -46,8 +50,8 @@ impl<const M: usize> DyadicLadder<M> {
         &self.sum[level]
     }
 
-    /// The increment over the first half of the step of `level` ≥ 1 that has just been completed; the second half
-    /// is [`increment`](Self::increment) of the level below.
+    /// The increment over the first half of the step of `level` ≥ 1 that has just been completed;
+    /// the second half is [`increment`](Self::increment) of the level below.
     #[must_use]
     pub fn first_half(&self, level: usize) -> &Block<M> {
         &self.first_half[level]
@@ -61,7 +65,8 @@ mod tests {
     #[test]
     fn every_level_holds_the_sum_of_its_step() {
         let mut ladder = DyadicLadder::<1>::new(3);
-        // Increment number n is n + 1, so sums are differences of triangular numbers: exact in floating point.
+        // Increment number n is n + 1, so sums are differences of triangular numbers: exact in
+        // floating point.
         let triangular = |n: u64| (n * (n + 1) / 2) as f64;
         for n in 0..32u64 {
             let complete = ladder.push(&Block::splat([(n + 1) as f64]));

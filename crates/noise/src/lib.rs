@@ -1,9 +1,10 @@
 //! **Wiener increments that are the same bits in any block, on any thread, on any machine.**
 //!
-//! Every path has its own xoshiro256++ stream, keyed by (seed, experiment, path). A [`WienerBlock`] advances the
-//! streams of 32 paths together and turns them into normals by Box–Muller; [`WienerPath`] replays one path
-//! alone. [`Truncation`] clips increments as implicit schemes need, and [`DyadicLadder`] sums fine increments up
-//! to every coarser step of a convergence study, drawn once and stored nowhere.
+//! Every path has its own xoshiro256++ stream, keyed by (seed, experiment, path). A [`WienerBlock`]
+//! advances the streams of 32 paths together and turns them into normals by Box–Muller;
+//! [`WienerPath`] replays one path alone. [`Truncation`] clips increments as implicit schemes need,
+//! and [`DyadicLadder`] sums fine increments up to every coarser step of a convergence study, drawn
+//! once and stored nowhere.
 //!
 //! ```
 //! use noise::{StreamKey, Truncation, WienerBlock, WienerPath};
@@ -37,7 +38,8 @@
 //! | [`AreaBlock`], [`AreaLadder`], [`join`] | Lévy areas, and those of coarser steps by Chen's relation |
 //! | [`stratonovich`], [`ito`] | iterated integrals of one path |
 //!
-//! With several noises a method of strong order one needs the Lévy areas, too. Their error may be h^{3/2} in each step:
+//! With several noises a method of strong order one needs the Lévy areas, too. Their error may be
+//! h^{3/2} in each step:
 //!
 //! ```
 //! use noise::{AreaBlock, AreaMethod, AreaPath, AreaSampler, StreamKey, WienerBlock, stratonovich, strong_order_one_error};

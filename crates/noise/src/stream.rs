@@ -2,8 +2,8 @@
 
 use real::WIDTH;
 
-/// Which family of streams an experiment draws from; path p of the family is a function of (seed, experiment, p)
-/// alone.
+/// Which family of streams an experiment draws from; path p of the family is a function of (seed,
+/// experiment, p) alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StreamKey {
     /// Master seed of the run.
@@ -24,15 +24,16 @@ fn mix(mut x: u64) -> u64 {
 }
 
 impl StreamKey {
-    /// The 64-bit seed of one path's generator. For a fixed key it is a bijection of the path number, so no two
-    /// paths of an experiment share a stream.
+    /// The 64-bit seed of one path's generator. For a fixed key it is a bijection of the path
+    /// number, so no two paths of an experiment share a stream.
     #[must_use]
     pub fn path_seed(self, path: u64) -> u64 {
         let experiment = mix(mix(self.seed.wrapping_add(GOLDEN)).wrapping_add(self.experiment));
         mix(experiment.wrapping_add(GOLDEN).wrapping_add(path.wrapping_mul(GOLDEN)))
     }
 
-    /// The four words of xoshiro256++ that `seed_from_u64` makes of [`path_seed`](Self::path_seed) by SplitMix64.
+    /// The four words of xoshiro256++ that `seed_from_u64` makes of [`path_seed`](Self::path_seed)
+    /// by SplitMix64.
     pub(crate) fn state(self, path: u64) -> [u64; 4] {
         let mut counter = self.path_seed(path);
         [(); 4].map(|()| {
@@ -83,7 +84,9 @@ mod tests {
 
     #[test]
     fn the_stream_is_xoshiro256plusplus_bit_for_bit() {
-        for (seed, experiment, path) in [(0, 0, 0), (1, 2, 3), (u64::MAX, 5, 4711), (42, u64::MAX, u64::MAX)] {
+        for (seed, experiment, path) in
+            [(0, 0, 0), (1, 2, 3), (u64::MAX, 5, 4711), (42, u64::MAX, u64::MAX)]
+        {
             let key = StreamKey { seed, experiment };
             let mut ours = key.state(path);
             let mut theirs = Xoshiro256PlusPlus::seed_from_u64(key.path_seed(path));
@@ -99,7 +102,8 @@ mod tests {
         let key = StreamKey { seed: 1, experiment: 1 };
         assert_eq!([0, 1, 4711].map(|path| key.path_seed(path)), PINNED);
     }
-    const PINNED: [u64; 3] = [13_625_505_645_108_458_277, 8_269_527_995_984_263_926, 9_288_204_210_041_451_558];
+    const PINNED: [u64; 3] =
+        [13_625_505_645_108_458_277, 8_269_527_995_984_263_926, 9_288_204_210_041_451_558];
 
     #[test]
     fn neighbours_do_not_share_a_stream() {

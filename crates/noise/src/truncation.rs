@@ -1,7 +1,7 @@
 //! Truncated Wiener increments (Milstein, Repin and Tretyakov 2002; paper, `eq:What`).
 //!
-//! ΔŴ = √τ χ(ΔW/√τ), where χ clips to ±A and A = √(2k|log τ|). Bounded increments make an implicit step solvable
-//! for every outcome of the noise; the price is E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^{k+1}.
+//! ΔŴ = √τ χ(ΔW/√τ), where χ clips to ±A and A = √(2k|log τ|). Bounded increments make an implicit
+//! step solvable for every outcome of the noise; the price is E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^{k+1}.
 
 use real::{Block, Kernel, WIDTH, dispatch};
 
@@ -31,11 +31,14 @@ impl Truncation {
     /// The largest |ΔŴ| at step `tau`: √τ·√(2k|log τ|), infinite for [`Truncation::none`].
     ///
     /// # Errors
-    /// [`NoiseError::StepOutsideUnitInterval`] unless 0 < τ < 1: at τ ≥ 1 the threshold is zero or grows with τ.
+    /// [`NoiseError::StepOutsideUnitInterval`] unless 0 < τ < 1: at τ ≥ 1 the threshold is zero or
+    /// grows with τ.
     pub fn bound(self, tau: f64) -> Result<f64, NoiseError> {
         match self.order {
             None => Ok(f64::INFINITY),
-            Some(k) if tau > 0.0 && tau < 1.0 => Ok(tau.sqrt() * (2.0 * f64::from(k) * tau.ln().abs()).sqrt()),
+            Some(k) if tau > 0.0 && tau < 1.0 => {
+                Ok(tau.sqrt() * (2.0 * f64::from(k) * tau.ln().abs()).sqrt())
+            }
             Some(_) => Err(NoiseError::StepOutsideUnitInterval { tau }),
         }
     }

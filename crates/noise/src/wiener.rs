@@ -1,9 +1,9 @@
 //! Normal increments by Box–Muller, for a block of paths and for one.
 //!
-//! From two words of a path's stream: u ∈ (0, 1) and a turn v ∈ [0, 1), then
-//! √(−2 ln u)·(cos 2πv, sin 2πv) are two independent standard normals. Both paths of this module call the same
-//! functions, so that path p of a block and path p alone are the same bits. u is a multiple of 2⁻⁵³ and at least
-//! 2⁻⁵³, so no normal exceeds √(106 ln 2) ≈ 8.57.
+//! From two words of a path's stream: u ∈ (0, 1) and a turn v ∈ [0, 1), then √(−2 ln u)·(cos 2πv,
+//! sin 2πv) are two independent standard normals. Both paths of this module call the same
+//! functions, so that path p of a block and path p alone are the same bits. u is a multiple of 2⁻⁵³
+//! and at least 2⁻⁵³, so no normal exceeds √(106 ln 2) ≈ 8.57.
 
 use real::{Block, Kernel, Real, WIDTH, dispatch, elementary};
 
@@ -12,8 +12,8 @@ use crate::stream::{BlockStreams, next_word};
 
 /// Increments of M independent Wiener processes on each of 32 consecutive paths.
 ///
-/// Normals are consumed in order: step by step, noise by noise. With odd M every second step starts with a spare
-/// normal of the step before.
+/// Normals are consumed in order: step by step, noise by noise. With odd M every second step starts
+/// with a spare normal of the step before.
 #[derive(Clone, Debug)]
 pub struct WienerBlock<const M: usize> {
     streams: BlockStreams,
@@ -41,7 +41,13 @@ impl<const M: usize> WienerBlock<M> {
         }
         if drawn < M {
             self.has_spare = (M - drawn) % 2 == 1;
-            dispatch(Fill { streams: &mut self.streams, spare: &mut self.spare, dw, drawn, sqrt_tau });
+            dispatch(Fill {
+                streams: &mut self.streams,
+                spare: &mut self.spare,
+                dw,
+                drawn,
+                sqrt_tau,
+            });
         }
     }
 }
@@ -118,7 +124,8 @@ fn half_open_unit(word: u64) -> f64 {
     one_to_two(word) - 1.0
 }
 
-/// Increments of M independent Wiener processes on one path: the same bits as that path of a [`WienerBlock`].
+/// Increments of M independent Wiener processes on one path: the same bits as that path of a
+/// [`WienerBlock`].
 #[derive(Clone, Debug)]
 pub struct WienerPath<const M: usize> {
     state: [u64; 4],
@@ -160,7 +167,8 @@ mod tests {
 
     #[test]
     fn the_most_extreme_words_give_finite_normals() {
-        // Radius √(106 ln 2) at the smallest u = 2⁻⁵³, √(2·2⁻⁵³) at the largest u = 1 − 2⁻⁵³; a few roundings.
+        // Radius √(106 ln 2) at the smallest u = 2⁻⁵³, √(2·2⁻⁵³) at the largest u = 1 − 2⁻⁵³; a few
+        // roundings.
         let largest = (106.0 * std::f64::consts::LN_2).sqrt();
         let smallest = f64::EPSILON.sqrt();
         let rounding = 1.0 + 8.0 * f64::EPSILON;

@@ -1,8 +1,9 @@
-//! Increments and areas are a function of (seed, experiment, path) alone: the same bits in a block and alone, at every
-//! level of instructions, in any block, and in every release.
+//! Increments and areas are a function of (seed, experiment, path) alone: the same bits in a block
+//! and alone, at every level of instructions, in any block, and in every release.
 
 use noise::{
-    AreaBlock, AreaMethod, AreaPath, AreaSampler, DyadicLadder, ExactArea, StreamKey, WienerBlock, WienerPath,
+    AreaBlock, AreaMethod, AreaPath, AreaSampler, DyadicLadder, ExactArea, StreamKey, WienerBlock,
+    WienerPath,
 };
 use real::{Block, Level, WIDTH, limit_to};
 
@@ -15,7 +16,8 @@ fn sqrt_tau(n: usize) -> f64 {
 
 fn block_equals_its_paths<const M: usize>(first_path: u64, steps: usize) {
     let mut block = WienerBlock::<M>::new(KEY, first_path);
-    let mut paths: Vec<_> = (0..WIDTH as u64).map(|p| WienerPath::<M>::new(KEY, first_path + p)).collect();
+    let mut paths: Vec<_> =
+        (0..WIDTH as u64).map(|p| WienerPath::<M>::new(KEY, first_path + p)).collect();
     let mut dw = Block::splat([f64::NAN; M]);
     for n in 0..steps {
         block.increments(sqrt_tau(n), &mut dw);
@@ -34,8 +36,9 @@ fn areas_equal_those_of_the_paths<const M: usize>(first_path: u64, steps: usize)
         let terms = [9, 5, 4, 3][n];
         let mut noise = WienerBlock::<M>::new(KEY, first_path);
         let mut block = AreaSampler::<M>::new(KEY, first_path, method, terms);
-        let mut paths: Vec<_> =
-            (0..WIDTH as u64).map(|p| AreaPath::<M>::new(KEY, first_path + p, method, terms)).collect();
+        let mut paths: Vec<_> = (0..WIDTH as u64)
+            .map(|p| AreaPath::<M>::new(KEY, first_path + p, method, terms))
+            .collect();
         let mut dw = Block::zero();
         // Whatever was in the block is overwritten.
         let mut areas = AreaBlock([[[f64::NAN; WIDTH]; M]; M]);
@@ -83,7 +86,8 @@ fn without_noise_nothing_is_drawn() {
 
 #[test]
 fn a_path_is_the_same_in_every_block() {
-    // Path 40 as member 8 of the block that starts at 32 and as member 23 of the one that starts at 17.
+    // Path 40 as member 8 of the block that starts at 32 and as member 23 of the one that starts at
+    // 17.
     let (mut one, mut other) = (WienerBlock::<3>::new(KEY, 32), WienerBlock::<3>::new(KEY, 17));
     let (mut dw, mut other_dw) = (Block::zero(), Block::zero());
     for _ in 0..100 {
@@ -96,7 +100,8 @@ fn a_path_is_the_same_in_every_block() {
 #[test]
 fn areas_of_a_path_are_the_same_in_every_block() {
     let method = AreaMethod::Wiktorsson;
-    let (mut one, mut other) = (AreaSampler::<3>::new(KEY, 32, method, 2), AreaSampler::<3>::new(KEY, 17, method, 2));
+    let (mut one, mut other) =
+        (AreaSampler::<3>::new(KEY, 32, method, 2), AreaSampler::<3>::new(KEY, 17, method, 2));
     let (mut areas, mut other_areas) = (AreaBlock::zero(), AreaBlock::zero());
     for n in 0..100 {
         let dw = Block::splat([1.0, -0.5, 0.1 * f64::from(n)]);
@@ -109,7 +114,11 @@ fn areas_of_a_path_are_the_same_in_every_block() {
 #[test]
 fn one_noise_has_no_areas() {
     let mut areas = AreaBlock([[[f64::NAN; WIDTH]]]);
-    AreaSampler::<1>::new(KEY, 0, AreaMethod::Milstein, 3).areas(1.0, &Block::splat([1.0]), &mut areas);
+    AreaSampler::<1>::new(KEY, 0, AreaMethod::Milstein, 3).areas(
+        1.0,
+        &Block::splat([1.0]),
+        &mut areas,
+    );
     assert_eq!(areas, AreaBlock::zero());
     assert_eq!(AreaPath::<0>::new(KEY, 0, AreaMethod::Milstein, 3).areas(1.0, []), [[0.0; 0]; 0]);
 }
@@ -159,7 +168,9 @@ fn the_noises_share_one_sequence_of_normals() {
 
 #[test]
 fn seed_experiment_and_path_all_matter() {
-    let first = |seed, experiment, path| WienerPath::<1>::new(StreamKey { seed, experiment }, path).normal();
+    let first = |seed, experiment, path| {
+        WienerPath::<1>::new(StreamKey { seed, experiment }, path).normal()
+    };
     let all = [first(1, 1, 1), first(2, 1, 1), first(1, 2, 1), first(1, 1, 2)];
     for i in 0..4 {
         for j in 0..i {
@@ -213,8 +224,9 @@ fn ladder_sums_can_be_recomputed_from_a_path() {
     let mut noise = WienerBlock::<3>::new(KEY, 96);
     let mut ladder = DyadicLadder::<3>::new(LEVELS);
     let mut dw = Block::zero();
-    let mut replay: Vec<Vec<_>> =
-        (0..=LEVELS).map(|_| (0..WIDTH as u64).map(|p| WienerPath::<3>::new(KEY, 96 + p)).collect()).collect();
+    let mut replay: Vec<Vec<_>> = (0..=LEVELS)
+        .map(|_| (0..WIDTH as u64).map(|p| WienerPath::<3>::new(KEY, 96 + p)).collect())
+        .collect();
     let mut completed = [0; LEVELS + 1];
     for _ in 0..1 << 9 {
         noise.increments(scale, &mut dw);

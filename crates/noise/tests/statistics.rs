@@ -1,8 +1,9 @@
 //! Are the increments normal, independent, and truncated as the theory says?
 //!
-//! Every check compares a standardised statistic with a two-sided critical value, and every check has a twin: noise
-//! that is wrong on purpose and must be rejected by it. The false alarms of the whole file, all seeds together, have
-//! probability at most [`FALSE_ALARM`] under the hypothesis of perfect noise: Bonferroni over [`CHECKS`].
+//! Every check compares a standardised statistic with a two-sided critical value, and every check
+//! has a twin: noise that is wrong on purpose and must be rejected by it. The false alarms of the
+//! whole file, all seeds together, have probability at most [`FALSE_ALARM`] under the hypothesis of
+//! perfect noise: Bonferroni over [`CHECKS`].
 
 use noise::{StreamKey, Truncation, WienerBlock, WienerPath, clip};
 use rand::{Rng, SeedableRng};
@@ -12,7 +13,8 @@ use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
 /// Probability that perfect noise fails anywhere in this file.
 const FALSE_ALARM: f64 = 1e-4;
-/// Upper bound of the number of checks: 9 of a sample and 3 of the truncation for each key, and one between keys.
+/// Upper bound of the number of checks: 9 of a sample and 3 of the truncation for each key, and one
+/// between keys.
 const CHECKS: usize = 13 * KEYS.len();
 
 const KEYS: [StreamKey; 4] = [key(1, 1), key(2, 1), key(1, 2), key(0, 0)];
@@ -21,8 +23,8 @@ const fn key(seed: u64, experiment: u64) -> StreamKey {
     StreamKey { seed, experiment }
 }
 
-/// Steps of each of the 32 paths, two noises: 2²⁰ normals a sample. The fourth moment of a sum of twelve uniforms,
-/// 2.9, is then 10 standard deviations from 3, twice the critical value.
+/// Steps of each of the 32 paths, two noises: 2²⁰ normals a sample. The fourth moment of a sum of
+/// twelve uniforms, 2.9, is then 10 standard deviations from 3, twice the critical value.
 const STEPS: usize = 1 << 14;
 
 /// Normals of two noises; `noise[m][p][n]` is path p, step n.
@@ -61,8 +63,8 @@ impl Sample {
     }
 }
 
-/// A statistic that is close to N(0, 1), or bounded in probability, and the value that it exceeds with probability
-/// [`FALSE_ALARM`]/[`CHECKS`] under the hypothesis.
+/// A statistic that is close to N(0, 1), or bounded in probability, and the value that it exceeds
+/// with probability [`FALSE_ALARM`]/[`CHECKS`] under the hypothesis.
 struct Check {
     statistic: f64,
     critical: f64,
@@ -74,8 +76,9 @@ impl Check {
         !matches!(self.statistic.abs().partial_cmp(&self.critical), Some(std::cmp::Ordering::Less))
     }
 
-    /// Σ f(x)/√(n var) for terms with mean 0 under the hypothesis. The critical value is the normal quantile with
-    /// the corrections of Cornish and Fisher for the skewness and the excess of one term.
+    /// Σ f(x)/√(n var) for terms with mean 0 under the hypothesis. The critical value is the normal
+    /// quantile with the corrections of Cornish and Fisher for the skewness and the excess of one
+    /// term.
     fn of_sum(terms: impl Iterator<Item = f64>, variance: f64, skewness: f64, excess: f64) -> Self {
         let (mut n, mut sum) = (0.0, 0.0);
         for term in terms {
@@ -83,7 +86,8 @@ impl Check {
             sum += term;
         }
         let z = Normal::standard().inverse_cdf(1.0 - 0.5 * FALSE_ALARM / CHECKS as f64);
-        let corrections = skewness.abs() / f64::sqrt(n) * (z * z - 1.0) / 6.0 + excess / n * (z * z - 3.0) * z / 24.0;
+        let corrections = skewness.abs() / f64::sqrt(n) * (z * z - 1.0) / 6.0
+            + excess / n * (z * z - 3.0) * z / 24.0;
         Self { statistic: sum / f64::sqrt(n * variance), critical: z + corrections }
     }
 
@@ -126,7 +130,10 @@ fn kolmogorov_smirnov(sample: &Sample) -> Check {
         let f = normal.cdf(x);
         f64::max(distance, f64::max(f - i as f64 / n, (i + 1) as f64 / n - f))
     });
-    Check { statistic: n.sqrt() * distance, critical: (0.5 * (2.0 * CHECKS as f64 / FALSE_ALARM).ln()).sqrt() }
+    Check {
+        statistic: n.sqrt() * distance,
+        critical: (0.5 * (2.0 * CHECKS as f64 / FALSE_ALARM).ln()).sqrt(),
+    }
 }
 
 fn between_noises(sample: &Sample) -> Check {
@@ -142,8 +149,8 @@ fn between_noises_a_step_apart(sample: &Sample) -> Check {
     Check::of_correlation(paths.flat_map(|(x, y)| y.iter().zip(&x[1..]).map(|(&y, &x)| (x, y))))
 }
 
-/// (x² − 1)(y² − 1)/2 of the two normals of one Box–Muller pair, which share their radius: variance 1, skewness
-/// (8/2^{3/2})² = 8, fourth moment 60²/16.
+/// (x² − 1)(y² − 1)/2 of the two normals of one Box–Muller pair, which share their radius: variance
+/// 1, skewness (8/2^{3/2})² = 8, fourth moment 60²/16.
 fn between_squares(sample: &Sample) -> Check {
     let [first, second] = &sample.noise;
     let pairs = first.iter().flatten().zip(second.iter().flatten());
@@ -152,12 +159,16 @@ fn between_squares(sample: &Sample) -> Check {
 }
 
 fn between_steps(sample: &Sample) -> Check {
-    Check::of_correlation(sample.paths().flat_map(|path| path.iter().zip(&path[1..]).map(|(&x, &y)| (x, y))))
+    Check::of_correlation(
+        sample.paths().flat_map(|path| path.iter().zip(&path[1..]).map(|(&x, &y)| (x, y))),
+    )
 }
 
 fn between_paths(sample: &Sample) -> Check {
     let neighbours = sample.noise.iter().flat_map(|noise| noise.iter().zip(&noise[1..]));
-    Check::of_correlation(neighbours.flat_map(|(one, next)| one.iter().zip(next).map(|(&x, &y)| (x, y))))
+    Check::of_correlation(
+        neighbours.flat_map(|(one, next)| one.iter().zip(next).map(|(&x, &y)| (x, y))),
+    )
 }
 
 /// A check by its name.
@@ -181,7 +192,12 @@ fn increments_are_independent_normals() {
         let sample = Sample::draw(key);
         for (name, check) in OF_A_SAMPLE {
             let check = check(&sample);
-            assert!(!check.rejects(), "{name} of {key:?}: {} exceeds {}", check.statistic, check.critical);
+            assert!(
+                !check.rejects(),
+                "{name} of {key:?}: {} exceeds {}",
+                check.statistic,
+                check.critical
+            );
         }
     }
 }
@@ -203,7 +219,11 @@ fn two_keys_are_independent() {
 fn must_reject(twin: &str, sample: &Sample, names: &[&str]) {
     for &wanted in names {
         let (_, check) = OF_A_SAMPLE.into_iter().find(|&(name, _)| name == wanted).unwrap();
-        assert!(check(sample).rejects(), "{wanted} does not reject {twin}: {}", check(sample).statistic);
+        assert!(
+            check(sample).rejects(),
+            "{wanted} does not reject {twin}: {}",
+            check(sample).statistic
+        );
     }
 }
 
@@ -218,7 +238,11 @@ fn wrong_distributions_are_rejected() {
         must_reject("a scale", &wide, &["variance", "fourth moment"]);
 
         let clipped = Sample::draw(key).map(|x| x.clamp(-2.0, 2.0));
-        must_reject("normals truncated at 2", &clipped, &["variance", "fourth moment", "Kolmogorov-Smirnov"]);
+        must_reject(
+            "normals truncated at 2",
+            &clipped,
+            &["variance", "fourth moment", "Kolmogorov-Smirnov"],
+        );
 
         let mut generator = Xoshiro256PlusPlus::seed_from_u64(key.path_seed(0));
         let mut uniform = || (generator.next_u64() >> 11) as f64 * 2f64.powi(-53);
@@ -232,7 +256,11 @@ fn wrong_dependence_is_rejected() {
     for key in KEYS {
         let mut one_stream = Sample::draw(key);
         one_stream.noise[1] = one_stream.noise[0].clone();
-        must_reject("two noises fed by one stream", &one_stream, &["between noises", "between squares"]);
+        must_reject(
+            "two noises fed by one stream",
+            &one_stream,
+            &["between noises", "between squares"],
+        );
 
         let mut late = Sample::draw(key);
         for p in 0..WIDTH {
@@ -299,7 +327,12 @@ fn compare_defect(key: StreamKey, tau: f64, claimed: f64) -> Check {
     let mean = differences.iter().sum::<f64>() / n;
     let moment = |p| differences.iter().map(|d| (d - mean).powi(p)).sum::<f64>() / n;
     let (variance, third, fourth) = (moment(2), moment(3), moment(4));
-    Check::of_sum(differences.into_iter(), variance, third / variance.powf(1.5), fourth / (variance * variance) - 3.0)
+    Check::of_sum(
+        differences.into_iter(),
+        variance,
+        third / variance.powf(1.5),
+        fourth / (variance * variance) - 3.0,
+    )
 }
 
 #[test]
@@ -323,7 +356,10 @@ fn the_bound_of_the_paper_holds_for_the_closed_form() {
             let tau = 2f64.powi(-exponent);
             let a = (2.0 * f64::from(k) * tau.ln().abs()).sqrt();
             let defect = truncation_defect(k, tau);
-            assert!(defect > 0.0 && defect <= (1.0 + a) * tau.powi(k as i32 + 1), "k = {k}, tau = {tau}: {defect}");
+            assert!(
+                defect > 0.0 && defect <= (1.0 + a) * tau.powi(k as i32 + 1),
+                "k = {k}, tau = {tau}: {defect}"
+            );
         }
     }
 }

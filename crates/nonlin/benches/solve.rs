@@ -1,9 +1,10 @@
 //! What solving z = ψ(z) costs, against how fast ψ contracts.
 //!
-//! Measured: ψ(z) = c + q·Rz in three dimensions, with a rotation R and so with the contraction q everywhere, from a start at
-//! distance one, by both methods on a block and on one path. An element is one equation, so criterion's `Melem/s` are
-//! millions of equations a second: **µs per equation = 1 / (Melem/s)**. With q = 0.9 the fixed point takes more evaluations than
-//! it has, and what is measured is the rescue.
+//! Measured: ψ(z) = c + q·Rz in three dimensions, with a rotation R and so with the contraction q
+//! everywhere, from a start at distance one, by both methods on a block and on one path. An element
+//! is one equation, so criterion's `Melem/s` are millions of equations a second: **µs per equation
+//! = 1 / (Melem/s)**. With q = 0.9 the fixed point takes more evaluations than it has, and what is
+//! measured is the rescue.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -63,7 +64,10 @@ const CONTRACTIONS: [f64; 4] = [0.01, 0.1, 0.5, 0.9];
 
 fn bench(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("solve");
-    group.sample_size(20).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
+    group
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(1));
     for (method, name) in [(Method::FixedPoint, "fixed point"), (Method::Newton, "newton")] {
         let solver = Solver::new(method);
         for contraction in CONTRACTIONS {
@@ -77,7 +81,12 @@ fn bench(criterion: &mut Criterion) {
             group.throughput(Throughput::Elements(WIDTH as u64));
             group.bench_function(format!("{name}, {contraction}/block"), |bencher| {
                 bencher.iter(|| {
-                    dispatch(Solve { solver, equations: black_box(&equations), z: &mut z, status: &mut status });
+                    dispatch(Solve {
+                        solver,
+                        equations: black_box(&equations),
+                        z: &mut z,
+                        status: &mut status,
+                    });
                     black_box(&z);
                 });
             });

@@ -6,7 +6,8 @@ use crate::robust::solve_robust;
 use crate::sweep::{Swept, begins_otherwise, first_sweeps, settled_path, sweep};
 use crate::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Outcome, Solver};
 
-/// The paths of a block in two halves: path p of the first has its first sweep together with path p of the second.
+/// The paths of a block in two halves: path p of the first has its first sweep together with path p
+/// of the second.
 const HALF: usize = WIDTH / 2;
 
 /// The state of the iteration on every path, kept small: it is what a sweep reads and writes.
@@ -20,12 +21,13 @@ impl<const D: usize> Iterates<'_, D> {
     /// The first sweep that the equations ask for; returns how many paths are not done.
     #[inline(always)]
     fn start<E: BlockFixedPoint<D>>(&mut self, equations: &E) -> u64 {
-        // Counted in the width of the lanes, and wrapping: a narrower counter would be summed one path at a time, and a
-        // checked one is a branch.
+        // Counted in the width of the lanes, and wrapping: a narrower counter would be summed one
+        // path at a time, and a checked one is a branch.
         let mut unfinished = 0u64;
         for p in 0..HALF {
             let (one, other) = first_sweeps(&equations.path(p), &equations.path(p + HALF));
-            unfinished = unfinished.wrapping_add(self.set(p, one)).wrapping_add(self.set(p + HALF, other));
+            unfinished =
+                unfinished.wrapping_add(self.set(p, one)).wrapping_add(self.set(p + HALF, other));
         }
         unfinished
     }
@@ -47,8 +49,9 @@ impl<const D: usize> Iterates<'_, D> {
         if done { 0 } else { 1 }
     }
 
-    /// Sweep number `number`: from these iterates to the `next`, which are other memory. Written in place, the
-    /// selects that freeze a path would become masked stores, which stall the loads of the next sweep.
+    /// Sweep number `number`: from these iterates to the `next`, which are other memory. Written in
+    /// place, the selects that freeze a path would become masked stores, which stall the loads of
+    /// the next sweep.
     #[inline(always)]
     fn advance<E: BlockFixedPoint<D>>(
         &self,
@@ -66,9 +69,16 @@ impl<const D: usize> Iterates<'_, D> {
         unfinished
     }
 
-    /// Keeps sweep number `number` of path p, if the path was not done before; returns 1 if it is not done now.
+    /// Keeps sweep number `number` of path p, if the path was not done before; returns 1 if it is
+    /// not done now.
     #[inline(always)]
-    fn carry(&self, p: usize, number: f64, (after, excess): Swept<D>, next: &mut Iterates<'_, D>) -> u64 {
+    fn carry(
+        &self,
+        p: usize,
+        number: f64,
+        (after, excess): Swept<D>,
+        next: &mut Iterates<'_, D>,
+    ) -> u64 {
         let pending = self.pending.0[0][p];
         let frozen = pending <= 0.0;
         for i in 0..D {
@@ -85,8 +95,9 @@ impl<const D: usize> Iterates<'_, D> {
 impl Solver {
     /// Solves the equations of all paths; on return `z` holds the solutions.
     ///
-    /// Meant to be called inside a `Kernel` of `real`, into which it is inlined. A path that is done is frozen by a
-    /// select and never changes again, so a path's solution does not depend on its neighbours.
+    /// Meant to be called inside a `Kernel` of `real`, into which it is inlined. A path that is
+    /// done is frozen by a select and never changes again, so a path's solution does not depend on
+    /// its neighbours.
     #[inline(always)]
     pub fn solve_block<E: BlockFixedPoint<D>, const D: usize>(
         &self,
@@ -145,7 +156,11 @@ fn settle<E: BlockFixedPoint<D>, const D: usize>(equations: &E, method: Method, 
 /// Hands every unfinished path to the robust method.
 #[cold]
 #[inline(never)]
-fn rescue<E: BlockFixedPoint<D>, const D: usize>(equations: &E, z: &mut Block<D>, status: &mut BlockStatus) {
+fn rescue<E: BlockFixedPoint<D>, const D: usize>(
+    equations: &E,
+    z: &mut Block<D>,
+    status: &mut BlockStatus,
+) {
     for p in 0..WIDTH {
         if status.pending.0[0][p] <= 0.0 {
             continue;

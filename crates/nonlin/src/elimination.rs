@@ -1,12 +1,12 @@
 //! Small dense linear systems, solved in registers.
 //!
-//! D is 2 or 3 here and the systems sit inside a vectorised loop over paths, or must give the same bits on every
-//! machine; a linear-algebra library is made for neither.
+//! D is 2 or 3 here and the systems sit inside a vectorised loop over paths, or must give the same
+//! bits on every machine; a linear-algebra library is made for neither.
 
 /// A matrix near the identity, made ready for A x = b with many b; branch-free, without pivoting.
 ///
-/// Up to D = 3 its inverse by cofactors, with one division where an elimination has D that wait for each other; else its LU
-/// factors, with the inverses of the pivots on the diagonal.
+/// Up to D = 3 its inverse by cofactors, with one division where an elimination has D that wait for
+/// each other; else its LU factors, with the inverses of the pivots on the diagonal.
 #[derive(Clone, Copy)]
 pub(crate) struct Factored<const D: usize>([[f64; D]; D]);
 
@@ -52,7 +52,8 @@ fn inverse_2<const D: usize>(mut a: [[f64; D]; D]) -> [[f64; D]; D] {
 fn inverse_3<const D: usize>(a: [[f64; D]; D]) -> [[f64; D]; D] {
     // Column i of the adjugate is the cross product of the other two rows.
     let columns = [cross(a[1], a[2]), cross(a[2], a[0]), cross(a[0], a[1])];
-    let inverse = 1.0 / (a[0][0] * columns[0][0] + a[0][1] * columns[0][1] + a[0][2] * columns[0][2]);
+    let inverse =
+        1.0 / (a[0][0] * columns[0][0] + a[0][1] * columns[0][1] + a[0][2] * columns[0][2]);
     let mut x = a;
     for i in 0..3 {
         for j in 0..3 {
@@ -143,7 +144,10 @@ mod tests {
         }
         let (plane, y) = ([[1.1, -0.2], [0.25, 0.9]], [0.3, -2.0]);
         let solution = Factored::new(plane).solve(product(&plane, y));
-        assert!((solution[0] - y[0]).abs() < 1e-15 && (solution[1] - y[1]).abs() < 1e-15, "{solution:?}");
+        assert!(
+            (solution[0] - y[0]).abs() < 1e-15 && (solution[1] - y[1]).abs() < 1e-15,
+            "{solution:?}"
+        );
     }
 
     #[test]

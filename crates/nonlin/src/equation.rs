@@ -6,14 +6,15 @@ use crate::Method;
 
 /// One equation z = ψ(z) in D unknowns.
 pub trait FixedPoint<const D: usize>: Copy {
-    /// The method that solves it with the least work, taken by a [`Solver`](crate::Solver) that is not told another.
+    /// The method that solves it with the least work, taken by a [`Solver`](crate::Solver) that is
+    /// not told another.
     const METHOD: Method = Method::FixedPoint;
 
     /// How that method begins.
     const FIRST_SWEEP: FirstSweep = FirstSweep::Plain;
 
-    /// Where iterations start. For an implicit step this is the state before the step, to which the solution
-    /// shrinks with the step; continuation follows the branch that starts here.
+    /// Where iterations start. For an implicit step this is the state before the step, to which the
+    /// solution shrinks with the step; continuation follows the branch that starts here.
     fn start(&self) -> [f64; D];
 
     /// ψ(z). Must be `#[inline(always)]` and free of branches to run fast in a block.
@@ -25,8 +26,9 @@ pub trait FixedPoint<const D: usize>: Copy {
         jacobian(&Map(*self), z)
     }
 
-    /// A z on the branch of the start and a bound of its residual ‖z − ψ(z)‖₁, rounding excepted, for
-    /// [`FirstSweep::Own`]. A bound that is infinite or NaN says that there is none, and z is not looked at.
+    /// A z on the branch of the start and a bound of its residual ‖z − ψ(z)‖₁, rounding excepted,
+    /// for [`FirstSweep::Own`]. A bound that is infinite or NaN says that there is none, and z is
+    /// not looked at.
     #[inline(always)]
     fn own_sweep(&self) -> ([f64; D], f64) {
         (self.start(), f64::INFINITY)
@@ -44,11 +46,13 @@ pub trait FixedPoint<const D: usize>: Copy {
 pub enum FirstSweep {
     /// Like every other sweep.
     Plain,
-    /// Eleven evaluations of ψ, or two steps of Newton's method from ψ(ψ(start)), written out for two paths at a time. Fast where ψ
-    /// is a few dozen operations, and long code to compile where it is not.
+    /// Eleven evaluations of ψ, or two steps of Newton's method from ψ(ψ(start)), written out for
+    /// two paths at a time. Fast where ψ is a few dozen operations, and long code to compile where
+    /// it is not.
     Long,
-    /// [`FixedPoint::own_sweep`]: an equation whose structure is known can be solved by fewer operations than any general method
-    /// needs, and its own bound says whether it is solved. If not, sweeps of the method follow.
+    /// [`FixedPoint::own_sweep`]: an equation whose structure is known can be solved by fewer
+    /// operations than any general method needs, and its own bound says whether it is solved. If
+    /// not, sweeps of the method follow.
     Own,
 }
 

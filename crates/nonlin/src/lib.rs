@@ -1,9 +1,10 @@
 //! **Implicit steps z = ψ(z) for 32 paths at once, each solved to round-off as if it were alone.**
 //!
-//! A [`FixedPoint`] is the equation of one path, written for every [`real::Real`]; a [`BlockFixedPoint`] says
-//! which equation each path of a block has. [`Solver::solve_block`] iterates the whole block, freezes a path when
-//! it is done, and hands the few paths that the fast method cannot do to a Newton method with
-//! continuation. [`Solver::solve`] does the same for one path and gives the same bits.
+//! A [`FixedPoint`] is the equation of one path, written for every [`real::Real`]; a
+//! [`BlockFixedPoint`] says which equation each path of a block has. [`Solver::solve_block`]
+//! iterates the whole block, freezes a path when it is done, and hands the few paths that the fast
+//! method cannot do to a Newton method with continuation. [`Solver::solve`] does the same for one
+//! path and gives the same bits.
 //!
 //! ```
 //! use nonlin::{FixedPoint, Solver};

@@ -1,25 +1,27 @@
 //! Newton's method with continuation, for the paths that the fast method cannot do.
 //!
-//! The family z = z₀ + s(ψ(z) − z₀) leads from the start z₀ at s = 0 to the equation at s = 1. For an implicit step s
-//! scales the Hamiltonian increment, so the branch that is followed is the one that belongs to the flow; a Newton
-//! method started far away could land on another. A step in s is accepted when Newton contracts from its first
-//! iteration on (the monotonicity test of Deuflhard, *Newton Methods for Nonlinear Problems*, 2011, §5.1) and the
-//! Jacobian J = I − sψ′ has changed little, else it is halved. The second test is the affine-invariant condition
-//! ‖J⁻¹J′ − I‖ < 1 of Newton and Mysovskikh for one root only near the old one; contraction alone is a test of one
+//! The family z = z₀ + s(ψ(z) − z₀) leads from the start z₀ at s = 0 to the equation at s = 1. For
+//! an implicit step s scales the Hamiltonian increment, so the branch that is followed is the one
+//! that belongs to the flow; a Newton method started far away could land on another. A step in s is
+//! accepted when Newton contracts from its first iteration on (the monotonicity test of Deuflhard,
+//! *Newton Methods for Nonlinear Problems*, 2011, §5.1) and the Jacobian J = I − sψ′ has changed
+//! little, else it is halved. The second test is the affine-invariant condition ‖J⁻¹J′ − I‖ < 1 of
+//! Newton and Mysovskikh for one root only near the old one; contraction alone is a test of one
 //! direction, and passes now and then on the way to another branch.
 
 use crate::elimination::solve_pivoted;
 use crate::sweep::{TOLERANCE, linearised};
 use crate::{FixedPoint, Outcome, Solution};
 
-/// Newton iterations at one s. Contracting by [`CONTRACTION`] at first and quadratically soon after, ten reach
-/// round-off, and twenty leave room for a slow start.
+/// Newton iterations at one s. Contracting by [`CONTRACTION`] at first and quadratically soon
+/// after, ten reach round-off, and twenty leave room for a slow start.
 const MAX_ITERATIONS: u32 = 20;
 /// Each Newton change must be at most this fraction of the one before.
 const CONTRACTION: f64 = 0.5;
 /// The largest ‖J⁻¹J′ − I‖₁ from one accepted step to the next.
 const LARGEST_TURN: f64 = 0.5;
-/// The smallest step in s that is tried. The first step is about LARGEST_TURN/‖ψ′‖, so this admits ‖ψ′‖ up to 8000.
+/// The smallest step in s that is tried. The first step is about LARGEST_TURN/‖ψ′‖, so this admits
+/// ‖ψ′‖ up to 8000.
 const MIN_STEP: f64 = 1.0 / 16384.0;
 
 pub(crate) fn solve_robust<E: FixedPoint<D>, const D: usize>(equation: &E) -> Solution<D> {
@@ -40,7 +42,10 @@ pub(crate) fn solve_robust<E: FixedPoint<D>, const D: usize>(equation: &E) -> So
         } else {
             step *= 0.5;
             if step < MIN_STEP {
-                return Solution { z, outcome: Outcome::Failed { residual: residual(equation, z) } };
+                return Solution {
+                    z,
+                    outcome: Outcome::Failed { residual: residual(equation, z) },
+                };
             }
         }
     }
@@ -69,7 +74,12 @@ struct Attempt<const D: usize> {
 }
 
 /// Newton on z − z₀ − s(ψ(z) − z₀) = 0.
-fn newton<E: FixedPoint<D>, const D: usize>(equation: &E, start: &[f64; D], mut z: [f64; D], s: f64) -> Attempt<D> {
+fn newton<E: FixedPoint<D>, const D: usize>(
+    equation: &E,
+    start: &[f64; D],
+    mut z: [f64; D],
+    s: f64,
+) -> Attempt<D> {
     let mut before = f64::INFINITY;
     let mut iterations = 0;
     loop {
@@ -87,14 +97,15 @@ fn newton<E: FixedPoint<D>, const D: usize>(equation: &E, start: &[f64; D], mut 
         for i in 0..D {
             z[i] -= change[i];
         }
-        // Not ‖z‖ alone: ψ(z) = z₀ + … is rounded relative to z₀ even where the solution is close to zero.
+        // Not ‖z‖ alone: ψ(z) = z₀ + … is rounded relative to z₀ even where the solution is close
+        // to zero.
         let (length, size) = (norm(&change), norm(&z) + norm(start));
         let solved = length <= TOLERANCE * size;
         let contracts = length <= CONTRACTION * before;
         // A NaN neither solves nor contracts, an infinity does both.
         if solved || !contracts || iterations == MAX_ITERATIONS {
-            // Changes that no longer shrink are round-off when they are small: the equation's own noise, which
-            // the condition of I − sψ′ amplifies.
+            // Changes that no longer shrink are round-off when they are small: the equation's own
+            // noise, which the condition of I − sψ′ amplifies.
             return Attempt {
                 z,
                 jacobian,
@@ -106,8 +117,9 @@ fn newton<E: FixedPoint<D>, const D: usize>(equation: &E, start: &[f64; D], mut 
     }
 }
 
-/// Changes that stagnate below this fraction of the unknowns are round-off, √ε: the accuracy that is attainable at
-/// a double root, where I − sψ′ is singular. A regular Newton iteration so close to its solution would converge.
+/// Changes that stagnate below this fraction of the unknowns are round-off, √ε: the accuracy that
+/// is attainable at a double root, where I − sψ′ is singular. A regular Newton iteration so close
+/// to its solution would converge.
 const ROUND_OFF: f64 = 1.0 / (1u64 << 26) as f64;
 
 fn residual<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> f64 {

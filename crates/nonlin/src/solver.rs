@@ -5,30 +5,36 @@ use real::{Block, PathMask, WIDTH};
 /// The fast method, tried first on every path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// z ← ψ(z): linear convergence with the Lipschitz constant of ψ, three evaluations a sweep, eleven in a long
-    /// first one. The faster one where ψ is a few products (`cargo bench -p schemes`).
+    /// z ← ψ(z): linear convergence with the Lipschitz constant of ψ, three evaluations a sweep,
+    /// eleven in a long first one. The faster one where ψ is a few products (`cargo bench -p
+    /// schemes`).
     FixedPoint,
-    /// z ← z − (I − ψ′(z))⁻¹(z − ψ(z)), in a long first sweep from ψ(ψ(start)) with
-    /// two corrections that keep the matrix, and a full Newton iteration in each later sweep. The faster one where ψ is
-    /// costly. Where ψ does not contract it may find a solution on another branch than the one that starts at the start.
+    /// z ← z − (I − ψ′(z))⁻¹(z − ψ(z)), in a long first sweep from ψ(ψ(start)) with two corrections
+    /// that keep the matrix, and a full Newton iteration in each later sweep. The faster one where
+    /// ψ is costly. Where ψ does not contract it may find a solution on another branch than the one
+    /// that starts at the start.
     Newton,
 }
 
 /// How implicit steps are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Solver {
-    /// The fast method; `None` is the one that the equation prefers ([`FixedPoint::METHOD`](crate::FixedPoint::METHOD)).
+    /// The fast method; `None` is the one that the equation prefers
+    /// ([`FixedPoint::METHOD`](crate::FixedPoint::METHOD)).
     pub method: Option<Method>,
-    /// Sweeps of the fast method before a path is handed to the robust one; one is made in any case.
+    /// Sweeps of the fast method before a path is handed to the robust one; one is made in any
+    /// case.
     pub max_sweeps: u32,
-    /// Whether one more sweep is made when a path is done. A path is done when its residual is below 2ε, and what is left of it has a
-    /// direction: over n steps the error of a conserved quantity grows like n·ε. With the sweep it is rounding alone, and grows like √n·ε.
-    /// For runs of millions of steps; off by default, since it costs a sweep.
+    /// Whether one more sweep is made when a path is done. A path is done when its residual is
+    /// below 2ε, and what is left of it has a direction: over n steps the error of a conserved
+    /// quantity grows like n·ε. With the sweep it is rounding alone, and grows like √n·ε. For runs
+    /// of millions of steps; off by default, since it costs a sweep.
     pub settle: bool,
 }
 
-/// At least 3·55 = 165 evaluations: a contraction with constant 0.8 reaches round-off from a start with error 1 in
-/// ln ε/ln 0.8 ≈ 162. A map that contracts more slowly is better served by Newton, which then takes over.
+/// At least 3·55 = 165 evaluations: a contraction with constant 0.8 reaches round-off from a start
+/// with error 1 in ln ε/ln 0.8 ≈ 162. A map that contracts more slowly is better served by Newton,
+/// which then takes over.
 const MAX_SWEEPS: u32 = 55;
 
 impl Default for Solver {
@@ -96,7 +102,11 @@ impl<const D: usize> Solution<D> {
     #[must_use]
     pub fn checked(self) -> Self {
         let finite = self.z.iter().all(|component| component.is_finite());
-        if finite { self } else { Self { outcome: Outcome::Failed { residual: f64::INFINITY }, ..self } }
+        if finite {
+            self
+        } else {
+            Self { outcome: Outcome::Failed { residual: f64::INFINITY }, ..self }
+        }
     }
 }
 
@@ -118,8 +128,8 @@ impl BlockStatus {
         Self { pending: Block::splat([-1.0]), robust: PathMask::NONE, failed: PathMask::NONE }
     }
 
-    /// Marks the paths whose state is not finite as failed, with an infinite residual: what an explicit step, or a factor, may have made of
-    /// them. Meant to be called inside a kernel.
+    /// Marks the paths whose state is not finite as failed, with an infinite residual: what an
+    /// explicit step, or a factor, may have made of them. Meant to be called inside a kernel.
     #[inline(always)]
     pub fn fail_where_not_finite<const D: usize>(&mut self, y: &Block<D>) {
         // 0·y is NaN where y is infinite or NaN, else zero.
@@ -148,8 +158,8 @@ impl BlockStatus {
         }
     }
 
-    /// Iterations of path `p`: sweeps of the fast method, or Newton iterations of the robust one; zero where both
-    /// failed.
+    /// Iterations of path `p`: sweeps of the fast method, or Newton iterations of the robust one;
+    /// zero where both failed.
     #[must_use]
     pub fn iterations(&self, p: usize) -> u32 {
         f64::max(-self.pending.0[0][p], 0.0) as u32

@@ -1,35 +1,41 @@
-//! One sweep of the fast methods on one path; shared by block and single path, so that both give the same bits.
+//! One sweep of the fast methods on one path; shared by block and single path, so that both give
+//! the same bits.
 //!
-//! A long first sweep of the fixed-point iteration makes eleven evaluations of ψ and each later one three. The state of a path
-//! stays in registers between them and only the last change is tested. Chosen by `cargo bench -p schemes`: with eleven the
-//! rigid body at τ = 2⁻⁸ is solved in the first sweep on nearly every block, and a sweep more costs as much as five
-//! evaluations.
+//! A long first sweep of the fixed-point iteration makes eleven evaluations of ψ and each later one
+//! three. The state of a path stays in registers between them and only the last change is tested.
+//! Chosen by `cargo bench -p schemes`: with eleven the rigid body at τ = 2⁻⁸ is solved in the first
+//! sweep on nearly every block, and a sweep more costs as much as five evaluations.
 
 use crate::elimination::Factored;
 use crate::solver::Method;
 use crate::{FirstSweep, FixedPoint};
 
-/// A path is done when ‖z − ψ(z)‖₁, as far as it can be foreseen, is below this fraction of ‖z‖₁. Evaluating ψ rounds
-/// each component of z by up to half an ulp, so residuals of this size carry no information.
+/// A path is done when ‖z − ψ(z)‖₁, as far as it can be foreseen, is below this fraction of ‖z‖₁.
+/// Evaluating ψ rounds each component of z by up to half an ulp, so residuals of this size carry no
+/// information.
 pub(crate) const TOLERANCE: f64 = 2.0 * f64::EPSILON;
 
-/// The test below multiplies two changes; for unknowns of size r the product is as small as (εr)². This power of two
-/// keeps it above the smallest number for r down to 10⁻¹⁵⁵, where an underflow to zero would pass for convergence.
-/// For r above 10¹⁴⁵ the product of the first changes may overflow, which counts as not done, and rightly so.
+/// The test below multiplies two changes; for unknowns of size r the product is as small as (εr)².
+/// This power of two keeps it above the smallest number for r down to 10⁻¹⁵⁵, where an underflow to
+/// zero would pass for convergence. For r above 10¹⁴⁵ the product of the first changes may
+/// overflow, which counts as not done, and rightly so.
 const GUARD: f64 = (1u128 << 64) as f64;
 
-/// After a Newton step the residual is of the order of the square of the change; √ε therefore suffices, with a
-/// margin of 2⁶ for the constant.
+/// After a Newton step the residual is of the order of the square of the change; √ε therefore
+/// suffices, with a margin of 2⁶ for the constant.
 const NEWTON_TOLERANCE: f64 = 1.0 / (1u64 << 32) as f64;
 
-/// The contraction that the two steps of a first Newton sweep show may be smaller than that of the next one, which goes in
-/// another direction; this margin for it leaves residuals of 4ε at most on random maps (`tests/contraction.rs`).
+/// The contraction that the two steps of a first Newton sweep show may be smaller than that of the
+/// next one, which goes in another direction; this margin for it leaves residuals of 4ε at most on
+/// random maps (`tests/contraction.rs`).
 const NEWTON_MARGIN: f64 = 256.0;
 
-/// The next iterate and a number that is at most zero when it is the solution, NaN when it has left the numbers.
+/// The next iterate and a number that is at most zero when it is the solution, NaN when it has left
+/// the numbers.
 pub(crate) type Swept<const D: usize> = ([f64; D], f64);
 
-/// Whether the equation asks for a first sweep unlike the others, which it does for the method that it prefers alone.
+/// Whether the equation asks for a first sweep unlike the others, which it does for the method that
+/// it prefers alone.
 #[inline(always)]
 pub(crate) fn begins_otherwise<E: FixedPoint<D>, const D: usize>(method: Method) -> bool {
     E::FIRST_SWEEP != FirstSweep::Plain && method == E::METHOD
@@ -42,14 +48,20 @@ pub(crate) fn first_sweep<E: FixedPoint<D>, const D: usize>(equation: &E) -> Swe
         (FirstSweep::Plain, method) => sweep(equation, equation.start(), method),
         (FirstSweep::Own, _) => own_verdict(equation.start(), equation.own_sweep()),
         (FirstSweep::Long, Method::FixedPoint) => verdict(eleven_evaluations(equation)),
-        (FirstSweep::Long, Method::Newton) => newton_verdict(equation.start(), newton_twice(equation)),
+        (FirstSweep::Long, Method::Newton) => {
+            newton_verdict(equation.start(), newton_twice(equation))
+        }
     }
 }
 
-/// The first sweep of two paths, a long one in turn, and the equations' own as they have it: an evaluation is a chain of
-/// operations that wait for each other, and two chains fit into the time of one.
+/// The first sweep of two paths, a long one in turn, and the equations' own as they have it: an
+/// evaluation is a chain of operations that wait for each other, and two chains fit into the time
+/// of one.
 #[inline(always)]
-pub(crate) fn first_sweeps<E: FixedPoint<D>, const D: usize>(one: &E, other: &E) -> (Swept<D>, Swept<D>) {
+pub(crate) fn first_sweeps<E: FixedPoint<D>, const D: usize>(
+    one: &E,
+    other: &E,
+) -> (Swept<D>, Swept<D>) {
     match (E::FIRST_SWEEP, E::METHOD) {
         (FirstSweep::Plain, _) => (first_sweep(one), first_sweep(other)),
         (FirstSweep::Own, _) => {
@@ -82,16 +94,25 @@ fn own_verdict<const D: usize>(start: [f64; D], (found, bound): ([f64; D], f64))
 
 /// A later sweep, from z.
 #[inline(always)]
-pub(crate) fn sweep<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D], method: Method) -> Swept<D> {
+pub(crate) fn sweep<E: FixedPoint<D>, const D: usize>(
+    equation: &E,
+    z: [f64; D],
+    method: Method,
+) -> Swept<D> {
     match method {
         Method::FixedPoint => verdict(two_evaluations(equation, equation.map(z))),
         Method::Newton => newton_sweep(equation, z),
     }
 }
 
-/// One more sweep from a solution, unless it leads out of the numbers, as Newton's may where I − ψ′ is singular.
+/// One more sweep from a solution, unless it leads out of the numbers, as Newton's may where I − ψ′
+/// is singular.
 #[inline(always)]
-pub(crate) fn settled_path<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D], method: Method) -> [f64; D] {
+pub(crate) fn settled_path<E: FixedPoint<D>, const D: usize>(
+    equation: &E,
+    z: [f64; D],
+    method: Method,
+) -> [f64; D] {
     let (after, excess) = sweep(equation, z, method);
     let keep = excess.is_finite();
     let mut settled = z;
@@ -111,8 +132,8 @@ fn two_evaluations<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) 
     [z, before, equation.map(before)]
 }
 
-// Evaluations are written out by functions of three: a loop of long bodies would not be unrolled, and then the loop over paths
-// is not vectorised.
+// Evaluations are written out by functions of three: a loop of long bodies would not be unrolled,
+// and then the loop over paths is not vectorised.
 
 #[inline(always)]
 fn three_evaluations<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> [f64; D] {
@@ -122,7 +143,10 @@ fn three_evaluations<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]
 /// Eleven evaluations from the start.
 #[inline(always)]
 fn eleven_evaluations<E: FixedPoint<D>, const D: usize>(equation: &E) -> Tail<D> {
-    let z = three_evaluations(equation, three_evaluations(equation, three_evaluations(equation, equation.start())));
+    let z = three_evaluations(
+        equation,
+        three_evaluations(equation, three_evaluations(equation, equation.start())),
+    );
     two_evaluations(equation, z)
 }
 
@@ -131,7 +155,9 @@ type Pair<'a, E, const D: usize> = ((&'a E, [f64; D]), (&'a E, [f64; D]));
 
 /// An evaluation of each.
 #[inline(always)]
-fn one_in_turn<'a, E: FixedPoint<D>, const D: usize>(((one, y), (other, z)): Pair<'a, E, D>) -> Pair<'a, E, D> {
+fn one_in_turn<'a, E: FixedPoint<D>, const D: usize>(
+    ((one, y), (other, z)): Pair<'a, E, D>,
+) -> Pair<'a, E, D> {
     ((one, one.map(y)), (other, other.map(z)))
 }
 
@@ -143,14 +169,15 @@ fn three_in_turn<E: FixedPoint<D>, const D: usize>(pair: Pair<'_, E, D>) -> Pair
 /// [`eleven_evaluations`] of two paths from their starts, in turn.
 #[inline(always)]
 fn eleven_in_turn<E: FixedPoint<D>, const D: usize>(one: &E, other: &E) -> (Tail<D>, Tail<D>) {
-    let pair = three_in_turn(three_in_turn(three_in_turn(((one, one.start()), (other, other.start())))));
+    let pair =
+        three_in_turn(three_in_turn(three_in_turn(((one, one.start()), (other, other.start())))));
     let before = one_in_turn(pair);
     let next = one_in_turn(before);
     ([pair.0.1, before.0.1, next.0.1], [pair.1.1, before.1.1, next.1.1])
 }
 
-/// The last two changes c, c′ give the contraction c′/c and with it the next change, which is the residual: done when
-/// c′²/c ≤ tolerance, with c counted as at most ‖z‖.
+/// The last two changes c, c′ give the contraction c′/c and with it the next change, which is the
+/// residual: done when c′²/c ≤ tolerance, with c counted as at most ‖z‖.
 #[inline(always)]
 fn verdict<const D: usize>([previous, before, next]: Tail<D>) -> Swept<D> {
     // Sums and not maxima: a NaN anywhere makes the sum NaN, and NaN is not at most zero.
@@ -168,8 +195,8 @@ fn verdict<const D: usize>([previous, before, next]: Tail<D>) -> Swept<D> {
 
 /// The prediction ψ(ψ(start)), a Newton step and a simplified one, which keeps its matrix.
 ///
-/// Newton's step squares the error of the prediction, and the simplified one multiplies it once more: on short steps from 10⁻⁵
-/// through 10⁻¹⁰ to round-off.
+/// Newton's step squares the error of the prediction, and the simplified one multiplies it once
+/// more: on short steps from 10⁻⁵ through 10⁻¹⁰ to round-off.
 #[inline(always)]
 fn newton_twice<E: FixedPoint<D>, const D: usize>(equation: &E) -> Tail<D> {
     let z = prediction(equation);
@@ -184,29 +211,41 @@ fn prediction<E: FixedPoint<D>, const D: usize>(equation: &E) -> [f64; D] {
 
 /// [`newton_twice`] of two paths, in turn.
 #[inline(always)]
-fn newton_twice_in_turn<E: FixedPoint<D>, const D: usize>(one: &E, other: &E) -> (Tail<D>, Tail<D>) {
+fn newton_twice_in_turn<E: FixedPoint<D>, const D: usize>(
+    one: &E,
+    other: &E,
+) -> (Tail<D>, Tail<D>) {
     let (y, z) = (prediction(one), prediction(other));
     let ((matrix, before), (matrix_other, before_other)) =
         (newton_step(y, one.jacobian(y)), newton_step(z, other.jacobian(z)));
-    let next = (simplified_step(one, matrix, before), simplified_step(other, matrix_other, before_other));
+    let next =
+        (simplified_step(one, matrix, before), simplified_step(other, matrix_other, before_other));
     ([y, before, next.0], [z, before_other, next.1])
 }
 
 /// (I − ψ′(z)), factored, and z − (I − ψ′(z))⁻¹(z − ψ(z)), from ψ(z) and ψ′(z).
 #[inline(always)]
-fn newton_step<const D: usize>(z: [f64; D], (value, jacobian): ([f64; D], [[f64; D]; D])) -> (Factored<D>, [f64; D]) {
+fn newton_step<const D: usize>(
+    z: [f64; D],
+    (value, jacobian): ([f64; D], [[f64; D]; D]),
+) -> (Factored<D>, [f64; D]) {
     let matrix = Factored::new(identity_minus(jacobian));
     (matrix, minus(z, matrix.solve(minus(z, value))))
 }
 
 /// z − (I − ψ′)⁻¹(z − ψ(z)) with a given matrix.
 #[inline(always)]
-fn simplified_step<E: FixedPoint<D>, const D: usize>(equation: &E, matrix: Factored<D>, z: [f64; D]) -> [f64; D] {
+fn simplified_step<E: FixedPoint<D>, const D: usize>(
+    equation: &E,
+    matrix: Factored<D>,
+    z: [f64; D],
+) -> [f64; D] {
     minus(z, matrix.solve(minus(z, equation.map(z))))
 }
 
-/// The verdict on a first Newton sweep, from its two changes as in [`verdict`] with a margin; and the start again if it is
-/// unfavourable and the changes grew: a prediction that led astray shall not choose the branch.
+/// The verdict on a first Newton sweep, from its two changes as in [`verdict`] with a margin; and
+/// the start again if it is unfavourable and the changes grew: a prediction that led astray shall
+/// not choose the branch.
 ///
 /// A last change that is itself below the tolerance suffices, since both may be round-off.
 #[inline(always)]
@@ -252,7 +291,10 @@ fn minus<const D: usize>(mut a: [f64; D], b: [f64; D]) -> [f64; D] {
 
 /// I − ψ′(z) and z − ψ(z).
 #[inline(always)]
-pub(crate) fn linearised<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> ([[f64; D]; D], [f64; D]) {
+pub(crate) fn linearised<E: FixedPoint<D>, const D: usize>(
+    equation: &E,
+    z: [f64; D],
+) -> ([[f64; D]; D], [f64; D]) {
     let (value, jacobian) = equation.jacobian(z);
     (identity_minus(jacobian), minus(z, value))
 }
@@ -301,7 +343,8 @@ mod tests {
             assert_eq!(z, iterates[2]);
             assert_eq!(excess <= 0.0, done, "{before:?} {last:?}: {excess:e}");
         }
-        // An excursion: from (1, 2) far away and back to within 7e-8, c′²/c would be 5e-18 beside 1000, and is 1.6e-15 beside 3.
+        // An excursion: from (1, 2) far away and back to within 7e-8, c′²/c would be 5e-18 beside
+        // 1000, and is 1.6e-15 beside 3.
         let (_, excess) = verdict([[1e3, 2.0], [1.0, 2.0], [1.0, 2.0 + 7e-8]]);
         assert!(excess > 0.0);
         for wrong in [f64::NAN, f64::INFINITY] {
@@ -358,7 +401,9 @@ mod tests {
     #[test]
     fn an_own_solution_is_done_within_the_tolerance() {
         let found = [1.0, -2.0];
-        for (bound, done) in [(0.0, true), (3.0 * TOLERANCE, true), (3.1 * TOLERANCE, false), (1.0, false)] {
+        for (bound, done) in
+            [(0.0, true), (3.0 * TOLERANCE, true), (3.1 * TOLERANCE, false), (1.0, false)]
+        {
             let (z, excess) = own_verdict(START, (found, bound));
             assert_eq!((z, excess <= 0.0), (found, done), "{bound:e}");
         }

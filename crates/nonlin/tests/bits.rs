@@ -1,4 +1,5 @@
-//! A block is 32 equations and nothing else: the same bits alone, at every level, and beside any neighbours.
+//! A block is 32 equations and nothing else: the same bits alone, at every level, and beside any
+//! neighbours.
 
 mod common;
 
@@ -8,7 +9,8 @@ use real::{Block, Level, WIDTH, limit_to};
 
 const METHODS: [Method; 2] = [Method::FixedPoint, Method::Newton];
 
-/// Easy, slow and non-contracting maps, some that start at NaN or infinity: every way a path can go.
+/// Easy, slow and non-contracting maps, some that start at NaN or infinity: every way a path can
+/// go.
 fn mixed<const D: usize>(seed: u64) -> Equations<SineMap<D>> {
     let mut numbers = Numbers(seed);
     Equations(std::array::from_fn(|p| {
@@ -62,7 +64,11 @@ fn same_as_single<E: FixedPoint<D>, const D: usize>(
 }
 
 /// Adds to the counts [fast, robust, failed].
-fn compare<E: FixedPoint<D>, const D: usize>(solver: Solver, equations: &Equations<E>, seen: &mut [u32; 3]) {
+fn compare<E: FixedPoint<D>, const D: usize>(
+    solver: Solver,
+    equations: &Equations<E>,
+    seen: &mut [u32; 3],
+) {
     let solved = solve_block(solver, equations);
     for p in 0..WIDTH {
         seen[match same_as_single(solver, &equations.0[p], &solved, p) {
@@ -91,7 +97,9 @@ fn block_is_its_paths<const D: usize>() -> [u32; 3] {
 fn a_block_is_its_paths_at_every_level() {
     for level in [Level::Baseline, Level::Avx2, Level::Avx512] {
         limit_to(level);
-        for seen in [block_is_its_paths::<1>(), block_is_its_paths::<2>(), block_is_its_paths::<3>()] {
+        for seen in
+            [block_is_its_paths::<1>(), block_is_its_paths::<2>(), block_is_its_paths::<3>()]
+        {
             // All three ways were gone, so all three were compared.
             assert!(seen.iter().all(|&count| count >= 100), "{seen:?}");
         }
@@ -110,7 +118,9 @@ fn a_path_does_not_see_its_neighbours() {
             easy.start = easy.constant;
             let mut broken = easy;
             broken.constant = [f64::NAN; 3];
-            for mut others in [mixed::<3>(1000 + p as u64), Equations([easy; WIDTH]), Equations([broken; WIDTH])] {
+            for mut others in
+                [mixed::<3>(1000 + p as u64), Equations([easy; WIDTH]), Equations([broken; WIDTH])]
+            {
                 others.0[p] = original.0[p];
                 let (beside, status_beside) = solve_block(solver, &others);
                 assert_eq!(bits(z.path(p)), bits(beside.path(p)), "{method:?} path {p}");

@@ -10,7 +10,8 @@ use real::Real;
 
 const METHODS: [Method; 2] = [Method::FixedPoint, Method::Newton];
 
-/// Numbers of a map in three dimensions: 2·9 of the matrix and the phases, 3 of the constant, 3 of the start.
+/// Numbers of a map in three dimensions: 2·9 of the matrix and the phases, 3 of the constant, 3 of
+/// the start.
 const NUMBERS: usize = 24;
 
 fn numbers() -> impl Strategy<Value = Vec<f64>> {
@@ -21,9 +22,9 @@ fn numbers() -> impl Strategy<Value = Vec<f64>> {
 ///
 /// Newton leaves the rounding of ψ: D + 3 operations of half an ulp on each component.
 const NEWTON_RESIDUAL: f64 = 4.0 * f64::EPSILON;
-/// The fixed point adds its tolerance, 2ε‖z‖₁, and the error of foreseeing the last residual from two changes, which
-/// is large when a mode that contracts fast hides a slow one: among 6·10⁶ random maps, 1 in 10³ left more than 8ε, 1 in
-/// 10⁵ more than 64ε, none more than 175ε.
+/// The fixed point adds its tolerance, 2ε‖z‖₁, and the error of foreseeing the last residual from
+/// two changes, which is large when a mode that contracts fast hides a slow one: among 6·10⁶ random
+/// maps, 1 in 10³ left more than 8ε, 1 in 10⁵ more than 64ε, none more than 175ε.
 const FIXED_POINT_RESIDUAL: f64 = 256.0 * f64::EPSILON;
 
 fn allowed_residual(method: Method) -> f64 {
@@ -35,27 +36,44 @@ fn allowed_residual(method: Method) -> f64 {
 
 /// The same cases in every run.
 fn cases(cases: u32) -> ProptestConfig {
-    ProptestConfig { cases, rng_seed: RngSeed::Fixed(1), failure_persistence: None, ..ProptestConfig::default() }
+    ProptestConfig {
+        cases,
+        rng_seed: RngSeed::Fixed(1),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
 }
 
 fn size<const D: usize>(map: &SineMap<D>) -> f64 {
     norm(map.constant) + D as f64 * map.scale
 }
 
-fn solved_by_both<const D: usize>(contraction: f64, numbers: &[f64], scale: f64) -> Result<(), TestCaseError> {
+fn solved_by_both<const D: usize>(
+    contraction: f64,
+    numbers: &[f64],
+    scale: f64,
+) -> Result<(), TestCaseError> {
     let map = SineMap::<D>::new(contraction, numbers).scaled(scale);
     let mut solutions = [[0.0; D]; 3];
     // The third begins with Newton's long first sweep.
     let found = METHODS.map(|method| (method, Solver::new(method).solve(&map)));
     let preferred = (Method::Newton, Solver::default().solve(&PrefersNewton(map)));
-    for (solution, (method, found)) in solutions.iter_mut().zip(found.into_iter().chain([preferred])) {
+    for (solution, (method, found)) in
+        solutions.iter_mut().zip(found.into_iter().chain([preferred]))
+    {
         prop_assert!(found.outcome.converged(), "{method:?} {:?}", found.outcome);
         let left = residual(&map, found.z);
-        prop_assert!(left <= allowed_residual(method) * size(&map), "{method:?}: {} {found:?}", left / size(&map));
+        prop_assert!(
+            left <= allowed_residual(method) * size(&map),
+            "{method:?}: {} {found:?}",
+            left / size(&map)
+        );
         *solution = found.z;
     }
-    // A residual r is an error of at most r/(1 − L) in the maximum norm, D times that in the sum norm.
-    let allowed = (NEWTON_RESIDUAL + FIXED_POINT_RESIDUAL) * D as f64 / (1.0 - contraction) * size(&map);
+    // A residual r is an error of at most r/(1 − L) in the maximum norm, D times that in the sum
+    // norm.
+    let allowed =
+        (NEWTON_RESIDUAL + FIXED_POINT_RESIDUAL) * D as f64 / (1.0 - contraction) * size(&map);
     for other in [1, 2] {
         let distance = difference(solutions[0], solutions[other]);
         prop_assert!(distance <= allowed, "{distance} {allowed}");
@@ -98,7 +116,8 @@ proptest! {
         prop_assert!(found.outcome.converged());
         if let Outcome::Robust { residual: reported, iterations } = found.outcome {
             prop_assert_eq!(reported, residual(&map, found.z));
-            // One Newton method at least, and 1/MIN_STEP = 2¹⁴ at most, of up to twenty iterations each.
+            // One Newton method at least, and 1/MIN_STEP = 2¹⁴ at most, of up to twenty iterations
+            // each.
             prop_assert!((1..=20 << 14).contains(&iterations), "{}", iterations);
             prop_assert!(reported <= NEWTON_RESIDUAL * size(&map));
         }
@@ -109,8 +128,9 @@ proptest! {
         contraction in 0.0..0.3,
         numbers in numbers(),
     ) {
-        // 0.3^31 < ε/2, where the change is zero: 8 evaluations in the first sweep and 3 in each of 8 more, and a few
-        // for the limit cycle of roundings. Close to zero the tolerance, relative to ‖z‖, is finer than ψ.
+        // 0.3^31 < ε/2, where the change is zero: 8 evaluations in the first sweep and 3 in each of
+        // 8 more, and a few for the limit cycle of roundings. Close to zero the tolerance, relative
+        // to ‖z‖, is finer than ψ.
         let map = SineMap::<3>::new(contraction, &numbers);
         prop_assume!(norm(Solver::default().solve(&map).z) > 0.1 * size(&map));
         for method in METHODS {
@@ -157,8 +177,8 @@ fn the_zero_solution_is_found() {
     }
 }
 
-/// A settled solution is one sweep behind the one it settles, and no further from the equation: on maps that contract slowly
-/// what is left has shrunk.
+/// A settled solution is one sweep behind the one it settles, and no further from the equation: on
+/// maps that contract slowly what is left has shrunk.
 #[test]
 fn a_settled_solution_is_one_sweep_further() {
     let mut numbers = common::Numbers(3);
@@ -180,8 +200,9 @@ fn a_settled_solution_is_one_sweep_further() {
     );
 }
 
-/// With a contraction of 10⁻³ the prediction ψ(ψ(z₀)) is right to 10⁻⁶, Newton's step to its square, and the long first sweep is
-/// all that it takes: of the fixed point, too, whose eleven evaluations leave 10⁻³³.
+/// With a contraction of 10⁻³ the prediction ψ(ψ(z₀)) is right to 10⁻⁶, Newton's step to its
+/// square, and the long first sweep is all that it takes: of the fixed point, too, whose eleven
+/// evaluations leave 10⁻³³.
 #[test]
 fn a_long_first_sweep_solves_a_strong_contraction() {
     let mut numbers = common::Numbers(4);
@@ -207,8 +228,15 @@ fn a_solution_at_the_start_costs_one_sweep() {
 
 #[test]
 fn the_number_of_sweeps_is_kept() {
-    // Contraction 0.9 in one dimension needs some 300 evaluations: not within two sweeps, hence Newton.
-    let map = SineMap::<1> { matrix: [[-0.9]], phase: [[0.0]], constant: [0.1], start: [1.0], scale: 1.0 };
+    // Contraction 0.9 in one dimension needs some 300 evaluations: not within two sweeps, hence
+    // Newton.
+    let map = SineMap::<1> {
+        matrix: [[-0.9]],
+        phase: [[0.0]],
+        constant: [0.1],
+        start: [1.0],
+        scale: 1.0,
+    };
     for max_sweeps in [0, 1, 2] {
         let solver = Solver { max_sweeps, ..Solver::default() };
         let found = solver.solve(&map);

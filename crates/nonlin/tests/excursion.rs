@@ -3,8 +3,9 @@
 use nonlin::{FixedPoint, Method, Outcome, Solver};
 use real::Real;
 
-/// ψ(z) = 1 + 10¹⁸ exp(−λ(z − 2)²) with λ = ln 10¹⁸: ψ(1) = 2, ψ is 1 far away and 10¹⁸ at z = 2. The last evaluations of
-/// the first sweep from 100 are a jump of 99 and one of 1, which looks like fast contraction and is none.
+/// ψ(z) = 1 + 10¹⁸ exp(−λ(z − 2)²) with λ = ln 10¹⁸: ψ(1) = 2, ψ is 1 far away and 10¹⁸ at z = 2.
+/// The last evaluations of the first sweep from 100 are a jump of 99 and one of 1, which looks like
+/// fast contraction and is none.
 #[derive(Clone, Copy)]
 struct Peak;
 
@@ -27,12 +28,16 @@ fn an_excursion_does_not_pass_for_contraction() {
     match solution.outcome {
         Outcome::Failed { .. } => {}
         // A solution there is only near z = 1 or beyond 2; it must be one.
-        _ => assert!(residual <= 1e-6 * solution.z[0].abs(), "{solution:?} with residual {residual:e}"),
+        _ => assert!(
+            residual <= 1e-6 * solution.z[0].abs(),
+            "{solution:?} with residual {residual:e}"
+        ),
     }
 }
 
-/// ψ(z) = z + f(z) with f(z) = −(z − 1)(1 + k(z − 1)) and a start far away: Newton's method, which divides by the slope 1 + 2k(z − 1),
-/// halves the distance from far away and is quadratic with the constant k only near 1.
+/// ψ(z) = z + f(z) with f(z) = −(z − 1)(1 + k(z − 1)) and a start far away: Newton's method, which
+/// divides by the slope 1 + 2k(z − 1), halves the distance from far away and is quadratic with the
+/// constant k only near 1.
 #[derive(Clone, Copy)]
 struct Parabola {
     k: f64,
@@ -75,8 +80,8 @@ fn newton_stops_at_solutions_alone() {
     assert!(converged > 6_000, "{converged}");
 }
 
-/// An equation whose first two Newton changes look quadratic with the constant 10⁻³ and whose next one is as large as
-/// the constant `k` of another direction makes it.
+/// An equation whose first two Newton changes look quadratic with the constant 10⁻³ and whose next
+/// one is as large as the constant `k` of another direction makes it.
 #[derive(Clone, Copy)]
 struct TwoDirections {
     k: f64,

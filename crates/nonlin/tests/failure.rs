@@ -73,8 +73,9 @@ impl<E: FixedPoint<D>, const D: usize> FixedPoint<D> for Counted<'_, E> {
     }
 }
 
-/// 56 sweeps of at most 3 evaluations, 5 more in the first, and 100 trials of at most 20 Newton iterations of D = 1
-/// evaluation: 14 halvings down to the smallest step in s and as many on each of a few approaches to a fold.
+/// 56 sweeps of at most 3 evaluations, 5 more in the first, and 100 trials of at most 20 Newton
+/// iterations of D = 1 evaluation: 14 halvings down to the smallest step in s and as many on each
+/// of a few approaches to a fold.
 const MOST_EVALUATIONS: u32 = 5 + 56 * 3 + 100 * 20;
 
 #[test]
@@ -84,7 +85,10 @@ fn unsolvable_equations_fail_in_finite_time() {
             let count = std::cell::Cell::new(0);
             let counted = Counted { equation, count: &count };
             let found = Solver::new(method).solve(&counted);
-            assert!(matches!(found.outcome, Outcome::Failed { .. }), "{equation:?} {method:?}: {found:?}");
+            assert!(
+                matches!(found.outcome, Outcome::Failed { .. }),
+                "{equation:?} {method:?}: {found:?}"
+            );
             assert!(!found.outcome.converged());
             assert!(count.get() <= MOST_EVALUATIONS, "{equation:?}: {count:?}");
         }
@@ -112,7 +116,8 @@ fn numbers_that_are_none_fail() {
                 constant.constant[i] = bad;
                 let solver = Solver::new(method);
                 assert!(!solver.solve(&constant).outcome.converged());
-                // A contraction forgets a bad start only if ψ maps it to numbers, which the sine of ∞ is not.
+                // A contraction forgets a bad start only if ψ maps it to numbers, which the sine of
+                // ∞ is not.
                 assert!(!solver.solve(&start).outcome.converged());
             }
         }

@@ -100,7 +100,8 @@ impl FixedPoint<2> for Silent {
 #[test]
 fn one_that_has_no_solution_of_its_own_is_solved_all_the_same() {
     let map = map();
-    let (plain, silent) = (Solver::new(Method::Newton).solve(&map), Solver::default().solve(&Silent(map)));
+    let (plain, silent) =
+        (Solver::new(Method::Newton).solve(&map), Solver::default().solve(&Silent(map)));
     assert_eq!(silent.z, plain.z);
 }
 

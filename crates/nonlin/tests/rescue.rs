@@ -1,5 +1,5 @@
-//! Where the fixed point does not contract the robust method takes over, and finds the solution that is connected
-//! with the start.
+//! Where the fixed point does not contract the robust method takes over, and finds the solution
+//! that is connected with the start.
 
 mod common;
 
@@ -7,8 +7,8 @@ use common::{Equations, Numbers, difference, norm, solve_block};
 use nonlin::{FixedPoint, Method, Outcome, Solver};
 use real::{PathMask, Real};
 
-/// z = ẑ + s·m × Km with m = (ẑ + z)/2: a step of the free rigid body, a nonlinear rotation. It keeps |z| = |ẑ|, has a
-/// solution for every s, and several for large s.
+/// z = ẑ + s·m × Km with m = (ẑ + z)/2: a step of the free rigid body, a nonlinear rotation. It
+/// keeps |z| = |ẑ|, has a solution for every s, and several for large s.
 #[derive(Clone, Copy, Debug)]
 struct Rotation {
     s: f64,
@@ -43,7 +43,8 @@ impl Rotation {
 }
 
 fn determinant(a: [[f64; 3]; 3]) -> f64 {
-    a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) - a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0])
+    a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1])
+        - a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0])
         + a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0])
 }
 
@@ -52,8 +53,8 @@ const STEPS: u32 = 4000;
 /// The reference is believed while det(I − ψ′) stays above this and no step moves z by more.
 const REGULAR: f64 = 0.1;
 
-/// The solution on the branch of the start by brute force: thousands of steps in s, Newton by Cramer's rule. `None`
-/// where the branch comes close to a fold.
+/// The solution on the branch of the start by brute force: thousands of steps in s, Newton by
+/// Cramer's rule. `None` where the branch comes close to a fold.
 fn fine_continuation(equation: &Rotation) -> Option<[f64; 3]> {
     let mut z = equation.start;
     for n in 1..=STEPS {
@@ -85,8 +86,8 @@ fn fine_continuation(equation: &Rotation) -> Option<[f64; 3]> {
     Some(z)
 }
 
-/// Error of a solution: a residual of a few ε, amplified by the inverse of I − ψ′, which is at most the cofactors,
-/// below (1 + s)², over a determinant of at least 0.1.
+/// Error of a solution: a residual of a few ε, amplified by the inverse of I − ψ′, which is at most
+/// the cofactors, below (1 + s)², over a determinant of at least 0.1.
 fn tolerance(s: f64) -> f64 {
     8.0 * f64::EPSILON * (1.0 + s) * (1.0 + s) / REGULAR
 }

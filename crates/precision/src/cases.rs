@@ -8,8 +8,8 @@ use noise::{StreamKey, Truncation};
 use real::elementary::{cos, sin};
 use schemes::{Midpoint, Scheme, Sexp, SexpLevy};
 use systems::{
-    Constant, Cosine, Damping, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, Problem, RigidBody,
-    Sine, SystemError,
+    Constant, Cosine, Damping, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
+    Problem, RigidBody, Sine, SystemError,
 };
 use verify::{Progress, Settings, rigid_body_expectations, root_mean_square_interval};
 
@@ -20,8 +20,8 @@ use crate::ends::{Ends, Sight, Sums};
 use crate::own_areas::{OwnAreas, terms};
 use crate::plan::Plan;
 use crate::results::{
-    Case, Measurements, Provenance, SCHEMA, Strong, StrongPoint, StrongSeries, Time, Weak, WeakObservable, WeakPoint,
-    WeakSeries,
+    Case, Measurements, Provenance, SCHEMA, Strong, StrongPoint, StrongSeries, Time, Weak,
+    WeakObservable, WeakPoint, WeakSeries,
 };
 
 /// One problem by its name.
@@ -53,7 +53,10 @@ const FIRST_EXPERIMENT: u64 = 1 << 32;
 
 impl Context<'_> {
     fn key(&self, part: u64) -> StreamKey {
-        StreamKey { seed: self.settings.seed, experiment: FIRST_EXPERIMENT + 4 * self.number + part }
+        StreamKey {
+            seed: self.settings.seed,
+            experiment: FIRST_EXPERIMENT + 4 * self.number + part,
+        }
     }
 }
 
@@ -89,13 +92,19 @@ pub fn check_ids(ids: &[String]) -> Result<(), UnknownCase> {
     }
 }
 
-/// Measures the cases named by `only`, or all where it is empty: errors on the current rayon pool, times on this thread.
+/// Measures the cases named by `only`, or all where it is empty: errors on the current rayon pool,
+/// times on this thread.
 ///
-/// Everything but the times is the same bits for the same seed and mode. Of the provenance only seed and mode are filled in.
+/// Everything but the times is the same bits for the same seed and mode. Of the provenance only
+/// seed and mode are filled in.
 ///
 /// # Errors
 /// [`UnknownCase`].
-pub fn measure(settings: Settings, only: &[String], progress: &dyn Progress) -> Result<Measurements, UnknownCase> {
+pub fn measure(
+    settings: Settings,
+    only: &[String],
+    progress: &dyn Progress,
+) -> Result<Measurements, UnknownCase> {
     check_ids(only)?;
     let cases = CASES
         .iter()
@@ -107,7 +116,8 @@ pub fn measure(settings: Settings, only: &[String], progress: &dyn Progress) -> 
         verify::Mode::Paper => "paper",
         verify::Mode::Quick => "quick",
     };
-    let provenance = Provenance { seed: settings.seed, mode: mode.to_owned(), ..Provenance::default() };
+    let provenance =
+        Provenance { seed: settings.seed, mode: mode.to_owned(), ..Provenance::default() };
     Ok(Measurements { schema: SCHEMA, provenance, clock: CLOCK.to_owned(), cases })
 }
 
@@ -120,7 +130,8 @@ fn valid<T>(constructed: Result<T, SystemError>) -> T {
 const TRUNCATION_ORDER: u32 = 4;
 
 fn truncation() -> Truncation {
-    Truncation::new(TRUNCATION_ORDER).unwrap_or_else(|error| unreachable!("the order is a positive constant: {error}"))
+    Truncation::new(TRUNCATION_ORDER)
+        .unwrap_or_else(|error| unreachable!("the order is a positive constant: {error}"))
 }
 
 const INERTIA: [f64; 3] = [2.0, 1.0, 2.0 / 3.0];
@@ -147,7 +158,8 @@ struct Description<const D: usize> {
 }
 
 fn pendulum(context: &Context<'_>) -> Case {
-    let problem = valid(Problem::new(valid(Pendulum::new(1.0)), valid(Constant::new(2.0)), [0.2, 1.0], 1.0));
+    let problem =
+        valid(Problem::new(valid(Pendulum::new(1.0)), valid(Constant::new(2.0)), [0.2, 1.0], 1.0));
     let description = Description {
         title: "Pendulum",
         system: "pendulum, c = 1",
@@ -201,7 +213,8 @@ fn lotka_volterra(context: &Context<'_>) -> Case {
 }
 
 fn maxwell_bloch(context: &Context<'_>) -> Case {
-    // The paper shows an invariant of this system and no strong error: its system, damping and start, with T = 1.
+    // The paper shows an invariant of this system and no strong error: its system, damping and
+    // start, with T = 1.
     let problem = valid(Problem::new(MaxwellBloch, half_cosine(), [1.0, 2.0, 3.0], 1.0));
     let description = Description {
         title: "Maxwell–Bloch",
@@ -213,7 +226,8 @@ fn maxwell_bloch(context: &Context<'_>) -> Case {
 }
 
 fn poisson3(context: &Context<'_>) -> Case {
-    let problem = valid(Problem::new(valid(Poisson3::new(1.0)), half_cosine(), [1.0, 2.0, 3.0], 0.5));
+    let problem =
+        valid(Problem::new(valid(Poisson3::new(1.0)), half_cosine(), [1.0, 2.0, 3.0], 0.5));
     let description = Description {
         title: "Three-dimensional Poisson system",
         system: "three-dimensional Poisson system, c = 1",
@@ -223,7 +237,8 @@ fn poisson3(context: &Context<'_>) -> Case {
     case(context, description, &problem)
 }
 
-/// The schemes of a case. What runs on the ladder and what is timed differ for `sexp-levy` only, see [`OwnAreas`].
+/// The schemes of a case. What runs on the ladder and what is timed differ for `sexp-levy` only,
+/// see [`OwnAreas`].
 struct Schemes<S, const D: usize, const M: usize> {
     sexp: Box<dyn Scheme<S, D, M>>,
     /// Where it differs from `sexp`.
@@ -255,7 +270,8 @@ impl<S: Compiled<D, M>, const D: usize, const M: usize> Schemes<S, D, M> {
         self.with(self.levy.as_deref())
     }
 
-    /// As their errors are measured; at the end `sexp-levy` with exact areas, where it is among them.
+    /// As their errors are measured; at the end `sexp-levy` with exact areas, where it is among
+    /// them.
     fn measured(&self) -> Vec<&dyn Scheme<S, D, M>> {
         let own = self.levy.is_some().then_some(&self.own as &dyn Scheme<S, D, M>);
         let mut schemes = self.with(own);
@@ -295,8 +311,11 @@ where
 {
     let schemes = Schemes::new(&problem.system, problem.y0);
     let plan = Plan::new(context.settings.mode, schemes.levy.is_some());
-    let start: Vec<String> =
-        problem.y0.iter().map(|y| format!("{y:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()).collect();
+    let start: Vec<String> = problem
+        .y0
+        .iter()
+        .map(|y| format!("{y:.4}").trim_end_matches('0').trim_end_matches('.').to_owned())
+        .collect();
     let setup = format!(
         "{}, {}, y₀ = ({}), T = {}, increments truncated with k = {TRUNCATION_ORDER}",
         description.system,
@@ -309,12 +328,18 @@ where
     let weak = bench.errors(true);
     let steps = plan.timed_steps();
     let times = bench.times(&steps);
-    let time = |s: usize, of: u64| times[s][steps.iter().position(|&steps| steps == of).unwrap_or(0)];
+    let time =
+        |s: usize, of: u64| times[s][steps.iter().position(|&steps| steps == of).unwrap_or(0)];
     Case {
         id: context.id.to_owned(),
         title: description.title.to_owned(),
         setup,
-        invariants: problem.system.invariants().iter().map(|invariant| invariant.name.to_owned()).collect(),
+        invariants: problem
+            .system
+            .invariants()
+            .iter()
+            .map(|invariant| invariant.name.to_owned())
+            .collect(),
         strong: bench.strong(&strong, &time),
         weak: bench.weak(&weak, &time, description.exact.as_deref()),
     }
@@ -332,21 +357,32 @@ impl<S: Compiled<D, M>, G: Damping, const D: usize, const M: usize> Bench<'_, S,
         }
         let references = runs.len();
         for scheme in &schemes {
-            runs.extend((plan.first..=plan.last).map(|exponent| Run::new(*scheme, plan.level(exponent))));
+            runs.extend(
+                (plan.first..=plan.last).map(|exponent| Run::new(*scheme, plan.level(exponent))),
+            );
         }
         let (problem, key) = (self.problem, self.context.key(u64::from(weak)));
-        let ladder = Ladder::new(problem, 1 << plan.reference, plan.level(plan.first), truncation(), key, runs)
-            .unwrap_or_else(|error| unreachable!("the set-ups are valid: {error}"));
+        let ladder = Ladder::new(
+            problem,
+            1 << plan.reference,
+            plan.level(plan.first),
+            truncation(),
+            key,
+            runs,
+        )
+        .unwrap_or_else(|error| unreachable!("the set-ups are valid: {error}"));
         let invariants = problem.system.invariants();
         let laws: Vec<f64> = invariants
             .iter()
             .enumerate()
             .map(|(index, invariant)| {
-                let decay = (-invariant.degree * problem.damping.integral(0.0, problem.t_end)).exp();
+                let decay =
+                    (-invariant.degree * problem.damping.integral(0.0, problem.t_end)).exp();
                 decay * problem.system.invariant(index, problem.y0)
             })
             .collect();
-        let defect = |index: usize, y: [f64; D]| problem.system.invariant(index, y) / laws[index] - 1.0;
+        let defect =
+            |index: usize, y: [f64; D]| problem.system.invariant(index, y) / laws[index] - 1.0;
         let sight = Sight {
             references,
             schemes: schemes.len(),
@@ -359,7 +395,8 @@ impl<S: Compiled<D, M>, G: Damping, const D: usize, const M: usize> Bench<'_, S,
         };
         let name = format!("{}: {} errors", self.context.id, if weak { "weak" } else { "strong" });
         self.context.progress.begin(&name, ladder.steps_per_path() * plan.samples);
-        let outcome = ladder.run(plan.samples, || Ends::new(sight), &|work| self.context.progress.advance(work));
+        let outcome = ladder
+            .run(plan.samples, || Ends::new(sight), &|work| self.context.progress.advance(work));
         self.context.progress.end();
         Errors {
             sums: outcome.statistic.sums,
@@ -372,10 +409,13 @@ impl<S: Compiled<D, M>, G: Damping, const D: usize, const M: usize> Bench<'_, S,
     fn times(&self, steps: &[u64]) -> Vec<Vec<Time>> {
         let Plan { repetitions, path_steps, .. } = self.plan;
         let schemes = self.schemes.timed();
-        let course = Course { problem: self.problem, truncation: truncation(), key: self.context.key(2) };
+        let course =
+            Course { problem: self.problem, truncation: truncation(), key: self.context.key(2) };
         let work = Course::<S, G, D>::work(schemes.len(), steps, repetitions, path_steps);
         self.context.progress.begin(&format!("{}: times", self.context.id), work);
-        let times = course.times(&schemes, steps, repetitions, path_steps, &|done| self.context.progress.advance(done));
+        let times = course.times(&schemes, steps, repetitions, path_steps, &|done| {
+            self.context.progress.advance(done)
+        });
         self.context.progress.end();
         times
     }
@@ -395,7 +435,8 @@ impl<S: Compiled<D, M>, G: Damping, const D: usize, const M: usize> Bench<'_, S,
                 let error = squares.mean(l).sqrt();
                 let (lo, hi) = root_mean_square_interval(squares, l).unzip();
                 let exact = |terms| (terms, errors.sums.squares(schemes.len()).mean(l).sqrt());
-                let (area_terms, error_exact_areas) = self.area_terms(scheme, tau).map(exact).unzip();
+                let (area_terms, error_exact_areas) =
+                    self.area_terms(scheme, tau).map(exact).unzip();
                 StrongPoint {
                     steps,
                     tau,
@@ -424,7 +465,12 @@ impl<S: Compiled<D, M>, G: Damping, const D: usize, const M: usize> Bench<'_, S,
         }
     }
 
-    fn weak(&self, errors: &Errors, time: &dyn Fn(usize, u64) -> Time, exact: Option<&[f64]>) -> Weak {
+    fn weak(
+        &self,
+        errors: &Errors,
+        time: &dyn Fn(usize, u64) -> Time,
+        exact: Option<&[f64]>,
+    ) -> Weak {
         let plan = self.plan.weak;
         let schemes = self.schemes.timed();
         let observables = self.observables.iter().enumerate().map(|(f, observable)| {
@@ -463,5 +509,12 @@ impl<S: Compiled<D, M>, G: Damping, const D: usize, const M: usize> Bench<'_, S,
 
 fn weak_point(steps: u64, tau: f64, value: Moments, difference: Moments, time: Time) -> WeakPoint {
     let standard_deviation = value.standard_error() * (value.count() as f64).sqrt();
-    WeakPoint { steps, tau, bias: difference.mean(), se: difference.standard_error(), standard_deviation, time }
+    WeakPoint {
+        steps,
+        tau,
+        bias: difference.mean(),
+        se: difference.standard_error(),
+        standard_deviation,
+        time,
+    }
 }

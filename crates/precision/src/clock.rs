@@ -3,11 +3,14 @@
 use std::time::Duration;
 
 /// What [`thread_time`] reads, in words.
-pub(crate) const CLOCK: &str =
-    if cfg!(unix) { "processor time of the thread" } else { "wall time, for want of a thread's processor time" };
+pub(crate) const CLOCK: &str = if cfg!(unix) {
+    "processor time of the thread"
+} else {
+    "wall time, for want of a thread's processor time"
+};
 
-/// Processor time that this thread has used: what other processes take from it does not count, what they do to caches
-/// and to the frequency does.
+/// Processor time that this thread has used: what other processes take from it does not count, what
+/// they do to caches and to the frequency does.
 #[cfg(unix)]
 pub(crate) fn thread_time() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);

@@ -1,17 +1,22 @@
-//! What a given error costs: of a path between the measured points, of an expectation by the best of the measured steps.
+//! What a given error costs: of a path between the measured points, of an expectation by the best
+//! of the measured steps.
 
 use crate::results::{Cost, WeakPoint};
 
-/// The cost of an error of `target` on a curve of (error, cost) by increasing cost: linear in the logarithms between
-/// the two neighbouring points, the more expensive ones if the curve passes `target` more than once. `None` where no
-/// neighbours enclose it: nothing is extrapolated.
+/// The cost of an error of `target` on a curve of (error, cost) by increasing cost: linear in the
+/// logarithms between the two neighbouring points, the more expensive ones if the curve passes
+/// `target` more than once. `None` where no neighbours enclose it: nothing is extrapolated.
 #[must_use]
 pub fn cost_at(curve: &[(f64, f64)], target: f64) -> Option<f64> {
-    let usable: Vec<(f64, f64)> =
-        curve.iter().copied().filter(|(error, cost)| error.is_finite() && *error > 0.0 && *cost > 0.0).collect();
+    let usable: Vec<(f64, f64)> = curve
+        .iter()
+        .copied()
+        .filter(|(error, cost)| error.is_finite() && *error > 0.0 && *cost > 0.0)
+        .collect();
     usable.windows(2).rev().find(|pair| pair[1].0 <= target && target <= pair[0].0).map(|pair| {
         let [(coarse, cheap), (fine, dear)] = [pair[0], pair[1]];
-        let share = if coarse == fine { 1.0 } else { (target / coarse).ln() / (fine / coarse).ln() };
+        let share =
+            if coarse == fine { 1.0 } else { (target / coarse).ln() / (fine / coarse).ln() };
         cheap * (dear / cheap).powf(share)
     })
 }
@@ -19,7 +24,8 @@ pub fn cost_at(curve: &[(f64, f64)], target: f64) -> Option<f64> {
 /// How two curves compare over the errors that both reach.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Crossing {
-    /// (error, cost of the first curve over cost of the second), from the largest error to the smallest.
+    /// (error, cost of the first curve over cost of the second), from the largest error to the
+    /// smallest.
     pub ratios: Vec<(f64, f64)>,
     /// The errors at which the cheaper of the two changes.
     pub at: Vec<f64>,
@@ -28,7 +34,8 @@ pub struct Crossing {
 /// Errors at which two curves are compared, evenly on a logarithmic scale.
 const POINTS: usize = 65;
 
-/// Compares two curves of (error, cost) by increasing cost; `None` when they reach no error in common.
+/// Compares two curves of (error, cost) by increasing cost; `None` when they reach no error in
+/// common.
 #[must_use]
 pub fn crossing(first: &[(f64, f64)], second: &[(f64, f64)]) -> Option<Crossing> {
     let range = |curve: &[(f64, f64)]| {
@@ -36,7 +43,9 @@ pub fn crossing(first: &[(f64, f64)], second: &[(f64, f64)]) -> Option<Crossing>
             .iter()
             .map(|(error, _)| *error)
             .filter(|error| error.is_finite() && *error > 0.0)
-            .fold((f64::INFINITY, 0.0), |(lo, hi): (f64, f64), error| (lo.min(error), hi.max(error)))
+            .fold((f64::INFINITY, 0.0), |(lo, hi): (f64, f64), error| {
+                (lo.min(error), hi.max(error))
+            })
     };
     let (a, b) = (range(first), range(second));
     let (lo, hi) = (a.0.max(b.0), a.1.min(b.1));
@@ -67,8 +76,8 @@ const QUANTILE: f64 = 1.96;
 /// Accuracies 10^{−k/4} for k up to this are looked at.
 const FINEST: i32 = 28;
 
-/// What estimates of the accuracies 10^{−k/4} cost, from half the standard deviation downwards, where a single path says
-/// next to nothing, to what the bias allows.
+/// What estimates of the accuracies 10^{−k/4} cost, from half the standard deviation downwards,
+/// where a single path says next to nothing, to what the bias allows.
 pub(crate) fn costs(points: &[WeakPoint]) -> Vec<Cost> {
     let spread = points.last().map_or(0.0, |point| point.standard_deviation);
     (0..=FINEST)
@@ -108,7 +117,9 @@ mod tests {
             time: time(steps as f64),
         };
         let found = costs(&[point(1, -0.05), point(2, 0.025), point(4, 0.0125)]);
-        let at = |accuracy: f64| found.iter().find(|cost| (cost.accuracy / accuracy - 1.0).abs() < 1e-12);
+        let at = |accuracy: f64| {
+            found.iter().find(|cost| (cost.accuracy / accuracy - 1.0).abs() < 1e-12)
+        };
         // 1/(0.01 − 0.0025) paths of one step; with two steps 2/(0.01 − 0.000625) would be more.
         let coarse = at(0.1).expect("reached");
         assert!(coarse.steps == 1 && (coarse.cost_s * 0.0075 - 1.0).abs() < 1e-12, "{coarse:?}");
@@ -119,7 +130,10 @@ mod tests {
 
     /// cost = scale·error^{−1/order}.
     fn curve(order: f64, scale: f64) -> Vec<(f64, f64)> {
-        (3..10).map(|k| 2f64.powi(-k)).map(|error| (error, scale * error.powf(-1.0 / order))).collect()
+        (3..10)
+            .map(|k| 2f64.powi(-k))
+            .map(|error| (error, scale * error.powf(-1.0 / order)))
+            .collect()
     }
 
     #[test]
@@ -128,7 +142,10 @@ mod tests {
             let curve = curve(order, scale);
             for error in [2f64.powi(-3), 0.07, 0.011, 2f64.powi(-9)] {
                 let cost = cost_at(&curve, error).expect("inside");
-                assert!((cost / (scale * error.powf(-1.0 / order)) - 1.0).abs() < 1e-12, "{order} {error}");
+                assert!(
+                    (cost / (scale * error.powf(-1.0 / order)) - 1.0).abs() < 1e-12,
+                    "{order} {error}"
+                );
             }
             assert_eq!((cost_at(&curve, 0.2), cost_at(&curve, 1e-3)), (None, None));
         }
@@ -136,7 +153,8 @@ mod tests {
 
     #[test]
     fn a_curve_that_turns_is_read_on_its_dear_side() {
-        // The coarsest step happens to be accurate; the error has to stay below the target from there on.
+        // The coarsest step happens to be accurate; the error has to stay below the target from
+        // there on.
         assert_eq!(cost_at(&[(0.01, 1.0), (0.1, 2.0), (0.01, 4.0)], 0.01), Some(4.0));
         assert_eq!(cost_at(&[(f64::INFINITY, 1.0), (0.1, 2.0), (0.01, 4.0)], 0.1), Some(2.0));
     }

@@ -1,7 +1,9 @@
-//! Processor time of a path: increments drawn and clipped, areas drawn and clipped where the scheme reads them, steps.
+//! Processor time of a path: increments drawn and clipped, areas drawn and clipped where the scheme
+//! reads them, steps.
 //!
-//! What is timed is how the block kernels are meant to be used: four blocks of 32 paths that share the damping of a step, on
-//! one thread. Every repetition times every scheme at every number of steps once, so that a disturbance hits all of them.
+//! What is timed is how the block kernels are meant to be used: four blocks of 32 paths that share
+//! the damping of a step, on one thread. Every repetition times every scheme at every number of
+//! steps once, so that a disturbance hits all of them.
 
 use std::hint::black_box;
 
@@ -39,12 +41,17 @@ impl<S, G: Damping, const D: usize> Course<'_, S, G, D> {
         S: PoissonSystem<D, M>,
     {
         let tau = self.problem.t_end / steps as f64;
-        let bounds = self.truncation.bound(tau).and_then(|bound| Ok((bound, self.truncation.area_bound(tau)?)));
-        let (bound, area_bound) = bounds.unwrap_or_else(|error| unreachable!("the steps are below one: {error}"));
+        let bounds = self
+            .truncation
+            .bound(tau)
+            .and_then(|bound| Ok((bound, self.truncation.area_bound(tau)?)));
+        let (bound, area_bound) =
+            bounds.unwrap_or_else(|error| unreachable!("the steps are below one: {error}"));
         let needs_areas = scheme.needs_areas();
         let terms = if needs_areas { terms(tau, M) } else { 0 };
         let first = |b: usize| first_path + (b * WIDTH) as u64;
-        let mut noises: [WienerBlock<M>; BLOCKS] = std::array::from_fn(|b| WienerBlock::new(self.key, first(b)));
+        let mut noises: [WienerBlock<M>; BLOCKS] =
+            std::array::from_fn(|b| WienerBlock::new(self.key, first(b)));
         let mut samplers: Vec<AreaSampler<M>> = if needs_areas {
             (0..BLOCKS).map(|b| AreaSampler::new(self.key, first(b), METHOD, terms)).collect()
         } else {
@@ -55,8 +62,9 @@ impl<S, G: Damping, const D: usize> Course<'_, S, G, D> {
         let (mut drawn, mut areas) = (AreaBlock::zero(), AreaBlock::zero());
         let mut status = BlockStatus::explicit();
         for n in 0..steps {
-            let step = Step::new(&self.problem.damping, n, tau)
-                .unwrap_or_else(|error| unreachable!("a validated problem has positive steps: {error}"));
+            let step = Step::new(&self.problem.damping, n, tau).unwrap_or_else(|error| {
+                unreachable!("a validated problem has positive steps: {error}")
+            });
             for (b, state) in states.iter_mut().enumerate() {
                 noises[b].increments(tau.sqrt(), &mut dw);
                 if let Some(sampler) = samplers.get_mut(b) {
@@ -64,7 +72,14 @@ impl<S, G: Damping, const D: usize> Course<'_, S, G, D> {
                     areas = drawn.clipped(area_bound).0;
                 }
                 clip(&dw, bound, &mut clipped);
-                scheme.step_block_with_areas(&self.problem.system, &step, &clipped, &areas, state, &mut status);
+                scheme.step_block_with_areas(
+                    &self.problem.system,
+                    &step,
+                    &clipped,
+                    &areas,
+                    state,
+                    &mut status,
+                );
             }
         }
         states
@@ -108,7 +123,10 @@ impl<S, G: Damping, const D: usize> Course<'_, S, G, D> {
                 paths: marches(steps) * PATHS,
             }
         };
-        seconds.into_iter().map(|of_scheme| of_scheme.into_iter().zip(steps).map(summary).collect()).collect()
+        seconds
+            .into_iter()
+            .map(|of_scheme| of_scheme.into_iter().zip(steps).map(summary).collect())
+            .collect()
     }
 
     /// Path-steps that [`times`](Self::times) does.
@@ -139,12 +157,20 @@ mod tests {
             let ends = course.march(scheme, 32, 128);
             for path in [0usize, 31, 32, 127] {
                 let alone = trajectory(&problem, scheme, 32, truncation, key, 128 + path as u64)?;
-                assert_eq!(alone.states[32], ends[path / WIDTH].path(path % WIDTH), "{} {path}", scheme.id());
+                assert_eq!(
+                    alone.states[32],
+                    ends[path / WIDTH].path(path % WIDTH),
+                    "{} {path}",
+                    scheme.id()
+                );
             }
         }
         let times = course.times(&schemes, &[8, 16], 3, 1, &|_| ());
         for time in times.iter().flatten() {
-            assert!(0.0 <= time.min_s && time.min_s <= time.median_s && time.median_s <= time.max_s, "{time:?}");
+            assert!(
+                0.0 <= time.min_s && time.min_s <= time.median_s && time.median_s <= time.max_s,
+                "{time:?}"
+            );
             assert_eq!((time.repetitions, time.paths), (3, PATHS));
         }
         Ok(())

@@ -1,4 +1,5 @@
-//! Errors of all schemes at all step sizes at the final time: strong errors, conformal defects and biases from one pass.
+//! Errors of all schemes at all step sizes at the final time: strong errors, conformal defects and
+//! biases from one pass.
 
 use mc::{CrossMoments, Moments, Observable, Statistic, View};
 
@@ -8,7 +9,8 @@ pub(crate) type Defect<'a, const D: usize> = &'a (dyn Fn(usize, [f64; D]) -> f64
 /// What is looked at, shared by all parts of the sum.
 #[derive(Clone, Copy)]
 pub(crate) struct Sight<'a, const D: usize> {
-    /// Runs of the reference: the finest, and where expectations are extrapolated one of twice its step.
+    /// Runs of the reference: the finest, and where expectations are extrapolated one of twice its
+    /// step.
     pub references: usize,
     pub schemes: usize,
     /// Step sizes of every scheme; the runs of scheme s begin at `references` + s·`levels`.
@@ -33,7 +35,8 @@ pub(crate) struct Sums {
     squares: Vec<CrossMoments>,
     /// Squared defects by run of a scheme and invariant.
     defects: Vec<Vec<Moments>>,
-    /// By observable: φ of the reference, and for every run of a scheme φ and its difference to the reference.
+    /// By observable: φ of the reference, and for every run of a scheme φ and its difference to the
+    /// reference.
     weak: Vec<WeakSums>,
 }
 
@@ -54,7 +57,11 @@ impl<'a, const D: usize> Ends<'a, D> {
             weak: sight
                 .observables
                 .iter()
-                .map(|_| WeakSums { reference: Moments::default(), values: none(), differences: none() })
+                .map(|_| WeakSums {
+                    reference: Moments::default(),
+                    values: none(),
+                    differences: none(),
+                })
                 .collect(),
         };
         Self { sight, sums }
@@ -84,7 +91,9 @@ impl<'a, const D: usize> Ends<'a, D> {
                 reference = 2.0 * reference - (observable.function)(states[1].path(p));
             }
             sums.reference.add(reference);
-            for (run, (value, difference)) in sums.values.iter_mut().zip(&mut sums.differences).enumerate() {
+            for (run, (value, difference)) in
+                sums.values.iter_mut().zip(&mut sums.differences).enumerate()
+            {
                 let phi = (observable.function)(of_run(run));
                 value.add(phi);
                 difference.add(phi - reference);

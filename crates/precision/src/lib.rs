@@ -1,8 +1,9 @@
 //! **Which scheme is cheapest for which error.**
 //!
-//! For each of the paper's systems and each scheme, errors at several step sizes are measured on a ladder, untimed and
-//! the same bits on any machine; then the processor time of a path at each step size is measured on its own, on one thread,
-//! all schemes in turn. Put together they are the work–precision curves of `cargo xtask work-precision`.
+//! For each of the paper's systems and each scheme, errors at several step sizes are measured on a
+//! ladder, untimed and the same bits on any machine; then the processor time of a path at each step
+//! size is measured on its own, on one thread, all schemes in turn. Put together they are the
+//! work–precision curves of `cargo xtask work-precision`.
 //!
 //! ```
 //! use precision::cost_at;

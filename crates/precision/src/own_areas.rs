@@ -1,11 +1,13 @@
 //! `sexp-levy` with areas as they are when drawn at the step itself.
 //!
-//! On a ladder the areas of a step are joined from those of the finest steps and are practically exact. A user of the
-//! scheme has no finer steps: the areas are drawn at τ with a root-mean-square error δ(τ) in each entry, which has to count in
-//! the strong error of what is timed. The drawn area and the exact one can be coupled in theory only, so the error is put
-//! back here: a centred normal of standard deviation δ(τ), the proven bound, is added to every entry. It is drawn from a
-//! stream keyed by the bits of the path's areas, so that the scheme still keeps no state and a path is the same in any
-//! block. The actual error is about half the bound, so the error measured is an upper estimate.
+//! On a ladder the areas of a step are joined from those of the finest steps and are practically
+//! exact. A user of the scheme has no finer steps: the areas are drawn at τ with a root-mean-square
+//! error δ(τ) in each entry, which has to count in the strong error of what is timed. The drawn
+//! area and the exact one can be coupled in theory only, so the error is put back here: a centred
+//! normal of standard deviation δ(τ), the proven bound, is added to every entry. It is drawn from a
+//! stream keyed by the bits of the path's areas, so that the scheme still keeps no state and a path
+//! is the same in any block. The actual error is about half the bound, so the error measured is an
+//! upper estimate.
 
 use noise::{AreaBlock, AreaMethod, StreamKey, WienerPath, strong_order_one_error};
 use nonlin::{BlockStatus, Solution};
@@ -33,11 +35,11 @@ const STREAM: u64 = 0x6f77_6e2d_6172_6561;
 /// Adds the error to the entries i < j of a skew matrix, and takes it from the others.
 fn disturb<const M: usize>(tau: f64, areas: [[f64; M]; M]) -> [[f64; M]; M] {
     let size = METHOD.rms_error(tau, terms(tau, M), M);
-    // Numbers of different paths and steps differ in some area; a product with an odd number keeps all of them.
-    let bits = areas
-        .iter()
-        .flatten()
-        .fold(STREAM, |hash, area| (hash ^ area.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29));
+    // Numbers of different paths and steps differ in some area; a product with an odd number keeps
+    // all of them.
+    let bits = areas.iter().flatten().fold(STREAM, |hash, area| {
+        (hash ^ area.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
+    });
     let mut normals = WienerPath::<1>::new(StreamKey { seed: bits, experiment: STREAM }, 0);
     let mut disturbed = areas;
     for i in 0..M {
@@ -58,7 +60,14 @@ impl<S, const D: usize, const M: usize> Scheme<S, D, M> for OwnAreas<S, D, M> {
         self.levy.needs_areas()
     }
 
-    fn step_block(&self, system: &S, step: &Step, dw: &Block<M>, y: &mut Block<D>, status: &mut BlockStatus) {
+    fn step_block(
+        &self,
+        system: &S,
+        step: &Step,
+        dw: &Block<M>,
+        y: &mut Block<D>,
+        status: &mut BlockStatus,
+    ) {
         self.levy.step_block(system, step, dw, y, status);
     }
 
@@ -82,7 +91,14 @@ impl<S, const D: usize, const M: usize> Scheme<S, D, M> for OwnAreas<S, D, M> {
         self.levy.step_block_with_areas(system, step, dw, &disturbed, y, status);
     }
 
-    fn step_with_areas(&self, system: &S, step: &Step, dw: [f64; M], areas: [[f64; M]; M], y: [f64; D]) -> Solution<D> {
+    fn step_with_areas(
+        &self,
+        system: &S,
+        step: &Step,
+        dw: [f64; M],
+        areas: [[f64; M]; M],
+        y: [f64; D],
+    ) -> Solution<D> {
         self.levy.step_with_areas(system, step, dw, disturb(step.tau, areas), y)
     }
 }
@@ -110,7 +126,11 @@ mod tests {
         }
         // Five standard deviations of means over 20 000 normals: 0.035, of squares 0.05.
         let count = f64::from(count);
-        assert!((sum / count).abs() < 0.036 && (cross / count).abs() < 0.036 && (squares / count - 1.0).abs() < 0.05);
+        assert!(
+            (sum / count).abs() < 0.036
+                && (cross / count).abs() < 0.036
+                && (squares / count - 1.0).abs() < 0.05
+        );
         assert!(size <= strong_order_one_error(tau));
     }
 }

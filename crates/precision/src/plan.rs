@@ -37,11 +37,17 @@ impl Ladder {
 }
 
 impl Plan {
-    /// The plan of a mode. A reference with Lévy areas draws them at its own step, which is most of the work, so it is less fine.
+    /// The plan of a mode. A reference with Lévy areas draws them at its own step, which is most of
+    /// the work, so it is less fine.
     pub(crate) fn new(mode: Mode, areas: bool) -> Self {
         match mode {
             Mode::Paper => Self {
-                strong: Ladder { first: 4, last: 12, reference: if areas { 15 } else { 16 }, samples: 1024 },
+                strong: Ladder {
+                    first: 4,
+                    last: 12,
+                    reference: if areas { 15 } else { 16 },
+                    samples: 1024,
+                },
                 weak: Ladder { first: 3, last: 8, reference: 11, samples: 1 << 15 },
                 repetitions: 15,
                 path_steps: 1 << 18,

@@ -1,4 +1,5 @@
-//! The contract of `work-precision.json`; documented for other languages in `docs/work-precision.md`.
+//! The contract of `work-precision.json`; documented for other languages in
+//! `docs/work-precision.md`.
 
 use serde::{Deserialize, Serialize};
 pub use verify::results::Provenance;
@@ -28,7 +29,8 @@ pub struct Case {
     pub title: String,
     /// Parameters in words.
     pub setup: String,
-    /// The invariants whose conformal defect is measured, in the order of the system; none where it has none.
+    /// The invariants whose conformal defect is measured, in the order of the system; none where it
+    /// has none.
     pub invariants: Vec<String>,
     /// Strong errors.
     pub strong: Strong,
@@ -39,7 +41,8 @@ pub struct Case {
 /// Processor time of one path, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Time {
-    /// Smallest of the repetitions: what the others have beyond it are disturbances. This is what curves show.
+    /// Smallest of the repetitions: what the others have beyond it are disturbances. This is what
+    /// curves show.
     pub min_s: f64,
     /// Median of the repetitions; its distance from the smallest is the spread.
     pub median_s: f64,
@@ -56,7 +59,8 @@ pub struct Time {
 pub struct Strong {
     /// Paths behind every error.
     pub samples: u64,
-    /// Paths that were left out because some scheme at some step size had no solution or was not finite.
+    /// Paths that were left out because some scheme at some step size had no solution or was not
+    /// finite.
     pub failed: u64,
     /// The first few of them.
     pub failures: Vec<String>,
@@ -92,14 +96,15 @@ pub struct StrongPoint {
     /// Upper end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hi: Option<f64>,
-    /// Of a scheme with Lévy areas: the error with exact areas of the step. `error` includes what the approximation of
-    /// areas at the step itself may add.
+    /// Of a scheme with Lévy areas: the error with exact areas of the step. `error` includes what
+    /// the approximation of areas at the step itself may add.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_exact_areas: Option<f64>,
     /// Of a scheme with Lévy areas: terms of the series behind an area.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub area_terms: Option<usize>,
-    /// For each of the case's invariants, (E|F(y_N)/(e^{−p∫γ}F(y₀)) − 1|²)^½: its relative distance from the conformal law.
+    /// For each of the case's invariants, (E|F(y_N)/(e^{−p∫γ}F(y₀)) − 1|²)^½: its relative distance
+    /// from the conformal law.
     pub defects: Vec<f64>,
     /// Time of one path.
     pub time: Time,
@@ -164,7 +169,8 @@ pub struct WeakPoint {
     pub time: Time,
 }
 
-/// The cheapest plain Monte Carlo estimate of a given root-mean-square error among the measured step sizes.
+/// The cheapest plain Monte Carlo estimate of a given root-mean-square error among the measured
+/// step sizes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cost {
     /// (bias² + variance/paths)^½, where the bias is taken at the upper end of its 95 % interval.

@@ -1,7 +1,10 @@
-//! Prints arguments and values of the elementary functions, as bits, for `crates/real/tools/reference_values.py
-//! --measure`, which compares them with many digits and prints the errors that the module documents.
+//! Prints arguments and values of the elementary functions, as bits, for
+//! `crates/real/tools/reference_values.py --measure`, which compares them with many digits and
+//! prints the errors that the module documents.
 
-use real::elementary::{cos, deficit_versine, exp, ln, ln_unit, sin, sin_cos_absolute, sin_cos_turn, sinc};
+use real::elementary::{
+    cos, deficit_versine, exp, ln, ln_unit, sin, sin_cos_absolute, sin_cos_turn, sinc,
+};
 
 /// A small generator of equidistributed numbers.
 struct Uniform(u64);
@@ -38,9 +41,15 @@ fn main() {
     for i in 0..250_000 {
         for (name, function) in FUNCTIONS {
             let x = match (name, i % 4) {
-                ("sin" | "cos" | "sinc" | "sin_absolute" | "cos_absolute", 0) => uniform.between(-4.0, 4.0),
-                ("sin" | "cos" | "sinc" | "sin_absolute" | "cos_absolute", 1) => uniform.between(-0.8, 0.8),
-                ("sin" | "cos" | "sinc" | "sin_absolute" | "cos_absolute", 2) => uniform.between(-50.0, 50.0),
+                ("sin" | "cos" | "sinc" | "sin_absolute" | "cos_absolute", 0) => {
+                    uniform.between(-4.0, 4.0)
+                }
+                ("sin" | "cos" | "sinc" | "sin_absolute" | "cos_absolute", 1) => {
+                    uniform.between(-0.8, 0.8)
+                }
+                ("sin" | "cos" | "sinc" | "sin_absolute" | "cos_absolute", 2) => {
+                    uniform.between(-50.0, 50.0)
+                }
                 ("sin" | "cos" | "sinc" | "sin_absolute" | "cos_absolute", _) => {
                     uniform.between(-1_048_576.0, 1_048_576.0)
                 }

@@ -1,7 +1,7 @@
 //! The state of a block of paths, path index innermost.
 
-/// Paths in a block. A loop of exactly 8 would be unrolled before it is vectorised; 32 is not, and is four
-/// vectors of AVX-512, enough to hide latency.
+/// Paths in a block. A loop of exactly 8 would be unrolled before it is vectorised; 32 is not, and
+/// is four vectors of AVX-512, enough to hide latency.
 pub const WIDTH: usize = 32;
 
 /// D numbers for each of [`WIDTH`] paths: component `i` of path `p` is `block.0[i][p]`.

@@ -4,8 +4,8 @@ use crate::{Dual, Real};
 
 /// A scalar function of D numbers, written for every [`Real`].
 ///
-/// A trait and not a closure, because a closure cannot be generic over the number and is not reliably inlined
-/// into a vectorised loop.
+/// A trait and not a closure, because a closure cannot be generic over the number and is not
+/// reliably inlined into a vectorised loop.
 pub trait ScalarFunction<const D: usize> {
     /// f(y).
     fn value<R: Real>(&self, y: [R; D]) -> R;
@@ -52,15 +52,16 @@ pub fn directional<R: Real, F: VectorFunction<D, K>, const D: usize, const K: us
     (value, slope)
 }
 
-/// (f(y), f′(y)), row i of f′ holding the derivatives of component i, by D evaluations on dual numbers.
+/// (f(y), f′(y)), row i of f′ holding the derivatives of component i, by D evaluations on dual
+/// numbers.
 #[inline(always)]
 pub fn jacobian<F: VectorFunction<D, K>, const D: usize, const K: usize>(
     f: &F,
     y: [f64; D],
 ) -> ([f64; K], [[f64; D]; K]) {
     let (mut value, mut jacobian) = ([0.0; K], [[0.0; D]; K]);
-    // Written out up to three columns: a loop of long bodies inside a loop over paths is unrolled too late for that one to
-    // be vectorised.
+    // Written out up to three columns: a loop of long bodies inside a loop over paths is unrolled
+    // too late for that one to be vectorised.
     if D > 0 {
         (value, jacobian) = with_column(f, y, jacobian, 0);
     }

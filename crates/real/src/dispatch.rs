@@ -1,8 +1,9 @@
 //! Runs a block kernel on the widest instruction set of the machine, chosen at run time.
 //!
-//! The one place where instruction sets are named. A kernel is written as plain scalar loops over paths; the
-//! compiler vectorises it once for each level below. Rust never contracts a·b + c, the kernels call no libm and
-//! reduce nothing across paths in floating point, so every level gives the same bits.
+//! The one place where instruction sets are named. A kernel is written as plain scalar loops over
+//! paths; the compiler vectorises it once for each level below. Rust never contracts a·b + c, the
+//! kernels call no libm and reduce nothing across paths in floating point, so every level gives the
+//! same bits.
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
@@ -11,9 +12,9 @@ use multiversion::target::match_target;
 
 /// A piece of work on blocks of paths.
 ///
-/// `run` and everything it calls on each path must be `#[inline(always)]`: only what is inlined into the
-/// dispatched function is compiled for the vector instructions. Closures are not reliably inlined there; use
-/// functions.
+/// `run` and everything it calls on each path must be `#[inline(always)]`: only what is inlined
+/// into the dispatched function is compiled for the vector instructions. Closures are not reliably
+/// inlined there; use functions.
 pub trait Kernel {
     /// What the work returns.
     type Output;
@@ -80,7 +81,8 @@ impl Level {
 
 static LIMIT: AtomicU8 = AtomicU8::new(Level::Avx512 as u8);
 
-/// Allows no level above `level` from now on, in the whole process; results do not change, only speed.
+/// Allows no level above `level` from now on, in the whole process; results do not change, only
+/// speed.
 pub fn limit_to(level: Level) {
     LIMIT.store(level as u8, Ordering::Relaxed);
 }
@@ -95,8 +97,8 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     }
 }
 
-// Every function below has the kernel once, for its own level, and hands a machine that has less to the next one:
-// compiling the kernels is most of what compiling the workspace costs.
+// Every function below has the kernel once, for its own level, and hands a machine that has less to
+// the next one: compiling the kernels is most of what compiling the workspace costs.
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw"))]
 fn up_to_avx512<K: Kernel>(kernel: K) -> K::Output {

@@ -147,14 +147,18 @@ impl<R: Real> Real for Dual<R> {
     }
     #[inline(always)]
     fn select(condition: bool, a: Self, b: Self) -> Self {
-        Self::new(R::select(condition, a.value, b.value), R::select(condition, a.derivative, b.derivative))
+        Self::new(
+            R::select(condition, a.value, b.value),
+            R::select(condition, a.derivative, b.derivative),
+        )
     }
 }
 
-/// Below this |x| the derivative of sinc is summed as a series: there (cos x − sinc x)/x loses more than the
-/// series of [`SINC_SLOPE_TERMS`] terms leaves out.
+/// Below this |x| the derivative of sinc is summed as a series: there (cos x − sinc x)/x loses more
+/// than the series of [`SINC_SLOPE_TERMS`] terms leaves out.
 const SINC_SLOPE_SERIES: f64 = 1.0;
-/// First omitted term at |x| = 1: 2n x^{2n−1}/(2n+1)! with n = 10, 3.9e-19, below half an ulp of sinc′(1) ≈ 0.3.
+/// First omitted term at |x| = 1: 2n x^{2n−1}/(2n+1)! with n = 10, 3.9e-19, below half an ulp of
+/// sinc′(1) ≈ 0.3.
 const SINC_SLOPE_TERMS: usize = 9;
 
 /// sinc′(x) = (cos x − sinc x)/x = Σ_{n≥1} (−1)ⁿ 2n x^{2n−1}/(2n+1)!.
@@ -201,8 +205,14 @@ mod tests {
             let theirs = oracle(Dual64::from(x).derivative());
             let scale = 1.0 + theirs.re.abs() + theirs.eps.abs();
             // A dozen operations, each good to a few ulp.
-            assert!((ours.value - theirs.re).abs() < 64.0 * f64::EPSILON * scale, "{x}: {ours:?} {theirs:?}");
-            assert!((ours.derivative - theirs.eps).abs() < 64.0 * f64::EPSILON * scale, "{x}: {ours:?} {theirs:?}");
+            assert!(
+                (ours.value - theirs.re).abs() < 64.0 * f64::EPSILON * scale,
+                "{x}: {ours:?} {theirs:?}"
+            );
+            assert!(
+                (ours.derivative - theirs.eps).abs() < 64.0 * f64::EPSILON * scale,
+                "{x}: {ours:?} {theirs:?}"
+            );
         }
     }
 

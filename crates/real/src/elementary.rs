@@ -183,10 +183,11 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     turn(t.to_bits(), s, c)
 }
 
-/// `(sin x, cos x)` for `|x| <= 2^20` with an absolute error instead of a relative one, in three quarters of the operations.
+/// `(sin x, cos x)` for `|x| <= 2^20` with an absolute error instead of a relative one, in three
+/// quarters of the operations.
 ///
-/// As [`sin_cos`] with `π/2` in two parts and nothing carried along. Error at most 1.7e-16 (measured); any other `x` gives
-/// NaN.
+/// As [`sin_cos`] with `π/2` in two parts and nothing carried along. Error at most 1.7e-16
+/// (measured); any other `x` gives NaN.
 #[inline(always)]
 #[must_use]
 pub fn sin_cos_absolute(x: f64) -> (f64, f64) {
@@ -271,13 +272,14 @@ const EXP_SERIES: [f64; 14] = {
     coefficients
 };
 
-/// `(p, e)` with `p + e = e^x` more accurately than one number can say: `p` is `e^x` rounded, to less than one ulp, and `e` the
-/// remainder.
+/// `(p, e)` with `p + e = e^x` more accurately than one number can say: `p` is `e^x` rounded, to
+/// less than one ulp, and `e` the remainder.
 ///
-/// The reduction of [`exp`], with the roundings of its three additions kept and a series in place of the minimax polynomial, whose
-/// coefficients are off by 1e-15 in favour of their number. What `p + e` lacks of `e^x` is the rounding of `r² P(r)`, below
-/// `2^-56` of it and `2^-53 x²` for small `x`; `tests/elementary.rs` asserts twice that through `e^x e^{-x} = 1` and `e^{2x} = (e^x)²`. Where `p` is
-/// zero, subnormal or infinite the remainder is zero; NaN gives NaN.
+/// The reduction of [`exp`], with the roundings of its three additions kept and a series in place
+/// of the minimax polynomial, whose coefficients are off by 1e-15 in favour of their number. What
+/// `p + e` lacks of `e^x` is the rounding of `r² P(r)`, below `2^-56` of it and `2^-53 x²` for
+/// small `x`; `tests/elementary.rs` asserts twice that through `e^x e^{-x} = 1` and `e^{2x} =
+/// (e^x)²`. Where `p` is zero, subnormal or infinite the remainder is zero; NaN gives NaN.
 #[inline(always)]
 #[must_use]
 pub fn exp_with_remainder(x: f64) -> (f64, f64) {
@@ -370,11 +372,13 @@ pub fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { q }
 }
 
-/// `((1 - sin(x)/x)/x², (1 - cos x)/x²)` for `x² <= ½`: what the means of `cos(ηx)` and `sin(ηx)` over `0 <= η <= 1` are made
-/// of, `1 - x² deficit` and `x versine`, and their derivatives, `x (deficit - versine)` and `1 - x² deficit - versine`.
+/// `((1 - sin(x)/x)/x², (1 - cos x)/x²)` for `x² <= ½`: what the means of `cos(ηx)` and `sin(ηx)`
+/// over `0 <= η <= 1` are made of, `1 - x² deficit` and `x versine`, and their derivatives, `x
+/// (deficit - versine)` and `1 - x² deficit - versine`.
 ///
-/// Two polynomials in `x²`, without a division or a reduction: made for the small differences of a short step. The
-/// absolute errors, 1.2e-16 and 6.4e-16 at most (measured), are multiplied by `x²` and `x` in the means. For any other `x` the deficit is NaN.
+/// Two polynomials in `x²`, without a division or a reduction: made for the small differences of a
+/// short step. The absolute errors, 1.2e-16 and 6.4e-16 at most (measured), are multiplied by `x²`
+/// and `x` in the means. For any other `x` the deficit is NaN.
 #[inline(always)]
 #[must_use]
 pub fn deficit_versine(x: f64) -> (f64, f64) {

@@ -1,10 +1,11 @@
-//! **Numbers for integrators that are written once and run three ways**: on one path, on a vectorised block of
-//! paths, and on dual numbers for derivatives.
+//! **Numbers for integrators that are written once and run three ways**: on one path, on a
+//! vectorised block of paths, and on dual numbers for derivatives.
 //!
-//! A formula is written for every [`Real`]; `f64` evaluates it, [`Dual`] differentiates it, and a loop over the
-//! [`WIDTH`] paths of a [`Block`] with the formula inlined is turned into vector instructions by the compiler.
-//! The elementary functions are our own branch-free polynomials ([`elementary`]), so that a value does not
-//! depend on the platform's libm, nor on the instruction set that [`dispatch`] picks at run time.
+//! A formula is written for every [`Real`]; `f64` evaluates it, [`Dual`] differentiates it, and a
+//! loop over the [`WIDTH`] paths of a [`Block`] with the formula inlined is turned into vector
+//! instructions by the compiler. The elementary functions are our own branch-free polynomials
+//! ([`elementary`]), so that a value does not depend on the platform's libm, nor on the instruction
+//! set that [`dispatch`] picks at run time.
 //!
 //! ```
 //! use real::{Dual, Real};
@@ -26,8 +27,8 @@
 //! | [`Kernel`], [`dispatch`], [`Level`] | run a block kernel on the widest instruction set, or on a chosen one |
 //! | [`elementary`] | branch-free sin, cos, exp, ln, sinc |
 //!
-//! The feature `dispatch`, on by default, is the choice of the instruction set and the only thing here that needs another
-//! crate. Without it kernels are compiled for the baseline of the target.
+//! The feature `dispatch`, on by default, is the choice of the instruction set and the only thing
+//! here that needs another crate. Without it kernels are compiled for the baseline of the target.
 
 mod block;
 mod derivative;

@@ -6,9 +6,10 @@ use crate::elementary;
 
 /// A real number, or something that computes like one.
 ///
-/// Implemented by `f64` and by [`Dual`](crate::Dual) over any `Real`. Operations with an `f64` on the right are
-/// cheaper than turning the constant into a `Self` first. There are no comparisons: a formula with a branch would
-/// not vectorise; [`Real::select`] chooses between two values by a condition on [`Real::value`].
+/// Implemented by `f64` and by [`Dual`](crate::Dual) over any `Real`. Operations with an `f64` on
+/// the right are cheaper than turning the constant into a `Self` first. There are no comparisons: a
+/// formula with a branch would not vectorise; [`Real::select`] chooses between two values by a
+/// condition on [`Real::value`].
 pub trait Real:
     Copy
     + Send

@@ -2,8 +2,8 @@
 
 use real::{Block, Dual, Kernel, Level, Real, WIDTH, dispatch, limit_to};
 
-/// A chain of everything a formula may use, with a select and a division, so that contraction, reassociation or a
-/// libm call anywhere would show in the last bits.
+/// A chain of everything a formula may use, with a select and a division, so that contraction,
+/// reassociation or a libm call anywhere would show in the last bits.
 #[inline(always)]
 fn formula<R: Real>(x: R, y: R) -> R {
     let turn = x.sin() * y.cos() + (x * 0.5).sinc();
@@ -62,5 +62,8 @@ fn every_level_gives_the_same_bits() {
     let last: std::collections::HashSet<_> =
         baseline[baseline.len() - WIDTH..].iter().map(|(_, bits)| bits[0]).collect();
     assert!(last.len() > WIDTH / 2, "{}", last.len());
-    assert_eq!([Level::Baseline, Level::Avx2, Level::Avx512].map(Level::name), ["baseline", "avx2", "avx512"]);
+    assert_eq!(
+        [Level::Baseline, Level::Avx2, Level::Avx512].map(Level::name),
+        ["baseline", "avx2", "avx512"]
+    );
 }

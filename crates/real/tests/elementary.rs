@@ -2,7 +2,8 @@
 //! dense sweeps, at their special values, and bit for bit across instruction sets.
 
 use real::elementary::{
-    cos, deficit_versine, exp, ln, ln_unit, powi, sin, sin_cos, sin_cos_absolute, sin_cos_turn, sinc,
+    cos, deficit_versine, exp, ln, ln_unit, powi, sin, sin_cos, sin_cos_absolute, sin_cos_turn,
+    sinc,
 };
 
 /// Printed by `python3 crates/real/tools/reference_values.py`.
@@ -77,7 +78,8 @@ fn reference_values() {
             if fields.next() != Some(name) {
                 continue;
             }
-            let mut bits = || f64::from_bits(u64::from_str_radix(fields.next().unwrap(), 16).unwrap());
+            let mut bits =
+                || f64::from_bits(u64::from_str_radix(fields.next().unwrap(), 16).unwrap());
             let (x, value) = (bits(), bits());
             let remainder: f64 = fields.next().unwrap().parse().unwrap();
             let mut error = error_in_ulp(function(x), value, remainder);
@@ -131,7 +133,9 @@ fn dense_sweeps() {
     sweep("exp", exp, f64::exp, 1.1, |b| b.between(-746.0, 709.8));
     sweep("exp", exp, f64::exp, 1.1, |b| b.between(-2.0, 2.0));
     sweep("exp", exp, f64::exp, 1.1, |b| b.between(-40.0, 0.0).exp());
-    sweep("ln", ln, f64::ln, 1.0, |b| f64::from_bits(b.next() % f64::INFINITY.to_bits()).max(1e-320));
+    sweep("ln", ln, f64::ln, 1.0, |b| {
+        f64::from_bits(b.next() % f64::INFINITY.to_bits()).max(1e-320)
+    });
     sweep("ln", ln, f64::ln, 1.0, |b| b.between(0.3, 3.0));
     sweep("ln", ln, f64::ln, 1.0, |b| 1.0 + b.between(-0.01, 0.01));
     sweep("ln_unit", ln_unit, f64::ln, 3.0, Bits::unit);
@@ -366,13 +370,19 @@ fn same_bits_on_every_instruction_set() {
 #[test]
 fn the_remainder_of_the_exponential_has_its_missing_digits() {
     use real::elementary::exp_with_remainder;
-    let within = |error: f64, x: f64| error.abs() <= f64::min(2f64.powi(-54), 2f64.powi(-50) * x * x + 1e-24);
+    let within = |error: f64, x: f64| {
+        error.abs() <= f64::min(2f64.powi(-54), 2f64.powi(-50) * x * x + 1e-24)
+    };
     for n in 1..20_000 {
         // Small and large arguments of both signs; 2x is exact.
-        let x = (if n % 2 == 0 { 1.0 } else { -1.0 }) * 2f64.powi(n % 18 - 12) * (1.0 + f64::from(n) / 20_000.0);
-        let ((p, e), (q, f), (s, g)) = (exp_with_remainder(x), exp_with_remainder(-x), exp_with_remainder(2.0 * x));
+        let x = (if n % 2 == 0 { 1.0 } else { -1.0 })
+            * 2f64.powi(n % 18 - 12)
+            * (1.0 + f64::from(n) / 20_000.0);
+        let ((p, e), (q, f), (s, g)) =
+            (exp_with_remainder(x), exp_with_remainder(-x), exp_with_remainder(2.0 * x));
         assert!(
-            (p - real::elementary::exp(x)).abs() <= 1.5 * f64::EPSILON * p && e.abs() <= 0.7 * f64::EPSILON * p,
+            (p - real::elementary::exp(x)).abs() <= 1.5 * f64::EPSILON * p
+                && e.abs() <= 0.7 * f64::EPSILON * p,
             "{x}"
         );
         // The products in full: their roundings are what is left by a fused multiplication.

@@ -1,17 +1,19 @@
 //! What one step of one path costs, noise included, Lévy areas where the scheme reads them.
 //!
-//! Measured, each time 256 steps of τ = 2⁻⁸ from the paper's initial value, with increments drawn and truncated:
+//! Measured, each time 256 steps of τ = 2⁻⁸ from the paper's initial value, with increments drawn
+//! and truncated:
 //!
-//! - `rigid body`: every scheme on the rigid body with three noises; `sexp-levy` draws its areas at its own step, with an
-//!   error of τ^{3/2} as strong order one asks;
+//! - `rigid body`: every scheme on the rigid body with three noises; `sexp-levy` draws its areas at
+//!   its own step, with an error of τ^{3/2} as strong order one asks;
 //! - `sexp`: the conformal scheme on the five systems;
 //! - `own system`: the rigid body with three noises as somebody else might write it.
 //!
 //! `block` advances 32 paths at once, `path` one.
 //!
-//! An element is one path and step, so criterion's `Melem/s` are millions of path-steps a second: **ns per path-step =
-//! 1000 / (Melem/s)**. The rate of `block` over the rate of `path` says what vectorisation brings. It guards the path
-//! loop: a ratio near one means that something in it is no longer inlined or vectorised.
+//! An element is one path and step, so criterion's `Melem/s` are millions of path-steps a second:
+//! **ns per path-step = 1000 / (Melem/s)**. The rate of `block` over the rate of `path` says what
+//! vectorisation brings. It guards the path loop: a ratio near one means that something in it is no
+//! longer inlined or vectorised.
 
 mod own;
 
@@ -21,15 +23,15 @@ use std::time::Duration;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use noise::{
-    AreaBlock, AreaMethod, AreaPath, AreaSampler, StreamKey, Truncation, WienerBlock, WienerPath, clip,
-    strong_order_one_error,
+    AreaBlock, AreaMethod, AreaPath, AreaSampler, StreamKey, Truncation, WienerBlock, WienerPath,
+    clip, strong_order_one_error,
 };
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Block, WIDTH};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step};
 use systems::{
-    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
-    PoissonSystem, RigidBody, Sine,
+    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum,
+    Poisson3, PoissonSystem, RigidBody, Sine,
 };
 
 const STEPS: u64 = 256;
@@ -56,15 +58,23 @@ impl<S, const D: usize> Run<S, D> {
         Self {
             system,
             steps: (0..STEPS).map(|n| Step::new(damping, n, TAU).expect("0 < τ")).collect(),
-            bound: Truncation::new(4).and_then(|truncation| truncation.bound(TAU)).expect("0 < τ < 1"),
-            area_bound: Truncation::new(4).and_then(|truncation| truncation.area_bound(TAU)).expect("0 < τ < 1"),
+            bound: Truncation::new(4)
+                .and_then(|truncation| truncation.bound(TAU))
+                .expect("0 < τ < 1"),
+            area_bound: Truncation::new(4)
+                .and_then(|truncation| truncation.area_bound(TAU))
+                .expect("0 < τ < 1"),
             y0,
         }
     }
 
     /// 32 paths from 0 to 1; every call takes the next paths of the stream.
-    fn block<const M: usize>(&self, group: &mut BenchmarkGroup<'_, WallTime>, name: &str, scheme: &impl Scheme<S, D, M>)
-    where
+    fn block<const M: usize>(
+        &self,
+        group: &mut BenchmarkGroup<'_, WallTime>,
+        name: &str,
+        scheme: &impl Scheme<S, D, M>,
+    ) where
         S: PoissonSystem<D, M>,
     {
         group.throughput(Throughput::Elements(WIDTH as u64 * STEPS));
@@ -74,8 +84,9 @@ impl<S, const D: usize> Run<S, D> {
             let mut first_path = 0;
             bencher.iter(|| {
                 let mut noise = WienerBlock::<M>::new(KEY, first_path);
-                let mut sampler =
-                    scheme.needs_areas().then(|| AreaSampler::<M>::new(KEY, first_path, METHOD, terms::<M>()));
+                let mut sampler = scheme
+                    .needs_areas()
+                    .then(|| AreaSampler::<M>::new(KEY, first_path, METHOD, terms::<M>()));
                 let (mut drawn, mut areas) = (AreaBlock::zero(), AreaBlock::zero());
                 let mut y = Block::splat(self.y0);
                 for step in &self.steps {
@@ -85,7 +96,14 @@ impl<S, const D: usize> Run<S, D> {
                         areas = drawn.clipped(self.area_bound).0;
                     }
                     clip(&dw, self.bound, &mut clipped);
-                    scheme.step_block_with_areas(&self.system, step, &clipped, &areas, &mut y, &mut status);
+                    scheme.step_block_with_areas(
+                        &self.system,
+                        step,
+                        &clipped,
+                        &areas,
+                        &mut y,
+                        &mut status,
+                    );
                 }
                 first_path += WIDTH as u64;
                 black_box(y)
@@ -94,8 +112,12 @@ impl<S, const D: usize> Run<S, D> {
     }
 
     /// `name/block` and `name/path`.
-    fn both<const M: usize>(&self, group: &mut BenchmarkGroup<'_, WallTime>, name: &str, scheme: &impl Scheme<S, D, M>)
-    where
+    fn both<const M: usize>(
+        &self,
+        group: &mut BenchmarkGroup<'_, WallTime>,
+        name: &str,
+        scheme: &impl Scheme<S, D, M>,
+    ) where
         S: PoissonSystem<D, M>,
     {
         self.block(group, &format!("{name}/block"), scheme);
@@ -103,8 +125,12 @@ impl<S, const D: usize> Run<S, D> {
     }
 
     /// One path from 0 to 1.
-    fn path<const M: usize>(&self, group: &mut BenchmarkGroup<'_, WallTime>, name: &str, scheme: &impl Scheme<S, D, M>)
-    where
+    fn path<const M: usize>(
+        &self,
+        group: &mut BenchmarkGroup<'_, WallTime>,
+        name: &str,
+        scheme: &impl Scheme<S, D, M>,
+    ) where
         S: PoissonSystem<D, M>,
     {
         group.throughput(Throughput::Elements(STEPS));
@@ -112,14 +138,18 @@ impl<S, const D: usize> Run<S, D> {
             let mut path = 0;
             bencher.iter(|| {
                 let mut noise = WienerPath::<M>::new(KEY, path);
-                let mut sampler = scheme.needs_areas().then(|| AreaPath::<M>::new(KEY, path, METHOD, terms::<M>()));
+                let mut sampler = scheme
+                    .needs_areas()
+                    .then(|| AreaPath::<M>::new(KEY, path, METHOD, terms::<M>()));
                 let mut areas = [[0.0; M]; M];
                 let mut y = self.y0;
                 for step in &self.steps {
                     let dw = noise.increments(TAU.sqrt());
                     if let Some(sampler) = &mut sampler {
                         let drawn = sampler.areas(TAU, dw);
-                        areas = drawn.map(|row| row.map(|area| area.clamp(-self.area_bound, self.area_bound)));
+                        areas = drawn.map(|row| {
+                            row.map(|area| area.clamp(-self.area_bound, self.area_bound))
+                        });
                     }
                     let clipped = dw.map(|w| w.clamp(-self.bound, self.bound));
                     y = scheme.step_with_areas(&self.system, step, clipped, areas, y).z;
@@ -139,7 +169,10 @@ const POPULATIONS: [f64; 3] = [0.2, 0.4, 0.6];
 
 fn short<'a>(criterion: &'a mut Criterion, name: &str) -> BenchmarkGroup<'a, WallTime> {
     let mut group = criterion.benchmark_group(name);
-    group.sample_size(20).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
+    group
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(1));
     group
 }
 

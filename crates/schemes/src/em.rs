@@ -2,9 +2,10 @@
 //!
 //! y_{n+1} = y_n + τ(B∇H₀ − γ(t_n)y_n + ½Σ fₘ′fₘ) + Σ fₘΔŴₘ, all at y_n, with fₘ = B∇Hₘ.
 //!
-//! The paper's system is in Stratonovich form; ½Σ fₘ′fₘ, by directional derivatives that include that of B, turns it
-//! into the Itô form that this scheme needs. Strong order ½, weak order 1; keeps no invariant. Explicit: M + 1
-//! evaluations of the vector field and M of its derivative a step.
+//! The paper's system is in Stratonovich form; ½Σ fₘ′fₘ, by directional derivatives that include
+//! that of B, turns it into the Itô form that this scheme needs. Strong order ½, weak order 1;
+//! keeps no invariant. Explicit: M + 1 evaluations of the vector field and M of its derivative a
+//! step.
 
 use nonlin::{BlockStatus, Outcome, Solution};
 use real::{Block, Kernel, WIDTH, dispatch};
@@ -60,7 +61,14 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
         "em"
     }
 
-    fn step_block(&self, system: &S, step: &Step, dw: &Block<M>, y: &mut Block<D>, status: &mut BlockStatus) {
+    fn step_block(
+        &self,
+        system: &S,
+        step: &Step,
+        dw: &Block<M>,
+        y: &mut Block<D>,
+        status: &mut BlockStatus,
+    ) {
         dispatch(StepKernel { system, step, dw, y, status });
     }
 

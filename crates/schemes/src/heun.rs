@@ -1,14 +1,15 @@
-//! The stochastic Heun method on the Stratonovich form (Rümelin 1982; Kloeden and Platen 1992, §15.2).
+//! The stochastic Heun method on the Stratonovich form (Rümelin 1982; Kloeden and Platen 1992,
+//! §15.2).
 //!
 //! With Fₙ(y) = B(y)∇h(y) − τγ(t_n)y and h = H₀τ + Σ HₘΔŴₘ:
 //!
-//! ỹ = y_n + Fₙ(y_n),  y_{n+1} = y_n + ½(Fₙ(y_n) + Fₙ₊₁(ỹ)), the damping of Fₙ₊₁ taken at t_{n+1} with the increments of the
-//! same step.
+//! ỹ = y_n + Fₙ(y_n), y_{n+1} = y_n + ½(Fₙ(y_n) + Fₙ₊₁(ỹ)), the damping of Fₙ₊₁ taken at t_{n+1}
+//! with the increments of the same step.
 //!
-//! The average of the fields at both ends makes it consistent with the Stratonovich equation, so that no derivative of a
-//! field is needed. Strong order 1 for one noise or noises that commute, ½ otherwise; weak order 1; order two without
-//! noise. Keeps no invariant: it is here as the explicit scheme that an implicit one has to beat. Explicit: two
-//! evaluations of the vector field a step.
+//! The average of the fields at both ends makes it consistent with the Stratonovich equation, so
+//! that no derivative of a field is needed. Strong order 1 for one noise or noises that commute, ½
+//! otherwise; weak order 1; order two without noise. Keeps no invariant: it is here as the explicit
+//! scheme that an implicit one has to beat. Explicit: two evaluations of the vector field a step.
 
 use nonlin::{BlockStatus, Outcome, Solution};
 use real::{Block, Kernel, WIDTH, dispatch};
@@ -84,7 +85,14 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
         "heun"
     }
 
-    fn step_block(&self, system: &S, step: &Step, dw: &Block<M>, y: &mut Block<D>, status: &mut BlockStatus) {
+    fn step_block(
+        &self,
+        system: &S,
+        step: &Step,
+        dw: &Block<M>,
+        y: &mut Block<D>,
+        status: &mut BlockStatus,
+    ) {
         dispatch(StepKernel { system, step, dw, y, status });
     }
 

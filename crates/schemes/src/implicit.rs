@@ -1,11 +1,13 @@
-//! What the implicit schemes share: the equation z = start + change(start, z), on one path and on a block.
+//! What the implicit schemes share: the equation z = start + change(start, z), on one path and on a
+//! block.
 
 use noise::AreaBlock;
 use nonlin::{BlockFixedPoint, BlockStatus, FirstSweep, FixedPoint, Method, Solution, Solver};
 use real::{Block, Real};
 use systems::PoissonSystem;
 
-/// The change over one step of an implicit scheme on systems of type S, driven by noise of type N on each path.
+/// The change over one step of an implicit scheme on systems of type S, driven by noise of type N
+/// on each path.
 pub(crate) trait Rule<S, N: Copy, const D: usize>: Copy {
     /// The method that solves its equations with the least work.
     const METHOD: Method;
@@ -16,7 +18,8 @@ pub(crate) trait Rule<S, N: Copy, const D: usize>: Copy {
     /// The change from `start` to `z`. Must be `#[inline(always)]`.
     fn change<R: Real>(&self, system: &S, noise: N, start: [f64; D], z: [R; D]) -> [R; D];
 
-    /// The solution from `start` and a bound of its residual, for [`FirstSweep::Own`]. Must be `#[inline(always)]`.
+    /// The solution from `start` and a bound of its residual, for [`FirstSweep::Own`]. Must be
+    /// `#[inline(always)]`.
     #[inline(always)]
     fn own_sweep(&self, system: &S, noise: N, start: [f64; D]) -> ([f64; D], f64) {
         let _ = (system, noise);
@@ -89,7 +92,8 @@ pub(crate) const fn method<S: PoissonSystem<D, M>, const D: usize, const M: usiz
 }
 
 /// How the steps of a system begin where it cannot solve them itself.
-pub(crate) const fn first_sweep<S: PoissonSystem<D, M>, const D: usize, const M: usize>() -> FirstSweep {
+pub(crate) const fn first_sweep<S: PoissonSystem<D, M>, const D: usize, const M: usize>()
+-> FirstSweep {
     if S::PREFERS_NEWTON || S::SHORT_FIELD { FirstSweep::Long } else { FirstSweep::Plain }
 }
 
@@ -136,7 +140,12 @@ impl<'a, S, Q: Rule<S, B::Path, D>, B: BlockNoise, const D: usize> BlockFixedPoi
     type Path = PathEquation<'a, S, Q, B::Path, D>;
     #[inline(always)]
     fn path(&self, p: usize) -> Self::Path {
-        PathEquation { rule: self.rule, system: self.system, noise: self.noise.path(p), start: self.start.path(p) }
+        PathEquation {
+            rule: self.rule,
+            system: self.system,
+            noise: self.noise.path(p),
+            start: self.start.path(p),
+        }
     }
 }
 

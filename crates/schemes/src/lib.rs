@@ -1,8 +1,9 @@
-//! **The conformal exponential integrator, with and without Lévy areas, and the schemes it is compared with.**
+//! **The conformal exponential integrator, with and without Lévy areas, and the schemes it is
+//! compared with.**
 //!
-//! A [`Scheme`] advances one path or a block of 32 by one step, with the same arithmetic: a block is 32 paths and
-//! nothing else. [`Sexp`] keeps quadratic Casimirs, and with one noise homogeneous Hamiltonians, exactly on their
-//! damped law; [`EulerMaruyama`], [`Heun`] and [`Midpoint`] do not.
+//! A [`Scheme`] advances one path or a block of 32 by one step, with the same arithmetic: a block
+//! is 32 paths and nothing else. [`Sexp`] keeps quadratic Casimirs, and with one noise homogeneous
+//! Hamiltonians, exactly on their damped law; [`EulerMaruyama`], [`Heun`] and [`Midpoint`] do not.
 //!
 //! ```
 //! use schemes::{Scheme, Sexp, Step};

@@ -1,10 +1,12 @@
 //! The stochastic midpoint rule (paper, §5; Milstein, Repin and Tretyakov 2002).
 //!
-//! y_{n+1} = y_n + B(m)∇h(m) − τγ(t_{n+½})m,  m = (y_n + y_{n+1})/2,  h = H₀τ + Σ HₘΔŴₘ (Stratonovich).
+//! y_{n+1} = y_n + B(m)∇h(m) − τγ(t_{n+½})m, m = (y_n + y_{n+1})/2, h = H₀τ + Σ HₘΔŴₘ
+//! (Stratonovich).
 //!
-//! Strong order ½ for several noises, 1 for one; weak order 1. Keeps quadratic Casimirs where γ = 0; with damping it
-//! takes 2τγC(m) from them, which depends on the path, instead of multiplying them by e^{−2∫γ}, and multiplies linear
-//! ones by (1 − τγ/2)/(1 + τγ/2). Implicit: one nonlinear system of D equations a step.
+//! Strong order ½ for several noises, 1 for one; weak order 1. Keeps quadratic Casimirs where γ =
+//! 0; with damping it takes 2τγC(m) from them, which depends on the path, instead of multiplying
+//! them by e^{−2∫γ}, and multiplies linear ones by (1 − τγ/2)/(1 + τγ/2). Implicit: one nonlinear
+//! system of D equations a step.
 
 use nonlin::{BlockStatus, FirstSweep, Method, Solution, Solver};
 use real::{Block, Kernel, Real, dispatch};
@@ -34,7 +36,9 @@ impl MidpointField {
     }
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, [f64; M], D> for MidpointField {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, [f64; M], D>
+    for MidpointField
+{
     const METHOD: Method = method::<S, D, M>();
     const FIRST_SWEEP: FirstSweep = first_sweep::<S, D, M>();
 
@@ -76,7 +80,14 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
         "midpoint"
     }
 
-    fn step_block(&self, system: &S, step: &Step, dw: &Block<M>, y: &mut Block<D>, status: &mut BlockStatus) {
+    fn step_block(
+        &self,
+        system: &S,
+        step: &Step,
+        dw: &Block<M>,
+        y: &mut Block<D>,
+        status: &mut BlockStatus,
+    ) {
         dispatch(StepKernel { solver: self.solver, system, step, dw, y, status });
     }
 

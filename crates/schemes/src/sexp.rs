@@ -4,9 +4,10 @@
 //!
 //! ẑ = e^{−∫γ, first half} y_n,  z = ẑ + B((ẑ+z)/2) ∇̄h(ẑ, z),  y_{n+1} = e^{−∫γ, second half} z.
 //!
-//! A Strang splitting into exact damping and an energy-preserving step. Strong order ½ for several noises, 1 for one
-//! noise (k ≥ 2); weak order 1. Keeps linear and quadratic Casimirs exactly on their damped law for every τ; with one
-//! noise, dy = B∇H(dt + c∘dW) − γy dt, also a homogeneous H. Implicit: one nonlinear system of D equations a step.
+//! A Strang splitting into exact damping and an energy-preserving step. Strong order ½ for several
+//! noises, 1 for one noise (k ≥ 2); weak order 1. Keeps linear and quadratic Casimirs exactly on
+//! their damped law for every τ; with one noise, dy = B∇H(dt + c∘dW) − γy dt, also a homogeneous H.
+//! Implicit: one nonlinear system of D equations a step.
 
 use nonlin::{BlockStatus, FirstSweep, Method, Solution, Solver};
 use real::{Block, Kernel, Real, WIDTH, dispatch};
@@ -28,9 +29,12 @@ pub(crate) struct AveragedField {
     pub(crate) tau: f64,
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, [f64; M], D> for AveragedField {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, [f64; M], D>
+    for AveragedField
+{
     const METHOD: Method = method::<S, D, M>();
-    const FIRST_SWEEP: FirstSweep = if S::SOLVES_SHORT_STEPS { FirstSweep::Own } else { first_sweep::<S, D, M>() };
+    const FIRST_SWEEP: FirstSweep =
+        if S::SOLVES_SHORT_STEPS { FirstSweep::Own } else { first_sweep::<S, D, M>() };
 
     #[inline(always)]
     fn change<R: Real>(&self, system: &S, dw: [f64; M], start: [f64; D], z: [R; D]) -> [R; D] {
@@ -47,7 +51,12 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Rule<S, [f64; M], D
     }
 
     #[inline(always)]
-    fn own_sweeps(&self, system: &S, dw: [[f64; M]; 2], start: [[f64; D]; 2]) -> [([f64; D], f64); 2] {
+    fn own_sweeps(
+        &self,
+        system: &S,
+        dw: [[f64; M]; 2],
+        start: [[f64; D]; 2],
+    ) -> [([f64; D], f64); 2] {
         system.short_steps(start, self.tau, dw)
     }
 }
@@ -70,8 +79,8 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for StepKern
     }
 }
 
-/// Half the damping, the implicit step of a rule, the other half of the damping, for a block; to be called inside a
-/// kernel.
+/// Half the damping, the implicit step of a rule, the other half of the damping, for a block; to be
+/// called inside a kernel.
 #[inline(always)]
 pub(crate) fn split_block<S, Q: Rule<S, B::Path, D>, B: BlockNoise, const D: usize>(
     solver: &Solver,
@@ -124,7 +133,14 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
         "sexp"
     }
 
-    fn step_block(&self, system: &S, step: &Step, dw: &Block<M>, y: &mut Block<D>, status: &mut BlockStatus) {
+    fn step_block(
+        &self,
+        system: &S,
+        step: &Step,
+        dw: &Block<M>,
+        y: &mut Block<D>,
+        status: &mut BlockStatus,
+    ) {
         dispatch(StepKernel { solver: self.solver, system, step, dw, y, status });
     }
 

@@ -7,12 +7,14 @@ use systems::Damping;
 
 /// Step number n of size τ: t_n = nτ, and the damping over it.
 ///
-/// A damping factor is one of the two floating-point numbers next to e^{−∫γ}, and the number of the step decides which: the upper one
-/// as often as the position of e^{−∫γ} between them asks, by the sequence of the golden ratio. Rounded to nearest, a constant γ would
-/// have the same error in every step, and n steps an error of n·ε; so it stays below log n·ε. A factor is a function of the step and of
-/// nothing else, the same in a run that is resumed or computed in parts.
+/// A damping factor is one of the two floating-point numbers next to e^{−∫γ}, and the number of the
+/// step decides which: the upper one as often as the position of e^{−∫γ} between them asks, by the
+/// sequence of the golden ratio. Rounded to nearest, a constant γ would have the same error in
+/// every step, and n steps an error of n·ε; so it stays below log n·ε. A factor is a function of
+/// the step and of nothing else, the same in a run that is resumed or computed in parts.
 ///
-/// A factor is infinite where γ < 0 and the exact one exceeds 1.8·10³⁰⁸, and NaN where ∫γ is; the step of every scheme then fails.
+/// A factor is infinite where γ < 0 and the exact one exceeds 1.8·10³⁰⁸, and NaN where ∫γ is; the
+/// step of every scheme then fails.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     /// t_n.
@@ -46,7 +48,9 @@ pub enum StepError {
 impl fmt::Display for StepError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Size { tau } => write!(f, "a step size must be positive and finite, got tau = {tau}"),
+            Self::Size { tau } => {
+                write!(f, "a step size must be positive and finite, got tau = {tau}")
+            }
         }
     }
 }
@@ -85,11 +89,12 @@ impl Step {
     }
 }
 
-/// 2⁶⁴/φ made odd: the multiples of the golden ratio, modulo one, as 64-bit fractions. Of all sequences of multiples it leaves the smallest
-/// gaps.
+/// 2⁶⁴/φ made odd: the multiples of the golden ratio, modulo one, as 64-bit fractions. Of all
+/// sequences of multiples it leaves the smallest gaps.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// One of the two numbers next to eˣ, the farther one for the fraction |remainder|/spacing of all `number`s.
+/// One of the two numbers next to eˣ, the farther one for the fraction |remainder|/spacing of all
+/// `number`s.
 fn dithered_exp(x: f64, number: u64) -> f64 {
     let (nearest, remainder) = elementary::exp_with_remainder(x);
     let other = if remainder > 0.0 {
@@ -113,11 +118,15 @@ mod tests {
             let (nearest, remainder) = elementary::exp_with_remainder(x);
             let steps = 100_000u64;
             // The sum of relative errors; each difference of neighbours is exact.
-            let error: f64 = (0..steps).map(|n| ((dithered_exp(x, n) - nearest) - remainder) / nearest).sum();
+            let error: f64 =
+                (0..steps).map(|n| ((dithered_exp(x, n) - nearest) - remainder) / nearest).sum();
             // The discrepancy of the sequence is below 3 log n / n.
             assert!(error.abs() < 36.0 * f64::EPSILON, "{x}: {error:e}");
             let fixed = steps as f64 * (remainder / nearest).abs();
-            assert!(fixed > 100.0 * error.abs() || fixed < 100.0 * f64::EPSILON, "{x}: rounding to nearest would do");
+            assert!(
+                fixed > 100.0 * error.abs() || fixed < 100.0 * f64::EPSILON,
+                "{x}: rounding to nearest would do"
+            );
         }
     }
 

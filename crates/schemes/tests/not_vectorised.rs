@@ -1,4 +1,5 @@
-//! The twin of `tests/vectorised.rs`: a kernel that cannot be vectorised, to see that the count shows it.
+//! The twin of `tests/vectorised.rs`: a kernel that cannot be vectorised, to see that the count
+//! shows it.
 //!
 //! In a binary of its own, since kernels cannot be told apart by their symbols.
 
@@ -55,8 +56,14 @@ fn a_loop_that_paths_leave_is_seen_in_the_count() {
         for version in &versions {
             println!("{instruction_set}: {version:?}");
             // Far from the 0.5 and the 198 that `tests/vectorised.rs` asks for.
-            assert!(version.whole.share(vector) < 0.25, "{instruction_set}: vectorised after all: {version:?}");
-            assert!(version.heaviest_loops[vector].packed[vector] < 50, "{instruction_set}: {version:?}");
+            assert!(
+                version.whole.share(vector) < 0.25,
+                "{instruction_set}: vectorised after all: {version:?}"
+            );
+            assert!(
+                version.heaviest_loops[vector].packed[vector] < 50,
+                "{instruction_set}: {version:?}"
+            );
         }
     }
 }

@@ -1,10 +1,12 @@
-//! The loop over the paths of a block is still turned into vector instructions: counted in this binary and not timed.
+//! The loop over the paths of a block is still turned into vector instructions: counted in this
+//! binary and not timed.
 //!
-//! Autovectorisation is lost without a word. Counted are the additions, multiplications and divisions of doubles in the
-//! compiled step of `sexp` on the rigid body with three noises. Nearly every block is done after the first sweep of eleven
-//! evaluations, so that loop has to be there with vectors as wide as the machine has, for all of its arithmetic. The rest of
-//! the code is checked as a whole: the compiler keeps a narrow copy of most loops for arrays that might overlap, which they
-//! never do, so that half of all arithmetic may be narrow, and not more.
+//! Autovectorisation is lost without a word. Counted are the additions, multiplications and
+//! divisions of doubles in the compiled step of `sexp` on the rigid body with three noises. Nearly
+//! every block is done after the first sweep of eleven evaluations, so that loop has to be there
+//! with vectors as wide as the machine has, for all of its arithmetic. The rest of the code is
+//! checked as a whole: the compiler keeps a narrow copy of most loops for arrays that might
+//! overlap, which they never do, so that half of all arithmetic may be narrow, and not more.
 //! `tests/not_vectorised.rs` is the twin: a system that cannot be vectorised, and does not pass.
 
 #![cfg(target_arch = "x86_64")]
@@ -19,7 +21,8 @@ use systems::{Cosine, RigidBody};
 
 /// The arithmetic of the first sweep: eleven evaluations of nine operations on two paths in turn.
 const FIRST_SWEEP: usize = 11 * 9 * 2;
-/// Its least share of full vectors. What all paths share is computed before the loop or costs an instruction or two.
+/// Its least share of full vectors. What all paths share is computed before the loop or costs an
+/// instruction or two.
 const LEAST_SHARE_OF_THE_LOOP: f64 = 0.95;
 /// The least share of full vectors in all arithmetic, were every loop compiled twice.
 const LEAST_SHARE: f64 = 0.5;
@@ -29,7 +32,13 @@ fn use_the_kernel() {
     let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
     let step = Step::new(&Cosine::new(0.5, 2.0).unwrap(), 0, 1.0 / 256.0).unwrap();
     let (mut y, mut status) = (Block::splat([0.45, 0.0, 0.89]), BlockStatus::explicit());
-    Sexp::default().step_block(&body, &step, &Block::splat([0.1, -0.05, 0.02]), &mut y, &mut status);
+    Sexp::default().step_block(
+        &body,
+        &step,
+        &Block::splat([0.1, -0.05, 0.02]),
+        &mut y,
+        &mut status,
+    );
     assert!(status.failed.is_empty() && y.0[1][31] != 0.0);
 }
 
@@ -47,8 +56,14 @@ fn packed(instruction_set: &str, vector: usize) {
             heaviest.packed[vector] >= FIRST_SWEEP,
             "{instruction_set}: no first sweep on full vectors: {version:?}"
         );
-        assert!(heaviest.share(vector) >= LEAST_SHARE_OF_THE_LOOP, "{instruction_set}: scalar left over: {version:?}");
-        assert!(version.whole.share(vector) >= LEAST_SHARE, "{instruction_set}: mostly narrow: {version:?}");
+        assert!(
+            heaviest.share(vector) >= LEAST_SHARE_OF_THE_LOOP,
+            "{instruction_set}: scalar left over: {version:?}"
+        );
+        assert!(
+            version.whole.share(vector) >= LEAST_SHARE,
+            "{instruction_set}: mostly narrow: {version:?}"
+        );
     }
 }
 

@@ -14,7 +14,8 @@ use crate::{GrowthRow, SpeedError, Workload};
 /// Each of the three is multiplied by this, four times over; levels are counted up instead.
 const FACTOR: u64 = 4;
 const SIZES: u32 = 5;
-/// The most levels: the coarsest of the 256 steps of the full workload must be smaller than one, or truncation is not defined.
+/// The most levels: the coarsest of the 256 steps of the full workload must be smaller than one, or
+/// truncation is not defined.
 const MOST_LEVELS: usize = 6;
 
 /// A size: how many paths of how many steps on how many levels above the finest.
@@ -37,16 +38,31 @@ fn sizes(workload: &Workload) -> Vec<Size> {
     // As much work as one of the larger sample sizes, whatever the number of steps.
     for k in 0..SIZES {
         let value = smallest(steps * FACTOR) * FACTOR.pow(k);
-        sizes.push(Size { grows: "steps", value, paths: paths.div_ceil(FACTOR * FACTOR), steps: value, levels: 0 });
+        sizes.push(Size {
+            grows: "steps",
+            value,
+            paths: paths.div_ceil(FACTOR * FACTOR),
+            steps: value,
+            levels: 0,
+        });
     }
     let most = MOST_LEVELS.min(steps.trailing_zeros() as usize);
     for levels in (0..=most).step_by(2) {
-        sizes.push(Size { grows: "levels", value: levels as u64, paths: paths.div_ceil(FACTOR), steps, levels });
+        sizes.push(Size {
+            grows: "levels",
+            value: levels as u64,
+            paths: paths.div_ceil(FACTOR),
+            steps,
+            levels,
+        });
     }
     sizes
 }
 
-pub(crate) fn rows(workload: &Workload, progress: &(dyn Fn(&str) + Sync)) -> Result<Vec<GrowthRow>, SpeedError> {
+pub(crate) fn rows(
+    workload: &Workload,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Vec<GrowthRow>, SpeedError> {
     let one = pool(1)?;
     let sexp = RigidBody::<3>::sexp(Sexp::default());
     let mut rows = Vec::new();
@@ -54,8 +70,12 @@ pub(crate) fn rows(workload: &Workload, progress: &(dyn Fn(&str) + Sync)) -> Res
         progress(&format!("{value} {grows}"));
         let (body, damping) = rigid_body()?;
         let problem = Problem::new(body, damping, momentum(), steps as f64 * TAU)?;
-        let ladder =
-            ladder(&problem, steps, levels, (0..=levels).map(|level| Run::new(sexp.as_ref(), level)).collect())?;
+        let ladder = ladder(
+            &problem,
+            steps,
+            levels,
+            (0..=levels).map(|level| Run::new(sexp.as_ref(), level)).collect(),
+        )?;
         let path_steps = ladder.steps_per_path() * paths;
         let forgotten = forget_peak();
         one.install(|| run_once(&ladder, paths));

@@ -1,7 +1,9 @@
-//! **What a path-step costs, as a user of [`mc::Ladder`] pays for it: noise, truncation, scheme and statistic.**
+//! **What a path-step costs, as a user of [`mc::Ladder`] pays for it: noise, truncation, scheme and
+//! statistic.**
 //!
-//! [`measure`] runs every scheme on every system, then one of them on more threads, more samples, more steps and more
-//! levels, and returns numbers; `cargo xtask bench` prints them. Nothing here decides whether a number is good.
+//! [`measure`] runs every scheme on every system, then one of them on more threads, more samples,
+//! more steps and more levels, and returns numbers; `cargo xtask bench` prints them. Nothing here
+//! decides whether a number is good.
 //!
 //! ```
 //! let speed = speed::measure(&speed::Workload::quick(), &|_| ())?;
@@ -59,7 +61,8 @@ pub fn measure(workload: &Workload, progress: &(dyn Fn(&str) + Sync)) -> Result<
     })
 }
 
-/// Processes that were running or waiting to, on average over the last minute, where the system tells.
+/// Processes that were running or waiting to, on average over the last minute, where the system
+/// tells.
 fn load() -> Option<f64> {
     std::fs::read_to_string("/proc/loadavg").ok()?.split_whitespace().next()?.parse().ok()
 }

@@ -1,4 +1,5 @@
-//! Measures and prints what a path-step costs. `cargo xtask bench` builds this with optimisation and runs it.
+//! Measures and prints what a path-step costs. `cargo xtask bench` builds this with optimisation
+//! and runs it.
 
 mod table;
 

@@ -2,8 +2,8 @@
 
 use std::fs;
 
-/// Largest resident memory of this process so far in MB, or since the mark was last set back; `None` where the system does
-/// not tell.
+/// Largest resident memory of this process so far in MB, or since the mark was last set back;
+/// `None` where the system does not tell.
 #[must_use]
 pub fn peak_memory_mb() -> Option<f64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;

@@ -80,7 +80,8 @@ pub struct GrowthRow {
     pub path_steps: u64,
     /// Nanoseconds for one of them, by [`Speed::clock`].
     pub ns_per_path_step: Spread,
-    /// Largest memory of the process during this measurement alone; absent where the system does not tell.
+    /// Largest memory of the process during this measurement alone; absent where the system does
+    /// not tell.
     pub peak_memory_mb: Option<f64>,
 }
 
@@ -95,7 +96,8 @@ pub struct Speed {
     pub simd: String,
     /// Whether this was built without checks for debugging.
     pub optimised: bool,
-    /// Processes that were running or waiting to, on average over the minute before; absent where the system does not tell.
+    /// Processes that were running or waiting to, on average over the minute before; absent where
+    /// the system does not tell.
     pub load_before: Option<f64>,
     /// Every scheme on every system.
     pub schemes: Vec<SchemeRow>,

@@ -46,7 +46,12 @@ pub(crate) fn run_once<S: PoissonSystem<D, M>, G: Damping, const D: usize, const
 }
 
 /// Repeats the ladder on one thread; with how many paths were left out.
-pub(crate) fn time_on_one_thread<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+pub(crate) fn time_on_one_thread<
+    S: PoissonSystem<D, M>,
+    G: Damping,
+    const D: usize,
+    const M: usize,
+>(
     one: &ThreadPool,
     ladder: &Ladder<'_, S, G, D, M>,
     paths: u64,
@@ -60,7 +65,10 @@ pub(crate) fn time_on_one_thread<S: PoissonSystem<D, M>, G: Damping, const D: us
     })
 }
 
-pub(crate) fn rows(workload: &Workload, progress: &(dyn Fn(&str) + Sync)) -> Result<Vec<SchemeRow>, SpeedError> {
+pub(crate) fn rows(
+    workload: &Workload,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Vec<SchemeRow>, SpeedError> {
     let mut measure = Measure { workload, progress, one: pool(1)?, rows: Vec::new() };
     visit_systems(&mut measure)?;
     Ok(measure.rows)

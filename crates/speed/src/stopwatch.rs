@@ -11,8 +11,8 @@ pub(crate) struct Times {
     pub(crate) thread: Spread,
 }
 
-/// Does the work once to warm up and then `repetitions` times, on this thread. The time of the thread is that of this one
-/// alone and says nothing about work that goes to others.
+/// Does the work once to warm up and then `repetitions` times, on this thread. The time of the
+/// thread is that of this one alone and says nothing about work that goes to others.
 pub(crate) fn repeat(repetitions: u32, mut work: impl FnMut()) -> Times {
     work();
     let (mut wall, mut thread) = (Vec::new(), Vec::new());

@@ -3,8 +3,8 @@
 use compiled::Compiled;
 use schemes::{Midpoint, Scheme, Sexp, SexpLevy};
 use systems::{
-    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, RigidBody,
-    RigidBodyEnergy, Sine, SpinChain, SystemError,
+    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum,
+    Poisson3, RigidBody, RigidBodyEnergy, Sine, SpinChain, SystemError,
 };
 
 /// Something to do with every system.
@@ -12,7 +12,8 @@ pub trait Visit {
     /// Why it could not be done.
     type Error: From<SystemError>;
 
-    /// Does it with one system, its damping and its start, which are the paper's where the system is.
+    /// Does it with one system, its damping and its start, which are the paper's where the system
+    /// is.
     ///
     /// # Errors
     /// Whatever the visitor's own.
@@ -34,7 +35,8 @@ pub(crate) fn momentum() -> [f64; 3] {
     [real::elementary::cos(1.1), 0.0, real::elementary::sin(1.1)]
 }
 
-/// The rigid body with three noises and its damping ½ cos 2t, on which everything but the schemes is measured.
+/// The rigid body with three noises and its damping ½ cos 2t, on which everything but the schemes
+/// is measured.
 ///
 /// # Errors
 /// None: the numbers are valid.
@@ -52,8 +54,18 @@ pub fn visit_systems<V: Visit>(visitor: &mut V) -> Result<(), V::Error> {
     visitor.visit("pendulum", Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0])?;
     let (body, _) = rigid_body()?;
     visitor.visit("rigid body, three noises", body, cosine, momentum())?;
-    visitor.visit("rigid body, one noise", RigidBody::one_noise(INERTIA, NOISE_INERTIA[0])?, cosine, momentum())?;
-    visitor.visit("rigid body, noise H₀", RigidBodyEnergy::new(INERTIA, 1.0)?, cosine, momentum())?;
+    visitor.visit(
+        "rigid body, one noise",
+        RigidBody::one_noise(INERTIA, NOISE_INERTIA[0])?,
+        cosine,
+        momentum(),
+    )?;
+    visitor.visit(
+        "rigid body, noise H₀",
+        RigidBodyEnergy::new(INERTIA, 1.0)?,
+        cosine,
+        momentum(),
+    )?;
     let polynomial = LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0)?;
     visitor.visit("lotka-volterra 1, 1", polynomial, sine, populations)?;
     let polynomial = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0)?;
@@ -61,7 +73,12 @@ pub fn visit_systems<V: Visit>(visitor: &mut V) -> Result<(), V::Error> {
     visitor.visit("maxwell-bloch", MaxwellBloch, cosine, [1.0, 2.0, 3.0])?;
     visitor.visit("poisson3", Poisson3::new(1.0)?, Linear::new(1.0)?, [1.0, 2.0, 3.0])?;
     let spins: SpinChain<6> = SpinChain::new(1.0, 0.5, 0.8)?;
-    visitor.visit("spin chain, two spins", spins, Constant::new(0.1)?, [1.0, 0.0, 0.0, 0.0, 0.6, 0.8])
+    visitor.visit(
+        "spin chain, two spins",
+        spins,
+        Constant::new(0.1)?,
+        [1.0, 0.0, 0.0, 0.0, 0.6, 0.8],
+    )
 }
 
 /// The schemes for a system; `sexp-levy` only where it differs from `sexp`.

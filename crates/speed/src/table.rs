@@ -30,7 +30,8 @@ pub fn page(speed: &Speed) -> String {
         let _ = writeln!(page, "{load:.2} other processes were at work on average before");
     }
     let _ = writeln!(page, "{}\n", schemes(&speed.schemes));
-    let _ = writeln!(page, "sexp on the rigid body with three noises:\n{}\n", threads(&speed.threads));
+    let _ =
+        writeln!(page, "sexp on the rigid body with three noises:\n{}\n", threads(&speed.threads));
     let _ = writeln!(page, "{}", growth(&speed.growth));
     if let Some(peak) = speed.peak_memory_mb {
         let _ = writeln!(page, "peak memory of the process: {peak:.1} MB");
@@ -53,7 +54,8 @@ fn numbers(spread: &Spread) -> [String; 3] {
 }
 
 fn schemes(rows: &[SchemeRow]) -> Table {
-    let mut table = table(&["system", "scheme", "D", "M", "best", "median", "worst", "wall, best"], 2);
+    let mut table =
+        table(&["system", "scheme", "D", "M", "best", "median", "worst", "wall, best"], 2);
     for row in rows {
         let [best, median, worst] = numbers(&row.ns_per_path_step);
         table.add_row([
@@ -75,13 +77,20 @@ fn threads(rows: &[ThreadRow]) -> Table {
     for row in rows {
         let [best, median, worst] =
             [row.seconds.best, row.seconds.median, row.seconds.worst].map(|s| format!("{s:.4}"));
-        table.add_row([row.threads.to_string(), best, median, worst, format!("{:.2}", row.speedup)]);
+        table.add_row([
+            row.threads.to_string(),
+            best,
+            median,
+            worst,
+            format!("{:.2}", row.speedup),
+        ]);
     }
     table
 }
 
 fn growth(rows: &[GrowthRow]) -> Table {
-    let mut table = table(&["grows", "to", "path-steps", "ns, best", "median", "worst", "peak MB"], 1);
+    let mut table =
+        table(&["grows", "to", "path-steps", "ns, best", "median", "worst", "peak MB"], 1);
     for row in rows {
         let [best, median, worst] = numbers(&row.ns_per_path_step);
         table.add_row([

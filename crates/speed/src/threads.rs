@@ -14,13 +14,18 @@ use crate::{SpeedError, ThreadRow, Workload};
 
 /// Powers of two below the number of processors, and that number.
 fn counts(processors: usize) -> Vec<usize> {
-    let mut counts: Vec<usize> =
-        (0..usize::BITS).map(|k| 1 << k).take_while(|&threads: &usize| threads < processors).collect();
+    let mut counts: Vec<usize> = (0..usize::BITS)
+        .map(|k| 1 << k)
+        .take_while(|&threads: &usize| threads < processors)
+        .collect();
     counts.push(processors);
     counts
 }
 
-pub(crate) fn rows(workload: &Workload, progress: &(dyn Fn(&str) + Sync)) -> Result<Vec<ThreadRow>, SpeedError> {
+pub(crate) fn rows(
+    workload: &Workload,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Vec<ThreadRow>, SpeedError> {
     let (body, damping) = rigid_body()?;
     let problem = Problem::new(body, damping, momentum(), workload.t_end())?;
     let sexp = RigidBody::<3>::sexp(Sexp::default());

@@ -34,9 +34,11 @@ impl Workload {
     /// # Errors
     /// [`SpeedError::Empty`].
     pub(crate) fn check(&self) -> Result<(), SpeedError> {
-        for (number, what) in
-            [(self.paths, "paths"), (self.steps, "steps"), (u64::from(self.repetitions), "repetitions")]
-        {
+        for (number, what) in [
+            (self.paths, "paths"),
+            (self.steps, "steps"),
+            (u64::from(self.repetitions), "repetitions"),
+        ] {
             if number == 0 {
                 return Err(SpeedError::Empty { what });
             }

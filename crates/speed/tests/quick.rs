@@ -1,4 +1,5 @@
-//! The program as `cargo xtask bench` runs it: everything is measured, and asked for in vain is refused.
+//! The program as `cargo xtask bench` runs it: everything is measured, and asked for in vain is
+//! refused.
 
 use std::fs;
 use std::process::{Command, Output};
@@ -6,7 +7,10 @@ use std::process::{Command, Output};
 use speed::{Speed, Workload};
 
 fn run(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_speed")).args(arguments).output().expect("the binary of this crate runs")
+    Command::new(env!("CARGO_BIN_EXE_speed"))
+        .args(arguments)
+        .output()
+        .expect("the binary of this crate runs")
 }
 
 fn quick() -> (Speed, String) {
@@ -39,7 +43,10 @@ fn every_scheme_is_measured_on_every_system() {
     for row in &speed.schemes {
         let spread = row.ns_per_path_step;
         assert_eq!(row.failed, 0, "{row:?}");
-        assert!(0.0 < spread.best && spread.best <= spread.median && spread.median <= spread.worst, "{row:?}");
+        assert!(
+            0.0 < spread.best && spread.best <= spread.median && spread.median <= spread.worst,
+            "{row:?}"
+        );
     }
 }
 

@@ -1,7 +1,8 @@
 //! The solution that belongs to the flow, found without the solver that is put to the test.
 //!
-//! z(s) = y + sψ₁(z) with ψ₁ = B((y+z)/2)∇̄h(y, z), from z(0) = y to s = 1 in small equal steps, each with a few Newton iterations from the
-//! point before. det(I − sψ₁′) is 1 at s = 0 and vanishes where the branch turns back.
+//! z(s) = y + sψ₁(z) with ψ₁ = B((y+z)/2)∇̄h(y, z), from z(0) = y to s = 1 in small equal steps,
+//! each with a few Newton iterations from the point before. det(I − sψ₁′) is 1 at s = 0 and
+//! vanishes where the branch turns back.
 
 use real::{Real, VectorFunction, directional};
 use systems::PoissonSystem;
@@ -17,14 +18,17 @@ pub(crate) enum Branch<const D: usize> {
 
 const STEPS: u32 = 2048;
 const ITERATIONS: u32 = 4;
-/// A solution that is found twice agrees to this fraction: √ε, as near a turning point it is known no better.
+/// A solution that is found twice agrees to this fraction: √ε, as near a turning point it is known
+/// no better.
 const AGREES: f64 = 1.0 / (1u64 << 24) as f64;
 
 impl<const D: usize> Branch<D> {
     /// Whether z is what the branch leads to.
     pub(crate) fn holds(&self, z: [f64; D]) -> bool {
         match self {
-            Self::Leads(end) => (0..D).all(|i| (z[i] - end[i]).abs() <= AGREES * super::cases::length(*end)),
+            Self::Leads(end) => {
+                (0..D).all(|i| (z[i] - end[i]).abs() <= AGREES * super::cases::length(*end))
+            }
             Self::Turns => false,
         }
     }
@@ -37,7 +41,9 @@ struct Field<'a, S, const D: usize, const M: usize> {
     dw: [f64; M],
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D> for Field<'_, S, D, M> {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D>
+    for Field<'_, S, D, M>
+{
     fn value<R: Real>(&self, z: [R; D]) -> [R; D] {
         self.system.averaged_field(self.start.map(R::constant), z, self.tau, self.dw)
     }

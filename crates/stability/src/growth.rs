@@ -1,14 +1,19 @@
 //! How the distance from a conformal law grows over a long time.
 //!
-//! d_n = F(y_n)e^{pΓ(t_n)}/F(y₀) − 1 on blocks of 32 independent paths, at powers of two of n. Errors of rounding without a direction make a random
-//! walk, d_n ~ √n·ε; errors with one a drift, d_n ~ n·ε. The exponent is the slope of ln RMS(d_n) over ln n, from n = 1024 on; its interval is the
-//! percentile interval of the bootstrap over whole paths, which are independent of each other as points of one path are not.
+//! d_n = F(y_n)e^{pΓ(t_n)}/F(y₀) − 1 on blocks of 32 independent paths, at powers of two of n.
+//! Errors of rounding without a direction make a random walk, d_n ~ √n·ε; errors with one a drift,
+//! d_n ~ n·ε. The exponent is the slope of ln RMS(d_n) over ln n, from n = 1024 on; its interval is
+//! the percentile interval of the bootstrap over whole paths, which are independent of each other
+//! as points of one path are not.
 
 use noise::{StreamKey, Truncation, WienerBlock, clip};
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Block, WIDTH, elementary};
 use schemes::{Scheme, Sexp, Step};
-use systems::{Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, PoissonSystem, RigidBody, Sine};
+use systems::{
+    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, PoissonSystem, RigidBody,
+    Sine,
+};
 
 use crate::cases::{INERTIA, NOISE_INERTIA, body_start, valid};
 use crate::fuzz::Bits;
@@ -45,12 +50,15 @@ struct Run<'a, S, const D: usize> {
 pub fn run_growth(settings: Settings, begin: &dyn Fn(&str)) -> Vec<Growth> {
     let body = || valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
     let lotka_volterra = || valid(LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0));
-    let (none, slow, pumped) = (valid(Constant::new(0.0)), valid(Constant::new(2e-5)), valid(Constant::new(-2e-5)));
-    let (linear, cosine, sine) = (valid(Linear::new(1e-8)), valid(Cosine::new(0.5, 2.0)), valid(Sine::new(1.0, 1.0)));
+    let (none, slow, pumped) =
+        (valid(Constant::new(0.0)), valid(Constant::new(2e-5)), valid(Constant::new(-2e-5)));
+    let (linear, cosine, sine) =
+        (valid(Linear::new(1e-8)), valid(Cosine::new(0.5, 2.0)), valid(Sine::new(1.0, 1.0)));
     let plain = Sexp::default();
     let fixed = Sexp { solver: plain.solver.settled() };
     let newton = Sexp { solver: Solver::new(Method::Newton).settled() };
-    // 1/100 is rounded, so that steps of a grid differ in their last bits; 1/128 is not, and a constant γ gives the same factor in every step.
+    // 1/100 is rounded, so that steps of a grid differ in their last bits; 1/128 is not, and a
+    // constant γ gives the same factor in every step.
     let (rounded, dyadic) = (1.0 / 100.0, 1.0 / 128.0);
     let of_body = |id, damping, tau, scheme: &Sexp| Run {
         id,
@@ -91,13 +99,15 @@ pub fn run_growth(settings: Settings, begin: &dyn Fn(&str)) -> Vec<Growth> {
     let mut growths = Vec::new();
     let mut number = 0;
     for mut run in bodies {
-        run.setup = format!("Rigid body with three noises, {}, τ = {}.", run.damping.describe(), run.tau);
+        run.setup =
+            format!("Rigid body with three noises, {}, τ = {}.", run.damping.describe(), run.tau);
         begin(run.id);
         growths.push(growth::<_, 3, 3>(settings, number, &run));
         number += 1;
     }
     for mut run in volterras {
-        run.setup = format!("Lotka–Volterra with a = b = −1, {}, τ = {}.", run.damping.describe(), run.tau);
+        run.setup =
+            format!("Lotka–Volterra with a = b = −1, {}, τ = {}.", run.damping.describe(), run.tau);
         begin(run.id);
         growths.push(growth::<_, 3, 1>(settings, number, &run));
         number += 1;
@@ -139,7 +149,8 @@ fn growth<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     let mut bits = Bits::new(settings.seed, FIRST_EXPERIMENT, number);
     let mut slopes: Vec<f64> = (0..RESAMPLES)
         .map(|_| {
-            let sample: Vec<usize> = (0..paths).map(|_| bits.below(paths as u64) as usize).collect();
+            let sample: Vec<usize> =
+                (0..paths).map(|_| bits.below(paths as u64) as usize).collect();
             slope(&defects, &sample)
         })
         .collect();
@@ -152,7 +163,8 @@ fn growth<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         (true, true) => Verdict::Holds,
         // NaN is no walk.
         (true, false) => Verdict::Refuted,
-        // The stopping test leaves a residual that has a direction: a drift is expected, and no bound is stated.
+        // The stopping test leaves a residual that has a direction: a drift is expected, and no
+        // bound is stated.
         (false, _) if lo > 0.5 => Verdict::FailsAsItMust,
         (false, _) => Verdict::Observed,
     };
@@ -175,7 +187,8 @@ fn growth<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     }
 }
 
-/// Units of ε√n that a walk may have: steps whose roundings are independent, each no larger than the worst case of a step, 32ε.
+/// Units of ε√n that a walk may have: steps whose roundings are independent, each no larger than
+/// the worst case of a step, 32ε.
 const WALK: f64 = 32.0;
 
 fn defects<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
@@ -183,10 +196,15 @@ fn defects<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     steps: u64,
     key: StreamKey,
 ) -> Defects {
-    let bound = Truncation::new(4).ok().and_then(|truncation| truncation.bound(run.tau).ok()).unwrap_or(f64::INFINITY);
-    let mut noises: Vec<WienerBlock<M>> = (0..BLOCKS).map(|b| WienerBlock::new(key, b * WIDTH as u64)).collect();
+    let bound = Truncation::new(4)
+        .ok()
+        .and_then(|truncation| truncation.bound(run.tau).ok())
+        .unwrap_or(f64::INFINITY);
+    let mut noises: Vec<WienerBlock<M>> =
+        (0..BLOCKS).map(|b| WienerBlock::new(key, b * WIDTH as u64)).collect();
     let mut states = vec![Block::splat(run.y0); BLOCKS as usize];
-    let mut defects = Defects { times: Vec::new(), of_path: vec![Vec::new(); (BLOCKS as usize) * WIDTH] };
+    let mut defects =
+        Defects { times: Vec::new(), of_path: vec![Vec::new(); (BLOCKS as usize) * WIDTH] };
     let (mut drawn, mut dw) = (Block::zero(), Block::zero());
     let degree = run.system.invariants()[run.invariant].degree;
     let start: f64 = run.system.invariant(run.invariant, run.y0);
@@ -200,9 +218,11 @@ fn defects<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         }
         if n.is_power_of_two() || n == steps {
             defects.times.push(n);
-            let law = start * elementary::exp(-degree * run.damping.integral(0.0, n as f64 * run.tau));
+            let law =
+                start * elementary::exp(-degree * run.damping.integral(0.0, n as f64 * run.tau));
             for (path, of_path) in defects.of_path.iter_mut().enumerate() {
-                let value: f64 = run.system.invariant(run.invariant, states[path / WIDTH].path(path % WIDTH));
+                let value: f64 =
+                    run.system.invariant(run.invariant, states[path / WIDTH].path(path % WIDTH));
                 of_path.push(value / law - 1.0);
             }
         }
@@ -212,13 +232,17 @@ fn defects<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
 
 /// The slope of ln RMS over ln n by least squares, over the given paths.
 fn slope(defects: &Defects, paths: &[usize]) -> f64 {
-    let points = defects.times.iter().enumerate().filter(|(_, n)| **n >= FIRST).filter_map(|(k, &n)| {
-        let square = paths.iter().map(|&path| defects.of_path[path][k].powi(2)).sum::<f64>() / paths.len() as f64;
-        (square > 0.0).then(|| ((n as f64).ln(), 0.5 * square.ln()))
-    });
+    let points =
+        defects.times.iter().enumerate().filter(|(_, n)| **n >= FIRST).filter_map(|(k, &n)| {
+            let square = paths.iter().map(|&path| defects.of_path[path][k].powi(2)).sum::<f64>()
+                / paths.len() as f64;
+            (square > 0.0).then(|| ((n as f64).ln(), 0.5 * square.ln()))
+        });
     let points: Vec<(f64, f64)> = points.collect();
     let count = points.len() as f64;
     let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / count, y + p.1 / count));
-    let (xy, xx) = points.iter().fold((0.0, 0.0), |(xy, xx), p| (xy + (p.0 - x) * (p.1 - y), xx + (p.0 - x).powi(2)));
+    let (xy, xx) = points
+        .iter()
+        .fold((0.0, 0.0), |(xy, xx), p| (xy + (p.0 - x) * (p.1 - y), xx + (p.0 - x).powi(2)));
     xy / xx
 }

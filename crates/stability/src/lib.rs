@@ -1,9 +1,10 @@
 //! **Hard inputs: what exact mathematics says, what every scheme does, and what is guaranteed.**
 //!
-//! Each case runs all schemes on inputs that break numerical codes: damping factors that underflow, rates that are infinite, noise past
-//! the contraction bound, states of 10¹⁵⁰, ten million steps. A guarantee is a bound that is derived and stated; a row says whether it
-//! holds, whether a scheme that must fail does, or that the guarantee is refuted. The fuzzer feeds arbitrary bit patterns to constructors,
-//! functions and steps.
+//! Each case runs all schemes on inputs that break numerical codes: damping factors that underflow,
+//! rates that are infinite, noise past the contraction bound, states of 10¹⁵⁰, ten million steps. A
+//! guarantee is a bound that is derived and stated; a row says whether it holds, whether a scheme
+//! that must fail does, or that the guarantee is refuted. The fuzzer feeds arbitrary bit patterns
+//! to constructors, functions and steps.
 //!
 //! ```
 //! use stability::{Effort, Settings, case_ids, run_cases};
@@ -59,7 +60,8 @@ pub fn case_ids() -> Vec<&'static str> {
     CASES.iter().map(|entry| entry.id).collect()
 }
 
-/// Runs the cases named by `only`, or all where it is empty; names that are no case are ignored. `begin` is told the name of each case.
+/// Runs the cases named by `only`, or all where it is empty; names that are no case are ignored.
+/// `begin` is told the name of each case.
 #[must_use]
 pub fn run_cases(settings: Settings, only: &[String], begin: &dyn Fn(&str)) -> Vec<Case> {
     let wanted = |id: &str| only.is_empty() || only.iter().any(|name| name == id);
@@ -67,7 +69,12 @@ pub fn run_cases(settings: Settings, only: &[String], begin: &dyn Fn(&str)) -> V
     numbered
         .map(|(entry, number)| {
             begin(entry.id);
-            (entry.run)(&Context { id: entry.id, number, seed: settings.seed, effort: settings.effort })
+            (entry.run)(&Context {
+                id: entry.id,
+                number,
+                seed: settings.seed,
+                effort: settings.effort,
+            })
         })
         .collect()
 }

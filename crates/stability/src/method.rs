@@ -37,7 +37,14 @@ impl<const M: usize> Noise<M> {
 impl Method {
     /// Every scheme that differs from the others with M noises.
     pub(crate) fn all(noises: usize) -> Vec<Self> {
-        let all = [Self::Sexp, Self::SexpNewton, Self::SexpLevy, Self::Midpoint, Self::Heun, Self::EulerMaruyama];
+        let all = [
+            Self::Sexp,
+            Self::SexpNewton,
+            Self::SexpLevy,
+            Self::Midpoint,
+            Self::Heun,
+            Self::EulerMaruyama,
+        ];
         all.into_iter().filter(|method| noises > 1 || *method != Self::SexpLevy).collect()
     }
 
@@ -68,8 +75,11 @@ impl Method {
         y: [f64; D],
     ) -> Solution<D> {
         match self {
-            Self::Sexp => Sexp { solver: Solver::new(nonlin::Method::FixedPoint) }.step(system, step, noise.dw, y),
-            Self::SexpNewton => Sexp { solver: Solver::new(nonlin::Method::Newton) }.step(system, step, noise.dw, y),
+            Self::Sexp => Sexp { solver: Solver::new(nonlin::Method::FixedPoint) }
+                .step(system, step, noise.dw, y),
+            Self::SexpNewton => {
+                Sexp { solver: Solver::new(nonlin::Method::Newton) }.step(system, step, noise.dw, y)
+            }
             Self::SexpLevy => levy.step_with_areas(system, step, noise.dw, noise.areas, y),
             Self::Midpoint => Midpoint::default().step(system, step, noise.dw, y),
             Self::Heun => Heun.step(system, step, noise.dw, y),

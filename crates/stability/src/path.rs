@@ -60,7 +60,8 @@ impl<S, const D: usize> Path<'_, S, D> {
         let mut y = self.y0;
         for n in 0..self.steps {
             let number = n + 1;
-            let step = Step::new(self.damping, n, self.tau).map_err(|error| Stop::Step { step: number, error })?;
+            let step = Step::new(self.damping, n, self.tau)
+                .map_err(|error| Stop::Step { step: number, error })?;
             let solution = method.step(self.system, &levy, &step, noise(), y);
             y = solution.z;
             if y.iter().any(|component| !component.is_finite()) {
@@ -84,7 +85,11 @@ const TRUNCATION_ORDER: u32 = 4;
 const AREA_TERMS: usize = 2;
 
 /// Truncated increments and areas of one path at steps of size τ ∈ (0, 1).
-pub(crate) fn truncated_noise<const M: usize>(key: StreamKey, path: u64, tau: f64) -> impl FnMut() -> Noise<M> {
+pub(crate) fn truncated_noise<const M: usize>(
+    key: StreamKey,
+    path: u64,
+    tau: f64,
+) -> impl FnMut() -> Noise<M> {
     let truncation = Truncation::new(TRUNCATION_ORDER).unwrap_or_else(|_| Truncation::none());
     let bound = truncation.bound(tau).unwrap_or(f64::INFINITY);
     let area_bound = truncation.area_bound(tau).unwrap_or(f64::INFINITY);

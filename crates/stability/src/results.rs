@@ -25,7 +25,11 @@ impl Stability {
     /// How many guarantees were refuted, by a case, by a long run or by fuzzing.
     #[must_use]
     pub fn refuted(&self) -> usize {
-        let rows = self.cases.iter().flat_map(|case| &case.rows).filter(|row| row.verdict == Verdict::Refuted);
+        let rows = self
+            .cases
+            .iter()
+            .flat_map(|case| &case.rows)
+            .filter(|row| row.verdict == Verdict::Refuted);
         let growth = self.growth.iter().filter(|growth| growth.verdict == Verdict::Refuted);
         let fuzz = self.fuzz.iter().filter(|fuzzed| fuzzed.failures > 0);
         rows.count() + growth.count() + fuzz.count()
@@ -75,7 +79,8 @@ pub struct Row {
     /// The setting as a number, where it is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub x: Option<f64>,
-    /// `sexp`, `sexp-newton`, `sexp-levy`, `midpoint`, `heun`, `em`; or what else is put to the test.
+    /// `sexp`, `sexp-newton`, `sexp-levy`, `midpoint`, `heun`, `em`; or what else is put to the
+    /// test.
     pub scheme: String,
     /// The measured figure; none where the scheme stopped with an error before there was one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -114,7 +119,8 @@ pub struct Growth {
     pub lo: f64,
     /// Upper end.
     pub hi: f64,
-    /// What the defect would be if every step added an error of one unit roundoff in the same direction.
+    /// What the defect would be if every step added an error of one unit roundoff in the same
+    /// direction.
     pub linear: f64,
     /// What became of the guarantee.
     pub verdict: Verdict,

@@ -1,4 +1,5 @@
-//! The quick version of everything: no guarantee is refuted, nothing panics, and the same seed gives the same bits.
+//! The quick version of everything: no guarantee is refuted, nothing panics, and the same seed
+//! gives the same bits.
 
 use stability::results::Verdict;
 use stability::{Effort, Settings, case_ids, fuzz, run_cases, run_growth};
@@ -38,7 +39,11 @@ fn long_runs_walk_and_the_default_solver_drifts() {
     let growth = run_growth(QUICK, &|_| ());
     for run in &growth {
         let settled = run.scheme.ends_with("settled");
-        assert_eq!(run.verdict, if settled { Verdict::Holds } else { Verdict::FailsAsItMust }, "{run:?}");
+        assert_eq!(
+            run.verdict,
+            if settled { Verdict::Holds } else { Verdict::FailsAsItMust },
+            "{run:?}"
+        );
     }
     assert!(growth.iter().any(|run| !run.scheme.ends_with("settled") && run.lo > 0.5));
 }
@@ -70,7 +75,8 @@ fn a_target_that_breaks_is_caught() {
 fn the_same_seed_gives_the_same_bits() {
     let run = |seed| {
         let only = ["big-steps".to_owned()];
-        serde_json::to_string(&run_cases(Settings { seed, ..QUICK }, &only, &|_| ())).expect("plain data")
+        serde_json::to_string(&run_cases(Settings { seed, ..QUICK }, &only, &|_| ()))
+            .expect("plain data")
     };
     assert_eq!(run(1), run(1));
     assert_ne!(run(1), run(2));

@@ -6,8 +6,9 @@ use real::Real;
 use crate::SystemError;
 use crate::error::finite;
 
-/// γ(t) and ∫γ. The integrals of many small steps should add up to the integral over the whole time up to round-off: closed forms
-/// without cancellation where their arguments are exact, else differences of a function of one time, whose errors cancel in the sum.
+/// γ(t) and ∫γ. The integrals of many small steps should add up to the integral over the whole time
+/// up to round-off: closed forms without cancellation where their arguments are exact, else
+/// differences of a function of one time, whose errors cancel in the sum.
 pub trait Damping: Send + Sync {
     /// γ(t), in 1/time.
     fn rate(&self, t: f64) -> f64;
@@ -101,7 +102,8 @@ impl Damping for Sine {
         self.amplitude * Real::sin(self.frequency * t)
     }
     fn integral(&self, a: f64, b: f64) -> f64 {
-        // Not the mean over [a, b]: its argument ω(a+b)/2 is rounded anew in every step, by up to an ulp of t.
+        // Not the mean over [a, b]: its argument ω(a+b)/2 is rounded anew in every step, by up to
+        // an ulp of t.
         self.primitive(b) - self.primitive(a)
     }
     fn describe(&self) -> String {
@@ -158,8 +160,8 @@ pub struct DampingFunction<F> {
 }
 
 impl<F: Fn(f64) -> f64 + Send + Sync> DampingFunction<F> {
-    /// γ(t) = `rate`(t), with `nodes` Gauss–Legendre nodes for each integral: exact for polynomials of degree
-    /// 2·nodes − 1, else with an error of order (b − a)^{2·nodes+1} where γ is smooth.
+    /// γ(t) = `rate`(t), with `nodes` Gauss–Legendre nodes for each integral: exact for polynomials
+    /// of degree 2·nodes − 1, else with an error of order (b − a)^{2·nodes+1} where γ is smooth.
     ///
     /// # Errors
     /// [`SystemError::Quadrature`] when the number of nodes is out of range.
@@ -196,12 +198,18 @@ mod tests {
             let by_nodes = DampingFunction::new(|t| damping.rate(t), 24).unwrap();
             for (a, b) in [(0.0, 1.0), (0.3, 2.9), (4.0, 4.0 + 1e-9), (10.0, 7.5), (1.0, 1.0)] {
                 let (exact, numeric) = (damping.integral(a, b), by_nodes.integral(a, b));
-                assert!((exact - numeric).abs() < 32.0 * f64::EPSILON * (1.0 + exact.abs()), "{exact} {numeric}");
+                assert!(
+                    (exact - numeric).abs() < 32.0 * f64::EPSILON * (1.0 + exact.abs()),
+                    "{exact} {numeric}"
+                );
             }
-            // 4096 short intervals: the sum of their integrals is the integral, each good to a few ulp.
+            // 4096 short intervals: the sum of their integrals is the integral, each good to a few
+            // ulp.
             let steps = 4096;
             let sum: f64 = (0..steps)
-                .map(|n| damping.integral(f64::from(n) * 10.0 / 4096.0, f64::from(n + 1) * 10.0 / 4096.0))
+                .map(|n| {
+                    damping.integral(f64::from(n) * 10.0 / 4096.0, f64::from(n + 1) * 10.0 / 4096.0)
+                })
                 .sum();
             let whole = damping.integral(0.0, 10.0);
             assert!((sum - whole).abs() < 1e-12 * (1.0 + whole.abs()), "{sum} {whole}");

@@ -55,12 +55,17 @@ impl fmt::Display for SystemError {
                 write!(f, "{name} must be positive and finite, got {value}")
             }
             Self::NonFiniteState { component, value } => {
-                write!(f, "every component of the initial value must be finite, got y{component} = {value}")
+                write!(
+                    f,
+                    "every component of the initial value must be finite, got y{component} = {value}"
+                )
             }
             Self::OutsideDomain { component, value, domain } => {
                 write!(f, "the initial value must satisfy {domain}, got y{component} = {value}")
             }
-            Self::FinalTime { t_end } => write!(f, "the final time must be positive and finite, got T = {t_end}"),
+            Self::FinalTime { t_end } => {
+                write!(f, "the final time must be positive and finite, got T = {t_end}")
+            }
             Self::Quadrature(error) => error.fmt(f),
         }
     }
@@ -79,5 +84,9 @@ pub(crate) fn finite(name: &'static str, value: f64) -> Result<f64, SystemError>
 }
 
 pub(crate) fn positive(name: &'static str, value: f64) -> Result<f64, SystemError> {
-    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(SystemError::NonPositiveParameter { name, value }) }
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(SystemError::NonPositiveParameter { name, value })
+    }
 }

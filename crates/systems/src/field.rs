@@ -12,7 +12,9 @@ pub(crate) struct Energy<'a, S: ?Sized, const M: usize> {
     pub(crate) dw: [f64; M],
 }
 
-impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> ScalarFunction<D> for Energy<'_, S, M> {
+impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> ScalarFunction<D>
+    for Energy<'_, S, M>
+{
     #[inline(always)]
     fn value<R: Real>(&self, y: [R; D]) -> R {
         self.system.energy(y, self.dt, self.dw)
@@ -44,7 +46,9 @@ struct VectorField<'a, S: ?Sized, const M: usize> {
     dw: [f64; M],
 }
 
-impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> VectorFunction<D, D> for VectorField<'_, S, M> {
+impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> VectorFunction<D, D>
+    for VectorField<'_, S, M>
+{
     #[inline(always)]
     fn value<R: Real>(&self, y: [R; D]) -> [R; D] {
         vector_field(self.system, y, self.dt, self.dw)
@@ -62,9 +66,15 @@ pub fn vector_field<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, co
     system.structure(y, system.gradient(y, dt, dw))
 }
 
-/// (B∇h)′(y)·v, the derivative of [`vector_field`] in the direction v; it includes the derivative of B.
+/// (B∇h)′(y)·v, the derivative of [`vector_field`] in the direction v; it includes the derivative
+/// of B.
 #[inline(always)]
-pub fn vector_field_derivative<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, const M: usize>(
+pub fn vector_field_derivative<
+    S: PoissonSystem<D, M> + ?Sized,
+    R: Real,
+    const D: usize,
+    const M: usize,
+>(
     system: &S,
     y: [R; D],
     dt: f64,
@@ -83,8 +93,8 @@ pub fn unit_noise<const M: usize>(m: usize) -> [f64; M] {
     dw
 }
 
-/// ½Σₘ fₘ′(y)fₘ(y), the drift that turns the Stratonovich equation into an Itô equation. The derivative includes
-/// that of B; one evaluation on dual numbers for each noise.
+/// ½Σₘ fₘ′(y)fₘ(y), the drift that turns the Stratonovich equation into an Itô equation. The
+/// derivative includes that of B; one evaluation on dual numbers for each noise.
 #[inline(always)]
 pub fn ito_correction<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
     system: &S,
@@ -101,10 +111,16 @@ pub fn ito_correction<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: 
     correction
 }
 
-/// Σ_{m<l} A_ml \[fₘ, f_l\](y) with [f, g] = g′f − f′g, for a skew matrix A: the field that a step of strong order one adds
-/// for the Lévy areas A. As Σ_l f_l′gₗ with g_l = Σₘ A_ml fₘ: one directional derivative for each noise.
+/// Σ_{m<l} A_ml \[fₘ, f_l\](y) with [f, g] = g′f − f′g, for a skew matrix A: the field that a step
+/// of strong order one adds for the Lévy areas A. As Σ_l f_l′gₗ with g_l = Σₘ A_ml fₘ: one
+/// directional derivative for each noise.
 #[inline(always)]
-pub(crate) fn commutators<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, const M: usize>(
+pub(crate) fn commutators<
+    S: PoissonSystem<D, M> + ?Sized,
+    R: Real,
+    const D: usize,
+    const M: usize,
+>(
     system: &S,
     y: [R; D],
     areas: [[f64; M]; M],
@@ -127,13 +143,14 @@ pub(crate) fn commutators<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usi
     sum
 }
 
-/// Relative steps from y at which [`noises_commute`] looks: three scales, both sides, irrational ratios between components.
+/// Relative steps from y at which [`noises_commute`] looks: three scales, both sides, irrational
+/// ratios between components.
 const PROBES: [f64; 5] = [0.0, 0.011, -0.013, 0.17, -0.19];
 
-/// Whether the noise fields fₘ = B∇Hₘ commute around `y`: [fₘ, f_l] = 0 up to rounding, that is up to 64 ε of the two terms of
-/// which it is the difference, at `y` and at four points near it that are in the domain. Fields that are analytic
-/// and commute on an open set commute everywhere; that they do so at a handful of points by accident has probability
-/// zero.
+/// Whether the noise fields fₘ = B∇Hₘ commute around `y`: [fₘ, f_l] = 0 up to rounding, that is up
+/// to 64 ε of the two terms of which it is the difference, at `y` and at four points near it that
+/// are in the domain. Fields that are analytic and commute on an open set commute everywhere; that
+/// they do so at a handful of points by accident has probability zero.
 #[must_use]
 pub fn noises_commute<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
     system: &S,
@@ -150,13 +167,20 @@ pub fn noises_commute<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: 
     })
 }
 
-fn commute_at<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(system: &S, y: [f64; D]) -> bool {
+fn commute_at<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+    system: &S,
+    y: [f64; D],
+) -> bool {
     let field = |m: usize| vector_field(system, y, 0.0, unit_noise(m));
-    let along = |of: usize, direction: usize| vector_field_derivative(system, y, 0.0, unit_noise(of), field(direction));
+    let along = |of: usize, direction: usize| {
+        vector_field_derivative(system, y, 0.0, unit_noise(of), field(direction))
+    };
     (0..M).all(|l| {
         (0..l).all(|m| {
             let (one, other) = (along(l, m), along(m, l));
-            (0..D).all(|i| (one[i] - other[i]).abs() <= 64.0 * f64::EPSILON * (one[i].abs() + other[i].abs()))
+            (0..D).all(|i| {
+                (one[i] - other[i]).abs() <= 64.0 * f64::EPSILON * (one[i].abs() + other[i].abs())
+            })
         })
     })
 }

@@ -1,9 +1,9 @@
 //! **Damped stochastic Poisson systems as two formulas: B(y)·v and the Hamiltonian increment.**
 //!
-//! dy = (B(y)∇H₀(y) − γ(t)y) dt + Σₘ B(y)∇Hₘ(y) ∘ dWₘ (Stratonovich), B skew-symmetric. A [`PoissonSystem`] says
-//! what B(y)v and h(y) = H₀(y)dt + Σₘ Hₘ(y)dwₘ are, once, for every number type; gradients, discrete gradients,
-//! Itô corrections and Jacobians follow. A [`Damping`] gives γ and its integral, a [`Problem`] adds the initial
-//! value and the final time and checks them all.
+//! dy = (B(y)∇H₀(y) − γ(t)y) dt + Σₘ B(y)∇Hₘ(y) ∘ dWₘ (Stratonovich), B skew-symmetric. A
+//! [`PoissonSystem`] says what B(y)v and h(y) = H₀(y)dt + Σₘ Hₘ(y)dwₘ are, once, for every number
+//! type; gradients, discrete gradients, Itô corrections and Jacobians follow. A [`Damping`] gives γ
+//! and its integral, a [`Problem`] adds the initial value and the final time and checks them all.
 //!
 //! ```
 //! use real::Real;
@@ -55,7 +55,8 @@ mod system;
 pub use damping::{Constant, Cosine, Damping, DampingFunction, Linear, Sine};
 pub use error::SystemError;
 pub use field::{
-    HamiltonianIncrement, ito_correction, noises_commute, unit_noise, vector_field, vector_field_derivative,
+    HamiltonianIncrement, ito_correction, noises_commute, unit_noise, vector_field,
+    vector_field_derivative,
 };
 pub use invariant::{Form, Invariant, InvariantKind};
 pub use lotka_volterra::{Exponents, IntegerExponents, LotkaVolterra, RealExponents};

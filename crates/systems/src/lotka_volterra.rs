@@ -8,11 +8,12 @@ use real::Real;
 use crate::error::finite;
 use crate::{Form, Invariant, InvariantKind, PoissonSystem, SystemError};
 
-/// B(y)v = c·y₁^{1−p}y₂^{1−q}·(av₂ + v₃, −av₁ − pv₃, −v₁ + pv₂), H = y₁ᵖy₂^q y₃, noise H, where p = ab and q = −b.
+/// B(y)v = c·y₁^{1−p}y₂^{1−q}·(av₂ + v₃, −av₁ − pv₃, −v₁ + pv₂), H = y₁ᵖy₂^q y₃, noise H, where p =
+/// ab and q = −b.
 ///
-/// The energy H has degree p + q + 1 = ab − b + 1. The Casimir of this B is linear, ab·y₁ + y₂ − a·y₃, and not the
-/// logarithm that the paper names, which is ln H. The type of the exponents decides how powers are taken: see
-/// [`IntegerExponents`] and [`RealExponents`].
+/// The energy H has degree p + q + 1 = ab − b + 1. The Casimir of this B is linear, ab·y₁ + y₂ −
+/// a·y₃, and not the logarithm that the paper names, which is ln H. The type of the exponents
+/// decides how powers are taken: see [`IntegerExponents`] and [`RealExponents`].
 #[derive(Clone, Copy, Debug)]
 pub struct LotkaVolterra<E> {
     a: f64,
@@ -24,7 +25,8 @@ pub struct LotkaVolterra<E> {
 pub trait Exponents: Copy + Send + Sync {
     /// Whether ∇̄ takes so few nodes that it counts as a closed form.
     const FEW_NODES: bool;
-    /// Whether [`short_step`](Exponents::short_step) solves the implicit steps that are not too long.
+    /// Whether [`short_step`](Exponents::short_step) solves the implicit steps that are not too
+    /// long.
     const SOLVES_SHORT_STEPS: bool = false;
     /// p = ab.
     fn p(&self) -> f64;
@@ -54,7 +56,8 @@ pub trait Exponents: Copy + Send + Sync {
 
 /// Positive integer exponents: H is a polynomial and the discrete gradient is exact to round-off.
 ///
-/// The paper's two cases are (a, b) = (−1, −2), which is `IntegerExponents<2, 2>`, and (−1, −1), `<1, 1>`.
+/// The paper's two cases are (a, b) = (−1, −2), which is `IntegerExponents<2, 2>`, and (−1, −1),
+/// `<1, 1>`.
 #[derive(Clone, Copy, Debug)]
 pub struct IntegerExponents<const P: i32, const Q: i32>;
 
@@ -77,7 +80,8 @@ impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
     }
     #[inline(always)]
     fn averaged<R: Real, F: GradientField<3>>(&self, field: &F, a: [R; 3], b: [R; 3]) -> [R; 3] {
-        // ∇H has degree P + Q; n nodes are exact to degree 2n − 1. The branch is decided at compile time.
+        // ∇H has degree P + Q; n nodes are exact to degree 2n − 1. The branch is decided at compile
+        // time.
         match P + Q {
             ..=3 => averaged::<2, R, F, 3>(field, a, b),
             4..=5 => averaged::<3, R, F, 3>(field, a, b),
@@ -86,8 +90,14 @@ impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
         }
     }
     fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
-        // The prefactor y₁^{1−P}y₂^{1−Q} of B has poles on the coordinate planes when P or Q exceed 1.
-        const { assert!(P >= 1 && Q >= 1 && P + Q <= MAX_DEGREE, "exponents must be positive, with P + Q at most 9") };
+        // The prefactor y₁^{1−P}y₂^{1−Q} of B has poles on the coordinate planes when P or Q exceed
+        // 1.
+        const {
+            assert!(
+                P >= 1 && Q >= 1 && P + Q <= MAX_DEGREE,
+                "exponents must be positive, with P + Q at most 9"
+            )
+        };
         positive_octant(y)
     }
     #[inline(always)]
@@ -96,12 +106,17 @@ impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
     }
     #[inline(always)]
     fn short_steps(&self, a: [[f64; 3]; 2], kappa: [f64; 2]) -> [([f64; 3], f64); 2] {
-        if Self::SOLVES_SHORT_STEPS { quartic::short_steps(a, kappa) } else { a.map(|a| (a, f64::INFINITY)) }
+        if Self::SOLVES_SHORT_STEPS {
+            quartic::short_steps(a, kappa)
+        } else {
+            a.map(|a| (a, f64::INFINITY))
+        }
     }
 }
 
-/// Any real exponents; powers are e^{p ln y} and the discrete gradient a quadrature with 12 nodes, whose error for
-/// one step of a scheme is below round-off while y stays away from the coordinate planes.
+/// Any real exponents; powers are e^{p ln y} and the discrete gradient a quadrature with 12 nodes,
+/// whose error for one step of a scheme is below round-off while y stays away from the coordinate
+/// planes.
 #[derive(Clone, Copy, Debug)]
 pub struct RealExponents {
     p: f64,
@@ -132,13 +147,16 @@ impl Exponents for RealExponents {
     }
 }
 
-/// Populations are positive; on the coordinate planes the prefactor of B or its derivative has a pole.
+/// Populations are positive; on the coordinate planes the prefactor of B or its derivative has a
+/// pole.
 fn positive_octant(y: [f64; 3]) -> Result<(), SystemError> {
     match y.iter().position(|&component| component.is_nan() || component <= 0.0) {
         None => Ok(()),
-        Some(i) => {
-            Err(SystemError::OutsideDomain { component: i + 1, value: y[i], domain: "y1 > 0, y2 > 0 and y3 > 0" })
-        }
+        Some(i) => Err(SystemError::OutsideDomain {
+            component: i + 1,
+            value: y[i],
+            domain: "y1 > 0, y2 > 0 and y3 > 0",
+        }),
     }
 }
 
@@ -164,7 +182,8 @@ impl LotkaVolterra<RealExponents> {
     }
 }
 
-/// (∂₁H/p, ∂₂H/q, ∂₃H) as a field of its own: what is averaged, without factors that are the same at every node.
+/// (∂₁H/p, ∂₂H/q, ∂₃H) as a field of its own: what is averaged, without factors that are the same
+/// at every node.
 struct Gradient<E> {
     exponents: E,
 }
@@ -198,7 +217,11 @@ impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
     fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
         let prefactor = self.exponents.powers(y[0], y[1]).recip() * self.c;
         let p = self.exponents.p();
-        [prefactor * (v[1] * self.a + v[2]), -(prefactor * (v[0] * self.a + v[2] * p)), prefactor * (v[1] * p - v[0])]
+        [
+            prefactor * (v[1] * self.a + v[2]),
+            -(prefactor * (v[0] * self.a + v[2] * p)),
+            prefactor * (v[1] * p - v[0]),
+        ]
     }
 
     #[inline(always)]
@@ -213,7 +236,10 @@ impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
 
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-        self.weighed(self.exponents.averaged(&Gradient { exponents: self.exponents }, a, b), dt + dw[0])
+        self.weighed(
+            self.exponents.averaged(&Gradient { exponents: self.exponents }, a, b),
+            dt + dw[0],
+        )
     }
 
     #[inline(always)]

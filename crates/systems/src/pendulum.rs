@@ -54,12 +54,14 @@ impl PoissonSystem<2, 1> for Pendulum {
         [(a[0] + b[0]) * (0.5 * weight), mean_sine(a[1], b[1]) * weight]
     }
 
-    /// Newton's method for the change h of the angle, f(h) = h − w(a₁ − ½M(h)) = 0 with the average force M(h): after two iterations
-    /// with polynomials a step δ₁ with the derivative to seven digits, and one δ that keeps it.
+    /// Newton's method for the change h of the angle, f(h) = h − w(a₁ − ½M(h)) = 0 with the average
+    /// force M(h): after two iterations with polynomials a step δ₁ with the derivative to seven
+    /// digits, and one δ that keeps it.
     ///
-    /// The force after δ is the one before with that derivative, so that f = 0 and what is left is in the momentum: M″ is at most |w|/3
-    /// and the derivative lacks at most 2.3·10⁻⁸|w|, hence ‖z − ψ(z)‖₁ ≤ |w|(⅓(|δ₁| + |δ|) + 3·10⁻⁸)|δ|. For |w| < 1 the map contracts, and there
-    /// is no other solution.
+    /// The force after δ is the one before with that derivative, so that f = 0 and what is left is
+    /// in the momentum: M″ is at most |w|/3 and the derivative lacks at most 2.3·10⁻⁸|w|, hence ‖z
+    /// − ψ(z)‖₁ ≤ |w|(⅓(|δ₁| + |δ|) + 3·10⁻⁸)|δ|. For |w| < 1 the map contracts, and there is no
+    /// other solution.
     #[inline(always)]
     fn short_step(&self, a: [f64; 2], dt: f64, dw: [f64; 1]) -> ([f64; 2], f64) {
         let weight = dt + self.noise * dw[0];

@@ -19,8 +19,14 @@ impl<S, G: Damping, const D: usize> Problem<S, G, D> {
     /// The problem dy = …, y(0) = `y0`, on [0, `t_end`].
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteState`], [`SystemError::OutsideDomain`] or [`SystemError::FinalTime`].
-    pub fn new<const M: usize>(system: S, damping: G, y0: [f64; D], t_end: f64) -> Result<Self, SystemError>
+    /// [`SystemError::NonFiniteState`], [`SystemError::OutsideDomain`] or
+    /// [`SystemError::FinalTime`].
+    pub fn new<const M: usize>(
+        system: S,
+        damping: G,
+        y0: [f64; D],
+        t_end: f64,
+    ) -> Result<Self, SystemError>
     where
         S: PoissonSystem<D, M>,
     {

@@ -1,4 +1,5 @@
-//! The damped stochastic free rigid body (paper, Example 2): y is the angular momentum in the body frame.
+//! The damped stochastic free rigid body (paper, Example 2): y is the angular momentum in the body
+//! frame.
 
 use real::Real;
 
@@ -24,7 +25,10 @@ const CASIMIR: Invariant = Invariant {
     degree: 2.0,
 };
 
-fn reciprocals<const N: usize>(inertia: [f64; N], names: [&'static str; N]) -> Result<[f64; N], SystemError> {
+fn reciprocals<const N: usize>(
+    inertia: [f64; N],
+    names: [&'static str; N],
+) -> Result<[f64; N], SystemError> {
     let mut reciprocal = [0.0; N];
     for i in 0..N {
         reciprocal[i] = 1.0 / positive(names[i], inertia[i])?;
@@ -109,8 +113,8 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
         self.gradient(dgrad::quadratic(a, b), dt, dw)
     }
 
-    /// With s = a + b, the cross product (s/2) × K(s/2) has the components ¼(k₃ − k₂)s₂s₃ and so on: nine
-    /// operations, where composing it takes eighteen.
+    /// With s = a + b, the cross product (s/2) × K(s/2) has the components ¼(k₃ − k₂)s₂s₃ and so
+    /// on: nine operations, where composing it takes eighteen.
     #[inline(always)]
     fn averaged_field<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; M]) -> [R; 3] {
         let k = self.coefficients(dt, dw);
@@ -122,8 +126,8 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
         ]
     }
 
-    /// By Jacobi's identity [fₘ, f_l] = B∇{H_l, Hₘ}, and {H_l, Hₘ} = ± y₁y₂y₃/(ÎₘÎ_l) with the sign of (eₘ × e_l)·y: the sum is
-    /// y × ∇(c y₁y₂y₃) with one number c.
+    /// By Jacobi's identity [fₘ, f_l] = B∇{H_l, Hₘ}, and {H_l, Hₘ} = ± y₁y₂y₃/(ÎₘÎ_l) with the sign
+    /// of (eₘ × e_l)·y: the sum is y × ∇(c y₁y₂y₃) with one number c.
     #[inline(always)]
     fn commutators<R: Real>(&self, y: [R; 3], areas: [[f64; M]; M]) -> [R; 3] {
         let mut c = 0.0;
@@ -133,7 +137,8 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
                 c += if l == m + 1 { weight } else { -weight };
             }
         }
-        // c before the squares: a product of three large components may overflow where c, of a heavy body, is as small as they are large.
+        // c before the squares: a product of three large components may overflow where c, of a
+        // heavy body, is as small as they are large.
         let squares = [y[0] * y[0], y[1] * y[1], y[2] * y[2]];
         [
             y[0] * c * (squares[1] - squares[2]),
@@ -167,12 +172,16 @@ impl RigidBodyEnergy {
     /// # Errors
     /// [`SystemError::NonPositiveParameter`], [`SystemError::NonFiniteParameter`].
     pub fn new(inertia: [f64; 3], c: f64) -> Result<Self, SystemError> {
-        Ok(Self { drift: reciprocals(inertia, ["I1", "I2", "I3"])?, noise: finite("the noise size c", c)? })
+        Ok(Self {
+            drift: reciprocals(inertia, ["I1", "I2", "I3"])?,
+            noise: finite("the noise size c", c)?,
+        })
     }
 
     #[inline(always)]
     fn hamiltonian<R: Real>(&self, y: [R; 3]) -> R {
-        (y[0] * y[0] * self.drift[0] + y[1] * y[1] * self.drift[1] + y[2] * y[2] * self.drift[2]) * 0.5
+        (y[0] * y[0] * self.drift[0] + y[1] * y[1] * self.drift[1] + y[2] * y[2] * self.drift[2])
+            * 0.5
     }
 }
 
@@ -196,7 +205,11 @@ impl PoissonSystem<3, 1> for RigidBodyEnergy {
     #[inline(always)]
     fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
         let weight = dt + self.noise * dw[0];
-        [y[0] * (self.drift[0] * weight), y[1] * (self.drift[1] * weight), y[2] * (self.drift[2] * weight)]
+        [
+            y[0] * (self.drift[0] * weight),
+            y[1] * (self.drift[1] * weight),
+            y[2] * (self.drift[2] * weight),
+        ]
     }
 
     #[inline(always)]

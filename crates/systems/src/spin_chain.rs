@@ -5,10 +5,11 @@ use real::Real;
 use crate::error::finite;
 use crate::{Form, Invariant, InvariantKind, PoissonSystem, SystemError};
 
-/// n = D/3 classical spins sᵢ ∈ ℝ³ with B(y)v = (s₁ × v₁, …, sₙ × vₙ),
-/// H₀ = −J Σ sᵢ·sᵢ₊₁ − ½K Σ (sᵢᶻ)², and a field that fluctuates alike on all spins, Hₘ = −σ Σᵢ sᵢᵐ for m = x, y, z.
+/// n = D/3 classical spins sᵢ ∈ ℝ³ with B(y)v = (s₁ × v₁, …, sₙ × vₙ), H₀ = −J Σ sᵢ·sᵢ₊₁ − ½K Σ
+/// (sᵢᶻ)², and a field that fluctuates alike on all spins, Hₘ = −σ Σᵢ sᵢᵐ for m = x, y, z.
 ///
-/// The three noises do not commute: [fₓ, f_y] turns about z. Casimirs ½|sᵢ|² of degree 2, one for each spin.
+/// The three noises do not commute: [fₓ, f_y] turns about z. Casimirs ½|sᵢ|² of degree 2, one for
+/// each spin.
 #[derive(Clone, Copy, Debug)]
 pub struct SpinChain<const D: usize> {
     exchange: f64,
@@ -17,7 +18,8 @@ pub struct SpinChain<const D: usize> {
 }
 
 impl<const D: usize> SpinChain<D> {
-    /// Exchange J, anisotropy K and field strength σ. Does not compile unless D is a positive multiple of 3.
+    /// Exchange J, anisotropy K and field strength σ. Does not compile unless D is a positive
+    /// multiple of 3.
     ///
     /// # Errors
     /// [`SystemError::NonFiniteParameter`].
@@ -88,10 +90,12 @@ impl<const D: usize> PoissonSystem<D, 3> for SpinChain<D> {
         self.gradient(dgrad::quadratic(a, b), dt, dw)
     }
 
-    /// [fₘ, f_l] = B∇{H_l, Hₘ} with {H_l, Hₘ} = σ² Σᵢ sᵢ·(eₘ × e_l): the areas turn all spins about one axis.
+    /// [fₘ, f_l] = B∇{H_l, Hₘ} with {H_l, Hₘ} = σ² Σᵢ sᵢ·(eₘ × e_l): the areas turn all spins about
+    /// one axis.
     #[inline(always)]
     fn commutators<R: Real>(&self, y: [R; D], areas: [[f64; 3]; 3]) -> [R; D] {
-        let axis = [areas[1][2], -areas[0][2], areas[0][1]].map(|area| self.field * self.field * area);
+        let axis =
+            [areas[1][2], -areas[0][2], areas[0][1]].map(|area| self.field * self.field * area);
         let mut turned = y;
         for i in (0..D).step_by(3) {
             turned[i] = y[i + 1] * axis[2] - y[i + 2] * axis[1];

@@ -6,25 +6,30 @@ use real::{Real, gradient};
 use crate::field::{Energy, HamiltonianIncrement, commutators};
 use crate::{Invariant, SystemError};
 
-/// Nodes of the default discrete gradient: error of order |b − a|¹⁶, round-off for the small steps of a scheme.
+/// Nodes of the default discrete gradient: error of order |b − a|¹⁶, round-off for the small steps
+/// of a scheme.
 const DEFAULT_NODES: usize = 8;
 
 /// A damped stochastic Poisson system in D dimensions with M noises, less its damping.
 ///
-/// Two formulas are asked for. Everything provided follows from them and may be overridden by a closed form that
-/// is faster or more accurate. Implementations must be `#[inline(always)]` and free of branches to run fast in a
-/// block of paths. Time and noise increments are plain numbers: nothing is ever differentiated by them, and
-/// constants kept out of the dual numbers are multiplications saved in every Jacobian.
+/// Two formulas are asked for. Everything provided follows from them and may be overridden by a
+/// closed form that is faster or more accurate. Implementations must be `#[inline(always)]` and
+/// free of branches to run fast in a block of paths. Time and noise increments are plain numbers:
+/// nothing is ever differentiated by them, and constants kept out of the dual numbers are
+/// multiplications saved in every Jacobian.
 pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
-    /// Whether schemes solve their steps by Newton's method unless told otherwise: the faster one where ∇̄h is costly.
+    /// Whether schemes solve their steps by Newton's method unless told otherwise: the faster one
+    /// where ∇̄h is costly.
     const PREFERS_NEWTON: bool = false;
 
-    /// Whether [`averaged_field`](PoissonSystem::averaged_field) is a closed form of some dozen operations. Then the fixed-point iteration begins with
-    /// eleven evaluations that are written out for two paths at a time: a third faster, and too much code where the field is
-    /// a quadrature.
+    /// Whether [`averaged_field`](PoissonSystem::averaged_field) is a closed form of some dozen
+    /// operations. Then the fixed-point iteration begins with eleven evaluations that are written
+    /// out for two paths at a time: a third faster, and too much code where the field is a
+    /// quadrature.
     const SHORT_FIELD: bool = false;
 
-    /// Whether [`short_step`](PoissonSystem::short_step) solves the implicit steps that are not too long.
+    /// Whether [`short_step`](PoissonSystem::short_step) solves the implicit steps that are not too
+    /// long.
     const SOLVES_SHORT_STEPS: bool = false;
 
     /// Its name in reports.
@@ -48,40 +53,45 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
         averaged::<DEFAULT_NODES, R, _, D>(&HamiltonianIncrement { system: self, dt, dw }, a, b)
     }
 
-    /// B((a+b)/2)·∇̄h(a, b), the change over an implicit step from a to b; composed of the two unless overridden.
+    /// B((a+b)/2)·∇̄h(a, b), the change over an implicit step from a to b; composed of the two
+    /// unless overridden.
     #[inline(always)]
     fn averaged_field<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
         self.structure(quadratic(a, b), self.averaged_gradient(a, b, dt, dw))
     }
 
-    /// The b with b = a + averaged_field(a, b), where an implicit step leads, and a bound of what it lacks of that,
-    /// ‖b − a − averaged_field(a, b)‖₁, rounding excepted.
+    /// The b with b = a + averaged_field(a, b), where an implicit step leads, and a bound of what
+    /// it lacks of that, ‖b − a − averaged_field(a, b)‖₁, rounding excepted.
     ///
-    /// For systems that set [`SOLVES_SHORT_STEPS`](PoissonSystem::SOLVES_SHORT_STEPS): what is known of an equation, and a general solver cannot know, saves
-    /// most of its work. If the bound is not round-off, which the solver decides, its sweeps go on from b; where it
-    /// is infinite or NaN they begin at a. There must be no other solution that begins at a for smaller steps than the one that b is near.
+    /// For systems that set [`SOLVES_SHORT_STEPS`](PoissonSystem::SOLVES_SHORT_STEPS): what is
+    /// known of an equation, and a general solver cannot know, saves most of its work. If the bound
+    /// is not round-off, which the solver decides, its sweeps go on from b; where it is infinite or
+    /// NaN they begin at a. There must be no other solution that begins at a for smaller steps than
+    /// the one that b is near.
     #[inline(always)]
     fn short_step(&self, a: [f64; D], dt: f64, dw: [f64; M]) -> ([f64; D], f64) {
         let _ = (dt, dw);
         (a, f64::INFINITY)
     }
 
-    /// [`short_step`](PoissonSystem::short_step) for two paths, the same bits. A system whose solution is a chain of operations that wait for each
-    /// other takes them in turn here, and two chains fit into the time of one.
+    /// [`short_step`](PoissonSystem::short_step) for two paths, the same bits. A system whose
+    /// solution is a chain of operations that wait for each other takes them in turn here, and two
+    /// chains fit into the time of one.
     #[inline(always)]
     fn short_steps(&self, a: [[f64; D]; 2], dt: f64, dw: [[f64; M]; 2]) -> [([f64; D], f64); 2] {
         [self.short_step(a[0], dt, dw[0]), self.short_step(a[1], dt, dw[1])]
     }
 
-    /// Σ_{m<l} A_ml \[fₘ, f_l\](y) for a skew matrix A of Lévy areas, with fₘ = B∇Hₘ and [f, g] = g′f − f′g; by dual numbers,
-    /// nested where a Jacobian is wanted, unless overridden. It is tangent to the level sets of every Casimir:
-    /// [fₘ, f_l]C = fₘ(f_l C) − f_l(fₘ C) = 0.
+    /// Σ_{m<l} A_ml \[fₘ, f_l\](y) for a skew matrix A of Lévy areas, with fₘ = B∇Hₘ and [f, g] =
+    /// g′f − f′g; by dual numbers, nested where a Jacobian is wanted, unless overridden. It is
+    /// tangent to the level sets of every Casimir: [fₘ, f_l]C = fₘ(f_l C) − f_l(fₘ C) = 0.
     #[inline(always)]
     fn commutators<R: Real>(&self, y: [R; D], areas: [[f64; M]; M]) -> [R; D] {
         commutators(self, y, areas)
     }
 
-    /// The homogeneous Casimirs and, for one noise, the homogeneous Hamiltonian; none unless overridden.
+    /// The homogeneous Casimirs and, for one noise, the homogeneous Hamiltonian; none unless
+    /// overridden.
     fn invariants(&self) -> Vec<Invariant> {
         Vec::new()
     }

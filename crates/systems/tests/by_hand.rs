@@ -1,22 +1,25 @@
-//! The vector fields against the right-hand sides written out by hand, with the paper's misprints corrected, and the
-//! Itô corrections against formulas and against finite differences.
+//! The vector fields against the right-hand sides written out by hand, with the paper's misprints
+//! corrected, and the Itô corrections against formulas and against finite differences.
 
 mod common;
 
 use common::{Check, INERTIA, NOISE_INERTIA, Numbers, Region, every_system};
 use systems::{
-    IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody, RigidBodyEnergy,
-    ito_correction, unit_noise, vector_field,
+    IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
+    RigidBodyEnergy, ito_correction, unit_noise, vector_field,
 };
 
 /// The drift f₀ and the diffusions f₁ … f_M at y.
 type Fields<const D: usize, const M: usize> = ([f64; D], [[f64; D]; M]);
 
-/// Both sides have a few products of numbers of the size of the terms, some sines, and for real exponents powers of
-/// a few ulp each; `terms` is the largest term.
+/// Both sides have a few products of numbers of the size of the terms, some sines, and for real
+/// exponents powers of a few ulp each; `terms` is the largest term.
 fn assert_close<const D: usize>(ours: [f64; D], exact: [f64; D], terms: f64, what: &str) {
     for i in 0..D {
-        assert!((ours[i] - exact[i]).abs() <= 32.0 * f64::EPSILON * terms, "{what}: {ours:?} {exact:?}");
+        assert!(
+            (ours[i] - exact[i]).abs() <= 32.0 * f64::EPSILON * terms,
+            "{what}: {ours:?} {exact:?}"
+        );
     }
 }
 
@@ -31,7 +34,12 @@ fn compare<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         let (drift, diffusions) = by_hand(y);
         let name = system.name();
         // Points are within [−2, 2] and coefficients within 6: no term of degree two exceeds 6·2·2.
-        assert_close(vector_field(system, y, 1.0, [0.0; M]), drift, 24.0, &format!("drift of {name}"));
+        assert_close(
+            vector_field(system, y, 1.0, [0.0; M]),
+            drift,
+            24.0,
+            &format!("drift of {name}"),
+        );
         for m in 0..M {
             assert_close(
                 vector_field(system, y, 0.0, unit_noise(m)),
@@ -84,7 +92,9 @@ fn rigid_body_with_one_noise() {
 
 #[test]
 fn rigid_body_whose_noise_is_its_energy() {
-    compare(&RigidBodyEnergy::new(INERTIA, 0.7).unwrap(), Region::Box, |y| (euler(y), [times(0.7, euler(y))]));
+    compare(&RigidBodyEnergy::new(INERTIA, 0.7).unwrap(), Region::Box, |y| {
+        (euler(y), [times(0.7, euler(y))])
+    });
 }
 
 /// c·(y₁(y₂ − ab y₃), −ab y₂(y₁ + a y₃), −ab y₃(b y₁ + y₂)) with p = ab: the powers have cancelled.
@@ -101,18 +111,30 @@ fn lotka_volterra() {
             (f, [f])
         });
     }
-    compare(&LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.3).unwrap(), Region::Positive, |y| {
-        let f = populations(-1.0, -2.0, 1.3, y);
-        (f, [f])
-    });
-    compare(&LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0).unwrap(), Region::Positive, |y| {
-        let f = populations(-1.0, -1.0, 1.0, y);
-        (f, [f])
-    });
-    compare(&LotkaVolterra::<IntegerExponents<3, 2>>::integer(0.5).unwrap(), Region::Positive, |y| {
-        let f = populations(-1.5, -2.0, 0.5, y);
-        (f, [f])
-    });
+    compare(
+        &LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.3).unwrap(),
+        Region::Positive,
+        |y| {
+            let f = populations(-1.0, -2.0, 1.3, y);
+            (f, [f])
+        },
+    );
+    compare(
+        &LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0).unwrap(),
+        Region::Positive,
+        |y| {
+            let f = populations(-1.0, -1.0, 1.0, y);
+            (f, [f])
+        },
+    );
+    compare(
+        &LotkaVolterra::<IntegerExponents<3, 2>>::integer(0.5).unwrap(),
+        Region::Positive,
+        |y| {
+            let f = populations(-1.5, -2.0, 0.5, y);
+            (f, [f])
+        },
+    );
 }
 
 #[test]
@@ -141,7 +163,8 @@ fn the_misprint_of_the_rigid_body_is_seen() {
 
 #[test]
 fn ito_correction_of_the_rigid_body() {
-    // fₘ turns about axis m with angular velocity yₘ/Îₘ, which it keeps: ½fₘ′fₘ = −½(yₘ/Îₘ)²·(y without yₘ).
+    // fₘ turns about axis m with angular velocity yₘ/Îₘ, which it keeps: ½fₘ′fₘ = −½(yₘ/Îₘ)²·(y
+    // without yₘ).
     let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA).unwrap();
     let mut numbers = Numbers(12);
     for _ in 0..300 {
@@ -182,7 +205,8 @@ fn ito_correction_of_the_other_systems() {
     }
 }
 
-/// Relative step of the central differences: error h²/6·|f‴| of truncation and ε/h of rounding, both near 10⁻¹⁰.
+/// Relative step of the central differences: error h²/6·|f‴| of truncation and ε/h of rounding,
+/// both near 10⁻¹⁰.
 const H: f64 = 1e-5;
 /// Third derivatives of the fields along themselves are up to some hundreds of the field's size.
 const DIFFERENCE: f64 = 1e-7;
@@ -191,7 +215,11 @@ const DIFFERENCE: f64 = 1e-7;
 struct Differences;
 
 impl Check for Differences {
-    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, region: Region) {
+    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        region: Region,
+    ) {
         let mut numbers = Numbers(14);
         for _ in 0..100 {
             let y: [f64; D] = region.point(&mut numbers);

@@ -1,13 +1,15 @@
-//! Commutators of the noise fields: against formulas, against finite differences, tangent to the Casimirs; and when
-//! noises are found to commute.
+//! Commutators of the noise fields: against formulas, against finite differences, tangent to the
+//! Casimirs; and when noises are found to commute.
 
 mod common;
 
-use common::{Check, INERTIA, NOISE_INERTIA, Numbers, Region, dot, every_system, invariant_gradient};
+use common::{
+    Check, INERTIA, NOISE_INERTIA, Numbers, Region, dot, every_system, invariant_gradient,
+};
 use real::Real;
 use systems::{
-    Constant, InvariantKind, Pendulum, PoissonSystem, Problem, RigidBody, SpinChain, noises_commute, unit_noise,
-    vector_field,
+    Constant, InvariantKind, Pendulum, PoissonSystem, Problem, RigidBody, SpinChain,
+    noises_commute, unit_noise, vector_field,
 };
 
 /// A random skew matrix.
@@ -65,7 +67,11 @@ fn by_differences<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
 struct Commutators;
 
 impl Check for Commutators {
-    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, region: Region) {
+    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        region: Region,
+    ) {
         let mut numbers = Numbers(21);
         for _ in 0..200 {
             let y: [f64; D] = region.point(&mut numbers);
@@ -73,13 +79,20 @@ impl Check for Commutators {
             let ours = system.commutators(y, areas);
             let provided = Plain(system).commutators(y, areas);
             let name = system.name();
-            // Fields of degree two at points within [−2, 2]: three pairs of terms of at most 2·2³. Differences with
-            // h = 1e-4 are exact for quadratic fields but for cancellation, ε·8/h a derivative.
+            // Fields of degree two at points within [−2, 2]: three pairs of terms of at most 2·2³.
+            // Differences with h = 1e-4 are exact for quadratic fields but for cancellation, ε·8/h
+            // a derivative.
             let terms = 48.0;
             let differences = by_differences(system, y, areas, 1e-4);
             for i in 0..D {
-                assert!((ours[i] - provided[i]).abs() <= 16.0 * f64::EPSILON * terms, "{name} at {y:?}");
-                assert!((ours[i] - differences[i]).abs() <= f64::EPSILON * terms * 1e4, "{name} at {y:?}");
+                assert!(
+                    (ours[i] - provided[i]).abs() <= 16.0 * f64::EPSILON * terms,
+                    "{name} at {y:?}"
+                );
+                assert!(
+                    (ours[i] - differences[i]).abs() <= f64::EPSILON * terms * 1e4,
+                    "{name} at {y:?}"
+                );
             }
             for (index, invariant) in system.invariants().iter().enumerate() {
                 if invariant.kind == InvariantKind::Casimir {
@@ -99,7 +112,8 @@ fn commutators_are_what_they_should_be() {
 
 #[test]
 fn fields_of_a_common_rotation_turn_about_the_third_axis() {
-    // Hₘ = −σ Σ sᵢᵐ turns every spin about axis m, and so(3) says [fₓ, f_y] = X_{{H_y, Hₓ}} with {H_y, Hₓ} = σ²Σ sᵢᶻ.
+    // Hₘ = −σ Σ sᵢᵐ turns every spin about axis m, and so(3) says [fₓ, f_y] = X_{{H_y, Hₓ}} with
+    // {H_y, Hₓ} = σ²Σ sᵢᶻ.
     let chain = SpinChain::<6>::new(1.0, 0.3, 0.5).unwrap();
     let y = [0.1, 0.2, 0.3, -0.4, 0.5, 0.6];
     let areas = [[0.0, 2.0, 0.0], [-2.0, 0.0, 0.0], [0.0; 3]];
@@ -110,7 +124,8 @@ fn fields_of_a_common_rotation_turn_about_the_third_axis() {
     }
 }
 
-/// An oscillator shaken by two noises that are functions of one Hamiltonian, or of two different ones.
+/// An oscillator shaken by two noises that are functions of one Hamiltonian, or of two different
+/// ones.
 struct Shaken {
     same: bool,
 }
@@ -133,7 +148,11 @@ impl PoissonSystem<2, 2> for Shaken {
 struct NeedsAreas(Vec<(&'static str, bool)>);
 
 impl Check for NeedsAreas {
-    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, region: Region) {
+    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        region: Region,
+    ) {
         let y: [f64; D] = region.point(&mut Numbers(4));
         let commute = noises_commute(system, y);
         assert_eq!(commute, M == 1, "{}", system.name());
@@ -146,12 +165,16 @@ fn commuting_noises_are_recognised() {
     let mut seen = NeedsAreas(Vec::new());
     every_system(&mut seen);
     assert!(seen.0.contains(&("spin-chain", false)) && seen.0.contains(&("pendulum", true)));
-    // Functions of one Hamiltonian commute, B constant or not: {H, H²} = 0. The default gradient rounds, and is seen through.
+    // Functions of one Hamiltonian commute, B constant or not: {H, H²} = 0. The default gradient
+    // rounds, and is seen through.
     assert!(noises_commute(&Shaken { same: true }, [0.3, -0.8]));
     assert!(!noises_commute(&Shaken { same: false }, [0.3, -0.8]));
-    // Two of the three noises of the body alone, and a point where every field of the third vanishes.
+    // Two of the three noises of the body alone, and a point where every field of the third
+    // vanishes.
     let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA).unwrap();
     assert!(!noises_commute(&body, [0.0, 0.0, 0.0]));
-    let damped = Problem::new(Pendulum::new(1.0).unwrap(), Constant::new(1.0).unwrap(), [0.2, 1.0], 1.0).unwrap();
+    let damped =
+        Problem::new(Pendulum::new(1.0).unwrap(), Constant::new(1.0).unwrap(), [0.2, 1.0], 1.0)
+            .unwrap();
     assert!(noises_commute(&damped.system, damped.y0));
 }

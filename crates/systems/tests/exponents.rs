@@ -3,9 +3,13 @@
 mod common;
 
 use common::{Numbers, Region};
-use systems::{Exponents, IntegerExponents, LotkaVolterra, PoissonSystem, RealExponents, ito_correction, vector_field};
+use systems::{
+    Exponents, IntegerExponents, LotkaVolterra, PoissonSystem, RealExponents, ito_correction,
+    vector_field,
+};
 
-/// y^n as e^{n ln y} with |n ln y| below 6: relative error 2·6·ε, twice in a quotient of powers, and some products.
+/// y^n as e^{n ln y} with |n ln y| below 6: relative error 2·6·ε, twice in a quotient of powers,
+/// and some products.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 
 fn close(one: [f64; 3], other: [f64; 3], terms: f64) {
@@ -24,14 +28,16 @@ fn agree<E: Exponents>(integer: LotkaVolterra<E>, real: LotkaVolterra<RealExpone
 
         let (one, other): ([f64; 3], [f64; 3]) = (integer.structure(y, v), real.structure(y, v));
         close(one, other, largest(one));
-        let (one, other): ([f64; 3], [f64; 3]) = (integer.gradient(y, dt, [dw]), real.gradient(y, dt, [dw]));
+        let (one, other): ([f64; 3], [f64; 3]) =
+            (integer.gradient(y, dt, [dw]), real.gradient(y, dt, [dw]));
         close(one, other, largest(one));
         // Not so far apart that 12 nodes would not do.
         let b = std::array::from_fn(|i| y[i] + 0.1 * v[i]);
         let (one, other): ([f64; 3], [f64; 3]) =
             (integer.averaged_gradient(y, b, dt, [dw]), real.averaged_gradient(y, b, dt, [dw]));
         close(one, other, largest(one));
-        // In the fields the powers cancel, so the terms are the products of degree two, up to 6·1.7².
+        // In the fields the powers cancel, so the terms are the products of degree two, up to
+        // 6·1.7².
         close(vector_field(&integer, y, dt, [dw]), vector_field(&real, y, dt, [dw]), 18.0);
         close(ito_correction(&integer, y), ito_correction(&real, y), 6.0 * 18.0 * 1.7);
         let (one, other): (f64, f64) = (integer.energy(y, dt, [dw]), real.energy(y, dt, [dw]));
@@ -44,15 +50,28 @@ fn agree<E: Exponents>(integer: LotkaVolterra<E>, real: LotkaVolterra<RealExpone
 
 #[test]
 fn integer_and_real_exponents_agree() {
-    agree(LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0).unwrap(), LotkaVolterra::new(-1.0, -1.0, 1.0).unwrap());
-    agree(LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.3).unwrap(), LotkaVolterra::new(-1.0, -2.0, 1.3).unwrap());
-    agree(LotkaVolterra::<IntegerExponents<3, 2>>::integer(0.5).unwrap(), LotkaVolterra::new(-1.5, -2.0, 0.5).unwrap());
-    agree(LotkaVolterra::<IntegerExponents<2, 4>>::integer(1.0).unwrap(), LotkaVolterra::new(-0.5, -4.0, 1.0).unwrap());
+    agree(
+        LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0).unwrap(),
+        LotkaVolterra::new(-1.0, -1.0, 1.0).unwrap(),
+    );
+    agree(
+        LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.3).unwrap(),
+        LotkaVolterra::new(-1.0, -2.0, 1.3).unwrap(),
+    );
+    agree(
+        LotkaVolterra::<IntegerExponents<3, 2>>::integer(0.5).unwrap(),
+        LotkaVolterra::new(-1.5, -2.0, 0.5).unwrap(),
+    );
+    agree(
+        LotkaVolterra::<IntegerExponents<2, 4>>::integer(1.0).unwrap(),
+        LotkaVolterra::new(-0.5, -4.0, 1.0).unwrap(),
+    );
 }
 
 #[test]
 fn the_discrete_gradient_of_a_polynomial_is_exact_however_far() {
-    // From one corner of the region to the other, where a quadrature of real powers would be visibly off.
+    // From one corner of the region to the other, where a quadrature of real powers would be
+    // visibly off.
     let system = LotkaVolterra::<IntegerExponents<4, 5>>::integer(1.0).unwrap();
     let (a, b) = ([0.3, 1.7, 0.5], [1.7, 0.3, 1.5]);
     let mean: [f64; 3] = system.averaged_gradient(a, b, 1.0, [0.0]);

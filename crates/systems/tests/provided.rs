@@ -21,20 +21,25 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M>
     }
 }
 
-/// Powers up to the ninth by dual numbers and by closed forms, some through e^{p ln y}: a few tens of roundings of
-/// terms that are all of the size of the largest component.
+/// Powers up to the ninth by dual numbers and by closed forms, some through e^{p ln y}: a few tens
+/// of roundings of terms that are all of the size of the largest component.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 
 struct ClosedForms;
 
 impl Check for ClosedForms {
-    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, region: Region) {
+    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        region: Region,
+    ) {
         let mut numbers = Numbers(7);
         for n in 0..400 {
             let a: [f64; D] = region.point(&mut numbers);
-            // Every fourth pair coincides; the others are as far apart as one step of a scheme may be. Of 8 nodes the
-            // error is ρ⁻¹⁶, where the poles of the powers are at least nine half-intervals off the centre, ρ > 17;
-            // sines have no pole, and an interval of 0.5 leaves 0.25¹⁶/16!.
+            // Every fourth pair coincides; the others are as far apart as one step of a scheme may
+            // be. Of 8 nodes the error is ρ⁻¹⁶, where the poles of the powers are at least nine
+            // half-intervals off the centre, ρ > 17; sines have no pole, and an interval of 0.5
+            // leaves 0.25¹⁶/16!.
             let distance = match region {
                 Region::Box => 0.5,
                 Region::Positive => 0.06,
@@ -87,7 +92,8 @@ impl Check for ClosedForms {
             let step = std::array::from_fn(|i| b[i] - a[i]);
             let (h_a, h_b): (f64, f64) = (system.energy(a, dt, dw), system.energy(b, dt, dw));
             assert!(
-                (dot(closed, step) - (h_b - h_a)).abs() < ROUND_OFF * (h_a.abs() + h_b.abs() + largest),
+                (dot(closed, step) - (h_b - h_a)).abs()
+                    < ROUND_OFF * (h_a.abs() + h_b.abs() + largest),
                 "{name}: {}",
                 dot(closed, step) - (h_b - h_a)
             );
@@ -100,26 +106,36 @@ fn closed_forms_agree_with_the_provided_ones() {
     every_system(&mut ClosedForms);
 }
 
-/// What a system solves itself is a solution within its bound, from short steps to steps that it declines.
+/// What a system solves itself is a solution within its bound, from short steps to steps that it
+/// declines.
 struct ShortSteps {
     solved: usize,
 }
 
 impl Check for ShortSteps {
-    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, region: Region) {
+    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        region: Region,
+    ) {
         let mut numbers = Numbers(9);
         for n in 0..4000 {
             let a: [f64; D] = region.point(&mut numbers);
-            // Four sizes of steps, the largest beyond what is declined.
-            // Populations of the region are larger than those of the paper, and their steps that much longer.
+            // Four sizes of steps, the largest beyond what is declined. Populations of the region
+            // are larger than those of the paper, and their steps that much longer.
             let scale = if region == Region::Positive { 0.25 } else { 1.0 };
             let size = scale * [1e-3, 0.03, 0.3, 3.0][n % 4];
-            let (dt, dw): (f64, [f64; M]) = (size * numbers.next().abs(), numbers.vector().map(|w| size * w));
+            let (dt, dw): (f64, [f64; M]) =
+                (size * numbers.next().abs(), numbers.vector().map(|w| size * w));
             let (b, bound) = system.short_step(a, dt, dw);
-            let (other_a, other_dw) = (region.point(&mut numbers), numbers.vector().map(|w| size * w));
-            // Two in turn are each of them alone, to the bit; sign and payload of a NaN are not specified.
+            let (other_a, other_dw) =
+                (region.point(&mut numbers), numbers.vector().map(|w| size * w));
+            // Two in turn are each of them alone, to the bit; sign and payload of a NaN are not
+            // specified.
             let alone = [(b, bound), system.short_step(other_a, dt, other_dw)];
-            for (one, of_pair) in alone.into_iter().zip(system.short_steps([a, other_a], dt, [dw, other_dw])) {
+            for (one, of_pair) in
+                alone.into_iter().zip(system.short_steps([a, other_a], dt, [dw, other_dw]))
+            {
                 let bits = |x: f64| if x.is_nan() { f64::NAN } else { x }.to_bits();
                 assert_eq!(one.0.map(bits), of_pair.0.map(bits), "{}", system.name());
                 assert_eq!(bits(one.1), bits(of_pair.1), "{}", system.name());
@@ -131,7 +147,11 @@ impl Check for ShortSteps {
             self.solved += 1;
             let sum = |v: [f64; D]| v.iter().map(|x| x.abs()).sum::<f64>();
             if size <= 0.03 {
-                assert!(bound <= 2.0 * f64::EPSILON * sum(b), "{}: {bound:e} at {dt} {dw:?}", system.name());
+                assert!(
+                    bound <= 2.0 * f64::EPSILON * sum(b),
+                    "{}: {bound:e} at {dt} {dw:?}",
+                    system.name()
+                );
             }
             if bound < f64::INFINITY {
                 let field = system.averaged_field(a, b, dt, dw);
@@ -160,7 +180,10 @@ fn long_steps_are_declined() {
     let declined = |bound: f64| bound == f64::INFINITY || bound.is_nan();
     for dt in [1.0, -1.0, 10.0, 1e300, f64::INFINITY, f64::NAN] {
         assert!(declined(Pendulum::new(1.0).unwrap().short_step([0.5, 1.0], dt, [0.0]).1), "{dt}");
-        assert!(declined(Poisson3::new(1.0).unwrap().short_step([0.5, 1.0, 2.0], dt, [0.0]).1), "{dt}");
+        assert!(
+            declined(Poisson3::new(1.0).unwrap().short_step([0.5, 1.0, 2.0], dt, [0.0]).1),
+            "{dt}"
+        );
     }
     let populations = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0).unwrap();
     for dt in [1.0, -1.0, 10.0, 1e300, f64::INFINITY, f64::NAN] {
@@ -174,8 +197,8 @@ fn long_steps_are_declined() {
     assert!(declined(Poisson3::new(1.0).unwrap().short_step([0.5, 1e7, 2.0], 0.1, [0.0]).1));
 }
 
-/// The solution that the system finds is the one on the branch that begins at a: followed in 64 steps of the weight by the plain
-/// iteration, which contracts as long as no step is declined.
+/// The solution that the system finds is the one on the branch that begins at a: followed in 64
+/// steps of the weight by the plain iteration, which contracts as long as no step is declined.
 #[test]
 fn short_steps_of_populations_stay_on_the_branch() {
     const PIECES: u32 = 64;
@@ -202,8 +225,12 @@ fn short_steps_of_populations_stay_on_the_branch() {
         }
         let sum = |v: [f64; 3]| v.iter().map(|x| x.abs()).sum::<f64>();
         let apart = sum(std::array::from_fn(|i| b[i] - followed[i]));
-        // Residuals of both, times 1/(1 − L) where the plain iteration contracts by L = ¾, which this asserts as well.
-        assert!(apart <= 4.0 * (bound + 16.0 * f64::EPSILON * (sum(a) + sum(b))), "{a:?} {weight}: {b:?} {followed:?}");
+        // Residuals of both, times 1/(1 − L) where the plain iteration contracts by L = ¾, which
+        // this asserts as well.
+        assert!(
+            apart <= 4.0 * (bound + 16.0 * f64::EPSILON * (sum(a) + sum(b))),
+            "{a:?} {weight}: {b:?} {followed:?}"
+        );
     }
     assert!(accepted > 1000 && longest > 0.4, "{accepted} {longest}");
 }
@@ -211,7 +238,11 @@ fn short_steps_of_populations_stay_on_the_branch() {
 struct EnergyIsLinear;
 
 impl Check for EnergyIsLinear {
-    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, region: Region) {
+    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        region: Region,
+    ) {
         let mut numbers = Numbers(8);
         for _ in 0..100 {
             let y: [f64; D] = region.point(&mut numbers);

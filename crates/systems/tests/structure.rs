@@ -1,20 +1,28 @@
-//! What every system claims: B is skew, its Casimirs are Casimirs, its energies are energies, degrees and forms are
-//! right. And the same checks reject systems that are wrong on purpose.
+//! What every system claims: B is skew, its Casimirs are Casimirs, its energies are energies,
+//! degrees and forms are right. And the same checks reject systems that are wrong on purpose.
 
 mod common;
 
-use common::{Check, InvariantFunction, Numbers, Region, dot, every_system, invariant_gradient, matrix, size};
+use common::{
+    Check, InvariantFunction, Numbers, Region, dot, every_system, invariant_gradient, matrix, size,
+};
 use real::{Dual, Real, ScalarFunction};
-use systems::{Form, Invariant, InvariantKind, LotkaVolterra, PoissonSystem, RealExponents, RigidBody, vector_field};
+use systems::{
+    Form, Invariant, InvariantKind, LotkaVolterra, PoissonSystem, RealExponents, RigidBody,
+    vector_field,
+};
 
 const POINTS: usize = 500;
 
-/// Sums of at most nine products, each with a few roundings, and powers with a few more: relative to the sum of
-/// the absolute values.
+/// Sums of at most nine products, each with a few roundings, and powers with a few more: relative
+/// to the sum of the absolute values.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
 /// Largest |vᵀBv|, relative to its terms.
-fn skew_defect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(system: &S, region: Region) -> f64 {
+fn skew_defect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    system: &S,
+    region: Region,
+) -> f64 {
     let mut numbers = Numbers(1);
     let mut worst = 0.0;
     for _ in 0..POINTS {
@@ -85,7 +93,11 @@ struct Claims {
 }
 
 impl Check for Claims {
-    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, region: Region) {
+    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        region: Region,
+    ) {
         let name = system.name();
         let skew = skew_defect(system, region);
         assert!(skew < ROUND_OFF, "{name}: {skew}");
@@ -105,7 +117,8 @@ impl Check for Claims {
     }
 }
 
-/// Linear: F(a + b) = F(a) + F(b). Quadratic: F(a + b) + F(a − b) = 2F(a) + 2F(b). And neither for the rest.
+/// Linear: F(a + b) = F(a) + F(b). Quadratic: F(a + b) + F(a − b) = 2F(a) + 2F(b). And neither for
+/// the rest.
 fn form_is_as_claimed<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: &S,
     region: Region,
@@ -124,7 +137,8 @@ fn form_is_as_claimed<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         linear = linear.max((f(sum) - f(a) - f(tenth)).abs());
         quadratic = quadratic.max((f(sum) + f(difference) - 2.0 * f(a) - 2.0 * f(tenth)).abs());
     }
-    // Points have components up to 2.2, coefficients are up to 6: values up to 3·6·2.2², a few roundings each.
+    // Points have components up to 2.2, coefficients are up to 6: values up to 3·6·2.2², a few
+    // roundings each.
     let exact = 3.0 * 6.0 * 2.2 * 2.2 * 4.0 * f64::EPSILON;
     let seen = if linear < exact {
         Form::Linear
@@ -157,7 +171,8 @@ fn homogeneous<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
 fn every_system_is_what_it_claims() {
     let mut claims = Claims { invariants: 0 };
     every_system(&mut claims);
-    // Pendulum 0, rigid body 1 + 1 + 2, Lotka–Volterra 7·2, Maxwell–Bloch 1, Poisson3 2, two spins 2.
+    // Pendulum 0, rigid body 1 + 1 + 2, Lotka–Volterra 7·2, Maxwell–Bloch 1, Poisson3 2, two spins
+    // 2.
     assert_eq!(claims.invariants, 23);
 }
 
@@ -203,7 +218,8 @@ fn wrong_systems_are_rejected() {
     let body = RigidBody::three_noises([2.0, 1.0, 0.5], [1.0, 2.0, 3.0]).unwrap();
     assert!(skew_defect(&WrongSign(body), Region::Box) > 0.1);
     assert!(casimir_defect(&WrongSign(body), Region::Box, 0) > 0.1);
-    // A wrong degree, and a Casimir of three noises taken for an energy of one: it is kept, so that is fine.
+    // A wrong degree, and a Casimir of three noises taken for an energy of one: it is kept, so that
+    // is fine.
     assert!(degree_defect(&body, Region::Box, 0, 3.0) > 0.1);
     assert!(energy_defect(&body, Region::Box, 0) < ROUND_OFF);
 
@@ -230,7 +246,8 @@ fn the_linear_casimir_bounds_positive_populations() {
 
 #[test]
 fn invariants_are_differentiable_twice() {
-    // Nested dual numbers: the quadratic Casimir ½|y|² has the second derivative 1 in each direction.
+    // Nested dual numbers: the quadratic Casimir ½|y|² has the second derivative 1 in each
+    // direction.
     let body = RigidBody::one_noise([2.0, 1.0, 0.5], 1.0).unwrap();
     let casimir = InvariantFunction::<_, 1> { system: &body, index: 0 };
     let y = [0.3, -0.2, 0.9].map(|x| Dual::fixed(Dual::fixed(x)));

@@ -1,8 +1,9 @@
-//! Every constructor refuses what makes no sense, with the right error, and the error names the value.
+//! Every constructor refuses what makes no sense, with the right error, and the error names the
+//! value.
 
 use systems::{
-    Constant, Cosine, Damping, DampingFunction, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum,
-    Poisson3, Problem, RigidBody, RigidBodyEnergy, Sine, SystemError,
+    Constant, Cosine, Damping, DampingFunction, IntegerExponents, Linear, LotkaVolterra,
+    MaxwellBloch, Pendulum, Poisson3, Problem, RigidBody, RigidBodyEnergy, Sine, SystemError,
 };
 
 const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
@@ -104,7 +105,10 @@ fn problems_refuse_initial_values() {
             let mut y0 = [1.0, 2.0, 3.0];
             y0[i] = bad;
             let error = Problem::new(MaxwellBloch, damping, y0, 1.0).unwrap_err();
-            assert!(matches!(error, SystemError::NonFiniteState { component, .. } if component == i + 1), "{error:?}");
+            assert!(
+                matches!(error, SystemError::NonFiniteState { component, .. } if component == i + 1),
+                "{error:?}"
+            );
             named(error, &format!("y{}", i + 1), bad);
         }
     }

@@ -1,5 +1,5 @@
-//! A charged particle in a trap, across a magnetic field that is not uniform, in an electric field that fluctuates: the program
-//! of `docs/guide.md`.
+//! A charged particle in a trap, across a magnetic field that is not uniform, in an electric field
+//! that fluctuates: the program of `docs/guide.md`.
 
 use mc::{Simulation, write_csv, write_json};
 use noise::{StreamKey, Truncation};
@@ -8,8 +8,8 @@ use schemes::Sexp;
 use systems::{Constant, PoissonSystem, Problem};
 use verify::{Study, inspect_problem, strong_order};
 
-/// A charged particle in the plane, y = (x, y, u, v): a harmonic trap, a magnetic field b₀ + b₁x across the plane, and an
-/// electric field along x that fluctuates.
+/// A charged particle in the plane, y = (x, y, u, v): a harmonic trap, a magnetic field b₀ + b₁x
+/// across the plane, and an electric field along x that fluctuates.
 struct Particle {
     trap: f64,
     field: f64,
@@ -94,7 +94,10 @@ fn order(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
     };
     let order = strong_order(&Sexp::default(), problem, &study)?;
     match order.rate {
-        Some(rate) => println!("strong order {:.2}, 95 % interval [{:.2}, {:.2}]", rate.estimate, rate.lo, rate.hi),
+        Some(rate) => println!(
+            "strong order {:.2}, 95 % interval [{:.2}, {:.2}]",
+            rate.estimate, rate.lo, rate.hi
+        ),
         None => println!("no order can be named: {:?}", order.points),
     }
     Ok(())

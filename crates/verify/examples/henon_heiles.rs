@@ -1,5 +1,5 @@
-//! A star in the damped Hénon–Heiles potential, shaken in stiffness and in the strength of its cubic part: two noises. Written from
-//! `docs/guide.md` alone, in an empty folder.
+//! A star in the damped Hénon–Heiles potential, shaken in stiffness and in the strength of its
+//! cubic part: two noises. Written from `docs/guide.md` alone, in an empty folder.
 //!
 //! ```text
 //! cargo run -p verify --example henon_heiles
@@ -35,7 +35,9 @@ impl PoissonSystem<4, 2> for HenonHeiles {
         let kinetic = (y[2] * y[2] + y[3] * y[3]) * 0.5;
         let harmonic = (y[0] * y[0] + y[1] * y[1]) * 0.5;
         let cubic = y[0] * y[0] * y[1] - y[1].powi(3) / 3.0;
-        kinetic * dt + harmonic * (dt + self.stiffness_noise * dw[0]) + cubic * (dt + self.cubic_noise * dw[1])
+        kinetic * dt
+            + harmonic * (dt + self.stiffness_noise * dw[0])
+            + cubic * (dt + self.cubic_noise * dw[1])
     }
 
     /// A cubic energy: two nodes are exact.
@@ -62,9 +64,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .path(512, key, 0)?;
     write_csv(&[path], &mut std::io::stdout())?;
 
-    let study = Study { coarsest_steps: 1024, levels: 4, refinement: 2, samples: 64, truncation, key };
+    let study =
+        Study { coarsest_steps: 1024, levels: 4, refinement: 2, samples: 64, truncation, key };
     match strong_order(&sexp, &problem, &study)?.rate {
-        Some(rate) => println!("strong order {:.2}, 95 % interval [{:.2}, {:.2}]", rate.estimate, rate.lo, rate.hi),
+        Some(rate) => println!(
+            "strong order {:.2}, 95 % interval [{:.2}, {:.2}]",
+            rate.estimate, rate.lo, rate.hi
+        ),
         None => println!("no order can be named"),
     }
     Ok(())

@@ -4,7 +4,9 @@
 //! cargo run -p verify --example inspect_systems
 //! ```
 
-use systems::{IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, RigidBody, RigidBodyEnergy};
+use systems::{
+    IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, RigidBody, RigidBodyEnergy,
+};
 use verify::inspect;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -43,16 +43,22 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{}\n", report.problem.as_ref().map_or("", |problem| problem.damping.as_str()));
     assert!(report.mistakes.is_empty(), "{report}");
 
-    // C = ½(y₂² + y₃²) falls in steps, and `sexp` follows its law through every edge of the shutter.
+    // C = ½(y₂² + y₃²) falls in steps, and `sexp` follows its law through every edge of the
+    // shutter.
     let (sexp, key) = (Sexp::default(), StreamKey { seed: 1, experiment: 0 });
     let path = Simulation::new(&problem, &sexp, Truncation::new(4)?).every(50).path(400, key, 0)?;
     write_csv(&[path], &mut std::io::stdout())?;
 
-    // The same as a function, integrated by quadrature: `inspect` sees that four nodes cannot find the edges, and how much
-    // that matters is for the author to say. Smooth functions are integrated to round-off.
+    // The same as a function, integrated by quadrature: `inspect` sees that four nodes cannot find
+    // the edges, and how much that matters is for the author to say. Smooth functions are
+    // integrated to round-off.
     let by_quadrature = DampingFunction::new(move |t| shutter.rate(t), 4)?;
-    let report = inspect_problem(&Problem::new(MaxwellBloch, by_quadrature, [1.0, 2.0, 3.0], 4.0)?)?;
-    println!("\nby quadrature, worst piece: {:.1e}", report.problem.map_or(0.0, |problem| problem.integral.defect));
+    let report =
+        inspect_problem(&Problem::new(MaxwellBloch, by_quadrature, [1.0, 2.0, 3.0], 4.0)?)?;
+    println!(
+        "\nby quadrature, worst piece: {:.1e}",
+        report.problem.map_or(0.0, |problem| problem.integral.defect)
+    );
 
     // A wrong integral is named.
     struct Wrong(Shutter);
@@ -67,7 +73,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "γ with a wrong integral".to_owned()
         }
     }
-    let report = inspect_problem(&Problem::new(MaxwellBloch, Wrong(shutter), [1.0, 2.0, 3.0], 4.0)?)?;
+    let report =
+        inspect_problem(&Problem::new(MaxwellBloch, Wrong(shutter), [1.0, 2.0, 3.0], 4.0)?)?;
     println!("{}", report.mistakes.join("\n"));
     Ok(())
 }

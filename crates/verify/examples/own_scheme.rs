@@ -1,5 +1,5 @@
-//! A scheme of your own through `verify`: the stochastic Heun method between two halves of exact damping, and a prediction of
-//! `inspect` put to the test.
+//! A scheme of your own through `verify`: the stochastic Heun method between two halves of exact
+//! damping, and a prediction of `inspect` put to the test.
 //!
 //! ```text
 //! cargo run -p verify --example own_scheme

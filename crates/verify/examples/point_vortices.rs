@@ -1,4 +1,5 @@
-//! Two point vortices in a fluctuating strain: two noises that do not commute, with and without Lévy areas.
+//! Two point vortices in a fluctuating strain: two noises that do not commute, with and without
+//! Lévy areas.
 //!
 //! ```text
 //! cargo run -p verify --example point_vortices
@@ -31,19 +32,22 @@ impl PoissonSystem<4, 2> for Vortices {
         [v[1] / one, -(v[0] / one), v[3] / other, -(v[2] / other)]
     }
 
-    /// H₀ = −Γ₁Γ₂ ln r²/4π; H₁ = ½σ Σ Γᵢ(xᵢ² − yᵢ²) and H₂ = σ Σ Γᵢxᵢyᵢ strain the plane along two pairs of axes.
+    /// H₀ = −Γ₁Γ₂ ln r²/4π; H₁ = ½σ Σ Γᵢ(xᵢ² − yᵢ²) and H₂ = σ Σ Γᵢxᵢyᵢ strain the plane along two
+    /// pairs of axes.
     #[inline(always)]
     fn energy<R: Real>(&self, y: [R; 4], dt: f64, dw: [f64; 2]) -> R {
         let [one, other] = self.circulations;
         let (dx, dy) = (y[0] - y[2], y[1] - y[3]);
-        let along = (y[0] * y[0] - y[1] * y[1]) * (0.5 * one) + (y[2] * y[2] - y[3] * y[3]) * (0.5 * other);
+        let along =
+            (y[0] * y[0] - y[1] * y[1]) * (0.5 * one) + (y[2] * y[2] - y[3] * y[3]) * (0.5 * other);
         let across = y[0] * y[1] * one + y[2] * y[3] * other;
         (dx * dx + dy * dy).ln() * (-one * other / (2.0 * TAU) * dt)
             + along * (self.strain * dw[0])
             + across * (self.strain * dw[1])
     }
 
-    /// By hand, since eight nodes of a dual logarithm are slow to compile; `inspect` compares it with the energy.
+    /// By hand, since eight nodes of a dual logarithm are slow to compile; `inspect` compares it
+    /// with the energy.
     #[inline(always)]
     fn gradient<R: Real>(&self, y: [R; 4], dt: f64, dw: [f64; 2]) -> [R; 4] {
         let [one, other] = self.circulations;
@@ -58,7 +62,8 @@ impl PoissonSystem<4, 2> for Vortices {
         ]
     }
 
-    /// Four nodes: good to round-off for the distance that a vortex goes in a step, and inexact across the region.
+    /// Four nodes: good to round-off for the distance that a vortex goes in a step, and inexact
+    /// across the region.
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 4], b: [R; 4], dt: f64, dw: [f64; 2]) -> [R; 4] {
         averaged::<4, _, _, 4>(&HamiltonianIncrement { system: self, dt, dw }, a, b)
@@ -73,7 +78,11 @@ impl PoissonSystem<4, 2> for Vortices {
 
     fn check_domain(&self, y: [f64; 4]) -> Result<(), SystemError> {
         let apart = y[0] != y[2] || y[1] != y[3];
-        let refused = SystemError::OutsideDomain { component: 1, value: y[0], domain: "two vortices that are apart" };
+        let refused = SystemError::OutsideDomain {
+            component: 1,
+            value: y[0],
+            domain: "two vortices that are apart",
+        };
         if apart { Ok(()) } else { Err(refused) }
     }
 }
@@ -104,9 +113,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let coarse = fine.coarsened(4096 / steps)?;
         for scheme in [&sexp as &dyn Scheme<Vortices, 4, 2>, &levy] {
             let path = follow(scheme, &coarse)?;
-            let last = |series: &mc::TimeSeries| series.column("distance").and_then(|column| column.last().copied());
+            let last = |series: &mc::TimeSeries| {
+                series.column("distance").and_then(|column| column.last().copied())
+            };
             let error = last(&path).zip(last(&reference)).map(|(a, b)| (a - b).abs());
-            println!("  {steps:4} steps, {:9}: error {:.1e}", scheme.id(), error.unwrap_or(f64::NAN));
+            println!(
+                "  {steps:4} steps, {:9}: error {:.1e}",
+                scheme.id(),
+                error.unwrap_or(f64::NAN)
+            );
         }
     }
     Ok(())

@@ -1,5 +1,5 @@
-//! A damped open Toda lattice of two particles in a harmonic trap, pushed by a common fluctuating force: one noise. Written from
-//! `docs/guide.md` alone, in an empty folder.
+//! A damped open Toda lattice of two particles in a harmonic trap, pushed by a common fluctuating
+//! force: one noise. Written from `docs/guide.md` alone, in an empty folder.
 //!
 //! ```text
 //! cargo run -p verify --example toda
@@ -39,7 +39,8 @@ impl PoissonSystem<4, 1> for Toda {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let problem = Problem::new(Toda { noise: 0.3 }, Constant::new(0.2)?, [0.5, -0.5, 0.0, 0.5], 8.0)?;
+    let problem =
+        Problem::new(Toda { noise: 0.3 }, Constant::new(0.2)?, [0.5, -0.5, 0.0, 0.5], 8.0)?;
     println!("{}\n", inspect_problem(&problem)?);
 
     let sexp = Sexp::default();
@@ -51,10 +52,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     write_csv(&[path], &mut std::io::stdout())?;
 
     let key = StreamKey { seed: 1, experiment: 1 };
-    let study = Study { coarsest_steps: 512, levels: 5, refinement: 3, samples: 200, truncation, key };
+    let study =
+        Study { coarsest_steps: 512, levels: 5, refinement: 3, samples: 200, truncation, key };
     let order = strong_order(&sexp, &problem, &study)?;
     match order.rate {
-        Some(rate) => println!("strong order {:.2}, 95 % interval [{:.2}, {:.2}]", rate.estimate, rate.lo, rate.hi),
+        Some(rate) => println!(
+            "strong order {:.2}, 95 % interval [{:.2}, {:.2}]",
+            rate.estimate, rate.lo, rate.hi
+        ),
         None => println!("no order can be named: {:?}", order.points),
     }
     Ok(())

@@ -8,18 +8,21 @@ use crate::experiment::{Context, truncation};
 use crate::results::Verdict;
 use crate::statement::{DEVIATIONS, worse};
 
-/// Paths at each of the two steps. A single path proves nothing: the largest defect along one of them has a heavy tail.
+/// Paths at each of the two steps. A single path proves nothing: the largest defect along one of
+/// them has a heavy tail.
 const PATHS: u64 = 32;
 /// How much finer the second step is.
 const REFINEMENT: u64 = 64;
-/// Between the order 0 of a scheme that solves another equation and the order ½ that every scheme here has at least.
+/// Between the order 0 of a scheme that solves another equation and the order ½ that every scheme
+/// here has at least.
 const ORDER: f64 = 0.25;
 
 /// The part of the context's noise that belongs to these paths.
 const PART: u64 = 8;
 
-/// The order in τ of the largest relative defect d along a path: (mean ln d(τ) − mean ln d(τ/64))/ln 64, with
-/// 4.42 standard errors of it. Holds above ¼, is refuted below, and undecided when the interval contains ¼ or a path failed.
+/// The order in τ of the largest relative defect d along a path: (mean ln d(τ) − mean ln
+/// d(τ/64))/ln 64, with 4.42 standard errors of it. Holds above ¼, is refuted below, and undecided
+/// when the interval contains ¼ or a path failed.
 pub(crate) fn returns_to_law<S, G, const D: usize, const M: usize>(
     context: &Context<'_>,
     problem: &Problem<S, G, D>,
@@ -54,7 +57,8 @@ where
     (verdict, evidence)
 }
 
-/// ln of the largest relative defect along a path, over the paths; nothing if a path fails or keeps the law exactly.
+/// ln of the largest relative defect along a path, over the paths; nothing if a path fails or keeps
+/// the law exactly.
 fn mean_logarithm<S, G, const D: usize, const M: usize>(
     context: &Context<'_>,
     part: u64,

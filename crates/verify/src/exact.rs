@@ -1,12 +1,14 @@
 //! Exact solutions of one-noise systems by a change of time.
 //!
-//! Undamped, dz = f(z)(dt + c∘dW) has the solution z(t) = φ_{t + cW(t)}(z₀), where φ is the flow of f. With damping and f
-//! homogeneous of degree r, z = e^{Γ}y with Γ = ∫γ solves dz = e^{−(r−1)Γ} f(z)(dt + c∘dW), hence
+//! Undamped, dz = f(z)(dt + c∘dW) has the solution z(t) = φ_{t + cW(t)}(z₀), where φ is the flow of
+//! f. With damping and f homogeneous of degree r, z = e^{Γ}y with Γ = ∫γ solves dz = e^{−(r−1)Γ}
+//! f(z)(dt + c∘dW), hence
 //!
 //! y(T) = e^{−Γ(T)} φ_S(y₀),  S = ∫₀ᵀ g(t)(dt + c dW(t)),  g = e^{−(r−1)Γ}.
 //!
-//! On one finest step, ∫g dW = ḡΔW + √v ξ with ḡ the mean of g there, v = ∫(g − ḡ)² and ξ a standard normal independent
-//! of ΔW: S is carried along the path without any error of time-stepping.
+//! On one finest step, ∫g dW = ḡΔW + √v ξ with ḡ the mean of g there, v = ∫(g − ḡ)² and ξ a
+//! standard normal independent of ΔW: S is carried along the path without any error of
+//! time-stepping.
 
 use dgrad::Rule;
 use mc::Clock;
@@ -33,7 +35,8 @@ const NODES: usize = 4;
 
 impl<'a, G: Damping> RandomTime<'a, G> {
     pub(crate) fn new(damping: &'a G, degree: f64, noise: f64, tau: f64) -> Self {
-        let rule = Rule::new(NODES).unwrap_or_else(|error| unreachable!("the number of nodes is allowed: {error}"));
+        let rule = Rule::new(NODES)
+            .unwrap_or_else(|error| unreachable!("the number of nodes is allowed: {error}"));
         Self { damping, degree, noise, tau, rule }
     }
 
@@ -47,7 +50,8 @@ impl<'a, G: Damping> RandomTime<'a, G> {
         };
         let values: Vec<f64> = self.rule.nodes().iter().map(|&eta| weight(eta)).collect();
         let mean: f64 = values.iter().zip(self.rule.weights()).map(|(g, w)| g * w).sum();
-        let spread: f64 = values.iter().zip(self.rule.weights()).map(|(g, w)| (g - mean) * (g - mean) * w).sum();
+        let spread: f64 =
+            values.iter().zip(self.rule.weights()).map(|(g, w)| (g - mean) * (g - mean) * w).sum();
         (mean, spread * self.tau)
     }
 
@@ -92,7 +96,8 @@ fn flow<S: PoissonSystem<D, 1>, const D: usize>(system: &S, y: [f64; D], s: f64)
     std::array::from_fn(|i| fine[i] + (fine[i] - coarse[i]) / 15.0)
 }
 
-/// E[φ(y(T))] by Gauss–Legendre over ±9 standard deviations of S, on pieces of one standard deviation.
+/// E[φ(y(T))] by Gauss–Legendre over ±9 standard deviations of S, on pieces of one standard
+/// deviation.
 pub(crate) fn expectation<S, G, const D: usize>(
     problem: &Problem<S, G, D>,
     time: &RandomTime<'_, G>,
@@ -145,7 +150,8 @@ mod tests {
     #[test]
     fn the_solution_obeys_the_conformal_law() {
         let body = valid(RigidBodyEnergy::new(INERTIA, 1.0));
-        let problem = valid(Problem::new(body, valid(Sine::new(1.0, 1.0)), rigid_body_start(), 1.0));
+        let problem =
+            valid(Problem::new(body, valid(Sine::new(1.0, 1.0)), rigid_body_start(), 1.0));
         let law = (-2.0 * problem.damping.integral(0.0, 1.0)).exp();
         for s in [-1.0, 0.2, 2.5] {
             let y = solution(&problem, s);

@@ -9,7 +9,8 @@ use crate::results::{Claim, Panel};
 pub enum Mode {
     /// The paper's step and sample sizes.
     Paper,
-    /// Fewer steps and samples, for continuous integration; intervals are wide and verdicts often undecided.
+    /// Fewer steps and samples, for continuous integration; intervals are wide and verdicts often
+    /// undecided.
     Quick,
 }
 
@@ -54,8 +55,8 @@ pub struct Context<'a> {
     pub progress: &'a dyn Progress,
 }
 
-/// The truncation order of the reproduction. The theorems ask k ≥ 2; with k = 2 a handful of clipped increments
-/// dominates the mean-square error, with k = 4 none is clipped.
+/// The truncation order of the reproduction. The theorems ask k ≥ 2; with k = 2 a handful of
+/// clipped increments dominates the mean-square error, with k = 4 none is clipped.
 pub(crate) const TRUNCATION_ORDER: u32 = 4;
 
 /// Streams for the parts of one experiment.
@@ -64,8 +65,14 @@ const PARTS_PER_EXPERIMENT: u64 = 16;
 impl Context<'_> {
     /// The family of streams of part number `part` of the experiment.
     pub(crate) fn key(&self, part: u64) -> StreamKey {
-        assert!(part < PARTS_PER_EXPERIMENT, "part {part} would share its noise with the next experiment");
-        StreamKey { seed: self.settings.seed, experiment: self.experiment * PARTS_PER_EXPERIMENT + part }
+        assert!(
+            part < PARTS_PER_EXPERIMENT,
+            "part {part} would share its noise with the next experiment"
+        );
+        StreamKey {
+            seed: self.settings.seed,
+            experiment: self.experiment * PARTS_PER_EXPERIMENT + part,
+        }
     }
 
     pub(crate) fn wants(&self, panel: &str) -> bool {
@@ -83,7 +90,8 @@ impl Context<'_> {
 
 /// The truncation of the reproduction.
 pub(crate) fn truncation() -> Truncation {
-    Truncation::new(TRUNCATION_ORDER).unwrap_or_else(|error| unreachable!("the order is a positive constant: {error}"))
+    Truncation::new(TRUNCATION_ORDER)
+        .unwrap_or_else(|error| unreachable!("the order is a positive constant: {error}"))
 }
 
 /// The largest truncated increment of the reproduction at a step size below one.

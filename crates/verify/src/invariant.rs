@@ -38,8 +38,11 @@ where
     let paths: Vec<_> = schemes
         .iter()
         .map(|scheme| {
-            let path = trajectory(problem, scheme.as_ref(), setup.steps, truncation(), context.key(0), 0)
-                .unwrap_or_else(|error| unreachable!("the set-ups of the paper are valid: {error}"));
+            let path =
+                trajectory(problem, scheme.as_ref(), setup.steps, truncation(), context.key(0), 0)
+                    .unwrap_or_else(|error| {
+                        unreachable!("the set-ups of the paper are valid: {error}")
+                    });
             failures.extend(path.failure.map(|failure| failure.to_string()));
             context.progress.advance(setup.steps);
             path
@@ -66,7 +69,10 @@ where
             series.push(Series {
                 scheme: scheme.id().to_owned(),
                 quantity: name.to_owned(),
-                points: points.into_iter().map(|(t, value, exact)| Point::Value { t, value, exact }).collect(),
+                points: points
+                    .into_iter()
+                    .map(|(t, value, exact)| Point::Value { t, value, exact })
+                    .collect(),
                 rate: None,
                 max_relative_defect: Some(defect),
             });
@@ -87,9 +93,10 @@ where
     }
 }
 
-/// Largest relative defect of `sexp` that counts as round-off on the paper's paths of at most 500 steps. A step
-/// leaves a residual of at most two ulp and a handful of roundings, say 16 ε in all; if none cancelled, 500 steps
-/// would give 1.8e-12, as a random walk √500·16 ε = 8e-14. 2e-13 lies between, below the worst case.
+/// Largest relative defect of `sexp` that counts as round-off on the paper's paths of at most 500
+/// steps. A step leaves a residual of at most two ulp and a handful of roundings, say 16 ε in all;
+/// if none cancelled, 500 steps would give 1.8e-12, as a random walk √500·16 ε = 8e-14. 2e-13 lies
+/// between, below the worst case.
 pub(crate) const ROUND_OFF_DEFECT: f64 = 2e-13;
 /// A relative defect above this is visible in a figure: Euler–Maruyama is expected there.
 const VISIBLE_DEFECT: f64 = 1e-3;
@@ -112,23 +119,38 @@ where
             let energy = series.quantity == "H";
             let function = if energy { "H" } else { "the Casimir" };
             let defect = series.max_relative_defect.unwrap_or(f64::NAN);
-            let mut evidence = format!("largest relative defect of {} along the path: {defect:.1e}", series.quantity);
+            let mut evidence = format!(
+                "largest relative defect of {} along the path: {defect:.1e}",
+                series.quantity
+            );
             let (statement, verdict, proven) = match series.scheme.as_str() {
                 "sexp" => (
                     format!("{function} obeys the conformal law at every step"),
                     decide(defect <= ROUND_OFF_DEFECT),
                     true,
                 ),
-                "em" => {
-                    (format!("{function} visibly leaves the conformal law"), decide(defect > VISIBLE_DEFECT), false)
-                }
+                "em" => (
+                    format!("{function} visibly leaves the conformal law"),
+                    decide(defect > VISIBLE_DEFECT),
+                    false,
+                ),
                 _ => {
                     let index = position(problem, &series.quantity);
-                    let (returns, how) =
-                        returns_to_law(context, problem, S::midpoint(Midpoint::default()).as_ref(), index, setup.steps);
+                    let (returns, how) = returns_to_law(
+                        context,
+                        problem,
+                        S::midpoint(Midpoint::default()).as_ref(),
+                        index,
+                        setup.steps,
+                    );
                     evidence = format!("{evidence}; {how}");
-                    let verdict = if defect > ROUND_OFF_DEFECT { returns } else { Verdict::Refuted };
-                    (format!("{function} leaves the conformal law, and returns to it as τ → 0"), verdict, false)
+                    let verdict =
+                        if defect > ROUND_OFF_DEFECT { returns } else { Verdict::Refuted };
+                    (
+                        format!("{function} leaves the conformal law, and returns to it as τ → 0"),
+                        verdict,
+                        false,
+                    )
                 }
             };
             // A path that ended early proves nothing about the rest.

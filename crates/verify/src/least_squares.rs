@@ -1,7 +1,8 @@
 //! Generalised least squares for a handful of correlated points.
 //!
-//! min (y − Xβ)ᵀV⁻¹(y − Xβ) by Cholesky. At most a dozen points and four parameters; written here because a
-//! linear-algebra library's kernels are not bit-stable between processors, and `results.json` is.
+//! min (y − Xβ)ᵀV⁻¹(y − Xβ) by Cholesky. At most a dozen points and four parameters; written here
+//! because a linear-algebra library's kernels are not bit-stable between processors, and
+//! `results.json` is.
 
 /// The fit of a linear model.
 #[derive(Clone, Debug)]
@@ -33,7 +34,8 @@ impl Weighting {
 
     /// L⁻¹X, column by column.
     fn whitened(&self, design: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let column = |c: usize| forward(&self.factor, &design.iter().map(|row| row[c]).collect::<Vec<_>>());
+        let column =
+            |c: usize| forward(&self.factor, &design.iter().map(|row| row[c]).collect::<Vec<_>>());
         (0..design[0].len()).map(column).collect()
     }
 
@@ -42,13 +44,15 @@ impl Weighting {
         let columns = self.whitened(design);
         let parameters = columns.len();
         let target = forward(&self.factor, y);
-        let normal: Vec<Vec<f64>> = columns.iter().map(|a| columns.iter().map(|b| dot(a, b)).collect()).collect();
+        let normal: Vec<Vec<f64>> =
+            columns.iter().map(|a| columns.iter().map(|b| dot(a, b)).collect()).collect();
         let normal_factor = cholesky(&normal)?;
         let right: Vec<f64> = columns.iter().map(|column| dot(column, &target)).collect();
         let beta = backward(&normal_factor, &forward(&normal_factor, &right));
         let inverse: Vec<Vec<f64>> = (0..parameters)
             .map(|c| {
-                let unit: Vec<f64> = (0..parameters).map(|r| if r == c { 1.0 } else { 0.0 }).collect();
+                let unit: Vec<f64> =
+                    (0..parameters).map(|r| if r == c { 1.0 } else { 0.0 }).collect();
                 backward(&normal_factor, &forward(&normal_factor, &unit))
             })
             .collect();
@@ -61,11 +65,13 @@ impl Weighting {
         Some(Fit { parameters: beta, covariance: inverse, chi_square })
     }
 
-    /// The weights w with β_c = w·y: row c of (XᵀV⁻¹X)⁻¹XᵀV⁻¹, where `inverse` is that row of (XᵀV⁻¹X)⁻¹.
+    /// The weights w with β_c = w·y: row c of (XᵀV⁻¹X)⁻¹XᵀV⁻¹, where `inverse` is that row of
+    /// (XᵀV⁻¹X)⁻¹.
     pub(crate) fn gain(&self, design: &[Vec<f64>], inverse: &[f64]) -> Vec<f64> {
         let columns = self.whitened(design);
-        let whitened: Vec<f64> =
-            (0..design.len()).map(|i| columns.iter().zip(inverse).map(|(column, a)| column[i] * a).sum()).collect();
+        let whitened: Vec<f64> = (0..design.len())
+            .map(|i| columns.iter().zip(inverse).map(|(column, a)| column[i] * a).sum())
+            .collect();
         backward(&self.factor, &whitened)
     }
 }
@@ -143,13 +149,16 @@ mod tests {
             row[i] = 0.5;
         }
         let fit = fit(&design, &[1.0, 2.0, 3.0, 4.0, 5.0], &covariance).unwrap();
-        assert!((fit.parameters[0] - 3.0).abs() < 1e-15 && (fit.covariance[0][0] - 0.1).abs() < 1e-15);
+        assert!(
+            (fit.parameters[0] - 3.0).abs() < 1e-15 && (fit.covariance[0][0] - 0.1).abs() < 1e-15
+        );
         assert!((fit.chi_square - 20.0).abs() < 1e-13);
     }
 
     #[test]
     fn gains_give_back_the_parameters() {
-        let design: Vec<Vec<f64>> = [0.0f64, 1.0, 2.5, 4.0].iter().map(|&x| vec![1.0, x, x.sin()]).collect();
+        let design: Vec<Vec<f64>> =
+            [0.0f64, 1.0, 2.5, 4.0].iter().map(|&x| vec![1.0, x, x.sin()]).collect();
         let covariance: Vec<Vec<f64>> =
             (0..4i32).map(|i| (0..4i32).map(|j| 0.5f64.powi((i - j).abs())).collect()).collect();
         let y = [0.3, -1.0, 2.0, 0.7];

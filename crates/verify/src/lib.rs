@@ -1,9 +1,10 @@
 //! **The statements and figures of the paper as experiments that can fail.**
 //!
-//! [`reproduce()`] runs the [`EXPERIMENTS`] that make the 14 panels and the measurements behind the [`STATEMENTS`], and
-//! returns [`results::Results`]: curves with standard errors, fitted orders with intervals, and a verdict for every
-//! statement: holds, refuted or undecided. The pieces can be used on their own: [`fit_strong`] and [`fit_weak`] fit
-//! orders with intervals from any errors with a covariance.
+//! [`reproduce()`] runs the [`EXPERIMENTS`] that make the 14 panels and the measurements behind the
+//! [`STATEMENTS`], and returns [`results::Results`]: curves with standard errors, fitted orders
+//! with intervals, and a verdict for every statement: holds, refuted or undecided. The pieces can
+//! be used on their own: [`fit_strong`] and [`fit_weak`] fit orders with intervals from any errors
+//! with a covariance.
 //!
 //! ```
 //! use mc::CrossMoments;
@@ -61,7 +62,8 @@ pub use coverage::{CoverageRow, Expected, coverage};
 pub use experiment::{Context, Experiment, Mode, Progress, Settings, Silent};
 pub use inspect::{inspect, inspect_problem};
 pub use order::{
-    ORDER_MARGIN, bound_verdict, fit_strong, fit_weak, fit_weak_differences, order_verdict, root_mean_square_interval,
+    ORDER_MARGIN, bound_verdict, fit_strong, fit_weak, fit_weak_differences, order_verdict,
+    root_mean_square_interval,
 };
 pub use paper::EXPERIMENTS;
 pub use path_scheme::PathScheme;

@@ -4,8 +4,8 @@ use compiled::Compiled;
 use mc::Observable;
 use schemes::SexpLevy;
 use systems::{
-    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, Problem,
-    RigidBody, RigidBodyEnergy, Sine, SystemError,
+    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum,
+    Poisson3, Problem, RigidBody, RigidBodyEnergy, Sine, SystemError,
 };
 
 use crate::experiment::{Context, Experiment, TRUNCATION_ORDER, Yield, truncation};
@@ -24,7 +24,12 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment { panels: &["rigid-body-strong-3"], run: rigid_body_strong_3 },
     Experiment { panels: &["rigid-body-strong-1"], run: rigid_body_strong_1 },
     Experiment {
-        panels: &["rigid-body-weak-y", "rigid-body-weak-y2", "rigid-body-weak-cos", "rigid-body-weak-sin"],
+        panels: &[
+            "rigid-body-weak-y",
+            "rigid-body-weak-y2",
+            "rigid-body-weak-cos",
+            "rigid-body-weak-sin",
+        ],
         run: rigid_body_weak,
     },
     Experiment { panels: &["rigid-body-energy"], run: rigid_body_energy },
@@ -57,9 +62,16 @@ pub(crate) fn half_cosine() -> Cosine {
 }
 
 /// "γ = …, y₀ = …, T = …", the part of a set-up that all panels share.
-fn describe<S, G: Damping, const D: usize>(system: &str, problem: &Problem<S, G, D>, rest: &str) -> String {
-    let start: Vec<String> =
-        problem.y0.iter().map(|y| format!("{y:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()).collect();
+fn describe<S, G: Damping, const D: usize>(
+    system: &str,
+    problem: &Problem<S, G, D>,
+    rest: &str,
+) -> String {
+    let start: Vec<String> = problem
+        .y0
+        .iter()
+        .map(|y| format!("{y:.4}").trim_end_matches('0').trim_end_matches('.').to_owned())
+        .collect();
     format!(
         "{system}, {}, y₀ = ({}), T = {}, {rest}, increments truncated with k = {TRUNCATION_ORDER}",
         problem.damping.describe(),
@@ -73,7 +85,8 @@ fn steps(first: u32, last: u32) -> String {
 }
 
 fn pendulum_strong(context: &Context<'_>) -> Yield {
-    let problem = valid(Problem::new(valid(Pendulum::new(1.0)), valid(Constant::new(2.0)), [0.2, 1.0], 1.0));
+    let problem =
+        valid(Problem::new(valid(Pendulum::new(1.0)), valid(Constant::new(2.0)), [0.2, 1.0], 1.0));
     let (last, reference) = context.choose((12, 14), (10, 12));
     let setup = StrongSetup {
         id: "pendulum-strong",
@@ -102,13 +115,15 @@ fn rigid_body_strong_3(context: &Context<'_>) -> Yield {
         reference,
         samples: context.choose(1000, 512),
     };
-    let mut result = strong_yield(strong_panel(context, &setup, &problem), "strong-half", STRONG_HALF, 0.5);
+    let mut result =
+        strong_yield(strong_panel(context, &setup, &problem), "strong-half", STRONG_HALF, 0.5);
     add_levy_series(context, &setup, &problem, &mut result);
     result
 }
 
-/// A fourth series, not in the paper: `sexp-levy` against itself at a finer step. Drawing areas costs as many normals as the
-/// square root of the step count, so its steps end three levels before those of the others.
+/// A fourth series, not in the paper: `sexp-levy` against itself at a finer step. Drawing areas
+/// costs as many normals as the square root of the step count, so its steps end three levels before
+/// those of the others.
 fn add_levy_series(
     context: &Context<'_>,
     setup: &StrongSetup,
@@ -124,7 +139,9 @@ fn add_levy_series(
         panel.reference = format!("{}; sexp-levy: {}", panel.reference, with_areas.reference);
         panel.failures.extend(with_areas.failures.iter().cloned());
     }
-    result.claims.extend(with_areas.series.iter().map(|series| order_claim(&with_areas.id, series)));
+    result
+        .claims
+        .extend(with_areas.series.iter().map(|series| order_claim(&with_areas.id, series)));
     for panel in &mut result.panels {
         panel.series.extend(with_areas.series.iter().cloned());
     }
@@ -149,7 +166,8 @@ fn rigid_body_strong_1(context: &Context<'_>) -> Yield {
 
 fn lotka_volterra_strong(context: &Context<'_>) -> Yield {
     let system = valid(LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0));
-    let problem = valid(Problem::new(system, valid(Sine::new(1.0, 1.0)), LOTKA_VOLTERRA_START, 1.0));
+    let problem =
+        valid(Problem::new(system, valid(Sine::new(1.0, 1.0)), LOTKA_VOLTERRA_START, 1.0));
     let (last, reference) = context.choose((12, 14), (10, 12));
     let setup = StrongSetup {
         id: "lotka-volterra-strong",
@@ -162,7 +180,8 @@ fn lotka_volterra_strong(context: &Context<'_>) -> Yield {
         reference,
         samples: context.choose(500, 512),
     };
-    let mut result = strong_yield(strong_panel(context, &setup, &problem), "strong-one", STRONG_ONE, 1.0);
+    let mut result =
+        strong_yield(strong_panel(context, &setup, &problem), "strong-one", STRONG_ONE, 1.0);
     for claim in &mut result.claims {
         // m(H) = 0: reported by the paper, not proved.
         claim.proven = false;
@@ -171,7 +190,8 @@ fn lotka_volterra_strong(context: &Context<'_>) -> Yield {
 }
 
 fn poisson3_strong(context: &Context<'_>) -> Yield {
-    let problem = valid(Problem::new(valid(Poisson3::new(1.0)), half_cosine(), [1.0, 2.0, 3.0], 0.5));
+    let problem =
+        valid(Problem::new(valid(Poisson3::new(1.0)), half_cosine(), [1.0, 2.0, 3.0], 0.5));
     let (last, reference) = context.choose((12, 14), (10, 12));
     let setup = StrongSetup {
         id: "poisson3-strong",
@@ -189,16 +209,24 @@ fn poisson3_strong(context: &Context<'_>) -> Yield {
 const STRONG_HALF: &str = "sup over n of (E‖y_n − y(t_n)‖²)^½ ≤ C τ^½ for several noises (k ≥ 1)";
 const STRONG_ONE: &str = "sup over n of (E‖y_n − y(t_n)‖²)^½ ≤ C τ for one noise (k ≥ 2)";
 
-/// The panel with a claim for each scheme: `sexp` as the paper proves it, the others as it reports them.
+/// The panel with a claim for each scheme: `sexp` as the paper proves it, the others as it reports
+/// them.
 fn strong_yield(panel: Panel, id: &str, statement: &str, order: f64) -> Yield {
     let claims = panel
         .series
         .iter()
         .map(|series| {
-            let at = if series.quantity == "y(T)" { "at the final time" } else { "largest over the common time grid" };
+            let at = if series.quantity == "y(T)" {
+                "at the final time"
+            } else {
+                "largest over the common time grid"
+            };
             let (statement, verdict) = match series.scheme.as_str() {
                 "sexp" => (statement.to_owned(), bound_verdict(series.rate.as_ref(), order)),
-                "em" => ("Euler–Maruyama has strong order 1/2".to_owned(), order_verdict(series.rate.as_ref(), 0.5)),
+                "em" => (
+                    "Euler–Maruyama has strong order 1/2".to_owned(),
+                    order_verdict(series.rate.as_ref(), 0.5),
+                ),
                 other => (
                     format!("{other} has the same strong order as sexp, {order}"),
                     order_verdict(series.rate.as_ref(), order),
@@ -208,7 +236,12 @@ fn strong_yield(panel: Panel, id: &str, statement: &str, order: f64) -> Yield {
                 panel: panel.id.clone(),
                 scheme: series.scheme.clone(),
                 proven: series.scheme == "sexp",
-                ..claim(id, &format!("{statement} ({at})"), verdict, rate_evidence(series.rate.as_ref()))
+                ..claim(
+                    id,
+                    &format!("{statement} ({at})"),
+                    verdict,
+                    rate_evidence(series.rate.as_ref()),
+                )
             }
         })
         .collect();
@@ -217,14 +250,17 @@ fn strong_yield(panel: Panel, id: &str, statement: &str, order: f64) -> Yield {
 
 pub(crate) fn rate_evidence(rate: Option<&Rate>) -> String {
     match rate {
-        None => "no order can be named: the error is inside the noise, or there are too few paths".to_owned(),
+        None => "no order can be named: the error is inside the noise, or there are too few paths"
+            .to_owned(),
         Some(rate) => format!(
             "order {:.3}, {:.0} % interval [{:.3}, {:.3}]; {}",
             rate.estimate,
             100.0 * rate.confidence,
             rate.lo,
             rate.hi,
-            rate.warning.iter().fold(rate.method.clone(), |method, warning| format!("{method}; warning: {warning}"))
+            rate.warning.iter().fold(rate.method.clone(), |method, warning| format!(
+                "{method}; warning: {warning}"
+            ))
         ),
     }
 }
@@ -235,12 +271,17 @@ fn rigid_body_weak(context: &Context<'_>) -> Yield {
     let last = context.choose(12, 9);
     let setup = WeakSetup {
         paper: "sexp has weak order 1 for every test function.",
-        setup: describe("rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)", &problem, &steps(6, last)),
+        setup: describe(
+            "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
+            &problem,
+            &steps(6, last),
+        ),
         first: 6,
         last,
         samples: context.choose(500_000, 65_536),
     };
-    let panels: Vec<WeakPanel<3>> = weak_observables().into_iter().filter(|panel| context.wants(panel.id)).collect();
+    let panels: Vec<WeakPanel<3>> =
+        weak_observables().into_iter().filter(|panel| context.wants(panel.id)).collect();
     let panels = weak_panels(context, &setup, &problem, &panels);
     let claims = panels
         .iter()
@@ -265,7 +306,11 @@ pub(crate) fn weak_observables() -> [WeakPanel<3>; 4] {
         WeakPanel {
             id: "rigid-body-weak-y",
             title: "Rigid body, three noises: weak error of E[y_j]",
-            observables: vec![observable("y1", |y| y[0]), observable("y2", |y| y[1]), observable("y3", |y| y[2])],
+            observables: vec![
+                observable("y1", |y| y[0]),
+                observable("y2", |y| y[1]),
+                observable("y3", |y| y[2]),
+            ],
         },
         WeakPanel {
             id: "rigid-body-weak-y2",
@@ -304,7 +349,11 @@ fn rigid_body_casimir(context: &Context<'_>) -> Yield {
         id: "rigid-body-casimir",
         title: "Damped stochastic rigid body: the Casimir ½|y|² along one path",
         paper: "sexp follows the conformal law of the Casimir; Euler–Maruyama does not.",
-        setup: describe("rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)", &problem, "τ = 0.1"),
+        setup: describe(
+            "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
+            &problem,
+            "τ = 0.1",
+        ),
         steps: 100,
         invariants: &["C"],
     };
@@ -327,7 +376,8 @@ fn rigid_body_energy(context: &Context<'_>) -> Yield {
 
 fn lotka_volterra_energy(context: &Context<'_>) -> Yield {
     let system = valid(LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0));
-    let problem = valid(Problem::new(system, valid(Sine::new(1.0, 1.0)), LOTKA_VOLTERRA_START, 10.0));
+    let problem =
+        valid(Problem::new(system, valid(Sine::new(1.0, 1.0)), LOTKA_VOLTERRA_START, 10.0));
     let setup = InvariantSetup {
         id: "lotka-volterra-energy",
         title: "Damped stochastic Lotka–Volterra system: the energy along one path",
@@ -353,7 +403,12 @@ fn maxwell_bloch_casimir(context: &Context<'_>) -> Yield {
 }
 
 fn poisson3_casimir(context: &Context<'_>) -> Yield {
-    let problem = valid(Problem::new(valid(Poisson3::new(1.0)), valid(Linear::new(1.0)), [1.0, 2.0, 3.0], 2.0));
+    let problem = valid(Problem::new(
+        valid(Poisson3::new(1.0)),
+        valid(Linear::new(1.0)),
+        [1.0, 2.0, 3.0],
+        2.0,
+    ));
     let setup = InvariantSetup {
         id: "poisson3-casimir",
         title: "Damped three-dimensional Poisson system: the Casimir ½(y₁+y₂+y₃)² along one path",

@@ -4,8 +4,8 @@ use nonlin::{BlockStatus, Outcome, Solution};
 use real::{Block, WIDTH};
 use schemes::{Scheme, Step};
 
-/// A scheme given as a function (system, step, increments, y_n) ↦ y_{n+1}: slower than a block kernel, and all that is
-/// needed to put a new method, or a wrong one, to the test.
+/// A scheme given as a function (system, step, increments, y_n) ↦ y_{n+1}: slower than a block
+/// kernel, and all that is needed to put a new method, or a wrong one, to the test.
 #[derive(Clone, Copy, Debug)]
 pub struct PathScheme<F> {
     /// Identifier in results.
@@ -22,7 +22,14 @@ where
         self.id
     }
 
-    fn step_block(&self, system: &S, step: &Step, dw: &Block<M>, y: &mut Block<D>, status: &mut BlockStatus) {
+    fn step_block(
+        &self,
+        system: &S,
+        step: &Step,
+        dw: &Block<M>,
+        y: &mut Block<D>,
+        status: &mut BlockStatus,
+    ) {
         for p in 0..WIDTH {
             y.set_path(p, (self.advance)(system, step, dw.path(p), y.path(p)));
         }
@@ -30,6 +37,9 @@ where
     }
 
     fn step(&self, system: &S, step: &Step, dw: [f64; M], y: [f64; D]) -> Solution<D> {
-        Solution { z: (self.advance)(system, step, dw, y), outcome: Outcome::Fast { iterations: 1 } }
+        Solution {
+            z: (self.advance)(system, step, dw, y),
+            outcome: Outcome::Fast { iterations: 1 },
+        }
     }
 }

@@ -56,23 +56,31 @@ pub fn check_ids(ids: &[String]) -> Result<(), UnknownPanel> {
     }
 }
 
-/// First experiment numbers of the statements and of the supplements; the paper's experiments count from 1.
+/// First experiment numbers of the statements and of the supplements; the paper's experiments count
+/// from 1.
 const STATEMENT_NUMBERS: u64 = 1000;
 const SUPPLEMENT_NUMBERS: u64 = 2000;
 
-/// Runs the panels, statements and supplements in `only`, or all of them when it is empty, on the current rayon pool.
+/// Runs the panels, statements and supplements in `only`, or all of them when it is empty, on the
+/// current rayon pool.
 ///
-/// Of the provenance, the seed, the mode and the timings by id are filled in; the rest is left to the caller.
+/// Of the provenance, the seed, the mode and the timings by id are filled in; the rest is left to
+/// the caller.
 ///
 /// # Errors
 /// [`UnknownPanel`] before anything is computed.
-pub fn reproduce(settings: Settings, only: &[String], progress: &dyn Progress) -> Result<Results, UnknownPanel> {
+pub fn reproduce(
+    settings: Settings,
+    only: &[String],
+    progress: &dyn Progress,
+) -> Result<Results, UnknownPanel> {
     check_ids(only)?;
     let wanted = |id: &str| only.is_empty() || only.iter().any(|name| name == id);
     let mut wall_s_by_id = BTreeMap::new();
     let (mut panels, mut claims) = (Vec::new(), Vec::new());
     for (number, experiment) in (1u64..).zip(EXPERIMENTS) {
-        let selection: Vec<&str> = experiment.panels.iter().copied().filter(|id| wanted(id)).collect();
+        let selection: Vec<&str> =
+            experiment.panels.iter().copied().filter(|id| wanted(id)).collect();
         if selection.is_empty() {
             continue;
         }
@@ -108,6 +116,11 @@ pub fn reproduce(settings: Settings, only: &[String], progress: &dyn Progress) -
         crate::Mode::Paper => "paper",
         crate::Mode::Quick => "quick",
     };
-    let provenance = Provenance { seed: settings.seed, mode: mode.to_owned(), wall_s_by_id, ..Provenance::default() };
+    let provenance = Provenance {
+        seed: settings.seed,
+        mode: mode.to_owned(),
+        wall_s_by_id,
+        ..Provenance::default()
+    };
     Ok(Results { schema: SCHEMA, provenance, panels, supplements, claims })
 }

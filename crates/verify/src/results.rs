@@ -1,8 +1,8 @@
 //! The `results.json` contract: what a reproduction run says, as data.
 //!
-//! The same types are written by `xtask`, read by its report, and documented in `docs/results.md`. All
-//! timings live in [`Provenance`], so that everything else is bit-identical for the same seed on any number of
-//! threads and any instruction set.
+//! The same types are written by `xtask`, read by its report, and documented in `docs/results.md`.
+//! All timings live in [`Provenance`], so that everything else is bit-identical for the same seed
+//! on any number of threads and any instruction set.
 
 use std::collections::BTreeMap;
 
@@ -83,15 +83,17 @@ pub struct Panel {
     pub samples: u64,
     /// The reference solution, in words.
     pub reference: String,
-    /// Paths left out because a step had no solution or its state was not finite: for each, path, seed, experiment,
-    /// scheme, step size, step, time and reason in words.
+    /// Paths left out because a step had no solution or its state was not finite: for each, path,
+    /// seed, experiment, scheme, step size, step, time and reason in words.
     pub failures: Vec<String>,
     /// The curves.
     pub series: Vec<Series>,
-    /// Where increments were clipped: how many, and what share they have in the errors. Empty where none was.
+    /// Where increments were clipped: how many, and what share they have in the errors. Empty where
+    /// none was.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub clipped: Vec<Clipped>,
-    /// Of a weak panel, the sample paths of each difference between neighbouring step sizes, coarsest first.
+    /// Of a weak panel, the sample paths of each difference between neighbouring step sizes,
+    /// coarsest first.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub differences: Vec<DifferenceSamples>,
 }
@@ -123,7 +125,8 @@ pub struct Clipped {
 pub struct Series {
     /// Scheme id: `sexp`, `em` or `midpoint`; with a qualifier on a supplement.
     pub scheme: String,
-    /// What is measured: `y(T)`, `sup y` (strong; at the common coarse time where the coarsest step's error is largest), `y1`, `y2^2`, `cos y3` (weak), `C`, `H` (invariant).
+    /// What is measured: `y(T)`, `sup y` (strong; at the common coarse time where the coarsest
+    /// step's error is largest), `y1`, `y2^2`, `cos y3` (weak), `C`, `H` (invariant).
     pub quantity: String,
     /// The points, in the order of decreasing step size, or of time.
     pub points: Vec<Point>,
@@ -147,7 +150,8 @@ pub enum Point {
         value: f64,
         /// Standard error of `value`.
         se: f64,
-        /// Lower end of a 95 % interval that allows for skewed errors, of strong points; elsewhere `value` ± 1.96 `se` is one.
+        /// Lower end of a 95 % interval that allows for skewed errors, of strong points; elsewhere
+        /// `value` ± 1.96 `se` is one.
         #[serde(skip_serializing_if = "Option::is_none", default)]
         lo: Option<f64>,
         /// Its upper end.
@@ -194,7 +198,8 @@ pub struct Rate {
     pub hi: f64,
     /// Confidence of the interval, for example 0.95.
     pub confidence: f64,
-    /// Degrees of freedom of Student's quantile behind the interval; absent where it is the normal one.
+    /// Degrees of freedom of Student's quantile behind the interval; absent where it is the normal
+    /// one.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub student_degrees: Option<f64>,
     /// How it was fitted, in words, with the goodness of fit.
@@ -220,10 +225,12 @@ pub struct Rate {
     /// Step sizes that were left out of the fit because a few paths dominate their error.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub left_out: Vec<f64>,
-    /// The probability of residuals as large as these when the model is right; absent without degrees of freedom.
+    /// The probability of residuals as large as these when the model is right; absent without
+    /// degrees of freedom.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub p_value: Option<f64>,
-    /// Why the interval is not known to cover the order; absent where it is. With a `p_value` below 1e-5 no verdict is given.
+    /// Why the interval is not known to cover the order; absent where it is. With a `p_value` below
+    /// 1e-5 no verdict is given.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub warning: Option<String>,
 }

@@ -1,9 +1,10 @@
-//! The classical Runge–Kutta method along piecewise linear noise: a reference that knows nothing of the structure.
+//! The classical Runge–Kutta method along piecewise linear noise: a reference that knows nothing of
+//! the structure.
 
 use systems::{Damping, PoissonSystem, vector_field};
 
-/// Solves dy/dt = B∇H₀ + Σ B∇Hₘ·(dwₘ/τ) − γ(t)y on [t, t + τ] in `substeps` steps: the Stratonovich equation on
-/// noise that is linear there.
+/// Solves dy/dt = B∇H₀ + Σ B∇Hₘ·(dwₘ/τ) − γ(t)y on [t, t + τ] in `substeps` steps: the Stratonovich
+/// equation on noise that is linear there.
 pub(crate) fn piece<S, G, const D: usize, const M: usize>(
     system: &S,
     damping: &G,
@@ -26,7 +27,9 @@ where
         let rate = damping.rate(t) * step;
         std::array::from_fn(|i| field[i] - rate * y[i])
     };
-    let shifted = |y: [f64; D], k: [f64; D], weight: f64| -> [f64; D] { std::array::from_fn(|i| y[i] + weight * k[i]) };
+    let shifted = |y: [f64; D], k: [f64; D], weight: f64| -> [f64; D] {
+        std::array::from_fn(|i| y[i] + weight * k[i])
+    };
     for n in 0..substeps {
         let t = t + f64::from(n) * step;
         let k1 = change(t, y);

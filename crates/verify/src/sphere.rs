@@ -1,14 +1,17 @@
-//! Expectations of the damped stochastic rigid body without sampling and without time-stepping errors that matter.
+//! Expectations of the damped stochastic rigid body without sampling and without time-stepping
+//! errors that matter.
 //!
-//! The Casimir ½|y|² obeys its conformal law on every path, so y = r(t)u with r = |y₀|e^{−Γ(t)}, Γ = ∫γ, and u stays
-//! on the unit sphere: du = r B(u)∇H₀(u)dt + r Σ B(u)∇Hₘ(u) ∘ dWₘ. With the rotations R_j f = (e_j × u)·∇f about the
-//! axes, the field B∇H of H = ½Σ k_j u_j² is −Σ k_j u_j R_j; u_j and R_j commute. Hence u has the generator
+//! The Casimir ½|y|² obeys its conformal law on every path, so y = r(t)u with r = |y₀|e^{−Γ(t)}, Γ
+//! = ∫γ, and u stays on the unit sphere: du = r B(u)∇H₀(u)dt + r Σ B(u)∇Hₘ(u) ∘ dWₘ. With the
+//! rotations R_j f = (e_j × u)·∇f about the axes, the field B∇H of H = ½Σ k_j u_j² is −Σ k_j u_j
+//! R_j; u_j and R_j commute. Hence u has the generator
 //!
 //! L_t = −r Σ κ_j X_j + ½r² Σ k_j² X_j²,  X_j = u_j R_j,  κ_j = 1/I_j,  k_j = 1/Î_j.
 //!
-//! The moments q = E[h(u(t))] of a basis h of L²(S²) solve q′ = L_tᵀq, q(0) = h(u₀). The basis is that of the spherical
-//! harmonics Y_lm (mean square one, Condon–Shortley phase) in the real form h_lm = (Re + Im)(iˡ Y_lm), l ≤ N, |m| ≤ l.
-//! From the textbook actions of u₃, u₁ ± iu₂ and of the ladder operators on Y_lm,
+//! The moments q = E[h(u(t))] of a basis h of L²(S²) solve q′ = L_tᵀq, q(0) = h(u₀). The basis is
+//! that of the spherical harmonics Y_lm (mean square one, Condon–Shortley phase) in the real form
+//! h_lm = (Re + Im)(iˡ Y_lm), l ≤ N, |m| ≤ l. From the textbook actions of u₃, u₁ ± iu₂ and of the
+//! ladder operators on Y_lm,
 //!
 //! X₁ = −½Z + V,  X₂ = −½Z − V,  X₃ = Z,  all skew-symmetric, where
 //!
@@ -16,10 +19,11 @@
 //! - V takes h_lm to −β(l, m) h_{l+1,m+2} + β(l, −m) h_{l+1,m−2}, minus the transpose of that, with
 //!   β(l, m) = ¼ √((l+m+1)(l+m+2)(l+m+3)(l−m)/((2l+1)(2l+3))).
 //!
-//! Cut off at degree N, they are still skew-symmetric, so the cut-off L_t is a skew-symmetric matrix plus a negative
-//! semidefinite one: |q| cannot grow, whatever N. The noise vanishes on the three axes, so L_t is degenerate there, and
-//! convergence in N is observed (the tests pin it), not proved. For the weak problem of the paper an error falls by a
-//! factor of 10 or more from N to N + 8, and more slowly for a start on an axis, where the law is a point mass.
+//! Cut off at degree N, they are still skew-symmetric, so the cut-off L_t is a skew-symmetric
+//! matrix plus a negative semidefinite one: |q| cannot grow, whatever N. The noise vanishes on the
+//! three axes, so L_t is degenerate there, and convergence in N is observed (the tests pin it), not
+//! proved. For the weak problem of the paper an error falls by a factor of 10 or more from N to N +
+//! 8, and more slowly for a start on an axis, where the law is a point mass.
 
 use dgrad::Rule;
 use mc::Observable;
@@ -28,10 +32,11 @@ use systems::{Damping, PoissonSystem, Problem, RigidBody};
 
 /// E[φ(y(T))] for every observable φ, with spherical harmonics up to `degree`.
 ///
-/// φ has to be smooth: φ(r(T)u) is expanded up to degree 48 or `degree` if that is less, which is exact to round-off
-/// for polynomials of no higher degree, and with 48 for sines and cosines of a component as long as r(T) is below 10.
-/// For the weak problem of the paper the error is 1e-8 with degree 32, 1e-12 with 64 and round-off with 96. The work
-/// grows as the fourth power of the degree.
+/// φ has to be smooth: φ(r(T)u) is expanded up to degree 48 or `degree` if that is less, which is
+/// exact to round-off for polynomials of no higher degree, and with 48 for sines and cosines of a
+/// component as long as r(T) is below 10. For the weak problem of the paper the error is 1e-8 with
+/// degree 32, 1e-12 with 64 and round-off with 96. The work grows as the fourth power of the
+/// degree.
 #[must_use]
 pub fn rigid_body_expectations<G: Damping, const M: usize>(
     problem: &Problem<RigidBody<M>, G, 3>,
@@ -124,9 +129,11 @@ impl Generator {
     /// L_tᵀq at the radius r.
     fn transposed(&self, r: f64, q: &[f64]) -> Vec<f64> {
         let (zq, vq) = (self.z.apply(q), self.v.apply(q));
-        let ([d0, d1], [s0, s1, s2]) = (self.drift.map(|d| d * r), self.squares.map(|s| 0.5 * r * r * s));
-        let combine =
-            |d: f64, a: f64, b: f64| -> Vec<f64> { (0..q.len()).map(|i| d * q[i] + a * zq[i] + b * vq[i]).collect() };
+        let ([d0, d1], [s0, s1, s2]) =
+            (self.drift.map(|d| d * r), self.squares.map(|s| 0.5 * r * r * s));
+        let combine = |d: f64, a: f64, b: f64| -> Vec<f64> {
+            (0..q.len()).map(|i| d * q[i] + a * zq[i] + b * vq[i]).collect()
+        };
         let mut result = self.z.apply(&combine(d0, s0, s1));
         let across = self.v.apply(&combine(d1, s1, s2));
         result.iter_mut().zip(across).for_each(|(a, b)| *a += b);
@@ -141,23 +148,29 @@ impl Generator {
 fn steps<G: Damping, const M: usize>(problem: &Problem<RigidBody<M>, G, 3>, degree: usize) -> u32 {
     const SAMPLES: u32 = 256;
     let size = 0.5 * (degree.max(64) + 1) as f64;
-    let r =
-        (0..=SAMPLES).map(|i| radius(problem, problem.t_end * f64::from(i) / f64::from(SAMPLES))).fold(0.0, f64::max);
+    let r = (0..=SAMPLES)
+        .map(|i| radius(problem, problem.t_end * f64::from(i) / f64::from(SAMPLES)))
+        .fold(0.0, f64::max);
     let [drift, squares] = Generator::new(&problem.system, 0).sizes;
     let rate = r * size * drift + 0.5 * r * r * size * size * squares;
     (0.5 * rate * problem.t_end).ceil().max(1.0) as u32
 }
 
 /// E[h_lm(u(T))] by the classical Runge–Kutta method.
-fn moments<G: Damping, const M: usize>(problem: &Problem<RigidBody<M>, G, 3>, degree: usize, steps: u32) -> Vec<f64> {
+fn moments<G: Damping, const M: usize>(
+    problem: &Problem<RigidBody<M>, G, 3>,
+    degree: usize,
+    steps: u32,
+) -> Vec<f64> {
     let generator = Generator::new(&problem.system, degree);
     let length = norm(problem.y0);
     // At y₀ = 0 the radius stays zero, and so does L_t, for any u₀.
     let start = if length > 0.0 { problem.y0.map(|y| y / length) } else { [0.0, 0.0, 1.0] };
     let mut q = harmonics(start, degree);
     let h = problem.t_end / f64::from(steps);
-    let shifted =
-        |q: &[f64], k: &[f64], weight: f64| -> Vec<f64> { q.iter().zip(k).map(|(q, k)| q + weight * k).collect() };
+    let shifted = |q: &[f64], k: &[f64], weight: f64| -> Vec<f64> {
+        q.iter().zip(k).map(|(q, k)| q + weight * k).collect()
+    };
     for n in 0..steps {
         let [r0, r1, r2] = [0.0, 0.5, 1.0].map(|stage| radius(problem, (f64::from(n) + stage) * h));
         let k1 = generator.transposed(r0, &q);
@@ -173,7 +186,8 @@ fn moments<G: Damping, const M: usize>(problem: &Problem<RigidBody<M>, G, 3>, de
 
 /// h_lm(u) for l ≤ `degree`.
 ///
-/// Y_mm and then Y_lm for l > m by the recursions that u₁ + iu₂ and u₃ obey; Y_{l,−m} = (−1)ᵐ conj Y_lm.
+/// Y_mm and then Y_lm for l > m by the recursions that u₁ + iu₂ and u₃ obey; Y_{l,−m} = (−1)ᵐ conj
+/// Y_lm.
 fn harmonics(u: [f64; 3], degree: usize) -> Vec<f64> {
     // (Re + Im)(iˡ(x + iy)).
     let rotated = |l: usize, x: f64, y: f64| match l % 4 {
@@ -206,10 +220,12 @@ fn harmonics(u: [f64; 3], degree: usize) -> Vec<f64> {
 /// The degree up to which φ(r(T)u) is expanded.
 const EXPANSION: usize = 48;
 
-/// Means of φ(ru) for u of the density Σ q_lm h_lm with respect to the uniform law, by Gauss–Legendre in u₃ and equal
-/// weights along the circles: exact for polynomials of degree 2·`EXPANSION` + 1.
+/// Means of φ(ru) for u of the density Σ q_lm h_lm with respect to the uniform law, by
+/// Gauss–Legendre in u₃ and equal weights along the circles: exact for polynomials of degree
+/// 2·`EXPANSION` + 1.
 fn means(moments: &[f64], degree: usize, r: f64, observables: &[Observable<3>]) -> Vec<f64> {
-    let rule = Rule::new(EXPANSION + 1).unwrap_or_else(|error| unreachable!("the number of nodes is allowed: {error}"));
+    let rule = Rule::new(EXPANSION + 1)
+        .unwrap_or_else(|error| unreachable!("the number of nodes is allowed: {error}"));
     let longitudes = 2 * EXPANSION + 2;
     let mut means = vec![0.0; observables.len()];
     for (&eta, &weight) in rule.nodes().iter().zip(rule.weights()) {
@@ -217,7 +233,8 @@ fn means(moments: &[f64], degree: usize, r: f64, observables: &[Observable<3>]) 
         for k in 0..longitudes {
             let (sin, cos) = sin_cos_turn(k as f64 / longitudes as f64);
             let u = [width * cos, width * sin, 2.0 * eta - 1.0];
-            let density: f64 = harmonics(u, degree.min(EXPANSION)).iter().zip(moments).map(|(h, q)| h * q).sum();
+            let density: f64 =
+                harmonics(u, degree.min(EXPANSION)).iter().zip(moments).map(|(h, q)| h * q).sum();
             let mass = weight * density / longitudes as f64;
             for (mean, observable) in means.iter_mut().zip(observables) {
                 *mean += mass * (observable.function)(u.map(|u| r * u));
@@ -230,7 +247,9 @@ fn means(moments: &[f64], degree: usize, r: f64, observables: &[Observable<3>]) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid, weak_observables};
+    use crate::paper::{
+        INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid, weak_observables,
+    };
     use mc::{Ladder, Moments, Run, Statistic, View};
     use noise::{StreamKey, Truncation};
     use schemes::Sexp;
@@ -255,10 +274,12 @@ mod tests {
         a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
 
-    const POINTS: [[f64; 3]; 4] = [[0.6, 0.0, 0.8], [-0.3, 1.1, 0.4], [0.2, -0.5, -0.7], [0.0, 0.0, 1.3]];
+    const POINTS: [[f64; 3]; 4] =
+        [[0.6, 0.0, 0.8], [-0.3, 1.1, 0.4], [0.2, -0.5, -0.7], [0.0, 0.0, 1.3]];
 
-    /// The twelve values of the paper's weak problem: degrees 96 to 160 agree on them to 4e-15. The backward Kolmogorov
-    /// equation on the torus of latitude and longitude, by Fourier collocation on 96 × 96 points, agrees to 1.2e-10.
+    /// The twelve values of the paper's weak problem: degrees 96 to 160 agree on them to 4e-15. The
+    /// backward Kolmogorov equation on the torus of latitude and longitude, by Fourier collocation
+    /// on 96 × 96 points, agrees to 1.2e-10.
     const PAPER: [f64; 12] = [
         0.308620463445559,
         -0.233428857078511,
@@ -287,7 +308,8 @@ mod tests {
                 let row = l * l..(l + 1) * (l + 1);
                 let sum: f64 = row.map(|i| a[i] * b[i]).sum();
                 assert!((sum / (2.0 * n + 1.0) - legendre).abs() < 1e-13, "{l}: {sum} {legendre}");
-                (legendre, before) = (((2.0 * n + 1.0) * x * legendre - n * before) / (n + 1.0), legendre);
+                (legendre, before) =
+                    (((2.0 * n + 1.0) * x * legendre - n * before) / (n + 1.0), legendre);
             }
         }
     }
@@ -306,7 +328,10 @@ mod tests {
         let (drift, correction) = (vector_field(body, y, 1.0, [0.0; M]), ito_correction(body, y));
         let values = along(std::array::from_fn(|i| drift[i] + correction[i]));
         let mut result: Vec<f64> = (0..values[0].len())
-            .map(|i| (8.0 * (values[3][i] - values[1][i]) - (values[4][i] - values[0][i])) / (12.0 * STEP))
+            .map(|i| {
+                (8.0 * (values[3][i] - values[1][i]) - (values[4][i] - values[0][i]))
+                    / (12.0 * STEP)
+            })
             .collect();
         for m in 0..M {
             let values = along(vector_field(body, y, 0.0, unit_noise(m)));
@@ -321,7 +346,8 @@ mod tests {
 
     #[test]
     fn the_generator_is_that_of_the_ito_equation() {
-        // The field has degree 2 and u has degree 0 in y: L h(y/|y|) is the generator of u at the radius |y|.
+        // The field has degree 2 and u has degree 0 in y: L h(y/|y|) is the generator of u at the
+        // radius |y|.
         const DEGREE: usize = 4;
         let body = valid(RigidBody::three_noises([2.0, 0.7, 1.3], [1.1, 0.9, 2.5]));
         for y in POINTS {
@@ -330,7 +356,8 @@ mod tests {
             let expected = generator_by_differences(&body, y, spherical);
             // Two degrees more, since L raises degrees by two.
             let generator = Generator::new(&body, DEGREE + 2);
-            let found = generator.transposed(r, &harmonics(y.map(|component| component / r), DEGREE + 2));
+            let found =
+                generator.transposed(r, &harmonics(y.map(|component| component / r), DEGREE + 2));
             let difference = largest_difference(&found[..expected.len()], &expected);
             assert!(difference < 1e-8, "{y:?}: {difference:e}");
         }
@@ -344,7 +371,8 @@ mod tests {
         let problem = valid(Problem::new(body, valid(Constant::new(0.6)), start, 1.5));
         let decay = (-0.9f64).exp();
         let v = (start[0] / 0.8) * (start[0] / 0.8) * (1.0 - (-1.8f64).exp()) / 1.2;
-        let squares = (start[1] * start[1] + start[2] * start[2], start[1] * start[1] - start[2] * start[2]);
+        let squares =
+            (start[1] * start[1] + start[2] * start[2], start[1] * start[1] - start[2] * start[2]);
         let expected = [
             decay * start[0],
             decay * start[1] * (-0.5 * v).exp(),
@@ -361,7 +389,8 @@ mod tests {
 
     #[test]
     fn a_start_on_an_axis_or_at_the_origin_stays_there() {
-        // On an axis the noise vanishes and the density is a point mass: nothing converges more slowly.
+        // On an axis the noise vanishes and the density is a point mass: nothing converges more
+        // slowly.
         let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
         for start in [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]] {
             let problem = valid(Problem::new(body, valid(Constant::new(0.5)), start, 1.0));
@@ -382,8 +411,13 @@ mod tests {
     #[test]
     fn values_settle_with_the_degree() {
         let problem = paper_problem();
-        for (degree, tolerance) in [(16, 1e-5), (24, 4e-7), (32, 2e-8), (48, 2e-10), (64, 2e-12), (80, 1e-13)] {
-            let difference = largest_difference(&rigid_body_expectations(&problem, degree, &observables()), &PAPER);
+        for (degree, tolerance) in
+            [(16, 1e-5), (24, 4e-7), (32, 2e-8), (48, 2e-10), (64, 2e-12), (80, 1e-13)]
+        {
+            let difference = largest_difference(
+                &rigid_body_expectations(&problem, degree, &observables()),
+                &PAPER,
+            );
             assert!(difference < tolerance, "{degree}: {difference:e}");
         }
     }
@@ -391,7 +425,8 @@ mod tests {
     #[test]
     fn halving_the_time_step_changes_nothing() {
         let problem = paper_problem();
-        let at = |steps| means(&moments(&problem, 32, steps), 32, radius(&problem, 1.0), &observables());
+        let at =
+            |steps| means(&moments(&problem, 32, steps), 32, radius(&problem, 1.0), &observables());
         let steps = steps(&problem, 32);
         let difference = largest_difference(&at(steps), &at(2 * steps));
         assert!(difference < 1e-13, "{steps}: {difference:e}");
@@ -399,15 +434,20 @@ mod tests {
 
     #[test]
     fn the_axes_are_treated_alike() {
-        // Turning the names of the axes round turns the values round; the harmonics know one axis from the others.
+        // Turning the names of the axes round turns the values round; the harmonics know one axis
+        // from the others.
         let turned = |x: [f64; 3]| [x[1], x[2], x[0]];
         let body = valid(RigidBody::three_noises(turned(INERTIA), turned(NOISE_INERTIA)));
         let problem = valid(Problem::new(body, half_cosine(), turned(rigid_body_start()), 1.0));
         let found = rigid_body_expectations(&problem, 24, &observables());
         let expected = rigid_body_expectations(&paper_problem(), 24, &observables());
         for kind in 0..4 {
-            let [found, expected] = [&found, &expected].map(|values| [0, 1, 2].map(|j| values[3 * kind + j]));
-            assert!(largest_difference(&found, &turned(expected)) < 1e-13, "{found:?} {expected:?}");
+            let [found, expected] =
+                [&found, &expected].map(|values| [0, 1, 2].map(|j| values[3 * kind + j]));
+            assert!(
+                largest_difference(&found, &turned(expected)) < 1e-13,
+                "{found:?} {expected:?}"
+            );
         }
     }
 
@@ -431,7 +471,10 @@ mod tests {
         }
 
         fn merge(&mut self, later: Self) {
-            self.moments.iter_mut().zip(later.moments).for_each(|(earlier, later)| earlier.merge(later));
+            self.moments
+                .iter_mut()
+                .zip(later.moments)
+                .for_each(|(earlier, later)| earlier.merge(later));
         }
     }
 
@@ -440,7 +483,8 @@ mod tests {
         let problem = paper_problem();
         let (sexp, key) = (Sexp::default(), StreamKey { seed: 20, experiment: 3 });
         let truncation = Truncation::new(4).unwrap();
-        let ladder = Ladder::new(&problem, 128, 0, truncation, key, vec![Run::new(&sexp, 0)]).unwrap();
+        let ladder =
+            Ladder::new(&problem, 128, 0, truncation, key, vec![Run::new(&sexp, 0)]).unwrap();
         let new = || Final {
             observables: observables(),
             moments: vec![Moments::default(); 12],

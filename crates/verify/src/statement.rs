@@ -11,7 +11,8 @@ pub struct Statement {
     pub measure: fn(&Context<'_>) -> Vec<Claim>,
 }
 
-/// A claim about no panel and no scheme; the fields that matter are given, the others can be replaced.
+/// A claim about no panel and no scheme; the fields that matter are given, the others can be
+/// replaced.
 pub(crate) fn claim(id: &str, statement: &str, verdict: Verdict, evidence: String) -> Claim {
     Claim {
         id: id.to_owned(),
@@ -25,16 +26,18 @@ pub(crate) fn claim(id: &str, statement: &str, verdict: Verdict, evidence: Strin
     }
 }
 
-/// Standard errors beyond which a measured mean contradicts its known value: the two-sided normal quantile of a false
-/// alarm once in 1e5 runs.
+/// Standard errors beyond which a measured mean contradicts its known value: the two-sided normal
+/// quantile of a false alarm once in 1e5 runs.
 pub(crate) const DEVIATIONS: f64 = 4.42;
 
-/// The larger of two measurements, NaN if either is: a NaN must not be lost on the way to a verdict.
+/// The larger of two measurements, NaN if either is: a NaN must not be lost on the way to a
+/// verdict.
 pub(crate) fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }
 
-/// Holds or refuted, for measurements that have no statistical error. A comparison with NaN is false, hence refuted.
+/// Holds or refuted, for measurements that have no statistical error. A comparison with NaN is
+/// false, hence refuted.
 pub(crate) fn decide(holds: bool) -> Verdict {
     if holds { Verdict::Holds } else { Verdict::Refuted }
 }

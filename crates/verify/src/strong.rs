@@ -43,8 +43,8 @@ pub(crate) struct Curve<'a, S, const D: usize, const M: usize> {
 }
 
 /// `sexp`, `em` and `midpoint`, in the order of the paper's legends.
-pub(crate) fn schemes_of_the_paper<S: Compiled<D, M>, const D: usize, const M: usize>() -> [Box<dyn Scheme<S, D, M>>; 3]
-{
+pub(crate) fn schemes_of_the_paper<S: Compiled<D, M>, const D: usize, const M: usize>()
+-> [Box<dyn Scheme<S, D, M>>; 3] {
     [S::sexp(Sexp::default()), S::euler_maruyama(), S::midpoint(Midpoint::default())]
 }
 
@@ -59,12 +59,22 @@ where
     G: Damping,
 {
     let schemes = schemes_of_the_paper::<S, D, M>();
-    let curves: Vec<Curve<'_, S, D, M>> =
-        schemes.iter().map(|scheme| Curve { name: scheme.id().to_owned(), scheme: scheme.as_ref() }).collect();
-    strong_curves(context, setup, problem, crate::experiment::truncation(), schemes[0].as_ref(), &curves)
+    let curves: Vec<Curve<'_, S, D, M>> = schemes
+        .iter()
+        .map(|scheme| Curve { name: scheme.id().to_owned(), scheme: scheme.as_ref() })
+        .collect();
+    strong_curves(
+        context,
+        setup,
+        problem,
+        crate::experiment::truncation(),
+        schemes[0].as_ref(),
+        &curves,
+    )
 }
 
-/// One curve for each scheme given; the reference is a scheme at the finest step with the same truncation rule.
+/// One curve for each scheme given; the reference is a scheme at the finest step with the same
+/// truncation rule.
 pub(crate) fn strong_curves<S, G, const D: usize, const M: usize>(
     context: &Context<'_>,
     setup: &StrongSetup,
@@ -81,17 +91,30 @@ where
     let mut series = Vec::new();
     for curve in curves {
         let first = runs.len();
-        runs.extend((setup.first..=setup.last).map(|exponent| Run::new(curve.scheme, setup.level(exponent))));
+        runs.extend(
+            (setup.first..=setup.last)
+                .map(|exponent| Run::new(curve.scheme, setup.level(exponent))),
+        );
         series.push((first..runs.len()).collect::<Vec<_>>());
     }
     let finest_steps = (problem.t_end * 2f64.powi(setup.reference as i32)).round() as u64;
-    let ladder = Ladder::new(problem, finest_steps, setup.level(setup.first), truncation, context.key(0), runs)
-        .unwrap_or_else(|error| unreachable!("the set-ups of the paper are valid: {error}"));
+    let ladder = Ladder::new(
+        problem,
+        finest_steps,
+        setup.level(setup.first),
+        truncation,
+        context.key(0),
+        runs,
+    )
+    .unwrap_or_else(|error| unreachable!("the set-ups of the paper are valid: {error}"));
     context.progress.begin(setup.id, ladder.steps_per_path() * setup.samples);
-    let outcome =
-        ladder.run(setup.samples, || StrongErrors::new(Reference::Run(0), &series, ladder.coarse_steps()), &|work| {
+    let outcome = ladder.run(
+        setup.samples,
+        || StrongErrors::new(Reference::Run(0), &series, ladder.coarse_steps()),
+        &|work| {
             context.progress.advance(work);
-        });
+        },
+    );
     context.progress.end();
 
     let taus = setup.taus();
@@ -123,7 +146,12 @@ where
             let increments = outcome.clipped[setup.level(exponent)];
             if increments > 0 {
                 let share = outcome.statistic.clipped_share(s, r);
-                clipped.push(Clipped { scheme: curve.name.clone(), tau: taus[r], increments, share });
+                clipped.push(Clipped {
+                    scheme: curve.name.clone(),
+                    tau: taus[r],
+                    increments,
+                    share,
+                });
             }
         }
     }
@@ -151,7 +179,8 @@ pub(crate) fn describe_failures(failed: u64, failures: &[mc::PathFailure]) -> Ve
     lines
 }
 
-/// The points of a curve, with bootstrap-t intervals for the root-mean-squares and a warning where a few paths carry one.
+/// The points of a curve, with bootstrap-t intervals for the root-mean-squares and a warning where
+/// a few paths carry one.
 pub(crate) fn root_mean_squares(taus: &[f64], squares: &CrossMoments) -> Vec<Point> {
     taus.iter().enumerate().filter_map(|(l, &tau)| root_mean_square(tau, l, squares)).collect()
 }
@@ -165,8 +194,11 @@ fn root_mean_square(tau: f64, l: usize, squares: &CrossMoments) -> Option<Point>
         return None;
     }
     let effective = squares.effective_samples(l);
-    let warning = (effective < FEW_PATHS)
-        .then(|| format!("only {effective:.0} effective paths carry the error; the interval may be too narrow"));
+    let warning = (effective < FEW_PATHS).then(|| {
+        format!(
+            "only {effective:.0} effective paths carry the error; the interval may be too narrow"
+        )
+    });
     let (lo, hi) = root_mean_square_interval(squares, l).unzip();
     Some(Point::Error { tau, value, se, lo, hi, warning })
 }

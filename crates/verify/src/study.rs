@@ -1,12 +1,13 @@
 //! Orders of any scheme on any problem: the door for other people's methods.
 //!
-//! A [`Study`] says which step sizes, how many paths and which noise; [`strong_order`] and [`weak_order`] run the
-//! scheme on a ladder beside a reference and fit the order with its interval. The reference is `sexp` on the same
-//! noise, `sexp-levy` for a scheme that reads Lévy areas, or the exact solution where there is one.
+//! A [`Study`] says which step sizes, how many paths and which noise; [`strong_order`] and
+//! [`weak_order`] run the scheme on a ladder beside a reference and fit the order with its
+//! interval. The reference is `sexp` on the same noise, `sexp-levy` for a scheme that reads Lévy
+//! areas, or the exact solution where there is one.
 
 use mc::{
-    Clock, CrossMoments, Ladder, LadderError, Moments, Observable, Outcome, Reference, Run, Statistic, StrongErrors,
-    View,
+    Clock, CrossMoments, Ladder, LadderError, Moments, Observable, Outcome, Reference, Run,
+    Statistic, StrongErrors, View,
 };
 use noise::{StreamKey, Truncation};
 use schemes::{Scheme, Sexp, SexpLevy};
@@ -22,8 +23,8 @@ pub struct Study {
     pub coarsest_steps: u64,
     /// Step sizes, each half of the one before.
     pub levels: usize,
-    /// The reference's steps are 2^refinement times finer than the finest of the study. With 0, `sexp` has no error at
-    /// the finest step, and no order can be named.
+    /// The reference's steps are 2^refinement times finer than the finest of the study. With 0,
+    /// `sexp` has no error at the finest step, and no order can be named.
     pub refinement: u32,
     /// Paths.
     pub samples: u64,
@@ -63,7 +64,8 @@ impl Study {
         t_end / (self.coarsest_steps << self.level(0)) as f64
     }
 
-    /// Runs a reference at the finest level and the scheme at every step size, the scheme's runs from number 1 on.
+    /// Runs a reference at the finest level and the scheme at every step size, the scheme's runs
+    /// from number 1 on.
     fn run<S, G, T, const D: usize, const M: usize>(
         &self,
         scheme: &dyn Scheme<S, D, M>,
@@ -91,7 +93,8 @@ impl Study {
         let mut runs: Vec<Run<'_, S, D, M>> = vec![Run::new(reference, 0)];
         runs.extend((0..self.levels).map(|index| Run::new(scheme, self.level(index))));
         let top = self.level(0);
-        let mut ladder = Ladder::new(problem, self.coarsest_steps << top, top, self.truncation, self.key, runs)?;
+        let mut ladder =
+            Ladder::new(problem, self.coarsest_steps << top, top, self.truncation, self.key, runs)?;
         if let Some(clock) = clock {
             ladder = ladder.with_clock(clock);
         }
@@ -100,12 +103,12 @@ impl Study {
     }
 }
 
-/// The strong order of `scheme`: root-mean-square errors at the final time against `sexp`, or `sexp-levy` if the scheme
-/// reads Lévy areas, at the reference step.
+/// The strong order of `scheme`: root-mean-square errors at the final time against `sexp`, or
+/// `sexp-levy` if the scheme reads Lévy areas, at the reference step.
 ///
 /// # Errors
-/// [`LadderError`] when there is no step size or no step, too many of either, or when the truncation is not defined at
-/// one of the step sizes.
+/// [`LadderError`] when there is no step size or no step, too many of either, or when the
+/// truncation is not defined at one of the step sizes.
 pub fn strong_order<S, G, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
@@ -115,8 +118,9 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let outcome =
-        study.run(scheme, problem, None, |steps, runs| StrongErrors::new(Reference::Run(0), &[runs], steps))?;
+    let outcome = study.run(scheme, problem, None, |steps, runs| {
+        StrongErrors::new(Reference::Run(0), &[runs], steps)
+    })?;
     let taus = study.taus(problem.t_end);
     let reference = study.reference(problem.t_end);
     let squares = outcome.statistic.at_end(0);
@@ -127,11 +131,12 @@ where
     })
 }
 
-/// The strong order of `scheme` against the exact solution, which is `solution` of what `clock` shows at the end.
+/// The strong order of `scheme` against the exact solution, which is `solution` of what `clock`
+/// shows at the end.
 ///
 /// # Errors
-/// [`LadderError`] when there is no step size or no step, too many of either, or when the truncation is not defined at
-/// one of the step sizes.
+/// [`LadderError`] when there is no step size or no step, too many of either, or when the
+/// truncation is not defined at one of the step sizes.
 pub fn strong_order_exact<S, G, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
@@ -155,16 +160,17 @@ where
     })
 }
 
-/// The weak order of `scheme` for one test function, by coupled differences: the mean over paths of φ of the scheme
-/// minus φ of the reference on the same noise.
+/// The weak order of `scheme` for one test function, by coupled differences: the mean over paths of
+/// φ of the scheme minus φ of the reference on the same noise.
 ///
-/// The reference is `sexp` at the reference step, or the exact solution where `exact` gives a clock and a solution. The
-/// errors of `sexp` against itself are fitted as the differences e(τ) − e(τ_ref) that they are; those of another scheme
-/// as if the reference had no error, so `refinement` should make it small.
+/// The reference is `sexp` at the reference step, or the exact solution where `exact` gives a clock
+/// and a solution. The errors of `sexp` against itself are fitted as the differences e(τ) −
+/// e(τ_ref) that they are; those of another scheme as if the reference had no error, so
+/// `refinement` should make it small.
 ///
 /// # Errors
-/// [`LadderError`] when there is no step size or no step, too many of either, or when the truncation is not defined at
-/// one of the step sizes.
+/// [`LadderError`] when there is no step size or no step, too many of either, or when the
+/// truncation is not defined at one of the step sizes.
 pub fn weak_order<S, G, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
@@ -176,20 +182,24 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let outcome = study.run(scheme, problem, exact.map(|exact| exact.clock), |steps, runs| CoupledDifferences {
-        observable,
-        reference: exact.map_or(Reference::Run(0), |exact| Reference::Exact(exact.solution)),
-        differences: CrossMoments::new(runs.len()),
-        runs,
-        last_time: steps,
+    let outcome = study.run(scheme, problem, exact.map(|exact| exact.clock), |steps, runs| {
+        CoupledDifferences {
+            observable,
+            reference: exact.map_or(Reference::Run(0), |exact| Reference::Exact(exact.solution)),
+            differences: CrossMoments::new(runs.len()),
+            runs,
+            last_time: steps,
+        }
     })?;
     let taus = study.taus(problem.t_end);
     let differences = &outcome.statistic.differences;
     let levels = study.levels;
     let errors: Vec<f64> = (0..levels).map(|l| differences.mean(l)).collect();
-    let covariance: Vec<Vec<f64>> =
-        (0..levels).map(|l| (0..levels).map(|m| differences.covariance_of_means(l, m)).collect()).collect();
-    let points = (0..levels).map(|l| Point::normal(taus[l], errors[l], covariance[l][l].sqrt())).collect();
+    let covariance: Vec<Vec<f64>> = (0..levels)
+        .map(|l| (0..levels).map(|m| differences.covariance_of_means(l, m)).collect())
+        .collect();
+    let points =
+        (0..levels).map(|l| Point::normal(taus[l], errors[l], covariance[l][l].sqrt())).collect();
     let against_itself = exact.is_none() && scheme.id() == Scheme::<S, D, M>::id(&Sexp::default());
     let rate = if against_itself {
         fit_weak_against(&taus, study.reference(problem.t_end), &errors, &covariance)
@@ -272,7 +282,8 @@ impl<const D: usize> Statistic<D> for CoupledDifferences<'_, D> {
                 Reference::Exact(solution) => solution(view.clock.0[0][p]),
             };
             let expected = (self.observable.function)(exact);
-            let difference = |&run: &usize| (self.observable.function)(view.states[run].path(p)) - expected;
+            let difference =
+                |&run: &usize| (self.observable.function)(view.states[run].path(p)) - expected;
             self.differences.add(&self.runs.iter().map(difference).collect::<Vec<_>>());
         }
     }

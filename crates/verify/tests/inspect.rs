@@ -2,8 +2,9 @@
 
 use real::{Real, elementary};
 use systems::{
-    Constant, Damping, Form, IntegerExponents, Invariant, InvariantKind, LotkaVolterra, MaxwellBloch, Pendulum,
-    Poisson3, PoissonSystem, Problem, RealExponents, RigidBody, RigidBodyEnergy, Sine, SpinChain, SystemError,
+    Constant, Damping, Form, IntegerExponents, Invariant, InvariantKind, LotkaVolterra,
+    MaxwellBloch, Pendulum, Poisson3, PoissonSystem, Problem, RealExponents, RigidBody,
+    RigidBodyEnergy, Sine, SpinChain, SystemError,
 };
 use verify::inspect::{Applies, InspectError, Inspection, Kind};
 use verify::{inspect, inspect_problem};
@@ -12,12 +13,20 @@ const INERTIA: [f64; 3] = [2.0, 1.0, 2.0 / 3.0];
 
 type PaperLotkaVolterra = LotkaVolterra<IntegerExponents<2, 2>>;
 
-/// One row of the table of systems: dimensions, noises, Casimirs of B, degree of the energy where it has a law.
-fn row(report: &Inspection, dimension: usize, noises: usize, casimirs: &[&str], energy: Option<f64>) {
+/// One row of the table of systems: dimensions, noises, Casimirs of B, degree of the energy where
+/// it has a law.
+fn row(
+    report: &Inspection,
+    dimension: usize,
+    noises: usize,
+    casimirs: &[&str],
+    energy: Option<f64>,
+) {
     assert!(report.mistakes.is_empty(), "{report}");
     assert!(report.structure.skew.holds && report.structure.jacobi.holds, "{report}");
     assert_eq!((report.dimension, report.noises), (dimension, noises), "{report}");
-    let found: Vec<&str> = report.casimirs.found.iter().map(|casimir| casimir.formula.as_str()).collect();
+    let found: Vec<&str> =
+        report.casimirs.found.iter().map(|casimir| casimir.formula.as_str()).collect();
     assert_eq!(found, casimirs, "{report}");
     let hamiltonians = &report.hamiltonians;
     assert_eq!(hamiltonians.noise_size.and(hamiltonians.shapes[0].degree), energy, "{report}");
@@ -26,7 +35,11 @@ fn row(report: &Inspection, dimension: usize, noises: usize, casimirs: &[&str], 
 
 /// (kind, degree, m(F) > 0) of a claimed invariant.
 fn claimed(report: &Inspection, name: &str) -> (Kind, Option<f64>, bool) {
-    let invariant = report.invariants.iter().find(|invariant| invariant.name == name).expect("a claimed invariant");
+    let invariant = report
+        .invariants
+        .iter()
+        .find(|invariant| invariant.name == name)
+        .expect("a claimed invariant");
     let shape = &invariant.shape;
     (shape.kind, shape.degree, shape.minimum.is_some_and(|minimum| minimum.positive))
 }
@@ -45,16 +58,23 @@ fn the_table_of_systems_is_reproduced() {
     row(&three, 3, 3, &[sphere], None);
     assert_eq!(claimed(&three, "C"), (Kind::Quadratic, Some(2.0), true));
     assert!(!three.noise.commute.holds && !three.structure.constant.holds);
-    assert_eq!((three.order("sexp"), three.order("sexp-levy")), (Some((0.5, 1.0)), Some((1.0, 1.0))));
+    assert_eq!(
+        (three.order("sexp"), three.order("sexp-levy")),
+        (Some((0.5, 1.0)), Some((1.0, 1.0)))
+    );
     assert_eq!(three.applies("strong-half"), Some(Applies::Yes));
     assert_eq!(three.applies("strong-one"), None);
     // m(H₀) > 0 and m(Hₘ) = 0, as the paper's remark says.
-    let positive: Vec<bool> = three.hamiltonians.shapes.iter().map(|h| h.minimum.unwrap().positive).collect();
+    let positive: Vec<bool> =
+        three.hamiltonians.shapes.iter().map(|h| h.minimum.unwrap().positive).collect();
     assert_eq!(positive, [true, false, false, false]);
 
     let one = inspect(&RigidBody::one_noise(INERTIA, 1.5).unwrap()).unwrap();
     row(&one, 3, 1, &[sphere], None);
-    assert_eq!((one.applies("strong-one"), one.applies("energy-balance")), (Some(Applies::Yes), Some(Applies::No)));
+    assert_eq!(
+        (one.applies("strong-one"), one.applies("energy-balance")),
+        (Some(Applies::Yes), Some(Applies::No))
+    );
     assert_eq!((one.order("sexp"), one.order("em")), (Some((1.0, 1.0)), Some((0.5, 1.0))));
 
     let energy = inspect(&RigidBodyEnergy::new(INERTIA, 0.7).unwrap()).unwrap();
@@ -103,7 +123,13 @@ impl PoissonSystem<3, 1> for AsPrinted {
     }
     fn invariants(&self) -> Vec<Invariant> {
         let formula = "ab ln y₁ − b ln y₂ + ln y₃";
-        vec![Invariant { name: "C", formula, kind: InvariantKind::Casimir, form: Form::Homogeneous, degree: 1.0 }]
+        vec![Invariant {
+            name: "C",
+            formula,
+            kind: InvariantKind::Casimir,
+            form: Form::Homogeneous,
+            degree: 1.0,
+        }]
     }
     fn invariant<R: Real>(&self, _index: usize, y: [R; 3]) -> R {
         y[0].ln() * (A * B) - y[1].ln() * B + y[2].ln()
@@ -178,7 +204,9 @@ impl PoissonSystem<3, 3> for Spoiled {
         let mut result = body().structure(y, v);
         match self.0 {
             Fault::Sign => result[2] = y[0] * v[1] + y[1] * v[0],
-            Fault::NotJacobi => result = [v[1] * y[0] + v[2], -(v[0] * y[0]) + v[2] * y[1], -v[0] - v[1] * y[1]],
+            Fault::NotJacobi => {
+                result = [v[1] * y[0] + v[2], -(v[0] * y[0]) + v[2] * y[1], -v[0] - v[1] * y[1]]
+            }
             Fault::NotLinear => result[0] = result[0] + v[0] * v[0],
             _ => {}
         }
@@ -222,12 +250,14 @@ impl PoissonSystem<3, 3> for Spoiled {
         if self.0 == Fault::Commutators {
             return body().commutators(y, areas).map(|x| -x);
         }
-        // In the words of the trait, since a provided method cannot be called once it is overridden.
+        // In the words of the trait, since a provided method cannot be called once it is
+        // overridden.
         let mut sum = [R::zero(); 3];
         for l in 0..3 {
             let weights = [areas[0][l], areas[1][l], areas[2][l]];
             let along = systems::vector_field(self, y, 0.0, weights);
-            let slope = systems::vector_field_derivative(self, y, 0.0, systems::unit_noise(l), along);
+            let slope =
+                systems::vector_field_derivative(self, y, 0.0, systems::unit_noise(l), along);
             for i in 0..3 {
                 sum[i] = sum[i] + slope[i];
             }
@@ -291,7 +321,10 @@ fn every_mistake_is_named() {
         assert!(report.mistakes.iter().any(|mistake| mistake.contains(words)), "{words}: {report}");
         assert!(report.to_string().contains(words));
         // One mistake is one line, but for those that spoil what is derived from them.
-        if !matches!(fault, Fault::Sign | Fault::NotLinear | Fault::EnergyNotLinear | Fault::AveragedGradient) {
+        if !matches!(
+            fault,
+            Fault::Sign | Fault::NotLinear | Fault::EnergyNotLinear | Fault::AveragedGradient
+        ) {
             assert_eq!(report.mistakes.len(), 1, "{report}");
         }
     }
@@ -300,7 +333,9 @@ fn every_mistake_is_named() {
 #[test]
 fn without_a_skew_structure_no_statement_applies() {
     let report = inspect(&Spoiled(Fault::Sign)).unwrap();
-    for statement in ["exact-conformal", "conformal-casimir", "moment-bound", "strong-half", "weak-one"] {
+    for statement in
+        ["exact-conformal", "conformal-casimir", "moment-bound", "strong-half", "weak-one"]
+    {
         assert_eq!(report.applies(statement), Some(Applies::No), "{report}");
     }
     assert!(report.to_string().contains("NOT skew-symmetric"));
@@ -309,15 +344,25 @@ fn without_a_skew_structure_no_statement_applies() {
 #[test]
 fn a_structure_without_jacobis_identity_is_reported_and_no_mistake() {
     let report = inspect(&Spoiled(Fault::NotJacobi)).unwrap();
-    assert!(!report.structure.jacobi.holds && report.structure.skew.holds && report.mistakes.is_empty(), "{report}");
+    assert!(
+        !report.structure.jacobi.holds && report.structure.skew.holds && report.mistakes.is_empty(),
+        "{report}"
+    );
     assert!(report.to_string().contains("Jacobi's identity does not hold"), "{report}");
 }
 
 #[test]
 fn what_cannot_be_looked_at_is_refused() {
-    assert_eq!(inspect(&Spoiled(Fault::Nowhere)), Err(InspectError::NoPoints { found: 0, wanted: 24 }));
+    assert_eq!(
+        inspect(&Spoiled(Fault::Nowhere)),
+        Err(InspectError::NoPoints { found: 0, wanted: 24 })
+    );
     let error = inspect(&Spoiled(Fault::NaN)).unwrap_err();
-    assert!(matches!(&error, InspectError::NotFinite { .. }) && error.to_string().contains("NaN at y = ["), "{error}");
+    assert!(
+        matches!(&error, InspectError::NotFinite { .. })
+            && error.to_string().contains("NaN at y = ["),
+        "{error}"
+    );
 }
 
 #[test]
@@ -327,7 +372,11 @@ fn casimirs_of_parts_are_summed_to_a_bound() {
     assert_eq!(report.casimirs.found.len(), 2);
     assert!(report.casimirs.found.iter().all(|casimir| !casimir.minimum.positive));
     let sum = report.casimirs.definite.as_ref().unwrap();
-    assert!((sum.minimum.value - 0.5).abs() < 1e-12 && report.applies("strong-half") == Some(Applies::Yes), "{report}");
+    assert!(
+        (sum.minimum.value - 0.5).abs() < 1e-12
+            && report.applies("strong-half") == Some(Applies::Yes),
+        "{report}"
+    );
 }
 
 #[test]
@@ -342,9 +391,14 @@ fn a_problem_knows_its_radius_and_its_largest_step() {
     assert!((report.solvability.structure - radius).abs() < 1e-12);
     assert!((report.solvability.hessians[0] - 1.5).abs() < 1e-12);
 
-    // Lotka–Volterra, where the paper has no bound: 2·0.2 + 0.4 + 0.6 = 1.4, and γ = sin t never pumps.
-    let problem =
-        Problem::new(PaperLotkaVolterra::integer(1.0).unwrap(), Sine::new(1.0, 1.0).unwrap(), [0.2, 0.4, 0.6], 10.0);
+    // Lotka–Volterra, where the paper has no bound: 2·0.2 + 0.4 + 0.6 = 1.4, and γ = sin t never
+    // pumps.
+    let problem = Problem::new(
+        PaperLotkaVolterra::integer(1.0).unwrap(),
+        Sine::new(1.0, 1.0).unwrap(),
+        [0.2, 0.4, 0.6],
+        10.0,
+    );
     let report = inspect_problem(&problem.unwrap()).unwrap();
     let radius = report.problem.as_ref().unwrap().radius.unwrap();
     assert!((radius - 1.4).abs() < 1e-5, "{report}");
@@ -390,10 +444,13 @@ impl Damping for Switched {
 
 #[test]
 fn a_wrong_integral_of_the_damping_is_found_and_a_jump_is_none() {
-    let wrong = inspect_problem(&Problem::new(body(), WrongIntegral, [1.0, 0.0, 0.0], 2.0).unwrap()).unwrap();
+    let wrong =
+        inspect_problem(&Problem::new(body(), WrongIntegral, [1.0, 0.0, 0.0], 2.0).unwrap())
+            .unwrap();
     assert_eq!(wrong.mistakes.len(), 1);
     assert!(wrong.mistakes[0].contains("integral of the damping"), "{wrong}");
-    let switched = inspect_problem(&Problem::new(body(), Switched, [1.0, 0.0, 0.0], 2.0).unwrap()).unwrap();
+    let switched =
+        inspect_problem(&Problem::new(body(), Switched, [1.0, 0.0, 0.0], 2.0).unwrap()).unwrap();
     assert!(switched.mistakes.is_empty(), "{switched}");
 }
 

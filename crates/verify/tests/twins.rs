@@ -28,14 +28,21 @@ fn the_right_methods_are_not_refuted() {
     for seed in SEEDS {
         let results = reproduce(Settings { seed, mode: Mode::Quick }, &ids, &Silent).unwrap();
         for claim in results.claims.iter().filter(|claim| claim.erratum.is_empty()) {
-            assert_ne!(claim.verdict, Verdict::Refuted, "seed {seed}: {}: {}", claim.id, claim.evidence);
+            assert_ne!(
+                claim.verdict,
+                Verdict::Refuted,
+                "seed {seed}: {}: {}",
+                claim.id,
+                claim.evidence
+            );
         }
     }
 }
 
 #[test]
 fn every_statement_has_a_twin() {
-    let of_panels = ["conformal-casimir", "energy-balance", "strong-half", "strong-one", "weak-one"];
+    let of_panels =
+        ["conformal-casimir", "energy-balance", "strong-half", "strong-one", "weak-one"];
     for id in STATEMENTS.iter().map(|statement| statement.id).chain(of_panels) {
         assert!(TWINS.iter().any(|twin| twin.claim == id), "{id} has no twin");
     }

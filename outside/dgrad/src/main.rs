@@ -1,4 +1,5 @@
-//! The Toda chain of three particles with free ends, in 10 000 steps that keep its energy: z = y + τJ∇̄H(y, z).
+//! The Toda chain of three particles with free ends, in 10 000 steps that keep its energy: z = y +
+//! τJ∇̄H(y, z).
 
 use dgrad::{GradientField, averaged, averaged_with_error};
 use real::Real;

@@ -1,5 +1,5 @@
-//! Geometric Brownian motion dX = σX ∘ dW by its exact solution, on noise that can be replayed: the mean of X(1) over 10 000
-//! paths beside e^{σ²/2}.
+//! Geometric Brownian motion dX = σX ∘ dW by its exact solution, on noise that can be replayed: the
+//! mean of X(1) over 10 000 paths beside e^{σ²/2}.
 
 use noise::{StreamKey, Truncation, WienerPath};
 

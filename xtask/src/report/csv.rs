@@ -1,7 +1,7 @@
 //! The numbers behind a figure as comma-separated values (RFC 4180).
 //!
-//! Every number is written with the shortest digits that read back as the same `f64`; what is not finite
-//! appears as `inf`, `-inf` or `NaN`.
+//! Every number is written with the shortest digits that read back as the same `f64`; what is not
+//! finite appears as `inf`, `-inf` or `NaN`.
 
 use std::fmt::Write;
 
@@ -9,12 +9,13 @@ use verify::results::{Kind, Panel, Point};
 
 use super::relative_defect;
 
-/// Columns of strong and weak panels: scheme id, quantity, step size, root-mean-square error (strong) or signed
-/// weak error (weak), the standard error of that value, and the ends of its interval, empty where it is value ± 1.96 se.
+/// Columns of strong and weak panels: scheme id, quantity, step size, root-mean-square error
+/// (strong) or signed weak error (weak), the standard error of that value, and the ends of its
+/// interval, empty where it is value ± 1.96 se.
 pub const ERROR_COLUMNS: &str = "scheme,quantity,tau,value,se,lo,hi";
 
-/// Columns of invariant panels: scheme id, quantity, time, value on the numerical path, value by the conformal
-/// law, and |value − exact| / |exact|.
+/// Columns of invariant panels: scheme id, quantity, time, value on the numerical path, value by
+/// the conformal law, and |value − exact| / |exact|.
 pub const VALUE_COLUMNS: &str = "scheme,quantity,t,value,exact,relative_defect";
 
 /// Columns of cost panels: method, quantity, half-width asked for, path-steps taken.
@@ -38,7 +39,9 @@ pub fn csv(panel: &Panel) -> String {
                 (Kind::Invariant, Point::Value { t, value, exact }) => {
                     format!("{t:e},{value:e},{exact:e},{:e}", relative_defect(*value, *exact))
                 }
-                (Kind::Cost, Point::Cost { accuracy, path_steps }) => format!("{accuracy:e},{path_steps}"),
+                (Kind::Cost, Point::Cost { accuracy, path_steps }) => {
+                    format!("{accuracy:e},{path_steps}")
+                }
                 // A point of the other kind has no row in this table.
                 _ => continue,
             };
@@ -56,7 +59,11 @@ fn optional(number: Option<f64>) -> String {
 
 /// Quotes a field when it holds a separator, a quote or a line break.
 fn field(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
 }
 
 #[cfg(test)]
@@ -66,8 +73,13 @@ mod tests {
     use super::*;
 
     fn panel(kind: Kind, quantity: &str, points: Vec<Point>) -> Panel {
-        let series =
-            Series { scheme: "sexp".into(), quantity: quantity.into(), points, rate: None, max_relative_defect: None };
+        let series = Series {
+            scheme: "sexp".into(),
+            quantity: quantity.into(),
+            points,
+            rate: None,
+            max_relative_defect: None,
+        };
         Panel {
             id: "test".into(),
             kind,

@@ -1,7 +1,7 @@
 //! Text made safe for HTML and SVG.
 
-/// Replaces the characters that have a meaning in markup, so that the result stands for `text` in element
-/// content and in quoted attributes.
+/// Replaces the characters that have a meaning in markup, so that the result stands for `text` in
+/// element content and in quoted attributes.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -25,7 +25,10 @@ mod tests {
 
     #[test]
     fn markup_becomes_text() {
-        assert_eq!(escape("<b a=\"1\" c='2'>x & y</b>"), "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;x &amp; y&lt;/b&gt;");
+        assert_eq!(
+            escape("<b a=\"1\" c='2'>x & y</b>"),
+            "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;x &amp; y&lt;/b&gt;"
+        );
         assert_eq!(escape("τ < 2⁻⁵\n"), "τ &lt; 2⁻⁵\n");
         assert_eq!(escape("a\u{0}b"), "a\u{fffd}b");
     }

@@ -1,7 +1,8 @@
-//! Short mathematical labels: a base with an optional subscript and superscript, and words behind it.
+//! Short mathematical labels: a base with an optional subscript and superscript, and words behind
+//! it.
 //!
-//! One notation serves the figures and the page: `2^-5` is 2⁻⁵, `y2^2` is y₂², `cos y3` is cos y₃. Digits
-//! that follow a letter are an index; what follows `^` is an exponent.
+//! One notation serves the figures and the page: `2^-5` is 2⁻⁵, `y2^2` is y₂², `cos y3` is cos y₃.
+//! Digits that follow a letter are an index; what follows `^` is an exponent.
 
 /// Size of an index or exponent relative to the base.
 pub const SCRIPT_SIZE: f64 = 0.74;
@@ -20,19 +21,33 @@ pub struct Label {
 }
 
 impl Label {
-    /// Reads `base`, `base^exponent`, or either with an index of digits after the last letter of the base.
+    /// Reads `base`, `base^exponent`, or either with an index of digits after the last letter of
+    /// the base.
     pub fn new(notation: &str) -> Self {
         let (base, exponent) = notation.split_once('^').unwrap_or((notation, ""));
         let stem = base.trim_end_matches(|c: char| c.is_ascii_digit());
-        let (base, index) =
-            if stem.ends_with(|c: char| c.is_alphabetic()) { base.split_at(stem.len()) } else { (base, "") };
+        let (base, index) = if stem.ends_with(|c: char| c.is_alphabetic()) {
+            base.split_at(stem.len())
+        } else {
+            (base, "")
+        };
         let minus = |text: &str| text.replace('-', "−");
-        Self { base: minus(base), index: index.to_owned(), exponent: minus(exponent), tail: String::new() }
+        Self {
+            base: minus(base),
+            index: index.to_owned(),
+            exponent: minus(exponent),
+            tail: String::new(),
+        }
     }
 
     /// Plain words, in which digits and hyphens stay what they are.
     pub fn words(text: &str) -> Self {
-        Self { base: text.to_owned(), index: String::new(), exponent: String::new(), tail: String::new() }
+        Self {
+            base: text.to_owned(),
+            index: String::new(),
+            exponent: String::new(),
+            tail: String::new(),
+        }
     }
 
     /// The same label with plain words behind it.
@@ -47,18 +62,22 @@ impl Label {
 
     /// Estimated width in units of its font size.
     pub fn width(&self) -> f64 {
-        width(&self.base) + SCRIPT_SIZE * (width(&self.index) + width(&self.exponent)) + width(&self.tail)
+        width(&self.base)
+            + SCRIPT_SIZE * (width(&self.index) + width(&self.exponent))
+            + width(&self.tail)
     }
 }
 
 /// Upper estimate of the width of `text` in units of the font size.
 ///
-/// An SVG names only a generic family, so the true width is unknown until it is shown; the estimate follows
-/// the widest of the common sans-serif fonts.
+/// An SVG names only a generic family, so the true width is unknown until it is shown; the estimate
+/// follows the widest of the common sans-serif fonts.
 fn width(text: &str) -> f64 {
     text.chars()
         .map(|c| match c {
-            'i' | 'j' | 'l' | 't' | 'f' | 'r' | ' ' | '.' | ',' | ':' | '(' | ')' | '|' | '/' => 0.4,
+            'i' | 'j' | 'l' | 't' | 'f' | 'r' | ' ' | '.' | ',' | ':' | '(' | ')' | '|' | '/' => {
+                0.4
+            }
             'm' | 'w' | 'M' | 'W' | '−' | '≤' => 0.86,
             _ => 0.6,
         })

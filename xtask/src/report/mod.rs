@@ -1,4 +1,5 @@
-//! The report of a run: a page that opens without a network, one figure and one table of numbers per panel.
+//! The report of a run: a page that opens without a network, one figure and one table of numbers
+//! per panel.
 //!
 //! ```text
 //! index.html            verdicts, figures and provenance in one self-contained file
@@ -24,8 +25,8 @@ pub use figure::{GrowthCurve, WorkPlot, WorkPoint, growth_figure, work_figure};
 
 /// Writes the report of `results` into the existing directory `dir`.
 ///
-/// Each file appears whole or not at all: a reader never sees half a page, and an interrupted run leaves the
-/// previous report as it was.
+/// Each file appears whole or not at all: a reader never sees half a page, and an interrupted run
+/// leaves the previous report as it was.
 ///
 /// # Errors
 ///
@@ -51,7 +52,8 @@ fn file_stem(id: &str) -> String {
     id.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }
 
-/// The quantity a strong or invariant figure shows: the error at the final time, or whatever comes first.
+/// The quantity a strong or invariant figure shows: the error at the final time, or whatever comes
+/// first.
 fn main_quantity(panel: &Panel) -> &str {
     const FINAL_TIME: &str = "y(T)";
     let mut quantities = panel.series.iter().map(|s| s.quantity.as_str());
@@ -93,7 +95,8 @@ mod tests {
         }
     }
 
-    /// Data no figure likes: none, a single point, zeros, what is not finite, and the ends of the range of `f64`.
+    /// Data no figure likes: none, a single point, zeros, what is not finite, and the ends of the
+    /// range of `f64`.
     fn awkward() -> Vec<Panel> {
         let error = Point::normal;
         let value = |t, value, exact| Point::Value { t, value, exact };

@@ -6,8 +6,13 @@ use stability::results::{Case, Growth, Stability};
 use crate::report::{GrowthCurve, WorkPlot, WorkPoint, growth_figure, work_figure};
 
 /// The long runs that the figure shows.
-const SHOWN: [&str; 5] =
-    ["default solver, undamped", "undamped", "constant γ", "γ = ½cos 2t", "Lotka–Volterra, H, undamped"];
+const SHOWN: [&str; 5] = [
+    "default solver, undamped",
+    "undamped",
+    "constant γ",
+    "γ = ½cos 2t",
+    "Lotka–Volterra, H, undamped",
+];
 
 /// Names and contents of the figures, as far as their data are there.
 pub fn figures(results: &Stability) -> Result<Vec<(String, String)>> {

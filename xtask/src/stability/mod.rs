@@ -24,7 +24,8 @@ pub struct Stability {
     /// Run only this case, or `growth`, or `fuzz`; may be given several times.
     #[arg(long, value_name = "ID")]
     only: Vec<String>,
-    /// Inputs for the cheapest fuzzed targets, fewer for the others; by default about a minute's worth, with --quick a second's.
+    /// Inputs for the cheapest fuzzed targets, fewer for the others; by default about a minute's
+    /// worth, with --quick a second's.
     #[arg(long, value_name = "N")]
     inputs: Option<u64>,
     /// Master seed, 0 to 2^64 − 1; the same seed gives the same bits.
@@ -67,7 +68,8 @@ pub fn run(arguments: &Stability) -> Result<ExitCode> {
     let text = page::page(&results);
     write(&arguments.out.join("stability.md"), &text, &results)?;
     if let Some(page) = &arguments.page {
-        write(page, &text, &results).context("everything is measured, but the second page cannot be written")?;
+        write(page, &text, &results)
+            .context("everything is measured, but the second page cannot be written")?;
     }
     print!("{}", page::summary(&results));
     let seconds = results.provenance.wall_s;
@@ -79,14 +81,20 @@ fn measure(arguments: &Stability) -> Results {
     let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
     let settings = Settings { seed: arguments.seed, effort };
     let begin = |name: &str| eprintln!("{name}");
-    let wanted = |part: &str| arguments.only.is_empty() || arguments.only.iter().any(|id| id == part);
+    let wanted =
+        |part: &str| arguments.only.is_empty() || arguments.only.iter().any(|id| id == part);
     // The parts are no cases: with nothing but parts asked for, no case is run.
-    let cases: Vec<String> = arguments.only.iter().filter(|id| !PARTS.contains(&id.as_str())).cloned().collect();
+    let cases: Vec<String> =
+        arguments.only.iter().filter(|id| !PARTS.contains(&id.as_str())).cloned().collect();
     let any_case = arguments.only.is_empty() || !cases.is_empty();
     let mode = if arguments.quick { "quick" } else { "full" };
     Results {
         schema: SCHEMA,
-        provenance: Provenance { seed: arguments.seed, mode: mode.to_owned(), ..Provenance::default() },
+        provenance: Provenance {
+            seed: arguments.seed,
+            mode: mode.to_owned(),
+            ..Provenance::default()
+        },
         cases: if any_case { stability::run_cases(settings, &cases, &begin) } else { Vec::new() },
         growth: if wanted("growth") { stability::run_growth(settings, &begin) } else { Vec::new() },
         fuzz: if wanted("fuzz") {

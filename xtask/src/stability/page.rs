@@ -69,7 +69,8 @@ fn counts<'a>(verdicts: impl Iterator<Item = &'a Verdict>) -> Counts {
 pub fn summary(results: &Stability) -> String {
     let mut text = String::new();
     for case in &results.cases {
-        let Counts { holds, fails, observed, refuted } = counts(case.rows.iter().map(|row| &row.verdict));
+        let Counts { holds, fails, observed, refuted } =
+            counts(case.rows.iter().map(|row| &row.verdict));
         line!(
             text,
             "{:<20} {holds:>3} hold, {fails:>3} fail as they must, {observed:>3} observed, {refuted:>3} REFUTED",
@@ -116,11 +117,18 @@ fn summary_table(results: &Stability) -> String {
     let mut text = String::new();
     line!(text, "| case | hold | fail as they must | observed | refuted |\n|---|---|---|---|---|");
     for case in &results.cases {
-        let Counts { holds, fails, observed, refuted } = counts(case.rows.iter().map(|row| &row.verdict));
-        line!(text, "| [{}](#{}) | {holds} | {fails} | {observed} | {refuted} |", case.title, anchor(&case.title));
+        let Counts { holds, fails, observed, refuted } =
+            counts(case.rows.iter().map(|row| &row.verdict));
+        line!(
+            text,
+            "| [{}](#{}) | {holds} | {fails} | {observed} | {refuted} |",
+            case.title,
+            anchor(&case.title)
+        );
     }
     if !results.growth.is_empty() {
-        let Counts { holds, fails, observed, refuted } = counts(results.growth.iter().map(|growth| &growth.verdict));
+        let Counts { holds, fails, observed, refuted } =
+            counts(results.growth.iter().map(|growth| &growth.verdict));
         line!(text, "| [{LONG}](#{}) | {holds} | {fails} | {observed} | {refuted} |", anchor(LONG));
     }
     if !results.fuzz.is_empty() {
@@ -175,7 +183,8 @@ fn table(page: &mut String, case: &Case) {
     let exact = case.rows.iter().any(|row| row.exact.is_some());
     let bound = case.rows.iter().any(|row| row.verdict == Verdict::Holds && row.bound.is_some());
     let quoted: Vec<String> = schemes.iter().map(|scheme| format!("`{scheme}`")).collect();
-    let more = format!("{}{}", if exact { " exact |" } else { "" }, if bound { " bound |" } else { "" });
+    let more =
+        format!("{}{}", if exact { " exact |" } else { "" }, if bound { " bound |" } else { "" });
     line!(page, "| {} |{more} {} |", case.varied, quoted.join(" | "));
     line!(page, "|---|{}", "---|".repeat(schemes.len() + usize::from(exact) + usize::from(bound)));
     for setting in settings {
@@ -185,11 +194,16 @@ fn table(page: &mut String, case: &Case) {
             cells.push(distinct(rows.iter().filter_map(|row| row.exact)));
         }
         if bound {
-            let bounds = rows.iter().filter(|row| row.verdict == Verdict::Holds).filter_map(|row| row.bound);
+            let bounds =
+                rows.iter().filter(|row| row.verdict == Verdict::Holds).filter_map(|row| row.bound);
             cells.push(bounds.reduce(f64::max).map_or(String::new(), number));
         }
         for scheme in &schemes {
-            cells.push(rows.iter().find(|row| row.scheme == *scheme).map_or(String::new(), |row| cell(row)));
+            cells.push(
+                rows.iter()
+                    .find(|row| row.scheme == *scheme)
+                    .map_or(String::new(), |row| cell(row)),
+            );
         }
         line!(page, "| {setting} | {} |", cells.join(" | "));
     }
@@ -225,8 +239,14 @@ fn cell(row: &Row) -> String {
 fn growth(page: &mut String, growth: &[Growth]) {
     line!(page, "## {LONG}\n");
     page.push_str(GROWTH);
-    line!(page, "![Root mean square of the distance over the number of steps](figures/stability-growth.svg)\n");
-    line!(page, "| run | scheme | law of | steps | root mean square | mean | largest | n·ε | exponent, 95 % | |");
+    line!(
+        page,
+        "![Root mean square of the distance over the number of steps](figures/stability-growth.svg)\n"
+    );
+    line!(
+        page,
+        "| run | scheme | law of | steps | root mean square | mean | largest | n·ε | exponent, 95 % | |"
+    );
     line!(page, "|---|---|---|---|---|---|---|---|---|---|");
     for run in growth {
         let Some(end) = run.points.last() else { continue };
@@ -269,7 +289,10 @@ fn growth(page: &mut String, growth: &[Growth]) {
 fn fuzz(page: &mut String, fuzz: &[Fuzzed]) {
     line!(page, "## {FUZZ}\n");
     page.push_str(FUZZING);
-    line!(page, "| target | what is checked | inputs | accepted | refused | most iterations | failures |");
+    line!(
+        page,
+        "| target | what is checked | inputs | accepted | refused | most iterations | failures |"
+    );
     line!(page, "|---|---|---|---|---|---|---|");
     for fuzzed in fuzz {
         line!(
@@ -280,7 +303,11 @@ fn fuzz(page: &mut String, fuzz: &[Fuzzed]) {
             fuzzed.inputs,
             fuzzed.accepted,
             fuzzed.refused,
-            if fuzzed.most_iterations == 0 { "–".to_owned() } else { fuzzed.most_iterations.to_string() },
+            if fuzzed.most_iterations == 0 {
+                "–".to_owned()
+            } else {
+                fuzzed.most_iterations.to_string()
+            },
             fuzzed.failures
         );
     }

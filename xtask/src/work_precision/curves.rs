@@ -33,7 +33,11 @@ pub fn strong_figure(case: &Case) -> Result<String> {
         case.strong.series.iter().map(of).collect()
     };
     let plots = [
-        WorkPlot { cost: "processor time of a path, μs".to_owned(), steps: false, curves: curves(false) },
+        WorkPlot {
+            cost: "processor time of a path, μs".to_owned(),
+            steps: false,
+            curves: curves(false),
+        },
         WorkPlot { cost: "steps of a path".to_owned(), steps: true, curves: curves(true) },
     ];
     work_figure(&format!("{}: strong error against cost", case.title), "RMS error of y(T)", &plots)
@@ -58,5 +62,9 @@ pub fn weak_figure(case: &Case) -> Result<String> {
         }
     };
     let plots: Vec<WorkPlot> = case.weak.observables.iter().map(plot).collect();
-    work_figure(&format!("{}: accuracy of expectations against cost", case.title), "RMS error of the estimate", &plots)
+    work_figure(
+        &format!("{}: accuracy of expectations against cost", case.title),
+        "RMS error of the estimate",
+        &plots,
+    )
 }

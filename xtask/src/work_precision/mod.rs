@@ -55,7 +55,8 @@ pub fn run(arguments: &WorkPrecision) -> Result<ExitCode> {
     let start = Instant::now();
     let bars = Bars::new();
     let mode = if arguments.quick { Mode::Quick } else { Mode::Paper };
-    let mut measured = precision::measure(Settings { seed: arguments.seed, mode }, &arguments.only, &bars)?;
+    let mut measured =
+        precision::measure(Settings { seed: arguments.seed, mode }, &arguments.only, &bars)?;
     bars.finish();
     let provenance = &mut measured.provenance;
     provenance.git = provenance::git();
@@ -73,12 +74,17 @@ pub fn run(arguments: &WorkPrecision) -> Result<ExitCode> {
     let text = page::page(&measured);
     write(&arguments.out.join("work-precision.md"), &text, &figures)?;
     if let Some(page) = &arguments.page {
-        write(page, &text, &figures).context("everything is measured, but the second page cannot be written")?;
+        write(page, &text, &figures)
+            .context("everything is measured, but the second page cannot be written")?;
     }
     for case in &measured.cases {
         println!("{}", words::conclusion(case));
     }
-    println!("{:.0} s; page: {}", provenance_seconds(&measured), arguments.out.join("work-precision.md").display());
+    println!(
+        "{:.0} s; page: {}",
+        provenance_seconds(&measured),
+        arguments.out.join("work-precision.md").display()
+    );
     Ok(ExitCode::SUCCESS)
 }
 

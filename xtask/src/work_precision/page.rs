@@ -58,7 +58,8 @@ fn head(page: &mut String, measured: &Measurements) {
     worth(page, measured);
 }
 
-/// What being conformal costs: `sexp` beside the cheapest explicit scheme, at one error of each case.
+/// What being conformal costs: `sexp` beside the cheapest explicit scheme, at one error of each
+/// case.
 fn worth(page: &mut String, measured: &Measurements) {
     line!(page, "### What being conformal costs\n");
     line!(
@@ -80,7 +81,10 @@ fn worth(page: &mut String, measured: &Measurements) {
         let own = strong_costs(sexp);
         let both = targets(&curves).into_iter().rfind(|&error| cost_at(&own, error).is_some());
         let Some(error) = both else { continue };
-        let costs = explicit.iter().zip(&curves).filter_map(|(series, curve)| Some((*series, cost_at(curve, error)?)));
+        let costs = explicit
+            .iter()
+            .zip(&curves)
+            .filter_map(|(series, curve)| Some((*series, cost_at(curve, error)?)));
         let Some((best, cost)) = costs.min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
         let casimir = case.invariants.iter().position(|name| name == "C");
         let defect = |series: &precision::results::StrongSeries| {
@@ -107,9 +111,20 @@ fn worth(page: &mut String, measured: &Measurements) {
 
 fn section(page: &mut String, case: &Case) {
     line!(page, "## {}\n", case.title);
-    line!(page, "`{}`: {}. {} paths, against {}.", case.id, case.setup, case.strong.samples, case.strong.reference);
+    line!(
+        page,
+        "`{}`: {}. {} paths, against {}.",
+        case.id,
+        case.setup,
+        case.strong.samples,
+        case.strong.reference
+    );
     failures(page, case.strong.failed, &case.strong.failures);
-    line!(page, "\n![Strong error against processor time and steps](figures/{})\n", figure_name(case, "strong"));
+    line!(
+        page,
+        "\n![Strong error against processor time and steps](figures/{})\n",
+        figure_name(case, "strong")
+    );
     line!(page, "{}\n", words::strong(case));
     let names: Vec<&str> = case.strong.series.iter().map(|series| series.scheme.as_str()).collect();
     let curves: Vec<_> = case.strong.series.iter().map(strong_costs).collect();
@@ -124,9 +139,17 @@ fn section(page: &mut String, case: &Case) {
         checked(&case.weak.observables)
     );
     failures(page, case.weak.failed, &case.weak.failures);
-    line!(page, "![Accuracy of an expectation against processor time](figures/{})\n", figure_name(case, "weak"));
+    line!(
+        page,
+        "![Accuracy of an expectation against processor time](figures/{})\n",
+        figure_name(case, "weak")
+    );
     for observable in &case.weak.observables {
-        line!(page, "{} Seconds of an estimate of a given root-mean-square error:\n", words::weak(observable));
+        line!(
+            page,
+            "{} Seconds of an estimate of a given root-mean-square error:\n",
+            words::weak(observable)
+        );
         let curves: Vec<_> = observable.series.iter().map(weak_costs).collect();
         costs(page, "accuracy", &names, &curves);
     }
@@ -146,7 +169,10 @@ fn failures(page: &mut String, failed: u64, failures: &[String]) {
 fn checked(observables: &[WeakObservable]) -> String {
     let known = observables.iter().filter_map(|observable| {
         let deviation = (observable.reference_mean - observable.exact?) / observable.reference_se;
-        Some(format!("E[{}] of the reference is {deviation:+.1} standard errors from its exact value", observable.name))
+        Some(format!(
+            "E[{}] of the reference is {deviation:+.1} standard errors from its exact value",
+            observable.name
+        ))
     });
     let known: Vec<String> = known.collect();
     if known.is_empty() { String::new() } else { format!("{}.", known.join("; ")) }
@@ -175,8 +201,13 @@ fn costs(page: &mut String, what: &str, names: &[&str], curves: &[Vec<(f64, f64)
 
 /// Everything measured at some step sizes.
 fn steps(page: &mut String, case: &Case) {
-    let invariants: Vec<String> = case.invariants.iter().map(|name| format!("defect of {name}")).collect();
-    let columns = if invariants.is_empty() { String::new() } else { format!(" {} |", invariants.join(" | ")) };
+    let invariants: Vec<String> =
+        case.invariants.iter().map(|name| format!("defect of {name}")).collect();
+    let columns = if invariants.is_empty() {
+        String::new()
+    } else {
+        format!(" {} |", invariants.join(" | "))
+    };
     line!(page, "| steps | scheme | strong error, 95 % | ns a step | spread |{columns}");
     line!(page, "|---|---|---|---|---|{}", "---|".repeat(invariants.len()));
     let count = case.strong.series.first().map_or(0, |series| series.points.len());
@@ -187,10 +218,17 @@ fn steps(page: &mut String, case: &Case) {
         for series in &case.strong.series {
             let Some(point) = series.points.get(l) else { continue };
             let interval = point.lo.zip(point.hi);
-            let interval = interval.map_or(String::new(), |(lo, hi)| format!(" [{}, {}]", number(lo), number(hi)));
-            let exact = point.error_exact_areas.map_or(String::new(), |e| format!(", with exact areas {}", number(e)));
+            let interval = interval
+                .map_or(String::new(), |(lo, hi)| format!(" [{}, {}]", number(lo), number(hi)));
+            let exact = point
+                .error_exact_areas
+                .map_or(String::new(), |e| format!(", with exact areas {}", number(e)));
             let defects: Vec<String> = point.defects.iter().map(|defect| number(*defect)).collect();
-            let defects = if defects.is_empty() { String::new() } else { format!(" {} |", defects.join(" | ")) };
+            let defects = if defects.is_empty() {
+                String::new()
+            } else {
+                format!(" {} |", defects.join(" | "))
+            };
             line!(
                 page,
                 "| {} | `{}` | {}{interval}{exact} | {} | +{:.0} % |{defects}",

@@ -26,8 +26,11 @@ pub fn targets(curves: &[Vec<(f64, f64)>]) -> Vec<f64> {
 
 /// The cheapest curve at an error, by number, among at least two that reach it.
 pub fn cheapest(curves: &[Vec<(f64, f64)>], error: f64) -> Option<usize> {
-    let costs: Vec<(usize, f64)> =
-        curves.iter().enumerate().filter_map(|(n, curve)| Some((n, cost_at(curve, error)?))).collect();
+    let costs: Vec<(usize, f64)> = curves
+        .iter()
+        .enumerate()
+        .filter_map(|(n, curve)| Some((n, cost_at(curve, error)?)))
+        .collect();
     let best = costs.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
     (costs.len() > 1).then_some(best.0)
 }
@@ -50,18 +53,24 @@ fn winners(names: &[&str], curves: &[Vec<(f64, f64)>]) -> String {
         }
     });
     let words: Vec<String> = words.collect();
-    if words.is_empty() { "no error is reached by two schemes".to_owned() } else { words.join(", ") }
+    if words.is_empty() {
+        "no error is reached by two schemes".to_owned()
+    } else {
+        words.join(", ")
+    }
 }
 
 fn strong_series<'a>(case: &'a Case, scheme: &str) -> Option<&'a StrongSeries> {
     case.strong.series.iter().find(|series| series.scheme == scheme)
 }
 
-/// How the costs of two schemes compare at equal strong error: "costs a to b times as much as `other`".
+/// How the costs of two schemes compare at equal strong error: "costs a to b times as much as
+/// `other`".
 pub fn compared(case: &Case, first: &str, second: &str) -> Option<String> {
     let (one, other) = (strong_series(case, first)?, strong_series(case, second)?);
     let found = crossing(&strong_costs(one), &strong_costs(other))?;
-    let fold = |pick: fn(f64, f64) -> f64| found.ratios.iter().map(|(_, ratio)| *ratio).reduce(pick);
+    let fold =
+        |pick: fn(f64, f64) -> f64| found.ratios.iter().map(|(_, ratio)| *ratio).reduce(pick);
     let (least, most) = (fold(f64::min)?, fold(f64::max)?);
     let ends = (found.ratios.first()?.0, found.ratios.last()?.0);
     let cost = if (least * 100.0).round() == (most * 100.0).round() {
@@ -118,7 +127,8 @@ pub fn areas(case: &Case) -> Option<String> {
     );
     let found = crossing(&strong_costs(sexp), &strong_costs(levy))?;
     let ratio = |n: Option<&(f64, f64)>| n.map(|&(error, ratio)| (number(error), ratio));
-    let ((coarse, first), (fine, last)) = (ratio(found.ratios.first())?, ratio(found.ratios.last())?);
+    let ((coarse, first), (fine, last)) =
+        (ratio(found.ratios.first())?, ratio(found.ratios.last())?);
     let which = |ratio: f64| {
         if ratio >= 1.0 {
             format!("`sexp-levy` is {} times cheaper than `sexp`", number(ratio))
@@ -127,7 +137,11 @@ pub fn areas(case: &Case) -> Option<String> {
         }
     };
     let verdict = match found.at.as_slice() {
-        [] => format!("it is the same one throughout: at {coarse}, {}; at {fine}, {}", which(first), which(last)),
+        [] => format!(
+            "it is the same one throughout: at {coarse}, {}; at {fine}, {}",
+            which(first),
+            which(last)
+        ),
         at => format!(
             "it depends on the error which one is cheaper: at {coarse}, {}; at {fine}, {}; they cost the same at {}",
             which(first),
@@ -135,7 +149,10 @@ pub fn areas(case: &Case) -> Option<String> {
             at.iter().map(|error| number(*error)).collect::<Vec<_>>().join(" and ")
         ),
     };
-    let beyond = levy.points.last().filter(|point| sexp.points.last().is_some_and(|last| last.error > point.error));
+    let beyond = levy
+        .points
+        .last()
+        .filter(|point| sexp.points.last().is_some_and(|last| last.error > point.error));
     let beyond = beyond.map_or(String::new(), |point| {
         let steps = sexp.points.last().map_or(0, |last| last.steps);
         format!(
@@ -169,11 +186,17 @@ mod tests {
     #[test]
     fn winners_are_grouped() {
         let curve = |scale: f64, power: i32| -> Vec<(f64, f64)> {
-            (0..9).map(|k| 10f64.powf(-0.5 * f64::from(k))).map(|error| (error, scale * error.powi(-power))).collect()
+            (0..9)
+                .map(|k| 10f64.powf(-0.5 * f64::from(k)))
+                .map(|error| (error, scale * error.powi(-power)))
+                .collect()
         };
         // ε⁻² against 50 ε⁻¹: equal at 0.02.
         let curves = [curve(1.0, 2), curve(50.0, 1)];
-        assert_eq!(winners(&["a", "b"], &curves), "`a` from 1.00 to 3.2e-2, `b` from 1.0e-2 to 1.0e-4");
+        assert_eq!(
+            winners(&["a", "b"], &curves),
+            "`a` from 1.00 to 3.2e-2, `b` from 1.0e-2 to 1.0e-4"
+        );
         assert_eq!(cheapest(&curves[..1], 0.1), None);
     }
 }

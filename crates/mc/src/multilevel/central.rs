@@ -2,8 +2,8 @@
 
 /// Number, mean and the sums of the second, third and fourth powers of the deviations from it.
 ///
-/// Merged by the pairwise formulas of Pébay (SAND2008-6212), which subtract no large sums: a quantity whose mean is many
-/// times its spread, as φ itself may be, keeps its digits.
+/// Merged by the pairwise formulas of Pébay (SAND2008-6212), which subtract no large sums: a
+/// quantity whose mean is many times its spread, as φ itself may be, keeps its digits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Central {
     count: u64,
@@ -36,7 +36,10 @@ impl Central {
             + square * step * step * (a * a - a * b + b * b)
             + 6.0 * step * step * (a * a * later.m2 + b * b * self.m2)
             + 4.0 * step * (a * later.m3 - b * self.m3);
-        let m3 = self.m3 + later.m3 + square * step * (a - b) + 3.0 * step * (a * later.m2 - b * self.m2);
+        let m3 = self.m3
+            + later.m3
+            + square * step * (a - b)
+            + 3.0 * step * (a * later.m2 - b * self.m2);
         let m2 = self.m2 + later.m2 + square;
         *self = Self { count: self.count + later.count, mean: self.mean + b * step, m2, m3, m4 };
     }
@@ -75,7 +78,8 @@ mod tests {
 
     #[test]
     fn merged_moments_are_those_of_all_samples() {
-        // A mean of 10⁶ spreads: sums of squares would keep four digits of the variance, sums of fourth powers none.
+        // A mean of 10⁶ spreads: sums of squares would keep four digits of the variance, sums of
+        // fourth powers none.
         let samples: Vec<f64> = (0..300).map(|n| 1e6 + f64::from(n * n % 97) / 97.0).collect();
         let n = samples.len() as f64;
         let mean = 1e6 + samples.iter().map(|x| x - 1e6).sum::<f64>() / n;
@@ -101,6 +105,8 @@ mod tests {
         for _ in 0..10 {
             constant.add(0.1);
         }
-        assert!(constant.kurtosis().is_nan() && constant.variance() == 0.0 && !constant.is_spread(0.1));
+        assert!(
+            constant.kurtosis().is_nan() && constant.variance() == 0.0 && !constant.is_spread(0.1)
+        );
     }
 }

@@ -78,8 +78,12 @@ pub enum MultilevelError {
 impl fmt::Display for MultilevelError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Accuracy { accuracy } => write!(f, "the accuracy must be positive and finite, got {accuracy}"),
-            Self::NoObservable => write!(f, "an expectation needs at least one test function, got none"),
+            Self::Accuracy { accuracy } => {
+                write!(f, "the accuracy must be positive and finite, got {accuracy}")
+            }
+            Self::NoObservable => {
+                write!(f, "an expectation needs at least one test function, got none")
+            }
             Self::Experiment { experiment } => {
                 write!(
                     f,
@@ -89,13 +93,20 @@ impl fmt::Display for MultilevelError {
             Self::CoarsestSteps { steps, at_most } => {
                 write!(f, "the number of coarsest steps must be from 1 to {at_most}, got {steps}")
             }
-            Self::WeakOrder { weak_order } => write!(f, "the weak order must be positive and finite, got {weak_order}"),
-            Self::Pilot { pilot, at_least } => write!(f, "a pilot needs at least {at_least} paths, got {pilot}"),
+            Self::WeakOrder { weak_order } => {
+                write!(f, "the weak order must be positive and finite, got {weak_order}")
+            }
+            Self::Pilot { pilot, at_least } => {
+                write!(f, "a pilot needs at least {at_least} paths, got {pilot}")
+            }
             Self::MaxLevel { max_level, at_least, at_most } => {
                 write!(f, "the finest level must be from {at_least} to {at_most}, got {max_level}")
             }
             Self::PilotCost { pilot_cost, max_cost } => {
-                write!(f, "the pilot takes {pilot_cost} path-steps, but only {max_cost} are allowed")
+                write!(
+                    f,
+                    "the pilot takes {pilot_cost} path-steps, but only {max_cost} are allowed"
+                )
             }
             Self::Ladder(error) => error.fmt(f),
             Self::NoPaths { level, failed, first } => {
@@ -103,7 +114,10 @@ impl fmt::Display for MultilevelError {
                 first.iter().try_for_each(|failure| write!(f, "; {failure}"))
             }
             Self::NotFinite { observable, level } => {
-                write!(f, "the test function {observable} is not finite on some path of level {level}")
+                write!(
+                    f,
+                    "the test function {observable} is not finite on some path of level {level}"
+                )
             }
         }
     }

@@ -33,7 +33,8 @@ impl Values {
     }
 }
 
-/// The values of all test functions at the final time. The runs are fine, coarse, swapped, as many as there are.
+/// The values of all test functions at the final time. The runs are fine, coarse, swapped, as many
+/// as there are.
 struct Samples<'a, const D: usize> {
     observables: &'a [Observable<D>],
     last_time: u64,
@@ -48,7 +49,8 @@ impl<const D: usize> Statistic<D> for Samples<'_, D> {
         for (observable, values) in self.observables.iter().zip(&mut self.values) {
             let phi = |run: usize, p: usize| (observable.function)(view.states[run].path(p));
             for p in view.live.paths() {
-                let fine = if view.states.len() == 3 { 0.5 * (phi(0, p) + phi(2, p)) } else { phi(0, p) };
+                let fine =
+                    if view.states.len() == 3 { 0.5 * (phi(0, p) + phi(2, p)) } else { phi(0, p) };
                 values.fine.add(fine);
                 if view.states.len() == 1 {
                     values.sample.add(fine);
@@ -126,13 +128,22 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Sampler
         let runs = match row.coupling {
             None => vec![Run::new(scheme, 0)],
             Some(Coupling::Plain) => vec![Run::new(scheme, 0), Run::new(scheme, 1)],
-            Some(Coupling::Antithetic) => vec![Run::new(scheme, 0), Run::new(scheme, 1), Run::swapped(scheme, 0)],
+            Some(Coupling::Antithetic) => {
+                vec![Run::new(scheme, 0), Run::new(scheme, 1), Run::swapped(scheme, 0)]
+            }
         };
         let levels = usize::from(row.coupling.is_some());
         // Single paths have families of their own, that of level 0, whatever their step size.
         let family = if row.coupling.is_some() { row.level } else { 0 };
         let key = self.settings.stream(family, row.rounds);
-        Ladder::new(self.problem, self.settings.steps(row.level), levels, self.settings.truncation, key, runs)
+        Ladder::new(
+            self.problem,
+            self.settings.steps(row.level),
+            levels,
+            self.settings.truncation,
+            key,
+            runs,
+        )
     }
 
     /// Path-steps that may be spent now.
@@ -165,18 +176,29 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Sampler
         }
         for (observable, values) in self.observables.iter().zip(&row.values) {
             if !values.sample.variance().is_finite() {
-                return Err(MultilevelError::NotFinite { observable: observable.name, level: row.level });
+                return Err(MultilevelError::NotFinite {
+                    observable: observable.name,
+                    level: row.level,
+                });
             }
         }
         Ok(())
     }
 
-    /// Draws the samples wanted of each level, or in proportion as many as may still be paid for; whether it was all of
-    /// them.
-    pub(crate) fn sample_up_to(&mut self, rows: &mut [Row], wanted: &[u64]) -> Result<bool, MultilevelError> {
-        let more: Vec<u64> = rows.iter().zip(wanted).map(|(row, &wanted)| additional(row, wanted)).collect();
-        let cost: u128 =
-            rows.iter().zip(&more).map(|(row, &paths)| u128::from(row.cost_per_path) * u128::from(paths)).sum();
+    /// Draws the samples wanted of each level, or in proportion as many as may still be paid for;
+    /// whether it was all of them.
+    pub(crate) fn sample_up_to(
+        &mut self,
+        rows: &mut [Row],
+        wanted: &[u64],
+    ) -> Result<bool, MultilevelError> {
+        let more: Vec<u64> =
+            rows.iter().zip(wanted).map(|(row, &wanted)| additional(row, wanted)).collect();
+        let cost: u128 = rows
+            .iter()
+            .zip(&more)
+            .map(|(row, &paths)| u128::from(row.cost_per_path) * u128::from(paths))
+            .sum();
         let budget = u128::from(self.budget());
         let rounds_left = rows.iter().all(|row| row.rounds < MAX_ROUNDS);
         let all = cost <= budget && rounds_left;
@@ -195,10 +217,13 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Sampler
     }
 }
 
-/// How many paths to add: whole blocks, and none or at least a 32nd of those there are, so that the rounds are few.
+/// How many paths to add: whole blocks, and none or at least a 32nd of those there are, so that the
+/// rounds are few.
 fn additional(row: &Row, wanted: u64) -> u64 {
     match wanted.saturating_sub(row.samples()) {
         0 => 0,
-        missing => missing.max(row.samples() / 32).div_ceil(WIDTH as u64).saturating_mul(WIDTH as u64),
+        missing => {
+            missing.max(row.samples() / 32).div_ceil(WIDTH as u64).saturating_mul(WIDTH as u64)
+        }
     }
 }

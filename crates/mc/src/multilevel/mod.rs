@@ -1,33 +1,40 @@
 //! E[φ(y(T))] to a requested accuracy, by multilevel and by plain Monte Carlo.
 //!
-//! E[φ(y_L)] = E[φ(y_0)] + Σ_{l=1}^{L} E[φ(y_l) − φ(y_{l−1})], where y_l takes 2^l times the steps of y_0. Each term is a
-//! mean over paths of its own; those of a difference share their noise, so that few are needed where steps are many
-//! (Giles, *Oper. Res.* 56, 2008). With the [`Coupling`] that suits the scheme the variance of a difference falls like τ²
-//! and the cost of an accuracy ε is of order ε⁻², where that of single paths is ε⁻³ for weak order one.
+//! E[φ(y_L)] = E[φ(y_0)] + Σ_{l=1}^{L} E[φ(y_l) − φ(y_{l−1})], where y_l takes 2^l times the steps
+//! of y_0. Each term is a mean over paths of its own; those of a difference share their noise, so
+//! that few are needed where steps are many (Giles, *Oper. Res.* 56, 2008). With the [`Coupling`]
+//! that suits the scheme the variance of a difference falls like τ² and the cost of an accuracy ε
+//! is of order ε⁻², where that of single paths is ε⁻³ for weak order one.
 //!
-//! **Accuracy.** The half-width of the 95 % interval of each test function: 1.96 standard errors plus a bound on the bias. Of
-//! ε the bias gets a quarter at most (half on the finest level allowed), the standard error the rest. The bound is
-//! [`Estimate::bias_bound`]; it is as good as the weak order that it assumes, and the observed order is reported with it.
-//! Each interval stands for itself, not all of them together.
+//! **Accuracy.** The half-width of the 95 % interval of each test function: 1.96 standard errors
+//! plus a bound on the bias. Of ε the bias gets a quarter at most (half on the finest level
+//! allowed), the standard error the rest. The bound is [`Estimate::bias_bound`]; it is as good as
+//! the weak order that it assumes, and the observed order is reported with it. Each interval stands
+//! for itself, not all of them together.
 //!
-//! **Algorithm.** A pilot on levels 0, 1 and 2; then rounds of samples until every level has the number that is optimal for
-//! the variances observed so far; then, while the bound on the bias is too large, one more level. Decisions are made
-//! from samples and counted path-steps alone, so the result is the same bits for any number of threads.
+//! **Algorithm.** A pilot on levels 0, 1 and 2; then rounds of samples until every level has the
+//! number that is optimal for the variances observed so far; then, while the bound on the bias is
+//! too large, one more level. Decisions are made from samples and counted path-steps alone, so the
+//! result is the same bits for any number of threads.
 //!
-//! **Samples are kept.** Each round of each level has a family of streams of its own ([`Settings::key`]), and all of its
-//! samples count, those of the pilot too. That a level stops when its sample variance is small enough shifts its mean by
-//! −μ₃/(σ²N) to first order, at most √(κ/N) of its own standard error, where κ is the kurtosis: below a tenth with κ = 10
-//! and a thousand samples, and less for the sum.
+//! **Samples are kept.** Each round of each level has a family of streams of its own
+//! ([`Settings::key`]), and all of its samples count, those of the pilot too. That a level stops
+//! when its sample variance is small enough shifts its mean by −μ₃/(σ²N) to first order, at most
+//! √(κ/N) of its own standard error, where κ is the kurtosis: below a tenth with κ = 10 and a
+//! thousand samples, and less for the sum.
 //!
-//! **What is checked.** Failed paths, kurtosis, the decay of variances and means, and whether the coarse mean of a level
-//! agrees with the fine mean below it; see [`Warning`]. The last check sees what is above some standard errors of φ itself on
-//! that level, which is far more than the accuracy.
+//! **What is checked.** Failed paths, kurtosis, the decay of variances and means, and whether the
+//! coarse mean of a level agrees with the fine mean below it; see [`Warning`]. The last check sees
+//! what is above some standard errors of φ itself on that level, which is far more than the
+//! accuracy.
 //!
-//! **Lévy areas.** The sum over the levels is E[φ(y_L)] only if the coarse path of a level has the law of the fine path
-//! below. Areas are drawn on fine steps and joined on coarse ones, so the two agree if the law of a drawn area is right:
-//! its covariance given the increments is, for any number of terms (see [`Ladder::new`](crate::Ladder::new)); what is left
-//! are cumulants from the fourth on, which no interval here has been able to see. With areas cut off after the terms, and
-//! less variance, E[cos y₃] of the rigid body with three noises was off by −2.5·10⁻⁴ from a coarsest step of ¼.
+//! **Lévy areas.** The sum over the levels is E[φ(y_L)] only if the coarse path of a level has the
+//! law of the fine path below. Areas are drawn on fine steps and joined on coarse ones, so the two
+//! agree if the law of a drawn area is right: its covariance given the increments is, for any
+//! number of terms (see [`Ladder::new`](crate::Ladder::new)); what is left are cumulants from the
+//! fourth on, which no interval here has been able to see. With areas cut off after the terms, and
+//! less variance, E[cos y₃] of the rigid body with three noises was off by −2.5·10⁻⁴ from a
+//! coarsest step of ¼.
 //!
 //! ```
 //! use mc::Observable;
@@ -79,9 +86,9 @@ const LATER_PILOT: u64 = 4;
 /// `progress` is told now and then how many more path-steps are done, from any thread.
 ///
 /// # Errors
-/// [`MultilevelError`] when a setting is out of range, when a level cannot be run or has no paths left, or when φ is not
-/// finite. A limit that is met is no error: the result says so in its [`warnings`](Expectation::warnings), and its
-/// intervals are those that were reached.
+/// [`MultilevelError`] when a setting is out of range, when a level cannot be run or has no paths
+/// left, or when φ is not finite. A limit that is met is no error: the result says so in its
+/// [`warnings`](Expectation::warnings), and its intervals are those that were reached.
 pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
@@ -91,19 +98,23 @@ pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Expectation, MultilevelError> {
     settings.check(accuracy, observables.len())?;
-    let mut sampler = Sampler { scheme, problem, observables, settings, progress, cost: 0, reserve: 0 };
+    let mut sampler =
+        Sampler { scheme, problem, observables, settings, progress, cost: 0, reserve: 0 };
     let mut rows = vec![sampler.row(0, None)?];
     for level in 1..=PILOT_LEVEL {
         rows.push(sampler.row(level, Some(settings.coupling))?);
     }
     pilot(&mut sampler, &mut rows)?;
     let limit = loop {
-        let biases: Vec<_> = (0..observables.len()).map(|k| plan::bias(&rows[1..], k, settings.weak_order)).collect();
+        let biases: Vec<_> = (0..observables.len())
+            .map(|k| plan::bias(&rows[1..], k, settings.weak_order))
+            .collect();
         let last = rows.len() - 1;
         // On the finest level allowed, a bias that more samples may show to be small gets half.
         let resolvable = biases.iter().all(|bias| bias.size <= BIAS_SHARE * accuracy);
         let share = if last == settings.max_level && resolvable { 0.5 } else { BIAS_SHARE };
-        let half_widths: Vec<f64> = biases.iter().map(|bias| accuracy - bias.bound.min(share * accuracy)).collect();
+        let half_widths: Vec<f64> =
+            biases.iter().map(|bias| accuracy - bias.bound.min(share * accuracy)).collect();
         let wide = |k: usize| QUANTILE * plan::variance_of_sum(&rows, k).sqrt() > half_widths[k];
         if (0..observables.len()).any(wide) {
             let wanted = plan::samples(&plan::costs_and_variances(&rows), &half_widths);
@@ -124,7 +135,8 @@ pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
         } else {
             let mut levels = plan::costs_and_variances(&rows);
             levels.push(plan::next_level(&rows));
-            let first = plan::samples(&levels, &half_widths)[last + 1].max(settings.pilot / LATER_PILOT);
+            let first =
+                plan::samples(&levels, &half_widths)[last + 1].max(settings.pilot / LATER_PILOT);
             if !add_level(&mut sampler, &mut rows, first)? {
                 break Some(Warning::CostLimit { max_cost: settings.max_cost });
             }
@@ -140,8 +152,9 @@ pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
 
 /// E[φ(y(T))] of every φ to the half-width `accuracy` by single paths on one level.
 ///
-/// The level is the first on which the bias is bounded by a quarter of the accuracy. The bias is judged as
-/// [`expectation`] does it, from coupled differences, which are sampled until they show it and count in the cost.
+/// The level is the first on which the bias is bounded by a quarter of the accuracy. The bias is
+/// judged as [`expectation`] does it, from coupled differences, which are sampled until they show
+/// it and count in the cost.
 ///
 /// # Errors
 /// As [`expectation`].
@@ -154,8 +167,10 @@ pub fn expectation_plain<S: PoissonSystem<D, M>, G: Damping, const D: usize, con
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Expectation, MultilevelError> {
     settings.check(accuracy, observables.len())?;
-    let mut sampler = Sampler { scheme, problem, observables, settings, progress, cost: 0, reserve: 0 };
-    // What the first single paths cost is kept, or there would be no estimate when the limit is met.
+    let mut sampler =
+        Sampler { scheme, problem, observables, settings, progress, cost: 0, reserve: 0 };
+    // What the first single paths cost is kept, or there would be no estimate when the limit is
+    // met.
     sampler.reserve = settings.pilot.saturating_mul(settings.steps(PILOT_LEVEL));
     let mut differences = Vec::new();
     for level in 1..=PILOT_LEVEL {
@@ -165,12 +180,14 @@ pub fn expectation_plain<S: PoissonSystem<D, M>, G: Damping, const D: usize, con
     let mut limit = resolve_bias(&mut sampler, &mut differences, accuracy)?;
     sampler.reserve = 0;
     let bounds = |k: usize| plan::bias(&differences, k, settings.weak_order).bound;
-    // What a bound beyond its share leaves is not worth more samples: the accuracy is not reached in any case.
+    // What a bound beyond its share leaves is not worth more samples: the accuracy is not reached
+    // in any case.
     let half_widths: Vec<f64> =
         (0..observables.len()).map(|k| accuracy - bounds(k).min(BIAS_SHARE * accuracy)).collect();
     let mut single = vec![sampler.row(differences.len(), None)?];
     let mut complete = sampler.sample_up_to(&mut single, &[settings.pilot])?;
-    let wide = |rows: &[Row], k: usize| QUANTILE * plan::variance_of_sum(rows, k).sqrt() > half_widths[k];
+    let wide =
+        |rows: &[Row], k: usize| QUANTILE * plan::variance_of_sum(rows, k).sqrt() > half_widths[k];
     while complete && (0..observables.len()).any(|k| wide(&single, k)) {
         let wanted = plan::samples(&plan::costs_and_variances(&single), &half_widths);
         complete = sampler.sample_up_to(&mut single, &wanted)?;
@@ -198,7 +215,8 @@ fn pilot<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     rows.iter_mut().try_for_each(|row| sampler.sample(row, pilot))
 }
 
-/// Adds a level with about `paths` samples, or as many as can be paid for; false if that is less than they should be.
+/// Adds a level with about `paths` samples, or as many as can be paid for; false if that is less
+/// than they should be.
 fn add_level<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     sampler: &mut Sampler<'_, S, G, D, M>,
     rows: &mut Vec<Row>,
@@ -216,8 +234,8 @@ fn add_level<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
     Ok(complete)
 }
 
-/// Samples differences, and adds them, until the bias on the last is bounded by its share of the accuracy; the limit that
-/// was met, if one was.
+/// Samples differences, and adds them, until the bias on the last is bounded by its share of the
+/// accuracy; the limit that was met, if one was.
 fn resolve_bias<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     sampler: &mut Sampler<'_, S, G, D, M>,
     differences: &mut Vec<Row>,
@@ -228,7 +246,8 @@ fn resolve_bias<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usi
     let cost_limit = Some(Warning::CostLimit { max_cost: settings.max_cost });
     loop {
         let observables = 0..sampler.observables.len();
-        let biases: Vec<_> = observables.map(|k| plan::bias(differences, k, settings.weak_order)).collect();
+        let biases: Vec<_> =
+            observables.map(|k| plan::bias(differences, k, settings.weak_order)).collect();
         if biases.iter().all(|bias| bias.bound <= budget) {
             return Ok(None);
         }
@@ -244,7 +263,8 @@ fn resolve_bias<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usi
         if last == settings.max_level {
             return Ok(Some(Warning::LevelLimit { level: last }));
         }
-        let reserve = std::mem::replace(&mut sampler.reserve, settings.pilot * settings.steps(last + 1));
+        let reserve =
+            std::mem::replace(&mut sampler.reserve, settings.pilot * settings.steps(last + 1));
         if !add_level(sampler, differences, settings.pilot)? {
             if differences.len() == last {
                 sampler.reserve = reserve;

@@ -1,5 +1,5 @@
-//! How many samples each level needs, what the bias is, and how fast means and variances decay: arithmetic on moments,
-//! without a clock and without a random number.
+//! How many samples each level needs, what the bias is, and how fast means and variances decay:
+//! arithmetic on moments, without a clock and without a random number.
 
 use real::elementary;
 
@@ -8,9 +8,11 @@ use super::{Estimate, Rate};
 
 /// P(|N(0, 1)| ≤ this) = 95 %.
 pub(crate) const QUANTILE: f64 = 1.959_963_984_540_054;
-/// The part of the accuracy that may go to the bias: small, since halving the bias costs a level where a level is cheap.
+/// The part of the accuracy that may go to the bias: small, since halving the bias costs a level
+/// where a level is cheap.
 pub(crate) const BIAS_SHARE: f64 = 0.25;
-/// The differences that the bias is judged by: one alone may be small by chance or by a change of sign.
+/// The differences that the bias is judged by: one alone may be small by chance or by a change of
+/// sign.
 pub(crate) const BIAS_LEVELS: usize = 3;
 /// The bias is extrapolated by no order below this.
 const LOWEST_ORDER: f64 = 0.5;
@@ -33,7 +35,8 @@ fn exp2(x: f64) -> f64 {
     elementary::exp(x * std::f64::consts::LN_2)
 }
 
-/// The order by which the bias is extrapolated: the one given, or the upper end of the observed one if that is less.
+/// The order by which the bias is extrapolated: the one given, or the upper end of the observed one
+/// if that is less.
 fn order(given: f64, alpha: Option<Rate>) -> f64 {
     alpha.map_or(given, |alpha| given.min(alpha.upper).max(given.min(LOWEST_ORDER)))
 }
@@ -53,13 +56,21 @@ pub(crate) fn bias(differences: &[Row], k: usize, weak_order: f64) -> Bias {
             bias.value = factor * sample.mean();
         }
         bias.size = bias.size.max(factor * sample.mean().abs());
-        bias.bound = bias.bound.max(factor * (sample.mean().abs() + QUANTILE * sample.variance_of_mean().sqrt()));
+        bias.bound = bias
+            .bound
+            .max(factor * (sample.mean().abs() + QUANTILE * sample.variance_of_mean().sqrt()));
     }
     bias
 }
 
-/// Samples of each of the last differences whose margin in the bias is at most `margin`, zero for the others.
-pub(crate) fn samples_for_bias(differences: &[Row], k: usize, weak_order: f64, margin: f64) -> Vec<u64> {
+/// Samples of each of the last differences whose margin in the bias is at most `margin`, zero for
+/// the others.
+pub(crate) fn samples_for_bias(
+    differences: &[Row],
+    k: usize,
+    weak_order: f64,
+    margin: f64,
+) -> Vec<u64> {
     let order = order(weak_order, alpha(differences, k));
     let last = differences.len();
     let wanted = |(l, row): (usize, &Row)| {
@@ -78,13 +89,15 @@ pub(crate) fn variance_of_sum(rows: &[Row], k: usize) -> f64 {
     rows.iter().map(|row| row.values[k].sample.variance_of_mean()).sum()
 }
 
-/// Samples of each level with which every test function k reaches the half-width `half_widths[k]` at the least cost for
-/// it alone: N_l = (1.96/half-width)²·√(V_l/C_l)·Σ_j √(V_jC_j) (Giles 2008), and the largest over k.
+/// Samples of each level with which every test function k reaches the half-width `half_widths[k]`
+/// at the least cost for it alone: N_l = (1.96/half-width)²·√(V_l/C_l)·Σ_j √(V_jC_j) (Giles 2008),
+/// and the largest over k.
 pub(crate) fn samples(levels: &[(u64, Vec<f64>)], half_widths: &[f64]) -> Vec<u64> {
     let mut wanted = vec![0; levels.len()];
     for (k, half_width) in half_widths.iter().enumerate() {
         let quotient = QUANTILE / half_width;
-        let sum: f64 = levels.iter().map(|(cost, variances)| (variances[k] * *cost as f64).sqrt()).sum();
+        let sum: f64 =
+            levels.iter().map(|(cost, variances)| (variances[k] * *cost as f64).sqrt()).sum();
         for (wanted, (cost, variances)) in wanted.iter_mut().zip(levels) {
             let n = quotient * quotient * (variances[k] / *cost as f64).sqrt() * sum;
             *wanted = n.ceil().max(*wanted as f64) as u64;
@@ -99,7 +112,8 @@ pub(crate) fn costs_and_variances(rows: &[Row]) -> Vec<(u64, Vec<f64>)> {
     rows.iter().map(|row| (row.cost_per_path, variances(row))).collect()
 }
 
-/// What the next level will be like: twice the cost, and variances that fall as they did last, by one to four times.
+/// What the next level will be like: twice the cost, and variances that fall as they did last, by
+/// one to four times.
 pub(crate) fn next_level(rows: &[Row]) -> (u64, Vec<f64>) {
     let [.., before, last] = rows else { unreachable!("there are at least three levels") };
     let fall = |(before, last): (&Values, &Values)| {
@@ -115,16 +129,19 @@ pub(crate) fn alpha(differences: &[Row], k: usize) -> Option<Rate> {
         let sample = &row.values[k].sample;
         let (size, error) = (sample.mean().abs(), sample.variance_of_mean().sqrt());
         let relative = error / (size * std::f64::consts::LN_2);
-        (row.values[k].varies() && size > SIGNIFICANT * error).then(|| (row.level, log2(size), relative * relative))
+        (row.values[k].varies() && size > SIGNIFICANT * error)
+            .then(|| (row.level, log2(size), relative * relative))
     });
     decay(&points.collect::<Vec<_>>())
 }
 
-/// How fast the variances of the differences fall. The relative variance of a sample variance is (kurtosis − 1)/N.
+/// How fast the variances of the differences fall. The relative variance of a sample variance is
+/// (kurtosis − 1)/N.
 pub(crate) fn beta(differences: &[Row], k: usize) -> Option<Rate> {
     let points = differences.iter().filter_map(|row| {
         let (values, n) = (&row.values[k], row.samples() as f64);
-        // At least one of two equally frequent values has kurtosis one; its variance is known to 1/N.
+        // At least one of two equally frequent values has kurtosis one; its variance is known to
+        // 1/N.
         let relative = (values.sample.kurtosis() - 1.0 + 1.0 / n) / n;
         let variance = relative / (std::f64::consts::LN_2 * std::f64::consts::LN_2);
         values.varies().then(|| (row.level, log2(values.sample.variance()), variance))
@@ -136,14 +153,15 @@ fn log2(x: f64) -> f64 {
     elementary::ln(x) / std::f64::consts::LN_2
 }
 
-/// Weighted least squares for minus the slope of (level, logarithm, variance of it). The interval is widened by
-/// √(χ²/(n − 2)) where that exceeds one, that is where the points are not on a line.
+/// Weighted least squares for minus the slope of (level, logarithm, variance of it). The interval
+/// is widened by √(χ²/(n − 2)) where that exceeds one, that is where the points are not on a line.
 fn decay(points: &[(usize, f64, f64)]) -> Option<Rate> {
     if points.len() < 2 {
         return None;
     }
-    let sum =
-        |f: &dyn Fn(f64, f64) -> f64| points.iter().map(|&(l, y, variance)| f(l as f64, y) / variance).sum::<f64>();
+    let sum = |f: &dyn Fn(f64, f64) -> f64| {
+        points.iter().map(|&(l, y, variance)| f(l as f64, y) / variance).sum::<f64>()
+    };
     let weight = sum(&|_, _| 1.0);
     let (x_mean, y_mean) = (sum(&|x, _| x) / weight, sum(&|_, y| y) / weight);
     let spread = sum(&|x, _| (x - x_mean) * (x - x_mean));
@@ -157,8 +175,15 @@ fn decay(points: &[(usize, f64, f64)]) -> Option<Rate> {
     Some(Rate { value: -slope, lower: -slope - half_width, upper: -slope + half_width })
 }
 
-/// The estimate of test function number k from the rows that add up to it and the differences that show its bias.
-pub(crate) fn estimate(name: &'static str, terms: &[Row], differences: &[Row], k: usize, weak_order: f64) -> Estimate {
+/// The estimate of test function number k from the rows that add up to it and the differences that
+/// show its bias.
+pub(crate) fn estimate(
+    name: &'static str,
+    terms: &[Row],
+    differences: &[Row],
+    k: usize,
+    weak_order: f64,
+) -> Estimate {
     let bias = bias(differences, k, weak_order);
     Estimate {
         name,
@@ -182,7 +207,8 @@ mod tests {
         assert!((rate.value - 1.5).abs() < 1e-12);
         // Σ(x − x̄)² = 5 with weights 100.
         assert!((rate.upper - rate.value - QUANTILE / 500f64.sqrt()).abs() < 1e-12);
-        let bent: Vec<_> = line.iter().map(|&(l, y, v)| (l, y + if l == 2 { 1.0 } else { 0.0 }, v)).collect();
+        let bent: Vec<_> =
+            line.iter().map(|&(l, y, v)| (l, y + if l == 2 { 1.0 } else { 0.0 }, v)).collect();
         let bent = decay(&bent).unwrap();
         assert!(bent.upper - bent.lower > 3.0 * (rate.upper - rate.lower));
         assert_eq!(decay(&line[..1]), None);

@@ -36,13 +36,14 @@ pub struct Estimate {
     pub value: f64,
     /// Standard error of the estimate, statistical alone.
     pub standard_error: f64,
-    /// What E[φ(y(T))] is thought to be above E[φ(y_τ)] at the finest step: d/(2^α − 1) from the last difference d. It is
-    /// not added to the estimate.
+    /// What E[φ(y(T))] is thought to be above E[φ(y_τ)] at the finest step: d/(2^α − 1) from the
+    /// last difference d. It is not added to the estimate.
     pub bias: f64,
-    /// Bound on its size: the largest (|d_l| + 1.96 standard errors)·2^{−α(L−l)}/(2^α − 1) of the last three levels l.
+    /// Bound on its size: the largest (|d_l| + 1.96 standard errors)·2^{−α(L−l)}/(2^α − 1) of the
+    /// last three levels l.
     pub bias_bound: f64,
-    /// Observed α in E[φ(y_τ)] − E[φ(y_{2τ})] ∝ τ^α, from the differences that exceed four standard errors; `None` with
-    /// fewer than two of them.
+    /// Observed α in E[φ(y_τ)] − E[φ(y_{2τ})] ∝ τ^α, from the differences that exceed four standard
+    /// errors; `None` with fewer than two of them.
     pub alpha: Option<Rate>,
     /// Observed β in Var ∝ τ^β of the differences; `None` where they do not vary.
     pub beta: Option<Rate>,
@@ -101,8 +102,8 @@ pub struct LevelValue {
     pub variance: f64,
     /// Their kurtosis, three for normals; NaN where they do not vary.
     pub kurtosis: f64,
-    /// How far the coarse mean lies from the fine mean of the level below, which has the same expectation, in standard
-    /// errors of the difference; zero without a level below.
+    /// How far the coarse mean lies from the fine mean of the level below, which has the same
+    /// expectation, in standard errors of the difference; zero without a level below.
     pub deviation: f64,
 }
 
@@ -117,8 +118,8 @@ pub enum Warning {
         /// How many.
         failed: u64,
     },
-    /// The kurtosis is above 100 and above a sixteenth of the samples, so that the variance is not known to a quarter, nor
-    /// the standard error of the level to an eighth.
+    /// The kurtosis is above 100 and above a sixteenth of the samples, so that the variance is not
+    /// known to a quarter, nor the standard error of the level to an eighth.
     Kurtosis {
         /// Name of φ.
         observable: &'static str,
@@ -127,16 +128,16 @@ pub enum Warning {
         /// Its kurtosis.
         kurtosis: f64,
     },
-    /// Variances fall more slowly than costs grow, so the cost is not of order ε⁻²: wrong coupling, or an order of strong
-    /// convergence below ½.
+    /// Variances fall more slowly than costs grow, so the cost is not of order ε⁻²: wrong coupling,
+    /// or an order of strong convergence below ½.
     VarianceDecay {
         /// Name of φ.
         observable: &'static str,
         /// Observed exponent, significantly below one.
         beta: Rate,
     },
-    /// The differences fall more slowly than the weak order says; the bias is judged by the upper end of the observed
-    /// interval then, but by no order below ½.
+    /// The differences fall more slowly than the weak order says; the bias is judged by the upper
+    /// end of the observed interval then, but by no order below ½.
     WeakOrder {
         /// Name of φ.
         observable: &'static str,
@@ -145,8 +146,8 @@ pub enum Warning {
         /// Weak order of the settings.
         assumed: f64,
     },
-    /// The coarse mean of a level contradicts the fine mean of the level below: the sum over the levels does not
-    /// telescope.
+    /// The coarse mean of a level contradicts the fine mean of the level below: the sum over the
+    /// levels does not telescope.
     Inconsistent {
         /// Name of φ.
         observable: &'static str,
@@ -176,10 +177,16 @@ impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::FailedPaths { level, failed } => {
-                write!(f, "{failed} paths failed on level {level} and were left out, which may bias the estimate")
+                write!(
+                    f,
+                    "{failed} paths failed on level {level} and were left out, which may bias the estimate"
+                )
             }
             Self::Kurtosis { observable, level, kurtosis } => {
-                write!(f, "{observable}: kurtosis {kurtosis:.0} on level {level}, its variance is not reliable")
+                write!(
+                    f,
+                    "{observable}: kurtosis {kurtosis:.0} on level {level}, its variance is not reliable"
+                )
             }
             Self::VarianceDecay { observable, beta } => write!(
                 f,
@@ -197,12 +204,17 @@ impl fmt::Display for Warning {
                  level {}, the levels do not telescope",
                 level - 1
             ),
-            Self::CoarsestSteps { steps } => write!(f, "{steps} coarsest steps would have cost less"),
+            Self::CoarsestSteps { steps } => {
+                write!(f, "{steps} coarsest steps would have cost less")
+            }
             Self::CostLimit { max_cost } => {
                 write!(f, "the accuracy was not reached with the {max_cost} path-steps allowed")
             }
             Self::LevelLimit { level } => {
-                write!(f, "the bias is too large for the accuracy on the finest level allowed, {level}")
+                write!(
+                    f,
+                    "the bias is too large for the accuracy on the finest level allowed, {level}"
+                )
             }
         }
     }

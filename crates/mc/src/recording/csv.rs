@@ -1,11 +1,13 @@
-//! A recording as comma-separated values. Plain numbers under a header need no quoting, hence no library.
+//! A recording as comma-separated values. Plain numbers under a header need no quoting, hence no
+//! library.
 
 use std::fmt;
 use std::str::FromStr;
 
 use super::{Recording, RecordingError};
 
-/// Step sizes written with ten digits, or computed as differences of times, agree to this relative distance.
+/// Step sizes written with ten digits, or computed as differences of times, agree to this relative
+/// distance.
 pub(crate) const TIME_AGREEMENT: f64 = 1e-9;
 
 /// `A12`; `A3_12` where numbers may have two digits.
@@ -18,7 +20,9 @@ fn header(noises: usize, with_areas: bool) -> Vec<String> {
     let mut names = vec!["tau".to_owned()];
     names.extend((1..=noises).map(|m| format!("dW{m}")));
     if with_areas {
-        names.extend((1..=noises).flat_map(|m| (m + 1..=noises).map(move |l| area_name(m, l, noises))));
+        names.extend(
+            (1..=noises).flat_map(|m| (m + 1..=noises).map(move |l| area_name(m, l, noises))),
+        );
     }
     names
 }
@@ -26,8 +30,8 @@ fn header(noises: usize, with_areas: bool) -> Vec<String> {
 impl<const M: usize> FromStr for Recording<M> {
     type Err = RecordingError;
 
-    /// Reads the table that [`Recording`] describes; blanks around numbers, a `#` before the header, a byte-order mark and
-    /// empty lines at the end are overlooked.
+    /// Reads the table that [`Recording`] describes; blanks around numbers, a `#` before the
+    /// header, a byte-order mark and empty lines at the end are overlooked.
     fn from_str(text: &str) -> Result<Self, RecordingError> {
         let text = text.trim_start_matches('\u{feff}').trim_end();
         let mut lines = text.lines().enumerate().map(|(n, line)| (n + 1, line));
@@ -45,7 +49,11 @@ impl<const M: usize> FromStr for Recording<M> {
             }
         }
         if found.len() != names.len() {
-            return Err(RecordingError::Columns { line: 1, found: found.len(), expected: names.len() });
+            return Err(RecordingError::Columns {
+                line: 1,
+                found: found.len(),
+                expected: names.len(),
+            });
         }
 
         let mut tau = None;
@@ -98,7 +106,8 @@ impl<const M: usize> fmt::Display for Recording<M> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", header(M, self.areas.is_some()).join(","))?;
         for (n, dw) in self.increments.iter().enumerate() {
-            // The debug form of a float is the shortest text that reads back to the same bits, with an exponent where short.
+            // The debug form of a float is the shortest text that reads back to the same bits, with
+            // an exponent where short.
             write!(f, "{:?}", self.tau)?;
             for w in dw {
                 write!(f, ",{w:?}")?;

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-/// What can be wrong with recorded increments. Lines and columns are those of the table as a text, both counted from 1.
+/// What can be wrong with recorded increments. Lines and columns are those of the table as a text,
+/// both counted from 1.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RecordingError {
@@ -86,13 +87,22 @@ impl fmt::Display for RecordingError {
                 write!(f, "line {line}, column {column}: an increment must be finite, got {value}")
             }
             Self::StepSize { line, tau } => {
-                write!(f, "line {line}, column tau: a step size must be positive and finite, got {tau}")
+                write!(
+                    f,
+                    "line {line}, column tau: a step size must be positive and finite, got {tau}"
+                )
             }
             Self::UnequalSteps { line, tau, first } => {
-                write!(f, "line {line}, column tau: all steps must have the size of the first, {first}, got {tau}")
+                write!(
+                    f,
+                    "line {line}, column tau: all steps must have the size of the first, {first}, got {tau}"
+                )
             }
             Self::AreaRows { found, expected } => {
-                write!(f, "there must be one matrix of areas for each of the {expected} steps, got {found}")
+                write!(
+                    f,
+                    "there must be one matrix of areas for each of the {expected} steps, got {found}"
+                )
             }
         }
     }

@@ -1,4 +1,5 @@
-//! The noise of one path, written down: to drive a scheme by increments from elsewhere, or another code by ours.
+//! The noise of one path, written down: to drive a scheme by increments from elsewhere, or another
+//! code by ours.
 
 mod csv;
 mod error;
@@ -11,12 +12,14 @@ use crate::follow::{Drawn, NoiseSource, StepNoise};
 pub(crate) use csv::TIME_AGREEMENT;
 pub use error::RecordingError;
 
-/// Increments ΔW of steps of one size τ, one row of M for each step, and their Lévy areas if they are known.
+/// Increments ΔW of steps of one size τ, one row of M for each step, and their Lévy areas if they
+/// are known.
 ///
-/// Increments are as they were drawn: a scheme's truncation is applied when they are used. As text, by
-/// [`parse`](str::parse) and by `to_string`, a recording is a table of comma-separated values with one line for each step
-/// under the header `tau,dW1,…,dWM`, followed by `A12,A13,…` where there are areas (`A1_2` for ten noises and more); numbers are the shortest that read
-/// back to the same bits.
+/// Increments are as they were drawn: a scheme's truncation is applied when they are used. As text,
+/// by [`parse`](str::parse) and by `to_string`, a recording is a table of comma-separated values
+/// with one line for each step under the header `tau,dW1,…,dWM`, followed by `A12,A13,…` where
+/// there are areas (`A1_2` for ten noises and more); numbers are the shortest that read back to the
+/// same bits.
 ///
 /// ```
 /// use mc::Recording;
@@ -40,8 +43,9 @@ impl<const M: usize> Recording<M> {
     /// Increments of steps of size `tau`, in the order of time.
     ///
     /// # Errors
-    /// [`RecordingError`] when there is no step, when τ is not positive and finite, or when a number is not finite; steps
-    /// are counted as lines of the table, of which the header is the first.
+    /// [`RecordingError`] when there is no step, when τ is not positive and finite, or when a
+    /// number is not finite; steps are counted as lines of the table, of which the header is the
+    /// first.
     pub fn new(tau: f64, increments: Vec<[f64; M]>) -> Result<Self, RecordingError> {
         if increments.is_empty() {
             return Err(RecordingError::Empty);
@@ -51,20 +55,28 @@ impl<const M: usize> Recording<M> {
         }
         for (n, dw) in increments.iter().enumerate() {
             if let Some(m) = dw.iter().position(|w| !w.is_finite()) {
-                return Err(RecordingError::NotFinite { line: n + 2, column: format!("dW{}", m + 1), value: dw[m] });
+                return Err(RecordingError::NotFinite {
+                    line: n + 2,
+                    column: format!("dW{}", m + 1),
+                    value: dw[m],
+                });
             }
         }
         Ok(Self { tau, increments, areas: None })
     }
 
-    /// The same with the Lévy areas A_ml = ½∫(W_m dW_l − W_l dW_m) of each step; what is above the diagonal is read, the
-    /// rest follows.
+    /// The same with the Lévy areas A_ml = ½∫(W_m dW_l − W_l dW_m) of each step; what is above the
+    /// diagonal is read, the rest follows.
     ///
     /// # Errors
-    /// [`RecordingError::AreaRows`] unless there is one matrix for each step, [`RecordingError::NotFinite`].
+    /// [`RecordingError::AreaRows`] unless there is one matrix for each step,
+    /// [`RecordingError::NotFinite`].
     pub fn with_areas(mut self, mut areas: Vec<[[f64; M]; M]>) -> Result<Self, RecordingError> {
         if areas.len() != self.increments.len() {
-            return Err(RecordingError::AreaRows { found: areas.len(), expected: self.increments.len() });
+            return Err(RecordingError::AreaRows {
+                found: areas.len(),
+                expected: self.increments.len(),
+            });
         }
         for (n, area) in areas.iter_mut().enumerate() {
             for m in 0..M {
@@ -83,12 +95,19 @@ impl<const M: usize> Recording<M> {
         Ok(self)
     }
 
-    /// The noise of path number `path` that `steps` steps to the time `t_end` see, areas included if they are wanted.
+    /// The noise of path number `path` that `steps` steps to the time `t_end` see, areas included
+    /// if they are wanted.
     ///
     /// # Errors
-    /// [`LadderError::Steps`] for zero steps, [`LadderError::Step`] unless 0 < T < ∞, [`LadderError::Noise`] when no number
-    /// of terms is large enough for the areas.
-    pub fn draw(key: StreamKey, path: u64, steps: u64, t_end: f64, with_areas: bool) -> Result<Self, LadderError> {
+    /// [`LadderError::Steps`] for zero steps, [`LadderError::Step`] unless 0 < T < ∞,
+    /// [`LadderError::Noise`] when no number of terms is large enough for the areas.
+    pub fn draw(
+        key: StreamKey,
+        path: u64,
+        steps: u64,
+        t_end: f64,
+        with_areas: bool,
+    ) -> Result<Self, LadderError> {
         if steps == 0 {
             return Err(LadderError::Steps { steps, multiple_of: 1 });
         }
@@ -101,7 +120,8 @@ impl<const M: usize> Recording<M> {
         Ok(Self { tau, increments, areas: with_areas.then_some(areas) })
     }
 
-    /// The same path in steps that are `factor` times longer: increments are added, areas joined by Chen's relation.
+    /// The same path in steps that are `factor` times longer: increments are added, areas joined by
+    /// Chen's relation.
     ///
     /// # Errors
     /// [`LadderError::Steps`] unless `factor` is positive and divides the number of steps.
@@ -118,7 +138,10 @@ impl<const M: usize> Recording<M> {
         for first in (0..steps).step_by(factor) {
             let (mut sum, mut joined) = ([0.0; M], [[0.0; M]; M]);
             for n in first..first + factor {
-                let (dw, areas) = (self.increments[n], self.areas.as_ref().map_or([[0.0; M]; M], |areas| areas[n]));
+                let (dw, areas) = (
+                    self.increments[n],
+                    self.areas.as_ref().map_or([[0.0; M]; M], |areas| areas[n]),
+                );
                 for m in 0..M {
                     for l in 0..M {
                         joined[m][l] += areas[m][l] + 0.5 * (sum[m] * dw[l] - dw[m] * sum[l]);
@@ -165,6 +188,9 @@ impl<const M: usize> NoiseSource<M> for Played<'_, M> {
     fn next(&mut self, _tau: f64) -> StepNoise<M> {
         let n = self.n;
         self.n += 1;
-        (self.recording.increments[n], self.recording.areas.as_ref().map_or([[0.0; M]; M], |areas| areas[n]))
+        (
+            self.recording.increments[n],
+            self.recording.areas.as_ref().map_or([[0.0; M]; M], |areas| areas[n]),
+        )
     }
 }

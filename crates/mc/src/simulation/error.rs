@@ -36,7 +36,9 @@ impl fmt::Display for SimulationError {
         match self {
             Self::Ladder(error) => error.fmt(f),
             Self::Every => write!(f, "every k-th step can be kept for k of at least 1, got k = 0"),
-            Self::Column { name } => write!(f, "two columns are called {name:?}; the observable needs another name"),
+            Self::Column { name } => {
+                write!(f, "two columns are called {name:?}; the observable needs another name")
+            }
             Self::Duration { recorded, t_end } => write!(
                 f,
                 "the recorded increments must end at the final time T = {t_end} of the problem, got {recorded}"

@@ -23,8 +23,9 @@ pub use write::{write_csv, write_json};
 /// φ(y), observed along a path.
 type Observed<'a, const D: usize> = Box<dyn Fn([f64; D]) -> f64 + Sync + 'a>;
 
-/// A problem, a scheme, and what is kept of each path: time, state, observables, and every invariant of the system with its
-/// relative defect from the conformal law. Keeps everything in memory.
+/// A problem, a scheme, and what is kept of each path: time, state, observables, and every
+/// invariant of the system with its relative defect from the conformal law. Keeps everything in
+/// memory.
 ///
 /// ```
 /// use mc::{Simulation, write_csv};
@@ -60,7 +61,11 @@ where
 {
     /// Keeps every step, and no observable yet.
     #[must_use]
-    pub fn new(problem: &'a Problem<S, G, D>, scheme: &'a dyn Scheme<S, D, M>, truncation: Truncation) -> Self {
+    pub fn new(
+        problem: &'a Problem<S, G, D>,
+        scheme: &'a dyn Scheme<S, D, M>,
+        truncation: Truncation,
+    ) -> Self {
         Self { problem, scheme, truncation, every: 1, observables: Vec::new() }
     }
 
@@ -73,17 +78,28 @@ where
 
     /// Keeps φ(y) in a column of this name.
     #[must_use]
-    pub fn observing(mut self, name: impl Into<String>, phi: impl Fn([f64; D]) -> f64 + Sync + 'a) -> Self {
+    pub fn observing(
+        mut self,
+        name: impl Into<String>,
+        phi: impl Fn([f64; D]) -> f64 + Sync + 'a,
+    ) -> Self {
         self.observables.push((name.into(), Box::new(phi)));
         self
     }
 
-    /// Path number `path`, in `steps` steps to the final time: the states of [`trajectory`](crate::trajectory).
+    /// Path number `path`, in `steps` steps to the final time: the states of
+    /// [`trajectory`](crate::trajectory).
     ///
     /// # Errors
-    /// [`SimulationError`] when there is no step, when every zeroth step is to be kept, when two columns have one name, when
-    /// the truncation is not defined at T/steps, or when no number of terms is large enough for the scheme's Lévy areas.
-    pub fn path(&self, steps: u64, key: StreamKey, path: u64) -> Result<TimeSeries, SimulationError> {
+    /// [`SimulationError`] when there is no step, when every zeroth step is to be kept, when two
+    /// columns have one name, when the truncation is not defined at T/steps, or when no number of
+    /// terms is large enough for the scheme's Lévy areas.
+    pub fn path(
+        &self,
+        steps: u64,
+        key: StreamKey,
+        path: u64,
+    ) -> Result<TimeSeries, SimulationError> {
         if steps == 0 {
             return Err(LadderError::Steps { steps, multiple_of: 1 }.into());
         }
@@ -97,16 +113,22 @@ where
     ///
     /// # Errors
     /// As for [`path`](Self::path).
-    pub fn paths(&self, steps: u64, key: StreamKey, paths: Range<u64>) -> Result<Vec<TimeSeries>, SimulationError> {
+    pub fn paths(
+        &self,
+        steps: u64,
+        key: StreamKey,
+        paths: Range<u64>,
+    ) -> Result<Vec<TimeSeries>, SimulationError> {
         in_parallel(paths, &|path| self.path(steps, key, path)).into_iter().collect()
     }
 
-    /// The path that recorded increments drive. They are truncated like drawn ones; with [`Truncation::none`] they are used as
-    /// they are.
+    /// The path that recorded increments drive. They are truncated like drawn ones; with
+    /// [`Truncation::none`] they are used as they are.
     ///
     /// # Errors
-    /// As for [`path`](Self::path); and [`SimulationError::Duration`] when the recording does not end at the final time,
-    /// [`SimulationError::NoAreas`] when the scheme reads Lévy areas and the recording has none.
+    /// As for [`path`](Self::path); and [`SimulationError::Duration`] when the recording does not
+    /// end at the final time, [`SimulationError::NoAreas`] when the scheme reads Lévy areas and the
+    /// recording has none.
     pub fn recorded(&self, recording: &Recording<M>) -> Result<TimeSeries, SimulationError> {
         let steps = recording.increments().len();
         let (recorded, t_end) = (recording.tau() * steps as f64, self.problem.t_end);
@@ -151,7 +173,8 @@ where
             series.add_column(format!("{} defect", invariant.name))?;
         }
         let mut damped = 0.0;
-        // What the sum of the step integrals has lost to rounding (Kahan), so that the law is not what drifts.
+        // What the sum of the step integrals has lost to rounding (Kahan), so that the law is not
+        // what drifts.
         let mut lost = 0.0;
         let mut row = Vec::with_capacity(series.columns.len());
         let mut keep = |n: u64, integral: f64, y: [f64; D]| {
@@ -175,8 +198,9 @@ where
         };
         keep(0, 0.0, problem.y0);
         let halt = follow(problem, self.scheme, steps, self.truncation, noise, keep)?;
-        series.halted =
-            halt.map(|(step, cause)| format!("step {step} of size {tau}, at t = {}: {cause}", step as f64 * tau));
+        series.halted = halt.map(|(step, cause)| {
+            format!("step {step} of size {tau}, at t = {}: {cause}", step as f64 * tau)
+        });
         Ok(series)
     }
 }

@@ -20,8 +20,9 @@ pub struct TimeSeries {
     pub noise: NoiseOrigin,
     /// Why the path ends before the final time, if it does.
     pub halted: Option<String>,
-    /// `t`, `y1` … `yD`, the observables, and for each invariant its value and its defect. Invariants that share a name are
-    /// numbered. The defect is (F − F₀)/|F₀| with F₀ = e^{−p∫γ}F(y₀), and F itself where F(y₀) = 0.
+    /// `t`, `y1` … `yD`, the observables, and for each invariant its value and its defect.
+    /// Invariants that share a name are numbered. The defect is (F − F₀)/|F₀| with F₀ =
+    /// e^{−p∫γ}F(y₀), and F itself where F(y₀) = 0.
     pub columns: Vec<Column>,
 }
 
@@ -55,7 +56,10 @@ impl TimeSeries {
     /// The values of a column.
     #[must_use]
     pub fn column(&self, name: &str) -> Option<&[f64]> {
-        self.columns.iter().find(|column| column.name == name).map(|column| column.values.as_slice())
+        self.columns
+            .iter()
+            .find(|column| column.name == name)
+            .map(|column| column.values.as_slice())
     }
 
     /// The saved times.
@@ -81,7 +85,10 @@ pub(super) struct InvariantColumn {
 }
 
 impl InvariantColumn {
-    pub(super) fn of<S: PoissonSystem<D, M>, const D: usize, const M: usize>(system: &S, y0: [f64; D]) -> Vec<Self> {
+    pub(super) fn of<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        system: &S,
+        y0: [f64; D],
+    ) -> Vec<Self> {
         let known = system.invariants();
         let column = |(index, invariant): (usize, &Invariant)| {
             let shares = |other: &&Invariant| other.name == invariant.name;

@@ -3,7 +3,8 @@
 use real::Real;
 use systems::PoissonSystem;
 
-/// In two dimensions with H = y₁(y₂² + 1)·(t + W): y₂ = tan(… + t + W) has no value once the noise is large.
+/// In two dimensions with H = y₁(y₂² + 1)·(t + W): y₂ = tan(… + t + W) has no value once the noise
+/// is large.
 pub struct Explosive;
 
 impl PoissonSystem<2, 1> for Explosive {

@@ -1,9 +1,14 @@
-//! The ladder against paths followed one at a time, its reproducibility, and what it does with paths that fail.
+//! The ladder against paths followed one at a time, its reproducibility, and what it does with
+//! paths that fail.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use mc::{Cause, Ladder, LadderError, Moments, Reference, Run, Statistic, StrongErrors, View, trajectory};
-use noise::{AreaMethod, AreaPath, NoiseError, StreamKey, Truncation, WienerPath, strong_order_one_error};
+use mc::{
+    Cause, Ladder, LadderError, Moments, Reference, Run, Statistic, StrongErrors, View, trajectory,
+};
+use noise::{
+    AreaMethod, AreaPath, NoiseError, StreamKey, Truncation, WienerPath, strong_order_one_error,
+};
 use nonlin::{Method, Solver};
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, Step};
 use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
@@ -14,7 +19,8 @@ type Body = Problem<RigidBody<3>, Cosine, 3>;
 
 fn body() -> Body {
     let system = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
-    Problem::new(system, Cosine::new(0.5, 2.0).unwrap(), [1.1f64.cos(), 0.0, 1.1f64.sin()], 1.0).unwrap()
+    Problem::new(system, Cosine::new(0.5, 2.0).unwrap(), [1.1f64.cos(), 0.0, 1.1f64.sin()], 1.0)
+        .unwrap()
 }
 
 const KEY: StreamKey = StreamKey { seed: 5, experiment: 9 };
@@ -61,8 +67,9 @@ fn join(first: &Piece, second: &Piece) -> Piece {
     (w, areas)
 }
 
-/// The final state of one path at 2^level finest steps a step, by hand: fine increments summed pairwise and their areas
-/// joined, clipped, optionally with the two halves of every pair of steps exchanged.
+/// The final state of one path at 2^level finest steps a step, by hand: fine increments summed
+/// pairwise and their areas joined, clipped, optionally with the two halves of every pair of steps
+/// exchanged.
 fn by_hand(
     problem: &Body,
     scheme: &dyn Scheme<RigidBody<3>, 3, 3>,
@@ -129,7 +136,12 @@ fn every_run_is_the_path_that_one_would_follow_by_hand() {
         assert_eq!(kept.len(), samples as usize);
         for path in [0, 1, 31, 32, 77, 149] {
             let alone = by_hand(&problem, *scheme, 32, *level, path, *swapped);
-            assert_eq!(kept[path as usize], alone, "{} level {level} swapped {swapped} path {path}", scheme.id());
+            assert_eq!(
+                kept[path as usize],
+                alone,
+                "{} level {level} swapped {swapped} path {path}",
+                scheme.id()
+            );
             if *level == 0 && !swapped {
                 let k = Truncation::new(2).unwrap();
                 let followed = trajectory(&problem, *scheme, 32, k, KEY, path).unwrap();
@@ -144,12 +156,17 @@ fn threads_do_not_change_a_bit() {
     let problem = body();
     let (sexp, em) = (Sexp::default(), EulerMaruyama);
     let mean_squares = |threads: usize| {
-        let runs = vec![Run::new(&sexp as &dyn Scheme<_, 3, 3>, 0), Run::new(&sexp, 2), Run::new(&em, 3)];
+        let runs =
+            vec![Run::new(&sexp as &dyn Scheme<_, 3, 3>, 0), Run::new(&sexp, 2), Run::new(&em, 3)];
         let ladder = Ladder::new(&problem, 64, 3, Truncation::new(4).unwrap(), KEY, runs).unwrap();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let series = [vec![1], vec![2]];
         let outcome = pool.install(|| {
-            ladder.run(2000, || StrongErrors::new(Reference::Run(0), &series, ladder.coarse_steps()), &|_| ())
+            ladder.run(
+                2000,
+                || StrongErrors::new(Reference::Run(0), &series, ladder.coarse_steps()),
+                &|_| (),
+            )
         });
         (
             outcome.statistic.at_end(0).clone(),
@@ -168,8 +185,15 @@ fn threads_do_not_change_a_bit() {
 fn progress_adds_up_to_the_work() {
     let problem = body();
     let sexp = Sexp::default();
-    let ladder =
-        Ladder::new(&problem, 96, 5, Truncation::none(), KEY, vec![Run::new(&sexp, 0), Run::new(&sexp, 5)]).unwrap();
+    let ladder = Ladder::new(
+        &problem,
+        96,
+        5,
+        Truncation::none(),
+        KEY,
+        vec![Run::new(&sexp, 0), Run::new(&sexp, 5)],
+    )
+    .unwrap();
     assert_eq!(ladder.steps_per_path(), 99);
     let done = AtomicU64::new(0);
     ladder.run(70, || Keep::<3>::new(0, 2), &|work| {
@@ -182,12 +206,22 @@ fn progress_adds_up_to_the_work() {
 fn impossible_ladders_are_refused() {
     let problem = body();
     let sexp = Sexp::default();
-    let refuse =
-        |steps, levels, truncation, run| Ladder::new(&problem, steps, levels, truncation, KEY, vec![run]).err();
+    let refuse = |steps, levels, truncation, run| {
+        Ladder::new(&problem, steps, levels, truncation, KEY, vec![run]).err()
+    };
     let k = Truncation::new(2).unwrap();
-    assert_eq!(refuse(0, 2, k, Run::new(&sexp, 0)), Some(LadderError::Steps { steps: 0, multiple_of: 4 }));
-    assert_eq!(refuse(10, 2, k, Run::new(&sexp, 0)), Some(LadderError::Steps { steps: 10, multiple_of: 4 }));
-    assert_eq!(refuse(8, 2, k, Run::new(&sexp, 3)), Some(LadderError::Level { level: 3, swapped: false, levels: 2 }));
+    assert_eq!(
+        refuse(0, 2, k, Run::new(&sexp, 0)),
+        Some(LadderError::Steps { steps: 0, multiple_of: 4 })
+    );
+    assert_eq!(
+        refuse(10, 2, k, Run::new(&sexp, 0)),
+        Some(LadderError::Steps { steps: 10, multiple_of: 4 })
+    );
+    assert_eq!(
+        refuse(8, 2, k, Run::new(&sexp, 3)),
+        Some(LadderError::Level { level: 3, swapped: false, levels: 2 })
+    );
     assert_eq!(
         refuse(8, 2, k, Run::swapped(&sexp, 2)),
         Some(LadderError::Level { level: 2, swapped: true, levels: 2 })
@@ -206,15 +240,19 @@ fn impossible_ladders_are_refused() {
 fn paths_without_a_solution_are_left_out_counted_and_described() {
     let problem = Problem::new(Explosive, Constant::new(0.0).unwrap(), [0.1, 0.5], 1.0).unwrap();
     let (sexp, em) = (Sexp { solver: Solver::new(Method::Newton) }, EulerMaruyama);
-    let runs = vec![Run::new(&sexp as &dyn Scheme<_, 2, 1>, 0), Run::new(&sexp, 2), Run::new(&em, 0)];
+    let runs =
+        vec![Run::new(&sexp as &dyn Scheme<_, 2, 1>, 0), Run::new(&sexp, 2), Run::new(&em, 0)];
     let ladder = Ladder::new(&problem, 16, 2, Truncation::new(4).unwrap(), KEY, runs).unwrap();
     let samples = 400;
     let outcome = ladder.run(samples, || Keep::new(ladder.coarse_steps(), 3), &|_| ());
     let kept = outcome.statistic.runs[0].len() as u64;
-    // y₂ = tan(arctan ½ + t + W) leaves every bound when t + W passes 1.1: on many paths, and not on all.
+    // y₂ = tan(arctan ½ + t + W) leaves every bound when t + W passes 1.1: on many paths, and not
+    // on all.
     assert!(outcome.failed > 20 && kept > 20, "{} failed", outcome.failed);
     assert_eq!(outcome.failed + kept, samples);
-    assert!(outcome.statistic.runs.iter().flatten().flatten().all(|component| component.is_finite()));
+    assert!(
+        outcome.statistic.runs.iter().flatten().flatten().all(|component| component.is_finite())
+    );
     assert!(outcome.failures.len() <= 8 && !outcome.failures.is_empty());
     for failure in &outcome.failures {
         let text = failure.to_string();
@@ -222,8 +260,13 @@ fn paths_without_a_solution_are_left_out_counted_and_described() {
             assert!(text.contains(part), "{text}");
         }
         // Replayed alone, the path fails at the same step.
-        if failure.scheme == "sexp" && failure.tau == 1.0 / 16.0 && matches!(failure.cause, Cause::NoSolution { .. }) {
-            let alone = trajectory(&problem, &sexp, 16, Truncation::new(4).unwrap(), KEY, failure.path).unwrap();
+        if failure.scheme == "sexp"
+            && failure.tau == 1.0 / 16.0
+            && matches!(failure.cause, Cause::NoSolution { .. })
+        {
+            let alone =
+                trajectory(&problem, &sexp, 16, Truncation::new(4).unwrap(), KEY, failure.path)
+                    .unwrap();
             assert_eq!(alone.failure.map(|failure| failure.step), Some(failure.step), "{text}");
         }
     }
@@ -232,11 +275,13 @@ fn paths_without_a_solution_are_left_out_counted_and_described() {
 #[test]
 fn a_trajectory_keeps_the_conformal_law() {
     let problem = body();
-    let path = trajectory(&problem, &Sexp::default(), 64, Truncation::new(4).unwrap(), KEY, 3).unwrap();
+    let path =
+        trajectory(&problem, &Sexp::default(), 64, Truncation::new(4).unwrap(), KEY, 3).unwrap();
     assert_eq!((path.times.len(), path.states.len()), (65, 65));
     let mut defect = Moments::default();
     for (t, y) in path.times.iter().zip(&path.states) {
-        let law = (-2.0 * problem.damping.integral(0.0, *t)).exp() * problem.system.invariant(0, problem.y0);
+        let law = (-2.0 * problem.damping.integral(0.0, *t)).exp()
+            * problem.system.invariant(0, problem.y0);
         defect.add((problem.system.invariant(0, *y) / law - 1.0).abs());
     }
     assert!(defect.mean() < 64.0 * 16.0 * f64::EPSILON);
@@ -246,7 +291,8 @@ fn a_trajectory_keeps_the_conformal_law() {
 #[test]
 fn steps_that_underflow_are_refused() {
     let problem = Problem { t_end: 5e-324, ..body() };
-    let ladder = Ladder::new(&problem, 4, 0, Truncation::none(), KEY, vec![Run::new(&EulerMaruyama, 0)]);
+    let ladder =
+        Ladder::new(&problem, 4, 0, Truncation::none(), KEY, vec![Run::new(&EulerMaruyama, 0)]);
     assert!(matches!(ladder.err(), Some(LadderError::Step(_))));
 }
 
@@ -254,8 +300,10 @@ fn steps_that_underflow_are_refused() {
 #[test]
 fn a_blown_up_path_names_its_step() {
     let system = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
-    let problem = Problem::new::<3>(system, Constant::new(1e4).unwrap(), [1.0, 1.0, 1.0], 1.0).unwrap();
-    let path = trajectory(&problem, &EulerMaruyama, 16, Truncation::new(4).unwrap(), KEY, 0).unwrap();
+    let problem =
+        Problem::new::<3>(system, Constant::new(1e4).unwrap(), [1.0, 1.0, 1.0], 1.0).unwrap();
+    let path =
+        trajectory(&problem, &EulerMaruyama, 16, Truncation::new(4).unwrap(), KEY, 0).unwrap();
     let failure = path.failure.expect("the step is far from stable");
     assert_eq!((failure.cause, path.states.len() as u64), (Cause::NotFinite, failure.step + 1));
     assert!(path.states.iter().flatten().all(|y| y.is_finite()));

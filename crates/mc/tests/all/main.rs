@@ -1,4 +1,5 @@
-//! The tests of the crate in one binary, so that the kernels of each system are compiled once for all of them.
+//! The tests of the crate in one binary, so that the kernels of each system are compiled once for
+//! all of them.
 
 mod explosive;
 mod ladder;

@@ -1,13 +1,16 @@
-//! Multilevel Monte Carlo: do the intervals cover, does the cost grow as it should, and are wrong couplings noticed.
+//! Multilevel Monte Carlo: do the intervals cover, does the cost grow as it should, and are wrong
+//! couplings noticed.
 //!
-//! The bounds of the coverage tests are each exceeded by a right program with probability 10⁻⁴ or less, and there are 24 of
-//! them. Other ranges are derived where they stand, or are several times wider than the spread over seeds.
+//! The bounds of the coverage tests are each exceeded by a right program with probability 10⁻⁴ or
+//! less, and there are 24 of them. Other ranges are derived where they stand, or are several times
+//! wider than the spread over seeds.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use mc::multilevel::{
-    Coupling, Estimate, Expectation, MultilevelError, Settings, Warning, expectation, expectation_plain,
+    Coupling, Estimate, Expectation, MultilevelError, Settings, Warning, expectation,
+    expectation_plain,
 };
 use mc::{LadderError, Observable};
 use noise::{NoiseError, StreamKey, Truncation};
@@ -26,7 +29,8 @@ type Body = Problem<RigidBody<3>, Cosine, 3>;
 
 fn body() -> Body {
     let system = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
-    Problem::new(system, Cosine::new(0.5, 2.0).unwrap(), [1.1f64.cos(), 0.0, 1.1f64.sin()], 1.0).unwrap()
+    Problem::new(system, Cosine::new(0.5, 2.0).unwrap(), [1.1f64.cos(), 0.0, 1.1f64.sin()], 1.0)
+        .unwrap()
 }
 
 const COS_Y3: [Observable<3>; 1] = [Observable { name: "cos y3", function: |y| y[2].cos() }];
@@ -35,7 +39,8 @@ const COS_Y3: [Observable<3>; 1] = [Observable { name: "cos y3", function: |y| y
 const SIGMA: f64 = 0.5;
 const OMEGA: f64 = 0.7;
 
-/// B(y)v = y × v with H₀ = ωy₃ and Hₘ = σyₘ: Brownian motion on the rotations, whose axes do not commute.
+/// B(y)v = y × v with H₀ = ωy₃ and Hₘ = σyₘ: Brownian motion on the rotations, whose axes do not
+/// commute.
 struct Rotations;
 
 impl PoissonSystem<3, 3> for Rotations {
@@ -52,7 +57,11 @@ impl PoissonSystem<3, 3> for Rotations {
     }
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, _a: [R; 3], _b: [R; 3], dt: f64, dw: [f64; 3]) -> [R; 3] {
-        [R::constant(SIGMA * dw[0]), R::constant(SIGMA * dw[1]), R::constant(OMEGA * dt + SIGMA * dw[2])]
+        [
+            R::constant(SIGMA * dw[0]),
+            R::constant(SIGMA * dw[1]),
+            R::constant(OMEGA * dt + SIGMA * dw[2]),
+        ]
     }
 }
 
@@ -64,16 +73,22 @@ fn rotations() -> Problem<Rotations, Constant, 3> {
     Problem::new(Rotations, Constant::new(GAMMA).unwrap(), START, 1.0).unwrap()
 }
 
-const MOMENTS: [Observable<3>; 2] =
-    [Observable { name: "y1", function: |y| y[0] }, Observable { name: "y3^2", function: |y| y[2] * y[2] }];
+const MOMENTS: [Observable<3>; 2] = [
+    Observable { name: "y1", function: |y| y[0] },
+    Observable { name: "y3^2", function: |y| y[2] * y[2] },
+];
 
-/// E of [`MOMENTS`] at T = 1. The Itô correction ½σ²Σ (y × eₘ) × eₘ = −σ²y commutes with the drift, so E[y] is rotated by ω
-/// and decays with σ² + γ. The noise is half the Laplacian of the sphere times σ², of which y₃² − |y|²/3 is an
-/// eigenfunction with the eigenvalue −6, and the drift leaves it alone.
+/// E of [`MOMENTS`] at T = 1. The Itô correction ½σ²Σ (y × eₘ) × eₘ = −σ²y commutes with the drift,
+/// so E[y] is rotated by ω and decays with σ² + γ. The noise is half the Laplacian of the sphere
+/// times σ², of which y₃² − |y|²/3 is an eigenfunction with the eigenvalue −6, and the drift leaves
+/// it alone.
 fn exact_moments() -> [f64; 2] {
     let square = START.iter().map(|y| y * y).sum::<f64>();
     let second = square / 3.0 + (START[2] * START[2] - square / 3.0) * (-3.0 * SIGMA * SIGMA).exp();
-    [(START[0] * OMEGA.cos() + START[1] * OMEGA.sin()) * (-SIGMA * SIGMA - GAMMA).exp(), second * (-2.0 * GAMMA).exp()]
+    [
+        (START[0] * OMEGA.cos() + START[1] * OMEGA.sin()) * (-SIGMA * SIGMA - GAMMA).exp(),
+        second * (-2.0 * GAMMA).exp(),
+    ]
 }
 
 /// The k with P(X ≤ k) ≥ `level` for the first time, X binomial.
@@ -99,7 +114,8 @@ fn check_coverage(name: &str, run: impl Fn(u64) -> Expectation) {
     let results: Vec<Expectation> = (0..u64::from(REPLICATIONS)).map(run).collect();
     for (k, exact) in exact_moments().into_iter().enumerate() {
         let what = format!("{name}, {}", MOMENTS[k].name);
-        let (mut outside, mut outside_statistical, mut sum, mut squares, mut bias) = (0, 0, 0.0, 0.0, 0.0);
+        let (mut outside, mut outside_statistical, mut sum, mut squares, mut bias) =
+            (0, 0, 0.0, 0.0, 0.0);
         for result in &results {
             assert!(result.reached(), "{what}: {result:?}");
             let estimate = result.estimates[k];
@@ -112,13 +128,23 @@ fn check_coverage(name: &str, run: impl Fn(u64) -> Expectation) {
             bias += estimate.bias_bound / estimate.standard_error;
         }
         // The interval covers with 95 % or more.
-        assert!(outside <= binomial_quantile(REPLICATIONS, 0.05, 1.0 - 1e-4), "{what}: {outside} of {n} miss");
-        // Without the bound on the bias it misses with 5 % or more: it is not that wide for nothing.
+        assert!(
+            outside <= binomial_quantile(REPLICATIONS, 0.05, 1.0 - 1e-4),
+            "{what}: {outside} of {n} miss"
+        );
+        // Without the bound on the bias it misses with 5 % or more: it is not that wide for
+        // nothing.
         let fewest = binomial_quantile(REPLICATIONS, 0.05, 1e-4);
-        assert!(outside_statistical >= fewest, "{what}: {outside_statistical} of {n} miss statistically");
+        assert!(
+            outside_statistical >= fewest,
+            "{what}: {outside_statistical} of {n} miss statistically"
+        );
         // Errors spread as the standard errors say: s² of 200 normals is within 1 ± z√(2/199).
         let (mean, variance) = (sum / n, (squares - sum * sum / n) / (n - 1.0));
-        assert!((variance - 1.0).abs() < Z * (2.0 / (n - 1.0)).sqrt(), "{what}: variance {variance}");
+        assert!(
+            (variance - 1.0).abs() < Z * (2.0 / (n - 1.0)).sqrt(),
+            "{what}: variance {variance}"
+        );
         // What they have in common is within the bound on the bias.
         assert!(mean.abs() < bias / n + Z / n.sqrt(), "{what}: mean {mean}, bound {}", bias / n);
     }
@@ -147,14 +173,20 @@ fn intervals_of_single_paths_cover_the_truth() {
 #[test]
 fn the_interval_holds_where_the_bias_is_most_of_it() {
     let problem = rotations();
-    let settings = Settings { coarsest_steps: 2, max_level: 2, ..settings(2, Coupling::Antithetic) };
+    let settings =
+        Settings { coarsest_steps: 2, max_level: 2, ..settings(2, Coupling::Antithetic) };
     for method in [expectation, expectation_plain] {
-        let result = method(&Sexp::default(), &problem, &MOMENTS, 1e-3, &settings, &|_| ()).unwrap();
-        assert!(result.warnings.contains(&Warning::LevelLimit { level: 2 }) && !result.reached(), "{result:?}");
+        let result =
+            method(&Sexp::default(), &problem, &MOMENTS, 1e-3, &settings, &|_| ()).unwrap();
+        assert!(
+            result.warnings.contains(&Warning::LevelLimit { level: 2 }) && !result.reached(),
+            "{result:?}"
+        );
         for (estimate, exact) in result.estimates.iter().zip(exact_moments()) {
             let error = exact - estimate.value;
             let statistical = Z * estimate.standard_error;
-            // The bias is there, it has the sign and the size that the last difference says, and the interval holds.
+            // The bias is there, it has the sign and the size that the last difference says, and
+            // the interval holds.
             assert!(error.abs() > 1.96 * estimate.standard_error, "{estimate:?}, error {error}");
             assert!(
                 (error - estimate.bias).abs() < statistical + 0.3 * estimate.bias.abs(),
@@ -172,7 +204,15 @@ fn threads_do_not_change_a_bit() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             [expectation, expectation_plain].map(|method| {
-                method(&Sexp::default(), &problem, &COS_Y3, 1e-3, &settings(3, Coupling::Antithetic), &|_| ()).unwrap()
+                method(
+                    &Sexp::default(),
+                    &problem,
+                    &COS_Y3,
+                    1e-3,
+                    &settings(3, Coupling::Antithetic),
+                    &|_| (),
+                )
+                .unwrap()
             })
         })
     };
@@ -186,11 +226,24 @@ fn threads_do_not_change_a_bit() {
 #[test]
 fn the_twin_doubles_the_order_of_the_variance() {
     let problem = body();
-    for (coupling, accuracy, range) in [(Coupling::Antithetic, 2e-4, 1.8..=2.35), (Coupling::Plain, 4e-4, 0.9..=1.1)] {
-        let result =
-            expectation(&Sexp::default(), &problem, &COS_Y3, accuracy, &settings(4, coupling), &|_| ()).unwrap();
+    for (coupling, accuracy, range) in
+        [(Coupling::Antithetic, 2e-4, 1.8..=2.35), (Coupling::Plain, 4e-4, 0.9..=1.1)]
+    {
+        let result = expectation(
+            &Sexp::default(),
+            &problem,
+            &COS_Y3,
+            accuracy,
+            &settings(4, coupling),
+            &|_| (),
+        )
+        .unwrap();
         let kurtosis = |warning: &Warning| matches!(warning, Warning::Kurtosis { .. });
-        assert!(result.reached() && result.warnings.iter().all(kurtosis), "{coupling:?}: {:?}", result.warnings);
+        assert!(
+            result.reached() && result.warnings.iter().all(kurtosis),
+            "{coupling:?}: {:?}",
+            result.warnings
+        );
         let beta = result.estimates[0].beta.unwrap();
         assert!(range.contains(&beta.value), "{coupling:?}: {beta:?}");
         assert!(beta.lower < *range.end() && beta.upper > *range.start(), "{coupling:?}: {beta:?}");
@@ -203,21 +256,29 @@ fn the_cost_grows_as_the_accuracy_squared() {
     let accuracies = [1e-3, 5e-4, 2.5e-4];
     let costs = |method: fn(f64, &Body, &Settings) -> u64| {
         accuracies.map(|accuracy| {
-            method(accuracy, &problem, &Settings { pilot: 128, ..settings(5, Coupling::Antithetic) }) as f64
+            method(
+                accuracy,
+                &problem,
+                &Settings { pilot: 128, ..settings(5, Coupling::Antithetic) },
+            ) as f64
         })
     };
     let multilevel = costs(|accuracy, problem, settings| {
-        let result = expectation(&Sexp::default(), problem, &COS_Y3, accuracy, settings, &|_| ()).unwrap();
+        let result =
+            expectation(&Sexp::default(), problem, &COS_Y3, accuracy, settings, &|_| ()).unwrap();
         assert!(result.reached() && result.warnings.is_empty(), "{:?}", result.warnings);
         result.cost
     });
     let plain = costs(|accuracy, problem, settings| {
-        let result = expectation_plain(&Sexp::default(), problem, &COS_Y3, accuracy, settings, &|_| ()).unwrap();
+        let result =
+            expectation_plain(&Sexp::default(), problem, &COS_Y3, accuracy, settings, &|_| ())
+                .unwrap();
         assert!(result.reached() && result.warnings.is_empty(), "{:?}", result.warnings);
         result.cost
     });
-    // The standard error may have 3/4 to all of the accuracy, which is a factor (4/3)² in the number of samples. Levels that
-    // are added later have less than a tenth of Σ√(VC), or a fifth of its square. Pilots only lower the growth.
+    // The standard error may have 3/4 to all of the accuracy, which is a factor (4/3)² in the
+    // number of samples. Levels that are added later have less than a tenth of Σ√(VC), or a fifth
+    // of its square. Pilots only lower the growth.
     let margin = (4.0f64 / 3.0).powi(2);
     for pair in [0..2, 1..3, 0..3] {
         let (first, last) = (pair.start, pair.end - 1);
@@ -225,7 +286,8 @@ fn the_cost_grows_as_the_accuracy_squared() {
         let growth = multilevel[last] / multilevel[first];
         assert!(growth < square * margin * 1.2 && growth > square / margin / 1.2, "{multilevel:?}");
     }
-    // Single paths take ε⁻³: 64-fold in place of 16-fold, with the same margin and half or twice the steps.
+    // Single paths take ε⁻³: 64-fold in place of 16-fold, with the same margin and half or twice
+    // the steps.
     let growth = plain[2] / plain[0];
     assert!(growth > 64.0 / margin / 2.0 && growth < 64.0 * margin * 2.0, "{plain:?}");
     assert!(plain[2] > 8.0 * multilevel[2], "{plain:?} {multilevel:?}");
@@ -234,13 +296,20 @@ fn the_cost_grows_as_the_accuracy_squared() {
 /// Sexp with something done to the increments, which may depend on the step size.
 struct Altered<F>(F);
 
-impl<S: PoissonSystem<D, M>, F: Fn(f64) -> f64 + Send + Sync, const D: usize, const M: usize> Scheme<S, D, M>
-    for Altered<F>
+impl<S: PoissonSystem<D, M>, F: Fn(f64) -> f64 + Send + Sync, const D: usize, const M: usize>
+    Scheme<S, D, M> for Altered<F>
 {
     fn id(&self) -> &'static str {
         "altered"
     }
-    fn step_block(&self, system: &S, step: &Step, dw: &Block<M>, y: &mut Block<D>, status: &mut BlockStatus) {
+    fn step_block(
+        &self,
+        system: &S,
+        step: &Step,
+        dw: &Block<M>,
+        y: &mut Block<D>,
+        status: &mut BlockStatus,
+    ) {
         let (mut altered, factor) = (*dw, (self.0)(step.tau));
         altered.0.iter_mut().flatten().for_each(|w| *w *= factor);
         Sexp::default().step_block(system, step, &altered, y, status);
@@ -255,7 +324,8 @@ impl<S: PoissonSystem<D, M>, F: Fn(f64) -> f64 + Send + Sync, const D: usize, co
 fn paths_that_do_not_share_their_noise_are_noticed() {
     let problem = body();
     // −ΔW on every second level: each level has the right law, and no two neighbours are coupled.
-    let alternating = Altered(|tau: f64| if (4.0 * tau).log2().rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 });
+    let alternating =
+        Altered(|tau: f64| if (4.0 * tau).log2().rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 });
     let settings = Settings { max_cost: 20_000_000, ..settings(6, Coupling::Antithetic) };
     let result = expectation(&alternating, &problem, &COS_Y3, 1e-3, &settings, &|_| ()).unwrap();
     let decay = |warning: &Warning| matches!(warning, Warning::VarianceDecay { beta, .. } if beta.upper < 0.5);
@@ -283,22 +353,33 @@ fn a_lower_weak_order_is_noticed() {
     // Told the truth, there is nothing to warn of.
     let settings = Settings { weak_order: 0.5, ..settings };
     let result = expectation(&rough, &problem, y1, 5e-3, &settings, &|_| ()).unwrap();
-    assert!(!result.warnings.iter().any(|warning| matches!(warning, Warning::WeakOrder { .. })), "{result:?}");
+    assert!(
+        !result.warnings.iter().any(|warning| matches!(warning, Warning::WeakOrder { .. })),
+        "{result:?}"
+    );
 }
 
 thread_local! {
     static LAST_TAU: Cell<f64> = const { Cell::new(0.0) };
 }
 
-/// Sexp that keeps what it must not keep: a step after a step of another size comes out a little too short, as it might
-/// with a factorisation that is reused where it does not apply. Alone on a level it does nothing wrong.
+/// Sexp that keeps what it must not keep: a step after a step of another size comes out a little
+/// too short, as it might with a factorisation that is reused where it does not apply. Alone on a
+/// level it does nothing wrong.
 struct Remembering;
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for Remembering {
     fn id(&self) -> &'static str {
         "remembering"
     }
-    fn step_block(&self, system: &S, step: &Step, dw: &Block<M>, y: &mut Block<D>, status: &mut BlockStatus) {
+    fn step_block(
+        &self,
+        system: &S,
+        step: &Step,
+        dw: &Block<M>,
+        y: &mut Block<D>,
+        status: &mut BlockStatus,
+    ) {
         Sexp::default().step_block(system, step, dw, y, status);
         let before = LAST_TAU.replace(step.tau);
         if before < step.tau && before > 0.0 {
@@ -319,7 +400,8 @@ fn levels_that_do_not_telescope_are_noticed() {
         pool.install(|| expectation(scheme, &problem, &COS_Y3, 2e-4, &settings, &|_| ()).unwrap())
     };
     let wrong = run(&Remembering);
-    let inconsistent = |warning: &Warning| matches!(warning, Warning::Inconsistent { level: 1, .. });
+    let inconsistent =
+        |warning: &Warning| matches!(warning, Warning::Inconsistent { level: 1, .. });
     assert!(wrong.warnings.iter().any(inconsistent), "{:?}", wrong.warnings);
     let right = run(&Sexp::default());
     assert!(right.warnings.is_empty(), "{:?}", right.warnings);
@@ -349,10 +431,17 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
         if let Ok(result) = &result {
             // Every path-step is counted, and those that progress was told of are all.
             assert_eq!(done.into_inner(), result.cost);
-            let levels = result.levels.iter().map(|level| (level.samples + level.failed) * level.cost_per_path);
+            let levels = result
+                .levels
+                .iter()
+                .map(|level| (level.samples + level.failed) * level.cost_per_path);
             assert_eq!(levels.sum::<u64>(), result.cost);
             assert!(result.cost <= max_cost && !result.reached());
-            assert!(result.warnings.contains(&Warning::CostLimit { max_cost }), "{:?}", result.warnings);
+            assert!(
+                result.warnings.contains(&Warning::CostLimit { max_cost }),
+                "{:?}",
+                result.warnings
+            );
             // 0.7977 ± 0.0001 by a run of 10⁷ path-steps.
             let estimate = result.estimates[0];
             let margin = 1e-4 + estimate.bias_bound + Z * estimate.standard_error;
@@ -367,12 +456,19 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
             assert!(result.cost > max_cost / 2, "{} of {max_cost}", result.cost);
         }
         let result = limited(method, 10_000);
-        assert!(matches!(result, Err(MultilevelError::PilotCost { max_cost: 10_000, .. })), "{result:?}");
+        assert!(
+            matches!(result, Err(MultilevelError::PilotCost { max_cost: 10_000, .. })),
+            "{result:?}"
+        );
     }
     let settings = Settings { max_level: 2, ..settings(9, Coupling::Antithetic) };
     for method in methods {
         let result = method(&Sexp::default(), &problem, &COS_Y3, 4e-4, &settings, &|_| ()).unwrap();
-        assert!(result.warnings.contains(&Warning::LevelLimit { level: 2 }), "{:?}", result.warnings);
+        assert!(
+            result.warnings.contains(&Warning::LevelLimit { level: 2 }),
+            "{:?}",
+            result.warnings
+        );
         assert!(!result.reached() && result.estimates[0].bias_bound > 1e-4);
     }
 }
@@ -382,14 +478,19 @@ fn what_does_not_vary_needs_no_samples() {
     let problem = body();
     // sexp keeps the damped Casimir to round-off; the constant has not even that.
     let still = [
-        Observable { name: "C", function: |y: [f64; 3]| 0.5 * (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]) },
+        Observable {
+            name: "C",
+            function: |y: [f64; 3]| 0.5 * (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]),
+        },
         Observable { name: "one", function: |_| 1.0 },
     ];
     let settings = settings(10, Coupling::Antithetic);
     let result = expectation(&Sexp::default(), &problem, &still, 1e-9, &settings, &|_| ()).unwrap();
     assert!(result.reached() && result.warnings.is_empty(), "{result:?}");
     assert_eq!(result.levels.len(), 3);
-    assert!(result.estimates.iter().all(|estimate| estimate.alpha.is_none() && estimate.beta.is_none()));
+    assert!(
+        result.estimates.iter().all(|estimate| estimate.alpha.is_none() && estimate.beta.is_none())
+    );
     let law = 0.5 * (-0.5 * 2.0f64.sin()).exp();
     assert!((result.estimates[0].value - law).abs() < 1e-13 && result.estimates[1].value == 1.0);
 }
@@ -403,10 +504,12 @@ fn the_accuracy_holds_for_each_test_function() {
         Observable { name: "y2^2", function: |y| y[1] * y[1] },
     ];
     let settings = settings(11, Coupling::Antithetic);
-    let together = expectation(&Sexp::default(), &problem, &several, 4e-3, &settings, &|_| ()).unwrap();
+    let together =
+        expectation(&Sexp::default(), &problem, &several, 4e-3, &settings, &|_| ()).unwrap();
     assert!(together.reached(), "{together:?}");
     for (k, one) in several.iter().enumerate() {
-        let alone = expectation(&Sexp::default(), &problem, &[*one], 4e-3, &settings, &|_| ()).unwrap();
+        let alone =
+            expectation(&Sexp::default(), &problem, &[*one], 4e-3, &settings, &|_| ()).unwrap();
         assert!(alone.reached() && alone.cost <= together.cost, "{}", one.name);
         let difference = (alone.estimates[0].value - together.estimates[k].value).abs();
         assert!(difference < 8e-3, "{}: {difference}", one.name);
@@ -419,7 +522,8 @@ fn more_coarsest_steps_are_advised_where_they_pay() {
     let body = RigidBody::three_noises([0.4, 0.3, 0.2], [0.5, 0.6, 0.7]).unwrap();
     let problem = Problem::new(body, Constant::new(0.0).unwrap(), [0.5, 0.6, 0.7], 1.0).unwrap();
     let run = |coarsest_steps: u64| {
-        let settings = Settings { coarsest_steps, max_cost: 20_000_000, ..settings(12, Coupling::Antithetic) };
+        let settings =
+            Settings { coarsest_steps, max_cost: 20_000_000, ..settings(12, Coupling::Antithetic) };
         expectation(&Sexp::default(), &problem, &COS_Y3, 5e-3, &settings, &|_| ()).unwrap()
     };
     let advice = |result: &Expectation| {
@@ -439,7 +543,8 @@ fn more_coarsest_steps_are_advised_where_they_pay() {
 fn paths_that_fail_are_counted_and_reported() {
     let problem = Problem::new(Explosive, Constant::new(0.0).unwrap(), [0.1, -0.5], 0.5).unwrap();
     let sexp = Sexp { solver: Solver::new(Method::Newton) };
-    let bounded = [Observable { name: "bounded", function: |y: [f64; 2]| 1.0 / (1.0 + y[1] * y[1]) }];
+    let bounded =
+        [Observable { name: "bounded", function: |y: [f64; 2]| 1.0 / (1.0 + y[1] * y[1]) }];
     let settings = Settings { max_cost: 400_000, ..settings(13, Coupling::Plain) };
     let result = expectation(&sexp, &problem, &bounded, 0.02, &settings, &|_| ()).unwrap();
     let failed: u64 = result.levels.iter().map(|level| level.failed).sum();
@@ -451,7 +556,8 @@ fn paths_that_fail_are_counted_and_reported() {
     }
 }
 
-/// E[cos y₃] of [`body`], from the Kolmogorov equation on the sphere by spherical harmonics (`verify`).
+/// E[cos y₃] of [`body`], from the Kolmogorov equation on the sphere by spherical harmonics
+/// (`verify`).
 const EXACT_COS_Y3: f64 = 0.797_719_935_281_68;
 
 #[test]
@@ -461,8 +567,12 @@ fn coupling_by_areas_has_no_bias() {
     let settings = settings(15, Coupling::Plain);
     let result = expectation(&levy, &problem, &COS_Y3, 1e-4, &settings, &|_| ()).unwrap();
     let Estimate { value, standard_error, bias_bound, .. } = result.estimates[0];
-    // 3.9 standard errors are a false alarm in 10⁴; areas that lack variance were off by 2.5e-4, ten of them.
-    assert!((value - EXACT_COS_Y3).abs() <= 3.9 * standard_error + bias_bound, "{value} ± {standard_error}");
+    // 3.9 standard errors are a false alarm in 10⁴; areas that lack variance were off by 2.5e-4,
+    // ten of them.
+    assert!(
+        (value - EXACT_COS_Y3).abs() <= 3.9 * standard_error + bias_bound,
+        "{value} ± {standard_error}"
+    );
     assert!(3.9 * standard_error + bias_bound < 2.2e-4, "{standard_error} {bias_bound}");
     // The variance falls as with the antithetic twin.
     let beta = result.estimates[0].beta.unwrap();
@@ -483,9 +593,18 @@ fn bad_requests_are_refused_and_name_the_value() {
     let problem = body();
     let good = settings(14, Coupling::Antithetic);
     let refuse = |accuracy: f64, observables: &[Observable<3>], settings: Settings| {
-        let error = expectation(&Sexp::default(), &problem, observables, accuracy, &settings, &|_| ()).unwrap_err();
-        let plain =
-            expectation_plain(&Sexp::default(), &problem, observables, accuracy, &settings, &|_| ()).unwrap_err();
+        let error =
+            expectation(&Sexp::default(), &problem, observables, accuracy, &settings, &|_| ())
+                .unwrap_err();
+        let plain = expectation_plain(
+            &Sexp::default(),
+            &problem,
+            observables,
+            accuracy,
+            &settings,
+            &|_| (),
+        )
+        .unwrap_err();
         assert_eq!(std::mem::discriminant(&error), std::mem::discriminant(&plain), "{plain}");
         error
     };
@@ -497,13 +616,19 @@ fn bad_requests_are_refused_and_name_the_value() {
     assert_eq!(refuse(0.1, &[], good), MultilevelError::NoObservable);
     let experiment = 1 << 40;
     let key = StreamKey { experiment, ..good.key };
-    assert_eq!(refuse(0.1, &COS_Y3, Settings { key, ..good }), MultilevelError::Experiment { experiment });
+    assert_eq!(
+        refuse(0.1, &COS_Y3, Settings { key, ..good }),
+        MultilevelError::Experiment { experiment }
+    );
     for steps in [0, u64::MAX] {
         let error = refuse(0.1, &COS_Y3, Settings { coarsest_steps: steps, ..good });
         assert_eq!(error, MultilevelError::CoarsestSteps { steps, at_most: 1 << 24 });
     }
     let weak_order = -1.0;
-    assert_eq!(refuse(0.1, &COS_Y3, Settings { weak_order, ..good }), MultilevelError::WeakOrder { weak_order });
+    assert_eq!(
+        refuse(0.1, &COS_Y3, Settings { weak_order, ..good }),
+        MultilevelError::WeakOrder { weak_order }
+    );
     assert_eq!(
         refuse(0.1, &COS_Y3, Settings { pilot: 127, ..good }),
         MultilevelError::Pilot { pilot: 127, at_least: 128 }
@@ -515,7 +640,9 @@ fn bad_requests_are_refused_and_name_the_value() {
     // One step on [0, 1] cannot be truncated.
     assert_eq!(
         refuse(0.1, &COS_Y3, Settings { coarsest_steps: 1, ..good }),
-        MultilevelError::Ladder(LadderError::Noise(NoiseError::StepOutsideUnitInterval { tau: 1.0 }))
+        MultilevelError::Ladder(LadderError::Noise(NoiseError::StepOutsideUnitInterval {
+            tau: 1.0
+        }))
     );
     let undefined = [Observable { name: "ln y2", function: |y: [f64; 3]| y[1].ln() }];
     let error = refuse(0.1, &undefined, good);

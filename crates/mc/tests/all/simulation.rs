@@ -1,7 +1,8 @@
 //! Paths as tables, and paths driven by recorded increments.
 
 use mc::{
-    LadderError, NoiseOrigin, Recording, RecordingError, Simulation, SimulationError, trajectory, write_csv, write_json,
+    LadderError, NoiseOrigin, Recording, RecordingError, Simulation, SimulationError, trajectory,
+    write_csv, write_json,
 };
 use noise::{StreamKey, Truncation};
 use schemes::{EulerMaruyama, Sexp, SexpLevy};
@@ -22,8 +23,11 @@ fn k4() -> Truncation {
 fn a_table_holds_the_trajectory_and_the_conformal_defect() {
     let (problem, sexp) = (body(), Sexp::default());
     let all = trajectory(&problem, &sexp, 64, k4(), KEY, 7).unwrap();
-    let table =
-        Simulation::new(&problem, &sexp, k4()).every(10).observing("y1 y2", |y| y[0] * y[1]).path(64, KEY, 7).unwrap();
+    let table = Simulation::new(&problem, &sexp, k4())
+        .every(10)
+        .observing("y1 y2", |y| y[0] * y[1])
+        .path(64, KEY, 7)
+        .unwrap();
     let saved = [0, 10, 20, 30, 40, 50, 60, 64];
     assert_eq!(table.times(), saved.map(|n| all.times[n]));
     for (row, &n) in saved.iter().enumerate() {
@@ -33,17 +37,23 @@ fn a_table_holds_the_trajectory_and_the_conformal_defect() {
         }
         assert_eq!(table.column("y1 y2").unwrap()[row], y[0] * y[1]);
         assert_eq!(table.column("C").unwrap()[row], problem.system.invariant(0, y));
-        let law = (-2.0 * problem.damping.integral(0.0, all.times[n])).exp() * problem.system.invariant(0, problem.y0);
+        let law = (-2.0 * problem.damping.integral(0.0, all.times[n])).exp()
+            * problem.system.invariant(0, problem.y0);
         let defect = problem.system.invariant(0, y) / law - 1.0;
         // A hundred roundings in the state, a few in the law.
         assert!((table.column("C defect").unwrap()[row] - defect).abs() < 128.0 * f64::EPSILON);
     }
     assert_eq!(table.column("energy"), None);
     assert_eq!(table.noise, NoiseOrigin::Drawn { seed: 5, experiment: 2, path: 7 });
-    assert_eq!((table.scheme.as_str(), table.system.as_str(), table.tau), ("sexp", "rigid-body", 1.0 / 64.0));
+    assert_eq!(
+        (table.scheme.as_str(), table.system.as_str(), table.tau),
+        ("sexp", "rigid-body", 1.0 / 64.0)
+    );
 
     // The twin: Euler–Maruyama on the same noise leaves the law, and the column shows it.
-    let worst = |table: &mc::TimeSeries| table.column("C defect").unwrap().iter().fold(0.0, |m: f64, d| m.max(d.abs()));
+    let worst = |table: &mc::TimeSeries| {
+        table.column("C defect").unwrap().iter().fold(0.0, |m: f64, d| m.max(d.abs()))
+    };
     let euler = Simulation::new(&problem, &EulerMaruyama, k4()).path(64, KEY, 7).unwrap();
     assert!(worst(&table) < 1e-13 && worst(&euler) > 1e-3, "{} {}", worst(&table), worst(&euler));
 }
@@ -63,7 +73,10 @@ fn many_paths_come_in_order_and_do_not_depend_on_threads() {
 #[test]
 fn tables_read_back_to_the_same_bits() {
     let (problem, sexp) = (body(), Sexp::default());
-    let paths = Simulation::new(&problem, &sexp, k4()).observing("a \"b\", c", |y| y[0]).paths(8, KEY, 0..3).unwrap();
+    let paths = Simulation::new(&problem, &sexp, k4())
+        .observing("a \"b\", c", |y| y[0])
+        .paths(8, KEY, 0..3)
+        .unwrap();
     let mut csv = Vec::new();
     write_csv(&paths, &mut csv).unwrap();
     let csv = String::from_utf8(csv).unwrap();
@@ -101,7 +114,8 @@ fn recorded_increments_give_the_drawn_path_bit_for_bit() {
     let recording = Recording::<3>::draw(KEY, 4, 32, 1.0, false).unwrap();
     let read: Recording<3> = recording.to_string().parse().unwrap();
     assert_eq!(read, recording);
-    let (drawn, recorded) = (simulation.path(32, KEY, 4).unwrap(), simulation.recorded(&read).unwrap());
+    let (drawn, recorded) =
+        (simulation.path(32, KEY, 4).unwrap(), simulation.recorded(&read).unwrap());
     assert_eq!(recorded.columns, drawn.columns);
     assert_eq!(recorded.noise, NoiseOrigin::Recorded);
 
@@ -112,7 +126,10 @@ fn recorded_increments_give_the_drawn_path_bit_for_bit() {
     let recording = Recording::<3>::draw(KEY, 4, 32, 1.0, true).unwrap();
     let read: Recording<3> = recording.to_string().parse().unwrap();
     assert_eq!(read, recording);
-    assert_eq!(simulation.recorded(&read).unwrap().columns, simulation.path(32, KEY, 4).unwrap().columns);
+    assert_eq!(
+        simulation.recorded(&read).unwrap().columns,
+        simulation.path(32, KEY, 4).unwrap().columns
+    );
 }
 
 #[test]
@@ -124,7 +141,10 @@ fn coarsened_recordings_follow_chens_relation() {
     for n in 0..2 {
         for m in 0..3 {
             let sum: f64 = fine.increments()[6 * n..6 * n + 6].iter().map(|dw| dw[m]).sum();
-            assert!((six.increments()[n][m] - sum).abs() < 1e-15 && (again.increments()[n][m] - sum).abs() < 1e-15);
+            assert!(
+                (six.increments()[n][m] - sum).abs() < 1e-15
+                    && (again.increments()[n][m] - sum).abs() < 1e-15
+            );
             for l in 0..3 {
                 let (one, other) = (six.areas().unwrap()[n], again.areas().unwrap()[n]);
                 assert!((one[m][l] - other[m][l]).abs() < 1e-15);
@@ -133,8 +153,10 @@ fn coarsened_recordings_follow_chens_relation() {
         }
     }
     // A quarter turn and back: the triangle with corners (0, 0), (1, 0), (1, 1) has area ½.
-    let turn =
-        Recording::<2>::new(0.5, vec![[1.0, 0.0], [0.0, 1.0]]).unwrap().with_areas(vec![[[0.0; 2]; 2]; 2]).unwrap();
+    let turn = Recording::<2>::new(0.5, vec![[1.0, 0.0], [0.0, 1.0]])
+        .unwrap()
+        .with_areas(vec![[[0.0; 2]; 2]; 2])
+        .unwrap();
     assert_eq!(turn.coarsened(2).unwrap().areas().unwrap(), [[[0.0, 0.5], [-0.5, 0.0]]]);
     assert_eq!(fine.coarsened(5).unwrap_err(), LadderError::Steps { steps: 12, multiple_of: 5 });
     assert!(fine.coarsened(0).is_err());
@@ -148,17 +170,38 @@ fn bad_tables_are_refused_by_line_and_column() {
     assert_eq!(message("0.1,0.2,0.3\n"), "line 1, column 1: the header must say tau, got \"0.1\"");
     assert_eq!(message("tau,dW1\n0.1,0.2"), "line 1: expected 3 columns, got 2");
     assert_eq!(message("tau,dW1,dW2\n0.1,0.2,0.3\n0.1,0.2\n"), "line 3: expected 3 columns, got 2");
-    assert_eq!(message("tau,dW1,dW2\n0.1,x,0.3\n"), "line 2, column dW1: expected a number, got \"x\"");
-    assert_eq!(message("tau,dW1,dW2\n0.1,,0.3\n"), "line 2, column dW1: expected a number, got \"\"");
-    assert_eq!(message("tau,dW1,dW2\n0.1,1,inf\n"), "line 2, column dW2: an increment must be finite, got inf");
-    assert_eq!(message("tau,dW1,dW2\n0,1,1\n"), "line 2, column tau: a step size must be positive and finite, got 0");
+    assert_eq!(
+        message("tau,dW1,dW2\n0.1,x,0.3\n"),
+        "line 2, column dW1: expected a number, got \"x\""
+    );
+    assert_eq!(
+        message("tau,dW1,dW2\n0.1,,0.3\n"),
+        "line 2, column dW1: expected a number, got \"\""
+    );
+    assert_eq!(
+        message("tau,dW1,dW2\n0.1,1,inf\n"),
+        "line 2, column dW2: an increment must be finite, got inf"
+    );
+    assert_eq!(
+        message("tau,dW1,dW2\n0,1,1\n"),
+        "line 2, column tau: a step size must be positive and finite, got 0"
+    );
     assert_eq!(
         message("tau,dW1,dW2\n0.1,1,1\n0.2,1,1\n"),
         "line 3, column tau: all steps must have the size of the first, 0.1, got 0.2"
     );
-    assert_eq!(message("tau,dW1,dW2,A13\n0.1,1,1,0\n"), "line 1, column 4: the header must say A12, got \"A13\"");
-    assert_eq!(message("tau,dW1,dW2,A12\n0.1,1,1,NaN\n"), "line 2, column A12: an increment must be finite, got NaN");
-    assert!(matches!("tau,dW1\nNaN,1\n".parse::<Recording<1>>(), Err(RecordingError::StepSize { line: 2, .. })));
+    assert_eq!(
+        message("tau,dW1,dW2,A13\n0.1,1,1,0\n"),
+        "line 1, column 4: the header must say A12, got \"A13\""
+    );
+    assert_eq!(
+        message("tau,dW1,dW2,A12\n0.1,1,1,NaN\n"),
+        "line 2, column A12: an increment must be finite, got NaN"
+    );
+    assert!(matches!(
+        "tau,dW1\nNaN,1\n".parse::<Recording<1>>(),
+        Err(RecordingError::StepSize { line: 2, .. })
+    ));
 
     // What other programs write: a comment sign, blanks, carriage returns, empty lines at the end.
     let read: Recording<2> = "\u{feff}# tau, dW1, dW2\r\n1e-1, 1, -2\r\n\r\n".parse().unwrap();
@@ -168,10 +211,19 @@ fn bad_tables_are_refused_by_line_and_column() {
 #[test]
 fn bad_recordings_and_simulations_are_refused() {
     assert_eq!(Recording::<1>::new(0.1, vec![]), Err(RecordingError::Empty));
-    assert_eq!(Recording::<1>::new(-0.1, vec![[1.0]]), Err(RecordingError::StepSize { line: 2, tau: -0.1 }));
-    assert!(matches!(Recording::<1>::new(0.1, vec![[f64::NAN]]), Err(RecordingError::NotFinite { line: 2, .. })));
+    assert_eq!(
+        Recording::<1>::new(-0.1, vec![[1.0]]),
+        Err(RecordingError::StepSize { line: 2, tau: -0.1 })
+    );
+    assert!(matches!(
+        Recording::<1>::new(0.1, vec![[f64::NAN]]),
+        Err(RecordingError::NotFinite { line: 2, .. })
+    ));
     let one = Recording::<2>::new(0.1, vec![[1.0, 2.0]]).unwrap();
-    assert_eq!(one.clone().with_areas(vec![]), Err(RecordingError::AreaRows { found: 0, expected: 1 }));
+    assert_eq!(
+        one.clone().with_areas(vec![]),
+        Err(RecordingError::AreaRows { found: 0, expected: 1 })
+    );
     assert!(one.with_areas(vec![[[0.0, f64::NAN], [0.0; 2]]]).is_err());
     assert!(Recording::<2>::draw(KEY, 0, 0, 1.0, false).is_err());
     assert!(Recording::<2>::draw(KEY, 0, 4, f64::NAN, false).is_err());
@@ -183,17 +235,28 @@ fn bad_recordings_and_simulations_are_refused() {
         simulation().observing("y2", |y| y[1]).path(8, KEY, 0),
         Err(SimulationError::Column { name: "y2".to_owned() })
     );
-    assert!(matches!(simulation().path(0, KEY, 0), Err(SimulationError::Ladder(LadderError::Steps { .. }))));
-    assert!(matches!(simulation().path(1, KEY, 0), Err(SimulationError::Ladder(LadderError::Noise(_)))));
+    assert!(matches!(
+        simulation().path(0, KEY, 0),
+        Err(SimulationError::Ladder(LadderError::Steps { .. }))
+    ));
+    assert!(matches!(
+        simulation().path(1, KEY, 0),
+        Err(SimulationError::Ladder(LadderError::Noise(_)))
+    ));
     let short = Recording::<3>::draw(KEY, 0, 8, 0.5, false).unwrap();
     let error = simulation().recorded(&short).unwrap_err();
-    assert_eq!(error.to_string(), "the recorded increments must end at the final time T = 1 of the problem, got 0.5");
+    assert_eq!(
+        error.to_string(),
+        "the recorded increments must end at the final time T = 1 of the problem, got 0.5"
+    );
 }
 
 #[test]
 fn invariants_that_share_a_name_are_numbered() {
     let chain = SpinChain::<6>::new(0.9, 0.4, 0.7).unwrap();
-    let problem = Problem::new(chain, Cosine::new(0.5, 2.0).unwrap(), [0.0, 0.6, 0.8, 0.0, 0.0, 0.0], 1.0).unwrap();
+    let problem =
+        Problem::new(chain, Cosine::new(0.5, 2.0).unwrap(), [0.0, 0.6, 0.8, 0.0, 0.0, 0.0], 1.0)
+            .unwrap();
     let table = Simulation::new(&problem, &Sexp::default(), k4()).path(16, KEY, 0).unwrap();
     let names: Vec<&str> = table.columns[7..].iter().map(|column| column.name.as_str()).collect();
     assert_eq!(names, ["C1", "C1 defect", "C2", "C2 defect"]);
@@ -204,8 +267,12 @@ fn invariants_that_share_a_name_are_numbered() {
 #[test]
 fn a_path_that_ends_early_says_so() {
     let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
-    let problem = Problem::new(body, Cosine::new(0.0, 1.0).unwrap(), [1e200, 1e200, 1.0], 1.0).unwrap();
+    let problem =
+        Problem::new(body, Cosine::new(0.0, 1.0).unwrap(), [1e200, 1e200, 1.0], 1.0).unwrap();
     let table = Simulation::new(&problem, &EulerMaruyama, k4()).path(8, KEY, 0).unwrap();
     assert_eq!(table.times(), [0.0]);
-    assert_eq!(table.halted.as_deref(), Some("step 0 of size 0.125, at t = 0: the state is not finite"));
+    assert_eq!(
+        table.halted.as_deref(),
+        Some("step 0 of size 0.125, at t = 0: the state is not finite")
+    );
 }

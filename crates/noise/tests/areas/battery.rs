@@ -1,9 +1,10 @@
 //! A battery of checks of a sampler against a law.
 //!
-//! Every check is a sum of terms, one for each step and path, whose mean is zero under the law; it is divided by the root
-//! of the sum of squares and compared with a two-sided critical value of probability [`FALSE_ALARM`]/[`CHECKS`]. The
-//! critical value is the normal quantile with the corrections for the skewness (of a studentised sum, γ(2z² + 1)/(6√n))
-//! and the excess of the terms that were seen.
+//! Every check is a sum of terms, one for each step and path, whose mean is zero under the law; it
+//! is divided by the root of the sum of squares and compared with a two-sided critical value of
+//! probability [`FALSE_ALARM`]/[`CHECKS`]. The critical value is the normal quantile with the
+//! corrections for the skewness (of a studentised sum, γ(2z² + 1)/(6√n)) and the excess of the
+//! terms that were seen.
 
 use std::f64::consts::TAU;
 
@@ -18,7 +19,8 @@ pub const FALSE_ALARM: f64 = 1e-4;
 /// Upper bound of the number of checks: 40 in each of 20 batteries, and 40 others.
 pub const CHECKS: usize = 1000;
 
-/// Steps of the 32 paths in a battery: 2¹⁸ samples, so that E[A²] is known to 4 parts in a thousand and E[A⁴] to 15.
+/// Steps of the 32 paths in a battery: 2¹⁸ samples, so that E[A²] is known to 4 parts in a thousand
+/// and E[A⁴] to 15.
 const STEPS: usize = 1 << 13;
 
 /// λh of the characteristic functions; 1/cosh(λh/2) from 0.89 to 0.037.
@@ -50,10 +52,14 @@ impl Sum {
         let skewness = third / n / variance.powf(1.5);
         let excess = fourth / n / (variance * variance) - 3.0;
         let z = Normal::standard().inverse_cdf(1.0 - 0.5 * FALSE_ALARM / CHECKS as f64);
-        let corrections =
-            skewness.abs() * (2.0 * z * z + 1.0) / (6.0 * n.sqrt()) + excess.abs() / n * (z * z - 3.0) * z / 24.0;
+        let corrections = skewness.abs() * (2.0 * z * z + 1.0) / (6.0 * n.sqrt())
+            + excess.abs() / n * (z * z - 3.0) * z / 24.0;
         let critical = z + corrections;
-        if statistic.abs() < critical { Ok(()) } else { Err(format!("{statistic:.1} exceeds {critical:.1}")) }
+        if statistic.abs() < critical {
+            Ok(())
+        } else {
+            Err(format!("{statistic:.1} exceeds {critical:.1}"))
+        }
     }
 }
 
@@ -75,8 +81,8 @@ impl Sums {
     }
 }
 
-/// One area of a sample, in units of h/2π, its two increments in units of √h, and for each λ sin λA, cos λA and
-/// E[cos λA | w].
+/// One area of a sample, in units of h/2π, its two increments in units of √h, and for each λ sin
+/// λA, cos λA and E[cos λA | w].
 struct Pair {
     a: f64,
     v: f64,
@@ -104,8 +110,8 @@ fn mean(pairs: &[Pair], f: impl Fn(&Pair) -> f64) -> f64 {
     pairs.iter().map(f).sum::<f64>() / pairs.len() as f64
 }
 
-/// Whether `sampler` draws areas of M noises with the given law, over steps of size `step`, given normal increments or
-/// always the `fixed` ones (in units of √h).
+/// Whether `sampler` draws areas of M noises with the given law, over steps of size `step`, given
+/// normal increments or always the `fixed` ones (in units of √h).
 ///
 /// The names of the checks that reject are returned.
 pub fn battery<const M: usize>(
@@ -141,15 +147,28 @@ pub fn battery<const M: usize>(
             let mut check = |name, number, term| sums.add(&mut cursor, name, number, term);
             check("mean", 0, mean(&pairs, |x| x.a));
             check("variance given w", 0, mean(&pairs, |x| x.a * x.a - m.variance(x.u())));
-            check("fourth moment given w", 0, mean(&pairs, |x| x.a.powi(4) - m.fourth_given(x.u())));
+            check(
+                "fourth moment given w",
+                0,
+                mean(&pairs, |x| x.a.powi(4) - m.fourth_given(x.u())),
+            );
             for number in 0..LAMBDAS.len() {
                 check("sin", number, mean(&pairs, |x| x.waves[number][0]));
-                check("cos given w", number, mean(&pairs, |x| x.waves[number][1] - x.waves[number][2]));
+                check(
+                    "cos given w",
+                    number,
+                    mean(&pairs, |x| x.waves[number][1] - x.waves[number][2]),
+                );
                 if fixed.is_none() {
-                    let weighted = |x: &Pair| (x.waves[number][1] - x.waves[number][2]) * (x.u() - 2.0);
+                    let weighted =
+                        |x: &Pair| (x.waves[number][1] - x.waves[number][2]) * (x.u() - 2.0);
                     check("cos times (|w|² - 2)", number, mean(&pairs, weighted));
                     let (c0, c1) = exponents[number];
-                    check("cos", number, mean(&pairs, |x| x.waves[number][1] - (-c0).exp() / (1.0 + 2.0 * c1)));
+                    check(
+                        "cos",
+                        number,
+                        mean(&pairs, |x| x.waves[number][1] - (-c0).exp() / (1.0 + 2.0 * c1)),
+                    );
                 }
             }
             if fixed.is_none() {
@@ -172,13 +191,22 @@ pub fn battery<const M: usize>(
                 for (number, (product, ww)) in products.into_iter().enumerate() {
                     check("shared noise given w", number, product - m.coupling() * ww);
                     if fixed.is_none() {
-                        check("shared noise with w_j w_k", number, (product - m.coupling() * ww) * ww);
-                        check("squares with a shared noise", number, product * product - m.fourth / 3.0);
+                        check(
+                            "shared noise with w_j w_k",
+                            number,
+                            (product - m.coupling() * ww) * ww,
+                        );
+                        check(
+                            "squares with a shared noise",
+                            number,
+                            product * product - m.fourth / 3.0,
+                        );
                     }
                 }
             }
             if n > 0 {
-                // With the area of the step before and with that of the next path, both independent.
+                // With the area of the step before and with that of the next path, both
+                // independent.
                 check("from step to step", 0, a[0][1] * before.0[0][1][p] * unit);
                 check("from path to path", 0, a[0][1] * areas.0[0][1][(p + 1) % WIDTH] * unit);
             }
@@ -188,7 +216,9 @@ pub fn battery<const M: usize>(
     let failures: Vec<String> = sums
         .0
         .iter()
-        .filter_map(|(name, number, sum)| Some(format!("{name} {number}: {}", sum.verdict().err()?)))
+        .filter_map(|(name, number, sum)| {
+            Some(format!("{name} {number}: {}", sum.verdict().err()?))
+        })
         .collect();
     if failures.is_empty() { Ok(()) } else { Err(failures) }
 }

@@ -1,23 +1,28 @@
-//! What the law of the areas is, given the increments, for all terms of the Fourier series and for a tail replaced.
+//! What the law of the areas is, given the increments, for all terms of the Fourier series and for
+//! a tail replaced.
 //!
-//! Everything is in units of h/2π for areas and √h for increments, so that A_ij = Σ_r (1/r)(X_i Z_j − X_j Z_i) with
-//! Z = Y − √2 w. Write u = w_i² + w_j², s_k = Σ r^{−k} over the terms drawn, t = Σ r⁻² over those that are not.
+//! Everything is in units of h/2π for areas and √h for increments, so that A_ij = Σ_r (1/r)(X_i Z_j
+//! − X_j Z_i) with Z = Y − √2 w. Write u = w_i² + w_j², s_k = Σ r^{−k} over the terms drawn, t = Σ
+//! r⁻² over those that are not.
 //!
-//! *Characteristic function.* Given Z, A_ij is normal with variance Σ (Z_i² + Z_j²)/r², where Z_i² + Z_j² is χ² with two
-//! degrees of freedom and noncentrality 2u: E[e^{iθA} | w] = Π_r (1 + θ²/r²)⁻¹ exp(−uθ²/(r² + θ²)) = exp(−c₀ − uc₁). A
-//! tail for the terms with w multiplies it by exp(−uθ²t), one for those without w by exp(−θ²t). With all terms and
-//! x = πθ it is Lévy's (x/sinh x) exp(−(u/2)(x coth x − 1)), and since u/2 is exponential, E[e^{iθA}] =
-//! e^{−c₀}/(1 + 2c₁) = 1/cosh x.
+//! *Characteristic function.* Given Z, A_ij is normal with variance Σ (Z_i² + Z_j²)/r², where Z_i²
+//! + Z_j² is χ² with two degrees of freedom and noncentrality 2u: E[e^{iθA} | w] = Π_r (1 +
+//! θ²/r²)⁻¹ exp(−uθ²/(r² + θ²)) = exp(−c₀ − uc₁). A tail for the terms with w multiplies it by
+//! exp(−uθ²t), one for those without w by exp(−θ²t). With all terms and x = πθ it is Lévy's (x/sinh
+//! x) exp(−(u/2)(x coth x − 1)), and since u/2 is exponential, E[e^{iθA}] = e^{−c₀}/(1 + 2c₁) =
+//! 1/cosh x.
 //!
-//! *Cumulants.* The coefficients of θ² and θ⁴ in −c₀ − uc₁ give the variance 2p + 2qu, where p and q are s₂, plus t with
-//! the respective tail, and the fourth cumulant (12 + 24u)s₄, to which a normal tail adds nothing. With E u = 2 and
-//! E u² = 8 the unconditional moments are E A² = 2p + 4q and E A⁴ = 60 s₄ + 12(p² + 4pq + 8q²): for all terms π² and
-//! 5π⁴, that is h²/4 and 5h⁴/16, and the fourth cumulant is h⁴/8 as that of 1/cosh(λh/2) is.
+//! *Cumulants.* The coefficients of θ² and θ⁴ in −c₀ − uc₁ give the variance 2p + 2qu, where p and
+//! q are s₂, plus t with the respective tail, and the fourth cumulant (12 + 24u)s₄, to which a
+//! normal tail adds nothing. With E u = 2 and E u² = 8 the unconditional moments are E A² = 2p + 4q
+//! and E A⁴ = 60 s₄ + 12(p² + 4pq + 8q²): for all terms π² and 5π⁴, that is h²/4 and 5h⁴/16, and
+//! the fourth cumulant is h⁴/8 as that of 1/cosh(λh/2) is.
 //!
-//! *Two areas that share a noise.* E[A_12 A_13 | w] = Σ E[X_1²] E[Z_2 Z_3]/r² = 2q w_2 w_3, the sign being that of the
-//! orientation: −2q w_1 w_3 for A_12 A_23, +2q w_1 w_2 for A_13 A_23. Given noise 1, A_12 is linear in the normals of
-//! noise 2 and A_13 is the same function of noise 3: both normal, independent, with one variance V. So E[A_12² A_13²] =
-//! E[V²] = ⅓E[A_12⁴], for all terms and with either tail (5h⁴/48; independent areas would have h⁴/16).
+//! *Two areas that share a noise.* E[A_12 A_13 | w] = Σ E[X_1²] E[Z_2 Z_3]/r² = 2q w_2 w_3, the
+//! sign being that of the orientation: −2q w_1 w_3 for A_12 A_23, +2q w_1 w_2 for A_13 A_23. Given
+//! noise 1, A_12 is linear in the normals of noise 2 and A_13 is the same function of noise 3: both
+//! normal, independent, with one variance V. So E[A_12² A_13²] = E[V²] = ⅓E[A_12⁴], for all terms
+//! and with either tail (5h⁴/48; independent areas would have h⁴/16).
 
 use std::f64::consts::PI;
 
@@ -84,7 +89,13 @@ impl Law {
     /// The numbers that a battery needs again and again.
     pub fn moments(&self) -> Moments {
         let (p, q, s4) = (self.p(), self.q(), self.sum(4));
-        Moments { p, q, s4, second: 2.0 * p + 4.0 * q, fourth: 60.0 * s4 + 12.0 * (p * p + 4.0 * p * q + 8.0 * q * q) }
+        Moments {
+            p,
+            q,
+            s4,
+            second: 2.0 * p + 4.0 * q,
+            fourth: 60.0 * s4 + 12.0 * (p * p + 4.0 * p * q + 8.0 * q * q),
+        }
     }
 }
 
@@ -126,7 +137,8 @@ fn closed_forms_are_limits_of_sums() {
     for u in [0.0, 0.5, 9.0] {
         assert!((exact.variance(u) * h2 - (1.0 + u) / 12.0).abs() < 1e-15);
     }
-    // Both tails leave out c⁴/2 and uc⁴ with c = θ/r: with n terms no more than θ⁴/(6n³) and uθ⁴/(3n³).
+    // Both tails leave out c⁴/2 and uc⁴ with c = θ/r: with n terms no more than θ⁴/(6n³) and
+    // uθ⁴/(3n³).
     let n: usize = 1000;
     for theta in [0.1, 0.5, 1.0, 2.0] {
         let (x0, x1) = Law::EXACT.exponents(theta);

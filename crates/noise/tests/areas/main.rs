@@ -1,10 +1,12 @@
-//! Do the samplers draw areas of the right law, from the coefficients that they claim, with the errors that they claim?
+//! Do the samplers draw areas of the right law, from the coefficients that they claim, with the
+//! errors that they claim?
 //!
-//! [`law`] derives what is expected, [`battery`] compares, and the tests below also show that wrong samplers are
-//! rejected. Given the increments, A and −A have the same law (the path run backwards), so no statistic sees a change of
-//! the sign of all areas: that is shown on paths rebuilt from the coefficients, in [`rebuilt`]. [`truncation`] measures
-//! the errors of cutting the series. All checks of all files together fail with probability at most
-//! [`battery::FALSE_ALARM`] if everything is right; `AREA_SEED` in the environment replaces the seed.
+//! [`law`] derives what is expected, [`battery`] compares, and the tests below also show that wrong
+//! samplers are rejected. Given the increments, A and −A have the same law (the path run
+//! backwards), so no statistic sees a change of the sign of all areas: that is shown on paths
+//! rebuilt from the coefficients, in [`rebuilt`]. [`truncation`] measures the errors of cutting the
+//! series. All checks of all files together fail with probability at most [`battery::FALSE_ALARM`]
+//! if everything is right; `AREA_SEED` in the environment replaces the seed.
 
 mod battery;
 mod law;
@@ -27,7 +29,8 @@ const STEP: f64 = 0.3;
 
 /// The key of an experiment.
 pub fn key(experiment: u64) -> StreamKey {
-    let seed = std::env::var("AREA_SEED").map_or(1, |seed| seed.parse().expect("AREA_SEED is a number"));
+    let seed =
+        std::env::var("AREA_SEED").map_or(1, |seed| seed.parse().expect("AREA_SEED is a number"));
     StreamKey { seed, experiment }
 }
 
@@ -56,7 +59,8 @@ fn halves<const M: usize>(
     mut sampler: impl FnMut(f64, &Block<M>, &mut AreaBlock<M>),
     chen: fn(&AreaBlock<M>, &Block<M>, &AreaBlock<M>, &Block<M>) -> AreaBlock<M>,
 ) -> impl FnMut(f64, &Block<M>, &mut AreaBlock<M>) {
-    let mut bridge = WienerBlock::<M>::new(StreamKey { experiment: key.experiment + 1_000_000, ..key }, 0);
+    let mut bridge =
+        WienerBlock::<M>::new(StreamKey { experiment: key.experiment + 1_000_000, ..key }, 0);
     move |step, dw, areas| {
         let mut first = Block::zero();
         let mut second = Block::zero();
@@ -79,23 +83,37 @@ fn every_method_has_the_law_of_its_series() {
     for (n, method) in AreaMethod::ALL.into_iter().enumerate() {
         let key = key(n as u64);
         // Five terms: the tails matter.
-        assert_eq!(battery(Law::of(method, 5), key, STEP, None, sampler::<3>(key, method, 5)), Ok(()), "{method:?}");
+        assert_eq!(
+            battery(Law::of(method, 5), key, STEP, None, sampler::<3>(key, method, 5)),
+            Ok(()),
+            "{method:?}"
+        );
     }
     let (key, method) = (key(5), AreaMethod::MrongowiusRoessler);
     assert_eq!(battery(Law::of(method, 0), key, 2.0, None, sampler::<2>(key, method, 0)), Ok(()));
     assert_eq!(battery(Law::of(method, 2), key, 1e-6, None, sampler::<4>(key, method, 2)), Ok(()));
 }
 
-/// With eleven terms and both tails the variances are exact, E[A⁴] is short of 3e-5 of its value and the characteristic
-/// functions are off by (½ + u)x⁴/(3π⁴·11³)·e^{−c₀−uc₁} < 2e-4 (see [`law`]): at 2¹⁸ samples less than a quarter of the
-/// standard error of each check.
+/// With eleven terms and both tails the variances are exact, E[A⁴] is short of 3e-5 of its value
+/// and the characteristic functions are off by (½ + u)x⁴/(3π⁴·11³)·e^{−c₀−uc₁} < 2e-4 (see
+/// [`law`]): at 2¹⁸ samples less than a quarter of the standard error of each check.
 #[test]
 fn eleven_terms_have_the_law_of_the_area() {
-    for (n, method) in [AreaMethod::Wiktorsson, AreaMethod::MrongowiusRoessler].into_iter().enumerate() {
+    for (n, method) in
+        [AreaMethod::Wiktorsson, AreaMethod::MrongowiusRoessler].into_iter().enumerate()
+    {
         let key = key(10 + n as u64);
-        assert_eq!(battery(Law::EXACT, key, STEP, None, sampler::<3>(key, method, 11)), Ok(()), "{method:?}");
+        assert_eq!(
+            battery(Law::EXACT, key, STEP, None, sampler::<3>(key, method, 11)),
+            Ok(()),
+            "{method:?}"
+        );
         let w = [3.0, -1.0, 0.5];
-        assert_eq!(battery(Law::EXACT, key, STEP, Some(w), sampler::<3>(key, method, 24)), Ok(()), "{method:?}");
+        assert_eq!(
+            battery(Law::EXACT, key, STEP, Some(w), sampler::<3>(key, method, 24)),
+            Ok(()),
+            "{method:?}"
+        );
     }
 }
 
@@ -118,9 +136,12 @@ fn joined_halves_have_the_law_of_the_area() {
     assert_eq!(battery(Law::EXACT, key_2, STEP, None, halves(key_2, exact(key_2), join)), Ok(()));
 }
 
-/// √n sup|Fₙ − F| of an area of two noises against F(a) = (2/π) arctan e^{πa/h}, the distribution function of the density
-/// sech(πa/h)/h.
-fn kolmogorov_smirnov(key: StreamKey, mut sampler: impl FnMut(f64, &Block<2>, &mut AreaBlock<2>)) -> f64 {
+/// √n sup|Fₙ − F| of an area of two noises against F(a) = (2/π) arctan e^{πa/h}, the distribution
+/// function of the density sech(πa/h)/h.
+fn kolmogorov_smirnov(
+    key: StreamKey,
+    mut sampler: impl FnMut(f64, &Block<2>, &mut AreaBlock<2>),
+) -> f64 {
     let mut noise = WienerBlock::<2>::new(key, 0);
     let (mut dw, mut areas) = (Block::zero(), AreaBlock::zero());
     let mut all = Vec::new();
@@ -142,7 +163,9 @@ fn kolmogorov_smirnov(key: StreamKey, mut sampler: impl FnMut(f64, &Block<2>, &m
 #[test]
 fn the_distribution_function_is_that_of_a_hyperbolic_secant() {
     let critical = (0.5 * (2.0 * CHECKS as f64 / FALSE_ALARM).ln()).sqrt();
-    for (n, method) in [AreaMethod::Wiktorsson, AreaMethod::MrongowiusRoessler].into_iter().enumerate() {
+    for (n, method) in
+        [AreaMethod::Wiktorsson, AreaMethod::MrongowiusRoessler].into_iter().enumerate()
+    {
         let key = key(40 + n as u64);
         let distance = kolmogorov_smirnov(key, sampler(key, method, 11));
         assert!(distance < critical, "{method:?}: {distance}");
@@ -154,8 +177,14 @@ fn the_distribution_function_is_that_of_a_hyperbolic_secant() {
     assert!(distance > critical, "{distance}");
 }
 
-/// Asserts that the battery against the exact law rejects, and that the named checks are among those that do.
-fn rejected(what: &str, experiment: u64, names: &[&str], sampler: impl FnMut(f64, &Block<3>, &mut AreaBlock<3>)) {
+/// Asserts that the battery against the exact law rejects, and that the named checks are among
+/// those that do.
+fn rejected(
+    what: &str,
+    experiment: u64,
+    names: &[&str],
+    sampler: impl FnMut(f64, &Block<3>, &mut AreaBlock<3>),
+) {
     let failures = battery(Law::EXACT, key(experiment), STEP, None, sampler).expect_err(what);
     for name in names {
         assert!(
@@ -174,17 +203,28 @@ fn samplers_that_forget_something_are_rejected() {
     let short = sampler::<3>(key, AreaMethod::Fourier, 5);
     rejected("five terms of Fourier", 100, &["variance", "variance given w", "cos"], short);
     // 4 % with five terms; the coupling to w is right.
-    rejected("no tail of the pairs", 100, &["variance", "cos"], sampler::<3>(key, AreaMethod::Milstein, 5));
+    rejected(
+        "no tail of the pairs",
+        100,
+        &["variance", "cos"],
+        sampler::<3>(key, AreaMethod::Milstein, 5),
+    );
 
-    // Normals with the right covariance given w: only what looks at more than second moments can tell.
+    // Normals with the right covariance given w: only what looks at more than second moments can
+    // tell.
     let normal = sampler::<3>(key, AreaMethod::MrongowiusRoessler, 0);
     rejected("no series", 100, &["fourth moment given w", "cos given w"], normal);
 
     // The increments ignored, and the variance repaired.
     let mut deaf = good();
-    rejected("w ignored", 100, &["variance", "regression on w_i²", "regression on w_j²"], |step, _, areas| {
-        deaf(step, &Block::zero(), areas);
-    });
+    rejected(
+        "w ignored",
+        100,
+        &["variance", "regression on w_i²", "regression on w_j²"],
+        |step, _, areas| {
+            deaf(step, &Block::zero(), areas);
+        },
+    );
     let mut deaf = good();
     let repaired = ["regression on w_i²", "cos given w", "cos times", "shared noise with"];
     rejected("w ignored, with a variance of h²/4", 100, &repaired, |step, _, areas| {
@@ -192,19 +232,29 @@ fn samplers_that_forget_something_are_rejected() {
     });
 
     // Right marginals for each pair, given w, but each from noise of its own.
-    let mut pairs = [(0, 1), (0, 2), (1, 2)]
-        .map(|pair| (pair, sampler::<2>(self::key(200 + pair.0 + 3 * pair.1), AreaMethod::MrongowiusRoessler, 11)));
-    rejected("independent pairs", 100, &["shared noise with", "squares with a shared noise"], |step, dw, areas| {
-        for ((i, j), sampler) in &mut pairs {
-            let (i, j) = (*i as usize, *j as usize);
-            let mut area = AreaBlock::zero();
-            sampler(step, &Block([dw.0[i], dw.0[j]]), &mut area);
-            areas.0[i][j] = area.0[0][1];
-        }
+    let mut pairs = [(0, 1), (0, 2), (1, 2)].map(|pair| {
+        (
+            pair,
+            sampler::<2>(self::key(200 + pair.0 + 3 * pair.1), AreaMethod::MrongowiusRoessler, 11),
+        )
     });
+    rejected(
+        "independent pairs",
+        100,
+        &["shared noise with", "squares with a shared noise"],
+        |step, dw, areas| {
+            for ((i, j), sampler) in &mut pairs {
+                let (i, j) = (*i as usize, *j as usize);
+                let mut area = AreaBlock::zero();
+                sampler(step, &Block([dw.0[i], dw.0[j]]), &mut area);
+                areas.0[i][j] = area.0[0][1];
+            }
+        },
+    );
 
     // Areas added without the triangle between the halves.
-    let mut triangle = halves(key, good(), |one, _, other, _| join(one, &Block::zero(), other, &Block::zero()));
+    let mut triangle =
+        halves(key, good(), |one, _, other, _| join(one, &Block::zero(), other, &Block::zero()));
     rejected("halves without Chen's term", 100, &["variance", "regression on w_i²"], &mut triangle);
 
     // Every area handed out twice.
@@ -241,21 +291,32 @@ fn samplers_with_wrong_constants_and_signs_are_rejected() {
     // The knobs as they should be.
     assert_eq!(battery(Law::EXACT, key, STEP, None, wrong(11, RIGHT)), Ok(()));
 
-    // The sign of one of the two couplings to w: right for each pair alone, wrong for two that share a noise.
+    // The sign of one of the two couplings to w: right for each pair alone, wrong for two that
+    // share a noise.
     let coupling = wrong(5, Knobs { coupling: -1.0, ..RIGHT });
     rejected("a sign of w", 110, &["shared noise with w_j w_k"], coupling);
     let tail = wrong(1, Knobs { tail: -1.0, ..RIGHT });
     rejected("a sign in the tail", 110, &["shared noise with w_j w_k"], tail);
     // ψ₁(n) for ψ₁(n+1): 2 % of the variance at five terms.
-    rejected("a tail off by one", 110, &["variance", "variance given w"], wrong(5, Knobs { shift: 0, ..RIGHT }));
+    rejected(
+        "a tail off by one",
+        110,
+        &["variance", "variance given w"],
+        wrong(5, Knobs { shift: 0, ..RIGHT }),
+    );
 
     // Variances h²/3 and 0.220 h² in place of h²/4.
     for ratio in [4.0 / 3.0, 0.88] {
         let mut good = sampler::<3>(key, AreaMethod::MrongowiusRoessler, 11);
-        rejected("a wrong variance", 110, &["variance", "fourth moment", "cos"], |step, dw, areas| {
-            good(step, dw, areas);
-            areas.0.iter_mut().flatten().flatten().for_each(|a| *a *= f64::sqrt(ratio));
-        });
+        rejected(
+            "a wrong variance",
+            110,
+            &["variance", "fourth moment", "cos"],
+            |step, dw, areas| {
+                good(step, dw, areas);
+                areas.0.iter_mut().flatten().flatten().for_each(|a| *a *= f64::sqrt(ratio));
+            },
+        );
     }
 
     // J_ij = ½W_iW_j + A_ij handed out for A_ij.
@@ -287,7 +348,10 @@ fn samplers_agree_with_the_formulas_written_out() {
                 for (i, j) in (0..M).flat_map(|i| (i + 1..M).map(move |j| (i, j))) {
                     // Some hundred roundings of terms that are a few steps at most.
                     let difference = (a.0[i][j][p] - b.0[i][j][p]).abs();
-                    assert!(difference < 1e-13 * step, "{method:?}, M = {M}, n = {terms}: {difference:e}");
+                    assert!(
+                        difference < 1e-13 * step,
+                        "{method:?}, M = {M}, n = {terms}: {difference:e}"
+                    );
                 }
             }
         }

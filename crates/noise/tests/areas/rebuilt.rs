@@ -10,7 +10,12 @@ use crate::written_out::{Coefficients, normals};
 const GRID: usize = 4096;
 
 /// W(t) = Wt/h + Σ_r √(h/2)/(πr) [X_r (cos(2πrt/h) − 1) + Y_r sin(2πrt/h)] at t = hg/G, g = 0 .. G.
-fn path<const M: usize>(coefficients: &Coefficients<M>, terms: usize, step: f64, dw: [f64; M]) -> Vec<[f64; M]> {
+fn path<const M: usize>(
+    coefficients: &Coefficients<M>,
+    terms: usize,
+    step: f64,
+    dw: [f64; M],
+) -> Vec<[f64; M]> {
     let point = |g: usize| {
         let mut at = dw.map(|w| w * g as f64 / GRID as f64);
         for r in 1..=terms {
@@ -18,7 +23,8 @@ fn path<const M: usize>(coefficients: &Coefficients<M>, terms: usize, step: f64,
             let (sin, cos) = (TAU * (r * g % GRID) as f64 / GRID as f64).sin_cos();
             for m in 0..M {
                 let size = (0.5 * step).sqrt() / (PI * r as f64);
-                at[m] += size * (coefficients.x[r - 1][m] * (cos - 1.0) + coefficients.y[r - 1][m] * sin);
+                at[m] += size
+                    * (coefficients.x[r - 1][m] * (cos - 1.0) + coefficients.y[r - 1][m] * sin);
             }
         }
         at
@@ -31,11 +37,12 @@ fn integral<const M: usize>(path: &[[f64; M]], i: usize, j: usize) -> f64 {
     path.windows(2).map(|at| 0.5 * (at[0][i] + at[1][i]) * (at[1][j] - at[0][j])).sum()
 }
 
-/// The polygon of the path that is cut after n terms has the area and the integrals of the sampler, sign included.
+/// The polygon of the path that is cut after n terms has the area and the integrals of the sampler,
+/// sign included.
 ///
-/// On the grid, the products of different frequencies still add up to zero, and the coupling of a frequency to the
-/// straight part is exact; the area of frequency r with itself is multiplied by sin(φ)/φ, φ = 2πr/G, an error of φ²/6
-/// at most.
+/// On the grid, the products of different frequencies still add up to zero, and the coupling of a
+/// frequency to the straight part is exact; the area of frequency r with itself is multiplied by
+/// sin(φ)/φ, φ = 2πr/G, an error of φ²/6 at most.
 #[test]
 fn areas_are_those_of_the_path_with_their_sign() {
     const TERMS: usize = 12;
@@ -58,7 +65,11 @@ fn areas_are_those_of_the_path_with_their_sign() {
                 };
                 let error = step / TAU * (1..=TERMS).map(frequency).sum::<f64>() + 1e-12;
                 let polygon = integral(&path, a, b);
-                assert!((polygon - j[a][b]).abs() <= error, "{a}{b}: {polygon} {} {error}", j[a][b]);
+                assert!(
+                    (polygon - j[a][b]).abs() <= error,
+                    "{a}{b}: {polygon} {} {error}",
+                    j[a][b]
+                );
                 let correction = if a == b { 0.5 * step } else { 0.0 };
                 assert!((polygon - correction - i[a][b]).abs() <= error);
                 let area = 0.5 * (polygon - integral(&path, b, a));
@@ -72,8 +83,8 @@ fn areas_are_those_of_the_path_with_their_sign() {
     assert!((products / squares - 1.0).abs() < 1e-4);
 }
 
-/// The coefficients make a Brownian path, as far as n terms can: at t, E[W(t)²] is short of the variance of the terms
-/// left out, Σ_{r>n} (h/2π²r²)·(2 − 2cos(2πrt/h)).
+/// The coefficients make a Brownian path, as far as n terms can: at t, E[W(t)²] is short of the
+/// variance of the terms left out, Σ_{r>n} (h/2π²r²)·(2 − 2cos(2πrt/h)).
 #[test]
 fn the_rebuilt_path_is_brownian() {
     const TERMS: usize = 12;
@@ -82,7 +93,8 @@ fn the_rebuilt_path_is_brownian() {
     for g in [GRID / 4, GRID / 2] {
         let t = step * g as f64 / GRID as f64;
         let turn = |r: usize| 2.0 - 2.0 * (TAU * (r * g % GRID) as f64 / GRID as f64).cos();
-        let drawn: f64 = (1..=TERMS).map(|r| step * turn(r) / (2.0 * PI * PI * (r * r) as f64)).sum();
+        let drawn: f64 =
+            (1..=TERMS).map(|r| step * turn(r) / (2.0 * PI * PI * (r * r) as f64)).sum();
         let variance = t * t / step + drawn;
         // The terms left out are at most 4h/(2π²n).
         assert!(variance <= t && t - variance < 4.0 * step / (2.0 * PI * PI * TERMS as f64));

@@ -1,4 +1,5 @@
-//! The areas written out from their coefficients, independently of the samplers, with knobs for doing it wrong.
+//! The areas written out from their coefficients, independently of the samplers, with knobs for
+//! doing it wrong.
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
@@ -114,7 +115,13 @@ pub struct WrittenOut {
 }
 
 impl WrittenOut {
-    pub fn new(key: StreamKey, first_path: u64, method: AreaMethod, terms: usize, knobs: Knobs) -> Self {
+    pub fn new(
+        key: StreamKey,
+        first_path: u64,
+        method: AreaMethod,
+        terms: usize,
+        knobs: Knobs,
+    ) -> Self {
         let normals = (0..WIDTH as u64).map(|p| normals(key, first_path + p)).collect();
         Self { normals, method, terms, knobs }
     }

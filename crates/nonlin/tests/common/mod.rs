@@ -4,7 +4,8 @@
 use nonlin::{BlockFixedPoint, BlockStatus, FirstSweep, FixedPoint, Method, Solver};
 use real::{Block, Kernel, Real, WIDTH, dispatch};
 
-/// zᵢ = cᵢ + r·Σⱼ Aᵢⱼ sin(zⱼ/r + bᵢⱼ), which scales with r: z is a solution for r where z/r is one for 1.
+/// zᵢ = cᵢ + r·Σⱼ Aᵢⱼ sin(zⱼ/r + bᵢⱼ), which scales with r: z is a solution for r where z/r is one
+/// for 1.
 ///
 /// Row sums of |A| below 1 make it a contraction in the maximum norm, whatever c and b are.
 #[derive(Clone, Copy, Debug)]

@@ -1,4 +1,5 @@
-//! The rigid body with three noises as somebody else might write it: what the generic trait costs beside the tuned system.
+//! The rigid body with three noises as somebody else might write it: what the generic trait costs
+//! beside the tuned system.
 
 use real::Real;
 use systems::PoissonSystem;

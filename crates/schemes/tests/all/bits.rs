@@ -1,5 +1,5 @@
-//! A block is 32 paths and nothing else: same bits for every scheme, every system and every level of instructions,
-//! whether a path is easy, needs the robust method or cannot be solved.
+//! A block is 32 paths and nothing else: same bits for every scheme, every system and every level
+//! of instructions, whether a path is easy, needs the robust method or cannot be solved.
 
 use crate::common::{Numbers, Plain, Visit, body, every_system, populations_2};
 use noise::{AreaBlock, StreamKey, Truncation, WienerBlock, clip};
@@ -24,14 +24,19 @@ struct SideBySide {
 }
 
 impl SideBySide {
-    fn compare<S, const D: usize, const M: usize>(&mut self, scheme: &dyn Scheme<S, D, M>, system: &S, y0: [f64; D])
-    where
+    fn compare<S, const D: usize, const M: usize>(
+        &mut self,
+        scheme: &dyn Scheme<S, D, M>,
+        system: &S,
+        y0: [f64; D],
+    ) where
         S: PoissonSystem<D, M>,
     {
         let key = StreamKey { seed: 9, experiment: 1 };
         let damping = Cosine::new(0.5, 2.0).unwrap();
         let truncation = Truncation::new(4).unwrap();
-        let (bound, area_bound) = (truncation.bound(TAU).unwrap(), truncation.area_bound(TAU).unwrap());
+        let (bound, area_bound) =
+            (truncation.bound(TAU).unwrap(), truncation.area_bound(TAU).unwrap());
         let mut numbers = Numbers(3);
         let mut areas = AreaBlock::zero();
         let mut noise = WienerBlock::<M>::new(key, 0);
@@ -45,7 +50,8 @@ impl SideBySide {
             let step = Step::new(&damping, n, TAU).unwrap();
             noise.increments(TAU.sqrt(), &mut dw);
             clip(&dw, bound, &mut clipped);
-            // Some increments are far larger than truncation allows, so that the robust method has work.
+            // Some increments are far larger than truncation allows, so that the robust method has
+            // work.
             for p in [4, 21] {
                 clipped.set_path(p, clipped.path(p).map(|x| 8.0 * x));
             }
@@ -54,8 +60,16 @@ impl SideBySide {
             }
             scheme.step_block_with_areas(system, &step, &clipped, &areas, &mut block, &mut status);
             for p in 0..WIDTH {
-                let single = scheme.step_with_areas(system, &step, clipped.path(p), areas.path(p), paths[p]);
-                let place = || format!("{} of {} at {:?}, step {n}, path {p}", scheme.id(), system.name(), self.level);
+                let single =
+                    scheme.step_with_areas(system, &step, clipped.path(p), areas.path(p), paths[p]);
+                let place = || {
+                    format!(
+                        "{} of {} at {:?}, step {n}, path {p}",
+                        scheme.id(),
+                        system.name(),
+                        self.level
+                    )
+                };
                 assert_eq!(bits(single.z), bits(block.path(p)), "{}", place());
                 assert_eq!(status.failed.contains(p), !single.outcome.converged(), "{}", place());
                 match single.outcome {
@@ -77,7 +91,11 @@ impl SideBySide {
 }
 
 impl Visit for SideBySide {
-    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]) {
+    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        y0: [f64; D],
+    ) {
         for method in [Method::FixedPoint, Method::Newton] {
             self.compare(&Sexp { solver: Solver::new(method) }, system, y0);
         }
@@ -97,7 +115,8 @@ fn a_block_is_its_paths_at_every_level() {
         for method in [Method::FixedPoint, Method::Newton] {
             let (body, y0) = (body(), [0.6, 0.0, 0.8]);
             let solver = Solver::new(method);
-            // What the midpoint rule asks of a system is part of what `heun` asks: two systems are enough for its solver.
+            // What the midpoint rule asks of a system is part of what `heun` asks: two systems are
+            // enough for its solver.
             side_by_side.compare(&Midpoint { solver }, &body, y0);
             side_by_side.compare(&Midpoint { solver }, &populations_2(), [0.2, 0.4, 0.6]);
             let mut levy = SexpLevy::new(&body, y0);
@@ -118,7 +137,8 @@ fn a_block_is_its_paths_at_every_level() {
 fn schemes_have_the_ids_of_the_paper() {
     let body = body();
     let levy = SexpLevy::new(&body, [1.0, 2.0, 3.0]);
-    let schemes: [&dyn Scheme<_, 3, 3>; 5] = [&Sexp::default(), &EulerMaruyama, &Midpoint::default(), &levy, &Heun];
+    let schemes: [&dyn Scheme<_, 3, 3>; 5] =
+        [&Sexp::default(), &EulerMaruyama, &Midpoint::default(), &levy, &Heun];
     fn ids<S, const N: usize>(schemes: [&dyn Scheme<S, 3, 3>; N], _: &S) -> [&'static str; N] {
         schemes.map(|scheme| scheme.id())
     }

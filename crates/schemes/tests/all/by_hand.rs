@@ -1,6 +1,9 @@
-//! One step of each scheme on the rigid body against formulas written out by hand, solved by a plain iteration.
+//! One step of each scheme on the rigid body against formulas written out by hand, solved by a
+//! plain iteration.
 
-use crate::common::{INERTIA, NOISE_INERTIA, Numbers, any_damping, any_increments, any_state, body};
+use crate::common::{
+    INERTIA, NOISE_INERTIA, Numbers, any_damping, any_increments, any_state, body,
+};
 use noise::Truncation;
 use nonlin::{Method, Solver};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, Step};
@@ -35,7 +38,8 @@ fn euler_maruyama() {
         let dw: [f64; 3] = any_increments(&mut numbers, tau);
         let y: [f64; 3] = any_state(&mut numbers, &body(), [0.0; 3]);
 
-        // τ(f₀ − γ(t_n)y + ½Σ fₘ′fₘ) + Σ fₘΔWₘ; fₘ turns about axis m, so ½fₘ′fₘ = −½(yₘ/Îₘ)²·(y without yₘ).
+        // τ(f₀ − γ(t_n)y + ½Σ fₘ′fₘ) + Σ fₘΔWₘ; fₘ turns about axis m, so ½fₘ′fₘ = −½(yₘ/Îₘ)²·(y
+        // without yₘ).
         let rotated = rotation(y, tau, dw);
         let mut exact = [0.0; 3];
         for i in 0..3 {

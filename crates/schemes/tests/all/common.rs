@@ -4,8 +4,8 @@ use noise::Truncation;
 use real::{Real, ScalarFunction, gradient};
 use schemes::Step;
 use systems::{
-    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
-    PoissonSystem, RigidBody, RigidBodyEnergy, Sine, SpinChain,
+    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum,
+    Poisson3, PoissonSystem, RigidBody, RigidBodyEnergy, Sine, SpinChain,
 };
 
 pub const INERTIA: [f64; 3] = [2.0, 1.0, 2.0 / 3.0];
@@ -18,7 +18,11 @@ pub fn body() -> RigidBody<3> {
 /// Something to do with every system.
 pub trait Visit {
     /// `y0` is the paper's initial value where the system is one of the paper.
-    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]);
+    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        y0: [f64; D],
+    );
 }
 
 /// The systems whose discrete gradient is exact.
@@ -80,7 +84,11 @@ pub fn any_state<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: &S,
     y0: [f64; D],
 ) -> [f64; D] {
-    if system.name() == "lotka-volterra" { numbers.point([1.0; D], 0.8) } else { numbers.point(y0, 1.0) }
+    if system.name() == "lotka-volterra" {
+        numbers.point([1.0; D], 0.8)
+    } else {
+        numbers.point(y0, 1.0)
+    }
 }
 
 /// One of the four closed forms with coefficients up to 2.
@@ -111,7 +119,9 @@ struct InvariantFunction<'a, S, const M: usize> {
     index: usize,
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ScalarFunction<D> for InvariantFunction<'_, S, M> {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ScalarFunction<D>
+    for InvariantFunction<'_, S, M>
+{
     fn value<R: Real>(&self, y: [R; D]) -> R {
         self.system.invariant(self.index, y)
     }
@@ -119,9 +129,10 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ScalarFunction<D> f
 
 /// |F(y₁) − e^{−p∫γ}F(y₀)| in units of ε times the terms that make up F and the step.
 ///
-/// F(z) − F(ẑ) = ∇̄F·(z − ẑ), so a component of z that is off by δ moves F by at most |∂F|δ. Each component is ẑ plus
-/// a sum of |Bᵢⱼ||∇̄hⱼ|, of which every term is rounded a few times, and the solver leaves some ulp of ‖z‖. The
-/// factors of the law add the rounding of ∫γ and of two exponentials.
+/// F(z) − F(ẑ) = ∇̄F·(z − ẑ), so a component of z that is off by δ moves F by at most |∂F|δ. Each
+/// component is ẑ plus a sum of |Bᵢⱼ||∇̄hⱼ|, of which every term is rounded a few times, and the
+/// solver leaves some ulp of ‖z‖. The factors of the law add the rounding of ∫γ and of two
+/// exponentials.
 pub fn conformal_defect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: &S,
     index: usize,

@@ -1,9 +1,10 @@
-//! `sexp` keeps every claimed invariant on its conformal law: to round-off, in every step, for every step size,
-//! damping and outcome of the noise. And wrong schemes do not, by the same measure.
+//! `sexp` keeps every claimed invariant on its conformal law: to round-off, in every step, for
+//! every step size, damping and outcome of the noise. And wrong schemes do not, by the same
+//! measure.
 
 use crate::common::{
-    INERTIA, Numbers, Visit, any_damping, any_increments, any_state, any_step, body, conformal_defect, exact_systems,
-    populations_1, populations_2,
+    INERTIA, Numbers, Visit, any_damping, any_increments, any_state, any_step, body,
+    conformal_defect, exact_systems, populations_1, populations_2,
 };
 use nonlin::{Method, Outcome, Solver};
 use proptest::prelude::*;
@@ -11,15 +12,16 @@ use proptest::test_runner::RngSeed;
 use real::Real;
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step};
 use systems::{
-    Constant, Damping, Invariant, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBodyEnergy,
-    vector_field,
+    Constant, Damping, Invariant, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
+    RigidBodyEnergy, vector_field,
 };
 
-/// Largest defect in the units of [`conformal_defect`]. Newton solves to the rounding of the equation: each of the
-/// terms counted there is rounded at most four times, half an ε each.
+/// Largest defect in the units of [`conformal_defect`]. Newton solves to the rounding of the
+/// equation: each of the terms counted there is rounded at most four times, half an ε each.
 const NEWTON: f64 = 2.0;
-/// The fixed point stops at a residual that it foresees from two changes; where modes that contract differently mix
-/// it may leave more than it meant to, in rare cases and up to this many ε (see the tests of `nonlin`).
+/// The fixed point stops at a residual that it foresees from two changes; where modes that contract
+/// differently mix it may leave more than it meant to, in rare cases and up to this many ε (see the
+/// tests of `nonlin`).
 const FIXED_POINT: f64 = 256.0;
 /// Half of all steps must be within this, whatever the solver.
 const TYPICAL: f64 = 0.5;
@@ -33,7 +35,11 @@ struct KeepsTheLaw {
 }
 
 impl Visit for KeepsTheLaw {
-    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]) {
+    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        y0: [f64; D],
+    ) {
         let sexp = Sexp { solver: Solver::new(self.method) };
         let allowed = match self.method {
             Method::FixedPoint => FIXED_POINT,
@@ -105,8 +111,9 @@ proptest! {
         rate in -2.0..2.0f64,
         n in 0u64..1000,
     ) {
-        // A positive definite Casimir, so the defect can be taken relative to the value, as in the paper's figures.
-        // The rotation vector has length below 0.9·1.5 + 1 + 0.5 + 1/3 in units where |z| = 1.
+        // A positive definite Casimir, so the defect can be taken relative to the value, as in the
+        // paper's figures. The rotation vector has length below 0.9·1.5 + 1 + 0.5 + 1/3 in units
+        // where |z| = 1.
         let system = body();
         let step = Step::new(&Constant::new(rate).unwrap(), n, tau).unwrap();
         let y1 = Sexp::default().step(&system, &step, dw, y);
@@ -125,7 +132,8 @@ proptest! {
         a in -2.0..-0.3f64,
         b in -2.0..-0.3f64,
     ) {
-        // As long as no component changes by half of itself the twelve nodes leave ρ⁻²⁴ < 10⁻²³, with ρ = 5 + √24.
+        // As long as no component changes by half of itself the twelve nodes leave ρ⁻²⁴ < 10⁻²³,
+        // with ρ = 5 + √24.
         let system = LotkaVolterra::new(a, b, 1.0).unwrap();
         let step = Step::new(&Constant::new(0.3).unwrap(), 0, tau).unwrap();
         let solution = Sexp::default().step(&system, &step, [dw], y);
@@ -140,8 +148,8 @@ proptest! {
 
 #[test]
 fn a_long_path_stays_on_the_law() {
-    // Each step leaves a defect of at most a few ε, of random sign: after n steps at most 4√n ε would be typical; nε is
-    // never exceeded.
+    // Each step leaves a defect of at most a few ε, of random sign: after n steps at most 4√n ε
+    // would be typical; nε is never exceeded.
     let system = body();
     let damping = systems::Cosine::new(0.5, 2.0).unwrap();
     let mut numbers = Numbers(8);
@@ -160,8 +168,9 @@ fn a_long_path_stays_on_the_law() {
 /// What a twin is measured on: as many ε as make a visible defect, 10⁶ε ≈ 2·10⁻¹⁰.
 const VISIBLE: f64 = 1e6;
 
-/// The share of steps with a visible defect, for steps taken by `advance`. Rates of damping are one and steps are 0.05,
-/// where a defect is a matter of the order of the scheme and not of the size of the step.
+/// The share of steps with a visible defect, for steps taken by `advance`. Rates of damping are one
+/// and steps are 0.05, where a defect is a matter of the order of the scheme and not of the size of
+/// the step.
 fn visible<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: &S,
     index: usize,
@@ -292,23 +301,29 @@ fn a_wrong_sign_in_the_structure_breaks_the_law() {
 fn one_node_breaks_the_energy_and_nothing_else() {
     let one_node = Twin { system: populations_2(), one_node: true, wrong_sign: false };
     assert!(visible(&one_node, 0, [1.0; 3], sexp) > NEARLY_ALL);
-    // The linear Casimir does not depend on the gradient, and a cubic H = y₁y₂y₃ is beyond one node, too.
+    // The linear Casimir does not depend on the gradient, and a cubic H = y₁y₂y₃ is beyond one
+    // node, too.
     assert_eq!(visible(&one_node, 1, [1.0; 3], sexp), 0.0);
     let cubic = Twin { system: populations_1(), one_node: true, wrong_sign: false };
     assert!(visible(&cubic, 0, [1.0; 3], sexp) > NEARLY_ALL);
 }
 
-/// Solved to the rounding of the equation, so that a tolerance is about the scheme and not about the solver.
+/// Solved to the rounding of the equation, so that a tolerance is about the scheme and not about
+/// the solver.
 fn by_newton() -> Sexp {
     Sexp { solver: Solver::new(Method::Newton) }
 }
 
-/// Σ|∇̄Hᵢ| times the lengths involved, and |H|: what H(z) − H(ẑ) is rounded relative to; sines are good to an ε, a sinc
-/// to two, and the solver leaves a few ε of ‖z‖.
+/// Σ|∇̄Hᵢ| times the lengths involved, and |H|: what H(z) − H(ẑ) is rounded relative to; sines are
+/// good to an ε, a sinc to two, and the solver leaves a few ε of ‖z‖.
 const UNDAMPED: f64 = 32.0 * f64::EPSILON;
 
 /// The defect of the energy in an undamped step, relative to its terms.
-fn undamped_defect<S: PoissonSystem<D, 1>, const D: usize>(system: &S, numbers: &mut Numbers, y0: [f64; D]) -> f64 {
+fn undamped_defect<S: PoissonSystem<D, 1>, const D: usize>(
+    system: &S,
+    numbers: &mut Numbers,
+    y0: [f64; D],
+) -> f64 {
     let step = Step::new(&Constant::new(0.0).unwrap(), 3, 0.05).unwrap();
     let y = any_state(numbers, system, y0);
     let y1 = by_newton().step(system, &step, any_increments(numbers, step.tau), y).z;
@@ -321,7 +336,8 @@ fn undamped_defect<S: PoissonSystem<D, 1>, const D: usize>(system: &S, numbers: 
 
 #[test]
 fn without_damping_any_energy_is_kept() {
-    // Sines and cosines: not homogeneous, so there is no conformal law, but the law without damping holds.
+    // Sines and cosines: not homogeneous, so there is no conformal law, but the law without damping
+    // holds.
     let mut numbers = Numbers(7);
     let (pendulum, poisson) = (Pendulum::new(1.0).unwrap(), Poisson3::new(1.0).unwrap());
     let one_node = Twin { system: poisson, one_node: true, wrong_sign: false };
@@ -338,8 +354,8 @@ fn without_damping_any_energy_is_kept() {
 
 #[test]
 fn what_midpoint_keeps() {
-    // C(y₁) − C(y₀) = ∇C(m)·(y₁ − y₀) = −τγ·∇C(m)·m: for a quadratic Casimir −2τγC(m), for a linear one the factor
-    // (1 − τγ/2)/(1 + τγ/2).
+    // C(y₁) − C(y₀) = ∇C(m)·(y₁ − y₀) = −τγ·∇C(m)·m: for a quadratic Casimir −2τγC(m), for a linear
+    // one the factor (1 − τγ/2)/(1 + τγ/2).
     let mut numbers = Numbers(9);
     let midpoint = Midpoint { solver: Solver::new(Method::Newton) };
     for _ in 0..2000 {
@@ -347,7 +363,8 @@ fn what_midpoint_keeps() {
         let step = any_step(&mut numbers, damping.as_ref());
         let strength = step.tau * step.rate_at_middle;
         if strength.abs() > 1.0 {
-            // Close to 2 the equation is singular, and γ that large is no damping to take such a step with.
+            // Close to 2 the equation is singular, and γ that large is no damping to take such a
+            // step with.
             continue;
         }
 

@@ -1,7 +1,9 @@
-//! `sexp-levy`: what it keeps, what it adds to `sexp`, and that it adds nothing where noises commute.
+//! `sexp-levy`: what it keeps, what it adds to `sexp`, and that it adds nothing where noises
+//! commute.
 
 use crate::common::{
-    Numbers, Visit, any_damping, any_increments, any_state, any_step, conformal_defect, every_system, spins,
+    Numbers, Visit, any_damping, any_increments, any_state, any_step, conformal_defect,
+    every_system, spins,
 };
 use noise::Truncation;
 use nonlin::{Method, Outcome, Solver};
@@ -24,14 +26,19 @@ fn any_areas<const M: usize>(numbers: &mut Numbers, tau: f64) -> [[f64; M]; M] {
 
 const SAMPLES: usize = 2000;
 
-/// Newton solves to the rounding of the equation, of which the commutators are three more terms of the size of those
-/// that [`conformal_defect`] counts; the areas reach twice the increments squared.
+/// Newton solves to the rounding of the equation, of which the commutators are three more terms of
+/// the size of those that [`conformal_defect`] counts; the areas reach twice the increments
+/// squared.
 const ALLOWED: f64 = 8.0;
 
 struct KeepsCasimirs(usize);
 
 impl Visit for KeepsCasimirs {
-    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]) {
+    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        y0: [f64; D],
+    ) {
         let mut levy = SexpLevy::new(system, y0);
         levy.solver = Solver::new(Method::Newton);
         if !Scheme::<S, D, M>::needs_areas(&levy) {
@@ -77,7 +84,11 @@ fn casimirs_are_kept_whatever_the_areas() {
 struct NothingToAdd(usize);
 
 impl Visit for NothingToAdd {
-    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]) {
+    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        y0: [f64; D],
+    ) {
         let levy = SexpLevy::new(system, y0);
         let mut numbers = Numbers(8);
         for _ in 0..50 {
@@ -119,8 +130,9 @@ impl PoissonSystem<3, 2> for Rotations {
 
 #[test]
 fn a_small_loop_of_the_noise_turns_about_the_third_axis() {
-    // Round a square of side h the increments vanish and the area is h²: exactly a product of four rotations. One
-    // step of `sexp` stays where it is, one of `sexp-levy` turns by the area, and the sign is that of the loop.
+    // Round a square of side h the increments vanish and the area is h²: exactly a product of four
+    // rotations. One step of `sexp` stays where it is, one of `sexp-levy` turns by the area, and
+    // the sign is that of the loop.
     let (levy, sexp) = (SexpLevy::new(&Rotations, [0.6, 0.0, 0.8]), Sexp::default());
     let step = Step::new(&Constant::new(0.0).unwrap(), 0, 0.01).unwrap();
     for h in [0.1, 0.05] {
@@ -131,8 +143,10 @@ fn a_small_loop_of_the_noise_turns_about_the_third_axis() {
         }
         let areas = [[0.0, h * h], [-h * h, 0.0]];
         let at_once = levy.step_with_areas(&Rotations, &step, [0.0; 2], areas, y0).z;
-        // Terms of order h³ and on are left out: half of them for each of the four corners is less than 4h³.
-        let distance = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+        // Terms of order h³ and on are left out: half of them for each of the four corners is less
+        // than 4h³.
+        let distance =
+            |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
         assert!(distance(round, y0) > 0.5 * h * h, "the loop moves the state");
         assert!(distance(round, at_once) < 4.0 * h * h * h, "{round:?} {at_once:?}");
         assert_eq!(sexp.step(&Rotations, &step, [0.0; 2], y0).z, y0);

@@ -1,5 +1,5 @@
-//! The tests of the schemes in one binary, so that the kernels of each system are compiled once for all of them; those that
-//! disassemble themselves are binaries of their own.
+//! The tests of the schemes in one binary, so that the kernels of each system are compiled once for
+//! all of them; those that disassemble themselves are binaries of their own.
 
 mod bits;
 mod by_hand;

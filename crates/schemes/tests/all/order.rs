@@ -1,13 +1,13 @@
-//! Without noise `sexp`, `midpoint` and `heun` have order two and `em` order one, with damping, on every system; and damping
-//! at the wrong time has order one.
+//! Without noise `sexp`, `midpoint` and `heun` have order two and `em` order one, with damping, on
+//! every system; and damping at the wrong time has order one.
 
 use crate::common::{Visit, body, every_system};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, Step};
 use systems::{Damping, PoissonSystem, Sine, ito_correction, vector_field};
 
 const T: f64 = 1.0;
-/// Errors behave like cτᵖ(1 + dτ): between τ = 2⁻⁷ and 2⁻⁸ the observed order is p + dτ/ln 4, off by 0.1 when the
-/// remainder is d = 18, and by 1 when the order is wrong.
+/// Errors behave like cτᵖ(1 + dτ): between τ = 2⁻⁷ and 2⁻⁸ the observed order is p + dτ/ln 4, off
+/// by 0.1 when the remainder is d = 18, and by 1 when the order is wrong.
 const WINDOW: f64 = 0.1;
 const EXPONENTS: [i32; 2] = [7, 8];
 
@@ -17,13 +17,18 @@ fn damping() -> Sine {
 }
 
 /// y(T) by `advance`, with 2^exponent steps.
-fn march<const D: usize>(y0: [f64; D], exponent: i32, advance: impl Fn(&Step, [f64; D]) -> [f64; D]) -> [f64; D] {
+fn march<const D: usize>(
+    y0: [f64; D],
+    exponent: i32,
+    advance: impl Fn(&Step, [f64; D]) -> [f64; D],
+) -> [f64; D] {
     let tau = T / 2f64.powi(exponent);
     (0..1 << exponent).fold(y0, |y, n| advance(&Step::new(&damping(), n, tau).unwrap(), y))
 }
 
-/// y(T) by the classical Runge–Kutta scheme with 2¹⁰ steps, error of order 10⁻¹²; with the Itô correction of the drift
-/// for `em`, which integrates another equation when the noise is switched off.
+/// y(T) by the classical Runge–Kutta scheme with 2¹⁰ steps, error of order 10⁻¹²; with the Itô
+/// correction of the drift for `em`, which integrates another equation when the noise is switched
+/// off.
 fn reference<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: &S,
     y0: [f64; D],
@@ -32,7 +37,9 @@ fn reference<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     let slope = |t: f64, y: [f64; D]| -> [f64; D] {
         let field = vector_field(system, y, 1.0, [0.0; M]);
         let correction = ito_correction(system, y);
-        std::array::from_fn(|i| field[i] - damping().rate(t) * y[i] + if corrected { correction[i] } else { 0.0 })
+        std::array::from_fn(|i| {
+            field[i] - damping().rate(t) * y[i] + if corrected { correction[i] } else { 0.0 }
+        })
     };
     let plus = |y: [f64; D], h: f64, k: [f64; D]| std::array::from_fn(|i| y[i] + h * k[i]);
     let h = T / 1024.0;
@@ -51,7 +58,11 @@ fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
 }
 
 /// log₂ of the ratio of the errors at the two step sizes.
-fn order<const D: usize>(y0: [f64; D], exact: [f64; D], advance: impl Fn(&Step, [f64; D]) -> [f64; D]) -> f64 {
+fn order<const D: usize>(
+    y0: [f64; D],
+    exact: [f64; D],
+    advance: impl Fn(&Step, [f64; D]) -> [f64; D],
+) -> f64 {
     let [coarse, fine] = EXPONENTS.map(|exponent| distance(march(y0, exponent, &advance), exact));
     (coarse / fine).log2()
 }
@@ -59,15 +70,22 @@ fn order<const D: usize>(y0: [f64; D], exact: [f64; D], advance: impl Fn(&Step, 
 struct Orders;
 
 impl Visit for Orders {
-    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]) {
+    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        y0: [f64; D],
+    ) {
         let exact = reference(system, y0, false);
         let sexp = order(y0, exact, |step, y| Sexp::default().step(system, step, [0.0; M], y).z);
         assert!((sexp - 2.0).abs() < WINDOW, "sexp on {}: {sexp}", system.name());
-        let midpoint = order(y0, exact, |step, y| Midpoint::default().step(system, step, [0.0; M], y).z);
+        let midpoint =
+            order(y0, exact, |step, y| Midpoint::default().step(system, step, [0.0; M], y).z);
         assert!((midpoint - 2.0).abs() < WINDOW, "midpoint on {}: {midpoint}", system.name());
         let heun = order(y0, exact, |step, y| Heun.step(system, step, [0.0; M], y).z);
         assert!((heun - 2.0).abs() < WINDOW, "heun on {}: {heun}", system.name());
-        let em = order(y0, reference(system, y0, true), |step, y| EulerMaruyama.step(system, step, [0.0; M], y).z);
+        let em = order(y0, reference(system, y0, true), |step, y| {
+            EulerMaruyama.step(system, step, [0.0; M], y).z
+        });
         assert!((em - 1.0).abs() < WINDOW, "em on {}: {em}", system.name());
     }
 }
@@ -81,8 +99,9 @@ fn deterministic_orders() {
 fn richardson_needs_no_reference() {
     // One path of sexp against itself at half the step: the differences shrink by four.
     let y0 = [1.1f64.cos(), 0.0, 1.1f64.sin()];
-    let ends =
-        [6, 7, 8].map(|exponent| march(y0, exponent, |step, y| Sexp::default().step(&body(), step, [0.0; 3], y).z));
+    let ends = [6, 7, 8].map(|exponent| {
+        march(y0, exponent, |step, y| Sexp::default().step(&body(), step, [0.0; 3], y).z)
+    });
     let observed = (distance(ends[0], ends[1]) / distance(ends[1], ends[2])).log2();
     assert!((observed - 2.0).abs() < WINDOW, "{observed}");
 }

@@ -1,4 +1,5 @@
-//! A state that leaves the numbers in the second half of the damping is no solution, though the equation was solved.
+//! A state that leaves the numbers in the second half of the damping is no solution, though the
+//! equation was solved.
 
 use nonlin::{BlockStatus, Outcome};
 use real::{Block, Real};
@@ -27,18 +28,30 @@ fn overflow_in_the_second_half_is_a_failure() {
     // Each half multiplies by e^{±370} = 5·10^{±160}.
     let growing = Step::new(&Constant::new(-1480.0).unwrap(), 0, 0.5).unwrap();
     let shrinking = Step::new(&Constant::new(1480.0).unwrap(), 0, 0.5).unwrap();
-    let schemes: [&dyn Scheme<Still, 2, 1>; 2] = [&Sexp::default(), &SexpLevy::new(&Still, [1.0, 1.0])];
+    let schemes: [&dyn Scheme<Still, 2, 1>; 2] =
+        [&Sexp::default(), &SexpLevy::new(&Still, [1.0, 1.0])];
     for scheme in schemes {
-        for (step, y, fails) in [(&growing, 1e-10, true), (&growing, 1e-15, false), (&shrinking, 1e140, false)] {
+        for (step, y, fails) in
+            [(&growing, 1e-10, true), (&growing, 1e-15, false), (&shrinking, 1e140, false)]
+        {
             let large = [1e-20, -y];
             let alone = scheme.step(&Still, step, [0.1], large);
-            assert_eq!(matches!(alone.outcome, Outcome::Failed { .. }), fails, "{} {y}", scheme.id());
+            assert_eq!(
+                matches!(alone.outcome, Outcome::Failed { .. }),
+                fails,
+                "{} {y}",
+                scheme.id()
+            );
 
             let mut block = Block::splat([1e-20, 1e-20]);
             block.set_path(7, large);
             let mut status = BlockStatus::explicit();
             scheme.step_block(&Still, step, &Block::splat([0.1]), &mut block, &mut status);
-            assert_eq!(status.failed.paths().collect::<Vec<_>>(), if fails { vec![7] } else { vec![] }, "{y}");
+            assert_eq!(
+                status.failed.paths().collect::<Vec<_>>(),
+                if fails { vec![7] } else { vec![] },
+                "{y}"
+            );
             assert_eq!(block.path(7), alone.z);
             assert_eq!(block.path(8), scheme.step(&Still, step, [0.1], [1e-20, 1e-20]).z);
         }

@@ -1,11 +1,14 @@
-//! How much work the implicit steps take, counted in sweeps and not timed: the same numbers on every machine.
+//! How much work the implicit steps take, counted in sweeps and not timed: the same numbers on
+//! every machine.
 //!
-//! Two bounds. One is derived from the equation of each step: the plain iteration z ← ψ(z) is evaluated until it moves by no
-//! more than the tolerance 2ε‖z‖₁. The solver foresees the last change from the two before and so needs no more evaluations
-//! than that, rounded up to its sweeps of eleven and then three. A solver that tests worse, asks for more digits than there
-//! are or evaluates in vain is beyond that bound; a formula that contracts worse changes it along with the count. Therefore
-//! the other: the sweeps of the slowest path of a block, which are what a block costs, in the mean over blocks and steps, and
-//! the most sweeps of a path, both pinned a little above what they are.
+//! Two bounds. One is derived from the equation of each step: the plain iteration z ← ψ(z) is
+//! evaluated until it moves by no more than the tolerance 2ε‖z‖₁. The solver foresees the last
+//! change from the two before and so needs no more evaluations than that, rounded up to its sweeps
+//! of eleven and then three. A solver that tests worse, asks for more digits than there are or
+//! evaluates in vain is beyond that bound; a formula that contracts worse changes it along with the
+//! count. Therefore the other: the sweeps of the slowest path of a block, which are what a block
+//! costs, in the mean over blocks and steps, and the most sweeps of a path, both pinned a little
+//! above what they are.
 
 use crate::common::{Visit, body, exact_systems, spins};
 use noise::{AreaMethod, AreaPath, StreamKey, Truncation, WienerPath, strong_order_one_error};
@@ -62,7 +65,8 @@ fn derived<const D: usize>(start: [f64; D], map: impl Fn([f64; D]) -> [f64; D]) 
         let next = map(z);
         let change: [f64; D] = std::array::from_fn(|i| next[i] - z[i]);
         z = next;
-        // A cycle of roundings that is wider than the tolerance never gets there; no contraction here takes so many.
+        // A cycle of roundings that is wider than the tolerance never gets there; no contraction
+        // here takes so many.
         if norm(change) <= TOLERANCE * norm(z) || evaluations == 100 {
             return 1 + evaluations.saturating_sub(FIRST).div_ceil(LATER);
         }
@@ -92,8 +96,9 @@ impl Count {
     }
 }
 
-/// Counts on single paths, whose steps have the same bits as those of a block, of which 32 neighbours are one. The scheme
-/// sees the increments of the derived bound times `stretch`, which is one but for the twin.
+/// Counts on single paths, whose steps have the same bits as those of a block, of which 32
+/// neighbours are one. The scheme sees the increments of the derived bound times `stretch`, which
+/// is one but for the twin.
 fn count<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     scheme: &impl Scheme<S, D, M>,
     rule: Rule,
@@ -123,7 +128,8 @@ fn count<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
                 let decay = if rule == Rule::Midpoint { 1.0 } else { step.first_decay };
                 let start = y.map(|x| decay * x);
                 let allowed = derived(start, |z| map(rule, (system, step), (dw, areas), start, z));
-                let solution = scheme.step_with_areas(system, step, dw.map(|w| stretch * w), areas, y);
+                let solution =
+                    scheme.step_with_areas(system, step, dw.map(|w| stretch * w), areas, y);
                 let sweeps = match solution.outcome {
                     Outcome::Fast { iterations } => {
                         count.most = count.most.max(iterations);
@@ -133,7 +139,9 @@ fn count<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
                         count.rescued += 1;
                         Solver::default().max_sweeps
                     }
-                    Outcome::Failed { .. } => panic!("{} {}: {:?}", system.name(), scheme.id(), solution.outcome),
+                    Outcome::Failed { .. } => {
+                        panic!("{} {}: {:?}", system.name(), scheme.id(), solution.outcome)
+                    }
                 };
                 y = solution.z;
                 count.steps += 1;
@@ -148,8 +156,9 @@ fn count<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     count
 }
 
-/// At 2⁻⁸ the mean over blocks of the sweeps of the slowest path, rounded up to a tenth, and the most sweeps of a path. Two
-/// entries for the rigid body with one noise, W₁ or H₀, would differ by a tenth.
+/// At 2⁻⁸ the mean over blocks of the sweeps of the slowest path, rounded up to a tenth, and the
+/// most sweeps of a path. Two entries for the rigid body with one noise, W₁ or H₀, would differ by
+/// a tenth.
 const PINNED: [(&str, usize, f64, u32); 7] = [
     ("pendulum", 1, 2.0, 2),
     ("rigid-body", 3, 1.1, 2),
@@ -159,21 +168,23 @@ const PINNED: [(&str, usize, f64, u32); 7] = [
     ("poisson3", 1, 2.1, 3),
     ("spin-chain", 3, 2.2, 3),
 ];
-/// The same at 2⁻¹² for every system: the first sweep is enough on nearly every block. A rescue from a cycle of roundings costs 55 sweeps, so that
-/// four of them on 2048 blocks add a tenth to the mean.
+/// The same at 2⁻¹² for every system: the first sweep is enough on nearly every block. A rescue
+/// from a cycle of roundings costs 55 sweeps, so that four of them on 2048 blocks add a tenth to
+/// the mean.
 const PINNED_SMALL: (f64, u32) = (1.15, 2);
-/// Of `sexp` on systems that solve short steps themselves: no step is too long for them, but one of the 65 536 for Lotka–Volterra with
-/// exponents 2.
+/// Of `sexp` on systems that solve short steps themselves: no step is too long for them, but one of
+/// the 65 536 for Lotka–Volterra with exponents 2.
 const PINNED_OWN: [(&str, f64, u32); 3] =
     [("pendulum", 1.0, 1), ("poisson3", 1.0, 1), ("lotka-volterra", 1.0 + 1.5 / 2048.0, 2)];
 
-/// Steps beyond their derived bound, where changes of the size of round-off do not shrink: at most 15 of the 65 536.
+/// Steps beyond their derived bound, where changes of the size of round-off do not shrink: at most
+/// 15 of the 65 536.
 const LARGEST_SHARE_BEYOND: f64 = 1e-3;
 /// Rescues from cycles of roundings: none, or up to four of the 65 536 on Lotka–Volterra.
 const LARGEST_SHARE_RESCUED: f64 = 1e-4;
 
-/// What is wrong with a count; empty if nothing. The derived bound is one for the fixed point, and not for systems that prefer
-/// Newton's method, whose sweeps are other sweeps.
+/// What is wrong with a count; empty if nothing. The derived bound is one for the fixed point, and
+/// not for systems that prefer Newton's method, whose sweeps are other sweeps.
 fn wrong(count: &Count, newton: bool, (block_mean, most): (f64, u32)) -> String {
     let share = |number: u64| number as f64 / count.steps as f64;
     let mut words = Vec::new();
@@ -200,25 +211,44 @@ struct Guard {
 }
 
 impl Guard {
-    fn check(&mut self, (name, newton): (&str, bool), scheme: &str, exponent: i32, pinned: (f64, u32), count: &Count) {
+    fn check(
+        &mut self,
+        (name, newton): (&str, bool),
+        scheme: &str,
+        exponent: i32,
+        pinned: (f64, u32),
+        count: &Count,
+    ) {
         let words = wrong(count, newton, pinned);
-        println!("{name} {scheme} 2^-{exponent}: block mean {:.3}, {count:?} {words}", count.block_mean());
+        println!(
+            "{name} {scheme} 2^-{exponent}: block mean {:.3}, {count:?} {words}",
+            count.block_mean()
+        );
         self.seen += 1;
         if !words.is_empty() {
-            self.wrong.push(format!("{name} {scheme} 2^-{exponent}: {words}: {:.3} {count:?}", count.block_mean()));
+            self.wrong.push(format!(
+                "{name} {scheme} 2^-{exponent}: {words}: {:.3} {count:?}",
+                count.block_mean()
+            ));
         }
     }
 }
 
 impl Visit for Guard {
-    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, y0: [f64; D]) {
+    fn visit<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        y0: [f64; D],
+    ) {
         let name = system.name();
         let pinned = PINNED.iter().find(|&&(system, noises, ..)| system == name && noises == M);
-        let &(_, _, block_mean, most) = pinned.unwrap_or_else(|| panic!("{name} is not in the table"));
+        let &(_, _, block_mean, most) =
+            pinned.unwrap_or_else(|| panic!("{name} is not in the table"));
         let levy = SexpLevy::new(system, y0);
         for (exponent, pinned) in [(8, (block_mean, most)), (12, PINNED_SMALL)] {
             let sexp = count(&Sexp::default(), Rule::Sexp, system, y0, (exponent, 1.0));
-            let own = PINNED_OWN.iter().find(|&&(system, ..)| S::SOLVES_SHORT_STEPS && system == name);
+            let own =
+                PINNED_OWN.iter().find(|&&(system, ..)| S::SOLVES_SHORT_STEPS && system == name);
             assert_eq!(own.is_some(), S::SOLVES_SHORT_STEPS, "{name} is not in the table");
             let pinned_sexp = own.map_or(pinned, |&(_, block_mean, most)| (block_mean, most));
             self.check((name, S::PREFERS_NEWTON), "sexp", exponent, pinned_sexp, &sexp);
@@ -242,7 +272,8 @@ fn no_step_takes_more_sweeps_than_its_equation_needs() {
     assert!(guard.wrong.is_empty(), "{}", guard.wrong.join("\n"));
 }
 
-/// The twins: larger steps than those that are pinned, and harder equations than those that the bound is derived from.
+/// The twins: larger steps than those that are pinned, and harder equations than those that the
+/// bound is derived from.
 #[test]
 fn more_work_is_noticed() {
     let (body, y0) = (body(), [1.1f64.cos(), 0.0, 1.1f64.sin()]);
@@ -252,5 +283,8 @@ fn more_work_is_noticed() {
     let larger = count(&Sexp::default(), Rule::Sexp, &body, y0, (7, 1.0));
     assert_eq!(wrong(&larger, false, pinned), "more sweeps than pinned");
     let harder = count(&Sexp::default(), Rule::Sexp, &body, y0, (8, 2.0));
-    assert!(wrong(&harder, false, pinned).starts_with("more sweeps than derived, more sweeps in all"), "{harder:?}");
+    assert!(
+        wrong(&harder, false, pinned).starts_with("more sweeps than derived, more sweeps in all"),
+        "{harder:?}"
+    );
 }

@@ -33,20 +33,23 @@ pub struct Version {
     pub heaviest_loops: [Arithmetic; 3],
 }
 
-/// The versions of all kernels of this binary whose symbol contains `name`, and that do arithmetic; `None` where the binary
-/// has no symbols to look at.
+/// The versions of all kernels of this binary whose symbol contains `name`, and that do arithmetic;
+/// `None` where the binary has no symbols to look at.
 ///
-/// Only `real::dispatch` compiles a function under such a name, one for each kernel and instruction set.
+/// Only `real::dispatch` compiles a function under such a name, one for each kernel and instruction
+/// set.
 pub fn versions(name: &str) -> Option<Vec<Version>> {
     let data = fs::read(std::env::current_exe().ok()?).ok()?;
     let file = object::File::parse(&*data).ok()?;
     let mut symbols = file.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text).peekable();
     symbols.peek()?;
-    let found = symbols.filter(|symbol| symbol.name().is_ok_and(|symbol| symbol.contains(name))).filter_map(|symbol| {
-        let section = file.section_by_index(symbol.section_index()?).ok()?;
-        let code = section.data_range(symbol.address(), symbol.size()).ok()??;
-        Some(read(code, symbol.address()))
-    });
+    let found = symbols
+        .filter(|symbol| symbol.name().is_ok_and(|symbol| symbol.contains(name)))
+        .filter_map(|symbol| {
+            let section = file.section_by_index(symbol.section_index()?).ok()?;
+            let code = section.data_range(symbol.address(), symbol.size()).ok()??;
+            Some(read(code, symbol.address()))
+        });
     Some(found.filter(|version| version.whole.all() > 0).collect())
 }
 
@@ -62,7 +65,9 @@ fn read(code: &[u8], address: u64) -> Version {
         }
     }
     let innermost = |&(start, end): &(u64, u64)| {
-        !loops.iter().any(|&(other, last)| (other, last) != (start, end) && start <= other && last <= end)
+        !loops
+            .iter()
+            .any(|&(other, last)| (other, last) != (start, end) && start <= other && last <= end)
     };
     let mut version = Version { whole: count(&instructions), ..Version::default() };
     for (start, end) in loops.iter().copied().filter(innermost) {
@@ -88,7 +93,9 @@ fn count(instructions: &[Instruction]) -> Arithmetic {
         let name = name_of(instruction);
         match name.strip_prefix('v').unwrap_or(&name) {
             "addsd" | "subsd" | "mulsd" | "divsd" => arithmetic.scalar += 1,
-            "addpd" | "subpd" | "mulpd" | "divpd" => arithmetic.packed[width(instruction.op0_register())] += 1,
+            "addpd" | "subpd" | "mulpd" | "divpd" => {
+                arithmetic.packed[width(instruction.op0_register())] += 1
+            }
             _ => {}
         }
     }

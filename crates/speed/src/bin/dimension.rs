@@ -1,8 +1,10 @@
-//! Time against dimension: the fixed point against Newton's method, on spin chains of up to a hundred spins.
+//! Time against dimension: the fixed point against Newton's method, on spin chains of up to a
+//! hundred spins.
 //!
-//! `cargo xtask bench --dimension` builds and runs this. For each dimension and each strength of the coupling one implicit
-//! step of `sexp` is solved in four ways: by the fixed point on one path and on a block, by the Newton method of `nonlin`,
-//! and by a Newton method with the dense elimination of the library faer. Time is the best of many, per path.
+//! `cargo xtask bench --dimension` builds and runs this. For each dimension and each strength of
+//! the coupling one implicit step of `sexp` is solved in four ways: by the fixed point on one path
+//! and on a block, by the Newton method of `nonlin`, and by a Newton method with the dense
+//! elimination of the library faer. Time is the best of many, per path.
 
 use std::hint::black_box;
 use std::process::Command;
@@ -27,7 +29,8 @@ struct Arguments {
     /// One repetition of each, to see that everything runs.
     #[arg(long)]
     quick: bool,
-    /// Solve one step in this many dimensions on this thread's stack and say nothing; for measuring the stack.
+    /// Solve one step in this many dimensions on this thread's stack and say nothing; for measuring
+    /// the stack.
     #[arg(long, hide = true, num_args = 3, value_names = ["D", "METHOD", "KILOBYTES"])]
     probe: Option<Vec<String>>,
 }
@@ -35,7 +38,8 @@ struct Arguments {
 /// Step size 2⁻⁸, and increments of the size that they usually have.
 const TAU: f64 = 1.0 / 256.0;
 const INCREMENTS: [f64; 3] = [0.0625, -0.0625, 0.0625];
-/// Exchange constants, from one that hardly contributes to ones with which the iteration hardly contracts, or not at all.
+/// Exchange constants, from one that hardly contributes to ones with which the iteration hardly
+/// contracts, or not at all.
 const EXCHANGES: [f64; 5] = [1.0, 32.0, 64.0, 96.0, 128.0];
 
 /// One equation z = ψ(z) of `sexp`.
@@ -69,7 +73,13 @@ impl<const D: usize> Case<D> {
     }
 
     /// z − ψ(z) and I − ψ′(z), by D evaluations on dual numbers, as `nonlin` has it.
-    fn linearised(&self, start: [f64; D], z: [f64; D], matrix: &mut Mat<f64>, defect: &mut Mat<f64>) {
+    fn linearised(
+        &self,
+        start: [f64; D],
+        z: [f64; D],
+        matrix: &mut Mat<f64>,
+        defect: &mut Mat<f64>,
+    ) {
         for j in 0..D {
             let mut seeded = z.map(Dual::fixed);
             seeded[j].derivative = 1.0;
@@ -81,8 +91,13 @@ impl<const D: usize> Case<D> {
         }
     }
 
-    /// Newton's method with faer's elimination, to the tolerance of `nonlin`: the iterations, or `None` after fifty.
-    fn newton_by_library(&self, matrix: &mut Mat<f64>, defect: &mut Mat<f64>) -> (Option<u32>, [f64; D]) {
+    /// Newton's method with faer's elimination, to the tolerance of `nonlin`: the iterations, or
+    /// `None` after fifty.
+    fn newton_by_library(
+        &self,
+        matrix: &mut Mat<f64>,
+        defect: &mut Mat<f64>,
+    ) -> (Option<u32>, [f64; D]) {
         let start = self.start();
         let mut z = start;
         for iteration in 1..=50 {
@@ -114,7 +129,8 @@ impl<const D: usize> Case<D> {
     }
 }
 
-/// The best time of as many repetitions as fit into the budget, one at least, in seconds, and the last result.
+/// The best time of as many repetitions as fit into the budget, one at least, in seconds, and the
+/// last result.
 fn best<T>(budget: Duration, mut work: impl FnMut() -> T) -> (f64, T) {
     let whole = Instant::now();
     let mut best = f64::INFINITY;
@@ -141,8 +157,8 @@ fn ended(outcome: Outcome) -> String {
     }
 }
 
-/// Beyond this contraction a block is not measured: from about 0.8 on its paths are rescued, one after the other, which the column
-/// of the single path shows.
+/// Beyond this contraction a block is not measured: from about 0.8 on its paths are rescued, one
+/// after the other, which the column of the single path shows.
 const CONTRACTS: f64 = 0.75;
 
 fn rows<const D: usize>(table: &mut Table, budget: Duration) -> Result<()> {
@@ -153,10 +169,15 @@ fn rows<const D: usize>(table: &mut Table, budget: Duration) -> Result<()> {
         let (system, step) = (&case.system, &case.step);
         let contraction = case.contraction();
         eprintln!("D = {D}, exchange constant {exchange}: contraction {contraction:.3}");
-        let (library, (iterations, solution)) = best(budget, || case.newton_by_library(&mut matrix, &mut defect));
-        let (assembly, ()) = best(budget, || case.linearised(case.start(), case.y, &mut matrix, &mut defect));
-        let (newton, own) = best(budget, || by(Method::Newton).step(system, step, INCREMENTS, black_box(case.y)));
-        let (path, fixed) = best(budget, || by(Method::FixedPoint).step(system, step, INCREMENTS, black_box(case.y)));
+        let (library, (iterations, solution)) =
+            best(budget, || case.newton_by_library(&mut matrix, &mut defect));
+        let (assembly, ()) =
+            best(budget, || case.linearised(case.start(), case.y, &mut matrix, &mut defect));
+        let (newton, own) =
+            best(budget, || by(Method::Newton).step(system, step, INCREMENTS, black_box(case.y)));
+        let (path, fixed) = best(budget, || {
+            by(Method::FixedPoint).step(system, step, INCREMENTS, black_box(case.y))
+        });
         let block = if contraction < CONTRACTS {
             let (start, dw) = (Block::splat(case.y), Block::splat(INCREMENTS));
             let mut status = BlockStatus::explicit();
@@ -189,27 +210,43 @@ fn probe<const D: usize>(method: &str, kilobytes: usize) -> Result<()> {
     let case = Box::new(Case::<D>::new(1.0)?);
     let method = method.to_owned();
     let work = move || {
-        let solver = Solver::new(if method.ends_with("newton") { Method::Newton } else { Method::FixedPoint });
+        let solver = Solver::new(if method.ends_with("newton") {
+            Method::Newton
+        } else {
+            Method::FixedPoint
+        });
         let sexp = Sexp { solver };
         if method.starts_with("block") {
             let (mut y, mut status) = (Block::splat(case.y), BlockStatus::explicit());
-            sexp.step_block(&case.system, &case.step, &Block::splat(INCREMENTS), &mut y, &mut status);
+            sexp.step_block(
+                &case.system,
+                &case.step,
+                &Block::splat(INCREMENTS),
+                &mut y,
+                &mut status,
+            );
             black_box(y);
         } else {
             black_box(sexp.step(&case.system, &case.step, INCREMENTS, case.y));
         }
     };
-    let thread = thread::Builder::new().stack_size(kilobytes << 10).spawn(work).context("cannot start a thread")?;
+    let thread = thread::Builder::new()
+        .stack_size(kilobytes << 10)
+        .spawn(work)
+        .context("cannot start a thread")?;
     thread.join().map_err(|_| anyhow::anyhow!("the step panicked"))
 }
 
-/// The least stack in kilobytes on which a step succeeds, to a sixteenth. A stack that overflows ends the process, hence one
-/// for each attempt.
+/// The least stack in kilobytes on which a step succeeds, to a sixteenth. A stack that overflows
+/// ends the process, hence one for each attempt.
 fn least_stack(dimension: usize, method: &str) -> Result<usize> {
     let program = std::env::current_exe().context("this program has no path")?;
     let succeeds = |kilobytes: usize| -> Result<bool> {
         let arguments = ["--probe", &dimension.to_string(), method, &kilobytes.to_string()];
-        let output = Command::new(&program).args(arguments).output().context("cannot run this program again")?;
+        let output = Command::new(&program)
+            .args(arguments)
+            .output()
+            .context("cannot run this program again")?;
         Ok(output.status.success())
     };
     let mut above = 16;

@@ -15,24 +15,30 @@ const STEPS: u64 = 64;
 const OTHERS_FAIL: f64 = -0.1;
 const OTHERS_OFF: f64 = 1e-6;
 
-/// Newton's method stops when a change is below 2⁻³²|z|. The residual that it leaves is the square of that, times a constant that grows with the
-/// curvature of the equation; for a body that turns so fast the constant has no bound, and what is left is that the residual is no larger
-/// than the change: F(z) − F(ẑ) is at most 2|z| times it and F is ½|z|².
+/// Newton's method stops when a change is below 2⁻³²|z|. The residual that it leaves is the square
+/// of that, times a constant that grows with the curvature of the equation; for a body that turns
+/// so fast the constant has no bound, and what is left is that the residual is no larger than the
+/// change: F(z) − F(ẑ) is at most 2|z| times it and F is ½|z|².
 const NEWTON: f64 = 4.0 / (1u64 << 32) as f64;
 
 pub(super) fn case(context: &Context) -> Case {
     let rows = grid(&DAMPING, 3, |&x, method| {
         let damping = valid(Constant::new(x / TAU));
         let system = body();
-        let path = Path { system: &system, damping: &damping, y0: body_start(), tau: TAU, steps: STEPS };
+        let path =
+            Path { system: &system, damping: &damping, y0: body_start(), tau: TAU, steps: STEPS };
         let (mut worst, mut robust) = (0.0f64, 0.0);
-        let end = path.run(method, &mut truncated_noise::<3>(context.key(), 0, TAU), &mut |n, _, y, outcome| {
-            robust += super::residual_share(outcome, y);
-            // The Casimir is a square: above this it overflows before the state does.
-            if y.iter().all(|component| component.abs() < 1e150) {
-                worst = worst.max(defect(&system, 0, 2.0, (path.y0, y), x * n as f64));
-            }
-        });
+        let end = path.run(
+            method,
+            &mut truncated_noise::<3>(context.key(), 0, TAU),
+            &mut |n, _, y, outcome| {
+                robust += super::residual_share(outcome, y);
+                // The Casimir is a square: above this it overflows before the state does.
+                if y.iter().all(|component| component.abs() < 1e150) {
+                    worst = worst.max(defect(&system, 0, 2.0, (path.y0, y), x * n as f64));
+                }
+            },
+        );
         let measured = Measured { figure: worst, stop: end.err() };
         let claim = if method.conformal() {
             let newton = if method == Method::SexpNewton { NEWTON * STEPS as f64 } else { 0.0 };

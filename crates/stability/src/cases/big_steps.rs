@@ -1,6 +1,8 @@
 //! Steps up to 0.9, where truncation is still defined.
 
-use super::{Claim, Context, Measured, Words, body, body_start, defect, grid, half_cosine, residual_share};
+use super::{
+    Claim, Context, Measured, Words, body, body_start, defect, grid, half_cosine, residual_share,
+};
 use crate::path::{Path, truncated_noise};
 use crate::results::{Case, Row};
 use crate::rounding::law_bound;
@@ -16,14 +18,23 @@ pub(super) fn case(context: &Context) -> Case {
         let (mut worst, mut excess, mut stop, mut stopped) = (0.0f64, 0.0f64, None, 0u64);
         for number in 0..paths {
             let (mut total, mut robust) = (0.0, 0.0);
-            let end =
-                path.run(method, &mut truncated_noise::<3>(context.key(), number, tau), &mut |n, step, y, outcome| {
+            let end = path.run(
+                method,
+                &mut truncated_noise::<3>(context.key(), number, tau),
+                &mut |n, step, y, outcome| {
                     total += step.damping_integral().abs();
                     robust += residual_share(outcome, y);
-                    let d = defect(&system, 0, 2.0, (path.y0, y), damping.integral(0.0, n as f64 * tau));
+                    let d = defect(
+                        &system,
+                        0,
+                        2.0,
+                        (path.y0, y),
+                        damping.integral(0.0, n as f64 * tau),
+                    );
                     worst = worst.max(d);
                     excess = excess.max(d / (law_bound(steps, total) + robust));
-                });
+                },
+            );
             if let Err(error) = end {
                 stop = Some(error);
                 stopped += 1;
@@ -31,12 +42,15 @@ pub(super) fn case(context: &Context) -> Case {
         }
         let measured = Measured { figure: worst, stop };
         let row = if method.conformal() {
-            let verdict = Claim::AtMostOrStops(1.0).row("", None, "", Measured { figure: excess, stop }).verdict;
+            let verdict = Claim::AtMostOrStops(1.0)
+                .row("", None, "", Measured { figure: excess, stop })
+                .verdict;
             Row { verdict, ..Claim::Nothing.row("", Some(tau), method.id(), measured) }
         } else {
             Claim::Nothing.row("", Some(tau), method.id(), measured)
         };
-        let error = row.error.as_ref().map(|error| format!("{stopped} of {paths} paths stop ({error})"));
+        let error =
+            row.error.as_ref().map(|error| format!("{stopped} of {paths} paths stop ({error})"));
         Row { setting: format!("{tau}"), error, ..row }
     });
     Words {

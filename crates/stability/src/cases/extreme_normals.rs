@@ -1,6 +1,8 @@
 //! The largest normals that the generator can give, in all directions.
 
-use super::{Claim, Context, Measured, Words, body, body_start, defect, grid, half_cosine, residual_share};
+use super::{
+    Claim, Context, Measured, Words, body, body_start, defect, grid, half_cosine, residual_share,
+};
 use crate::method::Noise;
 use crate::path::Path;
 use crate::results::{Case, Row};
@@ -17,11 +19,15 @@ fn largest_normal() -> f64 {
 }
 
 pub(super) fn case(context: &Context) -> Case {
-    let settings: Vec<(f64, bool)> = TAUS.iter().flat_map(|&tau| [(tau, true), (tau, false)]).collect();
+    let settings: Vec<(f64, bool)> =
+        TAUS.iter().flat_map(|&tau| [(tau, true), (tau, false)]).collect();
     let rows = grid(&settings, 3, |&(tau, truncated), method| {
         let (system, damping) = (body(), half_cosine());
         let bound = if truncated {
-            Truncation::new(4).ok().and_then(|truncation| truncation.bound(tau).ok()).unwrap_or(f64::INFINITY)
+            Truncation::new(4)
+                .ok()
+                .and_then(|truncation| truncation.bound(tau).ok())
+                .unwrap_or(f64::INFINITY)
         } else {
             f64::INFINITY
         };
@@ -34,7 +40,11 @@ pub(super) fn case(context: &Context) -> Case {
             let area = |m: u32| sign(m) * size * size;
             Noise {
                 dw: [sign(0) * size, sign(1) * size, sign(2) * size],
-                areas: [[0.0, area(0), area(1)], [-area(0), 0.0, area(2)], [-area(1), -area(2), 0.0]],
+                areas: [
+                    [0.0, area(0), area(1)],
+                    [-area(0), 0.0, area(2)],
+                    [-area(1), -area(2), 0.0],
+                ],
             }
         };
         let path = Path { system: &system, damping: &damping, y0: body_start(), tau, steps: STEPS };
@@ -42,11 +52,20 @@ pub(super) fn case(context: &Context) -> Case {
         let end = path.run(method, &mut noise, &mut |n, step, y, outcome| {
             total += step.damping_integral().abs();
             robust += residual_share(outcome, y);
-            worst = worst.max(defect(&system, 0, 2.0, (path.y0, y), damping.integral(0.0, n as f64 * tau)));
+            worst = worst.max(defect(
+                &system,
+                0,
+                2.0,
+                (path.y0, y),
+                damping.integral(0.0, n as f64 * tau),
+            ));
         });
         let measured = Measured { figure: worst, stop: end.err() };
-        let claim =
-            if method.conformal() { Claim::AtMostOrStops(law_bound(STEPS, total) + robust) } else { Claim::Nothing };
+        let claim = if method.conformal() {
+            Claim::AtMostOrStops(law_bound(STEPS, total) + robust)
+        } else {
+            Claim::Nothing
+        };
         let setting = format!("1/{:.0}{}", 1.0 / tau, if truncated { ", truncated" } else { "" });
         Row { setting, ..claim.row("", None, method.id(), measured) }
     });

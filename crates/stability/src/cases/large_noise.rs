@@ -10,18 +10,21 @@ use crate::rounding::law_bound;
 use noise::WienerPath;
 use systems::Constant;
 
-/// Standard deviations of the increments. The fixed point contracts for sure while ‖ψ′‖ < 1, which for this body and |y| = 1 is
-/// about max|kᵢ − kⱼ| < 1 with k = τ/I + ΔW/Î.
+/// Standard deviations of the increments. The fixed point contracts for sure while ‖ψ′‖ < 1, which
+/// for this body and |y| = 1 is about max|kᵢ − kⱼ| < 1 with k = τ/I + ΔW/Î.
 const SIZES: [f64; 6] = [0.1, 0.3, 1.0, 3.0, 10.0, 100.0];
 const TAU: f64 = 0.1;
 
 pub(super) fn case(context: &Context) -> Case {
     let samples = context.many(400, 40);
-    // Where the branch leads is worked out once for each increment, by a method that knows nothing of the solver.
+    // Where the branch leads is worked out once for each increment, by a method that knows nothing
+    // of the solver.
     let branches: Vec<Vec<Branch<3>>> = SIZES
         .iter()
         .map(|&size| {
-            (0..samples).map(|number| follow(&body(), TAU, increment(context, number, size), start(number))).collect()
+            (0..samples)
+                .map(|number| follow(&body(), TAU, increment(context, number, size), start(number)))
+                .collect()
         })
         .collect();
     let rows = grid(&[0, 1, 2, 3, 4, 5], 3, |&setting: &usize, method| {
@@ -38,7 +41,8 @@ pub(super) fn case(context: &Context) -> Case {
                 continue;
             }
             let defect = super::defect(&body(), 0, 2.0, (y, solution.z), 0.0);
-            excess = excess.max(defect / (law_bound(1, 0.0) + residual_share(solution.outcome, solution.z)));
+            excess = excess
+                .max(defect / (law_bound(1, 0.0) + residual_share(solution.outcome, solution.z)));
             if !branches[setting][number as usize].holds(solution.z) {
                 other += 1;
             }
@@ -46,7 +50,8 @@ pub(super) fn case(context: &Context) -> Case {
         let share = other as f64 / samples as f64;
         let measured = Measured { figure: share, stop: None };
         let row = if method.conformal() {
-            // Where the map contracts on the whole sphere there is one solution; beyond, the law alone is promised.
+            // Where the map contracts on the whole sphere there is one solution; beyond, the law
+            // alone is promised.
             let inside = size <= SIZES[0];
             let kept = excess <= 1.0 && (!inside || other == 0 && refused == 0);
             let claim = if kept { Claim::Nothing } else { Claim::AtMost(-1.0) };
@@ -57,11 +62,17 @@ pub(super) fn case(context: &Context) -> Case {
             // The same equation as that of `sexp` without damping.
             Claim::Nothing.row("", Some(size), method.id(), measured)
         } else {
-            Claim::Nothing.row("", Some(size), method.id(), Measured { figure: f64::NAN, stop: None })
+            Claim::Nothing.row(
+                "",
+                Some(size),
+                method.id(),
+                Measured { figure: f64::NAN, stop: None },
+            )
         };
         let implicit = method.conformal() || method == Method::Midpoint;
         let verdict = if implicit { row.verdict } else { crate::results::Verdict::Observed };
-        let error = (refused > 0).then(|| format!("{refused} of {samples} not solved, {missed} of them solvable"));
+        let error = (refused > 0)
+            .then(|| format!("{refused} of {samples} not solved, {missed} of them solvable"));
         Row { setting: format!("{size}"), verdict, error, ..row }
     });
     Words {

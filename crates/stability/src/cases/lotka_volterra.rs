@@ -27,17 +27,21 @@ pub(super) fn case(context: &Context) -> Case {
         let (mut outside, mut unsolved, mut last) = (0u64, 0u64, None);
         for number in 0..paths {
             let (mut total, mut robust) = (0.0, 0.0);
-            let end =
-                path.run(method, &mut truncated_noise::<1>(context.key(), number, tau), &mut |n, step, y, outcome| {
+            let end = path.run(
+                method,
+                &mut truncated_noise::<1>(context.key(), number, tau),
+                &mut |n, step, y, outcome| {
                     total += step.damping_integral().abs();
                     if let nonlin::Outcome::Robust { residual, .. } = outcome {
                         robust += 2.0 * residual / y.iter().sum::<f64>();
                     }
-                    // The Casimir 2y₁ + y₂ + y₃ has positive coefficients: no cancellation in the octant.
+                    // The Casimir 2y₁ + y₂ + y₃ has positive coefficients: no cancellation in the
+                    // octant.
                     let d = defect(&system, 1, 1.0, (y0, y), damping.integral(0.0, n as f64 * tau));
                     worst = worst.max(d);
                     excess = excess.max(d / (2.0 * law_bound(n, total) + robust));
-                });
+                },
+            );
             match end {
                 Ok(_) => {}
                 Err(stop) => {
@@ -50,11 +54,15 @@ pub(super) fn case(context: &Context) -> Case {
         let measured = Measured { figure: worst, stop: last };
         let row = Claim::Nothing.row("", None, method.id(), measured);
         let verdict = if method.conformal() {
-            Claim::AtMostOrStops(1.0).row("", None, "", Measured { figure: excess, stop: None }).verdict
+            Claim::AtMostOrStops(1.0)
+                .row("", None, "", Measured { figure: excess, stop: None })
+                .verdict
         } else {
             row.verdict
         };
-        let error = last.map(|_| format!("of {paths} paths {outside} leave the octant, {unsolved} are not solved"));
+        let error = last.map(|_| {
+            format!("of {paths} paths {outside} leave the octant, {unsolved} are not solved")
+        });
         Row { setting: format!("{name}, τ = 1/{:.0}", 1.0 / tau), verdict, error, ..row }
     });
     Words {
@@ -69,7 +77,8 @@ pub(super) fn case(context: &Context) -> Case {
     .with(context, rows)
 }
 
-/// The law of a linear Casimir costs half of what a quadratic one costs, but its coefficients differ by two.
+/// The law of a linear Casimir costs half of what a quadratic one costs, but its coefficients
+/// differ by two.
 #[cfg(test)]
 mod tests {
     use super::*;

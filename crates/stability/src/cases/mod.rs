@@ -131,7 +131,13 @@ impl Claim {
     }
 
     /// The row of a scheme in a setting.
-    pub(crate) fn row(self, setting: &str, x: Option<f64>, scheme: &str, measured: Measured) -> Row {
+    pub(crate) fn row(
+        self,
+        setting: &str,
+        x: Option<f64>,
+        scheme: &str,
+        measured: Measured,
+    ) -> Row {
         let bound = match self {
             Self::AtMost(bound) | Self::AtMostOrStops(bound) | Self::Exceeds(bound) => Some(bound),
             Self::Nothing => None,
@@ -194,7 +200,11 @@ pub(crate) fn length<const D: usize>(y: [f64; D]) -> f64 {
 }
 
 /// Every scheme in every setting.
-pub(crate) fn grid<T>(settings: &[T], noises: usize, mut row: impl FnMut(&T, Method) -> Row) -> Vec<Row> {
+pub(crate) fn grid<T>(
+    settings: &[T],
+    noises: usize,
+    mut row: impl FnMut(&T, Method) -> Row,
+) -> Vec<Row> {
     let mut rows = Vec::new();
     for setting in settings {
         rows.extend(Method::all(noises).into_iter().map(|method| row(setting, method)));
@@ -202,8 +212,9 @@ pub(crate) fn grid<T>(settings: &[T], noises: usize, mut row: impl FnMut(&T, Met
     rows
 }
 
-/// What the residual that a robust solve reports may add to the relative distance from the law of a quadratic Casimir:
-/// F(z) − F(ẑ) = (z + ẑ)·(z − ψ(z))/2, at most |z| times the residual, and F = ½|z|².
+/// What the residual that a robust solve reports may add to the relative distance from the law of a
+/// quadratic Casimir: F(z) − F(ẑ) = (z + ẑ)·(z − ψ(z))/2, at most |z| times the residual, and F =
+/// ½|z|².
 pub(crate) fn residual_share<const D: usize>(outcome: nonlin::Outcome, y: [f64; D]) -> f64 {
     match outcome {
         nonlin::Outcome::Robust { residual, .. } => 2.0 * residual / length(y),

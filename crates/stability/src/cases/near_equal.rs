@@ -2,7 +2,8 @@
 
 use dgrad::{GradientField, averaged_with_error};
 use systems::{
-    HamiltonianIncrement, IntegerExponents, LotkaVolterra, Pendulum, Poisson3, PoissonSystem, RealExponents,
+    HamiltonianIncrement, IntegerExponents, LotkaVolterra, Pendulum, Poisson3, PoissonSystem,
+    RealExponents,
 };
 
 use super::{Claim, Context, Measured, Words, valid};
@@ -11,7 +12,8 @@ use crate::results::{Case, Row};
 /// Relative distances between a and b: none, one ulp, and on.
 const DISTANCES: [f64; 7] = [0.0, f64::EPSILON, 1e-12, 1e-8, 1e-4, 1e-2, 1e-1];
 
-/// The largest error of a component of ∇̄h(a, b), relative to |∇h|, against a rule with 2·24 + 1 nodes.
+/// The largest error of a component of ∇̄h(a, b), relative to |∇h|, against a rule with 2·24 + 1
+/// nodes.
 fn error<S: PoissonSystem<D, 1>, const D: usize>(system: &S, a: [f64; D], distance: f64) -> f64 {
     let mut b = a;
     for i in 0..D {
@@ -26,8 +28,9 @@ fn error<S: PoissonSystem<D, 1>, const D: usize>(system: &S, a: [f64; D], distan
         .fold(0.0, |worst, e| if e.is_nan() { e } else { f64::max(worst, e) })
 }
 
-/// Rounding of ∇̄: each of at most 49 terms of either sum is rounded a few times, but the errors of a sum of positive weights that add up
-/// to one do not exceed those of its largest terms: 8ε for the terms and 24·½ε twice for the sums.
+/// Rounding of ∇̄: each of at most 49 terms of either sum is rounded a few times, but the errors of
+/// a sum of positive weights that add up to one do not exceed those of its largest terms: 8ε for
+/// the terms and 24·½ε twice for the sums.
 const BOUND: f64 = 32.0 * f64::EPSILON;
 
 pub(super) fn case(context: &Context) -> Case {
@@ -38,13 +41,15 @@ pub(super) fn case(context: &Context) -> Case {
     for distance in DISTANCES {
         let mut add = |name: &str, figure: f64, exact: bool| {
             let claim = if exact { Claim::AtMost(BOUND) } else { Claim::Nothing };
-            let setting = if distance == f64::EPSILON { "one ulp".to_owned() } else { format!("{distance}") };
+            let setting =
+                if distance == f64::EPSILON { "one ulp".to_owned() } else { format!("{distance}") };
             rows.push(claim.row(&setting, Some(distance), name, Measured { figure, stop: None }));
         };
         add("sine", error(&pendulum, [0.3, 1.2], distance), true);
         add("cosine", error(&poisson, [1.0, 2.0, 3.0], distance), true);
         add("polynomial", error(&integer, [0.2, 0.4, 0.6], distance), true);
-        // At a distance of a tenth the 12 nodes of real powers leave (0.1)²⁴ of a function whose derivatives grow like n!.
+        // At a distance of a tenth the 12 nodes of real powers leave (0.1)²⁴ of a function whose
+        // derivatives grow like n!.
         add("real powers", error(&real, [0.2, 0.4, 0.6], distance), true);
     }
     Words {

@@ -21,7 +21,8 @@ impl Damping for SquareWave {
         if (t / self.half_period).floor().rem_euclid(2.0) == 0.0 { UP } else { DOWN }
     }
     fn integral(&self, a: f64, b: f64) -> f64 {
-        // Piece by piece, counted by number: a boundary that is rounded belongs to one piece or the other, never to both or none.
+        // Piece by piece, counted by number: a boundary that is rounded belongs to one piece or the
+        // other, never to both or none.
         let mut piece = (a / self.half_period).floor();
         let (mut from, mut sum) = (a, 0.0);
         while from < b {
@@ -104,10 +105,20 @@ pub(super) fn case(context: &Context) -> Case {
         let damping = setting.damping.as_ref();
         let path = Path { system: &system, damping, y0: body_start(), tau: TAU, steps: STEPS };
         let (mut worst, mut total) = (0.0f64, 0.0);
-        let end = path.run(method, &mut truncated_noise::<3>(context.key(), 0, TAU), &mut |n, step, y, _| {
-            total += step.damping_integral().abs();
-            worst = worst.max(defect(&system, 0, 2.0, (path.y0, y), damping.integral(0.0, n as f64 * TAU)));
-        });
+        let end = path.run(
+            method,
+            &mut truncated_noise::<3>(context.key(), 0, TAU),
+            &mut |n, step, y, _| {
+                total += step.damping_integral().abs();
+                worst = worst.max(defect(
+                    &system,
+                    0,
+                    2.0,
+                    (path.y0, y),
+                    damping.integral(0.0, n as f64 * TAU),
+                ));
+            },
+        );
         let measured = Measured { figure: worst, stop: end.err() };
         let claim = if method.conformal() {
             Claim::AtMost(law_bound(STEPS, total))

@@ -2,7 +2,9 @@
 
 use systems::RigidBody;
 
-use super::{Claim, Context, INERTIA, Measured, NOISE_INERTIA, Words, body_start, grid, half_cosine, valid};
+use super::{
+    Claim, Context, INERTIA, Measured, NOISE_INERTIA, Words, body_start, grid, half_cosine, valid,
+};
 use crate::path::{Path, truncated_noise};
 use crate::results::{Case, Row};
 use crate::rounding::law_bound;
@@ -15,25 +17,45 @@ const STEPS: u64 = 64;
 pub(super) fn case(context: &Context) -> Case {
     let run = |exponent: i32, method| {
         let scale = 2f64.powi(exponent);
-        let system = valid(RigidBody::three_noises(INERTIA.map(|i| i * scale), NOISE_INERTIA.map(|i| i * scale)));
+        let system = valid(RigidBody::three_noises(
+            INERTIA.map(|i| i * scale),
+            NOISE_INERTIA.map(|i| i * scale),
+        ));
         let damping = half_cosine();
-        let path =
-            Path { system: &system, damping: &damping, y0: body_start().map(|y| y * scale), tau: TAU, steps: STEPS };
-        // Areas weigh with 1/Î², which for these bodies has left the numbers: `sexp-levy` is given none.
+        let path = Path {
+            system: &system,
+            damping: &damping,
+            y0: body_start().map(|y| y * scale),
+            tau: TAU,
+            steps: STEPS,
+        };
+        // Areas weigh with 1/Î², which for these bodies has left the numbers: `sexp-levy` is given
+        // none.
         let mut drawn = truncated_noise::<3>(context.key(), 0, TAU);
         let mut noise = || crate::method::Noise::increments(drawn().dw);
-        path.run(method, &mut noise, &mut |_, _, _, _| ()).map(|y| y.map(|component| component / scale))
+        path.run(method, &mut noise, &mut |_, _, _, _| ())
+            .map(|y| y.map(|component| component / scale))
     };
     let rows = grid(&EXPONENTS, 3, |&exponent, method| {
         let (plain, scaled) = (run(0, method), run(exponent, method));
         let figure = match (&plain, &scaled) {
-            (Ok(plain), Ok(scaled)) => (0..3).map(|i| (scaled[i] - plain[i]).abs()).fold(0.0, f64::max),
+            (Ok(plain), Ok(scaled)) => {
+                (0..3).map(|i| (scaled[i] - plain[i]).abs()).fold(0.0, f64::max)
+            }
             _ => f64::NAN,
         };
         let measured = Measured { figure, stop: scaled.err() };
         Row {
-            setting: format!("2^{exponent} ≈ 1e{:+.0}", f64::from(exponent) * std::f64::consts::LOG10_2),
-            ..Claim::AtMost(law_bound(STEPS, 1.0)).row("", Some(f64::from(exponent)), method.id(), measured)
+            setting: format!(
+                "2^{exponent} ≈ 1e{:+.0}",
+                f64::from(exponent) * std::f64::consts::LOG10_2
+            ),
+            ..Claim::AtMost(law_bound(STEPS, 1.0)).row(
+                "",
+                Some(f64::from(exponent)),
+                method.id(),
+                measured,
+            )
         }
     });
     Words {

@@ -10,8 +10,8 @@ use crate::path::{Path, truncated_noise};
 use crate::results::{Case, Row};
 use crate::rounding::law_bound;
 
-/// B(y)v = y × v, H = ½(y₁²/2 + y₂² + 3y₃²/2) + sin(κy₁)/κ as drift and as noise: a rigid body with a rippled energy. Its discrete gradient is the
-/// default of the trait, eight nodes.
+/// B(y)v = y × v, H = ½(y₁²/2 + y₂² + 3y₃²/2) + sin(κy₁)/κ as drift and as noise: a rigid body with
+/// a rippled energy. Its discrete gradient is the default of the trait, eight nodes.
 struct Rippled {
     kappa: f64,
 }
@@ -39,7 +39,11 @@ impl PoissonSystem<3, 1> for Rippled {
     }
     #[inline(always)]
     fn invariant<R: Real>(&self, index: usize, y: [R; 3]) -> R {
-        if index == 0 { (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]) * 0.5 } else { self.energy(y, 1.0, [0.0]) }
+        if index == 0 {
+            (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]) * 0.5
+        } else {
+            self.energy(y, 1.0, [0.0])
+        }
     }
 }
 
@@ -59,13 +63,14 @@ const GAUSS: f64 = {
     eight * eight * eight * eight / (17.0 * sixteen * sixteen * sixteen)
 };
 
-/// The largest error of eight nodes for the mean of cos(κy₁) over a step of length `d` in y₁: its 16th derivative is at most (κd)¹⁶, and no mean
-/// is off by more than two.
+/// The largest error of eight nodes for the mean of cos(κy₁) over a step of length `d` in y₁: its
+/// 16th derivative is at most (κd)¹⁶, and no mean is off by more than two.
 fn quadrature_error(kappa: f64, d: f64) -> f64 {
     (GAUSS * (kappa * d).abs().powi(16)).min(2.0)
 }
 
-/// Largest relative distance of the Casimir, of the energy, what the quadrature may do to the energy, and the residuals' share.
+/// Largest relative distance of the Casimir, of the energy, what the quadrature may do to the
+/// energy, and the residuals' share.
 struct Run {
     casimir: f64,
     energy: f64,
@@ -76,16 +81,21 @@ struct Run {
 
 fn run(context: &Context, kappa: f64, method: Method) -> Run {
     let (system, damping) = (Rippled { kappa }, valid(Constant::new(0.0)));
-    let path = Path { system: &system, damping: &damping, y0: body_start(), tau: TAU, steps: STEPS };
+    let path =
+        Path { system: &system, damping: &damping, y0: body_start(), tau: TAU, steps: STEPS };
     let (mut casimir, mut energy, mut quadrature, mut robust) = (0.0f64, 0.0f64, 0.0, 0.0);
     let mut before = path.y0;
-    let end = path.run(method, &mut truncated_noise::<1>(context.key(), 0, TAU), &mut |_, _, y, outcome: Outcome| {
-        quadrature += quadrature_error(kappa, y[0] - before[0]) * (y[0] - before[0]).abs();
-        robust += residual_share(outcome, y);
-        before = y;
-        casimir = casimir.max(defect(&system, 0, 2.0, (path.y0, y), 0.0));
-        energy = energy.max((system.invariant(1, y) - system.invariant(1, path.y0)).abs());
-    });
+    let end = path.run(
+        method,
+        &mut truncated_noise::<1>(context.key(), 0, TAU),
+        &mut |_, _, y, outcome: Outcome| {
+            quadrature += quadrature_error(kappa, y[0] - before[0]) * (y[0] - before[0]).abs();
+            robust += residual_share(outcome, y);
+            before = y;
+            casimir = casimir.max(defect(&system, 0, 2.0, (path.y0, y), 0.0));
+            energy = energy.max((system.invariant(1, y) - system.invariant(1, path.y0)).abs());
+        },
+    );
     Run { casimir, energy, quadrature, robust, stop: end.err() }
 }
 
@@ -97,14 +107,21 @@ pub(super) fn case(context: &Context) -> Case {
             let rounding = law_bound(STEPS, 0.0) + robust;
             let row = if what == "Casimir" {
                 let measured = Measured { figure: casimir, stop };
-                let claim = if method.conformal() { Claim::AtMostOrStops(rounding) } else { Claim::Nothing };
+                let claim = if method.conformal() {
+                    Claim::AtMostOrStops(rounding)
+                } else {
+                    Claim::Nothing
+                };
                 claim.row("", Some(kappa), method.id(), measured)
             } else {
                 let measured = Measured { figure: energy, stop };
-                // H and |∇H| are at most about two, so that rounding in H is no more than four times that in ½|y|². The argument κy₁ has a rounding
-                // of its own, ε κ/κ.
-                let claim =
-                    if method.conformal() { Claim::AtMostOrStops(quadrature + 4.0 * rounding) } else { Claim::Nothing };
+                // H and |∇H| are at most about two, so that rounding in H is no more than four
+                // times that in ½|y|². The argument κy₁ has a rounding of its own, ε κ/κ.
+                let claim = if method.conformal() {
+                    Claim::AtMostOrStops(quadrature + 4.0 * rounding)
+                } else {
+                    Claim::Nothing
+                };
                 claim.row("", Some(kappa), method.id(), measured)
             };
             Row { setting: format!("{what}, κ = {kappa}"), ..row }

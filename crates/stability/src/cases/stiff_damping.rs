@@ -10,25 +10,32 @@ use crate::rounding::law_bound;
 const TAU: f64 = 1.0 / 16.0;
 const DAMPING: [f64; 9] = [0.1, 0.5, 1.0, 2.0, 4.0, 10.0, 100.0, 1e3, 1e4];
 const STEPS: u64 = 16;
-/// Beyond it explicit schemes must grow: Euler's factor 1 − x is below −3, Heun's 1 − x + x²/2 above 5, and the noise moves |y| by far
-/// less than that in a step.
+/// Beyond it explicit schemes must grow: Euler's factor 1 − x is below −3, Heun's 1 − x + x²/2
+/// above 5, and the noise moves |y| by far less than that in a step.
 const EXPLICIT_FAILS: f64 = 4.0;
-/// Beyond it the midpoint rule must damp less than it should by a factor of two: its factor (1 − x/2)/(1 + x/2) tends to −1.
+/// Beyond it the midpoint rule must damp less than it should by a factor of two: its factor (1 −
+/// x/2)/(1 + x/2) tends to −1.
 const MIDPOINT_FAILS: f64 = 10.0;
 
 pub(super) fn case(context: &Context) -> Case {
     let rows = grid(&DAMPING, 3, |&x, method| {
         let damping = valid(Constant::new(x / TAU));
-        let path = Path { system: &body(), damping: &damping, y0: body_start(), tau: TAU, steps: STEPS };
+        let path =
+            Path { system: &body(), damping: &damping, y0: body_start(), tau: TAU, steps: STEPS };
         let (mut last, mut taken) = (1.0, 0);
-        let end = path.run(method, &mut truncated_noise::<3>(context.key(), 0, TAU), &mut |n, _, y, _| {
-            // A state below the normal numbers has lost its digits.
-            if taken + 1 == n && length(y) > 1e-300 {
-                (last, taken) = (length(y), n);
-            }
-        });
+        let end = path.run(
+            method,
+            &mut truncated_noise::<3>(context.key(), 0, TAU),
+            &mut |n, _, y, _| {
+                // A state below the normal numbers has lost its digits.
+                if taken + 1 == n && length(y) > 1e-300 {
+                    (last, taken) = (length(y), n);
+                }
+            },
+        );
         // Where the first step already underflows the factor is zero.
-        let factor = if taken == 0 && end.is_ok() { 0.0 } else { last.powf(1.0 / taken.max(1) as f64) };
+        let factor =
+            if taken == 0 && end.is_ok() { 0.0 } else { last.powf(1.0 / taken.max(1) as f64) };
         let exact = if (-x).exp() > 1e-300 { (-x).exp() } else { 0.0 };
         let measured = Measured { figure: factor, stop: end.err() };
         let row = if method.conformal() {

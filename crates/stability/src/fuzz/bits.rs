@@ -39,8 +39,10 @@ impl Bits {
     /// The bits of one input of one target.
     #[must_use]
     pub fn new(seed: u64, target: u64, input: u64) -> Self {
-        let mut bits = Self { state: seed ^ target.rotate_left(48) ^ input.rotate_left(16), last: 1.0 };
-        // Neighbouring inputs start in neighbouring states of a bijection that mixes well after two draws.
+        let mut bits =
+            Self { state: seed ^ target.rotate_left(48) ^ input.rotate_left(16), last: 1.0 };
+        // Neighbouring inputs start in neighbouring states of a bijection that mixes well after two
+        // draws.
         bits.word();
         bits.state ^= input;
         bits
@@ -65,7 +67,8 @@ impl Bits {
         (self.word() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Any number at all: a special one, arbitrary bits, an ordinary one, or a neighbour of the last.
+    /// Any number at all: a special one, arbitrary bits, an ordinary one, or a neighbour of the
+    /// last.
     pub fn number(&mut self) -> f64 {
         let number = match self.below(8) {
             0 => SPECIAL[self.below(SPECIAL.len() as u64) as usize],

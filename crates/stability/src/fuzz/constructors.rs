@@ -7,8 +7,8 @@ use mc::{Ladder, Observable, Run, trajectory};
 use noise::{AreaMethod, StreamKey, Truncation};
 use schemes::{EulerMaruyama, Step};
 use systems::{
-    Constant, Cosine, Damping, DampingFunction, IntegerExponents, Linear, LotkaVolterra, Pendulum, Poisson3,
-    PoissonSystem, Problem, RigidBody, RigidBodyEnergy, Sine, SpinChain,
+    Constant, Cosine, Damping, DampingFunction, IntegerExponents, Linear, LotkaVolterra, Pendulum,
+    Poisson3, PoissonSystem, Problem, RigidBody, RigidBodyEnergy, Sine, SpinChain,
 };
 
 use super::{Bits, Report, Target, check};
@@ -61,11 +61,14 @@ fn usable<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: Option<&S>,
     parameters: &[f64],
 ) -> Result<(), String> {
-    check(system.is_none() || parameters.iter().all(|p| p.is_finite()), || format!("accepted {parameters:?}"))
+    check(system.is_none() || parameters.iter().all(|p| p.is_finite()), || {
+        format!("accepted {parameters:?}")
+    })
 }
 
 fn problems(bits: &mut Bits) -> Result<Report, String> {
-    let p: [f64; 6] = [(); 6].map(|()| if bits.below(2) == 0 { bits.number() } else { bits.plausible() });
+    let p: [f64; 6] =
+        [(); 6].map(|()| if bits.below(2) == 0 { bits.number() } else { bits.plausible() });
     let t_end = if bits.below(2) == 0 { bits.number() } else { bits.plausible() };
     match bits.below(8) {
         0 => {
@@ -118,11 +121,17 @@ fn with_system<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
 ) -> Result<Report, String> {
     let Some(system) = system else { return Ok(Report::refused()) };
     let y0 = bits.state::<D>();
-    let Some(damping) = accepted(Constant::new(bits.number()))? else { return Ok(Report::refused()) };
+    let Some(damping) = accepted(Constant::new(bits.number()))? else {
+        return Ok(Report::refused());
+    };
     let problem = accepted(Problem::new::<M>(system, damping, y0, t_end))?;
     if let Some(problem) = &problem {
-        let sound = problem.y0.iter().all(|y| y.is_finite()) && problem.t_end > 0.0 && problem.t_end.is_finite();
-        check(sound && problem.system.check_domain(problem.y0).is_ok(), || format!("accepted {y0:?}, T = {t_end:e}"))?;
+        let sound = problem.y0.iter().all(|y| y.is_finite())
+            && problem.t_end > 0.0
+            && problem.t_end.is_finite();
+        check(sound && problem.system.check_domain(problem.y0).is_ok(), || {
+            format!("accepted {y0:?}, T = {t_end:e}")
+        })?;
     }
     Ok(report(&problem))
 }
@@ -145,13 +154,16 @@ fn steps(bits: &mut Bits) -> Result<Report, String> {
     check(!damping.describe().is_empty(), || "a damping without words".to_owned())?;
     let tau = if bits.below(2) == 0 { bits.number() } else { bits.plausible() };
     let n = if bits.below(2) == 0 { bits.word() } else { bits.below(1000) };
-    let truncation = accepted(Truncation::new(bits.below(1 << 32) as u32 * (bits.below(4) != 0) as u32))?;
+    let truncation =
+        accepted(Truncation::new(bits.below(1 << 32) as u32 * (bits.below(4) != 0) as u32))?;
     if let Some(truncation) = truncation {
         if let Some(bound) = accepted(truncation.bound(tau))? {
             check(bound > 0.0 && bound.is_finite(), || format!("bound({tau:e}) = {bound:e}"))?;
         }
         if let Some(bound) = accepted(truncation.area_bound(tau))? {
-            check(bound >= 0.0 && bound.is_finite(), || format!("area bound({tau:e}) = {bound:e}"))?;
+            check(bound >= 0.0 && bound.is_finite(), || {
+                format!("area bound({tau:e}) = {bound:e}")
+            })?;
         }
     }
     let step = accepted(Step::new(damping.as_ref(), n, tau))?;
@@ -164,15 +176,20 @@ fn steps(bits: &mut Bits) -> Result<Report, String> {
 
 fn areas(bits: &mut Bits) -> Result<Report, String> {
     let method = AreaMethod::ALL[bits.below(4) as usize];
-    let (error, step) =
-        if bits.below(2) == 0 { (bits.number(), bits.number()) } else { (bits.plausible(), bits.plausible()) };
+    let (error, step) = if bits.below(2) == 0 {
+        (bits.number(), bits.number())
+    } else {
+        (bits.plausible(), bits.plausible())
+    };
     let noises = bits.below(9) as usize;
     accepted(AreaMethod::cheapest(error, step, noises))?;
     let terms = accepted(method.terms_for(error, step, noises))?;
     if let Some(terms) = terms {
         let bound = method.rms_error(step, terms, noises);
         check(terms <= AreaMethod::MAX_TERMS && bound <= error * (1.0 + 1e-9), || {
-            format!("{method:?} {noises} noises, step {step:e}: {terms} terms for {error:e}, bound {bound:e}")
+            format!(
+                "{method:?} {noises} noises, step {step:e}: {terms} terms for {error:e}, bound {bound:e}"
+            )
         })?;
     }
     Ok(report(&terms))
@@ -180,10 +197,9 @@ fn areas(bits: &mut Bits) -> Result<Report, String> {
 
 fn drivers(bits: &mut Bits) -> Result<Report, String> {
     let t_end = bits.plausible();
-    let Some(problem) = accepted(
-        Pendulum::new(bits.plausible())
-            .and_then(|system| Problem::new::<1>(system, Constant::new(bits.number())?, bits.state::<2>(), t_end)),
-    )?
+    let Some(problem) = accepted(Pendulum::new(bits.plausible()).and_then(|system| {
+        Problem::new::<1>(system, Constant::new(bits.number())?, bits.state::<2>(), t_end)
+    }))?
     else {
         return Ok(Report::refused());
     };
@@ -197,21 +213,32 @@ fn drivers(bits: &mut Bits) -> Result<Report, String> {
     let key = StreamKey { seed: bits.word(), experiment: bits.word() };
     match bits.below(3) {
         0 => {
-            let path = accepted(trajectory(&problem, &EulerMaruyama, bits.below(20), truncation, key, bits.word()))?;
+            let path = accepted(trajectory(
+                &problem,
+                &EulerMaruyama,
+                bits.below(20),
+                truncation,
+                key,
+                bits.word(),
+            ))?;
             if let Some(path) = &path {
                 check(path.states.iter().flatten().all(|y| y.is_finite()), || format!("{path:?}"))?;
-                check(path.failure.is_none_or(|failure| !failure.to_string().is_empty()), || "no words".to_owned())?;
+                check(path.failure.is_none_or(|failure| !failure.to_string().is_empty()), || {
+                    "no words".to_owned()
+                })?;
             }
             Ok(report(&path))
         }
         1 => {
-            let levels = if bits.below(8) == 0 { bits.below(200) as usize } else { bits.below(4) as usize };
+            let levels =
+                if bits.below(8) == 0 { bits.below(200) as usize } else { bits.below(4) as usize };
             let steps = if bits.below(8) == 0 { bits.word() } else { bits.below(33) };
             let run = Run::new(
                 &EulerMaruyama,
                 if bits.below(8) == 0 { bits.below(300) as usize } else { bits.below(4) as usize },
             );
-            let ladder = accepted(Ladder::new(&problem, steps, levels, truncation, key, vec![run]))?;
+            let ladder =
+                accepted(Ladder::new(&problem, steps, levels, truncation, key, vec![run]))?;
             Ok(report(&ladder))
         }
         _ => {
@@ -222,11 +249,19 @@ fn drivers(bits: &mut Bits) -> Result<Report, String> {
             settings.key.experiment >>= bits.below(40);
             settings.max_cost = bits.below(20_000);
             let observables = [Observable { name: "y1", function: |y: [f64; 2]| y[0] }];
-            let estimate =
-                accepted(expectation(&EulerMaruyama, &problem, &observables, bits.plausible(), &settings, &|_| ()))?;
+            let estimate = accepted(expectation(
+                &EulerMaruyama,
+                &problem,
+                &observables,
+                bits.plausible(),
+                &settings,
+                &|_| (),
+            ))?;
             if let Some(estimate) = &estimate {
                 let (lower, upper) = estimate.estimates[0].interval();
-                check(!lower.is_nan() && !upper.is_nan(), || format!("interval [{lower}, {upper}]"))?;
+                check(!lower.is_nan() && !upper.is_nan(), || {
+                    format!("interval [{lower}, {upper}]")
+                })?;
             }
             Ok(report(&estimate))
         }

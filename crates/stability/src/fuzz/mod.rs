@@ -1,6 +1,7 @@
 //! Arbitrary inputs: nothing may panic, hang or give NaN.
 //!
-//! A [`Target`] is a function of [`Bits`], a deterministic source of awkward numbers. [`run`] calls it many times, catches panics and counts.
+//! A [`Target`] is a function of [`Bits`], a deterministic source of awkward numbers. [`run`] calls
+//! it many times, catches panics and counts.
 
 mod bits;
 mod constructors;
@@ -48,7 +49,8 @@ pub struct Target {
     pub name: &'static str,
     /// What is checked, in words.
     pub checks: &'static str,
-    /// About how many times as long as the cheapest target one input takes; the number of inputs is divided by it.
+    /// About how many times as long as the cheapest target one input takes; the number of inputs is
+    /// divided by it.
     pub cost: u64,
     /// Feeds one input. A broken check is an error in words.
     pub run: fn(&mut Bits) -> Result<Report, String>,
@@ -60,10 +62,15 @@ const QUICK_INPUTS: u64 = 10_000;
 /// Failures that are described one by one; the rest are counted.
 const DESCRIBED: usize = 5;
 
-/// Feeds all targets of this crate, and `more`. `inputs` for a target of cost one, or a default that depends on the
-/// effort, and as many times fewer for one that takes longer.
+/// Feeds all targets of this crate, and `more`. `inputs` for a target of cost one, or a default
+/// that depends on the effort, and as many times fewer for one that takes longer.
 #[must_use]
-pub fn run(settings: Settings, inputs: Option<u64>, more: &[Target], begin: &dyn Fn(&str)) -> Vec<Fuzzed> {
+pub fn run(
+    settings: Settings,
+    inputs: Option<u64>,
+    more: &[Target],
+    begin: &dyn Fn(&str),
+) -> Vec<Fuzzed> {
     let targets = [&functions::TARGETS[..], &constructors::TARGETS, &steps::TARGETS, more].concat();
     let base = match settings.effort {
         Effort::Full => INPUTS,

@@ -5,8 +5,8 @@ use nonlin::{BlockStatus, Outcome, Solution, Solver};
 use real::{Block, WIDTH};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step};
 use systems::{
-    Constant, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
-    RealExponents, RigidBody, RigidBodyEnergy,
+    Constant, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
+    PoissonSystem, RealExponents, RigidBody, RigidBodyEnergy,
 };
 
 use super::{Bits, Report, Target, check};
@@ -27,8 +27,8 @@ pub(super) const TARGETS: [Target; 2] = [
     },
 ];
 
-/// Attempts at most of the continuation: its step in s is halved down to 2⁻¹⁴ and doubled after each success, so that there are at most 2·2¹⁴ of
-/// them, each with at most 20 Newton iterations.
+/// Attempts at most of the continuation: its step in s is halved down to 2⁻¹⁴ and doubled after
+/// each success, so that there are at most 2·2¹⁴ of them, each with at most 20 Newton iterations.
 const MOST_ITERATIONS: u64 = 2 * (1 << 14) * 20;
 
 fn damping(bits: &mut Bits) -> Box<dyn Damping> {
@@ -60,10 +60,15 @@ fn noise<const M: usize>(bits: &mut Bits) -> Noise<M> {
     Noise { dw, areas }
 }
 
-fn sound<const D: usize>(solution: &Solution<D>, what: impl FnOnce() -> String) -> Result<Report, String> {
+fn sound<const D: usize>(
+    solution: &Solution<D>,
+    what: impl FnOnce() -> String,
+) -> Result<Report, String> {
     let finite = solution.z.iter().all(|z| z.is_finite());
     let (converged, iterations) = match solution.outcome {
-        Outcome::Fast { iterations } | Outcome::Robust { iterations, .. } => (true, u64::from(iterations)),
+        Outcome::Fast { iterations } | Outcome::Robust { iterations, .. } => {
+            (true, u64::from(iterations))
+        }
         Outcome::Failed { .. } => (false, 0),
     };
     if converged && !finite || iterations > MOST_ITERATIONS {
@@ -72,14 +77,19 @@ fn sound<const D: usize>(solution: &Solution<D>, what: impl FnOnce() -> String) 
     Ok(if converged { Report::accepted() } else { Report::refused() }.with_iterations(iterations))
 }
 
-fn one<S: PoissonSystem<D, M>, const D: usize, const M: usize>(system: &S, bits: &mut Bits) -> Result<Report, String> {
+fn one<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    system: &S,
+    bits: &mut Bits,
+) -> Result<Report, String> {
     let methods = Method::all(M);
     let method = methods[bits.below(methods.len() as u64) as usize];
     let Some(step) = step(bits) else { return Ok(Report::refused()) };
     let (noise, y) = (noise::<M>(bits), bits.state::<D>());
     let levy = SexpLevy::new(system, [1.0; D]);
     let solution = method.step(system, &levy, &step, noise, y);
-    sound(&solution, || format!("{} of {} from {y:?} with {noise:?}, {step:?}", method.id(), system.name()))
+    sound(&solution, || {
+        format!("{} of {} from {y:?} with {noise:?}, {step:?}", method.id(), system.name())
+    })
 }
 
 fn body(bits: &mut Bits) -> Option<RigidBody<3>> {
@@ -93,23 +103,40 @@ fn body(bits: &mut Bits) -> Option<RigidBody<3>> {
 fn single(bits: &mut Bits) -> Result<Report, String> {
     let refused = Ok(Report::refused());
     match bits.below(8) {
-        0 => Pendulum::new(bits.plausible()).map_or(refused, |system| one::<_, 2, 1>(&system, bits)),
+        0 => {
+            Pendulum::new(bits.plausible()).map_or(refused, |system| one::<_, 2, 1>(&system, bits))
+        }
         1 | 2 => body(bits).map_or(refused, |system| one::<_, 3, 3>(&system, bits)),
-        3 => RigidBodyEnergy::new([bits.plausible(), bits.plausible(), bits.plausible()], bits.plausible())
-            .map_or(refused, |system| one::<_, 3, 1>(&system, bits)),
+        3 => RigidBodyEnergy::new(
+            [bits.plausible(), bits.plausible(), bits.plausible()],
+            bits.plausible(),
+        )
+        .map_or(refused, |system| one::<_, 3, 1>(&system, bits)),
         4 => LotkaVolterra::<IntegerExponents<2, 2>>::integer(bits.plausible())
             .map_or(refused, |system| one::<_, 3, 1>(&system, bits)),
-        5 => LotkaVolterra::<RealExponents>::new(-bits.plausible(), -bits.plausible(), bits.plausible())
-            .map_or(refused, |system| one::<_, 3, 1>(&system, bits)),
+        5 => LotkaVolterra::<RealExponents>::new(
+            -bits.plausible(),
+            -bits.plausible(),
+            bits.plausible(),
+        )
+        .map_or(refused, |system| one::<_, 3, 1>(&system, bits)),
         6 => one::<_, 3, 1>(&MaxwellBloch, bits),
-        _ => Poisson3::new(bits.plausible()).map_or(refused, |system| one::<_, 3, 1>(&system, bits)),
+        _ => {
+            Poisson3::new(bits.plausible()).map_or(refused, |system| one::<_, 3, 1>(&system, bits))
+        }
     }
 }
 
 /// Bits are compared as the block promises them: of a path that failed only the failure.
-fn same<const D: usize>(status: &BlockStatus, y: &Block<D>, p: usize, solution: &Solution<D>) -> bool {
+fn same<const D: usize>(
+    status: &BlockStatus,
+    y: &Block<D>,
+    p: usize,
+    solution: &Solution<D>,
+) -> bool {
     let failed = status.failed.contains(p);
-    failed != solution.outcome.converged() && (failed || y.path(p).map(f64::to_bits) == solution.z.map(f64::to_bits))
+    failed != solution.outcome.converged()
+        && (failed || y.path(p).map(f64::to_bits) == solution.z.map(f64::to_bits))
 }
 
 /// 32 different paths, some ordinary and some not.
@@ -120,12 +147,15 @@ fn blocks<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     let Some(step) = step(bits) else { return Ok(Report::refused()) };
     let levy = SexpLevy::new(system, [1.0; D]);
     let newton = Sexp { solver: Solver::new(nonlin::Method::Newton) };
-    let (fixed, settled) =
-        (Sexp { solver: Solver::new(nonlin::Method::FixedPoint) }, Sexp { solver: Solver::default().settled() });
+    let (fixed, settled) = (
+        Sexp { solver: Solver::new(nonlin::Method::FixedPoint) },
+        Sexp { solver: Solver::default().settled() },
+    );
     let schemes: [&dyn Scheme<S, D, M>; 7] =
         [&fixed, &newton, &settled, &levy, &Midpoint::default(), &Heun, &EulerMaruyama];
     let scheme = schemes[bits.below(7) as usize];
-    let (mut dw, mut areas, mut start) = (Block::<M>::zero(), AreaBlock::<M>::zero(), Block::<D>::zero());
+    let (mut dw, mut areas, mut start) =
+        (Block::<M>::zero(), AreaBlock::<M>::zero(), Block::<D>::zero());
     for p in 0..WIDTH {
         let noise = noise::<M>(bits);
         dw.set_path(p, noise.dw);
@@ -140,7 +170,12 @@ fn blocks<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         let report = sound(&alone, || format!("{} of {}, path {p}", scheme.id(), system.name()))?;
         most = most.max(report.iterations);
         check(same(&status, &y, p, &alone), || {
-            format!("{} of {}, path {p}: block {:?}, alone {alone:?}", scheme.id(), system.name(), y.path(p))
+            format!(
+                "{} of {}, path {p}: block {:?}, alone {alone:?}",
+                scheme.id(),
+                system.name(),
+                y.path(p)
+            )
         })?;
     }
     Ok(Report::accepted().with_iterations(most))
@@ -150,7 +185,8 @@ fn blocks<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
 fn block(bits: &mut Bits) -> Result<Report, String> {
     let refused = Ok(Report::refused());
     match bits.below(2) {
-        0 => Pendulum::new(bits.plausible()).map_or(refused, |system| blocks::<_, 2, 1>(&system, bits)),
+        0 => Pendulum::new(bits.plausible())
+            .map_or(refused, |system| blocks::<_, 2, 1>(&system, bits)),
         _ => body(bits).map_or(refused, |system| blocks::<_, 3, 3>(&system, bits)),
     }
 }

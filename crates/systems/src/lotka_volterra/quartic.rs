@@ -1,34 +1,40 @@
 //! The implicit step with H = y₁²y₂²y₃, by Newton's method.
 //!
-//! With half the change u = (b − a)/2, the midpoint m = a + u and κ the weight of the step times c, the equation
-//! b = a + averaged_field(a, b) is
+//! With half the change u = (b − a)/2, the midpoint m = a + u and κ the weight of the step times c,
+//! the equation b = a + averaged_field(a, b) is
 //!
-//! u_j = k_j N_j/(m₁m₂), k = (κ/2, κ), N_j = ½∫_{−1}^{1} y₁y₂·y_j q_j ds on y = m + su, q₁ = y₂ − 2y₃, q₂ = y₃ − y₁,
+//! u_j = k_j N_j/(m₁m₂), k = (κ/2, κ), N_j = ½∫_{−1}^{1} y₁y₂·y_j q_j ds on y = m + su, q₁ = y₂ −
+//! 2y₃, q₂ = y₃ − y₁,
 //!
 //! and u₃ = −2u₁ − u₂ by the linear Casimir: two unknowns, and N is a mean of polynomials in s.
 
-/// Longer steps are declined: the bound asks for |u_j| ≤ m_j/4 for j = 1, 2 and a prediction within m_j/32 of the solution, the
-/// branch for |κ|·(2|y₁| + |y₂| + |y₃|) ≤ ½.
+/// Longer steps are declined: the bound asks for |u_j| ≤ m_j/4 for j = 1, 2 and a prediction within
+/// m_j/32 of the solution, the branch for |κ|·(2|y₁| + |y₂| + |y₃|) ≤ ½.
 const LARGEST_RATIO: f64 = 0.25;
 const LARGEST_MOVE: f64 = 1.0 / 32.0;
 const LARGEST_WEIGHT: f64 = 0.5;
-/// So close to the coordinate planes, in μY below, B has a pole, and the bound and the roundings of the averages are large: an iteration that began at
-/// the solution would see nothing but roundings and never end.
+/// So close to the coordinate planes, in μY below, B has a pole, and the bound and the roundings of
+/// the averages are large: an iteration that began at the solution would see nothing but roundings
+/// and never end.
 const LARGEST_SPREAD: f64 = 4096.0;
 
 /// The b of a and κ, and the bound of ‖b − a − averaged_field(a, b)‖₁.
 ///
-/// Three evaluations of the midpoint rule predict u to 10⁻⁶ on usual steps of 2⁻⁸, to 10⁻⁴ on one in a thousand of them and to 10⁻² on the longest
-/// that are accepted; four Newton steps with the matrix of the first gain three digits each on those and five to ten on usual ones.
+/// Three evaluations of the midpoint rule predict u to 10⁻⁶ on usual steps of 2⁻⁸, to 10⁻⁴ on one
+/// in a thousand of them and to 10⁻² on the longest that are accepted; four Newton steps with the
+/// matrix of the first gain three digits each on those and five to ten on usual ones.
 ///
-/// What the last of them, δ, leaves is the change of the matrix since the first times δ. Let ‖·‖ be the sum over all three components, Y ≥ Σ|y_i|
-/// and μ = 1/m₁ + 1/m₂ at the end. With w_i = u_i/m_i the map is k_j times the mean of (1 + sw₁)(1 + sw₂)y_jq_j. The derivatives of w_i are
-/// (1 − w_i)/m_i and −2(1 − w_i)/m_i², |w_i| ≤ 0.3 on a way that is so short and ends below ¼; y_jq_j is at most Y²/2, its first derivatives 2Y(1 + s) and its second 2(1 + s)². Together the
-/// second derivatives of the map are at most |k_j|S, where S = 3.6 + 3.2 μY + 0.8 (μY)² with 1.24 μY for μY, which is what it may be on the way.
-/// So ‖b − a − averaged_field‖ ≤ 2(3|k₁| + 2|k₂|)·S·‖way‖·‖δ‖.
+/// What the last of them, δ, leaves is the change of the matrix since the first times δ. Let ‖·‖ be
+/// the sum over all three components, Y ≥ Σ|y_i| and μ = 1/m₁ + 1/m₂ at the end. With w_i = u_i/m_i
+/// the map is k_j times the mean of (1 + sw₁)(1 + sw₂)y_jq_j. The derivatives of w_i are (1 −
+/// w_i)/m_i and −2(1 − w_i)/m_i², |w_i| ≤ 0.3 on a way that is so short and ends below ¼; y_jq_j is
+/// at most Y²/2, its first derivatives 2Y(1 + s) and its second 2(1 + s)². Together the second
+/// derivatives of the map are at most |k_j|S, where S = 3.6 + 3.2 μY + 0.8 (μY)² with 1.24 μY for
+/// μY, which is what it may be on the way. So ‖b − a − averaged_field‖ ≤ 2(3|k₁| +
+/// 2|k₂|)·S·‖way‖·‖δ‖.
 ///
-/// The branch that begins at a stays in |u_j| ≤ m_j/8 for |κ|(2m₁ + m₂ + m₃) ≤ 1/9, and the map contracts there: it is the one found. Up to the ½ that is
-/// accepted a test follows it.
+/// The branch that begins at a stays in |u_j| ≤ m_j/8 for |κ|(2m₁ + m₂ + m₃) ≤ 1/9, and the map
+/// contracts there: it is the one found. Up to the ½ that is accepted a test follows it.
 #[inline(always)]
 pub(super) fn short_step(a: [f64; 3], kappa: f64) -> ([f64; 3], f64) {
     Prediction::new(a, kappa).next().next().next().newton().next().next().next().end()
@@ -36,7 +42,10 @@ pub(super) fn short_step(a: [f64; 3], kappa: f64) -> ([f64; 3], f64) {
 
 /// The same of two paths, in turn.
 #[inline(always)]
-pub(super) fn short_steps([a, b]: [[f64; 3]; 2], [kappa, other_kappa]: [f64; 2]) -> [([f64; 3], f64); 2] {
+pub(super) fn short_steps(
+    [a, b]: [[f64; 3]; 2],
+    [kappa, other_kappa]: [f64; 2],
+) -> [([f64; 3], f64); 2] {
     let (one, other) = (Prediction::new(a, kappa), Prediction::new(b, other_kappa));
     let (one, other) = (one.next(), other.next());
     let (one, other) = (one.next(), other.next());
@@ -48,7 +57,8 @@ pub(super) fn short_steps([a, b]: [[f64; 3]; 2], [kappa, other_kappa]: [f64; 2])
     [one.end(), other.end()]
 }
 
-/// u by the midpoint rule u_j = k_j m_j q_j(m): the equation without what the average adds to the midpoint.
+/// u by the midpoint rule u_j = k_j m_j q_j(m): the equation without what the average adds to the
+/// midpoint.
 #[derive(Clone, Copy)]
 struct Prediction {
     a: [f64; 3],
@@ -115,9 +125,11 @@ impl Iterate {
         let ratio = (end.m[0] + end.m[1]) * sum / (end.m[0] * end.m[1]);
         let second = 3.6 + ratio * (4.0 + 1.25 * ratio);
         let bound = (7.0 * kappa.abs()) * second * way * size(change);
-        let near = end.contains([moved[0].abs() + change[0].abs(), moved[1].abs() + change[1].abs()]);
+        let near =
+            end.contains([moved[0].abs() + change[0].abs(), moved[1].abs() + change[1].abs()]);
         let inside = end.inside() & near;
-        let short = (kappa.abs() * (sum + largest[0]) <= LARGEST_WEIGHT) & (ratio <= LARGEST_SPREAD);
+        let short =
+            (kappa.abs() * (sum + largest[0]) <= LARGEST_WEIGHT) & (ratio <= LARGEST_SPREAD);
         let bound = if inside & short { bound } else { f64::INFINITY };
         ([a[0] + 2.0 * end.u[0], a[1] + 2.0 * end.u[1], a[2] + 2.0 * end.u[2]], bound)
     }
@@ -150,7 +162,8 @@ impl Point {
 
     #[inline(always)]
     fn inside(&self) -> bool {
-        (self.u[0].abs() <= LARGEST_RATIO * self.m[0]) & (self.u[1].abs() <= LARGEST_RATIO * self.m[1])
+        (self.u[0].abs() <= LARGEST_RATIO * self.m[0])
+            & (self.u[1].abs() <= LARGEST_RATIO * self.m[1])
     }
 
     #[inline(always)]
@@ -242,8 +255,8 @@ impl Means {
         (self.image(k, j) * a - k[j] * mean) * self.inverse
     }
 
-    /// The derivative of the residual by u₁ and u₂, along which (m, u) changes by (1, 0, −2) and (0, 1, −1). At s = −1 is
-    /// the start, which does not change: dB = dA + dC and dE = dD + dF.
+    /// The derivative of the residual by u₁ and u₂, along which (m, u) changes by (1, 0, −2) and
+    /// (0, 1, −1). At s = −1 is the start, which does not change: dB = dA + dC and dE = dD + dF.
     #[inline(always)]
     fn matrix(&self, point: &Point, k: [f64; 2]) -> Matrix {
         let Point { m, u } = *point;
@@ -256,7 +269,10 @@ impl Means {
             self.slope(k, 0, [m[0], u[0], 3.0 * m[0], 3.0 * u[0]]),
             self.slope(k, 1, [m[0], u[0], n[1] - m[1], v[1] - u[1]]),
         ];
-        Matrix::inverse([[1.0 + along_first[0], along_second[0]], [along_first[1], 1.0 + along_second[1]]])
+        Matrix::inverse([
+            [1.0 + along_first[0], along_second[0]],
+            [along_first[1], 1.0 + along_second[1]],
+        ])
     }
 }
 

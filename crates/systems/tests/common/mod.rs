@@ -3,14 +3,18 @@
 
 use real::{Real, ScalarFunction, gradient};
 use systems::{
-    IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody, RigidBodyEnergy,
-    SpinChain,
+    IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
+    RigidBodyEnergy, SpinChain,
 };
 
 /// Something to check of every system.
 pub trait Check {
     /// Checks `system`; `around` draws points where it is defined, from numbers in [−1, 1].
-    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(&mut self, system: &S, region: Region);
+    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        region: Region,
+    );
 }
 
 /// Where random points are taken from.
@@ -34,8 +38,8 @@ impl Region {
 pub const INERTIA: [f64; 3] = [2.0, 1.0, 2.0 / 3.0];
 pub const NOISE_INERTIA: [f64; 3] = [1.0, 2.0, 3.0];
 
-/// Every system: those of the paper, Lotka–Volterra with integer and with real exponents, with noise sizes and scales that
-/// are not 1.
+/// Every system: those of the paper, Lotka–Volterra with integer and with real exponents, with
+/// noise sizes and scales that are not 1.
 pub fn every_system(check: &mut impl Check) {
     use Region::{Box, Positive};
     check.check(&Pendulum::new(0.7).unwrap(), Box);
@@ -60,7 +64,9 @@ pub struct InvariantFunction<'a, S, const M: usize> {
     pub index: usize,
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ScalarFunction<D> for InvariantFunction<'_, S, M> {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ScalarFunction<D>
+    for InvariantFunction<'_, S, M>
+{
     fn value<R: Real>(&self, y: [R; D]) -> R {
         self.system.invariant(self.index, y)
     }
@@ -75,7 +81,10 @@ pub fn invariant_gradient<S: PoissonSystem<D, M>, const D: usize, const M: usize
 }
 
 /// The matrix B(y), column by column.
-pub fn matrix<S: PoissonSystem<D, M>, const D: usize, const M: usize>(system: &S, y: [f64; D]) -> [[f64; D]; D] {
+pub fn matrix<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    system: &S,
+    y: [f64; D],
+) -> [[f64; D]; D] {
     let mut b = [[0.0; D]; D];
     for j in 0..D {
         let mut unit = [0.0; D];

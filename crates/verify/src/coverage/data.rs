@@ -1,11 +1,12 @@
-//! Data whose law is known: squared errors of a given order, and geometric Brownian motion with its exact solution.
+//! Data whose law is known: squared errors of a given order, and geometric Brownian motion with its
+//! exact solution.
 
 use mc::CrossMoments;
 use noise::{StreamKey, WienerBlock, WienerPath};
 use real::{Block, WIDTH};
 
-/// Squared errors C τ^{2p}(1 + bτ)(1 − c τ_ref/τ)Z² of paths, with Z normal and most of its variance shared between
-/// the levels of a path.
+/// Squared errors C τ^{2p}(1 + bτ)(1 − c τ_ref/τ)Z² of paths, with Z normal and most of its
+/// variance shared between the levels of a path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Synthetic {
     pub order: f64,
@@ -19,8 +20,8 @@ pub(super) struct Synthetic {
     pub paths: u64,
 }
 
-/// Share of the variance of Z that the levels of a path have in common: their squares then have the correlation 0.64, as
-/// errors at neighbouring steps have.
+/// Share of the variance of Z that the levels of a path have in common: their squares then have the
+/// correlation 0.64, as errors at neighbouring steps have.
 const SHARED: f64 = 0.8;
 
 /// Some paths have larger errors on the coarse levels, as those have whose increments are clipped.
@@ -42,11 +43,13 @@ impl Synthetic {
     /// Mean square of the error at a level.
     pub(super) fn mean_square(&self, taus: &[f64], level: usize) -> f64 {
         let hit = self.outliers.filter(|outliers| level < outliers.levels);
-        self.scales(taus)[level] * hit.map_or(1.0, |hit| 1.0 + (hit.factor * hit.factor - 1.0) / hit.one_in)
+        self.scales(taus)[level]
+            * hit.map_or(1.0, |hit| 1.0 + (hit.factor * hit.factor - 1.0) / hit.one_in)
     }
 
     fn scales(&self, taus: &[f64]) -> Vec<f64> {
-        let scale = |(l, &tau): (usize, &f64)| self.scale(tau) * if l % 2 == 1 { self.uneven } else { 1.0 };
+        let scale =
+            |(l, &tau): (usize, &f64)| self.scale(tau) * if l % 2 == 1 { self.uneven } else { 1.0 };
         taus.iter().enumerate().map(scale).collect()
     }
 
@@ -63,7 +66,8 @@ impl Synthetic {
             let mut noise = WienerPath::<1>::new(key, path);
             let shared = noise.normal();
             for (error, scale) in errors.iter_mut().zip(&scales) {
-                *error = scale * (SHARED.sqrt() * shared + (1.0 - SHARED).sqrt() * noise.normal()).powi(2);
+                *error = scale
+                    * (SHARED.sqrt() * shared + (1.0 - SHARED).sqrt() * noise.normal()).powi(2);
             }
             if let Some(Outliers { one_in, factor, levels }) = self.outliers {
                 // For two independent normals exp(−(x² + y²)/2) is uniform.
@@ -97,9 +101,9 @@ impl Geometric {
         (self.first..=self.last).map(|exponent| 0.5f64.powi(exponent as i32)).collect()
     }
 
-    /// E|X_N − X(1)|² with τ = 1/N. With A the factor of one numerical and G that of one exact step,
-    /// E[A²]ᴺ − 2E[AG]ᴺ + E[G²]ᴺ, where E[A²] = (1 + aτ)² + b²τ (+ ½b⁴τ²),
-    /// E[AG] = e^{aτ}(1 + aτ + b²τ (+ ½b⁴τ²)) and E[G²] = e^{(2a + b²)τ}.
+    /// E|X_N − X(1)|² with τ = 1/N. With A the factor of one numerical and G that of one exact
+    /// step, E[A²]ᴺ − 2E[AG]ᴺ + E[G²]ᴺ, where E[A²] = (1 + aτ)² + b²τ (+ ½b⁴τ²), E[AG] = e^{aτ}(1 +
+    /// aτ + b²τ (+ ½b⁴τ²)) and E[G²] = e^{(2a + b²)τ}.
     pub(super) fn mean_square(&self, tau: f64) -> f64 {
         let (a, b2) = (self.drift, self.volatility * self.volatility);
         let more = if self.milstein { 0.5 * b2 * b2 * tau * tau } else { 0.0 };
@@ -115,7 +119,8 @@ impl Geometric {
         (1.0 + self.drift * tau).powi((1.0 / tau).round() as i32) - self.drift.exp()
     }
 
-    /// Calls `each` with the numerical solutions at time 1, coarsest first, and the exact one, for every path.
+    /// Calls `each` with the numerical solutions at time 1, coarsest first, and the exact one, for
+    /// every path.
     pub(super) fn for_each_path(&self, key: StreamKey, mut each: impl FnMut(&[f64], f64)) {
         let levels = (self.last - self.first) as usize + 1;
         let steps = 1u64 << self.last;
@@ -167,17 +172,28 @@ mod tests {
 
     #[test]
     fn closed_forms_of_geometric_brownian_motion() {
-        // Means over many paths against the closed forms, in standard errors; 4.5 of them fail with probability 1e-5.
+        // Means over many paths against the closed forms, in standard errors; 4.5 of them fail with
+        // probability 1e-5.
         for milstein in [false, true] {
-            let motion = Geometric { drift: 0.4, volatility: 0.3, milstein, first: 1, last: 5, paths: 40_000 };
+            let motion = Geometric {
+                drift: 0.4,
+                volatility: 0.3,
+                milstein,
+                first: 1,
+                last: 5,
+                paths: 40_000,
+            };
             let mut moments = CrossMoments::new(10);
             motion.for_each_path(StreamKey { seed: 5, experiment: 1 }, |solutions, exact| {
                 let errors = solutions.iter().map(|solution| solution - exact);
-                let both: Vec<f64> = errors.clone().map(|error| error * error).chain(errors).collect();
+                let both: Vec<f64> =
+                    errors.clone().map(|error| error * error).chain(errors).collect();
                 moments.add(&both);
             });
             for (l, &tau) in motion.taus().iter().enumerate() {
-                for (component, expected) in [(l, motion.mean_square(tau)), (5 + l, motion.weak_error(tau))] {
+                for (component, expected) in
+                    [(l, motion.mean_square(tau)), (5 + l, motion.weak_error(tau))]
+                {
                     let se = moments.covariance_of_means(component, component).sqrt();
                     let deviation = (moments.mean(component) - expected) / se;
                     assert!(deviation.abs() < 4.5, "{milstein} {tau} {component}: {deviation}");

@@ -1,10 +1,12 @@
 //! How often the intervals cover the truth, measured on data whose law is known.
 //!
-//! Every data set is drawn from a law with a known order, mean-square error or weak error; an interval is computed as for
-//! any experiment, and it is counted whether the truth lies inside. With R data sets the count has the standard error
-//! √(0.95·0.05/R): ±0.49 % for 2000. Warnings are counted likewise: where a few paths carry an error, or a model does not fit, they
-//! have to be raised, elsewhere not. Beside the intervals in use stand twins that forget something (the
-//! covariance between levels, the reference, heavy tails) and have to miscover, or the measurement could not tell.
+//! Every data set is drawn from a law with a known order, mean-square error or weak error; an
+//! interval is computed as for any experiment, and it is counted whether the truth lies inside.
+//! With R data sets the count has the standard error √(0.95·0.05/R): ±0.49 % for 2000. Warnings are
+//! counted likewise: where a few paths carry an error, or a model does not fit, they have to be
+//! raised, elsewhere not. Beside the intervals in use stand twins that forget something (the
+//! covariance between levels, the reference, heavy tails) and have to miscover, or the measurement
+//! could not tell.
 
 mod data;
 mod motion;
@@ -24,7 +26,8 @@ pub struct CoverageRow {
     pub interval: &'static str,
     /// Its nominal coverage, 0.95; of a warning, 1 or 0.
     pub nominal: f64,
-    /// Data sets whose interval contains the truth, or that are warned about; one without an interval does not count.
+    /// Data sets whose interval contains the truth, or that are warned about; one without an
+    /// interval does not count.
     pub covered: u64,
     /// Data sets.
     pub replications: u64,
@@ -43,8 +46,9 @@ pub enum Expected {
     Raised,
     /// A warning, to be raised on nearly none.
     Silent,
-    /// Nothing: the figure is stated for comparison. Either the interval is not in use, or what spoils it is absent from most
-    /// data sets, so that neither an interval nor a warning can know of it.
+    /// Nothing: the figure is stated for comparison. Either the interval is not in use, or what
+    /// spoils it is absent from most data sets, so that neither an interval nor a warning can know
+    /// of it.
     Stated,
 }
 
@@ -66,7 +70,8 @@ impl CoverageRow {
         self.covered as f64 / self.replications as f64
     }
 
-    /// Whether the interval does what is expected, with `tolerance` as the largest deviation from the nominal coverage.
+    /// Whether the interval does what is expected, with `tolerance` as the largest deviation from
+    /// the nominal coverage.
     #[must_use]
     pub fn as_expected(&self, tolerance: f64) -> bool {
         let deviation = (self.share() - self.nominal).abs();
@@ -78,7 +83,8 @@ impl CoverageRow {
     }
 }
 
-/// Measures the coverage of every kind of interval on `replications` data sets each, on the current rayon pool.
+/// Measures the coverage of every kind of interval on `replications` data sets each, on the current
+/// rayon pool.
 ///
 /// The rows are functions of the arguments alone.
 #[must_use]
@@ -114,16 +120,21 @@ impl Tally<'_> {
         let first = self.case << 40;
         let counts = (0..self.replications)
             .into_par_iter()
-            .map(|replication| covered(StreamKey { seed: self.seed, experiment: first + replication }).map(u64::from))
+            .map(|replication| {
+                covered(StreamKey { seed: self.seed, experiment: first + replication })
+                    .map(u64::from)
+            })
             .reduce(|| [0; N], |a, b| std::array::from_fn(|i| a[i] + b[i]));
-        self.rows.extend(intervals.into_iter().zip(counts).map(|((interval, expected), covered)| CoverageRow {
-            case,
-            interval,
-            nominal: expected.nominal(),
-            covered,
-            replications: self.replications,
-            expected,
-        }));
+        self.rows.extend(intervals.into_iter().zip(counts).map(
+            |((interval, expected), covered)| CoverageRow {
+                case,
+                interval,
+                nominal: expected.nominal(),
+                covered,
+                replications: self.replications,
+                expected,
+            },
+        ));
     }
 }
 

@@ -1,4 +1,5 @@
-//! Orders and errors of geometric Brownian motion, whose mean-square and weak errors have closed forms.
+//! Orders and errors of geometric Brownian motion, whose mean-square and weak errors have closed
+//! forms.
 
 use mc::CrossMoments;
 use noise::StreamKey;
@@ -12,8 +13,10 @@ use crate::weak::weak_series;
 
 pub(super) fn rows(tally: &mut Tally<'_>) {
     use Expected::{Calibrated, Miscovers, Silent, Stated};
-    let euler = Geometric { drift: 0.1, volatility: 0.25, milstein: false, first: 2, last: 7, paths: 1000 };
-    let milstein = Geometric { drift: 0.1, volatility: 0.25, milstein: true, first: 4, last: 9, paths: 600 };
+    let euler =
+        Geometric { drift: 0.1, volatility: 0.25, milstein: false, first: 2, last: 7, paths: 1000 };
+    let milstein =
+        Geometric { drift: 0.1, volatility: 0.25, milstein: true, first: 4, last: 9, paths: 600 };
     let cases = [
         ("Euler–Maruyama on geometric Brownian motion, 1000 paths", euler, 0.5),
         ("Milstein on geometric Brownian motion, 600 paths", milstein, 1.0),
@@ -36,7 +39,12 @@ pub(super) fn rows(tally: &mut Tally<'_>) {
         tally.add(case, intervals, |key| {
             let mut squares = CrossMoments::new(taus.len());
             motion.for_each_path(key, |solutions, exact| {
-                squares.add(&solutions.iter().map(|solution| (solution - exact).powi(2)).collect::<Vec<_>>());
+                squares.add(
+                    &solutions
+                        .iter()
+                        .map(|solution| (solution - exact).powi(2))
+                        .collect::<Vec<_>>(),
+                );
             });
             let rate = fit_strong(&taus, None, &squares);
             let points = root_mean_squares(&taus, &squares);
@@ -47,12 +55,18 @@ pub(super) fn rows(tally: &mut Tally<'_>) {
             [
                 encloses(rate.as_ref().map(ends), order),
                 encloses(rate.as_ref().and_then(bootstrap_ends), order),
-                encloses(naive(&taus, &squares, Terms { reference: None, curvature: true }, true), order),
+                encloses(
+                    naive(&taus, &squares, Terms { reference: None, curvature: true }, true),
+                    order,
+                ),
                 points.first().is_some_and(|point| point_encloses(point, truth)),
                 points.first().is_some_and(|point| bar_encloses(point, truth)),
                 points.last().is_some_and(|point| point_encloses(point, truth)),
                 points.last().is_some_and(|point| bar_encloses(point, truth)),
-                encloses(Some((measured * (1.0 - normal), measured * (1.0 + normal))), truth(taus[finest])),
+                encloses(
+                    Some((measured * (1.0 - normal), measured * (1.0 + normal))),
+                    truth(taus[finest]),
+                ),
                 points.last().is_some_and(point_warns),
                 warns(rate.as_ref()),
             ]
@@ -61,11 +75,13 @@ pub(super) fn rows(tally: &mut Tally<'_>) {
     weak(tally);
 }
 
-/// The weak error as the weak panels measure it: differences between neighbouring steps, each on paths of its own.
+/// The weak error as the weak panels measure it: differences between neighbouring steps, each on
+/// paths of its own.
 fn weak(tally: &mut Tally<'_>) {
     use Expected::{Calibrated, Miscovers, Silent};
     let (first, last) = (2, 8);
-    let motion = Geometric { drift: 0.6, volatility: 0.5, milstein: false, first, last, paths: 400 };
+    let motion =
+        Geometric { drift: 0.6, volatility: 0.5, milstein: false, first, last, paths: 400 };
     let taus = motion.taus();
     let intervals = [
         ("weak rate", Calibrated),
@@ -78,7 +94,8 @@ fn weak(tally: &mut Tally<'_>) {
         let differences: Vec<CrossMoments> = (first..=last)
             .map(|exponent| {
                 let pair = Geometric { first: exponent, last: exponent + 1, ..motion };
-                let own = StreamKey { experiment: key.experiment + (u64::from(exponent) << 32), ..key };
+                let own =
+                    StreamKey { experiment: key.experiment + (u64::from(exponent) << 32), ..key };
                 let mut moments = CrossMoments::new(1);
                 pair.for_each_path(own, |solutions, _| moments.add(&[solutions[0] - solutions[1]]));
                 moments
@@ -94,7 +111,10 @@ fn weak(tally: &mut Tally<'_>) {
             encloses(series.rate.as_ref().map(ends), 1.0),
             series.points.first().is_some_and(|point| point_encloses(point, truth)),
             series.points.last().is_some_and(|point| point_encloses(point, truth)),
-            encloses(Some((value - Z * forgetful, value + Z * forgetful)), truth(taus[taus.len() - 2])),
+            encloses(
+                Some((value - Z * forgetful, value + Z * forgetful)),
+                truth(taus[taus.len() - 2]),
+            ),
             warns(series.rate.as_ref()),
         ]
     });

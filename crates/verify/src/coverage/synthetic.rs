@@ -9,8 +9,16 @@ use crate::results::Rate;
 use crate::strong::root_mean_squares;
 
 /// Step sizes 2⁻⁵ … 2⁻¹².
-const TAUS: [f64; 8] =
-    [0.03125, 0.015625, 0.0078125, 0.00390625, 0.001953125, 0.0009765625, 0.00048828125, 0.000244140625];
+const TAUS: [f64; 8] = [
+    0.03125,
+    0.015625,
+    0.0078125,
+    0.00390625,
+    0.001953125,
+    0.0009765625,
+    0.00048828125,
+    0.000244140625,
+];
 const FINEST: f64 = TAUS[7];
 
 pub(super) fn ends(rate: &Rate) -> (f64, f64) {
@@ -22,7 +30,12 @@ pub(super) fn bootstrap_ends(rate: &Rate) -> Option<(f64, f64)> {
 }
 
 /// The twin that takes the levels for independent, or uses all of them whatever their tails.
-pub(super) fn naive(taus: &[f64], squares: &CrossMoments, terms: Terms, independent: bool) -> Option<(f64, f64)> {
+pub(super) fn naive(
+    taus: &[f64],
+    squares: &CrossMoments,
+    terms: Terms,
+    independent: bool,
+) -> Option<(f64, f64)> {
     let mut logarithms = Logarithms::new(taus, squares, (0..taus.len()).collect())?;
     if independent {
         logarithms.forget_covariance();
@@ -36,7 +49,10 @@ pub(super) fn rows(tally: &mut Tally<'_>) {
     let half = Synthetic::new(0.5);
     let straight = [
         ("order ½", half),
-        ("order 1, next order of the error 4τ", Synthetic { curvature: 4.0, ..Synthetic::new(1.0) }),
+        (
+            "order 1, next order of the error 4τ",
+            Synthetic { curvature: 4.0, ..Synthetic::new(1.0) },
+        ),
     ];
     for (case, data) in straight {
         let intervals = [
@@ -65,7 +81,10 @@ pub(super) fn rows(tally: &mut Tally<'_>) {
         });
     }
     let against_reference = [
-        ("order ½ against a reference 4 times finer", Synthetic { reference: Some(FINEST / 4.0), ..half }),
+        (
+            "order ½ against a reference 4 times finer",
+            Synthetic { reference: Some(FINEST / 4.0), ..half },
+        ),
         (
             "order ½ against a reference twice finer, next order 4τ",
             Synthetic { reference: Some(FINEST / 2.0), curvature: 4.0, ..half },
@@ -85,7 +104,10 @@ pub(super) fn rows(tally: &mut Tally<'_>) {
             [
                 encloses(rate.as_ref().map(ends), data.order),
                 encloses(rate.as_ref().and_then(bootstrap_ends), data.order),
-                encloses(naive(&TAUS, &squares, Terms { reference: None, curvature: true }, false), data.order),
+                encloses(
+                    naive(&TAUS, &squares, Terms { reference: None, curvature: true }, false),
+                    data.order,
+                ),
                 warns(rate.as_ref()),
                 warns(fit_strong(&TAUS, None, &squares).as_ref()),
             ]
@@ -95,7 +117,10 @@ pub(super) fn rows(tally: &mut Tally<'_>) {
     tally.add(
         "order ½ with every other mean square twice too large",
         [("warning of the rate", Raised), ("warning of the rate of the same data without", Silent)],
-        |key| [uneven, half].map(|data| warns(fit_strong(&TAUS, None, &data.squares(&TAUS, key)).as_ref())),
+        |key| {
+            [uneven, half]
+                .map(|data| warns(fit_strong(&TAUS, None, &data.squares(&TAUS, key)).as_ref()))
+        },
     );
     let outliers = Outliers { one_in: 2000.0, factor: 30.0, levels: 3 };
     let one = Synthetic { paths: 1000, ..Synthetic::new(1.0) };
@@ -107,19 +132,26 @@ pub(super) fn rows(tally: &mut Tally<'_>) {
         ("strong point, coarsest", Stated),
         ("strong point, coarsest, value ± 1.96 se", Stated),
     ];
-    tally.add("order 1, one path in 2000 with 30 times the error at the 3 coarsest steps", intervals, |key| {
-        let squares = coarse.squares(&TAUS, key);
-        let rate = fit_strong(&TAUS, None, &squares);
-        let truth = |_| coarse.mean_square(&TAUS, 0).sqrt();
-        let points = root_mean_squares(&TAUS, &squares);
-        [
-            encloses(rate.as_ref().map(ends), coarse.order),
-            encloses(rate.as_ref().and_then(bootstrap_ends), coarse.order),
-            encloses(naive(&TAUS, &squares, Terms { reference: None, curvature: true }, false), coarse.order),
-            points.first().is_some_and(|point| point_encloses(point, truth)),
-            points.first().is_some_and(|point| bar_encloses(point, truth)),
-        ]
-    });
+    tally.add(
+        "order 1, one path in 2000 with 30 times the error at the 3 coarsest steps",
+        intervals,
+        |key| {
+            let squares = coarse.squares(&TAUS, key);
+            let rate = fit_strong(&TAUS, None, &squares);
+            let truth = |_| coarse.mean_square(&TAUS, 0).sqrt();
+            let points = root_mean_squares(&TAUS, &squares);
+            [
+                encloses(rate.as_ref().map(ends), coarse.order),
+                encloses(rate.as_ref().and_then(bootstrap_ends), coarse.order),
+                encloses(
+                    naive(&TAUS, &squares, Terms { reference: None, curvature: true }, false),
+                    coarse.order,
+                ),
+                points.first().is_some_and(|point| point_encloses(point, truth)),
+                points.first().is_some_and(|point| bar_encloses(point, truth)),
+            ]
+        },
+    );
     let everywhere = Outliers { levels: TAUS.len(), ..outliers };
     let seldom = Synthetic { outliers: Some(everywhere), ..one };
     tally.add(
@@ -133,7 +165,8 @@ pub(super) fn rows(tally: &mut Tally<'_>) {
             ]
         },
     );
-    // Here a thousand paths have ten such errors; none, and nothing to warn of, with probability 4e-5.
+    // Here a thousand paths have ten such errors; none, and nothing to warn of, with probability
+    // 4e-5.
     let often = Synthetic { outliers: Some(Outliers { one_in: 100.0, ..everywhere }), ..one };
     let intervals = [
         ("rate", Stated),
@@ -149,7 +182,9 @@ pub(super) fn rows(tally: &mut Tally<'_>) {
         [
             encloses(rate.as_ref().map(ends), often.order),
             encloses(rate.as_ref().and_then(bootstrap_ends), often.order),
-            points.first().is_some_and(|point| point_encloses(point, |_| often.mean_square(&TAUS, 0).sqrt())),
+            points
+                .first()
+                .is_some_and(|point| point_encloses(point, |_| often.mean_square(&TAUS, 0).sqrt())),
             points.first().is_some_and(point_warns),
             warns(rate.as_ref()),
         ]

@@ -67,11 +67,12 @@ pub(super) fn eigenvalues(mut a: Matrix) -> Vec<f64> {
     eigenvalues
 }
 
-/// A pivot this much smaller than the first counts as zero: far above the rounding of an elimination, far below what
-/// random points give for a function that is no Casimir.
+/// A pivot this much smaller than the first counts as zero: far above the rounding of an
+/// elimination, far below what random points give for a function that is no Casimir.
 const RANK: f64 = 1e-9;
 
-/// A basis of {x : Ax = 0}, each vector with a 1 where all others have a 0. Gauss–Jordan with complete pivoting.
+/// A basis of {x : Ax = 0}, each vector with a 1 where all others have a 0. Gauss–Jordan with
+/// complete pivoting.
 pub(super) fn null_space(mut rows: Matrix, unknowns: usize) -> Matrix {
     let mut pivots: Vec<usize> = Vec::new();
     let mut first = 0.0;
@@ -123,10 +124,13 @@ mod tests {
 
     #[test]
     fn eigenvalues_of_known_matrices() {
-        let second_differences = vec![vec![2.0, -1.0, 0.0], vec![-1.0, 2.0, -1.0], vec![0.0, -1.0, 2.0]];
+        let second_differences =
+            vec![vec![2.0, -1.0, 0.0], vec![-1.0, 2.0, -1.0], vec![0.0, -1.0, 2.0]];
         let root = 2f64.sqrt();
         // Some fifteen rotations round entries of up to 4 by an ulp each.
-        for (found, exact) in eigenvalues(second_differences).iter().zip([2.0 - root, 2.0, 2.0 + root]) {
+        for (found, exact) in
+            eigenvalues(second_differences).iter().zip([2.0 - root, 2.0, 2.0 + root])
+        {
             assert!((found - exact).abs() < 60.0 * f64::EPSILON, "{found} {exact}");
         }
         assert_eq!(eigenvalues(vec![vec![3.0, 0.0], vec![0.0, -1.0]]), [-1.0, 3.0]);

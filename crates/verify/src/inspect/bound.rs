@@ -30,7 +30,9 @@ impl Bound {
         };
         let energy = hamiltonians.noise_size.and_then(|_| {
             let shape = &hamiltonians.shapes[0];
-            Some(Self { function: "H₀".to_owned(), degree: shape.degree?, minimum: shape.minimum? })
+            Some(Self {
+                function: "H₀".to_owned(), degree: shape.degree?, minimum: shape.minimum?
+            })
         });
         let candidates = casimirs.definite.iter().chain(&casimirs.found).map(casimir).chain(energy);
         let positive = candidates.filter(|bound| bound.minimum.positive && bound.degree > 0.0);
@@ -45,7 +47,8 @@ pub struct ProblemFindings {
     pub damping: String,
     /// `integral` is the integral of `rate`, on pieces of [0, T], by quadrature.
     pub integral: Finding,
-    /// Whether it is so to six digits on all pieces but the few in which γ may jump, and over the whole of [0, T].
+    /// Whether it is so to six digits on all pieces but the few in which γ may jump, and over the
+    /// whole of [0, T].
     pub integral_agrees: bool,
     /// The largest ‖y(t)‖ that any path reaches on [0, T], where something bounds it.
     pub radius: Option<f64>,
@@ -55,8 +58,8 @@ pub struct ProblemFindings {
 const PIECES: u32 = 1024;
 /// Nodes on each of them: round-off for any γ that is smooth on a thousandth of [0, T].
 const NODES: usize = 8;
-/// Where γ is smooth, integral and quadrature agree to this: far above the error of any closed form and of any
-/// quadrature that a damping should use, far below that of a wrong formula.
+/// Where γ is smooth, integral and quadrature agree to this: far above the error of any closed form
+/// and of any quadrature that a damping should use, far below that of a wrong formula.
 const AGREEMENT: f64 = 1e-6;
 /// Pieces in which γ may jump or bend; the quadrature is wrong in them by no more than the piece.
 const JUMPS: u32 = PIECES / 64;
@@ -72,7 +75,8 @@ impl ProblemFindings {
         S: PoissonSystem<D, M>,
         G: Damping,
     {
-        let rule = dgrad::Rule::new(NODES).unwrap_or_else(|error| unreachable!("a constant number of nodes: {error}"));
+        let rule = dgrad::Rule::new(NODES)
+            .unwrap_or_else(|error| unreachable!("a constant number of nodes: {error}"));
         let time = |n: u32| problem.t_end * f64::from(n) / f64::from(PIECES);
         let mut integral = Finding::new();
         // −∫γ at its largest, over the whole and the half steps alike.
@@ -97,15 +101,25 @@ impl ProblemFindings {
             let value = value_at(&system, hamiltonians, casimirs, bound, &problem.y0);
             (value / bound.minimum.value).powf(1.0 / bound.degree) * (-least).exp()
         });
-        let integral_agrees =
-            disagreeing <= JUMPS && difference.abs() <= total * f64::from(disagreeing.max(1)) / f64::from(PIECES);
+        let integral_agrees = disagreeing <= JUMPS
+            && difference.abs() <= total * f64::from(disagreeing.max(1)) / f64::from(PIECES);
         Self { damping: problem.damping.describe(), integral, integral_agrees, radius }
     }
 }
 
 /// F(y).
-fn value_at(system: &dyn Probe, hamiltonians: &Hamiltonians, casimirs: &Casimirs, bound: &Bound, y: &[f64]) -> f64 {
-    let known = casimirs.definite.iter().chain(&casimirs.found).find(|casimir| casimir.formula == bound.function);
+fn value_at(
+    system: &dyn Probe,
+    hamiltonians: &Hamiltonians,
+    casimirs: &Casimirs,
+    bound: &Bound,
+    y: &[f64],
+) -> f64 {
+    let known = casimirs
+        .definite
+        .iter()
+        .chain(&casimirs.found)
+        .find(|casimir| casimir.formula == bound.function);
     match known {
         Some(casimir) => casimir.value(y),
         None => {

@@ -36,13 +36,14 @@ impl FoundCasimir {
 /// The linear and quadratic Casimirs of B.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Casimirs {
-    /// A basis of the linear ones, then of the quadratic ones. What a scheme keeps of them it keeps of their sums.
+    /// A basis of the linear ones, then of the quadratic ones. What a scheme keeps of them it keeps
+    /// of their sums.
     pub found: Vec<FoundCasimir>,
-    /// A positive definite quadratic Casimir, if the projection of ½‖y‖² onto the quadratic Casimirs is one: it bounds all
-    /// paths.
+    /// A positive definite quadratic Casimir, if the projection of ½‖y‖² onto the quadratic
+    /// Casimirs is one: it bounds all paths.
     pub definite: Option<FoundCasimir>,
-    /// Whether quadratic Casimirs were looked for: their coefficients are D(D+1)/2 unknowns, of which no more than 300 are
-    /// solved for.
+    /// Whether quadratic Casimirs were looked for: their coefficients are D(D+1)/2 unknowns, of
+    /// which no more than 300 are solved for.
     pub quadratic_sought: bool,
 }
 
@@ -50,7 +51,8 @@ pub struct Casimirs {
 const UNKNOWNS: usize = 300;
 
 impl Casimirs {
-    /// Solves B(y)∇C = 0 at half of the points for the coefficients of C, and keeps what holds at the other half.
+    /// Solves B(y)∇C = 0 at half of the points for the coefficients of C, and keeps what holds at
+    /// the other half.
     pub(super) fn of(system: &dyn Probe, points: &Points) -> Self {
         let d = system.dimension();
         let (solve, check) = points.few.split_at(points.few.len() / 2);
@@ -59,12 +61,14 @@ impl Casimirs {
             let mut casimir = Finding::new();
             for y in check {
                 let (b, gradient) = (matrix(system, y), form.gradient(y));
-                let scale = largest(&b) * gradient.iter().fold(0.0, |m: f64, x| m.max(x.abs())) * d as f64;
+                let scale =
+                    largest(&b) * gradient.iter().fold(0.0, |m: f64, x| m.max(x.abs())) * d as f64;
                 for x in times(&b, &gradient) {
                     casimir.see(x, scale, y);
                 }
             }
-            // The elimination divides by pivots of any size, and loses what they are smaller than one.
+            // The elimination divides by pivots of any size, and loses what they are smaller than
+            // one.
             casimir.defect <= COEFFICIENTS
         };
         let describe = |form: Form| {
@@ -76,7 +80,8 @@ impl Casimirs {
         };
 
         let linear = null_space(structures.iter().flatten().cloned().collect(), d);
-        let mut forms: Vec<Form> = linear.into_iter().map(|beta| Form::Linear(readable(beta))).collect();
+        let mut forms: Vec<Form> =
+            linear.into_iter().map(|beta| Form::Linear(readable(beta))).collect();
         let pairs: Vec<(usize, usize)> = (0..d).flat_map(|a| (a..d).map(move |b| (a, b))).collect();
         let quadratic_sought = pairs.len() <= UNKNOWNS;
         if quadratic_sought {
@@ -84,7 +89,9 @@ impl Casimirs {
                 let entry = |row: &Vec<f64>, (a, c): (usize, usize)| {
                     if a == c { row[a] * y[a] } else { row[a] * y[c] + row[c] * y[a] }
                 };
-                b.iter().map(|row| pairs.iter().map(|&pair| entry(row, pair)).collect()).collect::<Matrix>()
+                b.iter()
+                    .map(|row| pairs.iter().map(|&pair| entry(row, pair)).collect())
+                    .collect::<Matrix>()
             });
             for solution in null_space(rows.collect(), pairs.len()) {
                 let mut q = vec![vec![0.0; d]; d];
@@ -173,8 +180,8 @@ fn scaled(mut b: Matrix) -> Matrix {
     b
 }
 
-/// The same solution with its smallest coefficient ±1 and the first one positive; what is zero or an integer to the accuracy of
-/// the elimination is made so.
+/// The same solution with its smallest coefficient ±1 and the first one positive; what is zero or
+/// an integer to the accuracy of the elimination is made so.
 fn readable(mut x: Vec<f64>) -> Vec<f64> {
     let largest = x.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
     x.iter_mut().filter(|c| c.abs() < COEFFICIENTS * largest).for_each(|c| *c = 0.0);
@@ -189,11 +196,12 @@ fn readable(mut x: Vec<f64>) -> Vec<f64> {
     x
 }
 
-/// The projection of the identity onto the span of the quadratic forms, if it is positive definite: an average over all
-/// symmetries of the span, and for Casimirs ½|sᵢ|² of parts of y their sum.
+/// The projection of the identity onto the span of the quadratic forms, if it is positive definite:
+/// an average over all symmetries of the span, and for Casimirs ½|sᵢ|² of parts of y their sum.
 fn definite(forms: &[Form], d: usize) -> Option<Form> {
-    let inner =
-        |a: &Matrix, b: &Matrix| -> f64 { a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum() };
+    let inner = |a: &Matrix, b: &Matrix| -> f64 {
+        a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum()
+    };
     let mut basis: Vec<Matrix> = Vec::new();
     let mut projection = vec![vec![0.0; d]; d];
     for form in forms {

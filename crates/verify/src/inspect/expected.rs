@@ -43,8 +43,8 @@ pub struct ExpectedOrder {
     pub weak: f64,
 }
 
-/// Orders of the schemes of this workspace: the Taylor expansion asks for Lévy areas where noises do not commute, and for
-/// ½ΔWₘΔW_l fₘ′f_l, which `em` leaves out, where that is not zero.
+/// Orders of the schemes of this workspace: the Taylor expansion asks for Lévy areas where noises
+/// do not commute, and for ½ΔWₘΔW_l fₘ′f_l, which `em` leaves out, where that is not zero.
 pub(super) fn orders(inspection: &Inspection) -> Vec<ExpectedOrder> {
     let without_areas = if inspection.noise.commute.holds { 1.0 } else { 0.5 };
     let euler = if inspection.noise.no_correction.holds { 1.0 } else { 0.5 };
@@ -73,24 +73,36 @@ pub(super) fn theorems(inspection: &Inspection) -> Vec<Theorem> {
         "exact-conformal",
         "homogeneous Casimirs, and with one noise the energy, obey exp(−p∫γ)",
         yes_if(lawful),
-        if lawful { "there is one".to_owned() } else { "no homogeneous Casimir or energy was found".to_owned() },
+        if lawful {
+            "there is one".to_owned()
+        } else {
+            "no homogeneous Casimir or energy was found".to_owned()
+        },
     );
     let casimir = theorem(
         "conformal-casimir",
         "sexp keeps linear and quadratic Casimirs on their law, at every step of any size",
         yes_if(!kept.is_empty()),
-        if kept.is_empty() { "B has no linear or quadratic Casimir".to_owned() } else { kept.join("; ") },
+        if kept.is_empty() {
+            "B has no linear or quadratic Casimir".to_owned()
+        } else {
+            kept.join("; ")
+        },
     );
     let energy = match (hamiltonians.noise_size, energy_degree) {
-        (Some(c), Some(degree)) if hamiltonians.discrete_gradient.holds => {
-            (yes_if(true), format!("H₁ = {c} H₀, H₀ is homogeneous of degree {degree}, and ∇̄ is exact"))
-        }
+        (Some(c), Some(degree)) if hamiltonians.discrete_gradient.holds => (
+            yes_if(true),
+            format!("H₁ = {c} H₀, H₀ is homogeneous of degree {degree}, and ∇̄ is exact"),
+        ),
         (Some(_), Some(_)) => (
             Applies::Conditionally,
-            "only as exactly as the quadrature of ∇̄; more nodes or a closed form mend it".to_owned(),
+            "only as exactly as the quadrature of ∇̄; more nodes or a closed form mend it"
+                .to_owned(),
         ),
         (Some(_), None) => (Applies::No, "H₀ is not homogeneous".to_owned()),
-        (None, _) if inspection.noises == 1 => (Applies::No, "H₁ is not a multiple of H₀".to_owned()),
+        (None, _) if inspection.noises == 1 => {
+            (Applies::No, "H₁ is not a multiple of H₀".to_owned())
+        }
         (None, _) => (Applies::No, format!("there are {} noises", inspection.noises)),
     };
     let energy = theorem(
@@ -101,26 +113,45 @@ pub(super) fn theorems(inspection: &Inspection) -> Vec<Theorem> {
     );
 
     let (bounded, because) = match bound {
-        Some(bound) if bound.minimum.in_domain_only => {
-            (Applies::InDomain, format!("m({}) = {:.3} > 0 on the domain", bound.function, bound.minimum.value))
+        Some(bound) if bound.minimum.in_domain_only => (
+            Applies::InDomain,
+            format!("m({}) = {:.3} > 0 on the domain", bound.function, bound.minimum.value),
+        ),
+        Some(bound) => {
+            (Applies::Yes, format!("m({}) = {:.3} > 0", bound.function, bound.minimum.value))
         }
-        Some(bound) => (Applies::Yes, format!("m({}) = {:.3} > 0", bound.function, bound.minimum.value)),
-        None => (Applies::No, "no linear or quadratic Casimir and no energy with m(F) > 0 was found".to_owned()),
+        None => (
+            Applies::No,
+            "no linear or quadratic Casimir and no energy with m(F) > 0 was found".to_owned(),
+        ),
     };
     let bounded = if skew { bounded } else { Applies::No };
-    let moment = theorem("moment-bound", "all paths stay in a ball that is known", bounded, because.clone());
+    let moment =
+        theorem("moment-bound", "all paths stay in a ball that is known", bounded, because.clone());
 
-    let linear = structure.constant.holds && hamiltonians.shapes.iter().all(|shape| shape.constant_hessian);
+    let linear =
+        structure.constant.holds && hamiltonians.shapes.iter().all(|shape| shape.constant_hessian);
     let solvable = if linear {
         (Applies::Yes, "B and the Hessians are constant: the step is a linear system".to_owned())
     } else if structure.constant.holds {
-        (Applies::Conditionally, "B is constant: if the second derivatives of all Hamiltonians are bounded".to_owned())
+        (
+            Applies::Conditionally,
+            "B is constant: if the second derivatives of all Hamiltonians are bounded".to_owned(),
+        )
     } else {
-        let where_bounded =
-            if bounded == Applies::No { "while paths stay in the region looked at" } else { "by the bound" };
+        let where_bounded = if bounded == Applies::No {
+            "while paths stay in the region looked at"
+        } else {
+            "by the bound"
+        };
         (Applies::Conditionally, where_bounded.to_owned())
     };
-    let solvability = theorem("solvability", "a step below a known size has one solution", solvable.0, solvable.1);
+    let solvability = theorem(
+        "solvability",
+        "a step below a known size has one solution",
+        solvable.0,
+        solvable.1,
+    );
 
     // Assumptions 1 and 2 of the paper are bounds on all paths, exact and numerical.
     let (orders_proven, why) = match bounded {

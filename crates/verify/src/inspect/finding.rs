@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-/// An identity holds when no defect is larger, relative to the largest term of which it is made: 2¹² roundings, each good to
-/// ε, one after the other in the user's formula. A mistake is larger by ten orders of magnitude, unless it is in the twelfth
-/// digit of a constant.
+/// An identity holds when no defect is larger, relative to the largest term of which it is made:
+/// 2¹² roundings, each good to ε, one after the other in the user's formula. A mistake is larger by
+/// ten orders of magnitude, unless it is in the twelfth digit of a constant.
 pub(super) const ROUND_OFF: f64 = 4096.0 * f64::EPSILON;
 
 /// Whether an identity holds to round-off, and how badly it fails.

@@ -1,4 +1,5 @@
-//! What the Hamiltonians are, and whether what was written by hand agrees with what follows from them.
+//! What the Hamiltonians are, and whether what was written by hand agrees with what follows from
+//! them.
 
 use serde::Serialize;
 
@@ -21,12 +22,13 @@ pub struct Hamiltonians {
     pub gradient: Finding,
     /// `averaged_gradient(y, y)` is ∇h(y).
     pub averaged_gradient: Finding,
-    /// ∇̄h(a, b)·(b − a) = h(b) − h(a), for points a tenth of the region apart: exact where this holds; where it does not, the
-    /// defect says how good the quadrature is.
+    /// ∇̄h(a, b)·(b − a) = h(b) − h(a), for points a tenth of the region apart: exact where this
+    /// holds; where it does not, the defect says how good the quadrature is.
     pub discrete_gradient: Finding,
     /// `averaged_field(a, b)` is B((a+b)/2)∇̄h(a, b).
     pub averaged_field: Finding,
-    /// `short_step(a)`, where there is one, lacks no more of b = a + averaged_field(a, b) than its bound says.
+    /// `short_step(a)`, where there is one, lacks no more of b = a + averaged_field(a, b) than its
+    /// bound says.
     pub short_step: Finding,
     /// `short_steps` of two paths is, to the bit, `short_step` of each.
     pub short_steps: Finding,
@@ -44,7 +46,8 @@ impl Hamiltonians {
         let d = system.dimension();
         let mut numbers = Numbers::new();
         let (mut linear, mut gradient) = (Finding::new(), Finding::new());
-        let (mut averaged, mut discrete, mut field) = (Finding::new(), Finding::new(), Finding::new());
+        let (mut averaged, mut discrete, mut field) =
+            (Finding::new(), Finding::new(), Finding::new());
         let (mut short, mut in_turn) = (Finding::new(), Finding::new());
         for (n, y) in points.few.iter().enumerate() {
             let weights: Vec<f64> = (0..=noises).map(|_| numbers.uniform()).collect();
@@ -58,7 +61,13 @@ impl Hamiltonians {
 
             let exact = system.dual_gradient(y, &weights);
             compare(&mut gradient, &system.gradient(y, &weights), &exact, norm(&exact), y);
-            compare(&mut averaged, &system.averaged_gradient(y, y, &weights), &exact, norm(&exact), y);
+            compare(
+                &mut averaged,
+                &system.averaged_gradient(y, y, &weights),
+                &exact,
+                norm(&exact),
+                y,
+            );
 
             let other = &points.few[(n + 1) % points.few.len()];
             let b: Vec<f64> = y.iter().zip(other).map(|(a, b)| a + APART * (b - a)).collect();
@@ -89,7 +98,9 @@ impl Hamiltonians {
         }
         Self {
             linear,
-            shapes: (0..=noises).map(|m| Shape::of(&Hamiltonian { system, m }, system, points)).collect(),
+            shapes: (0..=noises)
+                .map(|m| Shape::of(&Hamiltonian { system, m }, system, points))
+                .collect(),
             noise_size: noise_size(system, points),
             gradient,
             averaged_gradient: averaged,
@@ -112,8 +123,9 @@ fn noise_size(system: &dyn Probe, points: &Points) -> Option<f64> {
     if system.noises() != 1 {
         return None;
     }
-    let gradients =
-        |y: &Vec<f64>| (system.dual_gradient(y, &pick(system, 0)), system.dual_gradient(y, &pick(system, 1)));
+    let gradients = |y: &Vec<f64>| {
+        (system.dual_gradient(y, &pick(system, 0)), system.dual_gradient(y, &pick(system, 1)))
+    };
     let (drift, noise) = gradients(&points.few[0]);
     let c = dot(&drift, &noise) / dot(&drift, &drift);
     let mut proportional = Finding::new();

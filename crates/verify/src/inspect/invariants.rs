@@ -43,7 +43,11 @@ impl ClaimedInvariant {
                 }
                 for m in 0..=system.noises() {
                     let hamiltonian = system.dual_gradient(y, &pick(system, m));
-                    conserved.see(dot(&gradient, &times(&b, &hamiltonian)), size * norm(&hamiltonian), y);
+                    conserved.see(
+                        dot(&gradient, &times(&b, &hamiltonian)),
+                        size * norm(&hamiltonian),
+                        y,
+                    );
                 }
             }
             let shape = Shape::of(&f, system, points);
@@ -84,9 +88,13 @@ impl ClaimedInvariant {
             ));
         }
         match self.shape.degree {
-            None => mistakes.push(format!("{named} is not homogeneous, so that it has no conformal law")),
+            None => mistakes
+                .push(format!("{named} is not homogeneous, so that it has no conformal law")),
             Some(degree) if (degree - self.claimed_degree).abs() > 1e-9 * degree.abs() => mistakes
-                .push(format!("{named} is claimed to have degree {} and has degree {degree}", self.claimed_degree)),
+                .push(format!(
+                    "{named} is claimed to have degree {} and has degree {degree}",
+                    self.claimed_degree
+                )),
             Some(_) => {
                 let claimed = match form {
                     Form::Linear => Kind::Linear,

@@ -1,13 +1,14 @@
 //! What a system is, found by looking at it: a report for its author.
 //!
-//! [`inspect()`] evaluates a system and its derivatives at random points and says whether B is skew, whether claimed
-//! invariants are invariants and of which degree, which Casimirs B has, whether noises commute, which statements of the paper
-//! apply, which orders to expect and up to which step size the implicit step is a contraction. [`inspect_problem`] adds what
-//! follows from damping and initial value. A report prints in words and serializes as data.
+//! [`inspect()`] evaluates a system and its derivatives at random points and says whether B is
+//! skew, whether claimed invariants are invariants and of which degree, which Casimirs B has,
+//! whether noises commute, which statements of the paper apply, which orders to expect and up to
+//! which step size the implicit step is a contraction. [`inspect_problem`] adds what follows from
+//! damping and initial value. A report prints in words and serializes as data.
 //!
-//! An identity between analytic functions that holds at one random point holds everywhere with probability one, so
-//! findings are as certain as the threshold of round-off is fair. Suprema are largest values over the points
-//! looked at, and no more than that.
+//! An identity between analytic functions that holds at one random point holds everywhere with
+//! probability one, so findings are as certain as the threshold of round-off is fair. Suprema are
+//! largest values over the points looked at, and no more than that.
 //!
 //! ```
 //! use systems::{MaxwellBloch, RigidBody};
@@ -97,7 +98,8 @@ pub struct Inspection {
     pub theorems: Vec<Theorem>,
     /// What to expect of the schemes.
     pub orders: Vec<ExpectedOrder>,
-    /// Everything that is not as it must be or as it was claimed, in words; empty for a sound system.
+    /// Everything that is not as it must be or as it was claimed, in words; empty for a sound
+    /// system.
     pub mistakes: Vec<String>,
 }
 
@@ -107,17 +109,20 @@ const HALF_SIDE: f64 = 2.0;
 /// Looks at a system at points with |yᵢ| ≤ 2 where it is defined.
 ///
 /// # Errors
-/// [`InspectError::NoPoints`] when it is defined hardly anywhere there ([`inspect_problem`] looks around y₀),
-/// [`InspectError::NotFinite`] when B or the energy is NaN or infinite at a point where it says that it is defined.
-pub fn inspect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(system: &S) -> Result<Inspection, InspectError> {
+/// [`InspectError::NoPoints`] when it is defined hardly anywhere there ([`inspect_problem`] looks
+/// around y₀), [`InspectError::NotFinite`] when B or the energy is NaN or infinite at a point where
+/// it says that it is defined.
+pub fn inspect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    system: &S,
+) -> Result<Inspection, InspectError> {
     let system = Of::<S, D, M>(system);
     let points = Points::new(&system, Region::Box(HALF_SIDE), None)?;
     check_finite(&system, &points)?;
     Ok(Inspection::of(&system, &points).concluded())
 }
 
-/// Looks at a problem in the ball that all its paths stay in, if something bounds them, or of twice the length of y₀; and at its
-/// damping.
+/// Looks at a problem in the ball that all its paths stay in, if something bounds them, or of twice
+/// the length of y₀; and at its damping.
 ///
 /// # Errors
 /// As [`inspect()`].
@@ -196,12 +201,18 @@ impl Inspection {
     /// (strong, weak) order to expect of a scheme, by its identifier.
     #[must_use]
     pub fn order(&self, scheme: &str) -> Option<(f64, f64)> {
-        self.orders.iter().find(|order| order.scheme == scheme).map(|order| (order.strong, order.weak))
+        self.orders
+            .iter()
+            .find(|order| order.scheme == scheme)
+            .map(|order| (order.strong, order.weak))
     }
 
     /// Whether a statement of the paper applies, by its identifier.
     #[must_use]
     pub fn applies(&self, statement: &str) -> Option<Applies> {
-        self.theorems.iter().find(|theorem| theorem.statement == statement).map(|theorem| theorem.applies)
+        self.theorems
+            .iter()
+            .find(|theorem| theorem.statement == statement)
+            .map(|theorem| theorem.applies)
     }
 }

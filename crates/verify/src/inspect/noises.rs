@@ -10,7 +10,8 @@ use super::probe::{Matrix, Probe, axis, pick};
 /// What the noise fields fₘ = B∇Hₘ are to one another.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Noises {
-    /// [fₘ, f_l] = 0: no Lévy areas are needed for strong order one. One noise commutes with itself.
+    /// [fₘ, f_l] = 0: no Lévy areas are needed for strong order one. One noise commutes with
+    /// itself.
     pub commute: Finding,
     /// fₘ′f_l = 0: the Itô correction vanishes and Euler–Maruyama has strong order one.
     pub no_correction: Finding,
@@ -29,7 +30,11 @@ impl Noises {
             let along = |of: usize, v: &[f64]| system.field_derivative(y, &pick(system, of + 1), v);
             // ‖f_l′‖ by columns, so that cancellation within f_l′fₘ does not pass for a commutator.
             let slopes: Vec<f64> = (0..noises)
-                .map(|l| (0..d).map(|i| norm(&along(l, &axis(d, i)))).fold(0.0, |sum: f64, x| sum.hypot(x)))
+                .map(|l| {
+                    (0..d)
+                        .map(|i| norm(&along(l, &axis(d, i))))
+                        .fold(0.0, |sum: f64, x| sum.hypot(x))
+                })
                 .collect();
             let sizes: Vec<f64> = fields.iter().map(|f| norm(f)).collect();
             let mut areas = vec![vec![0.0; noises]; noises];

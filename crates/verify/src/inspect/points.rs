@@ -30,8 +30,8 @@ pub(super) struct Points {
 
 /// Suprema are sampled at this many points.
 const MANY: usize = 400;
-/// Identities are looked at here at so many points: analytic identities that hold at one random point hold everywhere with
-/// probability one, the rest is for formulas with cases.
+/// Identities are looked at here at so many points: analytic identities that hold at one random
+/// point hold everywhere with probability one, the rest is for formulas with cases.
 const FEW: usize = 24;
 /// Points tried for each one wanted: enough for the positive cone in five dimensions.
 const TRIES: usize = 64;
@@ -58,9 +58,13 @@ impl Numbers {
 }
 
 impl Points {
-    /// Points of the region in the domain; where the domain is a small part of it, points with positive components or near
-    /// `start` are taken as well.
-    pub(super) fn new(system: &dyn Probe, region: Region, start: Option<&[f64]>) -> Result<Self, InspectError> {
+    /// Points of the region in the domain; where the domain is a small part of it, points with
+    /// positive components or near `start` are taken as well.
+    pub(super) fn new(
+        system: &dyn Probe,
+        region: Region,
+        start: Option<&[f64]>,
+    ) -> Result<Self, InspectError> {
         let d = system.dimension();
         let few = FEW.max(2 * d);
         let wanted = MANY.max(few);
@@ -75,7 +79,8 @@ impl Points {
                 everywhere = false;
             }
         }
-        // A positive cone in many dimensions, then the neighbourhood of a point that is known to be in the domain.
+        // A positive cone in many dimensions, then the neighbourhood of a point that is known to be
+        // in the domain.
         let positive = |y: Vec<f64>| y.into_iter().map(f64::abs).collect::<Vec<f64>>();
         for near_start in [false, true] {
             for _ in 0..wanted {
@@ -83,9 +88,10 @@ impl Points {
                     break;
                 }
                 let y = match start {
-                    Some(start) if near_start => {
-                        start.iter().map(|x| x + 0.3 * numbers.uniform() * (x.abs() + 0.1 * norm(start))).collect()
-                    }
+                    Some(start) if near_start => start
+                        .iter()
+                        .map(|x| x + 0.3 * numbers.uniform() * (x.abs() + 0.1 * norm(start)))
+                        .collect(),
                     _ => positive(region.point(d, &mut numbers)),
                 };
                 if system.in_domain(&y) {
@@ -108,7 +114,8 @@ impl Region {
                 let direction: Vec<f64> = (0..d).map(|_| numbers.normals.normal()).collect();
                 // Uniform in the ball; one point in four on its boundary, where suprema tend to be.
                 let share = numbers.uniform().abs();
-                let length = if share < 0.25 { 1.0 } else { ((share - 0.25) / 0.75).powf(1.0 / d as f64) };
+                let length =
+                    if share < 0.25 { 1.0 } else { ((share - 0.25) / 0.75).powf(1.0 / d as f64) };
                 let scale = radius * length / norm(&direction);
                 direction.into_iter().map(|x| x * scale).collect()
             }

@@ -1,4 +1,5 @@
-//! A system seen through functions of slices, so that the questions are compiled once and not for every system.
+//! A system seen through functions of slices, so that the questions are compiled once and not for
+//! every system.
 
 use real::{Dual, Real, ScalarFunction, VectorFunction, directional, gradient};
 use systems::{Invariant, PoissonSystem, vector_field, vector_field_derivative};
@@ -62,7 +63,9 @@ struct Structure<'a, S, const D: usize, const M: usize> {
     v: [f64; D],
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D> for Structure<'_, S, D, M> {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D>
+    for Structure<'_, S, D, M>
+{
     fn value<R: Real>(&self, y: [R; D]) -> [R; D] {
         self.system.structure(y, self.v.map(R::constant))
     }
@@ -74,7 +77,9 @@ struct Energy<'a, S, const M: usize> {
     dw: [f64; M],
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ScalarFunction<D> for Energy<'_, S, M> {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ScalarFunction<D>
+    for Energy<'_, S, M>
+{
     fn value<R: Real>(&self, y: [R; D]) -> R {
         self.system.energy(y, self.dt, self.dw)
     }
@@ -85,7 +90,9 @@ struct InvariantFunction<'a, S, const M: usize> {
     index: usize,
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ScalarFunction<D> for InvariantFunction<'_, S, M> {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ScalarFunction<D>
+    for InvariantFunction<'_, S, M>
+{
     fn value<R: Real>(&self, y: [R; D]) -> R {
         self.system.invariant(self.index, y)
     }
@@ -125,7 +132,9 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Probe for Of<'_, S,
         self.0.structure::<f64>(array(y), array(v)).to_vec()
     }
     fn structure_derivative(&self, y: &[f64], l: usize, v: &[f64]) -> Vec<f64> {
-        directional(&Structure::<S, D, M> { system: self.0, v: array(v) }, array(y), unit(l)).1.to_vec()
+        directional(&Structure::<S, D, M> { system: self.0, v: array(v) }, array(y), unit(l))
+            .1
+            .to_vec()
     }
     fn energy(&self, y: &[f64], weights: &[f64]) -> f64 {
         self.0.energy::<f64>(array(y), weights[0], array(&weights[1..]))
@@ -137,7 +146,9 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Probe for Of<'_, S,
         gradient::<f64, _, D>(&self.energy_of(weights), array(y)).to_vec()
     }
     fn averaged_gradient(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64> {
-        self.0.averaged_gradient::<f64>(array(a), array(b), weights[0], array(&weights[1..])).to_vec()
+        self.0
+            .averaged_gradient::<f64>(array(a), array(b), weights[0], array(&weights[1..]))
+            .to_vec()
     }
     fn averaged_field(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64> {
         self.0.averaged_field::<f64>(array(a), array(b), weights[0], array(&weights[1..])).to_vec()
@@ -147,7 +158,8 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Probe for Of<'_, S,
         S::SOLVES_SHORT_STEPS.then(|| (b.to_vec(), bound))
     }
     fn short_steps_agree(&self, a: &[f64], b: &[f64], weights: &[f64]) -> bool {
-        let (a, dt, dw): ([[f64; D]; 2], f64, [f64; M]) = ([array(a), array(b)], weights[0], array(&weights[1..]));
+        let (a, dt, dw): ([[f64; D]; 2], f64, [f64; M]) =
+            ([array(a), array(b)], weights[0], array(&weights[1..]));
         let dw = [dw, dw.map(|w| -0.5 * w)];
         // Sign and payload of a NaN are not specified.
         let bits = |(z, bound): ([f64; D], f64)| {
@@ -164,7 +176,14 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Probe for Of<'_, S,
         vector_field::<S, f64, D, M>(self.0, array(y), weights[0], array(&weights[1..])).to_vec()
     }
     fn field_derivative(&self, y: &[f64], weights: &[f64], v: &[f64]) -> Vec<f64> {
-        vector_field_derivative::<S, f64, D, M>(self.0, array(y), weights[0], array(&weights[1..]), array(v)).to_vec()
+        vector_field_derivative::<S, f64, D, M>(
+            self.0,
+            array(y),
+            weights[0],
+            array(&weights[1..]),
+            array(v),
+        )
+        .to_vec()
     }
     fn commutators(&self, y: &[f64], areas: &Matrix) -> Vec<f64> {
         let mut matrix = [[0.0; M]; M];
@@ -180,7 +199,8 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Probe for Of<'_, S,
         self.0.invariant::<f64>(index, array(y))
     }
     fn invariant_gradient(&self, index: usize, y: &[f64]) -> Vec<f64> {
-        gradient::<f64, _, D>(&InvariantFunction::<S, M> { system: self.0, index }, array(y)).to_vec()
+        gradient::<f64, _, D>(&InvariantFunction::<S, M> { system: self.0, index }, array(y))
+            .to_vec()
     }
     fn invariant_hessian(&self, index: usize, y: &[f64]) -> Matrix {
         rows::<_, D>(&InvariantFunction::<S, M> { system: self.0, index }, array(y))
@@ -196,7 +216,11 @@ pub(super) fn matrix(system: &dyn Probe, y: &[f64]) -> Matrix {
 /// The matrices ∂B(y)/∂y_l.
 pub(super) fn slopes(system: &dyn Probe, y: &[f64]) -> Vec<Matrix> {
     let d = system.dimension();
-    (0..d).map(|l| transposed(&(0..d).map(|j| system.structure_derivative(y, l, &axis(d, j))).collect())).collect()
+    (0..d)
+        .map(|l| {
+            transposed(&(0..d).map(|j| system.structure_derivative(y, l, &axis(d, j))).collect())
+        })
+        .collect()
 }
 
 /// The weights that pick H₀ (`m` = 0) or Hₘ.

@@ -37,12 +37,13 @@ pub struct Shape {
 /// m(F) = min F over the unit sphere; positive, it bounds all paths.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Minimum {
-    /// The value: half the smallest eigenvalue of a quadratic form, −‖β‖ of a linear one, else found by a search.
+    /// The value: half the smallest eigenvalue of a quadratic form, −‖β‖ of a linear one, else
+    /// found by a search.
     pub value: f64,
     /// Whether it is positive; a value of the size of the error of the search is not.
     pub positive: bool,
-    /// Whether only the part of the sphere was considered where the system is defined: the bound then holds as long as a
-    /// path stays there.
+    /// Whether only the part of the sphere was considered where the system is defined: the bound
+    /// then holds as long as a path stays there.
     pub in_domain_only: bool,
 }
 
@@ -126,7 +127,8 @@ impl Shape {
 /// A degree within this of an integer is that integer.
 const INTEGER: f64 = 1e-9;
 
-/// p of Euler's identity ∇F·y = pF: read off where F is largest beside its gradient, then asked for everywhere.
+/// p of Euler's identity ∇F·y = pF: read off where F is largest beside its gradient, then asked for
+/// everywhere.
 fn degree(f: &dyn Function, points: &Points) -> Option<f64> {
     let euler = |y: &Vec<f64>| {
         let gradient = f.gradient(y);
@@ -148,7 +150,8 @@ fn degree(f: &dyn Function, points: &Points) -> Option<f64> {
     (p.is_finite() && p != 0.0 && identity.holds).then_some(p)
 }
 
-/// A minimum found by search is positive when it is more than this of the largest value on the sphere.
+/// A minimum found by search is positive when it is more than this of the largest value on the
+/// sphere.
 const CLEARLY_POSITIVE: f64 = 1e-6;
 /// The search stops at steps of this length, where the value is good to its square.
 const SHORTEST: f64 = 1e-7;
@@ -164,7 +167,8 @@ impl Minimum {
         Self::exact(0.5 * eigenvalues(q).first().copied().unwrap_or(0.0), size)
     }
 
-    /// Steps along the axes, back onto the sphere, shorter when none helps, from the few best directions.
+    /// Steps along the axes, back onto the sphere, shorter when none helps, from the few best
+    /// directions.
     pub(super) fn by_search(f: &dyn Function, system: &dyn Probe, points: &Points) -> Self {
         let on_sphere = |y: &[f64]| {
             let length = norm(y);
@@ -172,18 +176,21 @@ impl Minimum {
             let value = f.value(&y);
             (system.in_domain(&y) && value.is_finite()).then_some((value, y))
         };
-        let mut starts: Vec<(f64, Vec<f64>)> = points.many.iter().filter_map(|y| on_sphere(y)).collect();
+        let mut starts: Vec<(f64, Vec<f64>)> =
+            points.many.iter().filter_map(|y| on_sphere(y)).collect();
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
         let largest = starts.iter().fold(0.0, |m: f64, (value, _)| m.max(value.abs()));
         let mut value = f64::INFINITY;
         for (mut here, mut y) in starts.into_iter().take(4) {
             let mut step = 0.5;
             while step > SHORTEST {
-                let moved = (0..y.len()).flat_map(|i| [step, -step].map(|by| (i, by))).find_map(|(i, by)| {
-                    let mut moved = y.clone();
-                    moved[i] += by;
-                    on_sphere(&moved).filter(|(value, _)| *value < here)
-                });
+                let moved = (0..y.len()).flat_map(|i| [step, -step].map(|by| (i, by))).find_map(
+                    |(i, by)| {
+                        let mut moved = y.clone();
+                        moved[i] += by;
+                        on_sphere(&moved).filter(|(value, _)| *value < here)
+                    },
+                );
                 match moved {
                     Some((lower, there)) => (here, y) = (lower, there),
                     None => step *= 0.5,

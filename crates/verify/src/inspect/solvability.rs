@@ -24,8 +24,12 @@ pub struct Solvability {
 impl Solvability {
     pub(super) fn of(system: &dyn Probe, points: &Points) -> Self {
         let count = system.noises() + 1;
-        let mut norms =
-            Self { structure: 0.0, structure_slope: 0.0, gradients: vec![0.0; count], hessians: vec![0.0; count] };
+        let mut norms = Self {
+            structure: 0.0,
+            structure_slope: 0.0,
+            gradients: vec![0.0; count],
+            hessians: vec![0.0; count],
+        };
         for y in &points.many {
             norms.structure = norms.structure.max(spectral_norm(&matrix(system, y)));
             let stacked: Matrix = slopes(system, y).into_iter().flatten().collect();
@@ -33,8 +37,10 @@ impl Solvability {
             norms.structure_slope = norms.structure_slope.max(square.sqrt());
             for m in 0..count {
                 let weights = pick(system, m);
-                norms.gradients[m] = norms.gradients[m].max(norm(&system.dual_gradient(y, &weights)));
-                norms.hessians[m] = norms.hessians[m].max(spectral_norm(&system.hessian(y, &weights)));
+                norms.gradients[m] =
+                    norms.gradients[m].max(norm(&system.dual_gradient(y, &weights)));
+                norms.hessians[m] =
+                    norms.hessians[m].max(spectral_norm(&system.hessian(y, &weights)));
             }
         }
         norms
@@ -52,10 +58,12 @@ impl Solvability {
         tau * self.of_hamiltonian(0) + (2.0 * f64::from(k) * tau * tau.ln().abs()).sqrt() * noises
     }
 
-    /// The largest τ̄ such that C(k, τ) < 1 for all τ < τ̄; 1 where truncated increments end before the bound does.
+    /// The largest τ̄ such that C(k, τ) < 1 for all τ < τ̄; 1 where truncated increments end before
+    /// the bound does.
     #[must_use]
     pub fn largest_step(&self, k: u32) -> f64 {
-        // Down from 1 on a grid, to the first step below which C never reaches one; C rises from zero with τ up to 1/e.
+        // Down from 1 on a grid, to the first step below which C never reaches one; C rises from
+        // zero with τ up to 1/e.
         let grid = |n: u32| f64::powf(2.0, -f64::from(n) / 16.0);
         // NaN contracts nowhere.
         let contracts = |tau: f64| self.contraction(k, tau) < 1.0;
@@ -78,8 +86,12 @@ mod tests {
 
     #[test]
     fn the_largest_step_solves_the_equation() {
-        let pendulum =
-            Solvability { structure: 1.0, structure_slope: 0.0, gradients: vec![9.0; 2], hessians: vec![1.0; 2] };
+        let pendulum = Solvability {
+            structure: 1.0,
+            structure_slope: 0.0,
+            gradients: vec![9.0; 2],
+            hessians: vec![1.0; 2],
+        };
         for k in [1, 2, 4] {
             let tau = pendulum.largest_step(k);
             assert!((pendulum.contraction(k, tau) - 1.0).abs() < 1e-9, "{k}: {tau}");

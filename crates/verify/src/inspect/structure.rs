@@ -43,7 +43,11 @@ impl Structure {
             for i in 0..d {
                 for j in 0..i {
                     for k in 0..j {
-                        jacobi.see(jacobiator(&b, &slopes, [i, j, k]), size * steepest * d as f64, y);
+                        jacobi.see(
+                            jacobiator(&b, &slopes, [i, j, k]),
+                            size * steepest * d as f64,
+                            y,
+                        );
                     }
                 }
             }
@@ -54,5 +58,7 @@ impl Structure {
 
 /// Σ_l Bᵢ_l ∂_l Bⱼₖ + Bⱼ_l ∂_l Bₖᵢ + Bₖ_l ∂_l Bᵢⱼ.
 fn jacobiator(b: &Matrix, slopes: &[Matrix], [i, j, k]: [usize; 3]) -> f64 {
-    (0..b.len()).map(|l| b[i][l] * slopes[l][j][k] + b[j][l] * slopes[l][k][i] + b[k][l] * slopes[l][i][j]).sum()
+    (0..b.len())
+        .map(|l| b[i][l] * slopes[l][j][k] + b[j][l] * slopes[l][k][i] + b[k][l] * slopes[l][i][j])
+        .sum()
 }

@@ -8,8 +8,8 @@ use super::points::Region;
 use super::shape::{Kind, Minimum, Shape};
 use super::{Inspection, Structure};
 
-/// The discrete gradient may be a quadrature; worse than this it is a mistake, since a step is shorter than the distance at
-/// which it was looked at.
+/// The discrete gradient may be a quadrature; worse than this it is a mistake, since a step is
+/// shorter than the distance at which it was looked at.
 const POOR_QUADRATURE: f64 = 1e-3;
 
 /// Everything that is wrong.
@@ -25,23 +25,37 @@ pub(super) fn mistakes(inspection: &Inspection) -> Vec<String> {
     must(&structure.skew, "B(y) is not skew-symmetric");
     must(&hamiltonians.linear, "energy(y, dt, dw) is not linear in (dt, dw)");
     must(&hamiltonians.gradient, "gradient is not the gradient of energy");
-    must(&hamiltonians.averaged_gradient, "averaged_gradient(y, y) is not the gradient of energy at y");
-    must(&hamiltonians.averaged_field, "averaged_field(a, b) is not structure((a+b)/2, averaged_gradient(a, b))");
+    must(
+        &hamiltonians.averaged_gradient,
+        "averaged_gradient(y, y) is not the gradient of energy at y",
+    );
+    must(
+        &hamiltonians.averaged_field,
+        "averaged_field(a, b) is not structure((a+b)/2, averaged_gradient(a, b))",
+    );
     must(
         &hamiltonians.short_step,
         "short_step does not solve b = a + averaged_field(a, b) within the bound that it gives",
     );
-    must(&hamiltonians.short_steps, "short_steps is not short_step of each of its two paths, to the bit");
+    must(
+        &hamiltonians.short_steps,
+        "short_steps is not short_step of each of its two paths, to the bit",
+    );
     must(&noise.commutators, "commutators is not what follows from B and the energy");
     if hamiltonians.discrete_gradient.defect > POOR_QUADRATURE {
-        must(&hamiltonians.discrete_gradient, "averaged_gradient(a, b)·(b − a) is not the change of energy");
+        must(
+            &hamiltonians.discrete_gradient,
+            "averaged_gradient(a, b)·(b − a) is not the change of energy",
+        );
     }
     for invariant in &inspection.invariants {
         mistakes.extend(invariant.mistakes.iter().cloned());
     }
     if let Some(problem) = inspection.problem.as_ref().filter(|problem| !problem.integral_agrees) {
-        mistakes
-            .push(format!("integral of the damping is not the integral of its rate: {}", Defect(&problem.integral)));
+        mistakes.push(format!(
+            "integral of the damping is not the integral of its rate: {}",
+            Defect(&problem.integral)
+        ));
     }
     mistakes
 }
@@ -80,7 +94,11 @@ impl fmt::Display for Structure {
         if self.jacobi.holds {
             write!(f, "; Jacobi's identity holds: a Poisson structure")
         } else {
-            write!(f, "; Jacobi's identity does not hold (defect {:.1e}), which no statement needs", self.jacobi.defect)
+            write!(
+                f,
+                "; Jacobi's identity does not hold (defect {:.1e}), which no statement needs",
+                self.jacobi.defect
+            )
         }
     }
 }
@@ -154,7 +172,11 @@ impl fmt::Display for Inspection {
             } else {
                 format!("claimed as {kind}: WRONG, see below")
             };
-            writeln!(f, "  {:<9}{}: {verdict}; {}", invariant.name, invariant.formula, invariant.shape)?;
+            writeln!(
+                f,
+                "  {:<9}{}: {verdict}; {}",
+                invariant.name, invariant.formula, invariant.shape
+            )?;
         }
         if self.casimirs.found.is_empty() {
             writeln!(f, "  Casimirs of B, linear or quadratic: none")?;
@@ -162,9 +184,14 @@ impl fmt::Display for Inspection {
             writeln!(f, "  Casimirs of B, linear or quadratic:")?;
         }
         for casimir in &self.casimirs.found {
-            writeln!(f, "    {}; degree {}, m = {}", casimir.formula, casimir.degree, casimir.minimum)?;
+            writeln!(
+                f,
+                "    {}; degree {}, m = {}",
+                casimir.formula, casimir.degree, casimir.minimum
+            )?;
         }
-        if let Some(sum) = self.casimirs.definite.as_ref().filter(|_| self.casimirs.found.len() > 1) {
+        if let Some(sum) = self.casimirs.definite.as_ref().filter(|_| self.casimirs.found.len() > 1)
+        {
             writeln!(f, "    among their sums {}, m = {}", sum.formula, sum.minimum)?;
         }
         if !self.casimirs.quadratic_sought {
@@ -194,11 +221,16 @@ impl fmt::Display for Inspection {
             writeln!(f, "                 {}", theorem.because)?;
         }
         writeln!(f, "Orders to expect, strong / weak")?;
-        let orders: Vec<String> =
-            self.orders.iter().map(|order| format!("{} {} / {}", order.scheme, order.strong, order.weak)).collect();
+        let orders: Vec<String> = self
+            .orders
+            .iter()
+            .map(|order| format!("{} {} / {}", order.scheme, order.strong, order.weak))
+            .collect();
         writeln!(f, "  {}", orders.join(",  "))?;
-        let steps: Vec<String> =
-            [1, 2, 4].iter().map(|&k| format!("{:.1e} for k = {k}", self.solvability.largest_step(k))).collect();
+        let steps: Vec<String> = [1, 2, 4]
+            .iter()
+            .map(|&k| format!("{:.1e} for k = {k}", self.solvability.largest_step(k)))
+            .collect();
         writeln!(
             f,
             "Sufficient for sexp: C(k, τ) < 1 in {} for τ up to {}",

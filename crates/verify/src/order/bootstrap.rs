@@ -1,15 +1,19 @@
 //! A bootstrap-t interval for a weighted sum of logarithms of means, resampling whole paths.
 //!
-//! θ = Σ_l g_l ln m_l with fixed weights, where m_l is the mean of x_l over the paths: the slope of a fit is of this form, and the
-//! logarithm of a root-mean-square. The errors of one path at all step sizes belong together, so whole paths are resampled, in the batches that
-//! [`CrossMoments`] keeps (Efron and Tibshirani, *An Introduction to the Bootstrap*, 1993, §12.5):
+//! θ = Σ_l g_l ln m_l with fixed weights, where m_l is the mean of x_l over the paths: the slope of
+//! a fit is of this form, and the logarithm of a root-mean-square. The errors of one path at all
+//! step sizes belong together, so whole paths are resampled, in the batches that [`CrossMoments`]
+//! keeps (Efron and Tibshirani, *An Introduction to the Bootstrap*, 1993, §12.5):
 //!
-//! 1. draw batches with replacement, as many as there are; m*_l are their means, θ* = Σ g_l ln m*_l;
-//! 2. with u_b = Σ_l g_l (x_bl/m*_l − n_b), the influence of batch b, the standard error is se* = √(Σ u_b²)/N*;
+//! 1. draw batches with replacement, as many as there are; m*_l are their means, θ* = Σ g_l ln
+//!    m*_l;
+//! 2. with u_b = Σ_l g_l (x_bl/m*_l − n_b), the influence of batch b, the standard error is se* =
+//!    √(Σ u_b²)/N*;
 //! 3. t* = (θ* − θ)/se*; the interval is [θ − t*_{hi} se, θ − t*_{lo} se] with the quantiles of t*.
 //!
-//! Studentising lets the interval lean to the side on which a large error has not been seen yet; a percentile interval
-//! leans to the other one. Draws are functions of the number of the resample alone, so the interval is reproducible.
+//! Studentising lets the interval lean to the side on which a large error has not been seen yet; a
+//! percentile interval leans to the other one. Draws are functions of the number of the resample
+//! alone, so the interval is reproducible.
 
 use std::sync::OnceLock;
 
@@ -23,7 +27,8 @@ const RANK: usize = 10;
 /// With fewer batches the quantiles of t* are those of a few values that come again and again.
 const LEAST_BATCHES: usize = 32;
 
-/// How far the interval reaches below and above θ, in standard errors of θ; `None` with fewer than 32 paths.
+/// How far the interval reaches below and above θ, in standard errors of θ; `None` with fewer than
+/// 32 paths.
 ///
 /// `levels` are the components that the weights `gain` belong to.
 pub(super) fn reach(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> Option<(f64, f64)> {
@@ -33,10 +38,13 @@ pub(super) fn reach(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> O
         return None;
     }
     // Scaled by their means, so that logarithms of means are differences to the estimate.
-    let values: Vec<Vec<f64>> =
-        levels.iter().map(|&l| squares.batches().map(|(_, sums)| sums[l] / squares.mean(l)).collect()).collect();
+    let values: Vec<Vec<f64>> = levels
+        .iter()
+        .map(|&l| squares.batches().map(|(_, sums)| sums[l] / squares.mean(l)).collect())
+        .collect();
     let mut statistics = Vec::with_capacity(RESAMPLES as usize);
-    let (mut times, mut influences, mut means) = (vec![0.0; batches], vec![0.0; batches], vec![0.0; levels.len()]);
+    let (mut times, mut influences, mut means) =
+        (vec![0.0; batches], vec![0.0; batches], vec![0.0; levels.len()]);
     for resample in 0..RESAMPLES {
         drawn(resample, &mut times);
         let se = dispatch(Resample {
@@ -113,13 +121,17 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     sum + rest
 }
 
-/// Degrees of freedom of the estimated variance of θ by Satterthwaite's rule, 2B/(κ − 1) with κ the kurtosis of the
-/// influences u_b of the B batches: B for normal influences, 2 when a single batch dominates.
+/// Degrees of freedom of the estimated variance of θ by Satterthwaite's rule, 2B/(κ − 1) with κ the
+/// kurtosis of the influences u_b of the B batches: B for normal influences, 2 when a single batch
+/// dominates.
 pub(super) fn degrees_of_freedom(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> f64 {
     let (mut batches, mut second, mut fourth) = (0.0, 0.0, 0.0);
     for (count, sums) in squares.batches() {
-        let influence: f64 =
-            levels.iter().zip(gain).map(|(&l, g)| g * (sums[l] / squares.mean(l) - count as f64)).sum();
+        let influence: f64 = levels
+            .iter()
+            .zip(gain)
+            .map(|(&l, g)| g * (sums[l] / squares.mean(l) - count as f64))
+            .sum();
         batches += 1.0;
         second += influence.powi(2);
         fourth += influence.powi(4);
@@ -128,8 +140,8 @@ pub(super) fn degrees_of_freedom(squares: &CrossMoments, levels: &[usize], gain:
     2.0 * batches / (kurtosis - 1.0).max(f64::EPSILON)
 }
 
-/// How often each batch is drawn in a resample. With all [`BATCHES`] of them, which is nearly always, it is looked up:
-/// drawing takes twice as long as the rest.
+/// How often each batch is drawn in a resample. With all [`BATCHES`] of them, which is nearly
+/// always, it is looked up: drawing takes twice as long as the rest.
 fn drawn(resample: u64, times: &mut [f64]) {
     static ALL: OnceLock<Vec<u16>> = OnceLock::new();
     if times.len() == BATCHES {
@@ -150,8 +162,9 @@ fn drawn(resample: u64, times: &mut [f64]) {
 
 /// Draws as many batches as there are.
 ///
-/// The numbers are those of SplitMix64 (Steele, Lea and Flood 2014) started at the number of the resample times 2³²;
-/// the upper half of a word times the number of batches, over 2³², is uniform up to 2⁻²⁴.
+/// The numbers are those of SplitMix64 (Steele, Lea and Flood 2014) started at the number of the
+/// resample times 2³²; the upper half of a word times the number of batches, over 2³², is uniform
+/// up to 2⁻²⁴.
 fn draw(resample: u64, batches: u64, mut count: impl FnMut(usize)) {
     let mut counter = resample << 32;
     for _ in 0..batches {
@@ -164,8 +177,9 @@ fn draw(resample: u64, batches: u64, mut count: impl FnMut(usize)) {
     }
 }
 
-/// A 95 % interval for the root of the mean square of component `l`, by bootstrap-t for its logarithm. It leans upwards, as it must
-/// for skewed squares, where value ± 1.96 standard errors covers too rarely. `None` with fewer than 32 paths.
+/// A 95 % interval for the root of the mean square of component `l`, by bootstrap-t for its
+/// logarithm. It leans upwards, as it must for skewed squares, where value ± 1.96 standard errors
+/// covers too rarely. `None` with fewer than 32 paths.
 #[must_use]
 pub fn root_mean_square_interval(squares: &CrossMoments, l: usize) -> Option<(f64, f64)> {
     let mean = squares.mean(l);

@@ -4,9 +4,14 @@ use super::quantile;
 use super::strong::{Estimate, FEW_PATHS, STRAIGHT_CONFIDENCE, Terms};
 use crate::results::{Rate, StraightLine};
 
-/// The fit in words. What bends the points is named by the larger of the two terms' t, when it is beyond the same
-/// confidence as the straight line is refuted with.
-pub(super) fn describe(rate: &Rate, estimate: &Estimate, terms: Terms, conservative: bool) -> String {
+/// The fit in words. What bends the points is named by the larger of the two terms' t, when it is
+/// beyond the same confidence as the straight line is refuted with.
+pub(super) fn describe(
+    rate: &Rate,
+    estimate: &Estimate,
+    terms: Terms,
+    conservative: bool,
+) -> String {
     let corrections = match (terms.curvature, terms.reference.is_some()) {
         (true, true) => " + ln(1 + bτ + c τ_ref/τ)",
         (true, false) => " + ln(1 + bτ)",
@@ -22,7 +27,8 @@ pub(super) fn describe(rate: &Rate, estimate: &Estimate, terms: Terms, conservat
     }
     if let Some(line) = &rate.straight {
         let StraightLine { estimate, lo, hi, chi_square, degrees, refuted } = line;
-        let (curvature, reference) = (rate.curvature_t.unwrap_or(0.0).abs(), rate.reference_t.unwrap_or(0.0).abs());
+        let (curvature, reference) =
+            (rate.curvature_t.unwrap_or(0.0).abs(), rate.reference_t.unwrap_or(0.0).abs());
         let threshold = quantile(STRAIGHT_CONFIDENCE);
         let reason = match refuted {
             false => "which the points do not contradict",

@@ -26,7 +26,8 @@ fn quantile(confidence: f64) -> f64 {
 
 /// Two-sided quantile of Student's distribution.
 fn student(degrees: f64, confidence: f64) -> f64 {
-    StudentsT::new(0.0, 1.0, degrees.max(1.0)).map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + 0.5 * confidence))
+    StudentsT::new(0.0, 1.0, degrees.max(1.0))
+        .map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + 0.5 * confidence))
 }
 
 #[cfg(test)]

@@ -4,10 +4,19 @@ use noise::{StreamKey, WienerPath};
 use super::*;
 use crate::results::{Rate, Verdict};
 
-const TAUS: [f64; 8] =
-    [0.03125, 0.015625, 0.0078125, 0.00390625, 0.001953125, 0.0009765625, 0.00048828125, 0.000244140625];
+const TAUS: [f64; 8] = [
+    0.03125,
+    0.015625,
+    0.0078125,
+    0.00390625,
+    0.001953125,
+    0.0009765625,
+    0.00048828125,
+    0.000244140625,
+];
 
-/// Squared errors C τ^{2p}(1 + τ)(1 − c τ_ref/τ) Z² of 400 paths; Z is normal, half shared between the levels.
+/// Squared errors C τ^{2p}(1 + τ)(1 − c τ_ref/τ) Z² of 400 paths; Z is normal, half shared between
+/// the levels.
 fn synthetic(seed: u64, order: f64, reference: Option<f64>) -> CrossMoments {
     let mut squares = CrossMoments::new(TAUS.len());
     for path in 0..400 {
@@ -28,15 +37,20 @@ fn synthetic(seed: u64, order: f64, reference: Option<f64>) -> CrossMoments {
 
 #[test]
 fn strong_intervals_cover_the_order() {
-    // 95 % intervals on 200 data sets: 190 expected; fewer than 176 or 200 of 200 has probability below 1e-4.
+    // 95 % intervals on 200 data sets: 190 expected; fewer than 176 or 200 of 200 has probability
+    // below 1e-4.
     for (order, reference) in [(0.5, None), (1.0, None), (0.5, Some(TAUS[7] / 4.0))] {
         let covered = (0..200)
             .filter(|&seed| {
-                let rate = fit_strong(&TAUS, reference, &synthetic(seed, order, reference)).unwrap();
+                let rate =
+                    fit_strong(&TAUS, reference, &synthetic(seed, order, reference)).unwrap();
                 rate.lo <= order && order <= rate.hi
             })
             .count();
-        assert!((176..200).contains(&covered), "order {order}, reference {reference:?}: {covered} of 200");
+        assert!(
+            (176..200).contains(&covered),
+            "order {order}, reference {reference:?}: {covered} of 200"
+        );
     }
 }
 
@@ -90,7 +104,13 @@ fn weak(seed: u64, p: f64, a: f64, b: f64, noise_size: f64) -> (Vec<f64>, Vec<Ve
         })
         .collect();
     let covariance = (0..8)
-        .map(|l| (0..8).map(|m| noise_size * noise_size * TAUS[l] * TAUS[m] * if l == m { 1.0 } else { 0.5 }).collect())
+        .map(|l| {
+            (0..8)
+                .map(|m| {
+                    noise_size * noise_size * TAUS[l] * TAUS[m] * if l == m { 1.0 } else { 0.5 }
+                })
+                .collect()
+        })
         .collect();
     (errors, covariance)
 }
@@ -110,8 +130,13 @@ fn weak_intervals_cover_the_order_through_a_change_of_sign() {
     }
 }
 
-/// Independent differences e(τ) − e(τ_ref) of e = τᵖ + τ^{p+1}, with noise of 0.5 % of the leading one.
-fn weak_differences(seed: u64, p: f64, reference: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<Vec<f64>>) {
+/// Independent differences e(τ) − e(τ_ref) of e = τᵖ + τ^{p+1}, with noise of 0.5 % of the leading
+/// one.
+fn weak_differences(
+    seed: u64,
+    p: f64,
+    reference: impl Fn(f64) -> f64,
+) -> (Vec<f64>, Vec<Vec<f64>>) {
     let mut noise = WienerPath::<1>::new(StreamKey { seed, experiment: 4 }, 0);
     let error = |tau: f64| tau.powf(p) + tau.powf(p + 1.0);
     let sizes = TAUS.map(|tau| 0.005 * (tau.powf(p) - reference(tau).powf(p)));
@@ -120,15 +145,19 @@ fn weak_differences(seed: u64, p: f64, reference: impl Fn(f64) -> f64) -> (Vec<f
         .zip(&sizes)
         .map(|(&tau, size)| error(tau) - error(reference(tau)) + size * noise.normal())
         .collect();
-    let covariance = (0..8).map(|l| (0..8).map(|m| if l == m { sizes[l] * sizes[l] } else { 0.0 }).collect()).collect();
+    let covariance = (0..8)
+        .map(|l| (0..8).map(|m| if l == m { sizes[l] * sizes[l] } else { 0.0 }).collect())
+        .collect();
     (differences, covariance)
 }
 
-/// How many of 200 intervals cover the order and lie within ¼ of it, which is ten standard errors: 190 expected; fewer than 176 or
-/// 200 of 200 has probability below 1e-4.
+/// How many of 200 intervals cover the order and lie within ¼ of it, which is ten standard errors:
+/// 190 expected; fewer than 176 or 200 of 200 has probability below 1e-4.
 fn covers(p: f64, fit: impl Fn(u64) -> Option<Rate>) -> usize {
     let near = |rate: &Rate| rate.lo > p - ORDER_MARGIN && rate.hi < p + ORDER_MARGIN;
-    (0..200).filter(|&seed| fit(seed).is_some_and(|rate| near(&rate) && rate.lo <= p && p <= rate.hi)).count()
+    (0..200)
+        .filter(|&seed| fit(seed).is_some_and(|rate| near(&rate) && rate.lo <= p && p <= rate.hi))
+        .count()
 }
 
 #[test]
@@ -146,14 +175,17 @@ fn differences_need_no_tail() {
         });
         assert!((176..200).contains(&covered), "order {p} against a reference: {covered} of 200");
     }
-    // The twins: sums of differences of order 2 with the tail of order 1, and a reference taken for exact.
+    // The twins: sums of differences of order 2 with the tail of order 1, and a reference taken for
+    // exact.
     let tailed = covers(2.0, |seed| {
         let (differences, _) = weak_differences(seed, 2.0, |tau| 0.5 * tau);
-        let sum = |l: usize, tail: &dyn Fn(usize) -> f64| (l..7).map(tail).sum::<f64>() + 2.0 * tail(7);
+        let sum =
+            |l: usize, tail: &dyn Fn(usize) -> f64| (l..7).map(tail).sum::<f64>() + 2.0 * tail(7);
         let errors: Vec<f64> = (0..8).map(|l| sum(l, &|j| differences[j])).collect();
         let variance = |j: usize| (0.005 * 0.75 * TAUS[j] * TAUS[j]).powi(2);
-        let covariance: Vec<Vec<f64>> =
-            (0..8usize).map(|l| (0..8).map(|m| sum(l.max(m), &variance) + 2.0 * variance(7)).collect()).collect();
+        let covariance: Vec<Vec<f64>> = (0..8usize)
+            .map(|l| (0..8).map(|m| sum(l.max(m), &variance) + 2.0 * variance(7)).collect())
+            .collect();
         fit_weak(&TAUS, &errors, &covariance)
     });
     assert!(tailed < 100, "{tailed} of 200");
@@ -179,14 +211,19 @@ fn an_order_is_not_read_off_a_model_that_does_not_fit() {
         assert_eq!(bound_verdict(Some(&bent), order), Verdict::Undecided);
     }
     // Independent values and strong errors have the same guard.
-    let values: Vec<(f64, f64)> =
-        TAUS.iter().enumerate().map(|(l, tau)| (tau * (1.0 + 0.05 * (l % 2) as f64), 0.002 * tau)).collect();
+    let values: Vec<(f64, f64)> = TAUS
+        .iter()
+        .enumerate()
+        .map(|(l, tau)| (tau * (1.0 + 0.05 * (l % 2) as f64), 0.002 * tau))
+        .collect();
     assert!(fit_independent(&TAUS, &values).unwrap().warning.is_some());
     let mut squares = CrossMoments::new(8);
     for path in 0..1000 {
         let mut noise = WienerPath::<1>::new(StreamKey { seed: 7, experiment: 3 }, path);
         let shared = noise.normal();
-        let error = |l: usize| TAUS[l] * (1.0 + 0.4 * (l % 2) as f64) * (shared + 0.3 * noise.normal()).powi(2);
+        let error = |l: usize| {
+            TAUS[l] * (1.0 + 0.4 * (l % 2) as f64) * (shared + 0.3 * noise.normal()).powi(2)
+        };
         squares.add(&(0..8).map(error).collect::<Vec<_>>());
     }
     let strong = fit_strong(&TAUS, None, &squares).unwrap();
@@ -211,7 +248,9 @@ fn curvature_is_named_and_the_straight_line_refuted() {
         for path in 0..1000 {
             let mut noise = WienerPath::<1>::new(StreamKey { seed: 5, experiment: 3 }, path);
             let shared = noise.normal();
-            squares.add(&TAUS.map(|tau| tau * (1.0 + curvature * tau) * (shared + 0.3 * noise.normal()).powi(2)));
+            squares.add(&TAUS.map(|tau| {
+                tau * (1.0 + curvature * tau) * (shared + 0.3 * noise.normal()).powi(2)
+            }));
         }
         squares
     };
@@ -234,7 +273,10 @@ fn with_an_outlier(hit: usize) -> CrossMoments {
         let shared = noise.normal();
         let mut errors = TAUS.map(|tau| tau * tau * (shared + 0.5 * noise.normal()).powi(2));
         if path == 123 {
-            errors[..hit].iter_mut().zip(&TAUS).for_each(|(error, tau)| *error = 2000.0 * tau * tau);
+            errors[..hit]
+                .iter_mut()
+                .zip(&TAUS)
+                .for_each(|(error, tau)| *error = 2000.0 * tau * tau);
         }
         squares.add(&errors);
     }
@@ -245,11 +287,17 @@ fn with_an_outlier(hit: usize) -> CrossMoments {
 fn levels_that_one_path_dominates_are_left_out_and_named() {
     let rate = fit_strong(&TAUS, None, &with_an_outlier(2)).unwrap();
     assert_eq!(rate.left_out, TAUS[..2]);
-    assert!(rate.effective_paths.unwrap() < 10.0 && rate.method.contains("left out"), "{}", rate.method);
+    assert!(
+        rate.effective_paths.unwrap() < 10.0 && rate.method.contains("left out"),
+        "{}",
+        rate.method
+    );
     assert_eq!(order_verdict(Some(&rate), 1.0), Verdict::Holds);
     // The twin: with all levels the outlier bends the line.
-    let logarithms =
-        Logarithms::new(&TAUS, &with_an_outlier(2), (0..8).collect()).unwrap().fit(Terms::STRAIGHT).unwrap();
+    let logarithms = Logarithms::new(&TAUS, &with_an_outlier(2), (0..8).collect())
+        .unwrap()
+        .fit(Terms::STRAIGHT)
+        .unwrap();
     assert!(logarithms.order > 1.05, "{}", logarithms.order);
 }
 

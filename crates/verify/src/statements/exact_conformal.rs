@@ -1,17 +1,18 @@
 //! `exact-conformal`: the exact flow obeys the conformal law (paper, `prop:Casimir`).
 //!
-//! Along a path with piecewise linear noise the equation is an ordinary differential equation with the same chain
-//! rule as the Stratonovich equation, and the law holds exactly. It is integrated by the classical Runge–Kutta method,
-//! which knows nothing of the structure: its defect must vanish with the fourth power of its step.
+//! Along a path with piecewise linear noise the equation is an ordinary differential equation with
+//! the same chain rule as the Stratonovich equation, and the law holds exactly. It is integrated by
+//! the classical Runge–Kutta method, which knows nothing of the structure: its defect must vanish
+//! with the fourth power of its step.
 //!
-//! What is measured is the variation of the relative defect dₙ = F(yₙ)e^{p∫γ}/F(y₀) − 1 along the path, Σ|dₙ₊₁ − dₙ|. The defect at
-//! the end would be a sum of contributions of both signs, and its leading term may cancel; the variation is
-//! Σ|cₙ|·h⁴(1 + O(h)), whose leading term cannot.
+//! What is measured is the variation of the relative defect dₙ = F(yₙ)e^{p∫γ}/F(y₀) − 1 along the
+//! path, Σ|dₙ₊₁ − dₙ|. The defect at the end would be a sum of contributions of both signs, and its
+//! leading term may cancel; the variation is Σ|cₙ|·h⁴(1 + O(h)), whose leading term cannot.
 
 use noise::WienerPath;
 use systems::{
-    Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Poisson3, PoissonSystem, Problem, RigidBody,
-    RigidBodyEnergy, Sine,
+    Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Poisson3, PoissonSystem,
+    Problem, RigidBody, RigidBodyEnergy, Sine,
 };
 
 use crate::experiment::Context;
@@ -31,7 +32,16 @@ pub(super) fn measure(context: &Context<'_>) -> Vec<Claim> {
         law(context, 1, &valid(Problem::new(energy, sine, rigid_body_start(), 1.0))),
         law(context, 2, &valid(Problem::new(lotka_volterra, sine, [0.2, 0.4, 0.6], 1.0))),
         law(context, 3, &valid(Problem::new(MaxwellBloch, half_cosine(), [1.0, 2.0, 3.0], 1.0))),
-        law(context, 4, &valid(Problem::new(valid(Poisson3::new(1.0)), valid(Linear::new(1.0)), [1.0, 2.0, 3.0], 1.0))),
+        law(
+            context,
+            4,
+            &valid(Problem::new(
+                valid(Poisson3::new(1.0)),
+                valid(Linear::new(1.0)),
+                [1.0, 2.0, 3.0],
+                1.0,
+            )),
+        ),
     ];
     context.progress.end();
     claims.into_iter().flatten().collect()
@@ -42,10 +52,12 @@ const PIECES: u64 = 64;
 /// Runge–Kutta steps on each piece.
 const COARSE: u32 = 4;
 const FINE: u32 = 32;
-/// Eight times more steps reduce a fourth-order defect by 4096; this leaves room for higher orders of the error.
+/// Eight times more steps reduce a fourth-order defect by 4096; this leaves room for higher orders
+/// of the error.
 const REDUCTION: f64 = 1000.0;
-/// Round-off: a piece of 32 Runge–Kutta steps rounds each some four times, which adds up like a random walk to √32·4 ε, and the
-/// invariant at its ends as often; 64 pieces of 30 ε are 4e-13. A variation below this has nothing left to be reduced.
+/// Round-off: a piece of 32 Runge–Kutta steps rounds each some four times, which adds up like a
+/// random walk to √32·4 ε, and the invariant at its ends as often; 64 pieces of 30 ε are 4e-13. A
+/// variation below this has nothing left to be reduced.
 const ROUND_OFF: f64 = 1e-12;
 
 /// A claim for each invariant of the system.
@@ -77,10 +89,12 @@ where
         let initial: f64 = system.invariant(index, problem.y0);
         let variation = |path: &[[f64; D]]| {
             let defects = path.iter().enumerate().map(|(n, &y)| {
-                let decay = (-invariant.degree * problem.damping.integral(0.0, (n + 1) as f64 * tau)).exp();
+                let decay =
+                    (-invariant.degree * problem.damping.integral(0.0, (n + 1) as f64 * tau)).exp();
                 system.invariant(index, y) / (decay * initial) - 1.0
             });
-            let (sum, _) = defects.fold((0.0, 0.0), |(sum, last): (f64, f64), d| (sum + (d - last).abs(), d));
+            let (sum, _) =
+                defects.fold((0.0, 0.0), |(sum, last): (f64, f64), d| (sum + (d - last).abs(), d));
             sum
         };
         let (before, after) = (variation(&coarse), variation(&fine));

@@ -1,13 +1,14 @@
-//! `local-exact` and `local-sexp`: one-step Taylor remainders (paper, `lem:expansionexact` and `lem:expansionnum`), on the rigid body with three
-//! noises.
+//! `local-exact` and `local-sexp`: one-step Taylor remainders (paper, `lem:expansionexact` and
+//! `lem:expansionnum`), on the rigid body with three noises.
 //!
-//! Exact flow: R = y(τ) − y − τ(f₀ − γy) − Σ fₘΔWₘ − Σ fₘ′f_l J_lm with J_lm = ∫∫ ∘dW_l ∘dWₘ. Scheme: the same with
-//! truncated increments and ½ΔŴ_lΔŴₘ for J_lm. Claimed: (E‖R‖²)^½ ≤ Cτ^{3/2} and ‖E R‖ ≤ Cτ².
+//! Exact flow: R = y(τ) − y − τ(f₀ − γy) − Σ fₘΔWₘ − Σ fₘ′f_l J_lm with J_lm = ∫∫ ∘dW_l ∘dWₘ.
+//! Scheme: the same with truncated increments and ½ΔŴ_lΔŴₘ for J_lm. Claimed: (E‖R‖²)^½ ≤ Cτ^{3/2}
+//! and ‖E R‖ ≤ Cτ².
 //!
-//! The exact flow is taken on noise that is linear on 64 pieces of the step, with the iterated integrals of that
-//! noise: for such noise y(τ) and J_lm are computable to round-off, and the expansion is the same. R(W) and R(−W)
-//! are averaged: all terms of odd degree in W cancel, among them those of size τ^{3/2}, so that a mean of size τ² can
-//! be seen.
+//! The exact flow is taken on noise that is linear on 64 pieces of the step, with the iterated
+//! integrals of that noise: for such noise y(τ) and J_lm are computable to round-off, and the
+//! expansion is the same. R(W) and R(−W) are averaged: all terms of odd degree in W cancel, among
+//! them those of size τ^{3/2}, so that a mean of size τ² can be seen.
 
 use mc::{CrossMoments, Moments};
 use noise::WienerPath;
@@ -55,7 +56,8 @@ pub(crate) fn measure(
         let mut square = Moments::default();
         let mut mean = CrossMoments::new(3);
         for _ in 0..samples {
-            let pieces: [Vector; PIECES] = std::array::from_fn(|_| noise.increments((tau / PIECES as f64).sqrt()));
+            let pieces: [Vector; PIECES] =
+                std::array::from_fn(|_| noise.increments((tau / PIECES as f64).sqrt()));
             let plus = remainder(tau, &pieces);
             let minus = remainder(tau, &pieces.map(|dw| dw.map(|w| -w)));
             // Both signs have the same law: their average square is one sample of E‖R‖².
@@ -68,7 +70,8 @@ pub(crate) fn measure(
         let length = dot(vector, vector).sqrt();
         // mᵀΣm/|m|², the variance of |m| along m.
         let pairs = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
-        let variance: f64 = pairs.map(|(i, j)| vector[i] * mean.covariance_of_means(i, j) * vector[j]).sum();
+        let variance: f64 =
+            pairs.map(|(i, j)| vector[i] * mean.covariance_of_means(i, j) * vector[j]).sum();
         means.push((length, variance.sqrt() / length));
         context.progress.advance(1);
     }
@@ -108,7 +111,9 @@ fn exact_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
 pub(crate) fn exact_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     let (system, damping) = (body(), half_cosine());
     let length = tau / PIECES as f64;
-    let end = |y, (n, dw): (usize, &Vector)| piece(&system, &damping, n as f64 * length, length, *dw, 1, y);
+    let end = |y, (n, dw): (usize, &Vector)| {
+        piece(&system, &damping, n as f64 * length, length, *dw, 1, y)
+    };
     pieces.iter().enumerate().fold(rigid_body_start(), end)
 }
 
@@ -149,8 +154,8 @@ fn truncated(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
 
 /// One step of `sexp`.
 pub(crate) fn sexp_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let step =
-        Step::new(&half_cosine(), 0, tau).unwrap_or_else(|error| unreachable!("the steps are positive: {error}"));
+    let step = Step::new(&half_cosine(), 0, tau)
+        .unwrap_or_else(|error| unreachable!("the steps are positive: {error}"));
     Sexp::default().step(&body(), &step, truncated(tau, pieces), rigid_body_start()).z
 }
 
@@ -173,12 +178,15 @@ mod tests {
 
     #[test]
     fn a_wrong_second_order_term_is_seen() {
-        // Without the iterated integrals the remainder is of order τ, not τ^{3/2}: the twin of the measurement.
-        let pieces: [Vector; PIECES] = std::array::from_fn(|n| [0.01 * (n as f64).sin(), 0.01, -0.004]);
+        // Without the iterated integrals the remainder is of order τ, not τ^{3/2}: the twin of the
+        // measurement.
+        let pieces: [Vector; PIECES] =
+            std::array::from_fn(|n| [0.01 * (n as f64).sin(), 0.01, -0.004]);
         let scaled = |factor: f64| pieces.map(|dw| dw.map(|w| w * factor));
         let size = |remainder: Vector| dot(remainder, remainder).sqrt();
-        let ratio =
-            |f: &dyn Fn(f64, &[Vector; PIECES]) -> Vector| size(f(4e-4, &scaled(0.05))) / size(f(1e-4, &scaled(0.025)));
+        let ratio = |f: &dyn Fn(f64, &[Vector; PIECES]) -> Vector| {
+            size(f(4e-4, &scaled(0.05))) / size(f(1e-4, &scaled(0.025)))
+        };
         // Halving the noise and quartering the step: τ^{3/2} falls by 8, τ by 4.
         assert!((ratio(&exact_remainder) - 8.0).abs() < 0.5, "{}", ratio(&exact_remainder));
         let without = |tau: f64, pieces: &[Vector; PIECES]| {

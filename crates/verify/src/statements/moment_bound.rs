@@ -1,10 +1,12 @@
-//! `moment-bound`: ‖y_n‖ ≤ (F(y₀)/m(F))^{1/p} e^{∫|γ|} almost surely when m(F) = min over the unit sphere of F > 0
-//! (paper, `cor:num`).
+//! `moment-bound`: ‖y_n‖ ≤ (F(y₀)/m(F))^{1/p} e^{∫|γ|} almost surely when m(F) = min over the unit
+//! sphere of F > 0 (paper, `cor:num`).
 
 use compiled::Compiled;
 use mc::trajectory;
 use schemes::{Scheme, Sexp};
-use systems::{Constant, Damping, DampingFunction, PoissonSystem, Problem, RigidBody, RigidBodyEnergy, Sine};
+use systems::{
+    Constant, Damping, DampingFunction, PoissonSystem, Problem, RigidBody, RigidBodyEnergy, Sine,
+};
 
 use crate::experiment::{Context, truncation};
 use crate::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid};
@@ -17,11 +19,19 @@ pub(super) fn measure(context: &Context<'_>) -> Vec<Claim> {
     let casimir = valid(Problem::new(body, half_cosine(), rigid_body_start(), 10.0));
     let energy = valid(RigidBodyEnergy::new(INERTIA, 1.0));
     let energy = valid(Problem::new(energy, valid(Sine::new(1.0, 1.0)), rigid_body_start(), 10.0));
-    // ½|y|² is ½ everywhere on the sphere; H₀ is smallest along the axis of the largest moment of inertia.
+    // ½|y|² is ½ everywhere on the sphere; H₀ is smallest along the axis of the largest moment of
+    // inertia.
     let largest_inertia = INERTIA.iter().copied().fold(0.0, f64::max);
     let claims = vec![
         bound(context, 0, &casimir, RigidBody::<3>::sexp(Sexp::default()).as_ref(), "C", 0.5),
-        bound(context, 1, &energy, RigidBodyEnergy::sexp(Sexp::default()).as_ref(), "H", 0.5 / largest_inertia),
+        bound(
+            context,
+            1,
+            &energy,
+            RigidBodyEnergy::sexp(Sexp::default()).as_ref(),
+            "H",
+            0.5 / largest_inertia,
+        ),
         bound(context, 2, &undamped(), RigidBody::<3>::sexp(Sexp::default()).as_ref(), "C", 0.5),
     ];
     context.progress.end();
@@ -34,13 +44,15 @@ pub(crate) fn undamped() -> Problem<RigidBody<3>, Constant, 3> {
     valid(Problem::new(body, valid(Constant::new(0.0)), rigid_body_start(), 10.0))
 }
 
-/// Where the bound is an equality it is missed by the round-off of 1000 steps, 16 ε each if none cancelled.
+/// Where the bound is an equality it is missed by the round-off of 1000 steps, 16 ε each if none
+/// cancelled.
 const ROUND_OFF: f64 = 16_000.0 * f64::EPSILON;
 
 /// Steps on [0, 10]: τ = 0.5, 0.1 and 0.01.
 const STEPS: [u64; 3] = [20, 100, 1000];
 
-/// The largest ‖y_n‖ over the bound at t_n, over many paths and all n ≥ 1, for a quadratic F with minimum m.
+/// The largest ‖y_n‖ over the bound at t_n, over many paths and all n ≥ 1, for a quadratic F with
+/// minimum m.
 pub(crate) fn bound<S, G, const M: usize>(
     context: &Context<'_>,
     part: u64,
@@ -53,7 +65,8 @@ where
     S: PoissonSystem<3, M>,
     G: Damping,
 {
-    let index = problem.system.invariants().iter().position(|known| known.name == invariant).unwrap_or(0);
+    let index =
+        problem.system.invariants().iter().position(|known| known.name == invariant).unwrap_or(0);
     let paths = context.choose(400, 40);
     // |γ| has kinks, so each step of the finest grid is integrated on its own.
     let absolute = valid(DampingFunction::new(|t| problem.damping.rate(t).abs(), 8));
@@ -69,7 +82,9 @@ where
             })
             .collect();
         for path in 0..paths {
-            let Ok(followed) = trajectory(problem, scheme, steps, truncation(), context.key(part), path) else {
+            let Ok(followed) =
+                trajectory(problem, scheme, steps, truncation(), context.key(part), path)
+            else {
                 failed += 1;
                 continue;
             };

@@ -1,9 +1,11 @@
-//! `solvability`: the step has a unique solution once the contraction constant is below one (paper, `lem:scheme`).
+//! `solvability`: the step has a unique solution once the contraction constant is below one (paper,
+//! `lem:scheme`).
 //!
-//! C_{k,τ} = τ(½‖B′‖‖∇H₀‖ + ‖B‖‖∇²H₀‖) + √(2kτ|log τ|) Σₘ (½‖B′‖‖∇Hₘ‖ + ‖B‖‖∇²Hₘ‖). Two systems have globally
-//! Lipschitz data with constant B: the pendulum (‖B‖ = 1) and the three-dimensional Poisson system (‖B‖ = √3), both
-//! with ‖∇²H‖ ≤ 1. At the largest step 2^−j with C_{k,τ} < 1, random pairs of points with increments up to the
-//! truncation bound are mapped, and the iteration is started from both.
+//! C_{k,τ} = τ(½‖B′‖‖∇H₀‖ + ‖B‖‖∇²H₀‖) + √(2kτ|log τ|) Σₘ (½‖B′‖‖∇Hₘ‖ + ‖B‖‖∇²Hₘ‖). Two systems
+//! have globally Lipschitz data with constant B: the pendulum (‖B‖ = 1) and the three-dimensional
+//! Poisson system (‖B‖ = √3), both with ‖∇²H‖ ≤ 1. At the largest step 2^−j with C_{k,τ} < 1,
+//! random pairs of points with increments up to the truncation bound are mapped, and the iteration
+//! is started from both.
 
 use noise::WienerPath;
 use real::elementary;
@@ -34,7 +36,8 @@ const SPREAD: f64 = 10.0;
 /// Two iterations agree when they differ by round-off, amplified by 1/(1 − C) near the bound.
 const AGREEMENT: f64 = 1e-9;
 
-/// The claim for one system, ‖B‖ = `structure`; increments go up to `reach` times the truncation bound.
+/// The claim for one system, ‖B‖ = `structure`; increments go up to `reach` times the truncation
+/// bound.
 pub(crate) fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
     context: &Context<'_>,
     part: u64,
@@ -56,10 +59,13 @@ pub(crate) fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
         // Increments sweep the whole truncated range, its ends included.
         let dw = bound * (2.0 * f64::from(pair) / f64::from(pairs - 1) - 1.0);
         let distance = norm(&one, &other);
-        quotient =
-            worse(quotient, norm(&map(system, z_hat, one, tau, dw), &map(system, z_hat, other, tau, dw)) / distance);
+        quotient = worse(
+            quotient,
+            norm(&map(system, z_hat, one, tau, dw), &map(system, z_hat, other, tau, dw)) / distance,
+        );
         // q^n·distance below round-off.
-        let sweeps = (elementary::ln(AGREEMENT * 1e-3 / distance) / elementary::ln(lipschitz)).ceil() as u32;
+        let sweeps =
+            (elementary::ln(AGREEMENT * 1e-3 / distance) / elementary::ln(lipschitz)).ceil() as u32;
         for _ in 0..sweeps {
             one = map(system, z_hat, one, tau, dw);
             other = map(system, z_hat, other, tau, dw);

@@ -1,8 +1,9 @@
 //! `truncation-moments`: what truncating the increments costs (paper, `wtrunc` and `wtrunc2`).
 //!
-//! With ζ standard normal, χ its truncation at A = √(2k|log τ|) and s = |ζ| − A beyond the threshold,
-//! E|ζ − χ|ᵖ = 2φ(A) ∫₀^∞ sᵖ e^{−As − s²/2} ds and E[ζ²] − E[χ²] = 2φ(A) ∫₀^∞ s(s + 2A) e^{−As − s²/2} ds: sums of
-//! positive terms, where the textbook forms in Q(A) cancel. φ(A) = τᵏ/√(2π).
+//! With ζ standard normal, χ its truncation at A = √(2k|log τ|) and s = |ζ| − A beyond the
+//! threshold, E|ζ − χ|ᵖ = 2φ(A) ∫₀^∞ sᵖ e^{−As − s²/2} ds and E[ζ²] − E[χ²] = 2φ(A) ∫₀^∞ s(s + 2A)
+//! e^{−As − s²/2} ds: sums of positive terms, where the textbook forms in Q(A) cancel. φ(A) =
+//! τᵏ/√(2π).
 
 use dgrad::Rule;
 use mc::Moments;
@@ -20,7 +21,8 @@ const EXPONENTS: std::ops::RangeInclusive<u32> = 1..=40;
 fn tail(tau: f64, k: u32, g: impl Fn(f64) -> f64) -> f64 {
     let threshold = (2.0 * f64::from(k) * tau.ln().abs()).sqrt();
     let density = tau.powi(k as i32) / (2.0 * std::f64::consts::PI).sqrt();
-    let rule = Rule::new(128).unwrap_or_else(|error| unreachable!("128 nodes are allowed: {error}"));
+    let rule =
+        Rule::new(128).unwrap_or_else(|error| unreachable!("128 nodes are allowed: {error}"));
     // Beyond s = 60/(A + 3) the exponential is below e^{−50}, and the powers of s do not matter.
     let end = 60.0 / (threshold + 3.0);
     2.0 * density * rule.integrate(0.0, end, |s| g(s) * (-threshold * s - 0.5 * s * s).exp())
@@ -39,7 +41,12 @@ fn distance(tau: f64, k: u32, p: i32) -> f64 {
 
 pub(super) fn measure(context: &Context<'_>) -> Vec<Claim> {
     context.progress.begin("truncation-moments", 1);
-    let claims = vec![variance(), sampled_variance(context, sampled_bound()), distances(&[1, 2]), distances(&[4])];
+    let claims = vec![
+        variance(),
+        sampled_variance(context, sampled_bound()),
+        distances(&[1, 2]),
+        distances(&[4]),
+    ];
     context.progress.end();
     claims
 }
@@ -60,7 +67,9 @@ fn variance() -> Claim {
         "truncation-moments",
         "0 ≤ E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^(k+1)",
         decide(smallest >= 0.0 && largest <= 1.0),
-        format!("closed form over bound between {smallest:.1e} and {largest:.2} for k = 1 … 6 and τ = 2^-1 … 2^-40"),
+        format!(
+            "closed form over bound between {smallest:.1e} and {largest:.2} for k = 1 … 6 and τ = 2^-1 … 2^-40"
+        ),
     )
 }
 
@@ -100,10 +109,12 @@ pub(crate) fn sampled_variance(context: &Context<'_>, bound: f64) -> Claim {
     )
 }
 
-/// ‖ΔW − ΔŴ‖_{Lᵖ} ≤ C τ^((1+k)/2): the ratio of both sides must stay bounded as τ → 0. Since
-/// E|ζ − χ|ᵖ ≈ 2φ(A) p!/A^{p+1}, the norm is of order τ^{1/2 + k/p} up to powers of |log τ|: enough for p ≤ 2 only.
+/// ‖ΔW − ΔŴ‖_{Lᵖ} ≤ C τ^((1+k)/2): the ratio of both sides must stay bounded as τ → 0. Since E|ζ −
+/// χ|ᵖ ≈ 2φ(A) p!/A^{p+1}, the norm is of order τ^{1/2 + k/p} up to powers of |log τ|: enough for p
+/// ≤ 2 only.
 fn distances(powers: &[i32]) -> Claim {
-    let (coarse, fine) = (0.5f64.powi(*EXPONENTS.start() as i32), 0.5f64.powi(*EXPONENTS.end() as i32));
+    let (coarse, fine) =
+        (0.5f64.powi(*EXPONENTS.start() as i32), 0.5f64.powi(*EXPONENTS.end() as i32));
     let mut bounded = true;
     let mut evidence = Vec::new();
     for &p in powers {
@@ -148,8 +159,8 @@ mod tests {
 
     #[test]
     fn quadrature_is_the_textbook_formula() {
-        // 2[(1−A²)Q + Aφ], 2[(1+A²)Q − Aφ] and 2[(A⁴+6A²+3)Q − (A³+5A)φ] at A = √(2k|log τ|), to 40 digits: in double
-        // precision these forms cancel.
+        // 2[(1−A²)Q + Aφ], 2[(1+A²)Q − Aφ] and 2[(A⁴+6A²+3)Q − (A³+5A)φ] at A = √(2k|log τ|), to 40
+        // digits: in double precision these forms cancel.
         let exact: [(f64, u32, f64, f64, f64); 4] = [
             (0.25, 1, 0.16216598821258041, 0.029615946072350398, 0.03841063415548144),
             (0.1, 1, 0.056306031291669242, 0.0074453473219366392, 0.0077624495073862047),

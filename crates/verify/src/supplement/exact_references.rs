@@ -1,4 +1,5 @@
-//! Strong and weak errors of one-noise systems against their exact solution, beside the paper's kind of reference.
+//! Strong and weak errors of one-noise systems against their exact solution, beside the paper's
+//! kind of reference.
 
 use compiled::Compiled;
 use mc::{Ladder, Observable, Reference, Run, StrongErrors};
@@ -16,16 +17,29 @@ use crate::study::{Exact, Study, weak_order};
 
 pub(super) fn lotka_volterra(context: &Context<'_>) -> Yield {
     let system = valid(LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0));
-    let problem = valid(Problem::new(system, valid(Sine::new(1.0, 1.0)), LOTKA_VOLTERRA_START, 1.0));
+    let problem =
+        valid(Problem::new(system, valid(Sine::new(1.0, 1.0)), LOTKA_VOLTERRA_START, 1.0));
     let title = "Lotka–Volterra against its exact solution: strong convergence";
-    against_exact(context, "lotka-volterra-exact", title, "Lotka–Volterra, a = −1, b = −1, c = 1", &problem)
+    against_exact(
+        context,
+        "lotka-volterra-exact",
+        title,
+        "Lotka–Volterra, a = −1, b = −1, c = 1",
+        &problem,
+    )
 }
 
 pub(super) fn rigid_body(context: &Context<'_>) -> Yield {
     let body = valid(RigidBodyEnergy::new(INERTIA, 1.0));
     let problem = valid(Problem::new(body, valid(Sine::new(1.0, 1.0)), rigid_body_start(), 1.0));
     let title = "Rigid body with noise H₀ against its exact solution: strong convergence";
-    against_exact(context, "rigid-body-energy-exact", title, "rigid body, one noise H₀, I = (2, 1, 2/3)", &problem)
+    against_exact(
+        context,
+        "rigid-body-energy-exact",
+        title,
+        "rigid body, one noise H₀, I = (2, 1, 2/3)",
+        &problem,
+    )
 }
 
 /// Both systems have a vector field of degree 2 and noise of size 1.
@@ -53,11 +67,15 @@ where
     let mut series = vec![vec![0]];
     for scheme in &schemes {
         let first = runs.len();
-        runs.extend((FIRST..=last).map(|exponent| Run::new(scheme.as_ref(), (reference_level - exponent) as usize)));
+        runs.extend(
+            (FIRST..=last)
+                .map(|exponent| Run::new(scheme.as_ref(), (reference_level - exponent) as usize)),
+        );
         series.push((first..runs.len()).collect());
     }
     let finest_steps = 1u64 << reference_level;
-    let time = RandomTime::new(&problem.damping, DEGREE, NOISE, problem.t_end / finest_steps as f64);
+    let time =
+        RandomTime::new(&problem.damping, DEGREE, NOISE, problem.t_end / finest_steps as f64);
     let exact = |s: f64| solution(problem, s);
     let levels = (reference_level - FIRST) as usize;
     let ladder = Ladder::new(problem, finest_steps, levels, truncation(), context.key(0), runs)
@@ -94,13 +112,19 @@ where
         .iter()
         .map(|curve| {
             let expected = if curve.scheme == "em" { 0.5 } else { 1.0 };
-            let statement = format!("{} has strong order {expected} against the exact solution", curve.scheme);
+            let statement =
+                format!("{} has strong order {expected} against the exact solution", curve.scheme);
             let evidence = format!("{}; {agreement}", rate_evidence(curve.rate.as_ref()));
             Claim {
                 panel: id.to_owned(),
                 scheme: curve.scheme.clone(),
                 proven: false,
-                ..claim("strong-one", &statement, order_verdict(curve.rate.as_ref(), expected), evidence)
+                ..claim(
+                    "strong-one",
+                    &statement,
+                    order_verdict(curve.rate.as_ref(), expected),
+                    evidence,
+                )
             }
         })
         .collect();
@@ -125,8 +149,8 @@ where
     Yield { panels: vec![panel], claims }
 }
 
-/// Weak errors of `sexp` against the exact solution path by path, and the mean of the exact solution over the paths
-/// against the Gaussian integral.
+/// Weak errors of `sexp` against the exact solution path by path, and the mean of the exact
+/// solution over the paths against the Gaussian integral.
 fn weak_claims<S, G>(context: &Context<'_>, id: &str, problem: &Problem<S, G, 3>) -> Vec<Claim>
 where
     S: Compiled<3, 1>,
@@ -145,7 +169,8 @@ where
         key: context.key(1),
     };
     let finest_steps = study.coarsest_steps << (study.levels - 1);
-    let time = RandomTime::new(&problem.damping, DEGREE, NOISE, problem.t_end / finest_steps as f64);
+    let time =
+        RandomTime::new(&problem.damping, DEGREE, NOISE, problem.t_end / finest_steps as f64);
     let exact = |s: f64| solution(problem, s);
     let mut claims = Vec::new();
     for observable in observables {
@@ -158,7 +183,10 @@ where
             proven: false,
             ..claim(
                 "weak-one",
-                &format!("sexp has weak order 1 against the exact solution for φ = {}", observable.name),
+                &format!(
+                    "sexp has weak order 1 against the exact solution for φ = {}",
+                    observable.name
+                ),
                 order_verdict(order.rate.as_ref(), 1.0),
                 rate_evidence(order.rate.as_ref()),
             )
@@ -168,8 +196,8 @@ where
     claims
 }
 
-/// E φ(y(T)) from sampled random times against the one-dimensional integral: two ways to the same number, of which one
-/// uses the noise of this project and the other a quadrature.
+/// E φ(y(T)) from sampled random times against the one-dimensional integral: two ways to the same
+/// number, of which one uses the noise of this project and the other a quadrature.
 fn expectation_claim<S, G>(
     context: &Context<'_>,
     id: &str,
@@ -192,7 +220,12 @@ where
         key: context.key(2),
     };
     let exact = |s: f64| solution(problem, s);
-    let (sampled, se) = crate::study::exact_mean(problem, observable, &study, Exact { clock: time, solution: &exact });
+    let (sampled, se) = crate::study::exact_mean(
+        problem,
+        observable,
+        &study,
+        Exact { clock: time, solution: &exact },
+    );
     let deviations = (sampled - expected) / se;
     Claim {
         panel: id.to_owned(),
@@ -204,7 +237,9 @@ where
                 observable.name
             ),
             decide(deviations.abs() <= DEVIATIONS),
-            format!("{sampled:.6} ± {se:.6} against {expected:.12}, {deviations:+.1} standard errors"),
+            format!(
+                "{sampled:.6} ± {se:.6} against {expected:.12}, {deviations:+.1} standard errors"
+            ),
         )
     }
 }

@@ -1,5 +1,5 @@
-//! E[φ(y(T))] of the rigid body with three noises by multilevel Monte Carlo, against the Kolmogorov equation, and what an
-//! accuracy costs.
+//! E[φ(y(T))] of the rigid body with three noises by multilevel Monte Carlo, against the Kolmogorov
+//! equation, and what an accuracy costs.
 
 use compiled::Compiled;
 use mc::Observable;
@@ -8,14 +8,18 @@ use schemes::Sexp;
 use systems::{Cosine, Problem, RigidBody};
 
 use crate::experiment::{Context, Progress, Yield, truncation};
-use crate::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid, weak_observables};
+use crate::paper::{
+    INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid, weak_observables,
+};
 use crate::results::{Claim, Kind, Panel, Point, Series};
 use crate::sphere::rigid_body_expectations;
 use crate::statement::{DEVIATIONS, claim, decide};
 
-/// Steps on [0, 1] of the coarsest level: with two, the first difference has already the variance of order τ².
+/// Steps on [0, 1] of the coarsest level: with two, the first difference has already the variance
+/// of order τ².
 const COARSEST_STEPS: u64 = 2;
-/// Degree of the spherical harmonics: the twelve values agree to 4e-15 from 96 to 160, and 64 is 8e-13 away.
+/// Degree of the spherical harmonics: the twelve values agree to 4e-15 from 96 to 160, and 64 is
+/// 8e-13 away.
 fn degree(context: &Context<'_>) -> usize {
     context.choose(96, 64)
 }
@@ -26,22 +30,32 @@ fn body() -> Problem<RigidBody<3>, Cosine, 3> {
 }
 
 fn settings(context: &Context<'_>, part: u64) -> Settings {
-    let settings = Settings::new(context.key(part), truncation(), COARSEST_STEPS, Coupling::Antithetic);
+    let settings =
+        Settings::new(context.key(part), truncation(), COARSEST_STEPS, Coupling::Antithetic);
     Settings { max_cost: 1 << 40, ..settings }
 }
 
-/// The claims that the weak panels' twelve expectations, each to the half-width `accuracy`, agree with the Kolmogorov
-/// equation.
+/// The claims that the weak panels' twelve expectations, each to the half-width `accuracy`, agree
+/// with the Kolmogorov equation.
 fn twelve(context: &Context<'_>, accuracy: f64) -> Vec<Claim> {
     let problem = body();
-    let observables: Vec<Observable<3>> = weak_observables().into_iter().flat_map(|panel| panel.observables).collect();
+    let observables: Vec<Observable<3>> =
+        weak_observables().into_iter().flat_map(|panel| panel.observables).collect();
     let exact = rigid_body_expectations(&problem, degree(context), &observables);
     let sexp = RigidBody::<3>::sexp(Sexp::default());
-    let measured = expectation(sexp.as_ref(), &problem, &observables, accuracy, &settings(context, 0), &|work| {
-        context.progress.advance(work);
-    })
+    let measured = expectation(
+        sexp.as_ref(),
+        &problem,
+        &observables,
+        accuracy,
+        &settings(context, 0),
+        &|work| {
+            context.progress.advance(work);
+        },
+    )
     .unwrap_or_else(|error| unreachable!("the set-up is valid: {error}"));
-    let warnings: String = measured.warnings.iter().map(|warning| format!("; warning: {warning}")).collect();
+    let warnings: String =
+        measured.warnings.iter().map(|warning| format!("; warning: {warning}")).collect();
     measured
         .estimates
         .iter()
@@ -72,11 +86,15 @@ fn agrees(estimate: &Estimate, exact: f64) -> bool {
 /// Number of the experiment behind [`expectation_claims`].
 const EXPERIMENT: u64 = 4000;
 
-/// The twelve expectations of the weak panels, E of y_j, y_j², cos y_j and sin y_j at T = 1, each to the half-width
-/// `accuracy` of its 95 % interval, against the Kolmogorov equation. The cost grows like accuracy⁻²: 2e-4 takes seconds,
-/// 2e-5 minutes.
+/// The twelve expectations of the weak panels, E of y_j, y_j², cos y_j and sin y_j at T = 1, each
+/// to the half-width `accuracy` of its 95 % interval, against the Kolmogorov equation. The cost
+/// grows like accuracy⁻²: 2e-4 takes seconds, 2e-5 minutes.
 #[must_use]
-pub fn expectation_claims(settings: crate::Settings, accuracy: f64, progress: &dyn Progress) -> Vec<Claim> {
+pub fn expectation_claims(
+    settings: crate::Settings,
+    accuracy: f64,
+    progress: &dyn Progress,
+) -> Vec<Claim> {
     twelve(&Context { settings, experiment: EXPERIMENT, wanted: &[], progress }, accuracy)
 }
 
@@ -88,7 +106,8 @@ pub(super) fn expectations(context: &Context<'_>) -> Yield {
     Yield { panels: Vec::new(), claims }
 }
 
-const COS_Y3: [Observable<3>; 1] = [Observable { name: "cos y3", function: |y| real::elementary::cos(y[2]) }];
+const COS_Y3: [Observable<3>; 1] =
+    [Observable { name: "cos y3", function: |y| real::elementary::cos(y[2]) }];
 
 /// Path-steps for E[cos y₃] at several accuracies, by multilevel Monte Carlo and by single paths.
 pub(super) fn cost(context: &Context<'_>) -> Yield {
@@ -102,8 +121,10 @@ pub(super) fn cost(context: &Context<'_>) -> Yield {
     let run = |part: u64, accuracy: f64, multilevel: bool| -> Expectation {
         let method = if multilevel { expectation } else { expectation_plain };
         let settings = settings(context, part);
-        method(sexp.as_ref(), &problem, &COS_Y3, accuracy, &settings, &|work| context.progress.advance(work))
-            .unwrap_or_else(|error| unreachable!("the set-up is valid: {error}"))
+        method(sexp.as_ref(), &problem, &COS_Y3, accuracy, &settings, &|work| {
+            context.progress.advance(work)
+        })
+        .unwrap_or_else(|error| unreachable!("the set-up is valid: {error}"))
     };
     let exact = rigid_body_expectations(&problem, degree(context), &COS_Y3)[0];
     let mut series = Vec::new();

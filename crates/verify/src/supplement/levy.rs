@@ -36,9 +36,12 @@ pub(super) fn spin_pair(context: &Context<'_>) -> Yield {
     };
     let levy = SpinChain::sexp_levy(SexpLevy::new(&problem.system, problem.y0));
     let schemes = [SpinChain::sexp(Sexp::default()), levy];
-    let curves = [0, 1].map(|s| Curve { name: schemes[s].id().to_owned(), scheme: schemes[s].as_ref() });
-    let panel = strong_curves(context, &setup, &problem, truncation(), schemes[1].as_ref(), &curves);
-    let mut claims: Vec<Claim> = panel.series.iter().map(|series| order_claim(&panel.id, series)).collect();
+    let curves =
+        [0, 1].map(|s| Curve { name: schemes[s].id().to_owned(), scheme: schemes[s].as_ref() });
+    let panel =
+        strong_curves(context, &setup, &problem, truncation(), schemes[1].as_ref(), &curves);
+    let mut claims: Vec<Claim> =
+        panel.series.iter().map(|series| order_claim(&panel.id, series)).collect();
     claims.push(keeps_law(context, "spin-pair-levy", &spins()));
     let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
     let body = valid(Problem::new(body, half_cosine(), rigid_body_start(), 1.0));
@@ -48,29 +51,41 @@ pub(super) fn spin_pair(context: &Context<'_>) -> Yield {
 
 /// What a curve of a panel with Lévy areas claims.
 pub(crate) fn order_claim(panel: &str, series: &crate::results::Series) -> Claim {
-    let (id, order) = if series.scheme == "sexp-levy" { ("strong-one-levy", 1.0) } else { ("strong-half", 0.5) };
-    let at = if series.quantity == "y(T)" { "at the final time" } else { "largest over the common time grid" };
+    let (id, order) =
+        if series.scheme == "sexp-levy" { ("strong-one-levy", 1.0) } else { ("strong-half", 0.5) };
+    let at = if series.quantity == "y(T)" {
+        "at the final time"
+    } else {
+        "largest over the common time grid"
+    };
     Claim {
         panel: panel.to_owned(),
         scheme: series.scheme.clone(),
         proven: false,
         ..claim(
             id,
-            &format!("{} has strong order {order} for noises that do not commute ({at})", series.scheme),
+            &format!(
+                "{} has strong order {order} for noises that do not commute ({at})",
+                series.scheme
+            ),
             order_verdict(series.rate.as_ref(), order),
             rate_evidence(series.rate.as_ref()),
         )
     }
 }
 
-/// Largest relative defect of a Casimir that counts as round-off on a path of 1000 steps of 2⁻¹⁰: sixteen ε a step, of
-/// random sign, are √1000·16 ε = 1.1e-13.
+/// Largest relative defect of a Casimir that counts as round-off on a path of 1000 steps of 2⁻¹⁰:
+/// sixteen ε a step, of random sign, are √1000·16 ε = 1.1e-13.
 const ROUND_OFF: f64 = 1e-13;
 const STEPS: u64 = 1024;
 const PATHS: u64 = 32;
 
 /// Every Casimir on its conformal law, at every step of many paths.
-fn keeps_law<S, G, const D: usize>(context: &Context<'_>, panel: &str, problem: &Problem<S, G, D>) -> Claim
+fn keeps_law<S, G, const D: usize>(
+    context: &Context<'_>,
+    panel: &str,
+    problem: &Problem<S, G, D>,
+) -> Claim
 where
     S: Compiled<D, 3>,
     G: Damping,

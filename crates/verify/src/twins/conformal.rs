@@ -1,6 +1,8 @@
 //! Twins of the conformal laws and of the bounds that follow from them.
 
-use ::systems::{Damping, IntegerExponents, LotkaVolterra, PoissonSystem, Problem, RigidBody, Sine, vector_field};
+use ::systems::{
+    Damping, IntegerExponents, LotkaVolterra, PoissonSystem, Problem, RigidBody, Sine, vector_field,
+};
 use mc::trajectory;
 use schemes::{EulerMaruyama, Scheme, Sexp, Step};
 
@@ -8,7 +10,9 @@ use super::systems::{MidpointGradient, SignError};
 use crate::approach::{largest_defect, returns_to_law};
 use crate::experiment::{Context, truncation};
 use crate::invariant::ROUND_OFF_DEFECT;
-use crate::paper::{INERTIA, LOTKA_VOLTERRA_START, NOISE_INERTIA, half_cosine, rigid_body_start, valid};
+use crate::paper::{
+    INERTIA, LOTKA_VOLTERRA_START, NOISE_INERTIA, half_cosine, rigid_body_start, valid,
+};
 use crate::path_scheme::PathScheme;
 use crate::results::Claim;
 use crate::statement::{claim, decide};
@@ -23,7 +27,8 @@ fn casimir_problem<S: PoissonSystem<3, 3>>(system: S) -> Problem<S, ::systems::C
     valid(Problem::new(system, half_cosine(), rigid_body_start(), 10.0))
 }
 
-/// The claim of the invariant panels about one scheme: 100 steps of τ = 0.1, first invariant of the system.
+/// The claim of the invariant panels about one scheme: 100 steps of τ = 0.1, first invariant of the
+/// system.
 fn keeps_law<S, G, const M: usize>(
     context: &Context<'_>,
     id: &str,
@@ -83,15 +88,22 @@ pub(super) fn explicit_noise(context: &Context<'_>) -> Claim {
 }
 
 pub(super) fn explicit_noise_at_small_steps(context: &Context<'_>) -> Claim {
-    // Up to T = 1: the Casimir of the wrong method grows, and much later its paths have no solution.
+    // Up to T = 1: the Casimir of the wrong method grows, and much later its paths have no
+    // solution.
     let problem = valid(Problem::new(body(), half_cosine(), rigid_body_start(), 1.0));
     let (verdict, evidence) = returns_to_law(context, &problem, &drift_then_noise(), 0, 10);
-    claim("conformal-casimir", "the Casimir returns to the conformal law as τ → 0", verdict, evidence)
+    claim(
+        "conformal-casimir",
+        "the Casimir returns to the conformal law as τ → 0",
+        verdict,
+        evidence,
+    )
 }
 
 pub(super) fn midpoint_quadrature(context: &Context<'_>) -> Claim {
     let system = MidpointGradient(valid(LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0)));
-    let problem = valid(Problem::new(system, valid(Sine::new(1.0, 1.0)), LOTKA_VOLTERRA_START, 10.0));
+    let problem =
+        valid(Problem::new(system, valid(Sine::new(1.0, 1.0)), LOTKA_VOLTERRA_START, 10.0));
     keeps_law(context, "energy-balance", &problem, &Sexp::default())
 }
 

@@ -1,4 +1,5 @@
-//! Twins of strong order one with several noises: Lévy areas of the wrong sign, and areas that are not those of the path.
+//! Twins of strong order one with several noises: Lévy areas of the wrong sign, and areas that are
+//! not those of the path.
 
 use ::systems::RigidBody;
 use noise::{AreaBlock, AreaMethod, AreaPath, StreamKey, strong_order_one_error};
@@ -80,8 +81,8 @@ pub(super) fn without_areas(context: &Context<'_>) -> Claim {
     measure(context, "sexp-levy, zero areas", |_, _, _| [[0.0; 3]; 3])
 }
 
-/// Areas with the right law given the increments, drawn for each step of each step size by itself: the stream is keyed
-/// by the bits of the increments, so that the twin is reproducible.
+/// Areas with the right law given the increments, drawn for each step of each step size by itself:
+/// the stream is keyed by the bits of the increments, so that the twin is reproducible.
 pub(super) fn fresh_areas(context: &Context<'_>) -> Claim {
     measure(context, "sexp-levy, fresh areas", |step, dw, _| {
         let [a, b, c] = dw.map(f64::to_bits);

@@ -9,7 +9,8 @@ fn whole(pieces: &[Vector; PIECES]) -> Vector {
     std::array::from_fn(|m| pieces.iter().map(|dw| dw[m]).sum())
 }
 
-/// The expansion of the exact flow with ½ΔWΔWᵀ for the iterated integrals: the remainder is then of order τ.
+/// The expansion of the exact flow with ½ΔWΔWᵀ for the iterated integrals: the remainder is then of
+/// order τ.
 pub(super) fn without_areas(context: &Context<'_>) -> Claim {
     let remainder = |tau: f64, pieces: &[Vector; PIECES]| {
         let straight = whole(pieces).map(|w| w / PIECES as f64);

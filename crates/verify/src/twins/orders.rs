@@ -25,9 +25,17 @@ fn one_noise() -> Problem<RigidBody<1>, Cosine, 3> {
     valid(Problem::new(body, half_cosine(), rigid_body_start(), 1.0))
 }
 
-/// Step sizes 2⁻⁵ … 2⁻¹², reference 2⁻¹⁴: enough levels and paths to tell order ½ from order 1 on every seed.
+/// Step sizes 2⁻⁵ … 2⁻¹², reference 2⁻¹⁴: enough levels and paths to tell order ½ from order 1 on
+/// every seed.
 fn study(context: &Context<'_>, truncation: Truncation) -> Study {
-    Study { coarsest_steps: 32, levels: 8, refinement: 2, samples: 512, truncation, key: context.key(0) }
+    Study {
+        coarsest_steps: 32,
+        levels: 8,
+        refinement: 2,
+        samples: 512,
+        truncation,
+        key: context.key(0),
+    }
 }
 
 pub(super) fn strong<S, G, const M: usize>(
@@ -43,8 +51,9 @@ where
 {
     // Areas cost more normals the finer the steps: 2⁻⁴ … 2⁻¹¹ and a reference at 2⁻¹³ will do.
     let coarsest_steps = if scheme.needs_areas() { 16 } else { 32 };
-    let measured = strong_order(scheme, problem, &Study { coarsest_steps, ..study(context, truncation()) })
-        .unwrap_or_else(|error| unreachable!("the set-ups of the paper are valid: {error}"));
+    let measured =
+        strong_order(scheme, problem, &Study { coarsest_steps, ..study(context, truncation()) })
+            .unwrap_or_else(|error| unreachable!("the set-ups of the paper are valid: {error}"));
     order_claim(id, &format!("strong order {order}"), &measured, order)
 }
 
@@ -54,18 +63,26 @@ fn order_claim(id: &str, statement: &str, measured: &Order, order: f64) -> Claim
 }
 
 /// A step of the rigid body as a function.
-trait BodyStep<const M: usize>: Fn(&RigidBody<M>, &Step, [f64; M], [f64; 3]) -> [f64; 3] + Send + Sync {}
+trait BodyStep<const M: usize>:
+    Fn(&RigidBody<M>, &Step, [f64; M], [f64; 3]) -> [f64; 3] + Send + Sync
+{
+}
 
-impl<F, const M: usize> BodyStep<M> for F where F: Fn(&RigidBody<M>, &Step, [f64; M], [f64; 3]) -> [f64; 3] + Send + Sync
-{}
+impl<F, const M: usize> BodyStep<M> for F where
+    F: Fn(&RigidBody<M>, &Step, [f64; M], [f64; 3]) -> [f64; 3] + Send + Sync
+{
+}
 
 /// Euler–Maruyama with the Itô correction taken `factor` times.
 fn miscorrected<const M: usize>(factor: f64) -> PathScheme<impl BodyStep<M>> {
     PathScheme {
         id: "em, wrong correction",
         advance: move |system: &RigidBody<M>, step: &Step, dw: [f64; M], y: [f64; 3]| {
-            let (field, correction) = (vector_field(system, y, step.tau, dw), ito_correction(system, y));
-            std::array::from_fn(|i| y[i] + field[i] + step.tau * (factor * correction[i] - step.rate_at_start * y[i]))
+            let (field, correction) =
+                (vector_field(system, y, step.tau, dw), ito_correction(system, y));
+            std::array::from_fn(|i| {
+                y[i] + field[i] + step.tau * (factor * correction[i] - step.rate_at_start * y[i])
+            })
         },
     }
 }
@@ -136,8 +153,9 @@ pub(super) fn truncated_too_early(context: &Context<'_>) -> Claim {
 fn weak(context: &Context<'_>, factor: f64) -> Claim {
     let observable = Observable { name: "y3", function: |y: [f64; 3]| y[2] };
     let study = Study { levels: 6, samples: 2048, ..study(context, truncation()) };
-    let measured = weak_order(&miscorrected::<3>(factor), &three_noises(), observable, &study, None)
-        .unwrap_or_else(|error| unreachable!("the set-ups of the paper are valid: {error}"));
+    let measured =
+        weak_order(&miscorrected::<3>(factor), &three_noises(), observable, &study, None)
+            .unwrap_or_else(|error| unreachable!("the set-ups of the paper are valid: {error}"));
     order_claim("weak-one", "weak order 1 for φ = y3", &measured, 1.0)
 }
 

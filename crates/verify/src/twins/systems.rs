@@ -31,7 +31,9 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M>
 /// The discrete gradient is the gradient at the midpoint.
 pub(super) struct MidpointGradient<S>(pub S);
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M> for MidpointGradient<S> {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M>
+    for MidpointGradient<S>
+{
     fn name(&self) -> &'static str {
         self.0.name()
     }

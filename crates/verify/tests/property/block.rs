@@ -1,5 +1,5 @@
-//! A block is its paths bit for bit, on random systems of two kinds: with branches, which no compiler vectorises, and
-//! without, which it does.
+//! A block is its paths bit for bit, on random systems of two kinds: with branches, which no
+//! compiler vectorises, and without, which it does.
 
 use std::cell::Cell;
 
@@ -57,11 +57,8 @@ impl<const D: usize, const M: usize> PoissonSystem<D, M> for StraightLine<D, M> 
 }
 
 fn straight_line<const D: usize, const M: usize>() -> impl Strategy<Value = StraightLine<D, M>> {
-    (uniform(skew()), vector(1.0), uniform(vector(1.5))).prop_map(|(structure, drift, noise)| StraightLine {
-        structure,
-        drift,
-        noise,
-    })
+    (uniform(skew()), vector(1.0), uniform(vector(1.5)))
+        .prop_map(|(structure, drift, noise)| StraightLine { structure, drift, noise })
 }
 
 fn bits<const D: usize>(z: [f64; D]) -> [u64; D] {
@@ -106,22 +103,26 @@ impl Ways {
         systems: impl Strategy<Value = S>,
     ) {
         let draws = (systems, any_rate(), uniform::<_, WIDTH>(state()), any_noise());
-        for_all(BLOCKS, draws, |(system, rate, states, noise): (S, Rate, [[f64; D]; WIDTH], Noise<M, WIDTH>)| {
-            let step = Step::new(rate.damping().as_ref(), 7, noise.tau).unwrap();
-            let (mut y, mut dw) = (Block::zero(), Block::zero());
-            for p in 0..WIDTH {
-                // Larger ones on some paths, so that the robust method has work.
-                let factor = if p % 8 == 5 { 8.0 } else { 1.0 };
-                y.set_path(p, states[p]);
-                dw.set_path(p, noise.dw[p].map(|x| factor * x));
-            }
-            self.same_bits(&EulerMaruyama, &system, &step, &dw, &y)?;
-            for solver in [Method::FixedPoint, Method::Newton].map(Solver::new) {
-                self.same_bits(&Sexp { solver }, &system, &step, &dw, &y)?;
-                self.same_bits(&Midpoint { solver }, &system, &step, &dw, &y)?;
-            }
-            Ok(())
-        });
+        for_all(
+            BLOCKS,
+            draws,
+            |(system, rate, states, noise): (S, Rate, [[f64; D]; WIDTH], Noise<M, WIDTH>)| {
+                let step = Step::new(rate.damping().as_ref(), 7, noise.tau).unwrap();
+                let (mut y, mut dw) = (Block::zero(), Block::zero());
+                for p in 0..WIDTH {
+                    // Larger ones on some paths, so that the robust method has work.
+                    let factor = if p % 8 == 5 { 8.0 } else { 1.0 };
+                    y.set_path(p, states[p]);
+                    dw.set_path(p, noise.dw[p].map(|x| factor * x));
+                }
+                self.same_bits(&EulerMaruyama, &system, &step, &dw, &y)?;
+                for solver in [Method::FixedPoint, Method::Newton].map(Solver::new) {
+                    self.same_bits(&Sexp { solver }, &system, &step, &dw, &y)?;
+                    self.same_bits(&Midpoint { solver }, &system, &step, &dw, &y)?;
+                }
+                Ok(())
+            },
+        );
     }
 }
 

@@ -1,4 +1,5 @@
-//! `sexp` keeps Casimirs and energies on their conformal law over several steps, `midpoint` keeps Casimirs undamped.
+//! `sexp` keeps Casimirs and energies on their conformal law over several steps, `midpoint` keeps
+//! Casimirs undamped.
 
 use std::cell::Cell;
 
@@ -11,18 +12,21 @@ use systems::PoissonSystem;
 use crate::damping::{Rate, any_rate};
 use crate::hamiltonian::MAX_DEGREE;
 use crate::law::{Conserved, MidpointMap, SexpMap, Transition, solver_leaves};
-use crate::random::{Largest, Noise, OneNoise, Several, any_noise, for_all, one_noise, several, state};
+use crate::random::{
+    Largest, Noise, OneNoise, Several, any_noise, for_all, one_noise, several, state,
+};
 use crate::rounding::Bounded;
 use crate::structure::{any_structure, with_casimir};
 
 const CASES: u32 = 500;
 /// Steps of a path.
 const STEPS: usize = 4;
-/// The largest allowed share of steps that no solver could do: at τ up to 0.9 and with increments at the bound some
-/// random equations have no solution that continues the flow.
+/// The largest allowed share of steps that no solver could do: at τ up to 0.9 and with increments
+/// at the bound some random equations have no solution that continues the flow.
 const UNSOLVED: f64 = 0.02;
-/// The largest allowed share of steps that a solver takes for solved although their residual is too large: the fixed
-/// point takes an iterate that comes back from far away for fast contraction. One in 20 000 random steps does.
+/// The largest allowed share of steps that a solver takes for solved although their residual is too
+/// large: the fixed point takes an iterate that comes back from far away for fast contraction. One
+/// in 20 000 random steps does.
 const LOOSE: f64 = 0.001;
 /// Bounds are worst cases, and count what a solver may leave in the rarest case.
 const SHARP: f64 = 0.01;
@@ -43,7 +47,8 @@ fn count(cell: &Cell<u32>) {
 }
 
 impl Tally {
-    /// Drives `function` along a path of `sexp`; a path ends with a step that is not solved to round-off.
+    /// Drives `function` along a path of `sexp`; a path ends with a step that is not solved to
+    /// round-off.
     fn follow<S: PoissonSystem<D, M>, F: Conserved<D>, const D: usize, const M: usize>(
         &self,
         system: &S,
@@ -83,9 +88,13 @@ impl Tally {
     }
 
     fn report(&self, what: &str) {
-        let [steps, unsolved, loose] = [&self.steps, &self.unsolved, &self.loose].map(|cell| f64::from(cell.get()));
+        let [steps, unsolved, loose] =
+            [&self.steps, &self.unsolved, &self.loose].map(|cell| f64::from(cell.get()));
         println!("{what}: of {steps} steps {unsolved} unsolved, {loose} loose");
-        assert!(unsolved <= UNSOLVED * steps && loose <= LOOSE * steps, "{what}: {unsolved} {loose} of {steps}");
+        assert!(
+            unsolved <= UNSOLVED * steps && loose <= LOOSE * steps,
+            "{what}: {unsolved} {loose} of {steps}"
+        );
         self.one.report(&format!("{what}, one step"), SHARP);
         self.all.report(&format!("{what}, several steps"), SHARP);
     }
@@ -100,7 +109,8 @@ fn any_method() -> impl Strategy<Value = Method> {
 
 fn casimirs<const D: usize, const M: usize>() {
     let tally = Tally::default();
-    let draws = (several(with_casimir()), any_method(), (any_rate(), NUMBERS), any_noise(), state());
+    let draws =
+        (several(with_casimir()), any_method(), (any_rate(), NUMBERS), any_noise(), state());
     for_all(CASES, draws, |(system, method, damping, noise, y0): (Several<D, M>, _, _, _, _)| {
         let casimir = system.structure.base.casimir().unwrap();
         tally.follow(&system, &casimir, method, damping, noise, y0)
@@ -118,7 +128,13 @@ fn sexp_keeps_every_casimir() {
 
 fn energies<const D: usize>() {
     let tally = Tally::default();
-    let draws = (one_noise(any_structure(), 1..=MAX_DEGREE), any_method(), (any_rate(), NUMBERS), any_noise(), state());
+    let draws = (
+        one_noise(any_structure(), 1..=MAX_DEGREE),
+        any_method(),
+        (any_rate(), NUMBERS),
+        any_noise(),
+        state(),
+    );
     for_all(CASES, draws, |(system, method, damping, noise, y0): (OneNoise<D>, _, _, _, _)| {
         tally.follow(&system, &system.hamiltonian, method, damping, noise, y0)
     });

@@ -4,8 +4,8 @@ use dgrad::Rule;
 use proptest::prelude::*;
 use systems::{Constant, Cosine, Damping, DampingFunction, Linear, Sine};
 
-/// Nodes of every quadrature: over intervals of length 4 and frequencies up to 3 the error is below 10⁻³⁰, and for
-/// exp(−t²) below 10⁻¹⁶.
+/// Nodes of every quadrature: over intervals of length 4 and frequencies up to 3 the error is below
+/// 10⁻³⁰, and for exp(−t²) below 10⁻¹⁶.
 const NODES: usize = 24;
 
 /// A damping rate; pumping where it is negative.
@@ -31,7 +31,9 @@ impl Rate {
             Self::Linear(a) => Box::new(Linear::new(a).unwrap()),
             Self::Sine(a, frequency) => Box::new(Sine::new(a, frequency).unwrap()),
             Self::Cosine(a, frequency) => Box::new(Cosine::new(a, frequency).unwrap()),
-            Self::Function(..) => Box::new(DampingFunction::new(move |t| self.rate(t), NODES).unwrap()),
+            Self::Function(..) => {
+                Box::new(DampingFunction::new(move |t| self.rate(t), NODES).unwrap())
+            }
         }
     }
 
@@ -51,14 +53,16 @@ impl Rate {
         Rule::new(NODES).unwrap().integrate(a, b, |t| self.rate(t))
     }
 
-    /// How far two computed integrals of γ from a to b may differ: a sum of 24 terms is rounded 24 times, its terms and
-    /// the closed forms a few times, and arguments like ωt are off by some ε·ωt.
+    /// How far two computed integrals of γ from a to b may differ: a sum of 24 terms is rounded 24
+    /// times, its terms and the closed forms a few times, and arguments like ωt are off by some
+    /// ε·ωt.
     pub fn integral_error(self, a: f64, b: f64) -> f64 {
         let (rate, slope) = self.largest(b);
         f64::EPSILON * (b - a) * ((NODES + 8) as f64 * rate + 4.0 * slope * b)
     }
 
-    /// How far the integral may be off because its end t is: a product or a sum that was rounded, twice at most.
+    /// How far the integral may be off because its end t is: a product or a sum that was rounded,
+    /// twice at most.
     pub fn end_error(self, t: f64) -> f64 {
         f64::EPSILON * t * self.largest(t).0
     }
@@ -68,7 +72,9 @@ impl Rate {
         match self {
             Self::Constant(a) => (a.abs(), 0.0),
             Self::Linear(a) => (a.abs() * t, a.abs()),
-            Self::Sine(a, frequency) | Self::Cosine(a, frequency) => (a.abs(), (a * frequency).abs()),
+            Self::Sine(a, frequency) | Self::Cosine(a, frequency) => {
+                (a.abs(), (a * frequency).abs())
+            }
             Self::Function(a, b, c) => (a.abs() + b.abs() + c.abs(), 3.0 * b.abs() + c.abs()),
         }
     }

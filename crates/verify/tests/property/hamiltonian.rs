@@ -60,7 +60,9 @@ impl<const D: usize> ScalarFunction<D> for Hamiltonian<D> {
     fn value<R: Real>(&self, y: [R; D]) -> R {
         match self {
             Self::Polynomial(polynomial) => polynomial.value(y),
-            Self::Sine(a, w, phase) => (dot(w.map(R::constant), y) + R::constant(*phase)).sin() * R::constant(*a),
+            Self::Sine(a, w, phase) => {
+                (dot(w.map(R::constant), y) + R::constant(*phase)).sin() * R::constant(*a)
+            }
             Self::Exponential(a, w) => dot(w.map(R::constant), y).exp() * R::constant(*a),
         }
     }
@@ -77,17 +79,15 @@ impl<const D: usize> GradientField<D> for Hamiltonian<D> {
 pub fn polynomial<const D: usize>(
     degrees: std::ops::RangeInclusive<usize>,
 ) -> impl Strategy<Value = Polynomial<D>> + Clone {
-    (degrees, vector(1.0), uniform(uniform(0..D))).prop_map(|(degree, coefficients, factors)| Polynomial {
-        degree,
-        coefficients,
-        factors,
-    })
+    (degrees, vector(1.0), uniform(uniform(0..D)))
+        .prop_map(|(degree, coefficients, factors)| Polynomial { degree, coefficients, factors })
 }
 
 /// A sine or an exponential.
 pub fn transcendental<const D: usize>() -> impl Strategy<Value = Hamiltonian<D>> + Clone {
     prop_oneof![
-        (-1.0..1.0f64, vector(1.5), -3.0..3.0f64).prop_map(|(a, w, phase)| Hamiltonian::Sine(a, w, phase)),
+        (-1.0..1.0f64, vector(1.5), -3.0..3.0f64)
+            .prop_map(|(a, w, phase)| Hamiltonian::Sine(a, w, phase)),
         (-1.0..1.0f64, vector(0.7)).prop_map(|(a, w)| Hamiltonian::Exponential(a, w)),
     ]
 }

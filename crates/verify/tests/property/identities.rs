@@ -1,7 +1,7 @@
 //! Skewness, Casimirs and discrete gradients of random systems, before any scheme.
 //!
-//! Each check evaluates a quantity that is zero in exact arithmetic with [`Bounded`] numbers: the value must be within
-//! its own rounding error.
+//! Each check evaluates a quantity that is zero in exact arithmetic with [`Bounded`] numbers: the
+//! value must be within its own rounding error.
 
 use dgrad::{GradientField, averaged, mean_cosine, mean_sine, quadratic};
 use proptest::prelude::*;
@@ -15,7 +15,8 @@ use crate::rounding::{Bounded, dot};
 use crate::structure::{Structure, any_structure, with_casimir};
 
 const CASES: u32 = 1000;
-/// Bounds are worst cases: of a sum of many roundings of random sign a hundredth is reached in a thousand draws.
+/// Bounds are worst cases: of a sum of many roundings of random sign a hundredth is reached in a
+/// thousand draws.
 const SHARP: f64 = 0.01;
 
 /// `value` is zero up to its rounding.
@@ -69,12 +70,13 @@ fn polynomial_gradients<const D: usize>() {
         let step = std::array::from_fn(|i| b[i] - a[i]);
         zero(&identity, dot(mean, step) - (Conserved::value(&h, b) - Conserved::value(&h, a)))?;
         let back = h.slope(b, a);
-        // More nodes integrate the same polynomial; their smaller nodes are good to 8ε only, four times what
-        // `Bounded` takes for a constant.
+        // More nodes integrate the same polynomial; their smaller nodes are good to 8ε only, four
+        // times what `Bounded` takes for a constant.
         let finer: [Bounded; D] = averaged::<5, _, _, D>(&h, a, b);
         let middle = h.gradient(quadratic(a, b));
         for i in 0..D {
-            // Nodes are summed in pairs about the middle: ∇̄H(a, b) and ∇̄H(b, a) are the same bits.
+            // Nodes are summed in pairs about the middle: ∇̄H(a, b) and ∇̄H(b, a) are the same
+            // bits.
             prop_assert_eq!(mean[i].value.to_bits(), back[i].value.to_bits());
             let difference = mean[i] - finer[i];
             nodes.check(difference.value.abs(), 4.0 * difference.error)?;
@@ -101,8 +103,8 @@ fn discrete_gradients_of_polynomials_are_exact() {
 /// θ²ⁿ(n!)⁴/((2n+1)(2n)!³), which is 10⁻²³ for n = 32, and less than that for exponentials.
 const MANY: usize = 32;
 
-/// By how much each |wᵢ| may be off in a mean of ∇H = H′w: a rule with n nodes is good to (8 + n)ε, and each node to an ε
-/// of the way, along which H′ changes by θ times itself.
+/// By how much each |wᵢ| may be off in a mean of ∇H = H′w: a rule with n nodes is good to (8 + n)ε,
+/// and each node to an ε of the way, along which H′ changes by θ times itself.
 fn node_error(size: f64, theta: f64) -> f64 {
     (8 + MANY) as f64 * f64::EPSILON * size * (1.0 + theta)
 }
@@ -113,7 +115,9 @@ fn transcendental_gradients<const D: usize>() {
         let (size, w) = match h {
             Hamiltonian::Polynomial(_) => unreachable!("polynomials have a test of their own"),
             Hamiltonian::Sine(amplitude, w, _) => (amplitude.abs(), w),
-            Hamiltonian::Exponential(amplitude, w) => (amplitude.abs() * f64::max(dot(w, a), dot(w, b)).exp(), w),
+            Hamiltonian::Exponential(amplitude, w) => {
+                (amplitude.abs() * f64::max(dot(w, a), dot(w, b)).exp(), w)
+            }
         };
         let theta: f64 = (0..D).map(|i| (w[i] * (b[i] - a[i])).abs()).sum();
         let nodes = node_error(size, theta);

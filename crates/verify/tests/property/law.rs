@@ -1,13 +1,16 @@
-//! The conformal law F(y₁) = e^{−p∫γ}F(y₀) of one step, and what round-off and the solver may make of it.
+//! The conformal law F(y₁) = e^{−p∫γ}F(y₀) of one step, and what round-off and the solver may make
+//! of it.
 //!
-//! Let ẑ = e^{−∫γ}y₀ and z = e^{∫γ}y₁ be the two sides of the implicit equation z = ψ(z), with residual r = z − ψ(z).
-//! F(z) − F(ẑ) = sᵀ(z − ẑ), where s is ∇F at the middle (linear and quadratic F) or ∇̄F, and sᵀ(ψ(z) − ẑ) = 0 by the
-//! structure of the system. Hence F(z) − F(ẑ) = sᵀr exactly, and what is left is a bound for r:
+//! Let ẑ = e^{−∫γ}y₀ and z = e^{∫γ}y₁ be the two sides of the implicit equation z = ψ(z), with
+//! residual r = z − ψ(z). F(z) − F(ẑ) = sᵀ(z − ẑ), where s is ∇F at the middle (linear and
+//! quadratic F) or ∇̄F, and sᵀ(ψ(z) − ẑ) = 0 by the structure of the system. Hence F(z) − F(ẑ) =
+//! sᵀr exactly, and what is left is a bound for r:
 //!
 //! |r|₁ ≤ ε(|z|₁ + |ẑ|₁)(S + 2‖I − ψ′‖₁) + rounding of ψ.
 //!
-//! S is what the solver leaves on purpose; the norm counts the rounding of z (half an ε when it is formed, half when it
-//! is damped) and Newton's last change; the rounding of ψ is bounded by evaluating it with [`Bounded`] numbers.
+//! S is what the solver leaves on purpose; the norm counts the rounding of z (half an ε when it is
+//! formed, half when it is damped) and Newton's last change; the rounding of ψ is bounded by
+//! evaluating it with [`Bounded`] numbers.
 
 use dgrad::{averaged, quadratic};
 use nonlin::Method;
@@ -20,10 +23,11 @@ use crate::hamiltonian::Polynomial;
 use crate::rounding::{Bounded, UNIT, dot};
 use crate::structure::Casimir;
 
-/// S for Newton: changes up to 2ε are accepted by its robust variant, squares of 2⁻³² by the fast one.
+/// S for Newton: changes up to 2ε are accepted by its robust variant, squares of 2⁻³² by the fast
+/// one.
 const NEWTON: f64 = 4.0;
-/// S for the fixed point: it means to stop at 2ε, but foresees the residual from two changes, and where modes that
-/// contract differently mix it may leave up to this (see the tests of `nonlin`).
+/// S for the fixed point: it means to stop at 2ε, but foresees the residual from two changes, and
+/// where modes that contract differently mix it may leave up to this (see the tests of `nonlin`).
 const FIXED_POINT: f64 = 256.0;
 
 /// S.
@@ -79,7 +83,9 @@ pub struct SexpMap<'a, S, const D: usize, const M: usize> {
     pub before: [f64; D],
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D> for SexpMap<'_, S, D, M> {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D>
+    for SexpMap<'_, S, D, M>
+{
     fn value<R: Real>(&self, z: [R; D]) -> [R; D] {
         let before = self.before.map(R::constant);
         let slope = self.system.averaged_gradient(before, z, self.tau, self.dw);
@@ -91,7 +97,9 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D
 /// ψ of `midpoint` without damping: y + B∇h at (y+z)/2.
 pub struct MidpointMap<'a, S, const D: usize, const M: usize>(pub SexpMap<'a, S, D, M>);
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D> for MidpointMap<'_, S, D, M> {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D>
+    for MidpointMap<'_, S, D, M>
+{
     fn value<R: Real>(&self, z: [R; D]) -> [R; D] {
         let SexpMap { system, tau, dw, before } = self.0;
         let before = before.map(R::constant);
@@ -107,7 +115,9 @@ pub fn norm<const D: usize>(x: [f64; D]) -> f64 {
 
 /// ψ′(z), column by column.
 pub fn columns<P: VectorFunction<D, D>, const D: usize>(map: &P, z: [f64; D]) -> [[f64; D]; D] {
-    std::array::from_fn(|j| directional(map, z, std::array::from_fn(|i| f64::from(u8::from(i == j)))).1)
+    std::array::from_fn(|j| {
+        directional(map, z, std::array::from_fn(|i| f64::from(u8::from(i == j)))).1
+    })
 }
 
 /// |z − ψ(z)|₁, and the bound for it that is derived above.
@@ -181,12 +191,20 @@ impl<const D: usize> Transition<D> {
         // ẑ and y₁ are products that were rounded.
         let noise = |y: [f64; D]| function.value(y.map(Bounded::rounded)).error;
         let second = self.step.second_decay.powi(function.degree());
-        let mut allowed = noise(self.y1) + second * (noise(before) + steepest * (allowed_residual + rounding));
+        let mut allowed =
+            noise(self.y1) + second * (noise(before) + steepest * (allowed_residual + rounding));
         allowed += law * noise(self.y0);
-        // Each decay is an exponential, good to 1.1 ulp, and counts p times; t + τ may round away from (n + 1)τ.
+        // Each decay is an exponential, good to 1.1 ulp, and counts p times; t + τ may round away
+        // from (n + 1)τ.
         let time = rate.integral_error(start, end) + rate.end_error(end);
-        allowed += (law * f0).abs() * (degree * time + (3.0 * degree + 3.0 + exponent.abs()) * f64::EPSILON);
+        allowed += (law * f0).abs()
+            * (degree * time + (3.0 * degree + 3.0 + exponent.abs()) * f64::EPSILON);
         allowed += 2.0 * UNIT * f1.abs();
-        Verdict { defect: (f1 - law * f0).abs(), allowed, law, solved: residual <= allowed_residual }
+        Verdict {
+            defect: (f1 - law * f0).abs(),
+            allowed,
+            law,
+            solved: residual <= allowed_residual,
+        }
     }
 }

@@ -1,8 +1,9 @@
 //! What the stack promises for every system, checked on systems that nobody wrote by hand.
 //!
-//! Random skew structures (constant, linear, scaled; most violate Jacobi's identity, which no proof here uses), random
-//! linear and quadratic Casimirs built to be Casimirs, random homogeneous and non-polynomial Hamiltonians, random
-//! damping, steps and truncated increments, in 2 to 5 dimensions with 1 to 3 noises.
+//! Random skew structures (constant, linear, scaled; most violate Jacobi's identity, which no proof
+//! here uses), random linear and quadratic Casimirs built to be Casimirs, random homogeneous and
+//! non-polynomial Hamiltonians, random damping, steps and truncated increments, in 2 to 5
+//! dimensions with 1 to 3 noises.
 //!
 //! | module | idea |
 //! |---|---|
@@ -15,8 +16,8 @@
 //! | `block` | a block is its paths bit for bit |
 //! | `twins` | the same checks reject what is wrong on purpose |
 //!
-//! All draws come from proptest with a fixed seed, so a run is reproducible. `--nocapture` prints how much of each
-//! tolerance was used.
+//! All draws come from proptest with a fixed seed, so a run is reproducible. `--nocapture` prints
+//! how much of each tolerance was used.
 
 mod block;
 mod conformal;

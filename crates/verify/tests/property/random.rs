@@ -69,11 +69,8 @@ impl<const D: usize> PoissonSystem<D, 1> for OneNoise<D> {
 pub fn several<const D: usize, const M: usize>(
     structure: impl Strategy<Value = Structure<D>>,
 ) -> impl Strategy<Value = Several<D, M>> {
-    (structure, hamiltonian(), uniform(hamiltonian())).prop_map(|(structure, drift, noise)| Several {
-        structure,
-        drift,
-        noise,
-    })
+    (structure, hamiltonian(), uniform(hamiltonian()))
+        .prop_map(|(structure, drift, noise)| Several { structure, drift, noise })
 }
 
 pub fn one_noise<const D: usize>(
@@ -81,11 +78,8 @@ pub fn one_noise<const D: usize>(
     degrees: std::ops::RangeInclusive<usize>,
 ) -> impl Strategy<Value = OneNoise<D>> {
     assert!(*degrees.end() <= MAX_DEGREE);
-    (structure, polynomial(degrees), -1.0..1.0f64).prop_map(|(structure, hamiltonian, noise)| OneNoise {
-        structure,
-        hamiltonian,
-        noise,
-    })
+    (structure, polynomial(degrees), -1.0..1.0f64)
+        .prop_map(|(structure, hamiltonian, noise)| OneNoise { structure, hamiltonian, noise })
 }
 
 /// States.
@@ -100,9 +94,12 @@ pub struct Noise<const M: usize, const K: usize> {
     pub dw: [[f64; M]; K],
 }
 
-/// Steps between 10^low and 10^high, evenly on a logarithmic scale; increments spread over all that truncation with a k
-/// of 1 to 4 lets through, the bounds included.
-fn noise_between<const M: usize, const K: usize>(low: f64, high: f64) -> impl Strategy<Value = Noise<M, K>> {
+/// Steps between 10^low and 10^high, evenly on a logarithmic scale; increments spread over all that
+/// truncation with a k of 1 to 4 lets through, the bounds included.
+fn noise_between<const M: usize, const K: usize>(
+    low: f64,
+    high: f64,
+) -> impl Strategy<Value = Noise<M, K>> {
     (low..high, 1..5u32, uniform(uniform(-1.25..1.25f64))).prop_map(
         |(exponent, k, shares): (f64, u32, [[f64; M]; K])| {
             let tau = 10f64.powf(exponent);
@@ -117,7 +114,8 @@ pub fn any_noise<const M: usize, const K: usize>() -> impl Strategy<Value = Nois
     noise_between(-6.0, 0.9f64.log10())
 }
 
-/// τ from 0.01 to 0.1: large enough for a wrong method to be visibly wrong, small enough to be solvable.
+/// τ from 0.01 to 0.1: large enough for a wrong method to be visibly wrong, small enough to be
+/// solvable.
 pub fn visible_noise<const M: usize, const K: usize>() -> impl Strategy<Value = Noise<M, K>> {
     noise_between(-2.0, -1.0)
 }
@@ -133,14 +131,22 @@ fn runner(cases: u32) -> TestRunner {
 }
 
 /// Checks `cases` draws; a failure is shrunk and shown.
-pub fn for_all<S: Strategy<Value: Debug>>(cases: u32, strategy: S, check: impl Fn(S::Value) -> TestCaseResult) {
+pub fn for_all<S: Strategy<Value: Debug>>(
+    cases: u32,
+    strategy: S,
+    check: impl Fn(S::Value) -> TestCaseResult,
+) {
     if let Err(error) = runner(cases).run(&strategy, check) {
         panic!("{error}");
     }
 }
 
 /// The share of `cases` draws for which `holds`.
-pub fn share<S: Strategy<Value: Debug>>(cases: u32, strategy: S, holds: impl Fn(S::Value) -> bool) -> f64 {
+pub fn share<S: Strategy<Value: Debug>>(
+    cases: u32,
+    strategy: S,
+    holds: impl Fn(S::Value) -> bool,
+) -> f64 {
     let count = Cell::new(0);
     for_all(cases, strategy, |value| {
         count.set(count.get() + u32::from(holds(value)));
@@ -162,7 +168,8 @@ impl Largest {
         Ok(())
     }
 
-    /// Fails where the tolerance was generous: a bound that is nowhere near attained might not notice a small mistake.
+    /// Fails where the tolerance was generous: a bound that is nowhere near attained might not
+    /// notice a small mistake.
     pub fn report(&self, what: &str, at_least: f64) {
         println!("{what}: largest defect {:.3} of the tolerance", self.0.get());
         assert!(self.0.get() >= at_least, "{what}: {}", self.0.get());

@@ -1,9 +1,10 @@
 //! A number that carries a bound of its own rounding error.
 //!
-//! Running error analysis (Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, §3.3): every operation adds
-//! half an ulp of its result to the propagated errors of its operands. Evaluating a formula with such numbers gives the
-//! bits of the `f64` evaluation and the tolerance that it deserves, however the terms cancel. Products of bounds with ε
-//! that a rigorous bound would add are a relative 10⁻¹⁵ of it and left out.
+//! Running error analysis (Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, §3.3):
+//! every operation adds half an ulp of its result to the propagated errors of its operands.
+//! Evaluating a formula with such numbers gives the bits of the `f64` evaluation and the tolerance
+//! that it deserves, however the terms cancel. Products of bounds with ε that a rigorous bound
+//! would add are a relative 10⁻¹⁵ of it and left out.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -12,11 +13,12 @@ use real::{Real, elementary};
 /// Half an ulp, relative: the rounding of one operation.
 pub const UNIT: f64 = 0.5 * f64::EPSILON;
 
-/// What the elementary functions may be off by, relative: 1.1 ulp is asserted for sine, cosine and exponential, 2 for
-/// the cardinal sine.
+/// What the elementary functions may be off by, relative: 1.1 ulp is asserted for sine, cosine and
+/// exponential, 2 for the cardinal sine.
 const ELEMENTARY: f64 = 2.0 * f64::EPSILON;
 
-/// Constants on the right of an operator are nodes, weights and ½: the two-node rule is good to 1.8ε, relative.
+/// Constants on the right of an operator are nodes, weights and ½: the two-node rule is good to
+/// 1.8ε, relative.
 const CONSTANT: f64 = 2.0 * f64::EPSILON;
 
 /// A computed value and a bound for its distance to the exact one.
@@ -151,7 +153,8 @@ pub fn dot<R: Real, const D: usize>(a: [R; D], b: [R; D]) -> R {
     sum
 }
 
-/// The bound is a bound: 1 is added to x and subtracted again, which leaves anything up to half an ulp of 1.
+/// The bound is a bound: 1 is added to x and subtracted again, which leaves anything up to half an
+/// ulp of 1.
 #[test]
 fn cancellation_is_noticed() {
     let mut largest: f64 = 0.0;

@@ -9,7 +9,9 @@ use schemes::{Scheme, Sexp, Step};
 use crate::damping::{Rate, any_rate};
 use crate::hamiltonian::MAX_DEGREE;
 use crate::law::{SexpMap, columns, norm, residual, solver_leaves};
-use crate::random::{Largest, Noise, OneNoise, Several, any_noise, for_all, one_noise, several, state};
+use crate::random::{
+    Largest, Noise, OneNoise, Several, any_noise, for_all, one_noise, several, state,
+};
 use crate::structure::{any_structure, homogeneous};
 
 const METHODS: [Method; 2] = [Method::FixedPoint, Method::Newton];
@@ -35,7 +37,11 @@ fn newton_is_fixed_point<const D: usize>() {
             let contraction = columns(&map, z).map(norm).into_iter().fold(0.0, f64::max);
             // z − z* = (I − ψ′)⁻¹r up to second order, which the factor 2 has room for.
             let (_, residual) = residual(&map, before, z, solver_leaves(method));
-            allowed += if contraction < CONTRACTION { 2.0 * residual / (1.0 - contraction) } else { f64::NAN };
+            allowed += if contraction < CONTRACTION {
+                2.0 * residual / (1.0 - contraction)
+            } else {
+                f64::NAN
+            };
             z
         });
         if allowed.is_nan() {
@@ -58,10 +64,12 @@ fn newton_and_the_fixed_point_agree() {
     newton_is_fixed_point::<5>();
 }
 
-/// With B of degree b and h of degree p, 2ᵏz solves the equation for 2ᵏẑ and increments times 2^{−k(b+p−2)}. A power of
-/// two changes no digit, so the bits agree, whichever way the equation goes.
+/// With B of degree b and h of degree p, 2ᵏz solves the equation for 2ᵏẑ and increments times
+/// 2^{−k(b+p−2)}. A power of two changes no digit, so the bits agree, whichever way the equation
+/// goes.
 fn scaling<const D: usize>() {
-    let draws = (one_noise(homogeneous(), 1..=MAX_DEGREE), any_rate(), any_noise(), state(), -40..40i32);
+    let draws =
+        (one_noise(homogeneous(), 1..=MAX_DEGREE), any_rate(), any_noise(), state(), -40..40i32);
     for_all(CASES, draws, |(system, rate, noise, y0, k): (OneNoise<D>, _, Noise<1, 1>, _, _)| {
         let [[dw]] = noise.dw;
         let step = Step::new(rate.damping().as_ref(), 3, noise.tau).unwrap();

@@ -115,7 +115,9 @@ impl<const D: usize> Base<D> {
     pub fn casimir(&self) -> Option<Casimir<D>> {
         match self {
             Self::Constant(_) | Self::Linear(_) => None,
-            Self::Cross(casimir) | Self::Projected(casimir, _) | Self::Wedge(casimir, ..) => Some(*casimir),
+            Self::Cross(casimir) | Self::Projected(casimir, _) | Self::Wedge(casimir, ..) => {
+                Some(*casimir)
+            }
         }
     }
 
@@ -131,7 +133,8 @@ impl<const D: usize> Base<D> {
 }
 
 impl<const D: usize> Structure<D> {
-    /// B(y)·v. Not inlined: a test has no need for speed, and it is compiled for many kinds of numbers.
+    /// B(y)·v. Not inlined: a test has no need for speed, and it is compiled for many kinds of
+    /// numbers.
     #[inline(never)]
     pub fn apply<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
         let mut result = self.base.apply(y, v);
@@ -186,7 +189,8 @@ fn symmetric<const D: usize>(vectors: Matrix<D>, weights: [f64; D], rank: usize)
     matrix
 }
 
-/// A symmetric matrix: positive definite (almost surely), indefinite, or of a rank between 1 and D − 1.
+/// A symmetric matrix: positive definite (almost surely), indefinite, or of a rank between 1 and D
+/// − 1.
 pub fn symmetric_matrix<const D: usize>() -> impl Strategy<Value = Matrix<D>> + Clone {
     let vectors = || uniform(vector(1.0));
     prop_oneof![
@@ -204,7 +208,9 @@ fn casimir<const D: usize>() -> impl Strategy<Value = Casimir<D>> + Clone {
     ]
 }
 
-fn scaled<const D: usize>(base: impl Strategy<Value = Base<D>>) -> impl Strategy<Value = Structure<D>> {
+fn scaled<const D: usize>(
+    base: impl Strategy<Value = Base<D>>,
+) -> impl Strategy<Value = Structure<D>> {
     let scale = prop_oneof![
         3 => Just(Scale::One),
         1 => vector(0.5).prop_map(Scale::Growing),
@@ -218,7 +224,8 @@ fn base_with_casimir<const D: usize>(
     casimir: impl Strategy<Value = Casimir<D>> + Clone,
 ) -> impl Strategy<Value = Base<D>> {
     // The cross product stands in for another projection in other dimensions.
-    let cross = |(casimir, s)| if D == 3 { Base::Cross(casimir) } else { Base::Projected(casimir, s) };
+    let cross =
+        |(casimir, s)| if D == 3 { Base::Cross(casimir) } else { Base::Projected(casimir, s) };
     prop_oneof![
         (casimir.clone(), skew()).prop_map(cross),
         (casimir.clone(), skew()).prop_map(|(casimir, s)| Base::Projected(casimir, s)),

@@ -10,13 +10,16 @@ use crate::damping::{Rate, any_rate, changing_rate};
 use crate::law::{Conserved, SexpMap, Transition, solver_leaves};
 use crate::random::{Noise, OneNoise, Several, one_noise, several, share, state, visible_noise};
 use crate::rounding::{Bounded, dot};
-use crate::structure::{Casimir, Matrix, any_structure, symmetric_matrix, with_casimir, with_quadratic_casimir};
+use crate::structure::{
+    Casimir, Matrix, any_structure, symmetric_matrix, with_casimir, with_quadratic_casimir,
+};
 
 const CASES: u32 = 300;
 /// A defect is visible when it is this many times the tolerance.
 const VISIBLE: f64 = 1000.0;
-/// The share of draws in which the mistake must be visible. The others are those where it has no effect: noise close to
-/// zero, monomials that do not depend on what was changed, scales of a rank-deficient Casimir.
+/// The share of draws in which the mistake must be visible. The others are those where it has no
+/// effect: noise close to zero, monomials that do not depend on what was changed, scales of a
+/// rank-deficient Casimir.
 const MOST: f64 = 0.8;
 
 /// A system with one mistake.
@@ -34,7 +37,9 @@ impl<'a, S, const D: usize> Twin<'a, S, D> {
     }
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M> for Twin<'_, S, D> {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M>
+    for Twin<'_, S, D>
+{
     fn name(&self) -> &'static str {
         "twin"
     }
@@ -59,7 +64,8 @@ fn step(rate: Rate, tau: f64) -> Step {
     Step::new(rate.damping().as_ref(), 5, tau).unwrap()
 }
 
-/// Whether a step of `scheme` on `system` visibly breaks the law of `function`, by the measure that `sexp` meets.
+/// Whether a step of `scheme` on `system` visibly breaks the law of `function`, by the measure that
+/// `sexp` meets.
 fn breaks<S: PoissonSystem<D, M>, C: Scheme<S, D, M>, const D: usize, const M: usize>(
     scheme: &C,
     system: &S,
@@ -93,56 +99,106 @@ fn a_symmetric_part_of_the_structure_is_noticed() {
         share(CASES, draws(), |(structure, extra, y, v)| {
             let [y, v] = [y, v].map(|x| x.map(Bounded::exact));
             let image = structure.apply(y, v);
-            let spoilt = std::array::from_fn(|i| image[i] + dot(extra[i].map(|x| Bounded::exact(spoil * x)), v));
+            let spoilt = std::array::from_fn(|i| {
+                image[i] + dot(extra[i].map(|x| Bounded::exact(spoil * x)), v)
+            });
             let form = dot(v, spoilt);
             form.value.abs() > VISIBLE * form.error
         })
     };
     rejected("skewness", skew(1e-3), skew(0.0));
 
-    let draws = || (several(with_casimir()), symmetric_matrix(), any_rate(), visible_noise(), state());
+    let draws =
+        || (several(with_casimir()), symmetric_matrix(), any_rate(), visible_noise(), state());
     let casimir = |spoil: f64| {
-        share(CASES, draws(), |(system, extra, rate, noise, y0): (Several<3, 2>, Matrix<3>, _, Noise<2, 1>, _)| {
-            let extra = extra.map(|row| row.map(|x| spoil * x));
-            let twin = Twin { extra, ..Twin::correct(&system) };
-            let function = system.structure.base.casimir().unwrap();
-            breaks(&by_newton(), &twin, &function, (step(rate, noise.tau), rate), noise.dw[0], y0)
-        })
+        share(
+            CASES,
+            draws(),
+            |(system, extra, rate, noise, y0): (Several<3, 2>, Matrix<3>, _, Noise<2, 1>, _)| {
+                let extra = extra.map(|row| row.map(|x| spoil * x));
+                let twin = Twin { extra, ..Twin::correct(&system) };
+                let function = system.structure.base.casimir().unwrap();
+                breaks(
+                    &by_newton(),
+                    &twin,
+                    &function,
+                    (step(rate, noise.tau), rate),
+                    noise.dw[0],
+                    y0,
+                )
+            },
+        )
     };
     rejected("symmetric part, Casimir", casimir(1e-3), casimir(0.0));
 
-    let draws = || (one_noise(any_structure(), 1..=4), symmetric_matrix(), any_rate(), visible_noise(), state());
+    let draws = || {
+        (
+            one_noise(any_structure(), 1..=4),
+            symmetric_matrix(),
+            any_rate(),
+            visible_noise(),
+            state(),
+        )
+    };
     let energy = |spoil: f64| {
-        share(CASES, draws(), |(system, extra, rate, noise, y0): (OneNoise<4>, Matrix<4>, _, Noise<1, 1>, _)| {
-            let extra = extra.map(|row| row.map(|x| spoil * x));
-            let twin = Twin { extra, ..Twin::correct(&system) };
-            breaks(&by_newton(), &twin, &system.hamiltonian, (step(rate, noise.tau), rate), noise.dw[0], y0)
-        })
+        share(
+            CASES,
+            draws(),
+            |(system, extra, rate, noise, y0): (OneNoise<4>, Matrix<4>, _, Noise<1, 1>, _)| {
+                let extra = extra.map(|row| row.map(|x| spoil * x));
+                let twin = Twin { extra, ..Twin::correct(&system) };
+                breaks(
+                    &by_newton(),
+                    &twin,
+                    &system.hamiltonian,
+                    (step(rate, noise.tau), rate),
+                    noise.dw[0],
+                    y0,
+                )
+            },
+        )
     };
     rejected("symmetric part, energy", energy(1e-3), energy(0.0));
 }
 
 #[test]
 fn the_gradient_at_the_middle_is_noticed_from_degree_three_on() {
-    let draws = |degrees| (one_noise(any_structure(), degrees), any_rate(), visible_noise(), state());
+    let draws =
+        |degrees| (one_noise(any_structure(), degrees), any_rate(), visible_noise(), state());
     let energy = |degrees, one_node| {
-        share(CASES, draws(degrees), |(system, rate, noise, y0): (OneNoise<3>, _, Noise<1, 1>, _)| {
-            let twin = Twin { one_node, ..Twin::correct(&system) };
-            breaks(&by_newton(), &twin, &system.hamiltonian, (step(rate, noise.tau), rate), noise.dw[0], y0)
-        })
+        share(
+            CASES,
+            draws(degrees),
+            |(system, rate, noise, y0): (OneNoise<3>, _, Noise<1, 1>, _)| {
+                let twin = Twin { one_node, ..Twin::correct(&system) };
+                breaks(
+                    &by_newton(),
+                    &twin,
+                    &system.hamiltonian,
+                    (step(rate, noise.tau), rate),
+                    noise.dw[0],
+                    y0,
+                )
+            },
+        )
     };
     rejected("gradient at the middle", energy(3..=4, true), energy(3..=4, false));
-    assert_eq!(energy(1..=2, true), 0.0, "the average of a linear gradient is its value at the middle");
+    assert_eq!(
+        energy(1..=2, true),
+        0.0,
+        "the average of a linear gradient is its value at the middle"
+    );
 }
 
 #[test]
 fn a_casimir_does_not_notice_the_gradient_at_the_middle() {
     let draws = (several(with_casimir()), any_rate(), visible_noise(), state());
-    let broken = share(CASES, draws, |(system, rate, noise, y0): (Several<4, 2>, _, Noise<2, 1>, _)| {
-        let twin = Twin { one_node: true, ..Twin::correct(&system) };
-        let function = system.structure.base.casimir().unwrap();
-        breaks(&by_newton(), &twin, &function, (step(rate, noise.tau), rate), noise.dw[0], y0)
-    });
+    let broken =
+        share(CASES, draws, |(system, rate, noise, y0): (Several<4, 2>, _, Noise<2, 1>, _)| {
+            let twin = Twin { one_node: true, ..Twin::correct(&system) };
+            let function = system.structure.base.casimir().unwrap();
+            breaks(&by_newton(), &twin, &function, (step(rate, noise.tau), rate), noise.dw[0], y0)
+        });
     assert_eq!(broken, 0.0);
 }
 
@@ -173,7 +229,15 @@ fn damping_over_a_wrong_interval_is_noticed() {
 
 #[test]
 fn a_perturbed_casimir_matrix_is_noticed() {
-    let draws = || (several(with_quadratic_casimir()), symmetric_matrix(), any_rate(), visible_noise(), state());
+    let draws = || {
+        (
+            several(with_quadratic_casimir()),
+            symmetric_matrix(),
+            any_rate(),
+            visible_noise(),
+            state(),
+        )
+    };
     type Draw = (Several<4, 2>, Matrix<4>, Rate, Noise<2, 1>, [f64; 4]);
     let with = |size: f64| {
         share(CASES, draws(), |(system, extra, rate, noise, y0): Draw| {
@@ -185,7 +249,14 @@ fn a_perturbed_casimir_matrix_is_noticed() {
                     q[i][j] += size * extra[i][j];
                 }
             }
-            breaks(&by_newton(), &system, &Casimir::Quadratic(q), (step(rate, noise.tau), rate), noise.dw[0], y0)
+            breaks(
+                &by_newton(),
+                &system,
+                &Casimir::Quadratic(q),
+                (step(rate, noise.tau), rate),
+                noise.dw[0],
+                y0,
+            )
         })
     };
     rejected("perturbed Casimir", with(1e-3), with(0.0));

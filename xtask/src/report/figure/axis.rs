@@ -18,8 +18,8 @@ pub struct Range {
     pub hi: f64,
 }
 
-/// Magnitudes beyond these are left to the clipping: sums with a margin or products with one could leave the
-/// range of `f64`.
+/// Magnitudes beyond these are left to the clipping: sums with a margin or products with one could
+/// leave the range of `f64`.
 const SMALLEST: f64 = 1e-300;
 const LARGEST: f64 = 1e300;
 
@@ -45,7 +45,8 @@ impl Range {
         Self { lo: self.lo / margin, hi: self.hi * margin }
     }
 
-    /// Widened by `share` of its length at both ends; a single value gets a range of its own magnitude.
+    /// Widened by `share` of its length at both ends; a single value gets a range of its own
+    /// magnitude.
     pub fn padded(self, share: f64) -> Self {
         let length = self.hi - self.lo;
         let pad = match (length > 0.0, self.hi == 0.0) {
@@ -83,13 +84,16 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// Position of a value on the page; what is not positive sits at the start of a logarithmic axis.
+    /// Position of a value on the page; what is not positive sits at the start of a logarithmic
+    /// axis.
     pub fn position(&self, value: f64) -> f64 {
         let share = match self.scale {
             Scale::Linear => (value - self.range.lo) / (self.range.hi - self.range.lo),
             Scale::Logarithmic if value <= 0.0 => 0.0,
             // Differences of logarithms, because the ratio of two values may overflow.
-            Scale::Logarithmic => (value.ln() - self.range.lo.ln()) / (self.range.hi.ln() - self.range.lo.ln()),
+            Scale::Logarithmic => {
+                (value.ln() - self.range.lo.ln()) / (self.range.hi.ln() - self.range.lo.ln())
+            }
         };
         self.start + share * (self.end - self.start)
     }

@@ -1,11 +1,13 @@
 //! Lines, markers and text on an SVG page, measured in CSS pixels at column width.
 //!
-//! plotters draws on integer coordinates. The canvas therefore draws on a grid [`GRID`] times finer than a
-//! pixel and lets the view box scale it back.
+//! plotters draws on integer coordinates. The canvas therefore draws on a grid [`GRID`] times finer
+//! than a pixel and lets the view box scale it back.
 
 use anyhow::Result;
 use plotters::backend::DrawingBackend;
-use plotters::prelude::{Color, FontTransform, IntoFont, RGBColor, SVGBackend, ShapeStyle, TextStyle};
+use plotters::prelude::{
+    Color, FontTransform, IntoFont, RGBColor, SVGBackend, ShapeStyle, TextStyle,
+};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::dash;
@@ -84,15 +86,19 @@ pub struct Canvas<'a> {
 /// Draws a page of the given size with `draw` and returns it as a stand-alone SVG document.
 ///
 /// `title` is what a screen reader says in place of the picture.
-pub fn page((width, height): (f64, f64), title: &str, draw: impl FnOnce(&mut Canvas) -> Result<()>) -> Result<String> {
+pub fn page(
+    (width, height): (f64, f64),
+    title: &str,
+    draw: impl FnOnce(&mut Canvas) -> Result<()>,
+) -> Result<String> {
     let mut svg = String::new();
     let size = ((width * GRID) as u32, (height * GRID) as u32);
     let mut canvas = Canvas { backend: SVGBackend::with_string(&mut svg, size) };
     draw(&mut canvas)?;
     canvas.backend.present()?;
     drop(canvas);
-    // The backend writes the grid size as the size of the picture and leaves joints mitred, which turns a
-    // noisy curve into needles.
+    // The backend writes the grid size as the size of the picture and leaves joints mitred, which
+    // turns a noisy curve into needles.
     let body = svg.split_once('>').map_or("", |(_, body)| body);
     let body = scripts::typeset(body);
     Ok(format!(
@@ -141,8 +147,10 @@ impl Canvas<'_> {
             }
             return Ok(());
         }
-        let mut outline: Vec<Position> =
-            outline(look.marker).iter().map(|(x, y)| (at.0 + radius * x, at.1 + radius * y)).collect();
+        let mut outline: Vec<Position> = outline(look.marker)
+            .iter()
+            .map(|(x, y)| (at.0 + radius * x, at.1 + radius * y))
+            .collect();
         let fill = if hollow { WHITE } else { look.color };
         let corners = outline.iter().copied().map(grid);
         self.backend.fill_polygon(corners, &fill.filled())?;
@@ -164,7 +172,14 @@ impl Canvas<'_> {
         self.text(text, at, size, Align::Middle, FontTransform::Rotate270)
     }
 
-    fn text(&mut self, text: &str, at: Position, size: f64, align: Align, transform: FontTransform) -> Result<()> {
+    fn text(
+        &mut self,
+        text: &str,
+        at: Position,
+        size: f64,
+        align: Align,
+        transform: FontTransform,
+    ) -> Result<()> {
         // The backend divides font sizes by this factor.
         const BACKEND_FACTOR: f64 = 1.24;
         let anchor = match align {
@@ -173,14 +188,16 @@ impl Canvas<'_> {
             Align::Right => HPos::Right,
         };
         let font = ("sans-serif", (size * GRID).round() * BACKEND_FACTOR).into_font();
-        let style = TextStyle::from(font.transform(transform)).color(&INK).pos(Pos::new(anchor, VPos::Center));
+        let style = TextStyle::from(font.transform(transform))
+            .color(&INK)
+            .pos(Pos::new(anchor, VPos::Center));
         self.backend.draw_text(text, &style, grid(at))?;
         Ok(())
     }
 }
 
-/// Corners of a marker of radius one. The areas are about that of the circle, so that no curve looks more
-/// important than another.
+/// Corners of a marker of radius one. The areas are about that of the circle, so that no curve
+/// looks more important than another.
 fn outline(marker: Marker) -> &'static [Position] {
     match marker {
         Marker::Circle => &[],

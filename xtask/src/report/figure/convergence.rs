@@ -52,14 +52,31 @@ pub fn convergence(panel: &Panel) -> Result<String> {
     let top = legend.height() + 7.0;
     let height = top + PLOT_HEIGHT + BELOW;
     let frame = Frame {
-        x: Axis { scale: Scale::Logarithmic, range: step_range(&curves), start: LEFT, end: WIDTH - RIGHT },
-        y: Axis { scale: Scale::Logarithmic, range: error_range(&curves, &slopes), start: top + PLOT_HEIGHT, end: top },
+        x: Axis {
+            scale: Scale::Logarithmic,
+            range: step_range(&curves),
+            start: LEFT,
+            end: WIDTH - RIGHT,
+        },
+        y: Axis {
+            scale: Scale::Logarithmic,
+            range: error_range(&curves, &slopes),
+            start: top + PLOT_HEIGHT,
+            end: top,
+        },
     };
     canvas::page((WIDTH, height), &panel.title, |canvas| {
         legend.draw(canvas, LEFT, 2.0)?;
-        let steps = if cost { Ticks::decades(frame.x.range, 7) } else { Ticks::powers_of_two(frame.x.range, 8) };
+        let steps = if cost {
+            Ticks::decades(frame.x.range, 7)
+        } else {
+            Ticks::powers_of_two(frame.x.range, 8)
+        };
         frame.draw(canvas, &steps, &Ticks::decades(frame.y.range, 7), true)?;
-        frame.title_below(canvas, if cost { "half-width ε of the 95 % interval" } else { "step size τ" })?;
+        frame.title_below(
+            canvas,
+            if cost { "half-width ε of the 95 % interval" } else { "step size τ" },
+        )?;
         let quantity = main_quantity(panel);
         let title = if weak {
             "|weak error|".to_owned()
@@ -77,7 +94,8 @@ pub fn convergence(panel: &Panel) -> Result<String> {
         from_below.sort_by_key(|(_, curve)| curve.look.layer);
         for (n, curve) in from_below {
             // Bars of weak errors are long and would cover each other: set them side by side.
-            let shift = if weak { 2.4 * (n as f64 - 0.5 * (curves.len() as f64 - 1.0)) } else { 0.0 };
+            let shift =
+                if weak { 2.4 * (n as f64 - 0.5 * (curves.len() as f64 - 1.0)) } else { 0.0 };
             curve.draw(canvas, &frame, shift, weak)?;
         }
         if curves.iter().all(|c| c.points.is_empty()) {
@@ -92,7 +110,8 @@ pub fn convergence(panel: &Panel) -> Result<String> {
 fn curves(panel: &Panel) -> Vec<Curve> {
     let weak = panel.kind == Kind::Weak;
     let quantity = main_quantity(panel);
-    let drawn: Vec<&Series> = panel.series.iter().filter(|s| weak || s.quantity == quantity).collect();
+    let drawn: Vec<&Series> =
+        panel.series.iter().filter(|s| weak || s.quantity == quantity).collect();
     let several_schemes = drawn.windows(2).any(|pair| pair[0].scheme != pair[1].scheme);
     let looks = look::of_schemes(drawn.iter().map(|s| s.scheme.as_str()));
     drawn
@@ -116,11 +135,19 @@ fn measurement(point: &Point) -> Option<Measurement> {
         Point::Error { tau, value, se, lo, hi, .. } => {
             let se = if se.is_finite() { se.abs() } else { 0.0 };
             let ends = lo.zip(hi).filter(|(lo, hi)| *lo >= 0.0 && hi.is_finite());
-            (tau > 0.0 && tau.is_finite() && value.is_finite()).then_some(Measurement { tau, value, se, ends })
+            (tau > 0.0 && tau.is_finite() && value.is_finite()).then_some(Measurement {
+                tau,
+                value,
+                se,
+                ends,
+            })
         }
-        Point::Cost { accuracy, path_steps } => {
-            (accuracy > 0.0).then_some(Measurement { tau: accuracy, value: path_steps as f64, se: 0.0, ends: None })
-        }
+        Point::Cost { accuracy, path_steps } => (accuracy > 0.0).then_some(Measurement {
+            tau: accuracy,
+            value: path_steps as f64,
+            se: 0.0,
+            ends: None,
+        }),
         Point::Value { .. } => None,
     }
 }
@@ -148,8 +175,8 @@ impl Curve {
         }
     }
 
-    /// What this curve asks of the reference slopes. A weak order is only ever compared with 1: its fit is
-    /// too noisy to choose between two lines.
+    /// What this curve asks of the reference slopes. A weak order is only ever compared with 1: its
+    /// fit is too noisy to choose between two lines.
     fn trend(&self, weak: bool) -> Trend {
         let pairs = |keep: fn(&Measurement) -> bool| -> Vec<(f64, f64)> {
             self.points.iter().filter(|p| keep(p)).map(|p| (p.tau, p.size())).collect()
@@ -189,8 +216,15 @@ impl Curve {
     }
 }
 
-/// Draws the interval of a point; where it reaches zero or leaves the frame it ends at the border, uncapped.
-fn error_bar(canvas: &mut Canvas, frame: &Frame, point: &Measurement, x: f64, stroke: Stroke) -> Result<()> {
+/// Draws the interval of a point; where it reaches zero or leaves the frame it ends at the border,
+/// uncapped.
+fn error_bar(
+    canvas: &mut Canvas,
+    frame: &Frame,
+    point: &Measurement,
+    x: f64,
+    stroke: Stroke,
+) -> Result<()> {
     const CAP: f64 = 2.2;
     if point.se == 0.0 {
         return Ok(());
@@ -212,7 +246,11 @@ fn error_bar(canvas: &mut Canvas, frame: &Frame, point: &Measurement, x: f64, st
 fn order(rate: &Rate) -> String {
     let estimate = format!("{:.2}", rate.estimate).replace('-', "−");
     let half_width = 0.5 * (rate.hi - rate.lo);
-    if half_width.is_finite() { format!("{estimate} ± {:.2}", half_width.max(0.01)) } else { estimate }
+    if half_width.is_finite() {
+        format!("{estimate} ± {:.2}", half_width.max(0.01))
+    } else {
+        estimate
+    }
 }
 
 fn entries(curves: &[Curve], weak: bool) -> Vec<(Sample, Label)> {
@@ -234,28 +272,34 @@ fn step_range(curves: &[Curve]) -> Range {
 
 /// Covers the errors, their bars as far as they stay near the error, and the reference lines.
 fn error_range(curves: &[Curve], slopes: &[ReferenceSlope]) -> Range {
-    // An error far below its own noise, or a bar that comes close to zero, says nothing at a depth that
-    // would squeeze the rest of the figure.
+    // An error far below its own noise, or a bar that comes close to zero, says nothing at a depth
+    // that would squeeze the rest of the figure.
     const DEPTH: f64 = 0.25;
-    let errors = curves
-        .iter()
-        .flat_map(|c| &c.points)
-        .flat_map(|p| [p.size().max(DEPTH * p.se), p.upper(), p.lower().max(DEPTH * p.size().max(p.se))]);
-    let steps = Range::of_positive(curves.iter().flat_map(|c| &c.points).map(|p| p.tau), Range { lo: 1.0, hi: 1.0 });
+    let errors = curves.iter().flat_map(|c| &c.points).flat_map(|p| {
+        [p.size().max(DEPTH * p.se), p.upper(), p.lower().max(DEPTH * p.size().max(p.se))]
+    });
+    let steps = Range::of_positive(
+        curves.iter().flat_map(|c| &c.points).map(|p| p.tau),
+        Range { lo: 1.0, hi: 1.0 },
+    );
     let lines = slopes.iter().flat_map(|s| [s.at(steps.lo), s.at(steps.hi)]);
-    Range::of_positive(errors.chain(lines), Range { lo: 1e-4, hi: 1.0 }).times(1.4).with_two_decades()
+    Range::of_positive(errors.chain(lines), Range { lo: 1e-4, hi: 1.0 })
+        .times(1.4)
+        .with_two_decades()
 }
 
 /// Points of everything a name beside a reference line should stay away from.
 fn obstacles(frame: &Frame, curves: &[Curve]) -> Vec<Position> {
     let mut obstacles = Vec::new();
     for curve in curves {
-        let places: Vec<Position> = curve.points.iter().map(|p| frame.place(p.tau, p.size())).collect();
+        let places: Vec<Position> =
+            curve.points.iter().map(|p| frame.place(p.tau, p.size())).collect();
         for pair in places.windows(2) {
             obstacles.extend(slope::along(pair[0], pair[1]));
         }
         for (point, place) in curve.points.iter().zip(&places) {
-            let bar = (frame.place(point.tau, point.lower()), frame.place(point.tau, point.upper()));
+            let bar =
+                (frame.place(point.tau, point.lower()), frame.place(point.tau, point.upper()));
             obstacles.extend(slope::along(bar.0, bar.1));
             obstacles.push(*place);
         }
@@ -269,7 +313,8 @@ mod tests {
 
     #[test]
     fn orders_are_short_and_never_certain() {
-        let rate = |estimate, lo, hi| Rate { estimate, lo, hi, confidence: 0.95, ..Rate::default() };
+        let rate =
+            |estimate, lo, hi| Rate { estimate, lo, hi, confidence: 0.95, ..Rate::default() };
         assert_eq!(order(&rate(1.0015, 0.954, 1.049)), "1.00 ± 0.05");
         assert_eq!(order(&rate(0.5, 0.499, 0.501)), "0.50 ± 0.01");
         assert_eq!(order(&rate(-0.1, f64::NAN, 0.3)), "−0.10");

@@ -1,4 +1,5 @@
-//! An invariant along one path: its value with the conformal law above, the relative defect of the law below.
+//! An invariant along one path: its value with the conformal law above, the relative defect of the
+//! law below.
 
 use anyhow::Result;
 use verify::results::{Panel, Point};
@@ -12,8 +13,8 @@ use super::ticks::Ticks;
 use crate::report::label::Label;
 use crate::report::{main_quantity, relative_defect};
 
-/// Where a defect of zero is drawn: below 2⁻⁵³ ≈ 1.1·10⁻¹⁶, the smallest defect of a floating-point number
-/// that is not zero.
+/// Where a defect of zero is drawn: below 2⁻⁵³ ≈ 1.1·10⁻¹⁶, the smallest defect of a floating-point
+/// number that is not zero.
 const FLOOR: f64 = 1e-17;
 
 const WIDTH: f64 = 340.0;
@@ -41,7 +42,8 @@ struct Curve {
 pub fn evolution(panel: &Panel) -> Result<String> {
     let curves = curves(panel);
     let law = Stroke::new(INK, 0.7);
-    let mut entries: Vec<_> = curves.iter().map(|c| (Sample::Curve(c.look), c.name.clone())).collect();
+    let mut entries: Vec<_> =
+        curves.iter().map(|c| (Sample::Curve(c.look), c.name.clone())).collect();
     entries.push((Sample::Line(law), Label::words("conformal law")));
     let legend = Legend::new(entries, WIDTH - LEFT - RIGHT);
     let value_top = legend.height() + 7.0;
@@ -51,7 +53,10 @@ pub fn evolution(panel: &Panel) -> Result<String> {
     let times = Range::of(points(&curves).map(|p| p.t), Range { lo: 0.0, hi: 1.0 });
     let times = if times.lo < times.hi { times } else { times.padded(0.1) };
     let x = Axis { scale: Scale::Linear, range: times, start: LEFT, end: WIDTH - RIGHT };
-    let stacked = |scale, range, top, height| Frame { x, y: Axis { scale, range, start: top + height, end: top } };
+    let stacked = |scale, range, top, height| Frame {
+        x,
+        y: Axis { scale, range, start: top + height, end: top },
+    };
     let value = stacked(Scale::Linear, value_range(&curves), value_top, VALUE_HEIGHT);
     let defect = stacked(Scale::Logarithmic, defect_range(&curves), defect_top, DEFECT_HEIGHT);
 
@@ -76,7 +81,8 @@ pub fn evolution(panel: &Panel) -> Result<String> {
         }
         // The law is drawn last and thin, so that it stays visible on the curves that follow it.
         if let Some(curve) = curves.iter().max_by_key(|c| c.points.len()) {
-            let path: Vec<Position> = curve.points.iter().map(|p| value.place(p.t, p.exact)).collect();
+            let path: Vec<Position> =
+                curve.points.iter().map(|p| value.place(p.t, p.exact)).collect();
             value.polyline(canvas, &path, law)?;
         }
         if points(&curves).next().is_none() {
@@ -112,14 +118,19 @@ fn points(curves: &[Curve]) -> impl Iterator<Item = &Sampled> {
     curves.iter().flat_map(|c| &c.points)
 }
 
-/// Covers the law and the curves, except where a curve runs away so far that the law would become a flat line.
+/// Covers the law and the curves, except where a curve runs away so far that the law would become a
+/// flat line.
 fn value_range(curves: &[Curve]) -> Range {
     const EXCURSION: f64 = 2.0;
     let unit = Range { lo: 0.0, hi: 1.0 };
     let law = Range::of(points(curves).map(|p| p.exact), unit);
     let all = Range::of(points(curves).flat_map(|p| [p.value, p.exact]), unit);
     let reach = EXCURSION * (law.hi - law.lo).max(0.1 * law.hi.abs());
-    let seen = if reach > 0.0 { Range { lo: all.lo.max(law.lo - reach), hi: all.hi.min(law.hi + reach) } } else { all };
+    let seen = if reach > 0.0 {
+        Range { lo: all.lo.max(law.lo - reach), hi: all.hi.min(law.hi + reach) }
+    } else {
+        all
+    };
     seen.padded(0.06)
 }
 
@@ -140,7 +151,13 @@ fn defect_ticks(range: Range) -> Ticks {
 
 impl Curve {
     /// Draws the curve with about ten markers, which no two curves carry at the same times.
-    fn draw(&self, canvas: &mut Canvas, frame: &Frame, place: impl Fn(&Sampled) -> Position, n: usize) -> Result<()> {
+    fn draw(
+        &self,
+        canvas: &mut Canvas,
+        frame: &Frame,
+        place: impl Fn(&Sampled) -> Position,
+        n: usize,
+    ) -> Result<()> {
         let path: Vec<Position> = self.points.iter().map(place).collect();
         frame.polyline(canvas, &path, self.look.line(1.1))?;
         let stride = (path.len() / 10).max(1);

@@ -41,8 +41,12 @@ impl Frame {
             return None;
         }
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-        let borders =
-            [(-dx, a.0 - self.x.start), (dx, self.x.end - a.0), (-dy, a.1 - self.y.end), (dy, self.y.start - a.1)];
+        let borders = [
+            (-dx, a.0 - self.x.start),
+            (dx, self.x.end - a.0),
+            (-dy, a.1 - self.y.end),
+            (dy, self.y.start - a.1),
+        ];
         for (speed, distance) in borders {
             if speed == 0.0 && distance < 0.0 {
                 return None;
@@ -74,8 +78,15 @@ impl Frame {
         canvas.polyline(&run, stroke)
     }
 
-    /// Draws grid, marks and border. A plot that stands on another one goes without the labels below.
-    pub fn draw(&self, canvas: &mut Canvas, x: &Ticks, y: &Ticks, labels_below: bool) -> Result<()> {
+    /// Draws grid, marks and border. A plot that stands on another one goes without the labels
+    /// below.
+    pub fn draw(
+        &self,
+        canvas: &mut Canvas,
+        x: &Ticks,
+        y: &Ticks,
+        labels_below: bool,
+    ) -> Result<()> {
         const MAJOR: f64 = 3.5;
         const MINOR: f64 = 2.0;
         let (left, right) = (self.x.start, self.x.end);
@@ -140,7 +151,12 @@ mod tests {
     use super::*;
 
     fn square() -> Frame {
-        let axis = |start, end| Axis { scale: Scale::Linear, range: Range { lo: 0.0, hi: 1.0 }, start, end };
+        let axis = |start, end| Axis {
+            scale: Scale::Linear,
+            range: Range { lo: 0.0, hi: 1.0 },
+            start,
+            end,
+        };
         Frame { x: axis(0.0, 10.0), y: axis(10.0, 0.0) }
     }
 

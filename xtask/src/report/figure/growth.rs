@@ -1,4 +1,5 @@
-//! A quantity over the number of steps, in logarithmic coordinates, with the slopes of a random walk and of a bias.
+//! A quantity over the number of steps, in logarithmic coordinates, with the slopes of a random
+//! walk and of a bias.
 
 use anyhow::Result;
 
@@ -27,16 +28,23 @@ const BELOW: f64 = 33.0;
 /// Draws the curves with ε√n and εn beside them.
 pub fn growth_figure(title: &str, curves: &[GrowthCurve]) -> Result<String> {
     let looks: Vec<_> = (0..curves.len()).map(look::of_quantity).collect();
-    let mut entries: Vec<(Sample, Label)> =
-        curves.iter().zip(&looks).map(|(curve, look)| (Sample::Curve(*look), Label::words(&curve.name))).collect();
+    let mut entries: Vec<(Sample, Label)> = curves
+        .iter()
+        .zip(&looks)
+        .map(|(curve, look)| (Sample::Curve(*look), Label::words(&curve.name)))
+        .collect();
     let (walk, bias) = (Stroke::new(GREY, 1.0), Stroke::new(GREY, 1.0).dashed());
     entries.push((Sample::Line(walk), Label::words("ε √n")));
     entries.push((Sample::Line(bias), Label::words("ε n")));
     let legend = Legend::new(entries, PLOT.0);
     let top = legend.height() + 7.0;
     let points = || curves.iter().flat_map(|curve| &curve.points);
-    let x = Range::of_positive(points().map(|p| p.0), Range { lo: 1.0, hi: 1e7 }).times(1.3).with_two_decades();
-    let y = Range::of_positive(points().map(|p| p.1), Range { lo: 1e-16, hi: 1e-12 }).times(2.0).with_two_decades();
+    let x = Range::of_positive(points().map(|p| p.0), Range { lo: 1.0, hi: 1e7 })
+        .times(1.3)
+        .with_two_decades();
+    let y = Range::of_positive(points().map(|p| p.1), Range { lo: 1e-16, hi: 1e-12 })
+        .times(2.0)
+        .with_two_decades();
     let y = Range { hi: y.hi.max(f64::EPSILON * x.hi.sqrt()), ..y };
     canvas::page((LEFT + PLOT.0 + RIGHT, top + PLOT.1 + BELOW), title, |canvas| {
         legend.draw(canvas, LEFT, 2.0)?;
@@ -67,9 +75,12 @@ mod tests {
 
     #[test]
     fn awkward_data_still_make_a_figure() -> Result<()> {
-        for points in
-            [vec![], vec![(1.0, 0.0)], vec![(f64::NAN, 1.0), (1e9, f64::INFINITY)], vec![(1.0, 1e-300), (2.0, 1e300)]]
-        {
+        for points in [
+            vec![],
+            vec![(1.0, 0.0)],
+            vec![(f64::NAN, 1.0), (1e9, f64::INFINITY)],
+            vec![(1.0, 1e-300), (2.0, 1e300)],
+        ] {
             let figure = growth_figure("A & B", &[GrowthCurve { name: "one".into(), points }])?;
             assert!(figure.starts_with("<svg") && figure.trim_end().ends_with("</svg>"));
         }

@@ -1,7 +1,8 @@
 //! Colours, markers and weights of curves: fixed for the known schemes, distinct for every other.
 //!
-//! Two methods may give the same numbers to the eye. One of such a pair is drawn wide with open markers
-//! underneath, the other thin and dashed with small markers on top, so that each shows through the other.
+//! Two methods may give the same numbers to the eye. One of such a pair is drawn wide with open
+//! markers underneath, the other thin and dashed with small markers on top, so that each shows
+//! through the other.
 
 use plotters::style::RGBColor;
 
@@ -158,7 +159,9 @@ mod tests {
 
     #[test]
     fn methods_that_may_coincide_show_through_each_other() {
-        for pair in [of_schemes(["sexp", "midpoint"]), of_schemes(["a", "b", "c", "d"]).split_off(2)] {
+        for pair in
+            [of_schemes(["sexp", "midpoint"]), of_schemes(["a", "b", "c", "d"]).split_off(2)]
+        {
             let (below, above) = (pair[0], pair[1]);
             assert!(below.layer < above.layer && below.hollow() && !above.hollow());
             assert!(below.radius(1.0) > above.radius(1.0));

@@ -1,13 +1,13 @@
 //! Subscripts and superscripts in SVG text.
 //!
-//! plotters draws plain text only. Scripts pass through it between marks from the private use area of Unicode,
-//! which become `tspan` elements in the finished document: so the browser places them by the true width of the
-//! base, whatever the font.
+//! plotters draws plain text only. Scripts pass through it between marks from the private use area
+//! of Unicode, which become `tspan` elements in the finished document: so the browser places them
+//! by the true width of the base, whatever the font.
 
 use crate::report::label::{Label, SCRIPT_SIZE};
 
-/// Marks that open an index, an exponent, an exponent behind an index, and text that returns to the line from
-/// an index or from an exponent; and the one that closes them.
+/// Marks that open an index, an exponent, an exponent behind an index, and text that returns to the
+/// line from an index or from an exponent; and the one that closes them.
 const INDEX: char = '\u{e000}';
 const EXPONENT: char = '\u{e001}';
 const EXPONENT_BEHIND: char = '\u{e002}';
@@ -32,7 +32,12 @@ pub fn marked(label: &Label) -> String {
         (_, _, text) => format!("{LOWERED}{}{CLOSE}", unmarked(text)),
     };
     let exponent = if label.index.is_empty() { EXPONENT } else { EXPONENT_BEHIND };
-    format!("{}{}{}{tail}", unmarked(&label.base), script(INDEX, &label.index), script(exponent, &label.exponent))
+    format!(
+        "{}{}{}{tail}",
+        unmarked(&label.base),
+        script(INDEX, &label.index),
+        script(exponent, &label.exponent)
+    )
 }
 
 /// Text without marks of its own, which would break the document.

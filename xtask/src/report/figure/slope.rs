@@ -1,4 +1,5 @@
-//! Dashed lines of slope 1/2 and 1: which ones belong into a panel, where they lie, and where their names fit.
+//! Dashed lines of slope 1/2 and 1: which ones belong into a panel, where they lie, and where their
+//! names fit.
 
 use anyhow::Result;
 
@@ -26,10 +27,11 @@ pub struct Trend {
 /// The distance of a reference line from the nearest measured error, as a factor.
 const CLEARANCE: f64 = 1.8;
 
-/// The reference slopes that belong to the curves: below all of them, and above where a second one is needed.
+/// The reference slopes that belong to the curves: below all of them, and above where a second one
+/// is needed.
 ///
-/// Of the two orders 1/2 and 1 each curve asks for the nearer one. If both are asked for, the order of the
-/// smaller errors lies below.
+/// Of the two orders 1/2 and 1 each curve asks for the nearer one. If both are asked for, the order
+/// of the smaller errors lies below.
 pub fn reference_slopes(trends: &[Trend]) -> Vec<ReferenceSlope> {
     let mut wanted: Vec<(f64, f64)> = [0.5, 1.0]
         .into_iter()
@@ -46,7 +48,11 @@ pub fn reference_slopes(trends: &[Trend]) -> Vec<ReferenceSlope> {
     let points = || trends.iter().flat_map(|t| t.points.iter());
     let line = |order: f64, above: bool| {
         let ratios = points().map(|(tau, error)| error / tau.powf(order));
-        let constant = if above { ratios.reduce(f64::max)? * CLEARANCE } else { ratios.reduce(f64::min)? / CLEARANCE };
+        let constant = if above {
+            ratios.reduce(f64::max)? * CLEARANCE
+        } else {
+            ratios.reduce(f64::min)? / CLEARANCE
+        };
         Some(ReferenceSlope { order, constant })
     };
     wanted.iter().enumerate().filter_map(|(place, (order, _))| line(*order, place > 0)).collect()
@@ -87,7 +93,12 @@ impl ReferenceSlope {
     /// Draws the line across the frame and its name where it is farthest from `obstacles`.
     ///
     /// Line and name become obstacles themselves.
-    pub fn draw(&self, canvas: &mut Canvas, frame: &Frame, obstacles: &mut Vec<Position>) -> Result<()> {
+    pub fn draw(
+        &self,
+        canvas: &mut Canvas,
+        frame: &Frame,
+        obstacles: &mut Vec<Position>,
+    ) -> Result<()> {
         const SIZE: f64 = 10.0;
         let (first, last) = (frame.x.range.lo, frame.x.range.hi);
         let ends = (frame.place(first, self.at(first)), frame.place(last, self.at(last)));
@@ -99,7 +110,10 @@ impl ReferenceSlope {
         let size = (SIZE * label.width(), SIZE);
         if let Some(centre) = roomiest(frame, (from, to), size, obstacles) {
             canvas.label(&label, centre, SIZE, Align::Middle)?;
-            obstacles.extend(along((centre.0 - size.0 / 2.0, centre.1), (centre.0 + size.0 / 2.0, centre.1)));
+            obstacles.extend(along(
+                (centre.0 - size.0 / 2.0, centre.1),
+                (centre.0 + size.0 / 2.0, centre.1),
+            ));
         }
         obstacles.extend(along(from, to));
         Ok(())
@@ -111,7 +125,8 @@ pub fn along(from: Position, to: Position) -> impl Iterator<Item = Position> {
     const STEP: f64 = 3.0;
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let steps = (dx.hypot(dy) / STEP).ceil().clamp(1.0, 1000.0);
-    (0..=steps as usize).map(move |n| (from.0 + dx * n as f64 / steps, from.1 + dy * n as f64 / steps))
+    (0..=steps as usize)
+        .map(move |n| (from.0 + dx * n as f64 / steps, from.1 + dy * n as f64 / steps))
 }
 
 /// Centre of the text box beside a rising line that keeps the largest distance from the obstacles.
@@ -124,8 +139,9 @@ fn roomiest(
     const OFFSET: f64 = 3.0;
     let half = (0.5 * width, 0.5 * height);
     let sides = [1.0, -1.0];
-    let candidates = along(from, to)
-        .flat_map(|p| sides.map(|side| (p.0 + side * (half.0 + OFFSET), p.1 + side * (half.1 + OFFSET))));
+    let candidates = along(from, to).flat_map(|p| {
+        sides.map(|side| (p.0 + side * (half.0 + OFFSET), p.1 + side * (half.1 + OFFSET)))
+    });
     let inside = |c: &Position| {
         frame.holds((c.0 - half.0 - OFFSET, c.1 - half.1 - OFFSET))
             && frame.holds((c.0 + half.0 + OFFSET, c.1 + half.1 + OFFSET))
@@ -147,7 +163,8 @@ mod tests {
     use super::*;
 
     fn trend(order: f64, constant: f64) -> Trend {
-        let points: Vec<_> = (5..13).map(|k| 2f64.powi(-k)).map(|tau| (tau, constant * tau.powf(order))).collect();
+        let points: Vec<_> =
+            (5..13).map(|k| 2f64.powi(-k)).map(|tau| (tau, constant * tau.powf(order))).collect();
         Trend { order: fitted_order(&points), points }
     }
 

@@ -74,7 +74,8 @@ impl Ticks {
         let step = f64::from(mantissa) * 10f64.powi(magnitude);
         let (first, last) = ((range.lo / step).ceil(), (range.hi / step).floor());
         let largest = range.lo.abs().max(range.hi.abs());
-        // Beyond 2^53 steps the multiples are no longer distinct, and there is nothing sensible to label.
+        // Beyond 2^53 steps the multiples are no longer distinct, and there is nothing sensible to
+        // label.
         if largest / step >= 2f64.powi(53) {
             return Self::default();
         }

@@ -48,16 +48,22 @@ const MARKER_RADIUS: f64 = 2.8;
 pub fn work_figure(title: &str, error: &str, plots: &[WorkPlot]) -> Result<String> {
     let columns = plots.len().max(1) as f64;
     let width = LEFT + columns * PLOT.0 + (columns - 1.0) * BETWEEN + RIGHT;
-    let present = |id: &&str| plots.iter().any(|plot| plot.curves.iter().any(|(scheme, _)| scheme == id));
+    let present =
+        |id: &&str| plots.iter().any(|plot| plot.curves.iter().any(|(scheme, _)| scheme == id));
     let looks = look::of_schemes(SCHEMES);
-    let look = |id: &str| SCHEMES.iter().position(|scheme| *scheme == id).map_or(looks[0], |n| looks[n]);
-    let entries =
-        SCHEMES.iter().filter(|id| present(id)).map(|id| (Sample::Curve(look(id)), Label::words(id))).collect();
+    let look =
+        |id: &str| SCHEMES.iter().position(|scheme| *scheme == id).map_or(looks[0], |n| looks[n]);
+    let entries = SCHEMES
+        .iter()
+        .filter(|id| present(id))
+        .map(|id| (Sample::Curve(look(id)), Label::words(id)))
+        .collect();
     let legend = Legend::new(entries, width - LEFT - RIGHT);
     let top = legend.height() + 7.0;
     let points = || plots.iter().flat_map(|plot| &plot.curves).flat_map(|(_, points)| points);
-    let errors =
-        Range::of_positive(points().map(|p| p.error), Range { lo: 1e-4, hi: 1.0 }).times(1.5).with_two_decades();
+    let errors = Range::of_positive(points().map(|p| p.error), Range { lo: 1e-4, hi: 1.0 })
+        .times(1.5)
+        .with_two_decades();
     canvas::page((width, top + PLOT.1 + BELOW), title, |canvas| {
         legend.draw(canvas, LEFT, 2.0)?;
         for (n, plot) in plots.iter().enumerate() {
@@ -68,7 +74,8 @@ pub fn work_figure(title: &str, error: &str, plots: &[WorkPlot]) -> Result<Strin
                 x: Axis { scale: Scale::Logarithmic, range: costs, start, end: start + PLOT.0 },
                 y: Axis { scale: Scale::Logarithmic, range: errors, start: top + PLOT.1, end: top },
             };
-            let ticks = if plot.steps { Ticks::powers_of_two(costs, 8) } else { Ticks::decades(costs, 7) };
+            let ticks =
+                if plot.steps { Ticks::powers_of_two(costs, 8) } else { Ticks::decades(costs, 7) };
             frame.draw(canvas, &ticks, &Ticks::decades(errors, 7), true)?;
             frame.title_below(canvas, &plot.cost)?;
             if n == 0 {
@@ -109,7 +116,12 @@ mod tests {
 
     #[test]
     fn awkward_data_still_make_a_figure() -> Result<()> {
-        let point = |cost, error| WorkPoint { cost, cost_hi: 2.0 * cost, error, interval: (0.5 * error, 2.0 * error) };
+        let point = |cost, error| WorkPoint {
+            cost,
+            cost_hi: 2.0 * cost,
+            error,
+            interval: (0.5 * error, 2.0 * error),
+        };
         let awkward = [
             vec![],
             vec![point(1.0, 0.1)],
@@ -117,11 +129,17 @@ mod tests {
             vec![point(1.0, f64::MAX), point(1e-300, 1e-300)],
         ];
         for points in awkward {
-            let plot = WorkPlot { cost: "time".into(), steps: false, curves: vec![("a stranger".into(), points)] };
+            let plot = WorkPlot {
+                cost: "time".into(),
+                steps: false,
+                curves: vec![("a stranger".into(), points)],
+            };
             let steps = WorkPlot { steps: true, ..plot.clone() };
             let figure = work_figure("A & B", "error", &[plot, steps])?;
             assert!(
-                figure.starts_with("<svg") && figure.trim_end().ends_with("</svg>") && figure.contains("A &amp; B")
+                figure.starts_with("<svg")
+                    && figure.trim_end().ends_with("</svg>")
+                    && figure.contains("A &amp; B")
             );
         }
         Ok(())

@@ -1,4 +1,5 @@
-//! One panel of the page: its figure, what the paper says, what was measured, and where the numbers are.
+//! One panel of the page: its figure, what the paper says, what was measured, and where the numbers
+//! are.
 
 use verify::results::{Claim, Clipped, Kind, Panel, Series};
 
@@ -9,7 +10,8 @@ use super::statements;
 use crate::report::escape::escape;
 use crate::report::{file_stem, main_quantity};
 
-/// The card of a panel with its figure inside; `comment` is the heading of what [`Panel::paper`] says.
+/// The card of a panel with its figure inside; `comment` is the heading of what [`Panel::paper`]
+/// says.
 pub fn card(panel: &Panel, figure: &str, all_claims: &[Claim], comment: &str) -> String {
     let (id, stem) = (escape(&panel.id), file_stem(&panel.id));
     let reference = match panel.reference.as_str() {
@@ -60,7 +62,9 @@ fn caption(panel: &Panel) -> String {
              95\u{202f}% error bars; a bar without a lower cap reaches zero. Markers at one step are set side by \
              side. Dashed: reference slope.{orders}"
         ),
-        Kind::Cost => "Path-steps, pilots included, that an interval of the given half-width took.".to_owned(),
+        Kind::Cost => {
+            "Path-steps, pilots included, that an interval of the given half-width took.".to_owned()
+        }
         Kind::Invariant => format!(
             "Above: {} along the path and, thin and black, its conformal law. Below: relative defect of the law; \
              a defect of zero is drawn at the mark 0.{elsewhere}",
@@ -101,7 +105,8 @@ fn failures(failures: &[String]) -> String {
     if failures.is_empty() {
         return String::new();
     }
-    let items: String = failures.iter().take(SHOWN).map(|f| format!("<li>{}</li>", prose(f))).collect();
+    let items: String =
+        failures.iter().take(SHOWN).map(|f| format!("<li>{}</li>", prose(f))).collect();
     let rest = match failures.len().saturating_sub(SHOWN) {
         0 => String::new(),
         n => format!("<li>and {n} more</li>"),

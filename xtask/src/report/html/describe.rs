@@ -28,30 +28,54 @@ const PROVEN: [(&str, &str); 11] = [
         "truncation-moments",
         "Truncated increments ΔŴ stay close to ΔW: 0 ≤ E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^(k+1), and ‖ΔW − ΔŴ‖ in L^p ≤ C τ^((1+k)/2).",
     ),
-    ("solvability", "The step has a unique solution once the contraction constant C(k, τ) is below 1."),
-    ("exact-conformal", "The exact flow obeys the conformal law of homogeneous Casimirs and energies."),
+    (
+        "solvability",
+        "The step has a unique solution once the contraction constant C(k, τ) is below 1.",
+    ),
+    (
+        "exact-conformal",
+        "The exact flow obeys the conformal law of homogeneous Casimirs and energies.",
+    ),
     (
         "moment-bound",
         "The numerical solution is bounded almost surely: ‖y_n‖ ≤ (F(y₀)/m(F))^(1/p) exp ∫|γ| for F = C or H with m(F) > 0.",
     ),
-    ("local-exact", "One step of the exact flow has a Taylor remainder R with (E‖R‖²)^½ ≤ C τ^(3/2) and ‖E R‖ ≤ C τ²."),
-    ("local-sexp", "One step of sexp has a Taylor remainder R with (E‖R‖²)^½ ≤ C τ^(3/2) and ‖E R‖ ≤ C τ²."),
+    (
+        "local-exact",
+        "One step of the exact flow has a Taylor remainder R with (E‖R‖²)^½ ≤ C τ^(3/2) and ‖E R‖ ≤ C τ².",
+    ),
+    (
+        "local-sexp",
+        "One step of sexp has a Taylor remainder R with (E‖R‖²)^½ ≤ C τ^(3/2) and ‖E R‖ ≤ C τ².",
+    ),
 ];
 
 /// What the paper reports without a proof, by id and scheme.
 const REPORTED: [(&str, &str, &str); 9] = [
     ("strong-one", "em", "Euler–Maruyama has strong order ½, with one noise as well."),
     ("strong-one", "midpoint", "With one noise midpoint has the strong order of sexp, 1."),
-    ("strong-one", "sexp", "sexp has strong order 1 with one noise even where the theorems do not apply."),
+    (
+        "strong-one",
+        "sexp",
+        "sexp has strong order 1 with one noise even where the theorems do not apply.",
+    ),
     ("strong-half", "em", "Euler–Maruyama has strong order ½ with several noises."),
     ("strong-half", "midpoint", "With several noises midpoint has the strong order of sexp, ½."),
-    ("conformal-casimir", "em", "The Casimir visibly leaves its conformal law along a path of Euler–Maruyama."),
+    (
+        "conformal-casimir",
+        "em",
+        "The Casimir visibly leaves its conformal law along a path of Euler–Maruyama.",
+    ),
     (
         "conformal-casimir",
         "midpoint",
         "The Casimir is close to its conformal law, but not on it, along a path of midpoint.",
     ),
-    ("energy-balance", "em", "The energy visibly leaves its conformal law along a path of Euler–Maruyama."),
+    (
+        "energy-balance",
+        "em",
+        "The energy visibly leaves its conformal law along a path of Euler–Maruyama.",
+    ),
     (
         "energy-balance",
         "midpoint",
@@ -64,7 +88,10 @@ pub fn statement(claim: &Claim) -> &str {
     let words = if claim.proven {
         PROVEN.iter().find(|(id, _)| *id == claim.id).map(|(_, words)| *words)
     } else {
-        REPORTED.iter().find(|(id, scheme, _)| *id == claim.id && *scheme == claim.scheme).map(|(_, _, words)| *words)
+        REPORTED
+            .iter()
+            .find(|(id, scheme, _)| *id == claim.id && *scheme == claim.scheme)
+            .map(|(_, _, words)| *words)
     };
     words.unwrap_or(&claim.statement)
 }
@@ -78,9 +105,18 @@ mod tests {
 
     #[test]
     fn an_unknown_statement_speaks_for_itself() {
-        assert!(statement(&claim("strong-one", "sexp", true, Verdict::Holds, "")).starts_with("With one noise sexp"));
-        assert!(statement(&claim("strong-one", "em", false, Verdict::Holds, "")).starts_with("Euler–Maruyama"));
-        assert_eq!(statement(&claim("strong-one", "other", false, Verdict::Holds, "")), "other has strong-one");
+        assert!(
+            statement(&claim("strong-one", "sexp", true, Verdict::Holds, ""))
+                .starts_with("With one noise sexp")
+        );
+        assert!(
+            statement(&claim("strong-one", "em", false, Verdict::Holds, ""))
+                .starts_with("Euler–Maruyama")
+        );
+        assert_eq!(
+            statement(&claim("strong-one", "other", false, Verdict::Holds, "")),
+            "other has strong-one"
+        );
         assert_eq!(statement(&claim("new", "sexp", true, Verdict::Holds, "")), "sexp has new");
     }
 }

@@ -21,7 +21,11 @@ pub fn digest(group: &Group) -> String {
         };
     }
     if let Some(defects) = evidence().map(defect).collect::<Option<Vec<_>>>() {
-        return format!("largest relative defects {} in {} checks", prose(&range(&defects)), defects.len());
+        return format!(
+            "largest relative defects {} in {} checks",
+            prose(&range(&defects)),
+            defects.len()
+        );
     }
     let telling = group.claims.iter().find(|claim| Outcome::of(claim) == group.verdict());
     prose(&format!("for example, {}", telling.unwrap_or(&group.first()).evidence))
@@ -78,7 +82,10 @@ mod tests {
     fn digest_of(evidence: &[&str]) -> String {
         let claims: Vec<Claim> = evidence
             .iter()
-            .map(|text| Claim { evidence: (*text).to_owned(), ..claim("a", "", true, Verdict::Holds, "") })
+            .map(|text| Claim {
+                evidence: (*text).to_owned(),
+                ..claim("a", "", true, Verdict::Holds, "")
+            })
             .collect();
         digest(&Group { claims: claims.iter().collect() })
     }
@@ -91,7 +98,8 @@ mod tests {
         assert_eq!(digest_of(&orders[..1]), "order 1.001, 95 % interval [0.9, 1.1]");
         assert_eq!(digest_of(&orders[..3]), "orders 1.001, 0.990 and 1.015");
         assert_eq!(digest_of(&orders), "4 orders between 0.990 and 1.015");
-        let defects = ["1.8e-15", "5.6e-1"].map(|d| format!("largest relative defect of C along the path: {d}"));
+        let defects = ["1.8e-15", "5.6e-1"]
+            .map(|d| format!("largest relative defect of C along the path: {d}"));
         assert_eq!(
             digest_of(&[&defects[0], &defects[1]]),
             "largest relative defects between 1.8·10<sup>−15</sup> and 0.56 in 2 checks"

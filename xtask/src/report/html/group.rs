@@ -5,7 +5,8 @@ use verify::results::Claim;
 use super::outcome::Outcome;
 use crate::report::escape::escape;
 
-/// The claims about one statement: proven ones by statement, what is only reported by statement and scheme.
+/// The claims about one statement: proven ones by statement, what is only reported by statement and
+/// scheme.
 pub struct Group<'a> {
     /// The claims, never none, in the order of the results.
     pub claims: Vec<&'a Claim>,
@@ -34,7 +35,8 @@ impl<'a> Group<'a> {
         self.claims.iter().filter(|claim| Outcome::of(claim) == outcome).count()
     }
 
-    /// Refuted if one claim is, else undecided if one is; a misprint counts only where nothing else is left.
+    /// Refuted if one claim is, else undecided if one is; a misprint counts only where nothing else
+    /// is left.
     pub fn verdict(&self) -> Outcome {
         let worst = |outcome| self.tally(outcome) > 0;
         [Outcome::Refuted, Outcome::Undecided, Outcome::Holds]
@@ -57,7 +59,10 @@ impl<'a> Group<'a> {
             .map(|outcome| (outcome, self.tally(outcome)))
             .filter(|(_, n)| *n > 0)
             .map(|(outcome, n)| {
-                format!(", {n} {}", if outcome == Outcome::Misprint { "misprint" } else { outcome.words() })
+                format!(
+                    ", {n} {}",
+                    if outcome == Outcome::Misprint { "misprint" } else { outcome.words() }
+                )
             })
             .collect();
         format!("{holding} of {all} {verb}{rest}")
@@ -67,7 +72,11 @@ impl<'a> Group<'a> {
     pub fn anchor(&self) -> String {
         let claim = self.first();
         let id = escape(&claim.id);
-        if claim.proven { format!("statement-{id}") } else { format!("reported-{id}-{}", escape(&claim.scheme)) }
+        if claim.proven {
+            format!("statement-{id}")
+        } else {
+            format!("reported-{id}-{}", escape(&claim.scheme))
+        }
     }
 }
 
@@ -120,7 +129,10 @@ pub mod tests {
         let refuted = claim("a", "", true, Verdict::Refuted, "");
         assert_eq!(verdict(&[misprint.clone(), holds.clone()]), Outcome::Holds);
         assert_eq!(verdict(std::slice::from_ref(&misprint)), Outcome::Misprint);
-        assert_eq!(verdict(&[holds.clone(), undecided.clone(), misprint.clone()]), Outcome::Undecided);
+        assert_eq!(
+            verdict(&[holds.clone(), undecided.clone(), misprint.clone()]),
+            Outcome::Undecided
+        );
         assert_eq!(verdict(&[holds, undecided, misprint, refuted]), Outcome::Refuted);
     }
 }

@@ -1,4 +1,5 @@
-//! What was measured on a panel, as tables: fitted orders, errors at every step, or largest defects.
+//! What was measured on a panel, as tables: fitted orders, errors at every step, or largest
+//! defects.
 
 use verify::results::{Kind, Panel, Point, Rate, Series};
 
@@ -30,8 +31,9 @@ fn orders(panel: &Panel) -> String {
             let order = series.rate.as_ref().map_or("<td>—</td><td>—</td>".to_owned(), |rate| {
                 format!("<td>{}</td><td>{}</td>", fixed(rate.estimate, 2), interval(rate))
             });
-            let finest =
-                errors_of(series).min_by(|a, b| a.0.total_cmp(&b.0)).map_or("—".to_owned(), |(tau, text)| {
+            let finest = errors_of(series)
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .map_or("—".to_owned(), |(tau, text)| {
                     format!("{text} <span class=\"quiet\">at {}</span>", step(tau))
                 });
             format!("<tr>{}{order}<td>{finest}</td></tr>", names(series))
@@ -66,7 +68,11 @@ fn costs(panel: &Panel) -> String {
 }
 
 fn names(series: &Series) -> String {
-    format!("<th><code>{}</code></th><td>{}</td>", escape(&series.scheme), quantity(&series.quantity))
+    format!(
+        "<th><code>{}</code></th><td>{}</td>",
+        escape(&series.scheme),
+        quantity(&series.quantity)
+    )
 }
 
 fn interval(rate: &Rate) -> String {
@@ -81,7 +87,9 @@ fn interval(rate: &Rate) -> String {
 /// An error with its interval, and a mark where the interval comes with a warning.
 fn with_interval(value: f64, se: f64, ends: Option<(f64, f64)>, warning: Option<&str>) -> String {
     let interval = match ends {
-        Some((lo, hi)) => format!("{} [{}, {}]", scientific(value, 2), scientific(lo, 2), scientific(hi, 2)),
+        Some((lo, hi)) => {
+            format!("{} [{}, {}]", scientific(value, 2), scientific(lo, 2), scientific(hi, 2))
+        }
         None => format!("{} ± {}", scientific(value, 2), scientific(QUANTILE * se, 1)),
     };
     match warning {
@@ -135,7 +143,9 @@ fn errors(panel: &Panel) -> String {
     let heads: String = panel
         .series
         .iter()
-        .map(|s| format!("<th><code>{}</code><br>{}</th>", escape(&s.scheme), quantity(&s.quantity)))
+        .map(|s| {
+            format!("<th><code>{}</code><br>{}</th>", escape(&s.scheme), quantity(&s.quantity))
+        })
         .collect();
     let rows: String = steps
         .iter()

@@ -1,4 +1,5 @@
-//! The page: summary, statements, panels, supplements and provenance, in one file that needs no network and no script.
+//! The page: summary, statements, panels, supplements and provenance, in one file that needs no
+//! network and no script.
 
 mod card;
 mod describe;
@@ -25,11 +26,16 @@ const SCHEMES: [(&str, &str); 3] = [
     ("midpoint", "stochastic midpoint, damping included"),
 ];
 
-/// The page for `results`; `figures` are the drawings of its panels and then of its supplements, in the same order.
+/// The page for `results`; `figures` are the drawings of its panels and then of its supplements, in
+/// the same order.
 pub fn page(results: &Results, figures: &[String]) -> String {
     let (of_panels, of_supplements) = figures.split_at(results.panels.len());
     let cards = |panels: &[Panel], figures: &[String], comment: &str| -> String {
-        panels.iter().zip(figures).map(|(panel, figure)| card::card(panel, figure, &results.claims, comment)).collect()
+        panels
+            .iter()
+            .zip(figures)
+            .map(|(panel, figure)| card::card(panel, figure, &results.claims, comment))
+            .collect()
     };
     let (supplements, to_supplements) = if results.supplements.is_empty() {
         (String::new(), "")
@@ -41,8 +47,10 @@ pub fn page(results: &Results, figures: &[String]) -> String {
         );
         (section, "<a href=\"#supplements\">Not in the paper</a> ")
     };
-    let schemes: String =
-        SCHEMES.iter().map(|(id, name)| format!("<dt><code>{id}</code></dt><dd>{name}</dd>")).collect();
+    let schemes: String = SCHEMES
+        .iter()
+        .map(|(id, name)| format!("<dt><code>{id}</code></dt><dd>{name}</dd>"))
+        .collect();
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\

@@ -3,7 +3,8 @@
 use crate::report::escape::escape;
 use crate::report::label::Label;
 
-/// A number with `decimals` digits after the point of its mantissa, as a power of ten where that is shorter.
+/// A number with `decimals` digits after the point of its mantissa, as a power of ten where that is
+/// shorter.
 pub fn scientific(value: f64, decimals: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string().replace('-', "−");

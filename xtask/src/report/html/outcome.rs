@@ -2,7 +2,8 @@
 
 use verify::results::{Claim, Verdict};
 
-/// A verdict, with refutations that a documented misprint explains set apart; ordered from best to worst.
+/// A verdict, with refutations that a documented misprint explains set apart; ordered from best to
+/// worst.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Outcome {
     /// The measurement supports the statement.
@@ -44,6 +45,9 @@ impl Outcome {
             Self::Undecided => ("undecided", "?"),
             Self::Refuted => ("refuted", "✗"),
         };
-        format!("<span class=\"badge {class}\"><span aria-hidden=\"true\">{sign}</span> {}</span>", self.words())
+        format!(
+            "<span class=\"badge {class}\"><span aria-hidden=\"true\">{sign}</span> {}</span>",
+            self.words()
+        )
     }
 }

@@ -1,4 +1,5 @@
-//! Plain text with formulas as HTML: `2^-5`, `τ^((1+k)/2)`, `y_n`, `y2^2` and `1.8e-15` become what they mean.
+//! Plain text with formulas as HTML: `2^-5`, `τ^((1+k)/2)`, `y_n`, `y2^2` and `1.8e-15` become what
+//! they mean.
 
 use crate::report::escape::escape;
 
@@ -8,7 +9,8 @@ pub fn prose(text: &str) -> String {
     let mut html = String::new();
     let mut at = 0;
     while at < chars.len() {
-        let (piece, next) = formula(&chars, at).unwrap_or_else(|| (escape(&chars[at].to_string()), at + 1));
+        let (piece, next) =
+            formula(&chars, at).unwrap_or_else(|| (escape(&chars[at].to_string()), at + 1));
         html.push_str(&piece);
         at = next;
     }
@@ -23,7 +25,9 @@ fn formula(chars: &[char], at: usize) -> Option<(String, usize)> {
         (format!("<{tag}>{}</{tag}>", prose(&inner.iter().collect::<String>())), end)
     };
     match chars[at] {
-        ' ' if before(1).is_some_and(|c| binds(before(2), c, after(1))) => Some(("\u{a0}".to_owned(), at + 1)),
+        ' ' if before(1).is_some_and(|c| binds(before(2), c, after(1))) => {
+            Some(("\u{a0}".to_owned(), at + 1))
+        }
         '^' if at > 0 => script(chars, at + 1).map(|inner| tagged("sup", inner)),
         // A name such as `relative_defect` has no index.
         '_' if before(1).is_some_and(char::is_alphabetic) && !before(2).is_some_and(is_word) => {
@@ -33,16 +37,20 @@ fn formula(chars: &[char], at: usize) -> Option<(String, usize)> {
             let index = after(1).filter(char::is_ascii_digit)?;
             Some((format!("y<sub>{index}</sub>"), at + 2))
         }
-        '-' if after(1).is_some_and(|c| c.is_ascii_digit()) && before(1).is_none_or(|c| " ([".contains(c)) => {
+        '-' if after(1).is_some_and(|c| c.is_ascii_digit())
+            && before(1).is_none_or(|c| " ([".contains(c)) =>
+        {
             Some(("−".to_owned(), at + 1))
         }
-        c if c.is_ascii_digit() && !before(1).is_some_and(|c| is_word(c) || c == '.') => power_of_ten(chars, at),
+        c if c.is_ascii_digit() && !before(1).is_some_and(|c| is_word(c) || c == '.') => {
+            power_of_ten(chars, at)
+        }
         _ => None,
     }
 }
 
-/// Whether no line may end between `left` and `right`: behind a relation, and between a single letter and a
-/// relation or the step size.
+/// Whether no line may end between `left` and `right`: behind a relation, and between a single
+/// letter and a relation or the step size.
 fn binds(before_left: Option<char>, left: char, right: Option<char>) -> bool {
     let relation = |c: char| "=≤≥".contains(c);
     let single = left.is_alphabetic() && !before_left.is_some_and(is_word);
@@ -60,8 +68,9 @@ fn script(chars: &[char], start: usize) -> Option<(&[char], usize)> {
         '{' => '}',
         _ => {
             let signs = usize::from("-−+".contains(chars[start]));
-            let word =
-                chars[start + signs..].iter().take_while(|c| c.is_alphabetic() || c.is_ascii_digit() || **c == '½');
+            let word = chars[start + signs..]
+                .iter()
+                .take_while(|c| c.is_alphabetic() || c.is_ascii_digit() || **c == '½');
             let end = start + signs + word.count();
             return (end > start + signs).then(|| (&chars[start..end], end));
         }
@@ -82,7 +91,8 @@ fn script(chars: &[char], start: usize) -> Option<(&[char], usize)> {
 
 /// A number such as `1.8e-15`.
 fn power_of_ten(chars: &[char], start: usize) -> Option<(String, usize)> {
-    let digits = |from: usize| from + chars[from..].iter().take_while(|c| c.is_ascii_digit()).count();
+    let digits =
+        |from: usize| from + chars[from..].iter().take_while(|c| c.is_ascii_digit()).count();
     let mut mantissa = digits(start);
     if chars.get(mantissa) == Some(&'.') {
         mantissa = digits(mantissa + 1);
@@ -110,8 +120,14 @@ mod tests {
     fn formulas_are_typeset() {
         assert_eq!(prose("τ = 2^-5 … 2^-12"), "τ\u{a0}=\u{a0}2<sup>−5</sup> … 2<sup>−12</sup>");
         assert_eq!(prose("C τ^((1+k)/2) <"), "C\u{a0}τ<sup>(1+k)/2</sup> &lt;");
-        assert_eq!(prose("(E‖y_n − y(t_n)‖²)^½"), "(E‖y<sub>n</sub> − y(t<sub>n</sub>)‖²)<sup>½</sup>");
-        assert_eq!(prose("φ = cos y3, y1^2"), "φ\u{a0}=\u{a0}cos y<sub>3</sub>, y<sub>1</sub><sup>2</sup>");
+        assert_eq!(
+            prose("(E‖y_n − y(t_n)‖²)^½"),
+            "(E‖y<sub>n</sub> − y(t<sub>n</sub>)‖²)<sup>½</sup>"
+        );
+        assert_eq!(
+            prose("φ = cos y3, y1^2"),
+            "φ\u{a0}=\u{a0}cos y<sub>3</sub>, y<sub>1</sub><sup>2</sup>"
+        );
         assert_eq!(prose("y₁^{ab} y₂^{−b}"), "y₁<sup>ab</sup> y₂<sup>−b</sup>");
         assert_eq!(prose("c τ_ref/τ"), "c\u{a0}τ<sub>ref</sub>/τ");
     }

@@ -22,12 +22,16 @@ pub fn provenance(provenance: &Provenance) -> String {
         ("Command", &provenance.command),
         ("Wall time", &wall),
     ];
-    let facts: String =
-        facts.iter().map(|(name, value)| format!("<dt>{name}</dt><dd><code>{}</code></dd>", escape(value))).collect();
+    let facts: String = facts
+        .iter()
+        .map(|(name, value)| format!("<dt>{name}</dt><dd><code>{}</code></dd>", escape(value)))
+        .collect();
     let times: String = provenance
         .wall_s_by_id
         .iter()
-        .map(|(id, s)| format!("<tr><th><code>{}</code></th><td>{}</td></tr>", escape(id), duration(*s)))
+        .map(|(id, s)| {
+            format!("<tr><th><code>{}</code></th><td>{}</td></tr>", escape(id), duration(*s))
+        })
         .collect();
     let times = if times.is_empty() {
         String::new()

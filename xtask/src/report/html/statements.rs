@@ -11,7 +11,8 @@ use crate::report::escape::escape;
 
 /// The section of the statements: first what the paper proves, then what it only reports.
 pub fn statements(claims: &[Claim], panels: &[Panel]) -> String {
-    let (proven, reported): (Vec<Group>, Vec<Group>) = Group::all(claims).into_iter().partition(|g| g.first().proven);
+    let (proven, reported): (Vec<Group>, Vec<Group>) =
+        Group::all(claims).into_iter().partition(|g| g.first().proven);
     let mut section = String::new();
     if !proven.is_empty() {
         section.push_str(&table("What the paper proves", &proven, panels));
@@ -68,7 +69,9 @@ fn body(group: &Group, panels: &[Panel]) -> String {
 fn check(claim: &Claim, panels: &[Panel]) -> String {
     let place = match panels.iter().find(|panel| panel.id == claim.panel) {
         Some(panel) => format!("<a href=\"#panel-{0}\"><code>{0}</code></a>", escape(&panel.id)),
-        None if claim.panel.is_empty() => "<span class=\"quiet\">measured on its own</span>".to_owned(),
+        None if claim.panel.is_empty() => {
+            "<span class=\"quiet\">measured on its own</span>".to_owned()
+        }
         None => format!("<code>{}</code>", escape(&claim.panel)),
     };
     let erratum = match claim.erratum.as_str() {
@@ -124,11 +127,14 @@ mod tests {
     #[test]
     fn only_groups_without_a_blemish_are_closed() {
         let page = |verdict, erratum| {
-            let claims = [claim("a", "", true, Verdict::Holds, ""), claim("a", "", true, verdict, erratum)];
+            let claims =
+                [claim("a", "", true, Verdict::Holds, ""), claim("a", "", true, verdict, erratum)];
             statements(&claims, &[])
         };
         assert!(page(Verdict::Holds, "").contains("<details><summary>The 2 checks"));
-        for (verdict, erratum) in [(Verdict::Undecided, ""), (Verdict::Refuted, ""), (Verdict::Refuted, "p ≤ 2")] {
+        for (verdict, erratum) in
+            [(Verdict::Undecided, ""), (Verdict::Refuted, ""), (Verdict::Refuted, "p ≤ 2")]
+        {
             assert!(page(verdict, erratum).contains("<details open>"));
         }
     }
@@ -136,12 +142,17 @@ mod tests {
     #[test]
     fn a_misprint_is_told_with_its_text() {
         let page = statements(&[claim("a", "", true, Verdict::Refuted, "meant: p < 2")], &[]);
-        assert!(page.contains("refuted: misprint in the statement") && page.contains("meant: p &lt; 2"));
+        assert!(
+            page.contains("refuted: misprint in the statement") && page.contains("meant: p &lt; 2")
+        );
     }
 
     #[test]
     fn what_is_proven_comes_first() {
-        let claims = [claim("a", "em", false, Verdict::Holds, ""), claim("b", "sexp", true, Verdict::Holds, "")];
+        let claims = [
+            claim("a", "em", false, Verdict::Holds, ""),
+            claim("b", "sexp", true, Verdict::Holds, ""),
+        ];
         let page = statements(&claims, &[]);
         assert!(page.find("statement-b") < page.find("reported-a-em"));
         assert!(page.contains("em has a"));

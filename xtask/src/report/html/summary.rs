@@ -12,7 +12,8 @@ use crate::report::escape::escape;
 pub fn summary(results: &Results) -> String {
     let (proven, reported): (Vec<Group>, Vec<Group>) =
         Group::all(&results.claims).into_iter().partition(|group| group.first().proven);
-    let misprinted = proven.iter().any(|g| g.verdict() == Outcome::Holds && g.tally(Outcome::Misprint) > 0);
+    let misprinted =
+        proven.iter().any(|g| g.verdict() == Outcome::Holds && g.tally(Outcome::Misprint) > 0);
     let mut sentences = Vec::new();
     if !proven.is_empty() {
         sentences.push(format!(
@@ -38,7 +39,9 @@ pub fn summary(results: &Results) -> String {
         sentences.extend(named("undecided", "Undecided", &reported, Outcome::Undecided));
     }
     if [&proven, &reported].into_iter().flatten().any(|group| group.tally(Outcome::Undecided) > 0) {
-        sentences.push("An interval too wide to decide counts as undecided, never as a pass.".to_owned());
+        sentences.push(
+            "An interval too wide to decide counts as undecided, never as a pass.".to_owned(),
+        );
     }
     let provenance = &results.provenance;
     sentences.push(format!(
@@ -62,17 +65,22 @@ fn checks(groups: &[Group]) -> usize {
 /// How many groups have which verdict.
 fn strong(groups: &[Group]) -> String {
     let tally = |outcome| groups.iter().filter(|group| group.verdict() == outcome).count();
-    let parts: Vec<String> = [Outcome::Holds, Outcome::Refuted, Outcome::Undecided, Outcome::Misprint]
-        .into_iter()
-        .map(|outcome| (outcome, tally(outcome)))
-        .filter(|(outcome, n)| *n > 0 || *outcome == Outcome::Holds)
-        .map(|(outcome, n)| match outcome {
-            Outcome::Holds if n > 1 && n == groups.len() => format!("<strong>all {n} hold</strong>"),
-            Outcome::Holds => format!("<strong>{}</strong>", counted(n, "holds", "hold")),
-            Outcome::Misprint => format!("<strong>{}</strong>", counted(n, "is misprinted", "are misprinted")),
-            _ => format!("<strong>{} {}</strong>", counted(n, "is", "are"), outcome.words()),
-        })
-        .collect();
+    let parts: Vec<String> =
+        [Outcome::Holds, Outcome::Refuted, Outcome::Undecided, Outcome::Misprint]
+            .into_iter()
+            .map(|outcome| (outcome, tally(outcome)))
+            .filter(|(outcome, n)| *n > 0 || *outcome == Outcome::Holds)
+            .map(|(outcome, n)| match outcome {
+                Outcome::Holds if n > 1 && n == groups.len() => {
+                    format!("<strong>all {n} hold</strong>")
+                }
+                Outcome::Holds => format!("<strong>{}</strong>", counted(n, "holds", "hold")),
+                Outcome::Misprint => {
+                    format!("<strong>{}</strong>", counted(n, "is misprinted", "are misprinted"))
+                }
+                _ => format!("<strong>{} {}</strong>", counted(n, "is", "are"), outcome.words()),
+            })
+            .collect();
     match &parts[..] {
         [init @ .., last] if !init.is_empty() => format!("{} and {last}", init.join(", ")),
         _ => parts.concat(),
@@ -81,8 +89,10 @@ fn strong(groups: &[Group]) -> String {
 
 /// The groups with a verdict by name, if there are any.
 fn named(class: &str, title: &str, groups: &[Group], verdict: Outcome) -> Option<String> {
-    let names: Vec<String> = groups.iter().filter(|group| group.verdict() == verdict).map(link).collect();
-    (!names.is_empty()).then(|| format!("<span class=\"{class}\">{title}: {}.</span>", names.join(", ")))
+    let names: Vec<String> =
+        groups.iter().filter(|group| group.verdict() == verdict).map(link).collect();
+    (!names.is_empty())
+        .then(|| format!("<span class=\"{class}\">{title}: {}.</span>", names.join(", ")))
 }
 
 fn link(group: &Group) -> String {
@@ -118,7 +128,13 @@ mod tests {
 
     fn summary_of(claims: Vec<Claim>) -> String {
         let (panels, supplements) = (Vec::new(), Vec::new());
-        summary(&Results { schema: SCHEMA, provenance: Provenance::default(), panels, supplements, claims })
+        summary(&Results {
+            schema: SCHEMA,
+            provenance: Provenance::default(),
+            panels,
+            supplements,
+            claims,
+        })
     }
 
     #[test]
@@ -149,6 +165,8 @@ mod tests {
             claim("a", "em", false, Verdict::Holds, ""),
         ]);
         assert!(text.contains("<strong>all 2 hold</strong>") && text.contains("1 observation"));
-        assert!(!text.contains("ndecided") && !text.contains("efuted") && !text.contains("isprint"));
+        assert!(
+            !text.contains("ndecided") && !text.contains("efuted") && !text.contains("isprint")
+        );
     }
 }
