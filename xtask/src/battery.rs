@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use lab::{CoverageRow, Expected, TWINS};
+use lab::TWINS;
+use stats::{Coverage, Expected};
 use verify::results::{Claim, Verdict};
 
 use crate::budget::{expected_alarms, least_power, poisson_quantile};
@@ -18,7 +19,7 @@ pub struct Battery {
     /// Expectations of the rigid body, of the first seed.
     pub expectations: Vec<Claim>,
     /// How often intervals cover.
-    pub coverage: Vec<CoverageRow>,
+    pub coverage: Vec<Coverage>,
 }
 
 impl Battery {
@@ -213,7 +214,7 @@ fn expectations(page: &mut String, claims: &[Claim]) {
     page.push('\n');
 }
 
-fn coverage(page: &mut String, rows: &[CoverageRow]) {
+fn coverage(page: &mut String, rows: &[Coverage]) {
     page.push_str(
         "## Coverage of the intervals\n\n\
          How often an interval covers the truth, or a warning is raised, on data whose law is known.\n\n\
@@ -227,7 +228,7 @@ fn coverage(page: &mut String, rows: &[CoverageRow]) {
             cell(row.interval),
             match row.expected {
                 Expected::Raised | Expected::Silent => String::new(),
-                _ => format!("{:.0} %", 100.0 * row.nominal),
+                _ => format!("{:.0} %", 100.0 * row.expected.nominal()),
             },
             100.0 * row.share(),
             row.replications,

@@ -11,7 +11,7 @@
 //! | [`Compiled`] | every scheme on every system of the paper, compiled once |
 //! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo against the Kolmogorov equation |
 //! | [`TWINS`], [`measure_twins`] | wrong methods that the claims must refute |
-//! | [`coverage()`], [`CoverageRow`] | how often the intervals of `stats` cover the truth |
+//! | [`coverage()`] | how often the intervals of `stats` cover the truth |
 
 mod approach;
 mod coverage;
@@ -26,7 +26,7 @@ mod supplement;
 mod twins;
 mod weak;
 
-pub use coverage::{CoverageRow, Expected, coverage};
+pub use coverage::coverage;
 pub use experiment::{Context, Experiment, Statement, Twin, Yield};
 pub use kernels::Compiled;
 pub use panels::EXPERIMENTS;

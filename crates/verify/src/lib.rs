@@ -6,7 +6,8 @@
 //!
 //! | item | job |
 //! |---|---|
-//! | [`strong_order`], [`strong_order_exact`], [`weak_order`], [`exact_mean`], [`StepSizes`] | the order of any scheme on any problem |
+//! | [`strong_order`], [`strong_order_against`], [`weak_order`], [`StepSizes`], [`ReferenceSolution`] | the order of any scheme on any problem |
+//! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
 //! | [`inspect()`], [`inspect_problem`] | what a system is: skew, Casimirs, degrees, commuting noises, which statements apply |
 //! | [`PathScheme`] | a scheme written for one path, to be put to the test |
 //! | [`order_verdict`], [`bound_verdict`] | when an order is said to hold |
@@ -28,7 +29,8 @@ mod verdict;
 
 pub use inspect::{inspect, inspect_problem};
 pub use orders::{
-    Exact, Order, StepSizes, exact_mean, strong_order, strong_order_exact, weak_order,
+    Exact, Order, ReferenceSolution, StepSizes, exact_mean, strong_order, strong_order_against,
+    weak_order,
 };
 pub use path_scheme::PathScheme;
 pub use settings::{Mode, Progress, Settings, Silent};

@@ -8,7 +8,9 @@ use systems::paper::{INERTIA, LOTKA_VOLTERRA_START, rigid_body_start, valid};
 use systems::{Damping, IntegerExponents, LotkaVolterra, Problem, RigidBodyEnergy, Sine};
 use verify::exact::{RandomTime, expectation, solution};
 use verify::results::{Claim, Kind, Panel, Series};
-use verify::{DEVIATIONS, Exact, StepSizes, claim, decide, order_verdict, weak_order};
+use verify::{
+    DEVIATIONS, Exact, ReferenceSolution, StepSizes, claim, decide, order_verdict, weak_order,
+};
 
 use crate::experiment::{Context, Yield, truncation};
 use crate::kernels::Compiled;
@@ -174,8 +176,8 @@ where
     let exact = |s: f64| solution(problem, s);
     let mut claims = Vec::new();
     for observable in observables {
-        let reference = Exact { clock: &time, solution: &exact };
-        let order = weak_order(&Sexp::default(), problem, observable, &sizes, Some(reference))
+        let reference = ReferenceSolution::Exact(Exact { clock: &time, solution: &exact });
+        let order = weak_order(&Sexp::default(), problem, observable, &sizes, reference)
             .unwrap_or_else(|error| unreachable!("the set-up is valid: {error}"));
         claims.push(Claim {
             panel: id.to_owned(),

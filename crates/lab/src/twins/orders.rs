@@ -8,7 +8,9 @@ use nonlin::{BlockStatus, Solution};
 use real::{Block, WIDTH};
 use schemes::{EulerMaruyama, Scheme, Sexp, Step};
 use verify::results::Claim;
-use verify::{Order, PathScheme, StepSizes, claim, order_verdict, strong_order, weak_order};
+use verify::{
+    Order, PathScheme, ReferenceSolution, StepSizes, claim, order_verdict, strong_order, weak_order,
+};
 
 use crate::experiment::{Context, truncation};
 use crate::panels::rate_evidence;
@@ -154,9 +156,14 @@ pub(super) fn truncated_too_early(context: &Context<'_>) -> Claim {
 fn weak(context: &Context<'_>, factor: f64) -> Claim {
     let observable = Observable { name: "y3", function: |y: [f64; 3]| y[2] };
     let sizes = StepSizes { levels: 6, samples: 2048, ..step_sizes(context, truncation()) };
-    let measured =
-        weak_order(&miscorrected::<3>(factor), &three_noises(), observable, &sizes, None)
-            .unwrap_or_else(|error| unreachable!("the set-ups of the paper are valid: {error}"));
+    let measured = weak_order(
+        &miscorrected::<3>(factor),
+        &three_noises(),
+        observable,
+        &sizes,
+        ReferenceSolution::Scheme(&Sexp::default()),
+    )
+    .unwrap_or_else(|error| unreachable!("the set-ups of the paper are valid: {error}"));
     order_claim("weak-one", "weak order 1 for φ = y3", &measured, 1.0)
 }
 
