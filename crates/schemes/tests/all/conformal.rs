@@ -276,7 +276,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M>
     }
     fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
         if self.one_node {
-            self.system.gradient(dgrad::quadratic(a, b), dt, dw)
+            self.system.gradient(dgrad::midpoint(a, b), dt, dw)
         } else {
             self.system.averaged_gradient(a, b, dt, dw)
         }

@@ -1,6 +1,6 @@
 //! The same checks reject what is wrong on purpose: a method, a system or a claim with one mistake.
 
-use dgrad::quadratic;
+use dgrad::midpoint;
 use nonlin::{Method, Solver};
 use real::Real;
 use schemes::{EulerMaruyama, Scheme, Sexp, Step};
@@ -52,7 +52,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M>
     }
     fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
         if self.one_node {
-            self.system.gradient(quadratic(a, b), dt, dw)
+            self.system.gradient(midpoint(a, b), dt, dw)
         } else {
             self.system.averaged_gradient(a, b, dt, dw)
         }
