@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
+use lab::{CoverageRow, Expected, TWINS};
 use verify::results::{Claim, Verdict};
-use verify::{CoverageRow, Expected, TWINS};
 
 use crate::budget::{expected_alarms, least_power, poisson_quantile};
 use crate::verify::is_alarm;

@@ -56,7 +56,7 @@ pub fn run(arguments: &Reproduce) -> Result<ExitCode> {
             Simd::Avx512 => Level::Avx512,
         });
     }
-    verify::check_ids(&arguments.only)?;
+    lab::check_ids(&arguments.only)?;
     for folder in ["", "figures", "data"] {
         output::prepare(&arguments.out.join(folder))?;
     }
@@ -70,7 +70,7 @@ pub fn run(arguments: &Reproduce) -> Result<ExitCode> {
 
     let start = Instant::now();
     let bars = Bars::new();
-    let mut results = pool.install(|| verify::reproduce(settings, &arguments.only, &bars))?;
+    let mut results = pool.install(|| lab::reproduce(settings, &arguments.only, &bars))?;
     bars.finish();
     let provenance = &mut results.provenance;
     provenance.git = provenance::git();

@@ -30,7 +30,6 @@
 //! | [`Ladder`], [`Run`] | which schemes at which steps, on which noise |
 //! | [`Statistic`]: [`StrongErrors`], [`WeakDifferences`] | what is kept of the paths |
 //! | [`Clock`] | a number carried along each path, for exact references |
-//! | [`Moments`], [`CrossMoments`] | means and covariances |
 //! | [`trajectory`] | one path, kept |
 //! | [`Simulation`], [`TimeSeries`], [`write_csv`], [`write_json`] | paths with observables and conformal defects, as tables |
 //! | [`Recording`] | the increments of a path, from or for another code |
@@ -42,7 +41,6 @@ mod failure;
 mod follow;
 mod ladder;
 mod march;
-mod moments;
 pub mod multilevel;
 mod parallel;
 mod recording;
@@ -55,7 +53,6 @@ mod weak;
 pub use error::LadderError;
 pub use failure::{Cause, PathFailure};
 pub use ladder::{Clock, Ladder, Outcome, Run, Statistic, View};
-pub use moments::{BATCHES, CrossMoments, Moments};
 pub use recording::{Recording, RecordingError};
 pub use simulation::{
     Column, NoiseOrigin, Simulation, SimulationError, TimeSeries, write_csv, write_json,

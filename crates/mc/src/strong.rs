@@ -1,6 +1,8 @@
 //! Mean-square errors against a reference run on the same noise.
 
-use crate::{CrossMoments, Moments, Statistic, View};
+use stats::{CrossMoments, Moments};
+
+use crate::{Statistic, View};
 
 /// |y − y_ref|² of every run of every series: with covariances between the runs of a series, at every coarse time.
 #[derive(Clone, Debug)]

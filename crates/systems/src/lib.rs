@@ -45,6 +45,7 @@ mod field;
 mod invariant;
 mod lotka_volterra;
 mod maxwell_bloch;
+pub mod paper;
 mod pendulum;
 mod poisson3;
 mod problem;

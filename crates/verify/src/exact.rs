@@ -13,13 +13,14 @@
 use dgrad::Rule;
 use mc::Clock;
 use real::{Block, WIDTH};
+use systems::paper::valid;
 use systems::{Constant, Damping, PoissonSystem, Problem};
 
-use crate::paper::valid;
 use crate::runge_kutta::piece;
 
 /// S along a path: see the module.
-pub(crate) struct RandomTime<'a, G> {
+pub struct RandomTime<'a, G> {
+    /// γ.
     pub damping: &'a G,
     /// Degree r of homogeneity of f = B∇H.
     pub degree: f64,
@@ -27,6 +28,7 @@ pub(crate) struct RandomTime<'a, G> {
     pub noise: f64,
     /// The finest step.
     pub tau: f64,
+    /// The quadrature on one finest step.
     pub rule: Rule,
 }
 
@@ -34,7 +36,8 @@ pub(crate) struct RandomTime<'a, G> {
 const NODES: usize = 4;
 
 impl<'a, G: Damping> RandomTime<'a, G> {
-    pub(crate) fn new(damping: &'a G, degree: f64, noise: f64, tau: f64) -> Self {
+    /// S for a damping, a degree r, a noise c and a finest step.
+    pub fn new(damping: &'a G, degree: f64, noise: f64, tau: f64) -> Self {
         let rule = Rule::new(NODES)
             .unwrap_or_else(|error| unreachable!("the number of nodes is allowed: {error}"));
         Self { damping, degree, noise, tau, rule }
@@ -56,7 +59,7 @@ impl<'a, G: Damping> RandomTime<'a, G> {
     }
 
     /// Mean and variance of S over `steps` finest steps, a Gaussian.
-    pub(crate) fn law(&self, steps: u64) -> (f64, f64) {
+    pub fn law(&self, steps: u64) -> (f64, f64) {
         (0..steps).map(|n| self.step(n)).fold((0.0, 0.0), |(mean, variance), (g, v)| {
             (mean + g * self.tau, variance + self.noise * self.noise * (g * g * self.tau + v))
         })
@@ -74,7 +77,7 @@ impl<G: Damping> Clock<1> for RandomTime<'_, G> {
 }
 
 /// e^{−Γ(T)} φ_S(y₀): the solution at the final time when the clock shows S.
-pub(crate) fn solution<S, G, const D: usize>(problem: &Problem<S, G, D>, s: f64) -> [f64; D]
+pub fn solution<S, G, const D: usize>(problem: &Problem<S, G, D>, s: f64) -> [f64; D]
 where
     S: PoissonSystem<D, 1>,
     G: Damping,
@@ -98,7 +101,7 @@ fn flow<S: PoissonSystem<D, 1>, const D: usize>(system: &S, y: [f64; D], s: f64)
 
 /// E[φ(y(T))] by Gauss–Legendre over ±9 standard deviations of S, on pieces of one standard
 /// deviation.
-pub(crate) fn expectation<S, G, const D: usize>(
+pub fn expectation<S, G, const D: usize>(
     problem: &Problem<S, G, D>,
     time: &RandomTime<'_, G>,
     steps: u64,
@@ -119,7 +122,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::{INERTIA, rigid_body_start};
+    use systems::paper::{INERTIA, rigid_body_start};
     use systems::{RigidBodyEnergy, Sine};
 
     #[test]

@@ -5,7 +5,7 @@ use systems::{Damping, PoissonSystem, vector_field};
 
 /// Solves dy/dt = B∇H₀ + Σ B∇Hₘ·(dwₘ/τ) − γ(t)y on [t, t + τ] in `substeps` steps: the Stratonovich
 /// equation on noise that is linear there.
-pub(crate) fn piece<S, G, const D: usize, const M: usize>(
+pub fn piece<S, G, const D: usize, const M: usize>(
     system: &S,
     damping: &G,
     t: f64,
