@@ -138,7 +138,8 @@ impl Solver {
             settle(equations, method, z);
         }
         if unfinished > 0 {
-            rescue(equations, z, status);
+            // A copy: what a call that is not inlined may look at is kept in memory, and not in registers.
+            rescue(*equations, z, status);
         }
     }
 }
@@ -157,7 +158,7 @@ fn settle<E: BlockFixedPoint<D>, const D: usize>(equations: &E, method: Method, 
 #[cold]
 #[inline(never)]
 fn rescue<E: BlockFixedPoint<D>, const D: usize>(
-    equations: &E,
+    equations: E,
     z: &mut Block<D>,
     status: &mut BlockStatus,
 ) {

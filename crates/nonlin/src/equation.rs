@@ -60,7 +60,7 @@ impl<E: FixedPoint<D>, const D: usize> VectorFunction<D, D> for Map<E> {
 }
 
 /// The equations of a block of paths.
-pub trait BlockFixedPoint<const D: usize> {
+pub trait BlockFixedPoint<const D: usize>: Copy {
     /// The equation of one path.
     type Path: FixedPoint<D>;
     /// The equation of path `p`. Must be `#[inline(always)]`.

@@ -94,7 +94,7 @@ impl<R: Real, const D: usize> Mul<f64> for Vector<R, D> {
 /// The increment of a [`PoissonSystem`] on numbers of type R.
 pub(crate) struct SystemIncrement<'a, S, R, const D: usize, const M: usize> {
     pub(crate) system: &'a S,
-    pub(crate) step: &'a Step,
+    pub(crate) step: Step,
     pub(crate) noise: Noise<M>,
     pub(crate) number: PhantomData<R>,
 }
@@ -114,7 +114,7 @@ impl<S: PoissonSystem<D, M>, R: Real, const D: usize, const M: usize> Increment
 
     #[inline(always)]
     fn step(&self) -> &Step {
-        self.step
+        &self.step
     }
     #[inline(always)]
     fn structure(self, y: Vector<R, D>, v: Vector<R, D>) -> Vector<R, D> {

@@ -40,7 +40,7 @@ where
 
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
         let start = if F::EXACT_DAMPING { scaled(y, step.first_decay) } else { y };
-        let equation = Equation { formula: self, system, step, noise: *noise, start };
+        let equation = Equation { formula: self, system, step: *step, noise: *noise, start };
         if F::EXPLICIT {
             let z = equation.map(start);
             return Solution { z, outcome: Outcome::Fast { iterations: 1 } }.checked();
@@ -56,8 +56,12 @@ where
     }
 }
 
-fn scaled<const D: usize>(y: [f64; D], factor: f64) -> [f64; D] {
-    y.map(|component| factor * component)
+#[inline(always)]
+fn scaled<const D: usize>(mut y: [f64; D], factor: f64) -> [f64; D] {
+    for i in 0..D {
+        y[i] *= factor;
+    }
+    y
 }
 
 /// Whether the second half of the damping may overflow; a NaN may.
@@ -70,7 +74,7 @@ fn may_overflow(step: &Step) -> bool {
 struct Equation<'a, F, S, const D: usize, const M: usize> {
     formula: &'a F,
     system: &'a S,
-    step: &'a Step,
+    step: Step,
     noise: Noise<M>,
     start: [f64; D],
 }
@@ -125,10 +129,19 @@ impl<F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> FixedP
 struct BlockEquation<'a, F, S, const D: usize, const M: usize> {
     formula: &'a F,
     system: &'a S,
-    step: &'a Step,
+    step: Step,
     noise: &'a BlockNoise<M>,
-    start: &'a Block<D>,
+    /// The states before the step.
+    y: &'a Block<D>,
 }
+
+impl<F, S, const D: usize, const M: usize> Clone for BlockEquation<'_, F, S, D, M> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<F, S, const D: usize, const M: usize> Copy for BlockEquation<'_, F, S, D, M> {}
 
 impl<'a, F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> BlockFixedPoint<D>
     for BlockEquation<'a, F, S, D, M>
@@ -136,8 +149,15 @@ impl<'a, F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> Bl
     type Path = Equation<'a, F, S, D, M>;
     #[inline(always)]
     fn path(&self, p: usize) -> Self::Path {
-        let Self { formula, system, step, noise, start } = *self;
-        Equation { formula, system, step, noise: noise.path(p), start: start.path(p) }
+        let Self { formula, system, step, noise, y } = *self;
+        let noise = if F::READS_AREAS {
+            noise.path(p)
+        } else {
+            Noise { increments: noise.increments.path(p), areas: [[0.0; M]; M] }
+        };
+        let y = y.path(p);
+        let start = if F::EXACT_DAMPING { scaled(y, step.first_decay) } else { y };
+        Equation { formula, system, step, noise, start }
     }
 }
 
@@ -159,12 +179,11 @@ impl<F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel
     #[inline(always)]
     fn run(self) {
         let Self { formula, system, step, noise, y, status } = self;
-        // A copy that nothing else points to, so that its numbers stay in registers.
-        let step = &{ *step };
+        let step = *step;
         if F::EXPLICIT {
             // Copies that nothing else points to: stores to them cannot change the noise.
             let (start, mut next) = (*y, *y);
-            let equations = BlockEquation { formula, system, step, noise, start: &start };
+            let equations = BlockEquation { formula, system, step, noise, y: &start };
             for p in 0..WIDTH {
                 next.set_path(p, equations.path(p).map(start.path(p)));
             }
@@ -173,15 +192,8 @@ impl<F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel
             status.fail_where_not_finite(y);
             return;
         }
-        if F::EXACT_DAMPING {
-            for i in 0..D {
-                for p in 0..WIDTH {
-                    y.0[i][p] *= step.first_decay;
-                }
-            }
-        }
         let mut z = Block::zero();
-        let equations = BlockEquation { formula, system, step, noise, start: y };
+        let equations = BlockEquation { formula, system, step, noise, y };
         formula.solver().solve_block(&equations, &mut z, status);
         if F::EXACT_DAMPING {
             for i in 0..D {
@@ -189,7 +201,7 @@ impl<F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel
                     y.0[i][p] = step.second_decay * z.0[i][p];
                 }
             }
-            if may_overflow(step) {
+            if may_overflow(&step) {
                 status.fail_where_not_finite(y);
             }
         } else {
