@@ -11,7 +11,7 @@
 //! time-stepping.
 
 use dgrad::Rule;
-use mc::Clock;
+use mc::TimeChange;
 use real::{Block, WIDTH};
 use systems::paper::valid;
 use systems::{Constant, Damping, PoissonSystem, Problem};
@@ -66,17 +66,17 @@ impl<'a, G: Damping> RandomTime<'a, G> {
     }
 }
 
-impl<G: Damping> Clock<1> for RandomTime<'_, G> {
-    fn advance(&self, n: u64, dw: &Block<1>, normals: &Block<1>, clock: &mut Block<1>) {
+impl<G: Damping> TimeChange<1> for RandomTime<'_, G> {
+    fn advance(&self, n: u64, dw: &Block<1>, normals: &Block<1>, random_time: &mut Block<1>) {
         let (mean, spread) = self.step(n);
         let (drift, residual) = (mean * self.tau, self.noise * spread.sqrt());
         for p in 0..WIDTH {
-            clock.0[0][p] += drift + self.noise * mean * dw.0[0][p] + residual * normals.0[0][p];
+            random_time.0[0][p] += drift + self.noise * mean * dw.0[0][p] + residual * normals.0[0][p];
         }
     }
 }
 
-/// e^{−Γ(T)} φ_S(y₀): the solution at the final time when the clock shows S.
+/// e^{−Γ(T)} φ_S(y₀): the solution at the final time at the random time S.
 pub fn solution<S, G, const D: usize>(problem: &Problem<S, G, D>, s: f64) -> [f64; D]
 where
     S: PoissonSystem<D, 1>,

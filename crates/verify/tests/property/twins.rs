@@ -74,7 +74,7 @@ fn breaks<S: PoissonSystem<D, M>, C: Scheme<S, D, M>, const D: usize, const M: u
     dw: [f64; M],
     y0: [f64; D],
 ) -> bool {
-    let y1 = scheme.step(system, &step, dw, y0).z;
+    let y1 = scheme.step(system, &step, &Noise::increments(dw), y0).z;
     let transition = Transition { step, y0, y1 };
     let map = SexpMap { system, tau: step.tau, dw, before: transition.before() };
     let verdict = transition.judge(function, &map, rate, solver_leaves(Method::Newton));
