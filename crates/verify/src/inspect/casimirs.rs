@@ -1,11 +1,9 @@
 //! All linear and quadratic Casimirs of B, from B alone.
 
-use std::fmt;
-
 use serde::Serialize;
 
 use super::algebra::{Matrix, dot, eigenvalues, largest, null_space, times};
-use super::erased::{ErasedSystem, Function};
+use super::erased::ErasedSystem;
 use super::finding::Finding;
 use super::function::Minimum;
 use super::points::Points;
@@ -21,32 +19,82 @@ pub struct FoundCasimir {
     pub coefficients: Vec<f64>,
     /// m(C).
     pub minimum: Minimum,
-    #[serde(skip)]
-    form: Form,
 }
 
 impl FoundCasimir {
-    fn of(form: Form, system: &dyn ErasedSystem, points: &Points) -> Self {
-        let minimum = match &form {
-            Form::Quadratic(q) if points.everywhere => Minimum::of_form(q.clone()),
-            _ => Minimum::by_search(&form, system, points),
+    fn new(
+        degree: u32,
+        coefficients: Vec<f64>,
+        system: &dyn ErasedSystem,
+        points: &Points,
+    ) -> Self {
+        let d = system.dimension();
+        let minimum = if degree == 2 && points.everywhere {
+            Minimum::of_form(square(&coefficients, d))
+        } else {
+            Minimum::by_search(&|y| value(degree, &coefficients, y), system, points)
         };
-        let (degree, coefficients) = match &form {
-            Form::Linear(beta) => (1, beta.clone()),
-            Form::Quadratic(q) => (2, q.concat()),
-        };
-        Self { formula: form.to_string(), degree, coefficients, minimum, form }
+        Self { formula: formula(degree, &coefficients, d), degree, coefficients, minimum }
     }
 
     /// C(y).
     #[must_use]
     pub fn value(&self, y: &[f64]) -> f64 {
-        self.form.value(y)
+        value(self.degree, &self.coefficients, y)
+    }
+
+    /// Whether B∇C = 0 to the accuracy of the coefficients.
+    fn holds(&self, system: &dyn ErasedSystem, points: &[Vec<f64>]) -> bool {
+        let mut casimir = Finding::new();
+        for y in points {
+            let (b, gradient) = (system.matrix(y), gradient(self.degree, &self.coefficients, y));
+            let size = largest(b.iter().flatten()) * largest(&gradient) * y.len() as f64;
+            casimir.compare(&times(&b, &gradient), &vec![0.0; y.len()], size, y);
+        }
+        casimir.defect <= ACCURACY
     }
 }
 
+fn gradient(degree: u32, coefficients: &[f64], y: &[f64]) -> Vec<f64> {
+    match degree {
+        1 => coefficients.to_vec(),
+        _ => coefficients.chunks(y.len()).map(|row| dot(row, y)).collect(),
+    }
+}
+
+fn value(degree: u32, coefficients: &[f64], y: &[f64]) -> f64 {
+    dot(&gradient(degree, coefficients, y), y) / f64::from(degree)
+}
+
+/// `2 y1 + y2 − 0.5 y3`, coefficients to six digits.
+fn formula(degree: u32, coefficients: &[f64], d: usize) -> String {
+    let linear = (0..d).map(|i| (coefficients[i], format!("y{}", i + 1)));
+    let terms: Vec<(f64, String)> = if degree == 1 {
+        linear.collect()
+    } else {
+        let squares = (0..d).map(|i| (0.5 * coefficients[i * d + i], format!("y{}²", i + 1)));
+        let pairs = (0..d).flat_map(|i| (i + 1..d).map(move |j| (i, j)));
+        let products =
+            pairs.map(|(i, j)| (coefficients[i * d + j], format!("y{} y{}", i + 1, j + 1)));
+        squares.chain(products).collect()
+    };
+    let mut formula = String::new();
+    for (coefficient, symbol) in terms.into_iter().filter(|(coefficient, _)| *coefficient != 0.0) {
+        let sign = match (formula.is_empty(), coefficient < 0.0) {
+            (true, false) => "",
+            (true, true) => "−",
+            (false, false) => " + ",
+            (false, true) => " − ",
+        };
+        let size = (coefficient.abs() * 1e6).round() / 1e6;
+        let size = if size == 1.0 { String::new() } else { format!("{size} ") };
+        formula += &format!("{sign}{size}{symbol}");
+    }
+    formula
+}
+
 /// The linear and quadratic Casimirs of B.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Casimirs {
     /// A basis of the linear ones, then one of the quadratic ones. A scheme that preserves these
     /// preserves their linear combinations.
@@ -70,114 +118,41 @@ impl Casimirs {
     pub(super) fn of(system: &dyn ErasedSystem, points: &Points) -> Self {
         let d = system.dimension();
         let (solve, check) = points.for_identities.split_at(points.for_identities.len() / 2);
-        let equations: Vec<(&[f64], Matrix)> =
-            solve.iter().map(|y| (y.as_slice(), normalized(system.matrix(y)))).collect();
-        let mut forms = linear_forms(&equations, d);
+        let rows: Vec<(&Vec<f64>, Vec<f64>)> = solve
+            .iter()
+            .flat_map(|y| normalized(system.matrix(y)).into_iter().map(move |row| (y, row)))
+            .collect();
+        let casimir =
+            |degree, coefficients| FoundCasimir::new(degree, coefficients, system, points);
+        let linear = null_space(rows.iter().map(|(_, row)| row.clone()).collect(), d);
+        let mut found: Vec<_> = linear.into_iter().map(|beta| casimir(1, readable(beta))).collect();
         let quadratic_sought = d * (d + 1) / 2 <= UNKNOWNS;
         if quadratic_sought {
-            forms.extend(quadratic_forms(&equations, d));
+            found.extend(quadratic_forms(&rows, d).into_iter().map(|q| casimir(2, q)));
         }
-        forms.retain(|form| is_casimir(form, system, check));
-        let describe = |form| FoundCasimir::of(form, system, points);
-        let definite = definite(&forms, d).map(describe);
-        Self { found: forms.into_iter().map(describe).collect(), definite, quadratic_sought }
+        found.retain(|casimir| casimir.holds(system, check));
+        let definite = definite(&found, d).map(|q| casimir(2, q));
+        Self { found, definite, quadratic_sought }
     }
 }
 
-/// The β with Bβ = 0.
-fn linear_forms(equations: &[(&[f64], Matrix)], d: usize) -> Vec<Form> {
-    let rows = equations.iter().flat_map(|(_, b)| b).cloned().collect();
-    null_space(rows, d).into_iter().map(|beta| Form::Linear(readable(beta))).collect()
-}
-
-/// The symmetric Q with BQy = 0.
-fn quadratic_forms(equations: &[(&[f64], Matrix)], d: usize) -> Vec<Form> {
+/// The symmetric Q with bᵀQy = 0 for all given y and rows b of B(y).
+fn quadratic_forms(rows: &[(&Vec<f64>, Vec<f64>)], d: usize) -> Matrix {
     let pairs: Vec<(usize, usize)> = (0..d).flat_map(|i| (i..d).map(move |j| (i, j))).collect();
-    let equation = |y: &[f64], row: &[f64]| {
+    let equation = |(y, b): &(&Vec<f64>, Vec<f64>)| {
         let factor = |&(i, j): &(usize, usize)| {
-            if i == j { row[i] * y[i] } else { row[i] * y[j] + row[j] * y[i] }
+            if i == j { b[i] * y[i] } else { b[i] * y[j] + b[j] * y[i] }
         };
         pairs.iter().map(factor).collect()
     };
-    let rows = equations.iter().flat_map(|(y, b)| b.iter().map(|row| equation(y, row))).collect();
     let form = |solution: Vec<f64>| {
-        let mut q = vec![vec![0.0; d]; d];
+        let mut q = vec![0.0; d * d];
         for (&(i, j), x) in pairs.iter().zip(readable(solution)) {
-            (q[i][j], q[j][i]) = (x, x);
+            (q[i * d + j], q[j * d + i]) = (x, x);
         }
-        Form::Quadratic(q)
+        q
     };
-    null_space(rows, pairs.len()).into_iter().map(form).collect()
-}
-
-fn is_casimir(form: &Form, system: &dyn ErasedSystem, points: &[Vec<f64>]) -> bool {
-    let mut casimir = Finding::new();
-    for y in points {
-        let (b, gradient) = (system.matrix(y), form.gradient(y));
-        let size = largest(b.iter().flatten()) * largest(&gradient) * y.len() as f64;
-        for x in times(&b, &gradient) {
-            casimir.record(x, size, y);
-        }
-    }
-    casimir.defect <= ACCURACY
-}
-
-/// βᵀy or ½yᵀQy.
-#[derive(Clone, Debug, PartialEq)]
-enum Form {
-    Linear(Vec<f64>),
-    Quadratic(Matrix),
-}
-
-impl Function for Form {
-    fn value(&self, y: &[f64]) -> f64 {
-        let slope = dot(&self.gradient(y), y);
-        if matches!(self, Self::Linear(_)) { slope } else { 0.5 * slope }
-    }
-    fn gradient(&self, y: &[f64]) -> Vec<f64> {
-        match self {
-            Self::Linear(beta) => beta.clone(),
-            Self::Quadratic(q) => times(q, y),
-        }
-    }
-    fn hessian(&self, y: &[f64]) -> Matrix {
-        match self {
-            Self::Linear(_) => vec![vec![0.0; y.len()]; y.len()],
-            Self::Quadratic(q) => q.clone(),
-        }
-    }
-}
-
-/// `2 y1 + y2 − 0.5 y3`, coefficients to six digits.
-impl fmt::Display for Form {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let terms: Vec<(f64, String)> = match self {
-            Self::Linear(beta) => {
-                beta.iter().enumerate().map(|(i, &b)| (b, format!("y{}", i + 1))).collect()
-            }
-            Self::Quadratic(q) => {
-                let square = |i: usize| (0.5 * q[i][i], format!("y{}²", i + 1));
-                let pairs = (0..q.len()).flat_map(|i| (i + 1..q.len()).map(move |j| (i, j)));
-                let mixed = pairs.map(|(i, j)| (q[i][j], format!("y{} y{}", i + 1, j + 1)));
-                (0..q.len()).map(square).chain(mixed).collect()
-            }
-        };
-        let nonzero = terms.into_iter().filter(|(coefficient, _)| *coefficient != 0.0);
-        for (n, (coefficient, symbol)) in nonzero.enumerate() {
-            f.write_str(match (n, coefficient < 0.0) {
-                (0, false) => "",
-                (0, true) => "−",
-                (_, false) => " + ",
-                (_, true) => " − ",
-            })?;
-            let size = (coefficient.abs() * 1e6).round() / 1e6;
-            if size != 1.0 {
-                write!(f, "{size} ")?;
-            }
-            f.write_str(&symbol)?;
-        }
-        Ok(())
-    }
+    null_space(rows.iter().map(equation).collect(), pairs.len()).into_iter().map(form).collect()
 }
 
 /// The matrix divided by its largest entry, so that all points have equal weight.
@@ -207,16 +182,15 @@ fn readable(mut x: Vec<f64>) -> Vec<f64> {
 
 /// The projection of the identity onto the span of the quadratic forms, if it is positive definite.
 /// It averages over all symmetries of the span; of Casimirs ½|sᵢ|² of parts sᵢ of y it is the sum.
-fn definite(forms: &[Form], d: usize) -> Option<Form> {
+fn definite(found: &[FoundCasimir], d: usize) -> Option<Vec<f64>> {
     let add = |sum: &mut [f64], factor: f64, q: &[f64]| {
         sum.iter_mut().zip(q).for_each(|(x, y)| *x += factor * y);
     };
     // An orthonormal basis by Gram and Schmidt.
-    let mut basis: Vec<Vec<f64>> = Vec::new();
+    let mut basis: Matrix = Vec::new();
     let mut projection = vec![0.0; d * d];
-    for form in forms {
-        let Form::Quadratic(q) = form else { continue };
-        let mut q = q.concat();
+    for casimir in found.iter().filter(|casimir| casimir.degree == 2) {
+        let mut q = casimir.coefficients.clone();
         for known in &basis {
             let share = dot(&q, known);
             add(&mut q, -share, known);
@@ -227,7 +201,11 @@ fn definite(forms: &[Form], d: usize) -> Option<Form> {
         add(&mut projection, trace, &q);
         basis.push(q);
     }
-    let square = |flat: Vec<f64>| -> Matrix { flat.chunks(d).map(<[f64]>::to_vec).collect() };
-    let smallest = eigenvalues(square(projection.clone())).first().copied()?;
-    (smallest > ACCURACY).then(|| Form::Quadratic(square(readable(projection))))
+    let smallest = eigenvalues(square(&projection, d)).first().copied()?;
+    (smallest > ACCURACY).then(|| readable(projection))
+}
+
+/// The matrix with these rows of length d.
+fn square(coefficients: &[f64], d: usize) -> Matrix {
+    coefficients.chunks(d).map(<[f64]>::to_vec).collect()
 }

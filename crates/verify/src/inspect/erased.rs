@@ -2,7 +2,7 @@
 //! every system.
 
 use real::{Dual, Real, ScalarFunction, gradient};
-use systems::{Invariant, PoissonSystem, vector_field, vector_field_derivative};
+use systems::{Invariant, PoissonSystem, vector_field_derivative};
 
 use super::algebra::{Matrix, axis, transposed};
 
@@ -31,8 +31,6 @@ pub(super) trait ErasedSystem {
     fn averaged_field(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64>;
     /// The predicted end of an implicit step and the bound of its residual.
     fn predict(&self, a: &[f64], weights: &[f64]) -> (Vec<f64>, f64);
-    /// B∇h.
-    fn field(&self, y: &[f64], weights: &[f64]) -> Vec<f64>;
     /// (B∇h)′v.
     fn field_derivative(&self, y: &[f64], weights: &[f64], v: &[f64]) -> Vec<f64>;
     /// Σ A_ml [fₘ, f_l] as the system implements it.
@@ -51,6 +49,11 @@ impl dyn ErasedSystem + '_ {
     /// Hₘ.
     pub(super) fn hamiltonian(&self, m: usize) -> Box<dyn Function + '_> {
         self.energy(&self.weights(m))
+    }
+
+    /// B∇h.
+    pub(super) fn field(&self, y: &[f64], weights: &[f64]) -> Vec<f64> {
+        self.structure(y, &self.gradient(y, weights))
     }
 
     /// The matrix B(y).
@@ -165,10 +168,6 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ErasedSystem for Er
         let (dt, dw) = split(weights);
         let (b, bound) = self.0.short_step(array(a), dt, dw);
         (b.to_vec(), bound)
-    }
-    fn field(&self, y: &[f64], weights: &[f64]) -> Vec<f64> {
-        let (dt, dw) = split(weights);
-        vector_field::<S, f64, D, M>(self.0, array(y), dt, dw).to_vec()
     }
     fn field_derivative(&self, y: &[f64], weights: &[f64], v: &[f64]) -> Vec<f64> {
         let (dt, dw) = split(weights);

@@ -84,7 +84,7 @@ impl Shape {
         let minimum = degree.map(|_| match kind {
             Kind::Linear if points.everywhere => Minimum::exact(-norm(&gradient), norm(&gradient)),
             Kind::Quadratic if points.everywhere => Minimum::of_form(hessian),
-            _ => Minimum::by_search(f, system, points),
+            _ => Minimum::by_search(&|y| f.value(y), system, points),
         });
         Self { kind, degree, constant_hessian: constant_hessian.holds, minimum }
     }
@@ -135,11 +135,15 @@ impl Minimum {
 
     /// A compass search on the sphere from the four best points: steps along the axes, halved when
     /// none helps.
-    pub(super) fn by_search(f: &dyn Function, system: &dyn ErasedSystem, points: &Points) -> Self {
+    pub(super) fn by_search(
+        f: &dyn Fn(&[f64]) -> f64,
+        system: &dyn ErasedSystem,
+        points: &Points,
+    ) -> Self {
         let on_sphere = |y: &[f64]| {
             let length = norm(y);
             let y: Vec<f64> = y.iter().map(|x| x / length).collect();
-            let value = f.value(&y);
+            let value = f(&y);
             (system.in_domain(&y) && value.is_finite()).then_some((value, y))
         };
         let mut starts: Vec<_> = points.for_suprema.iter().filter_map(|y| on_sphere(y)).collect();

@@ -82,7 +82,7 @@ pub fn inspect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     let system = Erased::<S, D, M>(system);
     let points = Points::new(&system, Region::Box(HALF_SIDE), None)?;
     check_finite(&system, &points)?;
-    Ok(Inspection::of(&system, &points))
+    Ok(Inspection::of(&system, &points).with_mistakes())
 }
 
 /// Inspects the system of a problem at random points with ‖y‖ ≤ 2‖y₀‖, and its damping.
@@ -108,21 +108,18 @@ where
     if let Some(radius) = findings.radius.filter(|radius| radius.is_finite() && *radius > 0.0) {
         let reached = Points::new(&system, Region::Ball(radius), Some(&problem.y0))?;
         report.solvability = Solvability::of(&system, &reached);
-        report.solvability_region = reached.region;
     }
-    report.add_problem(findings);
-    Ok(report)
+    report.problem = Some(findings);
+    Ok(report.with_mistakes())
 }
 
 fn check_finite(system: &dyn ErasedSystem, points: &Points) -> Result<(), InspectError> {
     let ones = vec![1.0; system.noises() + 1];
     let energy = system.energy(&ones);
     for y in &points.for_suprema {
-        let values = system.field(y, &ones).into_iter().chain([energy.value(y)]);
-        for value in values {
-            if !value.is_finite() {
-                return Err(InspectError::NotFinite { at: y.clone(), value });
-            }
+        let mut values = system.field(y, &ones).into_iter().chain([energy.value(y)]);
+        if let Some(value) = values.find(|value| !value.is_finite()) {
+            return Err(InspectError::NotFinite { at: y.clone(), value });
         }
     }
     Ok(())

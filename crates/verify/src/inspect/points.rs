@@ -68,31 +68,25 @@ impl Points {
         let identities = IDENTITIES.max(2 * d);
         let wanted = SUPREMA.max(identities);
         let mut random = Random::new();
-        let (mut points, mut tried, mut everywhere) = (Vec::new(), 0, true);
-        while points.len() < wanted && tried < TRIES * wanted {
-            tried += 1;
-            let y = region.point(d, &mut random);
+        let (mut points, mut everywhere) = (Vec::new(), true);
+        for attempt in 0..(TRIES + 2) * wanted {
+            if points.len() == wanted {
+                break;
+            }
+            let y: Vec<f64> = match (attempt / wanted, start) {
+                (0..TRIES, _) => region.point(d, &mut random),
+                (TRIES, _) | (_, None) => {
+                    region.point(d, &mut random).into_iter().map(f64::abs).collect()
+                }
+                (_, Some(start)) => start
+                    .iter()
+                    .map(|x| x + 0.3 * random.uniform() * (x.abs() + 0.1 * norm(start)))
+                    .collect(),
+            };
             if system.in_domain(&y) {
                 points.push(y);
-            } else {
+            } else if attempt < TRIES * wanted {
                 everywhere = false;
-            }
-        }
-        for near_start in [false, true] {
-            for _ in 0..wanted {
-                if points.len() >= wanted {
-                    break;
-                }
-                let y: Vec<f64> = match start {
-                    Some(start) if near_start => start
-                        .iter()
-                        .map(|x| x + 0.3 * random.uniform() * (x.abs() + 0.1 * norm(start)))
-                        .collect(),
-                    _ => region.point(d, &mut random).into_iter().map(f64::abs).collect(),
-                };
-                if system.in_domain(&y) {
-                    points.push(y);
-                }
             }
         }
         if points.len() < identities {

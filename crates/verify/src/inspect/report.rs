@@ -48,8 +48,6 @@ pub struct Inspection {
     pub bound: Option<Bound>,
     /// The norms of the contraction constant of the implicit step.
     pub solvability: Solvability,
-    /// The region over which these norms were taken.
-    pub solvability_region: Region,
     /// What damping and initial value add; `None` for a system alone.
     pub problem: Option<ProblemFindings>,
     /// Which statements of the paper apply.
@@ -82,11 +80,10 @@ impl Inspection {
             points: points.for_identities.len(),
             defined_everywhere: points.everywhere,
             solvability: Solvability::of(system, points),
-            solvability_region: points.region.clone(),
             problem: None,
             theorems: theorems(&structure, &hamiltonians, &casimirs, &invariants, bound.as_ref()),
             orders: orders(&noise),
-            mistakes: mistakes(&structure, &hamiltonians, &noise, &invariants),
+            mistakes: Vec::new(),
             structure,
             hamiltonians,
             noise,
@@ -96,13 +93,45 @@ impl Inspection {
         }
     }
 
-    /// Adds what was found for a problem.
-    pub(super) fn add_problem(&mut self, problem: ProblemFindings) {
-        if !problem.integral_agrees {
-            let what = "the integral of the damping is not the integral of its rate";
-            self.mistakes.push(mistake(&problem.integral, what));
+    /// Lists what is wrong.
+    pub(super) fn with_mistakes(mut self) -> Self {
+        let Self { structure, hamiltonians: h, noise, problem, mistakes, .. } = &mut self;
+        let mut must_hold = |finding: &Finding, what: &str| {
+            if !finding.holds {
+                let at: Vec<String> = finding.at.iter().map(|x| format!("{x:.3}")).collect();
+                let (defect, at) = (finding.defect, at.join(", "));
+                mistakes.push(format!("{what}: relative defect {defect:.1e} at ({at})"));
+            }
+        };
+        must_hold(&structure.linear, "structure(y, v) is not linear in v");
+        must_hold(&structure.skew, "B(y) is not skew-symmetric");
+        must_hold(&h.linear, "energy(y, dt, dw) is not linear in (dt, dw)");
+        must_hold(&h.gradient, "gradient is not the gradient of energy");
+        must_hold(
+            &h.averaged_gradient,
+            "averaged_gradient(y, y) is not the gradient of energy at y",
+        );
+        must_hold(
+            &h.averaged_field,
+            "averaged_field(a, b) is not structure((a+b)/2, averaged_gradient(a, b))",
+        );
+        must_hold(
+            &h.prediction,
+            "the residual of the predicted step exceeds the bound given with it",
+        );
+        must_hold(&noise.commutators, "commutators is not what follows from B and the energy");
+        if h.discrete_gradient.defect > POOR_QUADRATURE {
+            must_hold(
+                &h.discrete_gradient,
+                "averaged_gradient(a, b)·(b − a) is not the change of energy",
+            );
         }
-        self.problem = Some(problem);
+        if let Some(problem) = problem.as_ref().filter(|problem| !problem.integral_agrees) {
+            let what = "the integral of the damping is not the integral of its rate";
+            must_hold(&problem.integral, what);
+        }
+        self.mistakes.extend(self.invariants.iter().flat_map(|i| i.mistakes.iter().cloned()));
+        self
     }
 
     /// (strong, weak) order that theory predicts for a scheme, by its identifier.
@@ -121,59 +150,14 @@ impl Inspection {
     }
 }
 
-fn mistakes(
-    structure: &Structure,
-    hamiltonians: &Hamiltonians,
-    noise: &Noises,
-    invariants: &[ClaimedInvariant],
-) -> Vec<String> {
-    let identities = [
-        (&structure.linear, "structure(y, v) is not linear in v"),
-        (&structure.skew, "B(y) is not skew-symmetric"),
-        (&hamiltonians.linear, "energy(y, dt, dw) is not linear in (dt, dw)"),
-        (&hamiltonians.gradient, "gradient is not the gradient of energy"),
-        (
-            &hamiltonians.averaged_gradient,
-            "averaged_gradient(y, y) is not the gradient of energy at y",
-        ),
-        (
-            &hamiltonians.averaged_field,
-            "averaged_field(a, b) is not structure((a+b)/2, averaged_gradient(a, b))",
-        ),
-        (
-            &hamiltonians.prediction,
-            "the residual of the predicted step exceeds the bound given with it",
-        ),
-        (&noise.commutators, "commutators is not what follows from B and the energy"),
-        (
-            &hamiltonians.discrete_gradient,
-            "averaged_gradient(a, b)·(b − a) is not the change of energy",
-        ),
-    ];
-    let wrong = |(finding, _): &(&Finding, &str)| {
-        let quadrature = std::ptr::eq(*finding, &hamiltonians.discrete_gradient)
-            && finding.defect <= POOR_QUADRATURE;
-        !finding.holds && !quadrature
-    };
-    let claims = invariants.iter().flat_map(|invariant| invariant.mistakes.iter().cloned());
-    let identities = identities.into_iter().filter(wrong);
-    identities.map(|(finding, what)| mistake(finding, what)).chain(claims).collect()
-}
-
-/// `… : relative defect 2.0e0 at y = (0.310, -1.200)`.
-fn mistake(finding: &Finding, what: &str) -> String {
-    let at: Vec<String> = finding.at.iter().map(|x| format!("{x:.3}")).collect();
-    format!("{what}: relative defect {:.1e} at ({})", finding.defect, at.join(", "))
-}
-
 impl Display for Inspection {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "{}: {}, {}; checked at {} points with {}{}",
+            "{}: D = {}, M = {}; checked at {} points with {}{}",
             self.system,
-            counted(self.dimension, "dimension"),
-            counted(self.noises, "noise"),
+            self.dimension,
+            self.noises,
             self.points,
             self.region,
             if self.defined_everywhere { "" } else { " in its domain" }
@@ -270,7 +254,7 @@ impl Inspection {
         writeln!(
             f,
             "Implicit steps of sexp with {} are contractions, C(k, τ) < 1, for τ below\n  {}",
-            self.solvability_region,
+            self.solvability.region,
             [1, 2, 4].map(step).join(", ")
         )
     }
@@ -279,11 +263,6 @@ impl Inspection {
 /// A property with its label.
 fn row(f: &mut Formatter<'_>, label: &str, text: impl Display) -> fmt::Result {
     writeln!(f, "  {label:<9}{text}")
-}
-
-/// `1 noise`, `3 noises`.
-fn counted(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 impl Display for Region {

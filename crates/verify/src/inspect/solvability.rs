@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::algebra::{Matrix, norm, spectral_norm};
 use super::erased::ErasedSystem;
-use super::points::Points;
+use super::points::{Points, Region};
 
 /// The norms in the contraction constant of the implicit step of `sexp`,
 ///
@@ -14,6 +14,8 @@ use super::points::Points;
 /// solution (solvability lemma of the paper).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Solvability {
+    /// The region of the points.
+    pub region: Region,
     /// ‖B‖.
     pub structure: f64,
     /// A bound of ‖B′‖ = max ‖Σ v_l ∂_l B‖ over unit vectors v: the root of ‖Σ_l (∂_l B)ᵀ∂_l B‖.
@@ -31,6 +33,7 @@ impl Solvability {
         };
         let hamiltonians: Vec<_> = (0..=system.noises()).map(|m| system.hamiltonian(m)).collect();
         Self {
+            region: points.region.clone(),
             structure: supremum(&|y| spectral_norm(&system.matrix(y))),
             structure_slope: supremum(&|y| {
                 let stacked: Matrix = system.matrix_derivatives(y).into_iter().flatten().collect();
@@ -84,6 +87,7 @@ mod tests {
     #[test]
     fn the_largest_step_solves_the_equation() {
         let pendulum = Solvability {
+            region: Region::Ball(1.0),
             structure: 1.0,
             structure_slope: 0.0,
             gradients: vec![9.0; 2],

@@ -50,9 +50,8 @@ pub struct ExpectedOrder {
 /// Orders of the schemes of this workspace. Strong order one takes Lévy areas where noises do not
 /// commute, and the terms ½ΔWₘΔW_l fₘ′f_l, which `em` leaves out, where they are not zero.
 pub(super) fn orders(noises: &Noises) -> Vec<ExpectedOrder> {
-    let one_if = |condition: bool| if condition { 1.0 } else { 0.5 };
+    let one_if = |condition| if condition { 1.0 } else { 0.5 };
     let without_areas = one_if(noises.commute.holds);
-    let order = |(scheme, strong)| ExpectedOrder { scheme, strong, weak: 1.0 };
     let orders = [
         ("sexp", without_areas),
         ("sexp-levy", 1.0),
@@ -60,14 +59,7 @@ pub(super) fn orders(noises: &Noises) -> Vec<ExpectedOrder> {
         ("heun", without_areas),
         ("em", one_if(noises.no_correction.holds)),
     ];
-    orders.map(order).to_vec()
-}
-
-/// Whether a statement applies, and why.
-type Answer = (Applies, String);
-
-fn answer(applies: Applies, because: &str) -> Answer {
-    (applies, because.to_owned())
+    orders.map(|(scheme, strong)| ExpectedOrder { scheme, strong, weak: 1.0 }).into()
 }
 
 /// The statements of the paper for a system with these properties.
@@ -78,130 +70,88 @@ pub(super) fn theorems(
     invariants: &[ClaimedInvariant],
     bound: Option<&Bound>,
 ) -> Vec<Theorem> {
-    let skew = structure.skew.holds && structure.linear.holds;
-    let needs_skew =
-        |answer: Answer| if skew { answer } else { (Applies::No, "B is not skew".to_owned()) };
+    use Applies::{Conditionally, InDomain, No, Yes};
     let noises = hamiltonians.shapes.len() - 1;
-    let bounded = needs_skew(bounded(bound));
-    let order = needs_skew(orders_proven(&bounded));
+    let energy_degree = hamiltonians.noise_size.and(hamiltonians.shapes[0].degree);
+    let casimir = invariants.iter().any(|i| i.claimed_casimir && i.mistakes.is_empty());
+    let formulas: Vec<&str> = casimirs.found.iter().map(|c| c.formula.as_str()).collect();
+
+    let conformal = if casimir || !formulas.is_empty() || energy_degree.is_some() {
+        (Yes, "there is one".to_owned())
+    } else {
+        (No, "no homogeneous Casimir or energy was found".to_owned())
+    };
+    let casimir = if formulas.is_empty() {
+        (No, "B has no linear or quadratic Casimir".to_owned())
+    } else {
+        (Yes, formulas.join("; "))
+    };
+    let energy = match (hamiltonians.noise_size, energy_degree) {
+        (Some(c), Some(p)) if hamiltonians.discrete_gradient.holds => {
+            (Yes, format!("H₁ = {c} H₀, H₀ is homogeneous of degree {p}, and ∇̄h is exact"))
+        }
+        (Some(_), Some(_)) => {
+            (Conditionally, "up to the error of ∇̄h; take more nodes or a closed form".to_owned())
+        }
+        (Some(_), None) => (No, "H₀ is not homogeneous".to_owned()),
+        (None, _) if noises == 1 => (No, "H₁ is not a multiple of H₀".to_owned()),
+        (None, _) => (No, format!("there are {noises} noises")),
+    };
+    let bounded = match bound {
+        Some(Bound { function, minimum, .. }) => (
+            if minimum.in_domain_only { InDomain } else { Yes },
+            format!("m({function}) = {minimum}"),
+        ),
+        None => (No, "found no linear or quadratic Casimir or energy with m(F) > 0".to_owned()),
+    };
+    let constant_hessians = hamiltonians.shapes.iter().all(|shape| shape.constant_hessian);
+    let (solvable, condition) = match (structure.constant.holds, bounded.0) {
+        (true, _) if constant_hessians => (Yes, "B and the Hessians are constant"),
+        (true, _) => (Conditionally, "if the second derivatives of all Hamiltonians are bounded"),
+        (false, No) => (Conditionally, "if paths stay in the region of the points"),
+        (false, _) => (Conditionally, "in the ball of the moment bound"),
+    };
+    // The paper assumes that exact and numerical paths are bounded.
+    let orders = match bounded.0 {
+        No => (Conditionally, "if all paths stay bounded, which was not proved here".to_owned()),
+        _ => bounded.clone(),
+    };
     let (strong, strong_order) = if noises > 1 {
         ("strong-half", "strong order 1/2 of sexp (k ≥ 1)")
     } else {
         ("strong-one", "strong order 1 of sexp (k ≥ 2)")
     };
-    let theorem = |(statement, says, (applies, because)): (&'static str, &'static str, Answer)| {
+
+    let skew = structure.skew.holds && structure.linear.holds;
+    let theorem = |(statement, says, (applies, because))| {
+        let (applies, because) =
+            if skew { (applies, because) } else { (No, "B is not skew-symmetric".to_owned()) };
         Theorem { statement, says, applies, because }
     };
     let theorems = [
         (
             "exact-conformal",
             "homogeneous Casimirs, and with one noise the energy, obey exp(−p∫γ)",
-            needs_skew(conformal(hamiltonians, casimirs, invariants)),
+            conformal,
         ),
         (
             "conformal-casimir",
-            "sexp preserves the law of linear and quadratic Casimirs at any step size",
-            needs_skew(casimirs_preserved(casimirs)),
+            "sexp keeps linear and quadratic Casimirs on their law at any step size",
+            casimir,
         ),
         (
             "energy-balance",
-            "sexp preserves the law of the energy of a one-noise system at any step size",
-            needs_skew(energy_preserved(hamiltonians)),
+            "sexp keeps the energy of a one-noise system on its law at any step size",
+            energy,
         ),
-        ("moment-bound", "all paths stay in a known ball", bounded.clone()),
+        ("moment-bound", "all paths stay in a known ball", bounded),
         (
             "solvability",
             "an implicit step below a known size has exactly one solution",
-            solvable(structure, hamiltonians, bounded.0 != Applies::No),
+            (solvable, condition.to_owned()),
         ),
-        (strong, strong_order, order.clone()),
-        ("weak-one", "weak order 1 of sexp (k ≥ 2)", order),
+        (strong, strong_order, orders.clone()),
+        ("weak-one", "weak order 1 of sexp (k ≥ 2)", orders),
     ];
     theorems.map(theorem).into()
-}
-
-/// p of a homogeneous energy that the noise preserves.
-fn energy_degree(hamiltonians: &Hamiltonians) -> Option<f64> {
-    hamiltonians.noise_size.and(hamiltonians.shapes[0].degree)
-}
-
-fn conformal(
-    hamiltonians: &Hamiltonians,
-    casimirs: &Casimirs,
-    invariants: &[ClaimedInvariant],
-) -> Answer {
-    let claimed = invariants.iter().any(|i| i.claimed_casimir && i.mistakes.is_empty());
-    if claimed || !casimirs.found.is_empty() || energy_degree(hamiltonians).is_some() {
-        answer(Applies::Yes, "there is one")
-    } else {
-        answer(Applies::No, "no homogeneous Casimir or energy was found")
-    }
-}
-
-fn casimirs_preserved(casimirs: &Casimirs) -> Answer {
-    let formulas: Vec<&str> = casimirs.found.iter().map(|c| c.formula.as_str()).collect();
-    if formulas.is_empty() {
-        answer(Applies::No, "B has no linear or quadratic Casimir")
-    } else {
-        (Applies::Yes, formulas.join("; "))
-    }
-}
-
-fn energy_preserved(hamiltonians: &Hamiltonians) -> Answer {
-    match (hamiltonians.noise_size, energy_degree(hamiltonians)) {
-        (Some(c), Some(degree)) if hamiltonians.discrete_gradient.holds => (
-            Applies::Yes,
-            format!("H₁ = {c} H₀, H₀ is homogeneous of degree {degree}, and ∇̄h is exact"),
-        ),
-        (Some(_), Some(_)) => answer(
-            Applies::Conditionally,
-            "up to the error of the quadrature of ∇̄h; take more nodes or a closed form",
-        ),
-        (Some(_), None) => answer(Applies::No, "H₀ is not homogeneous"),
-        (None, _) => match hamiltonians.shapes.len() - 1 {
-            1 => answer(Applies::No, "H₁ is not a multiple of H₀"),
-            noises => (Applies::No, format!("there are {noises} noises")),
-        },
-    }
-}
-
-fn bounded(bound: Option<&Bound>) -> Answer {
-    let Some(Bound { function, minimum, .. }) = bound else {
-        let because = "no linear or quadratic Casimir and no energy with m(F) > 0 was found";
-        return answer(Applies::No, because);
-    };
-    let (applies, domain) = if minimum.in_domain_only {
-        (Applies::InDomain, " on the domain")
-    } else {
-        (Applies::Yes, "")
-    };
-    (applies, format!("m({function}) = {:.3} > 0{domain}", minimum.value))
-}
-
-fn solvable(structure: &Structure, hamiltonians: &Hamiltonians, bounded: bool) -> Answer {
-    if !structure.constant.holds {
-        let condition = if bounded {
-            "by the bound of all paths"
-        } else {
-            "if paths stay in the region of the points"
-        };
-        answer(Applies::Conditionally, condition)
-    } else if hamiltonians.shapes.iter().all(|shape| shape.constant_hessian) {
-        answer(Applies::Yes, "B and the Hessians are constant: the step is a linear system")
-    } else {
-        answer(
-            Applies::Conditionally,
-            "B is constant: if the second derivatives of all Hamiltonians are bounded",
-        )
-    }
-}
-
-/// The paper proves the orders for bounded paths, exact and numerical (its assumptions 1 and 2).
-fn orders_proven(bounded: &Answer) -> Answer {
-    match bounded.0 {
-        Applies::No => {
-            answer(Applies::Conditionally, "if all paths stay bounded, which was not proved here")
-        }
-        _ => bounded.clone(),
-    }
 }
