@@ -45,7 +45,7 @@ impl FoundCasimir {
 
     /// Whether B∇C = 0 to the accuracy of the coefficients.
     fn holds(&self, system: &dyn ErasedSystem, points: &[Vec<f64>]) -> bool {
-        let mut casimir = Finding::new();
+        let mut casimir = Finding::default();
         for y in points {
             let (b, gradient) = (system.matrix(y), gradient(self.degree, &self.coefficients, y));
             let size = largest(b.iter().flatten()) * largest(&gradient) * y.len() as f64;

@@ -120,7 +120,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Function
         ScalarFunction::value(self, array(y))
     }
     fn gradient(&self, y: &[f64]) -> Vec<f64> {
-        gradient::<f64, _, D>(self, array(y)).to_vec()
+        gradient(self, array(y)).to_vec()
     }
     fn hessian(&self, y: &[f64]) -> Matrix {
         let row = |l| gradient(self, seeded(y, l)).map(|component| component.derivative).to_vec();
@@ -142,7 +142,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ErasedSystem for Er
         self.0.check_domain(array(y)).is_ok()
     }
     fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
-        self.0.structure::<f64>(array(y), array(v)).to_vec()
+        self.0.structure(array(y), array(v)).to_vec()
     }
     fn structure_derivative(&self, y: &[f64], l: usize, v: &[f64]) -> Vec<f64> {
         let product = self.0.structure(seeded(y, l), array(v).map(Dual::fixed));
@@ -154,15 +154,15 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ErasedSystem for Er
     }
     fn gradient(&self, y: &[f64], weights: &[f64]) -> Vec<f64> {
         let (dt, dw) = split(weights);
-        self.0.gradient::<f64>(array(y), dt, dw).to_vec()
+        self.0.gradient(array(y), dt, dw).to_vec()
     }
     fn averaged_gradient(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64> {
         let (dt, dw) = split(weights);
-        self.0.averaged_gradient::<f64>(array(a), array(b), dt, dw).to_vec()
+        self.0.averaged_gradient(array(a), array(b), dt, dw).to_vec()
     }
     fn averaged_field(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64> {
         let (dt, dw) = split(weights);
-        self.0.averaged_field::<f64>(array(a), array(b), dt, dw).to_vec()
+        self.0.averaged_field(array(a), array(b), dt, dw).to_vec()
     }
     fn predict(&self, a: &[f64], weights: &[f64]) -> (Vec<f64>, f64) {
         let (dt, dw) = split(weights);
@@ -171,11 +171,11 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ErasedSystem for Er
     }
     fn field_derivative(&self, y: &[f64], weights: &[f64], v: &[f64]) -> Vec<f64> {
         let (dt, dw) = split(weights);
-        vector_field_derivative::<S, f64, D, M>(self.0, array(y), dt, dw, array(v)).to_vec()
+        vector_field_derivative(self.0, array(y), dt, dw, array(v)).to_vec()
     }
     fn commutators(&self, y: &[f64], areas: &Matrix) -> Vec<f64> {
         let areas = std::array::from_fn(|m| array(&areas[m]));
-        self.0.commutators::<f64>(array(y), areas).to_vec()
+        self.0.commutators(array(y), areas).to_vec()
     }
     fn invariants(&self) -> Vec<Invariant> {
         self.0.invariants()

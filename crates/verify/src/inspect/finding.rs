@@ -18,12 +18,14 @@ pub struct Finding {
     pub at: Vec<f64>,
 }
 
-impl Finding {
-    /// No point yet.
-    pub(super) fn new() -> Self {
+/// Holds, since no point has been checked yet.
+impl Default for Finding {
+    fn default() -> Self {
         Self { holds: true, defect: 0.0, at: Vec::new() }
     }
+}
 
+impl Finding {
     /// Records a defect of an identity with terms of size `scale` at the point y. NaN counts as
     /// infinite.
     pub(super) fn record(&mut self, defect: f64, scale: f64, y: &[f64]) {

@@ -65,7 +65,8 @@ impl Shape {
             unreachable!("an inspection has points")
         };
         let (gradient, hessian) = (f.gradient(first), f.hessian(first));
-        let (mut constant_gradient, mut constant_hessian) = (Finding::new(), Finding::new());
+        let (mut constant_gradient, mut constant_hessian) =
+            (Finding::default(), Finding::default());
         for y in others {
             let (slope, curvature) = (f.gradient(y), f.hessian(y).concat());
             let size = norm(&slope) + norm(&gradient);
@@ -109,7 +110,7 @@ fn degree(f: &dyn Function, points: &Points) -> Option<f64> {
     let (value, slope, _) = euler(best);
     let p = slope / value;
     let p = if (p - p.round()).abs() < INTEGER { p.round() } else { p };
-    let mut identity = Finding::new();
+    let mut identity = Finding::default();
     for y in points {
         let (value, slope, size) = euler(y);
         identity.record(slope - p * value, size + (p * value).abs(), y);

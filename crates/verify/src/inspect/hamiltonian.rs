@@ -9,7 +9,7 @@ use super::function::Shape;
 use super::points::{Points, Random};
 
 /// The Hamiltonians H₀, …, H_M and the methods that follow from them.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Hamiltonians {
     /// h(y; dt, dw) is linear in (dt, dw).
     pub linear: Finding,
@@ -40,18 +40,9 @@ const PREDICTED_STEPS: [f64; 4] = [1e-3, 0.01, 0.1, 0.5];
 impl Hamiltonians {
     pub(super) fn of(system: &dyn ErasedSystem, points: &Points) -> Self {
         let shape = |m| Shape::of(&*system.hamiltonian(m), system, points);
-        let [linear, gradient, averaged_gradient, discrete_gradient, averaged_field, prediction] =
-            [(); 6].map(|()| Finding::new());
-        let mut found = Self {
-            linear,
-            shapes: (0..=system.noises()).map(shape).collect(),
-            noise_size: noise_size(system, points),
-            gradient,
-            averaged_gradient,
-            discrete_gradient,
-            averaged_field,
-            prediction,
-        };
+        let shapes = (0..=system.noises()).map(shape).collect();
+        let noise_size = noise_size(system, points);
+        let mut found = Self { shapes, noise_size, ..Self::default() };
         let mut random = Random::new();
         let points = &points.for_identities;
         for (n, y) in points.iter().enumerate() {
@@ -120,7 +111,7 @@ fn noise_size(system: &dyn ErasedSystem, points: &Points) -> Option<f64> {
     let gradients = |y: &[f64]| [0, 1].map(|m| system.hamiltonian(m).gradient(y));
     let [drift, noise] = gradients(&points.for_identities[0]);
     let c = dot(&drift, &noise) / dot(&drift, &drift);
-    let mut proportional = Finding::new();
+    let mut proportional = Finding::default();
     for y in &points.for_identities {
         let [drift, noise] = gradients(y);
         let size = norm(&noise) + (c * norm(&drift)).abs();

@@ -38,7 +38,7 @@ impl ClaimedInvariant {
 
     fn of(index: usize, claim: Invariant, system: &dyn ErasedSystem, points: &Points) -> Self {
         let f = system.invariant(index);
-        let (mut casimir, mut conserved) = (Finding::new(), Finding::new());
+        let (mut casimir, mut conserved) = (Finding::default(), Finding::default());
         let mut not_finite = None;
         for y in &points.for_identities {
             let value = f.value(y);

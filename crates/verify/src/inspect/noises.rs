@@ -8,7 +8,7 @@ use super::finding::Finding;
 use super::points::{Points, Random};
 
 /// Commutators and products of the noise fields fₘ = B∇Hₘ.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Noises {
     /// [fₘ, f_l] = 0: strong order one needs no Lévy areas. Holds for one noise.
     pub commute: Finding,
@@ -21,8 +21,7 @@ pub struct Noises {
 impl Noises {
     pub(super) fn of(system: &dyn ErasedSystem, points: &Points) -> Self {
         let (noises, d) = (system.noises(), system.dimension());
-        let [commute, no_correction, commutators] = [(); 3].map(|()| Finding::new());
-        let mut found = Self { commute, no_correction, commutators };
+        let mut found = Self::default();
         let mut random = Random::new();
         for y in &points.for_identities {
             let fields: Matrix =

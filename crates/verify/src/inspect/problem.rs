@@ -86,7 +86,7 @@ impl ProblemFindings {
         let rule = dgrad::Rule::new(NODES)
             .unwrap_or_else(|error| unreachable!("a constant number of nodes: {error}"));
         let time = |n: u32| t_end * f64::from(n) / f64::from(PARTS);
-        let mut integral = Finding::new();
+        let mut integral = Finding::default();
         // ∫γ so far and its least value, ∫|γ| so far.
         let (mut damped, mut least, mut total) = (0.0, 0.0f64, 0.0);
         let (mut disagreeing, mut difference) = (0, 0.0);

@@ -8,7 +8,7 @@ use super::finding::Finding;
 use super::points::{Points, Random};
 
 /// Properties of the structure matrix B(y).
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Structure {
     /// `structure(y, v)` = B(y)v is linear in v.
     pub linear: Finding,
@@ -23,8 +23,7 @@ pub struct Structure {
 
 impl Structure {
     pub(super) fn of(system: &dyn ErasedSystem, points: &Points) -> Self {
-        let [linear, skew, constant, jacobi] = [(); 4].map(|()| Finding::new());
-        let mut found = Self { linear, skew, constant, jacobi };
+        let mut found = Self::default();
         let d = system.dimension();
         let mut random = Random::new();
         for y in &points.for_identities {

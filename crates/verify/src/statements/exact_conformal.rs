@@ -18,7 +18,7 @@ use systems::{
 use crate::experiment::Context;
 use crate::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid};
 use crate::results::Claim;
-use crate::runge_kutta::piece;
+use crate::runge_kutta::runge_kutta;
 use crate::statement::{claim, decide};
 
 pub(super) fn measure(context: &Context<'_>) -> Vec<Claim> {
@@ -79,7 +79,7 @@ where
         (0..PIECES)
             .map(|n| {
                 let dw = noise.increments(tau.sqrt());
-                y = piece(system, &problem.damping, n as f64 * tau, tau, dw, substeps, y);
+                y = runge_kutta(system, &problem.damping, n as f64 * tau, tau, dw, substeps, y);
                 y
             })
             .collect()

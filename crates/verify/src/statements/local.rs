@@ -19,7 +19,7 @@ use crate::experiment::{Context, bound};
 use crate::order::{fit_independent, order_verdict};
 use crate::paper::{INERTIA, NOISE_INERTIA, half_cosine, rate_evidence, rigid_body_start, valid};
 use crate::results::Claim;
-use crate::runge_kutta::piece;
+use crate::runge_kutta::runge_kutta;
 use crate::statement::claim;
 
 pub(crate) type Vector = [f64; 3];
@@ -112,7 +112,7 @@ pub(crate) fn exact_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     let (system, damping) = (body(), half_cosine());
     let length = tau / PIECES as f64;
     let end = |y, (n, dw): (usize, &Vector)| {
-        piece(&system, &damping, n as f64 * length, length, *dw, 1, y)
+        runge_kutta(&system, &damping, n as f64 * length, length, *dw, 1, y)
     };
     pieces.iter().enumerate().fold(rigid_body_start(), end)
 }
