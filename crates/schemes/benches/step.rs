@@ -96,14 +96,7 @@ impl<S, const D: usize> Run<S, D> {
                         areas = drawn.clipped(self.area_bound).0;
                     }
                     clip(&dw, self.bound, &mut clipped);
-                    scheme.step_block(
-                        &self.system,
-                        step,
-                        &clipped,
-                        &areas,
-                        &mut y,
-                        &mut status,
-                    );
+                    scheme.step_block(&self.system, step, &clipped, &areas, &mut y, &mut status);
                 }
                 first_path += WIDTH as u64;
                 black_box(y)

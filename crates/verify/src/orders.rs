@@ -182,15 +182,17 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let outcome = sizes.run(scheme, problem, exact.map(|exact| exact.time_change), |steps, runs| {
-        CoupledDifferences {
-            observable,
-            reference: exact.map_or(Reference::Run(0), |exact| Reference::Exact(exact.solution)),
-            differences: CrossMoments::new(runs.len()),
-            runs,
-            last_time: steps,
-        }
-    })?;
+    let outcome =
+        sizes.run(scheme, problem, exact.map(|exact| exact.time_change), |steps, runs| {
+            CoupledDifferences {
+                observable,
+                reference: exact
+                    .map_or(Reference::Run(0), |exact| Reference::Exact(exact.solution)),
+                differences: CrossMoments::new(runs.len()),
+                runs,
+                last_time: steps,
+            }
+        })?;
     let taus = sizes.taus(problem.t_end);
     let differences = &outcome.statistic.differences;
     let levels = sizes.levels;
@@ -254,7 +256,8 @@ impl<const D: usize> Statistic<D> for ExactMean<'_, D> {
     fn observe(&mut self, view: &View<'_, D>) {
         if view.time == self.last_time {
             for p in view.live.paths() {
-                self.moments.add((self.observable.function)((self.solution)(view.random_time.0[0][p])));
+                self.moments
+                    .add((self.observable.function)((self.solution)(view.random_time.0[0][p])));
             }
         }
     }

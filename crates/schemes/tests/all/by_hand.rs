@@ -73,7 +73,12 @@ fn heun() {
         let first = change(7.0 * tau, y);
         let second = change(8.0 * tau, std::array::from_fn(|i| y[i] + first[i]));
         let exact = std::array::from_fn(|i| y[i] + 0.5 * first[i] + 0.5 * second[i]);
-        close(Heun.step(&body(), &step, &Noise::increments(dw), y).z, exact, 10.0 * norm(y), "heun");
+        close(
+            Heun.step(&body(), &step, &Noise::increments(dw), y).z,
+            exact,
+            10.0 * norm(y),
+            "heun",
+        );
     }
 }
 

@@ -242,9 +242,13 @@ fn explicit_euler_breaks_the_law() {
 
 #[test]
 fn euler_maruyama_and_midpoint_break_the_law() {
-    let em = |system: &_, step: &Step, dw, y| EulerMaruyama.step(system, step, &Noise::increments(dw), y).z;
+    let em = |system: &_, step: &Step, dw, y| {
+        EulerMaruyama.step(system, step, &Noise::increments(dw), y).z
+    };
     assert!(visible(&body(), 0, [0.5; 3], em) > NEARLY_ALL);
-    let midpoint = |system: &_, step: &Step, dw, y| Midpoint::default().step(system, step, &Noise::increments(dw), y).z;
+    let midpoint = |system: &_, step: &Step, dw, y| {
+        Midpoint::default().step(system, step, &Noise::increments(dw), y).z
+    };
     assert!(visible(&body(), 0, [0.5; 3], midpoint) > NEARLY_ALL);
 }
 

@@ -98,7 +98,11 @@ impl Visit for NothingToAdd {
             let y = any_state(&mut numbers, system, y0);
             let without = Sexp::default().step(system, &step, &Noise::increments(dw), y).z;
             let with = levy.step_with_areas(system, &step, dw, areas, y).z;
-            assert_eq!(levy.step(system, &step, &Noise::increments(dw), y).z, without, "without areas it is sexp");
+            assert_eq!(
+                levy.step(system, &step, &Noise::increments(dw), y).z,
+                without,
+                "without areas it is sexp"
+            );
             assert_eq!(with == without, levy.commuting(), "{}", system.name());
             assert_eq!(Scheme::<S, D, M>::reads_areas(&levy), !levy.commuting());
             self.0 += usize::from(levy.commuting());

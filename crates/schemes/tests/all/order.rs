@@ -76,12 +76,16 @@ impl Visit for Orders {
         y0: [f64; D],
     ) {
         let exact = reference(system, y0, false);
-        let sexp = order(y0, exact, |step, y| Sexp::default().step(system, step, &Noise::increments([0.0; M]), y).z);
+        let sexp = order(y0, exact, |step, y| {
+            Sexp::default().step(system, step, &Noise::increments([0.0; M]), y).z
+        });
         assert!((sexp - 2.0).abs() < WINDOW, "sexp on {}: {sexp}", system.name());
-        let midpoint =
-            order(y0, exact, |step, y| Midpoint::default().step(system, step, &Noise::increments([0.0; M]), y).z);
+        let midpoint = order(y0, exact, |step, y| {
+            Midpoint::default().step(system, step, &Noise::increments([0.0; M]), y).z
+        });
         assert!((midpoint - 2.0).abs() < WINDOW, "midpoint on {}: {midpoint}", system.name());
-        let heun = order(y0, exact, |step, y| Heun.step(system, step, &Noise::increments([0.0; M]), y).z);
+        let heun =
+            order(y0, exact, |step, y| Heun.step(system, step, &Noise::increments([0.0; M]), y).z);
         assert!((heun - 2.0).abs() < WINDOW, "heun on {}: {heun}", system.name());
         let em = order(y0, reference(system, y0, true), |step, y| {
             EulerMaruyama.step(system, step, &Noise::increments([0.0; M]), y).z
@@ -100,7 +104,9 @@ fn richardson_needs_no_reference() {
     // One path of sexp against itself at half the step: the differences shrink by four.
     let y0 = [1.1f64.cos(), 0.0, 1.1f64.sin()];
     let ends = [6, 7, 8].map(|exponent| {
-        march(y0, exponent, |step, y| Sexp::default().step(&body(), step, &Noise::increments([0.0; 3]), y).z)
+        march(y0, exponent, |step, y| {
+            Sexp::default().step(&body(), step, &Noise::increments([0.0; 3]), y).z
+        })
     });
     let observed = (distance(ends[0], ends[1]) / distance(ends[1], ends[2])).log2();
     assert!((observed - 2.0).abs() < WINDOW, "{observed}");

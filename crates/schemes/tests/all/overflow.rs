@@ -53,7 +53,10 @@ fn overflow_in_the_second_half_is_a_failure() {
                 "{y}"
             );
             assert_eq!(block.path(7), alone.z);
-            assert_eq!(block.path(8), scheme.step(&Still, step, &Noise::increments([0.1]), [1e-20, 1e-20]).z);
+            assert_eq!(
+                block.path(8),
+                scheme.step(&Still, step, &Noise::increments([0.1]), [1e-20, 1e-20]).z
+            );
         }
     }
 }

@@ -156,7 +156,12 @@ fn undamped_midpoint<const D: usize>() {
     for_all(CASES, draws, |(system, method, noise, y0): (Several<D, 2>, _, Noise<2, 1>, _)| {
         let [dw] = noise.dw;
         let step = Step::new(UNDAMPED.damping().as_ref(), 0, noise.tau).unwrap();
-        let solution = Midpoint { solver: Solver::new(method) }.step(&system, &step, &Noise::increments(dw), y0);
+        let solution = Midpoint { solver: Solver::new(method) }.step(
+            &system,
+            &step,
+            &Noise::increments(dw),
+            y0,
+        );
         let transition = Transition { step, y0, y1: solution.z };
         let map = MidpointMap(SexpMap { system: &system, tau: step.tau, dw, before: y0 });
         let casimir = system.structure.base.casimir().unwrap();
