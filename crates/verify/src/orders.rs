@@ -4,7 +4,7 @@
 //! them on a ladder beside a reference, on the same noise, and an order is fitted to the errors at
 //! the final time, with its interval.
 
-use mc::{Clock, Ladder, LadderError, Observable, Run, Statistic, View};
+use mc::{Ladder, LadderError, Observable, Run, Statistic, TimeChange, View};
 use noise::{StreamKey, Truncation};
 use schemes::{Scheme, Sexp, SexpLevy};
 use stats::{Against, CrossMoments, Point, Rate, fit_strong, fit_weak, root_mean_squares};
@@ -38,12 +38,12 @@ pub enum ReferenceSolution<'a, S, const D: usize, const M: usize> {
     Exact(Exact<'a, D, M>),
 }
 
-/// An exact solution at the final time as a function of what a clock shows there.
+/// An exact solution at the final time, a function of a random time ([`TimeChange`]).
 #[derive(Clone, Copy)]
 pub struct Exact<'a, const D: usize, const M: usize> {
-    /// Carried along each path.
-    pub clock: &'a dyn Clock<M>,
-    /// y(T) as a function of the clock.
+    /// The random time, carried along each path.
+    pub time_change: &'a dyn TimeChange<M>,
+    /// y(T) as a function of the random time at T.
     pub solution: &'a (dyn Fn(f64) -> [f64; D] + Sync),
 }
 
@@ -74,7 +74,7 @@ where
     G: Damping,
 {
     let (sexp, levy) = (Sexp::default(), SexpLevy::new(&problem.system, problem.y0));
-    let reference: &dyn Scheme<S, D, M> = if scheme.needs_areas() { &levy } else { &sexp };
+    let reference: &dyn Scheme<S, D, M> = if scheme.reads_areas() { &levy } else { &sexp };
     strong_order_against(scheme, problem, sizes, ReferenceSolution::Scheme(reference))
 }
 
@@ -219,7 +219,7 @@ where
     let steps = sizes.coarsest_steps << top;
     let mut ladder = Ladder::new(problem, steps, top, sizes.truncation, sizes.key, runs)?;
     if let Some(exact) = exact {
-        ladder = ladder.with_clock(exact.clock);
+        ladder = ladder.with_time_change(exact.time_change);
     }
     let errors = || FinalErrors {
         error,
@@ -248,7 +248,7 @@ impl<const D: usize> Statistic<D> for FinalErrors<'_, D> {
         for p in view.live.paths() {
             let exact = match self.solution {
                 None => view.states[runs].path(p),
-                Some(solution) => solution(view.clock.0[0][p]),
+                Some(solution) => solution(view.random_time.0[0][p]),
             };
             let errors = view.states[..runs].iter().map(|y| (self.error)(y.path(p), exact));
             self.moments.add(&errors.collect::<Vec<_>>());
