@@ -17,6 +17,8 @@
 
 use std::sync::OnceLock;
 
+use rand_xoshiro::SplitMix64;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use real::{Kernel, dispatch};
 
 use crate::{BATCHES, CrossMoments};
@@ -141,14 +143,9 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 fn draws(batches: usize) -> Vec<u16> {
     let mut times = vec![0; RESAMPLES * batches];
     for (resample, times) in (0u64..).zip(times.chunks_exact_mut(batches)) {
-        let mut counter = resample << 32;
+        let mut words = SplitMix64::seed_from_u64(resample << 32);
         for _ in 0..batches {
-            counter = counter.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mut word = counter;
-            word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            word = (word ^ (word >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            word ^= word >> 31;
-            times[(((word >> 32) * batches as u64) >> 32) as usize] += 1;
+            times[(((words.next_u64() >> 32) * batches as u64) >> 32) as usize] += 1;
         }
     }
     times

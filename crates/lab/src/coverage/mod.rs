@@ -84,9 +84,10 @@ fn warns(rate: Option<&Rate>) -> bool {
     rate.is_some_and(|rate| rate.warning.is_some())
 }
 
-/// Whether there is a point of which this is true.
-fn at(point: Option<&Point>, check: impl Fn(&Point) -> bool) -> bool {
-    point.is_some_and(check)
+/// Whether the interval of a point covers the truth, whether value ± 1.96 se does, and whether the
+/// point has a warning.
+fn point_checks(point: Option<&Point>, truth: f64) -> [bool; 3] {
+    point.map_or([false; 3], |p| [p.covers(truth), p.normal_covers(truth), p.warns()])
 }
 
 /// Whether a normal interval that ignores something covers the order: heavy tails, terms of the

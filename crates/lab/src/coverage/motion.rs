@@ -6,7 +6,7 @@ use stats::Expected::{Calibrated, Miscovers, Silent, Stated};
 use stats::{CrossMoments, Terms, fit_strong, normal_covers, root_mean_squares, weak_errors};
 
 use super::geometric::Geometric;
-use super::{Tally, at, naive, rate_checks, warns};
+use super::{Tally, naive, point_checks, rate_checks, warns};
 
 pub(super) fn rows(tally: &mut Tally) {
     let euler =
@@ -20,8 +20,6 @@ pub(super) fn rows(tally: &mut Tally) {
 fn strong(tally: &mut Tally, case: &'static str, motion: Geometric, order: f64) {
     let taus = motion.taus();
     let finest = taus.len() - 1;
-    let [truth_coarse, truth_fine] =
-        [0, finest].map(|level| motion.mean_square(taus[level]).sqrt());
     tally.add(case, |key| {
         let mut squares = CrossMoments::new(taus.len());
         motion.for_each_path(key, |solutions, exact| {
@@ -30,36 +28,24 @@ fn strong(tally: &mut Tally, case: &'static str, motion: Geometric, order: f64) 
         });
         let rate = fit_strong(&taus, None, &squares);
         let points = root_mean_squares(&taus, &squares);
-        let (coarse, fine) = (points.first(), points.last());
+        let truth = |level: usize| motion.mean_square(taus[level]).sqrt();
+        let [coarse, coarse_normal, _] = point_checks(points.first(), truth(0));
+        let [fine, fine_normal, fine_warns] = point_checks(points.last(), truth(finest));
         // The mean of n squares of centred normals has the relative standard error √(2/n).
         let measured = squares.mean(finest).sqrt();
         let normal_se = 0.5 * measured * (2.0 / motion.paths as f64).sqrt();
+        let as_normal = normal_covers(measured, normal_se, truth(finest));
         let terms = Terms { reference: None, curvature: true };
+        let independent = naive(&taus, &squares, terms, true, order);
         let mut checks = rate_checks(rate.as_ref(), order, Calibrated);
         checks.extend([
-            (
-                "rate with levels taken for independent",
-                Miscovers,
-                naive(&taus, &squares, terms, true, order),
-            ),
-            ("strong point, coarsest", Calibrated, at(coarse, |point| point.covers(truth_coarse))),
-            (
-                "strong point, coarsest, value ± 1.96 se",
-                Stated,
-                at(coarse, |point| point.normal_covers(truth_coarse)),
-            ),
-            ("strong point, finest", Calibrated, at(fine, |point| point.covers(truth_fine))),
-            (
-                "strong point, finest, value ± 1.96 se",
-                Stated,
-                at(fine, |point| point.normal_covers(truth_fine)),
-            ),
-            (
-                "strong point, finest, as if errors were normal",
-                Miscovers,
-                normal_covers(measured, normal_se, truth_fine),
-            ),
-            ("warning at the finest point", Silent, at(fine, |point| point.warns())),
+            ("rate with levels taken for independent", Miscovers, independent),
+            ("strong point, coarsest", Calibrated, coarse),
+            ("strong point, coarsest, value ± 1.96 se", Stated, coarse_normal),
+            ("strong point, finest", Calibrated, fine),
+            ("strong point, finest, value ± 1.96 se", Stated, fine_normal),
+            ("strong point, finest, as if errors were normal", Miscovers, as_normal),
+            ("warning at the finest point", Silent, fine_warns),
             ("warning of the rate", Silent, warns(rate.as_ref())),
         ]);
         checks
@@ -88,23 +74,14 @@ fn weak(tally: &mut Tally) {
         let [before, finest] = [taus.len() - 2, taus.len() - 1];
         let value = differences[before].mean(0) + 2.0 * differences[finest].mean(0);
         let se = differences[before].covariance_of_means(0, 0).sqrt();
+        let [coarse_covers, ..] = point_checks(points.first(), truth(0));
+        let [fine_covers, ..] = point_checks(points.last(), truth(finest));
+        let without_tail = "weak point, finest but one, with the reference taken for exact";
         vec![
             ("weak rate", Calibrated, rate.as_ref().is_some_and(|rate| rate.covers(1.0))),
-            (
-                "weak point, coarsest",
-                Calibrated,
-                at(points.first(), |point| point.covers(truth(0))),
-            ),
-            (
-                "weak point, finest",
-                Calibrated,
-                at(points.last(), |point| point.covers(truth(finest))),
-            ),
-            (
-                "weak point, finest but one, with the reference taken for exact",
-                Miscovers,
-                normal_covers(value, se, truth(before)),
-            ),
+            ("weak point, coarsest", Calibrated, coarse_covers),
+            ("weak point, finest", Calibrated, fine_covers),
+            (without_tail, Miscovers, normal_covers(value, se, truth(before))),
             ("warning of the weak rate", Silent, warns(rate.as_ref())),
         ]
     });

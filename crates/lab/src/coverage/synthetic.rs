@@ -2,9 +2,9 @@
 
 use noise::{StreamKey, WienerPath};
 use stats::Expected::{Calibrated, Miscovers, Raised, Silent, Stated};
-use stats::{CrossMoments, Expected, Point, Rate, Terms, fit_strong, root_mean_squares};
+use stats::{CrossMoments, Expected, Rate, Terms, fit_strong, root_mean_squares};
 
-use super::{Check, Tally, at, naive, rate_checks, warns};
+use super::{Check, Tally, naive, point_checks, rate_checks, warns};
 
 /// Step sizes 2⁻⁵ … 2⁻¹².
 const TAUS: [f64; 8] = [
@@ -91,42 +91,31 @@ impl Synthetic {
         squares
     }
 
-    /// A data set with what is in use for it.
-    fn draw(&self, key: StreamKey) -> Drawn {
+    fn draw(&self, key: StreamKey) -> Data {
         let squares = self.squares(key);
         let rate = fit_strong(&TAUS, self.reference, &squares);
-        let coarsest = root_mean_squares(&TAUS[..1], &squares).into_iter().next();
-        Drawn { data: *self, squares, rate, coarsest }
+        let coarsest = root_mean_squares(&TAUS[..1], &squares);
+        let point = point_checks(coarsest.first(), self.coarsest());
+        Data { order: self.order, squares, rate, point }
     }
 }
 
-/// A data set, its order and its root-mean-square error at the coarsest step.
-struct Drawn {
-    data: Synthetic,
+/// A data set with the order that is fitted to it.
+struct Data {
+    order: f64,
     squares: CrossMoments,
     rate: Option<Rate>,
-    coarsest: Option<Point>,
+    /// Of the root-mean-square error at the coarsest step.
+    point: [bool; 3],
 }
 
-impl Drawn {
-    fn covers(&self) -> bool {
-        at(self.coarsest.as_ref(), |point| point.covers(self.data.coarsest()))
-    }
-
-    fn normal_covers(&self) -> bool {
-        at(self.coarsest.as_ref(), |point| point.normal_covers(self.data.coarsest()))
-    }
-
-    fn point_warns(&self) -> bool {
-        at(self.coarsest.as_ref(), Point::warns)
-    }
-
-    fn rate_warns(&self) -> bool {
+impl Data {
+    fn warns(&self) -> bool {
         warns(self.rate.as_ref())
     }
 
     fn naive(&self, terms: Terms, independent: bool) -> bool {
-        naive(&TAUS, &self.squares, terms, independent, self.data.order)
+        naive(&TAUS, &self.squares, terms, independent, self.order)
     }
 }
 
@@ -143,7 +132,7 @@ fn add(
     case: &'static str,
     data: Synthetic,
     expected: Expected,
-    others: fn(&Drawn) -> Vec<Check>,
+    others: fn(&Data) -> Vec<Check>,
 ) {
     tally.add(case, |key| {
         let drawn = data.draw(key);
@@ -157,25 +146,25 @@ pub(super) fn rows(tally: &mut Tally) {
     let half = Synthetic::new(0.5);
     let one = Synthetic::new(1.0);
 
-    let calm = |drawn: &Drawn| {
+    let calm = |drawn: &Data| {
         let independent = "rate of a straight line with levels taken for independent";
         vec![
-            (POINT, Calibrated, drawn.covers()),
-            (NORMAL_POINT, Calibrated, drawn.normal_covers()),
+            (POINT, Calibrated, drawn.point[0]),
+            (NORMAL_POINT, Calibrated, drawn.point[1]),
             (independent, Miscovers, drawn.naive(Terms::STRAIGHT, true)),
-            (POINT_WARNING, Silent, drawn.point_warns()),
-            (RATE_WARNING, Silent, drawn.rate_warns()),
+            (POINT_WARNING, Silent, drawn.point[2]),
+            (RATE_WARNING, Silent, drawn.warns()),
         ]
     };
     add(tally, "order ½", half, Calibrated, calm);
     let curved = Synthetic { curvature: 4.0, ..one };
     add(tally, "order 1, next order of the error 4τ", curved, Calibrated, calm);
 
-    let referred = |drawn: &Drawn| {
+    let referred = |drawn: &Data| {
         let forgotten = fit_strong(&TAUS, None, &drawn.squares);
         vec![
             ("rate with the reference forgotten", Miscovers, drawn.naive(CURVED, false)),
-            (RATE_WARNING, Silent, drawn.rate_warns()),
+            (RATE_WARNING, Silent, drawn.warns()),
             ("warning of the rate with the reference forgotten", Stated, warns(forgotten.as_ref())),
         ]
     };
@@ -189,8 +178,8 @@ pub(super) fn rows(tally: &mut Tally) {
         let uneven = Synthetic { uneven: 2.0, ..half };
         let same = "warning of the rate of the same data without";
         vec![
-            (RATE_WARNING, Raised, uneven.draw(key).rate_warns()),
-            (same, Silent, half.draw(key).rate_warns()),
+            (RATE_WARNING, Raised, uneven.draw(key).warns()),
+            (same, Silent, half.draw(key).warns()),
         ]
     });
 
@@ -201,8 +190,8 @@ pub(super) fn rows(tally: &mut Tally) {
         let all_levels = "rate with all levels, whatever their tails";
         vec![
             (all_levels, Miscovers, drawn.naive(CURVED, false)),
-            (POINT, Stated, drawn.covers()),
-            (NORMAL_POINT, Stated, drawn.normal_covers()),
+            (POINT, Stated, drawn.point[0]),
+            (NORMAL_POINT, Stated, drawn.point[1]),
         ]
     });
     let seldom = Outliers { levels: TAUS.len(), ..coarse };
@@ -214,9 +203,9 @@ pub(super) fn rows(tally: &mut Tally) {
     let case = "order 1, one path in 100 with 30 times the error at all steps";
     add(tally, case, hit(often), Stated, |drawn| {
         vec![
-            (POINT, Stated, drawn.covers()),
-            (POINT_WARNING, Raised, drawn.point_warns()),
-            (RATE_WARNING, Raised, drawn.rate_warns()),
+            (POINT, Stated, drawn.point[0]),
+            (POINT_WARNING, Raised, drawn.point[2]),
+            (RATE_WARNING, Raised, drawn.warns()),
         ]
     });
 }
