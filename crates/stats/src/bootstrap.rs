@@ -21,7 +21,7 @@ use rand_xoshiro::SplitMix64;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use real::{Kernel, dispatch};
 
-use crate::{BATCHES, CrossMoments};
+use crate::moments::{BATCHES, CrossMoments};
 
 /// Resamples; with 399 the quantiles of 2½ % and 97½ % are the 10th smallest and the 10th largest.
 const RESAMPLES: usize = 399;

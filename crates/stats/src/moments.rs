@@ -3,8 +3,6 @@
 //! Sums of squares lose digits only where the mean is many times the standard deviation; what is
 //! folded here are errors and differences, whose mean is of the size of their spread or below.
 
-use crate::least_squares::matrix;
-
 /// Mean and variance of one quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
@@ -163,13 +161,15 @@ impl CrossMoments {
     /// The covariance matrix of the sample means.
     #[must_use]
     pub fn covariances_of_means(&self) -> Vec<Vec<f64>> {
-        matrix(self.length(), |i, j| self.covariance_of_means(i, j))
+        let all = 0..self.length();
+        let row = |i| all.clone().map(|j| self.covariance_of_means(i, j)).collect();
+        all.clone().map(row).collect()
     }
 
-    /// Effective number of samples of component i, (Σx)²/Σx² (Kish, *Survey Sampling*, 1965): how many equal samples would
-    /// carry the sum of a positive quantity as evenly. All of them for a constant, a third for
-    /// squares of centred normals, about one when a single sample dominates. NaN without samples or
-    /// when all are zero.
+    /// Effective number of samples of component i, (Σx)²/Σx² (Kish, *Survey Sampling*, 1965): how
+    /// many equal samples would carry the sum of a positive quantity as evenly. All of them for a
+    /// constant, a third for squares of centred normals, about one when a single sample dominates.
+    /// NaN without samples or when all are zero.
     #[must_use]
     pub fn effective_samples(&self, i: usize) -> f64 {
         self.sum[i] * self.sum[i] / self.product(i, i)

@@ -4,9 +4,10 @@ use std::ops::RangeInclusive;
 
 use crate::describe::describe;
 use crate::least_squares::{Weighting, diagonal};
+use crate::moments::CrossMoments;
+use crate::point::Point;
 use crate::quantile::{CONFIDENCE, chi_square_p_value, two_sided};
 use crate::rate::{Against, Model, Rate};
-use crate::{CrossMoments, Point};
 
 /// Orders among which the weak order is looked for: 0 to 4, on a grid of 1/500.
 const ORDERS: RangeInclusive<u32> = 0..=4 * GRID;
