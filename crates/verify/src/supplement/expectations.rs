@@ -3,7 +3,9 @@
 
 use compiled::Compiled;
 use mc::Observable;
-use mc::multilevel::{Coupling, Estimate, Expectation, Settings, expectation, expectation_plain};
+use mc::multilevel::{
+    Coupling, Estimate, Expectation, ExpectationSettings, expectation, expectation_plain,
+};
 use schemes::Sexp;
 use systems::{Cosine, Problem, RigidBody};
 
@@ -29,10 +31,14 @@ fn body() -> Problem<RigidBody<3>, Cosine, 3> {
     valid(Problem::new(body, half_cosine(), rigid_body_start(), 1.0))
 }
 
-fn settings(context: &Context<'_>, part: u64) -> Settings {
-    let settings =
-        Settings::new(context.key(part), truncation(), COARSEST_STEPS, Coupling::Antithetic);
-    Settings { max_cost: 1 << 40, ..settings }
+fn settings(context: &Context<'_>, part: u64) -> ExpectationSettings {
+    let settings = ExpectationSettings::new(
+        context.key(part),
+        truncation(),
+        COARSEST_STEPS,
+        Coupling::Antithetic,
+    );
+    ExpectationSettings { max_cost: 1 << 40, ..settings }
 }
 
 /// The claims that the weak panels' twelve expectations, each to the half-width `accuracy`, agree
