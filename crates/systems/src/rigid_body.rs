@@ -152,8 +152,8 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
     }
 
     #[inline(always)]
-    fn invariant<R: Real>(&self, _index: usize, y: [R; 3]) -> R {
-        half_square(y)
+    fn invariant<R: Real>(&self, index: usize, y: [R; 3]) -> R {
+        if index == 0 { half_square(y) } else { R::constant(f64::NAN) }
     }
 }
 

@@ -1,9 +1,8 @@
-//! What can be wrong with recorded increments.
+//! Errors of recorded noise.
 
 use std::fmt;
 
-/// What can be wrong with recorded increments. Lines and columns are those of the table as a text,
-/// both counted from 1.
+/// Why noise is not a recording. Lines and columns are those of the table as a text, counted from 1.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RecordingError {

@@ -620,34 +620,32 @@ fn bad_requests_are_refused_and_name_the_value() {
         assert_eq!(std::mem::discriminant(&error), std::mem::discriminant(&plain), "{plain}");
         error
     };
-    for accuracy in [0.0, -1.0, f64::INFINITY, f64::NAN] {
-        let error = refuse(accuracy, &COS_Y3, good);
-        assert!(matches!(error, MultilevelError::Accuracy { .. }));
-        assert!(error.to_string().contains(&format!("got {accuracy}")), "{error}");
+    let setting = |accuracy: f64, settings: ExpectationSettings| {
+        let error = refuse(accuracy, &COS_Y3, settings);
+        let MultilevelError::Setting { name, value, .. } = error else { panic!("{error}") };
+        assert!(error.to_string().contains(&format!("got {value}")), "{error}");
+        (name, value)
+    };
+    for accuracy in [0.0, -1.0, f64::INFINITY] {
+        assert_eq!(setting(accuracy, good), ("accuracy", accuracy));
     }
+    assert!(setting(f64::NAN, good).1.is_nan());
     assert_eq!(refuse(0.1, &[], good), MultilevelError::NoObservable);
-    let experiment = 1 << 40;
-    let key = StreamKey { experiment, ..good.key };
-    assert_eq!(
-        refuse(0.1, &COS_Y3, ExpectationSettings { key, ..good }),
-        MultilevelError::Experiment { experiment }
-    );
-    for steps in [0, u64::MAX] {
-        let error = refuse(0.1, &COS_Y3, ExpectationSettings { coarsest_steps: steps, ..good });
-        assert_eq!(error, MultilevelError::CoarsestSteps { steps, at_most: 1 << 24 });
+    let key = StreamKey { experiment: 1 << 40, ..good.key };
+    let experiment = ExpectationSettings { key, ..good };
+    assert_eq!(setting(0.1, experiment), ("experiment number", 2f64.powi(40)));
+    for coarsest_steps in [0, u64::MAX] {
+        let settings = ExpectationSettings { coarsest_steps, ..good };
+        let name = "number of coarsest steps";
+        assert_eq!(setting(0.1, settings), (name, coarsest_steps as f64));
     }
-    let weak_order = -1.0;
-    assert_eq!(
-        refuse(0.1, &COS_Y3, ExpectationSettings { weak_order, ..good }),
-        MultilevelError::WeakOrder { weak_order }
-    );
-    assert_eq!(
-        refuse(0.1, &COS_Y3, ExpectationSettings { pilot: 127, ..good }),
-        MultilevelError::Pilot { pilot: 127, at_least: 128 }
-    );
+    let order = ExpectationSettings { weak_order: -1.0, ..good };
+    assert_eq!(setting(0.1, order), ("weak order", -1.0));
+    let pilot = ExpectationSettings { pilot: 127, ..good };
+    assert_eq!(setting(0.1, pilot), ("number of pilot paths", 127.0));
     for max_level in [0, 1, 25] {
-        let error = refuse(0.1, &COS_Y3, ExpectationSettings { max_level, ..good });
-        assert_eq!(error, MultilevelError::MaxLevel { max_level, at_least: 2, at_most: 24 });
+        let settings = ExpectationSettings { max_level, ..good };
+        assert_eq!(setting(0.1, settings), ("finest level", max_level as f64));
     }
     // One step on [0, 1] cannot be truncated.
     assert_eq!(
