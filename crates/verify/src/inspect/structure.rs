@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::algebra::{Matrix, largest, times};
-use super::erased::ErasedSystem;
+use super::erased::System;
 use super::finding::Finding;
 use super::points::{Points, Random};
 
@@ -22,7 +22,7 @@ pub struct Structure {
 }
 
 impl Structure {
-    pub(super) fn of(system: &dyn ErasedSystem, points: &Points) -> Self {
+    pub(super) fn of(system: &dyn System, points: &Points) -> Self {
         let mut found = Self::default();
         let d = system.dimension();
         let mut random = Random::new();

@@ -12,7 +12,7 @@ const ACCURATE: usize = 64;
 const SAMPLES: u32 = 256;
 
 /// Steps of the classical Runge–Kutta method, which is stable where Re λ ≤ 0 and |λ|h ≤ 2.6.
-pub(super) fn steps<G: Damping, const M: usize>(
+pub fn steps<G: Damping, const M: usize>(
     problem: &Problem<RigidBody<M>, G, 3>,
     degree: usize,
 ) -> u32 {
@@ -24,7 +24,7 @@ pub(super) fn steps<G: Damping, const M: usize>(
 
 /// The moments q = E[h_lm(u(T))], which solve q′ = L_tᵀq, q(0) = h(u₀), by the classical
 /// Runge–Kutta method.
-pub(super) fn moments<G: Damping, const M: usize>(
+pub fn moments<G: Damping, const M: usize>(
     problem: &Problem<RigidBody<M>, G, 3>,
     degree: usize,
     steps: u32,
