@@ -36,10 +36,10 @@ impl Structure {
             for i in 0..d {
                 for j in 0..=i {
                     found.skew.record(b[i][j] + b[j][i], size, y);
-                    for k in 0..j {
-                        let defect = jacobiator(&b, &derivatives, [i, j, k]);
-                        found.jacobi.record(defect, size * slope * d as f64, y);
-                    }
+                }
+                for (j, k) in (0..i).flat_map(|j| (0..j).map(move |k| (j, k))) {
+                    let defect = jacobiator(&b, &derivatives, [i, j, k]);
+                    found.jacobi.record(defect, size * slope * d as f64, y);
                 }
             }
         }

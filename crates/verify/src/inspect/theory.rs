@@ -131,17 +131,17 @@ pub fn theorems(
     let theorems = [
         (
             "exact-conformal",
-            "homogeneous Casimirs, and with one noise the energy, obey exp(−p∫γ)",
+            "homogeneous Casimirs (one noise: and the energy) obey exp(−p∫γ)",
             conformal,
         ),
         (
             "conformal-casimir",
-            "sexp keeps linear and quadratic Casimirs on their law at any step size",
+            "sexp keeps linear and quadratic Casimirs on their law for any τ",
             casimir,
         ),
         (
             "energy-balance",
-            "sexp keeps the energy of a one-noise system on its law at any step size",
+            "sexp keeps the energy of a one-noise system on its law for any τ",
             energy,
         ),
         ("moment-bound", "all paths stay in a known ball", bounded),
