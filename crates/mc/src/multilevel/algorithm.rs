@@ -16,6 +16,9 @@ const PILOT_LEVEL: usize = 2;
 /// A level that is added later begins with at least this part of a pilot.
 const LATER_PILOT: u64 = 4;
 
+/// Paths of a block.
+const BLOCK: u64 = WIDTH as u64;
+
 /// Draws samples of a level.
 type Draw<'a> = dyn Fn(&Samples, u64) -> Result<Round, LadderError> + 'a;
 
@@ -69,11 +72,10 @@ impl<'a> Sampler<'a> {
                 break None;
             } else if at_end {
                 let wanted = self.bias_samples(&levels[1..], 0.5 * budget);
-                let wanted = [&[0], wanted.as_slice()].concat();
-                if !resolvable || enough(&levels, &wanted) {
+                if !resolvable || enough(&levels[1..], &wanted) {
                     break Some(Warning::LevelLimit { level: last });
                 }
-                self.sample_up_to(&mut levels, &wanted)?
+                self.sample_up_to(&mut levels[1..], &wanted)?
             } else {
                 let mut next = plan::costs_and_variances(&levels);
                 next.push(plan::next_level(&levels));
@@ -179,13 +181,8 @@ impl<'a> Sampler<'a> {
                 return Ok(Some(Warning::LevelLimit { level: last }));
             } else {
                 let pilot = self.settings.pilot;
-                let reserve = pilot * self.settings.steps(last + 1);
-                let reserve = std::mem::replace(&mut self.reserve, reserve);
-                let complete = self.add_level(differences, pilot)?;
-                if differences.len() == last {
-                    self.reserve = reserve;
-                }
-                complete
+                self.reserve = pilot * self.settings.steps(last + 1);
+                self.add_level(differences, pilot)?
             };
             if !complete {
                 return Ok(Some(self.cost_limit()));
@@ -244,7 +241,7 @@ impl<'a> Sampler<'a> {
         for (level, mut paths) in levels.iter_mut().zip(more) {
             if cost > budget {
                 // Whole blocks, rounded down.
-                paths = (u128::from(paths) * budget / cost) as u64 / WIDTH as u64 * WIDTH as u64;
+                paths = (u128::from(paths) * budget / cost) as u64 / BLOCK * BLOCK;
             }
             if paths > 0 {
                 self.sample(level, paths)?;
@@ -265,12 +262,11 @@ impl<'a> Sampler<'a> {
             let first = round.first_failure;
             return Err(MultilevelError::NoPaths { level: number, failed, first });
         }
-        for (observable, values) in self.names.iter().zip(&level.values) {
-            if !values.sample.variance().is_finite() {
-                return Err(MultilevelError::NotFinite { observable, level: number });
-            }
+        let mut values = self.names.iter().zip(&level.values);
+        match values.find(|(_, values)| !values.sample.variance().is_finite()) {
+            Some((observable, _)) => Err(MultilevelError::NotFinite { observable, level: number }),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// The result, with the warnings that are not about limits.
@@ -318,11 +314,9 @@ fn enough(levels: &[Samples], wanted: &[u64]) -> bool {
 /// How many paths to add: whole blocks, and none or at least a 32nd of those there are, so that the
 /// rounds are few.
 fn additional(level: &Samples, wanted: u64) -> u64 {
-    match wanted.saturating_sub(level.count()) {
-        0 => 0,
-        missing => {
-            let blocks = missing.max(level.count() / 32).div_ceil(WIDTH as u64);
-            blocks.saturating_mul(WIDTH as u64)
-        }
+    let missing = wanted.saturating_sub(level.count());
+    if missing == 0 {
+        return 0;
     }
+    missing.max(level.count() / 32).div_ceil(BLOCK).saturating_mul(BLOCK)
 }

@@ -86,10 +86,9 @@ pub fn better_coarsest_steps(levels: &[Samples], settings: &ExpectationSettings)
         if m > 0 {
             // Single paths on level m are the coarse paths of the level above it.
             let coarse = levels[m + 1].values.iter().map(|values| values.coarse.variance());
-            planned[0] = (settings.steps(m), coarse.collect());
+            planned[0] = (settings.steps(m) as f64, coarse.collect());
         }
-        let root =
-            |k: usize| planned.iter().map(|(cost, v)| (v[k] * *cost as f64).sqrt()).sum::<f64>();
+        let root = |k: usize| planned.iter().map(|(cost, v)| (v[k] * cost).sqrt()).sum::<f64>();
         let values = levels[0].values.iter().enumerate().filter(|(_, values)| values.varies());
         values.map(|(k, _)| root(k) * root(k)).fold(0.0, f64::max)
     };

@@ -98,14 +98,13 @@ pub fn variance_of_sum(levels: &[Samples], k: usize) -> f64 {
 /// Samples of each level with which every test function k reaches the half-width `half_widths[k]`
 /// at the least cost for it alone: N_l = (1.96/half-width)²·√(V_l/C_l)·Σ_j √(V_jC_j) (Giles 2008),
 /// and the largest over k.
-pub fn samples(levels: &[(u64, Vec<f64>)], half_widths: &[f64]) -> Vec<u64> {
+pub fn samples(levels: &[(f64, Vec<f64>)], half_widths: &[f64]) -> Vec<u64> {
     let mut wanted = vec![0; levels.len()];
     for (k, half_width) in half_widths.iter().enumerate() {
         let quotient = QUANTILE / half_width;
-        let sum: f64 =
-            levels.iter().map(|(cost, variances)| (variances[k] * *cost as f64).sqrt()).sum();
+        let sum: f64 = levels.iter().map(|(cost, variances)| (variances[k] * cost).sqrt()).sum();
         for (wanted, (cost, variances)) in wanted.iter_mut().zip(levels) {
-            let n = quotient * quotient * (variances[k] / *cost as f64).sqrt() * sum;
+            let n = quotient * quotient * (variances[k] / cost).sqrt() * sum;
             *wanted = n.ceil().max(*wanted as f64) as u64;
         }
     }
@@ -113,21 +112,21 @@ pub fn samples(levels: &[(u64, Vec<f64>)], half_widths: &[f64]) -> Vec<u64> {
 }
 
 /// Costs and variances of levels.
-pub fn costs_and_variances(levels: &[Samples]) -> Vec<(u64, Vec<f64>)> {
+pub fn costs_and_variances(levels: &[Samples]) -> Vec<(f64, Vec<f64>)> {
     let variances =
         |samples: &Samples| samples.values.iter().map(|values| values.sample.variance()).collect();
-    levels.iter().map(|samples| (samples.cost_per_path, variances(samples))).collect()
+    levels.iter().map(|samples| (samples.cost_per_path as f64, variances(samples))).collect()
 }
 
 /// Expected cost and variances of the next level: twice the cost, and variances that fall by the
 /// last ratio, if that is from one to four.
-pub fn next_level(levels: &[Samples]) -> (u64, Vec<f64>) {
+pub fn next_level(levels: &[Samples]) -> (f64, Vec<f64>) {
     let [.., before, last] = levels else { unreachable!("there are at least three levels") };
     let fall = |(before, last): (&Values, &Values)| {
         let (v0, v1) = (before.sample.variance(), last.sample.variance());
         if v0 > 0.0 { v1 * (v1 / v0).clamp(0.25, 1.0) } else { v1 }
     };
-    (2 * last.cost_per_path, before.values.iter().zip(&last.values).map(fall).collect())
+    (2.0 * last.cost_per_path as f64, before.values.iter().zip(&last.values).map(fall).collect())
 }
 
 /// How fast the means of the differences fall.
@@ -219,11 +218,11 @@ mod tests {
 
     #[test]
     fn samples_reach_the_half_width_at_least_cost() {
-        let levels = [(4, vec![1.0, 1e-6]), (20, vec![0.04, 1e-6]), (40, vec![0.01, 1e-6])];
+        let levels = [(4.0, vec![1.0, 1e-6]), (20.0, vec![0.04, 1e-6]), (40.0, vec![0.01, 1e-6])];
         let half_widths = [0.01, 0.01];
         let wanted = samples(&levels, &half_widths);
         let variance = |n: &[f64]| levels.iter().zip(n).map(|((_, v), n)| v[0] / n).sum::<f64>();
-        let cost = |n: &[f64]| levels.iter().zip(n).map(|((c, _), n)| *c as f64 * n).sum::<f64>();
+        let cost = |n: &[f64]| levels.iter().zip(n).map(|((c, _), n)| c * n).sum::<f64>();
         let best: Vec<f64> = wanted.iter().map(|&n| n as f64).collect();
         let reached = QUANTILE * variance(&best).sqrt();
         assert!(reached <= 0.01 && reached > 0.01 * (1.0 - 1e-3));
