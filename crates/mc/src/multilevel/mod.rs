@@ -3,8 +3,8 @@
 //! E[φ(y_L)] = E[φ(y_0)] + Σ_{l=1}^{L} E[φ(y_l) − φ(y_{l−1})], where y_l takes 2^l times the steps
 //! of y_0. Each term is a mean over paths of its own. The two paths of a difference share their
 //! noise, so that few are needed where steps are many (Giles, *Oper. Res.* 56, 2008). With the
-//! [`Coupling`] that suits the scheme the variance of a difference falls like τ², and the cost of an
-//! accuracy ε is of order ε⁻²; that of single paths is ε⁻³ for weak order one.
+//! [`Coupling`] that suits the scheme the variance of a difference falls like τ², and the cost of
+//! an accuracy ε is of order ε⁻²; that of single paths is ε⁻³ for weak order one.
 //!
 //! **Accuracy.** The half-width of the 95 % interval of each test function: 1.96 standard errors
 //! plus a bound on the bias. The bias gets at most a quarter of ε (half on the finest level
@@ -14,8 +14,8 @@
 //!
 //! **Algorithm.** A pilot on levels 0, 1 and 2; then rounds of samples until every level has the
 //! number that is optimal for the variances observed so far; then, while the bound on the bias is
-//! too large, one more level. Decisions depend on samples and counted path-steps only, so the result
-//! is the same bits for any number of threads.
+//! too large, one more level. Decisions depend on samples and counted path-steps only, so the
+//! result is the same bits for any number of threads.
 //!
 //! **Stopping.** Each round of each level has its own family of streams
 //! ([`ExpectationSettings::key`]), and all samples count, those of the pilot too. Since a level
@@ -23,8 +23,8 @@
 //! That is at most √(κ/N) of its standard error, where κ is the kurtosis: below a tenth with κ = 10
 //! and a thousand samples, and less for the sum.
 //!
-//! **Checks.** Failed paths, kurtosis, the decay of variances and means, and whether the coarse mean
-//! of a level agrees with the fine mean below it; see [`Warning`]. The last check detects
+//! **Checks.** Failed paths, kurtosis, the decay of variances and means, and whether the coarse
+//! mean of a level agrees with the fine mean below it; see [`Warning`]. The last check detects
 //! differences above some standard errors of φ itself on that level, which is far more than the
 //! accuracy.
 //!
@@ -103,8 +103,8 @@ pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
 /// E[φ(y(T))] of every φ to the half-width `accuracy` by single paths on one level.
 ///
 /// The level is the first on which the bias is bounded by a quarter of the accuracy. The bias is
-/// bounded as in [`expectation`], from coupled differences. They are sampled until they show it, and
-/// count in the cost.
+/// bounded as in [`expectation`], from coupled differences. They are sampled until they show it,
+/// and count in the cost.
 ///
 /// # Errors
 /// As [`expectation`].

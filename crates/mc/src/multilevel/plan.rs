@@ -177,8 +177,8 @@ fn decay(points: &[(usize, f64, f64)]) -> Option<Rate> {
     Some(Rate { value: -slope, lower: -slope - half_width, upper: -slope + half_width })
 }
 
-/// The estimate of test function number k from the levels that add up to it and the differences that
-/// show its bias.
+/// The estimate of test function number k from the levels that add up to it and the differences
+/// that show its bias.
 pub fn estimate(
     name: &'static str,
     terms: &[Samples],

@@ -39,11 +39,11 @@ pub struct Estimate {
     pub value: f64,
     /// Standard error of the estimate, without bias.
     pub standard_error: f64,
-    /// Estimate of E[φ(y(T))] − E[φ(y_τ)] at the finest step: d/(2^α − 1) from the last difference d.
-    /// It is not added to the estimate.
+    /// Estimate of E[φ(y(T))] − E[φ(y_τ)] at the finest step: d/(2^α − 1) from the last difference
+    /// d. It is not added to the estimate.
     pub bias: f64,
-    /// Bound on its absolute value: the largest (|d_l| + 1.96 standard errors)·2^{−α(L−l)}/(2^α − 1) of the
-    /// last three levels l.
+    /// Bound on its absolute value: the largest of
+    /// (|d_l| + 1.96 standard errors)·2^{−α(L−l)}/(2^α − 1) over the last three levels l.
     pub bias_bound: f64,
     /// Observed α in E[φ(y_τ)] − E[φ(y_{2τ})] ∝ τ^α, from the differences that exceed four standard
     /// errors; `None` with fewer than two of them.
@@ -198,7 +198,8 @@ impl fmt::Display for Warning {
             ),
             Self::WeakOrder { observable, alpha, assumed } => write!(
                 f,
-                "{observable}: differences fall with exponent {}, the weak order given is {assumed}",
+                "{observable}: differences fall with exponent {}, \
+                 the weak order given is {assumed}",
                 rate(alpha)
             ),
             Self::Inconsistent { observable, level, deviation } => write!(

@@ -4,17 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::error::RecordingError;
-use super::{Recording, pairs};
-
-/// Relative tolerance for equal step sizes, which may be written with ten digits or computed as
-/// differences of times.
-pub(crate) const TIME_AGREEMENT: f64 = 1e-9;
-
-/// `A12`; `A3_12` where numbers may have two digits.
-pub(super) fn area_name(m: usize, l: usize, noises: usize) -> String {
-    let separator = if noises < 10 { "" } else { "_" };
-    format!("A{m}{separator}{l}")
-}
+use super::{Recording, TIME_AGREEMENT, area_name, pairs};
 
 /// `tau`, `dW1` … `dWM`, and with areas `A12`, `A13` … in the order of rows.
 fn header(noises: usize, with_areas: bool) -> Vec<String> {
@@ -35,8 +25,8 @@ fn check_columns(line: usize, found: usize, expected: usize) -> Result<(), Recor
 impl<const M: usize> FromStr for Recording<M> {
     type Err = RecordingError;
 
-    /// Reads the table that [`Recording`] describes. Ignores blanks around numbers, a `#` before the
-    /// header, a byte-order mark and empty lines at the end.
+    /// Reads the table that [`Recording`] describes. Ignores blanks around numbers, a `#` before
+    /// the header, a byte-order mark and empty lines at the end.
     fn from_str(text: &str) -> Result<Self, RecordingError> {
         let text = text.trim_start_matches('\u{feff}').trim_end();
         let mut lines = text.lines();

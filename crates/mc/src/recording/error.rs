@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Why noise is not a recording. Lines and columns are those of the table as a text, counted from 1.
+/// Why noise is not a recording. Lines and columns are those of the table, counted from 1.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RecordingError {
@@ -94,13 +94,14 @@ impl fmt::Display for RecordingError {
             Self::UnequalSteps { line, tau, first } => {
                 write!(
                     f,
-                    "line {line}, column tau: all steps must have the size of the first, {first}, got {tau}"
+                    "line {line}, column tau: all steps must have the size of the first, \
+                     {first}, got {tau}"
                 )
             }
             Self::AreaRows { found, expected } => {
                 write!(
                     f,
-                    "there must be one matrix of areas for each of the {expected} steps, got {found}"
+                    "there must be one matrix of areas for each of {expected} steps, got {found}"
                 )
             }
         }

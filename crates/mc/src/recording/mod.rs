@@ -9,7 +9,6 @@ use noise::StreamKey;
 use crate::LadderError;
 use crate::follow::{Drawn, NoiseSource, StepNoise};
 
-pub(crate) use csv::TIME_AGREEMENT;
 pub use error::RecordingError;
 
 /// The noise of one path: for each step of one size τ the M increments ΔW and, if known, the Lévy
@@ -37,6 +36,16 @@ pub struct Recording<const M: usize> {
     tau: f64,
     increments: Vec<[f64; M]>,
     areas: Option<Vec<[[f64; M]; M]>>,
+}
+
+/// Relative tolerance for equal step sizes, which may be written with ten digits or computed as
+/// differences of times.
+pub(crate) const TIME_AGREEMENT: f64 = 1e-9;
+
+/// `A12`; `A3_12` where numbers may have two digits.
+fn area_name(m: usize, l: usize, noises: usize) -> String {
+    let separator = if noises < 10 { "" } else { "_" };
+    format!("A{m}{separator}{l}")
 }
 
 /// The (m, l) with m < l, row by row.
@@ -83,7 +92,7 @@ impl<const M: usize> Recording<M> {
             for (m, l) in pairs(M) {
                 let value = area[m][l];
                 if !value.is_finite() {
-                    let column = csv::area_name(m + 1, l + 1, M);
+                    let column = area_name(m + 1, l + 1, M);
                     return Err(RecordingError::NotFinite { line, column, value });
                 }
                 area[l][m] = -value;

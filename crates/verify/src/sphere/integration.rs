@@ -1,10 +1,20 @@
 //! The moments of u at the final time.
 
+use real::elementary::exp;
 use systems::{Damping, Problem, RigidBody};
 
 use super::generator::{Generator, norm_bound};
 use super::harmonics::harmonics;
-use super::{norm, radius};
+
+/// |y|.
+pub fn norm(y: [f64; 3]) -> f64 {
+    (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]).sqrt()
+}
+
+/// r(t) = |y₀|e^{−Γ(t)}.
+pub fn radius<S, G: Damping>(problem: &Problem<S, G, 3>, t: f64) -> f64 {
+    norm(problem.y0) * exp(-problem.damping.integral(0.0, t))
+}
 
 /// Least degree for which [`steps`] is accurate and not only stable.
 const ACCURATE: usize = 64;
