@@ -2,7 +2,9 @@
 //! equation, and what an accuracy costs.
 
 use mc::Observable;
-use mc::multilevel::{Coupling, Estimate, Expectation, Settings, expectation, expectation_plain};
+use mc::multilevel::{
+    Coupling, Estimate, Expectation, ExpectationSettings, expectation, expectation_plain,
+};
 use schemes::Sexp;
 use stats::Point;
 use systems::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid};
@@ -28,10 +30,14 @@ fn body() -> Problem<RigidBody<3>, Cosine, 3> {
     valid(Problem::new(body, half_cosine(), rigid_body_start(), 1.0))
 }
 
-fn settings(context: &Context<'_>, part: u64) -> Settings {
-    let settings =
-        Settings::new(context.key(part), truncation(), COARSEST_STEPS, Coupling::Antithetic);
-    Settings { max_cost: 1 << 40, ..settings }
+fn settings(context: &Context<'_>, part: u64) -> ExpectationSettings {
+    let settings = ExpectationSettings::new(
+        context.key(part),
+        truncation(),
+        COARSEST_STEPS,
+        Coupling::Antithetic,
+    );
+    ExpectationSettings { max_cost: 1 << 40, ..settings }
 }
 
 /// The claims that the weak panels' twelve expectations, each to the half-width `accuracy`, agree

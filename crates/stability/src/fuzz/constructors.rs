@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use mc::multilevel::{Coupling, Settings, expectation};
+use mc::multilevel::{Coupling, ExpectationSettings, expectation};
 use mc::{Ladder, Observable, Run, trajectory};
 use noise::{AreaMethod, StreamKey, Truncation};
 use schemes::{EulerMaruyama, Step};
@@ -242,7 +242,8 @@ fn drivers(bits: &mut Bits) -> Result<Report, String> {
             Ok(report(&ladder))
         }
         _ => {
-            let mut settings = Settings::new(key, truncation, bits.below(8), Coupling::Plain);
+            let mut settings =
+                ExpectationSettings::new(key, truncation, bits.below(8), Coupling::Plain);
             settings.weak_order = if bits.below(2) == 0 { 1.0 } else { bits.number() };
             settings.pilot = if bits.below(2) == 0 { 128 } else { bits.word() };
             settings.max_level = bits.below(30) as usize;
