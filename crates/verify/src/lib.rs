@@ -38,11 +38,6 @@ pub use sphere::rigid_body_expectations;
 pub use statement::{DEVIATIONS, Statement, Twin, claim, decide, worse};
 pub use verdict::{ORDER_MARGIN, bound_verdict, order_verdict};
 
-/// The example of the README, compiled and run with the other examples.
-#[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;
-
 /// The snippets of the guide that stand alone.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/guide.md")]
