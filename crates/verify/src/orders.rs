@@ -17,7 +17,7 @@ pub struct StepSizes {
     pub coarsest_steps: u64,
     /// Step sizes, each half of the one before.
     pub levels: usize,
-    /// The reference's steps are 2^refinement times finer than the finest of the study. With 0, a
+    /// The reference's steps are 2^refinement times finer than the finest of these. With 0, a
     /// scheme has no error against itself at the finest step, and no order can be named.
     pub refinement: u32,
     /// Paths.
