@@ -25,7 +25,7 @@ pub fn page(results: &Stability) -> Result<Page> {
             && let Some(figure) = curves::stiff(results)
         {
             let what = "The factor of a step over γτ, and the distance from the law over ω";
-            page.figure("stability-stiff.svg", what, figure.svg()?);
+            page.figure("stability-stiff.svg", what, figure.svg());
         }
     }
     if !results.growth.is_empty() {
@@ -172,7 +172,7 @@ fn growth(page: &mut Page, growth: &[Growth]) -> Result<()> {
     page.heading(2, LONG);
     page.paragraph(GROWTH);
     let what = "Root mean square of the distance over the number of steps";
-    page.figure("stability-growth.svg", what, curves::growth(growth).svg()?);
+    page.figure("stability-growth.svg", what, curves::growth(growth).svg());
     let rows = growth.iter().filter_map(|run| {
         let end = run.points.last()?;
         Some([

@@ -96,7 +96,7 @@ fn section(page: &mut Page, case: &Case) -> Result<()> {
         failures(strong.failed, &strong.failures)
     ));
     let what = "Strong error against processor time and steps";
-    page.figure(&file("strong"), what, strong_figure(case).svg()?);
+    page.figure(&file("strong"), what, strong_figure(case).svg());
     page.paragraph(words::strong(case));
     page.paragraph("Microseconds of a path for a strong error, the cheapest in bold:");
     let curves = strong.series.iter().map(strong_costs).collect();
@@ -111,7 +111,7 @@ fn section(page: &mut Page, case: &Case) -> Result<()> {
         failures(weak.failed, &weak.failures)
     ));
     let what = "Accuracy of an expectation against processor time";
-    page.figure(&file("weak"), what, weak_figure(case).svg()?);
+    page.figure(&file("weak"), what, weak_figure(case).svg());
     for observable in &weak.observables {
         page.paragraph(format!(
             "{} Seconds of an estimate of a given root-mean-square error:",

@@ -1,7 +1,5 @@
 //! The box of a plot: its axes, marks and titles, and the clipping of what leaves it.
 
-use std::io::Result;
-
 use super::axis::Axis;
 use super::canvas::{Align, Canvas, FAINT, INK};
 use super::stroke::{Position, Stroke};
@@ -65,14 +63,14 @@ impl Frame {
     }
 
     /// Draws the part of a line that lies in the box; a point that is not finite interrupts it.
-    pub fn polyline(&self, canvas: &mut Canvas, points: &[Position], stroke: Stroke) -> Result<()> {
+    pub fn polyline(&self, canvas: &mut Canvas, points: &[Position], stroke: Stroke) {
         let mut run: Vec<Position> = Vec::new();
         for pair in points.windows(2) {
             let Some((a, b)) = self.clip(pair[0], pair[1]) else {
                 continue;
             };
             if run.last() != Some(&a) {
-                canvas.polyline(&run, stroke)?;
+                canvas.polyline(&run, stroke);
                 run = vec![a];
             }
             run.push(b);
@@ -82,13 +80,7 @@ impl Frame {
 
     /// Draws grid, marks and border. A plot that stands on another one goes without the labels
     /// below.
-    pub fn draw(
-        &self,
-        canvas: &mut Canvas,
-        x: &Ticks,
-        y: &Ticks,
-        labels_below: bool,
-    ) -> Result<()> {
+    pub fn draw(&self, canvas: &mut Canvas, x: &Ticks, y: &Ticks, labels_below: bool) {
         const MAJOR: f64 = 3.5;
         const MINOR: f64 = 2.0;
         // Digits are taller than the letters by whose height text is centred.
@@ -101,41 +93,40 @@ impl Frame {
         };
         let (columns, rows) = (labels(x, self.x), labels(y, self.y));
         for (column, _) in &columns {
-            canvas.polyline(&[(*column, top), (*column, bottom)], grid)?;
+            canvas.polyline(&[(*column, top), (*column, bottom)], grid);
         }
         for (row, _) in &rows {
-            canvas.polyline(&[(left, *row), (right, *row)], grid)?;
+            canvas.polyline(&[(left, *row), (right, *row)], grid);
         }
         let marks = |major: &[(f64, Label)], minor: &[f64], axis: Axis| -> Vec<(f64, f64)> {
             let major = major.iter().map(|(at, _)| (*at, MAJOR));
             major.chain(minor.iter().map(|v| (axis.position(*v), MINOR))).collect()
         };
         for (column, mark) in marks(&columns, &x.minor, self.x) {
-            canvas.polyline(&[(column, bottom), (column, bottom - mark)], ink)?;
+            canvas.polyline(&[(column, bottom), (column, bottom - mark)], ink);
         }
         for (row, mark) in marks(&rows, &y.minor, self.y) {
-            canvas.polyline(&[(left, row), (left + mark, row)], ink)?;
+            canvas.polyline(&[(left, row), (left + mark, row)], ink);
         }
-        canvas.rectangle((left, top), (right, bottom), ink)?;
+        canvas.rectangle((left, top), (right, bottom), ink);
         for (row, label) in &rows {
-            canvas.label(label, (left - 4.0, row + DIGIT_SHIFT), TICK_SIZE, Align::Right)?;
+            canvas.label(label, (left - 4.0, row + DIGIT_SHIFT), TICK_SIZE, Align::Right);
         }
         if labels_below {
             for (column, label) in &columns {
-                canvas.label(label, (*column, bottom + 9.5), TICK_SIZE, Align::Middle)?;
+                canvas.label(label, (*column, bottom + 9.5), TICK_SIZE, Align::Middle);
             }
             if let Some(factor) = &x.factor {
-                canvas.label(factor, (right, bottom + 23.5), TICK_SIZE, Align::Right)?;
+                canvas.label(factor, (right, bottom + 23.5), TICK_SIZE, Align::Right);
             }
         }
-        match &y.factor {
-            Some(factor) => canvas.label(factor, (left - 4.0, top - 11.0), TICK_SIZE, Align::Right),
-            None => Ok(()),
+        if let Some(factor) = &y.factor {
+            canvas.label(factor, (left - 4.0, top - 11.0), TICK_SIZE, Align::Right);
         }
     }
 
     /// Writes words into the middle of the box.
-    pub fn say(&self, canvas: &mut Canvas, words: &str) -> Result<()> {
+    pub fn say(&self, canvas: &mut Canvas, words: &str) {
         let middle = |axis: Axis| 0.5 * (axis.start + axis.end);
         canvas.label(
             &Label::words(words),
@@ -146,13 +137,13 @@ impl Frame {
     }
 
     /// Writes the title of the horizontal axis below the labels.
-    pub fn title_below(&self, canvas: &mut Canvas, title: &str) -> Result<()> {
+    pub fn title_below(&self, canvas: &mut Canvas, title: &str) {
         let at = (0.5 * (self.x.start + self.x.end), self.y.start + 23.5);
         canvas.label(&Label::words(title), at, TITLE_SIZE, Align::Middle)
     }
 
     /// Writes the title of the vertical axis at the left edge of the page.
-    pub fn title_left(&self, canvas: &mut Canvas, title: &str) -> Result<()> {
+    pub fn title_left(&self, canvas: &mut Canvas, title: &str) {
         let at = (7.5, 0.5 * (self.y.start + self.y.end));
         canvas.upward_text(title, at, TITLE_SIZE)
     }

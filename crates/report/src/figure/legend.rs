@@ -1,7 +1,5 @@
 //! The legend: rows above the plot, where no curve can reach it.
 
-use std::io::Result;
-
 use super::canvas::{Align, Canvas};
 use super::look::Look;
 use super::stroke::Stroke;
@@ -71,7 +69,7 @@ impl Legend {
     }
 
     /// Draws the rows from `top` down, starting at `left`.
-    pub fn draw(&self, canvas: &mut Canvas, left: f64, top: f64) -> Result<()> {
+    pub fn draw(&self, canvas: &mut Canvas, left: f64, top: f64) {
         for (n, row) in self.rows.iter().enumerate() {
             let y = top + ROW * (n as f64 + 0.5);
             let mut x = left;
@@ -80,17 +78,16 @@ impl Legend {
                 let middle = (0.5 * (x + end), y);
                 match *sample {
                     Sample::Curve(look) => {
-                        canvas.polyline(&[(x, y), (end, y)], look.line(1.2))?;
-                        canvas.marker(middle, look, look.radius(2.8), look.hollow())?;
+                        canvas.polyline(&[(x, y), (end, y)], look.line(1.2));
+                        canvas.marker(middle, look, look.radius(2.8), look.hollow());
                     }
-                    Sample::Line(stroke) => canvas.polyline(&[(x, y), (end, y)], stroke)?,
-                    Sample::Point { look, hollow } => canvas.marker(middle, look, 2.8, hollow)?,
+                    Sample::Line(stroke) => canvas.polyline(&[(x, y), (end, y)], stroke),
+                    Sample::Point { look, hollow } => canvas.marker(middle, look, 2.8, hollow),
                 }
-                canvas.label(label, (end + 4.0, y), SIZE, Align::Left)?;
+                canvas.label(label, (end + 4.0, y), SIZE, Align::Left);
                 x += entry_width(*sample, label);
             }
         }
-        Ok(())
     }
 }
 
