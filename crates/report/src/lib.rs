@@ -9,8 +9,7 @@
 //! use report::figure::{Curve, Figure, Measured, Plot, Spacing, Style};
 //!
 //! // Errors against the processor time that they cost.
-//! let point = |cost: f64| Measured { x: cost, x_hi: 1.1 * cost, y: 1.0 / cost, interval: None };
-//! let points = [1.0, 10.0, 100.0].map(point).to_vec();
+//! let points = [1.0, 10.0, 100.0].map(|cost| Measured::new(cost, 1.0 / cost));
 //! let figure = Figure {
 //!     title: "Error against cost".into(),
 //!     y_title: "error".into(),
@@ -20,7 +19,7 @@
 //!         x_title: "processor time, s".into(),
 //!         spacing: Spacing::Decades,
 //!         lines: Vec::new(),
-//!         curves: vec![Curve { name: "heun".into(), note: String::new(), points }],
+//!         curves: vec![Curve::new("heun", points)],
 //!     }],
 //! };
 //! let svg = figure.svg();

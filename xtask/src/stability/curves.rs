@@ -2,7 +2,7 @@
 
 use report::distinct;
 use report::figure::{Curve, Figure, Line, Measured, Plot, Spacing, Style};
-use stability::results::{Case, Growth, Stability};
+use stability::results::{Case, Growth, Row, Stability};
 
 /// The long runs that the figure shows: as many as can be told apart.
 const SHOWN: [&str; 5] = [
@@ -34,11 +34,8 @@ fn plot(case: &Case, x_title: &str, (lo, hi): (f64, f64)) -> Plot {
     let schemes = distinct(case.rows.iter().map(|row| row.scheme.as_str()));
     let curve = |scheme: &str| {
         let rows = case.rows.iter().filter(|row| row.scheme == scheme);
-        let points = rows.filter_map(|row| {
-            let value = row.measured.unwrap_or(hi).clamp(lo, hi);
-            Some(point(row.x?, value))
-        });
-        Curve { name: scheme.to_owned(), note: String::new(), points: points.collect() }
+        let value = |row: &Row| row.measured.unwrap_or(hi).clamp(lo, hi);
+        Curve::new(scheme, rows.filter_map(|row| Some(Measured::new(row.x?, value(row)))))
     };
     // `sexp` with Newton's method cannot be told from `sexp`.
     let curves = schemes.into_iter().filter(|scheme| *scheme != "sexp-newton").map(curve);
@@ -52,10 +49,9 @@ fn plot(case: &Case, x_title: &str, (lo, hi): (f64, f64)) -> Plot {
 
 /// The root mean square of the distance over the number of steps, with a random walk and a bias.
 pub fn growth(runs: &[Growth]) -> Figure {
-    let curve = |run: &Growth| Curve {
-        name: run.id.clone(),
-        note: String::new(),
-        points: run.points.iter().map(|end| point(end.steps as f64, end.rms)).collect(),
+    let curve = |run: &Growth| {
+        let points = run.points.iter();
+        Curve::new(&run.id, points.map(|end| Measured::new(end.steps as f64, end.rms)))
     };
     let line = |name: &str, power, covered| Line {
         name: name.to_owned(),
@@ -76,8 +72,4 @@ pub fn growth(runs: &[Growth]) -> Figure {
             curves: shown.map(curve).collect(),
         }],
     }
-}
-
-fn point(x: f64, y: f64) -> Measured {
-    Measured { x, x_hi: x, y, interval: None }
 }

@@ -1,6 +1,6 @@
 //! Curves of error against cost, for figures and for comparisons.
 
-use precision::results::{Case, StrongSeries, WeakObservable, WeakSeries};
+use precision::results::{Case, StrongPoint, StrongSeries, WeakObservable, WeakSeries};
 use report::figure::{Curve, Figure, Measured, Plot, Spacing, Style};
 
 /// Seconds to microseconds.
@@ -18,25 +18,22 @@ pub fn weak_costs(series: &WeakSeries) -> Vec<(f64, f64)> {
 
 /// Strong errors against the time and against the steps of a path.
 pub fn strong_figure(case: &Case) -> Figure {
-    let curves = |steps: bool| {
-        let curve = |series: &StrongSeries| {
-            let points = series.points.iter().map(|point| {
-                let times = (MICRO * point.time.min_s, MICRO * point.time.median_s);
-                let (x, x_hi) =
-                    if steps { (point.steps as f64, point.steps as f64) } else { times };
-                Measured { x, x_hi, y: point.error, interval: point.lo.zip(point.hi) }
-            });
-            named(&series.scheme, points)
+    let curves = |cost: fn(&StrongPoint) -> (f64, f64)| {
+        let point = |point: &StrongPoint| {
+            let (x, x_hi) = cost(point);
+            Measured { x, x_hi, y: point.error, interval: point.lo.zip(point.hi) }
         };
+        let curve = |s: &StrongSeries| Curve::new(&s.scheme, s.points.iter().map(point));
         case.strong.series.iter().map(curve).collect()
     };
-    let time = "processor time of a path, μs".to_owned();
+    let time = curves(|point| (MICRO * point.time.min_s, MICRO * point.time.median_s));
+    let steps = curves(|point| (point.steps as f64, point.steps as f64));
     figure(
         format!("{}: strong error against cost", case.title),
         "RMS error of y(T)",
         vec![
-            plot(time, Spacing::Decades, curves(false)),
-            plot("steps of a path".to_owned(), Spacing::Doublings, curves(true)),
+            plot("processor time of a path, μs".to_owned(), Spacing::Decades, time),
+            plot("steps of a path".to_owned(), Spacing::Doublings, steps),
         ],
     )
 }
@@ -45,8 +42,8 @@ pub fn strong_figure(case: &Case) -> Figure {
 pub fn weak_figure(case: &Case) -> Figure {
     let of = |observable: &WeakObservable| {
         let curve = |series: &WeakSeries| {
-            let point = |(y, x)| Measured { x, x_hi: x, y, interval: None };
-            named(&series.scheme, weak_costs(series).into_iter().map(point))
+            let points = weak_costs(series).into_iter();
+            Curve::new(&series.scheme, points.map(|(error, cost)| Measured::new(cost, error)))
         };
         let title = format!("processor time of an estimate of E[{}], s", observable.name);
         plot(title, Spacing::Decades, observable.series.iter().map(curve).collect())
@@ -56,10 +53,6 @@ pub fn weak_figure(case: &Case) -> Figure {
         "RMS error of the estimate",
         case.weak.observables.iter().map(of).collect(),
     )
-}
-
-fn named(scheme: &str, points: impl Iterator<Item = Measured>) -> Curve {
-    Curve { name: scheme.to_owned(), note: String::new(), points: points.collect() }
 }
 
 fn plot(x_title: String, spacing: Spacing, curves: Vec<Curve>) -> Plot {

@@ -88,6 +88,12 @@ pub const BELOW: f64 = 33.0;
 const MARKER_RADIUS: f64 = 3.0;
 
 impl Measured {
+    /// A point without intervals.
+    #[must_use]
+    pub fn new(x: f64, y: f64) -> Self {
+        Self { x, x_hi: x, y, interval: None }
+    }
+
     fn is_drawn(&self) -> bool {
         self.x > 0.0 && self.x.is_finite() && self.y.is_finite()
     }
@@ -112,6 +118,11 @@ impl Measured {
 }
 
 impl Curve {
+    /// A curve with nothing but its name in the legend.
+    pub fn new(name: &str, points: impl IntoIterator<Item = Measured>) -> Self {
+        Self { name: name.to_owned(), note: String::new(), points: points.into_iter().collect() }
+    }
+
     pub(super) fn drawn(&self) -> impl Iterator<Item = &Measured> {
         self.points.iter().filter(|point| point.is_drawn())
     }

@@ -84,11 +84,9 @@ fn measured(point: &Point) -> Option<Measured> {
             let normal = (value - QUANTILE * se.abs(), value + QUANTILE * se.abs());
             let ends = lo.zip(hi).filter(|(lo, hi)| *lo >= 0.0 && hi.is_finite());
             let interval = (se.is_finite() && se != 0.0).then_some(ends.unwrap_or(normal));
-            Some(Measured { x: tau, x_hi: tau, y: value, interval })
+            Some(Measured { interval, ..Measured::new(tau, value) })
         }
-        Point::Cost { accuracy, path_steps } => {
-            Some(Measured { x: accuracy, x_hi: accuracy, y: path_steps as f64, interval: None })
-        }
+        Point::Cost { accuracy, path_steps } => Some(Measured::new(accuracy, path_steps as f64)),
         Point::Value { .. } => None,
     }
 }
