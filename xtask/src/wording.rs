@@ -14,98 +14,58 @@ pub const WORDING: Wording<'static> = Wording {
     statements: &STATEMENTS,
 };
 
-/// What the paper proves, by id, and what it reports without a proof, by id and scheme.
-const STATEMENTS: [(&str, &str, &str); 20] = [
+/// What the paper proves, by id.
+const STATEMENTS: [(&str, &str); 11] = [
     (
         "strong-one",
-        "",
         "With one noise sexp converges strongly with order 1: sup over n of (E‖y_n − y(t_n)‖²)^½ \
          ≤ C τ for k ≥ 2.",
     ),
     (
         "strong-half",
-        "",
         "With several noises sexp converges strongly with order ½: sup over n of (E‖y_n − \
          y(t_n)‖²)^½ ≤ C τ^½ for k ≥ 1.",
     ),
     (
         "weak-one",
-        "",
         "sexp converges weakly with order 1: |E φ(y_N) − E φ(y(T))| ≤ C τ for smooth test \
          functions φ and k ≥ 2.",
     ),
     (
         "conformal-casimir",
-        "",
         "sexp keeps the conformal law C(y_n) = exp(−p ∫γ) C(y₀) of quadratic and linear Casimirs \
          C at every step, for any τ.",
     ),
     (
         "energy-balance",
-        "",
         "With one noise sexp keeps the conformal law H(y_n) = exp(−p ∫γ) H(y₀) of a homogeneous \
          energy H at every step, for any τ.",
     ),
     (
         "truncation-moments",
-        "",
         "Truncated increments ΔŴ stay close to ΔW: 0 ≤ E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^(k+1), and \
          ‖ΔW − ΔŴ‖ in L^p ≤ C τ^((1+k)/2).",
     ),
     (
         "solvability",
-        "",
         "The step has a unique solution once the contraction constant C(k, τ) is below 1.",
     ),
     (
         "exact-conformal",
-        "",
         "The exact flow obeys the conformal law of homogeneous Casimirs and energies.",
     ),
     (
         "moment-bound",
-        "",
         "The numerical solution is bounded almost surely: ‖y_n‖ ≤ (F(y₀)/m(F))^(1/p) exp ∫|γ| \
          for F = C or H with m(F) > 0.",
     ),
     (
         "local-exact",
-        "",
         "One step of the exact flow has a Taylor remainder R with (E‖R‖²)^½ ≤ C τ^(3/2) and ‖E \
          R‖ ≤ C τ².",
     ),
     (
         "local-sexp",
-        "",
         "One step of sexp has a Taylor remainder R with (E‖R‖²)^½ ≤ C τ^(3/2) and ‖E R‖ ≤ C τ².",
-    ),
-    ("strong-one", "em", "Euler–Maruyama has strong order ½, with one noise as well."),
-    ("strong-one", "midpoint", "With one noise midpoint has the strong order of sexp, 1."),
-    (
-        "strong-one",
-        "sexp",
-        "sexp has strong order 1 with one noise even where the theorems do not apply.",
-    ),
-    ("strong-half", "em", "Euler–Maruyama has strong order ½ with several noises."),
-    ("strong-half", "midpoint", "With several noises midpoint has the strong order of sexp, ½."),
-    (
-        "conformal-casimir",
-        "em",
-        "The Casimir visibly leaves its conformal law along a path of Euler–Maruyama.",
-    ),
-    (
-        "conformal-casimir",
-        "midpoint",
-        "The Casimir is close to its conformal law, but not on it, along a path of midpoint.",
-    ),
-    (
-        "energy-balance",
-        "em",
-        "The energy visibly leaves its conformal law along a path of Euler–Maruyama.",
-    ),
-    (
-        "energy-balance",
-        "midpoint",
-        "The energy is close to its conformal law, but not on it, along a path of midpoint.",
     ),
 ];

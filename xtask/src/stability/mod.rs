@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use clap::Args;
-use report::{files, provenance};
+use report::{Page, files, provenance};
 use stability::results::{Provenance, SCHEMA, Stability as Results};
 use stability::{Effort, Settings};
 
@@ -51,9 +51,11 @@ pub fn run(arguments: &Stability) -> Result<ExitCode> {
     let mut results = measure(arguments);
     results.provenance = provenance::complete(results.provenance, "cargo xtask", start);
     files::write_json(&arguments.out.join("stability.json"), &results)?;
-    let page = page::page(&results)?;
+    let page = page::page(&results);
     pages().try_for_each(|file| page.write(file))?;
-    print!("{}", page::summary(&results));
+    let mut summary = Page::new("Stability");
+    page::summary(&mut summary, &results);
+    print!("{}", summary.text());
     println!("{:.0} s; page: {}", results.provenance.wall_s, first.display());
     Ok(if results.refuted() == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

@@ -1,8 +1,5 @@
 //! `docs/stability.md`, made from the results.
 
-use std::fmt::Write;
-use std::io::Result;
-
 use report::provenance::generated_by;
 use report::{Page, anchor, distinct, number};
 use stability::results::{Case, Fuzzed, Growth, Row, Stability, Verdict};
@@ -10,14 +7,16 @@ use stability::results::{Case, Fuzzed, Growth, Row, Stability, Verdict};
 use super::curves;
 
 /// The whole page.
-pub fn page(results: &Stability) -> Result<Page> {
+pub fn page(results: &Stability) -> Page {
     let mut page = Page::new("Stability");
     page.paragraph(format!(
-        "How the schemes behave where numerical codes break. {} The same seed gives the same bits.",
+        "How the schemes behave where numerical codes break. {} The same seed gives the same bits. \
+         The fields of `stability.json` are in [results.md](results.md#stabilityjson).",
         generated_by(&results.provenance)
     ));
     page.paragraph(METHOD);
-    summary_table(&mut page, results);
+    page.heading(2, "Summary");
+    summary(&mut page, results);
     for case in &results.cases {
         section(&mut page, case);
         // The figure stands with the first of its two cases.
@@ -29,91 +28,55 @@ pub fn page(results: &Stability) -> Result<Page> {
         }
     }
     if !results.growth.is_empty() {
-        growth(&mut page, &results.growth)?;
+        growth(&mut page, &results.growth);
     }
     if !results.fuzz.is_empty() {
         fuzz(&mut page, &results.fuzz);
     }
-    page.heading(2, "stability.json");
-    page.paragraph(FIELDS);
-    Ok(page)
+    page
 }
 
-/// The verdicts in the order of the columns.
-const VERDICTS: [Verdict; 4] =
-    [Verdict::Holds, Verdict::FailsAsItMust, Verdict::Observed, Verdict::Refuted];
+/// The verdicts in the order of the columns of the summary, in words.
+const VERDICTS: [(Verdict, &str); 4] = [
+    (Verdict::Holds, "holds"),
+    (Verdict::FailsAsItMust, "fails as predicted"),
+    (Verdict::Observed, "observed"),
+    (Verdict::Refuted, "**REFUTED**"),
+];
 
 fn words(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Holds => "holds",
-        Verdict::FailsAsItMust => "fails as predicted",
-        Verdict::Observed => "observed",
-        Verdict::Refuted => "**REFUTED**",
-    }
+    VERDICTS.iter().find(|(kind, _)| *kind == verdict).map_or("", |(_, words)| words)
 }
 
-fn counts<'a>(verdicts: impl Iterator<Item = &'a Verdict> + Clone) -> [usize; 4] {
-    VERDICTS.map(|kind| verdicts.clone().filter(|verdict| **verdict == kind).count())
-}
-
-/// Title and counts of every case, and of the long runs.
-fn all_counts(results: &Stability) -> Vec<(&str, [usize; 4])> {
-    let case = |case: &'_ Case| counts(case.rows.iter().map(|row| &row.verdict));
-    let mut all: Vec<(&str, [usize; 4])> =
-        results.cases.iter().map(|c| (c.title.as_str(), case(c))).collect();
-    if !results.growth.is_empty() {
-        all.push((LONG, counts(results.growth.iter().map(|run| &run.verdict))));
+/// The counts of every case, and what was refuted.
+pub fn summary(page: &mut Page, results: &Stability) {
+    let row = |title: &str, verdicts: Vec<Verdict>| {
+        let count = |kind| verdicts.iter().filter(|verdict| **verdict == kind).count();
+        let link = format!("[{title}](#{})", anchor(title));
+        std::iter::once(link).chain(VERDICTS.map(|(kind, _)| count(kind).to_string()))
+    };
+    let case = |case: &Case| row(&case.title, case.rows.iter().map(|row| row.verdict).collect());
+    let runs = || results.growth.iter();
+    let long = runs().next().map(|_| row(LONG, runs().map(|run| run.verdict).collect()));
+    let head = std::iter::once("case").chain(VERDICTS.map(|(_, words)| words));
+    page.table(head, results.cases.iter().map(case).chain(long));
+    if !results.fuzz.is_empty() {
+        let (link, (inputs, failures)) = (anchor(FUZZ), total(&results.fuzz));
+        page.paragraph(format!("[{FUZZ}](#{link}): {inputs} inputs, {failures} failures."));
     }
-    all
+    let refuted = |case: &Case| -> Vec<String> {
+        let rows = case.rows.iter().filter(|row| row.verdict == Verdict::Refuted);
+        rows.map(|row| format!("{} {} {}: {}", case.id, row.setting, row.scheme, cell(row)))
+            .collect()
+    };
+    let runs = runs().filter(|run| run.verdict == Verdict::Refuted);
+    let runs = runs.map(|run| format!("{}: {} {}", run.id, exponent(run), words(run.verdict)));
+    page.list(results.cases.iter().flat_map(refuted).chain(runs));
 }
 
 /// Inputs and failures of all fuzzed targets.
 fn total(fuzz: &[Fuzzed]) -> (u64, u64) {
     (fuzz.iter().map(|f| f.inputs).sum(), fuzz.iter().map(|f| f.failures).sum())
-}
-
-/// A few lines for the terminal.
-pub fn summary(results: &Stability) -> String {
-    let mut text = String::new();
-    for (title, [holds, fails, observed, refuted]) in all_counts(results) {
-        // Writing into a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{title:<50} {holds:>3} hold, {fails:>3} fail as predicted, {observed:>3} observed, \
-             {refuted:>3} REFUTED"
-        );
-    }
-    for case in &results.cases {
-        for row in case.rows.iter().filter(|row| row.verdict == Verdict::Refuted) {
-            let _ =
-                writeln!(text, "REFUTED {} {} {}: {}", case.id, row.setting, row.scheme, cell(row));
-        }
-    }
-    for run in results.growth.iter().filter(|run| run.verdict == Verdict::Refuted) {
-        let _ = writeln!(text, "REFUTED {}: {}", run.id, exponent(run));
-    }
-    for fuzzed in &results.fuzz {
-        let Fuzzed { target, inputs, failures, examples, .. } = fuzzed;
-        let _ = writeln!(text, "{target:<50} {inputs} inputs, {failures} failures");
-        for example in examples {
-            let _ = writeln!(text, "  {example}");
-        }
-    }
-    text
-}
-
-fn summary_table(page: &mut Page, results: &Stability) {
-    page.heading(2, "Summary");
-    let rows = all_counts(results).into_iter().map(|(title, counts)| {
-        let link = format!("[{title}](#{})", anchor(title));
-        std::iter::once(link).chain(counts.map(|count| count.to_string()))
-    });
-    page.table(["case", "hold", "fail as predicted", "observed", "refuted"], rows);
-    if !results.fuzz.is_empty() {
-        let (inputs, failures) = total(&results.fuzz);
-        let link = anchor(FUZZ);
-        page.paragraph(format!("[{FUZZ}](#{link}): {inputs} inputs, {failures} failures."));
-    }
 }
 
 const LONG: &str = "Long times";
@@ -127,29 +90,20 @@ fn section(page: &mut Page, case: &Case) {
     page.paragraph(format!("Shown: {}.", case.quantity));
     let schemes = distinct(case.rows.iter().map(|row| row.scheme.as_str()));
     let settings = distinct(case.rows.iter().map(|row| row.setting.as_str()));
-    let bound = |row: &Row| row.bound.filter(|_| row.verdict == Verdict::Holds);
-    let exact = case.rows.iter().any(|row| row.exact.is_some());
-    let bounded = case.rows.iter().any(|row| bound(row).is_some());
-    let mut head = vec![case.varied.clone()];
-    head.extend(exact.then(|| "exact".to_owned()));
-    head.extend(bounded.then(|| "bound".to_owned()));
-    head.extend(schemes.iter().map(|scheme| format!("`{scheme}`")));
     let rows = settings.into_iter().map(|setting| {
         let rows = || case.rows.iter().filter(move |row| row.setting == setting);
-        let mut cells = vec![setting.to_owned()];
-        if exact {
-            let values = distinct(rows().filter_map(|row| row.exact).map(number));
-            cells.push(values.join("; "));
-        }
-        if bounded {
-            let largest = rows().filter_map(bound).reduce(f64::max);
-            cells.push(largest.map_or(String::new(), number));
-        }
+        let exact = distinct(rows().filter_map(|row| row.exact).map(number)).join("; ");
+        let held = rows().filter(|row| row.verdict == Verdict::Holds);
+        let bound = held.filter_map(|row| row.bound).reduce(f64::max);
         let of = |scheme: &&str| rows().find(|row| row.scheme == *scheme);
-        cells.extend(schemes.iter().map(|scheme| of(scheme).map_or(String::new(), cell)));
-        cells
+        let cells = schemes.iter().map(|scheme| of(scheme).map_or(String::new(), cell));
+        [setting.to_owned(), exact, bound.map_or(String::new(), number)]
+            .into_iter()
+            .chain(cells)
+            .collect::<Vec<String>>()
     });
-    page.table(head, rows);
+    let first = [case.varied.clone(), "exact".to_owned(), "bound".to_owned()];
+    page.table(first.into_iter().chain(schemes.iter().map(|scheme| format!("`{scheme}`"))), rows);
 }
 
 fn cell(row: &Row) -> String {
@@ -168,7 +122,7 @@ fn exponent(run: &Growth) -> String {
     format!("{:.3} [{:.3}, {:.3}]", run.exponent, run.lo, run.hi)
 }
 
-fn growth(page: &mut Page, growth: &[Growth]) -> Result<()> {
+fn growth(page: &mut Page, growth: &[Growth]) {
     page.heading(2, LONG);
     page.paragraph(GROWTH);
     let what = "Root mean square of the distance over the number of steps";
@@ -201,7 +155,6 @@ fn growth(page: &mut Page, growth: &[Growth]) -> Result<()> {
     }
     let setup = |run: &Growth| format!("`{}`: {} {} paths.", run.id, run.setup, run.paths);
     page.list(growth.iter().map(setup));
-    Ok(())
 }
 
 fn fuzz(page: &mut Page, fuzz: &[Fuzzed]) {
@@ -262,10 +215,3 @@ Numbers are arbitrary bit patterns: NaN, infinities, subnormals, zeros of both s
 smallest numbers, ordinary ones, and pairs that are an ulp apart. Every input must be refused with a
 typed error or accepted. What is accepted must give finite results, and a solve must stay below its
 bound on iterations. A panic, a NaN in a result or a solve that does not end is a failure.";
-
-const FIELDS: &str = "\
-`cases`: one entry for each family, with its words and `rows`: `setting` (and `x`, where it is a
-number), `scheme`, `measured`, `exact`, `bound`, `error` and `verdict` (`holds`, `fails-as-it-must`,
-`observed` or `refuted`); a missing number is not finite or not defined. `growth`: `points` with
-`steps`, `rms`, `mean`, `max`; `exponent` with `lo` and `hi`. `fuzz`: counts for each target.
-`schema` is raised whenever a reader of an older version would misread a newer one.";

@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use clap::Args;
-use report::{Bars, files, provenance};
+use report::{Bars, Page, files, provenance};
 use verify::{Mode, Settings};
 
 /// Arguments of `cargo xtask work-precision`.
@@ -48,11 +48,11 @@ pub fn run(arguments: &WorkPrecision) -> Result<ExitCode> {
     measured.provenance.threads = rayon::current_num_threads();
     measured.provenance = provenance::complete(measured.provenance, "cargo xtask", start);
     files::write_json(&arguments.out.join("work-precision.json"), &measured)?;
-    let page = page::page(&measured)?;
+    let page = page::page(&measured);
     pages().try_for_each(|file| page.write(file))?;
-    for case in &measured.cases {
-        println!("{}", words::conclusion(case));
-    }
+    let mut conclusions = Page::new("Conclusions");
+    page::conclusions(&mut conclusions, &measured.cases);
+    println!("{}", conclusions.text());
     println!("{:.0} s; page: {}", measured.provenance.wall_s, first.display());
     Ok(ExitCode::SUCCESS)
 }

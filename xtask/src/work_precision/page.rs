@@ -1,7 +1,5 @@
 //! `docs/work-precision.md`, made from the measurements.
 
-use std::io::Result;
-
 use precision::cost_at;
 use precision::results::{Case, Measurements, StrongSeries, WeakObservable};
 use report::provenance::generated_by;
@@ -11,79 +9,66 @@ use super::curves::{strong_costs, strong_figure, weak_costs, weak_figure};
 use super::words::{self, cheapest, strong_series, targets};
 
 /// The whole page.
-pub fn page(measured: &Measurements) -> Result<Page> {
+pub fn page(measured: &Measurements) -> Page {
     let mut page = Page::new("Work and precision");
     page.paragraph(format!(
         "Which scheme is cheapest for which error? {} All numbers and all sentences with one are \
-         made from the measurements; times hold for that machine.",
+         made from the measurements; times hold for that machine. The fields of \
+         `work-precision.json` are in [results.md](results.md#work-precisionjson).",
         generated_by(&measured.provenance)
     ));
     page.paragraph(METHOD);
     page.paragraph(format!("Times are: {}.", measured.clock));
     page.heading(2, "Conclusions");
-    let cases = || measured.cases.iter();
-    page.list(cases().map(|case| format!("**{}.** {}", case.title, words::strong(case))));
-    for (case, text) in cases().filter_map(|case| Some((case, words::areas(case)?))) {
-        page.paragraph(format!("**Are Lévy areas worth their price?** {}: {text}", case.title));
-    }
+    conclusions(&mut page, &measured.cases);
     page.heading(3, "What being conformal costs");
     page.paragraph(WORTH);
-    page.table(
-        [
-            "case",
-            "strong error",
-            "cheapest explicit",
-            "`sexp` costs",
-            "Casimir",
-            "explicit defect",
-            "`sexp` defect",
-        ],
-        cases().filter_map(worth),
-    );
+    let head = ["case", "strong error", "cheapest explicit", "`sexp` costs", "Casimir"];
+    let defects = ["explicit defect", "`sexp` defect"];
+    page.table(head.iter().chain(&defects), measured.cases.iter().filter_map(worth));
     for case in &measured.cases {
-        section(&mut page, case)?;
+        section(&mut page, case);
     }
-    page.heading(2, "`work-precision.json`");
-    page.paragraph(FIELDS);
-    page.table(["field", "meaning"], MEASUREMENTS);
-    page.paragraph(CASE);
-    page.table(["point of", "fields"], POINTS);
-    page.paragraph(COSTS);
-    Ok(page)
+    page
+}
+
+/// What the strong errors say, and whether Lévy areas pay.
+pub fn conclusions(page: &mut Page, cases: &[Case]) {
+    page.list(cases.iter().map(|case| format!("**{}.** {}", case.title, words::strong(case))));
+    for (case, text) in cases.iter().filter_map(|case| Some((case, words::areas(case)?))) {
+        page.paragraph(format!("**Are Lévy areas worth their price?** {}: {text}", case.title));
+    }
 }
 
 /// `sexp` beside the cheapest explicit scheme at one error; none where the two reach no common one.
 fn worth(case: &Case) -> Option<[String; 7]> {
     let sexp = strong_series(case, "sexp")?;
+    let of = |id: &str| strong_series(case, id).map(|series| (series, strong_costs(series)));
+    let (explicit, curves): (Vec<&StrongSeries>, Vec<_>) =
+        ["heun", "em"].into_iter().filter_map(of).unzip();
     let own = strong_costs(sexp);
-    let explicit: Vec<(&StrongSeries, Vec<(f64, f64)>)> = ["heun", "em"]
-        .iter()
-        .filter_map(|id| strong_series(case, id))
-        .map(|series| (series, strong_costs(series)))
-        .collect();
-    let curves: Vec<_> = explicit.iter().map(|(_, curve)| curve.clone()).collect();
-    let common = targets(&curves).into_iter().rev();
-    let (error, own) = common.filter_map(|error| Some((error, cost_at(&own, error)?))).next()?;
-    let costs = explicit.iter().filter_map(|(s, curve)| Some((*s, cost_at(curve, error)?)));
+    let mut errors = targets(&curves).into_iter().rev();
+    let (error, own) = errors.find_map(|error| Some((error, cost_at(&own, error)?)))?;
+    let costs = explicit.iter().zip(&curves).filter_map(|(s, c)| Some((*s, cost_at(c, error)?)));
     let (best, cost) = costs.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let casimir = case.invariants.iter().position(|name| name == "C");
     let defect = |series: &StrongSeries| {
-        let point = series.points.iter().find(|point| point.error <= error);
-        let defect = point.zip(casimir).and_then(|(point, index)| point.defects.get(index));
-        defect.map_or("–".to_owned(), |defect| number(*defect))
+        let point = series.points.iter().find(|point| point.error <= error)?;
+        Some(number(*point.defects.get(casimir?)?))
     };
+    let [explicit, conformal] = [best, sexp].map(|s| defect(s).unwrap_or_else(|| "–".to_owned()));
     Some([
         case.title.clone(),
         number(error),
         format!("`{}`", best.scheme),
         format!("{} ×", number(own / cost)),
         casimir.map_or("none", |_| "C").to_owned(),
-        defect(best),
-        defect(sexp),
+        explicit,
+        conformal,
     ])
 }
 
-fn section(page: &mut Page, case: &Case) -> Result<()> {
+fn section(page: &mut Page, case: &Case) {
     let (strong, weak) = (&case.strong, &case.weak);
     let file = |kind: &str| format!("work-precision-{}-{kind}.svg", case.id);
     page.heading(2, &case.title);
@@ -119,7 +104,6 @@ fn section(page: &mut Page, case: &Case) -> Result<()> {
         ));
         costs(page, case, "accuracy", observable.series.iter().map(weak_costs).collect());
     }
-    Ok(())
 }
 
 fn failures(failed: u64, failures: &[String]) -> String {
@@ -224,36 +208,3 @@ At the smallest of the errors 10^(−k/2) that `sexp` and an explicit scheme bot
 explicit scheme, the cost of `sexp` in multiples of it, and the distance of both from the conformal
 law of the Casimir (root mean square of F(y_N)/(e^(−p∫γ)F(y₀)) − 1, at the measured number of steps
 next above).";
-
-const FIELDS: &str = "\
-The Rust types are in `crates/precision/src/results.rs`. `schema` is raised whenever a reader of an
-older version would misread a newer one. Everything but `provenance`, `time` and the `costs` that
-follow from it is the same for the same seed and mode.";
-
-const MEASUREMENTS: [[&str; 2]; 3] = [
-    ["`schema`, `provenance`", "as in [`results.json`](results.md)"],
-    ["`clock`", "what the times are"],
-    ["`cases`", "the problems"],
-];
-
-const CASE: &str = "\
-A **case** has `id`, `title`, `setup`, `invariants` (names), `strong` and `weak`. `strong` and `weak`
-have `samples`, `failed` (paths left out of everything), `failures` (the first few in words) and
-`reference`; `strong` has `series` of `scheme` and `points`, `weak` has `observables` of `name`,
-`exact` (where E φ(y(T)) is known without sampling), `reference_mean`, `reference_se` and `series` of
-`scheme`, `points` and `costs`.";
-
-const POINTS: [[&str; 2]; 2] = [
-    [
-        "`strong`",
-        "`steps` of a path, `tau`, `error`, `se`, `lo` and `hi` (bootstrap-t interval of 95 %), \
-         `error_exact_areas` and `area_terms` (of `sexp-levy`), `defects` (root mean square of \
-         F(y_N)/(e^(−p∫γ)F(y₀)) − 1 for each invariant), `time`",
-    ],
-    ["`weak`", "`steps`, `tau`, `bias`, `se`, `standard_deviation` (of φ(y_N)), `time`"],
-];
-
-const COSTS: &str = "\
-The **costs** of a weak series are those of the accuracies 10^(−k/4): `accuracy`, `steps` (the
-cheapest for it), `paths`, `cost_s`. A **time** is that of one path in seconds: `min_s`, `median_s`
-and `max_s` over `repetitions`, each over `paths` paths.";

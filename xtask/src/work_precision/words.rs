@@ -114,14 +114,6 @@ pub fn areas(case: &Case) -> Option<String> {
     ))
 }
 
-/// All conclusions of a case in one paragraph, for the terminal.
-pub fn conclusion(case: &Case) -> String {
-    let mut parts = vec![format!("{}: {}", case.id, strong(case))];
-    parts.extend(areas(case));
-    parts.extend(case.weak.observables.iter().map(weak));
-    parts.join(" ")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
