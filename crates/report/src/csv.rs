@@ -3,8 +3,6 @@
 //! Every number is written with the shortest digits that read back as the same `f64`; what is not
 //! finite appears as `inf`, `-inf` or `NaN`.
 
-use std::fmt::Write;
-
 use verify::results::{Kind, Panel, Point};
 
 use crate::panel::relative_defect;
@@ -30,26 +28,23 @@ pub fn csv(panel: &Panel) -> String {
         Kind::Invariant => VALUE_COLUMNS,
         Kind::Cost => COST_COLUMNS,
     };
+    let row = |point: &Point| match (panel.kind, point) {
+        (Kind::Strong | Kind::Weak, Point::Error { tau, value, se, lo, hi, .. }) => {
+            Some(format!("{tau:e},{value:e},{se:e},{},{}", optional(*lo), optional(*hi)))
+        }
+        (Kind::Invariant, Point::Value { t, value, exact }) => {
+            Some(format!("{t:e},{value:e},{exact:e},{:e}", relative_defect(*value, *exact)))
+        }
+        (Kind::Cost, Point::Cost { accuracy, path_steps }) => {
+            Some(format!("{accuracy:e},{path_steps}"))
+        }
+        // A point of another kind has no row in this table.
+        _ => None,
+    };
     let mut table = format!("{header}\n");
     for series in &panel.series {
         let name = format!("{},{}", field(&series.scheme), field(&series.quantity));
-        for point in &series.points {
-            let row = match (panel.kind, point) {
-                (Kind::Strong | Kind::Weak, Point::Error { tau, value, se, lo, hi, .. }) => {
-                    format!("{tau:e},{value:e},{se:e},{},{}", optional(*lo), optional(*hi))
-                }
-                (Kind::Invariant, Point::Value { t, value, exact }) => {
-                    format!("{t:e},{value:e},{exact:e},{:e}", relative_defect(*value, *exact))
-                }
-                (Kind::Cost, Point::Cost { accuracy, path_steps }) => {
-                    format!("{accuracy:e},{path_steps}")
-                }
-                // A point of the other kind has no row in this table.
-                _ => continue,
-            };
-            // Writing to a string cannot fail.
-            let _ = writeln!(table, "{name},{row}");
-        }
+        table.extend(series.points.iter().filter_map(row).map(|row| format!("{name},{row}\n")));
     }
     table
 }

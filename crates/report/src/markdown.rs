@@ -72,7 +72,9 @@ impl Page {
             .into_iter()
             .map(|row| row.into_iter().map(|text| cell(text.as_ref())).collect())
             .collect();
-        let filled = |n: usize| rows.is_empty() || rows.iter().any(|row| !row[n].is_empty());
+        let filled = |n: usize| {
+            rows.is_empty() || rows.iter().any(|row| row.get(n).is_some_and(|c| !c.is_empty()))
+        };
         let line = |cells: Vec<&str>| {
             let shown = cells.iter().enumerate().filter(|(n, _)| filled(*n));
             format!("| {} |\n", shown.map(|(_, cell)| *cell).collect::<Vec<_>>().join(" | "))

@@ -1,6 +1,8 @@
 //! Curves in logarithmic coordinates: plots side by side under one legend and with one vertical
 //! axis.
 
+use std::collections::HashMap;
+
 use super::axis::{Axis, Range, Scale};
 use super::canvas::{self, Canvas, INK};
 use super::frame::Frame;
@@ -10,6 +12,7 @@ use super::look::{self, Layer, Look, Marker};
 use super::stroke::{Position, Stroke};
 use super::ticks::{Spacing, Ticks};
 use crate::label::Label;
+use crate::markdown::distinct;
 use crate::panel::QUANTILE;
 
 /// A measured point.
@@ -140,33 +143,24 @@ impl Curve {
 impl Figure {
     /// The figure as an SVG document.
     pub fn svg(&self) -> String {
-        let mut named: Vec<&Curve> = Vec::new();
-        for curve in self.plots.iter().flat_map(|plot| &plot.curves) {
-            if !named.iter().any(|other| other.name == curve.name) {
-                named.push(curve);
-            }
-        }
+        let curves = || self.plots.iter().flat_map(|plot| &plot.curves);
+        let names = distinct(curves().map(|curve| curve.name.as_str()));
         let looks = match self.style {
-            Style::Schemes => {
-                look::of_schemes(&named.iter().map(|curve| curve.name.as_str()).collect::<Vec<_>>())
-            }
-            Style::Quantities | Style::Signed => (0..named.len()).map(look::of_quantity).collect(),
+            Style::Schemes => look::of_schemes(&names),
+            Style::Quantities | Style::Signed => (0..names.len()).map(look::of_quantity).collect(),
         };
-        let look = |curve: &Curve| {
-            looks[named.iter().position(|other| other.name == curve.name).unwrap_or(0)]
-        };
+        let looks: HashMap<&str, Look> = names.iter().copied().zip(looks).collect();
+        let first = |name: &str| curves().find(|curve| curve.name == name);
+        let entry = |curve: &Curve| (Sample::Curve(looks[&*curve.name]), self.caption(curve));
+        let plain = Look { color: INK, marker: Marker::Circle, layer: Layer::Plain };
+        let signs = [(false, "> 0"), (true, "< 0")]
+            .map(|(hollow, words)| (Sample::Point { look: plain, hollow }, Label::words(words)));
+        let signs = signs.into_iter().filter(|_| self.style == Style::Signed);
+        let entries = names.iter().filter_map(|name| first(name)).map(entry).chain(signs);
         let columns = self.plots.len().max(1) as f64;
         let width = columns * self.size.0 + (columns - 1.0) * BETWEEN;
-        let mut entries: Vec<_> =
-            named.iter().map(|curve| (Sample::Curve(look(curve)), self.caption(curve))).collect();
-        if self.style == Style::Signed {
-            let plain = Look { color: INK, marker: Marker::Circle, layer: Layer::Plain };
-            for (hollow, words) in [(false, "> 0"), (true, "< 0")] {
-                entries.push((Sample::Point { look: plain, hollow }, Label::words(words)));
-            }
-        }
         let legend = Legend::new(entries, width);
-        let top = legend.height() + 7.0;
+        let top = legend.height + 7.0;
         let bottom = top + self.size.1;
         let y = self.y_range();
         canvas::page((LEFT + width + RIGHT, bottom + BELOW), &self.title, |canvas| {
@@ -180,14 +174,14 @@ impl Figure {
                 };
                 let ticks = match plot.spacing {
                     Spacing::Decades => Ticks::decades(x, 7),
-                    Spacing::Doublings => Ticks::powers_of_two(x, 8),
+                    Spacing::Doublings => Ticks::powers(2, x, 8),
                 };
                 frame.draw(canvas, &ticks, &Ticks::decades(y, 7), true);
                 frame.title_below(canvas, &plot.x_title);
                 if n == 0 {
                     frame.title_left(canvas, &self.y_title);
                 }
-                plot.draw(canvas, &frame, look, self.style == Style::Signed);
+                plot.draw(canvas, &frame, &looks, self.style == Style::Signed);
             }
         })
     }
@@ -236,26 +230,18 @@ impl Plot {
         range.times(if length > 0.0 { (0.04 * length).exp() } else { 2.0 })
     }
 
-    fn draw(
-        &self,
-        canvas: &mut Canvas,
-        frame: &Frame,
-        look: impl Fn(&Curve) -> Look,
-        signed: bool,
-    ) {
+    fn draw(&self, canvas: &mut Canvas, frame: &Frame, looks: &HashMap<&str, Look>, signed: bool) {
         let mut obstacles = self.obstacles(frame);
         for line in &self.lines {
             line.draw(canvas, frame, &mut obstacles);
         }
-        let mut from_below: Vec<(usize, &Curve)> = self.curves.iter().enumerate().collect();
-        from_below.sort_by_key(|(_, curve)| look(curve).layer);
-        for (n, curve) in from_below {
-            let shift = if signed {
-                2.4 * (n as f64 - 0.5 * (self.curves.len() as f64 - 1.0))
-            } else {
-                0.0
-            };
-            curve.draw(canvas, frame, look(curve), shift, signed);
+        let middle = 0.5 * (self.curves.len() as f64 - 1.0);
+        let mut from_below: Vec<_> =
+            self.curves.iter().enumerate().map(|(n, c)| (n, c, looks[&*c.name])).collect();
+        from_below.sort_by_key(|(_, _, look)| look.layer);
+        for (n, curve, look) in from_below {
+            let shift = if signed { 2.4 * (n as f64 - middle) } else { 0.0 };
+            curve.draw(canvas, frame, look, shift, signed);
         }
         if self.drawn().next().is_none() {
             frame.say(canvas, "no data");

@@ -38,10 +38,10 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
 
     let law = Stroke::new(INK, 0.7);
     let names = drawn.iter().map(|series| Label::words(&series.scheme));
-    let mut entries: Vec<_> = looks.iter().map(|look| Sample::Curve(*look)).zip(names).collect();
-    entries.push((Sample::Line(law), Label::words("conformal law")));
+    let entries = looks.iter().map(|look| Sample::Curve(*look)).zip(names);
+    let entries = entries.chain([(Sample::Line(law), Label::words("conformal law"))]);
     let legend = Legend::new(entries, WIDTH - LEFT - RIGHT);
-    let value_top = legend.height() + 7.0;
+    let value_top = legend.height + 7.0;
     let defect_top = value_top + VALUE_HEIGHT + BETWEEN;
     let height = defect_top + DEFECT_HEIGHT + BELOW;
 

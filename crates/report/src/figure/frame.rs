@@ -88,65 +88,62 @@ impl Frame {
         let (left, right) = (self.x.start, self.x.end);
         let (bottom, top) = (self.y.start, self.y.end);
         let (grid, ink) = (Stroke::new(FAINT, 0.6), Stroke::new(INK, 0.8));
-        let labels = |ticks: &Ticks, axis: Axis| -> Vec<(f64, Label)> {
-            ticks.major.iter().map(|(v, label)| (axis.position(*v), label.clone())).collect()
-        };
-        let (columns, rows) = (labels(x, self.x), labels(y, self.y));
-        for (column, _) in &columns {
-            canvas.polyline(&[(*column, top), (*column, bottom)], grid);
+        let columns = || x.major.iter().map(|(v, label)| (self.x.position(*v), label));
+        let rows = || y.major.iter().map(|(v, label)| (self.y.position(*v), label));
+        for (column, _) in columns() {
+            canvas.polyline(&[(column, top), (column, bottom)], grid);
         }
-        for (row, _) in &rows {
-            canvas.polyline(&[(left, *row), (right, *row)], grid);
+        for (row, _) in rows() {
+            canvas.polyline(&[(left, row), (right, row)], grid);
         }
-        let marks = |major: &[(f64, Label)], minor: &[f64], axis: Axis| -> Vec<(f64, f64)> {
-            let major = major.iter().map(|(at, _)| (*at, MAJOR));
-            major.chain(minor.iter().map(|v| (axis.position(*v), MINOR))).collect()
-        };
-        for (column, mark) in marks(&columns, &x.minor, self.x) {
+        let minor = x.minor.iter().map(|v| (self.x.position(*v), MINOR));
+        for (column, mark) in columns().map(|(column, _)| (column, MAJOR)).chain(minor) {
             canvas.polyline(&[(column, bottom), (column, bottom - mark)], ink);
         }
-        for (row, mark) in marks(&rows, &y.minor, self.y) {
+        let minor = y.minor.iter().map(|v| (self.y.position(*v), MINOR));
+        for (row, mark) in rows().map(|(row, _)| (row, MAJOR)).chain(minor) {
             canvas.polyline(&[(left, row), (left + mark, row)], ink);
         }
         canvas.rectangle((left, top), (right, bottom), ink);
-        for (row, label) in &rows {
-            canvas.label(label, (left - 4.0, row + DIGIT_SHIFT), TICK_SIZE, Align::Right);
-        }
-        if labels_below {
-            for (column, label) in &columns {
-                canvas.label(label, (*column, bottom + 9.5), TICK_SIZE, Align::Middle);
-            }
-            if let Some(factor) = &x.factor {
-                canvas.label(factor, (right, bottom + 23.5), TICK_SIZE, Align::Right);
-            }
+        let mut label = |label: &Label, at: Position, align: Align| {
+            canvas.label(label, at, TICK_SIZE, align);
+        };
+        for (row, text) in rows() {
+            label(text, (left - 4.0, row + DIGIT_SHIFT), Align::Right);
         }
         if let Some(factor) = &y.factor {
-            canvas.label(factor, (left - 4.0, top - 11.0), TICK_SIZE, Align::Right);
+            label(factor, (left - 4.0, top - 11.0), Align::Right);
+        }
+        if labels_below {
+            for (column, text) in columns() {
+                label(text, (column, bottom + 9.5), Align::Middle);
+            }
+            if let Some(factor) = &x.factor {
+                label(factor, (right, bottom + 23.5), Align::Right);
+            }
         }
     }
 
     /// Writes words into the middle of the box.
     pub fn say(&self, canvas: &mut Canvas, words: &str) {
-        let middle = |axis: Axis| 0.5 * (axis.start + axis.end);
-        canvas.label(
-            &Label::words(words),
-            (middle(self.x), middle(self.y)),
-            TITLE_SIZE,
-            Align::Middle,
-        )
+        let at = (middle(self.x), middle(self.y));
+        canvas.label(&Label::words(words), at, TITLE_SIZE, Align::Middle);
     }
 
     /// Writes the title of the horizontal axis below the labels.
     pub fn title_below(&self, canvas: &mut Canvas, title: &str) {
-        let at = (0.5 * (self.x.start + self.x.end), self.y.start + 23.5);
-        canvas.label(&Label::words(title), at, TITLE_SIZE, Align::Middle)
+        let at = (middle(self.x), self.y.start + 23.5);
+        canvas.label(&Label::words(title), at, TITLE_SIZE, Align::Middle);
     }
 
     /// Writes the title of the vertical axis at the left edge of the page.
     pub fn title_left(&self, canvas: &mut Canvas, title: &str) {
-        let at = (7.5, 0.5 * (self.y.start + self.y.end));
-        canvas.upward_text(title, at, TITLE_SIZE)
+        canvas.upward_text(title, (7.5, middle(self.y)), TITLE_SIZE);
     }
+}
+
+fn middle(axis: Axis) -> f64 {
+    0.5 * (axis.start + axis.end)
 }
 
 #[cfg(test)]
