@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use real::{Level, limit_to};
 use report::{Bars, Outcome, files, provenance, terminal};
 use verify::results::{Claim, Results};
@@ -34,27 +34,23 @@ pub struct Reproduce {
     #[arg(long, value_name = "DIR", default_value = "target/reproduce")]
     out: PathBuf,
     /// Use no wider vector instructions than these; the results are the same, only slower.
-    #[arg(long, value_enum, value_name = "LEVEL")]
-    simd: Option<Simd>,
+    #[arg(long, value_parser = level, value_name = "LEVEL")]
+    simd: Option<Level>,
 }
 
-/// Instruction sets by name.
-#[derive(Clone, Copy, ValueEnum)]
-enum Simd {
-    Baseline,
-    Avx2,
-    Avx512,
+/// An instruction set by its name.
+fn level(name: &str) -> Result<Level, String> {
+    let levels = [Level::Baseline, Level::Avx2, Level::Avx512];
+    let names = levels.map(|level| level.name()).join(", ");
+    let found = levels.into_iter().find(|level| level.name() == name);
+    found.ok_or_else(|| format!("there is no instruction set {name:?}; there are {names}"))
 }
 
 /// Runs the experiments and writes the report. Succeeds unless something that the paper proves is
 /// refuted.
 pub fn run(arguments: &Reproduce) -> Result<ExitCode> {
-    if let Some(simd) = arguments.simd {
-        limit_to(match simd {
-            Simd::Baseline => Level::Baseline,
-            Simd::Avx2 => Level::Avx2,
-            Simd::Avx512 => Level::Avx512,
-        });
+    if let Some(level) = arguments.simd {
+        limit_to(level);
     }
     verify::check_ids(&arguments.only)?;
     files::prepare(&arguments.out)?;

@@ -26,7 +26,7 @@ pub fn strong_series<'a>(case: &'a Case, scheme: &str) -> Option<&'a StrongSerie
 
 /// "`heun` from 1e-1 to 1e-3, `sexp` at 3e-4" for the cheapest schemes at the targets.
 fn winners<'a>(curves: impl Iterator<Item = (&'a str, Vec<(f64, f64)>)>) -> String {
-    let (names, curves): (Vec<&str>, Vec<Vec<(f64, f64)>>) = curves.unzip();
+    let (names, curves): (Vec<&str>, Vec<_>) = curves.unzip();
     let mut runs: Vec<(usize, f64, f64)> = Vec::new();
     for error in targets(&curves) {
         let Some(best) = cheapest(&curves, error) else { continue };
@@ -87,21 +87,16 @@ pub fn areas(case: &Case) -> Option<String> {
     let terms = levy.points.iter().filter_map(|point| point.area_terms);
     let found = crossing(&strong_costs(levy), &strong_costs(sexp))?;
     let ratio = |&(error, ratio): &(f64, f64)| format!("{} at {}", number(ratio), number(error));
-    let equal = match &found.at[..] {
-        [] => "at no error do they cost the same".to_owned(),
-        at => {
-            let at: Vec<String> = at.iter().map(|error| number(*error)).collect();
-            format!("they cost the same at {}", at.join(" and "))
-        }
-    };
+    let equal: Vec<String> = found.at.iter().map(|error| number(*error)).collect();
+    let equal = if equal.is_empty() { "no error".to_owned() } else { equal.join(" and ") };
     let last = |series: &StrongSeries| {
         let point = series.points.last()?;
         Some(format!("`{}` reaches {}", series.scheme, number(point.error)))
     };
     Some(format!(
         "A step of `sexp` takes {}, one of `sexp-levy` {}, with {} to {} terms behind each area. At \
-         equal strong error `sexp-levy` costs {} and {} times what `sexp` costs; {equal}. With {} \
-         steps {} and {}.",
+         equal strong error `sexp-levy` costs {} and {} times what `sexp` costs; they cost the same \
+         at {equal}. With {} steps {} and {}.",
         step(sexp)?,
         step(levy)?,
         terms.clone().min()?,

@@ -79,22 +79,13 @@ pub fn interval_name(confidence: f64) -> String {
     format!("{}\u{202f}% interval", (1e4 * confidence).round() / 1e2)
 }
 
-/// How the orders were fitted: said once if it is the same for all.
+/// How the orders were fitted.
 fn methods(series: &[Series]) -> String {
-    let method = |s: &Series| s.rate.as_ref().map_or(String::new(), |rate| rate.method.clone());
-    let fitted: Vec<(&Series, String)> =
-        series.iter().map(|s| (s, method(s))).filter(|(_, method)| !method.is_empty()).collect();
-    match fitted.first() {
-        Some((_, first)) if fitted.iter().all(|(_, method)| method == first) => {
-            format!("<p class=\"quiet\">Orders: {}.</p>", prose(first.trim_end_matches('.')))
-        }
-        _ => {
-            let items = fitted.iter().map(|(s, method)| {
-                format!("{}, {}: {}", code(&s.scheme), prose(&s.quantity), prose(method))
-            });
-            details(false, "How the orders were fitted", &list("", items))
-        }
-    }
+    let items = series.iter().filter_map(|s| {
+        let method = prose(&s.rate.as_ref()?.method);
+        Some(format!("{}, {}: {method}", code(&s.scheme), prose(&s.quantity)))
+    });
+    details(false, "How the orders were fitted", &list("", items))
 }
 
 /// Step sizes, and errors with their intervals; a mark where an interval comes with a warning.
