@@ -1,8 +1,8 @@
 //! The page about the battery: statements by seed, twins, coverage.
 
+use lab::{CoverageRow, Expected, TWINS};
 use report::{Outcome, Page};
 use verify::results::{Claim, Verdict};
-use verify::{CoverageRow, Expected, TWINS};
 
 use crate::budget::{expected_alarms, least_power, poisson_quantile};
 

@@ -52,7 +52,7 @@ pub fn run(arguments: &Reproduce) -> Result<ExitCode> {
     if let Some(level) = arguments.simd {
         limit_to(level);
     }
-    verify::check_ids(&arguments.only)?;
+    lab::check_ids(&arguments.only)?;
     files::prepare(&arguments.out)?;
     let threads = arguments.threads.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new()
@@ -64,7 +64,7 @@ pub fn run(arguments: &Reproduce) -> Result<ExitCode> {
 
     let start = Instant::now();
     let bars = Bars::new();
-    let mut results = pool.install(|| verify::reproduce(settings, &arguments.only, &bars))?;
+    let mut results = pool.install(|| lab::reproduce(settings, &arguments.only, &bars))?;
     bars.finish();
     results.provenance.threads = pool.current_num_threads();
     results.provenance = provenance::complete(results.provenance, "cargo xtask", start);

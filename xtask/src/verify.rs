@@ -6,9 +6,10 @@ use std::time::Instant;
 
 use anyhow::Result;
 use clap::Args;
+use lab::{EXPERIMENTS, STATEMENTS, SUPPLEMENTS, measure_twins};
 use report::{Bars, files, terminal};
 use verify::results::Claim;
-use verify::{EXPERIMENTS, Mode, STATEMENTS, SUPPLEMENTS, Settings, measure_twins};
+use verify::{Mode, Settings};
 
 use crate::battery::{self, Battery};
 
@@ -53,9 +54,9 @@ pub fn run(arguments: &Verify) -> Result<ExitCode> {
     }
     bars.println("expectations");
     let settings = Settings { seed: 1, mode: Mode::Paper };
-    battery.expectations = verify::expectation_claims(settings, arguments.accuracy, &bars);
+    battery.expectations = lab::expectation_claims(settings, arguments.accuracy, &bars);
     bars.println("coverage of the intervals");
-    battery.coverage = verify::coverage(arguments.replications, 1);
+    battery.coverage = lab::coverage(arguments.replications, 1);
     bars.finish();
     let page = battery::page(&battery);
     page.write(&arguments.out)?;
@@ -100,8 +101,8 @@ fn claims(seed: u64, bars: &Bars) -> Result<Vec<Claim>> {
         STATEMENTS.iter().map(|statement| statement.id).chain(SUPPLEMENTS.iter().map(|s| s.id));
     let (long, short): (Vec<String>, Vec<String>) =
         panels.chain(others).map(str::to_owned).partition(|id| is_long(id));
-    let mut claims = verify::reproduce(Settings { seed, mode: Mode::Paper }, &short, bars)?.claims;
+    let mut claims = lab::reproduce(Settings { seed, mode: Mode::Paper }, &short, bars)?.claims;
     let mode = if seed == 1 { Mode::Paper } else { Mode::Quick };
-    claims.extend(verify::reproduce(Settings { seed, mode }, &long, bars)?.claims);
+    claims.extend(lab::reproduce(Settings { seed, mode }, &long, bars)?.claims);
     Ok(claims)
 }

@@ -8,21 +8,25 @@ use serde_json::Value;
 
 /// A crate and the crates that it may depend on, in the order of the layers; see `docs/` on the
 /// architecture.
-const DOORS: [(&str, &[&str]); 14] = [
+const DOORS: [(&str, &[&str]); 15] = [
     ("real", &[]),
     ("noise", &["real"]),
     ("dgrad", &["real"]),
     ("nonlin", &["real"]),
     ("systems", &["real", "dgrad"]),
     ("schemes", &["real", "systems", "dgrad", "nonlin", "noise"]),
-    ("compiled", &["systems", "schemes"]),
-    ("mc", &["real", "schemes", "systems", "noise", "nonlin"]),
-    ("speed", &["compiled", "mc", "schemes", "systems", "nonlin", "noise", "real"]),
-    ("verify", &["compiled", "mc", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
-    ("report", &["verify", "real"]),
-    ("precision", &["compiled", "verify", "mc", "schemes", "systems", "nonlin", "noise", "real"]),
+    ("stats", &["real"]),
+    ("mc", &["stats", "real", "schemes", "systems", "noise", "nonlin"]),
+    ("verify", &["mc", "stats", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
+    ("lab", &["verify", "mc", "stats", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
+    ("speed", &["lab", "mc", "stats", "schemes", "systems", "nonlin", "noise", "real"]),
+    (
+        "precision",
+        &["lab", "verify", "mc", "stats", "schemes", "systems", "nonlin", "noise", "real"],
+    ),
     ("stability", &["verify", "mc", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
-    ("xtask", &["report", "stability", "precision", "verify", "real"]),
+    ("report", &["verify", "real"]),
+    ("xtask", &["report", "stability", "precision", "lab", "verify", "real"]),
 ];
 
 fn metadata() -> anyhow::Result<Value> {

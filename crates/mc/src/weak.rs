@@ -5,7 +5,9 @@
 //! areas that the schemes leave out: the variance of the difference falls like τ² where that of
 //! φ(coarse) − φ(fine) falls like τ (Giles and Szpruch, *Ann. Appl. Probab.* 24, 2014).
 
-use crate::{CrossMoments, Statistic, View};
+use stats::CrossMoments;
+
+use crate::{Statistic, View};
 
 /// A test function φ.
 #[derive(Clone, Copy, Debug)]

@@ -2,16 +2,17 @@
 
 use std::fmt;
 
-use compiled::Compiled;
-use mc::{Ladder, Moments, Observable, Run};
+use lab::Compiled;
+use mc::{Ladder, Observable, Run};
 use noise::{StreamKey, Truncation};
 use real::elementary::{cos, sin};
 use schemes::{Midpoint, Scheme, Sexp, SexpLevy};
+use stats::{Moments, root_mean_square_interval};
 use systems::{
     Constant, Cosine, Damping, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
     Problem, RigidBody, Sine, SystemError,
 };
-use verify::{Progress, Settings, rigid_body_expectations, root_mean_square_interval};
+use verify::{Progress, Settings, rigid_body_expectations};
 
 use crate::clock::CLOCK;
 use crate::compare::costs;

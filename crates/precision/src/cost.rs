@@ -139,7 +139,7 @@ impl<S, G: Damping, const D: usize> Course<'_, S, G, D> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use compiled::Compiled;
+    use lab::Compiled;
     use mc::trajectory;
     use schemes::{Sexp, SexpLevy};
     use systems::{Cosine, RigidBody};

@@ -1,7 +1,8 @@
 //! Errors of all schemes at all step sizes at the final time: strong errors, conformal defects and
 //! biases from one pass.
 
-use mc::{CrossMoments, Moments, Observable, Statistic, View};
+use mc::{Observable, Statistic, View};
+use stats::{CrossMoments, Moments};
 
 /// Relative distance of an invariant from its conformal law at the final time.
 pub(crate) type Defect<'a, const D: usize> = &'a (dyn Fn(usize, [f64; D]) -> f64 + Sync);

@@ -1,6 +1,6 @@
 //! More samples, more steps, more levels: is time linear, is memory flat?
 
-use compiled::Compiled;
+use lab::Compiled;
 use mc::Run;
 use schemes::Sexp;
 use systems::{Problem, RigidBody};

@@ -1,6 +1,7 @@
 //! The small statistic of all measurements.
 
-use mc::{Moments, Statistic, View};
+use mc::{Statistic, View};
+use stats::Moments;
 
 /// The mean of every component at the last of `coarse_steps` coarse steps, of the first run.
 pub(crate) struct LastMean<const D: usize> {

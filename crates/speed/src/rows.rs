@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use compiled::Compiled;
+use lab::Compiled;
 use mc::{Ladder, Run};
 use noise::{StreamKey, Truncation};
 use rayon::{ThreadPool, ThreadPoolBuilder};

@@ -1,6 +1,6 @@
 //! The systems that are measured, and the schemes that make sense on each.
 
-use compiled::Compiled;
+use lab::Compiled;
 use schemes::{Midpoint, Scheme, Sexp, SexpLevy};
 use systems::{
     Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum,

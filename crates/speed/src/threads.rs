@@ -2,7 +2,7 @@
 
 use std::thread::available_parallelism;
 
-use compiled::Compiled;
+use lab::Compiled;
 use mc::Run;
 use schemes::Sexp;
 use systems::{Problem, RigidBody};

@@ -6,7 +6,7 @@ use noise::{StreamKey, Truncation};
 use real::Real;
 use schemes::Sexp;
 use systems::{Constant, PoissonSystem, Problem};
-use verify::{Study, inspect_problem, strong_order};
+use verify::{StepSizes, inspect_problem, strong_order};
 
 /// A charged particle in the plane, y = (x, y, u, v): a harmonic trap, a magnetic field b₀ + b₁x
 /// across the plane, and an electric field along x that fluctuates.
@@ -40,7 +40,7 @@ impl PoissonSystem<4, 1> for Particle {
     /// The energy is quadratic, and its gradient is averaged at the midpoint.
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 4], b: [R; 4], dt: f64, dw: [f64; 1]) -> [R; 4] {
-        self.gradient(dgrad::quadratic(a, b), dt, dw)
+        self.gradient(dgrad::midpoint(a, b), dt, dw)
     }
 }
 
@@ -84,7 +84,7 @@ fn many_paths(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
 }
 
 fn order(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
-    let study = Study {
+    let sizes = StepSizes {
         coarsest_steps: 512,
         levels: 5,
         refinement: 3,
@@ -92,7 +92,7 @@ fn order(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
         truncation: Truncation::new(4)?,
         key: StreamKey { seed: 1, experiment: 1 },
     };
-    let order = strong_order(&Sexp::default(), problem, &study)?;
+    let order = strong_order(&Sexp::default(), problem, &sizes)?;
     match order.rate {
         Some(rate) => println!(
             "strong order {:.2}, 95 % interval [{:.2}, {:.2}]",

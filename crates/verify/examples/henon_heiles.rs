@@ -11,7 +11,7 @@ use noise::{StreamKey, Truncation};
 use real::Real;
 use schemes::Sexp;
 use systems::{DampingFunction, HamiltonianIncrement, PoissonSystem, Problem};
-use verify::{Study, inspect_problem, strong_order};
+use verify::{StepSizes, inspect_problem, strong_order};
 
 /// y = (q₁, q₂, p₁, p₂), B = J canonical.
 struct HenonHeiles {
@@ -64,9 +64,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .path(512, key, 0)?;
     write_csv(&[path], &mut std::io::stdout())?;
 
-    let study =
-        Study { coarsest_steps: 1024, levels: 4, refinement: 2, samples: 64, truncation, key };
-    match strong_order(&sexp, &problem, &study)?.rate {
+    let sizes =
+        StepSizes { coarsest_steps: 1024, levels: 4, refinement: 2, samples: 64, truncation, key };
+    match strong_order(&sexp, &problem, &sizes)?.rate {
         Some(rate) => println!(
             "strong order {:.2}, 95 % interval [{:.2}, {:.2}]",
             rate.estimate, rate.lo, rate.hi

@@ -8,7 +8,7 @@
 use noise::{StreamKey, Truncation};
 use schemes::{EulerMaruyama, Scheme, Step};
 use systems::{Cosine, MaxwellBloch, Problem, vector_field};
-use verify::{PathScheme, Study, inspect, strong_order};
+use verify::{PathScheme, StepSizes, inspect, strong_order};
 
 /// e^{−∫γ, first half}, ẑ + ½(f(ẑ) + f(ẑ + f(ẑ))), e^{−∫γ, second half}.
 fn damped_heun(system: &MaxwellBloch, step: &Step, dw: [f64; 1], y: [f64; 3]) -> [f64; 3] {
@@ -21,7 +21,7 @@ fn damped_heun(system: &MaxwellBloch, step: &Step, dw: [f64; 1], y: [f64; 3]) ->
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem = Problem::new(MaxwellBloch, Cosine::new(0.5, 2.0)?, [1.0, 2.0, 3.0], 1.0)?;
     let mine = PathScheme { id: "damped Heun", advance: damped_heun };
-    let study = Study {
+    let sizes = StepSizes {
         coarsest_steps: 32,
         levels: 6,
         refinement: 4,
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let predicted = inspect(&MaxwellBloch)?.order("em").map_or(f64::NAN, |(strong, _)| strong);
     println!("inspect expects strong order {predicted} of em");
     for scheme in [&mine as &dyn Scheme<MaxwellBloch, 3, 1>, &EulerMaruyama] {
-        let order = strong_order(scheme, &problem, &study)?;
+        let order = strong_order(scheme, &problem, &sizes)?;
         let rate = order.rate.ok_or("no order can be named")?;
         println!(
             "{:12} strong order {:.3}, 95 % interval [{:.3}, {:.3}]",

@@ -10,7 +10,7 @@ use noise::{StreamKey, Truncation};
 use real::Real;
 use schemes::Sexp;
 use systems::{Constant, PoissonSystem, Problem};
-use verify::{Study, inspect_problem, strong_order};
+use verify::{StepSizes, inspect_problem, strong_order};
 
 /// Two particles on a line, y = (q₁, q₂, p₁, p₂), with a Toda bond e^(q₁−q₂), each in a unit trap.
 struct Toda {
@@ -52,9 +52,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     write_csv(&[path], &mut std::io::stdout())?;
 
     let key = StreamKey { seed: 1, experiment: 1 };
-    let study =
-        Study { coarsest_steps: 512, levels: 5, refinement: 3, samples: 200, truncation, key };
-    let order = strong_order(&sexp, &problem, &study)?;
+    let sizes =
+        StepSizes { coarsest_steps: 512, levels: 5, refinement: 3, samples: 200, truncation, key };
+    let order = strong_order(&sexp, &problem, &sizes)?;
     match order.rate {
         Some(rate) => println!(
             "strong order {:.2}, 95 % interval [{:.2}, {:.2}]",

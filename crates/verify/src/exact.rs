@@ -11,15 +11,16 @@
 //! time-stepping.
 
 use dgrad::Rule;
-use mc::Clock;
+use mc::TimeChange;
 use real::{Block, WIDTH};
+use systems::paper::valid;
 use systems::{Constant, Damping, PoissonSystem, Problem};
 
-use crate::paper::valid;
-use crate::runge_kutta::piece;
+use crate::runge_kutta::runge_kutta;
 
 /// S along a path: see the module.
-pub(crate) struct RandomTime<'a, G> {
+pub struct RandomTime<'a, G> {
+    /// γ.
     pub damping: &'a G,
     /// Degree r of homogeneity of f = B∇H.
     pub degree: f64,
@@ -27,6 +28,7 @@ pub(crate) struct RandomTime<'a, G> {
     pub noise: f64,
     /// The finest step.
     pub tau: f64,
+    /// The quadrature on one finest step.
     pub rule: Rule,
 }
 
@@ -34,7 +36,8 @@ pub(crate) struct RandomTime<'a, G> {
 const NODES: usize = 4;
 
 impl<'a, G: Damping> RandomTime<'a, G> {
-    pub(crate) fn new(damping: &'a G, degree: f64, noise: f64, tau: f64) -> Self {
+    /// S for a damping, a degree r, a noise c and a finest step.
+    pub fn new(damping: &'a G, degree: f64, noise: f64, tau: f64) -> Self {
         let rule = Rule::new(NODES)
             .unwrap_or_else(|error| unreachable!("the number of nodes is allowed: {error}"));
         Self { damping, degree, noise, tau, rule }
@@ -56,25 +59,26 @@ impl<'a, G: Damping> RandomTime<'a, G> {
     }
 
     /// Mean and variance of S over `steps` finest steps, a Gaussian.
-    pub(crate) fn law(&self, steps: u64) -> (f64, f64) {
+    pub fn law(&self, steps: u64) -> (f64, f64) {
         (0..steps).map(|n| self.step(n)).fold((0.0, 0.0), |(mean, variance), (g, v)| {
             (mean + g * self.tau, variance + self.noise * self.noise * (g * g * self.tau + v))
         })
     }
 }
 
-impl<G: Damping> Clock<1> for RandomTime<'_, G> {
-    fn advance(&self, n: u64, dw: &Block<1>, normals: &Block<1>, clock: &mut Block<1>) {
+impl<G: Damping> TimeChange<1> for RandomTime<'_, G> {
+    fn advance(&self, n: u64, dw: &Block<1>, normals: &Block<1>, random_time: &mut Block<1>) {
         let (mean, spread) = self.step(n);
         let (drift, residual) = (mean * self.tau, self.noise * spread.sqrt());
         for p in 0..WIDTH {
-            clock.0[0][p] += drift + self.noise * mean * dw.0[0][p] + residual * normals.0[0][p];
+            random_time.0[0][p] +=
+                drift + self.noise * mean * dw.0[0][p] + residual * normals.0[0][p];
         }
     }
 }
 
-/// e^{−Γ(T)} φ_S(y₀): the solution at the final time when the clock shows S.
-pub(crate) fn solution<S, G, const D: usize>(problem: &Problem<S, G, D>, s: f64) -> [f64; D]
+/// e^{−Γ(T)} φ_S(y₀): the solution at the final time at the random time S.
+pub fn solution<S, G, const D: usize>(problem: &Problem<S, G, D>, s: f64) -> [f64; D]
 where
     S: PoissonSystem<D, 1>,
     G: Damping,
@@ -90,7 +94,7 @@ const STEPS_PER_UNIT: f64 = 1024.0;
 fn flow<S: PoissonSystem<D, 1>, const D: usize>(system: &S, y: [f64; D], s: f64) -> [f64; D] {
     let steps = (s.abs() * STEPS_PER_UNIT).ceil().max(1.0) as u32;
     let undamped = valid(Constant::new(0.0));
-    let end = |steps| piece(system, &undamped, 0.0, s, [0.0], steps, y);
+    let end = |steps| runge_kutta(system, &undamped, 0.0, s, [0.0], steps, y);
     let (coarse, fine) = (end(steps), end(2 * steps));
     // The error of the classical method is Ch⁴ + O(h⁵).
     std::array::from_fn(|i| fine[i] + (fine[i] - coarse[i]) / 15.0)
@@ -98,7 +102,7 @@ fn flow<S: PoissonSystem<D, 1>, const D: usize>(system: &S, y: [f64; D], s: f64)
 
 /// E[φ(y(T))] by Gauss–Legendre over ±9 standard deviations of S, on pieces of one standard
 /// deviation.
-pub(crate) fn expectation<S, G, const D: usize>(
+pub fn expectation<S, G, const D: usize>(
     problem: &Problem<S, G, D>,
     time: &RandomTime<'_, G>,
     steps: u64,
@@ -119,7 +123,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::{INERTIA, rigid_body_start};
+    use systems::paper::{INERTIA, rigid_body_start};
     use systems::{RigidBodyEnergy, Sine};
 
     #[test]

@@ -3,14 +3,13 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use mc::{
-    Cause, Ladder, LadderError, Moments, Reference, Run, Statistic, StrongErrors, View, trajectory,
-};
+use mc::{Cause, Ladder, LadderError, Reference, Run, Statistic, StrongErrors, View, trajectory};
 use noise::{
     AreaMethod, AreaPath, NoiseError, StreamKey, Truncation, WienerPath, strong_order_one_error,
 };
 use nonlin::{Method, Solver};
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, Step};
+use stats::Moments;
 use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
 
 use crate::explosive::Explosive;

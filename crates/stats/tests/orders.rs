@@ -1,0 +1,321 @@
+//! Orders fitted to data of a known order, and the verdicts on them.
+
+use noise::{StreamKey, WienerPath};
+use stats::{
+    CrossMoments, Logarithms, Rate, Terms, fit_independent, fit_strong, fit_weak, fit_weak_against,
+    fit_weak_differences,
+};
+use verify::results::Verdict;
+use verify::{ORDER_MARGIN, bound_verdict, order_verdict};
+
+const TAUS: [f64; 8] = [
+    0.03125,
+    0.015625,
+    0.0078125,
+    0.00390625,
+    0.001953125,
+    0.0009765625,
+    0.00048828125,
+    0.000244140625,
+];
+
+/// Squared errors C τ^{2p}(1 + τ)(1 − c τ_ref/τ) Z² of 400 paths; Z is normal, half shared between
+/// the levels.
+fn synthetic(seed: u64, order: f64, reference: Option<f64>) -> CrossMoments {
+    let mut squares = CrossMoments::new(TAUS.len());
+    for path in 0..400 {
+        let mut noise = WienerPath::<1>::new(StreamKey { seed, experiment: 1 }, path);
+        let shared = noise.normal();
+        let errors: Vec<f64> = TAUS
+            .iter()
+            .map(|tau| {
+                let z = (shared + noise.normal()) / 2f64.sqrt();
+                let near_reference = 1.0 - reference.map_or(0.0, |reference| reference / tau);
+                tau.powf(2.0 * order) * (1.0 + tau) * near_reference * z * z
+            })
+            .collect();
+        squares.add(&errors);
+    }
+    squares
+}
+
+#[test]
+fn strong_intervals_cover_the_order() {
+    // 95 % intervals on 200 data sets: 190 expected; fewer than 176 or 200 of 200 has probability
+    // below 1e-4.
+    for (order, reference) in [(0.5, None), (1.0, None), (0.5, Some(TAUS[7] / 4.0))] {
+        let covered = (0..200)
+            .filter(|&seed| {
+                let rate =
+                    fit_strong(&TAUS, reference, &synthetic(seed, order, reference)).unwrap();
+                rate.lo <= order && order <= rate.hi
+            })
+            .count();
+        assert!(
+            (176..200).contains(&covered),
+            "order {order}, reference {reference:?}: {covered} of 200"
+        );
+    }
+}
+
+#[test]
+fn forgetting_the_reference_biases_the_order() {
+    // The twin: the same data without the reference term.
+    let reference = Some(TAUS[7] / 2.0);
+    let covered = (0..50)
+        .filter(|&seed| {
+            let rate = fit_strong(&TAUS, None, &synthetic(seed, 0.5, reference)).unwrap();
+            rate.lo <= 0.5 && 0.5 <= rate.hi
+        })
+        .count();
+    assert!(covered < 40, "{covered} of 50");
+}
+
+#[test]
+fn wrong_orders_are_refuted_and_wide_intervals_undecided() {
+    let rate = fit_strong(&TAUS, None, &synthetic(1, 0.5, None)).unwrap();
+    assert_eq!(order_verdict(Some(&rate), 0.5), Verdict::Holds);
+    assert_eq!(order_verdict(Some(&rate), 1.0), Verdict::Refuted);
+    let wide = Rate { lo: 0.1, hi: 0.9, ..rate.clone() };
+    assert_eq!(order_verdict(Some(&wide), 0.5), Verdict::Undecided);
+    // Precise, near the order, and yet not it.
+    let off = Rate { estimate: 0.55, lo: 0.54, hi: 0.56, ..rate };
+    assert_eq!(order_verdict(Some(&off), 0.5), Verdict::Undecided);
+    assert_eq!(order_verdict(None, 0.5), Verdict::Undecided);
+}
+
+#[test]
+fn zero_errors_and_too_few_paths_name_no_order() {
+    let mut exact = CrossMoments::new(8);
+    let mut few = CrossMoments::new(8);
+    for path in 0..5 {
+        exact.add(&[0.0; 8]);
+        few.add(&TAUS.map(|tau| tau * (1.0 + f64::from(path) * tau)));
+    }
+    assert!(fit_strong(&TAUS, None, &exact).is_none());
+    assert!(fit_strong(&TAUS, None, &few).is_none());
+}
+
+/// Errors Aτᵖ + Bτ^{p+1} with noise proportional to τ, half of it shared.
+fn weak(seed: u64, p: f64, a: f64, b: f64, noise_size: f64) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let mut noise = WienerPath::<1>::new(StreamKey { seed, experiment: 2 }, 0);
+    let shared = noise.normal();
+    let errors = TAUS
+        .iter()
+        .map(|&tau| {
+            let scatter = (shared + noise.normal()) / 2f64.sqrt();
+            a * tau.powf(p) + b * tau.powf(p + 1.0) + noise_size * tau * scatter
+        })
+        .collect();
+    let covariance = (0..8)
+        .map(|l| {
+            (0..8)
+                .map(|m| {
+                    noise_size * noise_size * TAUS[l] * TAUS[m] * if l == m { 1.0 } else { 0.5 }
+                })
+                .collect()
+        })
+        .collect();
+    (errors, covariance)
+}
+
+#[test]
+fn weak_intervals_cover_the_order_through_a_change_of_sign() {
+    // B = −40 makes the error change its sign at τ = 1/40, between the first two step sizes.
+    for b in [1.0, -40.0] {
+        let covered = (0..200)
+            .filter(|&seed| {
+                let (errors, covariance) = weak(seed, 1.0, 1.0, b, 0.02);
+                let rate = fit_weak(&TAUS, &errors, &covariance).unwrap();
+                rate.lo <= 1.0 && 1.0 <= rate.hi
+            })
+            .count();
+        assert!((176..200).contains(&covered), "{b}: {covered} of 200");
+    }
+}
+
+/// Independent differences e(τ) − e(τ_ref) of e = τᵖ + τ^{p+1}, with noise of 0.5 % of the leading
+/// one.
+fn weak_differences(
+    seed: u64,
+    p: f64,
+    reference: impl Fn(f64) -> f64,
+) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let mut noise = WienerPath::<1>::new(StreamKey { seed, experiment: 4 }, 0);
+    let error = |tau: f64| tau.powf(p) + tau.powf(p + 1.0);
+    let sizes = TAUS.map(|tau| 0.005 * (tau.powf(p) - reference(tau).powf(p)));
+    let differences = TAUS
+        .iter()
+        .zip(&sizes)
+        .map(|(&tau, size)| error(tau) - error(reference(tau)) + size * noise.normal())
+        .collect();
+    let covariance = (0..8)
+        .map(|l| (0..8).map(|m| if l == m { sizes[l] * sizes[l] } else { 0.0 }).collect())
+        .collect();
+    (differences, covariance)
+}
+
+/// How many of 200 intervals cover the order and lie within ¼ of it, which is ten standard errors:
+/// 190 expected; fewer than 176 or 200 of 200 has probability below 1e-4.
+fn covers(p: f64, fit: impl Fn(u64) -> Option<Rate>) -> usize {
+    let near = |rate: &Rate| rate.lo > p - ORDER_MARGIN && rate.hi < p + ORDER_MARGIN;
+    (0..200)
+        .filter(|&seed| fit(seed).is_some_and(|rate| near(&rate) && rate.lo <= p && p <= rate.hi))
+        .count()
+}
+
+#[test]
+fn differences_need_no_tail() {
+    for p in [0.5, 1.0, 2.0] {
+        let covered = covers(p, |seed| {
+            let (differences, covariance) = weak_differences(seed, p, |tau| 0.5 * tau);
+            fit_weak_differences(&TAUS, &differences, &covariance)
+        });
+        assert!((176..200).contains(&covered), "order {p}: {covered} of 200");
+        let reference = TAUS[7] / 4.0;
+        let covered = covers(p, |seed| {
+            let (errors, covariance) = weak_differences(seed, p, |_| reference);
+            fit_weak_against(&TAUS, reference, &errors, &covariance)
+        });
+        assert!((176..200).contains(&covered), "order {p} against a reference: {covered} of 200");
+    }
+    // The twins: sums of differences of order 2 with the tail of order 1, and a reference taken for
+    // exact.
+    let tailed = covers(2.0, |seed| {
+        let (differences, _) = weak_differences(seed, 2.0, |tau| 0.5 * tau);
+        let sum =
+            |l: usize, tail: &dyn Fn(usize) -> f64| (l..7).map(tail).sum::<f64>() + 2.0 * tail(7);
+        let errors: Vec<f64> = (0..8).map(|l| sum(l, &|j| differences[j])).collect();
+        let variance = |j: usize| (0.005 * 0.75 * TAUS[j] * TAUS[j]).powi(2);
+        let covariance: Vec<Vec<f64>> = (0..8usize)
+            .map(|l| (0..8).map(|m| sum(l.max(m), &variance) + 2.0 * variance(7)).collect())
+            .collect();
+        fit_weak(&TAUS, &errors, &covariance)
+    });
+    assert!(tailed < 100, "{tailed} of 200");
+    let forgotten = covers(1.0, |seed| {
+        let (errors, covariance) = weak_differences(seed, 1.0, |_| TAUS[7] / 4.0);
+        fit_weak(&TAUS, &errors, &covariance)
+    });
+    assert!(forgotten < 100, "{forgotten} of 200");
+}
+
+#[test]
+fn an_order_is_not_read_off_a_model_that_does_not_fit() {
+    // Every other error is 5 % larger, ten standard errors: no sum of powers of τ does that.
+    let (mut errors, covariance) = weak(5, 1.0, 1.0, 1.0, 0.005);
+    let calm = fit_weak(&TAUS, &errors, &covariance).unwrap();
+    assert!(calm.warning.is_none() && calm.p_value.unwrap() > 1e-5, "{calm:?}");
+    assert_eq!(order_verdict(Some(&calm), 1.0), Verdict::Holds);
+    errors.iter_mut().step_by(2).for_each(|error| *error *= 1.05);
+    let bent = fit_weak(&TAUS, &errors, &covariance).unwrap();
+    assert!(bent.warning.as_ref().unwrap().contains("does not fit"), "{bent:?}");
+    for order in [0.0, 0.5, 1.0, 1.5, 2.0] {
+        assert_eq!(order_verdict(Some(&bent), order), Verdict::Undecided);
+        assert_eq!(bound_verdict(Some(&bent), order), Verdict::Undecided);
+    }
+    // Independent values and strong errors have the same guard.
+    let values: Vec<(f64, f64)> = TAUS
+        .iter()
+        .enumerate()
+        .map(|(l, tau)| (tau * (1.0 + 0.05 * (l % 2) as f64), 0.002 * tau))
+        .collect();
+    assert!(fit_independent(&TAUS, &values).unwrap().warning.is_some());
+    let mut squares = CrossMoments::new(8);
+    for path in 0..1000 {
+        let mut noise = WienerPath::<1>::new(StreamKey { seed: 7, experiment: 3 }, path);
+        let shared = noise.normal();
+        let error = |l: usize| {
+            TAUS[l] * (1.0 + 0.4 * (l % 2) as f64) * (shared + 0.3 * noise.normal()).powi(2)
+        };
+        squares.add(&(0..8).map(error).collect::<Vec<_>>());
+    }
+    let strong = fit_strong(&TAUS, None, &squares).unwrap();
+    assert!(strong.warning.is_some() && strong.p_value.unwrap() < 1e-5, "{strong:?}");
+    assert_eq!(order_verdict(Some(&strong), 0.5), Verdict::Undecided);
+}
+
+#[test]
+fn an_error_inside_the_noise_has_no_order() {
+    let (errors, covariance) = weak(3, 1.0, 1e-3, 0.0, 1.0);
+    assert!(fit_weak(&TAUS, &errors, &covariance).is_none());
+    // A constant bias is no convergence: the order is far from one.
+    let (errors, covariance) = weak(4, 0.0, 1.0, 0.0, 0.02);
+    let rate = fit_weak(&TAUS, &errors, &covariance);
+    assert_eq!(order_verdict(rate.as_ref(), 1.0), Verdict::Refuted);
+}
+
+#[test]
+fn curvature_is_named_and_the_straight_line_refuted() {
+    let squares = |curvature: f64| {
+        let mut squares = CrossMoments::new(8);
+        for path in 0..1000 {
+            let mut noise = WienerPath::<1>::new(StreamKey { seed: 5, experiment: 3 }, path);
+            let shared = noise.normal();
+            squares.add(&TAUS.map(|tau| {
+                tau * (1.0 + curvature * tau) * (shared + 0.3 * noise.normal()).powi(2)
+            }));
+        }
+        squares
+    };
+    let curved = fit_strong(&TAUS, None, &squares(20.0)).unwrap();
+    let line = curved.straight.as_ref().unwrap();
+    assert!(line.refuted && line.lo > 0.5, "{line:?}");
+    assert!(curved.lo < 0.5 && 0.5 < curved.hi && curved.curvature_t.unwrap() > 3.0, "{curved:?}");
+    assert!(curved.method.contains("not yet asymptotic"), "{}", curved.method);
+    let straight = fit_strong(&TAUS, None, &squares(0.0)).unwrap();
+    let line = straight.straight.unwrap();
+    assert!(!line.refuted && line.lo < 0.5 && 0.5 < line.hi, "{line:?}");
+    assert!(straight.method.contains("do not contradict"), "{}", straight.method);
+}
+
+/// Squared errors of order one; path 123 has 30 times the error at the `hit` coarsest levels.
+fn with_an_outlier(hit: usize) -> CrossMoments {
+    let mut squares = CrossMoments::new(8);
+    for path in 0..1000 {
+        let mut noise = WienerPath::<1>::new(StreamKey { seed: 6, experiment: 3 }, path);
+        let shared = noise.normal();
+        let mut errors = TAUS.map(|tau| tau * tau * (shared + 0.5 * noise.normal()).powi(2));
+        if path == 123 {
+            errors[..hit]
+                .iter_mut()
+                .zip(&TAUS)
+                .for_each(|(error, tau)| *error = 2000.0 * tau * tau);
+        }
+        squares.add(&errors);
+    }
+    squares
+}
+
+#[test]
+fn levels_that_one_path_dominates_are_left_out_and_named() {
+    let rate = fit_strong(&TAUS, None, &with_an_outlier(2)).unwrap();
+    assert_eq!(rate.left_out, TAUS[..2]);
+    assert!(
+        rate.effective_paths.unwrap() < 10.0 && rate.method.contains("left out"),
+        "{}",
+        rate.method
+    );
+    assert_eq!(order_verdict(Some(&rate), 1.0), Verdict::Holds);
+    // The twin: with all levels the outlier bends the line.
+    let logarithms = Logarithms::new(&TAUS, &with_an_outlier(2), (0..8).collect())
+        .unwrap()
+        .fit(Terms::STRAIGHT)
+        .unwrap();
+    assert!(logarithms.order > 1.05, "{}", logarithms.order);
+}
+
+#[test]
+fn an_order_that_hangs_on_one_path_comes_with_a_wide_interval() {
+    let few = fit_strong(&TAUS, None, &with_an_outlier(6)).unwrap();
+    assert!(few.left_out.is_empty() && few.method.contains("wider of both"), "{}", few.method);
+    let calm = fit_strong(&TAUS, None, &with_an_outlier(0)).unwrap();
+    assert!(few.hi - few.lo > 5.0 * (calm.hi - calm.lo), "{few:?} {calm:?}");
+    assert_eq!(order_verdict(Some(&few), 1.0), Verdict::Undecided);
+}
+
+#[test]
+fn intervals_are_the_same_bits_every_time() {
+    let squares = synthetic(1, 0.5, None);
+    assert_eq!(fit_strong(&TAUS, None, &squares), fit_strong(&TAUS, None, &squares));
+}

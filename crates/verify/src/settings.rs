@@ -1,0 +1,40 @@
+//! How much to compute, and who is told how far it is.
+
+/// How much to compute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// The paper's step and sample sizes.
+    Paper,
+    /// Fewer steps and samples, for continuous integration; intervals are wide and verdicts often
+    /// undecided.
+    Quick,
+}
+
+/// What a run is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Master seed.
+    pub seed: u64,
+    /// How much to compute.
+    pub mode: Mode,
+}
+
+/// Is told how far a run is. Work is counted in path-steps.
+pub trait Progress: Sync {
+    /// A panel or statement begins; it will do about `work` path-steps.
+    fn begin(&self, id: &str, work: u64);
+    /// Some of it is done; called from any thread.
+    fn advance(&self, work: u64);
+    /// It has ended.
+    fn end(&self);
+}
+
+/// Tells nobody.
+#[derive(Clone, Copy, Debug)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn begin(&self, _id: &str, _work: u64) {}
+    fn advance(&self, _work: u64) {}
+    fn end(&self) {}
+}
