@@ -13,7 +13,7 @@ pub(super) fn norm(a: &[f64]) -> f64 {
 
 /// The largest |aᵢⱼ|.
 pub(super) fn largest(matrix: &Matrix) -> f64 {
-    matrix.iter().flatten().fold(0.0, |largest: f64, x| crate::statement::worse(largest, x.abs()))
+    matrix.iter().flatten().fold(0.0, |largest: f64, x| crate::evidence::worse(largest, x.abs()))
 }
 
 pub(super) fn times(matrix: &Matrix, v: &[f64]) -> Vec<f64> {
