@@ -74,8 +74,8 @@ fn alarms(page: &mut Page, battery: &Battery) {
         "The false-refutation probability of an order is at most 0.05 %: a 99.9 % interval must \
          miss on one side, by more than ¼. That of every other check is at most 1e-5. Over the \
          {all} verdicts of this page at most {expected:.2} false alarms are expected; more than \
-         {most} would have a probability below 0.1 % (Poisson; verdicts of one seed share paths, so \
-         the bound is a guide). Counted: **{alarms} false alarms**, {}.",
+         {most} would have a probability below 0.1 % (Poisson; verdicts of one seed share paths, \
+         so the bound is a guide). Counted: **{alarms} false alarms**, {}.",
         if alarms as u64 <= most { "within the budget" } else { "**beyond the budget**" },
     ));
     page.paragraph(format!(
@@ -171,8 +171,8 @@ fn statements(page: &mut Page, seeds: &[Vec<Claim>]) {
 fn twins(page: &mut Page, seeds: &[Vec<Claim>]) {
     page.heading(2, "Wrong twins");
     page.paragraph(format!(
-        "The same measurements on methods with one deliberate mistake; each must be refuted. A twin \
-         that is refuted for all {} seeds has a power of at least {:.0} % (95 % confidence).",
+        "The same measurements on methods with one deliberate mistake; each must be refuted. A \
+         twin that is refuted for all {} seeds has a power of at least {:.0} % (95 % confidence).",
         seeds.len(),
         100.0 * least_power(seeds.len() as u64),
     ));

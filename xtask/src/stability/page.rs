@@ -148,8 +148,8 @@ fn growth(page: &mut Page, growth: &[Growth]) {
     let above: Vec<String> = above.map(|run| format!("`{}`", run.id)).collect();
     if !above.is_empty() {
         page.paragraph(format!(
-            "The interval of the exponent lies above that of a random walk for {}: the bound holds, \
-             but a small drift remains, or a walk that all paths share.",
+            "The interval of the exponent lies above that of a random walk for {}: the bound \
+             holds, but a small drift remains, or a walk that all paths share.",
             above.join(", ")
         ));
     }
@@ -197,21 +197,22 @@ cancel.";
 const GROWTH: &str = "\
 The conformal law holds to rounding in every step. Its error after ten million steps depends on
 whether the roundings are biased: unbiased ones make a random walk, √n·ε, biased ones a drift, n·ε.
-Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over independent paths. The exponent is the slope of log root mean
-square over log n, from n = 1024 on; its interval resamples whole paths. All paths share the damping
-factors and their roundings. Where γ ≠ 0 a part of the walk is therefore common to all: the mean is
-as large as the root mean square, and the interval does not include this part.
+Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over independent paths. The exponent is the slope of log root
+mean square over log n, from n = 1024 on; its interval resamples whole paths. All paths share the
+damping factors and their roundings. Where γ ≠ 0 a part of the walk is therefore common to all: the
+mean is as large as the root mean square, and the interval does not include this part.
 
-*Guarantee.* With a settled solver the root mean square stays below 32ε√n, a walk whose steps are the
-worst roundings of a step. Three sources of drift are removed. Damping factors would be rounded alike
-in every step: deterministic dithering by the golden ratio chooses between the two neighbours.
+*Guarantee.* With a settled solver the root mean square stays below 32ε√n, a walk whose steps are
+the worst roundings of a step. Three sources of drift are removed. Damping factors would be rounded
+alike in every step: deterministic dithering by the golden ratio chooses between the two neighbours.
 Integrals of γ would not add up: they are differences of a function of one time. The stopping test
 of the implicit equation leaves a residual of up to 2ε in the same direction in every step: one more
 sweep, `Solver::settled()`, removes it. It is not the default, since it costs a sweep; the first run
 shows the default.";
 
 const FUZZING: &str = "\
-Numbers are arbitrary bit patterns: NaN, infinities, subnormals, zeros of both signs, the largest and
-smallest numbers, ordinary ones, and pairs that are an ulp apart. Every input must be refused with a
-typed error or accepted. What is accepted must give finite results, and a solve must stay below its
-bound on iterations. A panic, a NaN in a result or a solve that does not end is a failure.";
+Numbers are arbitrary bit patterns: NaN, infinities, subnormals, zeros of both signs, the largest
+and smallest numbers, ordinary ones, and pairs that are an ulp apart. Every input must be refused
+with a typed error or accepted. What is accepted must give finite results, and a solve must stay
+below its bound on iterations. A panic, a NaN in a result or a solve that does not end is a
+failure.";

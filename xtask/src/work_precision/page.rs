@@ -183,23 +183,23 @@ they are the same bits for the same seed. A strong error is (E|y_N − y(T)|²)^
 with areas drawn on the finest steps. Its own error is that of its scheme at its number of steps,
 which stands with each case.
 
-**Times** are those of the block kernels on one thread: increments drawn and clipped, areas drawn and
-clipped for `sexp-levy`, steps; four blocks of 32 paths share the damping. Every repetition times
-every scheme at every step size once. Curves show the smallest time; bars and the column *spread*
-show how far the median lies above it. All schemes take the same step sizes and increments: one
-normal for each noise and step.
+**Times** are those of the block kernels on one thread: increments drawn and clipped, areas drawn
+and clipped for `sexp-levy`, steps; four blocks of 32 paths share the damping. Every repetition
+times every scheme at every step size once. Curves show the smallest time; bars and the column
+*spread* show how far the median lies above it. All schemes take the same step sizes and increments:
+one normal for each noise and step.
 
-**`sexp-levy`** is timed with areas drawn at its own step by the method of Mrongowius and Rößler, with
-as many terms as strong order one needs: a root-mean-square error of at most τ^(3/2) in each area. A
-ladder joins areas from those of the finest steps, without such an error; so an error of the size of
-the proven bound is added to them. The bound is about twice the actual error: the strong errors of
-`sexp-levy` are upper estimates, and its error with exact areas stands beside them.
+**`sexp-levy`** is timed with areas drawn at its own step by the method of Mrongowius and Rößler,
+with as many terms as strong order one needs: a root-mean-square error of at most τ^(3/2) in each
+area. A ladder joins areas from those of the finest steps, without such an error; so an error of the
+size of the proven bound is added to them. The bound is about twice the actual error: the strong
+errors of `sexp-levy` are upper estimates, and its error with exact areas stands beside them.
 
 **Expectations.** A bias is the mean difference to the reference on the same noise, extrapolated in
-the step size. A plain Monte Carlo estimate over N paths of time t, with bias b and standard deviation
-σ of φ(y_N), has the root-mean-square error ε = (b² + σ²/N)^½ and costs t·σ²/(ε² − b²). The cost of an
-accuracy ε is the smallest over the measured step sizes. The bias is taken at the upper end of its
-95 % interval, so that an unresolved bias counts as large as it may be.
+the step size. A plain Monte Carlo estimate over N paths of time t, with bias b and standard
+deviation σ of φ(y_N), has the root-mean-square error ε = (b² + σ²/N)^½ and costs t·σ²/(ε² − b²).
+The cost of an accuracy ε is the smallest over the measured step sizes. The bias is taken at the
+upper end of its 95 % interval, so that an unresolved bias counts as large as it may be.
 
 **Between the points** costs are interpolated linearly in the logarithms; nothing is extrapolated.";
 

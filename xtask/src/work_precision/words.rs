@@ -53,8 +53,8 @@ fn compared(case: &Case, other: &str) -> Option<String> {
     let (least, most) = (number(all().reduce(f64::min)?), number(all().reduce(f64::max)?));
     let range = if least == most { least } else { format!("{least} to {most}") };
     Some(format!(
-        " Between the errors {} and {}, which both reach, `sexp` costs {range} times what `{other}` \
-         costs.",
+        " Between the errors {} and {}, which both reach, `sexp` costs {range} times what \
+         `{other}` costs.",
         number(ratios.first()?.0),
         number(ratios.last()?.0)
     ))
@@ -94,9 +94,9 @@ pub fn areas(case: &Case) -> Option<String> {
         Some(format!("`{}` reaches {}", series.scheme, number(point.error)))
     };
     Some(format!(
-        "A step of `sexp` takes {}, one of `sexp-levy` {}, with {} to {} terms behind each area. At \
-         equal strong error `sexp-levy` costs {} and {} times what `sexp` costs; they cost the same \
-         at {equal}. With {} steps {} and {}.",
+        "A step of `sexp` takes {}, one of `sexp-levy` {}, with {} to {} terms behind each area. \
+         At equal strong error `sexp-levy` costs {} and {} times what `sexp` costs; they cost the \
+         same at {equal}. With {} steps {} and {}.",
         step(sexp)?,
         step(levy)?,
         terms.clone().min()?,
