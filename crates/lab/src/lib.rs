@@ -12,6 +12,7 @@
 //! | [`Experiment`], [`Conditions`], [`Findings`] | what an experiment is, is given and returns |
 //! | [`statements`], [`conformal_law`] | measurements that twins repeat on wrong methods |
 //! | [`Compiled`], [`compiled()`], [`PaperSystem`] | the schemes of the paper on its systems, compiled once |
+//! | [`command`] | what the command lines of all programs share |
 //! | [`streams`] | which noise belongs to which experiment |
 //! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo against the Kolmogorov equation |
 //! | [`coverage()`], [`CoverageRow`] | how often the intervals of `stats` cover the truth |
@@ -19,6 +20,7 @@
 //! The programs of this package are `reproduce`, `battery` (with the twins), `work-precision`,
 //! `hard-cases` and `bench`; what one of them alone needs is in its folder.
 
+pub mod command;
 pub mod conformal_law;
 mod coverage;
 mod experiment;
