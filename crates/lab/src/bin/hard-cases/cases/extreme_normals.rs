@@ -1,0 +1,68 @@
+//! The largest normals that the generator can give, in all directions.
+
+use anyhow::Result;
+use noise::{BlockNoise, Truncation};
+use real::WIDTH;
+use systems::paper::half_cosine;
+
+use super::{Case, Context, Words, body};
+use crate::paths::{CASIMIR, Experiment, Source};
+use crate::results::Row;
+
+pub const CASE: Case = Case {
+    words: Words {
+        id: "extreme-normals",
+        title: "Extreme normals",
+        setup: "Rigid body with three noises, γ = ½cos 2t, 64 steps. Every increment is ±√τ·√(106 \
+                ln 2) = ±8.57√τ, the largest that the generator can give, in all combinations of \
+                signs; areas ±ΔW². With truncation (k = 4) and without.",
+        mathematics: "Every increment is a possible one: the law holds on every path.",
+        quantity: "largest relative distance of |y|² from its law, over the steps before the path \
+                   ends",
+        guarantee: "`sexp` in all forms: on the law to rounding, or a typed error where the \
+                    equation has no solution on the branch of the flow.",
+        varied: "τ",
+        plot: None,
+    },
+    rows,
+};
+
+const TAUS: [f64; 3] = [1.0 / 1024.0, 1.0 / 64.0, 1.0 / 4.0];
+const STEPS: u64 = 64;
+
+fn rows(context: &Context) -> Result<Vec<Row>> {
+    let mut rows = Vec::new();
+    for tau in TAUS {
+        // √(106 ln 2) is the radius of Box–Muller at the smallest uniform 2⁻⁵³.
+        let largest = (106.0 * std::f64::consts::LN_2 * tau).sqrt();
+        let problem = body(half_cosine(), STEPS as f64 * tau)?;
+        let truncated = Experiment::new(&problem, STEPS, context.key)?;
+        for (words, truncation) in
+            [(", truncated", truncated.truncation), ("", Truncation::none())]
+        {
+            let size = largest.min(truncation.bound(tau)?);
+            let source: &Source<3> = &move |_| {
+                let mut drawn = 0;
+                Box::new(move |noise| {
+                    drawn += 1;
+                    extreme(drawn / 3, size, noise);
+                })
+            };
+            let experiment = Experiment { truncation, noise: Some(source), ..truncated };
+            let setting = format!("1/{:.0}{words}", 1.0 / tau);
+            rows.extend(experiment.law_rows(&setting, None, &CASIMIR, |_| None)?);
+        }
+    }
+    Ok(rows)
+}
+
+/// Increments ±`size` with combination number `signs` of the signs, and areas ±`size`².
+fn extreme(signs: u32, size: f64, noise: &mut BlockNoise<3>) {
+    let sign = |m: u32| if signs >> m & 1 == 1 { -1.0 } else { 1.0 };
+    let increments = [0, 1, 2].map(|m| sign(m) * size);
+    let [a, b, c] = [0, 1, 2].map(|m| sign(m) * size * size);
+    for p in 0..WIDTH {
+        noise.increments.set_path(p, increments);
+        noise.areas.set_path(p, [[0.0, a, b], [-a, 0.0, c], [-b, -c, 0.0]]);
+    }
+}
