@@ -7,7 +7,7 @@
 //! points of one path are not.
 
 use anyhow::Result;
-use lab::Compiled;
+use lab::{Compiled, compiled, streams};
 use mc::{Ladder, Run, Statistic, View};
 use noise::{StreamKey, Truncation};
 use nonlin::{Method, Solver};
@@ -15,8 +15,7 @@ use real::{WIDTH, elementary};
 use schemes::Sexp;
 use systems::paper::{INERTIA, LOTKA_VOLTERRA_START, NOISE_INERTIA, rigid_body_start};
 use systems::{
-    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, PoissonSystem, Problem,
-    RigidBody, Sine,
+    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, Problem, RigidBody, Sine,
 };
 
 use crate::Arguments;
@@ -30,8 +29,6 @@ const QUICK_STEPS: u64 = 65_536;
 const FIRST: u64 = 1024;
 /// Samples of the bootstrap.
 const RESAMPLES: usize = 2000;
-/// Experiments of long runs count from here.
-const FIRST_EXPERIMENT: u64 = (1 << 33) + (1 << 16);
 
 /// A long run of one scheme.
 struct LongRun<'a> {
@@ -51,7 +48,8 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
     let lotka_volterra = LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0)?;
     let (none, slow, pumped) =
         (&Constant::new(0.0)?, &Constant::new(2e-5)?, &Constant::new(-2e-5)?);
-    let (linear, cosine, sine) = (&Linear::new(1e-8)?, &Cosine::new(0.5, 2.0)?, &Sine::new(1.0, 1.0)?);
+    let (linear, cosine, sine) =
+        (&Linear::new(1e-8)?, &Cosine::new(0.5, 2.0)?, &Sine::new(1.0, 1.0)?);
     let settled = |method: Solver| Sexp { solver: method.settled() };
     let default = ("sexp", Sexp::default());
     let fixed = ("sexp, settled", settled(Solver::default()));
@@ -86,16 +84,28 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
     let mut growths = Vec::new();
     for run in &bodies {
         let system = ("Rigid body with three noises", body);
-        growths.push(growth::<_, 3, 3>(arguments, growths.len() as u64, run, system, rigid_body_start())?);
+        growths.push(growth::<_, 3, 3>(
+            arguments,
+            growths.len() as u64,
+            run,
+            system,
+            rigid_body_start(),
+        )?);
     }
     for run in &volterras {
         let system = ("Lotka–Volterra with a = b = −1", lotka_volterra);
-        growths.push(growth::<_, 3, 1>(arguments, growths.len() as u64, run, system, LOTKA_VOLTERRA_START)?);
+        growths.push(growth::<_, 3, 1>(
+            arguments,
+            growths.len() as u64,
+            run,
+            system,
+            LOTKA_VOLTERRA_START,
+        )?);
     }
     Ok(growths)
 }
 
-fn growth<S: Compiled<D, M>, const D: usize, const M: usize>(
+fn growth<S: Compiled<Sexp, D, M>, const D: usize, const M: usize>(
     arguments: &Arguments,
     number: u64,
     run: &LongRun<'_>,
@@ -104,7 +114,7 @@ fn growth<S: Compiled<D, M>, const D: usize, const M: usize>(
 ) -> Result<Growth> {
     eprintln!("{}", run.id);
     let steps = arguments.many(STEPS, QUICK_STEPS);
-    let key = StreamKey { seed: arguments.seed, experiment: FIRST_EXPERIMENT + number };
+    let key = StreamKey { seed: arguments.seed, experiment: streams::GROWTH + number };
     let problem = Problem::new::<M>(system, run.damping, y0, steps as f64 * run.tau)?;
     let invariant = problem.system.invariants()[run.invariant];
     let value = |y| problem.system.invariant(run.invariant, y);
@@ -112,7 +122,7 @@ fn growth<S: Compiled<D, M>, const D: usize, const M: usize>(
         let damping = run.damping.integral(0.0, n as f64 * run.tau);
         value(y) / (value(y0) * elementary::exp(-invariant.degree * damping)) - 1.0
     };
-    let scheme = S::sexp(run.scheme.1);
+    let scheme = compiled::<_, S, D, M>(run.scheme.1);
     let runs = vec![Run::new(scheme.as_ref(), 0)];
     let ladder = Ladder::new(&problem, steps, 0, Truncation::new(4)?, key, runs)?;
     let new = || Defects { steps, defect: &defect, rows: Vec::new() };
@@ -126,7 +136,7 @@ fn growth<S: Compiled<D, M>, const D: usize, const M: usize>(
             max: d.iter().map(|d| d.abs()).fold(0.0, f64::max),
         })
         .collect();
-    let mut bits = Bits::new(arguments.seed, FIRST_EXPERIMENT, number);
+    let mut bits = Bits::new(arguments.seed, streams::GROWTH, number);
     let mut slopes: Vec<f64> = (0..RESAMPLES)
         .map(|_| slope(&rows, &[(); WIDTH].map(|()| bits.below(WIDTH as u64) as usize)))
         .collect();

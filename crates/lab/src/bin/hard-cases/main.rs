@@ -104,8 +104,8 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     };
     results.provenance = provenance::complete(results.provenance, "cargo xtask stability", start);
     files::write_json(&arguments.out.join("stability.json"), &results)?;
-    let page = page::page(&results)?;
-    for file in arguments.page.iter().chain([&arguments.out.join("stability.md")]) {
+    let page = page::page(&results);
+    for file in arguments.page.iter().chain([&arguments.out.join("stability.md")]).rev() {
         page.write(file)?;
     }
     print!("{}", page::summary(&results));

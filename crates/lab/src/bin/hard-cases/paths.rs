@@ -113,8 +113,7 @@ where
     pub fn run(&self, scheme: &Tested<S, D, M>) -> Result<Vec<Path<D>>> {
         let few = FewPaths { scheme, paths: WIDTH.min(self.paths as usize) };
         let runs = vec![Run::new(&few, 0)];
-        let mut ladder =
-            Ladder::new(self.problem, self.steps, 0, self.truncation, self.key, runs)?;
+        let mut ladder = Ladder::new(self.problem, self.steps, 0, self.truncation, self.key, runs)?;
         if let Some(source) = self.noise {
             ladder = ladder.with_noise(FromFunction(source));
         }
@@ -124,14 +123,12 @@ where
     }
 
     /// A row for every scheme.
-    pub fn rows(
-        &self,
-        row: impl Fn(&Tested<S, D, M>, &[Path<D>]) -> Row,
-    ) -> Result<Vec<Row>> {
+    pub fn rows(&self, row: impl Fn(&Tested<S, D, M>, &[Path<D>]) -> Row) -> Result<Vec<Row>> {
         let row = |scheme: Tested<S, D, M>| {
             let paths = self.run(&scheme)?;
             let overflows = |path: &Path<D>| matches!(path.stop, Some((Cause::Overflow, _)));
-            Ok(Row { overflowed: paths.iter().any(overflows), ..row(&scheme, &paths) })
+            let (overflowed, newton) = (paths.iter().any(overflows), scheme.newton);
+            Ok(Row { overflowed, newton, ..row(&scheme, &paths) })
         };
         schemes(&self.problem.system, self.problem.y0).into_iter().map(row).collect()
     }
@@ -176,10 +173,11 @@ where
                     total += damping.integral(self.time(n - 1), self.time(n)).abs();
                     residuals += residual_share(path.residuals[n - 1].unwrap_or(0.0), *y);
                 }
-                let allowed = law.weight * (law_bound(n as u64, total) + residuals)
-                    + newton_step * n as f64;
+                let allowed =
+                    law.weight * (law_bound(n as u64, total) + residuals) + newton_step * n as f64;
                 for &index in law.invariants {
-                    let decay = (-invariants[index].degree * damping.integral(0.0, self.time(n))).exp();
+                    let decay =
+                        (-invariants[index].degree * damping.integral(0.0, self.time(n))).exp();
                     let exact = system.invariant(index, *y0) * decay;
                     let defect = (system.invariant(index, *y) / exact - 1.0).abs();
                     distance.worst = distance.worst.max(defect);
@@ -226,8 +224,8 @@ where
     G: Damping,
 {
     fn observe(&mut self, view: &View<'_, D>) {
-        let Experiment { problem, paths, .. } = self.experiment;
-        let block = (view.first_path..paths.min(view.first_path + WIDTH as u64)).zip(0..);
+        let Experiment { problem, paths, .. } = &self.experiment;
+        let block = (view.first_path..(*paths).min(view.first_path + WIDTH as u64)).zip(0..);
         for (number, p) in block {
             let start = || Path { states: vec![problem.y0], residuals: Vec::new(), stop: None };
             let path = self.paths.entry(number).or_insert_with(start);

@@ -58,7 +58,7 @@ pub struct Case {
 }
 
 /// One scheme in one setting of a case.
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 pub struct Row {
     /// The setting in words.
     pub setting: String,
@@ -85,6 +85,9 @@ pub struct Row {
     /// Whether the state overflowed: a figure draws it at its upper border.
     #[serde(skip)]
     pub overflowed: bool,
+    /// Whether Newton's method came first: not drawn, since it looks like the fixed point.
+    #[serde(skip)]
+    pub newton: bool,
 }
 
 impl Row {
@@ -107,6 +110,7 @@ impl Row {
             error,
             verdict: if seen { Verdict::Observed } else { Verdict::Refuted },
             overflowed: false,
+            newton: false,
         }
     }
 

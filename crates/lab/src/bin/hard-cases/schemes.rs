@@ -1,7 +1,7 @@
 //! The schemes that every case is run with.
 
-use nonlin::{BlockStatus, Method, Solution, Solver};
 use noise::{BlockNoise, Noise};
+use nonlin::{BlockStatus, Method, Solution, Solver};
 use real::Block;
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step};
 use systems::PoissonSystem;

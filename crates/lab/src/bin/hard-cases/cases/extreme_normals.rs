@@ -37,8 +37,7 @@ fn rows(context: &Context) -> Result<Vec<Row>> {
         let largest = (106.0 * std::f64::consts::LN_2 * tau).sqrt();
         let problem = body(half_cosine(), STEPS as f64 * tau)?;
         let truncated = Experiment::new(&problem, STEPS, context.key)?;
-        for (words, truncation) in
-            [(", truncated", truncated.truncation), ("", Truncation::none())]
+        for (words, truncation) in [(", truncated", truncated.truncation), ("", Truncation::none())]
         {
             let size = largest.min(truncation.bound(tau)?);
             let source: &Source<3> = &move |_| {

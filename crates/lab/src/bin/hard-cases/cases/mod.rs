@@ -16,6 +16,7 @@ mod stiff_damping;
 mod stiff_hamiltonian;
 
 use anyhow::Result;
+use lab::streams;
 use noise::StreamKey;
 use serde::Serialize;
 use systems::paper::{INERTIA, NOISE_INERTIA, rigid_body_start};
@@ -76,9 +77,6 @@ pub static CASES: [Case; 13] = [
     no_noise::CASE,
 ];
 
-/// Experiments of the cases count from here.
-const FIRST_EXPERIMENT: u64 = 1 << 33;
-
 /// What a case needs to run.
 struct Context<'a> {
     key: StreamKey,
@@ -87,12 +85,15 @@ struct Context<'a> {
 
 /// Runs the cases that are asked for.
 pub fn run(arguments: &Arguments) -> Result<Vec<results::Case>> {
-    let numbered = CASES.iter().zip(FIRST_EXPERIMENT..);
+    let numbered = CASES.iter().zip(streams::HARD_CASES..);
     let wanted = numbered.filter(|(case, _)| arguments.wants(case.words.id));
     wanted
         .map(|(case, experiment)| {
             let key = StreamKey { seed: arguments.seed, experiment };
-            Ok(results::Case { words: &case.words, rows: (case.rows)(&Context { key, arguments })? })
+            Ok(results::Case {
+                words: &case.words,
+                rows: (case.rows)(&Context { key, arguments })?,
+            })
         })
         .collect()
 }

@@ -46,8 +46,7 @@ fn rows(context: &Context) -> Result<Vec<Row>> {
             let difference = |a: [f64; 3], b: [f64; 3]| length([0, 1, 2].map(|i| a[i] - b[i]));
             let order = (difference(end(0), end(1)) / difference(end(1), end(2))).log2();
             let error = stops(&paths);
-            let kept =
-                error.is_none() && (order - scheme.order).abs() <= SLACK / steps as f64;
+            let kept = error.is_none() && (order - scheme.order).abs() <= SLACK / steps as f64;
             let x = Some(1.0 / steps as f64);
             let row = Row::observed(&setting, x, scheme.name, order, error);
             rows.push(row.with_exact(scheme.order).guaranteed(kept));

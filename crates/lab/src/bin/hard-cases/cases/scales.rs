@@ -50,7 +50,7 @@ fn rows(context: &Context) -> Result<Vec<Row>> {
         Ok(Problem::new::<3>(body, half_cosine(), start, STEPS as f64 * TAU)?)
     };
     let plain = problem(1.0)?;
-    let run = |problem, scheme: &Tested<RigidBody<3>, 3, 3>| {
+    let run = |problem: &Problem<_, _, 3>, scheme: &Tested<RigidBody<3>, 3, 3>| {
         Experiment { noise: Some(without_areas), ..Experiment::new(problem, STEPS, key)? }
             .run(scheme)
     };

@@ -37,8 +37,7 @@ const EXPLICIT_FAILS: f64 = 1e3;
 
 /// H₀ is a quadratic form whose largest coefficient is three times its smallest, so that rounding
 /// in it is at most three times that in ½|y|².
-const LAWS: Law =
-    Law { invariants: &[0, 1], weight: 3.0, counts_continuation: true, ..CASIMIR };
+const LAWS: Law = Law { invariants: &[0, 1], weight: 3.0, counts_continuation: true, ..CASIMIR };
 
 fn rows(context: &Context) -> Result<Vec<Row>> {
     let mut rows = Vec::new();

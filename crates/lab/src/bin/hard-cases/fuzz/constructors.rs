@@ -3,9 +3,7 @@
 use anyhow::{Result, ensure};
 use noise::{AreaMethod, Truncation};
 use schemes::Step;
-use systems::{
-    Constant, Cosine, Damping, DampingFunction, Linear, PoissonSystem, Problem, Sine,
-};
+use systems::{Constant, Cosine, Damping, DampingFunction, Linear, PoissonSystem, Problem, Sine};
 
 use super::systems::{Visitor, visit};
 use super::{Bits, Fed, Target, accepted, counted};

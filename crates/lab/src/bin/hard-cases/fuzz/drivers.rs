@@ -1,10 +1,11 @@
 //! Everything that runs paths.
 
 use anyhow::ensure;
-use lab::Compiled;
+use lab::compiled;
 use mc::multilevel::{Coupling, Settings, expectation};
 use mc::{Ladder, Observable, Run, trajectory};
 use noise::{StreamKey, Truncation};
+use schemes::EulerMaruyama;
 use systems::{Constant, Pendulum, Problem};
 
 use super::{Bits, Fed, Target, accepted, counted};
@@ -26,7 +27,7 @@ fn feed(bits: &mut Bits) -> Fed {
     let truncation = if bits.one_in(3) { Ok(Truncation::none()) } else { drawn };
     let Some(truncation) = accepted(truncation)? else { return Ok(None) };
     let key = StreamKey { seed: bits.word(), experiment: bits.word() };
-    let em = Pendulum::euler_maruyama();
+    let em = compiled(EulerMaruyama);
     let mut few = |wild: u64, few: u64| {
         if bits.one_in(8) { bits.below(wild) } else { bits.below(few) }
     };

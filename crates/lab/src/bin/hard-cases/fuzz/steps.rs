@@ -1,11 +1,11 @@
 //! The step of every scheme on every system.
 
 use anyhow::{Result, ensure};
-use lab::Compiled;
+use lab::{PaperSystem, compiled};
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Method, Outcome, Solution, Solver};
 use real::{Block, WIDTH};
-use schemes::{Midpoint, Scheme, Sexp, SexpLevy, Step};
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step};
 use systems::{Constant, Pendulum, PoissonSystem, RigidBody};
 
 use super::systems::{Visitor, visit};
@@ -82,19 +82,19 @@ impl Visitor for TakeStep {
 }
 
 /// A step of 32 different paths, some ordinary and some not.
-fn block_step<S: Compiled<D, M>, const D: usize, const M: usize>(
+fn block_step<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
     bits: &mut Bits,
     system: &S,
 ) -> Fed {
     let Some(step) = step(bits)? else { return Ok(None) };
     let scheme: Box<dyn Scheme<S, D, M>> = match bits.below(7) {
-        0 => S::sexp(Sexp { solver: Solver::new(Method::FixedPoint) }),
-        1 => S::sexp(Sexp { solver: Solver::new(Method::Newton) }),
-        2 => S::sexp(Sexp { solver: Solver::default().settled() }),
-        3 => S::sexp_levy(SexpLevy::new(system, [1.0; D])),
-        4 => S::midpoint(Midpoint::default()),
-        5 => S::heun(),
-        _ => S::euler_maruyama(),
+        0 => compiled(Sexp { solver: Solver::new(Method::FixedPoint) }),
+        1 => compiled(Sexp { solver: Solver::new(Method::Newton) }),
+        2 => compiled(Sexp { solver: Solver::default().settled() }),
+        3 => Box::new(SexpLevy::new(system, [1.0; D])),
+        4 => compiled(Midpoint::default()),
+        5 => Box::new(Heun),
+        _ => compiled(EulerMaruyama),
     };
     let (mut noises, mut start) = (BlockNoise::zero(), Block::zero());
     for p in 0..WIDTH {
