@@ -59,7 +59,9 @@ pub fn summary(results: &Stability) -> String {
             case.words.id
         ));
         let refuted = case.rows.iter().filter(|row| row.verdict == Verdict::Refuted);
-        lines.extend(refuted.map(|row| format!("  {} {}: {}", row.setting, row.scheme, cell(row))));
+        lines.extend(
+            refuted.map(|row| format!("  {} {}: {}", row.setting.words, row.scheme, cell(row))),
+        );
     }
     lines.extend(results.growth.iter().map(|run| {
         let end = run.points.last().map_or(f64::NAN, |point| point.rms);
@@ -124,17 +126,20 @@ fn table(page: &mut Page, case: &Case) {
     let schemes = distinct(case.rows.iter().map(|row| row.scheme));
     let quoted = schemes.iter().map(|scheme| format!("`{scheme}`"));
     let head = [case.words.varied, "exact", "bound"].map(str::to_owned).into_iter().chain(quoted);
-    let lines = distinct(case.rows.iter().map(|row| &row.setting)).into_iter().map(|setting| {
-        let rows: Vec<&Row> = case.rows.iter().filter(|row| row.setting == *setting).collect();
-        let exact = distinct(rows.iter().filter_map(|row| row.exact.map(number)));
-        let holding = rows.iter().filter(|row| row.verdict == Verdict::Holds);
-        let bound =
-            holding.filter_map(|row| row.bound).reduce(f64::max).map_or(String::new(), number);
-        let row = |scheme: &&str| rows.iter().find(|row| row.scheme == *scheme);
-        let cells = schemes.iter().map(|scheme| row(scheme).map_or(String::new(), |row| cell(row)));
-        let start = [setting.clone(), exact.join("; "), bound];
-        start.into_iter().chain(cells).collect::<Vec<String>>()
-    });
+    let lines =
+        distinct(case.rows.iter().map(|row| &row.setting.words)).into_iter().map(|setting| {
+            let rows: Vec<&Row> =
+                case.rows.iter().filter(|row| row.setting.words == *setting).collect();
+            let exact = distinct(rows.iter().filter_map(|row| row.exact.map(number)));
+            let holding = rows.iter().filter(|row| row.verdict == Verdict::Holds);
+            let bound =
+                holding.filter_map(|row| row.bound).reduce(f64::max).map_or(String::new(), number);
+            let row = |scheme: &&str| rows.iter().find(|row| row.scheme == *scheme);
+            let cells =
+                schemes.iter().map(|scheme| row(scheme).map_or(String::new(), |row| cell(row)));
+            let start = [setting.clone(), exact.join("; "), bound];
+            start.into_iter().chain(cells).collect::<Vec<String>>()
+        });
     page.table(head, lines.collect::<Vec<_>>());
 }
 

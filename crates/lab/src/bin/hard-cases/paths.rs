@@ -10,7 +10,8 @@ use noise::{StreamKey, Truncation};
 use real::WIDTH;
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::results::Row;
+use crate::cases::Context;
+use crate::results::{Row, Setting};
 use crate::rounding::{law_bound, residual_share};
 use crate::schemes::{Family, FewPaths, Tested, schemes};
 
@@ -45,15 +46,22 @@ pub struct Path<const D: usize> {
     pub stop: Option<(Cause, u64)>,
 }
 
+impl<const D: usize> Path<D> {
+    /// Its last state.
+    pub fn end(&self) -> [f64; D] {
+        self.states[self.states.len() - 1]
+    }
+}
+
 /// The paths of a problem, on equal steps up to its final time.
-pub struct Experiment<'a, S, G, const D: usize, const M: usize> {
-    pub problem: &'a Problem<S, G, D>,
+pub struct Experiment<S, G, const D: usize, const M: usize> {
+    pub problem: Problem<S, G, D>,
     pub steps: u64,
     pub paths: u64,
     pub truncation: Truncation,
     pub key: StreamKey,
     /// Where the noise comes from, if not from the streams.
-    pub noise: Option<&'a Source<M>>,
+    pub noise: Option<Box<Source<M>>>,
 }
 
 /// Gives the noise of a block of paths from its first path on, see [`NoiseSource`].
@@ -94,14 +102,21 @@ pub struct Distance {
     pub bound: f64,
 }
 
-impl<'a, S, G, const D: usize, const M: usize> Experiment<'a, S, G, D, M>
+impl<S, G, const D: usize, const M: usize> Experiment<S, G, D, M>
 where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    /// One path with increments truncated as in the reproduction, k = 4.
-    pub fn new(problem: &'a Problem<S, G, D>, steps: u64, key: StreamKey) -> Result<Self> {
-        Ok(Self { problem, steps, paths: 1, truncation: Truncation::new(4)?, key, noise: None })
+    /// One path with increments truncated as in the reproduction, and steps of size `tau`.
+    pub fn new(
+        context: &Context,
+        (system, damping): (S, G),
+        y0: [f64; D],
+        (steps, tau): (u64, f64),
+    ) -> Result<Self> {
+        let problem = Problem::new::<M>(system, damping, y0, steps as f64 * tau)?;
+        let truncation = lab::truncation();
+        Ok(Self { problem, steps, paths: 1, truncation, key: context.key, noise: None })
     }
 
     /// t_n.
@@ -113,8 +128,9 @@ where
     pub fn run(&self, scheme: &Tested<S, D, M>) -> Result<Vec<Path<D>>> {
         let few = FewPaths { scheme, paths: WIDTH.min(self.paths as usize) };
         let runs = vec![Run::new(&few, 0)];
-        let mut ladder = Ladder::new(self.problem, self.steps, 0, self.truncation, self.key, runs)?;
-        if let Some(source) = self.noise {
+        let mut ladder =
+            Ladder::new(&self.problem, self.steps, 0, self.truncation, self.key, runs)?;
+        if let Some(source) = &self.noise {
             ladder = ladder.with_noise(FromFunction(source));
         }
         let record = || Record { experiment: self, paths: BTreeMap::new() };
@@ -122,34 +138,41 @@ where
         Ok(measured.statistic.paths.into_values().collect())
     }
 
-    /// A row for every scheme.
-    pub fn rows(&self, row: impl Fn(&Tested<S, D, M>, &[Path<D>]) -> Row) -> Result<Vec<Row>> {
-        let row = |scheme: Tested<S, D, M>| {
-            let paths = self.run(&scheme)?;
+    /// The schemes.
+    pub fn schemes(&self) -> Vec<Tested<S, D, M>> {
+        schemes(&self.problem.system, self.problem.y0)
+    }
+
+    /// A row for every scheme, which `complete` gives its figure and its claim.
+    pub fn rows(
+        &self,
+        setting: impl Into<Setting>,
+        complete: impl Fn(Row, &Tested<S, D, M>, &[Path<D>]) -> Row,
+    ) -> Result<Vec<Row>> {
+        let setting = setting.into();
+        let row = |scheme: &Tested<S, D, M>| {
+            let paths = self.run(scheme)?;
             let overflows = |path: &Path<D>| matches!(path.stop, Some((Cause::Overflow, _)));
-            let (overflowed, newton) = (paths.iter().any(overflows), scheme.newton);
-            Ok(Row { overflowed, newton, ..row(&scheme, &paths) })
+            let row = complete(Row::new(&setting, scheme.name, stops(&paths)), scheme, &paths);
+            Ok(Row { overflowed: paths.iter().any(overflows), newton: scheme.newton, ..row })
         };
-        schemes(&self.problem.system, self.problem.y0).into_iter().map(row).collect()
+        self.schemes().iter().map(row).collect()
     }
 
     /// The distance from a law for every scheme. The conformal schemes keep it; `must_exceed` is
     /// the distance that a scheme has to exceed, if theory predicts that it fails.
     pub fn law_rows(
         &self,
-        setting: &str,
-        x: Option<f64>,
+        setting: impl Into<Setting>,
         law: &Law,
         must_exceed: impl Fn(Family) -> Option<f64>,
     ) -> Result<Vec<Row>> {
-        self.rows(|scheme, paths| {
+        self.rows(setting, |row, scheme, paths| {
             let Distance { worst, excess, bound } = self.distance(paths, law, scheme.newton);
-            let row = Row::observed(setting, x, scheme.name, worst, stops(paths));
-            let ends_early = law.to_the_end && row.error.is_some();
+            let kept = excess <= 1.0 && !(law.to_the_end && row.error.is_some());
+            let row = row.with_figure(worst);
             let row = match must_exceed(scheme.family) {
-                _ if scheme.family == Family::Conformal => {
-                    Row { bound: Some(bound), ..row.guaranteed(excess <= 1.0 && !ends_early) }
-                }
+                _ if scheme.family == Family::Conformal => row.guaranteed(kept, bound),
                 Some(bound) => row.must_exceed(bound),
                 None => row,
             };
@@ -162,7 +185,7 @@ where
 
     /// The distance of all paths from a law. Where both sides of it overflow there is none.
     pub fn distance(&self, paths: &[Path<D>], law: &Law, newton: bool) -> Distance {
-        let Problem { system, damping, y0, .. } = self.problem;
+        let Problem { system, damping, y0, .. } = &self.problem;
         let invariants = system.invariants();
         let newton_step = if newton { law.newton_step } else { 0.0 };
         let mut distance = Distance::default();
@@ -214,7 +237,7 @@ impl<const M: usize> NoiseSource<M> for FromFunction<'_, M> {
 
 /// Keeps every path.
 struct Record<'a, S, G, const D: usize, const M: usize> {
-    experiment: &'a Experiment<'a, S, G, D, M>,
+    experiment: &'a Experiment<S, G, D, M>,
     paths: BTreeMap<u64, Path<D>>,
 }
 

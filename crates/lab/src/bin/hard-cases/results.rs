@@ -57,14 +57,35 @@ pub struct Case {
     pub rows: Vec<Row>,
 }
 
+/// What is set in a row.
+#[derive(Clone, Serialize)]
+pub struct Setting {
+    /// In words.
+    #[serde(rename = "setting")]
+    pub words: String,
+    /// As a number, where it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x: Option<f64>,
+}
+
+impl From<f64> for Setting {
+    fn from(x: f64) -> Self {
+        Self { words: x.to_string(), x: Some(x) }
+    }
+}
+
+impl From<String> for Setting {
+    fn from(words: String) -> Self {
+        Self { words, x: None }
+    }
+}
+
 /// One scheme in one setting of a case.
 #[derive(Clone, Serialize)]
 pub struct Row {
-    /// The setting in words.
-    pub setting: String,
-    /// The setting as a number, where it is one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub x: Option<f64>,
+    /// The setting.
+    #[serde(flatten)]
+    pub setting: Setting,
     /// `sexp`, `sexp-newton`, `sexp-levy`, `midpoint`, `heun`, `em`; or the discrete gradient that
     /// is tested.
     pub scheme: &'static str,
@@ -91,43 +112,39 @@ pub struct Row {
 }
 
 impl Row {
-    /// A figure of which nothing is guaranteed but that it is a number, unless there is an error.
-    pub fn observed(
-        setting: &str,
-        x: Option<f64>,
-        scheme: &'static str,
-        figure: f64,
-        error: Option<String>,
-    ) -> Self {
-        let seen = figure.is_finite() || error.is_some();
+    /// A row without a figure, of which nothing is guaranteed.
+    pub fn new(setting: &Setting, scheme: &'static str, error: Option<String>) -> Self {
         Self {
-            setting: setting.to_owned(),
-            x,
+            setting: setting.clone(),
             scheme,
-            measured: figure.is_finite().then_some(figure),
+            measured: None,
             exact: None,
             bound: None,
             error,
-            verdict: if seen { Verdict::Observed } else { Verdict::Refuted },
+            verdict: Verdict::Observed,
             overflowed: false,
             newton: false,
         }
     }
 
-    /// With its exact value.
-    pub fn with_exact(self, exact: f64) -> Self {
-        Self { exact: Some(exact), ..self }
+    /// With a figure, which must be a number unless there is an error.
+    pub fn with_figure(self, figure: f64) -> Self {
+        let measured = Some(figure).filter(|figure| figure.is_finite());
+        let seen = measured.is_some() || self.error.is_some();
+        let verdict = if seen { self.verdict } else { Verdict::Refuted };
+        Self { measured, verdict, ..self }
     }
 
-    /// A guarantee that was kept or not.
-    pub fn guaranteed(self, kept: bool) -> Self {
-        Self { verdict: if kept { Verdict::Holds } else { Verdict::Refuted }, ..self }
+    /// A guarantee that was kept or not, with its bound where that is one of the figure.
+    pub fn guaranteed(self, kept: bool, bound: impl Into<Option<f64>>) -> Self {
+        let verdict = if kept { Verdict::Holds } else { Verdict::Refuted };
+        Self { bound: bound.into(), verdict, ..self }
     }
 
     /// A guarantee that the figure is at most `bound`, up to the end.
     pub fn at_most(self, bound: f64) -> Self {
         let kept = self.error.is_none() && self.measured.is_some_and(|figure| figure <= bound);
-        Self { bound: Some(bound), ..self.guaranteed(kept) }
+        self.guaranteed(kept, bound)
     }
 
     /// The scheme must exceed `bound` or stop with an error.

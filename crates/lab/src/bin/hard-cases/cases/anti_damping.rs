@@ -3,8 +3,8 @@
 use anyhow::Result;
 use systems::Constant;
 
-use super::{Case, Context, Words, body};
-use crate::paths::{CASIMIR, Experiment, Law};
+use super::{Case, Context, Words, body, each};
+use crate::paths::{CASIMIR, Law};
 use crate::results::Row;
 
 pub const CASE: Case = Case {
@@ -43,12 +43,9 @@ const OTHERS_OFF: f64 = 1e-6;
 const LAW: Law = Law { newton_step: 4.0 / (1u64 << 32) as f64, ..CASIMIR };
 
 fn rows(context: &Context) -> Result<Vec<Row>> {
-    let mut rows = Vec::new();
-    for x in DAMPING {
-        let problem = body(Constant::new(x / TAU)?, STEPS as f64 * TAU)?;
-        let experiment = Experiment::new(&problem, STEPS, context.key)?;
+    each(DAMPING, |x| {
         let must_exceed = (x <= OTHERS_FAIL).then_some(OTHERS_OFF);
-        rows.extend(experiment.law_rows(&format!("{x}"), Some(x), &LAW, |_| must_exceed)?);
-    }
-    Ok(rows)
+        let experiment = body(context, Constant::new(x / TAU)?, (STEPS, TAU))?;
+        experiment.law_rows(x, &LAW, |_| must_exceed)
+    })
 }

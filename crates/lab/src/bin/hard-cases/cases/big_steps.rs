@@ -3,7 +3,7 @@
 use anyhow::Result;
 use systems::paper::half_cosine;
 
-use super::{Case, Context, Words, body};
+use super::{Case, Context, Words, body, each};
 use crate::paths::{CASIMIR, Experiment};
 use crate::results::Row;
 
@@ -24,16 +24,10 @@ pub const CASE: Case = Case {
     rows,
 };
 
-const TAUS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
-const STEPS: u64 = 64;
-
 fn rows(context: &Context) -> Result<Vec<Row>> {
-    let mut rows = Vec::new();
-    for tau in TAUS {
-        let problem = body(half_cosine(), STEPS as f64 * tau)?;
-        let paths = context.arguments.many(32, 4);
-        let experiment = Experiment { paths, ..Experiment::new(&problem, STEPS, context.key)? };
-        rows.extend(experiment.law_rows(&format!("{tau}"), Some(tau), &CASIMIR, |_| None)?);
-    }
-    Ok(rows)
+    let paths = context.arguments.many(32, 4);
+    each([0.1, 0.3, 0.5, 0.7, 0.9], |tau| {
+        let experiment = body(context, half_cosine(), (64, tau))?;
+        Experiment { paths, ..experiment }.law_rows(tau, &CASIMIR, |_| None)
+    })
 }

@@ -2,12 +2,10 @@
 
 use anyhow::Result;
 use systems::paper::{INERTIA, NOISE_INERTIA};
-use systems::{
-    Constant, IntegerExponents, LotkaVolterra, Pendulum, PoissonSystem, Problem, RigidBody,
-};
+use systems::{Constant, IntegerExponents, LotkaVolterra, Pendulum, PoissonSystem, RigidBody};
 
 use super::{Case, Context, Words};
-use crate::paths::{Experiment, stops};
+use crate::paths::Experiment;
 use crate::results::Row;
 
 pub const CASE: Case = Case {
@@ -29,50 +27,41 @@ pub const CASE: Case = Case {
     rows,
 };
 
-const TAU: f64 = 1.0 / 16.0;
-const STEPS: u64 = 128;
-const T_END: f64 = STEPS as f64 * TAU;
+const STEPS: (u64, f64) = (128, 1.0 / 16.0);
 
 fn rows(context: &Context) -> Result<Vec<Row>> {
     let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA)?;
     let (pendulum, still) = (Pendulum::new(1.0)?, Pendulum::new(0.0)?);
     let lotka_volterra = LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0)?;
+    let (none, some) = (Constant::new(0.0)?, Constant::new(2.0)?);
     // The float next to π is no equilibrium: its sine is 1.2e-16, and the distance grows like e^t.
-    let upright = ([0.0, std::f64::consts::PI], f64::EPSILON * T_END.exp());
-    Ok([
-        stay::<_, 3, 3>(context, "rigid body, y₀ = 0, γ = 2", body, 2.0, ([0.0; 3], 0.0))?,
-        stay::<_, 3, 3>(
-            context,
-            "rigid body, y₀ = (0, 1, 0), γ = 0",
-            body,
-            0.0,
-            ([0.0, 1.0, 0.0], 0.0),
-        )?,
-        stay(context, "pendulum, y₀ = 0, γ = 2", pendulum, 2.0, ([0.0; 2], 0.0))?,
-        stay(context, "pendulum upright, γ = 0, no noise", still, 0.0, upright)?,
+    let (pi, t_end) = ([0.0, std::f64::consts::PI], STEPS.0 as f64 * STEPS.1);
+    let moved = |system, y0| Experiment::<_, _, 3, 3>::new(context, system, y0, STEPS);
+    let tilted = |system, y0| Experiment::<_, _, 2, 1>::new(context, system, y0, STEPS);
+    let half = Experiment::<_, _, 3, 1>::new(context, (lotka_volterra, none), [0.5; 3], STEPS)?;
+    let rows = [
+        stay("rigid body, y₀ = 0, γ = 2", &moved((body, some), [0.0; 3])?, 0.0)?,
+        stay("rigid body, y₀ = (0, 1, 0), γ = 0", &moved((body, none), [0.0, 1.0, 0.0])?, 0.0)?,
+        stay("pendulum, y₀ = 0, γ = 2", &tilted((pendulum, some), [0.0; 2])?, 0.0)?,
         stay(
-            context,
-            "Lotka–Volterra, y₀ = (½, ½, ½), γ = 0",
-            lotka_volterra,
-            0.0,
-            ([0.5; 3], 0.0),
+            "pendulum upright, γ = 0, no noise",
+            &tilted((still, none), pi)?,
+            f64::EPSILON * t_end.exp(),
         )?,
-    ]
-    .concat())
+        stay("Lotka–Volterra, y₀ = (½, ½, ½), γ = 0", &half, 0.0)?,
+    ];
+    Ok(rows.concat())
 }
 
-/// The largest distance from `y0`, at most `bound`.
+/// The largest distance from y₀, at most `bound`.
 fn stay<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-    context: &Context,
     setting: &str,
-    system: S,
-    rate: f64,
-    (y0, bound): ([f64; D], f64),
+    experiment: &Experiment<S, Constant, D, M>,
+    bound: f64,
 ) -> Result<Vec<Row>> {
-    let problem = Problem::new::<M>(system, Constant::new(rate)?, y0, T_END)?;
-    Experiment::new(&problem, STEPS, context.key)?.rows(|scheme, paths| {
-        let components = paths[0].states.iter().flat_map(|y| (0..D).map(|i| (y[i] - y0[i]).abs()));
-        let distance = components.fold(0.0, f64::max);
-        Row::observed(setting, None, scheme.name, distance, stops(paths)).at_most(bound)
+    experiment.rows(setting.to_owned(), |row, _, paths| {
+        let states = &paths[0].states;
+        let components = states.iter().flat_map(|y| (0..D).map(|i| (y[i] - states[0][i]).abs()));
+        row.with_figure(components.fold(0.0, f64::max)).at_most(bound)
     })
 }

@@ -5,7 +5,7 @@ use noise::{BlockNoise, Truncation};
 use real::WIDTH;
 use systems::paper::half_cosine;
 
-use super::{Case, Context, Words, body};
+use super::{Case, Context, Words, body, each};
 use crate::paths::{CASIMIR, Experiment, Source};
 use crate::results::Row;
 
@@ -31,28 +31,27 @@ const TAUS: [f64; 3] = [1.0 / 1024.0, 1.0 / 64.0, 1.0 / 4.0];
 const STEPS: u64 = 64;
 
 fn rows(context: &Context) -> Result<Vec<Row>> {
-    let mut rows = Vec::new();
-    for tau in TAUS {
+    let truncations = [(", truncated", lab::truncation()), ("", Truncation::none())];
+    let settings = TAUS.into_iter().flat_map(|tau| truncations.map(|truncation| (tau, truncation)));
+    each(settings, |(tau, (words, truncation))| {
         // √(106 ln 2) is the radius of Box–Muller at the smallest uniform 2⁻⁵³.
         let largest = (106.0 * std::f64::consts::LN_2 * tau).sqrt();
-        let problem = body(half_cosine(), STEPS as f64 * tau)?;
-        let truncated = Experiment::new(&problem, STEPS, context.key)?;
-        for (words, truncation) in [(", truncated", truncated.truncation), ("", Truncation::none())]
-        {
-            let size = largest.min(truncation.bound(tau)?);
-            let source: &Source<3> = &move |_| {
-                let mut drawn = 0;
-                Box::new(move |noise| {
-                    drawn += 1;
-                    extreme(drawn / 3, size, noise);
-                })
-            };
-            let experiment = Experiment { truncation, noise: Some(source), ..truncated };
-            let setting = format!("1/{:.0}{words}", 1.0 / tau);
-            rows.extend(experiment.law_rows(&setting, None, &CASIMIR, |_| None)?);
-        }
-    }
-    Ok(rows)
+        let size = largest.min(truncation.bound(tau)?);
+        let noise: Box<Source<3>> = Box::new(move |_| {
+            let mut drawn = 0;
+            Box::new(move |noise| {
+                drawn += 1;
+                extreme(drawn / 3, size, noise);
+            })
+        });
+        let experiment = body(context, half_cosine(), (STEPS, tau))?;
+        let setting = format!("1/{:.0}{words}", 1.0 / tau);
+        Experiment { truncation, noise: Some(noise), ..experiment }.law_rows(
+            setting,
+            &CASIMIR,
+            |_| None,
+        )
+    })
 }
 
 /// Increments ±`size` with combination number `signs` of the signs, and areas ±`size`².

@@ -2,16 +2,16 @@
 
 use anyhow::Result;
 use noise::{Noise, WienerPath};
-use nonlin::Outcome;
+use nonlin::{Outcome, Solution};
 use real::elementary::{cos, sin};
 use schemes::Step;
-use systems::{Constant, PoissonSystem};
+use systems::{Constant, PoissonSystem, RigidBody};
 
 use super::branch::{agree, follow};
-use super::{Case, Context, Words, body};
+use super::{Case, Context, Words, body, each};
 use crate::results::{Row, Verdict};
 use crate::rounding::{law_bound, residual_share};
-use crate::schemes::{Family, schemes};
+use crate::schemes::{Family, Tested};
 
 pub const CASE: Case = Case {
     words: Words {
@@ -58,23 +58,22 @@ struct Counts {
 
 fn rows(context: &Context) -> Result<Vec<Row>> {
     let samples = context.arguments.many(400, 40);
-    let problem = body(Constant::new(0.0)?, TAU)?;
-    let (body, step) = (&problem.system, Step::new(&problem.damping, 0, TAU)?);
-    let mut rows = Vec::new();
-    for size in SIZES {
+    let experiment = body(context, Constant::new(0.0)?, (1, TAU))?;
+    let (system, step) =
+        (experiment.problem.system, Step::new(&experiment.problem.damping, 0, TAU)?);
+    each(SIZES, |size| {
         // The same normals at every size.
-        let inputs: Vec<_> = (0..samples)
-            .map(|number| {
-                let dw = WienerPath::<3>::new(context.key, number).increments(size);
-                let y = start(number);
-                (dw, y, follow(body, TAU, dw, y))
-            })
-            .collect();
-        for scheme in schemes(body, problem.y0) {
+        let input = |number| {
+            let dw = WienerPath::<3>::new(context.key, number).increments(size);
+            (dw, start(number), follow(&system, TAU, dw, start(number)))
+        };
+        let inputs: Vec<_> = (0..samples).map(input).collect();
+        let row = |scheme: &Tested<RigidBody<3>, 3, 3>| {
             let mut counts = Counts::default();
             for &(dw, y, branch) in &inputs {
-                let solution = scheme.step(body, &step, &Noise::increments(dw), y);
-                let residual = match solution.outcome {
+                let Solution { z, outcome } =
+                    scheme.step(&system, &step, &Noise::increments(dw), y);
+                let residual = match outcome {
                     Outcome::Failed { .. } => {
                         counts.unsolved += 1;
                         counts.missed += u64::from(branch.is_some());
@@ -83,28 +82,28 @@ fn rows(context: &Context) -> Result<Vec<Row>> {
                     Outcome::Robust { residual, .. } => residual,
                     Outcome::Fast { .. } => 0.0,
                 };
-                let defect = (body.invariant(0, solution.z) / body.invariant(0, y) - 1.0).abs();
-                let allowed = law_bound(1, 0.0) + residual_share(residual, solution.z);
+                let defect = (system.invariant(0, z) / system.invariant(0, y) - 1.0).abs();
+                let allowed = law_bound(1, 0.0) + residual_share(residual, z);
                 counts.excess = counts.excess.max(defect / allowed);
-                counts.other += u64::from(!branch.is_some_and(|end| agree(solution.z, end)));
+                counts.other += u64::from(!branch.is_some_and(|end| agree(z, end)));
             }
             let Counts { other, unsolved, missed, excess } = counts;
-            let (setting, share) = (format!("{size}"), other as f64 / samples as f64);
-            let row = Row::observed(&setting, Some(size), scheme.name, share, None);
+            let right = size > CONTRACTS || other == 0 && unsolved == 0;
+            let row = Row::new(&size.into(), scheme.name, None);
+            let share = other as f64 / samples as f64;
             let row = match scheme.family {
                 Family::Conformal => {
-                    let right = size > CONTRACTS || other == 0 && unsolved == 0;
-                    row.guaranteed(excess <= 1.0 && right)
+                    row.with_figure(share).guaranteed(excess <= 1.0 && right, None)
                 }
                 // The same equation as that of `sexp` without damping.
-                Family::Midpoint => row,
-                Family::Explicit => Row { measured: None, verdict: Verdict::Observed, ..row },
+                Family::Midpoint => row.with_figure(share),
+                Family::Explicit => row,
             };
             let error = format!("{unsolved} of {samples} not solved, {missed} of them solvable");
-            rows.push(Row { error: (unsolved > 0).then_some(error), ..row });
-        }
-    }
-    Ok(rows)
+            Row { error: (unsolved > 0).then_some(error), ..row }
+        };
+        Ok(experiment.schemes().iter().map(row).collect())
+    })
 }
 
 /// A point on the unit sphere, on a spiral.

@@ -1,9 +1,10 @@
 //! Next to the coordinate planes, where the structure has its poles.
 
 use anyhow::Result;
-use systems::{IntegerExponents, LotkaVolterra, Problem, Sine};
+use systems::paper::sine;
+use systems::{IntegerExponents, LotkaVolterra};
 
-use super::{Case, Context, Words};
+use super::{Case, Context, Words, each};
 use crate::paths::{CASIMIR, Experiment, Law};
 use crate::results::Row;
 
@@ -42,18 +43,14 @@ const LAW: Law = Law { invariants: &[1], weight: 2.0, ..CASIMIR };
 
 fn rows(context: &Context) -> Result<Vec<Row>> {
     let paths = context.arguments.many(64, 8);
-    let mut rows = Vec::new();
-    for (name, y0) in STARTS {
-        for tau in TAUS {
-            let system = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0)?;
-            let problem = Problem::new(system, Sine::new(1.0, 1.0)?, y0, T_END)?;
-            let steps = (T_END / tau) as u64;
-            let experiment = Experiment { paths, ..Experiment::new(&problem, steps, context.key)? };
-            let setting = format!("{name}, τ = 1/{:.0}", 1.0 / tau);
-            rows.extend(experiment.law_rows(&setting, None, &LAW, |_| None)?);
-        }
-    }
-    Ok(rows)
+    let settings = STARTS.into_iter().flat_map(|start| TAUS.map(|tau| (start, tau)));
+    each(settings, |((name, y0), tau)| {
+        let system = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0)?;
+        let steps = ((T_END / tau) as u64, tau);
+        let experiment = Experiment::new(context, (system, sine()), y0, steps)?;
+        let setting = format!("{name}, τ = 1/{:.0}", 1.0 / tau);
+        Experiment { paths, ..experiment }.law_rows(setting, &LAW, |_| None)
+    })
 }
 
 #[cfg(test)]

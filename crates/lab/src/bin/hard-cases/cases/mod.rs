@@ -20,9 +20,10 @@ use lab::streams;
 use noise::StreamKey;
 use serde::Serialize;
 use systems::paper::{INERTIA, NOISE_INERTIA, rigid_body_start};
-use systems::{Damping, Problem, RigidBody};
+use systems::{Damping, RigidBody};
 
 use crate::Arguments;
+use crate::paths::Experiment;
 use crate::results::{self, Row};
 
 /// A family of hard inputs.
@@ -78,8 +79,8 @@ pub static CASES: [Case; 13] = [
 ];
 
 /// What a case needs to run.
-struct Context<'a> {
-    key: StreamKey,
+pub struct Context<'a> {
+    pub key: StreamKey,
     arguments: &'a Arguments,
 }
 
@@ -98,8 +99,21 @@ pub fn run(arguments: &Arguments) -> Result<Vec<results::Case>> {
         .collect()
 }
 
-/// The paper's rigid body with three noises, with damping and final time of one's own.
-fn body<G: Damping>(damping: G, t_end: f64) -> Result<Problem<RigidBody<3>, G, 3>> {
+/// The paper's rigid body with three noises, with any damping and steps.
+fn body<G: Damping>(
+    context: &Context,
+    damping: G,
+    steps: (u64, f64),
+) -> Result<Experiment<RigidBody<3>, G, 3, 3>> {
     let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA)?;
-    Ok(Problem::new::<3>(body, damping, rigid_body_start(), t_end)?)
+    Experiment::new(context, (body, damping), rigid_body_start(), steps)
+}
+
+/// The rows of every setting.
+fn each<T>(
+    settings: impl IntoIterator<Item = T>,
+    rows: impl FnMut(T) -> Result<Vec<Row>>,
+) -> Result<Vec<Row>> {
+    let rows: Vec<Vec<Row>> = settings.into_iter().map(rows).collect::<Result<_>>()?;
+    Ok(rows.concat())
 }

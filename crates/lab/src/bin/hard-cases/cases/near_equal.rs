@@ -7,8 +7,8 @@ use systems::{
     RealExponents,
 };
 
-use super::{Case, Context, Words};
-use crate::results::Row;
+use super::{Case, Context, Words, each};
+use crate::results::{Row, Setting};
 use crate::rounding::length;
 
 pub const CASE: Case = Case {
@@ -42,20 +42,17 @@ fn rows(_: &Context) -> Result<Vec<Row>> {
     let (pendulum, poisson) = (Pendulum::new(1.0)?, Poisson3::new(1.0)?);
     let integer = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0)?;
     let real = LotkaVolterra::<RealExponents>::new(-1.0, -1.5, 1.0)?;
-    let mut rows = Vec::new();
-    for distance in DISTANCES {
-        let setting =
-            if distance == f64::EPSILON { "one ulp".to_owned() } else { format!("{distance}") };
-        for (name, error) in [
-            ("sine", error(&pendulum, [0.3, 1.2], distance)?),
-            ("cosine", error(&poisson, [1.0, 2.0, 3.0], distance)?),
-            ("polynomial", error(&integer, [0.2, 0.4, 0.6], distance)?),
-            ("real powers", error(&real, [0.2, 0.4, 0.6], distance)?),
-        ] {
-            rows.push(Row::observed(&setting, Some(distance), name, error, None).at_most(BOUND));
-        }
-    }
-    Ok(rows)
+    each(DISTANCES, |distance| {
+        let words = if distance == f64::EPSILON { "one ulp".into() } else { distance.to_string() };
+        let setting = Setting { words, x: Some(distance) };
+        let row = |name, error| Row::new(&setting, name, None).with_figure(error).at_most(BOUND);
+        Ok(vec![
+            row("sine", error(&pendulum, [0.3, 1.2], distance)?),
+            row("cosine", error(&poisson, [1.0, 2.0, 3.0], distance)?),
+            row("polynomial", error(&integer, [0.2, 0.4, 0.6], distance)?),
+            row("real powers", error(&real, [0.2, 0.4, 0.6], distance)?),
+        ])
+    })
 }
 
 /// The largest error of a component of ∇̄h(a, b), relative to |∇h|, against a rule with 2·24 + 1

@@ -3,11 +3,10 @@
 use anyhow::Result;
 use systems::paper::half_cosine;
 
-use super::{Case, Context, Words, body};
+use super::{Case, Context, Words, body, each};
 use crate::paths::{Experiment, Source, stops};
-use crate::results::Row;
+use crate::results::{Row, Setting};
 use crate::rounding::length;
-use crate::schemes::schemes;
 
 pub const CASE: Case = Case {
     words: Words {
@@ -31,26 +30,30 @@ const STEPS: [u64; 4] = [64, 128, 256, 512];
 const SLACK: f64 = 16.0;
 
 fn rows(context: &Context) -> Result<Vec<Row>> {
-    let silence: &Source<3> = &|_| Box::new(|_| ());
-    let problem = body(half_cosine(), 1.0)?;
-    let mut rows = Vec::new();
-    for steps in STEPS {
-        let setting = format!("1/{steps}");
-        for scheme in schemes(&problem.system, problem.y0) {
-            let mut paths = Vec::new();
-            for steps in [steps, 2 * steps, 4 * steps] {
-                let experiment = Experiment::new(&problem, steps, context.key)?;
-                paths.extend(Experiment { noise: Some(silence), ..experiment }.run(&scheme)?);
-            }
-            let end = |n: usize| paths[n].states[paths[n].states.len() - 1];
-            let difference = |a: [f64; 3], b: [f64; 3]| length([0, 1, 2].map(|i| a[i] - b[i]));
-            let order = (difference(end(0), end(1)) / difference(end(1), end(2))).log2();
-            let error = stops(&paths);
-            let kept = error.is_none() && (order - scheme.order).abs() <= SLACK / steps as f64;
-            let x = Some(1.0 / steps as f64);
-            let row = Row::observed(&setting, x, scheme.name, order, error);
-            rows.push(row.with_exact(scheme.order).guaranteed(kept));
-        }
-    }
-    Ok(rows)
+    let silent = |steps: u64| {
+        let experiment = body(context, half_cosine(), (steps, 1.0 / steps as f64))?;
+        let silence: Box<Source<3>> = Box::new(|_| Box::new(|_| ()));
+        anyhow::Ok(Experiment { noise: Some(silence), ..experiment })
+    };
+    each(STEPS, |steps| {
+        let finer = [silent(2 * steps)?, silent(4 * steps)?];
+        let setting = Setting { words: format!("1/{steps}"), x: Some(1.0 / steps as f64) };
+        silent(steps)?
+            .schemes()
+            .iter()
+            .map(|scheme| {
+                let mut paths = silent(steps)?.run(scheme)?;
+                for experiment in &finer {
+                    paths.extend(experiment.run(scheme)?);
+                }
+                let [one, two, four] = [0, 1, 2].map(|n| paths[n].end());
+                let difference = |a: [f64; 3], b: [f64; 3]| length([0, 1, 2].map(|i| a[i] - b[i]));
+                let order = (difference(one, two) / difference(two, four)).log2();
+                let error = stops(&paths);
+                let kept = error.is_none() && (order - scheme.order).abs() <= SLACK / steps as f64;
+                let row = Row::new(&setting, scheme.name, error).with_figure(order);
+                Ok(Row { exact: Some(scheme.order), ..row.guaranteed(kept, None) })
+            })
+            .collect()
+    })
 }

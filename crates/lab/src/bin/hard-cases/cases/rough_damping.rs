@@ -3,8 +3,8 @@
 use anyhow::Result;
 use systems::Damping;
 
-use super::{Case, Context, Words, body};
-use crate::paths::{CASIMIR, Experiment, Law};
+use super::{Case, Context, Words, body, each};
+use crate::paths::{CASIMIR, Law};
 use crate::results::Row;
 use crate::schemes::Family;
 
@@ -103,13 +103,9 @@ const SETTINGS: [(&str, Rough, Option<Family>); 6] = [
 ];
 
 fn rows(context: &Context) -> Result<Vec<Row>> {
-    let mut rows = Vec::new();
-    for (name, damping, fails) in SETTINGS {
-        let problem = body(damping, STEPS as f64 * TAU)?;
-        let experiment = Experiment::new(&problem, STEPS, context.key)?;
+    let law = Law { to_the_end: true, ..CASIMIR };
+    each(SETTINGS, |(name, damping, fails)| {
         let must_exceed = |family| (Some(family) == fails).then_some(f64::INFINITY);
-        let law = Law { to_the_end: true, ..CASIMIR };
-        rows.extend(experiment.law_rows(name, None, &law, must_exceed)?);
-    }
-    Ok(rows)
+        body(context, damping, (STEPS, TAU))?.law_rows(name.to_owned(), &law, must_exceed)
+    })
 }

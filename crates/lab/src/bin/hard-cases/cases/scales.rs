@@ -1,15 +1,16 @@
 //! States from 10⁻¹⁵⁰ to 10¹⁵⁰.
 
+use std::collections::HashMap;
+
 use anyhow::Result;
 use noise::WienerBlock;
+use systems::RigidBody;
 use systems::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start};
-use systems::{Problem, RigidBody};
 
-use super::{Case, Context, Words};
-use crate::paths::{Experiment, Path, Source, stops};
-use crate::results::Row;
+use super::{Case, Context, Words, each};
+use crate::paths::{Experiment, Source};
+use crate::results::{Row, Setting};
 use crate::rounding::law_bound;
-use crate::schemes::{Tested, schemes};
 
 pub const CASE: Case = Case {
     words: Words {
@@ -37,38 +38,32 @@ const TAU: f64 = 1.0 / 64.0;
 const STEPS: u64 = 64;
 
 fn rows(context: &Context) -> Result<Vec<Row>> {
-    let mut rows = Vec::new();
     let key = context.key;
-    let without_areas: &Source<3> = &move |first_path| {
-        let mut increments = WienerBlock::new(key, first_path);
-        Box::new(move |noise| increments.increments(TAU.sqrt(), &mut noise.increments))
-    };
-    let problem = |scale: f64| -> Result<_> {
-        let body =
-            RigidBody::three_noises(INERTIA.map(|i| i * scale), NOISE_INERTIA.map(|i| i * scale))?;
+    let scaled = |scale: f64| {
+        let [body, noise] = [INERTIA, NOISE_INERTIA].map(|inertia| inertia.map(|i| i * scale));
+        let system = (RigidBody::three_noises(body, noise)?, half_cosine());
         let start = rigid_body_start().map(|y| y * scale);
-        Ok(Problem::new::<3>(body, half_cosine(), start, STEPS as f64 * TAU)?)
+        let without_areas: Box<Source<3>> = Box::new(move |first_path| {
+            let mut increments = WienerBlock::new(key, first_path);
+            Box::new(move |noise| increments.increments(TAU.sqrt(), &mut noise.increments))
+        });
+        let experiment = Experiment::new(context, system, start, (STEPS, TAU))?;
+        anyhow::Ok(Experiment { noise: Some(without_areas), ..experiment })
     };
-    let plain = problem(1.0)?;
-    let run = |problem: &Problem<_, _, 3>, scheme: &Tested<RigidBody<3>, 3, 3>| {
-        Experiment { noise: Some(without_areas), ..Experiment::new(problem, STEPS, key)? }
-            .run(scheme)
-    };
-    for exponent in EXPONENTS {
+    let plain = scaled(1.0)?;
+    let mut ends = HashMap::new();
+    for scheme in plain.schemes() {
+        ends.insert(scheme.name, plain.run(&scheme)?[0].end());
+    }
+    each(EXPONENTS, |exponent| {
         let scale = 2f64.powi(exponent);
         let decimal = f64::from(exponent) * std::f64::consts::LOG10_2;
-        let setting = format!("2^{exponent} ≈ 1e{decimal:+.0}");
-        let scaled = problem(scale)?;
-        for scheme in schemes(&plain.system, plain.y0) {
-            let (plain, scaled) = (run(&plain, &scheme)?, run(&scaled, &scheme)?);
-            let end = |paths: &[Path<3>]| paths[0].states[paths[0].states.len() - 1];
-            let (a, b) = (end(&plain), end(&scaled));
+        let words = format!("2^{exponent} ≈ 1e{decimal:+.0}");
+        let setting = Setting { words, x: Some(f64::from(exponent)) };
+        scaled(scale)?.rows(setting, |row, scheme, paths| {
+            let (a, b) = (ends[scheme.name], paths[0].end());
             let difference = (0..3).map(|i| (b[i] / scale - a[i]).abs()).fold(0.0, f64::max);
-            let x = Some(f64::from(exponent));
-            let error = stops(&scaled).or(stops(&plain));
-            let row = Row::observed(&setting, x, scheme.name, difference, error);
-            rows.push(row.at_most(law_bound(STEPS, 1.0)));
-        }
-    }
-    Ok(rows)
+            row.with_figure(difference).at_most(law_bound(STEPS, 1.0))
+        })
+    })
 }

@@ -2,12 +2,12 @@
 
 use anyhow::Result;
 use real::Real;
-use systems::paper::rigid_body_start;
-use systems::{Constant, Form, Invariant, InvariantKind, PoissonSystem, Problem};
+use systems::paper::{INERTIA, rigid_body_start};
+use systems::{Constant, Invariant, PoissonSystem, RigidBodyEnergy};
 
-use super::{Case, Context, Words};
-use crate::paths::{CASIMIR, Experiment, stops};
-use crate::results::Row;
+use super::{Case, Context, Words, each};
+use crate::paths::{CASIMIR, Experiment};
+use crate::results::{Row, Setting};
 use crate::schemes::Family;
 
 pub const CASE: Case = Case {
@@ -31,47 +31,43 @@ pub const CASE: Case = Case {
     rows,
 };
 
-/// A rigid body with a rippled energy, whose discrete gradient is the default of the trait.
+/// The rigid body with a rippled energy, whose discrete gradient is the default of the trait.
+#[derive(Clone, Copy)]
 struct Rippled {
+    body: RigidBodyEnergy,
     kappa: f64,
 }
 
 impl PoissonSystem<3, 1> for Rippled {
     fn name(&self) -> &'static str {
-        "rippled body"
+        "rippled-body"
     }
     #[inline(always)]
     fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
-        [y[1] * v[2] - y[2] * v[1], y[2] * v[0] - y[0] * v[2], y[0] * v[1] - y[1] * v[0]]
+        self.body.structure(y, v)
     }
     #[inline(always)]
     fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> R {
-        let quadratic = y[0] * y[0] * 0.25 + y[1] * y[1] * 0.5 + y[2] * y[2] * 0.75;
-        (quadratic + (y[0] * self.kappa).sin() / self.kappa) * (dt + dw[0])
+        let ripple = (y[0] * self.kappa).sin() / self.kappa;
+        self.body.energy(y, dt, dw) + ripple * (dt + dw[0])
     }
     #[inline(always)]
     fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-        let weight = dt + dw[0];
-        [(y[0] * 0.5 + (y[0] * self.kappa).cos()) * weight, y[1] * weight, y[2] * (1.5 * weight)]
+        let [first, second, third] = self.body.gradient(y, dt, dw);
+        [first + (y[0] * self.kappa).cos() * (dt + dw[0]), second, third]
     }
     fn invariants(&self) -> Vec<Invariant> {
-        vec![Invariant {
-            name: "C",
-            formula: "½|y|²",
-            kind: InvariantKind::Casimir,
-            form: Form::Quadratic,
-            degree: 2.0,
-        }]
+        self.body.invariants()
     }
+    /// The Casimir is that of the body.
     #[inline(always)]
-    fn invariant<R: Real>(&self, _index: usize, y: [R; 3]) -> R {
-        (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]) * 0.5
+    fn invariant<R: Real>(&self, index: usize, y: [R; 3]) -> R {
+        self.body.invariant(index, y)
     }
 }
 
 const KAPPAS: [f64; 5] = [1.0, 10.0, 100.0, 1e3, 1e4];
-const TAU: f64 = 1.0 / 16.0;
-const STEPS: u64 = 64;
+const STEPS: (u64, f64) = (64, 1.0 / 16.0);
 
 /// The largest error of eight nodes for the mean of cos(κy₁) over a step of length `d` in y₁: its
 /// 16th derivative is at most (κd)¹⁶, and no mean is off by more than two. The constant of eight
@@ -83,31 +79,33 @@ fn quadrature_error(kappa: f64, d: f64) -> f64 {
 }
 
 fn rows(context: &Context) -> Result<Vec<Row>> {
-    let (mut casimir, mut energy) = (Vec::new(), Vec::new());
-    for kappa in KAPPAS {
-        let (system, damping) = (Rippled { kappa }, Constant::new(0.0)?);
-        let problem = Problem::new(system, damping, rigid_body_start(), STEPS as f64 * TAU)?;
-        let experiment = Experiment::new(&problem, STEPS, context.key)?;
-        let setting = format!("Casimir, κ = {kappa}");
-        casimir.extend(experiment.law_rows(&setting, Some(kappa), &CASIMIR, |_| None)?);
-        energy.extend(experiment.rows(|scheme, paths| {
+    let experiment = |kappa| {
+        let system = Rippled { body: RigidBodyEnergy::new(INERTIA, 1.0)?, kappa };
+        Experiment::new(context, (system, Constant::new(0.0)?), rigid_body_start(), STEPS)
+    };
+    let setting =
+        |what: &str, kappa| Setting { words: format!("{what}, κ = {kappa}"), x: Some(kappa) };
+    let casimir = each(KAPPAS, |kappa| {
+        experiment(kappa)?.law_rows(setting("Casimir", kappa), &CASIMIR, |_| None)
+    })?;
+    let energy = each(KAPPAS, |kappa| {
+        let experiment = experiment(kappa)?;
+        experiment.rows(setting("energy", kappa), |row, scheme, paths| {
             let states = &paths[0].states;
-            let value = |y: [f64; 3]| problem.system.energy(y, 1.0, [0.0]);
-            let distances = states.iter().map(|y| (value(*y) - value(problem.y0)).abs());
+            let value = |y: &[f64; 3]| experiment.problem.system.energy(*y, 1.0, [0.0]);
+            let distances = states.iter().map(|y| (value(y) - value(&states[0])).abs());
+            let worst = distances.fold(0.0, f64::max);
             let steps = states.windows(2).map(|pair| pair[1][0] - pair[0][0]);
             let quadrature: f64 = steps.map(|d| quadrature_error(kappa, d) * d.abs()).sum();
-            let setting = format!("energy, κ = {kappa}");
-            let worst = distances.fold(0.0, f64::max);
-            let row = Row::observed(&setting, Some(kappa), scheme.name, worst, stops(paths));
-            if scheme.family != Family::Conformal {
-                return row;
-            }
             // H and |∇H| are at most about two, so that rounding in H is no more than four times
             // that in ½|y|². The argument κy₁ has a rounding of its own, ε κ/κ.
             let rounding = experiment.distance(paths, &CASIMIR, false).bound;
             let bound = quadrature + 4.0 * rounding;
-            Row { bound: Some(bound), ..row.guaranteed(worst <= bound) }
-        })?);
-    }
+            match scheme.family {
+                Family::Conformal => row.with_figure(worst).guaranteed(worst <= bound, bound),
+                _ => row.with_figure(worst),
+            }
+        })
+    })?;
     Ok([casimir, energy].concat())
 }

@@ -3,8 +3,7 @@
 use anyhow::Result;
 use systems::Constant;
 
-use super::{Case, Context, Plot, Words, body};
-use crate::paths::{Experiment, stops};
+use super::{Case, Context, Plot, Words, body, each};
 use crate::results::Row;
 use crate::rounding::{law_bound, length};
 use crate::schemes::Family;
@@ -42,30 +41,25 @@ const MIDPOINT_FAILS: f64 = 10.0;
 const NORMAL: f64 = 1e-300;
 
 fn rows(context: &Context) -> Result<Vec<Row>> {
-    let mut rows = Vec::new();
-    for x in DAMPING {
-        let problem = body(Constant::new(x / TAU)?, STEPS as f64 * TAU)?;
-        let exact = if (-x).exp() > NORMAL { (-x).exp() } else { 0.0 };
-        rows.extend(Experiment::new(&problem, STEPS, context.key)?.rows(|scheme, paths| {
-            let error = stops(paths);
+    each(DAMPING, |x| {
+        let exact = Some((-x).exp()).filter(|factor| *factor > NORMAL).unwrap_or(0.0);
+        body(context, Constant::new(x / TAU)?, (STEPS, TAU))?.rows(x, |row, scheme, paths| {
             let lengths = paths[0].states[1..].iter().map(|y| length(*y));
             let normal: Vec<f64> = lengths.take_while(|length| *length > NORMAL).collect();
             let factor = match normal.last() {
                 Some(last) => last.powf(1.0 / normal.len() as f64),
                 // The first step underflows, or there is none.
-                None => f64::from(u8::from(error.is_some())),
+                None => f64::from(u8::from(row.error.is_some())),
             };
             let off = if exact == 0.0 { factor } else { (factor / exact - 1.0).abs() };
-            let to_rounding = error.is_none() && off <= law_bound(STEPS, x * STEPS as f64);
-            let row = Row::observed(&format!("{x}"), Some(x), scheme.name, factor, error)
-                .with_exact(exact);
+            let to_rounding = row.error.is_none() && off <= law_bound(STEPS, x * STEPS as f64);
+            let row = Row { exact: Some(exact), ..row.with_figure(factor) };
             match scheme.family {
-                Family::Conformal => row.guaranteed(to_rounding),
+                Family::Conformal => row.guaranteed(to_rounding, None),
                 Family::Midpoint if x >= MIDPOINT_FAILS => row.must_exceed(2.0 * exact),
                 Family::Explicit if x >= EXPLICIT_FAILS => row.must_exceed(1.0),
                 _ => row,
             }
-        })?);
-    }
-    Ok(rows)
+        })
+    })
 }

@@ -1,10 +1,10 @@
 //! A Hamiltonian whose frequencies are far above 1/τ.
 
 use anyhow::Result;
+use systems::RigidBodyEnergy;
 use systems::paper::{INERTIA, half_cosine, rigid_body_start};
-use systems::{Problem, RigidBodyEnergy};
 
-use super::{Case, Context, Plot, Words};
+use super::{Case, Context, Plot, Words, each};
 use crate::paths::{CASIMIR, Experiment, Law};
 use crate::results::Row;
 use crate::schemes::Family;
@@ -30,7 +30,6 @@ pub const CASE: Case = Case {
 
 const FREQUENCIES: [f64; 5] = [1.0, 10.0, 100.0, 1e3, 1e4];
 const TAU: f64 = 1.0 / 64.0;
-const STEPS: u64 = 256;
 /// From here on ωτ is above 6 and explicit schemes multiply the fast components by about as much in
 /// every step.
 const EXPLICIT_FAILS: f64 = 1e3;
@@ -40,14 +39,13 @@ const EXPLICIT_FAILS: f64 = 1e3;
 const LAWS: Law = Law { invariants: &[0, 1], weight: 3.0, counts_continuation: true, ..CASIMIR };
 
 fn rows(context: &Context) -> Result<Vec<Row>> {
-    let mut rows = Vec::new();
-    for omega in FREQUENCIES {
-        let body = RigidBodyEnergy::new(INERTIA.map(|i| i / omega), 1.0)?;
-        let problem = Problem::new(body, half_cosine(), rigid_body_start(), STEPS as f64 * TAU)?;
-        let experiment = Experiment::new(&problem, STEPS, context.key)?;
-        let must_exceed =
-            |family| (omega >= EXPLICIT_FAILS && family == Family::Explicit).then_some(1.0);
-        rows.extend(experiment.law_rows(&format!("{omega}"), Some(omega), &LAWS, must_exceed)?);
-    }
-    Ok(rows)
+    each(FREQUENCIES, |omega| {
+        let system = (RigidBodyEnergy::new(INERTIA.map(|i| i / omega), 1.0)?, half_cosine());
+        let fails = |family| omega >= EXPLICIT_FAILS && family == Family::Explicit;
+        Experiment::new(context, system, rigid_body_start(), (256, TAU))?.law_rows(
+            omega,
+            &LAWS,
+            |family| fails(family).then_some(1.0),
+        )
+    })
 }
