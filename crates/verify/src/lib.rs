@@ -10,12 +10,15 @@
 //! | [`inspect()`], [`inspect_problem`] | what a system is: skew, Casimirs, degrees, commuting noises, which statements apply |
 //! | [`PathScheme`] | a scheme written for one path, to be put to the test |
 //! | [`order_verdict`], [`bound_verdict`] | when an order is said to hold |
+//! | [`work_precision`] | errors of any schemes against the processor time they take |
+//! | [`FinalMoments`], [`Stopwatch`], [`Spread`] | moments of functions of final states; times of repeated work |
 //! | [`Statement`], [`Twin`], [`claim`], [`decide`], [`worse`] | statements with measurements, and wrong methods that they must refute |
 //! | [`exact`], [`runge_kutta`], [`rigid_body_expectations`] | references |
 //! | [`Settings`], [`Mode`], [`Progress`], [`Silent`] | how much to compute, and who is told how far it is |
 //! | [`results`] | the `results.json` contract |
 
 pub mod exact;
+mod final_moments;
 pub mod inspect;
 mod orders;
 mod path_scheme;
@@ -24,8 +27,11 @@ pub mod runge_kutta;
 mod settings;
 mod sphere;
 mod statement;
+mod stopwatch;
 mod verdict;
+pub mod work_precision;
 
+pub use final_moments::{FinalMoments, FinalValues};
 pub use inspect::{inspect, inspect_problem};
 pub use orders::{
     Exact, Order, StepSizes, exact_mean, strong_order, strong_order_exact, weak_order,
@@ -34,6 +40,7 @@ pub use path_scheme::PathScheme;
 pub use settings::{Mode, Progress, Settings, Silent};
 pub use sphere::rigid_body_expectations;
 pub use statement::{DEVIATIONS, Statement, Twin, claim, decide, worse};
+pub use stopwatch::{Spread, Stopwatch};
 pub use verdict::{ORDER_MARGIN, bound_verdict, order_verdict};
 
 /// The example of the README, compiled and run with the other examples.
