@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use dgrad::{GradientField, averaged, mean_cosine, quadratic};
+use dgrad::{GradientField, averaged, mean_cosine, midpoint};
 use real::{Block, Kernel, Real, WIDTH, dispatch};
 
 /// ∇̄H(a, b) of something on one path.
@@ -47,7 +47,7 @@ struct Middle;
 impl Mean for Middle {
     #[inline(always)]
     fn mean(&self, a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-        quadratic(a, b)
+        midpoint(a, b)
     }
 }
 

@@ -2,9 +2,9 @@
 
 use real::Real;
 
-/// ∇̄H(a, b) = ∇H((a + b)/2) for quadratic H: returns the midpoint at which to take the gradient.
+/// (a + b)/2. For quadratic H the averaged discrete gradient is ∇̄H(a, b) = ∇H((a + b)/2).
 #[inline(always)]
-pub fn quadratic<R: Real, const D: usize>(a: [R; D], b: [R; D]) -> [R; D] {
+pub fn midpoint<R: Real, const D: usize>(a: [R; D], b: [R; D]) -> [R; D] {
     let mut middle = [R::zero(); D];
     for i in 0..D {
         middle[i] = (a[i] + b[i]) * 0.5;

@@ -29,7 +29,7 @@
 //!
 //! | item | job |
 //! |---|---|
-//! | [`quadratic`] | quadratic H: ∇H at the midpoint |
+//! | [`midpoint`] | quadratic H: ∇H at the midpoint |
 //! | [`mean_cosine`], [`mean_sine`] | separable sines: cos(mid)·sinc(half difference), no cancellation |
 //! | [`ShortMean`] | the same over short steps, with slopes and rough guesses, in fewer operations |
 //! | [`averaged`] | N Gauss–Legendre nodes known at compile time, for block kernels; exact up to degree 2N − 1 |
@@ -42,6 +42,6 @@ mod legendre;
 mod short;
 
 pub use average::{GradientField, averaged, averaged_with_error};
-pub use closed::{mean_cosine, mean_sine, quadratic};
+pub use closed::{mean_cosine, mean_sine, midpoint};
 pub use legendre::{MAX_NODES, QuadratureError, Rule, nodes_for_degree};
 pub use short::ShortMean;

@@ -1,8 +1,8 @@
 //! ∇̄H(a, b)·(b − a) = H(b) − H(a), symmetry, consistency, and closed forms against quadrature.
 
 use dgrad::{
-    GradientField, ShortMean, averaged, averaged_with_error, mean_cosine, mean_sine,
-    nodes_for_degree, quadratic,
+    GradientField, ShortMean, averaged, averaged_with_error, mean_cosine, mean_sine, midpoint,
+    nodes_for_degree,
 };
 use proptest::prelude::*;
 use real::{Dual, Real};
@@ -132,7 +132,7 @@ proptest! {
     #[test]
     fn a_quadratic_needs_only_the_midpoint(a in [POINT, POINT], b in [POINT, POINT]) {
         let energy = |[x, y]: [f64; 2]| 1.5 * x * x - 0.25 * y * y + x * y;
-        let [x, y] = quadratic(a, b);
+        let [x, y] = midpoint(a, b);
         let mean = [3.0 * x + y, -0.5 * y + x];
         prop_assert!((dot(mean, a, b) - (energy(b) - energy(a))).abs() < 64.0 * f64::EPSILON * 30.0);
     }

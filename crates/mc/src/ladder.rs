@@ -1,14 +1,15 @@
-//! What runs on the ladder, and the loop over all paths.
+//! Schemes on a dyadic ladder of steps.
 
-use noise::{AreaMethod, StreamKey, Truncation, strong_order_one_error};
-use real::{Block, PathMask, WIDTH};
+use noise::{StreamKey, Truncation};
+use real::{Block, PathMask};
 use schemes::{Scheme, StepError};
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::march::Group;
+use crate::driver::{Batch, BoundScheme, Bounds, Driver, DriverRun, GROUP_PATHS, Tally};
+use crate::noise_source::Drawn;
 use crate::parallel::in_parallel;
 use crate::tree::MergeTree;
-use crate::{LadderError, PathFailure};
+use crate::{LadderError, NoiseSource, PathFailure};
 
 /// A scheme on a level: steps of 2^level finest steps.
 pub struct Run<'a, S, const D: usize, const M: usize> {
@@ -40,12 +41,16 @@ impl<'a, S, const D: usize, const M: usize> Run<'a, S, D, M> {
 pub struct View<'a, const D: usize> {
     /// Number of the coarse time; 1 is the end of the first coarse step.
     pub time: u64,
+    /// Number of the block's first path.
+    pub first_path: u64,
     /// The state of each run.
     pub states: &'a [Block<D>],
+    /// How the last step of each run was solved.
+    pub statuses: &'a [nonlin::BlockStatus],
     /// For each run the paths of which an increment has been clipped so far.
     pub clipped: &'a [PathMask],
-    /// What the [`Clock`] of the ladder has reached; zero without one.
-    pub clock: &'a Block<1>,
+    /// What the [`TimeChange`] of the ladder has reached; zero without one.
+    pub random_time: &'a Block<1>,
     /// The paths that count.
     pub live: PathMask,
 }
@@ -58,39 +63,25 @@ pub trait Statistic<const D: usize>: Send {
     fn merge(&mut self, later: Self);
 }
 
-/// A number that is carried along each path, driven by the untruncated finest increments: for
-/// example the random time at which the exact solution of a one-noise system is a deterministic
-/// flow.
-pub trait Clock<const M: usize>: Send + Sync {
-    /// Finest step number n (from 0) with its increments; `normals` are standard normals of their
-    /// own stream, for what the increments do not determine.
-    fn advance(&self, n: u64, dw: &Block<M>, normals: &Block<1>, clock: &mut Block<1>);
+/// A random time that is carried along each path, driven by the untruncated finest increments: the
+/// exact solution of a one-noise system is the deterministic flow at such a time.
+pub trait TimeChange<const M: usize>: Send + Sync {
+    /// Advances the random time of a block over finest step number n (from 0) with its increments.
+    /// `normals` are standard normals of their own stream, for what the increments do not
+    /// determine.
+    fn advance(&self, n: u64, dw: &Block<M>, normals: &Block<1>, random_time: &mut Block<1>);
 }
 
 /// Schemes on a dyadic ladder of steps, driven by one noise. Checked at construction.
-pub struct Ladder<'a, S, G, const D: usize, const M: usize> {
-    pub(crate) problem: &'a Problem<S, G, D>,
-    pub(crate) finest_steps: u64,
-    pub(crate) levels: usize,
-    /// Largest truncated increment and area on each level.
-    pub(crate) bounds: Vec<Bounds>,
-    /// How Lévy areas of the finest steps are drawn, if a scheme reads them.
-    pub(crate) areas: Option<(AreaMethod, usize)>,
-    pub(crate) key: StreamKey,
-    pub(crate) runs: Vec<Run<'a, S, D, M>>,
-    pub(crate) clock: Option<&'a dyn Clock<M>>,
-}
-
-/// The largest truncated increment and area on a level.
-#[derive(Clone, Copy)]
-pub(crate) struct Bounds {
-    pub(crate) increment: f64,
-    pub(crate) area: f64,
+pub struct Ladder<'a, const D: usize, const M: usize> {
+    driver: Driver<'a, D, M>,
+    /// Bytes of stack that a group needs.
+    stack: usize,
 }
 
 /// What a ladder measured.
 #[derive(Clone, Debug)]
-pub struct Outcome<T> {
+pub struct Measured<T> {
     /// What was kept of the paths.
     pub statistic: T,
     /// How many paths were left out.
@@ -107,17 +98,13 @@ const DESCRIBED_FAILURES: usize = 8;
 /// Groups in flight for each thread: enough that no thread waits long for the last one of a wave.
 const GROUPS_PER_THREAD: usize = 8;
 
-impl<'a, S, G, const D: usize, const M: usize> Ladder<'a, S, G, D, M>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
+impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
     /// `finest_steps` steps on [0, T] at level 0, and `levels` levels above.
     ///
     /// Where a scheme reads Lévy areas they are drawn on the finest steps after Mrongowius and
-    /// Rößler, with an error of no more than τ^{3/2} as strong order one asks, and joined to
-    /// coarser steps by Chen's relation. With their tail the areas have the right covariance given
-    /// the increments for any number of terms, so that areas drawn at a step and areas joined from
+    /// Rößler, with an error of no more than τ^{3/2} as strong order 1 asks, and joined to coarser
+    /// steps by Chen's relation. With their tail the areas have the right covariance given the
+    /// increments for any number of terms, so that areas drawn at a step and areas joined from
     /// finer steps agree in it.
     ///
     /// # Errors
@@ -125,7 +112,7 @@ where
     /// on a level that does not exist (a swapped run needs a level above its own), when the
     /// truncation is not defined at one of the step sizes in use, or when T is so small that the
     /// finest step underflows.
-    pub fn new(
+    pub fn new<S: PoissonSystem<D, M>, G: Damping>(
         problem: &'a Problem<S, G, D>,
         finest_steps: u64,
         levels: usize,
@@ -142,50 +129,88 @@ where
         if finest <= 0.0 {
             return Err(LadderError::Step(StepError::Size { tau: finest }));
         }
-        let mut bounds = vec![Bounds { increment: f64::INFINITY, area: f64::INFINITY }; levels + 1];
-        for run in &runs {
-            if run.level + usize::from(run.swapped) > levels {
-                return Err(LadderError::Level { level: run.level, swapped: run.swapped, levels });
-            }
-            let tau = problem.t_end * (1u64 << run.level) as f64 / finest_steps as f64;
-            bounds[run.level] =
-                Bounds { increment: truncation.bound(tau)?, area: truncation.area_bound(tau)? };
-        }
-        let areas = if runs.iter().any(|run| run.scheme.needs_areas()) {
-            let method = AreaMethod::MrongowiusRoessler;
-            Some((method, method.terms_for(strong_order_one_error(finest), finest, M)?))
-        } else {
-            None
+        let mut driver = Driver {
+            damping: &problem.damping,
+            y0: problem.y0,
+            t_end: problem.t_end,
+            finest_steps,
+            levels,
+            key,
+            noise: Box::new(Drawn::new::<M>(
+                key,
+                finest,
+                runs.iter().any(|run| run.scheme.reads_areas()),
+            )?),
+            joins_areas: runs.iter().any(|run| run.scheme.reads_areas()),
+            runs: Vec::with_capacity(runs.len()),
+            batches: Vec::new(),
+            time_change: None,
+            described_failures: DESCRIBED_FAILURES,
         };
-        Ok(Self { problem, finest_steps, levels, bounds, areas, key, runs, clock: None })
+        for run in runs {
+            if run.level + usize::from(run.swapped) > levels {
+                let Run { level, swapped, .. } = run;
+                return Err(LadderError::Level { level, swapped, levels });
+            }
+            let bounds = if run.scheme.clips_increments() {
+                let tau = driver.tau(run.level);
+                Bounds { increment: truncation.bound(tau)?, area: truncation.area_bound(tau)? }
+            } else {
+                Bounds { increment: f64::INFINITY, area: f64::INFINITY }
+            };
+            Batch::add(&mut driver.batches, run.level, run.swapped, bounds, driver.runs.len());
+            driver.runs.push(DriverRun {
+                id: run.scheme.id(),
+                level: run.level,
+                swapped: run.swapped,
+                scheme: Box::new(BoundScheme { system: &problem.system, scheme: run.scheme }),
+            });
+        }
+        // The order in which runs are due, which decides whose failure is described.
+        driver.batches.sort_by_key(|batch| (batch.due(), batch.swapped));
+        Ok(Self { driver, stack: stack_for(D) })
     }
 
-    /// Carries a number along each path, see [`Clock`].
+    /// Carries a random time along each path, see [`TimeChange`].
     #[must_use]
-    pub fn with_clock(mut self, clock: &'a dyn Clock<M>) -> Self {
-        self.clock = Some(clock);
+    pub fn with_time_change(mut self, time_change: &'a dyn TimeChange<M>) -> Self {
+        self.driver.time_change = Some(time_change);
+        self
+    }
+
+    /// Takes the noise of the finest steps from elsewhere instead of drawing it.
+    #[must_use]
+    pub fn with_noise(mut self, source: impl NoiseSource<M> + 'a) -> Self {
+        self.driver.noise = Box::new(source);
+        self
+    }
+
+    /// Describes so many of the paths that fail; the first eight unless told otherwise.
+    #[must_use]
+    pub fn describing(mut self, failures: usize) -> Self {
+        self.driver.described_failures = failures;
         self
     }
 
     /// Step size of a level.
     #[must_use]
     pub fn tau(&self, level: usize) -> f64 {
-        self.problem.t_end * (1u64 << level) as f64 / self.finest_steps as f64
+        self.driver.tau(level)
     }
 
     /// Number of coarsest steps: how often a statistic sees each block.
     #[must_use]
     pub fn coarse_steps(&self) -> u64 {
-        self.finest_steps >> self.levels
+        self.driver.finest_steps >> self.driver.levels
     }
 
     /// Steps that one path takes in all runs together: the unit in which `progress` counts.
     #[must_use]
     pub fn steps_per_path(&self) -> u64 {
-        self.runs.iter().map(|run| self.finest_steps >> run.level).sum()
+        self.driver.steps_per_path()
     }
 
-    /// Advances `samples` paths in parallel on the current rayon pool.
+    /// Advances the paths 0 to `samples` − 1 in parallel on the current rayon pool.
     ///
     /// `progress` is told now and then how many more path-steps are done, from any thread.
     pub fn run<T: Statistic<D>>(
@@ -193,59 +218,63 @@ where
         samples: u64,
         new: impl Fn() -> T + Sync,
         progress: &(dyn Fn(u64) + Sync),
-    ) -> Outcome<T> {
-        let group_paths = (Group::<S, G, D, M>::BLOCKS * WIDTH) as u64;
-        let groups = samples.div_ceil(group_paths);
+    ) -> Measured<T> {
+        self.run_from(0, samples, new, progress)
+    }
+
+    /// Advances `samples` paths from path number `first` on.
+    pub fn run_from<T: Statistic<D>>(
+        &self,
+        first: u64,
+        samples: u64,
+        new: impl Fn() -> T + Sync,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Measured<T> {
+        let groups = samples.div_ceil(GROUP_PATHS);
         let wave = (rayon::current_num_threads() * GROUPS_PER_THREAD) as u64;
-        let mut tree = MergeTree::new(Part::merge);
-        tree.push(Part {
-            statistic: new(),
-            failed: 0,
-            failures: Vec::new(),
-            clipped: vec![0; self.levels + 1],
+        let mut tree = MergeTree::new(|sum: &mut (T, Tally), later: (T, Tally)| {
+            sum.0.merge(later.0);
+            sum.1.merge(later.1);
         });
-        for first in (0..groups).step_by(wave as usize) {
-            let parts: Vec<Part<T>> = in_parallel(first..groups.min(first + wave), &|g| {
-                let first_path = g * group_paths;
-                Group::new(self, first_path, group_paths.min(samples - first_path))
-                    .march(new(), progress)
+        tree.push((new(), self.driver.tally()));
+        for begin in (0..groups).step_by(wave as usize) {
+            let parts = in_parallel(begin..groups.min(begin + wave), &|group| {
+                let offset = group * GROUP_PATHS;
+                let paths = GROUP_PATHS.min(samples - offset);
+                let mut statistic = new();
+                let mut observe = |view: &View<'_, D>| statistic.observe(view);
+                let tally = on_stack(self.stack, || {
+                    self.driver.march(first + offset, paths, &mut observe, progress)
+                });
+                (statistic, tally)
             });
-            for part in parts {
-                tree.push(part);
-            }
+            parts.into_iter().for_each(|part| tree.push(part));
         }
-        let Part { statistic, failed, failures, clipped } =
+        let (statistic, Tally { failed, failures, clipped, .. }) =
             tree.finish().unwrap_or_else(|| unreachable!("an empty part was pushed first"));
-        Outcome { statistic, failed, failures, clipped }
+        Measured { statistic, failed, failures, clipped }
     }
 }
 
-/// What one group of blocks contributes.
-pub(crate) struct Part<T> {
-    pub(crate) statistic: T,
-    pub(crate) failed: u64,
-    pub(crate) failures: Vec<PathFailure>,
-    pub(crate) clipped: Vec<u64>,
+/// Stacks of rayon's threads have two megabytes, of which this much may be used here.
+const USUAL_STACK: usize = 1 << 20;
+
+/// Bytes of stack for a step in D dimensions: Newton's method and the continuation behind it keep a
+/// handful of matrices, at most 16 with their dual numbers.
+fn stack_for(dimension: usize) -> usize {
+    (1 << 18) + 16 * 8 * dimension * dimension
 }
 
-impl<T> Part<T> {
-    pub(crate) fn record(&mut self, failure: PathFailure) {
-        self.failed += 1;
-        if self.failures.len() < DESCRIBED_FAILURES {
-            self.failures.push(failure);
-        }
+/// Does the work on this thread, or on one of its own where it needs a larger stack.
+fn on_stack<R: Send>(stack: usize, work: impl FnOnce() -> R + Send) -> R {
+    if stack <= USUAL_STACK {
+        return work();
     }
-
-    fn merge<const D: usize>(&mut self, later: Self)
-    where
-        T: Statistic<D>,
-    {
-        self.statistic.merge(later.statistic);
-        self.failed += later.failed;
-        let room = DESCRIBED_FAILURES - self.failures.len();
-        self.failures.extend(later.failures.into_iter().take(room));
-        for (count, more) in self.clipped.iter_mut().zip(later.clipped) {
-            *count += more;
-        }
-    }
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(stack).spawn_scoped(scope, work);
+        let thread = thread.unwrap_or_else(|error| {
+            panic!("cannot start a thread with a stack of {stack} bytes: {error}")
+        });
+        thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
 }

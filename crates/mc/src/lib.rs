@@ -29,19 +29,20 @@
 //! |---|---|
 //! | [`Ladder`], [`Run`] | which schemes at which steps, on which noise |
 //! | [`Statistic`]: [`StrongErrors`], [`WeakDifferences`] | what is kept of the paths |
-//! | [`Clock`] | a number carried along each path, for exact references |
+//! | [`TimeChange`] | a random time carried along each path, for exact references |
+//! | [`NoiseSource`] | noise from elsewhere |
 //! | [`trajectory`] | one path, kept |
 //! | [`Simulation`], [`TimeSeries`], [`write_csv`], [`write_json`] | paths with observables and conformal defects, as tables |
 //! | [`Recording`] | the increments of a path, from or for another code |
 //! | [`PathFailure`] | a path that was left out: where, when and why |
 //! | [`multilevel`] | E[φ(y(T))] to a requested accuracy |
 
+mod driver;
 mod error;
 mod failure;
-mod follow;
 mod ladder;
-mod march;
 pub mod multilevel;
+mod noise_source;
 mod parallel;
 mod recording;
 mod simulation;
@@ -52,7 +53,8 @@ mod weak;
 
 pub use error::LadderError;
 pub use failure::{Cause, PathFailure};
-pub use ladder::{Clock, Ladder, Outcome, Run, Statistic, View};
+pub use ladder::{Ladder, Measured, Run, Statistic, TimeChange, View};
+pub use noise_source::{NextNoise, NoiseSource};
 pub use recording::{Recording, RecordingError};
 pub use simulation::{
     Column, NoiseOrigin, Simulation, SimulationError, TimeSeries, write_csv, write_json,

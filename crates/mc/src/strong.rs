@@ -23,7 +23,7 @@ pub enum Reference<'a, const D: usize> {
     /// A run on the same noise.
     Run(usize),
     /// The exact solution at the final time, as a function of what the ladder's
-    /// [`Clock`](crate::Clock) shows. Errors are then known at the final time only.
+    /// [`TimeChange`](crate::TimeChange) shows. Errors are then known at the final time only.
     Exact(&'a (dyn Fn(f64) -> [f64; D] + Sync)),
 }
 
@@ -86,7 +86,7 @@ impl<const D: usize> Statistic<D> for StrongErrors<'_, D> {
         for p in view.live.paths() {
             let exact = match self.reference {
                 Reference::Run(run) => view.states[run].path(p),
-                Reference::Exact(solution) => solution(view.clock.0[0][p]),
+                Reference::Exact(solution) => solution(view.random_time.0[0][p]),
             };
             for (s, runs) in self.series.iter().enumerate() {
                 let square = |&run: &usize| {

@@ -4,8 +4,7 @@ use noise::{StreamKey, Truncation};
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::follow::{Drawn, follow};
-use crate::{LadderError, PathFailure};
+use crate::{Ladder, LadderError, PathFailure, Run, Statistic, View};
 
 /// The states of one path at t_n = nτ, n = 0 … N; fewer when a step failed.
 #[derive(Clone, Debug)]
@@ -32,24 +31,25 @@ pub fn trajectory<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
     key: StreamKey,
     path: u64,
 ) -> Result<Trajectory<D>, LadderError> {
-    if steps == 0 {
-        return Err(LadderError::Steps { steps, multiple_of: 1 });
+    let ladder = Ladder::new(problem, steps, 0, truncation, key, vec![Run::new(scheme, 0)])?;
+    let measured = ladder.run_from(path, 1, || States(Vec::new()), &|_| ());
+    let mut states = vec![problem.y0];
+    states.extend(measured.statistic.0);
+    let times = (0..states.len()).map(|n| n as f64 * ladder.tau(0)).collect();
+    Ok(Trajectory { times, states, failure: measured.failures.into_iter().next() })
+}
+
+/// The states of the first path of a block.
+struct States<const D: usize>(Vec<[f64; D]>);
+
+impl<const D: usize> Statistic<D> for States<D> {
+    fn observe(&mut self, view: &View<'_, D>) {
+        if view.live.contains(0) {
+            self.0.push(view.states[0].path(0));
+        }
     }
-    let tau = problem.t_end / steps as f64;
-    let mut noise = Drawn::new(key, path, tau, scheme.needs_areas())?;
-    let mut trajectory = Trajectory { times: vec![0.0], states: vec![problem.y0], failure: None };
-    let halt = follow(problem, scheme, steps, truncation, &mut noise, |n, _, y| {
-        trajectory.times.push(n as f64 * tau);
-        trajectory.states.push(y);
-    })?;
-    trajectory.failure = halt.map(|(step, cause)| PathFailure {
-        path,
-        key,
-        scheme: scheme.id(),
-        swapped: false,
-        tau,
-        step,
-        cause,
-    });
-    Ok(trajectory)
+
+    fn merge(&mut self, later: Self) {
+        self.0.extend(later.0);
+    }
 }

@@ -30,6 +30,7 @@
 //! |---|---|
 //! | [`StreamKey`] | which stream a path draws from |
 //! | [`WienerBlock`], [`WienerPath`] | normal increments for 32 paths, for one path |
+//! | [`Noise`], [`BlockNoise`] | increments and Lévy areas of one step |
 //! | [`Truncation`], [`clip`] | ΔŴ = √τ χ(ΔW/√τ) |
 //! | [`DyadicLadder`] | sums of fine increments over all coarser steps |
 //! | [`AreaMethod`] | which approximation of the Lévy areas and how many terms: errors and costs as formulas |
@@ -72,6 +73,7 @@ mod error;
 mod exact_area;
 mod iterated;
 mod ladder;
+mod step;
 mod stream;
 mod truncation;
 mod wiener;
@@ -83,6 +85,7 @@ pub use error::NoiseError;
 pub use exact_area::ExactArea;
 pub use iterated::{ito, stratonovich};
 pub use ladder::DyadicLadder;
+pub use step::{BlockNoise, Noise};
 pub use stream::StreamKey;
 pub use truncation::{Truncation, clip};
 pub use wiener::{WienerBlock, WienerPath};

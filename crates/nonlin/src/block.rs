@@ -3,7 +3,7 @@
 use real::{Block, PathMask, WIDTH};
 
 use crate::robust::solve_robust;
-use crate::sweep::{Swept, begins_otherwise, first_sweeps, settled_path, sweep};
+use crate::sweep::{Iterate, begins_otherwise, first_sweeps, settled_path, sweep};
 use crate::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Outcome, Solver};
 
 /// The paths of a block in two halves: path p of the first has its first sweep together with path p
@@ -42,7 +42,7 @@ impl<const D: usize> Iterates<'_, D> {
 
     /// Keeps the first sweep of path p; returns 1 if it is not done.
     #[inline(always)]
-    fn set(&mut self, p: usize, (after, excess): Swept<D>) -> u64 {
+    fn set(&mut self, p: usize, (after, excess): Iterate<D>) -> u64 {
         let done = excess <= 0.0;
         self.z.set_path(p, after);
         self.pending.0[0][p] = if done { -1.0 } else { 1.0 };
@@ -76,7 +76,7 @@ impl<const D: usize> Iterates<'_, D> {
         &self,
         p: usize,
         number: f64,
-        (after, excess): Swept<D>,
+        (after, excess): Iterate<D>,
         next: &mut Iterates<'_, D>,
     ) -> u64 {
         let pending = self.pending.0[0][p];
@@ -138,7 +138,8 @@ impl Solver {
             settle(equations, method, z);
         }
         if unfinished > 0 {
-            rescue(equations, z, status);
+            // A copy: what a call that is not inlined may look at is kept in memory, and not in registers.
+            rescue(*equations, z, status);
         }
     }
 }
@@ -157,7 +158,7 @@ fn settle<E: BlockFixedPoint<D>, const D: usize>(equations: &E, method: Method, 
 #[cold]
 #[inline(never)]
 fn rescue<E: BlockFixedPoint<D>, const D: usize>(
-    equations: &E,
+    equations: E,
     z: &mut Block<D>,
     status: &mut BlockStatus,
 ) {

@@ -26,18 +26,12 @@ pub trait FixedPoint<const D: usize>: Copy {
         jacobian(&Map(*self), z)
     }
 
-    /// A z on the branch of the start and a bound of its residual ‖z − ψ(z)‖₁, rounding excepted,
-    /// for [`FirstSweep::Own`]. A bound that is infinite or NaN says that there is none, and z is
-    /// not looked at.
+    /// A prediction of the solution, on the branch that starts at the start, and a bound of its
+    /// residual ‖z − ψ(z)‖₁, rounding excepted; for [`FirstSweep::Predicted`]. Where the bound is
+    /// infinite or NaN the prediction is not used.
     #[inline(always)]
-    fn own_sweep(&self) -> ([f64; D], f64) {
+    fn predict(&self) -> ([f64; D], f64) {
         (self.start(), f64::INFINITY)
-    }
-
-    /// [`own_sweep`](Self::own_sweep) of two equations, the same bits, which may be solved in turn.
-    #[inline(always)]
-    fn own_sweeps(one: &Self, other: &Self) -> [([f64; D], f64); 2] {
-        [one.own_sweep(), other.own_sweep()]
     }
 }
 
@@ -50,10 +44,9 @@ pub enum FirstSweep {
     /// two paths at a time. Fast where ψ is a few dozen operations, and long code to compile where
     /// it is not.
     Long,
-    /// [`FixedPoint::own_sweep`]: an equation whose structure is known can be solved by fewer
-    /// operations than any general method needs, and its own bound says whether it is solved. If
-    /// not, sweeps of the method follow.
-    Own,
+    /// [`FixedPoint::predict`], accepted if its residual bound is below the tolerance. If not, sweeps
+    /// of the method start from the prediction.
+    Predicted,
 }
 
 /// ψ as a function.
@@ -67,7 +60,7 @@ impl<E: FixedPoint<D>, const D: usize> VectorFunction<D, D> for Map<E> {
 }
 
 /// The equations of a block of paths.
-pub trait BlockFixedPoint<const D: usize> {
+pub trait BlockFixedPoint<const D: usize>: Copy {
     /// The equation of one path.
     type Path: FixedPoint<D>;
     /// The equation of path `p`. Must be `#[inline(always)]`.

@@ -30,7 +30,7 @@
 //! | item | job |
 //! |---|---|
 //! | [`FixedPoint`], [`BlockFixedPoint`] | the equation, of one path and of a block |
-//! | [`FirstSweep`] | how its iteration begins: a system that knows its equation may solve it itself |
+//! | [`FirstSweep`] | how its iteration begins: plain, unrolled, or from a prediction |
 //! | [`Solver`], [`Method`] | which iteration, how many sweeps |
 //! | [`BlockStatus`], [`Outcome`] | per path: converged or not, by which method, iterations, residual |
 

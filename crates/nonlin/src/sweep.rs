@@ -32,7 +32,7 @@ const NEWTON_MARGIN: f64 = 256.0;
 
 /// The next iterate and a number that is at most zero when it is the solution, NaN when it has left
 /// the numbers.
-pub(crate) type Swept<const D: usize> = ([f64; D], f64);
+pub(crate) type Iterate<const D: usize> = ([f64; D], f64);
 
 /// Whether the equation asks for a first sweep unlike the others, which it does for the method that
 /// it prefers alone.
@@ -43,10 +43,10 @@ pub(crate) fn begins_otherwise<E: FixedPoint<D>, const D: usize>(method: Method)
 
 /// The first sweep that the equation asks for, with the method that it prefers.
 #[inline(always)]
-pub(crate) fn first_sweep<E: FixedPoint<D>, const D: usize>(equation: &E) -> Swept<D> {
+pub(crate) fn first_sweep<E: FixedPoint<D>, const D: usize>(equation: &E) -> Iterate<D> {
     match (E::FIRST_SWEEP, E::METHOD) {
         (FirstSweep::Plain, method) => sweep(equation, equation.start(), method),
-        (FirstSweep::Own, _) => own_verdict(equation.start(), equation.own_sweep()),
+        (FirstSweep::Predicted, _) => predicted_verdict(equation.start(), equation.predict()),
         (FirstSweep::Long, Method::FixedPoint) => verdict(eleven_evaluations(equation)),
         (FirstSweep::Long, Method::Newton) => {
             newton_verdict(equation.start(), newton_twice(equation))
@@ -54,20 +54,15 @@ pub(crate) fn first_sweep<E: FixedPoint<D>, const D: usize>(equation: &E) -> Swe
     }
 }
 
-/// The first sweep of two paths, a long one in turn, and the equations' own as they have it: an
-/// evaluation is a chain of operations that wait for each other, and two chains fit into the time
-/// of one.
+/// The first sweep of two paths. Long sweeps alternate between the two: an evaluation is a chain of
+/// operations that wait for each other, and two chains fit into the time of one.
 #[inline(always)]
 pub(crate) fn first_sweeps<E: FixedPoint<D>, const D: usize>(
     one: &E,
     other: &E,
-) -> (Swept<D>, Swept<D>) {
+) -> (Iterate<D>, Iterate<D>) {
     match (E::FIRST_SWEEP, E::METHOD) {
-        (FirstSweep::Plain, _) => (first_sweep(one), first_sweep(other)),
-        (FirstSweep::Own, _) => {
-            let [found, other_found] = E::own_sweeps(one, other);
-            (own_verdict(one.start(), found), own_verdict(other.start(), other_found))
-        }
+        (FirstSweep::Plain | FirstSweep::Predicted, _) => (first_sweep(one), first_sweep(other)),
         (FirstSweep::Long, Method::FixedPoint) => {
             let (one, other) = eleven_in_turn(one, other);
             (verdict(one), verdict(other))
@@ -79,14 +74,17 @@ pub(crate) fn first_sweeps<E: FixedPoint<D>, const D: usize>(
     }
 }
 
-/// The equation's own solution, done when its bound says so; the start where it has none.
+/// A prediction, accepted if its bound is below the tolerance; the start where it has no bound.
 #[inline(always)]
-fn own_verdict<const D: usize>(start: [f64; D], (found, bound): ([f64; D], f64)) -> Swept<D> {
+fn predicted_verdict<const D: usize>(
+    start: [f64; D],
+    (prediction, bound): ([f64; D], f64),
+) -> Iterate<D> {
     let has_bound = bound < f64::INFINITY;
     let (mut z, mut size) = (start, 0.0);
     for i in 0..D {
-        z[i] = if has_bound { found[i] } else { start[i] };
-        size += found[i].abs();
+        z[i] = if has_bound { prediction[i] } else { start[i] };
+        size += prediction[i].abs();
     }
     // The last product is NaN where a number is infinite, and zero otherwise.
     (z, (bound - size * TOLERANCE) + size * 0.0)
@@ -98,7 +96,7 @@ pub(crate) fn sweep<E: FixedPoint<D>, const D: usize>(
     equation: &E,
     z: [f64; D],
     method: Method,
-) -> Swept<D> {
+) -> Iterate<D> {
     match method {
         Method::FixedPoint => verdict(two_evaluations(equation, equation.map(z))),
         Method::Newton => newton_sweep(equation, z),
@@ -179,7 +177,7 @@ fn eleven_in_turn<E: FixedPoint<D>, const D: usize>(one: &E, other: &E) -> (Tail
 /// The last two changes c, c′ give the contraction c′/c and with it the next change, which is the
 /// residual: done when c′²/c ≤ tolerance, with c counted as at most ‖z‖.
 #[inline(always)]
-fn verdict<const D: usize>([previous, before, next]: Tail<D>) -> Swept<D> {
+fn verdict<const D: usize>([previous, before, next]: Tail<D>) -> Iterate<D> {
     // Sums and not maxima: a NaN anywhere makes the sum NaN, and NaN is not at most zero.
     let (mut change, mut change_before, mut size) = (0.0, 0.0, 0.0);
     for i in 0..D {
@@ -249,7 +247,10 @@ fn simplified_step<E: FixedPoint<D>, const D: usize>(
 ///
 /// A last change that is itself below the tolerance suffices, since both may be round-off.
 #[inline(always)]
-fn newton_verdict<const D: usize>(start: [f64; D], [previous, before, next]: Tail<D>) -> Swept<D> {
+fn newton_verdict<const D: usize>(
+    start: [f64; D],
+    [previous, before, next]: Tail<D>,
+) -> Iterate<D> {
     let (mut change, mut change_before, mut size) = (0.0, 0.0, 0.0);
     for i in 0..D {
         change += (next[i] - before[i]).abs();
@@ -271,7 +272,7 @@ fn newton_verdict<const D: usize>(start: [f64; D], [previous, before, next]: Tai
 
 /// One Newton iteration.
 #[inline(always)]
-fn newton_sweep<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> Swept<D> {
+fn newton_sweep<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> Iterate<D> {
     let (_, next) = newton_step(z, equation.jacobian(z));
     let (mut change, mut size) = (0.0, 0.0);
     for i in 0..D {
@@ -399,20 +400,20 @@ mod tests {
     }
 
     #[test]
-    fn an_own_solution_is_done_within_the_tolerance() {
+    fn a_prediction_is_accepted_within_the_tolerance() {
         let found = [1.0, -2.0];
         for (bound, done) in
             [(0.0, true), (3.0 * TOLERANCE, true), (3.1 * TOLERANCE, false), (1.0, false)]
         {
-            let (z, excess) = own_verdict(START, (found, bound));
+            let (z, excess) = predicted_verdict(START, (found, bound));
             assert_eq!((z, excess <= 0.0), (found, done), "{bound:e}");
         }
         for bound in [f64::INFINITY, f64::NAN] {
-            let (z, excess) = own_verdict(START, (found, bound));
+            let (z, excess) = predicted_verdict(START, (found, bound));
             assert!(z == START && (excess.is_nan() || excess > 0.0), "{bound} {excess}");
         }
         for found in [[f64::INFINITY, 0.0], [0.0, f64::NEG_INFINITY], [f64::NAN, 0.0]] {
-            assert!(own_verdict(START, (found, 0.0)).1.is_nan());
+            assert!(predicted_verdict(START, (found, 0.0)).1.is_nan());
         }
     }
 }

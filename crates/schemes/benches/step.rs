@@ -85,7 +85,7 @@ impl<S, const D: usize> Run<S, D> {
             bencher.iter(|| {
                 let mut noise = WienerBlock::<M>::new(KEY, first_path);
                 let mut sampler = scheme
-                    .needs_areas()
+                    .reads_areas()
                     .then(|| AreaSampler::<M>::new(KEY, first_path, METHOD, terms::<M>()));
                 let (mut drawn, mut areas) = (AreaBlock::zero(), AreaBlock::zero());
                 let mut y = Block::splat(self.y0);
@@ -96,14 +96,7 @@ impl<S, const D: usize> Run<S, D> {
                         areas = drawn.clipped(self.area_bound).0;
                     }
                     clip(&dw, self.bound, &mut clipped);
-                    scheme.step_block_with_areas(
-                        &self.system,
-                        step,
-                        &clipped,
-                        &areas,
-                        &mut y,
-                        &mut status,
-                    );
+                    scheme.step_block(&self.system, step, &clipped, &areas, &mut y, &mut status);
                 }
                 first_path += WIDTH as u64;
                 black_box(y)
@@ -139,7 +132,7 @@ impl<S, const D: usize> Run<S, D> {
             bencher.iter(|| {
                 let mut noise = WienerPath::<M>::new(KEY, path);
                 let mut sampler = scheme
-                    .needs_areas()
+                    .reads_areas()
                     .then(|| AreaPath::<M>::new(KEY, path, METHOD, terms::<M>()));
                 let mut areas = [[0.0; M]; M];
                 let mut y = self.y0;

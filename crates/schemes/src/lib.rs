@@ -6,6 +6,7 @@
 //! Hamiltonians, exactly on their damped law; [`EulerMaruyama`], [`Heun`] and [`Midpoint`] do not.
 //!
 //! ```
+//! use noise::Noise;
 //! use schemes::{Scheme, Sexp, Step};
 //! use systems::{Cosine, PoissonSystem, RigidBody};
 //!
@@ -13,7 +14,7 @@
 //! let damping = Cosine::new(0.5, 2.0)?;
 //! let step = Step::new(&damping, 0, 0.1)?;
 //! let y0 = [1.1f64.cos(), 0.0, 1.1f64.sin()];
-//! let y1 = Sexp::default().step(&body, &step, [0.2, -0.3, 0.1], y0);
+//! let y1 = Sexp::default().step(&body, &step, &Noise::increments([0.2, -0.3, 0.1]), y0);
 //!
 //! // One step damps the Casimir ½|y|² by exp(−2∫γ), whatever the noise was.
 //! let law = (-2.0 * step.damping_integral()).exp();
@@ -31,8 +32,10 @@
 //! | [`EulerMaruyama`] | explicit | ½ / ½ | nothing |
 
 mod em;
+mod formula;
 mod heun;
-mod implicit;
+mod increment;
+mod kernel;
 mod midpoint;
 mod scheme;
 mod sexp;
@@ -40,7 +43,9 @@ mod sexp_levy;
 mod step;
 
 pub use em::EulerMaruyama;
+pub use formula::{Explicit, Implicit};
 pub use heun::Heun;
+pub use increment::{Increment, Vector};
 pub use midpoint::Midpoint;
 pub use scheme::Scheme;
 pub use sexp::Sexp;

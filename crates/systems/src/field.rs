@@ -96,16 +96,16 @@ pub fn unit_noise<const M: usize>(m: usize) -> [f64; M] {
 /// ½Σₘ fₘ′(y)fₘ(y), the drift that turns the Stratonovich equation into an Itô equation. The
 /// derivative includes that of B; one evaluation on dual numbers for each noise.
 #[inline(always)]
-pub fn ito_correction<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+pub fn ito_correction<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, const M: usize>(
     system: &S,
-    y: [f64; D],
-) -> [f64; D] {
-    let mut correction = [0.0; D];
+    y: [R; D],
+) -> [R; D] {
+    let mut correction = [R::zero(); D];
     for m in 0..M {
         let direction = vector_field(system, y, 0.0, unit_noise(m));
         let derivative = vector_field_derivative(system, y, 0.0, unit_noise(m), direction);
         for i in 0..D {
-            correction[i] += 0.5 * derivative[i];
+            correction[i] = correction[i] + derivative[i] * 0.5;
         }
     }
     correction

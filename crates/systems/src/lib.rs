@@ -67,4 +67,4 @@ pub use poisson3::Poisson3;
 pub use problem::Problem;
 pub use rigid_body::{RigidBody, RigidBodyEnergy};
 pub use spin_chain::SpinChain;
-pub use system::PoissonSystem;
+pub use system::{ImplicitStep, PoissonSystem};

@@ -1,12 +1,11 @@
 //! The damped stochastic Lotka–Volterra system (paper, Example 3).
 
-mod quartic;
-
 use dgrad::{GradientField, averaged};
 use real::Real;
 
 use crate::error::finite;
-use crate::{Form, Invariant, InvariantKind, PoissonSystem, SystemError};
+use crate::system::no_invariant;
+use crate::{Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem, SystemError};
 
 /// B(y)v = c·y₁^{1−p}y₂^{1−q}·(av₂ + v₃, −av₁ − pv₃, −v₁ + pv₂), H = y₁ᵖy₂^q y₃, noise H, where p =
 /// ab and q = −b.
@@ -25,9 +24,6 @@ pub struct LotkaVolterra<E> {
 pub trait Exponents: Copy + Send + Sync {
     /// Whether ∇̄ takes so few nodes that it counts as a closed form.
     const FEW_NODES: bool;
-    /// Whether [`short_step`](Exponents::short_step) solves the implicit steps that are not too
-    /// long.
-    const SOLVES_SHORT_STEPS: bool = false;
     /// p = ab.
     fn p(&self) -> f64;
     /// q = −b.
@@ -41,17 +37,6 @@ pub trait Exponents: Copy + Send + Sync {
     /// # Errors
     /// [`SystemError::OutsideDomain`].
     fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError>;
-    /// [`PoissonSystem::short_step`] for the weight κ of the step, c included.
-    #[inline(always)]
-    fn short_step(&self, a: [f64; 3], kappa: f64) -> ([f64; 3], f64) {
-        let _ = kappa;
-        (a, f64::INFINITY)
-    }
-    /// The same of two paths, in turn.
-    #[inline(always)]
-    fn short_steps(&self, a: [[f64; 3]; 2], kappa: [f64; 2]) -> [([f64; 3], f64); 2] {
-        [self.short_step(a[0], kappa[0]), self.short_step(a[1], kappa[1])]
-    }
 }
 
 /// Positive integer exponents: H is a polynomial and the discrete gradient is exact to round-off.
@@ -66,7 +51,6 @@ const MAX_DEGREE: i32 = 9;
 
 impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
     const FEW_NODES: bool = P + Q <= 5;
-    const SOLVES_SHORT_STEPS: bool = P == 2 && Q == 2;
 
     fn p(&self) -> f64 {
         f64::from(P)
@@ -99,18 +83,6 @@ impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
             )
         };
         positive_octant(y)
-    }
-    #[inline(always)]
-    fn short_step(&self, a: [f64; 3], kappa: f64) -> ([f64; 3], f64) {
-        if Self::SOLVES_SHORT_STEPS { quartic::short_step(a, kappa) } else { (a, f64::INFINITY) }
-    }
-    #[inline(always)]
-    fn short_steps(&self, a: [[f64; 3]; 2], kappa: [f64; 2]) -> [([f64; 3], f64); 2] {
-        if Self::SOLVES_SHORT_STEPS {
-            quartic::short_steps(a, kappa)
-        } else {
-            a.map(|a| (a, f64::INFINITY))
-        }
     }
 }
 
@@ -206,9 +178,6 @@ impl<E: Exponents> LotkaVolterra<E> {
 }
 
 impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
-    const SHORT_FIELD: bool = E::FEW_NODES;
-    const SOLVES_SHORT_STEPS: bool = E::SOLVES_SHORT_STEPS;
-
     fn name(&self) -> &'static str {
         "lotka-volterra"
     }
@@ -242,16 +211,6 @@ impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
         )
     }
 
-    #[inline(always)]
-    fn short_step(&self, a: [f64; 3], dt: f64, dw: [f64; 1]) -> ([f64; 3], f64) {
-        self.exponents.short_step(a, self.c * (dt + dw[0]))
-    }
-
-    #[inline(always)]
-    fn short_steps(&self, a: [[f64; 3]; 2], dt: f64, dw: [[f64; 1]; 2]) -> [([f64; 3], f64); 2] {
-        self.exponents.short_steps(a, [self.c * (dt + dw[0][0]), self.c * (dt + dw[1][0])])
-    }
-
     fn invariants(&self) -> Vec<Invariant> {
         let energy = Invariant {
             name: "H",
@@ -272,14 +231,17 @@ impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
 
     #[inline(always)]
     fn invariant<R: Real>(&self, index: usize, y: [R; 3]) -> R {
-        if index == 0 {
-            self.exponents.powers(y[0], y[1]) * y[0] * y[1] * y[2]
-        } else {
-            y[0] * self.exponents.p() + y[1] - y[2] * self.a
+        match index {
+            0 => self.exponents.powers(y[0], y[1]) * y[0] * y[1] * y[2],
+            1 => y[0] * self.exponents.p() + y[1] - y[2] * self.a,
+            _ => no_invariant(self.name(), index),
         }
     }
 
     fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
         self.exponents.check_domain(y)
     }
+
+    const IMPLICIT_STEP: ImplicitStep =
+        if E::FEW_NODES { ImplicitStep::UnrolledFixedPoint } else { ImplicitStep::FixedPoint };
 }

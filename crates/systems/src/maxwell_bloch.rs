@@ -2,7 +2,8 @@
 
 use real::Real;
 
-use crate::{Form, Invariant, InvariantKind, PoissonSystem};
+use crate::system::no_invariant;
+use crate::{Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem};
 
 /// B(y)v = (−y₃v₂ + y₂v₃, y₃v₁, −y₂v₁), H₀ = ½y₁² + y₃, H₁ = y₃.
 ///
@@ -11,8 +12,6 @@ use crate::{Form, Invariant, InvariantKind, PoissonSystem};
 pub struct MaxwellBloch;
 
 impl PoissonSystem<3, 1> for MaxwellBloch {
-    const SHORT_FIELD: bool = true;
-
     fn name(&self) -> &'static str {
         "maxwell-bloch"
     }
@@ -34,7 +33,7 @@ impl PoissonSystem<3, 1> for MaxwellBloch {
 
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-        self.gradient(dgrad::quadratic(a, b), dt, dw)
+        self.gradient(dgrad::midpoint(a, b), dt, dw)
     }
 
     fn invariants(&self) -> Vec<Invariant> {
@@ -48,7 +47,12 @@ impl PoissonSystem<3, 1> for MaxwellBloch {
     }
 
     #[inline(always)]
-    fn invariant<R: Real>(&self, _index: usize, y: [R; 3]) -> R {
-        (y[1] * y[1] + y[2] * y[2]) * 0.5
+    fn invariant<R: Real>(&self, index: usize, y: [R; 3]) -> R {
+        match index {
+            0 => (y[1] * y[1] + y[2] * y[2]) * 0.5,
+            _ => no_invariant(self.name(), index),
+        }
     }
+
+    const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
 }

@@ -4,7 +4,7 @@ use dgrad::{ShortMean, mean_sine};
 use real::Real;
 
 use crate::error::finite;
-use crate::{PoissonSystem, SystemError};
+use crate::{ImplicitStep, PoissonSystem, SystemError};
 
 /// B(y)v = (−v₂, v₁), H = ½y₁² − cos y₂, one noise cH: y₁ is the momentum, y₂ the angle.
 ///
@@ -25,9 +25,6 @@ impl Pendulum {
 }
 
 impl PoissonSystem<2, 1> for Pendulum {
-    const PREFERS_NEWTON: bool = true;
-    const SOLVES_SHORT_STEPS: bool = true;
-
     fn name(&self) -> &'static str {
         "pendulum"
     }
@@ -63,7 +60,7 @@ impl PoissonSystem<2, 1> for Pendulum {
     /// − ψ(z)‖₁ ≤ |w|(⅓(|δ₁| + |δ|) + 3·10⁻⁸)|δ|. For |w| < 1 the map contracts, and there is no
     /// other solution.
     #[inline(always)]
-    fn short_step(&self, a: [f64; 2], dt: f64, dw: [f64; 1]) -> ([f64; 2], f64) {
+    fn predict(&self, a: [f64; 2], dt: f64, dw: [f64; 1]) -> ([f64; 2], f64) {
         let weight = dt + self.noise * dw[0];
         let (drift, half) = (weight * a[0], 0.5 * weight);
         let force = ShortMean::of_sine(a[1], weight);
@@ -79,4 +76,6 @@ impl PoissonSystem<2, 1> for Pendulum {
         let bound = if weight.abs() < 1.0 { bound } else { f64::INFINITY };
         ([a[0] - (mean - slope * last), a[1] + (h - last)], bound)
     }
+
+    const IMPLICIT_STEP: ImplicitStep = ImplicitStep::Predicted;
 }

@@ -4,7 +4,8 @@ use dgrad::{ShortMean, mean_cosine};
 use real::Real;
 
 use crate::error::finite;
-use crate::{Form, Invariant, InvariantKind, PoissonSystem, SystemError};
+use crate::system::no_invariant;
+use crate::{Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem, SystemError};
 
 /// B v = (v₂ − v₃, −v₁ + v₃, v₁ − v₂), H = sin y₁ + sin y₂ + sin y₃, one noise cH.
 ///
@@ -37,9 +38,6 @@ impl Poisson3 {
 }
 
 impl PoissonSystem<3, 1> for Poisson3 {
-    const PREFERS_NEWTON: bool = true;
-    const SOLVES_SHORT_STEPS: bool = true;
-
     fn name(&self) -> &'static str {
         "poisson3"
     }
@@ -80,7 +78,7 @@ impl PoissonSystem<3, 1> for Poisson3 {
     /// 5·10⁻⁸)‖δ‖. For
     /// |w| < 1 the map contracts, and there is no other solution.
     #[inline(always)]
-    fn short_step(&self, a: [f64; 3], dt: f64, dw: [f64; 1]) -> ([f64; 3], f64) {
+    fn predict(&self, a: [f64; 3], dt: f64, dw: [f64; 1]) -> ([f64; 3], f64) {
         let weight = dt + self.noise * dw[0];
         let means = self.means(a, weight);
         let h = rotated([means[0].constant(), means[1].constant(), means[2].constant()]);
@@ -121,8 +119,14 @@ impl PoissonSystem<3, 1> for Poisson3 {
     #[inline(always)]
     fn invariant<R: Real>(&self, index: usize, y: [R; 3]) -> R {
         let sum = y[0] + y[1] + y[2];
-        if index == 0 { sum * sum * 0.5 } else { sum }
+        match index {
+            0 => sum * sum * 0.5,
+            1 => sum,
+            _ => no_invariant(self.name(), index),
+        }
     }
+
+    const IMPLICIT_STEP: ImplicitStep = ImplicitStep::Predicted;
 }
 
 /// B v.

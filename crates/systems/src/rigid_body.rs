@@ -4,7 +4,8 @@
 use real::Real;
 
 use crate::error::{finite, positive};
-use crate::{Form, Invariant, InvariantKind, PoissonSystem, SystemError};
+use crate::system::no_invariant;
+use crate::{Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem, SystemError};
 
 /// y × v.
 #[inline(always)]
@@ -85,8 +86,6 @@ impl<const M: usize> RigidBody<M> {
 }
 
 impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
-    const SHORT_FIELD: bool = true;
-
     fn name(&self) -> &'static str {
         "rigid-body"
     }
@@ -110,7 +109,7 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
 
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; M]) -> [R; 3] {
-        self.gradient(dgrad::quadratic(a, b), dt, dw)
+        self.gradient(dgrad::midpoint(a, b), dt, dw)
     }
 
     /// With s = a + b, the cross product (s/2) × K(s/2) has the components ¼(k₃ − k₂)s₂s₃ and so
@@ -152,9 +151,14 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
     }
 
     #[inline(always)]
-    fn invariant<R: Real>(&self, _index: usize, y: [R; 3]) -> R {
-        half_square(y)
+    fn invariant<R: Real>(&self, index: usize, y: [R; 3]) -> R {
+        match index {
+            0 => half_square(y),
+            _ => no_invariant(PoissonSystem::<3, M>::name(self), index),
+        }
     }
+
+    const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
 }
 
 /// B(y)v = y × v with H₀ = ½Σ yᵢ²/Iᵢ as drift and as noise cH₀.
@@ -186,8 +190,6 @@ impl RigidBodyEnergy {
 }
 
 impl PoissonSystem<3, 1> for RigidBodyEnergy {
-    const SHORT_FIELD: bool = true;
-
     fn name(&self) -> &'static str {
         "rigid-body"
     }
@@ -214,7 +216,7 @@ impl PoissonSystem<3, 1> for RigidBodyEnergy {
 
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-        self.gradient(dgrad::quadratic(a, b), dt, dw)
+        self.gradient(dgrad::midpoint(a, b), dt, dw)
     }
 
     fn invariants(&self) -> Vec<Invariant> {
@@ -230,6 +232,12 @@ impl PoissonSystem<3, 1> for RigidBodyEnergy {
 
     #[inline(always)]
     fn invariant<R: Real>(&self, index: usize, y: [R; 3]) -> R {
-        if index == 0 { half_square(y) } else { self.hamiltonian(y) }
+        match index {
+            0 => half_square(y),
+            1 => self.hamiltonian(y),
+            _ => no_invariant(self.name(), index),
+        }
     }
+
+    const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
 }

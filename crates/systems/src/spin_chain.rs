@@ -3,7 +3,7 @@
 use real::Real;
 
 use crate::error::finite;
-use crate::{Form, Invariant, InvariantKind, PoissonSystem, SystemError};
+use crate::{Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem, SystemError};
 
 /// n = D/3 classical spins sᵢ ∈ ℝ³ with B(y)v = (s₁ × v₁, …, sₙ × vₙ), H₀ = −J Σ sᵢ·sᵢ₊₁ − ½K Σ
 /// (sᵢᶻ)², and a field that fluctuates alike on all spins, Hₘ = −σ Σᵢ sᵢᵐ for m = x, y, z.
@@ -34,8 +34,6 @@ impl<const D: usize> SpinChain<D> {
 }
 
 impl<const D: usize> PoissonSystem<D, 3> for SpinChain<D> {
-    const SHORT_FIELD: bool = D <= 6;
-
     fn name(&self) -> &'static str {
         "spin-chain"
     }
@@ -87,7 +85,7 @@ impl<const D: usize> PoissonSystem<D, 3> for SpinChain<D> {
 
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; 3]) -> [R; D] {
-        self.gradient(dgrad::quadratic(a, b), dt, dw)
+        self.gradient(dgrad::midpoint(a, b), dt, dw)
     }
 
     /// [fₘ, f_l] = B∇{H_l, Hₘ} with {H_l, Hₘ} = σ² Σᵢ sᵢ·(eₘ × e_l): the areas turn all spins about
@@ -121,4 +119,7 @@ impl<const D: usize> PoissonSystem<D, 3> for SpinChain<D> {
         let s = [y[3 * index], y[3 * index + 1], y[3 * index + 2]];
         (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) * 0.5
     }
+
+    const IMPLICIT_STEP: ImplicitStep =
+        if D <= 6 { ImplicitStep::UnrolledFixedPoint } else { ImplicitStep::FixedPoint };
 }

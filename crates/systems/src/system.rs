@@ -1,6 +1,6 @@
 //! The trait that a system is written in.
 
-use dgrad::{averaged, quadratic};
+use dgrad::{averaged, midpoint};
 use real::{Real, gradient};
 
 use crate::field::{Energy, HamiltonianIncrement, commutators};
@@ -12,26 +12,14 @@ const DEFAULT_NODES: usize = 8;
 
 /// A damped stochastic Poisson system in D dimensions with M noises, less its damping.
 ///
-/// Two formulas are asked for. Everything provided follows from them and may be overridden by a
-/// closed form that is faster or more accurate. Implementations must be `#[inline(always)]` and
-/// free of branches to run fast in a block of paths. Time and noise increments are plain numbers:
-/// nothing is ever differentiated by them, and constants kept out of the dual numbers are
-/// multiplications saved in every Jacobian.
+/// Two formulas make a system: [`structure`](Self::structure) is B(y)·v, and
+/// [`energy`](Self::energy) is the Hamiltonian increment h. Everything else follows from them, and
+/// may be overridden by a closed form that is faster or more accurate.
+///
+/// Implementations must be `#[inline(always)]` and free of branches to run fast in a block of
+/// paths. Time and noise increments are plain numbers: nothing is differentiated by them, and
+/// constants kept out of the dual numbers save multiplications in every Jacobian.
 pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
-    /// Whether schemes solve their steps by Newton's method unless told otherwise: the faster one
-    /// where ∇̄h is costly.
-    const PREFERS_NEWTON: bool = false;
-
-    /// Whether [`averaged_field`](PoissonSystem::averaged_field) is a closed form of some dozen
-    /// operations. Then the fixed-point iteration begins with eleven evaluations that are written
-    /// out for two paths at a time: a third faster, and too much code where the field is a
-    /// quadrature.
-    const SHORT_FIELD: bool = false;
-
-    /// Whether [`short_step`](PoissonSystem::short_step) solves the implicit steps that are not too
-    /// long.
-    const SOLVES_SHORT_STEPS: bool = false;
-
     /// Its name in reports.
     fn name(&self) -> &'static str;
 
@@ -57,29 +45,7 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
     /// unless overridden.
     #[inline(always)]
     fn averaged_field<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
-        self.structure(quadratic(a, b), self.averaged_gradient(a, b, dt, dw))
-    }
-
-    /// The b with b = a + averaged_field(a, b), where an implicit step leads, and a bound of what
-    /// it lacks of that, ‖b − a − averaged_field(a, b)‖₁, rounding excepted.
-    ///
-    /// For systems that set [`SOLVES_SHORT_STEPS`](PoissonSystem::SOLVES_SHORT_STEPS): what is
-    /// known of an equation, and a general solver cannot know, saves most of its work. If the bound
-    /// is not round-off, which the solver decides, its sweeps go on from b; where it is infinite or
-    /// NaN they begin at a. There must be no other solution that begins at a for smaller steps than
-    /// the one that b is near.
-    #[inline(always)]
-    fn short_step(&self, a: [f64; D], dt: f64, dw: [f64; M]) -> ([f64; D], f64) {
-        let _ = (dt, dw);
-        (a, f64::INFINITY)
-    }
-
-    /// [`short_step`](PoissonSystem::short_step) for two paths, the same bits. A system whose
-    /// solution is a chain of operations that wait for each other takes them in turn here, and two
-    /// chains fit into the time of one.
-    #[inline(always)]
-    fn short_steps(&self, a: [[f64; D]; 2], dt: f64, dw: [[f64; M]; 2]) -> [([f64; D], f64); 2] {
-        [self.short_step(a[0], dt, dw[0]), self.short_step(a[1], dt, dw[1])]
+        self.structure(midpoint(a, b), self.averaged_gradient(a, b, dt, dw))
     }
 
     /// Σ_{m<l} A_ml \[fₘ, f_l\](y) for a skew matrix A of Lévy areas, with fₘ = B∇Hₘ and [f, g] =
@@ -97,9 +63,12 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
     }
 
     /// The value of `invariants()[index]` at y.
+    ///
+    /// # Panics
+    /// Where there is no invariant of this index.
     fn invariant<R: Real>(&self, index: usize, y: [R; D]) -> R {
         let _ = y;
-        unreachable!("{} has no invariant number {index}", self.name())
+        no_invariant(self.name(), index)
     }
 
     /// Checks that y is where the system is defined; everywhere unless overridden.
@@ -110,4 +79,41 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
         let _ = y;
         Ok(())
     }
+
+    /// How the implicit steps of the system are solved with the least work. Every choice gives the
+    /// same solutions to round-off: this is about speed alone.
+    const IMPLICIT_STEP: ImplicitStep = ImplicitStep::FixedPoint;
+
+    /// A prediction of the solution of b = a + averaged_field(a, b), and a bound of its residual
+    /// ‖b − a − averaged_field(a, b)‖₁, rounding excepted; for [`ImplicitStep::Predicted`].
+    ///
+    /// A prediction whose bound is round-off is accepted. One with a larger bound is where Newton's
+    /// method starts; without a finite bound it starts at a. The prediction must lie on the branch
+    /// of solutions that tends to a as dt and dw tend to zero.
+    #[inline(always)]
+    fn predict(&self, a: [f64; D], dt: f64, dw: [f64; M]) -> ([f64; D], f64) {
+        let _ = (dt, dw);
+        (a, f64::INFINITY)
+    }
+}
+
+/// How the implicit steps of a system are solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImplicitStep {
+    /// By fixed-point iteration: right for every system.
+    FixedPoint,
+    /// The same, with the first eleven evaluations written out for two paths at a time. A third
+    /// faster where [`averaged_field`](PoissonSystem::averaged_field) is a closed form of some
+    /// dozen operations, and too much code where it is a quadrature.
+    UnrolledFixedPoint,
+    /// By Newton's method: the faster one where ∇̄h is costly, with sines or exponentials.
+    Newton,
+    /// By [`predict`](PoissonSystem::predict), and by Newton's method where the prediction is not
+    /// accurate enough.
+    Predicted,
+}
+
+/// For an index beyond the invariants of a system.
+pub(crate) fn no_invariant(system: &str, index: usize) -> ! {
+    panic!("{system} has no invariant of index {index}")
 }

@@ -78,7 +78,7 @@ impl Check for ClosedForms {
             for j in 0..D {
                 let mut unit = [0.0; D];
                 unit[j] = 1.0;
-                let column = system.structure(dgrad::quadratic(a, b), unit);
+                let column = system.structure(dgrad::midpoint(a, b), unit);
                 entry = column.iter().fold(entry, |m: f64, x| m.max(x.abs()));
             }
             for i in 0..D {

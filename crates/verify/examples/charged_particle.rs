@@ -40,7 +40,7 @@ impl PoissonSystem<4, 1> for Particle {
     /// The energy is quadratic, and its gradient is averaged at the midpoint.
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 4], b: [R; 4], dt: f64, dw: [f64; 1]) -> [R; 4] {
-        self.gradient(dgrad::quadratic(a, b), dt, dw)
+        self.gradient(dgrad::midpoint(a, b), dt, dw)
     }
 }
 

@@ -11,12 +11,12 @@
 //! time-stepping.
 
 use dgrad::Rule;
-use mc::Clock;
+use mc::TimeChange;
 use real::{Block, WIDTH};
 use systems::paper::valid;
 use systems::{Constant, Damping, PoissonSystem, Problem};
 
-use crate::runge_kutta::piece;
+use crate::runge_kutta::runge_kutta;
 
 /// S along a path: see the module.
 pub struct RandomTime<'a, G> {
@@ -66,17 +66,18 @@ impl<'a, G: Damping> RandomTime<'a, G> {
     }
 }
 
-impl<G: Damping> Clock<1> for RandomTime<'_, G> {
-    fn advance(&self, n: u64, dw: &Block<1>, normals: &Block<1>, clock: &mut Block<1>) {
+impl<G: Damping> TimeChange<1> for RandomTime<'_, G> {
+    fn advance(&self, n: u64, dw: &Block<1>, normals: &Block<1>, random_time: &mut Block<1>) {
         let (mean, spread) = self.step(n);
         let (drift, residual) = (mean * self.tau, self.noise * spread.sqrt());
         for p in 0..WIDTH {
-            clock.0[0][p] += drift + self.noise * mean * dw.0[0][p] + residual * normals.0[0][p];
+            random_time.0[0][p] +=
+                drift + self.noise * mean * dw.0[0][p] + residual * normals.0[0][p];
         }
     }
 }
 
-/// e^{−Γ(T)} φ_S(y₀): the solution at the final time when the clock shows S.
+/// e^{−Γ(T)} φ_S(y₀): the solution at the final time at the random time S.
 pub fn solution<S, G, const D: usize>(problem: &Problem<S, G, D>, s: f64) -> [f64; D]
 where
     S: PoissonSystem<D, 1>,
@@ -93,7 +94,7 @@ const STEPS_PER_UNIT: f64 = 1024.0;
 fn flow<S: PoissonSystem<D, 1>, const D: usize>(system: &S, y: [f64; D], s: f64) -> [f64; D] {
     let steps = (s.abs() * STEPS_PER_UNIT).ceil().max(1.0) as u32;
     let undamped = valid(Constant::new(0.0));
-    let end = |steps| piece(system, &undamped, 0.0, s, [0.0], steps, y);
+    let end = |steps| runge_kutta(system, &undamped, 0.0, s, [0.0], steps, y);
     let (coarse, fine) = (end(steps), end(2 * steps));
     // The error of the classical method is Ch⁴ + O(h⁵).
     std::array::from_fn(|i| fine[i] + (fine[i] - coarse[i]) / 15.0)

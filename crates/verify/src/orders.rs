@@ -6,7 +6,8 @@
 //! areas, or the exact solution where there is one.
 
 use mc::{
-    Clock, Ladder, LadderError, Observable, Outcome, Reference, Run, Statistic, StrongErrors, View,
+    Ladder, LadderError, Measured, Observable, Reference, Run, Statistic, StrongErrors, TimeChange,
+    View,
 };
 use noise::{StreamKey, Truncation};
 use schemes::{Scheme, Sexp, SexpLevy};
@@ -69,9 +70,9 @@ impl StepSizes {
         &self,
         scheme: &dyn Scheme<S, D, M>,
         problem: &Problem<S, G, D>,
-        clock: Option<&dyn Clock<M>>,
+        time_change: Option<&dyn TimeChange<M>>,
         statistic: impl Fn(u64, Vec<usize>) -> T + Sync,
-    ) -> Result<Outcome<T>, LadderError>
+    ) -> Result<Measured<T>, LadderError>
     where
         S: PoissonSystem<D, M>,
         G: Damping,
@@ -88,14 +89,14 @@ impl StepSizes {
             return Err(LadderError::Steps { steps: self.coarsest_steps, multiple_of: 1 });
         }
         let (sexp, levy) = (Sexp::default(), SexpLevy::new(&problem.system, problem.y0));
-        let reference: &dyn Scheme<S, D, M> = if scheme.needs_areas() { &levy } else { &sexp };
+        let reference: &dyn Scheme<S, D, M> = if scheme.reads_areas() { &levy } else { &sexp };
         let mut runs: Vec<Run<'_, S, D, M>> = vec![Run::new(reference, 0)];
         runs.extend((0..self.levels).map(|index| Run::new(scheme, self.level(index))));
         let top = self.level(0);
         let mut ladder =
             Ladder::new(problem, self.coarsest_steps << top, top, self.truncation, self.key, runs)?;
-        if let Some(clock) = clock {
-            ladder = ladder.with_clock(clock);
+        if let Some(time_change) = time_change {
+            ladder = ladder.with_time_change(time_change);
         }
         let steps = ladder.coarse_steps();
         Ok(ladder.run(self.samples, || statistic(steps, (1..=self.levels).collect()), &|_| ()))
@@ -130,8 +131,8 @@ where
     })
 }
 
-/// The strong order of `scheme` against the exact solution, which is `solution` of what `clock`
-/// shows at the end.
+/// The strong order of `scheme` against the exact solution, which is `solution` of the random time
+/// that `time_change` reaches at the end.
 ///
 /// # Errors
 /// [`LadderError`] when there is no step size or no step, too many of either, or when the
@@ -140,14 +141,14 @@ pub fn strong_order_exact<S, G, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
     sizes: &StepSizes,
-    clock: &dyn Clock<M>,
+    time_change: &dyn TimeChange<M>,
     solution: &(dyn Fn(f64) -> [f64; D] + Sync),
 ) -> Result<Order, LadderError>
 where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let outcome = sizes.run(scheme, problem, Some(clock), |steps, runs| {
+    let outcome = sizes.run(scheme, problem, Some(time_change), |steps, runs| {
         StrongErrors::new(Reference::Exact(solution), &[runs], steps)
     })?;
     let taus = sizes.taus(problem.t_end);
@@ -181,15 +182,17 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let outcome = sizes.run(scheme, problem, exact.map(|exact| exact.clock), |steps, runs| {
-        CoupledDifferences {
-            observable,
-            reference: exact.map_or(Reference::Run(0), |exact| Reference::Exact(exact.solution)),
-            differences: CrossMoments::new(runs.len()),
-            runs,
-            last_time: steps,
-        }
-    })?;
+    let outcome =
+        sizes.run(scheme, problem, exact.map(|exact| exact.time_change), |steps, runs| {
+            CoupledDifferences {
+                observable,
+                reference: exact
+                    .map_or(Reference::Run(0), |exact| Reference::Exact(exact.solution)),
+                differences: CrossMoments::new(runs.len()),
+                runs,
+                last_time: steps,
+            }
+        })?;
     let taus = sizes.taus(problem.t_end);
     let differences = &outcome.statistic.differences;
     let levels = sizes.levels;
@@ -212,7 +215,7 @@ where
 #[derive(Clone, Copy)]
 pub struct Exact<'a, const D: usize, const M: usize> {
     /// Carried along each path.
-    pub clock: &'a dyn Clock<M>,
+    pub time_change: &'a dyn TimeChange<M>,
     /// y(T) as a function of the clock.
     pub solution: &'a (dyn Fn(f64) -> [f64; D] + Sync),
 }
@@ -232,7 +235,7 @@ where
     G: Damping,
 {
     let outcome =
-        sizes.run(&Sexp::default(), problem, Some(exact.clock), |steps, _| ExactMean {
+        sizes.run(&Sexp::default(), problem, Some(exact.time_change), |steps, _| ExactMean {
             observable,
             solution: exact.solution,
             last_time: steps,
@@ -253,7 +256,8 @@ impl<const D: usize> Statistic<D> for ExactMean<'_, D> {
     fn observe(&mut self, view: &View<'_, D>) {
         if view.time == self.last_time {
             for p in view.live.paths() {
-                self.moments.add((self.observable.function)((self.solution)(view.clock.0[0][p])));
+                self.moments
+                    .add((self.observable.function)((self.solution)(view.random_time.0[0][p])));
             }
         }
     }
@@ -280,7 +284,7 @@ impl<const D: usize> Statistic<D> for CoupledDifferences<'_, D> {
         for p in view.live.paths() {
             let exact = match self.reference {
                 Reference::Run(run) => view.states[run].path(p),
-                Reference::Exact(solution) => solution(view.clock.0[0][p]),
+                Reference::Exact(solution) => solution(view.random_time.0[0][p]),
             };
             let expected = (self.observable.function)(exact);
             let difference =

@@ -1,5 +1,6 @@
 //! A scheme written for one path.
 
+use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Outcome, Solution};
 use real::{Block, WIDTH};
 use schemes::{Scheme, Step};
@@ -22,24 +23,31 @@ where
         self.id
     }
 
+    fn reads_areas(&self) -> bool {
+        false
+    }
+
+    fn clips_increments(&self) -> bool {
+        true
+    }
+
     fn step_block(
         &self,
         system: &S,
         step: &Step,
-        dw: &Block<M>,
+        noise: &BlockNoise<M>,
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
         for p in 0..WIDTH {
-            y.set_path(p, (self.advance)(system, step, dw.path(p), y.path(p)));
+            let dw = noise.increments.path(p);
+            y.set_path(p, (self.advance)(system, step, dw, y.path(p)));
         }
         *status = BlockStatus::explicit();
     }
 
-    fn step(&self, system: &S, step: &Step, dw: [f64; M], y: [f64; D]) -> Solution<D> {
-        Solution {
-            z: (self.advance)(system, step, dw, y),
-            outcome: Outcome::Fast { iterations: 1 },
-        }
+    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
+        let z = (self.advance)(system, step, noise.increments, y);
+        Solution { z, outcome: Outcome::Fast { iterations: 1 } }
     }
 }

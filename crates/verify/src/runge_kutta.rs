@@ -1,11 +1,11 @@
-//! The classical Runge–Kutta method along piecewise linear noise: a reference that knows nothing of
+//! The classical Runge–Kutta method along piecewise linear noise: a reference that uses nothing of
 //! the structure.
 
 use systems::{Damping, PoissonSystem, vector_field};
 
 /// Solves dy/dt = B∇H₀ + Σ B∇Hₘ·(dwₘ/τ) − γ(t)y on [t, t + τ] in `substeps` steps: the Stratonovich
-/// equation on noise that is linear there.
-pub fn piece<S, G, const D: usize, const M: usize>(
+/// equation with noise that is linear there.
+pub fn runge_kutta<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     system: &S,
     damping: &G,
     t: f64,
@@ -13,11 +13,7 @@ pub fn piece<S, G, const D: usize, const M: usize>(
     dw: [f64; M],
     substeps: u32,
     mut y: [f64; D],
-) -> [f64; D]
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
+) -> [f64; D] {
     let fraction = 1.0 / f64::from(substeps);
     let step = tau * fraction;
     let weights = dw.map(|w| w * fraction);
@@ -27,15 +23,13 @@ where
         let rate = damping.rate(t) * step;
         std::array::from_fn(|i| field[i] - rate * y[i])
     };
-    let shifted = |y: [f64; D], k: [f64; D], weight: f64| -> [f64; D] {
-        std::array::from_fn(|i| y[i] + weight * k[i])
-    };
     for n in 0..substeps {
         let t = t + f64::from(n) * step;
+        let shifted = |k: [f64; D], weight: f64| std::array::from_fn(|i| y[i] + weight * k[i]);
         let k1 = change(t, y);
-        let k2 = change(t + 0.5 * step, shifted(y, k1, 0.5));
-        let k3 = change(t + 0.5 * step, shifted(y, k2, 0.5));
-        let k4 = change(t + step, shifted(y, k3, 1.0));
+        let k2 = change(t + 0.5 * step, shifted(k1, 0.5));
+        let k3 = change(t + 0.5 * step, shifted(k2, 0.5));
+        let k4 = change(t + step, shifted(k3, 1.0));
         y = std::array::from_fn(|i| y[i] + (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0);
     }
     y

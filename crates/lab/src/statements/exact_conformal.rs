@@ -16,7 +16,7 @@ use systems::{
     Problem, RigidBody, RigidBodyEnergy, Sine,
 };
 use verify::results::Claim;
-use verify::runge_kutta::piece;
+use verify::runge_kutta::runge_kutta;
 use verify::{claim, decide};
 
 use crate::experiment::Context;
@@ -79,7 +79,7 @@ where
         (0..PIECES)
             .map(|n| {
                 let dw = noise.increments(tau.sqrt());
-                y = piece(system, &problem.damping, n as f64 * tau, tau, dw, substeps, y);
+                y = runge_kutta(system, &problem.damping, n as f64 * tau, tau, dw, substeps, y);
                 y
             })
             .collect()

@@ -16,7 +16,7 @@ use stats::{CrossMoments, Moments, fit_independent};
 use systems::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid};
 use systems::{Damping, RigidBody, unit_noise, vector_field, vector_field_derivative};
 use verify::results::Claim;
-use verify::runge_kutta::piece;
+use verify::runge_kutta::runge_kutta;
 use verify::{claim, order_verdict};
 
 use crate::experiment::{Context, bound};
@@ -112,7 +112,7 @@ pub(crate) fn exact_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     let (system, damping) = (body(), half_cosine());
     let length = tau / PIECES as f64;
     let end = |y, (n, dw): (usize, &Vector)| {
-        piece(&system, &damping, n as f64 * length, length, *dw, 1, y)
+        runge_kutta(&system, &damping, n as f64 * length, length, *dw, 1, y)
     };
     pieces.iter().enumerate().fold(rigid_body_start(), end)
 }

@@ -95,7 +95,7 @@ fn map<S: PoissonSystem<D, 1>, const D: usize>(
     tau: f64,
     dw: f64,
 ) -> [f64; D] {
-    let middle = dgrad::quadratic(z_hat, z);
+    let middle = dgrad::midpoint(z_hat, z);
     let change = system.structure(middle, system.averaged_gradient(z_hat, z, tau, [dw]));
     std::array::from_fn(|i| z_hat[i] + change[i])
 }

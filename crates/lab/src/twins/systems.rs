@@ -47,7 +47,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M>
     }
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
-        self.0.gradient(dgrad::quadratic(a, b), dt, dw)
+        self.0.gradient(dgrad::midpoint(a, b), dt, dw)
     }
     fn invariants(&self) -> Vec<Invariant> {
         self.0.invariants()

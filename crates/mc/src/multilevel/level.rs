@@ -104,7 +104,9 @@ pub(crate) struct Sampler<'a, S, G, const D: usize, const M: usize> {
     pub(crate) reserve: u64,
 }
 
-impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Sampler<'_, S, G, D, M> {
+impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
+    Sampler<'a, S, G, D, M>
+{
     /// A level without samples.
     ///
     /// # Errors
@@ -123,7 +125,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Sampler
         Ok(row)
     }
 
-    fn ladder(&self, row: &Row) -> Result<Ladder<'_, S, G, D, M>, LadderError> {
+    fn ladder(&self, row: &Row) -> Result<Ladder<'a, D, M>, LadderError> {
         let scheme = self.scheme;
         let runs = match row.coupling {
             None => vec![Run::new(scheme, 0)],

@@ -4,10 +4,11 @@
 mod csv;
 mod error;
 
-use noise::StreamKey;
+use noise::{BlockNoise, Noise, StreamKey};
+use real::{Block, WIDTH};
 
 use crate::LadderError;
-use crate::follow::{Drawn, NoiseSource, StepNoise};
+use crate::noise_source::{Drawn, NextNoise, NoiseSource};
 
 pub(crate) use csv::TIME_AGREEMENT;
 pub use error::RecordingError;
@@ -115,8 +116,15 @@ impl<const M: usize> Recording<M> {
         if !(tau > 0.0 && tau.is_finite()) {
             return Err(schemes::StepError::Size { tau }.into());
         }
-        let mut noise = Drawn::<M>::new(key, path, tau, with_areas)?;
-        let (increments, areas): (Vec<_>, Vec<_>) = (0..steps).map(|_| noise.next(tau)).unzip();
+        let drawn = Drawn::new::<M>(key, tau, with_areas)?;
+        let (mut next, mut block) = (drawn.block(path), BlockNoise::zero());
+        let (increments, areas) = (0..steps)
+            .map(|_| {
+                next(&mut block);
+                let Noise { increments, areas } = block.path(0);
+                (increments, areas)
+            })
+            .unzip();
         Ok(Self { tau, increments, areas: with_areas.then_some(areas) })
     }
 
@@ -178,19 +186,16 @@ impl<const M: usize> Recording<M> {
     }
 }
 
-/// A recording being played.
-pub(crate) struct Played<'a, const M: usize> {
-    pub(crate) recording: &'a Recording<M>,
-    pub(crate) n: usize,
-}
-
-impl<const M: usize> NoiseSource<M> for Played<'_, M> {
-    fn next(&mut self, _tau: f64) -> StepNoise<M> {
-        let n = self.n;
-        self.n += 1;
-        (
-            self.recording.increments[n],
-            self.recording.areas.as_ref().map_or([[0.0; M]; M], |areas| areas[n]),
-        )
+/// The recording on every path.
+impl<const M: usize> NoiseSource<M> for &Recording<M> {
+    fn block(&self, _first_path: u64) -> NextNoise<'_, M> {
+        let mut steps = 0..;
+        Box::new(move |noise| {
+            let n = steps.next().unwrap_or_default();
+            noise.increments = Block::splat(self.increments[n]);
+            if let Some(areas) = &self.areas {
+                (0..WIDTH).for_each(|p| noise.areas.set_path(p, areas[n]));
+            }
+        })
     }
 }

@@ -4,16 +4,15 @@ mod error;
 mod series;
 mod write;
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use noise::{StreamKey, Truncation};
-use schemes::Scheme;
+use schemes::{Scheme, Step};
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::follow::{Drawn, NoiseSource, follow};
-use crate::parallel::in_parallel;
-use crate::recording::{Played, TIME_AGREEMENT};
-use crate::{LadderError, Recording};
+use crate::recording::TIME_AGREEMENT;
+use crate::{Ladder, LadderError, PathFailure, Recording, Run, Statistic, View};
 use series::InvariantColumn;
 
 pub use error::SimulationError;
@@ -100,13 +99,8 @@ where
         key: StreamKey,
         path: u64,
     ) -> Result<TimeSeries, SimulationError> {
-        if steps == 0 {
-            return Err(LadderError::Steps { steps, multiple_of: 1 }.into());
-        }
-        let tau = self.problem.t_end / steps as f64;
-        let mut noise = Drawn::new(key, path, tau, self.scheme.needs_areas())?;
-        let origin = NoiseOrigin::Drawn { seed: key.seed, experiment: key.experiment, path };
-        self.run(steps, &mut noise, origin)
+        let mut series = self.paths(steps, key, path..path + 1)?;
+        Ok(series.swap_remove(0))
     }
 
     /// Many paths, in parallel on the current rayon pool and in the order of their numbers.
@@ -119,7 +113,10 @@ where
         key: StreamKey,
         paths: Range<u64>,
     ) -> Result<Vec<TimeSeries>, SimulationError> {
-        in_parallel(paths, &|path| self.path(steps, key, path)).into_iter().collect()
+        let run = Run::new(self.scheme, 0);
+        let ladder = Ladder::new(self.problem, steps, 0, self.truncation, key, vec![run])?;
+        let StreamKey { seed, experiment } = key;
+        self.run(ladder, paths, &|path| NoiseOrigin::Drawn { seed, experiment, path })
     }
 
     /// The path that recorded increments drive. They are truncated like drawn ones; with
@@ -136,71 +133,129 @@ where
         if !agree {
             return Err(SimulationError::Duration { recorded, t_end });
         }
-        if self.scheme.needs_areas() && recording.areas().is_none() {
+        if self.scheme.reads_areas() && recording.areas().is_none() {
             return Err(SimulationError::NoAreas { scheme: self.scheme.id() });
         }
-        self.run(steps as u64, &mut Played { recording, n: 0 }, NoiseOrigin::Recorded)
+        let (key, run) = (StreamKey { seed: 0, experiment: 0 }, Run::new(self.scheme, 0));
+        let ladder = Ladder::new(self.problem, steps as u64, 0, self.truncation, key, vec![run])?
+            .with_noise(recording);
+        let mut series = self.run(ladder, 0..1, &|_| NoiseOrigin::Recorded)?;
+        Ok(series.swap_remove(0))
     }
 
     fn run(
         &self,
-        steps: u64,
-        noise: &mut dyn NoiseSource<M>,
-        origin: NoiseOrigin,
-    ) -> Result<TimeSeries, SimulationError> {
+        ladder: Ladder<'_, D, M>,
+        paths: Range<u64>,
+        origin: &dyn Fn(u64) -> NoiseOrigin,
+    ) -> Result<Vec<TimeSeries>, SimulationError> {
         if self.every == 0 {
             return Err(SimulationError::Every);
         }
-        let (problem, tau) = (self.problem, self.problem.t_end / steps as f64);
-        let mut series = TimeSeries {
+        let (problem, tau) = (self.problem, ladder.tau(0));
+        let invariants = InvariantColumn::of(&problem.system, problem.y0);
+        let mut template = TimeSeries {
             system: problem.system.name().to_owned(),
             damping: problem.damping.describe(),
             scheme: self.scheme.id().to_owned(),
             tau,
-            noise: origin,
+            noise: NoiseOrigin::Recorded,
             halted: None,
             columns: Vec::new(),
         };
         for name in ["t".to_owned()].into_iter().chain((1..=D).map(|i| format!("y{i}"))) {
-            series.add_column(name)?;
+            template.add_column(name)?;
         }
         for (name, _) in &self.observables {
-            series.add_column(name.clone())?;
+            template.add_column(name.clone())?;
         }
-        let invariants = InvariantColumn::of(&problem.system, problem.y0);
         for invariant in &invariants {
-            series.add_column(invariant.name.clone())?;
-            series.add_column(format!("{} defect", invariant.name))?;
+            template.add_column(invariant.name.clone())?;
+            template.add_column(format!("{} defect", invariant.name))?;
         }
-        let mut damped = 0.0;
-        // What the sum of the step integrals has lost to rounding (Kahan), so that the law is not
-        // what drifts.
-        let mut lost = 0.0;
-        let mut row = Vec::with_capacity(series.columns.len());
-        let mut keep = |n: u64, integral: f64, y: [f64; D]| {
-            let term = integral - lost;
-            let sum = damped + term;
-            lost = (sum - damped) - term;
-            damped = sum;
-            if n.is_multiple_of(self.every) || n == steps {
-                row.clear();
-                row.push(n as f64 * tau);
-                row.extend(y);
-                row.extend(self.observables.iter().map(|(_, phi)| phi(y)));
-                for (index, invariant) in invariants.iter().enumerate() {
-                    let value = problem.system.invariant(index, y);
-                    row.extend([value, invariant.defect(value, damped)]);
-                }
-                for (column, &value) in series.columns.iter_mut().zip(&row) {
+        // What is kept of step n, at which the damping has reached the integral `damped`.
+        let row = |n: u64, damped: f64, y: [f64; D]| {
+            let mut row = Vec::with_capacity(template.columns.len());
+            row.push(n as f64 * tau);
+            row.extend(y);
+            row.extend(self.observables.iter().map(|(_, phi)| phi(y)));
+            for (index, invariant) in invariants.iter().enumerate() {
+                let value = problem.system.invariant(index, y);
+                row.extend([value, invariant.defect(value, damped)]);
+            }
+            row
+        };
+        let steps = ladder.coarse_steps();
+        let kept = |n: u64| n.is_multiple_of(self.every) || n == steps;
+        let damped = damping_integrals(&problem.damping, steps, tau, &kept)?;
+        let observe = |n: u64, y: [f64; D]| {
+            kept(n).then(|| row(n, damped[damped.partition_point(|&(m, _)| m < n)].1, y))
+        };
+        let count = paths.end.saturating_sub(paths.start);
+        let ladder = ladder.describing(count as usize);
+        let new = || Rows { observe: &observe, of_path: BTreeMap::new() };
+        let measured = ladder.run_from(paths.start, count, new, &|_| ());
+        let mut of_path = measured.statistic.of_path;
+        let series = paths.map(|path| {
+            let mut series = template.clone();
+            series.noise = origin(path);
+            let failure = measured.failures.iter().find(|failure| failure.path == path);
+            series.halted = failure.map(|&PathFailure { step, cause, .. }| {
+                format!("step {step} of size {tau}, at t = {}: {cause}", step as f64 * tau)
+            });
+            let rows = of_path.remove(&path).unwrap_or_default();
+            for row in [row(0, 0.0, problem.y0)].into_iter().chain(rows) {
+                for (column, value) in series.columns.iter_mut().zip(row) {
                     column.values.push(value);
                 }
             }
-        };
-        keep(0, 0.0, problem.y0);
-        let halt = follow(problem, self.scheme, steps, self.truncation, noise, keep)?;
-        series.halted = halt.map(|(step, cause)| {
-            format!("step {step} of size {tau}, at t = {}: {cause}", step as f64 * tau)
+            series
         });
-        Ok(series)
+        Ok(series.collect())
+    }
+}
+
+/// ∫γ from 0 to the end of every step n that is kept, with n. The sum of the integrals over the
+/// steps is compensated (Kahan 1965), so that the law itself does not drift.
+fn damping_integrals(
+    damping: &dyn Damping,
+    steps: u64,
+    tau: f64,
+    kept: &dyn Fn(u64) -> bool,
+) -> Result<Vec<(u64, f64)>, LadderError> {
+    let (mut damped, mut lost) = (0.0, 0.0);
+    let mut integrals = Vec::new();
+    for n in 1..=steps {
+        let term = Step::new(damping, n - 1, tau)?.damping_integral() - lost;
+        let sum = damped + term;
+        lost = (sum - damped) - term;
+        damped = sum;
+        if kept(n) {
+            integrals.push((n, damped));
+        }
+    }
+    Ok(integrals)
+}
+
+/// What is kept of step n in the state y, if anything is.
+type ObserveState<'a, const D: usize> = dyn Fn(u64, [f64; D]) -> Option<Vec<f64>> + Sync + 'a;
+
+/// The rows of every path.
+struct Rows<'a, const D: usize> {
+    observe: &'a ObserveState<'a, D>,
+    of_path: BTreeMap<u64, Vec<Vec<f64>>>,
+}
+
+impl<const D: usize> Statistic<D> for Rows<'_, D> {
+    fn observe(&mut self, view: &View<'_, D>) {
+        for p in view.live.paths() {
+            if let Some(row) = (self.observe)(view.time, view.states[0].path(p)) {
+                self.of_path.entry(view.first_path + p as u64).or_default().push(row);
+            }
+        }
+    }
+
+    fn merge(&mut self, later: Self) {
+        self.of_path.extend(later.of_path);
     }
 }

@@ -387,7 +387,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
         }
     }
     fn step(&self, system: &S, step: &Step, dw: [f64; M], y: [f64; D]) -> Solution<D> {
-        Sexp::default().step(system, step, dw, y)
+        Sexp::default().step(system, step, &Noise::increments(dw), y)
     }
 }
 

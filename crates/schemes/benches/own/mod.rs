@@ -61,6 +61,6 @@ impl PoissonSystem<3, 3> for TwentyLines {
     }
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 3]) -> [R; 3] {
-        self.gradient(dgrad::quadratic(a, b), dt, dw)
+        self.gradient(dgrad::midpoint(a, b), dt, dw)
     }
 }

@@ -58,7 +58,7 @@ impl SideBySide {
             for p in 0..WIDTH {
                 areas.set_path(p, [(); M].map(|()| [(); M].map(|()| area_bound * numbers.next())));
             }
-            scheme.step_block_with_areas(system, &step, &clipped, &areas, &mut block, &mut status);
+            scheme.step_block(system, &step, &clipped, &areas, &mut block, &mut status);
             for p in 0..WIDTH {
                 let single =
                     scheme.step_with_areas(system, &step, clipped.path(p), areas.path(p), paths[p]);
@@ -144,8 +144,8 @@ fn schemes_have_the_ids_of_the_paper() {
     }
     assert_eq!(ids(schemes, &body), ["sexp", "em", "midpoint", "sexp-levy", "heun"]);
     // Areas are asked for by the one scheme that reads them, where there are any.
-    assert_eq!(schemes.map(|scheme| scheme.needs_areas()), [false, false, false, true, false]);
+    assert_eq!(schemes.map(|scheme| scheme.reads_areas()), [false, false, false, true, false]);
     let turning = RigidBody::one_noise([2.0, 1.0, 2.0 / 3.0], 1.0).unwrap();
     let levy = SexpLevy::new(&turning, [1.0, 2.0, 3.0]);
-    assert!(!Scheme::<RigidBody<1>, 3, 1>::needs_areas(&levy));
+    assert!(!Scheme::<RigidBody<1>, 3, 1>::reads_areas(&levy));
 }

@@ -51,7 +51,7 @@ fn euler_maruyama() {
             }
             exact[i] = y[i] + rotated[i] + tau * drift;
         }
-        let ours = EulerMaruyama.step(&body(), &step, dw, y);
+        let ours = EulerMaruyama.step(&body(), &step, &Noise::increments(dw), y);
         close(ours.z, exact, 4.0, "em");
     }
 }
@@ -73,7 +73,12 @@ fn heun() {
         let first = change(7.0 * tau, y);
         let second = change(8.0 * tau, std::array::from_fn(|i| y[i] + first[i]));
         let exact = std::array::from_fn(|i| y[i] + 0.5 * first[i] + 0.5 * second[i]);
-        close(Heun.step(&body(), &step, dw, y).z, exact, 10.0 * norm(y), "heun");
+        close(
+            Heun.step(&body(), &step, &Noise::increments(dw), y).z,
+            exact,
+            10.0 * norm(y),
+            "heun",
+        );
     }
 }
 
@@ -105,7 +110,7 @@ fn midpoint_and_sexp() {
         });
         for method in [Method::FixedPoint, Method::Newton] {
             let solver = Solver::new(method);
-            let ours = Midpoint { solver }.step(&body(), &step, dw, y);
+            let ours = Midpoint { solver }.step(&body(), &step, &Noise::increments(dw), y);
             // |y| up to 3, and roundings amplified by 1/(1 − 0.9) at most.
             close(ours.z, exact, 10.0 * norm(y), "midpoint");
         }
@@ -120,7 +125,7 @@ fn midpoint_and_sexp() {
         let exact = z.map(|x| x * (-integral(half, end)).exp());
         for method in [Method::FixedPoint, Method::Newton] {
             let solver = Solver::new(method);
-            let ours = Sexp { solver }.step(&body(), &step, dw, y);
+            let ours = Sexp { solver }.step(&body(), &step, &Noise::increments(dw), y);
             close(ours.z, exact, 10.0 * norm(y), "sexp");
         }
     }

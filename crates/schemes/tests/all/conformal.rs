@@ -54,7 +54,7 @@ impl Visit for KeepsTheLaw {
             let step = any_step(&mut numbers, damping.as_ref());
             let dw = any_increments(&mut numbers, step.tau);
             let y = any_state(&mut numbers, system, y0);
-            let solution = sexp.step(system, &step, dw, y);
+            let solution = sexp.step(system, &step, &Noise::increments(dw), y);
             if let Outcome::Failed { .. } = solution.outcome {
                 unsolved += 1;
                 continue;
@@ -116,7 +116,7 @@ proptest! {
         // where |z| = 1.
         let system = body();
         let step = Step::new(&Constant::new(rate).unwrap(), n, tau).unwrap();
-        let y1 = Sexp::default().step(&system, &step, dw, y);
+        let y1 = Sexp::default().step(&system, &step, &Noise::increments(dw), y);
         let exact = (-2.0 * rate * tau).exp();
         let ratio = system.invariant(0, y1.z) / system.invariant(0, y);
         // Grid times nτ up to 900 lose 900ε of a damping of at most 2·2 per unit of time.
@@ -136,7 +136,7 @@ proptest! {
         // with ρ = 5 + √24.
         let system = LotkaVolterra::new(a, b, 1.0).unwrap();
         let step = Step::new(&Constant::new(0.3).unwrap(), 0, tau).unwrap();
-        let solution = Sexp::default().step(&system, &step, [dw], y);
+        let solution = Sexp::default().step(&system, &step, &Noise::increments([dw]), y);
         prop_assume!((0..3).all(|i| (solution.z[i] / y[i] - 1.0).abs() < 0.5));
         for index in 0..2 {
             // Powers through the exponential function are good to ten ε, not to half an ε.
@@ -200,7 +200,7 @@ fn sexp<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     dw: [f64; M],
     y: [f64; D],
 ) -> [f64; D] {
-    Sexp::default().step(system, step, dw, y).z
+    Sexp::default().step(system, step, &Noise::increments(dw), y).z
 }
 
 #[test]
@@ -242,9 +242,13 @@ fn explicit_euler_breaks_the_law() {
 
 #[test]
 fn euler_maruyama_and_midpoint_break_the_law() {
-    let em = |system: &_, step: &Step, dw, y| EulerMaruyama.step(system, step, dw, y).z;
+    let em = |system: &_, step: &Step, dw, y| {
+        EulerMaruyama.step(system, step, &Noise::increments(dw), y).z
+    };
     assert!(visible(&body(), 0, [0.5; 3], em) > NEARLY_ALL);
-    let midpoint = |system: &_, step: &Step, dw, y| Midpoint::default().step(system, step, dw, y).z;
+    let midpoint = |system: &_, step: &Step, dw, y| {
+        Midpoint::default().step(system, step, &Noise::increments(dw), y).z
+    };
     assert!(visible(&body(), 0, [0.5; 3], midpoint) > NEARLY_ALL);
 }
 
@@ -276,7 +280,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M>
     }
     fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
         if self.one_node {
-            self.system.gradient(dgrad::quadratic(a, b), dt, dw)
+            self.system.gradient(dgrad::midpoint(a, b), dt, dw)
         } else {
             self.system.averaged_gradient(a, b, dt, dw)
         }
@@ -371,7 +375,7 @@ fn what_midpoint_keeps() {
         let system = body();
         let y = any_state(&mut numbers, &system, [0.5; 3]);
         let dw = any_increments(&mut numbers, step.tau);
-        let solution = midpoint.step(&system, &step, dw, y);
+        let solution = midpoint.step(&system, &step, &Noise::increments(dw), y);
         assert!(solution.outcome.converged());
         let y1 = solution.z;
         let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (y[i] + y1[i]));
@@ -385,7 +389,7 @@ fn what_midpoint_keeps() {
         let system = Poisson3::new(1.0).unwrap();
         let y = any_state(&mut numbers, &system, [1.0, 2.0, 3.0]);
         let dw = any_increments(&mut numbers, step.tau);
-        let solution = midpoint.step(&system, &step, dw, y);
+        let solution = midpoint.step(&system, &step, &Noise::increments(dw), y);
         if !solution.outcome.converged() {
             continue;
         }

@@ -41,7 +41,7 @@ impl Visit for KeepsCasimirs {
     ) {
         let mut levy = SexpLevy::new(system, y0);
         levy.solver = Solver::new(Method::Newton);
-        if !Scheme::<S, D, M>::needs_areas(&levy) {
+        if !Scheme::<S, D, M>::reads_areas(&levy) {
             return;
         }
         let mut numbers = Numbers(6);
@@ -96,11 +96,15 @@ impl Visit for NothingToAdd {
             let dw = any_increments(&mut numbers, step.tau);
             let areas = any_areas(&mut numbers, step.tau);
             let y = any_state(&mut numbers, system, y0);
-            let without = Sexp::default().step(system, &step, dw, y).z;
+            let without = Sexp::default().step(system, &step, &Noise::increments(dw), y).z;
             let with = levy.step_with_areas(system, &step, dw, areas, y).z;
-            assert_eq!(levy.step(system, &step, dw, y).z, without, "without areas it is sexp");
+            assert_eq!(
+                levy.step(system, &step, &Noise::increments(dw), y).z,
+                without,
+                "without areas it is sexp"
+            );
             assert_eq!(with == without, levy.commuting(), "{}", system.name());
-            assert_eq!(Scheme::<S, D, M>::needs_areas(&levy), !levy.commuting());
+            assert_eq!(Scheme::<S, D, M>::reads_areas(&levy), !levy.commuting());
             self.0 += usize::from(levy.commuting());
         }
     }
@@ -139,7 +143,7 @@ fn a_small_loop_of_the_noise_turns_about_the_third_axis() {
         let y0 = [0.6, 0.0, 0.8];
         let mut round = y0;
         for piece in [[h, 0.0], [0.0, h], [-h, 0.0], [0.0, -h]] {
-            round = sexp.step(&Rotations, &step, piece, round).z;
+            round = sexp.step(&Rotations, &step, &Noise::increments(piece), round).z;
         }
         let areas = [[0.0, h * h], [-h * h, 0.0]];
         let at_once = levy.step_with_areas(&Rotations, &step, [0.0; 2], areas, y0).z;
@@ -149,7 +153,7 @@ fn a_small_loop_of_the_noise_turns_about_the_third_axis() {
             |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
         assert!(distance(round, y0) > 0.5 * h * h, "the loop moves the state");
         assert!(distance(round, at_once) < 4.0 * h * h * h, "{round:?} {at_once:?}");
-        assert_eq!(sexp.step(&Rotations, &step, [0.0; 2], y0).z, y0);
+        assert_eq!(sexp.step(&Rotations, &step, &Noise::increments([0.0; 2]), y0).z, y0);
     }
 }
 
@@ -171,7 +175,7 @@ impl PoissonSystem<3, 2> for Alike {
 #[test]
 fn areas_are_asked_for_where_noises_do_not_commute() {
     let turning = SexpLevy::new(&Rotations, [0.6, 0.0, 0.8]);
-    assert!(!turning.commuting() && Scheme::<Rotations, 3, 2>::needs_areas(&turning));
+    assert!(!turning.commuting() && Scheme::<Rotations, 3, 2>::reads_areas(&turning));
     let alike = SexpLevy::new(&Alike, [0.6, 0.0, 0.8]);
-    assert!(alike.commuting() && !Scheme::<Alike, 3, 2>::needs_areas(&alike));
+    assert!(alike.commuting() && !Scheme::<Alike, 3, 2>::reads_areas(&alike));
 }

@@ -76,15 +76,19 @@ impl Visit for Orders {
         y0: [f64; D],
     ) {
         let exact = reference(system, y0, false);
-        let sexp = order(y0, exact, |step, y| Sexp::default().step(system, step, [0.0; M], y).z);
+        let sexp = order(y0, exact, |step, y| {
+            Sexp::default().step(system, step, &Noise::increments([0.0; M]), y).z
+        });
         assert!((sexp - 2.0).abs() < WINDOW, "sexp on {}: {sexp}", system.name());
-        let midpoint =
-            order(y0, exact, |step, y| Midpoint::default().step(system, step, [0.0; M], y).z);
+        let midpoint = order(y0, exact, |step, y| {
+            Midpoint::default().step(system, step, &Noise::increments([0.0; M]), y).z
+        });
         assert!((midpoint - 2.0).abs() < WINDOW, "midpoint on {}: {midpoint}", system.name());
-        let heun = order(y0, exact, |step, y| Heun.step(system, step, [0.0; M], y).z);
+        let heun =
+            order(y0, exact, |step, y| Heun.step(system, step, &Noise::increments([0.0; M]), y).z);
         assert!((heun - 2.0).abs() < WINDOW, "heun on {}: {heun}", system.name());
         let em = order(y0, reference(system, y0, true), |step, y| {
-            EulerMaruyama.step(system, step, [0.0; M], y).z
+            EulerMaruyama.step(system, step, &Noise::increments([0.0; M]), y).z
         });
         assert!((em - 1.0).abs() < WINDOW, "em on {}: {em}", system.name());
     }
@@ -100,7 +104,9 @@ fn richardson_needs_no_reference() {
     // One path of sexp against itself at half the step: the differences shrink by four.
     let y0 = [1.1f64.cos(), 0.0, 1.1f64.sin()];
     let ends = [6, 7, 8].map(|exponent| {
-        march(y0, exponent, |step, y| Sexp::default().step(&body(), step, [0.0; 3], y).z)
+        march(y0, exponent, |step, y| {
+            Sexp::default().step(&body(), step, &Noise::increments([0.0; 3]), y).z
+        })
     });
     let observed = (distance(ends[0], ends[1]) / distance(ends[1], ends[2])).log2();
     assert!((observed - 2.0).abs() < WINDOW, "{observed}");
@@ -115,21 +121,21 @@ fn damping_at_the_wrong_time_has_order_one() {
         let mut wrong = *step;
         wrong.first_decay = step.first_decay * step.second_decay;
         wrong.second_decay = 1.0;
-        Sexp::default().step(&body(), &wrong, [0.0; 3], y).z
+        Sexp::default().step(&body(), &wrong, &Noise::increments([0.0; 3]), y).z
     });
     assert!((before - 1.0).abs() < WINDOW, "{before}");
     // The rate of the midpoint rule taken at the start of the step.
     let early = order(y0, exact, |step, y| {
         let mut wrong = *step;
         wrong.rate_at_middle = step.rate_at_start;
-        Midpoint::default().step(&body(), &wrong, [0.0; 3], y).z
+        Midpoint::default().step(&body(), &wrong, &Noise::increments([0.0; 3]), y).z
     });
     assert!((early - 1.0).abs() < WINDOW, "{early}");
     // The rate of the corrector of the Heun method taken at the start of the step.
     let stale = order(y0, exact, |step, y| {
         let mut wrong = *step;
         wrong.rate_at_end = step.rate_at_start;
-        Heun.step(&body(), &wrong, [0.0; 3], y).z
+        Heun.step(&body(), &wrong, &Noise::increments([0.0; 3]), y).z
     });
     assert!((stale - 1.0).abs() < WINDOW, "{stale}");
 }

@@ -35,7 +35,7 @@ fn overflow_in_the_second_half_is_a_failure() {
             [(&growing, 1e-10, true), (&growing, 1e-15, false), (&shrinking, 1e140, false)]
         {
             let large = [1e-20, -y];
-            let alone = scheme.step(&Still, step, [0.1], large);
+            let alone = scheme.step(&Still, step, &Noise::increments([0.1]), large);
             assert_eq!(
                 matches!(alone.outcome, Outcome::Failed { .. }),
                 fails,
@@ -53,7 +53,10 @@ fn overflow_in_the_second_half_is_a_failure() {
                 "{y}"
             );
             assert_eq!(block.path(7), alone.z);
-            assert_eq!(block.path(8), scheme.step(&Still, step, [0.1], [1e-20, 1e-20]).z);
+            assert_eq!(
+                block.path(8),
+                scheme.step(&Still, step, &Noise::increments([0.1]), [1e-20, 1e-20]).z
+            );
         }
     }
 }

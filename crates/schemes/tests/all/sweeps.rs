@@ -252,7 +252,7 @@ impl Visit for Guard {
             assert_eq!(own.is_some(), S::SOLVES_SHORT_STEPS, "{name} is not in the table");
             let pinned_sexp = own.map_or(pinned, |&(_, block_mean, most)| (block_mean, most));
             self.check((name, S::PREFERS_NEWTON), "sexp", exponent, pinned_sexp, &sexp);
-            if Scheme::<S, D, M>::needs_areas(&levy) {
+            if Scheme::<S, D, M>::reads_areas(&levy) {
                 let levy = count(&levy, Rule::Levy, system, y0, (exponent, 1.0));
                 self.check((name, S::PREFERS_NEWTON), "sexp-levy", exponent, pinned, &levy);
             }

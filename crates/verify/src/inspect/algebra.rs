@@ -1,6 +1,18 @@
-//! The little linear algebra that the questions need, for matrices of the size of a system.
+//! Dense linear algebra for matrices of the size of a system.
 
-use super::probe::Matrix;
+/// A matrix by rows.
+pub(super) type Matrix = Vec<Vec<f64>>;
+
+/// The unit vector e_i of length n.
+pub(super) fn axis(n: usize, i: usize) -> Vec<f64> {
+    let mut axis = vec![0.0; n];
+    axis[i] = 1.0;
+    axis
+}
+
+pub(super) fn transposed(a: &Matrix) -> Matrix {
+    (0..a.len()).map(|i| a.iter().map(|row| row[i]).collect()).collect()
+}
 
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
@@ -11,9 +23,9 @@ pub(super) fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// The largest |aᵢⱼ|.
-pub(super) fn largest(matrix: &Matrix) -> f64 {
-    matrix.iter().flatten().fold(0.0, |largest: f64, x| crate::statement::worse(largest, x.abs()))
+/// max |aᵢ|; NaN if one of them is.
+pub(super) fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
+    values.into_iter().map(|x| x.abs()).max_by(f64::total_cmp).unwrap_or(0.0)
 }
 
 pub(super) fn times(matrix: &Matrix, v: &[f64]) -> Vec<f64> {
@@ -31,10 +43,10 @@ pub(super) fn spectral_norm(a: &Matrix) -> f64 {
     eigenvalues(gram(a)).last().map_or(0.0, |&square| square.max(0.0).sqrt())
 }
 
-/// Sweeps of Jacobi's method: it converges quadratically, and ten are enough for any size met here.
+/// Limit of the sweeps of Jacobi's method, which converges quadratically: ten have always sufficed.
 const SWEEPS: usize = 30;
 
-/// The eigenvalues of a symmetric matrix in rising order, by Jacobi's rotations.
+/// The eigenvalues of a symmetric matrix in ascending order, by Jacobi's rotations.
 pub(super) fn eigenvalues(mut a: Matrix) -> Vec<f64> {
     let n = a.len();
     for _ in 0..SWEEPS {
@@ -67,8 +79,8 @@ pub(super) fn eigenvalues(mut a: Matrix) -> Vec<f64> {
     eigenvalues
 }
 
-/// A pivot this much smaller than the first counts as zero: far above the rounding of an
-/// elimination, far below what random points give for a function that is no Casimir.
+/// A pivot this much smaller than the first counts as zero: far above the rounding errors of an
+/// elimination, far below the pivots that random points give for a function that is no Casimir.
 const RANK: f64 = 1e-9;
 
 /// A basis of {x : Ax = 0}, each vector with a 1 where all others have a 0. Gauss–Jordan with

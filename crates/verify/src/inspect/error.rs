@@ -1,19 +1,19 @@
-//! Why a system cannot be looked at.
+//! Why a system cannot be inspected.
 
 use std::fmt;
 
-/// Why a system cannot be looked at.
+/// Why a system cannot be inspected.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum InspectError {
-    /// It is defined hardly anywhere in the region.
+    /// Too few points of the region are in the domain of the system.
     NoPoints {
         /// Points found.
         found: usize,
         /// Points needed.
         wanted: usize,
     },
-    /// Its vector field or energy is NaN or infinite at a point of its domain.
+    /// The vector field or the energy is NaN or infinite at a point of the domain.
     NotFinite {
         /// The point.
         at: Vec<f64>,
@@ -27,11 +27,13 @@ impl fmt::Display for InspectError {
         match self {
             Self::NoPoints { found, wanted } => write!(
                 f,
-                "{wanted} points where the system is defined are needed, got {found}; inspect_problem looks around y0"
+                "an inspection needs {wanted} points in the domain of the system, found {found}; \
+                 inspect_problem searches around y0"
             ),
             Self::NotFinite { at, value } => write!(
                 f,
-                "B grad H and the energy must be finite wherever check_domain agrees, got {value} at y = {at:?}"
+                "B grad H and the energy must be finite wherever check_domain is Ok, \
+                 got {value} at y = {at:?}"
             ),
         }
     }

@@ -1,16 +1,16 @@
-//! Whether an identity holds at all points that were looked at.
+//! Whether an identity holds at all points of an inspection.
 
 use serde::Serialize;
 
-/// An identity holds when no defect is larger, relative to the largest term of which it is made:
-/// 2¹² roundings, each good to ε, one after the other in the user's formula. A mistake is larger by
-/// ten orders of magnitude, unless it is in the twelfth digit of a constant.
+/// Threshold of a relative defect: an identity holds if no defect is larger. The user's formula may
+/// lose 2¹² roundings; a mistake is larger by ten orders of magnitude, unless it is in the twelfth
+/// digit of a constant.
 pub(super) const ROUND_OFF: f64 = 4096.0 * f64::EPSILON;
 
-/// Whether an identity holds to round-off, and how badly it fails.
+/// Whether an identity holds to round-off, and its largest defect.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
-    /// Whether it holds at every point that was looked at.
+    /// Whether it holds at every point of the inspection.
     pub holds: bool,
     /// The largest defect, relative to the largest term of the identity at that point.
     pub defect: f64,
@@ -18,14 +18,17 @@ pub struct Finding {
     pub at: Vec<f64>,
 }
 
-impl Finding {
-    /// Nothing seen yet.
-    pub(super) fn new() -> Self {
+/// Holds, since no point has been checked yet.
+impl Default for Finding {
+    fn default() -> Self {
         Self { holds: true, defect: 0.0, at: Vec::new() }
     }
+}
 
-    /// Looks at a defect between terms of size `scale` at the point y. NaN is the largest of all.
-    pub(super) fn see(&mut self, defect: f64, scale: f64, y: &[f64]) {
+impl Finding {
+    /// Records a defect of an identity with terms of size `scale` at the point y. NaN counts as
+    /// infinite.
+    pub(super) fn record(&mut self, defect: f64, scale: f64, y: &[f64]) {
         let relative = if defect == 0.0 { 0.0 } else { defect.abs() / scale };
         let relative = if relative.is_nan() { f64::INFINITY } else { relative };
         if self.at.is_empty() || relative > self.defect {
@@ -33,5 +36,12 @@ impl Finding {
             self.defect = relative;
         }
         self.holds = self.defect <= ROUND_OFF;
+    }
+
+    /// Records the difference of two vectors, component by component.
+    pub(super) fn compare(&mut self, given: &[f64], expected: &[f64], scale: f64, y: &[f64]) {
+        for (a, b) in given.iter().zip(expected) {
+            self.record(a - b, scale, y);
+        }
     }
 }

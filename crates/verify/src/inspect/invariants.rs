@@ -1,114 +1,121 @@
-//! Whether the invariants that a system claims are what they are claimed to be.
+//! Whether the invariants that a system lists are what it claims.
 
 use serde::Serialize;
-use systems::{Form, InvariantKind};
+use systems::{Form, Invariant, InvariantKind};
 
 use super::algebra::{dot, largest, norm, times};
+use super::erased::ErasedSystem;
 use super::finding::Finding;
+use super::function::{Kind, Shape};
 use super::points::Points;
-use super::probe::{Probe, matrix, pick};
-use super::shape::{Claimed, Function, Kind, Shape};
 
-/// An invariant that a system claims, and what it is.
+/// An invariant that a system claims, and what was found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClaimedInvariant {
     /// Its symbol.
     pub name: &'static str,
     /// Its formula.
     pub formula: &'static str,
-    /// Whether a Casimir was claimed, or an energy.
+    /// Whether the claim is a Casimir (else an energy).
     pub claimed_casimir: bool,
-    /// The degree that was claimed.
+    /// The claimed degree.
     pub claimed_degree: f64,
     /// B∇F = 0.
     pub casimir: Finding,
-    /// ∇F·B∇Hₘ = 0 for every m: without damping it is constant along every path.
+    /// ∇F·B∇Hₘ = 0 for every m: without damping F is constant along every path.
     pub conserved: Finding,
-    /// What kind of function it is.
+    /// The shape of F.
     pub shape: Shape,
     /// What is wrong with the claim, in words; empty for a true one.
     pub mistakes: Vec<String>,
 }
 
 impl ClaimedInvariant {
-    pub(super) fn all(system: &dyn Probe, points: &Points) -> Vec<Self> {
-        let describe = |(index, claim): (usize, systems::Invariant)| {
-            let f = Claimed { system, index };
-            let (mut casimir, mut conserved) = (Finding::new(), Finding::new());
-            for y in &points.few {
-                let (gradient, b) = (f.gradient(y), matrix(system, y));
-                let size = largest(&b) * norm(&gradient) * y.len() as f64;
-                for x in times(&b, &gradient) {
-                    casimir.see(x, size, y);
-                }
-                for m in 0..=system.noises() {
-                    let hamiltonian = system.dual_gradient(y, &pick(system, m));
-                    conserved.see(
-                        dot(&gradient, &times(&b, &hamiltonian)),
-                        size * norm(&hamiltonian),
-                        y,
-                    );
-                }
-            }
-            let shape = Shape::of(&f, system, points);
-            let mut claimed = Self {
-                name: claim.name,
-                formula: claim.formula,
-                claimed_casimir: claim.kind == InvariantKind::Casimir,
-                claimed_degree: claim.degree,
-                casimir,
-                conserved,
-                shape,
-                mistakes: Vec::new(),
-            };
-            claimed.mistakes = claimed.judged(claim.form);
-            claimed
-        };
-        system.invariants().into_iter().enumerate().map(describe).collect()
+    pub(super) fn all(system: &dyn ErasedSystem, points: &Points) -> Vec<Self> {
+        let claims = system.invariants().into_iter().enumerate();
+        claims.map(|(index, claim)| Self::of(index, claim, system, points)).collect()
     }
 
-    fn judged(&self, form: Form) -> Vec<String> {
-        let named = format!("{} = {}", self.name, self.formula);
+    fn of(index: usize, claim: Invariant, system: &dyn ErasedSystem, points: &Points) -> Self {
+        let f = system.invariant(index);
+        let (mut casimir, mut conserved) = (Finding::default(), Finding::default());
+        let mut not_finite = None;
+        for y in &points.for_identities {
+            let value = f.value(y);
+            if !value.is_finite() {
+                not_finite = Some(value);
+            }
+            let (gradient, b) = (f.gradient(y), system.matrix(y));
+            let product = times(&b, &gradient);
+            let size = largest(b.iter().flatten()) * norm(&gradient) * y.len() as f64;
+            for x in &product {
+                casimir.record(*x, size, y);
+            }
+            for m in 0..=system.noises() {
+                let hamiltonian = system.hamiltonian(m).gradient(y);
+                let change = dot(&gradient, &times(&b, &hamiltonian));
+                conserved.record(change, size * norm(&hamiltonian), y);
+            }
+        }
+        let mut invariant = Self {
+            name: claim.name,
+            formula: claim.formula,
+            claimed_casimir: claim.kind == InvariantKind::Casimir,
+            claimed_degree: claim.degree,
+            casimir,
+            conserved,
+            shape: Shape::of(&*f, system, points),
+            mistakes: Vec::new(),
+        };
+        let mistakes = match not_finite {
+            Some(value) => {
+                vec![format!("is listed, but invariant({index}, y) returns {value} in the domain")]
+            }
+            None => invariant.mistakes(claim.form),
+        };
+        let named = format!("{} = {}", claim.name, claim.formula);
+        invariant.mistakes = mistakes.into_iter().map(|what| format!("{named} {what}")).collect();
+        invariant
+    }
+
+    fn mistakes(&self, claimed: Form) -> Vec<String> {
+        let Self { name, claimed_casimir, claimed_degree, casimir, conserved, shape, .. } = self;
         let mut mistakes = Vec::new();
-        if self.claimed_casimir && !self.casimir.holds {
-            let but = if self.conserved.holds {
+        if *claimed_casimir && !casimir.holds {
+            let but = if conserved.holds {
                 "it is a function of the Hamiltonian or another constant of the motion"
             } else {
                 "the flow changes it"
             };
+            let size = casimir.defect;
             mistakes.push(format!(
-                "{named} is claimed as a Casimir and is none: B∇{} is not zero (relative size {:.1e}); {but}",
-                self.name, self.casimir.defect
+                "is claimed as a Casimir and is none: B∇{name} is not zero \
+                 (relative size {size:.1e}); {but}"
             ));
         }
-        if !self.claimed_casimir && !self.conserved.holds {
+        if !*claimed_casimir && !conserved.holds {
             mistakes.push(format!(
-                "{named} is claimed as an energy, and the flow changes it: ∇{}·B∇Hₘ has relative size {:.1e}",
-                self.name, self.conserved.defect
+                "is claimed as an energy, and the flow changes it: \
+                 ∇{name}·B∇Hₘ has relative size {:.1e}",
+                conserved.defect
             ));
         }
-        match self.shape.degree {
-            None => mistakes
-                .push(format!("{named} is not homogeneous, so that it has no conformal law")),
-            Some(degree) if (degree - self.claimed_degree).abs() > 1e-9 * degree.abs() => mistakes
-                .push(format!(
-                    "{named} is claimed to have degree {} and has degree {degree}",
-                    self.claimed_degree
-                )),
-            Some(_) => {
-                let claimed = match form {
-                    Form::Linear => Kind::Linear,
-                    Form::Quadratic => Kind::Quadratic,
-                    Form::Homogeneous => Kind::Homogeneous,
-                };
-                if claimed != self.shape.kind {
-                    mistakes.push(format!(
-                        "{named} is claimed as {} and is {}",
-                        claimed.word(),
-                        self.shape.kind.word()
-                    ));
-                }
-            }
+        let claimed = match claimed {
+            Form::Linear => Kind::Linear,
+            Form::Quadratic => Kind::Quadratic,
+            Form::Homogeneous => Kind::Homogeneous,
+        };
+        match shape.degree {
+            None => mistakes.push("is not homogeneous and hence has no conformal law".to_owned()),
+            Some(degree) if (degree - claimed_degree).abs() > 1e-9 * degree.abs() => mistakes.push(
+                format!("is claimed to have degree {claimed_degree} and has degree {degree}"),
+            ),
+            Some(_) if claimed != shape.kind => mistakes.push(format!(
+                "is claimed as {} and is {}",
+                claimed.name(),
+                shape.kind.name()
+            )),
+            Some(_) => {}
         }
         mistakes
     }

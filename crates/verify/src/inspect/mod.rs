@@ -1,14 +1,20 @@
-//! What a system is, found by looking at it: a report for its author.
+//! A report on a system for its author: [`inspect()`] and [`inspect_problem`].
 //!
-//! [`inspect()`] evaluates a system and its derivatives at random points and says whether B is
-//! skew, whether claimed invariants are invariants and of which degree, which Casimirs B has,
-//! whether noises commute, which statements of the paper apply, which orders to expect and up to
-//! which step size the implicit step is a contraction. [`inspect_problem`] adds what follows from
-//! damping and initial value. A report prints in words and serializes as data.
+//! [`inspect()`] evaluates a system and its derivatives at random points. It reports
+//!
+//! - whether B is skew-symmetric, and whether closed forms agree with the energy;
+//! - whether the claimed invariants are invariants, and of which degree;
+//! - all linear and quadratic Casimirs of B;
+//! - whether the noises commute;
+//! - which statements of the paper apply, and which orders to expect of the schemes;
+//! - the step size below which the implicit step is a contraction.
+//!
+//! [`inspect_problem`] adds what follows from damping and initial value. A report prints as text
+//! and serializes as data.
 //!
 //! An identity between analytic functions that holds at one random point holds everywhere with
-//! probability one, so findings are as certain as the threshold of round-off is fair. Suprema are
-//! largest values over the points looked at, and no more than that.
+//! probability one, so a finding is as certain as its threshold of round-off. A supremum is the
+//! largest value over the points, which is a lower bound only.
 //!
 //! ```
 //! use systems::{MaxwellBloch, RigidBody};
@@ -26,103 +32,62 @@
 //! ```
 
 mod algebra;
-mod bound;
 mod casimirs;
+mod erased;
 mod error;
-mod expected;
 mod finding;
+mod function;
 mod hamiltonian;
 mod invariants;
 mod noises;
 mod points;
-mod probe;
-mod shape;
+mod problem;
+mod report;
 mod solvability;
 mod structure;
-mod words;
+mod theory;
 
-use serde::Serialize;
 use systems::{Damping, PoissonSystem, Problem};
 
 use algebra::norm;
+use erased::{Erased, ErasedSystem};
 use points::Points;
-use probe::{Of, Probe};
 
-pub use bound::{Bound, ProblemFindings};
 pub use casimirs::{Casimirs, FoundCasimir};
 pub use error::InspectError;
-pub use expected::{Applies, ExpectedOrder, Theorem};
 pub use finding::Finding;
+pub use function::{Kind, Minimum, Shape};
 pub use hamiltonian::Hamiltonians;
 pub use invariants::ClaimedInvariant;
 pub use noises::Noises;
 pub use points::Region;
-pub use shape::{Kind, Minimum, Shape};
+pub use problem::{Bound, ProblemFindings};
+pub use report::Inspection;
 pub use solvability::Solvability;
 pub use structure::Structure;
+pub use theory::{Applies, ExpectedOrder, Theorem};
 
-/// What a system is.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Inspection {
-    /// Its name.
-    pub system: String,
-    /// D.
-    pub dimension: usize,
-    /// M.
-    pub noises: usize,
-    /// Where the points for identities were taken from.
-    pub region: Region,
-    /// How many there were.
-    pub points: usize,
-    /// Whether the system was defined at every point that was tried.
-    pub defined_everywhere: bool,
-    /// B(y).
-    pub structure: Structure,
-    /// H₀, …, H_M.
-    pub hamiltonians: Hamiltonians,
-    /// The noise fields.
-    pub noise: Noises,
-    /// The invariants that the system claims.
-    pub invariants: Vec<ClaimedInvariant>,
-    /// The linear and quadratic Casimirs that B has.
-    pub casimirs: Casimirs,
-    /// What bounds all paths, if something does.
-    pub bound: Option<Bound>,
-    /// The norms of the solvability bound.
-    pub solvability: Solvability,
-    /// Where they were taken.
-    pub solvability_region: Region,
-    /// What follows from damping and initial value; `None` for a system alone.
-    pub problem: Option<ProblemFindings>,
-    /// Which statements of the paper apply.
-    pub theorems: Vec<Theorem>,
-    /// What to expect of the schemes.
-    pub orders: Vec<ExpectedOrder>,
-    /// Everything that is not as it must be or as it was claimed, in words; empty for a sound
-    /// system.
-    pub mistakes: Vec<String>,
-}
-
-/// Half the side of the box in which a system alone is looked at.
+/// Half the side of the box in which a system alone is inspected.
 const HALF_SIDE: f64 = 2.0;
 
-/// Looks at a system at points with |yᵢ| ≤ 2 where it is defined.
+/// Inspects a system at random points of its domain with |yᵢ| ≤ 2.
 ///
 /// # Errors
-/// [`InspectError::NoPoints`] when it is defined hardly anywhere there ([`inspect_problem`] looks
-/// around y₀), [`InspectError::NotFinite`] when B or the energy is NaN or infinite at a point where
-/// it says that it is defined.
+/// [`InspectError::NoPoints`] if too little of the box is in the domain ([`inspect_problem`]
+/// searches around y₀), [`InspectError::NotFinite`] if B or the energy is NaN or infinite at a
+/// point of the domain.
 pub fn inspect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: &S,
 ) -> Result<Inspection, InspectError> {
-    let system = Of::<S, D, M>(system);
+    let system = Erased::<S, D, M>(system);
     let points = Points::new(&system, Region::Box(HALF_SIDE), None)?;
     check_finite(&system, &points)?;
-    Ok(Inspection::of(&system, &points).concluded())
+    Ok(Inspection::of(&system, &points).with_mistakes())
 }
 
-/// Looks at a problem in the ball that all its paths stay in, if something bounds them, or of twice
-/// the length of y₀; and at its damping.
+/// Inspects the system of a problem at random points with ‖y‖ ≤ 2‖y₀‖, and its damping.
+///
+/// If something bounds all paths, the contraction constant is that of the ball in which they stay.
 ///
 /// # Errors
 /// As [`inspect()`].
@@ -133,86 +98,29 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let system = Of::<S, D, M>(&problem.system);
+    let system = Erased::<S, D, M>(&problem.system);
     let length = norm(&problem.y0);
     let ball = Region::Ball(if length > 0.0 { 2.0 * length } else { HALF_SIDE });
     let points = Points::new(&system, ball, Some(&problem.y0))?;
     check_finite(&system, &points)?;
-    let mut inspection = Inspection::of(&system, &points);
-    let Inspection { hamiltonians, casimirs, bound, .. } = &inspection;
-    let findings = ProblemFindings::of(problem, hamiltonians, casimirs, bound.as_ref());
+    let mut report = Inspection::of(&system, &points);
+    let findings = ProblemFindings::of(problem, &system, report.bound.as_ref());
     if let Some(radius) = findings.radius.filter(|radius| radius.is_finite() && *radius > 0.0) {
         let reached = Points::new(&system, Region::Ball(radius), Some(&problem.y0))?;
-        inspection.solvability = Solvability::of(&system, &reached);
-        inspection.solvability_region = reached.region;
+        report.solvability = Solvability::of(&system, &reached);
     }
-    inspection.problem = Some(findings);
-    Ok(inspection.concluded())
+    report.problem = Some(findings);
+    Ok(report.with_mistakes())
 }
 
-/// Refuses points where B or h is not a number: there is nothing to be said of such a system.
-fn check_finite(system: &dyn Probe, points: &Points) -> Result<(), InspectError> {
+fn check_finite(system: &dyn ErasedSystem, points: &Points) -> Result<(), InspectError> {
     let ones = vec![1.0; system.noises() + 1];
-    for y in &points.many {
-        let values = system.field(y, &ones).into_iter().chain([system.energy(y, &ones)]);
-        for value in values {
-            if !value.is_finite() {
-                return Err(InspectError::NotFinite { at: y.clone(), value });
-            }
+    let energy = system.energy(&ones);
+    for y in &points.for_suprema {
+        let mut values = system.field(y, &ones).into_iter().chain([energy.value(y)]);
+        if let Some(value) = values.find(|value| !value.is_finite()) {
+            return Err(InspectError::NotFinite { at: y.clone(), value });
         }
     }
     Ok(())
-}
-
-impl Inspection {
-    fn of(system: &dyn Probe, points: &Points) -> Self {
-        let hamiltonians = Hamiltonians::of(system, points);
-        let casimirs = Casimirs::of(system, points);
-        Self {
-            system: system.name().to_owned(),
-            dimension: system.dimension(),
-            noises: system.noises(),
-            region: points.region.clone(),
-            points: points.few.len(),
-            defined_everywhere: points.everywhere,
-            structure: Structure::of(system, points),
-            noise: Noises::of(system, points),
-            invariants: ClaimedInvariant::all(system, points),
-            bound: Bound::of(&hamiltonians, &casimirs),
-            solvability: Solvability::of(system, points),
-            solvability_region: points.region.clone(),
-            hamiltonians,
-            casimirs,
-            problem: None,
-            theorems: Vec::new(),
-            orders: Vec::new(),
-            mistakes: Vec::new(),
-        }
-    }
-
-    /// Draws the conclusions.
-    fn concluded(mut self) -> Self {
-        self.theorems = expected::theorems(&self);
-        self.orders = expected::orders(&self);
-        self.mistakes = words::mistakes(&self);
-        self
-    }
-
-    /// (strong, weak) order to expect of a scheme, by its identifier.
-    #[must_use]
-    pub fn order(&self, scheme: &str) -> Option<(f64, f64)> {
-        self.orders
-            .iter()
-            .find(|order| order.scheme == scheme)
-            .map(|order| (order.strong, order.weak))
-    }
-
-    /// Whether a statement of the paper applies, by its identifier.
-    #[must_use]
-    pub fn applies(&self, statement: &str) -> Option<Applies> {
-        self.theorems
-            .iter()
-            .find(|theorem| theorem.statement == statement)
-            .map(|theorem| theorem.applies)
-    }
 }

@@ -1,17 +1,16 @@
-//! Whether the noises commute, and what strong order asks of a scheme.
+//! Whether the noises commute, which decides the strong orders.
 
 use serde::Serialize;
 
-use super::algebra::norm;
+use super::algebra::{Matrix, axis, norm};
+use super::erased::ErasedSystem;
 use super::finding::Finding;
-use super::points::{Numbers, Points};
-use super::probe::{Matrix, Probe, axis, pick};
+use super::points::{Points, Random};
 
-/// What the noise fields fₘ = B∇Hₘ are to one another.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// Commutators and products of the noise fields fₘ = B∇Hₘ.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Noises {
-    /// [fₘ, f_l] = 0: no Lévy areas are needed for strong order one. One noise commutes with
-    /// itself.
+    /// [fₘ, f_l] = 0: strong order one needs no Lévy areas. Holds for one noise.
     pub commute: Finding,
     /// fₘ′f_l = 0: the Itô correction vanishes and Euler–Maruyama has strong order one.
     pub no_correction: Finding,
@@ -20,51 +19,47 @@ pub struct Noises {
 }
 
 impl Noises {
-    pub(super) fn of(system: &dyn Probe, points: &Points) -> Self {
+    pub(super) fn of(system: &dyn ErasedSystem, points: &Points) -> Self {
         let (noises, d) = (system.noises(), system.dimension());
-        let (mut commute, mut no_correction) = (Finding::new(), Finding::new());
-        let mut overridden = Finding::new();
-        let mut numbers = Numbers::new();
-        for y in &points.few {
-            let fields: Matrix = (1..=noises).map(|m| system.field(y, &pick(system, m))).collect();
-            let along = |of: usize, v: &[f64]| system.field_derivative(y, &pick(system, of + 1), v);
-            // ‖f_l′‖ by columns, so that cancellation within f_l′fₘ does not pass for a commutator.
-            let slopes: Vec<f64> = (0..noises)
-                .map(|l| {
-                    (0..d)
-                        .map(|i| norm(&along(l, &axis(d, i))))
-                        .fold(0.0, |sum: f64, x| sum.hypot(x))
-                })
-                .collect();
+        let mut found = Self::default();
+        let mut random = Random::new();
+        for y in &points.for_identities {
+            let fields: Matrix =
+                (1..=noises).map(|m| system.field(y, &system.weights(m))).collect();
+            // f_l′v.
+            let along = |l: usize, v: &[f64]| system.field_derivative(y, &system.weights(l + 1), v);
+            // ‖f_l′‖ by columns: cancellation within f_l′fₘ must not pass for a commutator.
+            let slope = |l: usize| -> f64 {
+                (0..d).map(|i| norm(&along(l, &axis(d, i)))).fold(0.0, f64::hypot)
+            };
+            let slopes: Vec<f64> = (0..noises).map(slope).collect();
             let sizes: Vec<f64> = fields.iter().map(|f| norm(f)).collect();
             let mut areas = vec![vec![0.0; noises]; noises];
-            let (mut sum, mut total) = (vec![0.0; d], 0.0);
+            let (mut sum, mut sum_size) = (vec![0.0; d], 0.0);
             for l in 0..noises {
                 for m in 0..noises {
-                    let one = along(l, &fields[m]);
-                    for x in &one {
-                        no_correction.see(*x, slopes[l] * sizes[m], y);
+                    let product = along(l, &fields[m]);
+                    let size = slopes[l] * sizes[m];
+                    for x in &product {
+                        found.no_correction.record(*x, size, y);
                     }
-                    if m >= l {
-                        continue;
-                    }
-                    let other = along(m, &fields[l]);
-                    let scale = slopes[l] * sizes[m] + slopes[m] * sizes[l];
-                    areas[m][l] = numbers.uniform();
-                    areas[l][m] = -areas[m][l];
-                    total += scale;
-                    for i in 0..d {
-                        commute.see(one[i] - other[i], scale, y);
-                        sum[i] += areas[m][l] * (one[i] - other[i]);
+                    if m < l {
+                        let exchanged = along(m, &fields[l]);
+                        let size = size + slopes[m] * sizes[l];
+                        found.commute.compare(&product, &exchanged, size, y);
+                        areas[m][l] = random.uniform();
+                        areas[l][m] = -areas[m][l];
+                        sum_size += size;
+                        for i in 0..d {
+                            sum[i] += areas[m][l] * (product[i] - exchanged[i]);
+                        }
                     }
                 }
             }
             if noises > 1 {
-                for (given, exact) in system.commutators(y, &areas).iter().zip(&sum) {
-                    overridden.see(given - exact, total, y);
-                }
+                found.commutators.compare(&system.commutators(y, &areas), &sum, sum_size, y);
             }
         }
-        Self { commute, no_correction, commutators: overridden }
+        found
     }
 }

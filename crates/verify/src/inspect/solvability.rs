@@ -1,16 +1,21 @@
-//! Up to which step size the implicit equation of `sexp` is a contraction (paper, `lem:scheme`).
-//!
-//! C(k, τ) = τ(½‖B′‖‖∇H₀‖ + ‖B‖‖∇²H₀‖) + √(2kτ|log τ|) Σₘ (½‖B′‖‖∇Hₘ‖ + ‖B‖‖∇²Hₘ‖) < 1.
+//! The contraction constant of the implicit equation of `sexp`.
 
 use serde::Serialize;
 
-use super::algebra::{eigenvalues, gram, norm, spectral_norm};
-use super::points::Points;
-use super::probe::{Matrix, Probe, matrix, pick, slopes};
+use super::algebra::{Matrix, norm, spectral_norm};
+use super::erased::ErasedSystem;
+use super::points::{Points, Region};
 
-/// The norms of the contraction constant, each the largest over the points that were looked at.
+/// The norms in the contraction constant of the implicit step of `sexp`,
+///
+/// C(k, τ) = τ(½‖B′‖‖∇H₀‖ + ‖B‖‖∇²H₀‖) + √(2kτ|log τ|) Σₘ (½‖B′‖‖∇Hₘ‖ + ‖B‖‖∇²Hₘ‖),
+///
+/// each the largest over the points of the inspection. For C(k, τ) < 1 the step has exactly one
+/// solution (solvability lemma of the paper).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Solvability {
+    /// The region of the points.
+    pub region: Region,
     /// ‖B‖.
     pub structure: f64,
     /// A bound of ‖B′‖ = max ‖Σ v_l ∂_l B‖ over unit vectors v: the root of ‖Σ_l (∂_l B)ᵀ∂_l B‖.
@@ -22,53 +27,48 @@ pub struct Solvability {
 }
 
 impl Solvability {
-    pub(super) fn of(system: &dyn Probe, points: &Points) -> Self {
-        let count = system.noises() + 1;
-        let mut norms = Self {
-            structure: 0.0,
-            structure_slope: 0.0,
-            gradients: vec![0.0; count],
-            hessians: vec![0.0; count],
+    pub(super) fn of(system: &dyn ErasedSystem, points: &Points) -> Self {
+        let supremum = |size: &dyn Fn(&[f64]) -> f64| {
+            points.for_suprema.iter().map(|y| size(y)).fold(0.0, f64::max)
         };
-        for y in &points.many {
-            norms.structure = norms.structure.max(spectral_norm(&matrix(system, y)));
-            let stacked: Matrix = slopes(system, y).into_iter().flatten().collect();
-            let square = eigenvalues(gram(&stacked)).last().map_or(0.0, |&square| square.max(0.0));
-            norms.structure_slope = norms.structure_slope.max(square.sqrt());
-            for m in 0..count {
-                let weights = pick(system, m);
-                norms.gradients[m] =
-                    norms.gradients[m].max(norm(&system.dual_gradient(y, &weights)));
-                norms.hessians[m] =
-                    norms.hessians[m].max(spectral_norm(&system.hessian(y, &weights)));
-            }
+        let hamiltonians: Vec<_> = (0..=system.noises()).map(|m| system.hamiltonian(m)).collect();
+        Self {
+            region: points.region.clone(),
+            structure: supremum(&|y| spectral_norm(&system.matrix(y))),
+            structure_slope: supremum(&|y| {
+                let stacked: Matrix = system.matrix_derivatives(y).into_iter().flatten().collect();
+                spectral_norm(&stacked)
+            }),
+            gradients: hamiltonians.iter().map(|h| supremum(&|y| norm(&h.gradient(y)))).collect(),
+            hessians: hamiltonians
+                .iter()
+                .map(|h| supremum(&|y| spectral_norm(&h.hessian(y))))
+                .collect(),
         }
-        norms
     }
 
-    /// The Lipschitz constant of B∇Hₘ in the step.
-    fn of_hamiltonian(&self, m: usize) -> f64 {
+    /// ½‖B′‖‖∇Hₘ‖ + ‖B‖‖∇²Hₘ‖.
+    fn lipschitz(&self, m: usize) -> f64 {
         0.5 * self.structure_slope * self.gradients[m] + self.structure * self.hessians[m]
     }
 
     /// C(k, τ) for truncation order `k` and step size 0 < `tau` < 1.
     #[must_use]
     pub fn contraction(&self, k: u32, tau: f64) -> f64 {
-        let noises: f64 = (1..self.gradients.len()).map(|m| self.of_hamiltonian(m)).sum();
-        tau * self.of_hamiltonian(0) + (2.0 * f64::from(k) * tau * tau.ln().abs()).sqrt() * noises
+        let noises: f64 = (1..self.gradients.len()).map(|m| self.lipschitz(m)).sum();
+        tau * self.lipschitz(0) + (2.0 * f64::from(k) * tau * tau.ln().abs()).sqrt() * noises
     }
 
-    /// The largest τ̄ such that C(k, τ) < 1 for all τ < τ̄; 1 where truncated increments end before
-    /// the bound does.
+    /// The largest τ̄ ≤ 1 with C(k, τ) < 1 for all τ < τ̄.
     #[must_use]
     pub fn largest_step(&self, k: u32) -> f64 {
-        // Down from 1 on a grid, to the first step below which C never reaches one; C rises from
-        // zero with τ up to 1/e.
+        const FINEST: u32 = 16_000;
         let grid = |n: u32| f64::powf(2.0, -f64::from(n) / 16.0);
-        // NaN contracts nowhere.
+        // False for NaN.
         let contracts = |tau: f64| self.contraction(k, tau) < 1.0;
-        let Some(n) = (1..16 * 1000).rev().find(|&n| !contracts(grid(n))) else { return 1.0 };
-        if n + 1 == 16 * 1000 {
+        // The smallest τ of the grid without contraction, refined by bisection.
+        let Some(n) = (1..FINEST).rev().find(|&n| !contracts(grid(n))) else { return 1.0 };
+        if n + 1 == FINEST {
             return 0.0;
         }
         let (mut below, mut above) = (grid(n + 1), grid(n));
@@ -87,6 +87,7 @@ mod tests {
     #[test]
     fn the_largest_step_solves_the_equation() {
         let pendulum = Solvability {
+            region: Region::Ball(1.0),
             structure: 1.0,
             structure_slope: 0.0,
             gradients: vec![9.0; 2],

@@ -84,7 +84,8 @@ impl Ways {
         let (mut block, mut status) = (*y, BlockStatus::explicit());
         scheme.step_block(system, step, dw, &mut block, &mut status);
         for p in 0..WIDTH {
-            let Solution { z, outcome } = scheme.step(system, step, dw.path(p), y.path(p));
+            let Solution { z, outcome } =
+                scheme.step(system, step, &Noise::increments(dw.path(p)), y.path(p));
             prop_assert_eq!(bits(block.path(p)), bits(z), "{} path {}", scheme.id(), p);
             prop_assert_eq!(status.failed.contains(p), !outcome.converged());
             prop_assert_eq!(status.robust.contains(p), matches!(outcome, Outcome::Robust { .. }));

@@ -64,7 +64,7 @@ impl Tally {
         let (mut y, mut law, mut allowed) = (y0, 1.0, 0.0);
         for (k, dw) in noise.dw.into_iter().enumerate() {
             let step = Step::new(damping.as_ref(), n + k as u64, noise.tau).unwrap();
-            let solution = sexp.step(system, &step, dw, y);
+            let solution = sexp.step(system, &step, &Noise::increments(dw), y);
             count(&self.steps);
             if !solution.outcome.converged() {
                 count(&self.unsolved);
@@ -156,7 +156,12 @@ fn undamped_midpoint<const D: usize>() {
     for_all(CASES, draws, |(system, method, noise, y0): (Several<D, 2>, _, Noise<2, 1>, _)| {
         let [dw] = noise.dw;
         let step = Step::new(UNDAMPED.damping().as_ref(), 0, noise.tau).unwrap();
-        let solution = Midpoint { solver: Solver::new(method) }.step(&system, &step, dw, y0);
+        let solution = Midpoint { solver: Solver::new(method) }.step(
+            &system,
+            &step,
+            &Noise::increments(dw),
+            y0,
+        );
         let transition = Transition { step, y0, y1: solution.z };
         let map = MidpointMap(SexpMap { system: &system, tau: step.tau, dw, before: y0 });
         let casimir = system.structure.base.casimir().unwrap();

@@ -3,7 +3,7 @@
 //! Each check evaluates a quantity that is zero in exact arithmetic with [`Bounded`] numbers: the
 //! value must be within its own rounding error.
 
-use dgrad::{GradientField, averaged, mean_cosine, mean_sine, quadratic};
+use dgrad::{GradientField, averaged, mean_cosine, mean_sine, midpoint};
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
 use real::{Real, ScalarFunction};
@@ -73,7 +73,7 @@ fn polynomial_gradients<const D: usize>() {
         // More nodes integrate the same polynomial; their smaller nodes are good to 8ε only, four
         // times what `Bounded` takes for a constant.
         let finer: [Bounded; D] = averaged::<5, _, _, D>(&h, a, b);
-        let middle = h.gradient(quadratic(a, b));
+        let middle = h.gradient(midpoint(a, b));
         for i in 0..D {
             // Nodes are summed in pairs about the middle: ∇̄H(a, b) and ∇̄H(b, a) are the same
             // bits.

@@ -12,7 +12,7 @@
 //! formed, half when it is damped) and Newton's last change; the rounding of ψ is bounded by
 //! evaluating it with [`Bounded`] numbers.
 
-use dgrad::{averaged, quadratic};
+use dgrad::{averaged, midpoint};
 use nonlin::Method;
 use real::{Real, ScalarFunction, VectorFunction, directional};
 use schemes::Step;
@@ -59,7 +59,7 @@ impl<const D: usize> Conserved<D> for Casimir<D> {
         dot(self.normal(y), y) / R::constant(f64::from(self.degree()))
     }
     fn slope<R: Real>(&self, a: [R; D], b: [R; D]) -> [R; D] {
-        self.normal(quadratic(a, b))
+        self.normal(midpoint(a, b))
     }
 }
 
@@ -89,7 +89,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D
     fn value<R: Real>(&self, z: [R; D]) -> [R; D] {
         let before = self.before.map(R::constant);
         let slope = self.system.averaged_gradient(before, z, self.tau, self.dw);
-        let change = self.system.structure(quadratic(before, z), slope);
+        let change = self.system.structure(midpoint(before, z), slope);
         std::array::from_fn(|i| before[i] + change[i])
     }
 }
@@ -103,7 +103,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D
     fn value<R: Real>(&self, z: [R; D]) -> [R; D] {
         let SexpMap { system, tau, dw, before } = self.0;
         let before = before.map(R::constant);
-        let middle = quadratic(before, z);
+        let middle = midpoint(before, z);
         let change = system.structure(middle, system.gradient(middle, tau, dw));
         std::array::from_fn(|i| before[i] + change[i])
     }

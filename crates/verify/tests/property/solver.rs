@@ -33,7 +33,9 @@ fn newton_is_fixed_point<const D: usize>() {
         let map = SexpMap { system: &system, tau: noise.tau, dw, before };
         let mut allowed = 0.0;
         let solutions = METHODS.map(|method| {
-            let z = Sexp { solver: Solver::new(method) }.step(&system, &step, dw, before).z;
+            let z = Sexp { solver: Solver::new(method) }
+                .step(&system, &step, &Noise::increments(dw), before)
+                .z;
             let contraction = columns(&map, z).map(norm).into_iter().fold(0.0, f64::max);
             // z − z* = (I − ψ′)⁻¹r up to second order, which the factor 2 has room for.
             let (_, residual) = residual(&map, before, z, solver_leaves(method));
@@ -79,8 +81,13 @@ fn scaling<const D: usize>() {
         scaled.tau *= increment;
         for solver in METHODS.map(Solver::new) {
             let sexp = Sexp { solver };
-            let one = sexp.step(&system, &step, [dw], y0);
-            let other = sexp.step(&system, &scaled, [increment * dw], y0.map(|x| size * x));
+            let one = sexp.step(&system, &step, &Noise::increments([dw]), y0);
+            let other = sexp.step(
+                &system,
+                &scaled,
+                &Noise::increments([increment * dw]),
+                y0.map(|x| size * x),
+            );
             prop_assert_eq!(one.z.map(|x| size * x), other.z, "{:?} {:?}", one, other);
         }
         Ok(())

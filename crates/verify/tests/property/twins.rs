@@ -1,6 +1,6 @@
 //! The same checks reject what is wrong on purpose: a method, a system or a claim with one mistake.
 
-use dgrad::quadratic;
+use dgrad::midpoint;
 use nonlin::{Method, Solver};
 use real::Real;
 use schemes::{EulerMaruyama, Scheme, Sexp, Step};
@@ -52,7 +52,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M>
     }
     fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
         if self.one_node {
-            self.system.gradient(quadratic(a, b), dt, dw)
+            self.system.gradient(midpoint(a, b), dt, dw)
         } else {
             self.system.averaged_gradient(a, b, dt, dw)
         }
@@ -74,7 +74,7 @@ fn breaks<S: PoissonSystem<D, M>, C: Scheme<S, D, M>, const D: usize, const M: u
     dw: [f64; M],
     y0: [f64; D],
 ) -> bool {
-    let y1 = scheme.step(system, &step, dw, y0).z;
+    let y1 = scheme.step(system, &step, &Noise::increments(dw), y0).z;
     let transition = Transition { step, y0, y1 };
     let map = SexpMap { system, tau: step.tau, dw, before: transition.before() };
     let verdict = transition.judge(function, &map, rate, solver_leaves(Method::Newton));

@@ -8,15 +8,15 @@ use real::{Real, WIDTH};
 
 /// A contraction with a solution of its own.
 #[derive(Clone, Copy, Debug)]
-struct Own {
+struct Predicted {
     map: SineMap<2>,
     found: [f64; 2],
     bound: f64,
 }
 
-impl FixedPoint<2> for Own {
+impl FixedPoint<2> for Predicted {
     const METHOD: Method = Method::Newton;
-    const FIRST_SWEEP: FirstSweep = FirstSweep::Own;
+    const FIRST_SWEEP: FirstSweep = FirstSweep::Predicted;
     fn start(&self) -> [f64; 2] {
         self.map.start()
     }
@@ -25,7 +25,7 @@ impl FixedPoint<2> for Own {
         self.map.map(z)
     }
     #[inline(always)]
-    fn own_sweep(&self) -> ([f64; 2], f64) {
+    fn predict(&self) -> ([f64; 2], f64) {
         (self.found, self.bound)
     }
 }
@@ -45,7 +45,7 @@ fn a_bound_of_round_off_is_believed() {
     // Not the solution: what is believed is the bound.
     let found = [0.75, -1.25];
     for bound in [0.0, allowed(found)] {
-        let solution = Solver::default().solve(&Own { map, found, bound });
+        let solution = Solver::default().solve(&Predicted { map, found, bound });
         assert_eq!((solution.z, solution.outcome), (found, Outcome::Fast { iterations: 1 }));
     }
 }
@@ -56,7 +56,7 @@ fn beyond_it_sweeps_go_on_from_there() {
     let exact = Solver::default().solve(&map).z;
     let near = exact.map(|x| x * (1.0 + 1e-11));
     for bound in [allowed(near) * (1.0 + 4.0 * f64::EPSILON), 1e-9, 1e300] {
-        let solution = Solver::default().solve(&Own { map, found: near, bound });
+        let solution = Solver::default().solve(&Predicted { map, found: near, bound });
         // From there one Newton step is enough; from the start it is not.
         assert_eq!(solution.outcome, Outcome::Fast { iterations: 2 }, "{bound}");
         assert!(difference(solution.z, exact) < 1e-14);
@@ -74,7 +74,7 @@ fn without_a_bound_they_begin_at_the_start() {
     // Neither a good candidate nor one that is no number is looked at.
     for found in [exact, [f64::NAN, 1.0], [f64::INFINITY; 2]] {
         for bound in [f64::INFINITY, f64::NAN] {
-            let solution = Solver::default().solve(&Own { map, found, bound });
+            let solution = Solver::default().solve(&Predicted { map, found, bound });
             assert_eq!(solution.z, plain.z);
             assert_eq!(solution.outcome, Outcome::Fast { iterations: 1 + iterations });
         }
@@ -87,7 +87,7 @@ struct Silent(SineMap<2>);
 
 impl FixedPoint<2> for Silent {
     const METHOD: Method = Method::Newton;
-    const FIRST_SWEEP: FirstSweep = FirstSweep::Own;
+    const FIRST_SWEEP: FirstSweep = FirstSweep::Predicted;
     fn start(&self) -> [f64; 2] {
         self.0.start()
     }
@@ -111,7 +111,7 @@ fn an_infinity_is_no_solution() {
     let map = map();
     for found in [[f64::INFINITY, 1.0], [1.0, f64::NEG_INFINITY], [f64::NAN, 0.0]] {
         for bound in [0.0, 1e-20] {
-            let solution = Solver::default().solve(&Own { map, found, bound });
+            let solution = Solver::default().solve(&Predicted { map, found, bound });
             assert!(solution.outcome.converged());
             assert!(residual(&map, solution.z) < 1e-14, "{solution:?}");
         }
@@ -122,7 +122,7 @@ fn an_infinity_is_no_solution() {
 #[test]
 fn another_method_does_not_ask() {
     let map = map();
-    let own = Own { map, found: [0.75, -1.25], bound: 0.0 };
+    let own = Predicted { map, found: [0.75, -1.25], bound: 0.0 };
     let solution = Solver::new(Method::FixedPoint).solve(&own);
     assert!(residual(&map, solution.z) < 1e-13, "{solution:?}");
 }
@@ -132,10 +132,10 @@ fn a_block_is_its_paths() {
     let map = map();
     let exact = Solver::default().solve(&map).z;
     let mut numbers = Numbers(5);
-    let paths: [Own; WIDTH] = std::array::from_fn(|p| {
+    let paths: [Predicted; WIDTH] = std::array::from_fn(|p| {
         let off = 10f64.powi(-(p as i32)) * numbers.next();
         let bound = [0.0, 10.0 * off.abs(), f64::INFINITY, f64::NAN][p % 4];
-        Own { map, found: [exact[0] + off, exact[1]], bound }
+        Predicted { map, found: [exact[0] + off, exact[1]], bound }
     });
     let (z, status) = solve_block(Solver::default(), &Equations(paths));
     for p in 0..WIDTH {

@@ -1,0 +1,393 @@
+//! The one loop over time: groups of blocks march up a dyadic ladder of steps.
+//!
+//! It knows a scheme on a system only as something that advances a block, and so it is compiled
+//! once for each dimension and not for each system.
+
+use noise::{AreaLadder, BlockNoise, DyadicLadder, StreamKey, WienerBlock, clip};
+use nonlin::BlockStatus;
+use real::{Block, PathMask, WIDTH};
+use schemes::{Scheme, Step};
+use systems::Damping;
+
+use crate::{Cause, NoiseSource, PathFailure, TimeChange, View};
+
+/// A scheme that knows its system.
+pub(crate) trait Advance<const D: usize, const M: usize>: Send + Sync {
+    fn advance(
+        &self,
+        step: &Step,
+        noise: &BlockNoise<M>,
+        y: &mut Block<D>,
+        status: &mut BlockStatus,
+    );
+}
+
+pub(crate) struct BoundScheme<'a, S, const D: usize, const M: usize> {
+    pub(crate) system: &'a S,
+    pub(crate) scheme: &'a dyn Scheme<S, D, M>,
+}
+
+impl<S: Send + Sync, const D: usize, const M: usize> Advance<D, M> for BoundScheme<'_, S, D, M> {
+    fn advance(
+        &self,
+        step: &Step,
+        noise: &BlockNoise<M>,
+        y: &mut Block<D>,
+        status: &mut BlockStatus,
+    ) {
+        self.scheme.step_block(self.system, step, noise, y, status);
+    }
+}
+
+/// A scheme on a level.
+pub(crate) struct DriverRun<'a, const D: usize, const M: usize> {
+    pub(crate) id: &'static str,
+    pub(crate) level: usize,
+    pub(crate) swapped: bool,
+    pub(crate) scheme: Box<dyn Advance<D, M> + 'a>,
+}
+
+/// The largest increment and area that a scheme is shown.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) struct Bounds {
+    pub(crate) increment: f64,
+    pub(crate) area: f64,
+}
+
+/// Runs of one level that see the same noise.
+pub(crate) struct Batch {
+    level: usize,
+    /// Whether they take the two halves of a step of the level above in the other order.
+    pub(crate) swapped: bool,
+    bounds: Bounds,
+    runs: Vec<usize>,
+}
+
+impl Batch {
+    /// Adds run number `run` to the batch that it belongs to.
+    pub(crate) fn add(
+        batches: &mut Vec<Self>,
+        level: usize,
+        swapped: bool,
+        bounds: Bounds,
+        run: usize,
+    ) {
+        let same = |batch: &&mut Self| {
+            batch.level == level && batch.swapped == swapped && batch.bounds == bounds
+        };
+        match batches.iter_mut().find(same) {
+            Some(batch) => batch.runs.push(run),
+            None => batches.push(Self { level, swapped, bounds, runs: vec![run] }),
+        }
+    }
+
+    /// The level at whose end the runs advance.
+    pub(crate) fn due(&self) -> usize {
+        self.level + usize::from(self.swapped)
+    }
+}
+
+/// Everything that the loop over time needs.
+pub(crate) struct Driver<'a, const D: usize, const M: usize> {
+    pub(crate) damping: &'a dyn Damping,
+    pub(crate) y0: [f64; D],
+    pub(crate) t_end: f64,
+    pub(crate) finest_steps: u64,
+    pub(crate) levels: usize,
+    pub(crate) key: StreamKey,
+    pub(crate) noise: Box<dyn NoiseSource<M> + 'a>,
+    /// Whether areas of the finest steps are joined up the ladder.
+    pub(crate) joins_areas: bool,
+    pub(crate) runs: Vec<DriverRun<'a, D, M>>,
+    pub(crate) batches: Vec<Batch>,
+    pub(crate) time_change: Option<&'a dyn TimeChange<M>>,
+    pub(crate) described_failures: usize,
+}
+
+/// Failed paths and clipped increments.
+pub(crate) struct Tally {
+    pub(crate) failed: u64,
+    pub(crate) failures: Vec<PathFailure>,
+    /// Clipped increments by level.
+    pub(crate) clipped: Vec<u64>,
+    described: usize,
+}
+
+impl Tally {
+    fn record(&mut self, failure: PathFailure) {
+        self.failed += 1;
+        if self.failures.len() < self.described {
+            self.failures.push(failure);
+        }
+    }
+
+    pub(crate) fn merge(&mut self, later: Self) {
+        self.failed += later.failed;
+        let room = self.described - self.failures.len();
+        self.failures.extend(later.failures.into_iter().take(room));
+        for (count, more) in self.clipped.iter_mut().zip(later.clipped) {
+            *count += more;
+        }
+    }
+}
+
+/// Blocks that march together and share the damping of each step, which costs as much as two paths
+/// of a block.
+const GROUP_BLOCKS: usize = 4;
+/// Paths of them.
+pub(crate) const GROUP_PATHS: u64 = (GROUP_BLOCKS * WIDTH) as u64;
+
+/// The time change draws from a family of streams of its own, which differs in the top bit of the
+/// experiment.
+const TIME_CHANGE_STREAM: u64 = 1 << 63;
+
+/// How many finest steps of a block pass between two reports of progress.
+const PROGRESS_STEPS: u64 = 4096;
+
+/// The current step of a level and the one before.
+#[derive(Clone, Copy)]
+struct StepPair {
+    before: Step,
+    now: Step,
+}
+
+impl<const D: usize, const M: usize> Driver<'_, D, M> {
+    pub(crate) fn tau(&self, level: usize) -> f64 {
+        self.t_end * (1u64 << level) as f64 / self.finest_steps as f64
+    }
+
+    pub(crate) fn steps_per_path(&self) -> u64 {
+        self.runs.iter().map(|run| self.finest_steps >> run.level).sum()
+    }
+
+    pub(crate) fn tally(&self) -> Tally {
+        Tally {
+            failed: 0,
+            failures: Vec::new(),
+            clipped: vec![0; self.levels + 1],
+            described: self.described_failures,
+        }
+    }
+
+    /// Step number `n` of a level.
+    fn step(&self, level: usize, n: u64) -> Step {
+        // The ladder checked that the finest step is positive, and T is finite.
+        Step::new(self.damping, n, self.tau(level))
+            .unwrap_or_else(|error| unreachable!("the steps of a ladder are valid: {error}"))
+    }
+
+    /// Takes the paths from `first_path` on to the final time; `observe` sees each block at the end
+    /// of every coarsest step.
+    pub(crate) fn march(
+        &self,
+        first_path: u64,
+        paths: u64,
+        observe: &mut dyn FnMut(&View<'_, D>),
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Tally {
+        let mut tally = self.tally();
+        let mut blocks: Vec<Marcher<'_, D, M>> = (0..paths.div_ceil(WIDTH as u64))
+            .map(|b| {
+                let offset = b * WIDTH as u64;
+                Marcher::new(self, first_path + offset, (paths - offset).min(WIDTH as u64) as usize)
+            })
+            .collect();
+        let used: Vec<bool> = (0..=self.levels)
+            .map(|level| self.batches.iter().any(|batch| batch.level == level))
+            .collect();
+        let mut steps: Vec<StepPair> = (0..=self.levels)
+            .map(|level| self.step(level, 0))
+            .map(|step| StepPair { before: step, now: step })
+            .collect();
+        let (mut reported, total) = (0, self.steps_per_path());
+        for n in 1..=self.finest_steps {
+            for level in (0..=self.levels).take_while(|level| n.is_multiple_of(1 << level)) {
+                if used[level] {
+                    let now = self.step(level, (n >> level) - 1);
+                    steps[level] = StepPair { before: steps[level].now, now };
+                }
+            }
+            for block in &mut blocks {
+                block.advance(&steps, n, &mut tally, observe);
+            }
+            if n % PROGRESS_STEPS == 0 || n == self.finest_steps {
+                // In proportion, so that the reports of a path add up to its steps exactly.
+                let share = u128::from(total) * u128::from(n) / u128::from(self.finest_steps);
+                progress((share as u64 - reported) * paths);
+                reported = share as u64;
+            }
+        }
+        tally
+    }
+}
+
+/// One block: its noise and the state of every run.
+struct Marcher<'a, const D: usize, const M: usize> {
+    driver: &'a Driver<'a, D, M>,
+    first_path: u64,
+    live: PathMask,
+    next_noise: crate::NextNoise<'a, M>,
+    /// Noise of the finest step.
+    drawn: BlockNoise<M>,
+    sums: DyadicLadder<M>,
+    /// Lévy areas of every level, if a scheme reads them.
+    areas: Option<AreaLadder<M>>,
+    /// What the schemes are shown; kept here, since zeroing it anew takes as long as a tenth of a
+    /// step.
+    shown: BlockNoise<M>,
+    states: Vec<Block<D>>,
+    statuses: Vec<BlockStatus>,
+    /// For each run the paths of which an increment has been clipped.
+    clipped: Vec<PathMask>,
+    random_time: Block<1>,
+    time_change_noise: WienerBlock<1>,
+}
+
+impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
+    fn new(driver: &'a Driver<'a, D, M>, first_path: u64, paths: usize) -> Self {
+        let runs = driver.runs.len();
+        let experiment = driver.key.experiment ^ TIME_CHANGE_STREAM;
+        Self {
+            driver,
+            first_path,
+            live: PathMask::first(paths),
+            next_noise: driver.noise.block(first_path),
+            drawn: BlockNoise::zero(),
+            sums: DyadicLadder::new(driver.levels),
+            areas: driver.joins_areas.then(|| AreaLadder::new(driver.levels)),
+            shown: BlockNoise::zero(),
+            states: vec![Block::splat(driver.y0); runs],
+            statuses: vec![BlockStatus::explicit(); runs],
+            clipped: vec![PathMask::NONE; runs],
+            random_time: Block::zero(),
+            time_change_noise: WienerBlock::new(StreamKey { experiment, ..driver.key }, first_path),
+        }
+    }
+
+    /// Finest step number n, counted from 1, and every coarser step that ends with it.
+    fn advance(
+        &mut self,
+        steps: &[StepPair],
+        n: u64,
+        tally: &mut Tally,
+        observe: &mut dyn FnMut(&View<'_, D>),
+    ) {
+        let driver = self.driver;
+        (self.next_noise)(&mut self.drawn);
+        if let Some(time_change) = driver.time_change {
+            let mut normals = Block::zero();
+            self.time_change_noise.increments(1.0, &mut normals);
+            time_change.advance(n - 1, &self.drawn.increments, &normals, &mut self.random_time);
+        }
+        let complete = self.sums.push(&self.drawn.increments);
+        if let Some(areas) = &mut self.areas {
+            areas.push(&self.drawn.areas, &self.sums, complete);
+        }
+        for batch in driver.batches.iter().filter(|batch| batch.due() <= complete) {
+            let StepPair { before, now } = steps[batch.level];
+            if batch.swapped {
+                // The second half of the step of the level above comes first.
+                self.show(batch, false, tally);
+                self.step(batch, &before, tally);
+                self.show(batch, true, tally);
+            } else {
+                self.show(batch, false, tally);
+            }
+            self.step(batch, &now, tally);
+        }
+        if complete == driver.levels {
+            self.drop_non_finite(n, tally);
+            observe(&View {
+                time: n >> driver.levels,
+                first_path: self.first_path,
+                states: &self.states,
+                statuses: &self.statuses,
+                clipped: &self.clipped,
+                random_time: &self.random_time,
+                live: self.live,
+            });
+        }
+    }
+
+    /// Clips the noise of the last step of the batch's level, or of the one before.
+    fn show(&mut self, batch: &Batch, one_before: bool, tally: &mut Tally) {
+        let level = batch.level;
+        let increment =
+            if one_before { self.sums.first_half(level + 1) } else { self.sums.increment(level) };
+        if clip(increment, batch.bounds.increment, &mut self.shown.increments) > 0 {
+            let (paths, count) = differing(increment, &self.shown.increments, self.live);
+            for &run in &batch.runs {
+                self.clipped[run] = self.clipped[run].or(paths);
+            }
+            if !batch.swapped {
+                tally.clipped[level] += count;
+            }
+        }
+        if let Some(areas) = &self.areas {
+            let areas = if one_before { areas.first_half(level + 1) } else { areas.areas(level) };
+            self.shown.areas = areas.clipped(batch.bounds.area).0;
+        }
+    }
+
+    /// One step of the runs of a batch.
+    fn step(&mut self, batch: &Batch, step: &Step, tally: &mut Tally) {
+        for &number in &batch.runs {
+            let (run, status) = (&self.driver.runs[number], &mut self.statuses[number]);
+            run.scheme.advance(step, &self.shown, &mut self.states[number], status);
+            let failed = status.failed.and(self.live);
+            if !failed.is_empty() {
+                // The number of a step, from its time.
+                let n = (step.t / step.tau).round() as u64;
+                for p in failed.paths() {
+                    let cause = Cause::of_residual(self.statuses[number].residual(p));
+                    tally.record(self.failure(run, p, n, cause));
+                }
+                self.live = self.live.without(failed);
+            }
+        }
+    }
+
+    #[cold]
+    fn failure(&self, run: &DriverRun<'_, D, M>, p: usize, step: u64, cause: Cause) -> PathFailure {
+        PathFailure {
+            path: self.first_path + p as u64,
+            key: self.driver.key,
+            scheme: run.id,
+            swapped: run.swapped,
+            tau: self.driver.tau(run.level),
+            step,
+            cause,
+        }
+    }
+
+    /// The schemes of this workspace fail where their state is not finite; for anybody else's this
+    /// looks, once in each coarse step.
+    fn drop_non_finite(&mut self, n: u64, tally: &mut Tally) {
+        for (state, run) in self.states.iter().zip(&self.driver.runs) {
+            let mut status = BlockStatus::explicit();
+            status.fail_where_not_finite(state);
+            let failed = status.failed.and(self.live);
+            for p in failed.paths() {
+                let step = (n >> run.level).saturating_sub(1);
+                tally.record(self.failure(run, p, step, Cause::NotFinite));
+            }
+            self.live = self.live.without(failed);
+        }
+    }
+}
+
+/// The paths on which two blocks differ, and how many of their entries do on the `live` ones.
+#[cold]
+fn differing<const M: usize>(a: &Block<M>, b: &Block<M>, live: PathMask) -> (PathMask, u64) {
+    let (mut paths, mut count) = (PathMask::NONE, 0);
+    for p in 0..WIDTH {
+        let differ = (0..M).filter(|&m| a.0[m][p] != b.0[m][p]).count();
+        if differ > 0 {
+            paths.insert(p);
+        }
+        if live.contains(p) {
+            count += differ as u64;
+        }
+    }
+    (paths, count)
+}

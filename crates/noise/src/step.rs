@@ -1,0 +1,52 @@
+//! What a scheme is driven by over one step: increments and Lévy areas.
+
+use real::Block;
+
+use crate::AreaBlock;
+
+/// The noise of one step on one path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise<const M: usize> {
+    /// ΔW_m over the step.
+    pub increments: [f64; M],
+    /// The skew matrix of Lévy areas A_ml = ½∫(W_m dW_l − W_l dW_m); zero where they are not drawn.
+    pub areas: [[f64; M]; M],
+}
+
+impl<const M: usize> Noise<M> {
+    /// Increments without areas: zero is the mean of the areas given the increments.
+    #[must_use]
+    pub fn increments(increments: [f64; M]) -> Self {
+        Self { increments, areas: [[0.0; M]; M] }
+    }
+}
+
+/// The noise of one step on a block of 32 paths.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockNoise<const M: usize> {
+    /// ΔW_m of every path.
+    pub increments: Block<M>,
+    /// Lévy areas of every path; zero where they are not drawn.
+    pub areas: AreaBlock<M>,
+}
+
+impl<const M: usize> BlockNoise<M> {
+    /// No noise.
+    #[must_use]
+    pub fn zero() -> Self {
+        Self { increments: Block::zero(), areas: AreaBlock::zero() }
+    }
+
+    /// Increments without areas: zero is the mean of the areas given the increments.
+    #[must_use]
+    pub fn increments(increments: Block<M>) -> Self {
+        Self { increments, areas: AreaBlock::zero() }
+    }
+
+    /// The noise of path `p`.
+    #[inline(always)]
+    #[must_use]
+    pub fn path(&self, p: usize) -> Noise<M> {
+        Noise { increments: self.increments.path(p), areas: self.areas.path(p) }
+    }
+}

@@ -1,0 +1,211 @@
+//! The one kernel: any formula on any system, on one path and on a block of 32.
+
+use std::marker::PhantomData;
+
+use noise::{BlockNoise, Noise};
+use nonlin::{BlockFixedPoint, BlockStatus, FirstSweep, FixedPoint, Method, Outcome, Solution};
+use real::{Block, Kernel, Real, WIDTH, dispatch};
+use systems::{ImplicitStep, PoissonSystem};
+
+use crate::increment::{SystemIncrement, constant};
+use crate::{Implicit, Scheme, Step};
+
+impl<F, S, const D: usize, const M: usize> Scheme<S, D, M> for F
+where
+    F: Implicit,
+    S: PoissonSystem<D, M>,
+{
+    fn id(&self) -> &'static str {
+        F::ID
+    }
+
+    fn reads_areas(&self) -> bool {
+        M > 1 && F::READS_AREAS
+    }
+
+    fn clips_increments(&self) -> bool {
+        F::CLIPS_INCREMENTS
+    }
+
+    fn step_block(
+        &self,
+        system: &S,
+        step: &Step,
+        noise: &BlockNoise<M>,
+        y: &mut Block<D>,
+        status: &mut BlockStatus,
+    ) {
+        dispatch(StepKernel { formula: self, system, step, noise, y, status });
+    }
+
+    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
+        let start = if F::EXACT_DAMPING { scaled(y, step.first_decay) } else { y };
+        let equation = Equation { formula: self, system, step: *step, noise: *noise, start };
+        if F::EXPLICIT {
+            let z = equation.map(start);
+            return Solution { z, outcome: Outcome::Fast { iterations: 1 } }.checked();
+        }
+        let mut solution = self.solver().solve(&equation);
+        if F::EXACT_DAMPING {
+            solution.z = scaled(solution.z, step.second_decay);
+            if may_overflow(step) {
+                return solution.checked();
+            }
+        }
+        solution
+    }
+}
+
+#[inline(always)]
+fn scaled<const D: usize>(mut y: [f64; D], factor: f64) -> [f64; D] {
+    for i in 0..D {
+        y[i] *= factor;
+    }
+    y
+}
+
+/// Whether the second half of the damping may overflow; a NaN may.
+#[inline(always)]
+fn may_overflow(step: &Step) -> bool {
+    step.second_decay > 1.0 || step.second_decay.is_nan()
+}
+
+/// The equation z = ψ(ẑ, z) of one path.
+struct Equation<'a, F, S, const D: usize, const M: usize> {
+    formula: &'a F,
+    system: &'a S,
+    step: Step,
+    noise: Noise<M>,
+    start: [f64; D],
+}
+
+impl<F, S, const D: usize, const M: usize> Clone for Equation<'_, F, S, D, M> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<F, S, const D: usize, const M: usize> Copy for Equation<'_, F, S, D, M> {}
+
+impl<'a, F, S, const D: usize, const M: usize> Equation<'a, F, S, D, M> {
+    #[inline(always)]
+    fn increment<R>(&self) -> SystemIncrement<'a, S, R, D, M> {
+        let Self { system, step, noise, .. } = *self;
+        SystemIncrement { system, step, noise, number: PhantomData }
+    }
+}
+
+impl<F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> FixedPoint<D>
+    for Equation<'_, F, S, D, M>
+{
+    const METHOD: Method = match S::IMPLICIT_STEP {
+        ImplicitStep::FixedPoint | ImplicitStep::UnrolledFixedPoint => Method::FixedPoint,
+        ImplicitStep::Newton | ImplicitStep::Predicted => Method::Newton,
+    };
+
+    const FIRST_SWEEP: FirstSweep = match S::IMPLICIT_STEP {
+        ImplicitStep::FixedPoint => FirstSweep::Plain,
+        ImplicitStep::Predicted if F::PREDICTED => FirstSweep::Predicted,
+        _ => FirstSweep::Long,
+    };
+
+    #[inline(always)]
+    fn start(&self) -> [f64; D] {
+        self.start
+    }
+
+    #[inline(always)]
+    fn map<R: Real>(&self, z: [R; D]) -> [R; D] {
+        self.formula.psi(self.increment::<R>(), constant(self.start), crate::Vector(z)).0
+    }
+
+    #[inline(always)]
+    fn predict(&self) -> ([f64; D], f64) {
+        self.system.predict(self.start, self.step.tau, self.noise.increments)
+    }
+}
+
+/// The equations of a block.
+struct BlockEquation<'a, F, S, const D: usize, const M: usize> {
+    formula: &'a F,
+    system: &'a S,
+    step: Step,
+    noise: &'a BlockNoise<M>,
+    /// The states before the step.
+    y: &'a Block<D>,
+}
+
+impl<F, S, const D: usize, const M: usize> Clone for BlockEquation<'_, F, S, D, M> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<F, S, const D: usize, const M: usize> Copy for BlockEquation<'_, F, S, D, M> {}
+
+impl<'a, F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> BlockFixedPoint<D>
+    for BlockEquation<'a, F, S, D, M>
+{
+    type Path = Equation<'a, F, S, D, M>;
+    #[inline(always)]
+    fn path(&self, p: usize) -> Self::Path {
+        let Self { formula, system, step, noise, y } = *self;
+        let noise = if F::READS_AREAS {
+            noise.path(p)
+        } else {
+            Noise { increments: noise.increments.path(p), areas: [[0.0; M]; M] }
+        };
+        let y = y.path(p);
+        let start = if F::EXACT_DAMPING { scaled(y, step.first_decay) } else { y };
+        Equation { formula, system, step, noise, start }
+    }
+}
+
+/// One step of a block.
+struct StepKernel<'a, F, S, const D: usize, const M: usize> {
+    formula: &'a F,
+    system: &'a S,
+    step: &'a Step,
+    noise: &'a BlockNoise<M>,
+    y: &'a mut Block<D>,
+    status: &'a mut BlockStatus,
+}
+
+impl<F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel
+    for StepKernel<'_, F, S, D, M>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { formula, system, step, noise, y, status } = self;
+        let step = *step;
+        if F::EXPLICIT {
+            // Copies that nothing else points to: stores to them cannot change the noise.
+            let (start, mut next) = (*y, *y);
+            let equations = BlockEquation { formula, system, step, noise, y: &start };
+            for p in 0..WIDTH {
+                next.set_path(p, equations.path(p).map(start.path(p)));
+            }
+            *y = next;
+            *status = BlockStatus::explicit();
+            status.fail_where_not_finite(y);
+            return;
+        }
+        let mut z = Block::zero();
+        let equations = BlockEquation { formula, system, step, noise, y };
+        formula.solver().solve_block(&equations, &mut z, status);
+        if F::EXACT_DAMPING {
+            for i in 0..D {
+                for p in 0..WIDTH {
+                    y.0[i][p] = step.second_decay * z.0[i][p];
+                }
+            }
+            if may_overflow(&step) {
+                status.fail_where_not_finite(y);
+            }
+        } else {
+            *y = z;
+        }
+    }
+}
