@@ -9,17 +9,21 @@
 //! | [`reproduce()`] | run everything, or a selection |
 //! | [`EXPERIMENTS`], [`STATEMENTS`], [`SUPPLEMENTS`], [`panel_ids`], [`check_ids`] | what there is to run |
 //! | [`Compiled`] | every scheme on every system of the paper, compiled once |
+//! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
+//! | [`command`] | what the command lines of all programs share |
 //! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo against the Kolmogorov equation |
 //! | [`TWINS`], [`measure_twins`] | wrong methods that the claims must refute |
 //! | [`coverage()`], [`CoverageRow`] | how often the intervals of `stats` cover the truth |
 
 mod approach;
+pub mod command;
 mod coverage;
 mod experiment;
 mod invariant;
 pub mod kernels;
 mod panels;
 mod reproduce;
+pub mod setups;
 mod statements;
 mod strong;
 mod supplement;

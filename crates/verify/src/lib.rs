@@ -12,11 +12,13 @@
 //! | [`order_verdict`], [`bound_verdict`] | when an order is said to hold |
 //! | [`work_precision`] | errors of any schemes against the processor time they take |
 //! | [`FinalMoments`], [`Stopwatch`], [`Spread`] | moments of functions of final states; times of repeated work |
-//! | [`Statement`], [`Twin`], [`claim`], [`decide`], [`worse`] | statements with measurements, and wrong methods that they must refute |
+//! | [`results::Evidence`], [`results::Claim`] | a measurement as data, with the verdict and the sentence that follow |
+//! | [`Twin`] | a wrong method that a measurement must refute |
 //! | [`exact`], [`runge_kutta`], [`rigid_body_expectations`] | references |
 //! | [`Settings`], [`Mode`], [`Progress`], [`Silent`] | how much to compute, and who is told how far it is |
 //! | [`results`] | the `results.json` contract |
 
+mod evidence;
 pub mod exact;
 mod final_moments;
 pub mod inspect;
@@ -26,11 +28,12 @@ pub mod results;
 pub mod runge_kutta;
 mod settings;
 mod sphere;
-mod statement;
 mod stopwatch;
+mod twin;
 mod verdict;
 pub mod work_precision;
 
+pub use evidence::{DEVIATIONS, worse};
 pub use final_moments::{FinalMoments, FinalValues};
 pub use inspect::{inspect, inspect_problem};
 pub use orders::{
@@ -39,9 +42,9 @@ pub use orders::{
 pub use path_scheme::PathScheme;
 pub use settings::{Mode, Progress, Settings, Silent};
 pub use sphere::rigid_body_expectations;
-pub use statement::{DEVIATIONS, Statement, Twin, claim, decide, worse};
 pub use stopwatch::{Spread, Stopwatch};
-pub use verdict::{ORDER_MARGIN, bound_verdict, order_verdict};
+pub use twin::Twin;
+pub use verdict::{ORDER_MARGIN, Verdict, bound_verdict, order_verdict};
 
 /// The example of the README, compiled and run with the other examples.
 #[cfg(doctest)]

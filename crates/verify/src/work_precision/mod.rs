@@ -130,7 +130,7 @@ pub fn ladder<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
     problem: &'a Problem<S, G, D>,
     references: Vec<Run<'a, S, D, M>>,
     sizes: &StepSizes,
-) -> Result<Ladder<'a, S, G, D, M>, LadderError> {
+) -> Result<Ladder<'a, D, M>, LadderError> {
     let top = (sizes.levels + sizes.refinement as usize).saturating_sub(1);
     let finest = sizes.coarsest_steps.checked_shl(top as u32).filter(|steps| steps >> top != 0);
     let wrong = LadderError::Steps { steps: sizes.coarsest_steps, multiple_of: 1 };
