@@ -56,6 +56,10 @@ fn setup<S, G, const D: usize>(
     Setup { id, title, system, problem, observables, expectations: |_, _| None }
 }
 
+/// Identifiers of [`visit_paper`], in its order.
+pub const PAPER: [&str; 6] =
+    ["pendulum", "rigid-body-1", "rigid-body-3", "lotka-volterra", "maxwell-bloch", "poisson3"];
+
 /// Visits the paper's problems with the final times of its strong errors; T = 1 where it measures
 /// none.
 ///
@@ -108,11 +112,7 @@ pub fn visit_paper<V: Visit>(visitor: &mut V) -> Result<(), V::Error> {
         ("y2^2", |y| y[1] * y[1]),
     ))?;
     visitor.visit(setup(
-        [
-            "poisson3",
-            "Three-dimensional Poisson system",
-            "three-dimensional Poisson system, c = 1",
-        ],
+        ["poisson3", "Three-dimensional Poisson system", "three-dimensional Poisson system, c = 1"],
         poisson3_strong(),
         ("y1", |y| y[0]),
         ("sin y2", |y| sin(y[1])),
@@ -126,21 +126,13 @@ pub fn visit_paper<V: Visit>(visitor: &mut V) -> Result<(), V::Error> {
 /// The first of the visitor's.
 pub fn visit_others<V: Visit>(visitor: &mut V) -> Result<(), V::Error> {
     visitor.visit(setup(
-        [
-            "rigid-body-energy",
-            "Rigid body, noise H₀",
-            "rigid body with noise H₀, I = (2, 1, 2/3)",
-        ],
+        ["rigid-body-energy", "Rigid body, noise H₀", "rigid body with noise H₀, I = (2, 1, 2/3)"],
         rigid_body_energy(1.0),
         ("y1^2", |y| y[0] * y[0]),
         ("cos y3", |y| cos(y[2])),
     ))?;
     visitor.visit(setup(
-        [
-            "lotka-volterra-2",
-            "Lotka–Volterra, b = −2",
-            "Lotka–Volterra, a = −1, b = −2, c = 1",
-        ],
+        ["lotka-volterra-2", "Lotka–Volterra, b = −2", "Lotka–Volterra, a = −1, b = −2, c = 1"],
         lotka_volterra_2_2(1.0),
         ("y2", |y| y[1]),
         ("cos y3", |y| cos(y[2])),
@@ -155,16 +147,34 @@ pub fn visit_others<V: Visit>(visitor: &mut V) -> Result<(), V::Error> {
     ))
 }
 
-/// The schemes for a problem: `sexp`, `sexp-levy` where it differs, `midpoint`, `heun`, `em`.
+/// Which method a scheme is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// [`Sexp`].
+    Sexp,
+    /// [`SexpLevy`].
+    SexpLevy,
+    /// [`Midpoint`].
+    Midpoint,
+    /// [`Heun`](schemes::Heun).
+    Heun,
+    /// [`EulerMaruyama`](schemes::EulerMaruyama).
+    EulerMaruyama,
+}
+
+/// The schemes for a problem; `sexp-levy` only where it differs from `sexp`.
 #[must_use]
 pub fn schemes_for<S: Compiled<D, M>, G, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
-) -> Vec<Box<dyn Scheme<S, D, M>>> {
-    let mut schemes = vec![S::sexp(Sexp::default())];
+) -> Vec<(Method, Box<dyn Scheme<S, D, M>>)> {
     let levy = S::sexp_levy(SexpLevy::new(&problem.system, problem.y0));
-    if levy.reads_areas() {
-        schemes.push(levy);
-    }
-    schemes.extend([S::midpoint(Midpoint::default()), S::heun(), S::euler_maruyama()]);
+    let mut schemes = vec![
+        (Method::Sexp, S::sexp(Sexp::default())),
+        (Method::SexpLevy, levy),
+        (Method::Midpoint, S::midpoint(Midpoint::default())),
+        (Method::Heun, S::heun()),
+        (Method::EulerMaruyama, S::euler_maruyama()),
+    ];
+    schemes.retain(|(method, scheme)| *method != Method::SexpLevy || scheme.reads_areas());
     schemes
 }

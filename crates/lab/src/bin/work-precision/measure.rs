@@ -1,0 +1,316 @@
+//! Errors and times of every scheme on every problem.
+
+use lab::Compiled;
+use lab::setups::{Method, Setup, Visit, schemes_for, visit_paper};
+use mc::{Measured, Run};
+use schemes::Scheme;
+use stats::CrossMoments;
+use systems::{Damping, Problem};
+use verify::results::Provenance;
+use verify::work_precision::{Time, TimeError, WorkPoint};
+use verify::work_precision::{ladder, path_times, squared_distance, steps};
+use verify::{FinalMoments, FinalValues, Mode, Progress, Settings, StepSizes, Stopwatch};
+
+use crate::own_areas::{OwnAreas, terms};
+use crate::results::{
+    Case, Cost, Measurements, SCHEMA, Sampled, Series, Strong, StrongPoint, Weak, WeakObservable,
+    WeakPoint, costs,
+};
+use crate::sizes::{Sizes, TRUNCATION_ORDER, reference_steps};
+
+/// Measures the cases named by `only`, or all where it is empty: errors on the current rayon pool,
+/// times on one thread.
+///
+/// Everything but the times is the same bits for the same seed and mode. Of the provenance only
+/// seed, mode and threads are filled in.
+pub fn measure(
+    settings: Settings,
+    only: &[String],
+    progress: &dyn Progress,
+) -> Result<Measurements, TimeError> {
+    let mut cases = Cases { settings, only, progress, number: 0, measured: Vec::new() };
+    visit_paper(&mut cases)?;
+    let mode = match settings.mode {
+        Mode::Paper => "paper",
+        Mode::Quick => "quick",
+    };
+    let provenance = Provenance {
+        seed: settings.seed,
+        mode: mode.to_owned(),
+        threads: rayon::current_num_threads(),
+        ..Provenance::default()
+    };
+    let clock = if Stopwatch::MEASURES_PROCESSOR {
+        "processor time of the thread"
+    } else {
+        "wall time, since this system does not measure the processor time of a thread"
+    };
+    Ok(Measurements { schema: SCHEMA, provenance, clock: clock.to_owned(), cases: cases.measured })
+}
+
+struct Cases<'a> {
+    settings: Settings,
+    only: &'a [String],
+    progress: &'a dyn Progress,
+    number: u64,
+    measured: Vec<Case>,
+}
+
+impl Visit for Cases<'_> {
+    type Error = TimeError;
+
+    fn visit<S: Compiled<D, M>, G: Damping, const D: usize, const M: usize>(
+        &mut self,
+        setup: Setup<S, G, D>,
+    ) -> Result<(), TimeError> {
+        self.number += 1;
+        if !self.only.is_empty() && self.only.iter().all(|id| id != setup.id) {
+            return Ok(());
+        }
+        let schemes = schemes_for(&setup.problem);
+        let timed: Vec<&dyn Scheme<S, D, M>> =
+            schemes.iter().map(|(_, scheme)| scheme.as_ref()).collect();
+        let levy = timed.iter().copied().find(|scheme| scheme.reads_areas());
+        let own = levy.map(|levy| OwnAreas { levy });
+        let mut measured: Vec<&dyn Scheme<S, D, M>> = Vec::new();
+        for &scheme in &timed {
+            measured.push(match &own {
+                Some(own) if scheme.reads_areas() => own,
+                _ => scheme,
+            });
+        }
+        let case = Measurement {
+            progress: self.progress,
+            sizes: Sizes::new(self.settings, self.number, levy.is_some()),
+            methods: schemes.iter().map(|(method, _)| *method).collect(),
+            reference: levy.unwrap_or(timed[0]),
+            levy,
+            timed,
+            measured,
+            setup: &setup,
+        };
+        self.measured.push(case.run()?);
+        Ok(())
+    }
+}
+
+/// One problem with its schemes.
+struct Measurement<'a, S, G, const D: usize, const M: usize> {
+    setup: &'a Setup<S, G, D>,
+    progress: &'a dyn Progress,
+    sizes: Sizes,
+    methods: Vec<Method>,
+    /// The schemes as they are timed.
+    timed: Vec<&'a dyn Scheme<S, D, M>>,
+    /// The same as their errors are measured: see [`OwnAreas`].
+    measured: Vec<&'a dyn Scheme<S, D, M>>,
+    /// The scheme with exact Lévy areas, where it differs from the one without.
+    levy: Option<&'a dyn Scheme<S, D, M>>,
+    reference: &'a dyn Scheme<S, D, M>,
+}
+
+impl<S: Compiled<D, M>, G: Damping, const D: usize, const M: usize> Measurement<'_, S, G, D, M> {
+    fn run(&self) -> Result<Case, TimeError> {
+        let Setup { id, title, system, problem, .. } = self.setup;
+        let start: Vec<String> = problem
+            .y0
+            .iter()
+            .map(|y| format!("{y:.4}").trim_end_matches('0').trim_end_matches('.').to_owned())
+            .collect();
+        let setup = format!(
+            "{system}, {}, y₀ = ({}), T = {}, increments truncated with k = {TRUNCATION_ORDER}",
+            problem.damping.describe(),
+            start.join(", "),
+            problem.t_end
+        );
+        let steps = self.sizes.timed_steps();
+        let strong = self.strong_errors()?;
+        let weak = self.weak_errors()?;
+        let Sizes { repetitions, timed, .. } = self.sizes;
+        let work = repetitions.work(self.timed.len(), &steps);
+        self.progress.begin(&format!("{id}: times"), work);
+        let truncation = self.sizes.strong.truncation;
+        let advance = |done| self.progress.advance(done);
+        let times =
+            path_times(&self.timed, problem, &steps, truncation, timed, repetitions, &advance)?;
+        self.progress.end();
+        let time = |s: usize, of: u64| {
+            let place = steps.binary_search(&of);
+            times[s][place.unwrap_or_else(|_| unreachable!("every number of steps is timed"))]
+        };
+        let invariants = problem.system.invariants();
+        Ok(Case {
+            id,
+            title,
+            setup,
+            invariants: invariants.iter().map(|invariant| invariant.name.to_owned()).collect(),
+            strong: self.strong(&strong, &time),
+            weak: self.weak(&weak, &time),
+        })
+    }
+
+    /// Moments of `values` of the final states: the reference, with `references` of 2 another one
+    /// of twice its step, then every scheme at every step size.
+    fn errors(
+        &self,
+        what: &str,
+        schemes: &[&dyn Scheme<S, D, M>],
+        references: usize,
+        sizes: &StepSizes,
+        length: usize,
+        values: &FinalValues<'_, D>,
+    ) -> Result<Measured<CrossMoments>, TimeError> {
+        let references = (0..references).map(|level| Run::new(self.reference, level)).collect();
+        let ladder = ladder(schemes, &self.setup.problem, references, sizes)?;
+        let work = ladder.steps_per_path() * sizes.samples;
+        self.progress.begin(&format!("{}: {what} errors", self.setup.id), work);
+        let new = || FinalMoments::new(ladder.coarse_steps(), length, values);
+        let measured = ladder.run(sizes.samples, new, &|work| self.progress.advance(work));
+        self.progress.end();
+        Ok(Measured {
+            statistic: measured.statistic.moments().clone(),
+            failed: measured.failed,
+            failures: measured.failures,
+            clipped: measured.clipped,
+        })
+    }
+
+    /// Squared errors of every run, then squared defects of every run and invariant. Behind the
+    /// schemes stands the one with exact Lévy areas.
+    fn strong_errors(&self) -> Result<Measured<CrossMoments>, TimeError> {
+        let Problem { system, damping, y0, t_end } = &self.setup.problem;
+        let invariants = system.invariants();
+        let laws: Vec<f64> = (0..invariants.len())
+            .map(|index| {
+                let decay = (-invariants[index].degree * damping.integral(0.0, *t_end)).exp();
+                decay * system.invariant(index, *y0)
+            })
+            .collect();
+        let mut schemes = self.measured.clone();
+        schemes.extend(self.levy);
+        let sizes = &self.sizes.strong;
+        let runs = schemes.len() * sizes.levels;
+        let values = |states: &[[f64; D]], values: &mut [f64]| {
+            let (squares, defects) = values.split_at_mut(runs);
+            for (square, &y) in squares.iter_mut().zip(&states[1..]) {
+                *square = squared_distance(y, states[0]);
+            }
+            for (run, &y) in states[1..].iter().enumerate() {
+                for (index, law) in laws.iter().enumerate() {
+                    let defect = system.invariant(index, y) / law - 1.0;
+                    defects[run * laws.len() + index] = defect * defect;
+                }
+            }
+        };
+        self.errors("strong", &schemes, 1, sizes, runs * (1 + laws.len()), &values)
+    }
+
+    /// For each test function that of the reference, and for every run its own and its difference
+    /// to the reference.
+    fn weak_errors(&self) -> Result<Measured<CrossMoments>, TimeError> {
+        let sizes = &self.sizes.weak;
+        let each = self.weak_values();
+        let values = |states: &[[f64; D]], values: &mut [f64]| {
+            for (observable, values) in
+                self.setup.observables.iter().zip(values.chunks_exact_mut(each))
+            {
+                let phi = |y: [f64; D]| (observable.function)(y);
+                // An error Cτ + O(τ²) of the expectation is C·2τ + O(τ²) at twice the step.
+                values[0] = 2.0 * phi(states[0]) - phi(states[1]);
+                for (run, &y) in states[2..].iter().enumerate() {
+                    let value = phi(y);
+                    values[1 + 2 * run] = value;
+                    values[2 + 2 * run] = value - values[0];
+                }
+            }
+        };
+        self.errors("weak", &self.measured, 2, sizes, self.setup.observables.len() * each, &values)
+    }
+
+    /// Numbers of [`weak_errors`](Self::weak_errors) for each test function.
+    fn weak_values(&self) -> usize {
+        1 + 2 * self.measured.len() * self.sizes.weak.levels
+    }
+
+    fn sampled<T>(&self, errors: &Measured<T>, sizes: &StepSizes, reference: &str) -> Sampled {
+        Sampled {
+            samples: sizes.samples,
+            failed: errors.failed,
+            failures: errors.failures.iter().map(ToString::to_string).collect(),
+            reference: format!("{} {reference} on the same noise", self.reference.id()),
+        }
+    }
+
+    /// A series for each scheme of the points, and costs, of its number.
+    fn series<P>(&self, points: impl Fn(usize) -> (Vec<P>, Option<Vec<Cost>>)) -> Vec<Series<P>> {
+        let series = |(s, &method): (usize, &Method)| {
+            let (points, costs) = points(s);
+            Series { method, scheme: self.timed[s].id(), points, costs }
+        };
+        self.methods.iter().enumerate().map(series).collect()
+    }
+
+    fn strong(&self, errors: &Measured<CrossMoments>, time: &dyn Fn(usize, u64) -> Time) -> Strong {
+        let (sizes, moments) = (&self.sizes.strong, &errors.statistic);
+        let runs = (self.measured.len() + usize::from(self.levy.is_some())) * sizes.levels;
+        let invariants = moments.length() / runs - 1;
+        let rms = |index: usize| moments.mean(index).sqrt();
+        let point = |s: usize, l: usize, steps: u64| {
+            let run = s * sizes.levels + l;
+            let work =
+                WorkPoint::new(self.setup.problem.t_end, steps, moments, run, time(s, steps));
+            let areas = self.timed[s].reads_areas();
+            let exact = self.timed.len() * sizes.levels + l;
+            StrongPoint {
+                error_exact_areas: areas.then(|| rms(exact)),
+                area_terms: areas.then(|| terms(work.tau, M)),
+                defects: (0..invariants).map(|i| rms(runs + run * invariants + i)).collect(),
+                work,
+            }
+        };
+        let points = |s| steps(sizes).enumerate().map(move |(l, steps)| point(s, l, steps));
+        let reference = format!("with {} steps", reference_steps(sizes));
+        Strong {
+            sampled: self.sampled(errors, sizes, &reference),
+            series: self.series(|s| (points(s).collect(), None)),
+        }
+    }
+
+    fn weak(&self, errors: &Measured<CrossMoments>, time: &dyn Fn(usize, u64) -> Time) -> Weak {
+        let (sizes, moments) = (&self.sizes.weak, &errors.statistic);
+        let exact = (self.setup.expectations)(&self.setup.problem, &self.setup.observables);
+        let se = |index: usize| moments.covariance_of_means(index, index).max(0.0).sqrt();
+        let observables = self.setup.observables.iter().enumerate().map(|(f, observable)| {
+            let first = f * self.weak_values();
+            let points = |s: usize| {
+                let point = |(l, steps)| {
+                    let value = first + 1 + 2 * (s * sizes.levels + l);
+                    WeakPoint {
+                        steps,
+                        tau: self.setup.problem.t_end / steps as f64,
+                        bias: moments.mean(value + 1),
+                        se: se(value + 1),
+                        standard_deviation: se(value) * (moments.count() as f64).sqrt(),
+                        time: time(s, steps),
+                    }
+                };
+                let points: Vec<WeakPoint> = steps(sizes).enumerate().map(point).collect();
+                let costs = costs(&points);
+                (points, Some(costs))
+            };
+            WeakObservable {
+                name: observable.name,
+                exact: exact.as_ref().map(|exact| exact[f]),
+                reference_mean: moments.mean(first),
+                reference_se: se(first),
+                series: self.series(points),
+            }
+        });
+        let finest = reference_steps(sizes);
+        let reference = format!("extrapolated from {} and {finest} steps", finest / 2);
+        Weak {
+            sampled: self.sampled(errors, sizes, &reference),
+            observables: observables.collect(),
+        }
+    }
+}

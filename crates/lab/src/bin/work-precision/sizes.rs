@@ -1,0 +1,69 @@
+//! How many steps, paths and repetitions.
+
+use noise::StreamKey;
+use systems::paper::valid;
+use verify::work_precision::{Repetitions, steps};
+use verify::{Mode, Settings, StepSizes};
+
+/// The truncation order of the reproduction.
+pub const TRUNCATION_ORDER: u32 = 4;
+
+/// Experiments of this program count from here; those of the reproduction are below.
+const FIRST_EXPERIMENT: u64 = 1 << 32;
+
+/// What a case is measured with.
+pub struct Sizes {
+    /// Step sizes of strong errors.
+    pub strong: StepSizes,
+    /// Step sizes of weak errors.
+    pub weak: StepSizes,
+    /// Noise of the paths that are timed.
+    pub timed: StreamKey,
+    /// How often they are timed.
+    pub repetitions: Repetitions,
+}
+
+impl Sizes {
+    /// Of case number `number`, from 1. A reference with Lévy areas draws them at its own step,
+    /// which is most of the work, so it is less fine.
+    pub fn new(settings: Settings, number: u64, areas: bool) -> Self {
+        let key = |part| StreamKey {
+            seed: settings.seed,
+            experiment: FIRST_EXPERIMENT + 4 * number + part,
+        };
+        let sizes = |coarsest_steps, levels, refinement, samples, part| StepSizes {
+            coarsest_steps,
+            levels,
+            refinement,
+            samples,
+            truncation: valid(noise::Truncation::new(TRUNCATION_ORDER)),
+            key: key(part),
+        };
+        let (strong, weak, repetitions) = match settings.mode {
+            Mode::Paper => (
+                sizes(16, 9, if areas { 3 } else { 4 }, 1024, 0),
+                sizes(8, 6, 3, 1 << 15, 1),
+                Repetitions { count: 15, path_steps: 1 << 18 },
+            ),
+            Mode::Quick => (
+                sizes(16, 4, 2, 256, 0),
+                sizes(8, 3, 2, 2048, 1),
+                Repetitions { count: 3, path_steps: 1 << 12 },
+            ),
+        };
+        Self { strong, weak, timed: key(2), repetitions }
+    }
+
+    /// Every number of steps whose time is wanted, in increasing order.
+    pub fn timed_steps(&self) -> Vec<u64> {
+        let mut timed: Vec<u64> = steps(&self.strong).chain(steps(&self.weak)).collect();
+        timed.sort_unstable();
+        timed.dedup();
+        timed
+    }
+}
+
+/// Steps of the reference.
+pub fn reference_steps(sizes: &StepSizes) -> u64 {
+    sizes.coarsest_steps << (sizes.levels - 1 + sizes.refinement as usize)
+}
