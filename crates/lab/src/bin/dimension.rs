@@ -17,6 +17,7 @@ use comfy_table::presets::ASCII_MARKDOWN;
 use comfy_table::{CellAlignment, Table};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Par};
+use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Method, Outcome, Solver};
 use real::{Block, Dual, Level, Real, WIDTH};
 use schemes::{Scheme, Sexp, Step};
@@ -173,17 +174,19 @@ fn rows<const D: usize>(table: &mut Table, budget: Duration) -> Result<()> {
             best(budget, || case.newton_by_library(&mut matrix, &mut defect));
         let (assembly, ()) =
             best(budget, || case.linearised(case.start(), case.y, &mut matrix, &mut defect));
-        let (newton, own) =
-            best(budget, || by(Method::Newton).step(system, step, INCREMENTS, black_box(case.y)));
-        let (path, fixed) = best(budget, || {
-            by(Method::FixedPoint).step(system, step, INCREMENTS, black_box(case.y))
-        });
+        let alone = |method| {
+            let noise = Noise::increments(INCREMENTS);
+            best(budget, || by(method).step(system, step, &noise, black_box(case.y)))
+        };
+        let (newton, own) = alone(Method::Newton);
+        let (path, fixed) = alone(Method::FixedPoint);
         let block = if contraction < CONTRACTS {
-            let (start, dw) = (Block::splat(case.y), Block::splat(INCREMENTS));
+            let start = Block::splat(case.y);
+            let noise = BlockNoise::increments(Block::splat(INCREMENTS));
             let mut status = BlockStatus::explicit();
             let (block, _) = best(budget, || {
                 let mut y = black_box(start);
-                by(Method::FixedPoint).step_block(system, step, &dw, &mut y, &mut status);
+                by(Method::FixedPoint).step_block(system, step, &noise, &mut y, &mut status);
                 y
             });
             cell(block / WIDTH as f64, &ended(fixed.outcome))
@@ -218,16 +221,11 @@ fn probe<const D: usize>(method: &str, kilobytes: usize) -> Result<()> {
         let sexp = Sexp { solver };
         if method.starts_with("block") {
             let (mut y, mut status) = (Block::splat(case.y), BlockStatus::explicit());
-            sexp.step_block(
-                &case.system,
-                &case.step,
-                &Block::splat(INCREMENTS),
-                &mut y,
-                &mut status,
-            );
+            let noise = BlockNoise::increments(Block::splat(INCREMENTS));
+            sexp.step_block(&case.system, &case.step, &noise, &mut y, &mut status);
             black_box(y);
         } else {
-            black_box(sexp.step(&case.system, &case.step, INCREMENTS, case.y));
+            black_box(sexp.step(&case.system, &case.step, &Noise::increments(INCREMENTS), case.y));
         }
     };
     let thread = thread::Builder::new()

@@ -106,7 +106,9 @@ impl<const D: usize> Statistic<D> for Ignored {
 /// `times[s][l]` is that of scheme s with `steps[l]` steps.
 ///
 /// Every repetition times every scheme at every number of steps once, so that a disturbance hits
-/// all of them. `progress` is told how many more steps over all paths are done.
+/// all of them. In dimensions whose steps need a thread with a larger stack
+/// ([`Ladder::runs_on_pool`]) times are wall times. `progress` is told how many more steps over all
+/// paths are done.
 ///
 /// # Errors
 /// [`TimeError`].
@@ -140,7 +142,9 @@ pub fn path_times<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
                     let paths = repetitions.paths(steps[l]);
                     let watch = Stopwatch::start();
                     let outcome = ladder.run(paths, || Ignored { last_time: steps[l] }, &|_| ());
-                    seconds[s][l].push(watch.thread_s() / paths as f64);
+                    let on_thread = ladder.runs_on_pool();
+                    let time = if on_thread { watch.thread_s() } else { watch.wall_s() };
+                    seconds[s][l].push(time / paths as f64);
                     failed[s][l] = outcome.failed;
                     progress(paths * steps[l]);
                 }

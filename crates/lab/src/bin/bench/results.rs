@@ -1,36 +1,43 @@
-//! What was measured.
+//! What `cargo xtask bench --json` writes.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+use verify::Spread;
+use verify::results::Provenance;
 
-use crate::Workload;
+/// Raised whenever a reader of an older version would misread a newer one.
+pub const SCHEMA: u32 = 1;
 
-/// Repetitions of one measurement.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Spread {
-    /// The smallest: what the work takes when nothing disturbs it.
-    pub best: f64,
-    /// The one in the middle.
-    pub median: f64,
-    /// The largest.
-    pub worst: f64,
+/// The numbers and where they come from.
+#[derive(Serialize)]
+pub struct Report {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Commit, compiler, processor, command, wall time.
+    pub provenance: Provenance,
+    /// The numbers.
+    pub speed: Speed,
 }
 
-impl Spread {
-    /// Of at least one number.
-    pub(crate) fn of(mut numbers: Vec<f64>) -> Self {
-        numbers.sort_by(f64::total_cmp);
-        let last = numbers.len() - 1;
-        Self { best: numbers[0], median: numbers[last / 2], worst: numbers[last] }
-    }
+/// How much is run, and how often.
+#[derive(Clone, Copy, Serialize)]
+pub struct Workload {
+    /// Paths of each measurement.
+    pub paths: u64,
+    /// Steps of size 2⁻⁸ of each path.
+    pub steps: u64,
+    /// Repetitions of each measurement.
+    pub repetitions: u32,
+}
 
-    /// Every number times `factor` > 0.
-    pub(crate) fn scaled(self, factor: f64) -> Self {
-        Self { best: self.best * factor, median: self.median * factor, worst: self.worst * factor }
-    }
+impl Workload {
+    /// 65 536 paths of 256 steps, best of seven.
+    pub const FULL: Self = Self { paths: 65_536, steps: 256, repetitions: 7 };
+    /// So small that the numbers say nothing but that everything runs.
+    pub const QUICK: Self = Self { paths: 256, steps: 32, repetitions: 2 };
 }
 
 /// What the times of one thread are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Clock {
     /// Time that the thread spent on a core: other processes disturb it little.
@@ -40,16 +47,16 @@ pub enum Clock {
 }
 
 /// One scheme on one system, on one thread.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Serialize)]
 pub struct SchemeRow {
     /// The system.
-    pub system: String,
+    pub system: &'static str,
     /// Its dimension.
     pub dimension: usize,
     /// Its number of noises.
     pub noises: usize,
     /// The scheme.
-    pub scheme: String,
+    pub scheme: &'static str,
     /// Nanoseconds for one step of one path, by [`Speed::clock`].
     pub ns_per_path_step: Spread,
     /// The same by the clock on the wall.
@@ -59,7 +66,7 @@ pub struct SchemeRow {
 }
 
 /// `sexp` on the rigid body with three noises, on some threads.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Serialize)]
 pub struct ThreadRow {
     /// Threads.
     pub threads: usize,
@@ -70,10 +77,10 @@ pub struct ThreadRow {
 }
 
 /// `sexp` on the rigid body with three noises, on one thread, with one number growing.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Serialize)]
 pub struct GrowthRow {
     /// What grows: `samples`, `steps` or `levels`.
-    pub grows: String,
+    pub grows: &'static str,
     /// How large it is.
     pub value: u64,
     /// Steps that were made, over all paths and levels.
@@ -85,15 +92,15 @@ pub struct GrowthRow {
     pub peak_memory_mb: Option<f64>,
 }
 
-/// Everything.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Everything measured.
+#[derive(Serialize)]
 pub struct Speed {
     /// At which size.
     pub workload: Workload,
     /// What the times of one thread are.
     pub clock: Clock,
     /// Instruction set that the kernels ran on.
-    pub simd: String,
+    pub simd: &'static str,
     /// Whether this was built without checks for debugging.
     pub optimised: bool,
     /// Processes that were running or waiting to, on average over the minute before; absent where
@@ -107,17 +114,4 @@ pub struct Speed {
     pub growth: Vec<GrowthRow>,
     /// Largest memory of the process over all measurements; absent where the system does not tell.
     pub peak_memory_mb: Option<f64>,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_spread_is_ordered_whatever_came_first() {
-        let spread = Spread::of(vec![3.0, 1.0, 2.0, 5.0]);
-        assert_eq!(spread, Spread { best: 1.0, median: 2.0, worst: 5.0 });
-        assert_eq!(spread.scaled(2.0), Spread { best: 2.0, median: 4.0, worst: 10.0 });
-        assert_eq!(Spread::of(vec![7.0]), Spread { best: 7.0, median: 7.0, worst: 7.0 });
-    }
 }
