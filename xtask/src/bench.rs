@@ -5,15 +5,15 @@
 //! compile than all of the report, for which nobody who wants the report should wait.
 
 use std::env;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
+use report::{files, provenance};
 use serde_json::{Value, json};
-
-use crate::{output, provenance};
+use verify::results::Provenance;
 
 /// Arguments of `cargo xtask bench`.
 #[derive(Args)]
@@ -32,10 +32,7 @@ pub struct Bench {
 
 /// Runs the measurements.
 pub fn run(arguments: &Bench) -> Result<ExitCode> {
-    let folder = arguments.json.as_deref().map(parent);
-    if let Some(folder) = folder {
-        output::prepare(folder)?;
-    }
+    arguments.json.as_deref().map_or(Ok(()), files::prepare_file)?;
     let scratch = tempfile::tempdir().context("cannot create a folder for the numbers")?;
     let numbers = scratch.path().join("speed.json");
     let start = Instant::now();
@@ -50,34 +47,20 @@ pub fn run(arguments: &Bench) -> Result<ExitCode> {
     ensure!(status.success(), "the measurement failed: {status}");
     if let Some(file) = &arguments.json {
         let text = std::fs::read(&numbers).context("the measurement left no numbers")?;
-        let report = with_provenance(serde_json::from_slice(&text)?, start.elapsed().as_secs_f64());
-        let mut json = serde_json::to_vec_pretty(&report)?;
-        json.push(b'\n');
-        output::write(file, &json)?;
+        let numbers = serde_json::from_slice(&text)?;
+        let from = provenance::complete(Provenance::default(), "cargo xtask", start);
+        files::write_json(file, &with_provenance(numbers, &from))?;
         println!("numbers: {}", file.display());
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// The folder of a file.
-fn parent(file: &Path) -> &Path {
-    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
-}
-
 /// The numbers under `speed`, and where they come from.
-fn with_provenance(speed: Value, wall_s: f64) -> Value {
-    let arguments: Vec<String> = env::args().skip(1).collect();
-    json!({
-        "schema": 1,
-        "provenance": {
-            "git": provenance::git(),
-            "rustc": provenance::rustc(),
-            "cpu": provenance::cpu(),
-            "command": format!("cargo xtask {}", arguments.join(" ")),
-            "wall_s": wall_s,
-        },
-        "speed": speed,
-    })
+fn with_provenance(speed: Value, from: &Provenance) -> Value {
+    let Provenance { git, rustc, cpu, command, wall_s, .. } = from;
+    let from =
+        json!({ "git": git, "rustc": rustc, "cpu": cpu, "command": command, "wall_s": wall_s });
+    json!({ "schema": 1, "provenance": from, "speed": speed })
 }
 
 #[cfg(test)]
@@ -87,20 +70,10 @@ mod tests {
     #[test]
     fn numbers_keep_their_digits_and_say_where_they_come_from() {
         let speed = json!({ "peak_memory_mb": 0.1, "schemes": [] });
-        let report = with_provenance(speed.clone(), 2.5);
+        let from = Provenance { wall_s: 2.5, cpu: "a cpu".to_owned(), ..Provenance::default() };
+        let report = with_provenance(speed.clone(), &from);
         assert_eq!(report["speed"], speed);
         assert_eq!(report["provenance"]["wall_s"], 2.5);
-        for key in ["git", "rustc", "cpu", "command"] {
-            assert!(
-                report["provenance"][key].as_str().is_some_and(|text| !text.is_empty()),
-                "{key}"
-            );
-        }
-    }
-
-    #[test]
-    fn a_bare_name_is_in_the_current_folder() {
-        assert_eq!(parent(Path::new("speed.json")), Path::new("."));
-        assert_eq!(parent(Path::new("a/speed.json")), Path::new("a"));
+        assert_eq!(report["provenance"]["cpu"], "a cpu");
     }
 }

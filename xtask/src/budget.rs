@@ -1,5 +1,6 @@
 //! How many false alarms are to be expected, and how many are too many.
 
+use report::{Measurement, Outcome, evidence_of};
 use verify::results::Claim;
 
 /// The most often that an order is refuted by chance: a 99.9 % interval misses on one side.
@@ -8,13 +9,13 @@ const ORDER_ALARM: f64 = 0.0005;
 const CHECK_ALARM: f64 = 1e-5;
 
 /// The most false alarms to be expected among the verdicts, misprints aside.
-pub fn expected_alarms(verdicts: &[&Claim]) -> f64 {
-    let alarm = |claim: &&Claim| match claim.erratum.is_empty() {
-        true if claim.evidence.starts_with("order ") => ORDER_ALARM,
-        true => CHECK_ALARM,
-        false => 0.0,
+pub fn expected_alarms<'a>(verdicts: impl Iterator<Item = &'a Claim>) -> f64 {
+    let alarm = |claim: &Claim| match (Outcome::of(claim), evidence_of(claim)) {
+        (Outcome::Misprint, _) => 0.0,
+        (_, Measurement::Order(_)) => ORDER_ALARM,
+        _ => CHECK_ALARM,
     };
-    verdicts.iter().map(alarm).sum()
+    verdicts.map(alarm).sum()
 }
 
 /// The smallest k that a Poisson number with this mean exceeds with a probability of at most 1 −

@@ -8,14 +8,10 @@
 mod battery;
 mod bench;
 mod budget;
-mod output;
-mod progress;
-mod provenance;
-mod report;
 mod reproduce;
 mod stability;
-mod table;
 mod verify;
+mod wording;
 mod work_precision;
 
 use std::process::ExitCode;

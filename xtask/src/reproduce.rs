@@ -5,13 +5,13 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use real::{Level, limit_to};
-use verify::results::{Claim, Results, Verdict};
+use report::{Bars, Outcome, files, provenance, terminal};
+use verify::results::{Claim, Results};
 use verify::{Mode, Settings};
 
-use crate::progress::Bars;
-use crate::{output, provenance, report, table};
+use crate::wording::WORDING;
 
 /// Arguments of `cargo xtask reproduce`.
 #[derive(Args)]
@@ -34,32 +34,26 @@ pub struct Reproduce {
     #[arg(long, value_name = "DIR", default_value = "target/reproduce")]
     out: PathBuf,
     /// Use no wider vector instructions than these; the results are the same, only slower.
-    #[arg(long, value_enum, value_name = "LEVEL")]
-    simd: Option<Simd>,
+    #[arg(long, value_parser = level, value_name = "LEVEL")]
+    simd: Option<Level>,
 }
 
-/// Instruction sets by name.
-#[derive(Clone, Copy, ValueEnum)]
-enum Simd {
-    Baseline,
-    Avx2,
-    Avx512,
+/// An instruction set by its name.
+fn level(name: &str) -> Result<Level, String> {
+    let levels = [Level::Baseline, Level::Avx2, Level::Avx512];
+    let names = levels.map(|level| level.name()).join(", ");
+    let found = levels.into_iter().find(|level| level.name() == name);
+    found.ok_or_else(|| format!("there is no instruction set {name:?}; there are {names}"))
 }
 
 /// Runs the experiments and writes the report. Succeeds unless something that the paper proves is
 /// refuted.
 pub fn run(arguments: &Reproduce) -> Result<ExitCode> {
-    if let Some(simd) = arguments.simd {
-        limit_to(match simd {
-            Simd::Baseline => Level::Baseline,
-            Simd::Avx2 => Level::Avx2,
-            Simd::Avx512 => Level::Avx512,
-        });
+    if let Some(level) = arguments.simd {
+        limit_to(level);
     }
     lab::check_ids(&arguments.only)?;
-    for folder in ["", "figures", "data"] {
-        output::prepare(&arguments.out.join(folder))?;
-    }
+    files::prepare(&arguments.out)?;
     let threads = arguments.threads.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -72,36 +66,21 @@ pub fn run(arguments: &Reproduce) -> Result<ExitCode> {
     let bars = Bars::new();
     let mut results = pool.install(|| lab::reproduce(settings, &arguments.only, &bars))?;
     bars.finish();
-    let provenance = &mut results.provenance;
-    provenance.git = provenance::git();
-    provenance.rustc = provenance::rustc();
-    provenance.cpu = provenance::cpu();
-    provenance.simd = provenance::simd();
-    provenance.threads = pool.current_num_threads();
-    provenance.command = command_line();
-    provenance.wall_s = start.elapsed().as_secs_f64();
-
-    let mut json = serde_json::to_vec_pretty(&results)?;
-    json.push(b'\n');
-    output::write(&arguments.out.join("results.json"), &json)?;
-    report::write_report(&results, &arguments.out)?;
+    results.provenance.threads = pool.current_num_threads();
+    results.provenance = provenance::complete(results.provenance, "cargo xtask", start);
+    files::write_json(&arguments.out.join("results.json"), &results)?;
+    report::write_report(&results, &WORDING, &arguments.out)?;
     print_summary(&results, arguments);
     Ok(if results.claims.iter().any(fails) { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
 /// A proven statement that is refuted, and not for a documented misprint in it.
 fn fails(claim: &Claim) -> bool {
-    claim.proven && claim.verdict == Verdict::Refuted && claim.erratum.is_empty()
-}
-
-/// The command as a user would type it.
-fn command_line() -> String {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    format!("cargo xtask {}", arguments.join(" "))
+    claim.proven && Outcome::of(claim) == Outcome::Refuted
 }
 
 fn print_summary(results: &Results, arguments: &Reproduce) {
-    println!("{}", table::verdicts(results));
+    println!("{}", terminal::verdicts(&results.claims));
     let provenance = &results.provenance;
     for (id, seconds) in &provenance.wall_s_by_id {
         println!("{seconds:8.2} s  {id}");
@@ -112,7 +91,7 @@ fn print_summary(results: &Results, arguments: &Reproduce) {
         "{:8.2} s  in all, {} threads, {}{memory}",
         provenance.wall_s, provenance.threads, provenance.simd
     );
-    println!("{}", table::counts(&results.claims));
+    println!("{}", terminal::counts(&results.claims));
     for claim in results.claims.iter().filter(|claim| fails(claim)) {
         println!("REFUTED: {} on {}: {}", claim.id, claim.panel, claim.evidence);
     }

@@ -4,14 +4,14 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
 use lab::{EXPERIMENTS, STATEMENTS, SUPPLEMENTS, measure_twins};
-use verify::results::{Claim, Verdict};
+use report::{Bars, files, terminal};
+use verify::results::Claim;
 use verify::{Mode, Settings};
 
-use crate::progress::Bars;
-use crate::{battery, output};
+use crate::battery::{self, Battery};
 
 /// Arguments of `cargo xtask verify`.
 #[derive(Args)]
@@ -43,16 +43,10 @@ fn accuracy(text: &str) -> Result<f64, String> {
 /// Runs the battery. Succeeds when nothing is refuted, documented misprints aside, and every twin
 /// is.
 pub fn run(arguments: &Verify) -> Result<ExitCode> {
-    anyhow::ensure!(
-        !arguments.out.is_dir(),
-        "{} is a folder; name a file",
-        arguments.out.display()
-    );
-    let folder = arguments.out.parent().filter(|folder| !folder.as_os_str().is_empty());
-    output::prepare(folder.unwrap_or_else(|| std::path::Path::new(".")))?;
+    files::prepare_file(&arguments.out)?;
     let start = Instant::now();
     let bars = Bars::new();
-    let mut battery = battery::Battery::default();
+    let mut battery = Battery::default();
     for seed in 1..=arguments.seeds {
         battery.claims.push(claims(seed, &bars)?);
         battery.twins.push(measure_twins(Settings { seed, mode: Mode::Quick }, &bars));
@@ -65,8 +59,7 @@ pub fn run(arguments: &Verify) -> Result<ExitCode> {
     battery.coverage = lab::coverage(arguments.replications, 1);
     bars.finish();
     let page = battery::page(&battery);
-    output::write(&arguments.out, page.as_bytes())
-        .context("the battery is done, but its page cannot be written")?;
+    page.write(&arguments.out)?;
     let (alarms, missed) = (battery.false_alarms(), battery.missed_twins());
     println!(
         "{} seeds in {:.0} s: {alarms} false alarms, {missed} twins not refuted",
@@ -78,9 +71,9 @@ pub fn run(arguments: &Verify) -> Result<ExitCode> {
 }
 
 /// The last seed in a line: its verdicts, everything that went wrong so far, and the time.
-fn progress(battery: &battery::Battery, seeds: u64, seconds: f64) -> String {
+fn progress(battery: &Battery, seeds: u64, seconds: f64) -> String {
     let done = battery.claims.len();
-    let last = battery.claims.last().map_or(String::new(), |claims| crate::table::counts(claims));
+    let last = battery.claims.last().map_or(String::new(), |claims| terminal::counts(claims));
     format!(
         "seed {done} of {seeds}: {last}; so far {} false alarms, {} twins not refuted; {seconds:.0} s, about {:.0} s left",
         battery.false_alarms(),
@@ -112,9 +105,4 @@ fn claims(seed: u64, bars: &Bars) -> Result<Vec<Claim>> {
     let mode = if seed == 1 { Mode::Paper } else { Mode::Quick };
     claims.extend(lab::reproduce(Settings { seed, mode }, &long, bars)?.claims);
     Ok(claims)
-}
-
-/// Refuted, and not for a documented misprint.
-pub fn is_alarm(claim: &Claim) -> bool {
-    claim.verdict == Verdict::Refuted && claim.erratum.is_empty()
 }

@@ -2,18 +2,18 @@
 
 use mc::Observable;
 use real::elementary::{cos, sin};
-use schemes::{Midpoint, Scheme, Sexp, SexpLevy};
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy};
 use systems::paper::{
     lotka_volterra_1_1, lotka_volterra_2_2, maxwell_bloch, pendulum, poisson3_strong,
     rigid_body_energy, rigid_body_one_noise, rigid_body_three_noises, valid,
 };
-use systems::{Constant, Damping, Problem, SpinChain};
+use systems::{Constant, Damping, PoissonSystem, Problem, SpinChain};
 use verify::rigid_body_expectations;
 
-use crate::Compiled;
+use crate::{PaperSystem, compiled};
 
-/// A problem with its name, and what is measured on it.
-pub struct Setup<S, G, const D: usize> {
+/// A problem with its name, what is measured on it and with which schemes.
+pub struct Setup<S, G, const D: usize, const M: usize> {
     /// Identifier, for example `rigid-body-3`.
     pub id: &'static str,
     /// What it is called on a figure.
@@ -26,6 +26,17 @@ pub struct Setup<S, G, const D: usize> {
     pub observables: [Observable<D>; 2],
     /// E φ(y(T)) of every test function without sampling, where it is known.
     pub expectations: fn(&Problem<S, G, D>, &[Observable<D>]) -> Option<Vec<f64>>,
+    /// `sexp`, then `sexp-levy` where noises do not commute, and `midpoint`.
+    pub implicit: Vec<Box<dyn Scheme<S, D, M>>>,
+    /// `heun` and `em`.
+    pub explicit: [Box<dyn Scheme<S, D, M>>; 2],
+}
+
+impl<S, G, const D: usize, const M: usize> Setup<S, G, D, M> {
+    /// All schemes, the implicit ones first.
+    pub fn schemes(&self) -> impl Iterator<Item = &dyn Scheme<S, D, M>> {
+        self.implicit.iter().chain(&self.explicit).map(AsRef::as_ref)
+    }
 }
 
 /// Something to do with every problem.
@@ -37,23 +48,33 @@ pub trait Visit {
     ///
     /// # Errors
     /// The visitor's own.
-    fn visit<S: Compiled<D, M>, G: Damping, const D: usize, const M: usize>(
+    fn visit<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &mut self,
-        setup: Setup<S, G, D>,
+        setup: Setup<S, G, D, M>,
     ) -> Result<(), Self::Error>;
 }
 
 /// Names and words of a set-up: identifier, title, system.
 type Words = [&'static str; 3];
 
-fn setup<S, G, const D: usize>(
+/// The set-up of a problem whose noises commute.
+fn setup<S: PaperSystem<D, M>, G, const D: usize, const M: usize>(
     [id, title, system]: Words,
     problem: Problem<S, G, D>,
     first: (&'static str, fn([f64; D]) -> f64),
     second: (&'static str, fn([f64; D]) -> f64),
-) -> Setup<S, G, D> {
+) -> Setup<S, G, D, M> {
     let observables = [first, second].map(|(name, function)| Observable { name, function });
-    Setup { id, title, system, problem, observables, expectations: |_, _| None }
+    Setup {
+        id,
+        title,
+        system,
+        problem,
+        observables,
+        expectations: |_, _| None,
+        implicit: vec![compiled(Sexp::default()), compiled(Midpoint::default())],
+        explicit: [Box::new(Heun), compiled(EulerMaruyama)],
+    }
 }
 
 /// Identifiers of [`visit_paper`], in its order.
@@ -86,15 +107,21 @@ pub fn visit_paper<V: Visit>(visitor: &mut V) -> Result<(), V::Error> {
             ("cos y3", |y| cos(y[2])),
         )
     })?;
+    let problem = rigid_body_three_noises(1.0);
     visitor.visit(Setup {
         expectations: |problem, phi| Some(rigid_body_expectations(problem, 96, phi)),
+        implicit: vec![
+            compiled(Sexp::default()),
+            compiled(SexpLevy::new(&problem.system, problem.y0)),
+            compiled(Midpoint::default()),
+        ],
         ..setup(
             [
                 "rigid-body-3",
                 "Rigid body, three noises",
                 "rigid body, I = (2, 1, 2/3), Î = (1, 2, 3)",
             ],
-            rigid_body_three_noises(1.0),
+            problem,
             ("y1^2", |y| y[0] * y[0]),
             ("cos y3", |y| cos(y[2])),
         )
@@ -139,42 +166,18 @@ pub fn visit_others<V: Visit>(visitor: &mut V) -> Result<(), V::Error> {
     ))?;
     let spins = valid(SpinChain::<6>::new(1.0, 0.5, 0.8));
     let start = [1.0, 0.0, 0.0, 0.0, 0.6, 0.8];
-    visitor.visit(setup(
-        ["spin-chain", "Spin chain, two spins", "two spins in a fluctuating field"],
-        valid(Problem::new(spins, valid(Constant::new(0.1)), start, 1.0)),
-        ("y1^2", |y| y[0] * y[0]),
-        ("cos y3", |y| cos(y[2])),
-    ))
-}
-
-/// Which method a scheme is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// [`Sexp`].
-    Sexp,
-    /// [`SexpLevy`].
-    SexpLevy,
-    /// [`Midpoint`].
-    Midpoint,
-    /// [`Heun`](schemes::Heun).
-    Heun,
-    /// [`EulerMaruyama`](schemes::EulerMaruyama).
-    EulerMaruyama,
-}
-
-/// The schemes for a problem; `sexp-levy` only where it differs from `sexp`.
-#[must_use]
-pub fn schemes_for<S: Compiled<D, M>, G, const D: usize, const M: usize>(
-    problem: &Problem<S, G, D>,
-) -> Vec<(Method, Box<dyn Scheme<S, D, M>>)> {
-    let levy = S::sexp_levy(SexpLevy::new(&problem.system, problem.y0));
-    let mut schemes = vec![
-        (Method::Sexp, S::sexp(Sexp::default())),
-        (Method::SexpLevy, levy),
-        (Method::Midpoint, S::midpoint(Midpoint::default())),
-        (Method::Heun, S::heun()),
-        (Method::EulerMaruyama, S::euler_maruyama()),
-    ];
-    schemes.retain(|(method, scheme)| *method != Method::SexpLevy || scheme.reads_areas());
-    schemes
+    let levy = SexpLevy::new(&spins, start);
+    visitor.visit(Setup {
+        id: "spin-chain",
+        title: "Spin chain, two spins",
+        system: "two spins in a fluctuating field",
+        problem: valid(Problem::new(spins, valid(Constant::new(0.1)), start, 1.0)),
+        observables: [
+            Observable { name: "y1^2", function: |y| y[0] * y[0] },
+            Observable { name: "cos y3", function: |y| cos(y[2]) },
+        ],
+        expectations: |_, _| None,
+        implicit: vec![compiled(Sexp::default()), compiled(levy), Box::new(Midpoint::default())],
+        explicit: [Box::new(Heun), Box::new(EulerMaruyama)],
+    })
 }

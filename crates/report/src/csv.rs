@@ -3,53 +3,45 @@
 //! Every number is written with the shortest digits that read back as the same `f64`; what is not
 //! finite appears as `inf`, `-inf` or `NaN`.
 
-use std::fmt::Write;
-
 use verify::results::{Kind, Panel, Point};
 
 use crate::panel::relative_defect;
 
-/// Columns of strong and weak panels: scheme id, quantity, step size, root-mean-square error
-/// (strong) or signed weak error (weak), the standard error of that value, and the ends of its
-/// interval, empty where it is value ± 1.96 se.
-pub const ERROR_COLUMNS: &str = "scheme,quantity,tau,value,se,lo,hi";
-
-/// Columns of invariant panels: scheme id, quantity, time, value on the numerical path, value by
-/// the conformal law, and |value − exact| / |exact|.
-pub const VALUE_COLUMNS: &str = "scheme,quantity,t,value,exact,relative_defect";
-
-/// Columns of cost panels: method, quantity, half-width asked for, path-steps taken.
-pub const COST_COLUMNS: &str = "scheme,quantity,accuracy,path_steps";
-
 /// The numbers of a panel as comma-separated values (RFC 4180): one row per point, with a header
 /// row.
+///
+/// | column | meaning |
+/// |---|---|
+/// | `scheme`, `quantity` | as in [`Series`](verify::results::Series) |
+/// | `tau`, `value` | step size; root-mean-square error (strong) or signed weak error (weak) |
+/// | `se`, `lo`, `hi` | standard error, ends of the interval, empty where it is value ± 1.96 se |
+/// | `t`, `value`, `exact` | time, value along the path, value by the conformal law |
+/// | `relative_defect` | \|value − exact\| / \|exact\| |
+/// | `accuracy`, `path_steps` | half-width asked for, path-steps taken |
 #[must_use]
 pub fn csv(panel: &Panel) -> String {
-    let header = match panel.kind {
-        Kind::Strong | Kind::Weak => ERROR_COLUMNS,
-        Kind::Invariant => VALUE_COLUMNS,
-        Kind::Cost => COST_COLUMNS,
+    let columns = match panel.kind {
+        Kind::Strong | Kind::Weak => "tau,value,se,lo,hi",
+        Kind::Invariant => "t,value,exact,relative_defect",
+        Kind::Cost => "accuracy,path_steps",
     };
-    let mut table = format!("{header}\n");
+    let row = |point: &Point| match (panel.kind, point) {
+        (Kind::Strong | Kind::Weak, Point::Error { tau, value, se, lo, hi, .. }) => {
+            Some(format!("{tau:e},{value:e},{se:e},{},{}", optional(*lo), optional(*hi)))
+        }
+        (Kind::Invariant, Point::Value { t, value, exact }) => {
+            Some(format!("{t:e},{value:e},{exact:e},{:e}", relative_defect(*value, *exact)))
+        }
+        (Kind::Cost, Point::Cost { accuracy, path_steps }) => {
+            Some(format!("{accuracy:e},{path_steps}"))
+        }
+        // A point of another kind has no row in this table.
+        _ => None,
+    };
+    let mut table = format!("scheme,quantity,{columns}\n");
     for series in &panel.series {
         let name = format!("{},{}", field(&series.scheme), field(&series.quantity));
-        for point in &series.points {
-            let row = match (panel.kind, point) {
-                (Kind::Strong | Kind::Weak, Point::Error { tau, value, se, lo, hi, .. }) => {
-                    format!("{tau:e},{value:e},{se:e},{},{}", optional(*lo), optional(*hi))
-                }
-                (Kind::Invariant, Point::Value { t, value, exact }) => {
-                    format!("{t:e},{value:e},{exact:e},{:e}", relative_defect(*value, *exact))
-                }
-                (Kind::Cost, Point::Cost { accuracy, path_steps }) => {
-                    format!("{accuracy:e},{path_steps}")
-                }
-                // A point of the other kind has no row in this table.
-                _ => continue,
-            };
-            // Writing to a string cannot fail.
-            let _ = writeln!(table, "{name},{row}");
-        }
+        table.extend(series.points.iter().filter_map(row).map(|row| format!("{name},{row}\n")));
     }
     table
 }
@@ -102,7 +94,7 @@ mod tests {
         let (tau, value, se) = (2f64.powi(-14), 0.1 + 0.2, 1.0 / 3.0 * 1e-300);
         let table = csv(&panel(Kind::Strong, "y(T)", vec![Point::normal(tau, value, se)]));
         let mut lines = table.lines();
-        assert_eq!(lines.next(), Some(ERROR_COLUMNS));
+        assert_eq!(lines.next(), Some("scheme,quantity,tau,value,se,lo,hi"));
         let fields: Vec<&str> = lines.next().unwrap_or("").split(',').collect();
         assert_eq!(fields[..2], ["sexp", "y(T)"]);
         let numbers: Vec<f64> = fields[2..].iter().filter_map(|f| f.parse().ok()).collect();
@@ -115,12 +107,15 @@ mod tests {
     fn invariants_carry_their_relative_defect() {
         let point = Point::Value { t: 0.5, value: 3.0, exact: -2.0 };
         let table = csv(&panel(Kind::Invariant, "C", vec![point]));
-        assert_eq!(table, format!("{VALUE_COLUMNS}\nsexp,C,5e-1,3e0,-2e0,2.5e0\n"));
+        assert_eq!(
+            table,
+            "scheme,quantity,t,value,exact,relative_defect\nsexp,C,5e-1,3e0,-2e0,2.5e0\n"
+        );
     }
 
     #[test]
     fn separators_are_quoted_and_no_points_leave_the_header() {
         assert_eq!(field("a,\"b\""), "\"a,\"\"b\"\"\"");
-        assert_eq!(csv(&panel(Kind::Weak, "y1", vec![])), format!("{ERROR_COLUMNS}\n"));
+        assert_eq!(csv(&panel(Kind::Weak, "y1", vec![])), "scheme,quantity,tau,value,se,lo,hi\n");
     }
 }

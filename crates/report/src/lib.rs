@@ -9,8 +9,7 @@
 //! use report::figure::{Curve, Figure, Measured, Plot, Spacing, Style};
 //!
 //! // Errors against the processor time that they cost.
-//! let point = |cost: f64| Measured { x: cost, x_hi: 1.1 * cost, y: 1.0 / cost, interval: None };
-//! let points = [1.0, 10.0, 100.0].map(point).to_vec();
+//! let points = [1.0, 10.0, 100.0].map(|cost| Measured::new(cost, 1.0 / cost));
 //! let figure = Figure {
 //!     title: "Error against cost".into(),
 //!     y_title: "error".into(),
@@ -20,12 +19,11 @@
 //!         x_title: "processor time, s".into(),
 //!         spacing: Spacing::Decades,
 //!         lines: Vec::new(),
-//!         curves: vec![Curve { name: "heun".into(), note: String::new(), points }],
+//!         curves: vec![Curve::new("heun", points)],
 //!     }],
 //! };
-//! let svg = figure.svg()?;
+//! let svg = figure.svg();
 //! assert!(svg.starts_with("<svg") && svg.contains("processor time, s") && svg.contains("heun"));
-//! # Ok::<(), std::io::Error>(())
 //! ```
 //!
 //! | item | job |
@@ -55,7 +53,7 @@ mod panel;
 pub mod provenance;
 pub mod terminal;
 
-use std::io::{Error, Result};
+use std::io::Result;
 use std::path::Path;
 
 use verify::results::Results;
@@ -81,15 +79,14 @@ pub use outcome::Outcome;
 ///
 /// # Errors
 ///
-/// When a figure cannot be drawn or a file cannot be written; the error names it.
+/// When a file cannot be written; the error names it.
 pub fn write_report(results: &Results, wording: &Wording, folder: &Path) -> Result<()> {
     let (figures, data) = (folder.join("figures"), folder.join("data"));
     files::prepare(&figures)?;
     files::prepare(&data)?;
     let mut drawings = Vec::new();
     for panel in results.panels.iter().chain(&results.supplements) {
-        let drawing = figure::panel_figure(panel)
-            .map_err(|error| Error::other(format!("cannot draw {}: {error}", panel.id)))?;
+        let drawing = figure::panel_figure(panel);
         let stem = panel::file_stem(&panel.id);
         files::write(&figures.join(format!("{stem}.svg")), &drawing)?;
         files::write(&data.join(format!("{stem}.csv")), csv(panel))?;

@@ -57,7 +57,8 @@ impl Page {
         }
     }
 
-    /// A table; bars and line breaks in its cells are made harmless.
+    /// A table; bars and line breaks in its cells are made harmless, and a column without any
+    /// content is left out.
     pub fn table<H, R>(
         &mut self,
         head: impl IntoIterator<Item = H>,
@@ -66,12 +67,24 @@ impl Page {
         H: AsRef<str>,
         R: IntoIterator<Item: AsRef<str>>,
     {
-        let head: Vec<String> = head.into_iter().map(|cell| cell.as_ref().to_owned()).collect();
-        let mut table = format!("| {} |\n|{}", head.join(" | "), "---|".repeat(head.len()));
-        for row in rows {
-            let cell = |text: &str| text.replace('|', "\\|").replace('\n', " ");
-            let cells: Vec<String> = row.into_iter().map(|text| cell(text.as_ref())).collect();
-            table.push_str(&format!("\n| {} |", cells.join(" | ")));
+        let cell = |text: &str| text.replace('|', "\\|").replace('\n', " ");
+        let rows: Vec<Vec<String>> = rows
+            .into_iter()
+            .map(|row| row.into_iter().map(|text| cell(text.as_ref())).collect())
+            .collect();
+        let filled = |n: usize| {
+            rows.is_empty() || rows.iter().any(|row| row.get(n).is_some_and(|c| !c.is_empty()))
+        };
+        let line = |cells: Vec<&str>| {
+            let shown = cells.iter().enumerate().filter(|(n, _)| filled(*n));
+            format!("| {} |\n", shown.map(|(_, cell)| *cell).collect::<Vec<_>>().join(" | "))
+        };
+        let head: Vec<H> = head.into_iter().collect();
+        let mut table = line(head.iter().map(AsRef::as_ref).collect());
+        let columns = (0..head.len()).filter(|n| filled(*n)).count();
+        table += &format!("|{}\n", "---|".repeat(columns));
+        for row in &rows {
+            table += &line(row.iter().map(String::as_str).collect());
         }
         self.block(&table);
     }
@@ -172,8 +185,8 @@ mod tests {
     #[test]
     fn cells_stay_in_their_table() {
         let mut page = Page::new("a");
-        page.table(["x"], [["a | b\nc"]]);
-        assert!(page.text().ends_with("| a \\| b c |\n"));
+        page.table(["x", "nothing"], [["a | b\nc", ""]]);
+        assert!(page.text().ends_with("| x |\n|---|\n| a \\| b c |\n"), "{}", page.text());
         assert_eq!(anchor("`stiff` Long times, 2"), "stiff-long-times-2");
         assert_eq!(distinct([2, 1, 2]), [2, 1]);
     }

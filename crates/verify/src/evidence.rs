@@ -63,6 +63,8 @@ pub enum Evidence {
     },
     /// A sampled mean against its known value.
     Deviation {
+        /// What it is a mean of, for example `E[cos y3]`.
+        quantity: String,
         /// The mean.
         value: f64,
         /// Its standard error.
@@ -204,11 +206,19 @@ impl fmt::Display for Evidence {
                  over {paths} paths {coarse:.1e} at τ and {fine:.1e} at τ/{refinement}, order \
                  {order:.2} ± {half_width:.2}"
             ),
-            Self::Deviation { value, standard_error, bias, expected, path_steps, warnings } => {
+            Self::Deviation {
+                quantity,
+                value,
+                standard_error,
+                bias,
+                expected,
+                path_steps,
+                warnings,
+            } => {
                 // Two more digits than the standard error has zeros.
                 let digits = (2.0 - standard_error.log10().floor()).clamp(2.0, 15.0) as usize;
                 let deviations = (value - expected) / standard_error;
-                write!(f, "{value:.digits$} ± {standard_error:.1e} (standard error")?;
+                write!(f, "{quantity} = {value:.digits$} ± {standard_error:.1e} (standard error")?;
                 if *bias > 0.0 {
                     write!(f, ", bias at most {bias:.1e}")?;
                 }
@@ -277,7 +287,16 @@ mod tests {
     fn deviation(value: f64) -> Evidence {
         let (path_steps, warnings) = (Some(100), vec!["few".to_owned()]);
         let (standard_error, bias, expected) = (0.001, 0.001, 0.5);
-        Evidence::Deviation { value, standard_error, bias, expected, path_steps, warnings }
+        let quantity = "E[y1]".to_owned();
+        Evidence::Deviation {
+            quantity,
+            value,
+            standard_error,
+            bias,
+            expected,
+            path_steps,
+            warnings,
+        }
     }
 
     #[test]
@@ -307,7 +326,7 @@ mod tests {
             ),
             (
                 deviation(0.505),
-                "0.50500 ± 1.0e-3 (standard error, bias at most 1.0e-3) against 0.50000: +5.0 \
+                "E[y1] = 0.50500 ± 1.0e-3 (standard error, bias at most 1.0e-3) against 0.50000: +5.0 \
                  standard errors; 100 path-steps; warning: few",
             ),
         ];

@@ -59,10 +59,11 @@ pub struct Provenance {
 }
 
 /// What a panel shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// Root-mean-square error against the step size.
+    #[default]
     Strong,
     /// Signed weak error against the step size.
     Weak,
@@ -73,7 +74,7 @@ pub enum Kind {
 }
 
 /// One figure of the paper.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Panel {
     /// Identifier, for example `pendulum-strong`.
     pub id: String,
@@ -127,7 +128,7 @@ pub struct Clipped {
 }
 
 /// One curve.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Series {
     /// Scheme id: `sexp`, `em` or `midpoint`; with a qualifier on a supplement.
     pub scheme: String,

@@ -1,11 +1,10 @@
 //! The figures of the page.
 
-use anyhow::Result;
-use stability::results::{Case, Growth, Stability};
+use report::distinct;
+use report::figure::{Curve, Figure, Line, Measured, Plot, Spacing, Style};
+use stability::results::{Case, Growth, Row, Stability};
 
-use crate::report::{GrowthCurve, WorkPlot, WorkPoint, growth_figure, work_figure};
-
-/// The long runs that the figure shows.
+/// The long runs that the figure shows: as many as can be told apart.
 const SHOWN: [&str; 5] = [
     "default solver, undamped",
     "undamped",
@@ -14,62 +13,63 @@ const SHOWN: [&str; 5] = [
     "Lotka–Volterra, H, undamped",
 ];
 
-/// Names and contents of the figures, as far as their data are there.
-pub fn figures(results: &Stability) -> Result<Vec<(String, String)>> {
-    let mut figures = Vec::new();
+/// Stiff damping beside the stiff Hamiltonian; none unless both were run.
+pub fn stiff(results: &Stability) -> Option<Figure> {
     let case = |id: &str| results.cases.iter().find(|case| case.id == id);
-    let plots: Vec<WorkPlot> = [
-        ("stiff-damping", "damping in a step, γτ", Some((1e-12, 1e12))),
-        ("stiff-hamiltonian", "frequency ω (τ = 1/64)", Some((1e-16, 1e8))),
-    ]
-    .into_iter()
-    .filter_map(|(id, title, range)| Some(plot(case(id)?, title, range)))
-    .collect();
-    if plots.len() == 2 {
-        figures.push((
-            "stability-stiff.svg".to_owned(),
-            work_figure(
-                "What every scheme does under stiff damping and with a stiff Hamiltonian",
-                "factor of a step; distance from the law",
-                &plots,
-            )?,
-        ));
-    }
-    if !results.growth.is_empty() {
-        // As many as can be told apart; the table has them all.
-        let shown = |id: &&Growth| SHOWN.contains(&id.id.as_str());
-        let curves: Vec<GrowthCurve> = results.growth.iter().filter(shown).map(curve).collect();
-        figures.push((
-            "stability-growth.svg".to_owned(),
-            growth_figure("Distance from the conformal law over ten million steps", &curves)?,
-        ));
-    }
-    Ok(figures)
+    Some(Figure {
+        title: "Schemes under stiff damping and with a stiff Hamiltonian".to_owned(),
+        y_title: "factor of a step; distance from the law".to_owned(),
+        size: (268.0, 214.0),
+        style: Style::Schemes,
+        plots: vec![
+            plot(case("stiff-damping")?, "damping in a step, γτ", (1e-12, 1e12)),
+            plot(case("stiff-hamiltonian")?, "frequency ω (τ = 1/64)", (1e-16, 1e8)),
+        ],
+    })
 }
 
-/// One curve for each scheme; figures outside of the range are drawn at its border.
-fn plot(case: &Case, title: &str, range: Option<(f64, f64)>) -> WorkPlot {
-    let mut curves: Vec<(String, Vec<WorkPoint>)> = Vec::new();
-    for row in &case.rows {
-        let Some(x) = row.x else { continue };
-        let (lo, hi) = range.unwrap_or((0.0, f64::INFINITY));
-        // A path that overflowed is at the top whatever it was before.
-        let overflowed = row.error.as_ref().is_some_and(|error| error.starts_with("overflow"));
-        let value = if overflowed { hi } else { row.measured.unwrap_or(hi).clamp(lo, hi) };
-        let point = WorkPoint { cost: x, cost_hi: x, error: value, interval: (value, value) };
-        match curves.iter_mut().find(|(scheme, _)| *scheme == row.scheme) {
-            Some((_, points)) => points.push(point),
-            None => curves.push((row.scheme.clone(), vec![point])),
-        }
+/// One curve for each scheme; values outside of the range are drawn at its border, and those that
+/// are not finite at the top.
+fn plot(case: &Case, x_title: &str, (lo, hi): (f64, f64)) -> Plot {
+    let schemes = distinct(case.rows.iter().map(|row| row.scheme.as_str()));
+    let curve = |scheme: &str| {
+        let rows = case.rows.iter().filter(|row| row.scheme == scheme);
+        let value = |row: &Row| row.measured.unwrap_or(hi).clamp(lo, hi);
+        Curve::new(scheme, rows.filter_map(|row| Some(Measured::new(row.x?, value(row)))))
+    };
+    // `sexp` with Newton's method cannot be told from `sexp`.
+    let curves = schemes.into_iter().filter(|scheme| *scheme != "sexp-newton").map(curve);
+    Plot {
+        x_title: x_title.to_owned(),
+        spacing: Spacing::Decades,
+        lines: Vec::new(),
+        curves: curves.collect(),
     }
-    // `sexp` with Newton is `sexp` to the eye.
-    curves.retain(|(scheme, _)| scheme != "sexp-newton");
-    WorkPlot { cost: title.to_owned(), steps: false, curves }
 }
 
-fn curve(growth: &Growth) -> GrowthCurve {
-    GrowthCurve {
-        name: growth.id.clone(),
-        points: growth.points.iter().map(|point| (point.steps as f64, point.rms)).collect(),
+/// The root mean square of the distance over the number of steps, with a random walk and a bias.
+pub fn growth(runs: &[Growth]) -> Figure {
+    let curve = |run: &Growth| {
+        let points = run.points.iter();
+        Curve::new(&run.id, points.map(|end| Measured::new(end.steps as f64, end.rms)))
+    };
+    let line = |name: &str, power, covered| Line {
+        name: name.to_owned(),
+        constant: f64::EPSILON,
+        power,
+        covered,
+    };
+    let shown = runs.iter().filter(|run| SHOWN.contains(&run.id.as_str()));
+    Figure {
+        title: "Distance from the conformal law over ten million steps".to_owned(),
+        y_title: "root mean square distance from the law".to_owned(),
+        size: (430.0, 260.0),
+        style: Style::Quantities,
+        plots: vec![Plot {
+            x_title: "steps n".to_owned(),
+            spacing: Spacing::Decades,
+            lines: vec![line("ε √n", 0.5, true), line("ε n", 1.0, false)],
+            curves: shown.map(curve).collect(),
+        }],
     }
 }

@@ -1,9 +1,7 @@
 //! Curves of error against cost, for figures and for comparisons.
 
-use anyhow::Result;
-use precision::results::{Case, StrongSeries, WeakObservable, WeakSeries};
-
-use crate::report::{WorkPlot, WorkPoint, work_figure};
+use precision::results::{Case, StrongPoint, StrongSeries, WeakObservable, WeakSeries};
+use report::figure::{Curve, Figure, Measured, Plot, Spacing, Style};
 
 /// Seconds to microseconds.
 const MICRO: f64 = 1e6;
@@ -19,52 +17,49 @@ pub fn weak_costs(series: &WeakSeries) -> Vec<(f64, f64)> {
 }
 
 /// Strong errors against the time and against the steps of a path.
-pub fn strong_figure(case: &Case) -> Result<String> {
-    let curves = |steps: bool| {
-        let of = |series: &StrongSeries| {
-            let points = series.points.iter().map(|point| WorkPoint {
-                cost: if steps { point.steps as f64 } else { MICRO * point.time.min_s },
-                cost_hi: if steps { point.steps as f64 } else { MICRO * point.time.median_s },
-                error: point.error,
-                interval: (point.lo.unwrap_or(point.error), point.hi.unwrap_or(point.error)),
-            });
-            (series.scheme.clone(), points.collect())
+pub fn strong_figure(case: &Case) -> Figure {
+    let curves = |cost: fn(&StrongPoint) -> (f64, f64)| {
+        let point = |point: &StrongPoint| {
+            let (x, x_hi) = cost(point);
+            Measured { x, x_hi, y: point.error, interval: point.lo.zip(point.hi) }
         };
-        case.strong.series.iter().map(of).collect()
+        let curve = |s: &StrongSeries| Curve::new(&s.scheme, s.points.iter().map(point));
+        case.strong.series.iter().map(curve).collect()
     };
-    let plots = [
-        WorkPlot {
-            cost: "processor time of a path, μs".to_owned(),
-            steps: false,
-            curves: curves(false),
-        },
-        WorkPlot { cost: "steps of a path".to_owned(), steps: true, curves: curves(true) },
-    ];
-    work_figure(&format!("{}: strong error against cost", case.title), "RMS error of y(T)", &plots)
+    let time = curves(|point| (MICRO * point.time.min_s, MICRO * point.time.median_s));
+    let steps = curves(|point| (point.steps as f64, point.steps as f64));
+    figure(
+        format!("{}: strong error against cost", case.title),
+        "RMS error of y(T)",
+        vec![
+            plot("processor time of a path, μs".to_owned(), Spacing::Decades, time),
+            plot("steps of a path".to_owned(), Spacing::Doublings, steps),
+        ],
+    )
 }
 
 /// Accuracies of expectations against the time of an estimate, a plot for each test function.
-pub fn weak_figure(case: &Case) -> Result<String> {
-    let plot = |observable: &WeakObservable| {
-        let of = |series: &WeakSeries| {
-            let points = weak_costs(series).into_iter().map(|(error, cost)| WorkPoint {
-                cost,
-                cost_hi: cost,
-                error,
-                interval: (error, error),
-            });
-            (series.scheme.clone(), points.collect())
+pub fn weak_figure(case: &Case) -> Figure {
+    let of = |observable: &WeakObservable| {
+        let curve = |series: &WeakSeries| {
+            let points = weak_costs(series).into_iter();
+            Curve::new(&series.scheme, points.map(|(error, cost)| Measured::new(cost, error)))
         };
-        WorkPlot {
-            cost: format!("processor time of an estimate of E[{}], s", observable.name),
-            steps: false,
-            curves: observable.series.iter().map(of).collect(),
-        }
+        let title = format!("processor time of an estimate of E[{}], s", observable.name);
+        plot(title, Spacing::Decades, observable.series.iter().map(curve).collect())
     };
-    let plots: Vec<WorkPlot> = case.weak.observables.iter().map(plot).collect();
-    work_figure(
-        &format!("{}: accuracy of expectations against cost", case.title),
+    figure(
+        format!("{}: accuracy of expectations against cost", case.title),
         "RMS error of the estimate",
-        &plots,
+        case.weak.observables.iter().map(of).collect(),
     )
+}
+
+fn plot(x_title: String, spacing: Spacing, curves: Vec<Curve>) -> Plot {
+    Plot { x_title, spacing, lines: Vec::new(), curves }
+}
+
+fn figure(title: String, y_title: &str, plots: Vec<Plot>) -> Figure {
+    let y_title = y_title.to_owned();
+    Figure { title, y_title, size: (268.0, 214.0), style: Style::Schemes, plots }
 }

@@ -1,7 +1,7 @@
 //! Curves in logarithmic coordinates: plots side by side under one legend and with one vertical
 //! axis.
 
-use std::io::Result;
+use std::collections::HashMap;
 
 use super::axis::{Axis, Range, Scale};
 use super::canvas::{self, Canvas, INK};
@@ -12,6 +12,7 @@ use super::look::{self, Layer, Look, Marker};
 use super::stroke::{Position, Stroke};
 use super::ticks::{Spacing, Ticks};
 use crate::label::Label;
+use crate::markdown::distinct;
 use crate::panel::QUANTILE;
 
 /// A measured point.
@@ -90,6 +91,12 @@ pub const BELOW: f64 = 33.0;
 const MARKER_RADIUS: f64 = 3.0;
 
 impl Measured {
+    /// A point without intervals.
+    #[must_use]
+    pub fn new(x: f64, y: f64) -> Self {
+        Self { x, x_hi: x, y, interval: None }
+    }
+
     fn is_drawn(&self) -> bool {
         self.x > 0.0 && self.x.is_finite() && self.y.is_finite()
     }
@@ -114,6 +121,11 @@ impl Measured {
 }
 
 impl Curve {
+    /// A curve with nothing but its name in the legend.
+    pub fn new(name: &str, points: impl IntoIterator<Item = Measured>) -> Self {
+        Self { name: name.to_owned(), note: String::new(), points: points.into_iter().collect() }
+    }
+
     pub(super) fn drawn(&self) -> impl Iterator<Item = &Measured> {
         self.points.iter().filter(|point| point.is_drawn())
     }
@@ -130,42 +142,29 @@ impl Curve {
 
 impl Figure {
     /// The figure as an SVG document.
-    ///
-    /// # Errors
-    ///
-    /// When the drawing library reports one.
-    pub fn svg(&self) -> Result<String> {
-        let mut named: Vec<&Curve> = Vec::new();
-        for curve in self.plots.iter().flat_map(|plot| &plot.curves) {
-            if !named.iter().any(|other| other.name == curve.name) {
-                named.push(curve);
-            }
-        }
+    pub fn svg(&self) -> String {
+        let curves = || self.plots.iter().flat_map(|plot| &plot.curves);
+        let names = distinct(curves().map(|curve| curve.name.as_str()));
         let looks = match self.style {
-            Style::Schemes => {
-                look::of_schemes(&named.iter().map(|curve| curve.name.as_str()).collect::<Vec<_>>())
-            }
-            Style::Quantities | Style::Signed => (0..named.len()).map(look::of_quantity).collect(),
+            Style::Schemes => look::of_schemes(&names),
+            Style::Quantities | Style::Signed => (0..names.len()).map(look::of_quantity).collect(),
         };
-        let look = |curve: &Curve| {
-            looks[named.iter().position(|other| other.name == curve.name).unwrap_or(0)]
-        };
+        let looks: HashMap<&str, Look> = names.iter().copied().zip(looks).collect();
+        let first = |name: &str| curves().find(|curve| curve.name == name);
+        let entry = |curve: &Curve| (Sample::Curve(looks[&*curve.name]), self.caption(curve));
+        let plain = Look { color: INK, marker: Marker::Circle, layer: Layer::Plain };
+        let signs = [(false, "> 0"), (true, "< 0")]
+            .map(|(hollow, words)| (Sample::Point { look: plain, hollow }, Label::words(words)));
+        let signs = signs.into_iter().filter(|_| self.style == Style::Signed);
+        let entries = names.iter().filter_map(|name| first(name)).map(entry).chain(signs);
         let columns = self.plots.len().max(1) as f64;
         let width = columns * self.size.0 + (columns - 1.0) * BETWEEN;
-        let mut entries: Vec<_> =
-            named.iter().map(|curve| (Sample::Curve(look(curve)), self.caption(curve))).collect();
-        if self.style == Style::Signed {
-            let plain = Look { color: INK, marker: Marker::Circle, layer: Layer::Plain };
-            for (hollow, words) in [(false, "> 0"), (true, "< 0")] {
-                entries.push((Sample::Point { look: plain, hollow }, Label::words(words)));
-            }
-        }
         let legend = Legend::new(entries, width);
-        let top = legend.height() + 7.0;
+        let top = legend.height + 7.0;
         let bottom = top + self.size.1;
         let y = self.y_range();
         canvas::page((LEFT + width + RIGHT, bottom + BELOW), &self.title, |canvas| {
-            legend.draw(canvas, LEFT, 2.0)?;
+            legend.draw(canvas, LEFT, 2.0);
             for (n, plot) in self.plots.iter().enumerate() {
                 let start = LEFT + n as f64 * (self.size.0 + BETWEEN);
                 let (scale, x) = (Scale::Logarithmic, plot.x_range());
@@ -175,16 +174,15 @@ impl Figure {
                 };
                 let ticks = match plot.spacing {
                     Spacing::Decades => Ticks::decades(x, 7),
-                    Spacing::Doublings => Ticks::powers_of_two(x, 8),
+                    Spacing::Doublings => Ticks::powers(2, x, 8),
                 };
-                frame.draw(canvas, &ticks, &Ticks::decades(y, 7), true)?;
-                frame.title_below(canvas, &plot.x_title)?;
+                frame.draw(canvas, &ticks, &Ticks::decades(y, 7), true);
+                frame.title_below(canvas, &plot.x_title);
                 if n == 0 {
-                    frame.title_left(canvas, &self.y_title)?;
+                    frame.title_left(canvas, &self.y_title);
                 }
-                plot.draw(canvas, &frame, look, self.style == Style::Signed)?;
+                plot.draw(canvas, &frame, &looks, self.style == Style::Signed);
             }
-            Ok(())
         })
     }
 
@@ -232,31 +230,22 @@ impl Plot {
         range.times(if length > 0.0 { (0.04 * length).exp() } else { 2.0 })
     }
 
-    fn draw(
-        &self,
-        canvas: &mut Canvas,
-        frame: &Frame,
-        look: impl Fn(&Curve) -> Look,
-        signed: bool,
-    ) -> Result<()> {
+    fn draw(&self, canvas: &mut Canvas, frame: &Frame, looks: &HashMap<&str, Look>, signed: bool) {
         let mut obstacles = self.obstacles(frame);
         for line in &self.lines {
-            line.draw(canvas, frame, &mut obstacles)?;
+            line.draw(canvas, frame, &mut obstacles);
         }
-        let mut from_below: Vec<(usize, &Curve)> = self.curves.iter().enumerate().collect();
-        from_below.sort_by_key(|(_, curve)| look(curve).layer);
-        for (n, curve) in from_below {
-            let shift = if signed {
-                2.4 * (n as f64 - 0.5 * (self.curves.len() as f64 - 1.0))
-            } else {
-                0.0
-            };
-            curve.draw(canvas, frame, look(curve), shift, signed)?;
+        let middle = 0.5 * (self.curves.len() as f64 - 1.0);
+        let mut from_below: Vec<_> =
+            self.curves.iter().enumerate().map(|(n, c)| (n, c, looks[&*c.name])).collect();
+        from_below.sort_by_key(|(_, _, look)| look.layer);
+        for (n, curve, look) in from_below {
+            let shift = if signed { 2.4 * (n as f64 - middle) } else { 0.0 };
+            curve.draw(canvas, frame, look, shift, signed);
         }
         if self.drawn().next().is_none() {
-            frame.say(canvas, "no data")?;
+            frame.say(canvas, "no data");
         }
-        Ok(())
     }
 
     /// Places that the name of a line should stay away from.
@@ -279,14 +268,7 @@ impl Plot {
 }
 
 impl Curve {
-    fn draw(
-        &self,
-        canvas: &mut Canvas,
-        frame: &Frame,
-        look: Look,
-        shift: f64,
-        signed: bool,
-    ) -> Result<()> {
+    fn draw(&self, canvas: &mut Canvas, frame: &Frame, look: Look, shift: f64, signed: bool) {
         // A point below the range shows its whole marker at the floor.
         let radius = look.radius(MARKER_RADIUS);
         let place = |x: f64, point: &Measured| {
@@ -295,41 +277,33 @@ impl Curve {
         };
         let places: Vec<Position> = self.drawn().map(|point| place(point.x, point)).collect();
         let line = look.line(if signed { 0.8 } else { 1.2 });
-        frame.polyline(canvas, &places, if signed { line.faded(0.45) } else { line })?;
+        frame.polyline(canvas, &places, if signed { line.faded(0.45) } else { line });
         let bar = Stroke::new(look.color, 1.0);
         for (point, at) in self.drawn().zip(&places) {
             if point.interval.is_some() {
-                error_bar(canvas, frame, point.ends(), at.0, bar)?;
+                error_bar(canvas, frame, point.ends(), at.0, bar);
             }
             if point.x_hi > point.x {
-                frame.polyline(canvas, &[*at, place(point.x_hi, point)], bar)?;
+                frame.polyline(canvas, &[*at, place(point.x_hi, point)], bar);
             }
         }
         for (point, at) in self.drawn().zip(&places) {
-            canvas.marker(*at, look, radius, look.hollow() || signed && point.y < 0.0)?;
+            canvas.marker(*at, look, radius, look.hollow() || signed && point.y < 0.0);
         }
-        Ok(())
     }
 }
 
 /// Draws an interval; where it reaches zero or leaves the frame it ends at the border, uncapped.
-fn error_bar(
-    canvas: &mut Canvas,
-    frame: &Frame,
-    (lo, hi): (f64, f64),
-    x: f64,
-    stroke: Stroke,
-) -> Result<()> {
+fn error_bar(canvas: &mut Canvas, frame: &Frame, (lo, hi): (f64, f64), x: f64, stroke: Stroke) {
     const CAP: f64 = 2.2;
     let [low, high] = [lo, hi].map(|value| (x, frame.y.position(value)));
-    let Some((low, high)) = frame.clip(low, high) else { return Ok(()) };
-    canvas.polyline(&[low, high], stroke)?;
+    let Some((low, high)) = frame.clip(low, high) else { return };
+    canvas.polyline(&[low, high], stroke);
     for (end, value) in [(low, lo), (high, hi)] {
         if (frame.y.range.lo..=frame.y.range.hi).contains(&value) {
-            canvas.polyline(&[(x - CAP, end.1), (x + CAP, end.1)], stroke)?;
+            canvas.polyline(&[(x - CAP, end.1), (x + CAP, end.1)], stroke);
         }
     }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -337,7 +311,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn awkward_data_still_make_a_figure() -> Result<()> {
+    fn awkward_data_still_make_a_figure() {
         let point = |x, y| Measured { x, x_hi: 2.0 * x, y, interval: Some((0.5 * y, 2.0 * y)) };
         let awkward = [
             vec![],
@@ -363,10 +337,9 @@ mod tests {
                 style,
                 plots: vec![plot, steps],
             };
-            let svg = figure.svg()?;
+            let svg = figure.svg();
             assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
             assert!(svg.contains("A &amp; B"));
         }
-        Ok(())
     }
 }

@@ -25,9 +25,8 @@ use crate::panel::{QUANTILE, main_quantity};
 ///     rate: None,
 ///     max_relative_defect: None,
 /// };
-/// let svg = convergence("Errors of my scheme", Kind::Strong, &[series]).svg()?;
+/// let svg = convergence("Errors of my scheme", Kind::Strong, &[series]).svg();
 /// assert!(svg.starts_with("<svg") && svg.contains("my-scheme") && svg.contains("slope 1"));
-/// # Ok::<(), std::io::Error>(())
 /// ```
 #[must_use]
 pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> Figure {
@@ -85,11 +84,9 @@ fn measured(point: &Point) -> Option<Measured> {
             let normal = (value - QUANTILE * se.abs(), value + QUANTILE * se.abs());
             let ends = lo.zip(hi).filter(|(lo, hi)| *lo >= 0.0 && hi.is_finite());
             let interval = (se.is_finite() && se != 0.0).then_some(ends.unwrap_or(normal));
-            Some(Measured { x: tau, x_hi: tau, y: value, interval })
+            Some(Measured { interval, ..Measured::new(tau, value) })
         }
-        Point::Cost { accuracy, path_steps } => {
-            Some(Measured { x: accuracy, x_hi: accuracy, y: path_steps as f64, interval: None })
-        }
+        Point::Cost { accuracy, path_steps } => Some(Measured::new(accuracy, path_steps as f64)),
         Point::Value { .. } => None,
     }
 }

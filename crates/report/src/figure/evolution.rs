@@ -1,8 +1,6 @@
 //! An invariant along one path: its value with the conformal law above, the relative defect of the
 //! law below.
 
-use std::io::Result;
-
 use verify::results::{Point, Series};
 
 use super::axis::{Axis, Range, Scale};
@@ -31,11 +29,7 @@ type Sampled = (f64, f64, f64);
 
 /// The figure of an invariant along one path as an SVG document; of several quantities the first
 /// is drawn.
-///
-/// # Errors
-///
-/// When the drawing library reports one.
-pub fn evolution(title: &str, series: &[Series]) -> Result<String> {
+pub fn evolution(title: &str, series: &[Series]) -> String {
     let quantity = main_quantity(series);
     let drawn: Vec<&Series> = series.iter().filter(|s| s.quantity == quantity).collect();
     let looks = look::of_schemes(&drawn.iter().map(|s| s.scheme.as_str()).collect::<Vec<_>>());
@@ -44,10 +38,10 @@ pub fn evolution(title: &str, series: &[Series]) -> Result<String> {
 
     let law = Stroke::new(INK, 0.7);
     let names = drawn.iter().map(|series| Label::words(&series.scheme));
-    let mut entries: Vec<_> = looks.iter().map(|look| Sample::Curve(*look)).zip(names).collect();
-    entries.push((Sample::Line(law), Label::words("conformal law")));
+    let entries = looks.iter().map(|look| Sample::Curve(*look)).zip(names);
+    let entries = entries.chain([(Sample::Line(law), Label::words("conformal law"))]);
     let legend = Legend::new(entries, WIDTH - LEFT - RIGHT);
-    let value_top = legend.height() + 7.0;
+    let value_top = legend.height + 7.0;
     let defect_top = value_top + VALUE_HEIGHT + BETWEEN;
     let height = defect_top + DEFECT_HEIGHT + BELOW;
 
@@ -62,13 +56,13 @@ pub fn evolution(title: &str, series: &[Series]) -> Result<String> {
     let defect = stacked(Scale::Logarithmic, defect_range(&curves), defect_top, DEFECT_HEIGHT);
 
     canvas::page((WIDTH, height), title, |canvas| {
-        legend.draw(canvas, LEFT, 2.0)?;
+        legend.draw(canvas, LEFT, 2.0);
         let ticks = Ticks::decimal(times, 6);
-        value.draw(canvas, &ticks, &Ticks::decimal(value.y.range, 5), false)?;
-        defect.draw(canvas, &ticks, &defect_ticks(defect.y.range), true)?;
-        value.title_left(canvas, quantity)?;
-        defect.title_left(canvas, "relative defect")?;
-        defect.title_below(canvas, "time t")?;
+        value.draw(canvas, &ticks, &Ticks::decimal(value.y.range, 5), false);
+        defect.draw(canvas, &ticks, &defect_ticks(defect.y.range), true);
+        value.title_left(canvas, quantity);
+        defect.title_left(canvas, "relative defect");
+        defect.title_below(canvas, "time t");
         let mut from_below: Vec<usize> = (0..curves.len()).collect();
         from_below.sort_by_key(|n| looks[*n].layer);
         for n in from_below {
@@ -77,18 +71,17 @@ pub fn evolution(title: &str, series: &[Series]) -> Result<String> {
                 let size = relative_defect(p.1, p.2);
                 defect.place(p.0, if size < FLOOR { FLOOR } else { size })
             });
-            draw(canvas, &value, looks[n], values, n)?;
-            draw(canvas, &defect, looks[n], defects.collect(), n)?;
+            draw(canvas, &value, looks[n], values, n);
+            draw(canvas, &defect, looks[n], defects.collect(), n);
         }
         // The law is drawn last and thin, so that it stays visible on the curves that follow it.
         if let Some(longest) = curves.iter().max_by_key(|curve| curve.len()) {
             let path: Vec<Position> = longest.iter().map(|p| value.place(p.0, p.2)).collect();
-            value.polyline(canvas, &path, law)?;
+            value.polyline(canvas, &path, law);
         }
         if points().next().is_none() {
-            value.say(canvas, "no data")?;
+            value.say(canvas, "no data");
         }
-        Ok(())
     })
 }
 
@@ -132,18 +125,11 @@ fn defect_ticks(range: Range) -> Ticks {
 }
 
 /// Draws curve number `n` with about ten markers, which no two curves carry at the same times.
-fn draw(
-    canvas: &mut Canvas,
-    frame: &Frame,
-    look: Look,
-    path: Vec<Position>,
-    n: usize,
-) -> Result<()> {
-    frame.polyline(canvas, &path, look.line(1.1))?;
+fn draw(canvas: &mut Canvas, frame: &Frame, look: Look, path: Vec<Position>, n: usize) {
+    frame.polyline(canvas, &path, look.line(1.1));
     let stride = (path.len() / 10).max(1);
     let first = (n * stride / 3 + stride / 6) % stride;
     for at in path.iter().skip(first).step_by(stride).filter(|at| frame.holds(**at)) {
-        canvas.marker(*at, look, look.radius(2.6), look.hollow())?;
+        canvas.marker(*at, look, look.radius(2.6), look.hollow());
     }
-    Ok(())
 }

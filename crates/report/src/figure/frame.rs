@@ -1,7 +1,5 @@
 //! The box of a plot: its axes, marks and titles, and the clipping of what leaves it.
 
-use std::io::Result;
-
 use super::axis::Axis;
 use super::canvas::{Align, Canvas, FAINT, INK};
 use super::stroke::{Position, Stroke};
@@ -65,14 +63,14 @@ impl Frame {
     }
 
     /// Draws the part of a line that lies in the box; a point that is not finite interrupts it.
-    pub fn polyline(&self, canvas: &mut Canvas, points: &[Position], stroke: Stroke) -> Result<()> {
+    pub fn polyline(&self, canvas: &mut Canvas, points: &[Position], stroke: Stroke) {
         let mut run: Vec<Position> = Vec::new();
         for pair in points.windows(2) {
             let Some((a, b)) = self.clip(pair[0], pair[1]) else {
                 continue;
             };
             if run.last() != Some(&a) {
-                canvas.polyline(&run, stroke)?;
+                canvas.polyline(&run, stroke);
                 run = vec![a];
             }
             run.push(b);
@@ -82,13 +80,7 @@ impl Frame {
 
     /// Draws grid, marks and border. A plot that stands on another one goes without the labels
     /// below.
-    pub fn draw(
-        &self,
-        canvas: &mut Canvas,
-        x: &Ticks,
-        y: &Ticks,
-        labels_below: bool,
-    ) -> Result<()> {
+    pub fn draw(&self, canvas: &mut Canvas, x: &Ticks, y: &Ticks, labels_below: bool) {
         const MAJOR: f64 = 3.5;
         const MINOR: f64 = 2.0;
         // Digits are taller than the letters by whose height text is centred.
@@ -96,66 +88,62 @@ impl Frame {
         let (left, right) = (self.x.start, self.x.end);
         let (bottom, top) = (self.y.start, self.y.end);
         let (grid, ink) = (Stroke::new(FAINT, 0.6), Stroke::new(INK, 0.8));
-        let labels = |ticks: &Ticks, axis: Axis| -> Vec<(f64, Label)> {
-            ticks.major.iter().map(|(v, label)| (axis.position(*v), label.clone())).collect()
+        let columns = || x.major.iter().map(|(v, label)| (self.x.position(*v), label));
+        let rows = || y.major.iter().map(|(v, label)| (self.y.position(*v), label));
+        for (column, _) in columns() {
+            canvas.polyline(&[(column, top), (column, bottom)], grid);
+        }
+        for (row, _) in rows() {
+            canvas.polyline(&[(left, row), (right, row)], grid);
+        }
+        let minor = x.minor.iter().map(|v| (self.x.position(*v), MINOR));
+        for (column, mark) in columns().map(|(column, _)| (column, MAJOR)).chain(minor) {
+            canvas.polyline(&[(column, bottom), (column, bottom - mark)], ink);
+        }
+        let minor = y.minor.iter().map(|v| (self.y.position(*v), MINOR));
+        for (row, mark) in rows().map(|(row, _)| (row, MAJOR)).chain(minor) {
+            canvas.polyline(&[(left, row), (left + mark, row)], ink);
+        }
+        canvas.rectangle((left, top), (right, bottom), ink);
+        let mut label = |label: &Label, at: Position, align: Align| {
+            canvas.label(label, at, TICK_SIZE, align);
         };
-        let (columns, rows) = (labels(x, self.x), labels(y, self.y));
-        for (column, _) in &columns {
-            canvas.polyline(&[(*column, top), (*column, bottom)], grid)?;
+        for (row, text) in rows() {
+            label(text, (left - 4.0, row + DIGIT_SHIFT), Align::Right);
         }
-        for (row, _) in &rows {
-            canvas.polyline(&[(left, *row), (right, *row)], grid)?;
-        }
-        let marks = |major: &[(f64, Label)], minor: &[f64], axis: Axis| -> Vec<(f64, f64)> {
-            let major = major.iter().map(|(at, _)| (*at, MAJOR));
-            major.chain(minor.iter().map(|v| (axis.position(*v), MINOR))).collect()
-        };
-        for (column, mark) in marks(&columns, &x.minor, self.x) {
-            canvas.polyline(&[(column, bottom), (column, bottom - mark)], ink)?;
-        }
-        for (row, mark) in marks(&rows, &y.minor, self.y) {
-            canvas.polyline(&[(left, row), (left + mark, row)], ink)?;
-        }
-        canvas.rectangle((left, top), (right, bottom), ink)?;
-        for (row, label) in &rows {
-            canvas.label(label, (left - 4.0, row + DIGIT_SHIFT), TICK_SIZE, Align::Right)?;
+        if let Some(factor) = &y.factor {
+            label(factor, (left - 4.0, top - 11.0), Align::Right);
         }
         if labels_below {
-            for (column, label) in &columns {
-                canvas.label(label, (*column, bottom + 9.5), TICK_SIZE, Align::Middle)?;
+            for (column, text) in columns() {
+                label(text, (column, bottom + 9.5), Align::Middle);
             }
             if let Some(factor) = &x.factor {
-                canvas.label(factor, (right, bottom + 23.5), TICK_SIZE, Align::Right)?;
+                label(factor, (right, bottom + 23.5), Align::Right);
             }
-        }
-        match &y.factor {
-            Some(factor) => canvas.label(factor, (left - 4.0, top - 11.0), TICK_SIZE, Align::Right),
-            None => Ok(()),
         }
     }
 
     /// Writes words into the middle of the box.
-    pub fn say(&self, canvas: &mut Canvas, words: &str) -> Result<()> {
-        let middle = |axis: Axis| 0.5 * (axis.start + axis.end);
-        canvas.label(
-            &Label::words(words),
-            (middle(self.x), middle(self.y)),
-            TITLE_SIZE,
-            Align::Middle,
-        )
+    pub fn say(&self, canvas: &mut Canvas, words: &str) {
+        let at = (middle(self.x), middle(self.y));
+        canvas.label(&Label::words(words), at, TITLE_SIZE, Align::Middle);
     }
 
     /// Writes the title of the horizontal axis below the labels.
-    pub fn title_below(&self, canvas: &mut Canvas, title: &str) -> Result<()> {
-        let at = (0.5 * (self.x.start + self.x.end), self.y.start + 23.5);
-        canvas.label(&Label::words(title), at, TITLE_SIZE, Align::Middle)
+    pub fn title_below(&self, canvas: &mut Canvas, title: &str) {
+        let at = (middle(self.x), self.y.start + 23.5);
+        canvas.label(&Label::words(title), at, TITLE_SIZE, Align::Middle);
     }
 
     /// Writes the title of the vertical axis at the left edge of the page.
-    pub fn title_left(&self, canvas: &mut Canvas, title: &str) -> Result<()> {
-        let at = (7.5, 0.5 * (self.y.start + self.y.end));
-        canvas.upward_text(title, at, TITLE_SIZE)
+    pub fn title_left(&self, canvas: &mut Canvas, title: &str) {
+        canvas.upward_text(title, (7.5, middle(self.y)), TITLE_SIZE);
     }
+}
+
+fn middle(axis: Axis) -> f64 {
+    0.5 * (axis.start + axis.end)
 }
 
 #[cfg(test)]

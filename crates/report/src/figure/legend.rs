@@ -1,10 +1,8 @@
 //! The legend: rows above the plot, where no curve can reach it.
 
-use std::io::Result;
-
 use super::canvas::{Align, Canvas};
 use super::look::Look;
-use super::stroke::Stroke;
+use super::stroke::{Position, Stroke};
 use crate::label::Label;
 
 /// Font size in pixels.
@@ -40,60 +38,45 @@ impl Sample {
     }
 }
 
-/// The entries in rows that are no wider than `width`.
+/// The entries in rows that are no wider than a given width.
 pub struct Legend {
-    rows: Vec<Vec<(Sample, Label)>>,
+    entries: Vec<(Position, Sample, Label)>,
+    /// Height of all rows.
+    pub height: f64,
 }
 
 impl Legend {
     /// Breaks the entries into rows.
-    pub fn new(entries: Vec<(Sample, Label)>, width: f64) -> Self {
-        let mut rows: Vec<Vec<_>> = Vec::new();
-        let mut taken = f64::INFINITY;
-        for (sample, label) in entries {
-            let needed = entry_width(sample, &label);
+    pub fn new(entries: impl IntoIterator<Item = (Sample, Label)>, width: f64) -> Self {
+        let (mut x, mut height) = (f64::INFINITY, 0.0);
+        let mut place = |(sample, label): (Sample, Label)| {
+            let needed = sample.width() + 4.0 + SIZE * label.width() + GAP;
             // The gap behind the last entry of a row may stick out.
-            if taken + needed > width + GAP {
-                rows.push(Vec::new());
-                taken = 0.0;
+            if x + needed > width + GAP {
+                (x, height) = (0.0, height + ROW);
             }
-            taken += needed;
-            if let Some(row) = rows.last_mut() {
-                row.push((sample, label));
-            }
-        }
-        Self { rows }
-    }
-
-    /// Height of all rows.
-    pub fn height(&self) -> f64 {
-        ROW * self.rows.len() as f64
+            x += needed;
+            ((x - needed, height - 0.5 * ROW), sample, label)
+        };
+        let entries = entries.into_iter().map(&mut place).collect();
+        Self { entries, height }
     }
 
     /// Draws the rows from `top` down, starting at `left`.
-    pub fn draw(&self, canvas: &mut Canvas, left: f64, top: f64) -> Result<()> {
-        for (n, row) in self.rows.iter().enumerate() {
-            let y = top + ROW * (n as f64 + 0.5);
-            let mut x = left;
-            for (sample, label) in row {
-                let end = x + sample.width();
-                let middle = (0.5 * (x + end), y);
-                match *sample {
-                    Sample::Curve(look) => {
-                        canvas.polyline(&[(x, y), (end, y)], look.line(1.2))?;
-                        canvas.marker(middle, look, look.radius(2.8), look.hollow())?;
-                    }
-                    Sample::Line(stroke) => canvas.polyline(&[(x, y), (end, y)], stroke)?,
-                    Sample::Point { look, hollow } => canvas.marker(middle, look, 2.8, hollow)?,
+    pub fn draw(&self, canvas: &mut Canvas, left: f64, top: f64) {
+        for (at, sample, label) in &self.entries {
+            let (x, y) = (left + at.0, top + at.1);
+            let end = x + sample.width();
+            let middle = (0.5 * (x + end), y);
+            match *sample {
+                Sample::Curve(look) => {
+                    canvas.polyline(&[(x, y), (end, y)], look.line(1.2));
+                    canvas.marker(middle, look, look.radius(2.8), look.hollow());
                 }
-                canvas.label(label, (end + 4.0, y), SIZE, Align::Left)?;
-                x += entry_width(*sample, label);
+                Sample::Line(stroke) => canvas.polyline(&[(x, y), (end, y)], stroke),
+                Sample::Point { look, hollow } => canvas.marker(middle, look, 2.8, hollow),
             }
+            canvas.label(label, (end + 4.0, y), SIZE, Align::Left);
         }
-        Ok(())
     }
-}
-
-fn entry_width(sample: Sample, label: &Label) -> f64 {
-    sample.width() + 4.0 + SIZE * label.width() + GAP
 }

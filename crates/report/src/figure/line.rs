@@ -1,7 +1,5 @@
 //! Lines to compare curves with, and the places where their names fit.
 
-use std::io::Result;
-
 use super::canvas::{Align, Canvas, GREY};
 use super::frame::Frame;
 use super::stroke::{Position, Stroke};
@@ -29,27 +27,21 @@ impl Line {
 
     /// Draws the line across the frame and its name where it is farthest from `obstacles`. Line and
     /// name become obstacles themselves.
-    pub(super) fn draw(
-        &self,
-        canvas: &mut Canvas,
-        frame: &Frame,
-        obstacles: &mut Vec<Position>,
-    ) -> Result<()> {
+    pub(super) fn draw(&self, canvas: &mut Canvas, frame: &Frame, obstacles: &mut Vec<Position>) {
         const SIZE: f64 = 10.0;
         let ends = [frame.x.range.lo, frame.x.range.hi].map(|x| frame.place(x, self.at(x)));
         let Some((from, to)) = frame.clip(ends[0], ends[1]) else {
-            return Ok(());
+            return;
         };
-        canvas.polyline(&[from, to], Stroke::new(GREY, 1.0).dashed())?;
+        canvas.polyline(&[from, to], Stroke::new(GREY, 1.0).dashed());
         let label = Label::words(&self.name);
         let size = (SIZE * label.width(), SIZE);
         if let Some(centre) = roomiest(frame, (from, to), size, obstacles) {
-            canvas.label(&label, centre, SIZE, Align::Middle)?;
+            canvas.label(&label, centre, SIZE, Align::Middle);
             let half = size.0 / 2.0;
             obstacles.extend(along((centre.0 - half, centre.1), (centre.0 + half, centre.1)));
         }
         obstacles.extend(along(from, to));
-        Ok(())
     }
 }
 

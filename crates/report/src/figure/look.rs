@@ -4,9 +4,7 @@
 //! markers underneath, the other thin and dashed with small markers on top, so that each shows
 //! through the other.
 
-use plotters::style::RGBColor;
-
-use super::stroke::Stroke;
+use super::stroke::{Color, Stroke};
 
 /// Shape of a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,15 +38,15 @@ pub enum Layer {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
     /// Colour of the line and the marker.
-    pub color: RGBColor,
+    pub color: Color,
     /// Shape of the marker.
     pub marker: Marker,
     /// Whether it is made to be seen below or above another curve.
     pub layer: Layer,
 }
 
-const fn look(rgb: (u8, u8, u8), marker: Marker) -> Look {
-    Look { color: RGBColor(rgb.0, rgb.1, rgb.2), marker, layer: Layer::Plain }
+const fn look(color: Color, marker: Marker) -> Look {
+    Look { color, marker, layer: Layer::Plain }
 }
 
 impl Look {
@@ -87,13 +85,13 @@ impl Look {
 }
 
 // The palette of Okabe and Ito, which readers with any colour vision can tell apart.
-const BLUE: (u8, u8, u8) = (0, 114, 178);
-const VERMILLION: (u8, u8, u8) = (213, 94, 0);
-const GREEN: (u8, u8, u8) = (0, 158, 115);
-const PURPLE: (u8, u8, u8) = (204, 121, 167);
-const ORANGE: (u8, u8, u8) = (230, 159, 0);
-const SKY: (u8, u8, u8) = (86, 180, 233);
-const BLACK: (u8, u8, u8) = (0, 0, 0);
+const BLUE: Color = "#0072B2";
+const VERMILLION: Color = "#D55E00";
+const GREEN: Color = "#009E73";
+const PURPLE: Color = "#CC79A7";
+const ORANGE: Color = "#E69F00";
+const SKY: Color = "#56B4E9";
+const BLACK: Color = "#000000";
 
 /// Schemes that look the same on every figure.
 const SCHEMES: [(&str, Look); 5] = [

@@ -16,8 +16,6 @@ mod scripts;
 mod stroke;
 mod ticks;
 
-use std::io;
-
 use verify::results::{Kind, Panel};
 
 pub use chart::{Curve, Figure, Measured, Plot, Style};
@@ -27,11 +25,8 @@ pub use line::Line;
 pub use ticks::Spacing;
 
 /// The figure of a panel as an SVG document.
-///
-/// # Errors
-///
-/// When the drawing library reports one.
-pub fn panel_figure(panel: &Panel) -> io::Result<String> {
+#[must_use]
+pub fn panel_figure(panel: &Panel) -> String {
     match panel.kind {
         Kind::Invariant => evolution(&panel.title, &panel.series),
         kind => convergence(&panel.title, kind, &panel.series).svg(),

@@ -40,12 +40,8 @@ impl Ticks {
         ticks
     }
 
-    /// Powers of two, at most `most` of them labelled.
-    pub fn powers_of_two(range: Range, most: usize) -> Self {
-        Self::powers(2, range, most)
-    }
-
-    fn powers(base: u32, range: Range, most: usize) -> Self {
+    /// Powers of a base, at most `most` of them labelled.
+    pub fn powers(base: u32, range: Range, most: usize) -> Self {
         // More marks than this along a side run into each other.
         const MOST_MARKS: usize = 40;
         // A range that ends on a power must keep it in spite of the rounding of the logarithm.
@@ -150,8 +146,8 @@ mod tests {
     #[test]
     fn powers_of_two_cover_the_steps() {
         let range = Range { lo: 2f64.powi(-14), hi: 2f64.powi(-5) };
-        assert_eq!(Ticks::powers_of_two(range, 12).major.len(), 10);
-        let thinned = Ticks::powers_of_two(range, 8);
+        assert_eq!(Ticks::powers(2, range, 12).major.len(), 10);
+        let thinned = Ticks::powers(2, range, 8);
         assert_eq!(values(&thinned), [-14, -12, -10, -8, -6].map(|k| 2f64.powi(k)));
         assert_eq!(thinned.minor.len(), 5);
     }

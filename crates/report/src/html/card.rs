@@ -5,7 +5,7 @@ use verify::results::{Claim, Clipped, Kind, Panel};
 
 use super::markup::{code, entry, list};
 use super::measured::{interval_name, measured};
-use super::number::{count, quantity, step};
+use super::number::{count, step};
 use super::prose::prose;
 use super::statements::badges;
 use crate::escape::escape;
@@ -49,7 +49,7 @@ fn caption(panel: &Panel) -> String {
         true => "",
         false => " Further quantities are in the table.",
     };
-    let main = quantity(main);
+    let main = prose(main);
     let orders = match panel.series.iter().find_map(|series| series.rate.as_ref()) {
         Some(rate) => format!(
             " In the legend: fitted order ± half the width of its {}.",

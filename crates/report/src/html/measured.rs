@@ -1,10 +1,10 @@
 //! What was measured on a panel, as tables: fitted orders, errors at every step, or largest
 //! defects.
 
-use verify::results::{Kind, Panel, Point, Rate, Series};
+use verify::results::{Kind, Panel, Point, Series};
 
 use super::markup::{code, details, list, table};
-use super::number::{fixed, quantity, scientific, step};
+use super::number::{scientific, step};
 use super::prose::prose;
 use crate::escape::escape;
 use crate::panel::{QUANTILE, relative_defect};
@@ -39,23 +39,21 @@ pub fn measured(panel: &Panel) -> String {
 
 /// Scheme and quantity, and what else stands in their row.
 fn row(series: &Series, more: Vec<String>) -> Vec<String> {
-    [vec![code(&series.scheme), quantity(&series.quantity)], more].concat()
+    [vec![code(&series.scheme), prose(&series.quantity)], more].concat()
 }
 
 /// The fitted order, its interval, and the error at the finest step.
 fn order(series: &Series) -> Vec<String> {
-    let (order, interval) =
-        series.rate.as_ref().map_or(("—".into(), "—".into()), |rate: &Rate| {
-            let ends = format!("[{}, {}]", fixed(rate.lo, 2), fixed(rate.hi, 2));
-            let note = quiet(&interval_name(rate.confidence));
-            (fixed(rate.estimate, 2), format!("{ends} {note}"))
-        });
-    let finest = errors_of(series)
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or("—".into(), |(tau, error)| {
-            format!("{error} {}", quiet(&format!("at {}", step(tau))))
-        });
-    vec![order, interval, finest]
+    let dash = || "—".to_owned();
+    let order = series.rate.as_ref().map(|rate| prose(&format!("{:.2}", rate.estimate)));
+    let interval = series.rate.as_ref().map(|rate| {
+        let ends = prose(&format!("[{:.2}, {:.2}]", rate.lo, rate.hi));
+        format!("{ends} {}", quiet(&interval_name(rate.confidence)))
+    });
+    let finest = errors_of(series).min_by(|a, b| a.0.total_cmp(&b.0));
+    let finest =
+        finest.map(|(tau, error)| format!("{error} {}", quiet(&format!("at {}", step(tau)))));
+    [order, interval, finest].map(|cell| cell.unwrap_or_else(dash)).to_vec()
 }
 
 /// The largest defect, and of how many points.
@@ -81,22 +79,13 @@ pub fn interval_name(confidence: f64) -> String {
     format!("{}\u{202f}% interval", (1e4 * confidence).round() / 1e2)
 }
 
-/// How the orders were fitted: said once if it is the same for all.
+/// How the orders were fitted.
 fn methods(series: &[Series]) -> String {
-    let method = |s: &Series| s.rate.as_ref().map_or(String::new(), |rate| rate.method.clone());
-    let fitted: Vec<(&Series, String)> =
-        series.iter().map(|s| (s, method(s))).filter(|(_, method)| !method.is_empty()).collect();
-    match fitted.first() {
-        Some((_, first)) if fitted.iter().all(|(_, method)| method == first) => {
-            format!("<p class=\"quiet\">Orders: {}.</p>", prose(first.trim_end_matches('.')))
-        }
-        _ => {
-            let items = fitted.iter().map(|(s, method)| {
-                format!("{}, {}: {}", code(&s.scheme), quantity(&s.quantity), prose(method))
-            });
-            details(false, "How the orders were fitted", &list("", items))
-        }
-    }
+    let items = series.iter().filter_map(|s| {
+        let method = prose(&s.rate.as_ref()?.method);
+        Some(format!("{}, {}: {method}", code(&s.scheme), prose(&s.quantity)))
+    });
+    details(false, "How the orders were fitted", &list("", items))
 }
 
 /// Step sizes, and errors with their intervals; a mark where an interval comes with a warning.
@@ -125,7 +114,7 @@ fn errors(series: &[Series]) -> String {
     let mut steps: Vec<f64> = series.iter().flat_map(errors_of).map(|error| error.0).collect();
     steps.sort_by(|a, b| b.total_cmp(a));
     steps.dedup();
-    let names = series.iter().map(|s| format!("{}<br>{}", code(&s.scheme), quantity(&s.quantity)));
+    let names = series.iter().map(|s| format!("{}<br>{}", code(&s.scheme), prose(&s.quantity)));
     let heads: Vec<String> = std::iter::once("τ".to_owned()).chain(names).collect();
     let rows = steps.iter().map(|tau| {
         let error = |series: &Series| errors_of(series).find(|error| error.0 == *tau);

@@ -26,17 +26,16 @@ pub struct Wording<'a> {
     pub kicker: &'a str,
     /// Ids of schemes and what they stand for.
     pub schemes: &'a [(&'a str, &'a str)],
-    /// Statements in general words: id, scheme where the statement is not proven, words. Claims
-    /// about a statement that is not here are headed by the words of the first of them.
-    pub statements: &'a [(&'a str, &'a str, &'a str)],
+    /// Proven statements by id. Claims about any other statement are headed by the words of the
+    /// first of them.
+    pub statements: &'a [(&'a str, &'a str)],
 }
 
 impl<'a> Wording<'a> {
     /// The statement that `claim` is a case of.
     fn statement(&self, claim: &'a Claim) -> &'a str {
-        let scheme = if claim.proven { "" } else { claim.scheme.as_str() };
-        let found = self.statements.iter().find(|(id, of, _)| *id == claim.id && *of == scheme);
-        found.map_or(&claim.statement, |(_, _, words)| words)
+        let found = self.statements.iter().find(|(id, _)| claim.proven && *id == claim.id);
+        found.map_or(&claim.statement, |(_, words)| words)
     }
 }
 
@@ -110,12 +109,10 @@ mod tests {
 
     #[test]
     fn an_unknown_statement_speaks_for_itself() {
-        let statements = [("a", "", "A is proven."), ("a", "em", "A is seen with em.")];
-        let wording = Wording { statements: &statements, ..Wording::default() };
+        let wording = Wording { statements: &[("a", "A is proven.")], ..Wording::default() };
         for (id, scheme, proven, words) in [
             ("a", "sexp", true, "A is proven."),
-            ("a", "em", false, "A is seen with em."),
-            ("a", "other", false, "other has a"),
+            ("a", "em", false, "em has a"),
             ("new", "sexp", true, "sexp has new"),
         ] {
             let claim = claim(id, scheme, proven, Verdict::Holds, "");

@@ -4,7 +4,6 @@ use verify::results::Provenance;
 
 use super::markup::{code, entry, table};
 use super::number::duration;
-use crate::csv::{ERROR_COLUMNS, VALUE_COLUMNS};
 
 /// The section of the provenance.
 pub fn provenance(from: &Provenance) -> String {
@@ -25,11 +24,8 @@ pub fn provenance(from: &Provenance) -> String {
         "<div class=\"two\"><div><dl class=\"facts\">{facts}</dl>\n\
          <p class=\"quiet\">The results are the same, bit for bit, for the same seed on any number \
          of threads and any instruction set.</p>\n\
-         <p class=\"quiet\">Columns of the CSV files: <code>{ERROR_COLUMNS}</code> for errors, where \
-         <code>value</code> is the root-mean-square or the signed weak error and <code>se</code> \
-         its standard error; <code>{VALUE_COLUMNS}</code> for invariants, where <code>exact</code> \
-         is the conformal law and <code>relative_defect</code> is |value − exact| / |exact|. The \
-         whole run is in <a href=\"results.json\">results.json</a>.</p></div>\n\
+         <p class=\"quiet\">The whole run is in <a href=\"results.json\">results.json</a>; the columns \
+         of the CSV files are named in their first line.</p></div>\n\
          <div>{}</div></div>",
         table(&["panel or statement", "wall time"].map(str::to_owned), times)
     )

@@ -4,8 +4,8 @@ use std::fs;
 use std::thread::available_parallelism;
 
 use anyhow::{Context, Result};
-use lab::Compiled;
-use lab::setups::{Setup, Visit, schemes_for, visit_others, visit_paper};
+use lab::compiled;
+use lab::setups::{Setup, Visit, visit_others, visit_paper};
 use mc::{Ladder, Run};
 use noise::{StreamKey, Truncation};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -13,7 +13,7 @@ use real::Level;
 use report::provenance::peak_memory_mb;
 use schemes::Sexp;
 use systems::paper::rigid_body_three_noises;
-use systems::{Damping, PoissonSystem, Problem, RigidBody};
+use systems::{Damping, PoissonSystem, Problem};
 use verify::{FinalMoments, Spread, Stopwatch};
 
 use crate::results::{Clock, GrowthRow, SchemeRow, Speed, ThreadRow, Workload};
@@ -112,19 +112,20 @@ struct Rows<'a> {
 impl Visit for Rows<'_> {
     type Error = anyhow::Error;
 
-    fn visit<S: Compiled<D, M>, G: Damping, const D: usize, const M: usize>(
+    fn visit<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &mut self,
-        setup: Setup<S, G, D>,
+        setup: Setup<S, G, D, M>,
     ) -> Result<()> {
         let Workload { paths, steps, repetitions } = self.workload;
-        let problem = setup.problem.until(steps as f64 * TAU)?;
+        let Setup { id, problem, implicit, explicit, .. } = setup;
+        let problem = problem.until(steps as f64 * TAU)?;
         let ns = 1e9 / (paths * steps) as f64;
-        for (_, scheme) in schemes_for(&problem) {
-            (self.progress)(&format!("{} on {}", scheme.id(), setup.id));
+        for scheme in implicit.into_iter().chain(explicit) {
+            (self.progress)(&format!("{} on {}", scheme.id(), id));
             let ladder = ladder(&problem, 0, vec![Run::new(scheme.as_ref(), 0)])?;
             let times = repeat(&self.one, &ladder, paths, repetitions);
             self.rows.push(SchemeRow {
-                system: setup.id,
+                system: id,
                 dimension: D,
                 noises: M,
                 scheme: scheme.id(),
@@ -150,7 +151,7 @@ fn counts(processors: usize) -> Vec<usize> {
 /// The same work on one thread, two, four and so on, and on all processors.
 fn threads(workload: Workload, progress: &dyn Fn(&str)) -> Result<Vec<ThreadRow>> {
     let problem = rigid_body_three_noises(workload.steps as f64 * TAU);
-    let sexp = RigidBody::<3>::sexp(Sexp::default());
+    let sexp = compiled(Sexp::default());
     let ladder = ladder(&problem, 0, vec![Run::new(sexp.as_ref(), 0)])?;
     let mut rows: Vec<ThreadRow> = Vec::new();
     for threads in counts(available_parallelism().map_or(1, usize::from)) {
@@ -192,7 +193,7 @@ fn sizes(Workload { paths, steps, .. }: Workload) -> Vec<Size> {
 
 /// More samples, more steps, more levels: is time linear, is memory flat?
 fn growth(workload: Workload, one: &ThreadPool, progress: &dyn Fn(&str)) -> Result<Vec<GrowthRow>> {
-    let sexp = RigidBody::<3>::sexp(Sexp::default());
+    let sexp = compiled(Sexp::default());
     let mut rows = Vec::new();
     for Size(grows, value, [paths, steps, levels]) in sizes(workload) {
         progress(&format!("{value} {grows}"));

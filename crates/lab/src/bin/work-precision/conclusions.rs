@@ -1,10 +1,9 @@
 //! Conclusions in words that are made from the numbers.
 
-use lab::setups::Method;
 use report::number;
 use verify::work_precision::{cost_at, crossing};
 
-use crate::results::{Case, Curve, Series, StrongPoint, WeakObservable};
+use crate::results::{Case, Curve, Kind, Series, StrongPoint, WeakObservable};
 
 /// Errors 10^{−k/2} that some curve reaches, from large to small.
 pub fn targets(curves: &[Curve]) -> Vec<f64> {
@@ -50,14 +49,13 @@ fn winners(names: &[&str], curves: &[Curve]) -> String {
     }
 }
 
-/// The strong errors of a method.
-pub fn series(case: &Case, method: Method) -> Option<&Series<StrongPoint>> {
-    case.strong.series.iter().find(|series| series.method == method)
+/// The strong errors of the schemes of a kind.
+pub fn series(case: &Case, kind: Kind) -> impl Iterator<Item = &Series<StrongPoint>> + Clone {
+    case.strong.series.iter().filter(move |series| series.kind == kind)
 }
 
-/// How the costs of `sexp` and another method compare at equal strong error.
-fn compared(case: &Case, method: Method) -> Option<String> {
-    let (sexp, other) = (series(case, Method::Sexp)?, series(case, method)?);
+/// How the costs of two schemes compare at equal strong error.
+fn compared(sexp: &Series<StrongPoint>, other: &Series<StrongPoint>) -> Option<String> {
     let ratios = crossing(&sexp.curve(), &other.curve())?.ratios;
     let fold = |pick: fn(f64, f64) -> f64| ratios.iter().map(|(_, ratio)| *ratio).reduce(pick);
     let (least, most) = (fold(f64::min)?, fold(f64::max)?);
@@ -79,8 +77,10 @@ fn compared(case: &Case, method: Method) -> Option<String> {
 pub fn strong(case: &Case) -> String {
     let names: Vec<&str> = case.strong.series.iter().map(|series| series.scheme).collect();
     let curves: Vec<Curve> = case.strong.series.iter().map(Series::<StrongPoint>::curve).collect();
-    let others = [Method::Heun, Method::Midpoint, Method::EulerMaruyama];
-    let compared: String = others.iter().filter_map(|&method| compared(case, method)).collect();
+    let others = series(case, Kind::OtherImplicit).chain(series(case, Kind::Explicit));
+    let compared: String = series(case, Kind::Sexp)
+        .flat_map(|sexp| others.clone().filter_map(|other| compared(sexp, other)))
+        .collect();
     format!("Cheapest for a strong error: {}.{compared}", winners(&names, &curves))
 }
 
@@ -93,7 +93,7 @@ pub fn weak(observable: &WeakObservable) -> String {
 
 /// Whether Lévy areas are worth their price at equal strong error; nothing for a case without them.
 pub fn areas(case: &Case) -> Option<String> {
-    let (sexp, levy) = (series(case, Method::Sexp)?, series(case, Method::SexpLevy)?);
+    let (sexp, levy) = (series(case, Kind::Sexp).next()?, series(case, Kind::SexpLevy).next()?);
     let per_step = |series: &Series<StrongPoint>| {
         let ns = |point: &StrongPoint| 1e9 * point.work.time.min_s / point.work.steps as f64;
         let costs = series.points.iter().map(ns);

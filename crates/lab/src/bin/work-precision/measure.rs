@@ -1,11 +1,11 @@
 //! Errors and times of every scheme on every problem.
 
-use lab::Compiled;
-use lab::setups::{Method, Setup, Visit, schemes_for, visit_paper};
+use lab::TRUNCATION_ORDER;
+use lab::setups::{Setup, Visit, visit_paper};
 use mc::{Measured, Run};
 use schemes::Scheme;
 use stats::CrossMoments;
-use systems::{Damping, Problem};
+use systems::{Damping, PoissonSystem, Problem};
 use verify::results::Provenance;
 use verify::work_precision::{Time, TimeError, WorkPoint};
 use verify::work_precision::{ladder, path_times, squared_distance, steps};
@@ -13,10 +13,10 @@ use verify::{FinalMoments, FinalValues, Mode, Progress, Settings, StepSizes, Sto
 
 use crate::own_areas::{OwnAreas, terms};
 use crate::results::{
-    Case, Cost, Measurements, SCHEMA, Sampled, Series, Strong, StrongPoint, Weak, WeakObservable,
-    WeakPoint, costs,
+    Case, Cost, Kind, Measurements, SCHEMA, Sampled, Series, Strong, StrongPoint, Weak,
+    WeakObservable, WeakPoint, costs,
 };
-use crate::sizes::{Sizes, TRUNCATION_ORDER, reference_steps};
+use crate::sizes::{Sizes, reference_steps};
 
 /// Measures the cases named by `only`, or all where it is empty: errors on the current rayon pool,
 /// times on one thread.
@@ -59,17 +59,15 @@ struct Cases<'a> {
 impl Visit for Cases<'_> {
     type Error = TimeError;
 
-    fn visit<S: Compiled<D, M>, G: Damping, const D: usize, const M: usize>(
+    fn visit<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &mut self,
-        setup: Setup<S, G, D>,
+        setup: Setup<S, G, D, M>,
     ) -> Result<(), TimeError> {
         self.number += 1;
         if !self.only.is_empty() && self.only.iter().all(|id| id != setup.id) {
             return Ok(());
         }
-        let schemes = schemes_for(&setup.problem);
-        let timed: Vec<&dyn Scheme<S, D, M>> =
-            schemes.iter().map(|(_, scheme)| scheme.as_ref()).collect();
+        let timed: Vec<&dyn Scheme<S, D, M>> = setup.schemes().collect();
         let levy = timed.iter().copied().find(|scheme| scheme.reads_areas());
         let own = levy.map(|levy| OwnAreas { levy });
         let mut measured: Vec<&dyn Scheme<S, D, M>> = Vec::new();
@@ -82,7 +80,6 @@ impl Visit for Cases<'_> {
         let case = Measurement {
             progress: self.progress,
             sizes: Sizes::new(self.settings, self.number, levy.is_some()),
-            methods: schemes.iter().map(|(method, _)| *method).collect(),
             reference: levy.unwrap_or(timed[0]),
             levy,
             timed,
@@ -96,10 +93,9 @@ impl Visit for Cases<'_> {
 
 /// One problem with its schemes.
 struct Measurement<'a, S, G, const D: usize, const M: usize> {
-    setup: &'a Setup<S, G, D>,
+    setup: &'a Setup<S, G, D, M>,
     progress: &'a dyn Progress,
     sizes: Sizes,
-    methods: Vec<Method>,
     /// The schemes as they are timed.
     timed: Vec<&'a dyn Scheme<S, D, M>>,
     /// The same as their errors are measured: see [`OwnAreas`].
@@ -109,7 +105,9 @@ struct Measurement<'a, S, G, const D: usize, const M: usize> {
     reference: &'a dyn Scheme<S, D, M>,
 }
 
-impl<S: Compiled<D, M>, G: Damping, const D: usize, const M: usize> Measurement<'_, S, G, D, M> {
+impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
+    Measurement<'_, S, G, D, M>
+{
     fn run(&self) -> Result<Case, TimeError> {
         let Setup { id, title, system, problem, .. } = self.setup;
         let start: Vec<String> = problem
@@ -243,11 +241,17 @@ impl<S: Compiled<D, M>, G: Damping, const D: usize, const M: usize> Measurement<
 
     /// A series for each scheme of the points, and costs, of its number.
     fn series<P>(&self, points: impl Fn(usize) -> (Vec<P>, Option<Vec<Cost>>)) -> Vec<Series<P>> {
-        let series = |(s, &method): (usize, &Method)| {
+        let series = |s: usize| {
+            let kind = match self.timed[s] {
+                _ if s == 0 => Kind::Sexp,
+                scheme if scheme.reads_areas() => Kind::SexpLevy,
+                _ if s < self.setup.implicit.len() => Kind::OtherImplicit,
+                _ => Kind::Explicit,
+            };
             let (points, costs) = points(s);
-            Series { method, scheme: self.timed[s].id(), points, costs }
+            Series { kind, scheme: self.timed[s].id(), points, costs }
         };
-        self.methods.iter().enumerate().map(series).collect()
+        (0..self.timed.len()).map(series).collect()
     }
 
     fn strong(&self, errors: &Measured<CrossMoments>, time: &dyn Fn(usize, u64) -> Time) -> Strong {

@@ -2,14 +2,15 @@
 
 use std::io::Result;
 
-use lab::setups::Method;
 use report::provenance::generated_by;
 use report::{Page, number};
 use verify::work_precision::cost_at;
 
 use crate::conclusions::{self, cheapest, targets, winner};
 use crate::figures;
-use crate::results::{Case, Curve, Measurements, Sampled, Series, StrongPoint, WeakObservable};
+use crate::results::{
+    Case, Curve, Kind, Measurements, Sampled, Series, StrongPoint, WeakObservable,
+};
 
 /// The whole page with its figures.
 pub fn page(measured: &Measurements) -> Result<Page> {
@@ -62,10 +63,8 @@ fn price_of_structure(page: &mut Page, measured: &Measurements) {
 
 /// A row of that table; nothing where no error is reached by both.
 fn price(case: &Case) -> Option<[String; 7]> {
-    let sexp = conclusions::series(case, Method::Sexp)?;
-    let explicit = [Method::Heun, Method::EulerMaruyama];
-    let explicit = explicit.map(|method| conclusions::series(case, method));
-    let explicit: Vec<_> = explicit.into_iter().flatten().collect();
+    let sexp = conclusions::series(case, Kind::Sexp).next()?;
+    let explicit: Vec<_> = conclusions::series(case, Kind::Explicit).collect();
     let curves: Vec<Curve> = explicit.iter().map(|series| series.curve()).collect();
     let own = sexp.curve();
     let error = targets(&curves).into_iter().rfind(|&error| cost_at(&own, error).is_some())?;
@@ -208,8 +207,9 @@ reference is `sexp` on the finest steps where there is one noise, and `sexp-levy
 commute, with areas drawn on the finest steps. The reference has the error of its scheme at its \
 number of steps, which each case names.
 
-**Times** are those of the block kernels on one thread: increments drawn and clipped, areas drawn and \
-clipped for `sexp-levy`, steps; four blocks of 32 paths share the damping. Every repetition times \
+**Times** are those of `mc::Ladder` on one thread: increments drawn and clipped, areas drawn and \
+clipped for `sexp-levy`, steps, and a check that every state is finite; four blocks of 32 paths share \
+the damping. Every repetition times \
 every scheme at every step size once. Curves show the smallest of the repetitions; bars and the \
 column *spread* show how far the median lies above it. Step sizes are the same for all schemes, and \
 so are the increments of a step: one normal for each noise.

@@ -1,7 +1,6 @@
 //! The contract of `work-precision.json`; documented for other languages in
 //! `docs/work-precision.md`.
 
-use lab::setups::Method;
 use serde::Serialize;
 use verify::results::Provenance;
 use verify::work_precision::{Time, WorkPoint};
@@ -63,12 +62,25 @@ pub struct Strong {
     pub series: Vec<Series<StrongPoint>>,
 }
 
+/// What a scheme is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// The conformal exponential integrator.
+    Sexp,
+    /// The same with Lévy areas.
+    SexpLevy,
+    /// Another implicit scheme.
+    OtherImplicit,
+    /// An explicit scheme.
+    Explicit,
+}
+
 /// The errors of one scheme, coarsest step first.
 #[derive(Serialize)]
 pub struct Series<P> {
-    /// Which scheme it is.
+    /// What the scheme is.
     #[serde(skip)]
-    pub method: Method,
+    pub kind: Kind,
     /// `sexp`, `sexp-levy`, `midpoint`, `heun` or `em`.
     pub scheme: &'static str,
     /// A point for each step size.

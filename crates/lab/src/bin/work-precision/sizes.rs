@@ -1,15 +1,10 @@
 //! How many steps, paths and repetitions.
 
+use lab::streams::{WORK_PRECISION, WORK_PRECISION_PARTS};
+use lab::truncation;
 use noise::StreamKey;
-use systems::paper::valid;
 use verify::work_precision::{Repetitions, steps};
 use verify::{Mode, Settings, StepSizes};
-
-/// The truncation order of the reproduction.
-pub const TRUNCATION_ORDER: u32 = 4;
-
-/// Experiments of this program count from here; those of the reproduction are below.
-const FIRST_EXPERIMENT: u64 = 1 << 32;
 
 /// What a case is measured with.
 pub struct Sizes {
@@ -29,14 +24,14 @@ impl Sizes {
     pub fn new(settings: Settings, number: u64, areas: bool) -> Self {
         let key = |part| StreamKey {
             seed: settings.seed,
-            experiment: FIRST_EXPERIMENT + 4 * number + part,
+            experiment: WORK_PRECISION + WORK_PRECISION_PARTS * number + part,
         };
         let sizes = |coarsest_steps, levels, refinement, samples, part| StepSizes {
             coarsest_steps,
             levels,
             refinement,
             samples,
-            truncation: valid(noise::Truncation::new(TRUNCATION_ORDER)),
+            truncation: truncation(),
             key: key(part),
         };
         let (strong, weak, repetitions) = match settings.mode {

@@ -4,11 +4,11 @@ use mc::{Ladder, Observable, Run, Statistic, View};
 use noise::StreamKey;
 use schemes::Sexp;
 use stats::CrossMoments;
-use systems::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid};
-use systems::{Problem, RigidBody};
+use systems::RigidBody;
+use systems::paper::rigid_body_three_noises;
 
 use crate::experiment::truncation;
-use crate::kernels::Compiled;
+use crate::kernels::compiled;
 use crate::panels::weak_observables;
 
 /// φ(coarse), φ(fine), the plain and the antithetic difference of every test function at the final
@@ -55,11 +55,9 @@ fn median(mut values: Vec<f64>) -> f64 {
 #[test]
 fn antithetic_estimators_are_the_narrowest_per_path_step() {
     const PATHS: u64 = 4096;
-    let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
-    let problem = valid(Problem::new(body, half_cosine(), rigid_body_start(), 1.0));
-    let observables: Vec<Observable<3>> =
-        weak_observables().into_iter().flat_map(|panel| panel.observables).collect();
-    let sexp = RigidBody::<3>::sexp(Sexp::default());
+    let problem = rigid_body_three_noises(1.0);
+    let observables = weak_observables();
+    let sexp = compiled::<_, RigidBody<3>, 3, 3>(Sexp::default());
     let mut variances = Vec::new();
     println!(
         "| τ | independent | plain coupling | antithetic | variance of an antithetic difference / τ² |"
@@ -71,15 +69,7 @@ fn antithetic_estimators_are_the_narrowest_per_path_step() {
             Run::swapped(sexp.as_ref(), 0),
         ];
         let key = StreamKey { seed: 1, experiment: exponent };
-        let ladder = Ladder::<RigidBody<3>, _, 3, 3>::new(
-            &problem,
-            2 << exponent,
-            1,
-            truncation(),
-            key,
-            runs,
-        )
-        .unwrap();
+        let ladder = Ladder::new(&problem, 2 << exponent, 1, truncation(), key, runs).unwrap();
         let statistic = || Estimates {
             observables: observables.clone(),
             last_time: ladder.coarse_steps(),
