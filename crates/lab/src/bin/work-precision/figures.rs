@@ -1,12 +1,10 @@
 //! Figures of error against cost.
 
-use std::io::Result;
-
 use report::figure::{Curve, Figure, Measured, Plot, Spacing, Style};
 
 use crate::results::{Case, Series, StrongPoint};
 
-fn figure(title: String, y_title: &str, plots: Vec<Plot>) -> Result<String> {
+fn figure(title: String, y_title: &str, plots: Vec<Plot>) -> String {
     let (y_title, size) = (y_title.to_owned(), (268.0, 214.0));
     Figure { title, y_title, size, style: Style::Schemes, plots }.svg()
 }
@@ -20,7 +18,7 @@ fn plot(x_title: String, spacing: Spacing, curves: Vec<Curve>) -> Plot {
 }
 
 /// Strong errors against the time and against the steps of a path.
-pub fn strong(case: &Case) -> Result<String> {
+pub fn strong(case: &Case) -> String {
     let curves = |costs: fn(&StrongPoint) -> (f64, f64)| {
         let of = |series: &Series<StrongPoint>| {
             let points = series.points.iter().map(|point| {
@@ -46,7 +44,7 @@ pub fn strong(case: &Case) -> Result<String> {
 }
 
 /// Accuracies of expectations against the time of an estimate, a plot for each test function.
-pub fn weak(case: &Case) -> Result<String> {
+pub fn weak(case: &Case) -> String {
     let plots = case.weak.observables.iter().map(|observable| {
         let curves = observable.series.iter().map(|series| {
             let points = series.curve().into_iter();

@@ -60,7 +60,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     measured.provenance =
         provenance::complete(measured.provenance, "cargo xtask work-precision", start);
     files::write_json(&arguments.out.join("work-precision.json"), &measured)?;
-    let page = page::page(&measured)?;
+    let page = page::page(&measured);
     let file = arguments.out.join("work-precision.md");
     page.write(&file)?;
     if let Some(second) = &arguments.page {

@@ -1,11 +1,11 @@
 //! Errors and times of every scheme on every problem.
 
-use lab::TRUNCATION_ORDER;
 use lab::setups::{Setup, Visit, visit_paper};
-use mc::{Measured, Run};
+use lab::{TRUNCATION_ORDER, truncation};
+use mc::Run;
 use schemes::Scheme;
 use stats::CrossMoments;
-use systems::{Damping, PoissonSystem, Problem};
+use systems::{Damping, Invariant, PoissonSystem, Problem};
 use verify::results::Provenance;
 use verify::work_precision::{Time, TimeError, WorkPoint};
 use verify::work_precision::{ladder, path_times, squared_distance, steps};
@@ -105,32 +105,29 @@ struct Measurement<'a, S, G, const D: usize, const M: usize> {
     reference: &'a dyn Scheme<S, D, M>,
 }
 
+/// The time of a scheme, by its number, with a number of steps.
+type Times<'a> = &'a dyn Fn(usize, u64) -> Time;
+
 impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
     Measurement<'_, S, G, D, M>
 {
     fn run(&self) -> Result<Case, TimeError> {
         let Setup { id, title, system, problem, .. } = self.setup;
-        let start: Vec<String> = problem
-            .y0
-            .iter()
-            .map(|y| format!("{y:.4}").trim_end_matches('0').trim_end_matches('.').to_owned())
-            .collect();
+        let number =
+            |y: &f64| format!("{y:.4}").trim_end_matches('0').trim_end_matches('.').to_owned();
         let setup = format!(
             "{system}, {}, y₀ = ({}), T = {}, increments truncated with k = {TRUNCATION_ORDER}",
             problem.damping.describe(),
-            start.join(", "),
+            problem.y0.iter().map(number).collect::<Vec<_>>().join(", "),
             problem.t_end
         );
         let steps = self.sizes.timed_steps();
-        let strong = self.strong_errors()?;
-        let weak = self.weak_errors()?;
         let Sizes { repetitions, timed, .. } = self.sizes;
-        let work = repetitions.work(self.timed.len(), &steps);
-        self.progress.begin(&format!("{id}: times"), work);
-        let truncation = self.sizes.strong.truncation;
-        let advance = |done| self.progress.advance(done);
+        self.progress.begin(&format!("{id}: times"), repetitions.work(self.timed.len(), &steps));
         let times =
-            path_times(&self.timed, problem, &steps, truncation, timed, repetitions, &advance)?;
+            path_times(&self.timed, problem, &steps, truncation(), timed, repetitions, &|done| {
+                self.progress.advance(done)
+            })?;
         self.progress.end();
         let time = |s: usize, of: u64| {
             let place = steps.binary_search(&of);
@@ -142,101 +139,37 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             title,
             setup,
             invariants: invariants.iter().map(|invariant| invariant.name.to_owned()).collect(),
-            strong: self.strong(&strong, &time),
-            weak: self.weak(&weak, &time),
+            strong: self.strong(&time)?,
+            weak: self.weak(&time)?,
         })
     }
 
-    /// Moments of `values` of the final states: the reference, with `references` of 2 another one
-    /// of twice its step, then every scheme at every step size.
+    /// Moments of `length` values of the final states: those of the reference, then those of every
+    /// scheme at every step size; `reference` says what it is.
     fn errors(
         &self,
-        what: &str,
+        sizes: &StepSizes,
         schemes: &[&dyn Scheme<S, D, M>],
         references: usize,
-        sizes: &StepSizes,
+        reference: &str,
         length: usize,
         values: &FinalValues<'_, D>,
-    ) -> Result<Measured<CrossMoments>, TimeError> {
+    ) -> Result<(CrossMoments, Sampled), TimeError> {
         let references = (0..references).map(|level| Run::new(self.reference, level)).collect();
         let ladder = ladder(schemes, &self.setup.problem, references, sizes)?;
-        let work = ladder.steps_per_path() * sizes.samples;
-        self.progress.begin(&format!("{}: {what} errors", self.setup.id), work);
+        let samples = sizes.samples;
+        self.progress
+            .begin(&format!("{}: errors", self.setup.id), ladder.steps_per_path() * samples);
         let new = || FinalMoments::new(ladder.coarse_steps(), length, values);
-        let measured = ladder.run(sizes.samples, new, &|work| self.progress.advance(work));
+        let measured = ladder.run(samples, new, &|work| self.progress.advance(work));
         self.progress.end();
-        Ok(Measured {
-            statistic: measured.statistic.moments().clone(),
+        let sampled = Sampled {
+            samples,
             failed: measured.failed,
-            failures: measured.failures,
-            clipped: measured.clipped,
-        })
-    }
-
-    /// Squared errors of every run, then squared defects of every run and invariant. Behind the
-    /// schemes stands the one with exact Lévy areas.
-    fn strong_errors(&self) -> Result<Measured<CrossMoments>, TimeError> {
-        let Problem { system, damping, y0, t_end } = &self.setup.problem;
-        let invariants = system.invariants();
-        let laws: Vec<f64> = (0..invariants.len())
-            .map(|index| {
-                let decay = (-invariants[index].degree * damping.integral(0.0, *t_end)).exp();
-                decay * system.invariant(index, *y0)
-            })
-            .collect();
-        let mut schemes = self.measured.clone();
-        schemes.extend(self.levy);
-        let sizes = &self.sizes.strong;
-        let runs = schemes.len() * sizes.levels;
-        let values = |states: &[[f64; D]], values: &mut [f64]| {
-            let (squares, defects) = values.split_at_mut(runs);
-            for (square, &y) in squares.iter_mut().zip(&states[1..]) {
-                *square = squared_distance(y, states[0]);
-            }
-            for (run, &y) in states[1..].iter().enumerate() {
-                for (index, law) in laws.iter().enumerate() {
-                    let defect = system.invariant(index, y) / law - 1.0;
-                    defects[run * laws.len() + index] = defect * defect;
-                }
-            }
-        };
-        self.errors("strong", &schemes, 1, sizes, runs * (1 + laws.len()), &values)
-    }
-
-    /// For each test function that of the reference, and for every run its own and its difference
-    /// to the reference.
-    fn weak_errors(&self) -> Result<Measured<CrossMoments>, TimeError> {
-        let sizes = &self.sizes.weak;
-        let each = self.weak_values();
-        let values = |states: &[[f64; D]], values: &mut [f64]| {
-            for (observable, values) in
-                self.setup.observables.iter().zip(values.chunks_exact_mut(each))
-            {
-                let phi = |y: [f64; D]| (observable.function)(y);
-                // An error Cτ + O(τ²) of the expectation is C·2τ + O(τ²) at twice the step.
-                values[0] = 2.0 * phi(states[0]) - phi(states[1]);
-                for (run, &y) in states[2..].iter().enumerate() {
-                    let value = phi(y);
-                    values[1 + 2 * run] = value;
-                    values[2 + 2 * run] = value - values[0];
-                }
-            }
-        };
-        self.errors("weak", &self.measured, 2, sizes, self.setup.observables.len() * each, &values)
-    }
-
-    /// Numbers of [`weak_errors`](Self::weak_errors) for each test function.
-    fn weak_values(&self) -> usize {
-        1 + 2 * self.measured.len() * self.sizes.weak.levels
-    }
-
-    fn sampled<T>(&self, errors: &Measured<T>, sizes: &StepSizes, reference: &str) -> Sampled {
-        Sampled {
-            samples: sizes.samples,
-            failed: errors.failed,
-            failures: errors.failures.iter().map(ToString::to_string).collect(),
+            failures: measured.failures.iter().map(ToString::to_string).collect(),
             reference: format!("{} {reference} on the same noise", self.reference.id()),
-        }
+        };
+        Ok((measured.statistic.moments().clone(), sampled))
     }
 
     /// A series for each scheme of the points, and costs, of its number.
@@ -254,38 +187,74 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         (0..self.timed.len()).map(series).collect()
     }
 
-    fn strong(&self, errors: &Measured<CrossMoments>, time: &dyn Fn(usize, u64) -> Time) -> Strong {
-        let (sizes, moments) = (&self.sizes.strong, &errors.statistic);
-        let runs = (self.measured.len() + usize::from(self.levy.is_some())) * sizes.levels;
-        let invariants = moments.length() / runs - 1;
+    /// The values are squared errors of every run, then squared defects of every run and invariant.
+    /// Behind the schemes stands the one with exact Lévy areas.
+    fn strong(&self, time: Times<'_>) -> Result<Strong, TimeError> {
+        let Problem { system, damping, y0, t_end } = &self.setup.problem;
+        let law = |(index, invariant): (usize, Invariant)| {
+            let decay = (-invariant.degree * damping.integral(0.0, *t_end)).exp();
+            decay * system.invariant(index, *y0)
+        };
+        let laws: Vec<f64> = system.invariants().into_iter().enumerate().map(law).collect();
+        let mut schemes = self.measured.clone();
+        schemes.extend(self.levy);
+        let sizes = &self.sizes.strong;
+        let runs = schemes.len() * sizes.levels;
+        let values = |states: &[[f64; D]], values: &mut [f64]| {
+            let (squares, defects) = values.split_at_mut(runs);
+            for (run, &y) in states[1..].iter().enumerate() {
+                squares[run] = squared_distance(y, states[0]);
+                for (index, law) in laws.iter().enumerate() {
+                    let defect = system.invariant(index, y) / law - 1.0;
+                    defects[run * laws.len() + index] = defect * defect;
+                }
+            }
+        };
+        let reference = format!("with {} steps", reference_steps(sizes));
+        let length = runs * (1 + laws.len());
+        let (moments, sampled) = self.errors(sizes, &schemes, 1, &reference, length, &values)?;
         let rms = |index: usize| moments.mean(index).sqrt();
         let point = |s: usize, l: usize, steps: u64| {
             let run = s * sizes.levels + l;
-            let work =
-                WorkPoint::new(self.setup.problem.t_end, steps, moments, run, time(s, steps));
-            let areas = self.timed[s].reads_areas();
-            let exact = self.timed.len() * sizes.levels + l;
+            let work = WorkPoint::new(*t_end, steps, &moments, run, time(s, steps));
+            let exact = self.timed[s].reads_areas().then_some(self.timed.len() * sizes.levels + l);
             StrongPoint {
-                error_exact_areas: areas.then(|| rms(exact)),
-                area_terms: areas.then(|| terms(work.tau, M)),
-                defects: (0..invariants).map(|i| rms(runs + run * invariants + i)).collect(),
+                error_exact_areas: exact.map(rms),
+                area_terms: exact.map(|_| terms(work.tau, M)),
+                defects: (0..laws.len()).map(|i| rms(runs + run * laws.len() + i)).collect(),
                 work,
             }
         };
-        let points = |s| steps(sizes).enumerate().map(move |(l, steps)| point(s, l, steps));
-        let reference = format!("with {} steps", reference_steps(sizes));
-        Strong {
-            sampled: self.sampled(errors, sizes, &reference),
-            series: self.series(|s| (points(s).collect(), None)),
-        }
+        let points = |s| steps(sizes).enumerate().map(move |(l, steps)| (s, l, steps));
+        let points = |s| points(s).map(|(s, l, steps)| point(s, l, steps)).collect();
+        Ok(Strong { sampled, series: self.series(|s| (points(s), None)) })
     }
 
-    fn weak(&self, errors: &Measured<CrossMoments>, time: &dyn Fn(usize, u64) -> Time) -> Weak {
-        let (sizes, moments) = (&self.sizes.weak, &errors.statistic);
-        let exact = (self.setup.expectations)(&self.setup.problem, &self.setup.observables);
+    /// The values are, for each test function, that of the reference, and for every run its own and
+    /// its difference to the reference.
+    fn weak(&self, time: Times<'_>) -> Result<Weak, TimeError> {
+        let (sizes, observables) = (&self.sizes.weak, &self.setup.observables);
+        let each = 1 + 2 * self.measured.len() * sizes.levels;
+        let values = |states: &[[f64; D]], values: &mut [f64]| {
+            for (observable, values) in observables.iter().zip(values.chunks_exact_mut(each)) {
+                let phi = |run: usize| (observable.function)(states[run]);
+                // An error Cτ + O(τ²) of the expectation is C·2τ + O(τ²) at twice the step.
+                values[0] = 2.0 * phi(0) - phi(1);
+                for run in 0..states.len() - 2 {
+                    values[1 + 2 * run] = phi(2 + run);
+                    values[2 + 2 * run] = values[1 + 2 * run] - values[0];
+                }
+            }
+        };
+        let finest = reference_steps(sizes);
+        let reference = format!("extrapolated from {} and {finest} steps", finest / 2);
+        let length = observables.len() * each;
+        let (moments, sampled) =
+            self.errors(sizes, &self.measured, 2, &reference, length, &values)?;
+        let exact = (self.setup.expectations)(&self.setup.problem, observables);
         let se = |index: usize| moments.covariance_of_means(index, index).max(0.0).sqrt();
-        let observables = self.setup.observables.iter().enumerate().map(|(f, observable)| {
-            let first = f * self.weak_values();
+        let observables = observables.iter().enumerate().map(|(f, observable)| {
+            let first = f * each;
             let points = |s: usize| {
                 let point = |(l, steps)| {
                     let value = first + 1 + 2 * (s * sizes.levels + l);
@@ -310,11 +279,6 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
                 series: self.series(points),
             }
         });
-        let finest = reference_steps(sizes);
-        let reference = format!("extrapolated from {} and {finest} steps", finest / 2);
-        Weak {
-            sampled: self.sampled(errors, sizes, &reference),
-            observables: observables.collect(),
-        }
+        Ok(Weak { observables: observables.collect(), sampled })
     }
 }

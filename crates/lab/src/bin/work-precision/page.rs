@@ -1,7 +1,5 @@
 //! `docs/work-precision.md`, made from the measurements.
 
-use std::io::Result;
-
 use report::provenance::generated_by;
 use report::{Page, number};
 use verify::work_precision::cost_at;
@@ -13,7 +11,7 @@ use crate::results::{
 };
 
 /// The whole page with its figures.
-pub fn page(measured: &Measurements) -> Result<Page> {
+pub fn page(measured: &Measurements) -> Page {
     let mut page = Page::new("Work and precision");
     page.paragraph(format!(
         "Which scheme is cheapest for which error? {} All numbers and all sentences that contain one \
@@ -32,10 +30,12 @@ pub fn page(measured: &Measurements) -> Result<Page> {
     }
     price_of_structure(&mut page, measured);
     for case in &measured.cases {
-        section(&mut page, case)?;
+        section(&mut page, case);
     }
-    fields(&mut page);
-    Ok(page)
+    page.paragraph(
+        "The numbers are in `work-precision.json`, whose fields stand in [results.md](results.md).",
+    );
+    page
 }
 
 /// `sexp` beside the cheapest explicit scheme, at one error of each case.
@@ -86,7 +86,7 @@ fn price(case: &Case) -> Option<[String; 7]> {
     ])
 }
 
-fn section(page: &mut Page, case: &Case) -> Result<()> {
+fn section(page: &mut Page, case: &Case) {
     page.heading(2, case.title);
     let sampled = &case.strong.sampled;
     page.paragraph(format!("`{}`: {}. {}", case.id, case.setup, paths(sampled)));
@@ -94,7 +94,7 @@ fn section(page: &mut Page, case: &Case) -> Result<()> {
     page.figure(
         &figure("strong"),
         "Strong error against processor time and steps",
-        figures::strong(case)?,
+        figures::strong(case),
     );
     page.paragraph(conclusions::strong(case));
     let names: Vec<&str> = case.strong.series.iter().map(|series| series.scheme).collect();
@@ -108,7 +108,7 @@ fn section(page: &mut Page, case: &Case) -> Result<()> {
     page.figure(
         &figure("weak"),
         "Accuracy of an expectation against processor time",
-        figures::weak(case)?,
+        figures::weak(case),
     );
     for observable in &weak.observables {
         page.paragraph(format!(
@@ -118,7 +118,6 @@ fn section(page: &mut Page, case: &Case) -> Result<()> {
         let curves: Vec<Curve> = observable.series.iter().map(|series| series.curve()).collect();
         costs(page, "accuracy", &names, &curves);
     }
-    Ok(())
 }
 
 /// How many paths, and which are left out.
@@ -228,50 +227,3 @@ bias is taken at the upper end of its 95 % interval, so that a bias that is not 
 large as it may be.
 
 **Between the points** costs are interpolated linearly in the logarithms; nothing is extrapolated.";
-
-/// The fields of the JSON file.
-fn fields(page: &mut Page) {
-    page.heading(2, "`work-precision.json`");
-    page.paragraph(
-        "`schema` is 1 and is raised whenever a reader of an older version would misread a newer \
-         one. Everything but `provenance` and what is called `time`, with the `costs` that follow \
-         from it, is the same for the same seed and mode.",
-    );
-    page.table(
-        ["field", "meaning"],
-        [
-            ["`schema`, `provenance`", "as in [`results.json`](results.md)"],
-            ["`clock`", "what the times are"],
-            ["`cases`", "the problems"],
-        ],
-    );
-    page.paragraph(
-        "A **case** has `id`, `title`, `setup`, `invariants` (names), `strong` and `weak`. `strong` \
-         and `weak` have `samples`, `failed` (paths left out of everything), `failures` (the first \
-         few in words) and `reference`; `strong` has `series` of `scheme` and `points`, `weak` has \
-         `observables` of `name`, `exact` (where E φ(y(T)) is known without sampling), \
-         `reference_mean`, `reference_se` and `series` of `scheme`, `points` and `costs`.",
-    );
-    page.table(
-        ["point of", "fields"],
-        [
-            [
-                "`strong`",
-                "`steps` of a path, `tau`, `error`, `se`, `lo` and `hi` (bootstrap-t interval of 95 \
-                 %), `error_exact_areas` and `area_terms` (of `sexp-levy`), `defects` (root mean \
-                 square of F(y_N)/(e^(−p∫γ)F(y₀)) − 1 for each of the case's invariants), `time`",
-            ],
-            [
-                "`weak`",
-                "`steps`, `tau`, `bias`, `se`, `standard_deviation` (of φ(y_N)), `time`",
-            ],
-        ],
-    );
-    page.paragraph(
-        "The **costs** of a weak series are those of the accuracies 10^(−k/4): `accuracy`, `steps` \
-         (the cheapest for it), `paths`, `cost_s`.
-
-         A **time** is that of one path in seconds: `min_s`, `median_s` and `max_s` over \
-         `repetitions`, each over `paths` paths, of which `failed` had no solution.",
-    );
-}

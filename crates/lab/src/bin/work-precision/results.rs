@@ -1,5 +1,4 @@
-//! The contract of `work-precision.json`; documented for other languages in
-//! `docs/work-precision.md`.
+//! The contract of `work-precision.json`; documented for other languages in `docs/results.md`.
 
 use serde::Serialize;
 use verify::results::Provenance;
