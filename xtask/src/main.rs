@@ -8,11 +8,10 @@
 mod battery;
 mod bench;
 mod budget;
+mod program;
 mod reproduce;
-mod stability;
 mod verify;
 mod wording;
-mod work_precision;
 
 use std::process::ExitCode;
 
@@ -33,21 +32,24 @@ enum Chore {
     /// Run the whole battery for many seeds, with all wrong twins, and write docs/verification.md.
     Verify(verify::Verify),
     /// Measure the errors of every scheme against the processor time they take.
-    WorkPrecision(work_precision::WorkPrecision),
+    #[command(disable_help_flag = true)]
+    WorkPrecision(program::Rest),
     /// Measure what a path-step costs: every scheme on every system, threads, memory, growth,
     /// dimension.
+    #[command(disable_help_flag = true)]
     Bench(bench::Bench),
-    /// Run the hard cases, the long runs and the fuzzer, and say what is guaranteed.
-    Stability(stability::Stability),
+    /// Run the hard cases, the long runs and the fuzzer, and report what is guaranteed.
+    #[command(disable_help_flag = true)]
+    Stability(program::Rest),
 }
 
 fn main() -> ExitCode {
     let result = match Arguments::parse().chore {
         Chore::Reproduce(arguments) => reproduce::run(&arguments),
         Chore::Verify(arguments) => verify::run(&arguments),
-        Chore::WorkPrecision(arguments) => work_precision::run(&arguments),
+        Chore::WorkPrecision(arguments) => program::run(&[], "work-precision", &arguments),
         Chore::Bench(arguments) => bench::run(&arguments),
-        Chore::Stability(arguments) => stability::run(&arguments),
+        Chore::Stability(arguments) => program::run(&[], "hard-cases", &arguments),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error:#}");

@@ -13,12 +13,15 @@
 //! | [`statements`], [`conformal_law`] | measurements that twins repeat on wrong methods |
 //! | [`Compiled`], [`compiled()`], [`PaperSystem`] | the schemes of the paper on its systems, compiled once |
 //! | [`streams`] | which noise belongs to which experiment |
+//! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
+//! | [`command`] | what the command lines of all programs share |
 //! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo against the Kolmogorov equation |
 //! | [`coverage()`], [`CoverageRow`] | how often the intervals of `stats` cover the truth |
 //!
 //! The programs of this package are `reproduce`, `battery` (with the twins), `work-precision`,
 //! `hard-cases` and `bench`; what one of them alone needs is in its folder.
 
+pub mod command;
 pub mod conformal_law;
 mod coverage;
 mod experiment;
@@ -26,6 +29,7 @@ pub mod kernels;
 mod method;
 mod panels;
 mod reproduce;
+pub mod setups;
 pub mod statements;
 pub mod streams;
 mod supplements;

@@ -22,6 +22,7 @@ use std::time::Instant;
 
 use anyhow::{Result, bail};
 use clap::Parser;
+use lab::command;
 use report::{files, provenance};
 use verify::results::Provenance;
 
@@ -72,10 +73,7 @@ impl Arguments {
 }
 
 fn main() -> ExitCode {
-    run(&Arguments::parse()).unwrap_or_else(|error| {
-        eprintln!("error: {error:#}");
-        ExitCode::from(2)
-    })
+    command::exit_code(run(&Arguments::parse()))
 }
 
 /// Runs everything, and writes JSON, figures and page. Fails when a guarantee is refuted.

@@ -9,7 +9,7 @@ use systems::{Constant, PoissonSystem, RigidBody};
 
 use super::branch::{agree, follow};
 use super::{Case, Context, Words, body, each};
-use crate::results::{Row, Verdict};
+use crate::results::Row;
 use crate::rounding::{law_bound, residual_share};
 use crate::schemes::{Family, Tested};
 
