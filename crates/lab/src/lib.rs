@@ -12,8 +12,9 @@
 //! | [`Experiment`], [`Conditions`], [`Findings`] | what an experiment is, is given and returns |
 //! | [`statements`], [`conformal_law`] | measurements that twins repeat on wrong methods |
 //! | [`Compiled`], [`compiled()`], [`PaperSystem`] | the schemes of the paper on its systems, compiled once |
-//! | [`command`] | what the command lines of all programs share |
 //! | [`streams`] | which noise belongs to which experiment |
+//! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
+//! | [`command`] | what the command lines of all programs share |
 //! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo against the Kolmogorov equation |
 //! | [`coverage()`], [`CoverageRow`] | how often the intervals of `stats` cover the truth |
 //!
@@ -28,6 +29,7 @@ pub mod kernels;
 mod method;
 mod panels;
 mod reproduce;
+pub mod setups;
 pub mod statements;
 pub mod streams;
 mod supplements;

@@ -103,9 +103,7 @@ pub fn lotka_volterra_1_1() -> Problem<LotkaVolterra<IntegerExponents<1, 1>>, Si
 
 /// The Lotka–Volterra system of the energy's evolution, H = y₁²y₂²y₃.
 #[must_use]
-pub fn lotka_volterra_2_2(
-    t_end: f64,
-) -> Problem<LotkaVolterra<IntegerExponents<2, 2>>, Sine, 3> {
+pub fn lotka_volterra_2_2(t_end: f64) -> Problem<LotkaVolterra<IntegerExponents<2, 2>>, Sine, 3> {
     problem(valid(LotkaVolterra::integer(1.0)), sine(), LOTKA_VOLTERRA_START, t_end)
 }
 
