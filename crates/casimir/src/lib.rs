@@ -29,7 +29,7 @@
 //! | [`verify`] | [`inspect`](verify::inspect()), [`strong_order`](verify::strong_order), [`weak_order`](verify::weak_order) |
 //! | [`noise`], [`dgrad`], [`nonlin`], [`stats`], [`real`] | increments and Lévy areas, discrete gradients, implicit equations, fits, numbers |
 
-pub use {dgrad, mc, nonlin, noise, real, schemes, stats, systems, verify};
+pub use {dgrad, mc, noise, nonlin, real, schemes, stats, systems, verify};
 
 /// What most programs name: `use casimir::prelude::*`.
 pub mod prelude {
@@ -40,3 +40,8 @@ pub mod prelude {
     pub use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
     pub use verify::{inspect, inspect_problem, strong_order};
 }
+
+/// The examples of the README, compiled and run with the other examples.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
