@@ -8,7 +8,7 @@ use systems::paper::{self, valid};
 use systems::{Damping, Problem};
 use verify::exact::{RandomTime, expectation, solution};
 use verify::results::{Claim, Evidence, Kind, Panel};
-use verify::{Exact, StepSizes, exact_mean, weak_order};
+use verify::{Exact, ReferenceSolution, StepSizes, exact_mean, weak_order};
 
 use crate::experiment::{Conditions, Experiment, Findings, describe, truncation};
 use crate::kernels::PaperSystem;
@@ -140,8 +140,8 @@ impl AgainstExact {
         let solution = |s: f64| solution(problem, s);
         let exact = Exact { time_change: &time, solution: &solution };
         let claims = observables.map(|observable| {
-            let order =
-                valid(weak_order(&Sexp::default(), problem, observable, &sizes, Some(exact)));
+            let reference = ReferenceSolution::Exact(exact);
+            let order = valid(weak_order(&Sexp::default(), problem, observable, &sizes, reference));
             let name = observable.name;
             let statement =
                 format!("sexp has weak order 1 against the exact solution for φ = {name}");
