@@ -194,6 +194,11 @@ where
 /// A curve from independent differences at the step sizes `taus`, each half of the one before.
 fn weak_series(name: &str, taus: &[f64], differences: &[&CrossMoments]) -> Series {
     let (points, rate) = weak_errors(taus, differences);
-    let (scheme, quantity) = (Method::Sexp.id().to_owned(), name.to_owned());
-    Series { scheme, quantity, points, rate, ..Series::default() }
+    Series {
+        scheme: Method::Sexp.id().to_owned(),
+        quantity: name.to_owned(),
+        points,
+        rate,
+        ..Series::default()
+    }
 }
