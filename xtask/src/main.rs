@@ -10,7 +10,6 @@ mod bench;
 mod budget;
 mod program;
 mod reproduce;
-mod stability;
 mod verify;
 mod wording;
 
@@ -39,8 +38,9 @@ enum Chore {
     /// dimension.
     #[command(disable_help_flag = true)]
     Bench(bench::Bench),
-    /// Run the hard cases, the long runs and the fuzzer, and say what is guaranteed.
-    Stability(stability::Stability),
+    /// Run the hard cases, the long runs and the fuzzer, and report what is guaranteed.
+    #[command(disable_help_flag = true)]
+    Stability(program::Rest),
 }
 
 fn main() -> ExitCode {
@@ -49,7 +49,7 @@ fn main() -> ExitCode {
         Chore::Verify(arguments) => verify::run(&arguments),
         Chore::WorkPrecision(arguments) => program::run(&[], "work-precision", &arguments),
         Chore::Bench(arguments) => bench::run(&arguments),
-        Chore::Stability(arguments) => stability::run(&arguments),
+        Chore::Stability(arguments) => program::run(&[], "hard-cases", &arguments),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error:#}");
