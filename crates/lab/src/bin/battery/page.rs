@@ -1,10 +1,11 @@
 //! The page about the battery: statements by seed, twins, coverage.
 
-use lab::{CoverageRow, Expected, TWINS};
+use lab::{CoverageRow, Expected};
 use report::{Outcome, Page};
 use verify::results::{Claim, Verdict};
 
 use crate::budget::{expected_alarms, least_power, poisson_quantile};
+use crate::twins::TWINS;
 
 /// What the battery measured, one entry a seed.
 #[derive(Default)]
@@ -69,7 +70,7 @@ fn alarms(page: &mut Page, battery: &Battery) {
     let most = poisson_quantile(expected, ALARM_CONFIDENCE);
     let alarms = battery.false_alarms();
     let undecided = || verdicts().filter(|claim| claim.verdict == Verdict::Undecided);
-    let weak = undecided().filter(|claim| claim.panel.starts_with("rigid-body-weak")).count();
+    let weak = undecided().filter(|claim| claim.id == "weak-one").count();
     page.paragraph(format!(
         "The false-refutation probability of an order is at most 0.05 %: a 99.9 % interval must \
          miss on one side, by more than ¼. That of every other check is at most 1e-5. Over the \
@@ -79,7 +80,7 @@ fn alarms(page: &mut Page, battery: &Battery) {
         if alarms as u64 <= most { "within the budget" } else { "**beyond the budget**" },
     ));
     page.paragraph(format!(
-        "Undecided: {} of {all} verdicts, {:.1} %; {weak} of them on the weak panels. Twins not \
+        "Undecided: {} of {all} verdicts, {:.1} %; {weak} of them about weak orders. Twins not \
          refuted: **{} of {}**.",
         undecided().count(),
         100.0 * undecided().count() as f64 / all.max(1) as f64,
@@ -242,18 +243,16 @@ fn code(id: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use verify::results::Evidence;
+
     use super::*;
 
     fn claim(verdict: Verdict, erratum: &str) -> Claim {
+        let measured = Evidence::Order { order: 1.0, one_sided: false, rate: None };
         Claim {
-            id: "strong-one".to_owned(),
-            panel: "a-panel".to_owned(),
-            scheme: String::new(),
-            statement: "a | b".to_owned(),
             verdict,
-            evidence: "order 1.000, 95 % interval [0.9, 1.1]".to_owned(),
-            proven: true,
             erratum: erratum.to_owned(),
+            ..Claim::new("strong-one", "a | b", measured).about("a-panel", "")
         }
     }
 
