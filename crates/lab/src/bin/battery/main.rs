@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::Result;
-use clap::Parser;
+use clap::{Parser, value_parser};
 use lab::{EXPERIMENTS, Experiment, STATEMENTS, SUPPLEMENTS, command, ids};
 use report::{Bars, files, terminal};
 use verify::results::Claim;
@@ -24,10 +24,15 @@ use twins::measure_twins;
 #[command(name = "cargo xtask verify", version)]
 struct Arguments {
     /// Master seeds 1 … N.
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = value_parser!(u64).range(1..))]
     seeds: u64,
     /// Replications behind each coverage figure.
-    #[arg(long, value_name = "N", default_value_t = 4000, value_parser = clap::value_parser!(u64).range(100..))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 4000,
+        value_parser = value_parser!(u64).range(100..)
+    )]
     replications: u64,
     /// Half-width of the intervals of the expectations.
     #[arg(long, value_name = "ACCURACY", default_value_t = 2e-5, value_parser = accuracy)]
@@ -86,7 +91,8 @@ fn progress(battery: &Battery, seeds: u64, seconds: f64) -> String {
     let done = battery.claims.len();
     let last = battery.claims.last().map_or(String::new(), |claims| terminal::counts(claims));
     format!(
-        "seed {done} of {seeds}: {last}; so far {} false alarms, {} twins not refuted; {seconds:.0} s, about {:.0} s left",
+        "seed {done} of {seeds}: {last}; so far {} false alarms, {} twins not refuted; \
+         {seconds:.0} s, about {:.0} s left",
         battery.false_alarms(),
         battery.missed_twins(),
         seconds / done as f64 * (seeds as f64 - done as f64)

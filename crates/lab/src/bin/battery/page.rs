@@ -2,7 +2,7 @@
 
 use lab::{CoverageRow, Expected};
 use report::{Outcome, Page};
-use verify::results::{Claim, Verdict};
+use verify::results::{Claim, Evidence, Verdict};
 
 use crate::budget::{expected_alarms, least_power, poisson_quantile};
 use crate::twins::TWINS;
@@ -75,8 +75,8 @@ fn alarms(page: &mut Page, battery: &Battery) {
         "The false-refutation probability of an order is at most 0.05 %: a 99.9 % interval must \
          miss on one side, by more than ¼. That of every other check is at most 1e-5. Over the \
          {all} verdicts of this page at most {expected:.2} false alarms are expected; more than \
-         {most} would have a probability below 0.1 % (Poisson; verdicts of one seed share paths, so \
-         the bound is a guide). Counted: **{alarms} false alarms**, {}.",
+         {most} would have a probability below 0.1 % (Poisson; verdicts of one seed share paths, \
+         so the bound is a guide). Counted: **{alarms} false alarms**, {}.",
         if alarms as u64 <= most { "within the budget" } else { "**beyond the budget**" },
     ));
     page.paragraph(format!(
@@ -172,8 +172,8 @@ fn statements(page: &mut Page, seeds: &[Vec<Claim>]) {
 fn twins(page: &mut Page, seeds: &[Vec<Claim>]) {
     page.heading(2, "Wrong twins");
     page.paragraph(format!(
-        "The same measurements on methods with one deliberate mistake; each must be refuted. A twin \
-         that is refuted for all {} seeds has a power of at least {:.0} % (95 % confidence).",
+        "The same measurements on methods with one deliberate mistake; each must be refuted. A \
+         twin that is refuted for all {} seeds has a power of at least {:.0} % (95 % confidence).",
         seeds.len(),
         100.0 * least_power(seeds.len() as u64),
     ));
@@ -200,7 +200,11 @@ fn expectations(page: &mut Page, claims: &[Claim]) {
          Kolmogorov equation on the sphere in spherical harmonics of degree 96.",
     );
     let row = |claim: &Claim| {
-        [claim.statement.clone(), claim.evidence.clone(), Outcome::of(claim).words().to_owned()]
+        let quantity = match &claim.measured {
+            Evidence::Deviation { quantity, .. } => quantity,
+            _ => &claim.statement,
+        };
+        [quantity.clone(), claim.evidence.clone(), Outcome::of(claim).words().to_owned()]
     };
     page.table(["expectation", "measured", "verdict"], claims.iter().map(row));
 }
@@ -272,20 +276,23 @@ mod tests {
         }
     }
 
-    fn text(battery: &Battery) -> String {
-        page(battery).text().to_owned()
+    /// The page, and the page without line breaks.
+    fn text(battery: &Battery) -> (String, String) {
+        let text = page(battery).text().to_owned();
+        let words = text.replace('\n', " ");
+        (text, words)
     }
 
     #[test]
     fn a_seed_is_a_character() {
-        let calm = text(&battery(Verdict::Holds));
+        let (calm, words) = text(&battery(Verdict::Holds));
         assert!(calm.contains("\n  1 strong-one a-panel  ··u······· ·\n"), "{calm}");
-        assert!(calm.contains("**0 false alarms**, within the budget"), "{calm}");
-        assert!(calm.contains("Undecided: 1 of 11 verdicts, 9.1 %"), "{calm}");
+        assert!(words.contains("**0 false alarms**, within the budget"), "{calm}");
+        assert!(words.contains("Undecided: 1 of 11 verdicts, 9.1 %"), "{calm}");
         assert!(calm.contains("(mutation.md)"));
-        let alarmed = text(&battery(Verdict::Refuted));
+        let (alarmed, words) = text(&battery(Verdict::Refuted));
         assert!(
-            alarmed.contains("··u······· R\n") && alarmed.contains("**1 false alarms**"),
+            alarmed.contains("··u······· R\n") && words.contains("**1 false alarms**"),
             "{alarmed}"
         );
     }
@@ -295,7 +302,7 @@ mod tests {
         let mut misprint = battery(Verdict::Holds);
         misprint.claims[4] = vec![claim(Verdict::Refuted, "a sign")];
         misprint.claims[5] = Vec::new();
-        let page = text(&misprint);
-        assert!(page.contains("··u·m?···· ·\n") && page.contains("**0 false alarms**"), "{page}");
+        let (page, words) = text(&misprint);
+        assert!(page.contains("··u·m?···· ·\n") && words.contains("**0 false alarms**"), "{page}");
     }
 }
