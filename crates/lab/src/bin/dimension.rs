@@ -25,7 +25,7 @@ use systems::{Constant, PoissonSystem, SpinChain};
 
 /// Time against dimension.
 #[derive(Parser)]
-#[command(name = "cargo xtask bench --dimension", version)]
+#[command(name = "cargo xtask dimension", version)]
 struct Arguments {
     /// One repetition of each, to see that everything runs.
     #[arg(long)]
