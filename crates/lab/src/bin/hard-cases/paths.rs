@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use anyhow::Result;
-use mc::{Ladder, NextNoise, NoiseSource, Run, Statistic, View};
+use mc::{Ladder, NextNoise, Run, Statistic, View};
 use noise::{StreamKey, Truncation};
 use real::WIDTH;
+use report::distinct;
 use systems::{Damping, PoissonSystem, Problem};
 
 use crate::cases::Context;
@@ -64,7 +65,7 @@ pub struct Experiment<S, G, const D: usize, const M: usize> {
     pub noise: Option<Box<Source<M>>>,
 }
 
-/// Gives the noise of a block of paths from its first path on, see [`NoiseSource`].
+/// Gives the noise of a block of paths from its first path on, see [`mc::NoiseSource`].
 pub type Source<const M: usize> = dyn Fn(u64) -> NextNoise<'static, M> + Sync;
 
 /// A conformal law with the rounding that is allowed.
@@ -131,7 +132,7 @@ where
         let mut ladder =
             Ladder::new(&self.problem, self.steps, 0, self.truncation, self.key, runs)?;
         if let Some(source) = &self.noise {
-            ladder = ladder.with_noise(FromFunction(source));
+            ladder = ladder.with_noise(source);
         }
         let record = || Record { experiment: self, paths: BTreeMap::new() };
         let measured = ladder.run(self.paths, record, &|_| ());
@@ -217,22 +218,14 @@ where
 pub fn stops<const D: usize>(paths: &[Path<D>]) -> Option<String> {
     let stops: Vec<(Cause, u64)> = paths.iter().filter_map(|path| path.stop).collect();
     let (cause, step) = stops.last()?;
-    if paths.len() == 1 {
-        return Some(format!("{cause} in step {step}"));
-    }
-    let causes = [Cause::NoSolution, Cause::Overflow, Cause::OutsideDomain];
-    let counts = causes.map(|cause| (cause, stops.iter().filter(|stop| stop.0 == cause).count()));
-    let counted = counts.iter().filter(|(_, count)| *count > 0);
-    let words: Vec<String> = counted.map(|(cause, count)| format!("{cause} on {count}")).collect();
-    Some(format!("of {} paths {}", paths.len(), words.join(", ")))
-}
-
-struct FromFunction<'a, const M: usize>(&'a Source<M>);
-
-impl<const M: usize> NoiseSource<M> for FromFunction<'_, M> {
-    fn block(&self, first_path: u64) -> NextNoise<'_, M> {
-        (self.0)(first_path)
-    }
+    let words = match paths.len() {
+        1 => format!("{cause} in step {step}"),
+        all => {
+            let causes = distinct(stops.iter().map(|(cause, _)| cause.to_string())).join(", ");
+            format!("{} of {all} paths stop: {causes}", stops.len())
+        }
+    };
+    Some(words)
 }
 
 /// Keeps every path.

@@ -199,7 +199,7 @@ pub struct GrowthPoint {
 }
 
 /// One target of the fuzzer.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 pub struct Fuzzed {
     /// What was fed.
     pub target: &'static str,
