@@ -61,6 +61,10 @@ pub trait Experiment: Sync {
     fn ids(&self) -> Vec<&'static str>;
     /// Runs it.
     fn run(&self, conditions: &Conditions<'_>) -> Findings;
+    /// Whether it takes most of the time of a run: the battery repeats it at small sizes only.
+    fn takes_long(&self) -> bool {
+        false
+    }
 }
 
 /// An experiment that is a function.
@@ -69,6 +73,8 @@ pub struct Measurement {
     pub id: &'static str,
     /// Measures.
     pub measure: fn(&Conditions<'_>) -> Findings,
+    /// Whether it takes most of the time of a run.
+    pub long: bool,
 }
 
 impl Experiment for Measurement {
@@ -78,6 +84,10 @@ impl Experiment for Measurement {
 
     fn run(&self, conditions: &Conditions<'_>) -> Findings {
         (self.measure)(conditions)
+    }
+
+    fn takes_long(&self) -> bool {
+        self.long
     }
 }
 

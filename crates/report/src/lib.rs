@@ -35,13 +35,12 @@
 //! | [`files`] | whole files, folders that are checked before the computing |
 //! | [`provenance`] | commit, compiler, processor, command, memory |
 //! | [`Bars`], [`terminal`] | progress and verdicts on the terminal |
-//! | [`Outcome`], [`evidence_of`] | what a claim came to, and its measurement as data |
+//! | [`Outcome`] | what a verdict means to a reader |
 //! | [`Label`] | indices and exponents in names of quantities |
 
 mod bars;
 mod csv;
 mod escape;
-mod evidence;
 pub mod figure;
 pub mod files;
 mod html;
@@ -60,7 +59,6 @@ use verify::results::Results;
 
 pub use bars::Bars;
 pub use csv::csv;
-pub use evidence::{Measurement, evidence_of};
 pub use html::Wording;
 pub use label::Label;
 pub use markdown::{Page, anchor, distinct};

@@ -1,7 +1,7 @@
 //! Time against dimension: the fixed point against Newton's method, on spin chains of up to a
 //! hundred spins.
 //!
-//! `cargo xtask bench --dimension` builds and runs this. For each dimension and each strength of
+//! `cargo xtask dimension` builds and runs this. For each dimension and each strength of
 //! the coupling one implicit step of `sexp` is solved in four ways: by the fixed point on one path
 //! and on a block, by the Newton method of `nonlin`, and by a Newton method with the dense
 //! elimination of the library faer. Time is the best of many, per path.

@@ -84,6 +84,10 @@ impl Experiment for WeakPanels {
         self.0.iter().map(|panel| panel.id).collect()
     }
 
+    fn takes_long(&self) -> bool {
+        true
+    }
+
     fn run(&self, conditions: &Conditions<'_>) -> Findings {
         let problem = rigid_body_three_noises(1.0);
         let grid = conditions

@@ -49,6 +49,10 @@ impl Experiment for AgainstExact {
     fn run(&self, conditions: &Conditions<'_>) -> Findings {
         (self.compare)(self, conditions)
     }
+
+    fn takes_long(&self) -> bool {
+        true
+    }
 }
 
 /// Both systems have a vector field of degree 2 and noise of size 1.

@@ -2,7 +2,9 @@
 //! equation, and what an accuracy costs.
 
 use mc::Observable;
-use mc::multilevel::{Coupling, Estimate, Expectation, Settings, expectation, expectation_plain};
+use mc::multilevel::{
+    Coupling, Estimate, Expectation, ExpectationSettings, expectation, expectation_plain,
+};
 use schemes::Sexp;
 use stats::Point;
 use systems::paper::{rigid_body_three_noises, valid};
@@ -25,10 +27,11 @@ fn degree(conditions: &Conditions<'_>) -> usize {
     conditions.choose(96, 64)
 }
 
-fn settings(conditions: &Conditions<'_>, part: u64) -> Settings {
+fn settings(conditions: &Conditions<'_>, part: u64) -> ExpectationSettings {
     let key = conditions.key(part);
-    let settings = Settings::new(key, truncation(), COARSEST_STEPS, Coupling::Antithetic);
-    Settings { max_cost: 1 << 40, ..settings }
+    let settings =
+        ExpectationSettings::new(key, truncation(), COARSEST_STEPS, Coupling::Antithetic);
+    ExpectationSettings { max_cost: 1 << 40, ..settings }
 }
 
 /// E[φ] of `estimate` against its value by the Kolmogorov equation.

@@ -30,8 +30,8 @@ pub fn card(panel: &Panel, figure: &str, claims: &[Claim], comment: &str) -> Str
     format!(
         "<article class=\"card\" id=\"panel-{id}\">\n<header><h3>{title}</h3>{code}</header>\n\
          <figure><div class=\"paper\">{figure}</div><figcaption>{caption}</figcaption></figure>\n\
-         {badges}<dl>{facts}</dl>\n<p class=\"files\"><a href=\"data/{stem}.csv\">Numbers (CSV)</a> \
-         <a href=\"figures/{stem}.svg\">Figure (SVG)</a></p>\n</article>\n",
+         {badges}<dl>{facts}</dl>\n<p class=\"files\"><a href=\"data/{stem}.csv\">Numbers \
+         (CSV)</a> <a href=\"figures/{stem}.svg\">Figure (SVG)</a></p>\n</article>\n",
         id = escape(&panel.id),
         title = prose(&panel.title),
         code = code(&panel.id),

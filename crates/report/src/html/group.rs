@@ -1,12 +1,12 @@
 //! Claims about the same statement, and their common verdict.
 
-use verify::results::Claim;
+use verify::results::{Claim, Evidence};
 
 use super::markup::{code, scheme};
 use super::number::scientific;
 use super::prose::prose;
+use crate::Outcome;
 use crate::escape::escape;
-use crate::{Measurement, Outcome, evidence_of};
 
 /// The claims about one statement: proven ones by statement, others by statement and scheme.
 pub struct Group<'a> {
@@ -86,10 +86,12 @@ impl<'a> Group<'a> {
     pub fn digest(&self) -> String {
         let (mut orders, mut defects) = (Vec::new(), Vec::new());
         for claim in &self.claims {
-            match evidence_of(claim) {
-                Measurement::Order(order) => orders.push(order),
-                Measurement::Defect(defect) => defects.push(defect),
-                Measurement::Other => {}
+            match &claim.measured {
+                Evidence::Order { rate: Some(rate), .. } => orders.push(rate.estimate),
+                Evidence::Defect { largest, .. } | Evidence::Approach { largest, .. } => {
+                    defects.push(*largest);
+                }
+                _ => {}
             }
         }
         let all = self.claims.len();
@@ -120,7 +122,7 @@ fn spread(one: &str, many: &str, mut numbers: Vec<f64>, show: impl Fn(f64) -> St
 
 #[cfg(test)]
 mod tests {
-    use verify::results::Verdict;
+    use verify::results::{Rate, Verdict};
 
     use super::super::tests::claim;
     use super::*;
@@ -159,24 +161,24 @@ mod tests {
 
     #[test]
     fn measurements_are_gathered() {
-        let digest = |evidence: &[&str]| {
-            let claims: Vec<Claim> = evidence
-                .iter()
-                .map(|text| Claim {
-                    evidence: (*text).to_owned(),
-                    ..claim("a", "", true, Verdict::Holds, "")
-                })
-                .collect();
+        let digest = |measured: &[Evidence]| {
+            let claim = |measured: &Evidence| Claim {
+                evidence: measured.to_string(),
+                measured: measured.clone(),
+                ..claim("a", "", true, Verdict::Holds, "")
+            };
+            let claims: Vec<Claim> = measured.iter().map(claim).collect();
             Group { claims: claims.iter().collect() }.digest()
         };
-        let orders = ["order 1.001, 95 % interval [0.9, 1.1]", "order 0.99; fine"];
-        assert_eq!(digest(&orders[..1]), "order 1.001");
-        assert_eq!(digest(&orders), "2 orders between 0.990 and 1.001");
-        assert_eq!(
-            digest(&["largest relative defect of C along the path: 1.8e-15"]),
-            "largest relative defect 1.8·10<sup>−15</sup>"
-        );
-        assert_eq!(digest(&["ratio 2; fine"]), "ratio 2; fine");
-        assert_eq!(digest(&["ratio 2", "order 1.0"]), "for example, ratio 2");
+        let order = |estimate| Evidence::Order {
+            order: 1.0,
+            one_sided: false,
+            rate: Some(Rate { estimate, ..Rate::default() }),
+        };
+        let other = Evidence::Undecided { reason: "too short".into() };
+        assert_eq!(digest(&[order(1.001)]), "order 1.001");
+        assert_eq!(digest(&[order(1.001), order(0.99)]), "2 orders between 0.990 and 1.001");
+        assert_eq!(digest(std::slice::from_ref(&other)), "too short");
+        assert_eq!(digest(&[other, order(1.0)]), "for example, too short");
     }
 }

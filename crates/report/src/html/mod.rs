@@ -89,21 +89,19 @@ fn grid(cards: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use verify::results::Verdict;
+    use verify::results::{Evidence, Verdict};
 
     use super::*;
 
     /// A claim for tests.
     pub fn claim(id: &str, scheme: &str, proven: bool, verdict: Verdict, erratum: &str) -> Claim {
+        let evidence = Evidence::Undecided { reason: "as it should be".into() };
         Claim {
-            id: id.into(),
-            panel: String::new(),
             scheme: scheme.into(),
-            statement: format!("{scheme} has {id}"),
             verdict,
-            evidence: "as it should be".into(),
             proven,
             erratum: erratum.into(),
+            ..Claim::new(id, format!("{scheme} has {id}"), evidence)
         }
     }
 

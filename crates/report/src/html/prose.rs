@@ -1,115 +1,48 @@
 //! Plain text with formulas as HTML: `2^-5`, `τ^((1+k)/2)`, `y_n`, `y2^2` and `1.8e-15` become what
 //! they mean.
 
+use std::sync::LazyLock;
+
+use regex_lite::{Captures, Regex};
+
 use crate::escape::escape;
+
+/// Patterns and their replacements, in the order in which they are applied.
+static RULES: LazyLock<Vec<(Regex, &str)>> = LazyLock::new(|| {
+    const LETTER: &str = "[A-Za-zÀ-ÿα-ωΑ-Ω]";
+    const BEFORE: &str = "(^|[^A-Za-zÀ-ÿα-ωΑ-Ω0-9_])";
+    // What is raised or lowered: a group in brackets, which it loses, or a signed word.
+    const SCRIPT: &str =
+        r"(?:\(((?:[^()]|\([^()]*\))*)\)|\{([^{}]*)\}|([-−+]?[A-Za-zα-ωΑ-Ω0-9½]+))";
+    let rules = [
+        // No line ends behind a relation, or between a letter and a relation or the step size.
+        ("([=≤≥]) ".to_owned(), "$1\u{a0}"),
+        (format!("{BEFORE}({LETTER}) ([=≤≥τ])"), "$1$2\u{a0}$3"),
+        (format!(r"([^\s])\^{SCRIPT}"), "$1<sup>$2$3$4</sup>"),
+        // A name such as `relative_defect` has no index.
+        (format!("{BEFORE}({LETTER})_{SCRIPT}"), "$1$2<sub>$3$4$5</sub>"),
+        (r"\by([0-9])\b".to_owned(), "y<sub>$1</sub>"),
+        (r"(^|[ (\[>])-([0-9])".to_owned(), "$1−$2"),
+    ];
+    rules.into_iter().map(|(pattern, with)| (regex(&pattern), with)).collect()
+});
+
+/// A number such as `1.8e-15`.
+static POWER: LazyLock<Regex> = LazyLock::new(|| regex(r"\b([0-9]+(?:\.[0-9]+)?)e([-+]?[0-9]+)\b"));
+
+fn regex(pattern: &str) -> Regex {
+    Regex::new(pattern).expect("the patterns of this file are valid")
+}
 
 /// The text, escaped, with its scripts and powers of ten set as such.
 pub fn prose(text: &str) -> String {
-    let chars: Vec<char> = text.chars().collect();
-    let mut html = String::new();
-    let mut at = 0;
-    while at < chars.len() {
-        let (piece, next) =
-            formula(&chars, at).unwrap_or_else(|| (escape(&chars[at].to_string()), at + 1));
-        html.push_str(&piece);
-        at = next;
-    }
-    html
-}
-
-/// The formula that begins at a place, and where it ends.
-fn formula(chars: &[char], at: usize) -> Option<(String, usize)> {
-    let before = |n: usize| at.checked_sub(n).map(|place| chars[place]);
-    let after = |n: usize| chars.get(at + n).copied();
-    let tagged = |tag: &str, (inner, end): (&[char], usize)| {
-        (format!("<{tag}>{}</{tag}>", prose(&inner.iter().collect::<String>())), end)
+    let power = |found: &Captures| match &found[2] {
+        "0" => found[1].to_owned(),
+        "-1" => found[0].parse().map_or(found[0].to_owned(), |x: f64| x.to_string()),
+        exponent => format!("{}·10^{{{}}}", &found[1], exponent.trim_start_matches('+')),
     };
-    match chars[at] {
-        ' ' if before(1).is_some_and(|c| binds(before(2), c, after(1))) => {
-            Some(("\u{a0}".to_owned(), at + 1))
-        }
-        '^' if at > 0 => script(chars, at + 1).map(|inner| tagged("sup", inner)),
-        // A name such as `relative_defect` has no index.
-        '_' if before(1).is_some_and(char::is_alphabetic) && !before(2).is_some_and(is_word) => {
-            script(chars, at + 1).map(|inner| tagged("sub", inner))
-        }
-        'y' if !before(1).is_some_and(is_word) && !after(2).is_some_and(is_word) => {
-            let index = after(1).filter(char::is_ascii_digit)?;
-            Some((format!("y<sub>{index}</sub>"), at + 2))
-        }
-        '-' if after(1).is_some_and(|c| c.is_ascii_digit())
-            && before(1).is_none_or(|c| " ([".contains(c)) =>
-        {
-            Some(("−".to_owned(), at + 1))
-        }
-        c if c.is_ascii_digit() && !before(1).is_some_and(|c| is_word(c) || c == '.') => {
-            power_of_ten(chars, at)
-        }
-        _ => None,
-    }
-}
-
-/// Whether no line may end between `left` and `right`: behind a relation, and between a single
-/// letter and a relation or the step size.
-fn binds(before_left: Option<char>, left: char, right: Option<char>) -> bool {
-    let relation = |c: char| "=≤≥".contains(c);
-    let single = left.is_alphabetic() && !before_left.is_some_and(is_word);
-    relation(left) || single && right.is_some_and(|c| relation(c) || c == 'τ')
-}
-
-fn is_word(c: char) -> bool {
-    c.is_alphanumeric() || c == '_'
-}
-
-/// What is raised or lowered: a group in brackets, which it loses, or a signed word.
-fn script(chars: &[char], start: usize) -> Option<(&[char], usize)> {
-    let close = match chars.get(start)? {
-        '(' => ')',
-        '{' => '}',
-        _ => {
-            let signs = usize::from("-−+".contains(chars[start]));
-            let word = chars[start + signs..]
-                .iter()
-                .take_while(|c| c.is_alphabetic() || c.is_ascii_digit() || **c == '½');
-            let end = start + signs + word.count();
-            return (end > start + signs).then(|| (&chars[start..end], end));
-        }
-    };
-    let mut depth = 0_usize;
-    for (place, c) in chars.iter().enumerate().skip(start) {
-        if *c == chars[start] {
-            depth += 1;
-        } else if *c == close {
-            depth -= 1;
-            if depth == 0 {
-                return Some((&chars[start + 1..place], place + 1));
-            }
-        }
-    }
-    None
-}
-
-/// A number such as `1.8e-15`.
-fn power_of_ten(chars: &[char], start: usize) -> Option<(String, usize)> {
-    let digits =
-        |from: usize| from + chars[from..].iter().take_while(|c| c.is_ascii_digit()).count();
-    let mut mantissa = digits(start);
-    if chars.get(mantissa) == Some(&'.') {
-        mantissa = digits(mantissa + 1);
-    }
-    if chars.get(mantissa) != Some(&'e') {
-        return None;
-    }
-    let sign = usize::from(matches!(chars.get(mantissa + 1), Some('-' | '+')));
-    let end = digits((mantissa + 1 + sign).min(chars.len()));
-    let exponent: i32 = chars[mantissa + 1..end].iter().collect::<String>().parse().ok()?;
-    let number: String = chars[start..mantissa].iter().collect();
-    let html = match exponent {
-        0 => number,
-        -1 => format!("{number}e-1").parse::<f64>().ok()?.to_string(),
-        _ => format!("{number}·10<sup>{}</sup>", exponent.to_string().replace('-', "−")),
-    };
-    (!chars.get(end).copied().is_some_and(is_word)).then_some((html, end))
+    let text = POWER.replace_all(&escape(text), power).into_owned();
+    RULES.iter().fold(text, |text, (rule, with)| rule.replace_all(&text, *with).into_owned())
 }
 
 #[cfg(test)]

@@ -24,8 +24,8 @@ pub fn provenance(from: &Provenance) -> String {
         "<div class=\"two\"><div><dl class=\"facts\">{facts}</dl>\n\
          <p class=\"quiet\">The results are the same, bit for bit, for the same seed on any number \
          of threads and any instruction set.</p>\n\
-         <p class=\"quiet\">The whole run is in <a href=\"results.json\">results.json</a>; the columns \
-         of the CSV files are named in their first line.</p></div>\n\
+         <p class=\"quiet\">The whole run is in <a href=\"results.json\">results.json</a>; the \
+         columns of the CSV files are named in their first line.</p></div>\n\
          <div>{}</div></div>",
         table(&["panel or statement", "wall time"].map(str::to_owned), times)
     )

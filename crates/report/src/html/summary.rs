@@ -58,8 +58,8 @@ fn misprints(groups: &[Group]) -> String {
         .filter(|(_, claim)| Outcome::of(claim) == Outcome::Misprint)
         .map(|(group, claim)| {
             format!(
-                "<p class=\"summary erratum\"><b>Misprint in the paper</b> ({}): {} The statement as \
-                 printed is refuted: {}.</p>\n",
+                "<p class=\"summary erratum\"><b>Misprint in the paper</b> ({}): {} The statement \
+                 as printed is refuted: {}.</p>\n",
                 group.link(),
                 prose(&claim.erratum),
                 prose(&claim.statement),

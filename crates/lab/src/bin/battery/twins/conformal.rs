@@ -1,35 +1,38 @@
 //! Twins of the conformal laws and of the bounds that follow from them.
 
-use ::systems::paper::{
-    INERTIA, LOTKA_VOLTERRA_START, NOISE_INERTIA, half_cosine, rigid_body_start, valid,
-};
-use ::systems::{
-    Damping, IntegerExponents, LotkaVolterra, PoissonSystem, Problem, RigidBody, Sine, vector_field,
-};
+use lab::conformal_law::{ROUND_OFF, along, approach, largest_defect};
+use lab::statements::{exact_conformal, moment_bound};
+use lab::{Conditions, truncation};
 use mc::trajectory;
-use schemes::{EulerMaruyama, Scheme, Sexp, Step};
-use verify::results::Claim;
-use verify::{PathScheme, claim, decide};
+use noise::{BlockNoise, Noise};
+use nonlin::{BlockStatus, Solution};
+use real::{Block, WIDTH};
+use schemes::{EulerMaruyama, Implicit, Increment, Scheme, Sexp, Step};
+use systems::paper::{lotka_volterra_2_2, rigid_body_three_noises, valid};
+use systems::{Damping, PoissonSystem, Problem, RigidBody, vector_field};
+use verify::results::{Claim, Evidence};
 
-use super::systems::{MidpointGradient, SignError};
-use crate::approach::{largest_defect, returns_to_law};
-use crate::experiment::{Context, truncation};
-use crate::invariant::ROUND_OFF_DEFECT;
-use crate::statements::{exact_conformal, moment_bound};
+use super::wrong_systems::{MidpointGradient, SignError};
 
-fn body() -> RigidBody<3> {
-    valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA))
+/// The problem with another system.
+fn with_system<S, T, G, const M: usize>(
+    problem: Problem<S, G, 3>,
+    wrong: impl FnOnce(S) -> T,
+) -> Problem<T, G, 3>
+where
+    T: PoissonSystem<3, M>,
+    G: Damping,
+{
+    let Problem { system, damping, y0, t_end } = problem;
+    valid(Problem::new(wrong(system), damping, y0, t_end))
 }
 
-/// The paper's set-up of `rigid-body-casimir`.
-fn casimir_problem<S: PoissonSystem<3, 3>>(system: S) -> Problem<S, ::systems::Cosine, 3> {
-    valid(Problem::new(system, half_cosine(), rigid_body_start(), 10.0))
-}
+/// Steps of τ = 0.1 on [0, 10], as in the invariant panels.
+const STEPS: u64 = 100;
 
-/// The claim of the invariant panels about one scheme: 100 steps of τ = 0.1, first invariant of the
-/// system.
-fn keeps_law<S, G, const M: usize>(
-    context: &Context<'_>,
+/// The claim of the invariant panels about one scheme, first invariant of the system.
+fn obeys_law<S, G, const M: usize>(
+    conditions: &Conditions<'_>,
     id: &str,
     problem: &Problem<S, G, 3>,
     scheme: &dyn Scheme<S, 3, M>,
@@ -38,74 +41,115 @@ where
     S: PoissonSystem<3, M>,
     G: Damping,
 {
-    let path = trajectory(problem, scheme, 100, truncation(), context.key(0), 0)
-        .unwrap_or_else(|error| unreachable!("the set-ups of the paper are valid: {error}"));
-    let defect = largest_defect(problem, 0, &path.times, &path.states);
-    claim(
-        id,
-        "the conformal law holds at every step",
-        decide(defect <= ROUND_OFF_DEFECT),
-        format!("largest relative defect along the path: {defect:.1e}"),
-    )
-}
-
-pub(super) fn sign_in_exact_flow(context: &Context<'_>) -> Claim {
-    let problem = valid(Problem::new(SignError(body()), half_cosine(), rigid_body_start(), 1.0));
-    exact_conformal::law(context, 0, &problem).swap_remove(0)
-}
-
-pub(super) fn sign_in_structure(context: &Context<'_>) -> Claim {
-    keeps_law(context, "conformal-casimir", &casimir_problem(SignError(body())), &Sexp::default())
-}
-
-pub(super) fn damping_of_the_wrong_half(context: &Context<'_>) -> Claim {
-    let wrong = PathScheme {
-        id: "sexp, first half twice",
-        advance: |system: &RigidBody<3>, step: &Step, dw: [f64; 3], y: [f64; 3]| {
-            let mut wrong = *step;
-            wrong.second_decay = step.first_decay;
-            Sexp::default().step(system, &wrong, dw, y).z
-        },
+    let path = valid(trajectory(problem, scheme, STEPS, truncation(), conditions.key(0), 0));
+    let measured = Evidence::Defect {
+        invariant: problem.system.invariants()[0].name.to_owned(),
+        paths: 1,
+        steps: STEPS,
+        largest: largest_defect(&along(problem, 0, &path)),
+        tolerance: ROUND_OFF,
+        obeys: true,
     };
-    keeps_law(context, "conformal-casimir", &casimir_problem(body()), &wrong)
+    Claim::new(id, "the conformal law holds at every step", measured)
 }
 
-/// The drift by `sexp`, the noise added at the old state.
-fn drift_then_noise() -> impl Scheme<RigidBody<3>, 3, 3> {
-    PathScheme {
-        id: "sexp, explicit noise",
-        advance: |system: &RigidBody<3>, step: &Step, dw: [f64; 3], y: [f64; 3]| {
-            let noise = vector_field(system, y, 0.0, dw);
-            let drift = Sexp::default().step(system, step, [0.0; 3], y).z;
-            std::array::from_fn(|i| drift[i] + noise[i])
-        },
+pub fn sign_in_exact_flow(conditions: &Conditions<'_>) -> Claim {
+    let problem = with_system::<_, _, _, 3>(rigid_body_three_noises(1.0), SignError);
+    exact_conformal::law(conditions, 0, &problem).swap_remove(0)
+}
+
+pub fn sign_in_structure(conditions: &Conditions<'_>) -> Claim {
+    let problem = with_system::<_, _, _, 3>(rigid_body_three_noises(10.0), SignError);
+    obeys_law::<_, _, 3>(conditions, "conformal-casimir", &problem, &Sexp::default())
+}
+
+/// `sexp` with e^{−∫γ} over the first half for both halves: with δ that factor, the equation of
+/// z = y_{n+1} is z = δ(ẑ + B((ẑ + w)/2)∇̄h(ẑ, w)), ẑ = δy_n, w = z/δ.
+struct FirstHalfTwice;
+
+impl Implicit for FirstHalfTwice {
+    const ID: &'static str = "sexp, first half twice";
+
+    #[inline(always)]
+    fn psi<H: Increment>(&self, h: H, start: H::Vector, z: H::Vector) -> H::Vector {
+        let decay = h.step().first_decay;
+        let start = start * decay;
+        (start + h.averaged_field(start, z * (1.0 / decay))) * decay
     }
 }
 
-pub(super) fn explicit_noise(context: &Context<'_>) -> Claim {
-    keeps_law(context, "conformal-casimir", &casimir_problem(body()), &drift_then_noise())
+pub fn damping_of_the_wrong_half(conditions: &Conditions<'_>) -> Claim {
+    let problem = rigid_body_three_noises(10.0);
+    obeys_law::<_, _, 3>(conditions, "conformal-casimir", &problem, &FirstHalfTwice)
 }
 
-pub(super) fn explicit_noise_at_small_steps(context: &Context<'_>) -> Claim {
+/// The drift by `sexp`, the noise added at the old state.
+struct DriftThenNoise;
+
+impl Scheme<RigidBody<3>, 3, 3> for DriftThenNoise {
+    fn id(&self) -> &'static str {
+        "sexp, explicit noise"
+    }
+
+    fn reads_areas(&self) -> bool {
+        false
+    }
+
+    fn clips_increments(&self) -> bool {
+        true
+    }
+
+    fn step_block(
+        &self,
+        system: &RigidBody<3>,
+        step: &Step,
+        noise: &BlockNoise<3>,
+        y: &mut Block<3>,
+        status: &mut BlockStatus,
+    ) {
+        *status = BlockStatus::explicit();
+        for p in 0..WIDTH {
+            y.set_path(p, self.step(system, step, &noise.path(p), y.path(p)).z);
+        }
+        status.fail_where_not_finite(y);
+    }
+
+    fn step(
+        &self,
+        system: &RigidBody<3>,
+        step: &Step,
+        noise: &Noise<3>,
+        y: [f64; 3],
+    ) -> Solution<3> {
+        let change = vector_field(system, y, 0.0, noise.increments);
+        let drift = Sexp::default().step(system, step, &Noise::increments([0.0; 3]), y);
+        Solution { z: std::array::from_fn(|i| drift.z[i] + change[i]), ..drift }
+    }
+}
+
+pub fn explicit_noise(conditions: &Conditions<'_>) -> Claim {
+    let problem = rigid_body_three_noises(10.0);
+    obeys_law(conditions, "conformal-casimir", &problem, &DriftThenNoise)
+}
+
+pub fn explicit_noise_at_small_steps(conditions: &Conditions<'_>) -> Claim {
     // Up to T = 1: the Casimir of the wrong method grows, and much later its paths have no
     // solution.
-    let problem = valid(Problem::new(body(), half_cosine(), rigid_body_start(), 1.0));
-    let (verdict, evidence) = returns_to_law(context, &problem, &drift_then_noise(), 0, 10);
-    claim(
-        "conformal-casimir",
-        "the Casimir returns to the conformal law as τ → 0",
-        verdict,
-        evidence,
-    )
+    let problem = rigid_body_three_noises(1.0);
+    let (steps, key) = (STEPS / 10, conditions.key(0));
+    let path = valid(trajectory(&problem, &DriftThenNoise, steps, truncation(), key, 0));
+    let largest = largest_defect(&along(&problem, 0, &path));
+    let measured = approach(conditions, &problem, &DriftThenNoise, 0, steps, largest);
+    let statement = "the Casimir returns to the conformal law as τ → 0";
+    Claim::new("conformal-casimir", statement, measured)
 }
 
-pub(super) fn midpoint_quadrature(context: &Context<'_>) -> Claim {
-    let system = MidpointGradient(valid(LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0)));
-    let problem =
-        valid(Problem::new(system, valid(Sine::new(1.0, 1.0)), LOTKA_VOLTERRA_START, 10.0));
-    keeps_law(context, "energy-balance", &problem, &Sexp::default())
+pub fn midpoint_quadrature(conditions: &Conditions<'_>) -> Claim {
+    let problem = with_system::<_, _, _, 1>(lotka_volterra_2_2(10.0), MidpointGradient);
+    obeys_law::<_, _, 1>(conditions, "energy-balance", &problem, &Sexp::default())
 }
 
-pub(super) fn unbounded_scheme(context: &Context<'_>) -> Claim {
-    moment_bound::bound(context, 0, &moment_bound::undamped(), &EulerMaruyama, "C", 0.5)
+pub fn unbounded_scheme(conditions: &Conditions<'_>) -> Claim {
+    let problem = moment_bound::undamped();
+    moment_bound::bound::<_, _, 3>(conditions, 0, &problem, &EulerMaruyama, "C", 0.5)
 }

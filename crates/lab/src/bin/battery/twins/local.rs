@@ -1,9 +1,8 @@
 //! Twins of the one-step remainders.
 
+use lab::Conditions;
+use lab::statements::local::{self, PIECES, Vector, remainder_claims};
 use verify::results::Claim;
-
-use crate::experiment::Context;
-use crate::statements::local::{self, PIECES, Vector};
 
 /// The increment over the whole step.
 fn whole(pieces: &[Vector; PIECES]) -> Vector {
@@ -12,7 +11,7 @@ fn whole(pieces: &[Vector; PIECES]) -> Vector {
 
 /// The expansion of the exact flow with ½ΔWΔWᵀ for the iterated integrals: the remainder is then of
 /// order τ.
-pub(super) fn without_areas(context: &Context<'_>) -> Claim {
+pub fn without_areas(conditions: &Conditions<'_>) -> Claim {
     let remainder = |tau: f64, pieces: &[Vector; PIECES]| {
         let straight = whole(pieces).map(|w| w / PIECES as f64);
         let with_areas = local::exact_end(tau, pieces);
@@ -20,15 +19,15 @@ pub(super) fn without_areas(context: &Context<'_>) -> Claim {
         let expansion = local::expansion(tau, &[straight; PIECES]);
         std::array::from_fn(|i| with_areas[i] - expansion[i])
     };
-    local::measure(context, "local-exact", "the exact flow", remainder).swap_remove(0)
+    remainder_claims(conditions, "local-exact", "the exact flow", remainder).swap_remove(0)
 }
 
 /// The expansion of the scheme without ½Σ fₘ′f_l ΔŴ_lΔŴₘ.
-pub(super) fn without_second_order(context: &Context<'_>) -> Claim {
+pub fn without_second_order(conditions: &Conditions<'_>) -> Claim {
     let remainder = |tau: f64, pieces: &[Vector; PIECES]| {
         let end = local::sexp_end(tau, pieces);
         let first = local::first_order(tau, whole(pieces));
         std::array::from_fn(|i| end[i] - first[i])
     };
-    local::measure(context, "local-sexp", "sexp", remainder).swap_remove(0)
+    remainder_claims(conditions, "local-sexp", "sexp", remainder).swap_remove(0)
 }

@@ -2,7 +2,7 @@
 
 use anyhow::ensure;
 use lab::compiled;
-use mc::multilevel::{Coupling, Settings, expectation};
+use mc::multilevel::{Coupling, ExpectationSettings, expectation};
 use mc::{Ladder, Observable, Run, trajectory};
 use noise::{StreamKey, Truncation};
 use schemes::EulerMaruyama;
@@ -48,7 +48,8 @@ fn feed(bits: &mut Bits) -> Fed {
             counted(accepted(Ladder::new(&problem, steps, levels, truncation, key, runs))?)
         }
         _ => {
-            let mut settings = Settings::new(key, truncation, bits.below(8), Coupling::Plain);
+            let mut settings =
+                ExpectationSettings::new(key, truncation, bits.below(8), Coupling::Plain);
             settings.weak_order = if bits.one_in(2) { 1.0 } else { bits.number() };
             settings.pilot = if bits.one_in(2) { 128 } else { bits.word() };
             settings.max_level = bits.below(30) as usize;

@@ -5,40 +5,39 @@
 //! twin that is not refuted is a failure of the battery.
 
 mod conformal;
-mod levy;
 mod local;
 mod orders;
-mod systems;
+mod wrong_noise;
+mod wrong_systems;
 
-use ::systems::Pendulum;
-use ::systems::paper::valid;
+use lab::statements::{solvability::contraction, truncation::sampled_variance};
+use lab::{Conditions, streams};
+use systems::paper::pendulum;
 use verify::results::Claim;
 use verify::{Progress, Settings};
 
-use crate::experiment::{Context, Twin};
-use crate::statements::{solvability, truncation};
+/// A wrong method with its measurement.
+pub type Twin = verify::Twin<fn(&Conditions<'_>) -> Claim>;
 
 /// All of them, by statement.
 pub const TWINS: &[Twin] = &[
     Twin {
         claim: "truncation-moments",
         mistake: "increments are not truncated",
-        measure: |context| truncation::sampled_variance(context, f64::INFINITY),
+        measure: |conditions| sampled_variance(conditions, f64::INFINITY),
     },
     Twin {
         claim: "truncation-moments",
         mistake: "the threshold is 2k|log τ| without the square root",
-        measure: |context| {
+        measure: |conditions| {
             let tau = 0.25f64;
-            truncation::sampled_variance(context, tau.sqrt() * 2.0 * tau.ln().abs())
+            sampled_variance(conditions, tau.sqrt() * 2.0 * tau.ln().abs())
         },
     },
     Twin {
         claim: "solvability",
         mistake: "increments reach six times the truncation bound",
-        measure: |context| {
-            solvability::contraction::<_, 2>(context, 0, &valid(Pendulum::new(1.0)), 1.0, 6.0)
-        },
+        measure: |conditions| contraction(conditions, 0, &pendulum().system, 1.0, 6.0),
     },
     Twin {
         claim: "exact-conformal",
@@ -82,12 +81,12 @@ pub const TWINS: &[Twin] = &[
     Twin {
         claim: "strong-half",
         mistake: "the Itô correction is dropped",
-        measure: orders::correction_dropped,
+        measure: |conditions| orders::strong_with_correction(conditions, 0.0),
     },
     Twin {
         claim: "strong-half",
         mistake: "the Itô correction is doubled",
-        measure: orders::correction_doubled,
+        measure: |conditions| orders::strong_with_correction(conditions, 2.0),
     },
     Twin {
         claim: "strong-half",
@@ -112,35 +111,74 @@ pub const TWINS: &[Twin] = &[
     Twin {
         claim: "strong-one-levy",
         mistake: "Lévy areas of the wrong sign",
-        measure: levy::wrong_sign,
+        measure: orders::areas_of_the_wrong_sign,
     },
     Twin {
         claim: "strong-one-levy",
         mistake: "Lévy areas drawn afresh on each coarse grid",
-        measure: levy::fresh_areas,
+        measure: orders::fresh_areas,
     },
-    Twin { claim: "strong-one-levy", mistake: "no Lévy areas", measure: levy::without_areas },
+    Twin { claim: "strong-one-levy", mistake: "no Lévy areas", measure: orders::without_areas },
     Twin {
         claim: "weak-one",
         mistake: "the Itô correction is dropped",
-        measure: orders::weak_correction_dropped,
+        measure: |conditions| orders::weak_with_correction(conditions, 0.0),
     },
     Twin {
         claim: "weak-one",
         mistake: "the Itô correction is doubled",
-        measure: orders::weak_correction_doubled,
+        measure: |conditions| orders::weak_with_correction(conditions, 2.0),
     },
 ];
 
-/// First experiment number of the twins.
-const TWIN_NUMBERS: u64 = 3000;
-
 /// Measures every twin; the claims come in the order of [`TWINS`].
 pub fn measure_twins(settings: Settings, progress: &dyn Progress) -> Vec<Claim> {
-    (TWIN_NUMBERS..)
-        .zip(TWINS)
-        .map(|(experiment, twin)| {
-            (twin.measure)(&Context { settings, experiment, wanted: &[], progress })
-        })
-        .collect()
+    let numbered = (streams::TWINS..).zip(TWINS);
+    let measure = |(experiment, twin): (u64, &Twin)| {
+        (twin.measure)(&Conditions { settings, experiment, wanted: &[], progress })
+    };
+    numbered.map(measure).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use lab::{STATEMENTS, ids, reproduce};
+    use verify::results::Verdict;
+    use verify::{Mode, Silent};
+
+    use super::*;
+
+    const SEEDS: [u64; 3] = [1, 2, 3];
+
+    #[test]
+    fn every_twin_is_refuted() {
+        for seed in SEEDS {
+            let settings = Settings { seed, mode: Mode::Quick };
+            for (twin, claim) in TWINS.iter().zip(measure_twins(settings, &Silent)) {
+                let Twin { claim: id, mistake, .. } = twin;
+                let evidence = &claim.evidence;
+                assert_eq!(claim.verdict, Verdict::Refuted, "{seed}: {id}, {mistake}: {evidence}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_right_methods_are_not_refuted() {
+        let only: Vec<String> = ids(STATEMENTS).into_iter().map(str::to_owned).collect();
+        for seed in SEEDS {
+            let settings = Settings { seed, mode: Mode::Quick };
+            for claim in reproduce(settings, &only, &Silent).unwrap().claims {
+                assert!(!claim.is_refuted(), "seed {seed}: {}: {}", claim.id, claim.evidence);
+            }
+        }
+    }
+
+    #[test]
+    fn every_statement_has_a_twin() {
+        let of_panels =
+            ["conformal-casimir", "energy-balance", "strong-half", "strong-one", "weak-one"];
+        for id in ids(STATEMENTS).into_iter().chain(of_panels) {
+            assert!(TWINS.iter().any(|twin| twin.claim == id), "{id} has no twin");
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! How many false alarms are to be expected, and how many are too many.
 
-use report::{Measurement, Outcome, evidence_of};
-use verify::results::Claim;
+use report::Outcome;
+use verify::results::{Claim, Evidence};
 
 /// The most often that an order is refuted by chance: a 99.9 % interval misses on one side.
 const ORDER_ALARM: f64 = 0.0005;
@@ -10,9 +10,9 @@ const CHECK_ALARM: f64 = 1e-5;
 
 /// The most false alarms to be expected among the verdicts, misprints aside.
 pub fn expected_alarms<'a>(verdicts: impl Iterator<Item = &'a Claim>) -> f64 {
-    let alarm = |claim: &Claim| match (Outcome::of(claim), evidence_of(claim)) {
+    let alarm = |claim: &Claim| match (Outcome::of(claim), &claim.measured) {
         (Outcome::Misprint, _) => 0.0,
-        (_, Measurement::Order(_)) => ORDER_ALARM,
+        (_, Evidence::Order { .. }) => ORDER_ALARM,
         _ => CHECK_ALARM,
     };
     verdicts.map(alarm).sum()

@@ -1,10 +1,11 @@
 //! The page about the battery: statements by seed, twins, coverage.
 
-use lab::{CoverageRow, Expected, TWINS};
+use lab::{CoverageRow, Expected};
 use report::{Outcome, Page};
-use verify::results::{Claim, Verdict};
+use verify::results::{Claim, Evidence, Verdict};
 
 use crate::budget::{expected_alarms, least_power, poisson_quantile};
+use crate::twins::TWINS;
 
 /// What the battery measured, one entry a seed.
 #[derive(Default)]
@@ -69,17 +70,17 @@ fn alarms(page: &mut Page, battery: &Battery) {
     let most = poisson_quantile(expected, ALARM_CONFIDENCE);
     let alarms = battery.false_alarms();
     let undecided = || verdicts().filter(|claim| claim.verdict == Verdict::Undecided);
-    let weak = undecided().filter(|claim| claim.panel.starts_with("rigid-body-weak")).count();
+    let weak = undecided().filter(|claim| claim.id == "weak-one").count();
     page.paragraph(format!(
         "The false-refutation probability of an order is at most 0.05 %: a 99.9 % interval must \
          miss on one side, by more than ¼. That of every other check is at most 1e-5. Over the \
          {all} verdicts of this page at most {expected:.2} false alarms are expected; more than \
-         {most} would have a probability below 0.1 % (Poisson; verdicts of one seed share paths, so \
-         the bound is a guide). Counted: **{alarms} false alarms**, {}.",
+         {most} would have a probability below 0.1 % (Poisson; verdicts of one seed share paths, \
+         so the bound is a guide). Counted: **{alarms} false alarms**, {}.",
         if alarms as u64 <= most { "within the budget" } else { "**beyond the budget**" },
     ));
     page.paragraph(format!(
-        "Undecided: {} of {all} verdicts, {:.1} %; {weak} of them on the weak panels. Twins not \
+        "Undecided: {} of {all} verdicts, {:.1} %; {weak} of them about weak orders. Twins not \
          refuted: **{} of {}**.",
         undecided().count(),
         100.0 * undecided().count() as f64 / all.max(1) as f64,
@@ -171,8 +172,8 @@ fn statements(page: &mut Page, seeds: &[Vec<Claim>]) {
 fn twins(page: &mut Page, seeds: &[Vec<Claim>]) {
     page.heading(2, "Wrong twins");
     page.paragraph(format!(
-        "The same measurements on methods with one deliberate mistake; each must be refuted. A twin \
-         that is refuted for all {} seeds has a power of at least {:.0} % (95 % confidence).",
+        "The same measurements on methods with one deliberate mistake; each must be refuted. A \
+         twin that is refuted for all {} seeds has a power of at least {:.0} % (95 % confidence).",
         seeds.len(),
         100.0 * least_power(seeds.len() as u64),
     ));
@@ -199,7 +200,11 @@ fn expectations(page: &mut Page, claims: &[Claim]) {
          Kolmogorov equation on the sphere in spherical harmonics of degree 96.",
     );
     let row = |claim: &Claim| {
-        [claim.statement.clone(), claim.evidence.clone(), Outcome::of(claim).words().to_owned()]
+        let quantity = match &claim.measured {
+            Evidence::Deviation { quantity, .. } => quantity,
+            _ => &claim.statement,
+        };
+        [quantity.clone(), claim.evidence.clone(), Outcome::of(claim).words().to_owned()]
     };
     page.table(["expectation", "measured", "verdict"], claims.iter().map(row));
 }
@@ -242,18 +247,16 @@ fn code(id: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use verify::results::Evidence;
+
     use super::*;
 
     fn claim(verdict: Verdict, erratum: &str) -> Claim {
+        let measured = Evidence::Order { order: 1.0, one_sided: false, rate: None };
         Claim {
-            id: "strong-one".to_owned(),
-            panel: "a-panel".to_owned(),
-            scheme: String::new(),
-            statement: "a | b".to_owned(),
             verdict,
-            evidence: "order 1.000, 95 % interval [0.9, 1.1]".to_owned(),
-            proven: true,
             erratum: erratum.to_owned(),
+            ..Claim::new("strong-one", "a | b", measured).about("a-panel", "")
         }
     }
 
@@ -273,20 +276,23 @@ mod tests {
         }
     }
 
-    fn text(battery: &Battery) -> String {
-        page(battery).text().to_owned()
+    /// The page, and the page without line breaks.
+    fn text(battery: &Battery) -> (String, String) {
+        let text = page(battery).text().to_owned();
+        let words = text.replace('\n', " ");
+        (text, words)
     }
 
     #[test]
     fn a_seed_is_a_character() {
-        let calm = text(&battery(Verdict::Holds));
+        let (calm, words) = text(&battery(Verdict::Holds));
         assert!(calm.contains("\n  1 strong-one a-panel  ··u······· ·\n"), "{calm}");
-        assert!(calm.contains("**0 false alarms**, within the budget"), "{calm}");
-        assert!(calm.contains("Undecided: 1 of 11 verdicts, 9.1 %"), "{calm}");
+        assert!(words.contains("**0 false alarms**, within the budget"), "{calm}");
+        assert!(words.contains("Undecided: 1 of 11 verdicts, 9.1 %"), "{calm}");
         assert!(calm.contains("(mutation.md)"));
-        let alarmed = text(&battery(Verdict::Refuted));
+        let (alarmed, words) = text(&battery(Verdict::Refuted));
         assert!(
-            alarmed.contains("··u······· R\n") && alarmed.contains("**1 false alarms**"),
+            alarmed.contains("··u······· R\n") && words.contains("**1 false alarms**"),
             "{alarmed}"
         );
     }
@@ -296,7 +302,7 @@ mod tests {
         let mut misprint = battery(Verdict::Holds);
         misprint.claims[4] = vec![claim(Verdict::Refuted, "a sign")];
         misprint.claims[5] = Vec::new();
-        let page = text(&misprint);
-        assert!(page.contains("··u·m?···· ·\n") && page.contains("**0 false alarms**"), "{page}");
+        let (page, words) = text(&misprint);
+        assert!(page.contains("··u·m?···· ·\n") && words.contains("**0 false alarms**"), "{page}");
     }
 }

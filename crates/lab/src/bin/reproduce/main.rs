@@ -1,21 +1,26 @@
-//! `cargo xtask reproduce`.
+//! `cargo xtask reproduce`: runs the experiments of the paper, prints a verdict for every statement
+//! and writes a report with figures, tables and `results.json`.
+
+mod wording;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use clap::Args;
+use clap::Parser;
+use lab::command;
 use real::{Level, limit_to};
 use report::{Bars, Outcome, files, provenance, terminal};
 use verify::results::{Claim, Results};
 use verify::{Mode, Settings};
 
-use crate::wording::WORDING;
+use wording::WORDING;
 
-/// Arguments of `cargo xtask reproduce`.
-#[derive(Args)]
-pub struct Reproduce {
+/// Runs the paper's experiments, prints the verdicts and writes the report.
+#[derive(Parser)]
+#[command(name = "cargo xtask reproduce", version)]
+struct Arguments {
     /// Fewer steps and samples: seconds instead of a minute, wide intervals, verdicts often
     /// undecided.
     #[arg(long)]
@@ -34,21 +39,17 @@ pub struct Reproduce {
     #[arg(long, value_name = "DIR", default_value = "target/reproduce")]
     out: PathBuf,
     /// Use no wider vector instructions than these; the results are the same, only slower.
-    #[arg(long, value_parser = level, value_name = "LEVEL")]
+    #[arg(long, value_parser = command::simd, value_name = "LEVEL")]
     simd: Option<Level>,
 }
 
-/// An instruction set by its name.
-fn level(name: &str) -> Result<Level, String> {
-    let levels = [Level::Baseline, Level::Avx2, Level::Avx512];
-    let names = levels.map(|level| level.name()).join(", ");
-    let found = levels.into_iter().find(|level| level.name() == name);
-    found.ok_or_else(|| format!("there is no instruction set {name:?}; there are {names}"))
+fn main() -> ExitCode {
+    command::exit_code(run(&Arguments::parse()))
 }
 
 /// Runs the experiments and writes the report. Succeeds unless something that the paper proves is
 /// refuted.
-pub fn run(arguments: &Reproduce) -> Result<ExitCode> {
+fn run(arguments: &Arguments) -> Result<ExitCode> {
     if let Some(level) = arguments.simd {
         limit_to(level);
     }
@@ -67,7 +68,7 @@ pub fn run(arguments: &Reproduce) -> Result<ExitCode> {
     let mut results = pool.install(|| lab::reproduce(settings, &arguments.only, &bars))?;
     bars.finish();
     results.provenance.threads = pool.current_num_threads();
-    results.provenance = provenance::complete(results.provenance, "cargo xtask", start);
+    results.provenance = provenance::complete(results.provenance, "cargo xtask reproduce", start);
     files::write_json(&arguments.out.join("results.json"), &results)?;
     report::write_report(&results, &WORDING, &arguments.out)?;
     print_summary(&results, arguments);
@@ -79,7 +80,7 @@ fn fails(claim: &Claim) -> bool {
     claim.proven && Outcome::of(claim) == Outcome::Refuted
 }
 
-fn print_summary(results: &Results, arguments: &Reproduce) {
+fn print_summary(results: &Results, arguments: &Arguments) {
     println!("{}", terminal::verdicts(&results.claims));
     let provenance = &results.provenance;
     for (id, seconds) in &provenance.wall_s_by_id {

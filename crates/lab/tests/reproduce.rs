@@ -8,8 +8,8 @@ use std::process::{Command, Output};
 use serde_json::Value;
 
 fn reproduce(out: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_xtask"))
-        .args(["reproduce", "--quick", "--out"])
+    Command::new(env!("CARGO_BIN_EXE_reproduce"))
+        .args(["--quick", "--out"])
         .arg(out)
         .args(arguments)
         .output()

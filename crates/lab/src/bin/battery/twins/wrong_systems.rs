@@ -1,10 +1,10 @@
 //! Systems with one mistake.
 
-use ::systems::{Invariant, PoissonSystem};
 use real::Real;
+use systems::{Invariant, PoissonSystem};
 
 /// The last component of B(y)v has the wrong sign: B is no longer skew.
-pub(super) struct SignError<S>(pub S);
+pub struct SignError<S>(pub S);
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M> for SignError<S> {
     fn name(&self) -> &'static str {
@@ -29,7 +29,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M>
 }
 
 /// The discrete gradient is the gradient at the midpoint.
-pub(super) struct MidpointGradient<S>(pub S);
+pub struct MidpointGradient<S>(pub S);
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M>
     for MidpointGradient<S>

@@ -1,26 +1,38 @@
-//! `cargo xtask verify`: the whole battery for many master seeds, and `docs/verification.md`.
+//! `cargo xtask verify`: all statements for many master seeds, all twins, the coverage of the
+//! intervals, and the page `docs/verification.md`.
+
+mod budget;
+mod page;
+mod twins;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::Result;
-use clap::Args;
-use lab::{EXPERIMENTS, STATEMENTS, SUPPLEMENTS, measure_twins};
+use clap::{Parser, value_parser};
+use lab::{EXPERIMENTS, Experiment, STATEMENTS, SUPPLEMENTS, command, ids};
 use report::{Bars, files, terminal};
 use verify::results::Claim;
 use verify::{Mode, Settings};
 
-use crate::battery::{self, Battery};
+use page::Battery;
+use twins::measure_twins;
 
-/// Arguments of `cargo xtask verify`.
-#[derive(Args)]
-pub struct Verify {
+/// Runs the whole battery for many seeds, with all wrong twins, and writes docs/verification.md.
+#[derive(Parser)]
+#[command(name = "cargo xtask verify", version)]
+struct Arguments {
     /// Master seeds 1 … N.
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = value_parser!(u64).range(1..))]
     seeds: u64,
     /// Replications behind each coverage figure.
-    #[arg(long, value_name = "N", default_value_t = 4000, value_parser = clap::value_parser!(u64).range(100..))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 4000,
+        value_parser = value_parser!(u64).range(100..)
+    )]
     replications: u64,
     /// Half-width of the intervals of the expectations.
     #[arg(long, value_name = "ACCURACY", default_value_t = 2e-5, value_parser = accuracy)]
@@ -40,9 +52,13 @@ fn accuracy(text: &str) -> Result<f64, String> {
     }
 }
 
+fn main() -> ExitCode {
+    command::exit_code(run(&Arguments::parse()))
+}
+
 /// Runs the battery. Succeeds when nothing is refuted, documented misprints aside, and every twin
 /// is.
-pub fn run(arguments: &Verify) -> Result<ExitCode> {
+fn run(arguments: &Arguments) -> Result<ExitCode> {
     files::prepare_file(&arguments.out)?;
     let start = Instant::now();
     let bars = Bars::new();
@@ -58,7 +74,7 @@ pub fn run(arguments: &Verify) -> Result<ExitCode> {
     bars.println("coverage of the intervals");
     battery.coverage = lab::coverage(arguments.replications, 1);
     bars.finish();
-    let page = battery::page(&battery);
+    let page = page::page(&battery);
     page.write(&arguments.out)?;
     let (alarms, missed) = (battery.false_alarms(), battery.missed_twins());
     println!(
@@ -75,34 +91,24 @@ fn progress(battery: &Battery, seeds: u64, seconds: f64) -> String {
     let done = battery.claims.len();
     let last = battery.claims.last().map_or(String::new(), |claims| terminal::counts(claims));
     format!(
-        "seed {done} of {seeds}: {last}; so far {} false alarms, {} twins not refuted; {seconds:.0} s, about {:.0} s left",
+        "seed {done} of {seeds}: {last}; so far {} false alarms, {} twins not refuted; \
+         {seconds:.0} s, about {:.0} s left",
         battery.false_alarms(),
         battery.missed_twins(),
         seconds / done as f64 * (seeds as f64 - done as f64)
     )
 }
 
-/// What takes most of the time, and is done at the paper's sizes for the first seed only.
-fn is_long(id: &str) -> bool {
-    const LONG: [&str; 5] = [
-        "lotka-volterra-exact",
-        "rigid-body-energy-exact",
-        "spin-pair-levy",
-        "rigid-body-expectations",
-        "expectation-cost",
-    ];
-    id.starts_with("rigid-body-weak") || LONG.contains(&id)
-}
-
-/// All claims for one seed, at the paper's sizes where [`is_long`] does not say otherwise.
+/// All claims for one seed, at the paper's sizes; what takes long is small but for the first seed.
 fn claims(seed: u64, bars: &Bars) -> Result<Vec<Claim>> {
-    let panels = EXPERIMENTS.iter().flat_map(|experiment| experiment.panels.iter().copied());
-    let others =
-        STATEMENTS.iter().map(|statement| statement.id).chain(SUPPLEMENTS.iter().map(|s| s.id));
-    let (long, short): (Vec<String>, Vec<String>) =
-        panels.chain(others).map(str::to_owned).partition(|id| is_long(id));
-    let mut claims = lab::reproduce(Settings { seed, mode: Mode::Paper }, &short, bars)?.claims;
-    let mode = if seed == 1 { Mode::Paper } else { Mode::Quick };
-    claims.extend(lab::reproduce(Settings { seed, mode }, &long, bars)?.claims);
+    let all = [EXPERIMENTS, STATEMENTS, SUPPLEMENTS].concat();
+    let (long, short): (Vec<_>, Vec<_>) =
+        all.into_iter().partition(|experiment| experiment.takes_long());
+    let run = |mode, experiments: &[&dyn Experiment]| {
+        let only: Vec<String> = ids(experiments).into_iter().map(str::to_owned).collect();
+        lab::reproduce(Settings { seed, mode }, &only, bars)
+    };
+    let mut claims = run(Mode::Paper, &short)?.claims;
+    claims.extend(run(if seed == 1 { Mode::Paper } else { Mode::Quick }, &long)?.claims);
     Ok(claims)
 }
