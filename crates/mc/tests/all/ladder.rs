@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use mc::{Cause, Ladder, LadderError, Reference, Run, Statistic, StrongErrors, View, trajectory};
 use noise::{
-    AreaMethod, AreaPath, NoiseError, StreamKey, Truncation, WienerPath, strong_order_one_error,
+    AreaMethod, AreaPath, Noise, NoiseError, StreamKey, Truncation, WienerPath,
+    strong_order_one_error,
 };
 use nonlin::{Method, Solver};
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, Step};
@@ -51,19 +52,16 @@ impl<const D: usize> Statistic<D> for Keep<D> {
     }
 }
 
-/// A piece of a path: increment and areas.
-type Piece = ([f64; 3], [[f64; 3]; 3]);
-
 /// Chen's relation, written out once more.
-fn join(first: &Piece, second: &Piece) -> Piece {
-    let w = std::array::from_fn(|m| first.0[m] + second.0[m]);
+fn join(first: &Noise<3>, second: &Noise<3>) -> Noise<3> {
+    let (v, w) = (first.increments, second.increments);
     let areas = std::array::from_fn(|i| {
         std::array::from_fn(|j| {
-            let wedge = first.0[i] * second.0[j] - second.0[i] * first.0[j];
-            (first.1[i][j] + second.1[i][j]) + 0.5 * wedge
+            let wedge = v[i] * w[j] - w[i] * v[j];
+            (first.areas[i][j] + second.areas[i][j]) + 0.5 * wedge
         })
     });
-    (w, areas)
+    Noise { increments: std::array::from_fn(|m| v[m] + w[m]), areas }
 }
 
 /// The final state of one path at 2^level finest steps a step, by hand: fine increments summed
@@ -78,20 +76,20 @@ fn by_hand(
     swapped: bool,
 ) -> [f64; 3] {
     let fine_tau = problem.t_end / steps as f64;
-    let mut noise = WienerPath::<3>::new(KEY, path);
+    let mut wiener = WienerPath::<3>::new(KEY, path);
     let method = AreaMethod::MrongowiusRoessler;
     let terms = method.terms_for(strong_order_one_error(fine_tau), fine_tau, 3).unwrap();
     let mut area_noise = AreaPath::<3>::new(KEY, path, method, terms);
     let draw = |_| {
-        let dw = noise.increments(fine_tau.sqrt());
-        (dw, area_noise.areas(fine_tau, dw))
+        let increments = wiener.increments(fine_tau.sqrt());
+        Noise { increments, areas: area_noise.areas(fine_tau, increments) }
     };
-    let mut pieces: Vec<Piece> = (0..steps).map(draw).collect();
+    let mut noises: Vec<Noise<3>> = (0..steps).map(draw).collect();
     for _ in 0..level {
-        pieces = pieces.chunks(2).map(|pair| join(&pair[0], &pair[1])).collect();
+        noises = noises.chunks(2).map(|pair| join(&pair[0], &pair[1])).collect();
     }
     if swapped {
-        for pair in pieces.chunks_mut(2) {
+        for pair in noises.chunks_mut(2) {
             pair.swap(0, 1);
         }
     }
@@ -99,11 +97,13 @@ fn by_hand(
     let truncation = Truncation::new(2).unwrap();
     let (bound, area_bound) = (truncation.bound(tau).unwrap(), truncation.area_bound(tau).unwrap());
     let mut y = problem.y0;
-    for (n, (dw, areas)) in pieces.iter().enumerate() {
+    for (n, noise) in noises.iter().enumerate() {
         let step = Step::new(&problem.damping, n as u64, tau).unwrap();
-        let dw = dw.map(|w| w.clamp(-bound, bound));
-        let areas = areas.map(|row| row.map(|area| area.clamp(-area_bound, area_bound)));
-        y = scheme.step_with_areas(&problem.system, &step, dw, areas, y).z;
+        let clipped = Noise {
+            increments: noise.increments.map(|w| w.clamp(-bound, bound)),
+            areas: noise.areas.map(|row| row.map(|area| area.clamp(-area_bound, area_bound))),
+        };
+        y = scheme.step(&problem.system, &step, &clipped, y).z;
     }
     y
 }

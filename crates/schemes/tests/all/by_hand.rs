@@ -4,7 +4,7 @@
 use crate::common::{
     INERTIA, NOISE_INERTIA, Numbers, any_damping, any_increments, any_state, body,
 };
-use noise::Truncation;
+use noise::{Noise, Truncation};
 use nonlin::{Method, Solver};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, Step};
 use systems::{Cosine, Damping};
