@@ -1,7 +1,9 @@
 //! The tests of the crate in one binary, so that the kernels of each system are compiled once for
 //! all of them.
 
+mod driver;
 mod explosive;
 mod ladder;
 mod multilevel;
+mod own_schemes;
 mod simulation;
