@@ -13,8 +13,8 @@ use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, Step};
 use stats::Moments;
 use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
 
+use crate::driver::{BackwardEuler, Euler};
 use crate::explosive::Explosive;
-use crate::own_schemes::{ConformalMidpoint, EulerWithAreas};
 
 type Body = Problem<RigidBody<3>, Cosine, 3>;
 
@@ -116,7 +116,7 @@ fn every_run_is_the_path_that_one_would_follow_by_hand() {
     let (sexp, em, midpoint) = (Sexp::default(), EulerMaruyama, Midpoint::default());
     let levy = SexpLevy::new(&problem.system, problem.y0);
     let schemes: [&dyn Scheme<RigidBody<3>, 3, 3>; 6] =
-        [&sexp, &em, &midpoint, &levy, &EulerWithAreas, &ConformalMidpoint];
+        [&sexp, &em, &midpoint, &levy, &Euler::<false>, &BackwardEuler];
     let mut runs = Vec::new();
     let mut expected = Vec::new();
     for scheme in schemes {

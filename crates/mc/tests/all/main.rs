@@ -5,5 +5,4 @@ mod driver;
 mod explosive;
 mod ladder;
 mod multilevel;
-mod own_schemes;
 mod simulation;

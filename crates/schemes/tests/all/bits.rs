@@ -2,6 +2,7 @@
 //! of instructions, whether a path is easy, needs the robust method or cannot be solved.
 
 use crate::common::{Numbers, Plain, Visit, body, every_system, populations_2};
+use crate::own_schemes::{ConformalMidpoint, EulerWithAreas};
 use noise::{BlockNoise, StreamKey, Truncation, WienerBlock, clip};
 use nonlin::{BlockStatus, Method, Outcome, Solver};
 use real::{Block, Level, WIDTH, limit_to};
@@ -121,9 +122,12 @@ fn a_block_is_its_paths_at_every_level() {
             let mut levy = SexpLevy::new(&body, y0);
             levy.solver = solver;
             side_by_side.compare(&levy, &body, y0);
+            // Somebody else's formula goes through the same kernel.
+            side_by_side.compare(&ConformalMidpoint { solver }, &body, y0);
             // The same without closed forms: commutators and gradients by dual numbers.
             side_by_side.compare(&levy, &Plain(body), y0);
         }
+        side_by_side.compare(&EulerWithAreas, &body(), [0.6, 0.0, 0.8]);
         seen.push(side_by_side.ways);
     }
     let [fast, robust, failed] = seen[0];
