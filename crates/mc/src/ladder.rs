@@ -204,6 +204,13 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
         self.driver.finest_steps >> self.driver.levels
     }
 
+    /// Whether paths are advanced on the threads of the current rayon pool; in dimensions whose steps
+    /// need a larger stack they are advanced on threads of their own.
+    #[must_use]
+    pub fn runs_on_pool(&self) -> bool {
+        self.stack <= USUAL_STACK
+    }
+
     /// Steps that one path takes in all runs together: the unit in which `progress` counts.
     #[must_use]
     pub fn steps_per_path(&self) -> u64 {

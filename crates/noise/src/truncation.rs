@@ -1,4 +1,4 @@
-//! Truncated Wiener increments (Milstein, Repin and Tretyakov 2002; paper, `eq:What`).
+//! Truncated Wiener increments (Milstein, Repin and Tretyakov 2002; Bréhier, Cohen and Komori 2025).
 //!
 //! ΔŴ = √τ χ(ΔW/√τ), where χ clips to ±A and A = √(2k|log τ|). Bounded increments make an implicit
 //! step solvable for every outcome of the noise; the price is E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^{k+1}.

@@ -4,7 +4,7 @@ use real::{Block, PathMask, WIDTH};
 
 use crate::robust::solve_robust;
 use crate::sweep::{Iterate, begins_otherwise, first_sweeps, settled_path, sweep};
-use crate::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Outcome, Solver};
+use crate::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Solver};
 
 /// The paths of a block in two halves: path p of the first has its first sweep together with path p
 /// of the second.
@@ -168,15 +168,6 @@ fn rescue<E: BlockFixedPoint<D>, const D: usize>(
         }
         let solution = solve_robust(&equations.path(p));
         z.set_path(p, solution.z);
-        match solution.outcome {
-            Outcome::Failed { residual } => {
-                status.failed.insert(p);
-                status.pending.0[0][p] = residual;
-            }
-            Outcome::Robust { iterations, .. } | Outcome::Fast { iterations, .. } => {
-                status.robust.insert(p);
-                status.pending.0[0][p] = -f64::from(iterations);
-            }
-        }
+        status.set(p, solution.outcome);
     }
 }

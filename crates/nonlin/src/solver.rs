@@ -115,6 +115,8 @@ impl<const D: usize> Solution<D> {
 pub struct BlockStatus {
     /// Minus the number of iterations of each solved path; the residual of each failed one.
     pub(crate) pending: Block<1>,
+    /// The residual of each path that the robust method solved.
+    pub(crate) residuals: Block<1>,
     /// Paths that the robust method solved.
     pub robust: PathMask,
     /// Paths without a solution.
@@ -125,7 +127,29 @@ impl BlockStatus {
     /// Every path solved in one iteration: the status of an explicit step.
     #[must_use]
     pub fn explicit() -> Self {
-        Self { pending: Block::splat([-1.0]), robust: PathMask::NONE, failed: PathMask::NONE }
+        Self {
+            pending: Block::splat([-1.0]),
+            residuals: Block::zero(),
+            robust: PathMask::NONE,
+            failed: PathMask::NONE,
+        }
+    }
+
+    /// Records what became of path `p`, which is marked neither as robust nor as failed: for a
+    /// scheme that takes the paths of a block one by one.
+    pub fn set(&mut self, p: usize, outcome: Outcome) {
+        match outcome {
+            Outcome::Fast { iterations } => self.pending.0[0][p] = -f64::from(iterations),
+            Outcome::Robust { iterations, residual } => {
+                self.robust.insert(p);
+                self.pending.0[0][p] = -f64::from(iterations);
+                self.residuals.0[0][p] = residual;
+            }
+            Outcome::Failed { residual } => {
+                self.failed.insert(p);
+                self.pending.0[0][p] = residual;
+            }
+        }
     }
 
     /// Marks the paths whose state is not finite as failed, with an infinite residual: what an
@@ -165,10 +189,17 @@ impl BlockStatus {
         f64::max(-self.pending.0[0][p], 0.0) as u32
     }
 
-    /// ‖z − ψ(z)‖₁ on path `p` where no solution was found; zero where one was, to the tolerance.
+    /// ‖z − ψ(z)‖₁ on path `p` where the robust method was needed; zero where the fast one found a
+    /// solution to its tolerance.
     #[must_use]
     pub fn residual(&self, p: usize) -> f64 {
-        // A residual may be infinite or NaN; only a solved path has a negative entry.
-        if self.failed.contains(p) { self.pending.0[0][p] } else { 0.0 }
+        // It may be infinite or NaN.
+        if self.failed.contains(p) {
+            self.pending.0[0][p]
+        } else if self.robust.contains(p) {
+            self.residuals.0[0][p]
+        } else {
+            0.0
+        }
     }
 }

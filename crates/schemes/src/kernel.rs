@@ -196,10 +196,8 @@ impl<F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel
         let equations = BlockEquation { formula, system, step, noise, y };
         formula.solver().solve_block(&equations, &mut z, status);
         if F::EXACT_DAMPING {
-            for i in 0..D {
-                for p in 0..WIDTH {
-                    y.0[i][p] = step.second_decay * z.0[i][p];
-                }
+            for p in 0..WIDTH {
+                y.set_path(p, scaled(z.path(p), step.second_decay));
             }
             if may_overflow(&step) {
                 status.fail_where_not_finite(y);

@@ -18,6 +18,18 @@ pub trait Damping: Send + Sync {
     fn describe(&self) -> String;
 }
 
+impl<G: Damping + ?Sized> Damping for &G {
+    fn rate(&self, t: f64) -> f64 {
+        (**self).rate(t)
+    }
+    fn integral(&self, a: f64, b: f64) -> f64 {
+        (**self).integral(a, b)
+    }
+    fn describe(&self) -> String {
+        (**self).describe()
+    }
+}
+
 /// γ(t) = γ₀.
 #[derive(Clone, Copy, Debug)]
 pub struct Constant {

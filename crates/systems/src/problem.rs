@@ -34,9 +34,18 @@ impl<S, G: Damping, const D: usize> Problem<S, G, D> {
             return Err(SystemError::NonFiniteState { component: i + 1, value: y0[i] });
         }
         system.check_domain(y0)?;
-        if !(t_end > 0.0 && t_end.is_finite()) {
-            return Err(SystemError::FinalTime { t_end });
+        Self { system, damping, y0, t_end }.until(t_end)
+    }
+
+    /// The same problem on [0, `t_end`].
+    ///
+    /// # Errors
+    /// [`SystemError::FinalTime`].
+    pub fn until(self, t_end: f64) -> Result<Self, SystemError> {
+        if t_end > 0.0 && t_end.is_finite() {
+            Ok(Self { t_end, ..self })
+        } else {
+            Err(SystemError::FinalTime { t_end })
         }
-        Ok(Self { system, damping, y0, t_end })
     }
 }

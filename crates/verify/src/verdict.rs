@@ -1,8 +1,19 @@
-//! When an order is said to hold.
+//! Verdicts, and when an order is said to hold.
 
+use serde::{Deserialize, Serialize};
 use stats::{Rate, misfits, normal_quantile, student_quantile};
 
-use crate::results::Verdict;
+/// The answer to a statement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The measurement supports the statement.
+    Holds,
+    /// The measurement contradicts the statement.
+    Refuted,
+    /// The measurement cannot decide; never counted as a pass.
+    Undecided,
+}
 
 /// Confidence at which verdicts are given: one run gives some sixty verdicts about orders, and a
 /// false alarm fails it.

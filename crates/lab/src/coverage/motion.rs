@@ -7,7 +7,7 @@ use stats::{CrossMoments, Terms, fit_strong, root_mean_squares};
 use super::data::Geometric;
 use super::synthetic::{bootstrap_ends, ends, naive, warns};
 use super::{Expected, Tally, Z, bar_encloses, encloses, point_encloses, point_warns};
-use crate::weak::weak_series;
+use crate::panels::weak::weak_series;
 
 pub(super) fn rows(tally: &mut Tally<'_>) {
     use Expected::{Calibrated, Miscovers, Silent, Stated};

@@ -2,7 +2,7 @@
 
 use super::generator::Generator;
 use super::harmonics::harmonics;
-use super::integration::{moments, steps};
+use super::integration::{moments, norm, steps};
 use super::*;
 use crate::paper::{
     INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid, weak_observables,

@@ -1,0 +1,42 @@
+//! **Structure-preserving simulation of damped stochastic Poisson systems.**
+//!
+//! ```text
+//! dy = (B(y)∇H₀(y) − γ(t)y) dt + Σₘ B(y)∇Hₘ(y) ∘ dWₘ,        B(y)ᵀ = −B(y)        (Stratonovich)
+//! ```
+//!
+//! One dependency with everything that a program needs. A system is two formulas, B(y)·v and the
+//! Hamiltonian increment; a scheme is one formula; the rest follows: vectorised ensembles, tables of
+//! paths, expectations with error bars, measured orders, and a report on what the system is.
+//!
+//! ```
+//! use casimir::prelude::*;
+//!
+//! // A damped rigid body with three noises: its Casimir ½|y|² obeys exp(−2∫γ).
+//! let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0])?;
+//! let problem = Problem::new(body, Cosine::new(0.5, 2.0)?, [0.45, 0.0, 0.89], 10.0)?;
+//! let key = StreamKey { seed: 1, experiment: 0 };
+//! let sexp = Sexp::default();
+//! let path = Simulation::new(&problem, &sexp, Truncation::new(4)?).path(100, key, 0)?;
+//! assert!(path.column("C defect").unwrap().iter().all(|defect| defect.abs() < 1e-13));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | module | what is in it |
+//! |---|---|
+//! | [`systems`] | [`PoissonSystem`](systems::PoissonSystem), damping, the systems of the paper, [`Problem`](systems::Problem) |
+//! | [`schemes`] | [`Sexp`](schemes::Sexp) and its peers; [`Explicit`](schemes::Explicit) and [`Implicit`](schemes::Implicit) for your own |
+//! | [`mc`] | [`Simulation`](mc::Simulation), [`Ladder`](mc::Ladder), [`multilevel`](mc::multilevel): many paths |
+//! | [`verify`] | [`inspect`](verify::inspect()), [`strong_order`](verify::strong_order), [`weak_order`](verify::weak_order) |
+//! | [`noise`], [`dgrad`], [`nonlin`], [`stats`], [`real`] | increments and Lévy areas, discrete gradients, implicit equations, fits, numbers |
+
+pub use {dgrad, mc, noise, nonlin, real, schemes, stats, systems, verify};
+
+/// What most programs name: `use casimir::prelude::*`.
+pub mod prelude {
+    pub use mc::{Simulation, write_csv, write_json};
+    pub use noise::{StreamKey, Truncation};
+    pub use real::Real;
+    pub use schemes::{Explicit, Heun, Implicit, Increment, Scheme, Sexp, SexpLevy};
+    pub use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
+    pub use verify::{inspect, inspect_problem, strong_order};
+}

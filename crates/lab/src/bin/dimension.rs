@@ -1,0 +1,326 @@
+//! Time against dimension: the fixed point against Newton's method, on spin chains of up to a
+//! hundred spins.
+//!
+//! `cargo xtask dimension` builds and runs this. For each dimension and each strength of
+//! the coupling one implicit step of `sexp` is solved in four ways: by the fixed point on one path
+//! and on a block, by the Newton method of `nonlin`, and by a Newton method with the dense
+//! elimination of the library faer. Time is the best of many, per path.
+
+use std::hint::black_box;
+use std::process::Command;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result};
+use clap::Parser;
+use comfy_table::presets::ASCII_MARKDOWN;
+use comfy_table::{CellAlignment, Table};
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Par};
+use noise::{BlockNoise, Noise};
+use nonlin::{BlockStatus, Method, Outcome, Solver};
+use real::{Block, Dual, Level, Real, WIDTH};
+use schemes::{Scheme, Sexp, Step};
+use systems::{Constant, PoissonSystem, SpinChain};
+
+/// Time against dimension.
+#[derive(Parser)]
+#[command(version)]
+struct Arguments {
+    /// One repetition of each, to see that everything runs.
+    #[arg(long)]
+    quick: bool,
+    /// Solve one step in this many dimensions on this thread's stack and say nothing; for measuring
+    /// the stack.
+    #[arg(long, hide = true, num_args = 3, value_names = ["D", "METHOD", "KILOBYTES"])]
+    probe: Option<Vec<String>>,
+}
+
+/// Step size 2⁻⁸, and increments of the size that they usually have.
+const TAU: f64 = 1.0 / 256.0;
+const INCREMENTS: [f64; 3] = [0.0625, -0.0625, 0.0625];
+/// Exchange constants, from one that hardly contributes to ones with which the iteration hardly
+/// contracts, or not at all.
+const EXCHANGES: [f64; 5] = [1.0, 32.0, 64.0, 96.0, 128.0];
+
+/// One equation z = ψ(z) of `sexp`.
+struct Case<const D: usize> {
+    system: SpinChain<D>,
+    step: Step,
+    y: [f64; D],
+}
+
+impl<const D: usize> Case<D> {
+    fn new(exchange: f64) -> Result<Self> {
+        let mut y = [0.0; D];
+        for (n, spin) in y.chunks_exact_mut(3).enumerate() {
+            let angle = 0.7 * n as f64;
+            spin.copy_from_slice(&[0.8 * angle.cos(), 0.8 * angle.sin(), 0.6]);
+        }
+        let step = Step::new(&Constant::new(0.1)?, 0, TAU)?;
+        Ok(Self { system: SpinChain::new(exchange, 0.5, 0.8)?, step, y })
+    }
+
+    fn start(&self) -> [f64; D] {
+        self.y.map(|component| self.step.first_decay * component)
+    }
+
+    fn map<R: Real>(&self, start: [f64; D], z: [R; D]) -> [R; D] {
+        let mut next = self.system.averaged_field(start.map(R::constant), z, TAU, INCREMENTS);
+        for i in 0..D {
+            next[i] = next[i] + start[i];
+        }
+        next
+    }
+
+    /// z − ψ(z) and I − ψ′(z), by D evaluations on dual numbers, as `nonlin` has it.
+    fn linearised(
+        &self,
+        start: [f64; D],
+        z: [f64; D],
+        matrix: &mut Mat<f64>,
+        defect: &mut Mat<f64>,
+    ) {
+        for j in 0..D {
+            let mut seeded = z.map(Dual::fixed);
+            seeded[j].derivative = 1.0;
+            let column = self.map(start, seeded);
+            for i in 0..D {
+                matrix[(i, j)] = f64::from(i == j) - column[i].derivative;
+                defect[(i, 0)] = z[i] - column[i].value;
+            }
+        }
+    }
+
+    /// Newton's method with faer's elimination, to the tolerance of `nonlin`: the iterations, or
+    /// `None` after fifty.
+    fn newton_by_library(
+        &self,
+        matrix: &mut Mat<f64>,
+        defect: &mut Mat<f64>,
+    ) -> (Option<u32>, [f64; D]) {
+        let start = self.start();
+        let mut z = start;
+        for iteration in 1..=50 {
+            self.linearised(start, z, matrix, defect);
+            let change = matrix.partial_piv_lu().solve(&*defect);
+            let (mut length, mut size) = (0.0, 0.0);
+            for i in 0..D {
+                z[i] -= change[(i, 0)];
+                length += change[(i, 0)].abs();
+                size += z[i].abs();
+            }
+            if length <= size / (1u64 << 32) as f64 {
+                return (Some(iteration), z.map(|component| self.step.second_decay * component));
+            }
+        }
+        (None, z)
+    }
+
+    /// How fast the plain iteration contracts: the ratio of its changes number 9 and 8.
+    fn contraction(&self) -> f64 {
+        let start = self.start();
+        let (mut z, mut before, mut ratio) = (start, f64::NAN, f64::NAN);
+        for _ in 0..9 {
+            let next = self.map(start, z);
+            let change: f64 = (0..D).map(|i| (next[i] - z[i]).abs()).sum();
+            (z, ratio, before) = (next, change / before, change);
+        }
+        ratio
+    }
+}
+
+/// The best time of as many repetitions as fit into the budget, one at least, in seconds, and the
+/// last result.
+fn best<T>(budget: Duration, mut work: impl FnMut() -> T) -> (f64, T) {
+    let whole = Instant::now();
+    let mut best = f64::INFINITY;
+    loop {
+        let start = Instant::now();
+        let result = black_box(work());
+        best = best.min(start.elapsed().as_secs_f64());
+        if whole.elapsed() >= budget {
+            return (best, result);
+        }
+    }
+}
+
+/// A time in microseconds, and how it ended.
+fn cell(seconds: f64, end: &str) -> String {
+    format!("{:.3} ({end})", 1e6 * seconds)
+}
+
+fn ended(outcome: Outcome) -> String {
+    match outcome {
+        Outcome::Fast { iterations } => format!("{iterations}"),
+        Outcome::Robust { iterations, .. } => format!("rescued, {iterations}"),
+        Outcome::Failed { .. } => "failed".to_owned(),
+    }
+}
+
+/// Beyond this contraction a block is not measured: from about 0.8 on its paths are rescued, one
+/// after the other, which the column of the single path shows.
+const CONTRACTS: f64 = 0.75;
+
+fn rows<const D: usize>(table: &mut Table, budget: Duration) -> Result<()> {
+    let by = |method| Sexp { solver: Solver::new(method) };
+    for exchange in EXCHANGES {
+        let case = Case::<D>::new(exchange)?;
+        let (mut matrix, mut defect) = (Mat::zeros(D, D), Mat::zeros(D, 1));
+        let (system, step) = (&case.system, &case.step);
+        let contraction = case.contraction();
+        eprintln!("D = {D}, exchange constant {exchange}: contraction {contraction:.3}");
+        let (library, (iterations, solution)) =
+            best(budget, || case.newton_by_library(&mut matrix, &mut defect));
+        let (assembly, ()) =
+            best(budget, || case.linearised(case.start(), case.y, &mut matrix, &mut defect));
+        let alone = |method| {
+            let noise = Noise::increments(INCREMENTS);
+            best(budget, || by(method).step(system, step, &noise, black_box(case.y)))
+        };
+        let (newton, own) = alone(Method::Newton);
+        let (path, fixed) = alone(Method::FixedPoint);
+        let block = if contraction < CONTRACTS {
+            let start = Block::splat(case.y);
+            let noise = BlockNoise::increments(Block::splat(INCREMENTS));
+            let mut status = BlockStatus::explicit();
+            let (block, _) = best(budget, || {
+                let mut y = black_box(start);
+                by(Method::FixedPoint).step_block(system, step, &noise, &mut y, &mut status);
+                y
+            });
+            cell(block / WIDTH as f64, &ended(fixed.outcome))
+        } else {
+            "not measured".to_owned()
+        };
+        let distance = (0..D).map(|i| (fixed.z[i] - solution[i]).abs()).fold(0.0, f64::max);
+        table.add_row([
+            D.to_string(),
+            format!("{contraction:.3}"),
+            block,
+            cell(path, &ended(fixed.outcome)),
+            cell(newton, &ended(own.outcome)),
+            cell(library, &iterations.map_or_else(|| "none".to_owned(), |n| n.to_string())),
+            format!("{:.3}", 1e6 * assembly),
+            format!("{distance:.0e}"),
+        ]);
+    }
+    Ok(())
+}
+
+/// One step in D dimensions by a method, on the stack of a thread of so many kilobytes.
+fn probe<const D: usize>(method: &str, kilobytes: usize) -> Result<()> {
+    let case = Box::new(Case::<D>::new(1.0)?);
+    let method = method.to_owned();
+    let work = move || {
+        let solver = Solver::new(if method.ends_with("newton") {
+            Method::Newton
+        } else {
+            Method::FixedPoint
+        });
+        let sexp = Sexp { solver };
+        if method.starts_with("block") {
+            let (mut y, mut status) = (Block::splat(case.y), BlockStatus::explicit());
+            let noise = BlockNoise::increments(Block::splat(INCREMENTS));
+            sexp.step_block(&case.system, &case.step, &noise, &mut y, &mut status);
+            black_box(y);
+        } else {
+            black_box(sexp.step(&case.system, &case.step, &Noise::increments(INCREMENTS), case.y));
+        }
+    };
+    let thread = thread::Builder::new()
+        .stack_size(kilobytes << 10)
+        .spawn(work)
+        .context("cannot start a thread")?;
+    thread.join().map_err(|_| anyhow::anyhow!("the step panicked"))
+}
+
+/// The least stack in kilobytes on which a step succeeds, to a sixteenth. A stack that overflows
+/// ends the process, hence one for each attempt.
+fn least_stack(dimension: usize, method: &str) -> Result<usize> {
+    let program = std::env::current_exe().context("this program has no path")?;
+    let succeeds = |kilobytes: usize| -> Result<bool> {
+        let arguments = ["--probe", &dimension.to_string(), method, &kilobytes.to_string()];
+        let output = Command::new(&program)
+            .args(arguments)
+            .output()
+            .context("cannot run this program again")?;
+        Ok(output.status.success())
+    };
+    let mut above = 16;
+    while !succeeds(above)? {
+        above *= 2;
+        anyhow::ensure!(above <= 1 << 20, "no stack of a gigabyte is enough");
+    }
+    let mut below = above / 2;
+    while above - below > (above / 16).max(1) {
+        let middle = below.midpoint(above);
+        if succeeds(middle)? { above = middle } else { below = middle }
+    }
+    Ok(above)
+}
+
+fn table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(ASCII_MARKDOWN).set_header(header);
+    for column in table.column_iter_mut() {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+/// For each number of the table.
+const BUDGET: Duration = Duration::from_millis(300);
+
+/// The stack on which the times are measured, more than the largest case needs.
+const STACK: usize = 256 << 20;
+
+fn times(budget: Duration) -> Result<()> {
+    faer::set_global_parallelism(Par::Seq);
+    let mut table = table(&[
+        "D",
+        "contraction",
+        "fixed point, block (sweeps)",
+        "fixed point, path (sweeps)",
+        "own Newton, path (iterations)",
+        "faer Newton, path (iterations)",
+        "of which one Jacobian",
+        "distance",
+    ]);
+    rows::<6>(&mut table, budget)?;
+    rows::<30>(&mut table, budget)?;
+    rows::<90>(&mut table, budget)?;
+    rows::<150>(&mut table, budget)?;
+    rows::<300>(&mut table, budget)?;
+    println!("µs for one step of one path, {}, best of many:\n{table}\n", Level::current().name());
+    Ok(())
+}
+
+fn main() -> Result<()> {
+    let arguments = Arguments::parse();
+    if let Some(probe_of) = &arguments.probe {
+        let kilobytes = probe_of[2].parse()?;
+        return match probe_of[0].as_str() {
+            "6" => probe::<6>(&probe_of[1], kilobytes),
+            "30" => probe::<30>(&probe_of[1], kilobytes),
+            "90" => probe::<90>(&probe_of[1], kilobytes),
+            "150" => probe::<150>(&probe_of[1], kilobytes),
+            "300" => probe::<300>(&probe_of[1], kilobytes),
+            other => anyhow::bail!("no spin chain of dimension {other}"),
+        };
+    }
+    let budget = if arguments.quick { Duration::ZERO } else { BUDGET };
+    let worker = thread::Builder::new().stack_size(STACK).spawn(move || times(budget))?;
+    worker.join().map_err(|_| anyhow::anyhow!("the measurement panicked"))??;
+    let methods = ["block-fixed-point", "path-fixed-point", "path-newton"];
+    let mut stacks = table(&["D", methods[0], methods[1], methods[2]]);
+    for dimension in [6, 30, 90, 150, 300] {
+        let mut row = vec![dimension.to_string()];
+        for method in methods {
+            row.push(least_stack(dimension, method)?.to_string());
+        }
+        stacks.add_row(row);
+    }
+    println!("stack in kB that one step needs at least, to a sixteenth:\n{stacks}");
+    Ok(())
+}
