@@ -6,6 +6,7 @@ use crate::common::{
     INERTIA, Numbers, Visit, any_damping, any_increments, any_state, any_step, body,
     conformal_defect, exact_systems, populations_1, populations_2,
 };
+use approx::assert_relative_eq;
 use noise::Noise;
 use nonlin::{Method, Outcome, Solver};
 use proptest::prelude::*;
@@ -164,7 +165,7 @@ fn a_long_path_stays_on_the_law() {
     }
     let law = (-2.0 * damping.integral(0.0, tau * steps as f64)).exp();
     let ratio = system.invariant(0, y) / start;
-    assert!((ratio / law - 1.0).abs() < steps as f64 * f64::EPSILON);
+    assert_relative_eq!(ratio, law, max_relative = steps as f64 * f64::EPSILON);
 }
 
 /// What a twin is measured on: as many ε as make a visible defect, 10⁶ε ≈ 2·10⁻¹⁰.
