@@ -29,7 +29,7 @@
 //! | [`verify`] | [`inspect`](verify::inspect()), [`strong_order`](verify::strong_order), [`weak_order`](verify::weak_order) |
 //! | [`noise`], [`dgrad`], [`nonlin`], [`stats`], [`real`] | increments and Lévy areas, discrete gradients, implicit equations, fits, numbers |
 
-pub use {dgrad, mc, nonlin, noise, real, schemes, stats, systems, verify};
+pub use {dgrad, mc, noise, nonlin, real, schemes, stats, systems, verify};
 
 /// What most programs name: `use casimir::prelude::*`.
 pub mod prelude {
