@@ -12,9 +12,9 @@ pub trait GradientField<const D: usize> {
 
 /// ∇̄H(a, b) ≈ Σ wᵢ ∇H(a + ηᵢ(b − a)) with N Gauss–Legendre nodes.
 ///
-/// The sum is exact to round-off if ∇H is a polynomial of degree at most 2N − 1. Otherwise the error
-/// is of order |b − a|^{2N}. N is a constant, so a block kernel contains the whole sum. A kernel
-/// with more than 9 nodes is not vectorised.
+/// The sum is exact to round-off if ∇H is a polynomial of degree at most 2N − 1. Otherwise the
+/// error is of order |b − a|^{2N}. N is a constant, so a block kernel contains the whole sum. A
+/// kernel with more than 9 nodes is not vectorised.
 #[inline(always)]
 pub fn averaged<const N: usize, R: Real, F: GradientField<D>, const D: usize>(
     field: &F,
@@ -47,8 +47,8 @@ pub fn averaged<const N: usize, R: Real, F: GradientField<D>, const D: usize>(
     if N > 1 && N % 2 == 1 { nodes.add_middle(mean) } else { mean }
 }
 
-/// A field on the segment from a to b, at the N nodes of the rule. The nodes are symmetric about the
-/// middle, and each pair has one weight.
+/// A field on the segment from a to b, at the N nodes of the rule. The nodes are symmetric about
+/// the middle, and each pair has one weight.
 struct Nodes<'a, F, R, const N: usize, const D: usize> {
     field: &'a F,
     middle: [R; D],

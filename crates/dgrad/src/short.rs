@@ -5,8 +5,8 @@ use real::elementary;
 /// The average w∫₀¹ g(a + ηh) dη for g = sin or cos as a function of h, for |a| ≤ 2²⁰ and h² ≤ ½.
 /// For any other a or h it is NaN.
 ///
-/// It equals w g(a)·sin(h)/h + w g′(a)·(1 − cos h)/h. Only a enters sine and cosine, so an iteration
-/// for h evaluates them once. The rest are two polynomials in h.
+/// It equals w g(a)·sin(h)/h + w g′(a)·(1 − cos h)/h. Only a enters sine and cosine, so an
+/// iteration for h evaluates them once. The rest are two polynomials in h.
 #[derive(Clone, Copy, Debug)]
 pub struct ShortMean {
     /// w g(a).
@@ -42,8 +42,8 @@ impl ShortMean {
     }
 
     /// The average and its derivative with respect to h, with errors of at most w|h|⁹/(3.5·10⁶) and
-    /// w h⁸/(2.8·10⁶) for h² ≤ ½. This is [`value`](ShortMean::value) with four terms of each Taylor
-    /// series.
+    /// w h⁸/(2.8·10⁶) for h² ≤ ½. This is [`value`](ShortMean::value) with four terms of each
+    /// Taylor series.
     #[inline(always)]
     #[must_use]
     pub fn estimate_with_slope(&self, h: f64) -> (f64, f64) {

@@ -39,9 +39,9 @@ pub enum AreaMethod {
     /// Adds the exact tail of the terms with w, (h/2π) a (w_iΨ_j − w_jΨ_i), with one normal Ψ_i per
     /// noise (Milstein 1988; Kloeden, Platen and Wright 1992). Error h/(√2 π) n^{−1/2}.
     Milstein,
-    /// Adds a normal tail with the covariance of the whole tail given w (Wiktorsson 2001):
-    /// (h/2π){G + [(Gw)wᵀ − w(Gw)ᵀ]/(1 + √(1+|w|²))}. G is skew with entries a g_ij, one normal g_ij
-    /// per pair. Error √(5m/12) h/(πn).
+    /// Adds a normal tail with the covariance of the whole tail given w (Wiktorsson 2001): (h/2π){G
+    /// + [(Gw)wᵀ − w(Gw)ᵀ]/(1 + √(1+|w|²))}. G is skew with entries a g_ij, one normal g_ij per
+    /// pair. Error √(5m/12) h/(πn).
     ///
     /// The law of (W, A) equals that of [`MrongowiusRoessler`](Self::MrongowiusRoessler) with the
     /// same n: both tails are normal given w, with covariance (h/2π)²a²(1 + L) for the linear map
@@ -50,7 +50,8 @@ pub enum AreaMethod {
     Wiktorsson,
     /// Adds the tail of [`Milstein`](Self::Milstein), and (h/2π) a g_ij for each i < j as the tail
     /// of the terms without w (Mrongowius and Rößler 2022, *On the approximation and simulation of
-    /// iterated stochastic integrals*; comparison by Kastner and Rößler 2023). Error √(m/12) h/(πn).
+    /// iterated stochastic integrals*; comparison by Kastner and Rößler 2023). Error √(m/12)
+    /// h/(πn).
     MrongowiusRoessler,
 }
 
@@ -73,13 +74,13 @@ impl AreaMethod {
     /// expectation includes W. The error in the Frobenius norm of the matrix is √(m(m−1)) times
     /// that of one entry.
     ///
-    /// For [`Fourier`](Self::Fourier) and [`Milstein`](Self::Milstein) it bounds the difference from
-    /// the full series, which is exactly their constant times √ψ₁(n+1) < n^{−1/2}.
+    /// For [`Fourier`](Self::Fourier) and [`Milstein`](Self::Milstein) it bounds the difference
+    /// from the full series, which is exactly their constant times √ψ₁(n+1) < n^{−1/2}.
     ///
     /// For the other two methods it bounds the error of a coupling with the exact areas. The exact
     /// tail is S^{1/2}g, where g is normal and independent of the random covariance S; the method
-    /// uses a g. The published constant follows from ‖S^{1/2} − a‖ ≤ ‖S − a²‖/a. Since S^{1/2} − a ≈
-    /// (S − a²)/2a, the error of [`MrongowiusRoessler`](Self::MrongowiusRoessler) tends to *half*
+    /// uses a g. The published constant follows from ‖S^{1/2} − a‖ ≤ ‖S − a²‖/a. Since S^{1/2} − a
+    /// ≈ (S − a²)/2a, the error of [`MrongowiusRoessler`](Self::MrongowiusRoessler) tends to *half*
     /// this bound as n → ∞, and it is below half of the bound wherever the tests compute it. The
     /// published bound is proven for all n.
     ///

@@ -24,8 +24,8 @@ impl StreamKey {
 /// Sampler of the Lévy areas of M Wiener processes on 32 consecutive paths, given the increments.
 ///
 /// A path consumes its normals term by term and noise by noise, each (X, Y) one Box–Muller pair.
-/// The normals of the tail follow: first Ψ, then g_12, g_13, …, g_23, …. If their number is odd, the
-/// second normal of the last pair is dropped, so the streams are the only state between steps.
+/// The normals of the tail follow: first Ψ, then g_12, g_13, …, g_23, …. If their number is odd,
+/// the second normal of the last pair is dropped, so the streams are the only state between steps.
 /// Steps may differ in size.
 ///
 /// A method of strong order one needs areas with an error of at most h^{3/2} in each step:
@@ -75,8 +75,8 @@ impl Series {
 }
 
 impl<const M: usize> AreaSampler<M> {
-    /// The sampler of paths `first_path` .. `first_path + 32`, by `method` with `terms` terms of the
-    /// series. [`AreaMethod::cheapest`] chooses both.
+    /// The sampler of paths `first_path` .. `first_path + 32`, by `method` with `terms` terms of
+    /// the series. [`AreaMethod::cheapest`] chooses both.
     #[must_use]
     pub fn new(key: StreamKey, first_path: u64, method: AreaMethod, terms: usize) -> Self {
         Self {

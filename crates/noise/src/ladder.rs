@@ -2,12 +2,12 @@
 
 use real::{Block, WIDTH};
 
-/// Sums of fine increments over every coarser step of a dyadic ladder. A step of level ℓ consists of
-/// 2^ℓ finest steps.
+/// Sums of fine increments over every coarser step of a dyadic ladder. A step of level ℓ consists
+/// of 2^ℓ finest steps.
 ///
 /// Increments of the finest steps are pushed one at a time. When a step of a level is complete, the
-/// level holds the *untruncated* sum W(t + 2^ℓτ) − W(t) and the sum over the first half of the step.
-/// Memory: two blocks per level, independent of the number of steps.
+/// level holds the *untruncated* sum W(t + 2^ℓτ) − W(t) and the sum over the first half of the
+/// step. Memory: two blocks per level, independent of the number of steps.
 #[derive(Clone, Debug)]
 pub struct DyadicLadder<const M: usize> {
     first_half: Vec<Block<M>>,

@@ -32,8 +32,8 @@ impl StreamKey {
         mix(experiment.wrapping_add(GOLDEN).wrapping_add(path.wrapping_mul(GOLDEN)))
     }
 
-    /// The state of xoshiro256++ after `seed_from_u64` of [`path_seed`](Self::path_seed), which uses
-    /// SplitMix64.
+    /// The state of xoshiro256++ after `seed_from_u64` of [`path_seed`](Self::path_seed), which
+    /// uses SplitMix64.
     pub(crate) fn state(self, path: u64) -> [u64; 4] {
         let mut counter = self.path_seed(path);
         [(); 4].map(|()| {

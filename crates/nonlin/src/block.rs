@@ -4,7 +4,7 @@ use real::{Block, PathMask, WIDTH};
 
 use crate::robust::solve_robust;
 use crate::sweep::{Iterate, first_sweeps, has_first_sweep, settled_path, sweep};
-use crate::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Outcome, Solver};
+use crate::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Solver};
 
 /// Half of a block: paths p and p + [`HALF`] make their first sweeps together.
 const HALF: usize = WIDTH / 2;
@@ -137,8 +137,8 @@ impl Solver {
             settle(equations, method, z);
         }
         if unfinished > 0 {
-            // A copy, since a reference passed to a function that is not inlined keeps the equations
-            // in memory instead of registers.
+            // A copy, since a reference passed to a function that is not inlined keeps the
+            // equations in memory instead of registers.
             solve_unfinished(*equations, z, status);
         }
     }
@@ -168,15 +168,6 @@ fn solve_unfinished<E: BlockFixedPoint<D>, const D: usize>(
         }
         let solution = solve_robust(&equations.path(p));
         z.set_path(p, solution.z);
-        match solution.outcome {
-            Outcome::Failed { residual } => {
-                status.failed.insert(p);
-                status.pending.0[0][p] = residual;
-            }
-            Outcome::Robust { iterations, .. } | Outcome::Fast { iterations, .. } => {
-                status.robust.insert(p);
-                status.pending.0[0][p] = -f64::from(iterations);
-            }
-        }
+        status.set(p, solution.outcome);
     }
 }

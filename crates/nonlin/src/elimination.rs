@@ -1,7 +1,7 @@
 //! Small dense linear systems.
 //!
-//! D is usually 2 or 3, and the systems are solved in registers inside a vectorised loop over paths.
-//! Results must be the same bits on every machine. Linear-algebra libraries offer neither.
+//! D is usually 2 or 3, and the systems are solved in registers inside a vectorised loop over
+//! paths. Results must be the same bits on every machine. Linear-algebra libraries offer neither.
 
 /// A factored matrix near the identity, for A x = b with many b. Branch-free, without pivoting.
 ///

@@ -40,12 +40,12 @@ pub enum FirstSweep {
     /// The same as every other sweep.
     Plain,
     /// Eleven evaluations of ψ, or two steps of Newton's method from ψ(ψ(start)), written out for
-    /// two paths at a time. It is fast if ψ is a few dozen operations. Otherwise it is long code that
-    /// takes time to compile. `cargo bench -p schemes` shows the gain: with eleven evaluations the
-    /// rigid body at τ = 2⁻⁸ converges in the first sweep on nearly every block.
+    /// two paths at a time. It is fast if ψ is a few dozen operations. Otherwise it is long code
+    /// that takes time to compile. `cargo bench -p schemes` shows the gain: with eleven evaluations
+    /// the rigid body at τ = 2⁻⁸ converges in the first sweep on nearly every block.
     Long,
-    /// [`FixedPoint::predict`], accepted if its residual bound is below the tolerance. Otherwise the
-    /// sweeps start from the prediction.
+    /// [`FixedPoint::predict`], accepted if its residual bound is below the tolerance. Otherwise
+    /// the sweeps start from the prediction.
     Predicted,
 }
 
@@ -59,7 +59,8 @@ impl<E: FixedPoint<D>, const D: usize> VectorFunction<D, D> for Map<E> {
     }
 }
 
-/// The equations of a block of paths.
+/// The equations of a block of paths. The solver copies them when a path needs the robust method,
+/// so they should hold large data by reference.
 pub trait BlockFixedPoint<const D: usize>: Copy {
     /// The equation of one path.
     type Path: FixedPoint<D>;

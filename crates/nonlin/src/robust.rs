@@ -1,8 +1,8 @@
 //! Newton's method with continuation, for paths on which the fast method fails.
 //!
-//! The homotopy z = z₀ + s(ψ(z) − z₀) connects the start z₀ at s = 0 with the equation at s = 1. For
-//! an implicit step, s scales the Hamiltonian increment, so continuation follows the branch of the
-//! flow. Newton's method from a distant start could find another branch.
+//! The homotopy z = z₀ + s(ψ(z) − z₀) connects the start z₀ at s = 0 with the equation at s = 1.
+//! For an implicit step, s scales the Hamiltonian increment, so continuation follows the branch of
+//! the flow. Newton's method from a distant start could find another branch.
 //!
 //! A step in s is accepted if it passes two tests; otherwise it is halved. First, Newton contracts
 //! from its first iteration on (the monotonicity test of Deuflhard 2011, *Newton Methods for
@@ -21,8 +21,8 @@ const MAX_ITERATIONS: u32 = 20;
 const CONTRACTION: f64 = 0.5;
 /// The largest ‖J⁻¹J′ − I‖₁ from one accepted step to the next.
 const MAX_JACOBIAN_CHANGE: f64 = 0.5;
-/// The smallest step in s. The first accepted step is about MAX_JACOBIAN_CHANGE/‖ψ′‖, so ‖ψ′‖ may be
-/// up to 8000.
+/// The smallest step in s. The first accepted step is about MAX_JACOBIAN_CHANGE/‖ψ′‖, so ‖ψ′‖ may
+/// be up to 8000.
 const MIN_STEP: f64 = 1.0 / 16384.0;
 
 pub(crate) fn solve_robust<E: FixedPoint<D>, const D: usize>(equation: &E) -> Solution<D> {

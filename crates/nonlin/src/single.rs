@@ -5,7 +5,8 @@ use crate::sweep::{first_sweeps, has_first_sweep, settled_path, sweep};
 use crate::{FixedPoint, Outcome, Solution, Solver};
 
 impl Solver {
-    /// Solves the equation of one path, with the same bits as in [`solve_block`](Self::solve_block).
+    /// Solves the equation of one path, with the same bits as in
+    /// [`solve_block`](Self::solve_block).
     ///
     /// The fast method is tried first. If it does not converge in `max_sweeps` sweeps, Newton's
     /// method with continuation follows. If that fails as well, the outcome is [`Outcome::Failed`].

@@ -5,9 +5,9 @@ use real::{Block, PathMask, WIDTH};
 /// The fast method, which is tried first on every path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// Fixed-point iteration z ← ψ(z), three evaluations per sweep and eleven in a long first sweep.
-    /// It converges linearly with the Lipschitz constant of ψ. It is the faster method if ψ is a few
-    /// products (`cargo bench -p schemes`).
+    /// Fixed-point iteration z ← ψ(z), three evaluations per sweep and eleven in a long first
+    /// sweep. It converges linearly with the Lipschitz constant of ψ. It is the faster method if ψ
+    /// is a few products (`cargo bench -p schemes`).
     FixedPoint,
     /// Newton's method z ← z − (I − ψ′(z))⁻¹(z − ψ(z)), one iteration per sweep. A long first sweep
     /// makes two steps with the same matrix from ψ(ψ(start)). It is the faster method if ψ is
@@ -28,7 +28,8 @@ pub struct Solver {
     ///
     /// A path has converged when its residual is below 2ε. The remaining residuals are biased, so
     /// over n steps the error of a conserved quantity grows like n·ε. After one more sweep only
-    /// rounding errors remain, and the error grows like √n·ε. Off by default, since it costs a sweep.
+    /// rounding errors remain, and the error grows like √n·ε. Off by default, since it costs a
+    /// sweep.
     pub settle: bool,
 }
 
@@ -114,6 +115,8 @@ impl<const D: usize> Solution<D> {
 pub struct BlockStatus {
     /// Minus the number of iterations of each solved path; the residual of each failed path.
     pub(crate) pending: Block<1>,
+    /// The residual of each path that the robust method solved.
+    pub(crate) residuals: Block<1>,
     /// Paths that the robust method solved.
     pub robust: PathMask,
     /// Paths without a solution.
@@ -124,7 +127,29 @@ impl BlockStatus {
     /// The status of an explicit step: every path solved in one iteration.
     #[must_use]
     pub fn explicit() -> Self {
-        Self { pending: Block::splat([-1.0]), robust: PathMask::NONE, failed: PathMask::NONE }
+        Self {
+            pending: Block::splat([-1.0]),
+            residuals: Block::zero(),
+            robust: PathMask::NONE,
+            failed: PathMask::NONE,
+        }
+    }
+
+    /// Records the outcome of path `p`, which must not be marked as robust or failed yet. For a
+    /// scheme that advances the paths of a block one by one.
+    pub fn set(&mut self, p: usize, outcome: Outcome) {
+        match outcome {
+            Outcome::Fast { iterations } => self.pending.0[0][p] = -f64::from(iterations),
+            Outcome::Robust { iterations, residual } => {
+                self.robust.insert(p);
+                self.pending.0[0][p] = -f64::from(iterations);
+                self.residuals.0[0][p] = residual;
+            }
+            Outcome::Failed { residual } => {
+                self.failed.insert(p);
+                self.pending.0[0][p] = residual;
+            }
+        }
     }
 
     /// Marks paths with a state that is not finite as failed, with an infinite residual. Call it
@@ -164,10 +189,16 @@ impl BlockStatus {
         f64::max(-self.pending.0[0][p], 0.0) as u32
     }
 
-    /// ‖z − ψ(z)‖₁ on path `p` if it failed, else zero.
+    /// ‖z − ψ(z)‖₁ on path `p` if it failed or needed the robust method. Zero if the fast method
+    /// solved it to its tolerance. May be infinite or NaN on a failed path.
     #[must_use]
     pub fn residual(&self, p: usize) -> f64 {
-        // A residual may be infinite or NaN. Only solved paths have negative entries.
-        if self.failed.contains(p) { self.pending.0[0][p] } else { 0.0 }
+        if self.failed.contains(p) {
+            self.pending.0[0][p]
+        } else if self.robust.contains(p) {
+            self.residuals.0[0][p]
+        } else {
+            0.0
+        }
     }
 }

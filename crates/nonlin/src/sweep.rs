@@ -34,8 +34,8 @@ pub(crate) fn has_first_sweep<E: FixedPoint<D>, const D: usize>(method: Method) 
 }
 
 /// The first sweep of two paths, by the method that the equation prefers. Long sweeps alternate
-/// between the paths: an evaluation is a chain of dependent operations, and a processor executes two
-/// such chains in the time of one.
+/// between the paths: an evaluation is a chain of dependent operations, and a processor executes
+/// two such chains in the time of one.
 #[inline(always)]
 pub(crate) fn first_sweeps<E: FixedPoint<D>, const D: usize>(
     one: &E,

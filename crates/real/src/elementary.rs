@@ -166,8 +166,9 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     let x = if x.abs() <= SIN_COS_LIMIT { x } else { x * 0.0 };
     let t = x * FRAC_2_PI + ROUND;
     let k = t - ROUND;
-    // r - e = x - k π/2. Both differences are error-free sums of two words: either the first operand
-    // is the larger one, or both are multiples of a unit in which the result has few digits.
+    // r - e = x - k π/2. Both differences are error-free sums of two words: either the first
+    // operand is the larger one, or both are multiples of a unit in which the result has few
+    // digits.
     let a = x - k * HALF_PI_1;
     let w = k * HALF_PI_2;
     let b = a - w;
@@ -361,8 +362,8 @@ pub fn ln_unit(u: f64) -> f64 {
 /// `sin(x) / x`, and 1 for `x = ±0`.
 ///
 /// This is the quotient of [`sin`] and `x`. Nothing cancels, since the sine has a small relative
-/// error near 0. Error at most 1.73 ulp (measured) for `|x| <= 2^20`. Beyond that the absolute error
-/// is below `2^-30` (see [`sin_cos`]). An infinite `x` or NaN gives NaN.
+/// error near 0. Error at most 1.73 ulp (measured) for `|x| <= 2^20`. Beyond that the absolute
+/// error is below `2^-30` (see [`sin_cos`]). An infinite `x` or NaN gives NaN.
 #[inline(always)]
 #[must_use]
 pub fn sinc(x: f64) -> f64 {
@@ -376,8 +377,8 @@ pub fn sinc(x: f64) -> f64 {
 /// Their derivatives are `x (deficit - versine)` and `1 - x² deficit - versine`.
 ///
 /// Both are polynomials in `x²`, without a division or a reduction. Absolute errors at most 1.2e-16
-/// and 6.4e-16 (measured); the means multiply them by `x²` and `x`. For any other `x` the deficit is
-/// NaN.
+/// and 6.4e-16 (measured); the means multiply them by `x²` and `x`. For any other `x` the deficit
+/// is NaN.
 #[inline(always)]
 #[must_use]
 pub fn deficit_versine(x: f64) -> (f64, f64) {
