@@ -113,7 +113,7 @@ where
         .map(|panel| {
             let series = panel.observables.iter().zip(&mut number).map(|(observable, f)| {
                 let differences: Vec<&CrossMoments> =
-                    outcomes.iter().map(|outcome| outcome.statistic.of(f)).collect();
+                    outcomes.iter().map(|outcome| outcome.statistic.moments(f)).collect();
                 weak_series(observable.name, &taus, &differences)
             });
             Panel {
