@@ -10,7 +10,8 @@ pub fn page(results: &Stability) -> Page {
     let mut page = Page::new("Stability");
     page.paragraph(format!(
         "What do the schemes do where numerical codes break? {} All numbers are made from the \
-         results; the same seed gives the same bits.",
+         results, `stability.json`, whose fields are in [results.md](results.md); the same seed \
+         gives the same bits.",
         provenance::generated_by(&results.provenance)
     ));
     page.paragraph(METHOD);
@@ -37,8 +38,6 @@ pub fn page(results: &Stability) -> Page {
     if !results.fuzz.is_empty() {
         fuzz(&mut page, &results.fuzz);
     }
-    page.heading(2, "stability.json");
-    page.paragraph(FIELDS);
     page
 }
 
@@ -236,11 +235,3 @@ and smallest numbers, ordinary ones, and pairs that are an ulp apart. Every inpu
 with a typed error or accepted. What is accepted must be finite, what is reported as solved must be \
 finite, and the iterations of a solve must stay below their bound. A panic, a NaN in a result or a \
 solve that does not end counts as a failure.";
-
-const FIELDS: &str = "\
-`cases`: one entry for each family, with its words and `rows`: `setting` (and `x`, where it is a \
-number), `scheme`, `measured`, `exact`, `bound`, `error` and `verdict` (`holds`, \
-`fails-as-it-must`, `observed` or `refuted`); a number that is missing is not finite or not \
-defined. `growth`: `points` with `steps`, `rms`, `mean`, `max`; `exponent` with `lo` and `hi`. \
-`fuzz`: counts for each target. `schema` is raised whenever a reader of an older version would \
-misread a newer one.";
