@@ -11,8 +11,8 @@ pub const CASE: Case = Case {
     words: Words {
         id: "anti-damping",
         title: "Anti-damping",
-        setup: "Rigid body with three noises, constant γ < 0, up to 64 steps of τ = 1/64, truncated \
-                increments.",
+        setup: "Rigid body with three noises, constant γ < 0, up to 64 steps of τ = 1/64, \
+                truncated increments.",
         mathematics: "|y(t)|² = e^(2|γ|t)|y₀|². It overflows after a finite time, and long before \
                       that the step is large for a body that turns so fast.",
         quantity: "largest relative distance of |y|² from its law, over the steps before the path \

@@ -17,8 +17,8 @@ pub const CASE: Case = Case {
         setup: "Rigid body with B(y)v = y × v and H = ½(y₁²/2 + y₂² + 3y₃²/2) + sin(κy₁)/κ as \
                 drift and as noise, no damping, 64 steps of τ = 1/16, truncated increments; the \
                 default discrete gradient, eight Gauss–Legendre nodes.",
-        mathematics: "|y|² and H are constant. For the Casimir any discrete gradient will do; for H \
-                      it has to be exact.",
+        mathematics: "|y|² and H are constant. For the Casimir any discrete gradient will do; for \
+                      H it has to be exact.",
         quantity: "largest distance of ½|y|² (relative) and of H (absolute) from their values at \
                    the start",
         guarantee: "`sexp`: the Casimir to rounding for every κ. H to rounding and the error of \
