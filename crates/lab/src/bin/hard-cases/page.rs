@@ -10,7 +10,8 @@ pub fn page(results: &Stability) -> Page {
     let mut page = Page::new("Stability");
     page.paragraph(format!(
         "What do the schemes do where numerical codes break? {} All numbers are made from the \
-         results; the same seed gives the same bits.",
+         results, `stability.json`, whose fields are in [results.md](results.md); the same seed \
+         gives the same bits.",
         provenance::generated_by(&results.provenance)
     ));
     page.paragraph(METHOD);
@@ -37,8 +38,6 @@ pub fn page(results: &Stability) -> Page {
     if !results.fuzz.is_empty() {
         fuzz(&mut page, &results.fuzz);
     }
-    page.heading(2, "stability.json");
-    page.paragraph(FIELDS);
     page
 }
 
@@ -209,38 +208,30 @@ was measured. A path that cannot go on ends with a typed error, whose words are 
 result is ever NaN.
 
 The conformal law of a Casimir of degree two requires |y_n|² = e^(−2∫γ)|y₀|² on every path. *To \
-rounding* means the worst case of all roundings together: (32n + 4∫|γ| + 8)ε after n steps, derived \
-term by term in `crates/lab/src/bin/hard-cases/rounding.rs`. The measured distance is about a \
-hundredth of it, since roundings partly cancel.";
+rounding* means the worst case of all roundings together: (32n + 4∫|γ| + 8)ε after n steps, \
+derived term by term in `crates/lab/src/bin/hard-cases/rounding.rs`. The measured distance is \
+about a hundredth of it, since roundings partly cancel.";
 
 const GROWTH: &str = "\
 The conformal law holds to rounding in every step. What becomes of it after ten million steps \
 depends on whether the roundings have a direction: errors without one make a random walk, √n·ε, \
 errors with one a drift, n·ε. Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over independent paths. The \
-exponent is the slope of log root mean square over log n, from n = 1024 on; its interval comes from \
-resampling whole paths. Paths share the damping factors and their roundings: where γ ≠ 0 a part of \
-the walk is common to all of them, which shows as a mean as large as the root mean square, and \
-which the interval does not contain.
+exponent is the slope of log root mean square over log n, from n = 1024 on; its interval comes \
+from resampling whole paths. Paths share the damping factors and their roundings: where γ ≠ 0 a \
+part of the walk is common to all of them, which shows as a mean as large as the root mean square, \
+and which the interval does not contain.
 
-*Guarantee.* With a settled solver the root mean square stays below 32ε√n, the walk whose steps are \
-the worst roundings of a step. Three sources of a drift were found and closed: a damping factor \
-that is rounded alike in every step (now dithered between its two neighbours by the golden ratio), \
-integrals of γ that do not add up (now differences of a function of one time), and the stopping \
-test of the implicit equation, which leaves a residual of up to 2ε in a direction that is the same \
-in every step. The last is closed by one more sweep, `Solver::settled()`, and not by default, since \
-it costs a sweep: the first run shows what the default does.";
+*Guarantee.* With a settled solver the root mean square stays below 32ε√n, the walk whose steps \
+are the worst roundings of a step. Three sources of a drift were found and closed: a damping \
+factor that is rounded alike in every step (now dithered between its two neighbours by the golden \
+ratio), integrals of γ that do not add up (now differences of a function of one time), and the \
+stopping test of the implicit equation, which leaves a residual of up to 2ε in a direction that is \
+the same in every step. The last is closed by one more sweep, `Solver::settled()`, and not by \
+default, since it costs a sweep: the first run shows what the default does.";
 
 const FUZZING: &str = "\
 Numbers are arbitrary bit patterns: NaN, infinities, subnormals, zeros of both signs, the largest \
 and smallest numbers, ordinary ones, and pairs that are an ulp apart. Every input must be refused \
-with a typed error or accepted. What is accepted must be finite, what is reported as solved must be \
-finite, and the iterations of a solve must stay below their bound. A panic, a NaN in a result or a \
-solve that does not end counts as a failure.";
-
-const FIELDS: &str = "\
-`cases`: one entry for each family, with its words and `rows`: `setting` (and `x`, where it is a \
-number), `scheme`, `measured`, `exact`, `bound`, `error` and `verdict` (`holds`, \
-`fails-as-it-must`, `observed` or `refuted`); a number that is missing is not finite or not \
-defined. `growth`: `points` with `steps`, `rms`, `mean`, `max`; `exponent` with `lo` and `hi`. \
-`fuzz`: counts for each target. `schema` is raised whenever a reader of an older version would \
-misread a newer one.";
+with a typed error or accepted. What is accepted must be finite, what is reported as solved must \
+be finite, and the iterations of a solve must stay below their bound. A panic, a NaN in a result \
+or a solve that does not end counts as a failure.";

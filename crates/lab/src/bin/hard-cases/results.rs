@@ -1,4 +1,4 @@
-//! The contract of `stability.json`; documented for other languages in `docs/stability.md`.
+//! The contract of `stability.json`; documented for other languages in `docs/results.md`.
 
 use serde::Serialize;
 use verify::results::Provenance;

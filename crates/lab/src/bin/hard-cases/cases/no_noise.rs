@@ -12,8 +12,8 @@ pub const CASE: Case = Case {
     words: Words {
         id: "no-noise",
         title: "No noise",
-        setup: "Rigid body, γ = ½cos 2t, T = 1, all increments zero. No Itô correction is due, but \
-                `em` makes it: its drift belongs to the equation with noise.",
+        setup: "Rigid body, γ = ½cos 2t, T = 1, all increments zero. `em` makes its Itô \
+                correction, though none is due: its drift belongs to the equation with noise.",
         mathematics: "The equation is an ordinary one: `sexp`, `midpoint` and `heun` are of order \
                       two, Euler's method of order one.",
         quantity: "order, from the differences of the results with N, 2N and 4N steps",

@@ -16,14 +16,13 @@ pub const CASE: Case = Case {
         title: "Tiny and huge states",
         setup: "Rigid body with three noises, γ = ½cos 2t, 64 steps of τ = 1/64, truncated \
                 increments; state and moments of inertia multiplied by a power of two.",
-        mathematics: "With y and I multiplied by the same number the solution is multiplied by it; \
-                      so it is in floating point, bit by bit, where nothing overflows or \
-                      underflows.",
+        mathematics: "With y and I multiplied by the same number the solution is multiplied by \
+                      it: in floating point bit by bit, where nothing overflows or underflows.",
         quantity: "largest difference, relative to |y₀|, between the scaled solution and that of \
                    scale one",
-        guarantee: "No scheme and no stopping test depends on the scale: at most a sweep more or \
-                    less, a difference of rounding. `sexp-levy` runs without areas, whose weights \
-                    1/Î² overflow or underflow.",
+        guarantee: "No scheme and no stopping test depends on the scale, up to a sweep more or \
+                    less. `sexp-levy` runs without areas, whose weights 1/Î² overflow or \
+                    underflow.",
         varied: "scale",
         plot: None,
     },
