@@ -16,7 +16,7 @@
 //! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
 //! | [`command`] | what the command lines of all programs share |
 //! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo against the Kolmogorov equation |
-//! | [`coverage()`], [`CoverageRow`] | how often the intervals of `stats` cover the truth |
+//! | [`coverage()`] | how often the intervals of `stats` cover the truth |
 //!
 //! The programs of this package are `reproduce`, `battery` (with the twins), `work-precision`,
 //! `hard-cases` and `bench`; what one of them alone needs is in its folder.
@@ -34,7 +34,7 @@ pub mod statements;
 pub mod streams;
 mod supplements;
 
-pub use coverage::{CoverageRow, Expected, coverage};
+pub use coverage::coverage;
 pub use experiment::{Conditions, Experiment, Findings, Measurement, TRUNCATION_ORDER, truncation};
 pub use kernels::{Compiled, PaperSystem, compiled};
 pub use method::Method;

@@ -14,6 +14,12 @@ pub trait NoiseSource<const M: usize>: Sync {
     fn block(&self, first_path: u64) -> NextNoise<'_, M>;
 }
 
+impl<const M: usize, F: Fn(u64) -> NextNoise<'static, M> + Sync> NoiseSource<M> for F {
+    fn block(&self, first_path: u64) -> NextNoise<'_, M> {
+        self(first_path)
+    }
+}
+
 /// Increments of a family of streams, and their Lévy areas where they are wanted.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Drawn {

@@ -59,7 +59,8 @@ impl<E: FixedPoint<D>, const D: usize> VectorFunction<D, D> for Map<E> {
     }
 }
 
-/// The equations of a block of paths.
+/// The equations of a block of paths. They are copied where a path needs the robust method, so let
+/// them borrow what is large.
 pub trait BlockFixedPoint<const D: usize>: Copy {
     /// The equation of one path.
     type Path: FixedPoint<D>;

@@ -3,6 +3,7 @@
 use real::Real;
 
 use crate::error::finite;
+use crate::system::no_invariant;
 use crate::{Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem, SystemError};
 
 /// n = D/3 classical spins sᵢ ∈ ℝ³ with B(y)v = (s₁ × v₁, …, sₙ × vₙ), H₀ = −J Σ sᵢ·sᵢ₊₁ − ½K Σ
@@ -116,6 +117,9 @@ impl<const D: usize> PoissonSystem<D, 3> for SpinChain<D> {
 
     #[inline(always)]
     fn invariant<R: Real>(&self, index: usize, y: [R; D]) -> R {
+        if index >= D / 3 {
+            no_invariant(self.name(), index);
+        }
         let s = [y[3 * index], y[3 * index + 1], y[3 * index + 2]];
         (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) * 0.5
     }

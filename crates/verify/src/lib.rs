@@ -6,7 +6,8 @@
 //!
 //! | item | job |
 //! |---|---|
-//! | [`strong_order`], [`strong_order_exact`], [`weak_order`], [`exact_mean`], [`StepSizes`] | the order of any scheme on any problem |
+//! | [`strong_order`], [`strong_order_against`], [`weak_order`], [`StepSizes`], [`ReferenceSolution`] | the order of any scheme on any problem |
+//! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
 //! | [`inspect()`], [`inspect_problem`] | what a system is: skew, Casimirs, degrees, commuting noises, which statements apply |
 //! | [`PathScheme`] | a scheme written for one path, to be put to the test |
 //! | [`order_verdict`], [`bound_verdict`] | when an order is said to hold |
@@ -37,7 +38,8 @@ pub use evidence::{DEVIATIONS, worse};
 pub use final_moments::{FinalMoments, FinalValues};
 pub use inspect::{inspect, inspect_problem};
 pub use orders::{
-    Exact, Order, StepSizes, exact_mean, strong_order, strong_order_exact, weak_order,
+    Exact, Order, ReferenceSolution, StepSizes, exact_mean, strong_order, strong_order_against,
+    weak_order,
 };
 pub use path_scheme::PathScheme;
 pub use settings::{Mode, Progress, Settings, Silent};
@@ -45,11 +47,6 @@ pub use sphere::rigid_body_expectations;
 pub use stopwatch::{Spread, Stopwatch};
 pub use twin::Twin;
 pub use verdict::{ORDER_MARGIN, Verdict, bound_verdict, order_verdict};
-
-/// The example of the README, compiled and run with the other examples.
-#[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;
 
 /// The snippets of the guide that stand alone.
 #[cfg(doctest)]

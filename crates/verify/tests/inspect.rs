@@ -226,15 +226,15 @@ impl PoissonSystem<3, 3> for Spoiled {
         gradient
     }
     fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 3]) -> [R; 3] {
-        let at = if self.0 == Fault::OneSided { b } else { dgrad::quadratic(a, b) };
+        let at = if self.0 == Fault::OneSided { b } else { dgrad::midpoint(a, b) };
         let dt = if self.0 == Fault::AveragedGradient { 1.01 * dt } else { dt };
         real::gradient(&Energy { system: self, dt, dw }, at)
     }
     fn averaged_field<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 3]) -> [R; 3] {
-        let at = if self.0 == Fault::AveragedField { a } else { dgrad::quadratic(a, b) };
+        let at = if self.0 == Fault::AveragedField { a } else { dgrad::midpoint(a, b) };
         self.structure(at, self.averaged_gradient(a, b, dt, dw))
     }
-    fn short_step(&self, a: [f64; 3], dt: f64, dw: [f64; 3]) -> ([f64; 3], f64) {
+    fn predict(&self, a: [f64; 3], dt: f64, dw: [f64; 3]) -> ([f64; 3], f64) {
         if self.0 != Fault::Prediction {
             return (a, f64::INFINITY);
         }

@@ -36,7 +36,7 @@ mod tests;
 
 use mc::{Ladder, Measured, Observable, Run, WeakDifferences};
 use schemes::Sexp;
-use stats::{CrossMoments, Point, fit_weak_differences};
+use stats::{CrossMoments, weak_errors};
 use systems::paper::{rigid_body_three_noises, valid};
 use systems::{Damping, Problem};
 use verify::results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series};
@@ -192,24 +192,13 @@ where
 }
 
 /// A curve from independent differences at the step sizes `taus`, each half of the one before.
-pub(crate) fn weak_series(name: &str, taus: &[f64], differences: &[&CrossMoments]) -> Series {
-    let means: Vec<f64> = differences.iter().map(|difference| difference.mean(0)).collect();
-    let variances: Vec<f64> =
-        differences.iter().map(|difference| difference.covariance_of_means(0, 0)).collect();
-    let covariance: Vec<Vec<f64>> = (0..taus.len())
-        .map(|l| (0..taus.len()).map(|m| if l == m { variances[l] } else { 0.0 }).collect())
-        .collect();
-    let finest = taus.len() - 1;
-    let points = (0..taus.len()).map(|l| {
-        let error = means[l..finest].iter().sum::<f64>() + 2.0 * means[finest];
-        let variance = variances[l..finest].iter().sum::<f64>() + 4.0 * variances[finest];
-        Point::normal(taus[l], error, variance.sqrt())
-    });
+fn weak_series(name: &str, taus: &[f64], differences: &[&CrossMoments]) -> Series {
+    let (points, rate) = weak_errors(taus, differences);
     Series {
         scheme: Method::Sexp.id().to_owned(),
         quantity: name.to_owned(),
-        points: points.collect(),
-        rate: fit_weak_differences(taus, &means, &covariance),
+        points,
+        rate,
         ..Series::default()
     }
 }

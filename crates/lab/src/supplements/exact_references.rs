@@ -8,10 +8,10 @@ use systems::paper::{self, valid};
 use systems::{Damping, Problem};
 use verify::exact::{RandomTime, expectation, solution};
 use verify::results::{Claim, Evidence, Kind, Panel};
-use verify::{Exact, StepSizes, exact_mean, weak_order};
+use verify::{Exact, ReferenceSolution, StepSizes, exact_mean, weak_order};
 
 use crate::experiment::{Conditions, Experiment, Findings, describe, truncation};
-use crate::kernels::PaperSystem;
+use crate::kernels::{PaperSystem, compiled};
 use crate::method::Method;
 use crate::panels::strong::{
     Grid, StrongCurve, StrongErrorCurves, StrongRuns, curves_of_the_paper,
@@ -139,9 +139,10 @@ impl AgainstExact {
         let time = random_time(problem, steps);
         let solution = |s: f64| solution(problem, s);
         let exact = Exact { time_change: &time, solution: &solution };
+        let sexp = compiled(Sexp::default());
         let claims = observables.map(|observable| {
-            let order =
-                valid(weak_order(&Sexp::default(), problem, observable, &sizes, Some(exact)));
+            let reference = ReferenceSolution::Exact(exact);
+            let order = valid(weak_order(sexp.as_ref(), problem, observable, &sizes, reference));
             let name = observable.name;
             let statement =
                 format!("sexp has weak order 1 against the exact solution for φ = {name}");

@@ -1,7 +1,7 @@
 //! The page about the battery: statements by seed, twins, coverage.
 
-use lab::{CoverageRow, Expected};
 use report::{Outcome, Page};
+use stats::{Coverage, Expected};
 use verify::results::{Claim, Evidence, Verdict};
 
 use crate::budget::{expected_alarms, least_power, poisson_quantile};
@@ -17,7 +17,7 @@ pub struct Battery {
     /// Expectations of the rigid body, of the first seed.
     pub expectations: Vec<Claim>,
     /// How often intervals cover.
-    pub coverage: Vec<CoverageRow>,
+    pub coverage: Vec<Coverage>,
 }
 
 impl Battery {
@@ -209,16 +209,16 @@ fn expectations(page: &mut Page, claims: &[Claim]) {
     page.table(["expectation", "measured", "verdict"], claims.iter().map(row));
 }
 
-fn coverage(page: &mut Page, rows: &[CoverageRow]) {
+fn coverage(page: &mut Page, rows: &[Coverage]) {
     page.heading(2, "Coverage of the intervals");
     page.paragraph(
         "How often an interval covers the truth, or a warning is raised, on data whose law is \
          known.",
     );
-    let row = |row: &CoverageRow| {
+    let row = |row: &Coverage| {
         let nominal = match row.expected {
             Expected::Raised | Expected::Silent => String::new(),
-            _ => format!("{:.0} %", 100.0 * row.nominal),
+            _ => format!("{:.0} %", 100.0 * row.expected.nominal()),
         };
         let expected = match row.expected {
             Expected::Calibrated => "cover 93 to 97 %",

@@ -14,7 +14,8 @@ pub fn page(results: &Stability) -> Page {
         provenance::generated_by(&results.provenance)
     ));
     page.paragraph(METHOD);
-    summary_table(&mut page, results);
+    page.heading(2, "Summary");
+    summary(&mut page, results);
     let plotted = |case: &&Case| case.words.plot.is_some();
     let mut plotted: Vec<&Case> = results.cases.iter().filter(plotted).collect();
     for case in &results.cases {
@@ -41,42 +42,6 @@ pub fn page(results: &Stability) -> Page {
     page
 }
 
-/// How many of the verdicts there are: holds, fails as it must, observed, refuted.
-fn counts(verdicts: impl Iterator<Item = Verdict>) -> [usize; 4] {
-    let verdicts: Vec<Verdict> = verdicts.collect();
-    [Verdict::Holds, Verdict::FailsAsItMust, Verdict::Observed, Verdict::Refuted]
-        .map(|one| verdicts.iter().filter(|verdict| **verdict == one).count())
-}
-
-/// A few lines for the terminal.
-pub fn summary(results: &Stability) -> String {
-    let mut lines = Vec::new();
-    for case in &results.cases {
-        let [holds, fails, observed, refuted] = counts(case.rows.iter().map(|row| row.verdict));
-        lines.push(format!(
-            "{:<20} {holds:>3} hold, {fails:>3} fail as they must, {observed:>3} observed, \
-             {refuted:>3} REFUTED",
-            case.words.id
-        ));
-        let refuted = case.rows.iter().filter(|row| row.verdict == Verdict::Refuted);
-        lines.extend(
-            refuted.map(|row| format!("  {} {}: {}", row.setting.words, row.scheme, cell(row))),
-        );
-    }
-    lines.extend(results.growth.iter().map(|run| {
-        let end = run.points.last().map_or(f64::NAN, |point| point.rms);
-        let (id, exponent, verdict) = (run.id, exponent(run), words(run.verdict));
-        format!("{id:<34} {}, n^{exponent}: {verdict}", number(end))
-    }));
-    for fuzzed in &results.fuzz {
-        let Fuzzed { target, inputs, failures, examples, .. } = fuzzed;
-        lines.push(format!("{target:<44} {inputs} inputs, {failures} failures"));
-        lines.extend(examples.iter().map(|example| format!("  {example}")));
-    }
-    lines.push(String::new());
-    lines.join("\n")
-}
-
 fn words(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Holds => "holds",
@@ -86,30 +51,26 @@ fn words(verdict: Verdict) -> &'static str {
     }
 }
 
-fn exponent(run: &Growth) -> String {
-    format!("{:.3} [{:.3}, {:.3}]", run.exponent, run.lo, run.hi)
-}
-
-/// Everything at a glance: one row for a case.
-fn summary_table(page: &mut Page, results: &Stability) {
-    page.heading(2, "Summary");
-    let row = |title: &str, counts: [usize; 4]| {
+/// Everything at a glance: one row for a case, and what is refuted.
+pub fn summary(page: &mut Page, results: &Stability) {
+    let row = |title: &str, verdicts: &[Verdict]| {
+        let of = |one| verdicts.iter().filter(|verdict| **verdict == one).count().to_string();
+        let counts = [Verdict::Holds, Verdict::FailsAsItMust, Verdict::Observed, Verdict::Refuted];
         let link = format!("[{title}](#{})", anchor(title));
-        [link].into_iter().chain(counts.map(|count| count.to_string())).collect::<Vec<String>>()
+        [link].into_iter().chain(counts.map(of)).collect::<Vec<String>>()
     };
-    let cases = results
-        .cases
-        .iter()
-        .map(|case| row(case.words.title, counts(case.rows.iter().map(|row| row.verdict))));
-    let long = row(LONG, counts(results.growth.iter().map(|run| run.verdict)));
-    let long = (!results.growth.is_empty()).then_some(long);
+    let verdicts = |case: &Case| case.rows.iter().map(|row| row.verdict).collect::<Vec<_>>();
+    let cases = results.cases.iter().map(|case| row(case.words.title, &verdicts(case)));
+    let long: Vec<Verdict> = results.growth.iter().map(|run| run.verdict).collect();
+    let long = (!long.is_empty()).then(|| row(LONG, &long));
     page.table(["case", "hold", "fail as they must", "observed", "refuted"], cases.chain(long));
+    let refuted = |row: &&Row| row.verdict == Verdict::Refuted;
+    let refuted = results.cases.iter().flat_map(|case| &case.rows).filter(refuted);
+    page.list(refuted.map(|row| format!("{}, {}: {}", row.setting.words, row.scheme, cell(row))));
     if !results.fuzz.is_empty() {
         let (inputs, failures) = totals(&results.fuzz);
-        page.paragraph(format!(
-            "[{FUZZ}](#{}): {inputs} inputs, {failures} failures.",
-            anchor(FUZZ)
-        ));
+        let link = format!("[{FUZZ}](#{})", anchor(FUZZ));
+        page.paragraph(format!("{link}: {inputs} inputs, {failures} failures."));
     }
 }
 
@@ -172,7 +133,7 @@ fn growth(page: &mut Page, growth: &[Growth]) {
             format!("{:+.1e}", end.mean),
             number(end.max),
             number(run.linear),
-            exponent(run),
+            format!("{:.3} [{:.3}, {:.3}]", run.exponent, run.lo, run.hi),
             words(run.verdict).to_owned(),
         ])
     });

@@ -8,7 +8,7 @@ use schemes::{EulerMaruyama, Explicit, Increment, Scheme, Sexp, SexpLevy, Step};
 use systems::paper::{rigid_body_one_noise, rigid_body_three_noises, valid};
 use systems::{Damping, PoissonSystem, Problem};
 use verify::results::{Claim, Evidence};
-use verify::{Order, StepSizes, strong_order, weak_order};
+use verify::{Order, ReferenceSolution, StepSizes, strong_order, weak_order};
 
 use super::wrong_noise::WrongNoise;
 
@@ -72,8 +72,9 @@ pub fn weak_with_correction(conditions: &Conditions<'_>, factor: f64) -> Claim {
     let observable = Observable { name: "y3", function: |y: [f64; 3]| y[2] };
     let sizes = StepSizes { levels: 6, samples: 2048, ..step_sizes(conditions) };
     let problem = rigid_body_three_noises(1.0);
-    let wrong = Miscorrected { factor };
-    let measured = valid(weak_order::<_, _, 3, 3>(&wrong, &problem, observable, &sizes, None));
+    let (wrong, sexp) = (Miscorrected { factor }, Sexp::default());
+    let sexp = ReferenceSolution::<_, 3, 3>::Scheme(&sexp);
+    let measured = valid(weak_order(&wrong, &problem, observable, &sizes, sexp));
     order_claim("weak-one", "weak order 1 for φ = y3", measured, 1.0)
 }
 

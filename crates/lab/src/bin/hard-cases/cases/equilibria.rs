@@ -62,6 +62,6 @@ fn stay<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     experiment.rows(setting.to_owned(), |row, _, paths| {
         let states = &paths[0].states;
         let components = states.iter().flat_map(|y| (0..D).map(|i| (y[i] - states[0][i]).abs()));
-        row.with_figure(components.fold(0.0, f64::max)).at_most(bound)
+        Ok(row.with_figure(components.fold(0.0, f64::max)).at_most(bound))
     })
 }

@@ -101,10 +101,10 @@ fn rows(context: &Context) -> Result<Vec<Row>> {
             // that in ½|y|². The argument κy₁ has a rounding of its own, ε κ/κ.
             let rounding = experiment.distance(paths, &CASIMIR, false).bound;
             let bound = quadrature + 4.0 * rounding;
-            match scheme.family {
+            Ok(match scheme.family {
                 Family::Conformal => row.with_figure(worst).guaranteed(worst <= bound, bound),
                 _ => row.with_figure(worst),
-            }
+            })
         })
     })?;
     Ok([casimir, energy].concat())

@@ -54,12 +54,12 @@ fn rows(context: &Context) -> Result<Vec<Row>> {
             let off = if exact == 0.0 { factor } else { (factor / exact - 1.0).abs() };
             let to_rounding = row.error.is_none() && off <= law_bound(STEPS, x * STEPS as f64);
             let row = Row { exact: Some(exact), ..row.with_figure(factor) };
-            match scheme.family {
+            Ok(match scheme.family {
                 Family::Conformal => row.guaranteed(to_rounding, None),
                 Family::Midpoint if x >= MIDPOINT_FAILS => row.must_exceed(2.0 * exact),
                 Family::Explicit if x >= EXPLICIT_FAILS => row.must_exceed(1.0),
                 _ => row,
-            }
+            })
         })
     })
 }

@@ -1,86 +1,7 @@
-//! Data whose law is known: squared errors of a given order, and geometric Brownian motion with its
-//! exact solution.
+//! Geometric Brownian motion with its exact solution.
 
-use noise::{StreamKey, WienerBlock, WienerPath};
+use noise::{DyadicLadder, StreamKey, WienerBlock};
 use real::{Block, WIDTH};
-use stats::CrossMoments;
-
-/// Squared errors C τ^{2p}(1 + bτ)(1 − c τ_ref/τ)Z² of paths, with Z normal and most of its
-/// variance shared between the levels of a path.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Synthetic {
-    pub order: f64,
-    /// b.
-    pub curvature: f64,
-    /// τ_ref, with c = 1.
-    pub reference: Option<f64>,
-    pub outliers: Option<Outliers>,
-    /// Factor of the squares at every other step size: with another one than 1, no power law.
-    pub uneven: f64,
-    pub paths: u64,
-}
-
-/// Share of the variance of Z that the levels of a path have in common: their squares then have the
-/// correlation 0.64, as errors at neighbouring steps have.
-const SHARED: f64 = 0.8;
-
-/// Some paths have larger errors on the coarse levels, as those have whose increments are clipped.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Outliers {
-    /// One path in this many.
-    pub one_in: f64,
-    /// Factor of the error.
-    pub factor: f64,
-    /// How many of the coarsest levels are hit.
-    pub levels: usize,
-}
-
-impl Synthetic {
-    pub(super) const fn new(order: f64) -> Self {
-        Self { order, curvature: 0.0, reference: None, outliers: None, uneven: 1.0, paths: 400 }
-    }
-
-    /// Mean square of the error at a level.
-    pub(super) fn mean_square(&self, taus: &[f64], level: usize) -> f64 {
-        let hit = self.outliers.filter(|outliers| level < outliers.levels);
-        self.scales(taus)[level]
-            * hit.map_or(1.0, |hit| 1.0 + (hit.factor * hit.factor - 1.0) / hit.one_in)
-    }
-
-    fn scales(&self, taus: &[f64]) -> Vec<f64> {
-        let scale =
-            |(l, &tau): (usize, &f64)| self.scale(tau) * if l % 2 == 1 { self.uneven } else { 1.0 };
-        taus.iter().enumerate().map(scale).collect()
-    }
-
-    fn scale(&self, tau: f64) -> f64 {
-        let reference = self.reference.map_or(0.0, |reference| reference / tau);
-        tau.powf(2.0 * self.order) * (1.0 + self.curvature * tau) * (1.0 - reference)
-    }
-
-    pub(super) fn squares(&self, taus: &[f64], key: StreamKey) -> CrossMoments {
-        let scales = self.scales(taus);
-        let mut squares = CrossMoments::new(taus.len());
-        let mut errors = vec![0.0; taus.len()];
-        for path in 0..self.paths {
-            let mut noise = WienerPath::<1>::new(key, path);
-            let shared = noise.normal();
-            for (error, scale) in errors.iter_mut().zip(&scales) {
-                *error = scale
-                    * (SHARED.sqrt() * shared + (1.0 - SHARED).sqrt() * noise.normal()).powi(2);
-            }
-            if let Some(Outliers { one_in, factor, levels }) = self.outliers {
-                // For two independent normals exp(−(x² + y²)/2) is uniform.
-                let (x, y) = (noise.normal(), noise.normal());
-                if (-0.5 * (x * x + y * y)).exp() < 1.0 / one_in {
-                    errors[..levels].iter_mut().for_each(|error| *error *= factor * factor);
-                }
-            }
-            squares.add(&errors);
-        }
-        squares
-    }
-}
 
 /// dX = aX dt + bX dW (Itô) on [0, 1] with X(0) = 1, solved by Euler–Maruyama and known exactly:
 /// X(1) = exp(a − b²/2 + bW(1)).
@@ -122,7 +43,7 @@ impl Geometric {
     /// Calls `each` with the numerical solutions at time 1, coarsest first, and the exact one, for
     /// every path.
     pub(super) fn for_each_path(&self, key: StreamKey, mut each: impl FnMut(&[f64], f64)) {
-        let levels = (self.last - self.first) as usize + 1;
+        let top = (self.last - self.first) as usize;
         let steps = 1u64 << self.last;
         let tau = 1.0 / steps as f64;
         let (a, b) = (self.drift, self.volatility);
@@ -130,31 +51,21 @@ impl Geometric {
         for first_path in (0..self.paths).step_by(WIDTH) {
             let mut noise = WienerBlock::<1>::new(key, first_path);
             let mut dw = Block::<1>::zero();
-            // Index 0 is the finest level here.
-            let mut states = vec![[1.0; WIDTH]; levels];
-            let mut sums = vec![[0.0; WIDTH]; levels];
+            let mut ladder = DyadicLadder::new(top);
             let mut total = [0.0; WIDTH];
-            for n in 1..=steps {
+            // Level 0 is the finest.
+            let mut states = vec![[1.0; WIDTH]; top + 1];
+            for _ in 0..steps {
                 noise.increments(tau.sqrt(), &mut dw);
-                let mut increment = dw.0[0];
                 for p in 0..WIDTH {
-                    total[p] += increment[p];
+                    total[p] += dw.0[0][p];
                 }
-                for level in 0..levels {
+                for level in 0..=ladder.push(&dw) {
                     let tau = tau * (1u64 << level) as f64;
+                    let w = ladder.increment(level).0[0];
                     for p in 0..WIDTH {
-                        let w = sums[level][p] + increment[p];
-                        increment[p] = w;
-                        states[level][p] *= 1.0 + a * tau + b * w + correction * (w * w - tau);
-                    }
-                    sums[level] = [0.0; WIDTH];
-                    if n % (2 << level) != 0 {
-                        if level + 1 < levels {
-                            for p in 0..WIDTH {
-                                sums[level + 1][p] += increment[p];
-                            }
-                        }
-                        break;
+                        states[level][p] *=
+                            1.0 + a * tau + b * w[p] + correction * (w[p] * w[p] - tau);
                     }
                 }
             }
@@ -169,6 +80,7 @@ impl Geometric {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use stats::CrossMoments;
 
     #[test]
     fn closed_forms_of_geometric_brownian_motion() {

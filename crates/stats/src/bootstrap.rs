@@ -17,12 +17,14 @@
 
 use std::sync::OnceLock;
 
+use rand_xoshiro::SplitMix64;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use real::{Kernel, dispatch};
 
-use crate::{BATCHES, CrossMoments};
+use crate::moments::{BATCHES, CrossMoments};
 
 /// Resamples; with 399 the quantiles of 2½ % and 97½ % are the 10th smallest and the 10th largest.
-const RESAMPLES: u64 = 399;
+const RESAMPLES: usize = 399;
 /// The quantiles' rank for 95 %.
 const RANK: usize = 10;
 /// With fewer batches the quantiles of t* are those of a few values that come again and again.
@@ -32,7 +34,7 @@ const LEAST_BATCHES: usize = 32;
 /// 32 paths.
 ///
 /// `levels` are the components that the weights `gain` belong to.
-pub(super) fn reach(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> Option<(f64, f64)> {
+pub(crate) fn reach(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> Option<(f64, f64)> {
     let counts: Vec<f64> = squares.batches().map(|(count, _)| count as f64).collect();
     let batches = counts.len();
     if batches < LEAST_BATCHES {
@@ -43,24 +45,35 @@ pub(super) fn reach(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> O
         .iter()
         .map(|&l| squares.batches().map(|(_, sums)| sums[l] / squares.mean(l)).collect())
         .collect();
-    let mut statistics = Vec::with_capacity(RESAMPLES as usize);
-    let (mut times, mut influences, mut means) =
-        (vec![0.0; batches], vec![0.0; batches], vec![0.0; levels.len()]);
-    for resample in 0..RESAMPLES {
-        drawn(resample, &mut times);
-        let se = dispatch(Resample {
-            times: &times,
-            counts: &counts,
-            values: &values,
-            gain,
-            means: &mut means,
-            influences: &mut influences,
-        });
-        let shift: f64 = means.iter().zip(gain).map(|(mean, g)| g * mean.ln()).sum();
-        statistics.push(shift / se);
-    }
+    // With all the batches, which is nearly always, the draws are looked up: drawing takes twice as
+    // long as the rest.
+    static ALL: OnceLock<Vec<u16>> = OnceLock::new();
+    let few;
+    let draws = if batches == BATCHES {
+        ALL.get_or_init(|| draws(BATCHES))
+    } else {
+        few = draws(batches);
+        &few
+    };
+    let mut influences = vec![0.0; batches];
+    let mut means = vec![0.0; levels.len()];
+    let mut statistics: Vec<f64> = draws
+        .chunks_exact(batches)
+        .map(|times| {
+            let times: Vec<f64> = times.iter().map(|&times| f64::from(times)).collect();
+            let se = dispatch(Resample {
+                times: &times,
+                counts: &counts,
+                values: &values,
+                gain,
+                means: &mut means,
+                influences: &mut influences,
+            });
+            means.iter().zip(gain).map(|(mean, g)| g * mean.ln()).sum::<f64>() / se
+        })
+        .collect();
     statistics.sort_by(f64::total_cmp);
-    let (low, high) = (statistics[RANK - 1], statistics[RESAMPLES as usize - RANK]);
+    let (low, high) = (statistics[RANK - 1], statistics[RESAMPLES - RANK]);
     (low.is_finite() && high.is_finite()).then_some((high, -low))
 }
 
@@ -122,10 +135,26 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     sum + rest
 }
 
-/// Degrees of freedom of the estimated variance of θ by Satterthwaite's rule, 2B/(κ − 1) with κ the
-/// kurtosis of the influences u_b of the B batches: B for normal influences, 2 when a single batch
-/// dominates.
-pub(super) fn degrees_of_freedom(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> f64 {
+/// How often each of so many batches is drawn, resample by resample.
+///
+/// The numbers are those of SplitMix64 (Steele, Lea and Flood 2014) started at the number of the
+/// resample times 2³²; the upper half of a word times the number of batches, over 2³², is uniform
+/// up to 2⁻²⁴.
+fn draws(batches: usize) -> Vec<u16> {
+    let mut times = vec![0; RESAMPLES * batches];
+    for (resample, times) in (0u64..).zip(times.chunks_exact_mut(batches)) {
+        let mut words = SplitMix64::seed_from_u64(resample << 32);
+        for _ in 0..batches {
+            times[(((words.next_u64() >> 32) * batches as u64) >> 32) as usize] += 1;
+        }
+    }
+    times
+}
+
+/// Degrees of freedom of the estimated variance of θ by Satterthwaite's rule (*Biometrics* 2,
+/// 1946), 2B/(κ − 1) with κ the kurtosis of the influences u_b of the B batches: B for normal
+/// influences, 2 when a single batch dominates.
+pub(crate) fn degrees_of_freedom(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> f64 {
     let (mut batches, mut second, mut fourth) = (0.0, 0.0, 0.0);
     for (count, sums) in squares.batches() {
         let influence: f64 = levels
@@ -141,66 +170,18 @@ pub(super) fn degrees_of_freedom(squares: &CrossMoments, levels: &[usize], gain:
     2.0 * batches / (kurtosis - 1.0).max(f64::EPSILON)
 }
 
-/// How often each batch is drawn in a resample. With all [`BATCHES`] of them, which is nearly
-/// always, it is looked up: drawing takes twice as long as the rest.
-fn drawn(resample: u64, times: &mut [f64]) {
-    static ALL: OnceLock<Vec<u16>> = OnceLock::new();
-    if times.len() == BATCHES {
-        let all = ALL.get_or_init(|| {
-            let mut all = vec![0; RESAMPLES as usize * BATCHES];
-            for (resample, times) in (0..).zip(all.chunks_exact_mut(BATCHES)) {
-                draw(resample, BATCHES as u64, |batch| times[batch] += 1);
-            }
-            all
-        });
-        let row = &all[resample as usize * BATCHES..][..BATCHES];
-        times.iter_mut().zip(row).for_each(|(times, &drawn)| *times = f64::from(drawn));
-    } else {
-        times.fill(0.0);
-        draw(resample, times.len() as u64, |batch| times[batch] += 1.0);
-    }
-}
-
-/// Draws as many batches as there are.
-///
-/// The numbers are those of SplitMix64 (Steele, Lea and Flood 2014) started at the number of the
-/// resample times 2³²; the upper half of a word times the number of batches, over 2³², is uniform
-/// up to 2⁻²⁴.
-fn draw(resample: u64, batches: u64, mut count: impl FnMut(usize)) {
-    let mut counter = resample << 32;
-    for _ in 0..batches {
-        counter = counter.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut word = counter;
-        word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        word = (word ^ (word >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        word ^= word >> 31;
-        count((((word >> 32) * batches) >> 32) as usize);
-    }
-}
-
-/// A 95 % interval for the root of the mean square of component `l`, by bootstrap-t for its
-/// logarithm. It leans upwards, as it must for skewed squares, where value ± 1.96 standard errors
-/// covers too rarely. `None` with fewer than 32 paths.
-#[must_use]
-pub fn root_mean_square_interval(squares: &CrossMoments, l: usize) -> Option<(f64, f64)> {
-    let mean = squares.mean(l);
-    let se = 0.5 * squares.covariance_of_means(l, l).sqrt() / mean;
-    let (below, above) = reach(squares, &[l], &[0.5])?;
-    Some((mean.sqrt() * (-below * se).exp(), mean.sqrt() * (above * se).exp()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn what_is_looked_up_is_what_is_drawn() {
-        for resample in [0, 1, 57, RESAMPLES - 1] {
-            let (mut looked_up, mut counted) = (vec![0.0; BATCHES], vec![0.0; BATCHES]);
-            drawn(resample, &mut looked_up);
-            draw(resample, BATCHES as u64, |batch| counted[batch] += 1.0);
-            assert_eq!(looked_up, counted);
-            assert_eq!(looked_up.iter().sum::<f64>(), BATCHES as f64);
+    fn every_resample_has_as_many_batches_as_there_are() {
+        for batches in [32, 100, BATCHES] {
+            let draws = draws(batches);
+            assert_eq!(draws.len(), RESAMPLES * batches);
+            for times in draws.chunks(batches) {
+                assert_eq!(times.iter().map(|&times| usize::from(times)).sum::<usize>(), batches);
+            }
         }
     }
 }
