@@ -166,7 +166,7 @@ const MAX_REFINEMENT: u32 = 24;
 
 impl StepSizes {
     /// The level above the finest of step size number `index`, coarsest first.
-    fn level(&self, index: usize) -> usize {
+    pub(crate) fn level(&self, index: usize) -> usize {
         self.levels - 1 - index + self.refinement as usize
     }
 
@@ -179,7 +179,8 @@ impl StepSizes {
         t_end / (self.coarsest_steps << self.level(0)) as f64
     }
 
-    fn check(&self) -> Result<(), LadderError> {
+    /// Refuses sizes without a step or a step size, or with too many.
+    pub(crate) fn check(&self) -> Result<(), LadderError> {
         if self.levels == 0 || self.levels > MAX_LEVELS || self.refinement > MAX_REFINEMENT {
             return Err(LadderError::Level {
                 level: self.levels + self.refinement as usize,
