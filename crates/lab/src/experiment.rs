@@ -2,7 +2,8 @@
 
 use noise::{StreamKey, Truncation};
 use systems::paper::valid;
-use verify::results::{Claim, Panel};
+use systems::{Damping, Problem};
+use verify::results::{Claim, Kind, Panel};
 use verify::{Mode, Progress, Settings};
 
 use crate::streams;
@@ -55,6 +56,12 @@ pub struct Findings {
     pub claims: Vec<Claim>,
 }
 
+impl From<Vec<Claim>> for Findings {
+    fn from(claims: Vec<Claim>) -> Self {
+        Self { claims, panels: Vec::new() }
+    }
+}
+
 /// One set of runs, which makes panels, claims or both.
 pub trait Experiment: Sync {
     /// The ids of what it makes: of panels, or of a statement.
@@ -83,7 +90,10 @@ impl Experiment for Measurement {
     }
 
     fn run(&self, conditions: &Conditions<'_>) -> Findings {
-        (self.measure)(conditions)
+        conditions.progress.begin(self.id, 0);
+        let findings = (self.measure)(conditions);
+        conditions.progress.end();
+        findings
     }
 
     fn takes_long(&self) -> bool {
@@ -91,14 +101,38 @@ impl Experiment for Measurement {
     }
 }
 
-/// "system, γ = …, y₀ = …, T = …, steps": a set-up in words.
-pub(crate) fn describe<S, G: systems::Damping, const D: usize>(
-    system: &str,
-    problem: &systems::Problem<S, G, D>,
-    steps: &str,
-) -> String {
-    let short = |y: &f64| format!("{y:.4}").trim_end_matches('0').trim_end_matches('.').to_owned();
-    let start: Vec<String> = problem.y0.iter().map(short).collect();
-    let (damping, t_end) = (problem.damping.describe(), problem.t_end);
-    format!("{system}, {damping}, y₀ = ({}), T = {t_end}, {steps}", start.join(", "))
+/// A figure in words.
+#[derive(Clone, Copy)]
+pub(crate) struct Words {
+    pub id: &'static str,
+    pub title: &'static str,
+    /// The system and its parameters.
+    pub system: &'static str,
+    /// What the paper says that the figure shows.
+    pub paper: &'static str,
+}
+
+/// How increments are truncated in most panels, in words.
+pub(crate) const TRUNCATED: &str = "increments truncated with k = 4";
+
+impl Words {
+    /// A panel without curves; its set-up is "system, γ = …, y₀ = …, T = …, steps".
+    pub fn panel<S, G: Damping, const D: usize>(
+        &self,
+        kind: Kind,
+        problem: &Problem<S, G, D>,
+        steps: &str,
+    ) -> Panel {
+        let [id, title, paper] = [self.id, self.title, self.paper].map(str::to_owned);
+        let system = self.system;
+        let short = |y: &f64| {
+            let digits = format!("{y:.4}");
+            digits.trim_end_matches('0').trim_end_matches('.').to_owned()
+        };
+        let start: Vec<String> = problem.y0.iter().map(short).collect();
+        let (damping, t_end) = (problem.damping.describe(), problem.t_end);
+        let setup =
+            format!("{system}, {damping}, y₀ = ({}), T = {t_end}, {steps}", start.join(", "));
+        Panel { id, kind, title, setup, paper, ..Panel::default() }
+    }
 }

@@ -57,13 +57,14 @@ fn a_loop_that_paths_leave_is_seen_in_the_count() {
         assert!(!versions.is_empty(), "no kernel for {instruction_set} in this binary");
         for version in &versions {
             println!("{instruction_set}: {version:?}");
-            // Far from the 0.5 and the 198 that `tests/vectorised.rs` asks for.
+            // Far from the 0.5 and the 198 that `tests/vectorised.rs` asks for: what is left on
+            // vectors is the damping after the solver.
             assert!(
-                version.whole.share(vector) < 0.25,
+                version.whole.share(vector) < 0.35,
                 "{instruction_set}: vectorised after all: {version:?}"
             );
             assert!(
-                version.heaviest_loops[vector].packed[vector] < 50,
+                version.heaviest_loops[vector].packed[vector] < 80,
                 "{instruction_set}: {version:?}"
             );
         }

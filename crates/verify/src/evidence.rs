@@ -14,6 +14,8 @@ pub const DEVIATIONS: f64 = 4.42;
 /// A measurement with the limit that it is held against.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
+// A run has some hundred of them; most are fitted orders, the largest.
+#[allow(clippy::large_enum_variant)]
 pub enum Evidence {
     /// A fitted order of convergence.
     Order {

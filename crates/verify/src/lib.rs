@@ -9,7 +9,6 @@
 //! | [`strong_order`], [`strong_order_against`], [`weak_order`], [`StepSizes`], [`ReferenceSolution`] | the order of any scheme on any problem |
 //! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
 //! | [`inspect()`], [`inspect_problem`] | what a system is: skew, Casimirs, degrees, commuting noises, which statements apply |
-//! | [`PathScheme`] | a scheme written for one path, to be put to the test |
 //! | [`order_verdict`], [`bound_verdict`] | when an order is said to hold |
 //! | [`work_precision`] | errors of any schemes against the processor time they take |
 //! | [`FinalMoments`], [`Stopwatch`], [`Spread`] | moments of functions of final states; times of repeated work |
@@ -24,7 +23,6 @@ pub mod exact;
 mod final_moments;
 pub mod inspect;
 mod orders;
-mod path_scheme;
 pub mod results;
 pub mod runge_kutta;
 mod settings;
@@ -41,7 +39,6 @@ pub use orders::{
     Exact, Order, ReferenceSolution, StepSizes, exact_mean, strong_order, strong_order_against,
     weak_order,
 };
-pub use path_scheme::PathScheme;
 pub use settings::{Mode, Progress, Settings, Silent};
 pub use sphere::rigid_body_expectations;
 pub use stopwatch::{Spread, Stopwatch};

@@ -8,7 +8,7 @@ use verify::results::{Claim, Evidence, Kind, Panel, Series};
 
 use super::strong::{Curve, curves_of_the_paper};
 use crate::conformal_law::{ROUND_OFF, along, approach, largest_defect};
-use crate::experiment::{Conditions, Experiment, Findings, TRUNCATION_ORDER, describe, truncation};
+use crate::experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation};
 use crate::kernels::PaperSystem;
 use crate::method::Method;
 
@@ -17,11 +17,7 @@ const VISIBLE: f64 = 1e-3;
 
 /// A panel of invariants along one path.
 pub(crate) struct InvariantPanel {
-    pub id: &'static str,
-    pub title: &'static str,
-    pub paper: &'static str,
-    /// The system in words.
-    pub system: &'static str,
+    pub words: Words,
     pub steps: u64,
     /// Names of the invariants to show, the one of the paper first.
     pub invariants: &'static [&'static str],
@@ -31,7 +27,7 @@ pub(crate) struct InvariantPanel {
 
 impl Experiment for InvariantPanel {
     fn ids(&self) -> Vec<&'static str> {
-        vec![self.id]
+        vec![self.words.id]
     }
 
     fn run(&self, conditions: &Conditions<'_>) -> Findings {
@@ -51,7 +47,7 @@ impl InvariantPanel {
         G: Damping,
     {
         let curves = curves_of_the_paper::<S, D, M>();
-        conditions.progress.begin(self.id, self.steps * curves.len() as u64);
+        conditions.progress.begin(self.words.id, self.steps * curves.len() as u64);
         let follow = |curve: &Curve<S, D, M>| {
             let (scheme, key) = (curve.scheme.as_ref(), conditions.key(0));
             let path = trajectory(problem, scheme, self.steps, truncation(), key, 0);
@@ -97,20 +93,14 @@ impl InvariantPanel {
                 findings.claims.push(self.claim(curve.method, &known[index], measured));
             }
         }
-        let tau = problem.t_end / self.steps as f64;
-        let steps = format!("τ = {tau}, increments truncated with k = {TRUNCATION_ORDER}");
+        let steps = format!("τ = {}, {TRUNCATED}", problem.t_end / self.steps as f64);
         let failures = paths.iter().filter_map(|path| path.failure.as_ref());
         findings.panels.push(Panel {
-            id: self.id.to_owned(),
-            kind: Kind::Invariant,
-            title: self.title.to_owned(),
-            setup: describe(self.system, problem, &steps),
-            paper: self.paper.to_owned(),
             samples: 1,
             reference: "the conformal law exp(−p ∫γ) F(y₀)".to_owned(),
             failures: failures.map(ToString::to_string).collect(),
             series: all,
-            ..Panel::default()
+            ..self.words.panel(Kind::Invariant, problem, &steps)
         });
         findings
     }
@@ -127,7 +117,7 @@ impl InvariantPanel {
             Method::Sexp | Method::SexpLevy => "obeys the conformal law at every step",
         };
         Claim::new(id, format!("{function} {statement}"), measured)
-            .about(self.id, method.id())
+            .about(self.words.id, method.id())
             .proven(method == Method::Sexp)
     }
 }

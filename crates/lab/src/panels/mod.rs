@@ -8,7 +8,7 @@ use mc::Observable;
 use real::elementary::{cos, sin};
 use systems::paper;
 
-use crate::experiment::Experiment;
+use crate::experiment::{Experiment, Words};
 use invariant::InvariantPanel;
 use strong::StrongPanel;
 use weak::{WeakPanel, WeakPanels};
@@ -16,10 +16,12 @@ use weak::{WeakPanel, WeakPanels};
 /// Everything that makes a panel, in the order of the paper.
 pub const EXPERIMENTS: &[&dyn Experiment] = &[
     &StrongPanel {
-        id: "pendulum-strong",
-        title: "Damped stochastic pendulum: strong convergence",
-        paper: "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
-        system: "pendulum, c = 1",
+        words: Words {
+            id: "pendulum-strong",
+            title: "Damped stochastic pendulum: strong convergence",
+            system: "pendulum, c = 1",
+            paper: "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
+        },
         last: 12,
         samples: 500,
         commuting: true,
@@ -27,19 +29,23 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
         compare: |panel, conditions| panel.compare(conditions, &paper::pendulum()),
     },
     &InvariantPanel {
-        id: "rigid-body-casimir",
-        title: "Damped stochastic rigid body: the Casimir ½|y|² along one path",
-        paper: "sexp follows the conformal law of the Casimir; Euler–Maruyama does not.",
-        system: "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
+        words: Words {
+            id: "rigid-body-casimir",
+            title: "Damped stochastic rigid body: the Casimir ½|y|² along one path",
+            system: "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
+            paper: "sexp follows the conformal law of the Casimir; Euler–Maruyama does not.",
+        },
         steps: 100,
         invariants: &["C"],
         follow: |panel, conditions| panel.follow(conditions, &paper::rigid_body_three_noises(10.0)),
     },
     &StrongPanel {
-        id: "rigid-body-strong-3",
-        title: "Damped stochastic rigid body, three noises: strong convergence",
-        paper: "With several noises all three schemes have strong order 1/2.",
-        system: "rigid body, I = (2, 1, 2/3), Î = (1, 2, 3)",
+        words: Words {
+            id: "rigid-body-strong-3",
+            title: "Damped stochastic rigid body, three noises: strong convergence",
+            system: "rigid body, I = (2, 1, 2/3), Î = (1, 2, 3)",
+            paper: "With several noises all three schemes have strong order 1/2.",
+        },
         last: 14,
         samples: 1000,
         commuting: false,
@@ -49,10 +55,12 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
         },
     },
     &StrongPanel {
-        id: "rigid-body-strong-1",
-        title: "Damped stochastic rigid body, only W₁: strong convergence",
-        paper: "With one noise sexp and midpoint have strong order 1, Euler–Maruyama 1/2.",
-        system: "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1",
+        words: Words {
+            id: "rigid-body-strong-1",
+            title: "Damped stochastic rigid body, only W₁: strong convergence",
+            system: "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1",
+            paper: "With one noise sexp and midpoint have strong order 1, Euler–Maruyama 1/2.",
+        },
         last: 14,
         samples: 1000,
         commuting: true,
@@ -61,30 +69,36 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
     },
     &WeakPanels(WEAK_PANELS),
     &InvariantPanel {
-        id: "rigid-body-energy",
-        title: "Damped stochastic rigid body, noise H₀: the energy along one path",
-        paper: "sexp follows the conformal law of the energy.",
-        system: "rigid body, one noise H₀, I = (2, 1, 2/3)",
+        words: Words {
+            id: "rigid-body-energy",
+            title: "Damped stochastic rigid body, noise H₀: the energy along one path",
+            system: "rigid body, one noise H₀, I = (2, 1, 2/3)",
+            paper: "sexp follows the conformal law of the energy.",
+        },
         steps: 100,
         invariants: &["H", "C"],
         follow: |panel, conditions| panel.follow(conditions, &paper::rigid_body_energy(10.0)),
     },
     &InvariantPanel {
-        id: "lotka-volterra-energy",
-        title: "Damped stochastic Lotka–Volterra system: the energy along one path",
-        paper: "sexp follows the conformal law of the energy, a Hamiltonian that is not quadratic.",
-        system: "Lotka–Volterra, a = −1, b = −2, c = 1",
+        words: Words {
+            id: "lotka-volterra-energy",
+            title: "Damped stochastic Lotka–Volterra system: the energy along one path",
+            system: "Lotka–Volterra, a = −1, b = −2, c = 1",
+            paper: "sexp follows the conformal law of the energy, a Hamiltonian that is not quadratic.",
+        },
         steps: 100,
         invariants: &["H", "C"],
         follow: |panel, conditions| panel.follow(conditions, &paper::lotka_volterra_2_2(10.0)),
     },
     &StrongPanel {
-        id: "lotka-volterra-strong",
-        title: "Damped stochastic Lotka–Volterra system: strong convergence",
-        paper: "sexp has strong order 1; m(H) = 0, so the theorems do not apply. (The paper's \
-                reference has the finest step of the figure, where the error is then zero by \
-                construction; here it is finer.)",
-        system: "Lotka–Volterra, a = −1, b = −1, c = 1",
+        words: Words {
+            id: "lotka-volterra-strong",
+            title: "Damped stochastic Lotka–Volterra system: strong convergence",
+            system: "Lotka–Volterra, a = −1, b = −1, c = 1",
+            paper: "sexp has strong order 1; m(H) = 0, so the theorems do not apply. (The paper's \
+                    reference has the finest step of the figure, where the error is then zero by \
+                    construction; here it is finer.)",
+        },
         last: 12,
         samples: 500,
         commuting: true,
@@ -92,29 +106,35 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
         compare: |panel, conditions| panel.compare(conditions, &paper::lotka_volterra_1_1()),
     },
     &InvariantPanel {
-        id: "maxwell-bloch-casimir",
-        title: "Damped stochastic Maxwell–Bloch system: the Casimir ½(y₂² + y₃²) along one path",
-        paper: "sexp follows the conformal law of the Casimir.",
-        system: "Maxwell–Bloch",
+        words: Words {
+            id: "maxwell-bloch-casimir",
+            title: "Damped stochastic Maxwell–Bloch system: the Casimir ½(y₂² + y₃²) along one path",
+            system: "Maxwell–Bloch",
+            paper: "sexp follows the conformal law of the Casimir.",
+        },
         steps: 500,
         invariants: &["C"],
         follow: |panel, conditions| panel.follow(conditions, &paper::maxwell_bloch(5.0)),
     },
     &InvariantPanel {
-        id: "poisson3-casimir",
-        title: "Damped three-dimensional Poisson system: the Casimir ½(y₁+y₂+y₃)² along one path",
-        paper: "sexp follows the conformal law of the Casimir; Euler–Maruyama slightly less well, \
-                midpoint well.",
-        system: "three-dimensional Poisson system, c = 1",
+        words: Words {
+            id: "poisson3-casimir",
+            title: "Damped three-dimensional Poisson system: the Casimir ½(y₁+y₂+y₃)² along one path",
+            system: "three-dimensional Poisson system, c = 1",
+            paper: "sexp follows the conformal law of the Casimir; Euler–Maruyama slightly less well, \
+                    midpoint well.",
+        },
         steps: 100,
         invariants: &["C", "S"],
         follow: |panel, conditions| panel.follow(conditions, &paper::poisson3_casimir(2.0)),
     },
     &StrongPanel {
-        id: "poisson3-strong",
-        title: "Damped three-dimensional Poisson system: strong convergence",
-        paper: "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
-        system: "three-dimensional Poisson system, c = 1",
+        words: Words {
+            id: "poisson3-strong",
+            title: "Damped three-dimensional Poisson system: strong convergence",
+            system: "three-dimensional Poisson system, c = 1",
+            paper: "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
+        },
         last: 12,
         samples: 400,
         commuting: true,

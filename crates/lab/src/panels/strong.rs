@@ -3,13 +3,13 @@
 use mc::{Ladder, Reference, Run, StrongErrors};
 use noise::Truncation;
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy};
-use stats::{CrossMoments, fit_strong, root_mean_squares};
+use stats::{CrossMoments, Rate, fit_strong, root_mean_squares};
 use systems::paper::valid;
 use systems::{Damping, PoissonSystem, Problem};
 use verify::Exact;
 use verify::results::{Claim, Clipped, Evidence, Kind, Panel, Series};
 
-use crate::experiment::{Conditions, Experiment, Findings, TRUNCATION_ORDER, describe, truncation};
+use crate::experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation};
 use crate::kernels::{Compiled, PaperSystem, compiled};
 use crate::method::Method;
 
@@ -45,11 +45,6 @@ impl Grid {
     pub fn finest_steps(self, t_end: f64) -> u64 {
         (t_end * 2f64.powi(self.reference() as i32)).round() as u64
     }
-
-    /// The step sizes in words.
-    pub fn words(self) -> String {
-        format!("τ = 2^-{FIRST} … 2^-{}", self.last)
-    }
 }
 
 /// A scheme with the name of its curve.
@@ -76,13 +71,15 @@ pub(crate) fn curves_of_the_paper<S: PaperSystem<D, M>, const D: usize, const M:
     Method::PAPER.map(|method| Curve::new(method, scheme(method))).into()
 }
 
-/// What is run to draw the curves of a strong panel.
+/// What the curves of a strong panel are drawn from.
 pub(crate) struct StrongRuns<'a, S, G, const D: usize, const M: usize> {
-    /// What progress is reported under.
-    pub id: &'a str,
+    pub words: Words,
+    /// How increments are truncated.
+    pub truncation: Truncation,
+    /// The same in words.
+    pub truncated: &'static str,
     pub problem: &'a Problem<S, G, D>,
     pub grid: Grid,
-    pub truncation: Truncation,
     /// Runs at the finest step; the errors are differences from it unless `exact` is given.
     pub reference: &'a dyn Scheme<S, D, M>,
     /// The exact solution, which is known at the final time only.
@@ -115,20 +112,28 @@ impl When {
     }
 }
 
-/// A measured curve.
+/// What a curve says about an order.
 pub(crate) struct StrongCurve {
     pub method: Method,
     pub when: When,
-    pub series: Series,
+    pub rate: Option<Rate>,
+}
+
+impl StrongCurve {
+    /// A claim about the order of the curve.
+    pub fn claim(&self, id: &str, statement: String, order: f64, one_sided: bool) -> Claim {
+        let measured = Evidence::Order { order, one_sided, rate: self.rate.clone() };
+        Claim::new(id, statement, measured)
+    }
 }
 
 /// What the runs of a strong panel gave.
 pub(crate) struct StrongErrorCurves {
     /// The errors at the final time of each curve, then, unless the solution is exact, those at the
     /// worst time.
+    pub panel: Panel,
+    /// Of each series of the panel.
     pub curves: Vec<StrongCurve>,
-    pub clipped: Vec<Clipped>,
-    pub failures: Vec<String>,
     /// Root-mean-square error of the reference itself against the exact solution.
     pub reference_error: Option<f64>,
 }
@@ -166,7 +171,7 @@ where
         if let Some(exact) = self.exact {
             ladder = ladder.with_time_change(exact.time_change);
         }
-        conditions.progress.begin(self.id, ladder.steps_per_path() * grid.samples);
+        conditions.progress.begin(self.words.id, ladder.steps_per_path() * grid.samples);
         let statistic = || StrongErrors::new(reference, &series, ladder.coarse_steps());
         let advance = |work| conditions.progress.advance(work);
         let measured = ladder.run(grid.samples, statistic, &advance);
@@ -174,27 +179,26 @@ where
 
         let taus: Vec<f64> = grid.exponents().map(power_of_half).collect();
         let reference_tau = self.exact.is_none().then(|| power_of_half(grid.reference()));
-        let drawn = |when: When, curve: &Curve<S, D, M>, squares: &CrossMoments| StrongCurve {
-            method: curve.method,
-            when,
-            series: Series {
+        let errors = &measured.statistic;
+        let (mut series, mut drawn, mut clipped) = (Vec::new(), Vec::new(), Vec::new());
+        let mut draw = |when: When, curve: &Curve<S, D, M>, squares: &CrossMoments| {
+            let rate = fit_strong(&taus, reference_tau, squares);
+            drawn.push(StrongCurve { method: curve.method, when, rate: rate.clone() });
+            series.push(Series {
                 scheme: curve.name.to_owned(),
                 quantity: when.quantity().to_owned(),
                 points: root_mean_squares(&taus, squares),
-                rate: fit_strong(&taus, reference_tau, squares),
+                rate,
                 ..Series::default()
-            },
+            });
         };
-        let errors = &measured.statistic;
-        let numbered = || curves.iter().enumerate();
-        let mut drawn_curves: Vec<StrongCurve> =
-            numbered().map(|(s, curve)| drawn(When::End, curve, errors.at_end(s))).collect();
-        if self.exact.is_none() {
-            let worst = |(s, curve)| drawn(When::Worst, curve, errors.at_worst_time(s));
-            drawn_curves.extend(numbered().map(worst));
+        for (s, curve) in curves.iter().enumerate() {
+            draw(When::End, curve, errors.at_end(s));
         }
-        let mut clipped = Vec::new();
-        for (s, curve) in numbered() {
+        for (s, curve) in curves.iter().enumerate().filter(|_| self.exact.is_none()) {
+            draw(When::Worst, curve, errors.at_worst_time(s));
+        }
+        for (s, curve) in curves.iter().enumerate() {
             for (r, exponent) in grid.exponents().enumerate() {
                 let increments = measured.clipped[grid.level(exponent)];
                 if increments > 0 {
@@ -204,11 +208,25 @@ where
                 }
             }
         }
+        let reference = match self.exact {
+            Some(_) => "the exact solution by a change of time, path by path".to_owned(),
+            None => {
+                let scheme = self.reference.id();
+                format!("{scheme} at τ = 2^-{} on the same noise", grid.reference())
+            }
+        };
+        let steps = format!("τ = 2^-{FIRST} … 2^-{}, {}", grid.last, self.truncated);
         StrongErrorCurves {
-            curves: drawn_curves,
-            clipped,
-            failures: describe_failures(measured.failed, &measured.failures),
+            curves: drawn,
             reference_error: self.exact.map(|_| errors.at_end(curves.len()).mean(0).sqrt()),
+            panel: Panel {
+                samples: grid.samples,
+                reference,
+                failures: describe_failures(measured.failed, &measured.failures),
+                series,
+                clipped,
+                ..self.words.panel(Kind::Strong, problem, &steps)
+            },
         }
     }
 }
@@ -228,11 +246,7 @@ pub(crate) fn describe_failures(failed: u64, failures: &[mc::PathFailure]) -> Ve
 
 /// A panel of strong errors.
 pub(crate) struct StrongPanel {
-    pub id: &'static str,
-    pub title: &'static str,
-    pub paper: &'static str,
-    /// The system in words.
-    pub system: &'static str,
+    pub words: Words,
     /// Exponent of the finest step size at the paper's sizes.
     pub last: u32,
     /// Paths at the paper's sizes.
@@ -247,7 +261,7 @@ pub(crate) struct StrongPanel {
 
 impl Experiment for StrongPanel {
     fn ids(&self) -> Vec<&'static str> {
-        vec![self.id]
+        vec![self.words.id]
     }
 
     fn run(&self, conditions: &Conditions<'_>) -> Findings {
@@ -270,49 +284,38 @@ impl StrongPanel {
         S: PaperSystem<D, M>,
         G: Damping,
     {
-        let grid = conditions.choose(Grid { last: self.last, samples: self.samples }, QUICK);
+        let grid = Grid { last: self.last, samples: self.samples };
         let curves = curves_of_the_paper::<S, D, M>();
-        let reference = curves[0].scheme.as_ref();
-        let (id, exact, truncation) = (self.id, None, truncation());
-        let runs = StrongRuns { id, problem, grid, truncation, reference, exact, curves: &curves };
-        let StrongErrorCurves { curves, clipped, failures, .. } = runs.measure(conditions);
-        let steps = format!("{}, increments truncated with k = {TRUNCATION_ORDER}", grid.words());
-        Findings {
-            claims: curves.iter().map(|curve| self.claim(curve)).collect(),
-            panels: vec![Panel {
-                id: self.id.to_owned(),
-                kind: Kind::Strong,
-                title: self.title.to_owned(),
-                setup: describe(self.system, problem, &steps),
-                paper: self.paper.to_owned(),
-                samples: grid.samples,
-                reference: reference_words(reference.id(), grid),
-                failures,
-                series: curves.into_iter().map(|curve| curve.series).collect(),
-                clipped,
-                ..Panel::default()
-            }],
-        }
+        let runs = StrongRuns {
+            words: self.words,
+            truncation: truncation(),
+            truncated: TRUNCATED,
+            problem,
+            grid: conditions.choose(grid, QUICK),
+            reference: curves[0].scheme.as_ref(),
+            exact: None,
+            curves: &curves,
+        };
+        let StrongErrorCurves { panel, curves, .. } = runs.measure(conditions);
+        let claims = curves.iter().map(|curve| self.claim(curve)).collect();
+        Findings { claims, panels: vec![panel] }
     }
 
     /// The order of `sexp` as the paper proves it, that of the others as it reports it.
     fn claim(&self, curve: &StrongCurve) -> Claim {
-        let StrongCurve { method, when, series } = curve;
-        let order = method.strong_order(self.commuting);
+        let (order, method) = (curve.method.strong_order(self.commuting), curve.method.id());
         let (id, bound) = if self.commuting {
             ("strong-one", "sup over n of (E‖y_n − y(t_n)‖²)^½ ≤ C τ for one noise (k ≥ 2)")
         } else {
             ("strong-half", "sup over n of (E‖y_n − y(t_n)‖²)^½ ≤ C τ^½ for several noises (k ≥ 1)")
         };
-        let one_sided = *method == Method::Sexp;
-        let statement = match one_sided {
-            true => bound.to_owned(),
-            false => format!("{} has strong order {order}", method.id()),
+        let (when, is_sexp) = (curve.when.words(), curve.method == Method::Sexp);
+        let statement = match is_sexp {
+            true => format!("{bound} ({when})"),
+            false => format!("{method} has strong order {order} ({when})"),
         };
-        let statement = format!("{statement} ({})", when.words());
-        let measured = Evidence::Order { order, one_sided, rate: series.rate.clone() };
-        let proven = self.proven && one_sided;
-        Claim::new(id, statement, measured).about(self.id, &series.scheme).proven(proven)
+        let claim = curve.claim(id, statement, order, is_sexp);
+        claim.about(self.words.id, method).proven(self.proven && is_sexp)
     }
 
     /// [`compare`](Self::compare) with a fourth curve, which is not in the paper: `sexp-levy`
@@ -330,45 +333,34 @@ impl StrongPanel {
         let mut findings = self.compare(conditions, problem);
         let levy = || compiled(SexpLevy::new(&problem.system, problem.y0));
         let grid = Grid { last: self.last - 3, samples: self.samples };
-        let grid = conditions.choose(grid, QUICK);
-        let curves = [Curve::new(Method::SexpLevy, levy())];
-        let (reference, truncation) = (levy(), truncation());
         let runs = StrongRuns {
-            id: self.id,
+            words: self.words,
+            truncation: truncation(),
+            truncated: TRUNCATED,
             problem,
-            grid,
-            truncation,
-            reference: reference.as_ref(),
+            grid: conditions.choose(grid, QUICK),
+            reference: &*levy(),
             exact: None,
-            curves: &curves,
+            curves: &[Curve::new(Method::SexpLevy, levy())],
         };
-        let areas = runs.measure(conditions);
-        findings.claims.extend(areas.curves.iter().map(|curve| claim_with_areas(self.id, curve)));
+        let StrongErrorCurves { panel: areas, curves, .. } = runs.measure(conditions);
+        let claims = curves.iter().map(|curve| claim_with_areas(self.words.id, curve));
+        findings.claims.extend(claims);
         for panel in &mut findings.panels {
-            let words = reference_words(reference.id(), grid);
-            panel.reference = format!("{}; sexp-levy: {words}", panel.reference);
+            panel.reference = format!("{}; sexp-levy: {}", panel.reference, areas.reference);
             panel.failures.extend(areas.failures.iter().cloned());
-            panel.series.extend(areas.curves.iter().map(|curve| curve.series.clone()));
+            panel.series.extend(areas.series.iter().cloned());
         }
         findings
     }
 }
 
-/// The reference of strong errors in words.
-pub(crate) fn reference_words(scheme: &str, grid: Grid) -> String {
-    format!("{scheme} at τ = 2^-{} on the same noise", grid.reference())
-}
-
 /// The strong order of a curve on noises that do not commute.
 pub(crate) fn claim_with_areas(panel: &str, curve: &StrongCurve) -> Claim {
-    let StrongCurve { method, when, series } = curve;
-    let order = method.strong_order(false);
-    let id = if *method == Method::SexpLevy { "strong-one-levy" } else { "strong-half" };
-    let statement = format!(
-        "{} has strong order {order} for noises that do not commute ({})",
-        method.id(),
-        when.words()
-    );
-    let measured = Evidence::Order { order, one_sided: false, rate: series.rate.clone() };
-    Claim::new(id, statement, measured).about(panel, method.id()).proven(false)
+    let (order, method) = (curve.method.strong_order(false), curve.method.id());
+    let id = if curve.method == Method::SexpLevy { "strong-one-levy" } else { "strong-half" };
+    let when = curve.when.words();
+    let statement =
+        format!("{method} has strong order {order} for noises that do not commute ({when})");
+    curve.claim(id, statement, order, false).about(panel, method).proven(false)
 }

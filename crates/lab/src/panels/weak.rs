@@ -42,7 +42,7 @@ use systems::{Damping, Problem};
 use verify::results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series};
 
 use super::strong::{describe_failures, power_of_half};
-use crate::experiment::{Conditions, Experiment, Findings, TRUNCATION_ORDER, describe, truncation};
+use crate::experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation};
 use crate::kernels::{Compiled, compiled};
 use crate::method::Method;
 
@@ -101,7 +101,7 @@ impl Experiment for WeakPanels {
         let taus: Vec<f64> = grid.exponents().map(power_of_half).collect();
         let mut series = (0..observables.len()).map(|f| {
             let differences: Vec<&CrossMoments> =
-                measured.iter().map(|outcome| outcome.statistic.of(f)).collect();
+                measured.iter().map(|outcome| outcome.statistic.moments(f)).collect();
             weak_series(observables[f].name, &taus, &differences)
         });
         let failures = measured.iter().flat_map(|m| describe_failures(m.failed, &m.failures));
@@ -110,30 +110,24 @@ impl Experiment for WeakPanels {
             .exponents()
             .map(|l| DifferenceSamples { tau: power_of_half(l), samples: grid.samples(l) })
             .collect();
-        let steps = format!(
-            "τ = 2^-{FIRST} … 2^-{}, increments truncated with k = {TRUNCATION_ORDER}",
-            grid.last
-        );
+        let steps = format!("τ = 2^-{FIRST} … 2^-{}, {TRUNCATED}", grid.last);
         let mut findings = Findings::default();
         for panel in panels {
             let series: Vec<Series> = series.by_ref().take(panel.observables.len()).collect();
             findings.claims.extend(series.iter().map(|series| claim(panel.id, series)));
+            let words = Words {
+                id: panel.id,
+                title: panel.title,
+                system: "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
+                paper: "sexp has weak order 1 for every test function.",
+            };
             findings.panels.push(Panel {
-                id: panel.id.to_owned(),
-                kind: Kind::Weak,
-                title: panel.title.to_owned(),
-                setup: describe(
-                    "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
-                    &problem,
-                    &steps,
-                ),
-                paper: "sexp has weak order 1 for every test function.".to_owned(),
                 samples: grid.samples,
                 reference: reference(grid),
                 failures: failures.clone(),
                 differences: samples.clone(),
                 series,
-                ..Panel::default()
+                ..words.panel(Kind::Weak, &problem, &steps)
             });
         }
         findings

@@ -22,16 +22,15 @@ use crate::conformal_law::along;
 use crate::experiment::{Conditions, Findings};
 
 pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
-    conditions.progress.begin("exact-conformal", 5);
-    let claims = [
+    [
         law(conditions, 0, &rigid_body_three_noises(1.0)),
         law(conditions, 1, &rigid_body_energy(1.0)),
         law(conditions, 2, &lotka_volterra_2_2(1.0)),
         law(conditions, 3, &maxwell_bloch(1.0)),
         law(conditions, 4, &poisson3_casimir(1.0)),
-    ];
-    conditions.progress.end();
-    Findings { claims: claims.concat(), panels: Vec::new() }
+    ]
+    .concat()
+    .into()
 }
 
 /// Linear pieces of the noise on [0, 1].

@@ -31,13 +31,11 @@ pub const PIECES: usize = 64;
 const EXPONENTS: std::ops::RangeInclusive<i32> = 2..=9;
 
 pub(super) fn measure_exact(conditions: &Conditions<'_>) -> Findings {
-    let claims = remainder_claims(conditions, "local-exact", "the exact flow", exact_remainder);
-    Findings { claims, panels: Vec::new() }
+    remainder_claims(conditions, "local-exact", "the exact flow", exact_remainder).into()
 }
 
 pub(super) fn measure_sexp(conditions: &Conditions<'_>) -> Findings {
-    let claims = remainder_claims(conditions, "local-sexp", "sexp", sexp_remainder);
-    Findings { claims, panels: Vec::new() }
+    remainder_claims(conditions, "local-sexp", "sexp", sexp_remainder).into()
 }
 
 /// Both claims about a remainder.
@@ -48,7 +46,6 @@ pub fn remainder_claims(
     remainder: impl Fn(f64, &[Vector; PIECES]) -> Vector,
 ) -> Vec<Claim> {
     let samples = conditions.choose(4000, 400);
-    conditions.progress.begin(id, EXPONENTS.count() as u64);
     let mut taus = Vec::new();
     let (mut roots, mut means) = (Vec::new(), Vec::new());
     for exponent in EXPONENTS {
@@ -74,9 +71,7 @@ pub fn remainder_claims(
         let variance: f64 =
             pairs.map(|(i, j)| vector[i] * mean.covariance_of_means(i, j) * vector[j]).sum();
         means.push((length, variance.sqrt() / length));
-        conditions.progress.advance(1);
     }
-    conditions.progress.end();
     let claims = [("(E‖R‖²)^½ ≤ C τ^(3/2)", &roots, 1.5), ("‖E R‖ ≤ C τ²", &means, 2.0)];
     let claims = claims.map(|(bound, values, order)| {
         let rate = fit_independent(&taus, values);

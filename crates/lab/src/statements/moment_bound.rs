@@ -14,19 +14,17 @@ use crate::experiment::{Conditions, Findings, truncation};
 use crate::kernels::compiled;
 
 pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
-    conditions.progress.begin("moment-bound", 3);
     let (casimir, energy) = (rigid_body_three_noises(10.0), rigid_body_energy(10.0));
     let (sexp, sexp_energy) = (compiled(Sexp::default()), compiled(Sexp::default()));
     // ½|y|² is ½ everywhere on the sphere; H₀ is smallest along the axis of the largest moment of
     // inertia.
     let least_energy = 0.5 / INERTIA.iter().copied().fold(0.0, f64::max);
-    let claims = vec![
+    vec![
         bound(conditions, 0, &casimir, sexp.as_ref(), "C", 0.5),
         bound(conditions, 1, &energy, sexp_energy.as_ref(), "H", least_energy),
         bound(conditions, 2, &undamped(), sexp.as_ref(), "C", 0.5),
-    ];
-    conditions.progress.end();
-    Findings { claims, panels: Vec::new() }
+    ]
+    .into()
 }
 
 /// The rigid body without damping, where the bound is an equality for every n.

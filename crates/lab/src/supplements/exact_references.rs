@@ -7,10 +7,10 @@ use stats::Point;
 use systems::paper::{self, valid};
 use systems::{Damping, Problem};
 use verify::exact::{RandomTime, expectation, solution};
-use verify::results::{Claim, Evidence, Kind, Panel};
+use verify::results::{Claim, Evidence, Series};
 use verify::{Exact, ReferenceSolution, StepSizes, exact_mean, weak_order};
 
-use crate::experiment::{Conditions, Experiment, Findings, describe, truncation};
+use crate::experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation};
 use crate::kernels::{PaperSystem, compiled};
 use crate::method::Method;
 use crate::panels::strong::{
@@ -19,31 +19,34 @@ use crate::panels::strong::{
 
 /// A one-noise system with its exact solution.
 pub(super) struct AgainstExact {
-    id: &'static str,
-    title: &'static str,
-    /// The system in words.
-    system: &'static str,
+    words: Words,
     /// Calls [`AgainstExact::compare`] with the problem.
     compare: fn(&Self, &Conditions<'_>) -> Findings,
 }
 
 pub(super) const LOTKA_VOLTERRA: AgainstExact = AgainstExact {
-    id: "lotka-volterra-exact",
-    title: "Lotka–Volterra against its exact solution: strong convergence",
-    system: "Lotka–Volterra, a = −1, b = −1, c = 1",
+    words: Words {
+        id: "lotka-volterra-exact",
+        title: "Lotka–Volterra against its exact solution: strong convergence",
+        system: "Lotka–Volterra, a = −1, b = −1, c = 1",
+        paper: "Not in the paper.",
+    },
     compare: |panel, conditions| panel.compare(conditions, &paper::lotka_volterra_1_1()),
 };
 
 pub(super) const RIGID_BODY: AgainstExact = AgainstExact {
-    id: "rigid-body-energy-exact",
-    title: "Rigid body with noise H₀ against its exact solution: strong convergence",
-    system: "rigid body, one noise H₀, I = (2, 1, 2/3)",
+    words: Words {
+        id: "rigid-body-energy-exact",
+        title: "Rigid body with noise H₀ against its exact solution: strong convergence",
+        system: "rigid body, one noise H₀, I = (2, 1, 2/3)",
+        paper: "Not in the paper.",
+    },
     compare: |panel, conditions| panel.compare(conditions, &paper::rigid_body_energy(1.0)),
 };
 
 impl Experiment for AgainstExact {
     fn ids(&self) -> Vec<&'static str> {
-        vec![self.id]
+        vec![self.words.id]
     }
 
     fn run(&self, conditions: &Conditions<'_>) -> Findings {
@@ -76,40 +79,28 @@ impl AgainstExact {
         let time = random_time(problem, grid.finest_steps(problem.t_end));
         let solution = |s: f64| solution(problem, s);
         let runs = StrongRuns {
-            id: self.id,
+            words: self.words,
+            truncation: truncation(),
+            truncated: TRUNCATED,
             problem,
             grid,
-            truncation: truncation(),
             // What the paper takes as the reference.
             reference: curves[0].scheme.as_ref(),
             exact: Some(Exact { time_change: &time, solution: &solution }),
             curves: &curves,
         };
-        let StrongErrorCurves { curves, clipped, failures, reference_error } =
-            runs.measure(conditions);
+        let StrongErrorCurves { mut panel, curves, reference_error } = runs.measure(conditions);
+        panel.paper += &agreement(grid, &panel.series[0], reference_error);
         let mut claims: Vec<Claim> = curves.iter().map(|curve| self.order(curve)).collect();
         claims.extend(self.weak_claims(conditions, problem));
-        let panel = Panel {
-            id: self.id.to_owned(),
-            kind: Kind::Strong,
-            title: self.title.to_owned(),
-            setup: describe(self.system, problem, &grid.words()),
-            paper: format!("Not in the paper. {}", agreement(grid, &curves[0], reference_error)),
-            samples: grid.samples,
-            reference: "the exact solution by a change of time, path by path".to_owned(),
-            failures,
-            clipped,
-            series: curves.into_iter().map(|curve| curve.series).collect(),
-            ..Panel::default()
-        };
         Findings { panels: vec![panel], claims }
     }
 
     fn order(&self, curve: &StrongCurve) -> Claim {
         let (scheme, order) = (curve.method.id(), curve.method.strong_order(true));
         let statement = format!("{scheme} has strong order {order} against the exact solution");
-        let measured = Evidence::Order { order, one_sided: false, rate: curve.series.rate.clone() };
-        Claim::new("strong-one", statement, measured).about(self.id, scheme).proven(false)
+        let claim = curve.claim("strong-one", statement, order, false);
+        claim.about(self.words.id, scheme).proven(false)
     }
 
     /// Weak errors of `sexp` against the exact solution path by path, and the mean of the exact
@@ -148,7 +139,7 @@ impl AgainstExact {
                 format!("sexp has weak order 1 against the exact solution for φ = {name}");
             let measured = Evidence::Order { order: 1.0, one_sided: false, rate: order.rate };
             let weak = Claim::new("weak-one", statement, measured)
-                .about(self.id, Method::Sexp.id())
+                .about(self.words.id, Method::Sexp.id())
                 .proven(false);
 
             // Two ways to the same number, of which one uses the noise of this project and the
@@ -175,21 +166,21 @@ impl AgainstExact {
                  time"
             );
             let mean = Claim::new("exact-expectation", statement, measured);
-            [weak, mean.about(self.id, "").proven(false)]
+            [weak, mean.about(self.words.id, "").proven(false)]
         });
         claims.into_iter().flatten().collect()
     }
 }
 
 /// How far the paper's kind of reference is from the exact solution, in words.
-fn agreement(grid: Grid, sexp: &StrongCurve, reference_error: Option<f64>) -> String {
+fn agreement(grid: Grid, sexp: &Series, reference_error: Option<f64>) -> String {
     let reference_error = reference_error.unwrap_or(f64::NAN);
-    let finest_error = match sexp.series.points.last() {
+    let finest_error = match sexp.points.last() {
         Some(Point::Error { value, .. }) => *value,
         _ => f64::NAN,
     };
     format!(
-        "sexp at τ = 2^-{}, the kind of reference that the paper takes, is itself \
+        " sexp at τ = 2^-{}, the kind of reference that the paper takes, is itself \
          {reference_error:.1e} (root mean square) away from the exact solution, {:.0} % of the \
          error of sexp at τ = 2^-{}",
         grid.reference(),

@@ -11,7 +11,7 @@ use systems::paper::{rigid_body_three_noises, valid};
 use verify::results::{Claim, Evidence, Kind, Panel, Series};
 use verify::{Progress, rigid_body_expectations};
 
-use crate::experiment::{Conditions, Findings, describe, truncation};
+use crate::experiment::{Conditions, Findings, Words, truncation};
 use crate::kernels::compiled;
 use crate::method::Method;
 use crate::panels::weak_observables;
@@ -82,24 +82,27 @@ pub fn expectation_claims(
 
 /// Twelve expectations, to the accuracy of the mode.
 pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
-    conditions.progress.begin("rigid-body-expectations", 0);
-    let claims = twelve(conditions, conditions.choose(2e-4, 1e-3));
-    conditions.progress.end();
-    Findings { panels: Vec::new(), claims }
+    twelve(conditions, conditions.choose(2e-4, 1e-3)).into()
 }
 
 const COS_Y3: [Observable<3>; 1] =
     [Observable { name: "cos y3", function: |y| real::elementary::cos(y[2]) }];
 
+const COST: Words = Words {
+    id: "expectation-cost",
+    title: "E[cos y_3] of the rigid body with three noises: cost against accuracy",
+    system: "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
+    paper: "Not in the paper, which takes single paths. With weak order 1 they cost ε⁻³; the \
+            antithetic multilevel method costs ε⁻², since the variance of a level falls like τ².",
+};
+
 /// Path-steps for E[cos y₃] at several accuracies, by multilevel Monte Carlo and by single paths.
 pub(super) fn cost(conditions: &Conditions<'_>) -> Findings {
-    let id = "expectation-cost";
     let problem = rigid_body_three_noises(1.0);
     let sexp = compiled(Sexp::default());
     let accuracies = conditions.choose([1e-2, 3e-3, 1e-3, 3e-4], [1e-2, 5e-3, 3e-3, 2e-3]);
     // Single paths at the next accuracy would take twenty times as long as all of these.
     let finer = conditions.choose([1e-4, 3e-5], [1e-3, 5e-4]);
-    conditions.progress.begin(id, 0);
     let exact = rigid_body_expectations(&problem, degree(conditions), &COS_Y3)[0];
     let advance = |work| conditions.progress.advance(work);
     let (mut series, mut claims) = (Vec::new(), Vec::new());
@@ -114,7 +117,7 @@ pub(super) fn cost(conditions: &Conditions<'_>) -> Findings {
             points.push(Point::Cost { accuracy, path_steps: result.cost });
             let statement = format!("E[cos y3] to ± {accuracy:.0e} by {name}");
             let claim = claim(&result.estimates[0], &result, exact, statement);
-            claims.push(claim.about(id, Method::Sexp.id()));
+            claims.push(claim.about(COST.id, Method::Sexp.id()));
         }
         series.push(Series {
             scheme: name.to_owned(),
@@ -123,24 +126,9 @@ pub(super) fn cost(conditions: &Conditions<'_>) -> Findings {
             ..Series::default()
         });
     }
-    conditions.progress.end();
-    let panel = Panel {
-        id: id.to_owned(),
-        kind: Kind::Cost,
-        title: "E[cos y_3] of the rigid body with three noises: cost against accuracy".to_owned(),
-        setup: describe(
-            "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
-            &problem,
-            "sexp, antithetic differences from τ = 1/2 on; a pilot of 1024 paths a level is part \
-             of the cost",
-        ),
-        paper: "Not in the paper, which takes single paths. With weak order 1 they cost ε⁻³; the \
-                antithetic multilevel method costs ε⁻², since the variance of a level falls like \
-                τ²."
-        .to_owned(),
-        reference: "half-width ε of the 95 % interval, bias included".to_owned(),
-        series,
-        ..Panel::default()
-    };
+    let reference = "half-width ε of the 95 % interval, bias included".to_owned();
+    let steps = "sexp, antithetic differences from τ = 1/2 on; a pilot of 1024 paths a level is part \
+                 of the cost";
+    let panel = Panel { reference, series, ..COST.panel(Kind::Cost, &problem, steps) };
     Findings { panels: vec![panel], claims }
 }

@@ -4,16 +4,14 @@ use mc::trajectory;
 use schemes::{Sexp, SexpLevy};
 use systems::paper::{half_cosine, rigid_body_three_noises, valid};
 use systems::{Cosine, Damping, Problem, SpinChain};
-use verify::results::{Claim, Evidence, Kind, Panel};
+use verify::results::{Claim, Evidence};
 use verify::worse;
 
 use crate::conformal_law::{along, largest_defect};
-use crate::experiment::{Conditions, Findings, describe, truncation};
+use crate::experiment::{Conditions, Findings, TRUNCATED, Words, truncation};
 use crate::kernels::{Compiled, compiled};
 use crate::method::Method;
-use crate::panels::strong::{
-    Curve, Grid, StrongErrorCurves, StrongRuns, claim_with_areas, reference_words,
-};
+use crate::panels::strong::{Curve, Grid, StrongErrorCurves, StrongRuns, claim_with_areas};
 
 /// Two spins with exchange and anisotropy in a field that fluctuates about all three axes: D = 6.
 fn spins() -> Problem<SpinChain<6>, Cosine, 6> {
@@ -21,44 +19,33 @@ fn spins() -> Problem<SpinChain<6>, Cosine, 6> {
     valid(Problem::new(chain, half_cosine(), [1.0, 0.0, 0.0, 0.0, 0.6, 0.8], 1.0))
 }
 
+const WORDS: Words = Words {
+    id: "spin-pair-levy",
+    title: "Two spins in a fluctuating field: strong convergence with and without Lévy areas",
+    system: "Heisenberg pair, J = 1, K = 0.5, σ = 0.8, D = 6, three noises",
+    paper: "Not in the paper, whose scheme has strong order 1/2 for noises that do not commute.",
+};
+
 pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
     let problem = spins();
-    let id = "spin-pair-levy";
-    let grid = conditions.choose(Grid { last: 11, samples: 500 }, Grid { last: 9, samples: 256 });
     let levy = || compiled(SexpLevy::new(&problem.system, problem.y0));
-    let reference = levy();
     let curves =
         [Curve::new(Method::Sexp, compiled(Sexp::default())), Curve::new(Method::SexpLevy, levy())];
     let runs = StrongRuns {
-        id,
-        problem: &problem,
-        grid,
+        words: WORDS,
         truncation: truncation(),
-        reference: reference.as_ref(),
+        truncated: TRUNCATED,
+        problem: &problem,
+        grid: conditions.choose(Grid { last: 11, samples: 500 }, Grid { last: 9, samples: 256 }),
+        reference: &*levy(),
         exact: None,
         curves: &curves,
     };
-    let StrongErrorCurves { curves, clipped, failures, .. } = runs.measure(conditions);
-    let mut claims: Vec<Claim> = curves.iter().map(|curve| claim_with_areas(id, curve)).collect();
-    claims.push(obeys_law(conditions, id, &problem));
+    let StrongErrorCurves { panel, curves, .. } = runs.measure(conditions);
+    let mut claims: Vec<Claim> =
+        curves.iter().map(|curve| claim_with_areas(WORDS.id, curve)).collect();
+    claims.push(obeys_law(conditions, WORDS.id, &problem));
     claims.push(obeys_law(conditions, "rigid-body-strong-3", &rigid_body_three_noises(1.0)));
-    let system = "Heisenberg pair, J = 1, K = 0.5, σ = 0.8, D = 6, three noises";
-    let panel = Panel {
-        id: id.to_owned(),
-        kind: Kind::Strong,
-        title: "Two spins in a fluctuating field: strong convergence with and without Lévy areas"
-            .to_owned(),
-        setup: describe(system, &problem, &grid.words()),
-        paper: "Not in the paper, whose scheme has strong order 1/2 for noises that do not \
-                commute."
-            .to_owned(),
-        samples: grid.samples,
-        reference: reference_words(reference.id(), grid),
-        failures,
-        clipped,
-        series: curves.into_iter().map(|curve| curve.series).collect(),
-        ..Panel::default()
-    };
     Findings { panels: vec![panel], claims }
 }
 

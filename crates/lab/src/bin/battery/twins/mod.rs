@@ -56,13 +56,13 @@ pub const TWINS: &[Twin] = &[
     },
     Twin {
         claim: "conformal-casimir",
-        mistake: "explicit noise in an implicit scheme",
-        measure: conformal::explicit_noise,
+        mistake: "B at the beginning of an implicit step, not in its middle",
+        measure: conformal::old_structure,
     },
     Twin {
         claim: "conformal-casimir",
-        mistake: "explicit noise in an implicit scheme, at steps that shrink",
-        measure: conformal::explicit_noise_at_small_steps,
+        mistake: "B at the beginning of an implicit step, at steps that shrink",
+        measure: conformal::old_structure_at_small_steps,
     },
     Twin {
         claim: "energy-balance",
