@@ -26,7 +26,7 @@
 //! | [`systems`] | [`PoissonSystem`](systems::PoissonSystem), damping, the systems of the paper, [`Problem`](systems::Problem) |
 //! | [`schemes`] | [`Sexp`](schemes::Sexp) and its peers; [`Explicit`](schemes::Explicit) and [`Implicit`](schemes::Implicit) for your own |
 //! | [`mc`] | [`Simulation`](mc::Simulation), [`Ladder`](mc::Ladder), [`multilevel`](mc::multilevel): many paths |
-//! | [`verify`] | [`inspect`](verify::inspect()), [`strong_order`](verify::strong_order), [`weak_order`](verify::weak_order) |
+//! | [`verify`] | [`inspect`](verify::inspect()), [`strong_order`](verify::strong_order), [`weak_order`](verify::weak_order), [`work_precision`](verify::work_precision) |
 //! | [`noise`], [`dgrad`], [`nonlin`], [`stats`], [`real`] | increments and Lévy areas, discrete gradients, implicit equations, fits, numbers |
 
 pub use {dgrad, mc, noise, nonlin, real, schemes, stats, systems, verify};

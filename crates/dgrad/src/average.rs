@@ -1,20 +1,20 @@
-//! ∇̄H by Gauss–Legendre on the gradient.
+//! The averaged discrete gradient by Gauss–Legendre quadrature.
 
 use real::Real;
 
 use crate::legendre::{QuadratureError, Rule, fixed_rule};
 
-/// A gradient ∇H, written for every [`Real`].
+/// A gradient field ∇H on ℝᴰ, generic over [`Real`].
 pub trait GradientField<const D: usize> {
     /// ∇H(y).
     fn gradient<R: Real>(&self, y: [R; D]) -> [R; D];
 }
 
-/// ∇̄H(a, b) ≈ Σ wᵢ ∇H(a + ηᵢ(b − a)) with N nodes: exact to round-off when ∇H is a polynomial of
-/// degree ≤ 2N − 1, else an error of order |b − a|^{2N}. N is a constant, so that the sum is
-/// written out inside a block kernel; a kernel with more than 9 nodes is not vectorised.
+/// ∇̄H(a, b) ≈ Σ wᵢ ∇H(a + ηᵢ(b − a)) with N Gauss–Legendre nodes.
 ///
-/// The nodes lie symmetrically about the middle, and two gradients share a weight.
+/// The sum is exact to round-off if ∇H is a polynomial of degree at most 2N − 1. Otherwise the
+/// error is of order |b − a|^{2N}. N is a constant, so a block kernel contains the whole sum. A
+/// kernel with more than 9 nodes is not vectorised.
 #[inline(always)]
 pub fn averaged<const N: usize, R: Real, F: GradientField<D>, const D: usize>(
     field: &F,
@@ -28,9 +28,8 @@ pub fn averaged<const N: usize, R: Real, F: GradientField<D>, const D: usize>(
     }
     let nodes = Nodes::<F, R, N, D> { field, middle, difference };
     let mut mean = nodes.first();
-    // Written out up to 9 nodes: a loop of long bodies inside the loop over paths is unrolled too
-    // late for that one to be vectorised. With more nodes it is a loop, which is slow and quick to
-    // compile.
+    // Up to 9 nodes are written out. The compiler unrolls a loop with a long body too late for the
+    // enclosing loop over paths to be vectorised. More nodes are a loop, slow but quick to compile.
     if (4..10).contains(&N) {
         mean = nodes.add_pair(mean, 1);
     }
@@ -48,7 +47,8 @@ pub fn averaged<const N: usize, R: Real, F: GradientField<D>, const D: usize>(
     if N > 1 && N % 2 == 1 { nodes.add_middle(mean) } else { mean }
 }
 
-/// A field along the way from a to b, at the nodes of the rule with N of them.
+/// A field on the segment from a to b, at the N nodes of the rule. The nodes are symmetric about
+/// the middle, and each pair has one weight.
 struct Nodes<'a, F, R, const N: usize, const D: usize> {
     field: &'a F,
     middle: [R; D],
@@ -58,7 +58,7 @@ struct Nodes<'a, F, R, const N: usize, const D: usize> {
 impl<F: GradientField<D>, R: Real, const N: usize, const D: usize> Nodes<'_, F, R, N, D> {
     const RULE: ([f64; N], [f64; N]) = fixed_rule::<N>();
 
-    /// The first pair, or the middle if there is no other node.
+    /// The first pair, or the middle for N = 1.
     #[inline(always)]
     fn first(&self) -> [R; D] {
         if N == 1 {
@@ -81,7 +81,7 @@ impl<F: GradientField<D>, R: Real, const N: usize, const D: usize> Nodes<'_, F, 
         plus(mean, self.field.gradient(self.middle), Self::RULE.1[N / 2])
     }
 
-    /// The sum of the gradients at node k and its mirror image.
+    /// The sum of the gradients at node k and at its mirror image.
     #[inline(always)]
     fn pair(&self, k: usize) -> [R; D] {
         let distance = 0.5 - Self::RULE.0[k];
@@ -109,13 +109,13 @@ fn plus<R: Real, const D: usize>(mut mean: [R; D], gradient: [R; D], weight: f64
     mean
 }
 
-/// ∇̄H(a, b) with n nodes and an estimate of its error, ‖∇̄ₙH − ∇̄₂ₙ₊₁H‖∞.
+/// ∇̄H(a, b) with 2n + 1 nodes, and the error estimate ‖∇̄ₙH − ∇̄₂ₙ₊₁H‖∞.
 ///
-/// For a smooth H the finer rule is far more accurate, so the estimate is the error of the coarser
-/// one; the finer value is returned.
+/// For a smooth H the finer rule is far more accurate, so this estimates the error of the rule with
+/// n nodes.
 ///
 /// # Errors
-/// [`QuadratureError::Nodes`] unless n and 2n + 1 are sizes of a rule.
+/// [`QuadratureError::Nodes`] unless n ≥ 1 and 2n + 1 ≤ [`MAX_NODES`](crate::MAX_NODES).
 pub fn averaged_with_error<F: GradientField<D>, const D: usize>(
     field: &F,
     a: [f64; D],

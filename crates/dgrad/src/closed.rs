@@ -1,8 +1,8 @@
-//! Discrete gradients in closed form.
+//! Averaged discrete gradients in closed form.
 
 use real::Real;
 
-/// (a + b)/2. For quadratic H the averaged discrete gradient is ∇̄H(a, b) = ∇H((a + b)/2).
+/// The midpoint (a + b)/2. For a quadratic H, ∇̄H(a, b) = ∇H((a + b)/2).
 #[inline(always)]
 pub fn midpoint<R: Real, const D: usize>(a: [R; D], b: [R; D]) -> [R; D] {
     let mut middle = [R::zero(); D];
@@ -12,15 +12,15 @@ pub fn midpoint<R: Real, const D: usize>(a: [R; D], b: [R; D]) -> [R; D] {
     middle
 }
 
-/// ∫₀¹ cos((1−η)a + ηb) dη = cos((a+b)/2)·sinc((b−a)/2), for H = sin y.
+/// ∫₀¹ cos((1−η)a + ηb) dη = cos((a+b)/2)·sinc((b−a)/2): ∇̄H of H = sin y.
 ///
-/// The textbook form (sin b − sin a)/(b − a) cancels as b → a; this one does not.
+/// The form (sin b − sin a)/(b − a) suffers from cancellation as b → a. This form does not.
 #[inline(always)]
 pub fn mean_cosine<R: Real>(a: R, b: R) -> R {
     ((a + b) * 0.5).cos() * ((b - a) * 0.5).sinc()
 }
 
-/// ∫₀¹ sin((1−η)a + ηb) dη = sin((a+b)/2)·sinc((b−a)/2), for H = −cos y.
+/// ∫₀¹ sin((1−η)a + ηb) dη = sin((a+b)/2)·sinc((b−a)/2): ∇̄H of H = −cos y.
 #[inline(always)]
 pub fn mean_sine<R: Real>(a: R, b: R) -> R {
     ((a + b) * 0.5).sin() * ((b - a) * 0.5).sinc()

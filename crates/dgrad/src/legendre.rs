@@ -1,21 +1,17 @@
-//! Gauss–Legendre rules on [0, 1], nodes computed by Newton's method on the Legendre polynomial.
-//!
-//! Σ wᵢ f(ηᵢ) = ∫₀¹ f for polynomials of degree ≤ 2n − 1. The functions are `const`, so that a
-//! kernel has the nodes as literals in its code; for a rule chosen at run time the same functions
-//! fill a [`Rule`].
+//! Gauss–Legendre rules on [0, 1]. The functions are `const`, so kernels contain nodes as literals.
 
 use std::fmt;
 
-/// The largest rule that is offered; its nodes are accurate to round-off.
+/// The largest number of nodes of a [`Rule`].
 pub const MAX_NODES: usize = 512;
 
-/// Why a quadrature was refused.
+/// An invalid quadrature rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum QuadratureError {
-    /// A rule with no node, or with more than [`MAX_NODES`].
+    /// The number of nodes is zero or exceeds [`MAX_NODES`].
     Nodes {
-        /// The number asked for.
+        /// The requested number.
         nodes: usize,
     },
 }
@@ -32,13 +28,14 @@ impl fmt::Display for QuadratureError {
 
 impl std::error::Error for QuadratureError {}
 
-/// The number of nodes that integrates a polynomial of the given degree exactly: ⌈(degree + 1)/2⌉.
+/// The smallest number of nodes that integrates polynomials of the given degree exactly:
+/// ⌈(degree + 1)/2⌉.
 #[must_use]
 pub const fn nodes_for_degree(degree: usize) -> usize {
     (degree + 2) / 2
 }
 
-/// The nodes and weights of an n-point rule on [0, 1], at compile time.
+/// The nodes and weights of the N-point rule on [0, 1], at compile time.
 #[must_use]
 pub const fn fixed_rule<const N: usize>() -> ([f64; N], [f64; N]) {
     let (mut nodes, mut weights) = ([0.0; N], [0.0; N]);
@@ -52,7 +49,10 @@ pub const fn fixed_rule<const N: usize>() -> ([f64; N], [f64; N]) {
     (nodes, weights)
 }
 
-/// A Gauss–Legendre rule on [0, 1] whose size is chosen at run time.
+/// A Gauss–Legendre rule on [0, 1] with n nodes, chosen at run time: Σ wᵢ f(ηᵢ) = ∫₀¹ f for
+/// polynomials f of degree at most 2n − 1.
+///
+/// Newton's method on the Legendre polynomial computes the nodes, accurate to round-off.
 #[derive(Clone, Debug)]
 pub struct Rule {
     nodes: Vec<f64>,
@@ -84,7 +84,7 @@ impl Rule {
         &self.weights
     }
 
-    /// Σ wᵢ f(a + (b − a)ηᵢ)·(b − a), close to ∫ₐᵇ f.
+    /// (b − a) Σ wᵢ f(a + (b − a)ηᵢ) ≈ ∫ₐᵇ f.
     #[must_use]
     pub fn integrate(&self, a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
         let length = b - a;
@@ -98,11 +98,11 @@ impl Rule {
     }
 }
 
-/// Newton's method is quadratic and starts within 1e-3 of the root, so it is done after four steps;
-/// two more cost nothing.
+/// Newton's method starts within 1e-3 of the root and converges quadratically: four steps suffice,
+/// and two more are cheap.
 const NEWTON_STEPS: usize = 6;
 
-/// Node and weight number i of n.
+/// The i-th of n nodes, and its weight.
 const fn node(n: usize, i: usize) -> (f64, f64) {
     // By symmetry the root number i from the left is minus the root number i from the right.
     let from_right = if 2 * i < n { i } else { n - 1 - i };
@@ -121,10 +121,10 @@ const fn node(n: usize, i: usize) -> (f64, f64) {
     (node, weight)
 }
 
-/// cos(π(i + ¾)/(n + ½)), close to the root number i of Pₙ from the right.
+/// cos(π(i + ¾)/(n + ½)), an approximation of the i-th root of Pₙ from the right.
 const fn root_guess(n: usize, i: usize) -> f64 {
     let angle = std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5);
-    // Angles are at most π/2: the Taylor series of the cosine, summed until nothing is added.
+    // The Taylor series of the cosine; angles are at most π/2.
     let (mut sum, mut term, mut k) = (1.0, 1.0, 0.0);
     while k < 20.0 {
         term *= -angle * angle / ((2.0 * k + 1.0) * (2.0 * k + 2.0));
@@ -171,7 +171,7 @@ mod tests {
             for degree in 0..2 * n {
                 let integral = rule.integrate(0.0, 1.0, |x| x.powi(degree as i32));
                 let exact = 1.0 / (degree as f64 + 1.0);
-                // n terms, each with a few roundings.
+                // n terms with a few roundings each.
                 assert!(
                     (integral - exact).abs() < (8.0 + n as f64) * f64::EPSILON,
                     "{n} {degree}: {integral}"

@@ -1,15 +1,15 @@
-//! **The averaged discrete gradient, exact where mathematics allows and to a stated accuracy
-//! everywhere else.**
+//! **The averaged discrete gradient: closed forms exact to round-off, and quadrature with an error
+//! estimate.**
 //!
-//! ∇̄H(a, b) = ∫₀¹ ∇H((1−η)a + ηb) dη satisfies ∇̄H(a, b)·(b − a) = H(b) − H(a) for every H. An
-//! integrator built on it keeps H exactly when the integral is exact, so each closed form here is
-//! exact to round-off and the quadrature says how far it is off.
+//! ∇̄H(a, b) = ∫₀¹ ∇H((1−η)a + ηb) dη satisfies ∇̄H(a, b)·(b − a) = H(b) − H(a) for every H
+//! (Harten, Lax and van Leer 1983; McLachlan, Quispel and Robidoux 1999). An integrator with ∇̄H
+//! therefore keeps H as exactly as the integral is computed.
 //!
 //! ```
 //! use dgrad::{GradientField, averaged, averaged_with_error};
 //! use real::Real;
 //!
-//! /// H(y) = e^{y₁} y₂, a Hamiltonian nobody foresaw.
+//! /// H(y) = e^{y₁} y₂.
 //! struct Mine;
 //! impl GradientField<2> for Mine {
 //!     fn gradient<R: Real>(&self, y: [R; 2]) -> [R; 2] {
@@ -27,14 +27,14 @@
 //! # Ok::<(), dgrad::QuadratureError>(())
 //! ```
 //!
-//! | item | job |
+//! | item | purpose |
 //! |---|---|
-//! | [`midpoint`] | quadratic H: ∇H at the midpoint |
-//! | [`mean_cosine`], [`mean_sine`] | separable sines: cos(mid)·sinc(half difference), no cancellation |
-//! | [`ShortMean`] | the same over short steps, with slopes and rough guesses, in fewer operations |
-//! | [`averaged`] | N Gauss–Legendre nodes known at compile time, for block kernels; exact up to degree 2N − 1 |
-//! | [`averaged_with_error`] | any number of nodes, with an error estimate |
-//! | [`Rule`], [`nodes_for_degree`] | Gauss–Legendre rules on [0, 1] with computed nodes |
+//! | [`midpoint`] | ∇̄H for a quadratic H |
+//! | [`mean_cosine`], [`mean_sine`] | ∇̄H for H = sin y and H = −cos y, without cancellation |
+//! | [`ShortMean`] | the same for short steps in fewer operations, with derivatives |
+//! | [`averaged`] | N Gauss–Legendre nodes, for block kernels |
+//! | [`averaged_with_error`] | n nodes chosen at run time, with an error estimate |
+//! | [`Rule`], [`nodes_for_degree`] | Gauss–Legendre rules on [0, 1] |
 
 mod average;
 mod closed;

@@ -1,11 +1,12 @@
-//! Averages of sine and cosine over short differences.
+//! Averages of sine and cosine over short intervals.
 
 use real::elementary;
 
-/// w∫₀¹ g(a + ηh) dη for g = sin or cos as a function of h, for |a| ≤ 2²⁰ and h² ≤ ½; NaN beyond.
+/// The average w∫₀¹ g(a + ηh) dη for g = sin or cos as a function of h, for |a| ≤ 2²⁰ and h² ≤ ½.
+/// For any other a or h it is NaN.
 ///
-/// It is w g(a)·sin(h)/h + w g′(a)·(1 − cos h)/h, where sine and cosine are those of a alone: an
-/// iteration for h takes them once, and the rest is two polynomials.
+/// It equals w g(a)·sin(h)/h + w g′(a)·(1 − cos h)/h. Only a enters sine and cosine, so an
+/// iteration for h evaluates them once. The rest are two polynomials in h.
 #[derive(Clone, Copy, Debug)]
 pub struct ShortMean {
     /// w g(a).
@@ -15,7 +16,7 @@ pub struct ShortMean {
 }
 
 impl ShortMean {
-    /// The average of sine from a, times a weight.
+    /// The average of the sine from `a` on; w = `weight`.
     #[inline(always)]
     #[must_use]
     pub fn of_sine(a: f64, weight: f64) -> Self {
@@ -23,7 +24,7 @@ impl ShortMean {
         Self { value: sin * weight, derivative: cos * weight }
     }
 
-    /// The average of cosine from a, times a weight.
+    /// The average of the cosine from `a` on; w = `weight`.
     #[inline(always)]
     #[must_use]
     pub fn of_cosine(a: f64, weight: f64) -> Self {
@@ -31,7 +32,7 @@ impl ShortMean {
         Self { value: cos * weight, derivative: -(sin * weight) }
     }
 
-    /// The average over h, to round-off.
+    /// The average over an interval of length h, exact to round-off.
     #[inline(always)]
     #[must_use]
     pub fn value(&self, h: f64) -> f64 {
@@ -40,9 +41,9 @@ impl ShortMean {
         (self.value - (self.value * (h * h)) * deficit) + (self.derivative * h) * versine
     }
 
-    /// The average over h and its derivative by h, with errors of at most w|h|⁹/3.5·10⁶ and w
-    /// h⁸/2.8·10⁶, for all h² ≤ ½: [`value`](ShortMean::value) with four terms of Taylor's series
-    /// of the deficit and of the versine.
+    /// The average and its derivative with respect to h, with errors of at most w|h|⁹/(3.5·10⁶) and
+    /// w h⁸/(2.8·10⁶) for h² ≤ ½. This is [`value`](ShortMean::value) with four terms of each
+    /// Taylor series.
     #[inline(always)]
     #[must_use]
     pub fn estimate_with_slope(&self, h: f64) -> (f64, f64) {
@@ -58,21 +59,21 @@ impl ShortMean {
         )
     }
 
-    /// For h = 0.
+    /// The average for h = 0.
     #[inline(always)]
     #[must_use]
     pub fn constant(&self) -> f64 {
         self.value
     }
 
-    /// Taylor's polynomial up to h², with an error of wg‴h³/24: a first guess.
+    /// The Taylor polynomial up to h², with the error wg‴h³/24.
     #[inline(always)]
     #[must_use]
     pub fn quadratic(&self, h: f64) -> f64 {
         self.value + h * (self.derivative * (1.0 / 2.0) - h * (self.value * (1.0 / 6.0)))
     }
 
-    /// Taylor's polynomial up to h³, with an error of wg⁗h⁴/120: a second guess.
+    /// The Taylor polynomial up to h³, with the error wg⁗h⁴/120.
     #[inline(always)]
     #[must_use]
     pub fn cubic(&self, h: f64) -> f64 {
@@ -80,7 +81,7 @@ impl ShortMean {
         self.value + h * (self.derivative * (1.0 / 2.0) - h * inner)
     }
 
-    /// [`cubic`](ShortMean::cubic) and its derivative by h.
+    /// [`cubic`](ShortMean::cubic) and its derivative with respect to h.
     #[inline(always)]
     #[must_use]
     pub fn cubic_with_slope(&self, h: f64) -> (f64, f64) {

@@ -55,13 +55,22 @@ proptest! {
             let allowed = (4.0 + a.abs()) * f64::EPSILON * w.abs();
             prop_assert!((value - w * mean.value).abs() <= allowed, "{} {}", value, mean.value);
             let (estimate, slope) = short.estimate_with_slope(h);
-            prop_assert!((estimate - value).abs() <= w.abs() * h.abs().powi(9) / 3.5e6 + 4.0 * f64::EPSILON * w.abs());
-            prop_assert!((slope - w * mean.derivative).abs() <= w.abs() * h.powi(8) / 2.8e6 + allowed);
-            prop_assert!((short.quadratic(h) - value).abs() <= w.abs() * h.abs().powi(3) / 24.0 + 1e-15);
+            prop_assert!(
+                (estimate - value).abs()
+                    <= w.abs() * h.abs().powi(9) / 3.5e6 + 4.0 * f64::EPSILON * w.abs()
+            );
+            prop_assert!(
+                (slope - w * mean.derivative).abs() <= w.abs() * h.powi(8) / 2.8e6 + allowed
+            );
+            prop_assert!(
+                (short.quadratic(h) - value).abs() <= w.abs() * h.abs().powi(3) / 24.0 + 1e-15
+            );
             prop_assert!((short.cubic(h) - value).abs() <= w.abs() * h.powi(4) / 120.0 + 1e-15);
             let (cubic, slope) = short.cubic_with_slope(h);
             prop_assert_eq!(cubic, short.cubic(h));
-            prop_assert!((slope - w * mean.derivative).abs() <= w.abs() * h.abs().powi(3) / 30.0 + allowed);
+            prop_assert!(
+                (slope - w * mean.derivative).abs() <= w.abs() * h.abs().powi(3) / 30.0 + allowed
+            );
         }
     }
 
@@ -69,8 +78,14 @@ proptest! {
     fn short_means_are_discrete_gradients(a in -20.0..20.0f64, h in -0.7..0.7f64) {
         let b = a + h;
         let h = b - a;
-        prop_assert!((ShortMean::of_cosine(a, 1.0).value(h) * h - (b.sin() - a.sin())).abs() <= 4.0 * f64::EPSILON);
-        prop_assert!((ShortMean::of_sine(a, 1.0).value(h) * h - (a.cos() - b.cos())).abs() <= 4.0 * f64::EPSILON);
+        prop_assert!(
+            (ShortMean::of_cosine(a, 1.0).value(h) * h - (b.sin() - a.sin())).abs()
+                <= 4.0 * f64::EPSILON
+        );
+        prop_assert!(
+            (ShortMean::of_sine(a, 1.0).value(h) * h - (a.cos() - b.cos())).abs()
+                <= 4.0 * f64::EPSILON
+        );
     }
 
     #[test]
@@ -106,7 +121,9 @@ proptest! {
         let mean: [f64; 3] = averaged::<NODES, _, _, 3>(&Monomial, a, b);
         // Terms of size up to 2·3⁴·6 in each of three products, tens of roundings.
         let scale = 3f64.powi(4) * 6.0 * 6.0;
-        prop_assert!((dot(mean, a, b) - (monomial(b) - monomial(a))).abs() < 16.0 * f64::EPSILON * scale);
+        prop_assert!(
+            (dot(mean, a, b) - (monomial(b) - monomial(a))).abs() < 16.0 * f64::EPSILON * scale
+        );
     }
 
     #[test]
@@ -134,7 +151,9 @@ proptest! {
         let energy = |[x, y]: [f64; 2]| 1.5 * x * x - 0.25 * y * y + x * y;
         let [x, y] = midpoint(a, b);
         let mean = [3.0 * x + y, -0.5 * y + x];
-        prop_assert!((dot(mean, a, b) - (energy(b) - energy(a))).abs() < 64.0 * f64::EPSILON * 30.0);
+        prop_assert!(
+            (dot(mean, a, b) - (energy(b) - energy(a))).abs() < 64.0 * f64::EPSILON * 30.0
+        );
     }
 
     #[test]

@@ -12,6 +12,10 @@ use verify::rigid_body_expectations;
 
 use crate::{PaperSystem, compiled};
 
+/// E φ(y(T)) of test functions on a problem, where it is known without sampling.
+pub type Expectations<S, G, const D: usize> =
+    fn(&Problem<S, G, D>, &[Observable<D>]) -> Option<Vec<f64>>;
+
 /// A problem with its name, what is measured on it and with which schemes.
 pub struct Setup<S, G, const D: usize, const M: usize> {
     /// Identifier, for example `rigid-body-3`.
@@ -25,7 +29,7 @@ pub struct Setup<S, G, const D: usize, const M: usize> {
     /// Test functions of the final state.
     pub observables: [Observable<D>; 2],
     /// E φ(y(T)) of every test function without sampling, where it is known.
-    pub expectations: fn(&Problem<S, G, D>, &[Observable<D>]) -> Option<Vec<f64>>,
+    pub expectations: Expectations<S, G, D>,
     /// `sexp`, then `sexp-levy` where noises do not commute, and `midpoint`.
     pub implicit: Vec<Box<dyn Scheme<S, D, M>>>,
     /// `heun` and `em`.

@@ -1,4 +1,4 @@
-//! The program behind `cargo xtask bench`: everything is measured, and asked for in vain is refused.
+//! The program behind `cargo xtask bench`: everything is measured, wrong requests are refused.
 
 use std::fs;
 use std::process::{Command, Output};

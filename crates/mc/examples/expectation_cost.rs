@@ -105,7 +105,8 @@ fn processor_seconds() -> f64 {
 fn print(method: &str, accuracy: f64, result: &Expectation, start: Clocks) {
     let estimate = &result.estimates[0];
     println!(
-        "{method}  {accuracy:.0e}: {:.3e} path-steps, {:.2} s, {:.2} s of processor time, {:.6} ± {:.1e}, off by {:+.1e}; variance falls like τ^{}",
+        "{method}  {accuracy:.0e}: {:.3e} path-steps, {:.2} s, {:.2} s of processor time, \
+         {:.6} ± {:.1e}, off by {:+.1e}; variance falls like τ^{}",
         result.cost as f64,
         start.wall.elapsed().as_secs_f64(),
         processor_seconds() - start.processor,

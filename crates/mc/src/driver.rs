@@ -1,7 +1,7 @@
-//! The one loop over time: groups of blocks march up a dyadic ladder of steps.
+//! The loop over time: groups of blocks advance on a dyadic ladder of steps.
 //!
-//! It knows a scheme on a system only as something that advances a block, and so it is compiled
-//! once for each dimension and not for each system.
+//! A scheme with its system is a trait object here, so the loop is compiled once for each dimension
+//! and not for each system.
 
 use noise::{AreaLadder, BlockNoise, DyadicLadder, StreamKey, WienerBlock, clip};
 use nonlin::BlockStatus;
@@ -11,7 +11,7 @@ use systems::Damping;
 
 use crate::{Cause, NoiseSource, PathFailure, TimeChange, View};
 
-/// A scheme that knows its system.
+/// A scheme bound to a system.
 pub(crate) trait Advance<const D: usize, const M: usize>: Send + Sync {
     fn advance(
         &self,
@@ -47,24 +47,24 @@ pub(crate) struct DriverRun<'a, const D: usize, const M: usize> {
     pub(crate) scheme: Box<dyn Advance<D, M> + 'a>,
 }
 
-/// The largest increment and area that a scheme is shown.
+/// The truncation bounds of increments and areas.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Bounds {
     pub(crate) increment: f64,
     pub(crate) area: f64,
 }
 
-/// Runs of one level that see the same noise.
+/// Runs of one level with the same noise.
 pub(crate) struct Batch {
     level: usize,
-    /// Whether they take the two halves of a step of the level above in the other order.
+    /// Whether they exchange the two halves of each step of the level above.
     pub(crate) swapped: bool,
     bounds: Bounds,
     runs: Vec<usize>,
 }
 
 impl Batch {
-    /// Adds run number `run` to the batch that it belongs to.
+    /// Adds run number `run` to its batch.
     pub(crate) fn add(
         batches: &mut Vec<Self>,
         level: usize,
@@ -81,13 +81,13 @@ impl Batch {
         }
     }
 
-    /// The level at whose end the runs advance.
-    pub(crate) fn due(&self) -> usize {
+    /// The runs advance at the end of each step of this level.
+    pub(crate) fn due_level(&self) -> usize {
         self.level + usize::from(self.swapped)
     }
 }
 
-/// Everything that the loop over time needs.
+/// The input of the loop over time.
 pub(crate) struct Driver<'a, const D: usize, const M: usize> {
     pub(crate) damping: &'a dyn Damping,
     pub(crate) y0: [f64; D],
@@ -96,7 +96,7 @@ pub(crate) struct Driver<'a, const D: usize, const M: usize> {
     pub(crate) levels: usize,
     pub(crate) key: StreamKey,
     pub(crate) noise: Box<dyn NoiseSource<M> + 'a>,
-    /// Whether areas of the finest steps are joined up the ladder.
+    /// Whether areas of coarser steps are computed from those of the finest.
     pub(crate) joins_areas: bool,
     pub(crate) runs: Vec<DriverRun<'a, D, M>>,
     pub(crate) batches: Vec<Batch>,
@@ -104,11 +104,11 @@ pub(crate) struct Driver<'a, const D: usize, const M: usize> {
     pub(crate) described_failures: usize,
 }
 
-/// Failed paths and clipped increments.
+/// Counts of failed paths and clipped increments.
 pub(crate) struct Tally {
     pub(crate) failed: u64,
     pub(crate) failures: Vec<PathFailure>,
-    /// Clipped increments by level.
+    /// Number of clipped increments of each level.
     pub(crate) clipped: Vec<u64>,
     described: usize,
 }
@@ -131,17 +131,16 @@ impl Tally {
     }
 }
 
-/// Blocks that march together and share the damping of each step, which costs as much as two paths
-/// of a block.
+/// Number of blocks that advance together and share the damping of each step, which costs as much
+/// as two paths of a block.
 const GROUP_BLOCKS: usize = 4;
-/// Paths of them.
+/// Number of paths of a group.
 pub(crate) const GROUP_PATHS: u64 = (GROUP_BLOCKS * WIDTH) as u64;
 
-/// The time change draws from a family of streams of its own, which differs in the top bit of the
-/// experiment.
+/// The bit of the experiment number that separates the streams of time changes.
 const TIME_CHANGE_STREAM: u64 = 1 << 63;
 
-/// How many finest steps of a block pass between two reports of progress.
+/// Number of finest steps between two reports of progress.
 const PROGRESS_STEPS: u64 = 4096;
 
 /// The current step of a level and the one before.
@@ -171,13 +170,13 @@ impl<const D: usize, const M: usize> Driver<'_, D, M> {
 
     /// Step number `n` of a level.
     fn step(&self, level: usize, n: u64) -> Step {
-        // The ladder checked that the finest step is positive, and T is finite.
+        // `Ladder::new` checks that the finest step is positive and finite.
         Step::new(self.damping, n, self.tau(level))
             .unwrap_or_else(|error| unreachable!("the steps of a ladder are valid: {error}"))
     }
 
-    /// Takes the paths from `first_path` on to the final time; `observe` sees each block at the end
-    /// of every coarsest step.
+    /// Advances `paths` paths from `first_path` on to the final time. Calls `observe` for each
+    /// block at the end of every coarsest step.
     pub(crate) fn march(
         &self,
         first_path: u64,
@@ -211,7 +210,7 @@ impl<const D: usize, const M: usize> Driver<'_, D, M> {
                 block.advance(&steps, n, &mut tally, observe);
             }
             if n % PROGRESS_STEPS == 0 || n == self.finest_steps {
-                // In proportion, so that the reports of a path add up to its steps exactly.
+                // The reports of a path add up to its number of steps.
                 let share = u128::from(total) * u128::from(n) / u128::from(self.finest_steps);
                 progress((share as u64 - reported) * paths);
                 reported = share as u64;
@@ -221,7 +220,7 @@ impl<const D: usize, const M: usize> Driver<'_, D, M> {
     }
 }
 
-/// One block: its noise and the state of every run.
+/// The noise of one block and the state of every run.
 struct Marcher<'a, const D: usize, const M: usize> {
     driver: &'a Driver<'a, D, M>,
     first_path: u64,
@@ -232,12 +231,12 @@ struct Marcher<'a, const D: usize, const M: usize> {
     sums: DyadicLadder<M>,
     /// Lévy areas of every level, if a scheme reads them.
     areas: Option<AreaLadder<M>>,
-    /// What the schemes are shown; kept here, since zeroing it anew takes as long as a tenth of a
-    /// step.
-    shown: BlockNoise<M>,
+    /// The truncated noise of the current step. It is reused, since zeroing it in every step takes
+    /// as long as a tenth of a step.
+    truncated: BlockNoise<M>,
     states: Vec<Block<D>>,
     statuses: Vec<BlockStatus>,
-    /// For each run the paths of which an increment has been clipped.
+    /// For each run the paths with a clipped increment so far.
     clipped: Vec<PathMask>,
     random_time: Block<1>,
     time_change_noise: WienerBlock<1>,
@@ -255,7 +254,7 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
             drawn: BlockNoise::zero(),
             sums: DyadicLadder::new(driver.levels),
             areas: driver.joins_areas.then(|| AreaLadder::new(driver.levels)),
-            shown: BlockNoise::zero(),
+            truncated: BlockNoise::zero(),
             states: vec![Block::splat(driver.y0); runs],
             statuses: vec![BlockStatus::explicit(); runs],
             clipped: vec![PathMask::NONE; runs],
@@ -264,7 +263,7 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
         }
     }
 
-    /// Finest step number n, counted from 1, and every coarser step that ends with it.
+    /// Finest step number n, counted from 1, and every coarser step that ends at the same time.
     fn advance(
         &mut self,
         steps: &[StepPair],
@@ -283,16 +282,14 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
         if let Some(areas) = &mut self.areas {
             areas.push(&self.drawn.areas, &self.sums, complete);
         }
-        for batch in driver.batches.iter().filter(|batch| batch.due() <= complete) {
+        for batch in driver.batches.iter().filter(|batch| batch.due_level() <= complete) {
             let StepPair { before, now } = steps[batch.level];
             if batch.swapped {
                 // The second half of the step of the level above comes first.
-                self.show(batch, false, tally);
+                self.truncate(batch, false, tally);
                 self.step(batch, &before, tally);
-                self.show(batch, true, tally);
-            } else {
-                self.show(batch, false, tally);
             }
+            self.truncate(batch, batch.swapped, tally);
             self.step(batch, &now, tally);
         }
         if complete == driver.levels {
@@ -309,13 +306,13 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
         }
     }
 
-    /// Clips the noise of the last step of the batch's level, or of the one before.
-    fn show(&mut self, batch: &Batch, one_before: bool, tally: &mut Tally) {
+    /// Truncates the noise of the last step of the level of the batch, or of the step before.
+    fn truncate(&mut self, batch: &Batch, one_before: bool, tally: &mut Tally) {
         let level = batch.level;
         let increment =
             if one_before { self.sums.first_half(level + 1) } else { self.sums.increment(level) };
-        if clip(increment, batch.bounds.increment, &mut self.shown.increments) > 0 {
-            let (paths, count) = differing(increment, &self.shown.increments, self.live);
+        if clip(increment, batch.bounds.increment, &mut self.truncated.increments) > 0 {
+            let (paths, count) = differing(increment, &self.truncated.increments, self.live);
             for &run in &batch.runs {
                 self.clipped[run] = self.clipped[run].or(paths);
             }
@@ -325,7 +322,7 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
         }
         if let Some(areas) = &self.areas {
             let areas = if one_before { areas.first_half(level + 1) } else { areas.areas(level) };
-            self.shown.areas = areas.clipped(batch.bounds.area).0;
+            self.truncated.areas = areas.clipped(batch.bounds.area).0;
         }
     }
 
@@ -333,10 +330,10 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
     fn step(&mut self, batch: &Batch, step: &Step, tally: &mut Tally) {
         for &number in &batch.runs {
             let (run, status) = (&self.driver.runs[number], &mut self.statuses[number]);
-            run.scheme.advance(step, &self.shown, &mut self.states[number], status);
+            run.scheme.advance(step, &self.truncated, &mut self.states[number], status);
             let failed = status.failed.and(self.live);
             if !failed.is_empty() {
-                // The number of a step, from its time.
+                // The number of the step follows from its time.
                 let n = (step.t / step.tau).round() as u64;
                 for p in failed.paths() {
                     let cause = Cause::of_residual(self.statuses[number].residual(p));
@@ -360,8 +357,8 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
         }
     }
 
-    /// The schemes of this workspace fail where their state is not finite; for anybody else's this
-    /// looks, once in each coarse step.
+    /// Marks paths with a state that is not finite as failed, for schemes that do not do so
+    /// themselves. Called once in each coarsest step.
     fn drop_non_finite(&mut self, n: u64, tally: &mut Tally) {
         for (state, run) in self.states.iter().zip(&self.driver.runs) {
             let mut status = BlockStatus::explicit();
@@ -376,7 +373,7 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
     }
 }
 
-/// The paths on which two blocks differ, and how many of their entries do on the `live` ones.
+/// The paths on which two blocks differ, and the number of differing entries on the `live` paths.
 #[cold]
 fn differing<const M: usize>(a: &Block<M>, b: &Block<M>, live: PathMask) -> (PathMask, u64) {
     let (mut paths, mut count) = (PathMask::NONE, 0);

@@ -1,72 +1,38 @@
-//! What can be wrong with a ladder.
-
-use std::fmt;
+//! Errors of ladders.
 
 use noise::NoiseError;
 use schemes::StepError;
 
-/// What can be wrong with a ladder or a trajectory; found before anything is computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// An invalid ladder or trajectory, detected before the first step.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LadderError {
-    /// The number of finest steps is zero or no multiple of the coarsest step.
+    /// The number of finest steps is not a positive multiple of those in a coarsest step.
+    #[error("the number of finest steps must be a positive multiple of {multiple_of}, got {steps}")]
     Steps {
-        /// Number of finest steps asked for.
+        /// The given number of finest steps.
         steps: u64,
-        /// What it must be a multiple of.
+        /// The number of finest steps in a coarsest step.
         multiple_of: u64,
     },
-    /// A run is on a level that the ladder does not have; a swapped run needs a level above its
-    /// own.
+    /// The level of a run exceeds those of the ladder. A swapped run needs the level above its own.
+    #[error(
+        "a run on level {level} (swapped: {swapped}) needs level {} of the ladder, which has \
+         levels 0 to {levels}",
+        level + usize::from(*swapped)
+    )]
     Level {
-        /// The level asked for.
+        /// The given level.
         level: usize,
         /// Whether the run is swapped.
         swapped: bool,
-        /// Levels of the ladder above the finest.
+        /// The number of levels above the finest.
         levels: usize,
     },
-    /// The increments cannot be truncated at one of the step sizes.
-    Noise(NoiseError),
-    /// A step size is not a positive number.
-    Step(StepError),
-}
-
-impl fmt::Display for LadderError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Steps { steps, multiple_of } => {
-                write!(
-                    f,
-                    "the number of finest steps must be a positive multiple of {multiple_of}, got {steps}"
-                )
-            }
-            Self::Level { level, swapped: false, levels } => {
-                write!(f, "a run is on level {level}, but the ladder has levels 0 to {levels}")
-            }
-            Self::Level { level, swapped: true, levels } => {
-                write!(
-                    f,
-                    "a swapped run on level {level} needs level {} above it, but the ladder has levels 0 to {levels}",
-                    level + 1
-                )
-            }
-            Self::Noise(error) => error.fmt(f),
-            Self::Step(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for LadderError {}
-
-impl From<NoiseError> for LadderError {
-    fn from(error: NoiseError) -> Self {
-        Self::Noise(error)
-    }
-}
-
-impl From<StepError> for LadderError {
-    fn from(error: StepError) -> Self {
-        Self::Step(error)
-    }
+    /// Noise cannot be truncated, or areas cannot be drawn, at one of the step sizes.
+    #[error(transparent)]
+    Noise(#[from] NoiseError),
+    /// A step size is not positive and finite.
+    #[error(transparent)]
+    Step(#[from] StepError),
 }

@@ -1,54 +1,47 @@
-//! Paths that were left out.
+//! Failed paths.
 
 use std::fmt;
 
 use noise::StreamKey;
 
-/// Why a path was left out.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The reason why a path failed.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Cause {
-    /// Neither solver found a solution of the implicit step.
+    /// The solver found no solution of the implicit step.
+    #[error("no solution found, residual {residual:e}")]
     NoSolution {
-        /// ‖z − ψ(z)‖₁ where the robust solver stopped.
+        /// ‖z − ψ(z)‖₁ at the last iterate.
         residual: f64,
     },
     /// The state is NaN or infinite.
+    #[error("the state is not finite")]
     NotFinite,
 }
 
 impl Cause {
-    /// Why a step failed, from its residual: infinite where the state itself is not finite.
+    /// The reason of a failed step with this residual, which is infinite if the state is not
+    /// finite.
     pub(crate) fn of_residual(residual: f64) -> Self {
         if residual == f64::INFINITY { Self::NotFinite } else { Self::NoSolution { residual } }
     }
 }
 
-impl fmt::Display for Cause {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoSolution { residual } => write!(f, "no solution found, residual {residual:e}"),
-            Self::NotFinite => write!(f, "the state is not finite"),
-        }
-    }
-}
-
-/// A path that was left out of every statistic from some time on: enough to replay it alone.
+/// A failed path, with everything needed to replay it. Statistics exclude it from this time on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathFailure {
-    /// Number of the path in its family of streams.
+    /// Number of the path.
     pub path: u64,
-    /// The family of streams.
+    /// The key of its random streams.
     pub key: StreamKey,
-    /// The scheme that failed.
+    /// Identifier of the scheme.
     pub scheme: &'static str,
-    /// Whether it ran on exchanged increments, see [`Run`](crate::Run).
+    /// Whether the run was swapped, see [`Run`](crate::Run).
     pub swapped: bool,
-    /// Its step size.
+    /// The step size.
     pub tau: f64,
-    /// The step that failed, counted from zero; for a state that was found not finite, the last
-    /// step before.
+    /// The number of the failed step, counted from zero.
     pub step: u64,
-    /// Why.
+    /// The reason.
     pub cause: Cause,
 }
 
@@ -58,11 +51,11 @@ impl fmt::Display for PathFailure {
         let swapped = if *swapped { ", increments exchanged," } else { "" };
         write!(
             f,
-            "path {path} (seed {}, experiment {}): {scheme}{swapped} at tau = {tau}, step {step}, t = {}: ",
+            "path {path} (seed {}, experiment {}): {scheme}{swapped} at tau = {tau}, step {step}, \
+             t = {}: {cause}",
             key.seed,
             key.experiment,
             *step as f64 * tau
-        )?;
-        cause.fmt(f)
+        )
     }
 }

@@ -11,19 +11,19 @@ use crate::parallel::in_parallel;
 use crate::tree::MergeTree;
 use crate::{LadderError, NoiseSource, PathFailure};
 
-/// A scheme on a level: steps of 2^level finest steps.
+/// A scheme on a level of a ladder. Its steps consist of 2^level finest steps.
 pub struct Run<'a, S, const D: usize, const M: usize> {
     /// The scheme.
     pub scheme: &'a dyn Scheme<S, D, M>,
     /// The level; 0 is the finest.
     pub level: usize,
-    /// Whether the two increments of every step of the level above are exchanged: the antithetic
-    /// twin (Giles and Szpruch 2014), which has the same law and the same coarse path.
+    /// Whether the two increments in every step of the level above are exchanged. The result is the
+    /// antithetic path (Giles and Szpruch 2014), with the same law and the same coarse path.
     pub swapped: bool,
 }
 
 impl<'a, S, const D: usize, const M: usize> Run<'a, S, D, M> {
-    /// The scheme on the increments as they come.
+    /// The scheme on the increments in their order.
     #[must_use]
     pub fn new(scheme: &'a dyn Scheme<S, D, M>, level: usize) -> Self {
         Self { scheme, level, swapped: false }
@@ -36,82 +36,84 @@ impl<'a, S, const D: usize, const M: usize> Run<'a, S, D, M> {
     }
 }
 
-/// A block as a [`Statistic`] sees it at the end of a coarsest step, where all levels meet.
+/// The state of all runs on one block at the end of a coarsest step, a time of all levels.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a, const D: usize> {
-    /// Number of the coarse time; 1 is the end of the first coarse step.
+    /// Number of coarsest steps done, at least 1.
     pub time: u64,
-    /// Number of the block's first path.
+    /// Number of the first path of the block.
     pub first_path: u64,
-    /// The state of each run.
+    /// The states of each run.
     pub states: &'a [Block<D>],
-    /// How the last step of each run was solved.
+    /// The status of the last step of each run.
     pub statuses: &'a [nonlin::BlockStatus],
-    /// For each run the paths of which an increment has been clipped so far.
+    /// For each run the paths with a clipped increment so far.
     pub clipped: &'a [PathMask],
-    /// What the [`TimeChange`] of the ladder has reached; zero without one.
+    /// The random time of each path by the [`TimeChange`] of the ladder; zero without one.
     pub random_time: &'a Block<1>,
-    /// The paths that count.
+    /// The paths that exist and have not failed. Only these may enter a statistic.
     pub live: PathMask,
 }
 
-/// What is kept of the paths.
+/// An accumulator of results over paths, for example a mean.
 pub trait Statistic<const D: usize>: Send {
-    /// Folds in one block.
+    /// Adds one block at one time.
     fn observe(&mut self, view: &View<'_, D>);
-    /// Adds what `later` has seen.
+    /// Adds the results of `later` paths.
     fn merge(&mut self, later: Self);
 }
 
-/// A random time that is carried along each path, driven by the untruncated finest increments: the
-/// exact solution of a one-noise system is the deterministic flow at such a time.
+/// A random time change along each path, driven by the untruncated increments of the finest steps.
+/// The exact solution of a system with one Hamiltonian is the deterministic flow at such a time.
 pub trait TimeChange<const M: usize>: Send + Sync {
-    /// Advances the random time of a block over finest step number n (from 0) with its increments.
-    /// `normals` are standard normals of their own stream, for what the increments do not
-    /// determine.
+    /// Advances the random time of a block over finest step number n ≥ 0 with increments `dw`.
+    /// `normals` are independent standard normals, for example for the part of the random time that
+    /// the increments do not determine.
     fn advance(&self, n: u64, dw: &Block<M>, normals: &Block<1>, random_time: &mut Block<1>);
 }
 
-/// Schemes on a dyadic ladder of steps, driven by one noise. Checked at construction.
+/// Several runs, each a scheme at a step size, on a dyadic ladder of steps with the same noise.
 pub struct Ladder<'a, const D: usize, const M: usize> {
     driver: Driver<'a, D, M>,
-    /// Bytes of stack that a group needs.
+    /// Bytes of stack for a group.
     stack: usize,
 }
 
-/// What a ladder measured.
+/// The results of a ladder.
 #[derive(Clone, Debug)]
 pub struct Measured<T> {
-    /// What was kept of the paths.
+    /// The statistic over all paths.
     pub statistic: T,
-    /// How many paths were left out.
+    /// Number of failed paths.
     pub failed: u64,
-    /// The first few of them.
+    /// The first failed paths, see [`Ladder::describing`].
     pub failures: Vec<PathFailure>,
-    /// How many increments were clipped on each level, on the paths that count; of levels with
-    /// plain runs only.
+    /// Number of clipped increments on each level, counted on paths that have not failed. Zero for
+    /// levels without a run that is not swapped.
     pub clipped: Vec<u64>,
 }
 
-/// Failures that are described one by one; the rest are counted.
+/// Default number of failures that are described.
 const DESCRIBED_FAILURES: usize = 8;
-/// Groups in flight for each thread: enough that no thread waits long for the last one of a wave.
+/// Groups per thread in a wave, enough that no thread waits long at its end.
 const GROUPS_PER_THREAD: usize = 8;
 
 impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
-    /// `finest_steps` steps on [0, T] at level 0, and `levels` levels above.
+    /// A ladder with `finest_steps` steps on [0, T] at level 0 and `levels` levels above it. The
+    /// noise is drawn from the streams of `key`.
     ///
-    /// Where a scheme reads Lévy areas they are drawn on the finest steps after Mrongowius and
-    /// Rößler, with an error of no more than τ^{3/2} as strong order 1 asks, and joined to coarser
-    /// steps by Chen's relation. With their tail the areas have the right covariance given the
-    /// increments for any number of terms, so that areas drawn at a step and areas joined from
-    /// finer steps agree in it.
+    /// If a scheme reads Lévy areas, they are drawn on the finest steps by the method of Mrongowius
+    /// and Rößler (2022) with an error of at most τ^{3/2}, as strong order 1 requires. Chen's
+    /// relation gives the areas of coarser steps. The covariance of the drawn areas given the
+    /// increments is exact for any number of terms, so it is the same for all levels.
     ///
     /// # Errors
-    /// [`LadderError`] when the steps are no positive multiple of the coarsest step, when a run is
-    /// on a level that does not exist (a swapped run needs a level above its own), when the
-    /// truncation is not defined at one of the step sizes in use, or when T is so small that the
-    /// finest step underflows.
+    /// - [`LadderError::Steps`] unless `finest_steps` is a positive multiple of 2^`levels`.
+    /// - [`LadderError::Level`] if a run is on a level that does not exist. A swapped run needs the
+    ///   level above its own.
+    /// - [`LadderError::Noise`] if the truncation is undefined at a step size, or if the areas need
+    ///   too many terms.
+    /// - [`LadderError::Step`] if the finest step underflows.
     pub fn new<S: PoissonSystem<D, M>, G: Damping>(
         problem: &'a Problem<S, G, D>,
         finest_steps: u64,
@@ -124,7 +126,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
         if finest_steps == 0 || !finest_steps.is_multiple_of(coarsest) {
             return Err(LadderError::Steps { steps: finest_steps, multiple_of: coarsest });
         }
-        // A final time next to the smallest number has no finer steps.
+        // The finest step may underflow.
         let finest = problem.t_end / finest_steps as f64;
         if finest <= 0.0 {
             return Err(LadderError::Step(StepError::Size { tau: finest }));
@@ -166,60 +168,65 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
                 scheme: Box::new(BoundScheme { system: &problem.system, scheme: run.scheme }),
             });
         }
-        // The order in which runs are due, which decides whose failure is described.
-        driver.batches.sort_by_key(|batch| (batch.due(), batch.swapped));
+        // This order decides which failure is described first.
+        driver.batches.sort_by_key(|batch| (batch.due_level(), batch.swapped));
         Ok(Self { driver, stack: stack_for(D) })
     }
 
-    /// Carries a random time along each path, see [`TimeChange`].
+    /// Computes a random time along each path, see [`TimeChange`].
     #[must_use]
     pub fn with_time_change(mut self, time_change: &'a dyn TimeChange<M>) -> Self {
         self.driver.time_change = Some(time_change);
         self
     }
 
-    /// Takes the noise of the finest steps from elsewhere instead of drawing it.
+    /// Takes the noise of the finest steps from `source` instead of drawing it.
     #[must_use]
     pub fn with_noise(mut self, source: impl NoiseSource<M> + 'a) -> Self {
         self.driver.noise = Box::new(source);
         self
     }
 
-    /// Describes so many of the paths that fail; the first eight unless told otherwise.
+    /// Describes the first `failures` failed paths in [`Measured::failures`]; eight by default.
     #[must_use]
     pub fn describing(mut self, failures: usize) -> Self {
         self.driver.described_failures = failures;
         self
     }
 
-    /// Step size of a level.
+    /// The step size of a level.
     #[must_use]
     pub fn tau(&self, level: usize) -> f64 {
         self.driver.tau(level)
     }
 
-    /// Number of coarsest steps: how often a statistic sees each block.
+    /// Number of coarsest steps: the number of times at which a statistic observes each block.
     #[must_use]
     pub fn coarse_steps(&self) -> u64 {
         self.driver.finest_steps >> self.driver.levels
     }
 
-    /// Whether paths are advanced on the threads of the current rayon pool; in dimensions whose steps
-    /// need a larger stack they are advanced on threads of their own.
+    /// Whether paths advance on the threads of the current rayon pool. In dimensions whose steps
+    /// need a larger stack they advance on threads of their own.
     #[must_use]
     pub fn runs_on_pool(&self) -> bool {
         self.stack <= USUAL_STACK
     }
 
-    /// Steps that one path takes in all runs together: the unit in which `progress` counts.
+    /// Number of steps of one path in all runs together. Progress is counted in these steps.
     #[must_use]
     pub fn steps_per_path(&self) -> u64 {
         self.driver.steps_per_path()
     }
 
-    /// Advances the paths 0 to `samples` − 1 in parallel on the current rayon pool.
+    /// Advances the paths 0 to `samples` − 1 in parallel on the current rayon pool. The results are
+    /// the same bits for any number of threads.
     ///
-    /// `progress` is told now and then how many more path-steps are done, from any thread.
+    /// `new` creates an empty statistic. `progress` is called from any thread with the number of
+    /// path-steps done since its last call.
+    ///
+    /// # Panics
+    /// If a thread with a larger stack cannot be started, see [`runs_on_pool`](Self::runs_on_pool).
     pub fn run<T: Statistic<D>>(
         &self,
         samples: u64,
@@ -229,7 +236,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
         self.run_from(0, samples, new, progress)
     }
 
-    /// Advances `samples` paths from path number `first` on.
+    /// The same for `samples` paths from path number `first` on.
     pub fn run_from<T: Statistic<D>>(
         &self,
         first: u64,
@@ -263,16 +270,17 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
     }
 }
 
-/// Stacks of rayon's threads have two megabytes, of which this much may be used here.
+/// The part of the stack of a thread of rayon, two megabytes, that steps may use.
 const USUAL_STACK: usize = 1 << 20;
 
-/// Bytes of stack for a step in D dimensions: Newton's method and the continuation behind it keep a
-/// handful of matrices, at most 16 with their dual numbers.
+/// Bytes of stack for a step in D dimensions. Newton's method and continuation have a dozen
+/// matrices in an optimised program; up to 160 were measured in a program that is not optimised.
+/// Memory that is not touched is only reserved.
 fn stack_for(dimension: usize) -> usize {
-    (1 << 18) + 16 * 8 * dimension * dimension
+    (1 << 19) + 256 * 8 * dimension * dimension
 }
 
-/// Does the work on this thread, or on one of its own where it needs a larger stack.
+/// Calls `work` on this thread, or on a thread of its own if it needs a larger stack.
 fn on_stack<R: Send>(stack: usize, work: impl FnOnce() -> R + Send) -> R {
     if stack <= USUAL_STACK {
         return work();

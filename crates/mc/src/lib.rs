@@ -1,10 +1,9 @@
-//! **One pass over the finest noise drives every scheme at every step size.**
+//! **Monte Carlo simulation of many schemes at many step sizes with the same noise.**
 //!
-//! A [`Ladder`] says which schemes run at which levels of a dyadic ladder of steps; [`Ladder::run`]
-//! advances blocks of paths through it in parallel and folds them into a [`Statistic`]. Partial
-//! sums are merged on a fixed tree, so one thread, many threads and any instruction set give the
-//! same bits; memory grows neither with samples nor with steps. [`trajectory`] follows a single
-//! path and keeps it.
+//! A [`Ladder`] lists schemes and their levels on a dyadic ladder of steps. [`Ladder::run`]
+//! advances blocks of paths in parallel and accumulates a [`Statistic`]. Partial results are merged
+//! on a fixed tree, so the bits do not depend on threads or instruction sets. Memory grows neither
+//! with samples nor with steps. [`trajectory`] and [`Simulation`] store whole paths.
 //!
 //! ```
 //! use mc::{Ladder, Reference, Run, StrongErrors};
@@ -19,23 +18,25 @@
 //! let key = StreamKey { seed: 1, experiment: 1 };
 //! let ladder = Ladder::new(&problem, 256, 3, Truncation::new(4)?, key, runs)?;
 //! let series = [vec![1], vec![2]];
-//! let outcome = ladder.run(64, || StrongErrors::new(Reference::Run(0), &series, ladder.coarse_steps()), &|_| ());
-//! let mean_square = |s: usize| outcome.statistic.at_end(s).mean(0);
+//! let errors = || StrongErrors::new(Reference::Run(0), &series, ladder.coarse_steps());
+//! let measured = ladder.run(64, errors, &|_| ());
+//! let mean_square = |s: usize| measured.statistic.at_end(s).mean(0);
 //! assert!(mean_square(0) < 0.1 * mean_square(1));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! | item | job |
+//! | item | purpose |
 //! |---|---|
-//! | [`Ladder`], [`Run`] | which schemes at which steps, on which noise |
-//! | [`Statistic`]: [`StrongErrors`], [`WeakDifferences`] | what is kept of the paths |
-//! | [`TimeChange`] | a random time carried along each path, for exact references |
-//! | [`NoiseSource`] | noise from elsewhere |
-//! | [`trajectory`] | one path, kept |
-//! | [`Simulation`], [`TimeSeries`], [`write_csv`], [`write_json`] | paths with observables and conformal defects, as tables |
-//! | [`Recording`] | the increments of a path, from or for another code |
-//! | [`PathFailure`] | a path that was left out: where, when and why |
-//! | [`multilevel`] | E[φ(y(T))] to a requested accuracy |
+//! | [`Ladder`], [`Run`] | schemes at step sizes, driven by the same noise |
+//! | [`Statistic`] | results over paths: [`StrongErrors`], [`WeakDifferences`] |
+//! | [`TimeChange`] | a random time along each path, for exact references |
+//! | [`NoiseSource`] | noise given by the user |
+//! | [`trajectory`] | the states of one path |
+//! | [`Simulation`], [`TimeSeries`] | tables of states, observables and invariants |
+//! | [`write_csv`], [`write_json`] | tables as files |
+//! | [`Recording`] | the increments of a path, to exchange with other programs |
+//! | [`PathFailure`] | a failed path: scheme, step, time and reason |
+//! | [`multilevel`] | E[φ(y(T))] to a given accuracy |
 
 mod driver;
 mod error;

@@ -1,20 +1,25 @@
-//! Where the noise of the finest steps comes from.
+//! Sources of the noise of the finest steps.
 
 use noise::{AreaMethod, AreaSampler, BlockNoise, StreamKey, WienerBlock, strong_order_one_error};
 
 use crate::LadderError;
 
-/// Fills in the noise of the next step of a block.
+/// Writes the noise of the next finest step of a block.
 pub type NextNoise<'a, const M: usize> = Box<dyn FnMut(&mut BlockNoise<M>) + Send + 'a>;
 
-/// Where increments and Lévy areas come from, if they are not drawn from a family of streams.
+/// A source of increments and Lévy areas, for noise that is not drawn from the streams of a key.
 pub trait NoiseSource<const M: usize>: Sync {
-    /// The noise of the 32 paths from `first_path` on, finest step after finest step. It is given
-    /// as it is drawn: what is clipped is clipped later.
+    /// The untruncated noise of the 32 paths from `first_path` on, one finest step per call.
     fn block(&self, first_path: u64) -> NextNoise<'_, M>;
 }
 
-/// Increments of a family of streams, and their Lévy areas where they are wanted.
+impl<const M: usize, F: Fn(u64) -> NextNoise<'static, M> + Sync> NoiseSource<M> for F {
+    fn block(&self, first_path: u64) -> NextNoise<'_, M> {
+        self(first_path)
+    }
+}
+
+/// Increments drawn from the streams of a key, and their Lévy areas if a scheme reads them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Drawn {
     key: StreamKey,
@@ -23,8 +28,7 @@ pub(crate) struct Drawn {
 }
 
 impl Drawn {
-    /// Areas are drawn after Mrongowius and Rößler, with an error of no more than τ^{3/2} as strong
-    /// order 1 asks.
+    /// The error of the areas is at most τ^{3/2}, as strong order 1 requires.
     pub(crate) fn new<const M: usize>(
         key: StreamKey,
         tau: f64,

@@ -1,14 +1,14 @@
-//! Work on numbered items, on the current rayon pool.
+//! Parallel work on numbered items.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-/// The result of `work` for every item, in their order.
+/// The results of `work` for all items in their order, computed on the current rayon pool.
 ///
-/// Only the slots know the type of the results: rayon's machinery is compiled once, here, and not
-/// again for every system, damping and statistic in every crate that runs a ladder.
+/// Rayon's code does not depend on the type of the results. So it is compiled once, and not for
+/// every statistic in every crate that runs a ladder.
 pub(crate) fn in_parallel<R: Send>(items: Range<u64>, work: &(dyn Fn(u64) -> R + Sync)) -> Vec<R> {
     let slots: Vec<Mutex<Option<R>>> = items.clone().map(|_| Mutex::new(None)).collect();
     let first = items.start;

@@ -1,43 +1,36 @@
-//! Mean-square errors against a reference run on the same noise.
+//! Mean-square errors.
 
 use stats::{CrossMoments, Moments};
 
 use crate::{Statistic, View};
 
-/// |y − y_ref|² of every run of every series: with covariances between the runs of a series, at every coarse time.
-#[derive(Clone, Debug)]
+/// The mean squares of |y − y_ref| for the runs of several series at every coarse time, with the
+/// covariances of the squares between the runs of a series.
+#[derive(Clone)]
 pub struct StrongErrors<'a, const D: usize> {
     reference: Reference<'a, D>,
     series: Vec<Vec<usize>>,
-    /// For each series one entry a coarse time; the last is the final time.
+    /// For each series one entry per coarse time; the last is the final time.
     in_time: Vec<Vec<CrossMoments>>,
-    /// For each series and run of it, the squares at the end of the paths with clipped increments,
-    /// zero elsewhere.
+    /// For each run of each series, the squares at the final time on paths with clipped increments,
+    /// and zero on other paths.
     clipped: Vec<Vec<Moments>>,
     last_time: u64,
 }
 
-/// What errors are measured against.
+/// The reference solution y_ref of errors.
 #[derive(Clone, Copy)]
 pub enum Reference<'a, const D: usize> {
-    /// A run on the same noise.
+    /// A run of the same ladder.
     Run(usize),
-    /// The exact solution at the final time, as a function of what the ladder's
-    /// [`TimeChange`](crate::TimeChange) shows. Errors are then known at the final time only.
+    /// The exact solution at the final time, as a function of the random time of the ladder
+    /// ([`TimeChange`](crate::TimeChange)). Errors are then measured at the final time only.
     Exact(&'a (dyn Fn(f64) -> [f64; D] + Sync)),
 }
 
-impl<const D: usize> std::fmt::Debug for Reference<'_, D> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Run(run) => write!(f, "Run({run})"),
-            Self::Exact(_) => write!(f, "Exact"),
-        }
-    }
-}
-
 impl<'a, const D: usize> StrongErrors<'a, D> {
-    /// Errors against `reference`; `series[s]` lists the runs of series s.
+    /// Errors against `reference`. `series[s]` lists the runs of series s, and `coarse_steps` is
+    /// [`Ladder::coarse_steps`](crate::Ladder::coarse_steps).
     #[must_use]
     pub fn new(reference: Reference<'a, D>, series: &[Vec<usize>], coarse_steps: u64) -> Self {
         Self {
@@ -52,23 +45,23 @@ impl<'a, const D: usize> StrongErrors<'a, D> {
         }
     }
 
-    /// |y(T) − y_ref(T)|² of the runs of series s.
+    /// The moments of |y(T) − y_ref(T)|² for the runs of series s.
     #[must_use]
     pub fn at_end(&self, s: usize) -> &CrossMoments {
         let times = &self.in_time[s];
         &times[times.len() - 1]
     }
 
-    /// The share of the paths with clipped increments in the mean-square error of run r of series s
-    /// at the end.
+    /// The fraction of the mean-square error at T of run r of series s that is due to paths with
+    /// clipped increments.
     #[must_use]
     pub fn clipped_share(&self, s: usize, r: usize) -> f64 {
         let mean = self.at_end(s).mean(r);
         if mean > 0.0 { self.clipped[s][r].mean() / mean } else { 0.0 }
     }
 
-    /// The mean-square errors of the runs of series s at the coarse time where that of its first
-    /// run is largest: the supremum over the times that all step sizes share.
+    /// The moments for the runs of series s at the coarse time where the mean-square error of the
+    /// first run is largest.
     #[must_use]
     pub fn at_worst_time(&self, s: usize) -> &CrossMoments {
         let larger = |a: &&CrossMoments, b: &&CrossMoments| a.mean(0).total_cmp(&b.mean(0));

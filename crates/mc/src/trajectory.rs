@@ -1,4 +1,6 @@
-//! One path, kept.
+//! The states of one path.
+
+use std::collections::BTreeMap;
 
 use noise::{StreamKey, Truncation};
 use schemes::Scheme;
@@ -6,23 +8,23 @@ use systems::{Damping, PoissonSystem, Problem};
 
 use crate::{Ladder, LadderError, PathFailure, Run, Statistic, View};
 
-/// The states of one path at t_n = nτ, n = 0 … N; fewer when a step failed.
+/// The states y_n of one path at t_n = nτ, n = 0 … N. If a step fails, the states before it.
 #[derive(Clone, Debug)]
 pub struct Trajectory<const D: usize> {
-    /// Times.
+    /// The times t_n.
     pub times: Vec<f64>,
-    /// States.
+    /// The states y_n.
     pub states: Vec<[f64; D]>,
-    /// Why it ends early, if it does.
+    /// The failure, if a step failed.
     pub failure: Option<PathFailure>,
 }
 
-/// Follows path number `path` in `steps` steps to the final time of the problem.
-/// [`Simulation`](crate::Simulation) does so with observables, for many paths, and into files.
+/// Simulates path number `path` in `steps` steps to the final time of the problem.
+/// [`Simulation`](crate::Simulation) also computes observables and writes files.
 ///
 /// # Errors
-/// [`LadderError::Steps`] for zero steps, [`LadderError::Noise`] when the truncation is not defined
-/// at T/steps, or when the scheme reads Lévy areas and no number of terms is large enough for them.
+/// [`LadderError::Steps`] for zero steps. [`LadderError::Noise`] if the truncation is undefined at
+/// T/steps, or if the scheme reads Lévy areas and they need too many terms.
 pub fn trajectory<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
     scheme: &dyn Scheme<S, D, M>,
@@ -32,24 +34,38 @@ pub fn trajectory<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
     path: u64,
 ) -> Result<Trajectory<D>, LadderError> {
     let ladder = Ladder::new(problem, steps, 0, truncation, key, vec![Run::new(scheme, 0)])?;
-    let measured = ladder.run_from(path, 1, || States(Vec::new()), &|_| ());
+    let measured = ladder.run_from(path, 1, || PathRecords::new(&|_, y| Some(y)), &|_| ());
     let mut states = vec![problem.y0];
-    states.extend(measured.statistic.0);
+    states.extend(measured.statistic.of_path.into_values().flatten());
     let times = (0..states.len()).map(|n| n as f64 * ladder.tau(0)).collect();
     Ok(Trajectory { times, states, failure: measured.failures.into_iter().next() })
 }
 
-/// The states of the first path of a block.
-struct States<const D: usize>(Vec<[f64; D]>);
+/// The record of step n in the state y, or `None` if the step is not recorded.
+type RecordState<'a, T, const D: usize> = dyn Fn(u64, [f64; D]) -> Option<T> + Sync + 'a;
 
-impl<const D: usize> Statistic<D> for States<D> {
+/// The records of every path of the first run.
+pub(crate) struct PathRecords<'a, T, const D: usize> {
+    record: &'a RecordState<'a, T, D>,
+    pub(crate) of_path: BTreeMap<u64, Vec<T>>,
+}
+
+impl<'a, T, const D: usize> PathRecords<'a, T, D> {
+    pub(crate) fn new(record: &'a RecordState<'a, T, D>) -> Self {
+        Self { record, of_path: BTreeMap::new() }
+    }
+}
+
+impl<T: Send, const D: usize> Statistic<D> for PathRecords<'_, T, D> {
     fn observe(&mut self, view: &View<'_, D>) {
-        if view.live.contains(0) {
-            self.0.push(view.states[0].path(0));
+        for p in view.live.paths() {
+            if let Some(record) = (self.record)(view.time, view.states[0].path(p)) {
+                self.of_path.entry(view.first_path + p as u64).or_default().push(record);
+            }
         }
     }
 
     fn merge(&mut self, later: Self) {
-        self.0.extend(later.0);
+        self.of_path.extend(later.of_path);
     }
 }

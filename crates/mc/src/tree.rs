@@ -1,11 +1,10 @@
 //! Sums on a fixed binary tree.
 
-/// Merges parts in the order in which they are pushed, always two neighbouring parts of the same
-/// size, as carries run through a binary counter. The tree depends on the number of parts alone, so
-/// the bits of the result do not depend on who computed the parts or when; its depth, and with it
-/// the memory and the round-off, is logarithmic.
+/// Merges parts in the order in which they are pushed, always two adjacent parts of the same size,
+/// like carries in a binary counter. The tree depends on the number of parts alone, so the bits do
+/// not depend on the thread or time of computation. Depth, memory and round-off are logarithmic.
 pub(crate) struct MergeTree<T, F> {
-    /// Parts with the logarithm of the number of leaves under them, sizes strictly decreasing.
+    /// Parts with the binary logarithm of their number of leaves, strictly decreasing.
     parts: Vec<(u32, T)>,
     merge: F,
 }
@@ -24,7 +23,7 @@ impl<T, F: Fn(&mut T, T)> MergeTree<T, F> {
         self.parts.push(carry);
     }
 
-    /// The sum of everything pushed, or `None` if nothing was.
+    /// The sum of all parts, or `None` without parts.
     pub(crate) fn finish(mut self) -> Option<T> {
         let (_, mut sum) = self.parts.pop()?;
         while let Some((_, mut left)) = self.parts.pop() {

@@ -1,15 +1,10 @@
-//! Differences of expectations between neighbouring levels, with antithetic twins.
-//!
-//! E[φ(y_τ)] − E[φ(y_{τ/2})] is the mean of φ(coarse) − ½(φ(fine) + φ(swapped)), where the swapped
-//! path takes the two increments of every coarse step in the other order. The twin cancels the Lévy
-//! areas that the schemes leave out: the variance of the difference falls like τ² where that of
-//! φ(coarse) − φ(fine) falls like τ (Giles and Szpruch, *Ann. Appl. Probab.* 24, 2014).
+//! Differences of expectations between successive levels.
 
 use stats::CrossMoments;
 
 use crate::{Statistic, View};
 
-/// A test function φ.
+/// A test function φ with its name.
 #[derive(Clone, Copy, Debug)]
 pub struct Observable<const D: usize> {
     /// Its name in results, for example `y1` or `cos y3`.
@@ -18,25 +13,26 @@ pub struct Observable<const D: usize> {
     pub function: fn([f64; D]) -> f64,
 }
 
-/// The runs of one difference.
-#[derive(Clone, Copy, Debug)]
-struct Difference {
-    coarse: usize,
-    fine: usize,
-    swapped: usize,
-}
-
-/// Differences at the final time for several test functions, with covariances between the levels.
+/// Differences of expectations between successive levels at the final time, for several test
+/// functions φ, with covariances between the levels.
+///
+/// E[φ(y_τ)] − E[φ(y_{τ/2})] is the mean of φ(coarse) − ½(φ(fine) + φ(swapped)). The swapped run
+/// exchanges the two increments of every coarse step. This antithetic path cancels the Lévy areas
+/// that schemes of strong order ½ omit. The variance of the difference is of order τ², while that
+/// of φ(coarse) − φ(fine) is of order τ (Giles and Szpruch 2014, *Ann. Appl. Probab.* 24).
 #[derive(Clone, Debug)]
 pub struct WeakDifferences<const D: usize> {
     observables: Vec<Observable<D>>,
-    differences: Vec<Difference>,
+    /// The runs (coarse, fine, swapped) of each difference.
+    runs: Vec<(usize, usize, usize)>,
     last_time: u64,
     moments: Vec<CrossMoments>,
 }
 
 impl<const D: usize> WeakDifferences<D> {
-    /// `runs[l]` are the runs (coarse, fine, swapped) of difference number l.
+    /// Differences for the given test functions. `runs[l]` are the runs (coarse, fine, swapped) of
+    /// difference number l, and `coarse_steps` is
+    /// [`Ladder::coarse_steps`](crate::Ladder::coarse_steps).
     #[must_use]
     pub fn new(
         observables: &[Observable<D>],
@@ -45,18 +41,15 @@ impl<const D: usize> WeakDifferences<D> {
     ) -> Self {
         Self {
             observables: observables.to_vec(),
-            differences: runs
-                .iter()
-                .map(|&(coarse, fine, swapped)| Difference { coarse, fine, swapped })
-                .collect(),
+            runs: runs.to_vec(),
             last_time: coarse_steps,
             moments: vec![CrossMoments::new(runs.len()); observables.len()],
         }
     }
 
-    /// The differences of test function number f.
+    /// The moments of the differences for test function number f.
     #[must_use]
-    pub fn of(&self, f: usize) -> &CrossMoments {
+    pub fn moments(&self, f: usize) -> &CrossMoments {
         &self.moments[f]
     }
 }
@@ -66,12 +59,12 @@ impl<const D: usize> Statistic<D> for WeakDifferences<D> {
         if view.time != self.last_time {
             return;
         }
-        let mut differences = vec![0.0; self.differences.len()];
+        let mut differences = vec![0.0; self.runs.len()];
         for (observable, moments) in self.observables.iter().zip(&mut self.moments) {
             let phi = |run: usize, p: usize| (observable.function)(view.states[run].path(p));
             for p in view.live.paths() {
-                for (value, runs) in differences.iter_mut().zip(&self.differences) {
-                    *value = phi(runs.coarse, p) - 0.5 * (phi(runs.fine, p) + phi(runs.swapped, p));
+                for (value, &(coarse, fine, swapped)) in differences.iter_mut().zip(&self.runs) {
+                    *value = phi(coarse, p) - 0.5 * (phi(fine, p) + phi(swapped, p));
                 }
                 moments.add(&differences);
             }

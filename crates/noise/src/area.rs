@@ -1,14 +1,14 @@
-//! Lévy areas of a block of paths, their truncation, and Chen's relation up a dyadic ladder.
-//!
-//! A_ij = ½(J_ij − J_ji) with the iterated Stratonovich integrals J_ij = ∫₀ʰ∫₀ˢ ∘dW_i(r) ∘dW_j(s),
-//! so that J = ½WWᵀ + A. A is skew: only the entries i < j are kept.
+//! Lévy areas of a block of paths, their truncation, and Chen's relation on a dyadic ladder.
 
 use real::{Block, WIDTH};
 
 use crate::{DyadicLadder, NoiseError, Truncation};
 
-/// Lévy areas of 32 paths: A_ij of path p, for i < j, is `block.0[i][j][p]`; the other entries are
-/// zero.
+/// Lévy areas of 32 paths over one step h, in units of time.
+///
+/// A_ij = ½(J_ij − J_ji) with the iterated Stratonovich integrals J_ij = ∫₀ʰ∫₀ˢ ∘dW_i(r) ∘dW_j(s),
+/// hence J = ½WWᵀ + A. A is skew, so only i < j is stored: A_ij of path p is `block.0[i][j][p]`.
+/// All other entries are zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub struct AreaBlock<const M: usize>(pub [[[f64; WIDTH]; M]; M]);
@@ -21,7 +21,7 @@ impl<const M: usize> AreaBlock<M> {
         Self([[[0.0; WIDTH]; M]; M])
     }
 
-    /// The whole skew matrix A of path `p`.
+    /// The skew matrix A of path `p`.
     #[inline(always)]
     #[must_use]
     pub fn path(&self, p: usize) -> [[f64; M]; M] {
@@ -34,8 +34,7 @@ impl<const M: usize> AreaBlock<M> {
         area
     }
 
-    /// Replaces the areas of path `p` by those of a skew matrix, of which the entries i < j are
-    /// read.
+    /// Replaces the areas of path `p` by those of a skew matrix. Only its entries i < j are read.
     #[inline(always)]
     pub fn set_path(&mut self, p: usize, area: [[f64; M]; M]) {
         for i in 0..M {
@@ -45,7 +44,7 @@ impl<const M: usize> AreaBlock<M> {
         }
     }
 
-    /// Clips every area to ±`bound`; returns the areas and how many entries were clipped.
+    /// Clips every area to ±`bound`. Returns the clipped areas and the number of entries changed.
     #[inline]
     #[must_use]
     pub fn clipped(&self, bound: f64) -> (Self, u64) {
@@ -66,11 +65,11 @@ impl<const M: usize> AreaBlock<M> {
 }
 
 impl Truncation {
-    /// The largest |Â_ij| at step `tau`: (k/π) τ|log τ|, infinite for [`Truncation::none`]; 1/(2π)
-    /// of the square of [`Truncation::bound`].
+    /// The largest |Â_ij| at step `tau`: (k/π) τ|log τ|, which is 1/(2π) times the square of
+    /// [`Truncation::bound`]. Infinite for [`Truncation::none`].
     ///
-    /// A_ij has the density sech(πx/τ)/τ, so clipping it there costs E[(A − Â)²] ≤ (8/π³) τ^{2+k}:
-    /// with k ≥ 1 no more than the τ³ that a method of strong order one may lose in a step.
+    /// A_ij has the density sech(πx/τ)/τ, so E[(A − Â)²] ≤ (8/π³) τ^{2+k}. A method of strong order
+    /// one tolerates an error of order τ³ in a step, so k ≥ 1 suffices.
     ///
     /// # Errors
     /// [`NoiseError::StepOutsideUnitInterval`] unless 0 < τ < 1.
@@ -80,8 +79,7 @@ impl Truncation {
     }
 }
 
-/// Areas over every coarser step of a [`DyadicLadder`], joined by Chen's relation: over a step of
-/// two halves ′ and ″, A = A′ + A″ + ½(W′W″ᵀ − W″W′ᵀ).
+/// Lévy areas over every coarser step of a [`DyadicLadder`], by Chen's relation ([`join`]).
 #[derive(Clone, Debug)]
 pub struct AreaLadder<const M: usize> {
     first_half: Vec<AreaBlock<M>>,
@@ -89,7 +87,7 @@ pub struct AreaLadder<const M: usize> {
 }
 
 impl<const M: usize> AreaLadder<M> {
-    /// A ladder of `levels` levels above the finest, to go with a [`DyadicLadder`] of as many.
+    /// A ladder of `levels` levels above the finest, for a [`DyadicLadder`] with the same number.
     #[must_use]
     pub fn new(levels: usize) -> Self {
         Self {
@@ -98,8 +96,8 @@ impl<const M: usize> AreaLadder<M> {
         }
     }
 
-    /// Adds the areas of the finest step whose increment `sums` has just been given; `complete` is
-    /// what [`DyadicLadder::push`] returned.
+    /// Adds the areas of the next finest step. Push its increment to `sums` first and pass the
+    /// result of [`DyadicLadder::push`] as `complete`.
     pub fn push(&mut self, areas: &AreaBlock<M>, sums: &DyadicLadder<M>, complete: usize) {
         self.joined[0] = *areas;
         for level in 1..=complete {
@@ -112,21 +110,22 @@ impl<const M: usize> AreaLadder<M> {
         }
     }
 
-    /// The areas over the whole step of `level` that has just been completed.
+    /// The areas over the last complete step of `level`.
     #[must_use]
     pub fn areas(&self, level: usize) -> &AreaBlock<M> {
         &self.joined[level]
     }
 
-    /// The areas over the first half of the step of `level` ≥ 1 that has just been completed; those
-    /// of the second half are [`areas`](Self::areas) of the level below.
+    /// The areas over the first half of the last complete step of `level` ≥ 1. Those of the second
+    /// half are [`areas`](Self::areas) of the level below.
     #[must_use]
     pub fn first_half(&self, level: usize) -> &AreaBlock<M> {
         &self.first_half[level]
     }
 }
 
-/// Chen's relation for two consecutive pieces of a path, each given by its areas and its increment.
+/// Chen's relation (Chen 1957) for two consecutive steps with areas A′, A″ and increments W′, W″:
+/// the areas over both are A = A′ + A″ + ½(W′W″ᵀ − W″W′ᵀ).
 #[inline]
 #[must_use]
 pub fn join<const M: usize>(
@@ -150,9 +149,11 @@ pub fn join<const M: usize>(
 
 #[cfg(test)]
 mod tests {
+    use approx::assert_relative_eq;
+
     use super::*;
 
-    /// A path made of straight pieces; its areas are sums of triangles.
+    /// A piecewise linear path; its areas are sums of triangles.
     fn pieces() -> Vec<[f64; 3]> {
         (0..32)
             .map(|n| {
@@ -161,8 +162,8 @@ mod tests {
             .collect()
     }
 
-    /// ½ Σ (W_i ΔW_j − W_j ΔW_i) over straight pieces, integers and halves: exact in floating
-    /// point.
+    /// ½ Σ (W_i ΔW_j − W_j ΔW_i) over the pieces, exact in floating point: all terms are integers
+    /// or halves.
     fn area_of(pieces: &[[f64; 3]], i: usize, j: usize) -> f64 {
         let (mut at, mut area) = ([0.0; 3], 0.0);
         for piece in pieces {
@@ -239,7 +240,7 @@ mod tests {
         let tau: f64 = 1.0 / 512.0;
         let expected = 2.0 / std::f64::consts::PI * tau * tau.ln().abs();
         let bound = Truncation::new(2).unwrap().area_bound(tau).unwrap();
-        assert!((bound / expected - 1.0).abs() < 1e-15);
+        assert_relative_eq!(bound, expected, epsilon = 0.0, max_relative = 1e-15);
         assert!(Truncation::new(2).unwrap().area_bound(1.0).is_err());
         assert_eq!(Truncation::none().area_bound(0.5), Ok(f64::INFINITY));
     }

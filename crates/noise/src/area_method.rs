@@ -1,4 +1,4 @@
-//! Which approximation of the Lévy areas, with how many terms: errors and costs as formulas.
+//! Approximations of the Lévy areas, with their errors and costs as formulas.
 
 use std::f64::consts::PI;
 
@@ -6,18 +6,20 @@ use crate::NoiseError;
 
 /// An approximation of the Lévy areas over a step h, given the increment W = √h w.
 ///
-/// All four begin with n terms of the Fourier series of the Brownian bridge. In W(t) = Wt/h + Σ_r
-/// [a_r (cos(2πrt/h) − 1) + b_r sin(2πrt/h)] the coefficients of each noise are independent, a_r =
-/// √(h/2)/(πr) X_r and b_r = √(h/2)/(πr) Y_r with standard normals X, Y (the constants −a_r make
-/// W(0) = 0). Put into A_ij = ½∫(W_i dW_j − W_j dW_i), where ∫ t sin(2πrt/h) dt = −h²/(2πr) over a
-/// step and all else is orthogonal, this gives
+/// All four methods begin with n terms of the Fourier series of the Brownian bridge,
+///
+/// W(t) = Wt/h + Σ_r [a_r (cos(2πrt/h) − 1) + b_r sin(2πrt/h)].
+///
+/// For each noise, a_r = √(h/2)/(πr) X_r and b_r = √(h/2)/(πr) Y_r with independent standard
+/// normals X_r and Y_r. The constants −a_r make W(0) = 0. In A_ij = ½∫(W_i dW_j − W_j dW_i) one has
+/// ∫ t sin(2πrt/h) dt = −h²/(2πr) over a step, and all other products are orthogonal. This gives
 ///
 /// A_ij = (h/2π) Σ_{r≥1} (1/r)[X_r^i (Y_r^j − √2 w_j) − X_r^j (Y_r^i − √2 w_i)].
 ///
-/// They differ in what they put for the terms r > n. With a² = 2ψ₁(n+1) = 2Σ_{r>n} r⁻², ψ₁ the
-/// trigamma function, the sum of the terms with w is (h/2π)·a(w_iΨ_j − w_jΨ_i) *exactly*, with
-/// standard normals Ψ; and given X the rest is normal, with a covariance that tends to a² times the
-/// identity.
+/// The methods differ in the approximation of the tail r > n. Let a² = 2ψ₁(n+1) = 2Σ_{r>n} r⁻²,
+/// where ψ₁ is the trigamma function. The tail terms that contain w sum up to
+/// (h/2π)·a(w_iΨ_j − w_jΨ_i) *exactly*, with standard normals Ψ. The other tail terms are normal
+/// given X, with a covariance that tends to a² times the identity.
 ///
 /// ```
 /// use noise::{AreaMethod, strong_order_one_error};
@@ -31,58 +33,58 @@ use crate::NoiseError;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AreaMethod {
-    /// n terms and nothing else: the area of the path whose Fourier series is cut (Kloeden, Platen
-    /// and Wright 1992, without their correction). Error √3 h/(√2 π) n^{−1/2}.
+    /// n terms without a tail: the area of the truncated Fourier series (Kloeden, Platen and Wright
+    /// 1992, without their correction). Error √3 h/(√2 π) n^{−1/2}.
     Fourier,
-    /// Adds (h/2π) a (w_iΨ_j − w_jΨ_i), Ψ one normal for each noise: the terms with w are complete
-    /// (Milstein 1988; Kloeden, Platen and Wright 1992). Error h/(√2 π) n^{−1/2}.
+    /// Adds the exact tail of the terms with w, (h/2π) a (w_iΨ_j − w_jΨ_i), with one normal Ψ_i per
+    /// noise (Milstein 1988; Kloeden, Platen and Wright 1992). Error h/(√2 π) n^{−1/2}.
     Milstein,
-    /// Adds (h/2π){G + [(Gw)wᵀ − w(Gw)ᵀ]/(1 + √(1+|w|²))} to the n terms, G skew with entries a
-    /// g_ij, g one normal for each pair: a normal tail with the covariance of the whole rest given
-    /// w (Wiktorsson 2001). Error √(5m/12) h/(πn).
+    /// Adds a normal tail with the covariance of the whole tail given w (Wiktorsson 2001): (h/2π){G
+    /// + [(Gw)wᵀ − w(Gw)ᵀ]/(1 + √(1+|w|²))}. G is skew with entries a g_ij, one normal g_ij per
+    /// pair. Error √(5m/12) h/(πn).
     ///
-    /// The law of (W, A) is that of [`MrongowiusRoessler`](Self::MrongowiusRoessler) with as many
-    /// terms: both tails are normal given w, with the covariance (h/2π)²a²(1 + L), L the linear map
-    /// G ↦ (Gw)wᵀ − w(Gw)ᵀ. Only the published bound is larger, by √5; [`cheapest`](Self::cheapest)
-    /// goes by the bounds.
+    /// The law of (W, A) equals that of [`MrongowiusRoessler`](Self::MrongowiusRoessler) with the
+    /// same n: both tails are normal given w, with covariance (h/2π)²a²(1 + L) for the linear map
+    /// L: G ↦ (Gw)wᵀ − w(Gw)ᵀ. Only the published bound is larger, by √5, and
+    /// [`cheapest`](Self::cheapest) compares bounds.
     Wiktorsson,
-    /// The tail of [`Milstein`](Self::Milstein), and (h/2π) a g_ij for each i < j in place of the
-    /// terms without w (Mrongowius and Rößler 2022, *On the approximation and simulation of
-    /// iterated stochastic integrals*; compared with the others by Kastner and Rößler 2023). Error
-    /// √(m/12) h/(πn).
+    /// Adds the tail of [`Milstein`](Self::Milstein), and (h/2π) a g_ij for each i < j as the tail
+    /// of the terms without w (Mrongowius and Rößler 2022, *On the approximation and simulation of
+    /// iterated stochastic integrals*; comparison by Kastner and Rößler 2023). Error √(m/12)
+    /// h/(πn).
     MrongowiusRoessler,
 }
 
-/// The root-mean-square error of every area, h^{3/2}, with which a method of strong order one keeps
-/// its order: errors of N = T/h steps are independent and add up in mean square to √N h^{3/2} = √T
-/// h.
+/// The root-mean-square error h^{3/2} of each area that a method of strong order one tolerates. The
+/// errors of the N = T/h steps are independent, so their sum has the size √N h^{3/2} = √T h.
 #[must_use]
 pub fn strong_order_one_error(step: f64) -> f64 {
     step * step.sqrt()
 }
 
 impl AreaMethod {
-    /// All of them, the oldest first.
+    /// All methods, the oldest first.
     pub const ALL: [Self; 4] =
         [Self::Fourier, Self::Milstein, Self::Wiktorsson, Self::MrongowiusRoessler];
 
-    /// The largest number of terms that [`terms_for`](Self::terms_for) will ask for.
+    /// The largest result of [`terms_for`](Self::terms_for).
     pub const MAX_TERMS: usize = 1 << 24;
 
-    /// A bound of E[(A_ij − Â_ij)²]^{1/2}, the same for every pair i ≠ j of the m = `noises`: the
-    /// norm is L² over all outcomes, W included, of *one entry*; the Frobenius norm of the whole
-    /// skew matrix is √(m(m−1)) times as large.
+    /// A bound of E[(A_ij − Â_ij)²]^{1/2}, the same for every pair i ≠ j of the m = `noises`. The
+    /// expectation includes W. The error in the Frobenius norm of the matrix is √(m(m−1)) times
+    /// that of one entry.
     ///
-    /// For the first two the error is that against the same series with all terms, exactly
-    /// [`Fourier`](Self::Fourier)'s and [`Milstein`](Self::Milstein)'s constant times √ψ₁(n+1) <
-    /// n^{−1/2}. For the other two it is that of a coupling with the exact areas: the tail is
-    /// S^{1/2}g with g normal and independent of its random covariance S, and a g is put for it.
-    /// The published constant comes from ‖S^{1/2} − a‖ ≤ ‖S − a²‖/a; since S^{1/2} − a ≈ (S −
-    /// a²)/2a, the error of [`MrongowiusRoessler`](Self::MrongowiusRoessler) tends to *half* this
-    /// bound as n → ∞, and is below half of it wherever the tests compute it; the bound is kept
-    /// because it is the one that is proven for all n.
+    /// For [`Fourier`](Self::Fourier) and [`Milstein`](Self::Milstein) it bounds the difference
+    /// from the full series, which is exactly their constant times √ψ₁(n+1) < n^{−1/2}.
     ///
-    /// Infinite without terms, zero for less than two noises, which have no areas.
+    /// For the other two methods it bounds the error of a coupling with the exact areas. The exact
+    /// tail is S^{1/2}g, where g is normal and independent of the random covariance S; the method
+    /// uses a g. The published constant follows from ‖S^{1/2} − a‖ ≤ ‖S − a²‖/a. Since S^{1/2} − a
+    /// ≈ (S − a²)/2a, the error of [`MrongowiusRoessler`](Self::MrongowiusRoessler) tends to *half*
+    /// this bound as n → ∞, and it is below half of the bound wherever the tests compute it. The
+    /// published bound is proven for all n.
+    ///
+    /// Infinite for n = 0. Zero for fewer than two noises, which have no areas.
     #[must_use]
     pub fn rms_error(self, step: f64, terms: usize, noises: usize) -> f64 {
         if noises < 2 {
@@ -98,12 +100,12 @@ impl AreaMethod {
         step / PI * square.sqrt()
     }
 
-    /// The least number of terms whose [`rms_error`](Self::rms_error) is at most `error`; zero for
-    /// less than two noises.
+    /// The smallest number of terms whose [`rms_error`](Self::rms_error) is at most `error`; zero
+    /// for fewer than two noises.
     ///
     /// # Errors
-    /// [`NoiseError::AreaErrorNotPositive`] and [`NoiseError::StepNotPositive`] for values that are
-    /// not positive and finite, [`NoiseError::TooManyTerms`] beyond [`MAX_TERMS`](Self::MAX_TERMS).
+    /// [`NoiseError::AreaErrorNotPositive`] or [`NoiseError::StepNotPositive`] if a value is not
+    /// positive and finite. [`NoiseError::TooManyTerms`] beyond [`MAX_TERMS`](Self::MAX_TERMS).
     pub fn terms_for(self, error: f64, step: f64, noises: usize) -> Result<usize, NoiseError> {
         if !(error > 0.0 && error.is_finite()) {
             return Err(NoiseError::AreaErrorNotPositive { error });
@@ -133,14 +135,14 @@ impl AreaMethod {
         Ok(terms)
     }
 
-    /// What the areas of one step of one path cost, in normals: 2mn for the series, and those of
-    /// the tail.
+    /// The cost of the areas of one step of one path in normal variables: 2mn for the series plus
+    /// those of the tail.
     #[must_use]
     pub fn normals(self, terms: usize, noises: usize) -> usize {
         if noises < 2 { 0 } else { 2 * noises * terms + self.tail_normals(noises) }
     }
 
-    /// The normals of the tail: one for each noise, for each pair, or both.
+    /// The number of normals of the tail: one per noise, per pair, or both.
     #[inline(always)]
     pub(crate) fn tail_normals(self, noises: usize) -> usize {
         let pairs = noises * noises.saturating_sub(1) / 2;
@@ -152,10 +154,11 @@ impl AreaMethod {
         }
     }
 
-    /// The method that reaches `error` with the fewest normals, and its number of terms.
+    /// The method that reaches the root-mean-square error `error` with the fewest normals, and its
+    /// number of terms.
     ///
     /// # Errors
-    /// Those of [`terms_for`](Self::terms_for), if no method reaches it.
+    /// Those of [`terms_for`](Self::terms_for), if no method reaches the error.
     pub fn cheapest(error: f64, step: f64, noises: usize) -> Result<(Self, usize), NoiseError> {
         let reach =
             |method: Self| method.terms_for(error, step, noises).map(|terms| (method, terms));
@@ -166,7 +169,7 @@ impl AreaMethod {
         }
     }
 
-    /// a = √(2ψ₁(n+1)), the amplitude of the normals that stand for the terms after n.
+    /// a = √(2ψ₁(n+1)), the amplitude of the normals in the tail.
     pub(crate) fn tail_amplitude(terms: usize) -> f64 {
         (2.0 * trigamma_after(terms)).sqrt()
     }
@@ -174,8 +177,8 @@ impl AreaMethod {
 
 /// ψ₁(n+1) = Σ_{r>n} r⁻² = π²/6 − Σ_{r≤n} r⁻², without the cancellation of that difference.
 ///
-/// From x = 21 on the asymptotic series ψ₁(x) = 1/x + 1/(2x²) + Σ B_{2k}/x^{2k+1}, whose first
-/// omitted term B₁₂/x¹³ is below 4e-17 of the value; before, the missing terms are added to ψ₁(21).
+/// For x ≥ 21 by the asymptotic series ψ₁(x) = 1/x + 1/(2x²) + Σ B_{2k}/x^{2k+1}. Its first omitted
+/// term B₁₂/x¹³ is below 4e-17 of the value. For smaller x, terms r⁻² are added to ψ₁(21).
 pub(crate) fn trigamma_after(n: usize) -> f64 {
     const SERIES_FROM: usize = 20;
     let start = n.max(SERIES_FROM);
@@ -203,7 +206,7 @@ mod tests {
             let error = trigamma_after(n) / value - 1.0;
             assert!(error.abs() < 3.0 * f64::EPSILON, "{n}: {error:e}");
         }
-        // The recurrence ψ₁(n+1) = ψ₁(n) − 1/n², across the place where the series takes over.
+        // The recurrence ψ₁(n+1) = ψ₁(n) − 1/n², below and above x = 21.
         for n in 1..200 {
             let step = trigamma_after(n - 1) - trigamma_after(n) - 1.0 / (n * n) as f64;
             assert!(step.abs() < 4.0 * f64::EPSILON * trigamma_after(n - 1), "{n}: {step:e}");
@@ -250,7 +253,7 @@ mod tests {
         for method in AreaMethod::ALL {
             for m in [2, 3, 7] {
                 for terms in [1, 2, 3, 10, 49, 1000, 12_345] {
-                    // Exactly reachable, and just not.
+                    // An error that is reached exactly, and one just below it.
                     let error = method.rms_error(0.3, terms, m);
                     assert_eq!(method.terms_for(error, 0.3, m), Ok(terms), "{method:?}");
                     assert_eq!(
@@ -259,7 +262,7 @@ mod tests {
                         "{method:?}"
                     );
                 }
-                // Where the quotient may round to either side of the integer.
+                // The quotient may round to either side of the integer.
                 for terms in 1..500 {
                     let error = method.rms_error(0.3, terms, m);
                     assert_eq!(method.terms_for(error.next_up(), 0.3, m), Ok(terms), "{method:?}");
@@ -277,7 +280,7 @@ mod tests {
     fn the_cheapest_changes_with_the_step() {
         let cheapest = |step| AreaMethod::cheapest(strong_order_one_error(step), step, 3).unwrap();
         assert_eq!(cheapest(2f64.powi(-12)), (AreaMethod::MrongowiusRoessler, 11));
-        // A quarter of a step of size one may be off by an eighth: one term is enough, and no tail.
+        // At h = 1/4 an error of 1/8 is allowed: one term is enough, without a tail.
         assert_eq!(cheapest(0.25), (AreaMethod::Fourier, 1));
         for exponent in 0..40 {
             let step = 2f64.powf(-0.5 * f64::from(exponent));

@@ -1,7 +1,5 @@
-//! Lévy areas given the increments, for a block of paths and for one.
-//!
-//! Both run the same functions, written for any number of paths at a time, so that path p of a
-//! block and path p alone are the same bits.
+//! Samplers of Lévy areas given the increments, for a block of paths and for one path. Both call
+//! the same functions, so they give the same bits.
 
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -12,30 +10,57 @@ use crate::stream::BlockStreams;
 use crate::wiener::fill_pair;
 use crate::{AreaBlock, StreamKey};
 
-/// Areas draw from a family of streams of their own, which differs in this bit of the experiment: a
-/// Wiener increment is the same whether areas are drawn or not.
+/// The bit of the experiment number that separates the streams of areas from those of increments.
+/// Increments are therefore the same whether areas are drawn or not.
 pub const AREA_STREAM: u64 = 1 << 62;
 
 impl StreamKey {
-    /// The family of streams that the areas of this key are drawn from: [`AREA_STREAM`] flipped.
+    /// The key of the area streams: [`AREA_STREAM`] flipped.
     pub(crate) fn of_areas(self) -> Self {
         Self { experiment: self.experiment ^ AREA_STREAM, ..self }
     }
 }
 
-/// Lévy areas of M Wiener processes on each of 32 consecutive paths, given their increments.
+/// Sampler of the Lévy areas of M Wiener processes on 32 consecutive paths, given the increments.
 ///
-/// A path consumes its normals term by term, noise by noise, X before Y, each pair one of
-/// Box–Muller; then those of the tail, Ψ before g and g_12, g_13, …, g_23, …. With an odd number of
-/// them the last one of the step is dropped, so that nothing but the state of the streams is
-/// carried from step to step. Steps may differ in size.
+/// A path consumes its normals term by term and noise by noise, each (X, Y) one Box–Muller pair.
+/// The normals of the tail follow: first Ψ, then g_12, g_13, …, g_23, …. If their number is odd,
+/// the second normal of the last pair is dropped, so the streams are the only state between steps.
+/// Steps may differ in size.
+///
+/// A method of strong order one needs areas with an error of at most h^{3/2} in each step:
+///
+/// ```
+/// use noise::{AreaBlock, AreaMethod, AreaPath, AreaSampler, StreamKey, WienerBlock};
+/// use noise::{stratonovich, strong_order_one_error};
+/// use real::Block;
+///
+/// let key = StreamKey { seed: 1, experiment: 7 };
+/// let tau: f64 = 1.0 / 4096.0;
+/// let (method, terms) = AreaMethod::cheapest(strong_order_one_error(tau), tau, 3)?;
+/// assert_eq!((method, terms), (AreaMethod::MrongowiusRoessler, 11));
+///
+/// let mut noise = WienerBlock::<3>::new(key, 0);
+/// let mut sampler = AreaSampler::<3>::new(key, 0, method, terms);
+/// let (mut dw, mut areas) = (Block::zero(), AreaBlock::zero());
+/// noise.increments(tau.sqrt(), &mut dw);
+/// sampler.areas(tau, &dw, &mut areas);
+///
+/// // Path 17 alone has the same areas; J_ij + J_ji = W_i W_j.
+/// let mut path = AreaPath::<3>::new(key, 17, method, terms);
+/// let (w, a) = (dw.path(17), path.areas(tau, dw.path(17)));
+/// assert_eq!(a, areas.path(17));
+/// let j = stratonovich(w, a);
+/// assert!((j[0][2] + j[2][0] - w[0] * w[2]).abs() < 1e-18);
+/// # Ok::<(), noise::NoiseError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct AreaSampler<const M: usize> {
     streams: BlockStreams,
     series: Series,
 }
 
-/// What is computed once: the method, n, and the amplitude of its tail.
+/// The method, n, and the amplitude of its tail.
 #[derive(Clone, Copy, Debug)]
 struct Series {
     method: AreaMethod,
@@ -50,8 +75,8 @@ impl Series {
 }
 
 impl<const M: usize> AreaSampler<M> {
-    /// The areas of paths `first_path` .. `first_path + 32`, by `method` with `terms` terms of the
-    /// series; [`AreaMethod::cheapest`] says which.
+    /// The sampler of paths `first_path` .. `first_path + 32`, by `method` with `terms` terms of
+    /// the series. [`AreaMethod::cheapest`] chooses both.
     #[must_use]
     pub fn new(key: StreamKey, first_path: u64, method: AreaMethod, terms: usize) -> Self {
         Self {
@@ -60,9 +85,9 @@ impl<const M: usize> AreaSampler<M> {
         }
     }
 
-    /// The areas over the next step, of size `step` > 0, whose *untruncated* increments are `dw`.
+    /// The areas over the next step of size `step` > 0, given its *untruncated* increments `dw`.
     ///
-    /// With less than two noises nothing is drawn.
+    /// With fewer than two noises the areas are zero and nothing is drawn.
     #[inline]
     pub fn areas(&mut self, step: f64, dw: &Block<M>, areas: &mut AreaBlock<M>) {
         *areas = AreaBlock::zero();
@@ -73,7 +98,7 @@ impl<const M: usize> AreaSampler<M> {
     }
 }
 
-/// Lévy areas on one path: the same bits as that path of an [`AreaSampler`].
+/// Sampler of the Lévy areas of one path, with the same bits as that path of an [`AreaSampler`].
 #[derive(Clone, Debug)]
 pub struct AreaPath<const M: usize> {
     words: [[u64; 1]; 4],
@@ -81,7 +106,7 @@ pub struct AreaPath<const M: usize> {
 }
 
 impl<const M: usize> AreaPath<M> {
-    /// The areas of path `path`, by `method` with `terms` terms of the series.
+    /// The sampler of path `path`, by `method` with `terms` terms of the series.
     #[must_use]
     pub fn new(key: StreamKey, path: u64, method: AreaMethod, terms: usize) -> Self {
         Self {
@@ -90,8 +115,8 @@ impl<const M: usize> AreaPath<M> {
         }
     }
 
-    /// The skew matrix of the areas over the next step, of size `step` > 0, whose *untruncated*
-    /// increment is `dw`.
+    /// The skew matrix of areas over the next step of size `step` > 0, given its *untruncated*
+    /// increment `dw`.
     pub fn areas(&mut self, step: f64, dw: [f64; M]) -> [[f64; M]; M] {
         let mut upper = [[[0.0]; M]; M];
         if M > 1 {
@@ -114,7 +139,7 @@ impl<const M: usize> AreaPath<M> {
     }
 }
 
-/// Adds the areas of a step of L paths to `areas`, which are zero.
+/// Adds the areas of one step of L paths to `areas`, which must be zero.
 struct Draw<'a, const M: usize, const L: usize> {
     words: &'a mut [[u64; L]; 4],
     series: Series,
@@ -200,12 +225,12 @@ fn add_wedges<const M: usize, const L: usize>(
     }
 }
 
-/// The normals of a tail, numbered row by row; M² places are enough for M(M+1)/2 normals and the
-/// one to be dropped.
+/// The normals of a tail, numbered row by row. M² places suffice for M(M+1)/2 normals and the one
+/// that is dropped.
 #[repr(align(64))]
 struct Tail<const M: usize, const L: usize>([[[f64; L]; M]; M]);
 
-/// Draws `count` normals for each path, none for no tail, multiplied by `amplitude`.
+/// Draws `count` normals for each path and multiplies them by `amplitude`.
 #[inline(always)]
 fn draw_tail<const M: usize, const L: usize>(
     words: &mut [[u64; L]; 4],
@@ -221,7 +246,7 @@ fn draw_tail<const M: usize, const L: usize>(
     tail
 }
 
-/// A_ij += a(w_iΨ_j − w_jΨ_i), aΨ in the first M places of the tail.
+/// A_ij += a(w_iΨ_j − w_jΨ_i); aΨ is in the first M places of the tail.
 #[inline(always)]
 fn add_noise_tail<const M: usize, const L: usize>(
     areas: &mut [[[f64; L]; M]; M],
@@ -237,7 +262,7 @@ fn add_noise_tail<const M: usize, const L: usize>(
     }
 }
 
-/// A_ij += a g_ij, which are in the places of the tail from number `first` on.
+/// A_ij += a g_ij; the a g_ij begin at place `first` of the tail.
 #[inline(always)]
 fn add_pairs<const M: usize, const L: usize>(
     areas: &mut [[[f64; L]; M]; M],
@@ -256,7 +281,7 @@ fn add_pairs<const M: usize, const L: usize>(
     }
 }
 
-/// A += [(Gw)wᵀ − w(Gw)ᵀ]/(1 + √(1+|w|²)), the entries i < j of the skew G in the first places of
+/// A += [(Gw)wᵀ − w(Gw)ᵀ]/(1 + √(1+|w|²)); the entries i < j of the skew G are the first places of
 /// the tail.
 #[inline(always)]
 fn add_given_w<const M: usize, const L: usize>(

@@ -1,32 +1,32 @@
-//! What can be wrong with a request for noise.
+//! Errors of this crate.
 
 use std::fmt;
 
-/// What can be wrong with a request for noise.
+/// An invalid argument for truncated increments or Lévy areas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum NoiseError {
-    /// Truncated increments were asked for at a step where √(2k|log τ|) means nothing.
+    /// The step of truncated increments is not in (0, 1).
     StepOutsideUnitInterval {
-        /// The step that was given.
+        /// The given step.
         tau: f64,
     },
-    /// The truncation order k was zero, which would clip every increment to zero.
+    /// The truncation order is k = 0, which would clip every increment to zero.
     TruncationOrderZero,
-    /// Areas were asked for with an error that is not positive and finite.
+    /// The requested error of the areas is not positive and finite.
     AreaErrorNotPositive {
-        /// The error that was given.
+        /// The given error.
         error: f64,
     },
-    /// Areas were asked for over a step that is not positive and finite.
+    /// The step of the areas is not positive and finite.
     StepNotPositive {
-        /// The step that was given.
+        /// The given step.
         step: f64,
     },
-    /// The error that was asked for needs more terms than
+    /// The requested error needs more terms than
     /// [`AreaMethod::MAX_TERMS`](crate::AreaMethod::MAX_TERMS).
     TooManyTerms {
-        /// The number of terms that it needs, before rounding up.
+        /// The required number of terms, before rounding up.
         terms: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! The Lévy area of two noises, to within the distance of a small jump sum from a normal.
+//! Almost exact sampling of the Lévy area of two noises.
 
 use std::f64::consts::TAU;
 
@@ -9,23 +9,24 @@ use crate::area_method::trigamma_after;
 use crate::stream::next_word;
 use crate::wiener::{box_muller, open_unit};
 
-/// Lévy areas of two Wiener processes on one path, given their increment (Malham and Wiese 2014,
-/// *Efficient almost-exact Lévy area sampling*).
+/// Almost exact sampler of the Lévy area of two Wiener processes on one path, given their increment
+/// (Malham and Wiese 2014, *Efficient almost-exact Lévy area sampling*).
 ///
 /// With x = λh/2, the characteristic function of A_12 given W is (Lévy 1951)
 ///
 /// E[e^{iλA} | W] = (x/sinh x)·exp(−(|W|²/2h)(x coth x − 1)).
 ///
-/// The first factor is that of (h/2π) times a standard logistic variable. In the second one x coth
-/// x − 1 = 2Σ_{k≥1} x²/(π²k² + x²) = 2Σ_k (1 − φ_k), where φ_k = 1/(1 + λ²b_k²) with b_k = h/(2πk)
-/// belongs to the Laplace distribution of scale b_k: given W it is a sum of Laplace variables,
-/// Poisson(|W|²/h) many of each scale b_k. Those of k > p = [`JUMP_SCALES`](Self::JUMP_SCALES) are
-/// replaced by one normal variable of the same variance 2b_1²(|W|²/h)ψ₁(p+1).
+/// The first factor belongs to (h/2π) times a standard logistic variable. In the second factor,
+/// x coth x − 1 = 2Σ_{k≥1} x²/(π²k² + x²) = 2Σ_k (1 − φ_k). Here φ_k = 1/(1 + λ²b_k²) is the
+/// characteristic function of a Laplace variable of scale b_k = h/(2πk). So the second factor
+/// belongs to a sum of Laplace variables, Poisson(|W|²/h) many of each scale b_k. The scales k > p
+/// = [`JUMP_SCALES`](Self::JUMP_SCALES) are replaced by one normal variable with their variance
+/// 2b_1²(|W|²/h)ψ₁(p+1).
 ///
-/// The replacement changes the exponent by at most (|W|²/h)Σ_{k>p}(λb_k)⁴ ≤ (|W|²/h)x⁴/(3π⁴p³), so
-/// the distribution functions given W differ by at most (|W|²/h)/(3π⁵p³)·∫₀^∞ x⁴/sinh x dx < 0.0526
-/// (|W|²/h)/p³ everywhere: 3.3e-6 on average over W. Variance and skewness are exact, the fourth
-/// cumulant is short of 8(h/2π)⁴(|W|²/h)/p³ at most.
+/// The replacement changes the exponent by at most (|W|²/h)Σ_{k>p}(λb_k)⁴ ≤ (|W|²/h)x⁴/(3π⁴p³). The
+/// distribution functions given W differ by at most (|W|²/h)/(3π⁵p³)·∫₀^∞ x⁴/sinh x dx < 0.0526
+/// (|W|²/h)/p³, which is 3.3e-6 on average over W. Variance and skewness are exact. The fourth
+/// cumulant is too small by at most 8(h/2π)⁴(|W|²/h)/p³.
 #[derive(Clone, Debug)]
 pub struct ExactArea {
     state: [u64; 4],
@@ -33,21 +34,21 @@ pub struct ExactArea {
 }
 
 impl ExactArea {
-    /// How many scales of jumps are drawn one by one.
+    /// p, the number of scales whose jumps are drawn one by one.
     pub const JUMP_SCALES: u32 = 32;
 
-    /// The areas of path `path`, from the same stream as those of an [`AreaPath`](crate::AreaPath):
-    /// use one of them.
+    /// The sampler of path `path`. It uses the same stream as [`AreaPath`](crate::AreaPath), so use
+    /// only one of them.
     #[must_use]
     pub fn new(key: StreamKey, path: u64) -> Self {
         let tail_amplitude = (2.0 * trigamma_after(Self::JUMP_SCALES as usize)).sqrt();
         Self { state: key.of_areas().state(path), tail_amplitude }
     }
 
-    /// A_12 over the next step, of size `step` > 0, whose *untruncated* increment is `dw`.
+    /// A_12 over the next step of size `step` > 0, given its *untruncated* increment `dw`.
     ///
-    /// Takes 35 words of the stream and one for each jump: 64 on average over W, and never more
-    /// than p times the cut of the Poisson variables.
+    /// Uses 35 words of the stream and one per jump. There are 64 jumps on average over W, and at
+    /// most p times the largest value of the truncated Poisson variables.
     pub fn area(&mut self, step: f64, dw: [f64; 2]) -> f64 {
         let rate = (dw[0] * dw[0] + dw[1] * dw[1]) / step;
         let u = open_unit(next_word(&mut self.state));
@@ -68,19 +69,19 @@ impl ExactArea {
     }
 }
 
-/// A Laplace variable of scale one: an exponential one from the high 52 bits, its sign from the
-/// lowest.
+/// A Laplace variable of scale one: an exponential variable from the high 52 bits, with a sign from
+/// the lowest bit.
 fn laplace(word: u64) -> f64 {
     let exponential = elementary::ln_unit(open_unit(word));
     if word & 1 == 0 { exponential } else { -exponential }
 }
 
-/// A Poisson variable by inversion: the least n with `u` < P(N ≤ n), where `none` = e^{−mean} = P(N
-/// = 0).
+/// A Poisson variable by inversion: the smallest n with `u` < P(N ≤ n), where `none` = e^{−mean} =
+/// P(N = 0).
 ///
-/// |W|²/h is at most 4·53·ln 2 < 147, so `none` does not underflow. Rounding could keep the sum of the probabilities
-/// below `u` for ever, hence the cut: by Bernstein's inequality P(N ≥ mean + x) ≤ exp(−x²/(2mean +
-/// 2x/3)), less than 2⁻⁶⁰ for x = 28 + √(84 mean).
+/// |W|²/h is at most 4·53·ln 2 < 147, so `none` does not underflow. Rounding could keep the sum of
+/// the probabilities below `u`, so n is bounded. By Bernstein's inequality P(N ≥ mean + x) ≤
+/// exp(−x²/(2mean + 2x/3)), which is below 2⁻⁶⁰ for x = 28 + √(84 mean).
 fn poisson(u: f64, mean: f64, none: f64) -> u32 {
     let most = mean + 28.0 + (84.0 * mean).sqrt();
     let (mut probability, mut rest, mut n) = (none, u - none, 0.0);

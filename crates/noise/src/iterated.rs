@@ -1,9 +1,9 @@
-//! The iterated integrals of one path, from its increment and its areas.
+//! Iterated integrals of one path from its increment and its Lévy areas.
 
-/// The Stratonovich integrals J_ij = ∫₀ʰ∫₀ˢ ∘dW_i(r) ∘dW_j(s), i the inner index: J = ½WWᵀ + A.
+/// The iterated Stratonovich integrals J_ij = ∫₀ʰ∫₀ˢ ∘dW_i(r) ∘dW_j(s): J = ½WWᵀ + A.
 ///
 /// ```
-/// // One noise leads, the other follows: dW₁ comes first, so J₁₂ is large and J₂₁ is not.
+/// // W₁ moves before W₂, so J₁₂ is large and J₂₁ is zero.
 /// let j = noise::stratonovich([1.0, 1.0], [[0.0, 0.5], [-0.5, 0.0]]);
 /// assert_eq!(j, [[0.5, 1.0], [0.0, 0.5]]);
 /// ```
@@ -19,7 +19,7 @@ pub fn stratonovich<const M: usize>(dw: [f64; M], areas: [[f64; M]; M]) -> [[f64
     integrals
 }
 
-/// The Itô integrals I_ij = ∫₀ʰ∫₀ˢ dW_i(r) dW_j(s) over a step h, i the inner index: I = J − ½h·Id.
+/// The iterated Itô integrals I_ij = ∫₀ʰ∫₀ˢ dW_i(r) dW_j(s) over a step h: I = J − ½h·Id.
 #[inline(always)]
 #[must_use]
 pub fn ito<const M: usize>(dw: [f64; M], areas: [[f64; M]; M], step: f64) -> [[f64; M]; M] {

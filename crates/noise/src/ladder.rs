@@ -1,10 +1,13 @@
-//! Sums of fine increments over every coarser step of a dyadic ladder.
+//! Sums of fine increments over the coarser steps of a dyadic ladder.
 
 use real::{Block, WIDTH};
 
-/// Level ℓ has steps of 2^ℓ finest steps. Fine increments are pushed one at a time; a level is
-/// complete when its step ends, and then holds the *untruncated* sum W(t + 2^ℓτ) − W(t) and the sum
-/// over the first half of the step. Memory: two blocks a level, nothing per step.
+/// Sums of fine increments over every coarser step of a dyadic ladder. A step of level ℓ consists
+/// of 2^ℓ finest steps.
+///
+/// Increments of the finest steps are pushed one at a time. When a step of a level is complete, the
+/// level holds the *untruncated* sum W(t + 2^ℓτ) − W(t) and the sum over the first half of the
+/// step. Memory: two blocks per level, independent of the number of steps.
 #[derive(Clone, Debug)]
 pub struct DyadicLadder<const M: usize> {
     first_half: Vec<Block<M>>,
@@ -23,8 +26,8 @@ impl<const M: usize> DyadicLadder<M> {
         }
     }
 
-    /// Adds the next finest increment; returns the highest level whose step is now complete. All
-    /// levels below it are complete, too.
+    /// Adds the next finest increment. Returns the highest level whose step is now complete; all
+    /// lower levels are complete as well.
     pub fn push(&mut self, dw: &Block<M>) -> usize {
         self.sum[0] = *dw;
         self.pushed += 1;
@@ -44,14 +47,14 @@ impl<const M: usize> DyadicLadder<M> {
         top
     }
 
-    /// The increment over the whole step of `level` that has just been completed.
+    /// The increment over the last complete step of `level`.
     #[must_use]
     pub fn increment(&self, level: usize) -> &Block<M> {
         &self.sum[level]
     }
 
-    /// The increment over the first half of the step of `level` ≥ 1 that has just been completed;
-    /// the second half is [`increment`](Self::increment) of the level below.
+    /// The increment over the first half of the last complete step of `level` ≥ 1. That of the
+    /// second half is [`increment`](Self::increment) of the level below.
     #[must_use]
     pub fn first_half(&self, level: usize) -> &Block<M> {
         &self.first_half[level]
@@ -65,7 +68,7 @@ mod tests {
     #[test]
     fn every_level_holds_the_sum_of_its_step() {
         let mut ladder = DyadicLadder::<1>::new(3);
-        // Increment number n is n + 1, so sums are differences of triangular numbers: exact in
+        // Increment number n is n + 1. Sums are differences of triangular numbers, exact in
         // floating point.
         let triangular = |n: u64| (n * (n + 1) / 2) as f64;
         for n in 0..32u64 {

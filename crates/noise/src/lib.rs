@@ -1,10 +1,11 @@
-//! **Wiener increments that are the same bits in any block, on any thread, on any machine.**
+//! **Wiener increments and Lévy areas that are reproducible to the bit, in any block, on any thread
+//! and on any machine.**
 //!
-//! Every path has its own xoshiro256++ stream, keyed by (seed, experiment, path). A [`WienerBlock`]
-//! advances the streams of 32 paths together and turns them into normals by Box–Muller;
-//! [`WienerPath`] replays one path alone. [`Truncation`] clips increments as implicit schemes need,
-//! and [`DyadicLadder`] sums fine increments up to every coarser step of a convergence study, drawn
-//! once and stored nowhere.
+//! Every path has its own xoshiro256++ stream with the key (seed, experiment, path). A
+//! [`WienerBlock`] draws normals for 32 paths at once by Box–Muller, and a [`WienerPath`] draws
+//! those of one path alone. [`Truncation`] clips increments as implicit schemes require. A
+//! [`DyadicLadder`] sums the increments of the finest steps over the coarser steps of a convergence
+//! study, so that noise is drawn once and not stored.
 //!
 //! ```
 //! use noise::{StreamKey, Truncation, WienerBlock, WienerPath};
@@ -26,45 +27,18 @@
 //! # Ok::<(), noise::NoiseError>(())
 //! ```
 //!
-//! | item | job |
+//! | item | purpose |
 //! |---|---|
-//! | [`StreamKey`] | which stream a path draws from |
-//! | [`WienerBlock`], [`WienerPath`] | normal increments for 32 paths, for one path |
+//! | [`StreamKey`] | identifies the random streams of an experiment |
+//! | [`WienerBlock`], [`WienerPath`] | normal increments of 32 paths, of one path |
 //! | [`Noise`], [`BlockNoise`] | increments and Lévy areas of one step |
-//! | [`Truncation`], [`clip`] | ΔŴ = √τ χ(ΔW/√τ) |
-//! | [`DyadicLadder`] | sums of fine increments over all coarser steps |
-//! | [`AreaMethod`] | which approximation of the Lévy areas and how many terms: errors and costs as formulas |
-//! | [`AreaSampler`], [`AreaPath`] | Lévy areas given the increments, for 32 paths, for one path |
+//! | [`Truncation`], [`clip`] | truncated increments ΔŴ |
+//! | [`DyadicLadder`], [`AreaLadder`] | increments and areas of all coarser steps |
+//! | [`AreaMethod`] | approximations of the Lévy areas: errors and costs |
+//! | [`AreaSampler`], [`AreaPath`] | Lévy areas given the increments, of 32 paths, of one path |
 //! | [`ExactArea`] | the area of two noises from its characteristic function |
-//! | [`AreaBlock`], [`AreaLadder`], [`join`] | Lévy areas, and those of coarser steps by Chen's relation |
+//! | [`AreaBlock`], [`join`] | Lévy areas of 32 paths, Chen's relation |
 //! | [`stratonovich`], [`ito`] | iterated integrals of one path |
-//!
-//! With several noises a method of strong order one needs the Lévy areas, too. Their error may be
-//! h^{3/2} in each step:
-//!
-//! ```
-//! use noise::{AreaBlock, AreaMethod, AreaPath, AreaSampler, StreamKey, WienerBlock, stratonovich, strong_order_one_error};
-//! use real::Block;
-//!
-//! let key = StreamKey { seed: 1, experiment: 7 };
-//! let tau: f64 = 1.0 / 4096.0;
-//! let (method, terms) = AreaMethod::cheapest(strong_order_one_error(tau), tau, 3)?;
-//! assert_eq!((method, terms), (AreaMethod::MrongowiusRoessler, 11));
-//!
-//! let mut noise = WienerBlock::<3>::new(key, 0);
-//! let mut sampler = AreaSampler::<3>::new(key, 0, method, terms); // streams of its own
-//! let (mut dw, mut areas) = (Block::zero(), AreaBlock::zero());
-//! noise.increments(tau.sqrt(), &mut dw);
-//! sampler.areas(tau, &dw, &mut areas);
-//!
-//! // Path 17 alone has the same areas; J_ij + J_ji = W_i W_j.
-//! let mut path = AreaPath::<3>::new(key, 17, method, terms);
-//! let (w, a) = (dw.path(17), path.areas(tau, dw.path(17)));
-//! assert_eq!(a, areas.path(17));
-//! let j = stratonovich(w, a);
-//! assert!((j[0][2] + j[2][0] - w[0] * w[2]).abs() < 1e-18);
-//! # Ok::<(), noise::NoiseError>(())
-//! ```
 
 mod area;
 mod area_method;

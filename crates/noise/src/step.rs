@@ -1,20 +1,21 @@
-//! What a scheme is driven by over one step: increments and Lévy areas.
+//! The noise of one step: increments and Lévy areas.
 
 use real::Block;
 
 use crate::AreaBlock;
 
-/// The noise of one step on one path.
+/// The noise of one step on one path: M increments and their Lévy areas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise<const M: usize> {
-    /// ΔW_m over the step.
+    /// ΔW_m over the step, in √time.
     pub increments: [f64; M],
-    /// The skew matrix of Lévy areas A_ml = ½∫(W_m dW_l − W_l dW_m); zero where they are not drawn.
+    /// The skew matrix of Lévy areas A_ml = ½∫(W_m dW_l − W_l dW_m), in time; zero if none are
+    /// drawn.
     pub areas: [[f64; M]; M],
 }
 
 impl<const M: usize> Noise<M> {
-    /// Increments without areas: zero is the mean of the areas given the increments.
+    /// Increments with zero areas, the mean of the areas given the increments.
     #[must_use]
     pub fn increments(increments: [f64; M]) -> Self {
         Self { increments, areas: [[0.0; M]; M] }
@@ -26,7 +27,7 @@ impl<const M: usize> Noise<M> {
 pub struct BlockNoise<const M: usize> {
     /// ΔW_m of every path.
     pub increments: Block<M>,
-    /// Lévy areas of every path; zero where they are not drawn.
+    /// Lévy areas of every path; zero if none are drawn.
     pub areas: AreaBlock<M>,
 }
 
@@ -34,10 +35,10 @@ impl<const M: usize> BlockNoise<M> {
     /// No noise.
     #[must_use]
     pub fn zero() -> Self {
-        Self { increments: Block::zero(), areas: AreaBlock::zero() }
+        Self::increments(Block::zero())
     }
 
-    /// Increments without areas: zero is the mean of the areas given the increments.
+    /// Increments with zero areas, the mean of the areas given the increments.
     #[must_use]
     pub fn increments(increments: Block<M>) -> Self {
         Self { increments, areas: AreaBlock::zero() }

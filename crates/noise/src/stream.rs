@@ -1,14 +1,14 @@
-//! One xoshiro256++ stream per path.
+//! Random streams: one xoshiro256++ generator per path.
 
 use real::WIDTH;
 
-/// Which family of streams an experiment draws from; path p of the family is a function of (seed,
-/// experiment, p) alone.
+/// The key of a family of random streams, one xoshiro256++ stream per path (Blackman and Vigna
+/// 2019). The stream of path p is a function of (seed, experiment, p) alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StreamKey {
     /// Master seed of the run.
     pub seed: u64,
-    /// Number of the experiment, so that two experiments with one seed are independent.
+    /// Number of the experiment: experiments with the same seed are independent.
     pub experiment: u64,
 }
 
@@ -24,16 +24,16 @@ fn mix(mut x: u64) -> u64 {
 }
 
 impl StreamKey {
-    /// The 64-bit seed of one path's generator. For a fixed key it is a bijection of the path
-    /// number, so no two paths of an experiment share a stream.
+    /// The 64-bit seed of the generator of path `path`. For a fixed key it is a bijection of the
+    /// path number, so no two paths of an experiment share a stream.
     #[must_use]
     pub fn path_seed(self, path: u64) -> u64 {
         let experiment = mix(mix(self.seed.wrapping_add(GOLDEN)).wrapping_add(self.experiment));
         mix(experiment.wrapping_add(GOLDEN).wrapping_add(path.wrapping_mul(GOLDEN)))
     }
 
-    /// The four words of xoshiro256++ that `seed_from_u64` makes of [`path_seed`](Self::path_seed)
-    /// by SplitMix64.
+    /// The state of xoshiro256++ after `seed_from_u64` of [`path_seed`](Self::path_seed), which
+    /// uses SplitMix64.
     pub(crate) fn state(self, path: u64) -> [u64; 4] {
         let mut counter = self.path_seed(path);
         [(); 4].map(|()| {
@@ -43,7 +43,7 @@ impl StreamKey {
     }
 }
 
-/// One draw of xoshiro256++ (Blackman and Vigna 2019).
+/// The next word of xoshiro256++ (Blackman and Vigna 2019).
 #[inline(always)]
 pub(crate) fn next_word(state: &mut [u64; 4]) -> u64 {
     let result = state[0].wrapping_add(state[3]).rotate_left(23).wrapping_add(state[0]);
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn path_seeds_are_pinned() {
-        // A change here changes every published number: it is a value-breaking change.
+        // A change here changes every published number.
         let key = StreamKey { seed: 1, experiment: 1 };
         assert_eq!([0, 1, 4711].map(|path| key.path_seed(path)), PINNED);
     }

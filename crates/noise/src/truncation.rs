@@ -1,20 +1,21 @@
-//! Truncated Wiener increments (Milstein, Repin and Tretyakov 2002; Bréhier, Cohen and Komori 2025).
-//!
-//! ΔŴ = √τ χ(ΔW/√τ), where χ clips to ±A and A = √(2k|log τ|). Bounded increments make an implicit
-//! step solvable for every outcome of the noise; the price is E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^{k+1}.
+//! Truncated Wiener increments.
 
 use real::{Block, Kernel, WIDTH, dispatch};
 
 use crate::NoiseError;
 
-/// The rule by which increments are clipped: the order k, or not at all.
+/// Truncation of Wiener increments (Milstein, Repin and Tretyakov 2002; Bréhier, Cohen and Komori
+/// 2025): ΔŴ = √τ χ(ΔW/√τ), where χ clips to [−A, A] with A = √(2k|log τ|).
+///
+/// Implicit steps with bounded increments have a solution for every outcome of the noise. The bias
+/// of the variance is E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^{k+1}.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Truncation {
     order: Option<u32>,
 }
 
 impl Truncation {
-    /// Clips at A = √(2k|log τ|).
+    /// Truncation of order k ≥ 1. The theorems on `sexp` need k ≥ 2.
     ///
     /// # Errors
     /// [`NoiseError::TruncationOrderZero`] for k = 0.
@@ -22,17 +23,17 @@ impl Truncation {
         if k == 0 { Err(NoiseError::TruncationOrderZero) } else { Ok(Self { order: Some(k) }) }
     }
 
-    /// Clips nothing: for explicit schemes, and for showing what truncation is for.
+    /// No truncation: for explicit schemes, and for experiments without it.
     #[must_use]
     pub fn none() -> Self {
         Self { order: None }
     }
 
-    /// The largest |ΔŴ| at step `tau`: √τ·√(2k|log τ|), infinite for [`Truncation::none`].
+    /// The largest |ΔŴ| at step `tau`: √τ·√(2k|log τ|). Infinite for [`Truncation::none`].
     ///
     /// # Errors
-    /// [`NoiseError::StepOutsideUnitInterval`] unless 0 < τ < 1: at τ ≥ 1 the threshold is zero or
-    /// grows with τ.
+    /// [`NoiseError::StepOutsideUnitInterval`] unless 0 < τ < 1. For τ ≥ 1 the threshold A is zero
+    /// or increases with τ.
     pub fn bound(self, tau: f64) -> Result<f64, NoiseError> {
         match self.order {
             None => Ok(f64::INFINITY),
@@ -44,7 +45,8 @@ impl Truncation {
     }
 }
 
-/// Clips every increment of a block to ±`bound`; returns how many were clipped.
+/// Writes the increments `dw`, clipped to ±`bound`, into `clipped`. Returns the number of
+/// increments changed.
 #[inline]
 pub fn clip<const M: usize>(dw: &Block<M>, bound: f64, clipped: &mut Block<M>) -> u64 {
     dispatch(Clip { dw, bound, clipped })
@@ -60,7 +62,7 @@ impl<const M: usize> Kernel for Clip<'_, M> {
     type Output = u64;
     #[inline(always)]
     fn run(self) -> u64 {
-        // Counted in the width of the lanes; wrapping, since a checked sum is a branch.
+        // The counter has the width of the lanes. It wraps, since an overflow check is a branch.
         let mut count = 0u64;
         for m in 0..M {
             for p in 0..WIDTH {

@@ -1,19 +1,17 @@
-//! Normal increments by Box–Muller, for a block of paths and for one.
-//!
-//! From two words of a path's stream: u ∈ (0, 1) and a turn v ∈ [0, 1), then √(−2 ln u)·(cos 2πv,
-//! sin 2πv) are two independent standard normals. Both paths of this module call the same
-//! functions, so that path p of a block and path p alone are the same bits. u is a multiple of 2⁻⁵³
-//! and at least 2⁻⁵³, so no normal exceeds √(106 ln 2) ≈ 8.57.
+//! Wiener increments of a block of paths and of one path. Both call the same functions, so they
+//! give the same bits.
 
 use real::{Block, Kernel, Real, WIDTH, dispatch, elementary};
 
 use crate::StreamKey;
 use crate::stream::{BlockStreams, next_word};
 
-/// Increments of M independent Wiener processes on each of 32 consecutive paths.
+/// Increments of M independent Wiener processes on 32 consecutive paths.
 ///
-/// Normals are consumed in order: step by step, noise by noise. With odd M every second step starts
-/// with a spare normal of the step before.
+/// Two words of a path's stream give u ∈ (0, 1) and v ∈ [0, 1). Then √(−2 ln u)·(cos 2πv, sin 2πv)
+/// are two independent standard normals (Box and Muller 1958). Since u ≥ 2⁻⁵³, no normal exceeds
+/// √(106 ln 2) ≈ 8.57. Normals are used step by step and noise by noise. With odd M every second
+/// step begins with a normal left over from the step before.
 #[derive(Clone, Debug)]
 pub struct WienerBlock<const M: usize> {
     streams: BlockStreams,
@@ -22,13 +20,13 @@ pub struct WienerBlock<const M: usize> {
 }
 
 impl<const M: usize> WienerBlock<M> {
-    /// The noise of paths `first_path` .. `first_path + 32` of a family of streams.
+    /// The increments of paths `first_path` .. `first_path + 32`.
     #[must_use]
     pub fn new(key: StreamKey, first_path: u64) -> Self {
         Self { streams: BlockStreams::new(key, first_path), spare: Block::zero(), has_spare: false }
     }
 
-    /// The next increments, N(0, τ) each, where `sqrt_tau` = √τ.
+    /// Writes the next M increments, each N(0, τ), into `dw`; `sqrt_tau` = √τ.
     #[inline]
     pub fn increments(&mut self, sqrt_tau: f64, dw: &mut Block<M>) {
         let mut drawn = 0;
@@ -52,7 +50,8 @@ impl<const M: usize> WienerBlock<M> {
     }
 }
 
-/// Draws pairs of normals into the rows `drawn..M` of `dw`, and the odd one out into `spare`.
+/// Draws pairs of normals into the rows `drawn..M` of `dw`, and the last of an odd number into
+/// `spare`.
 struct Fill<'a, const M: usize> {
     streams: &'a mut BlockStreams,
     spare: &'a mut Block<1>,
@@ -106,13 +105,13 @@ pub(crate) fn box_muller(radius_word: u64, angle_word: u64) -> (f64, f64) {
     (radius * cos, radius * sin)
 }
 
-/// 52 random bits as a float in [1, 2), by writing them under the exponent of 1.
+/// 52 random bits as the fraction of a number in [1, 2).
 #[inline(always)]
 fn one_to_two(word: u64) -> f64 {
     f64::from_bits(0x3ff0_0000_0000_0000 | (word >> 12))
 }
 
-/// (k + ½)·2⁻⁵² for k random in 0 .. 2⁵²: never 0, never 1, and the subtraction is exact.
+/// (k + ½)·2⁻⁵² for k random in 0 .. 2⁵², never 0 and never 1. The subtraction is exact.
 #[inline(always)]
 pub(crate) fn open_unit(word: u64) -> f64 {
     one_to_two(word) - (1.0 - 0.5 * f64::EPSILON)
@@ -124,7 +123,7 @@ fn half_open_unit(word: u64) -> f64 {
     one_to_two(word) - 1.0
 }
 
-/// Increments of M independent Wiener processes on one path: the same bits as that path of a
+/// Increments of M independent Wiener processes on one path, with the same bits as that path of a
 /// [`WienerBlock`].
 #[derive(Clone, Debug)]
 pub struct WienerPath<const M: usize> {
@@ -133,13 +132,13 @@ pub struct WienerPath<const M: usize> {
 }
 
 impl<const M: usize> WienerPath<M> {
-    /// The noise of path `path` of a family of streams.
+    /// The increments of path `path`.
     #[must_use]
     pub fn new(key: StreamKey, path: u64) -> Self {
         Self { state: key.state(path), spare: None }
     }
 
-    /// The next increments, N(0, τ) each, where `sqrt_tau` = √τ.
+    /// The next M increments, each N(0, τ); `sqrt_tau` = √τ.
     pub fn increments(&mut self, sqrt_tau: f64) -> [f64; M] {
         let mut dw = [f64::zero(); M];
         for increment in &mut dw {
@@ -163,6 +162,8 @@ impl<const M: usize> WienerPath<M> {
 
 #[cfg(test)]
 mod tests {
+    use approx::assert_relative_eq;
+
     use super::*;
 
     #[test]
@@ -177,11 +178,11 @@ mod tests {
                 let (one, other) = box_muller(radius_word, angle_word);
                 assert!(one.is_finite() && other.is_finite());
                 assert!(one.abs().max(other.abs()) <= radius * rounding);
-                assert!((one.hypot(other) / radius - 1.0).abs() < 8.0 * f64::EPSILON);
+                assert_relative_eq!(one.hypot(other), radius, max_relative = 8.0 * f64::EPSILON);
             }
         }
         assert!(largest > 8.57 && largest < 8.58);
-        // The quarter turns are exact: the largest normal is reached, with both signs.
+        // Quarter turns are exact, so the largest normal is reached with both signs.
         let signs = [0, 1 << 62, 1 << 63, 3 << 62].map(|word| box_muller(0, word));
         assert!(signs[0].0 > 8.57 && signs[1].1 > 8.57);
         assert!(signs[2].0 < -8.57 && signs[3].1 < -8.57);

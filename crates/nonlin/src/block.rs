@@ -3,26 +3,25 @@
 use real::{Block, PathMask, WIDTH};
 
 use crate::robust::solve_robust;
-use crate::sweep::{Iterate, begins_otherwise, first_sweeps, settled_path, sweep};
+use crate::sweep::{Iterate, first_sweeps, has_first_sweep, settled_path, sweep};
 use crate::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Solver};
 
-/// The paths of a block in two halves: path p of the first has its first sweep together with path p
-/// of the second.
+/// Half of a block: paths p and p + [`HALF`] make their first sweeps together.
 const HALF: usize = WIDTH / 2;
 
-/// The state of the iteration on every path, kept small: it is what a sweep reads and writes.
+/// The state of the iteration on every path: what a sweep reads and writes.
 struct Iterates<'a, const D: usize> {
     z: &'a mut Block<D>,
-    /// Minus the number of sweeps on a path that is done, positive or NaN on one that is not.
+    /// Minus the number of sweeps of a converged path; positive or NaN on other paths.
     pending: &'a mut Block<1>,
 }
 
 impl<const D: usize> Iterates<'_, D> {
-    /// The first sweep that the equations ask for; returns how many paths are not done.
+    /// The first sweep. Returns the number of paths that have not converged.
     #[inline(always)]
     fn start<E: BlockFixedPoint<D>>(&mut self, equations: &E) -> u64 {
-        // Counted in the width of the lanes, and wrapping: a narrower counter would be summed one
-        // path at a time, and a checked one is a branch.
+        // The counter has the width of the lanes; a narrower one would be summed path by path. It
+        // wraps, since an overflow check is a branch.
         let mut unfinished = 0u64;
         for p in 0..HALF {
             let (one, other) = first_sweeps(&equations.path(p), &equations.path(p + HALF));
@@ -32,7 +31,7 @@ impl<const D: usize> Iterates<'_, D> {
         unfinished
     }
 
-    /// Puts every path where its iteration starts.
+    /// Sets every path to its start.
     #[inline(always)]
     fn wait<E: BlockFixedPoint<D>>(&mut self, equations: &E) {
         for p in 0..WIDTH {
@@ -40,7 +39,7 @@ impl<const D: usize> Iterates<'_, D> {
         }
     }
 
-    /// Keeps the first sweep of path p; returns 1 if it is not done.
+    /// Stores the first sweep of path p. Returns 1 if it has not converged.
     #[inline(always)]
     fn set(&mut self, p: usize, (after, excess): Iterate<D>) -> u64 {
         let done = excess <= 0.0;
@@ -49,9 +48,9 @@ impl<const D: usize> Iterates<'_, D> {
         if done { 0 } else { 1 }
     }
 
-    /// Sweep number `number`: from these iterates to the `next`, which are other memory. Written in
-    /// place, the selects that freeze a path would become masked stores, which stall the loads of
-    /// the next sweep.
+    /// Sweep number `number`, from these iterates to `next` in other memory. In place, the selects
+    /// that freeze a path would become masked stores, which stall the loads of the next sweep.
+    /// Returns the number of paths that have not converged.
     #[inline(always)]
     fn advance<E: BlockFixedPoint<D>>(
         &self,
@@ -63,16 +62,16 @@ impl<const D: usize> Iterates<'_, D> {
         let number = f64::from(number);
         let mut unfinished = 0u64;
         for p in 0..WIDTH {
-            let swept = sweep(&equations.path(p), self.z.path(p), method);
-            unfinished = unfinished.wrapping_add(self.carry(p, number, swept, next));
+            let iterate = sweep(&equations.path(p), self.z.path(p), method);
+            unfinished = unfinished.wrapping_add(self.update(p, number, iterate, next));
         }
         unfinished
     }
 
-    /// Keeps sweep number `number` of path p, if the path was not done before; returns 1 if it is
-    /// not done now.
+    /// Stores sweep number `number` of path p, unless the path has converged before. Returns 1 if
+    /// it has not converged now.
     #[inline(always)]
-    fn carry(
+    fn update(
         &self,
         p: usize,
         number: f64,
@@ -84,7 +83,7 @@ impl<const D: usize> Iterates<'_, D> {
         for i in 0..D {
             next.z.0[i][p] = if frozen { self.z.0[i][p] } else { after[i] };
         }
-        // NaN is not at most zero, hence not done.
+        // A NaN counts as not converged.
         let now = if excess <= 0.0 { -number } else { 1.0 };
         let now = if frozen { pending } else { now };
         next.pending.0[0][p] = now;
@@ -93,11 +92,11 @@ impl<const D: usize> Iterates<'_, D> {
 }
 
 impl Solver {
-    /// Solves the equations of all paths; on return `z` holds the solutions.
+    /// Solves the equations of all paths and writes the solutions into `z`. A path marked
+    /// [`failed`](BlockStatus::failed) holds the last iterate.
     ///
-    /// Meant to be called inside a `Kernel` of `real`, into which it is inlined. A path that is
-    /// done is frozen by a select and never changes again, so a path's solution does not depend on
-    /// its neighbours.
+    /// Call it inside a `Kernel` of `real`, into which it is inlined. A select freezes every
+    /// converged path, so the solution of a path does not depend on the other paths.
     #[inline(always)]
     pub fn solve_block<E: BlockFixedPoint<D>, const D: usize>(
         &self,
@@ -122,7 +121,7 @@ impl Solver {
         status.robust = PathMask::NONE;
         status.failed = PathMask::NONE;
         let mut iterates = Iterates { z, pending: &mut status.pending };
-        let (mut unfinished, mut sweeps) = if begins_otherwise::<E::Path, D>(method) {
+        let (mut unfinished, mut sweeps) = if has_first_sweep::<E::Path, D>(method) {
             (iterates.start(equations), 1)
         } else {
             iterates.wait(equations);
@@ -138,13 +137,14 @@ impl Solver {
             settle(equations, method, z);
         }
         if unfinished > 0 {
-            // A copy: what a call that is not inlined may look at is kept in memory, and not in registers.
-            rescue(*equations, z, status);
+            // A copy, since a reference passed to a function that is not inlined keeps the
+            // equations in memory instead of registers.
+            solve_unfinished(*equations, z, status);
         }
     }
 }
 
-/// One more sweep on every path; of those that are not done the robust method makes something else.
+/// One more sweep on every path. The robust method overwrites those that have not converged.
 #[inline(always)]
 fn settle<E: BlockFixedPoint<D>, const D: usize>(equations: &E, method: Method, z: &mut Block<D>) {
     let mut settled = Block::zero();
@@ -154,10 +154,10 @@ fn settle<E: BlockFixedPoint<D>, const D: usize>(equations: &E, method: Method, 
     *z = settled;
 }
 
-/// Hands every unfinished path to the robust method.
+/// Solves every path that has not converged by the robust method.
 #[cold]
 #[inline(never)]
-fn rescue<E: BlockFixedPoint<D>, const D: usize>(
+fn solve_unfinished<E: BlockFixedPoint<D>, const D: usize>(
     equations: E,
     z: &mut Block<D>,
     status: &mut BlockStatus,

@@ -1,12 +1,13 @@
-//! Small dense linear systems, solved in registers.
+//! Small dense linear systems.
 //!
-//! D is 2 or 3 here and the systems sit inside a vectorised loop over paths, or must give the same
-//! bits on every machine; a linear-algebra library is made for neither.
+//! D is usually 2 or 3, and the systems are solved in registers inside a vectorised loop over
+//! paths. Results must be the same bits on every machine. Linear-algebra libraries offer neither.
 
-/// A matrix near the identity, made ready for A x = b with many b; branch-free, without pivoting.
+/// A factored matrix near the identity, for A x = b with many b. Branch-free, without pivoting.
 ///
-/// Up to D = 3 its inverse by cofactors, with one division where an elimination has D that wait for
-/// each other; else its LU factors, with the inverses of the pivots on the diagonal.
+/// For D ≤ 3 this is the inverse by cofactors, which needs one division; an elimination needs D
+/// divisions one after the other. For larger D these are the LU factors, with the reciprocal pivots
+/// on the diagonal.
 #[derive(Clone, Copy)]
 pub(crate) struct Factored<const D: usize>([[f64; D]; D]);
 
@@ -82,7 +83,7 @@ fn lu<const D: usize>(mut a: [[f64; D]; D]) -> [[f64; D]; D] {
     a
 }
 
-/// Forwards with the lower triangle, backwards with the upper one.
+/// Forward and backward substitution.
 #[inline(always)]
 fn substitute<const D: usize>(lu: &[[f64; D]; D], b: [f64; D]) -> [f64; D] {
     let mut x = b;
@@ -100,7 +101,7 @@ fn substitute<const D: usize>(lu: &[[f64; D]; D], b: [f64; D]) -> [f64; D] {
     x
 }
 
-/// Solves A x = b with partial pivoting; infinite or NaN when A is singular.
+/// Solves A x = b with partial pivoting. The result is infinite or NaN if A is singular.
 pub(crate) fn solve_pivoted<const D: usize>(mut a: [[f64; D]; D], mut b: [f64; D]) -> [f64; D] {
     for k in 0..D {
         let largest = (k..D).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap_or(k);

@@ -1,10 +1,9 @@
-//! **Implicit steps z = ψ(z) for 32 paths at once, each solved to round-off as if it were alone.**
+//! **Implicit equations z = ψ(z) for 32 paths at once, solved to round-off.**
 //!
-//! A [`FixedPoint`] is the equation of one path, written for every [`real::Real`]; a
-//! [`BlockFixedPoint`] says which equation each path of a block has. [`Solver::solve_block`]
-//! iterates the whole block, freezes a path when it is done, and hands the few paths that the fast
-//! method cannot do to a Newton method with continuation. [`Solver::solve`] does the same for one
-//! path and gives the same bits.
+//! A [`FixedPoint`] is the equation of one path, generic over [`real::Real`]. A [`BlockFixedPoint`]
+//! gives the equation of each path of a block. [`Solver::solve_block`] iterates on the whole block
+//! and freezes converged paths. Paths on which the fast method fails are solved by Newton's method
+//! with continuation. [`Solver::solve`] solves the equation of one path, with the same bits.
 //!
 //! ```
 //! use nonlin::{FixedPoint, Solver};
@@ -27,12 +26,13 @@
 //! assert!((anomaly - 0.3 * anomaly.sin() - 0.8).abs() < 1e-15);
 //! ```
 //!
-//! | item | job |
+//! | item | purpose |
 //! |---|---|
-//! | [`FixedPoint`], [`BlockFixedPoint`] | the equation, of one path and of a block |
-//! | [`FirstSweep`] | how its iteration begins: plain, unrolled, or from a prediction |
-//! | [`Solver`], [`Method`] | which iteration, how many sweeps |
-//! | [`BlockStatus`], [`Outcome`] | per path: converged or not, by which method, iterations, residual |
+//! | [`FixedPoint`], [`BlockFixedPoint`] | the equation of one path, of a block |
+//! | [`FirstSweep`] | how the iteration begins: plain, unrolled, or with a prediction |
+//! | [`Solver`], [`Method`] | the iteration and the number of its sweeps |
+//! | [`Solution`], [`Outcome`] | the result on one path: method, iterations, residual |
+//! | [`BlockStatus`] | the results on a block |
 
 mod block;
 mod elimination;

@@ -1,27 +1,28 @@
-//! Newton's method with continuation, for the paths that the fast method cannot do.
+//! Newton's method with continuation, for paths on which the fast method fails.
 //!
-//! The family z = z₀ + s(ψ(z) − z₀) leads from the start z₀ at s = 0 to the equation at s = 1. For
-//! an implicit step s scales the Hamiltonian increment, so the branch that is followed is the one
-//! that belongs to the flow; a Newton method started far away could land on another. A step in s is
-//! accepted when Newton contracts from its first iteration on (the monotonicity test of Deuflhard,
-//! *Newton Methods for Nonlinear Problems*, 2011, §5.1) and the Jacobian J = I − sψ′ has changed
-//! little, else it is halved. The second test is the affine-invariant condition ‖J⁻¹J′ − I‖ < 1 of
-//! Newton and Mysovskikh for one root only near the old one; contraction alone is a test of one
-//! direction, and passes now and then on the way to another branch.
+//! The homotopy z = z₀ + s(ψ(z) − z₀) connects the start z₀ at s = 0 with the equation at s = 1.
+//! For an implicit step, s scales the Hamiltonian increment, so continuation follows the branch of
+//! the flow. Newton's method from a distant start could find another branch.
+//!
+//! A step in s is accepted if it passes two tests; otherwise it is halved. First, Newton contracts
+//! from its first iteration on (the monotonicity test of Deuflhard 2011, *Newton Methods for
+//! Nonlinear Problems*, §5.1). Second, the Jacobian J = I − sψ′ changes little: ‖J⁻¹J′ − I‖ < 1 is
+//! the affine-invariant condition of Newton–Mysovskikh for a unique root near the old one. The
+//! first test alone checks one direction only and sometimes accepts another branch.
 
 use crate::elimination::solve_pivoted;
 use crate::sweep::{TOLERANCE, linearised};
 use crate::{FixedPoint, Outcome, Solution};
 
-/// Newton iterations at one s. Contracting by [`CONTRACTION`] at first and quadratically soon
-/// after, ten reach round-off, and twenty leave room for a slow start.
+/// Largest number of Newton iterations at one s. After a contraction by [`CONTRACTION`] and then
+/// quadratic convergence, ten reach round-off. Twenty allow for slow initial convergence.
 const MAX_ITERATIONS: u32 = 20;
-/// Each Newton change must be at most this fraction of the one before.
+/// The largest ratio of successive Newton changes.
 const CONTRACTION: f64 = 0.5;
 /// The largest ‖J⁻¹J′ − I‖₁ from one accepted step to the next.
-const LARGEST_TURN: f64 = 0.5;
-/// The smallest step in s that is tried. The first step is about LARGEST_TURN/‖ψ′‖, so this admits
-/// ‖ψ′‖ up to 8000.
+const MAX_JACOBIAN_CHANGE: f64 = 0.5;
+/// The smallest step in s. The first accepted step is about MAX_JACOBIAN_CHANGE/‖ψ′‖, so ‖ψ′‖ may
+/// be up to 8000.
 const MIN_STEP: f64 = 1.0 / 16384.0;
 
 pub(crate) fn solve_robust<E: FixedPoint<D>, const D: usize>(equation: &E) -> Solution<D> {
@@ -36,7 +37,7 @@ pub(crate) fn solve_robust<E: FixedPoint<D>, const D: usize>(equation: &E) -> So
         let target = f64::min(s + step, 1.0);
         let attempt = newton(equation, &start, z, target);
         iterations += attempt.iterations;
-        if attempt.converged && turned_little(&jacobian, &attempt.jacobian) {
+        if attempt.converged && changed_little(&jacobian, &attempt.jacobian) {
             (z, s, jacobian) = (attempt.z, target, attempt.jacobian);
             step *= 2.0;
         } else {
@@ -52,8 +53,8 @@ pub(crate) fn solve_robust<E: FixedPoint<D>, const D: usize>(equation: &E) -> So
     Solution { z, outcome: Outcome::Robust { iterations, residual: residual(equation, z) } }
 }
 
-/// Whether ‖J⁻¹J′ − I‖₁, the largest sum of a column, is at most [`LARGEST_TURN`]; a NaN is not.
-fn turned_little<const D: usize>(before: &[[f64; D]; D], after: &[[f64; D]; D]) -> bool {
+/// Whether ‖J⁻¹J′ − I‖₁, the largest column sum, is at most [`MAX_JACOBIAN_CHANGE`]. False for NaN.
+fn changed_little<const D: usize>(before: &[[f64; D]; D], after: &[[f64; D]; D]) -> bool {
     (0..D).all(|j| {
         let mut column = [0.0; D];
         for i in 0..D {
@@ -61,19 +62,19 @@ fn turned_little<const D: usize>(before: &[[f64; D]; D], after: &[[f64; D]; D]) 
         }
         let mut difference = solve_pivoted(*before, column);
         difference[j] -= 1.0;
-        norm(&difference) <= LARGEST_TURN
+        norm(&difference) <= MAX_JACOBIAN_CHANGE
     })
 }
 
 struct Attempt<const D: usize> {
     z: [f64; D],
-    /// I − sψ′ where the last change was computed.
+    /// I − sψ′ at the last iterate but one.
     jacobian: [[f64; D]; D],
     converged: bool,
     iterations: u32,
 }
 
-/// Newton on z − z₀ − s(ψ(z) − z₀) = 0.
+/// Newton's method for z − z₀ − s(ψ(z) − z₀) = 0.
 fn newton<E: FixedPoint<D>, const D: usize>(
     equation: &E,
     start: &[f64; D],
@@ -84,7 +85,7 @@ fn newton<E: FixedPoint<D>, const D: usize>(
     let mut iterations = 0;
     loop {
         iterations += 1;
-        // I − sψ′ = (1 − s)I + s(I − ψ′), and the defect likewise.
+        // I − sψ′ = (1 − s)I + s(I − ψ′), and likewise for the residual.
         let (mut jacobian, mut defect) = linearised(equation, z);
         for i in 0..D {
             for j in 0..D {
@@ -97,15 +98,14 @@ fn newton<E: FixedPoint<D>, const D: usize>(
         for i in 0..D {
             z[i] -= change[i];
         }
-        // Not ‖z‖ alone: ψ(z) = z₀ + … is rounded relative to z₀ even where the solution is close
-        // to zero.
+        // ψ(z) = z₀ + … is rounded relative to z₀, so ‖z‖ alone is too small near zero.
         let (length, size) = (norm(&change), norm(&z) + norm(start));
         let solved = length <= TOLERANCE * size;
         let contracts = length <= CONTRACTION * before;
-        // A NaN neither solves nor contracts, an infinity does both.
+        // With a NaN both are false, with an infinite change both are true.
         if solved || !contracts || iterations == MAX_ITERATIONS {
-            // Changes that no longer shrink are round-off when they are small: the equation's own
-            // noise, which the condition of I − sψ′ amplifies.
+            // Small changes that no longer decrease are round-off, amplified by the condition of
+            // I − sψ′.
             return Attempt {
                 z,
                 jacobian,
@@ -117,9 +117,9 @@ fn newton<E: FixedPoint<D>, const D: usize>(
     }
 }
 
-/// Changes that stagnate below this fraction of the unknowns are round-off, √ε: the accuracy that
-/// is attainable at a double root, where I − sψ′ is singular. A regular Newton iteration so close
-/// to its solution would converge.
+/// Changes that stagnate below √ε times the size of the unknowns are round-off. This is the
+/// attainable accuracy at a double root, where I − sψ′ is singular. Near a regular root Newton's
+/// method would converge from there.
 const ROUND_OFF: f64 = 1.0 / (1u64 << 26) as f64;
 
 fn residual<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> f64 {

@@ -1,40 +1,40 @@
-//! Which iteration, and what became of it.
+//! The options of the solver and its results.
 
 use real::{Block, PathMask, WIDTH};
 
-/// The fast method, tried first on every path.
+/// The fast method, which is tried first on every path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// z ← ψ(z): linear convergence with the Lipschitz constant of ψ, three evaluations a sweep,
-    /// eleven in a long first one. The faster one where ψ is a few products (`cargo bench -p
-    /// schemes`).
+    /// Fixed-point iteration z ← ψ(z), three evaluations per sweep and eleven in a long first
+    /// sweep. It converges linearly with the Lipschitz constant of ψ. It is the faster method if ψ
+    /// is a few products (`cargo bench -p schemes`).
     FixedPoint,
-    /// z ← z − (I − ψ′(z))⁻¹(z − ψ(z)), in a long first sweep from ψ(ψ(start)) with two corrections
-    /// that keep the matrix, and a full Newton iteration in each later sweep. The faster one where
-    /// ψ is costly. Where ψ does not contract it may find a solution on another branch than the one
-    /// that starts at the start.
+    /// Newton's method z ← z − (I − ψ′(z))⁻¹(z − ψ(z)), one iteration per sweep. A long first sweep
+    /// makes two steps with the same matrix from ψ(ψ(start)). It is the faster method if ψ is
+    /// costly. If ψ does not contract, it may find a solution on another branch than that of the
+    /// start.
     Newton,
 }
 
-/// How implicit steps are solved.
+/// The options for solving implicit steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Solver {
-    /// The fast method; `None` is the one that the equation prefers
-    /// ([`FixedPoint::METHOD`](crate::FixedPoint::METHOD)).
+    /// The fast method. `None` means [`FixedPoint::METHOD`](crate::FixedPoint::METHOD), the method
+    /// that the equation prefers.
     pub method: Option<Method>,
-    /// Sweeps of the fast method before a path is handed to the robust one; one is made in any
-    /// case.
+    /// Largest number of sweeps of the fast method before the robust one takes over; at least one.
     pub max_sweeps: u32,
-    /// Whether one more sweep is made when a path is done. A path is done when its residual is
-    /// below 2ε, and what is left of it has a direction: over n steps the error of a conserved
-    /// quantity grows like n·ε. With the sweep it is rounding alone, and grows like √n·ε. For runs
-    /// of millions of steps; off by default, since it costs a sweep.
+    /// Whether to make one more sweep after convergence, for runs of millions of steps.
+    ///
+    /// A path has converged when its residual is below 2ε. The remaining residuals are biased, so
+    /// over n steps the error of a conserved quantity grows like n·ε. After one more sweep only
+    /// rounding errors remain, and the error grows like √n·ε. Off by default, since it costs a
+    /// sweep.
     pub settle: bool,
 }
 
-/// At least 3·55 = 165 evaluations: a contraction with constant 0.8 reaches round-off from a start
-/// with error 1 in ln ε/ln 0.8 ≈ 162. A map that contracts more slowly is better served by Newton,
-/// which then takes over.
+/// 3·55 = 165 evaluations. A contraction with constant 0.8 reduces an error of 1 to round-off in
+/// ln ε/ln 0.8 ≈ 162. Newton's method is faster for maps that contract more slowly.
 const MAX_SWEEPS: u32 = 55;
 
 impl Default for Solver {
@@ -50,55 +50,55 @@ impl Solver {
         Self { method: Some(method), ..Self::default() }
     }
 
-    /// The same with one more sweep on every path that is done, for runs of millions of steps.
+    /// The same options with [`settle`](Self::settle), for runs of millions of steps.
     #[must_use]
     pub fn settled(self) -> Self {
         Self { settle: true, ..self }
     }
 }
 
-/// What became of one equation.
+/// How the iteration for one equation ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
     /// Solved by the fast method.
     Fast {
-        /// Sweeps.
+        /// Number of sweeps.
         iterations: u32,
     },
-    /// Solved by Newton with continuation after the fast method gave up.
+    /// Solved by Newton's method with continuation, after the fast method failed.
     Robust {
         /// Newton iterations over all continuation steps.
         iterations: u32,
         /// ‖z − ψ(z)‖₁.
         residual: f64,
     },
-    /// Solved by neither; z is where the robust method stopped.
+    /// Not solved; z is the last iterate.
     Failed {
-        /// ‖z − ψ(z)‖₁ there.
+        /// ‖z − ψ(z)‖₁, or infinity if the state is not finite.
         residual: f64,
     },
 }
 
 impl Outcome {
-    /// Whether there is a solution.
+    /// Whether the equation was solved.
     #[must_use]
     pub fn converged(self) -> bool {
         !matches!(self, Self::Failed { .. })
     }
 }
 
-/// A solved equation.
+/// The result of the iteration for one equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution<const D: usize> {
     /// The solution, or the last iterate.
     pub z: [f64; D],
-    /// What became of it.
+    /// How the iteration ended.
     pub outcome: Outcome,
 }
 
 impl<const D: usize> Solution<D> {
-    /// A solution whose state is not finite has failed, with an infinite residual: what
-    /// [`BlockStatus::fail_where_not_finite`] is for a block.
+    /// The same solution if z is finite, otherwise a failure with an infinite residual. For blocks
+    /// see [`BlockStatus::fail_where_not_finite`].
     #[must_use]
     pub fn checked(self) -> Self {
         let finite = self.z.iter().all(|component| component.is_finite());
@@ -110,10 +110,10 @@ impl<const D: usize> Solution<D> {
     }
 }
 
-/// What became of the equations of a block.
+/// How the iterations for the equations of a block ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockStatus {
-    /// Minus the number of iterations of each solved path; the residual of each failed one.
+    /// Minus the number of iterations of each solved path; the residual of each failed path.
     pub(crate) pending: Block<1>,
     /// The residual of each path that the robust method solved.
     pub(crate) residuals: Block<1>,
@@ -124,7 +124,7 @@ pub struct BlockStatus {
 }
 
 impl BlockStatus {
-    /// Every path solved in one iteration: the status of an explicit step.
+    /// The status of an explicit step: every path solved in one iteration.
     #[must_use]
     pub fn explicit() -> Self {
         Self {
@@ -135,8 +135,8 @@ impl BlockStatus {
         }
     }
 
-    /// Records what became of path `p`, which is marked neither as robust nor as failed: for a
-    /// scheme that takes the paths of a block one by one.
+    /// Records the outcome of path `p`, which must not be marked as robust or failed yet. For a
+    /// scheme that advances the paths of a block one by one.
     pub fn set(&mut self, p: usize, outcome: Outcome) {
         match outcome {
             Outcome::Fast { iterations } => self.pending.0[0][p] = -f64::from(iterations),
@@ -152,11 +152,11 @@ impl BlockStatus {
         }
     }
 
-    /// Marks the paths whose state is not finite as failed, with an infinite residual: what an
-    /// explicit step, or a factor, may have made of them. Meant to be called inside a kernel.
+    /// Marks paths with a state that is not finite as failed, with an infinite residual. Call it
+    /// inside a kernel.
     #[inline(always)]
     pub fn fail_where_not_finite<const D: usize>(&mut self, y: &Block<D>) {
-        // 0·y is NaN where y is infinite or NaN, else zero.
+        // 0·y is NaN if y is infinite or NaN, else zero.
         let mut sums = Block::<1>::zero();
         for i in 0..D {
             for p in 0..WIDTH {
@@ -182,18 +182,17 @@ impl BlockStatus {
         }
     }
 
-    /// Iterations of path `p`: sweeps of the fast method, or Newton iterations of the robust one;
-    /// zero where both failed.
+    /// Number of iterations on path `p`: sweeps of the fast method or Newton iterations of the
+    /// robust one. Zero if both failed.
     #[must_use]
     pub fn iterations(&self, p: usize) -> u32 {
         f64::max(-self.pending.0[0][p], 0.0) as u32
     }
 
-    /// ‖z − ψ(z)‖₁ on path `p` where the robust method was needed; zero where the fast one found a
-    /// solution to its tolerance.
+    /// ‖z − ψ(z)‖₁ on path `p` if it failed or needed the robust method. Zero if the fast method
+    /// solved it to its tolerance. May be infinite or NaN on a failed path.
     #[must_use]
     pub fn residual(&self, p: usize) -> f64 {
-        // It may be infinite or NaN.
         if self.failed.contains(p) {
             self.pending.0[0][p]
         } else if self.robust.contains(p) {

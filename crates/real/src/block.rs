@@ -1,12 +1,13 @@
-//! The state of a block of paths, path index innermost.
+//! Blocks of paths and subsets of them.
 
-/// Paths in a block. A loop of exactly 8 would be unrolled before it is vectorised; 32 is not, and
-/// is four vectors of AVX-512, enough to hide latency.
+/// Number of paths in a block. The compiler unrolls a loop of exactly 8 before it vectorises it.
+/// A loop of 32 it vectorises: four AVX-512 vectors, enough to hide latency.
 pub const WIDTH: usize = 32;
 
-/// D numbers for each of [`WIDTH`] paths: component `i` of path `p` is `block.0[i][p]`.
+/// D numbers for each of [`WIDTH`] paths, path index innermost: component `i` of path `p` is
+/// `block.0[i][p]`.
 ///
-/// Aligned to a cache line, so that no vector load straddles two.
+/// A block is aligned to a cache line, so that no vector load straddles two lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub struct Block<const D: usize>(pub [[f64; WIDTH]; D]);
@@ -30,7 +31,7 @@ impl<const D: usize> Block<D> {
         block
     }
 
-    /// The D numbers of path `p`.
+    /// The D numbers of path `p` < [`WIDTH`].
     #[inline(always)]
     #[must_use]
     pub fn path(&self, p: usize) -> [f64; D] {
@@ -41,7 +42,7 @@ impl<const D: usize> Block<D> {
         y
     }
 
-    /// Replaces the D numbers of path `p`.
+    /// Replaces the D numbers of path `p` < [`WIDTH`].
     #[inline(always)]
     pub fn set_path(&mut self, p: usize, y: [f64; D]) {
         for i in 0..D {
@@ -60,7 +61,7 @@ impl PathMask {
     /// Every path.
     pub const ALL: Self = Self(u32::MAX);
 
-    /// The first `n` paths, n ≤ [`WIDTH`].
+    /// The first `n` paths; all of them for n ≥ [`WIDTH`].
     #[must_use]
     pub fn first(n: usize) -> Self {
         if n >= WIDTH { Self::ALL } else { Self((1 << n) - 1) }
@@ -83,7 +84,7 @@ impl PathMask {
         self.0 == 0
     }
 
-    /// How many paths are in the set.
+    /// Number of paths in the set.
     #[must_use]
     pub fn len(self) -> u32 {
         self.0.count_ones()

@@ -1,17 +1,17 @@
-//! The two derivatives that integrators ask for.
+//! Gradients, directional derivatives and Jacobians by dual numbers.
 
 use crate::{Dual, Real};
 
-/// A scalar function of D numbers, written for every [`Real`].
+/// A scalar function of D numbers, generic over [`Real`].
 ///
-/// A trait and not a closure, because a closure cannot be generic over the number and is not
+/// This is a trait because a closure cannot be generic over the number type. Closures are also not
 /// reliably inlined into a vectorised loop.
 pub trait ScalarFunction<const D: usize> {
     /// f(y).
     fn value<R: Real>(&self, y: [R; D]) -> R;
 }
 
-/// A vector function of D numbers with K results, written for every [`Real`].
+/// A vector function ℝᴰ → ℝᴷ, generic over [`Real`].
 pub trait VectorFunction<const D: usize, const K: usize> {
     /// f(y).
     fn value<R: Real>(&self, y: [R; D]) -> [R; K];
@@ -52,16 +52,16 @@ pub fn directional<R: Real, F: VectorFunction<D, K>, const D: usize, const K: us
     (value, slope)
 }
 
-/// (f(y), f′(y)), row i of f′ holding the derivatives of component i, by D evaluations on dual
-/// numbers.
+/// (f(y), f′(y)) by D evaluations on dual numbers. Row i of the K × D matrix f′ is the gradient of
+/// component i.
 #[inline(always)]
 pub fn jacobian<F: VectorFunction<D, K>, const D: usize, const K: usize>(
     f: &F,
     y: [f64; D],
 ) -> ([f64; K], [[f64; D]; K]) {
     let (mut value, mut jacobian) = ([0.0; K], [[0.0; D]; K]);
-    // Written out up to three columns: a loop of long bodies inside a loop over paths is unrolled
-    // too late for that one to be vectorised.
+    // Up to three columns are written out. The compiler unrolls a loop with a long body too late
+    // for the enclosing loop over paths to be vectorised.
     if D > 0 {
         (value, jacobian) = with_column(f, y, jacobian, 0);
     }
@@ -77,7 +77,7 @@ pub fn jacobian<F: VectorFunction<D, K>, const D: usize, const K: usize>(
     (value, jacobian)
 }
 
-/// f(y), and the Jacobian with column j filled in.
+/// f(y) and the Jacobian with column j filled in.
 #[inline(always)]
 fn with_column<F: VectorFunction<D, K>, const D: usize, const K: usize>(
     f: &F,

@@ -1,32 +1,30 @@
-//! Runs a block kernel on the widest instruction set of the machine, chosen at run time.
-//!
-//! The one place where instruction sets are named. A kernel is written as plain scalar loops over
-//! paths; the compiler vectorises it once for each level below. Rust never contracts a·b + c, the
-//! kernels call no libm and reduce nothing across paths in floating point, so every level gives the
-//! same bits.
+//! Run-time dispatch of block kernels; the only file that names instruction sets.
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use multiversion::multiversion;
 use multiversion::target::match_target;
 
-/// A piece of work on blocks of paths.
+/// A computation on blocks of paths, compiled for every [`Level`].
 ///
-/// `run` and everything it calls on each path must be `#[inline(always)]`: only what is inlined
-/// into the dispatched function is compiled for the vector instructions. Closures are not reliably
-/// inlined there; use functions.
+/// A kernel is written as plain scalar loops over paths, which the compiler vectorises for each
+/// level. Every level gives the same bits, because Rust never contracts a·b + c to a fused
+/// operation and because kernels call no libm and sum nothing across paths in floating point.
+///
+/// Mark `run` and everything it calls on each path `#[inline(always)]`: only inlined code is
+/// compiled for the vector instructions. Use functions, since closures are not reliably inlined.
 pub trait Kernel {
-    /// What the work returns.
+    /// The result.
     type Output;
-    /// Does the work.
+    /// Computes the result.
     fn run(self) -> Self::Output;
 }
 
-/// Instruction sets that kernels are compiled for.
+/// An instruction set that kernels are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Level {
-    /// What every machine of the target has (SSE2 on x86-64, NEON on AArch64).
+    /// The minimum of the target: SSE2 on x86-64, NEON on AArch64.
     Baseline = 0,
     /// 256-bit vectors.
     Avx2 = 1,
@@ -35,13 +33,13 @@ pub enum Level {
 }
 
 impl Level {
-    /// The widest level that this machine has and that [`limit_to`] allows.
+    /// The widest level that this machine supports and [`limit_to`] allows.
     #[must_use]
     pub fn current() -> Self {
         Self::available().min(Self::limit())
     }
 
-    /// The widest level that this machine has.
+    /// The widest level that this machine supports.
     #[must_use]
     pub fn available() -> Self {
         #[cfg(target_arch = "x86_64")]
@@ -81,13 +79,13 @@ impl Level {
 
 static LIMIT: AtomicU8 = AtomicU8::new(Level::Avx512 as u8);
 
-/// Allows no level above `level` from now on, in the whole process; results do not change, only
-/// speed.
+/// Limits the whole process to `level` from now on. This changes speed, not results. If the machine
+/// does not support `level`, the widest level that it supports is used ([`Level::current`]).
 pub fn limit_to(level: Level) {
     LIMIT.store(level as u8, Ordering::Relaxed);
 }
 
-/// Runs `kernel` compiled for [`Level::current`].
+/// Runs the version of `kernel` compiled for [`Level::current`].
 #[inline]
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     match Level::limit() {
@@ -97,8 +95,8 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     }
 }
 
-// Every function below has the kernel once, for its own level, and hands a machine that has less to
-// the next one: compiling the kernels is most of what compiling the workspace costs.
+// Each function below contains the kernel once, for its own level, and calls the next function on a
+// machine without that level. Compiling kernels is most of the cost of compiling the workspace.
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw"))]
 fn up_to_avx512<K: Kernel>(kernel: K) -> K::Output {

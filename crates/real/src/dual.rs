@@ -4,12 +4,13 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::Real;
 
-/// value + derivative·ε with ε² = 0; over `Dual<Dual<f64>>` it carries second derivatives.
+/// The dual number value + derivative·ε with ε² = 0, for forward differentiation. A nested
+/// `Dual<Dual<f64>>` gives second derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<R = f64> {
     /// The value.
     pub value: R,
-    /// The derivative in the direction that the variables were seeded with.
+    /// The derivative in the direction of the seeds.
     pub derivative: R,
 }
 
@@ -20,19 +21,19 @@ impl<R: Real> Dual<R> {
         Self { value, derivative }
     }
 
-    /// The independent variable: derivative 1.
+    /// The independent variable, with derivative 1.
     #[inline(always)]
     pub fn variable(value: R) -> Self {
         Self::new(value, R::one())
     }
 
-    /// A quantity that does not depend on the variable: derivative 0.
+    /// A quantity independent of the variable, with derivative 0.
     #[inline(always)]
     pub fn fixed(value: R) -> Self {
         Self::new(value, R::zero())
     }
 
-    /// Chain rule: f(x) with f′(x) known.
+    /// The chain rule: `value` = f(x) and `slope` = f′(x).
     #[inline(always)]
     fn chain(self, value: R, slope: R) -> Self {
         Self::new(value, slope * self.derivative)
@@ -154,8 +155,8 @@ impl<R: Real> Real for Dual<R> {
     }
 }
 
-/// Below this |x| the derivative of sinc is summed as a series: there (cos x − sinc x)/x loses more
-/// than the series of [`SINC_SLOPE_TERMS`] terms leaves out.
+/// Below this |x| the derivative of sinc is a series of [`SINC_SLOPE_TERMS`] terms. There the
+/// cancellation in (cos x − sinc x)/x exceeds the truncation error of the series.
 const SINC_SLOPE_SERIES: f64 = 1.0;
 /// First omitted term at |x| = 1: 2n x^{2n−1}/(2n+1)! with n = 10, 3.9e-19, below half an ulp of
 /// sinc′(1) ≈ 0.3.
@@ -174,7 +175,7 @@ fn sinc_slope<R: Real>(x: R, sinc: R) -> R {
         series = -(square * ratio * series) + 1.0;
     }
     let near = -(x * series) / 3.0;
-    // Kept away from 0/0 where the series is taken, so that no NaN is formed in derivatives.
+    // Where the series is used, the division by 1 avoids 0/0, which would give NaN in derivatives.
     let safe = R::select(small, R::one(), x);
     let far = (x.cos() - sinc) / safe;
     R::select(small, near, far)
@@ -185,7 +186,7 @@ mod tests {
     use super::*;
     use num_dual::{Dual64, DualNum};
 
-    /// Every function and operation, once.
+    /// A formula that uses every function and operation once.
     fn formula<R: Real>(x: R) -> R {
         let trigonometric = x.sin() * x.cos() + x.sinc();
         let logarithmic = (x * x + 1.0).ln() / (x.exp() + 2.0) - (x * x + 0.5).sqrt();

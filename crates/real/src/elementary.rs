@@ -1,21 +1,21 @@
 //! Branch-free elementary functions of `f64`.
 //!
 //! Every function is a fixed sequence of additions, multiplications, divisions, selections and
-//! integer operations on the bits: no branch, no table, no fused multiply-add and no call into a
-//! system library. A loop over the lanes of a block vectorises, and its results are the same bits
-//! on every instruction set (sign and payload of a NaN excepted).
+//! integer operations on the bits. There is no branch, no table, no fused multiply-add and no call
+//! into a system library. A loop over the lanes of a block therefore vectorises and gives the same
+//! bits on every instruction set, except for sign and payload of a NaN.
 //!
-//! Errors are stated in units in the last place (ulp) of the exact result, measured at 250 000
-//! random arguments each (`python3 crates/real/tools/reference_values.py --measure` says how);
-//! `tests/elementary.rs` asserts the bounds, hard cases included.
+//! Errors are in units in the last place (ulp) of the exact result. They are measured at 250 000
+//! random arguments each (`python3 crates/real/tools/reference_values.py --measure`).
+//! `tests/elementary.rs` asserts the bounds, also at hard cases.
 //!
-//! | function | range | measured error | asserted |
+//! | function | range | measured error | asserted bound |
 //! |---|---|---|---|
 //! | [`sin`], [`cos`], [`sin_cos`] | `abs(x) <= 2^20` | 1.02 ulp | 1.1 ulp |
 //! | [`sin_cos_turn`] | `0 <= u <= 1` | 1.9e-16 absolute | 2.1e-16 |
-//! | [`exp`] | all `x`, subnormal results too | 0.99 ulp | 1.1 ulp |
-//! | [`exp_with_remainder`] | normal results | value and remainder | 2^-55 of the result |
-//! | [`ln`] | all `x > 0`, subnormal too | 0.78 ulp | 1 ulp |
+//! | [`exp`] | all `x`, also subnormal results | 0.99 ulp | 1.1 ulp |
+//! | [`exp_with_remainder`] | normal results | | 2^-55 of the result |
+//! | [`ln`] | all `x > 0`, also subnormal | 0.78 ulp | 1 ulp |
 //! | [`ln_unit`] | normal `u` in `(0, 1)` | 2.55 ulp | 3 ulp |
 //! | [`sin_cos_absolute`] | `abs(x) <= 2^20` | 1.7e-16 absolute | 2.2e-16 |
 //! | [`deficit_versine`] | `x² <= ½` | 1.2e-16, 6.4e-16 absolute | 1.4e-16, 7e-16 |
@@ -23,15 +23,14 @@
 
 use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E, TAU};
 
-/// `x + ROUND` has the integer nearest to `x` in its low bits, if `|x| < 2^51`.
+/// The low bits of `x + ROUND` are the integer nearest to `x`, if `|x| < 2^51`.
 const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
 /// The sign bit.
 const SIGN: u64 = 1 << 63;
-/// Beyond this no reduction is attempted.
+/// The largest argument that [`sin_cos`] reduces.
 const SIN_COS_LIMIT: f64 = 1_073_741_824.0; // 2^30
 
-// Everything between here and the end of the constants is printed by
-// `python3 crates/real/tools/coefficients.py`.
+// `python3 crates/real/tools/coefficients.py` prints the constants from here to their end.
 const HALF_PI_1: f64 = 1.5707963267341256;
 const HALF_PI_2: f64 = 6.077100506303966e-11;
 const HALF_PI_3: f64 = 2.0222662487111665e-21;
@@ -120,7 +119,7 @@ const VERSINE: [f64; 6] = [
 ];
 // End of the constants.
 
-/// `c[0] + c[1] z + … + c[N-1] z^(N-1)`, the even and the odd powers by Horner's scheme in `z²`:
+/// `c[0] + c[1] z + … + c[N-1] z^(N-1)`, even and odd powers by Horner's scheme in `z²`. This makes
 /// two short chains of dependent operations instead of a long one.
 #[inline(always)]
 fn polynomial<const N: usize>(c: [f64; N], z: f64) -> f64 {
@@ -133,14 +132,14 @@ fn polynomial<const N: usize>(c: [f64; N], z: f64) -> f64 {
         low = low * w + c[i];
     }
     if i == 1 {
-        // N is odd: `high` has the even powers without the last one.
+        // N is odd: `high` has the even powers except the last one.
         (high * w + c[0]) + low * z
     } else {
         low + high * z
     }
 }
 
-/// Turns (sine, cosine) of a reduced angle by `quarters` quarter turns (only two bits count).
+/// (sine, cosine) of a reduced angle plus `quarters` quarter turns; only two bits of it count.
 #[inline(always)]
 fn turn(quarters: u64, s: f64, c: f64) -> (f64, f64) {
     let (s, c) = if quarters & 1 == 0 { (s, c) } else { (c, s) };
@@ -151,15 +150,15 @@ fn turn(quarters: u64, s: f64, c: f64) -> (f64, f64) {
 
 /// `(sin x, cos x)`.
 ///
-/// `x = k π/2 + r` with `|r| <= π/4`: `π/2` is a sum of four parts, of which the first three have
-/// 33 bits, so that for `|k| < 2^20` their products with `k` are exact; the rounding errors of the
-/// subtractions are carried along in a second word. Sine and cosine of `r` are minimax polynomials
-/// in `r²`, and the quadrant `k mod 4` swaps them and sets their signs.
+/// The argument is reduced to `x = k π/2 + r` with `|r| <= π/4` (Cody and Waite 1980). `π/2` is the
+/// sum of four parts. The first three have 33 bits, so for `|k| < 2^20` their products with `k` are
+/// exact. A second word holds the rounding errors of the subtractions. Sine and cosine of `r` are
+/// minimax polynomials in `r²`. The quadrant `k mod 4` swaps them and sets their signs.
 ///
 /// Error at most 1.02 ulp (measured) for `|x| <= 2^20`, also next to the multiples of `π/2`. For
-/// `2^20 < |x| <= 2^30` the values are those of an argument changed by at most one ulp; for larger
-/// finite `x` they are `(±0, 1)`. All values are in `[-1, 1]`. `sin(±0) = ±0`; an infinite `x` or
-/// NaN gives NaN.
+/// `2^20 < |x| <= 2^30` the result belongs to an argument changed by at most one ulp. For larger
+/// finite `x` it is `(±0, 1)`. All values are in `[-1, 1]`. `sin(±0) = ±0`; an infinite `x` or NaN
+/// gives NaN.
 #[inline(always)]
 #[must_use]
 pub fn sin_cos(x: f64) -> (f64, f64) {
@@ -167,8 +166,9 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     let x = if x.abs() <= SIN_COS_LIMIT { x } else { x * 0.0 };
     let t = x * FRAC_2_PI + ROUND;
     let k = t - ROUND;
-    // r - e = x - k π/2. Both differences are sums of two words without error: the larger operand
-    // is the first one, or else both are multiples of a unit in which the result has few digits.
+    // r - e = x - k π/2. Both differences are error-free sums of two words: either the first
+    // operand is the larger one, or both are multiples of a unit in which the result has few
+    // digits.
     let a = x - k * HALF_PI_1;
     let w = k * HALF_PI_2;
     let b = a - w;
@@ -183,11 +183,11 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     turn(t.to_bits(), s, c)
 }
 
-/// `(sin x, cos x)` for `|x| <= 2^20` with an absolute error instead of a relative one, in three
-/// quarters of the operations.
+/// `(sin x, cos x)` for `|x| <= 2^20` with a bounded absolute error, in three quarters of the
+/// operations of [`sin_cos`].
 ///
-/// As [`sin_cos`] with `π/2` in two parts and nothing carried along. Error at most 1.7e-16
-/// (measured); any other `x` gives NaN.
+/// `π/2` has two parts here and there is no second word for rounding errors. Absolute error at most
+/// 1.7e-16 (measured); any other `x` gives NaN.
 #[inline(always)]
 #[must_use]
 pub fn sin_cos_absolute(x: f64) -> (f64, f64) {
@@ -196,20 +196,20 @@ pub fn sin_cos_absolute(x: f64) -> (f64, f64) {
     let r = (x - k * HALF_PI_1) - k * HALF_PI_REST;
     let r = if x.abs() <= 1_048_576.0 { r } else { f64::NAN };
     let z = r * r;
-    // Written for short chains of operations that wait for each other.
+    // The order of operations keeps chains of dependent operations short.
     let s = r + (r * z) * polynomial(SIN, z);
     let c = (1.0 - 0.5 * z) + (z * z) * polynomial(COS, z);
     turn(t.to_bits(), s, c)
 }
 
-/// `sin x`: the first value of [`sin_cos`], same bits.
+/// `sin x`: the same bits as the first value of [`sin_cos`].
 #[inline(always)]
 #[must_use]
 pub fn sin(x: f64) -> f64 {
     sin_cos(x).0
 }
 
-/// `cos x`: the second value of [`sin_cos`], same bits.
+/// `cos x`: the same bits as the second value of [`sin_cos`].
 #[inline(always)]
 #[must_use]
 pub fn cos(x: f64) -> f64 {
@@ -218,10 +218,10 @@ pub fn cos(x: f64) -> f64 {
 
 /// `(sin 2πu, cos 2πu)` for `u` in `[0, 1]`.
 ///
-/// `u = k/4 + r` with `|r| <= 1/8` has no rounding error; the polynomials contain the factor `2π`.
-/// Absolute error at most 1.9e-16 (measured); the quarter turns are exact and all values are in
-/// `[-1, 1]`. It holds outside of `[0, 1]`, too, as far as `|u| < 2^49`; an infinite `u` or NaN
-/// gives NaN.
+/// The reduction `u = k/4 + r` with `|r| <= 1/8` has no rounding error. The polynomials contain the
+/// factor `2π`. Absolute error at most 1.9e-16 (measured). Quarter turns are exact and all values
+/// are in `[-1, 1]`. The formula also holds outside `[0, 1]` while `|u| < 2^49`. An infinite `u` or
+/// NaN gives NaN.
 #[inline(always)]
 #[must_use]
 pub fn sin_cos_turn(u: f64) -> (f64, f64) {
@@ -236,19 +236,18 @@ pub fn sin_cos_turn(u: f64) -> (f64, f64) {
 
 /// `e^x`.
 ///
-/// `x = k ln 2 + r` with `|r| <= ln 2 / 2` (`ln 2` in two parts, `k` times the first one exact),
-/// `e^r = 1 + r + r² P(r)`, and two multiplications by powers of two, of which only the last one
-/// can round, if the result is subnormal.
+/// The argument is reduced to `x = k ln 2 + r` with `|r| <= ln 2 / 2`. `ln 2` has two parts, and
+/// `k` times the first part is exact. Then `e^r = 1 + r + r² P(r)`, followed by two multiplications
+/// by powers of two. Only the last of them can round, namely to a subnormal result.
 ///
-/// Error at most 0.99 ulp (measured) over the full range, subnormal results included (gradual
-/// underflow). Above 709.79 it overflows to infinity, below -745.14 it is 0; `exp(±0) = 1`; NaN
-/// gives NaN.
+/// Error at most 0.99 ulp (measured) over the full range, also for subnormal results. Above 709.79
+/// the result is infinite, below -745.14 it is 0. `exp(±0) = 1`; NaN gives NaN.
 #[inline(always)]
 #[must_use]
 pub fn exp(x: f64) -> f64 {
     // The low bits of t are k + 2 * 1023, the sum of two biased exponents.
     const BIASED: f64 = ROUND + 2046.0;
-    // Comparisons are false for NaN, which thus stays.
+    // Comparisons with NaN are false, so NaN stays NaN.
     let x = if x > 710.0 { 710.0 } else { x };
     let x = if x < -746.0 { -746.0 } else { x };
     let t = x * LOG2_E + BIASED;
@@ -260,7 +259,7 @@ pub fn exp(x: f64) -> f64 {
     (p * f64::from_bits(half << 52)) * f64::from_bits(rest << 52)
 }
 
-/// 1/(k+2)! for k = 0 … 13: what is left out is below 2^-66 for `|r| <= ln 2 / 2`.
+/// 1/(k+2)! for k = 0 … 13. The truncation error is below 2^-66 for `|r| <= ln 2 / 2`.
 const EXP_SERIES: [f64; 14] = {
     let mut coefficients = [0.0; 14];
     let (mut factorial, mut k) = (1.0, 0);
@@ -272,14 +271,14 @@ const EXP_SERIES: [f64; 14] = {
     coefficients
 };
 
-/// `(p, e)` with `p + e = e^x` more accurately than one number can say: `p` is `e^x` rounded, to
-/// less than one ulp, and `e` the remainder.
+/// `e^x` in double-double: `(p, e)` where `p` is `e^x` rounded with an error below one ulp and
+/// `p + e` is `e^x` more accurately.
 ///
-/// The reduction of [`exp`], with the roundings of its three additions kept and a series in place
-/// of the minimax polynomial, whose coefficients are off by 1e-15 in favour of their number. What
-/// `p + e` lacks of `e^x` is the rounding of `r² P(r)`, below `2^-56` of it and `2^-53 x²` for
-/// small `x`; `tests/elementary.rs` asserts twice that through `e^x e^{-x} = 1` and `e^{2x} =
-/// (e^x)²`. Where `p` is zero, subnormal or infinite the remainder is zero; NaN gives NaN.
+/// The reduction is that of [`exp`]. The rounding errors of its three additions are added to `e`.
+/// A Taylor series replaces the minimax polynomial, whose leading coefficients are off by 1e-15.
+/// The error of `p + e` is the rounding of `r² P(r)`: below `2^-56 e^x`, and below `2^-53 x²` for
+/// small `x`. `tests/elementary.rs` asserts twice that through `e^x e^{-x} = 1` and `e^{2x} =
+/// (e^x)²`. Where `p` is zero, subnormal or infinite, `e` is zero. NaN gives NaN.
 #[inline(always)]
 #[must_use]
 pub fn exp_with_remainder(x: f64) -> (f64, f64) {
@@ -288,7 +287,7 @@ pub fn exp_with_remainder(x: f64) -> (f64, f64) {
     let x = if x < -746.0 { -746.0 } else { x };
     let t = x * LOG2_E + BIASED;
     let k = t - BIASED;
-    // Each sum of two numbers of which the first is the larger one, with what its rounding loses.
+    // Each sum has the larger summand first, so that its rounding error is exactly computable.
     let (a, b) = (x - k * LN_2_1, k * LN_2_2);
     let r = a - b;
     let lost_r = (a - r) - b;
@@ -312,7 +311,7 @@ fn exponent_fraction(x: f64) -> (f64, f64) {
     const FRACTION: u64 = (1 << 52) - 1;
     const TWO_52: f64 = 4_503_599_627_370_496.0;
     const BIAS: u64 = 1024;
-    // The bits of x / √½, with an exponent which stays positive for every x.
+    // The bits of x / √½, with an exponent that is positive for every x.
     let bits = x.to_bits().wrapping_sub(SQRT_HALF_BITS).wrapping_add(BIAS << 52);
     let e = f64::from_bits((bits >> 52) | TWO_52.to_bits()) - (TWO_52 + BIAS as f64);
     let m = f64::from_bits((bits & FRACTION).wrapping_add(SQRT_HALF_BITS));
@@ -321,9 +320,9 @@ fn exponent_fraction(x: f64) -> (f64, f64) {
 
 /// `ln x`.
 ///
-/// `x = 2^e (1 + f)` with `√½ <= 1 + f < √2`; with `s = f / (2 + f)`, `z = s²` and `h = f²/2`,
-/// `ln(1 + f) = f - (h - s (h + z P(z)))`, where `2 s + s z P(z)` is the series of `2 artanh s`.
-/// `e ln 2` is added in two parts, the first one exact.
+/// The argument is reduced to `x = 2^e (1 + f)` with `√½ <= 1 + f < √2`. With `s = f / (2 + f)`,
+/// `z = s²` and `h = f²/2`, `ln(1 + f) = f - (h - s (h + z P(z)))`, where `2 s + s z P(z)` is the
+/// series of `2 artanh s`. `e ln 2` is added in two parts, the first of them exact.
 ///
 /// Error at most 0.78 ulp (measured) for all `x > 0`, also next to 1 and for subnormal `x`.
 /// `ln(±0) = -inf`, `ln(inf) = inf`; a negative `x` and NaN give NaN.
@@ -348,9 +347,9 @@ pub fn ln(x: f64) -> f64 {
 
 /// `ln u` for a normal `u` in `(0, 1)`, without the special cases of [`ln`].
 ///
-/// `e ln 2 + s (2 + z P(z))` with the reduction and the polynomial of [`ln`]. Error at most 2.55
-/// ulp (measured), also next to 1. Any other argument (zero, subnormal, negative, infinite, NaN)
-/// gives a meaningless value; a normal `u >= 1` is right as well.
+/// The formula is `e ln 2 + s (2 + z P(z))` with the reduction and the polynomial of [`ln`]. Error
+/// at most 2.55 ulp (measured), also next to 1. Normal `u >= 1` are allowed as well. Zero,
+/// subnormal, negative, infinite and NaN arguments give a meaningless value.
 #[inline(always)]
 #[must_use]
 pub fn ln_unit(u: f64) -> f64 {
@@ -362,9 +361,9 @@ pub fn ln_unit(u: f64) -> f64 {
 
 /// `sin(x) / x`, and 1 for `x = ±0`.
 ///
-/// The quotient of [`sin`] and `x`: nothing cancels, near 0 the sine is `x` up to a relative
-/// error. Error at most 1.73 ulp (measured) for `|x| <= 2^20`; beyond see [`sin_cos`] (absolute
-/// error below `2^-30`). An infinite `x` or NaN gives NaN.
+/// This is the quotient of [`sin`] and `x`. Nothing cancels, since the sine has a small relative
+/// error near 0. Error at most 1.73 ulp (measured) for `|x| <= 2^20`. Beyond that the absolute
+/// error is below `2^-30` (see [`sin_cos`]). An infinite `x` or NaN gives NaN.
 #[inline(always)]
 #[must_use]
 pub fn sinc(x: f64) -> f64 {
@@ -372,13 +371,14 @@ pub fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { q }
 }
 
-/// `((1 - sin(x)/x)/x², (1 - cos x)/x²)` for `x² <= ½`: what the means of `cos(ηx)` and `sin(ηx)`
-/// over `0 <= η <= 1` are made of, `1 - x² deficit` and `x versine`, and their derivatives, `x
-/// (deficit - versine)` and `1 - x² deficit - versine`.
+/// `(deficit, versine) = ((1 - sin(x)/x)/x², (1 - cos x)/x²)` for `x² <= ½`.
 ///
-/// Two polynomials in `x²`, without a division or a reduction: made for the small differences of a
-/// short step. The absolute errors, 1.2e-16 and 6.4e-16 at most (measured), are multiplied by `x²`
-/// and `x` in the means. For any other `x` the deficit is NaN.
+/// The means of `cos(ηx)` and `sin(ηx)` over `0 <= η <= 1` are `1 - x² deficit` and `x versine`.
+/// Their derivatives are `x (deficit - versine)` and `1 - x² deficit - versine`.
+///
+/// Both are polynomials in `x²`, without a division or a reduction. Absolute errors at most 1.2e-16
+/// and 6.4e-16 (measured); the means multiply them by `x²` and `x`. For any other `x` the deficit
+/// is NaN.
 #[inline(always)]
 #[must_use]
 pub fn deficit_versine(x: f64) -> (f64, f64) {
@@ -389,9 +389,9 @@ pub fn deficit_versine(x: f64) -> (f64, f64) {
 
 /// `x^n` by repeated squaring; `powi(x, 0) = 1` for every `x`, NaN included.
 ///
-/// With a constant `n` the loop unrolls to the multiplications alone, for instance `x² x` for
-/// `n = 3` and `(x²)²` for `n = 4`. For `n < 0` it is the reciprocal of `x^|n|`, which is 0 where
-/// `x^|n|` overflows. The products follow the bits of `|n|`, lowest first; to first order the
+/// With a constant `n` the loop unrolls to multiplications alone, for instance `x² x` for `n = 3`
+/// and `(x²)²` for `n = 4`. For `n < 0` the result is the reciprocal of `x^|n|`, hence 0 where
+/// `x^|n|` overflows. The products follow the bits of `|n|`, lowest first. To first order the
 /// relative error is at most `|n| 2^-53`.
 #[inline(always)]
 #[must_use]

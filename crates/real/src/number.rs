@@ -1,15 +1,15 @@
-//! What a formula may ask of a number.
+//! The trait of real numbers and its implementation for `f64`.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::elementary;
 
-/// A real number, or something that computes like one.
+/// A number type that formulas are written for: arithmetic and elementary functions.
 ///
-/// Implemented by `f64` and by [`Dual`](crate::Dual) over any `Real`. Operations with an `f64` on
-/// the right are cheaper than turning the constant into a `Self` first. There are no comparisons: a
-/// formula with a branch would not vectorise; [`Real::select`] chooses between two values by a
-/// condition on [`Real::value`].
+/// `f64` implements it, and so does [`Dual`](crate::Dual) over any `Real`. An operation with an
+/// `f64` on the right is cheaper than converting the constant to `Self` first. There are no
+/// comparisons, because a formula with a branch would not vectorise. [`Real::select`] chooses
+/// between two values by a condition on [`Real::value`].
 pub trait Real:
     Copy
     + Send
@@ -28,7 +28,7 @@ pub trait Real:
     fn constant(x: f64) -> Self;
     /// The value, without derivatives.
     fn value(self) -> f64;
-    /// (sin x, cos x), sharing the reduction of the argument.
+    /// (sin x, cos x) with one argument reduction.
     fn sin_cos(self) -> (Self, Self);
     /// eˣ.
     fn exp(self) -> Self;
@@ -36,7 +36,7 @@ pub trait Real:
     fn ln(self) -> Self;
     /// √x.
     fn sqrt(self) -> Self;
-    /// sin(x)/x, continued by 1 at x = 0, without cancellation.
+    /// sin(x)/x without cancellation, and 1 at x = 0.
     fn sinc(self) -> Self;
     /// `a` if `condition`, else `b`, without a branch.
     fn select(condition: bool, a: Self, b: Self) -> Self;
@@ -66,7 +66,7 @@ pub trait Real:
     fn recip(self) -> Self {
         Self::one() / self
     }
-    /// xⁿ by repeated squaring; n is meant to be a constant.
+    /// xⁿ by repeated squaring. Use a constant n: the loop is then unrolled.
     #[inline(always)]
     fn powi(self, n: i32) -> Self {
         let mut base = if n < 0 { self.recip() } else { self };

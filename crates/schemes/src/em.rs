@@ -2,13 +2,17 @@
 
 use crate::{Explicit, Increment};
 
-/// Euler–Maruyama on the Itô form, `em` (Bréhier, Cohen and Komori 2025, §5).
+/// The Euler–Maruyama scheme on the Itô form, `em` (Maruyama 1955; Bréhier, Cohen and Komori 2025,
+/// §5).
 ///
 /// y_{n+1} = y_n + B∇h + τ(½Σ fₘ′fₘ − γ(t_n)y_n), all at y_n, with h = H₀τ + Σ HₘΔŴₘ and fₘ = B∇Hₘ.
 ///
-/// The paper's system is in Stratonovich form; ½Σ fₘ′fₘ, by directional derivatives that include
-/// that of B, turns it into the Itô form that this scheme needs. Strong order ½, weak order 1; keeps
-/// no invariant. M + 1 evaluations of the vector field and M of its derivative a step.
+/// The term ½Σ fₘ′fₘ converts the Stratonovich equation to the Itô equation. It is computed by
+/// directional derivatives, including that of B.
+///
+/// - Orders: strong ½, weak 1.
+/// - Preserves no invariant.
+/// - Cost per step: M + 1 evaluations of the vector field and M of its derivative.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EulerMaruyama;
 

@@ -1,4 +1,4 @@
-//! What a scheme is: one formula on one path.
+//! The traits of schemes that are one formula on one path.
 
 use nonlin::Solver;
 
@@ -6,8 +6,9 @@ use crate::Increment;
 
 /// An explicit one-step scheme: y_{n+1} as a formula in y_n.
 ///
-/// Whoever implements it has a [`Scheme`](crate::Scheme) for every system: the vectorised kernel,
-/// ladders, multilevel, measured orders.
+/// Every type with this trait is a [`Scheme`](crate::Scheme) for every system, with a vectorised
+/// kernel. Increments and areas are truncated unless [`CLIPS_INCREMENTS`](Self::CLIPS_INCREMENTS)
+/// is false.
 ///
 /// ```
 /// use noise::Noise;
@@ -36,26 +37,25 @@ pub trait Explicit: Send + Sync {
     /// Identifier in results.
     const ID: &'static str;
 
-    /// Whether the formula reads Lévy areas ([`Increment::commutators`]). Whoever drives the scheme
-    /// then draws them, which costs far more than increments do.
+    /// Whether the formula uses Lévy areas ([`Increment::commutators`]). If so, the driver draws
+    /// them, which costs far more than drawing increments.
     const READS_AREAS: bool = false;
 
-    /// Whether increments and areas are truncated before the formula sees them.
+    /// Whether the driver truncates increments and areas.
     const CLIPS_INCREMENTS: bool = true;
 
-    /// y_{n+1}. Mark it `#[inline(always)]` and write no closures in it: only what is inlined is
+    /// y_{n+1} from `y` = y_n. Mark it `#[inline(always)]` and avoid closures: only inlined code is
     /// vectorised.
     fn advance<H: Increment>(&self, h: H, y: H::Vector) -> H::Vector;
 }
 
 /// An implicit one-step scheme: the equation z = ψ(ẑ, z).
 ///
-/// Without exact damping ẑ = y_n and y_{n+1} = z. With it, half of the damping is applied before
-/// and half after: ẑ = e^{−∫γ, first half} y_n and y_{n+1} = e^{−∫γ, second half} z (a Strang
-/// splitting).
+/// Without exact damping, ẑ = y_n and y_{n+1} = z. With exact damping, ẑ = e^{−∫γ, first half} y_n
+/// and y_{n+1} = e^{−∫γ, second half} z (Strang splitting).
 ///
-/// Whoever implements it has a [`Scheme`](crate::Scheme) for every system; the equation is solved
-/// to round-off on 32 paths at a time ([`Solver`]).
+/// Every type with this trait is a [`Scheme`](crate::Scheme) for every system, with a vectorised
+/// kernel that solves the equation to round-off on 32 paths at a time ([`Solver`]).
 ///
 /// ```
 /// use noise::Noise;
@@ -84,29 +84,28 @@ pub trait Implicit: Send + Sync {
     /// Identifier in results.
     const ID: &'static str;
 
-    /// Whether the formula reads Lévy areas ([`Increment::commutators`]). Whoever drives the scheme
-    /// then draws them, which costs far more than increments do.
+    /// Whether the formula uses Lévy areas ([`Increment::commutators`]). If so, the driver draws
+    /// them, which costs far more than drawing increments.
     const READS_AREAS: bool = false;
 
-    /// Whether increments and areas are truncated before the formula sees them. An implicit step
-    /// is solvable for sure only if they are.
+    /// Whether the driver truncates increments and areas. Otherwise a step may have no solution.
     const CLIPS_INCREMENTS: bool = true;
 
-    /// Whether half of the damping is applied exactly before and half after the equation.
+    /// Whether the damping is exact, in two halves before and after the equation.
     const EXACT_DAMPING: bool = false;
 
-    /// Whether ψ(ẑ, z) = ẑ + averaged_field(ẑ, z), whose solution some systems predict
-    /// ([`PoissonSystem::predict`](systems::PoissonSystem::predict)).
+    /// Whether ψ(ẑ, z) = ẑ + averaged_field(ẑ, z), so that
+    /// [`PoissonSystem::predict`](systems::PoissonSystem::predict) applies.
     const PREDICTED: bool = false;
 
-    /// Whether ψ does not depend on z, so that there is no equation: what [`Explicit`] says.
+    /// Whether ψ does not depend on z, so that nothing is solved. True for [`Explicit`] schemes.
     const EXPLICIT: bool = false;
 
-    /// ψ(ẑ, z), with ẑ the `start`. For steps that shrink it must contract in z. Mark it
-    /// `#[inline(always)]` and write no closures in it: only what is inlined is vectorised.
+    /// ψ(ẑ, z) with ẑ = `start`. It must contract in z for small steps. Mark it
+    /// `#[inline(always)]` and avoid closures: only inlined code is vectorised.
     fn psi<H: Increment>(&self, h: H, start: H::Vector, z: H::Vector) -> H::Vector;
 
-    /// How the equation is solved.
+    /// The options for solving the equation.
     fn solver(&self) -> Solver {
         Solver::default()
     }

@@ -8,10 +8,12 @@ use crate::{Explicit, Increment};
 ///
 /// ỹ = y_n + F(t_n, y_n),  y_{n+1} = y_n + ½(F(t_n, y_n) + F(t_{n+1}, ỹ)).
 ///
-/// The average of the fields at both ends makes it consistent with the Stratonovich equation; no
-/// derivative of a field is needed. Strong order 1 for one noise or noises that commute, ½
-/// otherwise; weak order 1; order 2 without noise. Keeps no invariant: it is here as the explicit
-/// scheme that an implicit one has to beat. Two evaluations of the vector field a step.
+/// The average of the fields at both ends makes the scheme consistent with the Stratonovich
+/// equation, without derivatives of the fields.
+///
+/// - Orders: strong 1 for one noise or commuting noises, else ½; weak 1; order 2 without noise.
+/// - Preserves no invariant. It is the explicit scheme to compare implicit ones with.
+/// - Cost per step: two evaluations of the vector field.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Heun;
 

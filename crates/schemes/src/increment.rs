@@ -1,4 +1,4 @@
-//! What a formula sees of one step on one path.
+//! The operations that the formula of a scheme may use.
 
 use std::marker::PhantomData;
 use std::ops::{Add, Mul, Sub};
@@ -9,11 +9,11 @@ use systems::{PoissonSystem, ito_correction};
 
 use crate::Step;
 
-/// One step on one path, as a formula sees it: the Hamiltonian increment h = H₀τ + Σ HₘΔWₘ, the
-/// structure matrix B, and linear combinations of states.
+/// One step on one path: the Hamiltonian increment h = H₀τ + Σ HₘΔWₘ, the structure matrix B, and
+/// linear combinations of states.
 ///
-/// A scheme is a formula over these operations and nothing else, so one text of it serves plain
-/// numbers, dual numbers for Newton's method, and systems of any dimension.
+/// The formula of a scheme uses only these operations. So the same formula works on `f64`, on dual
+/// numbers for Newton's method, and in any dimension.
 pub trait Increment: Copy {
     /// A state or a direction: sums, differences and multiples by numbers.
     type Vector: Copy
@@ -33,12 +33,12 @@ pub trait Increment: Copy {
     /// ∇̄h(a, b) = ∫₀¹ ∇h((1−η)a + ηb) dη, the averaged discrete gradient.
     fn averaged_gradient(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
 
-    /// ½Σ fₘ′(y)fₘ(y) with fₘ = B∇Hₘ: the drift of the Itô form beyond that of the Stratonovich
+    /// ½Σ fₘ′(y)fₘ(y) with fₘ = B∇Hₘ: the drift of the Itô form minus that of the Stratonovich
     /// form, per unit of time.
     fn ito_correction(self, y: Self::Vector) -> Self::Vector;
 
     /// Σ_{m<l} A_ml \[fₘ, f_l\](y) with the Lévy areas A of the step and [f, g] = g′f − f′g. Zero
-    /// unless the scheme reads areas.
+    /// unless the scheme declares `READS_AREAS`.
     fn commutators(self, y: Self::Vector) -> Self::Vector;
 
     /// B(y)∇h(y), the vector field over the step.
@@ -47,14 +47,15 @@ pub trait Increment: Copy {
         self.structure(y, self.gradient(y))
     }
 
-    /// B((a+b)/2)·∇̄h(a, b), the change of the energy-preserving step from a to b.
+    /// B((a+b)/2)·∇̄h(a, b), the change over an energy-preserving step from a to b (Cohen and
+    /// Hairer 2011).
     #[inline(always)]
     fn averaged_field(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
         self.structure((a + b) * 0.5, self.averaged_gradient(a, b))
     }
 }
 
-/// D numbers of type R that add, subtract and scale component by component.
+/// A vector of D numbers of type R with addition, subtraction and multiplication by a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vector<R, const D: usize>(pub [R; D]);
 
@@ -91,24 +92,17 @@ impl<R: Real, const D: usize> Mul<f64> for Vector<R, D> {
     }
 }
 
-/// The increment of a [`PoissonSystem`] on numbers of type R.
-pub(crate) struct SystemIncrement<'a, S, R, const D: usize, const M: usize> {
-    pub(crate) system: &'a S,
+/// The increment of a [`PoissonSystem`] on numbers of type R; S is a reference to the system.
+#[derive(Clone, Copy)]
+pub(crate) struct SystemIncrement<S, R, const D: usize, const M: usize> {
+    pub(crate) system: S,
     pub(crate) step: Step,
     pub(crate) noise: Noise<M>,
     pub(crate) number: PhantomData<R>,
 }
 
-impl<S, R, const D: usize, const M: usize> Clone for SystemIncrement<'_, S, R, D, M> {
-    #[inline(always)]
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-impl<S, R, const D: usize, const M: usize> Copy for SystemIncrement<'_, S, R, D, M> {}
-
 impl<S: PoissonSystem<D, M>, R: Real, const D: usize, const M: usize> Increment
-    for SystemIncrement<'_, S, R, D, M>
+    for SystemIncrement<&S, R, D, M>
 {
     type Vector = Vector<R, D>;
 
@@ -142,7 +136,7 @@ impl<S: PoissonSystem<D, M>, R: Real, const D: usize, const M: usize> Increment
     }
 }
 
-/// A vector of plain numbers, on numbers of type R.
+/// A constant vector on numbers of type R.
 #[inline(always)]
 pub(crate) fn constant<R: Real, const D: usize>(y: [f64; D]) -> Vector<R, D> {
     let mut constant = [R::zero(); D];

@@ -1,4 +1,4 @@
-//! The one kernel: any formula on any system, on one path and on a block of 32.
+//! The kernel that advances any formula on any system, on one path and on a block of 32.
 
 use std::marker::PhantomData;
 
@@ -64,39 +64,24 @@ fn scaled<const D: usize>(mut y: [f64; D], factor: f64) -> [f64; D] {
     y
 }
 
-/// Whether the second half of the damping may overflow; a NaN may.
+/// Whether the second half of the damping may give a state that is not finite.
 #[inline(always)]
 fn may_overflow(step: &Step) -> bool {
     step.second_decay > 1.0 || step.second_decay.is_nan()
 }
 
-/// The equation z = ψ(ẑ, z) of one path.
-struct Equation<'a, F, S, const D: usize, const M: usize> {
-    formula: &'a F,
-    system: &'a S,
+/// The equation z = ψ(ẑ, z) of one path; F and S are references to the formula and the system.
+#[derive(Clone, Copy)]
+struct Equation<F, S, const D: usize, const M: usize> {
+    formula: F,
+    system: S,
     step: Step,
     noise: Noise<M>,
     start: [f64; D],
 }
 
-impl<F, S, const D: usize, const M: usize> Clone for Equation<'_, F, S, D, M> {
-    #[inline(always)]
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-impl<F, S, const D: usize, const M: usize> Copy for Equation<'_, F, S, D, M> {}
-
-impl<'a, F, S, const D: usize, const M: usize> Equation<'a, F, S, D, M> {
-    #[inline(always)]
-    fn increment<R>(&self) -> SystemIncrement<'a, S, R, D, M> {
-        let Self { system, step, noise, .. } = *self;
-        SystemIncrement { system, step, noise, number: PhantomData }
-    }
-}
-
 impl<F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> FixedPoint<D>
-    for Equation<'_, F, S, D, M>
+    for Equation<&F, &S, D, M>
 {
     const METHOD: Method = match S::IMPLICIT_STEP {
         ImplicitStep::FixedPoint | ImplicitStep::UnrolledFixedPoint => Method::FixedPoint,
@@ -116,7 +101,9 @@ impl<F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> FixedP
 
     #[inline(always)]
     fn map<R: Real>(&self, z: [R; D]) -> [R; D] {
-        self.formula.psi(self.increment::<R>(), constant(self.start), crate::Vector(z)).0
+        let Self { system, step, noise, .. } = *self;
+        let increment = SystemIncrement { system, step, noise, number: PhantomData::<R> };
+        self.formula.psi(increment, constant(self.start), crate::Vector(z)).0
     }
 
     #[inline(always)]
@@ -125,28 +112,21 @@ impl<F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> FixedP
     }
 }
 
-/// The equations of a block.
+/// The equations of a block; F and S are references to the formula and the system.
+#[derive(Clone, Copy)]
 struct BlockEquation<'a, F, S, const D: usize, const M: usize> {
-    formula: &'a F,
-    system: &'a S,
+    formula: F,
+    system: S,
     step: Step,
     noise: &'a BlockNoise<M>,
     /// The states before the step.
     y: &'a Block<D>,
 }
 
-impl<F, S, const D: usize, const M: usize> Clone for BlockEquation<'_, F, S, D, M> {
-    #[inline(always)]
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-impl<F, S, const D: usize, const M: usize> Copy for BlockEquation<'_, F, S, D, M> {}
-
 impl<'a, F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> BlockFixedPoint<D>
-    for BlockEquation<'a, F, S, D, M>
+    for BlockEquation<'a, &'a F, &'a S, D, M>
 {
-    type Path = Equation<'a, F, S, D, M>;
+    type Path = Equation<&'a F, &'a S, D, M>;
     #[inline(always)]
     fn path(&self, p: usize) -> Self::Path {
         let Self { formula, system, step, noise, y } = *self;
@@ -181,7 +161,7 @@ impl<F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel
         let Self { formula, system, step, noise, y, status } = self;
         let step = *step;
         if F::EXPLICIT {
-            // Copies that nothing else points to: stores to them cannot change the noise.
+            // Copies without other references, so that stores to them cannot change the noise.
             let (start, mut next) = (*y, *y);
             let equations = BlockEquation { formula, system, step, noise, y: &start };
             for p in 0..WIDTH {

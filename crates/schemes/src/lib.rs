@@ -1,9 +1,10 @@
-//! **The conformal exponential integrator, with and without Lévy areas, and the schemes it is
-//! compared with.**
+//! **The stochastic conformal exponential integrator, with and without Lévy areas, and classical
+//! schemes for comparison.**
 //!
-//! A [`Scheme`] advances one path or a block of 32 by one step, with the same arithmetic: a block
-//! is 32 paths and nothing else. [`Sexp`] keeps quadratic Casimirs, and with one noise homogeneous
-//! Hamiltonians, exactly on their damped law; [`EulerMaruyama`], [`Heun`] and [`Midpoint`] do not.
+//! A [`Scheme`] advances one path or a block of 32 paths by one step, with the same bits. [`Sexp`]
+//! preserves the conformal law of linear and quadratic Casimirs exactly, and with one noise that of
+//! homogeneous Hamiltonians. [`EulerMaruyama`], [`Heun`] and [`Midpoint`] do not. To define a
+//! scheme, implement [`Explicit`] or [`Implicit`].
 //!
 //! ```
 //! use noise::Noise;
@@ -16,20 +17,20 @@
 //! let y0 = [1.1f64.cos(), 0.0, 1.1f64.sin()];
 //! let y1 = Sexp::default().step(&body, &step, &Noise::increments([0.2, -0.3, 0.1]), y0);
 //!
-//! // One step damps the Casimir ½|y|² by exp(−2∫γ), whatever the noise was.
+//! // One step damps the Casimir ½|y|² by exp(−2∫γ) for every outcome of the noise.
 //! let law = (-2.0 * step.damping_integral()).exp();
 //! let ratio = body.invariant(0, y1.z) / body.invariant(0, y0);
 //! assert!((ratio / law - 1.0).abs() < 1e-15);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! | scheme | kind | strong order, one noise / several | keeps |
-//! |---|---|---|---|
-//! | [`Sexp`] | implicit, exponential | 1 / ½ | conformal quadratic Casimirs; one noise: conformal homogeneous energy |
-//! | [`SexpLevy`] | the same with Lévy areas | 1 / 1 | the same |
-//! | [`Midpoint`] | implicit | 1 / ½ | quadratic Casimirs when undamped |
-//! | [`Heun`] | explicit, no derivatives | 1 / ½ | nothing |
-//! | [`EulerMaruyama`] | explicit | ½ / ½ | nothing |
+//! | scheme | kind | strong order for one / several noises |
+//! |---|---|---|
+//! | [`Sexp`] | implicit, exponential | 1 / ½ |
+//! | [`SexpLevy`] | implicit, exponential, with Lévy areas | 1 / 1 |
+//! | [`Midpoint`] | implicit | 1 / ½ |
+//! | [`Heun`] | explicit | 1 / ½ |
+//! | [`EulerMaruyama`] | explicit | ½ / ½ |
 
 mod em;
 mod formula;

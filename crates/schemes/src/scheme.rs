@@ -1,4 +1,4 @@
-//! A scheme on a system, as whoever drives it sees it.
+//! The trait of one-step methods.
 
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Solution};
@@ -8,21 +8,22 @@ use crate::Step;
 
 /// A one-step method for systems of type S in D dimensions with M noises.
 ///
-/// Every formula that is [`Explicit`](crate::Explicit) or [`Implicit`](crate::Implicit) is a scheme
-/// for every [`PoissonSystem`](systems::PoissonSystem); only what is no formula on one path
-/// implements this trait itself. Schemes draw no random number, truncate nothing and keep no state.
+/// Every [`Explicit`](crate::Explicit) or [`Implicit`](crate::Implicit) formula is a scheme for
+/// every [`PoissonSystem`](systems::PoissonSystem). Implement this trait directly only if a method
+/// is not one formula on one path. Schemes draw no random numbers, truncate nothing and have no
+/// state.
 pub trait Scheme<S, const D: usize, const M: usize>: Send + Sync {
-    /// Identifier in results: `sexp`, `em`, `heun`, `midpoint`, `sexp-levy`.
+    /// Identifier in results, for example `sexp`.
     fn id(&self) -> &'static str;
 
-    /// Whether the scheme reads the Lévy areas of a step. Whoever drives it then draws them.
+    /// Whether the scheme reads the Lévy areas of a step. If so, the driver draws them.
     fn reads_areas(&self) -> bool;
 
-    /// Whether whoever drives the scheme truncates increments and areas.
+    /// Whether the driver truncates increments and areas for this scheme.
     fn clips_increments(&self) -> bool;
 
-    /// Advances every path of a block by one step and overwrites `status`. A path that is `failed`
-    /// there holds the last iterate, which is no solution.
+    /// Advances every path of the block `y` by one step and overwrites `status`. A path that
+    /// `status` marks as failed holds the last iterate of the solver, which is not a solution.
     fn step_block(
         &self,
         system: &S,
@@ -32,7 +33,6 @@ pub trait Scheme<S, const D: usize, const M: usize>: Send + Sync {
         status: &mut BlockStatus,
     );
 
-    /// Advances one path by one step: the same bits as that path of
-    /// [`step_block`](Self::step_block).
+    /// Advances one path by one step, with the same bits as [`step_block`](Self::step_block).
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D>;
 }

@@ -10,14 +10,17 @@ use crate::{Implicit, Increment};
 ///
 /// ẑ = e^{−∫γ, first half} y_n,  z = ẑ + B((ẑ+z)/2) ∇̄h(ẑ, z),  y_{n+1} = e^{−∫γ, second half} z.
 ///
-/// A Strang splitting into exact damping and an energy-preserving step. Strong order 1 for one
-/// noise or noises that commute, ½ otherwise (truncation order k ≥ 2); weak order 1. Keeps linear
-/// and quadratic Casimirs exactly on their damped law for every τ; with one noise,
-/// dy = B∇H(dt + c∘dW) − γy dt, also a homogeneous H. One nonlinear system of D equations a step.
-/// Take it where an invariant matters, or where large steps must stay bounded.
+/// This is a Strang splitting into exact damping and an energy-preserving step.
+///
+/// - Orders: strong 1 for one noise or commuting noises, else ½ (truncation order k ≥ 2); weak 1.
+/// - Preserves the conformal law of linear and quadratic Casimirs exactly for every τ. With one noise,
+///   dy = B∇H(dt + c∘dW) − γy dt, it also preserves that of a homogeneous H.
+/// - Cost per step: one nonlinear system of D equations.
+///
+/// Use it if an invariant matters, or if large steps must stay bounded.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sexp {
-    /// How the implicit equation is solved.
+    /// The options for solving the implicit equation.
     pub solver: Solver,
 }
 

@@ -1,4 +1,4 @@
-//! The conformal exponential integrator with Lévy areas.
+//! The stochastic conformal exponential integrator with Lévy areas.
 
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Solution, Solver};
@@ -7,32 +7,33 @@ use systems::{PoissonSystem, noises_commute};
 
 use crate::{Implicit, Increment, Scheme, Sexp, Step};
 
-/// The conformal exponential integrator with Lévy areas, `sexp-levy`: strong order 1 for any number
-/// of noises.
+/// The stochastic conformal exponential integrator with Lévy areas, `sexp-levy`: an extension of
+/// [`Sexp`] (Bréhier, Cohen and Komori 2025) with strong order 1 for any number of noises.
 ///
-/// With ẑ = e^{−∫γ, first half} y_n, z̄ = (ẑ+z)/2 and the Lévy areas A_ml of the step,
+/// With ẑ = e^{−∫γ, first half} y_n, z̄ = (ẑ+z)/2 and the truncated Lévy areas Â_ml of the step,
 ///
 /// z = ẑ + B(z̄) ∇̄h(ẑ, z) + Σ_{m<l} Â_ml \[fₘ, f_l\](z̄),  y_{n+1} = e^{−∫γ, second half} z,
 ///
-/// where fₘ = B∇Hₘ and [f, g] = g′f − f′g. The sum is what the step of [`Sexp`] lacks of the
-/// Stratonovich–Taylor expansion of order 1 (Kloeden and Platen 1992, §5.5): Σ f_l′fₘ J_ml with
-/// J = ½ΔWΔWᵀ + A, of which the symmetric half is in the averaged gradient already. It is tangent to
-/// the level sets of every Casimir C, since [fₘ, f_l]C = fₘ(f_l C) − f_l(fₘ C) = 0 at every point,
-/// Jacobi's identity or not; so linear and quadratic Casimirs keep their damped law exactly, as with
-/// `Sexp`. A homogeneous energy is kept with one noise, where there is no area. Areas are truncated
-/// like increments, so that the equation stays solvable ([`noise::Truncation::area_bound`]).
+/// where fₘ = B∇Hₘ and [f, g] = g′f − f′g. The Stratonovich–Taylor expansion of order 1 has the
+/// term Σ f_l′fₘ J_ml with J = ½ΔWΔWᵀ + A (Kloeden and Platen 1992, §5.5). The averaged gradient
+/// contains its symmetric part, and the sum over areas is the skew part. It is tangent to the level
+/// sets of every Casimir C, since [fₘ, f_l]C = fₘ(f_l C) − f_l(fₘ C) = 0. Areas are truncated like
+/// increments ([`noise::Truncation::area_bound`]), so that the equation remains solvable.
 ///
-/// Where the noises commute no areas are read, and a step is one of [`Sexp`] and costs as much.
+/// - Orders: strong 1, weak 1.
+/// - Preserves the same conformal laws as [`Sexp`].
+/// - Cost per step: one nonlinear system of D equations, the commutators in every evaluation, and
+///   the Lévy areas. If the noises commute, no areas are read and a step is one of [`Sexp`].
 #[derive(Clone, Copy, Debug)]
 pub struct SexpLevy {
-    /// How the implicit equation is solved.
+    /// The options for solving the implicit equation.
     pub solver: Solver,
     commuting: bool,
 }
 
 impl SexpLevy {
-    /// The scheme for a system whose noises commute around `y0`, or do not
-    /// ([`systems::noises_commute`]).
+    /// The scheme for `system`. [`systems::noises_commute`] checks around `y0` whether areas are
+    /// needed.
     #[must_use]
     pub fn new<S, const D: usize, const M: usize>(system: &S, y0: [f64; D]) -> Self
     where
@@ -41,14 +42,14 @@ impl SexpLevy {
         Self { solver: Solver::default(), commuting: noises_commute(system, y0) }
     }
 
-    /// Whether the noises were found to commute.
+    /// Whether the noises commute, so that the scheme reads no areas.
     #[must_use]
     pub fn commuting(&self) -> bool {
         self.commuting
     }
 }
 
-/// The formula where noises do not commute.
+/// The formula for noises that do not commute.
 struct WithAreas {
     solver: Solver,
 }

@@ -1,20 +1,18 @@
-//! What all paths share in one step: time, step size and damping.
-
-use std::fmt;
+//! Time, step size and damping of one step, shared by all paths.
 
 use real::elementary;
 use systems::Damping;
 
-/// Step number n of size τ: t_n = nτ, and the damping over it.
+/// Step number n of size τ from t_n = nτ, with the damping over it.
 ///
-/// A damping factor is one of the two floating-point numbers next to e^{−∫γ}, and the number of the
-/// step decides which: the upper one as often as the position of e^{−∫γ} between them asks, by the
-/// sequence of the golden ratio. Rounded to nearest, a constant γ would have the same error in
-/// every step, and n steps an error of n·ε; so it stays below log n·ε. A factor is a function of
-/// the step and of nothing else, the same in a run that is resumed or computed in parts.
+/// exp(−∫γ) is rounded by deterministic dithering, so rounding bias does not accumulate. A damping
+/// factor is one of the two floating-point numbers next to exp(−∫γ). A golden-ratio sequence in n
+/// chooses between them, with frequencies such that the mean is exact. The error after n steps is
+/// of order ε·log n. Rounding to nearest would give the same error in every step for a constant γ,
+/// and n·ε after n steps. A factor depends on n, τ and γ alone, so it is the same in a resumed run.
 ///
-/// A factor is infinite where γ < 0 and the exact one exceeds 1.8·10³⁰⁸, and NaN where ∫γ is; the
-/// step of every scheme then fails.
+/// A factor is infinite if γ < 0 and exp(−∫γ) exceeds 1.8·10³⁰⁸, and NaN if ∫γ is NaN. The step of
+/// every scheme then fails.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     /// t_n.
@@ -34,28 +32,17 @@ pub struct Step {
     damping_integral: f64,
 }
 
-/// Why a step was refused.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// An invalid step.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepError {
-    /// The step size is not a positive number.
+    /// The step size is not positive and finite.
+    #[error("a step size must be positive and finite, got tau = {tau}")]
     Size {
-        /// The size that was given.
+        /// The given size.
         tau: f64,
     },
 }
-
-impl fmt::Display for StepError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Size { tau } => {
-                write!(f, "a step size must be positive and finite, got tau = {tau}")
-            }
-        }
-    }
-}
-
-impl std::error::Error for StepError {}
 
 impl Step {
     /// Step number `n` of size `tau`.
@@ -66,7 +53,7 @@ impl Step {
         if !(tau > 0.0 && tau.is_finite()) {
             return Err(StepError::Size { tau });
         }
-        // Grid times are products and not sums, so that t_n of different step sizes agree.
+        // Times are products, not sums, so that t_n agrees for different step sizes.
         let (start, end) = (n as f64 * tau, (n as f64 + 1.0) * tau);
         let middle = (n as f64 + 0.5) * tau;
         let (first, second) = (damping.integral(start, middle), damping.integral(middle, end));
@@ -89,12 +76,12 @@ impl Step {
     }
 }
 
-/// 2⁶⁴/φ made odd: the multiples of the golden ratio, modulo one, as 64-bit fractions. Of all
-/// sequences of multiples it leaves the smallest gaps.
+/// 2⁶⁴/φ made odd: its multiples modulo 2⁶⁴ are the multiples of the golden ratio modulo one. Of
+/// all such sequences this one has the smallest gaps.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// One of the two numbers next to eˣ, the farther one for the fraction |remainder|/spacing of all
-/// `number`s.
+/// One of the two floating-point numbers next to eˣ. A fraction |remainder|/spacing of all
+/// `number`s gives the farther one.
 fn dithered_exp(x: f64, number: u64) -> f64 {
     let (nearest, remainder) = elementary::exp_with_remainder(x);
     let other = if remainder > 0.0 {
@@ -117,7 +104,7 @@ mod tests {
         for x in [-1e-3, -0.01, 1e-5, -0.3, 2.0f64.ln(), 1.7e-8, -5.0] {
             let (nearest, remainder) = elementary::exp_with_remainder(x);
             let steps = 100_000u64;
-            // The sum of relative errors; each difference of neighbours is exact.
+            // The sum of relative errors. Differences of adjacent numbers are exact.
             let error: f64 =
                 (0..steps).map(|n| ((dithered_exp(x, n) - nearest) - remainder) / nearest).sum();
             // The discrepancy of the sequence is below 3 log n / n.

@@ -1,4 +1,4 @@
-//! Linear damping −γ(t)y: the rate γ and its integral.
+//! Linear damping −γ(t)y: the rate γ(t) and its integral.
 
 use dgrad::Rule;
 use real::Real;
@@ -6,15 +6,17 @@ use real::Real;
 use crate::SystemError;
 use crate::error::finite;
 
-/// γ(t) and ∫γ. The integrals of many small steps should add up to the integral over the whole time
-/// up to round-off: closed forms without cancellation where their arguments are exact, else
-/// differences of a function of one time, whose errors cancel in the sum.
+/// Linear damping −γ(t)y with the rate γ(t) and its integral.
+///
+/// The integrals over many small steps should add up to the integral over the whole interval up to
+/// round-off. Use a closed form without cancellation if its arguments are exact. Otherwise use the
+/// difference of an antiderivative at b and a: its errors cancel in the sum.
 pub trait Damping: Send + Sync {
     /// γ(t), in 1/time.
     fn rate(&self, t: f64) -> f64;
     /// ∫ₐᵇ γ(s) ds, dimensionless.
     fn integral(&self, a: f64, b: f64) -> f64;
-    /// γ in words, for reports.
+    /// The formula of γ for reports.
     fn describe(&self) -> String;
 }
 
@@ -37,10 +39,10 @@ pub struct Constant {
 }
 
 impl Constant {
-    /// γ(t) = `rate`; negative rates pump instead of damping.
+    /// γ(t) = `rate` in 1/time. A negative rate excites the system.
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteParameter`].
+    /// [`SystemError::NonFiniteParameter`] unless the rate is finite.
     pub fn new(rate: f64) -> Result<Self, SystemError> {
         Ok(Self { rate: finite("the damping rate", rate)? })
     }
@@ -65,10 +67,10 @@ pub struct Linear {
 }
 
 impl Linear {
-    /// γ(t) = `slope`·t.
+    /// γ(t) = `slope`·t, with the slope in 1/time².
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteParameter`].
+    /// [`SystemError::NonFiniteParameter`] unless the slope is finite.
     pub fn new(slope: f64) -> Result<Self, SystemError> {
         Ok(Self { slope: finite("the slope of the damping rate", slope)? })
     }
@@ -94,10 +96,10 @@ pub struct Sine {
 }
 
 impl Sine {
-    /// γ(t) = `amplitude`·sin(`frequency`·t).
+    /// γ(t) = `amplitude`·sin(`frequency`·t), both in 1/time.
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteParameter`].
+    /// [`SystemError::NonFiniteParameter`] unless both are finite.
     pub fn new(amplitude: f64, frequency: f64) -> Result<Self, SystemError> {
         let amplitude = finite("the amplitude of the damping rate", amplitude)?;
         Ok(Self { amplitude, frequency: finite("the frequency of the damping rate", frequency)? })
@@ -114,8 +116,8 @@ impl Damping for Sine {
         self.amplitude * Real::sin(self.frequency * t)
     }
     fn integral(&self, a: f64, b: f64) -> f64 {
-        // Not the mean over [a, b]: its argument ω(a+b)/2 is rounded anew in every step, by up to
-        // an ulp of t.
+        // The mean over [a, b] would have the argument ω(a+b)/2, which has a new rounding error of
+        // up to an ulp of t in every step.
         self.primitive(b) - self.primitive(a)
     }
     fn describe(&self) -> String {
@@ -131,10 +133,10 @@ pub struct Cosine {
 }
 
 impl Cosine {
-    /// γ(t) = `amplitude`·cos(`frequency`·t).
+    /// γ(t) = `amplitude`·cos(`frequency`·t), both in 1/time.
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteParameter`].
+    /// [`SystemError::NonFiniteParameter`] unless both are finite.
     pub fn new(amplitude: f64, frequency: f64) -> Result<Self, SystemError> {
         let amplitude = finite("the amplitude of the damping rate", amplitude)?;
         Ok(Self { amplitude, frequency: finite("the frequency of the damping rate", frequency)? })
@@ -151,7 +153,7 @@ impl Damping for Cosine {
         self.amplitude * Real::cos(self.frequency * t)
     }
     fn integral(&self, a: f64, b: f64) -> f64 {
-        // As with the sine.
+        // A difference for the reason given in `Sine`.
         self.primitive(b) - self.primitive(a)
     }
     fn describe(&self) -> String {
@@ -159,12 +161,12 @@ impl Damping for Cosine {
     }
 }
 
-/// A factor in a formula: nothing for 1.
+/// A factor in a formula; the factor 1 is omitted.
 fn factor(x: f64) -> String {
     if x == 1.0 { String::new() } else { format!("{x} ") }
 }
 
-/// Any γ(t), integrated by Gauss–Legendre.
+/// Any γ(t) as a function, integrated by Gauss–Legendre quadrature.
 #[derive(Clone, Debug)]
 pub struct DampingFunction<F> {
     rate: F,
@@ -172,11 +174,12 @@ pub struct DampingFunction<F> {
 }
 
 impl<F: Fn(f64) -> f64 + Send + Sync> DampingFunction<F> {
-    /// γ(t) = `rate`(t), with `nodes` Gauss–Legendre nodes for each integral: exact for polynomials
-    /// of degree 2·nodes − 1, else with an error of order (b − a)^{2·nodes+1} where γ is smooth.
+    /// γ(t) = `rate`(t) in 1/time, with `nodes` Gauss–Legendre nodes per integral. Integrals are
+    /// exact for polynomials of degree at most 2·nodes − 1. For a smooth γ the error is of order
+    /// (b − a)^{2·nodes+1}.
     ///
     /// # Errors
-    /// [`SystemError::Quadrature`] when the number of nodes is out of range.
+    /// [`SystemError::Quadrature`] unless 1 ≤ nodes ≤ [`MAX_NODES`](dgrad::MAX_NODES).
     pub fn new(rate: F, nodes: usize) -> Result<Self, SystemError> {
         Ok(Self { rate, rule: Rule::new(nodes)? })
     }
@@ -215,8 +218,7 @@ mod tests {
                     "{exact} {numeric}"
                 );
             }
-            // 4096 short intervals: the sum of their integrals is the integral, each good to a few
-            // ulp.
+            // The integrals over 4096 short intervals add up to the integral over the whole.
             let steps = 4096;
             let sum: f64 = (0..steps)
                 .map(|n| {

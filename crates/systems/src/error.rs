@@ -1,82 +1,52 @@
-//! What can be wrong with a system, a damping or a problem.
+//! Errors of this crate.
 
-use std::fmt;
-
-/// What can be wrong with a system, a damping or a problem; found at construction.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// An invalid parameter of a system, a damping or a problem, detected at construction.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SystemError {
     /// A parameter is NaN or infinite.
+    #[error("{name} must be finite, got {value}")]
     NonFiniteParameter {
-        /// Its name in the formula.
+        /// The name of the parameter.
         name: &'static str,
-        /// The value that was given.
+        /// The given value.
         value: f64,
     },
-    /// A parameter that must be positive is not.
+    /// A parameter is not positive and finite.
+    #[error("{name} must be positive and finite, got {value}")]
     NonPositiveParameter {
-        /// Its name in the formula.
+        /// The name of the parameter.
         name: &'static str,
-        /// The value that was given.
+        /// The given value.
         value: f64,
     },
     /// A component of the initial value is NaN or infinite.
+    #[error("the initial value must be finite, got y{component} = {value}")]
     NonFiniteState {
-        /// Which component, counted from 1 as in the formulas.
+        /// The index of the component, counted from 1.
         component: usize,
-        /// The value that was given.
+        /// The given value.
         value: f64,
     },
-    /// A component of the initial value is where the system is not defined.
+    /// The initial value is outside the domain of the system.
+    #[error("the initial value must satisfy {domain}, got y{component} = {value}")]
     OutsideDomain {
-        /// Which component, counted from 1 as in the formulas.
+        /// The index of the component, counted from 1.
         component: usize,
-        /// The value that was given.
+        /// The given value.
         value: f64,
-        /// The domain in words.
+        /// The condition that defines the domain.
         domain: &'static str,
     },
-    /// The final time is not a positive number.
+    /// The final time is not positive and finite.
+    #[error("the final time must be positive and finite, got T = {t_end}")]
     FinalTime {
-        /// The time that was given.
+        /// The given time.
         t_end: f64,
     },
-    /// A number of quadrature nodes out of range.
-    Quadrature(dgrad::QuadratureError),
-}
-
-impl fmt::Display for SystemError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NonFiniteParameter { name, value } => {
-                write!(f, "{name} must be finite, got {value}")
-            }
-            Self::NonPositiveParameter { name, value } => {
-                write!(f, "{name} must be positive and finite, got {value}")
-            }
-            Self::NonFiniteState { component, value } => {
-                write!(
-                    f,
-                    "every component of the initial value must be finite, got y{component} = {value}"
-                )
-            }
-            Self::OutsideDomain { component, value, domain } => {
-                write!(f, "the initial value must satisfy {domain}, got y{component} = {value}")
-            }
-            Self::FinalTime { t_end } => {
-                write!(f, "the final time must be positive and finite, got T = {t_end}")
-            }
-            Self::Quadrature(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for SystemError {}
-
-impl From<dgrad::QuadratureError> for SystemError {
-    fn from(error: dgrad::QuadratureError) -> Self {
-        Self::Quadrature(error)
-    }
+    /// The number of quadrature nodes is out of range.
+    #[error(transparent)]
+    Quadrature(#[from] dgrad::QuadratureError),
 }
 
 pub(crate) fn finite(name: &'static str, value: f64) -> Result<f64, SystemError> {

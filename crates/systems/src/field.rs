@@ -1,34 +1,28 @@
-//! Vector fields that follow from a system: f = B∇h, and the Itô correction.
+//! Vector fields of a system: f = B∇h, its derivatives, the Itô correction and commutators.
 
 use dgrad::GradientField;
 use real::{Real, ScalarFunction, VectorFunction, directional};
 
 use crate::PoissonSystem;
 
-/// h(y) = H₀(y)dt + Σ Hₘ(y)dwₘ as a function of y.
-pub(crate) struct Energy<'a, S: ?Sized, const M: usize> {
-    pub(crate) system: &'a S,
-    pub(crate) dt: f64,
-    pub(crate) dw: [f64; M],
+/// The Hamiltonian increment h(y) = H₀(y)dt + Σ Hₘ(y)dwₘ of a system. As a [`ScalarFunction`] it is
+/// h(y), as a [`GradientField`] ∇h(y), and as a [`VectorFunction`] the [`vector_field`] B(y)∇h(y).
+pub struct HamiltonianIncrement<'a, S: ?Sized, const M: usize> {
+    /// The system.
+    pub system: &'a S,
+    /// The weight of H₀.
+    pub dt: f64,
+    /// The weights of H₁ … H_M.
+    pub dw: [f64; M],
 }
 
 impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> ScalarFunction<D>
-    for Energy<'_, S, M>
+    for HamiltonianIncrement<'_, S, M>
 {
     #[inline(always)]
     fn value<R: Real>(&self, y: [R; D]) -> R {
         self.system.energy(y, self.dt, self.dw)
     }
-}
-
-/// The Hamiltonian increment h of one step as a gradient field, for quadratures of any order.
-pub struct HamiltonianIncrement<'a, S: ?Sized, const M: usize> {
-    /// The system whose Hamiltonians are weighed.
-    pub system: &'a S,
-    /// Weight of H₀.
-    pub dt: f64,
-    /// Weights of H₁ … H_M.
-    pub dw: [f64; M],
 }
 
 impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> GradientField<D>
@@ -40,14 +34,8 @@ impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> GradientFi
     }
 }
 
-struct VectorField<'a, S: ?Sized, const M: usize> {
-    system: &'a S,
-    dt: f64,
-    dw: [f64; M],
-}
-
 impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> VectorFunction<D, D>
-    for VectorField<'_, S, M>
+    for HamiltonianIncrement<'_, S, M>
 {
     #[inline(always)]
     fn value<R: Real>(&self, y: [R; D]) -> [R; D] {
@@ -55,7 +43,7 @@ impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> VectorFunc
     }
 }
 
-/// f(y) = B(y)∇h(y): f₀dt + Σ fₘdwₘ.
+/// The vector field B(y)∇h(y) = f₀(y)dt + Σ fₘ(y)dwₘ with fₘ = B∇Hₘ.
 #[inline(always)]
 pub fn vector_field<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, const M: usize>(
     system: &S,
@@ -66,8 +54,7 @@ pub fn vector_field<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, co
     system.structure(y, system.gradient(y, dt, dw))
 }
 
-/// (B∇h)′(y)·v, the derivative of [`vector_field`] in the direction v; it includes the derivative
-/// of B.
+/// (B∇h)′(y)·v, the derivative of [`vector_field`] in the direction v, including that of B.
 #[inline(always)]
 pub fn vector_field_derivative<
     S: PoissonSystem<D, M> + ?Sized,
@@ -81,10 +68,10 @@ pub fn vector_field_derivative<
     dw: [f64; M],
     v: [R; D],
 ) -> [R; D] {
-    directional(&VectorField { system, dt, dw }, y, v).1
+    directional(&HamiltonianIncrement { system, dt, dw }, y, v).1
 }
 
-/// The weights (0, eₘ) that pick fₘ out of [`vector_field`].
+/// The unit vector eₘ, m < M: with dt = 0 and dw = eₘ, [`vector_field`] is fₘ.
 #[inline(always)]
 #[must_use]
 pub fn unit_noise<const M: usize>(m: usize) -> [f64; M] {
@@ -93,8 +80,8 @@ pub fn unit_noise<const M: usize>(m: usize) -> [f64; M] {
     dw
 }
 
-/// ½Σₘ fₘ′(y)fₘ(y), the drift that turns the Stratonovich equation into an Itô equation. The
-/// derivative includes that of B; one evaluation on dual numbers for each noise.
+/// ½Σₘ fₘ′(y)fₘ(y), the drift that converts the Stratonovich equation to the Itô equation. The
+/// derivative includes that of B. It takes one evaluation on dual numbers per noise.
 #[inline(always)]
 pub fn ito_correction<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, const M: usize>(
     system: &S,
@@ -111,9 +98,8 @@ pub fn ito_correction<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, 
     correction
 }
 
-/// Σ_{m<l} A_ml \[fₘ, f_l\](y) with [f, g] = g′f − f′g, for a skew matrix A: the field that a step
-/// of strong order one adds for the Lévy areas A. As Σ_l f_l′gₗ with g_l = Σₘ A_ml fₘ: one
-/// directional derivative for each noise.
+/// Σ_{m<l} A_ml \[fₘ, f_l\](y) with [f, g] = g′f − f′g, for a skew matrix A. Computed as Σ_l
+/// f_l′g_l with g_l = Σₘ A_ml fₘ, which takes one directional derivative per noise.
 #[inline(always)]
 pub(crate) fn commutators<
     S: PoissonSystem<D, M> + ?Sized,
@@ -143,14 +129,14 @@ pub(crate) fn commutators<
     sum
 }
 
-/// Relative steps from y at which [`noises_commute`] looks: three scales, both sides, irrational
-/// ratios between components.
+/// Relative distances from y of the points that [`noises_commute`] tests.
 const PROBES: [f64; 5] = [0.0, 0.011, -0.013, 0.17, -0.19];
 
-/// Whether the noise fields fₘ = B∇Hₘ commute around `y`: [fₘ, f_l] = 0 up to rounding, that is up
-/// to 64 ε of the two terms of which it is the difference, at `y` and at four points near it that
-/// are in the domain. Fields that are analytic and commute on an open set commute everywhere; that
-/// they do so at a handful of points by accident has probability zero.
+/// Whether the noise fields fₘ = B∇Hₘ commute around `y`.
+///
+/// The test is |[fₘ, f_l]| ≤ 64 ε (|f_l′fₘ| + |fₘ′f_l|) in every component, at `y` and at those of
+/// four points near it that are in the domain. Analytic fields that commute on an open set commute
+/// everywhere. Fields that do not commute pass at these points with probability zero.
 #[must_use]
 pub fn noises_commute<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
     system: &S,

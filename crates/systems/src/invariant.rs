@@ -1,36 +1,52 @@
-//! Functions that obey the conformal law F(y(t)) = exp(−p ∫₀ᵗ γ) F(y₀).
+//! Functions that obey the conformal law.
 
-/// Why a function obeys the conformal law.
+/// The reason why a function obeys the conformal law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InvariantKind {
     /// A Casimir: ∇F(y)ᵀB(y) = 0.
     Casimir,
-    /// The Hamiltonian of a one-noise system, ∇FᵀB∇F = 0.
+    /// The Hamiltonian F = H of a system with H₀ = H and a single noise H₁ = cH.
     Energy,
 }
 
-/// The shape of the function, which decides what a scheme keeps.
+/// The form of an invariant. It decides which schemes preserve the conformal law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// βᵀy.
     Linear,
     /// ½yᵀDy.
     Quadratic,
-    /// Homogeneous, but neither of these.
+    /// Homogeneous, neither linear nor quadratic.
     Homogeneous,
 }
 
-/// A homogeneous function that the exact solution damps by its degree.
+/// A homogeneous function F of degree p that obeys the conformal law F(y(t)) = e^{−p∫γ} F(y₀), with
+/// ∫γ over [0, t].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Invariant {
-    /// Its symbol: `C`, `H`, or `S` for a linear Casimir beside a quadratic one.
+    /// Its symbol in reports, for example `C` or `H`.
     pub name: &'static str,
-    /// The formula.
+    /// Its formula in reports.
     pub formula: &'static str,
-    /// Why the law holds.
+    /// The reason why the law holds.
     pub kind: InvariantKind,
-    /// The shape of the function.
+    /// The form of the function.
     pub form: Form,
-    /// Degree p of homogeneity: F(λy) = λᵖF(y).
+    /// The degree p of homogeneity: F(λy) = λᵖF(y).
     pub degree: f64,
+}
+
+impl Invariant {
+    /// A linear Casimir, of degree 1.
+    #[must_use]
+    pub const fn linear_casimir(name: &'static str, formula: &'static str) -> Self {
+        Self { name, formula, kind: InvariantKind::Casimir, form: Form::Linear, degree: 1.0 }
+    }
+
+    /// A quadratic Casimir, of degree 2.
+    #[must_use]
+    pub const fn quadratic_casimir(name: &'static str, formula: &'static str) -> Self {
+        let form = Form::Quadratic;
+        Self { form, degree: 2.0, ..Self::linear_casimir(name, formula) }
+    }
 }

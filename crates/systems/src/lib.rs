@@ -1,15 +1,17 @@
-//! **Damped stochastic Poisson systems as two formulas: B(y)·v and the Hamiltonian increment.**
+//! **Damped stochastic Poisson systems, defined by two formulas: B(y)·v and the Hamiltonian
+//! increment.**
 //!
-//! dy = (B(y)∇H₀(y) − γ(t)y) dt + Σₘ B(y)∇Hₘ(y) ∘ dWₘ (Stratonovich), B skew-symmetric. A
-//! [`PoissonSystem`] says what B(y)v and h(y) = H₀(y)dt + Σₘ Hₘ(y)dwₘ are, once, for every number
-//! type; gradients, discrete gradients, Itô corrections and Jacobians follow. A [`Damping`] gives γ
-//! and its integral, a [`Problem`] adds the initial value and the final time and checks them all.
+//! The equation is dy = (B(y)∇H₀(y) − γ(t)y) dt + Σₘ B(y)∇Hₘ(y) ∘ dWₘ (Stratonovich) with a
+//! skew-symmetric B. A [`PoissonSystem`] defines B(y)v and h(y) = H₀(y)dt + Σₘ Hₘ(y)dwₘ, generic
+//! over the number type. Gradients, discrete gradients, Itô corrections and Jacobians follow from
+//! them. A [`Damping`] gives γ and its integral. A [`Problem`] adds an initial value and a final
+//! time.
 //!
 //! ```
 //! use real::Real;
 //! use systems::{Constant, PoissonSystem, Problem};
 //!
-//! /// A harmonic oscillator whose frequency is shaken.
+//! /// A harmonic oscillator with a random frequency.
 //! struct Oscillator;
 //! impl PoissonSystem<2, 1> for Oscillator {
 //!     fn name(&self) -> &'static str {
@@ -28,16 +30,20 @@
 //! # Ok::<(), systems::SystemError>(())
 //! ```
 //!
-//! | item | job |
+//! | item | purpose |
 //! |---|---|
 //! | [`PoissonSystem`] | B(y)v, h(y), and what follows from them |
 //! | [`vector_field`], [`vector_field_derivative`], [`ito_correction`] | f = B∇h, f′v, ½Σ fₘ′fₘ |
 //! | [`noises_commute`] | whether [fₘ, f_l] = 0, so that Lévy areas are not needed |
-//! | [`Damping`]: [`Constant`], [`Linear`], [`Sine`], [`Cosine`], [`DampingFunction`] | γ(t) and ∫γ |
-//! | [`Invariant`] | a Casimir or an energy with its degree and its conformal law |
-//! | [`Pendulum`], [`RigidBody`], [`RigidBodyEnergy`], [`LotkaVolterra`], [`MaxwellBloch`], [`Poisson3`] | the five systems of the paper |
-//! | [`SpinChain`] | a Heisenberg chain in a fluctuating field: more than three dimensions, noises that do not commute |
-//! | [`Problem`] | system, damping, y₀ and T, validated |
+//! | [`Damping`] | γ(t) and ∫γ |
+//! | [`Invariant`] | a Casimir or an energy with its conformal law |
+//! | [`Problem`] | system, damping, initial value and final time |
+//! | [`paper`] | the problems of Bréhier, Cohen and Komori (2025) |
+//!
+//! Dampings: [`Constant`], [`Linear`], [`Sine`], [`Cosine`], [`DampingFunction`]. Systems:
+//! [`Pendulum`], [`RigidBody`], [`RigidBodyEnergy`], [`LotkaVolterra`], [`MaxwellBloch`],
+//! [`Poisson3`] (Bréhier, Cohen and Komori 2025), and [`SpinChain`] with more than three
+//! dimensions.
 
 mod damping;
 mod error;

@@ -1,4 +1,4 @@
-//! The damped stochastic Lotka–Volterra system (paper, Example 3).
+//! The damped stochastic Lotka–Volterra system.
 
 use dgrad::{GradientField, averaged};
 use real::Real;
@@ -7,12 +7,13 @@ use crate::error::finite;
 use crate::system::no_invariant;
 use crate::{Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem, SystemError};
 
-/// B(y)v = c·y₁^{1−p}y₂^{1−q}·(av₂ + v₃, −av₁ − pv₃, −v₁ + pv₂), H = y₁ᵖy₂^q y₃, noise H, where p =
-/// ab and q = −b.
+/// The Lotka–Volterra system of three positive populations (Bréhier, Cohen and Komori 2025,
+/// Example 3): with p = ab and q = −b, H₀ = H₁ = H = y₁ᵖy₂^q y₃ and
+/// B(y)v = c·y₁^{1−p}y₂^{1−q}·(av₂ + v₃, −av₁ − pv₃, −v₁ + pv₂).
 ///
-/// The energy H has degree p + q + 1 = ab − b + 1. The Casimir of this B is linear, ab·y₁ + y₂ −
-/// a·y₃, and not the logarithm that the paper names, which is ln H. The type of the exponents
-/// decides how powers are taken: see [`IntegerExponents`] and [`RealExponents`].
+/// The energy H has degree p + q + 1. The Casimir is linear: ab·y₁ + y₂ − a·y₃. (The logarithm
+/// given as the Casimir in the paper is ln H.) The type E computes the powers, see
+/// [`IntegerExponents`] and [`RealExponents`].
 #[derive(Clone, Copy, Debug)]
 pub struct LotkaVolterra<E> {
     a: f64,
@@ -20,33 +21,34 @@ pub struct LotkaVolterra<E> {
     exponents: E,
 }
 
-/// The exponents p = ab of y₁ and q = −b of y₂ in H.
+/// The exponents p = ab of y₁ and q = −b of y₂ in H = y₁ᵖy₂^q y₃.
 pub trait Exponents: Copy + Send + Sync {
-    /// Whether ∇̄ takes so few nodes that it counts as a closed form.
+    /// Whether ∇̄ has few nodes, so that [`ImplicitStep::UnrolledFixedPoint`] is the faster method.
     const FEW_NODES: bool;
     /// p = ab.
     fn p(&self) -> f64;
     /// q = −b.
     fn q(&self) -> f64;
-    /// y₁^{p−1}y₂^{q−1}: all that B and ∇H need of the powers.
+    /// y₁^{p−1}y₂^{q−1}, from which B and ∇H follow.
     fn powers<R: Real>(&self, y1: R, y2: R) -> R;
-    /// ∇̄ of a field made of these powers.
+    /// The average of ∇H, a field with these powers, over the segment from a to b.
     fn averaged<R: Real, F: GradientField<3>>(&self, field: &F, a: [R; 3], b: [R; 3]) -> [R; 3];
-    /// Checks that y is where the powers are defined.
+    /// Checks that all components of y are positive.
     ///
     /// # Errors
-    /// [`SystemError::OutsideDomain`].
+    /// [`SystemError::OutsideDomain`] if one is not.
     fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError>;
 }
 
-/// Positive integer exponents: H is a polynomial and the discrete gradient is exact to round-off.
+/// Positive integer exponents p = P and q = Q with P + Q ≤ 9: H is a polynomial and the discrete
+/// gradient is exact to round-off.
 ///
-/// The paper's two cases are (a, b) = (−1, −2), which is `IntegerExponents<2, 2>`, and (−1, −1),
-/// `<1, 1>`.
+/// `IntegerExponents<2, 2>` is the case (a, b) = (−1, −2) of Bréhier, Cohen and Komori (2025), and
+/// `IntegerExponents<1, 1>` is the case (−1, −1).
 #[derive(Clone, Copy, Debug)]
 pub struct IntegerExponents<const P: i32, const Q: i32>;
 
-/// The largest P + Q, the degree of ∇H, for which the nodes of [`IntegerExponents`] are exact.
+/// The largest degree P + Q of ∇H for which the nodes of [`IntegerExponents`] are exact.
 const MAX_DEGREE: i32 = 9;
 
 impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
@@ -64,8 +66,8 @@ impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
     }
     #[inline(always)]
     fn averaged<R: Real, F: GradientField<3>>(&self, field: &F, a: [R; 3], b: [R; 3]) -> [R; 3] {
-        // ∇H has degree P + Q; n nodes are exact to degree 2n − 1. The branch is decided at compile
-        // time.
+        // ∇H has degree P + Q, and n nodes are exact up to degree 2n − 1. The compiler decides the
+        // branch.
         match P + Q {
             ..=3 => averaged::<2, R, F, 3>(field, a, b),
             4..=5 => averaged::<3, R, F, 3>(field, a, b),
@@ -74,8 +76,6 @@ impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
         }
     }
     fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
-        // The prefactor y₁^{1−P}y₂^{1−Q} of B has poles on the coordinate planes when P or Q exceed
-        // 1.
         const {
             assert!(
                 P >= 1 && Q >= 1 && P + Q <= MAX_DEGREE,
@@ -86,9 +86,8 @@ impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
     }
 }
 
-/// Any real exponents; powers are e^{p ln y} and the discrete gradient a quadrature with 12 nodes,
-/// whose error for one step of a scheme is below round-off while y stays away from the coordinate
-/// planes.
+/// Any real exponents. Powers are e^{p ln y}, and the discrete gradient is a quadrature with 12
+/// nodes. Its error over one step is below round-off while y stays away from the coordinate planes.
 #[derive(Clone, Copy, Debug)]
 pub struct RealExponents {
     p: f64,
@@ -119,7 +118,7 @@ impl Exponents for RealExponents {
     }
 }
 
-/// Populations are positive; on the coordinate planes the prefactor of B or its derivative has a
+/// Populations are positive. On the coordinate planes the prefactor of B or its derivative has a
 /// pole.
 fn positive_octant(y: [f64; 3]) -> Result<(), SystemError> {
     match y.iter().position(|&component| component.is_nan() || component <= 0.0) {
@@ -133,10 +132,10 @@ fn positive_octant(y: [f64; 3]) -> Result<(), SystemError> {
 }
 
 impl<const P: i32, const Q: i32> LotkaVolterra<IntegerExponents<P, Q>> {
-    /// The system with ab = P and −b = Q, hence a = −P/Q, and scale c of B.
+    /// The system with ab = P and −b = Q, hence a = −P/Q, and the scale c of B.
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteParameter`].
+    /// [`SystemError::NonFiniteParameter`] unless c is finite.
     pub fn integer(c: f64) -> Result<Self, SystemError> {
         let a = -f64::from(P) / f64::from(Q);
         Ok(Self { a, c: finite("the scale c", c)?, exponents: IntegerExponents })
@@ -144,18 +143,17 @@ impl<const P: i32, const Q: i32> LotkaVolterra<IntegerExponents<P, Q>> {
 }
 
 impl LotkaVolterra<RealExponents> {
-    /// The system with parameters a and b, and scale c of B.
+    /// The system with parameters a and b, and the scale c of B.
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteParameter`].
+    /// [`SystemError::NonFiniteParameter`] unless all three are finite.
     pub fn new(a: f64, b: f64, c: f64) -> Result<Self, SystemError> {
         let (a, b) = (finite("a", a)?, finite("b", b)?);
         Ok(Self { a, c: finite("the scale c", c)?, exponents: RealExponents { p: a * b, q: -b } })
     }
 }
 
-/// (∂₁H/p, ∂₂H/q, ∂₃H) as a field of its own: what is averaged, without factors that are the same
-/// at every node.
+/// The field (∂₁H/p, ∂₂H/q, ∂₃H), which is averaged without the constant factors p and q.
 struct Gradient<E> {
     exponents: E,
 }
@@ -170,9 +168,9 @@ impl<E: Exponents> GradientField<3> for Gradient<E> {
 }
 
 impl<E: Exponents> LotkaVolterra<E> {
-    /// The factors p, q and 1 and the weight of the step.
+    /// v with the factors p, q and 1, times `weight`.
     #[inline(always)]
-    fn weighed<R: Real>(&self, v: [R; 3], weight: f64) -> [R; 3] {
+    fn scaled<R: Real>(&self, v: [R; 3], weight: f64) -> [R; 3] {
         [v[0] * (self.exponents.p() * weight), v[1] * (self.exponents.q() * weight), v[2] * weight]
     }
 }
@@ -200,12 +198,12 @@ impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
 
     #[inline(always)]
     fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-        self.weighed(Gradient { exponents: self.exponents }.gradient(y), dt + dw[0])
+        self.scaled(Gradient { exponents: self.exponents }.gradient(y), dt + dw[0])
     }
 
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-        self.weighed(
+        self.scaled(
             self.exponents.averaged(&Gradient { exponents: self.exponents }, a, b),
             dt + dw[0],
         )
@@ -219,14 +217,7 @@ impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
             form: Form::Homogeneous,
             degree: self.exponents.p() + self.exponents.q() + 1.0,
         };
-        let casimir = Invariant {
-            name: "C",
-            formula: "ab y₁ + y₂ − a y₃",
-            kind: InvariantKind::Casimir,
-            form: Form::Linear,
-            degree: 1.0,
-        };
-        vec![energy, casimir]
+        vec![energy, Invariant::linear_casimir("C", "ab y₁ + y₂ − a y₃")]
     }
 
     #[inline(always)]

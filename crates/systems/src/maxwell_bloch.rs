@@ -1,13 +1,14 @@
-//! The damped stochastic Maxwell–Bloch system of laser-matter dynamics (paper, Example 4).
+//! The damped stochastic Maxwell–Bloch system.
 
 use real::Real;
 
 use crate::system::no_invariant;
-use crate::{Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem};
+use crate::{ImplicitStep, Invariant, PoissonSystem};
 
+/// The Maxwell–Bloch system of laser-matter dynamics (Bréhier, Cohen and Komori 2025, Example 4):
 /// B(y)v = (−y₃v₂ + y₂v₃, y₃v₁, −y₂v₁), H₀ = ½y₁² + y₃, H₁ = y₃.
 ///
-/// Casimir ½(y₂² + y₃²) of degree 2.
+/// Casimir: ½(y₂² + y₃²), of degree 2.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MaxwellBloch;
 
@@ -37,13 +38,7 @@ impl PoissonSystem<3, 1> for MaxwellBloch {
     }
 
     fn invariants(&self) -> Vec<Invariant> {
-        vec![Invariant {
-            name: "C",
-            formula: "½(y₂² + y₃²)",
-            kind: InvariantKind::Casimir,
-            form: Form::Quadratic,
-            degree: 2.0,
-        }]
+        vec![Invariant::quadratic_casimir("C", "½(y₂² + y₃²)")]
     }
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! The damped stochastic mathematical pendulum (paper, Example 1).
+//! The damped stochastic mathematical pendulum.
 
 use dgrad::{ShortMean, mean_sine};
 use real::Real;
@@ -6,19 +6,20 @@ use real::Real;
 use crate::error::finite;
 use crate::{ImplicitStep, PoissonSystem, SystemError};
 
-/// B(y)v = (−v₂, v₁), H = ½y₁² − cos y₂, one noise cH: y₁ is the momentum, y₂ the angle.
+/// The mathematical pendulum (Bréhier, Cohen and Komori 2025, Example 1): B(y)v = (−v₂, v₁),
+/// H₀ = H = ½y₁² − cos y₂ and H₁ = cH, with the momentum y₁ and the angle y₂ in radians.
 ///
-/// No Casimir, and H is not homogeneous: nothing is damped conformally.
+/// There is no Casimir and H is not homogeneous, so no function obeys the conformal law.
 #[derive(Clone, Copy, Debug)]
 pub struct Pendulum {
     noise: f64,
 }
 
 impl Pendulum {
-    /// Noise of size c.
+    /// The pendulum with noise of size c.
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteParameter`].
+    /// [`SystemError::NonFiniteParameter`] unless c is finite.
     pub fn new(c: f64) -> Result<Self, SystemError> {
         Ok(Self { noise: finite("the noise size c", c)? })
     }
@@ -51,14 +52,13 @@ impl PoissonSystem<2, 1> for Pendulum {
         [(a[0] + b[0]) * (0.5 * weight), mean_sine(a[1], b[1]) * weight]
     }
 
-    /// Newton's method for the change h of the angle, f(h) = h − w(a₁ − ½M(h)) = 0 with the average
-    /// force M(h): after two iterations with polynomials a step δ₁ with the derivative to seven
-    /// digits, and one δ that keeps it.
+    /// Newton's method for the change h of the angle: f(h) = h − w(a₁ − ½M(h)) = 0, where w is the
+    /// weight of H and M(h) the average force. Two iterations use polynomials for M. Then follow a
+    /// Newton step δ₁ with M′ to seven digits, and a simplified step δ with the same derivative.
     ///
-    /// The force after δ is the one before with that derivative, so that f = 0 and what is left is
-    /// in the momentum: M″ is at most |w|/3 and the derivative lacks at most 2.3·10⁻⁸|w|, hence ‖z
-    /// − ψ(z)‖₁ ≤ |w|(⅓(|δ₁| + |δ|) + 3·10⁻⁸)|δ|. For |w| < 1 the map contracts, and there is no
-    /// other solution.
+    /// The force after δ is extrapolated with this derivative. Then f = 0, and only the momentum
+    /// has a residual. Since |M″| ≤ |w|/3 and the error of M′ is at most 2.3·10⁻⁸|w|, ‖z − ψ(z)‖₁ ≤
+    /// |w|(⅓(|δ₁| + |δ|) + 3·10⁻⁸)|δ|. For |w| < 1 the map contracts, so the solution is unique.
     #[inline(always)]
     fn predict(&self, a: [f64; 2], dt: f64, dw: [f64; 1]) -> ([f64; 2], f64) {
         let weight = dt + self.noise * dw[0];

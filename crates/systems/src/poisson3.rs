@@ -1,39 +1,28 @@
-//! The damped three-dimensional Poisson system with constant structure (paper, Example 5).
+//! A damped stochastic Poisson system in three dimensions with constant B.
 
 use dgrad::{ShortMean, mean_cosine};
 use real::Real;
 
 use crate::error::finite;
 use crate::system::no_invariant;
-use crate::{Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem, SystemError};
+use crate::{ImplicitStep, Invariant, PoissonSystem, SystemError};
 
-/// B v = (v₂ − v₃, −v₁ + v₃, v₁ − v₂), H = sin y₁ + sin y₂ + sin y₃, one noise cH.
+/// A Poisson system with constant structure matrix (Bréhier, Cohen and Komori 2025, Example 5):
+/// Bv = (v₂ − v₃, −v₁ + v₃, v₁ − v₂), H₀ = H = sin y₁ + sin y₂ + sin y₃ and H₁ = cH.
 ///
-/// Casimirs s = y₁ + y₂ + y₃ of degree 1 and ½s² of degree 2.
+/// Casimirs: S = y₁ + y₂ + y₃, of degree 1, and C = ½S², of degree 2.
 #[derive(Clone, Copy, Debug)]
 pub struct Poisson3 {
     noise: f64,
 }
 
 impl Poisson3 {
-    /// Noise of size c.
+    /// The system with noise of size c.
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteParameter`].
+    /// [`SystemError::NonFiniteParameter`] unless c is finite.
     pub fn new(c: f64) -> Result<Self, SystemError> {
         Ok(Self { noise: finite("the noise size c", c)? })
-    }
-}
-
-impl Poisson3 {
-    /// The averages of the three cosines from a, times a weight.
-    #[inline(always)]
-    fn means(&self, a: [f64; 3], weight: f64) -> [ShortMean; 3] {
-        [
-            ShortMean::of_cosine(a[0], weight),
-            ShortMean::of_cosine(a[1], weight),
-            ShortMean::of_cosine(a[2], weight),
-        ]
     }
 }
 
@@ -44,7 +33,7 @@ impl PoissonSystem<3, 1> for Poisson3 {
 
     #[inline(always)]
     fn structure<R: Real>(&self, _y: [R; 3], v: [R; 3]) -> [R; 3] {
-        rotated(v)
+        [v[1] - v[2], v[2] - v[0], v[0] - v[1]]
     }
 
     #[inline(always)]
@@ -68,26 +57,30 @@ impl PoissonSystem<3, 1> for Poisson3 {
         ]
     }
 
-    /// Newton's method for the changes h = b − a, whose sum is zero: two unknowns. On cubic
-    /// polynomials first, then a step with the derivatives to seven digits, and one that keeps its
-    /// matrix.
+    /// Newton's method for the changes h = b − a. Their sum is zero, so there are two unknowns. One
+    /// step uses cubic polynomials for the averages. Then follow a step δ₁ with derivatives to
+    /// seven digits and a simplified step δ with the same matrix.
     ///
-    /// What is left of that last step δ, after one δ₁, is the change of ψ′ since the place of its
-    /// matrix, times δ. Second derivatives of the averages are at most |w|/3 and the derivatives
-    /// lack at most 2.3·10⁻⁸|w|, each in two components: ‖z − ψ(z)‖₁ ≤ |w|(⅔(‖δ₁‖ + ½‖δ‖) +
-    /// 5·10⁻⁸)‖δ‖. For
-    /// |w| < 1 the map contracts, and there is no other solution.
+    /// The residual after δ is δ times the change of ψ′ since the matrix was computed. The second
+    /// derivatives of the averages are at most |w|/3, where w is the weight of H. The errors of the
+    /// derivatives are at most 2.3·10⁻⁸|w|. Each enters two components, so
+    /// ‖z − ψ(z)‖₁ ≤ |w|(⅔(‖δ₁‖ + ½‖δ‖) + 5·10⁻⁸)‖δ‖. For |w| < 1 the map contracts, so the
+    /// solution is unique.
     #[inline(always)]
     fn predict(&self, a: [f64; 3], dt: f64, dw: [f64; 1]) -> ([f64; 3], f64) {
         let weight = dt + self.noise * dw[0];
-        let means = self.means(a, weight);
-        let h = rotated([means[0].constant(), means[1].constant(), means[2].constant()]);
-        let h =
-            rotated([means[0].quadratic(h[0]), means[1].quadratic(h[1]), means[2].quadratic(h[2])]);
+        let means = [
+            ShortMean::of_cosine(a[0], weight),
+            ShortMean::of_cosine(a[1], weight),
+            ShortMean::of_cosine(a[2], weight),
+        ];
+        let h = self.structure(a, [means[0].constant(), means[1].constant(), means[2].constant()]);
+        let values = [means[0].quadratic(h[0]), means[1].quadratic(h[1]), means[2].quadratic(h[2])];
+        let h = self.structure(a, values);
         let (values, slopes) = each(|i| means[i].cubic_with_slope(h[i]));
-        let (h, _) = Reduced::new(slopes).step(h, values);
+        let (h, _) = NewtonMatrix::new(slopes).step(h, values);
         let (values, slopes) = each(|i| means[i].estimate_with_slope(h[i]));
-        let matrix = Reduced::new(slopes);
+        let matrix = NewtonMatrix::new(slopes);
         let (h, first) = matrix.step(h, values);
         let (h, last) =
             matrix.step(h, [means[0].value(h[0]), means[1].value(h[1]), means[2].value(h[2])]);
@@ -97,22 +90,9 @@ impl PoissonSystem<3, 1> for Poisson3 {
     }
 
     fn invariants(&self) -> Vec<Invariant> {
-        let casimir = Invariant {
-            name: "C",
-            formula: "½(y₁ + y₂ + y₃)²",
-            kind: InvariantKind::Casimir,
-            form: Form::Quadratic,
-            degree: 2.0,
-        };
         vec![
-            casimir,
-            Invariant {
-                name: "S",
-                formula: "y₁ + y₂ + y₃",
-                form: Form::Linear,
-                degree: 1.0,
-                ..casimir
-            },
+            Invariant::quadratic_casimir("C", "½(y₁ + y₂ + y₃)²"),
+            Invariant::linear_casimir("S", "y₁ + y₂ + y₃"),
         ]
     }
 
@@ -129,46 +109,39 @@ impl PoissonSystem<3, 1> for Poisson3 {
     const IMPLICIT_STEP: ImplicitStep = ImplicitStep::Predicted;
 }
 
-/// B v.
-#[inline(always)]
-fn rotated<R: Real>(v: [R; 3]) -> [R; 3] {
-    [v[1] - v[2], v[2] - v[0], v[0] - v[1]]
-}
-
-/// A pair for each component, as two vectors.
+/// Two vectors from a pair of numbers for each component.
 #[inline(always)]
 fn each(pair: impl Fn(usize) -> (f64, f64)) -> ([f64; 3], [f64; 3]) {
     let (zero, one, two) = (pair(0), pair(1), pair(2));
     ([zero.0, one.0, two.0], [zero.1, one.1, two.1])
 }
 
-/// I − BS for a diagonal S on the plane of vectors with sum zero, in their first two components,
-/// inverted.
+/// The inverse of I − BS for a diagonal S, restricted to vectors with sum zero. It acts on their
+/// first two components.
 #[derive(Clone, Copy)]
-struct Reduced {
-    inverse: [[f64; 2]; 2],
-    determinant: f64,
+struct NewtonMatrix {
+    adjugate: [[f64; 2]; 2],
+    inverse_determinant: f64,
 }
 
-impl Reduced {
+impl NewtonMatrix {
     #[inline(always)]
     fn new(slopes: [f64; 3]) -> Self {
         let (upper, lower) = (slopes[1] + slopes[2], slopes[0] + slopes[2]);
         let (first, second) = (1.0 - slopes[2], 1.0 + slopes[2]);
         Self {
-            inverse: [[second, upper], [-lower, first]],
-            determinant: 1.0 / (first * second + upper * lower),
+            adjugate: [[second, upper], [-lower, first]],
+            inverse_determinant: 1.0 / (first * second + upper * lower),
         }
     }
 
-    /// h − (I − BS)⁻¹(h − B v) and the sum of the absolute values of its change.
+    /// The Newton step h − (I − BS)⁻¹(h − Bv) for v = `values`, and the 1-norm of the change.
     #[inline(always)]
     fn step(&self, h: [f64; 3], values: [f64; 3]) -> ([f64; 3], f64) {
         let residual = [h[0] - (values[1] - values[2]), h[1] - (values[2] - values[0])];
-        let x = (self.inverse[0][0] * residual[0] + self.inverse[0][1] * residual[1])
-            * self.determinant;
-        let y = (self.inverse[1][0] * residual[0] + self.inverse[1][1] * residual[1])
-            * self.determinant;
+        let [[a, b], [c, d]] = self.adjugate;
+        let x = (a * residual[0] + b * residual[1]) * self.inverse_determinant;
+        let y = (c * residual[0] + d * residual[1]) * self.inverse_determinant;
         let (first, second) = (h[0] - x, h[1] - y);
         ([first, second, -(first + second)], x.abs() + y.abs() + (x + y).abs())
     }

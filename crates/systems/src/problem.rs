@@ -2,25 +2,26 @@
 
 use crate::{Damping, PoissonSystem, SystemError};
 
-/// An initial value problem, checked at construction.
+/// An initial value problem for dy = (B∇H₀ − γy) dt + Σₘ B∇Hₘ ∘ dWₘ on [0, T], checked at
+/// construction.
 #[derive(Clone, Debug)]
 pub struct Problem<S, G, const D: usize> {
-    /// The system.
+    /// The system: B and H₀ … H_M.
     pub system: S,
-    /// γ.
+    /// The damping rate γ.
     pub damping: G,
-    /// y(0).
+    /// The initial value y(0).
     pub y0: [f64; D],
     /// The final time T.
     pub t_end: f64,
 }
 
 impl<S, G: Damping, const D: usize> Problem<S, G, D> {
-    /// The problem dy = …, y(0) = `y0`, on [0, `t_end`].
+    /// The problem with y(0) = `y0` on [0, `t_end`].
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteState`], [`SystemError::OutsideDomain`] or
-    /// [`SystemError::FinalTime`].
+    /// [`SystemError::NonFiniteState`] or [`SystemError::OutsideDomain`] for an invalid initial
+    /// value, [`SystemError::FinalTime`] unless 0 < `t_end` < ∞.
     pub fn new<const M: usize>(
         system: S,
         damping: G,
@@ -40,7 +41,7 @@ impl<S, G: Damping, const D: usize> Problem<S, G, D> {
     /// The same problem on [0, `t_end`].
     ///
     /// # Errors
-    /// [`SystemError::FinalTime`].
+    /// [`SystemError::FinalTime`] unless 0 < `t_end` < ∞.
     pub fn until(self, t_end: f64) -> Result<Self, SystemError> {
         if t_end > 0.0 && t_end.is_finite() {
             Ok(Self { t_end, ..self })

@@ -1,5 +1,4 @@
-//! The damped stochastic free rigid body (paper, Example 2): y is the angular momentum in the body
-//! frame.
+//! The damped stochastic free rigid body.
 
 use real::Real;
 
@@ -18,13 +17,7 @@ fn half_square<R: Real>(y: [R; 3]) -> R {
     (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]) * 0.5
 }
 
-const CASIMIR: Invariant = Invariant {
-    name: "C",
-    formula: "½(y₁² + y₂² + y₃²)",
-    kind: InvariantKind::Casimir,
-    form: Form::Quadratic,
-    degree: 2.0,
-};
+const CASIMIR: Invariant = Invariant::quadratic_casimir("C", "½(y₁² + y₂² + y₃²)");
 
 fn reciprocals<const N: usize>(
     inertia: [f64; N],
@@ -37,9 +30,11 @@ fn reciprocals<const N: usize>(
     Ok(reciprocal)
 }
 
-/// B(y)v = y × v, H₀ = ½Σ yᵢ²/Iᵢ, Hₘ = ½yₘ²/Îₘ for m = 1 … M: one noise is the case "only W₁".
+/// The free rigid body with M = 1 or 3 independent noises (Bréhier, Cohen and Komori 2025,
+/// Example 2): B(y)v = y × v, H₀ = ½Σ yᵢ²/Iᵢ and Hₘ = ½yₘ²/Îₘ for m = 1 … M. The state y is the
+/// angular momentum in the body frame.
 ///
-/// Casimir ½|y|² of degree 2, so solutions stay on damped spheres.
+/// Casimir: ½|y|², of degree 2, so the radius of the sphere of y is damped by e^{−∫γ}.
 #[derive(Clone, Copy, Debug)]
 pub struct RigidBody<const M: usize> {
     /// 1/Iᵢ.
@@ -49,10 +44,10 @@ pub struct RigidBody<const M: usize> {
 }
 
 impl RigidBody<3> {
-    /// Moments of inertia I of the body, and Î of the three noises.
+    /// The body with moments of inertia I and three noises with moments Î.
     ///
     /// # Errors
-    /// [`SystemError::NonPositiveParameter`].
+    /// [`SystemError::NonPositiveParameter`] unless all moments are positive and finite.
     pub fn three_noises(inertia: [f64; 3], noise_inertia: [f64; 3]) -> Result<Self, SystemError> {
         let drift = reciprocals(inertia, ["I1", "I2", "I3"])?;
         Ok(Self { drift, noise: reciprocals(noise_inertia, ["Î1", "Î2", "Î3"])? })
@@ -60,10 +55,10 @@ impl RigidBody<3> {
 }
 
 impl RigidBody<1> {
-    /// Moments of inertia I of the body, and Î₁ of the single noise W₁.
+    /// The body with moments of inertia I and the single noise W₁ with moment Î₁.
     ///
     /// # Errors
-    /// [`SystemError::NonPositiveParameter`].
+    /// [`SystemError::NonPositiveParameter`] unless all moments are positive and finite.
     pub fn one_noise(inertia: [f64; 3], noise_inertia: f64) -> Result<Self, SystemError> {
         let drift = reciprocals(inertia, ["I1", "I2", "I3"])?;
         Ok(Self { drift, noise: reciprocals([noise_inertia], ["Î1"])? })
@@ -71,7 +66,7 @@ impl RigidBody<1> {
 }
 
 impl<const M: usize> RigidBody<M> {
-    /// dt/Iᵢ + dwᵢ/Îᵢ: the increment is the quadratic form ½Σ kᵢyᵢ².
+    /// kᵢ = dt/Iᵢ + dwᵢ/Îᵢ. The Hamiltonian increment is ½Σ kᵢyᵢ².
     #[inline(always)]
     fn coefficients(&self, dt: f64, dw: [f64; M]) -> [f64; 3] {
         let mut k = [0.0; 3];
@@ -112,8 +107,8 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
         self.gradient(dgrad::midpoint(a, b), dt, dw)
     }
 
-    /// With s = a + b, the cross product (s/2) × K(s/2) has the components ¼(k₃ − k₂)s₂s₃ and so
-    /// on: nine operations, where composing it takes eighteen.
+    /// With s = a + b and K = diag(k), the product (s/2) × K(s/2) has the first component
+    /// ¼(k₃ − k₂)s₂s₃. It takes nine operations instead of eighteen.
     #[inline(always)]
     fn averaged_field<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; M]) -> [R; 3] {
         let k = self.coefficients(dt, dw);
@@ -125,8 +120,8 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
         ]
     }
 
-    /// By Jacobi's identity [fₘ, f_l] = B∇{H_l, Hₘ}, and {H_l, Hₘ} = ± y₁y₂y₃/(ÎₘÎ_l) with the sign
-    /// of (eₘ × e_l)·y: the sum is y × ∇(c y₁y₂y₃) with one number c.
+    /// By Jacobi's identity [fₘ, f_l] = B∇{H_l, Hₘ}. Here {H_l, Hₘ} = ±y₁y₂y₃/(ÎₘÎ_l) with the sign
+    /// of (eₘ × e_l)·y. So the sum is y × ∇(c y₁y₂y₃) with one number c.
     #[inline(always)]
     fn commutators<R: Real>(&self, y: [R; 3], areas: [[f64; M]; M]) -> [R; 3] {
         let mut c = 0.0;
@@ -136,8 +131,8 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
                 c += if l == m + 1 { weight } else { -weight };
             }
         }
-        // c before the squares: a product of three large components may overflow where c, of a
-        // heavy body, is as small as they are large.
+        // Multiply by c before the squares: a product of three large components could overflow
+        // although c is small.
         let squares = [y[0] * y[0], y[1] * y[1], y[2] * y[2]];
         [
             y[0] * c * (squares[1] - squares[2]),
@@ -161,7 +156,8 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
     const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
 }
 
-/// B(y)v = y × v with H₀ = ½Σ yᵢ²/Iᵢ as drift and as noise cH₀.
+/// The free rigid body with the single noise H₁ = cH₀ (Bréhier, Cohen and Komori 2025, Example 2):
+/// B(y)v = y × v and H₀ = ½Σ yᵢ²/Iᵢ.
 ///
 /// Casimir ½|y|² and energy H₀, both of degree 2.
 #[derive(Clone, Copy, Debug)]
@@ -171,10 +167,11 @@ pub struct RigidBodyEnergy {
 }
 
 impl RigidBodyEnergy {
-    /// Moments of inertia I and noise of size c.
+    /// The body with moments of inertia I and noise of size c.
     ///
     /// # Errors
-    /// [`SystemError::NonPositiveParameter`], [`SystemError::NonFiniteParameter`].
+    /// [`SystemError::NonPositiveParameter`] unless all moments are positive and finite,
+    /// [`SystemError::NonFiniteParameter`] unless c is finite.
     pub fn new(inertia: [f64; 3], c: f64) -> Result<Self, SystemError> {
         Ok(Self {
             drift: reciprocals(inertia, ["I1", "I2", "I3"])?,
@@ -182,6 +179,7 @@ impl RigidBodyEnergy {
         })
     }
 
+    /// H₀(y).
     #[inline(always)]
     fn hamiltonian<R: Real>(&self, y: [R; 3]) -> R {
         (y[0] * y[0] * self.drift[0] + y[1] * y[1] * self.drift[1] + y[2] * y[2] * self.drift[2])

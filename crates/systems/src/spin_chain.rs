@@ -1,15 +1,17 @@
-//! A damped classical Heisenberg chain in a fluctuating magnetic field.
+//! A classical Heisenberg chain in a fluctuating magnetic field.
 
 use real::Real;
 
 use crate::error::finite;
-use crate::{Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem, SystemError};
+use crate::system::no_invariant;
+use crate::{ImplicitStep, Invariant, PoissonSystem, SystemError};
 
-/// n = D/3 classical spins sᵢ ∈ ℝ³ with B(y)v = (s₁ × v₁, …, sₙ × vₙ), H₀ = −J Σ sᵢ·sᵢ₊₁ − ½K Σ
-/// (sᵢᶻ)², and a field that fluctuates alike on all spins, Hₘ = −σ Σᵢ sᵢᵐ for m = x, y, z.
+/// A classical Heisenberg chain of n = D/3 spins sᵢ ∈ ℝ³ in a fluctuating magnetic field with y =
+/// (s₁, …, sₙ), B(y)v = (s₁ × v₁, …, sₙ × vₙ), H₀ = −J Σ sᵢ·sᵢ₊₁ − ½K Σ (sᵢᶻ)², and the same field
+/// on all spins, Hₘ = −σ Σᵢ sᵢᵐ for m = x, y, z.
 ///
-/// The three noises do not commute: [fₓ, f_y] turns about z. Casimirs ½|sᵢ|² of degree 2, one for
-/// each spin.
+/// The three noises do not commute: [fₓ, f_y] rotates about z. Casimirs: ½|sᵢ|², of degree 2, one
+/// per spin.
 #[derive(Clone, Copy, Debug)]
 pub struct SpinChain<const D: usize> {
     exchange: f64,
@@ -18,11 +20,11 @@ pub struct SpinChain<const D: usize> {
 }
 
 impl<const D: usize> SpinChain<D> {
-    /// Exchange J, anisotropy K and field strength σ. Does not compile unless D is a positive
-    /// multiple of 3.
+    /// The chain with exchange J, anisotropy K and field strength σ. It does not compile unless D
+    /// is a positive multiple of 3.
     ///
     /// # Errors
-    /// [`SystemError::NonFiniteParameter`].
+    /// [`SystemError::NonFiniteParameter`] unless all three are finite.
     pub fn new(exchange: f64, anisotropy: f64, field: f64) -> Result<Self, SystemError> {
         const { assert!(D > 0 && D.is_multiple_of(3), "a spin has three components") };
         Ok(Self {
@@ -88,8 +90,8 @@ impl<const D: usize> PoissonSystem<D, 3> for SpinChain<D> {
         self.gradient(dgrad::midpoint(a, b), dt, dw)
     }
 
-    /// [fₘ, f_l] = B∇{H_l, Hₘ} with {H_l, Hₘ} = σ² Σᵢ sᵢ·(eₘ × e_l): the areas turn all spins about
-    /// one axis.
+    /// [fₘ, f_l] = B∇{H_l, Hₘ} with {H_l, Hₘ} = σ² Σᵢ sᵢ·(eₘ × e_l). So the areas rotate all spins
+    /// about one axis.
     #[inline(always)]
     fn commutators<R: Real>(&self, y: [R; D], areas: [[f64; 3]; 3]) -> [R; D] {
         let axis =
@@ -104,18 +106,14 @@ impl<const D: usize> PoissonSystem<D, 3> for SpinChain<D> {
     }
 
     fn invariants(&self) -> Vec<Invariant> {
-        let casimir = Invariant {
-            name: "C",
-            formula: "½|sᵢ|²",
-            kind: InvariantKind::Casimir,
-            form: Form::Quadratic,
-            degree: 2.0,
-        };
-        vec![casimir; D / 3]
+        vec![Invariant::quadratic_casimir("C", "½|sᵢ|²"); D / 3]
     }
 
     #[inline(always)]
     fn invariant<R: Real>(&self, index: usize, y: [R; D]) -> R {
+        if index >= D / 3 {
+            no_invariant(self.name(), index);
+        }
         let s = [y[3 * index], y[3 * index + 1], y[3 * index + 2]];
         (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) * 0.5
     }

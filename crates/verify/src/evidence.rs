@@ -15,6 +15,8 @@ pub const DEVIATIONS: f64 = 4.42;
 #[expect(clippy::large_enum_variant, reason = "most measurements are orders, the largest variant")]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
+// A run has some hundred of them; most are fitted orders, the largest.
+#[allow(clippy::large_enum_variant)]
 pub enum Evidence {
     /// A fitted order of convergence.
     Order {

@@ -10,7 +10,6 @@
 //! | [`StepSizes`], [`ReferenceSolution`] | how it is measured, and against what |
 //! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
 //! | [`inspect()`], [`inspect_problem`] | what a system is, and which statements apply |
-//! | [`PathScheme`] | a scheme written for one path, to be put to the test |
 //! | [`order_verdict`], [`bound_verdict`] | when an order is said to hold |
 //! | [`work_precision`] | errors of any schemes against the processor time they take |
 //! | [`FinalMoments`], [`Stopwatch`], [`Spread`] | moments of final states; times of repeated work |
@@ -25,7 +24,6 @@ pub mod exact;
 mod final_moments;
 pub mod inspect;
 mod orders;
-mod path_scheme;
 pub mod results;
 pub mod runge_kutta;
 mod settings;
@@ -42,7 +40,6 @@ pub use orders::{
     Exact, Order, ReferenceSolution, StepSizes, exact_mean, strong_order, strong_order_against,
     weak_order,
 };
-pub use path_scheme::PathScheme;
 pub use settings::{Mode, Progress, Settings, Silent};
 pub use sphere::rigid_body_expectations;
 pub use stopwatch::{Spread, Stopwatch};

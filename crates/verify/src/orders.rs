@@ -17,7 +17,7 @@ pub struct StepSizes {
     pub coarsest_steps: u64,
     /// Step sizes, each half of the one before.
     pub levels: usize,
-    /// The reference's steps are 2^refinement times finer than the finest of the study. With 0, a
+    /// The reference's steps are 2^refinement times finer than the finest of these. With 0, a
     /// scheme has no error against itself at the finest step, and no order can be named.
     pub refinement: u32,
     /// Paths.
@@ -95,7 +95,7 @@ where
 {
     let square =
         |y: [f64; D], exact: [f64; D]| (0..D).map(|i| (y[i] - exact[i]) * (y[i] - exact[i])).sum();
-    let (squares, failed) = measure(scheme, problem, sizes, &reference, &square)?;
+    let (squares, failed) = errors(scheme, problem, sizes, &reference, &square)?;
     let taus = sizes.taus(problem.t_end);
     let step = match reference {
         ReferenceSolution::Exact(_) => None,
@@ -127,9 +127,9 @@ where
 {
     let phi = observable.function;
     let error = |y: [f64; D], exact: [f64; D]| phi(y) - phi(exact);
-    let (errors, failed) = measure(scheme, problem, sizes, &reference, &error)?;
-    let (taus, means) = (sizes.taus(problem.t_end), errors.means());
-    let covariance = errors.covariances_of_means();
+    let (moments, failed) = errors(scheme, problem, sizes, &reference, &error)?;
+    let (taus, means) = (sizes.taus(problem.t_end), moments.means());
+    let covariance = moments.covariances_of_means();
     let points = (0..taus.len()).map(|l| Point::normal(taus[l], means[l], covariance[l][l].sqrt()));
     let against = match reference {
         ReferenceSolution::Itself => Against::Step(sizes.reference(problem.t_end)),
@@ -153,9 +153,10 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let phi = |_: [f64; D], exact: [f64; D]| (observable.function)(exact);
-    let reference = ReferenceSolution::Exact(exact);
-    let (values, _) = measure(&Sexp::default(), problem, sizes, &reference, &phi)?;
+    let values = |view: &View<'_, D>, p: usize| {
+        vec![(observable.function)((exact.solution)(view.random_time.0[0][p]))]
+    };
+    let (values, _) = measure(problem, sizes, Vec::new(), Some(exact.time_change), 1, &values)?;
     Ok((values.mean(0), values.covariance_of_means(0, 0).sqrt()))
 }
 
@@ -165,7 +166,7 @@ const MAX_REFINEMENT: u32 = 24;
 
 impl StepSizes {
     /// The level above the finest of step size number `index`, coarsest first.
-    fn level(&self, index: usize) -> usize {
+    pub(crate) fn level(&self, index: usize) -> usize {
         self.levels - 1 - index + self.refinement as usize
     }
 
@@ -178,7 +179,8 @@ impl StepSizes {
         t_end / (self.coarsest_steps << self.level(0)) as f64
     }
 
-    fn check(&self) -> Result<(), LadderError> {
+    /// Refuses sizes without a step or a step size, or with too many.
+    pub(crate) fn check(&self) -> Result<(), LadderError> {
         if self.levels == 0 || self.levels > MAX_LEVELS || self.refinement > MAX_REFINEMENT {
             return Err(LadderError::Level {
                 level: self.levels + self.refinement as usize,
@@ -195,7 +197,7 @@ impl StepSizes {
 
 /// Moments of error(y, y_ref) at the final time over the step sizes, coarsest first, and the number
 /// of paths that were left out.
-fn measure<S, G, const D: usize, const M: usize>(
+fn errors<S, G, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
     sizes: &StepSizes,
@@ -207,51 +209,73 @@ where
     G: Damping,
 {
     sizes.check()?;
+    let levels = sizes.levels;
     let mut runs: Vec<Run<'_, S, D, M>> =
-        (0..sizes.levels).map(|index| Run::new(scheme, sizes.level(index))).collect();
-    let mut exact = None;
-    match *reference {
-        ReferenceSolution::Itself => runs.push(Run::new(scheme, 0)),
-        ReferenceSolution::Scheme(reference) => runs.push(Run::new(reference, 0)),
-        ReferenceSolution::Exact(solution) => exact = Some(solution),
-    }
+        (0..levels).map(|index| Run::new(scheme, sizes.level(index))).collect();
+    let exact = match *reference {
+        ReferenceSolution::Exact(exact) => Some(exact),
+        ReferenceSolution::Itself => {
+            runs.push(Run::new(scheme, 0));
+            None
+        }
+        ReferenceSolution::Scheme(reference) => {
+            runs.push(Run::new(reference, 0));
+            None
+        }
+    };
+    let sample = |view: &View<'_, D>, p: usize| {
+        let exact = match exact {
+            None => view.states[levels].path(p),
+            Some(exact) => (exact.solution)(view.random_time.0[0][p]),
+        };
+        view.states[..levels].iter().map(|y| error(y.path(p), exact)).collect()
+    };
+    measure(problem, sizes, runs, exact.map(|exact| exact.time_change), levels, &sample)
+}
+
+/// Moments of a vector of this length at the final time, and the number of paths that were left
+/// out.
+fn measure<S, G, const D: usize, const M: usize>(
+    problem: &Problem<S, G, D>,
+    sizes: &StepSizes,
+    runs: Vec<Run<'_, S, D, M>>,
+    time_change: Option<&dyn TimeChange<M>>,
+    length: usize,
+    sample: Sample<'_, D>,
+) -> Result<(CrossMoments, u64), LadderError>
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    sizes.check()?;
     let top = sizes.level(0);
     let steps = sizes.coarsest_steps << top;
     let mut ladder = Ladder::new(problem, steps, top, sizes.truncation, sizes.key, runs)?;
-    if let Some(exact) = exact {
-        ladder = ladder.with_time_change(exact.time_change);
+    if let Some(time_change) = time_change {
+        ladder = ladder.with_time_change(time_change);
     }
-    let errors = || FinalErrors {
-        error,
-        solution: exact.map(|exact| exact.solution),
-        last_time: ladder.coarse_steps(),
-        moments: CrossMoments::new(sizes.levels),
-    };
-    let outcome = ladder.run(sizes.samples, errors, &|_| ());
-    Ok((outcome.statistic.moments, outcome.failed))
+    let last_time = ladder.coarse_steps();
+    let none = || FinalMoments { sample, last_time, moments: CrossMoments::new(length) };
+    let measured = ladder.run(sizes.samples, none, &|_| ());
+    Ok((measured.statistic.moments, measured.failed))
 }
 
-/// Moments of error(y, y_ref) at the final time, where y_ref is the last run or the exact solution.
-struct FinalErrors<'a, const D: usize> {
-    error: &'a (dyn Fn([f64; D], [f64; D]) -> f64 + Sync),
-    solution: Option<&'a (dyn Fn(f64) -> [f64; D] + Sync)>,
+/// What is measured of a path of a block.
+type Sample<'a, const D: usize> = &'a (dyn Fn(&View<'_, D>, usize) -> Vec<f64> + Sync);
+
+/// Moments of a vector at the final time.
+struct FinalMoments<'a, const D: usize> {
+    sample: Sample<'a, D>,
     last_time: u64,
     moments: CrossMoments,
 }
 
-impl<const D: usize> Statistic<D> for FinalErrors<'_, D> {
+impl<const D: usize> Statistic<D> for FinalMoments<'_, D> {
     fn observe(&mut self, view: &View<'_, D>) {
-        if view.time != self.last_time {
-            return;
-        }
-        let runs = self.moments.length();
-        for p in view.live.paths() {
-            let exact = match self.solution {
-                None => view.states[runs].path(p),
-                Some(solution) => solution(view.random_time.0[0][p]),
-            };
-            let errors = view.states[..runs].iter().map(|y| (self.error)(y.path(p), exact));
-            self.moments.add(&errors.collect::<Vec<_>>());
+        if view.time == self.last_time {
+            for p in view.live.paths() {
+                self.moments.add(&(self.sample)(view, p));
+            }
         }
     }
 

@@ -274,6 +274,7 @@ impl PoissonSystem<3, 3> for Spoiled {
     fn invariant<R: Real>(&self, index: usize, y: [R; 3]) -> R {
         match self.0 {
             Fault::Energy => body().energy(y, 1.0, [0.0; 3]),
+            _ if index > 0 => y[0] * f64::NAN,
             _ => body().invariant(index, y),
         }
     }

@@ -11,30 +11,44 @@ use std::process::Command;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow, ensure};
 use clap::Parser;
 use comfy_table::presets::ASCII_MARKDOWN;
 use comfy_table::{CellAlignment, Table};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Par};
 use noise::{BlockNoise, Noise};
-use nonlin::{BlockStatus, Method, Outcome, Solver};
+use nonlin::{BlockStatus, Method, Outcome, Solution, Solver};
 use real::{Block, Dual, Level, Real, WIDTH};
 use schemes::{Scheme, Sexp, Step};
 use systems::{Constant, PoissonSystem, SpinChain};
 
 /// Time against dimension.
 #[derive(Parser)]
-#[command(version)]
+#[command(name = "cargo xtask dimension", version)]
 struct Arguments {
     /// One repetition of each, to see that everything runs.
     #[arg(long)]
     quick: bool,
-    /// Solve one step in this many dimensions on this thread's stack and say nothing; for measuring
-    /// the stack.
-    #[arg(long, hide = true, num_args = 3, value_names = ["D", "METHOD", "KILOBYTES"])]
-    probe: Option<Vec<String>>,
+    /// Solve one step of dimension number D by way number WAY on a stack of so many kilobytes and
+    /// say nothing; for measuring the stack.
+    #[arg(long, hide = true, num_args = 3, value_names = ["D", "WAY", "KILOBYTES"])]
+    probe: Option<Vec<usize>>,
 }
+
+/// How `sexp` solves a step.
+#[derive(Clone, Copy)]
+enum Way {
+    Block,
+    Path,
+    Newton,
+}
+
+const WAYS: [(Way, &str); 3] = [
+    (Way::Block, "block-fixed-point"),
+    (Way::Path, "path-fixed-point"),
+    (Way::Newton, "path-newton"),
+];
 
 /// Step size 2⁻⁸, and increments of the size that they usually have.
 const TAU: f64 = 1.0 / 256.0;
@@ -117,6 +131,22 @@ impl<const D: usize> Case<D> {
         (None, z)
     }
 
+    /// The step by `sexp`; of a block its first path, and no outcome of its own.
+    #[inline(never)]
+    fn solve(&self, way: Way) -> Solution<D> {
+        let method = if let Way::Newton = way { Method::Newton } else { Method::FixedPoint };
+        let sexp = Sexp { solver: Solver::new(method) };
+        let (system, step, y) = (&self.system, &self.step, black_box(self.y));
+        if let Way::Block = way {
+            let (mut y, mut status) = (Block::splat(y), BlockStatus::explicit());
+            let noise = BlockNoise::increments(Block::splat(INCREMENTS));
+            sexp.step_block(system, step, &noise, &mut y, &mut status);
+            let outcome = Outcome::Fast { iterations: 0 };
+            return Solution { z: black_box(y).path(0), outcome };
+        }
+        sexp.step(system, step, &Noise::increments(INCREMENTS), y)
+    }
+
     /// How fast the plain iteration contracts: the ratio of its changes number 9 and 8.
     fn contraction(&self) -> f64 {
         let start = self.start();
@@ -163,32 +193,19 @@ fn ended(outcome: Outcome) -> String {
 const CONTRACTS: f64 = 0.75;
 
 fn rows<const D: usize>(table: &mut Table, budget: Duration) -> Result<()> {
-    let by = |method| Sexp { solver: Solver::new(method) };
     for exchange in EXCHANGES {
         let case = Case::<D>::new(exchange)?;
         let (mut matrix, mut defect) = (Mat::zeros(D, D), Mat::zeros(D, 1));
-        let (system, step) = (&case.system, &case.step);
         let contraction = case.contraction();
         eprintln!("D = {D}, exchange constant {exchange}: contraction {contraction:.3}");
         let (library, (iterations, solution)) =
             best(budget, || case.newton_by_library(&mut matrix, &mut defect));
         let (assembly, ()) =
             best(budget, || case.linearised(case.start(), case.y, &mut matrix, &mut defect));
-        let alone = |method| {
-            let noise = Noise::increments(INCREMENTS);
-            best(budget, || by(method).step(system, step, &noise, black_box(case.y)))
-        };
-        let (newton, own) = alone(Method::Newton);
-        let (path, fixed) = alone(Method::FixedPoint);
+        let (newton, own) = best(budget, || case.solve(Way::Newton));
+        let (path, fixed) = best(budget, || case.solve(Way::Path));
         let block = if contraction < CONTRACTS {
-            let start = Block::splat(case.y);
-            let noise = BlockNoise::increments(Block::splat(INCREMENTS));
-            let mut status = BlockStatus::explicit();
-            let (block, _) = best(budget, || {
-                let mut y = black_box(start);
-                by(Method::FixedPoint).step_block(system, step, &noise, &mut y, &mut status);
-                y
-            });
+            let (block, _) = best(budget, || case.solve(Way::Block));
             cell(block / WIDTH as f64, &ended(fixed.outcome))
         } else {
             "not measured".to_owned()
@@ -208,49 +225,51 @@ fn rows<const D: usize>(table: &mut Table, budget: Duration) -> Result<()> {
     Ok(())
 }
 
-/// One step in D dimensions by a method, on the stack of a thread of so many kilobytes.
-fn probe<const D: usize>(method: &str, kilobytes: usize) -> Result<()> {
-    let case = Box::new(Case::<D>::new(1.0)?);
-    let method = method.to_owned();
-    let work = move || {
-        let solver = Solver::new(if method.ends_with("newton") {
-            Method::Newton
-        } else {
-            Method::FixedPoint
-        });
-        let sexp = Sexp { solver };
-        if method.starts_with("block") {
-            let (mut y, mut status) = (Block::splat(case.y), BlockStatus::explicit());
-            let noise = BlockNoise::increments(Block::splat(INCREMENTS));
-            sexp.step_block(&case.system, &case.step, &noise, &mut y, &mut status);
-            black_box(y);
-        } else {
-            black_box(sexp.step(&case.system, &case.step, &Noise::increments(INCREMENTS), case.y));
-        }
-    };
-    let thread = thread::Builder::new()
-        .stack_size(kilobytes << 10)
-        .spawn(work)
-        .context("cannot start a thread")?;
-    thread.join().map_err(|_| anyhow::anyhow!("the step panicked"))
+/// One step in D dimensions.
+fn solve_once<const D: usize>(way: Way) -> Result<()> {
+    black_box(Case::<D>::new(1.0)?.solve(way));
+    Ok(())
+}
+
+/// A dimension that is measured: its row of times, and a step in it.
+struct Dimension {
+    number: usize,
+    rows: fn(&mut Table, Duration) -> Result<()>,
+    solve_once: fn(Way) -> Result<()>,
+}
+
+const fn dimension<const D: usize>() -> Dimension {
+    Dimension { number: D, rows: rows::<D>, solve_once: solve_once::<D> }
+}
+
+const DIMENSIONS: [Dimension; 5] = [
+    dimension::<6>(),
+    dimension::<30>(),
+    dimension::<90>(),
+    dimension::<150>(),
+    dimension::<300>(),
+];
+
+/// Does the work on a thread with a stack of so many kilobytes.
+fn on_stack(kilobytes: usize, work: impl FnOnce() -> Result<()> + Send + 'static) -> Result<()> {
+    let thread = thread::Builder::new().stack_size(kilobytes << 10).spawn(work);
+    let done = thread.context("cannot start a thread")?.join();
+    done.map_err(|_| anyhow!("the measurement panicked"))?
 }
 
 /// The least stack in kilobytes on which a step succeeds, to a sixteenth. A stack that overflows
 /// ends the process, hence one for each attempt.
-fn least_stack(dimension: usize, method: &str) -> Result<usize> {
+fn least_stack(dimension: usize, way: usize) -> Result<usize> {
     let program = std::env::current_exe().context("this program has no path")?;
     let succeeds = |kilobytes: usize| -> Result<bool> {
-        let arguments = ["--probe", &dimension.to_string(), method, &kilobytes.to_string()];
-        let output = Command::new(&program)
-            .args(arguments)
-            .output()
-            .context("cannot run this program again")?;
-        Ok(output.status.success())
+        let numbers = [dimension, way, kilobytes].map(|number| number.to_string());
+        let output = Command::new(&program).arg("--probe").args(numbers).output();
+        Ok(output.context("cannot run this program again")?.status.success())
     };
     let mut above = 16;
     while !succeeds(above)? {
         above *= 2;
-        anyhow::ensure!(above <= 1 << 20, "no stack of a gigabyte is enough");
+        ensure!(above <= 1 << 20, "no stack of a gigabyte is enough");
     }
     let mut below = above / 2;
     while above - below > (above / 16).max(1) {
@@ -272,8 +291,8 @@ fn table(header: &[&str]) -> Table {
 /// For each number of the table.
 const BUDGET: Duration = Duration::from_millis(300);
 
-/// The stack on which the times are measured, more than the largest case needs.
-const STACK: usize = 256 << 20;
+/// Kilobytes of the stack on which the times are measured, more than the largest case needs.
+const STACK: usize = 256 << 10;
 
 fn times(budget: Duration) -> Result<()> {
     faer::set_global_parallelism(Par::Seq);
@@ -287,37 +306,27 @@ fn times(budget: Duration) -> Result<()> {
         "of which one Jacobian",
         "distance",
     ]);
-    rows::<6>(&mut table, budget)?;
-    rows::<30>(&mut table, budget)?;
-    rows::<90>(&mut table, budget)?;
-    rows::<150>(&mut table, budget)?;
-    rows::<300>(&mut table, budget)?;
+    for dimension in &DIMENSIONS {
+        (dimension.rows)(&mut table, budget)?;
+    }
     println!("µs for one step of one path, {}, best of many:\n{table}\n", Level::current().name());
     Ok(())
 }
 
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
-    if let Some(probe_of) = &arguments.probe {
-        let kilobytes = probe_of[2].parse()?;
-        return match probe_of[0].as_str() {
-            "6" => probe::<6>(&probe_of[1], kilobytes),
-            "30" => probe::<30>(&probe_of[1], kilobytes),
-            "90" => probe::<90>(&probe_of[1], kilobytes),
-            "150" => probe::<150>(&probe_of[1], kilobytes),
-            "300" => probe::<300>(&probe_of[1], kilobytes),
-            other => anyhow::bail!("no spin chain of dimension {other}"),
-        };
+    if let Some([dimension, way, kilobytes]) = arguments.probe.as_deref() {
+        let dimension = DIMENSIONS.get(*dimension).context("no such dimension")?;
+        let (way, _) = *WAYS.get(*way).context("no such way")?;
+        return on_stack(*kilobytes, move || (dimension.solve_once)(way));
     }
     let budget = if arguments.quick { Duration::ZERO } else { BUDGET };
-    let worker = thread::Builder::new().stack_size(STACK).spawn(move || times(budget))?;
-    worker.join().map_err(|_| anyhow::anyhow!("the measurement panicked"))??;
-    let methods = ["block-fixed-point", "path-fixed-point", "path-newton"];
-    let mut stacks = table(&["D", methods[0], methods[1], methods[2]]);
-    for dimension in [6, 30, 90, 150, 300] {
-        let mut row = vec![dimension.to_string()];
-        for method in methods {
-            row.push(least_stack(dimension, method)?.to_string());
+    on_stack(STACK, move || times(budget))?;
+    let mut stacks = table(&["D", WAYS[0].1, WAYS[1].1, WAYS[2].1]);
+    for (n, dimension) in DIMENSIONS.iter().enumerate() {
+        let mut row = vec![dimension.number.to_string()];
+        for way in 0..WAYS.len() {
+            row.push(least_stack(n, way)?.to_string());
         }
         stacks.add_row(row);
     }

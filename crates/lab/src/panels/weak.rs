@@ -101,7 +101,7 @@ impl Experiment for WeakPanels {
         let taus: Vec<f64> = grid.exponents().map(power_of_half).collect();
         let mut series = (0..observables.len()).map(|f| {
             let differences: Vec<&CrossMoments> =
-                measured.iter().map(|outcome| outcome.statistic.of(f)).collect();
+                measured.iter().map(|outcome| outcome.statistic.moments(f)).collect();
             weak_series(observables[f].name, &taus, &differences)
         });
         let failures = measured.iter().flat_map(|m| describe_failures(m.failed, &m.failures));

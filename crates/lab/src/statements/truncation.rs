@@ -2,7 +2,7 @@
 //! Cohen and Komori 2025, §3).
 //!
 //! With ζ standard normal, χ its truncation at A = √(2k|log τ|) and s = |ζ| − A beyond the
-//! threshold, E|ζ − χ|ᵖ = 2φ(A) ∫₀^∞ sᵖ e^{−As − s²/2} ds and E[ζ²] − E[χ²] = 2φ(A) ∫₀^∞ s(s + 2A)
+//! threshold, E|ζ − χ|ᵖ = 2φ(A) ∫₀^∞ sᵖ e^{−As − s²/2} ds and Eζ² − Eχ² = 2φ(A) ∫₀^∞ s(s + 2A)
 //! e^{−As − s²/2} ds: sums of positive terms, where the textbook forms in Q(A) cancel. φ(A) =
 //! τᵏ/√(2π).
 

@@ -1,10 +1,9 @@
-//! Paths with what was observed along them, as tables.
+//! Tables of paths with observables and invariants.
 
 mod error;
 mod series;
 mod write;
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 use noise::{StreamKey, Truncation};
@@ -12,19 +11,20 @@ use schemes::{Scheme, Step};
 use systems::{Damping, PoissonSystem, Problem};
 
 use crate::recording::TIME_AGREEMENT;
-use crate::{Ladder, LadderError, PathFailure, Recording, Run, Statistic, View};
+use crate::trajectory::PathRecords;
+use crate::{Ladder, LadderError, PathFailure, Recording, Run};
 use series::InvariantColumn;
 
 pub use error::SimulationError;
 pub use series::{Column, NoiseOrigin, TimeSeries};
 pub use write::{write_csv, write_json};
 
-/// φ(y), observed along a path.
+/// An observable φ(y).
 type Observed<'a, const D: usize> = Box<dyn Fn([f64; D]) -> f64 + Sync + 'a>;
 
-/// A problem, a scheme, and what is kept of each path: time, state, observables, and every
-/// invariant of the system with its relative defect from the conformal law. Keeps everything in
-/// memory.
+/// Simulation of paths of a problem by a scheme. The table of each path contains time, state,
+/// observables, and every invariant of the system with its relative defect from the conformal law.
+/// All tables are kept in memory.
 ///
 /// ```
 /// use mc::{Simulation, write_csv};
@@ -34,15 +34,19 @@ type Observed<'a, const D: usize> = Box<dyn Fn([f64; D]) -> f64 + Sync + 'a>;
 ///
 /// let problem = Problem::new(MaxwellBloch, Constant::new(0.1)?, [1.0, 2.0, 3.0], 5.0)?;
 /// let sexp = Sexp::default();
-/// let simulation =
-///     Simulation::new(&problem, &sexp, Truncation::new(4)?).every(100).observing("intensity", |y| y[0] * y[0]);
+/// let simulation = Simulation::new(&problem, &sexp, Truncation::new(4)?)
+///     .every(100)
+///     .observing("intensity", |y| y[0] * y[0]);
 /// let paths = simulation.paths(500, StreamKey { seed: 1, experiment: 0 }, 0..4)?;
 /// assert_eq!(paths[3].times(), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
 /// assert!(paths[3].column("C defect").unwrap().iter().all(|defect| defect.abs() < 1e-13));
 ///
 /// let mut csv = Vec::new();
 /// write_csv(&paths, &mut csv)?;
-/// assert!(csv.starts_with(b"scheme,path,t,y1,y2,y3,intensity,C,C defect\nsexp,0,0.0,1.0,2.0,3.0,1.0,6.5,0.0\n"));
+/// let csv = String::from_utf8(csv)?;
+/// let mut lines = csv.lines();
+/// assert_eq!(lines.next(), Some("scheme,path,t,y1,y2,y3,intensity,C,C defect"));
+/// assert_eq!(lines.next(), Some("sexp,0,0.0,1.0,2.0,3.0,1.0,6.5,0.0"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Simulation<'a, S, G, const D: usize, const M: usize> {
@@ -58,7 +62,7 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    /// Keeps every step, and no observable yet.
+    /// A simulation that saves every step and has no observables.
     #[must_use]
     pub fn new(
         problem: &'a Problem<S, G, D>,
@@ -68,14 +72,14 @@ where
         Self { problem, scheme, truncation, every: 1, observables: Vec::new() }
     }
 
-    /// Keeps every `every`-th step only; the start and the last step are kept in any case.
+    /// Saves only every `every`-th step, the initial state and the last step.
     #[must_use]
     pub fn every(mut self, every: u64) -> Self {
         self.every = every;
         self
     }
 
-    /// Keeps φ(y) in a column of this name.
+    /// Adds a column with the observable φ(y).
     #[must_use]
     pub fn observing(
         mut self,
@@ -86,13 +90,13 @@ where
         self
     }
 
-    /// Path number `path`, in `steps` steps to the final time: the states of
+    /// The table of path number `path` in `steps` steps to the final time, with the same states as
     /// [`trajectory`](crate::trajectory).
     ///
     /// # Errors
-    /// [`SimulationError`] when there is no step, when every zeroth step is to be kept, when two
-    /// columns have one name, when the truncation is not defined at T/steps, or when no number of
-    /// terms is large enough for the scheme's Lévy areas.
+    /// - [`SimulationError::Ladder`] as in [`Ladder::new`].
+    /// - [`SimulationError::Every`] if `every` is zero.
+    /// - [`SimulationError::Column`] if two columns have the same name.
     pub fn path(
         &self,
         steps: u64,
@@ -103,7 +107,8 @@ where
         Ok(series.swap_remove(0))
     }
 
-    /// Many paths, in parallel on the current rayon pool and in the order of their numbers.
+    /// The tables of many paths in the order of their numbers, computed in parallel on the current
+    /// rayon pool.
     ///
     /// # Errors
     /// As for [`path`](Self::path).
@@ -119,12 +124,12 @@ where
         self.run(ladder, paths, &|path| NoiseOrigin::Drawn { seed, experiment, path })
     }
 
-    /// The path that recorded increments drive. They are truncated like drawn ones; with
-    /// [`Truncation::none`] they are used as they are.
+    /// The table of the path with recorded increments. They are truncated like drawn increments,
+    /// unless the simulation has [`Truncation::none`].
     ///
     /// # Errors
-    /// As for [`path`](Self::path); and [`SimulationError::Duration`] when the recording does not
-    /// end at the final time, [`SimulationError::NoAreas`] when the scheme reads Lévy areas and the
+    /// As for [`path`](Self::path). [`SimulationError::Duration`] if the recording does not end at
+    /// the final time. [`SimulationError::NoAreas`] if the scheme reads Lévy areas and the
     /// recording has none.
     pub fn recorded(&self, recording: &Recording<M>) -> Result<TimeSeries, SimulationError> {
         let steps = recording.increments().len();
@@ -173,7 +178,7 @@ where
             template.add_column(invariant.name.clone())?;
             template.add_column(format!("{} defect", invariant.name))?;
         }
-        // What is kept of step n, at which the damping has reached the integral `damped`.
+        // The row of step n, where `damped` is ∫γ up to its end.
         let row = |n: u64, damped: f64, y: [f64; D]| {
             let mut row = Vec::with_capacity(template.columns.len());
             row.push(n as f64 * tau);
@@ -186,15 +191,15 @@ where
             row
         };
         let steps = ladder.coarse_steps();
-        let kept = |n: u64| n.is_multiple_of(self.every) || n == steps;
-        let damped = damping_integrals(&problem.damping, steps, tau, &kept)?;
-        let observe = |n: u64, y: [f64; D]| {
-            kept(n).then(|| row(n, damped[damped.partition_point(|&(m, _)| m < n)].1, y))
+        let saved = |n: u64| n.is_multiple_of(self.every) || n == steps;
+        let damped = damping_integrals(&problem.damping, steps, tau, &saved)?;
+        let saved_row = |n: u64, y: [f64; D]| {
+            saved(n).then(|| row(n, damped[damped.partition_point(|&(m, _)| m < n)].1, y))
         };
         let count = paths.end.saturating_sub(paths.start);
         let ladder = ladder.describing(count as usize);
-        let new = || Rows { observe: &observe, of_path: BTreeMap::new() };
-        let measured = ladder.run_from(paths.start, count, new, &|_| ());
+        let measured =
+            ladder.run_from(paths.start, count, || PathRecords::new(&saved_row), &|_| ());
         let mut of_path = measured.statistic.of_path;
         let series = paths.map(|path| {
             let mut series = template.clone();
@@ -215,13 +220,13 @@ where
     }
 }
 
-/// ∫γ from 0 to the end of every step n that is kept, with n. The sum of the integrals over the
-/// steps is compensated (Kahan 1965), so that the law itself does not drift.
+/// (n, ∫γ from 0 to the end of step n) for every saved step n. Compensated summation (Kahan 1965)
+/// of the integrals over the steps keeps rounding errors from accumulating in the conformal law.
 fn damping_integrals(
     damping: &dyn Damping,
     steps: u64,
     tau: f64,
-    kept: &dyn Fn(u64) -> bool,
+    saved: &dyn Fn(u64) -> bool,
 ) -> Result<Vec<(u64, f64)>, LadderError> {
     let (mut damped, mut lost) = (0.0, 0.0);
     let mut integrals = Vec::new();
@@ -230,32 +235,9 @@ fn damping_integrals(
         let sum = damped + term;
         lost = (sum - damped) - term;
         damped = sum;
-        if kept(n) {
+        if saved(n) {
             integrals.push((n, damped));
         }
     }
     Ok(integrals)
-}
-
-/// What is kept of step n in the state y, if anything is.
-type ObserveState<'a, const D: usize> = dyn Fn(u64, [f64; D]) -> Option<Vec<f64>> + Sync + 'a;
-
-/// The rows of every path.
-struct Rows<'a, const D: usize> {
-    observe: &'a ObserveState<'a, D>,
-    of_path: BTreeMap<u64, Vec<Vec<f64>>>,
-}
-
-impl<const D: usize> Statistic<D> for Rows<'_, D> {
-    fn observe(&mut self, view: &View<'_, D>) {
-        for p in view.live.paths() {
-            if let Some(row) = (self.observe)(view.time, view.states[0].path(p)) {
-                self.of_path.entry(view.first_path + p as u64).or_default().push(row);
-            }
-        }
-    }
-
-    fn merge(&mut self, later: Self) {
-        self.of_path.extend(later.of_path);
-    }
 }

@@ -1,36 +1,36 @@
-//! What is kept of one path.
+//! The table of one path.
 
 use serde::Serialize;
 use systems::{Invariant, PoissonSystem};
 
 use super::SimulationError;
 
-/// One path as a table, with where it comes from.
+/// The table of one path, with everything needed to compute it again.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TimeSeries {
     /// Name of the system.
     pub system: String,
-    /// γ in words.
+    /// Formula of γ.
     pub damping: String,
     /// Identifier of the scheme.
     pub scheme: String,
     /// Step size.
     pub tau: f64,
-    /// Where the increments come from.
+    /// Origin of the increments.
     pub noise: NoiseOrigin,
-    /// Why the path ends before the final time, if it does.
+    /// The failure of the path, if it ends before the final time.
     pub halted: Option<String>,
     /// `t`, `y1` … `yD`, the observables, and for each invariant its value and its defect.
-    /// Invariants that share a name are numbered. The defect is (F − F₀)/|F₀| with F₀ =
-    /// e^{−p∫γ}F(y₀), and F itself where F(y₀) = 0.
+    /// Invariants with the same name are numbered. The defect of F is (F − F₀)/|F₀| with F₀ =
+    /// e^{−p∫γ}F(y₀), or F itself if F(y₀) = 0.
     pub columns: Vec<Column>,
 }
 
-/// Where increments come from.
+/// The origin of the increments of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum NoiseOrigin {
-    /// Drawn, and drawn again by the same three numbers.
+    /// Drawn from a stream.
     Drawn {
         /// Master seed.
         seed: u64,
@@ -39,7 +39,7 @@ pub enum NoiseOrigin {
         /// Number of the path.
         path: u64,
     },
-    /// Given as a recording.
+    /// From a recording.
     Recorded,
 }
 
@@ -48,12 +48,12 @@ pub enum NoiseOrigin {
 pub struct Column {
     /// Its name.
     pub name: String,
-    /// Its values; in JSON `null` stands for what is not finite.
+    /// Its values. In JSON a value that is not finite is `null`.
     pub values: Vec<f64>,
 }
 
 impl TimeSeries {
-    /// The values of a column.
+    /// The values of the column with this name, if there is one.
     #[must_use]
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.columns
@@ -77,7 +77,7 @@ impl TimeSeries {
     }
 }
 
-/// An invariant with the name of its column and its value at the start.
+/// An invariant with the name of its column and its initial value.
 pub(super) struct InvariantColumn {
     pub(super) name: String,
     degree: f64,
@@ -102,7 +102,7 @@ impl InvariantColumn {
         known.iter().enumerate().map(column).collect()
     }
 
-    /// How far `value` is from the conformal law after damping by `damped` = ∫γ.
+    /// The relative defect of `value` from the conformal law, where `damped` = ∫γ.
     pub(super) fn defect(&self, value: f64, damped: f64) -> f64 {
         let law = (-self.degree * damped).exp() * self.initial;
         if self.initial == 0.0 { value } else { (value - law) / law.abs() }

@@ -1,15 +1,15 @@
-//! Paths into files. Numbers are the shortest texts that read back to the same bits.
+//! Writers of tables.
 
 use std::io::{self, Write};
 
 use super::{NoiseOrigin, TimeSeries};
 
-/// All paths below one another: `scheme`, `path`, and the columns that they have in common. The
-/// path is its number, and `recorded` where the increments were given.
+/// Writes the tables of all paths as one CSV table with the columns `scheme`, `path` and those of
+/// the tables. `path` is the number of the path, or `recorded`. Numbers are written in the shortest
+/// form that is read back to the same bits.
 ///
 /// # Errors
-/// Those of the writer; [`io::ErrorKind::InvalidInput`] when the paths do not have the same
-/// columns.
+/// Those of the writer. [`io::ErrorKind::InvalidInput`] if the columns of the paths differ.
 pub fn write_csv(series: &[TimeSeries], out: &mut impl Write) -> io::Result<()> {
     let Some(first) = series.first() else { return Ok(()) };
     let names = |series: &TimeSeries| {
@@ -42,8 +42,8 @@ pub fn write_csv(series: &[TimeSeries], out: &mut impl Write) -> io::Result<()> 
     Ok(())
 }
 
-/// All paths as an array of objects with the fields of [`TimeSeries`], and in them one array of
-/// numbers for each column.
+/// Writes all paths as a JSON array of objects with the fields of [`TimeSeries`]. Numbers are
+/// written in the shortest form that is read back to the same bits.
 ///
 /// # Errors
 /// Those of the writer.
@@ -52,8 +52,7 @@ pub fn write_json(series: &[TimeSeries], out: &mut impl Write) -> io::Result<()>
     writeln!(out)
 }
 
-/// An entry with a comma, a quote or a line break goes between quotes, its own quotes doubled (RFC
-/// 4180).
+/// The entry in quotes if it contains a comma, a quote or a line break (RFC 4180).
 fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", text.replace('"', "\"\""))

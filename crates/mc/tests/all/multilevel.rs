@@ -13,7 +13,7 @@ use mc::multilevel::{
     expectation_plain,
 };
 use mc::{LadderError, Observable};
-use noise::{NoiseError, StreamKey, Truncation};
+use noise::{BlockNoise, Noise, NoiseError, StreamKey, Truncation};
 use nonlin::{BlockStatus, Method, Solution, Solver};
 use real::{Block, Real};
 use schemes::{Scheme, Sexp, SexpLevy, Step};
@@ -310,21 +310,28 @@ impl<S: PoissonSystem<D, M>, F: Fn(f64) -> f64 + Send + Sync, const D: usize, co
     fn id(&self) -> &'static str {
         "altered"
     }
+    fn reads_areas(&self) -> bool {
+        false
+    }
+    fn clips_increments(&self) -> bool {
+        true
+    }
     fn step_block(
         &self,
         system: &S,
         step: &Step,
-        dw: &Block<M>,
+        noise: &BlockNoise<M>,
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        let (mut altered, factor) = (*dw, (self.0)(step.tau));
-        altered.0.iter_mut().flatten().for_each(|w| *w *= factor);
+        let (mut altered, factor) = (noise.clone(), (self.0)(step.tau));
+        altered.increments.0.iter_mut().flatten().for_each(|w| *w *= factor);
         Sexp::default().step_block(system, step, &altered, y, status);
     }
-    fn step(&self, system: &S, step: &Step, dw: [f64; M], y: [f64; D]) -> Solution<D> {
+    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
         let factor = (self.0)(step.tau);
-        Sexp::default().step(system, step, dw.map(|w| factor * w), y)
+        let altered = Noise::increments(noise.increments.map(|w| factor * w));
+        Sexp::default().step(system, step, &altered, y)
     }
 }
 
@@ -381,22 +388,28 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
     fn id(&self) -> &'static str {
         "remembering"
     }
+    fn reads_areas(&self) -> bool {
+        false
+    }
+    fn clips_increments(&self) -> bool {
+        true
+    }
     fn step_block(
         &self,
         system: &S,
         step: &Step,
-        dw: &Block<M>,
+        noise: &BlockNoise<M>,
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        Sexp::default().step_block(system, step, dw, y, status);
+        Sexp::default().step_block(system, step, noise, y, status);
         let before = LAST_TAU.replace(step.tau);
         if before < step.tau && before > 0.0 {
             y.0.iter_mut().flatten().for_each(|component| *component *= 1.0 - 0.02 * step.tau);
         }
     }
-    fn step(&self, system: &S, step: &Step, dw: [f64; M], y: [f64; D]) -> Solution<D> {
-        Sexp::default().step(system, step, &Noise::increments(dw), y)
+    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
+        Sexp::default().step(system, step, noise, y)
     }
 }
 

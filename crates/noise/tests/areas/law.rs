@@ -5,12 +5,12 @@
 //! − X_j Z_i) with Z = Y − √2 w. Write u = w_i² + w_j², s_k = Σ r^{−k} over the terms drawn, t = Σ
 //! r⁻² over those that are not.
 //!
-//! *Characteristic function.* Given Z, A_ij is normal with variance Σ (Z_i² + Z_j²)/r², where Z_i²
-//! + Z_j² is χ² with two degrees of freedom and noncentrality 2u: E[e^{iθA} | w] = Π_r (1 +
-//! θ²/r²)⁻¹ exp(−uθ²/(r² + θ²)) = exp(−c₀ − uc₁). A tail for the terms with w multiplies it by
-//! exp(−uθ²t), one for those without w by exp(−θ²t). With all terms and x = πθ it is Lévy's (x/sinh
-//! x) exp(−(u/2)(x coth x − 1)), and since u/2 is exponential, E[e^{iθA}] = e^{−c₀}/(1 + 2c₁) =
-//! 1/cosh x.
+//! *Characteristic function.* Given Z, A_ij is normal with variance Σ (Z_i² + Z_j²)/r², where
+//! Z_i² + Z_j² is χ² with two degrees of freedom and noncentrality 2u:
+//! E[e^{iθA} | w] = Π_r (1 + θ²/r²)⁻¹ exp(−uθ²/(r² + θ²)) = exp(−c₀ − uc₁). A tail for the terms
+//! with w multiplies it by exp(−uθ²t), one for those without w by exp(−θ²t). With all terms and
+//! x = πθ it is Lévy's (x/sinh x) exp(−(u/2)(x coth x − 1)), and since u/2 is exponential,
+//! E[e^{iθA}] = e^{−c₀}/(1 + 2c₁) = 1/cosh x.
 //!
 //! *Cumulants.* The coefficients of θ² and θ⁴ in −c₀ − uc₁ give the variance 2p + 2qu, where p and
 //! q are s₂, plus t with the respective tail, and the fourth cumulant (12 + 24u)s₄, to which a

@@ -124,21 +124,21 @@ pub fn steps(sizes: &StepSizes) -> impl Iterator<Item = u64> {
 /// step size l, coarsest first.
 ///
 /// # Errors
-/// [`LadderError`] when there is no step, or when the truncation is not defined at a step size.
+/// [`LadderError`] when there is no step size or no step, when there are too many of either, or when
+/// the truncation is not defined at a step size.
 pub fn ladder<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     schemes: &[&'a dyn Scheme<S, D, M>],
     problem: &'a Problem<S, G, D>,
     references: Vec<Run<'a, S, D, M>>,
     sizes: &StepSizes,
 ) -> Result<Ladder<'a, D, M>, LadderError> {
-    let top = (sizes.levels + sizes.refinement as usize).saturating_sub(1);
-    let finest = sizes.coarsest_steps.checked_shl(top as u32).filter(|steps| steps >> top != 0);
-    let wrong = LadderError::Steps { steps: sizes.coarsest_steps, multiple_of: 1 };
+    sizes.check()?;
+    let top = sizes.level(0);
     let mut runs = references;
     for &scheme in schemes {
-        runs.extend((0..sizes.levels).map(|l| Run::new(scheme, top - l)));
+        runs.extend((0..sizes.levels).map(|index| Run::new(scheme, sizes.level(index))));
     }
-    Ladder::new(problem, finest.ok_or(wrong)?, top, sizes.truncation, sizes.key, runs)
+    Ladder::new(problem, sizes.coarsest_steps << top, top, sizes.truncation, sizes.key, runs)
 }
 
 /// |y − x|².
@@ -155,8 +155,7 @@ pub fn squared_distance<const D: usize>(y: [f64; D], x: [f64; D]) -> f64 {
 /// [`SexpLevy`](schemes::SexpLevy) with several, and some refinement.
 ///
 /// # Errors
-/// [`TimeError`] when there is no step, scheme time or path, when the truncation is not defined at
-/// a step size, or when no thread can be started.
+/// [`TimeError`] as of [`ladder`], when no repetition is asked for, or when no thread can be started.
 pub fn work_precision<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     schemes: &[&dyn Scheme<S, D, M>],
     problem: &Problem<S, G, D>,

@@ -124,49 +124,40 @@ pub fn path_times<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
     if repetitions.count == 0 {
         return Err(TimeError::NoRepetition);
     }
-    let ladder =
-        |scheme, steps| Ladder::new(problem, steps, 0, truncation, key, vec![Run::new(scheme, 0)]);
     let mut ladders = Vec::new();
     for &scheme in schemes {
-        ladders
-            .push(steps.iter().map(|&steps| ladder(scheme, steps)).collect::<Result<Vec<_>, _>>()?);
+        for &steps in steps {
+            let runs = vec![Run::new(scheme, 0)];
+            let ladder = Ladder::new(problem, steps, 0, truncation, key, runs)?;
+            ladders.push((ladder, steps));
+        }
     }
-    let mut seconds = vec![vec![Vec::with_capacity(repetitions.count); steps.len()]; schemes.len()];
-    let mut failed = vec![vec![0; steps.len()]; schemes.len()];
+    let mut measured = vec![(Vec::with_capacity(repetitions.count), 0); ladders.len()];
     // The clock of the thread is read on the thread that works.
     let one = ThreadPoolBuilder::new().num_threads(1).build().map_err(TimeError::Thread)?;
     one.install(|| {
         for _ in 0..repetitions.count {
-            for (s, of_scheme) in ladders.iter().enumerate() {
-                for (l, ladder) in of_scheme.iter().enumerate() {
-                    let paths = repetitions.paths(steps[l]);
-                    let watch = Stopwatch::start();
-                    let outcome = ladder.run(paths, || Ignored { last_time: steps[l] }, &|_| ());
-                    let on_thread = ladder.runs_on_pool();
-                    let time = if on_thread { watch.thread_s() } else { watch.wall_s() };
-                    seconds[s][l].push(time / paths as f64);
-                    failed[s][l] = outcome.failed;
-                    progress(paths * steps[l]);
-                }
+            for (&(ref ladder, steps), (seconds, failed)) in ladders.iter().zip(&mut measured) {
+                let paths = repetitions.paths(steps);
+                let new = || Ignored { last_time: steps };
+                let watch = Stopwatch::start();
+                *failed = ladder.run(paths, new, &|_| ()).failed;
+                let time = if ladder.runs_on_pool() { watch.thread_s() } else { watch.wall_s() };
+                seconds.push(time / paths as f64);
+                progress(paths * steps);
             }
         }
     });
-    let time = |seconds: Vec<f64>, failed: u64, steps: u64| {
-        let Spread { best, median, worst } = Spread::of(seconds);
-        Time {
-            min_s: best,
-            median_s: median,
-            max_s: worst,
-            repetitions: repetitions.count,
-            paths: repetitions.paths(steps),
-            failed,
-        }
-    };
-    let of_scheme = |(seconds, failed): (Vec<Vec<f64>>, Vec<u64>)| {
-        let measured = seconds.into_iter().zip(failed).zip(steps);
-        measured.map(|((seconds, failed), &steps)| time(seconds, failed, steps)).collect()
-    };
-    Ok(seconds.into_iter().zip(failed).map(of_scheme).collect())
+    let times: Vec<Time> = ladders
+        .iter()
+        .zip(measured)
+        .map(|(&(_, steps), (seconds, failed))| {
+            let Spread { best: min_s, median: median_s, worst: max_s } = Spread::of(seconds);
+            let (paths, repetitions) = (repetitions.paths(steps), repetitions.count);
+            Time { min_s, median_s, max_s, repetitions, paths, failed }
+        })
+        .collect();
+    Ok(times.chunks(steps.len().max(1)).map(<[Time]>::to_vec).collect())
 }
 
 #[cfg(test)]

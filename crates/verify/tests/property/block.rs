@@ -83,7 +83,8 @@ impl Ways {
         y: &Block<D>,
     ) -> TestCaseResult {
         let (mut block, mut status) = (*y, BlockStatus::explicit());
-        scheme.step_block(system, step, &BlockNoise::increments(*dw), &mut block, &mut status);
+        let noise = BlockNoise::increments(*dw);
+        scheme.step_block(system, step, &noise, &mut block, &mut status);
         for p in 0..WIDTH {
             let Solution { z, outcome } =
                 scheme.step(system, step, &Noise::increments(dw.path(p)), y.path(p));

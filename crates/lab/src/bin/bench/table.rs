@@ -10,8 +10,8 @@ use crate::results::{Clock, Speed};
 pub fn page(speed: &Speed) -> String {
     let workload = speed.workload;
     let mut parts = vec![format!(
-        "{} paths, {} steps of 2^-8, {}, one thread, noise and statistics included; best of {}, ns for \
-         one step of one path {}",
+        "{} paths, {} steps of 2^-8, {}, one thread, noise and statistics included; best of {}, ns \
+         for one step of one path {}",
         workload.paths,
         workload.steps,
         speed.simd,

@@ -23,9 +23,8 @@ fn plot(case: &Case) -> Option<Plot> {
     let mut curves: Vec<Curve> = Vec::new();
     // `sexp` with Newton is `sexp` to the eye.
     for row in case.rows.iter().filter(|row| !row.newton) {
-        // A path that overflowed is at the top whatever it was before.
-        let measured = if row.overflowed { None } else { row.measured };
-        let point = Measured::new(row.setting.x?, measured.unwrap_or(hi).clamp(lo, hi));
+        // What is not finite, or overflows in the end, is at the top.
+        let point = Measured::new(row.setting.x?, row.measured.unwrap_or(hi).clamp(lo, hi));
         match curves.iter_mut().find(|curve| curve.name == row.scheme) {
             Some(curve) => curve.points.push(point),
             None => curves.push(Curve::new(row.scheme, [point])),

@@ -9,14 +9,14 @@
 use anyhow::Result;
 use lab::{Compiled, compiled, streams};
 use mc::{Ladder, Run, Statistic, View};
-use noise::{StreamKey, Truncation};
+use noise::StreamKey;
 use nonlin::{Method, Solver};
 use real::{WIDTH, elementary};
 use schemes::Sexp;
-use systems::paper::{INERTIA, LOTKA_VOLTERRA_START, NOISE_INERTIA, rigid_body_start};
-use systems::{
-    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, Problem, RigidBody, Sine,
+use systems::paper::{
+    INERTIA, NOISE_INERTIA, half_cosine, lotka_volterra_1_1, rigid_body_start, sine,
 };
+use systems::{Constant, Damping, Linear, Problem, RigidBody};
 
 use crate::Arguments;
 use crate::fuzz::Bits;
@@ -45,62 +45,51 @@ struct LongRun<'a> {
 /// All long runs.
 pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
     let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA)?;
-    let lotka_volterra = LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0)?;
-    let (none, slow, pumped) =
-        (&Constant::new(0.0)?, &Constant::new(2e-5)?, &Constant::new(-2e-5)?);
-    let (linear, cosine, sine) =
-        (&Linear::new(1e-8)?, &Cosine::new(0.5, 2.0)?, &Sine::new(1.0, 1.0)?);
-    let settled = |method: Solver| Sexp { solver: method.settled() };
-    let default = ("sexp", Sexp::default());
-    let fixed = ("sexp, settled", settled(Solver::default()));
-    let newton = ("sexp-newton, settled", settled(Solver::new(Method::Newton)));
+    let (none, sine) = (&Constant::new(0.0)?, &sine());
+    let fixed = ("sexp, settled", Sexp { solver: Solver::default().settled() });
+    let newton = ("sexp-newton, settled", Sexp { solver: Solver::new(Method::Newton).settled() });
     // 1/100 is rounded, so that steps of a grid differ in their last bits; 1/128 is not, and a
     // constant γ gives the same factor in every step.
     let (rounded, dyadic) = (1.0 / 100.0, 1.0 / 128.0);
-    let run = |id, damping, tau, scheme, invariant, drawn| LongRun {
-        id,
-        damping,
-        tau,
-        scheme,
-        invariant,
-        drawn,
+    let base = LongRun {
+        id: "undamped",
+        damping: none,
+        tau: dyadic,
+        scheme: fixed,
+        invariant: 0,
+        drawn: false,
     };
     let bodies = [
-        run("default solver, undamped", none as &dyn Damping, dyadic, default, 0, true),
-        run("undamped", none, dyadic, fixed, 0, true),
-        run("undamped, Newton", none, dyadic, newton, 0, false),
-        run("constant γ", slow, dyadic, fixed, 0, true),
-        run("constant γ < 0", pumped, dyadic, fixed, 0, false),
-        run("γ = 1e-8 t", linear, dyadic, fixed, 0, false),
-        run("γ = ½cos 2t", cosine, dyadic, fixed, 0, true),
-        run("γ = ½cos 2t, τ rounded", cosine, rounded, fixed, 0, false),
-        run("γ = sin t, τ = ¹⁄₁₀", sine, 0.1, fixed, 0, false),
+        LongRun {
+            id: "default solver, undamped",
+            scheme: ("sexp", Sexp::default()),
+            drawn: true,
+            ..base
+        },
+        LongRun { drawn: true, ..base },
+        LongRun { id: "undamped, Newton", scheme: newton, ..base },
+        LongRun { id: "constant γ", damping: &Constant::new(2e-5)?, drawn: true, ..base },
+        LongRun { id: "constant γ < 0", damping: &Constant::new(-2e-5)?, ..base },
+        LongRun { id: "γ = 1e-8 t", damping: &Linear::new(1e-8)?, ..base },
+        LongRun { id: "γ = ½cos 2t", damping: &half_cosine(), drawn: true, ..base },
+        LongRun { id: "γ = ½cos 2t, τ rounded", damping: &half_cosine(), tau: rounded, ..base },
+        LongRun { id: "γ = sin t, τ = ¹⁄₁₀", damping: sine, tau: 0.1, ..base },
     ];
+    let damped = LongRun { damping: sine, tau: rounded, ..base };
     let volterras = [
-        run("Lotka–Volterra, H, undamped", none as &dyn Damping, dyadic, fixed, 0, true),
-        run("Lotka–Volterra, H, γ = sin t", sine, rounded, fixed, 0, false),
-        run("Lotka–Volterra, C, γ = sin t", sine, rounded, fixed, 1, false),
+        LongRun { id: "Lotka–Volterra, H, undamped", drawn: true, ..base },
+        LongRun { id: "Lotka–Volterra, H, γ = sin t", ..damped },
+        LongRun { id: "Lotka–Volterra, C, γ = sin t", invariant: 1, ..damped },
     ];
     let mut growths = Vec::new();
-    for run in &bodies {
-        let system = ("Rigid body with three noises", body);
-        growths.push(growth::<_, 3, 3>(
-            arguments,
-            growths.len() as u64,
-            run,
-            system,
-            rigid_body_start(),
-        )?);
+    for (run, number) in bodies.iter().zip(0..) {
+        let system = ("Rigid body with three noises", body, rigid_body_start());
+        growths.push(growth::<_, 3, 3>(arguments, number, run, system)?);
     }
-    for run in &volterras {
-        let system = ("Lotka–Volterra with a = b = −1", lotka_volterra);
-        growths.push(growth::<_, 3, 1>(
-            arguments,
-            growths.len() as u64,
-            run,
-            system,
-            LOTKA_VOLTERRA_START,
-        )?);
+    for (run, number) in volterras.iter().zip(bodies.len() as u64..) {
+        let Problem { system, y0, .. } = lotka_volterra_1_1();
+        let system = ("Lotka–Volterra with a = b = −1", system, y0);
+        growths.push(growth::<_, 3, 1>(arguments, number, run, system)?);
     }
     Ok(growths)
 }
@@ -109,8 +98,7 @@ fn growth<S: Compiled<Sexp, D, M>, const D: usize, const M: usize>(
     arguments: &Arguments,
     number: u64,
     run: &LongRun<'_>,
-    (name, system): (&str, S),
-    y0: [f64; D],
+    (name, system, y0): (&str, S, [f64; D]),
 ) -> Result<Growth> {
     eprintln!("{}", run.id);
     let steps = arguments.many(STEPS, QUICK_STEPS);
@@ -124,7 +112,7 @@ fn growth<S: Compiled<Sexp, D, M>, const D: usize, const M: usize>(
     };
     let scheme = compiled::<_, S, D, M>(run.scheme.1);
     let runs = vec![Run::new(scheme.as_ref(), 0)];
-    let ladder = Ladder::new(&problem, steps, 0, Truncation::new(4)?, key, runs)?;
+    let ladder = Ladder::new(&problem, steps, 0, lab::truncation(), key, runs)?;
     let new = || Defects { steps, defect: &defect, rows: Vec::new() };
     let rows = ladder.run(WIDTH as u64, new, &|_| ()).statistic.rows;
     let points: Vec<GrowthPoint> = rows

@@ -23,7 +23,7 @@ use std::time::Instant;
 use anyhow::{Result, bail};
 use clap::Parser;
 use lab::command;
-use report::{files, provenance};
+use report::{Page, files, provenance};
 use verify::results::Provenance;
 
 use results::{SCHEMA, Stability};
@@ -106,7 +106,9 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     for file in arguments.page.iter().chain([&arguments.out.join("stability.md")]).rev() {
         page.write(file)?;
     }
-    print!("{}", page::summary(&results));
+    let mut summary = Page::new("Stability");
+    page::summary(&mut summary, &results);
+    print!("{}", summary.text());
     println!("{:.0} s; page in {}", results.provenance.wall_s, arguments.out.display());
     Ok(if results.refuted() == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

@@ -10,11 +10,13 @@ pub fn page(results: &Stability) -> Page {
     let mut page = Page::new("Stability");
     page.paragraph(format!(
         "What do the schemes do where numerical codes break? {} All numbers are made from the \
-         results; the same seed gives the same bits.",
+         results, `stability.json`, whose fields are in [results.md](results.md); the same seed \
+         gives the same bits.",
         provenance::generated_by(&results.provenance)
     ));
     page.paragraph(METHOD);
-    summary_table(&mut page, results);
+    page.heading(2, "Summary");
+    summary(&mut page, results);
     let plotted = |case: &&Case| case.words.plot.is_some();
     let mut plotted: Vec<&Case> = results.cases.iter().filter(plotted).collect();
     for case in &results.cases {
@@ -36,45 +38,7 @@ pub fn page(results: &Stability) -> Page {
     if !results.fuzz.is_empty() {
         fuzz(&mut page, &results.fuzz);
     }
-    page.heading(2, "stability.json");
-    page.paragraph(FIELDS);
     page
-}
-
-/// How many of the verdicts there are: holds, fails as it must, observed, refuted.
-fn counts(verdicts: impl Iterator<Item = Verdict>) -> [usize; 4] {
-    let verdicts: Vec<Verdict> = verdicts.collect();
-    [Verdict::Holds, Verdict::FailsAsItMust, Verdict::Observed, Verdict::Refuted]
-        .map(|one| verdicts.iter().filter(|verdict| **verdict == one).count())
-}
-
-/// A few lines for the terminal.
-pub fn summary(results: &Stability) -> String {
-    let mut lines = Vec::new();
-    for case in &results.cases {
-        let [holds, fails, observed, refuted] = counts(case.rows.iter().map(|row| row.verdict));
-        lines.push(format!(
-            "{:<20} {holds:>3} hold, {fails:>3} fail as they must, {observed:>3} observed, \
-             {refuted:>3} REFUTED",
-            case.words.id
-        ));
-        let refuted = case.rows.iter().filter(|row| row.verdict == Verdict::Refuted);
-        lines.extend(
-            refuted.map(|row| format!("  {} {}: {}", row.setting.words, row.scheme, cell(row))),
-        );
-    }
-    lines.extend(results.growth.iter().map(|run| {
-        let end = run.points.last().map_or(f64::NAN, |point| point.rms);
-        let (id, exponent, verdict) = (run.id, exponent(run), words(run.verdict));
-        format!("{id:<34} {}, n^{exponent}: {verdict}", number(end))
-    }));
-    for fuzzed in &results.fuzz {
-        let Fuzzed { target, inputs, failures, examples, .. } = fuzzed;
-        lines.push(format!("{target:<44} {inputs} inputs, {failures} failures"));
-        lines.extend(examples.iter().map(|example| format!("  {example}")));
-    }
-    lines.push(String::new());
-    lines.join("\n")
 }
 
 fn words(verdict: Verdict) -> &'static str {
@@ -86,30 +50,26 @@ fn words(verdict: Verdict) -> &'static str {
     }
 }
 
-fn exponent(run: &Growth) -> String {
-    format!("{:.3} [{:.3}, {:.3}]", run.exponent, run.lo, run.hi)
-}
-
-/// Everything at a glance: one row for a case.
-fn summary_table(page: &mut Page, results: &Stability) {
-    page.heading(2, "Summary");
-    let row = |title: &str, counts: [usize; 4]| {
+/// Everything at a glance: one row for a case, and what is refuted.
+pub fn summary(page: &mut Page, results: &Stability) {
+    let row = |title: &str, verdicts: &[Verdict]| {
+        let of = |one| verdicts.iter().filter(|verdict| **verdict == one).count().to_string();
+        let counts = [Verdict::Holds, Verdict::FailsAsItMust, Verdict::Observed, Verdict::Refuted];
         let link = format!("[{title}](#{})", anchor(title));
-        [link].into_iter().chain(counts.map(|count| count.to_string())).collect::<Vec<String>>()
+        [link].into_iter().chain(counts.map(of)).collect::<Vec<String>>()
     };
-    let cases = results
-        .cases
-        .iter()
-        .map(|case| row(case.words.title, counts(case.rows.iter().map(|row| row.verdict))));
-    let long = row(LONG, counts(results.growth.iter().map(|run| run.verdict)));
-    let long = (!results.growth.is_empty()).then_some(long);
+    let verdicts = |case: &Case| case.rows.iter().map(|row| row.verdict).collect::<Vec<_>>();
+    let cases = results.cases.iter().map(|case| row(case.words.title, &verdicts(case)));
+    let long: Vec<Verdict> = results.growth.iter().map(|run| run.verdict).collect();
+    let long = (!long.is_empty()).then(|| row(LONG, &long));
     page.table(["case", "hold", "fail as they must", "observed", "refuted"], cases.chain(long));
+    let refuted = |row: &&Row| row.verdict == Verdict::Refuted;
+    let refuted = results.cases.iter().flat_map(|case| &case.rows).filter(refuted);
+    page.list(refuted.map(|row| format!("{}, {}: {}", row.setting.words, row.scheme, cell(row))));
     if !results.fuzz.is_empty() {
         let (inputs, failures) = totals(&results.fuzz);
-        page.paragraph(format!(
-            "[{FUZZ}](#{}): {inputs} inputs, {failures} failures.",
-            anchor(FUZZ)
-        ));
+        let link = format!("[{FUZZ}](#{})", anchor(FUZZ));
+        page.paragraph(format!("{link}: {inputs} inputs, {failures} failures."));
     }
 }
 
@@ -172,7 +132,7 @@ fn growth(page: &mut Page, growth: &[Growth]) {
             format!("{:+.1e}", end.mean),
             number(end.max),
             number(run.linear),
-            exponent(run),
+            format!("{:.3} [{:.3}, {:.3}]", run.exponent, run.lo, run.hi),
             words(run.verdict).to_owned(),
         ])
     });
@@ -248,38 +208,30 @@ was measured. A path that cannot go on ends with a typed error, whose words are 
 result is ever NaN.
 
 The conformal law of a Casimir of degree two requires |y_n|² = e^(−2∫γ)|y₀|² on every path. *To \
-rounding* means the worst case of all roundings together: (32n + 4∫|γ| + 8)ε after n steps, derived \
-term by term in `crates/lab/src/bin/hard-cases/rounding.rs`. The measured distance is about a \
-hundredth of it, since roundings partly cancel.";
+rounding* means the worst case of all roundings together: (32n + 4∫|γ| + 8)ε after n steps, \
+derived term by term in `crates/lab/src/bin/hard-cases/rounding.rs`. The measured distance is \
+about a hundredth of it, since roundings partly cancel.";
 
 const GROWTH: &str = "\
 The conformal law holds to rounding in every step. What becomes of it after ten million steps \
 depends on whether the roundings have a direction: errors without one make a random walk, √n·ε, \
 errors with one a drift, n·ε. Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over independent paths. The \
-exponent is the slope of log root mean square over log n, from n = 1024 on; its interval comes from \
-resampling whole paths. Paths share the damping factors and their roundings: where γ ≠ 0 a part of \
-the walk is common to all of them, which shows as a mean as large as the root mean square, and \
-which the interval does not contain.
+exponent is the slope of log root mean square over log n, from n = 1024 on; its interval comes \
+from resampling whole paths. Paths share the damping factors and their roundings: where γ ≠ 0 a \
+part of the walk is common to all of them, which shows as a mean as large as the root mean square, \
+and which the interval does not contain.
 
-*Guarantee.* With a settled solver the root mean square stays below 32ε√n, the walk whose steps are \
-the worst roundings of a step. Three sources of a drift were found and closed: a damping factor \
-that is rounded alike in every step (now dithered between its two neighbours by the golden ratio), \
-integrals of γ that do not add up (now differences of a function of one time), and the stopping \
-test of the implicit equation, which leaves a residual of up to 2ε in a direction that is the same \
-in every step. The last is closed by one more sweep, `Solver::settled()`, and not by default, since \
-it costs a sweep: the first run shows what the default does.";
+*Guarantee.* With a settled solver the root mean square stays below 32ε√n, the walk whose steps \
+are the worst roundings of a step. Three sources of a drift were found and closed: a damping \
+factor that is rounded alike in every step (now dithered between its two neighbours by the golden \
+ratio), integrals of γ that do not add up (now differences of a function of one time), and the \
+stopping test of the implicit equation, which leaves a residual of up to 2ε in a direction that is \
+the same in every step. The last is closed by one more sweep, `Solver::settled()`, and not by \
+default, since it costs a sweep: the first run shows what the default does.";
 
 const FUZZING: &str = "\
 Numbers are arbitrary bit patterns: NaN, infinities, subnormals, zeros of both signs, the largest \
 and smallest numbers, ordinary ones, and pairs that are an ulp apart. Every input must be refused \
-with a typed error or accepted. What is accepted must be finite, what is reported as solved must be \
-finite, and the iterations of a solve must stay below their bound. A panic, a NaN in a result or a \
-solve that does not end counts as a failure.";
-
-const FIELDS: &str = "\
-`cases`: one entry for each family, with its words and `rows`: `setting` (and `x`, where it is a \
-number), `scheme`, `measured`, `exact`, `bound`, `error` and `verdict` (`holds`, \
-`fails-as-it-must`, `observed` or `refuted`); a number that is missing is not finite or not \
-defined. `growth`: `points` with `steps`, `rms`, `mean`, `max`; `exponent` with `lo` and `hi`. \
-`fuzz`: counts for each target. `schema` is raised whenever a reader of an older version would \
-misread a newer one.";
+with a typed error or accepted. What is accepted must be finite, what is reported as solved must \
+be finite, and the iterations of a solve must stay below their bound. A panic, a NaN in a result \
+or a solve that does not end counts as a failure.";

@@ -2,39 +2,18 @@
 //! conformal laws.
 
 use std::collections::BTreeMap;
-use std::fmt;
 
 use anyhow::Result;
-use mc::{Ladder, NextNoise, NoiseSource, Run, Statistic, View};
+use mc::{Ladder, NextNoise, Run, Statistic, View};
 use noise::{StreamKey, Truncation};
 use real::WIDTH;
+use report::distinct;
 use systems::{Damping, PoissonSystem, Problem};
 
 use crate::cases::Context;
 use crate::results::{Row, Setting};
 use crate::rounding::{law_bound, residual_share};
 use crate::schemes::{Family, FewPaths, Tested, schemes};
-
-/// Why a path ended before its time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
-    /// The solvers find no solution of the implicit equation.
-    NoSolution,
-    /// The state is not finite.
-    Overflow,
-    /// The state is where the system is not defined.
-    OutsideDomain,
-}
-
-impl fmt::Display for Cause {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::NoSolution => "no solution",
-            Self::Overflow => "overflow",
-            Self::OutsideDomain => "outside the domain",
-        })
-    }
-}
 
 /// One path as far as it lasts.
 pub struct Path<const D: usize> {
@@ -43,7 +22,7 @@ pub struct Path<const D: usize> {
     /// What the robust solver left of the equation of each step; none where it was not needed.
     pub residuals: Vec<Option<f64>>,
     /// Why it ends early, and in which step, counted from 1.
-    pub stop: Option<(Cause, u64)>,
+    pub stop: Option<(&'static str, u64)>,
 }
 
 impl<const D: usize> Path<D> {
@@ -64,7 +43,7 @@ pub struct Experiment<S, G, const D: usize, const M: usize> {
     pub noise: Option<Box<Source<M>>>,
 }
 
-/// Gives the noise of a block of paths from its first path on, see [`NoiseSource`].
+/// Gives the noise of a block of paths from its first path on, see [`mc::NoiseSource`].
 pub type Source<const M: usize> = dyn Fn(u64) -> NextNoise<'static, M> + Sync;
 
 /// A conformal law with the rounding that is allowed.
@@ -131,7 +110,7 @@ where
         let mut ladder =
             Ladder::new(&self.problem, self.steps, 0, self.truncation, self.key, runs)?;
         if let Some(source) = &self.noise {
-            ladder = ladder.with_noise(FromFunction(source));
+            ladder = ladder.with_noise(source);
         }
         let record = || Record { experiment: self, paths: BTreeMap::new() };
         let measured = ladder.run(self.paths, record, &|_| ());
@@ -147,14 +126,13 @@ where
     pub fn rows(
         &self,
         setting: impl Into<Setting>,
-        complete: impl Fn(Row, &Tested<S, D, M>, &[Path<D>]) -> Row,
+        complete: impl Fn(Row, &Tested<S, D, M>, &[Path<D>]) -> Result<Row>,
     ) -> Result<Vec<Row>> {
         let setting = setting.into();
         let row = |scheme: &Tested<S, D, M>| {
             let paths = self.run(scheme)?;
-            let overflows = |path: &Path<D>| matches!(path.stop, Some((Cause::Overflow, _)));
-            let row = complete(Row::new(&setting, scheme.name, stops(&paths)), scheme, &paths);
-            Ok(Row { overflowed: paths.iter().any(overflows), newton: scheme.newton, ..row })
+            let row = Row::new(&setting, scheme.name, stops(&paths));
+            complete(Row { newton: scheme.newton, ..row }, scheme, &paths)
         };
         self.schemes().iter().map(row).collect()
     }
@@ -179,7 +157,7 @@ where
             let robust = paths.iter().flat_map(|path| &path.residuals).flatten().count();
             let continuation = (law.counts_continuation && robust > 0)
                 .then(|| format!("{robust} steps by continuation"));
-            Row { error: row.error.or(continuation), ..row }
+            Ok(Row { error: row.error.or(continuation), ..row })
         })
     }
 
@@ -215,24 +193,13 @@ where
 
 /// How paths ended early, in words.
 pub fn stops<const D: usize>(paths: &[Path<D>]) -> Option<String> {
-    let stops: Vec<(Cause, u64)> = paths.iter().filter_map(|path| path.stop).collect();
+    let stops: Vec<_> = paths.iter().filter_map(|path| path.stop).collect();
     let (cause, step) = stops.last()?;
-    if paths.len() == 1 {
-        return Some(format!("{cause} in step {step}"));
-    }
-    let causes = [Cause::NoSolution, Cause::Overflow, Cause::OutsideDomain];
-    let counts = causes.map(|cause| (cause, stops.iter().filter(|stop| stop.0 == cause).count()));
-    let counted = counts.iter().filter(|(_, count)| *count > 0);
-    let words: Vec<String> = counted.map(|(cause, count)| format!("{cause} on {count}")).collect();
-    Some(format!("of {} paths {}", paths.len(), words.join(", ")))
-}
-
-struct FromFunction<'a, const M: usize>(&'a Source<M>);
-
-impl<const M: usize> NoiseSource<M> for FromFunction<'_, M> {
-    fn block(&self, first_path: u64) -> NextNoise<'_, M> {
-        (self.0)(first_path)
-    }
+    let causes = distinct(stops.iter().map(|stop| stop.0)).join(", ");
+    Some(match paths.len() {
+        1 => format!("{cause} in step {step}"),
+        all => format!("{} of {all} paths stop: {causes}", stops.len()),
+    })
 }
 
 /// Keeps every path.
@@ -257,11 +224,11 @@ where
             }
             let (y, status) = (view.states[0].path(p), &view.statuses[0]);
             let cause = if !y.iter().all(|component| component.is_finite()) {
-                Some(Cause::Overflow)
+                Some("overflow")
             } else if !view.live.contains(p) {
-                Some(Cause::NoSolution)
+                Some("no solution")
             } else {
-                problem.system.check_domain(y).is_err().then_some(Cause::OutsideDomain)
+                problem.system.check_domain(y).is_err().then_some("outside the domain")
             };
             path.stop = cause.map(|cause| (cause, view.time));
             if cause.is_none() {

@@ -1,4 +1,4 @@
-//! The contract of `stability.json`; documented for other languages in `docs/stability.md`.
+//! The contract of `stability.json`; documented for other languages in `docs/results.md`.
 
 use serde::Serialize;
 use verify::results::Provenance;
@@ -103,9 +103,6 @@ pub struct Row {
     pub error: Option<String>,
     /// What became of the guarantee.
     pub verdict: Verdict,
-    /// Whether the state overflowed: a figure draws it at its upper border.
-    #[serde(skip)]
-    pub overflowed: bool,
     /// Whether Newton's method came first: not drawn, since it looks like the fixed point.
     #[serde(skip)]
     pub newton: bool,
@@ -122,7 +119,6 @@ impl Row {
             bound: None,
             error,
             verdict: Verdict::Observed,
-            overflowed: false,
             newton: false,
         }
     }
@@ -199,7 +195,7 @@ pub struct GrowthPoint {
 }
 
 /// One target of the fuzzer.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 pub struct Fuzzed {
     /// What was fed.
     pub target: &'static str,

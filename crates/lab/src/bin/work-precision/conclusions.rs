@@ -121,30 +121,24 @@ pub fn areas(case: &Case) -> Option<String> {
         Some(format!("at {error}, `{cheap}` is {times} times cheaper than `{dear}`"))
     };
     let (coarse, fine) = (at(found.ratios.first())?, at(found.ratios.last())?);
-    let equal: Vec<String> = found.at.iter().map(|&error| number(error)).collect();
-    let verdict = if equal.is_empty() {
-        format!("it is the same one throughout: {coarse}; {fine}")
-    } else {
-        format!(
-            "it depends on the error which one is cheaper: {coarse}; {fine}; they cost the same at {}",
-            equal.join(" and ")
-        )
-    };
+    let mut text = format!("{steps}. At equal strong error: {coarse}; {fine}");
+    if !found.at.is_empty() {
+        let equal: Vec<String> = found.at.iter().map(|&error| number(error)).collect();
+        text += &format!("; they cost the same at {}", equal.join(" and "));
+    }
     let (last, beyond) = (&sexp.points.last()?.work, &levy.points.last()?.work);
-    let beyond = if last.error > beyond.error {
-        format!(
-            " With {} steps `{}` is still at {}; `{}` reaches {} with {} steps.",
+    if beyond.error < last.error {
+        text += &format!(
+            ". With {} steps `{}` is still at {}; `{}` reaches {} with {} steps",
             last.steps,
             sexp.scheme,
             number(last.error),
             levy.scheme,
             number(beyond.error),
             beyond.steps
-        )
-    } else {
-        String::new()
-    };
-    Some(format!("{steps}. At equal strong error, {verdict}.{beyond}"))
+        );
+    }
+    Some(text + ".")
 }
 
 /// All conclusions of a case in one paragraph, for the terminal.

@@ -14,8 +14,8 @@ use crate::results::{
 pub fn page(measured: &Measurements) -> Page {
     let mut page = Page::new("Work and precision");
     page.paragraph(format!(
-        "Which scheme is cheapest for which error? {} All numbers and all sentences that contain one \
-         are made from the measurements; times hold for that machine.",
+        "Which scheme is cheapest for which error? {} All numbers and all sentences that contain \
+         one are made from the measurements; times hold for that machine.",
         generated_by(&measured.provenance)
     ));
     page.paragraph(METHOD);
@@ -42,10 +42,10 @@ pub fn page(measured: &Measurements) -> Page {
 fn price_of_structure(page: &mut Page, measured: &Measurements) {
     page.heading(3, "What being conformal costs");
     page.paragraph(
-        "At the smallest of the errors 10^(−k/2) that `sexp` and an explicit scheme both reach: the \
-         cheapest explicit scheme, what `sexp` costs in multiples of it, and how far both are from \
-         the conformal law of the Casimir there (root mean square of F(y_N)/(e^(−p∫γ)F(y₀)) − 1, at \
-         the measured number of steps next above).",
+        "At the smallest of the errors 10^(−k/2) that `sexp` and an explicit scheme both reach: \
+         the cheapest explicit scheme, what `sexp` costs in multiples of it, and how far both are \
+         from the conformal law of the Casimir there (root mean square of F(y_N)/(e^(−p∫γ)F(y₀)) \
+         − 1, at the measured number of steps next above).",
     );
     page.table(
         [
@@ -200,30 +200,32 @@ fn row(
 }
 
 const METHOD: &str = "\
-**Errors** come from ladders that drive all schemes at all step sizes with the same noise. They are \
-not timed and are the same bits for the same seed. A strong error is (E|y_N − y(T)|²)^½. The \
-reference is `sexp` on the finest steps where there is one noise, and `sexp-levy` where noises do not \
-commute, with areas drawn on the finest steps. The reference has the error of its scheme at its \
-number of steps, which each case names.
+**Errors** come from ladders that drive all schemes at all step sizes with the same noise. They \
+are not timed and are the same bits for the same seed. A strong error is (E|y_N − y(T)|²)^½. The \
+reference is `sexp` on the finest steps where there is one noise, and `sexp-levy` where noises do \
+not commute, with areas drawn on the finest steps. The reference has the error of its scheme at \
+its number of steps, which each case names.
 
 **Times** are those of `mc::Ladder` on one thread: increments drawn and clipped, areas drawn and \
-clipped for `sexp-levy`, steps, and a check that every state is finite; four blocks of 32 paths share \
-the damping. Every repetition times \
-every scheme at every step size once. Curves show the smallest of the repetitions; bars and the \
-column *spread* show how far the median lies above it. Step sizes are the same for all schemes, and \
-so are the increments of a step: one normal for each noise.
+clipped for `sexp-levy`, steps, and a check that every state is finite; four blocks of 32 paths \
+share the damping. Every repetition times every scheme at every step size once. Curves show the \
+smallest of the repetitions; bars and the column *spread* show how far the median lies above it. \
+Step sizes are the same for all schemes, and so are the increments of a step: one normal for each \
+noise.
 
 **`sexp-levy`** is timed with areas drawn at its own step by the method of Mrongowius and Rößler, \
 with as many terms as strong order one asks: a root-mean-square error of at most τ^(3/2) in each \
-area. On a ladder areas are joined from those of the finest steps and have no such error, so an error \
-of the size of the proven bound is added to them. The bound is about twice the actual error: the \
-strong errors of `sexp-levy` are upper estimates, and its error with exact areas stands beside them.
+area. On a ladder areas are joined from those of the finest steps and have no such error, so an \
+error of the size of the proven bound is added to them. The bound is about twice the actual \
+error: the strong errors of `sexp-levy` are upper estimates, and its error with exact areas \
+stands beside them.
 
-**Expectations.** A bias is the mean difference to the reference on the same noise, extrapolated in \
-the step size. A plain Monte Carlo estimate over N paths of time t, with bias b and standard \
+**Expectations.** A bias is the mean difference to the reference on the same noise, extrapolated \
+in the step size. A plain Monte Carlo estimate over N paths of time t, with bias b and standard \
 deviation σ of φ(y_N), has the root-mean-square error ε = (b² + σ²/N)^½; it costs t·σ²/(ε² − b²). \
 What an accuracy ε costs with a scheme is the smallest of these over the measured step sizes. The \
-bias is taken at the upper end of its 95 % interval, so that a bias that is not resolved counts as \
-large as it may be.
+bias is taken at the upper end of its 95 % interval, so that a bias that is not resolved counts \
+as large as it may be.
 
-**Between the points** costs are interpolated linearly in the logarithms; nothing is extrapolated.";
+**Between the points** costs are interpolated linearly in the logarithms; nothing is \
+extrapolated.";

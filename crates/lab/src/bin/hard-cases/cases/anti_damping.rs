@@ -11,18 +11,17 @@ pub const CASE: Case = Case {
     words: Words {
         id: "anti-damping",
         title: "Anti-damping",
-        setup: "Rigid body with three noises, constant γ < 0, up to 64 steps of τ = 1/64, truncated \
-                increments.",
+        setup: "Rigid body with three noises, constant γ < 0, up to 64 steps of τ = 1/64, \
+                truncated increments.",
         mathematics: "|y(t)|² = e^(2|γ|t)|y₀|². It overflows after a finite time, and long before \
                       that the step is large for a body that turns so fast.",
         quantity: "largest relative distance of |y|² from its law, over the steps before the path \
                    ends",
-        guarantee: "`sexp` in all forms: on the law to rounding in every step that is made; a step \
-                    that cannot be made ends the path with a typed error (no solution, overflow, or \
-                    a damping factor that is not finite). With Newton's method first the law is \
-                    kept to 2⁻³⁰ a step only: its stopping test assumes that the residual is of the \
-                    order of the square of the last change, and the curvature of these equations is \
-                    not bounded.",
+        guarantee: "`sexp` in all forms: on the law to rounding in every step that is made, or a \
+                    typed error (no solution, overflow, or a damping factor that is not finite). \
+                    With Newton's method first the law is kept to 2⁻³⁰ a step only: its stopping \
+                    test takes the residual for the square of the last change, and the curvature \
+                    of these equations is not bounded.",
         varied: "γτ",
         plot: None,
     },

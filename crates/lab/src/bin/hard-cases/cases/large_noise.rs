@@ -18,18 +18,18 @@ pub const CASE: Case = Case {
         id: "large-noise",
         title: "Large noise",
         setup: "Rigid body with three noises, no damping, one step of τ = 0.1 from random states \
-                with |y| = 1; Gaussian increments of the given size, not truncated, no areas. The \
-                branch of the flow is followed from a step of size zero in 2048 small steps of its \
-                own, with a test for turning points.",
-        mathematics: "While the map contracts there is one solution. Beyond, there may be several; \
-                      the one that belongs to the flow is on the branch that starts at the old \
-                      state with increments of zero, if that branch does not turn back before.",
+                with |y| = 1; Gaussian increments of the given size, not truncated, no areas. An \
+                independent solver follows the branch of the flow in 2048 steps from a step of \
+                size zero, and detects turning points.",
+        mathematics: "While the map contracts there is one solution. Beyond, there may be \
+                      several; that of the flow is on the branch that starts at the old state \
+                      with zero increments, if it does not turn back before.",
         quantity: "share of the steps whose solution is not on that branch",
-        guarantee: "Inside the contraction bound (size 0.1) every step is solved, and by the right \
-                    solution. Beyond, the Newton method with continuation takes over: what `sexp` \
-                    returns solves its equation, so |y|² is kept to rounding, or the step reports \
-                    that it found no solution. That it is the right branch is not guaranteed there; \
-                    the figure says how often it is not. `em` and `heun` solve nothing.",
+        guarantee: "Inside the contraction bound (size 0.1) every step is solved, and by the \
+                    right solution. Beyond, Newton's method with continuation takes over: `sexp` \
+                    returns a solution, so |y|² is kept to rounding, or an error. That it is on \
+                    the right branch is not guaranteed there; the figure says how often it is \
+                    not. `em` and `heun` solve nothing.",
         varied: "size of the increments",
         plot: None,
     },

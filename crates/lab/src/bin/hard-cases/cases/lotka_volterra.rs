@@ -14,9 +14,9 @@ pub const CASE: Case = Case {
         title: "Lotka–Volterra next to its coordinate planes",
         setup: "Lotka–Volterra with a = −1, b = −2, γ = sin t, up to t = 2, truncated increments; \
                 several paths.",
-        mathematics: "The solution stays positive. The Casimir 2y₁ + y₂ + y₃ follows e^(−∫γ), which \
-                      with positive components bounds them all. B has poles on the planes y₁ = 0 \
-                      and y₂ = 0.",
+        mathematics: "The solution stays positive. The Casimir 2y₁ + y₂ + y₃ follows e^(−∫γ), \
+                      which with positive components bounds them all. B has poles on the planes y₁ \
+                      = 0 and y₂ = 0.",
         quantity: "largest relative distance of the Casimir from its law over all paths, as long \
                    as they last",
         guarantee: "Every state is finite, positive and on the law to rounding (`sexp`), or the \

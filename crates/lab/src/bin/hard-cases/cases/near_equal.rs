@@ -16,8 +16,8 @@ pub const CASE: Case = Case {
         id: "near-equal",
         title: "Equal and nearly equal arguments of a discrete gradient",
         setup: "∇̄h(a, b) of the pendulum (sine), the three-dimensional Poisson system (cosine), \
-                Lotka–Volterra with integer and with real exponents; the components of b are those \
-                of a times 1 + distance and 1 − distance alternately.",
+                Lotka–Volterra with integer and with real exponents; b is a with components times \
+                1 ± distance alternately.",
         mathematics: "∇̄h(a, b) = ∫₀¹∇h((1−η)a + ηb)dη is smooth, with ∇̄h(a, a) = ∇h(a). The \
                       textbook quotient (H(b) − H(a))/(b − a) cancels as b → a.",
         quantity: "largest error of a component relative to |∇h|, against 49 Gauss–Legendre nodes",

@@ -4,7 +4,7 @@ use anyhow::Result;
 use systems::paper::half_cosine;
 
 use super::{Case, Context, Words, body, each};
-use crate::paths::{Experiment, Source, stops};
+use crate::paths::{Experiment, Source};
 use crate::results::{Row, Setting};
 use crate::rounding::length;
 
@@ -12,8 +12,8 @@ pub const CASE: Case = Case {
     words: Words {
         id: "no-noise",
         title: "No noise",
-        setup: "Rigid body, γ = ½cos 2t, T = 1, all increments zero. No Itô correction is due, but \
-                `em` makes it: its drift belongs to the equation with noise.",
+        setup: "Rigid body, γ = ½cos 2t, T = 1, all increments zero. `em` makes its Itô \
+                correction, though none is due: its drift belongs to the equation with noise.",
         mathematics: "The equation is an ordinary one: `sexp`, `midpoint` and `heun` are of order \
                       two, Euler's method of order one.",
         quantity: "order, from the differences of the results with N, 2N and 4N steps",
@@ -36,24 +36,17 @@ fn rows(context: &Context) -> Result<Vec<Row>> {
         anyhow::Ok(Experiment { noise: Some(silence), ..experiment })
     };
     each(STEPS, |steps| {
-        let finer = [silent(2 * steps)?, silent(4 * steps)?];
         let setting = Setting { words: format!("1/{steps}"), x: Some(1.0 / steps as f64) };
-        silent(steps)?
-            .schemes()
-            .iter()
-            .map(|scheme| {
-                let mut paths = silent(steps)?.run(scheme)?;
-                for experiment in &finer {
-                    paths.extend(experiment.run(scheme)?);
-                }
-                let [one, two, four] = [0, 1, 2].map(|n| paths[n].end());
-                let difference = |a: [f64; 3], b: [f64; 3]| length([0, 1, 2].map(|i| a[i] - b[i]));
-                let order = (difference(one, two) / difference(two, four)).log2();
-                let error = stops(&paths);
-                let kept = error.is_none() && (order - scheme.order).abs() <= SLACK / steps as f64;
-                let row = Row::new(&setting, scheme.name, error).with_figure(order);
-                Ok(Row { exact: Some(scheme.order), ..row.guaranteed(kept, None) })
-            })
-            .collect()
+        let finer = [silent(2 * steps)?, silent(4 * steps)?];
+        silent(steps)?.rows(setting, |row, scheme, paths| {
+            let end = |n: usize| anyhow::Ok(finer[n].run(scheme)?[0].end());
+            let (one, two, four) = (paths[0].end(), end(0)?, end(1)?);
+            let difference = |a: [f64; 3], b: [f64; 3]| length([0, 1, 2].map(|i| a[i] - b[i]));
+            let order = (difference(one, two) / difference(two, four)).log2();
+            let near = (order - scheme.order).abs() <= SLACK / steps as f64;
+            let kept = row.error.is_none() && near;
+            let row = row.with_figure(order).guaranteed(kept, None);
+            Ok(Row { exact: Some(scheme.order), ..row })
+        })
     })
 }

@@ -14,17 +14,16 @@ pub const CASE: Case = Case {
     words: Words {
         id: "sharp-hamiltonian",
         title: "Sharply varying Hamiltonian",
-        setup: "B(y)v = y × v, H = ½(y₁²/2 + y₂² + 3y₃²/2) + sin(κy₁)/κ as drift and as noise, no \
-                damping, 64 steps of τ = 1/16, truncated increments. The discrete gradient is the \
-                default of the trait, eight Gauss–Legendre nodes.",
-        mathematics: "|y|² and H are constant. For the Casimir any discrete gradient will do; for H \
-                      it has to be exact.",
+        setup: "Rigid body with B(y)v = y × v and H = ½(y₁²/2 + y₂² + 3y₃²/2) + sin(κy₁)/κ as \
+                drift and as noise, no damping, 64 steps of τ = 1/16, truncated increments; the \
+                default discrete gradient, eight Gauss–Legendre nodes.",
+        mathematics: "|y|² and H are constant. For the Casimir any discrete gradient will do; for \
+                      H it has to be exact.",
         quantity: "largest distance of ½|y|² (relative) and of H (absolute) from their values at \
                    the start",
-        guarantee: "`sexp`: the Casimir to rounding for every κ. H to the error of eight nodes, at \
-                    most Σ|Δy₁|·min(2, (8!)⁴/(17·16!³)·(κΔy₁)¹⁶) with the steps Δy₁ that were made, \
-                    and rounding: kept while a step is short beside 1/κ, lost beyond. Or a typed \
-                    error.",
+        guarantee: "`sexp`: the Casimir to rounding for every κ. H to rounding and the error of \
+                    eight nodes, at most Σ|Δy₁|·min(2, (8!)⁴/(17·16!³)·(κΔy₁)¹⁶) over the steps \
+                    Δy₁: kept while a step is short beside 1/κ, lost beyond. Or a typed error.",
         varied: "κ",
         plot: None,
     },
@@ -101,10 +100,10 @@ fn rows(context: &Context) -> Result<Vec<Row>> {
             // that in ½|y|². The argument κy₁ has a rounding of its own, ε κ/κ.
             let rounding = experiment.distance(paths, &CASIMIR, false).bound;
             let bound = quadrature + 4.0 * rounding;
-            match scheme.family {
+            Ok(match scheme.family {
                 Family::Conformal => row.with_figure(worst).guaranteed(worst <= bound, bound),
                 _ => row.with_figure(worst),
-            }
+            })
         })
     })?;
     Ok([casimir, energy].concat())

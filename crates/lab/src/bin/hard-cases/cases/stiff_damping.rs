@@ -17,11 +17,10 @@ pub const CASE: Case = Case {
         mathematics: "|y(t)| = e^(−γt)|y₀| on every path: a step multiplies |y| by e^(−γτ).",
         quantity: "the factor by which a step multiplies |y|, geometric mean of the steps before \
                    |y| leaves the normal numbers",
-        guarantee: "`sexp` in all forms: e^(−γτ) to rounding for every γτ, underflow to zero \
-                    included. `midpoint` has no such factor: (1 − x/2)/(1 + x/2) with x = γτ tends \
-                    to −1, so stiff damping does not damp. `em` (1 − x) and `heun` (1 − x + x²/2) \
-                    must grow for x > 2 and in the end overflow, which ends the path with a typed \
-                    error.",
+        guarantee: "`sexp` in all forms: e^(−x) with x = γτ to rounding, underflow to zero \
+                    included. The factor (1 − x/2)/(1 + x/2) of `midpoint` tends to −1: stiff \
+                    damping does not damp. `em` (1 − x) and `heun` (1 − x + x²/2) must grow for x \
+                    > 2 and in the end overflow, a typed error.",
         varied: "γτ",
         plot: Some(Plot { x_title: "damping in a step, γτ", range: (1e-12, 1e12) }),
     },
@@ -54,12 +53,12 @@ fn rows(context: &Context) -> Result<Vec<Row>> {
             let off = if exact == 0.0 { factor } else { (factor / exact - 1.0).abs() };
             let to_rounding = row.error.is_none() && off <= law_bound(STEPS, x * STEPS as f64);
             let row = Row { exact: Some(exact), ..row.with_figure(factor) };
-            match scheme.family {
+            Ok(match scheme.family {
                 Family::Conformal => row.guaranteed(to_rounding, None),
                 Family::Midpoint if x >= MIDPOINT_FAILS => row.must_exceed(2.0 * exact),
                 Family::Explicit if x >= EXPLICIT_FAILS => row.must_exceed(1.0),
                 _ => row,
-            }
+            })
         })
     })
 }

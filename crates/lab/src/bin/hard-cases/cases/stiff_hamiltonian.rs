@@ -18,10 +18,10 @@ pub const CASE: Case = Case {
         mathematics: "The body turns with frequencies of order ω; |y|² and H₀ decay as e^(−2∫γ) \
                       whatever ω is.",
         quantity: "largest relative distance of |y|² and H₀ from their laws",
-        guarantee: "`sexp`: on both laws to rounding for every ωτ, or a typed error; nothing is \
-                    said about the phase. Past ωτ ≈ 1 the fixed point does not contract and the \
-                    Newton method with continuation takes over. `em` and `heun` must leave the law \
-                    by more than one.",
+        guarantee: "`sexp`: on both laws to rounding for every ωτ, or a typed error; nothing \
+                    about the phase. Past ωτ ≈ 1 the fixed point does not contract and Newton's \
+                    method with continuation takes over. `em` and `heun` must leave the law by \
+                    more than one.",
         varied: "ω",
         plot: Some(Plot { x_title: "frequency ω (τ = 1/64)", range: (1e-16, 1e8) }),
     },

@@ -96,7 +96,7 @@ fn areas(bits: &mut Bits) -> Fed {
         let bound = method.rms_error(step, terms, noises);
         ensure!(
             terms <= AreaMethod::MAX_TERMS && bound <= error * (1.0 + 1e-9),
-            "{method:?} {noises} noises, step {step:e}: {terms} terms for {error:e}, bound {bound:e}"
+            "{method:?}, {noises} noises, step {step:e}: {terms} terms for {error:e}: {bound:e}"
         );
     }
     counted(terms)

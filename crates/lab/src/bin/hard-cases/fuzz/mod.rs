@@ -57,16 +57,8 @@ pub fn run(arguments: &Arguments) -> Vec<Fuzzed> {
 }
 
 fn feed(target: &Target, seed: u64, number: u64, inputs: u64) -> Fuzzed {
-    let mut fuzzed = Fuzzed {
-        target: target.name,
-        checks: target.checks,
-        inputs,
-        accepted: 0,
-        refused: 0,
-        most_iterations: 0,
-        failures: 0,
-        examples: Vec::new(),
-    };
+    let Target { name, checks, .. } = target;
+    let mut fuzzed = Fuzzed { target: name, checks, inputs, ..Fuzzed::default() };
     for input in 0..inputs {
         // Every input has bits of its own, so that one that fails can be fed again alone.
         let mut bits = Bits::new(seed, number, input);
