@@ -12,7 +12,6 @@ use crate::{Verdict, bound_verdict, order_verdict};
 pub const DEVIATIONS: f64 = 4.42;
 
 /// A measurement with the limit that it is held against.
-#[expect(clippy::large_enum_variant, reason = "most measurements are orders, the largest variant")]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 // A run has some hundred of them; most are fitted orders, the largest.
