@@ -41,8 +41,8 @@ pub enum Evidence {
         /// Whether the statement is that the law holds; otherwise that it does not.
         obeys: bool,
     },
-    /// A scheme that leaves a conformal law and returns to it as the step shrinks: the order in τ of
-    /// the largest relative defect along a path, from two step sizes.
+    /// A scheme that leaves a conformal law and returns to it as the step shrinks: the order in τ
+    /// of the largest relative defect along a path, from two step sizes.
     Approach {
         /// The invariant by its symbol.
         invariant: String,
@@ -172,7 +172,8 @@ impl fmt::Display for Evidence {
             Self::Order { rate: None, .. } => {
                 write!(
                     f,
-                    "no order can be named: the errors are within their noise, or there are too few paths"
+                    "no order can be named: the errors are within their noise, or there are too \
+                     few paths"
                 )
             }
             Self::Order { rate: Some(rate), .. } => {
@@ -328,8 +329,8 @@ mod tests {
             ),
             (
                 deviation(0.505),
-                "E[y1] = 0.50500 ± 1.0e-3 (standard error, bias at most 1.0e-3) against 0.50000: +5.0 \
-                 standard errors; 100 path-steps; warning: few",
+                "E[y1] = 0.50500 ± 1.0e-3 (standard error, bias at most 1.0e-3) against 0.50000: \
+                 +5.0 standard errors; 100 path-steps; warning: few",
             ),
         ];
         for (evidence, sentence) in sentences {
