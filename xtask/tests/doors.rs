@@ -9,26 +9,69 @@ use serde_json::Value;
 /// A crate and the crates that it may depend on, in the order of the layers; see `docs/` on the
 /// architecture.
 const DOORS: [(&str, &[&str]); 13] = [
-    ("real", &[]),
-    ("noise", &["real"]),
-    ("dgrad", &["real"]),
-    ("nonlin", &["real"]),
-    ("systems", &["real", "dgrad"]),
-    ("schemes", &["real", "systems", "dgrad", "nonlin", "noise"]),
-    ("stats", &["real"]),
-    ("mc", &["stats", "real", "schemes", "systems", "noise", "nonlin"]),
-    ("verify", &["mc", "stats", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
-    ("report", &["verify", "real"]),
+    ("casimir-real", &[]),
+    ("casimir-noise", &["casimir-real"]),
+    ("casimir-dgrad", &["casimir-real"]),
+    ("casimir-nonlin", &["casimir-real"]),
+    ("casimir-systems", &["casimir-real", "casimir-dgrad"]),
     (
-        "lab",
+        "casimir-schemes",
+        &["casimir-real", "casimir-systems", "casimir-dgrad", "casimir-nonlin", "casimir-noise"],
+    ),
+    ("casimir-stats", &["casimir-real"]),
+    (
+        "casimir-mc",
         &[
-            "report", "verify", "mc", "stats", "schemes", "systems", "nonlin", "dgrad", "noise",
-            "real",
+            "casimir-stats",
+            "casimir-real",
+            "casimir-schemes",
+            "casimir-systems",
+            "casimir-noise",
+            "casimir-nonlin",
         ],
     ),
     (
-        "casimir",
-        &["verify", "mc", "stats", "schemes", "systems", "nonlin", "dgrad", "noise", "real"],
+        "casimir-verify",
+        &[
+            "casimir-mc",
+            "casimir-stats",
+            "casimir-schemes",
+            "casimir-systems",
+            "casimir-nonlin",
+            "casimir-dgrad",
+            "casimir-noise",
+            "casimir-real",
+        ],
+    ),
+    ("casimir-report", &["casimir-verify", "casimir-real"]),
+    (
+        "lab",
+        &[
+            "casimir-report",
+            "casimir-verify",
+            "casimir-mc",
+            "casimir-stats",
+            "casimir-schemes",
+            "casimir-systems",
+            "casimir-nonlin",
+            "casimir-dgrad",
+            "casimir-noise",
+            "casimir-real",
+        ],
+    ),
+    (
+        "casimir-poisson",
+        &[
+            "casimir-verify",
+            "casimir-mc",
+            "casimir-stats",
+            "casimir-schemes",
+            "casimir-systems",
+            "casimir-nonlin",
+            "casimir-dgrad",
+            "casimir-noise",
+            "casimir-real",
+        ],
     ),
     ("xtask", &[]),
 ];
@@ -109,10 +152,12 @@ fn wrong_doors_are_found() -> anyhow::Result<()> {
         let dependencies = package["dependencies"].clone();
         let mut dependencies = dependencies.as_array().cloned().unwrap_or_default();
         match package["name"].as_str() {
-            Some("real") => dependencies.push(serde_json::json!({"name": "mc", "kind": null})),
-            Some("systems") => {
-                dependencies.push(serde_json::json!({"name": "nonlin", "kind": "build"}));
-                dependencies.push(serde_json::json!({"name": "schemes", "kind": "dev"}));
+            Some("casimir-real") => {
+                dependencies.push(serde_json::json!({"name": "casimir-mc", "kind": null}))
+            }
+            Some("casimir-systems") => {
+                dependencies.push(serde_json::json!({"name": "casimir-nonlin", "kind": "build"}));
+                dependencies.push(serde_json::json!({"name": "casimir-schemes", "kind": "dev"}));
             }
             _ => {}
         }
@@ -121,6 +166,13 @@ fn wrong_doors_are_found() -> anyhow::Result<()> {
     packages.push(serde_json::json!({"name": "attic", "dependencies": []}));
     let mut found = forbidden(&metadata);
     found.sort_unstable();
-    assert_eq!(found, ["attic is not in the table", "real -> mc", "systems -> nonlin"]);
+    assert_eq!(
+        found,
+        [
+            "attic is not in the table",
+            "casimir-real -> casimir-mc",
+            "casimir-systems -> casimir-nonlin"
+        ]
+    );
     Ok(())
 }

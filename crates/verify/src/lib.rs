@@ -45,8 +45,3 @@ pub use sphere::rigid_body_expectations;
 pub use stopwatch::{Spread, Stopwatch};
 pub use twin::Twin;
 pub use verdict::{ORDER_MARGIN, Verdict, bound_verdict, order_verdict};
-
-/// The snippets of the guide that stand alone.
-#[cfg(doctest)]
-#[doc = include_str!("../../../docs/guide.md")]
-struct Guide;
