@@ -185,12 +185,13 @@ impl fmt::Display for Evidence {
                 )?;
                 warning.iter().try_for_each(|warning| write!(f, "; warning: {warning}"))
             }
-            Self::Defect { invariant, paths, steps, largest, tolerance, .. } => {
+            Self::Defect { invariant, paths, steps, largest, tolerance, obeys } => {
                 let path = if *paths == 1 { "path" } else { "paths" };
+                let limit = if *obeys { "at most" } else { "expected above" };
                 write!(
                     f,
                     "largest relative defect of {invariant} over {paths} {path} of {steps} steps: \
-                     {largest:.1e}, tolerance {tolerance:.1e}"
+                     {largest:.1e}, {limit} {tolerance:.1e}"
                 )
             }
             Self::Approach {
@@ -321,7 +322,7 @@ mod tests {
         let sentences = [
             (
                 defect(2.7e-15, true),
-                "largest relative defect of C over 1 path of 100 steps: 2.7e-15, tolerance 1.0e-13",
+                "largest relative defect of C over 1 path of 100 steps: 2.7e-15, at most 1.0e-13",
             ),
             (
                 bounds(0.9, 2),
