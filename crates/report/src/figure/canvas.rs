@@ -55,8 +55,8 @@ pub fn page((width, height): (f64, f64), title: &str, draw: impl FnOnce(&mut Can
          <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n{}</svg>\n",
         width / PER_CENTIMETRE,
         height / PER_CENTIMETRE,
-        (width * GRID) as u32,
-        (height * GRID) as u32,
+        grid(width),
+        grid(height),
         escape(title),
         canvas.body
     )
@@ -66,9 +66,8 @@ fn grid(length: f64) -> i32 {
     (length * GRID).round() as i32
 }
 
-fn list(points: &[Position]) -> String {
-    let points = points.iter().map(|(x, y)| format!("{},{}", grid(*x), grid(*y)));
-    points.collect::<Vec<_>>().join(" ")
+fn list(points: impl Iterator<Item = Position>) -> String {
+    points.map(|(x, y)| format!("{},{}", grid(x), grid(y))).collect::<Vec<_>>().join(" ")
 }
 
 impl Canvas {
@@ -86,26 +85,21 @@ impl Canvas {
             "<polyline fill=\"none\" opacity=\"{opacity}\" stroke=\"{color}\" \
              stroke-width=\"{}\"{dashes} points=\"{}\"/>\n",
             grid(width),
-            list(points)
+            list(points.iter().copied())
         );
-    }
-
-    /// The outline of a rectangle with opposite corners `a` and `b`.
-    pub fn rectangle(&mut self, a: Position, b: Position, stroke: Stroke) {
-        self.polyline(&[a, (b.0, a.1), b, (a.0, b.1), a], stroke);
     }
 
     /// A marker; a hollow one shows the paper inside.
     pub fn marker(&mut self, at: Position, look: Look, radius: f64, hollow: bool) {
-        let corners: Vec<Position> = outline(look.marker)
-            .iter()
-            .map(|(x, y)| (at.0 + radius * x, at.1 + radius * y))
-            .collect();
-        let shape = if corners.is_empty() {
-            let (x, y, r) = (grid(at.0), grid(at.1), (radius * GRID) as u32);
-            format!("circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"")
-        } else {
-            format!("polygon points=\"{}\"", list(&corners))
+        let shape = match outline(look.marker) {
+            [] => {
+                let (x, y, r) = (grid(at.0), grid(at.1), grid(radius));
+                format!("circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"")
+            }
+            corners => {
+                let corners = corners.iter().map(|(x, y)| (at.0 + radius * x, at.1 + radius * y));
+                format!("polygon points=\"{}\"", list(corners))
+            }
         };
         let paint = if hollow {
             format!("fill=\"{PAPER}\" stroke=\"{}\" stroke-width=\"{}\"", look.color, grid(1.1))

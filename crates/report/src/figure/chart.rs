@@ -7,7 +7,7 @@ use super::axis::{Axis, Range, Scale};
 use super::canvas::{self, Canvas, INK};
 use super::frame::Frame;
 use super::legend::{Legend, Sample};
-use super::line::{Line, along};
+use super::line::Line;
 use super::look::{self, Layer, Look, Marker};
 use super::stroke::{Position, Stroke};
 use super::ticks::{Spacing, Ticks};
@@ -152,9 +152,10 @@ impl Figure {
         let looks: HashMap<&str, Look> = names.iter().copied().zip(looks).collect();
         let first = |name: &str| curves().find(|curve| curve.name == name);
         let entry = |curve: &Curve| (Sample::Curve(looks[&*curve.name]), self.caption(curve));
-        let plain = Look { color: INK, marker: Marker::Circle, layer: Layer::Plain };
-        let signs = [(false, "> 0"), (true, "< 0")]
-            .map(|(hollow, words)| (Sample::Point { look: plain, hollow }, Label::words(words)));
+        let signs = [(Layer::Plain, "> 0"), (Layer::Under, "< 0")].map(|(layer, words)| {
+            let look = Look { color: INK, marker: Marker::Circle, layer };
+            (Sample::Point(look), Label::words(words))
+        });
         let signs = signs.into_iter().filter(|_| self.style == Style::Signed);
         let entries = names.iter().filter_map(|name| first(name)).map(entry).chain(signs);
         let columns = self.plots.len().max(1) as f64;
@@ -231,39 +232,20 @@ impl Plot {
     }
 
     fn draw(&self, canvas: &mut Canvas, frame: &Frame, looks: &HashMap<&str, Look>, signed: bool) {
-        let mut obstacles = self.obstacles(frame);
         for line in &self.lines {
-            line.draw(canvas, frame, &mut obstacles);
+            line.draw(canvas, frame);
         }
         let middle = 0.5 * (self.curves.len() as f64 - 1.0);
-        let mut from_below: Vec<_> =
-            self.curves.iter().enumerate().map(|(n, c)| (n, c, looks[&*c.name])).collect();
-        from_below.sort_by_key(|(_, _, look)| look.layer);
-        for (n, curve, look) in from_below {
+        let mut curves: Vec<_> = self.curves.iter().enumerate().collect();
+        curves.sort_by_key(|(_, curve)| looks[&*curve.name].layer);
+        for (n, curve) in curves {
+            let look = looks[&*curve.name];
             let shift = if signed { 2.4 * (n as f64 - middle) } else { 0.0 };
             curve.draw(canvas, frame, look, shift, signed);
         }
         if self.drawn().next().is_none() {
             frame.say(canvas, "no data");
         }
-    }
-
-    /// Places that the name of a line should stay away from.
-    fn obstacles(&self, frame: &Frame) -> Vec<Position> {
-        let mut obstacles = Vec::new();
-        for curve in &self.curves {
-            let places: Vec<Position> =
-                curve.drawn().map(|point| frame.place(point.x, point.size())).collect();
-            for pair in places.windows(2) {
-                obstacles.extend(along(pair[0], pair[1]));
-            }
-            for (point, place) in curve.drawn().zip(&places) {
-                let (lo, hi) = point.ends();
-                obstacles.extend(along(frame.place(point.x, lo), frame.place(point.x, hi)));
-                obstacles.push(*place);
-            }
-        }
-        obstacles
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::canvas::{Align, Canvas, GREY};
 use super::frame::Frame;
-use super::stroke::{Position, Stroke};
+use super::stroke::Stroke;
 use crate::label::Label;
 
 /// The dashed line `constant · x^power`, with its name beside it.
@@ -25,60 +25,22 @@ impl Line {
         self.constant * x.powf(self.power)
     }
 
-    /// Draws the line across the frame and its name where it is farthest from `obstacles`. Line and
-    /// name become obstacles themselves.
-    pub(super) fn draw(&self, canvas: &mut Canvas, frame: &Frame, obstacles: &mut Vec<Position>) {
+    /// Draws the part inside of the frame, and the name on the side of its middle where a line that
+    /// rises leaves the data.
+    pub(super) fn draw(&self, canvas: &mut Canvas, frame: &Frame) {
         const SIZE: f64 = 10.0;
-        let ends = [frame.x.range.lo, frame.x.range.hi].map(|x| frame.place(x, self.at(x)));
-        let Some((from, to)) = frame.clip(ends[0], ends[1]) else {
-            return;
-        };
+        const OFFSET: f64 = 3.0;
+        let [from, to] = [frame.x.range.lo, frame.x.range.hi].map(|x| frame.place(x, self.at(x)));
+        let Some((from, to)) = frame.clip(from, to) else { return };
         canvas.polyline(&[from, to], Stroke::new(GREY, 1.0).dashed());
         let label = Label::words(&self.name);
-        let size = (SIZE * label.width(), SIZE);
-        if let Some(centre) = roomiest(frame, (from, to), size, obstacles) {
-            canvas.label(&label, centre, SIZE, Align::Middle);
-            let half = size.0 / 2.0;
-            obstacles.extend(along((centre.0 - half, centre.1), (centre.0 + half, centre.1)));
-        }
-        obstacles.extend(along(from, to));
+        let (x, y) = (0.5 * (from.0 + to.0), 0.5 * (from.1 + to.1));
+        let (right, down) = (0.5 * SIZE * label.width() + OFFSET, 0.5 * SIZE + OFFSET);
+        let at = if 2.0 * y > frame.y.start + frame.y.end {
+            (x + right, y + down)
+        } else {
+            (x - right, y - down)
+        };
+        canvas.label(&label, at, SIZE, Align::Middle);
     }
-}
-
-/// Points a few pixels apart along a segment.
-pub fn along(from: Position, to: Position) -> impl Iterator<Item = Position> {
-    const STEP: f64 = 3.0;
-    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-    let steps = (dx.hypot(dy) / STEP).ceil().clamp(1.0, 1000.0);
-    (0..=steps as usize)
-        .map(move |n| (from.0 + dx * n as f64 / steps, from.1 + dy * n as f64 / steps))
-}
-
-/// Centre of the text box beside a rising line that keeps the largest distance from the obstacles.
-fn roomiest(
-    frame: &Frame,
-    (from, to): (Position, Position),
-    (width, height): (f64, f64),
-    obstacles: &[Position],
-) -> Option<Position> {
-    const OFFSET: f64 = 3.0;
-    let half = (0.5 * width, 0.5 * height);
-    let sides = [1.0, -1.0];
-    let candidates = along(from, to).flat_map(|p| {
-        sides.map(|side| (p.0 + side * (half.0 + OFFSET), p.1 + side * (half.1 + OFFSET)))
-    });
-    let inside = |c: &Position| {
-        frame.holds((c.0 - half.0 - OFFSET, c.1 - half.1 - OFFSET))
-            && frame.holds((c.0 + half.0 + OFFSET, c.1 + half.1 + OFFSET))
-    };
-    let room = |c: &Position| {
-        obstacles
-            .iter()
-            .map(|o| {
-                let (dx, dy) = ((o.0 - c.0).abs() - half.0, (o.1 - c.1).abs() - half.1);
-                dx.max(0.0).hypot(dy.max(0.0))
-            })
-            .fold(f64::INFINITY, f64::min)
-    };
-    candidates.filter(inside).max_by(|a, b| room(a).total_cmp(&room(b)))
 }

@@ -4,15 +4,14 @@ use verify::results::{Claim, Panel};
 
 use super::Wording;
 use super::group::Group;
-use super::markup::{badge, code, details, list, scheme};
+use super::markup::{badge, code, details, list, quiet, scheme};
 use super::prose::prose;
 use crate::Outcome;
 use crate::escape::escape;
 
 /// The section of the statements: first what the paper proves, then what it only reports.
 pub fn statements(claims: &[Claim], panels: &[Panel], wording: &Wording) -> String {
-    let (proven, reported): (Vec<Group>, Vec<Group>) =
-        Group::all(claims).into_iter().partition(|group| group.first().proven);
+    let (proven, reported) = Group::proven_and_reported(claims);
     let table = |title: &str, groups: &[Group]| {
         let bodies: String = groups.iter().map(|group| body(group, panels, wording)).collect();
         format!(
@@ -51,7 +50,7 @@ fn body(group: &Group, panels: &[Panel], wording: &Wording) -> String {
         counts = group.counts(),
         words = prose(wording.statement(claim)),
         id = code(&claim.id),
-        scheme = if claim.proven { String::new() } else { scheme(claim) },
+        scheme = group.scheme(),
         digest = group.digest(),
         details = details(!clear, &format!("Checks: {}", group.claims.len()), &checks),
     )
@@ -60,7 +59,7 @@ fn body(group: &Group, panels: &[Panel], wording: &Wording) -> String {
 /// One claim of a group: verdict and place, statement, evidence.
 fn check(claim: &Claim, panels: &[Panel]) -> String {
     let place = match claim.panel.as_str() {
-        "" => "<span class=\"quiet\">measured on its own</span>".to_owned(),
+        "" => quiet("measured on its own"),
         id if panels.iter().any(|panel| panel.id == id) => {
             format!("<a href=\"#panel-{}\">{}</a>", escape(id), code(id))
         }
@@ -84,14 +83,13 @@ fn check(claim: &Claim, panels: &[Panel]) -> String {
 pub fn badges(claims: &[Claim], panel: &str) -> String {
     let groups = Group::all(claims.iter().filter(|claim| claim.panel == panel));
     let item = |group: &Group| {
-        let (verdict, claim) = (group.verdict(), group.first());
-        // A link names the scheme of what is not proven.
-        let scheme = if claim.proven { scheme(claim) } else { String::new() };
+        let verdict = group.verdict();
+        let badge = badge(verdict, verdict.words());
         let counts = match group.claims.len() {
             1 => String::new(),
-            _ => format!(" <span class=\"quiet\">{}</span>", group.counts()),
+            _ => quiet(&format!(" {}", group.counts())),
         };
-        format!("{} {}{scheme}{counts}", badge(verdict, verdict.words()), group.link())
+        format!("{badge} {}{}{counts}", group.link(), scheme(group.first()))
     };
     list("badges", groups.iter().map(item))
 }
