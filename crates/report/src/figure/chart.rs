@@ -150,14 +150,16 @@ impl Figure {
             Style::Quantities | Style::Signed => (0..names.len()).map(look::of_quantity).collect(),
         };
         let looks: HashMap<&str, Look> = names.iter().copied().zip(looks).collect();
-        let first = |name: &str| curves().find(|curve| curve.name == name);
-        let entry = |curve: &Curve| (Sample::Curve(looks[&*curve.name]), self.caption(curve));
+        let entry = |name: &&str| {
+            let note = curves().find(|curve| curve.name == *name).map_or("", |curve| &curve.note);
+            (Sample::Curve(looks[name]), self.caption(name, note))
+        };
         let signs = [(Layer::Plain, "> 0"), (Layer::Under, "< 0")].map(|(layer, words)| {
             let look = Look { color: INK, marker: Marker::Circle, layer };
             (Sample::Point(look), Label::words(words))
         });
         let signs = signs.into_iter().filter(|_| self.style == Style::Signed);
-        let entries = names.iter().filter_map(|name| first(name)).map(entry).chain(signs);
+        let entries = names.iter().map(entry).chain(signs);
         let columns = self.plots.len().max(1) as f64;
         let width = columns * self.size.0 + (columns - 1.0) * BETWEEN;
         let legend = Legend::new(entries, width);
@@ -187,12 +189,12 @@ impl Figure {
         })
     }
 
-    fn caption(&self, curve: &Curve) -> Label {
+    fn caption(&self, name: &str, note: &str) -> Label {
         let name = match self.style {
-            Style::Schemes => Label::words(&curve.name),
-            Style::Quantities | Style::Signed => Label::new(&curve.name),
+            Style::Schemes => Label::words(name),
+            Style::Quantities | Style::Signed => Label::new(name),
         };
-        if curve.note.is_empty() { name } else { name.with_tail(&format!(": {}", curve.note)) }
+        if note.is_empty() { name } else { name.with_tail(&format!(": {note}")) }
     }
 
     /// Covers the values, their intervals as far as they stay near the value, and the lines.

@@ -87,7 +87,7 @@ pub fn badges(claims: &[Claim], panel: &str) -> String {
         let badge = badge(verdict, verdict.words());
         let counts = match group.claims.len() {
             1 => String::new(),
-            _ => quiet(&format!(" {}", group.counts())),
+            _ => format!(" {}", quiet(&group.counts())),
         };
         format!("{badge} {}{}{counts}", group.link(), scheme(group.first()))
     };
