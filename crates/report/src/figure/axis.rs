@@ -1,7 +1,7 @@
 //! From a value to a position on the page: linear and logarithmic axes and the ranges they cover.
 
 /// How values are spaced.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy)]
 pub enum Scale {
     /// Equal differences are equally far apart.
     Linear,
@@ -68,7 +68,7 @@ impl Range {
 }
 
 /// An axis: a range of values laid over a stretch of the page.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Axis {
     /// Spacing of the values.
     pub scale: Scale,

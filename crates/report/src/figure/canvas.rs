@@ -26,7 +26,6 @@ const DASH: f64 = 4.0;
 const GAP: f64 = 3.2;
 
 /// Which point of a text lies at the position given.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
     /// Its left end.
     Left,

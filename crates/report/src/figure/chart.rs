@@ -159,7 +159,11 @@ impl Figure {
             (Sample::Point(look), Label::words(words))
         });
         let signs = signs.into_iter().filter(|_| self.style == Style::Signed);
-        let entries = names.iter().map(entry).chain(signs);
+        let lines = self.plots.iter().flat_map(|plot| plot.lines.iter().enumerate());
+        let lines = distinct(lines.map(|(n, line)| (n, line.name.as_str())))
+            .into_iter()
+            .map(|(n, name)| (Sample::Line(Line::stroke(n)), Label::words(name)));
+        let entries = names.iter().map(entry).chain(signs).chain(lines);
         let columns = self.plots.len().max(1) as f64;
         let width = columns * self.size.0 + (columns - 1.0) * BETWEEN;
         let legend = Legend::new(entries, width);
@@ -234,8 +238,9 @@ impl Plot {
     }
 
     fn draw(&self, canvas: &mut Canvas, frame: &Frame, looks: &HashMap<&str, Look>, signed: bool) {
-        for line in &self.lines {
-            line.draw(canvas, frame);
+        for (n, line) in self.lines.iter().enumerate() {
+            let ends = [frame.x.range.lo, frame.x.range.hi].map(|x| frame.place(x, line.at(x)));
+            frame.polyline(canvas, &ends, Line::stroke(n));
         }
         let middle = 0.5 * (self.curves.len() as f64 - 1.0);
         let mut curves: Vec<_> = self.curves.iter().enumerate().collect();
@@ -263,16 +268,14 @@ impl Curve {
         let line = look.line(if signed { 0.8 } else { 1.2 });
         frame.polyline(canvas, &places, if signed { line.faded(0.45) } else { line });
         let bar = Stroke::new(look.color, 1.0);
-        for (point, at) in self.drawn().zip(&places) {
+        for (point, at) in self.drawn().zip(places) {
             if point.interval.is_some() {
                 error_bar(canvas, frame, point.ends(), at.0, bar);
             }
             if point.x_hi > point.x {
-                frame.polyline(canvas, &[*at, place(point.x_hi, point)], bar);
+                frame.polyline(canvas, &[at, place(point.x_hi, point)], bar);
             }
-        }
-        for (point, at) in self.drawn().zip(&places) {
-            canvas.marker(*at, look, radius, look.hollow() || signed && point.y < 0.0);
+            canvas.marker(at, look, radius, look.hollow() || signed && point.y < 0.0);
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::panel::{QUANTILE, main_quantity};
 /// The figure of strong or weak errors against the step size, or of path-steps against accuracy.
 ///
 /// Of strong errors it shows the error at the final time, of weak errors all quantities. Fitted
-/// orders stand in the legend; dashed lines show the slopes 1/2 and 1, whichever is nearer to each
+/// orders stand in the legend; grey lines show the slopes 1/2 and 1, whichever is nearer to each
 /// order.
 ///
 /// ```

@@ -12,7 +12,6 @@ const TICK_SIZE: f64 = 10.0;
 const TITLE_SIZE: f64 = 10.5;
 
 /// A box with two axes.
-#[derive(Clone, Copy, Debug)]
 pub struct Frame {
     /// Horizontal axis, left to right.
     pub x: Axis,

@@ -13,7 +13,7 @@ const ROW: f64 = 14.0;
 const GAP: f64 = 9.0;
 
 /// What stands in front of a name.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub enum Sample {
     /// A line with a marker.
     Curve(Look),

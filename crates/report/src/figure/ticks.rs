@@ -13,7 +13,7 @@ pub enum Spacing {
 }
 
 /// The marks of an axis.
-#[derive(Clone, Debug, Default)]
+#[derive(Default)]
 pub struct Ticks {
     /// Labelled marks.
     pub major: Vec<(f64, Label)>,

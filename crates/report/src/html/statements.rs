@@ -12,23 +12,22 @@ use crate::escape::escape;
 /// The section of the statements: first what the paper proves, then what it only reports.
 pub fn statements(claims: &[Claim], panels: &[Panel], wording: &Wording) -> String {
     let (proven, reported) = Group::proven_and_reported(claims);
-    let table = |title: &str, groups: &[Group]| {
+    let table = |lead: &str, title: &str, groups: &[Group]| {
         let bodies: String = groups.iter().map(|group| body(group, panels, wording)).collect();
+        if bodies.is_empty() {
+            return bodies;
+        }
         format!(
-            "<table class=\"statements\"><thead><tr><th>Verdict</th><th>{title}</th>\
+            "{lead}<table class=\"statements\"><thead><tr><th>Verdict</th><th>{title}</th>\
              <th>What was measured</th></tr></thead>\n{bodies}</table>\n"
         )
     };
-    let mut section = String::new();
-    if !proven.is_empty() {
-        section += &table("What the paper proves", &proven);
-    }
-    if !reported.is_empty() {
-        section += "<h3 class=\"part\">Statements without a proof</h3>\n<p class=\"lead\">What the \
-             figures of the paper report about the other schemes and where its theorems do not \
-             apply, and comparisons with exact solutions, which the paper does not make.</p>\n";
-        section += &table("What is observed", &reported);
-    }
+    const OBSERVED: &str = "<h3 class=\"part\">Statements without a proof</h3>\n\
+        <p class=\"lead\">What the figures of the paper report about the other schemes and where \
+        its theorems do not apply, and comparisons with exact solutions, which the paper does not \
+        make.</p>\n";
+    let section = table("", "What the paper proves", &proven)
+        + &table(OBSERVED, "What is observed", &reported);
     if section.is_empty() { "<p>None was checked.</p>".to_owned() } else { section }
 }
 
