@@ -97,21 +97,14 @@ impl Measured {
         Self { x, x_hi: x, y, interval: None }
     }
 
-    fn is_drawn(&self) -> bool {
-        self.x > 0.0 && self.x.is_finite() && self.y.is_finite()
-    }
-
     fn size(&self) -> f64 {
         self.y.abs()
     }
 
     /// Ends of the interval of the size.
     fn ends(&self) -> (f64, f64) {
-        match self.interval {
-            None => (self.size(), self.size()),
-            Some((lo, hi)) if self.y < 0.0 => (-hi, -lo),
-            Some(ends) => ends,
-        }
+        let (lo, hi) = self.interval.unwrap_or((self.y, self.y));
+        if self.y < 0.0 { (-hi, -lo) } else { (lo, hi) }
     }
 
     /// An estimate of the standard error.
@@ -127,7 +120,7 @@ impl Curve {
     }
 
     pub(super) fn drawn(&self) -> impl Iterator<Item = &Measured> {
-        self.points.iter().filter(|point| point.is_drawn())
+        self.points.iter().filter(|p| p.x > 0.0 && p.x.is_finite() && p.y.is_finite())
     }
 
     /// Pairs (x, size) of the points that stand out from their noise, or of all if none does.
@@ -145,20 +138,20 @@ impl Figure {
     pub fn svg(&self) -> String {
         let curves = || self.plots.iter().flat_map(|plot| &plot.curves);
         let names = distinct(curves().map(|curve| curve.name.as_str()));
-        let looks = match self.style {
-            Style::Schemes => look::of_schemes(&names),
-            Style::Quantities | Style::Signed => (0..names.len()).map(look::of_quantity).collect(),
-        };
+        let (schemes, signed) = (self.style == Style::Schemes, self.style == Style::Signed);
+        let looks = if schemes { look::of_schemes(&names) } else { look::of_quantities(&names) };
         let looks: HashMap<&str, Look> = names.iter().copied().zip(looks).collect();
         let entry = |name: &&str| {
+            let label = if schemes { Label::words(name) } else { Label::new(name) };
             let note = curves().find(|curve| curve.name == *name).map_or("", |curve| &curve.note);
-            (Sample::Curve(looks[name]), self.caption(name, note))
+            let tail = if note.is_empty() { String::new() } else { format!(": {note}") };
+            (Sample::Curve(looks[name]), label.with_tail(&tail))
         };
         let signs = [(Layer::Plain, "> 0"), (Layer::Under, "< 0")].map(|(layer, words)| {
             let look = Look { color: INK, marker: Marker::Circle, layer };
             (Sample::Point(look), Label::words(words))
         });
-        let signs = signs.into_iter().filter(|_| self.style == Style::Signed);
+        let signs = signs.into_iter().filter(|_| signed);
         let lines = self.plots.iter().flat_map(|plot| plot.lines.iter().enumerate());
         let lines = distinct(lines.map(|(n, line)| (n, line.name.as_str())))
             .into_iter()
@@ -188,17 +181,9 @@ impl Figure {
                 if n == 0 {
                     frame.title_left(canvas, &self.y_title);
                 }
-                plot.draw(canvas, &frame, &looks, self.style == Style::Signed);
+                plot.draw(canvas, &frame, &looks, signed);
             }
         })
-    }
-
-    fn caption(&self, name: &str, note: &str) -> Label {
-        let name = match self.style {
-            Style::Schemes => Label::words(name),
-            Style::Quantities | Style::Signed => Label::new(name),
-        };
-        if note.is_empty() { name } else { name.with_tail(&format!(": {note}")) }
     }
 
     /// Covers the values, their intervals as far as they stay near the value, and the lines.
@@ -283,12 +268,11 @@ impl Curve {
 /// Draws an interval; where it reaches zero or leaves the frame it ends at the border, uncapped.
 fn error_bar(canvas: &mut Canvas, frame: &Frame, (lo, hi): (f64, f64), x: f64, stroke: Stroke) {
     const CAP: f64 = 2.2;
-    let [low, high] = [lo, hi].map(|value| (x, frame.y.position(value)));
-    let Some((low, high)) = frame.clip(low, high) else { return };
-    canvas.polyline(&[low, high], stroke);
-    for (end, value) in [(low, lo), (high, hi)] {
+    let [low, high] = [lo, hi].map(|value| frame.y.position(value));
+    frame.polyline(canvas, &[(x, low), (x, high)], stroke);
+    for (y, value) in [(low, lo), (high, hi)] {
         if (frame.y.range.lo..=frame.y.range.hi).contains(&value) {
-            canvas.polyline(&[(x - CAP, end.1), (x + CAP, end.1)], stroke);
+            canvas.polyline(&[(x - CAP, y), (x + CAP, y)], stroke);
         }
     }
 }

@@ -55,8 +55,8 @@ pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> Figure {
     });
     let lines = if cost { Vec::new() } else { reference_slopes(&trends.collect::<Vec<_>>()) };
     let (x_title, y_title) = match kind {
-        Kind::Cost => ("half-width ε of the 95 % interval", "path-steps".to_owned()),
-        Kind::Weak => ("step size τ", "|weak error|".to_owned()),
+        Kind::Cost => ("half-width ε of the 95 % interval", "path-steps".into()),
+        Kind::Weak => ("step size τ", "|weak error|".into()),
         _ => ("step size τ", format!("RMS error of {quantity}")),
     };
     Figure {
@@ -80,9 +80,10 @@ fn rate(series: &Series) -> Option<&Rate> {
 fn measured(point: &Point) -> Option<Measured> {
     match *point {
         Point::Error { tau, value, se, lo, hi, .. } => {
-            let normal = (value - QUANTILE * se.abs(), value + QUANTILE * se.abs());
+            let half = QUANTILE * se.abs();
             let ends = lo.zip(hi).filter(|(lo, hi)| *lo >= 0.0 && hi.is_finite());
-            let interval = (se.is_finite() && se != 0.0).then_some(ends.unwrap_or(normal));
+            let ends = ends.unwrap_or((value - half, value + half));
+            let interval = (half.is_finite() && half != 0.0).then_some(ends);
             Some(Measured { interval, ..Measured::new(tau, value) })
         }
         Point::Cost { accuracy, path_steps } => Some(Measured::new(accuracy, path_steps as f64)),

@@ -47,14 +47,11 @@ impl Frame {
             (dy, self.y.start - a.1),
         ];
         for (speed, distance) in borders {
-            if speed == 0.0 && distance < 0.0 {
-                return None;
-            }
-            let s = distance / speed;
-            if speed < 0.0 {
-                enter = enter.max(s);
-            } else if speed > 0.0 {
-                leave = leave.min(s);
+            match distance / speed {
+                s if speed < 0.0 => enter = enter.max(s),
+                s if speed > 0.0 => leave = leave.min(s),
+                _ if distance < 0.0 => return None,
+                _ => {}
             }
         }
         let at = |s: f64| (a.0 + s * dx, a.1 + s * dy);
@@ -125,14 +122,16 @@ impl Frame {
 
     /// Writes words into the middle of the box.
     pub fn say(&self, canvas: &mut Canvas, words: &str) {
-        let at = (middle(self.x), middle(self.y));
-        canvas.label(&Label::words(words), at, TITLE_SIZE, Align::Middle);
+        self.centred(canvas, words, middle(self.y));
     }
 
     /// Writes the title of the horizontal axis below the labels.
     pub fn title_below(&self, canvas: &mut Canvas, title: &str) {
-        let at = (middle(self.x), self.y.start + 23.5);
-        canvas.label(&Label::words(title), at, TITLE_SIZE, Align::Middle);
+        self.centred(canvas, title, self.y.start + 23.5);
+    }
+
+    fn centred(&self, canvas: &mut Canvas, words: &str, y: f64) {
+        canvas.label(&Label::words(words), (middle(self.x), y), TITLE_SIZE, Align::Middle);
     }
 
     /// Writes the title of the vertical axis at the left edge of the page.

@@ -1,6 +1,7 @@
 //! The elements that all sections use.
 
 use std::fmt::Display;
+use std::iter;
 
 use verify::results::Claim;
 
@@ -23,11 +24,9 @@ pub fn entry(term: &str, what: &str) -> String {
 pub fn table(heads: &[impl Display], rows: impl Iterator<Item = Vec<String>>) -> String {
     let heads: String = heads.iter().map(|head| format!("<th>{head}</th>")).collect();
     let row = |cells: Vec<String>| {
-        let cell = |(n, text): (usize, &String)| match n {
-            0 => format!("<th>{text}</th>"),
-            _ => format!("<td>{text}</td>"),
-        };
-        format!("<tr>{}</tr>", cells.iter().enumerate().map(cell).collect::<String>())
+        let tags = iter::once("th").chain(iter::repeat("td"));
+        let cells = tags.zip(cells).map(|(tag, text)| format!("<{tag}>{text}</{tag}>"));
+        format!("<tr>{}</tr>", cells.collect::<String>())
     };
     let rows: String = rows.map(row).collect();
     if rows.is_empty() {

@@ -58,8 +58,7 @@ fn order(series: &Series) -> [String; 3] {
         format!("{ends} {}", quiet(&interval_name(rate.confidence)))
     });
     let finest = errors_of(series).min_by(|a, b| a.0.total_cmp(&b.0));
-    let finest =
-        finest.map(|(tau, error)| format!("{error} {}", quiet(&format!("at {}", step(tau)))));
+    let finest = finest.map(|(tau, error)| error + " " + &quiet(&format!("at {}", step(tau))));
     [order, interval, finest].map(or_dash)
 }
 

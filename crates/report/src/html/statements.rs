@@ -33,14 +33,14 @@ pub fn statements(claims: &[Claim], panels: &[Panel], wording: &Wording) -> Stri
 
 fn body(group: &Group, panels: &[Panel], wording: &Wording) -> String {
     let (claim, verdict) = (group.first(), group.verdict());
-    let misprint = match (verdict, group.tally(Outcome::Misprint)) {
-        (Outcome::Misprint, _) | (_, 0) => String::new(),
-        _ => format!(" {}", badge(Outcome::Misprint, "misprint")),
+    let misprint = match group.tally(Outcome::Misprint) {
+        n if n > 0 && verdict != Outcome::Misprint => badge(Outcome::Misprint, "misprint"),
+        _ => String::new(),
     };
     let checks = list("", group.claims.iter().map(|claim| check(claim, panels)));
     let clear = group.tally(Outcome::Holds) == group.claims.len();
     format!(
-        "<tbody id=\"{anchor}\"><tr class=\"statement\"><td>{badge}{misprint}<p class=\"quiet\">\
+        "<tbody id=\"{anchor}\"><tr class=\"statement\"><td>{badge} {misprint}<p class=\"quiet\">\
          {counts}</p></td><td><p>{words}</p><p class=\"quiet\">{id}{scheme}</p></td>\
          <td>{digest}</td></tr>\n\
          <tr class=\"checks\"><td></td><td colspan=\"2\">{details}</td></tr></tbody>\n",
