@@ -4,10 +4,9 @@
 use std::collections::HashMap;
 
 use super::axis::{Axis, Range, Scale};
-use super::canvas::{self, Canvas, INK};
+use super::canvas::{self, Canvas, GREY, INK};
 use super::frame::Frame;
 use super::legend::{Legend, Sample};
-use super::line::Line;
 use super::look::{self, Layer, Look, Marker};
 use super::stroke::{Position, Stroke};
 use super::ticks::{Spacing, Ticks};
@@ -49,6 +48,19 @@ pub enum Style {
     /// Quantities whose sign matters: markers are hollow where values are negative, and curves are
     /// set side by side, since their intervals are long.
     Signed,
+}
+
+/// The line `constant · x^power`, in grey; the first of a plot is dashed, the second solid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Its name in the legend.
+    pub name: String,
+    /// Value at x = 1.
+    pub constant: f64,
+    /// The slope in logarithmic coordinates.
+    pub power: f64,
+    /// Whether the vertical axis covers it over the range of the data; otherwise it is cut off.
+    pub covered: bool,
 }
 
 /// One plot of a figure.
@@ -113,6 +125,20 @@ impl Measured {
     }
 }
 
+impl Line {
+    /// Its value at `x`.
+    #[must_use]
+    pub fn at(&self, x: f64) -> f64 {
+        self.constant * x.powf(self.power)
+    }
+
+    /// How the `n`-th line of a plot is drawn.
+    fn stroke(n: usize) -> Stroke {
+        let solid = Stroke::new(GREY, 1.0);
+        if n.is_multiple_of(2) { solid.dashed() } else { solid }
+    }
+}
+
 impl Curve {
     /// A curve with nothing but its name in the legend.
     pub fn new(name: &str, points: impl IntoIterator<Item = Measured>) -> Self {
@@ -157,8 +183,7 @@ impl Figure {
             .into_iter()
             .map(|(n, name)| (Sample::Line(Line::stroke(n)), Label::words(name)));
         let entries = names.iter().map(entry).chain(signs).chain(lines);
-        let columns = self.plots.len().max(1) as f64;
-        let width = columns * self.size.0 + (columns - 1.0) * BETWEEN;
+        let width = self.plots.len().max(1) as f64 * (self.size.0 + BETWEEN) - BETWEEN;
         let legend = Legend::new(entries, width);
         let top = legend.height + 7.0;
         let bottom = top + self.size.1;
@@ -228,12 +253,12 @@ impl Plot {
             frame.polyline(canvas, &ends, Line::stroke(n));
         }
         let middle = 0.5 * (self.curves.len() as f64 - 1.0);
-        let mut curves: Vec<_> = self.curves.iter().enumerate().collect();
-        curves.sort_by_key(|(_, curve)| looks[&*curve.name].layer);
-        for (n, curve) in curves {
-            let look = looks[&*curve.name];
+        let look = |curve: &Curve| looks[&*curve.name];
+        let mut from_below: Vec<_> = self.curves.iter().enumerate().collect();
+        from_below.sort_by_key(|(_, curve)| look(curve).layer);
+        for (n, curve) in from_below {
             let shift = if signed { 2.4 * (n as f64 - middle) } else { 0.0 };
-            curve.draw(canvas, frame, look, shift, signed);
+            curve.draw(canvas, frame, look(curve), shift, signed);
         }
         if self.drawn().next().is_none() {
             frame.say(canvas, "no data");

@@ -2,8 +2,7 @@
 
 use verify::results::{Kind, Point, Rate, Series};
 
-use super::chart::{COLUMN, Curve, Figure, Measured, Plot, Style};
-use super::line::Line;
+use super::chart::{COLUMN, Curve, Figure, Line, Measured, Plot, Style};
 use super::ticks::Spacing;
 use crate::panel::{QUANTILE, main_quantity};
 

@@ -41,9 +41,8 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
     let curves: Vec<Vec<Sampled>> = drawn.iter().map(|series| sampled(series)).collect();
 
     let law = Stroke::new(INK, 0.7);
-    let entries = looks.iter().zip(&drawn);
-    let entries =
-        entries.map(|(look, series)| (Sample::Curve(*look), Label::words(&series.scheme)));
+    let names = drawn.iter().map(|series| Label::words(&series.scheme));
+    let entries = looks.iter().map(|look| Sample::Curve(*look)).zip(names);
     let entries = entries.chain([(Sample::Line(law), Label::words("conformal law"))]);
     let legend = Legend::new(entries, WIDTH - LEFT - RIGHT);
     let value_top = legend.height + 7.0;

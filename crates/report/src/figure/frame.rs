@@ -85,10 +85,10 @@ impl Frame {
         let (bottom, top) = (self.y.start, self.y.end);
         let (grid, ink) = (Stroke::new(FAINT, 0.6), Stroke::new(INK, 0.8));
         // Positions by a value on an axis and the distance from the axis into the box.
-        let column = |value, distance| (self.x.position(value), bottom - distance);
-        let row = |value, distance| (left + distance, self.y.position(value));
-        let sides: [(&Ticks, &dyn Fn(f64, f64) -> Position, f64); 2] =
-            [(x, &column, bottom - top), (y, &row, right - left)];
+        let column: &dyn Fn(f64, f64) -> Position =
+            &|value, distance| (self.x.position(value), bottom - distance);
+        let row = &|value, distance| (left + distance, self.y.position(value));
+        let sides = [(x, column, bottom - top), (y, row, right - left)];
         for (ticks, place, across) in sides {
             for (value, _) in &ticks.major {
                 canvas.polyline(&[place(*value, across), place(*value, 0.0)], grid);

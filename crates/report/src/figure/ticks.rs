@@ -51,7 +51,7 @@ impl Ticks {
         let mut ticks = Self::default();
         for k in first..=last {
             let value = f64::from(base).powi(k);
-            if k.rem_euclid(stride) == 0 {
+            if k % stride == 0 {
                 ticks.major.push((value, Label::new(&format!("{base}^{k}"))));
             } else if count <= MOST_MARKS {
                 ticks.minor.push(value);

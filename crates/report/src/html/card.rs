@@ -16,7 +16,7 @@ use crate::panel::{file_stem, main_quantity};
 pub fn card(panel: &Panel, figure: &str, claims: &[Claim], comment: &str) -> String {
     let samples = match panel.samples {
         1 => "one path".to_owned(),
-        n => format!("{} paths", count(n)),
+        n => count(n) + " paths",
     };
     let facts = [
         ("Set-up", prose(&panel.setup)),

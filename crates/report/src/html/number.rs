@@ -11,8 +11,8 @@ pub fn scientific(value: f64, decimals: usize) -> String {
 /// A step size, as a power of two if it is one.
 pub fn step(tau: f64) -> String {
     let exponent = tau.log2();
-    let is_power = tau > 0.0 && exponent == exponent.round() && exponent.abs() > 3.0;
-    if is_power { prose(&format!("2^{exponent}")) } else { tau.to_string() }
+    let is_power = exponent == exponent.round() && exponent.abs() > 3.0;
+    if is_power && tau > 0.0 { prose(&format!("2^{exponent}")) } else { tau.to_string() }
 }
 
 /// A wall time.
