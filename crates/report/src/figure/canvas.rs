@@ -33,6 +33,8 @@ pub enum Align {
     Middle,
     /// Its right end.
     Right,
+    /// Its middle, and the text reads upwards.
+    Upward,
 }
 
 /// A page to draw on.
@@ -108,27 +110,20 @@ impl Canvas {
         self.body += &format!("<{shape} {paint}/>\n");
     }
 
-    /// A label on one line, centred vertically at `at`.
+    /// A label on one line, centred vertically at `at`; one that reads upwards is centred both ways.
     pub fn label(&mut self, label: &Label, at: Position, size: f64, align: Align) {
-        self.text(&markup(label), at, size, align, "");
-    }
-
-    /// Text that reads upwards, centred at `at`.
-    pub fn upward_text(&mut self, text: &str, at: Position, size: f64) {
-        let turn = format!(" transform=\"rotate(270, {}, {})\"", grid(at.0), grid(at.1));
-        self.text(&escape(text), at, size, Align::Middle, &turn);
-    }
-
-    fn text(&mut self, markup: &str, at: Position, size: f64, align: Align, turn: &str) {
-        let anchor = match align {
-            Align::Left => "start",
-            Align::Middle => "middle",
-            Align::Right => "end",
-        };
         let (x, y, size) = (grid(at.0), grid(at.1), grid(size));
+        let (anchor, turn) = match align {
+            Align::Left => ("start", 0),
+            Align::Middle => ("middle", 0),
+            Align::Right => ("end", 0),
+            Align::Upward => ("middle", 270),
+        };
         self.body += &format!(
             "<text x=\"{x}\" y=\"{y}\" dy=\"0.5ex\" text-anchor=\"{anchor}\" \
-             font-family=\"sans-serif\" font-size=\"{size}\" fill=\"{INK}\"{turn}>{markup}</text>\n"
+             transform=\"rotate({turn}, {x}, {y})\" font-family=\"sans-serif\" \
+             font-size=\"{size}\" fill=\"{INK}\">{}</text>\n",
+            markup(label)
         );
     }
 }

@@ -122,22 +122,22 @@ impl Frame {
 
     /// Writes words into the middle of the box.
     pub fn say(&self, canvas: &mut Canvas, words: &str) {
-        self.centred(canvas, words, middle(self.y));
+        write(canvas, words, (middle(self.x), middle(self.y)), Align::Middle);
     }
 
     /// Writes the title of the horizontal axis below the labels.
     pub fn title_below(&self, canvas: &mut Canvas, title: &str) {
-        self.centred(canvas, title, self.y.start + 23.5);
-    }
-
-    fn centred(&self, canvas: &mut Canvas, words: &str, y: f64) {
-        canvas.label(&Label::words(words), (middle(self.x), y), TITLE_SIZE, Align::Middle);
+        write(canvas, title, (middle(self.x), self.y.start + 23.5), Align::Middle);
     }
 
     /// Writes the title of the vertical axis at the left edge of the page.
     pub fn title_left(&self, canvas: &mut Canvas, title: &str) {
-        canvas.upward_text(title, (7.5, middle(self.y)), TITLE_SIZE);
+        write(canvas, title, (7.5, middle(self.y)), Align::Upward);
     }
+}
+
+fn write(canvas: &mut Canvas, words: &str, at: Position, align: Align) {
+    canvas.label(&Label::words(words), at, TITLE_SIZE, align);
 }
 
 fn middle(axis: Axis) -> f64 {

@@ -21,7 +21,7 @@ pub fn summary(results: &Results) -> String {
         escape(&provenance.mode),
         provenance.seed,
         duration(provenance.wall_s),
-        misprints(&proven) + &misprints(&reported),
+        misprints(proven.iter().chain(&reported)),
     )
 }
 
@@ -46,8 +46,8 @@ fn verdicts(what: &str, groups: &[Group]) -> String {
 }
 
 /// What the documented misprints say, each in a paragraph of its own.
-fn misprints(groups: &[Group]) -> String {
-    let misprints = groups.iter().flat_map(|group| {
+fn misprints<'a>(groups: impl Iterator<Item = &'a Group<'a>>) -> String {
+    let misprints = groups.flat_map(|group| {
         let claims = group.claims.iter().filter(|c| Outcome::of(c) == Outcome::Misprint);
         claims.map(move |claim| {
             format!(
