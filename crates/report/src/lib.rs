@@ -5,8 +5,8 @@
 //! [`Page`] writes Markdown, [`csv()`] tables of numbers, [`files`] whole files or none, [`Bars`]
 //! shows progress.
 //!
-//! The figures are written as SVG without a library such as plotters: the coordinates of plotters
-//! are integers, and it knows neither dashes nor raised or lowered parts of a text. A page of
+//! The figures are written as SVG without a library such as plotters: it rounds coordinates to
+//! integers, dashes one by one, and has no indices and exponents in the font of a text. A page of
 //! lines, markers and text needs no drawing backend, and the viewer sets the text in its own font.
 //!
 //! ```
