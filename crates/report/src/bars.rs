@@ -14,12 +14,9 @@ impl Bars {
     /// No bar yet.
     #[must_use]
     pub fn new() -> Self {
-        let bar = ProgressBar::new(0);
-        bar.set_style(
-            ProgressStyle::with_template("{elapsed:>4} [{bar:28}] {percent:>3}% {msg}, {eta} left")
-                .unwrap_or_else(|_| ProgressStyle::default_bar())
-                .progress_chars("=> "),
-        );
+        let style = "{elapsed:>4} [{bar:28}] {percent:>3}% {msg}, {eta} left";
+        let style = ProgressStyle::with_template(style).expect("the template is valid");
+        let bar = ProgressBar::new(0).with_style(style.progress_chars("=> "));
         bar.enable_steady_tick(Duration::from_millis(200));
         Self { bar }
     }

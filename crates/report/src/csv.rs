@@ -27,7 +27,8 @@ pub fn csv(panel: &Panel) -> String {
     };
     let row = |point: &Point| match (panel.kind, point) {
         (Kind::Strong | Kind::Weak, Point::Error { tau, value, se, lo, hi, .. }) => {
-            Some(format!("{tau:e},{value:e},{se:e},{},{}", optional(*lo), optional(*hi)))
+            let [lo, hi] = [lo, hi].map(|end| end.map_or(String::new(), |end| format!("{end:e}")));
+            Some(format!("{tau:e},{value:e},{se:e},{lo},{hi}"))
         }
         (Kind::Invariant, Point::Value { t, value, exact }) => {
             Some(format!("{t:e},{value:e},{exact:e},{:e}", relative_defect(*value, *exact)))
@@ -44,11 +45,6 @@ pub fn csv(panel: &Panel) -> String {
         table.extend(series.points.iter().filter_map(row).map(|row| format!("{name},{row}\n")));
     }
     table
-}
-
-/// A number, or an empty field.
-fn optional(number: Option<f64>) -> String {
-    number.map_or(String::new(), |number| format!("{number:e}"))
 }
 
 /// Quotes a field when it holds a separator, a quote or a line break.

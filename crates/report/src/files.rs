@@ -51,13 +51,12 @@ pub fn write(file: &Path, content: impl AsRef<[u8]>) -> Result<()> {
     // Temporary files are private by default; a report is for everybody whom the umask admits.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let write = || -> Result<()> {
+    let replace = || {
         let mut temporary = builder.tempfile_in(folder(file))?;
         temporary.write_all(content.as_ref())?;
-        temporary.persist(file)?;
-        Ok(())
+        temporary.persist(file).map_err(Error::from)
     };
-    write().map_err(named("write", file))
+    replace().map(drop).map_err(named("write", file))
 }
 
 /// Writes a value as indented JSON.

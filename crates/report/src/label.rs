@@ -27,14 +27,10 @@ impl Label {
     pub fn new(notation: &str) -> Self {
         let (base, exponent) = notation.split_once('^').unwrap_or((notation, ""));
         let stem = base.trim_end_matches(|c: char| c.is_ascii_digit());
-        let (base, index) = if stem.ends_with(|c: char| c.is_alphabetic()) {
-            base.split_at(stem.len())
-        } else {
-            (base, "")
-        };
-        let minus = |text: &str| text.replace('-', "−");
-        let (index, exponent) = (index.to_owned(), minus(exponent));
-        Self { base: minus(base), index, exponent, tail: String::new() }
+        let end = if stem.ends_with(char::is_alphabetic) { stem.len() } else { base.len() };
+        let [base, index, exponent] =
+            [&base[..end], &base[end..], exponent].map(|text| text.replace('-', "−"));
+        Self { base, index, exponent, tail: String::new() }
     }
 
     /// Plain words, in which digits and hyphens stay what they are.
@@ -47,12 +43,6 @@ impl Label {
     #[must_use]
     pub fn with_tail(self, text: &str) -> Self {
         Self { tail: text.to_owned(), ..self }
-    }
-
-    /// A power, for example 10⁻³.
-    #[must_use]
-    pub fn power(base: u32, exponent: i32) -> Self {
-        Self::new(&format!("{base}^{exponent}"))
     }
 
     /// Estimated width in units of its font size.
@@ -71,10 +61,8 @@ impl Label {
 fn width(text: &str) -> f64 {
     text.chars()
         .map(|c| match c {
-            'i' | 'j' | 'l' | 't' | 'f' | 'r' | ' ' | '.' | ',' | ':' | '(' | ')' | '|' | '/' => {
-                0.4
-            }
-            'm' | 'w' | 'M' | 'W' | '−' | '≤' => 0.86,
+            c if "ijltfr .,:()|/".contains(c) => 0.4,
+            c if "mwMW−≤".contains(c) => 0.86,
             _ => 0.6,
         })
         .sum()

@@ -5,6 +5,10 @@
 //! [`Page`] writes Markdown, [`csv()`] tables of numbers, [`files`] whole files or none, [`Bars`]
 //! shows progress.
 //!
+//! The figures are written as SVG without a library such as plotters: it rounds coordinates to
+//! integers, dashes one by one, and has no indices and exponents in the font of a text. A page of
+//! lines, markers and text needs no drawing backend, and the viewer sets the text in its own font.
+//!
 //! ```
 //! use report::figure::{Curve, Figure, Measured, Plot, Spacing, Style};
 //!
@@ -82,13 +86,12 @@ pub fn write_report(results: &Results, wording: &Wording, folder: &Path) -> Resu
     let (figures, data) = (folder.join("figures"), folder.join("data"));
     files::prepare(&figures)?;
     files::prepare(&data)?;
-    let mut drawings = Vec::new();
-    for panel in results.panels.iter().chain(&results.supplements) {
-        let drawing = figure::panel_figure(panel);
+    let panels = results.panels.iter().chain(&results.supplements);
+    let drawings: Vec<String> = panels.clone().map(figure::panel_figure).collect();
+    for (panel, drawing) in panels.zip(&drawings) {
         let stem = panel::file_stem(&panel.id);
-        files::write(&figures.join(format!("{stem}.svg")), &drawing)?;
+        files::write(&figures.join(format!("{stem}.svg")), drawing)?;
         files::write(&data.join(format!("{stem}.csv")), csv(panel))?;
-        drawings.push(drawing);
     }
     files::write(&folder.join("index.html"), html::page(results, wording, &drawings))
 }

@@ -72,21 +72,18 @@ impl Page {
             .into_iter()
             .map(|row| row.into_iter().map(|text| cell(text.as_ref())).collect())
             .collect();
-        let filled = |n: usize| {
-            rows.is_empty() || rows.iter().any(|row| row.get(n).is_some_and(|c| !c.is_empty()))
+        let head: Vec<String> = head.into_iter().map(|text| text.as_ref().to_owned()).collect();
+        let filled = |n: &usize| {
+            rows.is_empty() || rows.iter().any(|row| row.get(*n).is_some_and(|c| !c.is_empty()))
         };
-        let line = |cells: Vec<&str>| {
-            let shown = cells.iter().enumerate().filter(|(n, _)| filled(*n));
-            format!("| {} |\n", shown.map(|(_, cell)| *cell).collect::<Vec<_>>().join(" | "))
+        let shown: Vec<usize> = (0..head.len()).filter(filled).collect();
+        let line = |cells: &Vec<String>| {
+            let cells = shown.iter().filter_map(|n| cells.get(*n).map(String::as_str));
+            format!("| {} |\n", cells.collect::<Vec<_>>().join(" | "))
         };
-        let head: Vec<H> = head.into_iter().collect();
-        let mut table = line(head.iter().map(AsRef::as_ref).collect());
-        let columns = (0..head.len()).filter(|n| filled(*n)).count();
-        table += &format!("|{}\n", "---|".repeat(columns));
-        for row in &rows {
-            table += &line(row.iter().map(String::as_str).collect());
-        }
-        self.block(&table);
+        let rule = "---|".repeat(shown.len());
+        let rows: String = rows.iter().map(line).collect();
+        self.block(&format!("{}|{rule}\n{rows}", line(&head)));
     }
 
     /// Lines that keep their breaks and spaces.
@@ -130,11 +127,9 @@ impl Page {
 /// The anchor of a heading.
 #[must_use]
 pub fn anchor(heading: &str) -> String {
-    let kept = heading.to_lowercase();
-    kept.chars()
-        .filter(|c| c.is_alphanumeric() || " -".contains(*c))
-        .collect::<String>()
-        .replace(' ', "-")
+    let mut anchor = heading.to_lowercase().replace(' ', "-");
+    anchor.retain(|c| c.is_alphanumeric() || c == '-');
+    anchor
 }
 
 /// The different entries in the order of their first appearance.

@@ -16,6 +16,10 @@ pub enum Outcome {
 }
 
 impl Outcome {
+    /// All outcomes. The first of them that one of several claims has is that of all together, so
+    /// that a misprint counts only where nothing else is left.
+    pub const ALL: [Self; 4] = [Self::Refuted, Self::Undecided, Self::Holds, Self::Misprint];
+
     /// The outcome of one claim.
     #[must_use]
     pub fn of(claim: &Claim) -> Self {
@@ -27,14 +31,28 @@ impl Outcome {
         }
     }
 
+    /// The outcome in a word.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Misprint => "misprint",
+            Self::Undecided => "undecided",
+            Self::Refuted => "refuted",
+        }
+    }
+
     /// The outcome as a predicate.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
-            Self::Holds => "holds",
             Self::Misprint => "refuted: misprint in the statement",
-            Self::Undecided => "undecided",
-            Self::Refuted => "refuted",
+            other => other.word(),
         }
+    }
+
+    /// How many of the claims have this outcome.
+    pub fn count<'a>(self, claims: impl IntoIterator<Item = &'a Claim>) -> usize {
+        claims.into_iter().filter(|claim| Self::of(claim) == self).count()
     }
 }

@@ -49,11 +49,12 @@ fn command_line(program: &str, arguments: impl Iterator<Item = String>) -> Strin
 
 /// First line that a command prints, or `unknown`.
 fn first_line(program: &str, arguments: &[&str]) -> String {
-    let output = Command::new(program).args(arguments).output();
-    let text = output.ok().filter(|output| output.status.success()).map(|output| output.stdout);
-    let line =
-        text.and_then(|text| String::from_utf8(text).ok()?.lines().next().map(str::to_owned));
-    line.unwrap_or_else(|| "unknown".to_owned())
+    match Command::new(program).args(arguments).output() {
+        Ok(output) if output.status.success() => {
+            String::from_utf8_lossy(&output.stdout).lines().next().unwrap_or("unknown").to_owned()
+        }
+        _ => "unknown".to_owned(),
+    }
 }
 
 /// What follows the first `key:` in a file of the system.
@@ -71,9 +72,8 @@ fn cpu() -> String {
 /// Largest resident memory of this process so far in MB; none where the system does not tell.
 #[must_use]
 pub fn peak_memory_mb() -> Option<f64> {
-    let kilobytes: f64 =
-        fact("/proc/self/status", "VmHWM")?.strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kilobytes / 1024.0)
+    let peak = fact("/proc/self/status", "VmHWM")?;
+    Some(peak.strip_suffix("kB")?.trim().parse::<f64>().ok()? / 1024.0)
 }
 
 #[cfg(test)]

@@ -14,13 +14,12 @@ pub fn verdicts(claims: &[Claim]) -> String {
     table.set_header(["statement", "panel", "scheme", "verdict", "evidence"]);
     for claim in claims {
         let outcome = Outcome::of(claim);
-        let (word, colour) = match outcome {
-            Outcome::Misprint => ("misprint", Color::Yellow),
-            Outcome::Holds => (outcome.words(), Color::Green),
-            Outcome::Undecided => (outcome.words(), Color::Yellow),
-            Outcome::Refuted => (outcome.words(), Color::Red),
+        let colour = match outcome {
+            Outcome::Holds => Color::Green,
+            Outcome::Misprint | Outcome::Undecided => Color::Yellow,
+            Outcome::Refuted => Color::Red,
         };
-        let verdict = Cell::new(word).fg(colour).add_attribute(Attribute::Bold);
+        let verdict = Cell::new(outcome.word()).fg(colour).add_attribute(Attribute::Bold);
         let [id, panel, scheme, evidence] =
             [&claim.id, &claim.panel, &claim.scheme, &claim.evidence].map(Cell::new);
         table.add_row([id, panel, scheme, verdict, evidence]);
@@ -31,12 +30,8 @@ pub fn verdicts(claims: &[Claim]) -> String {
 /// How many claims hold, are refuted, are undecided, in words.
 #[must_use]
 pub fn counts(claims: &[Claim]) -> String {
-    let count = |outcome| claims.iter().filter(|claim| Outcome::of(claim) == outcome).count();
+    let [refuted, undecided, hold, misprinted] = Outcome::ALL.map(|outcome| outcome.count(claims));
     format!(
-        "{} statements hold, {} refuted, {} misprinted, {} undecided",
-        count(Outcome::Holds),
-        count(Outcome::Refuted),
-        count(Outcome::Misprint),
-        count(Outcome::Undecided)
+        "{hold} statements hold, {refuted} refuted, {misprinted} misprinted, {undecided} undecided"
     )
 }

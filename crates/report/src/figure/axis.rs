@@ -1,7 +1,7 @@
 //! From a value to a position on the page: linear and logarithmic axes and the ranges they cover.
 
 /// How values are spaced.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy)]
 pub enum Scale {
     /// Equal differences are equally far apart.
     Linear,
@@ -49,29 +49,26 @@ impl Range {
     /// magnitude.
     pub fn padded(self, share: f64) -> Self {
         let length = self.hi - self.lo;
-        let pad = match (length > 0.0, self.hi == 0.0) {
-            (true, _) => share * length,
-            (false, false) => 0.1 * self.hi.abs(),
-            (false, true) => 1.0,
+        let pad = match self.hi.abs() {
+            _ if length > 0.0 => share * length,
+            0.0 => 1.0,
+            size => 0.1 * size,
         };
         Self { lo: self.lo - pad, hi: self.hi + pad }
     }
 
     /// Widened until it holds two powers of ten, because one labelled tick does not define a scale.
     pub fn with_two_decades(self) -> Self {
-        let (first, last) = (self.lo.log10().ceil(), self.hi.log10().floor());
-        if last - first >= 1.0 {
+        let (lo, hi) = (self.lo.log10(), self.hi.log10());
+        if hi.floor() - lo.ceil() >= 1.0 {
             return self;
         }
-        Self {
-            lo: self.lo.min(10f64.powf(self.lo.log10().floor())),
-            hi: self.hi.max(10f64.powf(self.hi.log10().ceil())),
-        }
+        Self { lo: self.lo.min(10f64.powf(lo.floor())), hi: self.hi.max(10f64.powf(hi.ceil())) }
     }
 }
 
 /// An axis: a range of values laid over a stretch of the page.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Axis {
     /// Spacing of the values.
     pub scale: Scale,
@@ -87,15 +84,14 @@ impl Axis {
     /// Position of a value on the page; what is not positive sits at the start of a logarithmic
     /// axis.
     pub fn position(&self, value: f64) -> f64 {
-        let share = match self.scale {
-            Scale::Linear => (value - self.range.lo) / (self.range.hi - self.range.lo),
-            Scale::Logarithmic if value <= 0.0 => 0.0,
-            // Differences of logarithms, because the ratio of two values may overflow.
-            Scale::Logarithmic => {
-                (value.ln() - self.range.lo.ln()) / (self.range.hi.ln() - self.range.lo.ln())
-            }
+        let Range { lo, hi } = self.range;
+        // Differences of logarithms, because the ratio of two values may overflow.
+        let [value, lo, hi] = match self.scale {
+            Scale::Linear => [value, lo, hi],
+            Scale::Logarithmic if value <= 0.0 => return self.start,
+            Scale::Logarithmic => [value, lo, hi].map(f64::ln),
         };
-        self.start + share * (self.end - self.start)
+        self.start + (value - lo) / (hi - lo) * (self.end - self.start)
     }
 }
 

@@ -26,7 +26,6 @@ const DASH: f64 = 4.0;
 const GAP: f64 = 3.2;
 
 /// Which point of a text lies at the position given.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
     /// Its left end.
     Left,
@@ -34,6 +33,8 @@ pub enum Align {
     Middle,
     /// Its right end.
     Right,
+    /// Its middle, and the text reads upwards.
+    Upward,
 }
 
 /// A page to draw on.
@@ -55,8 +56,8 @@ pub fn page((width, height): (f64, f64), title: &str, draw: impl FnOnce(&mut Can
          <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n{}</svg>\n",
         width / PER_CENTIMETRE,
         height / PER_CENTIMETRE,
-        (width * GRID) as u32,
-        (height * GRID) as u32,
+        grid(width),
+        grid(height),
         escape(title),
         canvas.body
     )
@@ -66,9 +67,8 @@ fn grid(length: f64) -> i32 {
     (length * GRID).round() as i32
 }
 
-fn list(points: &[Position]) -> String {
-    let points = points.iter().map(|(x, y)| format!("{},{}", grid(*x), grid(*y)));
-    points.collect::<Vec<_>>().join(" ")
+fn list(points: impl Iterator<Item = Position>) -> String {
+    points.map(|(x, y)| format!("{},{}", grid(x), grid(y))).collect::<Vec<_>>().join(" ")
 }
 
 impl Canvas {
@@ -86,26 +86,21 @@ impl Canvas {
             "<polyline fill=\"none\" opacity=\"{opacity}\" stroke=\"{color}\" \
              stroke-width=\"{}\"{dashes} points=\"{}\"/>\n",
             grid(width),
-            list(points)
+            list(points.iter().copied())
         );
-    }
-
-    /// The outline of a rectangle with opposite corners `a` and `b`.
-    pub fn rectangle(&mut self, a: Position, b: Position, stroke: Stroke) {
-        self.polyline(&[a, (b.0, a.1), b, (a.0, b.1), a], stroke);
     }
 
     /// A marker; a hollow one shows the paper inside.
     pub fn marker(&mut self, at: Position, look: Look, radius: f64, hollow: bool) {
-        let corners: Vec<Position> = outline(look.marker)
-            .iter()
-            .map(|(x, y)| (at.0 + radius * x, at.1 + radius * y))
-            .collect();
-        let shape = if corners.is_empty() {
-            let (x, y, r) = (grid(at.0), grid(at.1), (radius * GRID) as u32);
-            format!("circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"")
-        } else {
-            format!("polygon points=\"{}\"", list(&corners))
+        let shape = match outline(look.marker) {
+            [] => {
+                let (x, y, r) = (grid(at.0), grid(at.1), grid(radius));
+                format!("circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"")
+            }
+            corners => {
+                let corners = corners.iter().map(|(x, y)| (at.0 + radius * x, at.1 + radius * y));
+                format!("polygon points=\"{}\"", list(corners))
+            }
         };
         let paint = if hollow {
             format!("fill=\"{PAPER}\" stroke=\"{}\" stroke-width=\"{}\"", look.color, grid(1.1))
@@ -115,27 +110,20 @@ impl Canvas {
         self.body += &format!("<{shape} {paint}/>\n");
     }
 
-    /// A label on one line, centred vertically at `at`.
+    /// A label on one line, centred vertically at `at`; one that reads upwards is centred both ways.
     pub fn label(&mut self, label: &Label, at: Position, size: f64, align: Align) {
-        self.text(&markup(label), at, size, align, "");
-    }
-
-    /// Text that reads upwards, centred at `at`.
-    pub fn upward_text(&mut self, text: &str, at: Position, size: f64) {
-        let turn = format!(" transform=\"rotate(270, {}, {})\"", grid(at.0), grid(at.1));
-        self.text(&escape(text), at, size, Align::Middle, &turn);
-    }
-
-    fn text(&mut self, markup: &str, at: Position, size: f64, align: Align, turn: &str) {
-        let anchor = match align {
-            Align::Left => "start",
-            Align::Middle => "middle",
-            Align::Right => "end",
-        };
         let (x, y, size) = (grid(at.0), grid(at.1), grid(size));
+        let (anchor, turn) = match align {
+            Align::Left => ("start", 0),
+            Align::Middle => ("middle", 0),
+            Align::Right => ("end", 0),
+            Align::Upward => ("middle", 270),
+        };
         self.body += &format!(
             "<text x=\"{x}\" y=\"{y}\" dy=\"0.5ex\" text-anchor=\"{anchor}\" \
-             font-family=\"sans-serif\" font-size=\"{size}\" fill=\"{INK}\"{turn}>{markup}</text>\n"
+             transform=\"rotate({turn}, {x}, {y})\" font-family=\"sans-serif\" \
+             font-size=\"{size}\" fill=\"{INK}\">{}</text>\n",
+            markup(label)
         );
     }
 }

@@ -4,10 +4,9 @@
 use std::collections::HashMap;
 
 use super::axis::{Axis, Range, Scale};
-use super::canvas::{self, Canvas, INK};
+use super::canvas::{self, Canvas, GREY, INK};
 use super::frame::Frame;
 use super::legend::{Legend, Sample};
-use super::line::{Line, along};
 use super::look::{self, Layer, Look, Marker};
 use super::stroke::{Position, Stroke};
 use super::ticks::{Spacing, Ticks};
@@ -49,6 +48,19 @@ pub enum Style {
     /// Quantities whose sign matters: markers are hollow where values are negative, and curves are
     /// set side by side, since their intervals are long.
     Signed,
+}
+
+/// The line `constant · x^power`, in grey; the first of a plot is dashed, the second solid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Its name in the legend.
+    pub name: String,
+    /// Value at x = 1.
+    pub constant: f64,
+    /// The slope in logarithmic coordinates.
+    pub power: f64,
+    /// Whether the vertical axis covers it over the range of the data; otherwise it is cut off.
+    pub covered: bool,
 }
 
 /// One plot of a figure.
@@ -97,26 +109,33 @@ impl Measured {
         Self { x, x_hi: x, y, interval: None }
     }
 
-    fn is_drawn(&self) -> bool {
-        self.x > 0.0 && self.x.is_finite() && self.y.is_finite()
-    }
-
     fn size(&self) -> f64 {
         self.y.abs()
     }
 
     /// Ends of the interval of the size.
     fn ends(&self) -> (f64, f64) {
-        match self.interval {
-            None => (self.size(), self.size()),
-            Some((lo, hi)) if self.y < 0.0 => (-hi, -lo),
-            Some(ends) => ends,
-        }
+        let (lo, hi) = self.interval.unwrap_or((self.y, self.y));
+        if self.y < 0.0 { (-hi, -lo) } else { (lo, hi) }
     }
 
     /// An estimate of the standard error.
     fn noise(&self) -> f64 {
         (self.ends().1 - self.ends().0) / (2.0 * QUANTILE)
+    }
+}
+
+impl Line {
+    /// Its value at `x`.
+    #[must_use]
+    pub fn at(&self, x: f64) -> f64 {
+        self.constant * x.powf(self.power)
+    }
+
+    /// How the `n`-th line of a plot is drawn.
+    fn stroke(n: usize) -> Stroke {
+        let solid = Stroke::new(GREY, 1.0);
+        if n.is_multiple_of(2) { solid.dashed() } else { solid }
     }
 }
 
@@ -127,7 +146,7 @@ impl Curve {
     }
 
     pub(super) fn drawn(&self) -> impl Iterator<Item = &Measured> {
-        self.points.iter().filter(|point| point.is_drawn())
+        self.points.iter().filter(|p| p.x > 0.0 && p.x.is_finite() && p.y.is_finite())
     }
 
     /// Pairs (x, size) of the points that stand out from their noise, or of all if none does.
@@ -145,20 +164,26 @@ impl Figure {
     pub fn svg(&self) -> String {
         let curves = || self.plots.iter().flat_map(|plot| &plot.curves);
         let names = distinct(curves().map(|curve| curve.name.as_str()));
-        let looks = match self.style {
-            Style::Schemes => look::of_schemes(&names),
-            Style::Quantities | Style::Signed => (0..names.len()).map(look::of_quantity).collect(),
-        };
+        let (schemes, signed) = (self.style == Style::Schemes, self.style == Style::Signed);
+        let looks = if schemes { look::of_schemes(&names) } else { look::of_quantities(&names) };
         let looks: HashMap<&str, Look> = names.iter().copied().zip(looks).collect();
-        let first = |name: &str| curves().find(|curve| curve.name == name);
-        let entry = |curve: &Curve| (Sample::Curve(looks[&*curve.name]), self.caption(curve));
-        let plain = Look { color: INK, marker: Marker::Circle, layer: Layer::Plain };
-        let signs = [(false, "> 0"), (true, "< 0")]
-            .map(|(hollow, words)| (Sample::Point { look: plain, hollow }, Label::words(words)));
-        let signs = signs.into_iter().filter(|_| self.style == Style::Signed);
-        let entries = names.iter().filter_map(|name| first(name)).map(entry).chain(signs);
-        let columns = self.plots.len().max(1) as f64;
-        let width = columns * self.size.0 + (columns - 1.0) * BETWEEN;
+        let entry = |name: &&str| {
+            let label = if schemes { Label::words(name) } else { Label::new(name) };
+            let note = curves().find(|curve| curve.name == *name).map_or("", |curve| &curve.note);
+            let tail = if note.is_empty() { String::new() } else { format!(": {note}") };
+            (Sample::Curve(looks[name]), label.with_tail(&tail))
+        };
+        let signs = [(Layer::Plain, "> 0"), (Layer::Under, "< 0")].map(|(layer, words)| {
+            let look = Look { color: INK, marker: Marker::Circle, layer };
+            (Sample::Point(look), Label::words(words))
+        });
+        let signs = signs.into_iter().filter(|_| signed);
+        let lines = self.plots.iter().flat_map(|plot| plot.lines.iter().enumerate());
+        let lines = distinct(lines.map(|(n, line)| (n, line.name.as_str())))
+            .into_iter()
+            .map(|(n, name)| (Sample::Line(Line::stroke(n)), Label::words(name)));
+        let entries = names.iter().map(entry).chain(signs).chain(lines);
+        let width = self.plots.len().max(1) as f64 * (self.size.0 + BETWEEN) - BETWEEN;
         let legend = Legend::new(entries, width);
         let top = legend.height + 7.0;
         let bottom = top + self.size.1;
@@ -181,17 +206,9 @@ impl Figure {
                 if n == 0 {
                     frame.title_left(canvas, &self.y_title);
                 }
-                plot.draw(canvas, &frame, &looks, self.style == Style::Signed);
+                plot.draw(canvas, &frame, &looks, signed);
             }
         })
-    }
-
-    fn caption(&self, curve: &Curve) -> Label {
-        let name = match self.style {
-            Style::Schemes => Label::words(&curve.name),
-            Style::Quantities | Style::Signed => Label::new(&curve.name),
-        };
-        if curve.note.is_empty() { name } else { name.with_tail(&format!(": {}", curve.note)) }
     }
 
     /// Covers the values, their intervals as far as they stay near the value, and the lines.
@@ -231,39 +248,21 @@ impl Plot {
     }
 
     fn draw(&self, canvas: &mut Canvas, frame: &Frame, looks: &HashMap<&str, Look>, signed: bool) {
-        let mut obstacles = self.obstacles(frame);
-        for line in &self.lines {
-            line.draw(canvas, frame, &mut obstacles);
+        for (n, line) in self.lines.iter().enumerate() {
+            let ends = [frame.x.range.lo, frame.x.range.hi].map(|x| frame.place(x, line.at(x)));
+            frame.polyline(canvas, &ends, Line::stroke(n));
         }
         let middle = 0.5 * (self.curves.len() as f64 - 1.0);
-        let mut from_below: Vec<_> =
-            self.curves.iter().enumerate().map(|(n, c)| (n, c, looks[&*c.name])).collect();
-        from_below.sort_by_key(|(_, _, look)| look.layer);
-        for (n, curve, look) in from_below {
+        let look = |curve: &Curve| looks[&*curve.name];
+        let mut from_below: Vec<_> = self.curves.iter().enumerate().collect();
+        from_below.sort_by_key(|(_, curve)| look(curve).layer);
+        for (n, curve) in from_below {
             let shift = if signed { 2.4 * (n as f64 - middle) } else { 0.0 };
-            curve.draw(canvas, frame, look, shift, signed);
+            curve.draw(canvas, frame, look(curve), shift, signed);
         }
         if self.drawn().next().is_none() {
             frame.say(canvas, "no data");
         }
-    }
-
-    /// Places that the name of a line should stay away from.
-    fn obstacles(&self, frame: &Frame) -> Vec<Position> {
-        let mut obstacles = Vec::new();
-        for curve in &self.curves {
-            let places: Vec<Position> =
-                curve.drawn().map(|point| frame.place(point.x, point.size())).collect();
-            for pair in places.windows(2) {
-                obstacles.extend(along(pair[0], pair[1]));
-            }
-            for (point, place) in curve.drawn().zip(&places) {
-                let (lo, hi) = point.ends();
-                obstacles.extend(along(frame.place(point.x, lo), frame.place(point.x, hi)));
-                obstacles.push(*place);
-            }
-        }
-        obstacles
     }
 }
 
@@ -279,16 +278,14 @@ impl Curve {
         let line = look.line(if signed { 0.8 } else { 1.2 });
         frame.polyline(canvas, &places, if signed { line.faded(0.45) } else { line });
         let bar = Stroke::new(look.color, 1.0);
-        for (point, at) in self.drawn().zip(&places) {
+        for (point, at) in self.drawn().zip(places) {
             if point.interval.is_some() {
                 error_bar(canvas, frame, point.ends(), at.0, bar);
             }
             if point.x_hi > point.x {
-                frame.polyline(canvas, &[*at, place(point.x_hi, point)], bar);
+                frame.polyline(canvas, &[at, place(point.x_hi, point)], bar);
             }
-        }
-        for (point, at) in self.drawn().zip(&places) {
-            canvas.marker(*at, look, radius, look.hollow() || signed && point.y < 0.0);
+            canvas.marker(at, look, radius, look.hollow() || signed && point.y < 0.0);
         }
     }
 }
@@ -296,12 +293,11 @@ impl Curve {
 /// Draws an interval; where it reaches zero or leaves the frame it ends at the border, uncapped.
 fn error_bar(canvas: &mut Canvas, frame: &Frame, (lo, hi): (f64, f64), x: f64, stroke: Stroke) {
     const CAP: f64 = 2.2;
-    let [low, high] = [lo, hi].map(|value| (x, frame.y.position(value)));
-    let Some((low, high)) = frame.clip(low, high) else { return };
-    canvas.polyline(&[low, high], stroke);
-    for (end, value) in [(low, lo), (high, hi)] {
+    let [low, high] = [lo, hi].map(|value| frame.y.position(value));
+    frame.polyline(canvas, &[(x, low), (x, high)], stroke);
+    for (y, value) in [(low, lo), (high, hi)] {
         if (frame.y.range.lo..=frame.y.range.hi).contains(&value) {
-            canvas.polyline(&[(x - CAP, end.1), (x + CAP, end.1)], stroke);
+            canvas.polyline(&[(x - CAP, y), (x + CAP, y)], stroke);
         }
     }
 }

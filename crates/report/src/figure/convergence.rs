@@ -2,15 +2,14 @@
 
 use verify::results::{Kind, Point, Rate, Series};
 
-use super::chart::{COLUMN, Curve, Figure, Measured, Plot, Style};
-use super::line::Line;
+use super::chart::{COLUMN, Curve, Figure, Line, Measured, Plot, Style};
 use super::ticks::Spacing;
 use crate::panel::{QUANTILE, main_quantity};
 
 /// The figure of strong or weak errors against the step size, or of path-steps against accuracy.
 ///
 /// Of strong errors it shows the error at the final time, of weak errors all quantities. Fitted
-/// orders stand in the legend; dashed lines show the slopes 1/2 and 1, whichever is nearer to each
+/// orders stand in the legend; grey lines show the slopes 1/2 and 1, whichever is nearer to each
 /// order.
 ///
 /// ```
@@ -55,9 +54,8 @@ pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> Figure {
     });
     let lines = if cost { Vec::new() } else { reference_slopes(&trends.collect::<Vec<_>>()) };
     let (x_title, y_title) = match kind {
-        Kind::Cost => ("half-width ε of the 95 % interval", "path-steps".to_owned()),
-        Kind::Weak => ("step size τ", "|weak error|".to_owned()),
-        _ if quantity.is_empty() => ("step size τ", "RMS error".to_owned()),
+        Kind::Cost => ("half-width ε of the 95 % interval", "path-steps".into()),
+        Kind::Weak => ("step size τ", "|weak error|".into()),
         _ => ("step size τ", format!("RMS error of {quantity}")),
     };
     Figure {
@@ -81,9 +79,10 @@ fn rate(series: &Series) -> Option<&Rate> {
 fn measured(point: &Point) -> Option<Measured> {
     match *point {
         Point::Error { tau, value, se, lo, hi, .. } => {
-            let normal = (value - QUANTILE * se.abs(), value + QUANTILE * se.abs());
+            let half = QUANTILE * se.abs();
             let ends = lo.zip(hi).filter(|(lo, hi)| *lo >= 0.0 && hi.is_finite());
-            let interval = (se.is_finite() && se != 0.0).then_some(ends.unwrap_or(normal));
+            let ends = ends.unwrap_or((value - half, value + half));
+            let interval = (half.is_finite() && half != 0.0).then_some(ends);
             Some(Measured { interval, ..Measured::new(tau, value) })
         }
         Point::Cost { accuracy, path_steps } => Some(Measured::new(accuracy, path_steps as f64)),
@@ -94,11 +93,9 @@ fn measured(point: &Point) -> Option<Measured> {
 /// An order with the half-width of its interval, which is never rounded to zero.
 fn order(rate: &Rate) -> String {
     let estimate = format!("{:.2}", rate.estimate).replace('-', "−");
-    let half_width = 0.5 * (rate.hi - rate.lo);
-    if half_width.is_finite() {
-        format!("{estimate} ± {:.2}", half_width.max(0.01))
-    } else {
-        estimate
+    match 0.5 * (rate.hi - rate.lo) {
+        half if half.is_finite() => format!("{estimate} ± {:.2}", half.max(0.01)),
+        _ => estimate,
     }
 }
 
@@ -112,34 +109,23 @@ fn overall_order(points: &[(f64, f64)]) -> f64 {
 
 /// The lines of slope 1/2 and 1 that curves need, given by their order and their points.
 ///
-/// The line of the smaller errors lies below all points, that of the larger errors above.
+/// The first line lies below all points, a second one, of slope 1/2, above.
 fn reference_slopes(trends: &[(f64, Vec<(f64, f64)>)]) -> Vec<Line> {
     /// The distance of a line from the nearest point, as a factor.
     const CLEARANCE: f64 = 1.8;
-    let mut wanted: Vec<(f64, f64)> = [0.5, 1.0]
+    let shown = [(1.0, "slope 1"), (0.5, "slope 1/2")]
         .into_iter()
-        .filter_map(|order| {
-            let of_order = trends.iter().filter(|(other, _)| *other == order);
-            Some((order, of_order.filter_map(|(_, points)| mean_log(points)).reduce(f64::min)?))
-        })
-        .collect();
-    wanted.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let line = |(place, (power, _)): (usize, &(f64, f64))| {
+        .filter(|(power, _)| trends.iter().any(|(order, _)| order == power));
+    let line = |(place, (power, name)): (usize, (f64, &str))| {
         let points = trends.iter().flat_map(|(_, points)| points);
-        let ratios = points.map(|(tau, error)| error / tau.powf(*power));
+        let ratios = points.map(|(tau, error)| error / tau.powf(power));
         let constant = match place {
             0 => ratios.reduce(f64::min)? / CLEARANCE,
             _ => ratios.reduce(f64::max)? * CLEARANCE,
         };
-        let name = if *power == 0.5 { "slope 1/2" } else { "slope 1" };
-        Some(Line { name: name.to_owned(), constant, power: *power, covered: true })
+        Some(Line { name: name.to_owned(), constant, power, covered: true })
     };
-    wanted.iter().enumerate().filter_map(line).collect()
-}
-
-fn mean_log(points: &[(f64, f64)]) -> Option<f64> {
-    let sum: f64 = points.iter().map(|(_, error)| error.ln()).sum();
-    (!points.is_empty()).then_some(sum / points.len() as f64)
+    shown.enumerate().filter_map(line).collect()
 }
 
 #[cfg(test)]

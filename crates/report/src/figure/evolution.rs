@@ -24,8 +24,13 @@ const VALUE_HEIGHT: f64 = 112.0;
 const DEFECT_HEIGHT: f64 = 132.0;
 const BETWEEN: f64 = 10.0;
 
-/// Time, value and what the conformal law asks for.
-type Sampled = (f64, f64, f64);
+/// A point of the path.
+struct Sampled {
+    time: f64,
+    value: f64,
+    law: f64,
+    defect: f64,
+}
 
 /// The figure of an invariant along one path as an SVG document; of several quantities the first
 /// is drawn.
@@ -34,7 +39,6 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
     let drawn: Vec<&Series> = series.iter().filter(|s| s.quantity == quantity).collect();
     let looks = look::of_schemes(&drawn.iter().map(|s| s.scheme.as_str()).collect::<Vec<_>>());
     let curves: Vec<Vec<Sampled>> = drawn.iter().map(|series| sampled(series)).collect();
-    let points = || curves.iter().flatten();
 
     let law = Stroke::new(INK, 0.7);
     let names = drawn.iter().map(|series| Label::words(&series.scheme));
@@ -43,51 +47,48 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
     let legend = Legend::new(entries, WIDTH - LEFT - RIGHT);
     let value_top = legend.height + 7.0;
     let defect_top = value_top + VALUE_HEIGHT + BETWEEN;
-    let height = defect_top + DEFECT_HEIGHT + BELOW;
+    let bottom = defect_top + DEFECT_HEIGHT;
 
-    let times = Range::of(points().map(|p| p.0), Range { lo: 0.0, hi: 1.0 });
+    let times = Range::of(curves.iter().flatten().map(|p| p.time), Range { lo: 0.0, hi: 1.0 });
     let times = if times.lo < times.hi { times } else { times.padded(0.1) };
     let x = Axis { scale: Scale::Linear, range: times, start: LEFT, end: WIDTH - RIGHT };
-    let stacked = |scale, range, top, height| Frame {
-        x,
-        y: Axis { scale, range, start: top + height, end: top },
-    };
-    let value = stacked(Scale::Linear, value_range(&curves), value_top, VALUE_HEIGHT);
-    let defect = stacked(Scale::Logarithmic, defect_range(&curves), defect_top, DEFECT_HEIGHT);
+    let stacked = |scale, range, start, end| Frame { x, y: Axis { scale, range, start, end } };
+    let values = value_range(&curves);
+    let value = stacked(Scale::Linear, values, value_top + VALUE_HEIGHT, value_top);
+    let defects = defect_range(&curves);
+    let defect = stacked(Scale::Logarithmic, defects, bottom, defect_top);
 
-    canvas::page((WIDTH, height), title, |canvas| {
+    canvas::page((WIDTH, bottom + BELOW), title, |canvas| {
         legend.draw(canvas, LEFT, 2.0);
         let ticks = Ticks::decimal(times, 6);
-        value.draw(canvas, &ticks, &Ticks::decimal(value.y.range, 5), false);
-        defect.draw(canvas, &ticks, &defect_ticks(defect.y.range), true);
+        value.draw(canvas, &ticks, &Ticks::decimal(values, 5), false);
+        defect.draw(canvas, &ticks, &defect_ticks(defects), true);
         value.title_left(canvas, quantity);
         defect.title_left(canvas, "relative defect");
         defect.title_below(canvas, "time t");
-        let mut from_below: Vec<usize> = (0..curves.len()).collect();
-        from_below.sort_by_key(|n| looks[*n].layer);
-        for n in from_below {
-            let values = curves[n].iter().map(|p| value.place(p.0, p.1)).collect();
-            let defects = curves[n].iter().map(|p| {
-                let size = relative_defect(p.1, p.2);
-                defect.place(p.0, if size < FLOOR { FLOOR } else { size })
-            });
-            draw(canvas, &value, looks[n], values, n);
-            draw(canvas, &defect, looks[n], defects.collect(), n);
+        let mut from_below: Vec<_> = curves.iter().zip(looks).enumerate().collect();
+        from_below.sort_by_key(|(_, (_, look))| look.layer);
+        for (n, (curve, look)) in from_below {
+            draw(canvas, &value, look, curve.iter().map(|p| value.place(p.time, p.value)), n);
+            let floored = |p: &Sampled| if p.defect < FLOOR { FLOOR } else { p.defect };
+            draw(canvas, &defect, look, curve.iter().map(|p| defect.place(p.time, floored(p))), n);
         }
         // The law is drawn last and thin, so that it stays visible on the curves that follow it.
-        if let Some(longest) = curves.iter().max_by_key(|curve| curve.len()) {
-            let path: Vec<Position> = longest.iter().map(|p| value.place(p.0, p.2)).collect();
-            value.polyline(canvas, &path, law);
-        }
-        if points().next().is_none() {
-            value.say(canvas, "no data");
+        match curves.iter().max_by_key(|curve| curve.len()) {
+            Some(longest) if !longest.is_empty() => {
+                let path: Vec<_> = longest.iter().map(|p| value.place(p.time, p.law)).collect();
+                value.polyline(canvas, &path, law);
+            }
+            _ => value.say(canvas, "no data"),
         }
     })
 }
 
 fn sampled(series: &Series) -> Vec<Sampled> {
     let point = |point: &Point| match *point {
-        Point::Value { t, value, exact } if t.is_finite() => Some((t, value, exact)),
+        Point::Value { t: time, value, exact: law } if time.is_finite() => {
+            Some(Sampled { time, value, law, defect: relative_defect(value, law) })
+        }
         _ => None,
     };
     series.points.iter().filter_map(point).collect()
@@ -98,19 +99,17 @@ fn sampled(series: &Series) -> Vec<Sampled> {
 fn value_range(curves: &[Vec<Sampled>]) -> Range {
     const EXCURSION: f64 = 2.0;
     let unit = Range { lo: 0.0, hi: 1.0 };
-    let law = Range::of(curves.iter().flatten().map(|p| p.2), unit);
-    let all = Range::of(curves.iter().flatten().flat_map(|p| [p.1, p.2]), unit);
-    let reach = EXCURSION * (law.hi - law.lo).max(0.1 * law.hi.abs());
-    let seen = if reach > 0.0 {
-        Range { lo: all.lo.max(law.lo - reach), hi: all.hi.min(law.hi + reach) }
-    } else {
-        all
+    let law = Range::of(curves.iter().flatten().map(|p| p.law), unit);
+    let all = Range::of(curves.iter().flatten().flat_map(|p| [p.value, p.law]), unit);
+    let reach = match EXCURSION * (law.hi - law.lo).max(0.1 * law.hi.abs()) {
+        0.0 => f64::INFINITY,
+        reach => reach,
     };
-    seen.padded(0.06)
+    Range { lo: all.lo.max(law.lo - reach), hi: all.hi.min(law.hi + reach) }.padded(0.06)
 }
 
 fn defect_range(curves: &[Vec<Sampled>]) -> Range {
-    let defects = curves.iter().flatten().map(|p| relative_defect(p.1, p.2));
+    let defects = curves.iter().flatten().map(|p| p.defect);
     let hi = Range::of_positive(defects, Range { lo: FLOOR, hi: 1.0 }).hi;
     Range { lo: 0.4 * FLOOR, hi: (4.0 * hi).max(1e-14) }
 }
@@ -125,7 +124,14 @@ fn defect_ticks(range: Range) -> Ticks {
 }
 
 /// Draws curve number `n` with about ten markers, which no two curves carry at the same times.
-fn draw(canvas: &mut Canvas, frame: &Frame, look: Look, path: Vec<Position>, n: usize) {
+fn draw(
+    canvas: &mut Canvas,
+    frame: &Frame,
+    look: Look,
+    path: impl Iterator<Item = Position>,
+    n: usize,
+) {
+    let path: Vec<Position> = path.collect();
     frame.polyline(canvas, &path, look.line(1.1));
     let stride = (path.len() / 10).max(1);
     let first = (n * stride / 3 + stride / 6) % stride;

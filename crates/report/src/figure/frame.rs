@@ -12,7 +12,6 @@ const TICK_SIZE: f64 = 10.0;
 const TITLE_SIZE: f64 = 10.5;
 
 /// A box with two axes.
-#[derive(Clone, Copy, Debug)]
 pub struct Frame {
     /// Horizontal axis, left to right.
     pub x: Axis,
@@ -48,14 +47,11 @@ impl Frame {
             (dy, self.y.start - a.1),
         ];
         for (speed, distance) in borders {
-            if speed == 0.0 && distance < 0.0 {
-                return None;
-            }
-            let s = distance / speed;
-            if speed < 0.0 {
-                enter = enter.max(s);
-            } else if speed > 0.0 {
-                leave = leave.min(s);
+            match distance / speed {
+                s if speed < 0.0 => enter = enter.max(s),
+                s if speed > 0.0 => leave = leave.min(s),
+                _ if distance < 0.0 => return None,
+                _ => {}
             }
         }
         let at = |s: f64| (a.0 + s * dx, a.1 + s * dy);
@@ -88,35 +84,35 @@ impl Frame {
         let (left, right) = (self.x.start, self.x.end);
         let (bottom, top) = (self.y.start, self.y.end);
         let (grid, ink) = (Stroke::new(FAINT, 0.6), Stroke::new(INK, 0.8));
-        let columns = || x.major.iter().map(|(v, label)| (self.x.position(*v), label));
-        let rows = || y.major.iter().map(|(v, label)| (self.y.position(*v), label));
-        for (column, _) in columns() {
-            canvas.polyline(&[(column, top), (column, bottom)], grid);
+        // Positions by a value on an axis and the distance from the axis into the box.
+        let column: &dyn Fn(f64, f64) -> Position =
+            &|value, distance| (self.x.position(value), bottom - distance);
+        let row = &|value, distance| (left + distance, self.y.position(value));
+        let sides = [(x, column, bottom - top), (y, row, right - left)];
+        for (ticks, place, across) in sides {
+            for (value, _) in &ticks.major {
+                canvas.polyline(&[place(*value, across), place(*value, 0.0)], grid);
+            }
         }
-        for (row, _) in rows() {
-            canvas.polyline(&[(left, row), (right, row)], grid);
+        for (ticks, place, _) in sides {
+            let major = ticks.major.iter().map(|(value, _)| (*value, MAJOR));
+            for (value, length) in major.chain(ticks.minor.iter().map(|value| (*value, MINOR))) {
+                canvas.polyline(&[place(value, 0.0), place(value, length)], ink);
+            }
         }
-        let minor = x.minor.iter().map(|v| (self.x.position(*v), MINOR));
-        for (column, mark) in columns().map(|(column, _)| (column, MAJOR)).chain(minor) {
-            canvas.polyline(&[(column, bottom), (column, bottom - mark)], ink);
-        }
-        let minor = y.minor.iter().map(|v| (self.y.position(*v), MINOR));
-        for (row, mark) in rows().map(|(row, _)| (row, MAJOR)).chain(minor) {
-            canvas.polyline(&[(left, row), (left + mark, row)], ink);
-        }
-        canvas.rectangle((left, top), (right, bottom), ink);
-        let mut label = |label: &Label, at: Position, align: Align| {
-            canvas.label(label, at, TICK_SIZE, align);
-        };
-        for (row, text) in rows() {
-            label(text, (left - 4.0, row + DIGIT_SHIFT), Align::Right);
+        let corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
+        canvas.polyline(&corners, ink);
+        let mut label = |label: &Label, at, align| canvas.label(label, at, TICK_SIZE, align);
+        for (value, text) in &y.major {
+            let (x, y) = row(*value, -4.0);
+            label(text, (x, y + DIGIT_SHIFT), Align::Right);
         }
         if let Some(factor) = &y.factor {
             label(factor, (left - 4.0, top - 11.0), Align::Right);
         }
         if labels_below {
-            for (column, text) in columns() {
-                label(text, (column, bottom + 9.5), Align::Middle);
+            for (value, text) in &x.major {
+                label(text, column(*value, -9.5), Align::Middle);
             }
             if let Some(factor) = &x.factor {
                 label(factor, (right, bottom + 23.5), Align::Right);
@@ -126,20 +122,22 @@ impl Frame {
 
     /// Writes words into the middle of the box.
     pub fn say(&self, canvas: &mut Canvas, words: &str) {
-        let at = (middle(self.x), middle(self.y));
-        canvas.label(&Label::words(words), at, TITLE_SIZE, Align::Middle);
+        write(canvas, words, (middle(self.x), middle(self.y)), Align::Middle);
     }
 
     /// Writes the title of the horizontal axis below the labels.
     pub fn title_below(&self, canvas: &mut Canvas, title: &str) {
-        let at = (middle(self.x), self.y.start + 23.5);
-        canvas.label(&Label::words(title), at, TITLE_SIZE, Align::Middle);
+        write(canvas, title, (middle(self.x), self.y.start + 23.5), Align::Middle);
     }
 
     /// Writes the title of the vertical axis at the left edge of the page.
     pub fn title_left(&self, canvas: &mut Canvas, title: &str) {
-        canvas.upward_text(title, (7.5, middle(self.y)), TITLE_SIZE);
+        write(canvas, title, (7.5, middle(self.y)), Align::Upward);
     }
+}
+
+fn write(canvas: &mut Canvas, words: &str, at: Position, align: Align) {
+    canvas.label(&Label::words(words), at, TITLE_SIZE, align);
 }
 
 fn middle(axis: Axis) -> f64 {

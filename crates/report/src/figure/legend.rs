@@ -13,19 +13,14 @@ const ROW: f64 = 14.0;
 const GAP: f64 = 9.0;
 
 /// What stands in front of a name.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub enum Sample {
     /// A line with a marker.
     Curve(Look),
     /// A line without markers.
     Line(Stroke),
     /// A marker without a line.
-    Point {
-        /// Its appearance.
-        look: Look,
-        /// Whether the paper shows inside.
-        hollow: bool,
-    },
+    Point(Look),
 }
 
 impl Sample {
@@ -33,7 +28,7 @@ impl Sample {
         match self {
             // Long enough for a dash on both sides of the marker.
             Sample::Curve(_) | Sample::Line(_) => 17.5,
-            Sample::Point { .. } => 7.0,
+            Sample::Point(_) => 7.0,
         }
     }
 }
@@ -74,7 +69,7 @@ impl Legend {
                     canvas.marker(middle, look, look.radius(2.8), look.hollow());
                 }
                 Sample::Line(stroke) => canvas.polyline(&[(x, y), (end, y)], stroke),
-                Sample::Point { look, hollow } => canvas.marker(middle, look, 2.8, hollow),
+                Sample::Point(look) => canvas.marker(middle, look, 2.8, look.hollow()),
             }
             canvas.label(label, (end + 4.0, y), SIZE, Align::Left);
         }

@@ -132,9 +132,9 @@ pub fn of_schemes(names: &[&str]) -> Vec<Look> {
     names.iter().enumerate().map(|(n, name)| known(name).unwrap_or_else(|| unknown(n))).collect()
 }
 
-/// The look of the `n`-th quantity.
-pub fn of_quantity(n: usize) -> Look {
-    QUANTITIES[n % QUANTITIES.len()]
+/// Looks for the quantities in `names`, the same again where there are more than looks.
+pub fn of_quantities(names: &[&str]) -> Vec<Look> {
+    QUANTITIES.into_iter().cycle().take(names.len()).collect()
 }
 
 #[cfg(test)]

@@ -10,7 +10,6 @@ mod convergence;
 mod evolution;
 mod frame;
 mod legend;
-mod line;
 mod look;
 mod scripts;
 mod stroke;
@@ -18,10 +17,9 @@ mod ticks;
 
 use verify::results::{Kind, Panel};
 
-pub use chart::{Curve, Figure, Measured, Plot, Style};
+pub use chart::{Curve, Figure, Line, Measured, Plot, Style};
 pub use convergence::convergence;
 pub use evolution::evolution;
-pub use line::Line;
 pub use ticks::Spacing;
 
 /// The figure of a panel as an SVG document.

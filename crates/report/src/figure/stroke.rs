@@ -7,7 +7,7 @@ pub type Position = (f64, f64);
 pub type Color = &'static str;
 
 /// Colour, width, opacity and continuity of a line.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Stroke {
     /// Colour.
     pub color: Color,

@@ -13,7 +13,7 @@ pub enum Spacing {
 }
 
 /// The marks of an axis.
-#[derive(Clone, Debug, Default)]
+#[derive(Default)]
 pub struct Ticks {
     /// Labelled marks.
     pub major: Vec<(f64, Label)>,
@@ -29,13 +29,10 @@ impl Ticks {
         let mut ticks = Self::powers(10, range, most);
         let decades = (range.hi / range.lo).log10();
         if decades <= most.min(6) as f64 {
-            let first = range.lo.log10().floor() as i32;
-            let last = range.hi.log10().floor() as i32;
-            ticks.minor.extend(
-                (first..=last)
-                    .flat_map(|k| (2..10).map(move |m| f64::from(m) * 10f64.powi(k)))
-                    .filter(|v| (range.lo..=range.hi).contains(v)),
-            );
+            let [first, last] = [range.lo, range.hi].map(|value| value.log10().floor() as i32);
+            let multiples = |k| (2..10).map(move |m| f64::from(m) * 10f64.powi(k));
+            let minor = (first..=last).flat_map(multiples);
+            ticks.minor.extend(minor.filter(|value| (range.lo..=range.hi).contains(value)));
         }
         ticks
     }
@@ -54,8 +51,8 @@ impl Ticks {
         let mut ticks = Self::default();
         for k in first..=last {
             let value = f64::from(base).powi(k);
-            if k.rem_euclid(stride) == 0 {
-                ticks.major.push((value, Label::power(base, k)));
+            if k % stride == 0 {
+                ticks.major.push((value, Label::new(&format!("{base}^{k}"))));
             } else if count <= MOST_MARKS {
                 ticks.minor.push(value);
             }
@@ -92,12 +89,10 @@ impl Ticks {
         let decimals = usize::try_from(power - magnitude).unwrap_or(0);
         let unit = 10f64.powi(magnitude - power);
         let major = (0..=(last - first) as usize)
-            .map(|i| f64::from(mantissa) * (first + i as f64))
-            .map(|integer| {
-                let text = match integer {
-                    0.0 => "0".to_owned(),
-                    _ => format!("{:.decimals$}", integer * unit),
-                };
+            .map(|i| {
+                let integer = f64::from(mantissa) * (first + i as f64);
+                let decimals = if integer == 0.0 { 0 } else { decimals };
+                let text = format!("{:.decimals$}", integer * unit);
                 (integer * 10f64.powi(magnitude), Label::new(&text))
             })
             .collect();

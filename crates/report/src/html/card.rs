@@ -16,7 +16,7 @@ use crate::panel::{file_stem, main_quantity};
 pub fn card(panel: &Panel, figure: &str, claims: &[Claim], comment: &str) -> String {
     let samples = match panel.samples {
         1 => "one path".to_owned(),
-        n => format!("{} paths", count(n)),
+        n => count(n) + " paths",
     };
     let facts = [
         ("Set-up", prose(&panel.setup)),
@@ -50,22 +50,20 @@ fn caption(panel: &Panel) -> String {
         false => " Further quantities are in the table.",
     };
     let main = prose(main);
-    let orders = match panel.series.iter().find_map(|series| series.rate.as_ref()) {
-        Some(rate) => format!(
-            " In the legend: fitted order ± half the width of its {}.",
-            interval_name(rate.confidence)
-        ),
-        None => String::new(),
-    };
+    let rate = panel.series.iter().find_map(|series| series.rate.as_ref());
+    let orders = rate.map_or(String::new(), |rate| {
+        let interval = interval_name(rate.confidence);
+        format!(" In the legend: fitted order ± half the width of its {interval}.")
+    });
     match panel.kind {
         Kind::Strong => format!(
-            "Root-mean-square error of {main} with 95\u{202f}% error bars; dashed, in grey: \
+            "Root-mean-square error of {main} with 95\u{202f}% error bars; in grey: \
              reference slopes.{orders}{further}"
         ),
         Kind::Weak => format!(
             "Size of the weak error, filled where it is positive and hollow where it is negative, \
              with 95\u{202f}% error bars; a bar without a lower cap reaches zero. Markers at one \
-             step are set side by side. Dashed: reference slope.{orders}"
+             step are set side by side. In grey: reference slope.{orders}"
         ),
         Kind::Cost => {
             "Path-steps, pilots included, for an interval of the given half-width.".to_owned()
@@ -90,7 +88,7 @@ fn clipped(clipped: &Clipped) -> String {
 
 fn failures(failures: &[String]) -> String {
     const SHOWN: usize = 8;
-    let rest = failures.len().saturating_sub(SHOWN);
-    let rest = (rest > 0).then(|| format!("and {rest} more"));
-    list("", failures.iter().take(SHOWN).map(|failure| prose(failure)).chain(rest))
+    let (shown, rest) = failures.split_at(failures.len().min(SHOWN));
+    let rest = (!rest.is_empty()).then(|| format!("and {} more", rest.len()));
+    list("", shown.iter().map(|failure| prose(failure)).chain(rest))
 }

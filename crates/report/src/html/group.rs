@@ -30,6 +30,11 @@ impl<'a> Group<'a> {
         groups
     }
 
+    /// The groups of what is proven and of what is only reported.
+    pub fn proven_and_reported(claims: &'a [Claim]) -> (Vec<Self>, Vec<Self>) {
+        Self::all(claims).into_iter().partition(|group| group.first().proven)
+    }
+
     /// The claim that opened the group.
     pub fn first(&self) -> &'a Claim {
         self.claims[0]
@@ -37,29 +42,23 @@ impl<'a> Group<'a> {
 
     /// How many claims have this outcome.
     pub fn tally(&self, outcome: Outcome) -> usize {
-        self.claims.iter().filter(|claim| Outcome::of(claim) == outcome).count()
+        outcome.count(self.claims.iter().copied())
     }
 
     /// Refuted if one claim is, else undecided if one is; a misprint counts only where nothing else
     /// is left.
     pub fn verdict(&self) -> Outcome {
-        [Outcome::Refuted, Outcome::Undecided, Outcome::Holds]
-            .into_iter()
-            .find(|outcome| self.tally(*outcome) > 0)
-            .unwrap_or(Outcome::Misprint)
+        let found = Outcome::ALL.into_iter().find(|outcome| self.tally(*outcome) > 0);
+        found.unwrap_or(Outcome::Misprint)
     }
 
     /// How many of how many hold, and what became of the rest.
     pub fn counts(&self) -> String {
         let mut counts = format!("{} of {} hold", self.tally(Outcome::Holds), self.claims.len());
-        for (outcome, word) in [
-            (Outcome::Refuted, "refuted"),
-            (Outcome::Misprint, "misprint"),
-            (Outcome::Undecided, "undecided"),
-        ] {
+        for outcome in Outcome::ALL.into_iter().filter(|outcome| *outcome != Outcome::Holds) {
             match self.tally(outcome) {
                 0 => {}
-                n => counts.push_str(&format!(", {n} {word}")),
+                n => counts += &format!(", {n} {}", outcome.word()),
             }
         }
         counts
@@ -75,47 +74,48 @@ impl<'a> Group<'a> {
         }
     }
 
+    /// The scheme, which is part of the name of what is not proven.
+    pub fn scheme(&self) -> String {
+        if self.first().proven { String::new() } else { scheme(self.first()) }
+    }
+
     /// Its identifier, linked to its address.
     pub fn link(&self) -> String {
-        let claim = self.first();
-        let scheme = if claim.proven { String::new() } else { scheme(claim) };
-        format!("<a href=\"#{}\">{}</a>{scheme}", self.anchor(), code(&claim.id))
+        format!("<a href=\"#{}\">{}</a>", self.anchor(), code(&self.first().id))
     }
 
     /// What the claims measured, in a line.
     pub fn digest(&self) -> String {
-        let (mut orders, mut defects) = (Vec::new(), Vec::new());
-        for claim in &self.claims {
-            match &claim.measured {
-                Evidence::Order { rate: Some(rate), .. } => orders.push(rate.estimate),
-                Evidence::Defect { largest, .. } | Evidence::Approach { largest, .. } => {
-                    defects.push(*largest);
-                }
-                _ => {}
-            }
+        let all = |number: fn(&Evidence) -> Option<f64>| -> Option<Vec<f64>> {
+            self.claims.iter().map(|claim| number(&claim.measured)).collect()
+        };
+        let order = |evidence: &Evidence| match evidence {
+            Evidence::Order { rate, .. } => Some(rate.as_ref()?.estimate),
+            _ => None,
+        };
+        let defect = |evidence: &Evidence| match evidence {
+            Evidence::Defect { largest, .. } | Evidence::Approach { largest, .. } => Some(*largest),
+            _ => None,
+        };
+        if let Some(orders) = all(order) {
+            return spread("order", orders, |order| format!("{order:.3}"));
         }
-        let all = self.claims.len();
-        if orders.len() == all {
-            return spread("order", "orders", orders, |order| format!("{order:.3}"));
-        }
-        if defects.len() == all {
-            let show = |defect| scientific(defect, 1);
-            return spread("largest relative defect", "largest relative defects", defects, show);
+        if let Some(defects) = all(defect) {
+            return spread("largest relative defect", defects, |defect| scientific(defect, 1));
         }
         let telling = self.claims.iter().find(|claim| Outcome::of(claim) == self.verdict());
         let evidence = prose(&telling.unwrap_or(&self.first()).evidence);
-        if all == 1 { evidence } else { format!("for example, {evidence}") }
+        if self.claims.len() == 1 { evidence } else { format!("for example, {evidence}") }
     }
 }
 
 /// One number, or how many there are and between what.
-fn spread(one: &str, many: &str, mut numbers: Vec<f64>, show: impl Fn(f64) -> String) -> String {
+fn spread(name: &str, mut numbers: Vec<f64>, show: impl Fn(f64) -> String) -> String {
     numbers.sort_by(f64::total_cmp);
+    let count = numbers.len();
     match numbers[..] {
-        [only] => format!("{one} {}", show(only)),
-        [least, .., most] => {
-            format!("{} {many} between {} and {}", numbers.len(), show(least), show(most))
-        }
+        [only] => format!("{name} {}", show(only)),
+        [least, .., most] => format!("{count} {name}s between {} and {}", show(least), show(most)),
         [] => String::new(),
     }
 }

@@ -1,5 +1,8 @@
 //! The elements that all sections use.
 
+use std::fmt::Display;
+use std::iter;
+
 use verify::results::Claim;
 
 use crate::Outcome;
@@ -18,14 +21,12 @@ pub fn entry(term: &str, what: &str) -> String {
 /// A table of numbers, which scrolls where it is too wide; nothing without rows.
 ///
 /// The first cell of a row is its heading.
-pub fn table(heads: &[String], rows: impl Iterator<Item = Vec<String>>) -> String {
+pub fn table(heads: &[impl Display], rows: impl Iterator<Item = Vec<String>>) -> String {
     let heads: String = heads.iter().map(|head| format!("<th>{head}</th>")).collect();
     let row = |cells: Vec<String>| {
-        let cell = |(n, text): (usize, &String)| match n {
-            0 => format!("<th>{text}</th>"),
-            _ => format!("<td>{text}</td>"),
-        };
-        format!("<tr>{}</tr>", cells.iter().enumerate().map(cell).collect::<String>())
+        let tags = iter::once("th").chain(iter::repeat("td"));
+        let cells = tags.zip(cells).map(|(tag, text)| format!("<{tag}>{text}</{tag}>"));
+        format!("<tr>{}</tr>", cells.collect::<String>())
     };
     let rows: String = rows.map(row).collect();
     if rows.is_empty() {
@@ -45,22 +46,28 @@ pub fn list(class: &str, items: impl Iterator<Item = String>) -> String {
 
 /// What opens on demand; nothing where there is nothing to see.
 pub fn details(open: bool, title: &str, what: &str) -> String {
-    let open = if open { " open" } else { "" };
-    match what {
-        "" => String::new(),
-        what => format!("<details{open}><summary>{title}</summary>\n{what}</details>"),
+    if what.is_empty() {
+        return String::new();
     }
+    let open = if open { " open" } else { "" };
+    format!("<details{open}><summary>{title}</summary>\n{what}</details>")
 }
 
 /// A coloured badge that also says an outcome in words.
 pub fn badge(outcome: Outcome, words: &str) -> String {
-    let (class, sign) = match outcome {
-        Outcome::Holds => ("holds", "✓"),
-        Outcome::Misprint => ("misprint", "✎"),
-        Outcome::Undecided => ("undecided", "?"),
-        Outcome::Refuted => ("refuted", "✗"),
+    let class = outcome.word();
+    let sign = match outcome {
+        Outcome::Holds => '✓',
+        Outcome::Misprint => '✎',
+        Outcome::Undecided => '?',
+        Outcome::Refuted => '✗',
     };
     format!("<span class=\"badge {class}\"><span aria-hidden=\"true\">{sign}</span> {words}</span>")
+}
+
+/// Less important words.
+pub fn quiet(words: &str) -> String {
+    format!("<span class=\"quiet\">{words}</span>")
 }
 
 /// The scheme that a claim is about, behind a point.

@@ -45,26 +45,29 @@ pub fn page(results: &Results, wording: &Wording, figures: &[String]) -> String 
     let (of_panels, of_supplements) = figures.split_at(results.panels.len());
     let cards = |panels: &[Panel], figures: &[String], comment: &str| -> String {
         let panels = panels.iter().zip(figures);
-        panels.map(|(panel, figure)| card::card(panel, figure, &results.claims, comment)).collect()
+        let card = |(panel, figure): (&Panel, &String)| {
+            card::card(panel, figure, &results.claims, comment)
+        };
+        let cards: String = panels.map(card).collect();
+        if cards.is_empty() { cards } else { format!("<div class=\"grid\">{cards}</div>") }
     };
-    let mut sections = vec![
-        (
-            "statements",
-            "Statements",
-            statements::statements(&results.claims, &results.panels, wording),
-        ),
-        ("panels", "Panels", grid(&cards(&results.panels, of_panels, "What the paper says"))),
-    ];
-    if !results.supplements.is_empty() {
-        let cards = cards(&results.supplements, of_supplements, "What it adds to the paper");
-        let lead = "<p class=\"lead\">Figures on questions that the paper leaves open.</p>\n";
-        sections.push(("supplements", "Not in the paper", format!("{lead}{}", grid(&cards))));
+    let statements = statements::statements(&results.claims, &results.panels, wording);
+    let panels = cards(&results.panels, of_panels, "What the paper says");
+    let supplements = cards(&results.supplements, of_supplements, "What it adds to the paper");
+    let provenance = provenance::provenance(&results.provenance);
+    let lead = "<p class=\"lead\">Figures on questions that the paper leaves open.</p>\n";
+    let (mut nav, mut main) = (String::new(), String::new());
+    for (id, title, lead, content) in [
+        ("statements", "Statements", "", statements),
+        ("panels", "Panels", "", panels),
+        ("supplements", "Not in the paper", lead, supplements),
+        ("provenance", "Provenance", "", provenance),
+    ] {
+        if !content.is_empty() {
+            nav += &format!("<a href=\"#{id}\">{title}</a> ");
+            main += &format!("<section id=\"{id}\"><h2>{title}</h2>\n{lead}{content}</section>\n");
+        }
     }
-    sections.push(("provenance", "Provenance", provenance::provenance(&results.provenance)));
-    let nav = sections.iter().map(|(id, title, _)| format!("<a href=\"#{id}\">{title}</a> "));
-    let main = sections.iter().map(|(id, title, content)| {
-        format!("<section id=\"{id}\"><h2>{title}</h2>\n{content}</section>\n")
-    });
     let schemes = wording.schemes.iter().map(|(id, name)| markup::entry(&markup::code(id), name));
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -78,13 +81,7 @@ pub fn page(results: &Results, wording: &Wording, figures: &[String]) -> String 
         title = escape(wording.title),
         summary = summary::summary(results),
         schemes = schemes.collect::<String>(),
-        nav = nav.collect::<String>(),
-        main = main.collect::<String>(),
     )
-}
-
-fn grid(cards: &str) -> String {
-    format!("<div class=\"grid\">{cards}</div>")
 }
 
 #[cfg(test)]

@@ -11,8 +11,8 @@ pub fn scientific(value: f64, decimals: usize) -> String {
 /// A step size, as a power of two if it is one.
 pub fn step(tau: f64) -> String {
     let exponent = tau.log2();
-    let is_power = tau > 0.0 && exponent == exponent.round() && exponent.abs() > 3.0;
-    if is_power { prose(&format!("2^{exponent}")) } else { tau.to_string() }
+    let is_power = exponent == exponent.round() && exponent.abs() > 3.0;
+    if is_power && tau > 0.0 { prose(&format!("2^{exponent}")) } else { tau.to_string() }
 }
 
 /// A wall time.
@@ -21,14 +21,10 @@ pub fn duration(seconds: f64) -> String {
         s if s < 0.01 => format!("{:.1} ms", 1e3 * s),
         s if s < 1.0 => format!("{:.0} ms", 1e3 * s),
         s if s < 99.5 => format!("{s:.1} s"),
-        s => {
-            let whole = s.round() as u64;
-            let (hours, minutes, seconds) = (whole / 3600, whole / 60 % 60, whole % 60);
-            match hours {
-                0 => format!("{minutes} min {seconds} s"),
-                _ => format!("{hours} h {minutes} min"),
-            }
-        }
+        s => match s.round() as u64 {
+            s if s < 3600 => format!("{} min {} s", s / 60, s % 60),
+            s => format!("{} h {} min", s / 3600, s / 60 % 60),
+        },
     }
 }
 

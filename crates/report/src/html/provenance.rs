@@ -27,6 +27,6 @@ pub fn provenance(from: &Provenance) -> String {
          <p class=\"quiet\">The whole run is in <a href=\"results.json\">results.json</a>; the \
          columns of the CSV files are named in their first line.</p></div>\n\
          <div>{}</div></div>",
-        table(&["panel or statement", "wall time"].map(str::to_owned), times)
+        table(&["panel or statement", "wall time"], times)
     )
 }

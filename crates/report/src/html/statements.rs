@@ -4,45 +4,43 @@ use verify::results::{Claim, Panel};
 
 use super::Wording;
 use super::group::Group;
-use super::markup::{badge, code, details, list, scheme};
+use super::markup::{badge, code, details, list, quiet, scheme};
 use super::prose::prose;
 use crate::Outcome;
 use crate::escape::escape;
 
 /// The section of the statements: first what the paper proves, then what it only reports.
 pub fn statements(claims: &[Claim], panels: &[Panel], wording: &Wording) -> String {
-    let (proven, reported): (Vec<Group>, Vec<Group>) =
-        Group::all(claims).into_iter().partition(|group| group.first().proven);
-    let table = |title: &str, groups: &[Group]| {
+    let (proven, reported) = Group::proven_and_reported(claims);
+    let table = |lead: &str, title: &str, groups: &[Group]| {
         let bodies: String = groups.iter().map(|group| body(group, panels, wording)).collect();
+        if bodies.is_empty() {
+            return bodies;
+        }
         format!(
-            "<table class=\"statements\"><thead><tr><th>Verdict</th><th>{title}</th>\
+            "{lead}<table class=\"statements\"><thead><tr><th>Verdict</th><th>{title}</th>\
              <th>What was measured</th></tr></thead>\n{bodies}</table>\n"
         )
     };
-    let mut section = String::new();
-    if !proven.is_empty() {
-        section += &table("What the paper proves", &proven);
-    }
-    if !reported.is_empty() {
-        section += "<h3 class=\"part\">Statements without a proof</h3>\n<p class=\"lead\">What the \
-             figures of the paper report about the other schemes and where its theorems do not \
-             apply, and comparisons with exact solutions, which the paper does not make.</p>\n";
-        section += &table("What is observed", &reported);
-    }
+    const OBSERVED: &str = "<h3 class=\"part\">Statements without a proof</h3>\n\
+        <p class=\"lead\">What the figures of the paper report about the other schemes and where \
+        its theorems do not apply, and comparisons with exact solutions, which the paper does not \
+        make.</p>\n";
+    let section = table("", "What the paper proves", &proven)
+        + &table(OBSERVED, "What is observed", &reported);
     if section.is_empty() { "<p>None was checked.</p>".to_owned() } else { section }
 }
 
 fn body(group: &Group, panels: &[Panel], wording: &Wording) -> String {
     let (claim, verdict) = (group.first(), group.verdict());
-    let misprint = match (verdict, group.tally(Outcome::Misprint)) {
-        (Outcome::Misprint, _) | (_, 0) => String::new(),
-        _ => format!(" {}", badge(Outcome::Misprint, "misprint")),
+    let misprint = match group.tally(Outcome::Misprint) {
+        n if n > 0 && verdict != Outcome::Misprint => badge(Outcome::Misprint, "misprint"),
+        _ => String::new(),
     };
     let checks = list("", group.claims.iter().map(|claim| check(claim, panels)));
     let clear = group.tally(Outcome::Holds) == group.claims.len();
     format!(
-        "<tbody id=\"{anchor}\"><tr class=\"statement\"><td>{badge}{misprint}<p class=\"quiet\">\
+        "<tbody id=\"{anchor}\"><tr class=\"statement\"><td>{badge} {misprint}<p class=\"quiet\">\
          {counts}</p></td><td><p>{words}</p><p class=\"quiet\">{id}{scheme}</p></td>\
          <td>{digest}</td></tr>\n\
          <tr class=\"checks\"><td></td><td colspan=\"2\">{details}</td></tr></tbody>\n",
@@ -51,7 +49,7 @@ fn body(group: &Group, panels: &[Panel], wording: &Wording) -> String {
         counts = group.counts(),
         words = prose(wording.statement(claim)),
         id = code(&claim.id),
-        scheme = if claim.proven { String::new() } else { scheme(claim) },
+        scheme = group.scheme(),
         digest = group.digest(),
         details = details(!clear, &format!("Checks: {}", group.claims.len()), &checks),
     )
@@ -60,7 +58,7 @@ fn body(group: &Group, panels: &[Panel], wording: &Wording) -> String {
 /// One claim of a group: verdict and place, statement, evidence.
 fn check(claim: &Claim, panels: &[Panel]) -> String {
     let place = match claim.panel.as_str() {
-        "" => "<span class=\"quiet\">measured on its own</span>".to_owned(),
+        "" => quiet("measured on its own"),
         id if panels.iter().any(|panel| panel.id == id) => {
             format!("<a href=\"#panel-{}\">{}</a>", escape(id), code(id))
         }
@@ -84,14 +82,13 @@ fn check(claim: &Claim, panels: &[Panel]) -> String {
 pub fn badges(claims: &[Claim], panel: &str) -> String {
     let groups = Group::all(claims.iter().filter(|claim| claim.panel == panel));
     let item = |group: &Group| {
-        let (verdict, claim) = (group.verdict(), group.first());
-        // A link names the scheme of what is not proven.
-        let scheme = if claim.proven { scheme(claim) } else { String::new() };
+        let verdict = group.verdict();
+        let badge = badge(verdict, verdict.words());
         let counts = match group.claims.len() {
             1 => String::new(),
-            _ => format!(" <span class=\"quiet\">{}</span>", group.counts()),
+            _ => format!(" {}", quiet(&group.counts())),
         };
-        format!("{} {}{scheme}{counts}", badge(verdict, verdict.words()), group.link())
+        format!("{badge} {}{}{counts}", group.link(), scheme(group.first()))
     };
     list("badges", groups.iter().map(item))
 }

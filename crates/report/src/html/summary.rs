@@ -10,8 +10,7 @@ use crate::escape::escape;
 
 /// The paragraphs at the head of the page.
 pub fn summary(results: &Results) -> String {
-    let (proven, reported): (Vec<Group>, Vec<Group>) =
-        Group::all(&results.claims).into_iter().partition(|group| group.first().proven);
+    let (proven, reported) = Group::proven_and_reported(&results.claims);
     let provenance = &results.provenance;
     format!(
         "<p class=\"summary\">{}{}A statement is undecided, never passed, where an interval is too \
@@ -22,7 +21,7 @@ pub fn summary(results: &Results) -> String {
         escape(&provenance.mode),
         provenance.seed,
         duration(provenance.wall_s),
-        misprints(&proven) + &misprints(&reported),
+        misprints(proven.iter().chain(&reported)),
     )
 }
 
@@ -32,40 +31,36 @@ fn verdicts(what: &str, groups: &[Group]) -> String {
         return String::new();
     }
     let of = |outcome| groups.iter().filter(move |group| group.verdict() == outcome);
+    let hold = of(Outcome::Holds).count();
     let checks: usize = groups.iter().map(|group| group.claims.len()).sum();
-    let mut text = format!(
-        "<strong>{} of {}</strong> {what} hold, in {checks} checks. ",
-        of(Outcome::Holds).count(),
-        groups.len()
-    );
-    for (outcome, class, word) in [
-        (Outcome::Refuted, "refuted", "Refuted"),
-        (Outcome::Undecided, "undecided", "Undecided"),
-        (Outcome::Misprint, "misprint", "Misprinted"),
-    ] {
-        let names: Vec<String> = of(outcome).map(Group::link).collect();
+    let mut text =
+        format!("<strong>{hold} of {}</strong> {what} hold, in {checks} checks", groups.len());
+    for outcome in Outcome::ALL.into_iter().filter(|outcome| *outcome != Outcome::Holds) {
+        let names: Vec<String> = of(outcome).map(|group| group.link() + &group.scheme()).collect();
         if !names.is_empty() {
-            text += &format!("<span class=\"{class}\">{word}: {}.</span> ", names.join(", "));
+            let word = outcome.word();
+            text += &format!("; <span class=\"{word}\">{word}: {}</span>", names.join(", "));
         }
     }
-    text
+    text + ". "
 }
 
 /// What the documented misprints say, each in a paragraph of its own.
-fn misprints(groups: &[Group]) -> String {
-    let claims = groups.iter().flat_map(|group| group.claims.iter().map(move |c| (group, c)));
-    claims
-        .filter(|(_, claim)| Outcome::of(claim) == Outcome::Misprint)
-        .map(|(group, claim)| {
+fn misprints<'a>(groups: impl Iterator<Item = &'a Group<'a>>) -> String {
+    let misprints = groups.flat_map(|group| {
+        let claims = group.claims.iter().filter(|c| Outcome::of(c) == Outcome::Misprint);
+        claims.map(move |claim| {
             format!(
-                "<p class=\"summary erratum\"><b>Misprint in the paper</b> ({}): {} The statement \
-                 as printed is refuted: {}.</p>\n",
+                "<p class=\"summary erratum\"><b>Misprint in the paper</b> ({}{}): {} The \
+                 statement as printed is refuted: {}.</p>\n",
                 group.link(),
+                group.scheme(),
                 prose(&claim.erratum),
                 prose(&claim.statement),
             )
         })
-        .collect()
+    });
+    misprints.collect()
 }
 
 #[cfg(test)]
@@ -95,9 +90,9 @@ mod tests {
             claim("d", "", true, Verdict::Holds, ""),
         ]);
         for words in [
-            "<strong>2 of 4</strong> proven statements hold, in 5 checks.",
-            "Refuted: <a href=\"#statement-c\">",
-            "Undecided: <a href=\"#statement-b\">",
+            "<strong>2 of 4</strong> proven statements hold, in 5 checks;",
+            "; <span class=\"refuted\">refuted: <a href=\"#statement-c\">",
+            "<span class=\"undecided\">undecided: <a href=\"#statement-b\">",
             "(<a href=\"#statement-d\"><code>d</code></a>): p\u{a0}≤\u{a0}2",
         ] {
             assert!(text.contains(words), "{words} is not in {text}");
@@ -113,6 +108,6 @@ mod tests {
         ]);
         assert!(text.contains("<strong>2 of 2</strong>"));
         assert!(text.contains("<strong>1 of 1</strong> statements without"));
-        assert!(!["Undecided:", "Refuted:", "isprint"].iter().any(|word| text.contains(word)));
+        assert!(!["undecided:", "refuted:", "isprint"].iter().any(|word| text.contains(word)));
     }
 }
