@@ -53,7 +53,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     let (mode, mut workload) =
         if arguments.quick { ("quick", Workload::QUICK) } else { ("full", Workload::FULL) };
     workload.repetitions = arguments.repetitions.unwrap_or(workload.repetitions);
-    let speed = measure::measure(workload, &|next| eprintln!("{next}"))?;
+    let speed = measure::measure(workload)?;
     // What was measured is shown even where the file cannot be written.
     println!("{}", table::page(&speed));
     let failed: u64 = speed.schemes.iter().map(|row| row.failed).sum();
