@@ -20,7 +20,9 @@ use anyhow::{Context, Result};
 use clap::Parser;
 use lab::{command, setups};
 use report::{Bars, files, provenance};
-use verify::{Mode, Settings};
+use results::Measurements;
+use verify::results::Provenance;
+use verify::{Mode, Settings, Stopwatch};
 
 /// Measures the errors of every scheme against the processor time they take.
 #[derive(Parser)]
@@ -53,12 +55,27 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         files::prepare_file(page)?;
     }
     let (start, bars) = (Instant::now(), Bars::new());
-    let mode = if arguments.quick { Mode::Quick } else { Mode::Paper };
+    let (mode, name) =
+        if arguments.quick { (Mode::Quick, "quick") } else { (Mode::Paper, "paper") };
     let settings = Settings { seed: arguments.seed, mode };
-    let mut measured = measure::measure(settings, &arguments.only, &bars)?;
+    let cases = measure::measure(settings, &arguments.only, &bars)?;
     bars.finish();
-    measured.provenance =
-        provenance::complete(measured.provenance, "cargo xtask work-precision", start);
+    let known = Provenance {
+        seed: arguments.seed,
+        mode: name.to_owned(),
+        threads: rayon::current_num_threads(),
+        ..Provenance::default()
+    };
+    let measured = Measurements {
+        schema: results::SCHEMA,
+        provenance: provenance::complete(known, "cargo xtask work-precision", start),
+        clock: if Stopwatch::MEASURES_PROCESSOR {
+            "processor time of the thread"
+        } else {
+            "wall time, since this system does not measure the processor time of a thread"
+        },
+        cases,
+    };
     files::write_json(&arguments.out.join("work-precision.json"), &measured)?;
     let page = page::page(&measured);
     let file = arguments.out.join("work-precision.md");
