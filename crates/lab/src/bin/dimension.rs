@@ -33,15 +33,10 @@ const INCREMENTS: [f64; 3] = [0.0625, -0.0625, 0.0625];
 /// Exchange constants, from one that hardly contributes to ones with which the iteration hardly
 /// contracts, or not at all.
 const EXCHANGES: [f64; 5] = [1.0, 32.0, 64.0, 96.0, 128.0];
-/// Beyond this contraction a block is not measured: from about 0.8 on its paths are rescued, one
-/// after the other, which the column of the single path shows.
-const CONTRACTS: f64 = 0.75;
 /// For each number of the table.
 const BUDGET: Duration = Duration::from_millis(300);
 /// Bytes of stack, more than a step of 300 components needs.
 const STACK: usize = 256 << 20;
-
-type Row = [String; 6];
 
 /// Spins of length one, each turned against the one before.
 fn spins<const D: usize>() -> [f64; D] {
@@ -91,7 +86,7 @@ fn cell(seconds: f64, outcome: Outcome) -> String {
 }
 
 /// A row of times for each exchange constant.
-fn rows<const D: usize>(budget: Duration) -> Result<Vec<Row>> {
+fn rows<const D: usize>(budget: Duration) -> Result<Vec<[String; 6]>> {
     let step = Step::new(&Constant::new(0.1)?, 0, TAU)?;
     let y = spins::<D>();
     let [fixed_point, newton] =
@@ -103,7 +98,8 @@ fn rows<const D: usize>(budget: Duration) -> Result<Vec<Row>> {
         let noise = Noise::increments(INCREMENTS);
         let [(path, iterated), (newton, linearised)] = [&fixed_point, &newton]
             .map(|sexp| best(budget, || sexp.step(&system, &step, &noise, black_box(y))));
-        let block = if contraction < CONTRACTS {
+        // Where the paths of a block are rescued, one after the other, the time of one says it all.
+        let block = if let Outcome::Fast { .. } = iterated.outcome {
             let noise = BlockNoise::increments(Block::splat(INCREMENTS));
             let (block, _) = best(budget, || {
                 let (mut y, mut status) = (Block::splat(black_box(y)), BlockStatus::explicit());

@@ -48,7 +48,7 @@ use stats::{CrossMoments, root_mean_square_interval};
 use systems::{Damping, PoissonSystem, Problem};
 
 pub use compare::{Crossing, cost_at, crossing};
-pub use time::{Repetitions, Time, TimeError, path_times};
+pub use time::{Repetitions, Time, path_times};
 
 use crate::{FinalMoments, StepSizes};
 
@@ -155,14 +155,17 @@ pub fn squared_distance<const D: usize>(y: [f64; D], x: [f64; D]) -> f64 {
 /// [`SexpLevy`](schemes::SexpLevy) with several, and some refinement.
 ///
 /// # Errors
-/// [`TimeError`] as of [`ladder`], when no repetition is asked for, or when no thread can be started.
+/// [`LadderError`] as of [`ladder`].
+///
+/// # Panics
+/// As [`path_times`].
 pub fn work_precision<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     schemes: &[&dyn Scheme<S, D, M>],
     problem: &Problem<S, G, D>,
     reference: &dyn Scheme<S, D, M>,
     sizes: &StepSizes,
     repetitions: Repetitions,
-) -> Result<WorkPrecision, TimeError> {
+) -> Result<WorkPrecision, LadderError> {
     let ladder = ladder(schemes, problem, vec![Run::new(reference, 0)], sizes)?;
     let squares = |states: &[[f64; D]], squares: &mut [f64]| {
         for (square, &state) in squares.iter_mut().zip(&states[1..]) {

@@ -116,10 +116,10 @@ impl Visit for Schemes {
         setup: Setup<S, G, D, M>,
     ) -> Result<()> {
         let Workload { paths, steps, .. } = self.workload;
-        let Setup { id, problem, implicit, explicit, .. } = setup;
+        let Setup { id, problem, schemes, .. } = setup;
         let problem = problem.until(steps as f64 * TAU)?;
         let ns = 1e9 / (paths * steps) as f64;
-        for scheme in implicit.iter().chain(&explicit) {
+        for (_, scheme) in &schemes {
             eprintln!("{} on {}", scheme.id(), id);
             let ladder = ladder(&problem, 0, vec![Run::new(scheme.as_ref(), 0)])?;
             let times = repeat(&self.one, &ladder, self.workload);

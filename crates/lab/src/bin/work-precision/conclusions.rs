@@ -1,9 +1,10 @@
 //! Conclusions in words that are made from the numbers.
 
+use lab::setups::Kind;
 use report::number;
 use verify::work_precision::{cost_at, crossing};
 
-use crate::results::{Case, Curve, Kind, Series, StrongPoint, WeakObservable};
+use crate::results::{Case, Curve, Series, StrongPoint, WeakObservable};
 
 /// Errors 10^{−k/2} that some curve reaches, from large to small.
 pub fn targets(curves: &[Curve]) -> Vec<f64> {
@@ -62,14 +63,20 @@ fn range(numbers: impl Iterator<Item = f64> + Clone) -> String {
 }
 
 /// How the costs of two schemes compare at equal strong error.
-fn compared(sexp: &Curve, other: &Curve) -> Option<String> {
-    let ratios = crossing(&sexp.points, &other.points)?.ratios;
+fn compared(sexp: &Series<StrongPoint>, other: &Series<StrongPoint>) -> Option<String> {
+    let found = crossing(&sexp.curve().points, &other.curve().points)?;
+    let equal: Vec<String> = found.at.iter().map(|&error| number(error)).collect();
+    let equal = if equal.is_empty() {
+        equal.concat()
+    } else {
+        format!(", the same at {}", equal.join(" and "))
+    };
     Some(format!(
-        " Between the errors {} and {}, which both reach, `{}` costs {} times what `{}` costs.",
-        number(ratios.first()?.0),
-        number(ratios.last()?.0),
+        " Between the errors {} and {}, which both reach, `{}` costs {} times what `{}` costs{equal}.",
+        number(found.ratios.first()?.0),
+        number(found.ratios.last()?.0),
         sexp.scheme,
-        range(ratios.iter().map(|(_, ratio)| *ratio)),
+        range(found.ratios.iter().map(|(_, ratio)| *ratio)),
         other.scheme
     ))
 }
@@ -77,9 +84,8 @@ fn compared(sexp: &Curve, other: &Curve) -> Option<String> {
 /// The strong conclusion of a case in a sentence or three.
 pub fn strong(case: &Case) -> String {
     let others = series(case, Kind::OtherImplicit).chain(series(case, Kind::Explicit));
-    let sexp = series(case, Kind::Sexp).next().map(Series::<StrongPoint>::curve);
-    let compared: String =
-        others.filter_map(|other| compared(sexp.as_ref()?, &other.curve())).collect();
+    let sexp = series(case, Kind::Sexp).next();
+    let compared: String = others.filter_map(|other| compared(sexp?, other)).collect();
     format!("Cheapest for a strong error: {}.{compared}", winners(&case.strong.curves()))
 }
 
@@ -95,39 +101,15 @@ pub fn areas(case: &Case) -> Option<String> {
         let each = |point: &StrongPoint| 1e9 * point.work.time.min_s / point.work.steps as f64;
         range(series.points.iter().map(each))
     };
-    let found = crossing(&sexp.curve().points, &levy.curve().points)?;
-    let (coarse, fine) = (found.ratios.first()?, found.ratios.last()?);
-    let (last, beyond) = (&sexp.points.last()?.work, &levy.points.last()?.work);
-    let [sexp_scheme, levy_scheme] = [sexp, levy].map(|series| format!("`{}`", series.scheme));
-    let equal: Vec<String> = found.at.iter().map(|&error| number(error)).collect();
-    let equal = match equal.as_slice() {
-        [] => String::new(),
-        equal => format!("; they cost the same at {}", equal.join(" and ")),
-    };
     Some(format!(
-        "A step of {sexp_scheme} takes {} ns, one of {levy_scheme} {} ns, with up to {} terms \
-         behind each area. {sexp_scheme} costs {} times what {levy_scheme} costs at the strong \
-         error {}, and {} times at {}{equal}. With {} steps {sexp_scheme} reaches {} and \
-         {levy_scheme} {}.",
+        "A step of `{}` takes {} ns, one of `{}` {} ns, with up to {} terms behind each area.{}",
+        sexp.scheme,
         ns(sexp),
+        levy.scheme,
         ns(levy),
         levy.points.iter().filter_map(|point| point.area_terms).max()?,
-        number(coarse.1),
-        number(coarse.0),
-        number(fine.1),
-        number(fine.0),
-        last.steps,
-        number(last.error),
-        number(beyond.error)
+        compared(sexp, levy)?
     ))
-}
-
-/// All conclusions of a case in one paragraph, for the terminal.
-pub fn all(case: &Case) -> String {
-    let mut parts = vec![format!("{}: {}", case.id, strong(case))];
-    parts.extend(areas(case));
-    parts.extend(case.weak.observables.iter().map(weak));
-    parts.join(" ")
 }
 
 #[cfg(test)]

@@ -85,7 +85,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
             .context("everything is measured, but the second page cannot be written")?;
     }
     for case in &measured.cases {
-        println!("{}", conclusions::all(case));
+        println!("{}: {}", case.id, conclusions::strong(case));
     }
     println!("{:.0} s; page: {}", measured.provenance.wall_s, file.display());
     Ok(ExitCode::SUCCESS)

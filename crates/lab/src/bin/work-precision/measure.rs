@@ -2,19 +2,19 @@
 
 use std::collections::BTreeMap;
 
-use lab::setups::{Setup, Visit, visit_paper};
+use lab::setups::{Kind, Setup, Visit, visit_paper};
 use lab::{TRUNCATION_ORDER, truncation};
-use mc::Run;
+use mc::{LadderError, Run};
 use schemes::Scheme;
 use stats::CrossMoments;
 use systems::{Damping, Invariant, PoissonSystem, Problem};
-use verify::work_precision::{Time, TimeError, WorkPoint};
+use verify::work_precision::{Time, WorkPoint};
 use verify::work_precision::{ladder, path_times, squared_distance, steps};
 use verify::{FinalMoments, FinalValues, Progress, Settings, StepSizes};
 
 use crate::own_areas::{OwnAreas, terms};
 use crate::results::{
-    Case, Cost, Kind, Sampled, Series, Strong, StrongPoint, Weak, WeakObservable, WeakPoint, costs,
+    Case, Cost, Sampled, Series, Strong, StrongPoint, Weak, WeakObservable, WeakPoint, costs,
 };
 use crate::sizes::{Sizes, reference_steps};
 
@@ -26,7 +26,7 @@ pub fn measure(
     settings: Settings,
     only: &[String],
     progress: &dyn Progress,
-) -> Result<Vec<Case>, TimeError> {
+) -> Result<Vec<Case>, LadderError> {
     let mut cases = Cases { settings, only, progress, number: 0, measured: Vec::new() };
     visit_paper(&mut cases)?;
     Ok(cases.measured)
@@ -41,17 +41,18 @@ struct Cases<'a> {
 }
 
 impl Visit for Cases<'_> {
-    type Error = TimeError;
+    type Error = LadderError;
 
     fn visit<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &mut self,
         setup: Setup<S, G, D, M>,
-    ) -> Result<(), TimeError> {
+    ) -> Result<(), LadderError> {
         self.number += 1;
         if !self.only.is_empty() && self.only.iter().all(|id| id != setup.id) {
             return Ok(());
         }
-        let timed: Vec<&dyn Scheme<S, D, M>> = setup.schemes().collect();
+        let timed: Vec<&dyn Scheme<S, D, M>> =
+            setup.schemes.iter().map(|(_, scheme)| scheme.as_ref()).collect();
         let levy = timed.iter().copied().find(|scheme| scheme.reads_areas());
         let own = levy.map(|levy| OwnAreas { levy });
         let measured = timed.iter().map(|&scheme| match &own {
@@ -92,7 +93,7 @@ type Times = Vec<BTreeMap<u64, Time>>;
 impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
     Measurement<'_, S, G, D, M>
 {
-    fn run(&self) -> Result<Case, TimeError> {
+    fn run(&self) -> Result<Case, LadderError> {
         let Setup { id, title, system, problem, .. } = self.setup;
         let rounded = problem.y0.map(|y| ((1e4 * y).round() / 1e4).to_string());
         let setup = format!(
@@ -112,7 +113,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         })
     }
 
-    fn times(&self) -> Result<Times, TimeError> {
+    fn times(&self) -> Result<Times, LadderError> {
         let Self { timed, progress, .. } = self;
         let Sizes { repetitions, timed: key, .. } = self.sizes;
         let steps = self.sizes.timed_steps();
@@ -126,16 +127,20 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
     }
 
     /// Moments of `length` values of the final states: those of the reference, then those of every
-    /// scheme at every step size; `reference` says what it is.
+    /// scheme at every step size. Of two references the first is extrapolated.
     fn errors(
         &self,
         sizes: &StepSizes,
         schemes: &[&dyn Scheme<S, D, M>],
         references: usize,
-        reference: &str,
         length: usize,
         values: &FinalValues<'_, D>,
-    ) -> Result<(CrossMoments, Sampled), TimeError> {
+    ) -> Result<(CrossMoments, Sampled), LadderError> {
+        let finest = reference_steps(sizes);
+        let reference = match references {
+            1 => format!("with {finest} steps"),
+            _ => format!("extrapolated from {} and {finest} steps", finest / 2),
+        };
         let references = (0..references).map(|level| Run::new(self.reference, level)).collect();
         let ladder = ladder(schemes, &self.setup.problem, references, sizes)?;
         let samples = sizes.samples;
@@ -161,23 +166,17 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         point: impl Fn(usize, usize, u64) -> P,
         costs: impl Fn(&[P]) -> Option<Vec<Cost>>,
     ) -> Vec<Series<P>> {
-        let series = |(s, scheme): (usize, &&dyn Scheme<S, D, M>)| {
-            let kind = match s {
-                0 => Kind::Sexp,
-                _ if scheme.reads_areas() => Kind::SexpLevy,
-                s if s < self.setup.implicit.len() => Kind::OtherImplicit,
-                _ => Kind::Explicit,
-            };
+        let series = |(s, (kind, scheme)): (usize, &(Kind, Box<dyn Scheme<S, D, M>>))| {
             let points = steps(sizes).enumerate().map(|(l, steps)| point(s, l, steps));
             let points: Vec<P> = points.collect();
-            Series { kind, scheme: scheme.id(), costs: costs(&points), points }
+            Series { kind: *kind, scheme: scheme.id(), costs: costs(&points), points }
         };
-        self.timed.iter().enumerate().map(series).collect()
+        self.setup.schemes.iter().enumerate().map(series).collect()
     }
 
     /// The values are squared errors of every run, then squared defects of every run and invariant.
     /// Behind the schemes stands the one with exact Lévy areas.
-    fn strong(&self, times: &Times) -> Result<Strong, TimeError> {
+    fn strong(&self, times: &Times) -> Result<Strong, LadderError> {
         let Problem { system, damping, y0, t_end } = &self.setup.problem;
         let law = |(index, invariant): (usize, Invariant)| {
             let decay = (-invariant.degree * damping.integral(0.0, *t_end)).exp();
@@ -198,9 +197,8 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
                 }
             }
         };
-        let reference = format!("with {} steps", reference_steps(sizes));
         let length = runs * (1 + laws.len());
-        let (moments, sampled) = self.errors(sizes, &schemes, 1, &reference, length, &values)?;
+        let (moments, sampled) = self.errors(sizes, &schemes, 1, length, &values)?;
         let rms = |index: usize| moments.mean(index).sqrt();
         let point = |s: usize, l: usize, steps: u64| {
             let run = s * sizes.levels + l;
@@ -218,7 +216,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
 
     /// The values are, for each test function, that of the reference, and for every run its own and
     /// its difference to the reference.
-    fn weak(&self, times: &Times) -> Result<Weak, TimeError> {
+    fn weak(&self, times: &Times) -> Result<Weak, LadderError> {
         let (sizes, observables) = (&self.sizes.weak, &self.setup.observables);
         let each = 1 + 2 * self.measured.len() * sizes.levels;
         let values = |states: &[[f64; D]], values: &mut [f64]| {
@@ -232,12 +230,10 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
                 }
             }
         };
-        let finest = reference_steps(sizes);
-        let reference = format!("extrapolated from {} and {finest} steps", finest / 2);
         let length = observables.len() * each;
-        let (moments, sampled) =
-            self.errors(sizes, &self.measured, 2, &reference, length, &values)?;
-        let exact = (self.setup.expectations)(&self.setup.problem, observables);
+        let (moments, sampled) = self.errors(sizes, &self.measured, 2, length, &values)?;
+        let problem = &self.setup.problem;
+        let exact = self.setup.expectations.map(|exact| exact(problem, observables));
         let se = |index: usize| moments.covariance_of_means(index, index).max(0.0).sqrt();
         let observables = observables.iter().enumerate().map(|(f, observable)| {
             let first = f * each;
@@ -245,7 +241,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
                 let value = first + 1 + 2 * (s * sizes.levels + l);
                 WeakPoint {
                     steps,
-                    tau: self.setup.problem.t_end / steps as f64,
+                    tau: problem.t_end / steps as f64,
                     bias: moments.mean(value + 1),
                     se: se(value + 1),
                     standard_deviation: se(value) * (moments.count() as f64).sqrt(),

@@ -1,14 +1,13 @@
 //! `docs/work-precision.md`, made from the measurements.
 
+use lab::setups::Kind;
 use report::provenance::generated_by;
 use report::{Page, number};
 use verify::work_precision::cost_at;
 
 use crate::conclusions::{self, cheapest, targets, winner};
 use crate::figures;
-use crate::results::{
-    Case, Curve, Kind, Measurements, Sampled, Series, StrongPoint, WeakObservable,
-};
+use crate::results::{Case, Curve, Measurements, Sampled, Series, StrongPoint, WeakObservable};
 
 /// The whole page with its figures.
 pub fn page(measured: &Measurements) -> Page {
@@ -170,28 +169,25 @@ fn row(scheme: &str, point: &StrongPoint) -> Vec<String> {
 }
 
 const METHOD: &str = "\
-**Errors** come from ladders that drive all schemes at all step sizes with the same noise. They \
-are the same bits for the same seed. A strong error is (E|y_N − y(T)|²)^½. The reference is `sexp` \
-on the finest steps, or `sexp-levy` where noises do not commute; each case names its number of \
-steps, and its error is in every other.
+**Errors** come from ladders that drive all schemes at all step sizes with the same noise, and are \
+the same bits for the same seed. A strong error is (E|y_N − y(T)|²)^½. The reference is `sexp` on \
+the finest steps, or `sexp-levy` where noises do not commute; its own error is in every other.
 
 **Times** are those of `mc::Ladder` on one thread: increments drawn and clipped, areas where a \
-scheme reads them, steps, and a check that every state is finite. Every repetition times every \
-scheme at every step size once. Curves show the smallest of the repetitions; bars and the column \
-*spread* show how far the median lies above it.
+scheme reads them, steps, a check that states are finite. Every repetition times every scheme at \
+every step size once. Curves show the smallest; bars and the column *spread* show how far the \
+median lies above it.
 
 **`sexp-levy`** is timed with areas drawn at its own step by the method of Mrongowius and Rößler, \
-with as many terms as strong order one asks: a root-mean-square error of at most τ^(3/2) in each \
-area. Areas on a ladder are joined from those of the finest steps and have no such error, so an \
-error of the size of the proven bound is added to them. The bound is about twice the actual \
-error: the strong errors of `sexp-levy` are upper estimates. The error with exact areas stands \
-beside them.
+with a root-mean-square error of at most τ^(3/2), as strong order one asks. Areas on a ladder have \
+no such error, so an error of the size of the proven bound is added to them. The bound is about \
+twice the actual error: the strong errors of `sexp-levy` are upper estimates, and the error with \
+exact areas stands beside them.
 
-**Expectations.** A bias b is the mean difference to the reference on the same noise, \
-extrapolated in the step size. A plain Monte Carlo estimate over N paths of time t has the \
-root-mean-square error ε = (b² + σ²/N)^½, where σ is the standard deviation of φ(y_N); it costs \
-t·σ²/(ε² − b²). Shown is the smallest of these costs over the step sizes, with b at the upper end \
-of its 95 % interval: a bias that is not resolved counts as large as it may be.
+**Expectations.** A bias b is the mean difference to the reference on the same noise, extrapolated \
+in the step size. An estimate over N paths of time t has the root-mean-square error ε = (b² + \
+σ²/N)^½, where σ is the standard deviation of φ(y_N), and costs t·σ²/(ε² − b²). Shown is the \
+smallest cost over the step sizes, with b at the upper end of its 95 % interval.
 
 **Between the points** costs are interpolated linearly in the logarithms; nothing is \
 extrapolated.";

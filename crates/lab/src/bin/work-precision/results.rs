@@ -1,5 +1,6 @@
 //! The contract of `work-precision.json`; documented for other languages in `docs/results.md`.
 
+use lab::setups::Kind;
 use serde::Serialize;
 use verify::results::Provenance;
 use verify::work_precision::{Time, WorkPoint};
@@ -59,19 +60,6 @@ pub struct Strong {
     pub sampled: Sampled,
     /// One curve for each scheme.
     pub series: Vec<Series<StrongPoint>>,
-}
-
-/// What a scheme is.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// The conformal exponential integrator.
-    Sexp,
-    /// The same with Lévy areas.
-    SexpLevy,
-    /// Another implicit scheme.
-    OtherImplicit,
-    /// An explicit scheme.
-    Explicit,
 }
 
 /// The errors of one scheme, coarsest step first.
