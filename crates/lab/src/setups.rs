@@ -1,5 +1,6 @@
 //! The problems on which schemes are compared, and the schemes for each.
 
+use anyhow::Result;
 use mc::Observable;
 use real::elementary::{cos, sin};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy};
@@ -80,9 +81,6 @@ impl<S, G, const D: usize, const M: usize> Setup<S, G, D, M> {
 
 /// Something to do with every problem.
 pub trait Visit {
-    /// Why it could not be done.
-    type Error;
-
     /// Does it with one problem.
     ///
     /// # Errors
@@ -90,7 +88,7 @@ pub trait Visit {
     fn visit<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &mut self,
         setup: Setup<S, G, D, M>,
-    ) -> Result<(), Self::Error>;
+    ) -> Result<()>;
 }
 
 /// The set-up of a problem whose noises commute.
@@ -111,7 +109,7 @@ pub const PAPER: [&str; 6] =
 ///
 /// # Errors
 /// The first of the visitor's.
-pub fn visit_paper<V: Visit>(visitor: &mut V) -> Result<(), V::Error> {
+pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
     visitor.visit(setup("pendulum", pendulum()).described(
         "Pendulum",
         "pendulum, c = 1",
@@ -158,7 +156,7 @@ pub fn visit_paper<V: Visit>(visitor: &mut V) -> Result<(), V::Error> {
 ///
 /// # Errors
 /// The first of the visitor's.
-pub fn visit_others<V: Visit>(visitor: &mut V) -> Result<(), V::Error> {
+pub fn visit_others(visitor: &mut impl Visit) -> Result<()> {
     visitor.visit(setup("rigid-body-energy", rigid_body_energy(1.0)))?;
     visitor.visit(setup("lotka-volterra-2", lotka_volterra_2_2(1.0)))?;
     let spins = valid(SpinChain::<6>::new(1.0, 0.5, 0.8));

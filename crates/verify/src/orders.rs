@@ -99,7 +99,7 @@ where
     let taus = sizes.taus(problem.t_end);
     let step = match reference {
         ReferenceSolution::Exact(_) => None,
-        _ => Some(sizes.reference(problem.t_end)),
+        _ => Some(problem.t_end / sizes.reference_steps() as f64),
     };
     let rate = fit_strong(&taus, step, &squares);
     Ok(Order { points: root_mean_squares(&taus, &squares), rate, failed })
@@ -132,7 +132,7 @@ where
     let covariance = moments.covariances_of_means();
     let points = (0..taus.len()).map(|l| Point::normal(taus[l], means[l], covariance[l][l].sqrt()));
     let against = match reference {
-        ReferenceSolution::Itself => Against::Step(sizes.reference(problem.t_end)),
+        ReferenceSolution::Itself => Against::Step(problem.t_end / sizes.reference_steps() as f64),
         _ => Against::Exact,
     };
     let rate = fit_weak(&taus, &means, &covariance, against);
@@ -170,13 +170,19 @@ impl StepSizes {
         self.levels - 1 - index + self.refinement as usize
     }
 
-    fn taus(&self, t_end: f64) -> Vec<f64> {
-        (0..self.levels).map(|index| t_end / (self.coarsest_steps << index) as f64).collect()
+    /// The numbers of steps, coarsest first.
+    pub fn steps(&self) -> impl Iterator<Item = u64> {
+        (0..self.levels).map(|index| self.coarsest_steps << index)
     }
 
-    /// The step size of the reference.
-    fn reference(&self, t_end: f64) -> f64 {
-        t_end / (self.coarsest_steps << self.level(0)) as f64
+    /// Number of steps of the reference.
+    #[must_use]
+    pub fn reference_steps(&self) -> u64 {
+        self.coarsest_steps << self.level(0)
+    }
+
+    fn taus(&self, t_end: f64) -> Vec<f64> {
+        self.steps().map(|steps| t_end / steps as f64).collect()
     }
 
     /// Refuses sizes without a step or a step size, or with too many.
@@ -249,7 +255,7 @@ where
 {
     sizes.check()?;
     let top = sizes.level(0);
-    let steps = sizes.coarsest_steps << top;
+    let steps = sizes.reference_steps();
     let mut ladder = Ladder::new(problem, steps, top, sizes.truncation, sizes.key, runs)?;
     if let Some(time_change) = time_change {
         ladder = ladder.with_time_change(time_change);

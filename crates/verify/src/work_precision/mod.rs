@@ -112,11 +112,6 @@ impl WorkCurve {
     }
 }
 
-/// The step numbers of a study, coarsest first.
-pub fn steps(sizes: &StepSizes) -> impl Iterator<Item = u64> {
-    (0..sizes.levels).map(|index| sizes.coarsest_steps << index)
-}
-
 /// A ladder on which every scheme runs at every step size of `sizes`, beside runs of references at
 /// the finest levels.
 ///
@@ -138,7 +133,7 @@ pub fn ladder<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
     for &scheme in schemes {
         runs.extend((0..sizes.levels).map(|index| Run::new(scheme, sizes.level(index))));
     }
-    Ladder::new(problem, sizes.coarsest_steps << top, top, sizes.truncation, sizes.key, runs)
+    Ladder::new(problem, sizes.reference_steps(), top, sizes.truncation, sizes.key, runs)
 }
 
 /// |y − x|².
@@ -175,7 +170,7 @@ pub fn work_precision<S: PoissonSystem<D, M>, G: Damping, const D: usize, const 
     let length = schemes.len() * sizes.levels;
     let new = || FinalMoments::new(ladder.coarse_steps(), length, &squares);
     let outcome = ladder.run(sizes.samples, new, &|_| ());
-    let steps: Vec<u64> = steps(sizes).collect();
+    let steps: Vec<u64> = sizes.steps().collect();
     let StepSizes { truncation, key, .. } = *sizes;
     let times = path_times(schemes, problem, &steps, truncation, key, repetitions, &|_| ())?;
     let squares = outcome.statistic.moments();

@@ -58,12 +58,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     println!("{}", table::page(&speed));
     let failed: u64 = speed.schemes.iter().map(|row| row.failed).sum();
     if let Some(file) = &arguments.json {
-        let known = Provenance {
-            seed: measure::KEY.seed,
-            mode: mode.to_owned(),
-            threads: rayon::current_num_threads(),
-            ..Provenance::default()
-        };
+        let known = Provenance::of_run(measure::KEY.seed, mode);
         let provenance = provenance::complete(known, "cargo xtask bench", start);
         files::write_json(file, &Report { schema: results::SCHEMA, provenance, speed })?;
         println!("numbers: {}", file.display());

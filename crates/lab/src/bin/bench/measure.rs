@@ -109,8 +109,6 @@ struct Schemes {
 }
 
 impl Visit for Schemes {
-    type Error = anyhow::Error;
-
     fn visit<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &mut self,
         setup: Setup<S, G, D, M>,

@@ -55,17 +55,11 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         files::prepare_file(page)?;
     }
     let (start, bars) = (Instant::now(), Bars::new());
-    let (mode, name) =
-        if arguments.quick { (Mode::Quick, "quick") } else { (Mode::Paper, "paper") };
+    let mode = if arguments.quick { Mode::Quick } else { Mode::Paper };
     let settings = Settings { seed: arguments.seed, mode };
     let cases = measure::measure(settings, &arguments.only, &bars)?;
     bars.finish();
-    let known = Provenance {
-        seed: arguments.seed,
-        mode: name.to_owned(),
-        threads: rayon::current_num_threads(),
-        ..Provenance::default()
-    };
+    let known = Provenance::of_run(arguments.seed, mode.id());
     let measured = Measurements {
         schema: results::SCHEMA,
         provenance: provenance::complete(known, "cargo xtask work-precision", start),

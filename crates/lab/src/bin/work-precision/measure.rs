@@ -2,31 +2,27 @@
 
 use std::collections::BTreeMap;
 
+use anyhow::Result;
 use lab::setups::{Kind, Setup, Visit, visit_paper};
 use lab::{TRUNCATION_ORDER, truncation};
-use mc::{LadderError, Run};
+use mc::Run;
 use schemes::Scheme;
 use stats::CrossMoments;
 use systems::{Damping, Invariant, PoissonSystem, Problem};
-use verify::work_precision::{Time, WorkPoint};
-use verify::work_precision::{ladder, path_times, squared_distance, steps};
+use verify::work_precision::{Time, WorkPoint, ladder, path_times, squared_distance};
 use verify::{FinalMoments, FinalValues, Progress, Settings, StepSizes};
 
 use crate::own_areas::{OwnAreas, terms};
 use crate::results::{
     Case, Cost, Sampled, Series, Strong, StrongPoint, Weak, WeakObservable, WeakPoint, costs,
 };
-use crate::sizes::{Sizes, reference_steps};
+use crate::sizes::Sizes;
 
 /// Measures the cases named by `only`, or all where it is empty: errors on the current rayon pool,
 /// times on one thread.
 ///
 /// Everything but the times is the same bits for the same seed and mode.
-pub fn measure(
-    settings: Settings,
-    only: &[String],
-    progress: &dyn Progress,
-) -> Result<Vec<Case>, LadderError> {
+pub fn measure(settings: Settings, only: &[String], progress: &dyn Progress) -> Result<Vec<Case>> {
     let mut cases = Cases { settings, only, progress, number: 0, measured: Vec::new() };
     visit_paper(&mut cases)?;
     Ok(cases.measured)
@@ -41,12 +37,10 @@ struct Cases<'a> {
 }
 
 impl Visit for Cases<'_> {
-    type Error = LadderError;
-
     fn visit<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &mut self,
         setup: Setup<S, G, D, M>,
-    ) -> Result<(), LadderError> {
+    ) -> Result<()> {
         self.number += 1;
         if !self.only.is_empty() && self.only.iter().all(|id| id != setup.id) {
             return Ok(());
@@ -93,7 +87,7 @@ type Times = Vec<BTreeMap<u64, Time>>;
 impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
     Measurement<'_, S, G, D, M>
 {
-    fn run(&self) -> Result<Case, LadderError> {
+    fn run(&self) -> Result<Case> {
         let Setup { id, title, system, problem, .. } = self.setup;
         let rounded = problem.y0.map(|y| ((1e4 * y).round() / 1e4).to_string());
         let setup = format!(
@@ -113,7 +107,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         })
     }
 
-    fn times(&self) -> Result<Times, LadderError> {
+    fn times(&self) -> Result<Times> {
         let Self { timed, progress, .. } = self;
         let Sizes { repetitions, timed: key, .. } = self.sizes;
         let steps = self.sizes.timed_steps();
@@ -135,8 +129,8 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         references: usize,
         length: usize,
         values: &FinalValues<'_, D>,
-    ) -> Result<(CrossMoments, Sampled), LadderError> {
-        let finest = reference_steps(sizes);
+    ) -> Result<(CrossMoments, Sampled)> {
+        let finest = sizes.reference_steps();
         let reference = match references {
             1 => format!("with {finest} steps"),
             _ => format!("extrapolated from {} and {finest} steps", finest / 2),
@@ -167,7 +161,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         costs: impl Fn(&[P]) -> Option<Vec<Cost>>,
     ) -> Vec<Series<P>> {
         let series = |(s, (kind, scheme)): (usize, &(Kind, Box<dyn Scheme<S, D, M>>))| {
-            let points = steps(sizes).enumerate().map(|(l, steps)| point(s, l, steps));
+            let points = sizes.steps().enumerate().map(|(l, steps)| point(s, l, steps));
             let points: Vec<P> = points.collect();
             Series { kind: *kind, scheme: scheme.id(), costs: costs(&points), points }
         };
@@ -176,7 +170,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
 
     /// The values are squared errors of every run, then squared defects of every run and invariant.
     /// Behind the schemes stands the one with exact Lévy areas.
-    fn strong(&self, times: &Times) -> Result<Strong, LadderError> {
+    fn strong(&self, times: &Times) -> Result<Strong> {
         let Problem { system, damping, y0, t_end } = &self.setup.problem;
         let law = |(index, invariant): (usize, Invariant)| {
             let decay = (-invariant.degree * damping.integral(0.0, *t_end)).exp();
@@ -216,7 +210,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
 
     /// The values are, for each test function, that of the reference, and for every run its own and
     /// its difference to the reference.
-    fn weak(&self, times: &Times) -> Result<Weak, LadderError> {
+    fn weak(&self, times: &Times) -> Result<Weak> {
         let (sizes, observables) = (&self.sizes.weak, &self.setup.observables);
         let each = 1 + 2 * self.measured.len() * sizes.levels;
         let values = |states: &[[f64; D]], values: &mut [f64]| {

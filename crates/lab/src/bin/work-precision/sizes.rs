@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use lab::streams::{WORK_PRECISION, WORK_PRECISION_PARTS};
 use lab::truncation;
 use noise::StreamKey;
-use verify::work_precision::{Repetitions, steps};
+use verify::work_precision::Repetitions;
 use verify::{Mode, Settings, StepSizes};
 
 /// What a case is measured with.
@@ -47,12 +47,7 @@ impl Sizes {
 
     /// Every number of steps whose time is wanted, in increasing order.
     pub fn timed_steps(&self) -> Vec<u64> {
-        let timed: BTreeSet<u64> = steps(&self.strong).chain(steps(&self.weak)).collect();
+        let timed: BTreeSet<u64> = self.strong.steps().chain(self.weak.steps()).collect();
         timed.into_iter().collect()
     }
-}
-
-/// Steps of the reference.
-pub fn reference_steps(sizes: &StepSizes) -> u64 {
-    sizes.coarsest_steps << (sizes.levels - 1 + sizes.refinement as usize)
 }
