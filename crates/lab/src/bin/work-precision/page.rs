@@ -33,7 +33,6 @@ pub fn page(measured: &Measurements) -> Page {
         "strong error",
         "cheapest explicit",
         "`sexp` costs",
-        "Casimir",
         "explicit defect",
         "`sexp` defect",
     ];
@@ -47,7 +46,7 @@ pub fn page(measured: &Measurements) -> Page {
 
 /// A row that compares `sexp` with the cheapest explicit scheme; nothing where they reach no error
 /// in common.
-fn price(case: &Case) -> Option<[String; 7]> {
+fn price(case: &Case) -> Option<[String; 6]> {
     let sexp = conclusions::series(case, Kind::Sexp).next()?;
     let explicit: Vec<_> = conclusions::series(case, Kind::Explicit).collect();
     let curves: Vec<Curve> = explicit.iter().map(|series| series.curve()).collect();
@@ -65,7 +64,6 @@ fn price(case: &Case) -> Option<[String; 7]> {
         number(error),
         format!("`{}`", explicit[best].scheme),
         format!("{} ×", number(cost_at(&own, error)? / cost)),
-        casimir.map_or("none", |_| "C").to_owned(),
         defect(explicit[best]),
         defect(sexp),
     ])
