@@ -41,7 +41,7 @@
 mod compare;
 mod time;
 
-use mc::{Ladder, LadderError, PathFailure, Run};
+use mc::{Ladder, LadderError, PathFailure, Run, View};
 use schemes::Scheme;
 use serde::{Deserialize, Serialize};
 use stats::{CrossMoments, root_mean_square_interval};
@@ -162,9 +162,10 @@ pub fn work_precision<S: PoissonSystem<D, M>, G: Damping, const D: usize, const 
     repetitions: Repetitions,
 ) -> Result<WorkPrecision, LadderError> {
     let ladder = ladder(schemes, problem, vec![Run::new(reference, 0)], sizes)?;
-    let squares = |states: &[[f64; D]], squares: &mut [f64]| {
-        for (square, &state) in squares.iter_mut().zip(&states[1..]) {
-            *square = squared_distance(state, states[0]);
+    let squares = |view: &View<'_, D>, p: usize, squares: &mut [f64]| {
+        let reference = view.states[0].path(p);
+        for (square, state) in squares.iter_mut().zip(&view.states[1..]) {
+            *square = squared_distance(state.path(p), reference);
         }
     };
     let length = schemes.len() * sizes.levels;
@@ -173,7 +174,7 @@ pub fn work_precision<S: PoissonSystem<D, M>, G: Damping, const D: usize, const 
     let steps: Vec<u64> = sizes.steps().collect();
     let StepSizes { truncation, key, .. } = *sizes;
     let times = path_times(schemes, problem, &steps, truncation, key, repetitions, &|_| ())?;
-    let squares = outcome.statistic.moments();
+    let squares = &outcome.statistic.moments;
     let point = |s: usize, l: usize| {
         WorkPoint::new(problem.t_end, steps[l], squares, s * sizes.levels + l, times[s][l])
     };

@@ -8,7 +8,7 @@ use std::thread::available_parallelism;
 use anyhow::{Context, Result};
 use lab::setups::{Setup, Visit, visit_others, visit_paper};
 use lab::{compiled, truncation};
-use mc::{Ladder, Run};
+use mc::{Ladder, Run, View};
 use noise::StreamKey;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use real::Level;
@@ -69,7 +69,9 @@ fn ladder<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
 /// Runs the ladder on the current pool with a small statistic, the mean of the final state; returns
 /// how many paths were left out.
 fn run_once<const D: usize, const M: usize>(ladder: &Ladder<'_, D, M>, paths: u64) -> u64 {
-    let state = |states: &[[f64; D]], values: &mut [f64]| values.copy_from_slice(&states[0]);
+    let state = |view: &View<'_, D>, p: usize, values: &mut [f64]| {
+        values.copy_from_slice(&view.states[0].path(p));
+    };
     let new = || FinalMoments::new(ladder.coarse_steps(), D, &state);
     black_box(ladder.run(paths, new, &|_| ())).failed
 }

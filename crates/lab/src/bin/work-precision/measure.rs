@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::Result;
 use lab::setups::{Kind, Setup, Visit, visit_paper};
 use lab::{TRUNCATION_ORDER, truncation};
-use mc::Run;
+use mc::{Run, View};
 use schemes::Scheme;
 use stats::CrossMoments;
 use systems::{Damping, Invariant, PoissonSystem, Problem};
@@ -149,7 +149,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             failures: measured.failures.iter().map(ToString::to_string).collect(),
             reference: format!("{} {reference} on the same noise", self.reference.id()),
         };
-        Ok((measured.statistic.moments().clone(), sampled))
+        Ok((measured.statistic.moments, sampled))
     }
 
     /// A series for each scheme, of the points of its number, of a step size and its number of
@@ -181,10 +181,11 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         schemes.extend(self.levy);
         let sizes = &self.sizes.strong;
         let runs = schemes.len() * sizes.levels;
-        let values = |states: &[[f64; D]], values: &mut [f64]| {
+        let values = |view: &View<'_, D>, p: usize, values: &mut [f64]| {
             let (squares, defects) = values.split_at_mut(runs);
-            for (run, &y) in states[1..].iter().enumerate() {
-                squares[run] = squared_distance(y, states[0]);
+            for run in 0..runs {
+                let y = view.states[1 + run].path(p);
+                squares[run] = squared_distance(y, view.states[0].path(p));
                 for (index, law) in laws.iter().enumerate() {
                     let defect = system.invariant(index, y) / law - 1.0;
                     defects[run * laws.len() + index] = defect * defect;
@@ -213,12 +214,12 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
     fn weak(&self, times: &Times) -> Result<Weak> {
         let (sizes, observables) = (&self.sizes.weak, &self.setup.observables);
         let each = 1 + 2 * self.measured.len() * sizes.levels;
-        let values = |states: &[[f64; D]], values: &mut [f64]| {
+        let values = |view: &View<'_, D>, p: usize, values: &mut [f64]| {
             for (observable, values) in observables.iter().zip(values.chunks_exact_mut(each)) {
-                let phi = |run: usize| (observable.function)(states[run]);
+                let phi = |run: usize| (observable.function)(view.states[run].path(p));
                 // An error Cτ + O(τ²) of the expectation is C·2τ + O(τ²) at twice the step.
                 values[0] = 2.0 * phi(0) - phi(1);
-                for run in 0..states.len() - 2 {
+                for run in 0..each / 2 {
                     values[1 + 2 * run] = phi(2 + run);
                     values[2 + 2 * run] = values[1 + 2 * run] - values[0];
                 }
