@@ -3,6 +3,8 @@
 use std::fmt::Display;
 use std::process::ExitCode;
 
+use comfy_table::presets::ASCII_MARKDOWN;
+use comfy_table::{CellAlignment, Table};
 use real::Level;
 
 /// Reads the value of `--simd`: `baseline`, `avx2` or `avx512`.
@@ -22,16 +24,32 @@ pub fn simd(name: &str) -> Result<Level, String> {
 }
 
 fn level_up_to(available: Level, name: &str) -> Result<Level, String> {
-    let levels = [Level::Baseline, Level::Avx2, Level::Avx512];
-    let names = |levels: &[Level]| levels.iter().map(|level| level.name()).collect::<Vec<_>>();
-    match levels.iter().find(|level| level.name() == name) {
-        None => Err(format!("the instruction sets are {}", names(&levels).join(", "))),
-        Some(&level) if level > available => {
-            let has: Vec<Level> = levels.into_iter().filter(|&level| level <= available).collect();
-            Err(format!("this machine does not have it, only {}", names(&has).join(", ")))
+    let levels = [Level::Baseline, Level::Avx2, Level::Avx512].into_iter();
+    let names = |levels: &mut dyn Iterator<Item = Level>| -> String {
+        levels.map(Level::name).collect::<Vec<_>>().join(", ")
+    };
+    match levels.clone().find(|level| level.name() == name) {
+        None => Err(format!("the instruction sets are {}", names(&mut levels.clone()))),
+        Some(level) if level > available => {
+            let has = names(&mut levels.filter(|&level| level <= available));
+            Err(format!("this machine does not have it, only {has}"))
         }
-        Some(&level) => Ok(level),
+        Some(level) => Ok(level),
     }
+}
+
+/// A table for the terminal, whose columns from number `first_number` on are numbers.
+pub fn table<const N: usize>(
+    header: [&str; N],
+    first_number: usize,
+    rows: impl IntoIterator<Item = [String; N]>,
+) -> Table {
+    let mut table = Table::new();
+    table.load_style(ASCII_MARKDOWN).set_header(header).add_rows(rows);
+    for column in table.column_iter_mut().skip(first_number) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
 }
 
 /// The exit code of a program: its own, or 2 after the error has been printed.

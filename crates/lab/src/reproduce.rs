@@ -5,7 +5,7 @@ use std::fmt;
 use std::time::Instant;
 
 use verify::results::{Provenance, Results, SCHEMA};
-use verify::{Mode, Progress, Settings};
+use verify::{Progress, Settings};
 
 use crate::experiment::{Conditions, Experiment};
 use crate::panels::EXPERIMENTS;
@@ -58,8 +58,8 @@ pub fn check_ids(wanted: &[String]) -> Result<(), UnknownId> {
 /// Runs the panels, statements and supplements in `only`, or all of them when it is empty, on the
 /// current rayon pool.
 ///
-/// Of the provenance, the seed, the mode and the timings by id are filled in; the rest is left to
-/// the caller.
+/// Of the provenance, the seed, the mode, the threads and the timings by id are filled in; the rest
+/// is left to the caller.
 ///
 /// # Errors
 /// [`UnknownId`] before anything is computed.
@@ -69,10 +69,6 @@ pub fn reproduce(
     progress: &dyn Progress,
 ) -> Result<Results, UnknownId> {
     check_ids(only)?;
-    let mode = match settings.mode {
-        Mode::Paper => "paper",
-        Mode::Quick => "quick",
-    };
     let mut wall_s_by_id = BTreeMap::new();
     let (mut panels, mut supplements, mut claims) = (Vec::new(), Vec::new(), Vec::new());
     let families = [
@@ -95,7 +91,7 @@ pub fn reproduce(
             wall_s_by_id.insert(wanted.join(", "), start.elapsed().as_secs_f64());
         }
     }
-    let (seed, mode) = (settings.seed, mode.to_owned());
-    let provenance = Provenance { seed, mode, wall_s_by_id, ..Provenance::default() };
+    let known = Provenance::of_run(settings.seed, settings.mode.id());
+    let provenance = Provenance { wall_s_by_id, ..known };
     Ok(Results { schema: SCHEMA, provenance, panels, supplements, claims })
 }

@@ -1,5 +1,6 @@
 //! The problems on which schemes are compared, and the schemes for each.
 
+use anyhow::Result;
 use mc::Observable;
 use real::elementary::{cos, sin};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy};
@@ -12,42 +13,77 @@ use verify::rigid_body_expectations;
 
 use crate::{PaperSystem, compiled};
 
-/// E φ(y(T)) of test functions on a problem, where it is known without sampling.
-pub type Expectations<S, G, const D: usize> =
-    fn(&Problem<S, G, D>, &[Observable<D>]) -> Option<Vec<f64>>;
+/// What a scheme is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// The conformal exponential integrator.
+    Sexp,
+    /// The same with Lévy areas.
+    SexpLevy,
+    /// Another implicit scheme.
+    OtherImplicit,
+    /// An explicit scheme.
+    Explicit,
+}
 
-/// A problem with its name, what is measured on it and with which schemes.
+/// E φ(y(T)) of test functions on a problem, without sampling.
+pub type Expectations<S, G, const D: usize> = fn(&Problem<S, G, D>, &[Observable<D>]) -> Vec<f64>;
+
+/// A test function with its name.
+type Function<const D: usize> = (&'static str, fn([f64; D]) -> f64);
+
+/// A problem with its name, its schemes, and what is measured on it.
 pub struct Setup<S, G, const D: usize, const M: usize> {
     /// Identifier, for example `rigid-body-3`.
     pub id: &'static str,
-    /// What it is called on a figure.
+    /// System, damping, start and final time.
+    pub problem: Problem<S, G, D>,
+    /// `sexp`, `sexp-levy` where noises do not commute, `midpoint`, `heun` and `em`.
+    pub schemes: Vec<(Kind, Box<dyn Scheme<S, D, M>>)>,
+    /// What it is called on a figure; empty where only times are measured, and so are the next two.
     pub title: &'static str,
     /// The system and its parameters in words.
     pub system: &'static str,
-    /// System, damping, start and final time.
-    pub problem: Problem<S, G, D>,
     /// Test functions of the final state.
-    pub observables: [Observable<D>; 2],
-    /// E φ(y(T)) of every test function without sampling, where it is known.
-    pub expectations: Expectations<S, G, D>,
-    /// `sexp`, then `sexp-levy` where noises do not commute, and `midpoint`.
-    pub implicit: Vec<Box<dyn Scheme<S, D, M>>>,
-    /// `heun` and `em`.
-    pub explicit: [Box<dyn Scheme<S, D, M>>; 2],
+    pub observables: Vec<Observable<D>>,
+    /// The expectations of test functions, where they are known.
+    pub expectations: Option<Expectations<S, G, D>>,
 }
 
 impl<S, G, const D: usize, const M: usize> Setup<S, G, D, M> {
-    /// All schemes, the implicit ones first.
-    pub fn schemes(&self) -> impl Iterator<Item = &dyn Scheme<S, D, M>> {
-        self.implicit.iter().chain(&self.explicit).map(AsRef::as_ref)
+    fn new(
+        id: &'static str,
+        problem: Problem<S, G, D>,
+        [sexp, midpoint, heun, em]: [Box<dyn Scheme<S, D, M>>; 4],
+    ) -> Self {
+        let schemes = vec![
+            (Kind::Sexp, sexp),
+            (Kind::OtherImplicit, midpoint),
+            (Kind::Explicit, heun),
+            (Kind::Explicit, em),
+        ];
+        let observables = Vec::new();
+        Self { id, problem, schemes, title: "", system: "", observables, expectations: None }
+    }
+
+    fn with_areas(mut self, levy: Box<dyn Scheme<S, D, M>>) -> Self {
+        self.schemes.insert(1, (Kind::SexpLevy, levy));
+        self
+    }
+
+    fn described(
+        self,
+        title: &'static str,
+        system: &'static str,
+        observables: [Function<D>; 2],
+    ) -> Self {
+        let observables = observables.map(|(name, function)| Observable { name, function }).into();
+        Self { title, system, observables, ..self }
     }
 }
 
 /// Something to do with every problem.
 pub trait Visit {
-    /// Why it could not be done.
-    type Error;
-
     /// Does it with one problem.
     ///
     /// # Errors
@@ -55,30 +91,16 @@ pub trait Visit {
     fn visit<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &mut self,
         setup: Setup<S, G, D, M>,
-    ) -> Result<(), Self::Error>;
+    ) -> Result<()>;
 }
-
-/// Names and words of a set-up: identifier, title, system.
-type Words = [&'static str; 3];
 
 /// The set-up of a problem whose noises commute.
 fn setup<S: PaperSystem<D, M>, G, const D: usize, const M: usize>(
-    [id, title, system]: Words,
+    id: &'static str,
     problem: Problem<S, G, D>,
-    first: (&'static str, fn([f64; D]) -> f64),
-    second: (&'static str, fn([f64; D]) -> f64),
 ) -> Setup<S, G, D, M> {
-    let observables = [first, second].map(|(name, function)| Observable { name, function });
-    Setup {
-        id,
-        title,
-        system,
-        problem,
-        observables,
-        expectations: |_, _| None,
-        implicit: vec![compiled(Sexp::default()), compiled(Midpoint::default())],
-        explicit: [Box::new(Heun), compiled(EulerMaruyama)],
-    }
+    let (sexp, midpoint) = (compiled(Sexp::default()), compiled(Midpoint::default()));
+    Setup::new(id, problem, [sexp, midpoint, Box::new(Heun), compiled(EulerMaruyama)])
 }
 
 /// Identifiers of [`visit_paper`], in its order.
@@ -90,98 +112,61 @@ pub const PAPER: [&str; 6] =
 ///
 /// # Errors
 /// The first of the visitor's.
-pub fn visit_paper<V: Visit>(visitor: &mut V) -> Result<(), V::Error> {
-    visitor.visit(setup(
-        ["pendulum", "Pendulum", "pendulum, c = 1"],
-        pendulum(),
-        ("y1^2", |y| y[0] * y[0]),
-        ("cos y2", |y| cos(y[1])),
+pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
+    visitor.visit(setup("pendulum", pendulum()).described(
+        "Pendulum",
+        "pendulum, c = 1",
+        [("y1^2", |y| y[0] * y[0]), ("cos y2", |y| cos(y[1]))],
     ))?;
-    // Spherical harmonics up to degree 96: expectations to round-off for this body.
+    // Spherical harmonics up to degree 96: to round-off for this body.
     visitor.visit(Setup {
-        expectations: |problem, phi| Some(rigid_body_expectations(problem, 96, phi)),
-        ..setup(
-            [
-                "rigid-body-1",
-                "Rigid body, one noise",
-                "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1",
-            ],
-            rigid_body_one_noise(),
-            ("y1^2", |y| y[0] * y[0]),
-            ("cos y3", |y| cos(y[2])),
+        expectations: Some(|problem, phi| rigid_body_expectations(problem, 96, phi)),
+        ..setup("rigid-body-1", rigid_body_one_noise()).described(
+            "Rigid body, one noise",
+            "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1",
+            [("y1^2", |y| y[0] * y[0]), ("cos y3", |y| cos(y[2]))],
         )
     })?;
     let problem = rigid_body_three_noises(1.0);
+    let levy = compiled(SexpLevy::new(&problem.system, problem.y0));
     visitor.visit(Setup {
-        expectations: |problem, phi| Some(rigid_body_expectations(problem, 96, phi)),
-        implicit: vec![
-            compiled(Sexp::default()),
-            compiled(SexpLevy::new(&problem.system, problem.y0)),
-            compiled(Midpoint::default()),
-        ],
-        ..setup(
-            [
-                "rigid-body-3",
-                "Rigid body, three noises",
-                "rigid body, I = (2, 1, 2/3), Î = (1, 2, 3)",
-            ],
-            problem,
-            ("y1^2", |y| y[0] * y[0]),
-            ("cos y3", |y| cos(y[2])),
+        expectations: Some(|problem, phi| rigid_body_expectations(problem, 96, phi)),
+        ..setup("rigid-body-3", problem).with_areas(levy).described(
+            "Rigid body, three noises",
+            "rigid body, I = (2, 1, 2/3), Î = (1, 2, 3)",
+            [("y1^2", |y| y[0] * y[0]), ("cos y3", |y| cos(y[2]))],
         )
     })?;
-    visitor.visit(setup(
-        ["lotka-volterra", "Lotka–Volterra", "Lotka–Volterra, a = −1, b = −1, c = 1"],
-        lotka_volterra_1_1(),
-        ("y2", |y| y[1]),
-        ("cos y3", |y| cos(y[2])),
+    visitor.visit(setup("lotka-volterra", lotka_volterra_1_1()).described(
+        "Lotka–Volterra",
+        "Lotka–Volterra, a = −1, b = −1, c = 1",
+        [("y2", |y| y[1]), ("cos y3", |y| cos(y[2]))],
     ))?;
-    visitor.visit(setup(
-        ["maxwell-bloch", "Maxwell–Bloch", "Maxwell–Bloch"],
-        maxwell_bloch(1.0),
-        ("y1", |y| y[0]),
-        ("y2^2", |y| y[1] * y[1]),
+    visitor.visit(setup("maxwell-bloch", maxwell_bloch(1.0)).described(
+        "Maxwell–Bloch",
+        "Maxwell–Bloch",
+        [("y1", |y| y[0]), ("y2^2", |y| y[1] * y[1])],
     ))?;
-    visitor.visit(setup(
-        ["poisson3", "Three-dimensional Poisson system", "three-dimensional Poisson system, c = 1"],
-        poisson3_strong(),
-        ("y1", |y| y[0]),
-        ("sin y2", |y| sin(y[1])),
+    visitor.visit(setup("poisson3", poisson3_strong()).described(
+        "Three-dimensional Poisson system",
+        "three-dimensional Poisson system, c = 1",
+        [("y1", |y| y[0]), ("sin y2", |y| sin(y[1]))],
     ))
 }
 
-/// Visits three more on [0, 1]: the rigid body with noise H₀, Lotka–Volterra with H = y₁²y₂²y₃, and
-/// two spins in a fluctuating field.
+/// Visits three more on [0, 1], of which only times are measured: the rigid body with noise H₀,
+/// Lotka–Volterra with H = y₁²y₂²y₃, and two spins in a fluctuating field.
 ///
 /// # Errors
 /// The first of the visitor's.
-pub fn visit_others<V: Visit>(visitor: &mut V) -> Result<(), V::Error> {
-    visitor.visit(setup(
-        ["rigid-body-energy", "Rigid body, noise H₀", "rigid body with noise H₀, I = (2, 1, 2/3)"],
-        rigid_body_energy(1.0),
-        ("y1^2", |y| y[0] * y[0]),
-        ("cos y3", |y| cos(y[2])),
-    ))?;
-    visitor.visit(setup(
-        ["lotka-volterra-2", "Lotka–Volterra, b = −2", "Lotka–Volterra, a = −1, b = −2, c = 1"],
-        lotka_volterra_2_2(1.0),
-        ("y2", |y| y[1]),
-        ("cos y3", |y| cos(y[2])),
-    ))?;
+pub fn visit_others(visitor: &mut impl Visit) -> Result<()> {
+    visitor.visit(setup("rigid-body-energy", rigid_body_energy(1.0)))?;
+    visitor.visit(setup("lotka-volterra-2", lotka_volterra_2_2(1.0)))?;
     let spins = valid(SpinChain::<6>::new(1.0, 0.5, 0.8));
     let start = [1.0, 0.0, 0.0, 0.0, 0.6, 0.8];
-    let levy = SexpLevy::new(&spins, start);
-    visitor.visit(Setup {
-        id: "spin-chain",
-        title: "Spin chain, two spins",
-        system: "two spins in a fluctuating field",
-        problem: valid(Problem::new(spins, valid(Constant::new(0.1)), start, 1.0)),
-        observables: [
-            Observable { name: "y1^2", function: |y| y[0] * y[0] },
-            Observable { name: "cos y3", function: |y| cos(y[2]) },
-        ],
-        expectations: |_, _| None,
-        implicit: vec![compiled(Sexp::default()), compiled(levy), Box::new(Midpoint::default())],
-        explicit: [Box::new(Heun), Box::new(EulerMaruyama)],
-    })
+    let levy = compiled(SexpLevy::new(&spins, start));
+    let problem = valid(Problem::new(spins, valid(Constant::new(0.1)), start, 1.0));
+    let (sexp, midpoint) = (compiled(Sexp::default()), Box::new(Midpoint::default()));
+    let schemes = [sexp, midpoint, Box::new(Heun), Box::new(EulerMaruyama)];
+    visitor.visit(Setup::new("spin-chain", problem, schemes).with_areas(levy))
 }

@@ -3,16 +3,16 @@
 use mc::{Statistic, View};
 use stats::CrossMoments;
 
-/// Numbers made of the final states of all runs on one path; written into the slice.
-pub type FinalValues<'a, const D: usize> = dyn Fn(&[[f64; D]], &mut [f64]) + Sync + 'a;
+/// Numbers made of the final states of all runs on one path of a block, written into the slice.
+pub type FinalValues<'a, const D: usize> = dyn Fn(&View<'_, D>, usize, &mut [f64]) + Sync + 'a;
 
 /// Means and covariances of numbers that depend on the final states of all runs on a path:
 /// squared errors, defects of invariants, differences of test functions.
 pub struct FinalMoments<'a, const D: usize> {
+    /// Moments of the numbers.
+    pub moments: CrossMoments,
     last_time: u64,
     values: &'a FinalValues<'a, D>,
-    moments: CrossMoments,
-    states: Vec<[f64; D]>,
     numbers: Vec<f64>,
 }
 
@@ -21,19 +21,8 @@ impl<'a, const D: usize> FinalMoments<'a, D> {
     /// coarse steps.
     #[must_use]
     pub fn new(coarse_steps: u64, length: usize, values: &'a FinalValues<'a, D>) -> Self {
-        Self {
-            last_time: coarse_steps,
-            values,
-            moments: CrossMoments::new(length),
-            states: Vec::new(),
-            numbers: vec![0.0; length],
-        }
-    }
-
-    /// Moments of the numbers.
-    #[must_use]
-    pub fn moments(&self) -> &CrossMoments {
-        &self.moments
+        let (moments, numbers) = (CrossMoments::new(length), vec![0.0; length]);
+        Self { moments, last_time: coarse_steps, values, numbers }
     }
 }
 
@@ -43,9 +32,7 @@ impl<const D: usize> Statistic<D> for FinalMoments<'_, D> {
             return;
         }
         for p in view.live.paths() {
-            self.states.clear();
-            self.states.extend(view.states.iter().map(|state| state.path(p)));
-            (self.values)(&self.states, &mut self.numbers);
+            (self.values)(view, p, &mut self.numbers);
             self.moments.add(&self.numbers);
         }
     }

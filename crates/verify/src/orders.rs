@@ -4,11 +4,13 @@
 //! them on a ladder beside a reference, on the same noise, and an order is fitted to the errors at
 //! the final time, with its interval.
 
-use mc::{Ladder, LadderError, Observable, Run, Statistic, TimeChange, View};
+use mc::{Ladder, LadderError, Observable, Run, TimeChange, View};
 use noise::{StreamKey, Truncation};
 use schemes::{Scheme, Sexp, SexpLevy};
 use stats::{Against, CrossMoments, Point, Rate, fit_strong, fit_weak, root_mean_squares};
 use systems::{Damping, PoissonSystem, Problem};
+
+use crate::{FinalMoments, FinalValues};
 
 /// Step sizes, paths and noise of a measurement of an order.
 #[derive(Clone, Copy, Debug)]
@@ -99,7 +101,7 @@ where
     let taus = sizes.taus(problem.t_end);
     let step = match reference {
         ReferenceSolution::Exact(_) => None,
-        _ => Some(sizes.reference(problem.t_end)),
+        _ => Some(problem.t_end / sizes.reference_steps() as f64),
     };
     let rate = fit_strong(&taus, step, &squares);
     Ok(Order { points: root_mean_squares(&taus, &squares), rate, failed })
@@ -132,7 +134,7 @@ where
     let covariance = moments.covariances_of_means();
     let points = (0..taus.len()).map(|l| Point::normal(taus[l], means[l], covariance[l][l].sqrt()));
     let against = match reference {
-        ReferenceSolution::Itself => Against::Step(sizes.reference(problem.t_end)),
+        ReferenceSolution::Itself => Against::Step(problem.t_end / sizes.reference_steps() as f64),
         _ => Against::Exact,
     };
     let rate = fit_weak(&taus, &means, &covariance, against);
@@ -153,8 +155,8 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let values = |view: &View<'_, D>, p: usize| {
-        vec![(observable.function)((exact.solution)(view.random_time.0[0][p]))]
+    let values = |view: &View<'_, D>, p: usize, values: &mut [f64]| {
+        values[0] = (observable.function)((exact.solution)(view.random_time.0[0][p]));
     };
     let (values, _) = measure(problem, sizes, Vec::new(), Some(exact.time_change), 1, &values)?;
     Ok((values.mean(0), values.covariance_of_means(0, 0).sqrt()))
@@ -170,13 +172,19 @@ impl StepSizes {
         self.levels - 1 - index + self.refinement as usize
     }
 
-    fn taus(&self, t_end: f64) -> Vec<f64> {
-        (0..self.levels).map(|index| t_end / (self.coarsest_steps << index) as f64).collect()
+    /// The numbers of steps, coarsest first.
+    pub fn steps(&self) -> impl Iterator<Item = u64> {
+        (0..self.levels).map(|index| self.coarsest_steps << index)
     }
 
-    /// The step size of the reference.
-    fn reference(&self, t_end: f64) -> f64 {
-        t_end / (self.coarsest_steps << self.level(0)) as f64
+    /// Number of steps of the reference.
+    #[must_use]
+    pub fn reference_steps(&self) -> u64 {
+        self.coarsest_steps << self.level(0)
+    }
+
+    fn taus(&self, t_end: f64) -> Vec<f64> {
+        self.steps().map(|steps| t_end / steps as f64).collect()
     }
 
     /// Refuses sizes without a step or a step size, or with too many.
@@ -223,14 +231,16 @@ where
             None
         }
     };
-    let sample = |view: &View<'_, D>, p: usize| {
+    let values = |view: &View<'_, D>, p: usize, values: &mut [f64]| {
         let exact = match exact {
             None => view.states[levels].path(p),
             Some(exact) => (exact.solution)(view.random_time.0[0][p]),
         };
-        view.states[..levels].iter().map(|y| error(y.path(p), exact)).collect()
+        for (value, y) in values.iter_mut().zip(view.states) {
+            *value = error(y.path(p), exact);
+        }
     };
-    measure(problem, sizes, runs, exact.map(|exact| exact.time_change), levels, &sample)
+    measure(problem, sizes, runs, exact.map(|exact| exact.time_change), levels, &values)
 }
 
 /// Moments of a vector of this length at the final time, and the number of paths that were left
@@ -241,7 +251,7 @@ fn measure<S, G, const D: usize, const M: usize>(
     runs: Vec<Run<'_, S, D, M>>,
     time_change: Option<&dyn TimeChange<M>>,
     length: usize,
-    sample: Sample<'_, D>,
+    values: &FinalValues<'_, D>,
 ) -> Result<(CrossMoments, u64), LadderError>
 where
     S: PoissonSystem<D, M>,
@@ -249,37 +259,12 @@ where
 {
     sizes.check()?;
     let top = sizes.level(0);
-    let steps = sizes.coarsest_steps << top;
+    let steps = sizes.reference_steps();
     let mut ladder = Ladder::new(problem, steps, top, sizes.truncation, sizes.key, runs)?;
     if let Some(time_change) = time_change {
         ladder = ladder.with_time_change(time_change);
     }
-    let last_time = ladder.coarse_steps();
-    let none = || FinalMoments { sample, last_time, moments: CrossMoments::new(length) };
+    let none = || FinalMoments::new(ladder.coarse_steps(), length, values);
     let measured = ladder.run(sizes.samples, none, &|_| ());
     Ok((measured.statistic.moments, measured.failed))
-}
-
-/// What is measured of a path of a block.
-type Sample<'a, const D: usize> = &'a (dyn Fn(&View<'_, D>, usize) -> Vec<f64> + Sync);
-
-/// Moments of a vector at the final time.
-struct FinalMoments<'a, const D: usize> {
-    sample: Sample<'a, D>,
-    last_time: u64,
-    moments: CrossMoments,
-}
-
-impl<const D: usize> Statistic<D> for FinalMoments<'_, D> {
-    fn observe(&mut self, view: &View<'_, D>) {
-        if view.time == self.last_time {
-            for p in view.live.paths() {
-                self.moments.add(&(self.sample)(view, p));
-            }
-        }
-    }
-
-    fn merge(&mut self, later: Self) {
-        self.moments.merge(&later.moments);
-    }
 }

@@ -58,6 +58,15 @@ pub struct Provenance {
     pub wall_s_by_id: BTreeMap<String, f64>,
 }
 
+impl Provenance {
+    /// Seed, mode and threads of a run on the current rayon pool; the rest is empty.
+    #[must_use]
+    pub fn of_run(seed: u64, mode: &str) -> Self {
+        let threads = rayon::current_num_threads();
+        Self { seed, mode: mode.to_owned(), threads, ..Self::default() }
+    }
+}
+
 /// What a panel shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

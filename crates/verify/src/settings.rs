@@ -10,6 +10,17 @@ pub enum Mode {
     Quick,
 }
 
+impl Mode {
+    /// `paper` or `quick`, as in results.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Quick => "quick",
+        }
+    }
+}
+
 /// What a run is made of.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {

@@ -21,50 +21,27 @@ pub fn cost_at(curve: &[(f64, f64)], target: f64) -> Option<f64> {
 /// How two curves compare over the errors that both reach.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Crossing {
-    /// (error, cost of the first curve over cost of the second), from the largest error to the
-    /// smallest.
+    /// (error, cost of the first curve over cost of the second) at every error that was measured on
+    /// one of them, from the largest to the smallest. Between these the ratio is a power law.
     pub ratios: Vec<(f64, f64)>,
     /// The errors at which the cheaper of the two changes.
     pub at: Vec<f64>,
 }
 
-/// Errors at which two curves are compared, evenly on a logarithmic scale.
-const POINTS: usize = 65;
-
 /// Compares two curves of (error, cost) by increasing cost; `None` when they reach no error in
 /// common.
 #[must_use]
 pub fn crossing(first: &[(f64, f64)], second: &[(f64, f64)]) -> Option<Crossing> {
-    let range = |curve: &[(f64, f64)]| {
-        curve
-            .iter()
-            .map(|(error, _)| *error)
-            .filter(|error| error.is_finite() && *error > 0.0)
-            .fold((f64::INFINITY, 0.0), |(lo, hi): (f64, f64), error| {
-                (lo.min(error), hi.max(error))
-            })
-    };
-    let (a, b) = (range(first), range(second));
-    let (lo, hi) = (a.0.max(b.0), a.1.min(b.1));
-    if lo >= hi {
-        return None;
-    }
-    let ratios: Vec<(f64, f64)> = (0..POINTS)
-        .filter_map(|n| {
-            // The ends themselves, and not what rounding makes of them.
-            let error = match n {
-                0 => hi,
-                n if n == POINTS - 1 => lo,
-                n => hi * (lo / hi).powf(n as f64 / (POINTS - 1) as f64),
-            };
-            Some((error, cost_at(first, error)? / cost_at(second, error)?))
-        })
-        .collect();
-    let at = ratios
-        .windows(2)
-        .filter(|pair| (pair[0].1 < 1.0) != (pair[1].1 < 1.0))
-        .map(|pair| (pair[0].0 * pair[1].0).sqrt())
-        .collect();
+    let mut errors: Vec<f64> = first.iter().chain(second).map(|(error, _)| *error).collect();
+    errors.sort_by(|a, b| b.total_cmp(a));
+    let ratio = |error| Some((error, cost_at(first, error)? / cost_at(second, error)?));
+    let ratios: Vec<(f64, f64)> = errors.into_iter().filter_map(ratio).collect();
+    let changes = ratios.windows(2).filter(|pair| (pair[0].1 < 1.0) != (pair[1].1 < 1.0));
+    let equal = changes.map(|pair| {
+        let [(coarse, before), (fine, after)] = [pair[0], pair[1]];
+        coarse * (fine / coarse).powf(before.ln() / (before / after).ln())
+    });
+    let at = equal.collect();
     (!ratios.is_empty()).then_some(Crossing { ratios, at })
 }
 
@@ -108,7 +85,7 @@ mod tests {
         // ε⁻² against 16 ε⁻¹: equal at ε = 1/16.
         let found = crossing(&curve(0.5, 1.0), &curve(1.0, 16.0)).expect("common errors");
         assert_eq!(found.at.len(), 1);
-        assert!((found.at[0] * 16.0).ln().abs() < 0.1, "{found:?}");
+        assert!((found.at[0] * 16.0 - 1.0).abs() < 1e-12, "{found:?}");
         assert!(found.ratios[0].1 < 1.0 && found.ratios[found.ratios.len() - 1].1 > 1.0);
         assert!(crossing(&curve(1.0, 1.0), &curve(1.0, 2.0)).expect("common errors").at.is_empty());
         assert_eq!(crossing(&[(1.0, 1.0), (0.5, 2.0)], &[(0.1, 1.0), (0.05, 2.0)]), None);

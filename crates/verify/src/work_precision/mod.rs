@@ -41,14 +41,14 @@
 mod compare;
 mod time;
 
-use mc::{Ladder, LadderError, PathFailure, Run};
+use mc::{Ladder, LadderError, PathFailure, Run, View};
 use schemes::Scheme;
 use serde::{Deserialize, Serialize};
 use stats::{CrossMoments, root_mean_square_interval};
 use systems::{Damping, PoissonSystem, Problem};
 
 pub use compare::{Crossing, cost_at, crossing};
-pub use time::{Repetitions, Time, TimeError, path_times};
+pub use time::{Repetitions, Time, path_times};
 
 use crate::{FinalMoments, StepSizes};
 
@@ -112,11 +112,6 @@ impl WorkCurve {
     }
 }
 
-/// The step numbers of a study, coarsest first.
-pub fn steps(sizes: &StepSizes) -> impl Iterator<Item = u64> {
-    (0..sizes.levels).map(|index| sizes.coarsest_steps << index)
-}
-
 /// A ladder on which every scheme runs at every step size of `sizes`, beside runs of references at
 /// the finest levels.
 ///
@@ -138,7 +133,7 @@ pub fn ladder<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
     for &scheme in schemes {
         runs.extend((0..sizes.levels).map(|index| Run::new(scheme, sizes.level(index))));
     }
-    Ladder::new(problem, sizes.coarsest_steps << top, top, sizes.truncation, sizes.key, runs)
+    Ladder::new(problem, sizes.reference_steps(), top, sizes.truncation, sizes.key, runs)
 }
 
 /// |y − x|².
@@ -155,27 +150,31 @@ pub fn squared_distance<const D: usize>(y: [f64; D], x: [f64; D]) -> f64 {
 /// [`SexpLevy`](schemes::SexpLevy) with several, and some refinement.
 ///
 /// # Errors
-/// [`TimeError`] as of [`ladder`], when no repetition is asked for, or when no thread can be started.
+/// [`LadderError`] as of [`ladder`].
+///
+/// # Panics
+/// As [`path_times`].
 pub fn work_precision<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     schemes: &[&dyn Scheme<S, D, M>],
     problem: &Problem<S, G, D>,
     reference: &dyn Scheme<S, D, M>,
     sizes: &StepSizes,
     repetitions: Repetitions,
-) -> Result<WorkPrecision, TimeError> {
+) -> Result<WorkPrecision, LadderError> {
     let ladder = ladder(schemes, problem, vec![Run::new(reference, 0)], sizes)?;
-    let squares = |states: &[[f64; D]], squares: &mut [f64]| {
-        for (square, &state) in squares.iter_mut().zip(&states[1..]) {
-            *square = squared_distance(state, states[0]);
+    let squares = |view: &View<'_, D>, p: usize, squares: &mut [f64]| {
+        let reference = view.states[0].path(p);
+        for (square, state) in squares.iter_mut().zip(&view.states[1..]) {
+            *square = squared_distance(state.path(p), reference);
         }
     };
     let length = schemes.len() * sizes.levels;
     let new = || FinalMoments::new(ladder.coarse_steps(), length, &squares);
     let outcome = ladder.run(sizes.samples, new, &|_| ());
-    let steps: Vec<u64> = steps(sizes).collect();
+    let steps: Vec<u64> = sizes.steps().collect();
     let StepSizes { truncation, key, .. } = *sizes;
     let times = path_times(schemes, problem, &steps, truncation, key, repetitions, &|_| ())?;
-    let squares = outcome.statistic.moments();
+    let squares = &outcome.statistic.moments;
     let point = |s: usize, l: usize| {
         WorkPoint::new(problem.t_end, steps[l], squares, s * sizes.levels + l, times[s][l])
     };

@@ -1,11 +1,10 @@
 //! Processor time of a path: increments drawn and clipped, areas where a scheme reads them, steps.
 
-use std::fmt;
 use std::hint::black_box;
 
 use mc::{Ladder, LadderError, Run, Statistic, View};
 use noise::{StreamKey, Truncation};
-use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
+use rayon::ThreadPoolBuilder;
 use schemes::Scheme;
 use serde::{Deserialize, Serialize};
 use systems::{Damping, PoissonSystem, Problem};
@@ -18,7 +17,7 @@ const PATHS: u64 = 128;
 /// How often a time is measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Repetitions {
-    /// Repetitions of every time.
+    /// Repetitions of every time, one at least.
     pub count: usize,
     /// Steps that a repetition takes at least, over all its paths.
     pub path_steps: u64,
@@ -57,46 +56,12 @@ pub struct Time {
     pub failed: u64,
 }
 
-/// Why no time was measured.
-#[derive(Debug)]
-#[non_exhaustive]
-pub enum TimeError {
-    /// The steps or the truncation were refused.
-    Ladder(LadderError),
-    /// No repetition was asked for.
-    NoRepetition,
-    /// The thread that is timed cannot be started.
-    Thread(ThreadPoolBuildError),
-}
-
-impl fmt::Display for TimeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Ladder(error) => error.fmt(f),
-            Self::NoRepetition => f.write_str("a time needs at least one repetition, got 0"),
-            Self::Thread(error) => write!(f, "cannot start a thread: {error}"),
-        }
-    }
-}
-
-impl std::error::Error for TimeError {}
-
-impl From<LadderError> for TimeError {
-    fn from(error: LadderError) -> Self {
-        Self::Ladder(error)
-    }
-}
-
-/// Keeps the final states from being optimised away, and nothing else.
-struct Ignored {
-    last_time: u64,
-}
+/// Keeps the states from being optimised away, and nothing else.
+struct Ignored;
 
 impl<const D: usize> Statistic<D> for Ignored {
     fn observe(&mut self, view: &View<'_, D>) {
-        if view.time == self.last_time {
-            black_box(view.states);
-        }
+        black_box(view.states);
     }
 
     fn merge(&mut self, _later: Self) {}
@@ -111,7 +76,10 @@ impl<const D: usize> Statistic<D> for Ignored {
 /// paths are done.
 ///
 /// # Errors
-/// [`TimeError`].
+/// [`LadderError`] when the steps or the truncation are refused.
+///
+/// # Panics
+/// When no repetition is asked for, or when no thread can be started.
 pub fn path_times<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     schemes: &[&dyn Scheme<S, D, M>],
     problem: &Problem<S, G, D>,
@@ -120,10 +88,8 @@ pub fn path_times<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
     key: StreamKey,
     repetitions: Repetitions,
     progress: &(dyn Fn(u64) + Sync),
-) -> Result<Vec<Vec<Time>>, TimeError> {
-    if repetitions.count == 0 {
-        return Err(TimeError::NoRepetition);
-    }
+) -> Result<Vec<Vec<Time>>, LadderError> {
+    assert!(repetitions.count > 0, "a time needs at least one repetition");
     let mut ladders = Vec::new();
     for &scheme in schemes {
         for &steps in steps {
@@ -134,14 +100,14 @@ pub fn path_times<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
     }
     let mut measured = vec![(Vec::with_capacity(repetitions.count), 0); ladders.len()];
     // The clock of the thread is read on the thread that works.
-    let one = ThreadPoolBuilder::new().num_threads(1).build().map_err(TimeError::Thread)?;
+    let one = ThreadPoolBuilder::new().num_threads(1).build();
+    let one = one.unwrap_or_else(|error| panic!("cannot start a thread: {error}"));
     one.install(|| {
         for _ in 0..repetitions.count {
             for (&(ref ladder, steps), (seconds, failed)) in ladders.iter().zip(&mut measured) {
                 let paths = repetitions.paths(steps);
-                let new = || Ignored { last_time: steps };
                 let watch = Stopwatch::start();
-                *failed = ladder.run(paths, new, &|_| ()).failed;
+                *failed = ladder.run(paths, || Ignored, &|_| ()).failed;
                 let time = if ladder.runs_on_pool() { watch.thread_s() } else { watch.wall_s() };
                 seconds.push(time / paths as f64);
                 progress(paths * steps);
@@ -172,17 +138,15 @@ mod tests {
         let (sexp, truncation) = (Sexp::default(), Truncation::new(4)?);
         let key = StreamKey { seed: 3, experiment: 1 };
         let repetitions = Repetitions { count: 3, path_steps: 1 };
-        let measure = |repetitions| {
-            path_times(&[&sexp, &Heun], &problem, &[8, 16], truncation, key, repetitions, &|_| ())
-        };
-        let times = measure(repetitions)?;
+        let schemes: [&dyn Scheme<_, 2, 1>; 2] = [&sexp, &Heun];
+        let times =
+            path_times(&schemes, &problem, &[8, 16], truncation, key, repetitions, &|_| ())?;
         assert_eq!((times.len(), times[0].len(), repetitions.work(2, &[8, 16])), (2, 2, 18_432));
         for time in times.iter().flatten() {
             assert!(0.0 <= time.min_s && time.min_s <= time.median_s, "{time:?}");
             assert!(time.median_s <= time.max_s, "{time:?}");
             assert_eq!((time.repetitions, time.paths, time.failed), (3, PATHS, 0));
         }
-        assert!(measure(Repetitions { count: 0, path_steps: 1 }).is_err());
         Ok(())
     }
 }

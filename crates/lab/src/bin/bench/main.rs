@@ -53,17 +53,12 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     let (mode, mut workload) =
         if arguments.quick { ("quick", Workload::QUICK) } else { ("full", Workload::FULL) };
     workload.repetitions = arguments.repetitions.unwrap_or(workload.repetitions);
-    let speed = measure::measure(workload, &|next| eprintln!("{next}"))?;
+    let speed = measure::measure(workload)?;
     // What was measured is shown even where the file cannot be written.
     println!("{}", table::page(&speed));
     let failed: u64 = speed.schemes.iter().map(|row| row.failed).sum();
     if let Some(file) = &arguments.json {
-        let known = Provenance {
-            seed: measure::KEY.seed,
-            mode: mode.to_owned(),
-            threads: rayon::current_num_threads(),
-            ..Provenance::default()
-        };
+        let known = Provenance::of_run(measure::KEY.seed, mode);
         let provenance = provenance::complete(known, "cargo xtask bench", start);
         files::write_json(file, &Report { schema: results::SCHEMA, provenance, speed })?;
         println!("numbers: {}", file.display());

@@ -1,13 +1,15 @@
 //! Every scheme on every system, and one of them with more threads, samples, steps and levels.
 
 use std::fs;
+use std::hint::black_box;
+use std::iter::successors;
 use std::thread::available_parallelism;
 
 use anyhow::{Context, Result};
-use lab::compiled;
 use lab::setups::{Setup, Visit, visit_others, visit_paper};
-use mc::{Ladder, Run};
-use noise::{StreamKey, Truncation};
+use lab::{compiled, truncation};
+use mc::{Ladder, Run, View};
+use noise::StreamKey;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use real::Level;
 use report::provenance::peak_memory_mb;
@@ -23,22 +25,22 @@ pub const KEY: StreamKey = StreamKey { seed: 1, experiment: lab::streams::BENCH 
 /// The step size of all measurements, 2⁻⁸.
 const TAU: f64 = 1.0 / 256.0;
 
-/// Measures everything; `progress` is told what comes next.
-pub fn measure(workload: Workload, progress: &dyn Fn(&str)) -> Result<Speed> {
+/// Measures everything, and says on standard error what comes next.
+pub fn measure(workload: Workload) -> Result<Speed> {
     let load_before = load();
     let one = pool(1)?;
-    let growth = growth(workload, &one, progress)?;
-    let mut rows = Rows { workload, progress, one, rows: Vec::new() };
-    visit_paper(&mut rows)?;
-    visit_others(&mut rows)?;
+    let growth = growth(workload, &one)?;
+    let mut schemes = Schemes { workload, one, rows: Vec::new() };
+    visit_paper(&mut schemes)?;
+    visit_others(&mut schemes)?;
     Ok(Speed {
         workload,
         clock: if Stopwatch::MEASURES_PROCESSOR { Clock::OnCore } else { Clock::Wall },
         simd: Level::current().name(),
         optimised: !cfg!(debug_assertions),
         load_before,
-        schemes: rows.rows,
-        threads: threads(workload, progress)?,
+        schemes: schemes.rows,
+        threads: threads(workload)?,
         growth,
         peak_memory_mb: peak_memory_mb(),
     })
@@ -61,15 +63,17 @@ fn ladder<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
     runs: Vec<Run<'a, S, D, M>>,
 ) -> Result<Ladder<'a, D, M>> {
     let steps = (problem.t_end / TAU).round() as u64;
-    Ok(Ladder::new(problem, steps, levels, Truncation::new(4)?, KEY, runs)?)
+    Ok(Ladder::new(problem, steps, levels, truncation(), KEY, runs)?)
 }
 
 /// Runs the ladder on the current pool with a small statistic, the mean of the final state; returns
 /// how many paths were left out.
 fn run_once<const D: usize, const M: usize>(ladder: &Ladder<'_, D, M>, paths: u64) -> u64 {
-    let state = |states: &[[f64; D]], values: &mut [f64]| values.copy_from_slice(&states[0]);
+    let state = |view: &View<'_, D>, p: usize, values: &mut [f64]| {
+        values.copy_from_slice(&view.states[0].path(p));
+    };
     let new = || FinalMoments::new(ladder.coarse_steps(), D, &state);
-    std::hint::black_box(ladder.run(paths, new, &|_| ())).failed
+    black_box(ladder.run(paths, new, &|_| ())).failed
 }
 
 /// Wall and thread time of repetitions in seconds, and how many paths were left out.
@@ -84,46 +88,41 @@ struct Times {
 fn repeat<const D: usize, const M: usize>(
     pool: &ThreadPool,
     ladder: &Ladder<'_, D, M>,
-    paths: u64,
-    repetitions: u32,
+    Workload { paths, repetitions, .. }: Workload,
 ) -> Times {
     // The clock of the thread is read on the thread that works.
     pool.install(|| {
         let failed = run_once(ladder, paths);
-        let (mut wall, mut thread) = (Vec::new(), Vec::new());
-        for _ in 0..repetitions {
+        let once = |_| {
             let watch = Stopwatch::start();
             run_once(ladder, paths);
-            thread.push(watch.thread_s());
-            wall.push(watch.wall_s());
-        }
+            (watch.wall_s(), watch.thread_s())
+        };
+        let (wall, thread) = (0..repetitions).map(once).unzip();
         Times { wall: Spread::of(wall), thread: Spread::of(thread), failed }
     })
 }
 
 /// Every scheme on every system, on one thread.
-struct Rows<'a> {
+struct Schemes {
     workload: Workload,
-    progress: &'a dyn Fn(&str),
     one: ThreadPool,
     rows: Vec<SchemeRow>,
 }
 
-impl Visit for Rows<'_> {
-    type Error = anyhow::Error;
-
+impl Visit for Schemes {
     fn visit<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &mut self,
         setup: Setup<S, G, D, M>,
     ) -> Result<()> {
-        let Workload { paths, steps, repetitions } = self.workload;
-        let Setup { id, problem, implicit, explicit, .. } = setup;
+        let Workload { paths, steps, .. } = self.workload;
+        let Setup { id, problem, schemes, .. } = setup;
         let problem = problem.until(steps as f64 * TAU)?;
         let ns = 1e9 / (paths * steps) as f64;
-        for scheme in implicit.into_iter().chain(explicit) {
-            (self.progress)(&format!("{} on {}", scheme.id(), id));
+        for (_, scheme) in &schemes {
+            eprintln!("{} on {}", scheme.id(), id);
             let ladder = ladder(&problem, 0, vec![Run::new(scheme.as_ref(), 0)])?;
-            let times = repeat(&self.one, &ladder, paths, repetitions);
+            let times = repeat(&self.one, &ladder, self.workload);
             self.rows.push(SchemeRow {
                 system: id,
                 dimension: D,
@@ -140,23 +139,19 @@ impl Visit for Rows<'_> {
 
 /// Powers of two below the number of processors, and that number.
 fn counts(processors: usize) -> Vec<usize> {
-    let mut counts: Vec<usize> = (0..usize::BITS)
-        .map(|k| 1 << k)
-        .take_while(|&threads: &usize| threads < processors)
-        .collect();
-    counts.push(processors);
-    counts
+    let powers = successors(Some(1), |threads| Some(2 * threads));
+    powers.take_while(|&threads| threads < processors).chain([processors]).collect()
 }
 
 /// The same work on one thread, two, four and so on, and on all processors.
-fn threads(workload: Workload, progress: &dyn Fn(&str)) -> Result<Vec<ThreadRow>> {
+fn threads(workload: Workload) -> Result<Vec<ThreadRow>> {
     let problem = rigid_body_three_noises(workload.steps as f64 * TAU);
     let sexp = compiled(Sexp::default());
     let ladder = ladder(&problem, 0, vec![Run::new(sexp.as_ref(), 0)])?;
     let mut rows: Vec<ThreadRow> = Vec::new();
     for threads in counts(available_parallelism().map_or(1, usize::from)) {
-        progress(&format!("{threads} threads"));
-        let seconds = repeat(&pool(threads)?, &ladder, workload.paths, workload.repetitions).wall;
+        eprintln!("{threads} threads");
+        let seconds = repeat(&pool(threads)?, &ladder, workload).wall;
         let first = rows.first().map_or(seconds.best, |row| row.seconds.best);
         rows.push(ThreadRow { threads, seconds, speedup: first / seconds.best });
     }
@@ -170,50 +165,42 @@ const SIZES: u32 = 5;
 /// truncation is not defined.
 const MOST_LEVELS: u32 = 6;
 
-/// What grows and how large it is; paths, steps and levels of the measurement.
-struct Size(&'static str, u64, [u64; 3]);
+/// What grows and how large it is; the measurement, and its levels above the finest.
+type Size = (&'static str, u64, Workload, usize);
 
-fn sizes(Workload { paths, steps, .. }: Workload) -> Vec<Size> {
-    let from = |largest: u64, k: u32| largest.div_ceil(FACTOR.pow(SIZES - 1)) * FACTOR.pow(k);
-    let samples = (0..SIZES).map(|k| {
-        let value = from(paths, k);
-        Size("samples", value, [value, steps, 0])
-    });
+fn sizes(workload: Workload) -> Vec<Size> {
+    let Workload { paths, steps, .. } = workload;
+    let values = |largest: u64| {
+        (0..SIZES).map(move |k| largest.div_ceil(FACTOR.pow(SIZES - 1)) * FACTOR.pow(k))
+    };
+    let samples = values(paths).map(|paths| ("samples", paths, Workload { paths, ..workload }, 0));
     // As much work as one of the larger sample sizes, whatever the number of steps.
-    let longer = (0..SIZES).map(|k| {
-        let value = from(steps * FACTOR, k);
-        Size("steps", value, [paths.div_ceil(FACTOR * FACTOR), value, 0])
-    });
-    let most = u64::from(MOST_LEVELS.min(steps.trailing_zeros()));
-    let levels = (0..=most)
-        .step_by(2)
-        .map(|levels| Size("levels", levels, [paths.div_ceil(FACTOR), steps, levels]));
+    let fewer = Workload { paths: paths.div_ceil(FACTOR * FACTOR), ..workload };
+    let longer =
+        values(steps * FACTOR).map(|steps| ("steps", steps, Workload { steps, ..fewer }, 0));
+    let quarter = Workload { paths: paths.div_ceil(FACTOR), ..workload };
+    let levels = (0..=MOST_LEVELS.min(steps.trailing_zeros())).step_by(2);
+    let levels = levels.map(|levels| ("levels", u64::from(levels), quarter, levels as usize));
     samples.chain(longer).chain(levels).collect()
 }
 
 /// More samples, more steps, more levels: is time linear, is memory flat?
-fn growth(workload: Workload, one: &ThreadPool, progress: &dyn Fn(&str)) -> Result<Vec<GrowthRow>> {
+fn growth(workload: Workload, one: &ThreadPool) -> Result<Vec<GrowthRow>> {
     let sexp = compiled(Sexp::default());
     let mut rows = Vec::new();
-    for Size(grows, value, [paths, steps, levels]) in sizes(workload) {
-        progress(&format!("{value} {grows}"));
-        let problem = rigid_body_three_noises(steps as f64 * TAU);
-        let levels = levels as usize;
+    for (grows, value, workload, levels) in sizes(workload) {
+        eprintln!("{value} {grows}");
+        let problem = rigid_body_three_noises(workload.steps as f64 * TAU);
         let runs = (0..=levels).map(|level| Run::new(sexp.as_ref(), level)).collect();
         let ladder = ladder(&problem, levels, runs)?;
-        let path_steps = ladder.steps_per_path() * paths;
+        let path_steps = ladder.steps_per_path() * workload.paths;
         // Sets the mark of the peak back to what is in use now, where the system lets us.
         let forgotten = fs::write("/proc/self/clear_refs", "5").is_ok();
-        one.install(|| run_once(&ladder, paths));
+        one.install(|| run_once(&ladder, workload.paths));
         let peak_memory_mb = if forgotten { peak_memory_mb() } else { None };
-        let times = repeat(one, &ladder, paths, workload.repetitions);
-        rows.push(GrowthRow {
-            grows,
-            value,
-            path_steps,
-            ns_per_path_step: times.thread.scaled(1e9 / path_steps as f64),
-            peak_memory_mb,
-        });
+        let times = repeat(one, &ladder, workload);
+        let ns_per_path_step = times.thread.scaled(1e9 / path_steps as f64);
+        rows.push(GrowthRow { grows, value, path_steps, ns_per_path_step, peak_memory_mb });
     }
     Ok(rows)
 }

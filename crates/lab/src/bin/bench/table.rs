@@ -1,7 +1,7 @@
 //! The numbers on the terminal.
 
-use comfy_table::presets::ASCII_MARKDOWN;
-use comfy_table::{CellAlignment, Table};
+use comfy_table::Table;
+use lab::command::table;
 use verify::Spread;
 
 use crate::results::{Clock, Speed};
@@ -9,17 +9,14 @@ use crate::results::{Clock, Speed};
 /// Everything that was measured.
 pub fn page(speed: &Speed) -> String {
     let workload = speed.workload;
+    let clock = match speed.clock {
+        Clock::OnCore => "on the core",
+        Clock::Wall => "on the wall",
+    };
     let mut parts = vec![format!(
         "{} paths, {} steps of 2^-8, {}, one thread, noise and statistics included; best of {}, ns \
-         for one step of one path {}",
-        workload.paths,
-        workload.steps,
-        speed.simd,
-        workload.repetitions,
-        match speed.clock {
-            Clock::OnCore => "on the core",
-            Clock::Wall => "on the wall",
-        }
+         for one step of one path {clock}",
+        workload.paths, workload.steps, speed.simd, workload.repetitions
     )];
     if !speed.optimised {
         parts.push("built without optimisation: the numbers say nothing".to_owned());
@@ -36,20 +33,6 @@ pub fn page(speed: &Speed) -> String {
     parts.join("\n")
 }
 
-/// A table whose columns from number `first_number` on are numbers.
-fn table<const N: usize>(
-    header: [&str; N],
-    first_number: usize,
-    rows: impl Iterator<Item = [String; N]>,
-) -> Table {
-    let mut table = Table::new();
-    table.load_style(ASCII_MARKDOWN).set_header(header).add_rows(rows);
-    for column in table.column_iter_mut().skip(first_number) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
-}
-
 fn numbers(spread: &Spread, digits: usize) -> [String; 3] {
     [spread.best, spread.median, spread.worst].map(|number| format!("{number:.digits$}"))
 }
@@ -58,10 +41,9 @@ fn schemes(speed: &Speed) -> Table {
     let header = ["system", "scheme", "D", "M", "best", "median", "worst", "wall, best"];
     let rows = speed.schemes.iter().map(|row| {
         let [best, median, worst] = numbers(&row.ns_per_path_step, 2);
-        let wall = format!("{:.2}", row.wall_ns_per_path_step.best);
-        let (system, scheme) = (row.system.to_owned(), row.scheme.to_owned());
-        let sizes = [row.dimension, row.noises].map(|size| size.to_string());
-        let [dimension, noises] = sizes;
+        let [wall, ..] = numbers(&row.wall_ns_per_path_step, 2);
+        let [dimension, noises] = [row.dimension, row.noises].map(|size| size.to_string());
+        let [system, scheme] = [row.system, row.scheme].map(str::to_owned);
         [system, scheme, dimension, noises, best, median, worst, wall]
     });
     table(header, 2, rows)

@@ -90,12 +90,10 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     let start = Instant::now();
     let mut results = Stability {
         schema: SCHEMA,
-        provenance: Provenance {
-            seed: arguments.seed,
-            mode: if arguments.quick { "quick" } else { "full" }.to_owned(),
-            threads: rayon::current_num_threads(),
-            ..Provenance::default()
-        },
+        provenance: Provenance::of_run(
+            arguments.seed,
+            if arguments.quick { "quick" } else { "full" },
+        ),
         cases: cases::run(arguments)?,
         growth: if arguments.wants(GROWTH) { growth::run(arguments)? } else { Vec::new() },
         fuzz: if arguments.wants(FUZZ) { fuzz::run(arguments) } else { Vec::new() },

@@ -67,7 +67,6 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     let bars = Bars::new();
     let mut results = pool.install(|| lab::reproduce(settings, &arguments.only, &bars))?;
     bars.finish();
-    results.provenance.threads = pool.current_num_threads();
     results.provenance = provenance::complete(results.provenance, "cargo xtask reproduce", start);
     files::write_json(&arguments.out.join("results.json"), &results)?;
     report::write_report(&results, &WORDING, &arguments.out)?;

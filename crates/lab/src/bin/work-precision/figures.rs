@@ -9,30 +9,22 @@ fn figure(title: String, y_title: &str, plots: Vec<Plot>) -> String {
     Figure { title, y_title, size, style: Style::Schemes, plots }.svg()
 }
 
-fn curve(scheme: &str, points: impl Iterator<Item = Measured>) -> Curve {
-    Curve { name: scheme.to_owned(), note: String::new(), points: points.collect() }
-}
-
-fn plot(x_title: String, spacing: Spacing, curves: Vec<Curve>) -> Plot {
-    Plot { x_title, spacing, lines: Vec::new(), curves }
+fn plot(x_title: String, spacing: Spacing, curves: impl Iterator<Item = Curve>) -> Plot {
+    Plot { x_title, spacing, lines: Vec::new(), curves: curves.collect() }
 }
 
 /// Strong errors against the time and against the steps of a path.
 pub fn strong(case: &Case) -> String {
-    let curves = |costs: fn(&StrongPoint) -> (f64, f64)| {
-        let of = |series: &Series<StrongPoint>| {
-            let points = series.points.iter().map(|point| {
-                let (x, x_hi) = costs(point);
-                Measured {
-                    x,
-                    x_hi,
-                    y: point.work.error,
-                    interval: point.work.lo.zip(point.work.hi),
-                }
-            });
-            curve(series.scheme, points)
+    let curves = |cost: fn(&StrongPoint) -> (f64, f64)| {
+        let measured = move |point: &StrongPoint| {
+            let (x, x_hi) = cost(point);
+            let interval = point.work.lo.zip(point.work.hi);
+            Measured { x, x_hi, y: point.work.error, interval }
         };
-        case.strong.series.iter().map(of).collect()
+        let curve = move |series: &Series<StrongPoint>| {
+            Curve::new(series.scheme, series.points.iter().map(measured))
+        };
+        case.strong.series.iter().map(curve)
     };
     let by_time = curves(|point| (1e6 * point.work.time.min_s, 1e6 * point.work.time.median_s));
     let by_steps = curves(|point| (point.work.steps as f64, point.work.steps as f64));
@@ -46,13 +38,12 @@ pub fn strong(case: &Case) -> String {
 /// Accuracies of expectations against the time of an estimate, a plot for each test function.
 pub fn weak(case: &Case) -> String {
     let plots = case.weak.observables.iter().map(|observable| {
-        let curves = observable.series.iter().map(|series| {
-            let points = series.curve().into_iter();
-            let measured = |(y, x)| Measured { x, x_hi: x, y, interval: None };
-            curve(series.scheme, points.map(measured))
+        let curves = observable.curves().into_iter().map(|curve| {
+            let points = curve.points.iter().map(|&(error, cost)| Measured::new(cost, error));
+            Curve::new(curve.scheme, points)
         });
         let title = format!("processor time of an estimate of E[{}], s", observable.name);
-        plot(title, Spacing::Decades, curves.collect())
+        plot(title, Spacing::Decades, curves)
     });
     let title = format!("{}: accuracy of expectations against cost", case.title);
     figure(title, "RMS error of the estimate", plots.collect())

@@ -20,7 +20,9 @@ use anyhow::{Context, Result};
 use clap::Parser;
 use lab::{command, setups};
 use report::{Bars, files, provenance};
-use verify::{Mode, Settings};
+use results::Measurements;
+use verify::results::Provenance;
+use verify::{Mode, Settings, Stopwatch};
 
 /// Measures the errors of every scheme against the processor time they take.
 #[derive(Parser)]
@@ -55,10 +57,19 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     let (start, bars) = (Instant::now(), Bars::new());
     let mode = if arguments.quick { Mode::Quick } else { Mode::Paper };
     let settings = Settings { seed: arguments.seed, mode };
-    let mut measured = measure::measure(settings, &arguments.only, &bars)?;
+    let cases = measure::measure(settings, &arguments.only, &bars)?;
     bars.finish();
-    measured.provenance =
-        provenance::complete(measured.provenance, "cargo xtask work-precision", start);
+    let known = Provenance::of_run(arguments.seed, mode.id());
+    let measured = Measurements {
+        schema: results::SCHEMA,
+        provenance: provenance::complete(known, "cargo xtask work-precision", start),
+        clock: if Stopwatch::MEASURES_PROCESSOR {
+            "processor time of the thread"
+        } else {
+            "wall time, since this system does not measure the processor time of a thread"
+        },
+        cases,
+    };
     files::write_json(&arguments.out.join("work-precision.json"), &measured)?;
     let page = page::page(&measured);
     let file = arguments.out.join("work-precision.md");
@@ -68,7 +79,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
             .context("everything is measured, but the second page cannot be written")?;
     }
     for case in &measured.cases {
-        println!("{}", conclusions::all(case));
+        println!("{}: {}", case.id, conclusions::strong(case));
     }
     println!("{:.0} s; page: {}", measured.provenance.wall_s, file.display());
     Ok(ExitCode::SUCCESS)

@@ -1,5 +1,6 @@
 //! The contract of `work-precision.json`; documented for other languages in `docs/results.md`.
 
+use lab::setups::Kind;
 use serde::Serialize;
 use verify::results::Provenance;
 use verify::work_precision::{Time, WorkPoint};
@@ -15,7 +16,7 @@ pub struct Measurements {
     /// Where it comes from.
     pub provenance: Provenance,
     /// What the times are, in words.
-    pub clock: String,
+    pub clock: &'static str,
     /// The cases.
     pub cases: Vec<Case>,
 }
@@ -59,19 +60,6 @@ pub struct Strong {
     pub sampled: Sampled,
     /// One curve for each scheme.
     pub series: Vec<Series<StrongPoint>>,
-}
-
-/// What a scheme is.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// The conformal exponential integrator.
-    Sexp,
-    /// The same with Lévy areas.
-    SexpLevy,
-    /// Another implicit scheme.
-    OtherImplicit,
-    /// An explicit scheme.
-    Explicit,
 }
 
 /// The errors of one scheme, coarsest step first.
@@ -162,20 +150,39 @@ pub struct Cost {
     pub cost_s: f64,
 }
 
-/// Errors against costs, by increasing cost.
-pub type Curve = Vec<(f64, f64)>;
+/// Errors of a scheme against their costs.
+pub struct Curve {
+    /// The scheme.
+    pub scheme: &'static str,
+    /// (error, cost) by increasing cost.
+    pub points: Vec<(f64, f64)>,
+}
 
 impl Series<StrongPoint> {
     /// (error, microseconds of a path).
     pub fn curve(&self) -> Curve {
-        self.points.iter().map(|point| (point.work.error, 1e6 * point.work.time.min_s)).collect()
+        let cost = |WorkPoint { error, time, .. }: &WorkPoint| (*error, 1e6 * time.min_s);
+        let points = self.points.iter().map(|point| cost(&point.work)).collect();
+        Curve { scheme: self.scheme, points }
     }
 }
 
-impl Series<WeakPoint> {
-    /// (accuracy, seconds of an estimate).
-    pub fn curve(&self) -> Curve {
-        self.costs.iter().flatten().map(|cost| (cost.accuracy, cost.cost_s)).collect()
+impl Strong {
+    /// The curves of all schemes.
+    pub fn curves(&self) -> Vec<Curve> {
+        self.series.iter().map(Series::<StrongPoint>::curve).collect()
+    }
+}
+
+impl WeakObservable {
+    /// (accuracy, seconds of an estimate) of all schemes.
+    pub fn curves(&self) -> Vec<Curve> {
+        let curve = |series: &Series<WeakPoint>| {
+            let costs = series.costs.iter().flatten();
+            let points = costs.map(|cost| (cost.accuracy, cost.cost_s)).collect();
+            Curve { scheme: series.scheme, points }
+        };
+        self.series.iter().map(curve).collect()
     }
 }
 
