@@ -6,11 +6,15 @@ use stats::CrossMoments;
 /// Numbers made of the final states of all runs on one path; written into the slice.
 pub type FinalValues<'a, const D: usize> = dyn Fn(&[[f64; D]], &mut [f64]) + Sync + 'a;
 
+/// The exact y(T) as a function of the random time at T.
+pub(crate) type ExactSolution<'a, const D: usize> = dyn Fn(f64) -> [f64; D] + Sync + 'a;
+
 /// Means and covariances of numbers that depend on the final states of all runs on a path:
 /// squared errors, defects of invariants, differences of test functions.
 pub struct FinalMoments<'a, const D: usize> {
     last_time: u64,
     values: &'a FinalValues<'a, D>,
+    exact: Option<&'a ExactSolution<'a, D>>,
     moments: CrossMoments,
     states: Vec<[f64; D]>,
     numbers: Vec<f64>,
@@ -24,10 +28,16 @@ impl<'a, const D: usize> FinalMoments<'a, D> {
         Self {
             last_time: coarse_steps,
             values,
+            exact: None,
             moments: CrossMoments::new(length),
             states: Vec::new(),
             numbers: vec![0.0; length],
         }
+    }
+
+    /// With the exact solution, if there is one, before the final states of the runs.
+    pub(crate) fn beside(self, exact: Option<&'a ExactSolution<'a, D>>) -> Self {
+        Self { exact, ..self }
     }
 
     /// Moments of the numbers.
@@ -44,6 +54,7 @@ impl<const D: usize> Statistic<D> for FinalMoments<'_, D> {
         }
         for p in view.live.paths() {
             self.states.clear();
+            self.states.extend(self.exact.map(|exact| exact(view.random_time.0[0][p])));
             self.states.extend(view.states.iter().map(|state| state.path(p)));
             (self.values)(&self.states, &mut self.numbers);
             self.moments.add(&self.numbers);

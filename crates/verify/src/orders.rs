@@ -4,11 +4,14 @@
 //! them on a ladder beside a reference, on the same noise, and an order is fitted to the errors at
 //! the final time, with its interval.
 
-use mc::{Ladder, LadderError, Observable, Run, Statistic, TimeChange, View};
+use mc::{LadderError, Observable, Run, TimeChange};
 use noise::{StreamKey, Truncation};
 use schemes::{Scheme, Sexp, SexpLevy};
 use stats::{Against, CrossMoments, Point, Rate, fit_strong, fit_weak, root_mean_squares};
 use systems::{Damping, PoissonSystem, Problem};
+
+use crate::work_precision::{ladder, squared_distance, steps};
+use crate::{FinalMoments, FinalValues};
 
 /// Step sizes, paths and noise of a measurement of an order.
 #[derive(Clone, Copy, Debug)]
@@ -64,15 +67,11 @@ pub struct Order {
 /// # Errors
 /// [`LadderError`] if there is no step size or no step, if there are too many of either, or if the
 /// truncation is not defined at one of the step sizes.
-pub fn strong_order<S, G, const D: usize, const M: usize>(
+pub fn strong_order<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
     sizes: &StepSizes,
-) -> Result<Order, LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
+) -> Result<Order, LadderError> {
     let (sexp, levy) = (Sexp::default(), SexpLevy::new(&problem.system, problem.y0));
     let reference: &dyn Scheme<S, D, M> = if scheme.reads_areas() { &levy } else { &sexp };
     strong_order_against(scheme, problem, sizes, ReferenceSolution::Scheme(reference))
@@ -83,19 +82,18 @@ where
 ///
 /// # Errors
 /// As [`strong_order`].
-pub fn strong_order_against<S, G, const D: usize, const M: usize>(
+pub fn strong_order_against<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
     sizes: &StepSizes,
     reference: ReferenceSolution<'_, S, D, M>,
-) -> Result<Order, LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    let square =
-        |y: [f64; D], exact: [f64; D]| (0..D).map(|i| (y[i] - exact[i]) * (y[i] - exact[i])).sum();
-    let (squares, failed) = errors(scheme, problem, sizes, &reference, &square)?;
+) -> Result<Order, LadderError> {
+    let values = |states: &[[f64; D]], squares: &mut [f64]| {
+        for (square, &y) in squares.iter_mut().zip(&states[1..]) {
+            *square = squared_distance(y, states[0]);
+        }
+    };
+    let (squares, failed) = measure(&[scheme], problem, sizes, &reference, sizes.levels, &values)?;
     let taus = sizes.taus(problem.t_end);
     let step = match reference {
         ReferenceSolution::Exact(_) => None,
@@ -114,20 +112,20 @@ where
 ///
 /// # Errors
 /// As [`strong_order`].
-pub fn weak_order<S, G, const D: usize, const M: usize>(
+pub fn weak_order<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
     observable: Observable<D>,
     sizes: &StepSizes,
     reference: ReferenceSolution<'_, S, D, M>,
-) -> Result<Order, LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
+) -> Result<Order, LadderError> {
     let phi = observable.function;
-    let error = |y: [f64; D], exact: [f64; D]| phi(y) - phi(exact);
-    let (moments, failed) = errors(scheme, problem, sizes, &reference, &error)?;
+    let values = |states: &[[f64; D]], errors: &mut [f64]| {
+        for (error, &y) in errors.iter_mut().zip(&states[1..]) {
+            *error = phi(y) - phi(states[0]);
+        }
+    };
+    let (moments, failed) = measure(&[scheme], problem, sizes, &reference, sizes.levels, &values)?;
     let (taus, means) = (sizes.taus(problem.t_end), moments.means());
     let covariance = moments.covariances_of_means();
     let points = (0..taus.len()).map(|l| Point::normal(taus[l], means[l], covariance[l][l].sqrt()));
@@ -143,21 +141,18 @@ where
 ///
 /// # Errors
 /// As [`strong_order`].
-pub fn exact_mean<S, G, const D: usize, const M: usize>(
+pub fn exact_mean<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
     observable: Observable<D>,
     sizes: &StepSizes,
     exact: Exact<'_, D, M>,
-) -> Result<(f64, f64), LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    let values = |view: &View<'_, D>, p: usize| {
-        vec![(observable.function)((exact.solution)(view.random_time.0[0][p]))]
+) -> Result<(f64, f64), LadderError> {
+    let values = |states: &[[f64; D]], value: &mut [f64]| {
+        value[0] = (observable.function)(states[0]);
     };
-    let (values, _) = measure(problem, sizes, Vec::new(), Some(exact.time_change), 1, &values)?;
-    Ok((values.mean(0), values.covariance_of_means(0, 0).sqrt()))
+    let reference = ReferenceSolution::Exact(exact);
+    let (moments, _) = measure(&[], problem, sizes, &reference, 1, &values)?;
+    Ok((moments.mean(0), moments.covariance_of_means(0, 0).sqrt()))
 }
 
 /// The most step sizes, and the largest refinement: 2⁴⁸ steps would take years.
@@ -171,7 +166,7 @@ impl StepSizes {
     }
 
     fn taus(&self, t_end: f64) -> Vec<f64> {
-        (0..self.levels).map(|index| t_end / (self.coarsest_steps << index) as f64).collect()
+        steps(self).map(|steps| t_end / steps as f64).collect()
     }
 
     /// The step size of the reference.
@@ -195,91 +190,29 @@ impl StepSizes {
     }
 }
 
-/// Moments of error(y, y_ref) at the final time over the step sizes, coarsest first, and the number
-/// of paths that were left out.
-fn errors<S, G, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
+/// Moments of `values` at the final time, a vector of this length, and the number of paths that were
+/// left out. `values` gets the state of the reference, then those of the schemes at each step size,
+/// coarsest first.
+fn measure<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    schemes: &[&dyn Scheme<S, D, M>],
     problem: &Problem<S, G, D>,
     sizes: &StepSizes,
     reference: &ReferenceSolution<'_, S, D, M>,
-    error: &(dyn Fn([f64; D], [f64; D]) -> f64 + Sync),
-) -> Result<(CrossMoments, u64), LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    sizes.check()?;
-    let levels = sizes.levels;
-    let mut runs: Vec<Run<'_, S, D, M>> =
-        (0..levels).map(|index| Run::new(scheme, sizes.level(index))).collect();
-    let exact = match *reference {
-        ReferenceSolution::Exact(exact) => Some(exact),
-        ReferenceSolution::Itself => {
-            runs.push(Run::new(scheme, 0));
-            None
-        }
-        ReferenceSolution::Scheme(reference) => {
-            runs.push(Run::new(reference, 0));
-            None
-        }
-    };
-    let sample = |view: &View<'_, D>, p: usize| {
-        let exact = match exact {
-            None => view.states[levels].path(p),
-            Some(exact) => (exact.solution)(view.random_time.0[0][p]),
-        };
-        view.states[..levels].iter().map(|y| error(y.path(p), exact)).collect()
-    };
-    measure(problem, sizes, runs, exact.map(|exact| exact.time_change), levels, &sample)
-}
-
-/// Moments of a vector of this length at the final time, and the number of paths that were left
-/// out.
-fn measure<S, G, const D: usize, const M: usize>(
-    problem: &Problem<S, G, D>,
-    sizes: &StepSizes,
-    runs: Vec<Run<'_, S, D, M>>,
-    time_change: Option<&dyn TimeChange<M>>,
     length: usize,
-    sample: Sample<'_, D>,
-) -> Result<(CrossMoments, u64), LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    sizes.check()?;
-    let top = sizes.level(0);
-    let steps = sizes.coarsest_steps << top;
-    let mut ladder = Ladder::new(problem, steps, top, sizes.truncation, sizes.key, runs)?;
-    if let Some(time_change) = time_change {
-        ladder = ladder.with_time_change(time_change);
+    values: &FinalValues<'_, D>,
+) -> Result<(CrossMoments, u64), LadderError> {
+    let (references, exact) = match *reference {
+        ReferenceSolution::Itself => (schemes, None),
+        ReferenceSolution::Scheme(reference) => (&[reference][..], None),
+        ReferenceSolution::Exact(exact) => (&[][..], Some(exact)),
+    };
+    let references = references.iter().map(|&scheme| Run::new(scheme, 0)).collect();
+    let mut ladder = ladder(schemes, problem, references, sizes)?;
+    if let Some(exact) = exact {
+        ladder = ladder.with_time_change(exact.time_change);
     }
-    let last_time = ladder.coarse_steps();
-    let none = || FinalMoments { sample, last_time, moments: CrossMoments::new(length) };
-    let measured = ladder.run(sizes.samples, none, &|_| ());
-    Ok((measured.statistic.moments, measured.failed))
-}
-
-/// What is measured of a path of a block.
-type Sample<'a, const D: usize> = &'a (dyn Fn(&View<'_, D>, usize) -> Vec<f64> + Sync);
-
-/// Moments of a vector at the final time.
-struct FinalMoments<'a, const D: usize> {
-    sample: Sample<'a, D>,
-    last_time: u64,
-    moments: CrossMoments,
-}
-
-impl<const D: usize> Statistic<D> for FinalMoments<'_, D> {
-    fn observe(&mut self, view: &View<'_, D>) {
-        if view.time == self.last_time {
-            for p in view.live.paths() {
-                self.moments.add(&(self.sample)(view, p));
-            }
-        }
-    }
-
-    fn merge(&mut self, later: Self) {
-        self.moments.merge(&later.moments);
-    }
+    let solution = exact.map(|exact| exact.solution);
+    let new = || FinalMoments::new(ladder.coarse_steps(), length, values).beside(solution);
+    let measured = ladder.run(sizes.samples, new, &|_| ());
+    Ok((measured.statistic.moments().clone(), measured.failed))
 }

@@ -2,7 +2,7 @@
 //! every system.
 
 use real::{Dual, Real, ScalarFunction, gradient};
-use systems::{Invariant, PoissonSystem, vector_field_derivative};
+use systems::{HamiltonianIncrement, Invariant, PoissonSystem, vector_field_derivative};
 
 use super::algebra::{Matrix, axis, transposed};
 
@@ -85,6 +85,10 @@ fn split<const M: usize>(weights: &[f64]) -> (f64, [f64; M]) {
     (weights[0], array(&weights[1..]))
 }
 
+fn derivatives<const D: usize>(y: [Dual; D]) -> Vec<f64> {
+    y.map(|component| component.derivative).to_vec()
+}
+
 /// y with derivative 1 in component l.
 fn seeded<const D: usize>(y: &[f64], l: usize) -> [Dual; D] {
     let mut y = array(y).map(Dual::fixed);
@@ -92,39 +96,29 @@ fn seeded<const D: usize>(y: &[f64], l: usize) -> [Dual; D] {
     y
 }
 
-enum Formula<const M: usize> {
-    Energy(f64, [f64; M]),
-    Invariant(usize),
-}
-
-struct SystemFunction<'a, S, const D: usize, const M: usize> {
-    system: &'a S,
-    formula: Formula<M>,
-}
+/// An invariant of a system, by its number.
+struct NumberedInvariant<'a, S, const M: usize>(&'a S, usize);
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ScalarFunction<D>
-    for SystemFunction<'_, S, D, M>
+    for NumberedInvariant<'_, S, M>
 {
     fn value<R: Real>(&self, y: [R; D]) -> R {
-        match self.formula {
-            Formula::Energy(dt, dw) => self.system.energy(y, dt, dw),
-            Formula::Invariant(index) => self.system.invariant(index, y),
-        }
+        self.0.invariant(self.1, y)
     }
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Function
-    for SystemFunction<'_, S, D, M>
-{
+/// A [`Function`] from a [`ScalarFunction`].
+struct ErasedFunction<F, const D: usize>(F);
+
+impl<F: ScalarFunction<D>, const D: usize> Function for ErasedFunction<F, D> {
     fn value(&self, y: &[f64]) -> f64 {
-        ScalarFunction::value(self, array(y))
+        self.0.value(array(y))
     }
     fn gradient(&self, y: &[f64]) -> Vec<f64> {
-        gradient(self, array(y)).to_vec()
+        gradient(&self.0, array(y)).to_vec()
     }
     fn hessian(&self, y: &[f64]) -> Matrix {
-        let row = |l| gradient(self, seeded(y, l)).map(|component| component.derivative).to_vec();
-        (0..D).map(row).collect()
+        (0..D).map(|l| derivatives(gradient(&self.0, seeded::<D>(y, l)))).collect()
     }
 }
 
@@ -145,12 +139,11 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Erased<'
         self.0.structure(array(y), array(v)).to_vec()
     }
     fn structure_derivative(&self, y: &[f64], l: usize, v: &[f64]) -> Vec<f64> {
-        let product = self.0.structure(seeded(y, l), array(v).map(Dual::fixed));
-        product.map(|component| component.derivative).to_vec()
+        derivatives(self.0.structure(seeded(y, l), array(v).map(Dual::fixed)))
     }
     fn energy(&self, weights: &[f64]) -> Box<dyn Function + '_> {
         let (dt, dw) = split(weights);
-        Box::new(SystemFunction { system: self.0, formula: Formula::Energy(dt, dw) })
+        Box::new(ErasedFunction::<_, D>(HamiltonianIncrement { system: self.0, dt, dw }))
     }
     fn gradient(&self, y: &[f64], weights: &[f64]) -> Vec<f64> {
         let (dt, dw) = split(weights);
@@ -181,6 +174,6 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Erased<'
         self.0.invariants()
     }
     fn invariant(&self, index: usize) -> Box<dyn Function + '_> {
-        Box::new(SystemFunction { system: self.0, formula: Formula::Invariant(index) })
+        Box::new(ErasedFunction::<_, D>(NumberedInvariant(self.0, index)))
     }
 }
