@@ -1,8 +1,8 @@
 //! A system behind functions of slices, so that the checks are compiled once and not once for
 //! every system.
 
-use real::{Dual, Real, ScalarFunction, gradient};
-use systems::{HamiltonianIncrement, Invariant, PoissonSystem, vector_field_derivative};
+use real::{Dual, Real, ScalarFunction, gradient, jacobian};
+use systems::{HamiltonianIncrement, Invariant, PoissonSystem};
 
 use super::algebra::{Matrix, axis, transposed};
 
@@ -31,8 +31,8 @@ pub trait System {
     fn averaged_field(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64>;
     /// The predicted end of an implicit step and the bound of its residual.
     fn predict(&self, a: &[f64], weights: &[f64]) -> (Vec<f64>, f64);
-    /// (B∇h)′v.
-    fn field_derivative(&self, y: &[f64], weights: &[f64], v: &[f64]) -> Vec<f64>;
+    /// B∇h and (B∇h)′.
+    fn field(&self, y: &[f64], weights: &[f64]) -> (Vec<f64>, Matrix);
     /// Σ A_ml [fₘ, f_l] as the system implements it.
     fn commutators(&self, y: &[f64], areas: &Matrix) -> Vec<f64>;
     fn invariants(&self) -> Vec<Invariant>;
@@ -49,11 +49,6 @@ impl dyn System + '_ {
     /// Hₘ.
     pub fn hamiltonian(&self, m: usize) -> Box<dyn Function + '_> {
         self.energy(&self.weights(m))
-    }
-
-    /// B∇h.
-    pub fn field(&self, y: &[f64], weights: &[f64]) -> Vec<f64> {
-        self.structure(y, &self.gradient(y, weights))
     }
 
     /// The matrix B(y).
@@ -162,9 +157,10 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Erased<'
         let (b, bound) = self.0.predict(array(a), dt, dw);
         (b.to_vec(), bound)
     }
-    fn field_derivative(&self, y: &[f64], weights: &[f64], v: &[f64]) -> Vec<f64> {
+    fn field(&self, y: &[f64], weights: &[f64]) -> (Vec<f64>, Matrix) {
         let (dt, dw) = split(weights);
-        vector_field_derivative(self.0, array(y), dt, dw, array(v)).to_vec()
+        let (field, rows) = jacobian(&HamiltonianIncrement { system: self.0, dt, dw }, array(y));
+        (field.to_vec(), rows.map(Vec::from).into())
     }
     fn commutators(&self, y: &[f64], areas: &Matrix) -> Vec<f64> {
         let areas = std::array::from_fn(|m| array(&areas[m]));
