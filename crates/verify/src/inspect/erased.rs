@@ -21,23 +21,22 @@ pub trait System {
     fn in_domain(&self, y: &[f64]) -> bool;
     /// B(y)v.
     fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64>;
-    /// ∂B(y)/∂y_l v.
-    fn structure_derivative(&self, y: &[f64], l: usize, v: &[f64]) -> Vec<f64>;
+    /// The matrices ∂B(y)/∂y_l.
+    fn matrix_derivatives(&self, y: &[f64]) -> Vec<Matrix>;
     /// h for these weights, differentiated by dual numbers.
     fn energy(&self, weights: &[f64]) -> Box<dyn Function + '_>;
     /// ∇h as the system implements it.
     fn gradient(&self, y: &[f64], weights: &[f64]) -> Vec<f64>;
-    fn averaged_gradient(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64>;
-    fn averaged_field(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64>;
+    /// The averaged gradient and the averaged field.
+    fn averages(&self, a: &[f64], b: &[f64], weights: &[f64]) -> [Vec<f64>; 2];
     /// The predicted end of an implicit step and the bound of its residual.
     fn predict(&self, a: &[f64], weights: &[f64]) -> (Vec<f64>, f64);
     /// B∇h and (B∇h)′.
     fn field(&self, y: &[f64], weights: &[f64]) -> (Vec<f64>, Matrix);
     /// Σ A_ml [fₘ, f_l] as the system implements it.
     fn commutators(&self, y: &[f64], areas: &Matrix) -> Vec<f64>;
-    fn invariants(&self) -> Vec<Invariant>;
-    /// Invariant number `index`, differentiated by dual numbers.
-    fn invariant(&self, index: usize) -> Box<dyn Function + '_>;
+    /// The claimed invariants, differentiated by dual numbers.
+    fn invariants(&self) -> Vec<(Invariant, Box<dyn Function + '_>)>;
 }
 
 impl dyn System + '_ {
@@ -55,13 +54,6 @@ impl dyn System + '_ {
     pub fn matrix(&self, y: &[f64]) -> Matrix {
         let d = self.dimension();
         transposed(&(0..d).map(|j| self.structure(y, &axis(d, j))).collect())
-    }
-
-    /// The matrices ∂B(y)/∂y_l.
-    pub fn matrix_derivatives(&self, y: &[f64]) -> Vec<Matrix> {
-        let d = self.dimension();
-        let column = |l: usize, j: usize| self.structure_derivative(y, l, &axis(d, j));
-        (0..d).map(|l| transposed(&(0..d).map(|j| column(l, j)).collect())).collect()
     }
 }
 
@@ -133,8 +125,10 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Erased<'
     fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
         self.0.structure(array(y), array(v)).to_vec()
     }
-    fn structure_derivative(&self, y: &[f64], l: usize, v: &[f64]) -> Vec<f64> {
-        derivatives(self.0.structure(seeded(y, l), array(v).map(Dual::fixed)))
+    fn matrix_derivatives(&self, y: &[f64]) -> Vec<Matrix> {
+        let unit = |j| array(&axis(D, j)).map(Dual::fixed);
+        let column = |l, j| derivatives(self.0.structure(seeded::<D>(y, l), unit(j)));
+        (0..D).map(|l| transposed(&(0..D).map(|j| column(l, j)).collect())).collect()
     }
     fn energy(&self, weights: &[f64]) -> Box<dyn Function + '_> {
         let (dt, dw) = split(weights);
@@ -144,13 +138,10 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Erased<'
         let (dt, dw) = split(weights);
         self.0.gradient(array(y), dt, dw).to_vec()
     }
-    fn averaged_gradient(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64> {
-        let (dt, dw) = split(weights);
-        self.0.averaged_gradient(array(a), array(b), dt, dw).to_vec()
-    }
-    fn averaged_field(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64> {
-        let (dt, dw) = split(weights);
-        self.0.averaged_field(array(a), array(b), dt, dw).to_vec()
+    fn averages(&self, a: &[f64], b: &[f64], weights: &[f64]) -> [Vec<f64>; 2] {
+        let (a, b, (dt, dw)) = (array(a), array(b), split(weights));
+        let gradient = self.0.averaged_gradient(a, b, dt, dw);
+        [gradient, self.0.averaged_field(a, b, dt, dw)].map(Vec::from)
     }
     fn predict(&self, a: &[f64], weights: &[f64]) -> (Vec<f64>, f64) {
         let (dt, dw) = split(weights);
@@ -166,10 +157,9 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Erased<'
         let areas = std::array::from_fn(|m| array(&areas[m]));
         self.0.commutators(array(y), areas).to_vec()
     }
-    fn invariants(&self) -> Vec<Invariant> {
-        self.0.invariants()
-    }
-    fn invariant(&self, index: usize) -> Box<dyn Function + '_> {
-        Box::new(ErasedFunction::<_, D>(NumberedInvariant(self.0, index)))
+    fn invariants(&self) -> Vec<(Invariant, Box<dyn Function + '_>)> {
+        let function = |index| ErasedFunction::<_, D>(NumberedInvariant(self.0, index));
+        let claims = self.0.invariants().into_iter().enumerate();
+        claims.map(|(index, claim)| (claim, Box::new(function(index)) as _)).collect()
     }
 }
