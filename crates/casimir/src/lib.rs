@@ -10,6 +10,7 @@
 //!
 //! ```
 //! use casimir::prelude::*;
+//! use casimir::systems::{Cosine, RigidBody};
 //!
 //! // A damped rigid body with three noises: its Casimir ½|y|² obeys exp(−2∫γ).
 //! let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0])?;
@@ -21,27 +22,36 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! | module | what is in it |
-//! |---|---|
-//! | [`systems`] | [`PoissonSystem`](systems::PoissonSystem), damping, the systems of the paper, [`Problem`](systems::Problem) |
-//! | [`schemes`] | [`Sexp`](schemes::Sexp) and its peers; [`Explicit`](schemes::Explicit) and [`Implicit`](schemes::Implicit) for your own |
-//! | [`mc`] | [`Simulation`](mc::Simulation), [`Ladder`](mc::Ladder), [`multilevel`](mc::multilevel): many paths |
-//! | [`verify`] | [`inspect`](verify::inspect()), [`strong_order`](verify::strong_order), [`weak_order`](verify::weak_order), [`work_precision`](verify::work_precision) |
-//! | [`noise`], [`dgrad`], [`nonlin`], [`stats`], [`real`] | increments and Lévy areas, discrete gradients, implicit equations, fits, numbers |
+//! - [`systems`]: [`PoissonSystem`](systems::PoissonSystem), damping, the systems of the paper,
+//!   [`Problem`](systems::Problem).
+//! - [`schemes`]: [`Sexp`](schemes::Sexp) and its peers; [`Explicit`](schemes::Explicit) and
+//!   [`Implicit`](schemes::Implicit) for your own.
+//! - [`mc`]: many paths with [`Simulation`](mc::Simulation), [`Ladder`](mc::Ladder) and
+//!   [`multilevel`](mc::multilevel).
+//! - [`verify`]: [`inspect`](verify::inspect()), [`strong_order`](verify::strong_order),
+//!   [`weak_order`](verify::weak_order), [`work_precision`](verify::work_precision).
+//! - [`noise`], [`dgrad`], [`nonlin`], [`stats`], [`real`]: increments and Lévy areas, discrete
+//!   gradients, implicit equations, fits of orders, numbers.
+//! - `report`, with the feature of that name: figures and reports.
 
 pub use {dgrad, mc, noise, nonlin, real, schemes, stats, systems, verify};
 
-/// What most programs name: `use casimir::prelude::*`.
+/// The names that most programs use: `use casimir::prelude::*`.
 pub mod prelude {
-    pub use mc::{Simulation, write_csv, write_json};
+    pub use mc::{Simulation, write_csv};
     pub use noise::{StreamKey, Truncation};
     pub use real::Real;
-    pub use schemes::{Explicit, Heun, Implicit, Increment, Scheme, Sexp, SexpLevy};
-    pub use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
-    pub use verify::{inspect, inspect_problem, strong_order};
+    pub use schemes::{Explicit, Implicit, Increment, Scheme, Sexp};
+    pub use systems::{Constant, Damping, PoissonSystem, Problem};
+    pub use verify::{StepSizes, inspect, inspect_problem, strong_order};
 }
 
 /// The examples of the README, compiled and run with the other examples.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;
+
+/// The snippets of the guide that stand alone.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/guide.md")]
+struct Guide;

@@ -8,14 +8,15 @@
 //! | item | job |
 //! |---|---|
 //! | [`reproduce()`] | run everything, or a selection |
-//! | [`EXPERIMENTS`], [`STATEMENTS`], [`SUPPLEMENTS`], [`ids`], [`check_ids`] | what there is to run |
+//! | [`EXPERIMENTS`], [`STATEMENTS`], [`SUPPLEMENTS`] | panels, statements, other figures |
+//! | [`ids`], [`check_ids`] | what there is to run |
 //! | [`Experiment`], [`Conditions`], [`Findings`] | what an experiment is, is given and returns |
 //! | [`statements`], [`conformal_law`] | measurements that twins repeat on wrong methods |
-//! | [`Compiled`], [`compiled()`], [`PaperSystem`] | the schemes of the paper on its systems, compiled once |
+//! | [`Compiled`], [`compiled()`], [`PaperSystem`] | schemes on systems, compiled once |
 //! | [`streams`] | which noise belongs to which experiment |
 //! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
 //! | [`command`] | what the command lines of all programs share |
-//! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo against the Kolmogorov equation |
+//! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo, against its value |
 //! | [`coverage()`] | how often the intervals of `stats` cover the truth |
 //!
 //! The programs of this package are `reproduce`, `battery` (with the twins), `work-precision`,

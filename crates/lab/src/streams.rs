@@ -9,6 +9,8 @@ use noise::StreamKey;
 /// Numbers of one experiment of the families below [`WORK_PRECISION`], one for each of its parts.
 pub const PARTS: u64 = 16;
 
+/// What the speed of a path-step is measured on, one number.
+pub const BENCH: u64 = 0;
 /// Panels of the paper, in its order: 1, 2, … times [`PARTS`].
 pub const PANELS: u64 = 1;
 /// Statements that are measured on their own, times [`PARTS`].

@@ -3,7 +3,7 @@
 //! | problem | system | γ(t) | y(0) |
 //! |---|---|---|---|
 //! | [`pendulum`] | pendulum, c = 1 | 2 | (0.2, 1) |
-//! | [`rigid_body_three_noises`] | rigid body, I = (2, 1, 2/3), Î = (1, 2, 3) | ½ cos 2t | (cos 1.1, 0, sin 1.1) |
+//! | [`rigid_body_three_noises`] | rigid body, Î = (1, 2, 3) | ½ cos 2t | (cos 1.1, 0, sin 1.1) |
 //! | [`rigid_body_one_noise`] | the same with W₁ alone | ½ cos 2t | the same |
 //! | [`rigid_body_energy`] | the same with the noise H₀ | sin t | the same |
 //! | [`lotka_volterra_1_1`] | a = −1, b = −1, c = 1 | sin t | (0.2, 0.4, 0.6) |
@@ -11,7 +11,7 @@
 //! | [`maxwell_bloch`] | Maxwell–Bloch | ½ cos 2t | (1, 2, 3) |
 //! | [`poisson3_strong`], [`poisson3_casimir`] | c = 1 | ½ cos 2t, t | (1, 2, 3) |
 //!
-//! The final time is an argument where the paper uses several.
+//! The rigid body has I = (2, 1, 2/3). The final time is an argument where the paper uses several.
 
 use std::fmt::Display;
 

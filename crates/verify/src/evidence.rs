@@ -41,8 +41,8 @@ pub enum Evidence {
         /// Whether the statement is that the law holds; otherwise that it does not.
         obeys: bool,
     },
-    /// A scheme that leaves a conformal law and returns to it as the step shrinks: the order in τ of
-    /// the largest relative defect along a path, from two step sizes.
+    /// A scheme that leaves a conformal law and returns to it as the step shrinks: the order in τ
+    /// of the largest relative defect along a path, from two step sizes.
     Approach {
         /// The invariant by its symbol.
         invariant: String,
@@ -182,12 +182,13 @@ impl fmt::Display for Evidence {
                 )?;
                 warning.iter().try_for_each(|warning| write!(f, "; warning: {warning}"))
             }
-            Self::Defect { invariant, paths, steps, largest, tolerance, .. } => {
+            Self::Defect { invariant, paths, steps, largest, tolerance, obeys } => {
                 let path = if *paths == 1 { "path" } else { "paths" };
+                let limit = if *obeys { "at most" } else { "expected above" };
                 write!(
                     f,
                     "largest relative defect of {invariant} over {paths} {path} of {steps} steps: \
-                     {largest:.1e}, tolerance {tolerance:.1e}"
+                     {largest:.1e}, {limit} {tolerance:.1e}"
                 )
             }
             Self::Approach {
@@ -315,7 +316,7 @@ mod tests {
         let sentences = [
             (
                 defect(2.7e-15, true),
-                "largest relative defect of C over 1 path of 100 steps: 2.7e-15, tolerance 1.0e-13",
+                "largest relative defect of C over 1 path of 100 steps: 2.7e-15, at most 1.0e-13",
             ),
             (
                 bounds(0.9, 2),
@@ -323,8 +324,8 @@ mod tests {
             ),
             (
                 deviation(0.505),
-                "E[y1] = 0.50500 ± 1.0e-3 (standard error, bias at most 1.0e-3) against 0.50000: +5.0 \
-                 standard errors; 100 path-steps; warning: few",
+                "E[y1] = 0.50500 ± 1.0e-3 (standard error, bias at most 1.0e-3) against 0.50000: \
+                 +5.0 standard errors; 100 path-steps; warning: few",
             ),
         ];
         for (evidence, sentence) in sentences {

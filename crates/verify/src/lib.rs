@@ -6,16 +6,17 @@
 //!
 //! | item | job |
 //! |---|---|
-//! | [`strong_order`], [`strong_order_against`], [`weak_order`], [`StepSizes`], [`ReferenceSolution`] | the order of any scheme on any problem |
+//! | [`strong_order`], [`strong_order_against`], [`weak_order`] | the order of any scheme |
+//! | [`StepSizes`], [`ReferenceSolution`] | how it is measured, and against what |
 //! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
-//! | [`inspect()`], [`inspect_problem`] | what a system is: skew, Casimirs, degrees, commuting noises, which statements apply |
+//! | [`inspect()`], [`inspect_problem`] | what a system is, and which statements apply |
 //! | [`order_verdict`], [`bound_verdict`] | when an order is said to hold |
 //! | [`work_precision`] | errors of any schemes against the processor time they take |
-//! | [`FinalMoments`], [`Stopwatch`], [`Spread`] | moments of functions of final states; times of repeated work |
-//! | [`results::Evidence`], [`results::Claim`] | a measurement as data, with the verdict and the sentence that follow |
+//! | [`FinalMoments`], [`Stopwatch`], [`Spread`] | moments of final states; times of repeated work |
+//! | [`results::Evidence`], [`results::Claim`] | a measurement as data, its verdict in words |
 //! | [`Twin`] | a wrong method that a measurement must refute |
 //! | [`exact`], [`runge_kutta`], [`rigid_body_expectations`] | references |
-//! | [`Settings`], [`Mode`], [`Progress`], [`Silent`] | how much to compute, and who is told how far it is |
+//! | [`Settings`], [`Mode`], [`Progress`], [`Silent`] | how much to compute; progress |
 //! | [`results`] | the `results.json` contract |
 
 mod evidence;
@@ -44,8 +45,3 @@ pub use sphere::rigid_body_expectations;
 pub use stopwatch::{Spread, Stopwatch};
 pub use twin::Twin;
 pub use verdict::{ORDER_MARGIN, Verdict, bound_verdict, order_verdict};
-
-/// The snippets of the guide that stand alone.
-#[cfg(doctest)]
-#[doc = include_str!("../../../docs/guide.md")]
-struct Guide;

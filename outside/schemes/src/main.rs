@@ -6,6 +6,8 @@ use std::time::Instant;
 
 use casimir::mc::{Ladder, Run, Statistic, View};
 use casimir::prelude::*;
+use casimir::schemes::Heun;
+use casimir::systems::{Cosine, RigidBody};
 
 /// Heun's method between two halves of exact damping:
 /// ẑ = e^{−∫γ, first half} y_n, z = ẑ + ½(f(ẑ) + f(ẑ + f(ẑ))), y_{n+1} = e^{−∫γ, second half} z.

@@ -15,6 +15,8 @@ use noise::StreamKey;
 use rayon::prelude::*;
 use stats::{Coverage, CrossMoments, Expected, LogMeanSquares, Point, Rate, Terms, normal_covers};
 
+use crate::streams;
+
 /// Measures the coverage of every kind of interval on `replications` data sets each, on the current
 /// rayon pool.
 ///
@@ -47,7 +49,7 @@ impl Tally {
     /// One case: `checks` draws a data set and checks its intervals, always the same ones.
     fn add(&mut self, case: &'static str, checks: impl Fn(StreamKey) -> Vec<Check> + Sync) {
         self.case += 1;
-        let (seed, first) = (self.seed, self.case << 40);
+        let (seed, first) = (self.seed, self.case * streams::COVERAGE);
         let counted = |(interval, expected, covered)| Coverage {
             case,
             interval,

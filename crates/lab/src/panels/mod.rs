@@ -84,7 +84,8 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
             id: "lotka-volterra-energy",
             title: "Damped stochastic Lotka–Volterra system: the energy along one path",
             system: "Lotka–Volterra, a = −1, b = −2, c = 1",
-            paper: "sexp follows the conformal law of the energy, a Hamiltonian that is not quadratic.",
+            paper: "sexp follows the conformal law of the energy, a Hamiltonian that is not \
+                    quadratic.",
         },
         steps: 100,
         invariants: &["H", "C"],
@@ -108,7 +109,8 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
     &InvariantPanel {
         words: Words {
             id: "maxwell-bloch-casimir",
-            title: "Damped stochastic Maxwell–Bloch system: the Casimir ½(y₂² + y₃²) along one path",
+            title: "Damped stochastic Maxwell–Bloch system: the Casimir ½(y₂² + y₃²) along one \
+                    path",
             system: "Maxwell–Bloch",
             paper: "sexp follows the conformal law of the Casimir.",
         },
@@ -119,10 +121,11 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
     &InvariantPanel {
         words: Words {
             id: "poisson3-casimir",
-            title: "Damped three-dimensional Poisson system: the Casimir ½(y₁+y₂+y₃)² along one path",
+            title: "Damped three-dimensional Poisson system: the Casimir ½(y₁+y₂+y₃)² along one \
+                    path",
             system: "three-dimensional Poisson system, c = 1",
-            paper: "sexp follows the conformal law of the Casimir; Euler–Maruyama slightly less well, \
-                    midpoint well.",
+            paper: "sexp follows the conformal law of the Casimir; Euler–Maruyama slightly less \
+                    well, midpoint well.",
         },
         steps: 100,
         invariants: &["C", "S"],

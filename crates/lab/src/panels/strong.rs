@@ -1,5 +1,7 @@
 //! Strong convergence: root-mean-square errors of several schemes at many step sizes, on one noise.
 
+use std::ops::RangeInclusive;
+
 use mc::{Ladder, Reference, Run, StrongErrors};
 use noise::Truncation;
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy};
@@ -15,8 +17,6 @@ use crate::method::Method;
 
 /// Coarsest step size 2⁻⁵.
 const FIRST: u32 = 5;
-/// The reference has a quarter of the finest step.
-const REFERENCE: u32 = 2;
 
 /// Step sizes 2⁻⁵ … 2^−last with a reference at 2^−(last + 2), and the number of paths.
 #[derive(Clone, Copy)]
@@ -27,13 +27,13 @@ pub(crate) struct Grid {
 
 impl Grid {
     /// Exponents of the step sizes, coarsest first.
-    fn exponents(self) -> std::ops::RangeInclusive<u32> {
+    fn exponents(self) -> RangeInclusive<u32> {
         FIRST..=self.last
     }
 
     /// The exponent of the reference's step size.
     pub fn reference(self) -> u32 {
-        self.last + REFERENCE
+        self.last + 2
     }
 
     /// The level of a step size above that of the reference.
@@ -129,10 +129,10 @@ impl StrongCurve {
 
 /// What the runs of a strong panel gave.
 pub(crate) struct StrongErrorCurves {
-    /// The errors at the final time of each curve, then, unless the solution is exact, those at the
-    /// worst time.
+    /// The panel. Its series are the errors at the final time of each curve, then, unless the
+    /// solution is exact, those at the worst time.
     pub panel: Panel,
-    /// Of each series of the panel.
+    /// What each of its series says about an order.
     pub curves: Vec<StrongCurve>,
     /// Root-mean-square error of the reference itself against the exact solution.
     pub reference_error: Option<f64>,

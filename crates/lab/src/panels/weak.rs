@@ -12,7 +12,7 @@
 //! counted in path-steps and the median taken over the twelve test functions (`cargo test -p lab
 //! antithetic -- --nocapture`):
 //!
-//! | τ | independent paths | plain coupled difference | antithetic difference | variance of the latter / τ² |
+//! | τ | independent paths | plain difference | antithetic difference | its variance / τ² |
 //! |---|---|---|---|---|
 //! | 2⁻⁶ | 3.8 | 1.6e-3 | 6.0e-6 | 7.7e-5 |
 //! | 2⁻⁸ | 15 | 1.7e-3 | 1.5e-6 | 7.9e-5 |

@@ -97,7 +97,7 @@ pub fn sampled_variance(conditions: &Conditions<'_>, bound: f64) -> Claim {
         lost.add(dw * dw - clipped * clipped);
     }
     let measured = Evidence::Deviation {
-        quantity: format!("E[ΔW²] − E[ΔŴ²] of {samples} increments at τ = 1/4, k = 1"),
+        quantity: format!("E[ΔW²] − E[ΔŴ²] ({samples} increments, τ = 1/4, k = 1)"),
         value: lost.mean(),
         standard_error: lost.standard_error(),
         bias: 0.0,

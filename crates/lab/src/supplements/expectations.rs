@@ -127,8 +127,8 @@ pub(super) fn cost(conditions: &Conditions<'_>) -> Findings {
         });
     }
     let reference = "half-width ε of the 95 % interval, bias included".to_owned();
-    let steps = "sexp, antithetic differences from τ = 1/2 on; a pilot of 1024 paths a level is part \
-                 of the cost";
+    let steps = "sexp, antithetic differences from τ = 1/2 on; a pilot of 1024 paths a level is \
+                 part of the cost";
     let panel = Panel { reference, series, ..COST.panel(Kind::Cost, &problem, steps) };
     Findings { panels: vec![panel], claims }
 }

@@ -24,7 +24,8 @@ use twins::measure_twins;
 #[command(name = "cargo xtask verify", version)]
 struct Arguments {
     /// Master seeds 1 … N.
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    #[arg(value_parser = value_parser!(u64).range(1..))]
     seeds: u64,
     /// Replications behind each coverage figure.
     #[arg(

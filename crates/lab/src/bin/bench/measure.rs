@@ -19,7 +19,7 @@ use verify::{FinalMoments, Spread, Stopwatch};
 use crate::results::{Clock, GrowthRow, SchemeRow, Speed, ThreadRow, Workload};
 
 /// Streams of all measurements.
-pub const KEY: StreamKey = StreamKey { seed: 1, experiment: 0 };
+pub const KEY: StreamKey = StreamKey { seed: 1, experiment: lab::streams::BENCH };
 /// The step size of all measurements, 2⁻⁸.
 const TAU: f64 = 1.0 / 256.0;
 

@@ -2,16 +2,12 @@
 //! cubic part: two noises. Written from `docs/guide.md` alone, in an empty folder.
 //!
 //! ```text
-//! cargo run -p verify --example henon_heiles
+//! cargo run -p casimir-poisson --example henon_heiles
 //! ```
 
-use dgrad::averaged;
-use mc::{Simulation, write_csv};
-use noise::{StreamKey, Truncation};
-use real::Real;
-use schemes::Sexp;
-use systems::{DampingFunction, HamiltonianIncrement, PoissonSystem, Problem};
-use verify::{StepSizes, inspect_problem, strong_order};
+use casimir::dgrad::averaged;
+use casimir::prelude::*;
+use casimir::systems::{DampingFunction, HamiltonianIncrement};
 
 /// y = (q₁, q₂, p₁, p₂), B = J canonical.
 struct HenonHeiles {

@@ -1,7 +1,7 @@
 //! The same noise for two programs: increments as a table, and the path that they drive.
 //!
 //! ```text
-//! cargo run -p verify --example recorded_noise -- [increments.csv [path.csv]]
+//! cargo run -p casimir-poisson --example recorded_noise -- [increments.csv [path.csv]]
 //! ```
 //!
 //! Reads the table if it is there, else draws one and writes it; then follows the rigid body along
@@ -10,10 +10,10 @@
 
 use std::path::PathBuf;
 
-use mc::{Recording, Simulation, write_csv};
-use noise::{StreamKey, Truncation};
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp};
-use systems::{Cosine, Problem, RigidBody};
+use casimir::mc::Recording;
+use casimir::prelude::*;
+use casimir::schemes::{EulerMaruyama, Midpoint};
+use casimir::systems::{Cosine, RigidBody};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1).map(PathBuf::from);

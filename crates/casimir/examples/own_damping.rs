@@ -1,14 +1,11 @@
 //! A damping of your own: a laser medium that is lossy only while a shutter is open.
 //!
 //! ```text
-//! cargo run -p verify --example own_damping
+//! cargo run -p casimir-poisson --example own_damping
 //! ```
 
-use mc::{Simulation, write_csv};
-use noise::{StreamKey, Truncation};
-use schemes::Sexp;
-use systems::{Damping, DampingFunction, MaxwellBloch, Problem};
-use verify::inspect_problem;
+use casimir::prelude::*;
+use casimir::systems::{DampingFunction, MaxwellBloch};
 
 /// γ(t) = γ₀ while frac(t) < `open`, else 0.
 #[derive(Clone, Copy)]

@@ -1,12 +1,8 @@
 //! A charged particle in a trap, across a magnetic field that is not uniform, in an electric field
 //! that fluctuates: the program of `docs/guide.md`.
 
-use mc::{Simulation, write_csv, write_json};
-use noise::{StreamKey, Truncation};
-use real::Real;
-use schemes::Sexp;
-use systems::{Constant, PoissonSystem, Problem};
-use verify::{StepSizes, inspect_problem, strong_order};
+use casimir::mc::write_json;
+use casimir::prelude::*;
 
 /// A charged particle in the plane, y = (x, y, u, v): a harmonic trap, a magnetic field b₀ + b₁x
 /// across the plane, and an electric field along x that fluctuates.
@@ -40,7 +36,7 @@ impl PoissonSystem<4, 1> for Particle {
     /// The energy is quadratic, and its gradient is averaged at the midpoint.
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 4], b: [R; 4], dt: f64, dw: [f64; 1]) -> [R; 4] {
-        self.gradient(dgrad::midpoint(a, b), dt, dw)
+        self.gradient(casimir::dgrad::midpoint(a, b), dt, dw)
     }
 }
 

@@ -1,13 +1,12 @@
 //! Two schemes of your own, one explicit and one implicit, and their strong orders.
 //!
 //! ```text
-//! cargo run -p verify --example own_scheme
+//! cargo run -p casimir-poisson --example own_scheme
 //! ```
 
-use noise::{StreamKey, Truncation};
-use schemes::{EulerMaruyama, Explicit, Implicit, Increment, Scheme};
-use systems::{Cosine, MaxwellBloch, Problem};
-use verify::{StepSizes, inspect, strong_order};
+use casimir::prelude::*;
+use casimir::schemes::EulerMaruyama;
+use casimir::systems::{Cosine, MaxwellBloch};
 
 /// Heun's method between two halves of exact damping:
 /// ẑ = e^{−∫γ, first half} y_n, z = ẑ + ½(f(ẑ) + f(ẑ + f(ẑ))), y_{n+1} = e^{−∫γ, second half} z.

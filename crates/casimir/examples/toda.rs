@@ -2,15 +2,10 @@
 //! force: one noise. Written from `docs/guide.md` alone, in an empty folder.
 //!
 //! ```text
-//! cargo run -p verify --example toda
+//! cargo run -p casimir-poisson --example toda
 //! ```
 
-use mc::{Simulation, write_csv};
-use noise::{StreamKey, Truncation};
-use real::Real;
-use schemes::Sexp;
-use systems::{Constant, PoissonSystem, Problem};
-use verify::{StepSizes, inspect_problem, strong_order};
+use casimir::prelude::*;
 
 /// Two particles on a line, y = (q₁, q₂, p₁, p₂), with a Toda bond e^(q₁−q₂), each in a unit trap.
 struct Toda {

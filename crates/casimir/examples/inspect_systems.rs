@@ -1,13 +1,13 @@
 //! What `inspect` says of the five systems of the paper; with `--json`, as data.
 //!
 //! ```text
-//! cargo run -p verify --example inspect_systems
+//! cargo run -p casimir-poisson --example inspect_systems
 //! ```
 
-use systems::{
+use casimir::prelude::*;
+use casimir::systems::{
     IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, RigidBody, RigidBodyEnergy,
 };
-use verify::inspect;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let inertia = [2.0, 1.0, 2.0 / 3.0];

@@ -2,18 +2,16 @@
 //! Lévy areas.
 //!
 //! ```text
-//! cargo run -p verify --example point_vortices
+//! cargo run -p casimir-poisson --example point_vortices
 //! ```
 
 use std::f64::consts::TAU;
 
-use dgrad::averaged;
-use mc::{Recording, Simulation};
-use noise::{StreamKey, Truncation};
-use real::Real;
-use schemes::{Scheme, Sexp, SexpLevy};
-use systems::{Constant, HamiltonianIncrement, PoissonSystem, Problem, SystemError};
-use verify::inspect_problem;
+use casimir::dgrad::averaged;
+use casimir::mc::Recording;
+use casimir::prelude::*;
+use casimir::schemes::SexpLevy;
+use casimir::systems::{HamiltonianIncrement, SystemError};
 
 /// y = (x₁, y₁, x₂, y₂), Γᵢẋᵢ = ∂H/∂yᵢ, Γᵢẏᵢ = −∂H/∂xᵢ.
 struct Vortices {
@@ -113,7 +111,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let coarse = fine.coarsened(4096 / steps)?;
         for scheme in [&sexp as &dyn Scheme<Vortices, 4, 2>, &levy] {
             let path = follow(scheme, &coarse)?;
-            let last = |series: &mc::TimeSeries| {
+            let last = |series: &casimir::mc::TimeSeries| {
                 series.column("distance").and_then(|column| column.last().copied())
             };
             let error = last(&path).zip(last(&reference)).map(|(a, b)| (a - b).abs());
