@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::algebra::{Matrix, norm, spectral_norm};
+use super::algebra::{norm, spectral_norm};
 use super::erased::{Function, System};
 use super::points::{Points, Region};
 
@@ -38,10 +38,7 @@ impl Solvability {
         Self {
             region: points.region.clone(),
             structure: supremum(&|y| spectral_norm(&system.matrix(y))),
-            structure_slope: supremum(&|y| {
-                let stacked: Matrix = system.matrix_derivatives(y).into_iter().flatten().collect();
-                spectral_norm(&stacked)
-            }),
+            structure_slope: supremum(&|y| spectral_norm(&system.matrix_derivatives(y).concat())),
             gradients: norms(&|h, y| norm(&h.gradient(y))),
             hessians: norms(&|h, y| spectral_norm(&h.hessian(y))),
         }
