@@ -54,10 +54,7 @@ fn method(rate: &Rate) -> String {
         );
     }
     if rate.rests_on_few_paths() {
-        text += &format!(
-            "; fewer than {FEW_SAMPLES} effective paths carry the error: the wider of both \
-             intervals at each end"
-        );
+        text += &format!("; {}", wider_interval());
     }
     text
 }
@@ -79,21 +76,25 @@ fn bend(rate: &Rate, refuted: bool) -> &'static str {
 }
 
 fn warning(rate: &Rate) -> Option<String> {
-    let misfit = rate.misfits().then(|| {
-        format!(
+    let mut warnings = Vec::new();
+    if rate.misfits() {
+        warnings.push(format!(
             "the model does not fit: residuals so large have the probability {:.0e}, no order can \
              be read off",
             rate.p_value.unwrap_or(0.0)
-        )
-    });
-    let few = rate.rests_on_few_paths().then(|| {
-        format!(
-            "fewer than {FEW_SAMPLES} effective paths carry the error; the interval is the wider \
-             of two at each end"
-        )
-    });
-    let warnings: Vec<String> = misfit.into_iter().chain(few).collect();
+        ));
+    }
+    if rate.rests_on_few_paths() {
+        warnings.push(wider_interval());
+    }
     (!warnings.is_empty()).then(|| warnings.join("; "))
+}
+
+fn wider_interval() -> String {
+    format!(
+        "fewer than {FEW_SAMPLES} effective paths carry the error: the interval is the wider of \
+         both at each end"
+    )
 }
 
 /// The warning at a point that few paths carry.

@@ -16,6 +16,7 @@ use crate::bootstrap;
 use crate::least_squares::{Fit, Weighting, dot, matrix};
 use crate::moments::CrossMoments;
 use crate::quantile::{CONFIDENCE, hotelling_p_value, two_sided};
+use crate::rate::{Model, Rate};
 
 /// Correlation between neighbouring levels in the working weights.
 const WORKING_CORRELATION: f64 = 0.5;
@@ -59,34 +60,12 @@ pub struct LogMeanSquares<'a> {
 
 /// A fitted order.
 pub struct Estimate {
-    /// p.
-    pub order: f64,
+    /// The order with its interval by the delta method, and χ².
+    pub rate: Rate,
     /// Its standard error √(gᵀVg).
     pub se: f64,
-    /// Degrees of freedom of the standard error.
-    pub student_degrees: f64,
-    /// χ² of the residuals.
-    pub chi_square: f64,
-    /// Its degrees of freedom.
-    pub degrees: usize,
-    /// The probability of so large a χ² if the model is right (Hotelling's T²); absent without
-    /// degrees of freedom.
-    pub p_value: Option<f64>,
     /// The weights g.
     pub gain: Vec<f64>,
-    /// Coefficient c over its standard error, where it was fitted.
-    pub reference_t: Option<f64>,
-    /// Coefficient b over its standard error, where it was fitted.
-    pub curvature_t: Option<f64>,
-}
-
-impl Estimate {
-    /// The 95 % interval of the order.
-    #[must_use]
-    pub fn interval(&self) -> (f64, f64) {
-        let half_width = two_sided(CONFIDENCE, Some(self.student_degrees)) * self.se;
-        (self.order - half_width, self.order + half_width)
-    }
 }
 
 impl<'a> LogMeanSquares<'a> {
@@ -133,22 +112,32 @@ impl<'a> LogMeanSquares<'a> {
         let degrees = levels - parameters;
         let gain: Vec<f64> = fit.gain(1).iter().map(|g| 0.5 * g).collect();
         let mut t = (2..parameters).map(|c| fit.parameters[c] / self.standard_error(&fit.gain(c)));
-        Some(Estimate {
-            order: 0.5 * fit.parameters[1],
-            se: self.standard_error(&gain),
-            student_degrees: bootstrap::degrees_of_freedom(self.squares, &self.levels, &gain),
+        let (order, se) = (0.5 * fit.parameters[1], self.standard_error(&gain));
+        let student_degrees =
+            Some(bootstrap::degrees_of_freedom(self.squares, &self.levels, &gain));
+        let half_width = two_sided(CONFIDENCE, student_degrees) * se;
+        let rate = Rate {
+            estimate: order,
+            lo: order - half_width,
+            hi: order + half_width,
+            confidence: CONFIDENCE,
+            student_degrees,
+            model: Model::MeanSquares,
             chi_square,
             degrees,
             p_value: hotelling_p_value(chi_square, degrees, self.squares.count()),
-            gain,
             reference_t: terms.reference.and_then(|_| t.next()),
             curvature_t: t.next(),
-        })
+            ..Rate::default()
+        };
+        Some(Estimate { rate, se, gain })
     }
 
-    /// How far a bootstrap-t interval reaches below and above the order, in standard errors.
+    /// The bootstrap-t interval of the order.
     pub(crate) fn bootstrap(&self, estimate: &Estimate) -> Option<(f64, f64)> {
-        bootstrap::reach(self.squares, &self.levels, &estimate.gain)
+        let Estimate { rate, se, gain } = estimate;
+        let (below, above) = bootstrap::reach(self.squares, &self.levels, gain)?;
+        Some((rate.estimate - below * se, rate.estimate + above * se))
     }
 
     /// √(gᵀVg).

@@ -16,13 +16,13 @@ pub enum Point {
         se: f64,
         /// Lower end of a 95 % interval that allows for skewed errors, of strong points; elsewhere
         /// `value` ± 1.96 `se` is one.
-        #[serde(skip_serializing_if = "Option::is_none", default)]
+        #[serde(skip_serializing_if = "Option::is_none")]
         lo: Option<f64>,
         /// Its upper end.
-        #[serde(skip_serializing_if = "Option::is_none", default)]
+        #[serde(skip_serializing_if = "Option::is_none")]
         hi: Option<f64>,
         /// Why no interval can be trusted here; absent where one can.
-        #[serde(skip_serializing_if = "Option::is_none", default)]
+        #[serde(skip_serializing_if = "Option::is_none")]
         warning: Option<String>,
     },
     /// What an accuracy costs.

@@ -18,7 +18,7 @@ pub struct Rate {
     pub confidence: f64,
     /// Degrees of freedom of Student's quantile behind the interval; absent where it is the normal
     /// one.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub student_degrees: Option<f64>,
     /// The fit in words, made from the other fields.
     pub method: String,
@@ -32,35 +32,35 @@ pub struct Rate {
     #[serde(default)]
     pub degrees: usize,
     /// Lower end of a bootstrap interval over whole paths, of the same confidence.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub bootstrap_lo: Option<f64>,
     /// Its upper end.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub bootstrap_hi: Option<f64>,
     /// A straight line through the same points.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub straight: Option<StraightLine>,
     /// Coefficient b of the next order of the error over its standard error; absent where it was
     /// not fitted.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub curvature_t: Option<f64>,
     /// Coefficient c of the reference's error over its standard error; absent where it was not
     /// fitted.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_t: Option<f64>,
     /// The smallest effective number of paths, (Σx)²/Σx² (Kish), among the step sizes measured.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub effective_paths: Option<f64>,
     /// Step sizes that were left out of the fit because a few paths dominate their error.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub left_out: Vec<f64>,
     /// The probability of residuals as large as these if the model is right; absent without
     /// degrees of freedom.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub p_value: Option<f64>,
     /// Why the interval is not known to cover the order; absent where it is. With a `p_value` below
     /// 1e-5 no verdict is given.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
 }
 

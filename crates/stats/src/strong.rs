@@ -8,8 +8,7 @@
 use crate::describe::describe;
 use crate::mean_squares::{LogMeanSquares, Terms};
 use crate::moments::{CrossMoments, FEW_SAMPLES};
-use crate::quantile::CONFIDENCE;
-use crate::rate::{Model, Rate, STRAIGHT_CONFIDENCE, StraightLine};
+use crate::rate::{Rate, STRAIGHT_CONFIDENCE, StraightLine};
 
 /// Fewer levels than this make no fit from which others have been left out.
 const LEAST_LEVELS: usize = 4;
@@ -42,46 +41,26 @@ pub fn fit_strong(taus: &[f64], reference: Option<f64>, squares: &CrossMoments) 
         Terms { reference: reference.filter(|_| levels.len() >= 5), curvature: levels.len() >= 6 };
     let logarithms = LogMeanSquares::new(taus, squares, levels)?;
     let estimate = logarithms.fit(terms)?;
-    let (lo, hi) = estimate.interval();
-    let bootstrap = logarithms.bootstrap(&estimate).map(|(below, above)| {
-        (estimate.order - below * estimate.se, estimate.order + above * estimate.se)
-    });
+    let bootstrap = logarithms.bootstrap(&estimate);
     let effective = (0..taus.len()).map(|l| squares.effective_samples(l));
     let mut rate = Rate {
-        estimate: estimate.order,
-        lo,
-        hi,
-        confidence: CONFIDENCE,
-        student_degrees: Some(estimate.student_degrees),
-        model: Model::MeanSquares,
-        chi_square: estimate.chi_square,
-        degrees: estimate.degrees,
-        p_value: estimate.p_value,
         bootstrap_lo: bootstrap.map(|(low, _)| low),
         bootstrap_hi: bootstrap.map(|(_, high)| high),
         straight: (terms != Terms::STRAIGHT).then(|| straight(&logarithms)).flatten(),
-        curvature_t: estimate.curvature_t,
-        reference_t: estimate.reference_t,
         effective_paths: Some(effective.fold(f64::INFINITY, f64::min)),
         left_out: left_out.iter().map(|&l| taus[l]).collect(),
-        ..Rate::default()
+        ..estimate.rate
     };
     if let Some((low, high)) = bootstrap.filter(|_| rate.rests_on_few_paths()) {
-        (rate.lo, rate.hi) = (lo.min(low), hi.max(high));
+        (rate.lo, rate.hi) = (rate.lo.min(low), rate.hi.max(high));
     }
     Some(describe(rate))
 }
 
 /// The straight line through the points.
 fn straight(logarithms: &LogMeanSquares<'_>) -> Option<StraightLine> {
-    let estimate = logarithms.fit(Terms::STRAIGHT)?;
-    let (lo, hi) = estimate.interval();
-    Some(StraightLine {
-        estimate: estimate.order,
-        lo,
-        hi,
-        chi_square: estimate.chi_square,
-        degrees: estimate.degrees as u32,
-        refuted: estimate.p_value.is_some_and(|p| p < 1.0 - STRAIGHT_CONFIDENCE),
-    })
+    let Rate { estimate, lo, hi, chi_square, degrees, p_value, .. } =
+        logarithms.fit(Terms::STRAIGHT)?.rate;
+    let refuted = p_value.is_some_and(|p| p < 1.0 - STRAIGHT_CONFIDENCE);
+    Some(StraightLine { estimate, lo, hi, chi_square, degrees: degrees as u32, refuted })
 }

@@ -111,13 +111,13 @@ impl Bounded {
     /// A value that must be at most `at_most`.
     #[must_use]
     pub fn at_most(quantity: impl Into<String>, value: f64, at_most: f64) -> Self {
-        Self { quantity: quantity.into(), value, at_least: None, at_most: Some(at_most) }
+        Self { at_most: Some(at_most), ..Self::reported(quantity, value) }
     }
 
     /// A value that must be at least `at_least`.
     #[must_use]
     pub fn at_least(quantity: impl Into<String>, value: f64, at_least: f64) -> Self {
-        Self { quantity: quantity.into(), value, at_least: Some(at_least), at_most: None }
+        Self { at_least: Some(at_least), ..Self::reported(quantity, value) }
     }
 
     /// A value that is reported and held against nothing.
@@ -147,11 +147,11 @@ impl Evidence {
             Self::Order { order, rate, .. } => order_verdict(rate.as_ref(), *order),
             Self::Defect { largest, tolerance, obeys: true, .. } => decided(largest <= tolerance),
             Self::Defect { largest, tolerance, .. } => decided(largest > tolerance),
-            Self::Approach { order, half_width, least, .. } if order - half_width > *least => {
-                Verdict::Holds
-            }
-            Self::Approach { order, half_width, least, .. } if order + half_width < *least => {
-                Verdict::Refuted
+            // False for NaN.
+            Self::Approach { order, half_width, least, .. }
+                if (order - least).abs() > *half_width =>
+            {
+                decided(order > least)
             }
             Self::Approach { .. } | Self::Undecided { .. } => Verdict::Undecided,
             Self::Deviation { value, standard_error, bias, expected, .. } => {
@@ -169,13 +169,10 @@ impl Evidence {
 impl fmt::Display for Evidence {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Order { rate: None, .. } => {
-                write!(
-                    f,
-                    "no order can be named: the errors are within their noise, or there are too \
-                     few paths"
-                )
-            }
+            Self::Order { rate: None, .. } => f.write_str(
+                "no order can be named: the errors are within their noise, or there are too \
+                     few paths",
+            ),
             Self::Order { rate: Some(rate), .. } => {
                 let Rate { estimate, lo, hi, confidence, method, warning, .. } = rate;
                 let percent = 100.0 * confidence;
@@ -234,11 +231,8 @@ impl fmt::Display for Evidence {
                 for (n, bounded) in quantities.iter().enumerate() {
                     let separator = if n == 0 { "" } else { "; " };
                     write!(f, "{separator}{}: {}", bounded.quantity, Short(bounded.value))?;
-                    if let Some(least) = bounded.at_least {
-                        write!(f, ", at least {}", Short(least))?;
-                    }
-                    if let Some(most) = bounded.at_most {
-                        write!(f, ", at most {}", Short(most))?;
+                    for (word, bound) in [("least", bounded.at_least), ("most", bounded.at_most)] {
+                        bound.iter().try_for_each(|&x| write!(f, ", at {word} {}", Short(x)))?;
                     }
                 }
                 if *failed > 0 {

@@ -35,9 +35,7 @@ const NODES: usize = 4;
 impl<'a, G: Damping> RandomTime<'a, G> {
     /// S for a damping, a degree r, a noise c and a finest step.
     pub fn new(damping: &'a G, degree: f64, noise: f64, tau: f64) -> Self {
-        let rule = Rule::new(NODES)
-            .unwrap_or_else(|error| unreachable!("the number of nodes is allowed: {error}"));
-        Self { damping, degree, noise, tau, rule }
+        Self { damping, degree, noise, tau, rule: valid(Rule::new(NODES)) }
     }
 
     /// (ḡ, v) of finest step n.
@@ -106,7 +104,7 @@ pub fn expectation<S: PoissonSystem<D, 1>, G: Damping, const D: usize>(
 ) -> f64 {
     let (mean, variance) = time.law(steps);
     let deviation = variance.sqrt();
-    let rule = Rule::new(16).unwrap_or_else(|error| unreachable!("16 nodes are allowed: {error}"));
+    let rule = valid(Rule::new(16));
     let density = |x: f64| (-0.5 * x * x).exp() / (2.0 * std::f64::consts::PI).sqrt();
     let integrand = |x: f64| density(x) * phi(solution(problem, mean + deviation * x));
     (-9..9).map(|piece| rule.integrate(f64::from(piece), f64::from(piece + 1), integrand)).sum()

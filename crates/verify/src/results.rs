@@ -147,10 +147,10 @@ pub struct Series {
     /// The points, in the order of decreasing step size, or of time.
     pub points: Vec<Point>,
     /// Fitted order, for strong and weak panels.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub rate: Option<Rate>,
     /// Largest relative defect of the conformal law along the path, for invariant panels.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub max_relative_defect: Option<f64>,
 }
 

@@ -104,5 +104,5 @@ fn naive(
     LogMeanSquares::new(taus, squares, (0..taus.len()).collect())
         .map(|levels| if independent { levels.independent() } else { levels })
         .and_then(|levels| levels.fit(terms))
-        .is_some_and(|estimate| normal_covers(estimate.order, estimate.se, order))
+        .is_some_and(|estimate| normal_covers(estimate.rate.estimate, estimate.se, order))
 }

@@ -32,15 +32,12 @@ pub fn times(matrix: &Matrix, v: &[f64]) -> Vec<f64> {
     matrix.iter().map(|row| dot(row, v)).collect()
 }
 
-/// AᵀA.
-pub fn gram(a: &Matrix) -> Matrix {
-    let n = a.first().map_or(0, Vec::len);
-    (0..n).map(|i| (0..n).map(|j| a.iter().map(|row| row[i] * row[j]).sum()).collect()).collect()
-}
-
-/// ‖A‖₂.
+/// ‖A‖₂, the root of the largest eigenvalue of AᵀA.
 pub fn spectral_norm(a: &Matrix) -> f64 {
-    eigenvalues(gram(a)).last().map_or(0.0, |&square| square.max(0.0).sqrt())
+    let n = a.first().map_or(0, Vec::len);
+    let entry = |i: usize, j: usize| a.iter().map(|row| row[i] * row[j]).sum();
+    let gram = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
+    eigenvalues(gram).last().map_or(0.0, |&square| square.max(0.0).sqrt())
 }
 
 /// Limit of the sweeps of Jacobi's method, which converges quadratically: ten have always sufficed.

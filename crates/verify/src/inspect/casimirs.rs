@@ -2,9 +2,8 @@
 
 use serde::Serialize;
 
-use super::algebra::{Matrix, dot, eigenvalues, largest, null_space, times};
+use super::algebra::{Matrix, dot, eigenvalues, largest, norm, null_space, times};
 use super::erased::System;
-use super::finding::Finding;
 use super::function::Minimum;
 use super::points::Points;
 
@@ -37,44 +36,31 @@ impl FoundCasimir {
     pub fn value(&self, y: &[f64]) -> f64 {
         value(self.degree, &self.coefficients, y)
     }
-
-    /// Whether B∇C = 0 to the accuracy of the coefficients.
-    fn holds(&self, system: &dyn System, points: &[Vec<f64>]) -> bool {
-        let mut casimir = Finding::default();
-        for y in points {
-            let (b, gradient) = (system.matrix(y), gradient(self.degree, &self.coefficients, y));
-            let size = largest(b.iter().flatten()) * largest(&gradient) * y.len() as f64;
-            casimir.compare(&times(&b, &gradient), &vec![0.0; y.len()], size, y);
-        }
-        casimir.defect <= ACCURACY
-    }
-}
-
-fn gradient(degree: u32, coefficients: &[f64], y: &[f64]) -> Vec<f64> {
-    match degree {
-        1 => coefficients.to_vec(),
-        _ => coefficients.chunks(y.len()).map(|row| dot(row, y)).collect(),
-    }
 }
 
 fn value(degree: u32, coefficients: &[f64], y: &[f64]) -> f64 {
-    dot(&gradient(degree, coefficients, y), y) / f64::from(degree)
+    match degree {
+        1 => dot(coefficients, y),
+        _ => 0.5 * dot(&times(&square(coefficients, y.len()), y), y),
+    }
+}
+
+/// The places (i, j), i ≤ j, of a symmetric matrix.
+fn places(d: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..d).flat_map(move |i| (i..d).map(move |j| (i, j)))
 }
 
 /// `2 y1 + y2 − 0.5 y3`, coefficients to six digits.
 fn formula(degree: u32, coefficients: &[f64], d: usize) -> String {
-    let linear = (0..d).map(|i| (coefficients[i], format!("y{}", i + 1)));
-    let terms: Vec<(f64, String)> = if degree == 1 {
-        linear.collect()
-    } else {
-        let squares = (0..d).map(|i| (0.5 * coefficients[i * d + i], format!("y{}²", i + 1)));
-        let pairs = (0..d).flat_map(|i| (i + 1..d).map(move |j| (i, j)));
-        let products =
-            pairs.map(|(i, j)| (coefficients[i * d + j], format!("y{} y{}", i + 1, j + 1)));
-        squares.chain(products).collect()
+    let (squares, products): (Vec<_>, Vec<_>) = places(d).partition(|(i, j)| i == j);
+    let term = |(i, j): (usize, usize)| match (degree, i == j) {
+        (1, _) => (coefficients[i], format!("y{}", i + 1)),
+        (_, true) => (0.5 * coefficients[i * d + i], format!("y{}²", i + 1)),
+        (_, false) => (coefficients[i * d + j], format!("y{} y{}", i + 1, j + 1)),
     };
+    let terms = squares.into_iter().chain(products.into_iter().filter(|_| degree == 2)).map(term);
     let mut formula = String::new();
-    for (coefficient, symbol) in terms.into_iter().filter(|(coefficient, _)| *coefficient != 0.0) {
+    for (coefficient, symbol) in terms.filter(|(coefficient, _)| *coefficient != 0.0) {
         let sign = match (formula.is_empty(), coefficient < 0.0) {
             (true, false) => "",
             (true, true) => "−",
@@ -112,42 +98,43 @@ impl Casimirs {
     /// other half.
     pub(super) fn of(system: &dyn System, points: &Points) -> Self {
         let d = system.dimension();
-        let (solve, check) = points.for_identities.split_at(points.for_identities.len() / 2);
-        let rows: Vec<(&Vec<f64>, Vec<f64>)> = solve
-            .iter()
-            .flat_map(|y| normalized(system.matrix(y)).into_iter().map(move |row| (y, row)))
-            .collect();
-        let casimir =
-            |degree, coefficients| FoundCasimir::new(degree, coefficients, system, points);
-        let linear = null_space(rows.iter().map(|(_, row)| row.clone()).collect(), d);
-        let mut found: Vec<_> = linear.into_iter().map(|beta| casimir(1, readable(beta))).collect();
+        let points_and_matrices: Vec<_> =
+            points.for_identities.iter().map(|y| (y, normalized(system.matrix(y)))).collect();
         let quadratic_sought = d * (d + 1) / 2 <= UNKNOWNS;
-        if quadratic_sought {
-            found.extend(quadratic_forms(&rows, d).into_iter().map(|q| casimir(2, q)));
+        let mut found = Vec::new();
+        for degree in 1..=if quadratic_sought { 2 } else { 1 } {
+            // bᵀ∇C(y) = 0 for every row b of B(y).
+            let equation = |y: &[f64], b: &Vec<f64>| match degree {
+                1 => b.clone(),
+                _ => places(d)
+                    .map(|(i, j)| if i == j { b[i] * y[i] } else { b[i] * y[j] + b[j] * y[i] })
+                    .collect(),
+            };
+            let equations: Matrix = points_and_matrices
+                .iter()
+                .flat_map(|(y, matrix)| matrix.iter().map(|row| equation(y, row)))
+                .collect();
+            let (solve, check) = equations.split_at(equations.len() / 2);
+            for x in null_space(solve.to_vec(), solve[0].len()).into_iter().map(readable) {
+                let holds = |row: &Vec<f64>| dot(row, &x).abs() <= ACCURACY * norm(row) * norm(&x);
+                if check.iter().all(holds) {
+                    let coefficients = if degree == 1 { x } else { symmetric(&x, d) };
+                    found.push(FoundCasimir::new(degree, coefficients, system, points));
+                }
+            }
         }
-        found.retain(|casimir| casimir.holds(system, check));
-        let definite = definite(&found, d).map(|q| casimir(2, q));
+        let definite = definite(&found, d).map(|q| FoundCasimir::new(2, q, system, points));
         Self { found, definite, quadratic_sought }
     }
 }
 
-/// The symmetric Q with bᵀQy = 0 for all given y and rows b of B(y).
-fn quadratic_forms(rows: &[(&Vec<f64>, Vec<f64>)], d: usize) -> Matrix {
-    let pairs: Vec<(usize, usize)> = (0..d).flat_map(|i| (i..d).map(move |j| (i, j))).collect();
-    let equation = |(y, b): &(&Vec<f64>, Vec<f64>)| {
-        let factor = |&(i, j): &(usize, usize)| {
-            if i == j { b[i] * y[i] } else { b[i] * y[j] + b[j] * y[i] }
-        };
-        pairs.iter().map(factor).collect()
-    };
-    let form = |solution: Vec<f64>| {
-        let mut q = vec![0.0; d * d];
-        for (&(i, j), x) in pairs.iter().zip(readable(solution)) {
-            (q[i * d + j], q[j * d + i]) = (x, x);
-        }
-        q
-    };
-    null_space(rows.iter().map(equation).collect(), pairs.len()).into_iter().map(form).collect()
+/// The rows of the symmetric matrix with x at [`places`].
+fn symmetric(x: &[f64], d: usize) -> Vec<f64> {
+    let mut q = vec![0.0; d * d];
+    for ((i, j), &x) in places(d).zip(x) {
+        (q[i * d + j], q[j * d + i]) = (x, x);
+    }
+    q
 }
 
 /// The matrix divided by its largest entry, so that all points have equal weight.

@@ -1,8 +1,8 @@
 //! A system behind functions of slices, so that the checks are compiled once and not once for
 //! every system.
 
-use real::{Dual, Real, ScalarFunction, gradient};
-use systems::{Invariant, PoissonSystem, vector_field_derivative};
+use real::{Dual, Real, ScalarFunction, gradient, jacobian};
+use systems::{HamiltonianIncrement, Invariant, PoissonSystem};
 
 use super::algebra::{Matrix, axis, transposed};
 
@@ -21,23 +21,22 @@ pub trait System {
     fn in_domain(&self, y: &[f64]) -> bool;
     /// B(y)v.
     fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64>;
-    /// ∂B(y)/∂y_l v.
-    fn structure_derivative(&self, y: &[f64], l: usize, v: &[f64]) -> Vec<f64>;
+    /// The matrices ∂B(y)/∂y_l.
+    fn matrix_derivatives(&self, y: &[f64]) -> Vec<Matrix>;
     /// h for these weights, differentiated by dual numbers.
     fn energy(&self, weights: &[f64]) -> Box<dyn Function + '_>;
     /// ∇h as the system implements it.
     fn gradient(&self, y: &[f64], weights: &[f64]) -> Vec<f64>;
-    fn averaged_gradient(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64>;
-    fn averaged_field(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64>;
+    /// The averaged gradient and the averaged field.
+    fn averages(&self, a: &[f64], b: &[f64], weights: &[f64]) -> [Vec<f64>; 2];
     /// The predicted end of an implicit step and the bound of its residual.
     fn predict(&self, a: &[f64], weights: &[f64]) -> (Vec<f64>, f64);
-    /// (B∇h)′v.
-    fn field_derivative(&self, y: &[f64], weights: &[f64], v: &[f64]) -> Vec<f64>;
+    /// B∇h and (B∇h)′.
+    fn field(&self, y: &[f64], weights: &[f64]) -> (Vec<f64>, Matrix);
     /// Σ A_ml [fₘ, f_l] as the system implements it.
     fn commutators(&self, y: &[f64], areas: &Matrix) -> Vec<f64>;
-    fn invariants(&self) -> Vec<Invariant>;
-    /// Invariant number `index`, differentiated by dual numbers.
-    fn invariant(&self, index: usize) -> Box<dyn Function + '_>;
+    /// The claimed invariants, differentiated by dual numbers.
+    fn invariants(&self) -> Vec<(Invariant, Box<dyn Function + '_>)>;
 }
 
 impl dyn System + '_ {
@@ -51,22 +50,10 @@ impl dyn System + '_ {
         self.energy(&self.weights(m))
     }
 
-    /// B∇h.
-    pub fn field(&self, y: &[f64], weights: &[f64]) -> Vec<f64> {
-        self.structure(y, &self.gradient(y, weights))
-    }
-
     /// The matrix B(y).
     pub fn matrix(&self, y: &[f64]) -> Matrix {
         let d = self.dimension();
         transposed(&(0..d).map(|j| self.structure(y, &axis(d, j))).collect())
-    }
-
-    /// The matrices ∂B(y)/∂y_l.
-    pub fn matrix_derivatives(&self, y: &[f64]) -> Vec<Matrix> {
-        let d = self.dimension();
-        let column = |l: usize, j: usize| self.structure_derivative(y, l, &axis(d, j));
-        (0..d).map(|l| transposed(&(0..d).map(|j| column(l, j)).collect())).collect()
     }
 }
 
@@ -85,6 +72,10 @@ fn split<const M: usize>(weights: &[f64]) -> (f64, [f64; M]) {
     (weights[0], array(&weights[1..]))
 }
 
+fn derivatives<const D: usize>(y: [Dual; D]) -> Vec<f64> {
+    y.map(|component| component.derivative).to_vec()
+}
+
 /// y with derivative 1 in component l.
 fn seeded<const D: usize>(y: &[f64], l: usize) -> [Dual; D] {
     let mut y = array(y).map(Dual::fixed);
@@ -92,39 +83,29 @@ fn seeded<const D: usize>(y: &[f64], l: usize) -> [Dual; D] {
     y
 }
 
-enum Formula<const M: usize> {
-    Energy(f64, [f64; M]),
-    Invariant(usize),
-}
-
-struct SystemFunction<'a, S, const D: usize, const M: usize> {
-    system: &'a S,
-    formula: Formula<M>,
-}
+/// An invariant of a system, by its number.
+struct NumberedInvariant<'a, S, const M: usize>(&'a S, usize);
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ScalarFunction<D>
-    for SystemFunction<'_, S, D, M>
+    for NumberedInvariant<'_, S, M>
 {
     fn value<R: Real>(&self, y: [R; D]) -> R {
-        match self.formula {
-            Formula::Energy(dt, dw) => self.system.energy(y, dt, dw),
-            Formula::Invariant(index) => self.system.invariant(index, y),
-        }
+        self.0.invariant(self.1, y)
     }
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Function
-    for SystemFunction<'_, S, D, M>
-{
+/// A [`Function`] from a [`ScalarFunction`].
+struct ErasedFunction<F, const D: usize>(F);
+
+impl<F: ScalarFunction<D>, const D: usize> Function for ErasedFunction<F, D> {
     fn value(&self, y: &[f64]) -> f64 {
-        ScalarFunction::value(self, array(y))
+        self.0.value(array(y))
     }
     fn gradient(&self, y: &[f64]) -> Vec<f64> {
-        gradient(self, array(y)).to_vec()
+        gradient(&self.0, array(y)).to_vec()
     }
     fn hessian(&self, y: &[f64]) -> Matrix {
-        let row = |l| gradient(self, seeded(y, l)).map(|component| component.derivative).to_vec();
-        (0..D).map(row).collect()
+        (0..D).map(|l| derivatives(gradient(&self.0, seeded::<D>(y, l)))).collect()
     }
 }
 
@@ -144,43 +125,41 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Erased<'
     fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
         self.0.structure(array(y), array(v)).to_vec()
     }
-    fn structure_derivative(&self, y: &[f64], l: usize, v: &[f64]) -> Vec<f64> {
-        let product = self.0.structure(seeded(y, l), array(v).map(Dual::fixed));
-        product.map(|component| component.derivative).to_vec()
+    fn matrix_derivatives(&self, y: &[f64]) -> Vec<Matrix> {
+        let unit = |j| array(&axis(D, j)).map(Dual::fixed);
+        let column = |l, j| derivatives(self.0.structure(seeded::<D>(y, l), unit(j)));
+        (0..D).map(|l| transposed(&(0..D).map(|j| column(l, j)).collect())).collect()
     }
     fn energy(&self, weights: &[f64]) -> Box<dyn Function + '_> {
         let (dt, dw) = split(weights);
-        Box::new(SystemFunction { system: self.0, formula: Formula::Energy(dt, dw) })
+        Box::new(ErasedFunction::<_, D>(HamiltonianIncrement { system: self.0, dt, dw }))
     }
     fn gradient(&self, y: &[f64], weights: &[f64]) -> Vec<f64> {
         let (dt, dw) = split(weights);
         self.0.gradient(array(y), dt, dw).to_vec()
     }
-    fn averaged_gradient(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64> {
-        let (dt, dw) = split(weights);
-        self.0.averaged_gradient(array(a), array(b), dt, dw).to_vec()
-    }
-    fn averaged_field(&self, a: &[f64], b: &[f64], weights: &[f64]) -> Vec<f64> {
-        let (dt, dw) = split(weights);
-        self.0.averaged_field(array(a), array(b), dt, dw).to_vec()
+    fn averages(&self, a: &[f64], b: &[f64], weights: &[f64]) -> [Vec<f64>; 2] {
+        let (a, b, (dt, dw)) = (array(a), array(b), split(weights));
+        let gradient = self.0.averaged_gradient(a, b, dt, dw);
+        [gradient, self.0.averaged_field(a, b, dt, dw)].map(Vec::from)
     }
     fn predict(&self, a: &[f64], weights: &[f64]) -> (Vec<f64>, f64) {
         let (dt, dw) = split(weights);
         let (b, bound) = self.0.predict(array(a), dt, dw);
         (b.to_vec(), bound)
     }
-    fn field_derivative(&self, y: &[f64], weights: &[f64], v: &[f64]) -> Vec<f64> {
+    fn field(&self, y: &[f64], weights: &[f64]) -> (Vec<f64>, Matrix) {
         let (dt, dw) = split(weights);
-        vector_field_derivative(self.0, array(y), dt, dw, array(v)).to_vec()
+        let (field, rows) = jacobian(&HamiltonianIncrement { system: self.0, dt, dw }, array(y));
+        (field.to_vec(), rows.map(Vec::from).into())
     }
     fn commutators(&self, y: &[f64], areas: &Matrix) -> Vec<f64> {
         let areas = std::array::from_fn(|m| array(&areas[m]));
         self.0.commutators(array(y), areas).to_vec()
     }
-    fn invariants(&self) -> Vec<Invariant> {
-        self.0.invariants()
-    }
-    fn invariant(&self, index: usize) -> Box<dyn Function + '_> {
-        Box::new(SystemFunction { system: self.0, formula: Formula::Invariant(index) })
+    fn invariants(&self) -> Vec<(Invariant, Box<dyn Function + '_>)> {
+        let function = |index| ErasedFunction::<_, D>(NumberedInvariant(self.0, index));
+        let claims = self.0.invariants().into_iter().enumerate();
+        claims.map(|(index, claim)| (claim, Box::new(function(index)) as _)).collect()
     }
 }

@@ -97,22 +97,17 @@ const INTEGER: f64 = 1e-9;
 /// p of Euler's identity ∇F·y = pF: computed where F is largest relative to its gradient, and
 /// checked at all points.
 fn degree(f: &dyn Function, points: &Points) -> Option<f64> {
-    let euler = |y: &[f64]| {
+    let euler = |y: &Vec<f64>| {
         let gradient = f.gradient(y);
         (f.value(y), dot(&gradient, y), norm(&gradient) * norm(y))
     };
-    let relative_size = |y: &[f64]| {
-        let (value, _, size) = euler(y);
-        value.abs() / (size + value.abs())
-    };
-    let points = &points.for_identities;
-    let best = points.iter().max_by(|a, b| relative_size(a).total_cmp(&relative_size(b)))?;
-    let (value, slope, _) = euler(best);
-    let p = slope / value;
+    let terms: Vec<_> = points.for_identities.iter().map(euler).collect();
+    let relative = |(value, _, size): &(f64, f64, f64)| value.abs() / (size + value.abs());
+    let best = terms.iter().max_by(|a, b| relative(a).total_cmp(&relative(b)))?;
+    let p = best.1 / best.0;
     let p = if (p - p.round()).abs() < INTEGER { p.round() } else { p };
     let mut identity = Finding::default();
-    for y in points {
-        let (value, slope, size) = euler(y);
+    for (y, (value, slope, size)) in points.for_identities.iter().zip(terms.iter()) {
         identity.record(slope - p * value, size + (p * value).abs(), y);
     }
     (p.is_finite() && p != 0.0 && identity.holds).then_some(p)

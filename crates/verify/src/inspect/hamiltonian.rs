@@ -73,12 +73,12 @@ impl Hamiltonians {
         let exact = energy.gradient(y);
         let size = norm(&exact);
         self.gradient.compare(&system.gradient(y, weights), &exact, size, y);
-        let averaged = system.averaged_gradient(y, y, weights);
+        let [averaged, _] = system.averages(y, y, weights);
         self.averaged_gradient.compare(&averaged, &exact, size, y);
     }
 
     fn check_averages(&mut self, system: &dyn System, weights: &[f64], a: &[f64], b: &[f64]) {
-        let mean = system.averaged_gradient(a, b, weights);
+        let [mean, field] = system.averages(a, b, weights);
         let step: Vec<f64> = b.iter().zip(a).map(|(b, a)| b - a).collect();
         let energy = system.energy(weights);
         let (start, end) = (energy.value(a), energy.value(b));
@@ -88,14 +88,13 @@ impl Hamiltonians {
         let middle: Vec<f64> = b.iter().zip(a).map(|(b, a)| 0.5 * (a + b)).collect();
         let structure = system.matrix(&middle);
         let size = largest(structure.iter().flatten()) * norm(&mean) * a.len() as f64;
-        let given = system.averaged_field(a, b, weights);
-        self.averaged_field.compare(&given, &times(&structure, &mean), size, a);
+        self.averaged_field.compare(&field, &times(&structure, &mean), size, a);
     }
 
     fn check_prediction(&mut self, system: &dyn System, weights: &[f64], a: &[f64]) {
         let (b, bound) = system.predict(a, weights);
         if bound < f64::INFINITY {
-            let field = system.averaged_field(a, &b, weights);
+            let [_, field] = system.averages(a, &b, weights);
             let residual: f64 = (0..a.len()).map(|i| (b[i] - a[i] - field[i]).abs()).sum();
             let excess = if residual <= bound { 0.0 } else { residual - bound };
             self.prediction.record(excess, norm(a) + norm(&b), a);

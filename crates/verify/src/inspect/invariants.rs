@@ -4,7 +4,7 @@ use serde::Serialize;
 use systems::{Form, Invariant, InvariantKind};
 
 use super::algebra::{dot, largest, norm, times};
-use super::erased::System;
+use super::erased::{Function, System};
 use super::finding::Finding;
 use super::function::{Kind, Shape};
 use super::points::Points;
@@ -33,24 +33,22 @@ pub struct ClaimedInvariant {
 impl ClaimedInvariant {
     pub(super) fn all(system: &dyn System, points: &Points) -> Vec<Self> {
         let claims = system.invariants().into_iter().enumerate();
-        claims.map(|(index, claim)| Self::of(index, claim, system, points)).collect()
+        claims.map(|(index, (claim, f))| Self::of(index, claim, &*f, system, points)).collect()
     }
 
-    fn of(index: usize, claim: Invariant, system: &dyn System, points: &Points) -> Self {
-        let f = system.invariant(index);
+    fn of(
+        index: usize,
+        claim: Invariant,
+        f: &dyn Function,
+        system: &dyn System,
+        points: &Points,
+    ) -> Self {
         let (mut casimir, mut conserved) = (Finding::default(), Finding::default());
-        let mut not_finite = None;
         for y in &points.for_identities {
-            let value = f.value(y);
-            if !value.is_finite() {
-                not_finite = Some(value);
-            }
             let (gradient, b) = (f.gradient(y), system.matrix(y));
             let product = times(&b, &gradient);
             let size = largest(b.iter().flatten()) * norm(&gradient) * y.len() as f64;
-            for x in &product {
-                casimir.record(*x, size, y);
-            }
+            casimir.compare(&product, &vec![0.0; y.len()], size, y);
             for m in 0..=system.noises() {
                 let hamiltonian = system.hamiltonian(m).gradient(y);
                 let change = dot(&gradient, &times(&b, &hamiltonian));
@@ -64,10 +62,11 @@ impl ClaimedInvariant {
             claimed_degree: claim.degree,
             casimir,
             conserved,
-            shape: Shape::of(&*f, system, points),
+            shape: Shape::of(f, system, points),
             mistakes: Vec::new(),
         };
-        let mistakes = match not_finite {
+        let mut values = points.for_identities.iter().map(|y| f.value(y));
+        let mistakes = match values.find(|value| !value.is_finite()) {
             Some(value) => {
                 vec![format!("is listed, but invariant({index}, y) returns {value} in the domain")]
             }
@@ -87,17 +86,13 @@ impl ClaimedInvariant {
             } else {
                 "the flow changes it"
             };
-            let size = casimir.defect;
             mistakes.push(format!(
-                "is claimed as a Casimir and is none: B∇{name} is not zero \
-                 (relative size {size:.1e}); {but}"
+                "is claimed as a Casimir and is none: B∇{name} is not zero ({casimir}); {but}"
             ));
         }
         if !*claimed_casimir && !conserved.holds {
             mistakes.push(format!(
-                "is claimed as an energy, and the flow changes it: \
-                 ∇{name}·B∇Hₘ has relative size {:.1e}",
-                conserved.defect
+                "is claimed as an energy, and the flow changes it: ∇{name}·B∇Hₘ ({conserved})"
             ));
         }
         let claimed = match claimed {

@@ -117,7 +117,7 @@ fn check_finite(system: &dyn System, points: &Points) -> Result<(), InspectError
     let ones = vec![1.0; system.noises() + 1];
     let energy = system.energy(&ones);
     for y in &points.for_suprema {
-        let mut values = system.field(y, &ones).into_iter().chain([energy.value(y)]);
+        let mut values = system.field(y, &ones).0.into_iter().chain([energy.value(y)]);
         if let Some(value) = values.find(|value| !value.is_finite()) {
             return Err(InspectError::NotFinite { at: y.clone(), value });
         }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::algebra::{Matrix, axis, norm};
+use super::algebra::{Matrix, norm, times};
 use super::erased::System;
 use super::finding::Finding;
 use super::points::{Points, Random};
@@ -24,28 +24,19 @@ impl Noises {
         let mut found = Self::default();
         let mut random = Random::new();
         for y in &points.for_identities {
-            let fields: Matrix =
-                (1..=noises).map(|m| system.field(y, &system.weights(m))).collect();
-            // f_l′v.
-            let along = |l: usize, v: &[f64]| system.field_derivative(y, &system.weights(l + 1), v);
-            // ‖f_l′‖ by columns: cancellation within f_l′fₘ must not pass for a commutator.
-            let slope = |l: usize| -> f64 {
-                (0..d).map(|i| norm(&along(l, &axis(d, i)))).fold(0.0, f64::hypot)
-            };
-            let slopes: Vec<f64> = (0..noises).map(slope).collect();
-            let sizes: Vec<f64> = fields.iter().map(|f| norm(f)).collect();
+            let (fields, derivatives): (Matrix, Vec<Matrix>) =
+                (1..=noises).map(|m| system.field(y, &system.weights(m))).unzip();
+            // ‖f_l′‖‖fₘ‖: cancellation within f_l′fₘ must not pass for a commutator.
+            let size = |l: usize, m: usize| norm(&derivatives[l].concat()) * norm(&fields[m]);
             let mut areas = vec![vec![0.0; noises]; noises];
             let (mut sum, mut sum_size) = (vec![0.0; d], 0.0);
             for l in 0..noises {
                 for m in 0..noises {
-                    let product = along(l, &fields[m]);
-                    let size = slopes[l] * sizes[m];
-                    for x in &product {
-                        found.no_correction.record(*x, size, y);
-                    }
+                    let product = times(&derivatives[l], &fields[m]);
+                    found.no_correction.compare(&product, &vec![0.0; d], size(l, m), y);
                     if m < l {
-                        let exchanged = along(m, &fields[l]);
-                        let size = size + slopes[m] * sizes[l];
+                        let exchanged = times(&derivatives[m], &fields[l]);
+                        let size = size(l, m) + size(m, l);
                         found.commute.compare(&product, &exchanged, size, y);
                         areas[m][l] = random.uniform();
                         areas[l][m] = -areas[m][l];

@@ -1,6 +1,7 @@
 //! What damping and initial value add: the integral of the damping and a bound of all paths.
 
 use serde::Serialize;
+use systems::paper::valid;
 use systems::{Damping, Problem};
 
 use super::casimirs::{Casimirs, FoundCasimir};
@@ -45,10 +46,8 @@ impl Bound {
 
     /// (F(y)/m(F))^{1/p}: the bound of undamped paths from y.
     fn radius(&self, system: &dyn System, y: &[f64]) -> f64 {
-        let value = match &self.casimir {
-            Some(casimir) => casimir.value(y),
-            None => system.hamiltonian(0).value(y),
-        };
+        let energy = || system.hamiltonian(0).value(y);
+        let value = self.casimir.as_ref().map_or_else(energy, |casimir| casimir.value(y));
         (value / self.minimum.value).powf(1.0 / self.degree)
     }
 }
@@ -83,8 +82,7 @@ impl ProblemFindings {
         bound: Option<&Bound>,
     ) -> Self {
         let Problem { damping, y0, t_end, .. } = problem;
-        let rule = dgrad::Rule::new(NODES)
-            .unwrap_or_else(|error| unreachable!("a constant number of nodes: {error}"));
+        let rule = valid(dgrad::Rule::new(NODES));
         let time = |n: u32| t_end * f64::from(n) / f64::from(PARTS);
         let mut integral = Finding::default();
         // ∫γ so far and its least value, ∫|γ| so far.

@@ -95,41 +95,30 @@ impl Inspection {
 
     /// Lists what is wrong.
     pub(super) fn with_mistakes(mut self) -> Self {
-        let Self { structure, hamiltonians: h, noise, problem, mistakes, .. } = &mut self;
-        let mut must_hold = |finding: &Finding, what: &str| {
-            if !finding.holds {
-                let at: Vec<String> = finding.at.iter().map(|x| format!("{x:.3}")).collect();
-                let (defect, at) = (finding.defect, at.join(", "));
-                mistakes.push(format!("{what}: relative defect {defect:.1e} at ({at})"));
-            }
-        };
-        must_hold(&structure.linear, "structure(y, v) is not linear in v");
-        must_hold(&structure.skew, "B(y) is not skew-symmetric");
-        must_hold(&h.linear, "energy(y, dt, dw) is not linear in (dt, dw)");
-        must_hold(&h.gradient, "gradient is not the gradient of energy");
-        must_hold(
-            &h.averaged_gradient,
-            "averaged_gradient(y, y) is not the gradient of energy at y",
-        );
-        must_hold(
-            &h.averaged_field,
-            "averaged_field(a, b) is not structure((a+b)/2, averaged_gradient(a, b))",
-        );
-        must_hold(
-            &h.prediction,
-            "the residual of the predicted step exceeds the bound given with it",
-        );
-        must_hold(&noise.commutators, "commutators is not what follows from B and the energy");
+        let Self { structure, hamiltonians: h, noise, .. } = &self;
+        let mut must_hold = vec![
+            (&structure.linear, "structure(y, v) is not linear in v"),
+            (&structure.skew, "B(y) is not skew-symmetric"),
+            (&h.linear, "energy(y, dt, dw) is not linear in (dt, dw)"),
+            (&h.gradient, "gradient is not the gradient of energy"),
+            (&h.averaged_gradient, "averaged_gradient(y, y) is not the gradient of energy at y"),
+            (
+                &h.averaged_field,
+                "averaged_field(a, b) is not structure((a+b)/2, averaged_gradient(a, b))",
+            ),
+            (&h.prediction, "the residual of the predicted step exceeds the bound given with it"),
+            (&noise.commutators, "commutators is not what follows from B and the energy"),
+        ];
         if h.discrete_gradient.defect > POOR_QUADRATURE {
-            must_hold(
-                &h.discrete_gradient,
-                "averaged_gradient(a, b)·(b − a) is not the change of energy",
-            );
+            let what = "averaged_gradient(a, b)·(b − a) is not the change of energy";
+            must_hold.push((&h.discrete_gradient, what));
         }
-        if let Some(problem) = problem.as_ref().filter(|problem| !problem.integral_agrees) {
+        if let Some(problem) = self.problem.as_ref().filter(|problem| !problem.integral_agrees) {
             let what = "the integral of the damping is not the integral of its rate";
-            must_hold(&problem.integral, what);
+            must_hold.push((&problem.integral, what));
         }
+        let fails = must_hold.into_iter().filter(|(finding, _)| !finding.holds);
+        self.mistakes = fails.map(|(finding, what)| format!("{what}: {finding}")).collect();
         self.mistakes.extend(self.invariants.iter().flat_map(|i| i.mistakes.iter().cloned()));
         self
     }
@@ -167,10 +156,8 @@ impl Display for Inspection {
         if let Some(problem) = &self.problem {
             let agrees = if problem.integral_agrees { "agree" } else { "DISAGREE, see below" };
             row(f, "damping", format!("{}; rate and integral {agrees}", problem.damping))?;
-            match problem.radius {
-                Some(radius) => row(f, "paths", format!("stay within ‖y‖ ≤ {radius:.4}"))?,
-                None => row(f, "paths", "no bound was found")?,
-            }
+            let bound = problem.radius.map(|radius| format!("stay within ‖y‖ ≤ {radius:.4}"));
+            row(f, "paths", bound.as_deref().unwrap_or("no bound was found"))?;
         }
         self.write_theory(f)?;
         if self.mistakes.is_empty() {
@@ -193,19 +180,12 @@ impl Inspection {
         // The combining macron takes a character, but no width.
         let label = "∇̄h ";
         let gradient = &self.hamiltonians.discrete_gradient;
-        if gradient.holds {
-            row(f, label, " exact: ∇̄h(a, b)·(b − a) = h(b) − h(a) to round-off")?;
-        } else {
-            let error = gradient.defect;
-            row(f, label, format!(" quadrature; relative error {error:.1e} in h(b) − h(a)"))?;
-        }
+        let kind = if gradient.holds { "exact" } else { "quadrature" };
+        let error = gradient.defect;
+        row(f, label, format!(" {kind}: relative error {error:.1e} in h(b) − h(a)"))?;
         if self.noises > 1 {
-            let commute = if self.noise.commute.holds {
-                "commute: strong order 1 needs no Lévy areas"
-            } else {
-                "do not commute: strong order 1 needs Lévy areas"
-            };
-            row(f, "noises", commute)?;
+            let [not, no] = if self.noise.commute.holds { ["", "no "] } else { ["do not ", ""] };
+            row(f, "noises", format!("{not}commute: strong order 1 needs {no}Lévy areas"))?;
         }
         for ClaimedInvariant { name, formula, shape, mistakes, claimed_casimir, .. } in
             &self.invariants
@@ -257,6 +237,12 @@ impl Inspection {
             self.solvability.region,
             [1, 2, 4].map(step).join(", ")
         )
+    }
+}
+
+impl Display for Finding {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "relative defect {:.1e} at {:.3?}", self.defect, self.at)
     }
 }
 

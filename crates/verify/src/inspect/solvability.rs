@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::algebra::{Matrix, norm, spectral_norm};
-use super::erased::System;
+use super::algebra::{norm, spectral_norm};
+use super::erased::{Function, System};
 use super::points::{Points, Region};
 
 /// The norms in the contraction constant of the implicit step of `sexp`,
@@ -31,19 +31,16 @@ impl Solvability {
         let supremum = |size: &dyn Fn(&[f64]) -> f64| {
             points.for_suprema.iter().map(|y| size(y)).fold(0.0, f64::max)
         };
-        let hamiltonians: Vec<_> = (0..=system.noises()).map(|m| system.hamiltonian(m)).collect();
+        let norms = |size: &dyn Fn(&dyn Function, &[f64]) -> f64| -> Vec<f64> {
+            let hamiltonians = (0..=system.noises()).map(|m| system.hamiltonian(m));
+            hamiltonians.map(|h| supremum(&|y| size(&*h, y))).collect()
+        };
         Self {
             region: points.region.clone(),
             structure: supremum(&|y| spectral_norm(&system.matrix(y))),
-            structure_slope: supremum(&|y| {
-                let stacked: Matrix = system.matrix_derivatives(y).into_iter().flatten().collect();
-                spectral_norm(&stacked)
-            }),
-            gradients: hamiltonians.iter().map(|h| supremum(&|y| norm(&h.gradient(y)))).collect(),
-            hessians: hamiltonians
-                .iter()
-                .map(|h| supremum(&|y| spectral_norm(&h.hessian(y))))
-                .collect(),
+            structure_slope: supremum(&|y| spectral_norm(&system.matrix_derivatives(y).concat())),
+            gradients: norms(&|h, y| norm(&h.gradient(y))),
+            hessians: norms(&|h, y| spectral_norm(&h.hessian(y))),
         }
     }
 
@@ -62,16 +59,12 @@ impl Solvability {
     /// The largest τ̄ ≤ 1 with C(k, τ) < 1 for all τ < τ̄.
     #[must_use]
     pub fn largest_step(&self, k: u32) -> f64 {
-        const FINEST: u32 = 16_000;
         let grid = |n: u32| f64::powf(2.0, -f64::from(n) / 16.0);
         // False for NaN.
         let contracts = |tau: f64| self.contraction(k, tau) < 1.0;
         // The smallest τ of the grid without contraction, refined by bisection.
-        let Some(n) = (1..FINEST).rev().find(|&n| !contracts(grid(n))) else { return 1.0 };
-        if n + 1 == FINEST {
-            return 0.0;
-        }
-        let (mut below, mut above) = (grid(n + 1), grid(n));
+        let Some(n) = (1..16_000).rev().find(|&n| !contracts(grid(n))) else { return 1.0 };
+        let (mut below, mut above) = (0.0, grid(n));
         for _ in 0..60 {
             let middle = 0.5 * (below + above);
             if contracts(middle) { below = middle } else { above = middle }

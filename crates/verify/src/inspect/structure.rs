@@ -31,7 +31,7 @@ impl Structure {
             let size = largest(b.iter().flatten());
             let v: Vec<f64> = (0..d).map(|_| 3.0 * random.uniform()).collect();
             found.linear.compare(&system.structure(y, &v), &times(&b, &v), size * d as f64, y);
-            let slope = largest(derivatives.iter().flatten().flatten());
+            let slope = largest(&derivatives.concat().concat());
             found.constant.record(slope * largest(y), size, y);
             for i in 0..d {
                 for j in 0..=i {

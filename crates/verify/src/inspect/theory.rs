@@ -94,8 +94,7 @@ pub fn theorems(
             (Conditionally, "up to the error of ∇̄h; take more nodes or a closed form".to_owned())
         }
         (Some(_), None) => (No, "H₀ is not homogeneous".to_owned()),
-        (None, _) if noises == 1 => (No, "H₁ is not a multiple of H₀".to_owned()),
-        (None, _) => (No, format!("there are {noises} noises")),
+        (None, _) => (No, "there is not one noise with H₁ = c H₀".to_owned()),
     };
     let bounded = match bound {
         Some(Bound { function, minimum, .. }) => (

@@ -20,6 +20,7 @@ mod tests;
 use dgrad::Rule;
 use mc::Observable;
 use real::elementary::sin_cos_turn;
+use systems::paper::valid;
 use systems::{Damping, Problem, RigidBody};
 
 use harmonics::harmonics;
@@ -48,8 +49,7 @@ const EXPANSION: usize = 48;
 /// Gauss–Legendre in u₃ and equal weights along the circles: exact for polynomials of degree
 /// 2·`EXPANSION` + 1.
 fn means(moments: &[f64], degree: usize, r: f64, observables: &[Observable<3>]) -> Vec<f64> {
-    let rule = Rule::new(EXPANSION + 1)
-        .unwrap_or_else(|error| unreachable!("the number of nodes is allowed: {error}"));
+    let rule = valid(Rule::new(EXPANSION + 1));
     let longitudes = 2 * EXPANSION + 2;
     let mut means = vec![0.0; observables.len()];
     for (&eta, &weight) in rule.nodes().iter().zip(rule.weights()) {
