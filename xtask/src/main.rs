@@ -1,60 +1,64 @@
-//! Chores of the workspace.
+//! Chores of the workspace: each is a program of the package `lab`, built and run here.
 //!
-//! `cargo xtask reproduce` runs the experiments of the paper, prints a verdict for every statement
-//! and writes a report with figures, tables and `results.json`. `cargo xtask verify` runs the
-//! battery for many seeds; `cargo xtask work-precision` measures errors against processor time,
-//! `cargo xtask bench` speed; `cargo xtask stability` runs hard cases and fuzzes.
+//! `cargo xtask CHORE ARGUMENTS…` is `cargo run --release -p lab --bin PROGRAM -- ARGUMENTS…`, so a
+//! chore builds what it needs and nothing else.
 
-mod battery;
-mod bench;
-mod budget;
-mod output;
-mod progress;
-mod provenance;
-mod report;
-mod reproduce;
-mod stability;
-mod table;
-mod verify;
-mod work_precision;
+use std::env;
+use std::ffi::OsString;
+use std::process::{Command, ExitCode};
 
-use std::process::ExitCode;
+/// A chore, the program of `lab` that does it, what else cargo is told, and what it is for.
+type Chore = (&'static str, &'static str, &'static [&'static str], &'static str);
 
-use clap::{Parser, Subcommand};
-
-/// Chores of the workspace.
-#[derive(Parser)]
-#[command(name = "cargo xtask", bin_name = "cargo xtask", version, arg_required_else_help = true)]
-struct Arguments {
-    #[command(subcommand)]
-    chore: Chore,
-}
-
-#[derive(Subcommand)]
-enum Chore {
-    /// Run the paper's experiments, print the verdicts and write the report.
-    Reproduce(reproduce::Reproduce),
-    /// Run the whole battery for many seeds, with all wrong twins, and write docs/verification.md.
-    Verify(verify::Verify),
-    /// Measure the errors of every scheme against the processor time they take.
-    WorkPrecision(work_precision::WorkPrecision),
-    /// Measure what a path-step costs: every scheme on every system, threads, memory, growth,
-    /// dimension.
-    Bench(bench::Bench),
-    /// Run the hard cases, the long runs and the fuzzer, and say what is guaranteed.
-    Stability(stability::Stability),
-}
+const CHORES: [Chore; 6] = [
+    ("reproduce", "reproduce", &[], "Run the paper's experiments and write the report"),
+    ("verify", "battery", &[], "Run all checks for many seeds and write docs/verification.md"),
+    ("work-precision", "work-precision", &[], "Measure errors against processor time"),
+    ("stability", "hard-cases", &[], "Run the hard cases, the long runs and the fuzzer"),
+    ("bench", "bench", &[], "Measure what a path-step costs"),
+    (
+        "dimension",
+        "dimension",
+        &["--features", "dimension"],
+        "Measure the fixed point against Newton's method up to D = 300",
+    ),
+];
 
 fn main() -> ExitCode {
-    let result = match Arguments::parse().chore {
-        Chore::Reproduce(arguments) => reproduce::run(&arguments),
-        Chore::Verify(arguments) => verify::run(&arguments),
-        Chore::WorkPrecision(arguments) => work_precision::run(&arguments),
-        Chore::Bench(arguments) => bench::run(&arguments),
-        Chore::Stability(arguments) => stability::run(&arguments),
+    let mut arguments = env::args_os().skip(1);
+    let name = arguments.next().unwrap_or_default();
+    if ["", "help", "-h", "--help"].iter().any(|help| name == *help) {
+        print!("{}", help());
+        return ExitCode::SUCCESS;
+    }
+    let Some((_, program, options, _)) = CHORES.iter().find(|chore| name == chore.0) else {
+        eprint!("error: there is no chore {name:?}\n\n{}", help());
+        return ExitCode::from(2);
     };
-    result.unwrap_or_else(|error| {
-        eprintln!("error: {error:#}");
-        ExitCode::from(2)
-    })
+    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let status = Command::new(cargo)
+        .args(["run", "--quiet", "--release", "--package", "lab", "--bin", program])
+        .args(*options)
+        .arg("--")
+        .args(arguments.collect::<Vec<OsString>>())
+        .status();
+    match status {
+        Ok(status) => {
+            let code = status.code().and_then(|code| u8::try_from(code).ok());
+            code.map_or(ExitCode::FAILURE, ExitCode::from)
+        }
+        Err(error) => {
+            eprintln!("error: cannot run cargo: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn help() -> String {
+    let chores = CHORES.map(|(name, _, _, about)| format!("  {name:16}{about}\n"));
+    format!(
+        "Usage: cargo xtask CHORE [ARGUMENTS]\n\n{}\n`cargo xtask CHORE --help` lists its \
+         arguments.\n",
+        chores.concat()
+    )
 }

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 /// A crate and the crates that it may depend on, in the order of the layers; see `docs/` on the
 /// architecture.
-const DOORS: [(&str, &[&str]); 14] = [
+const DOORS: [(&str, &[&str]); 13] = [
     ("real", &[]),
     ("noise", &["real"]),
     ("dgrad", &["real"]),
@@ -18,14 +18,19 @@ const DOORS: [(&str, &[&str]); 14] = [
     ("stats", &["real"]),
     ("mc", &["stats", "real", "schemes", "systems", "noise", "nonlin"]),
     ("verify", &["mc", "stats", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
-    ("lab", &["verify", "mc", "stats", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
-    ("speed", &["lab", "mc", "stats", "schemes", "systems", "nonlin", "noise", "real"]),
+    ("report", &["verify", "real"]),
     (
-        "precision",
-        &["lab", "verify", "mc", "stats", "schemes", "systems", "nonlin", "noise", "real"],
+        "lab",
+        &[
+            "report", "verify", "mc", "stats", "schemes", "systems", "nonlin", "dgrad", "noise",
+            "real",
+        ],
     ),
-    ("stability", &["verify", "mc", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
-    ("xtask", &["stability", "precision", "lab", "verify", "real"]),
+    (
+        "casimir",
+        &["verify", "mc", "stats", "schemes", "systems", "nonlin", "dgrad", "noise", "real"],
+    ),
+    ("xtask", &[]),
 ];
 
 fn metadata() -> anyhow::Result<Value> {

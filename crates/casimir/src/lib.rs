@@ -40,3 +40,8 @@ pub mod prelude {
     pub use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
     pub use verify::{inspect, inspect_problem, strong_order};
 }
+
+/// The examples of the README, compiled and run with the other examples.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

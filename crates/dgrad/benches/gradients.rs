@@ -101,7 +101,7 @@ fn bench(criterion: &mut Criterion) {
         .sample_size(20)
         .warm_up_time(Duration::from_millis(300))
         .measurement_time(Duration::from_secs(1));
-    measure(&mut group, "quadratic", Middle);
+    measure(&mut group, "midpoint", Middle);
     measure(&mut group, "mean cosine, two", Cosines);
     measure(&mut group, "2 nodes", Quadrature::<2>);
     measure(&mut group, "8 nodes", Quadrature::<8>);

@@ -1,47 +1,38 @@
-//! What an experiment is, and what it is told.
+//! What an experiment is, what it is given and what it returns.
 
 use noise::{StreamKey, Truncation};
+use systems::paper::valid;
 use verify::results::{Claim, Panel};
 use verify::{Mode, Progress, Settings};
 
-/// What an experiment is told.
-pub struct Context<'a> {
+use crate::streams;
+
+/// What an experiment is given.
+pub struct Conditions<'a> {
     /// Seed and mode.
     pub settings: Settings,
-    /// Number of the experiment, so that no two share noise.
+    /// Number of the experiment ([`streams`]), so that no two share noise.
     pub experiment: u64,
-    /// Which panels are wanted of those that the experiment can make.
+    /// The ids that are wanted of those that the experiment can make.
     pub wanted: &'a [&'a str],
-    /// Who is told how far it is.
+    /// Is told how far it is.
     pub progress: &'a dyn Progress,
 }
 
 /// The truncation order of the reproduction. The theorems ask k ≥ 2; with k = 2 a handful of
 /// clipped increments dominates the mean-square error, with k = 4 none is clipped.
-pub(crate) const TRUNCATION_ORDER: u32 = 4;
+pub const TRUNCATION_ORDER: u32 = 4;
 
-/// Streams for the parts of one experiment.
-const PARTS_PER_EXPERIMENT: u64 = 16;
-
-impl Context<'_> {
-    /// The family of streams of part number `part` of the experiment.
-    pub(crate) fn key(&self, part: u64) -> StreamKey {
-        assert!(
-            part < PARTS_PER_EXPERIMENT,
-            "part {part} would share its noise with the next experiment"
-        );
-        StreamKey {
-            seed: self.settings.seed,
-            experiment: self.experiment * PARTS_PER_EXPERIMENT + part,
-        }
-    }
-
-    pub(crate) fn wants(&self, panel: &str) -> bool {
-        self.wanted.contains(&panel)
+impl Conditions<'_> {
+    /// The streams of part number `part` of the experiment.
+    #[must_use]
+    pub fn key(&self, part: u64) -> StreamKey {
+        streams::key(self.settings.seed, self.experiment, part)
     }
 
     /// `paper` at the paper's sizes, `quick` for continuous integration.
-    pub(crate) fn choose<T>(&self, paper: T, quick: T) -> T {
+    #[must_use]
+    pub fn choose<T>(&self, paper: T, quick: T) -> T {
         match self.settings.mode {
             Mode::Paper => paper,
             Mode::Quick => quick,
@@ -50,34 +41,64 @@ impl Context<'_> {
 }
 
 /// The truncation of the reproduction.
-pub(crate) fn truncation() -> Truncation {
-    Truncation::new(TRUNCATION_ORDER)
-        .unwrap_or_else(|error| unreachable!("the order is a positive constant: {error}"))
+#[must_use]
+pub fn truncation() -> Truncation {
+    valid(Truncation::new(TRUNCATION_ORDER))
 }
 
-/// The largest truncated increment of the reproduction at a step size below one.
-pub(crate) fn bound(tau: f64) -> f64 {
-    truncation().bound(tau).unwrap_or_else(|error| unreachable!("the steps are below one: {error}"))
-}
-
-/// What an experiment yields.
-pub struct Yield {
-    /// Panels of the paper.
+/// What an experiment found.
+#[derive(Default)]
+pub struct Findings {
+    /// Figures.
     pub panels: Vec<Panel>,
-    /// Claims measured on them.
+    /// Claims, measured on them or on their own.
     pub claims: Vec<Claim>,
 }
 
-/// One set of runs, which makes one or more panels.
-pub struct Experiment {
-    /// The panels it can make.
-    pub panels: &'static [&'static str],
+/// One set of runs, which makes panels, claims or both.
+pub trait Experiment: Sync {
+    /// The ids of what it makes: of panels, or of a statement.
+    fn ids(&self) -> Vec<&'static str>;
     /// Runs it.
-    pub run: fn(&Context<'_>) -> Yield,
+    fn run(&self, conditions: &Conditions<'_>) -> Findings;
+    /// Whether it takes most of the time of a run: the battery repeats it at small sizes only.
+    fn takes_long(&self) -> bool {
+        false
+    }
 }
 
-/// A statement of the paper with its measurement.
-pub type Statement = verify::Statement<fn(&Context<'_>) -> Vec<Claim>>;
+/// An experiment that is a function.
+pub struct Measurement {
+    /// Its id.
+    pub id: &'static str,
+    /// Measures.
+    pub measure: fn(&Conditions<'_>) -> Findings,
+    /// Whether it takes most of the time of a run.
+    pub long: bool,
+}
 
-/// A wrong method with its measurement.
-pub type Twin = verify::Twin<fn(&Context<'_>) -> Claim>;
+impl Experiment for Measurement {
+    fn ids(&self) -> Vec<&'static str> {
+        vec![self.id]
+    }
+
+    fn run(&self, conditions: &Conditions<'_>) -> Findings {
+        (self.measure)(conditions)
+    }
+
+    fn takes_long(&self) -> bool {
+        self.long
+    }
+}
+
+/// "system, γ = …, y₀ = …, T = …, steps": a set-up in words.
+pub(crate) fn describe<S, G: systems::Damping, const D: usize>(
+    system: &str,
+    problem: &systems::Problem<S, G, D>,
+    steps: &str,
+) -> String {
+    let short = |y: &f64| format!("{y:.4}").trim_end_matches('0').trim_end_matches('.').to_owned();
+    let start: Vec<String> = problem.y0.iter().map(short).collect();
+    let (damping, t_end) = (problem.damping.describe(), problem.t_end);
+    format!("{system}, {damping}, y₀ = ({}), T = {t_end}, {steps}", start.join(", "))
+}

@@ -1,36 +1,44 @@
 //! **The statements and figures of the paper as experiments that can fail.**
 //!
-//! [`reproduce()`] runs the [`EXPERIMENTS`] that make the 14 panels and the measurements behind the
-//! [`STATEMENTS`], and returns [`verify::results::Results`]: curves with standard errors, fitted
-//! orders with intervals, and a verdict for every statement: holds, refuted or undecided.
+//! [`reproduce()`] runs the [`EXPERIMENTS`] that make the 14 panels, the measurements behind the
+//! [`STATEMENTS`] and the [`SUPPLEMENTS`], and returns [`verify::results::Results`]: curves with
+//! standard errors, fitted orders with intervals, and a verdict for every statement: holds, refuted
+//! or undecided.
 //!
 //! | item | job |
 //! |---|---|
 //! | [`reproduce()`] | run everything, or a selection |
-//! | [`EXPERIMENTS`], [`STATEMENTS`], [`SUPPLEMENTS`], [`panel_ids`], [`check_ids`] | what there is to run |
-//! | [`Compiled`] | every scheme on every system of the paper, compiled once |
+//! | [`EXPERIMENTS`], [`STATEMENTS`], [`SUPPLEMENTS`], [`ids`], [`check_ids`] | what there is to run |
+//! | [`Experiment`], [`Conditions`], [`Findings`] | what an experiment is, is given and returns |
+//! | [`statements`], [`conformal_law`] | measurements that twins repeat on wrong methods |
+//! | [`Compiled`], [`compiled()`], [`PaperSystem`] | the schemes of the paper on its systems, compiled once |
+//! | [`streams`] | which noise belongs to which experiment |
+//! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
+//! | [`command`] | what the command lines of all programs share |
 //! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo against the Kolmogorov equation |
-//! | [`TWINS`], [`measure_twins`] | wrong methods that the claims must refute |
-//! | [`coverage()`], [`CoverageRow`] | how often the intervals of `stats` cover the truth |
+//! | [`coverage()`] | how often the intervals of `stats` cover the truth |
+//!
+//! The programs of this package are `reproduce`, `battery` (with the twins), `work-precision`,
+//! `hard-cases` and `bench`; what one of them alone needs is in its folder.
 
-mod approach;
+pub mod command;
+pub mod conformal_law;
 mod coverage;
 mod experiment;
-mod invariant;
 pub mod kernels;
+mod method;
 mod panels;
 mod reproduce;
-mod statements;
-mod strong;
-mod supplement;
-mod twins;
-mod weak;
+pub mod setups;
+pub mod statements;
+pub mod streams;
+mod supplements;
 
-pub use coverage::{CoverageRow, Expected, coverage};
-pub use experiment::{Context, Experiment, Statement, Twin, Yield};
-pub use kernels::Compiled;
+pub use coverage::coverage;
+pub use experiment::{Conditions, Experiment, Findings, Measurement, TRUNCATION_ORDER, truncation};
+pub use kernels::{Compiled, PaperSystem, compiled};
+pub use method::Method;
 pub use panels::EXPERIMENTS;
-pub use reproduce::{UnknownPanel, check_ids, panel_ids, reproduce};
+pub use reproduce::{UnknownId, check_ids, ids, reproduce};
 pub use statements::STATEMENTS;
-pub use supplement::{SUPPLEMENTS, Supplement, expectation_claims};
-pub use twins::{TWINS, measure_twins};
+pub use supplements::{SUPPLEMENTS, expectation_claims};

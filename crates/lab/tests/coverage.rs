@@ -6,7 +6,8 @@
 //! them together with less than 10⁻³. A warning has to be raised on at least 98 % of the data sets,
 //! or on at most 2 %: one that fails in 1 % of them misses that with probability 4·10⁻⁵, too.
 
-use lab::{CoverageRow, Expected, coverage};
+use lab::coverage;
+use stats::Expected;
 
 #[test]
 fn intervals_cover_as_often_as_they_say() {
@@ -19,34 +20,4 @@ fn intervals_cover_as_often_as_they_say() {
     for kind in [Expected::Calibrated, Expected::Miscovers, Expected::Raised, Expected::Silent] {
         assert!(rows.iter().any(|row| row.expected == kind), "nothing is {kind:?}");
     }
-}
-
-/// Five further seeds, for those who change an interval; takes five minutes of processor time. An
-/// interval whose true coverage is off by one percent is off by two on one seed or another; the
-/// mean over the seeds, with a standard error of 0.22 %, tells.
-#[test]
-#[ignore = "minutes"]
-fn coverage_over_seeds() {
-    let seeds: Vec<_> = (2..=6).map(|seed| coverage(2000, seed)).collect();
-    let mut wrong = Vec::new();
-    for (r, row) in seeds[0].iter().enumerate() {
-        let shares: Vec<f64> = seeds.iter().map(|rows| rows[r].share()).collect();
-        let mean = CoverageRow {
-            covered: seeds.iter().map(|rows| rows[r].covered).sum(),
-            replications: seeds.iter().map(|rows| rows[r].replications).sum(),
-            ..*row
-        };
-        let alone = seeds.iter().filter(|rows| rows[r].as_expected(0.02)).count();
-        println!(
-            "{:70} {:60} {shares:.4?} {:.4} {:?} {alone}",
-            row.case,
-            row.interval,
-            mean.share(),
-            row.expected
-        );
-        if !mean.as_expected(0.02) {
-            wrong.push(mean);
-        }
-    }
-    assert!(wrong.is_empty(), "{wrong:#?}");
 }

@@ -14,7 +14,7 @@
 use std::time::Instant;
 
 use mc::Observable;
-use mc::multilevel::{Coupling, Expectation, Settings, expectation, expectation_plain};
+use mc::multilevel::{Coupling, Expectation, ExpectationSettings, expectation, expectation_plain};
 use noise::{StreamKey, Truncation};
 use rustix::time::{ClockId, clock_gettime};
 use schemes::Sexp;
@@ -39,9 +39,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Problem::new(body, Cosine::new(0.5, 2.0)?, [1.1f64.cos(), 0.0, 1.1f64.sin()], 1.0)?;
     let cos_y3 = [Observable { name: "cos y3", function: |y: [f64; 3]| y[2].cos() }];
     let key = StreamKey { seed: 1, experiment: 1 };
-    let settings = Settings {
+    let settings = ExpectationSettings {
         max_cost: 1 << 40,
-        ..Settings::new(key, Truncation::new(4)?, 2, Coupling::Antithetic)
+        ..ExpectationSettings::new(key, Truncation::new(4)?, 2, Coupling::Antithetic)
     };
     let sexp = Sexp::default();
     // ε³·cost of single paths and seconds a path-step, as last measured.

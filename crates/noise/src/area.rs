@@ -149,6 +149,8 @@ pub fn join<const M: usize>(
 
 #[cfg(test)]
 mod tests {
+    use approx::assert_relative_eq;
+
     use super::*;
 
     /// A piecewise linear path; its areas are sums of triangles.
@@ -238,7 +240,7 @@ mod tests {
         let tau: f64 = 1.0 / 512.0;
         let expected = 2.0 / std::f64::consts::PI * tau * tau.ln().abs();
         let bound = Truncation::new(2).unwrap().area_bound(tau).unwrap();
-        assert!((bound / expected - 1.0).abs() < 1e-15);
+        assert_relative_eq!(bound, expected, epsilon = 0.0, max_relative = 1e-15);
         assert!(Truncation::new(2).unwrap().area_bound(1.0).is_err());
         assert_eq!(Truncation::none().area_bound(0.5), Ok(f64::INFINITY));
     }

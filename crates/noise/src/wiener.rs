@@ -162,6 +162,8 @@ impl<const M: usize> WienerPath<M> {
 
 #[cfg(test)]
 mod tests {
+    use approx::assert_relative_eq;
+
     use super::*;
 
     #[test]
@@ -176,7 +178,7 @@ mod tests {
                 let (one, other) = box_muller(radius_word, angle_word);
                 assert!(one.is_finite() && other.is_finite());
                 assert!(one.abs().max(other.abs()) <= radius * rounding);
-                assert!((one.hypot(other) / radius - 1.0).abs() < 8.0 * f64::EPSILON);
+                assert_relative_eq!(one.hypot(other), radius, max_relative = 8.0 * f64::EPSILON);
             }
         }
         assert!(largest > 8.57 && largest < 8.58);

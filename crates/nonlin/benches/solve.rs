@@ -32,6 +32,7 @@ impl FixedPoint<3> for Turn {
 }
 
 /// The constants differ from path to path, or one solution would do for the block.
+#[derive(Clone, Copy)]
 struct Turns {
     contraction: f64,
     constants: Block<3>,

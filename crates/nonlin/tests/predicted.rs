@@ -1,4 +1,4 @@
-//! An equation that solves itself is believed as far as its bound says, and not beyond.
+//! A prediction is accepted if its residual bound is below the tolerance, and only then.
 
 mod common;
 
@@ -6,11 +6,11 @@ use common::{Equations, Numbers, SineMap, difference, residual, solve_block};
 use nonlin::{FirstSweep, FixedPoint, Method, Outcome, Solver};
 use real::{Real, WIDTH};
 
-/// A contraction with a solution of its own.
+/// A contraction with any prediction and any bound.
 #[derive(Clone, Copy, Debug)]
 struct Predicted {
     map: SineMap<2>,
-    found: [f64; 2],
+    prediction: [f64; 2],
     bound: f64,
 }
 
@@ -26,7 +26,7 @@ impl FixedPoint<2> for Predicted {
     }
     #[inline(always)]
     fn predict(&self) -> ([f64; 2], f64) {
-        (self.found, self.bound)
+        (self.prediction, self.bound)
     }
 }
 
@@ -40,23 +40,23 @@ fn allowed(z: [f64; 2]) -> f64 {
 }
 
 #[test]
-fn a_bound_of_round_off_is_believed() {
+fn a_prediction_is_accepted_by_its_bound() {
     let map = map();
-    // Not the solution: what is believed is the bound.
-    let found = [0.75, -1.25];
-    for bound in [0.0, allowed(found)] {
-        let solution = Solver::default().solve(&Predicted { map, found, bound });
-        assert_eq!((solution.z, solution.outcome), (found, Outcome::Fast { iterations: 1 }));
+    // Not the solution: it is the bound that decides.
+    let prediction = [0.75, -1.25];
+    for bound in [0.0, allowed(prediction)] {
+        let solution = Solver::default().solve(&Predicted { map, prediction, bound });
+        assert_eq!((solution.z, solution.outcome), (prediction, Outcome::Fast { iterations: 1 }));
     }
 }
 
 #[test]
-fn beyond_it_sweeps_go_on_from_there() {
+fn sweeps_start_from_a_prediction_with_a_larger_bound() {
     let map = map();
     let exact = Solver::default().solve(&map).z;
     let near = exact.map(|x| x * (1.0 + 1e-11));
     for bound in [allowed(near) * (1.0 + 4.0 * f64::EPSILON), 1e-9, 1e300] {
-        let solution = Solver::default().solve(&Predicted { map, found: near, bound });
+        let solution = Solver::default().solve(&Predicted { map, prediction: near, bound });
         // From there one Newton step is enough; from the start it is not.
         assert_eq!(solution.outcome, Outcome::Fast { iterations: 2 }, "{bound}");
         assert!(difference(solution.z, exact) < 1e-14);
@@ -66,26 +66,26 @@ fn beyond_it_sweeps_go_on_from_there() {
 }
 
 #[test]
-fn without_a_bound_they_begin_at_the_start() {
+fn without_a_finite_bound_sweeps_begin_at_the_start() {
     let map = map();
     let plain = Solver::new(Method::Newton).solve(&map);
     let Outcome::Fast { iterations } = plain.outcome else { panic!("{plain:?}") };
     let exact = plain.z;
-    // Neither a good candidate nor one that is no number is looked at.
-    for found in [exact, [f64::NAN, 1.0], [f64::INFINITY; 2]] {
+    // The prediction is not used, whether it is good or no number at all.
+    for prediction in [exact, [f64::NAN, 1.0], [f64::INFINITY; 2]] {
         for bound in [f64::INFINITY, f64::NAN] {
-            let solution = Solver::default().solve(&Predicted { map, found, bound });
+            let solution = Solver::default().solve(&Predicted { map, prediction, bound });
             assert_eq!(solution.z, plain.z);
             assert_eq!(solution.outcome, Outcome::Fast { iterations: 1 + iterations });
         }
     }
 }
 
-/// Says that it solves itself, and does not.
+/// Asks for a prediction and does not make one.
 #[derive(Clone, Copy, Debug)]
-struct Silent(SineMap<2>);
+struct Unpredicted(SineMap<2>);
 
-impl FixedPoint<2> for Silent {
+impl FixedPoint<2> for Unpredicted {
     const METHOD: Method = Method::Newton;
     const FIRST_SWEEP: FirstSweep = FirstSweep::Predicted;
     fn start(&self) -> [f64; 2] {
@@ -98,32 +98,30 @@ impl FixedPoint<2> for Silent {
 }
 
 #[test]
-fn one_that_has_no_solution_of_its_own_is_solved_all_the_same() {
+fn an_equation_without_a_prediction_is_solved_as_well() {
     let map = map();
-    let (plain, silent) =
-        (Solver::new(Method::Newton).solve(&map), Solver::default().solve(&Silent(map)));
-    assert_eq!(silent.z, plain.z);
+    let (plain, unpredicted) =
+        (Solver::new(Method::Newton).solve(&map), Solver::default().solve(&Unpredicted(map)));
+    assert_eq!(unpredicted.z, plain.z);
 }
 
-/// A bound of zero for what is no number.
 #[test]
-fn an_infinity_is_no_solution() {
+fn a_prediction_that_is_not_finite_is_refused_whatever_its_bound() {
     let map = map();
-    for found in [[f64::INFINITY, 1.0], [1.0, f64::NEG_INFINITY], [f64::NAN, 0.0]] {
+    for prediction in [[f64::INFINITY, 1.0], [1.0, f64::NEG_INFINITY], [f64::NAN, 0.0]] {
         for bound in [0.0, 1e-20] {
-            let solution = Solver::default().solve(&Predicted { map, found, bound });
+            let solution = Solver::default().solve(&Predicted { map, prediction, bound });
             assert!(solution.outcome.converged());
             assert!(residual(&map, solution.z) < 1e-14, "{solution:?}");
         }
     }
 }
 
-/// Told the other method, the solver makes its sweeps from the start.
 #[test]
-fn another_method_does_not_ask() {
+fn the_fixed_point_method_makes_no_use_of_a_prediction() {
     let map = map();
-    let own = Predicted { map, found: [0.75, -1.25], bound: 0.0 };
-    let solution = Solver::new(Method::FixedPoint).solve(&own);
+    let predicted = Predicted { map, prediction: [0.75, -1.25], bound: 0.0 };
+    let solution = Solver::new(Method::FixedPoint).solve(&predicted);
     assert!(residual(&map, solution.z) < 1e-13, "{solution:?}");
 }
 
@@ -135,7 +133,7 @@ fn a_block_is_its_paths() {
     let paths: [Predicted; WIDTH] = std::array::from_fn(|p| {
         let off = 10f64.powi(-(p as i32)) * numbers.next();
         let bound = [0.0, 10.0 * off.abs(), f64::INFINITY, f64::NAN][p % 4];
-        Predicted { map, found: [exact[0] + off, exact[1]], bound }
+        Predicted { map, prediction: [exact[0] + off, exact[1]], bound }
     });
     let (z, status) = solve_block(Solver::default(), &Equations(paths));
     for p in 0..WIDTH {

@@ -23,8 +23,8 @@ use std::time::Duration;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use noise::{
-    AreaBlock, AreaMethod, AreaPath, AreaSampler, StreamKey, Truncation, WienerBlock, WienerPath,
-    clip, strong_order_one_error,
+    AreaMethod, AreaPath, AreaSampler, BlockNoise, Noise, StreamKey, Truncation, WienerBlock,
+    WienerPath, clip, strong_order_one_error,
 };
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Block, WIDTH};
@@ -79,24 +79,23 @@ impl<S, const D: usize> Run<S, D> {
     {
         group.throughput(Throughput::Elements(WIDTH as u64 * STEPS));
         group.bench_function(name, |bencher| {
-            let (mut dw, mut clipped) = (Block::zero(), Block::zero());
+            let (mut drawn, mut shown) = (BlockNoise::zero(), BlockNoise::zero());
             let mut status = BlockStatus::explicit();
             let mut first_path = 0;
             bencher.iter(|| {
-                let mut noise = WienerBlock::<M>::new(KEY, first_path);
+                let mut wiener = WienerBlock::<M>::new(KEY, first_path);
                 let mut sampler = scheme
                     .reads_areas()
                     .then(|| AreaSampler::<M>::new(KEY, first_path, METHOD, terms::<M>()));
-                let (mut drawn, mut areas) = (AreaBlock::zero(), AreaBlock::zero());
                 let mut y = Block::splat(self.y0);
                 for step in &self.steps {
-                    noise.increments(TAU.sqrt(), &mut dw);
+                    wiener.increments(TAU.sqrt(), &mut drawn.increments);
                     if let Some(sampler) = &mut sampler {
-                        sampler.areas(TAU, &dw, &mut drawn);
-                        areas = drawn.clipped(self.area_bound).0;
+                        sampler.areas(TAU, &drawn.increments, &mut drawn.areas);
+                        shown.areas = drawn.areas.clipped(self.area_bound).0;
                     }
-                    clip(&dw, self.bound, &mut clipped);
-                    scheme.step_block(&self.system, step, &clipped, &areas, &mut y, &mut status);
+                    clip(&drawn.increments, self.bound, &mut shown.increments);
+                    scheme.step_block(&self.system, step, &shown, &mut y, &mut status);
                 }
                 first_path += WIDTH as u64;
                 black_box(y)
@@ -130,22 +129,22 @@ impl<S, const D: usize> Run<S, D> {
         group.bench_function(name, |bencher| {
             let mut path = 0;
             bencher.iter(|| {
-                let mut noise = WienerPath::<M>::new(KEY, path);
+                let mut wiener = WienerPath::<M>::new(KEY, path);
                 let mut sampler = scheme
                     .reads_areas()
                     .then(|| AreaPath::<M>::new(KEY, path, METHOD, terms::<M>()));
                 let mut areas = [[0.0; M]; M];
                 let mut y = self.y0;
                 for step in &self.steps {
-                    let dw = noise.increments(TAU.sqrt());
+                    let dw = wiener.increments(TAU.sqrt());
                     if let Some(sampler) = &mut sampler {
                         let drawn = sampler.areas(TAU, dw);
                         areas = drawn.map(|row| {
                             row.map(|area| area.clamp(-self.area_bound, self.area_bound))
                         });
                     }
-                    let clipped = dw.map(|w| w.clamp(-self.bound, self.bound));
-                    y = scheme.step_with_areas(&self.system, step, clipped, areas, y).z;
+                    let increments = dw.map(|w| w.clamp(-self.bound, self.bound));
+                    y = scheme.step(&self.system, step, &Noise { increments, areas }, y).z;
                 }
                 path += 1;
                 black_box(y)

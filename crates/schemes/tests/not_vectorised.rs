@@ -8,6 +8,7 @@
 mod disassembly;
 
 use disassembly::versions;
+use noise::BlockNoise;
 use nonlin::BlockStatus;
 use real::{Block, Real};
 use schemes::{Scheme, Sexp, Step};
@@ -45,7 +46,8 @@ impl PoissonSystem<2, 1> for Impatient {
 fn a_loop_that_paths_leave_is_seen_in_the_count() {
     let step = Step::new(&Constant::new(0.1).unwrap(), 0, 1.0 / 256.0).unwrap();
     let (mut y, mut status) = (Block::splat([0.5, 0.8]), BlockStatus::explicit());
-    Sexp::default().step_block(&Impatient, &step, &Block::splat([0.1]), &mut y, &mut status);
+    let noise = BlockNoise::increments(Block::splat([0.1]));
+    Sexp::default().step_block(&Impatient, &step, &noise, &mut y, &mut status);
     assert!(y.0[0][31] != 0.5);
     for (instruction_set, vector) in [("up_to_avx512_avx512", 2), ("_avx2_version", 1)] {
         let Some(versions) = versions(instruction_set) else {

@@ -1,85 +1,67 @@
-//! Generalised least squares for a handful of correlated points.
+//! Generalised least squares for a handful of correlated points: min (y − Xβ)ᵀV⁻¹(y − Xβ).
 //!
-//! min (y − Xβ)ᵀV⁻¹(y − Xβ) by Cholesky. At most a dozen points and four parameters; written here
-//! because a linear-algebra library's kernels are not bit-stable between processors, and
-//! `results.json` is.
+//! With V = LLᵀ the problem is min |L⁻¹y − L⁻¹Xβ|², solved by its normal equations. There are at
+//! most a dozen points and four parameters. The algebra is written here because the kernels of a
+//! linear-algebra library give different bits on different processors, and `results.json` must
+//! not.
 
-/// The fit of a linear model.
-#[derive(Clone, Debug)]
-pub(crate) struct Fit {
-    /// β.
-    pub parameters: Vec<f64>,
-    /// Covariance of β, (XᵀV⁻¹X)⁻¹, row by row.
-    pub covariance: Vec<Vec<f64>>,
-    /// χ² of the residuals, with (points − parameters) degrees of freedom when the model is right.
-    pub chi_square: f64,
-}
-
-/// Fits y ≈ Xβ with covariance V of y; `None` when V or XᵀV⁻¹X is not positive definite.
-pub(crate) fn fit(design: &[Vec<f64>], y: &[f64], covariance: &[Vec<f64>]) -> Option<Fit> {
-    Weighting::new(covariance)?.fit(design, y)
-}
-
-/// The Cholesky factor of a covariance, for several fits with the same one.
+/// The Cholesky factor L of a covariance V, for several fits with the same one.
 #[derive(Clone, Debug)]
 pub(crate) struct Weighting {
     factor: Vec<Vec<f64>>,
 }
 
+/// The fit of a linear model.
+#[derive(Clone, Debug)]
+pub(crate) struct Fit<'a> {
+    weighting: &'a Weighting,
+    /// L⁻¹X, column by column.
+    columns: Vec<Vec<f64>>,
+    /// Cholesky factor of XᵀV⁻¹X.
+    normal: Vec<Vec<f64>>,
+    /// β.
+    pub parameters: Vec<f64>,
+    /// χ² of the residuals; it has (points − parameters) degrees of freedom if the model is right.
+    pub chi_square: f64,
+}
+
 impl Weighting {
-    /// `None` when V is not positive definite.
+    /// `None` if V is not positive definite.
     pub(crate) fn new(covariance: &[Vec<f64>]) -> Option<Self> {
         Some(Self { factor: cholesky(covariance)? })
     }
 
-    /// L⁻¹X, column by column.
-    fn whitened(&self, design: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let column =
-            |c: usize| forward(&self.factor, &design.iter().map(|row| row[c]).collect::<Vec<_>>());
-        (0..design[0].len()).map(column).collect()
+    /// Fits y ≈ Xβ, with X given column by column; `None` if XᵀV⁻¹X is not positive definite.
+    pub(crate) fn fit(&self, design: &[Vec<f64>], y: &[f64]) -> Option<Fit<'_>> {
+        let columns: Vec<_> = design.iter().map(|column| forward(&self.factor, column)).collect();
+        let y = forward(&self.factor, y);
+        let normal = cholesky(&matrix(columns.len(), |i, j| dot(&columns[i], &columns[j])))?;
+        let right: Vec<f64> = columns.iter().map(|column| dot(column, &y)).collect();
+        let parameters = backward(&normal, &forward(&normal, &right));
+        let residuals = y.iter().zip(product(&columns, &parameters)).map(|(y, model)| y - model);
+        let chi_square = residuals.map(|residual| residual * residual).sum();
+        Some(Fit { weighting: self, columns, normal, parameters, chi_square })
+    }
+}
+
+impl Fit<'_> {
+    /// Covariances of parameter c with all of them: row c of (XᵀV⁻¹X)⁻¹.
+    pub(crate) fn covariance(&self, c: usize) -> Vec<f64> {
+        let mut unit = vec![0.0; self.parameters.len()];
+        unit[c] = 1.0;
+        backward(&self.normal, &forward(&self.normal, &unit))
     }
 
-    /// Fits y ≈ Xβ; `None` when XᵀV⁻¹X is not positive definite.
-    pub(crate) fn fit(&self, design: &[Vec<f64>], y: &[f64]) -> Option<Fit> {
-        let columns = self.whitened(design);
-        let parameters = columns.len();
-        let target = forward(&self.factor, y);
-        let normal: Vec<Vec<f64>> =
-            columns.iter().map(|a| columns.iter().map(|b| dot(a, b)).collect()).collect();
-        let normal_factor = cholesky(&normal)?;
-        let right: Vec<f64> = columns.iter().map(|column| dot(column, &target)).collect();
-        let beta = backward(&normal_factor, &forward(&normal_factor, &right));
-        let inverse: Vec<Vec<f64>> = (0..parameters)
-            .map(|c| {
-                let unit: Vec<f64> =
-                    (0..parameters).map(|r| if r == c { 1.0 } else { 0.0 }).collect();
-                backward(&normal_factor, &forward(&normal_factor, &unit))
-            })
-            .collect();
-        let chi_square = (0..target.len())
-            .map(|i| {
-                let model: f64 = (0..parameters).map(|c| columns[c][i] * beta[c]).sum();
-                (target[i] - model) * (target[i] - model)
-            })
-            .sum();
-        Some(Fit { parameters: beta, covariance: inverse, chi_square })
-    }
-
-    /// The weights w with β_c = w·y: row c of (XᵀV⁻¹X)⁻¹XᵀV⁻¹, where `inverse` is that row of
-    /// (XᵀV⁻¹X)⁻¹.
-    pub(crate) fn gain(&self, design: &[Vec<f64>], inverse: &[f64]) -> Vec<f64> {
-        let columns = self.whitened(design);
-        let whitened: Vec<f64> = (0..design.len())
-            .map(|i| columns.iter().zip(inverse).map(|(column, a)| column[i] * a).sum())
-            .collect();
-        backward(&self.factor, &whitened)
+    /// The weights w with β_c = w·y: row c of (XᵀV⁻¹X)⁻¹XᵀV⁻¹.
+    pub(crate) fn gain(&self, c: usize) -> Vec<f64> {
+        backward(&self.weighting.factor, &product(&self.columns, &self.covariance(c)))
     }
 }
 
 /// Pivots below this fraction of the diagonal mean that the matrix is singular to round-off.
 const SINGULAR: f64 = 64.0 * f64::EPSILON;
 
-/// L with LLᵀ = A.
+/// L with LLᵀ = A; `None` if A is not positive definite.
 fn cholesky(a: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     let n = a.len();
     let mut l = vec![vec![0.0; n]; n];
@@ -120,62 +102,78 @@ fn backward(l: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
     x
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// Xβ, with X given column by column.
+fn product(columns: &[Vec<f64>], parameters: &[f64]) -> Vec<f64> {
+    let row = |i| columns.iter().zip(parameters).map(|(column, beta)| column[i] * beta).sum();
+    (0..columns.first().map_or(0, Vec::len)).map(row).collect()
+}
+
+/// a·b.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// The n × n matrix with the given entries, row by row.
+pub(crate) fn matrix(n: usize, entry: impl Fn(usize, usize) -> f64) -> Vec<Vec<f64>> {
+    (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect()
+}
+
+/// The diagonal matrix of these variances.
+pub(crate) fn diagonal(variances: &[f64]) -> Vec<Vec<f64>> {
+    matrix(variances.len(), |i, j| if i == j { variances[i] } else { 0.0 })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use approx::assert_relative_eq;
+
+    /// Correlations 2^−|i − j|.
+    fn correlated() -> Weighting {
+        Weighting::new(&matrix(4, |i, j| 0.5f64.powi(i.abs_diff(j) as i32))).unwrap()
+    }
 
     #[test]
     fn a_line_through_correlated_points() {
         // y = 1 + 2x exactly: any covariance gives back the line, with no residual.
-        let x = [0.0, 1.0, 2.0, 4.0];
-        let design: Vec<Vec<f64>> = x.iter().map(|&x| vec![1.0, x]).collect();
+        let x = vec![0.0, 1.0, 2.0, 4.0];
         let y: Vec<f64> = x.iter().map(|x| 1.0 + 2.0 * x).collect();
-        let covariance: Vec<Vec<f64>> =
-            (0..4i32).map(|i| (0..4i32).map(|j| 0.5f64.powi((i - j).abs())).collect()).collect();
-        let fit = fit(&design, &y, &covariance).unwrap();
-        assert!((fit.parameters[0] - 1.0).abs() < 1e-14 && (fit.parameters[1] - 2.0).abs() < 1e-14);
+        let weighting = correlated();
+        let fit = weighting.fit(&[vec![1.0; 4], x], &y).unwrap();
+        assert_relative_eq!(fit.parameters[..], [1.0, 2.0][..], max_relative = 1e-14);
         assert!(fit.chi_square < 1e-26);
     }
 
     #[test]
     fn independent_points_give_the_textbook_variance() {
-        let design: Vec<Vec<f64>> = (0..5).map(|_| vec![1.0]).collect();
-        let mut covariance = vec![vec![0.0; 5]; 5];
-        for (i, row) in covariance.iter_mut().enumerate() {
-            row[i] = 0.5;
-        }
-        let fit = fit(&design, &[1.0, 2.0, 3.0, 4.0, 5.0], &covariance).unwrap();
-        assert!(
-            (fit.parameters[0] - 3.0).abs() < 1e-15 && (fit.covariance[0][0] - 0.1).abs() < 1e-15
-        );
-        assert!((fit.chi_square - 20.0).abs() < 1e-13);
+        let weighting = Weighting::new(&diagonal(&[0.5; 5])).unwrap();
+        let fit = weighting.fit(&[vec![1.0; 5]], &[1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
+        assert_relative_eq!(fit.parameters[0], 3.0, max_relative = 1e-15);
+        assert_relative_eq!(fit.covariance(0)[0], 0.1, max_relative = 1e-14);
+        assert_relative_eq!(fit.chi_square, 20.0, max_relative = 1e-14);
     }
 
     #[test]
     fn gains_give_back_the_parameters() {
-        let design: Vec<Vec<f64>> =
-            [0.0f64, 1.0, 2.5, 4.0].iter().map(|&x| vec![1.0, x, x.sin()]).collect();
-        let covariance: Vec<Vec<f64>> =
-            (0..4i32).map(|i| (0..4i32).map(|j| 0.5f64.powi((i - j).abs())).collect()).collect();
+        let x = vec![0.0f64, 1.0, 2.5, 4.0];
+        let design = [vec![1.0; 4], x.clone(), x.iter().map(|x| x.sin()).collect()];
         let y = [0.3, -1.0, 2.0, 0.7];
-        let weighting = Weighting::new(&covariance).unwrap();
+        let weighting = correlated();
         let fit = weighting.fit(&design, &y).unwrap();
         for c in 0..3 {
-            let gain = weighting.gain(&design, &fit.covariance[c]);
-            assert!((dot(&gain, &y) - fit.parameters[c]).abs() < 1e-13);
-            let variance: f64 = (0..4).map(|i| gain[i] * dot(&covariance[i], &gain)).sum();
-            assert!((variance - fit.covariance[c][c]).abs() < 1e-13 * variance.max(1.0));
+            let gain = fit.gain(c);
+            assert_relative_eq!(dot(&gain, &y), fit.parameters[c], max_relative = 1e-13);
+            // Var(w·y) = |Lᵀw|².
+            let lower = &weighting.factor;
+            let row = |j: usize| (0..4).map(|i| lower[i][j] * gain[i]).sum::<f64>().powi(2);
+            let variance: f64 = (0..4).map(row).sum();
+            assert_relative_eq!(variance, fit.covariance(c)[c], max_relative = 1e-13);
         }
     }
 
     #[test]
     fn singular_covariances_are_refused() {
-        let design = vec![vec![1.0], vec![1.0]];
-        assert!(fit(&design, &[1.0, 1.0], &[vec![1.0, 1.0], vec![1.0, 1.0]]).is_none());
-        assert!(fit(&design, &[1.0, 1.0], &[vec![f64::NAN, 0.0], vec![0.0, 1.0]]).is_none());
+        assert!(Weighting::new(&[vec![1.0, 1.0], vec![1.0, 1.0]]).is_none());
+        assert!(Weighting::new(&[vec![f64::NAN, 0.0], vec![0.0, 1.0]]).is_none());
     }
 }

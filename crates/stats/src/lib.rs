@@ -1,42 +1,57 @@
 //! **Means, orders of convergence and their intervals, from errors of sampled paths.**
 //!
-//! [`fit_strong`] and [`fit_weak`] fit orders with intervals from any errors with a covariance;
-//! [`Moments`] and [`CrossMoments`] collect them.
+//! [`CrossMoments`] collects errors at several step sizes; [`fit_strong`] and [`fit_weak`] fit an
+//! order with an interval to them, or to any errors with a covariance.
 //!
 //! ```
 //! use stats::{CrossMoments, fit_strong};
 //!
-//! // Squared errors of 200 paths at four step sizes, exactly of order one but for the scatter from path to path.
+//! // Squared errors of 200 paths at four step sizes, of order one but for the scatter of paths.
 //! let taus = [0.1, 0.05, 0.025, 0.0125];
 //! let mut squares = CrossMoments::new(4);
 //! for path in 0..200 {
 //!     let scatter = |l: usize| 1.0 + 0.3 * ((path * (l + 7)) as f64).sin();
-//!     let errors: Vec<f64> = taus.iter().enumerate().map(|(l, tau)| tau * tau * scatter(l)).collect();
+//!     let errors = [0, 1, 2, 3].map(|l| taus[l] * taus[l] * scatter(l));
 //!     squares.add(&errors);
 //! }
 //! let order = fit_strong(&taus, None, &squares).expect("four levels are enough");
-//! assert!(order.lo < 1.0 && 1.0 < order.hi && order.hi - order.lo < 0.1, "{order:?}");
+//! assert!(order.covers(1.0) && order.hi - order.lo < 0.1, "{order:?}");
 //! ```
 //!
 //! | item | job |
 //! |---|---|
 //! | [`Moments`], [`CrossMoments`] | means and covariances |
-//! | [`fit_strong`], [`fit_weak`], [`fit_weak_differences`], [`fit_weak_against`], [`fit_independent`] | orders with intervals |
+//! | [`fit_strong`] | strong orders, from squared errors that share paths |
+//! | [`fit_weak`], [`weak_errors`] | weak orders, from signed errors or differences with a covariance |
+//! | [`fit_independent`] | orders of positive errors measured independently |
 //! | [`root_mean_squares`], [`root_mean_square_interval`] | root-mean-square errors with intervals |
-//! | [`Rate`], [`StraightLine`], [`Point`] | what a fit says, and what was measured |
-//! | [`misfits`], [`normal_quantile`], [`student_quantile`] | what a verdict on an order needs |
-//! | [`Logarithms`], [`Terms`], [`Estimate`] | the fit of [`fit_strong`] with a model of one's own |
+//! | [`Rate`], [`Model`], [`Against`], [`StraightLine`], [`Point`] | a fit and a measured error as data |
+//! | [`LogMeanSquares`], [`Terms`], [`Estimate`] | the fit of [`fit_strong`] with other terms or levels |
+//! | [`Coverage`], [`Expected`], [`normal_covers`] | how often an interval covers the truth |
+//!
+//! Of this workspace the crate uses only `real`, whose dispatch runs the bootstrap's kernel on the
+//! widest vectors of the processor.
 
+mod bootstrap;
+mod coverage;
+mod describe;
+mod independent;
 mod least_squares;
+mod mean_squares;
 mod moments;
-mod order;
 mod point;
+mod quantile;
 mod rate;
+mod root_mean_square;
+mod strong;
+mod weak;
 
+pub use coverage::{Coverage, Expected, normal_covers};
+pub use independent::fit_independent;
+pub use mean_squares::{Estimate, LogMeanSquares, Terms};
 pub use moments::{BATCHES, CrossMoments, Moments};
-pub use order::{
-    Estimate, Logarithms, Terms, fit_independent, fit_strong, fit_weak, fit_weak_against,
-    fit_weak_differences, misfits, normal_quantile, root_mean_square_interval, student_quantile,
-};
-pub use point::{Point, root_mean_squares};
-pub use rate::{Rate, StraightLine};
+pub use point::Point;
+pub use rate::{Against, Model, Rate, StraightLine};
+pub use root_mean_square::{root_mean_square_interval, root_mean_squares};
+pub use strong::fit_strong;
+pub use weak::{fit_weak, weak_errors};

@@ -52,6 +52,9 @@ impl Moments {
 /// does not matter.
 pub const BATCHES: usize = 256;
 
+/// A mean that fewer effective samples carry, (Σx)²/Σx², has no normal law.
+pub(crate) const FEW_SAMPLES: f64 = 30.0;
+
 /// Means and covariances of a vector, and its sums over [`BATCHES`] batches for the bootstrap.
 ///
 /// Sample number n, in the order of adding and merging, belongs to batch n mod [`BATCHES`]. Samples
@@ -135,24 +138,41 @@ impl CrossMoments {
         self.sum[i] / self.count as f64
     }
 
+    /// Σ xᵢxⱼ for i ≤ j.
+    fn product(&self, i: usize, j: usize) -> f64 {
+        self.products[i * self.sum.len() - i * (i + 1) / 2 + j]
+    }
+
     /// Covariance of the sample *means* of components i and j: the sample covariance over the
     /// number of samples.
     #[must_use]
     pub fn covariance_of_means(&self, i: usize, j: usize) -> f64 {
         let (i, j) = (i.min(j), i.max(j));
         let n = self.count as f64;
-        let row = i * self.sum.len() - i * (i + 1) / 2;
-        (self.products[row + j] - self.sum[i] * self.sum[j] / n) / (n - 1.0) / n
+        (self.product(i, j) - self.sum[i] * self.sum[j] / n) / (n - 1.0) / n
     }
 
-    /// Effective number of samples of component i, (Σx)²/Σx² (Kish): how many equal samples would
-    /// carry the sum of a positive quantity as evenly. All of them for a constant, a third for
-    /// squares of centred normals, about one when a single sample dominates. NaN without samples or
-    /// when all are zero.
+    /// All sample means.
+    #[must_use]
+    pub fn means(&self) -> Vec<f64> {
+        (0..self.length()).map(|i| self.mean(i)).collect()
+    }
+
+    /// The covariance matrix of the sample means.
+    #[must_use]
+    pub fn covariances_of_means(&self) -> Vec<Vec<f64>> {
+        let all = 0..self.length();
+        let row = |i| all.clone().map(|j| self.covariance_of_means(i, j)).collect();
+        all.clone().map(row).collect()
+    }
+
+    /// Effective number of samples of component i, (Σx)²/Σx² (Kish, *Survey Sampling*, 1965): how
+    /// many equal samples would carry the sum of a positive quantity as evenly. All of them for a
+    /// constant, a third for squares of centred normals, about one when a single sample dominates.
+    /// NaN without samples or when all are zero.
     #[must_use]
     pub fn effective_samples(&self, i: usize) -> f64 {
-        let row = i * self.sum.len() - i * (i + 1) / 2;
-        self.sum[i] * self.sum[i] / self.products[row + i]
+        self.sum[i] * self.sum[i] / self.product(i, i)
     }
 
     /// The batches: number of samples and sum of each. There are [`BATCHES`] of them, or one for
@@ -168,6 +188,7 @@ impl CrossMoments {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use approx::assert_relative_eq;
 
     #[test]
     fn moments_are_the_textbook_ones() {
@@ -192,10 +213,12 @@ mod tests {
                     .sum::<f64>()
                     / 3.0
                     / 4.0;
-                assert!((all.covariance_of_means(i, j) - direct).abs() < 1e-14, "{i} {j}");
+                let epsilon = 1e-14;
+                assert_relative_eq!(all.covariance_of_means(i, j), direct, epsilon = epsilon);
             }
         }
-        assert!((single.standard_error().powi(2) - all.covariance_of_means(2, 2)).abs() < 1e-14);
+        let variance = single.standard_error().powi(2);
+        assert_relative_eq!(variance, all.covariance_of_means(2, 2), max_relative = 1e-14);
     }
 
     #[test]
@@ -204,8 +227,8 @@ mod tests {
         for n in 0..100 {
             moments.add(&[3.0, if n == 50 { 1e6 } else { 1e-3 }]);
         }
-        assert!((moments.effective_samples(0) - 100.0).abs() < 1e-12);
-        assert!((moments.effective_samples(1) - 1.0).abs() < 1e-6);
+        assert_relative_eq!(moments.effective_samples(0), 100.0, max_relative = 1e-14);
+        assert_relative_eq!(moments.effective_samples(1), 1.0, max_relative = 1e-6);
     }
 
     #[test]

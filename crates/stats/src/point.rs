@@ -1,9 +1,6 @@
-//! One point of a curve, and root-mean-squares as points.
+//! One point of a curve, as data.
 
 use serde::{Deserialize, Serialize};
-
-use crate::CrossMoments;
-use crate::order::{FEW_PATHS, root_mean_square_interval};
 
 /// One point of a curve.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -52,29 +49,4 @@ impl Point {
     pub fn normal(tau: f64, value: f64, se: f64) -> Self {
         Self::Error { tau, value, se, lo: None, hi: None, warning: None }
     }
-}
-
-/// The points of a curve, with bootstrap-t intervals for the root-mean-squares and a warning where
-/// a few paths carry one.
-#[must_use]
-pub fn root_mean_squares(taus: &[f64], squares: &CrossMoments) -> Vec<Point> {
-    taus.iter().enumerate().filter_map(|(l, &tau)| root_mean_square(tau, l, squares)).collect()
-}
-
-/// √mean with its standard error by the delta method; nothing without samples.
-fn root_mean_square(tau: f64, l: usize, squares: &CrossMoments) -> Option<Point> {
-    let value = squares.mean(l).sqrt();
-    let se_of_square = squares.covariance_of_means(l, l).sqrt();
-    let se = if value > 0.0 { se_of_square / (2.0 * value) } else { 0.0 };
-    if !(value.is_finite() && se.is_finite()) {
-        return None;
-    }
-    let effective = squares.effective_samples(l);
-    let warning = (effective < FEW_PATHS).then(|| {
-        format!(
-            "only {effective:.0} effective paths carry the error; the interval may be too narrow"
-        )
-    });
-    let (lo, hi) = root_mean_square_interval(squares, l).unzip();
-    Some(Point::Error { tau, value, se, lo, hi, warning })
 }

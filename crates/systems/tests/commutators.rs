@@ -3,6 +3,7 @@
 
 mod common;
 
+use approx::assert_abs_diff_eq;
 use common::{
     Check, INERTIA, NOISE_INERTIA, Numbers, Region, dot, every_system, invariant_gradient,
 };
@@ -119,9 +120,7 @@ fn fields_of_a_common_rotation_turn_about_the_third_axis() {
     let areas = [[0.0, 2.0, 0.0], [-2.0, 0.0, 0.0], [0.0; 3]];
     let expected = [0.2 * 0.5, -0.1 * 0.5, 0.0, 0.5 * 0.5, 0.4 * 0.5, 0.0];
     let ours: [f64; 6] = chain.commutators(y, areas);
-    for i in 0..6 {
-        assert!((ours[i] - expected[i]).abs() < 1e-15, "{ours:?}");
-    }
+    assert_abs_diff_eq!(ours[..], expected[..], epsilon = 1e-15);
 }
 
 /// An oscillator shaken by two noises that are functions of one Hamiltonian, or of two different

@@ -2,6 +2,7 @@
 
 mod common;
 
+use approx::{assert_abs_diff_eq, assert_relative_eq};
 use common::{Numbers, Region};
 use systems::{
     Exponents, IntegerExponents, LotkaVolterra, PoissonSystem, RealExponents, ito_correction,
@@ -12,10 +13,9 @@ use systems::{
 /// and some products.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 
+#[track_caller]
 fn close(one: [f64; 3], other: [f64; 3], terms: f64) {
-    for i in 0..3 {
-        assert!((one[i] - other[i]).abs() <= ROUND_OFF * terms, "{one:?} {other:?}");
-    }
+    assert_abs_diff_eq!(one[..], other[..], epsilon = ROUND_OFF * terms);
 }
 
 fn agree<E: Exponents>(integer: LotkaVolterra<E>, real: LotkaVolterra<RealExponents>) {
@@ -41,9 +41,9 @@ fn agree<E: Exponents>(integer: LotkaVolterra<E>, real: LotkaVolterra<RealExpone
         close(vector_field(&integer, y, dt, [dw]), vector_field(&real, y, dt, [dw]), 18.0);
         close(ito_correction(&integer, y), ito_correction(&real, y), 6.0 * 18.0 * 1.7);
         let (one, other): (f64, f64) = (integer.energy(y, dt, [dw]), real.energy(y, dt, [dw]));
-        assert!((one - other).abs() <= ROUND_OFF * one.abs());
+        assert_relative_eq!(one, other, epsilon = 0.0, max_relative = ROUND_OFF);
         let (one, other): (f64, f64) = (integer.invariant(1, y), real.invariant(1, y));
-        assert!((one - other).abs() <= ROUND_OFF * 6.0);
+        assert_abs_diff_eq!(one, other, epsilon = ROUND_OFF * 6.0);
     }
     assert_eq!(integer.invariants(), real.invariants());
 }
@@ -78,5 +78,5 @@ fn the_discrete_gradient_of_a_polynomial_is_exact_however_far() {
     let work: f64 = (0..3).map(|i| mean[i] * (b[i] - a[i])).sum();
     let terms: f64 = (0..3).map(|i| (mean[i] * (b[i] - a[i])).abs()).sum();
     let energy = |y| -> f64 { system.invariant(0, y) };
-    assert!((work - (energy(b) - energy(a))).abs() < ROUND_OFF * terms);
+    assert_abs_diff_eq!(work, energy(b) - energy(a), epsilon = ROUND_OFF * terms);
 }

@@ -2,11 +2,13 @@
 
 mod common;
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
 use common::{Check, Numbers, Region, dot, every_system};
 use real::Real;
-use systems::{IntegerExponents, LotkaVolterra, Pendulum, Poisson3, PoissonSystem};
+use systems::{ImplicitStep, Pendulum, Poisson3, PoissonSystem};
 
-/// A system that says only what must be said.
+/// B and h of a system, and nothing else.
 struct Plain<'a, S>(&'a S);
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M> for Plain<'_, S> {
@@ -106,13 +108,12 @@ fn closed_forms_agree_with_the_provided_ones() {
     every_system(&mut ClosedForms);
 }
 
-/// What a system solves itself is a solution within its bound, from short steps to steps that it
-/// declines.
-struct ShortSteps {
-    solved: usize,
+/// A prediction solves its equation within its bound, from short steps to steps without one.
+struct Predictions {
+    checked: usize,
 }
 
-impl Check for ShortSteps {
+impl Check for Predictions {
     fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         &mut self,
         system: &S,
@@ -121,30 +122,16 @@ impl Check for ShortSteps {
         let mut numbers = Numbers(9);
         for n in 0..4000 {
             let a: [f64; D] = region.point(&mut numbers);
-            // Four sizes of steps, the largest beyond what is declined. Populations of the region
-            // are larger than those of the paper, and their steps that much longer.
-            let scale = if region == Region::Positive { 0.25 } else { 1.0 };
-            let size = scale * [1e-3, 0.03, 0.3, 3.0][n % 4];
+            // Four sizes of steps, the largest beyond what is predicted.
+            let size = [1e-3, 0.03, 0.3, 3.0][n % 4];
             let (dt, dw): (f64, [f64; M]) =
                 (size * numbers.next().abs(), numbers.vector().map(|w| size * w));
-            let (b, bound) = system.short_step(a, dt, dw);
-            let (other_a, other_dw) =
-                (region.point(&mut numbers), numbers.vector().map(|w| size * w));
-            // Two in turn are each of them alone, to the bit; sign and payload of a NaN are not
-            // specified.
-            let alone = [(b, bound), system.short_step(other_a, dt, other_dw)];
-            for (one, of_pair) in
-                alone.into_iter().zip(system.short_steps([a, other_a], dt, [dw, other_dw]))
-            {
-                let bits = |x: f64| if x.is_nan() { f64::NAN } else { x }.to_bits();
-                assert_eq!(one.0.map(bits), of_pair.0.map(bits), "{}", system.name());
-                assert_eq!(bits(one.1), bits(of_pair.1), "{}", system.name());
-            }
-            if !S::SOLVES_SHORT_STEPS {
+            let (b, bound) = system.predict(a, dt, dw);
+            if S::IMPLICIT_STEP != ImplicitStep::Predicted {
                 assert!(b == a && bound == f64::INFINITY, "{}", system.name());
                 continue;
             }
-            self.solved += 1;
+            self.checked += 1;
             let sum = |v: [f64; D]| v.iter().map(|x| x.abs()).sum::<f64>();
             if size <= 0.03 {
                 assert!(
@@ -155,11 +142,11 @@ impl Check for ShortSteps {
             }
             if bound < f64::INFINITY {
                 let field = system.averaged_field(a, b, dt, dw);
-                let left = sum(std::array::from_fn(|i| b[i] - a[i] - field[i]));
+                let residual = sum(std::array::from_fn(|i| b[i] - a[i] - field[i]));
                 // Half an ulp for each of a dozen roundings.
                 assert!(
-                    left <= bound + 6.0 * f64::EPSILON * (sum(a) + sum(b)),
-                    "{}: {left:e} {bound:e}",
+                    residual <= bound + 6.0 * f64::EPSILON * (sum(a) + sum(b)),
+                    "{}: {residual:e} {bound:e}",
                     system.name()
                 );
             }
@@ -168,71 +155,24 @@ impl Check for ShortSteps {
 }
 
 #[test]
-fn short_steps_are_solved_within_their_bound() {
-    let mut check = ShortSteps { solved: 0 };
+fn predictions_solve_their_equation_within_their_bound() {
+    let mut check = Predictions { checked: 0 };
     every_system(&mut check);
-    assert!(check.solved > 0);
+    // The pendulum and the Poisson system.
+    assert_eq!(check.checked, 2 * 4000);
 }
 
-/// A step whose solution is not unique, or too long for the polynomials, is declined.
+/// A step whose solution is not unique, or too long for the polynomials, has no bound.
 #[test]
-fn long_steps_are_declined() {
-    let declined = |bound: f64| bound == f64::INFINITY || bound.is_nan();
+fn long_steps_are_not_predicted() {
+    let unbounded = |bound: f64| bound == f64::INFINITY || bound.is_nan();
+    let (pendulum, poisson) = (Pendulum::new(1.0).unwrap(), Poisson3::new(1.0).unwrap());
     for dt in [1.0, -1.0, 10.0, 1e300, f64::INFINITY, f64::NAN] {
-        assert!(declined(Pendulum::new(1.0).unwrap().short_step([0.5, 1.0], dt, [0.0]).1), "{dt}");
-        assert!(
-            declined(Poisson3::new(1.0).unwrap().short_step([0.5, 1.0, 2.0], dt, [0.0]).1),
-            "{dt}"
-        );
+        assert!(unbounded(pendulum.predict([0.5, 1.0], dt, [0.0]).1), "{dt}");
+        assert!(unbounded(poisson.predict([0.5, 1.0, 2.0], dt, [0.0]).1), "{dt}");
     }
-    let populations = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0).unwrap();
-    for dt in [1.0, -1.0, 10.0, 1e300, f64::INFINITY, f64::NAN] {
-        assert!(declined(populations.short_step([0.2, 0.4, 0.6], dt, [0.0]).1), "{dt}");
-    }
-    // A population that becomes more than twice as large, by a weight that is not too long.
-    assert!(declined(populations.short_step([0.001, 0.001, 1.0], 0.4, [0.0]).1));
-    assert!(populations.short_step([0.001, 0.001, 1.0], 0.2, [0.0]).1 < 1e-12);
-    assert!(declined(populations.short_step([0.2, -0.4, 0.6], 0.1, [0.0]).1));
-    assert!(declined(Pendulum::new(1.0).unwrap().short_step([100.0, 1.0], 0.1, [0.0]).1));
-    assert!(declined(Poisson3::new(1.0).unwrap().short_step([0.5, 1e7, 2.0], 0.1, [0.0]).1));
-}
-
-/// The solution that the system finds is the one on the branch that begins at a: followed in 64
-/// steps of the weight by the plain iteration, which contracts as long as no step is declined.
-#[test]
-fn short_steps_of_populations_stay_on_the_branch() {
-    const PIECES: u32 = 64;
-    let system = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.3).unwrap();
-    let mut numbers = Numbers(10);
-    let (mut accepted, mut longest) = (0, 0.0f64);
-    for _ in 0..4000 {
-        // From 10⁻² to 1, evenly on a logarithmic scale.
-        let a: [f64; 3] = numbers.vector().map(|x: f64| 10f64.powf(x - 1.0));
-        let weight = 0.7 * numbers.next() / (2.0 * a[0] + a[1] + a[2]);
-        let (b, bound) = system.short_step(a, weight, [0.0]);
-        if bound == f64::INFINITY {
-            continue;
-        }
-        accepted += 1;
-        longest = longest.max(1.3 * weight.abs() * (2.0 * a[0] + a[1] + a[2]));
-        let mut followed = a;
-        for piece in 1..=PIECES {
-            let part = weight * f64::from(piece) / f64::from(PIECES);
-            for _ in 0..200 {
-                let field = system.averaged_field(a, followed, part, [0.0]);
-                followed = std::array::from_fn(|i| a[i] + field[i]);
-            }
-        }
-        let sum = |v: [f64; 3]| v.iter().map(|x| x.abs()).sum::<f64>();
-        let apart = sum(std::array::from_fn(|i| b[i] - followed[i]));
-        // Residuals of both, times 1/(1 − L) where the plain iteration contracts by L = ¾, which
-        // this asserts as well.
-        assert!(
-            apart <= 4.0 * (bound + 16.0 * f64::EPSILON * (sum(a) + sum(b))),
-            "{a:?} {weight}: {b:?} {followed:?}"
-        );
-    }
-    assert!(accepted > 1000 && longest > 0.4, "{accepted} {longest}");
+    assert!(unbounded(pendulum.predict([100.0, 1.0], 0.1, [0.0]).1));
+    assert!(unbounded(poisson.predict([0.5, 1e7, 2.0], 0.1, [0.0]).1));
 }
 
 struct EnergyIsLinear;
@@ -274,8 +214,32 @@ fn a_plain_system_has_no_invariant_and_no_boundary() {
     assert_eq!(plain.check_domain([-5.0, 0.0]), Ok(()));
 }
 
+struct NoSuchInvariant(usize);
+
+impl Check for NoSuchInvariant {
+    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        region: Region,
+    ) {
+        let y: [f64; D] = region.point(&mut Numbers(11));
+        let count = system.invariants().len();
+        for index in 0..count {
+            assert!(system.invariant::<f64>(index, y).is_finite());
+        }
+        for index in [count, count + 1, usize::MAX] {
+            let panic = catch_unwind(AssertUnwindSafe(|| system.invariant::<f64>(index, y)))
+                .expect_err(system.name());
+            let expected = format!("{} has no invariant of index {index}", system.name());
+            assert_eq!(panic.downcast_ref::<String>(), Some(&expected));
+        }
+        self.0 += 1;
+    }
+}
+
 #[test]
-#[should_panic(expected = "pendulum has no invariant number 0")]
-fn an_invariant_that_is_not_there() {
-    let _: f64 = Pendulum::new(1.0).unwrap().invariant(0, [0.0, 0.0]);
+fn an_invariant_that_does_not_exist_names_the_system() {
+    let mut check = NoSuchInvariant(0);
+    every_system(&mut check);
+    assert!(check.0 >= 9, "{}", check.0);
 }

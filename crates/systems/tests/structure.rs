@@ -3,6 +3,7 @@
 
 mod common;
 
+use approx::assert_relative_eq;
 use common::{
     Check, InvariantFunction, Numbers, Region, dot, every_system, invariant_gradient, matrix, size,
 };
@@ -163,7 +164,8 @@ fn homogeneous<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         let scaled: f64 = system.invariant(index, y.map(|x| lambda * x));
         let expected = lambda.powf(invariant.degree) * system.invariant(index, y);
         // The largest exponent is 10, and a linear invariant may cancel to a tenth of its terms.
-        assert!((scaled - expected).abs() < 160.0 * f64::EPSILON * expected.abs());
+        let max_relative = 160.0 * f64::EPSILON;
+        assert_relative_eq!(scaled, expected, epsilon = 0.0, max_relative = max_relative);
     }
 }
 

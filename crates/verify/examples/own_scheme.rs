@@ -1,26 +1,45 @@
-//! A scheme of your own through `verify`: the stochastic Heun method between two halves of exact
-//! damping, and a prediction of `inspect` put to the test.
+//! Two schemes of your own, one explicit and one implicit, and their strong orders.
 //!
 //! ```text
 //! cargo run -p verify --example own_scheme
 //! ```
 
 use noise::{StreamKey, Truncation};
-use schemes::{EulerMaruyama, Scheme, Step};
-use systems::{Cosine, MaxwellBloch, Problem, vector_field};
-use verify::{PathScheme, StepSizes, inspect, strong_order};
+use schemes::{EulerMaruyama, Explicit, Implicit, Increment, Scheme};
+use systems::{Cosine, MaxwellBloch, Problem};
+use verify::{StepSizes, inspect, strong_order};
 
-/// e^{−∫γ, first half}, ẑ + ½(f(ẑ) + f(ẑ + f(ẑ))), e^{−∫γ, second half}.
-fn damped_heun(system: &MaxwellBloch, step: &Step, dw: [f64; 1], y: [f64; 3]) -> [f64; 3] {
-    let z = y.map(|component| step.first_decay * component);
-    let slope = vector_field(system, z, step.tau, dw);
-    let ahead = vector_field(system, [0, 1, 2].map(|i| z[i] + slope[i]), step.tau, dw);
-    [0, 1, 2].map(|i| step.second_decay * (z[i] + 0.5 * (slope[i] + ahead[i])))
+/// Heun's method between two halves of exact damping:
+/// ẑ = e^{−∫γ, first half} y_n, z = ẑ + ½(f(ẑ) + f(ẑ + f(ẑ))), y_{n+1} = e^{−∫γ, second half} z.
+struct DampedHeun;
+
+impl Explicit for DampedHeun {
+    const ID: &'static str = "damped Heun";
+
+    #[inline(always)]
+    fn advance<H: Increment>(&self, h: H, y: H::Vector) -> H::Vector {
+        let start = y * h.step().first_decay;
+        let slope = h.field(start);
+        let ahead = h.field(start + slope);
+        (start + (slope + ahead) * 0.5) * h.step().second_decay
+    }
+}
+
+/// The midpoint rule between two halves of exact damping: z = ẑ + f((ẑ + z)/2).
+struct ConformalMidpoint;
+
+impl Implicit for ConformalMidpoint {
+    const ID: &'static str = "conformal midpoint";
+    const EXACT_DAMPING: bool = true;
+
+    #[inline(always)]
+    fn psi<H: Increment>(&self, h: H, start: H::Vector, z: H::Vector) -> H::Vector {
+        start + h.field((start + z) * 0.5)
+    }
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem = Problem::new(MaxwellBloch, Cosine::new(0.5, 2.0)?, [1.0, 2.0, 3.0], 1.0)?;
-    let mine = PathScheme { id: "damped Heun", advance: damped_heun };
     let sizes = StepSizes {
         coarsest_steps: 32,
         levels: 6,
@@ -32,16 +51,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Euler–Maruyama has order ½ as a rule, but f₁ = (y₂, 0, 0) does not act on itself.
     let predicted = inspect(&MaxwellBloch)?.order("em").map_or(f64::NAN, |(strong, _)| strong);
     println!("inspect expects strong order {predicted} of em");
-    for scheme in [&mine as &dyn Scheme<MaxwellBloch, 3, 1>, &EulerMaruyama] {
+    let schemes: [&dyn Scheme<MaxwellBloch, 3, 1>; 3] =
+        [&DampedHeun, &ConformalMidpoint, &EulerMaruyama];
+    for scheme in schemes {
         let order = strong_order(scheme, &problem, &sizes)?;
         let rate = order.rate.ok_or("no order can be named")?;
-        println!(
-            "{:12} strong order {:.3}, 95 % interval [{:.3}, {:.3}]",
-            scheme.id(),
-            rate.estimate,
-            rate.lo,
-            rate.hi
-        );
+        let (id, p) = (scheme.id(), rate.estimate);
+        println!("{id:20} strong order {p:.3}, 95 % interval [{:.3}, {:.3}]", rate.lo, rate.hi);
         for point in &order.points {
             println!("  {}", serde_json::to_string(point)?);
         }

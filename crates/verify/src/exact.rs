@@ -1,4 +1,4 @@
-//! Exact solutions of one-noise systems by a change of time.
+//! Exact solutions of one-noise systems by a random change of time.
 //!
 //! Undamped, dz = f(z)(dt + c∘dW) has the solution z(t) = φ_{t + cW(t)}(z₀), where φ is the flow of
 //! f. With damping and f homogeneous of degree r, z = e^{Γ}y with Γ = ∫γ solves dz = e^{−(r−1)Γ}
@@ -6,9 +6,8 @@
 //!
 //! y(T) = e^{−Γ(T)} φ_S(y₀),  S = ∫₀ᵀ g(t)(dt + c dW(t)),  g = e^{−(r−1)Γ}.
 //!
-//! On one finest step, ∫g dW = ḡΔW + √v ξ with ḡ the mean of g there, v = ∫(g − ḡ)² and ξ a
-//! standard normal independent of ΔW: S is carried along the path without any error of
-//! time-stepping.
+//! On one finest step, ∫g dW = ḡΔW + √v ξ with the mean ḡ of g there, v = ∫(g − ḡ)² and a standard
+//! normal ξ independent of ΔW. Hence S along a path has no error of time-stepping.
 
 use dgrad::Rule;
 use mc::TimeChange;
@@ -18,18 +17,16 @@ use systems::{Constant, Damping, PoissonSystem, Problem};
 
 use crate::runge_kutta::runge_kutta;
 
-/// S along a path: see the module.
+/// The random time S of the exact solution, along a path or in law.
 pub struct RandomTime<'a, G> {
-    /// γ.
-    pub damping: &'a G,
+    damping: &'a G,
     /// Degree r of homogeneity of f = B∇H.
-    pub degree: f64,
+    degree: f64,
     /// Size c of the noise.
-    pub noise: f64,
+    noise: f64,
     /// The finest step.
-    pub tau: f64,
-    /// The quadrature on one finest step.
-    pub rule: Rule,
+    tau: f64,
+    rule: Rule,
 }
 
 /// Nodes on one finest step: g is smooth and a step short, so the mean of g is exact to round-off.
@@ -51,11 +48,11 @@ impl<'a, G: Damping> RandomTime<'a, G> {
             let gamma = before + self.damping.integral(start, start + eta * self.tau);
             (-(self.degree - 1.0) * gamma).exp()
         };
-        let values: Vec<f64> = self.rule.nodes().iter().map(|&eta| weight(eta)).collect();
-        let mean: f64 = values.iter().zip(self.rule.weights()).map(|(g, w)| g * w).sum();
-        let spread: f64 =
-            values.iter().zip(self.rule.weights()).map(|(g, w)| (g - mean) * (g - mean) * w).sum();
-        (mean, spread * self.tau)
+        let (nodes, weights) = (self.rule.nodes(), self.rule.weights());
+        let values: Vec<f64> = nodes.iter().map(|&eta| weight(eta)).collect();
+        let mean: f64 = values.iter().zip(weights).map(|(g, w)| g * w).sum();
+        let square = |(g, w): (&f64, &f64)| (g - mean) * (g - mean) * w;
+        (mean, values.iter().zip(weights).map(square).sum::<f64>() * self.tau)
     }
 
     /// Mean and variance of S over `steps` finest steps, a Gaussian.
@@ -77,12 +74,11 @@ impl<G: Damping> TimeChange<1> for RandomTime<'_, G> {
     }
 }
 
-/// e^{−Γ(T)} φ_S(y₀): the solution at the final time at the random time S.
-pub fn solution<S, G, const D: usize>(problem: &Problem<S, G, D>, s: f64) -> [f64; D]
-where
-    S: PoissonSystem<D, 1>,
-    G: Damping,
-{
+/// e^{−Γ(T)} φ_S(y₀): the solution at the final time for the random time S = s.
+pub fn solution<S: PoissonSystem<D, 1>, G: Damping, const D: usize>(
+    problem: &Problem<S, G, D>,
+    s: f64,
+) -> [f64; D] {
     let decay = (-problem.damping.integral(0.0, problem.t_end)).exp();
     flow(&problem.system, problem.y0, s).map(|component| decay * component)
 }
@@ -102,16 +98,12 @@ fn flow<S: PoissonSystem<D, 1>, const D: usize>(system: &S, y: [f64; D], s: f64)
 
 /// E[φ(y(T))] by Gauss–Legendre over ±9 standard deviations of S, on pieces of one standard
 /// deviation.
-pub fn expectation<S, G, const D: usize>(
+pub fn expectation<S: PoissonSystem<D, 1>, G: Damping, const D: usize>(
     problem: &Problem<S, G, D>,
     time: &RandomTime<'_, G>,
     steps: u64,
     phi: impl Fn([f64; D]) -> f64,
-) -> f64
-where
-    S: PoissonSystem<D, 1>,
-    G: Damping,
-{
+) -> f64 {
     let (mean, variance) = time.law(steps);
     let deviation = variance.sqrt();
     let rule = Rule::new(16).unwrap_or_else(|error| unreachable!("16 nodes are allowed: {error}"));

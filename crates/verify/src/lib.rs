@@ -6,40 +6,44 @@
 //!
 //! | item | job |
 //! |---|---|
-//! | [`strong_order`], [`strong_order_exact`], [`weak_order`], [`exact_mean`], [`StepSizes`] | the order of any scheme on any problem |
+//! | [`strong_order`], [`strong_order_against`], [`weak_order`], [`StepSizes`], [`ReferenceSolution`] | the order of any scheme on any problem |
+//! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
 //! | [`inspect()`], [`inspect_problem`] | what a system is: skew, Casimirs, degrees, commuting noises, which statements apply |
-//! | [`PathScheme`] | a scheme written for one path, to be put to the test |
 //! | [`order_verdict`], [`bound_verdict`] | when an order is said to hold |
-//! | [`Statement`], [`Twin`], [`claim`], [`decide`], [`worse`] | statements with measurements, and wrong methods that they must refute |
+//! | [`work_precision`] | errors of any schemes against the processor time they take |
+//! | [`FinalMoments`], [`Stopwatch`], [`Spread`] | moments of functions of final states; times of repeated work |
+//! | [`results::Evidence`], [`results::Claim`] | a measurement as data, with the verdict and the sentence that follow |
+//! | [`Twin`] | a wrong method that a measurement must refute |
 //! | [`exact`], [`runge_kutta`], [`rigid_body_expectations`] | references |
 //! | [`Settings`], [`Mode`], [`Progress`], [`Silent`] | how much to compute, and who is told how far it is |
 //! | [`results`] | the `results.json` contract |
 
+mod evidence;
 pub mod exact;
+mod final_moments;
 pub mod inspect;
 mod orders;
-mod path_scheme;
 pub mod results;
 pub mod runge_kutta;
 mod settings;
 mod sphere;
-mod statement;
+mod stopwatch;
+mod twin;
 mod verdict;
+pub mod work_precision;
 
+pub use evidence::{DEVIATIONS, worse};
+pub use final_moments::{FinalMoments, FinalValues};
 pub use inspect::{inspect, inspect_problem};
 pub use orders::{
-    Exact, Order, StepSizes, exact_mean, strong_order, strong_order_exact, weak_order,
+    Exact, Order, ReferenceSolution, StepSizes, exact_mean, strong_order, strong_order_against,
+    weak_order,
 };
-pub use path_scheme::PathScheme;
 pub use settings::{Mode, Progress, Settings, Silent};
 pub use sphere::rigid_body_expectations;
-pub use statement::{DEVIATIONS, Statement, Twin, claim, decide, worse};
-pub use verdict::{ORDER_MARGIN, bound_verdict, order_verdict};
-
-/// The example of the README, compiled and run with the other examples.
-#[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;
+pub use stopwatch::{Spread, Stopwatch};
+pub use twin::Twin;
+pub use verdict::{ORDER_MARGIN, Verdict, bound_verdict, order_verdict};
 
 /// The snippets of the guide that stand alone.
 #[cfg(doctest)]

@@ -1,6 +1,6 @@
 //! The `results.json` contract: what a reproduction run says, as data.
 //!
-//! The same types are written by `xtask`, read by its report, and documented in `docs/results.md`.
+//! Documented for readers in other languages in `docs/results.md`.
 //! All timings live in [`Provenance`], so that everything else is bit-identical for the same seed
 //! on any number of threads and any instruction set.
 
@@ -10,8 +10,12 @@ use serde::{Deserialize, Serialize};
 
 pub use stats::{Point, Rate, StraightLine};
 
-/// Version of the contract; raised whenever a reader of the old one would misread the new one.
-pub const SCHEMA: u32 = 1;
+pub use crate::evidence::{Bounded, Evidence};
+pub use crate::verdict::Verdict;
+
+/// Version of the contract. 2: claims have [`Claim::measured`], and the sentences of
+/// [`Claim::evidence`] are worded anew.
+pub const SCHEMA: u32 = 2;
 
 /// A whole run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -55,10 +59,11 @@ pub struct Provenance {
 }
 
 /// What a panel shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// Root-mean-square error against the step size.
+    #[default]
     Strong,
     /// Signed weak error against the step size.
     Weak,
@@ -69,7 +74,7 @@ pub enum Kind {
 }
 
 /// One figure of the paper.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Panel {
     /// Identifier, for example `pendulum-strong`.
     pub id: String,
@@ -123,7 +128,7 @@ pub struct Clipped {
 }
 
 /// One curve.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Series {
     /// Scheme id: `sexp`, `em` or `midpoint`; with a qualifier on a supplement.
     pub scheme: String,
@@ -140,18 +145,6 @@ pub struct Series {
     pub max_relative_defect: Option<f64>,
 }
 
-/// The answer to a statement.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// The measurement supports the statement.
-    Holds,
-    /// The measurement contradicts the statement.
-    Refuted,
-    /// The measurement cannot decide; never counted as a pass.
-    Undecided,
-}
-
 /// A statement, what was measured about it, and the verdict.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Claim {
@@ -163,13 +156,52 @@ pub struct Claim {
     pub scheme: String,
     /// The statement in words.
     pub statement: String,
-    /// The verdict.
+    /// [`Evidence::verdict`] of what was measured.
     pub verdict: Verdict,
-    /// The measurement in words, with numbers and intervals.
+    /// The measurement as a sentence.
     pub evidence: String,
+    /// The measurement as data.
+    pub measured: Evidence,
     /// Whether the paper proves it: a refuted proven claim fails the run.
     pub proven: bool,
     /// The documented reason why a refutation is expected (a misprint in the statement), or empty.
     #[serde(skip_serializing_if = "String::is_empty", default)]
     pub erratum: String,
+}
+
+impl Claim {
+    /// A statement that the paper proves, about no panel and no scheme; the verdict and the
+    /// sentence follow from the measurement.
+    #[must_use]
+    pub fn new(id: &str, statement: impl Into<String>, measured: Evidence) -> Self {
+        Self {
+            id: id.to_owned(),
+            panel: String::new(),
+            scheme: String::new(),
+            statement: statement.into(),
+            verdict: measured.verdict(),
+            evidence: measured.to_string(),
+            measured,
+            proven: true,
+            erratum: String::new(),
+        }
+    }
+
+    /// The claim as one about a panel and a scheme, either of which may be empty.
+    #[must_use]
+    pub fn about(self, panel: &str, scheme: &str) -> Self {
+        Self { panel: panel.to_owned(), scheme: scheme.to_owned(), ..self }
+    }
+
+    /// The claim as one that the paper proves, or does not.
+    #[must_use]
+    pub fn proven(self, proven: bool) -> Self {
+        Self { proven, ..self }
+    }
+
+    /// Whether the verdict contradicts the statement as it is meant: a documented misprint is none.
+    #[must_use]
+    pub fn is_refuted(&self) -> bool {
+        self.verdict == Verdict::Refuted && self.erratum.is_empty()
+    }
 }

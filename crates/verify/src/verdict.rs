@@ -1,8 +1,19 @@
-//! When an order is said to hold.
+//! Verdicts, and when an order is said to hold.
 
-use stats::{Rate, misfits, normal_quantile, student_quantile};
+use serde::{Deserialize, Serialize};
+use stats::Rate;
 
-use crate::results::Verdict;
+/// The answer to a statement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The measurement supports the statement.
+    Holds,
+    /// The measurement contradicts the statement.
+    Refuted,
+    /// The measurement cannot decide; never counted as a pass.
+    Undecided,
+}
 
 /// Confidence at which verdicts are given: one run gives some sixty verdicts about orders, and a
 /// false alarm fails it.
@@ -13,18 +24,18 @@ pub const ORDER_MARGIN: f64 = 0.25;
 /// Whether a fitted order is `order`.
 ///
 /// The interval is widened about its estimate from [`Rate::confidence`] to 99.9 %. The order holds
-/// when the widened interval contains it and lies within [`ORDER_MARGIN`] of it, so that no other
-/// multiple of ½ is as near; it is refuted when the widened interval lies farther away than that;
-/// anything else, no fit, or a model that its residuals contradict, is undecided.
+/// if the widened interval contains it and lies within [`ORDER_MARGIN`] of it, so that no other
+/// multiple of ½ is as near; it is refuted if the widened interval lies farther away than that;
+/// anything else, no fit, or a model that its residuals reject, is undecided.
 #[must_use]
 pub fn order_verdict(rate: Option<&Rate>, order: f64) -> Verdict {
-    let Some((lo, hi)) = rate.filter(|rate| !misfits(rate)).map(widened) else {
+    let Some((lo, hi)) = widened(rate) else {
         return Verdict::Undecided;
     };
-    if lo > order + ORDER_MARGIN || hi < order - ORDER_MARGIN {
+    if lo > order + ORDER_MARGIN {
         Verdict::Refuted
-    } else if lo <= order && order <= hi && lo > order - ORDER_MARGIN && hi < order + ORDER_MARGIN {
-        Verdict::Holds
+    } else if lo <= order && hi < order + ORDER_MARGIN {
+        at_least(lo, hi, order)
     } else {
         Verdict::Undecided
     }
@@ -32,14 +43,15 @@ pub fn order_verdict(rate: Option<&Rate>, order: f64) -> Verdict {
 
 /// Whether an error is bounded by Cτ^`order`, which a higher order is, too.
 ///
-/// As [`order_verdict`], but one-sided: the bound holds when the widened interval reaches `order`
-/// or lies above it and stays above `order` − [`ORDER_MARGIN`]; it is refuted when the widened
-/// interval lies below that.
+/// As [`order_verdict`], but one-sided: the bound holds if the widened interval reaches `order` or
+/// lies above it and stays above `order` − [`ORDER_MARGIN`]; it is refuted if the widened interval
+/// lies below that.
 #[must_use]
 pub fn bound_verdict(rate: Option<&Rate>, order: f64) -> Verdict {
-    let Some((lo, hi)) = rate.filter(|rate| !misfits(rate)).map(widened) else {
-        return Verdict::Undecided;
-    };
+    widened(rate).map_or(Verdict::Undecided, |(lo, hi)| at_least(lo, hi, order))
+}
+
+fn at_least(lo: f64, hi: f64, order: f64) -> Verdict {
     if hi < order - ORDER_MARGIN {
         Verdict::Refuted
     } else if hi >= order && lo > order - ORDER_MARGIN {
@@ -49,15 +61,45 @@ pub fn bound_verdict(rate: Option<&Rate>, order: f64) -> Verdict {
     }
 }
 
-/// The interval at [`VERDICT_CONFIDENCE`].
-fn widened(rate: &Rate) -> (f64, f64) {
-    let quantile = |confidence| {
-        rate.student_degrees
-            .map_or(normal_quantile(confidence), |degrees| student_quantile(degrees, confidence))
-    };
-    let widening = quantile(VERDICT_CONFIDENCE) / quantile(rate.confidence);
-    (
-        rate.estimate - widening * (rate.estimate - rate.lo),
-        rate.estimate + widening * (rate.hi - rate.estimate),
-    )
+/// The interval at [`VERDICT_CONFIDENCE`] of a fit whose model is not rejected.
+fn widened(rate: Option<&Rate>) -> Option<(f64, f64)> {
+    rate.filter(|rate| !rate.misfits()).map(|rate| rate.interval(VERDICT_CONFIDENCE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orders_hold_are_refuted_or_undecided() {
+        // At the confidence of verdicts already, so nothing is widened.
+        let rate = |estimate: f64, lo, hi| Rate {
+            estimate,
+            lo,
+            hi,
+            confidence: VERDICT_CONFIDENCE,
+            ..Rate::default()
+        };
+        let both = |rate: &Rate, order| {
+            (order_verdict(Some(rate), order), bound_verdict(Some(rate), order))
+        };
+        use Verdict::{Holds, Refuted, Undecided};
+        let half = rate(0.5, 0.45, 0.55);
+        assert_eq!(both(&half, 0.5), (Holds, Holds));
+        assert_eq!(both(&half, 1.0), (Refuted, Refuted));
+        assert_eq!(both(&half, 0.0), (Refuted, Holds));
+        assert_eq!(both(&rate(0.5, 0.1, 0.9), 0.5), (Undecided, Undecided));
+        // Precise, near the order, and yet not it.
+        assert_eq!(both(&rate(0.55, 0.54, 0.56), 0.5), (Undecided, Holds));
+        assert_eq!(both(&rate(0.45, 0.44, 0.46), 0.5), (Undecided, Undecided));
+        // A model that its residuals reject.
+        let misfit = Rate { p_value: Some(1e-6), ..half.clone() };
+        assert_eq!(both(&misfit, 0.5), (Undecided, Undecided));
+        assert_eq!(order_verdict(None, 0.5), Undecided);
+        // A 95 % interval is widened by the ratio of the normal quantiles, 3.29/1.96.
+        let narrow = Rate { confidence: 0.95, ..rate(0.5, 0.36, 0.64) };
+        assert_eq!(both(&narrow, 0.5), (Holds, Holds));
+        let wide = Rate { confidence: 0.95, ..rate(0.5, 0.34, 0.66) };
+        assert_eq!(both(&wide, 0.5), (Undecided, Undecided));
+    }
 }

@@ -174,15 +174,15 @@ enum Fault {
     /// ∇̄ at an end point: right at a = b and nowhere else.
     OneSided,
     AveragedField,
-    /// Explicit, and said to be exact.
-    ShortStep,
-    /// The two paths exchanged.
-    ShortSteps,
+    /// An explicit step, predicted to have no residual.
+    Prediction,
     Commutators,
     Degree,
     Form,
     /// H₀ as an energy beside noises that change it.
     Energy,
+    /// Two invariants are listed, and one is implemented.
+    MissingInvariant,
     /// NaN in the energy.
     NaN,
     /// Nowhere defined.
@@ -196,7 +196,6 @@ fn body() -> RigidBody<3> {
 }
 
 impl PoissonSystem<3, 3> for Spoiled {
-    const SOLVES_SHORT_STEPS: bool = true;
     fn name(&self) -> &'static str {
         "spoiled"
     }
@@ -227,24 +226,20 @@ impl PoissonSystem<3, 3> for Spoiled {
         gradient
     }
     fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 3]) -> [R; 3] {
-        let at = if self.0 == Fault::OneSided { b } else { dgrad::quadratic(a, b) };
+        let at = if self.0 == Fault::OneSided { b } else { dgrad::midpoint(a, b) };
         let dt = if self.0 == Fault::AveragedGradient { 1.01 * dt } else { dt };
         real::gradient(&Energy { system: self, dt, dw }, at)
     }
     fn averaged_field<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 3]) -> [R; 3] {
-        let at = if self.0 == Fault::AveragedField { a } else { dgrad::quadratic(a, b) };
+        let at = if self.0 == Fault::AveragedField { a } else { dgrad::midpoint(a, b) };
         self.structure(at, self.averaged_gradient(a, b, dt, dw))
     }
-    fn short_step(&self, a: [f64; 3], dt: f64, dw: [f64; 3]) -> ([f64; 3], f64) {
-        if self.0 != Fault::ShortStep {
+    fn predict(&self, a: [f64; 3], dt: f64, dw: [f64; 3]) -> ([f64; 3], f64) {
+        if self.0 != Fault::Prediction {
             return (a, f64::INFINITY);
         }
         let field = systems::vector_field(self, a, dt, dw);
         (std::array::from_fn(|i| a[i] + field[i]), 0.0)
-    }
-    fn short_steps(&self, a: [[f64; 3]; 2], dt: f64, dw: [[f64; 3]; 2]) -> [([f64; 3], f64); 2] {
-        let [one, other] = [0, 1].map(|i| self.short_step(a[i], dt, dw[i]));
-        if self.0 == Fault::ShortSteps { [other, one] } else { [one, other] }
     }
     fn commutators<R: Real>(&self, y: [R; 3], areas: [[f64; 3]; 3]) -> [R; 3] {
         if self.0 == Fault::Commutators {
@@ -271,14 +266,16 @@ impl PoissonSystem<3, 3> for Spoiled {
             Fault::Degree => casimir.degree = 3.0,
             Fault::Form => casimir.form = Form::Homogeneous,
             Fault::Energy => casimir.kind = InvariantKind::Energy,
+            Fault::MissingInvariant => return vec![casimir; 2],
             _ => {}
         }
         vec![casimir]
     }
-    fn invariant<R: Real>(&self, _index: usize, y: [R; 3]) -> R {
+    fn invariant<R: Real>(&self, index: usize, y: [R; 3]) -> R {
         match self.0 {
             Fault::Energy => body().energy(y, 1.0, [0.0; 3]),
-            _ => body().invariant(0, y),
+            _ if index > 0 => y[0] * f64::NAN,
+            _ => body().invariant(index, y),
         }
     }
     fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
@@ -310,12 +307,12 @@ fn every_mistake_is_named() {
         (Fault::AveragedGradient, "averaged_gradient(y, y) is not the gradient"),
         (Fault::OneSided, "is not the change of energy"),
         (Fault::AveragedField, "averaged_field(a, b) is not structure"),
-        (Fault::ShortStep, "short_step does not solve"),
-        (Fault::ShortSteps, "short_steps is not short_step of each"),
+        (Fault::Prediction, "the residual of the predicted step exceeds"),
         (Fault::Commutators, "commutators is not what follows"),
         (Fault::Degree, "is claimed to have degree 3 and has degree 2"),
         (Fault::Form, "is claimed as homogeneous and is quadratic"),
         (Fault::Energy, "is claimed as an energy, and the flow changes it"),
+        (Fault::MissingInvariant, "is listed, but invariant(1, y) returns NaN in the domain"),
     ] {
         let report = inspect(&Spoiled(fault)).unwrap();
         assert!(report.mistakes.iter().any(|mistake| mistake.contains(words)), "{words}: {report}");
@@ -348,7 +345,7 @@ fn a_structure_without_jacobis_identity_is_reported_and_no_mistake() {
         !report.structure.jacobi.holds && report.structure.skew.holds && report.mistakes.is_empty(),
         "{report}"
     );
-    assert!(report.to_string().contains("Jacobi's identity does not hold"), "{report}");
+    assert!(report.to_string().contains("no Poisson structure"), "{report}");
 }
 
 #[test]

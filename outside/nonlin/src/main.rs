@@ -22,6 +22,7 @@ impl FixedPoint<1> for Kepler {
 }
 
 /// Orbits from a circle to nearly a parabola.
+#[derive(Clone, Copy)]
 struct Orbits;
 
 impl BlockFixedPoint<1> for Orbits {

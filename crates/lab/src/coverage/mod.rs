@@ -1,164 +1,106 @@
-//! How often the intervals cover the truth, measured on data whose law is known.
+//! How often the intervals of `stats` cover the truth, measured on data whose law is known.
 //!
-//! Every data set is drawn from a law with a known order, mean-square error or weak error; an
+//! Every data set is drawn from a law with a known order, mean-square error or weak error. An
 //! interval is computed as for any experiment, and it is counted whether the truth lies inside.
-//! With R data sets the count has the standard error √(0.95·0.05/R): ±0.49 % for 2000. Warnings are
-//! counted likewise: where a few paths carry an error, or a model does not fit, they have to be
-//! raised, elsewhere not. Beside the intervals in use stand twins that forget something (the
-//! covariance between levels, the reference, heavy tails) and have to miscover, or the measurement
-//! could not tell.
+//! Warnings are counted likewise: where a few paths carry an error, or a model does not fit, they
+//! have to be raised, elsewhere not. Beside the intervals in use stand some that ignore something
+//! (the covariance between levels, the reference, heavy tails) and have to miscover, or the
+//! measurement could not tell. More `--replications` of `cargo xtask verify` narrow the shares.
 
-mod data;
+mod geometric;
 mod motion;
 mod synthetic;
 
 use noise::StreamKey;
 use rayon::prelude::*;
-use stats::Point;
-
-/// How often one kind of interval covered the truth.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CoverageRow {
-    /// The data.
-    pub case: &'static str,
-    /// The interval, with what it is an interval for; or the warning.
-    pub interval: &'static str,
-    /// Its nominal coverage, 0.95; of a warning, 1 or 0.
-    pub nominal: f64,
-    /// Data sets whose interval contains the truth, or that are warned about; one without an
-    /// interval does not count.
-    pub covered: u64,
-    /// Data sets.
-    pub replications: u64,
-    /// What it has to do.
-    pub expected: Expected,
-}
-
-/// What a kind of interval, or a warning, has to do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Expected {
-    /// Cover as often as it says, within two percent.
-    Calibrated,
-    /// Not cover as often as it says: a twin that forgets something.
-    Miscovers,
-    /// A warning, to be raised on nearly every data set; `covered` counts how often it is.
-    Raised,
-    /// A warning, to be raised on nearly none.
-    Silent,
-    /// Nothing: the figure is stated for comparison. Either the interval is not in use, or what
-    /// spoils it is absent from most data sets, so that neither an interval nor a warning can know
-    /// of it.
-    Stated,
-}
-
-impl Expected {
-    /// The share to be expected.
-    fn nominal(self) -> f64 {
-        match self {
-            Self::Raised => 1.0,
-            Self::Silent => 0.0,
-            Self::Calibrated | Self::Miscovers | Self::Stated => 0.95,
-        }
-    }
-}
-
-impl CoverageRow {
-    /// Share of the data sets whose interval contains the truth.
-    #[must_use]
-    pub fn share(&self) -> f64 {
-        self.covered as f64 / self.replications as f64
-    }
-
-    /// Whether the interval does what is expected, with `tolerance` as the largest deviation from
-    /// the nominal coverage.
-    #[must_use]
-    pub fn as_expected(&self, tolerance: f64) -> bool {
-        let deviation = (self.share() - self.nominal).abs();
-        match self.expected {
-            Expected::Calibrated | Expected::Raised | Expected::Silent => deviation <= tolerance,
-            Expected::Miscovers => deviation > tolerance,
-            Expected::Stated => true,
-        }
-    }
-}
+use stats::{Coverage, CrossMoments, Expected, LogMeanSquares, Point, Rate, Terms, normal_covers};
 
 /// Measures the coverage of every kind of interval on `replications` data sets each, on the current
 /// rayon pool.
 ///
 /// The rows are functions of the arguments alone.
 #[must_use]
-pub fn coverage(replications: u64, seed: u64) -> Vec<CoverageRow> {
-    let mut rows = Vec::new();
-    synthetic::rows(&mut Tally { rows: &mut rows, replications, seed, case: 0 });
-    motion::rows(&mut Tally { rows: &mut rows, replications, seed, case: MOTION });
-    rows
+pub fn coverage(replications: u64, seed: u64) -> Vec<Coverage> {
+    let mut tally = Tally { rows: Vec::new(), replications, seed, case: 0 };
+    synthetic::rows(&mut tally);
+    tally.case = MOTION;
+    motion::rows(&mut tally);
+    tally.rows
 }
 
 /// Number of the first case of geometric Brownian motion, so that no two cases share noise.
 const MOTION: u64 = 100;
-/// Quantile of the intervals value ± 1.96 se.
-const Z: f64 = 1.959_963_984_540_054;
+
+/// An interval or a warning, what is required of it, and whether it covers the truth or is raised on
+/// one data set.
+type Check = (&'static str, Expected, bool);
 
 /// Counts, case by case.
-struct Tally<'a> {
-    rows: &'a mut Vec<CoverageRow>,
+struct Tally {
+    rows: Vec<Coverage>,
     replications: u64,
     seed: u64,
     case: u64,
 }
 
-impl Tally<'_> {
-    /// One case: `covered` says of each data set which of the intervals contain the truth.
-    fn add<const N: usize>(
-        &mut self,
-        case: &'static str,
-        intervals: [(&'static str, Expected); N],
-        covered: impl Fn(StreamKey) -> [bool; N] + Sync,
-    ) {
+impl Tally {
+    /// One case: `checks` draws a data set and checks its intervals, always the same ones.
+    fn add(&mut self, case: &'static str, checks: impl Fn(StreamKey) -> Vec<Check> + Sync) {
         self.case += 1;
-        let first = self.case << 40;
-        let counts = (0..self.replications)
+        let (seed, first) = (self.seed, self.case << 40);
+        let counted = |(interval, expected, covered)| Coverage {
+            case,
+            interval,
+            covered: u64::from(covered),
+            replications: 1,
+            expected,
+        };
+        let sum = |mut rows: Vec<Coverage>, more: Vec<Coverage>| {
+            for (row, more) in rows.iter_mut().zip(more) {
+                row.covered += more.covered;
+                row.replications += more.replications;
+            }
+            rows
+        };
+        let rows = (0..self.replications)
             .into_par_iter()
-            .map(|replication| {
-                covered(StreamKey { seed: self.seed, experiment: first + replication })
-                    .map(u64::from)
-            })
-            .reduce(|| [0; N], |a, b| std::array::from_fn(|i| a[i] + b[i]));
-        self.rows.extend(intervals.into_iter().zip(counts).map(
-            |((interval, expected), covered)| CoverageRow {
-                case,
-                interval,
-                nominal: expected.nominal(),
-                covered,
-                replications: self.replications,
-                expected,
-            },
-        ));
+            .map(|replication| StreamKey { seed, experiment: first + replication })
+            .map(|key| checks(key).into_iter().map(counted).collect())
+            .reduce_with(sum);
+        self.rows.extend(rows.into_iter().flatten());
     }
 }
 
-/// Whether the ends, if there are any, enclose the truth.
-fn encloses(ends: Option<(f64, f64)>, truth: f64) -> bool {
-    ends.is_some_and(|(lo, hi)| lo <= truth && truth <= hi)
+/// The intervals of a rate.
+fn rate_checks(rate: Option<&Rate>, order: f64, expected: Expected) -> Vec<Check> {
+    vec![
+        ("rate", expected, rate.is_some_and(|rate| rate.covers(order))),
+        ("rate, bootstrap-t", expected, rate.is_some_and(|rate| rate.bootstrap_covers(order))),
+    ]
 }
 
-/// Whether the interval of a point encloses the truth at its step size.
-fn point_encloses(point: &Point, truth: impl Fn(f64) -> f64) -> bool {
-    match *point {
-        Point::Error { tau, lo, hi, .. } if lo.is_some() => encloses(lo.zip(hi), truth(tau)),
-        _ => bar_encloses(point, truth),
-    }
+/// Whether there is a rate with a warning.
+fn warns(rate: Option<&Rate>) -> bool {
+    rate.is_some_and(|rate| rate.warning.is_some())
 }
 
-/// Whether there is a warning at the point.
-fn point_warns(point: &Point) -> bool {
-    matches!(point, Point::Error { warning: Some(_), .. })
+/// Whether the interval of a point covers the truth, whether value ± 1.96 se does, and whether the
+/// point has a warning.
+fn point_checks(point: Option<&Point>, truth: f64) -> [bool; 3] {
+    point.map_or([false; 3], |p| [p.covers(truth), p.normal_covers(truth), p.warns()])
 }
 
-/// Whether value ± 1.96 se of a point encloses the truth at its step size.
-fn bar_encloses(point: &Point, truth: impl Fn(f64) -> f64) -> bool {
-    match *point {
-        Point::Error { tau, value, se, .. } => (value - truth(tau)).abs() <= Z * se,
-        Point::Value { .. } | Point::Cost { .. } => false,
-    }
+/// Whether a normal interval that ignores something covers the order: heavy tails, terms of the
+/// model, and with `independent` the covariance between levels.
+fn naive(
+    taus: &[f64],
+    squares: &CrossMoments,
+    terms: Terms,
+    independent: bool,
+    order: f64,
+) -> bool {
+    LogMeanSquares::new(taus, squares, (0..taus.len()).collect())
+        .map(|levels| if independent { levels.independent() } else { levels })
+        .and_then(|levels| levels.fit(terms))
+        .is_some_and(|estimate| normal_covers(estimate.order, estimate.se, order))
 }

@@ -1,9 +1,10 @@
 //! Orders from synthetic squared errors.
 
-use stats::{CrossMoments, Logarithms, Rate, Terms, fit_strong, root_mean_squares};
+use noise::{StreamKey, WienerPath};
+use stats::Expected::{Calibrated, Miscovers, Raised, Silent, Stated};
+use stats::{CrossMoments, Expected, Rate, Terms, fit_strong, root_mean_squares};
 
-use super::data::{Outliers, Synthetic};
-use super::{Expected, Tally, Z, bar_encloses, encloses, point_encloses, point_warns};
+use super::{Check, Tally, naive, point_checks, rate_checks, warns};
 
 /// Step sizes 2⁻⁵ … 2⁻¹².
 const TAUS: [f64; 8] = [
@@ -18,177 +19,193 @@ const TAUS: [f64; 8] = [
 ];
 const FINEST: f64 = TAUS[7];
 
-pub(super) fn ends(rate: &Rate) -> (f64, f64) {
-    (rate.lo, rate.hi)
+/// Squared errors C τ^{2p}(1 + bτ)(1 − c τ_ref/τ)Z² of paths, with Z normal and most of its
+/// variance shared between the levels of a path.
+#[derive(Clone, Copy, Debug)]
+struct Synthetic {
+    order: f64,
+    /// b.
+    curvature: f64,
+    /// τ_ref, with c = 1.
+    reference: Option<f64>,
+    outliers: Option<Outliers>,
+    /// Factor of the squares at every other step size: with another one than 1, no power law.
+    uneven: f64,
+    paths: u64,
 }
 
-pub(super) fn bootstrap_ends(rate: &Rate) -> Option<(f64, f64)> {
-    rate.bootstrap_lo.zip(rate.bootstrap_hi)
+/// Share of the variance of Z that the levels of a path have in common: their squares then have the
+/// correlation 0.64, as errors at neighbouring steps have.
+const SHARED: f64 = 0.8;
+
+/// Some paths have larger errors on the coarse levels, as those have whose increments are clipped.
+#[derive(Clone, Copy, Debug)]
+struct Outliers {
+    /// One path in this many.
+    one_in: f64,
+    /// Factor of the error.
+    factor: f64,
+    /// How many of the coarsest levels are hit.
+    levels: usize,
 }
 
-/// The twin that takes the levels for independent, or uses all of them whatever their tails.
-pub(super) fn naive(
-    taus: &[f64],
-    squares: &CrossMoments,
-    terms: Terms,
-    independent: bool,
-) -> Option<(f64, f64)> {
-    let mut logarithms = Logarithms::new(taus, squares, (0..taus.len()).collect())?;
-    if independent {
-        logarithms.forget_covariance();
+impl Synthetic {
+    const fn new(order: f64) -> Self {
+        Self { order, curvature: 0.0, reference: None, outliers: None, uneven: 1.0, paths: 400 }
     }
-    let estimate = logarithms.fit(terms)?;
-    Some((estimate.order - Z * estimate.se, estimate.order + Z * estimate.se))
-}
 
-pub(super) fn rows(tally: &mut Tally<'_>) {
-    use Expected::{Calibrated, Miscovers, Raised, Silent, Stated};
-    let half = Synthetic::new(0.5);
-    let straight = [
-        ("order ½", half),
-        (
-            "order 1, next order of the error 4τ",
-            Synthetic { curvature: 4.0, ..Synthetic::new(1.0) },
-        ),
-    ];
-    for (case, data) in straight {
-        let intervals = [
-            ("rate", Calibrated),
-            ("rate, bootstrap-t", Calibrated),
-            ("strong point, coarsest", Calibrated),
-            ("strong point, coarsest, value ± 1.96 se", Calibrated),
-            ("rate of a straight line with levels taken for independent", Miscovers),
-            ("warning at the coarsest point", Silent),
-            ("warning of the rate", Silent),
-        ];
-        tally.add(case, intervals, |key| {
-            let squares = data.squares(&TAUS, key);
-            let rate = fit_strong(&TAUS, None, &squares);
-            let truth = |_| data.mean_square(&TAUS, 0).sqrt();
-            let points = root_mean_squares(&TAUS, &squares);
-            [
-                encloses(rate.as_ref().map(ends), data.order),
-                encloses(rate.as_ref().and_then(bootstrap_ends), data.order),
-                points.first().is_some_and(|point| point_encloses(point, truth)),
-                points.first().is_some_and(|point| bar_encloses(point, truth)),
-                encloses(naive(&TAUS, &squares, Terms::STRAIGHT, true), data.order),
-                points.first().is_some_and(point_warns),
-                warns(rate.as_ref()),
-            ]
+    /// Root of the mean square of the error at the coarsest level.
+    fn coarsest(&self) -> f64 {
+        let factor = self.outliers.map_or(1.0, |outliers| {
+            1.0 + (outliers.factor * outliers.factor - 1.0) / outliers.one_in
         });
+        (self.scale(0) * factor).sqrt()
     }
-    let against_reference = [
-        (
-            "order ½ against a reference 4 times finer",
-            Synthetic { reference: Some(FINEST / 4.0), ..half },
-        ),
-        (
-            "order ½ against a reference twice finer, next order 4τ",
-            Synthetic { reference: Some(FINEST / 2.0), curvature: 4.0, ..half },
-        ),
-    ];
-    for (case, data) in against_reference {
-        let intervals = [
-            ("rate", Calibrated),
-            ("rate, bootstrap-t", Calibrated),
-            ("rate with the reference forgotten", Miscovers),
-            ("warning of the rate", Silent),
-            ("warning of the rate with the reference forgotten", Stated),
-        ];
-        tally.add(case, intervals, |key| {
-            let squares = data.squares(&TAUS, key);
-            let rate = fit_strong(&TAUS, data.reference, &squares);
-            [
-                encloses(rate.as_ref().map(ends), data.order),
-                encloses(rate.as_ref().and_then(bootstrap_ends), data.order),
-                encloses(
-                    naive(&TAUS, &squares, Terms { reference: None, curvature: true }, false),
-                    data.order,
-                ),
-                warns(rate.as_ref()),
-                warns(fit_strong(&TAUS, None, &squares).as_ref()),
-            ]
-        });
+
+    /// Mean square of the error at a level without outliers.
+    fn scale(&self, level: usize) -> f64 {
+        let tau = TAUS[level];
+        let reference = self.reference.map_or(0.0, |reference| reference / tau);
+        let uneven = if level % 2 == 1 { self.uneven } else { 1.0 };
+        tau.powf(2.0 * self.order) * (1.0 + self.curvature * tau) * (1.0 - reference) * uneven
     }
-    let uneven = Synthetic { uneven: 2.0, ..half };
-    tally.add(
-        "order ½ with every other mean square twice too large",
-        [("warning of the rate", Raised), ("warning of the rate of the same data without", Silent)],
-        |key| {
-            [uneven, half]
-                .map(|data| warns(fit_strong(&TAUS, None, &data.squares(&TAUS, key)).as_ref()))
-        },
-    );
-    let outliers = Outliers { one_in: 2000.0, factor: 30.0, levels: 3 };
-    let one = Synthetic { paths: 1000, ..Synthetic::new(1.0) };
-    let coarse = Synthetic { outliers: Some(outliers), ..one };
-    let intervals = [
-        ("rate", Calibrated),
-        ("rate, bootstrap-t", Calibrated),
-        ("rate with all levels, whatever their tails", Miscovers),
-        ("strong point, coarsest", Stated),
-        ("strong point, coarsest, value ± 1.96 se", Stated),
-    ];
-    tally.add(
-        "order 1, one path in 2000 with 30 times the error at the 3 coarsest steps",
-        intervals,
-        |key| {
-            let squares = coarse.squares(&TAUS, key);
-            let rate = fit_strong(&TAUS, None, &squares);
-            let truth = |_| coarse.mean_square(&TAUS, 0).sqrt();
-            let points = root_mean_squares(&TAUS, &squares);
-            [
-                encloses(rate.as_ref().map(ends), coarse.order),
-                encloses(rate.as_ref().and_then(bootstrap_ends), coarse.order),
-                encloses(
-                    naive(&TAUS, &squares, Terms { reference: None, curvature: true }, false),
-                    coarse.order,
-                ),
-                points.first().is_some_and(|point| point_encloses(point, truth)),
-                points.first().is_some_and(|point| bar_encloses(point, truth)),
-            ]
-        },
-    );
-    let everywhere = Outliers { levels: TAUS.len(), ..outliers };
-    let seldom = Synthetic { outliers: Some(everywhere), ..one };
-    tally.add(
-        "order 1, one path in 2000 with 30 times the error at all steps",
-        [("rate", Stated), ("rate, bootstrap-t", Stated)],
-        |key| {
-            let rate = fit_strong(&TAUS, None, &seldom.squares(&TAUS, key));
-            [
-                encloses(rate.as_ref().map(ends), seldom.order),
-                encloses(rate.as_ref().and_then(bootstrap_ends), seldom.order),
-            ]
-        },
-    );
-    // Here a thousand paths have ten such errors; none, and nothing to warn of, with probability
-    // 4e-5.
-    let often = Synthetic { outliers: Some(Outliers { one_in: 100.0, ..everywhere }), ..one };
-    let intervals = [
-        ("rate", Stated),
-        ("rate, bootstrap-t", Stated),
-        ("strong point, coarsest", Stated),
-        ("warning at the coarsest point", Raised),
-        ("warning of the rate", Raised),
-    ];
-    tally.add("order 1, one path in 100 with 30 times the error at all steps", intervals, |key| {
-        let squares = often.squares(&TAUS, key);
-        let rate = fit_strong(&TAUS, None, &squares);
-        let points = root_mean_squares(&TAUS, &squares);
-        [
-            encloses(rate.as_ref().map(ends), often.order),
-            encloses(rate.as_ref().and_then(bootstrap_ends), often.order),
-            points
-                .first()
-                .is_some_and(|point| point_encloses(point, |_| often.mean_square(&TAUS, 0).sqrt())),
-            points.first().is_some_and(point_warns),
-            warns(rate.as_ref()),
-        ]
+
+    fn squares(&self, key: StreamKey) -> CrossMoments {
+        let scales: [f64; TAUS.len()] = std::array::from_fn(|level| self.scale(level));
+        let mut squares = CrossMoments::new(TAUS.len());
+        for path in 0..self.paths {
+            let mut noise = WienerPath::<1>::new(key, path);
+            let shared = noise.normal();
+            let mut errors = scales.map(|scale| {
+                scale * (SHARED.sqrt() * shared + (1.0 - SHARED).sqrt() * noise.normal()).powi(2)
+            });
+            if let Some(Outliers { one_in, factor, levels }) = self.outliers {
+                // For two independent normals exp(−(x² + y²)/2) is uniform.
+                let (x, y) = (noise.normal(), noise.normal());
+                if (-0.5 * (x * x + y * y)).exp() < 1.0 / one_in {
+                    errors[..levels].iter_mut().for_each(|error| *error *= factor * factor);
+                }
+            }
+            squares.add(&errors);
+        }
+        squares
+    }
+
+    fn draw(&self, key: StreamKey) -> Data {
+        let squares = self.squares(key);
+        let rate = fit_strong(&TAUS, self.reference, &squares);
+        let coarsest = root_mean_squares(&TAUS[..1], &squares);
+        let point = point_checks(coarsest.first(), self.coarsest());
+        Data { order: self.order, squares, rate, point }
+    }
+}
+
+/// A data set with the order that is fitted to it.
+struct Data {
+    order: f64,
+    squares: CrossMoments,
+    rate: Option<Rate>,
+    /// Of the root-mean-square error at the coarsest step.
+    point: [bool; 3],
+}
+
+impl Data {
+    fn warns(&self) -> bool {
+        warns(self.rate.as_ref())
+    }
+
+    fn naive(&self, terms: Terms, independent: bool) -> bool {
+        naive(&TAUS, &self.squares, terms, independent, self.order)
+    }
+}
+
+/// All terms but that of a reference.
+const CURVED: Terms = Terms { reference: None, curvature: true };
+const POINT: &str = "strong point, coarsest";
+const NORMAL_POINT: &str = "strong point, coarsest, value ± 1.96 se";
+const POINT_WARNING: &str = "warning at the coarsest point";
+const RATE_WARNING: &str = "warning of the rate";
+
+/// A case: its data, what is required of the intervals of its rate, and its other checks.
+fn add(
+    tally: &mut Tally,
+    case: &'static str,
+    data: Synthetic,
+    expected: Expected,
+    others: fn(&Data) -> Vec<Check>,
+) {
+    tally.add(case, |key| {
+        let drawn = data.draw(key);
+        let mut checks = rate_checks(drawn.rate.as_ref(), data.order, expected);
+        checks.extend(others(&drawn));
+        checks
     });
 }
 
-/// Whether there is a rate with a warning.
-pub(super) fn warns(rate: Option<&Rate>) -> bool {
-    rate.is_some_and(|rate| rate.warning.is_some())
+pub(super) fn rows(tally: &mut Tally) {
+    let half = Synthetic::new(0.5);
+    let one = Synthetic::new(1.0);
+
+    let calm = |drawn: &Data| {
+        let independent = "rate of a straight line with levels taken for independent";
+        vec![
+            (POINT, Calibrated, drawn.point[0]),
+            (NORMAL_POINT, Calibrated, drawn.point[1]),
+            (independent, Miscovers, drawn.naive(Terms::STRAIGHT, true)),
+            (POINT_WARNING, Silent, drawn.point[2]),
+            (RATE_WARNING, Silent, drawn.warns()),
+        ]
+    };
+    add(tally, "order ½", half, Calibrated, calm);
+    let curved = Synthetic { curvature: 4.0, ..one };
+    add(tally, "order 1, next order of the error 4τ", curved, Calibrated, calm);
+
+    let referred = |drawn: &Data| {
+        let forgotten = fit_strong(&TAUS, None, &drawn.squares);
+        vec![
+            ("rate with the reference forgotten", Miscovers, drawn.naive(CURVED, false)),
+            (RATE_WARNING, Silent, drawn.warns()),
+            ("warning of the rate with the reference forgotten", Stated, warns(forgotten.as_ref())),
+        ]
+    };
+    let near = Synthetic { reference: Some(FINEST / 4.0), ..half };
+    add(tally, "order ½ against a reference 4 times finer", near, Calibrated, referred);
+    let nearer = Synthetic { reference: Some(FINEST / 2.0), curvature: 4.0, ..half };
+    let case = "order ½ against a reference twice finer, next order 4τ";
+    add(tally, case, nearer, Calibrated, referred);
+
+    tally.add("order ½ with every other mean square twice too large", |key| {
+        let uneven = Synthetic { uneven: 2.0, ..half };
+        let same = "warning of the rate of the same data without";
+        vec![
+            (RATE_WARNING, Raised, uneven.draw(key).warns()),
+            (same, Silent, half.draw(key).warns()),
+        ]
+    });
+
+    let hit = |outliers| Synthetic { paths: 1000, outliers: Some(outliers), ..one };
+    let coarse = Outliers { one_in: 2000.0, factor: 30.0, levels: 3 };
+    let case = "order 1, one path in 2000 with 30 times the error at the 3 coarsest steps";
+    add(tally, case, hit(coarse), Calibrated, |drawn| {
+        let all_levels = "rate with all levels, whatever their tails";
+        vec![
+            (all_levels, Miscovers, drawn.naive(CURVED, false)),
+            (POINT, Stated, drawn.point[0]),
+            (NORMAL_POINT, Stated, drawn.point[1]),
+        ]
+    });
+    let seldom = Outliers { levels: TAUS.len(), ..coarse };
+    let case = "order 1, one path in 2000 with 30 times the error at all steps";
+    add(tally, case, hit(seldom), Stated, |_| Vec::new());
+    // Here a thousand paths have ten such errors; none, and nothing to warn of, with probability
+    // 4e-5.
+    let often = Outliers { one_in: 100.0, ..seldom };
+    let case = "order 1, one path in 100 with 30 times the error at all steps";
+    add(tally, case, hit(often), Stated, |drawn| {
+        vec![
+            (POINT, Stated, drawn.point[0]),
+            (POINT_WARNING, Raised, drawn.point[2]),
+            (RATE_WARNING, Raised, drawn.warns()),
+        ]
+    });
 }

@@ -1,4 +1,4 @@
-//! `exact-conformal`: the exact flow obeys the conformal law (paper, `prop:Casimir`).
+//! `exact-conformal`: the exact flow obeys the conformal law (Bréhier, Cohen and Komori 2025, §2).
 //!
 //! Along a path with piecewise linear noise the equation is an ordinary differential equation with
 //! the same chain rule as the Stratonovich equation, and the law holds exactly. It is integrated by
@@ -9,42 +9,29 @@
 //! path, Σ|dₙ₊₁ − dₙ|. The defect at the end would be a sum of contributions of both signs, and its
 //! leading term may cancel; the variation is Σ|cₙ|·h⁴(1 + O(h)), whose leading term cannot.
 
+use mc::Trajectory;
 use noise::WienerPath;
-use systems::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid};
-use systems::{
-    Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Poisson3, PoissonSystem,
-    Problem, RigidBody, RigidBodyEnergy, Sine,
+use systems::paper::{
+    lotka_volterra_2_2, maxwell_bloch, poisson3_casimir, rigid_body_energy, rigid_body_three_noises,
 };
-use verify::results::Claim;
+use systems::{Damping, PoissonSystem, Problem};
+use verify::results::{Bounded, Claim, Evidence};
 use verify::runge_kutta::runge_kutta;
-use verify::{claim, decide};
 
-use crate::experiment::Context;
+use crate::conformal_law::along;
+use crate::experiment::{Conditions, Findings};
 
-pub(super) fn measure(context: &Context<'_>) -> Vec<Claim> {
-    context.progress.begin("exact-conformal", 5);
-    let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
-    let energy = valid(RigidBodyEnergy::new(INERTIA, 1.0));
-    let lotka_volterra = valid(LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0));
-    let sine = valid(Sine::new(1.0, 1.0));
+pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
+    conditions.progress.begin("exact-conformal", 5);
     let claims = [
-        law(context, 0, &valid(Problem::new(body, half_cosine(), rigid_body_start(), 1.0))),
-        law(context, 1, &valid(Problem::new(energy, sine, rigid_body_start(), 1.0))),
-        law(context, 2, &valid(Problem::new(lotka_volterra, sine, [0.2, 0.4, 0.6], 1.0))),
-        law(context, 3, &valid(Problem::new(MaxwellBloch, half_cosine(), [1.0, 2.0, 3.0], 1.0))),
-        law(
-            context,
-            4,
-            &valid(Problem::new(
-                valid(Poisson3::new(1.0)),
-                valid(Linear::new(1.0)),
-                [1.0, 2.0, 3.0],
-                1.0,
-            )),
-        ),
+        law(conditions, 0, &rigid_body_three_noises(1.0)),
+        law(conditions, 1, &rigid_body_energy(1.0)),
+        law(conditions, 2, &lotka_volterra_2_2(1.0)),
+        law(conditions, 3, &maxwell_bloch(1.0)),
+        law(conditions, 4, &poisson3_casimir(1.0)),
     ];
-    context.progress.end();
-    claims.into_iter().flatten().collect()
+    conditions.progress.end();
+    Findings { claims: claims.concat(), panels: Vec::new() }
 }
 
 /// Linear pieces of the noise on [0, 1].
@@ -61,8 +48,8 @@ const REDUCTION: f64 = 1000.0;
 const ROUND_OFF: f64 = 1e-12;
 
 /// A claim for each invariant of the system.
-pub(crate) fn law<S, G, const D: usize, const M: usize>(
-    context: &Context<'_>,
+pub fn law<S, G, const D: usize, const M: usize>(
+    conditions: &Conditions<'_>,
     part: u64,
     problem: &Problem<S, G, D>,
 ) -> Vec<Claim>
@@ -73,46 +60,41 @@ where
     let system = &problem.system;
     let tau = problem.t_end / PIECES as f64;
     // The states at the ends of the pieces.
-    let path = |substeps: u32| -> Vec<[f64; D]> {
-        let mut noise = WienerPath::<M>::new(context.key(part), 0);
-        let mut y = problem.y0;
-        (0..PIECES)
-            .map(|n| {
-                let dw = noise.increments(tau.sqrt());
-                y = runge_kutta(system, &problem.damping, n as f64 * tau, tau, dw, substeps, y);
-                y
-            })
-            .collect()
+    let path = |substeps: u32| {
+        let mut noise = WienerPath::<M>::new(conditions.key(part), 0);
+        let (mut times, mut states) = (vec![0.0], vec![problem.y0]);
+        for n in 0..PIECES {
+            let (t, dw) = (n as f64 * tau, noise.increments(tau.sqrt()));
+            let y = states[n as usize];
+            states.push(runge_kutta(system, &problem.damping, t, tau, dw, substeps, y));
+            times.push((n + 1) as f64 * tau);
+        }
+        Trajectory { times, states, failure: None }
     };
     let (coarse, fine) = (path(COARSE), path(FINE));
-    let describe = |(index, invariant): (usize, &systems::Invariant)| {
-        let initial: f64 = system.invariant(index, problem.y0);
-        let variation = |path: &[[f64; D]]| {
-            let defects = path.iter().enumerate().map(|(n, &y)| {
-                let decay =
-                    (-invariant.degree * problem.damping.integral(0.0, (n + 1) as f64 * tau)).exp();
-                system.invariant(index, y) / (decay * initial) - 1.0
-            });
-            let (sum, _) =
-                defects.fold((0.0, 0.0), |(sum, last): (f64, f64), d| (sum + (d - last).abs(), d));
-            sum
+    let claim = |(index, invariant): (usize, &systems::Invariant)| {
+        let variation = |path: &Trajectory<D>| {
+            let values = along(problem, index, path);
+            let defects: Vec<f64> =
+                values.iter().map(|(_, value, exact)| value / exact - 1.0).collect();
+            defects.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum::<f64>()
         };
         let (before, after) = (variation(&coarse), variation(&fine));
-        claim(
-            "exact-conformal",
-            &format!(
-                "{}: {} = {} obeys the conformal law of degree {} on the exact flow",
-                system.name(),
-                invariant.name,
-                invariant.formula,
-                invariant.degree
-            ),
-            decide(after <= f64::max(before / REDUCTION, ROUND_OFF)),
-            format!(
-                "variation up to T = 1 of the relative defect of Runge–Kutta on piecewise linear noise: {before:.1e} with \
-                 {COARSE}, {after:.1e} with {FINE} steps a piece"
-            ),
-        )
+        let words = |steps| {
+            format!("variation of the relative defect of Runge–Kutta with {steps} steps a piece")
+        };
+        let quantities = vec![
+            Bounded::reported(words(COARSE), before),
+            Bounded::at_most(words(FINE), after, f64::max(before / REDUCTION, ROUND_OFF)),
+        ];
+        let statement = format!(
+            "{}: {} = {} obeys the conformal law of degree {} on the exact flow",
+            system.name(),
+            invariant.name,
+            invariant.formula,
+            invariant.degree
+        );
+        Claim::new("exact-conformal", statement, Evidence::Bounds { quantities, failed: 0 })
     };
-    system.invariants().iter().enumerate().map(describe).collect()
+    system.invariants().iter().enumerate().map(claim).collect()
 }

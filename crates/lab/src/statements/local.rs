@@ -1,5 +1,5 @@
-//! `local-exact` and `local-sexp`: one-step Taylor remainders (paper, `lem:expansionexact` and
-//! `lem:expansionnum`), on the rigid body with three noises.
+//! `local-exact` and `local-sexp`: one-step Taylor remainders (Bréhier, Cohen and
+//! Komori 2025, §4), on the rigid body with three noises.
 //!
 //! Exact flow: R = y(τ) − y − τ(f₀ − γy) − Σ fₘΔWₘ − Σ fₘ′f_l J_lm with J_lm = ∫∫ ∘dW_l ∘dWₘ.
 //! Scheme: the same with truncated increments and ½ΔŴ_lΔŴₘ for J_lm. Claimed: (E‖R‖²)^½ ≤ Cτ^{3/2}
@@ -10,49 +10,50 @@
 //! expansion is the same. R(W) and R(−W) are averaged: all terms of odd degree in W cancel, among
 //! them those of size τ^{3/2}, so that a mean of size τ² can be seen.
 
-use noise::WienerPath;
+use noise::{Noise, WienerPath};
 use schemes::{Scheme, Sexp, Step};
 use stats::{CrossMoments, Moments, fit_independent};
-use systems::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid};
-use systems::{Damping, RigidBody, unit_noise, vector_field, vector_field_derivative};
-use verify::results::Claim;
+use systems::paper::{rigid_body_three_noises, valid};
+use systems::{
+    Cosine, Damping, Problem, RigidBody, unit_noise, vector_field, vector_field_derivative,
+};
+use verify::results::{Claim, Evidence};
 use verify::runge_kutta::runge_kutta;
-use verify::{claim, order_verdict};
 
-use crate::experiment::{Context, bound};
-use crate::panels::rate_evidence;
+use crate::experiment::{Conditions, Findings, truncation};
 
-pub(crate) type Vector = [f64; 3];
+/// A point of the rigid body.
+pub type Vector = [f64; 3];
 
 /// Linear pieces of the noise in a step.
-pub(crate) const PIECES: usize = 64;
+pub const PIECES: usize = 64;
 /// Exponents j of the steps τ = 2^−j.
 const EXPONENTS: std::ops::RangeInclusive<i32> = 2..=9;
 
-pub(super) fn measure_exact(context: &Context<'_>) -> Vec<Claim> {
-    let remainder = |tau: f64, pieces: &[Vector; PIECES]| exact_remainder(tau, pieces);
-    measure(context, "local-exact", "the exact flow", remainder)
+pub(super) fn measure_exact(conditions: &Conditions<'_>) -> Findings {
+    let claims = remainder_claims(conditions, "local-exact", "the exact flow", exact_remainder);
+    Findings { claims, panels: Vec::new() }
 }
 
-pub(super) fn measure_sexp(context: &Context<'_>) -> Vec<Claim> {
-    let remainder = |tau: f64, pieces: &[Vector; PIECES]| sexp_remainder(tau, pieces);
-    measure(context, "local-sexp", "sexp", remainder)
+pub(super) fn measure_sexp(conditions: &Conditions<'_>) -> Findings {
+    let claims = remainder_claims(conditions, "local-sexp", "sexp", sexp_remainder);
+    Findings { claims, panels: Vec::new() }
 }
 
 /// Both claims about a remainder.
-pub(crate) fn measure(
-    context: &Context<'_>,
+pub fn remainder_claims(
+    conditions: &Conditions<'_>,
     id: &str,
     of: &str,
     remainder: impl Fn(f64, &[Vector; PIECES]) -> Vector,
 ) -> Vec<Claim> {
-    let samples = context.choose(4000, 400);
-    context.progress.begin(id, EXPONENTS.count() as u64);
+    let samples = conditions.choose(4000, 400);
+    conditions.progress.begin(id, EXPONENTS.count() as u64);
     let mut taus = Vec::new();
     let (mut roots, mut means) = (Vec::new(), Vec::new());
     for exponent in EXPONENTS {
         let tau = 0.5f64.powi(exponent);
-        let mut noise = WienerPath::<3>::new(context.key(0), exponent as u64);
+        let mut noise = WienerPath::<3>::new(conditions.key(0), exponent as u64);
         let mut square = Moments::default();
         let mut mean = CrossMoments::new(3);
         for _ in 0..samples {
@@ -73,32 +74,27 @@ pub(crate) fn measure(
         let variance: f64 =
             pairs.map(|(i, j)| vector[i] * mean.covariance_of_means(i, j) * vector[j]).sum();
         means.push((length, variance.sqrt() / length));
-        context.progress.advance(1);
+        conditions.progress.advance(1);
     }
-    context.progress.end();
-    [("(E‖R‖²)^½ ≤ C τ^(3/2)", &roots, 1.5), ("‖E R‖ ≤ C τ²", &means, 2.0)]
-        .into_iter()
-        .map(|(bound, values, order)| {
-            let rate = fit_independent(&taus, values);
-            claim(
-                id,
-                &format!("one-step remainder of {of}: {bound}"),
-                order_verdict(rate.as_ref(), order),
-                rate_evidence(rate.as_ref()),
-            )
-        })
-        .collect()
+    conditions.progress.end();
+    let claims = [("(E‖R‖²)^½ ≤ C τ^(3/2)", &roots, 1.5), ("‖E R‖ ≤ C τ²", &means, 2.0)];
+    let claims = claims.map(|(bound, values, order)| {
+        let rate = fit_independent(&taus, values);
+        let statement = format!("one-step remainder of {of}: {bound}");
+        Claim::new(id, statement, Evidence::Order { order, one_sided: false, rate })
+    });
+    claims.into()
 }
 
-fn body() -> RigidBody<3> {
-    valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA))
+fn problem() -> Problem<RigidBody<3>, Cosine, 3> {
+    rigid_body_three_noises(1.0)
 }
 
 /// y + τ(f₀ − γy) + Σ fₘwₘ, the part of the expansion that both have.
-pub(crate) fn first_order(tau: f64, w: Vector) -> Vector {
-    let (system, y) = (body(), rigid_body_start());
+pub fn first_order(tau: f64, w: Vector) -> Vector {
+    let Problem { system, damping, y0: y, .. } = problem();
     let field = vector_field(&system, y, tau, w);
-    let rate = half_cosine().rate(0.0) * tau;
+    let rate = damping.rate(0.0) * tau;
     std::array::from_fn(|i| y[i] + field[i] - rate * y[i])
 }
 
@@ -108,18 +104,18 @@ fn exact_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
 }
 
 /// y(τ) on piecewise linear noise.
-pub(crate) fn exact_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let (system, damping) = (body(), half_cosine());
+pub fn exact_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
+    let Problem { system, damping, y0, .. } = problem();
     let length = tau / PIECES as f64;
     let end = |y, (n, dw): (usize, &Vector)| {
         runge_kutta(&system, &damping, n as f64 * length, length, *dw, 1, y)
     };
-    pieces.iter().enumerate().fold(rigid_body_start(), end)
+    pieces.iter().enumerate().fold(y0, end)
 }
 
 /// y + τ(f₀ − γy) + Σ fₘΔWₘ + Σ fₘ′f_l J_lm with the iterated integrals of piecewise linear noise.
-pub(crate) fn expansion(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let (system, start) = (body(), rigid_body_start());
+pub fn expansion(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
+    let Problem { system, y0: start, .. } = problem();
     let mut w = [0.0; 3];
     // J_lm with l the inner index.
     let mut iterated = [[0.0; 3]; 3];
@@ -148,19 +144,20 @@ pub(crate) fn expansion(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
 
 /// The truncated increments of the whole step.
 fn truncated(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let bound = bound(tau);
+    let bound = valid(truncation().bound(tau));
     std::array::from_fn(|m| pieces.iter().map(|dw| dw[m]).sum::<f64>().clamp(-bound, bound))
 }
 
 /// One step of `sexp`.
-pub(crate) fn sexp_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let step = Step::new(&half_cosine(), 0, tau)
-        .unwrap_or_else(|error| unreachable!("the steps are positive: {error}"));
-    Sexp::default().step(&body(), &step, truncated(tau, pieces), rigid_body_start()).z
+pub fn sexp_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
+    let Problem { system, damping, y0, .. } = problem();
+    let step = valid(Step::new(&damping, 0, tau));
+    Sexp::default().step(&system, &step, &Noise::increments(truncated(tau, pieces)), y0).z
 }
 
 fn sexp_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let (system, start, w) = (body(), rigid_body_start(), truncated(tau, pieces));
+    let Problem { system, y0: start, .. } = problem();
+    let w = truncated(tau, pieces);
     // ½Σ fₘ′f_l ΔŴ_lΔŴₘ = ½f′f with f = Σ fₘΔŴₘ.
     let field = vector_field(&system, start, 0.0, w);
     let second = vector_field_derivative(&system, start, 0.0, w, field);

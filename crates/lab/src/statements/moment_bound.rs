@@ -1,46 +1,38 @@
 //! `moment-bound`: ‖y_n‖ ≤ (F(y₀)/m(F))^{1/p} e^{∫|γ|} almost surely when m(F) = min over the unit
-//! sphere of F > 0 (paper, `cor:num`).
+//! sphere of F > 0 (Bréhier, Cohen and Komori 2025, §3).
 
 use mc::trajectory;
 use schemes::{Scheme, Sexp};
-use systems::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid};
-use systems::{
-    Constant, Damping, DampingFunction, PoissonSystem, Problem, RigidBody, RigidBodyEnergy, Sine,
+use systems::paper::{
+    INERTIA, rigid_body_energy, rigid_body_start, rigid_body_three_noises, valid,
 };
-use verify::results::{Claim, Verdict};
-use verify::{claim, decide, worse};
+use systems::{Constant, Damping, DampingFunction, PoissonSystem, Problem, RigidBody};
+use verify::results::{Bounded, Claim, Evidence};
+use verify::worse;
 
-use crate::experiment::{Context, truncation};
-use crate::kernels::Compiled;
+use crate::experiment::{Conditions, Findings, truncation};
+use crate::kernels::compiled;
 
-pub(super) fn measure(context: &Context<'_>) -> Vec<Claim> {
-    context.progress.begin("moment-bound", 3);
-    let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
-    let casimir = valid(Problem::new(body, half_cosine(), rigid_body_start(), 10.0));
-    let energy = valid(RigidBodyEnergy::new(INERTIA, 1.0));
-    let energy = valid(Problem::new(energy, valid(Sine::new(1.0, 1.0)), rigid_body_start(), 10.0));
+pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
+    conditions.progress.begin("moment-bound", 3);
+    let (casimir, energy) = (rigid_body_three_noises(10.0), rigid_body_energy(10.0));
+    let (sexp, sexp_energy) = (compiled(Sexp::default()), compiled(Sexp::default()));
     // ½|y|² is ½ everywhere on the sphere; H₀ is smallest along the axis of the largest moment of
     // inertia.
-    let largest_inertia = INERTIA.iter().copied().fold(0.0, f64::max);
+    let least_energy = 0.5 / INERTIA.iter().copied().fold(0.0, f64::max);
     let claims = vec![
-        bound(context, 0, &casimir, RigidBody::<3>::sexp(Sexp::default()).as_ref(), "C", 0.5),
-        bound(
-            context,
-            1,
-            &energy,
-            RigidBodyEnergy::sexp(Sexp::default()).as_ref(),
-            "H",
-            0.5 / largest_inertia,
-        ),
-        bound(context, 2, &undamped(), RigidBody::<3>::sexp(Sexp::default()).as_ref(), "C", 0.5),
+        bound(conditions, 0, &casimir, sexp.as_ref(), "C", 0.5),
+        bound(conditions, 1, &energy, sexp_energy.as_ref(), "H", least_energy),
+        bound(conditions, 2, &undamped(), sexp.as_ref(), "C", 0.5),
     ];
-    context.progress.end();
-    claims
+    conditions.progress.end();
+    Findings { claims, panels: Vec::new() }
 }
 
 /// The rigid body without damping, where the bound is an equality for every n.
-pub(crate) fn undamped() -> Problem<RigidBody<3>, Constant, 3> {
-    let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
+#[must_use]
+pub fn undamped() -> Problem<RigidBody<3>, Constant, 3> {
+    let body = rigid_body_three_noises(10.0).system;
     valid(Problem::new(body, valid(Constant::new(0.0)), rigid_body_start(), 10.0))
 }
 
@@ -53,8 +45,8 @@ const STEPS: [u64; 3] = [20, 100, 1000];
 
 /// The largest ‖y_n‖ over the bound at t_n, over many paths and all n ≥ 1, for a quadratic F with
 /// minimum m.
-pub(crate) fn bound<S, G, const M: usize>(
-    context: &Context<'_>,
+pub fn bound<S, G, const M: usize>(
+    conditions: &Conditions<'_>,
     part: u64,
     problem: &Problem<S, G, 3>,
     scheme: &dyn Scheme<S, 3, M>,
@@ -65,12 +57,13 @@ where
     S: PoissonSystem<3, M>,
     G: Damping,
 {
-    let index =
-        problem.system.invariants().iter().position(|known| known.name == invariant).unwrap_or(0);
-    let paths = context.choose(400, 40);
+    let system = &problem.system;
+    let index = system.invariants().iter().position(|known| known.name == invariant);
+    let index = valid(index.ok_or_else(|| format!("there is no invariant {invariant}")));
+    let paths = conditions.choose(400, 40);
     // |γ| has kinks, so each step of the finest grid is integrated on its own.
     let absolute = valid(DampingFunction::new(|t| problem.damping.rate(t).abs(), 8));
-    let start = (problem.system.invariant(index, problem.y0) / minimum).sqrt();
+    let start = (system.invariant(index, problem.y0) / minimum).sqrt();
     let (mut largest, mut failed) = (0.0, 0);
     for steps in STEPS {
         let tau = problem.t_end / steps as f64;
@@ -82,33 +75,21 @@ where
             })
             .collect();
         for path in 0..paths {
-            let Ok(followed) =
-                trajectory(problem, scheme, steps, truncation(), context.key(part), path)
-            else {
-                failed += 1;
-                continue;
-            };
-            failed += u64::from(followed.failure.is_some());
-            for (y, bound) in followed.states[1..].iter().zip(&bounds) {
+            let key = conditions.key(part);
+            let path = valid(trajectory(problem, scheme, steps, truncation(), key, path));
+            failed += u64::from(path.failure.is_some());
+            for (y, bound) in path.states[1..].iter().zip(&bounds) {
                 let norm = y.iter().map(|component| component * component).sum::<f64>().sqrt();
                 largest = worse(largest, norm / bound);
             }
         }
     }
-    claim(
-        "moment-bound",
-        &format!(
-            "{}, {}: ‖y_n‖ ≤ (F(y₀)/m(F))^(1/p) exp ∫|γ| with F = {invariant}",
-            problem.system.name(),
-            problem.damping.describe()
-        ),
-        match decide(largest <= 1.0 + ROUND_OFF) {
-            // Paths that failed prove nothing about the rest.
-            Verdict::Holds if failed > 0 => Verdict::Undecided,
-            verdict => verdict,
-        },
-        format!(
-            "largest ‖y_n‖ over its bound: {largest:.4} on {paths} paths with τ = 0.5, 0.1 and 0.01; {failed} paths failed"
-        ),
-    )
+    let words = format!("largest ‖y_n‖ over its bound, {paths} paths with τ = 0.5, 0.1 and 0.01");
+    let quantities = vec![Bounded::at_most(words, largest, 1.0 + ROUND_OFF)];
+    let statement = format!(
+        "{}, {}: ‖y_n‖ ≤ (F(y₀)/m(F))^(1/p) exp ∫|γ| with F = {invariant}",
+        system.name(),
+        problem.damping.describe()
+    );
+    Claim::new("moment-bound", statement, Evidence::Bounds { quantities, failed })
 }

@@ -1,5 +1,5 @@
-//! `solvability`: the step has a unique solution once the contraction constant is below one (paper,
-//! `lem:scheme`).
+//! `solvability`: the step has a unique solution once the contraction constant is below one
+//! (Bréhier, Cohen and Komori 2025, §3).
 //!
 //! C_{k,τ} = τ(½‖B′‖‖∇H₀‖ + ‖B‖‖∇²H₀‖) + √(2kτ|log τ|) Σₘ (½‖B′‖‖∇Hₘ‖ + ‖B‖‖∇²Hₘ‖). Two systems
 //! have globally Lipschitz data with constant B: the pendulum (‖B‖ = 1) and the three-dimensional
@@ -8,22 +8,22 @@
 //! is started from both.
 
 use noise::WienerPath;
-use real::elementary;
-use systems::paper::valid;
-use systems::{Pendulum, Poisson3, PoissonSystem};
-use verify::results::Claim;
-use verify::{claim, decide, worse};
+use real::elementary::ln;
+use systems::PoissonSystem;
+use systems::paper::{pendulum, poisson3_strong, valid};
+use verify::results::{Bounded, Claim, Evidence};
+use verify::worse;
 
-use crate::experiment::{Context, TRUNCATION_ORDER, bound};
+use crate::experiment::{Conditions, Findings, TRUNCATION_ORDER, truncation};
 
-pub(super) fn measure(context: &Context<'_>) -> Vec<Claim> {
-    context.progress.begin("solvability", 2);
+pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
+    conditions.progress.begin("solvability", 2);
     let claims = vec![
-        contraction::<_, 2>(context, 0, &valid(Pendulum::new(1.0)), 1.0, 1.0),
-        contraction::<_, 3>(context, 1, &valid(Poisson3::new(1.0)), 3f64.sqrt(), 1.0),
+        contraction(conditions, 0, &pendulum().system, 1.0, 1.0),
+        contraction(conditions, 1, &poisson3_strong().system, 3f64.sqrt(), 1.0),
     ];
-    context.progress.end();
-    claims
+    conditions.progress.end();
+    Findings { claims, panels: Vec::new() }
 }
 
 /// C_{k,τ} for constant B and ‖∇²H‖ ≤ 1, one noise of size 1.
@@ -38,8 +38,8 @@ const AGREEMENT: f64 = 1e-9;
 
 /// The claim for one system, ‖B‖ = `structure`; increments go up to `reach` times the truncation
 /// bound.
-pub(crate) fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
-    context: &Context<'_>,
+pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
+    conditions: &Conditions<'_>,
     part: u64,
     system: &S,
     structure: f64,
@@ -49,53 +49,42 @@ pub(crate) fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
     let exponent = (1..60).find(|&j| constant(0.5f64.powi(j), structure) < 1.0).unwrap_or(60);
     let tau = 0.5f64.powi(exponent);
     let lipschitz = constant(tau, structure);
-    let bound = reach * bound(tau);
-    let mut noise = WienerPath::<1>::new(context.key(part), 0);
+    let bound = reach * valid(truncation().bound(tau));
+    let mut noise = WienerPath::<1>::new(conditions.key(part), 0);
     let mut point = || -> [f64; D] { std::array::from_fn(|_| noise.normal() * SPREAD) };
-    let pairs = context.choose(5_000, 500);
+    let pairs = conditions.choose(5_000, 500);
     let (mut quotient, mut apart) = (0.0, 0.0);
     for pair in 0..pairs {
         let (z_hat, mut one, mut other) = (point(), point(), point());
         // Increments sweep the whole truncated range, its ends included.
         let dw = bound * (2.0 * f64::from(pair) / f64::from(pairs - 1) - 1.0);
+        // ψ(z) of the scheme.
+        let psi = |z: [f64; D]| -> [f64; D] {
+            let gradient = system.averaged_gradient(z_hat, z, tau, [dw]);
+            let change = system.structure(dgrad::midpoint(z_hat, z), gradient);
+            std::array::from_fn(|i| z_hat[i] + change[i])
+        };
         let distance = norm(&one, &other);
-        quotient = worse(
-            quotient,
-            norm(&map(system, z_hat, one, tau, dw), &map(system, z_hat, other, tau, dw)) / distance,
-        );
-        // q^n·distance below round-off.
-        let sweeps =
-            (elementary::ln(AGREEMENT * 1e-3 / distance) / elementary::ln(lipschitz)).ceil() as u32;
+        quotient = worse(quotient, norm(&psi(one), &psi(other)) / distance);
+        // Cⁿ·distance below round-off.
+        let sweeps = (ln(AGREEMENT * 1e-3 / distance) / ln(lipschitz)).ceil() as u32;
         for _ in 0..sweeps {
-            one = map(system, z_hat, one, tau, dw);
-            other = map(system, z_hat, other, tau, dw);
+            one = psi(one);
+            other = psi(other);
         }
         apart = worse(apart, norm(&one, &other));
     }
-    claim(
-        "solvability",
-        &format!("{}: the step has a unique solution once C(k, τ) < 1", system.name()),
-        decide(quotient <= lipschitz && apart <= AGREEMENT),
-        format!(
-            "τ = 2^-{exponent}, k = {TRUNCATION_ORDER}: C = {lipschitz:.3}; largest measured Lipschitz quotient {quotient:.3}; \
-             iterations from {pairs} pairs of starts end within {apart:.1e} of each other"
-        ),
-    )
+    let lipschitz_words =
+        format!("largest Lipschitz quotient at τ = 2^-{exponent}, k = {TRUNCATION_ORDER}");
+    let apart_words = format!("largest distance between limits from {pairs} pairs of starts");
+    let quantities = vec![
+        Bounded::at_most(lipschitz_words, quotient, lipschitz),
+        Bounded::at_most(apart_words, apart, AGREEMENT),
+    ];
+    let statement = format!("{}: the step has a unique solution once C(k, τ) < 1", system.name());
+    Claim::new("solvability", statement, Evidence::Bounds { quantities, failed: 0 })
 }
 
 fn norm<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
-}
-
-/// ψ(z) of the scheme.
-fn map<S: PoissonSystem<D, 1>, const D: usize>(
-    system: &S,
-    z_hat: [f64; D],
-    z: [f64; D],
-    tau: f64,
-    dw: f64,
-) -> [f64; D] {
-    let middle = dgrad::midpoint(z_hat, z);
-    let change = system.structure(middle, system.averaged_gradient(z_hat, z, tau, [dw]));
-    std::array::from_fn(|i| z_hat[i] + change[i])
 }

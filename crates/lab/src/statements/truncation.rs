@@ -1,4 +1,5 @@
-//! `truncation-moments`: what truncating the increments costs (paper, `wtrunc` and `wtrunc2`).
+//! `truncation-moments`: what truncating the increments costs (Bréhier,
+//! Cohen and Komori 2025, §3).
 //!
 //! With ζ standard normal, χ its truncation at A = √(2k|log τ|) and s = |ζ| − A beyond the
 //! threshold, E|ζ − χ|ᵖ = 2φ(A) ∫₀^∞ sᵖ e^{−As − s²/2} ds and E[ζ²] − E[χ²] = 2φ(A) ∫₀^∞ s(s + 2A)
@@ -8,10 +9,11 @@
 use dgrad::Rule;
 use noise::{Truncation, WienerPath};
 use stats::Moments;
-use verify::results::{Claim, Verdict};
-use verify::{DEVIATIONS, claim, decide, worse};
+use systems::paper::valid;
+use verify::results::{Bounded, Claim, Evidence, Verdict};
+use verify::worse;
 
-use crate::experiment::Context;
+use crate::experiment::{Conditions, Findings, TRUNCATION_ORDER};
 
 /// Orders k and exponents j of τ = 2^−j at which the closed forms are evaluated.
 const ORDERS: std::ops::RangeInclusive<u32> = 1..=6;
@@ -21,8 +23,7 @@ const EXPONENTS: std::ops::RangeInclusive<u32> = 1..=40;
 fn tail(tau: f64, k: u32, g: impl Fn(f64) -> f64) -> f64 {
     let threshold = (2.0 * f64::from(k) * tau.ln().abs()).sqrt();
     let density = tau.powi(k as i32) / (2.0 * std::f64::consts::PI).sqrt();
-    let rule =
-        Rule::new(128).unwrap_or_else(|error| unreachable!("128 nodes are allowed: {error}"));
+    let rule = valid(Rule::new(128));
     // Beyond s = 60/(A + 3) the exponential is below e^{−50}, and the powers of s do not matter.
     let end = 60.0 / (threshold + 3.0);
     2.0 * density * rule.integrate(0.0, end, |s| g(s) * (-threshold * s - 0.5 * s * s).exp())
@@ -39,16 +40,16 @@ fn distance(tau: f64, k: u32, p: i32) -> f64 {
     tau.sqrt() * tail(tau, k, |s| s.powi(p)).powf(1.0 / f64::from(p))
 }
 
-pub(super) fn measure(context: &Context<'_>) -> Vec<Claim> {
-    context.progress.begin("truncation-moments", 1);
+pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
+    conditions.progress.begin("truncation-moments", 1);
     let claims = vec![
         variance(),
-        sampled_variance(context, sampled_bound()),
+        sampled_variance(conditions, sampled_bound()),
         distances(&[1, 2]),
         distances(&[4]),
     ];
-    context.progress.end();
-    claims
+    conditions.progress.end();
+    Findings { claims, panels: Vec::new() }
 }
 
 fn variance() -> Claim {
@@ -63,50 +64,51 @@ fn variance() -> Claim {
             smallest = f64::min(smallest, ratio);
         }
     }
-    claim(
+    let quantities = vec![
+        Bounded::at_least("smallest ratio of the closed form to its bound", smallest, 0.0),
+        Bounded::at_most(format!("largest, {RANGE}"), largest, 1.0),
+    ];
+    Claim::new(
         "truncation-moments",
         "0 ≤ E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^(k+1)",
-        decide(smallest >= 0.0 && largest <= 1.0),
-        format!(
-            "closed form over bound between {smallest:.1e} and {largest:.2} for k = 1 … 6 and τ = 2^-1 … 2^-40"
-        ),
+        Evidence::Bounds { quantities, failed: 0 },
     )
 }
+
+/// [`ORDERS`] and [`EXPONENTS`] in words.
+const RANGE: &str = "k = 1 … 6 and τ = 2^-1 … 2^-40";
 
 /// Where enough increments are clipped to see it: τ = 1/4, k = 1.
 const SAMPLED_STEP: f64 = 0.25;
 const SAMPLED_ORDER: u32 = 1;
 
 /// The bound of the increments there.
-pub(crate) fn sampled_bound() -> f64 {
-    Truncation::new(SAMPLED_ORDER)
-        .and_then(|truncation| truncation.bound(SAMPLED_STEP))
-        .unwrap_or_else(|error| unreachable!("k and τ are valid constants: {error}"))
+fn sampled_bound() -> f64 {
+    valid(valid(Truncation::new(SAMPLED_ORDER)).bound(SAMPLED_STEP))
 }
 
 /// Increments of this project clipped to ±`bound`, against the closed form.
-pub(crate) fn sampled_variance(context: &Context<'_>, bound: f64) -> Claim {
+pub fn sampled_variance(conditions: &Conditions<'_>, bound: f64) -> Claim {
     let (tau, k) = (SAMPLED_STEP, SAMPLED_ORDER);
-    let samples = context.choose(4_000_000, 200_000);
-    let mut noise = WienerPath::<1>::new(context.key(0), 0);
+    let samples = conditions.choose(4_000_000, 200_000);
+    let mut noise = WienerPath::<1>::new(conditions.key(0), 0);
     let mut lost = Moments::default();
     for _ in 0..samples {
         let [dw] = noise.increments(tau.sqrt());
         let clipped = dw.clamp(-bound, bound);
         lost.add(dw * dw - clipped * clipped);
     }
-    let expected = tau * lost_variance(tau, k);
-    let deviations = (lost.mean() - expected) / lost.standard_error();
-    claim(
-        "truncation-moments",
-        "sampled increments lose the variance of the closed form",
-        decide(deviations.abs() <= DEVIATIONS),
-        format!(
-            "{samples} increments at τ = 1/4, k = 1: {:.5} ± {:.5} against {expected:.5}, {deviations:+.1} standard errors",
-            lost.mean(),
-            lost.standard_error()
-        ),
-    )
+    let measured = Evidence::Deviation {
+        quantity: format!("E[ΔW²] − E[ΔŴ²] of {samples} increments at τ = 1/4, k = 1"),
+        value: lost.mean(),
+        standard_error: lost.standard_error(),
+        bias: 0.0,
+        expected: tau * lost_variance(tau, k),
+        path_steps: None,
+        warnings: Vec::new(),
+    };
+    let statement = "sampled increments lose the variance of the closed form";
+    Claim::new("truncation-moments", statement, measured)
 }
 
 /// ‖ΔW − ΔŴ‖_{Lᵖ} ≤ C τ^((1+k)/2): the ratio of both sides must stay bounded as τ → 0. Since E|ζ −
@@ -115,42 +117,34 @@ pub(crate) fn sampled_variance(context: &Context<'_>, bound: f64) -> Claim {
 fn distances(powers: &[i32]) -> Claim {
     let (coarse, fine) =
         (0.5f64.powi(*EXPONENTS.start() as i32), 0.5f64.powi(*EXPONENTS.end() as i32));
-    let mut bounded = true;
-    let mut evidence = Vec::new();
+    let mut quantities = Vec::new();
     for &p in powers {
         let mut growth = 0.0;
         for k in ORDERS {
             let ratio = |tau: f64| distance(tau, k, p) / tau.powf(0.5 * f64::from(1 + k));
             growth = worse(growth, ratio(fine) / ratio(coarse));
         }
-        bounded &= growth <= 1.0;
+        let growth_words = format!("growth of the ratio for p = {p} as τ falls, {RANGE}");
         // The exponent that is seen between two fine steps, at the k of the reproduction.
-        let k = crate::experiment::TRUNCATION_ORDER;
+        let k = TRUNCATION_ORDER;
         let seen = (distance(2.0 * fine, k, p) / distance(fine, k, p)).log2();
-        evidence.push(format!(
-            "p = {p}: the ratio to τ^((1+k)/2) changes by at most {growth:.1e} from τ = 2^-1 to 2^-40 (k = 1 … 6); for \
-             k = {k} the exponent seen at 2^-40 is {seen:.2}, the bound asks {:.1}, 1/2 + k/p is {:.2}",
-            0.5 * f64::from(1 + k),
-            0.5 + f64::from(k) / f64::from(p)
-        ));
+        let (bound, sharp) = (0.5 * f64::from(1 + k), 0.5 + f64::from(k) / f64::from(p));
+        let seen_words = format!(
+            "exponent at τ = 2^-40, k = {k} (the bound asks {bound:.1}, 1/2 + k/p is {sharp:.2})"
+        );
+        quantities.push(Bounded::at_most(growth_words, growth, 1.0));
+        quantities.push(Bounded::reported(seen_words, seen));
     }
     let names: Vec<String> = powers.iter().map(ToString::to_string).collect();
-    let verdict = decide(bounded);
-    let erratum = if verdict == Verdict::Refuted && powers.iter().all(|&p| p > 2) {
-        "The estimate is stated for all p but holds for p ≤ 2 only, which is all that the proofs use: the sharp order is \
-         τ^(1/2 + k/p)."
-    } else {
-        ""
-    };
-    Claim {
-        erratum: erratum.to_owned(),
-        ..claim(
-            "truncation-moments",
-            &format!("‖ΔW − ΔŴ‖ in L^p ≤ C τ^((1+k)/2) for p = {}", names.join(", ")),
-            verdict,
-            evidence.join("; "),
-        )
+    let statement = format!("‖ΔW − ΔŴ‖ in L^p ≤ C τ^((1+k)/2) for p = {}", names.join(", "));
+    let measured = Evidence::Bounds { quantities, failed: 0 };
+    let mut claim = Claim::new("truncation-moments", statement, measured);
+    if claim.verdict == Verdict::Refuted && powers.iter().all(|&p| p > 2) {
+        claim.erratum = "The estimate is stated for all p but holds for p ≤ 2 only, which is all \
+                         that the proofs use: the sharp order is τ^(1/2 + k/p)."
+            .to_owned();
     }
+    claim
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
-//! Mean, variance and kurtosis of one quantity, merged without cancellation.
+//! Mean, variance and kurtosis of one quantity, without cancellation.
 
 /// Number, mean and the sums of the second, third and fourth powers of the deviations from it.
 ///
-/// Merged by the pairwise formulas of Pébay (SAND2008-6212), which subtract no large sums: a
-/// quantity whose mean is many times its spread, as φ itself may be, keeps its digits.
+/// Merged by the pairwise formulas of Pébay (SAND2008-6212), which subtract no large sums: they
+/// lose no digits where the mean is many times the standard deviation, as that of φ may be.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Central {
+pub struct CentralMoments {
     count: u64,
     mean: f64,
     m2: f64,
@@ -13,13 +13,13 @@ pub(crate) struct Central {
     m4: f64,
 }
 
-impl Central {
-    pub(crate) fn add(&mut self, x: f64) {
+impl CentralMoments {
+    pub fn add(&mut self, x: f64) {
         self.merge(&Self { count: 1, mean: x, ..Self::default() });
     }
 
     /// Adds all samples of `later`.
-    pub(crate) fn merge(&mut self, later: &Self) {
+    pub fn merge(&mut self, later: &Self) {
         if self.count == 0 || later.count == 0 {
             if self.count == 0 {
                 *self = *later;
@@ -44,32 +44,32 @@ impl Central {
         *self = Self { count: self.count + later.count, mean: self.mean + b * step, m2, m3, m4 };
     }
 
-    pub(crate) fn mean(&self) -> f64 {
+    pub fn mean(&self) -> f64 {
         self.mean
     }
 
     /// Sample variance; NaN with fewer than two samples.
-    pub(crate) fn variance(&self) -> f64 {
+    pub fn variance(&self) -> f64 {
         self.m2 / (self.count as f64 - 1.0)
     }
 
     /// Squared standard error of the mean; NaN with fewer than two samples.
-    pub(crate) fn variance_of_mean(&self) -> f64 {
+    pub fn variance_of_mean(&self) -> f64 {
         self.variance() / self.count as f64
     }
 
     /// E[(x − Ex)⁴]/Var(x)², three for normals; NaN for a constant.
-    pub(crate) fn kurtosis(&self) -> f64 {
+    pub fn kurtosis(&self) -> f64 {
         self.count as f64 * self.m4 / (self.m2 * self.m2)
     }
 
-    /// Whether the spread is more than what rounding makes of numbers of the size of `scale`.
-    pub(crate) fn is_spread(&self, scale: f64) -> bool {
+    /// Whether the standard deviation exceeds the rounding errors of numbers of size `scale`.
+    pub fn is_spread(&self, scale: f64) -> bool {
         self.variance().sqrt() > ROUND_OFF * scale
     }
 }
 
-/// A spread below this fraction of φ is rounding in some thousand steps and no randomness.
+/// Relative size of the rounding errors of some thousand steps.
 const ROUND_OFF: f64 = 4096.0 * f64::EPSILON;
 
 #[cfg(test)]
@@ -85,9 +85,9 @@ mod tests {
         let mean = 1e6 + samples.iter().map(|x| x - 1e6).sum::<f64>() / n;
         let power = |k: i32| samples.iter().map(|x| (x - mean).powi(k)).sum::<f64>() / n;
         for size in [1, 7, 128, 300] {
-            let mut all = Central::default();
+            let mut all = CentralMoments::default();
             for group in samples.chunks(size) {
-                let mut part = Central::default();
+                let mut part = CentralMoments::default();
                 group.iter().for_each(|&x| part.add(x));
                 all.merge(&part);
             }
@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn a_constant_has_no_kurtosis_and_no_spread() {
-        let mut constant = Central::default();
+        let mut constant = CentralMoments::default();
         for _ in 0..10 {
             constant.add(0.1);
         }

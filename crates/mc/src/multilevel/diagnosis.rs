@@ -1,86 +1,77 @@
-//! What the samples say about the assumptions.
+//! Checks of the assumptions against the samples.
 
-use super::level::Row;
+use super::level::Samples;
 use super::plan;
-use super::{Estimate, LevelValue, Settings, Warning};
+use super::report::{Estimate, LevelValue, Warning};
+use super::settings::ExpectationSettings;
 
-/// Kurtosis above which a level is looked at: its variance has the relative error √(κ/N), a third
-/// with a thousand samples, and κ itself is underestimated.
+/// Largest kurtosis κ without a check of the number of samples N. The relative error of a variance
+/// is √(κ/N), a third with κ = 100 and a thousand samples, and κ itself is underestimated.
 const KURTOSIS_LIMIT: f64 = 100.0;
 /// With this many samples for each unit of kurtosis the variance is known to a quarter, and the
-/// standard error to an eighth, all the same.
+/// standard error to an eighth.
 const SAMPLES_PER_KURTOSIS: f64 = 16.0;
 /// Standard errors between two means of one expectation: exceeded once in 10⁵ comparisons of
 /// normals.
 const DEVIATION_LIMIT: f64 = 4.5;
-/// How far the observed order may significantly fall below the given one: in the range of larger
-/// steps it does by a tenth or so, and the bound on the bias allows for it.
+/// How far the observed order may significantly fall below the given one. With large steps it does
+/// by a tenth or so, and the bound on the bias allows for it.
 const ORDER_TOLERANCE: f64 = 0.25;
-/// A better number of coarsest steps is worth mentioning when it saves this part of the cost.
+/// Least relative saving for which another number of coarsest steps is recommended.
 const SAVING: f64 = 0.2;
 
-/// Fine mean of one row against the coarse mean of another, which have one expectation, in standard
-/// errors. Where neither varies, against the rounding of the mean.
-fn deviation(fine: &Row, coarse: &Row, k: usize) -> f64 {
+/// Distance in standard errors of the fine mean of one level and the coarse mean of another, which
+/// have the same expectation; relative to rounding where neither varies.
+fn deviation(fine: &Samples, coarse: &Samples, k: usize) -> f64 {
     let (a, b) = (&fine.values[k].fine, &coarse.values[k].coarse);
     let rounding = 64.0 * f64::EPSILON * a.mean().abs();
     let variance = a.variance_of_mean() + b.variance_of_mean() + rounding * rounding;
     if variance > 0.0 { (a.mean() - b.mean()).abs() / variance.sqrt() } else { 0.0 }
 }
 
-/// What one row says, given the row of single paths or fine paths on the level below if there is
-/// one.
-pub(crate) fn level_values(rows: &[Row], row: &Row) -> Vec<LevelValue> {
-    let below =
-        row.level.checked_sub(1).and_then(|level| rows.iter().find(|other| other.level == level));
+/// The values of one of these levels.
+pub fn level_values(levels: &[Samples], samples: &Samples) -> Vec<LevelValue> {
+    let below = levels.iter().find(|other| other.level + 1 == samples.level);
+    let below = below.filter(|_| samples.coupling.is_some());
     let value = |k: usize| {
-        let sample = &row.values[k].sample;
-        let deviation = match below {
-            Some(below) if row.coupling.is_some() => deviation(below, row, k),
-            _ => 0.0,
-        };
+        let sample = &samples.values[k].sample;
         LevelValue {
             mean: sample.mean(),
             variance: sample.variance(),
             kurtosis: sample.kurtosis(),
-            deviation,
+            deviation: below.map_or(0.0, |below| deviation(below, samples, k)),
         }
     };
-    (0..row.values.len()).map(value).collect()
+    (0..samples.values.len()).map(value).collect()
 }
 
 /// All warnings but those about limits.
-pub(crate) fn warnings(rows: &[Row], estimates: &[Estimate], settings: &Settings) -> Vec<Warning> {
-    let mut warnings = Vec::new();
-    for row in rows.iter().filter(|row| row.failed > 0) {
-        warnings.push(Warning::FailedPaths { level: row.level, failed: row.failed });
-    }
-    for (k, estimate) in estimates.iter().enumerate() {
-        let observable = estimate.name;
-        for row in rows {
-            let value = level_values(rows, row)[k];
-            let known = row.samples() as f64 > SAMPLES_PER_KURTOSIS * value.kurtosis;
-            if row.values[k].varies() && value.kurtosis > KURTOSIS_LIMIT && !known {
-                warnings.push(Warning::Kurtosis {
-                    observable,
-                    level: row.level,
-                    kurtosis: value.kurtosis,
-                });
+pub fn warnings(
+    levels: &[Samples],
+    estimates: &[Estimate],
+    settings: &ExpectationSettings,
+) -> Vec<Warning> {
+    let failing = levels.iter().filter(|samples| samples.failed > 0);
+    let mut warnings: Vec<Warning> = failing
+        .map(|samples| Warning::FailedPaths { level: samples.level, failed: samples.failed })
+        .collect();
+    for (k, &Estimate { name: observable, alpha, beta, .. }) in estimates.iter().enumerate() {
+        for samples in levels {
+            let level = samples.level;
+            let LevelValue { kurtosis, deviation, .. } = level_values(levels, samples)[k];
+            let known = samples.count() as f64 > SAMPLES_PER_KURTOSIS * kurtosis;
+            if samples.values[k].varies() && kurtosis > KURTOSIS_LIMIT && !known {
+                warnings.push(Warning::Kurtosis { observable, level, kurtosis });
             }
-            if value.deviation > DEVIATION_LIMIT {
-                warnings.push(Warning::Inconsistent {
-                    observable,
-                    level: row.level,
-                    deviation: value.deviation,
-                });
+            if deviation > DEVIATION_LIMIT {
+                warnings.push(Warning::Inconsistent { observable, level, deviation });
             }
         }
-        if let Some(beta) = estimate.beta.filter(|beta| beta.upper < 1.0) {
+        if let Some(beta) = beta.filter(|beta| beta.upper < 1.0) {
             warnings.push(Warning::VarianceDecay { observable, beta });
         }
         let assumed = settings.weak_order;
-        if let Some(alpha) = estimate.alpha.filter(|alpha| alpha.upper < assumed - ORDER_TOLERANCE)
-        {
+        if let Some(alpha) = alpha.filter(|alpha| alpha.upper < assumed - ORDER_TOLERANCE) {
             warnings.push(Warning::WeakOrder { observable, alpha, assumed });
         }
     }
@@ -88,21 +79,19 @@ pub(crate) fn warnings(rows: &[Row], estimates: &[Estimate], settings: &Settings
 }
 
 /// The number of coarsest steps with which the same levels would cost least, if that saves a fifth
-/// or more: begun on level m, the cost is that of single paths there and the differences above.
-pub(crate) fn better_coarsest_steps(rows: &[Row], settings: &Settings) -> Option<u64> {
+/// or more. Begun on level m, they are single paths there and the differences above.
+pub fn better_coarsest_steps(levels: &[Samples], settings: &ExpectationSettings) -> Option<u64> {
     let cost = |m: usize| {
-        let mut levels = plan::costs_and_variances(&rows[m..]);
+        let mut planned = plan::costs_and_variances(&levels[m..]);
         if m > 0 {
             // Single paths on level m are the coarse paths of the level above it.
-            let singles =
-                rows[m + 1].values.iter().map(|values| values.coarse.variance()).collect();
-            levels[0] = (settings.steps(m), singles);
+            let coarse = levels[m + 1].values.iter().map(|values| values.coarse.variance());
+            planned[0] = (settings.steps(m) as f64, coarse.collect());
         }
-        let root =
-            |k: usize| levels.iter().map(|(cost, v)| (v[k] * *cost as f64).sqrt()).sum::<f64>();
-        let varying = (0..rows[0].values.len()).filter(|&k| rows[0].values[k].varies());
-        varying.map(|k| root(k) * root(k)).fold(0.0, f64::max)
+        let root = |k: usize| planned.iter().map(|(cost, v)| (v[k] * cost).sqrt()).sum::<f64>();
+        let values = levels[0].values.iter().enumerate().filter(|(_, values)| values.varies());
+        values.map(|(k, _)| root(k) * root(k)).fold(0.0, f64::max)
     };
-    let best = (0..rows.len() - 1).min_by(|&a, &b| cost(a).total_cmp(&cost(b)))?;
+    let best = (0..levels.len() - 1).min_by(|&a, &b| cost(a).total_cmp(&cost(b)))?;
     (cost(best) < (1.0 - SAVING) * cost(0)).then(|| settings.steps(best))
 }

@@ -1,26 +1,29 @@
-//! What is known about an expectation in the end.
+//! The result: estimates, levels and warnings.
 
 use std::fmt;
 
-use super::Coupling;
+use super::settings::Coupling;
 
-/// Expectations of all test functions, with everything that speaks for and against them.
+/// P(|N(0, 1)| ≤ this) = 95 %.
+pub const QUANTILE: f64 = 1.959_963_984_540_054;
+
+/// Expectations of all test functions, with the levels that were sampled and warnings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expectation {
     /// One for each test function, in their order.
     pub estimates: Vec<Estimate>,
-    /// Half-width that was asked for.
+    /// The requested half-width.
     pub accuracy: f64,
     /// Path-steps of everything that was computed, pilots and failed paths included.
     pub cost: u64,
     /// The levels that were sampled.
     pub levels: Vec<Level>,
-    /// What contradicts the assumptions that the intervals rest on; none, as a rule.
+    /// Assumptions of the intervals that do not hold, and limits that were reached; usually none.
     pub warnings: Vec<Warning>,
 }
 
 impl Expectation {
-    /// Whether every interval is as narrow as was asked for.
+    /// Whether every half-width is at most the accuracy.
     #[must_use]
     pub fn reached(&self) -> bool {
         self.estimates.iter().all(|estimate| estimate.half_width() <= self.accuracy)
@@ -34,13 +37,13 @@ pub struct Estimate {
     pub name: &'static str,
     /// The estimate.
     pub value: f64,
-    /// Standard error of the estimate, statistical alone.
+    /// Standard error of the estimate, without bias.
     pub standard_error: f64,
-    /// What E[φ(y(T))] is thought to be above E[φ(y_τ)] at the finest step: d/(2^α − 1) from the
-    /// last difference d. It is not added to the estimate.
+    /// Estimate of E[φ(y(T))] − E[φ(y_τ)] at the finest step: d/(2^α − 1) from the last difference
+    /// d. It is not added to the estimate.
     pub bias: f64,
-    /// Bound on its size: the largest (|d_l| + 1.96 standard errors)·2^{−α(L−l)}/(2^α − 1) of the
-    /// last three levels l.
+    /// Bound on its absolute value: the largest of
+    /// (|d_l| + 1.96 standard errors)·2^{−α(L−l)}/(2^α − 1) over the last three levels l.
     pub bias_bound: f64,
     /// Observed α in E[φ(y_τ)] − E[φ(y_{2τ})] ∝ τ^α, from the differences that exceed four standard
     /// errors; `None` with fewer than two of them.
@@ -53,7 +56,7 @@ impl Estimate {
     /// Half of the 95 % interval: 1.96 standard errors and the bound on the bias.
     #[must_use]
     pub fn half_width(&self) -> f64 {
-        super::plan::QUANTILE * self.standard_error + self.bias_bound
+        QUANTILE * self.standard_error + self.bias_bound
     }
 
     /// The 95 % interval, from and to. It covers more often when the bias is below its bound.
@@ -74,7 +77,7 @@ pub struct Rate {
     pub upper: f64,
 }
 
-/// What one level contributed.
+/// The samples of one level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
     /// Its number.
@@ -107,7 +110,7 @@ pub struct LevelValue {
     pub deviation: f64,
 }
 
-/// An assumption that does not hold, or a limit that was met.
+/// An assumption that does not hold, or a limit that was reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
@@ -175,33 +178,34 @@ pub enum Warning {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rate =
+            |rate: &Rate| format!("{:.2} ({:.2} to {:.2})", rate.value, rate.lower, rate.upper);
         match self {
-            Self::FailedPaths { level, failed } => {
-                write!(
-                    f,
-                    "{failed} paths failed on level {level} and were left out, which may bias the estimate"
-                )
-            }
-            Self::Kurtosis { observable, level, kurtosis } => {
-                write!(
-                    f,
-                    "{observable}: kurtosis {kurtosis:.0} on level {level}, its variance is not reliable"
-                )
-            }
+            Self::FailedPaths { level, failed } => write!(
+                f,
+                "{failed} paths failed on level {level} and were left out, \
+                 which may bias the estimate"
+            ),
+            Self::Kurtosis { observable, level, kurtosis } => write!(
+                f,
+                "{observable}: kurtosis {kurtosis:.0} on level {level}, \
+                 its variance is not reliable"
+            ),
             Self::VarianceDecay { observable, beta } => write!(
                 f,
-                "{observable}: variances fall with exponent {:.2} ({:.2} to {:.2}), below the exponent 1 of the cost",
-                beta.value, beta.lower, beta.upper
+                "{observable}: variances fall with exponent {}, below the exponent 1 of the cost",
+                rate(beta)
             ),
             Self::WeakOrder { observable, alpha, assumed } => write!(
                 f,
-                "{observable}: differences fall with exponent {:.2} ({:.2} to {:.2}), the weak order given is {assumed}",
-                alpha.value, alpha.lower, alpha.upper
+                "{observable}: differences fall with exponent {}, \
+                 the weak order given is {assumed}",
+                rate(alpha)
             ),
             Self::Inconsistent { observable, level, deviation } => write!(
                 f,
-                "{observable}: the coarse mean of level {level} is {deviation:.1} standard errors from the fine mean of \
-                 level {}, the levels do not telescope",
+                "{observable}: the coarse mean of level {level} is {deviation:.1} standard errors \
+                 from the fine mean of level {}, the levels do not telescope",
                 level - 1
             ),
             Self::CoarsestSteps { steps } => {
@@ -211,10 +215,7 @@ impl fmt::Display for Warning {
                 write!(f, "the accuracy was not reached with the {max_cost} path-steps allowed")
             }
             Self::LevelLimit { level } => {
-                write!(
-                    f,
-                    "the bias is too large for the accuracy on the finest level allowed, {level}"
-                )
+                write!(f, "the bias is too large on the finest level allowed, {level}")
             }
         }
     }

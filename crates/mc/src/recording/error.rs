@@ -1,9 +1,8 @@
-//! What can be wrong with recorded increments.
+//! Errors of recorded noise.
 
 use std::fmt;
 
-/// What can be wrong with recorded increments. Lines and columns are those of the table as a text,
-/// both counted from 1.
+/// Why noise is not a recording. Lines and columns are those of the table, counted from 1.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RecordingError {
@@ -95,13 +94,14 @@ impl fmt::Display for RecordingError {
             Self::UnequalSteps { line, tau, first } => {
                 write!(
                     f,
-                    "line {line}, column tau: all steps must have the size of the first, {first}, got {tau}"
+                    "line {line}, column tau: all steps must have the size of the first, \
+                     {first}, got {tau}"
                 )
             }
             Self::AreaRows { found, expected } => {
                 write!(
                     f,
-                    "there must be one matrix of areas for each of the {expected} steps, got {found}"
+                    "there must be one matrix of areas for each of {expected} steps, got {found}"
                 )
             }
         }

@@ -1,5 +1,5 @@
-//! The noise of one path, written down: to drive a scheme by increments from elsewhere, or another
-//! code by ours.
+//! The noise of one path as data: to drive a scheme by increments from another program, or another
+//! program by ours.
 
 mod csv;
 mod error;
@@ -10,11 +10,10 @@ use real::{Block, WIDTH};
 use crate::LadderError;
 use crate::noise_source::{Drawn, NextNoise, NoiseSource};
 
-pub(crate) use csv::TIME_AGREEMENT;
 pub use error::RecordingError;
 
-/// Increments ΔW of steps of one size τ, one row of M for each step, and their Lévy areas if they
-/// are known.
+/// The noise of one path: for each step of one size τ the M increments ΔW and, if known, the Lévy
+/// areas.
 ///
 /// Increments are as they were drawn: a scheme's truncation is applied when they are used. As text,
 /// by [`parse`](str::parse) and by `to_string`, a recording is a table of comma-separated values
@@ -40,6 +39,21 @@ pub struct Recording<const M: usize> {
     areas: Option<Vec<[[f64; M]; M]>>,
 }
 
+/// Relative tolerance for equal step sizes, which may be written with ten digits or computed as
+/// differences of times.
+pub(crate) const TIME_AGREEMENT: f64 = 1e-9;
+
+/// `A12`; `A3_12` where numbers may have two digits.
+fn area_name(m: usize, l: usize, noises: usize) -> String {
+    let separator = if noises < 10 { "" } else { "_" };
+    format!("A{m}{separator}{l}")
+}
+
+/// The (m, l) with m < l, row by row.
+fn pairs(noises: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..noises).flat_map(move |m| (m + 1..noises).map(move |l| (m, l)))
+}
+
 impl<const M: usize> Recording<M> {
     /// Increments of steps of size `tau`, in the order of time.
     ///
@@ -54,50 +68,43 @@ impl<const M: usize> Recording<M> {
         if !(tau > 0.0 && tau.is_finite()) {
             return Err(RecordingError::StepSize { line: 2, tau });
         }
-        for (n, dw) in increments.iter().enumerate() {
-            if let Some(m) = dw.iter().position(|w| !w.is_finite()) {
-                return Err(RecordingError::NotFinite {
-                    line: n + 2,
-                    column: format!("dW{}", m + 1),
-                    value: dw[m],
-                });
+        for (line, dw) in (2..).zip(&increments) {
+            if let Some((m, &value)) = dw.iter().enumerate().find(|(_, w)| !w.is_finite()) {
+                let column = format!("dW{}", m + 1);
+                return Err(RecordingError::NotFinite { line, column, value });
             }
         }
         Ok(Self { tau, increments, areas: None })
     }
 
-    /// The same with the Lévy areas A_ml = ½∫(W_m dW_l − W_l dW_m) of each step; what is above the
-    /// diagonal is read, the rest follows.
+    /// The same with the Lévy areas A_ml = ½∫(W_m dW_l − W_l dW_m) of each step. Entries above the
+    /// diagonal are used, the others follow.
     ///
     /// # Errors
     /// [`RecordingError::AreaRows`] unless there is one matrix for each step,
     /// [`RecordingError::NotFinite`].
     pub fn with_areas(mut self, mut areas: Vec<[[f64; M]; M]>) -> Result<Self, RecordingError> {
-        if areas.len() != self.increments.len() {
-            return Err(RecordingError::AreaRows {
-                found: areas.len(),
-                expected: self.increments.len(),
-            });
+        let (found, expected) = (areas.len(), self.increments.len());
+        if found != expected {
+            return Err(RecordingError::AreaRows { found, expected });
         }
-        for (n, area) in areas.iter_mut().enumerate() {
-            for m in 0..M {
-                area[m][m] = 0.0;
-                for l in m + 1..M {
-                    let value = area[m][l];
-                    if !value.is_finite() {
-                        let column = csv::area_name(m + 1, l + 1, M);
-                        return Err(RecordingError::NotFinite { line: n + 2, column, value });
-                    }
-                    area[l][m] = -value;
+        for (line, area) in (2..).zip(&mut areas) {
+            (0..M).for_each(|m| area[m][m] = 0.0);
+            for (m, l) in pairs(M) {
+                let value = area[m][l];
+                if !value.is_finite() {
+                    let column = area_name(m + 1, l + 1, M);
+                    return Err(RecordingError::NotFinite { line, column, value });
                 }
+                area[l][m] = -value;
             }
         }
         self.areas = Some(areas);
         Ok(self)
     }
 
-    /// The noise of path number `path` that `steps` steps to the time `t_end` see, areas included
-    /// if they are wanted.
+    /// The noise of path number `path` on `steps` steps to the time `t_end`, with its areas if
+    /// `with_areas`.
     ///
     /// # Errors
     /// [`LadderError::Steps`] for zero steps, [`LadderError::Step`] unless 0 < T < ∞,
@@ -118,13 +125,12 @@ impl<const M: usize> Recording<M> {
         }
         let drawn = Drawn::new::<M>(key, tau, with_areas)?;
         let (mut next, mut block) = (drawn.block(path), BlockNoise::zero());
-        let (increments, areas) = (0..steps)
-            .map(|_| {
-                next(&mut block);
-                let Noise { increments, areas } = block.path(0);
-                (increments, areas)
-            })
-            .unzip();
+        let step = |_| {
+            next(&mut block);
+            let Noise { increments, areas } = block.path(0);
+            (increments, areas)
+        };
+        let (increments, areas): (Vec<_>, Vec<_>) = (0..steps).map(step).unzip();
         Ok(Self { tau, increments, areas: with_areas.then_some(areas) })
     }
 
@@ -138,33 +144,28 @@ impl<const M: usize> Recording<M> {
         if factor == 0 || !steps.is_multiple_of(factor) {
             return Err(LadderError::Steps { steps: steps as u64, multiple_of: factor as u64 });
         }
-        let mut coarse = Self {
-            tau: self.tau * factor as f64,
-            increments: Vec::with_capacity(steps / factor),
-            areas: self.areas.as_ref().map(|_| Vec::with_capacity(steps / factor)),
-        };
+        let (mut increments, mut joined) = (Vec::new(), Vec::new());
         for first in (0..steps).step_by(factor) {
-            let (mut sum, mut joined) = ([0.0; M], [[0.0; M]; M]);
+            let (mut sum, mut area) = ([0.0; M], [[0.0; M]; M]);
             for n in first..first + factor {
-                let (dw, areas) = (
-                    self.increments[n],
-                    self.areas.as_ref().map_or([[0.0; M]; M], |areas| areas[n]),
-                );
+                let (dw, fine) = self.step(n);
                 for m in 0..M {
                     for l in 0..M {
-                        joined[m][l] += areas[m][l] + 0.5 * (sum[m] * dw[l] - dw[m] * sum[l]);
+                        area[m][l] += fine[m][l] + 0.5 * (sum[m] * dw[l] - dw[m] * sum[l]);
                     }
                 }
-                for m in 0..M {
-                    sum[m] += dw[m];
-                }
+                (0..M).for_each(|m| sum[m] += dw[m]);
             }
-            coarse.increments.push(sum);
-            if let Some(areas) = &mut coarse.areas {
-                areas.push(joined);
-            }
+            increments.push(sum);
+            joined.push(area);
         }
-        Ok(coarse)
+        let areas = self.areas.as_ref().map(|_| joined);
+        Ok(Self { tau: self.tau * factor as f64, increments, areas })
+    }
+
+    /// Increments and areas of step number n; zero areas if they are not known.
+    fn step(&self, n: usize) -> ([f64; M], [[f64; M]; M]) {
+        (self.increments[n], self.areas.as_ref().map_or([[0.0; M]; M], |areas| areas[n]))
     }
 
     /// τ.
@@ -191,11 +192,9 @@ impl<const M: usize> NoiseSource<M> for &Recording<M> {
     fn block(&self, _first_path: u64) -> NextNoise<'_, M> {
         let mut steps = 0..;
         Box::new(move |noise| {
-            let n = steps.next().unwrap_or_default();
-            noise.increments = Block::splat(self.increments[n]);
-            if let Some(areas) = &self.areas {
-                (0..WIDTH).for_each(|p| noise.areas.set_path(p, areas[n]));
-            }
+            let (increments, areas) = self.step(steps.next().unwrap_or_default());
+            noise.increments = Block::splat(increments);
+            (0..WIDTH).for_each(|p| noise.areas.set_path(p, areas));
         })
     }
 }

@@ -5,33 +5,35 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use mc::{Cause, Ladder, LadderError, Reference, Run, Statistic, StrongErrors, View, trajectory};
 use noise::{
-    AreaMethod, AreaPath, NoiseError, StreamKey, Truncation, WienerPath, strong_order_one_error,
+    AreaMethod, AreaPath, Noise, NoiseError, StreamKey, Truncation, WienerPath,
+    strong_order_one_error,
 };
 use nonlin::{Method, Solver};
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, Step};
 use stats::Moments;
 use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
 
+use crate::driver::{BackwardEuler, Euler};
 use crate::explosive::Explosive;
 
 type Body = Problem<RigidBody<3>, Cosine, 3>;
 
-fn body() -> Body {
+pub fn body() -> Body {
     let system = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
     Problem::new(system, Cosine::new(0.5, 2.0).unwrap(), [1.1f64.cos(), 0.0, 1.1f64.sin()], 1.0)
         .unwrap()
 }
 
-const KEY: StreamKey = StreamKey { seed: 5, experiment: 9 };
+pub const KEY: StreamKey = StreamKey { seed: 5, experiment: 9 };
 
 /// Keeps every final state of every run, in order.
-struct Keep<const D: usize> {
+pub struct Keep<const D: usize> {
     last_time: u64,
-    runs: Vec<Vec<[f64; D]>>,
+    pub runs: Vec<Vec<[f64; D]>>,
 }
 
 impl<const D: usize> Keep<D> {
-    fn new(last_time: u64, runs: usize) -> Self {
+    pub fn new(last_time: u64, runs: usize) -> Self {
         Self { last_time, runs: vec![Vec::new(); runs] }
     }
 }
@@ -51,19 +53,16 @@ impl<const D: usize> Statistic<D> for Keep<D> {
     }
 }
 
-/// A piece of a path: increment and areas.
-type Piece = ([f64; 3], [[f64; 3]; 3]);
-
 /// Chen's relation, written out once more.
-fn join(first: &Piece, second: &Piece) -> Piece {
-    let w = std::array::from_fn(|m| first.0[m] + second.0[m]);
+fn join(first: &Noise<3>, second: &Noise<3>) -> Noise<3> {
+    let (v, w) = (first.increments, second.increments);
     let areas = std::array::from_fn(|i| {
         std::array::from_fn(|j| {
-            let wedge = first.0[i] * second.0[j] - second.0[i] * first.0[j];
-            (first.1[i][j] + second.1[i][j]) + 0.5 * wedge
+            let wedge = v[i] * w[j] - w[i] * v[j];
+            (first.areas[i][j] + second.areas[i][j]) + 0.5 * wedge
         })
     });
-    (w, areas)
+    Noise { increments: std::array::from_fn(|m| v[m] + w[m]), areas }
 }
 
 /// The final state of one path at 2^level finest steps a step, by hand: fine increments summed
@@ -78,32 +77,35 @@ fn by_hand(
     swapped: bool,
 ) -> [f64; 3] {
     let fine_tau = problem.t_end / steps as f64;
-    let mut noise = WienerPath::<3>::new(KEY, path);
+    let mut wiener = WienerPath::<3>::new(KEY, path);
     let method = AreaMethod::MrongowiusRoessler;
     let terms = method.terms_for(strong_order_one_error(fine_tau), fine_tau, 3).unwrap();
     let mut area_noise = AreaPath::<3>::new(KEY, path, method, terms);
     let draw = |_| {
-        let dw = noise.increments(fine_tau.sqrt());
-        (dw, area_noise.areas(fine_tau, dw))
+        let increments = wiener.increments(fine_tau.sqrt());
+        Noise { increments, areas: area_noise.areas(fine_tau, increments) }
     };
-    let mut pieces: Vec<Piece> = (0..steps).map(draw).collect();
+    let mut noises: Vec<Noise<3>> = (0..steps).map(draw).collect();
     for _ in 0..level {
-        pieces = pieces.chunks(2).map(|pair| join(&pair[0], &pair[1])).collect();
+        noises = noises.chunks(2).map(|pair| join(&pair[0], &pair[1])).collect();
     }
     if swapped {
-        for pair in pieces.chunks_mut(2) {
+        for pair in noises.chunks_mut(2) {
             pair.swap(0, 1);
         }
     }
     let tau = fine_tau * f64::from(1 << level);
-    let truncation = Truncation::new(2).unwrap();
+    let truncation =
+        if scheme.clips_increments() { Truncation::new(2).unwrap() } else { Truncation::none() };
     let (bound, area_bound) = (truncation.bound(tau).unwrap(), truncation.area_bound(tau).unwrap());
     let mut y = problem.y0;
-    for (n, (dw, areas)) in pieces.iter().enumerate() {
+    for (n, noise) in noises.iter().enumerate() {
         let step = Step::new(&problem.damping, n as u64, tau).unwrap();
-        let dw = dw.map(|w| w.clamp(-bound, bound));
-        let areas = areas.map(|row| row.map(|area| area.clamp(-area_bound, area_bound)));
-        y = scheme.step_with_areas(&problem.system, &step, dw, areas, y).z;
+        let clipped = Noise {
+            increments: noise.increments.map(|w| w.clamp(-bound, bound)),
+            areas: noise.areas.map(|row| row.map(|area| area.clamp(-area_bound, area_bound))),
+        };
+        y = scheme.step(&problem.system, &step, &clipped, y).z;
     }
     y
 }
@@ -113,7 +115,8 @@ fn every_run_is_the_path_that_one_would_follow_by_hand() {
     let problem = body();
     let (sexp, em, midpoint) = (Sexp::default(), EulerMaruyama, Midpoint::default());
     let levy = SexpLevy::new(&problem.system, problem.y0);
-    let schemes: [&dyn Scheme<RigidBody<3>, 3, 3>; 4] = [&sexp, &em, &midpoint, &levy];
+    let schemes: [&dyn Scheme<RigidBody<3>, 3, 3>; 6] =
+        [&sexp, &em, &midpoint, &levy, &Euler::<false>, &BackwardEuler];
     let mut runs = Vec::new();
     let mut expected = Vec::new();
     for scheme in schemes {
@@ -129,9 +132,12 @@ fn every_run_is_the_path_that_one_would_follow_by_hand() {
     let ladder = Ladder::new(&problem, 32, 3, Truncation::new(2).unwrap(), KEY, runs).unwrap();
     // Not a multiple of the block, more than one group.
     let samples = 150;
-    let outcome = ladder.run(samples, || Keep::new(ladder.coarse_steps(), expected.len()), &|_| ());
-    assert_eq!(outcome.failed, 0);
-    for (kept, (scheme, level, swapped)) in outcome.statistic.runs.iter().zip(&expected) {
+    let measured =
+        ladder.run(samples, || Keep::new(ladder.coarse_steps(), expected.len()), &|_| ());
+    assert_eq!(measured.failed, 0);
+    // Some increments of the largest steps are clipped, for the schemes that want it.
+    assert!(measured.clipped[3] > 0);
+    for (kept, (scheme, level, swapped)) in measured.statistic.runs.iter().zip(&expected) {
         assert_eq!(kept.len(), samples as usize);
         for path in [0, 1, 31, 32, 77, 149] {
             let alone = by_hand(&problem, *scheme, 32, *level, path, *swapped);
@@ -160,7 +166,7 @@ fn threads_do_not_change_a_bit() {
         let ladder = Ladder::new(&problem, 64, 3, Truncation::new(4).unwrap(), KEY, runs).unwrap();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let series = [vec![1], vec![2]];
-        let outcome = pool.install(|| {
+        let measured = pool.install(|| {
             ladder.run(
                 2000,
                 || StrongErrors::new(Reference::Run(0), &series, ladder.coarse_steps()),
@@ -168,9 +174,9 @@ fn threads_do_not_change_a_bit() {
             )
         });
         (
-            outcome.statistic.at_end(0).clone(),
-            outcome.statistic.at_end(1).clone(),
-            outcome.statistic.at_worst_time(1).clone(),
+            measured.statistic.at_end(0).clone(),
+            measured.statistic.at_end(1).clone(),
+            measured.statistic.at_worst_time(1).clone(),
         )
     };
     let one = mean_squares(1);
@@ -243,17 +249,17 @@ fn paths_without_a_solution_are_left_out_counted_and_described() {
         vec![Run::new(&sexp as &dyn Scheme<_, 2, 1>, 0), Run::new(&sexp, 2), Run::new(&em, 0)];
     let ladder = Ladder::new(&problem, 16, 2, Truncation::new(4).unwrap(), KEY, runs).unwrap();
     let samples = 400;
-    let outcome = ladder.run(samples, || Keep::new(ladder.coarse_steps(), 3), &|_| ());
-    let kept = outcome.statistic.runs[0].len() as u64;
+    let measured = ladder.run(samples, || Keep::new(ladder.coarse_steps(), 3), &|_| ());
+    let kept = measured.statistic.runs[0].len() as u64;
     // y₂ = tan(arctan ½ + t + W) leaves every bound when t + W passes 1.1: on many paths, and not
     // on all.
-    assert!(outcome.failed > 20 && kept > 20, "{} failed", outcome.failed);
-    assert_eq!(outcome.failed + kept, samples);
+    assert!(measured.failed > 20 && kept > 20, "{} failed", measured.failed);
+    assert_eq!(measured.failed + kept, samples);
     assert!(
-        outcome.statistic.runs.iter().flatten().flatten().all(|component| component.is_finite())
+        measured.statistic.runs.iter().flatten().flatten().all(|component| component.is_finite())
     );
-    assert!(outcome.failures.len() <= 8 && !outcome.failures.is_empty());
-    for failure in &outcome.failures {
+    assert!(measured.failures.len() <= 8 && !measured.failures.is_empty());
+    for failure in &measured.failures {
         let text = failure.to_string();
         for part in ["path ", "seed 5", "experiment 9", failure.scheme, "tau = ", "step ", "t = "] {
             assert!(text.contains(part), "{text}");

@@ -9,11 +9,11 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use mc::multilevel::{
-    Coupling, Estimate, Expectation, MultilevelError, Settings, Warning, expectation,
+    Coupling, Estimate, Expectation, ExpectationSettings, MultilevelError, Warning, expectation,
     expectation_plain,
 };
 use mc::{LadderError, Observable};
-use noise::{NoiseError, StreamKey, Truncation};
+use noise::{BlockNoise, Noise, NoiseError, StreamKey, Truncation};
 use nonlin::{BlockStatus, Method, Solution, Solver};
 use real::{Block, Real};
 use schemes::{Scheme, Sexp, SexpLevy, Step};
@@ -21,8 +21,13 @@ use systems::{Constant, Cosine, PoissonSystem, Problem, RigidBody};
 
 use crate::explosive::Explosive;
 
-fn settings(seed: u64, coupling: Coupling) -> Settings {
-    Settings::new(StreamKey { seed, experiment: 1 }, Truncation::new(4).unwrap(), 4, coupling)
+fn settings(seed: u64, coupling: Coupling) -> ExpectationSettings {
+    ExpectationSettings::new(
+        StreamKey { seed, experiment: 1 },
+        Truncation::new(4).unwrap(),
+        4,
+        coupling,
+    )
 }
 
 type Body = Problem<RigidBody<3>, Cosine, 3>;
@@ -155,7 +160,7 @@ fn intervals_cover_the_truth() {
     let problem = rotations();
     for coupling in [Coupling::Antithetic, Coupling::Plain] {
         check_coverage(&format!("{coupling:?}"), |seed| {
-            let settings = Settings { pilot: 256, ..settings(seed, coupling) };
+            let settings = ExpectationSettings { pilot: 256, ..settings(seed, coupling) };
             expectation(&Sexp::default(), &problem, &MOMENTS, 0.015, &settings, &|_| ()).unwrap()
         });
     }
@@ -165,7 +170,7 @@ fn intervals_cover_the_truth() {
 fn intervals_of_single_paths_cover_the_truth() {
     let problem = rotations();
     check_coverage("single paths", |seed| {
-        let settings = Settings { pilot: 256, ..settings(seed, Coupling::Antithetic) };
+        let settings = ExpectationSettings { pilot: 256, ..settings(seed, Coupling::Antithetic) };
         expectation_plain(&Sexp::default(), &problem, &MOMENTS, 0.015, &settings, &|_| ()).unwrap()
     });
 }
@@ -173,8 +178,11 @@ fn intervals_of_single_paths_cover_the_truth() {
 #[test]
 fn the_interval_holds_where_the_bias_is_most_of_it() {
     let problem = rotations();
-    let settings =
-        Settings { coarsest_steps: 2, max_level: 2, ..settings(2, Coupling::Antithetic) };
+    let settings = ExpectationSettings {
+        coarsest_steps: 2,
+        max_level: 2,
+        ..settings(2, Coupling::Antithetic)
+    };
     for method in [expectation, expectation_plain] {
         let result =
             method(&Sexp::default(), &problem, &MOMENTS, 1e-3, &settings, &|_| ()).unwrap();
@@ -254,12 +262,12 @@ fn the_twin_doubles_the_order_of_the_variance() {
 fn the_cost_grows_as_the_accuracy_squared() {
     let problem = body();
     let accuracies = [1e-3, 5e-4, 2.5e-4];
-    let costs = |method: fn(f64, &Body, &Settings) -> u64| {
+    let costs = |method: fn(f64, &Body, &ExpectationSettings) -> u64| {
         accuracies.map(|accuracy| {
             method(
                 accuracy,
                 &problem,
-                &Settings { pilot: 128, ..settings(5, Coupling::Antithetic) },
+                &ExpectationSettings { pilot: 128, ..settings(5, Coupling::Antithetic) },
             ) as f64
         })
     };
@@ -302,21 +310,28 @@ impl<S: PoissonSystem<D, M>, F: Fn(f64) -> f64 + Send + Sync, const D: usize, co
     fn id(&self) -> &'static str {
         "altered"
     }
+    fn reads_areas(&self) -> bool {
+        false
+    }
+    fn clips_increments(&self) -> bool {
+        true
+    }
     fn step_block(
         &self,
         system: &S,
         step: &Step,
-        dw: &Block<M>,
+        noise: &BlockNoise<M>,
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        let (mut altered, factor) = (*dw, (self.0)(step.tau));
-        altered.0.iter_mut().flatten().for_each(|w| *w *= factor);
+        let (mut altered, factor) = (noise.clone(), (self.0)(step.tau));
+        altered.increments.0.iter_mut().flatten().for_each(|w| *w *= factor);
         Sexp::default().step_block(system, step, &altered, y, status);
     }
-    fn step(&self, system: &S, step: &Step, dw: [f64; M], y: [f64; D]) -> Solution<D> {
+    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
         let factor = (self.0)(step.tau);
-        Sexp::default().step(system, step, dw.map(|w| factor * w), y)
+        let altered = Noise::increments(noise.increments.map(|w| factor * w));
+        Sexp::default().step(system, step, &altered, y)
     }
 }
 
@@ -326,7 +341,8 @@ fn paths_that_do_not_share_their_noise_are_noticed() {
     // −ΔW on every second level: each level has the right law, and no two neighbours are coupled.
     let alternating =
         Altered(|tau: f64| if (4.0 * tau).log2().rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 });
-    let settings = Settings { max_cost: 20_000_000, ..settings(6, Coupling::Antithetic) };
+    let settings =
+        ExpectationSettings { max_cost: 20_000_000, ..settings(6, Coupling::Antithetic) };
     let result = expectation(&alternating, &problem, &COS_Y3, 1e-3, &settings, &|_| ()).unwrap();
     let decay = |warning: &Warning| matches!(warning, Warning::VarianceDecay { beta, .. } if beta.upper < 0.5);
     assert!(result.warnings.iter().any(decay), "{:?}", result.warnings);
@@ -343,7 +359,7 @@ fn a_lower_weak_order_is_noticed() {
     // Noise that is too large by √τ/2: E[φ] is off by a multiple of √τ.
     let rough = Altered(|tau: f64| 1.0 + 0.5 * tau.sqrt());
     let y1 = &MOMENTS[..1];
-    let settings = Settings { max_level: 10, ..settings(7, Coupling::Antithetic) };
+    let settings = ExpectationSettings { max_level: 10, ..settings(7, Coupling::Antithetic) };
     let result = expectation(&rough, &problem, y1, 5e-3, &settings, &|_| ()).unwrap();
     let order = |warning: &Warning| matches!(warning, Warning::WeakOrder { alpha, .. } if alpha.upper < 0.75);
     assert!(result.warnings.iter().any(order), "{result:?}");
@@ -351,7 +367,7 @@ fn a_lower_weak_order_is_noticed() {
     let (lower, upper) = result.estimates[0].interval();
     assert!(lower < exact_moments()[0] && exact_moments()[0] < upper, "{result:?}");
     // Told the truth, there is nothing to warn of.
-    let settings = Settings { weak_order: 0.5, ..settings };
+    let settings = ExpectationSettings { weak_order: 0.5, ..settings };
     let result = expectation(&rough, &problem, y1, 5e-3, &settings, &|_| ()).unwrap();
     assert!(
         !result.warnings.iter().any(|warning| matches!(warning, Warning::WeakOrder { .. })),
@@ -372,22 +388,28 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
     fn id(&self) -> &'static str {
         "remembering"
     }
+    fn reads_areas(&self) -> bool {
+        false
+    }
+    fn clips_increments(&self) -> bool {
+        true
+    }
     fn step_block(
         &self,
         system: &S,
         step: &Step,
-        dw: &Block<M>,
+        noise: &BlockNoise<M>,
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        Sexp::default().step_block(system, step, dw, y, status);
+        Sexp::default().step_block(system, step, noise, y, status);
         let before = LAST_TAU.replace(step.tau);
         if before < step.tau && before > 0.0 {
             y.0.iter_mut().flatten().for_each(|component| *component *= 1.0 - 0.02 * step.tau);
         }
     }
-    fn step(&self, system: &S, step: &Step, dw: [f64; M], y: [f64; D]) -> Solution<D> {
-        Sexp::default().step(system, step, &Noise::increments(dw), y)
+    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
+        Sexp::default().step(system, step, noise, y)
     }
 }
 
@@ -395,7 +417,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
 fn levels_that_do_not_telescope_are_noticed() {
     let problem = body();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let settings = Settings { max_cost: 5_000_000, ..settings(8, Coupling::Antithetic) };
+    let settings = ExpectationSettings { max_cost: 5_000_000, ..settings(8, Coupling::Antithetic) };
     let run = |scheme: &dyn Scheme<RigidBody<3>, 3, 3>| {
         pool.install(|| expectation(scheme, &problem, &COS_Y3, 2e-4, &settings, &|_| ()).unwrap())
     };
@@ -417,12 +439,12 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
         &Body,
         &[Observable<3>],
         f64,
-        &Settings,
+        &ExpectationSettings,
         &(dyn Fn(u64) + Sync),
     ) -> Result<Expectation, MultilevelError>;
     let methods: [Method; 2] = [expectation, expectation_plain];
     let limited = |method: Method, max_cost: u64| {
-        let settings = Settings { max_cost, ..settings(9, Coupling::Antithetic) };
+        let settings = ExpectationSettings { max_cost, ..settings(9, Coupling::Antithetic) };
         let done = AtomicU64::new(0);
         let progress = |steps: u64| {
             done.fetch_add(steps, Ordering::Relaxed);
@@ -461,7 +483,7 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
             "{result:?}"
         );
     }
-    let settings = Settings { max_level: 2, ..settings(9, Coupling::Antithetic) };
+    let settings = ExpectationSettings { max_level: 2, ..settings(9, Coupling::Antithetic) };
     for method in methods {
         let result = method(&Sexp::default(), &problem, &COS_Y3, 4e-4, &settings, &|_| ()).unwrap();
         assert!(
@@ -522,8 +544,11 @@ fn more_coarsest_steps_are_advised_where_they_pay() {
     let body = RigidBody::three_noises([0.4, 0.3, 0.2], [0.5, 0.6, 0.7]).unwrap();
     let problem = Problem::new(body, Constant::new(0.0).unwrap(), [0.5, 0.6, 0.7], 1.0).unwrap();
     let run = |coarsest_steps: u64| {
-        let settings =
-            Settings { coarsest_steps, max_cost: 20_000_000, ..settings(12, Coupling::Antithetic) };
+        let settings = ExpectationSettings {
+            coarsest_steps,
+            max_cost: 20_000_000,
+            ..settings(12, Coupling::Antithetic)
+        };
         expectation(&Sexp::default(), &problem, &COS_Y3, 5e-3, &settings, &|_| ()).unwrap()
     };
     let advice = |result: &Expectation| {
@@ -545,7 +570,7 @@ fn paths_that_fail_are_counted_and_reported() {
     let sexp = Sexp { solver: Solver::new(Method::Newton) };
     let bounded =
         [Observable { name: "bounded", function: |y: [f64; 2]| 1.0 / (1.0 + y[1] * y[1]) }];
-    let settings = Settings { max_cost: 400_000, ..settings(13, Coupling::Plain) };
+    let settings = ExpectationSettings { max_cost: 400_000, ..settings(13, Coupling::Plain) };
     let result = expectation(&sexp, &problem, &bounded, 0.02, &settings, &|_| ()).unwrap();
     let failed: u64 = result.levels.iter().map(|level| level.failed).sum();
     assert!(failed > 0);
@@ -592,7 +617,7 @@ fn coupling_by_areas_has_no_bias() {
 fn bad_requests_are_refused_and_name_the_value() {
     let problem = body();
     let good = settings(14, Coupling::Antithetic);
-    let refuse = |accuracy: f64, observables: &[Observable<3>], settings: Settings| {
+    let refuse = |accuracy: f64, observables: &[Observable<3>], settings: ExpectationSettings| {
         let error =
             expectation(&Sexp::default(), &problem, observables, accuracy, &settings, &|_| ())
                 .unwrap_err();
@@ -608,38 +633,36 @@ fn bad_requests_are_refused_and_name_the_value() {
         assert_eq!(std::mem::discriminant(&error), std::mem::discriminant(&plain), "{plain}");
         error
     };
-    for accuracy in [0.0, -1.0, f64::INFINITY, f64::NAN] {
-        let error = refuse(accuracy, &COS_Y3, good);
-        assert!(matches!(error, MultilevelError::Accuracy { .. }));
-        assert!(error.to_string().contains(&format!("got {accuracy}")), "{error}");
+    let setting = |accuracy: f64, settings: ExpectationSettings| {
+        let error = refuse(accuracy, &COS_Y3, settings);
+        let MultilevelError::Setting { name, value, .. } = error else { panic!("{error}") };
+        assert!(error.to_string().contains(&format!("got {value}")), "{error}");
+        (name, value)
+    };
+    for accuracy in [0.0, -1.0, f64::INFINITY] {
+        assert_eq!(setting(accuracy, good), ("accuracy", accuracy));
     }
+    assert!(setting(f64::NAN, good).1.is_nan());
     assert_eq!(refuse(0.1, &[], good), MultilevelError::NoObservable);
-    let experiment = 1 << 40;
-    let key = StreamKey { experiment, ..good.key };
-    assert_eq!(
-        refuse(0.1, &COS_Y3, Settings { key, ..good }),
-        MultilevelError::Experiment { experiment }
-    );
-    for steps in [0, u64::MAX] {
-        let error = refuse(0.1, &COS_Y3, Settings { coarsest_steps: steps, ..good });
-        assert_eq!(error, MultilevelError::CoarsestSteps { steps, at_most: 1 << 24 });
+    let key = StreamKey { experiment: 1 << 40, ..good.key };
+    let experiment = ExpectationSettings { key, ..good };
+    assert_eq!(setting(0.1, experiment), ("experiment number", 2f64.powi(40)));
+    for coarsest_steps in [0, u64::MAX] {
+        let settings = ExpectationSettings { coarsest_steps, ..good };
+        let name = "number of coarsest steps";
+        assert_eq!(setting(0.1, settings), (name, coarsest_steps as f64));
     }
-    let weak_order = -1.0;
-    assert_eq!(
-        refuse(0.1, &COS_Y3, Settings { weak_order, ..good }),
-        MultilevelError::WeakOrder { weak_order }
-    );
-    assert_eq!(
-        refuse(0.1, &COS_Y3, Settings { pilot: 127, ..good }),
-        MultilevelError::Pilot { pilot: 127, at_least: 128 }
-    );
+    let order = ExpectationSettings { weak_order: -1.0, ..good };
+    assert_eq!(setting(0.1, order), ("weak order", -1.0));
+    let pilot = ExpectationSettings { pilot: 127, ..good };
+    assert_eq!(setting(0.1, pilot), ("number of pilot paths", 127.0));
     for max_level in [0, 1, 25] {
-        let error = refuse(0.1, &COS_Y3, Settings { max_level, ..good });
-        assert_eq!(error, MultilevelError::MaxLevel { max_level, at_least: 2, at_most: 24 });
+        let settings = ExpectationSettings { max_level, ..good };
+        assert_eq!(setting(0.1, settings), ("finest level", max_level as f64));
     }
     // One step on [0, 1] cannot be truncated.
     assert_eq!(
-        refuse(0.1, &COS_Y3, Settings { coarsest_steps: 1, ..good }),
+        refuse(0.1, &COS_Y3, ExpectationSettings { coarsest_steps: 1, ..good }),
         MultilevelError::Ladder(LadderError::Noise(NoiseError::StepOutsideUnitInterval {
             tau: 1.0
         }))

@@ -5,6 +5,7 @@ use mc::{
     write_csv, write_json,
 };
 use noise::{StreamKey, Truncation};
+use nonlin::{Method, Solver};
 use schemes::{EulerMaruyama, Sexp, SexpLevy};
 use systems::{Cosine, Damping, PoissonSystem, Problem, RigidBody, SpinChain};
 
@@ -262,6 +263,25 @@ fn invariants_that_share_a_name_are_numbered() {
     assert_eq!(names, ["C1", "C1 defect", "C2", "C2 defect"]);
     // The second spin is zero and stays so: there is no relative defect, and none is needed.
     assert_eq!(table.column("C2 defect").unwrap(), [0.0; 17]);
+}
+
+/// Matrices in 300 dimensions do not fit the stacks of rayon's threads.
+#[test]
+fn a_hundred_spins_run_on_the_usual_threads() {
+    let chain = SpinChain::<300>::new(0.9, 0.4, 0.7).unwrap();
+    let y0 = std::array::from_fn(|i| [0.6, 0.0, 0.8][(i + i / 3) % 3]);
+    let problem = Problem::new(chain, Cosine::new(0.5, 2.0).unwrap(), y0, 0.125).unwrap();
+    let newton = Sexp { solver: Solver::new(Method::Newton) };
+    for (scheme, steps) in [(&Sexp::default(), 8), (&newton, 1)] {
+        let paths = Simulation::new(&problem, scheme, k4()).paths(steps, KEY, 0..2).unwrap();
+        let alone = trajectory(&problem, scheme, steps, k4(), KEY, 1).unwrap();
+        let last = alone.states[steps as usize];
+        for (i, column) in paths[1].columns[1..=300].iter().enumerate() {
+            assert_eq!(column.values.last(), Some(&last[i]));
+        }
+        let defects = paths[1].column("C100 defect").unwrap();
+        assert!(defects.iter().all(|defect| defect.abs() < 1e-14), "{defects:?}");
+    }
 }
 
 #[test]

@@ -73,7 +73,7 @@ impl<const D: usize> FixedPoint<D> for SineMap<D> {
     }
 }
 
-/// The same equation, which prefers Newton's method and so begins with its long first sweep.
+/// The same equation for Newton's method, which then begins with its long first sweep.
 #[derive(Clone, Copy, Debug)]
 pub struct PrefersNewton<E>(pub E);
 
@@ -93,6 +93,7 @@ impl<E: FixedPoint<D>, const D: usize> FixedPoint<D> for PrefersNewton<E> {
 }
 
 /// One equation for each path.
+#[derive(Clone, Copy)]
 pub struct Equations<E>(pub [E; WIDTH]);
 
 impl<E: FixedPoint<D>, const D: usize> BlockFixedPoint<D> for Equations<E> {

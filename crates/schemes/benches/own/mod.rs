@@ -2,7 +2,7 @@
 //! beside the tuned system.
 
 use real::Real;
-use systems::PoissonSystem;
+use systems::{ImplicitStep, PoissonSystem};
 
 /// 1/Iᵢ and 1/Îᵢ of the paper's body.
 const DRIFT: [f64; 3] = [0.5, 1.0, 1.5];
@@ -34,11 +34,11 @@ impl PoissonSystem<3, 3> for TwoFormulas {
     }
 }
 
-/// With the gradient, its average, and the word that the field is short.
+/// With the gradient and its average as closed forms, and the first sweep written out.
 pub struct TwentyLines;
 
 impl PoissonSystem<3, 3> for TwentyLines {
-    const SHORT_FIELD: bool = true;
+    const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
     fn name(&self) -> &'static str {
         "twenty lines"
     }

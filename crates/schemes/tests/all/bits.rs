@@ -2,7 +2,8 @@
 //! of instructions, whether a path is easy, needs the robust method or cannot be solved.
 
 use crate::common::{Numbers, Plain, Visit, body, every_system, populations_2};
-use noise::{AreaBlock, StreamKey, Truncation, WienerBlock, clip};
+use crate::own_schemes::{ConformalMidpoint, EulerWithAreas};
+use noise::{BlockNoise, StreamKey, Truncation, WienerBlock, clip};
 use nonlin::{BlockStatus, Method, Outcome, Solver};
 use real::{Block, Level, WIDTH, limit_to};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step};
@@ -38,30 +39,29 @@ impl SideBySide {
         let (bound, area_bound) =
             (truncation.bound(TAU).unwrap(), truncation.area_bound(TAU).unwrap());
         let mut numbers = Numbers(3);
-        let mut areas = AreaBlock::zero();
-        let mut noise = WienerBlock::<M>::new(key, 0);
+        let mut wiener = WienerBlock::<M>::new(key, 0);
         let mut block = Block::splat(y0);
         // A path that is no number from the start must not disturb the others.
         block.0[D - 1][13] = f64::NAN;
         let mut paths: Vec<[f64; D]> = (0..WIDTH).map(|p| block.path(p)).collect();
-        let (mut dw, mut clipped) = (Block::zero(), Block::zero());
+        let (mut dw, mut noise) = (Block::zero(), BlockNoise::zero());
         let mut status = BlockStatus::explicit();
         for n in 0..STEPS {
             let step = Step::new(&damping, n, TAU).unwrap();
-            noise.increments(TAU.sqrt(), &mut dw);
-            clip(&dw, bound, &mut clipped);
+            wiener.increments(TAU.sqrt(), &mut dw);
+            clip(&dw, bound, &mut noise.increments);
             // Some increments are far larger than truncation allows, so that the robust method has
             // work.
             for p in [4, 21] {
-                clipped.set_path(p, clipped.path(p).map(|x| 8.0 * x));
+                noise.increments.set_path(p, noise.increments.path(p).map(|x| 8.0 * x));
             }
             for p in 0..WIDTH {
-                areas.set_path(p, [(); M].map(|()| [(); M].map(|()| area_bound * numbers.next())));
+                let areas = [(); M].map(|()| [(); M].map(|()| area_bound * numbers.next()));
+                noise.areas.set_path(p, areas);
             }
-            scheme.step_block(system, &step, &clipped, &areas, &mut block, &mut status);
+            scheme.step_block(system, &step, &noise, &mut block, &mut status);
             for p in 0..WIDTH {
-                let single =
-                    scheme.step_with_areas(system, &step, clipped.path(p), areas.path(p), paths[p]);
+                let single = scheme.step(system, &step, &noise.path(p), paths[p]);
                 let place = || {
                     format!(
                         "{} of {} at {:?}, step {n}, path {p}",
@@ -122,9 +122,12 @@ fn a_block_is_its_paths_at_every_level() {
             let mut levy = SexpLevy::new(&body, y0);
             levy.solver = solver;
             side_by_side.compare(&levy, &body, y0);
+            // Somebody else's formula goes through the same kernel.
+            side_by_side.compare(&ConformalMidpoint { solver }, &body, y0);
             // The same without closed forms: commutators and gradients by dual numbers.
             side_by_side.compare(&levy, &Plain(body), y0);
         }
+        side_by_side.compare(&EulerWithAreas, &body(), [0.6, 0.0, 0.8]);
         seen.push(side_by_side.ways);
     }
     let [fast, robust, failed] = seen[0];

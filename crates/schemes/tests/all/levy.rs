@@ -5,7 +5,7 @@ use crate::common::{
     Numbers, Visit, any_damping, any_increments, any_state, any_step, conformal_defect,
     every_system, spins,
 };
-use noise::Truncation;
+use noise::{Noise, Truncation};
 use nonlin::{Method, Outcome, Solver};
 use real::Real;
 use schemes::{Scheme, Sexp, SexpLevy, Step};
@@ -52,7 +52,7 @@ impl Visit for KeepsCasimirs {
             let dw = any_increments(&mut numbers, step.tau);
             let areas = any_areas(&mut numbers, step.tau);
             let y = any_state(&mut numbers, system, y0);
-            let solution = levy.step_with_areas(system, &step, dw, areas, y);
+            let solution = levy.step(system, &step, &Noise { increments: dw, areas }, y);
             if let Outcome::Failed { .. } = solution.outcome {
                 unsolved += 1;
                 continue;
@@ -97,7 +97,7 @@ impl Visit for NothingToAdd {
             let areas = any_areas(&mut numbers, step.tau);
             let y = any_state(&mut numbers, system, y0);
             let without = Sexp::default().step(system, &step, &Noise::increments(dw), y).z;
-            let with = levy.step_with_areas(system, &step, dw, areas, y).z;
+            let with = levy.step(system, &step, &Noise { increments: dw, areas }, y).z;
             assert_eq!(
                 levy.step(system, &step, &Noise::increments(dw), y).z,
                 without,
@@ -142,11 +142,11 @@ fn a_small_loop_of_the_noise_turns_about_the_third_axis() {
     for h in [0.1, 0.05] {
         let y0 = [0.6, 0.0, 0.8];
         let mut round = y0;
-        for piece in [[h, 0.0], [0.0, h], [-h, 0.0], [0.0, -h]] {
-            round = sexp.step(&Rotations, &step, &Noise::increments(piece), round).z;
+        for side in [[h, 0.0], [0.0, h], [-h, 0.0], [0.0, -h]] {
+            round = sexp.step(&Rotations, &step, &Noise::increments(side), round).z;
         }
         let areas = [[0.0, h * h], [-h * h, 0.0]];
-        let at_once = levy.step_with_areas(&Rotations, &step, [0.0; 2], areas, y0).z;
+        let at_once = levy.step(&Rotations, &step, &Noise { increments: [0.0; 2], areas }, y0).z;
         // Terms of order h³ and on are left out: half of them for each of the four corners is less
         // than 4h³.
         let distance =

@@ -8,4 +8,5 @@ mod conformal;
 mod levy;
 mod order;
 mod overflow;
+mod own_schemes;
 mod sweeps;

@@ -2,6 +2,7 @@
 //! every system; and damping at the wrong time has order one.
 
 use crate::common::{Visit, body, every_system};
+use noise::Noise;
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, Step};
 use systems::{Damping, PoissonSystem, Sine, ito_correction, vector_field};
 

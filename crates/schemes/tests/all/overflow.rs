@@ -1,6 +1,7 @@
 //! A state that leaves the numbers in the second half of the damping is no solution, though the
 //! equation was solved.
 
+use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Outcome};
 use real::{Block, Real};
 use schemes::{Scheme, Sexp, SexpLevy, Step};
@@ -46,7 +47,8 @@ fn overflow_in_the_second_half_is_a_failure() {
             let mut block = Block::splat([1e-20, 1e-20]);
             block.set_path(7, large);
             let mut status = BlockStatus::explicit();
-            scheme.step_block(&Still, step, &Block::splat([0.1]), &mut block, &mut status);
+            let noise = BlockNoise::increments(Block::splat([0.1]));
+            scheme.step_block(&Still, step, &noise, &mut block, &mut status);
             assert_eq!(
                 status.failed.paths().collect::<Vec<_>>(),
                 if fails { vec![7] } else { vec![] },

@@ -11,11 +11,13 @@
 //! above what they are.
 
 use crate::common::{Visit, body, exact_systems, spins};
-use noise::{AreaMethod, AreaPath, StreamKey, Truncation, WienerPath, strong_order_one_error};
+use noise::{
+    AreaMethod, AreaPath, Noise, StreamKey, Truncation, WienerPath, strong_order_one_error,
+};
 use nonlin::{Outcome, Solver};
 use real::WIDTH;
 use schemes::{Midpoint, Scheme, Sexp, SexpLevy, Step};
-use systems::{Cosine, PoissonSystem, vector_field};
+use systems::{Cosine, ImplicitStep, PoissonSystem, vector_field};
 
 /// Evaluations of ψ in the first sweep and in each later one, as `nonlin::Method::FixedPoint` says.
 const FIRST: u32 = 11;
@@ -128,8 +130,8 @@ fn count<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
                 let decay = if rule == Rule::Midpoint { 1.0 } else { step.first_decay };
                 let start = y.map(|x| decay * x);
                 let allowed = derived(start, |z| map(rule, (system, step), (dw, areas), start, z));
-                let solution =
-                    scheme.step_with_areas(system, step, dw.map(|w| stretch * w), areas, y);
+                let noise = Noise { increments: dw.map(|w| stretch * w), areas };
+                let solution = scheme.step(system, step, &noise, y);
                 let sweeps = match solution.outcome {
                     Outcome::Fast { iterations } => {
                         count.most = count.most.max(iterations);
@@ -172,10 +174,8 @@ const PINNED: [(&str, usize, f64, u32); 7] = [
 /// from a cycle of roundings costs 55 sweeps, so that four of them on 2048 blocks add a tenth to
 /// the mean.
 const PINNED_SMALL: (f64, u32) = (1.15, 2);
-/// Of `sexp` on systems that solve short steps themselves: no step is too long for them, but one of
-/// the 65 536 for Lotka–Volterra with exponents 2.
-const PINNED_OWN: [(&str, f64, u32); 3] =
-    [("pendulum", 1.0, 1), ("poisson3", 1.0, 1), ("lotka-volterra", 1.0 + 1.5 / 2048.0, 2)];
+/// Of `sexp` on systems that predict its solutions: every prediction is accepted.
+const PINNED_PREDICTED: (f64, u32) = (1.0, 1);
 
 /// Steps beyond their derived bound, where changes of the size of round-off do not shrink: at most
 /// 15 of the 65 536.
@@ -244,20 +244,19 @@ impl Visit for Guard {
         let pinned = PINNED.iter().find(|&&(system, noises, ..)| system == name && noises == M);
         let &(_, _, block_mean, most) =
             pinned.unwrap_or_else(|| panic!("{name} is not in the table"));
+        let predicted = S::IMPLICIT_STEP == ImplicitStep::Predicted;
+        let newton = predicted || S::IMPLICIT_STEP == ImplicitStep::Newton;
         let levy = SexpLevy::new(system, y0);
         for (exponent, pinned) in [(8, (block_mean, most)), (12, PINNED_SMALL)] {
             let sexp = count(&Sexp::default(), Rule::Sexp, system, y0, (exponent, 1.0));
-            let own =
-                PINNED_OWN.iter().find(|&&(system, ..)| S::SOLVES_SHORT_STEPS && system == name);
-            assert_eq!(own.is_some(), S::SOLVES_SHORT_STEPS, "{name} is not in the table");
-            let pinned_sexp = own.map_or(pinned, |&(_, block_mean, most)| (block_mean, most));
-            self.check((name, S::PREFERS_NEWTON), "sexp", exponent, pinned_sexp, &sexp);
+            let pinned_sexp = if predicted { PINNED_PREDICTED } else { pinned };
+            self.check((name, newton), "sexp", exponent, pinned_sexp, &sexp);
             if Scheme::<S, D, M>::reads_areas(&levy) {
                 let levy = count(&levy, Rule::Levy, system, y0, (exponent, 1.0));
-                self.check((name, S::PREFERS_NEWTON), "sexp-levy", exponent, pinned, &levy);
+                self.check((name, newton), "sexp-levy", exponent, pinned, &levy);
             }
             let midpoint = count(&Midpoint::default(), Rule::Midpoint, system, y0, (exponent, 1.0));
-            self.check((name, S::PREFERS_NEWTON), "midpoint", exponent, pinned, &midpoint);
+            self.check((name, newton), "midpoint", exponent, pinned, &midpoint);
         }
     }
 }

@@ -1,45 +1,45 @@
 //! Dense linear algebra for matrices of the size of a system.
 
 /// A matrix by rows.
-pub(super) type Matrix = Vec<Vec<f64>>;
+pub type Matrix = Vec<Vec<f64>>;
 
 /// The unit vector e_i of length n.
-pub(super) fn axis(n: usize, i: usize) -> Vec<f64> {
+pub fn axis(n: usize, i: usize) -> Vec<f64> {
     let mut axis = vec![0.0; n];
     axis[i] = 1.0;
     axis
 }
 
-pub(super) fn transposed(a: &Matrix) -> Matrix {
+pub fn transposed(a: &Matrix) -> Matrix {
     (0..a.len()).map(|i| a.iter().map(|row| row[i]).collect()).collect()
 }
 
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// ‖a‖₂.
-pub(super) fn norm(a: &[f64]) -> f64 {
+pub fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
 /// max |aᵢ|; NaN if one of them is.
-pub(super) fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
+pub fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
     values.into_iter().map(|x| x.abs()).max_by(f64::total_cmp).unwrap_or(0.0)
 }
 
-pub(super) fn times(matrix: &Matrix, v: &[f64]) -> Vec<f64> {
+pub fn times(matrix: &Matrix, v: &[f64]) -> Vec<f64> {
     matrix.iter().map(|row| dot(row, v)).collect()
 }
 
 /// AᵀA.
-pub(super) fn gram(a: &Matrix) -> Matrix {
+pub fn gram(a: &Matrix) -> Matrix {
     let n = a.first().map_or(0, Vec::len);
     (0..n).map(|i| (0..n).map(|j| a.iter().map(|row| row[i] * row[j]).sum()).collect()).collect()
 }
 
 /// ‖A‖₂.
-pub(super) fn spectral_norm(a: &Matrix) -> f64 {
+pub fn spectral_norm(a: &Matrix) -> f64 {
     eigenvalues(gram(a)).last().map_or(0.0, |&square| square.max(0.0).sqrt())
 }
 
@@ -47,7 +47,7 @@ pub(super) fn spectral_norm(a: &Matrix) -> f64 {
 const SWEEPS: usize = 30;
 
 /// The eigenvalues of a symmetric matrix in ascending order, by Jacobi's rotations.
-pub(super) fn eigenvalues(mut a: Matrix) -> Vec<f64> {
+pub fn eigenvalues(mut a: Matrix) -> Vec<f64> {
     let n = a.len();
     for _ in 0..SWEEPS {
         let off: f64 = (0..n).map(|i| (0..i).map(|j| a[i][j] * a[i][j]).sum::<f64>()).sum();
@@ -85,7 +85,7 @@ const RANK: f64 = 1e-9;
 
 /// A basis of {x : Ax = 0}, each vector with a 1 where all others have a 0. Gauss–Jordan with
 /// complete pivoting.
-pub(super) fn null_space(mut rows: Matrix, unknowns: usize) -> Matrix {
+pub fn null_space(mut rows: Matrix, unknowns: usize) -> Matrix {
     let mut pivots: Vec<usize> = Vec::new();
     let mut first = 0.0;
     while pivots.len() < rows.len().min(unknowns) {

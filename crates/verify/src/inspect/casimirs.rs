@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::algebra::{Matrix, dot, eigenvalues, largest, null_space, times};
-use super::erased::ErasedSystem;
+use super::erased::System;
 use super::finding::Finding;
 use super::function::Minimum;
 use super::points::Points;
@@ -22,12 +22,7 @@ pub struct FoundCasimir {
 }
 
 impl FoundCasimir {
-    fn new(
-        degree: u32,
-        coefficients: Vec<f64>,
-        system: &dyn ErasedSystem,
-        points: &Points,
-    ) -> Self {
+    fn new(degree: u32, coefficients: Vec<f64>, system: &dyn System, points: &Points) -> Self {
         let d = system.dimension();
         let minimum = if degree == 2 && points.everywhere {
             Minimum::of_form(square(&coefficients, d))
@@ -44,7 +39,7 @@ impl FoundCasimir {
     }
 
     /// Whether B∇C = 0 to the accuracy of the coefficients.
-    fn holds(&self, system: &dyn ErasedSystem, points: &[Vec<f64>]) -> bool {
+    fn holds(&self, system: &dyn System, points: &[Vec<f64>]) -> bool {
         let mut casimir = Finding::default();
         for y in points {
             let (b, gradient) = (system.matrix(y), gradient(self.degree, &self.coefficients, y));
@@ -115,7 +110,7 @@ const ACCURACY: f64 = 1e-9;
 impl Casimirs {
     /// Solves B(y)∇C(y) = 0 for the coefficients of C at half of the points, and checks it at the
     /// other half.
-    pub(super) fn of(system: &dyn ErasedSystem, points: &Points) -> Self {
+    pub(super) fn of(system: &dyn System, points: &Points) -> Self {
         let d = system.dimension();
         let (solve, check) = points.for_identities.split_at(points.for_identities.len() / 2);
         let rows: Vec<(&Vec<f64>, Vec<f64>)> = solve

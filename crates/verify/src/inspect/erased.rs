@@ -7,14 +7,14 @@ use systems::{Invariant, PoissonSystem, vector_field_derivative};
 use super::algebra::{Matrix, axis, transposed};
 
 /// A scalar function of y with its derivatives.
-pub(super) trait Function {
+pub trait Function {
     fn value(&self, y: &[f64]) -> f64;
     fn gradient(&self, y: &[f64]) -> Vec<f64>;
     fn hessian(&self, y: &[f64]) -> Matrix;
 }
 
 /// What the checks need of a system. `weights` are (dt, dw₁, …, dw_M).
-pub(super) trait ErasedSystem {
+pub trait System {
     fn name(&self) -> &'static str;
     fn dimension(&self) -> usize;
     fn noises(&self) -> usize;
@@ -40,38 +40,38 @@ pub(super) trait ErasedSystem {
     fn invariant(&self, index: usize) -> Box<dyn Function + '_>;
 }
 
-impl dyn ErasedSystem + '_ {
+impl dyn System + '_ {
     /// The weights with h = H₀ (m = 0) or h = Hₘ.
-    pub(super) fn weights(&self, m: usize) -> Vec<f64> {
+    pub fn weights(&self, m: usize) -> Vec<f64> {
         axis(self.noises() + 1, m)
     }
 
     /// Hₘ.
-    pub(super) fn hamiltonian(&self, m: usize) -> Box<dyn Function + '_> {
+    pub fn hamiltonian(&self, m: usize) -> Box<dyn Function + '_> {
         self.energy(&self.weights(m))
     }
 
     /// B∇h.
-    pub(super) fn field(&self, y: &[f64], weights: &[f64]) -> Vec<f64> {
+    pub fn field(&self, y: &[f64], weights: &[f64]) -> Vec<f64> {
         self.structure(y, &self.gradient(y, weights))
     }
 
     /// The matrix B(y).
-    pub(super) fn matrix(&self, y: &[f64]) -> Matrix {
+    pub fn matrix(&self, y: &[f64]) -> Matrix {
         let d = self.dimension();
         transposed(&(0..d).map(|j| self.structure(y, &axis(d, j))).collect())
     }
 
     /// The matrices ∂B(y)/∂y_l.
-    pub(super) fn matrix_derivatives(&self, y: &[f64]) -> Vec<Matrix> {
+    pub fn matrix_derivatives(&self, y: &[f64]) -> Vec<Matrix> {
         let d = self.dimension();
         let column = |l: usize, j: usize| self.structure_derivative(y, l, &axis(d, j));
         (0..d).map(|l| transposed(&(0..d).map(|j| column(l, j)).collect())).collect()
     }
 }
 
-/// A system as an [`ErasedSystem`].
-pub(super) struct Erased<'a, S, const D: usize, const M: usize>(pub(super) &'a S);
+/// A [`System`] from a [`PoissonSystem`].
+pub struct Erased<'a, S, const D: usize, const M: usize>(pub(super) &'a S);
 
 /// The slice as an array; every caller passes a slice of length N.
 fn array<const N: usize>(slice: &[f64]) -> [f64; N] {
@@ -128,7 +128,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Function
     }
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ErasedSystem for Erased<'_, S, D, M> {
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Erased<'_, S, D, M> {
     fn name(&self) -> &'static str {
         self.0.name()
     }

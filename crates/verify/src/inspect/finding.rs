@@ -5,7 +5,7 @@ use serde::Serialize;
 /// Threshold of a relative defect: an identity holds if no defect is larger. The user's formula may
 /// lose 2¹² roundings; a mistake is larger by ten orders of magnitude, unless it is in the twelfth
 /// digit of a constant.
-pub(super) const ROUND_OFF: f64 = 4096.0 * f64::EPSILON;
+pub const ROUND_OFF: f64 = 4096.0 * f64::EPSILON;
 
 /// Whether an identity holds to round-off, and its largest defect.
 #[derive(Clone, Debug, PartialEq, Serialize)]

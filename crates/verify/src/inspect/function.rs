@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use super::algebra::{Matrix, dot, eigenvalues, largest, norm};
-use super::erased::{ErasedSystem, Function};
+use super::erased::{Function, System};
 use super::finding::{Finding, ROUND_OFF};
 use super::points::Points;
 
@@ -60,7 +60,7 @@ pub struct Minimum {
 }
 
 impl Shape {
-    pub(super) fn of(f: &dyn Function, system: &dyn ErasedSystem, points: &Points) -> Self {
+    pub(super) fn of(f: &dyn Function, system: &dyn System, points: &Points) -> Self {
         let [first, others @ ..] = points.for_identities.as_slice() else {
             unreachable!("an inspection has points")
         };
@@ -138,7 +138,7 @@ impl Minimum {
     /// none helps.
     pub(super) fn by_search(
         f: &dyn Fn(&[f64]) -> f64,
-        system: &dyn ErasedSystem,
+        system: &dyn System,
         points: &Points,
     ) -> Self {
         let on_sphere = |y: &[f64]| {

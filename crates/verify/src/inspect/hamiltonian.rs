@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::algebra::{dot, largest, norm, times};
-use super::erased::ErasedSystem;
+use super::erased::System;
 use super::finding::Finding;
 use super::function::Shape;
 use super::points::{Points, Random};
@@ -38,7 +38,7 @@ const APART: f64 = 0.1;
 const PREDICTED_STEPS: [f64; 4] = [1e-3, 0.01, 0.1, 0.5];
 
 impl Hamiltonians {
-    pub(super) fn of(system: &dyn ErasedSystem, points: &Points) -> Self {
+    pub(super) fn of(system: &dyn System, points: &Points) -> Self {
         let shape = |m| Shape::of(&*system.hamiltonian(m), system, points);
         let shapes = (0..=system.noises()).map(shape).collect();
         let noise_size = noise_size(system, points);
@@ -60,7 +60,7 @@ impl Hamiltonians {
         found
     }
 
-    fn check_energy(&mut self, system: &dyn ErasedSystem, weights: &[f64], y: &[f64]) {
+    fn check_energy(&mut self, system: &dyn System, weights: &[f64], y: &[f64]) {
         let (mut sum, mut size) = (0.0, 0.0);
         for (m, weight) in weights.iter().enumerate() {
             let hamiltonian = system.hamiltonian(m);
@@ -77,7 +77,7 @@ impl Hamiltonians {
         self.averaged_gradient.compare(&averaged, &exact, size, y);
     }
 
-    fn check_averages(&mut self, system: &dyn ErasedSystem, weights: &[f64], a: &[f64], b: &[f64]) {
+    fn check_averages(&mut self, system: &dyn System, weights: &[f64], a: &[f64], b: &[f64]) {
         let mean = system.averaged_gradient(a, b, weights);
         let step: Vec<f64> = b.iter().zip(a).map(|(b, a)| b - a).collect();
         let energy = system.energy(weights);
@@ -92,7 +92,7 @@ impl Hamiltonians {
         self.averaged_field.compare(&given, &times(&structure, &mean), size, a);
     }
 
-    fn check_prediction(&mut self, system: &dyn ErasedSystem, weights: &[f64], a: &[f64]) {
+    fn check_prediction(&mut self, system: &dyn System, weights: &[f64], a: &[f64]) {
         let (b, bound) = system.predict(a, weights);
         if bound < f64::INFINITY {
             let field = system.averaged_field(a, &b, weights);
@@ -104,7 +104,7 @@ impl Hamiltonians {
 }
 
 /// c of H₁ = cH₀, up to a constant in H₁.
-fn noise_size(system: &dyn ErasedSystem, points: &Points) -> Option<f64> {
+fn noise_size(system: &dyn System, points: &Points) -> Option<f64> {
     if system.noises() != 1 {
         return None;
     }

@@ -4,7 +4,7 @@ use serde::Serialize;
 use systems::{Form, Invariant, InvariantKind};
 
 use super::algebra::{dot, largest, norm, times};
-use super::erased::ErasedSystem;
+use super::erased::System;
 use super::finding::Finding;
 use super::function::{Kind, Shape};
 use super::points::Points;
@@ -31,12 +31,12 @@ pub struct ClaimedInvariant {
 }
 
 impl ClaimedInvariant {
-    pub(super) fn all(system: &dyn ErasedSystem, points: &Points) -> Vec<Self> {
+    pub(super) fn all(system: &dyn System, points: &Points) -> Vec<Self> {
         let claims = system.invariants().into_iter().enumerate();
         claims.map(|(index, claim)| Self::of(index, claim, system, points)).collect()
     }
 
-    fn of(index: usize, claim: Invariant, system: &dyn ErasedSystem, points: &Points) -> Self {
+    fn of(index: usize, claim: Invariant, system: &dyn System, points: &Points) -> Self {
         let f = system.invariant(index);
         let (mut casimir, mut conserved) = (Finding::default(), Finding::default());
         let mut not_finite = None;

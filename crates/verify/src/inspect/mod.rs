@@ -50,7 +50,7 @@ mod theory;
 use systems::{Damping, PoissonSystem, Problem};
 
 use algebra::norm;
-use erased::{Erased, ErasedSystem};
+use erased::{Erased, System};
 use points::Points;
 
 pub use casimirs::{Casimirs, FoundCasimir};
@@ -113,7 +113,7 @@ where
     Ok(report.with_mistakes())
 }
 
-fn check_finite(system: &dyn ErasedSystem, points: &Points) -> Result<(), InspectError> {
+fn check_finite(system: &dyn System, points: &Points) -> Result<(), InspectError> {
     let ones = vec![1.0; system.noises() + 1];
     let energy = system.energy(&ones);
     for y in &points.for_suprema {

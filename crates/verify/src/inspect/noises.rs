@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::algebra::{Matrix, axis, norm};
-use super::erased::ErasedSystem;
+use super::erased::System;
 use super::finding::Finding;
 use super::points::{Points, Random};
 
@@ -19,7 +19,7 @@ pub struct Noises {
 }
 
 impl Noises {
-    pub(super) fn of(system: &dyn ErasedSystem, points: &Points) -> Self {
+    pub(super) fn of(system: &dyn System, points: &Points) -> Self {
         let (noises, d) = (system.noises(), system.dimension());
         let mut found = Self::default();
         let mut random = Random::new();

@@ -4,7 +4,7 @@ use noise::{StreamKey, WienerPath};
 use serde::Serialize;
 
 use super::algebra::norm;
-use super::erased::ErasedSystem;
+use super::erased::System;
 use super::error::InspectError;
 
 /// The region of the points of an inspection.
@@ -18,14 +18,14 @@ pub enum Region {
 }
 
 /// Points of a region in the domain of the system.
-pub(super) struct Points {
-    pub(super) region: Region,
+pub struct Points {
+    pub region: Region,
     /// The first points, where identities are checked.
-    pub(super) for_identities: Vec<Vec<f64>>,
+    pub for_identities: Vec<Vec<f64>>,
     /// All points, over which suprema are taken.
-    pub(super) for_suprema: Vec<Vec<f64>>,
+    pub for_suprema: Vec<Vec<f64>>,
     /// Whether every point that was tried is in the domain.
-    pub(super) everywhere: bool,
+    pub everywhere: bool,
 }
 
 /// Number of points for suprema.
@@ -37,7 +37,7 @@ const IDENTITIES: usize = 24;
 const TRIES: usize = 64;
 
 /// Random numbers, the same in every run.
-pub(super) struct Random {
+pub struct Random {
     normals: WienerPath<1>,
     drawn: u64,
 }
@@ -45,12 +45,12 @@ pub(super) struct Random {
 const KEY: StreamKey = StreamKey { seed: 0x1257_ec71, experiment: 0 };
 
 impl Random {
-    pub(super) fn new() -> Self {
+    pub fn new() -> Self {
         Self { normals: WienerPath::new(KEY, 0), drawn: 0 }
     }
 
     /// Uniform in [−1, 1), from the seeds of paths, which are mixed words.
-    pub(super) fn uniform(&mut self) -> f64 {
+    pub fn uniform(&mut self) -> f64 {
         self.drawn += 1;
         (KEY.path_seed(self.drawn) >> 11) as f64 * f64::EPSILON - 1.0
     }
@@ -59,8 +59,8 @@ impl Random {
 impl Points {
     /// Random points of the region that are in the domain. Where the domain is a small part of the
     /// region, points with positive components follow, and then points near `start`.
-    pub(super) fn new(
-        system: &dyn ErasedSystem,
+    pub fn new(
+        system: &dyn System,
         region: Region,
         start: Option<&[f64]>,
     ) -> Result<Self, InspectError> {

@@ -4,7 +4,7 @@ use serde::Serialize;
 use systems::{Damping, Problem};
 
 use super::casimirs::{Casimirs, FoundCasimir};
-use super::erased::ErasedSystem;
+use super::erased::System;
 use super::finding::Finding;
 use super::function::Minimum;
 use super::hamiltonian::Hamiltonians;
@@ -44,7 +44,7 @@ impl Bound {
     }
 
     /// (F(y)/m(F))^{1/p}: the bound of undamped paths from y.
-    fn radius(&self, system: &dyn ErasedSystem, y: &[f64]) -> f64 {
+    fn radius(&self, system: &dyn System, y: &[f64]) -> f64 {
         let value = match &self.casimir {
             Some(casimir) => casimir.value(y),
             None => system.hamiltonian(0).value(y),
@@ -79,7 +79,7 @@ const JUMPS: u32 = PARTS / 64;
 impl ProblemFindings {
     pub(super) fn of<S, G: Damping, const D: usize>(
         problem: &Problem<S, G, D>,
-        system: &dyn ErasedSystem,
+        system: &dyn System,
         bound: Option<&Bound>,
     ) -> Self {
         let Problem { damping, y0, t_end, .. } = problem;

@@ -5,7 +5,7 @@ use std::fmt::{self, Display, Formatter};
 use serde::Serialize;
 
 use super::casimirs::Casimirs;
-use super::erased::ErasedSystem;
+use super::erased::System;
 use super::finding::Finding;
 use super::function::{Kind, Minimum, Shape};
 use super::hamiltonian::Hamiltonians;
@@ -65,7 +65,7 @@ const POOR_QUADRATURE: f64 = 1e-3;
 
 impl Inspection {
     /// The report on a system alone.
-    pub(super) fn of(system: &dyn ErasedSystem, points: &Points) -> Self {
+    pub(super) fn of(system: &dyn System, points: &Points) -> Self {
         let structure = Structure::of(system, points);
         let hamiltonians = Hamiltonians::of(system, points);
         let noise = Noises::of(system, points);

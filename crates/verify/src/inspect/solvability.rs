@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::algebra::{Matrix, norm, spectral_norm};
-use super::erased::ErasedSystem;
+use super::erased::System;
 use super::points::{Points, Region};
 
 /// The norms in the contraction constant of the implicit step of `sexp`,
@@ -27,7 +27,7 @@ pub struct Solvability {
 }
 
 impl Solvability {
-    pub(super) fn of(system: &dyn ErasedSystem, points: &Points) -> Self {
+    pub(super) fn of(system: &dyn System, points: &Points) -> Self {
         let supremum = |size: &dyn Fn(&[f64]) -> f64| {
             points.for_suprema.iter().map(|y| size(y)).fold(0.0, f64::max)
         };

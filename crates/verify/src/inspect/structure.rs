@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::algebra::{Matrix, largest, times};
-use super::erased::ErasedSystem;
+use super::erased::System;
 use super::finding::Finding;
 use super::points::{Points, Random};
 
@@ -22,7 +22,7 @@ pub struct Structure {
 }
 
 impl Structure {
-    pub(super) fn of(system: &dyn ErasedSystem, points: &Points) -> Self {
+    pub(super) fn of(system: &dyn System, points: &Points) -> Self {
         let mut found = Self::default();
         let d = system.dimension();
         let mut random = Random::new();
@@ -36,10 +36,10 @@ impl Structure {
             for i in 0..d {
                 for j in 0..=i {
                     found.skew.record(b[i][j] + b[j][i], size, y);
-                    for k in 0..j {
-                        let defect = jacobiator(&b, &derivatives, [i, j, k]);
-                        found.jacobi.record(defect, size * slope * d as f64, y);
-                    }
+                }
+                for (j, k) in (0..i).flat_map(|j| (0..j).map(move |k| (j, k))) {
+                    let defect = jacobiator(&b, &derivatives, [i, j, k]);
+                    found.jacobi.record(defect, size * slope * d as f64, y);
                 }
             }
         }

@@ -49,7 +49,7 @@ pub struct ExpectedOrder {
 
 /// Orders of the schemes of this workspace. Strong order one takes Lévy areas where noises do not
 /// commute, and the terms ½ΔWₘΔW_l fₘ′f_l, which `em` leaves out, where they are not zero.
-pub(super) fn orders(noises: &Noises) -> Vec<ExpectedOrder> {
+pub fn orders(noises: &Noises) -> Vec<ExpectedOrder> {
     let one_if = |condition| if condition { 1.0 } else { 0.5 };
     let without_areas = one_if(noises.commute.holds);
     let orders = [
@@ -63,7 +63,7 @@ pub(super) fn orders(noises: &Noises) -> Vec<ExpectedOrder> {
 }
 
 /// The statements of the paper for a system with these properties.
-pub(super) fn theorems(
+pub fn theorems(
     structure: &Structure,
     hamiltonians: &Hamiltonians,
     casimirs: &Casimirs,
@@ -131,17 +131,17 @@ pub(super) fn theorems(
     let theorems = [
         (
             "exact-conformal",
-            "homogeneous Casimirs, and with one noise the energy, obey exp(−p∫γ)",
+            "homogeneous Casimirs (one noise: and the energy) obey exp(−p∫γ)",
             conformal,
         ),
         (
             "conformal-casimir",
-            "sexp keeps linear and quadratic Casimirs on their law at any step size",
+            "sexp keeps linear and quadratic Casimirs on their law for any τ",
             casimir,
         ),
         (
             "energy-balance",
-            "sexp keeps the energy of a one-noise system on its law at any step size",
+            "sexp keeps the energy of a one-noise system on its law for any τ",
             energy,
         ),
         ("moment-bound", "all paths stay in a known ball", bounded),

@@ -38,7 +38,7 @@ impl Skew {
 /// vanishes on the three axes, so L_t is degenerate there, and convergence in N is observed (the
 /// tests pin it), not proved. For the weak problem of the paper an error falls by a factor of 10 or
 /// more from N to N + 8, and more slowly for a start on an axis, where the law is a point mass.
-pub(super) struct Generator {
+pub struct Generator {
     z: Skew,
     v: Skew,
     /// Σ κ_j X_j = d₀Z + d₁V.
@@ -55,7 +55,7 @@ fn coefficients<const M: usize>(body: &RigidBody<M>) -> [[f64; 3]; 2] {
 
 /// A bound of ‖L_t‖ at the radius r for degree N: ‖X_j‖ ≤ (N + 1)/2 by Gershgorin's theorem for X₃
 /// and by symmetry for the others.
-pub(super) fn norm_bound<const M: usize>(body: &RigidBody<M>, degree: usize, r: f64) -> f64 {
+pub fn norm_bound<const M: usize>(body: &RigidBody<M>, degree: usize, r: f64) -> f64 {
     let size = 0.5 * (degree + 1) as f64;
     let [drift, squares] = coefficients(body);
     let drift: f64 = drift.iter().map(|k| k.abs()).sum();
@@ -64,7 +64,7 @@ pub(super) fn norm_bound<const M: usize>(body: &RigidBody<M>, degree: usize, r: 
 }
 
 impl Generator {
-    pub(super) fn new<const M: usize>(body: &RigidBody<M>, degree: usize) -> Self {
+    pub fn new<const M: usize>(body: &RigidBody<M>, degree: usize) -> Self {
         let (mut z, mut v) = (Vec::new(), Vec::new());
         for l in 0..degree {
             let n = l as i64;
@@ -96,7 +96,7 @@ impl Generator {
     }
 
     /// L_tᵀq at the radius r.
-    pub(super) fn transposed(&self, r: f64, q: &[f64]) -> Vec<f64> {
+    pub fn transposed(&self, r: f64, q: &[f64]) -> Vec<f64> {
         let (zq, vq) = (self.z.apply(q), self.v.apply(q));
         let [d0, d1] = self.drift.map(|d| d * r);
         let [s0, s1, s2] = self.squares.map(|s| 0.5 * r * r * s);

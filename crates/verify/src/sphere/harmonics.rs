@@ -1,12 +1,12 @@
 //! Real spherical harmonics.
 
 /// Position of (l, m), |m| ≤ l, in a vector of all harmonics.
-pub(super) fn index(l: usize, m: i64) -> usize {
+pub fn index(l: usize, m: i64) -> usize {
     ((l * (l + 1)) as i64 + m) as usize
 }
 
 /// √((l² − m²)/(4l² − 1)): u₃Y_{l−1,m} is this times Y_lm, plus a multiple of Y_{l−2,m}.
-pub(super) fn raising(l: usize, m: i64) -> f64 {
+pub fn raising(l: usize, m: i64) -> f64 {
     let square = (l * l) as f64;
     ((square - (m * m) as f64) / (4.0 * square - 1.0)).sqrt()
 }
@@ -17,7 +17,7 @@ pub(super) fn raising(l: usize, m: i64) -> f64 {
 ///
 /// Y_mm and then Y_lm for l > m by the recursions that u₁ + iu₂ and u₃ obey; Y_{l,−m} = (−1)ᵐ conj
 /// Y_lm.
-pub(super) fn harmonics(u: [f64; 3], degree: usize) -> Vec<f64> {
+pub fn harmonics(u: [f64; 3], degree: usize) -> Vec<f64> {
     // (Re + Im)(iˡ(x + iy)).
     let rotated = |l: usize, x: f64, y: f64| match l % 4 {
         0 => x + y,

@@ -1,10 +1,20 @@
 //! The moments of u at the final time.
 
+use real::elementary::exp;
 use systems::{Damping, Problem, RigidBody};
 
 use super::generator::{Generator, norm_bound};
 use super::harmonics::harmonics;
-use super::{norm, radius};
+
+/// |y|.
+pub fn norm(y: [f64; 3]) -> f64 {
+    (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]).sqrt()
+}
+
+/// r(t) = |y₀|e^{−Γ(t)}.
+pub fn radius<S, G: Damping>(problem: &Problem<S, G, 3>, t: f64) -> f64 {
+    norm(problem.y0) * exp(-problem.damping.integral(0.0, t))
+}
 
 /// Least degree for which [`steps`] is accurate and not only stable.
 const ACCURATE: usize = 64;
@@ -12,7 +22,7 @@ const ACCURATE: usize = 64;
 const SAMPLES: u32 = 256;
 
 /// Steps of the classical Runge–Kutta method, which is stable where Re λ ≤ 0 and |λ|h ≤ 2.6.
-pub(super) fn steps<G: Damping, const M: usize>(
+pub fn steps<G: Damping, const M: usize>(
     problem: &Problem<RigidBody<M>, G, 3>,
     degree: usize,
 ) -> u32 {
@@ -24,7 +34,7 @@ pub(super) fn steps<G: Damping, const M: usize>(
 
 /// The moments q = E[h_lm(u(T))], which solve q′ = L_tᵀq, q(0) = h(u₀), by the classical
 /// Runge–Kutta method.
-pub(super) fn moments<G: Damping, const M: usize>(
+pub fn moments<G: Damping, const M: usize>(
     problem: &Problem<RigidBody<M>, G, 3>,
     degree: usize,
     steps: u32,

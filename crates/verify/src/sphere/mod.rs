@@ -19,18 +19,18 @@ mod tests;
 
 use dgrad::Rule;
 use mc::Observable;
-use real::elementary::{exp, sin_cos_turn};
+use real::elementary::sin_cos_turn;
 use systems::{Damping, Problem, RigidBody};
 
 use harmonics::harmonics;
-use integration::{moments, steps};
+use integration::{moments, radius, steps};
 
 /// E[φ(y(T))] for every observable φ, with spherical harmonics up to `degree`.
 ///
 /// φ must be smooth: φ(r(T)u) is expanded up to degree 48, or `degree` if that is less. This is
 /// exact to round-off for polynomials of no higher degree and, with 48, for sines and cosines of a
-/// component if r(T) < 10. For the weak problem of the paper the error is 1e-8 with degree 32, 1e-12
-/// with 64 and round-off with 96. The work grows as the fourth power of the degree.
+/// component if r(T) < 10. For the weak problem of the paper the error is 1e-8 with degree 32,
+/// 1e-12 with 64 and round-off with 96. The work grows as the fourth power of the degree.
 #[must_use]
 pub fn rigid_body_expectations<G: Damping, const M: usize>(
     problem: &Problem<RigidBody<M>, G, 3>,
@@ -39,15 +39,6 @@ pub fn rigid_body_expectations<G: Damping, const M: usize>(
 ) -> Vec<f64> {
     let moments = moments(problem, degree, steps(problem, degree));
     means(&moments, degree, radius(problem, problem.t_end), observables)
-}
-
-/// r(t) = |y₀|e^{−Γ(t)}.
-fn radius<S, G: Damping>(problem: &Problem<S, G, 3>, t: f64) -> f64 {
-    norm(problem.y0) * exp(-problem.damping.integral(0.0, t))
-}
-
-fn norm(y: [f64; 3]) -> f64 {
-    (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]).sqrt()
 }
 
 /// The degree up to which φ(r(T)u) is expanded.

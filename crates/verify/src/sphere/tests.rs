@@ -2,14 +2,14 @@
 
 use super::generator::Generator;
 use super::harmonics::harmonics;
-use super::integration::{moments, steps};
+use super::integration::{moments, norm, steps};
 use super::*;
-use crate::paper::{
-    INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid, weak_observables,
-};
-use mc::{Ladder, Moments, Run, Statistic, View};
+use mc::{Ladder, Run, Statistic, View};
 use noise::{StreamKey, Truncation};
+use real::elementary::{cos, sin};
 use schemes::Sexp;
+use stats::Moments;
+use systems::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid};
 use systems::{Constant, Cosine, ito_correction, unit_noise, vector_field};
 
 fn paper_problem() -> Problem<RigidBody<3>, Cosine, 3> {
@@ -18,7 +18,21 @@ fn paper_problem() -> Problem<RigidBody<3>, Cosine, 3> {
 }
 
 fn observables() -> Vec<Observable<3>> {
-    weak_observables().into_iter().flat_map(|panel| panel.observables).collect()
+    let functions: [fn([f64; 3]) -> f64; 12] = [
+        |y| y[0],
+        |y| y[1],
+        |y| y[2],
+        |y| y[0] * y[0],
+        |y| y[1] * y[1],
+        |y| y[2] * y[2],
+        |y| cos(y[0]),
+        |y| cos(y[1]),
+        |y| cos(y[2]),
+        |y| sin(y[0]),
+        |y| sin(y[1]),
+        |y| sin(y[2]),
+    ];
+    functions.map(|function| Observable { name: "", function }).to_vec()
 }
 
 fn components() -> [Observable<3>; 3] {

@@ -4,6 +4,7 @@
 use std::cell::Cell;
 
 use dgrad::averaged;
+use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Method, Outcome, Solution, Solver};
 use proptest::array::uniform;
 use proptest::prelude::*;
@@ -13,7 +14,7 @@ use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step};
 use systems::{HamiltonianIncrement, PoissonSystem};
 
 use crate::damping::{Rate, any_rate};
-use crate::random::{Noise, any_noise, for_all, several, state};
+use crate::random::{Increments, any_noise, for_all, several, state};
 use crate::rounding::dot;
 use crate::structure::{Matrix, any_structure, skew, vector};
 
@@ -82,7 +83,8 @@ impl Ways {
         y: &Block<D>,
     ) -> TestCaseResult {
         let (mut block, mut status) = (*y, BlockStatus::explicit());
-        scheme.step_block(system, step, dw, &mut block, &mut status);
+        let noise = BlockNoise::increments(*dw);
+        scheme.step_block(system, step, &noise, &mut block, &mut status);
         for p in 0..WIDTH {
             let Solution { z, outcome } =
                 scheme.step(system, step, &Noise::increments(dw.path(p)), y.path(p));
@@ -107,7 +109,7 @@ impl Ways {
         for_all(
             BLOCKS,
             draws,
-            |(system, rate, states, noise): (S, Rate, [[f64; D]; WIDTH], Noise<M, WIDTH>)| {
+            |(system, rate, states, noise): (S, Rate, [[f64; D]; WIDTH], Increments<M, WIDTH>)| {
                 let step = Step::new(rate.damping().as_ref(), 7, noise.tau).unwrap();
                 let (mut y, mut dw) = (Block::zero(), Block::zero());
                 for p in 0..WIDTH {

@@ -3,6 +3,7 @@
 
 use std::cell::Cell;
 
+use noise::Noise;
 use nonlin::{Method, Solver};
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
@@ -13,7 +14,7 @@ use crate::damping::{Rate, any_rate};
 use crate::hamiltonian::MAX_DEGREE;
 use crate::law::{Conserved, MidpointMap, SexpMap, Transition, solver_leaves};
 use crate::random::{
-    Largest, Noise, OneNoise, Several, any_noise, for_all, one_noise, several, state,
+    Increments, Largest, OneNoise, Several, any_noise, for_all, one_noise, several, state,
 };
 use crate::rounding::Bounded;
 use crate::structure::{any_structure, with_casimir};
@@ -55,7 +56,7 @@ impl Tally {
         function: &F,
         method: Method,
         (rate, n): (Rate, u64),
-        noise: Noise<M, STEPS>,
+        noise: Increments<M, STEPS>,
         y0: [f64; D],
     ) -> TestCaseResult {
         let sexp = Sexp { solver: Solver::new(method) };
@@ -153,25 +154,29 @@ fn undamped_midpoint<const D: usize>() {
     const UNDAMPED: Rate = Rate::Constant(0.0);
     let (largest, unsolved) = (Largest::default(), Cell::new(0));
     let draws = (several(with_casimir()), any_method(), any_noise(), state());
-    for_all(CASES, draws, |(system, method, noise, y0): (Several<D, 2>, _, Noise<2, 1>, _)| {
-        let [dw] = noise.dw;
-        let step = Step::new(UNDAMPED.damping().as_ref(), 0, noise.tau).unwrap();
-        let solution = Midpoint { solver: Solver::new(method) }.step(
-            &system,
-            &step,
-            &Noise::increments(dw),
-            y0,
-        );
-        let transition = Transition { step, y0, y1: solution.z };
-        let map = MidpointMap(SexpMap { system: &system, tau: step.tau, dw, before: y0 });
-        let casimir = system.structure.base.casimir().unwrap();
-        let verdict = transition.judge(&casimir, &map, UNDAMPED, solver_leaves(method));
-        if !solution.outcome.converged() || !verdict.solved {
-            count(&unsolved);
-            return Ok(());
-        }
-        largest.check(verdict.defect, verdict.allowed)
-    });
+    for_all(
+        CASES,
+        draws,
+        |(system, method, noise, y0): (Several<D, 2>, _, Increments<2, 1>, _)| {
+            let [dw] = noise.dw;
+            let step = Step::new(UNDAMPED.damping().as_ref(), 0, noise.tau).unwrap();
+            let solution = Midpoint { solver: Solver::new(method) }.step(
+                &system,
+                &step,
+                &Noise::increments(dw),
+                y0,
+            );
+            let transition = Transition { step, y0, y1: solution.z };
+            let map = MidpointMap(SexpMap { system: &system, tau: step.tau, dw, before: y0 });
+            let casimir = system.structure.base.casimir().unwrap();
+            let verdict = transition.judge(&casimir, &map, UNDAMPED, solver_leaves(method));
+            if !solution.outcome.converged() || !verdict.solved {
+                count(&unsolved);
+                return Ok(());
+            }
+            largest.check(verdict.defect, verdict.allowed)
+        },
+    );
     println!("midpoint, D = {D}: {} of {CASES} steps unsolved", unsolved.get());
     assert!(f64::from(unsolved.get()) <= UNSOLVED * f64::from(CASES));
     largest.report(&format!("undamped midpoint, Casimir, D = {D}"), SHARP);

@@ -89,7 +89,7 @@ pub fn state<const D: usize>() -> impl Strategy<Value = [f64; D]> + Clone {
 
 /// τ and the increments of K steps.
 #[derive(Clone, Copy, Debug)]
-pub struct Noise<const M: usize, const K: usize> {
+pub struct Increments<const M: usize, const K: usize> {
     pub tau: f64,
     pub dw: [[f64; M]; K],
 }
@@ -99,24 +99,24 @@ pub struct Noise<const M: usize, const K: usize> {
 fn noise_between<const M: usize, const K: usize>(
     low: f64,
     high: f64,
-) -> impl Strategy<Value = Noise<M, K>> {
+) -> impl Strategy<Value = Increments<M, K>> {
     (low..high, 1..5u32, uniform(uniform(-1.25..1.25f64))).prop_map(
         |(exponent, k, shares): (f64, u32, [[f64; M]; K])| {
             let tau = 10f64.powf(exponent);
             let bound = Truncation::new(k).unwrap().bound(tau).unwrap();
-            Noise { tau, dw: shares.map(|share| share.map(|x| bound * x.clamp(-1.0, 1.0))) }
+            Increments { tau, dw: shares.map(|share| share.map(|x| bound * x.clamp(-1.0, 1.0))) }
         },
     )
 }
 
 /// τ from 10⁻⁶ to 0.9.
-pub fn any_noise<const M: usize, const K: usize>() -> impl Strategy<Value = Noise<M, K>> {
+pub fn any_noise<const M: usize, const K: usize>() -> impl Strategy<Value = Increments<M, K>> {
     noise_between(-6.0, 0.9f64.log10())
 }
 
 /// τ from 0.01 to 0.1: large enough for a wrong method to be visibly wrong, small enough to be
 /// solvable.
-pub fn visible_noise<const M: usize, const K: usize>() -> impl Strategy<Value = Noise<M, K>> {
+pub fn visible_noise<const M: usize, const K: usize>() -> impl Strategy<Value = Increments<M, K>> {
     noise_between(-2.0, -1.0)
 }
 

@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 
+use noise::Noise;
 use nonlin::{Method, Solver};
 use proptest::prelude::*;
 use schemes::{Scheme, Sexp, Step};
@@ -10,7 +11,7 @@ use crate::damping::{Rate, any_rate};
 use crate::hamiltonian::MAX_DEGREE;
 use crate::law::{SexpMap, columns, norm, residual, solver_leaves};
 use crate::random::{
-    Largest, Noise, OneNoise, Several, any_noise, for_all, one_noise, several, state,
+    Increments, Largest, OneNoise, Several, any_noise, for_all, one_noise, several, state,
 };
 use crate::structure::{any_structure, homogeneous};
 
@@ -27,7 +28,7 @@ const SHARP: f64 = 1e-3;
 fn newton_is_fixed_point<const D: usize>() {
     let (largest, compared) = (Largest::default(), Cell::new(0));
     let draws = (several(any_structure()), any_noise(), state());
-    for_all(CASES, draws, |(system, noise, before): (Several<D, 2>, Noise<2, 1>, _)| {
+    for_all(CASES, draws, |(system, noise, before): (Several<D, 2>, Increments<2, 1>, _)| {
         let [dw] = noise.dw;
         let step = Step::new(Rate::Constant(0.0).damping().as_ref(), 0, noise.tau).unwrap();
         let map = SexpMap { system: &system, tau: noise.tau, dw, before };
@@ -72,26 +73,30 @@ fn newton_and_the_fixed_point_agree() {
 fn scaling<const D: usize>() {
     let draws =
         (one_noise(homogeneous(), 1..=MAX_DEGREE), any_rate(), any_noise(), state(), -40..40i32);
-    for_all(CASES, draws, |(system, rate, noise, y0, k): (OneNoise<D>, _, Noise<1, 1>, _, _)| {
-        let [[dw]] = noise.dw;
-        let step = Step::new(rate.damping().as_ref(), 3, noise.tau).unwrap();
-        let degree = system.structure.base.degree() + system.hamiltonian.degree as i32;
-        let (size, increment) = (2f64.powi(k), 2f64.powi(-k * (degree - 2)));
-        let mut scaled = step;
-        scaled.tau *= increment;
-        for solver in METHODS.map(Solver::new) {
-            let sexp = Sexp { solver };
-            let one = sexp.step(&system, &step, &Noise::increments([dw]), y0);
-            let other = sexp.step(
-                &system,
-                &scaled,
-                &Noise::increments([increment * dw]),
-                y0.map(|x| size * x),
-            );
-            prop_assert_eq!(one.z.map(|x| size * x), other.z, "{:?} {:?}", one, other);
-        }
-        Ok(())
-    });
+    for_all(
+        CASES,
+        draws,
+        |(system, rate, noise, y0, k): (OneNoise<D>, _, Increments<1, 1>, _, _)| {
+            let [[dw]] = noise.dw;
+            let step = Step::new(rate.damping().as_ref(), 3, noise.tau).unwrap();
+            let degree = system.structure.base.degree() + system.hamiltonian.degree as i32;
+            let (size, increment) = (2f64.powi(k), 2f64.powi(-k * (degree - 2)));
+            let mut scaled = step;
+            scaled.tau *= increment;
+            for solver in METHODS.map(Solver::new) {
+                let sexp = Sexp { solver };
+                let one = sexp.step(&system, &step, &Noise::increments([dw]), y0);
+                let other = sexp.step(
+                    &system,
+                    &scaled,
+                    &Noise::increments([increment * dw]),
+                    y0.map(|x| size * x),
+                );
+                prop_assert_eq!(one.z.map(|x| size * x), other.z, "{:?} {:?}", one, other);
+            }
+            Ok(())
+        },
+    );
 }
 
 #[test]

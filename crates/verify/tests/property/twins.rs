@@ -1,6 +1,7 @@
 //! The same checks reject what is wrong on purpose: a method, a system or a claim with one mistake.
 
 use dgrad::midpoint;
+use noise::Noise;
 use nonlin::{Method, Solver};
 use real::Real;
 use schemes::{EulerMaruyama, Scheme, Sexp, Step};
@@ -8,7 +9,9 @@ use systems::PoissonSystem;
 
 use crate::damping::{Rate, any_rate, changing_rate};
 use crate::law::{Conserved, SexpMap, Transition, solver_leaves};
-use crate::random::{Noise, OneNoise, Several, one_noise, several, share, state, visible_noise};
+use crate::random::{
+    Increments, OneNoise, Several, one_noise, several, share, state, visible_noise,
+};
 use crate::rounding::{Bounded, dot};
 use crate::structure::{
     Casimir, Matrix, any_structure, symmetric_matrix, with_casimir, with_quadratic_casimir,
@@ -114,7 +117,13 @@ fn a_symmetric_part_of_the_structure_is_noticed() {
         share(
             CASES,
             draws(),
-            |(system, extra, rate, noise, y0): (Several<3, 2>, Matrix<3>, _, Noise<2, 1>, _)| {
+            |(system, extra, rate, noise, y0): (
+                Several<3, 2>,
+                Matrix<3>,
+                _,
+                Increments<2, 1>,
+                _,
+            )| {
                 let extra = extra.map(|row| row.map(|x| spoil * x));
                 let twin = Twin { extra, ..Twin::correct(&system) };
                 let function = system.structure.base.casimir().unwrap();
@@ -144,7 +153,7 @@ fn a_symmetric_part_of_the_structure_is_noticed() {
         share(
             CASES,
             draws(),
-            |(system, extra, rate, noise, y0): (OneNoise<4>, Matrix<4>, _, Noise<1, 1>, _)| {
+            |(system, extra, rate, noise, y0): (OneNoise<4>, Matrix<4>, _, Increments<1, 1>, _)| {
                 let extra = extra.map(|row| row.map(|x| spoil * x));
                 let twin = Twin { extra, ..Twin::correct(&system) };
                 breaks(
@@ -169,7 +178,7 @@ fn the_gradient_at_the_middle_is_noticed_from_degree_three_on() {
         share(
             CASES,
             draws(degrees),
-            |(system, rate, noise, y0): (OneNoise<3>, _, Noise<1, 1>, _)| {
+            |(system, rate, noise, y0): (OneNoise<3>, _, Increments<1, 1>, _)| {
                 let twin = Twin { one_node, ..Twin::correct(&system) };
                 breaks(
                     &by_newton(),
@@ -193,19 +202,22 @@ fn the_gradient_at_the_middle_is_noticed_from_degree_three_on() {
 #[test]
 fn a_casimir_does_not_notice_the_gradient_at_the_middle() {
     let draws = (several(with_casimir()), any_rate(), visible_noise(), state());
-    let broken =
-        share(CASES, draws, |(system, rate, noise, y0): (Several<4, 2>, _, Noise<2, 1>, _)| {
+    let broken = share(
+        CASES,
+        draws,
+        |(system, rate, noise, y0): (Several<4, 2>, _, Increments<2, 1>, _)| {
             let twin = Twin { one_node: true, ..Twin::correct(&system) };
             let function = system.structure.base.casimir().unwrap();
             breaks(&by_newton(), &twin, &function, (step(rate, noise.tau), rate), noise.dw[0], y0)
-        });
+        },
+    );
     assert_eq!(broken, 0.0);
 }
 
 #[test]
 fn damping_over_a_wrong_interval_is_noticed() {
     let draws = || (several(with_casimir()), changing_rate(), visible_noise(), state());
-    type Draw = (Several<4, 2>, Rate, Noise<2, 1>, [f64; 4]);
+    type Draw = (Several<4, 2>, Rate, Increments<2, 1>, [f64; 4]);
     let with = |mistake: fn(Step, Rate) -> Step| {
         share(CASES, draws(), |(system, rate, noise, y0): Draw| {
             let step = mistake(step(rate, noise.tau), rate);
@@ -238,7 +250,7 @@ fn a_perturbed_casimir_matrix_is_noticed() {
             state(),
         )
     };
-    type Draw = (Several<4, 2>, Matrix<4>, Rate, Noise<2, 1>, [f64; 4]);
+    type Draw = (Several<4, 2>, Matrix<4>, Rate, Increments<2, 1>, [f64; 4]);
     let with = |size: f64| {
         share(CASES, draws(), |(system, extra, rate, noise, y0): Draw| {
             let Some(Casimir::Quadratic(mut q)) = system.structure.base.casimir() else {
@@ -265,7 +277,7 @@ fn a_perturbed_casimir_matrix_is_noticed() {
 #[test]
 fn euler_maruyama_keeps_no_quadratic_casimir_even_undamped() {
     const UNDAMPED: Rate = Rate::Constant(0.0);
-    type Draw = (Several<4, 2>, Noise<2, 1>, [f64; 4]);
+    type Draw = (Several<4, 2>, Increments<2, 1>, [f64; 4]);
     let draws = || (several(with_quadratic_casimir()), visible_noise(), state());
     fn broken<C: Scheme<Several<4, 2>, 4, 2>>(scheme: &C, (system, noise, y0): Draw) -> bool {
         let function = system.structure.base.casimir().unwrap();

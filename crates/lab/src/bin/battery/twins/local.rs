@@ -1,0 +1,33 @@
+//! Twins of the one-step remainders.
+
+use lab::Conditions;
+use lab::statements::local::{self, PIECES, Vector, remainder_claims};
+use verify::results::Claim;
+
+/// The increment over the whole step.
+fn whole(pieces: &[Vector; PIECES]) -> Vector {
+    std::array::from_fn(|m| pieces.iter().map(|dw| dw[m]).sum())
+}
+
+/// The expansion of the exact flow with ½ΔWΔWᵀ for the iterated integrals: the remainder is then of
+/// order τ.
+pub fn without_areas(conditions: &Conditions<'_>) -> Claim {
+    let remainder = |tau: f64, pieces: &[Vector; PIECES]| {
+        let straight = whole(pieces).map(|w| w / PIECES as f64);
+        let with_areas = local::exact_end(tau, pieces);
+        // On one straight line the iterated integrals are ½ΔWΔWᵀ and the areas vanish.
+        let expansion = local::expansion(tau, &[straight; PIECES]);
+        std::array::from_fn(|i| with_areas[i] - expansion[i])
+    };
+    remainder_claims(conditions, "local-exact", "the exact flow", remainder).swap_remove(0)
+}
+
+/// The expansion of the scheme without ½Σ fₘ′f_l ΔŴ_lΔŴₘ.
+pub fn without_second_order(conditions: &Conditions<'_>) -> Claim {
+    let remainder = |tau: f64, pieces: &[Vector; PIECES]| {
+        let end = local::sexp_end(tau, pieces);
+        let first = local::first_order(tau, whole(pieces));
+        std::array::from_fn(|i| end[i] - first[i])
+    };
+    remainder_claims(conditions, "local-sexp", "sexp", remainder).swap_remove(0)
+}

@@ -1,0 +1,88 @@
+//! The numbers on the terminal.
+
+use comfy_table::presets::ASCII_MARKDOWN;
+use comfy_table::{CellAlignment, Table};
+use verify::Spread;
+
+use crate::results::{Clock, Speed};
+
+/// Everything that was measured.
+pub fn page(speed: &Speed) -> String {
+    let workload = speed.workload;
+    let mut parts = vec![format!(
+        "{} paths, {} steps of 2^-8, {}, one thread, noise and statistics included; best of {}, ns for \
+         one step of one path {}",
+        workload.paths,
+        workload.steps,
+        speed.simd,
+        workload.repetitions,
+        match speed.clock {
+            Clock::OnCore => "on the core",
+            Clock::Wall => "on the wall",
+        }
+    )];
+    if !speed.optimised {
+        parts.push("built without optimisation: the numbers say nothing".to_owned());
+    }
+    if let Some(load) = speed.load_before {
+        parts.push(format!("{load:.2} other processes were at work on average before"));
+    }
+    parts.push(format!("{}\n", schemes(speed)));
+    parts.push(format!("sexp on the rigid body with three noises:\n{}\n", threads(speed)));
+    parts.push(growth(speed).to_string());
+    if let Some(peak) = speed.peak_memory_mb {
+        parts.push(format!("peak memory of the process: {peak:.1} MB"));
+    }
+    parts.join("\n")
+}
+
+/// A table whose columns from number `first_number` on are numbers.
+fn table<const N: usize>(
+    header: [&str; N],
+    first_number: usize,
+    rows: impl Iterator<Item = [String; N]>,
+) -> Table {
+    let mut table = Table::new();
+    table.load_style(ASCII_MARKDOWN).set_header(header).add_rows(rows);
+    for column in table.column_iter_mut().skip(first_number) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+fn numbers(spread: &Spread, digits: usize) -> [String; 3] {
+    [spread.best, spread.median, spread.worst].map(|number| format!("{number:.digits$}"))
+}
+
+fn schemes(speed: &Speed) -> Table {
+    let header = ["system", "scheme", "D", "M", "best", "median", "worst", "wall, best"];
+    let rows = speed.schemes.iter().map(|row| {
+        let [best, median, worst] = numbers(&row.ns_per_path_step, 2);
+        let wall = format!("{:.2}", row.wall_ns_per_path_step.best);
+        let (system, scheme) = (row.system.to_owned(), row.scheme.to_owned());
+        let sizes = [row.dimension, row.noises].map(|size| size.to_string());
+        let [dimension, noises] = sizes;
+        [system, scheme, dimension, noises, best, median, worst, wall]
+    });
+    table(header, 2, rows)
+}
+
+fn threads(speed: &Speed) -> Table {
+    let header = ["threads", "wall s, best", "median", "worst", "times as fast"];
+    let rows = speed.threads.iter().map(|row| {
+        let [best, median, worst] = numbers(&row.seconds, 4);
+        [row.threads.to_string(), best, median, worst, format!("{:.2}", row.speedup)]
+    });
+    table(header, 0, rows)
+}
+
+fn growth(speed: &Speed) -> Table {
+    let header = ["grows", "to", "path-steps", "ns, best", "median", "worst", "peak MB"];
+    let rows = speed.growth.iter().map(|row| {
+        let [best, median, worst] = numbers(&row.ns_per_path_step, 2);
+        let peak = row.peak_memory_mb.map_or_else(|| "unknown".to_owned(), |mb| format!("{mb:.2}"));
+        let [value, steps] = [row.value, row.path_steps].map(|number| number.to_string());
+        [row.grows.to_owned(), value, steps, best, median, worst, peak]
+    });
+    table(header, 1, rows)
+}

@@ -1,0 +1,119 @@
+//! The hard cases, one family a file.
+
+mod anti_damping;
+mod big_steps;
+mod branch;
+mod equilibria;
+mod extreme_normals;
+mod large_noise;
+mod lotka_volterra;
+mod near_equal;
+mod no_noise;
+mod rough_damping;
+mod scales;
+mod sharp_hamiltonian;
+mod stiff_damping;
+mod stiff_hamiltonian;
+
+use anyhow::Result;
+use lab::streams;
+use noise::StreamKey;
+use serde::Serialize;
+use systems::paper::{INERTIA, NOISE_INERTIA, rigid_body_start};
+use systems::{Damping, RigidBody};
+
+use crate::Arguments;
+use crate::paths::Experiment;
+use crate::results::{self, Row};
+
+/// A family of hard inputs.
+pub struct Case {
+    pub words: Words,
+    rows: fn(&Context) -> Result<Vec<Row>>,
+}
+
+/// What a case is about.
+#[derive(Serialize)]
+pub struct Words {
+    /// Identifier.
+    pub id: &'static str,
+    /// The title.
+    pub title: &'static str,
+    /// System, damping, steps and noise.
+    pub setup: &'static str,
+    /// What exact mathematics says.
+    pub mathematics: &'static str,
+    /// What the measured figure is.
+    pub quantity: &'static str,
+    /// What is guaranteed, and why.
+    pub guarantee: &'static str,
+    /// What the settings vary.
+    pub varied: &'static str,
+    /// How the page plots the rows, if it does.
+    #[serde(skip)]
+    pub plot: Option<Plot>,
+}
+
+/// The figures of all schemes over the settings as numbers.
+pub struct Plot {
+    pub x_title: &'static str,
+    /// What is outside of this range is drawn at its border.
+    pub range: (f64, f64),
+}
+
+/// All families, in the order of the page and of their streams.
+pub static CASES: [Case; 13] = [
+    stiff_damping::CASE,
+    anti_damping::CASE,
+    rough_damping::CASE,
+    large_noise::CASE,
+    extreme_normals::CASE,
+    big_steps::CASE,
+    scales::CASE,
+    equilibria::CASE,
+    near_equal::CASE,
+    sharp_hamiltonian::CASE,
+    stiff_hamiltonian::CASE,
+    lotka_volterra::CASE,
+    no_noise::CASE,
+];
+
+/// What a case needs to run.
+pub struct Context<'a> {
+    pub key: StreamKey,
+    arguments: &'a Arguments,
+}
+
+/// Runs the cases that are asked for.
+pub fn run(arguments: &Arguments) -> Result<Vec<results::Case>> {
+    let numbered = CASES.iter().zip(streams::HARD_CASES..);
+    let wanted = numbered.filter(|(case, _)| arguments.wants(case.words.id));
+    wanted
+        .map(|(case, experiment)| {
+            let key = StreamKey { seed: arguments.seed, experiment };
+            Ok(results::Case {
+                words: &case.words,
+                rows: (case.rows)(&Context { key, arguments })?,
+            })
+        })
+        .collect()
+}
+
+/// The paper's rigid body with three noises, with any damping and steps.
+fn body<G: Damping>(
+    context: &Context,
+    damping: G,
+    steps: (u64, f64),
+) -> Result<Experiment<RigidBody<3>, G, 3, 3>> {
+    let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA)?;
+    Experiment::new(context, (body, damping), rigid_body_start(), steps)
+}
+
+/// The rows of every setting.
+fn each<T>(
+    settings: impl IntoIterator<Item = T>,
+    rows: impl FnMut(T) -> Result<Vec<Row>>,
+) -> Result<Vec<Row>> {
+    let rows: Vec<Vec<Row>> = settings.into_iter().map(rows).collect::<Result<_>>()?;
+    Ok(rows.concat())
+}

@@ -1,0 +1,63 @@
+//! The figures of the page.
+
+use report::figure::{Curve, Figure, Line, Measured, Plot, Spacing, Style};
+
+use crate::results::{Case, Growth};
+
+/// What every scheme does in the cases that have a plot.
+pub fn cases(cases: &[&Case]) -> String {
+    Figure {
+        title: "What every scheme does under stiff damping and with a stiff Hamiltonian".into(),
+        y_title: "factor of a step; distance from the law".into(),
+        size: (268.0, 214.0),
+        style: Style::Schemes,
+        plots: cases.iter().filter_map(|case| plot(case)).collect(),
+    }
+    .svg()
+}
+
+/// One curve for each scheme.
+fn plot(case: &Case) -> Option<Plot> {
+    let words = case.words.plot.as_ref()?;
+    let (lo, hi) = words.range;
+    let mut curves: Vec<Curve> = Vec::new();
+    // `sexp` with Newton is `sexp` to the eye.
+    for row in case.rows.iter().filter(|row| !row.newton) {
+        // What is not finite, or overflows in the end, is at the top.
+        let point = Measured::new(row.setting.x?, row.measured.unwrap_or(hi).clamp(lo, hi));
+        match curves.iter_mut().find(|curve| curve.name == row.scheme) {
+            Some(curve) => curve.points.push(point),
+            None => curves.push(Curve::new(row.scheme, [point])),
+        }
+    }
+    let (x_title, spacing) = (words.x_title.into(), Spacing::Decades);
+    Some(Plot { x_title, spacing, lines: Vec::new(), curves })
+}
+
+/// The distance from the law over the number of steps, beside a random walk and a drift.
+pub fn growth(growth: &[Growth]) -> String {
+    let curves = growth.iter().filter(|run| run.drawn).map(|run| {
+        let points = run.points.iter().map(|point| Measured::new(point.steps as f64, point.rms));
+        Curve::new(run.id, points)
+    });
+    let line = |name: &str, power, covered| Line {
+        name: name.into(),
+        constant: f64::EPSILON,
+        power,
+        covered,
+    };
+    let plot = Plot {
+        x_title: "steps n".into(),
+        spacing: Spacing::Decades,
+        lines: vec![line("ε √n", 0.5, true), line("ε n", 1.0, false)],
+        curves: curves.collect(),
+    };
+    Figure {
+        title: "Distance from the conformal law over ten million steps".into(),
+        y_title: "root mean square distance from the law".into(),
+        size: (430.0, 260.0),
+        style: Style::Quantities,
+        plots: vec![plot],
+    }
+    .svg()
+}

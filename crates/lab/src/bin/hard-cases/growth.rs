@@ -1,0 +1,199 @@
+//! How the distance from a conformal law grows over a long time.
+//!
+//! d_n = F(y_n)e^{pΓ(t_n)}/F(y₀) − 1 on 32 independent paths, at powers of two of n. Errors of
+//! rounding without a direction make a random walk, d_n ~ √n·ε; errors with one a drift, d_n ~ n·ε.
+//! The exponent is the slope of ln RMS(d_n) over ln n, from n = 1024 on; its interval is the
+//! percentile interval of the bootstrap over whole paths, which are independent of each other as
+//! points of one path are not.
+
+use anyhow::Result;
+use lab::{Compiled, compiled, streams};
+use mc::{Ladder, Run, Statistic, View};
+use noise::StreamKey;
+use nonlin::{Method, Solver};
+use real::{WIDTH, elementary};
+use schemes::Sexp;
+use systems::paper::{
+    INERTIA, NOISE_INERTIA, half_cosine, lotka_volterra_1_1, rigid_body_start, sine,
+};
+use systems::{Constant, Damping, Linear, Problem, RigidBody};
+
+use crate::Arguments;
+use crate::fuzz::Bits;
+use crate::results::{Growth, GrowthPoint, Verdict};
+use crate::rounding::PER_STEP;
+
+const STEPS: u64 = 10_000_000;
+const QUICK_STEPS: u64 = 65_536;
+/// The exponent is fitted from here on: before, a handful of roundings has not become a walk.
+const FIRST: u64 = 1024;
+/// Samples of the bootstrap.
+const RESAMPLES: usize = 2000;
+
+/// A long run of one scheme.
+struct LongRun<'a> {
+    id: &'static str,
+    damping: &'a dyn Damping,
+    tau: f64,
+    scheme: (&'static str, Sexp),
+    /// Number of the invariant.
+    invariant: usize,
+    /// Whether the figure shows it: as many as can be told apart.
+    drawn: bool,
+}
+
+/// All long runs.
+pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
+    let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA)?;
+    let (none, sine) = (&Constant::new(0.0)?, &sine());
+    let fixed = ("sexp, settled", Sexp { solver: Solver::default().settled() });
+    let newton = ("sexp-newton, settled", Sexp { solver: Solver::new(Method::Newton).settled() });
+    // 1/100 is rounded, so that steps of a grid differ in their last bits; 1/128 is not, and a
+    // constant γ gives the same factor in every step.
+    let (rounded, dyadic) = (1.0 / 100.0, 1.0 / 128.0);
+    let base = LongRun {
+        id: "undamped",
+        damping: none,
+        tau: dyadic,
+        scheme: fixed,
+        invariant: 0,
+        drawn: false,
+    };
+    let bodies = [
+        LongRun {
+            id: "default solver, undamped",
+            scheme: ("sexp", Sexp::default()),
+            drawn: true,
+            ..base
+        },
+        LongRun { drawn: true, ..base },
+        LongRun { id: "undamped, Newton", scheme: newton, ..base },
+        LongRun { id: "constant γ", damping: &Constant::new(2e-5)?, drawn: true, ..base },
+        LongRun { id: "constant γ < 0", damping: &Constant::new(-2e-5)?, ..base },
+        LongRun { id: "γ = 1e-8 t", damping: &Linear::new(1e-8)?, ..base },
+        LongRun { id: "γ = ½cos 2t", damping: &half_cosine(), drawn: true, ..base },
+        LongRun { id: "γ = ½cos 2t, τ rounded", damping: &half_cosine(), tau: rounded, ..base },
+        LongRun { id: "γ = sin t, τ = ¹⁄₁₀", damping: sine, tau: 0.1, ..base },
+    ];
+    let damped = LongRun { damping: sine, tau: rounded, ..base };
+    let volterras = [
+        LongRun { id: "Lotka–Volterra, H, undamped", drawn: true, ..base },
+        LongRun { id: "Lotka–Volterra, H, γ = sin t", ..damped },
+        LongRun { id: "Lotka–Volterra, C, γ = sin t", invariant: 1, ..damped },
+    ];
+    let mut growths = Vec::new();
+    for (run, number) in bodies.iter().zip(0..) {
+        let system = ("Rigid body with three noises", body, rigid_body_start());
+        growths.push(growth::<_, 3, 3>(arguments, number, run, system)?);
+    }
+    for (run, number) in volterras.iter().zip(bodies.len() as u64..) {
+        let Problem { system, y0, .. } = lotka_volterra_1_1();
+        let system = ("Lotka–Volterra with a = b = −1", system, y0);
+        growths.push(growth::<_, 3, 1>(arguments, number, run, system)?);
+    }
+    Ok(growths)
+}
+
+fn growth<S: Compiled<Sexp, D, M>, const D: usize, const M: usize>(
+    arguments: &Arguments,
+    number: u64,
+    run: &LongRun<'_>,
+    (name, system, y0): (&str, S, [f64; D]),
+) -> Result<Growth> {
+    eprintln!("{}", run.id);
+    let steps = arguments.many(STEPS, QUICK_STEPS);
+    let key = StreamKey { seed: arguments.seed, experiment: streams::GROWTH + number };
+    let problem = Problem::new::<M>(system, run.damping, y0, steps as f64 * run.tau)?;
+    let invariant = problem.system.invariants()[run.invariant];
+    let value = |y| problem.system.invariant(run.invariant, y);
+    let defect = |n: u64, y| {
+        let damping = run.damping.integral(0.0, n as f64 * run.tau);
+        value(y) / (value(y0) * elementary::exp(-invariant.degree * damping)) - 1.0
+    };
+    let scheme = compiled::<_, S, D, M>(run.scheme.1);
+    let runs = vec![Run::new(scheme.as_ref(), 0)];
+    let ladder = Ladder::new(&problem, steps, 0, lab::truncation(), key, runs)?;
+    let new = || Defects { steps, defect: &defect, rows: Vec::new() };
+    let rows = ladder.run(WIDTH as u64, new, &|_| ()).statistic.rows;
+    let points: Vec<GrowthPoint> = rows
+        .iter()
+        .map(|(steps, d)| GrowthPoint {
+            steps: *steps,
+            rms: rms(d.iter()),
+            mean: d.iter().sum::<f64>() / d.len() as f64,
+            max: d.iter().map(|d| d.abs()).fold(0.0, f64::max),
+        })
+        .collect();
+    let mut bits = Bits::new(arguments.seed, streams::GROWTH, number);
+    let mut slopes: Vec<f64> = (0..RESAMPLES)
+        .map(|_| slope(&rows, &[(); WIDTH].map(|()| bits.below(WIDTH as u64) as usize)))
+        .collect();
+    slopes.sort_unstable_by(f64::total_cmp);
+    let (lo, hi) = (slopes[RESAMPLES / 40], slopes[RESAMPLES - 1 - RESAMPLES / 40]);
+    let end = points.last().map_or(f64::NAN, |point| point.rms);
+    // A walk whose steps are independent, each no larger than the worst case of a step.
+    let walk = end <= PER_STEP * f64::EPSILON * (steps as f64).sqrt();
+    let verdict = match (run.scheme.1.solver.settle, walk) {
+        (true, true) => Verdict::Holds,
+        // NaN is no walk.
+        (true, false) => Verdict::Refuted,
+        // The stopping test leaves a residual that has a direction: a drift is expected, and no
+        // bound is stated.
+        (false, _) if lo > 0.5 => Verdict::FailsAsItMust,
+        (false, _) => Verdict::Observed,
+    };
+    Ok(Growth {
+        id: run.id,
+        setup: format!("{name}, {}, τ = {}.", run.damping.describe(), run.tau),
+        scheme: run.scheme.0,
+        invariant: invariant.name,
+        paths: WIDTH,
+        points,
+        exponent: slope(&rows, &std::array::from_fn(|path| path)),
+        lo,
+        hi,
+        linear: steps as f64 * f64::EPSILON,
+        verdict,
+        drawn: run.drawn,
+    })
+}
+
+/// d of every path at powers of two of n and at the end; NaN of a path that failed.
+struct Defects<'a, F> {
+    steps: u64,
+    defect: &'a F,
+    rows: Vec<(u64, [f64; WIDTH])>,
+}
+
+impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Statistic<D> for Defects<'_, F> {
+    fn observe(&mut self, view: &View<'_, D>) {
+        let n = view.time;
+        if n.is_power_of_two() || n == self.steps {
+            let of_path = |p: usize| match view.live.contains(p) {
+                true => (self.defect)(n, view.states[0].path(p)),
+                false => f64::NAN,
+            };
+            self.rows.push((n, std::array::from_fn(of_path)));
+        }
+    }
+
+    fn merge(&mut self, later: Self) {
+        self.rows.extend(later.rows);
+    }
+}
+
+fn rms<'a>(d: impl ExactSizeIterator<Item = &'a f64>) -> f64 {
+    let count = d.len() as f64;
+    (d.map(|d| d * d).sum::<f64>() / count).sqrt()
+}
+
+/// The slope of ln RMS over ln n by least squares, over the given paths.
+fn slope(rows: &[(u64, [f64; WIDTH])], paths: &[usize; WIDTH]) -> f64 {
+    let late = rows.iter().filter(|(n, _)| *n >= FIRST);
+    let points = late.map(|(n, d)| ((*n as f64).ln(), rms(paths.iter().map(|p| &d[*p])).ln()));
+    let points: Vec<(f64, f64)> = points.filter(|(_, y)| *y > f64::NEG_INFINITY).collect();
+    let count = points.len() as f64;
+    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / count, y + p.1 / count));
+    let sum = |f: &dyn Fn(f64, f64) -> f64| points.iter().map(|p| f(p.0 - x, p.1 - y)).sum::<f64>();
+    sum(&|x, y| x * y) / sum(&|x, _| x * x)
+}

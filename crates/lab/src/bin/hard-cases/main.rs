@@ -1,0 +1,114 @@
+//! **Hard inputs: what exact mathematics says, what every scheme does, and what is guaranteed.**
+//!
+//! `cargo xtask stability`. Each case runs all schemes on inputs that break numerical codes:
+//! damping factors that underflow, rates that are infinite, noise past the contraction bound,
+//! states of 10¹⁵⁰, ten million steps. A guarantee is a derived bound; a row reports whether it
+//! holds, whether a scheme fails where theory predicts failure, or that the guarantee is refuted.
+//! The fuzzer feeds arbitrary bit patterns to constructors, functions and steps.
+
+mod cases;
+mod figures;
+mod fuzz;
+mod growth;
+mod page;
+mod paths;
+mod results;
+mod rounding;
+mod schemes;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use anyhow::{Result, bail};
+use clap::Parser;
+use lab::command;
+use report::{Page, files, provenance};
+use verify::results::Provenance;
+
+use results::{SCHEMA, Stability};
+
+/// Hard cases, ten million steps and arbitrary inputs: what is guaranteed and what happens.
+#[derive(Parser)]
+#[command(bin_name = "cargo xtask stability", version)]
+struct Arguments {
+    /// Fewer paths, steps and inputs: seconds instead of minutes.
+    #[arg(long)]
+    quick: bool,
+    /// Run only this case, or `growth`, or `fuzz`; may be given several times.
+    #[arg(long, value_name = "ID")]
+    only: Vec<String>,
+    /// Inputs of the cheapest fuzzed targets, fewer for the others; by default about a minute's
+    /// worth, with --quick a second's.
+    #[arg(long, value_name = "N")]
+    inputs: Option<u64>,
+    /// Master seed, 0 to 2^64 − 1; the same seed gives the same bits.
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    seed: u64,
+    /// Folder for stability.json, the page and its figures; created if it does not exist.
+    #[arg(long, value_name = "DIR", default_value = "target/stability")]
+    out: PathBuf,
+    /// Write the page here, too, with its figures in the folder `figures` beside it.
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
+}
+
+const GROWTH: &str = "growth";
+const FUZZ: &str = "fuzz";
+
+impl Arguments {
+    /// `full`, or `quick` where seconds count.
+    fn many(&self, full: u64, quick: u64) -> u64 {
+        if self.quick { quick } else { full }
+    }
+
+    /// Whether a case or a part is asked for; it is then announced.
+    fn wants(&self, id: &str) -> bool {
+        let wanted = self.only.is_empty() || self.only.iter().any(|name| name == id);
+        if wanted {
+            eprintln!("{id}");
+        }
+        wanted
+    }
+}
+
+fn main() -> ExitCode {
+    command::exit_code(run(&Arguments::parse()))
+}
+
+/// Runs everything, and writes JSON, figures and page. Fails when a guarantee is refuted.
+fn run(arguments: &Arguments) -> Result<ExitCode> {
+    let parts = cases::CASES.iter().map(|case| case.words.id).chain([GROWTH, FUZZ]);
+    let known: Vec<&str> = parts.collect();
+    if let Some(id) = arguments.only.iter().find(|id| !known.contains(&id.as_str())) {
+        bail!("there is no case {id:?}; there are {}", known.join(", "));
+    }
+    files::prepare(&arguments.out)?;
+    if let Some(page) = &arguments.page {
+        files::prepare_file(page)?;
+    }
+    let start = Instant::now();
+    let mut results = Stability {
+        schema: SCHEMA,
+        provenance: Provenance {
+            seed: arguments.seed,
+            mode: if arguments.quick { "quick" } else { "full" }.to_owned(),
+            threads: rayon::current_num_threads(),
+            ..Provenance::default()
+        },
+        cases: cases::run(arguments)?,
+        growth: if arguments.wants(GROWTH) { growth::run(arguments)? } else { Vec::new() },
+        fuzz: if arguments.wants(FUZZ) { fuzz::run(arguments) } else { Vec::new() },
+    };
+    results.provenance = provenance::complete(results.provenance, "cargo xtask stability", start);
+    files::write_json(&arguments.out.join("stability.json"), &results)?;
+    let page = page::page(&results);
+    for file in arguments.page.iter().chain([&arguments.out.join("stability.md")]).rev() {
+        page.write(file)?;
+    }
+    let mut summary = Page::new("Stability");
+    page::summary(&mut summary, &results);
+    print!("{}", summary.text());
+    println!("{:.0} s; page in {}", results.provenance.wall_s, arguments.out.display());
+    Ok(if results.refuted() == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}

@@ -1,0 +1,244 @@
+//! A few paths of one scheme, each until its end or a typed error, and their distance from
+//! conformal laws.
+
+use std::collections::BTreeMap;
+
+use anyhow::Result;
+use mc::{Ladder, NextNoise, Run, Statistic, View};
+use noise::{StreamKey, Truncation};
+use real::WIDTH;
+use report::distinct;
+use systems::{Damping, PoissonSystem, Problem};
+
+use crate::cases::Context;
+use crate::results::{Row, Setting};
+use crate::rounding::{law_bound, residual_share};
+use crate::schemes::{Family, FewPaths, Tested, schemes};
+
+/// One path as far as it lasts.
+pub struct Path<const D: usize> {
+    /// y₀, y₁, ….
+    pub states: Vec<[f64; D]>,
+    /// What the robust solver left of the equation of each step; none where it was not needed.
+    pub residuals: Vec<Option<f64>>,
+    /// Why it ends early, and in which step, counted from 1.
+    pub stop: Option<(&'static str, u64)>,
+}
+
+impl<const D: usize> Path<D> {
+    /// Its last state.
+    pub fn end(&self) -> [f64; D] {
+        self.states[self.states.len() - 1]
+    }
+}
+
+/// The paths of a problem, on equal steps up to its final time.
+pub struct Experiment<S, G, const D: usize, const M: usize> {
+    pub problem: Problem<S, G, D>,
+    pub steps: u64,
+    pub paths: u64,
+    pub truncation: Truncation,
+    pub key: StreamKey,
+    /// Where the noise comes from, if not from the streams.
+    pub noise: Option<Box<Source<M>>>,
+}
+
+/// Gives the noise of a block of paths from its first path on, see [`mc::NoiseSource`].
+pub type Source<const M: usize> = dyn Fn(u64) -> NextNoise<'static, M> + Sync;
+
+/// A conformal law with the rounding that is allowed.
+#[derive(Clone, Copy)]
+pub struct Law {
+    /// Numbers of the invariants.
+    pub invariants: &'static [usize],
+    /// How many times the rounding of a quadratic Casimir is allowed.
+    pub weight: f64,
+    /// What a step of Newton's method may add.
+    pub newton_step: f64,
+    /// Whether no path may end early.
+    pub to_the_end: bool,
+    /// Whether rows report the steps that the robust solver takes.
+    pub counts_continuation: bool,
+}
+
+/// The law of a quadratic Casimir.
+pub const CASIMIR: Law = Law {
+    invariants: &[0],
+    weight: 1.0,
+    newton_step: 0.0,
+    to_the_end: false,
+    counts_continuation: false,
+};
+
+/// Distance of paths from a law.
+#[derive(Clone, Copy, Default)]
+pub struct Distance {
+    /// The largest relative distance.
+    pub worst: f64,
+    /// The largest quotient of a distance and what is allowed there.
+    pub excess: f64,
+    /// What is allowed in the last step.
+    pub bound: f64,
+}
+
+impl<S, G, const D: usize, const M: usize> Experiment<S, G, D, M>
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    /// One path with increments truncated as in the reproduction, and steps of size `tau`.
+    pub fn new(
+        context: &Context,
+        (system, damping): (S, G),
+        y0: [f64; D],
+        (steps, tau): (u64, f64),
+    ) -> Result<Self> {
+        let problem = Problem::new::<M>(system, damping, y0, steps as f64 * tau)?;
+        let truncation = lab::truncation();
+        Ok(Self { problem, steps, paths: 1, truncation, key: context.key, noise: None })
+    }
+
+    /// t_n.
+    pub fn time(&self, n: usize) -> f64 {
+        n as f64 * (self.problem.t_end / self.steps as f64)
+    }
+
+    /// The paths of one scheme.
+    pub fn run(&self, scheme: &Tested<S, D, M>) -> Result<Vec<Path<D>>> {
+        let few = FewPaths { scheme, paths: WIDTH.min(self.paths as usize) };
+        let runs = vec![Run::new(&few, 0)];
+        let mut ladder =
+            Ladder::new(&self.problem, self.steps, 0, self.truncation, self.key, runs)?;
+        if let Some(source) = &self.noise {
+            ladder = ladder.with_noise(source);
+        }
+        let record = || Record { experiment: self, paths: BTreeMap::new() };
+        let measured = ladder.run(self.paths, record, &|_| ());
+        Ok(measured.statistic.paths.into_values().collect())
+    }
+
+    /// The schemes.
+    pub fn schemes(&self) -> Vec<Tested<S, D, M>> {
+        schemes(&self.problem.system, self.problem.y0)
+    }
+
+    /// A row for every scheme, which `complete` gives its figure and its claim.
+    pub fn rows(
+        &self,
+        setting: impl Into<Setting>,
+        complete: impl Fn(Row, &Tested<S, D, M>, &[Path<D>]) -> Result<Row>,
+    ) -> Result<Vec<Row>> {
+        let setting = setting.into();
+        let row = |scheme: &Tested<S, D, M>| {
+            let paths = self.run(scheme)?;
+            let row = Row::new(&setting, scheme.name, stops(&paths));
+            complete(Row { newton: scheme.newton, ..row }, scheme, &paths)
+        };
+        self.schemes().iter().map(row).collect()
+    }
+
+    /// The distance from a law for every scheme. The conformal schemes keep it; `must_exceed` is
+    /// the distance that a scheme has to exceed, if theory predicts that it fails.
+    pub fn law_rows(
+        &self,
+        setting: impl Into<Setting>,
+        law: &Law,
+        must_exceed: impl Fn(Family) -> Option<f64>,
+    ) -> Result<Vec<Row>> {
+        self.rows(setting, |row, scheme, paths| {
+            let Distance { worst, excess, bound } = self.distance(paths, law, scheme.newton);
+            let kept = excess <= 1.0 && !(law.to_the_end && row.error.is_some());
+            let row = row.with_figure(worst);
+            let row = match must_exceed(scheme.family) {
+                _ if scheme.family == Family::Conformal => row.guaranteed(kept, bound),
+                Some(bound) => row.must_exceed(bound),
+                None => row,
+            };
+            let robust = paths.iter().flat_map(|path| &path.residuals).flatten().count();
+            let continuation = (law.counts_continuation && robust > 0)
+                .then(|| format!("{robust} steps by continuation"));
+            Ok(Row { error: row.error.or(continuation), ..row })
+        })
+    }
+
+    /// The distance of all paths from a law. Where both sides of it overflow there is none.
+    pub fn distance(&self, paths: &[Path<D>], law: &Law, newton: bool) -> Distance {
+        let Problem { system, damping, y0, .. } = &self.problem;
+        let invariants = system.invariants();
+        let newton_step = if newton { law.newton_step } else { 0.0 };
+        let mut distance = Distance::default();
+        for path in paths {
+            let (mut total, mut residuals) = (0.0, 0.0);
+            for (n, y) in path.states.iter().enumerate() {
+                if n > 0 {
+                    total += damping.integral(self.time(n - 1), self.time(n)).abs();
+                    residuals += residual_share(path.residuals[n - 1].unwrap_or(0.0), *y);
+                }
+                let allowed =
+                    law.weight * (law_bound(n as u64, total) + residuals) + newton_step * n as f64;
+                for &index in law.invariants {
+                    let decay =
+                        (-invariants[index].degree * damping.integral(0.0, self.time(n))).exp();
+                    let exact = system.invariant(index, *y0) * decay;
+                    let defect = (system.invariant(index, *y) / exact - 1.0).abs();
+                    distance.worst = distance.worst.max(defect);
+                    distance.excess = distance.excess.max(defect / allowed);
+                }
+                distance.bound = distance.bound.max(allowed);
+            }
+        }
+        distance
+    }
+}
+
+/// How paths ended early, in words.
+pub fn stops<const D: usize>(paths: &[Path<D>]) -> Option<String> {
+    let stops: Vec<_> = paths.iter().filter_map(|path| path.stop).collect();
+    let (cause, step) = stops.last()?;
+    let causes = distinct(stops.iter().map(|stop| stop.0)).join(", ");
+    Some(match paths.len() {
+        1 => format!("{cause} in step {step}"),
+        all => format!("{} of {all} paths stop: {causes}", stops.len()),
+    })
+}
+
+/// Keeps every path.
+struct Record<'a, S, G, const D: usize, const M: usize> {
+    experiment: &'a Experiment<S, G, D, M>,
+    paths: BTreeMap<u64, Path<D>>,
+}
+
+impl<S, G, const D: usize, const M: usize> Statistic<D> for Record<'_, S, G, D, M>
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    fn observe(&mut self, view: &View<'_, D>) {
+        let Experiment { problem, paths, .. } = &self.experiment;
+        let block = (view.first_path..(*paths).min(view.first_path + WIDTH as u64)).zip(0..);
+        for (number, p) in block {
+            let start = || Path { states: vec![problem.y0], residuals: Vec::new(), stop: None };
+            let path = self.paths.entry(number).or_insert_with(start);
+            if path.stop.is_some() {
+                continue;
+            }
+            let (y, status) = (view.states[0].path(p), &view.statuses[0]);
+            let cause = if !y.iter().all(|component| component.is_finite()) {
+                Some("overflow")
+            } else if !view.live.contains(p) {
+                Some("no solution")
+            } else {
+                problem.system.check_domain(y).is_err().then_some("outside the domain")
+            };
+            path.stop = cause.map(|cause| (cause, view.time));
+            if cause.is_none() {
+                path.states.push(y);
+                path.residuals.push(status.robust.contains(p).then(|| status.residual(p)));
+            }
+        }
+    }
+
+    fn merge(&mut self, later: Self) {
+        self.paths.extend(later.paths);
+    }
+}

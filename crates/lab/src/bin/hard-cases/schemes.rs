@@ -1,0 +1,112 @@
+//! The schemes that every case is run with.
+
+use noise::{BlockNoise, Noise};
+use nonlin::{BlockStatus, Method, Solution, Solver};
+use real::Block;
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step};
+use systems::PoissonSystem;
+
+/// Where a scheme reads γ, and what it keeps.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Family {
+    /// The forms of `sexp`: reads ∫γ alone, and keeps conformal laws.
+    Conformal,
+    /// The midpoint rule: reads γ in the middle of a step.
+    Midpoint,
+    /// Reads γ at the ends of a step, and solves nothing.
+    Explicit,
+}
+
+/// A scheme under its name in results.
+pub struct Tested<S, const D: usize, const M: usize> {
+    pub name: &'static str,
+    pub family: Family,
+    /// Whether Newton's method comes before the fixed point.
+    pub newton: bool,
+    /// The order for ordinary differential equations.
+    pub order: f64,
+    advance: Box<Advance<S, D, M>>,
+    reads_areas: bool,
+}
+
+type Advance<S, const D: usize, const M: usize> =
+    dyn Fn(&S, &Step, &Noise<M>, [f64; D]) -> Solution<D> + Send + Sync;
+
+/// Every scheme that differs from the others with M noises.
+pub fn schemes<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    system: &S,
+    y0: [f64; D],
+) -> Vec<Tested<S, D, M>> {
+    use Family::{Conformal, Explicit};
+    let sexp = |method| Sexp { solver: Solver::new(method) };
+    let mut all = vec![
+        Tested::new("sexp", Conformal, sexp(Method::FixedPoint)),
+        Tested { newton: true, ..Tested::new("sexp-newton", Conformal, sexp(Method::Newton)) },
+    ];
+    if M > 1 {
+        all.push(Tested::new("sexp-levy", Conformal, SexpLevy::new(system, y0)));
+    }
+    all.push(Tested::new("midpoint", Family::Midpoint, Midpoint::default()));
+    all.push(Tested::new("heun", Explicit, Heun));
+    all.push(Tested { order: 1.0, ..Tested::new("em", Explicit, EulerMaruyama) });
+    all
+}
+
+impl<S, const D: usize, const M: usize> Tested<S, D, M> {
+    fn new(name: &'static str, family: Family, scheme: impl Scheme<S, D, M> + 'static) -> Self {
+        Self {
+            name,
+            family,
+            newton: false,
+            order: 2.0,
+            reads_areas: scheme.reads_areas(),
+            advance: Box::new(move |system, step, noise, y| scheme.step(system, step, noise, y)),
+        }
+    }
+
+    /// One step of one path.
+    pub fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
+        (self.advance)(system, step, noise, y)
+    }
+}
+
+/// A scheme on the first few paths of each block, one after the other: hard cases have few paths,
+/// and no kernel for blocks has to be compiled for their systems.
+pub struct FewPaths<'a, S, const D: usize, const M: usize> {
+    pub scheme: &'a Tested<S, D, M>,
+    pub paths: usize,
+}
+
+impl<S, const D: usize, const M: usize> Scheme<S, D, M> for FewPaths<'_, S, D, M> {
+    fn id(&self) -> &'static str {
+        self.scheme.name
+    }
+
+    fn reads_areas(&self) -> bool {
+        self.scheme.reads_areas
+    }
+
+    fn clips_increments(&self) -> bool {
+        true
+    }
+
+    fn step_block(
+        &self,
+        system: &S,
+        step: &Step,
+        noise: &BlockNoise<M>,
+        y: &mut Block<D>,
+        status: &mut BlockStatus,
+    ) {
+        *status = BlockStatus::explicit();
+        for p in 0..self.paths {
+            let solution = self.scheme.step(system, step, &noise.path(p), y.path(p));
+            y.set_path(p, solution.z);
+            status.set(p, solution.outcome);
+        }
+    }
+
+    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
+        self.scheme.step(system, step, noise, y)
+    }
+}

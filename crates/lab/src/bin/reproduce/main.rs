@@ -1,0 +1,100 @@
+//! `cargo xtask reproduce`: runs the experiments of the paper, prints a verdict for every statement
+//! and writes a report with figures, tables and `results.json`.
+
+mod wording;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use clap::Parser;
+use lab::command;
+use real::{Level, limit_to};
+use report::{Bars, Outcome, files, provenance, terminal};
+use verify::results::{Claim, Results};
+use verify::{Mode, Settings};
+
+use wording::WORDING;
+
+/// Runs the paper's experiments, prints the verdicts and writes the report.
+#[derive(Parser)]
+#[command(name = "cargo xtask reproduce", version)]
+struct Arguments {
+    /// Fewer steps and samples: seconds instead of a minute, wide intervals, verdicts often
+    /// undecided.
+    #[arg(long)]
+    quick: bool,
+    /// Run only this panel or statement; may be given several times.
+    #[arg(long, value_name = "ID")]
+    only: Vec<String>,
+    /// Master seed, 0 to 2^64 − 1; the same seed gives the same results on any number of threads
+    /// and any vectors.
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    seed: u64,
+    /// Worker threads; all processors unless given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Folder for the report; created if it does not exist.
+    #[arg(long, value_name = "DIR", default_value = "target/reproduce")]
+    out: PathBuf,
+    /// Use no wider vector instructions than these; the results are the same, only slower.
+    #[arg(long, value_parser = command::simd, value_name = "LEVEL")]
+    simd: Option<Level>,
+}
+
+fn main() -> ExitCode {
+    command::exit_code(run(&Arguments::parse()))
+}
+
+/// Runs the experiments and writes the report. Succeeds unless something that the paper proves is
+/// refuted.
+fn run(arguments: &Arguments) -> Result<ExitCode> {
+    if let Some(level) = arguments.simd {
+        limit_to(level);
+    }
+    lab::check_ids(&arguments.only)?;
+    files::prepare(&arguments.out)?;
+    let threads = arguments.threads.map_or(0, usize::from);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .context("cannot start the threads")?;
+    let mode = if arguments.quick { Mode::Quick } else { Mode::Paper };
+    let settings = Settings { seed: arguments.seed, mode };
+
+    let start = Instant::now();
+    let bars = Bars::new();
+    let mut results = pool.install(|| lab::reproduce(settings, &arguments.only, &bars))?;
+    bars.finish();
+    results.provenance.threads = pool.current_num_threads();
+    results.provenance = provenance::complete(results.provenance, "cargo xtask reproduce", start);
+    files::write_json(&arguments.out.join("results.json"), &results)?;
+    report::write_report(&results, &WORDING, &arguments.out)?;
+    print_summary(&results, arguments);
+    Ok(if results.claims.iter().any(fails) { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+/// A proven statement that is refuted, and not for a documented misprint in it.
+fn fails(claim: &Claim) -> bool {
+    claim.proven && Outcome::of(claim) == Outcome::Refuted
+}
+
+fn print_summary(results: &Results, arguments: &Arguments) {
+    println!("{}", terminal::verdicts(&results.claims));
+    let provenance = &results.provenance;
+    for (id, seconds) in &provenance.wall_s_by_id {
+        println!("{seconds:8.2} s  {id}");
+    }
+    let memory = provenance::peak_memory_mb()
+        .map_or(String::new(), |mb| format!(", peak memory {mb:.0} MB"));
+    println!(
+        "{:8.2} s  in all, {} threads, {}{memory}",
+        provenance.wall_s, provenance.threads, provenance.simd
+    );
+    println!("{}", terminal::counts(&results.claims));
+    for claim in results.claims.iter().filter(|claim| fails(claim)) {
+        println!("REFUTED: {} on {}: {}", claim.id, claim.panel, claim.evidence);
+    }
+    println!("report: {}", arguments.out.join("index.html").display());
+}

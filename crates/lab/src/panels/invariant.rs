@@ -1,0 +1,133 @@
+//! Invariants along one path of each scheme, beside their conformal law.
+
+use mc::trajectory;
+use stats::Point;
+use systems::paper::valid;
+use systems::{Damping, Invariant, InvariantKind, Problem};
+use verify::results::{Claim, Evidence, Kind, Panel, Series};
+
+use super::strong::{Curve, curves_of_the_paper};
+use crate::conformal_law::{ROUND_OFF, along, approach, largest_defect};
+use crate::experiment::{Conditions, Experiment, Findings, TRUNCATION_ORDER, describe, truncation};
+use crate::kernels::PaperSystem;
+use crate::method::Method;
+
+/// A relative defect above this is visible in a figure: Euler–Maruyama is expected there.
+const VISIBLE: f64 = 1e-3;
+
+/// A panel of invariants along one path.
+pub(crate) struct InvariantPanel {
+    pub id: &'static str,
+    pub title: &'static str,
+    pub paper: &'static str,
+    /// The system in words.
+    pub system: &'static str,
+    pub steps: u64,
+    /// Names of the invariants to show, the one of the paper first.
+    pub invariants: &'static [&'static str],
+    /// Calls [`InvariantPanel::follow`] with the problem.
+    pub follow: fn(&Self, &Conditions<'_>) -> Findings,
+}
+
+impl Experiment for InvariantPanel {
+    fn ids(&self) -> Vec<&'static str> {
+        vec![self.id]
+    }
+
+    fn run(&self, conditions: &Conditions<'_>) -> Findings {
+        (self.follow)(self, conditions)
+    }
+}
+
+impl InvariantPanel {
+    /// One path of each scheme on the same noise, with a claim for each curve.
+    pub fn follow<S, G, const D: usize, const M: usize>(
+        &self,
+        conditions: &Conditions<'_>,
+        problem: &Problem<S, G, D>,
+    ) -> Findings
+    where
+        S: PaperSystem<D, M>,
+        G: Damping,
+    {
+        let curves = curves_of_the_paper::<S, D, M>();
+        conditions.progress.begin(self.id, self.steps * curves.len() as u64);
+        let follow = |curve: &Curve<S, D, M>| {
+            let (scheme, key) = (curve.scheme.as_ref(), conditions.key(0));
+            let path = trajectory(problem, scheme, self.steps, truncation(), key, 0);
+            conditions.progress.advance(self.steps);
+            valid(path)
+        };
+        let paths: Vec<_> = curves.iter().map(follow).collect();
+        conditions.progress.end();
+
+        let known = problem.system.invariants();
+        let mut findings = Findings::default();
+        let mut all = Vec::new();
+        for &name in self.invariants {
+            let index = known.iter().position(|invariant| invariant.name == name);
+            let index = valid(index.ok_or_else(|| format!("there is no invariant {name}")));
+            for (curve, path) in curves.iter().zip(&paths) {
+                let values = along(problem, index, path);
+                let largest = largest_defect(&values);
+                let points =
+                    values.into_iter().map(|(t, value, exact)| Point::Value { t, value, exact });
+                all.push(Series {
+                    scheme: curve.name.to_owned(),
+                    quantity: name.to_owned(),
+                    points: points.collect(),
+                    max_relative_defect: Some(largest),
+                    ..Series::default()
+                });
+                let (tolerance, obeys) = match curve.method {
+                    Method::EulerMaruyama => (VISIBLE, false),
+                    Method::Midpoint => (ROUND_OFF, false),
+                    Method::Sexp | Method::SexpLevy => (ROUND_OFF, true),
+                };
+                let (invariant, paths, steps) = (name.to_owned(), 1, self.steps);
+                let mut measured =
+                    Evidence::Defect { invariant, paths, steps, largest, tolerance, obeys };
+                if let Some(failure) = &path.failure {
+                    // A path that ended early proves nothing about the rest.
+                    measured = Evidence::Undecided { reason: failure.to_string() };
+                } else if curve.method == Method::Midpoint && largest > ROUND_OFF {
+                    let (scheme, steps) = (curve.scheme.as_ref(), self.steps);
+                    measured = approach(conditions, problem, scheme, index, steps, largest);
+                }
+                findings.claims.push(self.claim(curve.method, &known[index], measured));
+            }
+        }
+        let tau = problem.t_end / self.steps as f64;
+        let steps = format!("τ = {tau}, increments truncated with k = {TRUNCATION_ORDER}");
+        let failures = paths.iter().filter_map(|path| path.failure.as_ref());
+        findings.panels.push(Panel {
+            id: self.id.to_owned(),
+            kind: Kind::Invariant,
+            title: self.title.to_owned(),
+            setup: describe(self.system, problem, &steps),
+            paper: self.paper.to_owned(),
+            samples: 1,
+            reference: "the conformal law exp(−p ∫γ) F(y₀)".to_owned(),
+            failures: failures.map(ToString::to_string).collect(),
+            series: all,
+            ..Panel::default()
+        });
+        findings
+    }
+
+    /// What the paper proves of `sexp` and reports of the others.
+    fn claim(&self, method: Method, invariant: &Invariant, measured: Evidence) -> Claim {
+        let (id, function) = match invariant.kind {
+            InvariantKind::Energy => ("energy-balance", "H"),
+            InvariantKind::Casimir => ("conformal-casimir", "the Casimir"),
+        };
+        let statement = match method {
+            Method::EulerMaruyama => "visibly leaves the conformal law",
+            Method::Midpoint => "leaves the conformal law, and returns to it as τ → 0",
+            Method::Sexp | Method::SexpLevy => "obeys the conformal law at every step",
+        };
+        Claim::new(id, format!("{function} {statement}"), measured)
+            .about(self.id, method.id())
+            .proven(method == Method::Sexp)
+    }
+}

@@ -1,0 +1,169 @@
+//! The 14 panels of the paper as data (Bréhier, Cohen and Komori 2025, §5).
+
+mod invariant;
+pub(crate) mod strong;
+pub(crate) mod weak;
+
+use mc::Observable;
+use real::elementary::{cos, sin};
+use systems::paper;
+
+use crate::experiment::Experiment;
+use invariant::InvariantPanel;
+use strong::StrongPanel;
+use weak::{WeakPanel, WeakPanels};
+
+/// Everything that makes a panel, in the order of the paper.
+pub const EXPERIMENTS: &[&dyn Experiment] = &[
+    &StrongPanel {
+        id: "pendulum-strong",
+        title: "Damped stochastic pendulum: strong convergence",
+        paper: "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
+        system: "pendulum, c = 1",
+        last: 12,
+        samples: 500,
+        commuting: true,
+        proven: true,
+        compare: |panel, conditions| panel.compare(conditions, &paper::pendulum()),
+    },
+    &InvariantPanel {
+        id: "rigid-body-casimir",
+        title: "Damped stochastic rigid body: the Casimir ½|y|² along one path",
+        paper: "sexp follows the conformal law of the Casimir; Euler–Maruyama does not.",
+        system: "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
+        steps: 100,
+        invariants: &["C"],
+        follow: |panel, conditions| panel.follow(conditions, &paper::rigid_body_three_noises(10.0)),
+    },
+    &StrongPanel {
+        id: "rigid-body-strong-3",
+        title: "Damped stochastic rigid body, three noises: strong convergence",
+        paper: "With several noises all three schemes have strong order 1/2.",
+        system: "rigid body, I = (2, 1, 2/3), Î = (1, 2, 3)",
+        last: 14,
+        samples: 1000,
+        commuting: false,
+        proven: true,
+        compare: |panel, conditions| {
+            panel.compare_with_areas(conditions, &paper::rigid_body_three_noises(1.0))
+        },
+    },
+    &StrongPanel {
+        id: "rigid-body-strong-1",
+        title: "Damped stochastic rigid body, only W₁: strong convergence",
+        paper: "With one noise sexp and midpoint have strong order 1, Euler–Maruyama 1/2.",
+        system: "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1",
+        last: 14,
+        samples: 1000,
+        commuting: true,
+        proven: true,
+        compare: |panel, conditions| panel.compare(conditions, &paper::rigid_body_one_noise()),
+    },
+    &WeakPanels(WEAK_PANELS),
+    &InvariantPanel {
+        id: "rigid-body-energy",
+        title: "Damped stochastic rigid body, noise H₀: the energy along one path",
+        paper: "sexp follows the conformal law of the energy.",
+        system: "rigid body, one noise H₀, I = (2, 1, 2/3)",
+        steps: 100,
+        invariants: &["H", "C"],
+        follow: |panel, conditions| panel.follow(conditions, &paper::rigid_body_energy(10.0)),
+    },
+    &InvariantPanel {
+        id: "lotka-volterra-energy",
+        title: "Damped stochastic Lotka–Volterra system: the energy along one path",
+        paper: "sexp follows the conformal law of the energy, a Hamiltonian that is not quadratic.",
+        system: "Lotka–Volterra, a = −1, b = −2, c = 1",
+        steps: 100,
+        invariants: &["H", "C"],
+        follow: |panel, conditions| panel.follow(conditions, &paper::lotka_volterra_2_2(10.0)),
+    },
+    &StrongPanel {
+        id: "lotka-volterra-strong",
+        title: "Damped stochastic Lotka–Volterra system: strong convergence",
+        paper: "sexp has strong order 1; m(H) = 0, so the theorems do not apply. (The paper's \
+                reference has the finest step of the figure, where the error is then zero by \
+                construction; here it is finer.)",
+        system: "Lotka–Volterra, a = −1, b = −1, c = 1",
+        last: 12,
+        samples: 500,
+        commuting: true,
+        proven: false,
+        compare: |panel, conditions| panel.compare(conditions, &paper::lotka_volterra_1_1()),
+    },
+    &InvariantPanel {
+        id: "maxwell-bloch-casimir",
+        title: "Damped stochastic Maxwell–Bloch system: the Casimir ½(y₂² + y₃²) along one path",
+        paper: "sexp follows the conformal law of the Casimir.",
+        system: "Maxwell–Bloch",
+        steps: 500,
+        invariants: &["C"],
+        follow: |panel, conditions| panel.follow(conditions, &paper::maxwell_bloch(5.0)),
+    },
+    &InvariantPanel {
+        id: "poisson3-casimir",
+        title: "Damped three-dimensional Poisson system: the Casimir ½(y₁+y₂+y₃)² along one path",
+        paper: "sexp follows the conformal law of the Casimir; Euler–Maruyama slightly less well, \
+                midpoint well.",
+        system: "three-dimensional Poisson system, c = 1",
+        steps: 100,
+        invariants: &["C", "S"],
+        follow: |panel, conditions| panel.follow(conditions, &paper::poisson3_casimir(2.0)),
+    },
+    &StrongPanel {
+        id: "poisson3-strong",
+        title: "Damped three-dimensional Poisson system: strong convergence",
+        paper: "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
+        system: "three-dimensional Poisson system, c = 1",
+        last: 12,
+        samples: 400,
+        commuting: true,
+        proven: true,
+        compare: |panel, conditions| panel.compare(conditions, &paper::poisson3_strong()),
+    },
+];
+
+/// The weak panels, which one set of runs makes.
+const WEAK_PANELS: &[WeakPanel] = &[
+    WeakPanel {
+        id: "rigid-body-weak-y",
+        title: "Rigid body, three noises: weak error of E[y_j]",
+        observables: [
+            Observable { name: "y1", function: |y| y[0] },
+            Observable { name: "y2", function: |y| y[1] },
+            Observable { name: "y3", function: |y| y[2] },
+        ],
+    },
+    WeakPanel {
+        id: "rigid-body-weak-y2",
+        title: "Rigid body, three noises: weak error of E[y_j²]",
+        observables: [
+            Observable { name: "y1^2", function: |y| y[0] * y[0] },
+            Observable { name: "y2^2", function: |y| y[1] * y[1] },
+            Observable { name: "y3^2", function: |y| y[2] * y[2] },
+        ],
+    },
+    WeakPanel {
+        id: "rigid-body-weak-cos",
+        title: "Rigid body, three noises: weak error of E[cos y_j]",
+        observables: [
+            Observable { name: "cos y1", function: |y| cos(y[0]) },
+            Observable { name: "cos y2", function: |y| cos(y[1]) },
+            Observable { name: "cos y3", function: |y| cos(y[2]) },
+        ],
+    },
+    WeakPanel {
+        id: "rigid-body-weak-sin",
+        title: "Rigid body, three noises: weak error of E[sin y_j]",
+        observables: [
+            Observable { name: "sin y1", function: |y| sin(y[0]) },
+            Observable { name: "sin y2", function: |y| sin(y[1]) },
+            Observable { name: "sin y3", function: |y| sin(y[2]) },
+        ],
+    },
+];
+
+/// The twelve test functions of the weak panels.
+pub(crate) fn weak_observables() -> Vec<Observable<3>> {
+    WEAK_PANELS.iter().flat_map(|panel| panel.observables).collect()
+}

@@ -1,0 +1,204 @@
+//! Weak convergence of `sexp` for twelve test functions of the rigid body with three noises.
+//!
+//! d_l = E[φ(y_τ)] − E[φ(y_{τ/2})] with τ = 2^−l is measured for every l from the coarsest step
+//! size to the finest, on paths of its own, with an antithetic twin (see [`mc::WeakDifferences`]).
+//! The order is fitted to the d_l, which needs no assumption about what is left below the finest
+//! step. The errors that a figure shows are their sums e_l = Σ_{j ≥ l} d_j, ended by a Richardson
+//! tail: below the finest step L, an error Cτ + O(τ²) leaves d_L once more, up to O(τ²).
+//!
+//! # Which estimator
+//!
+//! Work for a given standard error is variance times cost. For the rigid body, with the cost
+//! counted in path-steps and the median taken over the twelve test functions (`cargo test -p lab
+//! antithetic -- --nocapture`):
+//!
+//! | τ | independent paths | plain coupled difference | antithetic difference | variance of the latter / τ² |
+//! |---|---|---|---|---|
+//! | 2⁻⁶ | 3.8 | 1.6e-3 | 6.0e-6 | 7.7e-5 |
+//! | 2⁻⁸ | 15 | 1.7e-3 | 1.5e-6 | 7.9e-5 |
+//! | 2⁻¹⁰ | 59 | 1.7e-3 | 4.0e-7 | 8.2e-5 |
+//!
+//! The variance of an antithetic difference falls like τ², that of a plain one like τ, and the
+//! antithetic one is the cheapest at every step size although it takes five steps where the others
+//! take three.
+//!
+//! # How many paths
+//!
+//! The variance of d_l falls like τ_l², d_l itself like τ_l: the *relative* error of d_l is κ/√N_l
+//! with the same κ at every step size, and a path costs c_l = 5·2^l steps. An order is a matter of
+//! relative errors. Minimising Σ κ²/N_l for a given Σ c_l N_l gives N_l ∝ 1/√c_l ∝ √τ_l. (The sum
+//! e_l alone, to an absolute accuracy, would ask for N_l ∝ √(V_l/c_l) ∝ τ_l^{3/2}, as in multilevel
+//! Monte Carlo, and the finest errors would drown.) The paper's 500 000 paths are kept at the
+//! coarsest difference; with seven differences the finest gets an eighth of them.
+
+#[cfg(test)]
+mod tests;
+
+use mc::{Ladder, Measured, Observable, Run, WeakDifferences};
+use schemes::Sexp;
+use stats::{CrossMoments, weak_errors};
+use systems::paper::{rigid_body_three_noises, valid};
+use systems::{Damping, Problem};
+use verify::results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series};
+
+use super::strong::{describe_failures, power_of_half};
+use crate::experiment::{Conditions, Experiment, Findings, TRUNCATION_ORDER, describe, truncation};
+use crate::kernels::{Compiled, compiled};
+use crate::method::Method;
+
+/// One panel: a name and the test functions on it.
+pub(crate) struct WeakPanel {
+    pub id: &'static str,
+    pub title: &'static str,
+    pub observables: [Observable<3>; 3],
+}
+
+/// The panels that one set of runs makes.
+pub(crate) struct WeakPanels(pub &'static [WeakPanel]);
+
+/// Coarsest step size 2⁻⁶.
+const FIRST: u32 = 6;
+
+/// Step sizes 2⁻⁶ … 2^−last; the difference at the finest uses 2^−(last + 1), too.
+#[derive(Clone, Copy)]
+struct Grid {
+    last: u32,
+    /// Paths of the coarsest difference.
+    samples: u64,
+}
+
+impl Grid {
+    fn exponents(self) -> std::ops::RangeInclusive<u32> {
+        FIRST..=self.last
+    }
+
+    /// Paths of the difference between 2^−exponent and half of it: `samples`·√(τ_l/τ_first),
+    /// rounded upwards.
+    fn samples(self, exponent: u32) -> u64 {
+        (self.samples as f64 * power_of_half(exponent - FIRST).sqrt()).ceil() as u64
+    }
+}
+
+impl Experiment for WeakPanels {
+    fn ids(&self) -> Vec<&'static str> {
+        self.0.iter().map(|panel| panel.id).collect()
+    }
+
+    fn takes_long(&self) -> bool {
+        true
+    }
+
+    fn run(&self, conditions: &Conditions<'_>) -> Findings {
+        let problem = rigid_body_three_noises(1.0);
+        let grid = conditions
+            .choose(Grid { last: 12, samples: 500_000 }, Grid { last: 9, samples: 65_536 });
+        let wanted = |panel: &&WeakPanel| conditions.wanted.contains(&panel.id);
+        let panels: Vec<&WeakPanel> = self.0.iter().filter(wanted).collect();
+        let observables: Vec<Observable<3>> =
+            panels.iter().flat_map(|panel| panel.observables).collect();
+        let measured = differences(conditions, grid, &problem, &observables);
+
+        let taus: Vec<f64> = grid.exponents().map(power_of_half).collect();
+        let mut series = (0..observables.len()).map(|f| {
+            let differences: Vec<&CrossMoments> =
+                measured.iter().map(|outcome| outcome.statistic.moments(f)).collect();
+            weak_series(observables[f].name, &taus, &differences)
+        });
+        let failures = measured.iter().flat_map(|m| describe_failures(m.failed, &m.failures));
+        let failures: Vec<String> = failures.collect();
+        let samples: Vec<DifferenceSamples> = grid
+            .exponents()
+            .map(|l| DifferenceSamples { tau: power_of_half(l), samples: grid.samples(l) })
+            .collect();
+        let steps = format!(
+            "τ = 2^-{FIRST} … 2^-{}, increments truncated with k = {TRUNCATION_ORDER}",
+            grid.last
+        );
+        let mut findings = Findings::default();
+        for panel in panels {
+            let series: Vec<Series> = series.by_ref().take(panel.observables.len()).collect();
+            findings.claims.extend(series.iter().map(|series| claim(panel.id, series)));
+            findings.panels.push(Panel {
+                id: panel.id.to_owned(),
+                kind: Kind::Weak,
+                title: panel.title.to_owned(),
+                setup: describe(
+                    "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
+                    &problem,
+                    &steps,
+                ),
+                paper: "sexp has weak order 1 for every test function.".to_owned(),
+                samples: grid.samples,
+                reference: reference(grid),
+                failures: failures.clone(),
+                differences: samples.clone(),
+                series,
+                ..Panel::default()
+            });
+        }
+        findings
+    }
+}
+
+fn claim(panel: &str, series: &Series) -> Claim {
+    let statement = format!("|E φ(y_N) − E φ(y(T))| ≤ C τ for φ = {} (k ≥ 2)", series.quantity);
+    let measured = Evidence::Order { order: 1.0, one_sided: true, rate: series.rate.clone() };
+    Claim::new("weak-one", statement, measured).about(panel, &series.scheme)
+}
+
+/// What the errors are sums of, in words.
+fn reference(grid: Grid) -> String {
+    let samples: Vec<String> = grid.exponents().map(|l| grid.samples(l).to_string()).collect();
+    let (last, finer) = (grid.last, grid.last + 1);
+    format!(
+        "sums of antithetic differences between neighbouring steps, each on paths of its own ({}); \
+         below 2^-{finer} a Richardson tail, the difference between 2^-{last} and 2^-{finer} once \
+         more. The order is fitted to the differences, without the tail.",
+        samples.join(", ")
+    )
+}
+
+/// Antithetic differences between neighbouring step sizes, coarsest first; each is a part of the
+/// experiment.
+fn differences<S, G, const D: usize, const M: usize>(
+    conditions: &Conditions<'_>,
+    grid: Grid,
+    problem: &Problem<S, G, D>,
+    observables: &[Observable<D>],
+) -> Vec<Measured<WeakDifferences<D>>>
+where
+    S: Compiled<Sexp, D, M>,
+    G: Damping,
+{
+    let sexp = compiled(Sexp::default());
+    let sexp = sexp.as_ref();
+    let ladder = |(exponent, part)| {
+        let runs = vec![Run::new(sexp, 1), Run::new(sexp, 0), Run::swapped(sexp, 0)];
+        let finest_steps = (problem.t_end * 2f64.powi(exponent as i32 + 1)).round() as u64;
+        let key = conditions.key(part);
+        let ladder = Ladder::new(problem, finest_steps, 1, truncation(), key, runs);
+        (grid.samples(exponent), valid(ladder))
+    };
+    let ladders: Vec<_> = grid.exponents().zip(0..).map(ladder).collect();
+    let work = ladders.iter().map(|(samples, ladder)| samples * ladder.steps_per_path()).sum();
+    conditions.progress.begin(&conditions.wanted.join(", "), work);
+    let measured = ladders.iter().map(|(samples, ladder)| {
+        let statistic = || WeakDifferences::new(observables, &[(0, 1, 2)], ladder.coarse_steps());
+        ladder.run(*samples, statistic, &|work| conditions.progress.advance(work))
+    });
+    let measured = measured.collect();
+    conditions.progress.end();
+    measured
+}
+
+/// A curve from independent differences at the step sizes `taus`, each half of the one before.
+fn weak_series(name: &str, taus: &[f64], differences: &[&CrossMoments]) -> Series {
+    let (points, rate) = weak_errors(taus, differences);
+    Series {
+        scheme: Method::Sexp.id().to_owned(),
+        quantity: name.to_owned(),
+        points,
+        rate,
+        ..Series::default()
+    }
+}

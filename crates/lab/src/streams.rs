@@ -1,0 +1,62 @@
+//! Which noise belongs to which experiment: the one register of stream numbers.
+//!
+//! A [`StreamKey`] has a seed and a number. No two experiments of this workspace share a number, so
+//! no two share noise. Each family of experiments has a range of its own; its members count on from
+//! the first.
+
+use noise::StreamKey;
+
+/// Numbers of one experiment of the families below [`WORK_PRECISION`], one for each of its parts.
+pub const PARTS: u64 = 16;
+
+/// Panels of the paper, in its order: 1, 2, … times [`PARTS`].
+pub const PANELS: u64 = 1;
+/// Statements that are measured on their own, times [`PARTS`].
+pub const STATEMENTS: u64 = 1000;
+/// Figures that are not in the paper, times [`PARTS`].
+pub const SUPPLEMENTS: u64 = 2000;
+/// Twins, times [`PARTS`].
+pub const TWINS: u64 = 3000;
+/// The expectations of the battery, times [`PARTS`].
+pub const EXPECTATIONS: u64 = 4000;
+
+/// Cases of work–precision, [`WORK_PRECISION_PARTS`] numbers each.
+pub const WORK_PRECISION: u64 = 1 << 32;
+/// Numbers of one case of work–precision.
+pub const WORK_PRECISION_PARTS: u64 = 4;
+/// Hard cases.
+pub const HARD_CASES: u64 = 1 << 33;
+/// Growth of the defect over long runs.
+pub const GROWTH: u64 = HARD_CASES + (1 << 16);
+/// Coverage: case number n takes the numbers from n times this on.
+pub const COVERAGE: u64 = 1 << 40;
+
+/// The streams of part number `part` of experiment number `experiment`.
+///
+/// # Panics
+/// When there is no such part: it would share its noise with the next experiment.
+#[must_use]
+pub fn key(seed: u64, experiment: u64, part: u64) -> StreamKey {
+    assert!(part < PARTS, "part {part} would share its noise with the next experiment");
+    StreamKey { seed, experiment: experiment * PARTS + part }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_are_disjoint() {
+        let families = [PANELS, STATEMENTS, SUPPLEMENTS, TWINS, EXPECTATIONS, EXPECTATIONS + 1];
+        let ends = families.map(|first| first * PARTS).into_iter();
+        let starts: Vec<u64> = ends.chain([WORK_PRECISION, HARD_CASES, GROWTH, COVERAGE]).collect();
+        // Fewer experiments in each family than there are numbers.
+        assert!(starts.windows(2).all(|pair| pair[0] + 16 <= pair[1]), "{starts:?}");
+    }
+
+    #[test]
+    #[should_panic(expected = "would share its noise")]
+    fn a_part_too_many_is_refused() {
+        let _ = key(1, PANELS, PARTS);
+    }
+}

@@ -1,0 +1,199 @@
+//! Strong and weak errors of one-noise systems against their exact solution, beside the paper's
+//! kind of reference.
+
+use mc::Observable;
+use schemes::Sexp;
+use stats::Point;
+use systems::paper::{self, valid};
+use systems::{Damping, Problem};
+use verify::exact::{RandomTime, expectation, solution};
+use verify::results::{Claim, Evidence, Kind, Panel};
+use verify::{Exact, ReferenceSolution, StepSizes, exact_mean, weak_order};
+
+use crate::experiment::{Conditions, Experiment, Findings, describe, truncation};
+use crate::kernels::{PaperSystem, compiled};
+use crate::method::Method;
+use crate::panels::strong::{
+    Grid, StrongCurve, StrongErrorCurves, StrongRuns, curves_of_the_paper,
+};
+
+/// A one-noise system with its exact solution.
+pub(super) struct AgainstExact {
+    id: &'static str,
+    title: &'static str,
+    /// The system in words.
+    system: &'static str,
+    /// Calls [`AgainstExact::compare`] with the problem.
+    compare: fn(&Self, &Conditions<'_>) -> Findings,
+}
+
+pub(super) const LOTKA_VOLTERRA: AgainstExact = AgainstExact {
+    id: "lotka-volterra-exact",
+    title: "Lotka–Volterra against its exact solution: strong convergence",
+    system: "Lotka–Volterra, a = −1, b = −1, c = 1",
+    compare: |panel, conditions| panel.compare(conditions, &paper::lotka_volterra_1_1()),
+};
+
+pub(super) const RIGID_BODY: AgainstExact = AgainstExact {
+    id: "rigid-body-energy-exact",
+    title: "Rigid body with noise H₀ against its exact solution: strong convergence",
+    system: "rigid body, one noise H₀, I = (2, 1, 2/3)",
+    compare: |panel, conditions| panel.compare(conditions, &paper::rigid_body_energy(1.0)),
+};
+
+impl Experiment for AgainstExact {
+    fn ids(&self) -> Vec<&'static str> {
+        vec![self.id]
+    }
+
+    fn run(&self, conditions: &Conditions<'_>) -> Findings {
+        (self.compare)(self, conditions)
+    }
+
+    fn takes_long(&self) -> bool {
+        true
+    }
+}
+
+/// Both systems have a vector field of degree 2 and noise of size 1.
+const DEGREE: f64 = 2.0;
+const NOISE: f64 = 1.0;
+
+/// The random time whose flow is the exact solution, on finest steps of T/`finest_steps`.
+fn random_time<S, G: Damping>(problem: &Problem<S, G, 3>, finest_steps: u64) -> RandomTime<'_, G> {
+    RandomTime::new(&problem.damping, DEGREE, NOISE, problem.t_end / finest_steps as f64)
+}
+
+impl AgainstExact {
+    fn compare<S, G>(&self, conditions: &Conditions<'_>, problem: &Problem<S, G, 3>) -> Findings
+    where
+        S: PaperSystem<3, 1>,
+        G: Damping,
+    {
+        let grid =
+            conditions.choose(Grid { last: 12, samples: 500 }, Grid { last: 10, samples: 200 });
+        let curves = curves_of_the_paper::<S, 3, 1>();
+        let time = random_time(problem, grid.finest_steps(problem.t_end));
+        let solution = |s: f64| solution(problem, s);
+        let runs = StrongRuns {
+            id: self.id,
+            problem,
+            grid,
+            truncation: truncation(),
+            // What the paper takes as the reference.
+            reference: curves[0].scheme.as_ref(),
+            exact: Some(Exact { time_change: &time, solution: &solution }),
+            curves: &curves,
+        };
+        let StrongErrorCurves { curves, clipped, failures, reference_error } =
+            runs.measure(conditions);
+        let mut claims: Vec<Claim> = curves.iter().map(|curve| self.order(curve)).collect();
+        claims.extend(self.weak_claims(conditions, problem));
+        let panel = Panel {
+            id: self.id.to_owned(),
+            kind: Kind::Strong,
+            title: self.title.to_owned(),
+            setup: describe(self.system, problem, &grid.words()),
+            paper: format!("Not in the paper. {}", agreement(grid, &curves[0], reference_error)),
+            samples: grid.samples,
+            reference: "the exact solution by a change of time, path by path".to_owned(),
+            failures,
+            clipped,
+            series: curves.into_iter().map(|curve| curve.series).collect(),
+            ..Panel::default()
+        };
+        Findings { panels: vec![panel], claims }
+    }
+
+    fn order(&self, curve: &StrongCurve) -> Claim {
+        let (scheme, order) = (curve.method.id(), curve.method.strong_order(true));
+        let statement = format!("{scheme} has strong order {order} against the exact solution");
+        let measured = Evidence::Order { order, one_sided: false, rate: curve.series.rate.clone() };
+        Claim::new("strong-one", statement, measured).about(self.id, scheme).proven(false)
+    }
+
+    /// Weak errors of `sexp` against the exact solution path by path, and the mean of the exact
+    /// solution over the paths against the Gaussian integral.
+    fn weak_claims<S, G>(
+        &self,
+        conditions: &Conditions<'_>,
+        problem: &Problem<S, G, 3>,
+    ) -> Vec<Claim>
+    where
+        S: PaperSystem<3, 1>,
+        G: Damping,
+    {
+        let observables: [Observable<3>; 2] = [
+            Observable { name: "y2", function: |y| y[1] },
+            Observable { name: "cos y3", function: |y| real::elementary::cos(y[2]) },
+        ];
+        let sizes = StepSizes {
+            coarsest_steps: 8,
+            levels: 5,
+            refinement: 0,
+            samples: conditions.choose(16_000, 400),
+            truncation: truncation(),
+            key: conditions.key(1),
+        };
+        let steps = sizes.coarsest_steps << (sizes.levels - 1);
+        let time = random_time(problem, steps);
+        let solution = |s: f64| solution(problem, s);
+        let exact = Exact { time_change: &time, solution: &solution };
+        let sexp = compiled(Sexp::default());
+        let claims = observables.map(|observable| {
+            let reference = ReferenceSolution::Exact(exact);
+            let order = valid(weak_order(sexp.as_ref(), problem, observable, &sizes, reference));
+            let name = observable.name;
+            let statement =
+                format!("sexp has weak order 1 against the exact solution for φ = {name}");
+            let measured = Evidence::Order { order: 1.0, one_sided: false, rate: order.rate };
+            let weak = Claim::new("weak-one", statement, measured)
+                .about(self.id, Method::Sexp.id())
+                .proven(false);
+
+            // Two ways to the same number, of which one uses the noise of this project and the
+            // other a quadrature.
+            let sizes = StepSizes {
+                coarsest_steps: steps / 2,
+                levels: 2,
+                samples: conditions.choose(20_000, 1_000),
+                key: conditions.key(2),
+                ..sizes
+            };
+            let (value, standard_error) = valid(exact_mean(problem, observable, &sizes, exact));
+            let measured = Evidence::Deviation {
+                quantity: format!("E[{name}]"),
+                value,
+                standard_error,
+                bias: 0.0,
+                expected: expectation(problem, &time, steps, observable.function),
+                path_steps: None,
+                warnings: Vec::new(),
+            };
+            let statement = format!(
+                "E[{name}] over sampled exact solutions is the Gaussian integral over the random \
+                 time"
+            );
+            let mean = Claim::new("exact-expectation", statement, measured);
+            [weak, mean.about(self.id, "").proven(false)]
+        });
+        claims.into_iter().flatten().collect()
+    }
+}
+
+/// How far the paper's kind of reference is from the exact solution, in words.
+fn agreement(grid: Grid, sexp: &StrongCurve, reference_error: Option<f64>) -> String {
+    let reference_error = reference_error.unwrap_or(f64::NAN);
+    let finest_error = match sexp.series.points.last() {
+        Some(Point::Error { value, .. }) => *value,
+        _ => f64::NAN,
+    };
+    format!(
+        "sexp at τ = 2^-{}, the kind of reference that the paper takes, is itself \
+         {reference_error:.1e} (root mean square) away from the exact solution, {:.0} % of the \
+         error of sexp at τ = 2^-{}",
+        grid.reference(),
+        100.0 * reference_error / finest_error,
+        grid.last
+    )
+}

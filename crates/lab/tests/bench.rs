@@ -1,0 +1,99 @@
+//! The program behind `cargo xtask bench`: everything is measured, and asked for in vain is refused.
+
+use std::fs;
+use std::process::{Command, Output};
+
+use real::Level;
+use serde_json::Value;
+
+fn run(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_bench"))
+        .args(arguments)
+        .output()
+        .expect("the program of this crate runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn rows<'a>(speed: &'a Value, what: &str) -> &'a [Value] {
+    speed[what].as_array().expect("rows")
+}
+
+#[test]
+fn every_scheme_is_measured_on_every_system() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("speed.json");
+    let output = run(&["--quick", "--simd", "baseline", "--json", file.to_str().unwrap()]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let (page, report): (_, Value) =
+        (text(&output.stdout), serde_json::from_slice(&fs::read(file).unwrap()).unwrap());
+    let command = report["provenance"]["command"].as_str();
+    assert_eq!(command, Some("cargo xtask bench --quick --simd baseline"));
+    let speed = &report["speed"];
+    assert_eq!(
+        (speed["simd"].as_str(), speed["workload"]["paths"].as_u64()),
+        (Some("baseline"), Some(256))
+    );
+
+    let schemes = rows(speed, "schemes");
+    let mut systems: Vec<&str> = schemes.iter().filter_map(|row| row["system"].as_str()).collect();
+    systems.dedup();
+    assert_eq!(systems.len(), 9, "{systems:?}");
+    for system in systems {
+        let on_it = schemes.iter().filter(|row| row["system"] == system);
+        let names: Vec<&str> = on_it.filter_map(|row| row["scheme"].as_str()).collect();
+        // Areas matter only where noises do not commute.
+        let levy: &[&str] =
+            if ["rigid-body-3", "spin-chain"].contains(&system) { &["sexp-levy"] } else { &[] };
+        assert_eq!(names, [&["sexp"], levy, &["midpoint", "heun", "em"]].concat(), "{system}");
+        assert!(page.contains(system), "{system} is not on the page");
+    }
+    for row in schemes {
+        let spread = &row["ns_per_path_step"];
+        let [best, median, worst] =
+            ["best", "median", "worst"].map(|field| spread[field].as_f64().unwrap());
+        assert_eq!(row["failed"], 0, "{row}");
+        assert!(0.0 < best && best <= median && median <= worst, "{row}");
+    }
+
+    let threads = rows(speed, "threads");
+    assert_eq!(
+        (threads[0]["threads"].as_u64(), threads[0]["speedup"].as_f64()),
+        (Some(1), Some(1.0))
+    );
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
+    assert_eq!(threads.last().unwrap()["threads"], processors);
+    for grows in ["samples", "steps", "levels"] {
+        let of = rows(speed, "growth").iter().filter(|row| row["grows"] == grows);
+        let values: Vec<u64> = of.map(|row| row["value"].as_u64().unwrap()).collect();
+        assert!(values.len() >= 3 && values.is_sorted(), "{grows} {values:?}");
+    }
+    // On Linux the kernel tells the memory of a process.
+    if cfg!(target_os = "linux") {
+        assert!(speed["peak_memory_mb"].as_f64().is_some_and(|mb| mb > 0.0));
+    }
+}
+
+#[test]
+fn what_cannot_be_done_is_refused_before_anything_is_measured() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("a-file");
+    fs::write(&file, "not a folder").unwrap();
+    let below = file.join("speed.json");
+    let mut refused = vec![
+        (vec!["--quick", "--json", below.to_str().unwrap()], "a-file"),
+        (vec!["--repetitions", "0"], "--repetitions"),
+        (vec!["--simd", "mmx"], "baseline, avx2, avx512"),
+    ];
+    if Level::available() < Level::Avx512 {
+        refused.push((vec!["--simd", "avx512"], "this machine does not have it"));
+    }
+    for (arguments, word) in refused {
+        let output = run(&arguments);
+        let message = text(&output.stderr);
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{message}");
+        assert!(message.contains(word), "{message}");
+    }
+}

@@ -1,0 +1,95 @@
+//! `cargo xtask reproduce` as a user meets it: the same bits however it is run, and clear words for
+//! bad input.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn reproduce(out: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_reproduce"))
+        .args(["--quick", "--out"])
+        .arg(out)
+        .args(arguments)
+        .output()
+        .expect("the binary of this crate runs")
+}
+
+/// Everything but the provenance, which holds the timings.
+fn results(out: &Path) -> Value {
+    let text =
+        fs::read_to_string(out.join("results.json")).expect("a successful run writes results.json");
+    let mut results: Value = serde_json::from_str(&text).expect("results.json is JSON");
+    let provenance = results.as_object_mut().and_then(|object| object.remove("provenance"));
+    assert!(provenance.is_some(), "results.json says where it comes from");
+    results
+}
+
+#[test]
+fn results_are_the_same_bits_however_they_are_computed() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = |name: &str, arguments: &[&str]| {
+        let out = dir.path().join(name);
+        let output = reproduce(&out, arguments);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+        results(&out)
+    };
+    let reference = run("two-threads", &["--threads", "2"]);
+    assert_eq!(reference["panels"].as_array().unwrap().len(), 14);
+    // Side by side, since one thread leaves the other processors idle.
+    std::thread::scope(|scope| {
+        let baseline = scope.spawn(|| run("baseline", &["--threads", "1", "--simd", "baseline"]));
+        assert_eq!(reference, run("avx2", &["--threads", "1", "--simd", "avx2"]));
+        assert_eq!(reference, baseline.join().expect("a run of its own"));
+    });
+
+    // One panel alone is that panel of the whole; with another seed it is not, or the comparisons
+    // see nothing.
+    let ids = ["poisson3-strong", "rigid-body-weak-cos"];
+    let only: Vec<&str> = ids.iter().flat_map(|&id| ["--only", id]).collect();
+    let (part, other_seed) =
+        (run("part", &only), run("other-seed", &[&only[..], &["--seed", "2"]].concat()));
+    let find = |results: &Value, id: &str| {
+        let panels = results["panels"].as_array().unwrap();
+        panels.iter().find(|panel| panel["id"] == id).cloned().expect("the panel is there")
+    };
+    for results in [&part, &other_seed] {
+        assert_eq!(results["panels"].as_array().unwrap().len(), ids.len());
+    }
+    for id in ids {
+        assert_eq!(find(&reference, id), find(&part, id));
+        assert_ne!(find(&reference, id), find(&other_seed, id));
+    }
+}
+
+#[test]
+fn an_unknown_panel_is_refused_with_the_list_of_known_ones() {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("out");
+    let output = reproduce(&out, &["--only", "pendulum-weak"]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success());
+    for word in ["pendulum-weak", "pendulum-strong", "poisson3-casimir", "truncation-moments"] {
+        assert!(message.contains(word), "{message}");
+    }
+    assert!(!out.exists(), "nothing is written for a request that makes no sense");
+}
+
+#[test]
+fn an_unwritable_folder_is_found_before_any_computing() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("a-file");
+    fs::write(&file, "not a folder").unwrap();
+    let output = reproduce(&file.join("below"), &[]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success() && output.stdout.is_empty(), "{message}");
+    assert!(message.contains("a-file"), "{message}");
+}
+
+#[test]
+fn zero_threads_are_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let output = reproduce(dir.path(), &["--threads", "0"]);
+    assert!(!output.status.success() && String::from_utf8_lossy(&output.stderr).contains('0'));
+}

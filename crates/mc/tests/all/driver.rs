@@ -1,0 +1,221 @@
+//! What the driver shows to schemes and to statistics: raw and clipped increments, noise from
+//! elsewhere, and how each step was solved.
+
+use std::collections::BTreeSet;
+
+use mc::{Ladder, LadderError, NextNoise, NoiseSource, Recording, Run, Statistic, View};
+use noise::{Noise, NoiseError, StreamKey, Truncation, WienerBlock, WienerPath};
+use nonlin::Outcome;
+use real::Real;
+use schemes::{Explicit, Implicit, Increment, Scheme, Sexp, SexpLevy, Step};
+use systems::{Constant, PoissonSystem, Problem};
+
+use crate::ladder::{KEY, Keep, body};
+
+/// y₂ = W: H = y₁W and B the rotation by a right angle.
+struct Walk;
+
+impl PoissonSystem<2, 1> for Walk {
+    fn name(&self) -> &'static str {
+        "walk"
+    }
+    #[inline(always)]
+    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+        [-v[1], v[0]]
+    }
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 2], _dt: f64, dw: [f64; 1]) -> R {
+        y[0] * dw[0]
+    }
+}
+
+/// Euler's method with Lévy areas, on clipped noise or on raw noise: an explicit scheme of a user.
+pub struct Euler<const CLIPS: bool>;
+
+impl<const CLIPS: bool> Explicit for Euler<CLIPS> {
+    const ID: &'static str = "euler";
+    const READS_AREAS: bool = true;
+    const CLIPS_INCREMENTS: bool = CLIPS;
+
+    #[inline(always)]
+    fn advance<H: Increment>(&self, h: H, y: H::Vector) -> H::Vector {
+        y + h.field(y) + h.commutators(y)
+    }
+}
+
+/// ψ(ẑ, z) = ẑ + B(z)∇h(z): an implicit scheme of a user.
+pub struct BackwardEuler;
+
+impl Implicit for BackwardEuler {
+    const ID: &'static str = "backward-euler";
+    const EXACT_DAMPING: bool = true;
+
+    #[inline(always)]
+    fn psi<H: Increment>(&self, h: H, start: H::Vector, z: H::Vector) -> H::Vector {
+        start + h.field(z)
+    }
+}
+
+fn walk(t_end: f64) -> Problem<Walk, Constant, 2> {
+    Problem::new(Walk, Constant::new(0.0).unwrap(), [0.0, 0.0], t_end).unwrap()
+}
+
+/// For every path the final W of each run, and whether an increment of the run was clipped.
+struct Walks(Vec<[(f64, bool); 2]>);
+
+impl Statistic<2> for Walks {
+    fn observe(&mut self, view: &View<'_, 2>) {
+        if view.time == 4 {
+            let run = |r: usize, p| (view.states[r].path(p)[1], view.clipped[r].contains(p));
+            self.0.extend(view.live.paths().map(|p| [run(0, p), run(1, p)]));
+        }
+    }
+    fn merge(&mut self, later: Self) {
+        self.0.extend(later.0);
+    }
+}
+
+#[test]
+fn raw_and_clipped_increments_side_by_side() {
+    let problem = walk(1.0);
+    let (raw, clipped) = (Euler::<false>, Euler::<true>);
+    let truncation = Truncation::new(1).unwrap();
+    let bound = truncation.bound(0.25).unwrap();
+    let runs = vec![Run::new(&raw as &dyn Scheme<_, 2, 1>, 0), Run::new(&clipped, 0)];
+    let ladder = Ladder::new(&problem, 4, 0, truncation, KEY, runs).unwrap();
+    let measured = ladder.run(500, || Walks(Vec::new()), &|_| ());
+    let mut beyond = 0;
+    for (path, [raw, clipped]) in measured.statistic.0.iter().enumerate() {
+        let mut wiener = WienerPath::<1>::new(KEY, path as u64);
+        let (mut w, mut within) = (0.0, 0.0);
+        for _ in 0..4 {
+            let [dw] = wiener.increments(0.5);
+            w += dw;
+            within += dw.clamp(-bound, bound);
+            beyond += u64::from(dw.abs() > bound);
+        }
+        assert_eq!(*raw, (w, false), "path {path}");
+        assert_eq!(*clipped, (within, w != within), "path {path}");
+    }
+    // One increment in ten is beyond 1.67 standard deviations.
+    assert!(beyond > 100, "{beyond}");
+    assert_eq!(measured.clipped, [beyond]);
+}
+
+#[test]
+fn raw_increments_need_no_bound() {
+    let problem = walk(8.0);
+    let ladder = |scheme: &dyn Scheme<Walk, 2, 1>| {
+        let runs = vec![Run::new(scheme, 0)];
+        let ladder = Ladder::new(&problem, 4, 0, Truncation::new(4).unwrap(), KEY, runs)?;
+        Ok(ladder.run(1, || Keep::new(4, 1), &|_| ()).statistic.runs[0][0])
+    };
+    let mut wiener = WienerPath::<1>::new(KEY, 0);
+    let w: f64 = (0..4).map(|_| wiener.increments(2f64.sqrt())[0]).sum();
+    assert_eq!(ladder(&Euler::<false>), Ok([0.0, w]));
+    let refused = LadderError::Noise(NoiseError::StepOutsideUnitInterval { tau: 2.0 });
+    assert_eq!(ladder(&Euler::<true>), Err(refused));
+}
+
+/// Increments drawn outside the ladder.
+struct Streams {
+    key: StreamKey,
+    tau: f64,
+}
+
+impl NoiseSource<3> for Streams {
+    fn block(&self, first_path: u64) -> NextNoise<'_, 3> {
+        let mut wiener = WienerBlock::new(self.key, first_path);
+        Box::new(move |noise| wiener.increments(self.tau.sqrt(), &mut noise.increments))
+    }
+}
+
+#[test]
+fn noise_from_elsewhere_drives_every_path_of_a_ladder() {
+    let (problem, sexp) = (body(), Sexp::default());
+    let run = |source: Option<Streams>| {
+        let runs = vec![Run::new(&sexp as _, 0), Run::new(&sexp, 2), Run::swapped(&sexp, 1)];
+        let k = Truncation::new(2).unwrap();
+        let ladder = Ladder::new(&problem, 32, 2, k, KEY, runs).unwrap();
+        let ladder = match source {
+            Some(source) => ladder.with_noise(source),
+            None => ladder,
+        };
+        ladder.run(150, || Keep::new(8, 3), &|_| ()).statistic.runs
+    };
+    let (drawn, tau) = (run(None), 1.0 / 32.0);
+    assert_eq!(run(Some(Streams { key: KEY, tau })), drawn);
+    let other = StreamKey { seed: KEY.seed + 1, ..KEY };
+    assert_ne!(run(Some(Streams { key: other, tau })), drawn);
+}
+
+#[test]
+fn a_recording_drives_a_ladder_like_the_path_that_it_records() {
+    let (problem, sexp) = (body(), Sexp::default());
+    let levy = SexpLevy::new(&problem.system, problem.y0);
+    let ladder = || {
+        let runs = vec![
+            Run::new(&sexp as &dyn Scheme<_, 3, 3>, 0),
+            Run::new(&levy, 0),
+            Run::new(&levy, 2),
+            Run::swapped(&levy, 1),
+        ];
+        Ladder::new(&problem, 32, 2, Truncation::new(2).unwrap(), KEY, runs).unwrap()
+    };
+    let keep = || Keep::new(8, 4);
+    let drawn = ladder().run_from(4, 1, keep, &|_| ()).statistic.runs;
+    let of_recording = |path| {
+        let recording = Recording::<3>::draw(KEY, path, 32, 1.0, true).unwrap();
+        ladder().with_noise(&recording).run(1, keep, &|_| ()).statistic.runs
+    };
+    assert_eq!(of_recording(4), drawn);
+    assert_ne!(of_recording(5), drawn);
+}
+
+/// The steps, as (path, number from 1), that needed the robust method.
+#[derive(Default)]
+struct Robust(BTreeSet<(u64, u64)>);
+
+impl Statistic<3> for Robust {
+    fn observe(&mut self, view: &View<'_, 3>) {
+        let robust = view.statuses[0].robust.and(view.live);
+        self.0.extend(robust.paths().map(|p| (view.first_path + p as u64, view.time)));
+    }
+    fn merge(&mut self, later: Self) {
+        self.0.extend(later.0);
+    }
+}
+
+#[test]
+fn a_statistic_sees_which_steps_needed_the_robust_method() {
+    const STEPS: u64 = 4;
+    const PATHS: u64 = 200;
+    // A fast rotation, large steps and raw increments.
+    let problem = Problem { y0: [2.0, 1.0, 3.0], t_end: 2.0, ..body() };
+    let sexp = Sexp::default();
+    let tau = problem.t_end / STEPS as f64;
+    let runs = vec![Run::new(&sexp as _, 0)];
+    let ladder = Ladder::new(&problem, STEPS, 0, Truncation::none(), KEY, runs).unwrap();
+    let seen = ladder.run(PATHS, Robust::default, &|_| ()).statistic.0;
+
+    let mut alone = BTreeSet::new();
+    for path in 0..PATHS {
+        let (mut wiener, mut y) = (WienerPath::<3>::new(KEY, path), problem.y0);
+        for n in 0..STEPS {
+            let step = Step::new(&problem.damping, n, tau).unwrap();
+            let noise = Noise::increments(wiener.increments(tau.sqrt()));
+            let solution = sexp.step(&problem.system, &step, &noise, y);
+            match solution.outcome {
+                Outcome::Fast { .. } => {}
+                Outcome::Robust { .. } => {
+                    alone.insert((path, n + 1));
+                }
+                Outcome::Failed { .. } => break,
+            }
+            y = solution.z;
+        }
+    }
+    assert_eq!(seen, alone);
+    let count = seen.len() as u64;
+    assert!(count > 5 && count < PATHS * STEPS, "{count}");
+}

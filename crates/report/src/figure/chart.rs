@@ -1,0 +1,345 @@
+//! Curves in logarithmic coordinates: plots side by side under one legend and with one vertical
+//! axis.
+
+use std::collections::HashMap;
+
+use super::axis::{Axis, Range, Scale};
+use super::canvas::{self, Canvas, INK};
+use super::frame::Frame;
+use super::legend::{Legend, Sample};
+use super::line::{Line, along};
+use super::look::{self, Layer, Look, Marker};
+use super::stroke::{Position, Stroke};
+use super::ticks::{Spacing, Ticks};
+use crate::label::Label;
+use crate::markdown::distinct;
+use crate::panel::QUANTILE;
+
+/// A measured point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// Step size, cost or number of steps; a point that is not positive is not drawn.
+    pub x: f64,
+    /// Upper end of the spread of `x`; equal to `x` where it has none.
+    pub x_hi: f64,
+    /// The value, whose size is drawn; a point that is not finite is left out.
+    pub y: f64,
+    /// The 95 % interval of `y`; none where `y` has no statistical error.
+    pub interval: Option<(f64, f64)>,
+}
+
+/// A curve.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// The scheme or the quantity: curves of one name look the same in all plots of a figure.
+    pub name: String,
+    /// What the legend adds to the name, for example a fitted order.
+    pub note: String,
+    /// The points.
+    pub points: Vec<Measured>,
+}
+
+/// What the names of curves are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Style {
+    /// Schemes, in plain words; known schemes have fixed colours.
+    Schemes,
+    /// Quantities in the notation of [`Label`].
+    Quantities,
+    /// Quantities whose sign matters: markers are hollow where values are negative, and curves are
+    /// set side by side, since their intervals are long.
+    Signed,
+}
+
+/// One plot of a figure.
+#[derive(Clone, Debug)]
+pub struct Plot {
+    /// Title of its horizontal axis.
+    pub x_title: String,
+    /// The marks of its horizontal axis.
+    pub spacing: Spacing,
+    /// Lines to compare the curves with.
+    pub lines: Vec<Line>,
+    /// Its curves.
+    pub curves: Vec<Curve>,
+}
+
+/// Plots side by side with one vertical axis and one legend; both axes are logarithmic.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// What a screen reader says in place of the picture.
+    pub title: String,
+    /// Title of the vertical axis.
+    pub y_title: String,
+    /// Width and height of a plot in CSS pixels.
+    pub size: (f64, f64),
+    /// How curves are named and coloured.
+    pub style: Style,
+    /// The plots from left to right.
+    pub plots: Vec<Plot>,
+}
+
+/// Width and height of a plot that fills a journal column, in CSS pixels.
+pub const COLUMN: (f64, f64) = (284.0, 214.0);
+/// Room for the labels on the left.
+const LEFT: f64 = 46.0;
+const BETWEEN: f64 = 44.0;
+/// Room to the right of a plot.
+pub const RIGHT: f64 = 10.0;
+/// Room for labels and title below a plot.
+pub const BELOW: f64 = 33.0;
+const MARKER_RADIUS: f64 = 3.0;
+
+impl Measured {
+    /// A point without intervals.
+    #[must_use]
+    pub fn new(x: f64, y: f64) -> Self {
+        Self { x, x_hi: x, y, interval: None }
+    }
+
+    fn is_drawn(&self) -> bool {
+        self.x > 0.0 && self.x.is_finite() && self.y.is_finite()
+    }
+
+    fn size(&self) -> f64 {
+        self.y.abs()
+    }
+
+    /// Ends of the interval of the size.
+    fn ends(&self) -> (f64, f64) {
+        match self.interval {
+            None => (self.size(), self.size()),
+            Some((lo, hi)) if self.y < 0.0 => (-hi, -lo),
+            Some(ends) => ends,
+        }
+    }
+
+    /// An estimate of the standard error.
+    fn noise(&self) -> f64 {
+        (self.ends().1 - self.ends().0) / (2.0 * QUANTILE)
+    }
+}
+
+impl Curve {
+    /// A curve with nothing but its name in the legend.
+    pub fn new(name: &str, points: impl IntoIterator<Item = Measured>) -> Self {
+        Self { name: name.to_owned(), note: String::new(), points: points.into_iter().collect() }
+    }
+
+    pub(super) fn drawn(&self) -> impl Iterator<Item = &Measured> {
+        self.points.iter().filter(|point| point.is_drawn())
+    }
+
+    /// Pairs (x, size) of the points that stand out from their noise, or of all if none does.
+    pub(super) fn trend(&self) -> Vec<(f64, f64)> {
+        let pairs = |keep: fn(&Measured) -> bool| -> Vec<(f64, f64)> {
+            self.drawn().filter(|point| keep(point)).map(|point| (point.x, point.size())).collect()
+        };
+        let clear = pairs(|point| point.ends().0 > 0.0);
+        if clear.is_empty() { pairs(|point| point.size() > 0.0) } else { clear }
+    }
+}
+
+impl Figure {
+    /// The figure as an SVG document.
+    pub fn svg(&self) -> String {
+        let curves = || self.plots.iter().flat_map(|plot| &plot.curves);
+        let names = distinct(curves().map(|curve| curve.name.as_str()));
+        let looks = match self.style {
+            Style::Schemes => look::of_schemes(&names),
+            Style::Quantities | Style::Signed => (0..names.len()).map(look::of_quantity).collect(),
+        };
+        let looks: HashMap<&str, Look> = names.iter().copied().zip(looks).collect();
+        let first = |name: &str| curves().find(|curve| curve.name == name);
+        let entry = |curve: &Curve| (Sample::Curve(looks[&*curve.name]), self.caption(curve));
+        let plain = Look { color: INK, marker: Marker::Circle, layer: Layer::Plain };
+        let signs = [(false, "> 0"), (true, "< 0")]
+            .map(|(hollow, words)| (Sample::Point { look: plain, hollow }, Label::words(words)));
+        let signs = signs.into_iter().filter(|_| self.style == Style::Signed);
+        let entries = names.iter().filter_map(|name| first(name)).map(entry).chain(signs);
+        let columns = self.plots.len().max(1) as f64;
+        let width = columns * self.size.0 + (columns - 1.0) * BETWEEN;
+        let legend = Legend::new(entries, width);
+        let top = legend.height + 7.0;
+        let bottom = top + self.size.1;
+        let y = self.y_range();
+        canvas::page((LEFT + width + RIGHT, bottom + BELOW), &self.title, |canvas| {
+            legend.draw(canvas, LEFT, 2.0);
+            for (n, plot) in self.plots.iter().enumerate() {
+                let start = LEFT + n as f64 * (self.size.0 + BETWEEN);
+                let (scale, x) = (Scale::Logarithmic, plot.x_range());
+                let frame = Frame {
+                    x: Axis { scale, range: x, start, end: start + self.size.0 },
+                    y: Axis { scale, range: y, start: bottom, end: top },
+                };
+                let ticks = match plot.spacing {
+                    Spacing::Decades => Ticks::decades(x, 7),
+                    Spacing::Doublings => Ticks::powers(2, x, 8),
+                };
+                frame.draw(canvas, &ticks, &Ticks::decades(y, 7), true);
+                frame.title_below(canvas, &plot.x_title);
+                if n == 0 {
+                    frame.title_left(canvas, &self.y_title);
+                }
+                plot.draw(canvas, &frame, &looks, self.style == Style::Signed);
+            }
+        })
+    }
+
+    fn caption(&self, curve: &Curve) -> Label {
+        let name = match self.style {
+            Style::Schemes => Label::words(&curve.name),
+            Style::Quantities | Style::Signed => Label::new(&curve.name),
+        };
+        if curve.note.is_empty() { name } else { name.with_tail(&format!(": {}", curve.note)) }
+    }
+
+    /// Covers the values, their intervals as far as they stay near the value, and the lines.
+    fn y_range(&self) -> Range {
+        // A value far below its noise, or an interval that comes close to zero, says nothing at a
+        // depth that would squeeze the rest of the figure.
+        const DEPTH: f64 = 0.25;
+        let values = self.plots.iter().flat_map(Plot::drawn).flat_map(|point| {
+            let (size, noise, (lo, hi)) = (point.size(), point.noise(), point.ends());
+            [size.max(DEPTH * noise), hi, lo.max(DEPTH * size.max(noise))]
+        });
+        let lines = self.plots.iter().flat_map(|plot| {
+            let x = plot.measured(Range { lo: 1.0, hi: 1.0 });
+            let lines = plot.lines.iter().filter(|line| line.covered);
+            lines.flat_map(move |line| [line.at(x.lo), line.at(x.hi)])
+        });
+        Range::of_positive(values.chain(lines), Range { lo: 1e-4, hi: 1.0 })
+            .times(1.4)
+            .with_two_decades()
+    }
+}
+
+impl Plot {
+    fn drawn(&self) -> impl Iterator<Item = &Measured> {
+        self.curves.iter().flat_map(Curve::drawn)
+    }
+
+    fn measured(&self, otherwise: Range) -> Range {
+        Range::of_positive(self.drawn().map(|point| point.x), otherwise)
+    }
+
+    fn x_range(&self) -> Range {
+        let range = self.measured(Range { lo: 2f64.powi(-12), hi: 2f64.powi(-5) });
+        // A difference of logarithms, because the ratio may overflow.
+        let length = range.hi.ln() - range.lo.ln();
+        range.times(if length > 0.0 { (0.04 * length).exp() } else { 2.0 })
+    }
+
+    fn draw(&self, canvas: &mut Canvas, frame: &Frame, looks: &HashMap<&str, Look>, signed: bool) {
+        let mut obstacles = self.obstacles(frame);
+        for line in &self.lines {
+            line.draw(canvas, frame, &mut obstacles);
+        }
+        let middle = 0.5 * (self.curves.len() as f64 - 1.0);
+        let mut from_below: Vec<_> =
+            self.curves.iter().enumerate().map(|(n, c)| (n, c, looks[&*c.name])).collect();
+        from_below.sort_by_key(|(_, _, look)| look.layer);
+        for (n, curve, look) in from_below {
+            let shift = if signed { 2.4 * (n as f64 - middle) } else { 0.0 };
+            curve.draw(canvas, frame, look, shift, signed);
+        }
+        if self.drawn().next().is_none() {
+            frame.say(canvas, "no data");
+        }
+    }
+
+    /// Places that the name of a line should stay away from.
+    fn obstacles(&self, frame: &Frame) -> Vec<Position> {
+        let mut obstacles = Vec::new();
+        for curve in &self.curves {
+            let places: Vec<Position> =
+                curve.drawn().map(|point| frame.place(point.x, point.size())).collect();
+            for pair in places.windows(2) {
+                obstacles.extend(along(pair[0], pair[1]));
+            }
+            for (point, place) in curve.drawn().zip(&places) {
+                let (lo, hi) = point.ends();
+                obstacles.extend(along(frame.place(point.x, lo), frame.place(point.x, hi)));
+                obstacles.push(*place);
+            }
+        }
+        obstacles
+    }
+}
+
+impl Curve {
+    fn draw(&self, canvas: &mut Canvas, frame: &Frame, look: Look, shift: f64, signed: bool) {
+        // A point below the range shows its whole marker at the floor.
+        let radius = look.radius(MARKER_RADIUS);
+        let place = |x: f64, point: &Measured| {
+            let (x, y) = frame.place(x, point.size());
+            (x + shift, y.clamp(frame.y.end, frame.y.start - radius))
+        };
+        let places: Vec<Position> = self.drawn().map(|point| place(point.x, point)).collect();
+        let line = look.line(if signed { 0.8 } else { 1.2 });
+        frame.polyline(canvas, &places, if signed { line.faded(0.45) } else { line });
+        let bar = Stroke::new(look.color, 1.0);
+        for (point, at) in self.drawn().zip(&places) {
+            if point.interval.is_some() {
+                error_bar(canvas, frame, point.ends(), at.0, bar);
+            }
+            if point.x_hi > point.x {
+                frame.polyline(canvas, &[*at, place(point.x_hi, point)], bar);
+            }
+        }
+        for (point, at) in self.drawn().zip(&places) {
+            canvas.marker(*at, look, radius, look.hollow() || signed && point.y < 0.0);
+        }
+    }
+}
+
+/// Draws an interval; where it reaches zero or leaves the frame it ends at the border, uncapped.
+fn error_bar(canvas: &mut Canvas, frame: &Frame, (lo, hi): (f64, f64), x: f64, stroke: Stroke) {
+    const CAP: f64 = 2.2;
+    let [low, high] = [lo, hi].map(|value| (x, frame.y.position(value)));
+    let Some((low, high)) = frame.clip(low, high) else { return };
+    canvas.polyline(&[low, high], stroke);
+    for (end, value) in [(low, lo), (high, hi)] {
+        if (frame.y.range.lo..=frame.y.range.hi).contains(&value) {
+            canvas.polyline(&[(x - CAP, end.1), (x + CAP, end.1)], stroke);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn awkward_data_still_make_a_figure() {
+        let point = |x, y| Measured { x, x_hi: 2.0 * x, y, interval: Some((0.5 * y, 2.0 * y)) };
+        let awkward = [
+            vec![],
+            vec![point(1.0, 0.1)],
+            vec![point(0.0, 0.0), point(f64::NAN, 1.0), point(1.0, f64::INFINITY)],
+            vec![point(1.0, f64::MAX), point(1e-300, 1e-300), point(1e9, -1.0)],
+        ];
+        let line = Line { name: "n".into(), constant: 1e-300, power: 1.0, covered: false };
+        for (points, style) in awkward.into_iter().flat_map(|points| {
+            [Style::Schemes, Style::Quantities, Style::Signed].map(|style| (points.clone(), style))
+        }) {
+            let plot = Plot {
+                x_title: "time".into(),
+                spacing: Spacing::Decades,
+                lines: vec![line.clone()],
+                curves: vec![Curve { name: "a stranger".into(), note: String::new(), points }],
+            };
+            let steps = Plot { spacing: Spacing::Doublings, ..plot.clone() };
+            let figure = Figure {
+                title: "A & B".into(),
+                y_title: "error".into(),
+                size: COLUMN,
+                style,
+                plots: vec![plot, steps],
+            };
+            let svg = figure.svg();
+            assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
+            assert!(svg.contains("A &amp; B"));
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Errors against the step size, or cost against accuracy.
+
+use verify::results::{Kind, Point, Rate, Series};
+
+use super::chart::{COLUMN, Curve, Figure, Measured, Plot, Style};
+use super::line::Line;
+use super::ticks::Spacing;
+use crate::panel::{QUANTILE, main_quantity};
+
+/// The figure of strong or weak errors against the step size, or of path-steps against accuracy.
+///
+/// Of strong errors it shows the error at the final time, of weak errors all quantities. Fitted
+/// orders stand in the legend; dashed lines show the slopes 1/2 and 1, whichever is nearer to each
+/// order.
+///
+/// ```
+/// use report::figure::convergence;
+/// use verify::results::{Kind, Point, Series};
+///
+/// let points = [0.1, 0.05, 0.025].map(|tau| Point::normal(tau, 0.3 * tau, 0.001 * tau));
+/// let series = Series {
+///     scheme: "my-scheme".into(),
+///     quantity: "y(T)".into(),
+///     points: points.to_vec(),
+///     rate: None,
+///     max_relative_defect: None,
+/// };
+/// let svg = convergence("Errors of my scheme", Kind::Strong, &[series]).svg();
+/// assert!(svg.starts_with("<svg") && svg.contains("my-scheme") && svg.contains("slope 1"));
+/// ```
+#[must_use]
+pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> Figure {
+    let (weak, cost) = (kind == Kind::Weak, kind == Kind::Cost);
+    let quantity = main_quantity(series);
+    let drawn: Vec<&Series> = series.iter().filter(|s| weak || s.quantity == quantity).collect();
+    let several_schemes = drawn.windows(2).any(|pair| pair[0].scheme != pair[1].scheme);
+    let curves: Vec<Curve> = drawn
+        .iter()
+        .map(|series| Curve {
+            name: match (weak, several_schemes) {
+                (false, _) => series.scheme.clone(),
+                (true, false) => series.quantity.clone(),
+                (true, true) => format!("{} {}", series.scheme, series.quantity),
+            },
+            note: rate(series).map_or(String::new(), order),
+            points: series.points.iter().filter_map(measured).collect(),
+        })
+        .collect();
+    let trends = drawn.iter().zip(&curves).map(|(series, curve)| {
+        let points = curve.trend();
+        let fitted = || rate(series).map_or_else(|| overall_order(&points), |rate| rate.estimate);
+        // Intervals of weak orders are too wide to choose between two lines.
+        let order = if weak || fitted() >= 0.75 { 1.0 } else { 0.5 };
+        (order, points)
+    });
+    let lines = if cost { Vec::new() } else { reference_slopes(&trends.collect::<Vec<_>>()) };
+    let (x_title, y_title) = match kind {
+        Kind::Cost => ("half-width ε of the 95 % interval", "path-steps".to_owned()),
+        Kind::Weak => ("step size τ", "|weak error|".to_owned()),
+        _ if quantity.is_empty() => ("step size τ", "RMS error".to_owned()),
+        _ => ("step size τ", format!("RMS error of {quantity}")),
+    };
+    Figure {
+        title: title.to_owned(),
+        y_title,
+        size: COLUMN,
+        style: if weak { Style::Signed } else { Style::Schemes },
+        plots: vec![Plot {
+            x_title: x_title.to_owned(),
+            spacing: if cost { Spacing::Decades } else { Spacing::Doublings },
+            lines,
+            curves,
+        }],
+    }
+}
+
+fn rate(series: &Series) -> Option<&Rate> {
+    series.rate.as_ref().filter(|rate| rate.estimate.is_finite())
+}
+
+fn measured(point: &Point) -> Option<Measured> {
+    match *point {
+        Point::Error { tau, value, se, lo, hi, .. } => {
+            let normal = (value - QUANTILE * se.abs(), value + QUANTILE * se.abs());
+            let ends = lo.zip(hi).filter(|(lo, hi)| *lo >= 0.0 && hi.is_finite());
+            let interval = (se.is_finite() && se != 0.0).then_some(ends.unwrap_or(normal));
+            Some(Measured { interval, ..Measured::new(tau, value) })
+        }
+        Point::Cost { accuracy, path_steps } => Some(Measured::new(accuracy, path_steps as f64)),
+        Point::Value { .. } => None,
+    }
+}
+
+/// An order with the half-width of its interval, which is never rounded to zero.
+fn order(rate: &Rate) -> String {
+    let estimate = format!("{:.2}", rate.estimate).replace('-', "−");
+    let half_width = 0.5 * (rate.hi - rate.lo);
+    if half_width.is_finite() {
+        format!("{estimate} ± {:.2}", half_width.max(0.01))
+    } else {
+        estimate
+    }
+}
+
+/// The order between the first point and the last; NaN without two points.
+fn overall_order(points: &[(f64, f64)]) -> f64 {
+    match points {
+        [first, .., last] => (last.1 / first.1).ln() / (last.0 / first.0).ln(),
+        _ => f64::NAN,
+    }
+}
+
+/// The lines of slope 1/2 and 1 that curves need, given by their order and their points.
+///
+/// The line of the smaller errors lies below all points, that of the larger errors above.
+fn reference_slopes(trends: &[(f64, Vec<(f64, f64)>)]) -> Vec<Line> {
+    /// The distance of a line from the nearest point, as a factor.
+    const CLEARANCE: f64 = 1.8;
+    let mut wanted: Vec<(f64, f64)> = [0.5, 1.0]
+        .into_iter()
+        .filter_map(|order| {
+            let of_order = trends.iter().filter(|(other, _)| *other == order);
+            Some((order, of_order.filter_map(|(_, points)| mean_log(points)).reduce(f64::min)?))
+        })
+        .collect();
+    wanted.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let line = |(place, (power, _)): (usize, &(f64, f64))| {
+        let points = trends.iter().flat_map(|(_, points)| points);
+        let ratios = points.map(|(tau, error)| error / tau.powf(*power));
+        let constant = match place {
+            0 => ratios.reduce(f64::min)? / CLEARANCE,
+            _ => ratios.reduce(f64::max)? * CLEARANCE,
+        };
+        let name = if *power == 0.5 { "slope 1/2" } else { "slope 1" };
+        Some(Line { name: name.to_owned(), constant, power: *power, covered: true })
+    };
+    wanted.iter().enumerate().filter_map(line).collect()
+}
+
+fn mean_log(points: &[(f64, f64)]) -> Option<f64> {
+    let sum: f64 = points.iter().map(|(_, error)| error.ln()).sum();
+    (!points.is_empty()).then_some(sum / points.len() as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orders_are_short_and_never_certain() {
+        let rate =
+            |estimate, lo, hi| Rate { estimate, lo, hi, confidence: 0.95, ..Rate::default() };
+        assert_eq!(order(&rate(1.0015, 0.954, 1.049)), "1.00 ± 0.05");
+        assert_eq!(order(&rate(0.5, 0.499, 0.501)), "0.50 ± 0.01");
+        assert_eq!(order(&rate(-0.1, f64::NAN, 0.3)), "−0.10");
+    }
+
+    fn trend(order: f64, constant: f64) -> (f64, Vec<(f64, f64)>) {
+        let points: Vec<_> =
+            (5..13).map(|k| 2f64.powi(-k)).map(|tau| (tau, constant * tau.powf(order))).collect();
+        assert!((overall_order(&points) - order).abs() < 1e-12);
+        (order, points)
+    }
+
+    #[test]
+    fn each_order_is_drawn_once_and_clear_of_the_data() {
+        let trends = [trend(1.0, 0.1), trend(0.5, 1.0), trend(1.0, 0.3)];
+        let slopes = reference_slopes(&trends);
+        assert_eq!(slopes.len(), 2);
+        assert_eq!((slopes[0].power, slopes[1].power), (1.0, 0.5));
+        for (tau, error) in trends.iter().flat_map(|(_, points)| points) {
+            assert!(slopes[0].at(*tau) < *error && *error < slopes[1].at(*tau));
+        }
+    }
+
+    #[test]
+    fn one_order_gets_one_line_and_no_data_none() {
+        let slopes = reference_slopes(&[trend(0.5, 1.0), trend(0.5, 2.0)]);
+        assert_eq!((slopes.len(), slopes[0].power), (1, 0.5));
+        assert!(reference_slopes(&[]).is_empty());
+    }
+}

@@ -1,0 +1,135 @@
+//! An invariant along one path: its value with the conformal law above, the relative defect of the
+//! law below.
+
+use verify::results::{Point, Series};
+
+use super::axis::{Axis, Range, Scale};
+use super::canvas::{self, Canvas, INK};
+use super::chart::{BELOW, RIGHT};
+use super::frame::Frame;
+use super::legend::{Legend, Sample};
+use super::look::{self, Look};
+use super::stroke::{Position, Stroke};
+use super::ticks::Ticks;
+use crate::label::Label;
+use crate::panel::{main_quantity, relative_defect};
+
+/// Where a defect of zero is drawn: below 2⁻⁵³ ≈ 1.1·10⁻¹⁶, the smallest defect of a floating-point
+/// number that is not zero.
+const FLOOR: f64 = 1e-17;
+
+const WIDTH: f64 = 340.0;
+const LEFT: f64 = 52.0;
+const VALUE_HEIGHT: f64 = 112.0;
+const DEFECT_HEIGHT: f64 = 132.0;
+const BETWEEN: f64 = 10.0;
+
+/// Time, value and what the conformal law asks for.
+type Sampled = (f64, f64, f64);
+
+/// The figure of an invariant along one path as an SVG document; of several quantities the first
+/// is drawn.
+pub fn evolution(title: &str, series: &[Series]) -> String {
+    let quantity = main_quantity(series);
+    let drawn: Vec<&Series> = series.iter().filter(|s| s.quantity == quantity).collect();
+    let looks = look::of_schemes(&drawn.iter().map(|s| s.scheme.as_str()).collect::<Vec<_>>());
+    let curves: Vec<Vec<Sampled>> = drawn.iter().map(|series| sampled(series)).collect();
+    let points = || curves.iter().flatten();
+
+    let law = Stroke::new(INK, 0.7);
+    let names = drawn.iter().map(|series| Label::words(&series.scheme));
+    let entries = looks.iter().map(|look| Sample::Curve(*look)).zip(names);
+    let entries = entries.chain([(Sample::Line(law), Label::words("conformal law"))]);
+    let legend = Legend::new(entries, WIDTH - LEFT - RIGHT);
+    let value_top = legend.height + 7.0;
+    let defect_top = value_top + VALUE_HEIGHT + BETWEEN;
+    let height = defect_top + DEFECT_HEIGHT + BELOW;
+
+    let times = Range::of(points().map(|p| p.0), Range { lo: 0.0, hi: 1.0 });
+    let times = if times.lo < times.hi { times } else { times.padded(0.1) };
+    let x = Axis { scale: Scale::Linear, range: times, start: LEFT, end: WIDTH - RIGHT };
+    let stacked = |scale, range, top, height| Frame {
+        x,
+        y: Axis { scale, range, start: top + height, end: top },
+    };
+    let value = stacked(Scale::Linear, value_range(&curves), value_top, VALUE_HEIGHT);
+    let defect = stacked(Scale::Logarithmic, defect_range(&curves), defect_top, DEFECT_HEIGHT);
+
+    canvas::page((WIDTH, height), title, |canvas| {
+        legend.draw(canvas, LEFT, 2.0);
+        let ticks = Ticks::decimal(times, 6);
+        value.draw(canvas, &ticks, &Ticks::decimal(value.y.range, 5), false);
+        defect.draw(canvas, &ticks, &defect_ticks(defect.y.range), true);
+        value.title_left(canvas, quantity);
+        defect.title_left(canvas, "relative defect");
+        defect.title_below(canvas, "time t");
+        let mut from_below: Vec<usize> = (0..curves.len()).collect();
+        from_below.sort_by_key(|n| looks[*n].layer);
+        for n in from_below {
+            let values = curves[n].iter().map(|p| value.place(p.0, p.1)).collect();
+            let defects = curves[n].iter().map(|p| {
+                let size = relative_defect(p.1, p.2);
+                defect.place(p.0, if size < FLOOR { FLOOR } else { size })
+            });
+            draw(canvas, &value, looks[n], values, n);
+            draw(canvas, &defect, looks[n], defects.collect(), n);
+        }
+        // The law is drawn last and thin, so that it stays visible on the curves that follow it.
+        if let Some(longest) = curves.iter().max_by_key(|curve| curve.len()) {
+            let path: Vec<Position> = longest.iter().map(|p| value.place(p.0, p.2)).collect();
+            value.polyline(canvas, &path, law);
+        }
+        if points().next().is_none() {
+            value.say(canvas, "no data");
+        }
+    })
+}
+
+fn sampled(series: &Series) -> Vec<Sampled> {
+    let point = |point: &Point| match *point {
+        Point::Value { t, value, exact } if t.is_finite() => Some((t, value, exact)),
+        _ => None,
+    };
+    series.points.iter().filter_map(point).collect()
+}
+
+/// Covers the law and the curves, except where a curve runs away so far that the law would become a
+/// flat line.
+fn value_range(curves: &[Vec<Sampled>]) -> Range {
+    const EXCURSION: f64 = 2.0;
+    let unit = Range { lo: 0.0, hi: 1.0 };
+    let law = Range::of(curves.iter().flatten().map(|p| p.2), unit);
+    let all = Range::of(curves.iter().flatten().flat_map(|p| [p.1, p.2]), unit);
+    let reach = EXCURSION * (law.hi - law.lo).max(0.1 * law.hi.abs());
+    let seen = if reach > 0.0 {
+        Range { lo: all.lo.max(law.lo - reach), hi: all.hi.min(law.hi + reach) }
+    } else {
+        all
+    };
+    seen.padded(0.06)
+}
+
+fn defect_range(curves: &[Vec<Sampled>]) -> Range {
+    let defects = curves.iter().flatten().map(|p| relative_defect(p.1, p.2));
+    let hi = Range::of_positive(defects, Range { lo: FLOOR, hi: 1.0 }).hi;
+    Range { lo: 0.4 * FLOOR, hi: (4.0 * hi).max(1e-14) }
+}
+
+/// Decades, and a zero at the floor with room around it.
+fn defect_ticks(range: Range) -> Ticks {
+    let mut ticks = Ticks::decades(range, 7);
+    ticks.major.retain(|(value, _)| *value > 20.0 * FLOOR);
+    ticks.minor.retain(|value| *value > 2.0 * FLOOR);
+    ticks.major.push((FLOOR, Label::words("0")));
+    ticks
+}
+
+/// Draws curve number `n` with about ten markers, which no two curves carry at the same times.
+fn draw(canvas: &mut Canvas, frame: &Frame, look: Look, path: Vec<Position>, n: usize) {
+    frame.polyline(canvas, &path, look.line(1.1));
+    let stride = (path.len() / 10).max(1);
+    let first = (n * stride / 3 + stride / 6) % stride;
+    for at in path.iter().skip(first).step_by(stride).filter(|at| frame.holds(**at)) {
+        canvas.marker(*at, look, look.radius(2.6), look.hollow());
+    }
+}

@@ -1,0 +1,180 @@
+//! The box of a plot: its axes, marks and titles, and the clipping of what leaves it.
+
+use super::axis::Axis;
+use super::canvas::{Align, Canvas, FAINT, INK};
+use super::stroke::{Position, Stroke};
+use super::ticks::Ticks;
+use crate::label::Label;
+
+/// Font size of tick labels in pixels.
+const TICK_SIZE: f64 = 10.0;
+/// Font size of axis titles in pixels.
+const TITLE_SIZE: f64 = 10.5;
+
+/// A box with two axes.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// Horizontal axis, left to right.
+    pub x: Axis,
+    /// Vertical axis, bottom to top.
+    pub y: Axis,
+}
+
+impl Frame {
+    /// Position of a point on the page; it may lie outside of the box.
+    pub fn place(&self, x: f64, y: f64) -> Position {
+        (self.x.position(x), self.y.position(y))
+    }
+
+    /// Whether a position lies in the box, borders included.
+    pub fn holds(&self, (x, y): Position) -> bool {
+        // A point on the border stays inside in spite of the rounding of its position.
+        const ROUNDING: f64 = 1e-6;
+        (self.x.start - ROUNDING..=self.x.end + ROUNDING).contains(&x)
+            && (self.y.end - ROUNDING..=self.y.start + ROUNDING).contains(&y)
+    }
+
+    /// The part of a segment that lies in the box (Liang and Barsky); none if an end is not finite.
+    pub fn clip(&self, a: Position, b: Position) -> Option<(Position, Position)> {
+        let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+        if !(dx.is_finite() && dy.is_finite()) {
+            return None;
+        }
+        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+        let borders = [
+            (-dx, a.0 - self.x.start),
+            (dx, self.x.end - a.0),
+            (-dy, a.1 - self.y.end),
+            (dy, self.y.start - a.1),
+        ];
+        for (speed, distance) in borders {
+            if speed == 0.0 && distance < 0.0 {
+                return None;
+            }
+            let s = distance / speed;
+            if speed < 0.0 {
+                enter = enter.max(s);
+            } else if speed > 0.0 {
+                leave = leave.min(s);
+            }
+        }
+        let at = |s: f64| (a.0 + s * dx, a.1 + s * dy);
+        (enter <= leave).then(|| (at(enter), at(leave)))
+    }
+
+    /// Draws the part of a line that lies in the box; a point that is not finite interrupts it.
+    pub fn polyline(&self, canvas: &mut Canvas, points: &[Position], stroke: Stroke) {
+        let mut run: Vec<Position> = Vec::new();
+        for pair in points.windows(2) {
+            let Some((a, b)) = self.clip(pair[0], pair[1]) else {
+                continue;
+            };
+            if run.last() != Some(&a) {
+                canvas.polyline(&run, stroke);
+                run = vec![a];
+            }
+            run.push(b);
+        }
+        canvas.polyline(&run, stroke)
+    }
+
+    /// Draws grid, marks and border. A plot that stands on another one goes without the labels
+    /// below.
+    pub fn draw(&self, canvas: &mut Canvas, x: &Ticks, y: &Ticks, labels_below: bool) {
+        const MAJOR: f64 = 3.5;
+        const MINOR: f64 = 2.0;
+        // Digits are taller than the letters by whose height text is centred.
+        const DIGIT_SHIFT: f64 = 0.08 * TICK_SIZE;
+        let (left, right) = (self.x.start, self.x.end);
+        let (bottom, top) = (self.y.start, self.y.end);
+        let (grid, ink) = (Stroke::new(FAINT, 0.6), Stroke::new(INK, 0.8));
+        let columns = || x.major.iter().map(|(v, label)| (self.x.position(*v), label));
+        let rows = || y.major.iter().map(|(v, label)| (self.y.position(*v), label));
+        for (column, _) in columns() {
+            canvas.polyline(&[(column, top), (column, bottom)], grid);
+        }
+        for (row, _) in rows() {
+            canvas.polyline(&[(left, row), (right, row)], grid);
+        }
+        let minor = x.minor.iter().map(|v| (self.x.position(*v), MINOR));
+        for (column, mark) in columns().map(|(column, _)| (column, MAJOR)).chain(minor) {
+            canvas.polyline(&[(column, bottom), (column, bottom - mark)], ink);
+        }
+        let minor = y.minor.iter().map(|v| (self.y.position(*v), MINOR));
+        for (row, mark) in rows().map(|(row, _)| (row, MAJOR)).chain(minor) {
+            canvas.polyline(&[(left, row), (left + mark, row)], ink);
+        }
+        canvas.rectangle((left, top), (right, bottom), ink);
+        let mut label = |label: &Label, at: Position, align: Align| {
+            canvas.label(label, at, TICK_SIZE, align);
+        };
+        for (row, text) in rows() {
+            label(text, (left - 4.0, row + DIGIT_SHIFT), Align::Right);
+        }
+        if let Some(factor) = &y.factor {
+            label(factor, (left - 4.0, top - 11.0), Align::Right);
+        }
+        if labels_below {
+            for (column, text) in columns() {
+                label(text, (column, bottom + 9.5), Align::Middle);
+            }
+            if let Some(factor) = &x.factor {
+                label(factor, (right, bottom + 23.5), Align::Right);
+            }
+        }
+    }
+
+    /// Writes words into the middle of the box.
+    pub fn say(&self, canvas: &mut Canvas, words: &str) {
+        let at = (middle(self.x), middle(self.y));
+        canvas.label(&Label::words(words), at, TITLE_SIZE, Align::Middle);
+    }
+
+    /// Writes the title of the horizontal axis below the labels.
+    pub fn title_below(&self, canvas: &mut Canvas, title: &str) {
+        let at = (middle(self.x), self.y.start + 23.5);
+        canvas.label(&Label::words(title), at, TITLE_SIZE, Align::Middle);
+    }
+
+    /// Writes the title of the vertical axis at the left edge of the page.
+    pub fn title_left(&self, canvas: &mut Canvas, title: &str) {
+        canvas.upward_text(title, (7.5, middle(self.y)), TITLE_SIZE);
+    }
+}
+
+fn middle(axis: Axis) -> f64 {
+    0.5 * (axis.start + axis.end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::axis::{Range, Scale};
+    use super::*;
+
+    fn square() -> Frame {
+        let axis = |start, end| Axis {
+            scale: Scale::Linear,
+            range: Range { lo: 0.0, hi: 1.0 },
+            start,
+            end,
+        };
+        Frame { x: axis(0.0, 10.0), y: axis(10.0, 0.0) }
+    }
+
+    #[test]
+    fn segments_are_cut_at_the_border() {
+        let frame = square();
+        assert_eq!(frame.clip((1.0, 1.0), (2.0, 2.0)), Some(((1.0, 1.0), (2.0, 2.0))));
+        assert_eq!(frame.clip((-5.0, 5.0), (15.0, 5.0)), Some(((0.0, 5.0), (10.0, 5.0))));
+        assert_eq!(frame.clip((5.0, 5.0), (5.0, 50.0)), Some(((5.0, 5.0), (5.0, 10.0))));
+        assert_eq!(frame.clip((-5.0, -1.0), (15.0, -1.0)), None);
+        assert_eq!(frame.clip((11.0, 0.0), (20.0, 9.0)), None);
+    }
+
+    #[test]
+    fn the_border_belongs_to_the_box() {
+        let frame = square();
+        assert!(frame.holds((0.0, 10.0)) && frame.holds((10.0, 0.0)));
+        assert!(!frame.holds((10.1, 5.0)));
+    }
+}

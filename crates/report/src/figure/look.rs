@@ -1,0 +1,165 @@
+//! Colours, markers and weights of curves: fixed for the known schemes, distinct for every other.
+//!
+//! Two methods may give the same numbers to the eye. One of such a pair is drawn wide with open
+//! markers underneath, the other thin and dashed with small markers on top, so that each shows
+//! through the other.
+
+use super::stroke::{Color, Stroke};
+
+/// Shape of a marker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marker {
+    /// ●
+    Circle,
+    /// ■
+    Square,
+    /// ◆
+    Diamond,
+    /// ▲
+    Triangle,
+    /// ▼
+    Wedge,
+    /// A star of four points.
+    Star,
+}
+
+/// Where a curve lies in a stack of curves that may coincide; ordered from below.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Layer {
+    /// Wide pale line, large open markers.
+    Under,
+    /// Nothing special.
+    Plain,
+    /// Thin dashed line, small markers.
+    Over,
+}
+
+/// Appearance of a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// Colour of the line and the marker.
+    pub color: Color,
+    /// Shape of the marker.
+    pub marker: Marker,
+    /// Whether it is made to be seen below or above another curve.
+    pub layer: Layer,
+}
+
+const fn look(color: Color, marker: Marker) -> Look {
+    Look { color, marker, layer: Layer::Plain }
+}
+
+impl Look {
+    const fn under(self) -> Self {
+        Self { layer: Layer::Under, ..self }
+    }
+
+    const fn over(self) -> Self {
+        Self { layer: Layer::Over, ..self }
+    }
+
+    /// The line of the curve, where that of a plain curve has the width `width`.
+    pub fn line(self, width: f64) -> Stroke {
+        let plain = Stroke::new(self.color, width);
+        match self.layer {
+            // Pale, so that dashes of a colour as dark as its own stand out on it.
+            Layer::Under => Stroke { width: 2.3 * width, ..plain.faded(0.5) },
+            Layer::Plain => plain,
+            Layer::Over => plain.dashed(),
+        }
+    }
+
+    /// The radius of its markers, where that of a plain curve is `radius`.
+    pub fn radius(self, radius: f64) -> f64 {
+        match self.layer {
+            Layer::Under => 1.35 * radius,
+            Layer::Plain => radius,
+            Layer::Over => 0.8 * radius,
+        }
+    }
+
+    /// Whether the paper shows inside of its markers.
+    pub fn hollow(self) -> bool {
+        self.layer == Layer::Under
+    }
+}
+
+// The palette of Okabe and Ito, which readers with any colour vision can tell apart.
+const BLUE: Color = "#0072B2";
+const VERMILLION: Color = "#D55E00";
+const GREEN: Color = "#009E73";
+const PURPLE: Color = "#CC79A7";
+const ORANGE: Color = "#E69F00";
+const SKY: Color = "#56B4E9";
+const BLACK: Color = "#000000";
+
+/// Schemes that look the same on every figure.
+const SCHEMES: [(&str, Look); 5] = [
+    ("sexp", look(BLUE, Marker::Circle).under()),
+    ("em", look(VERMILLION, Marker::Square)),
+    ("midpoint", look(GREEN, Marker::Diamond).over()),
+    ("sexp-levy", SPARE[0]),
+    ("heun", SPARE[1]),
+];
+
+/// Looks of all other schemes, in the order of their appearance.
+const SPARE: [Look; 4] = [
+    look(PURPLE, Marker::Triangle),
+    look(ORANGE, Marker::Wedge),
+    look(SKY, Marker::Circle).under(),
+    look(BLACK, Marker::Star).over(),
+];
+
+/// Looks of quantities.
+const QUANTITIES: [Look; 5] = [
+    look(BLACK, Marker::Circle),
+    look(ORANGE, Marker::Square),
+    look(PURPLE, Marker::Triangle),
+    look(SKY, Marker::Diamond),
+    look(GREEN, Marker::Wedge),
+];
+
+/// One look for each of the different schemes in `names`: an unknown one takes the first look that
+/// no scheme has yet.
+pub fn of_schemes(names: &[&str]) -> Vec<Look> {
+    let known = |name: &str| SCHEMES.iter().find(|(id, _)| *id == name).map(|(_, look)| *look);
+    let mut taken: Vec<Look> = names.iter().filter_map(|name| known(name)).collect();
+    let mut unknown = |n: usize| {
+        let look = SPARE.into_iter().find(|look| !taken.contains(look)).unwrap_or(SPARE[n % 4]);
+        taken.push(look);
+        look
+    };
+    names.iter().enumerate().map(|(n, name)| known(name).unwrap_or_else(|| unknown(n))).collect()
+}
+
+/// The look of the `n`-th quantity.
+pub fn of_quantity(n: usize) -> Look {
+    QUANTITIES[n % QUANTITIES.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_scheme_gets_a_look_of_its_own() {
+        let looks = of_schemes(&["sexp", "other", "em", "sexp-levy"]);
+        for (i, a) in looks.iter().enumerate() {
+            for b in &looks[..i] {
+                assert!(a.color != b.color && a.marker != b.marker);
+            }
+        }
+    }
+
+    #[test]
+    fn methods_that_may_coincide_show_through_each_other() {
+        for pair in
+            [of_schemes(&["sexp", "midpoint"]), of_schemes(&["a", "b", "c", "d"]).split_off(2)]
+        {
+            let (below, above) = (pair[0], pair[1]);
+            assert!(below.layer < above.layer && below.hollow() && !above.hollow());
+            assert!(below.radius(1.0) > above.radius(1.0));
+            assert!(below.line(1.0).width > above.line(1.0).width && above.line(1.0).dashed);
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! Figures as stand-alone SVG documents, readable at the width of a journal column.
+//!
+//! [`Figure`] draws any curves in logarithmic coordinates; [`convergence`] makes one from series of
+//! errors; [`evolution`] draws an invariant along a path.
+
+mod axis;
+mod canvas;
+mod chart;
+mod convergence;
+mod evolution;
+mod frame;
+mod legend;
+mod line;
+mod look;
+mod scripts;
+mod stroke;
+mod ticks;
+
+use verify::results::{Kind, Panel};
+
+pub use chart::{Curve, Figure, Measured, Plot, Style};
+pub use convergence::convergence;
+pub use evolution::evolution;
+pub use line::Line;
+pub use ticks::Spacing;
+
+/// The figure of a panel as an SVG document.
+#[must_use]
+pub fn panel_figure(panel: &Panel) -> String {
+    match panel.kind {
+        Kind::Invariant => evolution(&panel.title, &panel.series),
+        kind => convergence(&panel.title, kind, &panel.series).svg(),
+    }
+}

@@ -1,0 +1,89 @@
+//! Files that are written whole or not at all, into folders that are checked before the computing.
+
+use std::fs;
+use std::io::{Error, Result, Write};
+use std::path::Path;
+
+use serde::Serialize;
+use tempfile::{Builder, NamedTempFile};
+
+fn named(what: &str, path: &Path) -> impl FnOnce(Error) -> Error {
+    move |error| Error::new(error.kind(), format!("cannot {what} {}: {error}", path.display()))
+}
+
+/// Creates a folder and checks that a file can be written into it.
+///
+/// # Errors
+///
+/// When it cannot; the error names the folder.
+pub fn prepare(folder: &Path) -> Result<()> {
+    fs::create_dir_all(folder).map_err(named("create the output folder", folder))?;
+    NamedTempFile::new_in(folder).map_err(named("write into the output folder", folder))?;
+    Ok(())
+}
+
+/// Checks that a file may be written, and creates its folder.
+///
+/// # Errors
+///
+/// When the path is a folder, or its folder cannot be written into.
+pub fn prepare_file(file: &Path) -> Result<()> {
+    if file.is_dir() {
+        return Err(Error::other(format!("{} is a folder; name a file", file.display())));
+    }
+    prepare(folder(file))
+}
+
+/// The folder of a file.
+#[must_use]
+pub fn folder(file: &Path) -> &Path {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
+}
+
+/// Replaces a file in one step: a reader sees the old file or the new one, whenever this is
+/// interrupted.
+///
+/// # Errors
+///
+/// When it cannot be written; the error names the file.
+pub fn write(file: &Path, content: impl AsRef<[u8]>) -> Result<()> {
+    let mut builder = Builder::new();
+    // Temporary files are private by default; a report is for everybody whom the umask admits.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let write = || -> Result<()> {
+        let mut temporary = builder.tempfile_in(folder(file))?;
+        temporary.write_all(content.as_ref())?;
+        temporary.persist(file)?;
+        Ok(())
+    };
+    write().map_err(named("write", file))
+}
+
+/// Writes a value as indented JSON.
+///
+/// # Errors
+///
+/// When the value cannot be serialized or the file cannot be written.
+pub fn write_json(file: &Path, value: &impl Serialize) -> Result<()> {
+    let mut json = serde_json::to_vec_pretty(value)?;
+    json.push(b'\n');
+    write(file, json)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bare_name_is_in_the_current_folder() {
+        assert_eq!(folder(Path::new("speed.json")), Path::new("."));
+        assert_eq!(folder(Path::new("a/speed.json")), Path::new("a"));
+    }
+
+    #[test]
+    fn errors_name_the_file() {
+        let error = write(Path::new("/nowhere/at-all"), "text").unwrap_err();
+        assert!(error.to_string().starts_with("cannot write /nowhere/at-all"), "{error}");
+    }
+}

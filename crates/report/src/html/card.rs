@@ -1,0 +1,96 @@
+//! One panel of the page: its figure, what the paper says, what was measured, and where the numbers
+//! are.
+
+use verify::results::{Claim, Clipped, Kind, Panel};
+
+use super::markup::{code, entry, list};
+use super::measured::{interval_name, measured};
+use super::number::{count, step};
+use super::prose::prose;
+use super::statements::badges;
+use crate::escape::escape;
+use crate::panel::{file_stem, main_quantity};
+
+/// The card of a panel with its figure inside; `comment` is the heading of what [`Panel::paper`]
+/// says.
+pub fn card(panel: &Panel, figure: &str, claims: &[Claim], comment: &str) -> String {
+    let samples = match panel.samples {
+        1 => "one path".to_owned(),
+        n => format!("{} paths", count(n)),
+    };
+    let facts = [
+        ("Set-up", prose(&panel.setup)),
+        (comment, prose(&panel.paper)),
+        ("What was measured", measured(panel)),
+        ("Samples", samples),
+        ("Reference", prose(&panel.reference)),
+        ("Clipped increments", list("", panel.clipped.iter().map(clipped))),
+        ("Paths left out", failures(&panel.failures)),
+    ];
+    format!(
+        "<article class=\"card\" id=\"panel-{id}\">\n<header><h3>{title}</h3>{code}</header>\n\
+         <figure><div class=\"paper\">{figure}</div><figcaption>{caption}</figcaption></figure>\n\
+         {badges}<dl>{facts}</dl>\n<p class=\"files\"><a href=\"data/{stem}.csv\">Numbers \
+         (CSV)</a> <a href=\"figures/{stem}.svg\">Figure (SVG)</a></p>\n</article>\n",
+        id = escape(&panel.id),
+        title = prose(&panel.title),
+        code = code(&panel.id),
+        caption = caption(panel),
+        badges = badges(claims, &panel.id),
+        facts = facts.iter().map(|(term, what)| entry(term, what)).collect::<String>(),
+        stem = file_stem(&panel.id),
+    )
+}
+
+/// How to read the figure: what is drawn, and what is only in the table.
+fn caption(panel: &Panel) -> String {
+    let main = main_quantity(&panel.series);
+    let further = match panel.series.iter().all(|series| series.quantity == main) {
+        true => "",
+        false => " Further quantities are in the table.",
+    };
+    let main = prose(main);
+    let orders = match panel.series.iter().find_map(|series| series.rate.as_ref()) {
+        Some(rate) => format!(
+            " In the legend: fitted order ± half the width of its {}.",
+            interval_name(rate.confidence)
+        ),
+        None => String::new(),
+    };
+    match panel.kind {
+        Kind::Strong => format!(
+            "Root-mean-square error of {main} with 95\u{202f}% error bars; dashed, in grey: \
+             reference slopes.{orders}{further}"
+        ),
+        Kind::Weak => format!(
+            "Size of the weak error, filled where it is positive and hollow where it is negative, \
+             with 95\u{202f}% error bars; a bar without a lower cap reaches zero. Markers at one \
+             step are set side by side. Dashed: reference slope.{orders}"
+        ),
+        Kind::Cost => {
+            "Path-steps, pilots included, for an interval of the given half-width.".to_owned()
+        }
+        Kind::Invariant => format!(
+            "Above: {main} along the path and, thin and black, its conformal law. Below: relative \
+             defect of the law; a defect of zero is drawn at the mark 0.{further}"
+        ),
+    }
+}
+
+/// Where clipped increments matter.
+fn clipped(clipped: &Clipped) -> String {
+    format!(
+        "{}, τ = {}: {} clipped, {:.0}\u{202f}% of the mean-square error",
+        escape(&clipped.scheme),
+        step(clipped.tau),
+        count(clipped.increments),
+        100.0 * clipped.share
+    )
+}
+
+fn failures(failures: &[String]) -> String {
+    const SHOWN: usize = 8;
+    let rest = failures.len().saturating_sub(SHOWN);
+    let rest = (rest > 0).then(|| format!("and {rest} more"));
+    list("", failures.iter().take(SHOWN).map(|failure| prose(failure)).chain(rest))
+}

@@ -1,0 +1,184 @@
+//! Claims about the same statement, and their common verdict.
+
+use verify::results::{Claim, Evidence};
+
+use super::markup::{code, scheme};
+use super::number::scientific;
+use super::prose::prose;
+use crate::Outcome;
+use crate::escape::escape;
+
+/// The claims about one statement: proven ones by statement, others by statement and scheme.
+pub struct Group<'a> {
+    /// The claims, never none, in the order of the results.
+    pub claims: Vec<&'a Claim>,
+}
+
+impl<'a> Group<'a> {
+    /// Groups claims in the order in which the statements first appear.
+    pub fn all(claims: impl IntoIterator<Item = &'a Claim>) -> Vec<Self> {
+        let key = |claim: &'a Claim| {
+            (claim.proven, claim.id.as_str(), if claim.proven { "" } else { claim.scheme.as_str() })
+        };
+        let mut groups: Vec<Self> = Vec::new();
+        for claim in claims {
+            match groups.iter_mut().find(|group| key(group.first()) == key(claim)) {
+                Some(group) => group.claims.push(claim),
+                None => groups.push(Self { claims: vec![claim] }),
+            }
+        }
+        groups
+    }
+
+    /// The claim that opened the group.
+    pub fn first(&self) -> &'a Claim {
+        self.claims[0]
+    }
+
+    /// How many claims have this outcome.
+    pub fn tally(&self, outcome: Outcome) -> usize {
+        self.claims.iter().filter(|claim| Outcome::of(claim) == outcome).count()
+    }
+
+    /// Refuted if one claim is, else undecided if one is; a misprint counts only where nothing else
+    /// is left.
+    pub fn verdict(&self) -> Outcome {
+        [Outcome::Refuted, Outcome::Undecided, Outcome::Holds]
+            .into_iter()
+            .find(|outcome| self.tally(*outcome) > 0)
+            .unwrap_or(Outcome::Misprint)
+    }
+
+    /// How many of how many hold, and what became of the rest.
+    pub fn counts(&self) -> String {
+        let mut counts = format!("{} of {} hold", self.tally(Outcome::Holds), self.claims.len());
+        for (outcome, word) in [
+            (Outcome::Refuted, "refuted"),
+            (Outcome::Misprint, "misprint"),
+            (Outcome::Undecided, "undecided"),
+        ] {
+            match self.tally(outcome) {
+                0 => {}
+                n => counts.push_str(&format!(", {n} {word}")),
+            }
+        }
+        counts
+    }
+
+    /// Its address on the page.
+    pub fn anchor(&self) -> String {
+        let claim = self.first();
+        if claim.proven {
+            format!("statement-{}", escape(&claim.id))
+        } else {
+            format!("reported-{}-{}", escape(&claim.id), escape(&claim.scheme))
+        }
+    }
+
+    /// Its identifier, linked to its address.
+    pub fn link(&self) -> String {
+        let claim = self.first();
+        let scheme = if claim.proven { String::new() } else { scheme(claim) };
+        format!("<a href=\"#{}\">{}</a>{scheme}", self.anchor(), code(&claim.id))
+    }
+
+    /// What the claims measured, in a line.
+    pub fn digest(&self) -> String {
+        let (mut orders, mut defects) = (Vec::new(), Vec::new());
+        for claim in &self.claims {
+            match &claim.measured {
+                Evidence::Order { rate: Some(rate), .. } => orders.push(rate.estimate),
+                Evidence::Defect { largest, .. } | Evidence::Approach { largest, .. } => {
+                    defects.push(*largest);
+                }
+                _ => {}
+            }
+        }
+        let all = self.claims.len();
+        if orders.len() == all {
+            return spread("order", "orders", orders, |order| format!("{order:.3}"));
+        }
+        if defects.len() == all {
+            let show = |defect| scientific(defect, 1);
+            return spread("largest relative defect", "largest relative defects", defects, show);
+        }
+        let telling = self.claims.iter().find(|claim| Outcome::of(claim) == self.verdict());
+        let evidence = prose(&telling.unwrap_or(&self.first()).evidence);
+        if all == 1 { evidence } else { format!("for example, {evidence}") }
+    }
+}
+
+/// One number, or how many there are and between what.
+fn spread(one: &str, many: &str, mut numbers: Vec<f64>, show: impl Fn(f64) -> String) -> String {
+    numbers.sort_by(f64::total_cmp);
+    match numbers[..] {
+        [only] => format!("{one} {}", show(only)),
+        [least, .., most] => {
+            format!("{} {many} between {} and {}", numbers.len(), show(least), show(most))
+        }
+        [] => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use verify::results::{Rate, Verdict};
+
+    use super::super::tests::claim;
+    use super::*;
+
+    #[test]
+    fn what_is_proven_and_what_is_reported_stay_apart() {
+        let claims = [
+            claim("a", "sexp", true, Verdict::Holds, ""),
+            claim("a", "em", false, Verdict::Holds, ""),
+            claim("a", "sexp", false, Verdict::Undecided, ""),
+            claim("b", "", true, Verdict::Holds, ""),
+            claim("a", "", true, Verdict::Refuted, ""),
+        ];
+        let groups = Group::all(&claims);
+        let anchors: Vec<String> = groups.iter().map(Group::anchor).collect();
+        assert_eq!(anchors, ["statement-a", "reported-a-em", "reported-a-sexp", "statement-b"]);
+        assert_eq!(groups[0].verdict(), Outcome::Refuted);
+        assert_eq!(groups[0].counts(), "1 of 2 hold, 1 refuted");
+    }
+
+    #[test]
+    fn a_group_is_as_good_as_its_worst_claim_misprints_aside() {
+        let verdict = |claims: &[Claim]| Group { claims: claims.iter().collect() }.verdict();
+        let holds = claim("a", "", true, Verdict::Holds, "");
+        let misprint = claim("a", "", true, Verdict::Refuted, "p ≤ 2 is meant");
+        let undecided = claim("a", "", true, Verdict::Undecided, "");
+        let refuted = claim("a", "", true, Verdict::Refuted, "");
+        assert_eq!(verdict(&[misprint.clone(), holds.clone()]), Outcome::Holds);
+        assert_eq!(verdict(std::slice::from_ref(&misprint)), Outcome::Misprint);
+        assert_eq!(
+            verdict(&[holds.clone(), undecided.clone(), misprint.clone()]),
+            Outcome::Undecided
+        );
+        assert_eq!(verdict(&[holds, undecided, misprint, refuted]), Outcome::Refuted);
+    }
+
+    #[test]
+    fn measurements_are_gathered() {
+        let digest = |measured: &[Evidence]| {
+            let claim = |measured: &Evidence| Claim {
+                evidence: measured.to_string(),
+                measured: measured.clone(),
+                ..claim("a", "", true, Verdict::Holds, "")
+            };
+            let claims: Vec<Claim> = measured.iter().map(claim).collect();
+            Group { claims: claims.iter().collect() }.digest()
+        };
+        let order = |estimate| Evidence::Order {
+            order: 1.0,
+            one_sided: false,
+            rate: Some(Rate { estimate, ..Rate::default() }),
+        };
+        let other = Evidence::Undecided { reason: "too short".into() };
+        assert_eq!(digest(&[order(1.001)]), "order 1.001");
+        assert_eq!(digest(&[order(1.001), order(0.99)]), "2 orders between 0.990 and 1.001");
+        assert_eq!(digest(std::slice::from_ref(&other)), "too short");
+        assert_eq!(digest(&[other, order(1.0)]), "for example, too short");
+    }
+}

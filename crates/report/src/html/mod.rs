@@ -1,0 +1,120 @@
+//! The page: summary, statements, panels, supplements and provenance, in one file that needs no
+//! network and no script.
+
+mod card;
+mod group;
+mod markup;
+mod measured;
+mod number;
+mod prose;
+mod provenance;
+mod statements;
+mod summary;
+
+use verify::results::{Claim, Panel, Results};
+
+use crate::escape::escape;
+
+const STYLE: &str = include_str!("style.css");
+
+/// What the page says beside the results.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wording<'a> {
+    /// Title of the page.
+    pub title: &'a str,
+    /// A line above the title.
+    pub kicker: &'a str,
+    /// Ids of schemes and what they stand for.
+    pub schemes: &'a [(&'a str, &'a str)],
+    /// Proven statements by id. Claims about any other statement are headed by the words of the
+    /// first of them.
+    pub statements: &'a [(&'a str, &'a str)],
+}
+
+impl<'a> Wording<'a> {
+    /// The statement that `claim` is a case of.
+    fn statement(&self, claim: &'a Claim) -> &'a str {
+        let found = self.statements.iter().find(|(id, _)| claim.proven && *id == claim.id);
+        found.map_or(&claim.statement, |(_, words)| words)
+    }
+}
+
+/// The page for `results`; `figures` are the drawings of its panels and then of its supplements, in
+/// the same order.
+pub fn page(results: &Results, wording: &Wording, figures: &[String]) -> String {
+    let (of_panels, of_supplements) = figures.split_at(results.panels.len());
+    let cards = |panels: &[Panel], figures: &[String], comment: &str| -> String {
+        let panels = panels.iter().zip(figures);
+        panels.map(|(panel, figure)| card::card(panel, figure, &results.claims, comment)).collect()
+    };
+    let mut sections = vec![
+        (
+            "statements",
+            "Statements",
+            statements::statements(&results.claims, &results.panels, wording),
+        ),
+        ("panels", "Panels", grid(&cards(&results.panels, of_panels, "What the paper says"))),
+    ];
+    if !results.supplements.is_empty() {
+        let cards = cards(&results.supplements, of_supplements, "What it adds to the paper");
+        let lead = "<p class=\"lead\">Figures on questions that the paper leaves open.</p>\n";
+        sections.push(("supplements", "Not in the paper", format!("{lead}{}", grid(&cards))));
+    }
+    sections.push(("provenance", "Provenance", provenance::provenance(&results.provenance)));
+    let nav = sections.iter().map(|(id, title, _)| format!("<a href=\"#{id}\">{title}</a> "));
+    let main = sections.iter().map(|(id, title, content)| {
+        format!("<section id=\"{id}\"><h2>{title}</h2>\n{content}</section>\n")
+    });
+    let schemes = wording.schemes.iter().map(|(id, name)| markup::entry(&markup::code(id), name));
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{kicker}</title>\n\
+         <style>\n{STYLE}</style>\n</head>\n<body>\n\
+         <header class=\"top\"><p class=\"kicker\">{kicker}</p>\n<h1>{title}</h1>\n{summary}\
+         <dl class=\"schemes\">{schemes}</dl>\n<nav>{nav}</nav></header>\n\
+         <main>\n{main}</main>\n</body>\n</html>\n",
+        kicker = escape(wording.kicker),
+        title = escape(wording.title),
+        summary = summary::summary(results),
+        schemes = schemes.collect::<String>(),
+        nav = nav.collect::<String>(),
+        main = main.collect::<String>(),
+    )
+}
+
+fn grid(cards: &str) -> String {
+    format!("<div class=\"grid\">{cards}</div>")
+}
+
+#[cfg(test)]
+mod tests {
+    use verify::results::{Evidence, Verdict};
+
+    use super::*;
+
+    /// A claim for tests.
+    pub fn claim(id: &str, scheme: &str, proven: bool, verdict: Verdict, erratum: &str) -> Claim {
+        let evidence = Evidence::Undecided { reason: "as it should be".into() };
+        Claim {
+            scheme: scheme.into(),
+            verdict,
+            proven,
+            erratum: erratum.into(),
+            ..Claim::new(id, format!("{scheme} has {id}"), evidence)
+        }
+    }
+
+    #[test]
+    fn an_unknown_statement_speaks_for_itself() {
+        let wording = Wording { statements: &[("a", "A is proven.")], ..Wording::default() };
+        for (id, scheme, proven, words) in [
+            ("a", "sexp", true, "A is proven."),
+            ("a", "em", false, "em has a"),
+            ("new", "sexp", true, "sexp has new"),
+        ] {
+            let claim = claim(id, scheme, proven, Verdict::Holds, "");
+            assert_eq!(wording.statement(&claim), words);
+        }
+    }
+}

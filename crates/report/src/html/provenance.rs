@@ -1,0 +1,32 @@
+//! Where a run comes from, how long it took, and how to read its files.
+
+use verify::results::Provenance;
+
+use super::markup::{code, entry, table};
+use super::number::duration;
+
+/// The section of the provenance.
+pub fn provenance(from: &Provenance) -> String {
+    let facts = [
+        ("Commit", &from.git),
+        ("Compiler", &from.rustc),
+        ("Processor", &from.cpu),
+        ("Instruction set", &from.simd),
+        ("Threads", &from.threads.to_string()),
+        ("Seed", &from.seed.to_string()),
+        ("Mode", &from.mode),
+        ("Command", &from.command),
+        ("Wall time", &duration(from.wall_s)),
+    ];
+    let facts: String = facts.iter().map(|(name, value)| entry(name, &code(value))).collect();
+    let times = from.wall_s_by_id.iter().map(|(id, seconds)| vec![code(id), duration(*seconds)]);
+    format!(
+        "<div class=\"two\"><div><dl class=\"facts\">{facts}</dl>\n\
+         <p class=\"quiet\">The results are the same, bit for bit, for the same seed on any number \
+         of threads and any instruction set.</p>\n\
+         <p class=\"quiet\">The whole run is in <a href=\"results.json\">results.json</a>; the \
+         columns of the CSV files are named in their first line.</p></div>\n\
+         <div>{}</div></div>",
+        table(&["panel or statement", "wall time"].map(str::to_owned), times)
+    )
+}

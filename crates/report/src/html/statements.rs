@@ -1,0 +1,143 @@
+//! The statements and their verdicts: one row each, which opens to the claims behind it.
+
+use verify::results::{Claim, Panel};
+
+use super::Wording;
+use super::group::Group;
+use super::markup::{badge, code, details, list, scheme};
+use super::prose::prose;
+use crate::Outcome;
+use crate::escape::escape;
+
+/// The section of the statements: first what the paper proves, then what it only reports.
+pub fn statements(claims: &[Claim], panels: &[Panel], wording: &Wording) -> String {
+    let (proven, reported): (Vec<Group>, Vec<Group>) =
+        Group::all(claims).into_iter().partition(|group| group.first().proven);
+    let table = |title: &str, groups: &[Group]| {
+        let bodies: String = groups.iter().map(|group| body(group, panels, wording)).collect();
+        format!(
+            "<table class=\"statements\"><thead><tr><th>Verdict</th><th>{title}</th>\
+             <th>What was measured</th></tr></thead>\n{bodies}</table>\n"
+        )
+    };
+    let mut section = String::new();
+    if !proven.is_empty() {
+        section += &table("What the paper proves", &proven);
+    }
+    if !reported.is_empty() {
+        section += "<h3 class=\"part\">Statements without a proof</h3>\n<p class=\"lead\">What the \
+             figures of the paper report about the other schemes and where its theorems do not \
+             apply, and comparisons with exact solutions, which the paper does not make.</p>\n";
+        section += &table("What is observed", &reported);
+    }
+    if section.is_empty() { "<p>None was checked.</p>".to_owned() } else { section }
+}
+
+fn body(group: &Group, panels: &[Panel], wording: &Wording) -> String {
+    let (claim, verdict) = (group.first(), group.verdict());
+    let misprint = match (verdict, group.tally(Outcome::Misprint)) {
+        (Outcome::Misprint, _) | (_, 0) => String::new(),
+        _ => format!(" {}", badge(Outcome::Misprint, "misprint")),
+    };
+    let checks = list("", group.claims.iter().map(|claim| check(claim, panels)));
+    let clear = group.tally(Outcome::Holds) == group.claims.len();
+    format!(
+        "<tbody id=\"{anchor}\"><tr class=\"statement\"><td>{badge}{misprint}<p class=\"quiet\">\
+         {counts}</p></td><td><p>{words}</p><p class=\"quiet\">{id}{scheme}</p></td>\
+         <td>{digest}</td></tr>\n\
+         <tr class=\"checks\"><td></td><td colspan=\"2\">{details}</td></tr></tbody>\n",
+        anchor = group.anchor(),
+        badge = badge(verdict, verdict.words()),
+        counts = group.counts(),
+        words = prose(wording.statement(claim)),
+        id = code(&claim.id),
+        scheme = if claim.proven { String::new() } else { scheme(claim) },
+        digest = group.digest(),
+        details = details(!clear, &format!("Checks: {}", group.claims.len()), &checks),
+    )
+}
+
+/// One claim of a group: verdict and place, statement, evidence.
+fn check(claim: &Claim, panels: &[Panel]) -> String {
+    let place = match claim.panel.as_str() {
+        "" => "<span class=\"quiet\">measured on its own</span>".to_owned(),
+        id if panels.iter().any(|panel| panel.id == id) => {
+            format!("<a href=\"#panel-{}\">{}</a>", escape(id), code(id))
+        }
+        id => code(id),
+    };
+    let erratum = match claim.erratum.as_str() {
+        "" => String::new(),
+        text => format!("<p class=\"erratum\">{}</p>", prose(text)),
+    };
+    let outcome = Outcome::of(claim);
+    format!(
+        "<p class=\"where\">{} {place}{}</p><p>{}</p>{erratum}<p class=\"evidence\">{}</p>",
+        badge(outcome, outcome.words()),
+        scheme(claim),
+        prose(&claim.statement),
+        prose(&claim.evidence),
+    )
+}
+
+/// The verdicts on one panel, each linked to its statement.
+pub fn badges(claims: &[Claim], panel: &str) -> String {
+    let groups = Group::all(claims.iter().filter(|claim| claim.panel == panel));
+    let item = |group: &Group| {
+        let (verdict, claim) = (group.verdict(), group.first());
+        // A link names the scheme of what is not proven.
+        let scheme = if claim.proven { scheme(claim) } else { String::new() };
+        let counts = match group.claims.len() {
+            1 => String::new(),
+            _ => format!(" <span class=\"quiet\">{}</span>", group.counts()),
+        };
+        format!("{} {}{scheme}{counts}", badge(verdict, verdict.words()), group.link())
+    };
+    list("badges", groups.iter().map(item))
+}
+
+#[cfg(test)]
+mod tests {
+    use verify::results::Verdict;
+
+    use super::super::tests::claim;
+    use super::*;
+
+    #[test]
+    fn only_groups_without_a_blemish_are_closed() {
+        let page = |verdict, erratum| {
+            let claims =
+                [claim("a", "", true, Verdict::Holds, ""), claim("a", "", true, verdict, erratum)];
+            statements(&claims, &[], &Wording::default())
+        };
+        assert!(page(Verdict::Holds, "").contains("<details><summary>Checks: 2"));
+        for (verdict, erratum) in
+            [(Verdict::Undecided, ""), (Verdict::Refuted, ""), (Verdict::Refuted, "p ≤ 2")]
+        {
+            assert!(page(verdict, erratum).contains("<details open>"));
+        }
+    }
+
+    #[test]
+    fn a_misprint_is_told_with_its_text() {
+        let page = statements(
+            &[claim("a", "", true, Verdict::Refuted, "meant: p < 2")],
+            &[],
+            &Wording::default(),
+        );
+        assert!(
+            page.contains("refuted: misprint in the statement") && page.contains("meant: p &lt; 2")
+        );
+    }
+
+    #[test]
+    fn what_is_proven_comes_first() {
+        let claims = [
+            claim("a", "em", false, Verdict::Holds, ""),
+            claim("b", "sexp", true, Verdict::Holds, ""),
+        ];
+        let page = statements(&claims, &[], &Wording::default());
+        assert!(page.find("statement-b") < page.find("reported-a-em"));
+        assert!(page.contains("em has a"));
+    }
+}

@@ -1,0 +1,118 @@
+//! The run in one paragraph: what holds, by name what does not, and what it took.
+
+use verify::results::Results;
+
+use super::group::Group;
+use super::number::duration;
+use super::prose::prose;
+use crate::Outcome;
+use crate::escape::escape;
+
+/// The paragraphs at the head of the page.
+pub fn summary(results: &Results) -> String {
+    let (proven, reported): (Vec<Group>, Vec<Group>) =
+        Group::all(&results.claims).into_iter().partition(|group| group.first().proven);
+    let provenance = &results.provenance;
+    format!(
+        "<p class=\"summary\">{}{}A statement is undecided, never passed, where an interval is too \
+         wide. The run covers {} panels in <em>{}</em> mode with seed {} and took {}.</p>\n{}",
+        verdicts("proven statements", &proven),
+        verdicts("statements without a proof", &reported),
+        results.panels.len(),
+        escape(&provenance.mode),
+        provenance.seed,
+        duration(provenance.wall_s),
+        misprints(&proven) + &misprints(&reported),
+    )
+}
+
+/// How many groups hold, and the others by name.
+fn verdicts(what: &str, groups: &[Group]) -> String {
+    if groups.is_empty() {
+        return String::new();
+    }
+    let of = |outcome| groups.iter().filter(move |group| group.verdict() == outcome);
+    let checks: usize = groups.iter().map(|group| group.claims.len()).sum();
+    let mut text = format!(
+        "<strong>{} of {}</strong> {what} hold, in {checks} checks. ",
+        of(Outcome::Holds).count(),
+        groups.len()
+    );
+    for (outcome, class, word) in [
+        (Outcome::Refuted, "refuted", "Refuted"),
+        (Outcome::Undecided, "undecided", "Undecided"),
+        (Outcome::Misprint, "misprint", "Misprinted"),
+    ] {
+        let names: Vec<String> = of(outcome).map(Group::link).collect();
+        if !names.is_empty() {
+            text += &format!("<span class=\"{class}\">{word}: {}.</span> ", names.join(", "));
+        }
+    }
+    text
+}
+
+/// What the documented misprints say, each in a paragraph of its own.
+fn misprints(groups: &[Group]) -> String {
+    let claims = groups.iter().flat_map(|group| group.claims.iter().map(move |c| (group, c)));
+    claims
+        .filter(|(_, claim)| Outcome::of(claim) == Outcome::Misprint)
+        .map(|(group, claim)| {
+            format!(
+                "<p class=\"summary erratum\"><b>Misprint in the paper</b> ({}): {} The statement \
+                 as printed is refuted: {}.</p>\n",
+                group.link(),
+                prose(&claim.erratum),
+                prose(&claim.statement),
+            )
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use verify::results::{Claim, Provenance, SCHEMA, Verdict};
+
+    use super::super::tests::claim;
+    use super::*;
+
+    fn summary_of(claims: Vec<Claim>) -> String {
+        summary(&Results {
+            schema: SCHEMA,
+            provenance: Provenance::default(),
+            panels: Vec::new(),
+            supplements: Vec::new(),
+            claims,
+        })
+    }
+
+    #[test]
+    fn what_does_not_hold_is_named() {
+        let text = summary_of(vec![
+            claim("a", "", true, Verdict::Holds, ""),
+            claim("b", "", true, Verdict::Undecided, ""),
+            claim("c", "", true, Verdict::Refuted, ""),
+            claim("d", "", true, Verdict::Refuted, "p ≤ 2"),
+            claim("d", "", true, Verdict::Holds, ""),
+        ]);
+        for words in [
+            "<strong>2 of 4</strong> proven statements hold, in 5 checks.",
+            "Refuted: <a href=\"#statement-c\">",
+            "Undecided: <a href=\"#statement-b\">",
+            "(<a href=\"#statement-d\"><code>d</code></a>): p\u{a0}≤\u{a0}2",
+        ] {
+            assert!(text.contains(words), "{words} is not in {text}");
+        }
+    }
+
+    #[test]
+    fn a_clean_run_says_so() {
+        let text = summary_of(vec![
+            claim("a", "", true, Verdict::Holds, ""),
+            claim("b", "", true, Verdict::Holds, ""),
+            claim("a", "em", false, Verdict::Holds, ""),
+        ]);
+        assert!(text.contains("<strong>2 of 2</strong>"));
+        assert!(text.contains("<strong>1 of 1</strong> statements without"));
+        assert!(!["Undecided:", "Refuted:", "isprint"].iter().any(|word| text.contains(word)));
+    }
+}

@@ -1,0 +1,193 @@
+//! Pages in Markdown: paragraphs wrapped at 100 columns, tables, figures.
+
+use std::collections::HashSet;
+use std::io::Result;
+use std::path::Path;
+
+use crate::files;
+
+/// The most characters in a line of a paragraph.
+const COLUMNS: usize = 100;
+
+/// A page that is written from top to bottom, with its figures.
+///
+/// ```
+/// use report::Page;
+///
+/// let mut page = Page::new("Errors");
+/// page.paragraph("All errors are at the final time.");
+/// page.table(["scheme", "error"], [["`em`", "0.01"]]);
+/// assert_eq!(
+///     page.text(),
+///     "# Errors\n\nAll errors are at the final time.\n\n\
+///      | scheme | error |\n|---|---|\n| `em` | 0.01 |\n"
+/// );
+/// ```
+#[derive(Clone, Debug)]
+pub struct Page {
+    text: String,
+    figures: Vec<(String, String)>,
+}
+
+impl Page {
+    /// A page with a title.
+    #[must_use]
+    pub fn new(title: &str) -> Self {
+        Self { text: format!("# {title}\n"), figures: Vec::new() }
+    }
+
+    /// A heading; level 2 is that of a section.
+    pub fn heading(&mut self, level: usize, words: &str) {
+        self.block(&format!("{} {words}", "#".repeat(level)));
+    }
+
+    /// A paragraph, or several that are separated by empty lines; line breaks in it do not matter.
+    pub fn paragraph(&mut self, words: impl AsRef<str>) {
+        for paragraph in words.as_ref().split("\n\n").filter(|text| !text.trim().is_empty()) {
+            self.block(&wrapped(paragraph, ""));
+        }
+    }
+
+    /// A list with a bullet for each item; nothing without items.
+    pub fn list(&mut self, items: impl IntoIterator<Item = String>) {
+        let items: Vec<String> =
+            items.into_iter().map(|item| format!("- {}", wrapped(&item, "  "))).collect();
+        if !items.is_empty() {
+            self.block(&items.join("\n"));
+        }
+    }
+
+    /// A table; bars and line breaks in its cells are made harmless, and a column without any
+    /// content is left out.
+    pub fn table<H, R>(
+        &mut self,
+        head: impl IntoIterator<Item = H>,
+        rows: impl IntoIterator<Item = R>,
+    ) where
+        H: AsRef<str>,
+        R: IntoIterator<Item: AsRef<str>>,
+    {
+        let cell = |text: &str| text.replace('|', "\\|").replace('\n', " ");
+        let rows: Vec<Vec<String>> = rows
+            .into_iter()
+            .map(|row| row.into_iter().map(|text| cell(text.as_ref())).collect())
+            .collect();
+        let filled = |n: usize| {
+            rows.is_empty() || rows.iter().any(|row| row.get(n).is_some_and(|c| !c.is_empty()))
+        };
+        let line = |cells: Vec<&str>| {
+            let shown = cells.iter().enumerate().filter(|(n, _)| filled(*n));
+            format!("| {} |\n", shown.map(|(_, cell)| *cell).collect::<Vec<_>>().join(" | "))
+        };
+        let head: Vec<H> = head.into_iter().collect();
+        let mut table = line(head.iter().map(AsRef::as_ref).collect());
+        let columns = (0..head.len()).filter(|n| filled(*n)).count();
+        table += &format!("|{}\n", "---|".repeat(columns));
+        for row in &rows {
+            table += &line(row.iter().map(String::as_str).collect());
+        }
+        self.block(&table);
+    }
+
+    /// Lines that keep their breaks and spaces.
+    pub fn verbatim(&mut self, lines: &str) {
+        self.block(&format!("```text\n{}\n```", lines.trim_end()));
+    }
+
+    /// A figure with its name as a file and its description.
+    pub fn figure(&mut self, name: &str, description: &str, svg: String) {
+        self.block(&format!("![{description}](figures/{name})"));
+        self.figures.push((name.to_owned(), svg));
+    }
+
+    fn block(&mut self, text: &str) {
+        self.text.push_str(&format!("\n{}\n", text.trim_end()));
+    }
+
+    /// The page so far.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Writes the page, and its figures into the folder `figures` beside it.
+    ///
+    /// # Errors
+    ///
+    /// When a folder cannot be created or a file cannot be written.
+    pub fn write(&self, file: &Path) -> Result<()> {
+        let figures = files::folder(file).join("figures");
+        if !self.figures.is_empty() {
+            files::prepare(&figures)?;
+        }
+        for (name, svg) in &self.figures {
+            files::write(&figures.join(name), svg)?;
+        }
+        files::write(file, &self.text)
+    }
+}
+
+/// The anchor of a heading.
+#[must_use]
+pub fn anchor(heading: &str) -> String {
+    let kept = heading.to_lowercase();
+    kept.chars()
+        .filter(|c| c.is_alphanumeric() || " -".contains(*c))
+        .collect::<String>()
+        .replace(' ', "-")
+}
+
+/// The different entries in the order of their first appearance.
+pub fn distinct<T: Eq + std::hash::Hash + Clone>(entries: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut seen = HashSet::new();
+    entries.into_iter().filter(|entry| seen.insert(entry.clone())).collect()
+}
+
+/// Words in lines that are short enough; all lines but the first begin with `indent`.
+fn wrapped(words: &str, indent: &str) -> String {
+    let mut text = String::new();
+    let mut column = indent.len();
+    for word in words.split_whitespace() {
+        let width = word.chars().count();
+        // At the beginning of a line these words would have another meaning.
+        let marks = ["-", "+", "*", ">", "=", "1."].contains(&word) || word.starts_with(['#', '|']);
+        if text.is_empty() {
+            column += width;
+        } else if column + 1 + width > COLUMNS && !marks {
+            text.push_str(&format!("\n{indent}"));
+            column = indent.len() + width;
+        } else {
+            text.push(' ');
+            column += 1 + width;
+        }
+        text.push_str(word);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_short_and_keep_all_words() {
+        let words = ["ein", "word", "–", "γτ", "-", "1."].map(|word| format!("{word} ")).concat();
+        let words = words.repeat(50);
+        let text = wrapped(&words, "  ");
+        assert!(text.lines().count() > 5);
+        assert!(text.lines().all(|line| line.chars().count() <= COLUMNS + 2));
+        assert!(
+            text.lines().skip(1).all(|line| line.starts_with("  ") && !line.starts_with("  -"))
+        );
+        assert!(text.split_whitespace().eq(words.split_whitespace()));
+    }
+
+    #[test]
+    fn cells_stay_in_their_table() {
+        let mut page = Page::new("a");
+        page.table(["x", "nothing"], [["a | b\nc", ""]]);
+        assert!(page.text().ends_with("| x |\n|---|\n| a \\| b c |\n"), "{}", page.text());
+        assert_eq!(anchor("`stiff` Long times, 2"), "stiff-long-times-2");
+        assert_eq!(distinct([2, 1, 2]), [2, 1]);
+    }
+}

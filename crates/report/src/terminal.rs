@@ -1,0 +1,42 @@
+//! The verdicts in the terminal.
+
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{Attribute, Cell, Color, ContentArrangement, Table};
+use verify::results::Claim;
+
+use crate::Outcome;
+
+/// A table with a row for each claim: what, on which panel, by which scheme, verdict, evidence.
+#[must_use]
+pub fn verdicts(claims: &[Claim]) -> String {
+    let mut table = Table::new();
+    table.load_style(UTF8_HORIZONTAL_ONLY).set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_header(["statement", "panel", "scheme", "verdict", "evidence"]);
+    for claim in claims {
+        let outcome = Outcome::of(claim);
+        let (word, colour) = match outcome {
+            Outcome::Misprint => ("misprint", Color::Yellow),
+            Outcome::Holds => (outcome.words(), Color::Green),
+            Outcome::Undecided => (outcome.words(), Color::Yellow),
+            Outcome::Refuted => (outcome.words(), Color::Red),
+        };
+        let verdict = Cell::new(word).fg(colour).add_attribute(Attribute::Bold);
+        let [id, panel, scheme, evidence] =
+            [&claim.id, &claim.panel, &claim.scheme, &claim.evidence].map(Cell::new);
+        table.add_row([id, panel, scheme, verdict, evidence]);
+    }
+    table.to_string()
+}
+
+/// How many claims hold, are refuted, are undecided, in words.
+#[must_use]
+pub fn counts(claims: &[Claim]) -> String {
+    let count = |outcome| claims.iter().filter(|claim| Outcome::of(claim) == outcome).count();
+    format!(
+        "{} statements hold, {} refuted, {} misprinted, {} undecided",
+        count(Outcome::Holds),
+        count(Outcome::Refuted),
+        count(Outcome::Misprint),
+        count(Outcome::Undecided)
+    )
+}

@@ -1,0 +1,100 @@
+//! Schemes that a user writes: what holds for the schemes of this crate holds for them.
+
+use noise::{Noise, Truncation};
+use nonlin::{Method, Solver};
+use schemes::{Explicit, Implicit, Increment, Scheme};
+
+use crate::common::{
+    Numbers, any_damping, any_increments, any_state, any_step, body, conformal_defect,
+};
+
+/// Euler's method with Lévy areas: y_{n+1} = y_n + B∇h + Σ A_ml \[fₘ, f_l\].
+pub struct EulerWithAreas;
+
+impl Explicit for EulerWithAreas {
+    const ID: &'static str = "euler-with-areas";
+    const READS_AREAS: bool = true;
+    const CLIPS_INCREMENTS: bool = false;
+
+    #[inline(always)]
+    fn advance<H: Increment>(&self, h: H, y: H::Vector) -> H::Vector {
+        y + h.field(y) + h.commutators(y)
+    }
+}
+
+/// The midpoint rule with exact damping: ψ(ẑ, z) = ẑ + B(z̄)∇h(z̄), z̄ = (ẑ+z)/2.
+pub struct ConformalMidpoint {
+    pub solver: Solver,
+}
+
+impl Implicit for ConformalMidpoint {
+    const ID: &'static str = "conformal-midpoint";
+    const EXACT_DAMPING: bool = true;
+
+    #[inline(always)]
+    fn psi<H: Increment>(&self, h: H, start: H::Vector, z: H::Vector) -> H::Vector {
+        start + h.field((start + z) * 0.5)
+    }
+
+    fn solver(&self) -> Solver {
+        self.solver
+    }
+}
+
+#[test]
+fn what_a_formula_declares_its_scheme_says() {
+    fn declared(scheme: &dyn Scheme<systems::RigidBody<3>, 3, 3>) -> (&str, bool, bool) {
+        (scheme.id(), scheme.reads_areas(), scheme.clips_increments())
+    }
+    let midpoint = ConformalMidpoint { solver: Solver::default() };
+    assert_eq!(declared(&EulerWithAreas), ("euler-with-areas", true, false));
+    assert_eq!(declared(&midpoint), ("conformal-midpoint", false, true));
+    // One noise has no areas.
+    let turning = systems::RigidBody::one_noise([2.0, 1.0, 2.0 / 3.0], 1.0).unwrap();
+    assert!(!reads_areas(&EulerWithAreas, &turning));
+}
+
+fn reads_areas<S>(scheme: &impl Scheme<S, 3, 1>, _system: &S) -> bool {
+    scheme.reads_areas()
+}
+
+/// Of Newton's method: every term of the defect is rounded at most four times, half an ε each.
+const ROUND_OFF: f64 = 2.0;
+
+/// The midpoint rule with exact damping keeps a quadratic Casimir on its conformal law, and Euler's
+/// method does not.
+#[test]
+fn the_conformal_midpoint_rule_keeps_the_casimir() {
+    let (body, mut numbers) = (body(), Numbers(12));
+    let midpoint = ConformalMidpoint { solver: Solver::new(Method::Newton) };
+    let mut broken = 0;
+    for _ in 0..1000 {
+        let damping = any_damping(&mut numbers);
+        let step = any_step(&mut numbers, damping.as_ref());
+        let dw = any_increments(&mut numbers, step.tau);
+        let y = any_state(&mut numbers, &body, [0.5; 3]);
+        let defect = |z| conformal_defect(&body, 0, &step, dw, y, z);
+        let solution = midpoint.step(&body, &step, &Noise::increments(dw), y);
+        assert!(solution.outcome.converged());
+        let left = defect(solution.z);
+        assert!(left < ROUND_OFF, "{left} at {step:?} {dw:?} {y:?}");
+        let euler = EulerWithAreas.step(&body, &step, &Noise::increments(dw), y).z;
+        broken += u32::from(defect(euler) > 1e6);
+    }
+    assert!(broken > 900, "{broken}");
+}
+
+#[test]
+fn areas_move_an_explicit_scheme() {
+    let bound = Truncation::new(4).unwrap().area_bound(0.01).unwrap();
+    let step = schemes::Step::new(&systems::Constant::new(0.3).unwrap(), 0, 0.01).unwrap();
+    let without = Noise::increments([0.1, -0.05, 0.02]);
+    let mut areas = [[0.0; 3]; 3];
+    (areas[0][1], areas[1][0]) = (bound, -bound);
+    let y = [0.6, 0.0, 0.8];
+    let [with, without] = [Noise { areas, ..without }, without]
+        .map(|noise| EulerWithAreas.step(&body(), &step, &noise, y).z);
+    let commutator: [f64; 3] = systems::PoissonSystem::commutators(&body(), y, areas);
+    assert_eq!(with, std::array::from_fn(|i| without[i] + commutator[i]));
+    assert_ne!(with, without);
+}

@@ -1,0 +1,106 @@
+//! A fit in words: the one place that words what the fields of a [`Rate`] say.
+
+use crate::moments::FEW_SAMPLES;
+use crate::quantile::two_sided;
+use crate::rate::{Against, Model, Rate, STRAIGHT_CONFIDENCE, StraightLine};
+
+/// The rate with [`Rate::method`] and [`Rate::warning`] made from its other fields.
+pub(crate) fn describe(mut rate: Rate) -> Rate {
+    rate.method = method(&rate);
+    rate.warning = warning(&rate);
+    rate
+}
+
+fn method(rate: &Rate) -> String {
+    let model = match rate.model {
+        Model::MeanSquares => {
+            let corrections = match (rate.curvature_t, rate.reference_t) {
+                (Some(_), Some(_)) => " + ln(1 + bτ + c τ_ref/τ)",
+                (Some(_), None) => " + ln(1 + bτ)",
+                (None, Some(_)) => " + ln(1 + c τ_ref/τ)",
+                (None, None) => "",
+            };
+            format!("least squares, ln mean square = a + 2p ln τ{corrections}")
+        }
+        Model::Logarithms => "weighted least squares, ln error = a + p ln τ + bτ + cτ²".to_owned(),
+        Model::Powers { against, terms } => {
+            let errors = match against {
+                Against::Exact => "error",
+                Against::HalfStep => "differences e(τ) − e(τ/2) of an error",
+                Against::Step(_) => "e(τ) − e(τ_ref) of an error",
+            };
+            let third = if terms == 3 { " + Cτ^(p+2)" } else { "" };
+            format!("profile of generalised least squares, {errors} = Aτ^p + Bτ^(p+1){third}")
+        }
+    };
+    let mut text =
+        format!("{model}, χ² = {:.1} with {} degrees of freedom", rate.chi_square, rate.degrees);
+    if let Some((low, high)) = rate.bootstrap_lo.zip(rate.bootstrap_hi) {
+        text += &format!("; bootstrap over paths [{low:.3}, {high:.3}]");
+    }
+    if let Some(line) = &rate.straight {
+        let StraightLine { estimate, lo, hi, chi_square, degrees, .. } = line;
+        text += &format!(
+            "; a straight line would give {estimate:.3} [{lo:.3}, {hi:.3}], χ² = {chi_square:.1} \
+             with {degrees} degrees of freedom: {}",
+            bend(rate, line.refuted)
+        );
+    }
+    if !rate.left_out.is_empty() {
+        let left_out: Vec<String> = rate.left_out.iter().map(|tau| format!("{tau:.3e}")).collect();
+        text += &format!(
+            "; left out, since fewer than {FEW_SAMPLES} effective paths carry the error: τ = {}",
+            left_out.join(", ")
+        );
+    }
+    if rate.rests_on_few_paths() {
+        text += &format!(
+            "; fewer than {FEW_SAMPLES} effective paths carry the error: the wider of both \
+             intervals at each end"
+        );
+    }
+    text
+}
+
+/// What bends the points: the term with the larger t, if it is beyond the same confidence as the
+/// straight line is refuted with.
+fn bend(rate: &Rate, refuted: bool) -> &'static str {
+    let [curvature, reference] =
+        [rate.curvature_t, rate.reference_t].map(|t| t.unwrap_or(0.0).abs());
+    if !refuted {
+        "which the points do not contradict"
+    } else if curvature.max(reference) < two_sided(STRAIGHT_CONFIDENCE, None) {
+        "the points do not lie on a line"
+    } else if curvature > reference {
+        "the coarse steps are not yet asymptotic"
+    } else {
+        "the error of the reference shows at the fine steps"
+    }
+}
+
+fn warning(rate: &Rate) -> Option<String> {
+    let misfit = rate.misfits().then(|| {
+        format!(
+            "the model does not fit: residuals so large have the probability {:.0e}, no order can \
+             be read off",
+            rate.p_value.unwrap_or(0.0)
+        )
+    });
+    let few = rate.rests_on_few_paths().then(|| {
+        format!(
+            "fewer than {FEW_SAMPLES} effective paths carry the error; the interval is the wider \
+             of two at each end"
+        )
+    });
+    let warnings: Vec<String> = misfit.into_iter().chain(few).collect();
+    (!warnings.is_empty()).then(|| warnings.join("; "))
+}
+
+/// The warning at a point that few paths carry.
+pub(crate) fn few_paths(effective: f64) -> Option<String> {
+    (effective < FEW_SAMPLES).then(|| {
+        format!(
+            "only {effective:.0} effective paths carry the error; the interval may be too narrow"
+        )
+    })
+}

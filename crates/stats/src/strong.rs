@@ -1,0 +1,87 @@
+//! The strong order from squared errors.
+//!
+//! **Heavy tails.** A level whose squared errors x are carried by fewer than 30 paths, (Σx)²/Σx² <
+//! 30, is left out of the fit: there the mean of the few largest squares is measured and not a mean
+//! square. With fewer than four levels left, all are used, and the interval reaches at each end as
+//! far as the farther of the delta method's and the bootstrap's.
+
+use crate::describe::describe;
+use crate::mean_squares::{LogMeanSquares, Terms};
+use crate::moments::{CrossMoments, FEW_SAMPLES};
+use crate::quantile::CONFIDENCE;
+use crate::rate::{Model, Rate, STRAIGHT_CONFIDENCE, StraightLine};
+
+/// Fewer levels than this make no fit from which others have been left out.
+const LEAST_LEVELS: usize = 4;
+
+/// The strong order from squared errors at several step sizes, coarsest first.
+///
+/// Fits ln m = a + 2p ln τ + ln(1 + bτ + c τ_ref/τ) to the mean squares m with fixed weights
+/// ([`LogMeanSquares`]), and gives p with an interval by the delta method from the estimated
+/// covariance of the ln m, which share paths; beside it a bootstrap-t interval over whole paths
+/// (Efron and Tibshirani 1993), and the straight line with a test whether the points lie on one.
+///
+/// Terms need levels: c is fitted from five on, if there is a `reference` step, and b from six on.
+/// Levels that a few paths dominate are left out and named. If χ² rejects the model, the rate
+/// carries a warning ([`Rate::misfits`]).
+///
+/// `None` if an error is zero, or the covariance is singular: with fewer paths than levels, for
+/// example.
+#[must_use]
+pub fn fit_strong(taus: &[f64], reference: Option<f64>, squares: &CrossMoments) -> Option<Rate> {
+    let all: Vec<usize> = (0..taus.len()).collect();
+    // A zero error anywhere means that there is no order to speak of, even where its level would be
+    // left out.
+    LogMeanSquares::new(taus, squares, all.clone())?;
+    let (reliable, few): (Vec<usize>, Vec<usize>) =
+        all.iter().partition(|&&l| squares.effective_samples(l) >= FEW_SAMPLES);
+    let (levels, left_out) =
+        if reliable.len() < LEAST_LEVELS { (all, Vec::new()) } else { (reliable, few) };
+    // Two levels more than parameters.
+    let terms =
+        Terms { reference: reference.filter(|_| levels.len() >= 5), curvature: levels.len() >= 6 };
+    let logarithms = LogMeanSquares::new(taus, squares, levels)?;
+    let estimate = logarithms.fit(terms)?;
+    let (lo, hi) = estimate.interval();
+    let bootstrap = logarithms.bootstrap(&estimate).map(|(below, above)| {
+        (estimate.order - below * estimate.se, estimate.order + above * estimate.se)
+    });
+    let effective = (0..taus.len()).map(|l| squares.effective_samples(l));
+    let mut rate = Rate {
+        estimate: estimate.order,
+        lo,
+        hi,
+        confidence: CONFIDENCE,
+        student_degrees: Some(estimate.student_degrees),
+        model: Model::MeanSquares,
+        chi_square: estimate.chi_square,
+        degrees: estimate.degrees,
+        p_value: estimate.p_value,
+        bootstrap_lo: bootstrap.map(|(low, _)| low),
+        bootstrap_hi: bootstrap.map(|(_, high)| high),
+        straight: (terms != Terms::STRAIGHT).then(|| straight(&logarithms)).flatten(),
+        curvature_t: estimate.curvature_t,
+        reference_t: estimate.reference_t,
+        effective_paths: Some(effective.fold(f64::INFINITY, f64::min)),
+        left_out: left_out.iter().map(|&l| taus[l]).collect(),
+        ..Rate::default()
+    };
+    if let Some((low, high)) = bootstrap.filter(|_| rate.rests_on_few_paths()) {
+        (rate.lo, rate.hi) = (lo.min(low), hi.max(high));
+    }
+    Some(describe(rate))
+}
+
+/// The straight line through the points.
+fn straight(logarithms: &LogMeanSquares<'_>) -> Option<StraightLine> {
+    let estimate = logarithms.fit(Terms::STRAIGHT)?;
+    let (lo, hi) = estimate.interval();
+    Some(StraightLine {
+        estimate: estimate.order,
+        lo,
+        hi,
+        chi_square: estimate.chi_square,
+        degrees: estimate.degrees as u32,
+        refuted: estimate.p_value.is_some_and(|p| p < 1.0 - STRAIGHT_CONFIDENCE),
+    })
+}

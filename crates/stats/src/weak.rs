@@ -1,0 +1,113 @@
+//! The weak order from signed errors whose covariance is known.
+
+use std::ops::RangeInclusive;
+
+use crate::describe::describe;
+use crate::least_squares::{Weighting, diagonal};
+use crate::moments::CrossMoments;
+use crate::point::Point;
+use crate::quantile::{CONFIDENCE, chi_square_p_value, two_sided};
+use crate::rate::{Against, Model, Rate};
+
+/// Orders among which the weak order is looked for: 0 to 4, on a grid of 1/500.
+const ORDERS: RangeInclusive<u32> = 0..=4 * GRID;
+const GRID: u32 = 500;
+/// Errors that are nowhere this many standard errors away from zero are inside the noise.
+pub(crate) const NOISE: f64 = 4.0;
+
+/// The weak order from signed errors at several step sizes with their covariance, coarsest first.
+///
+/// e(τ) = Aτᵖ + Bτ^{p+1} (+ Cτ^{p+2} from seven levels on) is fitted by generalised least squares
+/// for every p on a grid, each power less that of the step that the error is measured against
+/// ([`Against`]). The estimate minimises χ², the interval is where χ² is at most its minimum plus
+/// the χ²₁ quantile: a profile likelihood. Signed errors are used, so a change of sign needs no
+/// special case. An order whose leading term is not the largest at the finest step is no candidate:
+/// it would pass off a small remainder as the leading term. If χ² rejects the model, the rate
+/// carries a warning ([`Rate::misfits`]).
+///
+/// `None` if no error stands out of the noise, if there are fewer than four levels, or if the
+/// covariance is singular.
+#[must_use]
+pub fn fit_weak(
+    taus: &[f64],
+    errors: &[f64],
+    covariance: &[Vec<f64>],
+    against: Against,
+) -> Option<Rate> {
+    let levels = taus.len();
+    let visible = (0..levels).any(|l| errors[l].abs() > NOISE * covariance[l][l].sqrt());
+    if levels < 4 || !visible {
+        return None;
+    }
+    let terms = if levels >= 7 { 3 } else { 2 };
+    let (coarsest, finest) = (taus[0], taus[levels - 1]);
+    let weighting = Weighting::new(covariance)?;
+    let mut profile = Vec::new();
+    for p in ORDERS.map(|i| f64::from(i) / f64::from(GRID)) {
+        let powers = (0..terms).map(|term| p + f64::from(term));
+        let column = |q| taus.iter().map(|&tau| against.power(tau, coarsest, q)).collect();
+        let design: Vec<Vec<f64>> = powers.clone().map(column).collect();
+        // With p = 0 against another step there is nothing to fit: a constant has no difference.
+        let Some(fit) = weighting.fit(&design, errors) else {
+            continue;
+        };
+        // What the terms contribute at the finest step to what was measured. The term of an error
+        // that hardly changes from step to step, p ≈ 0, is large in the error and nothing in a
+        // difference.
+        let size =
+            |(q, parameter): (f64, &f64)| (parameter * against.power(finest, coarsest, q)).abs();
+        let mut sizes = powers.zip(&fit.parameters).map(size);
+        if sizes.next()? > sizes.sum() {
+            profile.push((p, fit.chi_square));
+        }
+    }
+    let (estimate, least) = profile.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let allowed = least + two_sided(CONFIDENCE, None).powi(2);
+    let mut inside = profile.iter().filter(|(_, chi)| *chi <= allowed).map(|(p, _)| *p);
+    let lo = inside.next()?;
+    let degrees = levels - terms as usize - 1;
+    Some(describe(Rate {
+        estimate,
+        lo,
+        hi: inside.next_back().unwrap_or(lo),
+        confidence: CONFIDENCE,
+        model: Model::Powers { against, terms },
+        chi_square: least,
+        degrees,
+        p_value: chi_square_p_value(least, degrees),
+        ..Rate::default()
+    }))
+}
+
+impl Against {
+    /// What τ^q contributes to the error measured at step τ, with all steps in units of `unit`.
+    fn power(self, tau: f64, unit: f64, q: f64) -> f64 {
+        let reference = match self {
+            Self::Exact => return (tau / unit).powf(q),
+            Self::HalfStep => 0.5 * tau,
+            Self::Step(step) => step,
+        };
+        (tau / unit).powf(q) - (reference / unit).powf(q)
+    }
+}
+
+/// Weak errors and their order from independent differences d_l = e(τ_l) − e(τ_l/2) at step sizes
+/// that halve, coarsest first.
+///
+/// The errors are the sums e_l = Σ_{j ≥ l} d_j with a Richardson tail: below the finest step L, an
+/// error Cτ + O(τ²) leaves d_L once more, up to O(τ²). The order is fitted to the differences,
+/// without the tail.
+#[must_use]
+pub fn weak_errors(taus: &[f64], differences: &[&CrossMoments]) -> (Vec<Point>, Option<Rate>) {
+    let means: Vec<f64> = differences.iter().map(|difference| difference.mean(0)).collect();
+    let variances: Vec<f64> =
+        differences.iter().map(|difference| difference.covariance_of_means(0, 0)).collect();
+    let finest = taus.len() - 1;
+    let point = |l: usize| {
+        let error = means[l..finest].iter().sum::<f64>() + 2.0 * means[finest];
+        let variance = variances[l..finest].iter().sum::<f64>() + 4.0 * variances[finest];
+        Point::normal(taus[l], error, variance.sqrt())
+    };
+    let rate = fit_weak(taus, &means, &diagonal(&variances), Against::HalfStep);
+    ((0..taus.len()).map(point).collect(), rate)
+}

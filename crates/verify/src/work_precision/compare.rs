@@ -1,0 +1,116 @@
+//! What a given error costs, between the measured points.
+
+/// The cost of an error of `target` on a curve of (error, cost) by increasing cost: linear in the
+/// logarithms between the two neighbouring points, the more expensive ones if the curve passes
+/// `target` more than once. `None` where no neighbours enclose it: nothing is extrapolated.
+#[must_use]
+pub fn cost_at(curve: &[(f64, f64)], target: f64) -> Option<f64> {
+    let usable: Vec<(f64, f64)> = curve
+        .iter()
+        .copied()
+        .filter(|(error, cost)| error.is_finite() && *error > 0.0 && *cost > 0.0)
+        .collect();
+    usable.windows(2).rev().find(|pair| pair[1].0 <= target && target <= pair[0].0).map(|pair| {
+        let [(coarse, cheap), (fine, dear)] = [pair[0], pair[1]];
+        let share =
+            if coarse == fine { 1.0 } else { (target / coarse).ln() / (fine / coarse).ln() };
+        cheap * (dear / cheap).powf(share)
+    })
+}
+
+/// How two curves compare over the errors that both reach.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Crossing {
+    /// (error, cost of the first curve over cost of the second), from the largest error to the
+    /// smallest.
+    pub ratios: Vec<(f64, f64)>,
+    /// The errors at which the cheaper of the two changes.
+    pub at: Vec<f64>,
+}
+
+/// Errors at which two curves are compared, evenly on a logarithmic scale.
+const POINTS: usize = 65;
+
+/// Compares two curves of (error, cost) by increasing cost; `None` when they reach no error in
+/// common.
+#[must_use]
+pub fn crossing(first: &[(f64, f64)], second: &[(f64, f64)]) -> Option<Crossing> {
+    let range = |curve: &[(f64, f64)]| {
+        curve
+            .iter()
+            .map(|(error, _)| *error)
+            .filter(|error| error.is_finite() && *error > 0.0)
+            .fold((f64::INFINITY, 0.0), |(lo, hi): (f64, f64), error| {
+                (lo.min(error), hi.max(error))
+            })
+    };
+    let (a, b) = (range(first), range(second));
+    let (lo, hi) = (a.0.max(b.0), a.1.min(b.1));
+    if lo >= hi {
+        return None;
+    }
+    let ratios: Vec<(f64, f64)> = (0..POINTS)
+        .filter_map(|n| {
+            // The ends themselves, and not what rounding makes of them.
+            let error = match n {
+                0 => hi,
+                n if n == POINTS - 1 => lo,
+                n => hi * (lo / hi).powf(n as f64 / (POINTS - 1) as f64),
+            };
+            Some((error, cost_at(first, error)? / cost_at(second, error)?))
+        })
+        .collect();
+    let at = ratios
+        .windows(2)
+        .filter(|pair| (pair[0].1 < 1.0) != (pair[1].1 < 1.0))
+        .map(|pair| (pair[0].0 * pair[1].0).sqrt())
+        .collect();
+    (!ratios.is_empty()).then_some(Crossing { ratios, at })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// cost = scale·error^{−1/order}.
+    fn curve(order: f64, scale: f64) -> Vec<(f64, f64)> {
+        (3..10)
+            .map(|k| 2f64.powi(-k))
+            .map(|error| (error, scale * error.powf(-1.0 / order)))
+            .collect()
+    }
+
+    #[test]
+    fn power_laws_are_interpolated_exactly() {
+        for (order, scale) in [(0.5, 3.0), (1.0, 0.2)] {
+            let curve = curve(order, scale);
+            for error in [2f64.powi(-3), 0.07, 0.011, 2f64.powi(-9)] {
+                let cost = cost_at(&curve, error).expect("inside");
+                assert!(
+                    (cost / (scale * error.powf(-1.0 / order)) - 1.0).abs() < 1e-12,
+                    "{order} {error}"
+                );
+            }
+            assert_eq!((cost_at(&curve, 0.2), cost_at(&curve, 1e-3)), (None, None));
+        }
+    }
+
+    #[test]
+    fn a_curve_that_turns_is_read_on_its_dear_side() {
+        // The coarsest step happens to be accurate; the error has to stay below the target from
+        // there on.
+        assert_eq!(cost_at(&[(0.01, 1.0), (0.1, 2.0), (0.01, 4.0)], 0.01), Some(4.0));
+        assert_eq!(cost_at(&[(f64::INFINITY, 1.0), (0.1, 2.0), (0.01, 4.0)], 0.1), Some(2.0));
+    }
+
+    #[test]
+    fn crossings_are_found_where_the_cheaper_changes() {
+        // ε⁻² against 16 ε⁻¹: equal at ε = 1/16.
+        let found = crossing(&curve(0.5, 1.0), &curve(1.0, 16.0)).expect("common errors");
+        assert_eq!(found.at.len(), 1);
+        assert!((found.at[0] * 16.0).ln().abs() < 0.1, "{found:?}");
+        assert!(found.ratios[0].1 < 1.0 && found.ratios[found.ratios.len() - 1].1 > 1.0);
+        assert!(crossing(&curve(1.0, 1.0), &curve(1.0, 2.0)).expect("common errors").at.is_empty());
+        assert_eq!(crossing(&[(1.0, 1.0), (0.5, 2.0)], &[(0.1, 1.0), (0.05, 2.0)]), None);
+    }
+}
