@@ -6,45 +6,21 @@
 use noise::{AreaLadder, BlockNoise, DyadicLadder, StreamKey, WienerBlock, clip};
 use nonlin::BlockStatus;
 use real::{Block, PathMask, WIDTH};
-use schemes::{Scheme, Step};
+use schemes::Step;
 use systems::Damping;
 
 use crate::{Cause, NoiseSource, PathFailure, TimeChange, View};
 
-/// A scheme bound to a system.
-pub(crate) trait Advance<const D: usize, const M: usize>: Send + Sync {
-    fn advance(
-        &self,
-        step: &Step,
-        noise: &BlockNoise<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    );
-}
-
-pub(crate) struct BoundScheme<'a, S, const D: usize, const M: usize> {
-    pub(crate) system: &'a S,
-    pub(crate) scheme: &'a dyn Scheme<S, D, M>,
-}
-
-impl<S: Send + Sync, const D: usize, const M: usize> Advance<D, M> for BoundScheme<'_, S, D, M> {
-    fn advance(
-        &self,
-        step: &Step,
-        noise: &BlockNoise<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    ) {
-        self.scheme.step_block(self.system, step, noise, y, status);
-    }
-}
+/// [`Scheme::step_block`](schemes::Scheme::step_block) for a fixed scheme and system.
+type StepBlock<'a, const D: usize, const M: usize> =
+    dyn Fn(&Step, &BlockNoise<M>, &mut Block<D>, &mut BlockStatus) + Send + Sync + 'a;
 
 /// A scheme on a level.
 pub(crate) struct DriverRun<'a, const D: usize, const M: usize> {
     pub(crate) id: &'static str,
     pub(crate) level: usize,
     pub(crate) swapped: bool,
-    pub(crate) scheme: Box<dyn Advance<D, M> + 'a>,
+    pub(crate) step_block: Box<StepBlock<'a, D, M>>,
 }
 
 /// The truncation bounds of increments and areas.
@@ -330,7 +306,7 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
     fn step(&mut self, batch: &Batch, step: &Step, tally: &mut Tally) {
         for &number in &batch.runs {
             let (run, status) = (&self.driver.runs[number], &mut self.statuses[number]);
-            run.scheme.advance(step, &self.truncated, &mut self.states[number], status);
+            (run.step_block)(step, &self.truncated, &mut self.states[number], status);
             let failed = status.failed.and(self.live);
             if !failed.is_empty() {
                 // The number of the step follows from its time.

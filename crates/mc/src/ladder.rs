@@ -5,7 +5,7 @@ use real::{Block, PathMask};
 use schemes::{Scheme, StepError};
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::driver::{Batch, BoundScheme, Bounds, Driver, DriverRun, GROUP_PATHS, Tally};
+use crate::driver::{Batch, Bounds, Driver, DriverRun, GROUP_PATHS, Tally};
 use crate::noise_source::Drawn;
 use crate::parallel::in_parallel;
 use crate::tree::MergeTree;
@@ -165,7 +165,9 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
                 id: run.scheme.id(),
                 level: run.level,
                 swapped: run.swapped,
-                scheme: Box::new(BoundScheme { system: &problem.system, scheme: run.scheme }),
+                step_block: Box::new(move |step, noise, y, status| {
+                    run.scheme.step_block(&problem.system, step, noise, y, status);
+                }),
             });
         }
         // This order decides which failure is described first.
@@ -274,8 +276,8 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
 const USUAL_STACK: usize = 1 << 20;
 
 /// Bytes of stack for a step in D dimensions. Newton's method and continuation have a dozen
-/// matrices in an optimised program; up to 160 were measured in a program that is not optimised.
-/// Memory that is not touched is only reserved.
+/// matrices in an optimised build, and up to 160 (measured) in one that is not optimised. Memory
+/// that is not used is only reserved.
 fn stack_for(dimension: usize) -> usize {
     (1 << 19) + 256 * 8 * dimension * dimension
 }

@@ -13,6 +13,7 @@ pub trait NoiseSource<const M: usize>: Sync {
     fn block(&self, first_path: u64) -> NextNoise<'_, M>;
 }
 
+/// A function of `first_path` is a source.
 impl<const M: usize, F: Fn(u64) -> NextNoise<'static, M> + Sync> NoiseSource<M> for F {
     fn block(&self, first_path: u64) -> NextNoise<'_, M> {
         self(first_path)

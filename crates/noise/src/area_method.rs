@@ -39,9 +39,9 @@ pub enum AreaMethod {
     /// Adds the exact tail of the terms with w, (h/2π) a (w_iΨ_j − w_jΨ_i), with one normal Ψ_i per
     /// noise (Milstein 1988; Kloeden, Platen and Wright 1992). Error h/(√2 π) n^{−1/2}.
     Milstein,
-    /// Adds a normal tail with the covariance of the whole tail given w (Wiktorsson 2001): (h/2π){G
-    /// + [(Gw)wᵀ − w(Gw)ᵀ]/(1 + √(1+|w|²))}. G is skew with entries a g_ij, one normal g_ij per
-    /// pair. Error √(5m/12) h/(πn).
+    /// Adds a normal tail with the covariance of the whole tail given w (Wiktorsson 2001):
+    /// (h/2π){G + [(Gw)wᵀ − w(Gw)ᵀ]/(1 + √(1+|w|²))}. The matrix G is skew with entries a g_ij and
+    /// one normal g_ij per pair. Error √(5m/12) h/(πn).
     ///
     /// The law of (W, A) equals that of [`MrongowiusRoessler`](Self::MrongowiusRoessler) with the
     /// same n: both tails are normal given w, with covariance (h/2π)²a²(1 + L) for the linear map

@@ -8,7 +8,7 @@ use crate::NoiseError;
 /// 2025): ΔŴ = √τ χ(ΔW/√τ), where χ clips to [−A, A] with A = √(2k|log τ|).
 ///
 /// Implicit steps with bounded increments have a solution for every outcome of the noise. The bias
-/// of the variance is E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^{k+1}.
+/// of the variance is E\[ΔW²\] − E\[ΔŴ²\] ≤ (1 + A) τ^{k+1}.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Truncation {
     order: Option<u32>,

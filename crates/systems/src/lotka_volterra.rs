@@ -33,11 +33,6 @@ pub trait Exponents: Copy + Send + Sync {
     fn powers<R: Real>(&self, y1: R, y2: R) -> R;
     /// The average of ∇H, a field with these powers, over the segment from a to b.
     fn averaged<R: Real, F: GradientField<3>>(&self, field: &F, a: [R; 3], b: [R; 3]) -> [R; 3];
-    /// Checks that all components of y are positive.
-    ///
-    /// # Errors
-    /// [`SystemError::OutsideDomain`] if one is not.
-    fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError>;
 }
 
 /// Positive integer exponents p = P and q = Q with P + Q ≤ 9: H is a polynomial and the discrete
@@ -75,15 +70,6 @@ impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
             _ => averaged::<5, R, F, 3>(field, a, b),
         }
     }
-    fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
-        const {
-            assert!(
-                P >= 1 && Q >= 1 && P + Q <= MAX_DEGREE,
-                "exponents must be positive, with P + Q at most 9"
-            )
-        };
-        positive_octant(y)
-    }
 }
 
 /// Any real exponents. Powers are e^{p ln y}, and the discrete gradient is a quadrature with 12
@@ -113,30 +99,21 @@ impl Exponents for RealExponents {
     fn averaged<R: Real, F: GradientField<3>>(&self, field: &F, a: [R; 3], b: [R; 3]) -> [R; 3] {
         averaged::<REAL_EXPONENT_NODES, R, F, 3>(field, a, b)
     }
-    fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
-        positive_octant(y)
-    }
-}
-
-/// Populations are positive. On the coordinate planes the prefactor of B or its derivative has a
-/// pole.
-fn positive_octant(y: [f64; 3]) -> Result<(), SystemError> {
-    match y.iter().position(|&component| component.is_nan() || component <= 0.0) {
-        None => Ok(()),
-        Some(i) => Err(SystemError::OutsideDomain {
-            component: i + 1,
-            value: y[i],
-            domain: "y1 > 0, y2 > 0 and y3 > 0",
-        }),
-    }
 }
 
 impl<const P: i32, const Q: i32> LotkaVolterra<IntegerExponents<P, Q>> {
-    /// The system with ab = P and −b = Q, hence a = −P/Q, and the scale c of B.
+    /// The system with ab = P and −b = Q, hence a = −P/Q, and the scale c of B. It does not compile
+    /// unless P ≥ 1, Q ≥ 1 and P + Q ≤ 9.
     ///
     /// # Errors
     /// [`SystemError::NonFiniteParameter`] unless c is finite.
     pub fn integer(c: f64) -> Result<Self, SystemError> {
+        const {
+            assert!(
+                P >= 1 && Q >= 1 && P + Q <= MAX_DEGREE,
+                "exponents must be positive, with P + Q at most 9"
+            )
+        };
         let a = -f64::from(P) / f64::from(Q);
         Ok(Self { a, c: finite("the scale c", c)?, exponents: IntegerExponents })
     }
@@ -229,8 +206,17 @@ impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
         }
     }
 
+    /// Populations are positive. On the coordinate planes the prefactor of B or its derivative has
+    /// a pole.
     fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
-        self.exponents.check_domain(y)
+        match y.iter().position(|&component| component.is_nan() || component <= 0.0) {
+            None => Ok(()),
+            Some(i) => Err(SystemError::OutsideDomain {
+                component: i + 1,
+                value: y[i],
+                domain: "y1 > 0, y2 > 0 and y3 > 0",
+            }),
+        }
     }
 
     const IMPLICIT_STEP: ImplicitStep =
