@@ -72,8 +72,8 @@ pub(crate) struct Driver<'a, const D: usize, const M: usize> {
     pub(crate) levels: usize,
     pub(crate) key: StreamKey,
     pub(crate) noise: Box<dyn NoiseSource<M> + 'a>,
-    /// Whether areas of coarser steps are computed from those of the finest.
-    pub(crate) joins_areas: bool,
+    /// The first scheme that reads Lévy areas, if one does.
+    pub(crate) area_reader: Option<&'static str>,
     pub(crate) runs: Vec<DriverRun<'a, D, M>>,
     pub(crate) batches: Vec<Batch>,
     pub(crate) time_change: Option<&'a dyn TimeChange<M>>,
@@ -229,7 +229,7 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
             next_noise: driver.noise.block(first_path),
             drawn: BlockNoise::zero(),
             sums: DyadicLadder::new(driver.levels),
-            areas: driver.joins_areas.then(|| AreaLadder::new(driver.levels)),
+            areas: driver.area_reader.map(|_| AreaLadder::new(driver.levels)),
             truncated: BlockNoise::zero(),
             states: vec![Block::splat(driver.y0); runs],
             statuses: vec![BlockStatus::explicit(); runs],

@@ -129,8 +129,10 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
         // The finest step may underflow.
         let finest = problem.t_end / finest_steps as f64;
         if finest <= 0.0 {
-            return Err(LadderError::Step(StepError::Size { tau: finest }));
+            return Err(StepError::Size { tau: finest }.into());
         }
+        let area_reader = runs.iter().find(|run| run.scheme.reads_areas());
+        let area_reader = area_reader.map(|run| run.scheme.id());
         let mut driver = Driver {
             damping: &problem.damping,
             y0: problem.y0,
@@ -138,12 +140,8 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
             finest_steps,
             levels,
             key,
-            noise: Box::new(Drawn::new::<M>(
-                key,
-                finest,
-                runs.iter().any(|run| run.scheme.reads_areas()),
-            )?),
-            joins_areas: runs.iter().any(|run| run.scheme.reads_areas()),
+            noise: Box::new(Drawn::new::<M>(key, finest, area_reader.is_some())?),
+            area_reader,
             runs: Vec::with_capacity(runs.len()),
             batches: Vec::new(),
             time_change: None,
@@ -183,10 +181,15 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
     }
 
     /// Takes the noise of the finest steps from `source` instead of drawing it.
-    #[must_use]
-    pub fn with_noise(mut self, source: impl NoiseSource<M> + 'a) -> Self {
+    ///
+    /// # Errors
+    /// Those of [`NoiseSource::check`]: a recording must have the finest steps of the ladder, and
+    /// areas if a scheme reads them.
+    pub fn with_noise(mut self, source: impl NoiseSource<M> + 'a) -> Result<Self, LadderError> {
+        let Driver { t_end, finest_steps, area_reader, .. } = self.driver;
+        source.check(t_end, finest_steps, area_reader)?;
         self.driver.noise = Box::new(source);
-        self
+        Ok(self)
     }
 
     /// Describes the first `failures` failed paths in [`Measured::failures`]; eight by default.
@@ -239,6 +242,9 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
     }
 
     /// The same for `samples` paths from path number `first` on.
+    ///
+    /// # Panics
+    /// As [`run`](Self::run).
     pub fn run_from<T: Statistic<D>>(
         &self,
         first: u64,

@@ -8,7 +8,7 @@ use super::error::MultilevelError;
 use super::level::{Round, Samples, Values};
 use super::plan::{self, BIAS_SHARE, Bias};
 use super::report::{Expectation, Level, QUANTILE, Warning};
-use super::settings::{Coupling, ExpectationSettings, MAX_ROUNDS};
+use super::settings::{Coupling, Estimator, ExpectationSettings, MAX_ROUNDS};
 use crate::{LadderError, Observable};
 
 /// The highest level of the pilot: two differences show how they decay.
@@ -53,7 +53,14 @@ impl<'a> Sampler<'a> {
         Ok(Self { draw, t_end, names, accuracy, settings, cost: 0, reserve: 0 })
     }
 
-    pub fn multilevel(mut self) -> Result<Expectation, MultilevelError> {
+    pub fn expectation(self) -> Result<Expectation, MultilevelError> {
+        match self.settings.estimator {
+            Estimator::Multilevel => self.multilevel(),
+            Estimator::SinglePaths => self.single_paths(),
+        }
+    }
+
+    fn multilevel(mut self) -> Result<Expectation, MultilevelError> {
         let mut levels = vec![self.level(0, None)];
         levels.extend((1..=PILOT_LEVEL).map(|level| self.difference(level)));
         self.pilot(&mut levels)?;
@@ -93,7 +100,7 @@ impl<'a> Sampler<'a> {
         Ok(expectation)
     }
 
-    pub fn plain(mut self) -> Result<Expectation, MultilevelError> {
+    fn single_paths(mut self) -> Result<Expectation, MultilevelError> {
         // Without a reserve for the first single paths there would be no estimate at the limit.
         self.reserve = self.settings.pilot.saturating_mul(self.settings.steps(PILOT_LEVEL));
         let mut differences: Vec<_> =

@@ -10,7 +10,6 @@ use noise::{StreamKey, Truncation};
 use schemes::{Scheme, Step};
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::recording::TIME_AGREEMENT;
 use crate::trajectory::PathRecords;
 use crate::{Ladder, LadderError, PathFailure, Recording, Run};
 use series::InvariantColumn;
@@ -118,32 +117,25 @@ where
         key: StreamKey,
         paths: Range<u64>,
     ) -> Result<Vec<TimeSeries>, SimulationError> {
-        let run = Run::new(self.scheme, 0);
-        let ladder = Ladder::new(self.problem, steps, 0, self.truncation, key, vec![run])?;
         let StreamKey { seed, experiment } = key;
-        self.run(ladder, paths, &|path| NoiseOrigin::Drawn { seed, experiment, path })
+        let drawn = |path| NoiseOrigin::Drawn { seed, experiment, path };
+        self.run(self.ladder(steps, key)?, paths, &drawn)
+    }
+
+    fn ladder(&self, steps: u64, key: StreamKey) -> Result<Ladder<'a, D, M>, LadderError> {
+        let runs = vec![Run::new(self.scheme, 0)];
+        Ladder::new(self.problem, steps, 0, self.truncation, key, runs)
     }
 
     /// The table of the path with recorded increments. They are truncated like drawn increments,
     /// unless the simulation has [`Truncation::none`].
     ///
     /// # Errors
-    /// As for [`path`](Self::path). [`SimulationError::Duration`] if the recording does not end at
-    /// the final time. [`SimulationError::NoAreas`] if the scheme reads Lévy areas and the
-    /// recording has none.
+    /// As for [`path`](Self::path), and those of [`Ladder::with_noise`].
     pub fn recorded(&self, recording: &Recording<M>) -> Result<TimeSeries, SimulationError> {
-        let steps = recording.increments().len();
-        let (recorded, t_end) = (recording.tau() * steps as f64, self.problem.t_end);
-        let agree = (recorded - t_end).abs() <= TIME_AGREEMENT * t_end;
-        if !agree {
-            return Err(SimulationError::Duration { recorded, t_end });
-        }
-        if self.scheme.reads_areas() && recording.areas().is_none() {
-            return Err(SimulationError::NoAreas { scheme: self.scheme.id() });
-        }
-        let (key, run) = (StreamKey { seed: 0, experiment: 0 }, Run::new(self.scheme, 0));
-        let ladder = Ladder::new(self.problem, steps as u64, 0, self.truncation, key, vec![run])?
-            .with_noise(recording);
+        let steps = recording.increments().len() as u64;
+        let ladder = self.ladder(steps, StreamKey { seed: 0, experiment: 0 })?;
+        let ladder = ladder.with_noise(recording)?;
         let mut series = self.run(ladder, 0..1, &|_| NoiseOrigin::Recorded)?;
         Ok(series.swap_remove(0))
     }
