@@ -1,7 +1,7 @@
 //! Wiener increments of a block of paths and of one path. Both call the same functions, so they
 //! give the same bits.
 
-use real::{Block, Kernel, Real, WIDTH, dispatch, elementary};
+use real::{Block, Kernel, WIDTH, dispatch, elementary};
 
 use crate::StreamKey;
 use crate::stream::{BlockStreams, next_word};
@@ -140,11 +140,7 @@ impl<const M: usize> WienerPath<M> {
 
     /// The next M increments, each N(0, τ); `sqrt_tau` = √τ.
     pub fn increments(&mut self, sqrt_tau: f64) -> [f64; M] {
-        let mut dw = [f64::zero(); M];
-        for increment in &mut dw {
-            *increment = self.normal() * sqrt_tau;
-        }
-        dw
+        std::array::from_fn(|_| self.normal() * sqrt_tau)
     }
 
     /// The next standard normal of the path.

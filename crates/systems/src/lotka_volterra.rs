@@ -46,7 +46,7 @@ const MAX_DEGREE: i32 = 9;
 
 impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
     // ∇H has degree P + Q, and n nodes are exact up to degree 2n − 1.
-    const NODES: usize = if P + Q < 3 { 2 } else { nodes_for_degree((P + Q) as usize) };
+    const NODES: usize = nodes_for_degree((P + Q) as usize);
 
     fn p(&self) -> f64 {
         f64::from(P)

@@ -93,7 +93,7 @@ impl<'a> Sampler<'a> {
                 break Some(self.cost_limit());
             }
         };
-        let mut expectation = self.report(&levels, &levels, &levels[1..]);
+        let mut expectation = self.report(&levels, levels.len());
         let better = better_coarsest_steps(&levels, self.settings);
         expectation.warnings.extend(better.map(|steps| Warning::CoarsestSteps { steps }));
         expectation.warnings.extend(limit);
@@ -120,8 +120,8 @@ impl<'a> Sampler<'a> {
         if !complete {
             limit = Some(self.cost_limit());
         }
-        let levels = [single.as_slice(), &differences].concat();
-        let mut expectation = self.report(&levels, &single, &differences);
+        single.append(&mut differences);
+        let mut expectation = self.report(&single, 1);
         expectation.warnings.extend(limit);
         Ok(expectation)
     }
@@ -276,16 +276,13 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// The result, with the warnings that are not about limits.
-    fn report(
-        &self,
-        levels: &[Samples],
-        terms: &[Samples],
-        differences: &[Samples],
-    ) -> Expectation {
+    /// The sum over the first `terms` levels, with the warnings that are not about limits. All
+    /// levels but the first are differences.
+    fn report(&self, levels: &[Samples], terms: usize) -> Expectation {
         let order = self.settings.weak_order;
-        let estimates: Vec<_> = (0..self.names.len())
-            .map(|k| plan::estimate(self.names[k], terms, differences, k, order))
+        let names = self.names.iter().enumerate();
+        let estimates: Vec<_> = names
+            .map(|(k, name)| plan::estimate(name, &levels[..terms], &levels[1..], k, order))
             .collect();
         let level = |samples: &Samples| Level {
             level: samples.level,
@@ -296,13 +293,9 @@ impl<'a> Sampler<'a> {
             cost_per_path: samples.cost_per_path,
             values: level_values(levels, samples),
         };
-        Expectation {
-            accuracy: self.accuracy,
-            cost: self.cost,
-            levels: levels.iter().map(level).collect(),
-            warnings: warnings(levels, &estimates, self.settings),
-            estimates,
-        }
+        let levels: Vec<_> = levels.iter().map(level).collect();
+        let warnings = warnings(&levels, &estimates, order);
+        Expectation { accuracy: self.accuracy, cost: self.cost, levels, warnings, estimates }
     }
 }
 
