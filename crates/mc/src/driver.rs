@@ -298,7 +298,7 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
         }
         if let Some(areas) = &self.areas {
             let areas = if one_before { areas.first_half(level + 1) } else { areas.areas(level) };
-            self.truncated.areas = areas.clipped(batch.bounds.area).0;
+            self.truncated.areas = areas.clipped(batch.bounds.area);
         }
     }
 

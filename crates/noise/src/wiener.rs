@@ -86,9 +86,7 @@ pub(crate) fn fill_pair<const L: usize>(
 ) {
     for p in 0..L {
         let mut state = [words[0][p], words[1][p], words[2][p], words[3][p]];
-        let radius_word = next_word(&mut state);
-        let angle_word = next_word(&mut state);
-        let (one, other) = box_muller(radius_word, angle_word);
+        let (one, other) = box_muller(next_word(&mut state), next_word(&mut state));
         for i in 0..4 {
             words[i][p] = state[i];
         }
@@ -148,9 +146,7 @@ impl<const M: usize> WienerPath<M> {
         if let Some(spare) = self.spare.take() {
             return spare;
         }
-        let radius_word = next_word(&mut self.state);
-        let angle_word = next_word(&mut self.state);
-        let (first, second) = box_muller(radius_word, angle_word);
+        let (first, second) = box_muller(next_word(&mut self.state), next_word(&mut self.state));
         self.spare = Some(second);
         first
     }

@@ -109,11 +109,6 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
         [y[0] * k[0], y[1] * k[1], y[2] * k[2]]
     }
 
-    #[inline(always)]
-    fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; M]) -> [R; 3] {
-        self.gradient(dgrad::midpoint(a, b), dt, dw)
-    }
-
     /// With s = a + b and K = diag(k), the product (s/2) × K(s/2) has the first component
     /// ¼(k₃ − k₂)s₂s₃. It takes nine operations instead of eighteen.
     #[inline(always)]
@@ -160,6 +155,7 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
         }
     }
 
+    const QUADRATIC: bool = true;
     const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
 }
 
@@ -206,11 +202,6 @@ impl PoissonSystem<3, 1> for RigidBodyEnergy {
         self.body.gradient(y, dt + self.noise * dw[0], [])
     }
 
-    #[inline(always)]
-    fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-        self.gradient(dgrad::midpoint(a, b), dt, dw)
-    }
-
     fn invariants(&self) -> Vec<Invariant> {
         let energy = Invariant {
             name: "H",
@@ -231,5 +222,6 @@ impl PoissonSystem<3, 1> for RigidBodyEnergy {
         }
     }
 
+    const QUADRATIC: bool = true;
     const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
 }

@@ -1,7 +1,6 @@
 //! The algorithms: which samples are drawn on which level, and when to stop.
 
 use real::WIDTH;
-use systems::Problem;
 
 use super::diagnosis::{better_coarsest_steps, level_values, warnings};
 use super::error::MultilevelError;
@@ -9,7 +8,7 @@ use super::level::{Round, Samples, Values};
 use super::plan::{self, BIAS_SHARE, Bias};
 use super::report::{Expectation, Level, QUANTILE, Warning};
 use super::settings::{Coupling, Estimator, ExpectationSettings, MAX_ROUNDS};
-use crate::{LadderError, Observable};
+use crate::LadderError;
 
 /// The highest level of the pilot: two differences show how they decay.
 const PILOT_LEVEL: usize = 2;
@@ -37,19 +36,17 @@ pub struct Sampler<'a> {
 }
 
 impl<'a> Sampler<'a> {
-    pub fn new<S, G, const D: usize>(
+    pub fn new(
         draw: &'a Draw<'a>,
-        problem: &Problem<S, G, D>,
-        observables: &[Observable<D>],
+        t_end: f64,
+        names: Vec<&'static str>,
         accuracy: f64,
         settings: &'a ExpectationSettings,
     ) -> Result<Self, MultilevelError> {
         settings.check(accuracy)?;
-        if observables.is_empty() {
+        if names.is_empty() {
             return Err(MultilevelError::NoObservable);
         }
-        let names = observables.iter().map(|observable| observable.name).collect();
-        let t_end = problem.t_end;
         Ok(Self { draw, t_end, names, accuracy, settings, cost: 0, reserve: 0 })
     }
 

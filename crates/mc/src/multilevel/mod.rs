@@ -97,5 +97,6 @@ pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
     let draw = |level: &Samples, paths| {
         draw(scheme, problem, observables, settings, level, paths, progress)
     };
-    Sampler::new(&draw, problem, observables, accuracy, settings)?.expectation()
+    let names = observables.iter().map(|observable| observable.name).collect();
+    Sampler::new(&draw, problem.t_end, names, accuracy, settings)?.expectation()
 }
