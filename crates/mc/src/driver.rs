@@ -49,7 +49,7 @@ impl Batch {
         run: usize,
     ) {
         let same = |batch: &&mut Self| {
-            batch.level == level && batch.swapped == swapped && batch.bounds == bounds
+            (batch.level, batch.swapped, batch.bounds) == (level, swapped, bounds)
         };
         match batches.iter_mut().find(same) {
             Some(batch) => batch.runs.push(run),
@@ -161,19 +161,15 @@ impl<const D: usize, const M: usize> Driver<'_, D, M> {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Tally {
         let mut tally = self.tally();
-        let mut blocks: Vec<Marcher<'_, D, M>> = (0..paths.div_ceil(WIDTH as u64))
-            .map(|b| {
-                let offset = b * WIDTH as u64;
-                Marcher::new(self, first_path + offset, (paths - offset).min(WIDTH as u64) as usize)
-            })
+        let offsets = (0..paths).step_by(WIDTH);
+        let mut blocks: Vec<Marcher<'_, D, M>> = offsets
+            .map(|offset| Marcher::new(self, first_path + offset, (paths - offset) as usize))
             .collect();
-        let used: Vec<bool> = (0..=self.levels)
-            .map(|level| self.batches.iter().any(|batch| batch.level == level))
-            .collect();
-        let mut steps: Vec<StepPair> = (0..=self.levels)
-            .map(|level| self.step(level, 0))
-            .map(|step| StepPair { before: step, now: step })
-            .collect();
+        let levels = 0..=self.levels;
+        let is_used = |level| self.batches.iter().any(|batch| batch.level == level);
+        let used: Vec<bool> = levels.clone().map(is_used).collect();
+        let first = levels.map(|level| self.step(level, 0));
+        let mut steps: Vec<_> = first.map(|step| StepPair { before: step, now: step }).collect();
         let (mut reported, total) = (0, self.steps_per_path());
         for n in 1..=self.finest_steps {
             for level in (0..=self.levels).take_while(|level| n.is_multiple_of(1 << level)) {

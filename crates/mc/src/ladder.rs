@@ -147,26 +147,20 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
             time_change: None,
             described_failures: DESCRIBED_FAILURES,
         };
-        for run in runs {
-            if run.level + usize::from(run.swapped) > levels {
-                let Run { level, swapped, .. } = run;
+        for Run { scheme, level, swapped } in runs {
+            if level + usize::from(swapped) > levels {
                 return Err(LadderError::Level { level, swapped, levels });
             }
-            let bounds = if run.scheme.clips_increments() {
-                let tau = driver.tau(run.level);
-                Bounds { increment: truncation.bound(tau)?, area: truncation.area_bound(tau)? }
-            } else {
-                Bounds { increment: f64::INFINITY, area: f64::INFINITY }
-            };
-            Batch::add(&mut driver.batches, run.level, run.swapped, bounds, driver.runs.len());
-            driver.runs.push(DriverRun {
-                id: run.scheme.id(),
-                level: run.level,
-                swapped: run.swapped,
-                step_block: Box::new(move |step, noise, y, status| {
-                    run.scheme.step_block(&problem.system, step, noise, y, status);
-                }),
+            let tau = driver.tau(level);
+            let truncation =
+                if scheme.clips_increments() { truncation } else { Truncation::none() };
+            let bounds =
+                Bounds { increment: truncation.bound(tau)?, area: truncation.area_bound(tau)? };
+            Batch::add(&mut driver.batches, level, swapped, bounds, driver.runs.len());
+            let step_block = Box::new(move |step: &_, noise: &_, y: &mut _, status: &mut _| {
+                scheme.step_block(&problem.system, step, noise, y, status);
             });
+            driver.runs.push(DriverRun { id: scheme.id(), level, swapped, step_block });
         }
         // This order decides which failure is described first.
         driver.batches.sort_by_key(|batch| (batch.due_level(), batch.swapped));
