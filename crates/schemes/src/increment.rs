@@ -5,7 +5,7 @@ use std::ops::{Add, Mul, Sub};
 
 use noise::Noise;
 use real::Real;
-use systems::PoissonSystem;
+use systems::{PoissonSystem, ito_correction};
 
 use crate::Step;
 
@@ -124,7 +124,7 @@ impl<S: PoissonSystem<D, M>, R: Real, const D: usize, const M: usize> Increment
     }
     #[inline(always)]
     fn ito_correction(self, y: Vector<R, D>) -> Vector<R, D> {
-        Vector(self.system.ito_correction(y.0))
+        Vector(ito_correction(self.system, y.0))
     }
     #[inline(always)]
     fn commutators(self, y: Vector<R, D>) -> Vector<R, D> {

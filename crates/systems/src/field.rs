@@ -1,13 +1,12 @@
-//! The Hamiltonian increment of a system as a function, and whether its noise fields commute.
+//! Vector fields of a system: f = B∇h, its derivatives, the Itô correction and commutators.
 
 use dgrad::GradientField;
-use real::{Real, ScalarFunction, VectorFunction};
+use real::{Real, ScalarFunction, VectorFunction, directional};
 
 use crate::PoissonSystem;
 
 /// The Hamiltonian increment h(y) = H₀(y)dt + Σ Hₘ(y)dwₘ of a system. As a [`ScalarFunction`] it is
-/// h(y), as a [`GradientField`] ∇h(y), and as a [`VectorFunction`] the
-/// [`vector_field`](PoissonSystem::vector_field) B(y)∇h(y).
+/// h(y), as a [`GradientField`] ∇h(y), and as a [`VectorFunction`] the [`vector_field`] B(y)∇h(y).
 pub struct HamiltonianIncrement<'a, S: ?Sized, const M: usize> {
     /// The system.
     pub system: &'a S,
@@ -40,18 +39,94 @@ impl<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize> VectorFunc
 {
     #[inline(always)]
     fn value<R: Real>(&self, y: [R; D]) -> [R; D] {
-        self.system.vector_field(y, self.dt, self.dw)
+        vector_field(self.system, y, self.dt, self.dw)
     }
 }
 
-/// The unit vector eₘ, m < M: with dt = 0 and dw = eₘ,
-/// [`vector_field`](PoissonSystem::vector_field) is fₘ.
+/// The vector field B(y)∇h(y) = f₀(y)dt + Σ fₘ(y)dwₘ with fₘ = B∇Hₘ.
+#[inline(always)]
+pub fn vector_field<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, const M: usize>(
+    system: &S,
+    y: [R; D],
+    dt: f64,
+    dw: [f64; M],
+) -> [R; D] {
+    system.structure(y, system.gradient(y, dt, dw))
+}
+
+/// (B∇h)′(y)·v, the derivative of [`vector_field`] in the direction v, including that of B.
+#[inline(always)]
+pub fn vector_field_derivative<
+    S: PoissonSystem<D, M> + ?Sized,
+    R: Real,
+    const D: usize,
+    const M: usize,
+>(
+    system: &S,
+    y: [R; D],
+    dt: f64,
+    dw: [f64; M],
+    v: [R; D],
+) -> [R; D] {
+    directional(&HamiltonianIncrement { system, dt, dw }, y, v).1
+}
+
+/// The unit vector eₘ, m < M: with dt = 0 and dw = eₘ, [`vector_field`] is fₘ.
 #[inline(always)]
 #[must_use]
 pub fn unit_noise<const M: usize>(m: usize) -> [f64; M] {
     let mut dw = [0.0; M];
     dw[m] = 1.0;
     dw
+}
+
+/// ½Σₘ fₘ′(y)fₘ(y), the drift that converts the Stratonovich equation to the Itô equation. The
+/// derivative includes that of B. It takes one evaluation on dual numbers per noise.
+#[inline(always)]
+pub fn ito_correction<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, const M: usize>(
+    system: &S,
+    y: [R; D],
+) -> [R; D] {
+    let mut correction = [R::zero(); D];
+    for m in 0..M {
+        let direction = vector_field(system, y, 0.0, unit_noise(m));
+        let derivative = vector_field_derivative(system, y, 0.0, unit_noise(m), direction);
+        for i in 0..D {
+            correction[i] = correction[i] + derivative[i] * 0.5;
+        }
+    }
+    correction
+}
+
+/// Σ_{m<l} A_ml \[fₘ, f_l\](y) with [f, g] = g′f − f′g, for a skew matrix A. Computed as Σ_l
+/// f_l′g_l with g_l = Σₘ A_ml fₘ, which takes one directional derivative per noise.
+#[inline(always)]
+pub(crate) fn commutators<
+    S: PoissonSystem<D, M> + ?Sized,
+    R: Real,
+    const D: usize,
+    const M: usize,
+>(
+    system: &S,
+    y: [R; D],
+    areas: [[f64; M]; M],
+) -> [R; D] {
+    let mut sum = [R::zero(); D];
+    if M < 2 {
+        return sum;
+    }
+    for l in 0..M {
+        let mut weights = [0.0; M];
+        for m in 0..M {
+            weights[m] = areas[m][l];
+        }
+        let direction = vector_field(system, y, 0.0, weights);
+        let derivative = vector_field_derivative(system, y, 0.0, unit_noise(l), direction);
+        for i in 0..D {
+            sum[i] = sum[i] + derivative[i];
+        }
+    }
+    sum
 }
 
 /// Relative distances from y of the points that [`noises_commute`] tests.
@@ -82,9 +157,9 @@ fn commute_at<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
     system: &S,
     y: [f64; D],
 ) -> bool {
-    let field = |m: usize| system.vector_field(y, 0.0, unit_noise(m));
+    let field = |m: usize| vector_field(system, y, 0.0, unit_noise(m));
     let along = |of: usize, direction: usize| {
-        system.vector_field_derivative(y, 0.0, unit_noise(of), field(direction))
+        vector_field_derivative(system, y, 0.0, unit_noise(of), field(direction))
     };
     (0..M).all(|l| {
         (0..l).all(|m| {

@@ -32,7 +32,8 @@
 //!
 //! | item | purpose |
 //! |---|---|
-//! | [`PoissonSystem`] | B(y)v, h(y), and what follows: f = B∇h, f′v, ½Σ fₘ′fₘ |
+//! | [`PoissonSystem`] | B(y)v, h(y), and what follows from them |
+//! | [`vector_field`], [`vector_field_derivative`], [`ito_correction`] | f = B∇h, f′v, ½Σ fₘ′fₘ |
 //! | [`noises_commute`] | whether [fₘ, f_l] = 0, so that Lévy areas are not needed |
 //! | [`Damping`] | γ(t) and ∫γ |
 //! | [`Invariant`] | a Casimir or an energy with its conformal law |
@@ -60,7 +61,10 @@ mod system;
 
 pub use damping::{Constant, Cosine, Damping, DampingFunction, Harmonic, Linear, Sine};
 pub use error::SystemError;
-pub use field::{HamiltonianIncrement, noises_commute, unit_noise};
+pub use field::{
+    HamiltonianIncrement, ito_correction, noises_commute, unit_noise, vector_field,
+    vector_field_derivative,
+};
 pub use invariant::{Form, Invariant, InvariantKind};
 pub use lotka_volterra::{Exponents, IntegerExponents, LotkaVolterra, RealExponents};
 pub use maxwell_bloch::MaxwellBloch;

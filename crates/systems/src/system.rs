@@ -1,9 +1,10 @@
 //! The trait of Poisson systems.
 
 use dgrad::{averaged, midpoint};
-use real::{Real, directional, gradient};
+use real::{Real, gradient};
 
-use crate::{HamiltonianIncrement, Invariant, SystemError, unit_noise};
+use crate::field::{HamiltonianIncrement, commutators};
+use crate::{Invariant, SystemError};
 
 /// Nodes of the default discrete gradient. Its error is of order |b − a|¹⁶, below round-off for
 /// small steps.
@@ -56,62 +57,12 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
         self.structure(midpoint(a, b), self.averaged_gradient(a, b, dt, dw))
     }
 
-    /// The vector field B(y)∇h(y) = f₀(y)dt + Σ fₘ(y)dwₘ with fₘ = B∇Hₘ.
-    #[inline(always)]
-    fn vector_field<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
-        self.structure(y, self.gradient(y, dt, dw))
-    }
-
-    /// (B∇h)′(y)·v, the derivative of [`vector_field`](Self::vector_field) in the direction v,
-    /// including that of B.
-    #[inline(always)]
-    fn vector_field_derivative<R: Real>(
-        &self,
-        y: [R; D],
-        dt: f64,
-        dw: [f64; M],
-        v: [R; D],
-    ) -> [R; D] {
-        directional(&HamiltonianIncrement { system: self, dt, dw }, y, v).1
-    }
-
-    /// ½Σₘ fₘ′(y)fₘ(y), the drift that converts the Stratonovich equation to the Itô equation. The
-    /// derivative includes that of B. It takes one evaluation on dual numbers per noise.
-    #[inline(always)]
-    fn ito_correction<R: Real>(&self, y: [R; D]) -> [R; D] {
-        let mut correction = [R::zero(); D];
-        for m in 0..M {
-            let direction = self.vector_field(y, 0.0, unit_noise(m));
-            let derivative = self.vector_field_derivative(y, 0.0, unit_noise(m), direction);
-            for i in 0..D {
-                correction[i] = correction[i] + derivative[i] * 0.5;
-            }
-        }
-        correction
-    }
-
     /// Σ_{m<l} A_ml \[fₘ, f_l\](y) for a skew matrix A of Lévy areas, with fₘ = B∇Hₘ and [f, g] =
     /// g′f − f′g; by dual numbers unless overridden. This field is tangent to the level sets of
     /// every Casimir C, since [fₘ, f_l]C = fₘ(f_l C) − f_l(fₘ C) = 0.
     #[inline(always)]
     fn commutators<R: Real>(&self, y: [R; D], areas: [[f64; M]; M]) -> [R; D] {
-        // Σ_l f_l′g_l with g_l = Σₘ A_ml fₘ takes one directional derivative per noise.
-        let mut sum = [R::zero(); D];
-        if M < 2 {
-            return sum;
-        }
-        for l in 0..M {
-            let mut weights = [0.0; M];
-            for m in 0..M {
-                weights[m] = areas[m][l];
-            }
-            let direction = self.vector_field(y, 0.0, weights);
-            let derivative = self.vector_field_derivative(y, 0.0, unit_noise(l), direction);
-            for i in 0..D {
-                sum[i] = sum[i] + derivative[i];
-            }
-        }
-        sum
+        commutators(self, y, areas)
     }
 
     /// The functions that obey the conformal law: homogeneous Casimirs and, for H₁ = cH₀ as the

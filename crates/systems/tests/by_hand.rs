@@ -6,7 +6,7 @@ mod common;
 use common::{Check, INERTIA, NOISE_INERTIA, Numbers, Region, every_system};
 use systems::{
     IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
-    RigidBodyEnergy, unit_noise,
+    RigidBodyEnergy, ito_correction, unit_noise, vector_field,
 };
 
 /// The drift f₀ and the diffusions f₁ … f_M at y.
@@ -35,14 +35,14 @@ fn compare<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         let name = system.name();
         // Points are within [−2, 2] and coefficients within 6: no term of degree two exceeds 6·2·2.
         assert_close(
-            system.vector_field(y, 1.0, [0.0; M]),
+            vector_field(system, y, 1.0, [0.0; M]),
             drift,
             24.0,
             &format!("drift of {name}"),
         );
         for m in 0..M {
             assert_close(
-                system.vector_field(y, 0.0, unit_noise(m)),
+                vector_field(system, y, 0.0, unit_noise(m)),
                 diffusions[m],
                 24.0,
                 &format!("W{} of {name}", m + 1),
@@ -177,7 +177,7 @@ fn ito_correction_of_the_rigid_body() {
                 }
             }
         }
-        assert_close(body.ito_correction(y), exact, 8.0, "Itô correction");
+        assert_close(ito_correction(&body, y), exact, 8.0, "Itô correction");
     }
 }
 
@@ -187,20 +187,20 @@ fn ito_correction_of_the_other_systems() {
     for _ in 0..300 {
         // Pendulum with noise c: ½c²(−cos q·p, −sin q).
         let [p, q]: [f64; 2] = Region::Box.point(&mut numbers);
-        let ours = Pendulum::new(0.7).unwrap().ito_correction([p, q]);
+        let ours = ito_correction(&Pendulum::new(0.7).unwrap(), [p, q]);
         let exact = times(0.5 * 0.49, [-q.cos() * p, -q.sin()]);
         assert_close(ours, exact, 4.0, "pendulum");
 
         // Maxwell–Bloch: f₁ = (y₂, 0, 0) does not change along itself.
         let y: [f64; 3] = Region::Box.point(&mut numbers);
-        assert_eq!(MaxwellBloch.ito_correction(y), [0.0; 3]);
+        assert_eq!(ito_correction(&MaxwellBloch, y), [0.0; 3]);
 
         // Poisson3: ½c²(s₃f₃ − s₂f₂, s₁f₁ − s₃f₃, s₂f₂ − s₁f₁) with s = sin y.
         let [a, b, c] = y.map(f64::cos);
         let f = [b - c, c - a, a - b];
         let g = std::array::from_fn::<_, 3, _>(|i| y[i].sin() * f[i]);
         let exact = times(0.5 * 0.49, [g[2] - g[1], g[0] - g[2], g[1] - g[0]]);
-        let ours = Poisson3::new(0.7).unwrap().ito_correction(y);
+        let ours = ito_correction(&Poisson3::new(0.7).unwrap(), y);
         assert_close(ours, exact, 4.0, "poisson3");
     }
 }
@@ -226,7 +226,7 @@ impl Check for Differences {
             let mut expected = [0.0; D];
             let mut terms = 1.0;
             for m in 0..M {
-                let field = |y| system.vector_field(y, 0.0, unit_noise(m));
+                let field = |y| vector_field(system, y, 0.0, unit_noise(m));
                 let f: [f64; D] = field(y);
                 let forward = field(std::array::from_fn(|i| y[i] + H * f[i]));
                 let backward = field(std::array::from_fn(|i| y[i] - H * f[i]));
@@ -235,7 +235,7 @@ impl Check for Differences {
                     terms += f[i] * f[i];
                 }
             }
-            let ours = system.ito_correction(y);
+            let ours = ito_correction(system, y);
             for i in 0..D {
                 assert!(
                     (ours[i] - expected[i]).abs() < DIFFERENCE * terms,

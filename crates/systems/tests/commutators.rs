@@ -10,7 +10,7 @@ use common::{
 use real::Real;
 use systems::{
     Constant, InvariantKind, Pendulum, PoissonSystem, Problem, RigidBody, SpinChain,
-    noises_commute, unit_noise,
+    noises_commute, unit_noise, vector_field,
 };
 
 /// A random skew matrix.
@@ -47,7 +47,7 @@ fn by_differences<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     areas: [[f64; M]; M],
     h: f64,
 ) -> [f64; D] {
-    let field = |m: usize, y: [f64; D]| system.vector_field(y, 0.0, unit_noise(m));
+    let field = |m: usize, y: [f64; D]| vector_field(system, y, 0.0, unit_noise(m));
     let along = |l: usize, v: [f64; D]| {
         let at = |s: f64| field(l, std::array::from_fn(|i| y[i] + s * v[i]));
         let (ahead, behind) = (at(h), at(-h));

@@ -10,6 +10,7 @@ use common::{
 use real::{Dual, Real, ScalarFunction};
 use systems::{
     Form, Invariant, InvariantKind, LotkaVolterra, PoissonSystem, RealExponents, RigidBody,
+    vector_field,
 };
 
 const POINTS: usize = 500;
@@ -62,7 +63,7 @@ fn energy_defect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         let y = region.point(&mut numbers);
         let (dt, dw) = (numbers.next(), numbers.vector());
         let slope = invariant_gradient(system, index, y);
-        let defect = dot(slope, system.vector_field(y, dt, dw));
+        let defect = dot(slope, vector_field(system, y, dt, dw));
         let terms = size(slope, matrix(system, y), system.gradient(y, dt, dw));
         worst = f64::max(worst, defect.abs() / terms);
     }

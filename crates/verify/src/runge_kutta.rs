@@ -1,7 +1,7 @@
 //! The classical Runge–Kutta method along piecewise linear noise: a reference that uses nothing of
 //! the structure.
 
-use systems::{Damping, PoissonSystem};
+use systems::{Damping, PoissonSystem, vector_field};
 
 /// Solves dy/dt = B∇H₀ + Σ B∇Hₘ·(dwₘ/τ) − γ(t)y on [t, t + τ] in `substeps` steps: the Stratonovich
 /// equation with noise that is linear there.
@@ -19,7 +19,7 @@ pub fn runge_kutta<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
     let weights = dw.map(|w| w * fraction);
     // The change over one substep at the slope of (t, y).
     let change = |t: f64, y: [f64; D]| -> [f64; D] {
-        let field = system.vector_field(y, step, weights);
+        let field = vector_field(system, y, step, weights);
         let rate = damping.rate(t) * step;
         std::array::from_fn(|i| field[i] - rate * y[i])
     };

@@ -238,7 +238,7 @@ impl PoissonSystem<3, 3> for Spoiled {
         if self.0 != Fault::Prediction {
             return (a, f64::INFINITY);
         }
-        let field = self.vector_field(a, dt, dw);
+        let field = systems::vector_field(self, a, dt, dw);
         (std::array::from_fn(|i| a[i] + field[i]), 0.0)
     }
     fn commutators<R: Real>(&self, y: [R; 3], areas: [[f64; 3]; 3]) -> [R; 3] {
@@ -250,8 +250,9 @@ impl PoissonSystem<3, 3> for Spoiled {
         let mut sum = [R::zero(); 3];
         for l in 0..3 {
             let weights = [areas[0][l], areas[1][l], areas[2][l]];
-            let along = self.vector_field(y, 0.0, weights);
-            let slope = self.vector_field_derivative(y, 0.0, systems::unit_noise(l), along);
+            let along = systems::vector_field(self, y, 0.0, weights);
+            let slope =
+                systems::vector_field_derivative(self, y, 0.0, systems::unit_noise(l), along);
             for i in 0..3 {
                 sum[i] = sum[i] + slope[i];
             }

@@ -14,7 +14,9 @@ use noise::{Noise, WienerPath};
 use schemes::{Scheme, Sexp, Step};
 use stats::{CrossMoments, Moments, fit_independent};
 use systems::paper::{rigid_body_three_noises, valid};
-use systems::{Cosine, Damping, PoissonSystem, Problem, RigidBody, unit_noise};
+use systems::{
+    Cosine, Damping, Problem, RigidBody, unit_noise, vector_field, vector_field_derivative,
+};
 use verify::results::{Claim, Evidence};
 use verify::runge_kutta::runge_kutta;
 
@@ -86,7 +88,7 @@ fn problem() -> Problem<RigidBody<3>, Cosine, 3> {
 /// y + τ(f₀ − γy) + Σ fₘwₘ, the part of the expansion that both have.
 pub fn first_order(tau: f64, w: Vector) -> Vector {
     let Problem { system, damping, y0: y, .. } = problem();
-    let field = system.vector_field(y, tau, w);
+    let field = vector_field(&system, y, tau, w);
     let rate = damping.rate(0.0) * tau;
     std::array::from_fn(|i| y[i] + field[i] - rate * y[i])
 }
@@ -125,8 +127,8 @@ pub fn expansion(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     let mut sum = first_order(tau, w);
     for m in 0..3 {
         for l in 0..3 {
-            let inner = system.vector_field(start, 0.0, unit_noise(l));
-            let term = system.vector_field_derivative(start, 0.0, unit_noise(m), inner);
+            let inner = vector_field(&system, start, 0.0, unit_noise(l));
+            let term = vector_field_derivative(&system, start, 0.0, unit_noise(m), inner);
             for i in 0..3 {
                 sum[i] += term[i] * iterated[l][m];
             }
@@ -152,8 +154,8 @@ fn sexp_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     let Problem { system, y0: start, .. } = problem();
     let w = truncated(tau, pieces);
     // ½Σ fₘ′f_l ΔŴ_lΔŴₘ = ½f′f with f = Σ fₘΔŴₘ.
-    let field = system.vector_field(start, 0.0, w);
-    let second = system.vector_field_derivative(start, 0.0, w, field);
+    let field = vector_field(&system, start, 0.0, w);
+    let second = vector_field_derivative(&system, start, 0.0, w, field);
     let (end, first) = (sexp_end(tau, pieces), first_order(tau, w));
     std::array::from_fn(|i| end[i] - first[i] - 0.5 * second[i])
 }

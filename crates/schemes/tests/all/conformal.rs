@@ -15,7 +15,7 @@ use real::Real;
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step};
 use systems::{
     Constant, Damping, Invariant, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
-    RigidBodyEnergy,
+    RigidBodyEnergy, vector_field,
 };
 
 /// Largest defect in the units of [`conformal_defect`]. Newton solves to the rounding of the
@@ -233,7 +233,7 @@ fn explicit_euler_breaks_the_law() {
         y: [f64; D],
     ) -> [f64; D] {
         let before = y.map(|x| step.first_decay * x);
-        let field = system.vector_field(before, step.tau, dw);
+        let field = vector_field(system, before, step.tau, dw);
         std::array::from_fn(|i| step.second_decay * (before[i] + field[i]))
     }
     assert!(visible(&body(), 0, [0.5; 3], twin) > NEARLY_ALL);

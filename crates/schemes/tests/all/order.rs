@@ -4,7 +4,7 @@
 use crate::common::{Visit, body, every_system};
 use noise::Noise;
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, Step};
-use systems::{Damping, PoissonSystem, Sine};
+use systems::{Damping, PoissonSystem, Sine, ito_correction, vector_field};
 
 const T: f64 = 1.0;
 /// Errors behave like cτᵖ(1 + dτ): between τ = 2⁻⁷ and 2⁻⁸ the observed order is p + dτ/ln 4, off
@@ -36,8 +36,8 @@ fn reference<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     corrected: bool,
 ) -> [f64; D] {
     let slope = |t: f64, y: [f64; D]| -> [f64; D] {
-        let field = system.vector_field(y, 1.0, [0.0; M]);
-        let correction = system.ito_correction(y);
+        let field = vector_field(system, y, 1.0, [0.0; M]);
+        let correction = ito_correction(system, y);
         std::array::from_fn(|i| {
             field[i] - damping().rate(t) * y[i] + if corrected { correction[i] } else { 0.0 }
         })

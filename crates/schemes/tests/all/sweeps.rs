@@ -17,7 +17,7 @@ use noise::{
 use nonlin::{Outcome, Solver};
 use real::WIDTH;
 use schemes::{Midpoint, Scheme, Sexp, SexpLevy, Step};
-use systems::{Cosine, ImplicitStep, PoissonSystem};
+use systems::{Cosine, ImplicitStep, PoissonSystem, vector_field};
 
 /// Evaluations of ψ in the first sweep and in each later one, as `nonlin::Method::FixedPoint` says.
 const FIRST: u32 = 11;
@@ -46,7 +46,7 @@ fn map<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
 ) -> [f64; D] {
     let middle: [f64; D] = std::array::from_fn(|i| 0.5 * (y[i] + z[i]));
     let mut change = match rule {
-        Rule::Midpoint => system.vector_field(middle, step.tau, dw),
+        Rule::Midpoint => vector_field(system, middle, step.tau, dw),
         Rule::Sexp | Rule::Levy => system.averaged_field(y, z, step.tau, dw),
     };
     let commutators = if rule == Rule::Levy { system.commutators(middle, areas) } else { [0.0; D] };

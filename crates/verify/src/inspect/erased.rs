@@ -2,7 +2,7 @@
 //! every system.
 
 use real::{Dual, Real, ScalarFunction, gradient};
-use systems::{Invariant, PoissonSystem};
+use systems::{Invariant, PoissonSystem, vector_field_derivative};
 
 use super::algebra::{Matrix, axis, transposed};
 
@@ -171,7 +171,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Erased<'
     }
     fn field_derivative(&self, y: &[f64], weights: &[f64], v: &[f64]) -> Vec<f64> {
         let (dt, dw) = split(weights);
-        self.0.vector_field_derivative(array(y), dt, dw, array(v)).to_vec()
+        vector_field_derivative(self.0, array(y), dt, dw, array(v)).to_vec()
     }
     fn commutators(&self, y: &[f64], areas: &Matrix) -> Vec<f64> {
         let areas = std::array::from_fn(|m| array(&areas[m]));

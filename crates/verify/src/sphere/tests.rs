@@ -10,7 +10,7 @@ use real::elementary::{cos, sin};
 use schemes::Sexp;
 use stats::Moments;
 use systems::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid};
-use systems::{Constant, Cosine, PoissonSystem, unit_noise};
+use systems::{Constant, Cosine, ito_correction, unit_noise, vector_field};
 
 fn paper_problem() -> Problem<RigidBody<3>, Cosine, 3> {
     let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
@@ -96,7 +96,7 @@ fn generator_by_differences<const M: usize>(
         let at = |n: f64| f(std::array::from_fn(|i| y[i] + n * STEP * direction[i]));
         [-2.0, -1.0, 0.0, 1.0, 2.0].map(at)
     };
-    let (drift, correction) = (body.vector_field(y, 1.0, [0.0; M]), body.ito_correction(y));
+    let (drift, correction) = (vector_field(body, y, 1.0, [0.0; M]), ito_correction(body, y));
     let values = along(std::array::from_fn(|i| drift[i] + correction[i]));
     let mut result: Vec<f64> = (0..values[0].len())
         .map(|i| {
@@ -104,7 +104,7 @@ fn generator_by_differences<const M: usize>(
         })
         .collect();
     for m in 0..M {
-        let values = along(body.vector_field(y, 0.0, unit_noise(m)));
+        let values = along(vector_field(body, y, 0.0, unit_noise(m)));
         for i in 0..result.len() {
             let far = values[4][i] + values[0][i];
             let near = values[3][i] + values[1][i];
