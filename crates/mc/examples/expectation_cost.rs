@@ -14,7 +14,7 @@
 use std::time::Instant;
 
 use mc::Observable;
-use mc::multilevel::{Coupling, Expectation, ExpectationSettings, expectation, expectation_plain};
+use mc::multilevel::{Coupling, Estimator, Expectation, ExpectationSettings, expectation};
 use noise::{StreamKey, Truncation};
 use rustix::time::{ClockId, clock_gettime};
 use schemes::Sexp;
@@ -72,8 +72,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             }
             _ => {
                 let start = Clocks::now();
-                let result =
-                    expectation_plain(&sexp, &problem, &cos_y3, accuracy, &settings, &|_| ())?;
+                let settings =
+                    ExpectationSettings { estimator: Estimator::SinglePaths, ..settings };
+                let result = expectation(&sexp, &problem, &cos_y3, accuracy, &settings, &|_| ())?;
                 let cost = result.cost as f64;
                 last = Some((cost * accuracy.powi(3), start.wall.elapsed().as_secs_f64() / cost));
                 print("single paths", accuracy, &result, start);

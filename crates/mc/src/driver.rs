@@ -6,45 +6,21 @@
 use noise::{AreaLadder, BlockNoise, DyadicLadder, StreamKey, WienerBlock, clip};
 use nonlin::BlockStatus;
 use real::{Block, PathMask, WIDTH};
-use schemes::{Scheme, Step};
+use schemes::Step;
 use systems::Damping;
 
 use crate::{Cause, NoiseSource, PathFailure, TimeChange, View};
 
-/// A scheme bound to a system.
-pub(crate) trait Advance<const D: usize, const M: usize>: Send + Sync {
-    fn advance(
-        &self,
-        step: &Step,
-        noise: &BlockNoise<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    );
-}
-
-pub(crate) struct BoundScheme<'a, S, const D: usize, const M: usize> {
-    pub(crate) system: &'a S,
-    pub(crate) scheme: &'a dyn Scheme<S, D, M>,
-}
-
-impl<S: Send + Sync, const D: usize, const M: usize> Advance<D, M> for BoundScheme<'_, S, D, M> {
-    fn advance(
-        &self,
-        step: &Step,
-        noise: &BlockNoise<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    ) {
-        self.scheme.step_block(self.system, step, noise, y, status);
-    }
-}
+/// [`Scheme::step_block`](schemes::Scheme::step_block) for a fixed scheme and system.
+type StepBlock<'a, const D: usize, const M: usize> =
+    dyn Fn(&Step, &BlockNoise<M>, &mut Block<D>, &mut BlockStatus) + Send + Sync + 'a;
 
 /// A scheme on a level.
 pub(crate) struct DriverRun<'a, const D: usize, const M: usize> {
     pub(crate) id: &'static str,
     pub(crate) level: usize,
     pub(crate) swapped: bool,
-    pub(crate) scheme: Box<dyn Advance<D, M> + 'a>,
+    pub(crate) step_block: Box<StepBlock<'a, D, M>>,
 }
 
 /// The truncation bounds of increments and areas.
@@ -73,7 +49,7 @@ impl Batch {
         run: usize,
     ) {
         let same = |batch: &&mut Self| {
-            batch.level == level && batch.swapped == swapped && batch.bounds == bounds
+            (batch.level, batch.swapped, batch.bounds) == (level, swapped, bounds)
         };
         match batches.iter_mut().find(same) {
             Some(batch) => batch.runs.push(run),
@@ -96,8 +72,8 @@ pub(crate) struct Driver<'a, const D: usize, const M: usize> {
     pub(crate) levels: usize,
     pub(crate) key: StreamKey,
     pub(crate) noise: Box<dyn NoiseSource<M> + 'a>,
-    /// Whether areas of coarser steps are computed from those of the finest.
-    pub(crate) joins_areas: bool,
+    /// The first scheme that reads Lévy areas, if one does.
+    pub(crate) area_reader: Option<&'static str>,
     pub(crate) runs: Vec<DriverRun<'a, D, M>>,
     pub(crate) batches: Vec<Batch>,
     pub(crate) time_change: Option<&'a dyn TimeChange<M>>,
@@ -185,19 +161,15 @@ impl<const D: usize, const M: usize> Driver<'_, D, M> {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Tally {
         let mut tally = self.tally();
-        let mut blocks: Vec<Marcher<'_, D, M>> = (0..paths.div_ceil(WIDTH as u64))
-            .map(|b| {
-                let offset = b * WIDTH as u64;
-                Marcher::new(self, first_path + offset, (paths - offset).min(WIDTH as u64) as usize)
-            })
+        let offsets = (0..paths).step_by(WIDTH);
+        let mut blocks: Vec<Marcher<'_, D, M>> = offsets
+            .map(|offset| Marcher::new(self, first_path + offset, (paths - offset) as usize))
             .collect();
-        let used: Vec<bool> = (0..=self.levels)
-            .map(|level| self.batches.iter().any(|batch| batch.level == level))
-            .collect();
-        let mut steps: Vec<StepPair> = (0..=self.levels)
-            .map(|level| self.step(level, 0))
-            .map(|step| StepPair { before: step, now: step })
-            .collect();
+        let levels = 0..=self.levels;
+        let is_used = |level| self.batches.iter().any(|batch| batch.level == level);
+        let used: Vec<bool> = levels.clone().map(is_used).collect();
+        let first = levels.map(|level| self.step(level, 0));
+        let mut steps: Vec<_> = first.map(|step| StepPair { before: step, now: step }).collect();
         let (mut reported, total) = (0, self.steps_per_path());
         for n in 1..=self.finest_steps {
             for level in (0..=self.levels).take_while(|level| n.is_multiple_of(1 << level)) {
@@ -253,7 +225,7 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
             next_noise: driver.noise.block(first_path),
             drawn: BlockNoise::zero(),
             sums: DyadicLadder::new(driver.levels),
-            areas: driver.joins_areas.then(|| AreaLadder::new(driver.levels)),
+            areas: driver.area_reader.map(|_| AreaLadder::new(driver.levels)),
             truncated: BlockNoise::zero(),
             states: vec![Block::splat(driver.y0); runs],
             statuses: vec![BlockStatus::explicit(); runs],
@@ -322,7 +294,7 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
         }
         if let Some(areas) = &self.areas {
             let areas = if one_before { areas.first_half(level + 1) } else { areas.areas(level) };
-            self.truncated.areas = areas.clipped(batch.bounds.area).0;
+            self.truncated.areas = areas.clipped(batch.bounds.area);
         }
     }
 
@@ -330,7 +302,7 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
     fn step(&mut self, batch: &Batch, step: &Step, tally: &mut Tally) {
         for &number in &batch.runs {
             let (run, status) = (&self.driver.runs[number], &mut self.statuses[number]);
-            run.scheme.advance(step, &self.truncated, &mut self.states[number], status);
+            (run.step_block)(step, &self.truncated, &mut self.states[number], status);
             let failed = status.failed.and(self.live);
             if !failed.is_empty() {
                 // The number of the step follows from its time.

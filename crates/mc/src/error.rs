@@ -32,6 +32,34 @@ pub enum LadderError {
     /// Noise cannot be truncated, or areas cannot be drawn, at one of the step sizes.
     #[error(transparent)]
     Noise(#[from] NoiseError),
+    /// A recording has more or fewer steps than the ladder has finest steps.
+    #[error("the recording must have as many steps as the finest level, {steps}, got {recorded}")]
+    RecordedSteps {
+        /// The steps of the recording.
+        recorded: u64,
+        /// The finest steps of the ladder.
+        steps: u64,
+    },
+    /// A recording does not end at the final time.
+    #[error(
+        "the recorded increments must end at the final time T = {t_end} of the problem, got \
+         {recorded}"
+    )]
+    Duration {
+        /// The end of the recording.
+        recorded: f64,
+        /// The final time of the problem.
+        t_end: f64,
+    },
+    /// A scheme reads Lévy areas and the recording has none.
+    #[error(
+        "{scheme} reads Levy areas: the recording must have the columns A12, A13, ..., got \
+         increments only"
+    )]
+    NoAreas {
+        /// The scheme.
+        scheme: &'static str,
+    },
     /// A step size is not positive and finite.
     #[error(transparent)]
     Step(#[from] StepError),

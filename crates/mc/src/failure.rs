@@ -1,7 +1,5 @@
 //! Failed paths.
 
-use std::fmt;
-
 use noise::StreamKey;
 
 /// The reason why a path failed.
@@ -27,7 +25,14 @@ impl Cause {
 }
 
 /// A failed path, with everything needed to replay it. Statistics exclude it from this time on.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "path {path} (seed {}, experiment {}): {scheme}{} at tau = {tau}, step {step}, t = {}: {cause}",
+    key.seed,
+    key.experiment,
+    if *swapped { ", increments exchanged," } else { "" },
+    *step as f64 * tau
+)]
 pub struct PathFailure {
     /// Number of the path.
     pub path: u64,
@@ -43,19 +48,4 @@ pub struct PathFailure {
     pub step: u64,
     /// The reason.
     pub cause: Cause,
-}
-
-impl fmt::Display for PathFailure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { path, key, scheme, swapped, tau, step, cause } = self;
-        let swapped = if *swapped { ", increments exchanged," } else { "" };
-        write!(
-            f,
-            "path {path} (seed {}, experiment {}): {scheme}{swapped} at tau = {tau}, step {step}, \
-             t = {}: {cause}",
-            key.seed,
-            key.experiment,
-            *step as f64 * tau
-        )
-    }
 }

@@ -5,7 +5,7 @@ use real::{Block, PathMask};
 use schemes::{Scheme, StepError};
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::driver::{Batch, BoundScheme, Bounds, Driver, DriverRun, GROUP_PATHS, Tally};
+use crate::driver::{Batch, Bounds, Driver, DriverRun, GROUP_PATHS, Tally};
 use crate::noise_source::Drawn;
 use crate::parallel::in_parallel;
 use crate::tree::MergeTree;
@@ -129,8 +129,10 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
         // The finest step may underflow.
         let finest = problem.t_end / finest_steps as f64;
         if finest <= 0.0 {
-            return Err(LadderError::Step(StepError::Size { tau: finest }));
+            return Err(StepError::Size { tau: finest }.into());
         }
+        let area_reader = runs.iter().find(|run| run.scheme.reads_areas());
+        let area_reader = area_reader.map(|run| run.scheme.id());
         let mut driver = Driver {
             damping: &problem.damping,
             y0: problem.y0,
@@ -138,35 +140,27 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
             finest_steps,
             levels,
             key,
-            noise: Box::new(Drawn::new::<M>(
-                key,
-                finest,
-                runs.iter().any(|run| run.scheme.reads_areas()),
-            )?),
-            joins_areas: runs.iter().any(|run| run.scheme.reads_areas()),
+            noise: Box::new(Drawn::new::<M>(key, finest, area_reader.is_some())?),
+            area_reader,
             runs: Vec::with_capacity(runs.len()),
             batches: Vec::new(),
             time_change: None,
             described_failures: DESCRIBED_FAILURES,
         };
-        for run in runs {
-            if run.level + usize::from(run.swapped) > levels {
-                let Run { level, swapped, .. } = run;
+        for Run { scheme, level, swapped } in runs {
+            if level + usize::from(swapped) > levels {
                 return Err(LadderError::Level { level, swapped, levels });
             }
-            let bounds = if run.scheme.clips_increments() {
-                let tau = driver.tau(run.level);
-                Bounds { increment: truncation.bound(tau)?, area: truncation.area_bound(tau)? }
-            } else {
-                Bounds { increment: f64::INFINITY, area: f64::INFINITY }
-            };
-            Batch::add(&mut driver.batches, run.level, run.swapped, bounds, driver.runs.len());
-            driver.runs.push(DriverRun {
-                id: run.scheme.id(),
-                level: run.level,
-                swapped: run.swapped,
-                scheme: Box::new(BoundScheme { system: &problem.system, scheme: run.scheme }),
+            let tau = driver.tau(level);
+            let truncation =
+                if scheme.clips_increments() { truncation } else { Truncation::none() };
+            let bounds =
+                Bounds { increment: truncation.bound(tau)?, area: truncation.area_bound(tau)? };
+            Batch::add(&mut driver.batches, level, swapped, bounds, driver.runs.len());
+            let step_block = Box::new(move |step: &_, noise: &_, y: &mut _, status: &mut _| {
+                scheme.step_block(&problem.system, step, noise, y, status);
             });
+            driver.runs.push(DriverRun { id: scheme.id(), level, swapped, step_block });
         }
         // This order decides which failure is described first.
         driver.batches.sort_by_key(|batch| (batch.due_level(), batch.swapped));
@@ -181,10 +175,15 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
     }
 
     /// Takes the noise of the finest steps from `source` instead of drawing it.
-    #[must_use]
-    pub fn with_noise(mut self, source: impl NoiseSource<M> + 'a) -> Self {
+    ///
+    /// # Errors
+    /// Those of [`NoiseSource::check`]: a recording must have the finest steps of the ladder, and
+    /// areas if a scheme reads them.
+    pub fn with_noise(mut self, source: impl NoiseSource<M> + 'a) -> Result<Self, LadderError> {
+        let Driver { t_end, finest_steps, area_reader, .. } = self.driver;
+        source.check(t_end, finest_steps, area_reader)?;
         self.driver.noise = Box::new(source);
-        self
+        Ok(self)
     }
 
     /// Describes the first `failures` failed paths in [`Measured::failures`]; eight by default.
@@ -237,6 +236,9 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
     }
 
     /// The same for `samples` paths from path number `first` on.
+    ///
+    /// # Panics
+    /// As [`run`](Self::run).
     pub fn run_from<T: Statistic<D>>(
         &self,
         first: u64,
@@ -274,8 +276,8 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
 const USUAL_STACK: usize = 1 << 20;
 
 /// Bytes of stack for a step in D dimensions. Newton's method and continuation have a dozen
-/// matrices in an optimised program; up to 160 were measured in a program that is not optimised.
-/// Memory that is not touched is only reserved.
+/// matrices in an optimised build, and up to 160 (measured) in one that is not optimised. Memory
+/// that is not used is only reserved.
 fn stack_for(dimension: usize) -> usize {
     (1 << 19) + 256 * 8 * dimension * dimension
 }

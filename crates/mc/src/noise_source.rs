@@ -11,8 +11,24 @@ pub type NextNoise<'a, const M: usize> = Box<dyn FnMut(&mut BlockNoise<M>) + Sen
 pub trait NoiseSource<const M: usize>: Sync {
     /// The untruncated noise of the 32 paths from `first_path` on, one finest step per call.
     fn block(&self, first_path: u64) -> NextNoise<'_, M>;
+
+    /// Checks that the source has the noise of `steps` equal steps on [0, `t_end`], with areas if
+    /// the scheme `area_reader` reads them. By default it has.
+    ///
+    /// # Errors
+    /// [`LadderError::RecordedSteps`], [`LadderError::Duration`] or [`LadderError::NoAreas`].
+    fn check(
+        &self,
+        t_end: f64,
+        steps: u64,
+        area_reader: Option<&'static str>,
+    ) -> Result<(), LadderError> {
+        let _ = (t_end, steps, area_reader);
+        Ok(())
+    }
 }
 
+/// A function of `first_path` is a source.
 impl<const M: usize, F: Fn(u64) -> NextNoise<'static, M> + Sync> NoiseSource<M> for F {
     fn block(&self, first_path: u64) -> NextNoise<'_, M> {
         self(first_path)

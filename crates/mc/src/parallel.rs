@@ -1,5 +1,6 @@
 //! Parallel work on numbered items.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
@@ -10,18 +11,12 @@ use rayon::prelude::*;
 /// Rayon's code does not depend on the type of the results. So it is compiled once, and not for
 /// every statistic in every crate that runs a ladder.
 pub(crate) fn in_parallel<R: Send>(items: Range<u64>, work: &(dyn Fn(u64) -> R + Sync)) -> Vec<R> {
-    let slots: Vec<Mutex<Option<R>>> = items.clone().map(|_| Mutex::new(None)).collect();
-    let first = items.start;
+    let results = Mutex::new(BTreeMap::new());
     for_each(items, &|item| {
         let result = work(item);
-        *slots[(item - first) as usize].lock().unwrap_or_else(PoisonError::into_inner) =
-            Some(result);
+        results.lock().unwrap_or_else(PoisonError::into_inner).insert(item, result);
     });
-    slots
-        .into_iter()
-        .map(|slot| slot.into_inner().unwrap_or_else(PoisonError::into_inner))
-        .map(|result| result.unwrap_or_else(|| unreachable!("every item has been worked on")))
-        .collect()
+    results.into_inner().unwrap_or_else(PoisonError::into_inner).into_values().collect()
 }
 
 fn for_each(items: Range<u64>, work: &(dyn Fn(u64) + Sync)) {

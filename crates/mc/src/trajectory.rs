@@ -25,6 +25,9 @@ pub struct Trajectory<const D: usize> {
 /// # Errors
 /// [`LadderError::Steps`] for zero steps. [`LadderError::Noise`] if the truncation is undefined at
 /// T/steps, or if the scheme reads Lévy areas and they need too many terms.
+///
+/// # Panics
+/// As [`Ladder::run`].
 pub fn trajectory<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
     scheme: &dyn Scheme<S, D, M>,

@@ -183,18 +183,19 @@ impl<const M: usize, const L: usize> Kernel for Draw<'_, M, L> {
                     z.0[i][p] -= shift.0[i][p];
                 }
             }
-            add_wedges(areas, &x, &z);
+            add_wedges(areas, &x.0, &z.0);
         }
         let tail = draw_tail::<M, L>(words, method.tail_normals(M), tail_amplitude);
         match method {
             AreaMethod::Fourier => {}
-            AreaMethod::Milstein => add_noise_tail(areas, &w, &tail),
+            AreaMethod::Milstein => add_wedges(areas, &w.0, &tail.0[0]),
             AreaMethod::Wiktorsson => {
                 add_pairs(areas, &tail, 0);
                 add_given_w(areas, &w, &tail);
             }
             AreaMethod::MrongowiusRoessler => {
-                add_noise_tail(areas, &w, &tail);
+                // The first M places of the tail are aΨ.
+                add_wedges(areas, &w.0, &tail.0[0]);
                 add_pairs(areas, &tail, M);
             }
         }
@@ -213,13 +214,13 @@ impl<const M: usize, const L: usize> Kernel for Draw<'_, M, L> {
 #[inline(always)]
 fn add_wedges<const M: usize, const L: usize>(
     areas: &mut [[[f64; L]; M]; M],
-    x: &Rows<M, L>,
-    z: &Rows<M, L>,
+    x: &[[f64; L]; M],
+    z: &[[f64; L]; M],
 ) {
     for i in 0..M {
         for j in i + 1..M {
             for p in 0..L {
-                areas[i][j][p] += x.0[i][p] * z.0[j][p] - x.0[j][p] * z.0[i][p];
+                areas[i][j][p] += x[i][p] * z[j][p] - x[j][p] * z[i][p];
             }
         }
     }
@@ -244,22 +245,6 @@ fn draw_tail<const M: usize, const L: usize>(
         places = rest;
     }
     tail
-}
-
-/// A_ij += a(w_iΨ_j − w_jΨ_i); aΨ is in the first M places of the tail.
-#[inline(always)]
-fn add_noise_tail<const M: usize, const L: usize>(
-    areas: &mut [[[f64; L]; M]; M],
-    w: &Rows<M, L>,
-    tail: &Tail<M, L>,
-) {
-    for i in 0..M {
-        for j in i + 1..M {
-            for p in 0..L {
-                areas[i][j][p] += w.0[i][p] * tail.0[0][j][p] - w.0[j][p] * tail.0[0][i][p];
-            }
-        }
-    }
 }
 
 /// A_ij += a g_ij; the a g_ij begin at place `first` of the tail.
@@ -310,7 +295,7 @@ fn add_given_w<const M: usize, const L: usize>(
             gw.0[i][p] /= 1.0 + (1.0 + norm.0[0][p]).sqrt();
         }
     }
-    add_wedges(areas, &gw, w);
+    add_wedges(areas, &gw.0, &w.0);
 }
 
 #[cfg(test)]

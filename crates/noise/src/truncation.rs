@@ -8,7 +8,7 @@ use crate::NoiseError;
 /// 2025): ΔŴ = √τ χ(ΔW/√τ), where χ clips to [−A, A] with A = √(2k|log τ|).
 ///
 /// Implicit steps with bounded increments have a solution for every outcome of the noise. The bias
-/// of the variance is E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^{k+1}.
+/// of the variance is E\[ΔW²\] − E\[ΔŴ²\] ≤ (1 + A) τ^{k+1}.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Truncation {
     order: Option<u32>,
@@ -52,6 +52,13 @@ pub fn clip<const M: usize>(dw: &Block<M>, bound: f64, clipped: &mut Block<M>) -
     dispatch(Clip { dw, bound, clipped })
 }
 
+/// x clipped to ±`bound`; `bound` for a NaN.
+#[inline(always)]
+pub(crate) fn clip_to(x: f64, bound: f64) -> f64 {
+    let below = if x < bound { x } else { bound };
+    if below > -bound { below } else { -bound }
+}
+
 struct Clip<'a, const M: usize> {
     dw: &'a Block<M>,
     bound: f64,
@@ -67,8 +74,7 @@ impl<const M: usize> Kernel for Clip<'_, M> {
         for m in 0..M {
             for p in 0..WIDTH {
                 let w = self.dw.0[m][p];
-                let below = if w < self.bound { w } else { self.bound };
-                let inside = if below > -self.bound { below } else { -self.bound };
+                let inside = clip_to(w, self.bound);
                 self.clipped.0[m][p] = inside;
                 count = count.wrapping_add(if inside != w { 1 } else { 0 });
             }

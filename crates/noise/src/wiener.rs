@@ -1,7 +1,7 @@
 //! Wiener increments of a block of paths and of one path. Both call the same functions, so they
 //! give the same bits.
 
-use real::{Block, Kernel, Real, WIDTH, dispatch, elementary};
+use real::{Block, Kernel, WIDTH, dispatch, elementary};
 
 use crate::StreamKey;
 use crate::stream::{BlockStreams, next_word};
@@ -86,9 +86,7 @@ pub(crate) fn fill_pair<const L: usize>(
 ) {
     for p in 0..L {
         let mut state = [words[0][p], words[1][p], words[2][p], words[3][p]];
-        let radius_word = next_word(&mut state);
-        let angle_word = next_word(&mut state);
-        let (one, other) = box_muller(radius_word, angle_word);
+        let (one, other) = box_muller(next_word(&mut state), next_word(&mut state));
         for i in 0..4 {
             words[i][p] = state[i];
         }
@@ -140,11 +138,7 @@ impl<const M: usize> WienerPath<M> {
 
     /// The next M increments, each N(0, τ); `sqrt_tau` = √τ.
     pub fn increments(&mut self, sqrt_tau: f64) -> [f64; M] {
-        let mut dw = [f64::zero(); M];
-        for increment in &mut dw {
-            *increment = self.normal() * sqrt_tau;
-        }
-        dw
+        std::array::from_fn(|_| self.normal() * sqrt_tau)
     }
 
     /// The next standard normal of the path.
@@ -152,9 +146,7 @@ impl<const M: usize> WienerPath<M> {
         if let Some(spare) = self.spare.take() {
             return spare;
         }
-        let radius_word = next_word(&mut self.state);
-        let angle_word = next_word(&mut self.state);
-        let (first, second) = box_muller(radius_word, angle_word);
+        let (first, second) = box_muller(next_word(&mut self.state), next_word(&mut self.state));
         self.spare = Some(second);
         first
     }

@@ -115,18 +115,13 @@ pub(crate) fn solve_pivoted<const D: usize>(mut a: [[f64; D]; D], mut b: [f64; D
             b[i] -= factor * b[k];
         }
     }
-    back_substitute(&a, b)
-}
-
-fn back_substitute<const D: usize>(a: &[[f64; D]; D], b: [f64; D]) -> [f64; D] {
-    let mut x = b;
     for k in (0..D).rev() {
         for j in k + 1..D {
-            x[k] -= a[k][j] * x[j];
+            b[k] -= a[k][j] * b[j];
         }
-        x[k] /= a[k][k];
+        b[k] /= a[k][k];
     }
-    x
+    b
 }
 
 #[cfg(test)]

@@ -234,6 +234,22 @@ pub fn sin_cos_turn(u: f64) -> (f64, f64) {
     turn(t.to_bits(), s, c)
 }
 
+/// The argument of an exponential function, moved into the range where the result is neither zero
+/// nor infinite or to just outside of it; the integer `k` next to `x / ln 2`; and two powers of two
+/// whose product is `2^k`.
+#[inline(always)]
+fn powers_of_two(x: f64) -> (f64, f64, f64, f64) {
+    // The low bits of t are k + 2 * 1023, the sum of two biased exponents.
+    const BIASED: f64 = ROUND + 2046.0;
+    // Comparisons with NaN are false, so NaN stays NaN.
+    let x = if x > 710.0 { 710.0 } else { x };
+    let x = if x < -746.0 { -746.0 } else { x };
+    let t = x * LOG2_E + BIASED;
+    let half = t.to_bits() >> 1;
+    let rest = t.to_bits().wrapping_sub(half);
+    (x, t - BIASED, f64::from_bits(half << 52), f64::from_bits(rest << 52))
+}
+
 /// `e^x`.
 ///
 /// The argument is reduced to `x = k ln 2 + r` with `|r| <= ln 2 / 2`. `ln 2` has two parts, and
@@ -245,18 +261,10 @@ pub fn sin_cos_turn(u: f64) -> (f64, f64) {
 #[inline(always)]
 #[must_use]
 pub fn exp(x: f64) -> f64 {
-    // The low bits of t are k + 2 * 1023, the sum of two biased exponents.
-    const BIASED: f64 = ROUND + 2046.0;
-    // Comparisons with NaN are false, so NaN stays NaN.
-    let x = if x > 710.0 { 710.0 } else { x };
-    let x = if x < -746.0 { -746.0 } else { x };
-    let t = x * LOG2_E + BIASED;
-    let k = t - BIASED;
+    let (x, k, one, other) = powers_of_two(x);
     let r = (x - k * LN_2_1) - k * LN_2_2;
     let p = 1.0 + (r + r * r * polynomial(EXP, r));
-    let half = t.to_bits() >> 1;
-    let rest = t.to_bits().wrapping_sub(half);
-    (p * f64::from_bits(half << 52)) * f64::from_bits(rest << 52)
+    (p * one) * other
 }
 
 /// 1/(k+2)! for k = 0 … 13. The truncation error is below 2^-66 for `|r| <= ln 2 / 2`.
@@ -282,11 +290,7 @@ const EXP_SERIES: [f64; 14] = {
 #[inline(always)]
 #[must_use]
 pub fn exp_with_remainder(x: f64) -> (f64, f64) {
-    const BIASED: f64 = ROUND + 2046.0;
-    let x = if x > 710.0 { 710.0 } else { x };
-    let x = if x < -746.0 { -746.0 } else { x };
-    let t = x * LOG2_E + BIASED;
-    let k = t - BIASED;
+    let (x, k, one, other) = powers_of_two(x);
     // Each sum has the larger summand first, so that its rounding error is exactly computable.
     let (a, b) = (x - k * LN_2_1, k * LN_2_2);
     let r = a - b;
@@ -296,9 +300,6 @@ pub fn exp_with_remainder(x: f64) -> (f64, f64) {
     let lost_d = q - (d - r);
     let p = 1.0 + d;
     let lost_p = d - (p - 1.0);
-    let half = t.to_bits() >> 1;
-    let rest = t.to_bits().wrapping_sub(half);
-    let (one, other) = (f64::from_bits(half << 52), f64::from_bits(rest << 52));
     let value = (p * one) * other;
     let remainder = ((lost_p + (lost_d + lost_r * p)) * one) * other;
     let normal = (f64::MIN_POSITIVE..f64::INFINITY).contains(&value);

@@ -92,7 +92,7 @@ impl<S, const D: usize> Run<S, D> {
                     wiener.increments(TAU.sqrt(), &mut drawn.increments);
                     if let Some(sampler) = &mut sampler {
                         sampler.areas(TAU, &drawn.increments, &mut drawn.areas);
-                        shown.areas = drawn.areas.clipped(self.area_bound).0;
+                        shown.areas = drawn.areas.clipped(self.area_bound);
                     }
                     clip(&drawn.increments, self.bound, &mut shown.increments);
                     scheme.step_block(&self.system, step, &shown, &mut y, &mut status);

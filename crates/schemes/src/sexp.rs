@@ -13,8 +13,8 @@ use crate::{Implicit, Increment};
 /// This is a Strang splitting into exact damping and an energy-preserving step.
 ///
 /// - Orders: strong 1 for one noise or commuting noises, else ½ (truncation order k ≥ 2); weak 1.
-/// - Preserves the conformal law of linear and quadratic Casimirs exactly for every τ. With one noise,
-///   dy = B∇H(dt + c∘dW) − γy dt, it also preserves that of a homogeneous H.
+/// - Preserves the conformal law of linear and quadratic Casimirs exactly for every τ. With one
+///   noise, dy = B∇H(dt + c∘dW) − γy dt, it also preserves that of a homogeneous H.
 /// - Cost per step: one nonlinear system of D equations.
 ///
 /// Use it if an invariant matters, or if large steps must stay bounded.

@@ -90,18 +90,20 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
+        let solver = self.solver;
         if Scheme::<S, D, M>::reads_areas(self) {
-            WithAreas { solver: self.solver }.step_block(system, step, noise, y, status);
+            WithAreas { solver }.step_block(system, step, noise, y, status);
         } else {
-            Sexp { solver: self.solver }.step_block(system, step, noise, y, status);
+            Sexp { solver }.step_block(system, step, noise, y, status);
         }
     }
 
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
+        let solver = self.solver;
         if Scheme::<S, D, M>::reads_areas(self) {
-            WithAreas { solver: self.solver }.step(system, step, noise, y)
+            WithAreas { solver }.step(system, step, noise, y)
         } else {
-            Sexp { solver: self.solver }.step(system, step, noise, y)
+            Sexp { solver }.step(system, step, noise, y)
         }
     }
 }

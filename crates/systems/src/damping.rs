@@ -89,14 +89,20 @@ impl Damping for Linear {
 }
 
 /// γ(t) = α sin ωt.
+pub type Sine = Harmonic<true>;
+
+/// γ(t) = α cos ωt.
+pub type Cosine = Harmonic<false>;
+
+/// γ(t) = α sin ωt if `SINE`, otherwise γ(t) = α cos ωt.
 #[derive(Clone, Copy, Debug)]
-pub struct Sine {
+pub struct Harmonic<const SINE: bool> {
     amplitude: f64,
     frequency: f64,
 }
 
-impl Sine {
-    /// γ(t) = `amplitude`·sin(`frequency`·t), both in 1/time.
+impl<const SINE: bool> Harmonic<SINE> {
+    /// α = `amplitude` and ω = `frequency`, both in 1/time.
     ///
     /// # Errors
     /// [`SystemError::NonFiniteParameter`] unless both are finite.
@@ -105,15 +111,17 @@ impl Sine {
         Ok(Self { amplitude, frequency: finite("the frequency of the damping rate", frequency)? })
     }
 
-    /// ∫₀ᵗ γ = αt·sin(ωt/2)·sinc(ωt/2).
+    /// ∫₀ᵗ γ = αt·sin(ωt/2)·sinc(ωt/2), or αt·sinc(ωt).
     fn primitive(self, t: f64) -> f64 {
-        self.amplitude * t * dgrad::mean_sine(0.0, self.frequency * t)
+        let phase = self.frequency * t;
+        self.amplitude * t * if SINE { dgrad::mean_sine(0.0, phase) } else { Real::sinc(phase) }
     }
 }
 
-impl Damping for Sine {
+impl<const SINE: bool> Damping for Harmonic<SINE> {
     fn rate(&self, t: f64) -> f64 {
-        self.amplitude * Real::sin(self.frequency * t)
+        let (sin, cos) = Real::sin_cos(self.frequency * t);
+        self.amplitude * if SINE { sin } else { cos }
     }
     fn integral(&self, a: f64, b: f64) -> f64 {
         // The mean over [a, b] would have the argument ω(a+b)/2, which has a new rounding error of
@@ -121,43 +129,8 @@ impl Damping for Sine {
         self.primitive(b) - self.primitive(a)
     }
     fn describe(&self) -> String {
-        format!("γ = {}sin {}t", factor(self.amplitude), factor(self.frequency))
-    }
-}
-
-/// γ(t) = α cos ωt.
-#[derive(Clone, Copy, Debug)]
-pub struct Cosine {
-    amplitude: f64,
-    frequency: f64,
-}
-
-impl Cosine {
-    /// γ(t) = `amplitude`·cos(`frequency`·t), both in 1/time.
-    ///
-    /// # Errors
-    /// [`SystemError::NonFiniteParameter`] unless both are finite.
-    pub fn new(amplitude: f64, frequency: f64) -> Result<Self, SystemError> {
-        let amplitude = finite("the amplitude of the damping rate", amplitude)?;
-        Ok(Self { amplitude, frequency: finite("the frequency of the damping rate", frequency)? })
-    }
-
-    /// ∫₀ᵗ γ = αt·sinc(ωt).
-    fn primitive(self, t: f64) -> f64 {
-        self.amplitude * t * Real::sinc(self.frequency * t)
-    }
-}
-
-impl Damping for Cosine {
-    fn rate(&self, t: f64) -> f64 {
-        self.amplitude * Real::cos(self.frequency * t)
-    }
-    fn integral(&self, a: f64, b: f64) -> f64 {
-        // A difference for the reason given in `Sine`.
-        self.primitive(b) - self.primitive(a)
-    }
-    fn describe(&self) -> String {
-        format!("γ = {}cos {}t", factor(self.amplitude), factor(self.frequency))
+        let function = if SINE { "sin" } else { "cos" };
+        format!("γ = {}{function} {}t", factor(self.amplitude), factor(self.frequency))
     }
 }
 

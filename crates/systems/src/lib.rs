@@ -59,7 +59,7 @@ mod rigid_body;
 mod spin_chain;
 mod system;
 
-pub use damping::{Constant, Cosine, Damping, DampingFunction, Linear, Sine};
+pub use damping::{Constant, Cosine, Damping, DampingFunction, Harmonic, Linear, Sine};
 pub use error::SystemError;
 pub use field::{
     HamiltonianIncrement, ito_correction, noises_commute, unit_noise, vector_field,

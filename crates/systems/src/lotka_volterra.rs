@@ -1,6 +1,6 @@
 //! The damped stochastic Lotka–Volterra system.
 
-use dgrad::{GradientField, averaged};
+use dgrad::{GradientField, averaged, nodes_for_degree};
 use real::Real;
 
 use crate::error::finite;
@@ -23,21 +23,14 @@ pub struct LotkaVolterra<E> {
 
 /// The exponents p = ab of y₁ and q = −b of y₂ in H = y₁ᵖy₂^q y₃.
 pub trait Exponents: Copy + Send + Sync {
-    /// Whether ∇̄ has few nodes, so that [`ImplicitStep::UnrolledFixedPoint`] is the faster method.
-    const FEW_NODES: bool;
+    /// Gauss–Legendre nodes of ∇̄: 2, 3, 4, 5, or 12 for any other number.
+    const NODES: usize;
     /// p = ab.
     fn p(&self) -> f64;
     /// q = −b.
     fn q(&self) -> f64;
     /// y₁^{p−1}y₂^{q−1}, from which B and ∇H follow.
     fn powers<R: Real>(&self, y1: R, y2: R) -> R;
-    /// The average of ∇H, a field with these powers, over the segment from a to b.
-    fn averaged<R: Real, F: GradientField<3>>(&self, field: &F, a: [R; 3], b: [R; 3]) -> [R; 3];
-    /// Checks that all components of y are positive.
-    ///
-    /// # Errors
-    /// [`SystemError::OutsideDomain`] if one is not.
-    fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError>;
 }
 
 /// Positive integer exponents p = P and q = Q with P + Q ≤ 9: H is a polynomial and the discrete
@@ -52,7 +45,8 @@ pub struct IntegerExponents<const P: i32, const Q: i32>;
 const MAX_DEGREE: i32 = 9;
 
 impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
-    const FEW_NODES: bool = P + Q <= 5;
+    // ∇H has degree P + Q, and n nodes are exact up to degree 2n − 1.
+    const NODES: usize = nodes_for_degree((P + Q) as usize);
 
     fn p(&self) -> f64 {
         f64::from(P)
@@ -63,26 +57,6 @@ impl<const P: i32, const Q: i32> Exponents for IntegerExponents<P, Q> {
     #[inline(always)]
     fn powers<R: Real>(&self, y1: R, y2: R) -> R {
         y1.powi(P - 1) * y2.powi(Q - 1)
-    }
-    #[inline(always)]
-    fn averaged<R: Real, F: GradientField<3>>(&self, field: &F, a: [R; 3], b: [R; 3]) -> [R; 3] {
-        // ∇H has degree P + Q, and n nodes are exact up to degree 2n − 1. The compiler decides the
-        // branch.
-        match P + Q {
-            ..=3 => averaged::<2, R, F, 3>(field, a, b),
-            4..=5 => averaged::<3, R, F, 3>(field, a, b),
-            6..=7 => averaged::<4, R, F, 3>(field, a, b),
-            _ => averaged::<5, R, F, 3>(field, a, b),
-        }
-    }
-    fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
-        const {
-            assert!(
-                P >= 1 && Q >= 1 && P + Q <= MAX_DEGREE,
-                "exponents must be positive, with P + Q at most 9"
-            )
-        };
-        positive_octant(y)
     }
 }
 
@@ -97,7 +71,7 @@ pub struct RealExponents {
 const REAL_EXPONENT_NODES: usize = 12;
 
 impl Exponents for RealExponents {
-    const FEW_NODES: bool = false;
+    const NODES: usize = REAL_EXPONENT_NODES;
 
     fn p(&self) -> f64 {
         self.p
@@ -109,34 +83,21 @@ impl Exponents for RealExponents {
     fn powers<R: Real>(&self, y1: R, y2: R) -> R {
         (y1.ln() * (self.p - 1.0) + y2.ln() * (self.q - 1.0)).exp()
     }
-    #[inline(always)]
-    fn averaged<R: Real, F: GradientField<3>>(&self, field: &F, a: [R; 3], b: [R; 3]) -> [R; 3] {
-        averaged::<REAL_EXPONENT_NODES, R, F, 3>(field, a, b)
-    }
-    fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
-        positive_octant(y)
-    }
-}
-
-/// Populations are positive. On the coordinate planes the prefactor of B or its derivative has a
-/// pole.
-fn positive_octant(y: [f64; 3]) -> Result<(), SystemError> {
-    match y.iter().position(|&component| component.is_nan() || component <= 0.0) {
-        None => Ok(()),
-        Some(i) => Err(SystemError::OutsideDomain {
-            component: i + 1,
-            value: y[i],
-            domain: "y1 > 0, y2 > 0 and y3 > 0",
-        }),
-    }
 }
 
 impl<const P: i32, const Q: i32> LotkaVolterra<IntegerExponents<P, Q>> {
-    /// The system with ab = P and −b = Q, hence a = −P/Q, and the scale c of B.
+    /// The system with ab = P and −b = Q, hence a = −P/Q, and the scale c of B. It does not compile
+    /// unless P ≥ 1, Q ≥ 1 and P + Q ≤ 9.
     ///
     /// # Errors
     /// [`SystemError::NonFiniteParameter`] unless c is finite.
     pub fn integer(c: f64) -> Result<Self, SystemError> {
+        const {
+            assert!(
+                P >= 1 && Q >= 1 && P + Q <= MAX_DEGREE,
+                "exponents must be positive, with P + Q at most 9"
+            )
+        };
         let a = -f64::from(P) / f64::from(Q);
         Ok(Self { a, c: finite("the scale c", c)?, exponents: IntegerExponents })
     }
@@ -154,14 +115,12 @@ impl LotkaVolterra<RealExponents> {
 }
 
 /// The field (∂₁H/p, ∂₂H/q, ∂₃H), which is averaged without the constant factors p and q.
-struct Gradient<E> {
-    exponents: E,
-}
+struct Gradient<E>(E);
 
 impl<E: Exponents> GradientField<3> for Gradient<E> {
     #[inline(always)]
     fn gradient<R: Real>(&self, y: [R; 3]) -> [R; 3] {
-        let powers = self.exponents.powers(y[0], y[1]);
+        let powers = self.0.powers(y[0], y[1]);
         let with_third = powers * y[2];
         [with_third * y[1], with_third * y[0], powers * (y[0] * y[1])]
     }
@@ -198,15 +157,21 @@ impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
 
     #[inline(always)]
     fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-        self.scaled(Gradient { exponents: self.exponents }.gradient(y), dt + dw[0])
+        self.scaled(Gradient(self.exponents).gradient(y), dt + dw[0])
     }
 
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-        self.scaled(
-            self.exponents.averaged(&Gradient { exponents: self.exponents }, a, b),
-            dt + dw[0],
-        )
+        let field = Gradient(self.exponents);
+        // The compiler decides the branch.
+        let mean = match E::NODES {
+            2 => averaged::<2, R, _, 3>(&field, a, b),
+            3 => averaged::<3, R, _, 3>(&field, a, b),
+            4 => averaged::<4, R, _, 3>(&field, a, b),
+            5 => averaged::<5, R, _, 3>(&field, a, b),
+            _ => averaged::<REAL_EXPONENT_NODES, R, _, 3>(&field, a, b),
+        };
+        self.scaled(mean, dt + dw[0])
     }
 
     fn invariants(&self) -> Vec<Invariant> {
@@ -229,10 +194,19 @@ impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
         }
     }
 
+    /// Populations are positive. On the coordinate planes the prefactor of B or its derivative has
+    /// a pole.
     fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
-        self.exponents.check_domain(y)
+        match y.iter().position(|&component| component.is_nan() || component <= 0.0) {
+            None => Ok(()),
+            Some(i) => Err(SystemError::OutsideDomain {
+                component: i + 1,
+                value: y[i],
+                domain: "y1 > 0, y2 > 0 and y3 > 0",
+            }),
+        }
     }
 
     const IMPLICIT_STEP: ImplicitStep =
-        if E::FEW_NODES { ImplicitStep::UnrolledFixedPoint } else { ImplicitStep::FixedPoint };
+        if E::NODES <= 3 { ImplicitStep::UnrolledFixedPoint } else { ImplicitStep::FixedPoint };
 }

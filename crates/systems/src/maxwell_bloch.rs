@@ -32,11 +32,6 @@ impl PoissonSystem<3, 1> for MaxwellBloch {
         [y[0] * dt, R::zero(), R::constant(dt + dw[0])]
     }
 
-    #[inline(always)]
-    fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-        self.gradient(dgrad::midpoint(a, b), dt, dw)
-    }
-
     fn invariants(&self) -> Vec<Invariant> {
         vec![Invariant::quadratic_casimir("C", "½(y₂² + y₃²)")]
     }
@@ -49,5 +44,6 @@ impl PoissonSystem<3, 1> for MaxwellBloch {
         }
     }
 
+    const QUADRATIC: bool = true;
     const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
 }

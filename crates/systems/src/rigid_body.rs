@@ -49,8 +49,7 @@ impl RigidBody<3> {
     /// # Errors
     /// [`SystemError::NonPositiveParameter`] unless all moments are positive and finite.
     pub fn three_noises(inertia: [f64; 3], noise_inertia: [f64; 3]) -> Result<Self, SystemError> {
-        let drift = reciprocals(inertia, ["I1", "I2", "I3"])?;
-        Ok(Self { drift, noise: reciprocals(noise_inertia, ["Î1", "Î2", "Î3"])? })
+        Self::with_noises(inertia, noise_inertia, ["Î1", "Î2", "Î3"])
     }
 }
 
@@ -60,12 +59,20 @@ impl RigidBody<1> {
     /// # Errors
     /// [`SystemError::NonPositiveParameter`] unless all moments are positive and finite.
     pub fn one_noise(inertia: [f64; 3], noise_inertia: f64) -> Result<Self, SystemError> {
-        let drift = reciprocals(inertia, ["I1", "I2", "I3"])?;
-        Ok(Self { drift, noise: reciprocals([noise_inertia], ["Î1"])? })
+        Self::with_noises(inertia, [noise_inertia], ["Î1"])
     }
 }
 
 impl<const M: usize> RigidBody<M> {
+    fn with_noises(
+        inertia: [f64; 3],
+        noise_inertia: [f64; M],
+        names: [&'static str; M],
+    ) -> Result<Self, SystemError> {
+        let drift = reciprocals(inertia, ["I1", "I2", "I3"])?;
+        Ok(Self { drift, noise: reciprocals(noise_inertia, names)? })
+    }
+
     /// kᵢ = dt/Iᵢ + dwᵢ/Îᵢ. The Hamiltonian increment is ½Σ kᵢyᵢ².
     #[inline(always)]
     fn coefficients(&self, dt: f64, dw: [f64; M]) -> [f64; 3] {
@@ -100,11 +107,6 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
     fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; M]) -> [R; 3] {
         let k = self.coefficients(dt, dw);
         [y[0] * k[0], y[1] * k[1], y[2] * k[2]]
-    }
-
-    #[inline(always)]
-    fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; M]) -> [R; 3] {
-        self.gradient(dgrad::midpoint(a, b), dt, dw)
     }
 
     /// With s = a + b and K = diag(k), the product (s/2) × K(s/2) has the first component
@@ -153,6 +155,7 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
         }
     }
 
+    const QUADRATIC: bool = true;
     const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
 }
 
@@ -162,7 +165,8 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
 /// Casimir ½|y|² and energy H₀, both of degree 2.
 #[derive(Clone, Copy, Debug)]
 pub struct RigidBodyEnergy {
-    drift: [f64; 3],
+    /// The body without noise; its increment is H₀dt.
+    body: RigidBody<0>,
     noise: f64,
 }
 
@@ -173,17 +177,8 @@ impl RigidBodyEnergy {
     /// [`SystemError::NonPositiveParameter`] unless all moments are positive and finite,
     /// [`SystemError::NonFiniteParameter`] unless c is finite.
     pub fn new(inertia: [f64; 3], c: f64) -> Result<Self, SystemError> {
-        Ok(Self {
-            drift: reciprocals(inertia, ["I1", "I2", "I3"])?,
-            noise: finite("the noise size c", c)?,
-        })
-    }
-
-    /// H₀(y).
-    #[inline(always)]
-    fn hamiltonian<R: Real>(&self, y: [R; 3]) -> R {
-        (y[0] * y[0] * self.drift[0] + y[1] * y[1] * self.drift[1] + y[2] * y[2] * self.drift[2])
-            * 0.5
+        let body = RigidBody::with_noises(inertia, [], [])?;
+        Ok(Self { body, noise: finite("the noise size c", c)? })
     }
 }
 
@@ -199,22 +194,12 @@ impl PoissonSystem<3, 1> for RigidBodyEnergy {
 
     #[inline(always)]
     fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> R {
-        self.hamiltonian(y) * (dt + self.noise * dw[0])
+        self.body.energy(y, 1.0, []) * (dt + self.noise * dw[0])
     }
 
     #[inline(always)]
     fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-        let weight = dt + self.noise * dw[0];
-        [
-            y[0] * (self.drift[0] * weight),
-            y[1] * (self.drift[1] * weight),
-            y[2] * (self.drift[2] * weight),
-        ]
-    }
-
-    #[inline(always)]
-    fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
-        self.gradient(dgrad::midpoint(a, b), dt, dw)
+        self.body.gradient(y, dt + self.noise * dw[0], [])
     }
 
     fn invariants(&self) -> Vec<Invariant> {
@@ -232,10 +217,11 @@ impl PoissonSystem<3, 1> for RigidBodyEnergy {
     fn invariant<R: Real>(&self, index: usize, y: [R; 3]) -> R {
         match index {
             0 => half_square(y),
-            1 => self.hamiltonian(y),
+            1 => self.body.energy(y, 1.0, []),
             _ => no_invariant(self.name(), index),
         }
     }
 
+    const QUADRATIC: bool = true;
     const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
 }

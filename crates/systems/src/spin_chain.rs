@@ -85,11 +85,6 @@ impl<const D: usize> PoissonSystem<D, 3> for SpinChain<D> {
         gradient
     }
 
-    #[inline(always)]
-    fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; 3]) -> [R; D] {
-        self.gradient(dgrad::midpoint(a, b), dt, dw)
-    }
-
     /// [fₘ, f_l] = B∇{H_l, Hₘ} with {H_l, Hₘ} = σ² Σᵢ sᵢ·(eₘ × e_l). So the areas rotate all spins
     /// about one axis.
     #[inline(always)]
@@ -118,6 +113,7 @@ impl<const D: usize> PoissonSystem<D, 3> for SpinChain<D> {
         (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) * 0.5
     }
 
+    const QUADRATIC: bool = true;
     const IMPLICIT_STEP: ImplicitStep =
         if D <= 6 { ImplicitStep::UnrolledFixedPoint } else { ImplicitStep::FixedPoint };
 }

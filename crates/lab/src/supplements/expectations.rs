@@ -3,7 +3,7 @@
 
 use mc::Observable;
 use mc::multilevel::{
-    Coupling, Estimate, Expectation, ExpectationSettings, expectation, expectation_plain,
+    Coupling, Estimate, Estimator, Expectation, ExpectationSettings, expectation,
 };
 use schemes::Sexp;
 use stats::Point;
@@ -106,14 +106,17 @@ pub(super) fn cost(conditions: &Conditions<'_>) -> Findings {
     let exact = rigid_body_expectations(&problem, degree(conditions), &COS_Y3)[0];
     let advance = |work| conditions.progress.advance(work);
     let (mut series, mut claims) = (Vec::new(), Vec::new());
-    for (name, multilevel) in [("multilevel", true), ("single paths", false)] {
-        let method = if multilevel { expectation } else { expectation_plain };
+    for (name, estimator) in
+        [("multilevel", Estimator::Multilevel), ("single paths", Estimator::SinglePaths)]
+    {
+        let multilevel = estimator == Estimator::Multilevel;
         let all = accuracies.iter().chain(finer.iter().filter(|_| multilevel));
         let mut points = Vec::new();
         for (part, &accuracy) in all.enumerate() {
-            let settings = settings(conditions, 2 * part as u64 + u64::from(multilevel));
+            let number = 2 * part as u64 + u64::from(multilevel);
+            let settings = ExpectationSettings { estimator, ..settings(conditions, number) };
             let result =
-                valid(method(sexp.as_ref(), &problem, &COS_Y3, accuracy, &settings, &advance));
+                valid(expectation(sexp.as_ref(), &problem, &COS_Y3, accuracy, &settings, &advance));
             points.push(Point::Cost { accuracy, path_steps: result.cost });
             let statement = format!("E[cos y3] to ± {accuracy:.0e} by {name}");
             let claim = claim(&result.estimates[0], &result, exact, statement);

@@ -1,15 +1,14 @@
 //! The algorithms: which samples are drawn on which level, and when to stop.
 
 use real::WIDTH;
-use systems::Problem;
 
 use super::diagnosis::{better_coarsest_steps, level_values, warnings};
 use super::error::MultilevelError;
 use super::level::{Round, Samples, Values};
 use super::plan::{self, BIAS_SHARE, Bias};
 use super::report::{Expectation, Level, QUANTILE, Warning};
-use super::settings::{Coupling, ExpectationSettings, MAX_ROUNDS};
-use crate::{LadderError, Observable};
+use super::settings::{Coupling, Estimator, ExpectationSettings, MAX_ROUNDS};
+use crate::LadderError;
 
 /// The highest level of the pilot: two differences show how they decay.
 const PILOT_LEVEL: usize = 2;
@@ -37,23 +36,28 @@ pub struct Sampler<'a> {
 }
 
 impl<'a> Sampler<'a> {
-    pub fn new<S, G, const D: usize>(
+    pub fn new(
         draw: &'a Draw<'a>,
-        problem: &Problem<S, G, D>,
-        observables: &[Observable<D>],
+        t_end: f64,
+        names: Vec<&'static str>,
         accuracy: f64,
         settings: &'a ExpectationSettings,
     ) -> Result<Self, MultilevelError> {
         settings.check(accuracy)?;
-        if observables.is_empty() {
+        if names.is_empty() {
             return Err(MultilevelError::NoObservable);
         }
-        let names = observables.iter().map(|observable| observable.name).collect();
-        let t_end = problem.t_end;
         Ok(Self { draw, t_end, names, accuracy, settings, cost: 0, reserve: 0 })
     }
 
-    pub fn multilevel(mut self) -> Result<Expectation, MultilevelError> {
+    pub fn expectation(self) -> Result<Expectation, MultilevelError> {
+        match self.settings.estimator {
+            Estimator::Multilevel => self.multilevel(),
+            Estimator::SinglePaths => self.single_paths(),
+        }
+    }
+
+    fn multilevel(mut self) -> Result<Expectation, MultilevelError> {
         let mut levels = vec![self.level(0, None)];
         levels.extend((1..=PILOT_LEVEL).map(|level| self.difference(level)));
         self.pilot(&mut levels)?;
@@ -86,14 +90,14 @@ impl<'a> Sampler<'a> {
                 break Some(self.cost_limit());
             }
         };
-        let mut expectation = self.report(&levels, &levels, &levels[1..]);
+        let mut expectation = self.report(&levels, levels.len());
         let better = better_coarsest_steps(&levels, self.settings);
         expectation.warnings.extend(better.map(|steps| Warning::CoarsestSteps { steps }));
         expectation.warnings.extend(limit);
         Ok(expectation)
     }
 
-    pub fn plain(mut self) -> Result<Expectation, MultilevelError> {
+    fn single_paths(mut self) -> Result<Expectation, MultilevelError> {
         // Without a reserve for the first single paths there would be no estimate at the limit.
         self.reserve = self.settings.pilot.saturating_mul(self.settings.steps(PILOT_LEVEL));
         let mut differences: Vec<_> =
@@ -113,8 +117,8 @@ impl<'a> Sampler<'a> {
         if !complete {
             limit = Some(self.cost_limit());
         }
-        let levels = [single.as_slice(), &differences].concat();
-        let mut expectation = self.report(&levels, &single, &differences);
+        single.append(&mut differences);
+        let mut expectation = self.report(&single, 1);
         expectation.warnings.extend(limit);
         Ok(expectation)
     }
@@ -269,16 +273,13 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// The result, with the warnings that are not about limits.
-    fn report(
-        &self,
-        levels: &[Samples],
-        terms: &[Samples],
-        differences: &[Samples],
-    ) -> Expectation {
+    /// The sum over the first `terms` levels, with the warnings that are not about limits. All
+    /// levels but the first are differences.
+    fn report(&self, levels: &[Samples], terms: usize) -> Expectation {
         let order = self.settings.weak_order;
-        let estimates: Vec<_> = (0..self.names.len())
-            .map(|k| plan::estimate(self.names[k], terms, differences, k, order))
+        let names = self.names.iter().enumerate();
+        let estimates: Vec<_> = names
+            .map(|(k, name)| plan::estimate(name, &levels[..terms], &levels[1..], k, order))
             .collect();
         let level = |samples: &Samples| Level {
             level: samples.level,
@@ -289,13 +290,9 @@ impl<'a> Sampler<'a> {
             cost_per_path: samples.cost_per_path,
             values: level_values(levels, samples),
         };
-        Expectation {
-            accuracy: self.accuracy,
-            cost: self.cost,
-            levels: levels.iter().map(level).collect(),
-            warnings: warnings(levels, &estimates, self.settings),
-            estimates,
-        }
+        let levels: Vec<_> = levels.iter().map(level).collect();
+        let warnings = warnings(&levels, &estimates, order);
+        Expectation { accuracy: self.accuracy, cost: self.cost, levels, warnings, estimates }
     }
 }
 

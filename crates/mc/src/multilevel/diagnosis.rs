@@ -2,7 +2,7 @@
 
 use super::level::Samples;
 use super::plan;
-use super::report::{Estimate, LevelValue, Warning};
+use super::report::{Estimate, Level, LevelValue, Warning};
 use super::settings::ExpectationSettings;
 
 /// Largest kurtosis κ without a check of the number of samples N. The relative error of a variance
@@ -38,7 +38,7 @@ pub fn level_values(levels: &[Samples], samples: &Samples) -> Vec<LevelValue> {
         LevelValue {
             mean: sample.mean(),
             variance: sample.variance(),
-            kurtosis: sample.kurtosis(),
+            kurtosis: if samples.values[k].varies() { sample.kurtosis() } else { f64::NAN },
             deviation: below.map_or(0.0, |below| deviation(below, samples, k)),
         }
     };
@@ -46,21 +46,16 @@ pub fn level_values(levels: &[Samples], samples: &Samples) -> Vec<LevelValue> {
 }
 
 /// All warnings but those about limits.
-pub fn warnings(
-    levels: &[Samples],
-    estimates: &[Estimate],
-    settings: &ExpectationSettings,
-) -> Vec<Warning> {
-    let failing = levels.iter().filter(|samples| samples.failed > 0);
+pub fn warnings(levels: &[Level], estimates: &[Estimate], assumed: f64) -> Vec<Warning> {
+    let failing = levels.iter().filter(|level| level.failed > 0);
     let mut warnings: Vec<Warning> = failing
-        .map(|samples| Warning::FailedPaths { level: samples.level, failed: samples.failed })
+        .map(|&Level { level, failed, .. }| Warning::FailedPaths { level, failed })
         .collect();
     for (k, &Estimate { name: observable, alpha, beta, .. }) in estimates.iter().enumerate() {
-        for samples in levels {
-            let level = samples.level;
-            let LevelValue { kurtosis, deviation, .. } = level_values(levels, samples)[k];
-            let known = samples.count() as f64 > SAMPLES_PER_KURTOSIS * kurtosis;
-            if samples.values[k].varies() && kurtosis > KURTOSIS_LIMIT && !known {
+        for &Level { level, samples, ref values, .. } in levels {
+            let LevelValue { kurtosis, deviation, .. } = values[k];
+            // A NaN is no kurtosis above the limit.
+            if kurtosis > KURTOSIS_LIMIT && samples as f64 <= SAMPLES_PER_KURTOSIS * kurtosis {
                 warnings.push(Warning::Kurtosis { observable, level, kurtosis });
             }
             if deviation > DEVIATION_LIMIT {
@@ -70,7 +65,6 @@ pub fn warnings(
         if let Some(beta) = beta.filter(|beta| beta.upper < 1.0) {
             warnings.push(Warning::VarianceDecay { observable, beta });
         }
-        let assumed = settings.weak_order;
         if let Some(alpha) = alpha.filter(|alpha| alpha.upper < assumed - ORDER_TOLERANCE) {
             warnings.push(Warning::WeakOrder { observable, alpha, assumed });
         }

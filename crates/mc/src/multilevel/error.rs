@@ -1,14 +1,13 @@
 //! Errors of the computation of an expectation.
 
-use std::fmt;
-
 use crate::{LadderError, PathFailure};
 
 /// Why there is no expectation, not even an inaccurate one.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MultilevelError {
     /// The accuracy or another setting is out of range.
+    #[error("the {name} must be {allowed}, got {value}")]
     Setting {
         /// Its name.
         name: &'static str,
@@ -18,8 +17,10 @@ pub enum MultilevelError {
         value: f64,
     },
     /// There is no test function.
+    #[error("an expectation needs at least one test function, got none")]
     NoObservable,
     /// The pilot alone costs more path-steps than allowed; nothing was computed.
+    #[error("the pilot takes {pilot_cost} path-steps, but {max_cost} are allowed")]
     PilotCost {
         /// Path-steps of the pilot.
         pilot_cost: u64,
@@ -27,8 +28,13 @@ pub enum MultilevelError {
         max_cost: u64,
     },
     /// A level cannot be run.
-    Ladder(LadderError),
+    #[error(transparent)]
+    Ladder(#[from] LadderError),
     /// Almost every path of a level failed, so there is no estimate on it.
+    #[error(
+        "{failed} paths failed on level {level}, which leaves too few{}",
+        first.map_or_else(String::new, |failure| format!("; {failure}"))
+    )]
     NoPaths {
         /// The level.
         level: usize,
@@ -38,42 +44,11 @@ pub enum MultilevelError {
         first: Option<PathFailure>,
     },
     /// A test function is not finite on a path whose state is.
+    #[error("the test function {observable} is not finite on a path of level {level}")]
     NotFinite {
         /// Its name.
         observable: &'static str,
         /// The level.
         level: usize,
     },
-}
-
-impl fmt::Display for MultilevelError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Setting { name, allowed, value } => {
-                write!(f, "the {name} must be {allowed}, got {value}")
-            }
-            Self::NoObservable => {
-                write!(f, "an expectation needs at least one test function, got none")
-            }
-            Self::PilotCost { pilot_cost, max_cost } => {
-                write!(f, "the pilot takes {pilot_cost} path-steps, but {max_cost} are allowed")
-            }
-            Self::Ladder(error) => error.fmt(f),
-            Self::NoPaths { level, failed, first } => {
-                write!(f, "{failed} paths failed on level {level}, which leaves too few")?;
-                first.iter().try_for_each(|failure| write!(f, "; {failure}"))
-            }
-            Self::NotFinite { observable, level } => {
-                write!(f, "the test function {observable} is not finite on a path of level {level}")
-            }
-        }
-    }
-}
-
-impl std::error::Error for MultilevelError {}
-
-impl From<LadderError> for MultilevelError {
-    fn from(error: LadderError) -> Self {
-        Self::Ladder(error)
-    }
 }

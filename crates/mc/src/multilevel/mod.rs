@@ -76,9 +76,9 @@ use level::{Samples, draw};
 
 pub use error::MultilevelError;
 pub use report::{Estimate, Expectation, Level, LevelValue, Rate, Warning};
-pub use settings::{Coupling, ExpectationSettings};
+pub use settings::{Coupling, Estimator, ExpectationSettings};
 
-/// E[φ(y(T))] of every φ to the half-width `accuracy` by multilevel Monte Carlo.
+/// E[φ(y(T))] of every φ to the half-width `accuracy`, by the [`Estimator`] of the settings.
 ///
 /// `progress` is called now and then, from any thread, with the number of path-steps done since.
 ///
@@ -97,27 +97,6 @@ pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
     let draw = |level: &Samples, paths| {
         draw(scheme, problem, observables, settings, level, paths, progress)
     };
-    Sampler::new(&draw, problem, observables, accuracy, settings)?.multilevel()
-}
-
-/// E[φ(y(T))] of every φ to the half-width `accuracy` by single paths on one level.
-///
-/// The level is the first on which the bias is bounded by a quarter of the accuracy. The bias is
-/// bounded as in [`expectation`], from coupled differences. They are sampled until they show it,
-/// and count in the cost.
-///
-/// # Errors
-/// As [`expectation`].
-pub fn expectation_plain<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
-    observables: &[Observable<D>],
-    accuracy: f64,
-    settings: &ExpectationSettings,
-    progress: &(dyn Fn(u64) + Sync),
-) -> Result<Expectation, MultilevelError> {
-    let draw = |level: &Samples, paths| {
-        draw(scheme, problem, observables, settings, level, paths, progress)
-    };
-    Sampler::new(&draw, problem, observables, accuracy, settings)?.plain()
+    let names = observables.iter().map(|observable| observable.name).collect();
+    Sampler::new(&draw, problem.t_end, names, accuracy, settings)?.expectation()
 }

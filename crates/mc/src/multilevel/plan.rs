@@ -113,9 +113,11 @@ pub fn samples(levels: &[(f64, Vec<f64>)], half_widths: &[f64]) -> Vec<u64> {
 
 /// Costs and variances of levels.
 pub fn costs_and_variances(levels: &[Samples]) -> Vec<(f64, Vec<f64>)> {
-    let variances =
-        |samples: &Samples| samples.values.iter().map(|values| values.sample.variance()).collect();
-    levels.iter().map(|samples| (samples.cost_per_path as f64, variances(samples))).collect()
+    let of_level = |Samples { cost_per_path, values, .. }: &Samples| {
+        let variances = values.iter().map(|values| values.sample.variance());
+        (*cost_per_path as f64, variances.collect())
+    };
+    levels.iter().map(of_level).collect()
 }
 
 /// Expected cost and variances of the next level: twice the cost, and variances that fall by the

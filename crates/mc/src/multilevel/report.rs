@@ -1,7 +1,5 @@
 //! The result: estimates, levels and warnings.
 
-use std::fmt;
-
 use super::settings::Coupling;
 
 /// P(|N(0, 1)| ≤ this) = 95 %.
@@ -67,7 +65,8 @@ impl Estimate {
 }
 
 /// An exponent with its 95 % interval, which is widened when the points do not lie on a line.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{value:.2} ({lower:.2} to {upper:.2})")]
 pub struct Rate {
     /// The slope.
     pub value: f64,
@@ -111,10 +110,13 @@ pub struct LevelValue {
 }
 
 /// An assumption that does not hold, or a limit that was reached.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Warning {
     /// Paths without a solution were left out: the estimate is conditional on survival.
+    #[error(
+        "{failed} paths failed on level {level} and were left out, which may bias the estimate"
+    )]
     FailedPaths {
         /// The level.
         level: usize,
@@ -123,6 +125,7 @@ pub enum Warning {
     },
     /// The kurtosis is above 100 and above a sixteenth of the samples, so that the variance is not
     /// known to a quarter, nor the standard error of the level to an eighth.
+    #[error("{observable}: kurtosis {kurtosis:.0} on level {level}, its variance is not reliable")]
     Kurtosis {
         /// Name of φ.
         observable: &'static str,
@@ -133,6 +136,7 @@ pub enum Warning {
     },
     /// Variances fall more slowly than costs grow, so the cost is not of order ε⁻²: wrong coupling,
     /// or an order of strong convergence below ½.
+    #[error("{observable}: variances fall with exponent {beta}, below the exponent 1 of the cost")]
     VarianceDecay {
         /// Name of φ.
         observable: &'static str,
@@ -141,6 +145,9 @@ pub enum Warning {
     },
     /// The differences fall more slowly than the weak order says; the bias is judged by the upper
     /// end of the observed interval then, but by no order below ½.
+    #[error(
+        "{observable}: differences fall with exponent {alpha}, the weak order given is {assumed}"
+    )]
     WeakOrder {
         /// Name of φ.
         observable: &'static str,
@@ -151,6 +158,11 @@ pub enum Warning {
     },
     /// The coarse mean of a level contradicts the fine mean of the level below: the sum over the
     /// levels does not telescope.
+    #[error(
+        "{observable}: the coarse mean of level {level} is {deviation:.1} standard errors from the \
+         fine mean of level {}, the levels do not telescope",
+        level - 1
+    )]
     Inconsistent {
         /// Name of φ.
         observable: &'static str,
@@ -160,63 +172,21 @@ pub enum Warning {
         deviation: f64,
     },
     /// With this number of coarsest steps the same accuracy would have cost less.
+    #[error("{steps} coarsest steps would have cost less")]
     CoarsestSteps {
         /// The better number.
         steps: u64,
     },
     /// The cost reached its limit before the accuracy.
+    #[error("the accuracy was not reached with the {max_cost} path-steps allowed")]
     CostLimit {
         /// Path-steps allowed.
         max_cost: u64,
     },
     /// The bias is too large on the finest level allowed.
+    #[error("the bias is too large on the finest level allowed, {level}")]
     LevelLimit {
         /// That level.
         level: usize,
     },
-}
-
-impl fmt::Display for Warning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let rate =
-            |rate: &Rate| format!("{:.2} ({:.2} to {:.2})", rate.value, rate.lower, rate.upper);
-        match self {
-            Self::FailedPaths { level, failed } => write!(
-                f,
-                "{failed} paths failed on level {level} and were left out, \
-                 which may bias the estimate"
-            ),
-            Self::Kurtosis { observable, level, kurtosis } => write!(
-                f,
-                "{observable}: kurtosis {kurtosis:.0} on level {level}, \
-                 its variance is not reliable"
-            ),
-            Self::VarianceDecay { observable, beta } => write!(
-                f,
-                "{observable}: variances fall with exponent {}, below the exponent 1 of the cost",
-                rate(beta)
-            ),
-            Self::WeakOrder { observable, alpha, assumed } => write!(
-                f,
-                "{observable}: differences fall with exponent {}, \
-                 the weak order given is {assumed}",
-                rate(alpha)
-            ),
-            Self::Inconsistent { observable, level, deviation } => write!(
-                f,
-                "{observable}: the coarse mean of level {level} is {deviation:.1} standard errors \
-                 from the fine mean of level {}, the levels do not telescope",
-                level - 1
-            ),
-            Self::CoarsestSteps { steps } => {
-                write!(f, "{steps} coarsest steps would have cost less")
-            }
-            Self::CostLimit { max_cost } => {
-                write!(f, "the accuracy was not reached with the {max_cost} path-steps allowed")
-            }
-            Self::LevelLimit { level } => {
-                write!(f, "the bias is too large on the finest level allowed, {level}")
-            }
-        }
-    }
 }

@@ -18,8 +18,18 @@ pub enum Coupling {
     Plain,
 }
 
-/// Settings of [`expectation`](super::expectation) and
-/// [`expectation_plain`](super::expectation_plain), beside the accuracy.
+/// The paths whose values are added up to an expectation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Estimator {
+    /// Single paths on level 0 and differences on the levels above.
+    Multilevel,
+    /// Single paths on one level, the first on which the bias is bounded by a quarter of the
+    /// accuracy. The bias is bounded as for `Multilevel`, from coupled differences. They are
+    /// sampled until they show it, and count in the cost.
+    SinglePaths,
+}
+
+/// Settings of [`expectation`](super::expectation), beside the accuracy.
 #[derive(Clone, Copy, Debug)]
 pub struct ExpectationSettings {
     /// Seed and experiment. Round r of level l draws from the family of streams with the experiment
@@ -30,6 +40,8 @@ pub struct ExpectationSettings {
     pub truncation: Truncation,
     /// Steps on [0, T] of level 0, at most 2²⁴; level l has 2^l times as many.
     pub coarsest_steps: u64,
+    /// Default multilevel.
+    pub estimator: Estimator,
     /// The coupling of the levels above 0.
     pub coupling: Coupling,
     /// Theoretical weak order of the scheme, for the bound on the bias. Default 1.
@@ -66,6 +78,7 @@ impl ExpectationSettings {
             key,
             truncation,
             coarsest_steps,
+            estimator: Estimator::Multilevel,
             coupling,
             weak_order: 1.0,
             pilot: 1024,

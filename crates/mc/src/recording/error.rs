@@ -1,14 +1,14 @@
 //! Errors of recorded noise.
 
-use std::fmt;
-
 /// Why noise is not a recording. Lines and columns are those of the table, counted from 1.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
     /// There is no step.
+    #[error("a recording must have at least one step, got none")]
     Empty,
     /// A name of the header is not the one that belongs there.
+    #[error("line 1, column {column}: the header must say {expected}, got {found:?}")]
     Header {
         /// Number of the column.
         column: usize,
@@ -18,6 +18,7 @@ pub enum RecordingError {
         expected: String,
     },
     /// A line has too few or too many columns.
+    #[error("line {line}: expected {expected} columns, got {found}")]
     Columns {
         /// Number of the line.
         line: usize,
@@ -27,6 +28,7 @@ pub enum RecordingError {
         expected: usize,
     },
     /// An entry is not a number.
+    #[error("line {line}, column {column}: expected a number, got {text:?}")]
     NotANumber {
         /// Number of the line.
         line: usize,
@@ -36,6 +38,7 @@ pub enum RecordingError {
         text: String,
     },
     /// An increment or an area is NaN or infinite.
+    #[error("line {line}, column {column}: an increment must be finite, got {value}")]
     NotFinite {
         /// Number of the line.
         line: usize,
@@ -45,6 +48,7 @@ pub enum RecordingError {
         value: f64,
     },
     /// A step size is not positive and finite.
+    #[error("line {line}, column tau: a step size must be positive and finite, got {tau}")]
     StepSize {
         /// Number of the line.
         line: usize,
@@ -52,6 +56,10 @@ pub enum RecordingError {
         tau: f64,
     },
     /// A step has another size than the first.
+    #[error(
+        "line {line}, column tau: all steps must have the size of the first, {first}, got \
+         {tau}"
+    )]
     UnequalSteps {
         /// Number of the line.
         line: usize,
@@ -61,6 +69,7 @@ pub enum RecordingError {
         first: f64,
     },
     /// The areas are not one matrix for each step.
+    #[error("there must be one matrix of areas for each of {expected} steps, got {found}")]
     AreaRows {
         /// Matrices of areas.
         found: usize,
@@ -68,44 +77,3 @@ pub enum RecordingError {
         expected: usize,
     },
 }
-
-impl fmt::Display for RecordingError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Empty => write!(f, "a recording must have at least one step, got none"),
-            Self::Header { column, found, expected } => {
-                write!(f, "line 1, column {column}: the header must say {expected}, got {found:?}")
-            }
-            Self::Columns { line, found, expected } => {
-                write!(f, "line {line}: expected {expected} columns, got {found}")
-            }
-            Self::NotANumber { line, column, text } => {
-                write!(f, "line {line}, column {column}: expected a number, got {text:?}")
-            }
-            Self::NotFinite { line, column, value } => {
-                write!(f, "line {line}, column {column}: an increment must be finite, got {value}")
-            }
-            Self::StepSize { line, tau } => {
-                write!(
-                    f,
-                    "line {line}, column tau: a step size must be positive and finite, got {tau}"
-                )
-            }
-            Self::UnequalSteps { line, tau, first } => {
-                write!(
-                    f,
-                    "line {line}, column tau: all steps must have the size of the first, \
-                     {first}, got {tau}"
-                )
-            }
-            Self::AreaRows { found, expected } => {
-                write!(
-                    f,
-                    "there must be one matrix of areas for each of {expected} steps, got {found}"
-                )
-            }
-        }
-    }
-}
-
-impl std::error::Error for RecordingError {}

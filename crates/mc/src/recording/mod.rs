@@ -41,7 +41,7 @@ pub struct Recording<const M: usize> {
 
 /// Relative tolerance for equal step sizes, which may be written with ten digits or computed as
 /// differences of times.
-pub(crate) const TIME_AGREEMENT: f64 = 1e-9;
+const TIME_AGREEMENT: f64 = 1e-9;
 
 /// `A12`; `A3_12` where numbers may have two digits.
 fn area_name(m: usize, l: usize, noises: usize) -> String {
@@ -196,5 +196,26 @@ impl<const M: usize> NoiseSource<M> for &Recording<M> {
             noise.increments = Block::splat(increments);
             (0..WIDTH).for_each(|p| noise.areas.set_path(p, areas));
         })
+    }
+
+    fn check(
+        &self,
+        t_end: f64,
+        steps: u64,
+        area_reader: Option<&'static str>,
+    ) -> Result<(), LadderError> {
+        let found = self.increments.len() as u64;
+        if found != steps {
+            return Err(LadderError::RecordedSteps { recorded: found, steps });
+        }
+        let recorded = self.tau * steps as f64;
+        let agree = (recorded - t_end).abs() <= TIME_AGREEMENT * t_end;
+        if !agree {
+            return Err(LadderError::Duration { recorded, t_end });
+        }
+        match area_reader {
+            Some(scheme) if self.areas.is_none() => Err(LadderError::NoAreas { scheme }),
+            _ => Ok(()),
+        }
     }
 }

@@ -18,24 +18,4 @@ pub enum SimulationError {
         /// The name.
         name: String,
     },
-    /// A recording does not end at the final time.
-    #[error(
-        "the recorded increments must end at the final time T = {t_end} of the problem, got \
-         {recorded}"
-    )]
-    Duration {
-        /// The end of the recording.
-        recorded: f64,
-        /// The final time of the problem.
-        t_end: f64,
-    },
-    /// The scheme reads Lévy areas and the recording has none.
-    #[error(
-        "{scheme} reads Levy areas: the recording must have the columns A12, A13, ..., got \
-         increments only"
-    )]
-    NoAreas {
-        /// The scheme.
-        scheme: &'static str,
-    },
 }

@@ -10,7 +10,6 @@ use noise::{StreamKey, Truncation};
 use schemes::{Scheme, Step};
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::recording::TIME_AGREEMENT;
 use crate::trajectory::PathRecords;
 use crate::{Ladder, LadderError, PathFailure, Recording, Run};
 use series::InvariantColumn;
@@ -118,32 +117,25 @@ where
         key: StreamKey,
         paths: Range<u64>,
     ) -> Result<Vec<TimeSeries>, SimulationError> {
-        let run = Run::new(self.scheme, 0);
-        let ladder = Ladder::new(self.problem, steps, 0, self.truncation, key, vec![run])?;
         let StreamKey { seed, experiment } = key;
-        self.run(ladder, paths, &|path| NoiseOrigin::Drawn { seed, experiment, path })
+        let drawn = |path| NoiseOrigin::Drawn { seed, experiment, path };
+        self.run(self.ladder(steps, key)?, paths, &drawn)
+    }
+
+    fn ladder(&self, steps: u64, key: StreamKey) -> Result<Ladder<'a, D, M>, LadderError> {
+        let runs = vec![Run::new(self.scheme, 0)];
+        Ladder::new(self.problem, steps, 0, self.truncation, key, runs)
     }
 
     /// The table of the path with recorded increments. They are truncated like drawn increments,
     /// unless the simulation has [`Truncation::none`].
     ///
     /// # Errors
-    /// As for [`path`](Self::path). [`SimulationError::Duration`] if the recording does not end at
-    /// the final time. [`SimulationError::NoAreas`] if the scheme reads Lévy areas and the
-    /// recording has none.
+    /// As for [`path`](Self::path), and those of [`Ladder::with_noise`].
     pub fn recorded(&self, recording: &Recording<M>) -> Result<TimeSeries, SimulationError> {
-        let steps = recording.increments().len();
-        let (recorded, t_end) = (recording.tau() * steps as f64, self.problem.t_end);
-        let agree = (recorded - t_end).abs() <= TIME_AGREEMENT * t_end;
-        if !agree {
-            return Err(SimulationError::Duration { recorded, t_end });
-        }
-        if self.scheme.reads_areas() && recording.areas().is_none() {
-            return Err(SimulationError::NoAreas { scheme: self.scheme.id() });
-        }
-        let (key, run) = (StreamKey { seed: 0, experiment: 0 }, Run::new(self.scheme, 0));
-        let ladder = Ladder::new(self.problem, steps as u64, 0, self.truncation, key, vec![run])?
-            .with_noise(recording);
+        let steps = recording.increments().len() as u64;
+        let ladder = self.ladder(steps, StreamKey { seed: 0, experiment: 0 })?;
+        let ladder = ladder.with_noise(recording)?;
         let mut series = self.run(ladder, 0..1, &|_| NoiseOrigin::Recorded)?;
         Ok(series.swap_remove(0))
     }
@@ -159,29 +151,18 @@ where
         }
         let (problem, tau) = (self.problem, ladder.tau(0));
         let invariants = InvariantColumn::of(&problem.system, problem.y0);
-        let mut template = TimeSeries {
-            system: problem.system.name().to_owned(),
-            damping: problem.damping.describe(),
-            scheme: self.scheme.id().to_owned(),
-            tau,
-            noise: NoiseOrigin::Recorded,
-            halted: None,
-            columns: Vec::new(),
-        };
-        for name in ["t".to_owned()].into_iter().chain((1..=D).map(|i| format!("y{i}"))) {
-            template.add_column(name)?;
+        let mut names = vec!["t".to_owned()];
+        names.extend((1..=D).map(|i| format!("y{i}")));
+        names.extend(self.observables.iter().map(|(name, _)| name.clone()));
+        for InvariantColumn { name, .. } in &invariants {
+            names.extend([name.clone(), format!("{name} defect")]);
         }
-        for (name, _) in &self.observables {
-            template.add_column(name.clone())?;
-        }
-        for invariant in &invariants {
-            template.add_column(invariant.name.clone())?;
-            template.add_column(format!("{} defect", invariant.name))?;
+        if let Some(n) = (0..names.len()).find(|&n| names[..n].contains(&names[n])) {
+            return Err(SimulationError::Column { name: names.swap_remove(n) });
         }
         // The row of step n, where `damped` is ∫γ up to its end.
         let row = |n: u64, damped: f64, y: [f64; D]| {
-            let mut row = Vec::with_capacity(template.columns.len());
-            row.push(n as f64 * tau);
+            let mut row = vec![n as f64 * tau];
             row.extend(y);
             row.extend(self.observables.iter().map(|(_, phi)| phi(y)));
             for (index, invariant) in invariants.iter().enumerate() {
@@ -202,19 +183,24 @@ where
             ladder.run_from(paths.start, count, || PathRecords::new(&saved_row), &|_| ());
         let mut of_path = measured.statistic.of_path;
         let series = paths.map(|path| {
-            let mut series = template.clone();
-            series.noise = origin(path);
+            let mut rows = vec![row(0, 0.0, problem.y0)];
+            rows.extend(of_path.remove(&path).unwrap_or_default());
+            let values = |column: usize| rows.iter().map(|row| row[column]).collect();
+            let columns = names.iter().enumerate();
             let failure = measured.failures.iter().find(|failure| failure.path == path);
-            series.halted = failure.map(|&PathFailure { step, cause, .. }| {
-                format!("step {step} of size {tau}, at t = {}: {cause}", step as f64 * tau)
-            });
-            let rows = of_path.remove(&path).unwrap_or_default();
-            for row in [row(0, 0.0, problem.y0)].into_iter().chain(rows) {
-                for (column, value) in series.columns.iter_mut().zip(row) {
-                    column.values.push(value);
-                }
+            TimeSeries {
+                system: problem.system.name().to_owned(),
+                damping: problem.damping.describe(),
+                scheme: self.scheme.id().to_owned(),
+                tau,
+                noise: origin(path),
+                halted: failure.map(|&PathFailure { step, cause, .. }| {
+                    format!("step {step} of size {tau}, at t = {}: {cause}", step as f64 * tau)
+                }),
+                columns: columns
+                    .map(|(number, name)| Column { name: name.clone(), values: values(number) })
+                    .collect(),
             }
-            series
         });
         Ok(series.collect())
     }

@@ -3,8 +3,6 @@
 use serde::Serialize;
 use systems::{Invariant, PoissonSystem};
 
-use super::SimulationError;
-
 /// The table of one path, with everything needed to compute it again.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TimeSeries {
@@ -56,24 +54,14 @@ impl TimeSeries {
     /// The values of the column with this name, if there is one.
     #[must_use]
     pub fn column(&self, name: &str) -> Option<&[f64]> {
-        self.columns
-            .iter()
-            .find(|column| column.name == name)
-            .map(|column| column.values.as_slice())
+        let column = self.columns.iter().find(|column| column.name == name)?;
+        Some(&column.values)
     }
 
     /// The saved times.
     #[must_use]
     pub fn times(&self) -> &[f64] {
         self.column("t").unwrap_or_default()
-    }
-
-    pub(super) fn add_column(&mut self, name: String) -> Result<(), SimulationError> {
-        if self.column(&name).is_some() {
-            return Err(SimulationError::Column { name });
-        }
-        self.columns.push(Column { name, values: Vec::new() });
-        Ok(())
     }
 }
 

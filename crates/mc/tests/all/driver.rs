@@ -138,7 +138,7 @@ fn noise_from_elsewhere_drives_every_path_of_a_ladder() {
         let k = Truncation::new(2).unwrap();
         let ladder = Ladder::new(&problem, 32, 2, k, KEY, runs).unwrap();
         let ladder = match source {
-            Some(source) => ladder.with_noise(source),
+            Some(source) => ladder.with_noise(source).unwrap(),
             None => ladder,
         };
         ladder.run(150, || Keep::new(8, 3), &|_| ()).statistic.runs
@@ -166,10 +166,20 @@ fn a_recording_drives_a_ladder_like_the_path_that_it_records() {
     let drawn = ladder().run_from(4, 1, keep, &|_| ()).statistic.runs;
     let of_recording = |path| {
         let recording = Recording::<3>::draw(KEY, path, 32, 1.0, true).unwrap();
-        ladder().with_noise(&recording).run(1, keep, &|_| ()).statistic.runs
+        ladder().with_noise(&recording).unwrap().run(1, keep, &|_| ()).statistic.runs
     };
     assert_eq!(of_recording(4), drawn);
     assert_ne!(of_recording(5), drawn);
+    let refusal = |steps, t_end, areas| {
+        let recording = Recording::<3>::draw(KEY, 4, steps, t_end, areas).unwrap();
+        ladder().with_noise(&recording).err()
+    };
+    assert_eq!(
+        refusal(16, 1.0, true),
+        Some(LadderError::RecordedSteps { recorded: 16, steps: 32 })
+    );
+    assert_eq!(refusal(32, 2.0, true), Some(LadderError::Duration { recorded: 2.0, t_end: 1.0 }));
+    assert_eq!(refusal(32, 1.0, false), Some(LadderError::NoAreas { scheme: "sexp-levy" }));
 }
 
 /// The steps, as (path, number from 1), that needed the robust method.

@@ -9,8 +9,8 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use mc::multilevel::{
-    Coupling, Estimate, Expectation, ExpectationSettings, MultilevelError, Warning, expectation,
-    expectation_plain,
+    Coupling, Estimate, Estimator, Expectation, ExpectationSettings, MultilevelError, Warning,
+    expectation,
 };
 use mc::{LadderError, Observable};
 use noise::{BlockNoise, Noise, NoiseError, StreamKey, Truncation};
@@ -170,10 +170,16 @@ fn intervals_cover_the_truth() {
 fn intervals_of_single_paths_cover_the_truth() {
     let problem = rotations();
     check_coverage("single paths", |seed| {
-        let settings = ExpectationSettings { pilot: 256, ..settings(seed, Coupling::Antithetic) };
-        expectation_plain(&Sexp::default(), &problem, &MOMENTS, 0.015, &settings, &|_| ()).unwrap()
+        let settings = ExpectationSettings {
+            estimator: Estimator::SinglePaths,
+            pilot: 256,
+            ..settings(seed, Coupling::Antithetic)
+        };
+        expectation(&Sexp::default(), &problem, &MOMENTS, 0.015, &settings, &|_| ()).unwrap()
     });
 }
+
+const ESTIMATORS: [Estimator; 2] = [Estimator::Multilevel, Estimator::SinglePaths];
 
 #[test]
 fn the_interval_holds_where_the_bias_is_most_of_it() {
@@ -183,9 +189,10 @@ fn the_interval_holds_where_the_bias_is_most_of_it() {
         max_level: 2,
         ..settings(2, Coupling::Antithetic)
     };
-    for method in [expectation, expectation_plain] {
+    for estimator in ESTIMATORS {
+        let settings = ExpectationSettings { estimator, ..settings };
         let result =
-            method(&Sexp::default(), &problem, &MOMENTS, 1e-3, &settings, &|_| ()).unwrap();
+            expectation(&Sexp::default(), &problem, &MOMENTS, 1e-3, &settings, &|_| ()).unwrap();
         assert!(
             result.warnings.contains(&Warning::LevelLimit { level: 2 }) && !result.reached(),
             "{result:?}"
@@ -211,13 +218,13 @@ fn threads_do_not_change_a_bit() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            [expectation, expectation_plain].map(|method| {
-                method(
+            ESTIMATORS.map(|estimator| {
+                expectation(
                     &Sexp::default(),
                     &problem,
                     &COS_Y3,
                     1e-3,
-                    &settings(3, Coupling::Antithetic),
+                    &ExpectationSettings { estimator, ..settings(3, Coupling::Antithetic) },
                     &|_| (),
                 )
                 .unwrap()
@@ -278,9 +285,9 @@ fn the_cost_grows_as_the_accuracy_squared() {
         result.cost
     });
     let plain = costs(|accuracy, problem, settings| {
+        let settings = ExpectationSettings { estimator: Estimator::SinglePaths, ..*settings };
         let result =
-            expectation_plain(&Sexp::default(), problem, &COS_Y3, accuracy, settings, &|_| ())
-                .unwrap();
+            expectation(&Sexp::default(), problem, &COS_Y3, accuracy, &settings, &|_| ()).unwrap();
         assert!(result.reached() && result.warnings.is_empty(), "{:?}", result.warnings);
         result.cost
     });
@@ -434,22 +441,14 @@ fn levels_that_do_not_telescope_are_noticed() {
 #[test]
 fn a_limit_ends_the_computation_and_nothing_is_lost() {
     let problem = body();
-    type Method = fn(
-        &dyn Scheme<RigidBody<3>, 3, 3>,
-        &Body,
-        &[Observable<3>],
-        f64,
-        &ExpectationSettings,
-        &(dyn Fn(u64) + Sync),
-    ) -> Result<Expectation, MultilevelError>;
-    let methods: [Method; 2] = [expectation, expectation_plain];
-    let limited = |method: Method, max_cost: u64| {
-        let settings = ExpectationSettings { max_cost, ..settings(9, Coupling::Antithetic) };
+    let limited = |estimator: Estimator, max_cost: u64| {
+        let settings =
+            ExpectationSettings { estimator, max_cost, ..settings(9, Coupling::Antithetic) };
         let done = AtomicU64::new(0);
         let progress = |steps: u64| {
             done.fetch_add(steps, Ordering::Relaxed);
         };
-        let result = method(&Sexp::default(), &problem, &COS_Y3, 1e-5, &settings, &progress);
+        let result = expectation(&Sexp::default(), &problem, &COS_Y3, 1e-5, &settings, &progress);
         if let Ok(result) = &result {
             // Every path-step is counted, and those that progress was told of are all.
             assert_eq!(done.into_inner(), result.cost);
@@ -471,21 +470,23 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
         }
         result
     };
-    for method in methods {
+    for estimator in ESTIMATORS {
         for max_cost in [80_000, 100_000, 300_000, 1_000_000] {
-            let result = limited(method, max_cost).unwrap();
+            let result = limited(estimator, max_cost).unwrap();
             // What is not used is too little for a pilot on the next level.
             assert!(result.cost > max_cost / 2, "{} of {max_cost}", result.cost);
         }
-        let result = limited(method, 10_000);
+        let result = limited(estimator, 10_000);
         assert!(
             matches!(result, Err(MultilevelError::PilotCost { max_cost: 10_000, .. })),
             "{result:?}"
         );
     }
     let settings = ExpectationSettings { max_level: 2, ..settings(9, Coupling::Antithetic) };
-    for method in methods {
-        let result = method(&Sexp::default(), &problem, &COS_Y3, 4e-4, &settings, &|_| ()).unwrap();
+    for estimator in ESTIMATORS {
+        let settings = ExpectationSettings { estimator, ..settings };
+        let result =
+            expectation(&Sexp::default(), &problem, &COS_Y3, 4e-4, &settings, &|_| ()).unwrap();
         assert!(
             result.warnings.contains(&Warning::LevelLimit { level: 2 }),
             "{:?}",
@@ -621,15 +622,10 @@ fn bad_requests_are_refused_and_name_the_value() {
         let error =
             expectation(&Sexp::default(), &problem, observables, accuracy, &settings, &|_| ())
                 .unwrap_err();
-        let plain = expectation_plain(
-            &Sexp::default(),
-            &problem,
-            observables,
-            accuracy,
-            &settings,
-            &|_| (),
-        )
-        .unwrap_err();
+        let settings = ExpectationSettings { estimator: Estimator::SinglePaths, ..settings };
+        let plain =
+            expectation(&Sexp::default(), &problem, observables, accuracy, &settings, &|_| ())
+                .unwrap_err();
         assert_eq!(std::mem::discriminant(&error), std::mem::discriminant(&plain), "{plain}");
         error
     };

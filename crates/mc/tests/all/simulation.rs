@@ -123,7 +123,10 @@ fn recorded_increments_give_the_drawn_path_bit_for_bit() {
     // With areas, for the scheme that reads them.
     let levy = SexpLevy::new(&problem.system, problem.y0);
     let simulation = Simulation::new(&problem, &levy, k4());
-    assert_eq!(simulation.recorded(&read), Err(SimulationError::NoAreas { scheme: "sexp-levy" }));
+    assert_eq!(
+        simulation.recorded(&read),
+        Err(LadderError::NoAreas { scheme: "sexp-levy" }.into())
+    );
     let recording = Recording::<3>::draw(KEY, 4, 32, 1.0, true).unwrap();
     let read: Recording<3> = recording.to_string().parse().unwrap();
     assert_eq!(read, recording);

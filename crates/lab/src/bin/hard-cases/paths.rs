@@ -110,7 +110,7 @@ where
         let mut ladder =
             Ladder::new(&self.problem, self.steps, 0, self.truncation, self.key, runs)?;
         if let Some(source) = &self.noise {
-            ladder = ladder.with_noise(source);
+            ladder = ladder.with_noise(source)?;
         }
         let record = || Record { experiment: self, paths: BTreeMap::new() };
         let measured = ladder.run(self.paths, record, &|_| ());
