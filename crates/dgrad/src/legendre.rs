@@ -30,13 +30,11 @@ impl std::error::Error for QuadratureError {}
 
 /// The smallest number of nodes that integrates polynomials of the given degree exactly:
 /// ⌈(degree + 1)/2⌉.
-#[must_use]
 pub const fn nodes_for_degree(degree: usize) -> usize {
     (degree + 2) / 2
 }
 
 /// The nodes and weights of the N-point rule on [0, 1], at compile time.
-#[must_use]
 pub const fn fixed_rule<const N: usize>() -> ([f64; N], [f64; N]) {
     let (mut nodes, mut weights) = ([0.0; N], [0.0; N]);
     let mut i = 0;
@@ -73,19 +71,16 @@ impl Rule {
     }
 
     /// The nodes in (0, 1), increasing.
-    #[must_use]
     pub fn nodes(&self) -> &[f64] {
         &self.nodes
     }
 
     /// The weights, which sum to 1.
-    #[must_use]
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }
 
     /// (b − a) Σ wᵢ f(a + (b − a)ηᵢ) ≈ ∫ₐᵇ f.
-    #[must_use]
     pub fn integrate(&self, a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
         let length = b - a;
         let sum: f64 = self

@@ -18,7 +18,6 @@ pub struct ShortMean {
 impl ShortMean {
     /// The average of the sine from `a` on; w = `weight`.
     #[inline(always)]
-    #[must_use]
     pub fn of_sine(a: f64, weight: f64) -> Self {
         let (sin, cos) = elementary::sin_cos_absolute(a);
         Self { value: sin * weight, derivative: cos * weight }
@@ -26,7 +25,6 @@ impl ShortMean {
 
     /// The average of the cosine from `a` on; w = `weight`.
     #[inline(always)]
-    #[must_use]
     pub fn of_cosine(a: f64, weight: f64) -> Self {
         let (sin, cos) = elementary::sin_cos_absolute(a);
         Self { value: cos * weight, derivative: -(sin * weight) }
@@ -34,7 +32,6 @@ impl ShortMean {
 
     /// The average over an interval of length h, exact to round-off.
     #[inline(always)]
-    #[must_use]
     pub fn value(&self, h: f64) -> f64 {
         let (deficit, versine) = elementary::deficit_versine(h);
         // sin(h)/h = 1 − h²·deficit and (1 − cos h)/h = h·versine.
@@ -45,7 +42,6 @@ impl ShortMean {
     /// w h⁸/(2.8·10⁶) for h² ≤ ½. This is [`value`](ShortMean::value) with four terms of each
     /// Taylor series.
     #[inline(always)]
-    #[must_use]
     pub fn estimate_with_slope(&self, h: f64) -> (f64, f64) {
         let z = h * h;
         let zz = z * z;
@@ -61,21 +57,18 @@ impl ShortMean {
 
     /// The average for h = 0.
     #[inline(always)]
-    #[must_use]
     pub fn constant(&self) -> f64 {
         self.value
     }
 
     /// The Taylor polynomial up to h², with the error wg‴h³/24.
     #[inline(always)]
-    #[must_use]
     pub fn quadratic(&self, h: f64) -> f64 {
         self.value + h * (self.derivative * (1.0 / 2.0) - h * (self.value * (1.0 / 6.0)))
     }
 
     /// The Taylor polynomial up to h³, with the error wg⁗h⁴/120.
     #[inline(always)]
-    #[must_use]
     pub fn cubic(&self, h: f64) -> f64 {
         let inner = self.value * (1.0 / 6.0) + h * (self.derivative * (1.0 / 24.0));
         self.value + h * (self.derivative * (1.0 / 2.0) - h * inner)
@@ -83,7 +76,6 @@ impl ShortMean {
 
     /// [`cubic`](ShortMean::cubic) and its derivative with respect to h.
     #[inline(always)]
-    #[must_use]
     pub fn cubic_with_slope(&self, h: f64) -> (f64, f64) {
         let inner = self.value * (1.0 / 3.0) + h * (self.derivative * (1.0 / 8.0));
         (self.cubic(h), self.derivative * (1.0 / 2.0) - h * inner)

@@ -24,13 +24,11 @@ pub struct Run<'a, S, const D: usize, const M: usize> {
 
 impl<'a, S, const D: usize, const M: usize> Run<'a, S, D, M> {
     /// The scheme on the increments in their order.
-    #[must_use]
     pub fn new(scheme: &'a dyn Scheme<S, D, M>, level: usize) -> Self {
         Self { scheme, level, swapped: false }
     }
 
     /// The scheme on exchanged increments.
-    #[must_use]
     pub fn swapped(scheme: &'a dyn Scheme<S, D, M>, level: usize) -> Self {
         Self { scheme, level, swapped: true }
     }
@@ -194,26 +192,22 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
     }
 
     /// The step size of a level.
-    #[must_use]
     pub fn tau(&self, level: usize) -> f64 {
         self.driver.tau(level)
     }
 
     /// Number of coarsest steps: the number of times at which a statistic observes each block.
-    #[must_use]
     pub fn coarse_steps(&self) -> u64 {
         self.driver.finest_steps >> self.driver.levels
     }
 
     /// Whether paths advance on the threads of the current rayon pool. In dimensions whose steps
     /// need a larger stack they advance on threads of their own.
-    #[must_use]
     pub fn runs_on_pool(&self) -> bool {
         self.stack <= USUAL_STACK
     }
 
     /// Number of steps of one path in all runs together. Progress is counted in these steps.
-    #[must_use]
     pub fn steps_per_path(&self) -> u64 {
         self.driver.steps_per_path()
     }

@@ -31,7 +31,6 @@ pub enum Reference<'a, const D: usize> {
 impl<'a, const D: usize> StrongErrors<'a, D> {
     /// Errors against `reference`. `series[s]` lists the runs of series s, and `coarse_steps` is
     /// [`Ladder::coarse_steps`](crate::Ladder::coarse_steps).
-    #[must_use]
     pub fn new(reference: Reference<'a, D>, series: &[Vec<usize>], coarse_steps: u64) -> Self {
         Self {
             reference,
@@ -46,7 +45,6 @@ impl<'a, const D: usize> StrongErrors<'a, D> {
     }
 
     /// The moments of |y(T) − y_ref(T)|² for the runs of series s.
-    #[must_use]
     pub fn at_end(&self, s: usize) -> &CrossMoments {
         let times = &self.in_time[s];
         &times[times.len() - 1]
@@ -54,7 +52,6 @@ impl<'a, const D: usize> StrongErrors<'a, D> {
 
     /// The fraction of the mean-square error at T of run r of series s that is due to paths with
     /// clipped increments.
-    #[must_use]
     pub fn clipped_share(&self, s: usize, r: usize) -> f64 {
         let mean = self.at_end(s).mean(r);
         if mean > 0.0 { self.clipped[s][r].mean() / mean } else { 0.0 }
@@ -62,7 +59,6 @@ impl<'a, const D: usize> StrongErrors<'a, D> {
 
     /// The moments for the runs of series s at the coarse time where the mean-square error of the
     /// first run is largest.
-    #[must_use]
     pub fn at_worst_time(&self, s: usize) -> &CrossMoments {
         let larger = |a: &&CrossMoments, b: &&CrossMoments| a.mean(0).total_cmp(&b.mean(0));
         self.in_time[s].iter().max_by(larger).unwrap_or(self.at_end(s))

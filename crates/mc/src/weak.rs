@@ -33,7 +33,6 @@ impl<const D: usize> WeakDifferences<D> {
     /// Differences for the given test functions. `runs[l]` are the runs (coarse, fine, swapped) of
     /// difference number l, and `coarse_steps` is
     /// [`Ladder::coarse_steps`](crate::Ladder::coarse_steps).
-    #[must_use]
     pub fn new(
         observables: &[Observable<D>],
         runs: &[(usize, usize, usize)],
@@ -48,7 +47,6 @@ impl<const D: usize> WeakDifferences<D> {
     }
 
     /// The moments of the differences for test function number f.
-    #[must_use]
     pub fn moments(&self, f: usize) -> &CrossMoments {
         &self.moments[f]
     }

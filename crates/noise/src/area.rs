@@ -17,14 +17,12 @@ pub struct AreaBlock<const M: usize>(pub [[[f64; WIDTH]; M]; M]);
 impl<const M: usize> AreaBlock<M> {
     /// All zero.
     #[inline(always)]
-    #[must_use]
     pub fn zero() -> Self {
         Self([[[0.0; WIDTH]; M]; M])
     }
 
     /// The skew matrix A of path `p`.
     #[inline(always)]
-    #[must_use]
     pub fn path(&self, p: usize) -> [[f64; M]; M] {
         let mut area = [[0.0; M]; M];
         for i in 0..M {
@@ -47,7 +45,6 @@ impl<const M: usize> AreaBlock<M> {
 
     /// These areas, each clipped to ±`bound`.
     #[inline]
-    #[must_use]
     pub fn clipped(&self, bound: f64) -> Self {
         let mut clipped = Self::zero();
         for i in 0..M {
@@ -85,7 +82,6 @@ pub struct AreaLadder<const M: usize> {
 
 impl<const M: usize> AreaLadder<M> {
     /// A ladder of `levels` levels above the finest, for a [`DyadicLadder`] with the same number.
-    #[must_use]
     pub fn new(levels: usize) -> Self {
         Self {
             first_half: vec![AreaBlock::zero(); levels + 1],
@@ -108,14 +104,12 @@ impl<const M: usize> AreaLadder<M> {
     }
 
     /// The areas over the last complete step of `level`.
-    #[must_use]
     pub fn areas(&self, level: usize) -> &AreaBlock<M> {
         &self.joined[level]
     }
 
     /// The areas over the first half of the last complete step of `level` ≥ 1. Those of the second
     /// half are [`areas`](Self::areas) of the level below.
-    #[must_use]
     pub fn first_half(&self, level: usize) -> &AreaBlock<M> {
         &self.first_half[level]
     }
@@ -124,7 +118,6 @@ impl<const M: usize> AreaLadder<M> {
 /// Chen's relation (Chen 1957) for two consecutive steps with areas A′, A″ and increments W′, W″:
 /// the areas over both are A = A′ + A″ + ½(W′W″ᵀ − W″W′ᵀ).
 #[inline]
-#[must_use]
 pub fn join<const M: usize>(
     first_areas: &AreaBlock<M>,
     first: &Block<M>,

@@ -57,7 +57,6 @@ pub enum AreaMethod {
 
 /// The root-mean-square error h^{3/2} of each area that a method of strong order one tolerates. The
 /// errors of the N = T/h steps are independent, so their sum has the size √N h^{3/2} = √T h.
-#[must_use]
 pub fn strong_order_one_error(step: f64) -> f64 {
     step * step.sqrt()
 }
@@ -85,7 +84,6 @@ impl AreaMethod {
     /// published bound is proven for all n.
     ///
     /// Infinite for n = 0. Zero for fewer than two noises, which have no areas.
-    #[must_use]
     pub fn rms_error(self, step: f64, terms: usize, noises: usize) -> f64 {
         if noises < 2 {
             return 0.0;
@@ -137,7 +135,6 @@ impl AreaMethod {
 
     /// The cost of the areas of one step of one path in normal variables: 2mn for the series plus
     /// those of the tail.
-    #[must_use]
     pub fn normals(self, terms: usize, noises: usize) -> usize {
         if noises < 2 { 0 } else { 2 * noises * terms + self.tail_normals(noises) }
     }

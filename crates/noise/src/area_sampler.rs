@@ -77,7 +77,6 @@ impl Series {
 impl<const M: usize> AreaSampler<M> {
     /// The sampler of paths `first_path` .. `first_path + 32`, by `method` with `terms` terms of
     /// the series. [`AreaMethod::cheapest`] chooses both.
-    #[must_use]
     pub fn new(key: StreamKey, first_path: u64, method: AreaMethod, terms: usize) -> Self {
         Self {
             streams: BlockStreams::new(key.of_areas(), first_path),
@@ -107,7 +106,6 @@ pub struct AreaPath<const M: usize> {
 
 impl<const M: usize> AreaPath<M> {
     /// The sampler of path `path`, by `method` with `terms` terms of the series.
-    #[must_use]
     pub fn new(key: StreamKey, path: u64, method: AreaMethod, terms: usize) -> Self {
         Self {
             words: key.of_areas().state(path).map(|word| [word]),

@@ -39,7 +39,6 @@ impl ExactArea {
 
     /// The sampler of path `path`. It uses the same stream as [`AreaPath`](crate::AreaPath), so use
     /// only one of them.
-    #[must_use]
     pub fn new(key: StreamKey, path: u64) -> Self {
         let tail_amplitude = (2.0 * trigamma_after(Self::JUMP_SCALES as usize)).sqrt();
         Self { state: key.of_areas().state(path), tail_amplitude }

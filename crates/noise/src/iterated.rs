@@ -8,7 +8,6 @@
 /// assert_eq!(j, [[0.5, 1.0], [0.0, 0.5]]);
 /// ```
 #[inline(always)]
-#[must_use]
 pub fn stratonovich<const M: usize>(dw: [f64; M], areas: [[f64; M]; M]) -> [[f64; M]; M] {
     let mut integrals = areas;
     for i in 0..M {
@@ -21,7 +20,6 @@ pub fn stratonovich<const M: usize>(dw: [f64; M], areas: [[f64; M]; M]) -> [[f64
 
 /// The iterated Itô integrals I_ij = ∫₀ʰ∫₀ˢ dW_i(r) dW_j(s) over a step h: I = J − ½h·Id.
 #[inline(always)]
-#[must_use]
 pub fn ito<const M: usize>(dw: [f64; M], areas: [[f64; M]; M], step: f64) -> [[f64; M]; M] {
     let mut integrals = stratonovich(dw, areas);
     for i in 0..M {

@@ -17,7 +17,6 @@ pub struct DyadicLadder<const M: usize> {
 
 impl<const M: usize> DyadicLadder<M> {
     /// A ladder of `levels` levels above the finest, which is level 0.
-    #[must_use]
     pub fn new(levels: usize) -> Self {
         Self {
             first_half: vec![Block::zero(); levels + 1],
@@ -48,14 +47,12 @@ impl<const M: usize> DyadicLadder<M> {
     }
 
     /// The increment over the last complete step of `level`.
-    #[must_use]
     pub fn increment(&self, level: usize) -> &Block<M> {
         &self.sum[level]
     }
 
     /// The increment over the first half of the last complete step of `level` ≥ 1. That of the
     /// second half is [`increment`](Self::increment) of the level below.
-    #[must_use]
     pub fn first_half(&self, level: usize) -> &Block<M> {
         &self.first_half[level]
     }

@@ -16,7 +16,6 @@ pub struct Noise<const M: usize> {
 
 impl<const M: usize> Noise<M> {
     /// Increments with zero areas, the mean of the areas given the increments.
-    #[must_use]
     pub fn increments(increments: [f64; M]) -> Self {
         Self { increments, areas: [[0.0; M]; M] }
     }
@@ -33,20 +32,17 @@ pub struct BlockNoise<const M: usize> {
 
 impl<const M: usize> BlockNoise<M> {
     /// No noise.
-    #[must_use]
     pub fn zero() -> Self {
         Self::increments(Block::zero())
     }
 
     /// Increments with zero areas, the mean of the areas given the increments.
-    #[must_use]
     pub fn increments(increments: Block<M>) -> Self {
         Self { increments, areas: AreaBlock::zero() }
     }
 
     /// The noise of path `p`.
     #[inline(always)]
-    #[must_use]
     pub fn path(&self, p: usize) -> Noise<M> {
         Noise { increments: self.increments.path(p), areas: self.areas.path(p) }
     }

@@ -26,7 +26,6 @@ fn mix(mut x: u64) -> u64 {
 impl StreamKey {
     /// The 64-bit seed of the generator of path `path`. For a fixed key it is a bijection of the
     /// path number, so no two paths of an experiment share a stream.
-    #[must_use]
     pub fn path_seed(self, path: u64) -> u64 {
         let experiment = mix(mix(self.seed.wrapping_add(GOLDEN)).wrapping_add(self.experiment));
         mix(experiment.wrapping_add(GOLDEN).wrapping_add(path.wrapping_mul(GOLDEN)))

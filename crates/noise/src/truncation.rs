@@ -24,7 +24,6 @@ impl Truncation {
     }
 
     /// No truncation: for explicit schemes, and for experiments without it.
-    #[must_use]
     pub fn none() -> Self {
         Self { order: None }
     }

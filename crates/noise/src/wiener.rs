@@ -21,7 +21,6 @@ pub struct WienerBlock<const M: usize> {
 
 impl<const M: usize> WienerBlock<M> {
     /// The increments of paths `first_path` .. `first_path + 32`.
-    #[must_use]
     pub fn new(key: StreamKey, first_path: u64) -> Self {
         Self { streams: BlockStreams::new(key, first_path), spare: Block::zero(), has_spare: false }
     }
@@ -131,7 +130,6 @@ pub struct WienerPath<const M: usize> {
 
 impl<const M: usize> WienerPath<M> {
     /// The increments of path `path`.
-    #[must_use]
     pub fn new(key: StreamKey, path: u64) -> Self {
         Self { state: key.state(path), spare: None }
     }

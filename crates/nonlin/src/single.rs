@@ -10,7 +10,6 @@ impl Solver {
     ///
     /// The fast method is tried first. If it does not converge in `max_sweeps` sweeps, Newton's
     /// method with continuation follows. If that fails as well, the outcome is [`Outcome::Failed`].
-    #[must_use]
     pub fn solve<E: FixedPoint<D>, const D: usize>(&self, equation: &E) -> Solution<D> {
         let method = self.method.unwrap_or(E::METHOD);
         let ((mut z, mut excess), mut iterations) = if has_first_sweep::<E, D>(method) {

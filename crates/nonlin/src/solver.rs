@@ -45,7 +45,6 @@ impl Default for Solver {
 
 impl Solver {
     /// The given method with the default number of sweeps.
-    #[must_use]
     pub fn new(method: Method) -> Self {
         Self { method: Some(method), ..Self::default() }
     }
@@ -81,7 +80,6 @@ pub enum Outcome {
 
 impl Outcome {
     /// Whether the equation was solved.
-    #[must_use]
     pub fn converged(self) -> bool {
         !matches!(self, Self::Failed { .. })
     }
@@ -125,7 +123,6 @@ pub struct BlockStatus {
 
 impl BlockStatus {
     /// The status of an explicit step: every path solved in one iteration.
-    #[must_use]
     pub fn explicit() -> Self {
         Self {
             pending: Block::splat([-1.0]),
@@ -184,14 +181,12 @@ impl BlockStatus {
 
     /// Number of iterations on path `p`: sweeps of the fast method or Newton iterations of the
     /// robust one. Zero if both failed.
-    #[must_use]
     pub fn iterations(&self, p: usize) -> u32 {
         f64::max(-self.pending.0[0][p], 0.0) as u32
     }
 
     /// ‖z − ψ(z)‖₁ on path `p` if it failed or needed the robust method. Zero if the fast method
     /// solved it to its tolerance. May be infinite or NaN on a failed path.
-    #[must_use]
     pub fn residual(&self, p: usize) -> f64 {
         if self.failed.contains(p) {
             self.pending.0[0][p]

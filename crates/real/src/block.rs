@@ -15,14 +15,12 @@ pub struct Block<const D: usize>(pub [[f64; WIDTH]; D]);
 impl<const D: usize> Block<D> {
     /// All zero.
     #[inline(always)]
-    #[must_use]
     pub fn zero() -> Self {
         Self([[0.0; WIDTH]; D])
     }
 
     /// The same `y` on every path.
     #[inline(always)]
-    #[must_use]
     pub fn splat(y: [f64; D]) -> Self {
         let mut block = Self::zero();
         for i in 0..D {
@@ -33,7 +31,6 @@ impl<const D: usize> Block<D> {
 
     /// The D numbers of path `p` < [`WIDTH`].
     #[inline(always)]
-    #[must_use]
     pub fn path(&self, p: usize) -> [f64; D] {
         let mut y = [0.0; D];
         for i in 0..D {
@@ -62,13 +59,11 @@ impl PathMask {
     pub const ALL: Self = Self(u32::MAX);
 
     /// The first `n` paths; all of them for n ≥ [`WIDTH`].
-    #[must_use]
     pub fn first(n: usize) -> Self {
         if n >= WIDTH { Self::ALL } else { Self((1 << n) - 1) }
     }
 
     /// Whether path `p` is in the set.
-    #[must_use]
     pub fn contains(self, p: usize) -> bool {
         self.0 >> p & 1 == 1
     }
@@ -79,13 +74,11 @@ impl PathMask {
     }
 
     /// Whether no path is in the set.
-    #[must_use]
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }
 
     /// Number of paths in the set.
-    #[must_use]
     pub fn len(self) -> u32 {
         self.0.count_ones()
     }

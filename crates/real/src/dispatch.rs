@@ -34,13 +34,11 @@ pub enum Level {
 
 impl Level {
     /// The widest level that this machine supports and [`limit_to`] allows.
-    #[must_use]
     pub fn current() -> Self {
         Self::available().min(Self::limit())
     }
 
     /// The widest level that this machine supports.
-    #[must_use]
     pub fn available() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
@@ -67,7 +65,6 @@ impl Level {
     }
 
     /// The name used in reports: `avx512`, `avx2` or `baseline`.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Baseline => "baseline",

@@ -160,7 +160,6 @@ fn turn(quarters: u64, s: f64, c: f64) -> (f64, f64) {
 /// finite `x` it is `(±0, 1)`. All values are in `[-1, 1]`. `sin(±0) = ±0`; an infinite `x` or NaN
 /// gives NaN.
 #[inline(always)]
-#[must_use]
 pub fn sin_cos(x: f64) -> (f64, f64) {
     // x * 0 is NaN for the infinite x and NaN.
     let x = if x.abs() <= SIN_COS_LIMIT { x } else { x * 0.0 };
@@ -189,7 +188,6 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
 /// `π/2` has two parts here and there is no second word for rounding errors. Absolute error at most
 /// 1.7e-16 (measured); any other `x` gives NaN.
 #[inline(always)]
-#[must_use]
 pub fn sin_cos_absolute(x: f64) -> (f64, f64) {
     let t = x * FRAC_2_PI + ROUND;
     let k = t - ROUND;
@@ -204,14 +202,12 @@ pub fn sin_cos_absolute(x: f64) -> (f64, f64) {
 
 /// `sin x`: the same bits as the first value of [`sin_cos`].
 #[inline(always)]
-#[must_use]
 pub fn sin(x: f64) -> f64 {
     sin_cos(x).0
 }
 
 /// `cos x`: the same bits as the second value of [`sin_cos`].
 #[inline(always)]
-#[must_use]
 pub fn cos(x: f64) -> f64 {
     sin_cos(x).1
 }
@@ -223,7 +219,6 @@ pub fn cos(x: f64) -> f64 {
 /// are in `[-1, 1]`. The formula also holds outside `[0, 1]` while `|u| < 2^49`. An infinite `u` or
 /// NaN gives NaN.
 #[inline(always)]
-#[must_use]
 pub fn sin_cos_turn(u: f64) -> (f64, f64) {
     const QUARTERS: f64 = 0.25 * ROUND;
     let t = u + QUARTERS;
@@ -259,7 +254,6 @@ fn powers_of_two(x: f64) -> (f64, f64, f64, f64) {
 /// Error at most 0.99 ulp (measured) over the full range, also for subnormal results. Above 709.79
 /// the result is infinite, below -745.14 it is 0. `exp(±0) = 1`; NaN gives NaN.
 #[inline(always)]
-#[must_use]
 pub fn exp(x: f64) -> f64 {
     let (x, k, one, other) = powers_of_two(x);
     let r = (x - k * LN_2_1) - k * LN_2_2;
@@ -288,7 +282,6 @@ const EXP_SERIES: [f64; 14] = {
 /// small `x`. `tests/elementary.rs` asserts twice that through `e^x e^{-x} = 1` and `e^{2x} =
 /// (e^x)²`. Where `p` is zero, subnormal or infinite, `e` is zero. NaN gives NaN.
 #[inline(always)]
-#[must_use]
 pub fn exp_with_remainder(x: f64) -> (f64, f64) {
     let (x, k, one, other) = powers_of_two(x);
     // Each sum has the larger summand first, so that its rounding error is exactly computable.
@@ -328,7 +321,6 @@ fn exponent_fraction(x: f64) -> (f64, f64) {
 /// Error at most 0.78 ulp (measured) for all `x > 0`, also next to 1 and for subnormal `x`.
 /// `ln(±0) = -inf`, `ln(inf) = inf`; a negative `x` and NaN give NaN.
 #[inline(always)]
-#[must_use]
 pub fn ln(x: f64) -> f64 {
     const TWO_54: f64 = 18_014_398_509_481_984.0;
     let subnormal = x < f64::MIN_POSITIVE;
@@ -352,7 +344,6 @@ pub fn ln(x: f64) -> f64 {
 /// at most 2.55 ulp (measured), also next to 1. Normal `u >= 1` are allowed as well. Zero,
 /// subnormal, negative, infinite and NaN arguments give a meaningless value.
 #[inline(always)]
-#[must_use]
 pub fn ln_unit(u: f64) -> f64 {
     let (e, f) = exponent_fraction(u);
     let s = f / (2.0 + f);
@@ -366,7 +357,6 @@ pub fn ln_unit(u: f64) -> f64 {
 /// error near 0. Error at most 1.73 ulp (measured) for `|x| <= 2^20`. Beyond that the absolute
 /// error is below `2^-30` (see [`sin_cos`]). An infinite `x` or NaN gives NaN.
 #[inline(always)]
-#[must_use]
 pub fn sinc(x: f64) -> f64 {
     let q = sin(x) / x;
     if x == 0.0 { 1.0 } else { q }
@@ -381,7 +371,6 @@ pub fn sinc(x: f64) -> f64 {
 /// and 6.4e-16 (measured); the means multiply them by `x²` and `x`. For any other `x` the deficit
 /// is NaN.
 #[inline(always)]
-#[must_use]
 pub fn deficit_versine(x: f64) -> (f64, f64) {
     let z = x * x;
     let deficit = polynomial(DEFICIT, z);
@@ -395,7 +384,6 @@ pub fn deficit_versine(x: f64) -> (f64, f64) {
 /// `x^|n|` overflows. The products follow the bits of `|n|`, lowest first. To first order the
 /// relative error is at most `|n| 2^-53`.
 #[inline(always)]
-#[must_use]
 pub fn powi(x: f64, n: i32) -> f64 {
     let mut m = n.unsigned_abs();
     let mut square = x;

@@ -12,7 +12,6 @@ pub struct Bars {
 
 impl Bars {
     /// No bar yet.
-    #[must_use]
     pub fn new() -> Self {
         let style = "{elapsed:>4} [{bar:28}] {percent:>3}% {msg}, {eta} left";
         let style = ProgressStyle::with_template(style).expect("the template is valid");

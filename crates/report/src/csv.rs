@@ -18,7 +18,6 @@ use crate::panel::relative_defect;
 /// | `t`, `value`, `exact` | time, value along the path, value by the conformal law |
 /// | `relative_defect` | \|value − exact\| / \|exact\| |
 /// | `accuracy`, `path_steps` | half-width asked for, path-steps taken |
-#[must_use]
 pub fn csv(panel: &Panel) -> String {
     let columns = match panel.kind {
         Kind::Strong | Kind::Weak => "tau,value,se,lo,hi",

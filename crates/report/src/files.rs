@@ -35,7 +35,6 @@ pub fn prepare_file(file: &Path) -> Result<()> {
 }
 
 /// The folder of a file.
-#[must_use]
 pub fn folder(file: &Path) -> &Path {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
 }

@@ -23,7 +23,6 @@ pub struct Label {
 impl Label {
     /// Reads `base`, `base^exponent`, or either with an index of digits after the last letter of
     /// the base.
-    #[must_use]
     pub fn new(notation: &str) -> Self {
         let (base, exponent) = notation.split_once('^').unwrap_or((notation, ""));
         let stem = base.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -34,7 +33,6 @@ impl Label {
     }
 
     /// Plain words, in which digits and hyphens stay what they are.
-    #[must_use]
     pub fn words(text: &str) -> Self {
         Self { base: text.to_owned(), ..Self::default() }
     }
@@ -46,7 +44,6 @@ impl Label {
     }
 
     /// Estimated width in units of its font size.
-    #[must_use]
     pub fn width(&self) -> f64 {
         width(&self.base)
             + SCRIPT_SIZE * (width(&self.index) + width(&self.exponent))

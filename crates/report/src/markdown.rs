@@ -31,7 +31,6 @@ pub struct Page {
 
 impl Page {
     /// A page with a title.
-    #[must_use]
     pub fn new(title: &str) -> Self {
         Self { text: format!("# {title}\n"), figures: Vec::new() }
     }
@@ -102,7 +101,6 @@ impl Page {
     }
 
     /// The page so far.
-    #[must_use]
     pub fn text(&self) -> &str {
         &self.text
     }
@@ -125,7 +123,6 @@ impl Page {
 }
 
 /// The anchor of a heading.
-#[must_use]
 pub fn anchor(heading: &str) -> String {
     let mut anchor = heading.to_lowercase().replace(' ', "-");
     anchor.retain(|c| c.is_alphanumeric() || c == '-');

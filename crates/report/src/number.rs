@@ -5,7 +5,6 @@
 /// ```
 /// assert_eq!([27.18, 3.2e-15].map(report::number), ["27.2", "3.2e-15"]);
 /// ```
-#[must_use]
 pub fn number(x: f64) -> String {
     if !x.is_finite() || x == 0.0 {
         return format!("{x}");

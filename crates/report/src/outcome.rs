@@ -21,7 +21,6 @@ impl Outcome {
     pub const ALL: [Self; 4] = [Self::Refuted, Self::Undecided, Self::Holds, Self::Misprint];
 
     /// The outcome of one claim.
-    #[must_use]
     pub fn of(claim: &Claim) -> Self {
         match claim.verdict {
             Verdict::Holds => Self::Holds,
@@ -32,7 +31,6 @@ impl Outcome {
     }
 
     /// The outcome in a word.
-    #[must_use]
     pub fn word(self) -> &'static str {
         match self {
             Self::Holds => "holds",
@@ -43,7 +41,6 @@ impl Outcome {
     }
 
     /// The outcome as a predicate.
-    #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             Self::Misprint => "refuted: misprint in the statement",

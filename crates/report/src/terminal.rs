@@ -7,7 +7,6 @@ use verify::results::Claim;
 use crate::Outcome;
 
 /// A table with a row for each claim: what, on which panel, by which scheme, verdict, evidence.
-#[must_use]
 pub fn verdicts(claims: &[Claim]) -> String {
     let mut table = Table::new();
     table.load_style(UTF8_HORIZONTAL_ONLY).set_content_arrangement(ContentArrangement::Dynamic);
@@ -28,7 +27,6 @@ pub fn verdicts(claims: &[Claim]) -> String {
 }
 
 /// How many claims hold, are refuted, are undecided, in words.
-#[must_use]
 pub fn counts(claims: &[Claim]) -> String {
     let [refuted, undecided, hold, misprinted] = Outcome::ALL.map(|outcome| outcome.count(claims));
     format!(

@@ -34,7 +34,6 @@ pub struct SexpLevy {
 impl SexpLevy {
     /// The scheme for `system`. [`systems::noises_commute`] checks around `y0` whether areas are
     /// needed.
-    #[must_use]
     pub fn new<S, const D: usize, const M: usize>(system: &S, y0: [f64; D]) -> Self
     where
         S: PoissonSystem<D, M>,
@@ -43,7 +42,6 @@ impl SexpLevy {
     }
 
     /// Whether the noises commute, so that the scheme reads no areas.
-    #[must_use]
     pub fn commuting(&self) -> bool {
         self.commuting
     }

@@ -70,7 +70,6 @@ impl Step {
     }
 
     /// ∫γ over the step.
-    #[must_use]
     pub fn damping_integral(&self) -> f64 {
         self.damping_integral
     }

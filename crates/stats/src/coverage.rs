@@ -39,7 +39,6 @@ pub enum Expected {
 
 impl Expected {
     /// The nominal share: 0.95 of an interval, 1 or 0 of a warning.
-    #[must_use]
     pub fn nominal(self) -> f64 {
         match self {
             Self::Raised => 1.0,
@@ -52,14 +51,12 @@ impl Expected {
 impl Coverage {
     /// Share of the data sets that are covered, or warned about. With R data sets a true share of
     /// 0.95 has the standard error √(0.95·0.05/R): 0.49 % for 2000.
-    #[must_use]
     pub fn share(&self) -> f64 {
         self.covered as f64 / self.replications as f64
     }
 
     /// Whether the share is as required, with `tolerance` as the largest deviation from the nominal
     /// one.
-    #[must_use]
     pub fn as_expected(&self, tolerance: f64) -> bool {
         let deviation = (self.share() - self.expected.nominal()).abs();
         match self.expected {
@@ -71,20 +68,17 @@ impl Coverage {
 }
 
 /// Whether `value` ± 1.96 `se` contains the truth.
-#[must_use]
 pub fn normal_covers(value: f64, se: f64, truth: f64) -> bool {
     (value - truth).abs() <= two_sided(CONFIDENCE, None) * se
 }
 
 impl Rate {
     /// Whether the interval contains the order.
-    #[must_use]
     pub fn covers(&self, order: f64) -> bool {
         self.lo <= order && order <= self.hi
     }
 
     /// Whether there is a bootstrap interval and it contains the order.
-    #[must_use]
     pub fn bootstrap_covers(&self, order: f64) -> bool {
         self.bootstrap_lo.is_some_and(|lo| lo <= order)
             && self.bootstrap_hi.is_some_and(|hi| order <= hi)
@@ -94,7 +88,6 @@ impl Rate {
 impl Point {
     /// Whether the interval of a measured error contains the true one: [`lo`, `hi`] where there is
     /// one, else `value` ± 1.96 `se`.
-    #[must_use]
     pub fn covers(&self, truth: f64) -> bool {
         match *self {
             Self::Error { lo: Some(lo), hi: Some(hi), .. } => lo <= truth && truth <= hi,
@@ -103,13 +96,11 @@ impl Point {
     }
 
     /// Whether `value` ± 1.96 `se` of a measured error contains the true one.
-    #[must_use]
     pub fn normal_covers(&self, truth: f64) -> bool {
         matches!(*self, Self::Error { value, se, .. } if normal_covers(value, se, truth))
     }
 
     /// Whether there is a warning at the point.
-    #[must_use]
     pub fn warns(&self) -> bool {
         matches!(self, Self::Error { warning: Some(_), .. })
     }

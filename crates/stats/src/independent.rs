@@ -10,7 +10,6 @@ use crate::weak::NOISE;
 /// standard error): ln e = a + p ln τ + bτ + cτ² by weighted least squares, with the variances of
 /// the logarithms by the delta method. `None` if a value is zero or inside its noise, or with fewer
 /// than five step sizes.
-#[must_use]
 pub fn fit_independent(taus: &[f64], values: &[(f64, f64)]) -> Option<Rate> {
     let levels = taus.len();
     if levels < 5 || values.iter().any(|&(value, se)| value.is_nan() || value <= NOISE * se) {

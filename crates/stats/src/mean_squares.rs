@@ -71,7 +71,6 @@ pub struct Estimate {
 impl<'a> LogMeanSquares<'a> {
     /// The levels of that number among `taus`, which are the components of `squares`; `None` if a
     /// mean is not positive.
-    #[must_use]
     pub fn new(taus: &[f64], squares: &'a CrossMoments, levels: Vec<usize>) -> Option<Self> {
         let means: Vec<f64> = levels.iter().map(|&l| squares.mean(l)).collect();
         if means.iter().any(|mean| !(mean.is_finite() && *mean > 0.0)) {
@@ -101,7 +100,6 @@ impl<'a> LogMeanSquares<'a> {
 
     /// Fits the order with the working weights, and χ² with those of the estimated covariance;
     /// `None` if that is singular.
-    #[must_use]
     pub fn fit(&self, terms: Terms) -> Option<Estimate> {
         let levels = self.levels.len();
         let correlation = |l: usize, m: usize| WORKING_CORRELATION.powi(l.abs_diff(m) as i32);

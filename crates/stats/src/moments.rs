@@ -27,19 +27,16 @@ impl Moments {
     }
 
     /// Number of samples.
-    #[must_use]
     pub fn count(&self) -> u64 {
         self.count
     }
 
     /// Sample mean; NaN without samples.
-    #[must_use]
     pub fn mean(&self) -> f64 {
         self.sum / self.count as f64
     }
 
     /// Standard error of the mean; NaN with fewer than two samples.
-    #[must_use]
     pub fn standard_error(&self) -> f64 {
         let n = self.count as f64;
         let variance = f64::max(self.sum_of_squares - self.sum * self.sum / n, 0.0) / (n - 1.0);
@@ -72,7 +69,6 @@ pub struct CrossMoments {
 
 impl CrossMoments {
     /// No samples of a vector of the given length.
-    #[must_use]
     pub fn new(length: usize) -> Self {
         let products = vec![0.0; length * (length + 1) / 2];
         Self { count: 0, sum: vec![0.0; length], products, batches: Vec::new() }
@@ -121,19 +117,16 @@ impl CrossMoments {
     }
 
     /// Number of samples.
-    #[must_use]
     pub fn count(&self) -> u64 {
         self.count
     }
 
     /// Length of the vector.
-    #[must_use]
     pub fn length(&self) -> usize {
         self.sum.len()
     }
 
     /// Sample mean of component i; NaN without samples.
-    #[must_use]
     pub fn mean(&self, i: usize) -> f64 {
         self.sum[i] / self.count as f64
     }
@@ -145,7 +138,6 @@ impl CrossMoments {
 
     /// Covariance of the sample *means* of components i and j: the sample covariance over the
     /// number of samples.
-    #[must_use]
     pub fn covariance_of_means(&self, i: usize, j: usize) -> f64 {
         let (i, j) = (i.min(j), i.max(j));
         let n = self.count as f64;
@@ -153,13 +145,11 @@ impl CrossMoments {
     }
 
     /// All sample means.
-    #[must_use]
     pub fn means(&self) -> Vec<f64> {
         (0..self.length()).map(|i| self.mean(i)).collect()
     }
 
     /// The covariance matrix of the sample means.
-    #[must_use]
     pub fn covariances_of_means(&self) -> Vec<Vec<f64>> {
         let all = 0..self.length();
         let row = |i| all.clone().map(|j| self.covariance_of_means(i, j)).collect();
@@ -170,7 +160,6 @@ impl CrossMoments {
     /// many equal samples would carry the sum of a positive quantity as evenly. All of them for a
     /// constant, a third for squares of centred normals, about one when a single sample dominates.
     /// NaN without samples or when all are zero.
-    #[must_use]
     pub fn effective_samples(&self, i: usize) -> f64 {
         self.sum[i] * self.sum[i] / self.product(i, i)
     }

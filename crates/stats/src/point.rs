@@ -45,7 +45,6 @@ pub enum Point {
 
 impl Point {
     /// An error whose estimate is normal: `value` ± 1.96 `se` is its 95 % interval.
-    #[must_use]
     pub fn normal(tau: f64, value: f64, se: f64) -> Self {
         Self::Error { tau, value, se, lo: None, hi: None, warning: None }
     }

@@ -127,21 +127,18 @@ const REJECTED: f64 = 1e-5;
 
 impl Rate {
     /// Whether the residuals reject the model. The interval then has no known coverage.
-    #[must_use]
     pub fn misfits(&self) -> bool {
         self.p_value.is_some_and(|p| p.is_nan() || p < REJECTED)
     }
 
     /// Whether a few paths carry the error at step sizes that could not be left out: the interval
     /// then reaches at each end as far as the farther of the delta method's and the bootstrap's.
-    #[must_use]
     pub fn rests_on_few_paths(&self) -> bool {
         self.left_out.is_empty() && self.effective_paths.is_some_and(|paths| paths < FEW_SAMPLES)
     }
 
     /// The interval, widened about the estimate to another confidence by the ratio of the
     /// quantiles.
-    #[must_use]
     pub fn interval(&self, confidence: f64) -> (f64, f64) {
         let quantile = |confidence| two_sided(confidence, self.student_degrees);
         let widening = quantile(confidence) / quantile(self.confidence);

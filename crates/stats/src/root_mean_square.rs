@@ -8,7 +8,6 @@ use crate::point::Point;
 /// √m at every step size, where m is the mean of the squared errors: with a standard error by the
 /// delta method, se(√m) = se(m)/(2√m), a bootstrap-t interval, and a warning where a few paths carry
 /// the mean. A step size without samples has no point.
-#[must_use]
 pub fn root_mean_squares(taus: &[f64], squares: &CrossMoments) -> Vec<Point> {
     taus.iter().enumerate().filter_map(|(l, &tau)| root_mean_square(tau, l, squares)).collect()
 }
@@ -27,7 +26,6 @@ fn root_mean_square(tau: f64, l: usize, squares: &CrossMoments) -> Option<Point>
 /// A 95 % interval for the root of the mean square of component `l`, by bootstrap-t for its
 /// logarithm (Efron and Tibshirani 1993). It leans upwards, as it must for skewed squares, where
 /// value ± 1.96 standard errors covers too rarely. `None` with fewer than 32 paths.
-#[must_use]
 pub fn root_mean_square_interval(squares: &CrossMoments, l: usize) -> Option<(f64, f64)> {
     let mean = squares.mean(l);
     let se = 0.5 * squares.covariance_of_means(l, l).sqrt() / mean;

@@ -26,7 +26,6 @@ const LEAST_LEVELS: usize = 4;
 ///
 /// `None` if an error is zero, or the covariance is singular: with fewer paths than levels, for
 /// example.
-#[must_use]
 pub fn fit_strong(taus: &[f64], reference: Option<f64>, squares: &CrossMoments) -> Option<Rate> {
     let all: Vec<usize> = (0..taus.len()).collect();
     // A zero error anywhere means that there is no order to speak of, even where its level would be

@@ -27,7 +27,6 @@ pub(crate) const NOISE: f64 = 4.0;
 ///
 /// `None` if no error stands out of the noise, if there are fewer than four levels, or if the
 /// covariance is singular.
-#[must_use]
 pub fn fit_weak(
     taus: &[f64],
     errors: &[f64],
@@ -97,7 +96,6 @@ impl Against {
 /// The errors are the sums e_l = Σ_{j ≥ l} d_j with a Richardson tail: below the finest step L, an
 /// error Cτ + O(τ²) leaves d_L once more, up to O(τ²). The order is fitted to the differences,
 /// without the tail.
-#[must_use]
 pub fn weak_errors(taus: &[f64], differences: &[&CrossMoments]) -> (Vec<Point>, Option<Rate>) {
     let means: Vec<f64> = differences.iter().map(|difference| difference.mean(0)).collect();
     let variances: Vec<f64> =

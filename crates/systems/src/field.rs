@@ -73,7 +73,6 @@ pub fn vector_field_derivative<
 
 /// The unit vector eₘ, m < M: with dt = 0 and dw = eₘ, [`vector_field`] is fₘ.
 #[inline(always)]
-#[must_use]
 pub fn unit_noise<const M: usize>(m: usize) -> [f64; M] {
     let mut dw = [0.0; M];
     dw[m] = 1.0;
@@ -137,7 +136,6 @@ const PROBES: [f64; 5] = [0.0, 0.011, -0.013, 0.17, -0.19];
 /// The test is |[fₘ, f_l]| ≤ 64 ε (|f_l′fₘ| + |fₘ′f_l|) in every component, at `y` and at those of
 /// four points near it that are in the domain. Analytic fields that commute on an open set commute
 /// everywhere. Fields that do not commute pass at these points with probability zero.
-#[must_use]
 pub fn noises_commute<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
     system: &S,
     y: [f64; D],

@@ -38,13 +38,11 @@ pub struct Invariant {
 
 impl Invariant {
     /// A linear Casimir, of degree 1.
-    #[must_use]
     pub const fn linear_casimir(name: &'static str, formula: &'static str) -> Self {
         Self { name, formula, kind: InvariantKind::Casimir, form: Form::Linear, degree: 1.0 }
     }
 
     /// A quadratic Casimir, of degree 2.
-    #[must_use]
     pub const fn quadratic_casimir(name: &'static str, formula: &'static str) -> Self {
         let form = Form::Quadratic;
         Self { form, degree: 2.0, ..Self::linear_casimir(name, formula) }

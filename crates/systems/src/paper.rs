@@ -30,7 +30,6 @@ pub const LOTKA_VOLTERRA_START: [f64; 3] = [0.2, 0.4, 0.6];
 pub const POISSON_START: [f64; 3] = [1.0, 2.0, 3.0];
 
 /// Initial value of the rigid body, (cos 1.1, 0, sin 1.1).
-#[must_use]
 pub fn rigid_body_start() -> [f64; 3] {
     [real::elementary::cos(1.1), 0.0, real::elementary::sin(1.1)]
 }
@@ -45,13 +44,11 @@ pub fn valid<T, E: Display>(constructed: Result<T, E>) -> T {
 }
 
 /// ½ cos 2t.
-#[must_use]
 pub fn half_cosine() -> Cosine {
     valid(Cosine::new(0.5, 2.0))
 }
 
 /// sin t.
-#[must_use]
 pub fn sine() -> Sine {
     valid(Sine::new(1.0, 1.0))
 }
@@ -70,57 +67,48 @@ where
 }
 
 /// The damped stochastic pendulum on [0, 1].
-#[must_use]
 pub fn pendulum() -> Problem<Pendulum, Constant, 2> {
     problem(valid(Pendulum::new(1.0)), valid(Constant::new(2.0)), [0.2, 1.0], 1.0)
 }
 
 /// The rigid body with a noise about each axis.
-#[must_use]
 pub fn rigid_body_three_noises(t_end: f64) -> Problem<RigidBody<3>, Cosine, 3> {
     let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
     problem(body, half_cosine(), rigid_body_start(), t_end)
 }
 
 /// The rigid body with W₁ alone on [0, 1].
-#[must_use]
 pub fn rigid_body_one_noise() -> Problem<RigidBody<1>, Cosine, 3> {
     let body = valid(RigidBody::one_noise(INERTIA, NOISE_INERTIA[0]));
     problem(body, half_cosine(), rigid_body_start(), 1.0)
 }
 
 /// The rigid body with one noise, whose Hamiltonian is H₀ itself.
-#[must_use]
 pub fn rigid_body_energy(t_end: f64) -> Problem<RigidBodyEnergy, Sine, 3> {
     problem(valid(RigidBodyEnergy::new(INERTIA, 1.0)), sine(), rigid_body_start(), t_end)
 }
 
 /// The Lotka–Volterra system of the strong errors, H = y₁y₂y₃, on [0, 1].
-#[must_use]
 pub fn lotka_volterra_1_1() -> Problem<LotkaVolterra<IntegerExponents<1, 1>>, Sine, 3> {
     problem(valid(LotkaVolterra::integer(1.0)), sine(), LOTKA_VOLTERRA_START, 1.0)
 }
 
 /// The Lotka–Volterra system of the energy's evolution, H = y₁²y₂²y₃.
-#[must_use]
 pub fn lotka_volterra_2_2(t_end: f64) -> Problem<LotkaVolterra<IntegerExponents<2, 2>>, Sine, 3> {
     problem(valid(LotkaVolterra::integer(1.0)), sine(), LOTKA_VOLTERRA_START, t_end)
 }
 
 /// The Maxwell–Bloch system.
-#[must_use]
 pub fn maxwell_bloch(t_end: f64) -> Problem<MaxwellBloch, Cosine, 3> {
     problem(MaxwellBloch, half_cosine(), POISSON_START, t_end)
 }
 
 /// The three-dimensional Poisson system of the strong errors, on [0, ½].
-#[must_use]
 pub fn poisson3_strong() -> Problem<Poisson3, Cosine, 3> {
     problem(valid(Poisson3::new(1.0)), half_cosine(), POISSON_START, 0.5)
 }
 
 /// The three-dimensional Poisson system of the Casimir's evolution.
-#[must_use]
 pub fn poisson3_casimir(t_end: f64) -> Problem<Poisson3, Linear, 3> {
     problem(valid(Poisson3::new(1.0)), valid(Linear::new(1.0)), POISSON_START, t_end)
 }

@@ -109,19 +109,16 @@ pub struct Bounded {
 
 impl Bounded {
     /// A value that must be at most `at_most`.
-    #[must_use]
     pub fn at_most(quantity: impl Into<String>, value: f64, at_most: f64) -> Self {
         Self { at_most: Some(at_most), ..Self::reported(quantity, value) }
     }
 
     /// A value that must be at least `at_least`.
-    #[must_use]
     pub fn at_least(quantity: impl Into<String>, value: f64, at_least: f64) -> Self {
         Self { at_least: Some(at_least), ..Self::reported(quantity, value) }
     }
 
     /// A value that is reported and held against nothing.
-    #[must_use]
     pub fn reported(quantity: impl Into<String>, value: f64) -> Self {
         Self { quantity: quantity.into(), value, at_least: None, at_most: None }
     }
@@ -139,7 +136,6 @@ impl Evidence {
     /// Orders: [`order_verdict`], or [`bound_verdict`] where `one_sided`. A deviation refutes
     /// beyond [`DEVIATIONS`] standard errors and the bias. Bounds that hold on some paths while
     /// others failed are undecided.
-    #[must_use]
     pub fn verdict(&self) -> Verdict {
         let decided = |holds| if holds { Verdict::Holds } else { Verdict::Refuted };
         match self {
@@ -260,7 +256,6 @@ impl fmt::Display for Short {
 
 /// The larger of two measurements, NaN if either is: a NaN must not be lost on the way to a
 /// verdict.
-#[must_use]
 pub fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }

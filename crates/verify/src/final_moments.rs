@@ -19,7 +19,6 @@ pub struct FinalMoments<'a, const D: usize> {
 impl<'a, const D: usize> FinalMoments<'a, D> {
     /// No path yet; `values` fills a slice of the given length at the last of `coarse_steps`
     /// coarse steps.
-    #[must_use]
     pub fn new(coarse_steps: u64, length: usize, values: &'a FinalValues<'a, D>) -> Self {
         let (moments, numbers) = (CrossMoments::new(length), vec![0.0; length]);
         Self { moments, last_time: coarse_steps, values, numbers }

@@ -178,7 +178,6 @@ impl StepSizes {
     }
 
     /// Number of steps of the reference.
-    #[must_use]
     pub fn reference_steps(&self) -> u64 {
         self.coarsest_steps << self.level(0)
     }

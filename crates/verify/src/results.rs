@@ -60,7 +60,6 @@ pub struct Provenance {
 
 impl Provenance {
     /// Seed, mode and threads of a run on the current rayon pool; the rest is empty.
-    #[must_use]
     pub fn of_run(seed: u64, mode: &str) -> Self {
         let threads = rayon::current_num_threads();
         Self { seed, mode: mode.to_owned(), threads, ..Self::default() }
@@ -181,7 +180,6 @@ pub struct Claim {
 impl Claim {
     /// A statement that the paper proves, about no panel and no scheme; the verdict and the
     /// sentence follow from the measurement.
-    #[must_use]
     pub fn new(id: &str, statement: impl Into<String>, measured: Evidence) -> Self {
         Self {
             id: id.to_owned(),
@@ -209,7 +207,6 @@ impl Claim {
     }
 
     /// Whether the verdict contradicts the statement as it is meant: a documented misprint is none.
-    #[must_use]
     pub fn is_refuted(&self) -> bool {
         self.verdict == Verdict::Refuted && self.erratum.is_empty()
     }

@@ -12,7 +12,6 @@ pub enum Mode {
 
 impl Mode {
     /// `paper` or `quick`, as in results.
-    #[must_use]
     pub fn id(self) -> &'static str {
         match self {
             Self::Paper => "paper",

@@ -21,21 +21,18 @@ impl Stopwatch {
     pub const MEASURES_PROCESSOR: bool = cfg!(unix);
 
     /// Starts on the thread that works.
-    #[must_use]
     pub fn start() -> Self {
         let start = Instant::now();
         Self { start, used: processor_seconds(start) }
     }
 
     /// Seconds of wall time since the start.
-    #[must_use]
     pub fn wall_s(&self) -> f64 {
         self.start.elapsed().as_secs_f64()
     }
 
     /// Seconds of processor time of this thread since the start. Work on other threads is not in
     /// it.
-    #[must_use]
     pub fn thread_s(&self) -> f64 {
         processor_seconds(self.start) - self.used
     }
@@ -69,7 +66,6 @@ impl Spread {
     ///
     /// # Panics
     /// If there is none.
-    #[must_use]
     pub fn of(mut numbers: Vec<f64>) -> Self {
         numbers.sort_by(f64::total_cmp);
         let last = numbers.len() - 1;

@@ -27,7 +27,6 @@ pub const ORDER_MARGIN: f64 = 0.25;
 /// if the widened interval contains it and lies within [`ORDER_MARGIN`] of it, so that no other
 /// multiple of ½ is as near; it is refuted if the widened interval lies farther away than that;
 /// anything else, no fit, or a model that its residuals reject, is undecided.
-#[must_use]
 pub fn order_verdict(rate: Option<&Rate>, order: f64) -> Verdict {
     let Some((lo, hi)) = widened(rate) else {
         return Verdict::Undecided;
@@ -46,7 +45,6 @@ pub fn order_verdict(rate: Option<&Rate>, order: f64) -> Verdict {
 /// As [`order_verdict`], but one-sided: the bound holds if the widened interval reaches `order` or
 /// lies above it and stays above `order` − [`ORDER_MARGIN`]; it is refuted if the widened interval
 /// lies below that.
-#[must_use]
 pub fn bound_verdict(rate: Option<&Rate>, order: f64) -> Verdict {
     widened(rate).map_or(Verdict::Undecided, |(lo, hi)| at_least(lo, hi, order))
 }

@@ -22,7 +22,6 @@ pub struct Expectation {
 
 impl Expectation {
     /// Whether every half-width is at most the accuracy.
-    #[must_use]
     pub fn reached(&self) -> bool {
         self.estimates.iter().all(|estimate| estimate.half_width() <= self.accuracy)
     }
@@ -52,13 +51,11 @@ pub struct Estimate {
 
 impl Estimate {
     /// Half of the 95 % interval: 1.96 standard errors and the bound on the bias.
-    #[must_use]
     pub fn half_width(&self) -> f64 {
         QUANTILE * self.standard_error + self.bias_bound
     }
 
     /// The 95 % interval, from and to. It covers more often when the bias is below its bound.
-    #[must_use]
     pub fn interval(&self) -> (f64, f64) {
         (self.value - self.half_width(), self.value + self.half_width())
     }

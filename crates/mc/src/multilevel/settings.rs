@@ -67,7 +67,6 @@ pub const MAX_ROUNDS: u64 = AREA_STREAM >> ROUND_BIT;
 
 impl ExpectationSettings {
     /// Default values for the settings that have one.
-    #[must_use]
     pub fn new(
         key: StreamKey,
         truncation: Truncation,

@@ -169,19 +169,16 @@ impl<const M: usize> Recording<M> {
     }
 
     /// τ.
-    #[must_use]
     pub fn tau(&self) -> f64 {
         self.tau
     }
 
     /// One row of increments for each step.
-    #[must_use]
     pub fn increments(&self) -> &[[f64; M]] {
         &self.increments
     }
 
     /// One skew matrix of Lévy areas for each step, if they are known.
-    #[must_use]
     pub fn areas(&self) -> Option<&[[[f64; M]; M]]> {
         self.areas.as_deref()
     }

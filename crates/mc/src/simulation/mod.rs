@@ -62,7 +62,6 @@ where
     G: Damping,
 {
     /// A simulation that saves every step and has no observables.
-    #[must_use]
     pub fn new(
         problem: &'a Problem<S, G, D>,
         scheme: &'a dyn Scheme<S, D, M>,
@@ -79,7 +78,6 @@ where
     }
 
     /// Adds a column with the observable φ(y).
-    #[must_use]
     pub fn observing(
         mut self,
         name: impl Into<String>,

@@ -52,14 +52,12 @@ pub struct Column {
 
 impl TimeSeries {
     /// The values of the column with this name, if there is one.
-    #[must_use]
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         let column = self.columns.iter().find(|column| column.name == name)?;
         Some(&column.values)
     }
 
     /// The saved times.
-    #[must_use]
     pub fn times(&self) -> &[f64] {
         self.column("t").unwrap_or_default()
     }

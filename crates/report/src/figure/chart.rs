@@ -104,7 +104,6 @@ const MARKER_RADIUS: f64 = 3.0;
 
 impl Measured {
     /// A point without intervals.
-    #[must_use]
     pub fn new(x: f64, y: f64) -> Self {
         Self { x, x_hi: x, y, interval: None }
     }
@@ -127,7 +126,6 @@ impl Measured {
 
 impl Line {
     /// Its value at `x`.
-    #[must_use]
     pub fn at(&self, x: f64) -> f64 {
         self.constant * x.powf(self.power)
     }

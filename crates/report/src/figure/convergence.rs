@@ -27,7 +27,6 @@ use crate::panel::{QUANTILE, main_quantity};
 /// let svg = convergence("Errors of my scheme", Kind::Strong, &[series]).svg();
 /// assert!(svg.starts_with("<svg") && svg.contains("my-scheme") && svg.contains("slope 1"));
 /// ```
-#[must_use]
 pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> Figure {
     let (weak, cost) = (kind == Kind::Weak, kind == Kind::Cost);
     let quantity = main_quantity(series);

@@ -23,7 +23,6 @@ pub use evolution::evolution;
 pub use ticks::Spacing;
 
 /// The figure of a panel as an SVG document.
-#[must_use]
 pub fn panel_figure(panel: &Panel) -> String {
     match panel.kind {
         Kind::Invariant => evolution(&panel.title, &panel.series),

@@ -32,7 +32,6 @@ impl FoundCasimir {
     }
 
     /// C(y).
-    #[must_use]
     pub fn value(&self, y: &[f64]) -> f64 {
         value(self.degree, &self.coefficients, y)
     }

@@ -124,7 +124,6 @@ impl Inspection {
     }
 
     /// (strong, weak) order that theory predicts for a scheme, by its identifier.
-    #[must_use]
     pub fn order(&self, scheme: &str) -> Option<(f64, f64)> {
         let order = self.orders.iter().find(|order| order.scheme == scheme)?;
         Some((order.strong, order.weak))
@@ -132,7 +131,6 @@ impl Inspection {
 
     /// Whether a statement of the paper applies, by its identifier; `None` if it is about systems
     /// with another number of noises.
-    #[must_use]
     pub fn applies(&self, statement: &str) -> Option<Applies> {
         let theorem = self.theorems.iter().find(|theorem| theorem.statement == statement)?;
         Some(theorem.applies)

@@ -50,14 +50,12 @@ impl Solvability {
     }
 
     /// C(k, τ) for truncation order `k` and step size 0 < `tau` < 1.
-    #[must_use]
     pub fn contraction(&self, k: u32, tau: f64) -> f64 {
         let noises: f64 = (1..self.gradients.len()).map(|m| self.lipschitz(m)).sum();
         tau * self.lipschitz(0) + (2.0 * f64::from(k) * tau * tau.ln().abs()).sqrt() * noises
     }
 
     /// The largest τ̄ ≤ 1 with C(k, τ) < 1 for all τ < τ̄.
-    #[must_use]
     pub fn largest_step(&self, k: u32) -> f64 {
         let grid = |n: u32| f64::powf(2.0, -f64::from(n) / 16.0);
         // False for NaN.

@@ -32,7 +32,6 @@ use integration::{moments, radius, steps};
 /// exact to round-off for polynomials of no higher degree and, with 48, for sines and cosines of a
 /// component if r(T) < 10. For the weak problem of the paper the error is 1e-8 with degree 32,
 /// 1e-12 with 64 and round-off with 96. The work grows as the fourth power of the degree.
-#[must_use]
 pub fn rigid_body_expectations<G: Damping, const M: usize>(
     problem: &Problem<RigidBody<M>, G, 3>,
     degree: usize,

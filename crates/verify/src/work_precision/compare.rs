@@ -3,7 +3,6 @@
 /// The cost of an error of `target` on a curve of (error, cost) by increasing cost: linear in the
 /// logarithms between the two neighbouring points, the more expensive ones if the curve passes
 /// `target` more than once. `None` where no neighbours enclose it: nothing is extrapolated.
-#[must_use]
 pub fn cost_at(curve: &[(f64, f64)], target: f64) -> Option<f64> {
     let usable: Vec<(f64, f64)> = curve
         .iter()
@@ -30,7 +29,6 @@ pub struct Crossing {
 
 /// Compares two curves of (error, cost) by increasing cost; `None` when they reach no error in
 /// common.
-#[must_use]
 pub fn crossing(first: &[(f64, f64)], second: &[(f64, f64)]) -> Option<Crossing> {
     let mut errors: Vec<f64> = first.iter().chain(second).map(|(error, _)| *error).collect();
     errors.sort_by(|a, b| b.total_cmp(a));

@@ -95,7 +95,6 @@ pub struct WorkPoint {
 
 impl WorkPoint {
     /// The point of τ = `t_end`/`steps` whose squared errors are component `index` of `squares`.
-    #[must_use]
     pub fn new(t_end: f64, steps: u64, squares: &CrossMoments, index: usize, time: Time) -> Self {
         let error = squares.mean(index).sqrt();
         let se = squares.covariance_of_means(index, index).sqrt() / (2.0 * error);
@@ -106,7 +105,6 @@ impl WorkPoint {
 
 impl WorkCurve {
     /// (error, seconds of a path), coarsest step first.
-    #[must_use]
     pub fn costs(&self) -> Vec<(f64, f64)> {
         self.points.iter().map(|point| (point.error, point.time.min_s)).collect()
     }
@@ -137,7 +135,6 @@ pub fn ladder<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
 }
 
 /// |y − x|².
-#[must_use]
 pub fn squared_distance<const D: usize>(y: [f64; D], x: [f64; D]) -> f64 {
     (0..D).map(|i| (y[i] - x[i]) * (y[i] - x[i])).sum()
 }

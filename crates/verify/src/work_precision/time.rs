@@ -30,7 +30,6 @@ impl Repetitions {
     }
 
     /// Steps over all paths and repetitions that [`path_times`] takes.
-    #[must_use]
     pub fn work(self, schemes: usize, steps: &[u64]) -> u64 {
         let each: u64 = steps.iter().map(|&steps| self.paths(steps) * steps).sum();
         each * (schemes * self.count) as u64
