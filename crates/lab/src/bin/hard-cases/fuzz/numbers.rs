@@ -13,17 +13,15 @@ pub fn elementary_functions(bits: &mut Bits) -> Fed {
     let x = bits.number();
     let (sin, cos) = elementary::sin_cos(x);
     let (exp, ln, sinc) = (elementary::exp(x), elementary::ln(x), elementary::sinc(x));
-    if !x.is_finite() {
-        ensure!(sin.is_nan() && cos.is_nan() && sinc.is_nan(), "sin, cos, sinc {x} are numbers");
-        ensure!(exp.is_nan() == x.is_nan(), "exp {x} = {exp}");
-        bail!(Refused);
-    }
     // Rounding may leave the interval by nothing: the polynomials are bounded by one.
-    let bounded = [sin, cos, sinc].iter().all(|value| value.abs() <= 1.0);
-    ensure!(bounded, "sin, cos, sinc {x:e} = {sin:e}, {cos:e}, {sinc:e}");
-    ensure!(exp >= 0.0, "exp {x:e} = {exp:e}");
-    ensure!(ln.is_nan() == (x < 0.0), "ln {x:e} = {ln:e}");
-    ensure!(!x.powi(3).is_nan(), "{x:e}³");
+    let sound = if x.is_finite() {
+        let bounded = [sin, cos, sinc].iter().all(|value| value.abs() <= 1.0);
+        bounded && exp >= 0.0 && ln.is_nan() == (x < 0.0) && !x.powi(3).is_nan()
+    } else {
+        [sin, cos, sinc].iter().all(|value| value.is_nan()) && exp.is_nan() == x.is_nan()
+    };
+    ensure!(sound, "{x:e}: sin {sin:e}, cos {cos:e}, sinc {sinc:e}, exp {exp:e}, ln {ln:e}");
+    ensure!(x.is_finite(), Refused);
     Ok(0)
 }
 
@@ -43,9 +41,10 @@ pub fn rules(bits: &mut Bits) -> Fed {
         bail!(Refused);
     };
     let sum: f64 = rule.weights().iter().sum();
-    ensure!(rule.weights().iter().all(|weight| *weight > 0.0), "{nodes} nodes: weights");
+    let positive = rule.weights().iter().all(|weight| *weight > 0.0);
     // n roundings of a sum of positive numbers that is one.
-    ensure!((sum - 1.0).abs() <= nodes as f64 * f64::EPSILON, "{nodes} nodes: sum {sum}");
+    let one = (sum - 1.0).abs() <= nodes as f64 * f64::EPSILON;
+    ensure!(positive && one, "{nodes} nodes: sum {sum}, {:?}", rule.weights());
     Ok(0)
 }
 
