@@ -146,7 +146,8 @@ const METHOD: &str = "\
 Each case runs with every scheme: `sexp` with the fixed point first, `sexp-newton` with Newton's \
 method first, `sexp-levy` where noises do not commute, `midpoint`, `heun` and `em`. A guarantee is \
 a derived bound. Marks: ✓ it holds; ✗ the scheme fails, as theory predicts; none: nothing is \
-guaranteed. A path that cannot go on ends with a typed error; no result is ever NaN.
+guaranteed. Increments are truncated with k = 4 unless a case says otherwise. A path that cannot \
+go on ends with a typed error; no result is ever NaN.
 
 A Casimir of degree two obeys |y_n|² = e^(−2∫γ)|y₀|² on every path. *To rounding* means the worst \
 case of all roundings together, (32n + 4∫|γ| + 8)ε after n steps, derived in \

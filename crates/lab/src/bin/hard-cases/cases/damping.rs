@@ -13,12 +13,12 @@ use crate::schemes::Family;
 pub const STIFF: Case = Case {
     id: "stiff-damping",
     title: "Stiff damping",
-    setup: "Rigid body with three noises, constant γ, 16 steps of τ = 1/16, truncated increments.",
+    setup: "Rigid body with three noises, constant γ, 16 steps of τ = 1/16.",
     mathematics: "A step multiplies |y| by e^(−γτ) on every path.",
     quantity: "the factor by which a step multiplies |y|, geometric mean of the steps before |y| \
                leaves the normal numbers",
     guarantee: "`sexp` in all forms has the factor e^(−x), x = γτ, to rounding, underflow \
-                included. The others must fail: `midpoint` hardly damps, `em` and `heun` grow.",
+                included. For large x `midpoint` must hardly damp, and `em` and `heun` must grow.",
     varied: "γτ",
     plot: Some(Plot { x_title: "damping in a step, γτ", range: (1e-12, 1e12) }),
     rows: stiff,
@@ -62,8 +62,7 @@ fn stiff(context: &Context) -> Result<Vec<Row>> {
 pub const ANTI: Case = Case {
     id: "anti-damping",
     title: "Anti-damping",
-    setup: "Rigid body with three noises, constant γ < 0, up to 64 steps of τ = 1/64, truncated \
-            increments.",
+    setup: "Rigid body with three noises, constant γ < 0, up to 64 steps of τ = 1/64.",
     mathematics: "|y(t)|² = e^(2|γ|t)|y₀|² overflows after a finite time. Long before, a step is \
                   large for a body that turns so fast.",
     quantity: SQUARED_LENGTH,
@@ -92,8 +91,8 @@ fn anti(context: &Context) -> Result<Vec<Row>> {
 pub const ROUGH: Case = Case {
     id: "rough-damping",
     title: "Rough damping",
-    setup: "Rigid body with three noises, 64 steps of τ = 1/64, truncated increments. γ is 4 and \
-            −3 alternately, or ½|t − s|^(−½), which is infinite at s.",
+    setup: "Rigid body with three noises, 64 steps of τ = 1/64. γ is 4 and −3 alternately, or \
+            ½|t − s|^(−½), which is infinite at s.",
     mathematics: "The law |y(t)|² = e^(−2∫γ)|y₀|² requires only that γ is integrable.",
     quantity: SQUARED_LENGTH,
     guarantee: "`sexp` in all forms reads ∫γ alone and is on the law to rounding. Schemes that \

@@ -19,8 +19,8 @@ use crate::schemes::Family;
 pub const STIFF: Case = Case {
     id: "stiff-hamiltonian",
     title: "Stiff Hamiltonian",
-    setup: "Rigid body with noise H₀, moments of inertia (2, 1, 2/3)/ω, γ = ½cos 2t, 256 steps of \
-            τ = 1/64, truncated increments.",
+    setup: "Rigid body with noise H₀, moments of inertia (2, 1, 2/3)/ω, γ = ½cos 2t, 256 steps \
+            of τ = 1/64.",
     mathematics: "The body turns with frequencies of order ω. |y|² and H₀ decay as e^(−2∫γ) for \
                   every ω.",
     quantity: "largest relative distance of |y|² and H₀ from their laws",
@@ -53,8 +53,7 @@ pub const SHARP: Case = Case {
     id: "sharp-hamiltonian",
     title: "Sharply varying Hamiltonian",
     setup: "Rigid body with H = ½(y₁²/2 + y₂² + 3y₃²/2) + sin(κy₁)/κ as drift and as noise, no \
-            damping, 64 steps of τ = 1/16, truncated increments; discrete gradient with eight \
-            Gauss–Legendre nodes.",
+            damping, 64 steps of τ = 1/16; discrete gradient with eight Gauss–Legendre nodes.",
     mathematics: "|y|² and H are constant. For the Casimir any discrete gradient will do; for H it \
                   has to be exact.",
     quantity: "largest distance of ½|y|² (relative) and of H (absolute) from the start",

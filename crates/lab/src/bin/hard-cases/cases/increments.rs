@@ -5,7 +5,7 @@ use noise::{BlockNoise, Truncation};
 use real::WIDTH;
 use systems::paper::half_cosine;
 
-use super::{Case, Context, SQUARED_LENGTH, body, each};
+use super::{Case, Context, KEEPS_THE_LAW, SQUARED_LENGTH, body, each};
 use crate::paths::{CASIMIR, Experiment};
 use crate::results::Row;
 use crate::rounding::length;
@@ -19,8 +19,7 @@ pub const EXTREME: Case = Case {
             give, in all combinations of signs; areas ±ΔW².",
     mathematics: "Every increment is a possible one: the law holds on every path.",
     quantity: SQUARED_LENGTH,
-    guarantee: "`sexp` in all forms is on the law to rounding, or ends with a typed error where \
-                the branch of the flow has no solution.",
+    guarantee: KEEPS_THE_LAW,
     varied: "τ",
     plot: None,
     rows: extreme,
@@ -60,13 +59,11 @@ fn signed(signs: u32, size: f64, noise: &mut BlockNoise<3>) {
 pub const BIG_STEPS: Case = Case {
     id: "big-steps",
     title: "Big steps",
-    setup: "Several paths of the rigid body with three noises, γ = ½cos 2t, 64 steps, increments \
-            truncated with k = 4.",
+    setup: "Several paths of the rigid body with three noises, γ = ½cos 2t, 64 steps.",
     mathematics: "The scheme keeps the law for every τ at which its equation has a solution. \
                   Convergence is about small τ only.",
     quantity: SQUARED_LENGTH,
-    guarantee: "`sexp` in all forms is on the law to rounding at every τ < 1, or ends with a \
-                typed error.",
+    guarantee: KEEPS_THE_LAW,
     varied: "τ",
     plot: None,
     rows: big_steps,

@@ -70,6 +70,10 @@ pub static CASES: [Case; 13] = [
     increments::NO_NOISE,
 ];
 
+/// The guarantee of cases whose equations may have no solution.
+const KEEPS_THE_LAW: &str = "`sexp` in all forms is on the law to rounding, or ends with a typed \
+                             error. Nothing is guaranteed of the others.";
+
 /// What a case needs to run.
 pub struct Context<'a> {
     pub key: StreamKey,

@@ -15,6 +15,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use anyhow::{Result, anyhow, ensure};
 
 pub use bits::Bits;
+use steps::Job;
 
 use crate::Arguments;
 use crate::results::Fuzzed;
@@ -70,7 +71,7 @@ const TARGETS: [Target; 9] = [
         name: "systems, dampings, problems",
         checks: "refused, or all parameters are finite and the start is in the domain",
         cost: 1,
-        feed: steps::problem,
+        feed: |bits| steps::any_system(bits, Job::Problem, 2),
     },
     Target {
         name: "steps and truncation",
@@ -94,7 +95,7 @@ const TARGETS: [Target; 9] = [
         name: "steps of single paths",
         checks: "failed, or the state is finite and the iterations are below their bound",
         cost: 1,
-        feed: steps::step,
+        feed: |bits| steps::any_system(bits, Job::Step, 8),
     },
     Target {
         name: "steps of blocks",

@@ -19,24 +19,15 @@ use crate::schemes::schemes;
 const MOST_ITERATIONS: u64 = 2 * (1 << 14) * 20;
 
 /// What is done with a system.
-#[derive(Clone, Copy)]
-enum Job {
+pub enum Job {
+    /// It becomes a problem.
     Problem,
+    /// Any scheme makes a step.
     Step,
 }
 
-/// Every system as a problem.
-pub fn problem(bits: &mut Bits) -> Fed {
-    any_system(bits, Job::Problem, 2)
-}
-
-/// A step of any scheme on every system.
-pub fn step(bits: &mut Bits) -> Fed {
-    any_system(bits, Job::Step, 8)
-}
-
 /// Any system; one parameter in `wild` is any number.
-fn any_system(bits: &mut Bits, job: Job, wild: u64) -> Fed {
+pub fn any_system(bits: &mut Bits, job: Job, wild: u64) -> Fed {
     let p @ [a, b, c, d, e, f] = [(); 6].map(|()| bits.positive(wild));
     match bits.below(9) {
         0 => with_system(bits, job, Pendulum::new(a), &p[..1]),
