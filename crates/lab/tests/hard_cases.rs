@@ -35,7 +35,7 @@ fn no_guarantee_is_refuted_and_schemes_fail_where_they_must() {
 
     let text = fs::read_to_string(dir.path().join("stability.md")).unwrap();
     assert_eq!(text, fs::read_to_string(&page).unwrap());
-    assert!(!text.contains("REFUTED") && text.contains("command line"));
+    assert!(!text.contains("REFUTED") && text.contains("steps of blocks"));
     for name in ["stability-stiff.svg", "stability-growth.svg"] {
         assert!(text.contains(name) && dir.path().join("docs/figures").join(name).is_file());
     }

@@ -2,10 +2,10 @@
 
 use report::figure::{Curve, Figure, Line, Measured, Plot, Spacing, Style};
 
-use crate::results::{Case, Growth};
+use crate::results::{CaseResult, Growth};
 
 /// What every scheme does in the cases that have a plot.
-pub fn cases(cases: &[&Case]) -> String {
+pub fn cases(cases: &[&CaseResult]) -> String {
     Figure {
         title: "What every scheme does under stiff damping and with a stiff Hamiltonian".into(),
         y_title: "factor of a step; distance from the law".into(),
@@ -17,8 +17,8 @@ pub fn cases(cases: &[&Case]) -> String {
 }
 
 /// One curve for each scheme.
-fn plot(case: &Case) -> Option<Plot> {
-    let words = case.words.plot.as_ref()?;
+fn plot(case: &CaseResult) -> Option<Plot> {
+    let words = case.case.plot.as_ref()?;
     let (lo, hi) = words.range;
     let mut curves: Vec<Curve> = Vec::new();
     // `sexp` with Newton is `sexp` to the eye.
@@ -40,18 +40,10 @@ pub fn growth(growth: &[Growth]) -> String {
         let points = run.points.iter().map(|point| Measured::new(point.steps as f64, point.rms));
         Curve::new(run.id, points)
     });
-    let line = |name: &str, power, covered| Line {
-        name: name.into(),
-        constant: f64::EPSILON,
-        power,
-        covered,
-    };
-    let plot = Plot {
-        x_title: "steps n".into(),
-        spacing: Spacing::Decades,
-        lines: vec![line("ε √n", 0.5, true), line("ε n", 1.0, false)],
-        curves: curves.collect(),
-    };
+    let (x_title, spacing, constant) = ("steps n".into(), Spacing::Decades, f64::EPSILON);
+    let line = |name: &str, power, covered| Line { name: name.into(), constant, power, covered };
+    let lines = vec![line("ε √n", 0.5, true), line("ε n", 1.0, false)];
+    let plot = Plot { x_title, spacing, lines, curves: curves.collect() };
     Figure {
         title: "Distance from the conformal law over ten million steps".into(),
         y_title: "root mean square distance from the law".into(),

@@ -36,62 +36,62 @@ struct LongRun<'a> {
     damping: &'a dyn Damping,
     tau: f64,
     scheme: (&'static str, Sexp),
-    /// Number of the invariant.
-    invariant: usize,
+    /// Of a Lotka–Volterra system the number of the invariant, else of the body its only Casimir.
+    volterra: Option<usize>,
     /// Whether the figure shows it: as many as can be told apart.
     drawn: bool,
 }
 
 /// All long runs.
 pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
-    let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA)?;
-    let (none, sine) = (&Constant::new(0.0)?, &sine());
+    let (none, sine, cosine) = (&Constant::new(0.0)?, &sine(), &half_cosine());
+    let (weak, negative) = (&Constant::new(2e-5)?, &Constant::new(-2e-5)?);
+    let linear = &Linear::new(1e-8)?;
     let fixed = ("sexp, settled", Sexp { solver: Solver::default().settled() });
     let newton = ("sexp-newton, settled", Sexp { solver: Solver::new(Method::Newton).settled() });
     // 1/100 is rounded, so that steps of a grid differ in their last bits; 1/128 is not, and a
     // constant γ gives the same factor in every step.
     let (rounded, dyadic) = (1.0 / 100.0, 1.0 / 128.0);
-    let base = LongRun {
-        id: "undamped",
-        damping: none,
-        tau: dyadic,
+    let run = |id, damping, tau, drawn| LongRun {
+        id,
+        damping,
+        tau,
         scheme: fixed,
-        invariant: 0,
-        drawn: false,
+        volterra: None,
+        drawn,
     };
-    let bodies = [
+    let volterra = |id, damping, tau, drawn, invariant| LongRun {
+        volterra: Some(invariant),
+        ..run(id, damping, tau, drawn)
+    };
+    let runs = [
         LongRun {
-            id: "default solver, undamped",
             scheme: ("sexp", Sexp::default()),
-            drawn: true,
-            ..base
+            ..run("default solver, undamped", none, dyadic, true)
         },
-        LongRun { drawn: true, ..base },
-        LongRun { id: "undamped, Newton", scheme: newton, ..base },
-        LongRun { id: "constant γ", damping: &Constant::new(2e-5)?, drawn: true, ..base },
-        LongRun { id: "constant γ < 0", damping: &Constant::new(-2e-5)?, ..base },
-        LongRun { id: "γ = 1e-8 t", damping: &Linear::new(1e-8)?, ..base },
-        LongRun { id: "γ = ½cos 2t", damping: &half_cosine(), drawn: true, ..base },
-        LongRun { id: "γ = ½cos 2t, τ rounded", damping: &half_cosine(), tau: rounded, ..base },
-        LongRun { id: "γ = sin t, τ = ¹⁄₁₀", damping: sine, tau: 0.1, ..base },
+        run("undamped", none, dyadic, true),
+        LongRun { scheme: newton, ..run("undamped, Newton", none, dyadic, false) },
+        run("constant γ", weak, dyadic, true),
+        run("constant γ < 0", negative, dyadic, false),
+        run("γ = 1e-8 t", linear, dyadic, false),
+        run("γ = ½cos 2t", cosine, dyadic, true),
+        run("γ = ½cos 2t, τ rounded", cosine, rounded, false),
+        run("γ = sin t, τ = ¹⁄₁₀", sine, 0.1, false),
+        volterra("Lotka–Volterra, H, undamped", none, dyadic, true, 0),
+        volterra("Lotka–Volterra, H, γ = sin t", sine, rounded, false, 0),
+        volterra("Lotka–Volterra, C, γ = sin t", sine, rounded, false, 1),
     ];
-    let damped = LongRun { damping: sine, tau: rounded, ..base };
-    let volterras = [
-        LongRun { id: "Lotka–Volterra, H, undamped", drawn: true, ..base },
-        LongRun { id: "Lotka–Volterra, H, γ = sin t", ..damped },
-        LongRun { id: "Lotka–Volterra, C, γ = sin t", invariant: 1, ..damped },
-    ];
-    let mut growths = Vec::new();
-    for (run, number) in bodies.iter().zip(0..) {
-        let system = ("Rigid body with three noises", body, rigid_body_start());
-        growths.push(growth::<_, 3, 3>(arguments, number, run, system)?);
-    }
-    for (run, number) in volterras.iter().zip(bodies.len() as u64..) {
-        let Problem { system, y0, .. } = lotka_volterra_1_1();
-        let system = ("Lotka–Volterra with a = b = −1", system, y0);
-        growths.push(growth::<_, 3, 1>(arguments, number, run, system)?);
-    }
-    Ok(growths)
+    let growths = runs.iter().zip(0..).map(|(run, number)| {
+        if run.volterra.is_some() {
+            let Problem { system, y0, .. } = lotka_volterra_1_1();
+            growth(arguments, number, run, ("Lotka–Volterra with a = b = −1", system, y0))
+        } else {
+            let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA)?;
+            let system = ("Rigid body with three noises", body, rigid_body_start());
+            growth(arguments, number, run, system)
+        }
+    });
+    growths.collect()
 }
 
 fn growth<S: Compiled<Sexp, D, M>, const D: usize, const M: usize>(
@@ -104,8 +104,9 @@ fn growth<S: Compiled<Sexp, D, M>, const D: usize, const M: usize>(
     let steps = arguments.many(STEPS, QUICK_STEPS);
     let key = StreamKey { seed: arguments.seed, experiment: streams::GROWTH + number };
     let problem = Problem::new::<M>(system, run.damping, y0, steps as f64 * run.tau)?;
-    let invariant = problem.system.invariants()[run.invariant];
-    let value = |y| problem.system.invariant(run.invariant, y);
+    let index = run.volterra.unwrap_or(0);
+    let invariant = problem.system.invariants()[index];
+    let value = |y| problem.system.invariant(index, y);
     let defect = |n: u64, y| {
         let damping = run.damping.integral(0.0, n as f64 * run.tau);
         value(y) / (value(y0) * elementary::exp(-invariant.degree * damping)) - 1.0
@@ -115,15 +116,13 @@ fn growth<S: Compiled<Sexp, D, M>, const D: usize, const M: usize>(
     let ladder = Ladder::new(&problem, steps, 0, lab::truncation(), key, runs)?;
     let new = || Defects { steps, defect: &defect, rows: Vec::new() };
     let rows = ladder.run(WIDTH as u64, new, &|_| ()).statistic.rows;
-    let points: Vec<GrowthPoint> = rows
-        .iter()
-        .map(|(steps, d)| GrowthPoint {
-            steps: *steps,
-            rms: rms(d.iter()),
-            mean: d.iter().sum::<f64>() / d.len() as f64,
-            max: d.iter().map(|d| d.abs()).fold(0.0, f64::max),
-        })
-        .collect();
+    let point = |(steps, d): &(u64, [f64; WIDTH])| GrowthPoint {
+        steps: *steps,
+        rms: rms(d.iter()),
+        mean: d.iter().sum::<f64>() / d.len() as f64,
+        max: d.iter().map(|d| d.abs()).fold(0.0, f64::max),
+    };
+    let points: Vec<GrowthPoint> = rows.iter().map(point).collect();
     let mut bits = Bits::new(arguments.seed, streams::GROWTH, number);
     let mut slopes: Vec<f64> = (0..RESAMPLES)
         .map(|_| slope(&rows, &[(); WIDTH].map(|()| bits.below(WIDTH as u64) as usize)))
@@ -131,11 +130,10 @@ fn growth<S: Compiled<Sexp, D, M>, const D: usize, const M: usize>(
     slopes.sort_unstable_by(f64::total_cmp);
     let (lo, hi) = (slopes[RESAMPLES / 40], slopes[RESAMPLES - 1 - RESAMPLES / 40]);
     let end = points.last().map_or(f64::NAN, |point| point.rms);
-    // A walk whose steps are independent, each no larger than the worst case of a step.
+    // A walk whose steps are independent, each no larger than the worst case of a step; NaN is not.
     let walk = end <= PER_STEP * f64::EPSILON * (steps as f64).sqrt();
     let verdict = match (run.scheme.1.solver.settle, walk) {
         (true, true) => Verdict::Holds,
-        // NaN is no walk.
         (true, false) => Verdict::Refuted,
         // The stopping test leaves a residual that has a direction: a drift is expected, and no
         // bound is stated.

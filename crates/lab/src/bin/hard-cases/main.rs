@@ -78,7 +78,7 @@ fn main() -> ExitCode {
 
 /// Runs everything, and writes JSON, figures and page. Fails when a guarantee is refuted.
 fn run(arguments: &Arguments) -> Result<ExitCode> {
-    let parts = cases::CASES.iter().map(|case| case.words.id).chain([GROWTH, FUZZ]);
+    let parts = cases::CASES.iter().map(|case| case.id).chain([GROWTH, FUZZ]);
     let known: Vec<&str> = parts.collect();
     if let Some(id) = arguments.only.iter().find(|id| !known.contains(&id.as_str())) {
         bail!("there is no case {id:?}; there are {}", known.join(", "));

@@ -3,34 +3,32 @@
 use report::{Page, anchor, distinct, number, provenance};
 
 use crate::figures;
-use crate::results::{Case, Fuzzed, Growth, Row, Stability, Verdict};
+use crate::results::{CaseResult, Fuzzed, Growth, Row, Stability, Verdict};
 
 /// The whole page.
 pub fn page(results: &Stability) -> Page {
     let mut page = Page::new("Stability");
     page.paragraph(format!(
-        "What do the schemes do where numerical codes break? {} All numbers are made from the \
-         results, `stability.json`, whose fields are in [results.md](results.md); the same seed \
-         gives the same bits.",
+        "What do the schemes do where numerical codes break? {} All numbers are those of \
+         `stability.json`, see [results.md](results.md).",
         provenance::generated_by(&results.provenance)
     ));
     page.paragraph(METHOD);
     page.heading(2, "Summary");
     summary(&mut page, results);
-    let plotted = |case: &&Case| case.words.plot.is_some();
-    let mut plotted: Vec<&Case> = results.cases.iter().filter(plotted).collect();
-    for case in &results.cases {
-        let words = case.words;
-        page.heading(2, words.title);
-        page.paragraph(format!("`{}`. {}", words.id, words.setup));
-        page.paragraph(format!("*Exact mathematics.* {}", words.mathematics));
-        page.paragraph(format!("*Guarantee.* {}", words.guarantee));
-        if words.plot.is_some() && !plotted.is_empty() {
-            let svg = figures::cases(&std::mem::take(&mut plotted));
-            page.figure("stability-stiff.svg", "Every scheme in the stiff cases", svg);
-        }
-        page.paragraph(format!("Shown: {}.", words.quantity));
-        table(&mut page, case);
+    let plotted = results.cases.iter().filter(|result| result.case.plot.is_some());
+    let plotted: Vec<&CaseResult> = plotted.collect();
+    if !plotted.is_empty() {
+        let svg = figures::cases(&plotted);
+        page.figure("stability-stiff.svg", "Every scheme in the stiff cases", svg);
+    }
+    for CaseResult { case, rows } in &results.cases {
+        page.heading(2, case.title);
+        page.paragraph(format!(
+            "`{}`. {}\n\n*Exact mathematics.* {}\n\n*Guarantee.* {}\n\nShown: {}.",
+            case.id, case.setup, case.mathematics, case.guarantee, case.quantity
+        ));
+        table(&mut page, case.varied, rows);
     }
     if !results.growth.is_empty() {
         growth(&mut page, &results.growth);
@@ -41,11 +39,11 @@ pub fn page(results: &Stability) -> Page {
     page
 }
 
-fn words(verdict: Verdict) -> &'static str {
+fn mark(verdict: Verdict) -> &'static str {
     match verdict {
-        Verdict::Holds => "holds",
-        Verdict::FailsAsItMust => "fails as it must",
-        Verdict::Observed => "observed",
+        Verdict::Holds => "✓",
+        Verdict::FailsAsItMust => "✗",
+        Verdict::Observed => "",
         Verdict::Refuted => "**REFUTED**",
     }
 }
@@ -53,67 +51,54 @@ fn words(verdict: Verdict) -> &'static str {
 /// Everything at a glance: one row for a case, and what is refuted.
 pub fn summary(page: &mut Page, results: &Stability) {
     let row = |title: &str, verdicts: &[Verdict]| {
-        let of = |one| verdicts.iter().filter(|verdict| **verdict == one).count().to_string();
-        let counts = [Verdict::Holds, Verdict::FailsAsItMust, Verdict::Observed, Verdict::Refuted];
-        let link = format!("[{title}](#{})", anchor(title));
-        [link].into_iter().chain(counts.map(of)).collect::<Vec<String>>()
+        let count = |one| verdicts.iter().filter(|verdict| **verdict == one).count().to_string();
+        let [hold, fail, observed, refuted] =
+            [Verdict::Holds, Verdict::FailsAsItMust, Verdict::Observed, Verdict::Refuted]
+                .map(count);
+        [format!("[{title}](#{})", anchor(title)), hold, fail, observed, refuted]
     };
-    let verdicts = |case: &Case| case.rows.iter().map(|row| row.verdict).collect::<Vec<_>>();
-    let cases = results.cases.iter().map(|case| row(case.words.title, &verdicts(case)));
+    let cases = results.cases.iter().map(|CaseResult { case, rows }| {
+        row(case.title, &rows.iter().map(|row| row.verdict).collect::<Vec<_>>())
+    });
     let long: Vec<Verdict> = results.growth.iter().map(|run| run.verdict).collect();
     let long = (!long.is_empty()).then(|| row(LONG, &long));
     page.table(["case", "hold", "fail as they must", "observed", "refuted"], cases.chain(long));
-    let refuted = |row: &&Row| row.verdict == Verdict::Refuted;
-    let refuted = results.cases.iter().flat_map(|case| &case.rows).filter(refuted);
+    let refuted = results.cases.iter().flat_map(|result| &result.rows);
+    let refuted = refuted.filter(|row| row.verdict == Verdict::Refuted);
     page.list(refuted.map(|row| format!("{}, {}: {}", row.setting.words, row.scheme, cell(row))));
     if !results.fuzz.is_empty() {
-        let (inputs, failures) = totals(&results.fuzz);
+        let inputs: u64 = results.fuzz.iter().map(|fuzzed| fuzzed.inputs).sum();
+        let failures: u64 = results.fuzz.iter().map(|fuzzed| fuzzed.failures).sum();
         let link = format!("[{FUZZ}](#{})", anchor(FUZZ));
         page.paragraph(format!("{link}: {inputs} inputs, {failures} failures."));
     }
-}
-
-/// Inputs and failures of all targets.
-fn totals(fuzz: &[Fuzzed]) -> (u64, u64) {
-    fuzz.iter().fold((0, 0), |sums, one| (sums.0 + one.inputs, sums.1 + one.failures))
 }
 
 const LONG: &str = "Long times";
 const FUZZ: &str = "Arbitrary inputs";
 
 /// Settings down, schemes across.
-fn table(page: &mut Page, case: &Case) {
-    let schemes = distinct(case.rows.iter().map(|row| row.scheme));
+fn table(page: &mut Page, varied: &str, rows: &[Row]) {
+    let schemes = distinct(rows.iter().map(|row| row.scheme));
     let quoted = schemes.iter().map(|scheme| format!("`{scheme}`"));
-    let head = [case.words.varied, "exact", "bound"].map(str::to_owned).into_iter().chain(quoted);
-    let lines =
-        distinct(case.rows.iter().map(|row| &row.setting.words)).into_iter().map(|setting| {
-            let rows: Vec<&Row> =
-                case.rows.iter().filter(|row| row.setting.words == *setting).collect();
-            let exact = distinct(rows.iter().filter_map(|row| row.exact.map(number)));
-            let holding = rows.iter().filter(|row| row.verdict == Verdict::Holds);
-            let bound =
-                holding.filter_map(|row| row.bound).reduce(f64::max).map_or(String::new(), number);
-            let row = |scheme: &&str| rows.iter().find(|row| row.scheme == *scheme);
-            let cells =
-                schemes.iter().map(|scheme| row(scheme).map_or(String::new(), |row| cell(row)));
-            let start = [setting.clone(), exact.join("; "), bound];
-            start.into_iter().chain(cells).collect::<Vec<String>>()
-        });
-    page.table(head, lines.collect::<Vec<_>>());
+    let head = [varied, "exact", "bound"].map(str::to_owned).into_iter().chain(quoted);
+    let lines = rows.chunk_by(|a, b| a.setting.words == b.setting.words).map(|rows| {
+        let exact = distinct(rows.iter().filter_map(|row| row.exact.map(number))).join("; ");
+        let holding = rows.iter().filter(|row| row.verdict == Verdict::Holds);
+        let bound = holding.filter_map(|row| row.bound).reduce(f64::max).map(number);
+        let start = [rows[0].setting.words.clone(), exact, bound.unwrap_or_default()];
+        let row = |scheme: &&str| rows.iter().find(|row| row.scheme == *scheme);
+        let cells = schemes.iter().map(|scheme| row(scheme).map(cell).unwrap_or_default());
+        start.into_iter().chain(cells).collect::<Vec<String>>()
+    });
+    page.table(head, lines);
 }
 
 fn cell(row: &Row) -> String {
-    let mark = match row.verdict {
-        Verdict::Holds => " ✓",
-        Verdict::FailsAsItMust => " ✗",
-        Verdict::Observed => "",
-        Verdict::Refuted => " **REFUTED**",
-    };
     let parts: Vec<String> =
         row.measured.map(number).into_iter().chain(row.error.clone()).collect();
     let text = if parts.is_empty() { "–".to_owned() } else { parts.join("; ") };
-    text + mark
+    format!("{text} {}", mark(row.verdict)).trim_end().to_owned()
 }
 
 fn growth(page: &mut Page, growth: &[Growth]) {
@@ -125,42 +110,19 @@ fn growth(page: &mut Page, growth: &[Growth]) {
         let end = run.points.last()?;
         Some([
             format!("`{}`", run.id),
+            run.setup.clone(),
             format!("`{}`", run.scheme),
             run.invariant.to_owned(),
             format!("{:.0e}", end.steps as f64),
             number(end.rms),
             format!("{:+.1e}", end.mean),
             number(end.max),
-            number(run.linear),
             format!("{:.3} [{:.3}, {:.3}]", run.exponent, run.lo, run.hi),
-            words(run.verdict).to_owned(),
+            mark(run.verdict).to_owned(),
         ])
     });
-    page.table(
-        [
-            "run",
-            "scheme",
-            "law of",
-            "steps",
-            "root mean square",
-            "mean",
-            "largest",
-            "n·ε",
-            "exponent, 95 %",
-            "verdict",
-        ],
-        rows.collect::<Vec<_>>(),
-    );
-    let above = growth.iter().filter(|run| run.verdict == Verdict::Holds && run.lo > 0.5);
-    let above: Vec<String> = above.map(|run| format!("`{}`", run.id)).collect();
-    if !above.is_empty() {
-        page.paragraph(format!(
-            "The interval of the exponent lies above that of a random walk for {}: the bound \
-             holds, but some drift, or a walk that all paths share, is left.",
-            above.join(", ")
-        ));
-    }
-    page.list(growth.iter().map(|run| format!("`{}`: {} {} paths.", run.id, run.setup, run.paths)));
+    let head = ["run", "problem", "scheme", "law of", "steps", "root mean square", "mean"];
+    page.table(head.into_iter().chain(["largest", "exponent, 95 %", "verdict"]), rows);
 }
 
 fn fuzz(page: &mut Page, fuzz: &[Fuzzed]) {
@@ -168,70 +130,41 @@ fn fuzz(page: &mut Page, fuzz: &[Fuzzed]) {
     page.paragraph(FUZZING);
     let rows = fuzz.iter().map(|fuzzed| {
         let Fuzzed { inputs, accepted, refused, most_iterations, failures, .. } = fuzzed;
-        let iterations = Some(*most_iterations).filter(|most| *most > 0);
-        [
-            fuzzed.target.to_owned(),
-            fuzzed.checks.to_owned(),
-            inputs.to_string(),
-            accepted.to_string(),
-            refused.to_string(),
-            iterations.map_or("–".to_owned(), |most| most.to_string()),
-            failures.to_string(),
-        ]
+        let counts = [inputs, accepted, refused, most_iterations, failures];
+        [fuzzed.target, fuzzed.checks]
+            .map(str::to_owned)
+            .into_iter()
+            .chain(counts.map(u64::to_string))
     });
-    page.table(
-        [
-            "target",
-            "what is checked",
-            "inputs",
-            "accepted",
-            "refused",
-            "most iterations",
-            "failures",
-        ],
-        rows.collect::<Vec<_>>(),
-    );
-    let (inputs, failures) = totals(fuzz);
-    page.paragraph(format!(
-        "Together {inputs} inputs: {failures} panics, NaN or other broken checks."
-    ));
+    let head = ["target", "what is checked", "inputs", "accepted", "refused", "most iterations"];
+    page.table(head.into_iter().chain(["failures"]), rows);
     let examples = fuzz.iter().flat_map(|one| one.examples.iter().map(move |e| (one.target, e)));
     page.list(examples.map(|(target, example)| format!("{target}: {example}")));
 }
 
 const METHOD: &str = "\
-Each case is run with every scheme: `sexp` with the fixed point first, `sexp-newton` with Newton's \
+Each case runs with every scheme: `sexp` with the fixed point first, `sexp-newton` with Newton's \
 method first, `sexp-levy` where noises do not commute, `midpoint`, `heun` and `em`. A guarantee is \
-a bound that is derived, not fitted; the derivations are in the sources. Marks: ✓ the guarantee \
-holds; ✗ the scheme fails, as theory predicts; no mark: nothing is guaranteed, the figure is what \
-was measured. A path that cannot go on ends with a typed error, whose words are in the table; no \
-result is ever NaN.
+a derived bound. Marks: ✓ it holds; ✗ the scheme fails, as theory predicts; none: nothing is \
+guaranteed. Increments are truncated with k = 4 unless a case says otherwise. A path that cannot \
+go on ends with a typed error; no result is ever NaN.
 
-The conformal law of a Casimir of degree two requires |y_n|² = e^(−2∫γ)|y₀|² on every path. *To \
-rounding* means the worst case of all roundings together: (32n + 4∫|γ| + 8)ε after n steps, \
-derived term by term in `crates/lab/src/bin/hard-cases/rounding.rs`. The measured distance is \
-about a hundredth of it, since roundings partly cancel.";
+A Casimir of degree two obeys |y_n|² = e^(−2∫γ)|y₀|² on every path. *To rounding* means the worst \
+case of all roundings together, (32n + 4∫|γ| + 8)ε after n steps, derived in \
+`crates/lab/src/bin/hard-cases/rounding.rs`.";
 
 const GROWTH: &str = "\
-The conformal law holds to rounding in every step. What becomes of it after ten million steps \
-depends on whether the roundings have a direction: errors without one make a random walk, √n·ε, \
-errors with one a drift, n·ε. Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over independent paths. The \
-exponent is the slope of log root mean square over log n, from n = 1024 on; its interval comes \
-from resampling whole paths. Paths share the damping factors and their roundings: where γ ≠ 0 a \
-part of the walk is common to all of them, which shows as a mean as large as the root mean square, \
-and which the interval does not contain.
+Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over 32 independent paths. Roundings without a direction make a \
+random walk, √n·ε; those with one a drift, n·ε. The exponent is the slope of log root mean square \
+over log n, from n = 1024 on; its interval comes from resampling whole paths. All paths share the \
+damping factors and their roundings: this part of the walk shows in the mean and not in the \
+interval.
 
 *Guarantee.* With a settled solver the root mean square stays below 32ε√n, the walk whose steps \
-are the worst roundings of a step. Three sources of a drift were found and closed: a damping \
-factor that is rounded alike in every step (now dithered between its two neighbours by the golden \
-ratio), integrals of γ that do not add up (now differences of a function of one time), and the \
-stopping test of the implicit equation, which leaves a residual of up to 2ε in a direction that is \
-the same in every step. The last is closed by one more sweep, `Solver::settled()`, and not by \
-default, since it costs a sweep: the first run shows what the default does.";
+are the worst roundings of a step. The default solver leaves a residual of up to 2ε in the same \
+direction in every step, a drift; `Solver::settled()` removes it with one more sweep.";
 
 const FUZZING: &str = "\
-Numbers are arbitrary bit patterns: NaN, infinities, subnormals, zeros of both signs, the largest \
-and smallest numbers, ordinary ones, and pairs that are an ulp apart. Every input must be refused \
-with a typed error or accepted. What is accepted must be finite, what is reported as solved must \
-be finite, and the iterations of a solve must stay below their bound. A panic, a NaN in a result \
-or a solve that does not end counts as a failure.";
+Numbers are arbitrary bit patterns: NaN, infinities, subnormals, ordinary numbers and their \
+neighbours. Every input must be refused with a typed error or accepted. A panic, a NaN in a result \
+or a solve that does not end is a failure.";

@@ -13,7 +13,7 @@ use systems::{Damping, PoissonSystem, Problem};
 use crate::cases::Context;
 use crate::results::{Row, Setting};
 use crate::rounding::{law_bound, residual_share};
-use crate::schemes::{Family, FewPaths, Tested, schemes};
+use crate::schemes::{Family, Tested, schemes};
 
 /// One path as far as it lasts.
 pub struct Path<const D: usize> {
@@ -98,6 +98,14 @@ where
         Ok(Self { problem, steps, paths: 1, truncation, key: context.key, noise: None })
     }
 
+    /// With noise from elsewhere: a function of the number of a block's first path.
+    pub fn with_noise(
+        self,
+        source: impl Fn(u64) -> NextNoise<'static, M> + Sync + 'static,
+    ) -> Self {
+        Self { noise: Some(Box::new(source)), ..self }
+    }
+
     /// t_n.
     pub fn time(&self, n: usize) -> f64 {
         n as f64 * (self.problem.t_end / self.steps as f64)
@@ -105,8 +113,7 @@ where
 
     /// The paths of one scheme.
     pub fn run(&self, scheme: &Tested<S, D, M>) -> Result<Vec<Path<D>>> {
-        let few = FewPaths { scheme, paths: WIDTH.min(self.paths as usize) };
-        let runs = vec![Run::new(&few, 0)];
+        let runs = vec![Run::new(scheme, 0)];
         let mut ladder =
             Ladder::new(&self.problem, self.steps, 0, self.truncation, self.key, runs)?;
         if let Some(source) = &self.noise {
@@ -119,7 +126,11 @@ where
 
     /// The schemes.
     pub fn schemes(&self) -> Vec<Tested<S, D, M>> {
-        schemes(&self.problem.system, self.problem.y0)
+        let mut all = schemes(&self.problem.system, self.problem.y0);
+        for scheme in &mut all {
+            scheme.paths = WIDTH.min(self.paths as usize);
+        }
+        all
     }
 
     /// A row for every scheme, which `complete` gives its figure and its claim.
@@ -176,9 +187,9 @@ where
                 }
                 let allowed =
                     law.weight * (law_bound(n as u64, total) + residuals) + newton_step * n as f64;
+                let integral = damping.integral(0.0, self.time(n));
                 for &index in law.invariants {
-                    let decay =
-                        (-invariants[index].degree * damping.integral(0.0, self.time(n))).exp();
+                    let decay = (-invariants[index].degree * integral).exp();
                     let exact = system.invariant(index, *y0) * decay;
                     let defect = (system.invariant(index, *y) / exact - 1.0).abs();
                     distance.worst = distance.worst.max(defect);

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use verify::results::Provenance;
 
-use crate::cases::Words;
+use crate::cases::Case;
 
 /// Raised whenever a reader of an older version would misread a newer one.
 pub const SCHEMA: u32 = 1;
@@ -16,7 +16,7 @@ pub struct Stability {
     /// Where it comes from.
     pub provenance: Provenance,
     /// The hard cases.
-    pub cases: Vec<Case>,
+    pub cases: Vec<CaseResult>,
     /// The conformal law over long times.
     pub growth: Vec<Growth>,
     /// What was fuzzed.
@@ -27,14 +27,14 @@ impl Stability {
     /// How many guarantees were refuted, by a case, by a long run or by fuzzing.
     pub fn refuted(&self) -> usize {
         let rows = self.cases.iter().flat_map(|case| &case.rows).map(|row| row.verdict);
-        let verdicts = rows.chain(self.growth.iter().map(|growth| growth.verdict));
-        let fuzz = self.fuzz.iter().filter(|fuzzed| fuzzed.failures > 0);
-        verdicts.filter(|verdict| *verdict == Verdict::Refuted).count() + fuzz.count()
+        let verdicts = rows.chain(self.growth.iter().map(|run| run.verdict));
+        verdicts.filter(|verdict| *verdict == Verdict::Refuted).count()
+            + self.fuzz.iter().filter(|fuzzed| fuzzed.failures > 0).count()
     }
 }
 
 /// What became of a guarantee.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// The stated bound was kept.
@@ -42,6 +42,7 @@ pub enum Verdict {
     /// Theory predicts that the scheme fails here, and it does.
     FailsAsItMust,
     /// Nothing is guaranteed; the figure is what was measured.
+    #[default]
     Observed,
     /// A stated bound was broken, or a scheme that must fail did not.
     Refuted,
@@ -49,16 +50,16 @@ pub enum Verdict {
 
 /// One family of hard inputs.
 #[derive(Serialize)]
-pub struct Case {
+pub struct CaseResult {
     /// What the case is about.
     #[serde(flatten)]
-    pub words: &'static Words,
+    pub case: &'static Case,
     /// Every setting with every scheme.
     pub rows: Vec<Row>,
 }
 
 /// What is set in a row.
-#[derive(Clone, Serialize)]
+#[derive(Clone, Default, Serialize)]
 pub struct Setting {
     /// In words.
     #[serde(rename = "setting")]
@@ -80,8 +81,14 @@ impl From<String> for Setting {
     }
 }
 
+impl From<(String, f64)> for Setting {
+    fn from((words, x): (String, f64)) -> Self {
+        Self { words, x: Some(x) }
+    }
+}
+
 /// One scheme in one setting of a case.
-#[derive(Clone, Serialize)]
+#[derive(Clone, Default, Serialize)]
 pub struct Row {
     /// The setting.
     #[serde(flatten)]
@@ -111,16 +118,7 @@ pub struct Row {
 impl Row {
     /// A row without a figure, of which nothing is guaranteed.
     pub fn new(setting: &Setting, scheme: &'static str, error: Option<String>) -> Self {
-        Self {
-            setting: setting.clone(),
-            scheme,
-            measured: None,
-            exact: None,
-            bound: None,
-            error,
-            verdict: Verdict::Observed,
-            newton: false,
-        }
+        Self { setting: setting.clone(), scheme, error, ..Self::default() }
     }
 
     /// With a figure, which must be a number unless there is an error.

@@ -2,7 +2,7 @@
 
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Method, Solution, Solver};
-use real::Block;
+use real::{Block, WIDTH};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step};
 use systems::PoissonSystem;
 
@@ -17,7 +17,8 @@ pub enum Family {
     Explicit,
 }
 
-/// A scheme under its name in results.
+/// A scheme under its name in results. It boxes the step of a single path: hard cases have few
+/// paths, and no kernel for blocks has to be compiled for their systems.
 pub struct Tested<S, const D: usize, const M: usize> {
     pub name: &'static str,
     pub family: Family,
@@ -25,6 +26,8 @@ pub struct Tested<S, const D: usize, const M: usize> {
     pub newton: bool,
     /// The order for ordinary differential equations.
     pub order: f64,
+    /// The paths of each block that are advanced.
+    pub paths: usize,
     advance: Box<Advance<S, D, M>>,
     reads_areas: bool,
 }
@@ -59,31 +62,21 @@ impl<S, const D: usize, const M: usize> Tested<S, D, M> {
             family,
             newton: false,
             order: 2.0,
+            paths: WIDTH,
             reads_areas: scheme.reads_areas(),
             advance: Box::new(move |system, step, noise, y| scheme.step(system, step, noise, y)),
         }
     }
-
-    /// One step of one path.
-    pub fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        (self.advance)(system, step, noise, y)
-    }
 }
 
-/// A scheme on the first few paths of each block, one after the other: hard cases have few paths,
-/// and no kernel for blocks has to be compiled for their systems.
-pub struct FewPaths<'a, S, const D: usize, const M: usize> {
-    pub scheme: &'a Tested<S, D, M>,
-    pub paths: usize,
-}
-
-impl<S, const D: usize, const M: usize> Scheme<S, D, M> for FewPaths<'_, S, D, M> {
+/// Steps of the paths of a block, one after the other.
+impl<S, const D: usize, const M: usize> Scheme<S, D, M> for Tested<S, D, M> {
     fn id(&self) -> &'static str {
-        self.scheme.name
+        self.name
     }
 
     fn reads_areas(&self) -> bool {
-        self.scheme.reads_areas
+        self.reads_areas
     }
 
     fn clips_increments(&self) -> bool {
@@ -100,13 +93,13 @@ impl<S, const D: usize, const M: usize> Scheme<S, D, M> for FewPaths<'_, S, D, M
     ) {
         *status = BlockStatus::explicit();
         for p in 0..self.paths {
-            let solution = self.scheme.step(system, step, &noise.path(p), y.path(p));
+            let solution = self.step(system, step, &noise.path(p), y.path(p));
             y.set_path(p, solution.z);
             status.set(p, solution.outcome);
         }
     }
 
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        self.scheme.step(system, step, noise, y)
+        (self.advance)(system, step, noise, y)
     }
 }

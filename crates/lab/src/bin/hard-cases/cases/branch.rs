@@ -48,12 +48,8 @@ pub fn follow<S: PoissonSystem<3, M>, const M: usize>(
         let mut last = f64::INFINITY;
         for _ in 0..ITERATIONS {
             let (value, slopes) = jacobian(&field, z);
-            let mut columns = [[0.0; 3]; 3];
-            for i in 0..3 {
-                for j in 0..3 {
-                    columns[j][i] = f64::from(u8::from(i == j)) - s * slopes[i][j];
-                }
-            }
+            let identity = |i, j| f64::from(u8::from(i == j));
+            let columns = [0, 1, 2].map(|j| [0, 1, 2].map(|i| identity(i, j) - s * slopes[i][j]));
             let defect = [0, 1, 2].map(|i| z[i] - start[i] - s * value[i]);
             let change = solve_if_positive(columns, defect)?;
             z = [0, 1, 2].map(|i| z[i] - change[i]);

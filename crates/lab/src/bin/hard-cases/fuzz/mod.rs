@@ -3,27 +3,38 @@
 //! A [`Target`] is a function of [`Bits`], a deterministic source of awkward numbers. [`run`] calls
 //! it many times, catches panics and counts.
 
-mod arguments;
 mod bits;
-mod constructors;
 mod drivers;
-mod functions;
+mod numbers;
 mod steps;
-mod systems;
 
-use std::fmt::Display;
+use std::error::Error;
+use std::fmt::{self, Display, Formatter};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use anyhow::{Result, anyhow, ensure};
 
 pub use bits::Bits;
+use steps::Job;
 
 use crate::Arguments;
 use crate::results::Fuzzed;
 
-/// What became of an input: none if it was refused, or ended in a typed error; else the iterations
-/// of the solve, zero where nothing is solved. A broken check is an error.
-type Fed = Result<Option<u64>>;
+/// What became of an input: the iterations of the solve, zero where nothing is solved; or
+/// [`Refused`]. Any other error is a broken check.
+type Fed = Result<u64>;
+
+/// The input was refused, or ended in a typed error.
+#[derive(Debug)]
+struct Refused;
+
+impl Error for Refused {}
+
+impl Display for Refused {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str("refused")
+    }
+}
 
 /// Something that takes input.
 struct Target {
@@ -36,6 +47,64 @@ struct Target {
     feed: fn(&mut Bits) -> Fed,
 }
 
+/// All targets; the place of a target in this list decides which bits it is fed.
+const TARGETS: [Target; 9] = [
+    Target {
+        name: "elementary functions",
+        checks: "sin, cos in [−1, 1]; eˣ in [0, ∞]; NaN only where a function is not defined",
+        cost: 1,
+        feed: numbers::elementary_functions,
+    },
+    Target {
+        name: "discrete gradients of sines",
+        checks: "a mean of sines or cosines of finite arguments is in [−1, 1]",
+        cost: 1,
+        feed: numbers::means,
+    },
+    Target {
+        name: "quadrature rules",
+        checks: "a rule is refused or has positive weights that add up to one",
+        cost: 2000,
+        feed: numbers::rules,
+    },
+    Target {
+        name: "systems, dampings, problems",
+        checks: "refused, or all parameters are finite and the start is in the domain",
+        cost: 1,
+        feed: |bits| steps::any_system(bits, Job::Problem, 2),
+    },
+    Target {
+        name: "steps and truncation",
+        checks: "refused, or no factor is negative; bounds are positive and finite",
+        cost: 1,
+        feed: numbers::steps,
+    },
+    Target {
+        name: "Lévy areas: error bounds and terms",
+        checks: "refused, or the bound of the number of terms is the error asked for",
+        cost: 1,
+        feed: numbers::areas,
+    },
+    Target {
+        name: "ladders, trajectories, multilevel settings",
+        checks: "refused, or every state of the result is finite",
+        cost: 40,
+        feed: drivers::drivers,
+    },
+    Target {
+        name: "steps of single paths",
+        checks: "failed, or the state is finite and the iterations are below their bound",
+        cost: 1,
+        feed: |bits| steps::any_system(bits, Job::Step, 8),
+    },
+    Target {
+        name: "steps of blocks",
+        checks: "the same, and every path of a block has the bits of the single path",
+        cost: 40,
+        feed: steps::block,
+    },
+];
+
 /// Inputs for a target of cost one.
 const INPUTS: u64 = 1_000_000;
 const QUICK_INPUTS: u64 = 10_000;
@@ -45,15 +114,11 @@ const DESCRIBED: usize = 5;
 /// Feeds all targets, as many times fewer inputs as one takes longer.
 pub fn run(arguments: &Arguments) -> Vec<Fuzzed> {
     let inputs = arguments.inputs.unwrap_or(arguments.many(INPUTS, QUICK_INPUTS));
-    let targets = functions::TARGETS.iter().chain(&constructors::TARGETS);
-    let targets = targets.chain([&drivers::TARGET]).chain(&steps::TARGETS);
-    let targets = targets.chain([&arguments::TARGET]).zip(0..);
-    targets
-        .map(|(target, number)| {
-            eprintln!("{}", target.name);
-            feed(target, arguments.seed, number, (inputs / target.cost).max(1))
-        })
-        .collect()
+    let fed = TARGETS.iter().zip(0..).map(|(target, number)| {
+        eprintln!("{}", target.name);
+        feed(target, arguments.seed, number, (inputs / target.cost).max(1))
+    });
+    fed.collect()
 }
 
 fn feed(target: &Target, seed: u64, number: u64, inputs: u64) -> Fuzzed {
@@ -64,15 +129,15 @@ fn feed(target: &Target, seed: u64, number: u64, inputs: u64) -> Fuzzed {
         let mut bits = Bits::new(seed, number, input);
         let fed = catch_unwind(AssertUnwindSafe(|| (target.feed)(&mut bits)));
         match fed.unwrap_or_else(|_| Err(anyhow!("panicked"))) {
-            Ok(None) => fuzzed.refused += 1,
-            Ok(Some(iterations)) => {
+            Ok(iterations) => {
                 fuzzed.accepted += 1;
                 fuzzed.most_iterations = fuzzed.most_iterations.max(iterations);
             }
-            Err(message) => {
+            Err(error) if error.is::<Refused>() => fuzzed.refused += 1,
+            Err(error) => {
                 fuzzed.failures += 1;
                 if fuzzed.examples.len() < DESCRIBED {
-                    fuzzed.examples.push(format!("input {input}: {message}"));
+                    fuzzed.examples.push(format!("input {input}: {error:#}"));
                 }
             }
         }
@@ -80,8 +145,13 @@ fn feed(target: &Target, seed: u64, number: u64, inputs: u64) -> Fuzzed {
     fuzzed
 }
 
-/// What was accepted; a refusal must have words.
-fn accepted<T, E: Display>(result: Result<T, E>) -> Result<Option<T>> {
+/// What was accepted; [`Refused`] ends the input.
+fn accepted<T, E: Display>(result: Result<T, E>) -> Result<T> {
+    answer(result)?.ok_or_else(|| Refused.into())
+}
+
+/// What was accepted, if it was; a refusal must have words.
+fn answer<T, E: Display>(result: Result<T, E>) -> Result<Option<T>> {
     match result {
         Ok(value) => Ok(Some(value)),
         Err(error) => {
@@ -92,11 +162,6 @@ fn accepted<T, E: Display>(result: Result<T, E>) -> Result<Option<T>> {
     }
 }
 
-/// The end of a target that solves nothing.
-fn counted<T>(accepted: Option<T>) -> Fed {
-    Ok(accepted.map(|_| 0))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -104,14 +169,16 @@ mod tests {
     #[test]
     fn a_target_that_breaks_is_caught() {
         fn breaks(bits: &mut Bits) -> Fed {
-            match bits.below(3) {
+            match bits.below(4) {
                 0 => panic!("on purpose"),
                 1 => Err(anyhow!("a NaN")),
-                _ => Ok(Some(0)),
+                2 => accepted(Err("no such number")),
+                _ => Ok(0),
             }
         }
         let target = Target { name: "broken", checks: "", cost: 1, feed: breaks };
         let broken = feed(&target, 1, 0, 30);
-        assert!(broken.failures > 0 && broken.accepted > 0 && !broken.examples.is_empty());
+        assert!(broken.failures > 0 && broken.accepted > 0 && broken.refused > 0);
+        assert!(!broken.examples.is_empty());
     }
 }

@@ -1,40 +1,83 @@
-//! The step of every scheme on every system.
+//! Problems and steps of every system with every scheme.
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use lab::{PaperSystem, compiled};
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Method, Outcome, Solution, Solver};
 use real::{Block, WIDTH};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step};
-use systems::{Constant, Pendulum, PoissonSystem, RigidBody};
+use systems::{
+    Constant, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
+    Problem, RealExponents, RigidBody, RigidBodyEnergy, SpinChain, SystemError,
+};
 
-use super::systems::{Visitor, visit};
-use super::{Bits, Fed, Target, accepted};
+use super::{Bits, Fed, Refused, accepted};
 use crate::schemes::schemes;
-
-pub const TARGETS: [Target; 2] = [
-    Target {
-        name: "steps of single paths",
-        checks: "a step that does not report failure has a finite state; iterations below their \
-                 bound",
-        cost: 1,
-        feed: visit::<TakeStep>,
-    },
-    Target {
-        name: "steps of blocks",
-        checks: "the same, and every path of a block has the bits of the single path",
-        cost: 40,
-        feed: block,
-    },
-];
 
 /// The continuation halves its step in s down to 2⁻¹⁴ and doubles it after each success: at most
 /// 2·2¹⁴ attempts, each with at most 20 Newton iterations.
 const MOST_ITERATIONS: u64 = 2 * (1 << 14) * 20;
 
-fn step(bits: &mut Bits) -> Result<Option<Step>> {
+/// What is done with a system.
+pub enum Job {
+    /// It becomes a problem.
+    Problem,
+    /// Any scheme makes a step.
+    Step,
+}
+
+/// Any system; one parameter in `wild` is any number.
+pub fn any_system(bits: &mut Bits, job: Job, wild: u64) -> Fed {
+    let p @ [a, b, c, d, e, f] = [(); 6].map(|()| bits.positive(wild));
+    match bits.below(9) {
+        0 => with_system(bits, job, Pendulum::new(a), &p[..1]),
+        1 => with_system(bits, job, RigidBody::three_noises([a, b, c], [d, e, f]), &p),
+        2 => with_system(bits, job, RigidBody::one_noise([a, b, c], d), &p[..4]),
+        3 => with_system(bits, job, RigidBodyEnergy::new([a, b, c], d), &p[..4]),
+        4 => with_system(bits, job, LotkaVolterra::<RealExponents>::new(-a, -b, c), &p[..3]),
+        5 => with_system(bits, job, LotkaVolterra::<IntegerExponents<2, 2>>::integer(a), &p[..1]),
+        6 => with_system(bits, job, Poisson3::new(a), &p[..1]),
+        7 => with_system(bits, job, Ok(MaxwellBloch), &[]),
+        _ => with_system(bits, job, SpinChain::<6>::new(a, b, c), &p[..3]),
+    }
+}
+
+fn with_system<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize>(
+    bits: &mut Bits,
+    job: Job,
+    system: Result<S, SystemError>,
+    parameters: &[f64],
+) -> Fed {
+    let system = accepted(system)?;
+    ensure!(parameters.iter().all(|p| p.is_finite()), "accepted {parameters:?}");
+    match job {
+        Job::Problem => {
+            let (y0, t_end) = (bits.state::<D>(), bits.positive(2));
+            let damping = accepted(Constant::new(bits.number()))?;
+            let problem = accepted(Problem::new::<M>(system, damping, y0, t_end))?;
+            let finite = y0.iter().chain([&t_end]).all(|number| number.is_finite());
+            let sound = finite && t_end > 0.0 && problem.system.check_domain(y0).is_ok();
+            ensure!(sound, "accepted {y0:?}, T = {t_end:e}");
+            Ok(0)
+        }
+        Job::Step => {
+            let schemes = schemes(&system, [1.0; D]);
+            let scheme = &schemes[bits.below(schemes.len() as u64) as usize];
+            let step = any_step(bits)?;
+            let (noise, y) = (noise::<M>(bits), bits.state::<D>());
+            let solution = scheme.step(&system, &step, &noise, y);
+            let iterations = sound(&solution).with_context(|| {
+                let (scheme, system) = (scheme.name, system.name());
+                format!("{scheme} of {system} from {y:?} with {noise:?}, {step:?}")
+            })?;
+            iterations.ok_or_else(|| Refused.into())
+        }
+    }
+}
+
+fn any_step(bits: &mut Bits) -> Result<Step> {
     let rate = if bits.one_in(4) { bits.number() } else { bits.ordinary() };
-    let Some(damping) = accepted(Constant::new(rate))? else { return Ok(None) };
+    let damping = accepted(Constant::new(rate))?;
     let tau = bits.positive(8);
     accepted(Step::new(&damping, bits.below(1 << 20), tau))
 }
@@ -51,7 +94,7 @@ fn noise<const M: usize>(bits: &mut Bits) -> Noise<M> {
 }
 
 /// The iterations of a sound solution; none where it failed.
-fn sound<const D: usize>(solution: &Solution<D>) -> Fed {
+fn sound<const D: usize>(solution: &Solution<D>) -> Result<Option<u64>> {
     let (Outcome::Fast { iterations } | Outcome::Robust { iterations, .. }) = solution.outcome
     else {
         return Ok(None);
@@ -62,22 +105,13 @@ fn sound<const D: usize>(solution: &Solution<D>) -> Fed {
     Ok(Some(iterations))
 }
 
-struct TakeStep;
-
-impl Visitor for TakeStep {
-    const WILD: u64 = 8;
-    fn visit<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize>(
-        bits: &mut Bits,
-        system: S,
-    ) -> Fed {
-        let schemes = schemes(&system, [1.0; D]);
-        let scheme = &schemes[bits.below(schemes.len() as u64) as usize];
-        let Some(step) = step(bits)? else { return Ok(None) };
-        let (noise, y) = (noise::<M>(bits), bits.state::<D>());
-        sound(&scheme.step(&system, &step, &noise, y)).map_err(|error| {
-            let (scheme, system) = (scheme.name, system.name());
-            error.context(format!("{scheme} of {system} from {y:?} with {noise:?}, {step:?}"))
-        })
+/// A block of two systems whose kernels are compiled anyway.
+pub fn block(bits: &mut Bits) -> Fed {
+    let [a, b, c, d, e, f] = [(); 6].map(|()| bits.positive(8));
+    if bits.one_in(2) {
+        block_step(bits, &accepted(Pendulum::new(a))?)
+    } else {
+        block_step(bits, &accepted(RigidBody::three_noises([a, b, c], [d, e, f]))?)
     }
 }
 
@@ -86,7 +120,7 @@ fn block_step<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
     bits: &mut Bits,
     system: &S,
 ) -> Fed {
-    let Some(step) = step(bits)? else { return Ok(None) };
+    let step = any_step(bits)?;
     let scheme: Box<dyn Scheme<S, D, M>> = match bits.below(7) {
         0 => compiled(Sexp { solver: Solver::new(Method::FixedPoint) }),
         1 => compiled(Sexp { solver: Solver::new(Method::Newton) }),
@@ -109,27 +143,12 @@ fn block_step<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
     for p in 0..WIDTH {
         let alone = scheme.step(system, &step, &noises.path(p), start.path(p));
         let place = || format!("{} of {}, path {p}", scheme.id(), system.name());
-        most = most.max(sound(&alone).map_err(|error| error.context(place()))?.unwrap_or(0));
+        most = most.max(sound(&alone).with_context(place)?.unwrap_or(0));
         // Of a path that failed only the failure is promised.
         let (failed, together) = (status.failed.contains(p), y.path(p));
         let same = failed || together.map(f64::to_bits) == alone.z.map(f64::to_bits);
-        ensure!(
-            same && failed != alone.outcome.converged(),
-            "{}: block {together:?}, alone {alone:?}",
-            place()
-        );
+        let agree = same && failed != alone.outcome.converged();
+        ensure!(agree, "{}: block {together:?}, alone {alone:?}", place());
     }
-    Ok(Some(most))
-}
-
-/// Two systems whose kernels are compiled anyway.
-fn block(bits: &mut Bits) -> Fed {
-    let [a, b, c, d, e, f] = [(); 6].map(|()| bits.positive(8));
-    if bits.one_in(2) {
-        let system = accepted(Pendulum::new(a))?;
-        system.map_or(Ok(None), |system| block_step::<_, 2, 1>(bits, &system))
-    } else {
-        let system = accepted(RigidBody::three_noises([a, b, c], [d, e, f]))?;
-        system.map_or(Ok(None), |system| block_step::<_, 3, 3>(bits, &system))
-    }
+    Ok(most)
 }

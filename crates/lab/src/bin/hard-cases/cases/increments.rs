@@ -1,0 +1,117 @@
+//! Increments that are extreme, steps that are big, and no noise at all.
+
+use anyhow::Result;
+use noise::{BlockNoise, Truncation};
+use real::WIDTH;
+use systems::paper::half_cosine;
+
+use super::{Case, Context, KEEPS_THE_LAW, SQUARED_LENGTH, body, each};
+use crate::paths::{CASIMIR, Experiment};
+use crate::results::Row;
+use crate::rounding::length;
+
+/// The largest normals that the generator can give, in all directions.
+pub const EXTREME: Case = Case {
+    id: "extreme-normals",
+    title: "Extreme normals",
+    setup: "Rigid body with three noises, γ = ½cos 2t, 64 steps; truncated with k = 4 or not. \
+            Every increment is ±√τ·√(106 ln 2) = ±8.57√τ, the largest that the generator can \
+            give, in all combinations of signs; areas ±ΔW².",
+    mathematics: "Every increment is a possible one: the law holds on every path.",
+    quantity: SQUARED_LENGTH,
+    guarantee: KEEPS_THE_LAW,
+    varied: "τ",
+    plot: None,
+    rows: extreme,
+};
+
+fn extreme(context: &Context) -> Result<Vec<Row>> {
+    let truncations = [(", truncated", lab::truncation()), ("", Truncation::none())];
+    let taus = [1.0 / 1024.0, 1.0 / 64.0, 1.0 / 4.0].into_iter();
+    each(taus.flat_map(|tau| truncations.map(|one| (tau, one))), |(tau, (words, truncation))| {
+        // √(106 ln 2) is the radius of Box–Muller at the smallest uniform 2⁻⁵³.
+        let largest = (106.0 * std::f64::consts::LN_2 * tau).sqrt();
+        let size = largest.min(truncation.bound(tau)?);
+        let experiment = body(context, half_cosine(), (64, tau))?.with_noise(move |_| {
+            let mut drawn = 0;
+            Box::new(move |noise| {
+                drawn += 1;
+                signed(drawn / 3, size, noise);
+            })
+        });
+        let setting = format!("1/{:.0}{words}", 1.0 / tau);
+        Experiment { truncation, ..experiment }.law_rows(setting, &CASIMIR, |_| None)
+    })
+}
+
+/// Increments ±`size` with combination number `signs` of the signs, and areas ±`size`².
+fn signed(signs: u32, size: f64, noise: &mut BlockNoise<3>) {
+    let sign = |m: u32| if signs >> m & 1 == 1 { -1.0 } else { 1.0 };
+    let increments = [0, 1, 2].map(|m| sign(m) * size);
+    let [a, b, c] = increments.map(|dw| dw * size);
+    for p in 0..WIDTH {
+        noise.increments.set_path(p, increments);
+        noise.areas.set_path(p, [[0.0, a, b], [-a, 0.0, c], [-b, -c, 0.0]]);
+    }
+}
+
+/// Steps up to 0.9, where truncation is still defined.
+pub const BIG_STEPS: Case = Case {
+    id: "big-steps",
+    title: "Big steps",
+    setup: "Several paths of the rigid body with three noises, γ = ½cos 2t, 64 steps.",
+    mathematics: "The scheme keeps the law for every τ at which its equation has a solution. \
+                  Convergence is about small τ only.",
+    quantity: SQUARED_LENGTH,
+    guarantee: KEEPS_THE_LAW,
+    varied: "τ",
+    plot: None,
+    rows: big_steps,
+};
+
+fn big_steps(context: &Context) -> Result<Vec<Row>> {
+    let paths = context.arguments.many(32, 4);
+    each([0.1, 0.3, 0.5, 0.7, 0.9], |tau| {
+        let experiment = body(context, half_cosine(), (64, tau))?;
+        Experiment { paths, ..experiment }.law_rows(tau, &CASIMIR, |_| None)
+    })
+}
+
+/// Without noise: ordinary differential equations, and the deterministic orders.
+pub const NO_NOISE: Case = Case {
+    id: "no-noise",
+    title: "No noise",
+    setup: "Rigid body, γ = ½cos 2t, T = 1, all increments zero. `em` makes its Itô correction, \
+            as its drift belongs to the equation with noise.",
+    mathematics: "`sexp`, `midpoint` and `heun` are of order two for ordinary equations, Euler's \
+                  method of order one.",
+    quantity: "order, from the differences of the results with N, 2N and 4N steps",
+    guarantee: "Two, and one for `em`, up to 16τ.",
+    varied: "τ",
+    plot: None,
+    rows: no_noise,
+};
+
+/// The order differs from its limit by a multiple of τ; at the coarsest step here |p − p_∞| ≤ 16τ.
+const SLACK: f64 = 16.0;
+
+fn no_noise(context: &Context) -> Result<Vec<Row>> {
+    let silent = |steps: u64| {
+        let experiment = body(context, half_cosine(), (steps, 1.0 / steps as f64))?;
+        anyhow::Ok(experiment.with_noise(|_| Box::new(|_| ())))
+    };
+    each([64, 128, 256, 512], |steps| {
+        let finer = [silent(2 * steps)?, silent(4 * steps)?];
+        let setting = (format!("1/{steps}"), 1.0 / steps as f64);
+        silent(steps)?.rows(setting, |row, scheme, paths| {
+            let end = |n: usize| anyhow::Ok(finer[n].run(scheme)?[0].end());
+            let (one, two, four) = (paths[0].end(), end(0)?, end(1)?);
+            let difference = |a: [f64; 3], b: [f64; 3]| length([0, 1, 2].map(|i| a[i] - b[i]));
+            let order = (difference(one, two) / difference(two, four)).log2();
+            let near = (order - scheme.order).abs() <= SLACK / steps as f64;
+            let row = Row { exact: Some(scheme.order), ..row };
+            let kept = row.error.is_none() && near;
+            Ok(row.with_figure(order).guaranteed(kept, None))
+        })
+    })
+}
