@@ -56,7 +56,7 @@ fn one_path(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
     let key = StreamKey { seed: 1, experiment: 0 };
     let path = Simulation::new(problem, &sexp, Truncation::new(4)?)
         .every(32)
-        .observing("energy", |y| problem.system.energy(y, 1.0, [0.0]))
+        .observing("energy", |y| problem.system().energy(y, 1.0, [0.0]))
         .path(256, key, 0)?;
     write_csv(&[path], &mut std::io::stdout())?;
     Ok(())
@@ -67,7 +67,7 @@ fn many_paths(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
     let key = StreamKey { seed: 1, experiment: 0 };
     let paths = Simulation::new(problem, &sexp, Truncation::new(4)?)
         .every(64)
-        .observing("energy", |y| problem.system.energy(y, 1.0, [0.0]))
+        .observing("energy", |y| problem.system().energy(y, 1.0, [0.0]))
         .paths(256, key, 0..400)?;
     for (row, t) in paths[0].times().iter().enumerate() {
         let sum: f64 = paths.iter().filter_map(|path| path.column("energy")?.get(row)).sum();

@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let truncation = Truncation::new(4)?;
     let path = Simulation::new(&problem, &sexp, truncation)
         .every(64)
-        .observing("energy", |y| problem.system.energy(y, 1.0, [0.0; 2]))
+        .observing("energy", |y| problem.system().energy(y, 1.0, [0.0; 2]))
         .path(512, key, 0)?;
     write_csv(&[path], &mut std::io::stdout())?;
 

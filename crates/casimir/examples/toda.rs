@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let truncation = Truncation::new(4)?;
     let path = Simulation::new(&problem, &sexp, truncation)
         .every(32)
-        .observing("energy", |y| problem.system.energy(y, 1.0, [0.0]))
+        .observing("energy", |y| problem.system().energy(y, 1.0, [0.0]))
         .path(256, StreamKey { seed: 1, experiment: 0 }, 0)?;
     write_csv(&[path], &mut std::io::stdout())?;
 

@@ -27,11 +27,11 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let system = &problem.system;
+    let system = problem.system();
     let degree = system.invariants()[index].degree;
-    let initial: f64 = system.invariant(index, problem.y0);
+    let initial: f64 = system.invariant(index, problem.y0());
     let values = path.times.iter().zip(&path.states).map(|(&t, &y)| {
-        let exact = (-degree * problem.damping.integral(0.0, t)).exp() * initial;
+        let exact = (-degree * problem.damping().integral(0.0, t)).exp() * initial;
         (t, system.invariant(index, y), exact)
     });
     values.collect()
@@ -76,7 +76,7 @@ where
     };
     let scale = (REFINEMENT as f64).ln();
     Evidence::Approach {
-        invariant: problem.system.invariants()[index].name.to_owned(),
+        invariant: problem.system().invariants()[index].name.to_owned(),
         largest,
         paths: PATHS,
         refinement: REFINEMENT,

@@ -129,8 +129,8 @@ impl Words {
             let digits = format!("{y:.4}");
             digits.trim_end_matches('0').trim_end_matches('.').to_owned()
         };
-        let start: Vec<String> = problem.y0.iter().map(short).collect();
-        let (damping, t_end) = (problem.damping.describe(), problem.t_end);
+        let start: Vec<String> = problem.y0().iter().map(short).collect();
+        let (damping, t_end) = (problem.damping().describe(), problem.t_end());
         let setup =
             format!("{system}, {damping}, y₀ = ({}), T = {t_end}, {steps}", start.join(", "));
         Panel { id, kind, title, setup, paper, ..Panel::default() }

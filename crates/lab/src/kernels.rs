@@ -11,10 +11,10 @@
 //! use systems::paper::pendulum;
 //!
 //! let problem = pendulum();
-//! let step = Step::new(&problem.damping, 0, 0.01)?;
+//! let step = Step::new(problem.damping(), 0, 0.01)?;
 //! let noise = Noise::increments([0.1]);
-//! let compiled = lab::compiled(Sexp::default()).step(&problem.system, &step, &noise, problem.y0);
-//! let generic = Sexp::default().step(&problem.system, &step, &noise, problem.y0);
+//! let compiled = lab::compiled(Sexp::default()).step(problem.system(), &step, &noise, problem.y0());
+//! let generic = Sexp::default().step(problem.system(), &step, &noise, problem.y0());
 //! assert_eq!(compiled.z, generic.z);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -128,7 +128,7 @@ pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
         )
     })?;
     let problem = rigid_body_three_noises(1.0);
-    let levy = compiled(SexpLevy::new(&problem.system, problem.y0));
+    let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     visitor.visit(Setup {
         expectations: Some(|problem, phi| rigid_body_expectations(problem, 96, phi)),
         ..setup("rigid-body-3", problem).with_areas(levy).described(

@@ -125,16 +125,16 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
             return Err(LadderError::Steps { steps: finest_steps, multiple_of: coarsest });
         }
         // The finest step may underflow.
-        let finest = problem.t_end / finest_steps as f64;
+        let finest = problem.t_end() / finest_steps as f64;
         if finest <= 0.0 {
             return Err(StepError::Size { tau: finest }.into());
         }
         let area_reader = runs.iter().find(|run| run.scheme.reads_areas());
         let area_reader = area_reader.map(|run| run.scheme.id());
         let mut driver = Driver {
-            damping: &problem.damping,
-            y0: problem.y0,
-            t_end: problem.t_end,
+            damping: problem.damping(),
+            y0: problem.y0(),
+            t_end: problem.t_end(),
             finest_steps,
             levels,
             key,
@@ -156,7 +156,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
                 Bounds { increment: truncation.bound(tau)?, area: truncation.area_bound(tau)? };
             Batch::add(&mut driver.batches, level, swapped, bounds, driver.runs.len());
             let step_block = Box::new(move |step: &_, noise: &_, y: &mut _, status: &mut _| {
-                scheme.step_block(&problem.system, step, noise, y, status);
+                scheme.step_block(problem.system(), step, noise, y, status);
             });
             driver.runs.push(DriverRun { id: scheme.id(), level, swapped, step_block });
         }

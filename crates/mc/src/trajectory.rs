@@ -38,7 +38,7 @@ pub fn trajectory<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
 ) -> Result<Trajectory<D>, LadderError> {
     let ladder = Ladder::new(problem, steps, 0, truncation, key, vec![Run::new(scheme, 0)])?;
     let measured = ladder.run_from(path, 1, || PathRecords::new(&|_, y| Some(y)), &|_| ());
-    let mut states = vec![problem.y0];
+    let mut states = vec![problem.y0()];
     states.extend(measured.statistic.of_path.into_values().flatten());
     let times = (0..states.len()).map(|n| n as f64 * ladder.tau(0)).collect();
     Ok(Trajectory { times, states, failure: measured.failures.into_iter().next() })

@@ -25,7 +25,7 @@
 //!     }
 //! }
 //! let problem = Problem::new(Oscillator, Constant::new(0.1)?, [1.0, 0.0], 1.0)?;
-//! assert_eq!(problem.system.gradient([1.0, 2.0], 0.5, [0.25]), [0.5, 1.5]);
+//! assert_eq!(problem.system().gradient([1.0, 2.0], 0.5, [0.25]), [0.5, 1.5]);
 //! assert!(Problem::new(Oscillator, Constant::new(0.1)?, [f64::NAN, 0.0], 1.0).is_err());
 //! # Ok::<(), systems::SystemError>(())
 //! ```

@@ -7,13 +7,13 @@ use crate::{Damping, PoissonSystem, SystemError};
 #[derive(Clone, Debug)]
 pub struct Problem<S, G, const D: usize> {
     /// The system: B and H₀ … H_M.
-    pub system: S,
+    system: S,
     /// The damping rate γ.
-    pub damping: G,
+    damping: G,
     /// The initial value y(0).
-    pub y0: [f64; D],
+    y0: [f64; D],
     /// The final time T.
-    pub t_end: f64,
+    t_end: f64,
 }
 
 impl<S, G: Damping, const D: usize> Problem<S, G, D> {
@@ -48,5 +48,37 @@ impl<S, G: Damping, const D: usize> Problem<S, G, D> {
         } else {
             Err(SystemError::FinalTime { t_end })
         }
+    }
+}
+
+impl<S, G, const D: usize> Problem<S, G, D> {
+    /// The system.
+    #[must_use]
+    pub fn system(&self) -> &S {
+        &self.system
+    }
+
+    /// The damping γ.
+    #[must_use]
+    pub fn damping(&self) -> &G {
+        &self.damping
+    }
+
+    /// The initial value y(0).
+    #[must_use]
+    pub fn y0(&self) -> [f64; D] {
+        self.y0
+    }
+
+    /// System, damping, initial value and final time.
+    #[must_use]
+    pub fn into_parts(self) -> (S, G, [f64; D], f64) {
+        (self.system, self.damping, self.y0, self.t_end)
+    }
+
+    /// The final time T.
+    #[must_use]
+    pub fn t_end(&self) -> f64 {
+        self.t_end
     }
 }

@@ -175,5 +175,5 @@ fn commuting_noises_are_recognised() {
     let damped =
         Problem::new(Pendulum::new(1.0).unwrap(), Constant::new(1.0).unwrap(), [0.2, 1.0], 1.0)
             .unwrap();
-    assert!(noises_commute(&damped.system, damped.y0));
+    assert!(noises_commute(damped.system(), damped.y0()));
 }

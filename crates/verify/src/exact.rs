@@ -77,8 +77,8 @@ pub fn solution<S: PoissonSystem<D, 1>, G: Damping, const D: usize>(
     problem: &Problem<S, G, D>,
     s: f64,
 ) -> [f64; D] {
-    let decay = (-problem.damping.integral(0.0, problem.t_end)).exp();
-    flow(&problem.system, problem.y0, s).map(|component| decay * component)
+    let decay = (-problem.damping().integral(0.0, problem.t_end())).exp();
+    flow(problem.system(), problem.y0(), s).map(|component| decay * component)
 }
 
 /// Runge–Kutta steps for one unit of time; with one extrapolation the error is of order h⁵ ≈ 1e-15.
@@ -146,11 +146,11 @@ mod tests {
         let body = valid(RigidBodyEnergy::new(INERTIA, 1.0));
         let problem =
             valid(Problem::new(body, valid(Sine::new(1.0, 1.0)), rigid_body_start(), 1.0));
-        let law = (-2.0 * problem.damping.integral(0.0, 1.0)).exp();
+        let law = (-2.0 * problem.damping().integral(0.0, 1.0)).exp();
         for s in [-1.0, 0.2, 2.5] {
             let y = solution(&problem, s);
             for index in 0..2 {
-                let exact = law * body.invariant(index, problem.y0);
+                let exact = law * body.invariant(index, problem.y0());
                 assert!((body.invariant(index, y) / exact - 1.0).abs() < 1e-13);
             }
         }

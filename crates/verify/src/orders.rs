@@ -75,7 +75,7 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let (sexp, levy) = (Sexp::default(), SexpLevy::new(&problem.system, problem.y0));
+    let (sexp, levy) = (Sexp::default(), SexpLevy::new(problem.system(), problem.y0()));
     let reference: &dyn Scheme<S, D, M> = if scheme.reads_areas() { &levy } else { &sexp };
     strong_order_against(scheme, problem, sizes, ReferenceSolution::Scheme(reference))
 }
@@ -98,10 +98,10 @@ where
     let square =
         |y: [f64; D], exact: [f64; D]| (0..D).map(|i| (y[i] - exact[i]) * (y[i] - exact[i])).sum();
     let (squares, failed) = errors(scheme, problem, sizes, &reference, &square)?;
-    let taus = sizes.taus(problem.t_end);
+    let taus = sizes.taus(problem.t_end());
     let step = match reference {
         ReferenceSolution::Exact(_) => None,
-        _ => Some(problem.t_end / sizes.reference_steps() as f64),
+        _ => Some(problem.t_end() / sizes.reference_steps() as f64),
     };
     let rate = fit_strong(&taus, step, &squares);
     Ok(Order { points: root_mean_squares(&taus, &squares), rate, failed })
@@ -130,11 +130,13 @@ where
     let phi = observable.function;
     let error = |y: [f64; D], exact: [f64; D]| phi(y) - phi(exact);
     let (moments, failed) = errors(scheme, problem, sizes, &reference, &error)?;
-    let (taus, means) = (sizes.taus(problem.t_end), moments.means());
+    let (taus, means) = (sizes.taus(problem.t_end()), moments.means());
     let covariance = moments.covariances_of_means();
     let points = (0..taus.len()).map(|l| Point::normal(taus[l], means[l], covariance[l][l].sqrt()));
     let against = match reference {
-        ReferenceSolution::Itself => Against::Step(problem.t_end / sizes.reference_steps() as f64),
+        ReferenceSolution::Itself => {
+            Against::Step(problem.t_end() / sizes.reference_steps() as f64)
+        }
         _ => Against::Exact,
     };
     let rate = fit_weak(&taus, &means, &covariance, against);

@@ -57,7 +57,7 @@ impl InvariantPanel {
         let paths: Vec<_> = curves.iter().map(follow).collect();
         conditions.progress.end();
 
-        let known = problem.system.invariants();
+        let known = problem.system().invariants();
         let mut findings = Findings::default();
         let mut all = Vec::new();
         for &name in self.invariants {
@@ -93,7 +93,7 @@ impl InvariantPanel {
                 findings.claims.push(self.claim(curve.method, &known[index], measured));
             }
         }
-        let steps = format!("τ = {}, {TRUNCATED}", problem.t_end / self.steps as f64);
+        let steps = format!("τ = {}, {TRUNCATED}", problem.t_end() / self.steps as f64);
         let failures = paths.iter().filter_map(|path| path.failure.as_ref());
         findings.panels.push(Panel {
             samples: 1,

@@ -162,7 +162,7 @@ where
         };
         let mut ladder = valid(Ladder::new(
             problem,
-            grid.finest_steps(problem.t_end),
+            grid.finest_steps(problem.t_end()),
             grid.level(FIRST),
             self.truncation,
             conditions.key(0),
@@ -331,7 +331,7 @@ impl StrongPanel {
         G: Damping,
     {
         let mut findings = self.compare(conditions, problem);
-        let levy = || compiled(SexpLevy::new(&problem.system, problem.y0));
+        let levy = || compiled(SexpLevy::new(problem.system(), problem.y0()));
         let grid = Grid { last: self.last - 3, samples: self.samples };
         let runs = StrongRuns {
             words: self.words,

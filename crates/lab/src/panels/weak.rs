@@ -168,7 +168,7 @@ where
     let sexp = sexp.as_ref();
     let ladder = |(exponent, part)| {
         let runs = vec![Run::new(sexp, 1), Run::new(sexp, 0), Run::swapped(sexp, 0)];
-        let finest_steps = (problem.t_end * 2f64.powi(exponent as i32 + 1)).round() as u64;
+        let finest_steps = (problem.t_end() * 2f64.powi(exponent as i32 + 1)).round() as u64;
         let key = conditions.key(part);
         let ladder = Ladder::new(problem, finest_steps, 1, truncation(), key, runs);
         (grid.samples(exponent), valid(ladder))

@@ -56,16 +56,16 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let system = &problem.system;
-    let tau = problem.t_end / PIECES as f64;
+    let system = problem.system();
+    let tau = problem.t_end() / PIECES as f64;
     // The states at the ends of the pieces.
     let path = |substeps: u32| {
         let mut noise = WienerPath::<M>::new(conditions.key(part), 0);
-        let (mut times, mut states) = (vec![0.0], vec![problem.y0]);
+        let (mut times, mut states) = (vec![0.0], vec![problem.y0()]);
         for n in 0..PIECES {
             let (t, dw) = (n as f64 * tau, noise.increments(tau.sqrt()));
             let y = states[n as usize];
-            states.push(runge_kutta(system, &problem.damping, t, tau, dw, substeps, y));
+            states.push(runge_kutta(system, problem.damping(), t, tau, dw, substeps, y));
             times.push((n + 1) as f64 * tau);
         }
         Trajectory { times, states, failure: None }

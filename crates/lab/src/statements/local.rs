@@ -87,7 +87,7 @@ fn problem() -> Problem<RigidBody<3>, Cosine, 3> {
 
 /// y + τ(f₀ − γy) + Σ fₘwₘ, the part of the expansion that both have.
 pub fn first_order(tau: f64, w: Vector) -> Vector {
-    let Problem { system, damping, y0: y, .. } = problem();
+    let (system, damping, y, _) = problem().into_parts();
     let field = vector_field(&system, y, tau, w);
     let rate = damping.rate(0.0) * tau;
     std::array::from_fn(|i| y[i] + field[i] - rate * y[i])
@@ -100,7 +100,7 @@ fn exact_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
 
 /// y(τ) on piecewise linear noise.
 pub fn exact_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let Problem { system, damping, y0, .. } = problem();
+    let (system, damping, y0, _) = problem().into_parts();
     let length = tau / PIECES as f64;
     let end = |y, (n, dw): (usize, &Vector)| {
         runge_kutta(&system, &damping, n as f64 * length, length, *dw, 1, y)
@@ -110,7 +110,7 @@ pub fn exact_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
 
 /// y + τ(f₀ − γy) + Σ fₘΔWₘ + Σ fₘ′f_l J_lm with the iterated integrals of piecewise linear noise.
 pub fn expansion(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let Problem { system, y0: start, .. } = problem();
+    let (system, _, start, _) = problem().into_parts();
     let mut w = [0.0; 3];
     // J_lm with l the inner index.
     let mut iterated = [[0.0; 3]; 3];
@@ -145,13 +145,13 @@ fn truncated(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
 
 /// One step of `sexp`.
 pub fn sexp_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let Problem { system, damping, y0, .. } = problem();
+    let (system, damping, y0, _) = problem().into_parts();
     let step = valid(Step::new(&damping, 0, tau));
     Sexp::default().step(&system, &step, &Noise::increments(truncated(tau, pieces)), y0).z
 }
 
 fn sexp_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let Problem { system, y0: start, .. } = problem();
+    let (system, _, start, _) = problem().into_parts();
     let w = truncated(tau, pieces);
     // ½Σ fₘ′f_l ΔŴ_lΔŴₘ = ½f′f with f = Σ fₘΔŴₘ.
     let field = vector_field(&system, start, 0.0, w);

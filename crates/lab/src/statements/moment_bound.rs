@@ -30,7 +30,7 @@ pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
 /// The rigid body without damping, where the bound is an equality for every n.
 #[must_use]
 pub fn undamped() -> Problem<RigidBody<3>, Constant, 3> {
-    let body = rigid_body_three_noises(10.0).system;
+    let body = rigid_body_three_noises(10.0).into_parts().0;
     valid(Problem::new(body, valid(Constant::new(0.0)), rigid_body_start(), 10.0))
 }
 
@@ -55,16 +55,16 @@ where
     S: PoissonSystem<3, M>,
     G: Damping,
 {
-    let system = &problem.system;
+    let system = problem.system();
     let index = system.invariants().iter().position(|known| known.name == invariant);
     let index = valid(index.ok_or_else(|| format!("there is no invariant {invariant}")));
     let paths = conditions.choose(400, 40);
     // |γ| has kinks, so each step of the finest grid is integrated on its own.
-    let absolute = valid(DampingFunction::new(|t| problem.damping.rate(t).abs(), 8));
-    let start = (system.invariant(index, problem.y0) / minimum).sqrt();
+    let absolute = valid(DampingFunction::new(|t| problem.damping().rate(t).abs(), 8));
+    let start = (system.invariant(index, problem.y0()) / minimum).sqrt();
     let (mut largest, mut failed) = (0.0, 0);
     for steps in STEPS {
-        let tau = problem.t_end / steps as f64;
+        let tau = problem.t_end() / steps as f64;
         let mut total = 0.0;
         let bounds: Vec<f64> = (0..steps)
             .map(|n| {
@@ -87,7 +87,7 @@ where
     let statement = format!(
         "{}, {}: ‖y_n‖ ≤ (F(y₀)/m(F))^(1/p) exp ∫|γ| with F = {invariant}",
         system.name(),
-        problem.damping.describe()
+        problem.damping().describe()
     );
     Claim::new("moment-bound", statement, Evidence::Bounds { quantities, failed })
 }

@@ -18,8 +18,8 @@ use crate::experiment::{Conditions, Findings, TRUNCATION_ORDER, truncation};
 
 pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
     vec![
-        contraction(conditions, 0, &pendulum().system, 1.0, 1.0),
-        contraction(conditions, 1, &poisson3_strong().system, 3f64.sqrt(), 1.0),
+        contraction(conditions, 0, pendulum().system(), 1.0, 1.0),
+        contraction(conditions, 1, poisson3_strong().system(), 3f64.sqrt(), 1.0),
     ]
     .into()
 }

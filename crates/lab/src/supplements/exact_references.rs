@@ -64,7 +64,7 @@ const NOISE: f64 = 1.0;
 
 /// The random time whose flow is the exact solution, on finest steps of T/`finest_steps`.
 fn random_time<S, G: Damping>(problem: &Problem<S, G, 3>, finest_steps: u64) -> RandomTime<'_, G> {
-    RandomTime::new(&problem.damping, DEGREE, NOISE, problem.t_end / finest_steps as f64)
+    RandomTime::new(problem.damping(), DEGREE, NOISE, problem.t_end() / finest_steps as f64)
 }
 
 impl AgainstExact {
@@ -76,7 +76,7 @@ impl AgainstExact {
         let grid =
             conditions.choose(Grid { last: 12, samples: 500 }, Grid { last: 10, samples: 200 });
         let curves = curves_of_the_paper::<S, 3, 1>();
-        let time = random_time(problem, grid.finest_steps(problem.t_end));
+        let time = random_time(problem, grid.finest_steps(problem.t_end()));
         let solution = |s: f64| solution(problem, s);
         let runs = StrongRuns {
             words: self.words,

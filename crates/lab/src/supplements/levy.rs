@@ -28,7 +28,7 @@ const WORDS: Words = Words {
 
 pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
     let problem = spins();
-    let levy = || compiled(SexpLevy::new(&problem.system, problem.y0));
+    let levy = || compiled(SexpLevy::new(problem.system(), problem.y0()));
     let curves =
         [Curve::new(Method::Sexp, compiled(Sexp::default())), Curve::new(Method::SexpLevy, levy())];
     let runs = StrongRuns {
@@ -65,12 +65,12 @@ where
     S: Compiled<SexpLevy, D, 3>,
     G: Damping,
 {
-    let levy = compiled(SexpLevy::new(&problem.system, problem.y0));
+    let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     let mut largest = 0.0;
     for path in 0..PATHS {
         let key = conditions.key(3);
         let path = valid(trajectory(problem, levy.as_ref(), STEPS, truncation(), key, path));
-        for index in 0..problem.system.invariants().len() {
+        for index in 0..problem.system().invariants().len() {
             largest = worse(largest, largest_defect(&along(problem, index, &path)));
         }
         if path.failure.is_some() {

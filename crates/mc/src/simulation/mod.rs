@@ -148,7 +148,7 @@ where
             return Err(SimulationError::Every);
         }
         let (problem, tau) = (self.problem, ladder.tau(0));
-        let invariants = InvariantColumn::of(&problem.system, problem.y0);
+        let invariants = InvariantColumn::of(problem.system(), problem.y0());
         let mut names = vec!["t".to_owned()];
         names.extend((1..=D).map(|i| format!("y{i}")));
         names.extend(self.observables.iter().map(|(name, _)| name.clone()));
@@ -164,14 +164,14 @@ where
             row.extend(y);
             row.extend(self.observables.iter().map(|(_, phi)| phi(y)));
             for (index, invariant) in invariants.iter().enumerate() {
-                let value = problem.system.invariant(index, y);
+                let value = problem.system().invariant(index, y);
                 row.extend([value, invariant.defect(value, damped)]);
             }
             row
         };
         let steps = ladder.coarse_steps();
         let saved = |n: u64| n.is_multiple_of(self.every) || n == steps;
-        let damped = damping_integrals(&problem.damping, steps, tau, &saved)?;
+        let damped = damping_integrals(problem.damping(), steps, tau, &saved)?;
         let saved_row = |n: u64, y: [f64; D]| {
             saved(n).then(|| row(n, damped[damped.partition_point(|&(m, _)| m < n)].1, y))
         };
@@ -181,14 +181,14 @@ where
             ladder.run_from(paths.start, count, || PathRecords::new(&saved_row), &|_| ());
         let mut of_path = measured.statistic.of_path;
         let series = paths.map(|path| {
-            let mut rows = vec![row(0, 0.0, problem.y0)];
+            let mut rows = vec![row(0, 0.0, problem.y0())];
             rows.extend(of_path.remove(&path).unwrap_or_default());
             let values = |column: usize| rows.iter().map(|row| row[column]).collect();
             let columns = names.iter().enumerate();
             let failure = measured.failures.iter().find(|failure| failure.path == path);
             TimeSeries {
-                system: problem.system.name().to_owned(),
-                damping: problem.damping.describe(),
+                system: problem.system().name().to_owned(),
+                damping: problem.damping().describe(),
                 scheme: self.scheme.id().to_owned(),
                 tau,
                 noise: origin(path),

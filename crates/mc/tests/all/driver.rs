@@ -152,7 +152,7 @@ fn noise_from_elsewhere_drives_every_path_of_a_ladder() {
 #[test]
 fn a_recording_drives_a_ladder_like_the_path_that_it_records() {
     let (problem, sexp) = (body(), Sexp::default());
-    let levy = SexpLevy::new(&problem.system, problem.y0);
+    let levy = SexpLevy::new(problem.system(), problem.y0());
     let ladder = || {
         let runs = vec![
             Run::new(&sexp as &dyn Scheme<_, 3, 3>, 0),
@@ -201,20 +201,21 @@ fn a_statistic_sees_which_steps_needed_the_robust_method() {
     const STEPS: u64 = 4;
     const PATHS: u64 = 200;
     // A fast rotation, large steps and raw increments.
-    let problem = Problem { y0: [2.0, 1.0, 3.0], t_end: 2.0, ..body() };
+    let (system, damping, ..) = body().into_parts();
+    let problem = Problem::new(system, damping, [2.0, 1.0, 3.0], 2.0).unwrap();
     let sexp = Sexp::default();
-    let tau = problem.t_end / STEPS as f64;
+    let tau = problem.t_end() / STEPS as f64;
     let runs = vec![Run::new(&sexp as _, 0)];
     let ladder = Ladder::new(&problem, STEPS, 0, Truncation::none(), KEY, runs).unwrap();
     let seen = ladder.run(PATHS, Robust::default, &|_| ()).statistic.0;
 
     let mut alone = BTreeSet::new();
     for path in 0..PATHS {
-        let (mut wiener, mut y) = (WienerPath::<3>::new(KEY, path), problem.y0);
+        let (mut wiener, mut y) = (WienerPath::<3>::new(KEY, path), problem.y0());
         for n in 0..STEPS {
-            let step = Step::new(&problem.damping, n, tau).unwrap();
+            let step = Step::new(problem.damping(), n, tau).unwrap();
             let noise = Noise::increments(wiener.increments(tau.sqrt()));
-            let solution = sexp.step(&problem.system, &step, &noise, y);
+            let solution = sexp.step(problem.system(), &step, &noise, y);
             match solution.outcome {
                 Outcome::Fast { .. } => {}
                 Outcome::Robust { .. } => {

@@ -76,7 +76,7 @@ fn by_hand(
     path: u64,
     swapped: bool,
 ) -> [f64; 3] {
-    let fine_tau = problem.t_end / steps as f64;
+    let fine_tau = problem.t_end() / steps as f64;
     let mut wiener = WienerPath::<3>::new(KEY, path);
     let method = AreaMethod::MrongowiusRoessler;
     let terms = method.terms_for(strong_order_one_error(fine_tau), fine_tau, 3).unwrap();
@@ -98,14 +98,14 @@ fn by_hand(
     let truncation =
         if scheme.clips_increments() { Truncation::new(2).unwrap() } else { Truncation::none() };
     let (bound, area_bound) = (truncation.bound(tau).unwrap(), truncation.area_bound(tau).unwrap());
-    let mut y = problem.y0;
+    let mut y = problem.y0();
     for (n, noise) in noises.iter().enumerate() {
-        let step = Step::new(&problem.damping, n as u64, tau).unwrap();
+        let step = Step::new(problem.damping(), n as u64, tau).unwrap();
         let clipped = Noise {
             increments: noise.increments.map(|w| w.clamp(-bound, bound)),
             areas: noise.areas.map(|row| row.map(|area| area.clamp(-area_bound, area_bound))),
         };
-        y = scheme.step(&problem.system, &step, &clipped, y).z;
+        y = scheme.step(problem.system(), &step, &clipped, y).z;
     }
     y
 }
@@ -114,7 +114,7 @@ fn by_hand(
 fn every_run_is_the_path_that_one_would_follow_by_hand() {
     let problem = body();
     let (sexp, em, midpoint) = (Sexp::default(), EulerMaruyama, Midpoint::default());
-    let levy = SexpLevy::new(&problem.system, problem.y0);
+    let levy = SexpLevy::new(problem.system(), problem.y0());
     let schemes: [&dyn Scheme<RigidBody<3>, 3, 3>; 6] =
         [&sexp, &em, &midpoint, &levy, &Euler::<false>, &BackwardEuler];
     let mut runs = Vec::new();
@@ -285,9 +285,9 @@ fn a_trajectory_keeps_the_conformal_law() {
     assert_eq!((path.times.len(), path.states.len()), (65, 65));
     let mut defect = Moments::default();
     for (t, y) in path.times.iter().zip(&path.states) {
-        let law = (-2.0 * problem.damping.integral(0.0, *t)).exp()
-            * problem.system.invariant(0, problem.y0);
-        defect.add((problem.system.invariant(0, *y) / law - 1.0).abs());
+        let law = (-2.0 * problem.damping().integral(0.0, *t)).exp()
+            * problem.system().invariant(0, problem.y0());
+        defect.add((problem.system().invariant(0, *y) / law - 1.0).abs());
     }
     assert!(defect.mean() < 64.0 * 16.0 * f64::EPSILON);
 }
@@ -295,7 +295,7 @@ fn a_trajectory_keeps_the_conformal_law() {
 /// Found by fuzzing: the finest step of a tiny final time is zero.
 #[test]
 fn steps_that_underflow_are_refused() {
-    let problem = Problem { t_end: 5e-324, ..body() };
+    let problem = body().until(5e-324).unwrap();
     let ladder =
         Ladder::new(&problem, 4, 0, Truncation::none(), KEY, vec![Run::new(&EulerMaruyama, 0)]);
     assert!(matches!(ladder.err(), Some(LadderError::Step(_))));

@@ -589,7 +589,7 @@ const EXACT_COS_Y3: f64 = 0.797_719_935_281_68;
 #[test]
 fn coupling_by_areas_has_no_bias() {
     let problem = body();
-    let levy = SexpLevy::new(&problem.system, problem.y0);
+    let levy = SexpLevy::new(problem.system(), problem.y0());
     let settings = settings(15, Coupling::Plain);
     let result = expectation(&levy, &problem, &COS_Y3, 1e-4, &settings, &|_| ()).unwrap();
     let Estimate { value, standard_error, bias_bound, .. } = result.estimates[0];
@@ -605,8 +605,8 @@ fn coupling_by_areas_has_no_bias() {
     assert!(beta.lower > 1.5, "{beta:?}");
     // One noise has no areas.
     let system = RigidBody::one_noise([2.0, 1.0, 2.0 / 3.0], 1.0).unwrap();
-    let problem = Problem::new(system, Constant::new(0.1).unwrap(), problem.y0, 1.0).unwrap();
-    let levy = SexpLevy::new(&problem.system, problem.y0);
+    let problem = Problem::new(system, Constant::new(0.1).unwrap(), problem.y0(), 1.0).unwrap();
+    let levy = SexpLevy::new(problem.system(), problem.y0());
     let [with, without]: [Expectation; 2] = [
         expectation(&levy, &problem, &COS_Y3, 1e-2, &settings, &|_| ()).unwrap(),
         expectation(&Sexp::default(), &problem, &COS_Y3, 1e-2, &settings, &|_| ()).unwrap(),

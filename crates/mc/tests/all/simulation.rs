@@ -37,10 +37,10 @@ fn a_table_holds_the_trajectory_and_the_conformal_defect() {
             assert_eq!(table.column(&format!("y{}", i + 1)).unwrap()[row], y[i]);
         }
         assert_eq!(table.column("y1 y2").unwrap()[row], y[0] * y[1]);
-        assert_eq!(table.column("C").unwrap()[row], problem.system.invariant(0, y));
-        let law = (-2.0 * problem.damping.integral(0.0, all.times[n])).exp()
-            * problem.system.invariant(0, problem.y0);
-        let defect = problem.system.invariant(0, y) / law - 1.0;
+        assert_eq!(table.column("C").unwrap()[row], problem.system().invariant(0, y));
+        let law = (-2.0 * problem.damping().integral(0.0, all.times[n])).exp()
+            * problem.system().invariant(0, problem.y0());
+        let defect = problem.system().invariant(0, y) / law - 1.0;
         // A hundred roundings in the state, a few in the law.
         assert!((table.column("C defect").unwrap()[row] - defect).abs() < 128.0 * f64::EPSILON);
     }
@@ -121,7 +121,7 @@ fn recorded_increments_give_the_drawn_path_bit_for_bit() {
     assert_eq!(recorded.noise, NoiseOrigin::Recorded);
 
     // With areas, for the scheme that reads them.
-    let levy = SexpLevy::new(&problem.system, problem.y0);
+    let levy = SexpLevy::new(problem.system(), problem.y0());
     let simulation = Simulation::new(&problem, &levy, k4());
     assert_eq!(
         simulation.recorded(&read),

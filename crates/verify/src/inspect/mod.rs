@@ -98,15 +98,15 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let system = Erased::<S, D, M>(&problem.system);
-    let length = norm(&problem.y0);
+    let system = Erased::<S, D, M>(problem.system());
+    let length = norm(&problem.y0());
     let ball = Region::Ball(if length > 0.0 { 2.0 * length } else { HALF_SIDE });
-    let points = Points::new(&system, ball, Some(&problem.y0))?;
+    let points = Points::new(&system, ball, Some(&problem.y0()))?;
     check_finite(&system, &points)?;
     let mut report = Inspection::of(&system, &points);
     let findings = ProblemFindings::of(problem, &system, report.bound.as_ref());
     if let Some(radius) = findings.radius.filter(|radius| radius.is_finite() && *radius > 0.0) {
-        let reached = Points::new(&system, Region::Ball(radius), Some(&problem.y0))?;
+        let reached = Points::new(&system, Region::Ball(radius), Some(&problem.y0()))?;
         report.solvability = Solvability::of(&system, &reached);
     }
     report.problem = Some(findings);

@@ -81,7 +81,7 @@ impl ProblemFindings {
         system: &dyn System,
         bound: Option<&Bound>,
     ) -> Self {
-        let Problem { damping, y0, t_end, .. } = problem;
+        let (damping, y0, t_end) = (problem.damping(), problem.y0(), problem.t_end());
         let rule = valid(dgrad::Rule::new(NODES));
         let time = |n: u32| t_end * f64::from(n) / f64::from(PARTS);
         let mut integral = Finding::default();
@@ -104,7 +104,7 @@ impl ProblemFindings {
         }
         let integral_agrees = disagreeing <= JUMPS
             && difference.abs() <= total * f64::from(disagreeing.max(1)) / f64::from(PARTS);
-        let radius = bound.map(|bound| bound.radius(system, y0) * (-least).exp());
+        let radius = bound.map(|bound| bound.radius(system, &y0) * (-least).exp());
         Self { damping: damping.describe(), integral, integral_agrees, radius }
     }
 }

@@ -13,7 +13,7 @@ pub fn norm(y: [f64; 3]) -> f64 {
 
 /// r(t) = |y₀|e^{−Γ(t)}.
 pub fn radius<S, G: Damping>(problem: &Problem<S, G, 3>, t: f64) -> f64 {
-    norm(problem.y0) * exp(-problem.damping.integral(0.0, t))
+    norm(problem.y0()) * exp(-problem.damping().integral(0.0, t))
 }
 
 /// Least degree for which [`steps`] is accurate and not only stable.
@@ -26,10 +26,10 @@ pub fn steps<G: Damping, const M: usize>(
     problem: &Problem<RigidBody<M>, G, 3>,
     degree: usize,
 ) -> u32 {
-    let time = |i: u32| problem.t_end * f64::from(i) / f64::from(SAMPLES);
+    let time = |i: u32| problem.t_end() * f64::from(i) / f64::from(SAMPLES);
     let r = (0..=SAMPLES).map(|i| radius(problem, time(i))).fold(0.0, f64::max);
-    let rate = norm_bound(&problem.system, degree.max(ACCURATE), r);
-    (0.5 * rate * problem.t_end).ceil().max(1.0) as u32
+    let rate = norm_bound(problem.system(), degree.max(ACCURATE), r);
+    (0.5 * rate * problem.t_end()).ceil().max(1.0) as u32
 }
 
 /// The moments q = E[h_lm(u(T))], which solve q′ = L_tᵀq, q(0) = h(u₀), by the classical
@@ -39,12 +39,12 @@ pub fn moments<G: Damping, const M: usize>(
     degree: usize,
     steps: u32,
 ) -> Vec<f64> {
-    let generator = Generator::new(&problem.system, degree);
-    let length = norm(problem.y0);
+    let generator = Generator::new(problem.system(), degree);
+    let length = norm(problem.y0());
     // At y₀ = 0 the radius stays zero, and so does L_t, for any u₀.
-    let start = if length > 0.0 { problem.y0.map(|y| y / length) } else { [0.0, 0.0, 1.0] };
+    let start = if length > 0.0 { problem.y0().map(|y| y / length) } else { [0.0, 0.0, 1.0] };
     let mut q = harmonics(start, degree);
-    let h = problem.t_end / f64::from(steps);
+    let h = problem.t_end() / f64::from(steps);
     let shifted = |q: &[f64], k: &[f64], weight: f64| -> Vec<f64> {
         q.iter().zip(k).map(|(q, k)| q + weight * k).collect()
     };

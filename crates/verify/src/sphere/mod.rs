@@ -38,7 +38,7 @@ pub fn rigid_body_expectations<G: Damping, const M: usize>(
     observables: &[Observable<3>],
 ) -> Vec<f64> {
     let moments = moments(problem, degree, steps(problem, degree));
-    means(&moments, degree, radius(problem, problem.t_end), observables)
+    means(&moments, degree, radius(problem, problem.t_end()), observables)
 }
 
 /// The degree up to which φ(r(T)u) is expanded.

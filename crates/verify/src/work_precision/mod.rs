@@ -173,7 +173,7 @@ pub fn work_precision<S: PoissonSystem<D, M>, G: Damping, const D: usize, const 
     let times = path_times(schemes, problem, &steps, truncation, key, repetitions, &|_| ())?;
     let squares = &outcome.statistic.moments;
     let point = |s: usize, l: usize| {
-        WorkPoint::new(problem.t_end, steps[l], squares, s * sizes.levels + l, times[s][l])
+        WorkPoint::new(problem.t_end(), steps[l], squares, s * sizes.levels + l, times[s][l])
     };
     let curves = schemes.iter().enumerate().map(|(s, scheme)| WorkCurve {
         scheme: scheme.id(),

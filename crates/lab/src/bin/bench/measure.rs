@@ -62,7 +62,7 @@ fn ladder<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
     levels: usize,
     runs: Vec<Run<'a, S, D, M>>,
 ) -> Result<Ladder<'a, D, M>> {
-    let steps = (problem.t_end / TAU).round() as u64;
+    let steps = (problem.t_end() / TAU).round() as u64;
     Ok(Ladder::new(problem, steps, levels, truncation(), KEY, runs)?)
 }
 

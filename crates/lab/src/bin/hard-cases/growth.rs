@@ -83,7 +83,7 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
     ];
     let growths = runs.iter().zip(0..).map(|(run, number)| {
         if run.volterra.is_some() {
-            let Problem { system, y0, .. } = lotka_volterra_1_1();
+            let (system, _, y0, _) = lotka_volterra_1_1().into_parts();
             growth(arguments, number, run, ("Lotka–Volterra with a = b = −1", system, y0))
         } else {
             let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA)?;
@@ -105,8 +105,8 @@ fn growth<S: Compiled<Sexp, D, M>, const D: usize, const M: usize>(
     let key = StreamKey { seed: arguments.seed, experiment: streams::GROWTH + number };
     let problem = Problem::new::<M>(system, run.damping, y0, steps as f64 * run.tau)?;
     let index = run.volterra.unwrap_or(0);
-    let invariant = problem.system.invariants()[index];
-    let value = |y| problem.system.invariant(index, y);
+    let invariant = problem.system().invariants()[index];
+    let value = |y| problem.system().invariant(index, y);
     let defect = |n: u64, y| {
         let damping = run.damping.integral(0.0, n as f64 * run.tau);
         value(y) / (value(y0) * elementary::exp(-invariant.degree * damping)) - 1.0

@@ -108,7 +108,7 @@ where
 
     /// t_n.
     pub fn time(&self, n: usize) -> f64 {
-        n as f64 * (self.problem.t_end / self.steps as f64)
+        n as f64 * (self.problem.t_end() / self.steps as f64)
     }
 
     /// The paths of one scheme.
@@ -126,7 +126,7 @@ where
 
     /// The schemes.
     pub fn schemes(&self) -> Vec<Tested<S, D, M>> {
-        let mut all = schemes(&self.problem.system, self.problem.y0);
+        let mut all = schemes(self.problem.system(), self.problem.y0());
         for scheme in &mut all {
             scheme.paths = WIDTH.min(self.paths as usize);
         }
@@ -174,7 +174,8 @@ where
 
     /// The distance of all paths from a law. Where both sides of it overflow there is none.
     pub fn distance(&self, paths: &[Path<D>], law: &Law, newton: bool) -> Distance {
-        let Problem { system, damping, y0, .. } = &self.problem;
+        let (system, damping, y0) =
+            (self.problem.system(), self.problem.damping(), self.problem.y0());
         let invariants = system.invariants();
         let newton_step = if newton { law.newton_step } else { 0.0 };
         let mut distance = Distance::default();
@@ -190,7 +191,7 @@ where
                 let integral = damping.integral(0.0, self.time(n));
                 for &index in law.invariants {
                     let decay = (-invariants[index].degree * integral).exp();
-                    let exact = system.invariant(index, *y0) * decay;
+                    let exact = system.invariant(index, y0) * decay;
                     let defect = (system.invariant(index, *y) / exact - 1.0).abs();
                     distance.worst = distance.worst.max(defect);
                     distance.excess = distance.excess.max(defect / allowed);
@@ -228,7 +229,7 @@ where
         let Experiment { problem, paths, .. } = &self.experiment;
         let block = (view.first_path..(*paths).min(view.first_path + WIDTH as u64)).zip(0..);
         for (number, p) in block {
-            let start = || Path { states: vec![problem.y0], residuals: Vec::new(), stop: None };
+            let start = || Path { states: vec![problem.y0()], residuals: Vec::new(), stop: None };
             let path = self.paths.entry(number).or_insert_with(start);
             if path.stop.is_some() {
                 continue;
@@ -239,7 +240,7 @@ where
             } else if !view.live.contains(p) {
                 Some("no solution")
             } else {
-                problem.system.check_domain(y).is_err().then_some("outside the domain")
+                problem.system().check_domain(y).is_err().then_some("outside the domain")
             };
             path.stop = cause.map(|cause| (cause, view.time));
             if cause.is_none() {

@@ -8,7 +8,7 @@ use lab::{TRUNCATION_ORDER, truncation};
 use mc::{Run, View};
 use schemes::Scheme;
 use stats::CrossMoments;
-use systems::{Damping, Invariant, PoissonSystem, Problem};
+use systems::{Damping, Invariant, PoissonSystem};
 use verify::work_precision::{Time, WorkPoint, ladder, path_times, squared_distance};
 use verify::{FinalMoments, FinalValues, Progress, Settings, StepSizes};
 
@@ -89,19 +89,19 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
 {
     fn run(&self) -> Result<Case> {
         let Setup { id, title, system, problem, .. } = self.setup;
-        let rounded = problem.y0.map(|y| ((1e4 * y).round() / 1e4).to_string());
+        let rounded = problem.y0().map(|y| ((1e4 * y).round() / 1e4).to_string());
         let setup = format!(
             "{system}, {}, y₀ = ({}), T = {}, increments truncated with k = {TRUNCATION_ORDER}",
-            problem.damping.describe(),
+            problem.damping().describe(),
             rounded.join(", "),
-            problem.t_end
+            problem.t_end()
         );
         let times = self.times()?;
         Ok(Case {
             id,
             title,
             setup,
-            invariants: problem.system.invariants().iter().map(|f| f.name.to_owned()).collect(),
+            invariants: problem.system().invariants().iter().map(|f| f.name.to_owned()).collect(),
             strong: self.strong(&times)?,
             weak: self.weak(&times)?,
         })
@@ -171,10 +171,15 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
     /// The values are squared errors of every run, then squared defects of every run and invariant.
     /// Behind the schemes stands the one with exact Lévy areas.
     fn strong(&self, times: &Times) -> Result<Strong> {
-        let Problem { system, damping, y0, t_end } = &self.setup.problem;
+        let (system, damping, y0, t_end) = (
+            self.setup.problem.system(),
+            self.setup.problem.damping(),
+            self.setup.problem.y0(),
+            self.setup.problem.t_end(),
+        );
         let law = |(index, invariant): (usize, Invariant)| {
-            let decay = (-invariant.degree * damping.integral(0.0, *t_end)).exp();
-            decay * system.invariant(index, *y0)
+            let decay = (-invariant.degree * damping.integral(0.0, t_end)).exp();
+            decay * system.invariant(index, y0)
         };
         let laws: Vec<f64> = system.invariants().into_iter().enumerate().map(law).collect();
         let mut schemes = self.measured.clone();
@@ -197,7 +202,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         let rms = |index: usize| moments.mean(index).sqrt();
         let point = |s: usize, l: usize, steps: u64| {
             let run = s * sizes.levels + l;
-            let work = WorkPoint::new(*t_end, steps, &moments, run, times[s][&steps]);
+            let work = WorkPoint::new(t_end, steps, &moments, run, times[s][&steps]);
             let exact = self.timed[s].reads_areas().then_some(self.timed.len() * sizes.levels + l);
             StrongPoint {
                 error_exact_areas: exact.map(rms),
@@ -236,7 +241,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
                 let value = first + 1 + 2 * (s * sizes.levels + l);
                 WeakPoint {
                     steps,
-                    tau: problem.t_end / steps as f64,
+                    tau: problem.t_end() / steps as f64,
                     bias: moments.mean(value + 1),
                     se: se(value + 1),
                     standard_deviation: se(value) * (moments.count() as f64).sqrt(),

@@ -20,7 +20,7 @@ where
     T: PoissonSystem<3, M>,
     G: Damping,
 {
-    let Problem { system, damping, y0, t_end } = problem;
+    let (system, damping, y0, t_end) = problem.into_parts();
     valid(Problem::new(wrong(system), damping, y0, t_end))
 }
 
@@ -40,7 +40,7 @@ where
 {
     let path = valid(trajectory(problem, scheme, STEPS, truncation(), conditions.key(0), 0));
     let measured = Evidence::Defect {
-        invariant: problem.system.invariants()[0].name.to_owned(),
+        invariant: problem.system().invariants()[0].name.to_owned(),
         paths: 1,
         steps: STEPS,
         largest: largest_defect(&along(problem, 0, &path)),

@@ -37,7 +37,7 @@ pub const TWINS: &[Twin] = &[
     Twin {
         claim: "solvability",
         mistake: "increments reach six times the truncation bound",
-        measure: |conditions| contraction(conditions, 0, &pendulum().system, 1.0, 6.0),
+        measure: |conditions| contraction(conditions, 0, pendulum().system(), 1.0, 6.0),
     },
     Twin {
         claim: "exact-conformal",

@@ -122,7 +122,7 @@ fn with_areas(
         let right = noise.path(p);
         Noise { areas: areas(step, &right), ..right }
     };
-    let wrong = WrongNoise { scheme: SexpLevy::new(&problem.system, problem.y0), noise };
+    let wrong = WrongNoise { scheme: SexpLevy::new(problem.system(), problem.y0()), noise };
     strong(conditions, "strong-one-levy", &problem, &wrong, 1.0)
 }
 

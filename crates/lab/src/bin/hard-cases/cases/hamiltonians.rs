@@ -120,7 +120,7 @@ fn sharp(context: &Context) -> Result<Vec<Row>> {
         let setting = (format!("energy, κ = {kappa}"), kappa);
         experiment.rows(setting, |row, scheme, paths| {
             let states = &paths[0].states;
-            let value = |y: &[f64; 3]| experiment.problem.system.energy(*y, 1.0, [0.0]);
+            let value = |y: &[f64; 3]| experiment.problem.system().energy(*y, 1.0, [0.0]);
             let distances = states.iter().map(|y| (value(y) - value(&states[0])).abs());
             let worst = distances.fold(0.0, f64::max);
             let steps = states.windows(2).map(|pair| pair[1][0] - pair[0][0]);

@@ -39,14 +39,14 @@ const TAU: f64 = 0.1;
 fn rows(context: &Context) -> Result<Vec<Row>> {
     let samples = context.arguments.many(400, 40);
     let experiment = body(context, Constant::new(0.0)?, (1, TAU))?;
-    let system = experiment.problem.system;
-    let step = Step::new(&experiment.problem.damping, 0, TAU)?;
+    let system = experiment.problem.system();
+    let step = Step::new(experiment.problem.damping(), 0, TAU)?;
     each(SIZES, |size| {
         // The same normals at every size.
         let input = |number| {
             let (dw, y) =
                 (WienerPath::<3>::new(context.key, number).increments(size), start(number));
-            (dw, y, follow(&system, TAU, dw, y))
+            (dw, y, follow(system, TAU, dw, y))
         };
         let inputs: Vec<_> = (0..samples).map(input).collect();
         let row = |scheme: &Tested<RigidBody<3>, 3, 3>| {

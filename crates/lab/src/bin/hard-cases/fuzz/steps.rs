@@ -56,7 +56,7 @@ fn with_system<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize>
             let damping = accepted(Constant::new(bits.number()))?;
             let problem = accepted(Problem::new::<M>(system, damping, y0, t_end))?;
             let finite = y0.iter().chain([&t_end]).all(|number| number.is_finite());
-            let sound = finite && t_end > 0.0 && problem.system.check_domain(y0).is_ok();
+            let sound = finite && t_end > 0.0 && problem.system().check_domain(y0).is_ok();
             ensure!(sound, "accepted {y0:?}, T = {t_end:e}");
             Ok(0)
         }
