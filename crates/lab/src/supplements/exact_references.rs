@@ -10,7 +10,7 @@ use verify::exact::{RandomTime, expectation, solution};
 use verify::results::{Claim, Evidence, Series};
 use verify::{Exact, ReferenceSolution, StepSizes, exact_mean, weak_order};
 
-use crate::experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation};
+use crate::experiment::{Conditions, Experiment, Findings, Words, truncation};
 use crate::kernels::{PaperSystem, compiled};
 use crate::method::Method;
 use crate::panels::strong::{
@@ -78,17 +78,11 @@ impl AgainstExact {
         let curves = curves_of_the_paper::<S, 3, 1>();
         let time = random_time(problem, grid.finest_steps(problem.t_end));
         let solution = |s: f64| solution(problem, s);
-        let runs = StrongRuns {
-            words: self.words,
-            truncation: truncation(),
-            truncated: TRUNCATED,
-            problem,
-            grid,
-            // What the paper takes as the reference.
-            reference: curves[0].scheme.as_ref(),
-            exact: Some(Exact { time_change: &time, solution: &solution }),
-            curves: &curves,
-        };
+        // What the paper takes as the reference.
+        let reference = curves[0].scheme.as_ref();
+        let exact = Some(Exact { time_change: &time, solution: &solution });
+        let runs = StrongRuns::new(self.words, problem, grid, reference, &curves);
+        let runs = StrongRuns { exact, ..runs };
         let StrongErrorCurves { mut panel, curves, reference_error } = runs.measure(conditions);
         panel.paper += &agreement(grid, &panel.series[0], reference_error);
         let mut claims: Vec<Claim> = curves.iter().map(|curve| self.order(curve)).collect();
@@ -99,8 +93,7 @@ impl AgainstExact {
     fn order(&self, curve: &StrongCurve) -> Claim {
         let (scheme, order) = (curve.method.id(), curve.method.strong_order(true));
         let statement = format!("{scheme} has strong order {order} against the exact solution");
-        let claim = curve.claim("strong-one", statement, order, false);
-        claim.about(self.words.id, scheme).proven(false)
+        curve.claim(self.words.id, "strong-one", statement, order, false)
     }
 
     /// Weak errors of `sexp` against the exact solution path by path, and the mean of the exact
@@ -132,9 +125,8 @@ impl AgainstExact {
         let exact = Exact { time_change: &time, solution: &solution };
         let sexp = compiled(Sexp::default());
         let claims = observables.map(|observable| {
-            let reference = ReferenceSolution::Exact(exact);
+            let (name, reference) = (observable.name, ReferenceSolution::Exact(exact));
             let order = valid(weak_order(sexp.as_ref(), problem, observable, &sizes, reference));
-            let name = observable.name;
             let statement =
                 format!("sexp has weak order 1 against the exact solution for φ = {name}");
             let measured = Evidence::Order { order: 1.0, one_sided: false, rate: order.rate };

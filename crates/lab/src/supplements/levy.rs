@@ -8,7 +8,7 @@ use verify::results::{Claim, Evidence};
 use verify::worse;
 
 use crate::conformal_law::{along, largest_defect};
-use crate::experiment::{Conditions, Findings, TRUNCATED, Words, truncation};
+use crate::experiment::{Conditions, Findings, Words, truncation};
 use crate::kernels::{Compiled, compiled};
 use crate::method::Method;
 use crate::panels::strong::{Curve, Grid, StrongErrorCurves, StrongRuns, claim_with_areas};
@@ -31,21 +31,16 @@ pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
     let levy = || compiled(SexpLevy::new(&problem.system, problem.y0));
     let curves =
         [Curve::new(Method::Sexp, compiled(Sexp::default())), Curve::new(Method::SexpLevy, levy())];
-    let runs = StrongRuns {
-        words: WORDS,
-        truncation: truncation(),
-        truncated: TRUNCATED,
-        problem: &problem,
-        grid: conditions.choose(Grid { last: 11, samples: 500 }, Grid { last: 9, samples: 256 }),
-        reference: &*levy(),
-        exact: None,
-        curves: &curves,
-    };
+    let grid = conditions.choose(Grid { last: 11, samples: 500 }, Grid { last: 9, samples: 256 });
+    let reference = levy();
+    let runs = StrongRuns::new(WORDS, &problem, grid, &*reference, &curves);
     let StrongErrorCurves { panel, curves, .. } = runs.measure(conditions);
-    let mut claims: Vec<Claim> =
-        curves.iter().map(|curve| claim_with_areas(WORDS.id, curve)).collect();
-    claims.push(obeys_law(conditions, WORDS.id, &problem));
-    claims.push(obeys_law(conditions, "rigid-body-strong-3", &rigid_body_three_noises(1.0)));
+    let orders = curves.iter().map(|curve| claim_with_areas(WORDS.id, curve));
+    let laws = [
+        obeys_law(conditions, WORDS.id, &problem),
+        obeys_law(conditions, "rigid-body-strong-3", &rigid_body_three_noises(1.0)),
+    ];
+    let claims = orders.chain(laws).collect();
     Findings { panels: vec![panel], claims }
 }
 
