@@ -11,7 +11,7 @@ use crate::conformal_law::{along, largest_defect};
 use crate::experiment::{Conditions, Findings, Words, truncation};
 use crate::kernels::{Compiled, compiled};
 use crate::method::Method;
-use crate::panels::strong::{Curve, Grid, StrongErrorCurves, StrongRuns, claim_with_areas};
+use crate::panels::strong::{Curve, Grid, StrongRuns};
 
 /// Two spins with exchange and anisotropy in a field that fluctuates about all three axes: D = 6.
 fn spins() -> Problem<SpinChain<6>, Cosine, 6> {
@@ -34,14 +34,12 @@ pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
     let grid = conditions.choose(Grid { last: 11, samples: 500 }, Grid { last: 9, samples: 256 });
     let reference = levy();
     let runs = StrongRuns::new(WORDS, &problem, grid, &*reference, &curves);
-    let StrongErrorCurves { panel, curves, .. } = runs.measure(conditions);
-    let orders = curves.iter().map(|curve| claim_with_areas(WORDS.id, curve));
-    let laws = [
+    let mut findings = runs.measure(conditions);
+    findings.claims.extend([
         obeys_law(conditions, WORDS.id, &problem),
         obeys_law(conditions, "rigid-body-strong-3", &rigid_body_three_noises(1.0)),
-    ];
-    let claims = orders.chain(laws).collect();
-    Findings { panels: vec![panel], claims }
+    ]);
+    findings
 }
 
 /// Largest relative defect of a Casimir that counts as round-off on a path of 1024 steps of 2⁻¹⁰:

@@ -30,7 +30,7 @@ pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
         ("sexp, not truncated", Ok(Truncation::none())),
     ];
     let reference = compiled(Sexp::default());
-    let mut all: Option<Panel> = None;
+    let mut all = Panel::default();
     for (name, rule) in rules {
         let curve = Curve { name, method: Method::Sexp, scheme: compiled(Sexp::default()) };
         let curves = [curve];
@@ -40,15 +40,13 @@ pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
                         reference by the same rule",
             ..StrongRuns::new(WORDS, &problem, grid, &*reference, &curves)
         };
-        let panel = runs.measure(conditions).panel;
-        match &mut all {
-            Some(all) => {
-                all.series.extend(panel.series);
-                all.failures.extend(panel.failures);
-                all.clipped.extend(panel.clipped);
-            }
-            None => all = Some(panel),
+        for panel in runs.measure(conditions).panels {
+            let Panel { mut series, mut failures, mut clipped, .. } = all;
+            series.extend(panel.series);
+            failures.extend(panel.failures);
+            clipped.extend(panel.clipped);
+            all = Panel { series, failures, clipped, ..panel };
         }
     }
-    Findings { panels: all.into_iter().collect(), claims: Vec::new() }
+    Findings { panels: vec![all], claims: Vec::new() }
 }
