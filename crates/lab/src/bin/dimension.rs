@@ -13,13 +13,12 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::Parser;
-use comfy_table::presets::ASCII_MARKDOWN;
-use comfy_table::{CellAlignment, Table};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Par};
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Method, Outcome, Solution, Solver};
 use real::{Block, Dual, Level, Real, WIDTH};
+use report::Page;
 use schemes::{Scheme, Sexp, Step};
 use systems::{Constant, PoissonSystem, SpinChain};
 
@@ -40,15 +39,12 @@ struct Arguments {
 #[derive(Clone, Copy)]
 enum Way {
     Block,
-    Path,
-    Newton,
+    Path(Method),
 }
 
-const WAYS: [(Way, &str); 3] = [
-    (Way::Block, "block-fixed-point"),
-    (Way::Path, "path-fixed-point"),
-    (Way::Newton, "path-newton"),
-];
+const PATH: Way = Way::Path(Method::FixedPoint);
+const NEWTON: Way = Way::Path(Method::Newton);
+const WAYS: [Way; 3] = [Way::Block, PATH, NEWTON];
 
 /// Step size 2⁻⁸, and increments of the size that they usually have.
 const TAU: f64 = 1.0 / 256.0;
@@ -134,17 +130,21 @@ impl<const D: usize> Case<D> {
     /// The step by `sexp`; of a block its first path, and no outcome of its own.
     #[inline(never)]
     fn solve(&self, way: Way) -> Solution<D> {
-        let method = if let Way::Newton = way { Method::Newton } else { Method::FixedPoint };
-        let sexp = Sexp { solver: Solver::new(method) };
         let (system, step, y) = (&self.system, &self.step, black_box(self.y));
-        if let Way::Block = way {
-            let (mut y, mut status) = (Block::splat(y), BlockStatus::explicit());
-            let noise = BlockNoise::increments(Block::splat(INCREMENTS));
-            sexp.step_block(system, step, &noise, &mut y, &mut status);
-            let outcome = Outcome::Fast { iterations: 0 };
-            return Solution { z: black_box(y).path(0), outcome };
+        match way {
+            Way::Path(method) => {
+                let sexp = Sexp { solver: Solver::new(method) };
+                sexp.step(system, step, &Noise::increments(INCREMENTS), y)
+            }
+            Way::Block => {
+                let (mut y, mut status) = (Block::splat(y), BlockStatus::explicit());
+                let noise = BlockNoise::increments(Block::splat(INCREMENTS));
+                let sexp = Sexp { solver: Solver::new(Method::FixedPoint) };
+                sexp.step_block(system, step, &noise, &mut y, &mut status);
+                let outcome = Outcome::Fast { iterations: 0 };
+                Solution { z: black_box(y).path(0), outcome }
+            }
         }
-        sexp.step(system, step, &Noise::increments(INCREMENTS), y)
     }
 
     /// How fast the plain iteration contracts: the ratio of its changes number 9 and 8.
@@ -192,7 +192,7 @@ fn ended(outcome: Outcome) -> String {
 /// after the other, which the column of the single path shows.
 const CONTRACTS: f64 = 0.75;
 
-fn rows<const D: usize>(table: &mut Table, budget: Duration) -> Result<()> {
+fn rows<const D: usize>(rows: &mut Vec<[String; 8]>, budget: Duration) -> Result<()> {
     for exchange in EXCHANGES {
         let case = Case::<D>::new(exchange)?;
         let (mut matrix, mut defect) = (Mat::zeros(D, D), Mat::zeros(D, 1));
@@ -202,8 +202,8 @@ fn rows<const D: usize>(table: &mut Table, budget: Duration) -> Result<()> {
             best(budget, || case.newton_by_library(&mut matrix, &mut defect));
         let (assembly, ()) =
             best(budget, || case.linearised(case.start(), case.y, &mut matrix, &mut defect));
-        let (newton, own) = best(budget, || case.solve(Way::Newton));
-        let (path, fixed) = best(budget, || case.solve(Way::Path));
+        let (newton, own) = best(budget, || case.solve(NEWTON));
+        let (path, fixed) = best(budget, || case.solve(PATH));
         let block = if contraction < CONTRACTS {
             let (block, _) = best(budget, || case.solve(Way::Block));
             cell(block / WIDTH as f64, &ended(fixed.outcome))
@@ -211,7 +211,7 @@ fn rows<const D: usize>(table: &mut Table, budget: Duration) -> Result<()> {
             "not measured".to_owned()
         };
         let distance = (0..D).map(|i| (fixed.z[i] - solution[i]).abs()).fold(0.0, f64::max);
-        table.add_row([
+        rows.push([
             D.to_string(),
             format!("{contraction:.3}"),
             block,
@@ -234,7 +234,7 @@ fn solve_once<const D: usize>(way: Way) -> Result<()> {
 /// A dimension that is measured: its row of times, and a step in it.
 struct Dimension {
     number: usize,
-    rows: fn(&mut Table, Duration) -> Result<()>,
+    rows: fn(&mut Vec<[String; 8]>, Duration) -> Result<()>,
     solve_once: fn(Way) -> Result<()>,
 }
 
@@ -279,15 +279,6 @@ fn least_stack(dimension: usize, way: usize) -> Result<usize> {
     Ok(above)
 }
 
-fn table(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_style(ASCII_MARKDOWN).set_header(header);
-    for column in table.column_iter_mut() {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
-}
-
 /// For each number of the table.
 const BUDGET: Duration = Duration::from_millis(300);
 
@@ -296,7 +287,16 @@ const STACK: usize = 256 << 10;
 
 fn times(budget: Duration) -> Result<()> {
     faer::set_global_parallelism(Par::Seq);
-    let mut table = table(&[
+    let mut rows = Vec::new();
+    for dimension in &DIMENSIONS {
+        (dimension.rows)(&mut rows, budget)?;
+    }
+    let mut page = Page::new("Time against dimension");
+    page.paragraph(format!(
+        "µs for one step of one path, {}, best of many.",
+        Level::current().name()
+    ));
+    let head = [
         "D",
         "contraction",
         "fixed point, block (sweeps)",
@@ -305,11 +305,9 @@ fn times(budget: Duration) -> Result<()> {
         "faer Newton, path (iterations)",
         "of which one Jacobian",
         "distance",
-    ]);
-    for dimension in &DIMENSIONS {
-        (dimension.rows)(&mut table, budget)?;
-    }
-    println!("µs for one step of one path, {}, best of many:\n{table}\n", Level::current().name());
+    ];
+    page.table(head, rows);
+    println!("{}", page.text());
     Ok(())
 }
 
@@ -317,19 +315,21 @@ fn main() -> Result<()> {
     let arguments = Arguments::parse();
     if let Some([dimension, way, kilobytes]) = arguments.probe.as_deref() {
         let dimension = DIMENSIONS.get(*dimension).context("no such dimension")?;
-        let (way, _) = *WAYS.get(*way).context("no such way")?;
+        let way = *WAYS.get(*way).context("no such way")?;
         return on_stack(*kilobytes, move || (dimension.solve_once)(way));
     }
     let budget = if arguments.quick { Duration::ZERO } else { BUDGET };
     on_stack(STACK, move || times(budget))?;
-    let mut stacks = table(&["D", WAYS[0].1, WAYS[1].1, WAYS[2].1]);
+    let mut stacks = Vec::new();
     for (n, dimension) in DIMENSIONS.iter().enumerate() {
         let mut row = vec![dimension.number.to_string()];
         for way in 0..WAYS.len() {
             row.push(least_stack(n, way)?.to_string());
         }
-        stacks.add_row(row);
+        stacks.push(row);
     }
-    println!("stack in kB that one step needs at least, to a sixteenth:\n{stacks}");
+    let mut page = Page::new("Stack in kB that one step needs at least, to a sixteenth");
+    page.table(["D", "block-fixed-point", "path-fixed-point", "path-newton"], stacks);
+    println!("{}", page.text());
     Ok(())
 }
