@@ -46,11 +46,14 @@ use crate::experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, trun
 use crate::kernels::compiled;
 use crate::method::Method;
 
+/// A test function with its name.
+type TestFunction = (&'static str, fn([f64; 3]) -> f64);
+
 /// One panel: a name and the test functions on it.
 pub(crate) struct WeakPanel {
     pub id: &'static str,
     pub title: &'static str,
-    pub functions: [(&'static str, fn([f64; 3]) -> f64); 3],
+    pub functions: [TestFunction; 3],
 }
 
 /// The test functions of panels.
