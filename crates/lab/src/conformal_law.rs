@@ -68,7 +68,21 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let logarithms = |part, steps| mean_logarithm(conditions, part, problem, scheme, index, steps);
+    // ln of the largest relative defect along a path, over the paths; none if a path fails or has no
+    // defect.
+    let logarithms = |part, steps| {
+        let mut logarithms = Moments::default();
+        for path in 0..PATHS {
+            let key = conditions.key(part);
+            let path = valid(trajectory(problem, scheme, steps, truncation(), key, path));
+            let logarithm = largest_defect(&along(problem, index, &path)).ln();
+            if path.failure.is_some() || !logarithm.is_finite() {
+                return None;
+            }
+            logarithms.add(logarithm);
+        }
+        Some(logarithms)
+    };
     let (coarse, fine) = (logarithms(PART, steps), logarithms(PART + 1, REFINEMENT * steps));
     let (Some(coarse), Some(fine)) = (coarse, fine) else {
         let reason = "a path failed, or obeys the law without any defect".to_owned();
@@ -86,31 +100,4 @@ where
         half_width: DEVIATIONS * coarse.standard_error().hypot(fine.standard_error()) / scale,
         least: LEAST_ORDER,
     }
-}
-
-/// ln of the largest relative defect along a path, over the paths; none if a path fails or has no
-/// defect.
-fn mean_logarithm<S, G, const D: usize, const M: usize>(
-    conditions: &Conditions<'_>,
-    part: u64,
-    problem: &Problem<S, G, D>,
-    scheme: &dyn Scheme<S, D, M>,
-    index: usize,
-    steps: u64,
-) -> Option<Moments>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    let mut logarithms = Moments::default();
-    for path in 0..PATHS {
-        let key = conditions.key(part);
-        let path = valid(trajectory(problem, scheme, steps, truncation(), key, path));
-        let logarithm = largest_defect(&along(problem, index, &path)).ln();
-        if path.failure.is_some() || !logarithm.is_finite() {
-            return None;
-        }
-        logarithms.add(logarithm);
-    }
-    Some(logarithms)
 }

@@ -24,9 +24,8 @@ impl fmt::Display for UnknownId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "there is no panel or statement {:?}; the panels are {}; figures that are not in the \
-             paper: {}; statements that are measured on their own: {} (all other statements are \
-             measured on the panels)",
+            "there is no panel or statement {:?}; panels: {}; figures that are not in the paper: \
+             {}; statements measured on their own, not on panels: {}",
             self.id,
             ids(EXPERIMENTS).join(", "),
             ids(SUPPLEMENTS).join(", "),

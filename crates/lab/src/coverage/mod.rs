@@ -50,12 +50,9 @@ impl Tally {
     fn add(&mut self, case: &'static str, checks: impl Fn(StreamKey) -> Vec<Check> + Sync) {
         self.case += 1;
         let (seed, first) = (self.seed, self.case * streams::COVERAGE);
-        let counted = |(interval, expected, covered)| Coverage {
-            case,
-            interval,
-            covered: u64::from(covered),
-            replications: 1,
-            expected,
+        let counted = |(interval, expected, covered)| {
+            let covered = u64::from(covered);
+            Coverage { case, interval, covered, replications: 1, expected }
         };
         let sum = |mut rows: Vec<Coverage>, more: Vec<Coverage>| {
             for (row, more) in rows.iter_mut().zip(more) {

@@ -8,14 +8,14 @@ use super::{Check, Tally, naive, point_checks, rate_checks, warns};
 
 /// Step sizes 2⁻⁵ … 2⁻¹².
 const TAUS: [f64; 8] = [
-    0.03125,
-    0.015625,
-    0.0078125,
-    0.00390625,
-    0.001953125,
-    0.0009765625,
-    0.00048828125,
-    0.000244140625,
+    1.0 / 32.0,
+    1.0 / 64.0,
+    1.0 / 128.0,
+    1.0 / 256.0,
+    1.0 / 512.0,
+    1.0 / 1024.0,
+    1.0 / 2048.0,
+    1.0 / 4096.0,
 ];
 const FINEST: f64 = TAUS[7];
 
@@ -56,9 +56,9 @@ impl Synthetic {
 
     /// Root of the mean square of the error at the coarsest level.
     fn coarsest(&self) -> f64 {
-        let factor = self.outliers.map_or(1.0, |outliers| {
-            1.0 + (outliers.factor * outliers.factor - 1.0) / outliers.one_in
-        });
+        let factor = self
+            .outliers
+            .map_or(1.0, |Outliers { factor, one_in, .. }| 1.0 + (factor * factor - 1.0) / one_in);
         (self.scale(0) * factor).sqrt()
     }
 
@@ -96,7 +96,8 @@ impl Synthetic {
         let rate = fit_strong(&TAUS, self.reference, &squares);
         let coarsest = root_mean_squares(&TAUS[..1], &squares);
         let point = point_checks(coarsest.first(), self.coarsest());
-        Data { order: self.order, squares, rate, point }
+        let warns = warns(rate.as_ref());
+        Data { order: self.order, squares, rate, point, warns }
     }
 }
 
@@ -107,13 +108,10 @@ struct Data {
     rate: Option<Rate>,
     /// Of the root-mean-square error at the coarsest step.
     point: [bool; 3],
+    warns: bool,
 }
 
 impl Data {
-    fn warns(&self) -> bool {
-        warns(self.rate.as_ref())
-    }
-
     fn naive(&self, terms: Terms, independent: bool) -> bool {
         naive(&TAUS, &self.squares, terms, independent, self.order)
     }
@@ -153,7 +151,7 @@ pub(super) fn rows(tally: &mut Tally) {
             (NORMAL_POINT, Calibrated, drawn.point[1]),
             (independent, Miscovers, drawn.naive(Terms::STRAIGHT, true)),
             (POINT_WARNING, Silent, drawn.point[2]),
-            (RATE_WARNING, Silent, drawn.warns()),
+            (RATE_WARNING, Silent, drawn.warns),
         ]
     };
     add(tally, "order ½", half, Calibrated, calm);
@@ -164,7 +162,7 @@ pub(super) fn rows(tally: &mut Tally) {
         let forgotten = fit_strong(&TAUS, None, &drawn.squares);
         vec![
             ("rate with the reference forgotten", Miscovers, drawn.naive(CURVED, false)),
-            (RATE_WARNING, Silent, drawn.warns()),
+            (RATE_WARNING, Silent, drawn.warns),
             ("warning of the rate with the reference forgotten", Stated, warns(forgotten.as_ref())),
         ]
     };
@@ -177,10 +175,7 @@ pub(super) fn rows(tally: &mut Tally) {
     tally.add("order ½ with every other mean square twice too large", |key| {
         let uneven = Synthetic { uneven: 2.0, ..half };
         let same = "warning of the rate of the same data without";
-        vec![
-            (RATE_WARNING, Raised, uneven.draw(key).warns()),
-            (same, Silent, half.draw(key).warns()),
-        ]
+        vec![(RATE_WARNING, Raised, uneven.draw(key).warns), (same, Silent, half.draw(key).warns)]
     });
 
     let hit = |outliers| Synthetic { paths: 1000, outliers: Some(outliers), ..one };
@@ -205,7 +200,7 @@ pub(super) fn rows(tally: &mut Tally) {
         vec![
             (POINT, Stated, drawn.point[0]),
             (POINT_WARNING, Raised, drawn.point[2]),
-            (RATE_WARNING, Raised, drawn.warns()),
+            (RATE_WARNING, Raised, drawn.warns),
         ]
     });
 }

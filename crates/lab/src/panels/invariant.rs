@@ -81,15 +81,14 @@ impl InvariantPanel {
                     Method::Sexp | Method::SexpLevy => (ROUND_OFF, true),
                 };
                 let (invariant, paths, steps) = (name.to_owned(), 1, self.steps);
-                let mut measured =
-                    Evidence::Defect { invariant, paths, steps, largest, tolerance, obeys };
-                if let Some(failure) = &path.failure {
+                let measured = match &path.failure {
                     // A path that ended early proves nothing about the rest.
-                    measured = Evidence::Undecided { reason: failure.to_string() };
-                } else if curve.method == Method::Midpoint && largest > ROUND_OFF {
-                    let (scheme, steps) = (curve.scheme.as_ref(), self.steps);
-                    measured = approach(conditions, problem, scheme, index, steps, largest);
-                }
+                    Some(failure) => Evidence::Undecided { reason: failure.to_string() },
+                    None if curve.method == Method::Midpoint && largest > ROUND_OFF => {
+                        approach(conditions, problem, curve.scheme.as_ref(), index, steps, largest)
+                    }
+                    None => Evidence::Defect { invariant, paths, steps, largest, tolerance, obeys },
+                };
                 findings.claims.push(self.claim(curve.method, &known[index], measured));
             }
         }

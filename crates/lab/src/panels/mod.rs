@@ -24,7 +24,6 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
         },
         last: 12,
         samples: 500,
-        commuting: true,
         proven: true,
         compare: |panel, conditions| panel.compare(conditions, &paper::pendulum()),
     },
@@ -48,7 +47,6 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
         },
         last: 14,
         samples: 1000,
-        commuting: false,
         proven: true,
         compare: |panel, conditions| {
             panel.compare_with_areas(conditions, &paper::rigid_body_three_noises(1.0))
@@ -63,7 +61,6 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
         },
         last: 14,
         samples: 1000,
-        commuting: true,
         proven: true,
         compare: |panel, conditions| panel.compare(conditions, &paper::rigid_body_one_noise()),
     },
@@ -102,7 +99,6 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
         },
         last: 12,
         samples: 500,
-        commuting: true,
         proven: false,
         compare: |panel, conditions| panel.compare(conditions, &paper::lotka_volterra_1_1()),
     },
@@ -140,7 +136,6 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
         },
         last: 12,
         samples: 400,
-        commuting: true,
         proven: true,
         compare: |panel, conditions| panel.compare(conditions, &paper::poisson3_strong()),
     },
@@ -151,42 +146,38 @@ const WEAK_PANELS: &[WeakPanel] = &[
     WeakPanel {
         id: "rigid-body-weak-y",
         title: "Rigid body, three noises: weak error of E[y_j]",
-        observables: [
-            Observable { name: "y1", function: |y| y[0] },
-            Observable { name: "y2", function: |y| y[1] },
-            Observable { name: "y3", function: |y| y[2] },
-        ],
+        functions: [("y1", |y| y[0]), ("y2", |y| y[1]), ("y3", |y| y[2])],
     },
     WeakPanel {
         id: "rigid-body-weak-y2",
         title: "Rigid body, three noises: weak error of E[y_j²]",
-        observables: [
-            Observable { name: "y1^2", function: |y| y[0] * y[0] },
-            Observable { name: "y2^2", function: |y| y[1] * y[1] },
-            Observable { name: "y3^2", function: |y| y[2] * y[2] },
+        functions: [
+            ("y1^2", |y| y[0] * y[0]),
+            ("y2^2", |y| y[1] * y[1]),
+            ("y3^2", |y| y[2] * y[2]),
         ],
     },
     WeakPanel {
         id: "rigid-body-weak-cos",
         title: "Rigid body, three noises: weak error of E[cos y_j]",
-        observables: [
-            Observable { name: "cos y1", function: |y| cos(y[0]) },
-            Observable { name: "cos y2", function: |y| cos(y[1]) },
-            Observable { name: "cos y3", function: |y| cos(y[2]) },
+        functions: [
+            ("cos y1", |y| cos(y[0])),
+            ("cos y2", |y| cos(y[1])),
+            ("cos y3", |y| cos(y[2])),
         ],
     },
     WeakPanel {
         id: "rigid-body-weak-sin",
         title: "Rigid body, three noises: weak error of E[sin y_j]",
-        observables: [
-            Observable { name: "sin y1", function: |y| sin(y[0]) },
-            Observable { name: "sin y2", function: |y| sin(y[1]) },
-            Observable { name: "sin y3", function: |y| sin(y[2]) },
+        functions: [
+            ("sin y1", |y| sin(y[0])),
+            ("sin y2", |y| sin(y[1])),
+            ("sin y3", |y| sin(y[2])),
         ],
     },
 ];
 
 /// The twelve test functions of the weak panels.
 pub(crate) fn weak_observables() -> Vec<Observable<3>> {
-    WEAK_PANELS.iter().flat_map(|panel| panel.observables).collect()
+    weak::observables(&WEAK_PANELS.iter().collect::<Vec<_>>())
 }

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use mc::{Ladder, Reference, Run, StrongErrors};
 use noise::Truncation;
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy};
-use stats::{CrossMoments, Rate, fit_strong, root_mean_squares};
+use stats::{Point, Rate, fit_strong, root_mean_squares};
 use systems::paper::valid;
 use systems::{Damping, PoissonSystem, Problem};
 use verify::Exact;
@@ -85,65 +85,39 @@ pub(crate) struct StrongRuns<'a, S, G, const D: usize, const M: usize> {
     /// The exact solution, which is known at the final time only.
     pub exact: Option<Exact<'a, D, M>>,
     pub curves: &'a [Curve<S, D, M>],
+    /// Whether `sexp` is held to the paper's bound, and if so, whether the paper proves it here.
+    pub bound: Option<bool>,
 }
 
-/// When an error is taken.
-#[derive(Clone, Copy)]
-pub(crate) enum When {
-    /// At the final time.
-    End,
-    /// At the time of the common coarse grid where that of the coarsest step is largest.
-    Worst,
-}
-
-impl When {
-    fn quantity(self) -> &'static str {
-        match self {
-            Self::End => "y(T)",
-            Self::Worst => "sup y",
-        }
-    }
-
-    fn words(self) -> &'static str {
-        match self {
-            Self::End => "at the final time",
-            Self::Worst => "largest over the common time grid",
-        }
-    }
-}
-
-/// What a curve says about an order.
-pub(crate) struct StrongCurve {
-    pub method: Method,
-    pub when: When,
-    pub rate: Option<Rate>,
-}
-
-impl StrongCurve {
-    /// A claim about the order of the curve.
-    pub fn claim(&self, id: &str, statement: String, order: f64, one_sided: bool) -> Claim {
-        let measured = Evidence::Order { order, one_sided, rate: self.rate.clone() };
-        Claim::new(id, statement, measured)
-    }
-}
-
-/// What the runs of a strong panel gave.
-pub(crate) struct StrongErrorCurves {
-    /// The panel. Its series are the errors at the final time of each curve, then, unless the
-    /// solution is exact, those at the worst time.
-    pub panel: Panel,
-    /// What each of its series says about an order.
-    pub curves: Vec<StrongCurve>,
-    /// Root-mean-square error of the reference itself against the exact solution.
-    pub reference_error: Option<f64>,
-}
-
-impl<S, G, const D: usize, const M: usize> StrongRuns<'_, S, G, D, M>
+impl<'a, S, G, const D: usize, const M: usize> StrongRuns<'a, S, G, D, M>
 where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    pub fn measure(&self, conditions: &Conditions<'_>) -> StrongErrorCurves {
+    /// With the truncation of the reproduction, and errors that are differences from `reference`.
+    pub fn new(
+        words: Words,
+        problem: &'a Problem<S, G, D>,
+        grid: Grid,
+        reference: &'a dyn Scheme<S, D, M>,
+        curves: &'a [Curve<S, D, M>],
+    ) -> Self {
+        Self {
+            words,
+            truncation: truncation(),
+            truncated: TRUNCATED,
+            problem,
+            grid,
+            reference,
+            exact: None,
+            curves,
+            bound: None,
+        }
+    }
+
+    /// A panel with a claim for each curve. Its series are the errors at the final time of each
+    /// curve, then, unless the solution is exact, those at the worst time of the common grid.
+    pub fn measure(&self, conditions: &Conditions<'_>) -> Findings {
         let Self { problem, grid, curves, .. } = *self;
         let mut runs = vec![Run::new(self.reference, 0)];
         let mut series = Vec::new();
@@ -180,23 +154,23 @@ where
         let taus: Vec<f64> = grid.exponents().map(power_of_half).collect();
         let reference_tau = self.exact.is_none().then(|| power_of_half(grid.reference()));
         let errors = &measured.statistic;
-        let (mut series, mut drawn, mut clipped) = (Vec::new(), Vec::new(), Vec::new());
-        let mut draw = |when: When, curve: &Curve<S, D, M>, squares: &CrossMoments| {
+        let (mut series, mut claims, mut clipped) = (Vec::new(), Vec::new(), Vec::new());
+        let all = 0..curves.len();
+        let at_end = all.clone().map(|s| (s, "y(T)", "at the final time", errors.at_end(s)));
+        let over_time = all
+            .filter(|_| self.exact.is_none())
+            .map(|s| (s, "sup y", "largest over the common time grid", errors.at_worst_time(s)));
+        for (s, quantity, when, squares) in at_end.chain(over_time) {
+            let Curve { name, method, .. } = curves[s];
             let rate = fit_strong(&taus, reference_tau, squares);
-            drawn.push(StrongCurve { method: curve.method, when, rate: rate.clone() });
+            claims.push(self.claim(method, when, rate.clone()));
             series.push(Series {
-                scheme: curve.name.to_owned(),
-                quantity: when.quantity().to_owned(),
+                scheme: name.to_owned(),
+                quantity: quantity.to_owned(),
                 points: root_mean_squares(&taus, squares),
                 rate,
                 ..Series::default()
             });
-        };
-        for (s, curve) in curves.iter().enumerate() {
-            draw(When::End, curve, errors.at_end(s));
-        }
-        for (s, curve) in curves.iter().enumerate().filter(|_| self.exact.is_none()) {
-            draw(When::Worst, curve, errors.at_worst_time(s));
         }
         for (s, curve) in curves.iter().enumerate() {
             for (r, exponent) in grid.exponents().enumerate() {
@@ -208,26 +182,54 @@ where
                 }
             }
         }
-        let reference = match self.exact {
-            Some(_) => "the exact solution by a change of time, path by path".to_owned(),
-            None => {
-                let scheme = self.reference.id();
-                format!("{scheme} at τ = 2^-{} on the same noise", grid.reference())
-            }
-        };
+        let at_finest = format!("{} at τ = 2^-{}", self.reference.id(), grid.reference());
         let steps = format!("τ = 2^-{FIRST} … 2^-{}, {}", grid.last, self.truncated);
-        StrongErrorCurves {
-            curves: drawn,
-            reference_error: self.exact.map(|_| errors.at_end(curves.len()).mean(0).sqrt()),
-            panel: Panel {
-                samples: grid.samples,
-                reference,
-                failures: describe_failures(measured.failed, &measured.failures),
-                series,
-                clipped,
-                ..self.words.panel(Kind::Strong, problem, &steps)
-            },
+        let mut panel = Panel {
+            samples: grid.samples,
+            failures: describe_failures(measured.failed, &measured.failures),
+            series,
+            clipped,
+            ..self.words.panel(Kind::Strong, problem, &steps)
+        };
+        if self.exact.is_some() {
+            panel.reference = "the exact solution by a change of time, path by path".to_owned();
+            let error = |series: usize| errors.at_end(series).mean(0).sqrt();
+            let finest = match panel.series[0].points.last() {
+                Some(Point::Error { value, .. }) => *value,
+                _ => f64::NAN,
+            };
+            panel.paper += &format!(
+                " {at_finest}, the kind of reference that the paper takes, is itself {:.1e} (root \
+                 mean square) away from the exact solution, {:.0} % of the error of sexp at τ = \
+                 2^-{}",
+                error(curves.len()),
+                100.0 * error(curves.len()) / finest,
+                grid.last
+            );
+        } else {
+            panel.reference = format!("{at_finest} on the same noise");
         }
+        Findings { panels: vec![panel], claims }
+    }
+
+    /// The order of a curve whose errors are taken at the time `when`.
+    fn claim(&self, method: Method, when: &str, rate: Option<Rate>) -> Claim {
+        // A single noise commutes with itself.
+        let commuting = M == 1;
+        let (id, bound) = match method {
+            Method::SexpLevy => ("strong-one-levy", ""),
+            _ if commuting => ("strong-one", "C τ for one noise (k ≥ 2)"),
+            _ => ("strong-half", "C τ^½ for several noises (k ≥ 1)"),
+        };
+        let order = method.strong_order(commuting);
+        let bounded = self.bound.filter(|_| method == Method::Sexp);
+        let statement = match bounded {
+            Some(_) => format!("sup over n of (E‖y_n − y(t_n)‖²)^½ ≤ {bound} ({when})"),
+            None => format!("{} has strong order {order} ({when})", method.id()),
+        };
+        let measured = Evidence::Order { order, one_sided: bounded.is_some(), rate };
+        let claim = Claim::new(id, statement, measured).about(self.words.id, method.id());
+        claim.proven(bounded == Some(true))
     }
 }
 
@@ -251,8 +253,6 @@ pub(crate) struct StrongPanel {
     pub last: u32,
     /// Paths at the paper's sizes.
     pub samples: u64,
-    /// Whether the noises commute, as a single one does.
-    pub commuting: bool,
     /// Whether the paper proves the order of `sexp` here.
     pub proven: bool,
     /// Calls [`StrongPanel::compare`] with the problem.
@@ -284,38 +284,15 @@ impl StrongPanel {
         S: PaperSystem<D, M>,
         G: Damping,
     {
-        let grid = Grid { last: self.last, samples: self.samples };
         let curves = curves_of_the_paper::<S, D, M>();
-        let runs = StrongRuns {
-            words: self.words,
-            truncation: truncation(),
-            truncated: TRUNCATED,
-            problem,
-            grid: conditions.choose(grid, QUICK),
-            reference: curves[0].scheme.as_ref(),
-            exact: None,
-            curves: &curves,
-        };
-        let StrongErrorCurves { panel, curves, .. } = runs.measure(conditions);
-        let claims = curves.iter().map(|curve| self.claim(curve)).collect();
-        Findings { claims, panels: vec![panel] }
+        let (grid, reference) = (self.grid(conditions, 0), curves[0].scheme.as_ref());
+        let runs = StrongRuns::new(self.words, problem, grid, reference, &curves);
+        StrongRuns { bound: Some(self.proven), ..runs }.measure(conditions)
     }
 
-    /// The order of `sexp` as the paper proves it, that of the others as it reports it.
-    fn claim(&self, curve: &StrongCurve) -> Claim {
-        let (order, method) = (curve.method.strong_order(self.commuting), curve.method.id());
-        let (id, bound) = if self.commuting {
-            ("strong-one", "sup over n of (E‖y_n − y(t_n)‖²)^½ ≤ C τ for one noise (k ≥ 2)")
-        } else {
-            ("strong-half", "sup over n of (E‖y_n − y(t_n)‖²)^½ ≤ C τ^½ for several noises (k ≥ 1)")
-        };
-        let (when, is_sexp) = (curve.when.words(), curve.method == Method::Sexp);
-        let statement = match is_sexp {
-            true => format!("{bound} ({when})"),
-            false => format!("{method} has strong order {order} ({when})"),
-        };
-        let claim = curve.claim(id, statement, order, is_sexp);
-        claim.about(self.words.id, method).proven(self.proven && is_sexp)
+    /// The step sizes, of which the last `fewer` are left out at the paper's sizes.
+    fn grid(&self, conditions: &Conditions<'_>, fewer: u32) -> Grid {
+        conditions.choose(Grid { last: self.last - fewer, samples: self.samples }, QUICK)
     }
 
     /// [`compare`](Self::compare) with a fourth curve, which is not in the paper: `sexp-levy`
@@ -332,35 +309,16 @@ impl StrongPanel {
     {
         let mut findings = self.compare(conditions, problem);
         let levy = || compiled(SexpLevy::new(problem.system(), problem.y0()));
-        let grid = Grid { last: self.last - 3, samples: self.samples };
-        let runs = StrongRuns {
-            words: self.words,
-            truncation: truncation(),
-            truncated: TRUNCATED,
-            problem,
-            grid: conditions.choose(grid, QUICK),
-            reference: &*levy(),
-            exact: None,
-            curves: &[Curve::new(Method::SexpLevy, levy())],
-        };
-        let StrongErrorCurves { panel: areas, curves, .. } = runs.measure(conditions);
-        let claims = curves.iter().map(|curve| claim_with_areas(self.words.id, curve));
-        findings.claims.extend(claims);
-        for panel in &mut findings.panels {
+        let curves = [Curve::new(Method::SexpLevy, levy())];
+        let (grid, reference) = (self.grid(conditions, 3), levy());
+        let runs = StrongRuns::new(self.words, problem, grid, &*reference, &curves);
+        let areas = runs.measure(conditions);
+        findings.claims.extend(areas.claims);
+        for (panel, areas) in findings.panels.iter_mut().zip(areas.panels) {
             panel.reference = format!("{}; sexp-levy: {}", panel.reference, areas.reference);
-            panel.failures.extend(areas.failures.iter().cloned());
-            panel.series.extend(areas.series.iter().cloned());
+            panel.failures.extend(areas.failures);
+            panel.series.extend(areas.series);
         }
         findings
     }
-}
-
-/// The strong order of a curve on noises that do not commute.
-pub(crate) fn claim_with_areas(panel: &str, curve: &StrongCurve) -> Claim {
-    let (order, method) = (curve.method.strong_order(false), curve.method.id());
-    let id = if curve.method == Method::SexpLevy { "strong-one-levy" } else { "strong-half" };
-    let when = curve.when.words();
-    let statement =
-        format!("{method} has strong order {order} for noises that do not commute ({when})");
-    curve.claim(id, statement, order, false).about(panel, method).proven(false)
 }

@@ -36,21 +36,30 @@ mod tests;
 
 use mc::{Ladder, Measured, Observable, Run, WeakDifferences};
 use schemes::Sexp;
-use stats::{CrossMoments, weak_errors};
+use stats::weak_errors;
 use systems::paper::{rigid_body_three_noises, valid};
-use systems::{Damping, Problem};
+use systems::{Cosine, Problem, RigidBody};
 use verify::results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series};
 
 use super::strong::{describe_failures, power_of_half};
 use crate::experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation};
-use crate::kernels::{Compiled, compiled};
+use crate::kernels::compiled;
 use crate::method::Method;
+
+/// A test function with its name.
+type TestFunction = (&'static str, fn([f64; 3]) -> f64);
 
 /// One panel: a name and the test functions on it.
 pub(crate) struct WeakPanel {
     pub id: &'static str,
     pub title: &'static str,
-    pub observables: [Observable<3>; 3],
+    pub functions: [TestFunction; 3],
+}
+
+/// The test functions of panels.
+pub(crate) fn observables(panels: &[&WeakPanel]) -> Vec<Observable<3>> {
+    let functions = panels.iter().flat_map(|panel| panel.functions);
+    functions.map(|(name, function)| Observable { name, function }).collect()
 }
 
 /// The panels that one set of runs makes.
@@ -59,24 +68,12 @@ pub(crate) struct WeakPanels(pub &'static [WeakPanel]);
 /// Coarsest step size 2⁻⁶.
 const FIRST: u32 = 6;
 
-/// Step sizes 2⁻⁶ … 2^−last; the difference at the finest uses 2^−(last + 1), too.
-#[derive(Clone, Copy)]
-struct Grid {
-    last: u32,
-    /// Paths of the coarsest difference.
-    samples: u64,
-}
-
-impl Grid {
-    fn exponents(self) -> std::ops::RangeInclusive<u32> {
-        FIRST..=self.last
-    }
-
-    /// Paths of the difference between 2^−exponent and half of it: `samples`·√(τ_l/τ_first),
-    /// rounded upwards.
-    fn samples(self, exponent: u32) -> u64 {
-        (self.samples as f64 * power_of_half(exponent - FIRST).sqrt()).ceil() as u64
-    }
+/// Step sizes 2⁻⁶ … 2^−last, each with the paths of the difference between it and half of it:
+/// `most`·√(τ/2⁻⁶), rounded upwards.
+fn grid(last: u32, most: u64) -> Vec<DifferenceSamples> {
+    let samples = |l: u32| (most as f64 * power_of_half(l - FIRST).sqrt()).ceil() as u64;
+    let difference = |l| DifferenceSamples { tau: power_of_half(l), samples: samples(l) };
+    (FIRST..=last).map(difference).collect()
 }
 
 impl Experiment for WeakPanels {
@@ -90,30 +87,26 @@ impl Experiment for WeakPanels {
 
     fn run(&self, conditions: &Conditions<'_>) -> Findings {
         let problem = rigid_body_three_noises(1.0);
-        let grid = conditions
-            .choose(Grid { last: 12, samples: 500_000 }, Grid { last: 9, samples: 65_536 });
+        let (last, most) = conditions.choose((12, 500_000), (9, 65_536));
+        let grid = grid(last, most);
         let wanted = |panel: &&WeakPanel| conditions.wanted.contains(&panel.id);
         let panels: Vec<&WeakPanel> = self.0.iter().filter(wanted).collect();
-        let observables: Vec<Observable<3>> =
-            panels.iter().flat_map(|panel| panel.observables).collect();
-        let measured = differences(conditions, grid, &problem, &observables);
+        let observables = observables(&panels);
+        let measured = differences(conditions, &grid, &problem, &observables);
 
-        let taus: Vec<f64> = grid.exponents().map(power_of_half).collect();
-        let mut series = (0..observables.len()).map(|f| {
-            let differences: Vec<&CrossMoments> =
-                measured.iter().map(|outcome| outcome.statistic.moments(f)).collect();
-            weak_series(observables[f].name, &taus, &differences)
+        let taus: Vec<f64> = grid.iter().map(|difference| difference.tau).collect();
+        let mut series = observables.iter().enumerate().map(|(f, observable)| {
+            let moments = measured.iter().map(|outcome| outcome.statistic.moments(f));
+            let (points, rate) = weak_errors(&taus, &moments.collect::<Vec<_>>());
+            let (scheme, quantity) = (Method::Sexp.id().to_owned(), observable.name.to_owned());
+            Series { scheme, quantity, points, rate, ..Series::default() }
         });
         let failures = measured.iter().flat_map(|m| describe_failures(m.failed, &m.failures));
         let failures: Vec<String> = failures.collect();
-        let samples: Vec<DifferenceSamples> = grid
-            .exponents()
-            .map(|l| DifferenceSamples { tau: power_of_half(l), samples: grid.samples(l) })
-            .collect();
-        let steps = format!("τ = 2^-{FIRST} … 2^-{}, {TRUNCATED}", grid.last);
+        let steps = format!("τ = 2^-{FIRST} … 2^-{last}, {TRUNCATED}");
         let mut findings = Findings::default();
         for panel in panels {
-            let series: Vec<Series> = series.by_ref().take(panel.observables.len()).collect();
+            let series: Vec<Series> = series.by_ref().take(panel.functions.len()).collect();
             findings.claims.extend(series.iter().map(|series| claim(panel.id, series)));
             let words = Words {
                 id: panel.id,
@@ -122,10 +115,10 @@ impl Experiment for WeakPanels {
                 paper: "sexp has weak order 1 for every test function.",
             };
             findings.panels.push(Panel {
-                samples: grid.samples,
-                reference: reference(grid),
+                samples: most,
+                reference: reference(&grid, last),
                 failures: failures.clone(),
-                differences: samples.clone(),
+                differences: grid.clone(),
                 series,
                 ..words.panel(Kind::Weak, &problem, &steps)
             });
@@ -141,9 +134,9 @@ fn claim(panel: &str, series: &Series) -> Claim {
 }
 
 /// What the errors are sums of, in words.
-fn reference(grid: Grid) -> String {
-    let samples: Vec<String> = grid.exponents().map(|l| grid.samples(l).to_string()).collect();
-    let (last, finer) = (grid.last, grid.last + 1);
+fn reference(grid: &[DifferenceSamples], last: u32) -> String {
+    let samples: Vec<String> = grid.iter().map(|level| level.samples.to_string()).collect();
+    let finer = last + 1;
     format!(
         "sums of antithetic differences between neighbouring steps, each on paths of its own ({}); \
          below 2^-{finer} a Richardson tail, the difference between 2^-{last} and 2^-{finer} once \
@@ -154,26 +147,22 @@ fn reference(grid: Grid) -> String {
 
 /// Antithetic differences between neighbouring step sizes, coarsest first; each is a part of the
 /// experiment.
-fn differences<S, G, const D: usize, const M: usize>(
+fn differences(
     conditions: &Conditions<'_>,
-    grid: Grid,
-    problem: &Problem<S, G, D>,
-    observables: &[Observable<D>],
-) -> Vec<Measured<WeakDifferences<D>>>
-where
-    S: Compiled<Sexp, D, M>,
-    G: Damping,
-{
+    grid: &[DifferenceSamples],
+    problem: &Problem<RigidBody<3>, Cosine, 3>,
+    observables: &[Observable<3>],
+) -> Vec<Measured<WeakDifferences<3>>> {
     let sexp = compiled(Sexp::default());
     let sexp = sexp.as_ref();
-    let ladder = |(exponent, part)| {
+    let ladder = |(difference, part): (&DifferenceSamples, u64)| {
         let runs = vec![Run::new(sexp, 1), Run::new(sexp, 0), Run::swapped(sexp, 0)];
-        let finest_steps = (problem.t_end() * 2f64.powi(exponent as i32 + 1)).round() as u64;
+        let finest_steps = (2.0 * problem.t_end() / difference.tau).round() as u64;
         let key = conditions.key(part);
         let ladder = Ladder::new(problem, finest_steps, 1, truncation(), key, runs);
-        (grid.samples(exponent), valid(ladder))
+        (difference.samples, valid(ladder))
     };
-    let ladders: Vec<_> = grid.exponents().zip(0..).map(ladder).collect();
+    let ladders: Vec<_> = grid.iter().zip(0..).map(ladder).collect();
     let work = ladders.iter().map(|(samples, ladder)| samples * ladder.steps_per_path()).sum();
     conditions.progress.begin(&conditions.wanted.join(", "), work);
     let measured = ladders.iter().map(|(samples, ladder)| {
@@ -183,16 +172,4 @@ where
     let measured = measured.collect();
     conditions.progress.end();
     measured
-}
-
-/// A curve from independent differences at the step sizes `taus`, each half of the one before.
-fn weak_series(name: &str, taus: &[f64], differences: &[&CrossMoments]) -> Series {
-    let (points, rate) = weak_errors(taus, differences);
-    Series {
-        scheme: Method::Sexp.id().to_owned(),
-        quantity: name.to_owned(),
-        points,
-        rate,
-        ..Series::default()
-    }
 }

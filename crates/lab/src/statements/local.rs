@@ -63,13 +63,13 @@ pub fn remainder_claims(
             mean.add(&[0, 1, 2].map(|i| 0.5 * (plus[i] + minus[i])));
         }
         taus.push(tau);
-        roots.push((square.mean().sqrt(), square.standard_error() / (2.0 * square.mean().sqrt())));
-        let vector = [0, 1, 2].map(|i| mean.mean(i));
-        let length = dot(vector, vector).sqrt();
+        let root = square.mean().sqrt();
+        roots.push((root, square.standard_error() / (2.0 * root)));
+        let m = [0, 1, 2].map(|i| mean.mean(i));
+        let length = dot(m, m).sqrt();
         // mᵀΣm/|m|², the variance of |m| along m.
         let pairs = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
-        let variance: f64 =
-            pairs.map(|(i, j)| vector[i] * mean.covariance_of_means(i, j) * vector[j]).sum();
+        let variance: f64 = pairs.map(|(i, j)| m[i] * mean.covariance_of_means(i, j) * m[j]).sum();
         means.push((length, variance.sqrt() / length));
     }
     let claims = [("(E‖R‖²)^½ ≤ C τ^(3/2)", &roots, 1.5), ("‖E R‖ ≤ C τ²", &means, 2.0)];
@@ -93,9 +93,14 @@ pub fn first_order(tau: f64, w: Vector) -> Vector {
     std::array::from_fn(|i| y[i] + field[i] - rate * y[i])
 }
 
+/// a − b.
+#[must_use]
+pub fn difference(a: Vector, b: Vector) -> Vector {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
 fn exact_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let (end, expansion) = (exact_end(tau, pieces), expansion(tau, pieces));
-    std::array::from_fn(|i| end[i] - expansion[i])
+    difference(exact_end(tau, pieces), expansion(tau, pieces))
 }
 
 /// y(τ) on piecewise linear noise.

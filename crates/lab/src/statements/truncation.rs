@@ -19,9 +19,14 @@ use crate::experiment::{Conditions, Findings, TRUNCATION_ORDER};
 const ORDERS: std::ops::RangeInclusive<u32> = 1..=6;
 const EXPONENTS: std::ops::RangeInclusive<u32> = 1..=40;
 
+/// A.
+fn threshold(tau: f64, k: u32) -> f64 {
+    (2.0 * f64::from(k) * tau.ln().abs()).sqrt()
+}
+
 /// 2φ(A)∫₀^∞ g(s) e^{−As − s²/2} ds with φ(A) = τᵏ/√(2π).
 fn tail(tau: f64, k: u32, g: impl Fn(f64) -> f64) -> f64 {
-    let threshold = (2.0 * f64::from(k) * tau.ln().abs()).sqrt();
+    let threshold = threshold(tau, k);
     let density = tau.powi(k as i32) / (2.0 * std::f64::consts::PI).sqrt();
     let rule = valid(Rule::new(128));
     // Beyond s = 60/(A + 3) the exponential is below e^{−50}, and the powers of s do not matter.
@@ -31,7 +36,7 @@ fn tail(tau: f64, k: u32, g: impl Fn(f64) -> f64) -> f64 {
 
 /// E[ζ²] − E[χ²].
 fn lost_variance(tau: f64, k: u32) -> f64 {
-    let threshold = (2.0 * f64::from(k) * tau.ln().abs()).sqrt();
+    let threshold = threshold(tau, k);
     tail(tau, k, |s| s * (s + 2.0 * threshold))
 }
 
@@ -51,26 +56,19 @@ pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
 }
 
 fn variance() -> Claim {
-    let mut largest = 0.0;
-    let mut smallest = f64::INFINITY;
-    for k in ORDERS {
-        for j in EXPONENTS {
-            let tau = 0.5f64.powi(j as i32);
-            let threshold = (2.0 * f64::from(k) * tau.ln().abs()).sqrt();
-            let ratio = lost_variance(tau, k) / ((1.0 + threshold) * tau.powi(k as i32));
-            largest = worse(largest, ratio);
-            smallest = f64::min(smallest, ratio);
-        }
+    let (mut largest, mut smallest) = (0.0, f64::INFINITY);
+    for (k, j) in ORDERS.flat_map(|k| EXPONENTS.map(move |j| (k, j))) {
+        let tau = 0.5f64.powi(j as i32);
+        let ratio = lost_variance(tau, k) / ((1.0 + threshold(tau, k)) * tau.powi(k as i32));
+        largest = worse(largest, ratio);
+        smallest = f64::min(smallest, ratio);
     }
     let quantities = vec![
         Bounded::at_least("smallest ratio of the closed form to its bound", smallest, 0.0),
         Bounded::at_most(format!("largest, {RANGE}"), largest, 1.0),
     ];
-    Claim::new(
-        "truncation-moments",
-        "0 ≤ E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^(k+1)",
-        Evidence::Bounds { quantities, failed: 0 },
-    )
+    let statement = "0 ≤ E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^(k+1)";
+    Claim::new("truncation-moments", statement, Evidence::Bounds { quantities, failed: 0 })
 }
 
 /// [`ORDERS`] and [`EXPONENTS`] in words.

@@ -3,19 +3,16 @@
 
 use mc::Observable;
 use schemes::Sexp;
-use stats::Point;
 use systems::paper::{self, valid};
 use systems::{Damping, Problem};
 use verify::exact::{RandomTime, expectation, solution};
-use verify::results::{Claim, Evidence, Series};
+use verify::results::{Claim, Evidence};
 use verify::{Exact, ReferenceSolution, StepSizes, exact_mean, weak_order};
 
-use crate::experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation};
+use crate::experiment::{Conditions, Experiment, Findings, Words, truncation};
 use crate::kernels::{PaperSystem, compiled};
 use crate::method::Method;
-use crate::panels::strong::{
-    Grid, StrongCurve, StrongErrorCurves, StrongRuns, curves_of_the_paper,
-};
+use crate::panels::strong::{Grid, StrongRuns, curves_of_the_paper};
 
 /// A one-noise system with its exact solution.
 pub(super) struct AgainstExact {
@@ -78,29 +75,13 @@ impl AgainstExact {
         let curves = curves_of_the_paper::<S, 3, 1>();
         let time = random_time(problem, grid.finest_steps(problem.t_end()));
         let solution = |s: f64| solution(problem, s);
-        let runs = StrongRuns {
-            words: self.words,
-            truncation: truncation(),
-            truncated: TRUNCATED,
-            problem,
-            grid,
-            // What the paper takes as the reference.
-            reference: curves[0].scheme.as_ref(),
-            exact: Some(Exact { time_change: &time, solution: &solution }),
-            curves: &curves,
-        };
-        let StrongErrorCurves { mut panel, curves, reference_error } = runs.measure(conditions);
-        panel.paper += &agreement(grid, &panel.series[0], reference_error);
-        let mut claims: Vec<Claim> = curves.iter().map(|curve| self.order(curve)).collect();
-        claims.extend(self.weak_claims(conditions, problem));
-        Findings { panels: vec![panel], claims }
-    }
-
-    fn order(&self, curve: &StrongCurve) -> Claim {
-        let (scheme, order) = (curve.method.id(), curve.method.strong_order(true));
-        let statement = format!("{scheme} has strong order {order} against the exact solution");
-        let claim = curve.claim("strong-one", statement, order, false);
-        claim.about(self.words.id, scheme).proven(false)
+        // What the paper takes as the reference.
+        let reference = curves[0].scheme.as_ref();
+        let exact = Some(Exact { time_change: &time, solution: &solution });
+        let runs = StrongRuns::new(self.words, problem, grid, reference, &curves);
+        let mut findings = StrongRuns { exact, ..runs }.measure(conditions);
+        findings.claims.extend(self.weak_claims(conditions, problem));
+        findings
     }
 
     /// Weak errors of `sexp` against the exact solution path by path, and the mean of the exact
@@ -132,9 +113,8 @@ impl AgainstExact {
         let exact = Exact { time_change: &time, solution: &solution };
         let sexp = compiled(Sexp::default());
         let claims = observables.map(|observable| {
-            let reference = ReferenceSolution::Exact(exact);
+            let (name, reference) = (observable.name, ReferenceSolution::Exact(exact));
             let order = valid(weak_order(sexp.as_ref(), problem, observable, &sizes, reference));
-            let name = observable.name;
             let statement =
                 format!("sexp has weak order 1 against the exact solution for φ = {name}");
             let measured = Evidence::Order { order: 1.0, one_sided: false, rate: order.rate };
@@ -170,21 +150,4 @@ impl AgainstExact {
         });
         claims.into_iter().flatten().collect()
     }
-}
-
-/// How far the paper's kind of reference is from the exact solution, in words.
-fn agreement(grid: Grid, sexp: &Series, reference_error: Option<f64>) -> String {
-    let reference_error = reference_error.unwrap_or(f64::NAN);
-    let finest_error = match sexp.points.last() {
-        Some(Point::Error { value, .. }) => *value,
-        _ => f64::NAN,
-    };
-    format!(
-        " sexp at τ = 2^-{}, the kind of reference that the paper takes, is itself \
-         {reference_error:.1e} (root mean square) away from the exact solution, {:.0} % of the \
-         error of sexp at τ = 2^-{}",
-        grid.reference(),
-        100.0 * reference_error / finest_error,
-        grid.last
-    )
 }

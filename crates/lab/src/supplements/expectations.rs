@@ -29,9 +29,10 @@ fn degree(conditions: &Conditions<'_>) -> usize {
 
 fn settings(conditions: &Conditions<'_>, part: u64) -> ExpectationSettings {
     let key = conditions.key(part);
-    let settings =
-        ExpectationSettings::new(key, truncation(), COARSEST_STEPS, Coupling::Antithetic);
-    ExpectationSettings { max_cost: 1 << 40, ..settings }
+    ExpectationSettings {
+        max_cost: 1 << 40,
+        ..ExpectationSettings::new(key, truncation(), COARSEST_STEPS, Coupling::Antithetic)
+    }
 }
 
 /// E[φ] of `estimate` against its value by the Kolmogorov equation.
@@ -122,12 +123,8 @@ pub(super) fn cost(conditions: &Conditions<'_>) -> Findings {
             let claim = claim(&result.estimates[0], &result, exact, statement);
             claims.push(claim.about(COST.id, Method::Sexp.id()));
         }
-        series.push(Series {
-            scheme: name.to_owned(),
-            quantity: "cos y3".to_owned(),
-            points,
-            ..Series::default()
-        });
+        let (scheme, quantity) = (name.to_owned(), "cos y3".to_owned());
+        series.push(Series { scheme, quantity, points, ..Series::default() });
     }
     let reference = "half-width ε of the 95 % interval, bias included".to_owned();
     let steps = "sexp, antithetic differences from τ = 1/2 on; a pilot of 1024 paths a level is \

@@ -8,10 +8,10 @@ use verify::results::{Claim, Evidence};
 use verify::worse;
 
 use crate::conformal_law::{along, largest_defect};
-use crate::experiment::{Conditions, Findings, TRUNCATED, Words, truncation};
+use crate::experiment::{Conditions, Findings, Words, truncation};
 use crate::kernels::{Compiled, compiled};
 use crate::method::Method;
-use crate::panels::strong::{Curve, Grid, StrongErrorCurves, StrongRuns, claim_with_areas};
+use crate::panels::strong::{Curve, Grid, StrongRuns};
 
 /// Two spins with exchange and anisotropy in a field that fluctuates about all three axes: D = 6.
 fn spins() -> Problem<SpinChain<6>, Cosine, 6> {
@@ -31,22 +31,15 @@ pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
     let levy = || compiled(SexpLevy::new(problem.system(), problem.y0()));
     let curves =
         [Curve::new(Method::Sexp, compiled(Sexp::default())), Curve::new(Method::SexpLevy, levy())];
-    let runs = StrongRuns {
-        words: WORDS,
-        truncation: truncation(),
-        truncated: TRUNCATED,
-        problem: &problem,
-        grid: conditions.choose(Grid { last: 11, samples: 500 }, Grid { last: 9, samples: 256 }),
-        reference: &*levy(),
-        exact: None,
-        curves: &curves,
-    };
-    let StrongErrorCurves { panel, curves, .. } = runs.measure(conditions);
-    let mut claims: Vec<Claim> =
-        curves.iter().map(|curve| claim_with_areas(WORDS.id, curve)).collect();
-    claims.push(obeys_law(conditions, WORDS.id, &problem));
-    claims.push(obeys_law(conditions, "rigid-body-strong-3", &rigid_body_three_noises(1.0)));
-    Findings { panels: vec![panel], claims }
+    let grid = conditions.choose(Grid { last: 11, samples: 500 }, Grid { last: 9, samples: 256 });
+    let reference = levy();
+    let runs = StrongRuns::new(WORDS, &problem, grid, &*reference, &curves);
+    let mut findings = runs.measure(conditions);
+    findings.claims.extend([
+        obeys_law(conditions, WORDS.id, &problem),
+        obeys_law(conditions, "rigid-body-strong-3", &rigid_body_three_noises(1.0)),
+    ]);
+    findings
 }
 
 /// Largest relative defect of a Casimir that counts as round-off on a path of 1024 steps of 2⁻¹⁰:

@@ -3,6 +3,7 @@
 use noise::Truncation;
 use schemes::Sexp;
 use systems::paper::{rigid_body_one_noise, valid};
+use verify::results::Panel;
 
 use crate::experiment::{Conditions, Findings, Words};
 use crate::kernels::compiled;
@@ -28,29 +29,24 @@ pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
         ("sexp, k = 4", Truncation::new(4)),
         ("sexp, not truncated", Ok(Truncation::none())),
     ];
-    let mut findings = Findings::default();
+    let reference = compiled(Sexp::default());
+    let mut all = Panel::default();
     for (name, rule) in rules {
         let curve = Curve { name, method: Method::Sexp, scheme: compiled(Sexp::default()) };
+        let curves = [curve];
         let runs = StrongRuns {
-            words: WORDS,
             truncation: valid(rule),
             truncated: "increments truncated with k = 1, 2, 4 and not at all, those of the \
                         reference by the same rule",
-            problem: &problem,
-            grid,
-            reference: &*compiled(Sexp::default()),
-            exact: None,
-            curves: &[curve],
+            ..StrongRuns::new(WORDS, &problem, grid, &*reference, &curves)
         };
-        let panel = runs.measure(conditions).panel;
-        match findings.panels.first_mut() {
-            Some(all) => {
-                all.series.extend(panel.series);
-                all.failures.extend(panel.failures);
-                all.clipped.extend(panel.clipped);
-            }
-            None => findings.panels.push(panel),
+        for panel in runs.measure(conditions).panels {
+            let Panel { mut series, mut failures, mut clipped, .. } = all;
+            series.extend(panel.series);
+            failures.extend(panel.failures);
+            clipped.extend(panel.clipped);
+            all = Panel { series, failures, clipped, ..panel };
         }
     }
-    findings
+    Findings { panels: vec![all], claims: Vec::new() }
 }

@@ -28,12 +28,8 @@ struct Arguments {
     #[arg(value_parser = value_parser!(u64).range(1..))]
     seeds: u64,
     /// Replications behind each coverage figure.
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 4000,
-        value_parser = value_parser!(u64).range(100..)
-    )]
+    #[arg(long, value_name = "N", default_value_t = 4000)]
+    #[arg(value_parser = value_parser!(u64).range(100..))]
     replications: u64,
     /// Half-width of the intervals of the expectations.
     #[arg(long, value_name = "ACCURACY", default_value_t = 2e-5, value_parser = accuracy)]
@@ -46,10 +42,9 @@ struct Arguments {
 /// A half-width that can be reached: at 1e-6 the cost would be days.
 fn accuracy(text: &str) -> Result<f64, String> {
     let accuracy: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
-    if (1e-6..1.0).contains(&accuracy) {
-        Ok(accuracy)
-    } else {
-        Err(format!("the half-width must be at least 1e-6 and below 1, got {accuracy}"))
+    match accuracy {
+        1e-6..1.0 => Ok(accuracy),
+        _ => Err(format!("the half-width must be at least 1e-6 and below 1, got {accuracy}")),
     }
 }
 
@@ -75,8 +70,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     bars.println("coverage of the intervals");
     battery.coverage = lab::coverage(arguments.replications, 1);
     bars.finish();
-    let page = page::page(&battery);
-    page.write(&arguments.out)?;
+    page::page(&battery).write(&arguments.out)?;
     let (alarms, missed) = (battery.false_alarms(), battery.missed_twins());
     println!(
         "{} seeds in {:.0} s: {alarms} false alarms, {missed} twins not refuted",

@@ -85,11 +85,13 @@ fn print_summary(results: &Results, arguments: &Arguments) {
     for (id, seconds) in &provenance.wall_s_by_id {
         println!("{seconds:8.2} s  {id}");
     }
-    let memory = provenance::peak_memory_mb()
-        .map_or(String::new(), |mb| format!(", peak memory {mb:.0} MB"));
+    let memory = provenance::peak_memory_mb().map(|mb| format!(", peak memory {mb:.0} MB"));
     println!(
-        "{:8.2} s  in all, {} threads, {}{memory}",
-        provenance.wall_s, provenance.threads, provenance.simd
+        "{:8.2} s  in all, {} threads, {}{}",
+        provenance.wall_s,
+        provenance.threads,
+        provenance.simd,
+        memory.unwrap_or_default()
     );
     println!("{}", terminal::counts(&results.claims));
     for claim in results.claims.iter().filter(|claim| fails(claim)) {

@@ -61,8 +61,7 @@ const STATEMENTS: [(&str, &str); 11] = [
     ),
     (
         "local-exact",
-        "One step of the exact flow has a Taylor remainder R with (E‖R‖²)^½ ≤ C τ^(3/2) and ‖E \
-         R‖ ≤ C τ².",
+        "A step of the exact flow has a remainder R with (E‖R‖²)^½ ≤ C τ^(3/2), ‖E R‖ ≤ C τ².",
     ),
     (
         "local-sexp",

@@ -6,22 +6,22 @@ use lab::{Conditions, truncation};
 use mc::trajectory;
 use schemes::{EulerMaruyama, Implicit, Increment, Scheme, Sexp};
 use systems::paper::{lotka_volterra_2_2, rigid_body_three_noises, valid};
-use systems::{Damping, PoissonSystem, Problem};
+use systems::{Damping, PoissonSystem, Problem, RigidBody};
 use verify::results::{Claim, Evidence};
 
-use super::wrong_systems::{MidpointGradient, SignError};
+use super::wrong_systems::WrongSystem;
 
-/// The problem with another system.
-fn with_system<S, T, G, const M: usize>(
+/// The problem with a wrong system.
+fn wrong<S, G, const M: usize>(
     problem: Problem<S, G, 3>,
-    wrong: impl FnOnce(S) -> T,
-) -> Problem<T, G, 3>
+    last: f64,
+) -> Problem<WrongSystem<S>, G, 3>
 where
-    T: PoissonSystem<3, M>,
+    S: PoissonSystem<3, M>,
     G: Damping,
 {
-    let (system, damping, y0, t_end) = problem.into_parts();
-    valid(Problem::new(wrong(system), damping, y0, t_end))
+    let (right, damping, y0, t_end) = problem.into_parts();
+    valid(Problem::new(WrongSystem { right, last }, damping, y0, t_end))
 }
 
 /// Steps of τ = 0.1 on [0, 10], as in the invariant panels.
@@ -50,13 +50,18 @@ where
     Claim::new(id, "the conformal law holds at every step", measured)
 }
 
+/// [`obeys_law`] of the Casimir of the rigid body.
+fn casimir(conditions: &Conditions<'_>, scheme: &dyn Scheme<RigidBody<3>, 3, 3>) -> Claim {
+    obeys_law(conditions, "conformal-casimir", &rigid_body_three_noises(10.0), scheme)
+}
+
 pub fn sign_in_exact_flow(conditions: &Conditions<'_>) -> Claim {
-    let problem = with_system::<_, _, _, 3>(rigid_body_three_noises(1.0), SignError);
+    let problem = wrong::<_, _, 3>(rigid_body_three_noises(1.0), -1.0);
     exact_conformal::law(conditions, 0, &problem).swap_remove(0)
 }
 
 pub fn sign_in_structure(conditions: &Conditions<'_>) -> Claim {
-    let problem = with_system::<_, _, _, 3>(rigid_body_three_noises(10.0), SignError);
+    let problem = wrong::<_, _, 3>(rigid_body_three_noises(10.0), -1.0);
     obeys_law::<_, _, 3>(conditions, "conformal-casimir", &problem, &Sexp::default())
 }
 
@@ -76,8 +81,7 @@ impl Implicit for FirstHalfTwice {
 }
 
 pub fn damping_of_the_wrong_half(conditions: &Conditions<'_>) -> Claim {
-    let problem = rigid_body_three_noises(10.0);
-    obeys_law::<_, _, 3>(conditions, "conformal-casimir", &problem, &FirstHalfTwice)
+    casimir(conditions, &FirstHalfTwice)
 }
 
 /// `sexp` with B at the beginning of the step, z = ẑ + B(ẑ)∇̄h(ẑ, z): the noise is multiplied by
@@ -95,16 +99,14 @@ impl Implicit for OldStructure {
 }
 
 pub fn old_structure(conditions: &Conditions<'_>) -> Claim {
-    let problem = rigid_body_three_noises(10.0);
-    obeys_law::<_, _, 3>(conditions, "conformal-casimir", &problem, &OldStructure)
+    casimir(conditions, &OldStructure)
 }
 
 pub fn old_structure_at_small_steps(conditions: &Conditions<'_>) -> Claim {
     // Up to T = 1: the Casimir of the wrong method drifts away.
     let problem = rigid_body_three_noises(1.0);
-    let (steps, key) = (STEPS / 10, conditions.key(0));
-    let wrong: &dyn Scheme<_, 3, 3> = &OldStructure;
-    let path = valid(trajectory(&problem, wrong, steps, truncation(), key, 0));
+    let (steps, wrong): (_, &dyn Scheme<_, 3, 3>) = (STEPS / 10, &OldStructure);
+    let path = valid(trajectory(&problem, wrong, steps, truncation(), conditions.key(0), 0));
     let largest = largest_defect(&along(&problem, 0, &path));
     let measured = approach(conditions, &problem, wrong, 0, steps, largest);
     let statement = "the Casimir returns to the conformal law as τ → 0";
@@ -112,7 +114,7 @@ pub fn old_structure_at_small_steps(conditions: &Conditions<'_>) -> Claim {
 }
 
 pub fn midpoint_quadrature(conditions: &Conditions<'_>) -> Claim {
-    let problem = with_system::<_, _, _, 1>(lotka_volterra_2_2(10.0), MidpointGradient);
+    let problem = wrong::<_, _, 1>(lotka_volterra_2_2(10.0), 1.0);
     obeys_law::<_, _, 1>(conditions, "energy-balance", &problem, &Sexp::default())
 }
 

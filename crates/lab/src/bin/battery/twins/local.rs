@@ -1,7 +1,7 @@
 //! Twins of the one-step remainders.
 
 use lab::Conditions;
-use lab::statements::local::{self, PIECES, Vector, remainder_claims};
+use lab::statements::local::{self, PIECES, Vector, difference, remainder_claims};
 use verify::results::Claim;
 
 /// The increment over the whole step.
@@ -14,10 +14,8 @@ fn whole(pieces: &[Vector; PIECES]) -> Vector {
 pub fn without_areas(conditions: &Conditions<'_>) -> Claim {
     let remainder = |tau: f64, pieces: &[Vector; PIECES]| {
         let straight = whole(pieces).map(|w| w / PIECES as f64);
-        let with_areas = local::exact_end(tau, pieces);
         // On one straight line the iterated integrals are ½ΔWΔWᵀ and the areas vanish.
-        let expansion = local::expansion(tau, &[straight; PIECES]);
-        std::array::from_fn(|i| with_areas[i] - expansion[i])
+        difference(local::exact_end(tau, pieces), local::expansion(tau, &[straight; PIECES]))
     };
     remainder_claims(conditions, "local-exact", "the exact flow", remainder).swap_remove(0)
 }
@@ -25,9 +23,7 @@ pub fn without_areas(conditions: &Conditions<'_>) -> Claim {
 /// The expansion of the scheme without ½Σ fₘ′f_l ΔŴ_lΔŴₘ.
 pub fn without_second_order(conditions: &Conditions<'_>) -> Claim {
     let remainder = |tau: f64, pieces: &[Vector; PIECES]| {
-        let end = local::sexp_end(tau, pieces);
-        let first = local::first_order(tau, whole(pieces));
-        std::array::from_fn(|i| end[i] - first[i])
+        difference(local::sexp_end(tau, pieces), local::first_order(tau, whole(pieces)))
     };
     remainder_claims(conditions, "local-sexp", "sexp", remainder).swap_remove(0)
 }

@@ -19,125 +19,89 @@ use verify::{Progress, Settings};
 /// A wrong method with its measurement.
 pub type Twin = verify::Twin<fn(&Conditions<'_>) -> Claim>;
 
+const fn twin(
+    claim: &'static str,
+    mistake: &'static str,
+    measure: fn(&Conditions<'_>) -> Claim,
+) -> Twin {
+    Twin { claim, mistake, measure }
+}
+
 /// All of them, by statement.
 pub const TWINS: &[Twin] = &[
-    Twin {
-        claim: "truncation-moments",
-        mistake: "increments are not truncated",
-        measure: |conditions| sampled_variance(conditions, f64::INFINITY),
-    },
-    Twin {
-        claim: "truncation-moments",
-        mistake: "the threshold is 2k|log τ| without the square root",
-        measure: |conditions| {
+    twin("truncation-moments", "increments are not truncated", |conditions| {
+        sampled_variance(conditions, f64::INFINITY)
+    }),
+    twin(
+        "truncation-moments",
+        "the threshold is 2k|log τ| without the square root",
+        |conditions| {
             let tau = 0.25f64;
             sampled_variance(conditions, tau.sqrt() * 2.0 * tau.ln().abs())
         },
-    },
-    Twin {
-        claim: "solvability",
-        mistake: "increments reach six times the truncation bound",
-        measure: |conditions| contraction(conditions, 0, pendulum().system(), 1.0, 6.0),
-    },
-    Twin {
-        claim: "exact-conformal",
-        mistake: "a sign in B",
-        measure: conformal::sign_in_exact_flow,
-    },
-    Twin {
-        claim: "conformal-casimir",
-        mistake: "a sign in B",
-        measure: conformal::sign_in_structure,
-    },
-    Twin {
-        claim: "conformal-casimir",
-        mistake: "the damping of the first half step is used for both halves",
-        measure: conformal::damping_of_the_wrong_half,
-    },
-    Twin {
-        claim: "conformal-casimir",
-        mistake: "B at the beginning of an implicit step, not in its middle",
-        measure: conformal::old_structure,
-    },
-    Twin {
-        claim: "conformal-casimir",
-        mistake: "B at the beginning of an implicit step, at steps that shrink",
-        measure: conformal::old_structure_at_small_steps,
-    },
-    Twin {
-        claim: "energy-balance",
-        mistake: "the gradient at the midpoint instead of its average",
-        measure: conformal::midpoint_quadrature,
-    },
-    Twin {
-        claim: "moment-bound", mistake: "Euler–Maruyama", measure: conformal::unbounded_scheme
-    },
-    Twin { claim: "local-exact", mistake: "no Lévy areas", measure: local::without_areas },
-    Twin {
-        claim: "local-sexp",
-        mistake: "no second-order term",
-        measure: local::without_second_order,
-    },
-    Twin {
-        claim: "strong-half",
-        mistake: "the Itô correction is dropped",
-        measure: |conditions| orders::strong_with_correction(conditions, 0.0),
-    },
-    Twin {
-        claim: "strong-half",
-        mistake: "the Itô correction is doubled",
-        measure: |conditions| orders::strong_with_correction(conditions, 2.0),
-    },
-    Twin {
-        claim: "strong-half",
-        mistake: "two noises fed by one stream",
-        measure: orders::shared_stream,
-    },
-    Twin {
-        claim: "strong-half",
-        mistake: "fresh coarse increments instead of sums of the fine ones",
-        measure: orders::fresh_increments,
-    },
-    Twin {
-        claim: "strong-one",
-        mistake: "explicit noise: Euler–Maruyama",
-        measure: orders::explicit,
-    },
-    Twin {
-        claim: "strong-one",
-        mistake: "truncation with a bound of half a standard deviation",
-        measure: orders::truncated_too_early,
-    },
-    Twin {
-        claim: "strong-one-levy",
-        mistake: "Lévy areas of the wrong sign",
-        measure: orders::areas_of_the_wrong_sign,
-    },
-    Twin {
-        claim: "strong-one-levy",
-        mistake: "Lévy areas drawn afresh on each coarse grid",
-        measure: orders::fresh_areas,
-    },
-    Twin { claim: "strong-one-levy", mistake: "no Lévy areas", measure: orders::without_areas },
-    Twin {
-        claim: "weak-one",
-        mistake: "the Itô correction is dropped",
-        measure: |conditions| orders::weak_with_correction(conditions, 0.0),
-    },
-    Twin {
-        claim: "weak-one",
-        mistake: "the Itô correction is doubled",
-        measure: |conditions| orders::weak_with_correction(conditions, 2.0),
-    },
+    ),
+    twin("solvability", "increments reach six times the truncation bound", |conditions| {
+        contraction(conditions, 0, pendulum().system(), 1.0, 6.0)
+    }),
+    twin("exact-conformal", "a sign in B", conformal::sign_in_exact_flow),
+    twin("conformal-casimir", "a sign in B", conformal::sign_in_structure),
+    twin(
+        "conformal-casimir",
+        "the damping of the first half step is used for both halves",
+        conformal::damping_of_the_wrong_half,
+    ),
+    twin(
+        "conformal-casimir",
+        "B at the beginning of an implicit step, not in its middle",
+        conformal::old_structure,
+    ),
+    twin(
+        "conformal-casimir",
+        "B at the beginning of an implicit step, at steps that shrink",
+        conformal::old_structure_at_small_steps,
+    ),
+    twin(
+        "energy-balance",
+        "the gradient at the midpoint instead of its average",
+        conformal::midpoint_quadrature,
+    ),
+    twin("moment-bound", "Euler–Maruyama", conformal::unbounded_scheme),
+    twin("local-exact", "no Lévy areas", local::without_areas),
+    twin("local-sexp", "no second-order term", local::without_second_order),
+    twin("strong-half", "the Itô correction is dropped", |conditions| {
+        orders::strong_with_correction(conditions, 0.0)
+    }),
+    twin("strong-half", "the Itô correction is doubled", |conditions| {
+        orders::strong_with_correction(conditions, 2.0)
+    }),
+    twin("strong-half", "two noises fed by one stream", orders::shared_stream),
+    twin(
+        "strong-half",
+        "fresh coarse increments instead of sums of the fine ones",
+        orders::fresh_increments,
+    ),
+    twin("strong-one", "explicit noise: Euler–Maruyama", orders::explicit),
+    twin(
+        "strong-one",
+        "truncation with a bound of half a standard deviation",
+        orders::truncated_too_early,
+    ),
+    twin("strong-one-levy", "Lévy areas of the wrong sign", orders::areas_of_the_wrong_sign),
+    twin("strong-one-levy", "Lévy areas drawn afresh on each coarse grid", orders::fresh_areas),
+    twin("strong-one-levy", "no Lévy areas", orders::without_areas),
+    twin("weak-one", "the Itô correction is dropped", |conditions| {
+        orders::weak_with_correction(conditions, 0.0)
+    }),
+    twin("weak-one", "the Itô correction is doubled", |conditions| {
+        orders::weak_with_correction(conditions, 2.0)
+    }),
 ];
 
 /// Measures every twin; the claims come in the order of [`TWINS`].
 pub fn measure_twins(settings: Settings, progress: &dyn Progress) -> Vec<Claim> {
+    let conditions = |experiment| Conditions { settings, experiment, wanted: &[], progress };
     let numbered = (streams::TWINS..).zip(TWINS);
-    let measure = |(experiment, twin): (u64, &Twin)| {
-        (twin.measure)(&Conditions { settings, experiment, wanted: &[], progress })
-    };
-    numbered.map(measure).collect()
+    numbered.map(|(experiment, twin)| (twin.measure)(&conditions(experiment))).collect()
 }
 
 #[cfg(test)]
