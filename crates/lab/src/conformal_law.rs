@@ -17,7 +17,6 @@ use crate::experiment::{Conditions, truncation};
 pub const ROUND_OFF: f64 = 2e-13;
 
 /// (t, F(y(t)), exp(−p∫γ)F(y₀)) along a path, for the invariant number `index` of the system.
-#[must_use]
 pub fn along<S, G, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
     index: usize,
@@ -38,7 +37,6 @@ where
 }
 
 /// max |F(yₙ)/(e^{−p∫γ}F(y₀)) − 1|; NaN if any of them is.
-#[must_use]
 pub fn largest_defect(values: &[(f64, f64, f64)]) -> f64 {
     values.iter().map(|(_, value, exact)| (value / exact - 1.0).abs()).fold(0.0, worse)
 }

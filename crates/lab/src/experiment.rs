@@ -26,13 +26,11 @@ pub const TRUNCATION_ORDER: u32 = 4;
 
 impl Conditions<'_> {
     /// The streams of part number `part` of the experiment.
-    #[must_use]
     pub fn key(&self, part: u64) -> StreamKey {
         streams::key(self.settings.seed, self.experiment, part)
     }
 
     /// `paper` at the paper's sizes, `quick` for continuous integration.
-    #[must_use]
     pub fn choose<T>(&self, paper: T, quick: T) -> T {
         match self.settings.mode {
             Mode::Paper => paper,
@@ -42,7 +40,6 @@ impl Conditions<'_> {
 }
 
 /// The truncation of the reproduction.
-#[must_use]
 pub fn truncation() -> Truncation {
     valid(Truncation::new(TRUNCATION_ORDER))
 }
@@ -103,7 +100,7 @@ impl Experiment for Measurement {
 
 /// A figure in words.
 #[derive(Clone, Copy)]
-pub(crate) struct Words {
+pub struct Words {
     pub id: &'static str,
     pub title: &'static str,
     /// The system and its parameters.
@@ -113,7 +110,7 @@ pub(crate) struct Words {
 }
 
 /// How increments are truncated in most panels, in words.
-pub(crate) const TRUNCATED: &str = "increments truncated with k = 4";
+pub const TRUNCATED: &str = "increments truncated with k = 4";
 
 impl Words {
     /// A panel without curves; its set-up is "system, γ = …, y₀ = …, T = …, steps".

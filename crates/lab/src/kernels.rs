@@ -34,7 +34,6 @@ pub trait Compiled<F, const D: usize, const M: usize>: PoissonSystem<D, M> + Siz
 }
 
 /// A scheme as an object, compiled here.
-#[must_use]
 pub fn compiled<F, S: Compiled<F, D, M>, const D: usize, const M: usize>(
     scheme: F,
 ) -> Box<dyn Scheme<S, D, M>> {

@@ -18,7 +18,6 @@ impl Method {
     pub const PAPER: [Self; 3] = [Self::Sexp, Self::EulerMaruyama, Self::Midpoint];
 
     /// Identifier in results, that of the scheme itself.
-    #[must_use]
     pub fn id(self) -> &'static str {
         match self {
             Self::Sexp => "sexp",
@@ -29,7 +28,6 @@ impl Method {
     }
 
     /// Strong order where noises commute, as a single one does, or do not.
-    #[must_use]
     pub fn strong_order(self, commuting: bool) -> f64 {
         match self {
             Self::SexpLevy => 1.0,

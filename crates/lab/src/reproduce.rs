@@ -37,7 +37,6 @@ impl fmt::Display for UnknownId {
 impl std::error::Error for UnknownId {}
 
 /// The ids that experiments make.
-#[must_use]
 pub fn ids(experiments: &[&dyn Experiment]) -> Vec<&'static str> {
     experiments.iter().flat_map(|experiment| experiment.ids()).collect()
 }

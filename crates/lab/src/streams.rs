@@ -37,7 +37,6 @@ pub const COVERAGE: u64 = 1 << 40;
 ///
 /// # Panics
 /// When there is no such part: it would share its noise with the next experiment.
-#[must_use]
 pub fn key(seed: u64, experiment: u64, part: u64) -> StreamKey {
     assert!(part < PARTS, "part {part} would share its noise with the next experiment");
     StreamKey { seed, experiment: experiment * PARTS + part }

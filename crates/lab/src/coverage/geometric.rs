@@ -6,7 +6,7 @@ use real::{Block, WIDTH};
 /// dX = aX dt + bX dW (Itô) on [0, 1] with X(0) = 1, solved by Euler–Maruyama and known exactly:
 /// X(1) = exp(a − b²/2 + bW(1)).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Geometric {
+pub struct Geometric {
     pub drift: f64,
     pub volatility: f64,
     /// Adds ½b²(ΔW² − τ) to the factor of a step: the Milstein scheme, of strong order one.
@@ -18,14 +18,14 @@ pub(super) struct Geometric {
 }
 
 impl Geometric {
-    pub(super) fn taus(&self) -> Vec<f64> {
+    pub fn taus(&self) -> Vec<f64> {
         (self.first..=self.last).map(|exponent| 0.5f64.powi(exponent as i32)).collect()
     }
 
     /// E|X_N − X(1)|² with τ = 1/N. With A the factor of one numerical and G that of one exact
     /// step, E[A²]ᴺ − 2E[AG]ᴺ + E[G²]ᴺ, where E[A²] = (1 + aτ)² + b²τ (+ ½b⁴τ²), E[AG] = e^{aτ}(1 +
     /// aτ + b²τ (+ ½b⁴τ²)) and E[G²] = e^{(2a + b²)τ}.
-    pub(super) fn mean_square(&self, tau: f64) -> f64 {
+    pub fn mean_square(&self, tau: f64) -> f64 {
         let (a, b2) = (self.drift, self.volatility * self.volatility);
         let more = if self.milstein { 0.5 * b2 * b2 * tau * tau } else { 0.0 };
         let numerical = (1.0 + a * tau).powi(2) + b2 * tau + more;
@@ -36,13 +36,13 @@ impl Geometric {
     }
 
     /// E[X_N] − E[X(1)] = (1 + aτ)ᴺ − eᵃ.
-    pub(super) fn weak_error(&self, tau: f64) -> f64 {
+    pub fn weak_error(&self, tau: f64) -> f64 {
         (1.0 + self.drift * tau).powi((1.0 / tau).round() as i32) - self.drift.exp()
     }
 
     /// Calls `each` with the numerical solutions at time 1, coarsest first, and the exact one, for
     /// every path.
-    pub(super) fn for_each_path(&self, key: StreamKey, mut each: impl FnMut(&[f64], f64)) {
+    pub fn for_each_path(&self, key: StreamKey, mut each: impl FnMut(&[f64], f64)) {
         let top = (self.last - self.first) as usize;
         let steps = 1u64 << self.last;
         let tau = 1.0 / steps as f64;

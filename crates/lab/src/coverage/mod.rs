@@ -21,7 +21,6 @@ use crate::streams;
 /// rayon pool.
 ///
 /// The rows are functions of the arguments alone.
-#[must_use]
 pub fn coverage(replications: u64, seed: u64) -> Vec<Coverage> {
     let mut tally = Tally { rows: Vec::new(), replications, seed, case: 0 };
     synthetic::rows(&mut tally);

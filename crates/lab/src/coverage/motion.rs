@@ -8,7 +8,7 @@ use stats::{CrossMoments, Terms, fit_strong, normal_covers, root_mean_squares, w
 use super::geometric::Geometric;
 use super::{Tally, naive, point_checks, rate_checks, warns};
 
-pub(super) fn rows(tally: &mut Tally) {
+pub fn rows(tally: &mut Tally) {
     let euler =
         Geometric { drift: 0.1, volatility: 0.25, milstein: false, first: 2, last: 7, paths: 1000 };
     let milstein = Geometric { milstein: true, first: 4, last: 9, paths: 600, ..euler };

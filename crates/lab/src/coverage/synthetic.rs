@@ -140,7 +140,7 @@ fn add(
     });
 }
 
-pub(super) fn rows(tally: &mut Tally) {
+pub fn rows(tally: &mut Tally) {
     let half = Synthetic::new(0.5);
     let one = Synthetic::new(1.0);
 

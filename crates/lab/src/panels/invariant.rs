@@ -16,7 +16,7 @@ use crate::method::Method;
 const VISIBLE: f64 = 1e-3;
 
 /// A panel of invariants along one path.
-pub(crate) struct InvariantPanel {
+pub struct InvariantPanel {
     pub words: Words,
     pub steps: u64,
     /// Names of the invariants to show, the one of the paper first.

@@ -1,8 +1,8 @@
 //! The 14 panels of the paper as data (Bréhier, Cohen and Komori 2025, §5).
 
 mod invariant;
-pub(crate) mod strong;
-pub(crate) mod weak;
+pub mod strong;
+pub mod weak;
 
 use mc::Observable;
 use real::elementary::{cos, sin};
@@ -178,6 +178,6 @@ const WEAK_PANELS: &[WeakPanel] = &[
 ];
 
 /// The twelve test functions of the weak panels.
-pub(crate) fn weak_observables() -> Vec<Observable<3>> {
+pub fn weak_observables() -> Vec<Observable<3>> {
     weak::observables(&WEAK_PANELS.iter().collect::<Vec<_>>())
 }

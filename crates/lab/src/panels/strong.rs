@@ -20,7 +20,7 @@ const FIRST: u32 = 5;
 
 /// Step sizes 2⁻⁵ … 2^−last with a reference at 2^−(last + 2), and the number of paths.
 #[derive(Clone, Copy)]
-pub(crate) struct Grid {
+pub struct Grid {
     pub last: u32,
     pub samples: u64,
 }
@@ -48,7 +48,7 @@ impl Grid {
 }
 
 /// A scheme with the name of its curve.
-pub(crate) struct Curve<S, const D: usize, const M: usize> {
+pub struct Curve<S, const D: usize, const M: usize> {
     pub name: &'static str,
     pub method: Method,
     pub scheme: Box<dyn Scheme<S, D, M>>,
@@ -61,7 +61,7 @@ impl<S, const D: usize, const M: usize> Curve<S, D, M> {
 }
 
 /// The curves of the paper, in the order of [`Method::PAPER`].
-pub(crate) fn curves_of_the_paper<S: PaperSystem<D, M>, const D: usize, const M: usize>()
+pub fn curves_of_the_paper<S: PaperSystem<D, M>, const D: usize, const M: usize>()
 -> Vec<Curve<S, D, M>> {
     let scheme = |method| match method {
         Method::EulerMaruyama => compiled(EulerMaruyama),
@@ -72,7 +72,7 @@ pub(crate) fn curves_of_the_paper<S: PaperSystem<D, M>, const D: usize, const M:
 }
 
 /// What the curves of a strong panel are drawn from.
-pub(crate) struct StrongRuns<'a, S, G, const D: usize, const M: usize> {
+pub struct StrongRuns<'a, S, G, const D: usize, const M: usize> {
     pub words: Words,
     /// How increments are truncated.
     pub truncation: Truncation,
@@ -233,12 +233,12 @@ where
     }
 }
 
-pub(crate) fn power_of_half(exponent: u32) -> f64 {
+pub fn power_of_half(exponent: u32) -> f64 {
     0.5f64.powi(exponent as i32)
 }
 
 /// Paths that were left out: the first few, and how many.
-pub(crate) fn describe_failures(failed: u64, failures: &[mc::PathFailure]) -> Vec<String> {
+pub fn describe_failures(failed: u64, failures: &[mc::PathFailure]) -> Vec<String> {
     let mut lines: Vec<String> = failures.iter().map(ToString::to_string).collect();
     if failed > failures.len() as u64 {
         lines.push(format!("… {failed} paths in all"));
@@ -247,7 +247,7 @@ pub(crate) fn describe_failures(failed: u64, failures: &[mc::PathFailure]) -> Ve
 }
 
 /// A panel of strong errors.
-pub(crate) struct StrongPanel {
+pub struct StrongPanel {
     pub words: Words,
     /// Exponent of the finest step size at the paper's sizes.
     pub last: u32,

@@ -50,20 +50,20 @@ use crate::method::Method;
 type TestFunction = (&'static str, fn([f64; 3]) -> f64);
 
 /// One panel: a name and the test functions on it.
-pub(crate) struct WeakPanel {
+pub struct WeakPanel {
     pub id: &'static str,
     pub title: &'static str,
     pub functions: [TestFunction; 3],
 }
 
 /// The test functions of panels.
-pub(crate) fn observables(panels: &[&WeakPanel]) -> Vec<Observable<3>> {
+pub fn observables(panels: &[&WeakPanel]) -> Vec<Observable<3>> {
     let functions = panels.iter().flat_map(|panel| panel.functions);
     functions.map(|(name, function)| Observable { name, function }).collect()
 }
 
 /// The panels that one set of runs makes.
-pub(crate) struct WeakPanels(pub &'static [WeakPanel]);
+pub struct WeakPanels(pub &'static [WeakPanel]);
 
 /// Coarsest step size 2⁻⁶.
 const FIRST: u32 = 6;

@@ -94,7 +94,6 @@ pub fn first_order(tau: f64, w: Vector) -> Vector {
 }
 
 /// a − b.
-#[must_use]
 pub fn difference(a: Vector, b: Vector) -> Vector {
     std::array::from_fn(|i| a[i] - b[i])
 }

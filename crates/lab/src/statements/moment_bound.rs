@@ -28,7 +28,6 @@ pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
 }
 
 /// The rigid body without damping, where the bound is an equality for every n.
-#[must_use]
 pub fn undamped() -> Problem<RigidBody<3>, Constant, 3> {
     let body = rigid_body_three_noises(10.0).into_parts().0;
     valid(Problem::new(body, valid(Constant::new(0.0)), rigid_body_start(), 10.0))

@@ -15,13 +15,13 @@ use crate::method::Method;
 use crate::panels::strong::{Grid, StrongRuns, curves_of_the_paper};
 
 /// A one-noise system with its exact solution.
-pub(super) struct AgainstExact {
+pub struct AgainstExact {
     words: Words,
     /// Calls [`AgainstExact::compare`] with the problem.
     compare: fn(&Self, &Conditions<'_>) -> Findings,
 }
 
-pub(super) const LOTKA_VOLTERRA: AgainstExact = AgainstExact {
+pub const LOTKA_VOLTERRA: AgainstExact = AgainstExact {
     words: Words {
         id: "lotka-volterra-exact",
         title: "Lotka–Volterra against its exact solution: strong convergence",
@@ -31,7 +31,7 @@ pub(super) const LOTKA_VOLTERRA: AgainstExact = AgainstExact {
     compare: |panel, conditions| panel.compare(conditions, &paper::lotka_volterra_1_1()),
 };
 
-pub(super) const RIGID_BODY: AgainstExact = AgainstExact {
+pub const RIGID_BODY: AgainstExact = AgainstExact {
     words: Words {
         id: "rigid-body-energy-exact",
         title: "Rigid body with noise H₀ against its exact solution: strong convergence",

@@ -71,7 +71,6 @@ fn twelve(conditions: &Conditions<'_>, accuracy: f64) -> Vec<Claim> {
 /// The twelve expectations of the weak panels, E of y_j, y_j², cos y_j and sin y_j at T = 1, each
 /// to the half-width `accuracy` of its 95 % interval, against the Kolmogorov equation. The cost
 /// grows like accuracy⁻²: 2e-4 takes seconds, 2e-5 minutes.
-#[must_use]
 pub fn expectation_claims(
     settings: verify::Settings,
     accuracy: f64,
@@ -82,7 +81,7 @@ pub fn expectation_claims(
 }
 
 /// Twelve expectations, to the accuracy of the mode.
-pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
+pub fn measure(conditions: &Conditions<'_>) -> Findings {
     twelve(conditions, conditions.choose(2e-4, 1e-3)).into()
 }
 
@@ -98,7 +97,7 @@ const COST: Words = Words {
 };
 
 /// Path-steps for E[cos y₃] at several accuracies, by multilevel Monte Carlo and by single paths.
-pub(super) fn cost(conditions: &Conditions<'_>) -> Findings {
+pub fn cost(conditions: &Conditions<'_>) -> Findings {
     let problem = rigid_body_three_noises(1.0);
     let sexp = compiled(Sexp::default());
     let accuracies = conditions.choose([1e-2, 3e-3, 1e-3, 3e-4], [1e-2, 5e-3, 3e-3, 2e-3]);

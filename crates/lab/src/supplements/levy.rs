@@ -26,7 +26,7 @@ const WORDS: Words = Words {
     paper: "Not in the paper, whose scheme has strong order 1/2 for noises that do not commute.",
 };
 
-pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
+pub fn measure(conditions: &Conditions<'_>) -> Findings {
     let problem = spins();
     let levy = || compiled(SexpLevy::new(problem.system(), problem.y0()));
     let curves =

@@ -20,7 +20,7 @@ const WORDS: Words = Words {
 };
 
 /// Strong errors of `sexp` with k = 1, 2, 4 and without truncation, on the same noise.
-pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
+pub fn measure(conditions: &Conditions<'_>) -> Findings {
     let problem = rigid_body_one_noise();
     let grid = conditions.choose(Grid { last: 12, samples: 1000 }, Grid { last: 10, samples: 512 });
     let rules = [
