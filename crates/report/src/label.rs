@@ -5,7 +5,7 @@
 //! Digits that follow a letter are an index; what follows `^` is an exponent.
 
 /// Size of an index or exponent relative to the base.
-pub(crate) const SCRIPT_SIZE: f64 = 0.74;
+pub const SCRIPT_SIZE: f64 = 0.74;
 
 /// A base with an optional subscript and superscript.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -34,13 +34,13 @@ impl Label {
 
     /// Plain words, in which digits and hyphens stay what they are.
     pub fn words(text: &str) -> Self {
-        Self { base: text.to_owned(), ..Self::default() }
+        Self { base: text.into(), ..Self::default() }
     }
 
     /// The same label with plain words behind it.
     #[must_use]
     pub fn with_tail(self, text: &str) -> Self {
-        Self { tail: text.to_owned(), ..self }
+        Self { tail: text.into(), ..self }
     }
 
     /// Estimated width in units of its font size.

@@ -71,7 +71,7 @@ impl Page {
             .into_iter()
             .map(|row| row.into_iter().map(|text| cell(text.as_ref())).collect())
             .collect();
-        let head: Vec<String> = head.into_iter().map(|text| text.as_ref().to_owned()).collect();
+        let head: Vec<String> = head.into_iter().map(|text| text.as_ref().into()).collect();
         let filled = |n: &usize| {
             rows.is_empty() || rows.iter().any(|row| row.get(*n).is_some_and(|c| !c.is_empty()))
         };
@@ -93,7 +93,7 @@ impl Page {
     /// A figure with its name as a file and its description.
     pub fn figure(&mut self, name: &str, description: &str, svg: String) {
         self.block(&format!("![{description}](figures/{name})"));
-        self.figures.push((name.to_owned(), svg));
+        self.figures.push((name.into(), svg));
     }
 
     fn block(&mut self, text: &str) {

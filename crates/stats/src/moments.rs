@@ -50,7 +50,7 @@ impl Moments {
 pub const BATCHES: usize = 256;
 
 /// A mean that fewer effective samples carry, (Σx)²/Σx², has no normal law.
-pub(crate) const FEW_SAMPLES: f64 = 30.0;
+pub const FEW_SAMPLES: f64 = 30.0;
 
 /// Means and covariances of a vector, and its sums over [`BATCHES`] batches for the bootstrap.
 ///

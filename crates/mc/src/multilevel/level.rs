@@ -8,7 +8,7 @@ use super::settings::{Coupling, ExpectationSettings};
 use crate::{Ladder, LadderError, Observable, PathFailure, Run, Statistic, View};
 
 /// Moments of one test function on one level.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct Values {
     /// φ of single paths, or the difference.
     pub sample: CentralMoments,
@@ -32,7 +32,6 @@ impl Values {
 }
 
 /// The samples of one level so far.
-#[derive(Clone, Debug)]
 pub struct Samples {
     pub level: usize,
     /// `None` for single paths.

@@ -19,7 +19,6 @@ const LOWEST_ORDER: f64 = 0.5;
 const SIGNIFICANT: f64 = 4.0;
 
 /// The bias of one test function.
-#[derive(Clone, Copy, Debug)]
 pub struct Bias {
     /// The signed estimate from the last difference.
     pub value: f64,

@@ -50,10 +50,10 @@ pub fn page((width, height): (f64, f64), title: &str, draw: impl FnOnce(&mut Can
     draw(&mut canvas);
     // With mitred joints a noisy curve would turn into needles.
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" width=\"{:.2}cm\" \
-         height=\"{:.2}cm\" viewBox=\"0 0 {} {}\" stroke-linejoin=\"round\" \
-         stroke-linecap=\"round\">\n<title>{}</title>\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n{}</svg>\n",
+        "<svg xmlns='http://www.w3.org/2000/svg' role='img' width='{:.2}cm' \
+         height='{:.2}cm' viewBox='0 0 {} {}' stroke-linejoin='round' \
+         stroke-linecap='round'>\n<title>{}</title>\n\
+         <rect width='100%' height='100%' fill='#fff'/>\n{}</svg>\n",
         width / PER_CENTIMETRE,
         height / PER_CENTIMETRE,
         grid(width),
@@ -79,12 +79,12 @@ impl Canvas {
         }
         let Stroke { color, width, opacity, dashed } = stroke;
         let dashes = match dashed {
-            true => format!(" stroke-dasharray=\"{} {}\"", grid(DASH), grid(GAP)),
+            true => format!(" stroke-dasharray='{} {}'", grid(DASH), grid(GAP)),
             false => String::new(),
         };
         self.body += &format!(
-            "<polyline fill=\"none\" opacity=\"{opacity}\" stroke=\"{color}\" \
-             stroke-width=\"{}\"{dashes} points=\"{}\"/>\n",
+            "<polyline fill='none' opacity='{opacity}' stroke='{color}' \
+             stroke-width='{}'{dashes} points='{}'/>\n",
             grid(width),
             list(points.iter().copied())
         );
@@ -95,17 +95,17 @@ impl Canvas {
         let shape = match outline(look.marker) {
             [] => {
                 let (x, y, r) = (grid(at.0), grid(at.1), grid(radius));
-                format!("circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"")
+                format!("circle cx='{x}' cy='{y}' r='{r}'")
             }
             corners => {
                 let corners = corners.iter().map(|(x, y)| (at.0 + radius * x, at.1 + radius * y));
-                format!("polygon points=\"{}\"", list(corners))
+                format!("polygon points='{}'", list(corners))
             }
         };
         let paint = if hollow {
-            format!("fill=\"{PAPER}\" stroke=\"{}\" stroke-width=\"{}\"", look.color, grid(1.1))
+            format!("fill='{PAPER}' stroke='{}' stroke-width='{}'", look.color, grid(1.1))
         } else {
-            format!("fill=\"{}\"", look.color)
+            format!("fill='{}'", look.color)
         };
         self.body += &format!("<{shape} {paint}/>\n");
     }
@@ -120,9 +120,9 @@ impl Canvas {
             Align::Upward => ("middle", 270),
         };
         self.body += &format!(
-            "<text x=\"{x}\" y=\"{y}\" dy=\"0.5ex\" text-anchor=\"{anchor}\" \
-             transform=\"rotate({turn}, {x}, {y})\" font-family=\"sans-serif\" \
-             font-size=\"{size}\" fill=\"{INK}\">{}</text>\n",
+            "<text x='{x}' y='{y}' dy='0.5ex' text-anchor='{anchor}' \
+             transform='rotate({turn}, {x}, {y})' font-family='sans-serif' \
+             font-size='{size}' fill='{INK}'>{}</text>\n",
             markup(label)
         );
     }

@@ -7,7 +7,7 @@
 use super::stroke::{Color, Stroke};
 
 /// Shape of a marker.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq)]
 pub enum Marker {
     /// ●
     Circle,
@@ -24,7 +24,7 @@ pub enum Marker {
 }
 
 /// Where a curve lies in a stack of curves that may coincide; ordered from below.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Layer {
     /// Wide pale line, large open markers.
     Under,
@@ -35,7 +35,7 @@ pub enum Layer {
 }
 
 /// Appearance of a curve.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 pub struct Look {
     /// Colour of the line and the marker.
     pub color: Color,

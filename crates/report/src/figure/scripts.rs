@@ -21,7 +21,7 @@ pub fn markup(label: &Label) -> String {
         if !text.is_empty() {
             let (shift, percent, text) = ((height - level) / size, 100.0 * size, escape(text));
             markup +=
-                &format!("<tspan dy=\"{shift:.2}em\" font-size=\"{percent}%\">{text}</tspan>");
+                &format!("<tspan dy='{shift:.2}em' font-size='{percent}%'>{text}</tspan>");
             height = level;
         }
     }
@@ -36,8 +36,8 @@ mod tests {
     fn scripts_become_elements() {
         assert_eq!(
             markup(&Label::new("y2^2")),
-            "y<tspan dy=\"0.28em\" font-size=\"74%\">2</tspan>\
-             <tspan dy=\"-0.78em\" font-size=\"74%\">2</tspan>"
+            "y<tspan dy='0.28em' font-size='74%'>2</tspan>\
+             <tspan dy='-0.78em' font-size='74%'>2</tspan>"
         );
         assert_eq!(markup(&Label::words("a<b")), "a&lt;b");
     }
@@ -46,7 +46,7 @@ mod tests {
     fn what_follows_a_script_is_back_on_the_line() {
         let tail = |notation| markup(&Label::new(notation).with_tail(": 1"));
         for (notation, shift) in [("y", "0.00"), ("y2", "-0.21"), ("y2^2", "0.37")] {
-            let end = format!("<tspan dy=\"{shift}em\" font-size=\"100%\">: 1</tspan>");
+            let end = format!("<tspan dy='{shift}em' font-size='100%'>: 1</tspan>");
             assert!(tail(notation).ends_with(&end), "{}", tail(notation));
         }
     }

@@ -15,7 +15,7 @@ use crate::panel::{file_stem, main_quantity};
 /// says.
 pub fn card(panel: &Panel, figure: &str, claims: &[Claim], comment: &str) -> String {
     let samples = match panel.samples {
-        1 => "one path".to_owned(),
+        1 => "one path".into(),
         n => count(n) + " paths",
     };
     let facts = [
@@ -28,10 +28,10 @@ pub fn card(panel: &Panel, figure: &str, claims: &[Claim], comment: &str) -> Str
         ("Paths left out", failures(&panel.failures)),
     ];
     format!(
-        "<article class=\"card\" id=\"panel-{id}\">\n<header><h3>{title}</h3>{code}</header>\n\
-         <figure><div class=\"paper\">{figure}</div><figcaption>{caption}</figcaption></figure>\n\
-         {badges}<dl>{facts}</dl>\n<p class=\"files\"><a href=\"data/{stem}.csv\">Numbers \
-         (CSV)</a> <a href=\"figures/{stem}.svg\">Figure (SVG)</a></p>\n</article>\n",
+        "<article class='card' id='panel-{id}'>\n<header><h3>{title}</h3>{code}</header>\n\
+         <figure><div class='paper'>{figure}</div><figcaption>{caption}</figcaption></figure>\n\
+         {badges}<dl>{facts}</dl>\n<p class='files'><a href='data/{stem}.csv'>Numbers \
+         (CSV)</a> <a href='figures/{stem}.svg'>Figure (SVG)</a></p>\n</article>\n",
         id = escape(&panel.id),
         title = prose(&panel.title),
         code = code(&panel.id),
@@ -66,7 +66,7 @@ fn caption(panel: &Panel) -> String {
              step are set side by side. In grey: reference slope.{orders}"
         ),
         Kind::Cost => {
-            "Path-steps, pilots included, for an interval of the given half-width.".to_owned()
+            "Path-steps, pilots included, for an interval of the given half-width.".into()
         }
         Kind::Invariant => format!(
             "Above: {main} along the path and, thin and black, its conformal law. Below: relative \

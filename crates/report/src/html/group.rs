@@ -81,7 +81,7 @@ impl<'a> Group<'a> {
 
     /// Its identifier, linked to its address.
     pub fn link(&self) -> String {
-        format!("<a href=\"#{}\">{}</a>", self.anchor(), code(&self.first().id))
+        format!("<a href='#{}'>{}</a>", self.anchor(), code(&self.first().id))
     }
 
     /// What the claims measured, in a line.

@@ -33,7 +33,7 @@ pub fn table(heads: &[impl Display], rows: impl Iterator<Item = Vec<String>>) ->
         return rows;
     }
     format!(
-        "<div class=\"wide\"><table class=\"numbers\"><thead><tr>{heads}</tr></thead>\
+        "<div class='wide'><table class='numbers'><thead><tr>{heads}</tr></thead>\
          <tbody>{rows}</tbody></table></div>"
     )
 }
@@ -41,7 +41,7 @@ pub fn table(heads: &[impl Display], rows: impl Iterator<Item = Vec<String>>) ->
 /// A list; nothing without items.
 pub fn list(class: &str, items: impl Iterator<Item = String>) -> String {
     let items: String = items.map(|item| format!("<li>{item}</li>\n")).collect();
-    if items.is_empty() { items } else { format!("<ul class=\"{class}\">{items}</ul>") }
+    if items.is_empty() { items } else { format!("<ul class='{class}'>{items}</ul>") }
 }
 
 /// What opens on demand; nothing where there is nothing to see.
@@ -62,12 +62,12 @@ pub fn badge(outcome: Outcome, words: &str) -> String {
         Outcome::Undecided => '?',
         Outcome::Refuted => '✗',
     };
-    format!("<span class=\"badge {class}\"><span aria-hidden=\"true\">{sign}</span> {words}</span>")
+    format!("<span class='badge {class}'><span aria-hidden='true'>{sign}</span> {words}</span>")
 }
 
 /// Less important words.
 pub fn quiet(words: &str) -> String {
-    format!("<span class=\"quiet\">{words}</span>")
+    format!("<span class='quiet'>{words}</span>")
 }
 
 /// The scheme that a claim is about, behind a point.

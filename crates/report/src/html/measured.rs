@@ -22,7 +22,7 @@ pub fn measured(panel: &Panel) -> String {
         }
         Kind::Cost => numbers(series, &["half-width", "path-steps"], costs),
     };
-    if tables.is_empty() { "<p>Nothing.</p>".to_owned() } else { tables }
+    if tables.is_empty() { "<p>Nothing.</p>".into() } else { tables }
 }
 
 /// A table whose rows begin with scheme and quantity; a series has the rows that `rows` makes of it.
@@ -74,7 +74,7 @@ fn defect(series: &Series) -> [String; 2] {
 }
 
 fn or_dash(cell: Option<String>) -> String {
-    cell.unwrap_or_else(|| "—".to_owned())
+    cell.unwrap_or_else(|| "—".into())
 }
 
 /// The name of an interval by its confidence.
@@ -100,10 +100,10 @@ fn errors_of(series: &Series) -> impl Iterator<Item = (f64, String)> {
             None => format!("± {}", scientific(QUANTILE * se, 1)),
         };
         let warning = warning.as_ref().map_or(String::new(), |warning| {
-            format!(" <abbr title=\"{}\">(!)</abbr>", escape(warning))
+            format!(" <abbr title='{}'>(!)</abbr>", escape(warning))
         });
         let value = scientific(*value, 2);
-        Some((*tau, format!("{value} <span class=\"interval\">{interval}{warning}</span>")))
+        Some((*tau, format!("{value} <span class='interval'>{interval}{warning}</span>")))
     })
 }
 
@@ -113,7 +113,7 @@ fn errors(series: &[Series]) -> String {
     steps.sort_by(|a, b| b.total_cmp(a));
     steps.dedup();
     let names = series.iter().map(|s| format!("{}<br>{}", code(&s.scheme), prose(&s.quantity)));
-    let heads: Vec<String> = std::iter::once("τ".to_owned()).chain(names).collect();
+    let heads: Vec<String> = std::iter::once("τ".into()).chain(names).collect();
     let rows = steps.iter().map(|tau| {
         let cells = series.iter().map(|s| {
             let error = errors_of(s).find(|error| error.0 == *tau);

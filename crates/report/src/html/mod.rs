@@ -49,13 +49,13 @@ pub fn page(results: &Results, wording: &Wording, figures: &[String]) -> String 
             card::card(panel, figure, &results.claims, comment)
         };
         let cards: String = panels.map(card).collect();
-        if cards.is_empty() { cards } else { format!("<div class=\"grid\">{cards}</div>") }
+        if cards.is_empty() { cards } else { format!("<div class='grid'>{cards}</div>") }
     };
     let statements = statements::statements(&results.claims, &results.panels, wording);
     let panels = cards(&results.panels, of_panels, "What the paper says");
     let supplements = cards(&results.supplements, of_supplements, "What it adds to the paper");
     let provenance = provenance::provenance(&results.provenance);
-    let lead = "<p class=\"lead\">Figures on questions that the paper leaves open.</p>\n";
+    let lead = "<p class='lead'>Figures on questions that the paper leaves open.</p>\n";
     let (mut nav, mut main) = (String::new(), String::new());
     for (id, title, lead, content) in [
         ("statements", "Statements", "", statements),
@@ -64,18 +64,18 @@ pub fn page(results: &Results, wording: &Wording, figures: &[String]) -> String 
         ("provenance", "Provenance", "", provenance),
     ] {
         if !content.is_empty() {
-            nav += &format!("<a href=\"#{id}\">{title}</a> ");
-            main += &format!("<section id=\"{id}\"><h2>{title}</h2>\n{lead}{content}</section>\n");
+            nav += &format!("<a href='#{id}'>{title}</a> ");
+            main += &format!("<section id='{id}'><h2>{title}</h2>\n{lead}{content}</section>\n");
         }
     }
     let schemes = wording.schemes.iter().map(|(id, name)| markup::entry(&markup::code(id), name));
     format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{kicker}</title>\n\
+        "<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n\
+         <meta name='viewport' content='width=device-width, initial-scale=1'>\n\
+         <meta name='color-scheme' content='light dark'>\n<title>{kicker}</title>\n\
          <style>\n{STYLE}</style>\n</head>\n<body>\n\
-         <header class=\"top\"><p class=\"kicker\">{kicker}</p>\n<h1>{title}</h1>\n{summary}\
-         <dl class=\"schemes\">{schemes}</dl>\n<nav>{nav}</nav></header>\n\
+         <header class='top'><p class='kicker'>{kicker}</p>\n<h1>{title}</h1>\n{summary}\
+         <dl class='schemes'>{schemes}</dl>\n<nav>{nav}</nav></header>\n\
          <main>\n{main}</main>\n</body>\n</html>\n",
         kicker = escape(wording.kicker),
         title = escape(wording.title),

@@ -18,17 +18,17 @@ pub fn statements(claims: &[Claim], panels: &[Panel], wording: &Wording) -> Stri
             return bodies;
         }
         format!(
-            "{lead}<table class=\"statements\"><thead><tr><th>Verdict</th><th>{title}</th>\
+            "{lead}<table class='statements'><thead><tr><th>Verdict</th><th>{title}</th>\
              <th>What was measured</th></tr></thead>\n{bodies}</table>\n"
         )
     };
-    const OBSERVED: &str = "<h3 class=\"part\">Statements without a proof</h3>\n\
-        <p class=\"lead\">What the figures of the paper report about the other schemes and where \
+    const OBSERVED: &str = "<h3 class='part'>Statements without a proof</h3>\n\
+        <p class='lead'>What the figures of the paper report about the other schemes and where \
         its theorems do not apply, and comparisons with exact solutions, which the paper does not \
         make.</p>\n";
     let section = table("", "What the paper proves", &proven)
         + &table(OBSERVED, "What is observed", &reported);
-    if section.is_empty() { "<p>None was checked.</p>".to_owned() } else { section }
+    if section.is_empty() { "<p>None was checked.</p>".into() } else { section }
 }
 
 fn body(group: &Group, panels: &[Panel], wording: &Wording) -> String {
@@ -40,10 +40,10 @@ fn body(group: &Group, panels: &[Panel], wording: &Wording) -> String {
     let checks = list("", group.claims.iter().map(|claim| check(claim, panels)));
     let clear = group.tally(Outcome::Holds) == group.claims.len();
     format!(
-        "<tbody id=\"{anchor}\"><tr class=\"statement\"><td>{badge} {misprint}<p class=\"quiet\">\
-         {counts}</p></td><td><p>{words}</p><p class=\"quiet\">{id}{scheme}</p></td>\
+        "<tbody id='{anchor}'><tr class='statement'><td>{badge} {misprint}<p class='quiet'>\
+         {counts}</p></td><td><p>{words}</p><p class='quiet'>{id}{scheme}</p></td>\
          <td>{digest}</td></tr>\n\
-         <tr class=\"checks\"><td></td><td colspan=\"2\">{details}</td></tr></tbody>\n",
+         <tr class='checks'><td></td><td colspan='2'>{details}</td></tr></tbody>\n",
         anchor = group.anchor(),
         badge = badge(verdict, verdict.words()),
         counts = group.counts(),
@@ -60,17 +60,17 @@ fn check(claim: &Claim, panels: &[Panel]) -> String {
     let place = match claim.panel.as_str() {
         "" => quiet("measured on its own"),
         id if panels.iter().any(|panel| panel.id == id) => {
-            format!("<a href=\"#panel-{}\">{}</a>", escape(id), code(id))
+            format!("<a href='#panel-{}'>{}</a>", escape(id), code(id))
         }
         id => code(id),
     };
     let erratum = match claim.erratum.as_str() {
         "" => String::new(),
-        text => format!("<p class=\"erratum\">{}</p>", prose(text)),
+        text => format!("<p class='erratum'>{}</p>", prose(text)),
     };
     let outcome = Outcome::of(claim);
     format!(
-        "<p class=\"where\">{} {place}{}</p><p>{}</p>{erratum}<p class=\"evidence\">{}</p>",
+        "<p class='where'>{} {place}{}</p><p>{}</p>{erratum}<p class='evidence'>{}</p>",
         badge(outcome, outcome.words()),
         scheme(claim),
         prose(&claim.statement),

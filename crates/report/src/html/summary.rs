@@ -13,7 +13,7 @@ pub fn summary(results: &Results) -> String {
     let (proven, reported) = Group::proven_and_reported(&results.claims);
     let provenance = &results.provenance;
     format!(
-        "<p class=\"summary\">{}{}A statement is undecided, never passed, where an interval is too \
+        "<p class='summary'>{}{}A statement is undecided, never passed, where an interval is too \
          wide. The run covers {} panels in <em>{}</em> mode with seed {} and took {}.</p>\n{}",
         verdicts("proven statements", &proven),
         verdicts("statements without a proof", &reported),
@@ -39,7 +39,7 @@ fn verdicts(what: &str, groups: &[Group]) -> String {
         let names: Vec<String> = of(outcome).map(|group| group.link() + &group.scheme()).collect();
         if !names.is_empty() {
             let word = outcome.word();
-            text += &format!("; <span class=\"{word}\">{word}: {}</span>", names.join(", "));
+            text += &format!("; <span class='{word}'>{word}: {}</span>", names.join(", "));
         }
     }
     text + ". "
@@ -51,7 +51,7 @@ fn misprints<'a>(groups: impl Iterator<Item = &'a Group<'a>>) -> String {
         let claims = group.claims.iter().filter(|c| Outcome::of(c) == Outcome::Misprint);
         claims.map(move |claim| {
             format!(
-                "<p class=\"summary erratum\"><b>Misprint in the paper</b> ({}{}): {} The \
+                "<p class='summary erratum'><b>Misprint in the paper</b> ({}{}): {} The \
                  statement as printed is refuted: {}.</p>\n",
                 group.link(),
                 group.scheme(),
@@ -91,9 +91,9 @@ mod tests {
         ]);
         for words in [
             "<strong>2 of 4</strong> proven statements hold, in 5 checks;",
-            "; <span class=\"refuted\">refuted: <a href=\"#statement-c\">",
-            "<span class=\"undecided\">undecided: <a href=\"#statement-b\">",
-            "(<a href=\"#statement-d\"><code>d</code></a>): p\u{a0}≤\u{a0}2",
+            "; <span class='refuted'>refuted: <a href='#statement-c'>",
+            "<span class='undecided'>undecided: <a href='#statement-b'>",
+            "(<a href='#statement-d'><code>d</code></a>): p\u{a0}≤\u{a0}2",
         ] {
             assert!(text.contains(words), "{words} is not in {text}");
         }

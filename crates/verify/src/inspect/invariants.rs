@@ -101,7 +101,7 @@ impl ClaimedInvariant {
             Form::Homogeneous => Kind::Homogeneous,
         };
         match shape.degree {
-            None => mistakes.push("is not homogeneous and hence has no conformal law".to_owned()),
+            None => mistakes.push("is not homogeneous and hence has no conformal law".into()),
             Some(degree) if (degree - claimed_degree).abs() > 1e-9 * degree.abs() => mistakes.push(
                 format!("is claimed to have degree {claimed_degree} and has degree {degree}"),
             ),

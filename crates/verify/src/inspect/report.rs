@@ -73,7 +73,7 @@ impl Inspection {
         let casimirs = Casimirs::of(system, points);
         let bound = Bound::of(&hamiltonians, &casimirs);
         Self {
-            system: system.name().to_owned(),
+            system: system.name().into(),
             dimension: system.dimension(),
             noises: system.noises(),
             region: points.region.clone(),
