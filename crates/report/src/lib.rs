@@ -17,7 +17,6 @@
 //! let figure = Figure {
 //!     title: "Error against cost".into(),
 //!     y_title: "error".into(),
-//!     size: (268.0, 214.0),
 //!     style: Style::Schemes,
 //!     plots: vec![Plot {
 //!         x_title: "processor time, s".into(),

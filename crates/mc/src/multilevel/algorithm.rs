@@ -6,7 +6,7 @@ use super::diagnosis::{better_coarsest_steps, level_values, warnings};
 use super::error::MultilevelError;
 use super::level::{Round, Samples, Values};
 use super::plan::{self, BIAS_SHARE, Bias};
-use super::report::{Expectation, Level, QUANTILE, Warning};
+use super::report::{Estimate, Expectation, Level, QUANTILE, Warning};
 use super::settings::{Coupling, Estimator, ExpectationSettings, MAX_ROUNDS};
 use crate::LadderError;
 
@@ -23,34 +23,24 @@ type Draw<'a> = dyn Fn(&Samples, u64) -> Result<Round, LadderError> + 'a;
 
 /// Draws samples, and counts their cost.
 pub struct Sampler<'a> {
-    draw: &'a Draw<'a>,
-    t_end: f64,
+    pub draw: &'a Draw<'a>,
+    pub t_end: f64,
     /// Names of the test functions.
-    names: Vec<&'static str>,
-    accuracy: f64,
-    settings: &'a ExpectationSettings,
+    pub names: Vec<&'static str>,
+    pub accuracy: f64,
+    pub settings: &'a ExpectationSettings,
     /// Path-steps so far.
-    cost: u64,
+    pub cost: u64,
     /// Path-steps that are kept for single paths.
-    reserve: u64,
+    pub reserve: u64,
 }
 
-impl<'a> Sampler<'a> {
-    pub fn new(
-        draw: &'a Draw<'a>,
-        t_end: f64,
-        names: Vec<&'static str>,
-        accuracy: f64,
-        settings: &'a ExpectationSettings,
-    ) -> Result<Self, MultilevelError> {
-        settings.check(accuracy)?;
-        if names.is_empty() {
+impl Sampler<'_> {
+    pub fn expectation(self) -> Result<Expectation, MultilevelError> {
+        self.settings.check(self.accuracy)?;
+        if self.names.is_empty() {
             return Err(MultilevelError::NoObservable);
         }
-        Ok(Self { draw, t_end, names, accuracy, settings, cost: 0, reserve: 0 })
-    }
-
-    pub fn expectation(self) -> Result<Expectation, MultilevelError> {
         match self.settings.estimator {
             Estimator::Multilevel => self.multilevel(),
             Estimator::SinglePaths => self.single_paths(),
@@ -197,11 +187,11 @@ impl<'a> Sampler<'a> {
     /// Samples of each difference with which the statistical margin of every bias is at most
     /// `margin`.
     fn bias_samples(&self, differences: &[Samples], margin: f64) -> Vec<u64> {
-        let order = self.settings.weak_order;
-        let of = |k| plan::samples_for_bias(differences, k, order, margin);
-        let largest =
-            |a: Vec<u64>, b: Vec<u64>| a.into_iter().zip(b).map(|(a, b)| a.max(b)).collect();
-        (0..self.names.len()).map(of).fold(vec![0; differences.len()], largest)
+        let mut wanted = vec![0; differences.len()];
+        for k in 0..self.names.len() {
+            plan::raise_for_bias(&mut wanted, differences, k, self.settings.weak_order, margin);
+        }
+        wanted
     }
 
     /// Adds a level with `paths` samples, or as many as the cost limit allows; whether all were
@@ -239,7 +229,7 @@ impl<'a> Sampler<'a> {
         let cost: u128 =
             costs.map(|(level, &n)| u128::from(level.cost_per_path) * u128::from(n)).sum();
         let budget = u128::from(self.budget());
-        if !levels.iter().all(|level| level.rounds < MAX_ROUNDS) {
+        if levels.iter().any(|level| level.rounds >= MAX_ROUNDS) {
             return Ok(false);
         }
         for (level, mut paths) in levels.iter_mut().zip(more) {
@@ -277,10 +267,20 @@ impl<'a> Sampler<'a> {
     /// levels but the first are differences.
     fn report(&self, levels: &[Samples], terms: usize) -> Expectation {
         let order = self.settings.weak_order;
-        let names = self.names.iter().enumerate();
-        let estimates: Vec<_> = names
-            .map(|(k, name)| plan::estimate(name, &levels[..terms], &levels[1..], k, order))
-            .collect();
+        let (terms, differences) = (&levels[..terms], &levels[1..]);
+        let estimate = |(k, &name): (usize, &&'static str)| {
+            let bias = plan::bias(differences, k, order);
+            Estimate {
+                name,
+                value: terms.iter().map(|samples| samples.values[k].sample.mean()).sum(),
+                standard_error: plan::variance_of_sum(terms, k).sqrt(),
+                bias: bias.value,
+                bias_bound: bias.bound,
+                alpha: plan::alpha(differences, k),
+                beta: plan::beta(differences, k),
+            }
+        };
+        let estimates: Vec<_> = self.names.iter().enumerate().map(estimate).collect();
         let level = |samples: &Samples| Level {
             level: samples.level,
             tau: self.t_end / self.settings.steps(samples.level) as f64,

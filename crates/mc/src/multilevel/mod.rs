@@ -98,5 +98,6 @@ pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
         draw(scheme, problem, observables, settings, level, paths, progress)
     };
     let names = observables.iter().map(|observable| observable.name).collect();
-    Sampler::new(&draw, problem.t_end(), names, accuracy, settings)?.expectation()
+    let t_end = problem.t_end();
+    Sampler { draw: &draw, t_end, names, accuracy, settings, cost: 0, reserve: 0 }.expectation()
 }

@@ -83,16 +83,15 @@ pub struct Figure {
     pub title: String,
     /// Title of the vertical axis.
     pub y_title: String,
-    /// Width and height of a plot in CSS pixels.
-    pub size: (f64, f64),
     /// How curves are named and coloured.
     pub style: Style,
     /// The plots from left to right.
     pub plots: Vec<Plot>,
 }
 
-/// Width and height of a plot that fills a journal column, in CSS pixels.
-pub const COLUMN: (f64, f64) = (284.0, 214.0);
+/// Width and height of a plot in CSS pixels: two fill a page, one a journal column.
+const WIDTH: f64 = 284.0;
+const HEIGHT: f64 = 214.0;
 /// Room for the labels on the left.
 const LEFT: f64 = 46.0;
 const BETWEEN: f64 = 44.0;
@@ -181,18 +180,18 @@ impl Figure {
             .into_iter()
             .map(|(n, name)| (Sample::Line(Line::stroke(n)), Label::words(name)));
         let entries = names.iter().map(entry).chain(signs).chain(lines);
-        let width = self.plots.len().max(1) as f64 * (self.size.0 + BETWEEN) - BETWEEN;
+        let width = self.plots.len().max(1) as f64 * (WIDTH + BETWEEN) - BETWEEN;
         let legend = Legend::new(entries, width);
         let top = legend.height + 7.0;
-        let bottom = top + self.size.1;
+        let bottom = top + HEIGHT;
         let y = self.y_range();
         canvas::page((LEFT + width + RIGHT, bottom + BELOW), &self.title, |canvas| {
             legend.draw(canvas, LEFT, 2.0);
             for (n, plot) in self.plots.iter().enumerate() {
-                let start = LEFT + n as f64 * (self.size.0 + BETWEEN);
+                let start = LEFT + n as f64 * (WIDTH + BETWEEN);
                 let (scale, x) = (Scale::Logarithmic, plot.x_range());
                 let frame = Frame {
-                    x: Axis { scale, range: x, start, end: start + self.size.0 },
+                    x: Axis { scale, range: x, start, end: start + WIDTH },
                     y: Axis { scale, range: y, start: bottom, end: top },
                 };
                 let ticks = match plot.spacing {
@@ -327,7 +326,6 @@ mod tests {
             let figure = Figure {
                 title: "A & B".into(),
                 y_title: "error".into(),
-                size: COLUMN,
                 style,
                 plots: vec![plot, steps],
             };

@@ -2,7 +2,7 @@
 
 use verify::results::{Kind, Point, Rate, Series};
 
-use super::chart::{COLUMN, Curve, Figure, Line, Measured, Plot, Style};
+use super::chart::{Curve, Figure, Line, Measured, Plot, Style};
 use super::ticks::Spacing;
 use crate::panel::{QUANTILE, main_quantity};
 
@@ -60,7 +60,6 @@ pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> Figure {
     Figure {
         title: title.into(),
         y_title,
-        size: COLUMN,
         style: if weak { Style::Signed } else { Style::Schemes },
         plots: vec![Plot {
             x_title: x_title.into(),

@@ -5,6 +5,8 @@
 //! through the other.
 
 use super::stroke::{Color, Stroke};
+use Layer::{Over, Plain, Under};
+use Marker::{Circle, Diamond, Square, Star, Triangle, Wedge};
 
 /// Shape of a marker.
 #[derive(Clone, Copy, PartialEq)]
@@ -45,42 +47,34 @@ pub struct Look {
     pub layer: Layer,
 }
 
-const fn look(color: Color, marker: Marker) -> Look {
-    Look { color, marker, layer: Layer::Plain }
+const fn look(color: Color, marker: Marker, layer: Layer) -> Look {
+    Look { color, marker, layer }
 }
 
 impl Look {
-    const fn under(self) -> Self {
-        Self { layer: Layer::Under, ..self }
-    }
-
-    const fn over(self) -> Self {
-        Self { layer: Layer::Over, ..self }
-    }
-
     /// The line of the curve, where that of a plain curve has the width `width`.
     pub fn line(self, width: f64) -> Stroke {
         let plain = Stroke::new(self.color, width);
         match self.layer {
             // Pale, so that dashes of a colour as dark as its own stand out on it.
-            Layer::Under => Stroke { width: 2.3 * width, ..plain.faded(0.5) },
-            Layer::Plain => plain,
-            Layer::Over => plain.dashed(),
+            Under => Stroke { width: 2.3 * width, ..plain.faded(0.5) },
+            Plain => plain,
+            Over => plain.dashed(),
         }
     }
 
     /// The radius of its markers, where that of a plain curve is `radius`.
     pub fn radius(self, radius: f64) -> f64 {
         match self.layer {
-            Layer::Under => 1.35 * radius,
-            Layer::Plain => radius,
-            Layer::Over => 0.8 * radius,
+            Under => 1.35 * radius,
+            Plain => radius,
+            Over => 0.8 * radius,
         }
     }
 
     /// Whether the paper shows inside of its markers.
     pub fn hollow(self) -> bool {
-        self.layer == Layer::Under
+        self.layer == Under
     }
 }
 
@@ -95,28 +89,28 @@ const BLACK: Color = "#000000";
 
 /// Schemes that look the same on every figure.
 const SCHEMES: [(&str, Look); 5] = [
-    ("sexp", look(BLUE, Marker::Circle).under()),
-    ("em", look(VERMILLION, Marker::Square)),
-    ("midpoint", look(GREEN, Marker::Diamond).over()),
+    ("sexp", look(BLUE, Circle, Under)),
+    ("em", look(VERMILLION, Square, Plain)),
+    ("midpoint", look(GREEN, Diamond, Over)),
     ("sexp-levy", SPARE[0]),
     ("heun", SPARE[1]),
 ];
 
 /// Looks of all other schemes, in the order of their appearance.
 const SPARE: [Look; 4] = [
-    look(PURPLE, Marker::Triangle),
-    look(ORANGE, Marker::Wedge),
-    look(SKY, Marker::Circle).under(),
-    look(BLACK, Marker::Star).over(),
+    look(PURPLE, Triangle, Plain),
+    look(ORANGE, Wedge, Plain),
+    look(SKY, Circle, Under),
+    look(BLACK, Star, Over),
 ];
 
 /// Looks of quantities.
 const QUANTITIES: [Look; 5] = [
-    look(BLACK, Marker::Circle),
-    look(ORANGE, Marker::Square),
-    look(PURPLE, Marker::Triangle),
-    look(SKY, Marker::Diamond),
-    look(GREEN, Marker::Wedge),
+    look(BLACK, Circle, Plain),
+    look(ORANGE, Square, Plain),
+    look(PURPLE, Triangle, Plain),
+    look(SKY, Diamond, Plain),
+    look(GREEN, Wedge, Plain),
 ];
 
 /// One look for each of the different schemes in `names`: an unknown one takes the first look that

@@ -20,8 +20,7 @@ pub fn markup(label: &Label) -> String {
     ] {
         if !text.is_empty() {
             let (shift, percent, text) = ((height - level) / size, 100.0 * size, escape(text));
-            markup +=
-                &format!("<tspan dy='{shift:.2}em' font-size='{percent}%'>{text}</tspan>");
+            markup += &format!("<tspan dy='{shift:.2}em' font-size='{percent}%'>{text}</tspan>");
             height = level;
         }
     }

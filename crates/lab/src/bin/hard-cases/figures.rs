@@ -9,7 +9,6 @@ pub fn cases(cases: &[&CaseResult]) -> String {
     Figure {
         title: "What every scheme does under stiff damping and with a stiff Hamiltonian".into(),
         y_title: "factor of a step; distance from the law".into(),
-        size: (268.0, 214.0),
         style: Style::Schemes,
         plots: cases.iter().filter_map(|case| plot(case)).collect(),
     }
@@ -47,7 +46,6 @@ pub fn growth(growth: &[Growth]) -> String {
     Figure {
         title: "Distance from the conformal law over ten million steps".into(),
         y_title: "root mean square distance from the law".into(),
-        size: (430.0, 260.0),
         style: Style::Quantities,
         plots: vec![plot],
     }
