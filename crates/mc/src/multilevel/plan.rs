@@ -72,8 +72,8 @@ pub fn bias(differences: &[Samples], k: usize, weak_order: f64) -> Bias {
     Bias { value: last.unwrap_or(0.0), size, bound }
 }
 
-/// Samples of each of the last differences whose margin in the bias is at most `margin`, zero for
-/// the others.
+/// Raises the samples of the last differences until their margin in the bias of test function
+/// number k is at most `margin`.
 pub fn raise_for_bias(
     wanted: &mut [u64],
     differences: &[Samples],
