@@ -8,7 +8,6 @@ use super::level::{Round, Samples, Values};
 use super::plan::{self, BIAS_SHARE, Bias};
 use super::report::{Estimate, Expectation, Level, QUANTILE, Warning};
 use super::settings::{Coupling, Estimator, ExpectationSettings, MAX_ROUNDS};
-use crate::LadderError;
 
 /// The highest level of the pilot: two differences show how they decay.
 const PILOT_LEVEL: usize = 2;
@@ -19,7 +18,9 @@ const LATER_PILOT: u64 = 4;
 const BLOCK: u64 = WIDTH as u64;
 
 /// Draws samples of a level.
-type Draw<'a> = dyn Fn(&Samples, u64) -> Result<Round, LadderError> + 'a;
+type Draw<'a> = dyn Fn(&Samples, u64) -> Result<Round> + 'a;
+
+type Result<T> = std::result::Result<T, MultilevelError>;
 
 /// Draws samples, and counts their cost.
 pub struct Sampler<'a> {
@@ -36,7 +37,7 @@ pub struct Sampler<'a> {
 }
 
 impl Sampler<'_> {
-    pub fn expectation(self) -> Result<Expectation, MultilevelError> {
+    pub fn expectation(self) -> Result<Expectation> {
         self.settings.check(self.accuracy)?;
         if self.names.is_empty() {
             return Err(MultilevelError::NoObservable);
@@ -47,7 +48,7 @@ impl Sampler<'_> {
         }
     }
 
-    fn multilevel(mut self) -> Result<Expectation, MultilevelError> {
+    fn multilevel(mut self) -> Result<Expectation> {
         let mut levels = vec![self.level(0, None)];
         levels.extend((1..=PILOT_LEVEL).map(|level| self.difference(level)));
         self.pilot(&mut levels)?;
@@ -87,7 +88,7 @@ impl Sampler<'_> {
         Ok(expectation)
     }
 
-    fn single_paths(mut self) -> Result<Expectation, MultilevelError> {
+    fn single_paths(mut self) -> Result<Expectation> {
         // Without a reserve for the first single paths there would be no estimate at the limit.
         self.reserve = self.settings.pilot.saturating_mul(self.settings.steps(PILOT_LEVEL));
         let mut differences: Vec<_> =
@@ -143,7 +144,7 @@ impl Sampler<'_> {
         biases.iter().map(|bias| self.accuracy - bias.bound.min(budget)).collect()
     }
 
-    fn pilot(&mut self, levels: &mut [Samples]) -> Result<(), MultilevelError> {
+    fn pilot(&mut self, levels: &mut [Samples]) -> Result<()> {
         let ExpectationSettings { pilot, max_cost, .. } = *self.settings;
         let cost = levels.iter().map(|level| level.cost_per_path).sum::<u64>();
         let pilot_cost = cost.saturating_mul(pilot).saturating_add(self.reserve);
@@ -155,10 +156,7 @@ impl Sampler<'_> {
 
     /// Samples differences, and adds levels, until the bias on the last is bounded by its share of
     /// the accuracy. Returns the limit that was reached, if any.
-    fn resolve_bias(
-        &mut self,
-        differences: &mut Vec<Samples>,
-    ) -> Result<Option<Warning>, MultilevelError> {
+    fn resolve_bias(&mut self, differences: &mut Vec<Samples>) -> Result<Option<Warning>> {
         let budget = BIAS_SHARE * self.accuracy;
         loop {
             let biases = self.biases(differences);
@@ -196,11 +194,7 @@ impl Sampler<'_> {
 
     /// Adds a level with `paths` samples, or as many as the cost limit allows; whether all were
     /// drawn. Adds none if not even the least pilot is allowed.
-    fn add_level(
-        &mut self,
-        levels: &mut Vec<Samples>,
-        paths: u64,
-    ) -> Result<bool, MultilevelError> {
+    fn add_level(&mut self, levels: &mut Vec<Samples>, paths: u64) -> Result<bool> {
         let level = self.difference(levels.last().map_or(0, |last| last.level) + 1);
         let least_pilot = self.settings.pilot / LATER_PILOT;
         if least_pilot.saturating_mul(level.cost_per_path) > self.budget() {
@@ -218,11 +212,7 @@ impl Sampler<'_> {
 
     /// Draws the samples wanted of each level, or in proportion as many as the cost limit allows;
     /// whether all were drawn.
-    fn sample_up_to(
-        &mut self,
-        levels: &mut [Samples],
-        wanted: &[u64],
-    ) -> Result<bool, MultilevelError> {
+    fn sample_up_to(&mut self, levels: &mut [Samples], wanted: &[u64]) -> Result<bool> {
         let more: Vec<u64> =
             levels.iter().zip(wanted).map(|(level, &wanted)| additional(level, wanted)).collect();
         let costs = levels.iter().zip(&more);
@@ -244,7 +234,7 @@ impl Sampler<'_> {
         Ok(cost <= budget)
     }
 
-    fn sample(&mut self, level: &mut Samples, paths: u64) -> Result<(), MultilevelError> {
+    fn sample(&mut self, level: &mut Samples, paths: u64) -> Result<()> {
         let round = (self.draw)(level, paths)?;
         level.values.iter_mut().zip(&round.values).for_each(|(values, more)| values.merge(more));
         level.paths += paths;
