@@ -34,7 +34,7 @@ const LEAST_BATCHES: usize = 32;
 /// 32 paths.
 ///
 /// `levels` are the components that the weights `gain` belong to.
-pub(crate) fn reach(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> Option<(f64, f64)> {
+pub fn reach(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> Option<(f64, f64)> {
     let counts: Vec<f64> = squares.batches().map(|(count, _)| count as f64).collect();
     let batches = counts.len();
     if batches < LEAST_BATCHES {
@@ -154,7 +154,7 @@ fn draws(batches: usize) -> Vec<u16> {
 /// Degrees of freedom of the estimated variance of θ by Satterthwaite's rule (*Biometrics* 2,
 /// 1946), 2B/(κ − 1) with κ the kurtosis of the influences u_b of the B batches: B for normal
 /// influences, 2 when a single batch dominates.
-pub(crate) fn degrees_of_freedom(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> f64 {
+pub fn degrees_of_freedom(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> f64 {
     let (mut batches, mut second, mut fourth) = (0.0, 0.0, 0.0);
     for (count, sums) in squares.batches() {
         let influence: f64 = levels

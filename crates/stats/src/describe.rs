@@ -5,7 +5,7 @@ use crate::quantile::two_sided;
 use crate::rate::{Against, Model, Rate, STRAIGHT_CONFIDENCE, StraightLine};
 
 /// The rate with [`Rate::method`] and [`Rate::warning`] made from its other fields.
-pub(crate) fn describe(mut rate: Rate) -> Rate {
+pub fn describe(mut rate: Rate) -> Rate {
     rate.method = method(&rate);
     rate.warning = warning(&rate);
     rate
@@ -22,7 +22,7 @@ fn method(rate: &Rate) -> String {
             };
             format!("least squares, ln mean square = a + 2p ln τ{corrections}")
         }
-        Model::Logarithms => "weighted least squares, ln error = a + p ln τ + bτ + cτ²".to_owned(),
+        Model::Logarithms => "weighted least squares, ln error = a + p ln τ + bτ + cτ²".into(),
         Model::Powers { against, terms } => {
             let errors = match against {
                 Against::Exact => "error",
@@ -98,7 +98,7 @@ fn wider_interval() -> String {
 }
 
 /// The warning at a point that few paths carry.
-pub(crate) fn few_paths(effective: f64) -> Option<String> {
+pub fn few_paths(effective: f64) -> Option<String> {
     (effective < FEW_SAMPLES).then(|| {
         format!(
             "only {effective:.0} effective paths carry the error; the interval may be too narrow"

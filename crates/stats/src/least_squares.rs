@@ -6,14 +6,12 @@
 //! not.
 
 /// The Cholesky factor L of a covariance V, for several fits with the same one.
-#[derive(Clone, Debug)]
-pub(crate) struct Weighting {
+pub struct Weighting {
     factor: Vec<Vec<f64>>,
 }
 
 /// The fit of a linear model.
-#[derive(Clone, Debug)]
-pub(crate) struct Fit<'a> {
+pub struct Fit<'a> {
     weighting: &'a Weighting,
     /// L⁻¹X, column by column.
     columns: Vec<Vec<f64>>,
@@ -27,12 +25,12 @@ pub(crate) struct Fit<'a> {
 
 impl Weighting {
     /// `None` if V is not positive definite.
-    pub(crate) fn new(covariance: &[Vec<f64>]) -> Option<Self> {
+    pub fn new(covariance: &[Vec<f64>]) -> Option<Self> {
         Some(Self { factor: cholesky(covariance)? })
     }
 
     /// Fits y ≈ Xβ, with X given column by column; `None` if XᵀV⁻¹X is not positive definite.
-    pub(crate) fn fit(&self, design: &[Vec<f64>], y: &[f64]) -> Option<Fit<'_>> {
+    pub fn fit(&self, design: &[Vec<f64>], y: &[f64]) -> Option<Fit<'_>> {
         let columns: Vec<_> = design.iter().map(|column| forward(&self.factor, column)).collect();
         let y = forward(&self.factor, y);
         let normal = cholesky(&matrix(columns.len(), |i, j| dot(&columns[i], &columns[j])))?;
@@ -46,14 +44,14 @@ impl Weighting {
 
 impl Fit<'_> {
     /// Covariances of parameter c with all of them: row c of (XᵀV⁻¹X)⁻¹.
-    pub(crate) fn covariance(&self, c: usize) -> Vec<f64> {
+    pub fn covariance(&self, c: usize) -> Vec<f64> {
         let mut unit = vec![0.0; self.parameters.len()];
         unit[c] = 1.0;
         backward(&self.normal, &forward(&self.normal, &unit))
     }
 
     /// The weights w with β_c = w·y: row c of (XᵀV⁻¹X)⁻¹XᵀV⁻¹.
-    pub(crate) fn gain(&self, c: usize) -> Vec<f64> {
+    pub fn gain(&self, c: usize) -> Vec<f64> {
         backward(&self.weighting.factor, &product(&self.columns, &self.covariance(c)))
     }
 }
@@ -109,17 +107,17 @@ fn product(columns: &[Vec<f64>], parameters: &[f64]) -> Vec<f64> {
 }
 
 /// a·b.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 /// The n × n matrix with the given entries, row by row.
-pub(crate) fn matrix(n: usize, entry: impl Fn(usize, usize) -> f64) -> Vec<Vec<f64>> {
+pub fn matrix(n: usize, entry: impl Fn(usize, usize) -> f64) -> Vec<Vec<f64>> {
     (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect()
 }
 
 /// The diagonal matrix of these variances.
-pub(crate) fn diagonal(variances: &[f64]) -> Vec<Vec<f64>> {
+pub fn diagonal(variances: &[f64]) -> Vec<Vec<f64>> {
     matrix(variances.len(), |i, j| if i == j { variances[i] } else { 0.0 })
 }
 

@@ -3,6 +3,8 @@
 //! Sums of squares lose digits only where the mean is many times the standard deviation; what is
 //! folded here are errors and differences, whose mean is of the size of their spread or below.
 
+use crate::least_squares::matrix;
+
 /// Mean and variance of one quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
@@ -50,7 +52,7 @@ impl Moments {
 pub const BATCHES: usize = 256;
 
 /// A mean that fewer effective samples carry, (Σx)²/Σx², has no normal law.
-pub(crate) const FEW_SAMPLES: f64 = 30.0;
+pub const FEW_SAMPLES: f64 = 30.0;
 
 /// Means and covariances of a vector, and its sums over [`BATCHES`] batches for the bootstrap.
 ///
@@ -97,9 +99,7 @@ impl CrossMoments {
         if self.batches.len() < start + x.len() {
             self.batches.resize(start + x.len(), 0.0);
         }
-        for (sum, &addend) in self.batches[start..].iter_mut().zip(x) {
-            *sum += addend;
-        }
+        add(&mut self.batches[start..], x);
     }
 
     /// Adds all samples of `other`, which has the same length.
@@ -108,12 +108,8 @@ impl CrossMoments {
             self.add_to_batch(n, sums);
         }
         self.count += other.count;
-        for (sum, &addend) in self.sum.iter_mut().zip(&other.sum) {
-            *sum += addend;
-        }
-        for (product, &addend) in self.products.iter_mut().zip(&other.products) {
-            *product += addend;
-        }
+        add(&mut self.sum, &other.sum);
+        add(&mut self.products, &other.products);
     }
 
     /// Number of samples.
@@ -151,9 +147,7 @@ impl CrossMoments {
 
     /// The covariance matrix of the sample means.
     pub fn covariances_of_means(&self) -> Vec<Vec<f64>> {
-        let all = 0..self.length();
-        let row = |i| all.clone().map(|j| self.covariance_of_means(i, j)).collect();
-        all.clone().map(row).collect()
+        matrix(self.length(), |i, j| self.covariance_of_means(i, j))
     }
 
     /// Effective number of samples of component i, (Σx)²/Σx² (Kish, *Survey Sampling*, 1965): how
@@ -172,6 +166,11 @@ impl CrossMoments {
             .map(move |b| each + u64::from(b < one_more))
             .zip(self.batches.chunks_exact(self.sum.len().max(1)))
     }
+}
+
+/// Adds to each sum its addend.
+fn add(sums: &mut [f64], addends: &[f64]) {
+    sums.iter_mut().zip(addends).for_each(|(sum, addend)| *sum += addend);
 }
 
 #[cfg(test)]

@@ -3,11 +3,11 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 /// Confidence of the reported intervals.
-pub(crate) const CONFIDENCE: f64 = 0.95;
+pub const CONFIDENCE: f64 = 0.95;
 
 /// The two-sided quantile: with probability `confidence` a standard variable is at most this far
 /// from zero. The variable is Student's with so many degrees of freedom, or normal without any.
-pub(crate) fn two_sided(confidence: f64, student_degrees: Option<f64>) -> f64 {
+pub fn two_sided(confidence: f64, student_degrees: Option<f64>) -> f64 {
     let p = 0.5 + 0.5 * confidence;
     match student_degrees {
         None => Normal::standard().inverse_cdf(p),
@@ -18,7 +18,7 @@ pub(crate) fn two_sided(confidence: f64, student_degrees: Option<f64>) -> f64 {
 
 /// The probability of so large a χ² with a known covariance; `None` without degrees of freedom. A
 /// χ² that is not a number has probability zero.
-pub(crate) fn chi_square_p_value(chi_square: f64, degrees: usize) -> Option<f64> {
+pub fn chi_square_p_value(chi_square: f64, degrees: usize) -> Option<f64> {
     let chi_square = if chi_square.is_nan() { f64::INFINITY } else { chi_square };
     Some(ChiSquared::new(degrees as f64).ok()?.sf(chi_square))
 }
@@ -28,7 +28,7 @@ pub(crate) fn chi_square_p_value(chi_square: f64, degrees: usize) -> Option<f64>
 ///
 /// χ² is then Hotelling's T² (*Ann. Math. Statist.* 2, 1931): T²(n − d)/(d(n − 1)) has the F
 /// distribution with d and n − d degrees of freedom.
-pub(crate) fn hotelling_p_value(t_square: f64, degrees: usize, samples: u64) -> Option<f64> {
+pub fn hotelling_p_value(t_square: f64, degrees: usize, samples: u64) -> Option<f64> {
     let (n, d) = (samples as f64, degrees as f64);
     let f = t_square * (n - d) / (d * (n - 1.0));
     Some(FisherSnedecor::new(d, n - d).ok()?.sf(f))

@@ -115,7 +115,7 @@ pub struct StraightLine {
 }
 
 /// Confidence at which a straight line is refuted.
-pub(crate) const STRAIGHT_CONFIDENCE: f64 = 0.99;
+pub const STRAIGHT_CONFIDENCE: f64 = 0.99;
 
 /// Below this probability of its residuals a model is rejected.
 ///

@@ -9,18 +9,16 @@ use crate::point::Point;
 /// delta method, se(√m) = se(m)/(2√m), a bootstrap-t interval, and a warning where a few paths carry
 /// the mean. A step size without samples has no point.
 pub fn root_mean_squares(taus: &[f64], squares: &CrossMoments) -> Vec<Point> {
-    taus.iter().enumerate().filter_map(|(l, &tau)| root_mean_square(tau, l, squares)).collect()
-}
-
-fn root_mean_square(tau: f64, l: usize, squares: &CrossMoments) -> Option<Point> {
-    let value = squares.mean(l).sqrt();
-    let se_of_square = squares.covariance_of_means(l, l).sqrt();
-    let se = if value > 0.0 { se_of_square / (2.0 * value) } else { 0.0 };
-    if !(value.is_finite() && se.is_finite()) {
-        return None;
-    }
-    let (lo, hi) = root_mean_square_interval(squares, l).unzip();
-    Some(Point::Error { tau, value, se, lo, hi, warning: few_paths(squares.effective_samples(l)) })
+    let point = |(l, &tau): (usize, &f64)| {
+        let value = squares.mean(l).sqrt();
+        let se_of_square = squares.covariance_of_means(l, l).sqrt();
+        let se = if value > 0.0 { se_of_square / (2.0 * value) } else { 0.0 };
+        let (lo, hi) = root_mean_square_interval(squares, l).unzip();
+        let warning = few_paths(squares.effective_samples(l));
+        let finite = value.is_finite() && se.is_finite();
+        finite.then_some(Point::Error { tau, value, se, lo, hi, warning })
+    };
+    taus.iter().enumerate().filter_map(point).collect()
 }
 
 /// A 95 % interval for the root of the mean square of component `l`, by bootstrap-t for its

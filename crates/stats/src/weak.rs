@@ -13,7 +13,7 @@ use crate::rate::{Against, Model, Rate};
 const ORDERS: RangeInclusive<u32> = 0..=4 * GRID;
 const GRID: u32 = 500;
 /// Errors that are nowhere this many standard errors away from zero are inside the noise.
-pub(crate) const NOISE: f64 = 4.0;
+pub const NOISE: f64 = 4.0;
 
 /// The weak order from signed errors at several step sizes with their covariance, coarsest first.
 ///

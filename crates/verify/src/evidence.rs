@@ -226,9 +226,9 @@ impl fmt::Display for Evidence {
             Self::Bounds { quantities, failed } => {
                 for (n, bounded) in quantities.iter().enumerate() {
                     let separator = if n == 0 { "" } else { "; " };
-                    write!(f, "{separator}{}: {}", bounded.quantity, Short(bounded.value))?;
+                    write!(f, "{separator}{}: {}", bounded.quantity, short(bounded.value))?;
                     for (word, bound) in [("least", bounded.at_least), ("most", bounded.at_most)] {
-                        bound.iter().try_for_each(|&x| write!(f, ", at {word} {}", Short(x)))?;
+                        bound.iter().try_for_each(|&x| write!(f, ", at {word} {}", short(x)))?;
                     }
                 }
                 if *failed > 0 {
@@ -242,15 +242,11 @@ impl fmt::Display for Evidence {
 }
 
 /// Four decimals where they show the number, else an exponent.
-struct Short(f64);
-
-impl fmt::Display for Short {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0.abs() {
-            0.0 => f.write_str("0"),
-            0.01..1e4 => write!(f, "{:.4}", self.0),
-            _ => write!(f, "{:.1e}", self.0),
-        }
+fn short(x: f64) -> String {
+    match x.abs() {
+        0.0 => "0".into(),
+        0.01..1e4 => format!("{x:.4}"),
+        _ => format!("{x:.1e}"),
     }
 }
 

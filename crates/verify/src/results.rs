@@ -62,7 +62,7 @@ impl Provenance {
     /// Seed, mode and threads of a run on the current rayon pool; the rest is empty.
     pub fn of_run(seed: u64, mode: &str) -> Self {
         let threads = rayon::current_num_threads();
-        Self { seed, mode: mode.to_owned(), threads, ..Self::default() }
+        Self { seed, mode: mode.into(), threads, ..Self::default() }
     }
 }
 
@@ -182,7 +182,7 @@ impl Claim {
     /// sentence follow from the measurement.
     pub fn new(id: &str, statement: impl Into<String>, measured: Evidence) -> Self {
         Self {
-            id: id.to_owned(),
+            id: id.into(),
             panel: String::new(),
             scheme: String::new(),
             statement: statement.into(),
@@ -197,7 +197,7 @@ impl Claim {
     /// The claim as one about a panel and a scheme, either of which may be empty.
     #[must_use]
     pub fn about(self, panel: &str, scheme: &str) -> Self {
-        Self { panel: panel.to_owned(), scheme: scheme.to_owned(), ..self }
+        Self { panel: panel.into(), scheme: scheme.into(), ..self }
     }
 
     /// The claim as one that the paper proves, or does not.

@@ -6,9 +6,8 @@ use super::diagnosis::{better_coarsest_steps, level_values, warnings};
 use super::error::MultilevelError;
 use super::level::{Round, Samples, Values};
 use super::plan::{self, BIAS_SHARE, Bias};
-use super::report::{Expectation, Level, QUANTILE, Warning};
+use super::report::{Estimate, Expectation, Level, QUANTILE, Warning};
 use super::settings::{Coupling, Estimator, ExpectationSettings, MAX_ROUNDS};
-use crate::LadderError;
 
 /// The highest level of the pilot: two differences show how they decay.
 const PILOT_LEVEL: usize = 2;
@@ -19,45 +18,37 @@ const LATER_PILOT: u64 = 4;
 const BLOCK: u64 = WIDTH as u64;
 
 /// Draws samples of a level.
-type Draw<'a> = dyn Fn(&Samples, u64) -> Result<Round, LadderError> + 'a;
+type Draw<'a> = dyn Fn(&Samples, u64) -> Result<Round> + 'a;
+
+type Result<T> = std::result::Result<T, MultilevelError>;
 
 /// Draws samples, and counts their cost.
 pub struct Sampler<'a> {
-    draw: &'a Draw<'a>,
-    t_end: f64,
+    pub draw: &'a Draw<'a>,
+    pub t_end: f64,
     /// Names of the test functions.
-    names: Vec<&'static str>,
-    accuracy: f64,
-    settings: &'a ExpectationSettings,
+    pub names: Vec<&'static str>,
+    pub accuracy: f64,
+    pub settings: &'a ExpectationSettings,
     /// Path-steps so far.
-    cost: u64,
+    pub cost: u64,
     /// Path-steps that are kept for single paths.
-    reserve: u64,
+    pub reserve: u64,
 }
 
-impl<'a> Sampler<'a> {
-    pub fn new(
-        draw: &'a Draw<'a>,
-        t_end: f64,
-        names: Vec<&'static str>,
-        accuracy: f64,
-        settings: &'a ExpectationSettings,
-    ) -> Result<Self, MultilevelError> {
-        settings.check(accuracy)?;
-        if names.is_empty() {
+impl Sampler<'_> {
+    pub fn expectation(self) -> Result<Expectation> {
+        self.settings.check(self.accuracy)?;
+        if self.names.is_empty() {
             return Err(MultilevelError::NoObservable);
         }
-        Ok(Self { draw, t_end, names, accuracy, settings, cost: 0, reserve: 0 })
-    }
-
-    pub fn expectation(self) -> Result<Expectation, MultilevelError> {
         match self.settings.estimator {
             Estimator::Multilevel => self.multilevel(),
             Estimator::SinglePaths => self.single_paths(),
         }
     }
 
-    fn multilevel(mut self) -> Result<Expectation, MultilevelError> {
+    fn multilevel(mut self) -> Result<Expectation> {
         let mut levels = vec![self.level(0, None)];
         levels.extend((1..=PILOT_LEVEL).map(|level| self.difference(level)));
         self.pilot(&mut levels)?;
@@ -97,7 +88,7 @@ impl<'a> Sampler<'a> {
         Ok(expectation)
     }
 
-    fn single_paths(mut self) -> Result<Expectation, MultilevelError> {
+    fn single_paths(mut self) -> Result<Expectation> {
         // Without a reserve for the first single paths there would be no estimate at the limit.
         self.reserve = self.settings.pilot.saturating_mul(self.settings.steps(PILOT_LEVEL));
         let mut differences: Vec<_> =
@@ -153,7 +144,7 @@ impl<'a> Sampler<'a> {
         biases.iter().map(|bias| self.accuracy - bias.bound.min(budget)).collect()
     }
 
-    fn pilot(&mut self, levels: &mut [Samples]) -> Result<(), MultilevelError> {
+    fn pilot(&mut self, levels: &mut [Samples]) -> Result<()> {
         let ExpectationSettings { pilot, max_cost, .. } = *self.settings;
         let cost = levels.iter().map(|level| level.cost_per_path).sum::<u64>();
         let pilot_cost = cost.saturating_mul(pilot).saturating_add(self.reserve);
@@ -165,10 +156,7 @@ impl<'a> Sampler<'a> {
 
     /// Samples differences, and adds levels, until the bias on the last is bounded by its share of
     /// the accuracy. Returns the limit that was reached, if any.
-    fn resolve_bias(
-        &mut self,
-        differences: &mut Vec<Samples>,
-    ) -> Result<Option<Warning>, MultilevelError> {
+    fn resolve_bias(&mut self, differences: &mut Vec<Samples>) -> Result<Option<Warning>> {
         let budget = BIAS_SHARE * self.accuracy;
         loop {
             let biases = self.biases(differences);
@@ -197,20 +185,16 @@ impl<'a> Sampler<'a> {
     /// Samples of each difference with which the statistical margin of every bias is at most
     /// `margin`.
     fn bias_samples(&self, differences: &[Samples], margin: f64) -> Vec<u64> {
-        let order = self.settings.weak_order;
-        let of = |k| plan::samples_for_bias(differences, k, order, margin);
-        let largest =
-            |a: Vec<u64>, b: Vec<u64>| a.into_iter().zip(b).map(|(a, b)| a.max(b)).collect();
-        (0..self.names.len()).map(of).fold(vec![0; differences.len()], largest)
+        let mut wanted = vec![0; differences.len()];
+        for k in 0..self.names.len() {
+            plan::raise_for_bias(&mut wanted, differences, k, self.settings.weak_order, margin);
+        }
+        wanted
     }
 
     /// Adds a level with `paths` samples, or as many as the cost limit allows; whether all were
     /// drawn. Adds none if not even the least pilot is allowed.
-    fn add_level(
-        &mut self,
-        levels: &mut Vec<Samples>,
-        paths: u64,
-    ) -> Result<bool, MultilevelError> {
+    fn add_level(&mut self, levels: &mut Vec<Samples>, paths: u64) -> Result<bool> {
         let level = self.difference(levels.last().map_or(0, |last| last.level) + 1);
         let least_pilot = self.settings.pilot / LATER_PILOT;
         if least_pilot.saturating_mul(level.cost_per_path) > self.budget() {
@@ -228,18 +212,14 @@ impl<'a> Sampler<'a> {
 
     /// Draws the samples wanted of each level, or in proportion as many as the cost limit allows;
     /// whether all were drawn.
-    fn sample_up_to(
-        &mut self,
-        levels: &mut [Samples],
-        wanted: &[u64],
-    ) -> Result<bool, MultilevelError> {
+    fn sample_up_to(&mut self, levels: &mut [Samples], wanted: &[u64]) -> Result<bool> {
         let more: Vec<u64> =
             levels.iter().zip(wanted).map(|(level, &wanted)| additional(level, wanted)).collect();
         let costs = levels.iter().zip(&more);
         let cost: u128 =
             costs.map(|(level, &n)| u128::from(level.cost_per_path) * u128::from(n)).sum();
         let budget = u128::from(self.budget());
-        if !levels.iter().all(|level| level.rounds < MAX_ROUNDS) {
+        if levels.iter().any(|level| level.rounds >= MAX_ROUNDS) {
             return Ok(false);
         }
         for (level, mut paths) in levels.iter_mut().zip(more) {
@@ -254,7 +234,7 @@ impl<'a> Sampler<'a> {
         Ok(cost <= budget)
     }
 
-    fn sample(&mut self, level: &mut Samples, paths: u64) -> Result<(), MultilevelError> {
+    fn sample(&mut self, level: &mut Samples, paths: u64) -> Result<()> {
         let round = (self.draw)(level, paths)?;
         level.values.iter_mut().zip(&round.values).for_each(|(values, more)| values.merge(more));
         level.paths += paths;
@@ -277,10 +257,20 @@ impl<'a> Sampler<'a> {
     /// levels but the first are differences.
     fn report(&self, levels: &[Samples], terms: usize) -> Expectation {
         let order = self.settings.weak_order;
-        let names = self.names.iter().enumerate();
-        let estimates: Vec<_> = names
-            .map(|(k, name)| plan::estimate(name, &levels[..terms], &levels[1..], k, order))
-            .collect();
+        let (terms, differences) = (&levels[..terms], &levels[1..]);
+        let estimate = |(k, &name): (usize, &&'static str)| {
+            let bias = plan::bias(differences, k, order);
+            Estimate {
+                name,
+                value: terms.iter().map(|samples| samples.values[k].sample.mean()).sum(),
+                standard_error: plan::variance_of_sum(terms, k).sqrt(),
+                bias: bias.value,
+                bias_bound: bias.bound,
+                alpha: plan::alpha(differences, k),
+                beta: plan::beta(differences, k),
+            }
+        };
+        let estimates: Vec<_> = self.names.iter().enumerate().map(estimate).collect();
         let level = |samples: &Samples| Level {
             level: samples.level,
             tau: self.t_end / self.settings.steps(samples.level) as f64,

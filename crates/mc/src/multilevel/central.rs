@@ -4,7 +4,7 @@
 ///
 /// Merged by the pairwise formulas of Pébay (SAND2008-6212), which subtract no large sums: they
 /// lose no digits where the mean is many times the standard deviation, as that of φ may be.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Default)]
 pub struct CentralMoments {
     count: u64,
     mean: f64,

@@ -1,14 +1,11 @@
 //! The samples of one level.
 
-use schemes::Scheme;
-use systems::{Damping, PoissonSystem, Problem};
-
 use super::central::CentralMoments;
-use super::settings::{Coupling, ExpectationSettings};
-use crate::{Ladder, LadderError, Observable, PathFailure, Run, Statistic, View};
+use super::settings::Coupling;
+use crate::{Observable, PathFailure, Statistic, View};
 
 /// Moments of one test function on one level.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct Values {
     /// φ of single paths, or the difference.
     pub sample: CentralMoments,
@@ -32,7 +29,6 @@ impl Values {
 }
 
 /// The samples of one level so far.
-#[derive(Clone, Debug)]
 pub struct Samples {
     pub level: usize,
     /// `None` for single paths.
@@ -57,10 +53,10 @@ impl Samples {
 
 /// Folds the values of all test functions at the final time. The runs are fine, coarse and swapped,
 /// as many as there are.
-struct FinalValues<'a, const D: usize> {
-    observables: &'a [Observable<D>],
-    last_time: u64,
-    values: Vec<Values>,
+pub struct FinalValues<'a, const D: usize> {
+    pub observables: &'a [Observable<D>],
+    pub last_time: u64,
+    pub values: Vec<Values>,
 }
 
 impl<const D: usize> Statistic<D> for FinalValues<'_, D> {
@@ -94,36 +90,4 @@ pub struct Round {
     pub values: Vec<Values>,
     pub failed: u64,
     pub first_failure: Option<PathFailure>,
-}
-
-/// Draws `paths` samples of a level from the family of streams of its next round.
-pub fn draw<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
-    observables: &[Observable<D>],
-    settings: &ExpectationSettings,
-    samples: &Samples,
-    paths: u64,
-    progress: &(dyn Fn(u64) + Sync),
-) -> Result<Round, LadderError> {
-    let mut runs = vec![Run::new(scheme, 0)];
-    if samples.coupling.is_some() {
-        runs.push(Run::new(scheme, 1));
-    }
-    if samples.coupling == Some(Coupling::Antithetic) {
-        runs.push(Run::swapped(scheme, 0));
-    }
-    // Single paths have the families of level 0, whatever their step size.
-    let (levels, family) = if samples.coupling.is_some() { (1, samples.level) } else { (0, 0) };
-    let key = settings.stream(family, samples.rounds);
-    let steps = settings.steps(samples.level);
-    let ladder = Ladder::new(problem, steps, levels, settings.truncation, key, runs)?;
-    let new = || FinalValues {
-        observables,
-        last_time: ladder.coarse_steps(),
-        values: vec![Values::default(); observables.len()],
-    };
-    let outcome = ladder.run(paths, new, progress);
-    let first_failure = outcome.failures.first().copied();
-    Ok(Round { values: outcome.statistic.values, failed: outcome.failed, first_failure })
 }

@@ -70,9 +70,9 @@ mod settings;
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::Observable;
+use crate::{Ladder, Observable, Run};
 use algorithm::Sampler;
-use level::{Samples, draw};
+use level::{FinalValues, Round, Samples, Values};
 
 pub use error::MultilevelError;
 pub use report::{Estimate, Expectation, Level, LevelValue, Rate, Warning};
@@ -94,9 +94,28 @@ pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
     settings: &ExpectationSettings,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Expectation, MultilevelError> {
+    // Draws `paths` samples of a level from the family of streams of its next round.
     let draw = |level: &Samples, paths| {
-        draw(scheme, problem, observables, settings, level, paths, progress)
+        let mut runs = vec![Run::new(scheme, 0)];
+        if level.coupling.is_some() {
+            runs.push(Run::new(scheme, 1));
+        }
+        if level.coupling == Some(Coupling::Antithetic) {
+            runs.push(Run::swapped(scheme, 0));
+        }
+        // Single paths have the families of level 0, whatever their step size.
+        let (levels, family) = level.coupling.map_or((0, 0), |_| (1, level.level));
+        let key = settings.stream(family, level.rounds);
+        let steps = settings.steps(level.level);
+        let ladder = Ladder::new(problem, steps, levels, settings.truncation, key, runs)?;
+        let last_time = ladder.coarse_steps();
+        let values = vec![Values::default(); observables.len()];
+        let new = || FinalValues { observables, last_time, values: values.clone() };
+        let outcome = ladder.run(paths, new, progress);
+        let first_failure = outcome.failures.first().copied();
+        Ok(Round { values: outcome.statistic.values, failed: outcome.failed, first_failure })
     };
     let names = observables.iter().map(|observable| observable.name).collect();
-    Sampler::new(&draw, problem.t_end(), names, accuracy, settings)?.expectation()
+    let t_end = problem.t_end();
+    Sampler { draw: &draw, t_end, names, accuracy, settings, cost: 0, reserve: 0 }.expectation()
 }

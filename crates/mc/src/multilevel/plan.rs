@@ -5,7 +5,7 @@ use std::f64::consts::LN_2;
 use real::elementary;
 
 use super::level::{Samples, Values};
-use super::report::{Estimate, QUANTILE, Rate};
+use super::report::{QUANTILE, Rate};
 
 /// The part of the accuracy that may go to the bias: small, since halving the bias costs a level
 /// where a level is cheap.
@@ -19,7 +19,6 @@ const LOWEST_ORDER: f64 = 0.5;
 const SIGNIFICANT: f64 = 4.0;
 
 /// The bias of one test function.
-#[derive(Clone, Copy, Debug)]
 pub struct Bias {
     /// The signed estimate from the last difference.
     pub value: f64,
@@ -73,21 +72,21 @@ pub fn bias(differences: &[Samples], k: usize, weak_order: f64) -> Bias {
     Bias { value: last.unwrap_or(0.0), size, bound }
 }
 
-/// Samples of each of the last differences whose margin in the bias is at most `margin`, zero for
-/// the others.
-pub fn samples_for_bias(
+/// Raises the samples of the last differences until their margin in the bias of test function
+/// number k is at most `margin`.
+pub fn raise_for_bias(
+    wanted: &mut [u64],
     differences: &[Samples],
     k: usize,
     weak_order: f64,
     margin: f64,
-) -> Vec<u64> {
-    let mut wanted = vec![0; differences.len()];
+) {
     let last = extrapolated(differences, k, weak_order);
     for (wanted, (samples, factor)) in wanted.iter_mut().rev().zip(last) {
         let quotient = QUANTILE * factor / margin;
-        *wanted = (samples.values[k].sample.variance() * quotient * quotient).ceil() as u64;
+        let n = samples.values[k].sample.variance() * quotient * quotient;
+        *wanted = (*wanted).max(n.ceil() as u64);
     }
-    wanted
 }
 
 /// Squared standard error of the sum of the level means.
@@ -177,27 +176,6 @@ fn decay(points: &[(usize, f64, f64)]) -> Option<Rate> {
     };
     let half_width = QUANTILE * (excess / spread).sqrt();
     Some(Rate { value: -slope, lower: -slope - half_width, upper: -slope + half_width })
-}
-
-/// The estimate of test function number k from the levels that add up to it and the differences
-/// that show its bias.
-pub fn estimate(
-    name: &'static str,
-    terms: &[Samples],
-    differences: &[Samples],
-    k: usize,
-    weak_order: f64,
-) -> Estimate {
-    let bias = bias(differences, k, weak_order);
-    Estimate {
-        name,
-        value: terms.iter().map(|samples| samples.values[k].sample.mean()).sum(),
-        standard_error: variance_of_sum(terms, k).sqrt(),
-        bias: bias.value,
-        bias_bound: bias.bound,
-        alpha: alpha(differences, k),
-        beta: beta(differences, k),
-    }
 }
 
 #[cfg(test)]

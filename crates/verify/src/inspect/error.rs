@@ -1,12 +1,14 @@
 //! Why a system cannot be inspected.
 
-use std::fmt;
-
 /// Why a system cannot be inspected.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InspectError {
     /// Too few points of the region are in the domain of the system.
+    #[error(
+        "an inspection needs {wanted} points in the domain of the system, found {found}; \
+         inspect_problem searches around y0"
+    )]
     NoPoints {
         /// Points found.
         found: usize,
@@ -14,6 +16,10 @@ pub enum InspectError {
         wanted: usize,
     },
     /// The vector field or the energy is NaN or infinite at a point of the domain.
+    #[error(
+        "B grad H and the energy must be finite wherever check_domain is Ok, got {value} at \
+         y = {at:?}"
+    )]
     NotFinite {
         /// The point.
         at: Vec<f64>,
@@ -21,22 +27,3 @@ pub enum InspectError {
         value: f64,
     },
 }
-
-impl fmt::Display for InspectError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoPoints { found, wanted } => write!(
-                f,
-                "an inspection needs {wanted} points in the domain of the system, found {found}; \
-                 inspect_problem searches around y0"
-            ),
-            Self::NotFinite { at, value } => write!(
-                f,
-                "B grad H and the energy must be finite wherever check_domain is Ok, \
-                 got {value} at y = {at:?}"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for InspectError {}

@@ -1,10 +1,10 @@
 //! Whether the invariants that a system lists are what it claims.
 
 use serde::Serialize;
-use systems::{Form, Invariant, InvariantKind};
+use systems::{Form, InvariantKind};
 
 use super::algebra::{dot, largest, norm, times};
-use super::erased::{Function, System};
+use super::erased::System;
 use super::finding::Finding;
 use super::function::{Kind, Shape};
 use super::points::Points;
@@ -33,48 +33,44 @@ pub struct ClaimedInvariant {
 impl ClaimedInvariant {
     pub(super) fn all(system: &dyn System, points: &Points) -> Vec<Self> {
         let claims = system.invariants().into_iter().enumerate();
-        claims.map(|(index, (claim, f))| Self::of(index, claim, &*f, system, points)).collect()
-    }
-
-    fn of(
-        index: usize,
-        claim: Invariant,
-        f: &dyn Function,
-        system: &dyn System,
-        points: &Points,
-    ) -> Self {
-        let (mut casimir, mut conserved) = (Finding::default(), Finding::default());
-        for y in &points.for_identities {
-            let (gradient, b) = (f.gradient(y), system.matrix(y));
-            let product = times(&b, &gradient);
-            let size = largest(b.iter().flatten()) * norm(&gradient) * y.len() as f64;
-            casimir.compare(&product, &vec![0.0; y.len()], size, y);
-            for m in 0..=system.noises() {
-                let hamiltonian = system.hamiltonian(m).gradient(y);
-                let change = dot(&gradient, &times(&b, &hamiltonian));
-                conserved.record(change, size * norm(&hamiltonian), y);
+        let examined = claims.map(|(index, (claim, f))| {
+            let (mut casimir, mut conserved) = (Finding::default(), Finding::default());
+            for y in &points.for_identities {
+                let (gradient, b) = (f.gradient(y), system.matrix(y));
+                let product = times(&b, &gradient);
+                let size = largest(b.iter().flatten()) * norm(&gradient) * y.len() as f64;
+                casimir.compare(&product, &vec![0.0; y.len()], size, y);
+                for m in 0..=system.noises() {
+                    let hamiltonian = system.hamiltonian(m).gradient(y);
+                    let change = dot(&gradient, &times(&b, &hamiltonian));
+                    conserved.record(change, size * norm(&hamiltonian), y);
+                }
             }
-        }
-        let mut invariant = Self {
-            name: claim.name,
-            formula: claim.formula,
-            claimed_casimir: claim.kind == InvariantKind::Casimir,
-            claimed_degree: claim.degree,
-            casimir,
-            conserved,
-            shape: Shape::of(f, system, points),
-            mistakes: Vec::new(),
-        };
-        let mut values = points.for_identities.iter().map(|y| f.value(y));
-        let mistakes = match values.find(|value| !value.is_finite()) {
-            Some(value) => {
-                vec![format!("is listed, but invariant({index}, y) returns {value} in the domain")]
-            }
-            None => invariant.mistakes(claim.form),
-        };
-        let named = format!("{} = {}", claim.name, claim.formula);
-        invariant.mistakes = mistakes.into_iter().map(|what| format!("{named} {what}")).collect();
-        invariant
+            let mut invariant = Self {
+                name: claim.name,
+                formula: claim.formula,
+                claimed_casimir: claim.kind == InvariantKind::Casimir,
+                claimed_degree: claim.degree,
+                casimir,
+                conserved,
+                shape: Shape::of(&*f, system, points),
+                mistakes: Vec::new(),
+            };
+            let mut values = points.for_identities.iter().map(|y| f.value(y));
+            let mistakes = match values.find(|value| !value.is_finite()) {
+                Some(value) => {
+                    vec![format!(
+                        "is listed, but invariant({index}, y) returns {value} in the domain"
+                    )]
+                }
+                None => invariant.mistakes(claim.form),
+            };
+            let named = format!("{} = {}", claim.name, claim.formula);
+            invariant.mistakes =
+                mistakes.into_iter().map(|what| format!("{named} {what}")).collect();
+            invariant
+        });
+        examined.collect()
     }
 
     fn mistakes(&self, claimed: Form) -> Vec<String> {
@@ -101,7 +97,7 @@ impl ClaimedInvariant {
             Form::Homogeneous => Kind::Homogeneous,
         };
         match shape.degree {
-            None => mistakes.push("is not homogeneous and hence has no conformal law".to_owned()),
+            None => mistakes.push("is not homogeneous and hence has no conformal law".into()),
             Some(degree) if (degree - claimed_degree).abs() > 1e-9 * degree.abs() => mistakes.push(
                 format!("is claimed to have degree {claimed_degree} and has degree {degree}"),
             ),

@@ -37,7 +37,7 @@ impl Bound {
         let energy = hamiltonians.noise_size.and_then(|_| {
             let shape = &hamiltonians.shapes[0];
             let (degree, minimum) = (shape.degree?, shape.minimum?);
-            Some(Self { function: "H₀".to_owned(), degree, minimum, casimir: None })
+            Some(Self { function: "H₀".into(), degree, minimum, casimir: None })
         });
         let candidates = casimirs.definite.iter().chain(&casimirs.found).map(casimir).chain(energy);
         let positive = candidates.filter(|bound| bound.minimum.positive && bound.degree > 0.0);

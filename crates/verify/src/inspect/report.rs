@@ -1,6 +1,6 @@
 //! The report: its data and its text.
 
-use std::fmt::{self, Display, Formatter};
+use std::fmt::{Display, Formatter, Result};
 
 use serde::Serialize;
 
@@ -73,7 +73,7 @@ impl Inspection {
         let casimirs = Casimirs::of(system, points);
         let bound = Bound::of(&hamiltonians, &casimirs);
         Self {
-            system: system.name().to_owned(),
+            system: system.name().into(),
             dimension: system.dimension(),
             noises: system.noises(),
             region: points.region.clone(),
@@ -138,7 +138,7 @@ impl Inspection {
 }
 
 impl Display for Inspection {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         writeln!(
             f,
             "{}: D = {}, M = {}; checked at {} points with {}{}",
@@ -167,7 +167,7 @@ impl Display for Inspection {
 }
 
 impl Inspection {
-    fn write_properties(&self, f: &mut Formatter<'_>) -> fmt::Result {
+    fn write_properties(&self, f: &mut Formatter<'_>) -> Result {
         row(f, "B(y)", &self.structure)?;
         for (m, shape) in self.hamiltonians.shapes.iter().enumerate() {
             match self.hamiltonians.noise_size {
@@ -195,7 +195,7 @@ impl Inspection {
         Ok(())
     }
 
-    fn write_casimirs(&self, f: &mut Formatter<'_>) -> fmt::Result {
+    fn write_casimirs(&self, f: &mut Formatter<'_>) -> Result {
         let Casimirs { found, definite, quadratic_sought } = &self.casimirs;
         let sought = if *quadratic_sought { "linear or quadratic" } else { "linear" };
         let none = if found.is_empty() { " none" } else { "" };
@@ -212,7 +212,7 @@ impl Inspection {
         }
     }
 
-    fn write_theory(&self, f: &mut Formatter<'_>) -> fmt::Result {
+    fn write_theory(&self, f: &mut Formatter<'_>) -> Result {
         writeln!(f, "Which statements of the paper apply")?;
         for theorem in &self.theorems {
             let applies = match theorem.applies {
@@ -239,18 +239,18 @@ impl Inspection {
 }
 
 impl Display for Finding {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         write!(f, "relative defect {:.1e} at {:.3?}", self.defect, self.at)
     }
 }
 
 /// A property with its label.
-fn row(f: &mut Formatter<'_>, label: &str, text: impl Display) -> fmt::Result {
+fn row(f: &mut Formatter<'_>, label: &str, text: impl Display) -> Result {
     writeln!(f, "  {label:<9}{text}")
 }
 
 impl Display for Region {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
             Self::Box(half_side) => write!(f, "|yᵢ| ≤ {half_side}"),
             Self::Ball(radius) => write!(f, "‖y‖ ≤ {radius:.4}"),
@@ -259,7 +259,7 @@ impl Display for Region {
 }
 
 impl Display for Structure {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         if !self.linear.holds {
             return write!(f, "structure(y, v) is NOT linear in v, see below");
         }
@@ -276,7 +276,7 @@ impl Display for Structure {
 }
 
 impl Display for Minimum {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let Self { value, positive, in_domain_only } = *self;
         // A small value may be round-off.
         let value = if value.abs() < 1e-6 { 0.0 } else { value };
@@ -287,7 +287,7 @@ impl Display for Minimum {
 }
 
 impl Display for Shape {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         f.write_str(self.kind.name())?;
         if let Some(degree) = self.degree {
             let separator = if self.kind == Kind::Homogeneous { " of" } else { "," };

@@ -77,12 +77,12 @@ pub fn theorems(
     let formulas: Vec<&str> = casimirs.found.iter().map(|c| c.formula.as_str()).collect();
 
     let conformal = if casimir || !formulas.is_empty() || energy_degree.is_some() {
-        (Yes, "there is one".to_owned())
+        (Yes, "there is one".into())
     } else {
-        (No, "no homogeneous Casimir or energy was found".to_owned())
+        (No, "no homogeneous Casimir or energy was found".into())
     };
     let casimir = if formulas.is_empty() {
-        (No, "B has no linear or quadratic Casimir".to_owned())
+        (No, "B has no linear or quadratic Casimir".into())
     } else {
         (Yes, formulas.join("; "))
     };
@@ -91,17 +91,17 @@ pub fn theorems(
             (Yes, format!("H₁ = {c} H₀, H₀ is homogeneous of degree {p}, and ∇̄h is exact"))
         }
         (Some(_), Some(_)) => {
-            (Conditionally, "up to the error of ∇̄h; take more nodes or a closed form".to_owned())
+            (Conditionally, "up to the error of ∇̄h; take more nodes or a closed form".into())
         }
-        (Some(_), None) => (No, "H₀ is not homogeneous".to_owned()),
-        (None, _) => (No, "there is not one noise with H₁ = c H₀".to_owned()),
+        (Some(_), None) => (No, "H₀ is not homogeneous".into()),
+        (None, _) => (No, "there is not one noise with H₁ = c H₀".into()),
     };
     let bounded = match bound {
         Some(Bound { function, minimum, .. }) => (
             if minimum.in_domain_only { InDomain } else { Yes },
             format!("m({function}) = {minimum}"),
         ),
-        None => (No, "found no linear or quadratic Casimir or energy with m(F) > 0".to_owned()),
+        None => (No, "found no linear or quadratic Casimir or energy with m(F) > 0".into()),
     };
     let constant_hessians = hamiltonians.shapes.iter().all(|shape| shape.constant_hessian);
     let (solvable, condition) = match (structure.constant.holds, bounded.0) {
@@ -112,7 +112,7 @@ pub fn theorems(
     };
     // The paper assumes that exact and numerical paths are bounded.
     let orders = match bounded.0 {
-        No => (Conditionally, "if all paths stay bounded, which was not proved here".to_owned()),
+        No => (Conditionally, "if all paths stay bounded, which was not proved here".into()),
         _ => bounded.clone(),
     };
     let (strong, strong_order) = if noises > 1 {
@@ -124,7 +124,7 @@ pub fn theorems(
     let skew = structure.skew.holds && structure.linear.holds;
     let theorem = |(statement, says, (applies, because))| {
         let (applies, because) =
-            if skew { (applies, because) } else { (No, "B is not skew-symmetric".to_owned()) };
+            if skew { (applies, because) } else { (No, "B is not skew-symmetric".into()) };
         Theorem { statement, says, applies, because }
     };
     let theorems = [
@@ -147,7 +147,7 @@ pub fn theorems(
         (
             "solvability",
             "an implicit step below a known size has exactly one solution",
-            (solvable, condition.to_owned()),
+            (solvable, condition.into()),
         ),
         (strong, strong_order, orders.clone()),
         ("weak-one", "weak order 1 of sexp (k ≥ 2)", orders),
