@@ -80,7 +80,7 @@ fn cell(seconds: f64, outcome: Outcome) -> String {
     let end = match outcome {
         Outcome::Fast { iterations } => format!("{iterations}"),
         Outcome::Robust { iterations, .. } => format!("rescued, {iterations}"),
-        Outcome::Failed { .. } => "failed".to_owned(),
+        Outcome::Failed { .. } => "failed".into(),
     };
     format!("{:.3} ({end})", 1e6 * seconds)
 }
@@ -108,7 +108,7 @@ fn rows<const D: usize>(budget: Duration) -> Result<Vec<[String; 6]>> {
             });
             cell(block / WIDTH as f64, iterated.outcome)
         } else {
-            "not measured".to_owned()
+            "not measured".into()
         };
         let distances = iterated.z.iter().zip(linearised.z).map(|(a, b)| (a - b).abs());
         Ok([

@@ -37,7 +37,7 @@ impl Workload {
 }
 
 /// What the times of one thread are.
-#[derive(Clone, Copy, Serialize)]
+#[derive(Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Clock {
     /// Time that the thread spent on a core: other processes disturb it little.

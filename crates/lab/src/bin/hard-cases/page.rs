@@ -3,7 +3,8 @@
 use report::{Page, anchor, distinct, number, provenance};
 
 use crate::figures;
-use crate::results::{CaseResult, Fuzzed, Growth, Row, Stability, Verdict};
+use crate::results::Verdict::{self, FailsAsItMust, Holds, Observed, Refuted};
+use crate::results::{CaseResult, Fuzzed, Growth, Row, Stability};
 
 /// The whole page.
 pub fn page(results: &Stability) -> Page {
@@ -16,10 +17,7 @@ pub fn page(results: &Stability) -> Page {
     page.paragraph(METHOD);
     page.heading(2, "Summary");
     summary(&mut page, results);
-    let plotted = results.cases.iter().filter(|result| result.case.plot.is_some());
-    let plotted: Vec<&CaseResult> = plotted.collect();
-    if !plotted.is_empty() {
-        let svg = figures::cases(&plotted);
+    if let Some(svg) = figures::cases(&results.cases) {
         page.figure("stability-stiff.svg", "Every scheme in the stiff cases", svg);
     }
     for CaseResult { case, rows } in &results.cases {
@@ -41,10 +39,10 @@ pub fn page(results: &Stability) -> Page {
 
 fn mark(verdict: Verdict) -> &'static str {
     match verdict {
-        Verdict::Holds => "✓",
-        Verdict::FailsAsItMust => "✗",
-        Verdict::Observed => "",
-        Verdict::Refuted => "**REFUTED**",
+        Holds => "✓",
+        FailsAsItMust => "✗",
+        Observed => "",
+        Refuted => "**REFUTED**",
     }
 }
 
@@ -52,9 +50,7 @@ fn mark(verdict: Verdict) -> &'static str {
 pub fn summary(page: &mut Page, results: &Stability) {
     let row = |title: &str, verdicts: &[Verdict]| {
         let count = |one| verdicts.iter().filter(|verdict| **verdict == one).count().to_string();
-        let [hold, fail, observed, refuted] =
-            [Verdict::Holds, Verdict::FailsAsItMust, Verdict::Observed, Verdict::Refuted]
-                .map(count);
+        let [hold, fail, observed, refuted] = [Holds, FailsAsItMust, Observed, Refuted].map(count);
         [format!("[{title}](#{})", anchor(title)), hold, fail, observed, refuted]
     };
     let cases = results.cases.iter().map(|CaseResult { case, rows }| {
@@ -64,13 +60,13 @@ pub fn summary(page: &mut Page, results: &Stability) {
     let long = (!long.is_empty()).then(|| row(LONG, &long));
     page.table(["case", "hold", "fail as they must", "observed", "refuted"], cases.chain(long));
     let refuted = results.cases.iter().flat_map(|result| &result.rows);
-    let refuted = refuted.filter(|row| row.verdict == Verdict::Refuted);
-    page.list(refuted.map(|row| format!("{}, {}: {}", row.setting.words, row.scheme, cell(row))));
+    let refuted = refuted.filter(|row| row.verdict == Refuted);
+    page.list(refuted.map(|row| format!("{}, {}: {}", row.setting, row.scheme, cell(row))));
     if !results.fuzz.is_empty() {
-        let inputs: u64 = results.fuzz.iter().map(|fuzzed| fuzzed.inputs).sum();
-        let failures: u64 = results.fuzz.iter().map(|fuzzed| fuzzed.failures).sum();
-        let link = format!("[{FUZZ}](#{})", anchor(FUZZ));
-        page.paragraph(format!("{link}: {inputs} inputs, {failures} failures."));
+        let sum = |count: fn(&Fuzzed) -> u64| results.fuzz.iter().map(count).sum::<u64>();
+        let (inputs, failures) = (sum(|fuzzed| fuzzed.inputs), sum(|fuzzed| fuzzed.failures));
+        let link = anchor(FUZZ);
+        page.paragraph(format!("[{FUZZ}](#{link}): {inputs} inputs, {failures} failures."));
     }
 }
 
@@ -82,11 +78,11 @@ fn table(page: &mut Page, varied: &str, rows: &[Row]) {
     let schemes = distinct(rows.iter().map(|row| row.scheme));
     let quoted = schemes.iter().map(|scheme| format!("`{scheme}`"));
     let head = [varied, "exact", "bound"].map(str::to_owned).into_iter().chain(quoted);
-    let lines = rows.chunk_by(|a, b| a.setting.words == b.setting.words).map(|rows| {
+    let lines = rows.chunk_by(|a, b| a.setting == b.setting).map(|rows| {
         let exact = distinct(rows.iter().filter_map(|row| row.exact.map(number))).join("; ");
-        let holding = rows.iter().filter(|row| row.verdict == Verdict::Holds);
+        let holding = rows.iter().filter(|row| row.verdict == Holds);
         let bound = holding.filter_map(|row| row.bound).reduce(f64::max).map(number);
-        let start = [rows[0].setting.words.clone(), exact, bound.unwrap_or_default()];
+        let start = [rows[0].setting.clone(), exact, bound.unwrap_or_default()];
         let row = |scheme: &&str| rows.iter().find(|row| row.scheme == *scheme);
         let cells = schemes.iter().map(|scheme| row(scheme).map(cell).unwrap_or_default());
         start.into_iter().chain(cells).collect::<Vec<String>>()
@@ -95,10 +91,11 @@ fn table(page: &mut Page, varied: &str, rows: &[Row]) {
 }
 
 fn cell(row: &Row) -> String {
-    let parts: Vec<String> =
-        row.measured.map(number).into_iter().chain(row.error.clone()).collect();
-    let text = if parts.is_empty() { "–".to_owned() } else { parts.join("; ") };
-    format!("{text} {}", mark(row.verdict)).trim_end().to_owned()
+    let text = match (row.measured.map(number), &row.error) {
+        (Some(figure), Some(error)) => format!("{figure}; {error}"),
+        (figure, error) => figure.or(error.clone()).unwrap_or("–".into()),
+    };
+    format!("{text} {}", mark(row.verdict)).trim_end().into()
 }
 
 fn growth(page: &mut Page, growth: &[Growth]) {
@@ -112,13 +109,13 @@ fn growth(page: &mut Page, growth: &[Growth]) {
             format!("`{}`", run.id),
             run.setup.clone(),
             format!("`{}`", run.scheme),
-            run.invariant.to_owned(),
+            run.invariant.into(),
             format!("{:.0e}", end.steps as f64),
             number(end.rms),
             format!("{:+.1e}", end.mean),
             number(end.max),
             format!("{:.3} [{:.3}, {:.3}]", run.exponent, run.lo, run.hi),
-            mark(run.verdict).to_owned(),
+            mark(run.verdict).into(),
         ])
     });
     let head = ["run", "problem", "scheme", "law of", "steps", "root mean square", "mean"];

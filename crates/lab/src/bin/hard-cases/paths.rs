@@ -2,6 +2,7 @@
 //! conformal laws.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 
 use anyhow::Result;
 use mc::{Ladder, NextNoise, Run, Statistic, View};
@@ -11,7 +12,7 @@ use report::distinct;
 use systems::{Damping, PoissonSystem, Problem};
 
 use crate::cases::Context;
-use crate::results::{Row, Setting};
+use crate::results::Row;
 use crate::rounding::{law_bound, residual_share};
 use crate::schemes::{Family, Tested, schemes};
 
@@ -47,7 +48,6 @@ pub struct Experiment<S, G, const D: usize, const M: usize> {
 pub type Source<const M: usize> = dyn Fn(u64) -> NextNoise<'static, M> + Sync;
 
 /// A conformal law with the rounding that is allowed.
-#[derive(Clone, Copy)]
 pub struct Law {
     /// Numbers of the invariants.
     pub invariants: &'static [usize],
@@ -71,7 +71,7 @@ pub const CASIMIR: Law = Law {
 };
 
 /// Distance of paths from a law.
-#[derive(Clone, Copy, Default)]
+#[derive(Default)]
 pub struct Distance {
     /// The largest relative distance.
     pub worst: f64,
@@ -136,13 +136,13 @@ where
     /// A row for every scheme, which `complete` gives its figure and its claim.
     pub fn rows(
         &self,
-        setting: impl Into<Setting>,
+        setting: impl Display,
+        x: Option<f64>,
         complete: impl Fn(Row, &Tested<S, D, M>, &[Path<D>]) -> Result<Row>,
     ) -> Result<Vec<Row>> {
-        let setting = setting.into();
         let row = |scheme: &Tested<S, D, M>| {
             let paths = self.run(scheme)?;
-            let row = Row::new(&setting, scheme.name, stops(&paths));
+            let row = Row::new(&setting, x, scheme.name, stops(&paths));
             complete(Row { newton: scheme.newton, ..row }, scheme, &paths)
         };
         self.schemes().iter().map(row).collect()
@@ -152,11 +152,12 @@ where
     /// the distance that a scheme has to exceed, if theory predicts that it fails.
     pub fn law_rows(
         &self,
-        setting: impl Into<Setting>,
+        setting: impl Display,
+        x: Option<f64>,
         law: &Law,
         must_exceed: impl Fn(Family) -> Option<f64>,
     ) -> Result<Vec<Row>> {
-        self.rows(setting, |row, scheme, paths| {
+        self.rows(setting, x, |row, scheme, paths| {
             let Distance { worst, excess, bound } = self.distance(paths, law, scheme.newton);
             let kept = excess <= 1.0 && !(law.to_the_end && row.error.is_some());
             let row = row.with_figure(worst);
@@ -204,7 +205,7 @@ where
 }
 
 /// How paths ended early, in words.
-pub fn stops<const D: usize>(paths: &[Path<D>]) -> Option<String> {
+fn stops<const D: usize>(paths: &[Path<D>]) -> Option<String> {
     let stops: Vec<_> = paths.iter().filter_map(|path| path.stop).collect();
     let (cause, step) = stops.last()?;
     let causes = distinct(stops.iter().map(|stop| stop.0)).join(", ");

@@ -44,7 +44,7 @@ fn winners(curves: &[Curve]) -> String {
     });
     let words: Vec<String> = words.collect();
     if words.is_empty() {
-        "no error is reached by two schemes".to_owned()
+        "no error is reached by two schemes".into()
     } else {
         words.join(", ")
     }

@@ -57,7 +57,7 @@ fn price(case: &Case) -> Option<[String; 6]> {
     let defect = |series: &Series<StrongPoint>| {
         let point = series.points.iter().find(|point| point.work.error <= error);
         let defect = point.zip(casimir).map(|(point, index)| point.defects[index]);
-        defect.map_or("–".to_owned(), number)
+        defect.map_or("–".into(), number)
     };
     Some([
         case.title.to_owned(),
@@ -123,7 +123,7 @@ fn costs(page: &mut Page, what: &str, curves: &[Curve]) {
     let rows = targets(curves).into_iter().map(|error| {
         let best = winner(curves, error);
         let cell = |(n, curve): (usize, &Curve)| match cost_at(&curve.points, error) {
-            None => "–".to_owned(),
+            None => "–".into(),
             Some(cost) if best == Some(n) => format!("**{}**", number(cost)),
             Some(cost) => number(cost),
         };

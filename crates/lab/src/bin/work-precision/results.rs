@@ -138,7 +138,7 @@ pub struct WeakPoint {
 
 /// The cheapest plain Monte Carlo estimate of a given root-mean-square error among the measured
 /// step sizes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Serialize)]
 pub struct Cost {
     /// (bias² + variance/paths)^½, where the bias is taken at the upper end of its 95 % interval.
     pub accuracy: f64,

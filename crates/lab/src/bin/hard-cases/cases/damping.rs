@@ -1,9 +1,8 @@
 //! Damping that is stiff, negative, discontinuous or infinite at a time.
 
-use anyhow::Result;
 use systems::{Constant, Damping};
 
-use super::{Case, Context, Plot, SQUARED_LENGTH, body, each};
+use super::{Case, Context, Plot, Rows, SQUARED_LENGTH, body, each};
 use crate::paths::{CASIMIR, Law};
 use crate::results::Row;
 use crate::rounding::{law_bound, length};
@@ -33,11 +32,11 @@ const MIDPOINT_FAILS: f64 = 10.0;
 /// A state below the normal numbers has lost its digits.
 const NORMAL: f64 = 1e-300;
 
-fn stiff(context: &Context) -> Result<Vec<Row>> {
+fn stiff(context: &Context) -> Rows {
     let (steps, tau) = (16, 1.0 / 16.0);
     each([0.1, 0.5, 1.0, 2.0, 4.0, 10.0, 100.0, 1e3, 1e4], |x: f64| {
         let exact = Some((-x).exp()).filter(|factor| *factor > NORMAL).unwrap_or(0.0);
-        body(context, Constant::new(x / tau)?, (steps, tau))?.rows(x, |row, scheme, paths| {
+        body(context, Constant::new(x / tau)?, (steps, tau))?.rows(x, Some(x), |row, scheme, paths| {
             let lengths = paths[0].states[1..].iter().map(|y| length(*y));
             let normal: Vec<f64> = lengths.take_while(|length| *length > NORMAL).collect();
             let factor = match normal.last() {
@@ -73,7 +72,7 @@ pub const ANTI: Case = Case {
     rows: anti,
 };
 
-fn anti(context: &Context) -> Result<Vec<Row>> {
+fn anti(context: &Context) -> Rows {
     // Newton's method stops when a change is below 2⁻³²|z|. The residual that it leaves is the
     // square of that, times a constant that grows with the curvature of the equation. For a body
     // that turns so fast the constant has no bound, and all that is known is that the residual is
@@ -83,7 +82,7 @@ fn anti(context: &Context) -> Result<Vec<Row>> {
     each([-0.01, -0.1, -1.0, -10.0, -100.0, -1e4], |x| {
         // From −0.1 on a step of the other schemes is off the law by more than this.
         let must_exceed = (x <= -0.1).then_some(1e-6);
-        body(context, Constant::new(x / tau)?, (64, tau))?.law_rows(x, &law, |_| must_exceed)
+        body(context, Constant::new(x / tau)?, (64, tau))?.law_rows(x, Some(x), &law, |_| must_exceed)
     })
 }
 
@@ -156,7 +155,7 @@ impl Damping for Rough {
     }
 
     fn describe(&self) -> String {
-        "γ that jumps or has a pole".to_owned()
+        "γ that jumps or has a pole".into()
     }
 }
 
@@ -170,10 +169,10 @@ const SETTINGS: [(&str, Rough, Option<Family>); 6] = [
     ("γ = ∞ inside a step", RootPole(0.7), None),
 ];
 
-fn rough(context: &Context) -> Result<Vec<Row>> {
+fn rough(context: &Context) -> Rows {
     let law = Law { to_the_end: true, ..CASIMIR };
     each(SETTINGS, |(name, damping, fails)| {
         let must_exceed = |family| (Some(family) == fails).then_some(f64::INFINITY);
-        body(context, damping, (64, ROUGH_TAU))?.law_rows(name.to_owned(), &law, must_exceed)
+        body(context, damping, (64, ROUGH_TAU))?.law_rows(name, None, &law, must_exceed)
     })
 }

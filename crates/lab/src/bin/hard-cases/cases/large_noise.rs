@@ -1,6 +1,5 @@
 //! Increments past the contraction bound of the fixed point.
 
-use anyhow::Result;
 use noise::{Noise, WienerPath};
 use nonlin::Outcome;
 use real::elementary::{cos, sin};
@@ -8,7 +7,7 @@ use schemes::{Scheme, Step};
 use systems::{Constant, PoissonSystem, RigidBody};
 
 use super::branch::{agree, follow};
-use super::{Case, Context, body, each};
+use super::{Case, Context, Rows, body, each};
 use crate::results::Row;
 use crate::rounding::{law_bound, residual_share};
 use crate::schemes::{Family, Tested};
@@ -36,7 +35,7 @@ const SIZES: [f64; 6] = [0.1, 0.3, 1.0, 3.0, 10.0, 100.0];
 const CONTRACTS: f64 = SIZES[0];
 const TAU: f64 = 0.1;
 
-fn rows(context: &Context) -> Result<Vec<Row>> {
+fn rows(context: &Context) -> Rows {
     let samples = context.arguments.many(400, 40);
     let experiment = body(context, Constant::new(0.0)?, (1, TAU))?;
     let system = experiment.problem.system();
@@ -70,7 +69,7 @@ fn rows(context: &Context) -> Result<Vec<Row>> {
             }
             let error = (unsolved > 0)
                 .then(|| format!("{unsolved} of {samples} not solved, {missed} of them solvable"));
-            let row = Row::new(&size.into(), scheme.name, error);
+            let row = Row::new(size, Some(size), scheme.name, error);
             let kept = excess <= 1.0 && (size > CONTRACTS || other == 0 && unsolved == 0);
             let share = other as f64 / samples as f64;
             match scheme.family {

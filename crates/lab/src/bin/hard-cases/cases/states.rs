@@ -1,13 +1,11 @@
 //! States of extreme size, next to poles of the structure, or at rest.
 
-use anyhow::Result;
 use noise::WienerBlock;
 use systems::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, sine};
 use systems::{Constant, IntegerExponents, LotkaVolterra, Pendulum, PoissonSystem, RigidBody};
 
-use super::{Case, Context, each};
+use super::{Case, Context, Rows, each};
 use crate::paths::{CASIMIR, Experiment, Law};
-use crate::results::Row;
 use crate::rounding::law_bound;
 
 /// States from 10⁻¹⁵⁰ to 10¹⁵⁰.
@@ -24,7 +22,7 @@ pub const SCALES: Case = Case {
     rows: scales,
 };
 
-fn scales(context: &Context) -> Result<Vec<Row>> {
+fn scales(context: &Context) -> Rows {
     let (key, steps, tau) = (context.key, 64, 1.0 / 64.0_f64);
     let scaled = |scale: f64| {
         let [body, noise] = [INERTIA, NOISE_INERTIA].map(|inertia| inertia.map(|i| i * scale));
@@ -43,8 +41,8 @@ fn scales(context: &Context) -> Result<Vec<Row>> {
     each([-498, -332, -166, 166, 332, 498], |exponent| {
         let scale = 2f64.powi(exponent);
         let decimal = f64::from(exponent) * std::f64::consts::LOG10_2;
-        let setting = (format!("2^{exponent} ≈ 1e{decimal:+.0}"), f64::from(exponent));
-        scaled(scale)?.rows(setting, |row, scheme, paths| {
+        let setting = format!("2^{exponent} ≈ 1e{decimal:+.0}");
+        scaled(scale)?.rows(setting, Some(exponent.into()), |row, scheme, paths| {
             let (a, b) = (plain.run(scheme)?[0].end(), paths[0].end());
             let difference = (0..3).map(|i| (b[i] / scale - a[i]).abs()).fold(0.0, f64::max);
             Ok(row.with_figure(difference).at_most(law_bound(steps, 1.0)))
@@ -69,7 +67,7 @@ pub const EQUILIBRIA: Case = Case {
 
 const REST: (u64, f64) = (128, 1.0 / 16.0);
 
-fn equilibria(context: &Context) -> Result<Vec<Row>> {
+fn equilibria(context: &Context) -> Rows {
     let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA)?;
     let (pendulum, still) = (Pendulum::new(1.0)?, Pendulum::new(0.0)?);
     let volterra = LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0)?;
@@ -83,7 +81,7 @@ fn equilibria(context: &Context) -> Result<Vec<Row>> {
         stay(context, "pendulum upright, γ = 0, no noise", (still, none), [0.0, pi], grown)?,
         stay(context, "Lotka–Volterra, y₀ = (½, ½, ½), γ = 0", (volterra, none), [0.5; 3], 0.0)?,
     ];
-    Ok(rows.concat())
+    Ok(rows.into_iter().flatten().collect())
 }
 
 /// The largest distance from y₀, at most `bound`.
@@ -93,9 +91,9 @@ fn stay<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: (S, Constant),
     y0: [f64; D],
     bound: f64,
-) -> Result<Vec<Row>> {
+) -> Rows {
     let experiment = Experiment::new(context, system, y0, REST)?;
-    experiment.rows(setting.to_owned(), |row, _, paths| {
+    experiment.rows(setting, None, |row, _, paths| {
         let states = paths[0].states.iter();
         let components = states.flat_map(|y| (0..D).map(|i| (y[i] - y0[i]).abs()));
         Ok(row.with_figure(components.fold(0.0, f64::max)).at_most(bound))
@@ -121,7 +119,7 @@ pub const LOTKA_VOLTERRA: Case = Case {
 /// differ by two. They are positive: there is no cancellation in the octant.
 const LINEAR: Law = Law { invariants: &[1], weight: 2.0, ..CASIMIR };
 
-fn lotka_volterra(context: &Context) -> Result<Vec<Row>> {
+fn lotka_volterra(context: &Context) -> Rows {
     let paths = context.arguments.many(64, 8);
     let starts = [
         ("y₁ = 1e-12", [1e-12, 0.4, 0.6]),
@@ -135,7 +133,7 @@ fn lotka_volterra(context: &Context) -> Result<Vec<Row>> {
         let steps = (2 * per_unit, 1.0 / per_unit as f64);
         let experiment = Experiment::new(context, (system, sine()), y0, steps)?;
         let setting = format!("{name}, τ = 1/{per_unit}");
-        Experiment { paths, ..experiment }.law_rows(setting, &LINEAR, |_| None)
+        Experiment { paths, ..experiment }.law_rows(setting, None, &LINEAR, |_| None)
     })
 }
 
