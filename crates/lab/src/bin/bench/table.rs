@@ -4,19 +4,15 @@ use comfy_table::Table;
 use lab::command::table;
 use verify::Spread;
 
-use crate::results::{Clock, Speed};
+use crate::results::Speed;
 
 /// Everything that was measured.
 pub fn page(speed: &Speed) -> String {
     let workload = speed.workload;
-    let clock = match speed.clock {
-        Clock::OnCore => "on the core",
-        Clock::Wall => "on the wall",
-    };
     let mut parts = vec![format!(
         "{} paths, {} steps of 2^-8, {}, one thread, noise and statistics included; best of {}, ns \
-         for one step of one path {clock}",
-        workload.paths, workload.steps, speed.simd, workload.repetitions
+         ({}) for one step of one path",
+        workload.paths, workload.steps, speed.simd, workload.repetitions, speed.clock
     )];
     if !speed.optimised {
         parts.push("built without optimisation: the numbers say nothing".into());

@@ -141,27 +141,26 @@ fn fuzz(page: &mut Page, fuzz: &[Fuzzed]) {
 
 const METHOD: &str = "\
 Each case runs with every scheme: `sexp` with the fixed point first, `sexp-newton` with Newton's \
-method first, `sexp-levy` where noises do not commute, `midpoint`, `heun` and `em`. A guarantee is \
-a derived bound. Marks: ✓ it holds; ✗ the scheme fails, as theory predicts; none: nothing is \
+method first, `sexp-levy` where noises do not commute, `midpoint`, `heun` and `em`. A guarantee \
+is a derived bound. Marks: ✓ it holds; ✗ the scheme fails, as theory predicts; none: nothing is \
 guaranteed. Increments are truncated with k = 4 unless a case says otherwise. A path that cannot \
 go on ends with a typed error; no result is ever NaN.
 
-A Casimir of degree two obeys |y_n|² = e^(−2∫γ)|y₀|² on every path. *To rounding* means the worst \
+A Casimir of degree two obeys |y_n|² = e^(−2∫γ)|y₀|² on every path. *To rounding* is the worst \
 case of all roundings together, (32n + 4∫|γ| + 8)ε after n steps, derived in \
 `crates/lab/src/bin/hard-cases/rounding.rs`.";
 
 const GROWTH: &str = "\
-Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over 32 independent paths. Roundings without a direction make a \
-random walk, √n·ε; those with one a drift, n·ε. The exponent is the slope of log root mean square \
-over log n, from n = 1024 on; its interval comes from resampling whole paths. All paths share the \
-damping factors and their roundings: this part of the walk shows in the mean and not in the \
-interval.
+Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over 32 independent paths. Roundings without a direction make \
+a random walk, √n·ε; those with one a drift, n·ε. The exponent is the slope of log root mean \
+square over log n from n = 1024 on; its interval comes from resampling paths. All paths share the \
+roundings of the damping factors: these show in the mean and not in the interval.
 
-*Guarantee.* With a settled solver the root mean square stays below 32ε√n, the walk whose steps \
-are the worst roundings of a step. The default solver leaves a residual of up to 2ε in the same \
-direction in every step, a drift; `Solver::settled()` removes it with one more sweep.";
+*Guarantee.* With a settled solver the root mean square stays below 32ε√n, a walk of the worst \
+roundings of a step. The default solver leaves a residual of up to 2ε in the same direction in \
+every step, a drift; `Solver::settled()` removes it with one more sweep.";
 
 const FUZZING: &str = "\
-Numbers are arbitrary bit patterns: NaN, infinities, subnormals, ordinary numbers and their \
-neighbours. Every input must be refused with a typed error or accepted. A panic, a NaN in a result \
-or a solve that does not end is a failure.";
+Numbers are arbitrary bit patterns: NaN, infinities, subnormals, ordinary numbers and neighbours. \
+Every input must be refused with a typed error or accepted. A panic, a NaN in a result or an \
+endless solve is a failure.";

@@ -41,11 +41,9 @@ pub struct Experiment<S, G, const D: usize, const M: usize> {
     pub truncation: Truncation,
     pub key: StreamKey,
     /// Where the noise comes from, if not from the streams.
-    pub noise: Option<Box<Source<M>>>,
+    /// It gives that of a block of paths, see [`mc::NoiseSource`].
+    pub noise: Option<Box<dyn Fn(u64) -> NextNoise<'static, M> + Sync>>,
 }
-
-/// Gives the noise of a block of paths from its first path on, see [`mc::NoiseSource`].
-pub type Source<const M: usize> = dyn Fn(u64) -> NextNoise<'static, M> + Sync;
 
 /// A conformal law with the rounding that is allowed.
 pub struct Law {
@@ -94,8 +92,8 @@ where
         (steps, tau): (u64, f64),
     ) -> Result<Self> {
         let problem = Problem::new::<M>(system, damping, y0, steps as f64 * tau)?;
-        let truncation = lab::truncation();
-        Ok(Self { problem, steps, paths: 1, truncation, key: context.key, noise: None })
+        let (truncation, key) = (lab::truncation(), context.key);
+        Ok(Self { problem, steps, paths: 1, truncation, key, noise: None })
     }
 
     /// With noise from elsewhere: a function of the number of a block's first path.

@@ -43,11 +43,7 @@ fn winners(curves: &[Curve]) -> String {
         }
     });
     let words: Vec<String> = words.collect();
-    if words.is_empty() {
-        "no error is reached by two schemes".into()
-    } else {
-        words.join(", ")
-    }
+    if words.is_empty() { "no error is reached by two schemes".into() } else { words.join(", ") }
 }
 
 /// The strong errors of the schemes of a kind.

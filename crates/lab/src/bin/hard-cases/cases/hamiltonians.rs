@@ -21,11 +21,11 @@ pub const STIFF: Case = Case {
     title: "Stiff Hamiltonian",
     setup: "Rigid body with noise H₀, moments of inertia (2, 1, 2/3)/ω, γ = ½cos 2t, 256 steps \
             of τ = 1/64.",
-    mathematics: "The body turns with frequencies of order ω. |y|² and H₀ decay as e^(−2∫γ) for \
-                  every ω.",
+    mathematics: "|y|² and H₀ decay as e^(−2∫γ) for every ω, the order of the body's \
+                  frequencies.",
     quantity: "largest relative distance of |y|² and H₀ from their laws",
-    guarantee: "`sexp` is on both laws to rounding, or ends with a typed error; nothing about the \
-                phase. `em` and `heun` must leave the law by more than one from ω = 1000 on.",
+    guarantee: "`sexp` is on both laws to rounding, or ends with a typed error. The phase is not \
+                guaranteed. From ω = 1000 on `em` and `heun` must be off by more than one.",
     varied: "ω",
     plot: Some(Plot { x_title: "frequency ω (τ = 1/64)", range: (1e-16, 1e8) }),
     rows: stiff,
@@ -52,13 +52,13 @@ fn stiff(context: &Context) -> Rows {
 pub const SHARP: Case = Case {
     id: "sharp-hamiltonian",
     title: "Sharply varying Hamiltonian",
-    setup: "Rigid body with H = ½(y₁²/2 + y₂² + 3y₃²/2) + sin(κy₁)/κ as drift and as noise, no \
-            damping, 64 steps of τ = 1/16; discrete gradient with eight Gauss–Legendre nodes.",
-    mathematics: "|y|² and H are constant. For the Casimir any discrete gradient will do; for H it \
-                  has to be exact.",
+    setup: "Rigid body with H = ½(y₁²/2 + y₂² + 3y₃²/2) + sin(κy₁)/κ as drift and as noise, γ = \
+            0, 64 steps of τ = 1/16; discrete gradient with eight Gauss–Legendre nodes.",
+    mathematics: "|y|² and H are constant. Any discrete gradient keeps |y|², only an exact one \
+                  H.",
     quantity: "largest distance of ½|y|² (relative) and of H (absolute) from the start",
-    guarantee: "`sexp` keeps the Casimir to rounding, and H to rounding and the error of eight \
-                nodes, Σ|Δy₁|·min(2, (8!)⁴/(17·16!³)·(κΔy₁)¹⁶); or it ends with a typed error.",
+    guarantee: "`sexp` keeps |y|² to rounding, and H to rounding and the error of eight nodes, \
+                Σ|Δy₁|·min(2, (8!)⁴/(17·16!³)·(κΔy₁)¹⁶); or it ends with a typed error.",
     varied: "κ",
     plot: None,
     rows: sharp,
@@ -138,14 +138,14 @@ fn sharp(context: &Context) -> Rows {
 /// Discrete gradients at a = b and next to it.
 pub const NEAR_EQUAL: Case = Case {
     id: "near-equal",
-    title: "Equal and nearly equal arguments of a discrete gradient",
+    title: "Nearly equal arguments of a discrete gradient",
     setup: "∇̄h(a, b) of the pendulum (sine), the three-dimensional Poisson system (cosine), and \
-            Lotka–Volterra with integer and with real exponents; b is a with components times 1 ± \
-            distance alternately.",
-    mathematics: "∇̄h(a, b) = ∫₀¹∇h((1−η)a + ηb)dη is smooth, with ∇̄h(a, a) = ∇h(a). The \
-                  quotient (H(b) − H(a))/(b − a) cancels as b → a.",
+            Lotka–Volterra with integer and real exponents; bᵢ = aᵢ(1 ± distance), signs \
+            alternate.",
+    mathematics: "∇̄h(a, b) = ∫₀¹∇h((1−η)a + ηb)dη is smooth, with ∇̄h(a, a) = ∇h(a). (H(b) − \
+                  H(a))/(b − a) cancels as b → a.",
     quantity: "largest error of a component relative to |∇h|, against 49 Gauss–Legendre nodes",
-    guarantee: "32ε at every distance: no formula divides by what vanishes.",
+    guarantee: "32ε at every distance.",
     varied: "distance",
     plot: None,
     rows: near_equal,

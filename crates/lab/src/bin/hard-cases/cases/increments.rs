@@ -14,9 +14,9 @@ pub const EXTREME: Case = Case {
     id: "extreme-normals",
     title: "Extreme normals",
     setup: "Rigid body with three noises, γ = ½cos 2t, 64 steps; truncated with k = 4 or not. \
-            Every increment is ±√τ·√(106 ln 2) = ±8.57√τ, the largest that the generator can \
-            give, in all combinations of signs; areas ±ΔW².",
-    mathematics: "Every increment is a possible one: the law holds on every path.",
+            Every increment is ±√τ·√(106 ln 2) = ±8.57√τ, the largest the generator gives, in \
+            all combinations of signs; areas ±ΔW².",
+    mathematics: "Such increments are possible: the law holds on every path.",
     quantity: SQUARED_LENGTH,
     guarantee: KEEPS_THE_LAW,
     varied: "τ",
@@ -59,8 +59,7 @@ pub const BIG_STEPS: Case = Case {
     id: "big-steps",
     title: "Big steps",
     setup: "Several paths of the rigid body with three noises, γ = ½cos 2t, 64 steps.",
-    mathematics: "The scheme keeps the law for every τ at which its equation has a solution. \
-                  Convergence is about small τ only.",
+    mathematics: "The scheme keeps the law for every τ at which its equation has a solution.",
     quantity: SQUARED_LENGTH,
     guarantee: KEEPS_THE_LAW,
     varied: "τ",
@@ -80,11 +79,10 @@ fn big_steps(context: &Context) -> Rows {
 pub const NO_NOISE: Case = Case {
     id: "no-noise",
     title: "No noise",
-    setup: "Rigid body, γ = ½cos 2t, T = 1, all increments zero. `em` makes its Itô correction, \
-            as its drift belongs to the equation with noise.",
-    mathematics: "`sexp`, `midpoint` and `heun` are of order two for ordinary equations, Euler's \
+    setup: "Rigid body, γ = ½cos 2t, T = 1, all increments zero. `em` keeps its Itô correction.",
+    mathematics: "For ordinary equations `sexp`, `midpoint` and `heun` are of order two, Euler's \
                   method of order one.",
-    quantity: "order, from the differences of the results with N, 2N and 4N steps",
+    quantity: "order, from the results with N, 2N and 4N steps",
     guarantee: "Two, and one for `em`, up to 16τ.",
     varied: "τ",
     plot: None,

@@ -15,14 +15,14 @@ use crate::schemes::{Family, Tested};
 pub const CASE: Case = Case {
     id: "large-noise",
     title: "Large noise",
-    setup: "Rigid body with three noises, no damping, one step of τ = 0.1 from random states with \
-            |y| = 1; Gaussian increments, not truncated, no areas. An independent solver follows \
-            the branch of the flow in 2048 steps and detects turning points.",
-    mathematics: "While the map contracts there is one solution. Beyond, that of the flow is on \
-                  the branch from the old state with zero increments, if it does not turn back.",
+    setup: "Rigid body with three noises, γ = 0, one step of τ = 0.1 from random states with |y| \
+            = 1; Gaussian increments, not truncated, no areas. An independent solver follows the \
+            branch of the flow in 2048 steps and detects turning points.",
+    mathematics: "While the map contracts there is one solution. Beyond, the flow's is on the \
+                  branch from the old state at zero increments, if that does not turn back.",
     quantity: "share of the steps whose solution is not on that branch",
     guarantee: "Inside the contraction bound (size 0.1) `sexp` solves every step on that branch. \
-                Beyond, |y|² is kept to rounding or the step fails; the branch is not guaranteed.",
+                Beyond, it keeps |y|² to rounding or fails; the branch is not guaranteed.",
     varied: "size of the increments",
     plot: None,
     rows,

@@ -18,7 +18,6 @@ use crate::Arguments;
 use crate::paths::Experiment;
 use crate::results::{CaseResult, Row};
 
-
 /// A family of hard inputs.
 #[derive(Serialize)]
 pub struct Case {
@@ -106,10 +105,7 @@ fn body<G: Damping>(
 }
 
 /// The rows of every setting.
-fn each<T>(
-    settings: impl IntoIterator<Item = T>,
-    rows: impl FnMut(T) -> Rows,
-) -> Rows {
+fn each<T>(settings: impl IntoIterator<Item = T>, rows: impl FnMut(T) -> Rows) -> Rows {
     let rows: Vec<Vec<Row>> = settings.into_iter().map(rows).collect::<Result<_>>()?;
     Ok(rows.into_iter().flatten().collect())
 }

@@ -12,11 +12,11 @@ use crate::rounding::law_bound;
 pub const SCALES: Case = Case {
     id: "scales",
     title: "Tiny and huge states",
-    setup: "Rigid body with three noises, γ = ½cos 2t, 64 steps of τ = 1/64, no areas; state and \
-            moments of inertia multiplied by a power of two.",
-    mathematics: "The solution is multiplied by the same number, in floating point bit by bit.",
+    setup: "Rigid body with three noises, γ = ½cos 2t, 64 steps of τ = 1/64, no areas. State and \
+            moments of inertia are multiplied by a power of two.",
+    mathematics: "The solution scales with them, in floating point bit by bit.",
     quantity: "largest difference from the solution of scale one, relative to |y₀|",
-    guarantee: "No scheme and no stopping test depends on the scale, up to a sweep more or less.",
+    guarantee: "No scheme or stopping test depends on the scale, up to one sweep.",
     varied: "scale",
     plot: None,
     rows: scales,
@@ -55,10 +55,9 @@ pub const EQUILIBRIA: Case = Case {
     id: "equilibria",
     title: "Zero and equilibria",
     setup: "128 steps of τ = 1/16.",
-    mathematics: "Where B∇Hₘ = 0 for all m and γy = 0 the solution stays. At (½, ½, ½) all \
-                  components of ∇H of Lotka–Volterra with a = b = −1 are equal.",
+    mathematics: "Where B∇Hₘ = 0 for all m and γy = 0 the solution stays.",
     quantity: "largest distance of a component from y₀",
-    guarantee: "Every scheme stays exactly. Only the upright pendulum starts an ulp from its \
+    guarantee: "Every scheme stays exactly. The upright pendulum starts an ulp from its \
                 equilibrium and leaves it like εe^t.",
     varied: "system and start",
     plot: None,
@@ -104,12 +103,12 @@ fn stay<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
 pub const LOTKA_VOLTERRA: Case = Case {
     id: "lotka-volterra",
     title: "Lotka–Volterra next to its coordinate planes",
-    setup: "Several paths of Lotka–Volterra with a = −1, b = −2, γ = sin t, up to t = 2.",
-    mathematics: "The solution stays positive, and the Casimir 2y₁ + y₂ + y₃ follows e^(−∫γ). B \
-                  has poles on the planes y₁ = 0 and y₂ = 0.",
+    setup: "Several paths of Lotka–Volterra, a = −1, b = −2, γ = sin t, up to t = 2.",
+    mathematics: "The solution stays positive. The Casimir 2y₁ + y₂ + y₃ follows e^(−∫γ). B has \
+                  poles where y₁ = 0 or y₂ = 0.",
     quantity: "largest relative distance of the Casimir from its law, before a path ends",
     guarantee: "`sexp` is positive and on the law to rounding, or ends with a typed error. No \
-                scheme here is positive by construction.",
+                scheme is positive by construction.",
     varied: "start and τ",
     plot: None,
     rows: lotka_volterra,
