@@ -8,7 +8,7 @@ use crate::results::{CaseResult, Growth};
 pub fn cases(cases: &[CaseResult]) -> Option<String> {
     let plots: Vec<Plot> = cases.iter().filter_map(plot).collect();
     let figure = Figure {
-        title: "What every scheme does under stiff damping and with a stiff Hamiltonian".into(),
+        title: "Stiff damping and a stiff Hamiltonian".into(),
         y_title: "factor of a step; distance from the law".into(),
         size: (268.0, 214.0),
         style: Style::Schemes,
@@ -47,7 +47,7 @@ pub fn growth(growth: &[Growth]) -> String {
     let plot = Plot { x_title, spacing, lines, curves: curves.collect() };
     Figure {
         title: "Distance from the conformal law over ten million steps".into(),
-        y_title: "root mean square distance from the law".into(),
+        y_title: "root mean square distance".into(),
         size: (430.0, 260.0),
         style: Style::Quantities,
         plots: vec![plot],

@@ -104,11 +104,6 @@ where
         Self { noise: Some(Box::new(source)), ..self }
     }
 
-    /// t_n.
-    pub fn time(&self, n: usize) -> f64 {
-        n as f64 * (self.problem.t_end() / self.steps as f64)
-    }
-
     /// The paths of one scheme.
     pub fn run(&self, scheme: &Tested<S, D, M>) -> Result<Vec<Path<D>>> {
         let runs = vec![Run::new(scheme, 0)];
@@ -177,17 +172,18 @@ where
             (self.problem.system(), self.problem.damping(), self.problem.y0());
         let invariants = system.invariants();
         let newton_step = if newton { law.newton_step } else { 0.0 };
+        let time = |n: usize| n as f64 * (self.problem.t_end() / self.steps as f64);
         let mut distance = Distance::default();
         for path in paths {
             let (mut total, mut residuals) = (0.0, 0.0);
             for (n, y) in path.states.iter().enumerate() {
                 if n > 0 {
-                    total += damping.integral(self.time(n - 1), self.time(n)).abs();
+                    total += damping.integral(time(n - 1), time(n)).abs();
                     residuals += residual_share(path.residuals[n - 1].unwrap_or(0.0), *y);
                 }
                 let allowed =
                     law.weight * (law_bound(n as u64, total) + residuals) + newton_step * n as f64;
-                let integral = damping.integral(0.0, self.time(n));
+                let integral = damping.integral(0.0, time(n));
                 for &index in law.invariants {
                     let decay = (-invariants[index].degree * integral).exp();
                     let exact = system.invariant(index, y0) * decay;

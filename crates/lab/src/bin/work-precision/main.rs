@@ -66,7 +66,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         clock: if Stopwatch::MEASURES_PROCESSOR {
             "processor time of the thread"
         } else {
-            "wall time, since this system does not measure the processor time of a thread"
+            "wall time: this system does not measure the processor time of a thread"
         },
         cases,
     };
