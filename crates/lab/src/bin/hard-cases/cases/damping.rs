@@ -108,7 +108,6 @@ pub const ROUGH: Case = Case {
 
 const ROUGH_TAU: f64 = 1.0 / 64.0;
 
-#[derive(Clone, Copy)]
 enum Rough {
     /// γ = 4 on [2kh, (2k+1)h), −3 on [(2k+1)h, (2k+2)h), with the half period h.
     SquareWave(f64),

@@ -65,7 +65,6 @@ pub const SHARP: Case = Case {
 };
 
 /// The rigid body with a rippled energy, whose discrete gradient is the default of the trait.
-#[derive(Clone, Copy)]
 struct Rippled {
     body: RigidBodyEnergy,
     kappa: f64,
