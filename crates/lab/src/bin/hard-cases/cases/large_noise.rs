@@ -53,7 +53,7 @@ fn rows(context: &Context) -> Rows {
             // solution; the largest quotient of the distance from |y|² and what is allowed.
             let (mut other, mut unsolved, mut missed, mut excess) = (0, 0, 0, 0.0_f64);
             for &(dw, y, branch) in &inputs {
-                let solution = scheme.step(&system, &step, &Noise::increments(dw), y);
+                let solution = scheme.step(system, &step, &Noise::increments(dw), y);
                 let (z, residual) = match solution.outcome {
                     Outcome::Failed { .. } => {
                         unsolved += 1;
