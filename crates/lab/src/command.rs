@@ -24,18 +24,12 @@ pub fn simd(name: &str) -> Result<Level, String> {
 }
 
 fn level_up_to(available: Level, name: &str) -> Result<Level, String> {
-    let levels = [Level::Baseline, Level::Avx2, Level::Avx512].into_iter();
-    let names = |levels: &mut dyn Iterator<Item = Level>| -> String {
-        levels.map(Level::name).collect::<Vec<_>>().join(", ")
-    };
-    match levels.clone().find(|level| level.name() == name) {
-        None => Err(format!("the instruction sets are {}", names(&mut levels.clone()))),
-        Some(level) if level > available => {
-            let has = names(&mut levels.filter(|&level| level <= available));
-            Err(format!("this machine does not have it, only {has}"))
-        }
-        Some(level) => Ok(level),
-    }
+    let all = [Level::Baseline, Level::Avx2, Level::Avx512].into_iter();
+    let mut levels = all.filter(|level| *level <= available);
+    levels.clone().find(|level| level.name() == name).ok_or_else(|| {
+        let has = levels.by_ref().map(Level::name).collect::<Vec<_>>().join(", ");
+        format!("this machine does not have it, only {has}")
+    })
 }
 
 /// A table for the terminal, whose columns from number `first_number` on are numbers.

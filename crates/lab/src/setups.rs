@@ -14,7 +14,7 @@ use verify::rigid_body_expectations;
 use crate::{PaperSystem, compiled};
 
 /// What a scheme is.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq)]
 pub enum Kind {
     /// The conformal exponential integrator.
     Sexp,

@@ -94,7 +94,7 @@ fn a_case_that_does_not_exist_is_refused() {
     let output = run(&out, &["--only", "equilibrium"]);
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2));
-    for word in ["\"equilibrium\"", "equilibria", "growth", "fuzz"] {
+    for word in ["'equilibrium'", "equilibria", "growth", "fuzz"] {
         assert!(message.contains(word), "{message}");
     }
     assert!(!out.exists());

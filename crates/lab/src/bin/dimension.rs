@@ -78,9 +78,9 @@ fn best<T>(budget: Duration, work: impl Fn() -> T) -> (f64, T) {
 /// A time in microseconds, and how the solver ended.
 fn cell(seconds: f64, outcome: Outcome) -> String {
     let end = match outcome {
-        Outcome::Fast { iterations } => format!("{iterations}"),
+        Outcome::Fast { iterations } => iterations.to_string(),
         Outcome::Robust { iterations, .. } => format!("rescued, {iterations}"),
-        Outcome::Failed { .. } => "failed".to_owned(),
+        Outcome::Failed { .. } => "failed".into(),
     };
     format!("{:.3} ({end})", 1e6 * seconds)
 }
@@ -108,9 +108,9 @@ fn rows<const D: usize>(budget: Duration) -> Result<Vec<[String; 6]>> {
             });
             cell(block / WIDTH as f64, iterated.outcome)
         } else {
-            "not measured".to_owned()
+            "not measured".into()
         };
-        let distances = iterated.z.iter().zip(linearised.z).map(|(a, b)| (a - b).abs());
+        let distances = (0..D).map(|i| (iterated.z[i] - linearised.z[i]).abs());
         Ok([
             D.to_string(),
             format!("{contraction:.3}"),
@@ -124,9 +124,8 @@ fn rows<const D: usize>(budget: Duration) -> Result<Vec<[String; 6]>> {
 }
 
 fn measure(budget: Duration) -> Result<()> {
-    let dimensions = [rows::<6>, rows::<30>, rows::<90>, rows::<150>, rows::<300>];
     let mut measured = Vec::new();
-    for rows in dimensions {
+    for rows in [rows::<6>, rows::<30>, rows::<90>, rows::<150>, rows::<300>] {
         measured.extend(rows(budget)?);
     }
     let header = [

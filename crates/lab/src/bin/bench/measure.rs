@@ -18,7 +18,7 @@ use systems::paper::rigid_body_three_noises;
 use systems::{Damping, PoissonSystem, Problem};
 use verify::{FinalMoments, Spread, Stopwatch};
 
-use crate::results::{Clock, GrowthRow, SchemeRow, Speed, ThreadRow, Workload};
+use crate::results::{GrowthRow, SchemeRow, Speed, ThreadRow, Workload};
 
 /// Streams of all measurements.
 pub const KEY: StreamKey = StreamKey { seed: 1, experiment: lab::streams::BENCH };
@@ -35,7 +35,7 @@ pub fn measure(workload: Workload) -> Result<Speed> {
     visit_others(&mut schemes)?;
     Ok(Speed {
         workload,
-        clock: if Stopwatch::MEASURES_PROCESSOR { Clock::OnCore } else { Clock::Wall },
+        clock: if Stopwatch::MEASURES_PROCESSOR { "on-core" } else { "wall" },
         simd: Level::current().name(),
         optimised: !cfg!(debug_assertions),
         load_before,
@@ -76,20 +76,13 @@ fn run_once<const D: usize, const M: usize>(ladder: &Ladder<'_, D, M>, paths: u6
     black_box(ladder.run(paths, new, &|_| ())).failed
 }
 
-/// Wall and thread time of repetitions in seconds, and how many paths were left out.
-struct Times {
-    wall: Spread,
-    thread: Spread,
-    failed: u64,
-}
-
-/// Runs the ladder once to warm up and then `repetitions` times, on a pool. The time of the thread
-/// is that of a single thread.
+/// Runs the ladder once to warm up and then `repetitions` times, on a pool: wall time, time of a
+/// single thread, both in seconds, and how many paths were left out.
 fn repeat<const D: usize, const M: usize>(
     pool: &ThreadPool,
     ladder: &Ladder<'_, D, M>,
     Workload { paths, repetitions, .. }: Workload,
-) -> Times {
+) -> (Spread, Spread, u64) {
     // The clock of the thread is read on the thread that works.
     pool.install(|| {
         let failed = run_once(ladder, paths);
@@ -99,7 +92,7 @@ fn repeat<const D: usize, const M: usize>(
             (watch.wall_s(), watch.thread_s())
         };
         let (wall, thread) = (0..repetitions).map(once).unzip();
-        Times { wall: Spread::of(wall), thread: Spread::of(thread), failed }
+        (Spread::of(wall), Spread::of(thread), failed)
     })
 }
 
@@ -122,15 +115,15 @@ impl Visit for Schemes {
         for (_, scheme) in &schemes {
             eprintln!("{} on {}", scheme.id(), id);
             let ladder = ladder(&problem, 0, vec![Run::new(scheme.as_ref(), 0)])?;
-            let times = repeat(&self.one, &ladder, self.workload);
+            let (wall, thread, failed) = repeat(&self.one, &ladder, self.workload);
             self.rows.push(SchemeRow {
                 system: id,
                 dimension: D,
                 noises: M,
                 scheme: scheme.id(),
-                ns_per_path_step: times.thread.scaled(ns),
-                wall_ns_per_path_step: times.wall.scaled(ns),
-                failed: times.failed,
+                ns_per_path_step: thread.scaled(ns),
+                wall_ns_per_path_step: wall.scaled(ns),
+                failed,
             });
         }
         Ok(())
@@ -151,7 +144,7 @@ fn threads(workload: Workload) -> Result<Vec<ThreadRow>> {
     let mut rows: Vec<ThreadRow> = Vec::new();
     for threads in counts(available_parallelism().map_or(1, usize::from)) {
         eprintln!("{threads} threads");
-        let seconds = repeat(&pool(threads)?, &ladder, workload).wall;
+        let (seconds, ..) = repeat(&pool(threads)?, &ladder, workload);
         let first = rows.first().map_or(seconds.best, |row| row.seconds.best);
         rows.push(ThreadRow { threads, seconds, speedup: first / seconds.best });
     }
@@ -198,8 +191,8 @@ fn growth(workload: Workload, one: &ThreadPool) -> Result<Vec<GrowthRow>> {
         let forgotten = fs::write("/proc/self/clear_refs", "5").is_ok();
         one.install(|| run_once(&ladder, workload.paths));
         let peak_memory_mb = if forgotten { peak_memory_mb() } else { None };
-        let times = repeat(one, &ladder, workload);
-        let ns_per_path_step = times.thread.scaled(1e9 / path_steps as f64);
+        let (_, thread, _) = repeat(one, &ladder, workload);
+        let ns_per_path_step = thread.scaled(1e9 / path_steps as f64);
         rows.push(GrowthRow { grows, value, path_steps, ns_per_path_step, peak_memory_mb });
     }
     Ok(rows)

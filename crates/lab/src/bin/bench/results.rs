@@ -36,16 +36,6 @@ impl Workload {
     pub const QUICK: Self = Self { paths: 256, steps: 32, repetitions: 2 };
 }
 
-/// What the times of one thread are.
-#[derive(Clone, Copy, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Clock {
-    /// Time that the thread spent on a core: other processes disturb it little.
-    OnCore,
-    /// Time that passed.
-    Wall,
-}
-
 /// One scheme on one system, on one thread.
 #[derive(Serialize)]
 pub struct SchemeRow {
@@ -97,8 +87,9 @@ pub struct GrowthRow {
 pub struct Speed {
     /// At which size.
     pub workload: Workload,
-    /// What the times of one thread are.
-    pub clock: Clock,
+    /// What the times of one thread are: `on-core`, the time that it spent on a core, which other
+    /// processes disturb little; or `wall`, the time that passed.
+    pub clock: &'static str,
     /// Instruction set that the kernels ran on.
     pub simd: &'static str,
     /// Whether this was built without checks for debugging.

@@ -4,25 +4,21 @@ use comfy_table::Table;
 use lab::command::table;
 use verify::Spread;
 
-use crate::results::{Clock, Speed};
+use crate::results::Speed;
 
 /// Everything that was measured.
 pub fn page(speed: &Speed) -> String {
     let workload = speed.workload;
-    let clock = match speed.clock {
-        Clock::OnCore => "on the core",
-        Clock::Wall => "on the wall",
-    };
     let mut parts = vec![format!(
         "{} paths, {} steps of 2^-8, {}, one thread, noise and statistics included; best of {}, ns \
-         for one step of one path {clock}",
-        workload.paths, workload.steps, speed.simd, workload.repetitions
+         ({}) for one step of one path",
+        workload.paths, workload.steps, speed.simd, workload.repetitions, speed.clock
     )];
     if !speed.optimised {
-        parts.push("built without optimisation: the numbers say nothing".to_owned());
+        parts.push("built without optimisation".into());
     }
     if let Some(load) = speed.load_before {
-        parts.push(format!("{load:.2} other processes were at work on average before"));
+        parts.push(format!("load before: {load:.2} processes"));
     }
     parts.push(format!("{}\n", schemes(speed)));
     parts.push(format!("sexp on the rigid body with three noises:\n{}\n", threads(speed)));
@@ -62,7 +58,7 @@ fn growth(speed: &Speed) -> Table {
     let header = ["grows", "to", "path-steps", "ns, best", "median", "worst", "peak MB"];
     let rows = speed.growth.iter().map(|row| {
         let [best, median, worst] = numbers(&row.ns_per_path_step, 2);
-        let peak = row.peak_memory_mb.map_or_else(|| "unknown".to_owned(), |mb| format!("{mb:.2}"));
+        let peak = row.peak_memory_mb.map_or("unknown".into(), |mb| format!("{mb:.2}"));
         let [value, steps] = [row.value, row.path_steps].map(|number| number.to_string());
         [row.grows.to_owned(), value, steps, best, median, worst, peak]
     });

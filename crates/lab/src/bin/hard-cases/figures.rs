@@ -5,15 +5,16 @@ use report::figure::{Curve, Figure, Line, Measured, Plot, Spacing, Style};
 use crate::results::{CaseResult, Growth};
 
 /// What every scheme does in the cases that have a plot.
-pub fn cases(cases: &[&CaseResult]) -> String {
-    Figure {
-        title: "What every scheme does under stiff damping and with a stiff Hamiltonian".into(),
+pub fn cases(cases: &[CaseResult]) -> Option<String> {
+    let plots: Vec<Plot> = cases.iter().filter_map(plot).collect();
+    let figure = Figure {
+        title: "Stiff damping and a stiff Hamiltonian".into(),
         y_title: "factor of a step; distance from the law".into(),
         size: (268.0, 214.0),
         style: Style::Schemes,
-        plots: cases.iter().filter_map(|case| plot(case)).collect(),
-    }
-    .svg()
+        plots,
+    };
+    (!figure.plots.is_empty()).then(|| figure.svg())
 }
 
 /// One curve for each scheme.
@@ -24,7 +25,7 @@ fn plot(case: &CaseResult) -> Option<Plot> {
     // `sexp` with Newton is `sexp` to the eye.
     for row in case.rows.iter().filter(|row| !row.newton) {
         // What is not finite, or overflows in the end, is at the top.
-        let point = Measured::new(row.setting.x?, row.measured.unwrap_or(hi).clamp(lo, hi));
+        let point = Measured::new(row.x?, row.measured.unwrap_or(hi).clamp(lo, hi));
         match curves.iter_mut().find(|curve| curve.name == row.scheme) {
             Some(curve) => curve.points.push(point),
             None => curves.push(Curve::new(row.scheme, [point])),
@@ -46,7 +47,7 @@ pub fn growth(growth: &[Growth]) -> String {
     let plot = Plot { x_title, spacing, lines, curves: curves.collect() };
     Figure {
         title: "Distance from the conformal law over ten million steps".into(),
-        y_title: "root mean square distance from the law".into(),
+        y_title: "root mean square distance".into(),
         size: (430.0, 260.0),
         style: Style::Quantities,
         plots: vec![plot],

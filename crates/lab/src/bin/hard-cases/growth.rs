@@ -118,8 +118,8 @@ fn growth<S: Compiled<Sexp, D, M>, const D: usize, const M: usize>(
     let rows = ladder.run(WIDTH as u64, new, &|_| ()).statistic.rows;
     let point = |(steps, d): &(u64, [f64; WIDTH])| GrowthPoint {
         steps: *steps,
-        rms: rms(d.iter()),
-        mean: d.iter().sum::<f64>() / d.len() as f64,
+        rms: rms(d),
+        mean: d.iter().sum::<f64>() / WIDTH as f64,
         max: d.iter().map(|d| d.abs()).fold(0.0, f64::max),
     };
     let points: Vec<GrowthPoint> = rows.iter().map(point).collect();
@@ -180,15 +180,14 @@ impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Statistic<D> for Defect
     }
 }
 
-fn rms<'a>(d: impl ExactSizeIterator<Item = &'a f64>) -> f64 {
-    let count = d.len() as f64;
-    (d.map(|d| d * d).sum::<f64>() / count).sqrt()
+fn rms(d: &[f64; WIDTH]) -> f64 {
+    (d.iter().map(|d| d * d).sum::<f64>() / WIDTH as f64).sqrt()
 }
 
 /// The slope of ln RMS over ln n by least squares, over the given paths.
 fn slope(rows: &[(u64, [f64; WIDTH])], paths: &[usize; WIDTH]) -> f64 {
     let late = rows.iter().filter(|(n, _)| *n >= FIRST);
-    let points = late.map(|(n, d)| ((*n as f64).ln(), rms(paths.iter().map(|p| &d[*p])).ln()));
+    let points = late.map(|(n, d)| ((*n as f64).ln(), rms(&paths.map(|path| d[path])).ln()));
     let points: Vec<(f64, f64)> = points.filter(|(_, y)| *y > f64::NEG_INFINITY).collect();
     let count = points.len() as f64;
     let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / count, y + p.1 / count));

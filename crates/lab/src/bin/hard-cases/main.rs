@@ -20,8 +20,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::Parser;
+use clap::builder::PossibleValuesParser;
 use lab::command;
 use report::{Page, files, provenance};
 use verify::results::Provenance;
@@ -36,7 +37,7 @@ struct Arguments {
     #[arg(long)]
     quick: bool,
     /// Run only this case, or `growth`, or `fuzz`; may be given several times.
-    #[arg(long, value_name = "ID")]
+    #[arg(long, value_name = "ID", value_parser = PossibleValuesParser::new(parts()))]
     only: Vec<String>,
     /// Inputs of the cheapest fuzzed targets, fewer for the others; by default about a minute's
     /// worth, with --quick a second's.
@@ -55,6 +56,11 @@ struct Arguments {
 
 const GROWTH: &str = "growth";
 const FUZZ: &str = "fuzz";
+
+/// What can be run alone.
+fn parts() -> impl Iterator<Item = &'static str> {
+    cases::CASES.iter().map(|case| case.id).chain([GROWTH, FUZZ])
+}
 
 impl Arguments {
     /// `full`, or `quick` where seconds count.
@@ -78,30 +84,21 @@ fn main() -> ExitCode {
 
 /// Runs everything, and writes JSON, figures and page. Fails when a guarantee is refuted.
 fn run(arguments: &Arguments) -> Result<ExitCode> {
-    let parts = cases::CASES.iter().map(|case| case.id).chain([GROWTH, FUZZ]);
-    let known: Vec<&str> = parts.collect();
-    if let Some(id) = arguments.only.iter().find(|id| !known.contains(&id.as_str())) {
-        bail!("there is no case {id:?}; there are {}", known.join(", "));
-    }
     files::prepare(&arguments.out)?;
     if let Some(page) = &arguments.page {
         files::prepare_file(page)?;
     }
     let start = Instant::now();
-    let mut results = Stability {
-        schema: SCHEMA,
-        provenance: Provenance::of_run(
-            arguments.seed,
-            if arguments.quick { "quick" } else { "full" },
-        ),
-        cases: cases::run(arguments)?,
-        growth: if arguments.wants(GROWTH) { growth::run(arguments)? } else { Vec::new() },
-        fuzz: if arguments.wants(FUZZ) { fuzz::run(arguments) } else { Vec::new() },
-    };
-    results.provenance = provenance::complete(results.provenance, "cargo xtask stability", start);
+    let cases = cases::run(arguments)?;
+    let growth = if arguments.wants(GROWTH) { growth::run(arguments)? } else { Vec::new() };
+    let fuzz = if arguments.wants(FUZZ) { fuzz::run(arguments) } else { Vec::new() };
+    let mode = if arguments.quick { "quick" } else { "full" };
+    let known = Provenance::of_run(arguments.seed, mode);
+    let provenance = provenance::complete(known, "cargo xtask stability", start);
+    let results = Stability { schema: SCHEMA, provenance, cases, growth, fuzz };
     files::write_json(&arguments.out.join("stability.json"), &results)?;
     let page = page::page(&results);
-    for file in arguments.page.iter().chain([&arguments.out.join("stability.md")]).rev() {
+    for file in [&arguments.out.join("stability.md")].into_iter().chain(&arguments.page) {
         page.write(file)?;
     }
     let mut summary = Page::new("Stability");

@@ -3,7 +3,8 @@
 use report::{Page, anchor, distinct, number, provenance};
 
 use crate::figures;
-use crate::results::{CaseResult, Fuzzed, Growth, Row, Stability, Verdict};
+use crate::results::Verdict::{self, FailsAsItMust, Holds, Observed, Refuted};
+use crate::results::{CaseResult, Fuzzed, Growth, Row, Stability};
 
 /// The whole page.
 pub fn page(results: &Stability) -> Page {
@@ -16,10 +17,7 @@ pub fn page(results: &Stability) -> Page {
     page.paragraph(METHOD);
     page.heading(2, "Summary");
     summary(&mut page, results);
-    let plotted = results.cases.iter().filter(|result| result.case.plot.is_some());
-    let plotted: Vec<&CaseResult> = plotted.collect();
-    if !plotted.is_empty() {
-        let svg = figures::cases(&plotted);
+    if let Some(svg) = figures::cases(&results.cases) {
         page.figure("stability-stiff.svg", "Every scheme in the stiff cases", svg);
     }
     for CaseResult { case, rows } in &results.cases {
@@ -41,10 +39,10 @@ pub fn page(results: &Stability) -> Page {
 
 fn mark(verdict: Verdict) -> &'static str {
     match verdict {
-        Verdict::Holds => "✓",
-        Verdict::FailsAsItMust => "✗",
-        Verdict::Observed => "",
-        Verdict::Refuted => "**REFUTED**",
+        Holds => "✓",
+        FailsAsItMust => "✗",
+        Observed => "",
+        Refuted => "**REFUTED**",
     }
 }
 
@@ -52,9 +50,7 @@ fn mark(verdict: Verdict) -> &'static str {
 pub fn summary(page: &mut Page, results: &Stability) {
     let row = |title: &str, verdicts: &[Verdict]| {
         let count = |one| verdicts.iter().filter(|verdict| **verdict == one).count().to_string();
-        let [hold, fail, observed, refuted] =
-            [Verdict::Holds, Verdict::FailsAsItMust, Verdict::Observed, Verdict::Refuted]
-                .map(count);
+        let [hold, fail, observed, refuted] = [Holds, FailsAsItMust, Observed, Refuted].map(count);
         [format!("[{title}](#{})", anchor(title)), hold, fail, observed, refuted]
     };
     let cases = results.cases.iter().map(|CaseResult { case, rows }| {
@@ -64,13 +60,13 @@ pub fn summary(page: &mut Page, results: &Stability) {
     let long = (!long.is_empty()).then(|| row(LONG, &long));
     page.table(["case", "hold", "fail as they must", "observed", "refuted"], cases.chain(long));
     let refuted = results.cases.iter().flat_map(|result| &result.rows);
-    let refuted = refuted.filter(|row| row.verdict == Verdict::Refuted);
-    page.list(refuted.map(|row| format!("{}, {}: {}", row.setting.words, row.scheme, cell(row))));
+    let refuted = refuted.filter(|row| row.verdict == Refuted);
+    page.list(refuted.map(|row| format!("{}, {}: {}", row.setting, row.scheme, cell(row))));
     if !results.fuzz.is_empty() {
-        let inputs: u64 = results.fuzz.iter().map(|fuzzed| fuzzed.inputs).sum();
-        let failures: u64 = results.fuzz.iter().map(|fuzzed| fuzzed.failures).sum();
-        let link = format!("[{FUZZ}](#{})", anchor(FUZZ));
-        page.paragraph(format!("{link}: {inputs} inputs, {failures} failures."));
+        let sum = |count: fn(&Fuzzed) -> u64| results.fuzz.iter().map(count).sum::<u64>();
+        let (inputs, failures) = (sum(|fuzzed| fuzzed.inputs), sum(|fuzzed| fuzzed.failures));
+        let link = anchor(FUZZ);
+        page.paragraph(format!("[{FUZZ}](#{link}): {inputs} inputs, {failures} failures."));
     }
 }
 
@@ -82,11 +78,11 @@ fn table(page: &mut Page, varied: &str, rows: &[Row]) {
     let schemes = distinct(rows.iter().map(|row| row.scheme));
     let quoted = schemes.iter().map(|scheme| format!("`{scheme}`"));
     let head = [varied, "exact", "bound"].map(str::to_owned).into_iter().chain(quoted);
-    let lines = rows.chunk_by(|a, b| a.setting.words == b.setting.words).map(|rows| {
+    let lines = rows.chunk_by(|a, b| a.setting == b.setting).map(|rows| {
         let exact = distinct(rows.iter().filter_map(|row| row.exact.map(number))).join("; ");
-        let holding = rows.iter().filter(|row| row.verdict == Verdict::Holds);
+        let holding = rows.iter().filter(|row| row.verdict == Holds);
         let bound = holding.filter_map(|row| row.bound).reduce(f64::max).map(number);
-        let start = [rows[0].setting.words.clone(), exact, bound.unwrap_or_default()];
+        let start = [rows[0].setting.clone(), exact, bound.unwrap_or_default()];
         let row = |scheme: &&str| rows.iter().find(|row| row.scheme == *scheme);
         let cells = schemes.iter().map(|scheme| row(scheme).map(cell).unwrap_or_default());
         start.into_iter().chain(cells).collect::<Vec<String>>()
@@ -95,34 +91,46 @@ fn table(page: &mut Page, varied: &str, rows: &[Row]) {
 }
 
 fn cell(row: &Row) -> String {
-    let parts: Vec<String> =
-        row.measured.map(number).into_iter().chain(row.error.clone()).collect();
-    let text = if parts.is_empty() { "–".to_owned() } else { parts.join("; ") };
-    format!("{text} {}", mark(row.verdict)).trim_end().to_owned()
+    let text = match (row.measured.map(number), &row.error) {
+        (Some(figure), Some(error)) => format!("{figure}; {error}"),
+        (figure, error) => figure.or(error.clone()).unwrap_or("–".into()),
+    };
+    format!("{text} {}", mark(row.verdict)).trim_end().into()
 }
 
 fn growth(page: &mut Page, growth: &[Growth]) {
     page.heading(2, LONG);
     page.paragraph(GROWTH);
-    let description = "Root mean square of the distance over the number of steps";
-    page.figure("stability-growth.svg", description, figures::growth(growth));
+    let svg = figures::growth(growth);
+    page.figure("stability-growth.svg", "Distance over the number of steps", svg);
     let rows = growth.iter().filter_map(|run| {
         let end = run.points.last()?;
         Some([
             format!("`{}`", run.id),
             run.setup.clone(),
             format!("`{}`", run.scheme),
-            run.invariant.to_owned(),
+            run.invariant.into(),
             format!("{:.0e}", end.steps as f64),
             number(end.rms),
             format!("{:+.1e}", end.mean),
             number(end.max),
             format!("{:.3} [{:.3}, {:.3}]", run.exponent, run.lo, run.hi),
-            mark(run.verdict).to_owned(),
+            mark(run.verdict).into(),
         ])
     });
-    let head = ["run", "problem", "scheme", "law of", "steps", "root mean square", "mean"];
-    page.table(head.into_iter().chain(["largest", "exponent, 95 %", "verdict"]), rows);
+    let head = [
+        "run",
+        "problem",
+        "scheme",
+        "law of",
+        "steps",
+        "root mean square",
+        "mean",
+        "largest",
+        "exponent, 95 %",
+        "verdict",
+    ];
+    page.table(head, rows);
 }
 
 fn fuzz(page: &mut Page, fuzz: &[Fuzzed]) {
@@ -136,35 +144,34 @@ fn fuzz(page: &mut Page, fuzz: &[Fuzzed]) {
             .into_iter()
             .chain(counts.map(u64::to_string))
     });
-    let head = ["target", "what is checked", "inputs", "accepted", "refused", "most iterations"];
-    page.table(head.into_iter().chain(["failures"]), rows);
+    let head =
+        ["target", "what is checked", "inputs", "accepted", "refused", "iterations", "failures"];
+    page.table(head, rows);
     let examples = fuzz.iter().flat_map(|one| one.examples.iter().map(move |e| (one.target, e)));
     page.list(examples.map(|(target, example)| format!("{target}: {example}")));
 }
 
 const METHOD: &str = "\
 Each case runs with every scheme: `sexp` with the fixed point first, `sexp-newton` with Newton's \
-method first, `sexp-levy` where noises do not commute, `midpoint`, `heun` and `em`. A guarantee is \
-a derived bound. Marks: ✓ it holds; ✗ the scheme fails, as theory predicts; none: nothing is \
-guaranteed. Increments are truncated with k = 4 unless a case says otherwise. A path that cannot \
-go on ends with a typed error; no result is ever NaN.
+method first, `sexp-levy` where noises do not commute, `midpoint`, `heun` and `em`. A guarantee \
+is a derived bound. Marks: ✓ it holds; ✗ the scheme fails, as theory predicts; none: nothing is \
+guaranteed. Increments are truncated with k = 4 unless a case says otherwise. No result is ever \
+NaN: a path that cannot go on ends with a typed error.
 
-A Casimir of degree two obeys |y_n|² = e^(−2∫γ)|y₀|² on every path. *To rounding* means the worst \
-case of all roundings together, (32n + 4∫|γ| + 8)ε after n steps, derived in \
-`crates/lab/src/bin/hard-cases/rounding.rs`.";
+*To rounding* is the worst case of all roundings together: |y_n|² = e^(−2∫γ)|y₀|² up to (32n + \
+4∫|γ| + 8)ε after n steps, see `crates/lab/src/bin/hard-cases/rounding.rs`.";
 
 const GROWTH: &str = "\
-Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over 32 independent paths. Roundings without a direction make a \
-random walk, √n·ε; those with one a drift, n·ε. The exponent is the slope of log root mean square \
-over log n, from n = 1024 on; its interval comes from resampling whole paths. All paths share the \
-damping factors and their roundings: this part of the walk shows in the mean and not in the \
-interval.
+Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over 32 paths. Roundings without a direction make a random \
+walk, √n·ε; those with one a drift, n·ε. The exponent is the slope of log root mean square over \
+log n from n = 1024 on; its interval comes from resampling paths. The roundings of the damping \
+factors, which all paths share, show in the mean only.
 
-*Guarantee.* With a settled solver the root mean square stays below 32ε√n, the walk whose steps \
-are the worst roundings of a step. The default solver leaves a residual of up to 2ε in the same \
-direction in every step, a drift; `Solver::settled()` removes it with one more sweep.";
+*Guarantee.* With a settled solver the root mean square stays below 32ε√n, a walk of the worst \
+roundings of a step. The default solver leaves a residual of up to 2ε in the same direction in \
+every step, a drift; `Solver::settled()` removes it with one more sweep.";
 
 const FUZZING: &str = "\
-Numbers are arbitrary bit patterns: NaN, infinities, subnormals, ordinary numbers and their \
-neighbours. Every input must be refused with a typed error or accepted. A panic, a NaN in a result \
-or a solve that does not end is a failure.";
+Numbers are arbitrary bit patterns: NaN, infinities, subnormals, ordinary numbers and neighbours. \
+Every input must be accepted or refused with a typed error. A panic, a NaN in a result or an \
+endless solve is a failure.";

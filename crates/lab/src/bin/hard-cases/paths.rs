@@ -2,6 +2,7 @@
 //! conformal laws.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 
 use anyhow::Result;
 use mc::{Ladder, NextNoise, Run, Statistic, View};
@@ -11,7 +12,7 @@ use report::distinct;
 use systems::{Damping, PoissonSystem, Problem};
 
 use crate::cases::Context;
-use crate::results::{Row, Setting};
+use crate::results::Row;
 use crate::rounding::{law_bound, residual_share};
 use crate::schemes::{Family, Tested, schemes};
 
@@ -40,14 +41,11 @@ pub struct Experiment<S, G, const D: usize, const M: usize> {
     pub truncation: Truncation,
     pub key: StreamKey,
     /// Where the noise comes from, if not from the streams.
-    pub noise: Option<Box<Source<M>>>,
+    /// It gives that of a block of paths, see [`mc::NoiseSource`].
+    pub noise: Option<Box<dyn Fn(u64) -> NextNoise<'static, M> + Sync>>,
 }
 
-/// Gives the noise of a block of paths from its first path on, see [`mc::NoiseSource`].
-pub type Source<const M: usize> = dyn Fn(u64) -> NextNoise<'static, M> + Sync;
-
 /// A conformal law with the rounding that is allowed.
-#[derive(Clone, Copy)]
 pub struct Law {
     /// Numbers of the invariants.
     pub invariants: &'static [usize],
@@ -71,7 +69,7 @@ pub const CASIMIR: Law = Law {
 };
 
 /// Distance of paths from a law.
-#[derive(Clone, Copy, Default)]
+#[derive(Default)]
 pub struct Distance {
     /// The largest relative distance.
     pub worst: f64,
@@ -94,8 +92,8 @@ where
         (steps, tau): (u64, f64),
     ) -> Result<Self> {
         let problem = Problem::new::<M>(system, damping, y0, steps as f64 * tau)?;
-        let truncation = lab::truncation();
-        Ok(Self { problem, steps, paths: 1, truncation, key: context.key, noise: None })
+        let (truncation, key) = (lab::truncation(), context.key);
+        Ok(Self { problem, steps, paths: 1, truncation, key, noise: None })
     }
 
     /// With noise from elsewhere: a function of the number of a block's first path.
@@ -104,11 +102,6 @@ where
         source: impl Fn(u64) -> NextNoise<'static, M> + Sync + 'static,
     ) -> Self {
         Self { noise: Some(Box::new(source)), ..self }
-    }
-
-    /// t_n.
-    pub fn time(&self, n: usize) -> f64 {
-        n as f64 * (self.problem.t_end() / self.steps as f64)
     }
 
     /// The paths of one scheme.
@@ -136,13 +129,13 @@ where
     /// A row for every scheme, which `complete` gives its figure and its claim.
     pub fn rows(
         &self,
-        setting: impl Into<Setting>,
+        setting: impl Display,
+        x: Option<f64>,
         complete: impl Fn(Row, &Tested<S, D, M>, &[Path<D>]) -> Result<Row>,
     ) -> Result<Vec<Row>> {
-        let setting = setting.into();
         let row = |scheme: &Tested<S, D, M>| {
             let paths = self.run(scheme)?;
-            let row = Row::new(&setting, scheme.name, stops(&paths));
+            let row = Row::new(&setting, x, scheme.name, stops(&paths));
             complete(Row { newton: scheme.newton, ..row }, scheme, &paths)
         };
         self.schemes().iter().map(row).collect()
@@ -152,11 +145,12 @@ where
     /// the distance that a scheme has to exceed, if theory predicts that it fails.
     pub fn law_rows(
         &self,
-        setting: impl Into<Setting>,
+        setting: impl Display,
+        x: Option<f64>,
         law: &Law,
         must_exceed: impl Fn(Family) -> Option<f64>,
     ) -> Result<Vec<Row>> {
-        self.rows(setting, |row, scheme, paths| {
+        self.rows(setting, x, |row, scheme, paths| {
             let Distance { worst, excess, bound } = self.distance(paths, law, scheme.newton);
             let kept = excess <= 1.0 && !(law.to_the_end && row.error.is_some());
             let row = row.with_figure(worst);
@@ -178,17 +172,18 @@ where
             (self.problem.system(), self.problem.damping(), self.problem.y0());
         let invariants = system.invariants();
         let newton_step = if newton { law.newton_step } else { 0.0 };
+        let time = |n: usize| n as f64 * (self.problem.t_end() / self.steps as f64);
         let mut distance = Distance::default();
         for path in paths {
             let (mut total, mut residuals) = (0.0, 0.0);
             for (n, y) in path.states.iter().enumerate() {
                 if n > 0 {
-                    total += damping.integral(self.time(n - 1), self.time(n)).abs();
+                    total += damping.integral(time(n - 1), time(n)).abs();
                     residuals += residual_share(path.residuals[n - 1].unwrap_or(0.0), *y);
                 }
                 let allowed =
                     law.weight * (law_bound(n as u64, total) + residuals) + newton_step * n as f64;
-                let integral = damping.integral(0.0, self.time(n));
+                let integral = damping.integral(0.0, time(n));
                 for &index in law.invariants {
                     let decay = (-invariants[index].degree * integral).exp();
                     let exact = system.invariant(index, y0) * decay;
@@ -204,7 +199,7 @@ where
 }
 
 /// How paths ended early, in words.
-pub fn stops<const D: usize>(paths: &[Path<D>]) -> Option<String> {
+fn stops<const D: usize>(paths: &[Path<D>]) -> Option<String> {
     let stops: Vec<_> = paths.iter().filter_map(|path| path.stop).collect();
     let (cause, step) = stops.last()?;
     let causes = distinct(stops.iter().map(|stop| stop.0)).join(", ");

@@ -1,5 +1,7 @@
 //! The contract of `stability.json`; documented for other languages in `docs/results.md`.
 
+use std::fmt::Display;
+
 use serde::Serialize;
 use verify::results::Provenance;
 
@@ -34,7 +36,7 @@ impl Stability {
 }
 
 /// What became of a guarantee.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Default, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// The stated bound was kept.
@@ -58,41 +60,14 @@ pub struct CaseResult {
     pub rows: Vec<Row>,
 }
 
-/// What is set in a row.
-#[derive(Clone, Default, Serialize)]
-pub struct Setting {
-    /// In words.
-    #[serde(rename = "setting")]
-    pub words: String,
+/// One scheme in one setting of a case.
+#[derive(Default, Serialize)]
+pub struct Row {
+    /// What is set, in words.
+    pub setting: String,
     /// As a number, where it is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub x: Option<f64>,
-}
-
-impl From<f64> for Setting {
-    fn from(x: f64) -> Self {
-        Self { words: x.to_string(), x: Some(x) }
-    }
-}
-
-impl From<String> for Setting {
-    fn from(words: String) -> Self {
-        Self { words, x: None }
-    }
-}
-
-impl From<(String, f64)> for Setting {
-    fn from((words, x): (String, f64)) -> Self {
-        Self { words, x: Some(x) }
-    }
-}
-
-/// One scheme in one setting of a case.
-#[derive(Clone, Default, Serialize)]
-pub struct Row {
-    /// The setting.
-    #[serde(flatten)]
-    pub setting: Setting,
     /// `sexp`, `sexp-newton`, `sexp-levy`, `midpoint`, `heun`, `em`; or the discrete gradient that
     /// is tested.
     pub scheme: &'static str,
@@ -117,8 +92,13 @@ pub struct Row {
 
 impl Row {
     /// A row without a figure, of which nothing is guaranteed.
-    pub fn new(setting: &Setting, scheme: &'static str, error: Option<String>) -> Self {
-        Self { setting: setting.clone(), scheme, error, ..Self::default() }
+    pub fn new(
+        setting: impl Display,
+        x: Option<f64>,
+        scheme: &'static str,
+        error: Option<String>,
+    ) -> Self {
+        Self { setting: setting.to_string(), x, scheme, error, ..Self::default() }
     }
 
     /// With a figure, which must be a number unless there is an error.
@@ -180,7 +160,7 @@ pub struct Growth {
 }
 
 /// The defect d = F(y_n)e^{pΓ}/F(y₀) − 1 after n steps.
-#[derive(Clone, Copy, Serialize)]
+#[derive(Serialize)]
 pub struct GrowthPoint {
     /// n.
     pub steps: u64,

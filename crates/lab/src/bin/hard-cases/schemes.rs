@@ -7,7 +7,7 @@ use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step};
 use systems::PoissonSystem;
 
 /// Where a scheme reads γ, and what it keeps.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq)]
 pub enum Family {
     /// The forms of `sexp`: reads ∫γ alone, and keeps conformal laws.
     Conformal,

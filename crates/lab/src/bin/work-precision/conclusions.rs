@@ -36,18 +36,11 @@ fn winners(curves: &[Curve]) -> String {
     let words = won.chunk_by(|a, b| a.0 == b.0).map(|run| {
         let (best, first) = run[0];
         let (scheme, from, to) = (curves[best].scheme, number(first), number(run[run.len() - 1].1));
-        if from == to {
-            format!("`{scheme}` at {to}")
-        } else {
-            format!("`{scheme}` from {from} to {to}")
-        }
+        let errors = if from == to { format!("at {to}") } else { format!("from {from} to {to}") };
+        format!("`{scheme}` {errors}")
     });
     let words: Vec<String> = words.collect();
-    if words.is_empty() {
-        "no error is reached by two schemes".to_owned()
-    } else {
-        words.join(", ")
-    }
+    if words.is_empty() { "no error is reached by two schemes".into() } else { words.join(", ") }
 }
 
 /// The strong errors of the schemes of a kind.
@@ -66,13 +59,12 @@ fn range(numbers: impl Iterator<Item = f64> + Clone) -> String {
 fn compared(sexp: &Series<StrongPoint>, other: &Series<StrongPoint>) -> Option<String> {
     let found = crossing(&sexp.curve().points, &other.curve().points)?;
     let equal: Vec<String> = found.at.iter().map(|&error| number(error)).collect();
-    let equal = if equal.is_empty() {
-        equal.concat()
-    } else {
-        format!(", the same at {}", equal.join(" and "))
+    let equal = match equal.join(" and ") {
+        errors if errors.is_empty() => errors,
+        errors => format!(", the same at {errors}"),
     };
     Some(format!(
-        " Between the errors {} and {}, which both reach, `{}` costs {} times what `{}` costs{equal}.",
+        " From the error {} to {}, `{}` costs {} times what `{}` costs{equal}.",
         number(found.ratios.first()?.0),
         number(found.ratios.last()?.0),
         sexp.scheme,
@@ -102,7 +94,7 @@ pub fn areas(case: &Case) -> Option<String> {
         range(series.points.iter().map(each))
     };
     Some(format!(
-        "A step of `{}` takes {} ns, one of `{}` {} ns, with up to {} terms behind each area.{}",
+        "A step of `{}` takes {} ns, one of `{}` {} ns, with up to {} terms per area.{}",
         sexp.scheme,
         ns(sexp),
         levy.scheme,

@@ -29,8 +29,8 @@ pub fn strong(case: &Case) -> String {
     let by_time = curves(|point| (1e6 * point.work.time.min_s, 1e6 * point.work.time.median_s));
     let by_steps = curves(|point| (point.work.steps as f64, point.work.steps as f64));
     let plots = vec![
-        plot("processor time of a path, μs".to_owned(), Spacing::Decades, by_time),
-        plot("steps of a path".to_owned(), Spacing::Doublings, by_steps),
+        plot("processor time of a path, μs".into(), Spacing::Decades, by_time),
+        plot("steps of a path".into(), Spacing::Doublings, by_steps),
     ];
     figure(format!("{}: strong error against cost", case.title), "RMS error of y(T)", plots)
 }

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Parser;
 use lab::{command, setups};
 use report::{Bars, files, provenance};
@@ -66,17 +66,15 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         clock: if Stopwatch::MEASURES_PROCESSOR {
             "processor time of the thread"
         } else {
-            "wall time, since this system does not measure the processor time of a thread"
+            "wall time: this system does not measure the processor time of a thread"
         },
         cases,
     };
     files::write_json(&arguments.out.join("work-precision.json"), &measured)?;
     let page = page::page(&measured);
     let file = arguments.out.join("work-precision.md");
-    page.write(&file)?;
-    if let Some(second) = &arguments.page {
-        page.write(second)
-            .context("everything is measured, but the second page cannot be written")?;
+    for file in [&file].into_iter().chain(&arguments.page) {
+        page.write(file)?;
     }
     for case in &measured.cases {
         println!("{}: {}", case.id, conclusions::strong(case));

@@ -56,7 +56,6 @@ impl Visit for Cases<'_> {
         let case = Measurement {
             progress: self.progress,
             sizes: Sizes::new(self.settings, self.number, levy.is_some()),
-            reference: levy.unwrap_or(timed[0]),
             levy,
             measured: measured.collect(),
             timed,
@@ -78,7 +77,6 @@ struct Measurement<'a, S, G, const D: usize, const M: usize> {
     measured: Vec<&'a dyn Scheme<S, D, M>>,
     /// The scheme with exact Lévy areas, where it differs from the one without.
     levy: Option<&'a dyn Scheme<S, D, M>>,
-    reference: &'a dyn Scheme<S, D, M>,
 }
 
 /// The times of every scheme by its number, each by the number of steps.
@@ -135,7 +133,8 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             1 => format!("with {finest} steps"),
             _ => format!("extrapolated from {} and {finest} steps", finest / 2),
         };
-        let references = (0..references).map(|level| Run::new(self.reference, level)).collect();
+        let scheme = self.levy.unwrap_or(self.timed[0]);
+        let references = (0..references).map(|level| Run::new(scheme, level)).collect();
         let ladder = ladder(schemes, &self.setup.problem, references, sizes)?;
         let samples = sizes.samples;
         self.progress
@@ -147,7 +146,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             samples,
             failed: measured.failed,
             failures: measured.failures.iter().map(ToString::to_string).collect(),
-            reference: format!("{} {reference} on the same noise", self.reference.id()),
+            reference: format!("{} {reference} on the same noise", scheme.id()),
         };
         Ok((measured.statistic.moments, sampled))
     }
@@ -171,15 +170,11 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
     /// The values are squared errors of every run, then squared defects of every run and invariant.
     /// Behind the schemes stands the one with exact Lévy areas.
     fn strong(&self, times: &Times) -> Result<Strong> {
-        let (system, damping, y0, t_end) = (
-            self.setup.problem.system(),
-            self.setup.problem.damping(),
-            self.setup.problem.y0(),
-            self.setup.problem.t_end(),
-        );
+        let problem = &self.setup.problem;
+        let (system, t_end) = (problem.system(), problem.t_end());
         let law = |(index, invariant): (usize, Invariant)| {
-            let decay = (-invariant.degree * damping.integral(0.0, t_end)).exp();
-            decay * system.invariant(index, y0)
+            let decay = (-invariant.degree * problem.damping().integral(0.0, t_end)).exp();
+            decay * system.invariant(index, problem.y0())
         };
         let laws: Vec<f64> = system.invariants().into_iter().enumerate().map(law).collect();
         let mut schemes = self.measured.clone();

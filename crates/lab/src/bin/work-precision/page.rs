@@ -5,7 +5,7 @@ use report::provenance::generated_by;
 use report::{Page, number};
 use verify::work_precision::cost_at;
 
-use crate::conclusions::{self, cheapest, targets, winner};
+use crate::conclusions::{self, cheapest, series, targets, winner};
 use crate::figures;
 use crate::results::{Case, Curve, Measurements, Sampled, Series, StrongPoint, WeakObservable};
 
@@ -47,8 +47,8 @@ pub fn page(measured: &Measurements) -> Page {
 /// A row that compares `sexp` with the cheapest explicit scheme; nothing where they reach no error
 /// in common.
 fn price(case: &Case) -> Option<[String; 6]> {
-    let sexp = conclusions::series(case, Kind::Sexp).next()?;
-    let explicit: Vec<_> = conclusions::series(case, Kind::Explicit).collect();
+    let sexp = series(case, Kind::Sexp).next()?;
+    let explicit: Vec<_> = series(case, Kind::Explicit).collect();
     let curves: Vec<Curve> = explicit.iter().map(|series| series.curve()).collect();
     let own = sexp.curve().points;
     let error = targets(&curves).into_iter().rfind(|&error| cost_at(&own, error).is_some())?;
@@ -57,7 +57,7 @@ fn price(case: &Case) -> Option<[String; 6]> {
     let defect = |series: &Series<StrongPoint>| {
         let point = series.points.iter().find(|point| point.work.error <= error);
         let defect = point.zip(casimir).map(|(point, index)| point.defects[index]);
-        defect.map_or("–".to_owned(), number)
+        defect.map_or("–".into(), number)
     };
     Some([
         case.title.to_owned(),
@@ -74,20 +74,15 @@ fn section(page: &mut Page, case: &Case) {
     let figure = |kind| format!("work-precision-{}-{kind}.svg", case.id);
     page.heading(2, case.title);
     page.paragraph(format!("`{}`: {}. {}", case.id, case.setup, paths(&strong.sampled)));
-    let description = "Strong error against processor time and steps";
-    page.figure(&figure("strong"), description, figures::strong(case));
-    page.paragraph("Microseconds of a path for a strong error, the cheapest in bold:");
+    page.figure(&figure("strong"), "Strong error against cost", figures::strong(case));
+    page.paragraph("Microseconds of a path, the cheapest in bold:");
     costs(page, "error", &strong.curves());
     steps(page, case);
     page.heading(3, "Expectations");
     page.paragraph(format!("{} {}", paths(&weak.sampled), checked(&weak.observables)));
-    let description = "Accuracy of an expectation against processor time";
-    page.figure(&figure("weak"), description, figures::weak(case));
+    page.figure(&figure("weak"), "Accuracy of expectations against cost", figures::weak(case));
     for observable in &weak.observables {
-        page.paragraph(format!(
-            "{} Seconds of an estimate of a given root-mean-square error:",
-            conclusions::weak(observable)
-        ));
+        page.paragraph(format!("{} Seconds of an estimate:", conclusions::weak(observable)));
         costs(page, "accuracy", &observable.curves());
     }
 }
@@ -98,8 +93,7 @@ fn paths(sampled: &Sampled) -> String {
     match sampled.failures.first() {
         None => paths,
         Some(first) => format!(
-            "{paths} {} paths are left out of every scheme and step size, because one of them \
-             failed; the first: {first}.",
+            "{paths} {} paths, on which some scheme failed, are left out of all; the first: {first}.",
             sampled.failed
         ),
     }
@@ -110,7 +104,7 @@ fn checked(observables: &[WeakObservable]) -> String {
     let known = observables.iter().filter_map(|observable| {
         let deviation = (observable.reference_mean - observable.exact?) / observable.reference_se;
         Some(format!(
-            "E[{}] of the reference is {deviation:+.1} standard errors from its exact value.",
+            "The reference's E[{}] is {deviation:+.1} standard errors off the exact value.",
             observable.name
         ))
     });
@@ -123,7 +117,7 @@ fn costs(page: &mut Page, what: &str, curves: &[Curve]) {
     let rows = targets(curves).into_iter().map(|error| {
         let best = winner(curves, error);
         let cell = |(n, curve): (usize, &Curve)| match cost_at(&curve.points, error) {
-            None => "–".to_owned(),
+            None => "–".into(),
             Some(cost) if best == Some(n) => format!("**{}**", number(cost)),
             Some(cost) => number(cost),
         };
@@ -149,7 +143,7 @@ fn steps(page: &mut Page, case: &Case) {
 fn row(scheme: &str, point: &StrongPoint) -> Vec<String> {
     let work = &point.work;
     let mut error = number(work.error);
-    if let (Some(lo), Some(hi)) = (work.lo, work.hi) {
+    if let Some((lo, hi)) = work.lo.zip(work.hi) {
         error += &format!(" [{}, {}]", number(lo), number(hi));
     }
     if let Some(exact) = point.error_exact_areas {
@@ -167,30 +161,28 @@ fn row(scheme: &str, point: &StrongPoint) -> Vec<String> {
 }
 
 const METHOD: &str = "\
-**Errors** come from ladders that drive all schemes at all step sizes with the same noise, and are \
-the same bits for the same seed. A strong error is (E|y_N − y(T)|²)^½. The reference is `sexp` on \
-the finest steps, or `sexp-levy` where noises do not commute; its own error is in every other.
+**Errors** come from ladders: all schemes at all step sizes see the same noise. A strong error is \
+(E|y_N − y(T)|²)^½. The reference is `sexp` on the finest steps, or `sexp-levy` where noises do \
+not commute; its own error is in every other.
 
-**Times** are those of `mc::Ladder` on one thread: increments drawn and clipped, areas where a \
-scheme reads them, steps, a check that states are finite. Every repetition times every scheme at \
-every step size once. Curves show the smallest; bars and the column *spread* show how far the \
-median lies above it.
+**Times** are those of `mc::Ladder` on one thread, with noise and truncation. Every repetition \
+times every scheme at every step size once. Curves show the smallest; bars and the column \
+*spread* show how far the median lies above it.
 
 **`sexp-levy`** is timed with areas drawn at its own step by the method of Mrongowius and Rößler, \
-with a root-mean-square error of at most τ^(3/2), as strong order one asks. Areas on a ladder have \
-no such error, so an error of the size of the proven bound is added to them. The bound is about \
-twice the actual error: the strong errors of `sexp-levy` are upper estimates, and the error with \
-exact areas stands beside them.
+with a root-mean-square error of at most τ^(3/2), as strong order one asks. Areas on a ladder \
+have no such error, so one of the size of the proven bound is added. The bound is about twice the \
+actual error: the strong errors of `sexp-levy` are upper estimates. The error with exact areas \
+stands beside them.
 
-**Expectations.** A bias b is the mean difference to the reference on the same noise, extrapolated \
-in the step size. An estimate over N paths of time t has the root-mean-square error ε = (b² + \
-σ²/N)^½, where σ is the standard deviation of φ(y_N), and costs t·σ²/(ε² − b²). Shown is the \
-smallest cost over the step sizes, with b at the upper end of its 95 % interval.
+**Expectations.** A bias b is the mean difference to the reference on the same noise, \
+extrapolated in the step size. An estimate over N paths of time t has the root-mean-square error \
+ε = (b² + σ²/N)^½, where σ is the standard deviation of φ(y_N), and costs t·σ²/(ε² − b²). Shown \
+is the smallest cost over the step sizes, with b at the upper end of its 95 % interval.
 
-**Between the points** costs are interpolated linearly in the logarithms; nothing is \
-extrapolated.";
+**Between the points** costs are interpolated linearly in the logarithms.";
 
 const PRICE: &str = "\
-At the smallest of the errors 10^(−k/2) that `sexp` and an explicit scheme both reach: the \
-cheapest explicit scheme, the cost of `sexp` in multiples of it, and the root mean square of \
-F(y_N)/(e^(−p∫γ)F(y₀)) − 1 for the Casimir F, at the measured number of steps next above.";
+At the smallest error 10^(−k/2) that `sexp` and an explicit scheme both reach: the cheapest \
+explicit scheme, the cost of `sexp` in multiples of it, and the root mean square of \
+F(y_N)/(e^(−p∫γ)F(y₀)) − 1 for the Casimir F.";

@@ -138,7 +138,7 @@ pub struct WeakPoint {
 
 /// The cheapest plain Monte Carlo estimate of a given root-mean-square error among the measured
 /// step sizes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Serialize)]
 pub struct Cost {
     /// (bias² + variance/paths)^½, where the bias is taken at the upper end of its 95 % interval.
     pub accuracy: f64,
@@ -161,9 +161,8 @@ pub struct Curve {
 impl Series<StrongPoint> {
     /// (error, microseconds of a path).
     pub fn curve(&self) -> Curve {
-        let cost = |WorkPoint { error, time, .. }: &WorkPoint| (*error, 1e6 * time.min_s);
-        let points = self.points.iter().map(|point| cost(&point.work)).collect();
-        Curve { scheme: self.scheme, points }
+        let point = |point: &StrongPoint| (point.work.error, 1e6 * point.work.time.min_s);
+        Curve { scheme: self.scheme, points: self.points.iter().map(point).collect() }
     }
 }
 

@@ -5,7 +5,7 @@
 //! vanishes where the branch turns back.
 
 use real::{Real, VectorFunction, jacobian};
-use systems::PoissonSystem;
+use systems::{PoissonSystem, RigidBody};
 
 use crate::rounding::length;
 
@@ -15,16 +15,16 @@ const ITERATIONS: u32 = 4;
 /// no better.
 const AGREES: f64 = 1.0 / (1u64 << 24) as f64;
 
-struct Field<'a, S, const M: usize> {
-    system: &'a S,
+struct Field<'a> {
+    body: &'a RigidBody<3>,
     start: [f64; 3],
     tau: f64,
-    dw: [f64; M],
+    dw: [f64; 3],
 }
 
-impl<S: PoissonSystem<3, M>, const M: usize> VectorFunction<3, 3> for Field<'_, S, M> {
+impl VectorFunction<3, 3> for Field<'_> {
     fn value<R: Real>(&self, z: [R; 3]) -> [R; 3] {
-        self.system.averaged_field(self.start.map(R::constant), z, self.tau, self.dw)
+        self.body.averaged_field(self.start.map(R::constant), z, self.tau, self.dw)
     }
 }
 
@@ -35,13 +35,8 @@ pub fn agree(a: [f64; 3], b: [f64; 3]) -> bool {
 
 /// The solution at s = 1 on the branch of the undamped step of `sexp` from `start`; none if the
 /// branch turns back before, or comes closer to a turning point than the steps resolve.
-pub fn follow<S: PoissonSystem<3, M>, const M: usize>(
-    system: &S,
-    tau: f64,
-    dw: [f64; M],
-    start: [f64; 3],
-) -> Option<[f64; 3]> {
-    let field = Field { system, start, tau, dw };
+pub fn follow(body: &RigidBody<3>, tau: f64, dw: [f64; 3], start: [f64; 3]) -> Option<[f64; 3]> {
+    let field = Field { body, start, tau, dw };
     let mut z = start;
     for n in 1..=STEPS {
         let s = f64::from(n) / f64::from(STEPS);

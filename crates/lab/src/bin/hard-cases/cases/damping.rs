@@ -1,9 +1,8 @@
 //! Damping that is stiff, negative, discontinuous or infinite at a time.
 
-use anyhow::Result;
 use systems::{Constant, Damping};
 
-use super::{Case, Context, Plot, SQUARED_LENGTH, body, each};
+use super::{Case, Context, Plot, Rows, SQUARED_LENGTH, body, each};
 use crate::paths::{CASIMIR, Law};
 use crate::results::Row;
 use crate::rounding::{law_bound, length};
@@ -15,10 +14,9 @@ pub const STIFF: Case = Case {
     title: "Stiff damping",
     setup: "Rigid body with three noises, constant γ, 16 steps of τ = 1/16.",
     mathematics: "A step multiplies |y| by e^(−γτ) on every path.",
-    quantity: "the factor by which a step multiplies |y|, geometric mean of the steps before |y| \
-               leaves the normal numbers",
-    guarantee: "`sexp` in all forms has the factor e^(−x), x = γτ, to rounding, underflow \
-                included. For large x `midpoint` must hardly damp, and `em` and `heun` must grow.",
+    quantity: "factor of |y| in a step, geometric mean while |y| is a normal number",
+    guarantee: "`sexp` has the factor e^(−x), x = γτ, to rounding, underflow included. For large \
+                x `midpoint` must hardly damp, `em` and `heun` must grow.",
     varied: "γτ",
     plot: Some(Plot { x_title: "damping in a step, γτ", range: (1e-12, 1e12) }),
     rows: stiff,
@@ -33,28 +31,32 @@ const MIDPOINT_FAILS: f64 = 10.0;
 /// A state below the normal numbers has lost its digits.
 const NORMAL: f64 = 1e-300;
 
-fn stiff(context: &Context) -> Result<Vec<Row>> {
+fn stiff(context: &Context) -> Rows {
     let (steps, tau) = (16, 1.0 / 16.0);
     each([0.1, 0.5, 1.0, 2.0, 4.0, 10.0, 100.0, 1e3, 1e4], |x: f64| {
-        let exact = Some((-x).exp()).filter(|factor| *factor > NORMAL).unwrap_or(0.0);
-        body(context, Constant::new(x / tau)?, (steps, tau))?.rows(x, |row, scheme, paths| {
-            let lengths = paths[0].states[1..].iter().map(|y| length(*y));
-            let normal: Vec<f64> = lengths.take_while(|length| *length > NORMAL).collect();
-            let factor = match normal.last() {
-                Some(last) => last.powf(1.0 / normal.len() as f64),
-                // The first step underflows, or there is none.
-                None => f64::from(u8::from(row.error.is_some())),
-            };
-            let off = if exact == 0.0 { factor } else { (factor / exact - 1.0).abs() };
-            let to_rounding = row.error.is_none() && off <= law_bound(steps, x * steps as f64);
-            let row = Row { exact: Some(exact), ..row.with_figure(factor) };
-            Ok(match scheme.family {
-                Family::Conformal => row.guaranteed(to_rounding, None),
-                Family::Midpoint if x >= MIDPOINT_FAILS => row.must_exceed(2.0 * exact),
-                Family::Explicit if x >= EXPLICIT_FAILS => row.must_exceed(1.0),
-                _ => row,
-            })
-        })
+        let exact = if (-x).exp() > NORMAL { (-x).exp() } else { 0.0 };
+        body(context, Constant::new(x / tau)?, (steps, tau))?.rows(
+            x,
+            Some(x),
+            |row, scheme, paths| {
+                let lengths = paths[0].states[1..].iter().map(|y| length(*y));
+                let normal: Vec<f64> = lengths.take_while(|length| *length > NORMAL).collect();
+                let factor = match normal.last() {
+                    Some(last) => last.powf(1.0 / normal.len() as f64),
+                    // The first step underflows, or there is none.
+                    None => f64::from(u8::from(row.error.is_some())),
+                };
+                let off = if exact == 0.0 { factor } else { (factor / exact - 1.0).abs() };
+                let to_rounding = row.error.is_none() && off <= law_bound(steps, x * steps as f64);
+                let row = Row { exact: Some(exact), ..row.with_figure(factor) };
+                Ok(match scheme.family {
+                    Family::Conformal => row.guaranteed(to_rounding, None),
+                    Family::Midpoint if x >= MIDPOINT_FAILS => row.must_exceed(2.0 * exact),
+                    Family::Explicit if x >= EXPLICIT_FAILS => row.must_exceed(1.0),
+                    _ => row,
+                })
+            },
+        )
     })
 }
 
@@ -63,17 +65,17 @@ pub const ANTI: Case = Case {
     id: "anti-damping",
     title: "Anti-damping",
     setup: "Rigid body with three noises, constant γ < 0, up to 64 steps of τ = 1/64.",
-    mathematics: "|y(t)|² = e^(2|γ|t)|y₀|² overflows after a finite time. Long before, a step is \
+    mathematics: "|y(t)|² = e^(2|γ|t)|y₀|² overflows in finite time. Long before, a step is \
                   large for a body that turns so fast.",
     quantity: SQUARED_LENGTH,
-    guarantee: "`sexp` in all forms is on the law to rounding, or ends with a typed error. \
-                Newton's stopping test keeps the law to 2⁻³⁰ a step only.",
+    guarantee: "`sexp` is on the law to rounding, or ends with a typed error. Newton's stopping \
+                test keeps the law to 2⁻³⁰ a step only.",
     varied: "γτ",
     plot: None,
     rows: anti,
 };
 
-fn anti(context: &Context) -> Result<Vec<Row>> {
+fn anti(context: &Context) -> Rows {
     // Newton's method stops when a change is below 2⁻³²|z|. The residual that it leaves is the
     // square of that, times a constant that grows with the curvature of the equation. For a body
     // that turns so fast the constant has no bound, and all that is known is that the residual is
@@ -83,7 +85,8 @@ fn anti(context: &Context) -> Result<Vec<Row>> {
     each([-0.01, -0.1, -1.0, -10.0, -100.0, -1e4], |x| {
         // From −0.1 on a step of the other schemes is off the law by more than this.
         let must_exceed = (x <= -0.1).then_some(1e-6);
-        body(context, Constant::new(x / tau)?, (64, tau))?.law_rows(x, &law, |_| must_exceed)
+        body(context, Constant::new(x / tau)?, (64, tau))?
+            .law_rows(x, Some(x), &law, |_| must_exceed)
     })
 }
 
@@ -92,11 +95,11 @@ pub const ROUGH: Case = Case {
     id: "rough-damping",
     title: "Rough damping",
     setup: "Rigid body with three noises, 64 steps of τ = 1/64. γ is 4 and −3 alternately, or \
-            ½|t − s|^(−½), which is infinite at s.",
-    mathematics: "The law |y(t)|² = e^(−2∫γ)|y₀|² requires only that γ is integrable.",
+            ½|t − s|^(−½), infinite at s.",
+    mathematics: "|y(t)|² = e^(−2∫γ)|y₀|² whenever γ is integrable.",
     quantity: SQUARED_LENGTH,
-    guarantee: "`sexp` in all forms reads ∫γ alone and is on the law to rounding. Schemes that \
-                evaluate γ where it is infinite must stop: `em` and `heun` at the ends of a step, \
+    guarantee: "`sexp` reads only ∫γ and is on the law to rounding. A scheme that evaluates γ \
+                where it is infinite must stop: `em` and `heun` at the ends of a step, \
                 `midpoint` in its middle.",
     varied: "γ",
     plot: None,
@@ -105,7 +108,6 @@ pub const ROUGH: Case = Case {
 
 const ROUGH_TAU: f64 = 1.0 / 64.0;
 
-#[derive(Clone, Copy)]
 enum Rough {
     /// γ = 4 on [2kh, (2k+1)h), −3 on [(2k+1)h, (2k+2)h), with the half period h.
     SquareWave(f64),
@@ -156,7 +158,7 @@ impl Damping for Rough {
     }
 
     fn describe(&self) -> String {
-        "γ that jumps or has a pole".to_owned()
+        "γ that jumps or has a pole".into()
     }
 }
 
@@ -170,10 +172,10 @@ const SETTINGS: [(&str, Rough, Option<Family>); 6] = [
     ("γ = ∞ inside a step", RootPole(0.7), None),
 ];
 
-fn rough(context: &Context) -> Result<Vec<Row>> {
+fn rough(context: &Context) -> Rows {
     let law = Law { to_the_end: true, ..CASIMIR };
     each(SETTINGS, |(name, damping, fails)| {
         let must_exceed = |family| (Some(family) == fails).then_some(f64::INFINITY);
-        body(context, damping, (64, ROUGH_TAU))?.law_rows(name.to_owned(), &law, must_exceed)
+        body(context, damping, (64, ROUGH_TAU))?.law_rows(name, None, &law, must_exceed)
     })
 }

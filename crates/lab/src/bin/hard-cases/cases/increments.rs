@@ -1,11 +1,10 @@
 //! Increments that are extreme, steps that are big, and no noise at all.
 
-use anyhow::Result;
 use noise::{BlockNoise, Truncation};
 use real::WIDTH;
 use systems::paper::half_cosine;
 
-use super::{Case, Context, KEEPS_THE_LAW, SQUARED_LENGTH, body, each};
+use super::{Case, Context, KEEPS_THE_LAW, Rows, SQUARED_LENGTH, body, each};
 use crate::paths::{CASIMIR, Experiment};
 use crate::results::Row;
 use crate::rounding::length;
@@ -15,9 +14,9 @@ pub const EXTREME: Case = Case {
     id: "extreme-normals",
     title: "Extreme normals",
     setup: "Rigid body with three noises, γ = ½cos 2t, 64 steps; truncated with k = 4 or not. \
-            Every increment is ±√τ·√(106 ln 2) = ±8.57√τ, the largest that the generator can \
-            give, in all combinations of signs; areas ±ΔW².",
-    mathematics: "Every increment is a possible one: the law holds on every path.",
+            Every increment is ±√τ·√(106 ln 2) = ±8.57√τ, the largest the generator gives, in \
+            all combinations of signs; areas ±ΔW².",
+    mathematics: "Such increments are possible: the law holds on every path.",
     quantity: SQUARED_LENGTH,
     guarantee: KEEPS_THE_LAW,
     varied: "τ",
@@ -25,7 +24,7 @@ pub const EXTREME: Case = Case {
     rows: extreme,
 };
 
-fn extreme(context: &Context) -> Result<Vec<Row>> {
+fn extreme(context: &Context) -> Rows {
     let truncations = [(", truncated", lab::truncation()), ("", Truncation::none())];
     let taus = [1.0 / 1024.0, 1.0 / 64.0, 1.0 / 4.0].into_iter();
     each(taus.flat_map(|tau| truncations.map(|one| (tau, one))), |(tau, (words, truncation))| {
@@ -40,7 +39,7 @@ fn extreme(context: &Context) -> Result<Vec<Row>> {
             })
         });
         let setting = format!("1/{:.0}{words}", 1.0 / tau);
-        Experiment { truncation, ..experiment }.law_rows(setting, &CASIMIR, |_| None)
+        Experiment { truncation, ..experiment }.law_rows(setting, None, &CASIMIR, |_| None)
     })
 }
 
@@ -60,8 +59,7 @@ pub const BIG_STEPS: Case = Case {
     id: "big-steps",
     title: "Big steps",
     setup: "Several paths of the rigid body with three noises, γ = ½cos 2t, 64 steps.",
-    mathematics: "The scheme keeps the law for every τ at which its equation has a solution. \
-                  Convergence is about small τ only.",
+    mathematics: "The scheme keeps the law for every τ at which its equation has a solution.",
     quantity: SQUARED_LENGTH,
     guarantee: KEEPS_THE_LAW,
     varied: "τ",
@@ -69,11 +67,11 @@ pub const BIG_STEPS: Case = Case {
     rows: big_steps,
 };
 
-fn big_steps(context: &Context) -> Result<Vec<Row>> {
+fn big_steps(context: &Context) -> Rows {
     let paths = context.arguments.many(32, 4);
     each([0.1, 0.3, 0.5, 0.7, 0.9], |tau| {
         let experiment = body(context, half_cosine(), (64, tau))?;
-        Experiment { paths, ..experiment }.law_rows(tau, &CASIMIR, |_| None)
+        Experiment { paths, ..experiment }.law_rows(tau, Some(tau), &CASIMIR, |_| None)
     })
 }
 
@@ -81,11 +79,10 @@ fn big_steps(context: &Context) -> Result<Vec<Row>> {
 pub const NO_NOISE: Case = Case {
     id: "no-noise",
     title: "No noise",
-    setup: "Rigid body, γ = ½cos 2t, T = 1, all increments zero. `em` makes its Itô correction, \
-            as its drift belongs to the equation with noise.",
-    mathematics: "`sexp`, `midpoint` and `heun` are of order two for ordinary equations, Euler's \
+    setup: "Rigid body, γ = ½cos 2t, T = 1, all increments zero. `em` keeps its Itô correction.",
+    mathematics: "For ordinary equations `sexp`, `midpoint` and `heun` are of order two, Euler's \
                   method of order one.",
-    quantity: "order, from the differences of the results with N, 2N and 4N steps",
+    quantity: "order, from the results with N, 2N and 4N steps",
     guarantee: "Two, and one for `em`, up to 16τ.",
     varied: "τ",
     plot: None,
@@ -95,15 +92,14 @@ pub const NO_NOISE: Case = Case {
 /// The order differs from its limit by a multiple of τ; at the coarsest step here |p − p_∞| ≤ 16τ.
 const SLACK: f64 = 16.0;
 
-fn no_noise(context: &Context) -> Result<Vec<Row>> {
+fn no_noise(context: &Context) -> Rows {
     let silent = |steps: u64| {
         let experiment = body(context, half_cosine(), (steps, 1.0 / steps as f64))?;
         anyhow::Ok(experiment.with_noise(|_| Box::new(|_| ())))
     };
     each([64, 128, 256, 512], |steps| {
         let finer = [silent(2 * steps)?, silent(4 * steps)?];
-        let setting = (format!("1/{steps}"), 1.0 / steps as f64);
-        silent(steps)?.rows(setting, |row, scheme, paths| {
+        silent(steps)?.rows(format!("1/{steps}"), Some(1.0 / steps as f64), |row, scheme, paths| {
             let end = |n: usize| anyhow::Ok(finer[n].run(scheme)?[0].end());
             let (one, two, four) = (paths[0].end(), end(0)?, end(1)?);
             let difference = |a: [f64; 3], b: [f64; 3]| length([0, 1, 2].map(|i| a[i] - b[i]));

@@ -40,7 +40,7 @@ pub struct Case {
     pub plot: Option<Plot>,
     /// Runs all schemes in all settings.
     #[serde(skip)]
-    rows: fn(&Context) -> Result<Vec<Row>>,
+    rows: fn(&Context) -> Rows,
 }
 
 /// The quantity of most cases.
@@ -74,6 +74,9 @@ pub static CASES: [Case; 13] = [
 const KEEPS_THE_LAW: &str = "`sexp` in all forms is on the law to rounding, or ends with a typed \
                              error. Nothing is guaranteed of the others.";
 
+/// All schemes in all settings of a case.
+type Rows = Result<Vec<Row>>;
+
 /// What a case needs to run.
 pub struct Context<'a> {
     pub key: StreamKey,
@@ -102,10 +105,7 @@ fn body<G: Damping>(
 }
 
 /// The rows of every setting.
-fn each<T>(
-    settings: impl IntoIterator<Item = T>,
-    rows: impl FnMut(T) -> Result<Vec<Row>>,
-) -> Result<Vec<Row>> {
+fn each<T>(settings: impl IntoIterator<Item = T>, rows: impl FnMut(T) -> Rows) -> Rows {
     let rows: Vec<Vec<Row>> = settings.into_iter().map(rows).collect::<Result<_>>()?;
-    Ok(rows.concat())
+    Ok(rows.into_iter().flatten().collect())
 }

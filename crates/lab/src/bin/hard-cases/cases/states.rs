@@ -1,30 +1,28 @@
 //! States of extreme size, next to poles of the structure, or at rest.
 
-use anyhow::Result;
 use noise::WienerBlock;
 use systems::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, sine};
 use systems::{Constant, IntegerExponents, LotkaVolterra, Pendulum, PoissonSystem, RigidBody};
 
-use super::{Case, Context, each};
+use super::{Case, Context, Rows, each};
 use crate::paths::{CASIMIR, Experiment, Law};
-use crate::results::Row;
 use crate::rounding::law_bound;
 
 /// States from 10⁻¹⁵⁰ to 10¹⁵⁰.
 pub const SCALES: Case = Case {
     id: "scales",
     title: "Tiny and huge states",
-    setup: "Rigid body with three noises, γ = ½cos 2t, 64 steps of τ = 1/64, no areas; state and \
-            moments of inertia multiplied by a power of two.",
-    mathematics: "The solution is multiplied by the same number, in floating point bit by bit.",
+    setup: "Rigid body with three noises, γ = ½cos 2t, 64 steps of τ = 1/64, no areas. State and \
+            moments of inertia are multiplied by a power of two.",
+    mathematics: "The solution scales with them, in floating point bit by bit.",
     quantity: "largest difference from the solution of scale one, relative to |y₀|",
-    guarantee: "No scheme and no stopping test depends on the scale, up to a sweep more or less.",
+    guarantee: "No scheme or stopping test depends on the scale, up to one sweep.",
     varied: "scale",
     plot: None,
     rows: scales,
 };
 
-fn scales(context: &Context) -> Result<Vec<Row>> {
+fn scales(context: &Context) -> Rows {
     let (key, steps, tau) = (context.key, 64, 1.0 / 64.0_f64);
     let scaled = |scale: f64| {
         let [body, noise] = [INERTIA, NOISE_INERTIA].map(|inertia| inertia.map(|i| i * scale));
@@ -43,8 +41,8 @@ fn scales(context: &Context) -> Result<Vec<Row>> {
     each([-498, -332, -166, 166, 332, 498], |exponent| {
         let scale = 2f64.powi(exponent);
         let decimal = f64::from(exponent) * std::f64::consts::LOG10_2;
-        let setting = (format!("2^{exponent} ≈ 1e{decimal:+.0}"), f64::from(exponent));
-        scaled(scale)?.rows(setting, |row, scheme, paths| {
+        let setting = format!("2^{exponent} ≈ 1e{decimal:+.0}");
+        scaled(scale)?.rows(setting, Some(exponent.into()), |row, scheme, paths| {
             let (a, b) = (plain.run(scheme)?[0].end(), paths[0].end());
             let difference = (0..3).map(|i| (b[i] / scale - a[i]).abs()).fold(0.0, f64::max);
             Ok(row.with_figure(difference).at_most(law_bound(steps, 1.0)))
@@ -57,10 +55,9 @@ pub const EQUILIBRIA: Case = Case {
     id: "equilibria",
     title: "Zero and equilibria",
     setup: "128 steps of τ = 1/16.",
-    mathematics: "Where B∇Hₘ = 0 for all m and γy = 0 the solution stays. At (½, ½, ½) all \
-                  components of ∇H of Lotka–Volterra with a = b = −1 are equal.",
+    mathematics: "Where B∇Hₘ = 0 for all m and γy = 0 the solution stays.",
     quantity: "largest distance of a component from y₀",
-    guarantee: "Every scheme stays exactly. Only the upright pendulum starts an ulp from its \
+    guarantee: "Every scheme stays exactly. The upright pendulum starts an ulp from its \
                 equilibrium and leaves it like εe^t.",
     varied: "system and start",
     plot: None,
@@ -69,7 +66,7 @@ pub const EQUILIBRIA: Case = Case {
 
 const REST: (u64, f64) = (128, 1.0 / 16.0);
 
-fn equilibria(context: &Context) -> Result<Vec<Row>> {
+fn equilibria(context: &Context) -> Rows {
     let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA)?;
     let (pendulum, still) = (Pendulum::new(1.0)?, Pendulum::new(0.0)?);
     let volterra = LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0)?;
@@ -83,7 +80,7 @@ fn equilibria(context: &Context) -> Result<Vec<Row>> {
         stay(context, "pendulum upright, γ = 0, no noise", (still, none), [0.0, pi], grown)?,
         stay(context, "Lotka–Volterra, y₀ = (½, ½, ½), γ = 0", (volterra, none), [0.5; 3], 0.0)?,
     ];
-    Ok(rows.concat())
+    Ok(rows.into_iter().flatten().collect())
 }
 
 /// The largest distance from y₀, at most `bound`.
@@ -93,9 +90,9 @@ fn stay<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: (S, Constant),
     y0: [f64; D],
     bound: f64,
-) -> Result<Vec<Row>> {
+) -> Rows {
     let experiment = Experiment::new(context, system, y0, REST)?;
-    experiment.rows(setting.to_owned(), |row, _, paths| {
+    experiment.rows(setting, None, |row, _, paths| {
         let states = paths[0].states.iter();
         let components = states.flat_map(|y| (0..D).map(|i| (y[i] - y0[i]).abs()));
         Ok(row.with_figure(components.fold(0.0, f64::max)).at_most(bound))
@@ -106,12 +103,12 @@ fn stay<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
 pub const LOTKA_VOLTERRA: Case = Case {
     id: "lotka-volterra",
     title: "Lotka–Volterra next to its coordinate planes",
-    setup: "Several paths of Lotka–Volterra with a = −1, b = −2, γ = sin t, up to t = 2.",
-    mathematics: "The solution stays positive, and the Casimir 2y₁ + y₂ + y₃ follows e^(−∫γ). B \
-                  has poles on the planes y₁ = 0 and y₂ = 0.",
+    setup: "Several paths of Lotka–Volterra, a = −1, b = −2, γ = sin t, up to t = 2.",
+    mathematics: "The solution stays positive. The Casimir 2y₁ + y₂ + y₃ follows e^(−∫γ). B has \
+                  poles where y₁ = 0 or y₂ = 0.",
     quantity: "largest relative distance of the Casimir from its law, before a path ends",
     guarantee: "`sexp` is positive and on the law to rounding, or ends with a typed error. No \
-                scheme here is positive by construction.",
+                scheme is positive by construction.",
     varied: "start and τ",
     plot: None,
     rows: lotka_volterra,
@@ -121,7 +118,7 @@ pub const LOTKA_VOLTERRA: Case = Case {
 /// differ by two. They are positive: there is no cancellation in the octant.
 const LINEAR: Law = Law { invariants: &[1], weight: 2.0, ..CASIMIR };
 
-fn lotka_volterra(context: &Context) -> Result<Vec<Row>> {
+fn lotka_volterra(context: &Context) -> Rows {
     let paths = context.arguments.many(64, 8);
     let starts = [
         ("y₁ = 1e-12", [1e-12, 0.4, 0.6]),
@@ -135,7 +132,7 @@ fn lotka_volterra(context: &Context) -> Result<Vec<Row>> {
         let steps = (2 * per_unit, 1.0 / per_unit as f64);
         let experiment = Experiment::new(context, (system, sine()), y0, steps)?;
         let setting = format!("{name}, τ = 1/{per_unit}");
-        Experiment { paths, ..experiment }.law_rows(setting, &LINEAR, |_| None)
+        Experiment { paths, ..experiment }.law_rows(setting, None, &LINEAR, |_| None)
     })
 }
 

@@ -8,7 +8,6 @@ mod drivers;
 mod numbers;
 mod steps;
 
-use std::error::Error;
 use std::fmt::{self, Display, Formatter};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -27,8 +26,6 @@ type Fed = Result<u64>;
 /// The input was refused, or ended in a typed error.
 #[derive(Debug)]
 struct Refused;
-
-impl Error for Refused {}
 
 impl Display for Refused {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
@@ -51,25 +48,25 @@ struct Target {
 const TARGETS: [Target; 9] = [
     Target {
         name: "elementary functions",
-        checks: "sin, cos in [−1, 1]; eˣ in [0, ∞]; NaN only where a function is not defined",
+        checks: "sin, cos in [−1, 1]; eˣ in [0, ∞]; NaN only where not defined",
         cost: 1,
         feed: numbers::elementary_functions,
     },
     Target {
         name: "discrete gradients of sines",
-        checks: "a mean of sines or cosines of finite arguments is in [−1, 1]",
+        checks: "a mean over finite arguments is in [−1, 1]",
         cost: 1,
         feed: numbers::means,
     },
     Target {
         name: "quadrature rules",
-        checks: "a rule is refused or has positive weights that add up to one",
+        checks: "refused, or weights are positive and add up to one",
         cost: 2000,
         feed: numbers::rules,
     },
     Target {
         name: "systems, dampings, problems",
-        checks: "refused, or all parameters are finite and the start is in the domain",
+        checks: "refused, or parameters are finite and the start is in the domain",
         cost: 1,
         feed: |bits| steps::any_system(bits, Job::Problem, 2),
     },
@@ -81,7 +78,7 @@ const TARGETS: [Target; 9] = [
     },
     Target {
         name: "Lévy areas: error bounds and terms",
-        checks: "refused, or the bound of the number of terms is the error asked for",
+        checks: "refused, or that many terms keep the error asked for",
         cost: 1,
         feed: numbers::areas,
     },
@@ -93,13 +90,13 @@ const TARGETS: [Target; 9] = [
     },
     Target {
         name: "steps of single paths",
-        checks: "failed, or the state is finite and the iterations are below their bound",
+        checks: "failed, or the state is finite and the iterations are bounded",
         cost: 1,
         feed: |bits| steps::any_system(bits, Job::Step, 8),
     },
     Target {
         name: "steps of blocks",
-        checks: "the same, and every path of a block has the bits of the single path",
+        checks: "the same, and a path of a block has the bits of the single path",
         cost: 40,
         feed: steps::block,
     },
@@ -147,7 +144,7 @@ fn feed(target: &Target, seed: u64, number: u64, inputs: u64) -> Fuzzed {
 
 /// What was accepted; [`Refused`] ends the input.
 fn accepted<T, E: Display>(result: Result<T, E>) -> Result<T> {
-    answer(result)?.ok_or_else(|| Refused.into())
+    answer(result)?.ok_or_else(|| anyhow!(Refused))
 }
 
 /// What was accepted, if it was; a refusal must have words.
