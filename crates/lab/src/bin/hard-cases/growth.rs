@@ -20,8 +20,9 @@ use systems::{Constant, Damping, Linear, Problem, RigidBody};
 
 use crate::Arguments;
 use crate::fuzz::Bits;
-use crate::results::{Growth, GrowthPoint, Verdict};
+use crate::results::{Growth, GrowthPoint};
 use crate::rounding::PER_STEP;
+use crate::row::Verdict;
 
 const STEPS: u64 = 10_000_000;
 const QUICK_STEPS: u64 = 65_536;

@@ -6,6 +6,7 @@
 //! holds, whether a scheme fails where theory predicts failure, or that the guarantee is refuted.
 //! The fuzzer feeds arbitrary bit patterns to constructors, functions and steps.
 
+mod case;
 mod cases;
 mod figures;
 mod fuzz;
@@ -14,6 +15,7 @@ mod page;
 mod paths;
 mod results;
 mod rounding;
+mod row;
 mod schemes;
 
 use std::path::PathBuf;

@@ -3,8 +3,9 @@
 use report::{Page, anchor, distinct, number, provenance};
 
 use crate::figures;
-use crate::results::Verdict::{self, FailsAsItMust, Holds, Observed, Refuted};
-use crate::results::{CaseResult, Fuzzed, Growth, Row, Stability};
+use crate::results::{CaseResult, Fuzzed, Growth, Stability};
+use crate::row::Row;
+use crate::row::Verdict::{self, FailsAsItMust, Holds, Observed, Refuted};
 
 /// The whole page.
 pub fn page(results: &Stability) -> Page {

@@ -9,11 +9,12 @@ use mc::{Ladder, NextNoise, Run, Statistic, View};
 use noise::{StreamKey, Truncation};
 use real::WIDTH;
 use report::distinct;
-use systems::{Damping, PoissonSystem, Problem};
+use systems::paper::{INERTIA, NOISE_INERTIA, rigid_body_start};
+use systems::{Damping, PoissonSystem, Problem, RigidBody};
 
-use crate::cases::Context;
-use crate::results::Row;
+use crate::case::Context;
 use crate::rounding::{law_bound, residual_share};
+use crate::row::Row;
 use crate::schemes::{Family, Tested, schemes};
 
 /// One path as far as it lasts.
@@ -248,4 +249,14 @@ where
     fn merge(&mut self, later: Self) {
         self.paths.extend(later.paths);
     }
+}
+
+/// The paper's rigid body with three noises, with any damping and steps.
+pub fn body<G: Damping>(
+    context: &Context,
+    damping: G,
+    steps: (u64, f64),
+) -> Result<Experiment<RigidBody<3>, G, 3, 3>> {
+    let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA)?;
+    Experiment::new(context, (body, damping), rigid_body_start(), steps)
 }

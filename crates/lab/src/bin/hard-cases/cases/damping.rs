@@ -2,10 +2,10 @@
 
 use systems::{Constant, Damping};
 
-use super::{Case, Context, Plot, Rows, SQUARED_LENGTH, body, each};
-use crate::paths::{CASIMIR, Law};
-use crate::results::Row;
+use crate::case::{Case, Context, Plot, Rows, SQUARED_LENGTH, each};
+use crate::paths::{CASIMIR, Law, body};
 use crate::rounding::{law_bound, length};
+use crate::row::Row;
 use crate::schemes::Family;
 
 /// γτ from 0.1 to 10⁴: exact damping against rational functions of γτ.

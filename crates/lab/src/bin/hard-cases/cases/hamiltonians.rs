@@ -9,10 +9,10 @@ use systems::{
     PoissonSystem, RealExponents, RigidBodyEnergy,
 };
 
-use super::{Case, Context, Plot, Rows, each};
+use crate::case::{Case, Context, Plot, Rows, each};
 use crate::paths::{CASIMIR, Experiment, Law};
-use crate::results::Row;
 use crate::rounding::length;
+use crate::row::Row;
 use crate::schemes::Family;
 
 /// A Hamiltonian whose frequencies are far above 1/τ.

@@ -4,10 +4,10 @@ use noise::{BlockNoise, Truncation};
 use real::WIDTH;
 use systems::paper::half_cosine;
 
-use super::{Case, Context, KEEPS_THE_LAW, Rows, SQUARED_LENGTH, body, each};
-use crate::paths::{CASIMIR, Experiment};
-use crate::results::Row;
+use crate::case::{Case, Context, KEEPS_THE_LAW, Rows, SQUARED_LENGTH, each};
+use crate::paths::{CASIMIR, Experiment, body};
 use crate::rounding::length;
+use crate::row::Row;
 
 /// The largest normals that the generator can give, in all directions.
 pub const EXTREME: Case = Case {

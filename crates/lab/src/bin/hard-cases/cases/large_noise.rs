@@ -7,9 +7,10 @@ use schemes::{Scheme, Step};
 use systems::{Constant, PoissonSystem, RigidBody};
 
 use super::branch::{agree, follow};
-use super::{Case, Context, Rows, body, each};
-use crate::results::Row;
+use crate::case::{Case, Context, Rows, each};
+use crate::paths::body;
 use crate::rounding::{law_bound, residual_share};
+use crate::row::Row;
 use crate::schemes::{Family, Tested};
 
 pub const CASE: Case = Case {

@@ -4,7 +4,7 @@ use noise::WienerBlock;
 use systems::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, sine};
 use systems::{Constant, IntegerExponents, LotkaVolterra, Pendulum, PoissonSystem, RigidBody};
 
-use super::{Case, Context, Rows, each};
+use crate::case::{Case, Context, Rows, each};
 use crate::paths::{CASIMIR, Experiment, Law};
 use crate::rounding::law_bound;
 

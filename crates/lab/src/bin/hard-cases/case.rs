@@ -1,0 +1,63 @@
+//! What a hard case is.
+
+use anyhow::Result;
+use noise::StreamKey;
+use serde::Serialize;
+
+use crate::Arguments;
+use crate::row::Row;
+
+/// A family of hard inputs.
+#[derive(Serialize)]
+pub struct Case {
+    /// Identifier.
+    pub id: &'static str,
+    /// The title.
+    pub title: &'static str,
+    /// System, damping, steps and noise.
+    pub setup: &'static str,
+    /// What exact mathematics says.
+    pub mathematics: &'static str,
+    /// What the measured figure is.
+    pub quantity: &'static str,
+    /// What is guaranteed, and why.
+    pub guarantee: &'static str,
+    /// What the settings vary.
+    pub varied: &'static str,
+    /// How the page plots the rows, if it does.
+    #[serde(skip)]
+    pub plot: Option<Plot>,
+    /// Runs all schemes in all settings.
+    #[serde(skip)]
+    pub rows: fn(&Context) -> Rows,
+}
+
+/// The quantity of most cases.
+pub const SQUARED_LENGTH: &str =
+    "largest relative distance of |y|² from its law, before a path ends";
+
+/// The figures of all schemes over the settings as numbers.
+pub struct Plot {
+    pub x_title: &'static str,
+    /// What is outside of this range is drawn at its border.
+    pub range: (f64, f64),
+}
+
+/// The guarantee of cases whose equations may have no solution.
+pub const KEEPS_THE_LAW: &str = "`sexp` in all forms is on the law to rounding, or ends with a typed \
+                             error. Nothing is guaranteed of the others.";
+
+/// All schemes in all settings of a case.
+pub type Rows = Result<Vec<Row>>;
+
+/// What a case needs to run.
+pub struct Context<'a> {
+    pub key: StreamKey,
+    pub arguments: &'a Arguments,
+}
+
+/// The rows of every setting.
+pub fn each<T>(settings: impl IntoIterator<Item = T>, rows: impl FnMut(T) -> Rows) -> Rows {
+    let rows: Vec<Vec<Row>> = settings.into_iter().map(rows).collect::<Result<_>>()?;
+    Ok(rows.into_iter().flatten().collect())
+}
