@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use super::axis::{Axis, Range, Scale};
-use super::canvas::{self, Canvas, GREY, INK};
+use super::canvas::{self, Align, Canvas, GREY, INK};
 use super::frame::Frame;
 use super::legend::{Legend, Sample};
 use super::look::{self, Layer, Look, Marker};
@@ -50,7 +50,7 @@ pub enum Style {
     Signed,
 }
 
-/// The line `constant · x^power`, in grey; the first of a plot is dashed, the second solid.
+/// The line `constant · x^power`, dashed and grey, with its name beside it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
     /// Its name in the legend.
@@ -130,10 +130,20 @@ impl Line {
         self.constant * x.powf(self.power)
     }
 
-    /// How the `n`-th line of a plot is drawn.
-    fn stroke(n: usize) -> Stroke {
-        let solid = Stroke::new(GREY, 1.0);
-        if n.is_multiple_of(2) { solid.dashed() } else { solid }
+    /// Draws the part inside of the frame, and the name beside its middle: on the side where a line
+    /// that rises leaves the data.
+    fn draw(&self, canvas: &mut Canvas, frame: &Frame) {
+        const SIZE: f64 = 10.0;
+        const OFFSET: f64 = 3.0;
+        let [from, to] = [frame.x.range.lo, frame.x.range.hi].map(|x| frame.place(x, self.at(x)));
+        let Some((from, to)) = frame.clip(from, to) else { return };
+        canvas.polyline(&[from, to], Stroke::new(GREY, 1.0).dashed());
+        let label = Label::words(&self.name);
+        let (x, y) = (0.5 * (from.0 + to.0), 0.5 * (from.1 + to.1));
+        let (right, down) = (0.5 * SIZE * label.width() + OFFSET, 0.5 * SIZE + OFFSET);
+        let below = 2.0 * y > frame.y.start + frame.y.end;
+        let at = if below { (x + right, y + down) } else { (x - right, y - down) };
+        canvas.label(&label, at, SIZE, Align::Middle);
     }
 }
 
@@ -176,11 +186,7 @@ impl Figure {
             (Sample::Point(look), Label::words(words))
         });
         let signs = signs.into_iter().filter(|_| signed);
-        let lines = self.plots.iter().flat_map(|plot| plot.lines.iter().enumerate());
-        let lines = distinct(lines.map(|(n, line)| (n, line.name.as_str())))
-            .into_iter()
-            .map(|(n, name)| (Sample::Line(Line::stroke(n)), Label::words(name)));
-        let entries = names.iter().map(entry).chain(signs).chain(lines);
+        let entries = names.iter().map(entry).chain(signs);
         let width = self.plots.len().max(1) as f64 * (self.size.0 + BETWEEN) - BETWEEN;
         let legend = Legend::new(entries, width);
         let top = legend.height + 7.0;
@@ -246,9 +252,8 @@ impl Plot {
     }
 
     fn draw(&self, canvas: &mut Canvas, frame: &Frame, looks: &HashMap<&str, Look>, signed: bool) {
-        for (n, line) in self.lines.iter().enumerate() {
-            let ends = [frame.x.range.lo, frame.x.range.hi].map(|x| frame.place(x, line.at(x)));
-            frame.polyline(canvas, &ends, Line::stroke(n));
+        for line in &self.lines {
+            line.draw(canvas, frame);
         }
         let middle = 0.5 * (self.curves.len() as f64 - 1.0);
         let look = |curve: &Curve| looks[&*curve.name];

@@ -57,7 +57,7 @@ fn caption(panel: &Panel) -> String {
     });
     match panel.kind {
         Kind::Strong => format!(
-            "Root-mean-square error of {main} with 95\u{202f}% error bars; in grey: \
+            "Root-mean-square error of {main} with 95\u{202f}% error bars; dashed, in grey: \
              reference slopes.{orders}{further}"
         ),
         Kind::Weak => format!(
