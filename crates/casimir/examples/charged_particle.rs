@@ -33,11 +33,8 @@ impl PoissonSystem<4, 1> for Particle {
         (kinetic + trap) * dt - y[0] * (self.noise * dw[0])
     }
 
-    /// The energy is quadratic, and its gradient is averaged at the midpoint.
-    #[inline(always)]
-    fn averaged_gradient<R: Real>(&self, a: [R; 4], b: [R; 4], dt: f64, dw: [f64; 1]) -> [R; 4] {
-        self.gradient(casimir::dgrad::midpoint(a, b), dt, dw)
-    }
+    /// The energy is quadratic: its gradient is averaged at the midpoint.
+    const QUADRATIC: bool = true;
 }
 
 type Error = Box<dyn std::error::Error>;
