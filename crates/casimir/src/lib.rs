@@ -5,8 +5,8 @@
 //! ```
 //!
 //! One dependency with everything that a program needs. A system is two formulas, B(y)·v and the
-//! Hamiltonian increment; a scheme is one formula; the rest follows: vectorised ensembles, tables of
-//! paths, expectations with error bars, measured orders, and a report on what the system is.
+//! Hamiltonian increment; a scheme is one formula; the rest follows: vectorised ensembles, tables
+//! of paths, expectations with error bars, measured orders, and a report on what the system is.
 //!
 //! ```
 //! use casimir::prelude::*;

@@ -66,8 +66,8 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    // ln of the largest relative defect along a path, over the paths; none if a path fails or has no
-    // defect.
+    // ln of the largest relative defect along a path, over the paths; none if a path fails or has
+    // no defect.
     let logarithms = |part, steps| {
         let mut logarithms = Moments::default();
         for path in 0..PATHS {

@@ -47,7 +47,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (key, truncation) = (StreamKey { seed: 1, experiment: 0 }, Truncation::new(4)?);
 
     let path = Simulation::new(&problem, &LieConformal, truncation).path(256, key, 0)?;
-    let defect = path.column("C defect").into_iter().flatten().fold(0.0, |d, x| f64::max(d, x.abs()));
+    let defect =
+        path.column("C defect").into_iter().flatten().fold(0.0, |d, x| f64::max(d, x.abs()));
     println!("lie-conformal: largest defect of the Casimir {defect:.1e}");
     assert!(defect < 1e-13);
 
@@ -55,7 +56,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let pairs: [[&dyn Scheme<Body, 3, 3>; 2]; 2] =
         [[&ExponentialHeun, &Heun], [&LieConformal, &sexp]];
     for [mine, theirs] in pairs {
-        let ladder = |scheme| Ladder::new(&problem, 256, 0, truncation, key, vec![Run::new(scheme, 0)]);
+        let ladder =
+            |scheme| Ladder::new(&problem, 256, 0, truncation, key, vec![Run::new(scheme, 0)]);
         let (mine_ladder, their_ladder) = (ladder(mine)?, ladder(theirs)?);
         let (mut own, mut ours) = (f64::INFINITY, f64::INFINITY);
         // The least of many times, both in turn: a disturbance that lasts hits both.

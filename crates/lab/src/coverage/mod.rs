@@ -32,8 +32,8 @@ pub fn coverage(replications: u64, seed: u64) -> Vec<Coverage> {
 /// Number of the first case of geometric Brownian motion, so that no two cases share noise.
 const MOTION: u64 = 100;
 
-/// An interval or a warning, what is required of it, and whether it covers the truth or is raised on
-/// one data set.
+/// An interval or a warning, what is required of it, and whether it covers the truth or is raised
+/// on one data set.
 type Check = (&'static str, Expected, bool);
 
 /// Counts, case by case.

@@ -110,7 +110,8 @@ impl Canvas {
         self.body += &format!("<{shape} {paint}/>\n");
     }
 
-    /// A label on one line, centred vertically at `at`; one that reads upwards is centred both ways.
+    /// A label on one line, centred vertically at `at`; one that reads upwards is centred both
+    /// ways.
     pub fn label(&mut self, label: &Label, at: Position, size: f64, align: Align) {
         let (x, y, size) = (grid(at.0), grid(at.1), grid(size));
         let (anchor, turn) = match align {

@@ -25,7 +25,8 @@ pub fn measured(panel: &Panel) -> String {
     if tables.is_empty() { "<p>Nothing.</p>".to_owned() } else { tables }
 }
 
-/// A table whose rows begin with scheme and quantity; a series has the rows that `rows` makes of it.
+/// A table whose rows begin with scheme and quantity; a series has the rows that `rows` makes of
+/// it.
 fn numbers<const N: usize>(
     series: &[Series],
     heads: &[&str; N],

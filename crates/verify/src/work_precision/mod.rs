@@ -117,8 +117,8 @@ impl WorkCurve {
 /// step size l, coarsest first.
 ///
 /// # Errors
-/// [`LadderError`] when there is no step size or no step, when there are too many of either, or when
-/// the truncation is not defined at a step size.
+/// [`LadderError`] when there is no step size or no step, when there are too many of either, or
+/// when the truncation is not defined at a step size.
 pub fn ladder<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     schemes: &[&'a dyn Scheme<S, D, M>],
     problem: &'a Problem<S, G, D>,
