@@ -138,7 +138,12 @@ mod tests {
         let y: Vec<f64> = x.iter().map(|x| 1.0 + 2.0 * x).collect();
         let weighting = correlated();
         let fit = weighting.fit(&[vec![1.0; 4], x], &y).unwrap();
-        assert_relative_eq!(fit.parameters[..], [1.0, 2.0][..], max_relative = 1e-14);
+        assert_relative_eq!(
+            fit.parameters[..],
+            [1.0, 2.0][..],
+            epsilon = 0.0,
+            max_relative = 1e-14
+        );
         assert!(fit.chi_square < 1e-26);
     }
 
@@ -146,9 +151,9 @@ mod tests {
     fn independent_points_give_the_textbook_variance() {
         let weighting = Weighting::new(&diagonal(&[0.5; 5])).unwrap();
         let fit = weighting.fit(&[vec![1.0; 5]], &[1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
-        assert_relative_eq!(fit.parameters[0], 3.0, max_relative = 1e-15);
-        assert_relative_eq!(fit.covariance(0)[0], 0.1, max_relative = 1e-14);
-        assert_relative_eq!(fit.chi_square, 20.0, max_relative = 1e-14);
+        assert_relative_eq!(fit.parameters[0], 3.0, epsilon = 0.0, max_relative = 1e-15);
+        assert_relative_eq!(fit.covariance(0)[0], 0.1, epsilon = 0.0, max_relative = 1e-14);
+        assert_relative_eq!(fit.chi_square, 20.0, epsilon = 0.0, max_relative = 1e-14);
     }
 
     #[test]
@@ -160,12 +165,22 @@ mod tests {
         let fit = weighting.fit(&design, &y).unwrap();
         for c in 0..3 {
             let gain = fit.gain(c);
-            assert_relative_eq!(dot(&gain, &y), fit.parameters[c], max_relative = 1e-13);
+            assert_relative_eq!(
+                dot(&gain, &y),
+                fit.parameters[c],
+                epsilon = 0.0,
+                max_relative = 1e-13
+            );
             // Var(w·y) = |Lᵀw|².
             let lower = &weighting.factor;
             let row = |j: usize| (0..4).map(|i| lower[i][j] * gain[i]).sum::<f64>().powi(2);
             let variance: f64 = (0..4).map(row).sum();
-            assert_relative_eq!(variance, fit.covariance(c)[c], max_relative = 1e-13);
+            assert_relative_eq!(
+                variance,
+                fit.covariance(c)[c],
+                epsilon = 0.0,
+                max_relative = 1e-13
+            );
         }
     }
 

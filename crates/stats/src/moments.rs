@@ -206,7 +206,12 @@ mod tests {
             }
         }
         let variance = single.standard_error().powi(2);
-        assert_relative_eq!(variance, all.covariance_of_means(2, 2), max_relative = 1e-14);
+        assert_relative_eq!(
+            variance,
+            all.covariance_of_means(2, 2),
+            epsilon = 0.0,
+            max_relative = 1e-14
+        );
     }
 
     #[test]
@@ -215,8 +220,13 @@ mod tests {
         for n in 0..100 {
             moments.add(&[3.0, if n == 50 { 1e6 } else { 1e-3 }]);
         }
-        assert_relative_eq!(moments.effective_samples(0), 100.0, max_relative = 1e-14);
-        assert_relative_eq!(moments.effective_samples(1), 1.0, max_relative = 1e-6);
+        assert_relative_eq!(
+            moments.effective_samples(0),
+            100.0,
+            epsilon = 0.0,
+            max_relative = 1e-14
+        );
+        assert_relative_eq!(moments.effective_samples(1), 1.0, epsilon = 0.0, max_relative = 1e-6);
     }
 
     #[test]

@@ -78,6 +78,7 @@ where
     }
 
     /// Adds a column with the observable φ(y).
+    #[must_use]
     pub fn observing(
         mut self,
         name: impl Into<String>,
