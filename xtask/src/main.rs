@@ -3,9 +3,11 @@
 //! `cargo xtask CHORE ARGUMENTS…` is `cargo run --release -p lab --bin PROGRAM -- ARGUMENTS…`, so a
 //! chore builds what it needs and nothing else.
 
-use std::env;
-use std::ffi::OsString;
-use std::process::{Command, ExitCode};
+use std::{
+    env,
+    ffi::OsString,
+    process::{Command, ExitCode},
+};
 
 /// A chore, the program of `lab` that does it, what else cargo is told, and what it is for.
 type Chore = (&'static str, &'static str, &'static [&'static str], &'static str);

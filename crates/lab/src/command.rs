@@ -1,10 +1,8 @@
 //! What the command lines of all programs share.
 
-use std::fmt::Display;
-use std::process::ExitCode;
+use std::{fmt::Display, process::ExitCode};
 
-use comfy_table::presets::ASCII_MARKDOWN;
-use comfy_table::{CellAlignment, Table};
+use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use real::Level;
 
 /// Reads the value of `--simd`: `baseline`, `avx2` or `avx512`.

@@ -3,10 +3,8 @@
 use mc::{Trajectory, trajectory};
 use schemes::Scheme;
 use stats::Moments;
-use systems::paper::valid;
-use systems::{Damping, PoissonSystem, Problem};
-use verify::results::Evidence;
-use verify::{DEVIATIONS, worse};
+use systems::{Damping, PoissonSystem, Problem, paper::valid};
+use verify::{DEVIATIONS, results::Evidence, worse};
 
 use crate::experiment::{Conditions, truncation};
 

@@ -1,10 +1,11 @@
 //! What an experiment is, what it is given and what it returns.
 
 use noise::{StreamKey, Truncation};
-use systems::paper::valid;
-use systems::{Damping, Problem};
-use verify::results::{Claim, Kind, Panel};
-use verify::{Mode, Progress, Settings};
+use systems::{Damping, Problem, paper::valid};
+use verify::{
+    Mode, Progress, Settings,
+    results::{Claim, Kind, Panel},
+};
 
 use crate::streams;
 

@@ -1,17 +1,19 @@
 //! Runs experiments and collects their results.
 
-use std::collections::BTreeMap;
-use std::fmt;
-use std::time::Instant;
+use std::{collections::BTreeMap, fmt, time::Instant};
 
-use verify::results::{Provenance, Results, SCHEMA};
-use verify::{Progress, Settings};
+use verify::{
+    Progress, Settings,
+    results::{Provenance, Results, SCHEMA},
+};
 
-use crate::experiment::{Conditions, Experiment};
-use crate::panels::EXPERIMENTS;
-use crate::statements::STATEMENTS;
-use crate::streams;
-use crate::supplements::SUPPLEMENTS;
+use crate::{
+    experiment::{Conditions, Experiment},
+    panels::EXPERIMENTS,
+    statements::STATEMENTS,
+    streams,
+    supplements::SUPPLEMENTS,
+};
 
 /// A panel or statement that does not exist.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -4,11 +4,13 @@ use anyhow::Result;
 use mc::Observable;
 use real::elementary::{cos, sin};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy};
-use systems::paper::{
-    lotka_volterra_1_1, lotka_volterra_2_2, maxwell_bloch, pendulum, poisson3_strong,
-    rigid_body_energy, rigid_body_one_noise, rigid_body_three_noises, valid,
+use systems::{
+    Constant, Damping, PoissonSystem, Problem, SpinChain,
+    paper::{
+        lotka_volterra_1_1, lotka_volterra_2_2, maxwell_bloch, pendulum, poisson3_strong,
+        rigid_body_energy, rigid_body_one_noise, rigid_body_three_noises, valid,
+    },
 };
-use systems::{Constant, Damping, PoissonSystem, Problem, SpinChain};
 use verify::rigid_body_expectations;
 
 use crate::{PaperSystem, compiled};

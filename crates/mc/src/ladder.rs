@@ -5,11 +5,13 @@ use real::{Block, PathMask};
 use schemes::{Scheme, StepError};
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::driver::{Batch, Bounds, Driver, DriverRun, GROUP_PATHS, Tally};
-use crate::noise_source::Drawn;
-use crate::parallel::in_parallel;
-use crate::tree::MergeTree;
-use crate::{LadderError, NoiseSource, PathFailure};
+use crate::{
+    LadderError, NoiseSource, PathFailure,
+    driver::{Batch, Bounds, Driver, DriverRun, GROUP_PATHS, Tally},
+    noise_source::Drawn,
+    parallel::in_parallel,
+    tree::MergeTree,
+};
 
 /// A scheme on a level of a ladder. Its steps consist of 2^level finest steps.
 pub struct Run<'a, S, const D: usize, const M: usize> {

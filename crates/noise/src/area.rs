@@ -2,8 +2,7 @@
 
 use real::{Block, WIDTH};
 
-use crate::truncation::clip_to;
-use crate::{DyadicLadder, NoiseError, Truncation};
+use crate::{DyadicLadder, NoiseError, Truncation, truncation::clip_to};
 
 /// Lévy areas of 32 paths over one step h, in units of time.
 ///

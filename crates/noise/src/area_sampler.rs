@@ -5,10 +5,9 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use real::{Block, Kernel, dispatch};
 
-use crate::area_method::AreaMethod;
-use crate::stream::BlockStreams;
-use crate::wiener::fill_pair;
-use crate::{AreaBlock, StreamKey};
+use crate::{
+    AreaBlock, StreamKey, area_method::AreaMethod, stream::BlockStreams, wiener::fill_pair,
+};
 
 /// The bit of the experiment number that separates the streams of areas from those of increments.
 /// Increments are therefore the same whether areas are drawn or not.

@@ -4,10 +4,12 @@ use std::f64::consts::TAU;
 
 use real::elementary;
 
-use crate::StreamKey;
-use crate::area_method::trigamma_after;
-use crate::stream::next_word;
-use crate::wiener::{box_muller, open_unit};
+use crate::{
+    StreamKey,
+    area_method::trigamma_after,
+    stream::next_word,
+    wiener::{box_muller, open_unit},
+};
 
 /// Almost exact sampler of the Lévy area of two Wiener processes on one path, given their increment
 /// (Malham and Wiese 2014, *Efficient almost-exact Lévy area sampling*).

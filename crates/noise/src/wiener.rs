@@ -3,8 +3,10 @@
 
 use real::{Block, Kernel, WIDTH, dispatch, elementary};
 
-use crate::StreamKey;
-use crate::stream::{BlockStreams, next_word};
+use crate::{
+    StreamKey,
+    stream::{BlockStreams, next_word},
+};
 
 /// Increments of M independent Wiener processes on 32 consecutive paths.
 ///

@@ -2,9 +2,11 @@
 
 use real::{Block, PathMask, WIDTH};
 
-use crate::robust::solve_robust;
-use crate::sweep::{Iterate, first_sweeps, has_first_sweep, settled_path, sweep};
-use crate::{BlockFixedPoint, BlockStatus, FixedPoint, Method, Solver};
+use crate::{
+    BlockFixedPoint, BlockStatus, FixedPoint, Method, Solver,
+    robust::solve_robust,
+    sweep::{Iterate, first_sweeps, has_first_sweep, settled_path, sweep},
+};
 
 /// Half of a block: paths p and p + [`HALF`] make their first sweeps together.
 const HALF: usize = WIDTH / 2;

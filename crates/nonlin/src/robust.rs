@@ -10,9 +10,11 @@
 //! the affine-invariant condition of Newton–Mysovskikh for a unique root near the old one. The
 //! first test alone checks one direction only and sometimes accepts another branch.
 
-use crate::elimination::solve_pivoted;
-use crate::sweep::{TOLERANCE, linearised};
-use crate::{FixedPoint, Outcome, Solution};
+use crate::{
+    FixedPoint, Outcome, Solution,
+    elimination::solve_pivoted,
+    sweep::{TOLERANCE, linearised},
+};
 
 /// Largest number of Newton iterations at one s. After a contraction by [`CONTRACTION`] and then
 /// quadratic convergence, ten reach round-off. Twenty allow for slow initial convergence.

@@ -1,8 +1,10 @@
 //! The fast method on one path.
 
-use crate::robust::solve_robust;
-use crate::sweep::{first_sweeps, has_first_sweep, settled_path, sweep};
-use crate::{FixedPoint, Outcome, Solution, Solver};
+use crate::{
+    FixedPoint, Outcome, Solution, Solver,
+    robust::solve_robust,
+    sweep::{first_sweeps, has_first_sweep, settled_path, sweep},
+};
 
 impl Solver {
     /// Solves the equation of one path, with the same bits as in

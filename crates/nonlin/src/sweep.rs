@@ -1,8 +1,6 @@
 //! One sweep of the fast methods on one path, for single paths and blocks alike.
 
-use crate::elimination::Factored;
-use crate::solver::Method;
-use crate::{FirstSweep, FixedPoint};
+use crate::{FirstSweep, FixedPoint, elimination::Factored, solver::Method};
 
 /// A path has converged when the estimate of ‖z − ψ(z)‖₁ is below this fraction of ‖z‖₁. Evaluating
 /// ψ rounds each component of z by up to half an ulp, so smaller residuals carry no information.

@@ -2,8 +2,7 @@
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use multiversion::multiversion;
-use multiversion::target::match_target;
+use multiversion::{multiversion, target::match_target};
 
 /// A computation on blocks of paths, compiled for every [`Level`].
 ///

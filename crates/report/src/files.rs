@@ -1,8 +1,10 @@
 //! Files that are written whole or not at all, into folders that are checked before the computing.
 
-use std::fs;
-use std::io::{Error, Result, Write};
-use std::path::Path;
+use std::{
+    fs,
+    io::{Error, Result, Write},
+    path::Path,
+};
 
 use serde::Serialize;
 use tempfile::{Builder, NamedTempFile};

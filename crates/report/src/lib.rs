@@ -56,8 +56,7 @@ mod panel;
 pub mod provenance;
 pub mod terminal;
 
-use std::io::Result;
-use std::path::Path;
+use std::{io::Result, path::Path};
 
 use verify::results::Results;
 

@@ -1,8 +1,6 @@
 //! Pages in Markdown: paragraphs wrapped at 100 columns, tables, figures.
 
-use std::collections::HashSet;
-use std::io::Result;
-use std::path::Path;
+use std::{collections::HashSet, io::Result, path::Path};
 
 use crate::files;
 

@@ -1,8 +1,6 @@
 //! Where a run comes from, and what it took.
 
-use std::fs;
-use std::process::Command;
-use std::time::Instant;
+use std::{fs, process::Command, time::Instant};
 
 use real::Level;
 use verify::results::Provenance;

@@ -1,7 +1,9 @@
 //! The operations that the formula of a scheme may use.
 
-use std::marker::PhantomData;
-use std::ops::{Add, Mul, Sub};
+use std::{
+    marker::PhantomData,
+    ops::{Add, Mul, Sub},
+};
 
 use noise::Noise;
 use real::Real;

@@ -7,8 +7,10 @@ use nonlin::{BlockFixedPoint, BlockStatus, FirstSweep, FixedPoint, Method, Outco
 use real::{Block, Kernel, Real, WIDTH, dispatch};
 use systems::{ImplicitStep, PoissonSystem};
 
-use crate::increment::{SystemIncrement, constant};
-use crate::{Implicit, Scheme, Step};
+use crate::{
+    Implicit, Scheme, Step,
+    increment::{SystemIncrement, constant},
+};
 
 impl<F, S, const D: usize, const M: usize> Scheme<S, D, M> for F
 where

@@ -17,8 +17,10 @@
 
 use std::sync::OnceLock;
 
-use rand_xoshiro::SplitMix64;
-use rand_xoshiro::rand_core::{Rng, SeedableRng};
+use rand_xoshiro::{
+    SplitMix64,
+    rand_core::{Rng, SeedableRng},
+};
 use real::{Kernel, dispatch};
 
 use crate::moments::{BATCHES, CrossMoments};

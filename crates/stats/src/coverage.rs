@@ -1,8 +1,10 @@
 //! How often an interval covers the truth, and how often it should.
 
-use crate::point::Point;
-use crate::quantile::{CONFIDENCE, two_sided};
-use crate::rate::Rate;
+use crate::{
+    point::Point,
+    quantile::{CONFIDENCE, two_sided},
+    rate::Rate,
+};
 
 /// How often one kind of interval covered the truth, or one kind of warning was raised.
 #[derive(Clone, Copy, Debug, PartialEq)]

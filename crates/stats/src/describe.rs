@@ -1,8 +1,10 @@
 //! A fit in words: the one place that words what the fields of a [`Rate`] say.
 
-use crate::moments::FEW_SAMPLES;
-use crate::quantile::two_sided;
-use crate::rate::{Against, Model, Rate, STRAIGHT_CONFIDENCE, StraightLine};
+use crate::{
+    moments::FEW_SAMPLES,
+    quantile::two_sided,
+    rate::{Against, Model, Rate, STRAIGHT_CONFIDENCE, StraightLine},
+};
 
 /// The rate with [`Rate::method`] and [`Rate::warning`] made from its other fields.
 pub fn describe(mut rate: Rate) -> Rate {

@@ -1,10 +1,12 @@
 //! The order of a positive error measured independently at several step sizes.
 
-use crate::describe::describe;
-use crate::least_squares::{Weighting, diagonal};
-use crate::quantile::{CONFIDENCE, chi_square_p_value, two_sided};
-use crate::rate::{Model, Rate};
-use crate::weak::NOISE;
+use crate::{
+    describe::describe,
+    least_squares::{Weighting, diagonal},
+    quantile::{CONFIDENCE, chi_square_p_value, two_sided},
+    rate::{Model, Rate},
+    weak::NOISE,
+};
 
 /// The order of a positive error known at several step sizes from independent samples, as (value,
 /// standard error): ln e = a + p ln τ + bτ + cτ² by weighted least squares, with the variances of

@@ -12,11 +12,13 @@
 //! uses the estimated V (Liang and Zeger, *Biometrika* 73, 1986). The quantile is Student's, with
 //! degrees of freedom from the kurtosis of the paths' influences. V's own weights serve χ² alone.
 
-use crate::bootstrap;
-use crate::least_squares::{Fit, Weighting, dot, matrix};
-use crate::moments::CrossMoments;
-use crate::quantile::{CONFIDENCE, hotelling_p_value, two_sided};
-use crate::rate::{Model, Rate};
+use crate::{
+    bootstrap,
+    least_squares::{Fit, Weighting, dot, matrix},
+    moments::CrossMoments,
+    quantile::{CONFIDENCE, hotelling_p_value, two_sided},
+    rate::{Model, Rate},
+};
 
 /// Correlation between neighbouring levels in the working weights.
 const WORKING_CORRELATION: f64 = 0.5;

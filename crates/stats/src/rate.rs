@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::moments::FEW_SAMPLES;
-use crate::quantile::two_sided;
+use crate::{moments::FEW_SAMPLES, quantile::two_sided};
 
 /// A fitted order of convergence with a confidence interval.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -1,9 +1,6 @@
 //! Root-mean-square errors with intervals.
 
-use crate::bootstrap;
-use crate::describe::few_paths;
-use crate::moments::CrossMoments;
-use crate::point::Point;
+use crate::{bootstrap, describe::few_paths, moments::CrossMoments, point::Point};
 
 /// √m at every step size, where m is the mean of the squared errors: with a standard error by the
 /// delta method, se(√m) = se(m)/(2√m), a bootstrap-t interval, and a warning where a few paths

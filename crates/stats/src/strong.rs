@@ -5,10 +5,12 @@
 //! square. With fewer than four levels left, all are used, and the interval reaches at each end as
 //! far as the farther of the delta method's and the bootstrap's.
 
-use crate::describe::describe;
-use crate::mean_squares::{LogMeanSquares, Terms};
-use crate::moments::{CrossMoments, FEW_SAMPLES};
-use crate::rate::{Rate, STRAIGHT_CONFIDENCE, StraightLine};
+use crate::{
+    describe::describe,
+    mean_squares::{LogMeanSquares, Terms},
+    moments::{CrossMoments, FEW_SAMPLES},
+    rate::{Rate, STRAIGHT_CONFIDENCE, StraightLine},
+};
 
 /// Fewer levels than this make no fit from which others have been left out.
 const LEAST_LEVELS: usize = 4;

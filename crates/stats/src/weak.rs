@@ -2,12 +2,14 @@
 
 use std::ops::RangeInclusive;
 
-use crate::describe::describe;
-use crate::least_squares::{Weighting, diagonal};
-use crate::moments::CrossMoments;
-use crate::point::Point;
-use crate::quantile::{CONFIDENCE, chi_square_p_value, two_sided};
-use crate::rate::{Against, Model, Rate};
+use crate::{
+    describe::describe,
+    least_squares::{Weighting, diagonal},
+    moments::CrossMoments,
+    point::Point,
+    quantile::{CONFIDENCE, chi_square_p_value, two_sided},
+    rate::{Against, Model, Rate},
+};
 
 /// Orders among which the weak order is looked for: 0 to 4, on a grid of 1/500.
 const ORDERS: RangeInclusive<u32> = 0..=4 * GRID;

@@ -3,8 +3,7 @@
 use dgrad::Rule;
 use real::Real;
 
-use crate::SystemError;
-use crate::error::finite;
+use crate::{SystemError, error::finite};
 
 /// Linear damping −γ(t)y with the rate γ(t) and its integral.
 ///

@@ -3,9 +3,10 @@
 use dgrad::{GradientField, averaged, nodes_for_degree};
 use real::Real;
 
-use crate::error::finite;
-use crate::system::no_invariant;
-use crate::{Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem, SystemError};
+use crate::{
+    Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem, SystemError, error::finite,
+    system::no_invariant,
+};
 
 /// The Lotka–Volterra system of three positive populations (Bréhier, Cohen and Komori 2025,
 /// Example 3): with p = ab and q = −b, H₀ = H₁ = H = y₁ᵖy₂^q y₃ and

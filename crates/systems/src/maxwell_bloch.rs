@@ -2,8 +2,7 @@
 
 use real::Real;
 
-use crate::system::no_invariant;
-use crate::{ImplicitStep, Invariant, PoissonSystem};
+use crate::{ImplicitStep, Invariant, PoissonSystem, system::no_invariant};
 
 /// The Maxwell–Bloch system of laser-matter dynamics (Bréhier, Cohen and Komori 2025, Example 4):
 /// B(y)v = (−y₃v₂ + y₂v₃, y₃v₁, −y₂v₁), H₀ = ½y₁² + y₃, H₁ = y₃.

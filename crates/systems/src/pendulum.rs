@@ -3,8 +3,7 @@
 use dgrad::{ShortMean, mean_sine};
 use real::Real;
 
-use crate::error::finite;
-use crate::{ImplicitStep, PoissonSystem, SystemError};
+use crate::{ImplicitStep, PoissonSystem, SystemError, error::finite};
 
 /// The mathematical pendulum (Bréhier, Cohen and Komori 2025, Example 1): B(y)v = (−v₂, v₁),
 /// H₀ = H = ½y₁² − cos y₂ and H₁ = cH, with the momentum y₁ and the angle y₂ in radians.

@@ -3,9 +3,9 @@
 use dgrad::{ShortMean, mean_cosine};
 use real::Real;
 
-use crate::error::finite;
-use crate::system::no_invariant;
-use crate::{ImplicitStep, Invariant, PoissonSystem, SystemError};
+use crate::{
+    ImplicitStep, Invariant, PoissonSystem, SystemError, error::finite, system::no_invariant,
+};
 
 /// A Poisson system with constant structure matrix (Bréhier, Cohen and Komori 2025, Example 5):
 /// Bv = (v₂ − v₃, −v₁ + v₃, v₁ − v₂), H₀ = H = sin y₁ + sin y₂ + sin y₃ and H₁ = cH.

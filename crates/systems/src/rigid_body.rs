@@ -2,9 +2,11 @@
 
 use real::Real;
 
-use crate::error::{finite, positive};
-use crate::system::no_invariant;
-use crate::{Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem, SystemError};
+use crate::{
+    Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem, SystemError,
+    error::{finite, positive},
+    system::no_invariant,
+};
 
 /// y × v.
 #[inline(always)]

@@ -2,9 +2,9 @@
 
 use real::Real;
 
-use crate::error::finite;
-use crate::system::no_invariant;
-use crate::{ImplicitStep, Invariant, PoissonSystem, SystemError};
+use crate::{
+    ImplicitStep, Invariant, PoissonSystem, SystemError, error::finite, system::no_invariant,
+};
 
 /// A classical Heisenberg chain of n = D/3 spins sᵢ ∈ ℝ³ in a fluctuating magnetic field with y =
 /// (s₁, …, sₙ), B(y)v = (s₁ × v₁, …, sₙ × vₙ), H₀ = −J Σ sᵢ·sᵢ₊₁ − ½K Σ (sᵢᶻ)², and the same field

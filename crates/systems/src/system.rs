@@ -3,8 +3,10 @@
 use dgrad::{averaged, midpoint};
 use real::{Real, gradient};
 
-use crate::field::{HamiltonianIncrement, commutators};
-use crate::{Invariant, SystemError};
+use crate::{
+    Invariant, SystemError,
+    field::{HamiltonianIncrement, commutators},
+};
 
 /// Nodes of the default discrete gradient. Its error is of order |b − a|¹⁶, below round-off for
 /// small steps.

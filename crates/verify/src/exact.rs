@@ -12,8 +12,7 @@
 use dgrad::Rule;
 use mc::TimeChange;
 use real::{Block, WIDTH};
-use systems::paper::valid;
-use systems::{Constant, Damping, PoissonSystem, Problem};
+use systems::{Constant, Damping, PoissonSystem, Problem, paper::valid};
 
 use crate::runge_kutta::runge_kutta;
 

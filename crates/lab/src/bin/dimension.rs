@@ -5,9 +5,11 @@
 //! coupling one implicit step of `sexp` is solved in three ways: by the fixed point on a block and
 //! on one path, and by Newton's method on one path. Time is the best of many, per path.
 
-use std::hint::black_box;
-use std::thread;
-use std::time::{Duration, Instant};
+use std::{
+    hint::black_box,
+    thread,
+    time::{Duration, Instant},
+};
 
 use anyhow::{Context, Result, anyhow};
 use clap::Parser;

@@ -2,11 +2,13 @@
 //! forms.
 
 use noise::StreamKey;
-use stats::Expected::{Calibrated, Miscovers, Silent, Stated};
-use stats::{CrossMoments, Terms, fit_strong, normal_covers, root_mean_squares, weak_errors};
+use stats::{
+    CrossMoments,
+    Expected::{Calibrated, Miscovers, Silent, Stated},
+    Terms, fit_strong, normal_covers, root_mean_squares, weak_errors,
+};
 
-use super::geometric::Geometric;
-use super::{Tally, naive, point_checks, rate_checks, warns};
+use super::{Tally, geometric::Geometric, naive, point_checks, rate_checks, warns};
 
 pub fn rows(tally: &mut Tally) {
     let euler =

@@ -1,8 +1,11 @@
 //! Orders from synthetic squared errors.
 
 use noise::{StreamKey, WienerPath};
-use stats::Expected::{Calibrated, Miscovers, Raised, Silent, Stated};
-use stats::{CrossMoments, Expected, Rate, Terms, fit_strong, root_mean_squares};
+use stats::{
+    CrossMoments, Expected,
+    Expected::{Calibrated, Miscovers, Raised, Silent, Stated},
+    Rate, Terms, fit_strong, root_mean_squares,
+};
 
 use super::{Check, Tally, naive, point_checks, rate_checks, warns};
 

@@ -2,15 +2,16 @@
 
 use mc::trajectory;
 use stats::Point;
-use systems::paper::valid;
-use systems::{Damping, Invariant, InvariantKind, Problem};
+use systems::{Damping, Invariant, InvariantKind, Problem, paper::valid};
 use verify::results::{Claim, Evidence, Kind, Panel, Series};
 
 use super::strong::{Curve, curves_of_the_paper};
-use crate::conformal_law::{ROUND_OFF, along, approach, largest_defect};
-use crate::experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation};
-use crate::kernels::PaperSystem;
-use crate::method::Method;
+use crate::{
+    conformal_law::{ROUND_OFF, along, approach, largest_defect},
+    experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation},
+    kernels::PaperSystem,
+    method::Method,
+};
 
 /// A relative defect above this is visible in a figure: Euler–Maruyama is expected there.
 const VISIBLE: f64 = 1e-3;

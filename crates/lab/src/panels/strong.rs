@@ -6,14 +6,17 @@ use mc::{Ladder, Reference, Run, StrongErrors};
 use noise::Truncation;
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy};
 use stats::{Point, Rate, fit_strong, root_mean_squares};
-use systems::paper::valid;
-use systems::{Damping, PoissonSystem, Problem};
-use verify::Exact;
-use verify::results::{Claim, Clipped, Evidence, Kind, Panel, Series};
+use systems::{Damping, PoissonSystem, Problem, paper::valid};
+use verify::{
+    Exact,
+    results::{Claim, Clipped, Evidence, Kind, Panel, Series},
+};
 
-use crate::experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation};
-use crate::kernels::{Compiled, PaperSystem, compiled};
-use crate::method::Method;
+use crate::{
+    experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation},
+    kernels::{Compiled, PaperSystem, compiled},
+    method::Method,
+};
 
 /// Coarsest step size 2⁻⁵.
 const FIRST: u32 = 5;

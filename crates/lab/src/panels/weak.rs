@@ -37,14 +37,18 @@ mod tests;
 use mc::{Ladder, Measured, Observable, Run, WeakDifferences};
 use schemes::Sexp;
 use stats::weak_errors;
-use systems::paper::{rigid_body_three_noises, valid};
-use systems::{Cosine, Problem, RigidBody};
+use systems::{
+    Cosine, Problem, RigidBody,
+    paper::{rigid_body_three_noises, valid},
+};
 use verify::results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series};
 
 use super::strong::{describe_failures, power_of_half};
-use crate::experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation};
-use crate::kernels::compiled;
-use crate::method::Method;
+use crate::{
+    experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation},
+    kernels::compiled,
+    method::Method,
+};
 
 /// A test function with its name.
 type TestFunction = (&'static str, fn([f64; 3]) -> f64);

@@ -11,15 +11,22 @@
 
 use mc::Trajectory;
 use noise::WienerPath;
-use systems::paper::{
-    lotka_volterra_2_2, maxwell_bloch, poisson3_casimir, rigid_body_energy, rigid_body_three_noises,
+use systems::{
+    Damping, PoissonSystem, Problem,
+    paper::{
+        lotka_volterra_2_2, maxwell_bloch, poisson3_casimir, rigid_body_energy,
+        rigid_body_three_noises,
+    },
 };
-use systems::{Damping, PoissonSystem, Problem};
-use verify::results::{Bounded, Claim, Evidence};
-use verify::runge_kutta::runge_kutta;
+use verify::{
+    results::{Bounded, Claim, Evidence},
+    runge_kutta::runge_kutta,
+};
 
-use crate::conformal_law::along;
-use crate::experiment::{Conditions, Findings};
+use crate::{
+    conformal_law::along,
+    experiment::{Conditions, Findings},
+};
 
 pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
     [

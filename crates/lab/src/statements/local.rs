@@ -13,12 +13,15 @@
 use noise::{Noise, WienerPath};
 use schemes::{Scheme, Sexp, Step};
 use stats::{CrossMoments, Moments, fit_independent};
-use systems::paper::{rigid_body_three_noises, valid};
 use systems::{
-    Cosine, Damping, Problem, RigidBody, unit_noise, vector_field, vector_field_derivative,
+    Cosine, Damping, Problem, RigidBody,
+    paper::{rigid_body_three_noises, valid},
+    unit_noise, vector_field, vector_field_derivative,
 };
-use verify::results::{Claim, Evidence};
-use verify::runge_kutta::runge_kutta;
+use verify::{
+    results::{Claim, Evidence},
+    runge_kutta::runge_kutta,
+};
 
 use crate::experiment::{Conditions, Findings, truncation};
 

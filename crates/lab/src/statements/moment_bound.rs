@@ -3,15 +3,19 @@
 
 use mc::trajectory;
 use schemes::{Scheme, Sexp};
-use systems::paper::{
-    INERTIA, rigid_body_energy, rigid_body_start, rigid_body_three_noises, valid,
+use systems::{
+    Constant, Damping, DampingFunction, PoissonSystem, Problem, RigidBody,
+    paper::{INERTIA, rigid_body_energy, rigid_body_start, rigid_body_three_noises, valid},
 };
-use systems::{Constant, Damping, DampingFunction, PoissonSystem, Problem, RigidBody};
-use verify::results::{Bounded, Claim, Evidence};
-use verify::worse;
+use verify::{
+    results::{Bounded, Claim, Evidence},
+    worse,
+};
 
-use crate::experiment::{Conditions, Findings, truncation};
-use crate::kernels::compiled;
+use crate::{
+    experiment::{Conditions, Findings, truncation},
+    kernels::compiled,
+};
 
 pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
     let (casimir, energy) = (rigid_body_three_noises(10.0), rigid_body_energy(10.0));

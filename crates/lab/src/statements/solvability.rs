@@ -9,10 +9,14 @@
 
 use noise::WienerPath;
 use real::elementary::ln;
-use systems::PoissonSystem;
-use systems::paper::{pendulum, poisson3_strong, valid};
-use verify::results::{Bounded, Claim, Evidence};
-use verify::worse;
+use systems::{
+    PoissonSystem,
+    paper::{pendulum, poisson3_strong, valid},
+};
+use verify::{
+    results::{Bounded, Claim, Evidence},
+    worse,
+};
 
 use crate::experiment::{Conditions, Findings, TRUNCATION_ORDER, truncation};
 

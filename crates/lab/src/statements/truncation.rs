@@ -10,8 +10,10 @@ use dgrad::Rule;
 use noise::{Truncation, WienerPath};
 use stats::Moments;
 use systems::paper::valid;
-use verify::results::{Bounded, Claim, Evidence, Verdict};
-use verify::worse;
+use verify::{
+    results::{Bounded, Claim, Evidence, Verdict},
+    worse,
+};
 
 use crate::experiment::{Conditions, Findings, TRUNCATION_ORDER};
 

@@ -3,16 +3,24 @@
 
 use mc::Observable;
 use schemes::Sexp;
-use systems::paper::{self, valid};
-use systems::{Damping, Problem};
-use verify::exact::{RandomTime, expectation, solution};
-use verify::results::{Claim, Evidence};
-use verify::{Exact, ReferenceSolution, StepSizes, exact_mean, weak_order};
+use systems::{
+    Damping, Problem,
+    paper::{self, valid},
+};
+use verify::{
+    Exact, ReferenceSolution, StepSizes,
+    exact::{RandomTime, expectation, solution},
+    exact_mean,
+    results::{Claim, Evidence},
+    weak_order,
+};
 
-use crate::experiment::{Conditions, Experiment, Findings, Words, truncation};
-use crate::kernels::{PaperSystem, compiled};
-use crate::method::Method;
-use crate::panels::strong::{Grid, StrongRuns, curves_of_the_paper};
+use crate::{
+    experiment::{Conditions, Experiment, Findings, Words, truncation},
+    kernels::{PaperSystem, compiled},
+    method::Method,
+    panels::strong::{Grid, StrongRuns, curves_of_the_paper},
+};
 
 /// A one-noise system with its exact solution.
 pub struct AgainstExact {

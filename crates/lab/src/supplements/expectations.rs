@@ -1,21 +1,26 @@
 //! E[φ(y(T))] of the rigid body with three noises by multilevel Monte Carlo, against the Kolmogorov
 //! equation, and what an accuracy costs.
 
-use mc::Observable;
-use mc::multilevel::{
-    Coupling, Estimate, Estimator, Expectation, ExpectationSettings, expectation,
+use mc::{
+    Observable,
+    multilevel::{Coupling, Estimate, Estimator, Expectation, ExpectationSettings, expectation},
 };
 use schemes::Sexp;
 use stats::Point;
 use systems::paper::{rigid_body_three_noises, valid};
-use verify::results::{Claim, Evidence, Kind, Panel, Series};
-use verify::{Progress, rigid_body_expectations};
+use verify::{
+    Progress,
+    results::{Claim, Evidence, Kind, Panel, Series},
+    rigid_body_expectations,
+};
 
-use crate::experiment::{Conditions, Findings, Words, truncation};
-use crate::kernels::compiled;
-use crate::method::Method;
-use crate::panels::weak_observables;
-use crate::streams;
+use crate::{
+    experiment::{Conditions, Findings, Words, truncation},
+    kernels::compiled,
+    method::Method,
+    panels::weak_observables,
+    streams,
+};
 
 /// Steps on [0, 1] of the coarsest level: with two, the first difference has already the variance
 /// of order τ².

@@ -2,16 +2,22 @@
 
 use mc::trajectory;
 use schemes::{Sexp, SexpLevy};
-use systems::paper::{half_cosine, rigid_body_three_noises, valid};
-use systems::{Cosine, Damping, Problem, SpinChain};
-use verify::results::{Claim, Evidence};
-use verify::worse;
+use systems::{
+    Cosine, Damping, Problem, SpinChain,
+    paper::{half_cosine, rigid_body_three_noises, valid},
+};
+use verify::{
+    results::{Claim, Evidence},
+    worse,
+};
 
-use crate::conformal_law::{along, largest_defect};
-use crate::experiment::{Conditions, Findings, Words, truncation};
-use crate::kernels::{Compiled, compiled};
-use crate::method::Method;
-use crate::panels::strong::{Curve, Grid, StrongRuns};
+use crate::{
+    conformal_law::{along, largest_defect},
+    experiment::{Conditions, Findings, Words, truncation},
+    kernels::{Compiled, compiled},
+    method::Method,
+    panels::strong::{Curve, Grid, StrongRuns},
+};
 
 /// Two spins with exchange and anisotropy in a field that fluctuates about all three axes: D = 6.
 fn spins() -> Problem<SpinChain<6>, Cosine, 6> {

@@ -5,10 +5,12 @@ use schemes::Sexp;
 use systems::paper::{rigid_body_one_noise, valid};
 use verify::results::Panel;
 
-use crate::experiment::{Conditions, Findings, Words};
-use crate::kernels::compiled;
-use crate::method::Method;
-use crate::panels::strong::{Curve, Grid, StrongRuns};
+use crate::{
+    experiment::{Conditions, Findings, Words},
+    kernels::compiled,
+    method::Method,
+    panels::strong::{Curve, Grid, StrongRuns},
+};
 
 const WORDS: Words = Words {
     id: "truncation-orders",

@@ -2,12 +2,14 @@
 
 use real::WIDTH;
 
-use super::diagnosis::{better_coarsest_steps, level_values, warnings};
-use super::error::MultilevelError;
-use super::level::{Round, Samples, Values};
-use super::plan::{self, BIAS_SHARE, Bias};
-use super::report::{Estimate, Expectation, Level, QUANTILE, Warning};
-use super::settings::{Coupling, Estimator, ExpectationSettings, MAX_ROUNDS};
+use super::{
+    diagnosis::{better_coarsest_steps, level_values, warnings},
+    error::MultilevelError,
+    level::{Round, Samples, Values},
+    plan::{self, BIAS_SHARE, Bias},
+    report::{Estimate, Expectation, Level, QUANTILE, Warning},
+    settings::{Coupling, Estimator, ExpectationSettings, MAX_ROUNDS},
+};
 
 /// The highest level of the pilot: two differences show how they decay.
 const PILOT_LEVEL: usize = 2;

@@ -1,9 +1,11 @@
 //! Checks of the assumptions against the samples.
 
-use super::level::Samples;
-use super::plan;
-use super::report::{Estimate, Level, LevelValue, Warning};
-use super::settings::ExpectationSettings;
+use super::{
+    level::Samples,
+    plan,
+    report::{Estimate, Level, LevelValue, Warning},
+    settings::ExpectationSettings,
+};
 
 /// Largest kurtosis κ without a check of the number of samples N. The relative error of a variance
 /// is √(κ/N), a third with κ = 100 and a thousand samples, and κ itself is underestimated.

@@ -1,7 +1,6 @@
 //! The samples of one level.
 
-use super::central::CentralMoments;
-use super::settings::Coupling;
+use super::{central::CentralMoments, settings::Coupling};
 use crate::{Observable, PathFailure, Statistic, View};
 
 /// Moments of one test function on one level.

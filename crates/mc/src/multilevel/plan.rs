@@ -4,8 +4,10 @@ use std::f64::consts::LN_2;
 
 use real::elementary;
 
-use super::level::{Samples, Values};
-use super::report::{QUANTILE, Rate};
+use super::{
+    level::{Samples, Values},
+    report::{QUANTILE, Rate},
+};
 
 /// The part of the accuracy that may go to the bias: small, since halving the bias costs a level
 /// where a level is cheap.

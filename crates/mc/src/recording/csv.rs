@@ -1,10 +1,8 @@
 //! A recording as comma-separated values: plain numbers under a header, without quoting.
 
-use std::fmt;
-use std::str::FromStr;
+use std::{fmt, str::FromStr};
 
-use super::error::RecordingError;
-use super::{Recording, TIME_AGREEMENT, area_name, pairs};
+use super::{Recording, TIME_AGREEMENT, area_name, error::RecordingError, pairs};
 
 /// `tau`, `dW1` … `dWM`, and with areas `A12`, `A13` … in the order of rows.
 fn header(noises: usize, with_areas: bool) -> Vec<String> {

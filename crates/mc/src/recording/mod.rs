@@ -7,8 +7,10 @@ mod error;
 use noise::{BlockNoise, Noise, StreamKey};
 use real::{Block, WIDTH};
 
-use crate::LadderError;
-use crate::noise_source::{Drawn, NextNoise, NoiseSource};
+use crate::{
+    LadderError,
+    noise_source::{Drawn, NextNoise, NoiseSource},
+};
 
 pub use error::RecordingError;
 

@@ -10,8 +10,7 @@ use noise::{StreamKey, Truncation};
 use schemes::{Scheme, Step};
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::trajectory::PathRecords;
-use crate::{Ladder, LadderError, PathFailure, Recording, Run};
+use crate::{Ladder, LadderError, PathFailure, Recording, Run, trajectory::PathRecords};
 use series::InvariantColumn;
 
 pub use error::SimulationError;

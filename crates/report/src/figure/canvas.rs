@@ -1,10 +1,11 @@
 //! Lines, markers and text on an SVG page, measured in CSS pixels at column width.
 
-use super::look::{Look, Marker};
-use super::scripts::markup;
-use super::stroke::{Color, Position, Stroke};
-use crate::escape::escape;
-use crate::label::Label;
+use super::{
+    look::{Look, Marker},
+    scripts::markup,
+    stroke::{Color, Position, Stroke},
+};
+use crate::{escape::escape, label::Label};
 
 /// Ink of axes and text.
 pub const INK: Color = "#222222";

@@ -3,16 +3,16 @@
 
 use std::collections::HashMap;
 
-use super::axis::{Axis, Range, Scale};
-use super::canvas::{self, Align, Canvas, GREY, INK};
-use super::frame::Frame;
-use super::legend::{Legend, Sample};
-use super::look::{self, Layer, Look, Marker};
-use super::stroke::{Position, Stroke};
-use super::ticks::{Spacing, Ticks};
-use crate::label::Label;
-use crate::markdown::distinct;
-use crate::panel::QUANTILE;
+use super::{
+    axis::{Axis, Range, Scale},
+    canvas::{self, Align, Canvas, GREY, INK},
+    frame::Frame,
+    legend::{Legend, Sample},
+    look::{self, Layer, Look, Marker},
+    stroke::{Position, Stroke},
+    ticks::{Spacing, Ticks},
+};
+use crate::{label::Label, markdown::distinct, panel::QUANTILE};
 
 /// A measured point.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,8 +2,10 @@
 
 use verify::results::{Kind, Point, Rate, Series};
 
-use super::chart::{COLUMN, Curve, Figure, Line, Measured, Plot, Style};
-use super::ticks::Spacing;
+use super::{
+    chart::{COLUMN, Curve, Figure, Line, Measured, Plot, Style},
+    ticks::Spacing,
+};
 use crate::panel::{QUANTILE, main_quantity};
 
 /// The figure of strong or weak errors against the step size, or of path-steps against accuracy.

@@ -3,16 +3,20 @@
 
 use verify::results::{Point, Series};
 
-use super::axis::{Axis, Range, Scale};
-use super::canvas::{self, Canvas, INK};
-use super::chart::{BELOW, RIGHT};
-use super::frame::Frame;
-use super::legend::{Legend, Sample};
-use super::look::{self, Look};
-use super::stroke::{Position, Stroke};
-use super::ticks::Ticks;
-use crate::label::Label;
-use crate::panel::{main_quantity, relative_defect};
+use super::{
+    axis::{Axis, Range, Scale},
+    canvas::{self, Canvas, INK},
+    chart::{BELOW, RIGHT},
+    frame::Frame,
+    legend::{Legend, Sample},
+    look::{self, Look},
+    stroke::{Position, Stroke},
+    ticks::Ticks,
+};
+use crate::{
+    label::Label,
+    panel::{main_quantity, relative_defect},
+};
 
 /// Where a defect of zero is drawn: below 2⁻⁵³ ≈ 1.1·10⁻¹⁶, the smallest defect of a floating-point
 /// number that is not zero.

@@ -1,9 +1,11 @@
 //! The box of a plot: its axes, marks and titles, and the clipping of what leaves it.
 
-use super::axis::Axis;
-use super::canvas::{Align, Canvas, FAINT, INK};
-use super::stroke::{Position, Stroke};
-use super::ticks::Ticks;
+use super::{
+    axis::Axis,
+    canvas::{Align, Canvas, FAINT, INK},
+    stroke::{Position, Stroke},
+    ticks::Ticks,
+};
 use crate::label::Label;
 
 /// Font size of tick labels in pixels.

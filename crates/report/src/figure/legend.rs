@@ -1,8 +1,10 @@
 //! The legend: rows above the plot, where no curve can reach it.
 
-use super::canvas::{Align, Canvas};
-use super::look::Look;
-use super::stroke::{Position, Stroke};
+use super::{
+    canvas::{Align, Canvas},
+    look::Look,
+    stroke::{Position, Stroke},
+};
 use crate::label::Label;
 
 /// Font size in pixels.

@@ -1,8 +1,10 @@
 //! Subscripts and superscripts in SVG text: the browser places them by the true width of the base,
 //! whatever the font.
 
-use crate::escape::escape;
-use crate::label::{Label, SCRIPT_SIZE};
+use crate::{
+    escape::escape,
+    label::{Label, SCRIPT_SIZE},
+};
 
 /// How far an index stands below the line and an exponent above, in units of the script's size.
 const SINK: f64 = 0.28;

@@ -3,13 +3,17 @@
 
 use verify::results::{Claim, Clipped, Kind, Panel};
 
-use super::markup::{code, entry, list};
-use super::measured::{interval_name, measured};
-use super::number::{count, step};
-use super::prose::prose;
-use super::statements::badges;
-use crate::escape::escape;
-use crate::panel::{file_stem, main_quantity};
+use super::{
+    markup::{code, entry, list},
+    measured::{interval_name, measured},
+    number::{count, step},
+    prose::prose,
+    statements::badges,
+};
+use crate::{
+    escape::escape,
+    panel::{file_stem, main_quantity},
+};
 
 /// The card of a panel with its figure inside; `comment` is the heading of what [`Panel::paper`]
 /// says.

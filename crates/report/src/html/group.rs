@@ -2,11 +2,12 @@
 
 use verify::results::{Claim, Evidence};
 
-use super::markup::{code, scheme};
-use super::number::scientific;
-use super::prose::prose;
-use crate::Outcome;
-use crate::escape::escape;
+use super::{
+    markup::{code, scheme},
+    number::scientific,
+    prose::prose,
+};
+use crate::{Outcome, escape::escape};
 
 /// The claims about one statement: proven ones by statement, others by statement and scheme.
 pub struct Group<'a> {

@@ -1,12 +1,10 @@
 //! The elements that all sections use.
 
-use std::fmt::Display;
-use std::iter;
+use std::{fmt::Display, iter};
 
 use verify::results::Claim;
 
-use crate::Outcome;
-use crate::escape::escape;
+use crate::{Outcome, escape::escape};
 
 /// An identifier.
 pub fn code(id: &str) -> String {

@@ -3,11 +3,15 @@
 
 use verify::results::{Kind, Panel, Point, Series};
 
-use super::markup::{code, details, list, quiet, table};
-use super::number::{scientific, step};
-use super::prose::prose;
-use crate::escape::escape;
-use crate::panel::{QUANTILE, relative_defect};
+use super::{
+    markup::{code, details, list, quiet, table},
+    number::{scientific, step},
+    prose::prose,
+};
+use crate::{
+    escape::escape,
+    panel::{QUANTILE, relative_defect},
+};
 
 /// The tables of a panel.
 pub fn measured(panel: &Panel) -> String {

@@ -2,8 +2,10 @@
 
 use verify::results::Provenance;
 
-use super::markup::{code, entry, table};
-use super::number::duration;
+use super::{
+    markup::{code, entry, table},
+    number::duration,
+};
 
 /// The section of the provenance.
 pub fn provenance(from: &Provenance) -> String {

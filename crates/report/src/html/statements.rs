@@ -2,12 +2,13 @@
 
 use verify::results::{Claim, Panel};
 
-use super::Wording;
-use super::group::Group;
-use super::markup::{badge, code, details, list, quiet, scheme};
-use super::prose::prose;
-use crate::Outcome;
-use crate::escape::escape;
+use super::{
+    Wording,
+    group::Group,
+    markup::{badge, code, details, list, quiet, scheme},
+    prose::prose,
+};
+use crate::{Outcome, escape::escape};
 
 /// The section of the statements: first what the paper proves, then what it only reports.
 pub fn statements(claims: &[Claim], panels: &[Panel], wording: &Wording) -> String {

@@ -2,11 +2,8 @@
 
 use verify::results::Results;
 
-use super::group::Group;
-use super::number::duration;
-use super::prose::prose;
-use crate::Outcome;
-use crate::escape::escape;
+use super::{group::Group, number::duration, prose::prose};
+use crate::{Outcome, escape::escape};
 
 /// The paragraphs at the head of the page.
 pub fn summary(results: &Results) -> String {

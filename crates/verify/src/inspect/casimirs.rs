@@ -2,10 +2,12 @@
 
 use serde::Serialize;
 
-use super::algebra::{Matrix, dot, eigenvalues, largest, norm, null_space, times};
-use super::erased::System;
-use super::function::Minimum;
-use super::points::Points;
+use super::{
+    algebra::{Matrix, dot, eigenvalues, largest, norm, null_space, times},
+    erased::System,
+    function::Minimum,
+    points::Points,
+};
 
 /// A Casimir that follows from B alone.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -3,10 +3,12 @@
 
 use serde::Serialize;
 
-use super::algebra::{Matrix, dot, eigenvalues, largest, norm};
-use super::erased::{Function, System};
-use super::finding::{Finding, ROUND_OFF};
-use super::points::Points;
+use super::{
+    algebra::{Matrix, dot, eigenvalues, largest, norm},
+    erased::{Function, System},
+    finding::{Finding, ROUND_OFF},
+    points::Points,
+};
 
 /// The kind of a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -2,11 +2,13 @@
 
 use serde::Serialize;
 
-use super::algebra::{dot, largest, norm, times};
-use super::erased::System;
-use super::finding::Finding;
-use super::function::Shape;
-use super::points::{Points, Random};
+use super::{
+    algebra::{dot, largest, norm, times},
+    erased::System,
+    finding::Finding,
+    function::Shape,
+    points::{Points, Random},
+};
 
 /// The Hamiltonians H₀, …, H_M and the methods that follow from them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -3,11 +3,13 @@
 use serde::Serialize;
 use systems::{Form, InvariantKind};
 
-use super::algebra::{dot, largest, norm, times};
-use super::erased::System;
-use super::finding::Finding;
-use super::function::{Kind, Shape};
-use super::points::Points;
+use super::{
+    algebra::{dot, largest, norm, times},
+    erased::System,
+    finding::Finding,
+    function::{Kind, Shape},
+    points::Points,
+};
 
 /// An invariant that a system claims, and what was found.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -2,10 +2,12 @@
 
 use serde::Serialize;
 
-use super::algebra::{Matrix, norm, times};
-use super::erased::System;
-use super::finding::Finding;
-use super::points::{Points, Random};
+use super::{
+    algebra::{Matrix, norm, times},
+    erased::System,
+    finding::Finding,
+    points::{Points, Random},
+};
 
 /// Commutators and products of the noise fields fₘ = B∇Hₘ.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -3,9 +3,7 @@
 use noise::{StreamKey, WienerPath};
 use serde::Serialize;
 
-use super::algebra::norm;
-use super::erased::System;
-use super::error::InspectError;
+use super::{algebra::norm, erased::System, error::InspectError};
 
 /// The region of the points of an inspection.
 #[derive(Clone, Debug, PartialEq, Serialize)]

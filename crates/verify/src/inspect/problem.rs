@@ -1,14 +1,15 @@
 //! What damping and initial value add: the integral of the damping and a bound of all paths.
 
 use serde::Serialize;
-use systems::paper::valid;
-use systems::{Damping, Problem};
+use systems::{Damping, Problem, paper::valid};
 
-use super::casimirs::{Casimirs, FoundCasimir};
-use super::erased::System;
-use super::finding::Finding;
-use super::function::Minimum;
-use super::hamiltonian::Hamiltonians;
+use super::{
+    casimirs::{Casimirs, FoundCasimir},
+    erased::System,
+    finding::Finding,
+    function::Minimum,
+    hamiltonian::Hamiltonians,
+};
 
 /// A function F with a conformal law and m(F) > 0, which bounds exact and numerical paths:
 /// ‖y(t)‖ ≤ (F(y₀)/m(F))^{1/p} e^{−∫γ}.

@@ -4,18 +4,20 @@ use std::fmt::{Display, Formatter, Result};
 
 use serde::Serialize;
 
-use super::casimirs::Casimirs;
-use super::erased::System;
-use super::finding::Finding;
-use super::function::{Kind, Minimum, Shape};
-use super::hamiltonian::Hamiltonians;
-use super::invariants::ClaimedInvariant;
-use super::noises::Noises;
-use super::points::{Points, Region};
-use super::problem::{Bound, ProblemFindings};
-use super::solvability::Solvability;
-use super::structure::Structure;
-use super::theory::{Applies, ExpectedOrder, Theorem, orders, theorems};
+use super::{
+    casimirs::Casimirs,
+    erased::System,
+    finding::Finding,
+    function::{Kind, Minimum, Shape},
+    hamiltonian::Hamiltonians,
+    invariants::ClaimedInvariant,
+    noises::Noises,
+    points::{Points, Region},
+    problem::{Bound, ProblemFindings},
+    solvability::Solvability,
+    structure::Structure,
+    theory::{Applies, ExpectedOrder, Theorem, orders, theorems},
+};
 
 /// The report on a system: its properties, what theory says of it, and its mistakes.
 ///

@@ -2,9 +2,11 @@
 
 use serde::Serialize;
 
-use super::algebra::{norm, spectral_norm};
-use super::erased::{Function, System};
-use super::points::{Points, Region};
+use super::{
+    algebra::{norm, spectral_norm},
+    erased::{Function, System},
+    points::{Points, Region},
+};
 
 /// The norms in the contraction constant of the implicit step of `sexp`,
 ///

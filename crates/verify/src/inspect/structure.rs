@@ -2,10 +2,12 @@
 
 use serde::Serialize;
 
-use super::algebra::{Matrix, largest, times};
-use super::erased::System;
-use super::finding::Finding;
-use super::points::{Points, Random};
+use super::{
+    algebra::{Matrix, largest, times},
+    erased::System,
+    finding::Finding,
+    points::{Points, Random},
+};
 
 /// Properties of the structure matrix B(y).
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

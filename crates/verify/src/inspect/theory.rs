@@ -2,12 +2,10 @@
 
 use serde::Serialize;
 
-use super::casimirs::Casimirs;
-use super::hamiltonian::Hamiltonians;
-use super::invariants::ClaimedInvariant;
-use super::noises::Noises;
-use super::problem::Bound;
-use super::structure::Structure;
+use super::{
+    casimirs::Casimirs, hamiltonian::Hamiltonians, invariants::ClaimedInvariant, noises::Noises,
+    problem::Bound, structure::Structure,
+};
 
 /// Whether a statement of the paper applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -3,8 +3,10 @@
 use real::elementary::exp;
 use systems::{Damping, Problem, RigidBody};
 
-use super::generator::{Generator, norm_bound};
-use super::harmonics::harmonics;
+use super::{
+    generator::{Generator, norm_bound},
+    harmonics::harmonics,
+};
 
 /// |y|.
 pub fn norm(y: [f64; 3]) -> f64 {

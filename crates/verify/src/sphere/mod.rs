@@ -20,8 +20,7 @@ mod tests;
 use dgrad::Rule;
 use mc::Observable;
 use real::elementary::sin_cos_turn;
-use systems::paper::valid;
-use systems::{Damping, Problem, RigidBody};
+use systems::{Damping, Problem, RigidBody, paper::valid};
 
 use harmonics::harmonics;
 use integration::{moments, radius, steps};

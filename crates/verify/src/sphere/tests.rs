@@ -1,16 +1,21 @@
 //! Harmonics, generator and expectations against identities and known values.
 
-use super::generator::Generator;
-use super::harmonics::harmonics;
-use super::integration::{moments, norm, steps};
-use super::*;
+use super::{
+    generator::Generator,
+    harmonics::harmonics,
+    integration::{moments, norm, steps},
+    *,
+};
 use mc::{Ladder, Run, Statistic, View};
 use noise::{StreamKey, Truncation};
 use real::elementary::{cos, sin};
 use schemes::Sexp;
 use stats::Moments;
-use systems::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid};
-use systems::{Constant, Cosine, ito_correction, unit_noise, vector_field};
+use systems::{
+    Constant, Cosine, ito_correction,
+    paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, valid},
+    unit_noise, vector_field,
+};
 
 fn paper_problem() -> Problem<RigidBody<3>, Cosine, 3> {
     let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));

@@ -5,16 +5,13 @@ mod budget;
 mod page;
 mod twins;
 
-use std::path::PathBuf;
-use std::process::ExitCode;
-use std::time::Instant;
+use std::{path::PathBuf, process::ExitCode, time::Instant};
 
 use anyhow::Result;
 use clap::{Parser, value_parser};
 use lab::{EXPERIMENTS, Experiment, STATEMENTS, SUPPLEMENTS, command, ids};
 use report::{Bars, files, terminal};
-use verify::results::Claim;
-use verify::{Mode, Settings};
+use verify::{Mode, Settings, results::Claim};
 
 use page::Battery;
 use twins::measure_twins;

@@ -4,8 +4,10 @@ use report::{Outcome, Page};
 use stats::{Coverage, Expected};
 use verify::results::{Claim, Evidence, Verdict};
 
-use crate::budget::{expected_alarms, least_power, poisson_quantile};
-use crate::twins::TWINS;
+use crate::{
+    budget::{expected_alarms, least_power, poisson_quantile},
+    twins::TWINS,
+};
 
 /// What the battery measured, one entry a seed.
 #[derive(Default)]

@@ -1,21 +1,20 @@
 //! Every scheme on every system, and one of them with more threads, samples, steps and levels.
 
-use std::fs;
-use std::hint::black_box;
-use std::iter::successors;
-use std::thread::available_parallelism;
+use std::{fs, hint::black_box, iter::successors, thread::available_parallelism};
 
 use anyhow::{Context, Result};
-use lab::setups::{Setup, Visit, visit_others, visit_paper};
-use lab::{compiled, truncation};
+use lab::{
+    compiled,
+    setups::{Setup, Visit, visit_others, visit_paper},
+    truncation,
+};
 use mc::{Ladder, Run, View};
 use noise::StreamKey;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use real::Level;
 use report::provenance::peak_memory_mb;
 use schemes::Sexp;
-use systems::paper::rigid_body_three_noises;
-use systems::{Damping, PoissonSystem, Problem};
+use systems::{Damping, PoissonSystem, Problem, paper::rigid_body_three_noises};
 use verify::{FinalMoments, Spread, Stopwatch};
 
 use crate::results::{GrowthRow, SchemeRow, Speed, ThreadRow, Workload};

@@ -1,8 +1,7 @@
 //! What `cargo xtask bench --json` writes.
 
 use serde::Serialize;
-use verify::Spread;
-use verify::results::Provenance;
+use verify::{Spread, results::Provenance};
 
 /// Raised whenever a reader of an older version would misread a newer one.
 pub const SCHEMA: u32 = 1;

@@ -4,8 +4,7 @@ use anyhow::Result;
 use noise::StreamKey;
 use serde::Serialize;
 
-use crate::Arguments;
-use crate::row::Row;
+use crate::{Arguments, row::Row};
 
 /// A family of hard inputs.
 #[derive(Serialize)]

@@ -13,16 +13,18 @@ use noise::StreamKey;
 use nonlin::{Method, Solver};
 use real::{WIDTH, elementary};
 use schemes::Sexp;
-use systems::paper::{
-    INERTIA, NOISE_INERTIA, half_cosine, lotka_volterra_1_1, rigid_body_start, sine,
+use systems::{
+    Constant, Damping, Linear, Problem, RigidBody,
+    paper::{INERTIA, NOISE_INERTIA, half_cosine, lotka_volterra_1_1, rigid_body_start, sine},
 };
-use systems::{Constant, Damping, Linear, Problem, RigidBody};
 
-use crate::Arguments;
-use crate::fuzz::Bits;
-use crate::results::{Growth, GrowthPoint};
-use crate::rounding::PER_STEP;
-use crate::row::Verdict;
+use crate::{
+    Arguments,
+    fuzz::Bits,
+    results::{Growth, GrowthPoint},
+    rounding::PER_STEP,
+    row::Verdict,
+};
 
 const STEPS: u64 = 10_000_000;
 const QUICK_STEPS: u64 = 65_536;

@@ -18,13 +18,10 @@ mod rounding;
 mod row;
 mod schemes;
 
-use std::path::PathBuf;
-use std::process::ExitCode;
-use std::time::Instant;
+use std::{path::PathBuf, process::ExitCode, time::Instant};
 
 use anyhow::Result;
-use clap::Parser;
-use clap::builder::PossibleValuesParser;
+use clap::{Parser, builder::PossibleValuesParser};
 use lab::command;
 use report::{Page, files, provenance};
 use verify::results::Provenance;

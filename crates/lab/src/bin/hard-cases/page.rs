@@ -2,10 +2,12 @@
 
 use report::{Page, anchor, distinct, number, provenance};
 
-use crate::figures;
-use crate::results::{CaseResult, Fuzzed, Growth, Stability};
-use crate::row::Row;
-use crate::row::Verdict::{self, FailsAsItMust, Holds, Observed, Refuted};
+use crate::{
+    figures,
+    results::{CaseResult, Fuzzed, Growth, Stability},
+    row::Row,
+    row::Verdict::{self, FailsAsItMust, Holds, Observed, Refuted},
+};
 
 /// The whole page.
 pub fn page(results: &Stability) -> Page {

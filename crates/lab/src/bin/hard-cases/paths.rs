@@ -1,21 +1,24 @@
 //! A few paths of one scheme, each until its end or a typed error, and their distance from
 //! conformal laws.
 
-use std::collections::BTreeMap;
-use std::fmt::Display;
+use std::{collections::BTreeMap, fmt::Display};
 
 use anyhow::Result;
 use mc::{Ladder, NextNoise, Run, Statistic, View};
 use noise::{StreamKey, Truncation};
 use real::WIDTH;
 use report::distinct;
-use systems::paper::{INERTIA, NOISE_INERTIA, rigid_body_start};
-use systems::{Damping, PoissonSystem, Problem, RigidBody};
+use systems::{
+    Damping, PoissonSystem, Problem, RigidBody,
+    paper::{INERTIA, NOISE_INERTIA, rigid_body_start},
+};
 
-use crate::case::Context;
-use crate::rounding::{law_bound, residual_share};
-use crate::row::Row;
-use crate::schemes::{Family, Tested, schemes};
+use crate::{
+    case::Context,
+    rounding::{law_bound, residual_share},
+    row::Row,
+    schemes::{Family, Tested, schemes},
+};
 
 /// One path as far as it lasts.
 pub struct Path<const D: usize> {

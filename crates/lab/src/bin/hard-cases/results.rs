@@ -3,8 +3,10 @@
 use serde::Serialize;
 use verify::results::Provenance;
 
-use crate::case::Case;
-use crate::row::{Row, Verdict};
+use crate::{
+    case::Case,
+    row::{Row, Verdict},
+};
 
 /// Raised whenever a reader of an older version would misread a newer one.
 pub const SCHEMA: u32 = 1;

@@ -3,17 +3,17 @@
 
 mod wording;
 
-use std::path::PathBuf;
-use std::process::ExitCode;
-use std::time::Instant;
+use std::{path::PathBuf, process::ExitCode, time::Instant};
 
 use anyhow::{Context, Result};
 use clap::Parser;
 use lab::command;
 use real::{Level, limit_to};
 use report::{Bars, Outcome, files, provenance, terminal};
-use verify::results::{Claim, Results};
-use verify::{Mode, Settings};
+use verify::{
+    Mode, Settings,
+    results::{Claim, Results},
+};
 
 use wording::WORDING;
 

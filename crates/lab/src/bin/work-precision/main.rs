@@ -12,17 +12,14 @@ mod page;
 mod results;
 mod sizes;
 
-use std::path::PathBuf;
-use std::process::ExitCode;
-use std::time::Instant;
+use std::{path::PathBuf, process::ExitCode, time::Instant};
 
 use anyhow::Result;
 use clap::Parser;
 use lab::{command, setups};
 use report::{Bars, files, provenance};
 use results::Measurements;
-use verify::results::Provenance;
-use verify::{Mode, Settings, Stopwatch};
+use verify::{Mode, Settings, Stopwatch, results::Provenance};
 
 /// Measures the errors of every scheme against the processor time they take.
 #[derive(Parser)]

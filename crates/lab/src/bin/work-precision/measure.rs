@@ -3,20 +3,27 @@
 use std::collections::BTreeMap;
 
 use anyhow::Result;
-use lab::setups::{Kind, Setup, Visit, visit_paper};
-use lab::{TRUNCATION_ORDER, truncation};
+use lab::{
+    TRUNCATION_ORDER,
+    setups::{Kind, Setup, Visit, visit_paper},
+    truncation,
+};
 use mc::{Run, View};
 use schemes::Scheme;
 use stats::CrossMoments;
 use systems::{Damping, Invariant, PoissonSystem};
-use verify::work_precision::{Time, WorkPoint, ladder, path_times, squared_distance};
-use verify::{FinalMoments, FinalValues, Progress, Settings, StepSizes};
-
-use crate::own_areas::{OwnAreas, terms};
-use crate::results::{
-    Case, Cost, Sampled, Series, Strong, StrongPoint, Weak, WeakObservable, WeakPoint, costs,
+use verify::{
+    FinalMoments, FinalValues, Progress, Settings, StepSizes,
+    work_precision::{Time, WorkPoint, ladder, path_times, squared_distance},
 };
-use crate::sizes::Sizes;
+
+use crate::{
+    own_areas::{OwnAreas, terms},
+    results::{
+        Case, Cost, Sampled, Series, Strong, StrongPoint, Weak, WeakObservable, WeakPoint, costs,
+    },
+    sizes::Sizes,
+};
 
 /// Measures the cases named by `only`, or all where it is empty: errors on the current rayon pool,
 /// times on one thread.

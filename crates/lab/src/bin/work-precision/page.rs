@@ -1,13 +1,14 @@
 //! `docs/work-precision.md`, made from the measurements.
 
 use lab::setups::Kind;
-use report::provenance::generated_by;
-use report::{Page, number};
+use report::{Page, number, provenance::generated_by};
 use verify::work_precision::cost_at;
 
-use crate::conclusions::{self, cheapest, series, targets, winner};
-use crate::figures;
-use crate::results::{Case, Curve, Measurements, Sampled, Series, StrongPoint, WeakObservable};
+use crate::{
+    conclusions::{self, cheapest, series, targets, winner},
+    figures,
+    results::{Case, Curve, Measurements, Sampled, Series, StrongPoint, WeakObservable},
+};
 
 /// The whole page with its figures.
 pub fn page(measured: &Measurements) -> Page {

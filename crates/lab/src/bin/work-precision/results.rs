@@ -2,8 +2,10 @@
 
 use lab::setups::Kind;
 use serde::Serialize;
-use verify::results::Provenance;
-use verify::work_precision::{Time, WorkPoint};
+use verify::{
+    results::Provenance,
+    work_precision::{Time, WorkPoint},
+};
 
 /// Raised whenever a reader of an older version would misread a newer one.
 pub const SCHEMA: u32 = 1;

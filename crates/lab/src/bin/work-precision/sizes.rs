@@ -2,11 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use lab::streams::{WORK_PRECISION, WORK_PRECISION_PARTS};
-use lab::truncation;
+use lab::{
+    streams::{WORK_PRECISION, WORK_PRECISION_PARTS},
+    truncation,
+};
 use noise::StreamKey;
-use verify::work_precision::Repetitions;
-use verify::{Mode, Settings, StepSizes};
+use verify::{Mode, Settings, StepSizes, work_precision::Repetitions};
 
 /// What a case is measured with.
 pub struct Sizes {

@@ -4,12 +4,9 @@ use mc::{Ladder, Observable, Run, Statistic, View};
 use noise::StreamKey;
 use schemes::Sexp;
 use stats::CrossMoments;
-use systems::RigidBody;
-use systems::paper::rigid_body_three_noises;
+use systems::{RigidBody, paper::rigid_body_three_noises};
 
-use crate::experiment::truncation;
-use crate::kernels::compiled;
-use crate::panels::weak_observables;
+use crate::{experiment::truncation, kernels::compiled, panels::weak_observables};
 
 /// φ(coarse), φ(fine), the plain and the antithetic difference of every test function at the final
 /// time.

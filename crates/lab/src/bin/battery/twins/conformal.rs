@@ -1,12 +1,17 @@
 //! Twins of the conformal laws and of the bounds that follow from them.
 
-use lab::conformal_law::{ROUND_OFF, along, approach, largest_defect};
-use lab::statements::{exact_conformal, moment_bound};
-use lab::{Conditions, truncation};
+use lab::{
+    Conditions,
+    conformal_law::{ROUND_OFF, along, approach, largest_defect},
+    statements::{exact_conformal, moment_bound},
+    truncation,
+};
 use mc::trajectory;
 use schemes::{EulerMaruyama, Implicit, Increment, Scheme, Sexp};
-use systems::paper::{lotka_volterra_2_2, rigid_body_three_noises, valid};
-use systems::{Damping, PoissonSystem, Problem, RigidBody};
+use systems::{
+    Damping, PoissonSystem, Problem, RigidBody,
+    paper::{lotka_volterra_2_2, rigid_body_three_noises, valid},
+};
 use verify::results::{Claim, Evidence};
 
 use super::wrong_systems::WrongSystem;

@@ -1,7 +1,9 @@
 //! Twins of the one-step remainders.
 
-use lab::Conditions;
-use lab::statements::local::{self, PIECES, Vector, difference, remainder_claims};
+use lab::{
+    Conditions,
+    statements::local::{self, PIECES, Vector, difference, remainder_claims},
+};
 use verify::results::Claim;
 
 /// The increment over the whole step.

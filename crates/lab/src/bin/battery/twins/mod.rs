@@ -10,11 +10,13 @@ mod orders;
 mod wrong_noise;
 mod wrong_systems;
 
-use lab::statements::{solvability::contraction, truncation::sampled_variance};
-use lab::{Conditions, streams};
+use lab::{
+    Conditions,
+    statements::{solvability::contraction, truncation::sampled_variance},
+    streams,
+};
 use systems::paper::pendulum;
-use verify::results::Claim;
-use verify::{Progress, Settings};
+use verify::{Progress, Settings, results::Claim};
 
 /// A wrong method with its measurement.
 pub type Twin = verify::Twin<fn(&Conditions<'_>) -> Claim>;

@@ -5,10 +5,15 @@ use mc::Observable;
 use noise::{AreaMethod, AreaPath, BlockNoise, Noise, StreamKey, strong_order_one_error};
 use real::WIDTH;
 use schemes::{EulerMaruyama, Explicit, Increment, Scheme, Sexp, SexpLevy, Step};
-use systems::paper::{rigid_body_one_noise, rigid_body_three_noises, valid};
-use systems::{Damping, PoissonSystem, Problem};
-use verify::results::{Claim, Evidence};
-use verify::{Order, ReferenceSolution, StepSizes, strong_order, weak_order};
+use systems::{
+    Damping, PoissonSystem, Problem,
+    paper::{rigid_body_one_noise, rigid_body_three_noises, valid},
+};
+use verify::{
+    Order, ReferenceSolution, StepSizes,
+    results::{Claim, Evidence},
+    strong_order, weak_order,
+};
 
 use super::wrong_noise::WrongNoise;
 

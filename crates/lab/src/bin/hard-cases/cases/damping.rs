@@ -2,11 +2,13 @@
 
 use systems::{Constant, Damping};
 
-use crate::case::{Case, Context, Plot, Rows, SQUARED_LENGTH, each};
-use crate::paths::{CASIMIR, Law, body};
-use crate::rounding::{law_bound, length};
-use crate::row::Row;
-use crate::schemes::Family;
+use crate::{
+    case::{Case, Context, Plot, Rows, SQUARED_LENGTH, each},
+    paths::{CASIMIR, Law, body},
+    rounding::{law_bound, length},
+    row::Row,
+    schemes::Family,
+};
 
 /// γτ from 0.1 to 10⁴: exact damping against rational functions of γτ.
 pub const STIFF: Case = Case {

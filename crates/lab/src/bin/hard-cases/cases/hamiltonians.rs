@@ -3,17 +3,19 @@
 use anyhow::Result;
 use dgrad::{GradientField, averaged_with_error};
 use real::Real;
-use systems::paper::{INERTIA, half_cosine, rigid_body_start};
 use systems::{
     Constant, HamiltonianIncrement, IntegerExponents, Invariant, LotkaVolterra, Pendulum, Poisson3,
     PoissonSystem, RealExponents, RigidBodyEnergy,
+    paper::{INERTIA, half_cosine, rigid_body_start},
 };
 
-use crate::case::{Case, Context, Plot, Rows, each};
-use crate::paths::{CASIMIR, Experiment, Law};
-use crate::rounding::length;
-use crate::row::Row;
-use crate::schemes::Family;
+use crate::{
+    case::{Case, Context, Plot, Rows, each},
+    paths::{CASIMIR, Experiment, Law},
+    rounding::length,
+    row::Row,
+    schemes::Family,
+};
 
 /// A Hamiltonian whose frequencies are far above 1/τ.
 pub const STIFF: Case = Case {

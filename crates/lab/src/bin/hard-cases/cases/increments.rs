@@ -4,10 +4,12 @@ use noise::{BlockNoise, Truncation};
 use real::WIDTH;
 use systems::paper::half_cosine;
 
-use crate::case::{Case, Context, KEEPS_THE_LAW, Rows, SQUARED_LENGTH, each};
-use crate::paths::{CASIMIR, Experiment, body};
-use crate::rounding::length;
-use crate::row::Row;
+use crate::{
+    case::{Case, Context, KEEPS_THE_LAW, Rows, SQUARED_LENGTH, each},
+    paths::{CASIMIR, Experiment, body},
+    rounding::length,
+    row::Row,
+};
 
 /// The largest normals that the generator can give, in all directions.
 pub const EXTREME: Case = Case {

@@ -7,11 +7,13 @@ use schemes::{Scheme, Step};
 use systems::{Constant, PoissonSystem, RigidBody};
 
 use super::branch::{agree, follow};
-use crate::case::{Case, Context, Rows, each};
-use crate::paths::body;
-use crate::rounding::{law_bound, residual_share};
-use crate::row::Row;
-use crate::schemes::{Family, Tested};
+use crate::{
+    case::{Case, Context, Rows, each},
+    paths::body,
+    rounding::{law_bound, residual_share},
+    row::Row,
+    schemes::{Family, Tested},
+};
 
 pub const CASE: Case = Case {
     id: "large-noise",

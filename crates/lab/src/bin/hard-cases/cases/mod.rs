@@ -11,9 +11,11 @@ use anyhow::Result;
 use lab::streams;
 use noise::StreamKey;
 
-use crate::Arguments;
-use crate::case::{Case, Context};
-use crate::results::CaseResult;
+use crate::{
+    Arguments,
+    case::{Case, Context},
+    results::CaseResult,
+};
 
 /// All families, in the order of the page and of their streams.
 pub static CASES: [Case; 13] = [

@@ -1,12 +1,16 @@
 //! States of extreme size, next to poles of the structure, or at rest.
 
 use noise::WienerBlock;
-use systems::paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, sine};
-use systems::{Constant, IntegerExponents, LotkaVolterra, Pendulum, PoissonSystem, RigidBody};
+use systems::{
+    Constant, IntegerExponents, LotkaVolterra, Pendulum, PoissonSystem, RigidBody,
+    paper::{INERTIA, NOISE_INERTIA, half_cosine, rigid_body_start, sine},
+};
 
-use crate::case::{Case, Context, Rows, each};
-use crate::paths::{CASIMIR, Experiment, Law};
-use crate::rounding::law_bound;
+use crate::{
+    case::{Case, Context, Rows, each},
+    paths::{CASIMIR, Experiment, Law},
+    rounding::law_bound,
+};
 
 /// States from 10⁻¹⁵⁰ to 10¹⁵⁰.
 pub const SCALES: Case = Case {

@@ -2,8 +2,11 @@
 
 use anyhow::ensure;
 use lab::compiled;
-use mc::multilevel::{Coupling, ExpectationSettings, expectation};
-use mc::{Ladder, Observable, Run, trajectory};
+use mc::{
+    Ladder, Observable, Run,
+    multilevel::{Coupling, ExpectationSettings, expectation},
+    trajectory,
+};
 use noise::{StreamKey, Truncation};
 use schemes::EulerMaruyama;
 use systems::{Constant, Pendulum, Problem};

@@ -8,16 +8,17 @@ mod drivers;
 mod numbers;
 mod steps;
 
-use std::fmt::{self, Display, Formatter};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::{
+    fmt::{self, Display, Formatter},
+    panic::{AssertUnwindSafe, catch_unwind},
+};
 
 use anyhow::{Result, anyhow, ensure};
 
 pub use bits::Bits;
 use steps::Job;
 
-use crate::Arguments;
-use crate::results::Fuzzed;
+use crate::{Arguments, results::Fuzzed};
 
 /// What became of an input: the iterations of the solve, zero where nothing is solved; or
 /// [`Refused`]. Any other error is a broken check.
