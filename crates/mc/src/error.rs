@@ -60,6 +60,19 @@ pub enum LadderError {
         /// The scheme.
         scheme: &'static str,
     },
+    /// A measurement has too few step sizes, or too many.
+    #[error("the number of step sizes must be from {from} to {to}, got {given}")]
+    StepSizes {
+        /// The given number.
+        given: usize,
+        /// The least.
+        from: usize,
+        /// The most.
+        to: usize,
+    },
+    /// An ensemble has no initial state.
+    #[error("an ensemble of initial states must have at least one state, got none")]
+    NoStates,
     /// A step size is not positive and finite.
     #[error(transparent)]
     Step(#[from] StepError),

@@ -16,20 +16,14 @@ pub fn describe(mut rate: Rate) -> Rate {
 fn method(rate: &Rate) -> String {
     let model = match rate.model {
         Model::MeanSquares => {
-            let corrections = match (rate.curvature_t, rate.reference_t) {
-                (Some(_), Some(_)) => " + ln(1 + bτ + c τ_ref/τ)",
-                (Some(_), None) => " + ln(1 + bτ)",
-                (None, Some(_)) => " + ln(1 + c τ_ref/τ)",
-                (None, None) => "",
-            };
-            format!("least squares, ln mean square = a + 2p ln τ{corrections}")
+            let curvature = rate.curvature_t.map_or("", |_| " + ln(1 + bτ)");
+            format!("least squares, ln mean square = a + 2p ln τ{curvature}")
         }
         Model::Logarithms => "weighted least squares, ln error = a + p ln τ + bτ + cτ²".into(),
         Model::Powers { against, terms } => {
             let errors = match against {
                 Against::Exact => "error",
                 Against::HalfStep => "differences e(τ) − e(τ/2) of an error",
-                Against::Step(_) => "e(τ) − e(τ_ref) of an error",
             };
             let third = if terms == 3 { " + Cτ^(p+2)" } else { "" };
             format!("profile of generalised least squares, {errors} = Aτ^p + Bτ^(p+1){third}")
@@ -48,12 +42,13 @@ fn method(rate: &Rate) -> String {
             bend(rate, line.refuted)
         );
     }
-    if !rate.left_out.is_empty() {
-        let left_out: Vec<String> = rate.left_out.iter().map(|tau| format!("{tau:.3e}")).collect();
-        text += &format!(
-            "; left out, since fewer than {FEW_SAMPLES} effective paths carry the error: τ = {}",
-            left_out.join(", ")
-        );
+    let few = format!("fewer than {FEW_SAMPLES} effective paths carry the error");
+    let not_asymptotic = "the model does not fit with them".to_owned();
+    for (taus, reason) in [(&rate.left_out, few), (&rate.coarse, not_asymptotic)] {
+        if !taus.is_empty() {
+            let taus: Vec<String> = taus.iter().map(|tau| format!("{tau:.3e}")).collect();
+            text += &format!("; left out, since {reason}: τ = {}", taus.join(", "));
+        }
     }
     if rate.rests_on_few_paths() {
         text += &format!("; {}", wider_interval());
@@ -61,19 +56,15 @@ fn method(rate: &Rate) -> String {
     text
 }
 
-/// What bends the points: the term with the larger t, if it is beyond the same confidence as the
-/// straight line is refuted with.
+/// Whether the next order of the error bends the points, at the confidence with which the straight
+/// line is refuted.
 fn bend(rate: &Rate, refuted: bool) -> &'static str {
-    let [curvature, reference] =
-        [rate.curvature_t, rate.reference_t].map(|t| t.unwrap_or(0.0).abs());
     if !refuted {
         "which the points do not contradict"
-    } else if curvature.max(reference) < two_sided(STRAIGHT_CONFIDENCE, None) {
+    } else if rate.curvature_t.unwrap_or(0.0).abs() < two_sided(STRAIGHT_CONFIDENCE, None) {
         "the points do not lie on a line"
-    } else if curvature > reference {
-        "the coarse steps are not yet asymptotic"
     } else {
-        "the error of the reference shows at the fine steps"
+        "the coarse steps are not yet asymptotic"
     }
 }
 

@@ -6,7 +6,7 @@
 //! ```
 //! use stats::{CrossMoments, fit_strong};
 //!
-//! // Squared errors of 200 paths at four step sizes, of order one but for the scatter of paths.
+//! // Squared differences of 200 paths at four step sizes, of order one but for the scatter of paths.
 //! let taus = [0.1, 0.05, 0.025, 0.0125];
 //! let mut squares = CrossMoments::new(4);
 //! for path in 0..200 {
@@ -14,19 +14,20 @@
 //!     let errors = [0, 1, 2, 3].map(|l| taus[l] * taus[l] * scatter(l));
 //!     squares.add(&errors);
 //! }
-//! let order = fit_strong(&taus, None, &squares).expect("four levels are enough");
+//! let order = fit_strong(&taus, &squares).expect("four levels are enough");
 //! assert!(order.covers(1.0) && order.hi - order.lo < 0.1, "{order:?}");
 //! ```
 //!
 //! | item | job |
 //! |---|---|
 //! | [`Moments`], [`CrossMoments`] | means and covariances |
-//! | [`fit_strong`] | strong orders, from squared errors that share paths |
+//! | [`fit_strong`] | strong orders, from squared differences that share paths |
 //! | [`fit_weak`], [`weak_errors`] | weak orders, from signed errors or differences with a covariance |
+//! | [`lower_share`] | how much a term of lower order may hide |
 //! | [`fit_independent`] | orders of positive errors measured independently |
 //! | [`root_mean_squares`], [`root_mean_square_interval`] | root-mean-square errors with intervals |
 //! | [`Rate`], [`Model`], [`Against`], [`StraightLine`], [`Point`] | a fit and a measured error as data |
-//! | [`LogMeanSquares`], [`Terms`], [`Estimate`] | the fit of [`fit_strong`] with other terms or levels |
+//! | [`LogMeanSquares`], [`Estimate`] | the fit of [`fit_strong`] with other terms or levels |
 //! | [`Coverage`], [`Expected`], [`normal_covers`] | how often an interval covers the truth |
 //!
 //! Of this workspace the crate uses only `real`, whose dispatch runs the bootstrap's kernel on the
@@ -48,10 +49,10 @@ mod weak;
 
 pub use coverage::{Coverage, Expected, normal_covers};
 pub use independent::fit_independent;
-pub use mean_squares::{Estimate, LogMeanSquares, Terms};
+pub use mean_squares::{Estimate, LogMeanSquares};
 pub use moments::{BATCHES, CrossMoments, Moments};
 pub use point::Point;
 pub use rate::{Against, Model, Rate, StraightLine};
 pub use root_mean_square::{root_mean_square_interval, root_mean_squares};
 pub use strong::fit_strong;
-pub use weak::{fit_weak, weak_errors};
+pub use weak::{fit_weak, lower_share, weak_errors};

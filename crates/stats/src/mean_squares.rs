@@ -1,8 +1,8 @@
-//! The order of mean squares that share paths: ln m = a + 2p ln τ + ln(1 + bτ + c τ_ref/τ).
+//! The order of mean squares that share paths: ln m = a + 2p ln τ + ln(1 + bτ).
 //!
-//! m_l are the mean squares at step sizes τ_l. The term bτ is the next order of the error; c
-//! τ_ref/τ is the error of the reference, present if it is a run at step τ_ref. (For a scheme of
-//! order ½ against itself the squared error is C(τ − τ_ref), so c = −1 exactly.)
+//! m_l are mean squares of the differences of runs at τ_l and τ_l/2 on the same noise, or of errors
+//! against an exact solution. The term bτ is the next order of the error. Differences of successive
+//! runs need no reference, whose own error would bend the points.
 //!
 //! **Weights.** Weighting by the inverse of the *estimated* covariance V would be efficient if V
 //! were known. Estimated from the same few hundred skewed squares it is not independent of the
@@ -22,34 +22,16 @@ use crate::{
 
 /// Correlation between neighbouring levels in the working weights.
 const WORKING_CORRELATION: f64 = 0.5;
-/// Gauss–Newton ends when c and b move by less than this; it converges linearly, with a rate of the
+/// Relative error of a mean square for which the model, two powers of an expansion, is not
+/// answerable.
+const MODEL_ERROR: f64 = 0.01;
+/// Gauss–Newton ends when b moves by less than this; it converges linearly, with a rate of the
 /// size of the residuals.
 const STANDSTILL: f64 = 1e-9;
 /// Or after this many steps.
 const GAUSS_NEWTON_STEPS: u32 = 50;
 /// The corrections may take away this much of the leading term, and no more: 1 − 1/50.
 const LEAST_FACTOR: f64 = 0.02;
-
-/// Terms of the model besides a + 2p ln τ.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Terms {
-    /// c τ_ref/τ, with this τ_ref.
-    pub reference: Option<f64>,
-    /// bτ.
-    pub curvature: bool,
-}
-
-impl Terms {
-    /// a + 2p ln τ and nothing else.
-    pub const STRAIGHT: Self = Self { reference: None, curvature: false };
-
-    /// The factors of c and b at each level.
-    fn regressors(self, taus: &[f64]) -> Vec<Vec<f64>> {
-        let reference = self.reference.map(|step| taus.iter().map(|tau| step / tau).collect());
-        let curvature = self.curvature.then(|| taus.iter().map(|tau| tau / taus[0]).collect());
-        reference.into_iter().chain(curvature).collect()
-    }
-}
 
 /// Logarithms of mean squares at some levels, with their estimated covariance.
 pub struct LogMeanSquares<'a> {
@@ -80,7 +62,8 @@ impl<'a> LogMeanSquares<'a> {
         }
         // Delta method: Cov(ln m, ln m′) = Cov(m, m′)/(m m′).
         let covariance = matrix(levels.len(), |i, j| {
-            squares.covariance_of_means(levels[i], levels[j]) / (means[i] * means[j])
+            let model = if i == j { MODEL_ERROR * MODEL_ERROR } else { 0.0 };
+            squares.covariance_of_means(levels[i], levels[j]) / (means[i] * means[j]) + model
         });
         Some(Self {
             squares,
@@ -100,18 +83,18 @@ impl<'a> LogMeanSquares<'a> {
         self
     }
 
-    /// Fits the order with the working weights, and χ² with those of the estimated covariance;
-    /// `None` if that is singular.
-    pub fn fit(&self, terms: Terms) -> Option<Estimate> {
+    /// Fits the order with the working weights, and χ² with those of the estimated covariance, with
+    /// or without the term bτ; `None` if the covariance is singular.
+    pub fn fit(&self, curvature: bool) -> Option<Estimate> {
         let levels = self.levels.len();
         let correlation = |l: usize, m: usize| WORKING_CORRELATION.powi(l.abs_diff(m) as i32);
         let working = Weighting::new(&matrix(levels, correlation))?;
-        let fit = self.gauss_newton(&working, terms)?;
-        let chi_square = self.gauss_newton(&Weighting::new(&self.covariance)?, terms)?.chi_square;
+        let fit = self.gauss_newton(&working, curvature)?;
+        let chi_square =
+            self.gauss_newton(&Weighting::new(&self.covariance)?, curvature)?.chi_square;
         let parameters = fit.parameters.len();
         let degrees = levels - parameters;
         let gain: Vec<f64> = fit.gain(1).iter().map(|g| 0.5 * g).collect();
-        let mut t = (2..parameters).map(|c| fit.parameters[c] / self.standard_error(&fit.gain(c)));
         let (order, se) = (0.5 * fit.parameters[1], self.standard_error(&gain));
         let student_degrees =
             Some(bootstrap::degrees_of_freedom(self.squares, &self.levels, &gain));
@@ -126,8 +109,7 @@ impl<'a> LogMeanSquares<'a> {
             chi_square,
             degrees,
             p_value: hotelling_p_value(chi_square, degrees, self.squares.count()),
-            reference_t: terms.reference.and_then(|_| t.next()),
-            curvature_t: t.next(),
+            curvature_t: curvature.then(|| fit.parameters[2] / self.standard_error(&fit.gain(2))),
             ..Rate::default()
         };
         Some(Estimate { rate, se, gain })
@@ -146,42 +128,30 @@ impl<'a> LogMeanSquares<'a> {
         gain.iter().zip(rows).map(|(g, row)| g * row).sum::<f64>().sqrt()
     }
 
-    /// The model linearised about the last c and b until they stand still. Steps are halved while
-    /// the argument of the logarithm would fall below [`LEAST_FACTOR`].
-    fn gauss_newton<'w>(&self, weighting: &'w Weighting, terms: Terms) -> Option<Fit<'w>> {
-        let regressors = terms.regressors(&self.taus);
-        let factors = |theta: &[f64]| -> Vec<f64> {
-            let at = |l| regressors.iter().zip(theta).map(|(x, theta)| x[l] * theta).sum::<f64>();
-            (0..self.taus.len()).map(|l| 1.0 + at(l)).collect()
-        };
-        let mut theta = vec![0.0; regressors.len()];
+    /// The model linearised about the last b until it stands still. Steps are halved while the
+    /// argument of the logarithm would fall below [`LEAST_FACTOR`].
+    fn gauss_newton<'w>(&self, weighting: &'w Weighting, curvature: bool) -> Option<Fit<'w>> {
+        let taus = &self.taus;
+        let factors = |b: f64| taus.iter().map(|tau| 1.0 + b * tau / taus[0]).collect::<Vec<f64>>();
+        let mut b = 0.0;
         let mut left = GAUSS_NEWTON_STEPS;
         loop {
-            let factors_now = factors(&theta);
-            let slopes = |x: &Vec<f64>| x.iter().zip(&factors_now).map(|(x, f)| x / f).collect();
-            let constant = vec![1.0; self.taus.len()];
-            let mut design = vec![constant, self.taus.iter().map(|tau| tau.ln()).collect()];
-            design.extend(regressors.iter().map(slopes));
-            let target: Vec<f64> = self
-                .values
-                .iter()
-                .zip(&factors_now)
-                .map(|(value, f)| value - f.ln() + (f - 1.0) / f)
-                .collect();
-            let fit = weighting.fit(&design, &target)?;
-            let mut step: Vec<f64> =
-                theta.iter().zip(&fit.parameters[2..]).map(|(old, new)| new - old).collect();
-            let moved = |step: &[f64]| -> Vec<f64> {
-                theta.iter().zip(step).map(|(old, step)| old + step).collect()
-            };
-            while factors(&moved(&step)).iter().any(|&factor| factor < LEAST_FACTOR) {
-                step.iter_mut().for_each(|step| *step *= 0.5);
+            let now = factors(b);
+            let mut design = vec![vec![1.0; taus.len()], taus.iter().map(|tau| tau.ln()).collect()];
+            if curvature {
+                design.push(taus.iter().zip(&now).map(|(tau, f)| tau / taus[0] / f).collect());
+            }
+            let target = self.values.iter().zip(&now).map(|(y, f)| y - f.ln() + (f - 1.0) / f);
+            let fit = weighting.fit(&design, &target.collect::<Vec<_>>())?;
+            let mut step = if curvature { fit.parameters[2] - b } else { 0.0 };
+            while factors(b + step).iter().any(|&factor| factor < LEAST_FACTOR) {
+                step *= 0.5;
             }
             left -= 1;
-            if left == 0 || step.iter().all(|step| step.abs() < STANDSTILL) {
+            if left == 0 || step.abs() < STANDSTILL {
                 return Some(fit);
             }
-            theta = moved(&step);
+            b += step;
         }
     }
 }

@@ -3,7 +3,7 @@
 //! Sums of squares lose digits only where the mean is many times the standard deviation; what is
 //! folded here are errors and differences, whose mean is of the size of their spread or below.
 
-use crate::least_squares::matrix;
+use crate::least_squares::{dot, matrix};
 
 /// Mean and variance of one quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -150,6 +150,26 @@ impl CrossMoments {
         matrix(self.length(), |i, j| self.covariance_of_means(i, j))
     }
 
+    /// The moments of the linear combinations Σⱼ rᵢⱼ xⱼ, one for each row r.
+    ///
+    /// # Panics
+    /// If a row has another length than the vector.
+    #[must_use]
+    pub fn combined(&self, rows: &[Vec<f64>]) -> Self {
+        let length = self.length();
+        assert!(rows.iter().all(|row| row.len() == length), "a row has the length of the vector");
+        let apply = |x: &[f64]| rows.iter().map(|row| dot(row, x)).collect::<Vec<_>>();
+        let mut products = Vec::with_capacity(rows.len() * (rows.len() + 1) / 2);
+        for (i, row) in rows.iter().enumerate() {
+            let column: Vec<f64> = (0..length)
+                .map(|k| (0..length).map(|j| row[j] * self.product(j.min(k), j.max(k))).sum())
+                .collect();
+            products.extend(rows[i..].iter().map(|other| dot(other, &column)));
+        }
+        let batches = self.batches.chunks_exact(length.max(1)).flat_map(apply).collect();
+        Self { count: self.count, sum: apply(&self.sum), products, batches }
+    }
+
     /// Effective number of samples of component i, (Σx)²/Σx² (Kish, *Survey Sampling*, 1965): how
     /// many equal samples would carry the sum of a positive quantity as evenly. All of them for a
     /// constant, a third for squares of centred normals, about one when a single sample dominates.
@@ -212,6 +232,19 @@ mod tests {
             epsilon = 0.0,
             max_relative = 1e-14
         );
+    }
+
+    #[test]
+    fn combinations_have_the_moments_of_combined_samples() {
+        // Integers, so that nothing is rounded.
+        let rows = [vec![1.0, 2.0, -1.0], vec![0.0, 3.0, 1.0]];
+        let (mut all, mut direct) = (CrossMoments::new(3), CrossMoments::new(2));
+        for n in 0..300 {
+            let x = [f64::from(n), f64::from(n * n % 13), f64::from(n % 7)];
+            all.add(&x);
+            direct.add(&[0, 1].map(|i| dot(&rows[i], &x)));
+        }
+        assert_eq!(all.combined(&rows), direct);
     }
 
     #[test]

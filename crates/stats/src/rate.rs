@@ -43,16 +43,15 @@ pub struct Rate {
     /// not fitted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub curvature_t: Option<f64>,
-    /// Coefficient c of the reference's error over its standard error; absent where it was not
-    /// fitted.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub reference_t: Option<f64>,
     /// The smallest effective number of paths, (Σx)²/Σx² (Kish), among the step sizes measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effective_paths: Option<f64>,
     /// Step sizes that were left out of the fit because a few paths dominate their error.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub left_out: Vec<f64>,
+    /// The coarsest step sizes, left out because the model does not fit with them.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub coarse: Vec<f64>,
     /// The probability of residuals as large as these if the model is right; absent without
     /// degrees of freedom.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -67,8 +66,8 @@ pub struct Rate {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Model {
-    /// Mean squares m of errors that share paths: ln m = a + 2p ln τ + ln(1 + bτ + c τ_ref/τ), b
-    /// and c where [`Rate::curvature_t`] and [`Rate::reference_t`] are present.
+    /// Mean squares m that share paths: ln m = a + 2p ln τ + ln(1 + bτ), with b where
+    /// [`Rate::curvature_t`] is present.
     #[default]
     MeanSquares,
     /// Independent positive errors: ln e = a + p ln τ + bτ + cτ².
@@ -92,8 +91,6 @@ pub enum Against {
     /// is left at the finest step. A bias that is the same at all steps leaves no trace in
     /// differences: they tell how fast a scheme converges, and not whether to the right limit.
     HalfStep,
-    /// The same scheme with this step: e(τ) − e(τ_ref).
-    Step(f64),
 }
 
 /// A straight line through the points of a log–log plot, and whether the points lie on one.

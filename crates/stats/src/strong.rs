@@ -7,7 +7,7 @@
 
 use crate::{
     describe::describe,
-    mean_squares::{LogMeanSquares, Terms},
+    mean_squares::LogMeanSquares,
     moments::{CrossMoments, FEW_SAMPLES},
     rate::{Rate, STRAIGHT_CONFIDENCE, StraightLine},
 };
@@ -15,41 +15,53 @@ use crate::{
 /// Fewer levels than this make no fit from which others have been left out.
 const LEAST_LEVELS: usize = 4;
 
-/// The strong order from squared errors at several step sizes, coarsest first.
+/// The strong order from squares at several step sizes, coarsest first.
 ///
-/// Fits ln m = a + 2p ln τ + ln(1 + bτ + c τ_ref/τ) to the mean squares m with fixed weights
+/// The squares are those of the differences y_τ − y_{τ/2} of runs on the same noise, or of errors
+/// against an exact solution: no reference with an error of its own is in them.
+///
+/// Fits ln m = a + 2p ln τ + ln(1 + bτ) to the mean squares m with fixed weights
 /// ([`LogMeanSquares`]), and gives p with an interval by the delta method from the estimated
 /// covariance of the ln m, which share paths; beside it a bootstrap-t interval over whole paths
 /// (Efron and Tibshirani 1993), and the straight line with a test whether the points lie on one.
 ///
-/// Terms need levels: c is fitted from five on, if there is a `reference` step, and b from six on.
-/// Levels that a few paths dominate are left out and named. If χ² rejects the model, the rate
+/// The term b is fitted from five levels on, two more than there are parameters. Levels that a few paths dominate are left out and named. If χ² rejects the model, the rate
 /// carries a warning ([`Rate::misfits`]).
 ///
 /// `None` if an error is zero, or the covariance is singular: with fewer paths than levels, for
 /// example.
-pub fn fit_strong(taus: &[f64], reference: Option<f64>, squares: &CrossMoments) -> Option<Rate> {
+pub fn fit_strong(taus: &[f64], squares: &CrossMoments) -> Option<Rate> {
     let all: Vec<usize> = (0..taus.len()).collect();
     // A zero error anywhere means that there is no order to speak of, even where its level would be
     // left out.
     LogMeanSquares::new(taus, squares, all.clone())?;
     let (reliable, few): (Vec<usize>, Vec<usize>) =
         all.iter().partition(|&&l| squares.effective_samples(l) >= FEW_SAMPLES);
-    let (levels, left_out) =
+    let (mut levels, left_out) =
         if reliable.len() < LEAST_LEVELS { (all, Vec::new()) } else { (reliable, few) };
-    // Two levels more than parameters.
-    let terms =
-        Terms { reference: reference.filter(|_| levels.len() >= 5), curvature: levels.len() >= 6 };
-    let logarithms = LogMeanSquares::new(taus, squares, levels)?;
-    let estimate = logarithms.fit(terms)?;
+    let mut coarse = Vec::new();
+    let (logarithms, estimate, curvature) = loop {
+        let logarithms = LogMeanSquares::new(taus, squares, levels.clone())?;
+        let mut curvature = levels.len() > LEAST_LEVELS;
+        let mut estimate = logarithms.fit(curvature)?;
+        if levels.len() == LEAST_LEVELS && estimate.rate.misfits() {
+            curvature = true;
+            estimate = logarithms.fit(true)?;
+        }
+        if !estimate.rate.misfits() || levels.len() <= LEAST_LEVELS {
+            break (logarithms, estimate, curvature);
+        }
+        coarse.push(taus[levels.remove(0)]);
+    };
     let bootstrap = logarithms.bootstrap(&estimate);
     let effective = (0..taus.len()).map(|l| squares.effective_samples(l));
     let mut rate = Rate {
         bootstrap_lo: bootstrap.map(|(low, _)| low),
         bootstrap_hi: bootstrap.map(|(_, high)| high),
-        straight: (terms != Terms::STRAIGHT).then(|| straight(&logarithms)).flatten(),
+        straight: curvature.then(|| straight(&logarithms)).flatten(),
         effective_paths: Some(effective.fold(f64::INFINITY, f64::min)),
         left_out: left_out.iter().map(|&l| taus[l]).collect(),
+        coarse,
         ..estimate.rate
     };
     if let Some((low, high)) = bootstrap.filter(|_| rate.rests_on_few_paths()) {
@@ -60,8 +72,7 @@ pub fn fit_strong(taus: &[f64], reference: Option<f64>, squares: &CrossMoments) 
 
 /// The straight line through the points.
 fn straight(logarithms: &LogMeanSquares<'_>) -> Option<StraightLine> {
-    let Rate { estimate, lo, hi, chi_square, degrees, p_value, .. } =
-        logarithms.fit(Terms::STRAIGHT)?.rate;
+    let Rate { estimate, lo, hi, chi_square, degrees, p_value, .. } = logarithms.fit(false)?.rate;
     let refuted = p_value.is_some_and(|p| p < 1.0 - STRAIGHT_CONFIDENCE);
     Some(StraightLine { estimate, lo, hi, chi_square, degrees: degrees as u32, refuted })
 }

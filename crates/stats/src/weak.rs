@@ -80,15 +80,44 @@ pub fn fit_weak(
     }))
 }
 
+/// How much of the difference at the finest step a term of order below `order` may be, at most: the
+/// upper end of a 95 % interval, with differences e(τ) − e(τ/2) of e = A₁τ + A₂τ² + … fitted by
+/// generalised least squares. `None` if there are too few levels or the covariance is singular.
+///
+/// A small term of low order wins as τ → 0, however well a higher order fits here.
+pub fn lower_share(
+    taus: &[f64],
+    differences: &[f64],
+    covariance: &[Vec<f64>],
+    order: u32,
+) -> Option<f64> {
+    let (coarsest, finest) = (taus[0], taus[taus.len() - 1]);
+    let against = Against::HalfStep;
+    let powers = || (1..=order + 1).map(f64::from);
+    if powers().count() > taus.len() {
+        return None;
+    }
+    let column = |q| taus.iter().map(|&tau| against.power(tau, coarsest, q)).collect();
+    let design: Vec<Vec<f64>> = powers().map(column).collect();
+    let weighting = Weighting::new(covariance)?;
+    let fit = weighting.fit(&design, differences)?;
+    let quantile = two_sided(CONFIDENCE, None);
+    let term = |(c, q): (usize, f64)| {
+        let largest = fit.parameters[c].abs() + quantile * fit.covariance(c)[c].sqrt();
+        largest * against.power(finest, coarsest, q).abs()
+    };
+    let lower = powers().enumerate().take(order as usize - 1).map(term).sum::<f64>();
+    Some(lower / differences[differences.len() - 1].abs())
+}
+
 impl Against {
     /// What τ^q contributes to the error measured at step τ, with all steps in units of `unit`.
     fn power(self, tau: f64, unit: f64, q: f64) -> f64 {
-        let reference = match self {
-            Self::Exact => return (tau / unit).powf(q),
-            Self::HalfStep => 0.5 * tau,
-            Self::Step(step) => step,
-        };
-        (tau / unit).powf(q) - (reference / unit).powf(q)
+        let e = |tau: f64| (tau / unit).powf(q);
+        match self {
+            Self::Exact => e(tau),
+            Self::HalfStep => e(tau) - e(0.5 * tau),
+        }
     }
 }
 

@@ -1,0 +1,170 @@
+//! The order that is named, or why none is; and its words.
+
+use std::fmt;
+
+use stats::Rate;
+
+use super::{Limit, OneStep, Order};
+
+/// The order of a scheme, or why no order is named and what would decide.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Decision {
+    /// The order.
+    Order {
+        /// A multiple of ½, or an integer for a weak order.
+        order: f64,
+        /// Whether the points show it. Otherwise they still fall faster, and one step at a smaller
+        /// τ shows it.
+        shown: bool,
+    },
+    /// The differences are zero, inside their noise, or rest on too few paths.
+    NoDifferences,
+    /// The interval is too wide.
+    Wide {
+        /// About how many times as many paths would do.
+        more_paths: f64,
+    },
+    /// The points fall more slowly than one step says, or on no sum of powers: coarse steps are not
+    /// asymptotic yet, or the solution is not smooth.
+    NotAsymptotic,
+    /// One step shows no order that is a multiple of ½.
+    OneStepUnclear,
+    /// More than one order explains the points: a term of lower order may be hidden.
+    Hidden {
+        /// The largest part of the last difference that the lower orders may have.
+        share: f64,
+    },
+    /// The scheme converges to something else than [`Limit`]'s other solution.
+    WrongLimit,
+    /// The limit could not be compared.
+    LimitUnclear,
+}
+
+/// Confidence at which points contradict an order.
+const CONTRADICTION: f64 = 0.999;
+/// An interval that is wider than the distance of two orders decides nothing.
+const WIDEST: f64 = 0.5;
+/// The part that terms of lower order may have of the last difference.
+const HIDDEN: f64 = 0.1;
+
+/// The strong order.
+pub fn strong(rate: Option<&Rate>, one_step: Option<OneStep>, limit: Limit) -> Decision {
+    let rate = match usable(rate, limit) {
+        Ok(rate) => rate,
+        Err(decision) => return decision,
+    };
+    let (lo, hi) = rate.interval(CONTRADICTION);
+    let Some(one_step) = one_step else {
+        return Decision::OneStepUnclear;
+    };
+    let mut possible = one_step.strong_orders().filter(|&order| order <= hi);
+    match (possible.next(), possible.next()) {
+        (None, _) => Decision::NotAsymptotic,
+        (Some(order), None) => Decision::Order { order, shown: lo <= order },
+        (Some(_), Some(_)) => Decision::OneStepUnclear,
+    }
+}
+
+/// The weak order; `lower_share` is an upper bound of the terms of order below a given one in the
+/// last difference.
+pub fn weak(
+    rate: Option<&Rate>,
+    lower_share: impl Fn(u32) -> Option<f64>,
+    limit: Limit,
+) -> Decision {
+    let rate = match usable(rate, limit) {
+        Ok(rate) => rate,
+        Err(decision) => return decision,
+    };
+    let orders: Vec<u32> = (1..=4).filter(|&order| rate.covers(f64::from(order))).collect();
+    match orders[..] {
+        [order] => match lower_share(order) {
+            _ if order == 1 => Decision::Order { order: 1.0, shown: true },
+            Some(share) if share <= HIDDEN => {
+                Decision::Order { order: f64::from(order), shown: true }
+            }
+            share => Decision::Hidden { share: share.unwrap_or(1.0) },
+        },
+        _ => Decision::NotAsymptotic,
+    }
+}
+
+/// A rate from which an order may be read.
+fn usable(rate: Option<&Rate>, limit: Limit) -> Result<&Rate, Decision> {
+    if let Limit::Differs { .. } = limit {
+        return Err(Decision::WrongLimit);
+    }
+    let rate = rate.ok_or(Decision::NoDifferences)?;
+    let width = rate.hi - rate.lo;
+    if rate.misfits() {
+        Err(Decision::NotAsymptotic)
+    } else if width.is_nan() || width > WIDEST {
+        Err(Decision::Wide { more_paths: (width / WIDEST).powi(2).ceil() })
+    } else if !matches!(limit, Limit::Agrees { .. }) {
+        Err(Decision::LimitUnclear)
+    } else {
+        Ok(rate)
+    }
+}
+
+/// The only place that words an order.
+impl fmt::Display for Order {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.decision {
+            Decision::Order { order, shown } => {
+                write!(f, "order {order}")?;
+                if let (false, Some(rate), Some(step)) = (shown, &self.rate, self.one_step) {
+                    write!(
+                        f,
+                        ": the points still fall with {:.2}, one step at τ = {:.0e} and {} times the \
+                         noise shows it",
+                        rate.estimate, step.tau, step.amplification
+                    )?;
+                }
+            }
+            Decision::NoDifferences => {
+                f.write_str("undecided: the differences between step sizes are inside their noise; ")?;
+                f.write_str("more paths or coarser steps would decide")?;
+            }
+            Decision::Wide { more_paths } => {
+                write!(f, "undecided: {more_paths:.0} times as many paths would decide")?;
+            }
+            Decision::NotAsymptotic => f.write_str(
+                "undecided: the points follow no order that the scheme can have; finer steps would \
+                 decide",
+            )?,
+            Decision::OneStepUnclear => f.write_str(
+                "undecided: one step as τ → 0 shows no order, or one that leaves two possible",
+            )?,
+            Decision::Hidden { share } => write!(
+                f,
+                "undecided: a term of lower order may have {:.0} % of the last difference; more \
+                 paths or finer steps would decide",
+                100.0 * share
+            )?,
+            Decision::WrongLimit => f.write_str("no order: the scheme converges to something else")?,
+            Decision::LimitUnclear => f.write_str(
+                "undecided: the limit could not be compared; finer steps or more paths would decide",
+            )?,
+        }
+        if let Some(rate) = &self.rate {
+            write!(f, "; fitted {:.2} [{:.2}, {:.2}]", rate.estimate, rate.lo, rate.hi)?;
+        }
+        match self.limit {
+            Limit::Agrees { with, distance } => {
+                write!(f, "; the limit is that of {with} up to {distance:.1e}")
+            }
+            Limit::Differs { with, distance } => {
+                write!(f, "; its limit is {distance:.1e} from that of {with}")
+            }
+            Limit::Unclear { with, distance } => {
+                write!(f, "; its limit is at most {distance:.1e} from that of {with}")
+            }
+            Limit::Unchecked => f.write_str("; no other scheme runs to compare the limit with"),
+        }?;
+        if self.failed > 0 {
+            write!(f, "; {} paths failed and are left out", self.failed)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,95 @@
+//! Errors against the limit, from runs alone.
+
+use stats::{CrossMoments, Point, root_mean_squares};
+
+/// What is recorded of a path with n runs, coarsest first, of which the first L have points: with
+/// D = y_{n−2} − y_{n−1} the last difference,
+/// |y_l − y_{n−1}|² and ⟨y_l − y_{n−2}, D⟩ for l < L, then |y_k − y_{k+1}|² for k < n − 1, then
+/// ⟨y_{n−3} − y_{n−2}, D⟩.
+pub fn record<const D: usize>(states: &[[f64; D]], levels: usize, numbers: &mut [f64]) {
+    let n = states.len();
+    let difference =
+        |k: usize, l: usize| -> [f64; D] { std::array::from_fn(|i| states[k][i] - states[l][i]) };
+    let dot = |a: [f64; D], b: [f64; D]| (0..D).map(|i| a[i] * b[i]).sum::<f64>();
+    let last = difference(n - 2, n - 1);
+    for l in 0..levels {
+        let to_finest = difference(l, n - 1);
+        numbers[l] = dot(to_finest, to_finest);
+        numbers[levels + l] = dot(difference(l, n - 2), last);
+    }
+    for k in 0..n - 1 {
+        let step = difference(k, k + 1);
+        numbers[2 * levels + k] = dot(step, step);
+    }
+    numbers[2 * levels + n - 1] = dot(difference(n - 3, n - 2), last);
+}
+
+/// Length of that record.
+pub fn record_length(sizes: usize, levels: usize) -> usize {
+    2 * levels + sizes
+}
+
+/// The squares of successive differences in a record.
+pub fn differences(record: &CrossMoments, sizes: usize, levels: usize) -> CrossMoments {
+    let unit = |k: usize| {
+        let mut row = vec![0.0; record.length()];
+        row[2 * levels + k] = 1.0;
+        row
+    };
+    record.combined(&(0..sizes - 1).map(unit).collect::<Vec<_>>())
+}
+
+/// Root-mean-square errors against the limit at the first step sizes, for errors of an order in
+/// this range, most likely `order`.
+///
+/// The error that is left at the finest step is Σ of the differences that would follow. Of the last
+/// difference D the part ρ repeats itself along the path, 2^{−p} times as large each time (the error
+/// of a drift), and the rest is independent each time (iterated integrals); ρ is measured as
+/// ⟨y_{n−3} − y_{n−2}, D⟩/(2^p |D|²). With κ = 1/(2^p − 1),
+/// E|y_l − y|² = E[|y_l − y_{n−1}|² + 2κ(⟨y_l − y_{n−2}, D⟩ + ρ|D|²) + (κ²ρ + (1 − ρ)/(4^p − 1))|D|²].
+/// The interval is that of the paths, widened to those of the other orders.
+pub fn strong_points(
+    taus: &[f64],
+    record: &CrossMoments,
+    sizes: usize,
+    order: f64,
+    range: (f64, f64),
+) -> Vec<Point> {
+    let levels = taus.len();
+    let points =
+        |p: f64| root_mean_squares(taus, &record.combined(&rows(record, sizes, levels, p)));
+    let others = [points(range.0), points(range.1)];
+    let mut points = points(order);
+    for point in &mut points {
+        let Point::Error { tau, lo, hi, .. } = point else { continue };
+        for other in others.iter().flatten() {
+            let Point::Error { tau: same, lo: other_lo, hi: other_hi, .. } = other else {
+                continue;
+            };
+            if same == tau {
+                *lo = lo.zip(*other_lo).map(|(a, b)| f64::min(a, b));
+                *hi = hi.zip(*other_hi).map(|(a, b)| f64::max(a, b));
+            }
+        }
+    }
+    points
+}
+
+fn rows(record: &CrossMoments, sizes: usize, levels: usize, p: f64) -> Vec<Vec<f64>> {
+    let (last, before) = (2 * levels + sizes - 2, 2 * levels + sizes - 1);
+    let growth = p.exp2();
+    let repeated = (record.mean(before) / (growth * record.mean(last))).clamp(0.0, 1.0);
+    let kappa = 1.0 / (growth - 1.0);
+    let tail = kappa * kappa * repeated + (1.0 - repeated) / (growth * growth - 1.0);
+    let row = |l: usize| {
+        let mut row = vec![0.0; record.length()];
+        row[last] = tail;
+        if l + 1 < sizes {
+            row[l] = 1.0;
+            row[levels + l] = 2.0 * kappa;
+            row[last] += 2.0 * kappa * repeated;
+        }
+        row
+    };
+    (0..levels).map(row).collect()
+}

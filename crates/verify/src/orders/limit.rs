@@ -1,0 +1,231 @@
+//! Whether a scheme converges to the right limit.
+
+use mc::{LadderError, Run, View};
+use schemes::{Heun, Midpoint, Scheme};
+use stats::CrossMoments;
+use systems::{Damping, PoissonSystem, Problem};
+
+use super::{Exact, Measure, ReferenceSolution, StepSizes, runs::measure};
+use crate::work_precision::squared_distance;
+
+/// Whether a scheme converges to the limit of another, or to the exact solution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Limit {
+    /// The distance of the limits is at most this, which is small beside the errors measured.
+    Agrees {
+        /// The other scheme, or `exact solution`.
+        with: &'static str,
+        /// Upper end of the interval of the distance.
+        distance: f64,
+    },
+    /// The scheme converges to something else.
+    Differs {
+        /// The other scheme, or `exact solution`.
+        with: &'static str,
+        /// The distance of the limits.
+        distance: f64,
+    },
+    /// The steps are too coarse, or the paths too few, to tell.
+    Unclear {
+        /// The other scheme, or `exact solution`.
+        with: &'static str,
+        /// Upper end of the interval of the distance.
+        distance: f64,
+    },
+    /// There was nothing to compare with: the other schemes fail, or are the scheme itself.
+    Unchecked,
+}
+
+/// Paths on which limits are compared: strong distances are the same on most paths.
+const STRONG_PATHS: u64 = 256;
+/// Halvings of the step size between the two at which distances are compared.
+const SPAN: usize = 3;
+/// The part of the mean-square distance at the finest step that may be left in the limit.
+const LEFT: f64 = 0.5;
+/// 95 %, two-sided.
+const QUANTILE: f64 = 1.96;
+/// Σ_{j ≥ 1} 2^{−j/2}: an error of order ½, the slowest, is at most so many differences y_τ −
+/// y_{τ/2}.
+const TAIL: f64 = 2.42;
+/// Two schemes whose distance is below this fraction of their errors are the same one.
+const SAME: f64 = 1e-6;
+
+/// Compares the limit of `scheme`; there are more than [`SPAN`] step sizes.
+pub fn limit<S, G, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    sizes: &StepSizes,
+    reference: &ReferenceSolution<'_, S, D, M>,
+    what: Measure<D>,
+) -> Result<Limit, LadderError>
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    let (heun, midpoint) = (Heun, Midpoint::default());
+    let others: [&dyn Scheme<S, D, M>; 2] = [&heun, &midpoint];
+    let compare = |other: Other<'_, S, D, M>| match what {
+        Measure::Strong => {
+            let sizes = StepSizes { samples: sizes.samples.min(STRONG_PATHS), ..*sizes };
+            compare_strong(scheme, problem, &sizes, other)
+        }
+        Measure::Weak(_) => compare_weak(scheme, problem, sizes, other, what),
+    };
+    match *reference {
+        ReferenceSolution::Exact(exact) => {
+            Ok(compare(Other::Exact(exact))?.unwrap_or(Limit::Unchecked))
+        }
+        ReferenceSolution::Scheme(other) => {
+            Ok(compare(Other::Scheme(other))?.unwrap_or(Limit::Unchecked))
+        }
+        ReferenceSolution::Independent => {
+            for other in others {
+                if let Some(limit) = compare(Other::Scheme(other))? {
+                    return Ok(limit);
+                }
+            }
+            Ok(Limit::Unchecked)
+        }
+    }
+}
+
+/// What a scheme is compared with.
+enum Other<'a, S, const D: usize, const M: usize> {
+    Scheme(&'a dyn Scheme<S, D, M>),
+    Exact(Exact<'a, D, M>),
+}
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Other<'_, S, D, M> {
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Scheme(scheme) => scheme.id(),
+            Self::Exact(_) => "exact solution",
+        }
+    }
+}
+
+/// Moments of the vector that `values` makes of the states of the scheme and of the other one at
+/// the levels 0, 1 and [`SPAN`]; `None` if paths fail that would not fail with the scheme alone.
+fn moments<S, G, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    sizes: &StepSizes,
+    other: &Other<'_, S, D, M>,
+    length: usize,
+    values: fn(Measure<D>, [[f64; D]; 3], [[f64; D]; 3], &mut [f64]),
+    what: Measure<D>,
+) -> Result<Option<CrossMoments>, LadderError>
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    let levels = [0, 1, SPAN];
+    let mut runs: Vec<Run<'_, S, D, M>> = levels.map(|level| Run::new(scheme, level)).into();
+    let exact = match *other {
+        Other::Exact(exact) => Some(exact),
+        Other::Scheme(other) => {
+            runs.extend(levels.map(|level| Run::new(other, level)));
+            None
+        }
+    };
+    let of_view = |view: &View<'_, D>, p: usize, numbers: &mut [f64]| {
+        let state = |run: usize| view.states[run].path(p);
+        let others = match exact {
+            None => [3, 4, 5].map(state),
+            Some(exact) => [(exact.solution)(view.random_time.0[0][p]); 3],
+        };
+        values(what, [0, 1, 2].map(state), others, numbers);
+    };
+    let time_change = exact.map(|exact| exact.time_change);
+    let (moments, failed) = measure(problem, sizes, runs, time_change, length, &of_view)?;
+    let usable = failed <= sizes.samples / 10 && moments.means().iter().all(|x| x.is_finite());
+    Ok(usable.then_some(moments))
+}
+
+/// The distance of the limits, (E|y − z|²)^½, from the mean squares X at two step sizes that are
+/// 2^[`SPAN`] apart. X = c + Aτ + … with positive terms, so that c is at most (8X₀ − X₃)/7.
+fn compare_strong<S, G, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    sizes: &StepSizes,
+    other: Other<'_, S, D, M>,
+) -> Result<Option<Limit>, LadderError>
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    fn values<const D: usize>(
+        _: Measure<D>,
+        y: [[f64; D]; 3],
+        z: [[f64; D]; 3],
+        numbers: &mut [f64],
+    ) {
+        let growth = (1u64 << SPAN) as f64;
+        let [near, far] = [0, 2].map(|run| squared_distance(y[run], z[run]));
+        let constant = (growth * near - far) / (growth - 1.0);
+        let [own, others] = [y, z].map(|y| squared_distance(y[0], y[1]));
+        numbers.copy_from_slice(&[near, constant, own, others]);
+    }
+    let with = other.name();
+    let Some(moments) = moments(scheme, problem, sizes, &other, 4, values, Measure::Strong)? else {
+        return Ok(None);
+    };
+    let [near, constant, own, others] = [0, 1, 2, 3].map(|i| moments.mean(i));
+    if near <= SAME * SAME * own {
+        return Ok(None);
+    }
+    let half_width = QUANTILE * moments.covariance_of_means(1, 1).sqrt();
+    let distance = (constant.max(0.0) + half_width).min(near).sqrt();
+    let errors = TAIL * (own.sqrt() + others.sqrt());
+    Ok(Some(if constant + half_width <= LEFT * near || near <= LEFT * LEFT * LEFT * own {
+        Limit::Agrees { with, distance }
+    } else if constant - half_width > LEFT * near && near.sqrt() > 2.0 * errors {
+        Limit::Differs { with, distance: near.sqrt() }
+    } else {
+        Limit::Unclear { with, distance }
+    }))
+}
+
+/// The distance of the limits, |E[φ(y) − φ(z)]|, from the finest step. Either error is at most its
+/// last difference, as for order one, or half of the one before.
+fn compare_weak<S, G, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    sizes: &StepSizes,
+    other: Other<'_, S, D, M>,
+    what: Measure<D>,
+) -> Result<Option<Limit>, LadderError>
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    fn values<const D: usize>(
+        what: Measure<D>,
+        y: [[f64; D]; 3],
+        z: [[f64; D]; 3],
+        numbers: &mut [f64],
+    ) {
+        let Measure::Weak(observable) = what else { return };
+        let [y, z] = [y, z].map(|states| states.map(observable.function));
+        numbers.copy_from_slice(&[y[0] - z[0], y[0] - y[1], z[0] - z[1], y[2] - y[0]]);
+    }
+    let with = other.name();
+    let Some(moments) = moments(scheme, problem, sizes, &other, 4, values, what)? else {
+        return Ok(None);
+    };
+    let half_width = |i: usize| QUANTILE * moments.covariance_of_means(i, i).sqrt();
+    let [near, own, others, coarse] = [0, 1, 2, 3].map(|i| moments.mean(i).abs());
+    let noise = half_width(0);
+    let errors = own + half_width(1) + others + half_width(2);
+    if near + noise <= SAME * coarse && matches!(other, Other::Scheme(_)) {
+        return Ok(None);
+    }
+    let distance = near + noise;
+    Ok(Some(if near > 2.0 * (noise + errors) {
+        Limit::Differs { with, distance: near }
+    } else if distance <= (1.0 - LEFT) * coarse.max(own) || distance <= 2.0 * errors.min(coarse) {
+        Limit::Agrees { with, distance }
+    } else {
+        Limit::Unclear { with, distance }
+    }))
+}

@@ -1,0 +1,87 @@
+//! Step sizes, paths and noise of a measurement.
+
+use mc::LadderError;
+use noise::{StreamKey, Truncation};
+
+/// Step sizes, paths and noise of a measurement of an order.
+///
+/// [`StepSizes::new`] has cheap defaults.
+#[derive(Clone, Copy, Debug)]
+pub struct StepSizes {
+    /// Number of the coarsest steps on [0, T].
+    pub coarsest_steps: u64,
+    /// Step sizes of the errors, each half of the one before.
+    pub levels: usize,
+    /// Step sizes beyond the finest of these; the last is the reference.
+    pub refinement: u32,
+    /// Paths.
+    pub samples: u64,
+    /// How increments are truncated.
+    pub truncation: Truncation,
+    /// Which noise.
+    pub key: StreamKey,
+}
+
+/// The most step sizes: 2⁴⁸ steps would take years.
+const MOST_SIZES: usize = 48;
+/// Three differences and their order.
+const LEAST_SIZES: usize = 4;
+
+impl StepSizes {
+    /// Five step sizes from T/`coarsest_steps` on, two beyond, 1000 paths: some 250 000 steps for
+    /// each of the coarsest.
+    pub fn new(coarsest_steps: u64, truncation: Truncation, key: StreamKey) -> Self {
+        Self { coarsest_steps, levels: 5, refinement: 2, samples: 1000, truncation, key }
+    }
+
+    /// The level above the finest of step size number `index`, coarsest first.
+    pub(crate) fn level(&self, index: usize) -> usize {
+        self.levels - 1 - index + self.refinement as usize
+    }
+
+    /// The numbers of steps, coarsest first.
+    pub fn steps(&self) -> impl Iterator<Item = u64> {
+        (0..self.levels).map(|index| self.coarsest_steps << index)
+    }
+
+    /// Number of steps of the reference.
+    pub fn reference_steps(&self) -> u64 {
+        self.coarsest_steps << self.level(0)
+    }
+
+    /// Number of step sizes, those beyond the finest included.
+    pub(super) fn sizes(&self) -> usize {
+        self.level(0) + 1
+    }
+
+    /// All step sizes, those beyond the finest included.
+    pub(super) fn taus(&self, t_end: f64) -> Vec<f64> {
+        (0..self.sizes()).map(|index| t_end / (self.coarsest_steps << index) as f64).collect()
+    }
+
+    /// Path-steps of a scheme at all step sizes.
+    pub(super) fn cost(&self) -> u64 {
+        self.samples.saturating_mul(2 * self.reference_steps())
+    }
+
+    /// The same for an order, which needs four step sizes.
+    pub(super) fn check_order(&self) -> Result<(), LadderError> {
+        self.check_from(LEAST_SIZES)
+    }
+
+    /// Refuses sizes without a step or a step size, or with too many.
+    pub(crate) fn check(&self) -> Result<(), LadderError> {
+        self.check_from(1)
+    }
+
+    fn check_from(&self, from: usize) -> Result<(), LadderError> {
+        let given = self.levels.saturating_add(self.refinement as usize);
+        if self.levels == 0 || !(from..=MOST_SIZES).contains(&given) {
+            return Err(LadderError::StepSizes { given, from, to: MOST_SIZES });
+        }
+        if self.coarsest_steps == 0 || self.coarsest_steps.leading_zeros() <= self.level(0) as u32 {
+            return Err(LadderError::Steps { steps: self.coarsest_steps, multiple_of: 1 });
+        }
+        Ok(())
+    }
+}

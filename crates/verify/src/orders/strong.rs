@@ -1,0 +1,126 @@
+//! Strong orders.
+
+use mc::{LadderError, Run, View};
+use schemes::Scheme;
+use stats::fit_strong;
+use systems::{Damping, PoissonSystem, Problem};
+
+use super::{
+    Decision, Limit, Measure, Order, ReferenceSolution, StepSizes, decision,
+    errors::{differences, record, record_length, strong_points},
+    limit::limit,
+    one_step::one_step,
+    runs::measure,
+};
+use crate::work_precision::squared_distance;
+
+/// The strong order of `scheme`, with root-mean-square errors at the final time. The limit is
+/// compared with that of an independent scheme.
+///
+/// # Errors
+/// [`LadderError`] if there are fewer than four step sizes (`levels` + `refinement`) or no step, if
+/// there are too many of either, or if the truncation is not defined at one of the step sizes.
+pub fn strong_order<S, G, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    sizes: &StepSizes,
+) -> Result<Order, LadderError>
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    strong_order_against(scheme, problem, sizes, &ReferenceSolution::Independent)
+}
+
+/// The same with a reference of one's own for the limit. Against an exact solution the points are
+/// errors against it.
+///
+/// # Errors
+/// As [`strong_order`].
+pub fn strong_order_against<S, G, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    sizes: &StepSizes,
+    reference: &ReferenceSolution<'_, S, D, M>,
+) -> Result<Order, LadderError>
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    sizes.check_order()?;
+    let (levels, number) = (sizes.levels, sizes.sizes());
+    let runs = (0..number).map(|index| Run::new(scheme, number - 1 - index)).collect();
+    let exact = match *reference {
+        ReferenceSolution::Exact(exact) => Some(exact),
+        _ => None,
+    };
+    let values = |view: &View<'_, D>, p: usize, numbers: &mut [f64]| {
+        let states: Vec<[f64; D]> = view.states.iter().map(|state| state.path(p)).collect();
+        record(&states, levels, numbers);
+        if let Some(exact) = exact {
+            let solution = (exact.solution)(view.random_time.0[0][p]);
+            for (number, state) in numbers.iter_mut().zip(&states[..levels]) {
+                *number = squared_distance(*state, solution);
+            }
+        }
+    };
+    let time_change = exact.map(|exact| exact.time_change);
+    let length = record_length(number, levels);
+    let (moments, failed) = measure(problem, sizes, runs, time_change, length, &values)?;
+
+    let taus = sizes.taus(problem.t_end());
+    let mut rate = fit_strong(&taus[..number - 1], &differences(&moments, number, levels));
+    let one_step = one_step(scheme, problem, sizes)?;
+    let limit = limit(scheme, problem, sizes, reference, Measure::Strong)?;
+    let decision = decision::strong(rate.as_ref(), one_step, limit);
+    let points = match (&mut rate, decision) {
+        (Some(rate), Decision::Order { order, .. }) => {
+            (rate.lo, rate.hi) = (rate.lo.min(order), rate.hi.max(order));
+            Some((order, (rate.lo, rate.hi)))
+        }
+        (Some(rate), _) => Some((rate.estimate, (rate.lo, rate.hi))),
+        (None, _) => None,
+    };
+    let points = match points {
+        _ if exact.is_some() => stats::root_mean_squares(&taus[..levels], &moments),
+        // Orders below ½ would make the tail as large as one likes.
+        Some((order, (lo, hi))) => {
+            let [order, lo, hi] = [order, lo, hi].map(|p: f64| p.max(0.5));
+            strong_points(&taus[..levels], &moments, number, order, (lo, hi))
+        }
+        None => Vec::new(),
+    };
+    Ok(Order { points, rate, one_step, limit, decision, failed })
+}
+
+/// [`strong_order`] with more paths or finer steps, whatever would decide, until an order is named
+/// or the next measurement would exceed `path_steps` in all.
+///
+/// # Errors
+/// As [`strong_order`].
+pub fn strong_order_within<S, G, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    sizes: &StepSizes,
+    path_steps: u64,
+) -> Result<Order, LadderError>
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    let mut sizes = *sizes;
+    let mut spent = 0u64;
+    loop {
+        let order = strong_order(scheme, problem, &sizes)?;
+        spent = spent.saturating_add(sizes.cost());
+        match order.decision {
+            Decision::Order { .. } | Decision::WrongLimit => return Ok(order),
+            Decision::LimitUnclear if order.limit == Limit::Unchecked => return Ok(order),
+            Decision::NoDifferences | Decision::Wide { .. } => sizes.samples *= 4,
+            _ => sizes.coarsest_steps *= 4,
+        }
+        if spent.saturating_add(sizes.cost()) > path_steps || sizes.check().is_err() {
+            return Ok(order);
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Weak orders.
+
+use mc::{LadderError, Observable, Run, View};
+use schemes::Scheme;
+use stats::{Against, CrossMoments, Point, fit_weak, lower_share};
+use systems::{Damping, PoissonSystem, Problem};
+
+use super::{
+    Decision, Measure, Order, ReferenceSolution, StepSizes, decision, limit::limit, runs::measure,
+};
+
+/// The weak order of `scheme` for one test function φ, from the differences E[φ(y_τ) − φ(y_{τ/2})]
+/// at the final time on the same noise, fitted by [`stats::fit_weak`].
+///
+/// Points are errors E[φ(y_τ) − φ(y)] with the error of the finest step extrapolated, or against
+/// the exact solution.
+///
+/// # Errors
+/// As [`strong_order`](super::strong_order).
+pub fn weak_order<S, G, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    observable: Observable<D>,
+    sizes: &StepSizes,
+    reference: &ReferenceSolution<'_, S, D, M>,
+) -> Result<Order, LadderError>
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    sizes.check_order()?;
+    let (levels, number) = (sizes.levels, sizes.sizes());
+    let runs = (0..number).map(|index| Run::new(scheme, number - 1 - index)).collect();
+    let exact = match *reference {
+        ReferenceSolution::Exact(exact) => Some(exact),
+        _ => None,
+    };
+    let phi = observable.function;
+    // φ(y_k) − φ(y_{k+1}) for all but the finest, then the finest against the exact solution.
+    let values = |view: &View<'_, D>, p: usize, numbers: &mut [f64]| {
+        for (number, pair) in numbers.iter_mut().zip(view.states.windows(2)) {
+            *number = phi(pair[0].path(p)) - phi(pair[1].path(p));
+        }
+        if let (Some(exact), Some(state)) = (exact, view.states.last()) {
+            let solution = (exact.solution)(view.random_time.0[0][p]);
+            numbers[number - 1] = phi(state.path(p)) - phi(solution);
+        }
+    };
+    let time_change = exact.map(|exact| exact.time_change);
+    let (moments, failed) = measure(problem, sizes, runs, time_change, number, &values)?;
+
+    let taus = sizes.taus(problem.t_end());
+    let (taus, means) = (&taus[..number - 1], &moments.means()[..number - 1]);
+    let covariance: Vec<Vec<f64>> = moments
+        .covariances_of_means()
+        .into_iter()
+        .take(number - 1)
+        .map(|mut row| {
+            row.truncate(number - 1);
+            row
+        })
+        .collect();
+    let rate = fit_weak(taus, means, &covariance, Against::HalfStep);
+    let limit = limit(scheme, problem, sizes, reference, Measure::Weak(observable))?;
+    let share = |order| lower_share(taus, means, &covariance, order);
+    let decision = decision::weak(rate.as_ref(), share, limit);
+    let likely = match (decision, &rate) {
+        (Decision::Order { order, .. }, _) => order,
+        (_, Some(rate)) => rate.estimate.max(0.5),
+        (_, None) => 1.0,
+    };
+    let tail = |p: f64| if exact.is_some() { None } else { Some(1.0 / (p.exp2() - 1.0)) };
+    let mut points = weak_points(&taus[..levels.min(number - 1)], &moments, tail(likely));
+    if let (None, Some(rate)) = (exact, &rate) {
+        for end in [rate.lo, rate.hi] {
+            let other = weak_points(&taus[..points.len()], &moments, tail(end.max(0.5)));
+            points.iter_mut().zip(other).for_each(|(point, other)| widen(point, &other));
+        }
+    }
+    Ok(Order { points, rate, one_step: None, limit, decision, failed })
+}
+
+/// Sums of differences from each step size on, with the last one times `tail` more, or with the
+/// error of the finest step where it was measured.
+fn weak_points(taus: &[f64], moments: &CrossMoments, tail: Option<f64>) -> Vec<Point> {
+    let length = moments.length();
+    let row = |l: usize| {
+        let mut row = vec![0.0; length];
+        row[l..length - 1].fill(1.0);
+        match tail {
+            Some(tail) => row[length - 2] += tail,
+            None => row[length - 1] = 1.0,
+        }
+        row
+    };
+    let errors = moments.combined(&(0..taus.len()).map(row).collect::<Vec<_>>());
+    let point = |(l, &tau): (usize, &f64)| {
+        let (value, se) = (errors.mean(l), errors.covariance_of_means(l, l).sqrt());
+        let reach = 1.96 * se;
+        let (lo, hi) = (Some(value - reach), Some(value + reach));
+        Point::Error { tau, value, se, lo, hi, warning: None }
+    };
+    taus.iter().enumerate().map(point).collect()
+}
+
+/// Widens the interval of a point to that of another.
+fn widen(point: &mut Point, other: &Point) {
+    if let (Point::Error { lo, hi, .. }, Point::Error { lo: other_lo, hi: other_hi, .. }) =
+        (point, other)
+    {
+        *lo = lo.zip(*other_lo).map(|(a, b)| f64::min(a, b));
+        *hi = hi.zip(*other_hi).map(|(a, b)| f64::max(a, b));
+    }
+}
