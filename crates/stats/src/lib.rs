@@ -27,7 +27,7 @@
 //! | [`fit_independent`] | orders of positive errors measured independently |
 //! | [`root_mean_squares`], [`root_mean_square_interval`] | root-mean-square errors with intervals |
 //! | [`Rate`], [`Model`], [`Against`], [`StraightLine`], [`Point`] | a fit and a measured error as data |
-//! | [`LogMeanSquares`], [`Estimate`] | the fit of [`fit_strong`] with other terms or levels |
+//! | [`LogMeanSquares`], [`Bend`], [`Estimate`] | the fit of [`fit_strong`] with other terms or levels |
 //! | [`Coverage`], [`Expected`], [`normal_covers`] | how often an interval covers the truth |
 //!
 //! Of this workspace the crate uses only `real`, whose dispatch runs the bootstrap's kernel on the
@@ -49,7 +49,7 @@ mod weak;
 
 pub use coverage::{Coverage, Expected, normal_covers};
 pub use independent::fit_independent;
-pub use mean_squares::{Estimate, LogMeanSquares};
+pub use mean_squares::{Bend, Estimate, LogMeanSquares};
 pub use moments::{BATCHES, CrossMoments, Moments};
 pub use point::Point;
 pub use rate::{Against, Model, Rate, StraightLine};

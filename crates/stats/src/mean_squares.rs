@@ -1,7 +1,7 @@
-//! The order of mean squares that share paths: ln m = a + 2p ln τ + ln(1 + bτ).
+//! The order of mean squares that share paths: ln m = a + 2p ln τ + k ln(1 + bτ^c).
 //!
 //! m_l are mean squares of the differences of runs at τ_l and τ_l/2 on the same noise, or of errors
-//! against an exact solution. The term bτ is the next order of the error. Differences of successive
+//! against an exact solution. The last term is a higher order of the error ([`Bend`]). Differences of successive
 //! runs need no reference, whose own error would bend the points.
 //!
 //! **Weights.** Weighting by the inverse of the *estimated* covariance V would be efficient if V
@@ -32,6 +32,22 @@ const STANDSTILL: f64 = 1e-9;
 const GAUSS_NEWTON_STEPS: u32 = 50;
 /// The corrections may take away this much of the leading term, and no more: 1 − 1/50.
 const LEAST_FACTOR: f64 = 0.02;
+
+/// The factor (1 + bτ^c)^k of a mean square by the next order of the error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bend {
+    power: i32,
+    exponent: f64,
+}
+
+impl Bend {
+    /// 1 + bτ: errors of successive orders that are independent, or the next term of either.
+    pub const LINEAR: Self = Self { power: 1, exponent: 1.0 };
+    /// (1 + bτ)²: errors of successive orders that are in proportion on every path.
+    pub const SQUARED: Self = Self { power: 1, exponent: 2.0 };
+    /// 1 + bτ²: the next order but one.
+    pub const QUADRATIC: Self = Self { power: 2, exponent: 1.0 };
+}
 
 /// Logarithms of mean squares at some levels, with their estimated covariance.
 pub struct LogMeanSquares<'a> {
@@ -83,15 +99,14 @@ impl<'a> LogMeanSquares<'a> {
         self
     }
 
-    /// Fits the order with the working weights, and χ² with those of the estimated covariance, with
-    /// or without the term bτ; `None` if the covariance is singular.
-    pub fn fit(&self, curvature: bool) -> Option<Estimate> {
+    /// Fits the order with the working weights, and χ² with those of the estimated covariance;
+    /// `None` if the covariance is singular.
+    pub fn fit(&self, bend: Option<Bend>) -> Option<Estimate> {
         let levels = self.levels.len();
         let correlation = |l: usize, m: usize| WORKING_CORRELATION.powi(l.abs_diff(m) as i32);
         let working = Weighting::new(&matrix(levels, correlation))?;
-        let fit = self.gauss_newton(&working, curvature)?;
-        let chi_square =
-            self.gauss_newton(&Weighting::new(&self.covariance)?, curvature)?.chi_square;
+        let fit = self.gauss_newton(&working, bend)?;
+        let chi_square = self.gauss_newton(&Weighting::new(&self.covariance)?, bend)?.chi_square;
         let parameters = fit.parameters.len();
         let degrees = levels - parameters;
         let gain: Vec<f64> = fit.gain(1).iter().map(|g| 0.5 * g).collect();
@@ -109,7 +124,7 @@ impl<'a> LogMeanSquares<'a> {
             chi_square,
             degrees,
             p_value: hotelling_p_value(chi_square, degrees, self.squares.count()),
-            curvature_t: curvature.then(|| fit.parameters[2] / self.standard_error(&fit.gain(2))),
+            curvature_t: bend.map(|_| fit.parameters[2] / self.standard_error(&fit.gain(2))),
             ..Rate::default()
         };
         Some(Estimate { rate, se, gain })
@@ -130,20 +145,23 @@ impl<'a> LogMeanSquares<'a> {
 
     /// The model linearised about the last b until it stands still. Steps are halved while the
     /// argument of the logarithm would fall below [`LEAST_FACTOR`].
-    fn gauss_newton<'w>(&self, weighting: &'w Weighting, curvature: bool) -> Option<Fit<'w>> {
+    fn gauss_newton<'w>(&self, weighting: &'w Weighting, bend: Option<Bend>) -> Option<Fit<'w>> {
+        let Bend { power, exponent } = bend.unwrap_or(Bend::LINEAR);
         let taus = &self.taus;
-        let factors = |b: f64| taus.iter().map(|tau| 1.0 + b * tau / taus[0]).collect::<Vec<f64>>();
+        let x: Vec<f64> = taus.iter().map(|tau| (tau / taus[0]).powi(power)).collect();
+        let factors = |b: f64| x.iter().map(|x| 1.0 + b * x).collect::<Vec<f64>>();
         let mut b = 0.0;
         let mut left = GAUSS_NEWTON_STEPS;
         loop {
             let now = factors(b);
             let mut design = vec![vec![1.0; taus.len()], taus.iter().map(|tau| tau.ln()).collect()];
-            if curvature {
-                design.push(taus.iter().zip(&now).map(|(tau, f)| tau / taus[0] / f).collect());
+            if bend.is_some() {
+                design.push(x.iter().zip(&now).map(|(x, f)| exponent * x / f).collect());
             }
-            let target = self.values.iter().zip(&now).map(|(y, f)| y - f.ln() + (f - 1.0) / f);
-            let fit = weighting.fit(&design, &target.collect::<Vec<_>>())?;
-            let mut step = if curvature { fit.parameters[2] - b } else { 0.0 };
+            let known = now.iter().map(|f| exponent * (f.ln() - (f - 1.0) / f));
+            let target: Vec<f64> = self.values.iter().zip(known).map(|(y, k)| y - k).collect();
+            let fit = weighting.fit(&design, &target)?;
+            let mut step = bend.map_or(0.0, |_| fit.parameters[2] - b);
             while factors(b + step).iter().any(|&factor| factor < LEAST_FACTOR) {
                 step *= 0.5;
             }

@@ -7,7 +7,7 @@
 
 use crate::{
     describe::describe,
-    mean_squares::LogMeanSquares,
+    mean_squares::{Bend, LogMeanSquares},
     moments::{CrossMoments, FEW_SAMPLES},
     rate::{Rate, STRAIGHT_CONFIDENCE, StraightLine},
 };
@@ -40,30 +40,35 @@ pub fn fit_strong(taus: &[f64], squares: &CrossMoments) -> Option<Rate> {
     let (mut levels, left_out) =
         if reliable.len() < LEAST_LEVELS { (all, Vec::new()) } else { (reliable, few) };
     let mut coarse = Vec::new();
-    let (logarithms, estimate, curvature) = loop {
+    let (logarithms, estimate) = loop {
         let logarithms = LogMeanSquares::new(taus, squares, levels.clone())?;
-        let mut curvature = levels.len() > LEAST_LEVELS;
-        let mut estimate = logarithms.fit(curvature)?;
+        let mut estimate = logarithms.fit((levels.len() > LEAST_LEVELS).then_some(Bend::LINEAR))?;
         if levels.len() == LEAST_LEVELS && estimate.rate.misfits() {
-            curvature = true;
-            estimate = logarithms.fit(true)?;
+            estimate = logarithms.fit(Some(Bend::LINEAR))?;
         }
         if !estimate.rate.misfits() || levels.len() <= LEAST_LEVELS {
-            break (logarithms, estimate, curvature);
+            break (logarithms, estimate);
         }
         coarse.push(taus[levels.remove(0)]);
     };
+    let curved = estimate.rate.curvature_t.is_some();
     let bootstrap = logarithms.bootstrap(&estimate);
     let effective = (0..taus.len()).map(|l| squares.effective_samples(l));
     let mut rate = Rate {
         bootstrap_lo: bootstrap.map(|(low, _)| low),
         bootstrap_hi: bootstrap.map(|(_, high)| high),
-        straight: curvature.then(|| straight(&logarithms)).flatten(),
+        straight: curved.then(|| straight(&logarithms)).flatten(),
         effective_paths: Some(effective.fold(f64::INFINITY, f64::min)),
         left_out: left_out.iter().map(|&l| taus[l]).collect(),
         coarse,
         ..estimate.rate
     };
+    for bend in [Bend::SQUARED, Bend::QUADRATIC].into_iter().filter(|_| curved) {
+        let other = logarithms.fit(Some(bend)).map(|other| other.rate);
+        if let Some(other) = other.filter(|other| !other.misfits()) {
+            (rate.lo, rate.hi) = (rate.lo.min(other.lo), rate.hi.max(other.hi));
+        }
+    }
     if let Some((low, high)) = bootstrap.filter(|_| rate.rests_on_few_paths()) {
         (rate.lo, rate.hi) = (rate.lo.min(low), rate.hi.max(high));
     }
@@ -72,7 +77,7 @@ pub fn fit_strong(taus: &[f64], squares: &CrossMoments) -> Option<Rate> {
 
 /// The straight line through the points.
 fn straight(logarithms: &LogMeanSquares<'_>) -> Option<StraightLine> {
-    let Rate { estimate, lo, hi, chi_square, degrees, p_value, .. } = logarithms.fit(false)?.rate;
+    let Rate { estimate, lo, hi, chi_square, degrees, p_value, .. } = logarithms.fit(None)?.rate;
     let refuted = p_value.is_some_and(|p| p < 1.0 - STRAIGHT_CONFIDENCE);
     Some(StraightLine { estimate, lo, hi, chi_square, degrees: degrees as u32, refuted })
 }

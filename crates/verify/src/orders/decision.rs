@@ -107,48 +107,73 @@ fn usable(rate: Option<&Rate>, limit: Limit) -> Result<&Rate, Decision> {
     }
 }
 
-/// The only place that words an order.
-impl fmt::Display for Order {
+impl Decision {
+    /// Widens the interval of a rate to the order that is named, or adds the warning that none is.
+    /// Returns the order, or the estimate.
+    pub fn settle(self, rate: &mut Rate) -> f64 {
+        match self {
+            Self::Order { order, .. } => {
+                (rate.lo, rate.hi) = (rate.lo.min(order), rate.hi.max(order));
+                order
+            }
+            _ => {
+                rate.warning = Some(match &rate.warning {
+                    Some(warning) => format!("{warning}; {self}"),
+                    None => self.to_string(),
+                });
+                rate.estimate
+            }
+        }
+    }
+}
+
+/// The only place that words a decision.
+impl fmt::Display for Decision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.decision {
-            Decision::Order { order, shown } => {
-                write!(f, "order {order}")?;
-                if let (false, Some(rate), Some(step)) = (shown, &self.rate, self.one_step) {
-                    write!(
-                        f,
-                        ": the points still fall with {:.2}, one step at τ = {:.0e} and {} times the \
-                         noise shows it",
-                        rate.estimate, step.tau, step.amplification
-                    )?;
-                }
+        match self {
+            Self::Order { order, .. } => write!(f, "order {order}"),
+            Self::NoDifferences => f.write_str(
+                "undecided: the differences between step sizes are inside their noise; more paths \
+                 or coarser steps would decide",
+            ),
+            Self::Wide { more_paths } => {
+                write!(f, "undecided: {more_paths:.0} times as many paths would decide")
             }
-            Decision::NoDifferences => {
-                f.write_str("undecided: the differences between step sizes are inside their noise; ")?;
-                f.write_str("more paths or coarser steps would decide")?;
-            }
-            Decision::Wide { more_paths } => {
-                write!(f, "undecided: {more_paths:.0} times as many paths would decide")?;
-            }
-            Decision::NotAsymptotic => f.write_str(
+            Self::NotAsymptotic => f.write_str(
                 "undecided: the points follow no order that the scheme can have; finer steps would \
                  decide",
-            )?,
-            Decision::OneStepUnclear => f.write_str(
+            ),
+            Self::OneStepUnclear => f.write_str(
                 "undecided: one step as τ → 0 shows no order, or one that leaves two possible",
-            )?,
-            Decision::Hidden { share } => write!(
+            ),
+            Self::Hidden { share } => write!(
                 f,
                 "undecided: a term of lower order may have {:.0} % of the last difference; more \
                  paths or finer steps would decide",
                 100.0 * share
-            )?,
-            Decision::WrongLimit => f.write_str("no order: the scheme converges to something else")?,
-            Decision::LimitUnclear => f.write_str(
+            ),
+            Self::WrongLimit => f.write_str("no order: the scheme converges to something else"),
+            Self::LimitUnclear => f.write_str(
                 "undecided: the limit could not be compared; finer steps or more paths would decide",
-            )?,
+            ),
         }
+    }
+}
+
+/// The only place that words an order.
+impl fmt::Display for Order {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.decision)?;
         if let Some(rate) = &self.rate {
             write!(f, "; fitted {:.2} [{:.2}, {:.2}]", rate.estimate, rate.lo, rate.hi)?;
+        }
+        if let (Decision::Order { shown: false, .. }, Some(step)) = (self.decision, self.one_step) {
+            let OneStep { tau, amplification, .. } = step;
+            write!(f, "; the points still fall faster, one step at τ = {tau:.0e}")?;
+            if amplification > 1.0 {
+                write!(f, " with {amplification} times the noise")?;
+            }
+            f.write_str(" shows the order")?;
         }
         match self.limit {
             Limit::Agrees { with, distance } => {

@@ -65,7 +65,7 @@ where
     let states = visited(scheme, problem, sizes)?;
     let mut least: Option<OneStep> = None;
     for amplification in AMPLIFICATIONS {
-        let first = sizes.reference_steps().ilog2() + 2 * (1 + amplification.log2() as u32);
+        let first = sizes.reference_steps().ilog2() + 2;
         let mut squares = Vec::new();
         for exponent in (0..SCALES).map(|scale| first + 2 * scale) {
             let steps = 2u64 << exponent.min(61);
@@ -84,10 +84,13 @@ where
             let Differences { squares: of_step, size, .. } =
                 ladder.run(STATES, Differences::default, &|_| ()).statistic;
             let square = of_step.mean();
-            if square.is_nan() || square <= ROUND_OFF * ROUND_OFF * size.mean() {
+            if square <= ROUND_OFF * ROUND_OFF * size.mean() {
                 break;
             }
-            squares.push((tau, square));
+            // A step with very strong noise may fail, or overflow.
+            if square.is_finite() {
+                squares.push((tau, square));
+            }
         }
         // Squares with τ a quarter as large: E|δ|² falls by 4^{2q}.
         let exponents: Vec<f64> =

@@ -73,14 +73,10 @@ where
     let one_step = one_step(scheme, problem, sizes)?;
     let limit = limit(scheme, problem, sizes, reference, Measure::Strong)?;
     let decision = decision::strong(rate.as_ref(), one_step, limit);
-    let points = match (&mut rate, decision) {
-        (Some(rate), Decision::Order { order, .. }) => {
-            (rate.lo, rate.hi) = (rate.lo.min(order), rate.hi.max(order));
-            Some((order, (rate.lo, rate.hi)))
-        }
-        (Some(rate), _) => Some((rate.estimate, (rate.lo, rate.hi))),
-        (None, _) => None,
-    };
+    let points = rate.as_mut().map(|rate| {
+        let order = decision.settle(rate);
+        (order, (rate.lo, rate.hi))
+    });
     let points = match points {
         _ if exact.is_some() => stats::root_mean_squares(&taus[..levels], &moments),
         // Orders below ½ would make the tail as large as one likes.

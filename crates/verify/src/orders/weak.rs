@@ -5,9 +5,7 @@ use schemes::Scheme;
 use stats::{Against, CrossMoments, Point, fit_weak, lower_share};
 use systems::{Damping, PoissonSystem, Problem};
 
-use super::{
-    Decision, Measure, Order, ReferenceSolution, StepSizes, decision, limit::limit, runs::measure,
-};
+use super::{Measure, Order, ReferenceSolution, StepSizes, decision, limit::limit, runs::measure};
 
 /// The weak order of `scheme` for one test function φ, from the differences E[φ(y_τ) − φ(y_{τ/2})]
 /// at the final time on the same noise, fitted by [`stats::fit_weak`].
@@ -60,15 +58,11 @@ where
             row
         })
         .collect();
-    let rate = fit_weak(taus, means, &covariance, Against::HalfStep);
+    let mut rate = fit_weak(taus, means, &covariance, Against::HalfStep);
     let limit = limit(scheme, problem, sizes, reference, Measure::Weak(observable))?;
     let share = |order| lower_share(taus, means, &covariance, order);
     let decision = decision::weak(rate.as_ref(), share, limit);
-    let likely = match (decision, &rate) {
-        (Decision::Order { order, .. }, _) => order,
-        (_, Some(rate)) => rate.estimate.max(0.5),
-        (_, None) => 1.0,
-    };
+    let likely = rate.as_mut().map_or(1.0, |rate| decision.settle(rate)).max(0.5);
     let tail = |p: f64| if exact.is_some() { None } else { Some(1.0 / (p.exp2() - 1.0)) };
     let mut points = weak_points(&taus[..levels.min(number - 1)], &moments, tail(likely));
     if let (None, Some(rate)) = (exact, &rate) {
