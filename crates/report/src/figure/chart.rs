@@ -5,10 +5,10 @@ use std::collections::HashMap;
 
 use super::{
     axis::{Axis, Range, Scale},
-    canvas::{self, Align, Canvas, GREY, INK},
+    canvas::{Align, Canvas, GREY, INK},
     frame::Frame,
-    legend::{Legend, Sample},
-    look::{self, Layer, Look, Marker},
+    legend::{Sample, legend},
+    look::{self, CIRCLE, Layer, Look},
     stroke::{Position, Stroke},
     ticks::{Spacing, Ticks},
 };
@@ -117,11 +117,6 @@ impl Measured {
         let (lo, hi) = self.interval.unwrap_or((self.y, self.y));
         if self.y < 0.0 { (-hi, -lo) } else { (lo, hi) }
     }
-
-    /// An estimate of the standard error.
-    fn noise(&self) -> f64 {
-        (self.ends().1 - self.ends().0) / (2.0 * QUANTILE)
-    }
 }
 
 impl Line {
@@ -159,11 +154,11 @@ impl Curve {
 
     /// Pairs (x, size) of the points that stand out from their noise, or of all if none does.
     pub(super) fn trend(&self) -> Vec<(f64, f64)> {
-        let pairs = |keep: fn(&Measured) -> bool| -> Vec<(f64, f64)> {
-            self.drawn().filter(|point| keep(point)).map(|point| (point.x, point.size())).collect()
-        };
-        let clear = pairs(|point| point.ends().0 > 0.0);
-        if clear.is_empty() { pairs(|point| point.size() > 0.0) } else { clear }
+        let clear = |point: &Measured| point.ends().0 > 0.0;
+        let all = !self.drawn().any(clear);
+        let shown =
+            self.drawn().filter(|point| if all { point.size() > 0.0 } else { clear(point) });
+        shown.map(|point| (point.x, point.size())).collect()
     }
 }
 
@@ -182,37 +177,32 @@ impl Figure {
             (Sample::Curve(looks[name]), label.with_tail(&tail))
         };
         let signs = [(Layer::Plain, "> 0"), (Layer::Under, "< 0")].map(|(layer, words)| {
-            let look = Look { color: INK, marker: Marker::Circle, layer };
+            let look = Look { color: INK, marker: CIRCLE, layer };
             (Sample::Point(look), Label::words(words))
         });
         let signs = signs.into_iter().filter(|_| signed);
         let entries = names.iter().map(entry).chain(signs);
         let width = self.plots.len().max(1) as f64 * (self.size.0 + BETWEEN) - BETWEEN;
-        let legend = Legend::new(entries, width);
-        let top = legend.height + 7.0;
+        let mut canvas = Canvas::default();
+        let top = legend(&mut canvas, entries, LEFT, width);
         let bottom = top + self.size.1;
         let y = self.y_range();
-        canvas::page((LEFT + width + RIGHT, bottom + BELOW), &self.title, |canvas| {
-            legend.draw(canvas, LEFT, 2.0);
-            for (n, plot) in self.plots.iter().enumerate() {
-                let start = LEFT + n as f64 * (self.size.0 + BETWEEN);
-                let (scale, x) = (Scale::Logarithmic, plot.x_range());
-                let frame = Frame {
-                    x: Axis { scale, range: x, start, end: start + self.size.0 },
-                    y: Axis { scale, range: y, start: bottom, end: top },
-                };
-                let ticks = match plot.spacing {
-                    Spacing::Decades => Ticks::decades(x, 7),
-                    Spacing::Doublings => Ticks::powers(2, x, 8),
-                };
-                frame.draw(canvas, &ticks, &Ticks::decades(y, 7), true);
-                frame.title_below(canvas, &plot.x_title);
-                if n == 0 {
-                    frame.title_left(canvas, &self.y_title);
-                }
-                plot.draw(canvas, &frame, &looks, signed);
-            }
-        })
+        for (n, plot) in self.plots.iter().enumerate() {
+            let start = LEFT + n as f64 * (self.size.0 + BETWEEN);
+            let (scale, x) = (Scale::Logarithmic, plot.x_range());
+            let frame = Frame {
+                x: Axis { scale, range: x, start, end: start + self.size.0 },
+                y: Axis { scale, range: y, start: bottom, end: top },
+            };
+            let x = match plot.spacing {
+                Spacing::Decades => Ticks::decades(x, 7),
+                Spacing::Doublings => Ticks::powers(2, x, 8),
+            };
+            let y_title = (n == 0).then_some(&*self.y_title);
+            frame.draw(&mut canvas, (&x, Some(&plot.x_title)), (&Ticks::decades(y, 7), y_title));
+            plot.draw(&mut canvas, &frame, &looks, signed);
+        }
+        canvas.page((LEFT + width + RIGHT, bottom + BELOW), &self.title)
     }
 
     /// Covers the values, their intervals as far as they stay near the value, and the lines.
@@ -221,7 +211,8 @@ impl Figure {
         // depth that would squeeze the rest of the figure.
         const DEPTH: f64 = 0.25;
         let values = self.plots.iter().flat_map(Plot::drawn).flat_map(|point| {
-            let (size, noise, (lo, hi)) = (point.size(), point.noise(), point.ends());
+            let (size, (lo, hi)) = (point.size(), point.ends());
+            let noise = (hi - lo) / (2.0 * QUANTILE);
             [size.max(DEPTH * noise), hi, lo.max(DEPTH * size.max(noise))]
         });
         let lines = self.plots.iter().flat_map(|plot| {
