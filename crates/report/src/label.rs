@@ -37,12 +37,6 @@ impl Label {
         Self { base: text.to_owned(), ..Self::default() }
     }
 
-    /// The same label with plain words behind it.
-    #[must_use]
-    pub fn with_tail(self, text: &str) -> Self {
-        Self { tail: text.to_owned(), ..self }
-    }
-
     /// Estimated width in units of its font size.
     pub fn width(&self) -> f64 {
         width(&self.base)

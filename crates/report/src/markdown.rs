@@ -135,24 +135,17 @@ pub fn distinct<T: Eq + std::hash::Hash + Clone>(entries: impl IntoIterator<Item
 
 /// Words in lines that are short enough; all lines but the first begin with `indent`.
 fn wrapped(words: &str, indent: &str) -> String {
-    let mut text = String::new();
-    let mut column = indent.len();
+    let mut lines: Vec<String> = Vec::new();
     for word in words.split_whitespace() {
-        let width = word.chars().count();
         // At the beginning of a line these words would have another meaning.
         let marks = ["-", "+", "*", ">", "=", "1."].contains(&word) || word.starts_with(['#', '|']);
-        if text.is_empty() {
-            column += width;
-        } else if column + 1 + width > COLUMNS && !marks {
-            text.push_str(&format!("\n{indent}"));
-            column = indent.len() + width;
-        } else {
-            text.push(' ');
-            column += 1 + width;
+        let fits = |line: &String| format!("{indent}{line} {word}").chars().count() <= COLUMNS;
+        match lines.last_mut() {
+            Some(line) if marks || fits(line) => *line += &format!(" {word}"),
+            _ => lines.push(word.into()),
         }
-        text.push_str(word);
     }
-    text
+    lines.join(&format!("\n{indent}"))
 }
 
 #[cfg(test)]

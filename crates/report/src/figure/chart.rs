@@ -174,7 +174,7 @@ impl Figure {
             let label = if schemes { Label::words(name) } else { Label::new(name) };
             let note = curves().find(|curve| curve.name == *name).map_or("", |curve| &curve.note);
             let tail = if note.is_empty() { String::new() } else { format!(": {note}") };
-            (Sample::Curve(looks[name]), label.with_tail(&tail))
+            (Sample::Curve(looks[name]), Label { tail, ..label })
         };
         let signs = [(Layer::Plain, "> 0"), (Layer::Under, "< 0")].map(|(layer, words)| {
             let look = Look { color: INK, marker: CIRCLE, layer };

@@ -32,10 +32,14 @@ pub fn card(panel: &Panel, figure: &str, claims: &[Claim], comment: &str) -> Str
         ("Paths left out", failures(&panel.failures)),
     ];
     format!(
-        "<article class=\"card\" id=\"panel-{id}\">\n<header><h3>{title}</h3>{code}</header>\n\
-         <figure><div class=\"paper\">{figure}</div><figcaption>{caption}</figcaption></figure>\n\
-         {badges}<dl>{facts}</dl>\n<p class=\"files\"><a href=\"data/{stem}.csv\">Numbers \
-         (CSV)</a> <a href=\"figures/{stem}.svg\">Figure (SVG)</a></p>\n</article>\n",
+        r#"<article class="card" id="panel-{id}">
+<header><h3>{title}</h3>{code}</header>
+<figure><div class="paper">{figure}</div><figcaption>{caption}</figcaption></figure>
+{badges}<dl>{facts}</dl>
+<p class="files"><a href="data/{stem}.csv">Numbers (CSV)</a>
+<a href="figures/{stem}.svg">Figure (SVG)</a></p>
+</article>
+"#,
         id = escape(&panel.id),
         title = prose(&panel.title),
         code = code(&panel.id),

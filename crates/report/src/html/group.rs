@@ -49,14 +49,17 @@ impl<'a> Group<'a> {
     /// Refuted if one claim is, else undecided if one is; a misprint counts only where nothing else
     /// is left.
     pub fn verdict(&self) -> Outcome {
-        let found = Outcome::ALL.into_iter().find(|outcome| self.tally(*outcome) > 0);
-        found.unwrap_or(Outcome::Misprint)
+        Outcome::of(self.worst())
+    }
+
+    fn worst(&self) -> &'a Claim {
+        self.claims.iter().min_by_key(|claim| Outcome::of(claim)).expect("a group has claims")
     }
 
     /// How many of how many hold, and what became of the rest.
     pub fn counts(&self) -> String {
         let mut counts = format!("{} of {} hold", self.tally(Outcome::Holds), self.claims.len());
-        for outcome in Outcome::ALL.into_iter().filter(|outcome| *outcome != Outcome::Holds) {
+        for outcome in Outcome::BLEMISHES {
             match self.tally(outcome) {
                 0 => {}
                 n => counts += &format!(", {n} {}", outcome.word()),
@@ -104,8 +107,7 @@ impl<'a> Group<'a> {
         if let Some(defects) = all(defect) {
             return spread("largest relative defect", defects, |defect| scientific(defect, 1));
         }
-        let telling = self.claims.iter().find(|claim| Outcome::of(claim) == self.verdict());
-        let evidence = prose(&telling.unwrap_or(&self.first()).evidence);
+        let evidence = prose(&self.worst().evidence);
         if self.claims.len() == 1 { evidence } else { format!("for example, {evidence}") }
     }
 }

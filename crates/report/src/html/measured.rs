@@ -26,7 +26,7 @@ pub fn measured(panel: &Panel) -> String {
         }
         Kind::Cost => numbers(series, &["half-width", "path-steps"], costs),
     };
-    if tables.is_empty() { "<p>Nothing.</p>".to_owned() } else { tables }
+    if tables.is_empty() { "<p>Nothing.</p>".into() } else { tables }
 }
 
 /// A table whose rows begin with scheme and quantity; a series has the rows that `rows` makes of
@@ -40,7 +40,7 @@ fn numbers<const N: usize>(
         let name = [code(&s.scheme), prose(&s.quantity)];
         rows(s).into_iter().map(move |row| name.iter().cloned().chain(row).collect())
     });
-    table(&[&["scheme", "quantity"], &heads[..]].concat(), rows)
+    table(["scheme", "quantity"].iter().chain(heads), rows)
 }
 
 /// Half-widths and the path-steps that they took.
@@ -79,7 +79,7 @@ fn defect(series: &Series) -> [String; 2] {
 }
 
 fn or_dash(cell: Option<String>) -> String {
-    cell.unwrap_or_else(|| "—".to_owned())
+    cell.unwrap_or("—".into())
 }
 
 /// The name of an interval by its confidence.
@@ -118,7 +118,7 @@ fn errors(series: &[Series]) -> String {
     steps.sort_by(|a, b| b.total_cmp(a));
     steps.dedup();
     let names = series.iter().map(|s| format!("{}<br>{}", code(&s.scheme), prose(&s.quantity)));
-    let heads: Vec<String> = std::iter::once("τ".to_owned()).chain(names).collect();
+    let heads = std::iter::once("τ".into()).chain(names);
     let rows = steps.iter().map(|tau| {
         let cells = series.iter().map(|s| {
             let error = errors_of(s).find(|error| error.0 == *tau);
@@ -126,5 +126,5 @@ fn errors(series: &[Series]) -> String {
         });
         std::iter::once(step(*tau)).chain(cells).collect()
     });
-    details(false, "Errors at every step, with 95\u{202f}% intervals", &table(&heads, rows))
+    details(false, "Errors at every step, with 95\u{202f}% intervals", &table(heads, rows))
 }
