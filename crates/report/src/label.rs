@@ -34,7 +34,7 @@ impl Label {
 
     /// Plain words, in which digits and hyphens stay what they are.
     pub fn words(text: &str) -> Self {
-        Self { base: text.to_owned(), ..Self::default() }
+        Self { base: text.into(), ..Self::default() }
     }
 
     /// Estimated width in units of its font size.

@@ -97,37 +97,6 @@ pub fn ito_correction<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, 
     correction
 }
 
-/// Σ_{m<l} A_ml \[fₘ, f_l\](y) with [f, g] = g′f − f′g, for a skew matrix A. Computed as Σ_l
-/// f_l′g_l with g_l = Σₘ A_ml fₘ, which takes one directional derivative per noise.
-#[inline(always)]
-pub(crate) fn commutators<
-    S: PoissonSystem<D, M> + ?Sized,
-    R: Real,
-    const D: usize,
-    const M: usize,
->(
-    system: &S,
-    y: [R; D],
-    areas: [[f64; M]; M],
-) -> [R; D] {
-    let mut sum = [R::zero(); D];
-    if M < 2 {
-        return sum;
-    }
-    for l in 0..M {
-        let mut weights = [0.0; M];
-        for m in 0..M {
-            weights[m] = areas[m][l];
-        }
-        let direction = vector_field(system, y, 0.0, weights);
-        let derivative = vector_field_derivative(system, y, 0.0, unit_noise(l), direction);
-        for i in 0..D {
-            sum[i] = sum[i] + derivative[i];
-        }
-    }
-    sum
-}
-
 /// Relative distances from y of the points that [`noises_commute`] tests.
 const PROBES: [f64; 5] = [0.0, 0.011, -0.013, 0.17, -0.19];
 

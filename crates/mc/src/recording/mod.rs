@@ -45,10 +45,10 @@ pub struct Recording<const M: usize> {
 /// differences of times.
 const TIME_AGREEMENT: f64 = 1e-9;
 
-/// `A12`; `A3_12` where numbers may have two digits.
-fn area_name(m: usize, l: usize, noises: usize) -> String {
+/// `A12` for (0, 1); `A3_12` where numbers may have two digits.
+fn area_name((m, l): (usize, usize), noises: usize) -> String {
     let separator = if noises < 10 { "" } else { "_" };
-    format!("A{m}{separator}{l}")
+    format!("A{}{separator}{}", m + 1, l + 1)
 }
 
 /// The (m, l) with m < l, row by row.
@@ -95,7 +95,7 @@ impl<const M: usize> Recording<M> {
             for (m, l) in pairs(M) {
                 let value = area[m][l];
                 if !value.is_finite() {
-                    let column = area_name(m + 1, l + 1, M);
+                    let column = area_name((m, l), M);
                     return Err(RecordingError::NotFinite { line, column, value });
                 }
                 area[l][m] = -value;

@@ -145,7 +145,7 @@ impl Line {
 impl Curve {
     /// A curve with nothing but its name in the legend.
     pub fn new(name: &str, points: impl IntoIterator<Item = Measured>) -> Self {
-        Self { name: name.to_owned(), note: String::new(), points: points.into_iter().collect() }
+        Self { name: name.into(), note: String::new(), points: points.into_iter().collect() }
     }
 
     pub(super) fn drawn(&self) -> impl Iterator<Item = &Measured> {
