@@ -9,7 +9,7 @@ use super::{
     frame::Frame,
     legend::{Sample, legend},
     look::{self, CIRCLE, Layer, Look},
-    stroke::{Position, Stroke},
+    stroke::Stroke,
     ticks::{Spacing, Ticks},
 };
 use crate::{label::Label, markdown::distinct, panel::QUANTILE};
@@ -108,10 +108,6 @@ impl Measured {
         Self { x, x_hi: x, y, interval: None }
     }
 
-    fn size(&self) -> f64 {
-        self.y.abs()
-    }
-
     /// Ends of the interval of the size.
     fn ends(&self) -> (f64, f64) {
         let (lo, hi) = self.interval.unwrap_or((self.y, self.y));
@@ -157,8 +153,8 @@ impl Curve {
         let clear = |point: &Measured| point.ends().0 > 0.0;
         let all = !self.drawn().any(clear);
         let shown =
-            self.drawn().filter(|point| if all { point.size() > 0.0 } else { clear(point) });
-        shown.map(|point| (point.x, point.size())).collect()
+            self.drawn().filter(|point| if all { point.y.abs() > 0.0 } else { clear(point) });
+        shown.map(|point| (point.x, point.y.abs())).collect()
     }
 }
 
@@ -211,7 +207,7 @@ impl Figure {
         // depth that would squeeze the rest of the figure.
         const DEPTH: f64 = 0.25;
         let values = self.plots.iter().flat_map(Plot::drawn).flat_map(|point| {
-            let (size, (lo, hi)) = (point.size(), point.ends());
+            let (size, (lo, hi)) = (point.y.abs(), point.ends());
             let noise = (hi - lo) / (2.0 * QUANTILE);
             [size.max(DEPTH * noise), hi, lo.max(DEPTH * size.max(noise))]
         });
@@ -251,35 +247,30 @@ impl Plot {
         let mut from_below: Vec<_> = self.curves.iter().enumerate().collect();
         from_below.sort_by_key(|(_, curve)| look(curve).layer);
         for (n, curve) in from_below {
+            let look = look(curve);
             let shift = if signed { 2.4 * (n as f64 - middle) } else { 0.0 };
-            curve.draw(canvas, frame, look(curve), shift, signed);
+            // A point below the range shows its whole marker at the floor.
+            let radius = look.radius(MARKER_RADIUS);
+            let place = |x: f64, point: &Measured| {
+                let (x, y) = frame.place(x, point.y.abs());
+                (x + shift, y.clamp(frame.y.end, frame.y.start - radius))
+            };
+            let places: Vec<_> = curve.drawn().map(|point| place(point.x, point)).collect();
+            let line = look.line(if signed { 0.8 } else { 1.2 });
+            frame.polyline(canvas, &places, if signed { line.faded(0.45) } else { line });
+            let bar = Stroke::new(look.color, 1.0);
+            for (point, at) in curve.drawn().zip(places) {
+                if point.interval.is_some() {
+                    error_bar(canvas, frame, point.ends(), at.0, bar);
+                }
+                if point.x_hi > point.x {
+                    frame.polyline(canvas, &[at, place(point.x_hi, point)], bar);
+                }
+                canvas.marker(at, look, radius, look.hollow() || signed && point.y < 0.0);
+            }
         }
         if self.drawn().next().is_none() {
             frame.say(canvas, "no data");
-        }
-    }
-}
-
-impl Curve {
-    fn draw(&self, canvas: &mut Canvas, frame: &Frame, look: Look, shift: f64, signed: bool) {
-        // A point below the range shows its whole marker at the floor.
-        let radius = look.radius(MARKER_RADIUS);
-        let place = |x: f64, point: &Measured| {
-            let (x, y) = frame.place(x, point.size());
-            (x + shift, y.clamp(frame.y.end, frame.y.start - radius))
-        };
-        let places: Vec<Position> = self.drawn().map(|point| place(point.x, point)).collect();
-        let line = look.line(if signed { 0.8 } else { 1.2 });
-        frame.polyline(canvas, &places, if signed { line.faded(0.45) } else { line });
-        let bar = Stroke::new(look.color, 1.0);
-        for (point, at) in self.drawn().zip(places) {
-            if point.interval.is_some() {
-                error_bar(canvas, frame, point.ends(), at.0, bar);
-            }
-            if point.x_hi > point.x {
-                frame.polyline(canvas, &[at, place(point.x_hi, point)], bar);
-            }
-            canvas.marker(at, look, radius, look.hollow() || signed && point.y < 0.0);
         }
     }
 }

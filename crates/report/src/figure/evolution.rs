@@ -28,6 +28,8 @@ const VALUE_HEIGHT: f64 = 112.0;
 const DEFECT_HEIGHT: f64 = 132.0;
 const BETWEEN: f64 = 10.0;
 
+const UNIT: Range = Range { lo: 0.0, hi: 1.0 };
+
 /// A point of the path.
 struct Sampled {
     time: f64,
@@ -53,7 +55,7 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
     let defect_top = value_top + VALUE_HEIGHT + BETWEEN;
     let bottom = defect_top + DEFECT_HEIGHT;
 
-    let times = Range::of(curves.iter().flatten().map(|p| p.time), Range { lo: 0.0, hi: 1.0 });
+    let times = Range::of(curves.iter().flatten().map(|p| p.time), UNIT);
     let times = if times.lo < times.hi { times } else { times.padded(0.1) };
     let x = Axis { scale: Scale::Linear, range: times, start: LEFT, end: WIDTH - RIGHT };
     let stacked = |scale, range, start, end| Frame { x, y: Axis { scale, range, start, end } };
@@ -73,22 +75,21 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
         // A clamped NaN stays one.
         let floored = |p: &Sampled| p.defect.clamp(FLOOR, f64::INFINITY);
         let defects = curve.iter().map(|p| defect.place(p.time, floored(p)));
+        // About ten markers, which no two curves carry at the same times.
+        let stride = (curve.len() / 10).max(1);
+        let first = (n * stride / 3 + stride / 6) % stride;
         for (frame, path) in [(&value, values.collect::<Vec<_>>()), (&defect, defects.collect())] {
             frame.polyline(&mut canvas, &path, look.line(1.1));
-            // About ten markers, which no two curves carry at the same times.
-            let stride = (path.len() / 10).max(1);
-            let first = (n * stride / 3 + stride / 6) % stride;
             for at in path.iter().skip(first).step_by(stride).filter(|at| frame.holds(**at)) {
                 canvas.marker(*at, look, look.radius(2.6), look.hollow());
             }
         }
     }
     // The law is drawn last and thin, so that it stays visible on the curves that follow it.
-    let longest = curves.iter().max_by_key(|curve| curve.len()).filter(|curve| !curve.is_empty());
-    if let Some(longest) = longest {
-        let path: Vec<_> = longest.iter().map(|p| value.place(p.time, p.law)).collect();
-        value.polyline(&mut canvas, &path, law);
-    } else {
+    let longest = curves.iter().max_by_key(|curve| curve.len()).into_iter().flatten();
+    let path: Vec<_> = longest.map(|p| value.place(p.time, p.law)).collect();
+    value.polyline(&mut canvas, &path, law);
+    if path.is_empty() {
         value.say(&mut canvas, "no data");
     }
     canvas.page((WIDTH, bottom + BELOW), title)
@@ -108,9 +109,8 @@ fn sampled(series: &Series) -> Vec<Sampled> {
 /// flat line.
 fn value_range(curves: &[Vec<Sampled>]) -> Range {
     const EXCURSION: f64 = 2.0;
-    let unit = Range { lo: 0.0, hi: 1.0 };
-    let law = Range::of(curves.iter().flatten().map(|p| p.law), unit);
-    let all = Range::of(curves.iter().flatten().flat_map(|p| [p.value, p.law]), unit);
+    let law = Range::of(curves.iter().flatten().map(|p| p.law), UNIT);
+    let all = Range::of(curves.iter().flatten().flat_map(|p| [p.value, p.law]), UNIT);
     let reach = match EXCURSION * (law.hi - law.lo).max(0.1 * law.hi.abs()) {
         0.0 => f64::INFINITY,
         reach => reach,
