@@ -31,7 +31,7 @@ pub fn generated_by(from: &Provenance) -> String {
 
 /// The command as a user types it, without the files and folders to write to.
 fn command_line(program: &str, arguments: impl Iterator<Item = String>) -> String {
-    let mut words = vec![program.to_owned()];
+    let mut words = vec![program.into()];
     let mut skip = false;
     for word in arguments {
         let target = ["--out", "--page", "--json"].contains(&word.split('=').next().unwrap_or(""));

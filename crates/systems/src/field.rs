@@ -116,24 +116,17 @@ pub fn noises_commute<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: 
             let direction = 2.0 * ((i + 1) as f64 * 0.618_033_988_749_894_8).fract() - 1.0;
             point[i] += distance * direction * f64::max(1.0, y[i].abs());
         }
-        system.check_domain(point).is_err() || commute_at(system, point)
-    })
-}
-
-fn commute_at<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
-    system: &S,
-    y: [f64; D],
-) -> bool {
-    let field = |m: usize| vector_field(system, y, 0.0, unit_noise(m));
-    let along = |of: usize, direction: usize| {
-        vector_field_derivative(system, y, 0.0, unit_noise(of), field(direction))
-    };
-    (0..M).all(|l| {
-        (0..l).all(|m| {
+        // f_l′fₘ.
+        let along = |l: usize, m: usize| {
+            let direction = vector_field(system, point, 0.0, unit_noise(m));
+            vector_field_derivative(system, point, 0.0, unit_noise(l), direction)
+        };
+        let commute = |l: usize, m: usize| {
             let (one, other) = (along(l, m), along(m, l));
             (0..D).all(|i| {
                 (one[i] - other[i]).abs() <= 64.0 * f64::EPSILON * (one[i].abs() + other[i].abs())
             })
-        })
+        };
+        system.check_domain(point).is_err() || (0..M).all(|l| (0..l).all(|m| commute(l, m)))
     })
 }

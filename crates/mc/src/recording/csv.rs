@@ -35,10 +35,11 @@ impl<const M: usize> FromStr for Recording<M> {
         let found = entries(first);
         let with_areas = found.len() > M + 1;
         let names = header(M, with_areas);
-        let mut columns = (1..).zip(found.iter().zip(&names));
-        if let Some((column, (found, expected))) = columns.find(|(_, (a, b))| *a != *b) {
-            let (found, expected) = (found.to_string(), expected.clone());
-            return Err(RecordingError::Header { column, found, expected });
+        for (column, (found, expected)) in (1..).zip(found.iter().zip(&names)) {
+            if found != expected {
+                let (found, expected) = (found.to_string(), expected.clone());
+                return Err(RecordingError::Header { column, found, expected });
+            }
         }
         check_columns(1, found.len(), names.len())?;
 

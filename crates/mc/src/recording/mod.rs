@@ -71,9 +71,11 @@ impl<const M: usize> Recording<M> {
             return Err(RecordingError::StepSize { line: 2, tau });
         }
         for (line, dw) in (2..).zip(&increments) {
-            if let Some((m, &value)) = dw.iter().enumerate().find(|(_, w)| !w.is_finite()) {
-                let column = format!("dW{}", m + 1);
-                return Err(RecordingError::NotFinite { line, column, value });
+            for (m, &value) in (1..).zip(dw) {
+                if !value.is_finite() {
+                    let column = format!("dW{m}");
+                    return Err(RecordingError::NotFinite { line, column, value });
+                }
             }
         }
         Ok(Self { tau, increments, areas: None })
@@ -203,9 +205,9 @@ impl<const M: usize> NoiseSource<M> for &Recording<M> {
         steps: u64,
         area_reader: Option<&'static str>,
     ) -> Result<(), LadderError> {
-        let found = self.increments.len() as u64;
-        if found != steps {
-            return Err(LadderError::RecordedSteps { recorded: found, steps });
+        let recorded = self.increments.len() as u64;
+        if recorded != steps {
+            return Err(LadderError::RecordedSteps { recorded, steps });
         }
         let recorded = self.tau * steps as f64;
         let agree = (recorded - t_end).abs() <= TIME_AGREEMENT * t_end;

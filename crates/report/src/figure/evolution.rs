@@ -44,7 +44,14 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
     let quantity = main_quantity(series);
     let drawn: Vec<&Series> = series.iter().filter(|s| s.quantity == quantity).collect();
     let looks = look::of_schemes(&drawn.iter().map(|s| s.scheme.as_str()).collect::<Vec<_>>());
-    let curves: Vec<Vec<Sampled>> = drawn.iter().map(|series| sampled(series)).collect();
+    let point = |point: &Point| match *point {
+        Point::Value { t: time, value, exact: law } if time.is_finite() => {
+            Some(Sampled { time, value, law, defect: relative_defect(value, law) })
+        }
+        _ => None,
+    };
+    let sampled = |series: &&Series| series.points.iter().filter_map(point).collect();
+    let curves: Vec<Vec<Sampled>> = drawn.iter().map(sampled).collect();
 
     let law = Stroke::new(INK, 0.7);
     let names = drawn.iter().map(|series| Label::words(&series.scheme));
@@ -93,16 +100,6 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
         value.say(&mut canvas, "no data");
     }
     canvas.page((WIDTH, bottom + BELOW), title)
-}
-
-fn sampled(series: &Series) -> Vec<Sampled> {
-    let point = |point: &Point| match *point {
-        Point::Value { t: time, value, exact: law } if time.is_finite() => {
-            Some(Sampled { time, value, law, defect: relative_defect(value, law) })
-        }
-        _ => None,
-    };
-    series.points.iter().filter_map(point).collect()
 }
 
 /// Covers the law and the curves, except where a curve runs away so far that the law would become a

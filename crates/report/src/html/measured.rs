@@ -13,10 +13,12 @@ use crate::{
     panel::{QUANTILE, relative_defect},
 };
 
+type Rows = Vec<Vec<String>>;
+
 /// The tables of a panel.
 pub fn measured(panel: &Panel) -> String {
     let series = &panel.series;
-    let (heads, rows): (&[&str], fn(&Series) -> Vec<Vec<String>>) = match panel.kind {
+    let (heads, rows): (&[&str], fn(&Series) -> Rows) = match panel.kind {
         Kind::Strong | Kind::Weak => (&["order", "interval", "error at the finest step"], order),
         Kind::Invariant => (&["largest relative defect", "points"], defect),
         Kind::Cost => (&["half-width", "path-steps"], costs),
@@ -31,7 +33,7 @@ pub fn measured(panel: &Panel) -> String {
 }
 
 /// Half-widths and the path-steps that they took.
-fn costs(series: &Series) -> Vec<Vec<String>> {
+fn costs(series: &Series) -> Rows {
     let costs = series.points.iter().filter_map(|point| match *point {
         Point::Cost { accuracy, path_steps } => {
             Some(vec![scientific(accuracy, 1), scientific(path_steps as f64, 2)])
@@ -42,7 +44,7 @@ fn costs(series: &Series) -> Vec<Vec<String>> {
 }
 
 /// The fitted order, its interval, and the error at the finest step.
-fn order(series: &Series) -> Vec<Vec<String>> {
+fn order(series: &Series) -> Rows {
     let rate = series.rate.as_ref();
     let order = rate.map(|rate| prose(&format!("{:.2}", rate.estimate)));
     let interval = rate.map(|rate| {
@@ -55,7 +57,7 @@ fn order(series: &Series) -> Vec<Vec<String>> {
 }
 
 /// The largest defect, and of how many points.
-fn defect(series: &Series) -> Vec<Vec<String>> {
+fn defect(series: &Series) -> Rows {
     let defects = series.points.iter().filter_map(|point| match *point {
         Point::Value { value, exact, .. } => Some(relative_defect(value, exact)),
         _ => None,

@@ -31,7 +31,7 @@ do not apply, and comparisons with exact solutions, which the paper does not mak
 "#;
     let section = table("", "What the paper proves", &proven)
         + &table(OBSERVED, "What is observed", &reported);
-    if section.is_empty() { "<p>None was checked.</p>".to_owned() } else { section }
+    if section.is_empty() { "<p>None was checked.</p>".into() } else { section }
 }
 
 fn body(group: &Group, panels: &[Panel], wording: &Wording) -> String {
