@@ -68,9 +68,10 @@ impl Page {
         let cells = |row: R| row.into_iter().map(|text| cell(text.as_ref())).collect();
         let rows: Vec<Vec<String>> = rows.into_iter().map(cells).collect();
         let head: Vec<String> = head.into_iter().map(|text| text.as_ref().into()).collect();
-        let filled = |row: &Vec<String>, n: usize| row.get(n).is_some_and(|cell| !cell.is_empty());
-        let shown = |n: &usize| rows.is_empty() || rows.iter().any(|row| filled(row, *n));
-        let shown: Vec<usize> = (0..head.len()).filter(shown).collect();
+        let filled = |n: &usize| {
+            rows.is_empty() || rows.iter().any(|row| row.get(*n).is_some_and(|c| !c.is_empty()))
+        };
+        let shown: Vec<usize> = (0..head.len()).filter(filled).collect();
         let line = |row: &Vec<String>| {
             let cells = shown.iter().filter_map(|n| row.get(*n)).map(|cell| format!(" {cell} |"));
             format!("|{}\n", cells.collect::<String>())

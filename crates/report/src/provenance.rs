@@ -45,10 +45,12 @@ fn command_line(program: &str, arguments: impl Iterator<Item = String>) -> Strin
 
 /// First line that a command prints, or `unknown`.
 fn first_line(program: &str, arguments: &[&str]) -> String {
-    let output = Command::new(program).args(arguments).output().ok();
-    let printed = output.filter(|output| output.status.success()).map(|output| output.stdout);
-    let printed = String::from_utf8_lossy(&printed.unwrap_or_default()).into_owned();
-    printed.lines().next().unwrap_or("unknown").into()
+    match Command::new(program).args(arguments).output() {
+        Ok(output) if output.status.success() => {
+            String::from_utf8_lossy(&output.stdout).lines().next().unwrap_or("unknown").into()
+        }
+        _ => "unknown".into(),
+    }
 }
 
 /// What follows the first `key:` in a file of the system.

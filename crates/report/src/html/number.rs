@@ -18,10 +18,10 @@ pub fn step(tau: f64) -> String {
 /// A wall time.
 pub fn duration(seconds: f64) -> String {
     match seconds {
-        ..0.01 => format!("{:.1} ms", 1e3 * seconds),
-        ..1.0 => format!("{:.0} ms", 1e3 * seconds),
-        ..99.5 => format!("{seconds:.1} s"),
-        _ => match seconds.round() as u64 {
+        s if s < 0.01 => format!("{:.1} ms", 1e3 * s),
+        s if s < 1.0 => format!("{:.0} ms", 1e3 * s),
+        s if s < 99.5 => format!("{s:.1} s"),
+        s => match s.round() as u64 {
             s if s < 3600 => format!("{} min {} s", s / 60, s % 60),
             s => format!("{} h {} min", s / 3600, s / 60 % 60),
         },
