@@ -36,7 +36,9 @@ pub mod streams;
 mod supplements;
 
 pub use coverage::coverage;
-pub use experiment::{Conditions, Experiment, Findings, Measurement, TRUNCATION_ORDER, truncation};
+pub use experiment::{
+    Conditions, Experiment, Findings, TRUNCATED, TRUNCATION_ORDER, set_up, truncation,
+};
 pub use kernels::{Compiled, PaperSystem, compiled};
 pub use method::Method;
 pub use panels::EXPERIMENTS;

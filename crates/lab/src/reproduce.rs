@@ -39,8 +39,8 @@ impl fmt::Display for UnknownId {
 impl std::error::Error for UnknownId {}
 
 /// The ids that experiments make.
-pub fn ids(experiments: &[&dyn Experiment]) -> Vec<&'static str> {
-    experiments.iter().flat_map(|experiment| experiment.ids()).collect()
+pub fn ids(experiments: &[Experiment]) -> Vec<&'static str> {
+    experiments.iter().flat_map(|experiment| experiment.ids).copied().collect()
 }
 
 /// Checks that every id names a panel or a statement.
@@ -78,17 +78,19 @@ pub fn reproduce(
     ];
     for (first, family, of_paper) in families {
         for (experiment, member) in (first..).zip(family) {
-            let mut wanted = member.ids();
+            let mut wanted = member.ids.to_vec();
             wanted.retain(|id| only.is_empty() || only.iter().any(|name| name == id));
             if wanted.is_empty() {
                 continue;
             }
-            let start = Instant::now();
+            let (names, start) = (wanted.join(", "), Instant::now());
             let conditions = Conditions { settings, experiment, wanted: &wanted, progress };
-            let found = member.run(&conditions);
+            progress.begin(&names, 0);
+            let found = (member.run)(&conditions);
+            progress.end();
             if of_paper { &mut panels } else { &mut supplements }.extend(found.panels);
             claims.extend(found.claims);
-            wall_s_by_id.insert(wanted.join(", "), start.elapsed().as_secs_f64());
+            wall_s_by_id.insert(names, start.elapsed().as_secs_f64());
         }
     }
     let known = Provenance::of_run(settings.seed, settings.mode.id());

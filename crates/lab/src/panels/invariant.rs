@@ -2,13 +2,13 @@
 
 use mc::trajectory;
 use stats::Point;
-use systems::{Damping, Invariant, InvariantKind, Problem, paper::valid};
+use systems::{Damping, InvariantKind, Problem, paper::valid};
 use verify::results::{Claim, Evidence, Kind, Panel, Series};
 
 use super::strong::{Curve, curves_of_the_paper};
 use crate::{
     conformal_law::{ROUND_OFF, along, approach, largest_defect},
-    experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation},
+    experiment::{Conditions, Findings, TRUNCATED, Words, truncation},
     kernels::PaperSystem,
     method::Method,
 };
@@ -22,18 +22,6 @@ pub struct InvariantPanel {
     pub steps: u64,
     /// Names of the invariants to show, the one of the paper first.
     pub invariants: &'static [&'static str],
-    /// Calls [`InvariantPanel::follow`] with the problem.
-    pub follow: fn(&Self, &Conditions<'_>) -> Findings,
-}
-
-impl Experiment for InvariantPanel {
-    fn ids(&self) -> Vec<&'static str> {
-        vec![self.words.id]
-    }
-
-    fn run(&self, conditions: &Conditions<'_>) -> Findings {
-        (self.follow)(self, conditions)
-    }
 }
 
 impl InvariantPanel {
@@ -48,7 +36,7 @@ impl InvariantPanel {
         G: Damping,
     {
         let curves = curves_of_the_paper::<S, D, M>();
-        conditions.progress.begin(self.words.id, self.steps * curves.len() as u64);
+        conditions.progress.begin(conditions.id(), self.steps * curves.len() as u64);
         let follow = |curve: &Curve<S, D, M>| {
             let (scheme, key) = (curve.scheme.as_ref(), conditions.key(0));
             let path = trajectory(problem, scheme, self.steps, truncation(), key, 0);
@@ -64,6 +52,10 @@ impl InvariantPanel {
         for &name in self.invariants {
             let index = known.iter().position(|invariant| invariant.name == name);
             let index = valid(index.ok_or_else(|| format!("there is no invariant {name}")));
+            let (id, function) = match known[index].kind {
+                InvariantKind::Energy => ("energy-balance", "H"),
+                InvariantKind::Casimir => ("conformal-casimir", "the Casimir"),
+            };
             for (curve, path) in curves.iter().zip(&paths) {
                 let values = along(problem, index, path);
                 let largest = largest_defect(&values);
@@ -76,10 +68,15 @@ impl InvariantPanel {
                     max_relative_defect: Some(largest),
                     ..Series::default()
                 });
-                let (tolerance, obeys) = match curve.method {
-                    Method::EulerMaruyama => (VISIBLE, false),
-                    Method::Midpoint => (ROUND_OFF, false),
-                    Method::Sexp | Method::SexpLevy => (ROUND_OFF, true),
+                // What the paper proves of `sexp` and reports of the others.
+                let (tolerance, obeys, statement) = match curve.method {
+                    Method::EulerMaruyama => (VISIBLE, false, "visibly leaves the conformal law"),
+                    Method::Midpoint => {
+                        (ROUND_OFF, false, "leaves the conformal law, and returns to it as τ → 0")
+                    }
+                    Method::Sexp | Method::SexpLevy => {
+                        (ROUND_OFF, true, "obeys the conformal law at every step")
+                    }
                 };
                 let (invariant, paths, steps) = (name.to_owned(), 1, self.steps);
                 let measured = match &path.failure {
@@ -90,7 +87,10 @@ impl InvariantPanel {
                     }
                     None => Evidence::Defect { invariant, paths, steps, largest, tolerance, obeys },
                 };
-                findings.claims.push(self.claim(curve.method, &known[index], measured));
+                let claim = Claim::new(id, format!("{function} {statement}"), measured)
+                    .about(conditions.id(), curve.name)
+                    .proven(curve.method == Method::Sexp);
+                findings.claims.push(claim);
             }
         }
         let steps = format!("τ = {}, {TRUNCATED}", problem.t_end() / self.steps as f64);
@@ -100,24 +100,8 @@ impl InvariantPanel {
             reference: "the conformal law exp(−p ∫γ) F(y₀)".to_owned(),
             failures: failures.map(ToString::to_string).collect(),
             series: all,
-            ..self.words.panel(Kind::Invariant, problem, &steps)
+            ..self.words.panel(conditions.id(), Kind::Invariant, problem, &steps)
         });
         findings
-    }
-
-    /// What the paper proves of `sexp` and reports of the others.
-    fn claim(&self, method: Method, invariant: &Invariant, measured: Evidence) -> Claim {
-        let (id, function) = match invariant.kind {
-            InvariantKind::Energy => ("energy-balance", "H"),
-            InvariantKind::Casimir => ("conformal-casimir", "the Casimir"),
-        };
-        let statement = match method {
-            Method::EulerMaruyama => "visibly leaves the conformal law",
-            Method::Midpoint => "leaves the conformal law, and returns to it as τ → 0",
-            Method::Sexp | Method::SexpLevy => "obeys the conformal law at every step",
-        };
-        Claim::new(id, format!("{function} {statement}"), measured)
-            .about(self.words.id, method.id())
-            .proven(method == Method::Sexp)
     }
 }

@@ -13,7 +13,7 @@ use verify::{
 };
 
 use crate::{
-    experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation},
+    experiment::{Conditions, Findings, TRUNCATED, Words, truncation},
     kernels::{Compiled, PaperSystem, compiled},
     method::Method,
 };
@@ -63,15 +63,14 @@ impl<S, const D: usize, const M: usize> Curve<S, D, M> {
     }
 }
 
-/// The curves of the paper, in the order of [`Method::PAPER`].
+/// The schemes of the paper, in the order of its legends.
 pub fn curves_of_the_paper<S: PaperSystem<D, M>, const D: usize, const M: usize>()
 -> Vec<Curve<S, D, M>> {
-    let scheme = |method| match method {
-        Method::EulerMaruyama => compiled(EulerMaruyama),
-        Method::Midpoint => compiled(Midpoint::default()),
-        Method::Sexp | Method::SexpLevy => compiled(Sexp::default()),
-    };
-    Method::PAPER.map(|method| Curve::new(method, scheme(method))).into()
+    vec![
+        Curve::new(Method::Sexp, compiled(Sexp::default())),
+        Curve::new(Method::EulerMaruyama, compiled(EulerMaruyama)),
+        Curve::new(Method::Midpoint, compiled(Midpoint::default())),
+    ]
 }
 
 /// What the curves of a strong panel are drawn from.
@@ -148,7 +147,7 @@ where
         if let Some(exact) = self.exact {
             ladder = ladder.with_time_change(exact.time_change);
         }
-        conditions.progress.begin(self.words.id, ladder.steps_per_path() * grid.samples);
+        conditions.progress.begin(conditions.id(), ladder.steps_per_path() * grid.samples);
         let statistic = || StrongErrors::new(reference, &series, ladder.coarse_steps());
         let advance = |work| conditions.progress.advance(work);
         let measured = ladder.run(grid.samples, statistic, &advance);
@@ -166,7 +165,7 @@ where
         for (s, quantity, when, squares) in at_end.chain(over_time) {
             let Curve { name, method, .. } = curves[s];
             let rate = fit_strong(&taus, reference_tau, squares);
-            claims.push(self.claim(method, when, rate.clone()));
+            claims.push(self.claim(conditions.id(), method, when, rate.clone()));
             series.push(Series {
                 scheme: name.to_owned(),
                 quantity: quantity.to_owned(),
@@ -192,7 +191,7 @@ where
             failures: describe_failures(measured.failed, &measured.failures),
             series,
             clipped,
-            ..self.words.panel(Kind::Strong, problem, &steps)
+            ..self.words.panel(conditions.id(), Kind::Strong, problem, &steps)
         };
         if self.exact.is_some() {
             panel.reference = "the exact solution by a change of time, path by path".to_owned();
@@ -216,7 +215,7 @@ where
     }
 
     /// The order of a curve whose errors are taken at the time `when`.
-    fn claim(&self, method: Method, when: &str, rate: Option<Rate>) -> Claim {
+    fn claim(&self, panel: &str, method: Method, when: &str, rate: Option<Rate>) -> Claim {
         // A single noise commutes with itself.
         let commuting = M == 1;
         let (id, bound) = match method {
@@ -231,7 +230,7 @@ where
             None => format!("{} has strong order {order} ({when})", method.id()),
         };
         let measured = Evidence::Order { order, one_sided: bounded.is_some(), rate };
-        let claim = Claim::new(id, statement, measured).about(self.words.id, method.id());
+        let claim = Claim::new(id, statement, measured).about(panel, method.id());
         claim.proven(bounded == Some(true))
     }
 }
@@ -258,18 +257,6 @@ pub struct StrongPanel {
     pub samples: u64,
     /// Whether the paper proves the order of `sexp` here.
     pub proven: bool,
-    /// Calls [`StrongPanel::compare`] with the problem.
-    pub compare: fn(&Self, &Conditions<'_>) -> Findings,
-}
-
-impl Experiment for StrongPanel {
-    fn ids(&self) -> Vec<&'static str> {
-        vec![self.words.id]
-    }
-
-    fn run(&self, conditions: &Conditions<'_>) -> Findings {
-        (self.compare)(self, conditions)
-    }
 }
 
 /// Sizes of the quick mode.

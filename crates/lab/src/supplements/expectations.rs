@@ -94,7 +94,6 @@ const COS_Y3: [Observable<3>; 1] =
     [Observable { name: "cos y3", function: |y| real::elementary::cos(y[2]) }];
 
 const COST: Words = Words {
-    id: "expectation-cost",
     title: "E[cos y_3] of the rigid body with three noises: cost against accuracy",
     system: "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
     paper: "Not in the paper, which takes single paths. With weak order 1 they cost ε⁻³; the \
@@ -125,7 +124,7 @@ pub fn cost(conditions: &Conditions<'_>) -> Findings {
             points.push(Point::Cost { accuracy, path_steps: result.cost });
             let statement = format!("E[cos y3] to ± {accuracy:.0e} by {name}");
             let claim = claim(&result.estimates[0], &result, exact, statement);
-            claims.push(claim.about(COST.id, Method::Sexp.id()));
+            claims.push(claim.about(conditions.id(), Method::Sexp.id()));
         }
         let (scheme, quantity) = (name.to_owned(), "cos y3".to_owned());
         series.push(Series { scheme, quantity, points, ..Series::default() });
@@ -133,6 +132,7 @@ pub fn cost(conditions: &Conditions<'_>) -> Findings {
     let reference = "half-width ε of the 95 % interval, bias included".to_owned();
     let steps = "sexp, antithetic differences from τ = 1/2 on; a pilot of 1024 paths a level is \
                  part of the cost";
-    let panel = Panel { reference, series, ..COST.panel(Kind::Cost, &problem, steps) };
+    let panel =
+        Panel { reference, series, ..COST.panel(conditions.id(), Kind::Cost, &problem, steps) };
     Findings { panels: vec![panel], claims }
 }

@@ -26,7 +26,6 @@ fn spins() -> Problem<SpinChain<6>, Cosine, 6> {
 }
 
 const WORDS: Words = Words {
-    id: "spin-pair-levy",
     title: "Two spins in a fluctuating field: strong convergence with and without Lévy areas",
     system: "Heisenberg pair, J = 1, K = 0.5, σ = 0.8, D = 6, three noises",
     paper: "Not in the paper, whose scheme has strong order 1/2 for noises that do not commute.",
@@ -42,7 +41,7 @@ pub fn measure(conditions: &Conditions<'_>) -> Findings {
     let runs = StrongRuns::new(WORDS, &problem, grid, &*reference, &curves);
     let mut findings = runs.measure(conditions);
     findings.claims.extend([
-        obeys_law(conditions, WORDS.id, &problem),
+        obeys_law(conditions, conditions.id(), &problem),
         obeys_law(conditions, "rigid-body-strong-3", &rigid_body_three_noises(1.0)),
     ]);
     findings

@@ -13,7 +13,6 @@ use crate::{
 };
 
 const WORDS: Words = Words {
-    id: "truncation-orders",
     title: "What the truncation order k does: sexp on the rigid body, only W₁",
     system: "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1",
     paper: "The theorems ask k ≥ 2 for order 1; the k of the experiments is not stated. With k = 1 \

@@ -95,8 +95,8 @@ fn progress(battery: &Battery, seeds: u64, seconds: f64) -> String {
 fn claims(seed: u64, bars: &Bars) -> Result<Vec<Claim>> {
     let all = [EXPERIMENTS, STATEMENTS, SUPPLEMENTS].concat();
     let (long, short): (Vec<_>, Vec<_>) =
-        all.into_iter().partition(|experiment| experiment.takes_long());
-    let run = |mode, experiments: &[&dyn Experiment]| {
+        all.into_iter().partition(|experiment| experiment.takes_long);
+    let run = |mode, experiments: &[Experiment]| {
         let only: Vec<String> = ids(experiments).into_iter().map(str::to_owned).collect();
         lab::reproduce(Settings { seed, mode }, &only, bars)
     };
