@@ -15,19 +15,6 @@ use verify::rigid_body_expectations;
 
 use crate::{PaperSystem, compiled};
 
-/// What a scheme is.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Kind {
-    /// The conformal exponential integrator.
-    Sexp,
-    /// The same with Lévy areas.
-    SexpLevy,
-    /// Another implicit scheme.
-    OtherImplicit,
-    /// An explicit scheme.
-    Explicit,
-}
-
 /// E φ(y(T)) of test functions on a problem, without sampling.
 pub type Expectations<S, G, const D: usize> = fn(&Problem<S, G, D>, &[Observable<D>]) -> Vec<f64>;
 
@@ -41,7 +28,7 @@ pub struct Setup<S, G, const D: usize, const M: usize> {
     /// System, damping, start and final time.
     pub problem: Problem<S, G, D>,
     /// `sexp`, `sexp-levy` where noises do not commute, `midpoint`, `heun` and `em`.
-    pub schemes: Vec<(Kind, Box<dyn Scheme<S, D, M>>)>,
+    pub schemes: Vec<Box<dyn Scheme<S, D, M>>>,
     /// What it is called on a figure; empty where only times are measured, and so are the next two.
     pub title: &'static str,
     /// The system and its parameters in words.
@@ -56,20 +43,14 @@ impl<S, G, const D: usize, const M: usize> Setup<S, G, D, M> {
     fn new(
         id: &'static str,
         problem: Problem<S, G, D>,
-        [sexp, midpoint, heun, em]: [Box<dyn Scheme<S, D, M>>; 4],
+        schemes: [Box<dyn Scheme<S, D, M>>; 4],
     ) -> Self {
-        let schemes = vec![
-            (Kind::Sexp, sexp),
-            (Kind::OtherImplicit, midpoint),
-            (Kind::Explicit, heun),
-            (Kind::Explicit, em),
-        ];
-        let observables = Vec::new();
+        let (schemes, observables) = (schemes.into(), Vec::new());
         Self { id, problem, schemes, title: "", system: "", observables, expectations: None }
     }
 
     fn with_areas(mut self, levy: Box<dyn Scheme<S, D, M>>) -> Self {
-        self.schemes.insert(1, (Kind::SexpLevy, levy));
+        self.schemes.insert(1, levy);
         self
     }
 

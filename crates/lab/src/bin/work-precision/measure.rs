@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use anyhow::Result;
 use lab::{
-    TRUNCATION_ORDER,
-    setups::{Kind, Setup, Visit, visit_paper},
+    TRUNCATED, set_up,
+    setups::{Setup, Visit, visit_paper},
     truncation,
 };
 use mc::{Run, View};
@@ -52,8 +52,7 @@ impl Visit for Cases<'_> {
         if !self.only.is_empty() && self.only.iter().all(|id| id != setup.id) {
             return Ok(());
         }
-        let timed: Vec<&dyn Scheme<S, D, M>> =
-            setup.schemes.iter().map(|(_, scheme)| scheme.as_ref()).collect();
+        let timed: Vec<&dyn Scheme<S, D, M>> = setup.schemes.iter().map(Box::as_ref).collect();
         let levy = timed.iter().copied().find(|scheme| scheme.reads_areas());
         let own = levy.map(|levy| OwnAreas { levy });
         let measured = timed.iter().map(|&scheme| match &own {
@@ -94,18 +93,11 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
 {
     fn run(&self) -> Result<Case> {
         let Setup { id, title, system, problem, .. } = self.setup;
-        let rounded = problem.y0().map(|y| ((1e4 * y).round() / 1e4).to_string());
-        let setup = format!(
-            "{system}, {}, y₀ = ({}), T = {}, increments truncated with k = {TRUNCATION_ORDER}",
-            problem.damping().describe(),
-            rounded.join(", "),
-            problem.t_end()
-        );
         let times = self.times()?;
         Ok(Case {
             id,
             title,
-            setup,
+            setup: set_up(system, problem, TRUNCATED),
             invariants: problem.system().invariants().iter().map(|f| f.name.to_owned()).collect(),
             strong: self.strong(&times)?,
             weak: self.weak(&times)?,
@@ -166,10 +158,10 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         point: impl Fn(usize, usize, u64) -> P,
         costs: impl Fn(&[P]) -> Option<Vec<Cost>>,
     ) -> Vec<Series<P>> {
-        let series = |(s, (kind, scheme)): (usize, &(Kind, Box<dyn Scheme<S, D, M>>))| {
+        let series = |(s, scheme): (usize, &Box<dyn Scheme<S, D, M>>)| {
             let points = sizes.steps().enumerate().map(|(l, steps)| point(s, l, steps));
             let points: Vec<P> = points.collect();
-            Series { kind: *kind, scheme: scheme.id(), costs: costs(&points), points }
+            Series { scheme: scheme.id(), costs: costs(&points), points }
         };
         self.setup.schemes.iter().enumerate().map(series).collect()
     }
