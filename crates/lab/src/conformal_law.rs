@@ -15,15 +15,11 @@ use crate::experiment::{Conditions, truncation};
 pub const ROUND_OFF: f64 = 2e-13;
 
 /// (t, F(y(t)), exp(−p∫γ)F(y₀)) along a path, for the invariant number `index` of the system.
-pub fn along<S, G, const D: usize, const M: usize>(
+pub fn along<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
     index: usize,
     path: &Trajectory<D>,
-) -> Vec<(f64, f64, f64)>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
+) -> Vec<(f64, f64, f64)> {
     let system = problem.system();
     let degree = system.invariants()[index].degree;
     let initial: f64 = system.invariant(index, problem.y0());
@@ -52,18 +48,14 @@ const PART: u64 = 8;
 
 /// Whether a scheme with the defect `largest` along one path returns to the law as τ → 0: the order
 /// (mean ln d(τ) − mean ln d(τ/64))/ln 64 of the largest relative defect d along a path.
-pub fn approach<S, G, const D: usize, const M: usize>(
+pub fn approach<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     conditions: &Conditions<'_>,
     problem: &Problem<S, G, D>,
     scheme: &dyn Scheme<S, D, M>,
     index: usize,
     steps: u64,
     largest: f64,
-) -> Evidence
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
+) -> Evidence {
     // ln of the largest relative defect along a path, over the paths; none if a path fails or has
     // no defect.
     let logarithms = |part, steps| {

@@ -26,15 +26,11 @@ pub struct InvariantPanel {
 
 impl InvariantPanel {
     /// One path of each scheme on the same noise, with a claim for each curve.
-    pub fn follow<S, G, const D: usize, const M: usize>(
+    pub fn follow<S: PaperSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &self,
         conditions: &Conditions<'_>,
         problem: &Problem<S, G, D>,
-    ) -> Findings
-    where
-        S: PaperSystem<D, M>,
-        G: Damping,
-    {
+    ) -> Findings {
         let curves = curves_of_the_paper::<S, D, M>();
         conditions.progress.begin(conditions.id(), self.steps * curves.len() as u64);
         let follow = |curve: &Curve<S, D, M>| {

@@ -91,10 +91,8 @@ pub struct StrongRuns<'a, S, G, const D: usize, const M: usize> {
     pub bound: Option<bool>,
 }
 
-impl<'a, S, G, const D: usize, const M: usize> StrongRuns<'a, S, G, D, M>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
+impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
+    StrongRuns<'a, S, G, D, M>
 {
     /// With the truncation of the reproduction, and errors that are differences from `reference`.
     pub fn new(
@@ -265,15 +263,11 @@ const QUICK: Grid = Grid { last: 10, samples: 512 };
 impl StrongPanel {
     /// The three schemes of the paper against `sexp` at the finest step, with a claim for each
     /// curve.
-    pub fn compare<S, G, const D: usize, const M: usize>(
+    pub fn compare<S: PaperSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &self,
         conditions: &Conditions<'_>,
         problem: &Problem<S, G, D>,
-    ) -> Findings
-    where
-        S: PaperSystem<D, M>,
-        G: Damping,
-    {
+    ) -> Findings {
         let curves = curves_of_the_paper::<S, D, M>();
         let (grid, reference) = (self.grid(conditions, 0), curves[0].scheme.as_ref());
         let runs = StrongRuns::new(self.words, problem, grid, reference, &curves);
@@ -288,15 +282,15 @@ impl StrongPanel {
     /// [`compare`](Self::compare) with a fourth curve, which is not in the paper: `sexp-levy`
     /// against itself at a finer step. Drawing areas costs as many normals as the square root of
     /// the step count, so its steps end three levels before those of the others.
-    pub fn compare_with_areas<S, G, const D: usize>(
+    pub fn compare_with_areas<
+        S: PaperSystem<D, 3> + Compiled<SexpLevy, D, 3>,
+        G: Damping,
+        const D: usize,
+    >(
         &self,
         conditions: &Conditions<'_>,
         problem: &Problem<S, G, D>,
-    ) -> Findings
-    where
-        S: PaperSystem<D, 3> + Compiled<SexpLevy, D, 3>,
-        G: Damping,
-    {
+    ) -> Findings {
         let mut findings = self.compare(conditions, problem);
         let levy = || compiled(SexpLevy::new(problem.system(), problem.y0()));
         let curves = [Curve::new(Method::SexpLevy, levy())];

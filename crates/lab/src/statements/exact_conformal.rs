@@ -54,15 +54,11 @@ const REDUCTION: f64 = 1000.0;
 const ROUND_OFF: f64 = 1e-12;
 
 /// A claim for each invariant of the system.
-pub fn law<S, G, const D: usize, const M: usize>(
+pub fn law<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     conditions: &Conditions<'_>,
     part: u64,
     problem: &Problem<S, G, D>,
-) -> Vec<Claim>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
+) -> Vec<Claim> {
     let system = problem.system();
     let tau = problem.t_end() / PIECES as f64;
     // The states at the ends of the pieces.

@@ -46,18 +46,14 @@ const STEPS: [u64; 3] = [20, 100, 1000];
 
 /// The largest ‖y_n‖ over the bound at t_n, over many paths and all n ≥ 1, for a quadratic F with
 /// minimum m.
-pub fn bound<S, G, const M: usize>(
+pub fn bound<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
     conditions: &Conditions<'_>,
     part: u64,
     problem: &Problem<S, G, 3>,
     scheme: &dyn Scheme<S, 3, M>,
     invariant: &str,
     minimum: f64,
-) -> Claim
-where
-    S: PoissonSystem<3, M>,
-    G: Damping,
-{
+) -> Claim {
     let system = problem.system();
     let index = system.invariants().iter().position(|known| known.name == invariant);
     let index = valid(index.ok_or_else(|| format!("there is no invariant {invariant}")));

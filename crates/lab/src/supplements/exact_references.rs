@@ -49,11 +49,11 @@ fn random_time<S, G: Damping>(problem: &Problem<S, G, 3>, finest_steps: u64) -> 
     RandomTime::new(problem.damping(), DEGREE, NOISE, problem.t_end() / finest_steps as f64)
 }
 
-fn compare<S, G>(conditions: &Conditions<'_>, words: Words, problem: &Problem<S, G, 3>) -> Findings
-where
-    S: PaperSystem<3, 1>,
-    G: Damping,
-{
+fn compare<S: PaperSystem<3, 1>, G: Damping>(
+    conditions: &Conditions<'_>,
+    words: Words,
+    problem: &Problem<S, G, 3>,
+) -> Findings {
     let grid = conditions.choose(Grid { last: 12, samples: 500 }, Grid { last: 10, samples: 200 });
     let curves = curves_of_the_paper::<S, 3, 1>();
     let time = random_time(problem, grid.finest_steps(problem.t_end()));
@@ -69,11 +69,10 @@ where
 
 /// Weak errors of `sexp` against the exact solution path by path, and the mean of the exact
 /// solution over the paths against the Gaussian integral.
-fn weak_claims<S, G>(conditions: &Conditions<'_>, problem: &Problem<S, G, 3>) -> Vec<Claim>
-where
-    S: PaperSystem<3, 1>,
-    G: Damping,
-{
+fn weak_claims<S: PaperSystem<3, 1>, G: Damping>(
+    conditions: &Conditions<'_>,
+    problem: &Problem<S, G, 3>,
+) -> Vec<Claim> {
     let observables: [Observable<3>; 2] = [
         Observable { name: "y2", function: |y| y[1] },
         Observable { name: "cos y3", function: |y| real::elementary::cos(y[2]) },

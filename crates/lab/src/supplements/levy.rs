@@ -54,15 +54,11 @@ const STEPS: u64 = 1024;
 const PATHS: u64 = 32;
 
 /// Every Casimir on its conformal law, at every step of many paths.
-fn obeys_law<S, G, const D: usize>(
+fn obeys_law<S: Compiled<SexpLevy, D, 3>, G: Damping, const D: usize>(
     conditions: &Conditions<'_>,
     panel: &str,
     problem: &Problem<S, G, D>,
-) -> Claim
-where
-    S: Compiled<SexpLevy, D, 3>,
-    G: Damping,
-{
+) -> Claim {
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     let mut largest = 0.0;
     for path in 0..PATHS {

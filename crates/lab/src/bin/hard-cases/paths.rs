@@ -83,11 +83,7 @@ pub struct Distance {
     pub bound: f64,
 }
 
-impl<S, G, const D: usize, const M: usize> Experiment<S, G, D, M>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
+impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experiment<S, G, D, M> {
     /// One path with increments truncated as in the reproduction, and steps of size `tau`.
     pub fn new(
         context: &Context,
@@ -219,10 +215,8 @@ struct Record<'a, S, G, const D: usize, const M: usize> {
     paths: BTreeMap<u64, Path<D>>,
 }
 
-impl<S, G, const D: usize, const M: usize> Statistic<D> for Record<'_, S, G, D, M>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
+impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Statistic<D>
+    for Record<'_, S, G, D, M>
 {
     fn observe(&mut self, view: &View<'_, D>) {
         let Experiment { problem, paths, .. } = &self.experiment;

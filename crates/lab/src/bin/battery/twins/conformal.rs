@@ -17,14 +17,10 @@ use verify::results::{Claim, Evidence};
 use super::wrong_systems::WrongSystem;
 
 /// The problem with a wrong system.
-fn wrong<S, G, const M: usize>(
+fn wrong<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
     problem: Problem<S, G, 3>,
     last: f64,
-) -> Problem<WrongSystem<S>, G, 3>
-where
-    S: PoissonSystem<3, M>,
-    G: Damping,
-{
+) -> Problem<WrongSystem<S>, G, 3> {
     let (right, damping, y0, t_end) = problem.into_parts();
     valid(Problem::new(WrongSystem { right, last }, damping, y0, t_end))
 }
@@ -33,16 +29,12 @@ where
 const STEPS: u64 = 100;
 
 /// The claim of the invariant panels about one scheme, first invariant of the system.
-fn obeys_law<S, G, const M: usize>(
+fn obeys_law<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
     conditions: &Conditions<'_>,
     id: &str,
     problem: &Problem<S, G, 3>,
     scheme: &dyn Scheme<S, 3, M>,
-) -> Claim
-where
-    S: PoissonSystem<3, M>,
-    G: Damping,
-{
+) -> Claim {
     let path = valid(trajectory(problem, scheme, STEPS, truncation(), conditions.key(0), 0));
     let measured = Evidence::Defect {
         invariant: problem.system().invariants()[0].name.to_owned(),

@@ -30,17 +30,13 @@ fn step_sizes(conditions: &Conditions<'_>) -> StepSizes {
     }
 }
 
-fn strong<S, G, const M: usize>(
+fn strong<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
     conditions: &Conditions<'_>,
     id: &str,
     problem: &Problem<S, G, 3>,
     scheme: &dyn Scheme<S, 3, M>,
     order: f64,
-) -> Claim
-where
-    S: PoissonSystem<3, M>,
-    G: Damping,
-{
+) -> Claim {
     // Areas cost more normals the finer the steps: 2⁻⁴ … 2⁻¹¹ and a reference at 2⁻¹³ will do.
     let coarsest_steps = if scheme.reads_areas() { 16 } else { 32 };
     let sizes = StepSizes { coarsest_steps, ..step_sizes(conditions) };
