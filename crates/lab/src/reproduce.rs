@@ -1,7 +1,8 @@
 //! Runs experiments and collects their results.
 
-use std::{collections::BTreeMap, fmt, time::Instant};
+use std::{collections::BTreeMap, time::Instant};
 
+use thiserror::Error;
 use verify::{
     Progress, Settings,
     results::{Provenance, Results, SCHEMA},
@@ -16,27 +17,18 @@ use crate::{
 };
 
 /// A panel or statement that does not exist.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error(
+    "there is no panel or statement {id:?}; panels: {}; figures that are not in the paper: {}; \
+     statements measured on their own, not on panels: {}",
+    ids(EXPERIMENTS).join(", "),
+    ids(SUPPLEMENTS).join(", "),
+    ids(STATEMENTS).join(", ")
+)]
 pub struct UnknownId {
     /// What was asked for.
     pub id: String,
 }
-
-impl fmt::Display for UnknownId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "there is no panel or statement {:?}; panels: {}; figures that are not in the paper: \
-             {}; statements measured on their own, not on panels: {}",
-            self.id,
-            ids(EXPERIMENTS).join(", "),
-            ids(SUPPLEMENTS).join(", "),
-            ids(STATEMENTS).join(", ")
-        )
-    }
-}
-
-impl std::error::Error for UnknownId {}
 
 /// The ids that experiments make.
 pub fn ids(experiments: &[Experiment]) -> Vec<&'static str> {

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use mc::{Ladder, Reference, Run, StrongErrors};
 use noise::Truncation;
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy};
-use stats::{Point, Rate, fit_strong, root_mean_squares};
+use stats::{Rate, fit_strong, root_mean_squares};
 use systems::{Damping, PoissonSystem, Problem, paper::valid};
 use verify::{
     Exact,
@@ -82,10 +82,10 @@ pub struct StrongRuns<'a, S, G, const D: usize, const M: usize> {
     pub truncated: &'static str,
     pub problem: &'a Problem<S, G, D>,
     pub grid: Grid,
-    /// Runs at the finest step; the errors are differences from it unless `exact` is given.
-    pub reference: &'a dyn Scheme<S, D, M>,
     /// The exact solution, which is known at the final time only.
     pub exact: Option<Exact<'a, D, M>>,
+    /// The one with areas, or else the first, runs at the finest step, too; the errors are
+    /// differences from that unless `exact` is given.
     pub curves: &'a [Curve<S, D, M>],
     /// Whether `sexp` is held to the paper's bound, and if so, whether the paper proves it here.
     pub bound: Option<bool>,
@@ -94,12 +94,11 @@ pub struct StrongRuns<'a, S, G, const D: usize, const M: usize> {
 impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
     StrongRuns<'a, S, G, D, M>
 {
-    /// With the truncation of the reproduction, and errors that are differences from `reference`.
+    /// With the truncation of the reproduction, and without an exact solution.
     pub fn new(
         words: Words,
         problem: &'a Problem<S, G, D>,
         grid: Grid,
-        reference: &'a dyn Scheme<S, D, M>,
         curves: &'a [Curve<S, D, M>],
     ) -> Self {
         Self {
@@ -108,7 +107,6 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             truncated: TRUNCATED,
             problem,
             grid,
-            reference,
             exact: None,
             curves,
             bound: None,
@@ -119,7 +117,8 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
     /// curve, then, unless the solution is exact, those at the worst time of the common grid.
     pub fn measure(&self, conditions: &Conditions<'_>) -> Findings {
         let Self { problem, grid, curves, .. } = *self;
-        let mut runs = vec![Run::new(self.reference, 0)];
+        let finest = curves.iter().find(|curve| curve.scheme.reads_areas()).unwrap_or(&curves[0]);
+        let mut runs = vec![Run::new(finest.scheme.as_ref(), 0)];
         let mut series = Vec::new();
         for curve in curves {
             let first = runs.len();
@@ -182,7 +181,7 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
                 }
             }
         }
-        let at_finest = format!("{} at τ = 2^-{}", self.reference.id(), grid.reference());
+        let at_finest = format!("{} at τ = 2^-{}", finest.method.id(), grid.reference());
         let steps = format!("τ = 2^-{FIRST} … 2^-{}, {}", grid.last, self.truncated);
         let mut panel = Panel {
             samples: grid.samples,
@@ -193,17 +192,14 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         };
         if self.exact.is_some() {
             panel.reference = "the exact solution by a change of time, path by path".to_owned();
-            let error = |series: usize| errors.at_end(series).mean(0).sqrt();
-            let finest = match panel.series[0].points.last() {
-                Some(Point::Error { value, .. }) => *value,
-                _ => f64::NAN,
-            };
+            let error = |series, level| errors.at_end(series).mean(level).sqrt();
+            let own = error(curves.len(), 0);
             panel.paper += &format!(
                 " {at_finest}, the kind of reference that the paper takes, is itself {:.1e} (root \
                  mean square) away from the exact solution, {:.0} % of the error of sexp at τ = \
                  2^-{}",
-                error(curves.len()),
-                100.0 * error(curves.len()) / finest,
+                own,
+                100.0 * own / error(0, taus.len() - 1),
                 grid.last
             );
         } else {
@@ -269,8 +265,7 @@ impl StrongPanel {
         problem: &Problem<S, G, D>,
     ) -> Findings {
         let curves = curves_of_the_paper::<S, D, M>();
-        let (grid, reference) = (self.grid(conditions, 0), curves[0].scheme.as_ref());
-        let runs = StrongRuns::new(self.words, problem, grid, reference, &curves);
+        let runs = StrongRuns::new(self.words, problem, self.grid(conditions, 0), &curves);
         StrongRuns { bound: Some(self.proven), ..runs }.measure(conditions)
     }
 
@@ -292,10 +287,9 @@ impl StrongPanel {
         problem: &Problem<S, G, D>,
     ) -> Findings {
         let mut findings = self.compare(conditions, problem);
-        let levy = || compiled(SexpLevy::new(problem.system(), problem.y0()));
-        let curves = [Curve::new(Method::SexpLevy, levy())];
-        let (grid, reference) = (self.grid(conditions, 3), levy());
-        let runs = StrongRuns::new(self.words, problem, grid, &*reference, &curves);
+        let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
+        let curves = [Curve::new(Method::SexpLevy, levy)];
+        let runs = StrongRuns::new(self.words, problem, self.grid(conditions, 3), &curves);
         let areas = runs.measure(conditions);
         findings.claims.extend(areas.claims);
         for (panel, areas) in findings.panels.iter_mut().zip(areas.panels) {

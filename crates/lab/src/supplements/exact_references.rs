@@ -58,10 +58,8 @@ fn compare<S: PaperSystem<3, 1>, G: Damping>(
     let curves = curves_of_the_paper::<S, 3, 1>();
     let time = random_time(problem, grid.finest_steps(problem.t_end()));
     let solution = |s: f64| solution(problem, s);
-    // What the paper takes as the reference.
-    let reference = curves[0].scheme.as_ref();
     let exact = Some(Exact { time_change: &time, solution: &solution });
-    let runs = StrongRuns::new(words, problem, grid, reference, &curves);
+    let runs = StrongRuns::new(words, problem, grid, &curves);
     let mut findings = StrongRuns { exact, ..runs }.measure(conditions);
     findings.claims.extend(weak_claims(conditions, problem));
     findings

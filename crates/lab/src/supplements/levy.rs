@@ -33,13 +33,11 @@ const WORDS: Words = Words {
 
 pub fn measure(conditions: &Conditions<'_>) -> Findings {
     let problem = spins();
-    let levy = || compiled(SexpLevy::new(problem.system(), problem.y0()));
+    let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     let curves =
-        [Curve::new(Method::Sexp, compiled(Sexp::default())), Curve::new(Method::SexpLevy, levy())];
+        [Curve::new(Method::Sexp, compiled(Sexp::default())), Curve::new(Method::SexpLevy, levy)];
     let grid = conditions.choose(Grid { last: 11, samples: 500 }, Grid { last: 9, samples: 256 });
-    let reference = levy();
-    let runs = StrongRuns::new(WORDS, &problem, grid, &*reference, &curves);
-    let mut findings = runs.measure(conditions);
+    let mut findings = StrongRuns::new(WORDS, &problem, grid, &curves).measure(conditions);
     findings.claims.extend([
         obeys_law(conditions, conditions.id(), &problem),
         obeys_law(conditions, "rigid-body-strong-3", &rigid_body_three_noises(1.0)),

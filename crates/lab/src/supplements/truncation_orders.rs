@@ -3,7 +3,6 @@
 use noise::Truncation;
 use schemes::Sexp;
 use systems::paper::{rigid_body_one_noise, valid};
-use verify::results::Panel;
 
 use crate::{
     experiment::{Conditions, Findings, Words},
@@ -30,24 +29,21 @@ pub fn measure(conditions: &Conditions<'_>) -> Findings {
         ("sexp, k = 4", Truncation::new(4)),
         ("sexp, not truncated", Ok(Truncation::none())),
     ];
-    let reference = compiled(Sexp::default());
-    let mut all = Panel::default();
-    for (name, rule) in rules {
-        let curve = Curve { name, method: Method::Sexp, scheme: compiled(Sexp::default()) };
-        let curves = [curve];
+    let panels = rules.into_iter().flat_map(|(name, rule)| {
+        let curves = [Curve { name, method: Method::Sexp, scheme: compiled(Sexp::default()) }];
         let runs = StrongRuns {
             truncation: valid(rule),
             truncated: "increments truncated with k = 1, 2, 4 and not at all, those of the \
                         reference by the same rule",
-            ..StrongRuns::new(WORDS, &problem, grid, &*reference, &curves)
+            ..StrongRuns::new(WORDS, &problem, grid, &curves)
         };
-        for panel in runs.measure(conditions).panels {
-            let Panel { mut series, mut failures, mut clipped, .. } = all;
-            series.extend(panel.series);
-            failures.extend(panel.failures);
-            clipped.extend(panel.clipped);
-            all = Panel { series, failures, clipped, ..panel };
-        }
-    }
-    Findings { panels: vec![all], claims: Vec::new() }
+        runs.measure(conditions).panels
+    });
+    let together = panels.reduce(|mut all, panel| {
+        all.series.extend(panel.series);
+        all.failures.extend(panel.failures);
+        all.clipped.extend(panel.clipped);
+        all
+    });
+    Findings { panels: together.into_iter().collect(), claims: Vec::new() }
 }

@@ -8,10 +8,7 @@ use mc::{Ladder, NextNoise, Run, Statistic, View};
 use noise::{StreamKey, Truncation};
 use real::WIDTH;
 use report::distinct;
-use systems::{
-    Damping, PoissonSystem, Problem, RigidBody,
-    paper::{INERTIA, NOISE_INERTIA, rigid_body_start},
-};
+use systems::{Damping, PoissonSystem, Problem, RigidBody, paper::rigid_body_three_noises};
 
 use crate::{
     case::Context,
@@ -254,6 +251,6 @@ pub fn body<G: Damping>(
     damping: G,
     steps: (u64, f64),
 ) -> Result<Experiment<RigidBody<3>, G, 3, 3>> {
-    let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA)?;
-    Experiment::new(context, (body, damping), rigid_body_start(), steps)
+    let (body, _, y0, _) = rigid_body_three_noises(1.0).into_parts();
+    Experiment::new(context, (body, damping), y0, steps)
 }

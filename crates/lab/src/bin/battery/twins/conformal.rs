@@ -117,5 +117,5 @@ pub fn midpoint_quadrature(conditions: &Conditions<'_>) -> Claim {
 
 pub fn unbounded_scheme(conditions: &Conditions<'_>) -> Claim {
     let problem = moment_bound::undamped();
-    moment_bound::bound::<_, _, 3>(conditions, 0, &problem, &EulerMaruyama, "C", 0.5)
+    moment_bound::bound::<_, _, 3>(conditions, 0, &problem, &EulerMaruyama, 0, 0.5)
 }

@@ -9,11 +9,12 @@ mod numbers;
 mod steps;
 
 use std::{
-    fmt::{self, Display, Formatter},
+    fmt::Display,
     panic::{AssertUnwindSafe, catch_unwind},
 };
 
 use anyhow::{Result, anyhow, ensure};
+use thiserror::Error;
 
 pub use bits::Bits;
 use steps::Job;
@@ -25,14 +26,9 @@ use crate::{Arguments, results::Fuzzed};
 type Fed = Result<u64>;
 
 /// The input was refused, or ended in a typed error.
-#[derive(Debug)]
+#[derive(Debug, Error)]
+#[error("refused")]
 struct Refused;
-
-impl Display for Refused {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str("refused")
-    }
-}
 
 /// Something that takes input.
 struct Target {
