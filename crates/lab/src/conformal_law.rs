@@ -6,7 +6,7 @@ use stats::Moments;
 use systems::{Damping, PoissonSystem, Problem, paper::valid};
 use verify::{DEVIATIONS, results::Evidence, worse};
 
-use crate::experiment::{Conditions, truncation};
+use crate::{Conditions, truncation};
 
 /// Largest relative defect of `sexp` that counts as round-off on the paper's paths of at most 500
 /// steps. A step leaves a residual of at most two ulp and a handful of roundings, say 16 ε in all;
@@ -49,7 +49,7 @@ const PART: u64 = 8;
 /// Whether a scheme with the defect `largest` along one path returns to the law as τ → 0: the order
 /// (mean ln d(τ) − mean ln d(τ/64))/ln 64 of the largest relative defect d along a path.
 pub fn approach<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    conditions: &Conditions<'_>,
+    conditions: &Conditions,
     problem: &Problem<S, G, D>,
     scheme: &dyn Scheme<S, D, M>,
     index: usize,
@@ -71,14 +71,14 @@ pub fn approach<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usi
         }
         Some(logarithms)
     };
-    let (coarse, fine) = (logarithms(PART, steps), logarithms(PART + 1, REFINEMENT * steps));
-    let (Some(coarse), Some(fine)) = (coarse, fine) else {
-        let reason = "a path failed, or obeys the law without any defect".to_owned();
+    let fine = logarithms(PART + 1, REFINEMENT * steps);
+    let Some((coarse, fine)) = logarithms(PART, steps).zip(fine) else {
+        let reason = "a path failed, or obeys the law without any defect".into();
         return Evidence::Undecided { reason };
     };
     let scale = (REFINEMENT as f64).ln();
     Evidence::Approach {
-        invariant: problem.system().invariants()[index].name.to_owned(),
+        invariant: problem.system().invariants()[index].name.into(),
         largest,
         paths: PATHS,
         refinement: REFINEMENT,

@@ -71,7 +71,7 @@ pub struct Experiment {
     /// The ids of what it makes: of panels, or of a statement.
     pub ids: &'static [&'static str],
     /// Runs it.
-    pub run: fn(&Conditions<'_>) -> Findings,
+    pub run: fn(&Conditions) -> Findings,
     /// Whether it takes most of the time of a run: the battery repeats it at small sizes only.
     pub takes_long: bool,
 }
@@ -79,7 +79,7 @@ pub struct Experiment {
 impl Experiment {
     pub(crate) const fn new(
         ids: &'static [&'static str],
-        run: fn(&Conditions<'_>) -> Findings,
+        run: fn(&Conditions) -> Findings,
     ) -> Self {
         Self { ids, run, takes_long: false }
     }

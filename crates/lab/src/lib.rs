@@ -36,6 +36,7 @@ pub mod streams;
 mod supplements;
 
 pub use coverage::coverage;
+use experiment::Words;
 pub use experiment::{
     Conditions, Experiment, Findings, TRUNCATED, TRUNCATION_ORDER, set_up, truncation,
 };

@@ -8,13 +8,7 @@ use verify::{
     results::{Provenance, Results, SCHEMA},
 };
 
-use crate::{
-    experiment::{Conditions, Experiment},
-    panels::EXPERIMENTS,
-    statements::STATEMENTS,
-    streams,
-    supplements::SUPPLEMENTS,
-};
+use crate::{Conditions, EXPERIMENTS, Experiment, STATEMENTS, SUPPLEMENTS, streams};
 
 /// A panel or statement that does not exist.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -31,8 +25,8 @@ pub struct UnknownId {
 }
 
 /// The ids that experiments make.
-pub fn ids(experiments: &[Experiment]) -> Vec<&'static str> {
-    experiments.iter().flat_map(|experiment| experiment.ids).copied().collect()
+pub fn ids(experiments: &[Experiment]) -> Vec<String> {
+    experiments.iter().flat_map(|experiment| experiment.ids).map(ToString::to_string).collect()
 }
 
 /// Checks that every id names a panel or a statement.
@@ -41,7 +35,7 @@ pub fn ids(experiments: &[Experiment]) -> Vec<&'static str> {
 /// [`UnknownId`] names the first that does not, and lists those that do.
 pub fn check_ids(wanted: &[String]) -> Result<(), UnknownId> {
     let known = [ids(EXPERIMENTS), ids(STATEMENTS), ids(SUPPLEMENTS)].concat();
-    match wanted.iter().find(|id| !known.contains(&id.as_str())) {
+    match wanted.iter().find(|id| !known.contains(id)) {
         None => Ok(()),
         Some(id) => Err(UnknownId { id: id.clone() }),
     }

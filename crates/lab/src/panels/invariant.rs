@@ -7,10 +7,9 @@ use verify::results::{Claim, Evidence, Kind, Panel, Series};
 
 use super::strong::{Curve, curves_of_the_paper};
 use crate::{
+    Conditions, Findings, Method, PaperSystem, TRUNCATED, Words,
     conformal_law::{ROUND_OFF, along, approach, largest_defect},
-    experiment::{Conditions, Findings, TRUNCATED, Words, truncation},
-    kernels::PaperSystem,
-    method::Method,
+    truncation,
 };
 
 /// A relative defect above this is visible in a figure: Euler–Maruyama is expected there.
@@ -28,7 +27,7 @@ impl InvariantPanel {
     /// One path of each scheme on the same noise, with a claim for each curve.
     pub fn follow<S: PaperSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &self,
-        conditions: &Conditions<'_>,
+        conditions: &Conditions,
         problem: &Problem<S, G, D>,
     ) -> Findings {
         let curves = curves_of_the_paper::<S, D, M>();
@@ -58,8 +57,8 @@ impl InvariantPanel {
                 let points =
                     values.into_iter().map(|(t, value, exact)| Point::Value { t, value, exact });
                 all.push(Series {
-                    scheme: curve.name.to_owned(),
-                    quantity: name.to_owned(),
+                    scheme: curve.name.into(),
+                    quantity: name.into(),
                     points: points.collect(),
                     max_relative_defect: Some(largest),
                     ..Series::default()
@@ -74,14 +73,21 @@ impl InvariantPanel {
                         (ROUND_OFF, true, "obeys the conformal law at every step")
                     }
                 };
-                let (invariant, paths, steps) = (name.to_owned(), 1, self.steps);
                 let measured = match &path.failure {
                     // A path that ended early proves nothing about the rest.
                     Some(failure) => Evidence::Undecided { reason: failure.to_string() },
                     None if curve.method == Method::Midpoint && largest > ROUND_OFF => {
-                        approach(conditions, problem, curve.scheme.as_ref(), index, steps, largest)
+                        let scheme = curve.scheme.as_ref();
+                        approach(conditions, problem, scheme, index, self.steps, largest)
                     }
-                    None => Evidence::Defect { invariant, paths, steps, largest, tolerance, obeys },
+                    None => Evidence::Defect {
+                        invariant: name.into(),
+                        paths: 1,
+                        steps: self.steps,
+                        largest,
+                        tolerance,
+                        obeys,
+                    },
                 };
                 let claim = Claim::new(id, format!("{function} {statement}"), measured)
                     .about(conditions.id(), curve.name)
@@ -93,7 +99,7 @@ impl InvariantPanel {
         let failures = paths.iter().filter_map(|path| path.failure.as_ref());
         findings.panels.push(Panel {
             samples: 1,
-            reference: "the conformal law exp(−p ∫γ) F(y₀)".to_owned(),
+            reference: "the conformal law exp(−p ∫γ) F(y₀)".into(),
             failures: failures.map(ToString::to_string).collect(),
             series: all,
             ..self.words.panel(conditions.id(), Kind::Invariant, problem, &steps)

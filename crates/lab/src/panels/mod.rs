@@ -8,7 +8,7 @@ use mc::Observable;
 use real::elementary::{cos, sin};
 use systems::paper;
 
-use crate::experiment::{Experiment, Words};
+use crate::{Experiment, Words};
 use invariant::InvariantPanel;
 use strong::StrongPanel;
 use weak::WeakPanel;

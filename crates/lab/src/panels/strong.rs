@@ -13,9 +13,7 @@ use verify::{
 };
 
 use crate::{
-    experiment::{Conditions, Findings, TRUNCATED, Words, truncation},
-    kernels::{Compiled, PaperSystem, compiled},
-    method::Method,
+    Compiled, Conditions, Findings, Method, PaperSystem, TRUNCATED, Words, compiled, truncation,
 };
 
 /// Coarsest step size 2⁻⁵.
@@ -115,7 +113,7 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
 
     /// A panel with a claim for each curve. Its series are the errors at the final time of each
     /// curve, then, unless the solution is exact, those at the worst time of the common grid.
-    pub fn measure(&self, conditions: &Conditions<'_>) -> Findings {
+    pub fn measure(&self, conditions: &Conditions) -> Findings {
         let Self { problem, grid, curves, .. } = *self;
         let finest = curves.iter().find(|curve| curve.scheme.reads_areas()).unwrap_or(&curves[0]);
         let mut runs = vec![Run::new(finest.scheme.as_ref(), 0)];
@@ -164,8 +162,8 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             let rate = fit_strong(&taus, reference_tau, squares);
             claims.push(self.claim(conditions.id(), method, when, rate.clone()));
             series.push(Series {
-                scheme: name.to_owned(),
-                quantity: quantity.to_owned(),
+                scheme: name.into(),
+                quantity: quantity.into(),
                 points: root_mean_squares(&taus, squares),
                 rate,
                 ..Series::default()
@@ -176,7 +174,7 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
                 let increments = measured.clipped[grid.level(exponent)];
                 if increments > 0 {
                     let share = errors.clipped_share(s, r);
-                    let scheme = curve.name.to_owned();
+                    let scheme = curve.name.into();
                     clipped.push(Clipped { scheme, tau: taus[r], increments, share });
                 }
             }
@@ -191,7 +189,7 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             ..self.words.panel(conditions.id(), Kind::Strong, problem, &steps)
         };
         if self.exact.is_some() {
-            panel.reference = "the exact solution by a change of time, path by path".to_owned();
+            panel.reference = "the exact solution by a change of time, path by path".into();
             let error = |series, level| errors.at_end(series).mean(level).sqrt();
             let own = error(curves.len(), 0);
             panel.paper += &format!(
@@ -261,7 +259,7 @@ impl StrongPanel {
     /// curve.
     pub fn compare<S: PaperSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &self,
-        conditions: &Conditions<'_>,
+        conditions: &Conditions,
         problem: &Problem<S, G, D>,
     ) -> Findings {
         let curves = curves_of_the_paper::<S, D, M>();
@@ -270,7 +268,7 @@ impl StrongPanel {
     }
 
     /// The step sizes, of which the last `fewer` are left out at the paper's sizes.
-    fn grid(&self, conditions: &Conditions<'_>, fewer: u32) -> Grid {
+    fn grid(&self, conditions: &Conditions, fewer: u32) -> Grid {
         conditions.choose(Grid { last: self.last - fewer, samples: self.samples }, QUICK)
     }
 
@@ -283,7 +281,7 @@ impl StrongPanel {
         const D: usize,
     >(
         &self,
-        conditions: &Conditions<'_>,
+        conditions: &Conditions,
         problem: &Problem<S, G, D>,
     ) -> Findings {
         let mut findings = self.compare(conditions, problem);

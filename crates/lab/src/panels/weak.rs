@@ -44,11 +44,7 @@ use systems::{
 use verify::results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series};
 
 use super::strong::{describe_failures, power_of_half};
-use crate::{
-    experiment::{Conditions, Findings, TRUNCATED, Words, truncation},
-    kernels::compiled,
-    method::Method,
-};
+use crate::{Conditions, Findings, Method, TRUNCATED, Words, compiled, truncation};
 
 /// A test function with its name.
 type TestFunction = (&'static str, fn([f64; 3]) -> f64);
@@ -78,7 +74,7 @@ fn grid(last: u32, most: u64) -> Vec<DifferenceSamples> {
 }
 
 /// The panels that are wanted, which one set of runs makes.
-pub fn measure(panels: &[WeakPanel], conditions: &Conditions<'_>) -> Findings {
+pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
     let problem = rigid_body_three_noises(1.0);
     let (last, most) = conditions.choose((12, 500_000), (9, 65_536));
     let grid = grid(last, most);
@@ -91,7 +87,7 @@ pub fn measure(panels: &[WeakPanel], conditions: &Conditions<'_>) -> Findings {
     let mut series = observables.iter().enumerate().map(|(f, observable)| {
         let moments = measured.iter().map(|outcome| outcome.statistic.moments(f));
         let (points, rate) = weak_errors(&taus, &moments.collect::<Vec<_>>());
-        let (scheme, quantity) = (Method::Sexp.id().to_owned(), observable.name.to_owned());
+        let (scheme, quantity) = (Method::Sexp.id().into(), observable.name.into());
         Series { scheme, quantity, points, rate, ..Series::default() }
     });
     let failures = measured.iter().flat_map(|m| describe_failures(m.failed, &m.failures));
@@ -139,7 +135,7 @@ fn reference(grid: &[DifferenceSamples], last: u32) -> String {
 /// Antithetic differences between neighbouring step sizes, coarsest first; each is a part of the
 /// experiment.
 fn differences(
-    conditions: &Conditions<'_>,
+    conditions: &Conditions,
     grid: &[DifferenceSamples],
     problem: &Problem<RigidBody<3>, Cosine, 3>,
     observables: &[Observable<3>],

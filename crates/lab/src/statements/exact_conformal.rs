@@ -23,12 +23,9 @@ use verify::{
     runge_kutta::runge_kutta,
 };
 
-use crate::{
-    conformal_law::along,
-    experiment::{Conditions, Findings},
-};
+use crate::{Conditions, Findings, conformal_law::along};
 
-pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
+pub(super) fn measure(conditions: &Conditions) -> Findings {
     [
         law(conditions, 0, &rigid_body_three_noises(1.0)),
         law(conditions, 1, &rigid_body_energy(1.0)),
@@ -55,7 +52,7 @@ const ROUND_OFF: f64 = 1e-12;
 
 /// A claim for each invariant of the system.
 pub fn law<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    conditions: &Conditions<'_>,
+    conditions: &Conditions,
     part: u64,
     problem: &Problem<S, G, D>,
 ) -> Vec<Claim> {

@@ -6,7 +6,7 @@ pub mod moment_bound;
 pub mod solvability;
 pub mod truncation;
 
-use crate::experiment::Experiment;
+use crate::Experiment;
 
 /// In the order of the paper.
 pub const STATEMENTS: &[Experiment] = &[

@@ -12,12 +12,9 @@ use verify::{
     worse,
 };
 
-use crate::{
-    experiment::{Conditions, Findings, truncation},
-    kernels::compiled,
-};
+use crate::{Conditions, Findings, compiled, truncation};
 
-pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
+pub(super) fn measure(conditions: &Conditions) -> Findings {
     let (casimir, energy) = (rigid_body_three_noises(10.0), rigid_body_energy(10.0));
     let (sexp, sexp_energy) = (compiled(Sexp::default()), compiled(Sexp::default()));
     // Invariant 0 is C, 1 is H. ½|y|² is ½ everywhere on the sphere; H₀ is smallest along the axis of the largest moment of
@@ -47,7 +44,7 @@ const STEPS: [u64; 3] = [20, 100, 1000];
 /// The largest ‖y_n‖ over the bound at t_n, over many paths and all n ≥ 1, for a quadratic F with
 /// minimum m.
 pub fn bound<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
-    conditions: &Conditions<'_>,
+    conditions: &Conditions,
     part: u64,
     problem: &Problem<S, G, 3>,
     scheme: &dyn Scheme<S, 3, M>,

@@ -18,9 +18,9 @@ use verify::{
     worse,
 };
 
-use crate::experiment::{Conditions, Findings, TRUNCATION_ORDER, truncation};
+use crate::{Conditions, Findings, TRUNCATION_ORDER, truncation};
 
-pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
+pub(super) fn measure(conditions: &Conditions) -> Findings {
     vec![
         contraction(conditions, 0, pendulum().system(), 1.0, 1.0),
         contraction(conditions, 1, poisson3_strong().system(), 3f64.sqrt(), 1.0),
@@ -41,7 +41,7 @@ const AGREEMENT: f64 = 1e-9;
 /// The claim for one system, ‖B‖ = `structure`; increments go up to `reach` times the truncation
 /// bound.
 pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
-    conditions: &Conditions<'_>,
+    conditions: &Conditions,
     part: u64,
     system: &S,
     structure: f64,

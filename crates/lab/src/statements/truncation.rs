@@ -15,7 +15,7 @@ use verify::{
     worse,
 };
 
-use crate::experiment::{Conditions, Findings, TRUNCATION_ORDER};
+use crate::{Conditions, Findings, TRUNCATION_ORDER};
 
 /// Orders k and exponents j of τ = 2^−j at which the closed forms are evaluated.
 const ORDERS: std::ops::RangeInclusive<u32> = 1..=6;
@@ -47,7 +47,7 @@ fn distance(tau: f64, k: u32, p: i32) -> f64 {
     tau.sqrt() * tail(tau, k, |s| s.powi(p)).powf(1.0 / f64::from(p))
 }
 
-pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
+pub(super) fn measure(conditions: &Conditions) -> Findings {
     vec![
         variance(),
         sampled_variance(conditions, sampled_bound()),
@@ -86,7 +86,7 @@ fn sampled_bound() -> f64 {
 }
 
 /// Increments of this project clipped to ±`bound`, against the closed form.
-pub fn sampled_variance(conditions: &Conditions<'_>, bound: f64) -> Claim {
+pub fn sampled_variance(conditions: &Conditions, bound: f64) -> Claim {
     let (tau, k) = (SAMPLED_STEP, SAMPLED_ORDER);
     let samples = conditions.choose(4_000_000, 200_000);
     let mut noise = WienerPath::<1>::new(conditions.key(0), 0);
@@ -140,7 +140,7 @@ fn distances(powers: &[i32]) -> Claim {
     if claim.verdict == Verdict::Refuted && powers.iter().all(|&p| p > 2) {
         claim.erratum = "The estimate is stated for all p but holds for p ≤ 2 only, which is all \
                          that the proofs use: the sharp order is τ^(1/2 + k/p)."
-            .to_owned();
+            .into();
     }
     claim
 }

@@ -16,13 +16,12 @@ use verify::{
 };
 
 use crate::{
-    experiment::{Conditions, Findings, Words, truncation},
-    kernels::{PaperSystem, compiled},
-    method::Method,
+    Conditions, Findings, Method, PaperSystem, Words, compiled,
     panels::strong::{Grid, StrongRuns, curves_of_the_paper},
+    truncation,
 };
 
-pub fn lotka_volterra(conditions: &Conditions<'_>) -> Findings {
+pub fn lotka_volterra(conditions: &Conditions) -> Findings {
     let words = Words {
         title: "Lotka–Volterra against its exact solution: strong convergence",
         system: "Lotka–Volterra, a = −1, b = −1, c = 1",
@@ -31,7 +30,7 @@ pub fn lotka_volterra(conditions: &Conditions<'_>) -> Findings {
     compare(conditions, words, &paper::lotka_volterra_1_1())
 }
 
-pub fn rigid_body(conditions: &Conditions<'_>) -> Findings {
+pub fn rigid_body(conditions: &Conditions) -> Findings {
     let words = Words {
         title: "Rigid body with noise H₀ against its exact solution: strong convergence",
         system: "rigid body, one noise H₀, I = (2, 1, 2/3)",
@@ -50,7 +49,7 @@ fn random_time<S, G: Damping>(problem: &Problem<S, G, 3>, finest_steps: u64) -> 
 }
 
 fn compare<S: PaperSystem<3, 1>, G: Damping>(
-    conditions: &Conditions<'_>,
+    conditions: &Conditions,
     words: Words,
     problem: &Problem<S, G, 3>,
 ) -> Findings {
@@ -68,7 +67,7 @@ fn compare<S: PaperSystem<3, 1>, G: Damping>(
 /// Weak errors of `sexp` against the exact solution path by path, and the mean of the exact
 /// solution over the paths against the Gaussian integral.
 fn weak_claims<S: PaperSystem<3, 1>, G: Damping>(
-    conditions: &Conditions<'_>,
+    conditions: &Conditions,
     problem: &Problem<S, G, 3>,
 ) -> Vec<Claim> {
     let observables: [Observable<3>; 2] = [

@@ -12,11 +12,10 @@ use verify::{
 };
 
 use crate::{
+    Compiled, Conditions, Findings, Method, Words, compiled,
     conformal_law::{along, largest_defect},
-    experiment::{Conditions, Findings, Words, truncation},
-    kernels::{Compiled, compiled},
-    method::Method,
     panels::strong::{Curve, Grid, StrongRuns},
+    truncation,
 };
 
 /// Two spins with exchange and anisotropy in a field that fluctuates about all three axes: D = 6.
@@ -31,7 +30,7 @@ const WORDS: Words = Words {
     paper: "Not in the paper, whose scheme has strong order 1/2 for noises that do not commute.",
 };
 
-pub fn measure(conditions: &Conditions<'_>) -> Findings {
+pub fn measure(conditions: &Conditions) -> Findings {
     let problem = spins();
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     let curves =
@@ -53,7 +52,7 @@ const PATHS: u64 = 32;
 
 /// Every Casimir on its conformal law, at every step of many paths.
 fn obeys_law<S: Compiled<SexpLevy, D, 3>, G: Damping, const D: usize>(
-    conditions: &Conditions<'_>,
+    conditions: &Conditions,
     panel: &str,
     problem: &Problem<S, G, D>,
 ) -> Claim {
@@ -70,7 +69,7 @@ fn obeys_law<S: Compiled<SexpLevy, D, 3>, G: Damping, const D: usize>(
         }
     }
     let measured = Evidence::Defect {
-        invariant: "every Casimir".to_owned(),
+        invariant: "every Casimir".into(),
         paths: PATHS,
         steps: STEPS,
         largest,

@@ -7,7 +7,7 @@ mod truncation_orders;
 
 pub use expectations::expectation_claims;
 
-use crate::experiment::Experiment;
+use crate::Experiment;
 
 /// All of them.
 pub const SUPPLEMENTS: &[Experiment] = &[

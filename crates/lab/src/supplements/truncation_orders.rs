@@ -5,9 +5,7 @@ use schemes::Sexp;
 use systems::paper::{rigid_body_one_noise, valid};
 
 use crate::{
-    experiment::{Conditions, Findings, Words},
-    kernels::compiled,
-    method::Method,
+    Conditions, Findings, Method, Words, compiled,
     panels::strong::{Curve, Grid, StrongRuns},
 };
 
@@ -20,7 +18,7 @@ const WORDS: Words = Words {
 };
 
 /// Strong errors of `sexp` with k = 1, 2, 4 and without truncation, on the same noise.
-pub fn measure(conditions: &Conditions<'_>) -> Findings {
+pub fn measure(conditions: &Conditions) -> Findings {
     let problem = rigid_body_one_noise();
     let grid = conditions.choose(Grid { last: 12, samples: 1000 }, Grid { last: 10, samples: 512 });
     let rules = [

@@ -97,8 +97,7 @@ fn claims(seed: u64, bars: &Bars) -> Result<Vec<Claim>> {
     let (long, short): (Vec<_>, Vec<_>) =
         all.into_iter().partition(|experiment| experiment.takes_long);
     let run = |mode, experiments: &[Experiment]| {
-        let only: Vec<String> = ids(experiments).into_iter().map(str::to_owned).collect();
-        lab::reproduce(Settings { seed, mode }, &only, bars)
+        lab::reproduce(Settings { seed, mode }, &ids(experiments), bars)
     };
     let mut claims = run(Mode::Paper, &short)?.claims;
     claims.extend(run(if seed == 1 { Mode::Paper } else { Mode::Quick }, &long)?.claims);

@@ -149,7 +149,7 @@ fn statements(page: &mut Page, seeds: &[Vec<Claim>]) {
             code(&claim.scheme),
             claim.statement.clone(),
             claim.evidence.clone(),
-            Outcome::of(claim).words().to_owned(),
+            Outcome::of(claim).words().into(),
             format!("{holds} / {undecided} / {refuted}"),
         ]
     });
@@ -171,9 +171,9 @@ fn twins(page: &mut Page, seeds: &[Vec<Claim>]) {
         [
             (t + 1).to_string(),
             code(twin.claim),
-            twin.mistake.to_owned(),
+            twin.mistake.into(),
             claim.evidence.clone(),
-            Outcome::of(claim).words().to_owned(),
+            Outcome::of(claim).words().into(),
             format!("{} of {}", count(seeds, t, Verdict::Refuted), seeds.len()),
         ]
     });
@@ -193,7 +193,7 @@ fn expectations(page: &mut Page, claims: &[Claim]) {
             Evidence::Deviation { quantity, .. } => quantity,
             _ => &claim.statement,
         };
-        [quantity.clone(), claim.evidence.clone(), Outcome::of(claim).words().to_owned()]
+        [quantity.clone(), claim.evidence.clone(), Outcome::of(claim).words().into()]
     };
     page.table(["expectation", "measured", "verdict"], claims.iter().map(row));
 }
@@ -217,12 +217,12 @@ fn coverage(page: &mut Page, rows: &[Coverage]) {
             Expected::Stated => "nothing (comparison)",
         };
         [
-            row.case.to_owned(),
-            row.interval.to_owned(),
+            row.case.into(),
+            row.interval.into(),
             nominal,
             percent(row.share(), 1),
             row.replications.to_string(),
-            expected.to_owned(),
+            expected.into(),
         ]
     };
     let head = ["data", "interval or warning", "nominal", "measured", "data sets", "must"];

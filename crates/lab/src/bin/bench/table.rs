@@ -56,7 +56,7 @@ fn growth(speed: &Speed) -> Table {
         let [best, median, worst] = numbers(&row.ns_per_path_step, 2);
         let peak = row.peak_memory_mb.map_or("unknown".into(), |mb| format!("{mb:.2}"));
         let [value, steps] = [row.value, row.path_steps].map(|number| number.to_string());
-        [row.grows.to_owned(), value, steps, best, median, worst, peak]
+        [row.grows.into(), value, steps, best, median, worst, peak]
     });
     table(header, 1, rows)
 }

@@ -132,8 +132,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
     ) -> Result<Vec<Row>> {
         let row = |scheme: &Tested<S, D, M>| {
             let paths = self.run(scheme)?;
-            let row = Row::new(&setting, x, scheme.name, stops(&paths));
-            complete(Row { newton: scheme.newton, ..row }, scheme, &paths)
+            complete(Row::new(&setting, x, scheme.name, stops(&paths)), scheme, &paths)
         };
         self.schemes().iter().map(row).collect()
     }

@@ -98,7 +98,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             id,
             title,
             setup: set_up(system, problem, TRUNCATED),
-            invariants: problem.system().invariants().iter().map(|f| f.name.to_owned()).collect(),
+            invariants: problem.system().invariants().iter().map(|f| f.name).collect(),
             strong: self.strong(&times)?,
             weak: self.weak(&times)?,
         })

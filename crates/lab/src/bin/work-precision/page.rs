@@ -53,14 +53,14 @@ fn price(case: &Case) -> Option<[String; 6]> {
     let own = sexp.curve().points;
     let error = targets(&curves).into_iter().rfind(|&error| cost_at(&own, error).is_some())?;
     let (best, cost) = cheapest(&curves, error)?;
-    let casimir = case.invariants.iter().position(|name| name == "C");
+    let casimir = case.invariants.iter().position(|name| *name == "C");
     let defect = |series: &Series<StrongPoint>| {
         let point = series.points.iter().find(|point| point.work.error <= error);
         let defect = point.zip(casimir).map(|(point, index)| point.defects[index]);
         defect.map_or("–".into(), number)
     };
     Some([
-        case.title.to_owned(),
+        case.title.into(),
         number(error),
         format!("`{}`", explicit[best].scheme),
         format!("{} ×", number(cost_at(&own, error)? / cost)),
@@ -124,7 +124,7 @@ fn costs(page: &mut Page, what: &str, curves: &[Curve]) {
         let costs = curves.iter().enumerate().map(cell);
         [number(error)].into_iter().chain(costs).collect::<Vec<_>>()
     });
-    page.table([what.to_owned()].into_iter().chain(names), rows);
+    page.table([what.into()].into_iter().chain(names), rows);
 }
 
 /// Everything measured at the coarsest step, one in the middle and the finest.

@@ -22,7 +22,6 @@ pub const EXTREME: Case = Case {
     quantity: SQUARED_LENGTH,
     guarantee: KEEPS_THE_LAW,
     varied: "τ",
-    plot: None,
     rows: extreme,
 };
 
@@ -65,7 +64,6 @@ pub const BIG_STEPS: Case = Case {
     quantity: SQUARED_LENGTH,
     guarantee: KEEPS_THE_LAW,
     varied: "τ",
-    plot: None,
     rows: big_steps,
 };
 
@@ -87,7 +85,6 @@ pub const NO_NOISE: Case = Case {
     quantity: "order, from the results with N, 2N and 4N steps",
     guarantee: "Two, and one for `em`, up to 16τ.",
     varied: "τ",
-    plot: None,
     rows: no_noise,
 };
 

@@ -22,7 +22,6 @@ pub const SCALES: Case = Case {
     quantity: "largest difference from the solution of scale one, relative to |y₀|",
     guarantee: "No scheme or stopping test depends on the scale, up to one sweep.",
     varied: "scale",
-    plot: None,
     rows: scales,
 };
 
@@ -64,7 +63,6 @@ pub const EQUILIBRIA: Case = Case {
     guarantee: "Every scheme stays exactly. The upright pendulum starts an ulp from its \
                 equilibrium and leaves it like εe^t.",
     varied: "system and start",
-    plot: None,
     rows: equilibria,
 };
 
@@ -114,7 +112,6 @@ pub const LOTKA_VOLTERRA: Case = Case {
     guarantee: "`sexp` is positive and on the law to rounding, or ends with a typed error. No \
                 scheme is positive by construction.",
     varied: "start and τ",
-    plot: None,
     rows: lotka_volterra,
 };
 
