@@ -137,6 +137,12 @@ pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
     ))
 }
 
+/// Two spins with exchange and anisotropy in a field that fluctuates about all three axes: D = 6.
+pub(crate) fn spin_pair<G: Damping>(damping: G) -> Problem<SpinChain<6>, G, 6> {
+    let chain = valid(SpinChain::new(1.0, 0.5, 0.8));
+    valid(Problem::new(chain, damping, [1.0, 0.0, 0.0, 0.0, 0.6, 0.8], 1.0))
+}
+
 /// Visits three more on [0, 1], of which only times are measured: the rigid body with noise H₀,
 /// Lotka–Volterra with H = y₁²y₂²y₃, and two spins in a fluctuating field.
 ///
@@ -145,10 +151,8 @@ pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
 pub fn visit_others(visitor: &mut impl Visit) -> Result<()> {
     visitor.visit(setup("rigid-body-energy", rigid_body_energy(1.0)))?;
     visitor.visit(setup("lotka-volterra-2", lotka_volterra_2_2(1.0)))?;
-    let spins = valid(SpinChain::<6>::new(1.0, 0.5, 0.8));
-    let start = [1.0, 0.0, 0.0, 0.0, 0.6, 0.8];
-    let levy = compiled(SexpLevy::new(&spins, start));
-    let problem = valid(Problem::new(spins, valid(Constant::new(0.1)), start, 1.0));
+    let problem = spin_pair(valid(Constant::new(0.1)));
+    let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     let (sexp, midpoint) = (compiled(Sexp::default()), Box::new(Midpoint::default()));
     let schemes = [sexp, midpoint, Box::new(Heun), Box::new(EulerMaruyama)];
     visitor.visit(Setup::new("spin-chain", problem, schemes).with_areas(levy))

@@ -15,6 +15,7 @@ use systems::{
 };
 use verify::{
     results::{Bounded, Claim, Evidence},
+    work_precision::squared_distance,
     worse,
 };
 
@@ -66,15 +67,15 @@ pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
             let change = system.structure(dgrad::midpoint(z_hat, z), gradient);
             std::array::from_fn(|i| z_hat[i] + change[i])
         };
-        let distance = norm(&one, &other);
-        quotient = worse(quotient, norm(&psi(one), &psi(other)) / distance);
+        let distance = squared_distance(one, other).sqrt();
+        quotient = worse(quotient, squared_distance(psi(one), psi(other)).sqrt() / distance);
         // Cⁿ·distance below round-off.
         let sweeps = (ln(AGREEMENT * 1e-3 / distance) / ln(lipschitz)).ceil() as u32;
         for _ in 0..sweeps {
             one = psi(one);
             other = psi(other);
         }
-        apart = worse(apart, norm(&one, &other));
+        apart = worse(apart, squared_distance(one, other).sqrt());
     }
     let lipschitz_words =
         format!("largest Lipschitz quotient at τ = 2^-{exponent}, k = {TRUNCATION_ORDER}");
@@ -85,8 +86,4 @@ pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
     ];
     let statement = format!("{}: the step has a unique solution once C(k, τ) < 1", system.name());
     Claim::new("solvability", statement, Evidence::Bounds { quantities, failed: 0 })
-}
-
-fn norm<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }

@@ -122,5 +122,5 @@ fn weak_claims<S: PaperSystem<3, 1>, G: Damping>(
         let mean = Claim::new("exact-expectation", statement, measured);
         [weak, mean.about(conditions.id(), "").proven(false)]
     });
-    claims.into_iter().flatten().collect()
+    claims.concat()
 }

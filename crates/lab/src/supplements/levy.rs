@@ -3,7 +3,7 @@
 use mc::trajectory;
 use schemes::{Sexp, SexpLevy};
 use systems::{
-    Cosine, Damping, Problem, SpinChain,
+    Damping, Problem,
     paper::{half_cosine, rigid_body_three_noises, valid},
 };
 use verify::{
@@ -15,14 +15,9 @@ use crate::{
     Compiled, Conditions, Findings, Method, Words, compiled,
     conformal_law::{along, largest_defect},
     panels::strong::{Curve, Grid, StrongRuns},
+    setups::spin_pair,
     truncation,
 };
-
-/// Two spins with exchange and anisotropy in a field that fluctuates about all three axes: D = 6.
-fn spins() -> Problem<SpinChain<6>, Cosine, 6> {
-    let chain = valid(SpinChain::new(1.0, 0.5, 0.8));
-    valid(Problem::new(chain, half_cosine(), [1.0, 0.0, 0.0, 0.0, 0.6, 0.8], 1.0))
-}
 
 const WORDS: Words = Words {
     title: "Two spins in a fluctuating field: strong convergence with and without Lévy areas",
@@ -31,7 +26,7 @@ const WORDS: Words = Words {
 };
 
 pub fn measure(conditions: &Conditions) -> Findings {
-    let problem = spins();
+    let problem = spin_pair(half_cosine());
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     let curves =
         [Curve::new(Method::Sexp, compiled(Sexp::default())), Curve::new(Method::SexpLevy, levy)];

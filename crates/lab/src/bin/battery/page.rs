@@ -25,8 +25,7 @@ pub struct Battery {
 impl Battery {
     /// Claims refuted over all seeds, misprints aside.
     pub fn false_alarms(&self) -> usize {
-        let claims = self.claims.iter().flatten().chain(&self.expectations);
-        claims.filter(|claim| Outcome::of(claim) == Outcome::Refuted).count()
+        Outcome::Refuted.count(self.claims.iter().flatten().chain(&self.expectations))
     }
 
     /// Twins not refuted over all seeds.

@@ -48,5 +48,5 @@ pub struct Context<'a> {
 /// The rows of every setting.
 pub fn each<T>(settings: impl IntoIterator<Item = T>, rows: impl FnMut(T) -> Rows) -> Rows {
     let rows: Vec<Vec<Row>> = settings.into_iter().map(rows).collect::<Result<_>>()?;
-    Ok(rows.into_iter().flatten().collect())
+    Ok(rows.concat())
 }

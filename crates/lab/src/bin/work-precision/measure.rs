@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 
 use anyhow::Result;
 use lab::{
-    TRUNCATED, set_up,
+    OtherNoise, TRUNCATED, set_up,
     setups::{Setup, Visit, visit_paper},
     truncation,
 };
 use mc::{Run, View};
-use schemes::Scheme;
+use noise::{BlockNoise, Noise};
+use schemes::{Scheme, Step};
 use stats::CrossMoments;
 use systems::{Damping, Invariant, PoissonSystem};
 use verify::{
@@ -18,7 +19,7 @@ use verify::{
 };
 
 use crate::{
-    own_areas::{OwnAreas, terms},
+    own_areas::{disturb, terms},
     results::{
         Case, Cost, Sampled, Series, Strong, StrongPoint, Weak, WeakObservable, WeakPoint, costs,
     },
@@ -54,7 +55,11 @@ impl Visit for Cases<'_> {
         }
         let timed: Vec<&dyn Scheme<S, D, M>> = setup.schemes.iter().map(Box::as_ref).collect();
         let levy = timed.iter().copied().find(|scheme| scheme.reads_areas());
-        let own = levy.map(|levy| OwnAreas { levy });
+        let noise = |step: &Step, noise: &BlockNoise<M>, p: usize| {
+            let right = noise.path(p);
+            Noise { areas: disturb(step.tau, right.areas), ..right }
+        };
+        let own = levy.map(|scheme| OtherNoise { scheme, noise });
         let measured = timed.iter().map(|&scheme| match &own {
             Some(own) if scheme.reads_areas() => own,
             _ => scheme,
@@ -79,7 +84,7 @@ struct Measurement<'a, S, G, const D: usize, const M: usize> {
     sizes: Sizes,
     /// The schemes as they are timed.
     timed: Vec<&'a dyn Scheme<S, D, M>>,
-    /// The same as their errors are measured: see [`OwnAreas`].
+    /// The same as their errors are measured: see [`disturb`].
     measured: Vec<&'a dyn Scheme<S, D, M>>,
     /// The scheme with exact Lévy areas, where it differs from the one without.
     levy: Option<&'a dyn Scheme<S, D, M>>,

@@ -7,7 +7,6 @@
 mod conformal;
 mod local;
 mod orders;
-mod wrong_noise;
 mod wrong_systems;
 
 use lab::{

@@ -1,6 +1,6 @@
 //! Twins of the convergence orders.
 
-use lab::{Conditions, truncation};
+use lab::{Conditions, OtherNoise, truncation};
 use mc::Observable;
 use noise::{AreaMethod, AreaPath, BlockNoise, Noise, StreamKey, strong_order_one_error};
 use real::WIDTH;
@@ -14,8 +14,6 @@ use verify::{
     results::{Claim, Evidence},
     strong_order, weak_order,
 };
-
-use super::wrong_noise::WrongNoise;
 
 /// Step sizes 2⁻⁵ … 2⁻¹², reference 2⁻¹⁴: enough levels and paths to tell order ½ from order 1 on
 /// every seed.
@@ -84,7 +82,7 @@ fn half(
     conditions: &Conditions,
     noise: impl Fn(&Step, &BlockNoise<3>, usize) -> Noise<3> + Send + Sync,
 ) -> Claim {
-    let wrong = WrongNoise { scheme: Sexp::default(), noise };
+    let wrong = OtherNoise { scheme: &Sexp::default(), noise };
     strong(conditions, "strong-half", &rigid_body_three_noises(1.0), &wrong, 0.5)
 }
 
@@ -109,7 +107,7 @@ pub fn truncated_too_early(conditions: &Conditions) -> Claim {
         let bound = 0.5 * step.tau.sqrt();
         Noise::increments(noise.increments.path(p).map(|dw| dw.clamp(-bound, bound)))
     };
-    let wrong = WrongNoise { scheme: Sexp::default(), noise };
+    let wrong = OtherNoise { scheme: &Sexp::default(), noise };
     strong(conditions, "strong-one", &rigid_body_one_noise(), &wrong, 1.0)
 }
 
@@ -123,7 +121,7 @@ fn with_areas(
         let right = noise.path(p);
         Noise { areas: areas(step, &right), ..right }
     };
-    let wrong = WrongNoise { scheme: SexpLevy::new(problem.system(), problem.y0()), noise };
+    let wrong = OtherNoise { scheme: &SexpLevy::new(problem.system(), problem.y0()), noise };
     strong(conditions, "strong-one-levy", &problem, &wrong, 1.0)
 }
 

@@ -132,7 +132,7 @@ fn sharp(context: &Context) -> Rows {
             Ok(if conformal { row.guaranteed(worst <= bound, bound) } else { row })
         })
     })?;
-    Ok(casimir.into_iter().chain(energy).collect())
+    Ok([casimir, energy].concat())
 }
 
 /// Discrete gradients at a = b and next to it.

@@ -75,14 +75,14 @@ fn equilibria(context: &Context) -> Rows {
     let (none, some) = (Constant::new(0.0)?, Constant::new(2.0)?);
     // The float next to π is no equilibrium: its sine is 1.2e-16, and the distance grows like e^t.
     let (pi, grown) = (std::f64::consts::PI, f64::EPSILON * (REST.0 as f64 * REST.1).exp());
-    let rows = [
+    Ok([
         stay(context, "rigid body, y₀ = 0, γ = 2", (body, some), [0.0; 3], 0.0)?,
         stay(context, "rigid body, y₀ = (0, 1, 0), γ = 0", (body, none), [0.0, 1.0, 0.0], 0.0)?,
         stay(context, "pendulum, y₀ = 0, γ = 2", (pendulum, some), [0.0; 2], 0.0)?,
         stay(context, "pendulum upright, γ = 0, no noise", (still, none), [0.0, pi], grown)?,
         stay(context, "Lotka–Volterra, y₀ = (½, ½, ½), γ = 0", (volterra, none), [0.5; 3], 0.0)?,
-    ];
-    Ok(rows.into_iter().flatten().collect())
+    ]
+    .concat())
 }
 
 /// The largest distance from y₀, at most `bound`.
