@@ -44,7 +44,7 @@ use systems::{
 use verify::results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series};
 
 use super::strong::{describe_failures, power_of_half};
-use crate::{Conditions, Findings, Method, TRUNCATED, Words, compiled, truncation};
+use crate::{Conditions, Findings, TRUNCATED, Words, compiled, truncation};
 
 /// A test function with its name.
 type TestFunction = (&'static str, fn([f64; 3]) -> f64);
@@ -87,7 +87,7 @@ pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
     let mut series = observables.iter().enumerate().map(|(f, observable)| {
         let moments = measured.iter().map(|outcome| outcome.statistic.moments(f));
         let (points, rate) = weak_errors(&taus, &moments.collect::<Vec<_>>());
-        let (scheme, quantity) = (Method::Sexp.id().into(), observable.name.into());
+        let (scheme, quantity) = ("sexp".into(), observable.name.into());
         Series { scheme, quantity, points, rate, ..Series::default() }
     });
     let failures = measured.iter().flat_map(|m| describe_failures(m.failed, &m.failures));
