@@ -1,12 +1,12 @@
 //! Invariants along paths, beside their conformal law exp(−p∫γ)F(y₀).
 
-use mc::{Trajectory, trajectory};
+use mc::Trajectory;
 use schemes::Scheme;
 use stats::Moments;
-use systems::{Damping, PoissonSystem, Problem, paper::valid};
+use systems::{Damping, PoissonSystem, Problem};
 use verify::{DEVIATIONS, results::Evidence, worse};
 
-use crate::{Conditions, truncation};
+use crate::Conditions;
 
 /// Largest relative defect of `sexp` that counts as round-off on the paper's paths of at most 500
 /// steps. A step leaves a residual of at most two ulp and a handful of roundings, say 16 ε in all;
@@ -61,8 +61,7 @@ pub fn approach<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usi
     let logarithms = |part, steps| {
         let mut logarithms = Moments::default();
         for path in 0..PATHS {
-            let key = conditions.key(part);
-            let path = valid(trajectory(problem, scheme, steps, truncation(), key, path));
+            let path = conditions.path(part, problem, scheme, steps, path);
             let logarithm = largest_defect(&along(problem, index, &path)).ln();
             if path.failure.is_some() || !logarithm.is_finite() {
                 return None;

@@ -1,7 +1,9 @@
 //! What an experiment is, what it is given and what it returns.
 
+use mc::{Trajectory, trajectory};
 use noise::{StreamKey, Truncation};
-use systems::{Damping, Problem, paper::valid};
+use schemes::Scheme;
+use systems::{Damping, PoissonSystem, Problem, paper::valid};
 use verify::{
     Mode, Progress, Settings,
     results::{Claim, Kind, Panel},
@@ -34,6 +36,21 @@ impl Conditions<'_> {
     /// The streams of part number `part` of the experiment.
     pub fn key(&self, part: u64) -> StreamKey {
         streams::key(self.settings.seed, self.experiment, part)
+    }
+
+    /// Path number `path` of a scheme on the streams of part number `part`, in `steps` steps.
+    ///
+    /// # Panics
+    /// When there is no such part, or truncation is not defined for such steps.
+    pub fn path<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+        &self,
+        part: u64,
+        problem: &Problem<S, G, D>,
+        scheme: &dyn Scheme<S, D, M>,
+        steps: u64,
+        path: u64,
+    ) -> Trajectory<D> {
+        valid(trajectory(problem, scheme, steps, truncation(), self.key(part), path))
     }
 
     /// `paper` at the paper's sizes, `quick` for continuous integration.

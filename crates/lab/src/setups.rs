@@ -19,7 +19,7 @@ use crate::{PaperSystem, compiled};
 pub type Expectations<S, G, const D: usize> = fn(&Problem<S, G, D>, &[Observable<D>]) -> Vec<f64>;
 
 /// A test function with its name.
-type Function<const D: usize> = (&'static str, fn([f64; D]) -> f64);
+pub(crate) type TestFunction<const D: usize> = (&'static str, fn([f64; D]) -> f64);
 
 /// A problem with its name, its schemes, and what is measured on it.
 pub struct Setup<S, G, const D: usize, const M: usize> {
@@ -58,7 +58,7 @@ impl<S, G, const D: usize, const M: usize> Setup<S, G, D, M> {
         self,
         title: &'static str,
         system: &'static str,
-        observables: [Function<D>; 2],
+        observables: [TestFunction<D>; 2],
     ) -> Self {
         let observables = observables.map(|(name, function)| Observable { name, function }).into();
         Self { title, system, observables, ..self }

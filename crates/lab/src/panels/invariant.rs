@@ -1,6 +1,5 @@
 //! Invariants along one path of each scheme, beside their conformal law.
 
-use mc::trajectory;
 use stats::Point;
 use systems::{Damping, InvariantKind, Problem, paper::valid};
 use verify::results::{Claim, Evidence, Kind, Panel, Series};
@@ -9,7 +8,6 @@ use super::strong::{Curve, curves_of_the_paper};
 use crate::{
     Conditions, Findings, PaperSystem, TRUNCATED, Words,
     conformal_law::{ROUND_OFF, along, approach, largest_defect},
-    truncation,
 };
 
 /// A relative defect above this is visible in a figure: Euler–Maruyama is expected there.
@@ -33,10 +31,9 @@ impl InvariantPanel {
         let curves = curves_of_the_paper::<S, D, M>();
         conditions.progress.begin(conditions.id(), self.steps * curves.len() as u64);
         let follow = |curve: &Curve<S, D, M>| {
-            let (scheme, key) = (curve.scheme.as_ref(), conditions.key(0));
-            let path = trajectory(problem, scheme, self.steps, truncation(), key, 0);
+            let path = conditions.path(0, problem, curve.scheme.as_ref(), self.steps, 0);
             conditions.progress.advance(self.steps);
-            valid(path)
+            path
         };
         let paths: Vec<_> = curves.iter().map(follow).collect();
         conditions.progress.end();

@@ -44,16 +44,13 @@ use systems::{
 use verify::results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series};
 
 use super::strong::{describe_failures, power_of_half};
-use crate::{Conditions, Findings, TRUNCATED, Words, compiled, truncation};
-
-/// A test function with its name.
-type TestFunction = (&'static str, fn([f64; 3]) -> f64);
+use crate::{Conditions, Findings, TRUNCATED, Words, compiled, setups::TestFunction, truncation};
 
 /// One panel: a name and the test functions on it.
 pub struct WeakPanel {
     pub id: &'static str,
     pub title: &'static str,
-    pub functions: [TestFunction; 3],
+    pub functions: [TestFunction<3>; 3],
 }
 
 /// The test functions of panels.

@@ -1,7 +1,6 @@
 //! `moment-bound`: ‖y_n‖ ≤ (F(y₀)/m(F))^{1/p} e^{∫|γ|} almost surely when m(F) = min over the unit
 //! sphere of F > 0 (Bréhier, Cohen and Komori 2025, §3).
 
-use mc::trajectory;
 use schemes::{Scheme, Sexp};
 use systems::{
     Constant, Damping, DampingFunction, PoissonSystem, Problem, RigidBody,
@@ -12,7 +11,7 @@ use verify::{
     worse,
 };
 
-use crate::{Conditions, Findings, compiled, truncation};
+use crate::{Conditions, Findings, compiled};
 
 pub(super) fn measure(conditions: &Conditions) -> Findings {
     let (casimir, energy) = (rigid_body_three_noises(10.0), rigid_body_energy(10.0));
@@ -67,8 +66,7 @@ pub fn bound<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
             })
             .collect();
         for path in 0..paths {
-            let key = conditions.key(part);
-            let path = valid(trajectory(problem, scheme, steps, truncation(), key, path));
+            let path = conditions.path(part, problem, scheme, steps, path);
             failed += u64::from(path.failure.is_some());
             for (y, bound) in path.states[1..].iter().zip(&bounds) {
                 let norm = y.iter().map(|component| component * component).sum::<f64>().sqrt();

@@ -48,13 +48,9 @@ fn distance(tau: f64, k: u32, p: i32) -> f64 {
 }
 
 pub(super) fn measure(conditions: &Conditions) -> Findings {
-    vec![
-        variance(),
-        sampled_variance(conditions, sampled_bound()),
-        distances(&[1, 2]),
-        distances(&[4]),
-    ]
-    .into()
+    let bound = valid(valid(Truncation::new(SAMPLED_ORDER)).bound(SAMPLED_STEP));
+    vec![variance(), sampled_variance(conditions, bound), distances(&[1, 2]), distances(&[4])]
+        .into()
 }
 
 fn variance() -> Claim {
@@ -79,11 +75,6 @@ const RANGE: &str = "k = 1 … 6 and τ = 2^-1 … 2^-40";
 /// Where enough increments are clipped to see it: τ = 1/4, k = 1.
 const SAMPLED_STEP: f64 = 0.25;
 const SAMPLED_ORDER: u32 = 1;
-
-/// The bound of the increments there.
-fn sampled_bound() -> f64 {
-    valid(valid(Truncation::new(SAMPLED_ORDER)).bound(SAMPLED_STEP))
-}
 
 /// Increments of this project clipped to ±`bound`, against the closed form.
 pub fn sampled_variance(conditions: &Conditions, bound: f64) -> Claim {
@@ -113,8 +104,7 @@ pub fn sampled_variance(conditions: &Conditions, bound: f64) -> Claim {
 /// χ|ᵖ ≈ 2φ(A) p!/A^{p+1}, the norm is of order τ^{1/2 + k/p} up to powers of |log τ|: enough for p
 /// ≤ 2 only.
 fn distances(powers: &[i32]) -> Claim {
-    let (coarse, fine) =
-        (0.5f64.powi(*EXPONENTS.start() as i32), 0.5f64.powi(*EXPONENTS.end() as i32));
+    let [coarse, fine] = [EXPONENTS.start(), EXPONENTS.end()].map(|&j| 0.5f64.powi(j as i32));
     let mut quantities = Vec::new();
     for &p in powers {
         let mut growth = 0.0;

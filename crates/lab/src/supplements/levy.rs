@@ -1,10 +1,9 @@
 //! `spin-pair-levy`: `sexp-levy` beyond three dimensions and over long paths.
 
-use mc::trajectory;
 use schemes::{Sexp, SexpLevy};
 use systems::{
     Damping, Problem,
-    paper::{half_cosine, rigid_body_three_noises, valid},
+    paper::{half_cosine, rigid_body_three_noises},
 };
 use verify::{
     results::{Claim, Evidence},
@@ -16,7 +15,6 @@ use crate::{
     conformal_law::{along, largest_defect},
     panels::strong::{Curve, Grid, StrongRuns},
     setups::spin_pair,
-    truncation,
 };
 
 const WORDS: Words = Words {
@@ -53,8 +51,7 @@ fn obeys_law<S: Compiled<SexpLevy, D, 3>, G: Damping, const D: usize>(
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     let mut largest = 0.0;
     for path in 0..PATHS {
-        let key = conditions.key(3);
-        let path = valid(trajectory(problem, levy.as_ref(), STEPS, truncation(), key, path));
+        let path = conditions.path(3, problem, levy.as_ref(), STEPS, path);
         for index in 0..problem.system().invariants().len() {
             largest = worse(largest, largest_defect(&along(problem, index, &path)));
         }

@@ -4,9 +4,7 @@ use lab::{
     Conditions,
     conformal_law::{ROUND_OFF, along, approach, largest_defect},
     statements::{exact_conformal, moment_bound},
-    truncation,
 };
-use mc::trajectory;
 use schemes::{EulerMaruyama, Implicit, Increment, Scheme, Sexp};
 use systems::{
     Damping, PoissonSystem, Problem, RigidBody,
@@ -35,7 +33,7 @@ fn obeys_law<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
     problem: &Problem<S, G, 3>,
     scheme: &dyn Scheme<S, 3, M>,
 ) -> Claim {
-    let path = valid(trajectory(problem, scheme, STEPS, truncation(), conditions.key(0), 0));
+    let path = conditions.path(0, problem, scheme, STEPS, 0);
     let measured = Evidence::Defect {
         invariant: problem.system().invariants()[0].name.into(),
         paths: 1,
@@ -103,7 +101,7 @@ pub fn old_structure_at_small_steps(conditions: &Conditions) -> Claim {
     // Up to T = 1: the Casimir of the wrong method drifts away.
     let problem = rigid_body_three_noises(1.0);
     let (steps, wrong): (_, &dyn Scheme<_, 3, 3>) = (STEPS / 10, &OldStructure);
-    let path = valid(trajectory(&problem, wrong, steps, truncation(), conditions.key(0), 0));
+    let path = conditions.path(0, &problem, wrong, steps, 0);
     let largest = largest_defect(&along(&problem, 0, &path));
     let measured = approach(conditions, &problem, wrong, 0, steps, largest);
     let statement = "the Casimir returns to the conformal law as τ → 0";
