@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use mc::{Ladder, Reference, Run, StrongErrors};
+use mc::{Ladder, Measured, Reference, Run, StrongErrors};
 use noise::Truncation;
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy};
 use stats::{Rate, fit_strong, root_mean_squares};
@@ -180,7 +180,7 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         let steps = format!("τ = 2^-{FIRST} … 2^-{}, {}", grid.last, self.truncated);
         let mut panel = Panel {
             samples: grid.samples,
-            failures: describe_failures(measured.failed, &measured.failures),
+            failures: describe_failures(&measured),
             series,
             clipped,
             ..self.words.panel(conditions.id(), Kind::Strong, problem, &steps)
@@ -223,8 +223,7 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             None => format!("{scheme} has strong order {order} ({when})"),
         };
         let measured = Evidence::Order { order, one_sided: bounded.is_some(), rate };
-        let claim = Claim::new(id, statement, measured).about(panel, scheme);
-        claim.proven(bounded == Some(true))
+        Claim::new(id, statement, measured).about(panel, scheme).proven(bounded == Some(true))
     }
 }
 
@@ -233,9 +232,9 @@ pub fn power_of_half(exponent: u32) -> f64 {
 }
 
 /// Paths that were left out: the first few, and how many.
-pub fn describe_failures(failed: u64, failures: &[mc::PathFailure]) -> Vec<String> {
+pub fn describe_failures<T>(Measured { failed, failures, .. }: &Measured<T>) -> Vec<String> {
     let mut lines: Vec<String> = failures.iter().map(ToString::to_string).collect();
-    if failed > failures.len() as u64 {
+    if *failed > failures.len() as u64 {
         lines.push(format!("… {failed} paths in all"));
     }
     lines

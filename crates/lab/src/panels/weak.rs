@@ -55,8 +55,11 @@ pub struct WeakPanel {
 
 /// The test functions of panels.
 pub fn observables(panels: &[&WeakPanel]) -> Vec<Observable<3>> {
-    let functions = panels.iter().flat_map(|panel| panel.functions);
-    functions.map(|(name, function)| Observable { name, function }).collect()
+    panels
+        .iter()
+        .flat_map(|panel| panel.functions)
+        .map(|(name, function)| Observable { name, function })
+        .collect()
 }
 
 /// Coarsest step size 2⁻⁶.
@@ -87,8 +90,7 @@ pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
         let (scheme, quantity) = ("sexp".into(), observable.name.into());
         Series { scheme, quantity, points, rate, ..Series::default() }
     });
-    let failures = measured.iter().flat_map(|m| describe_failures(m.failed, &m.failures));
-    let failures: Vec<String> = failures.collect();
+    let failures: Vec<String> = measured.iter().flat_map(describe_failures).collect();
     let steps = format!("τ = 2^-{FIRST} … 2^-{last}, {TRUNCATED}");
     let mut findings = Findings::default();
     for panel in panels {

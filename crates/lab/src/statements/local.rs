@@ -75,8 +75,8 @@ pub fn remainder_claims(
         let variance: f64 = pairs.map(|(i, j)| m[i] * mean.covariance_of_means(i, j) * m[j]).sum();
         means.push((length, variance.sqrt() / length));
     }
-    let claims = [("(E‖R‖²)^½ ≤ C τ^(3/2)", &roots, 1.5), ("‖E R‖ ≤ C τ²", &means, 2.0)];
-    let claims = claims.map(|(bound, values, order)| {
+    let bounds = [("(E‖R‖²)^½ ≤ C τ^(3/2)", &roots, 1.5), ("‖E R‖ ≤ C τ²", &means, 2.0)];
+    let claims = bounds.map(|(bound, values, order)| {
         let rate = fit_independent(&taus, values);
         let statement = format!("one-step remainder of {of}: {bound}");
         Claim::new(id, statement, Evidence::Order { order, one_sided: false, rate })

@@ -22,21 +22,15 @@ use crate::{
 };
 
 pub fn lotka_volterra(conditions: &Conditions) -> Findings {
-    let words = Words {
-        title: "Lotka–Volterra against its exact solution: strong convergence",
-        system: "Lotka–Volterra, a = −1, b = −1, c = 1",
-        paper: "Not in the paper.",
-    };
-    compare(conditions, words, &paper::lotka_volterra_1_1())
+    let title = "Lotka–Volterra against its exact solution: strong convergence";
+    let system = "Lotka–Volterra, a = −1, b = −1, c = 1";
+    compare(conditions, title, system, &paper::lotka_volterra_1_1())
 }
 
 pub fn rigid_body(conditions: &Conditions) -> Findings {
-    let words = Words {
-        title: "Rigid body with noise H₀ against its exact solution: strong convergence",
-        system: "rigid body, one noise H₀, I = (2, 1, 2/3)",
-        paper: "Not in the paper.",
-    };
-    compare(conditions, words, &paper::rigid_body_energy(1.0))
+    let title = "Rigid body with noise H₀ against its exact solution: strong convergence";
+    let system = "rigid body, one noise H₀, I = (2, 1, 2/3)";
+    compare(conditions, title, system, &paper::rigid_body_energy(1.0))
 }
 
 /// Both systems have a vector field of degree 2 and noise of size 1.
@@ -50,7 +44,8 @@ fn random_time<S, G: Damping>(problem: &Problem<S, G, 3>, finest_steps: u64) -> 
 
 fn compare<S: PaperSystem<3, 1>, G: Damping>(
     conditions: &Conditions,
-    words: Words,
+    title: &'static str,
+    system: &'static str,
     problem: &Problem<S, G, 3>,
 ) -> Findings {
     let grid = conditions.choose(Grid { last: 12, samples: 500 }, Grid { last: 10, samples: 200 });
@@ -58,6 +53,7 @@ fn compare<S: PaperSystem<3, 1>, G: Damping>(
     let time = random_time(problem, grid.finest_steps(problem.t_end()));
     let solution = |s: f64| solution(problem, s);
     let exact = Some(Exact { time_change: &time, solution: &solution });
+    let words = Words { title, system, paper: "Not in the paper." };
     let runs = StrongRuns::new(words, problem, grid, &curves);
     let mut findings = StrongRuns { exact, ..runs }.measure(conditions);
     findings.claims.extend(weak_claims(conditions, problem));

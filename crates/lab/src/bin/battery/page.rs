@@ -112,7 +112,7 @@ fn grids(page: &mut Page, battery: &Battery) {
 fn grid(page: &mut Page, seeds: &[Vec<Claim>], letter: impl Fn(&Claim) -> char) {
     let Some(first) = seeds.first() else { return };
     let label = |(claim, number): (&Claim, usize)| {
-        let words = [claim.id.as_str(), claim.panel.as_str(), claim.scheme.as_str()];
+        let words = [&claim.id, &claim.panel, &claim.scheme].map(String::as_str);
         let words: Vec<&str> = words.into_iter().filter(|word| !word.is_empty()).collect();
         format!("{number:3} {}", words.join(" "))
     };
@@ -130,8 +130,10 @@ fn grid(page: &mut Page, seeds: &[Vec<Claim>], letter: impl Fn(&Claim) -> char) 
 
 /// How many seeds gave a verdict to claim number c.
 fn count(seeds: &[Vec<Claim>], c: usize, verdict: Verdict) -> usize {
-    let claims = seeds.iter().filter_map(|claims| claims.get(c));
-    claims.filter(|claim| claim.verdict == verdict).count()
+    seeds
+        .iter()
+        .filter(|claims| claims.get(c).is_some_and(|claim| claim.verdict == verdict))
+        .count()
 }
 
 fn statements(page: &mut Page, seeds: &[Vec<Claim>]) {

@@ -47,6 +47,5 @@ pub struct Context<'a> {
 
 /// The rows of every setting.
 pub fn each<T>(settings: impl IntoIterator<Item = T>, rows: impl FnMut(T) -> Rows) -> Rows {
-    let rows: Vec<Vec<Row>> = settings.into_iter().map(rows).collect::<Result<_>>()?;
-    Ok(rows.concat())
+    Ok(settings.into_iter().map(rows).collect::<Result<Vec<_>>>()?.concat())
 }

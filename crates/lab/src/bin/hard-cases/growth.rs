@@ -84,16 +84,18 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
             volterra: Some(1), ..run("Lotka–Volterra, C, γ = sin t", sine, rounded, false)
         },
     ];
-    let growths = runs.iter().zip(0..).map(|(run, number)| {
-        if run.volterra.is_some() {
-            let (system, _, y0, _) = lotka_volterra_1_1().into_parts();
-            growth(arguments, number, run, ("Lotka–Volterra with a = b = −1", system, y0))
-        } else {
-            let (body, _, y0, _) = rigid_body_three_noises(1.0).into_parts();
-            growth(arguments, number, run, ("Rigid body with three noises", body, y0))
-        }
-    });
-    growths.collect()
+    runs.iter()
+        .zip(0..)
+        .map(|(run, number)| {
+            if run.volterra.is_some() {
+                let (system, _, y0, _) = lotka_volterra_1_1().into_parts();
+                growth(arguments, number, run, ("Lotka–Volterra with a = b = −1", system, y0))
+            } else {
+                let (body, _, y0, _) = rigid_body_three_noises(1.0).into_parts();
+                growth(arguments, number, run, ("Rigid body with three noises", body, y0))
+            }
+        })
+        .collect()
 }
 
 fn growth<S: Compiled<Sexp, D, M>, const D: usize, const M: usize>(
@@ -188,9 +190,12 @@ fn rms(d: &[f64; WIDTH]) -> f64 {
 
 /// The slope of ln RMS over ln n by least squares, over the given paths.
 fn slope(rows: &[(u64, [f64; WIDTH])], paths: &[usize; WIDTH]) -> f64 {
-    let late = rows.iter().filter(|(n, _)| *n >= FIRST);
-    let points = late.map(|(n, d)| ((*n as f64).ln(), rms(&paths.map(|path| d[path])).ln()));
-    let points: Vec<(f64, f64)> = points.filter(|(_, y)| *y > f64::NEG_INFINITY).collect();
+    let points: Vec<(f64, f64)> = rows
+        .iter()
+        .filter(|(n, _)| *n >= FIRST)
+        .map(|(n, d)| ((*n as f64).ln(), rms(&paths.map(|path| d[path])).ln()))
+        .filter(|(_, y)| *y > f64::NEG_INFINITY)
+        .collect();
     let count = points.len() as f64;
     let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / count, y + p.1 / count));
     let sum = |f: &dyn Fn(f64, f64) -> f64| points.iter().map(|p| f(p.0 - x, p.1 - y)).sum::<f64>();

@@ -62,8 +62,8 @@ pub fn summary(page: &mut Page, results: &Stability) {
     let long: Vec<Verdict> = results.growth.iter().map(|run| run.verdict).collect();
     let long = (!long.is_empty()).then(|| row(LONG, &long));
     page.table(["case", "hold", "fail as they must", "observed", "refuted"], cases.chain(long));
-    let refuted = results.cases.iter().flat_map(|result| &result.rows);
-    let refuted = refuted.filter(|row| row.verdict == Refuted);
+    let rows = results.cases.iter().flat_map(|result| &result.rows);
+    let refuted = rows.filter(|row| row.verdict == Refuted);
     page.list(refuted.map(|row| format!("{}, {}: {}", row.setting, row.scheme, cell(row))));
     if !results.fuzz.is_empty() {
         let sum = |count: fn(&Fuzzed) -> u64| results.fuzz.iter().map(count).sum::<u64>();

@@ -164,8 +164,8 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         costs: impl Fn(&[P]) -> Option<Vec<Cost>>,
     ) -> Vec<Series<P>> {
         let series = |(s, scheme): (usize, &Box<dyn Scheme<S, D, M>>)| {
-            let points = sizes.steps().enumerate().map(|(l, steps)| point(s, l, steps));
-            let points: Vec<P> = points.collect();
+            let points: Vec<P> =
+                sizes.steps().enumerate().map(|(l, steps)| point(s, l, steps)).collect();
             Series { scheme: scheme.id(), costs: costs(&points), points }
         };
         self.setup.schemes.iter().enumerate().map(series).collect()

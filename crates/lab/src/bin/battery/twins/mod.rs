@@ -101,8 +101,10 @@ pub const TWINS: &[Twin] = &[
 /// Measures every twin; the claims come in the order of [`TWINS`].
 pub fn measure_twins(settings: Settings, progress: &dyn Progress) -> Vec<Claim> {
     let conditions = |experiment| Conditions { settings, experiment, wanted: &[], progress };
-    let numbered = (streams::TWINS..).zip(TWINS);
-    numbered.map(|(experiment, twin)| (twin.measure)(&conditions(experiment))).collect()
+    (streams::TWINS..)
+        .zip(TWINS)
+        .map(|(experiment, twin)| (twin.measure)(&conditions(experiment)))
+        .collect()
 }
 
 #[cfg(test)]

@@ -108,11 +108,14 @@ const DESCRIBED: usize = 5;
 /// Feeds all targets, as many times fewer inputs as one takes longer.
 pub fn run(arguments: &Arguments) -> Vec<Fuzzed> {
     let inputs = arguments.inputs.unwrap_or(arguments.many(INPUTS, QUICK_INPUTS));
-    let fed = TARGETS.iter().zip(0..).map(|(target, number)| {
-        eprintln!("{}", target.name);
-        feed(target, arguments.seed, number, (inputs / target.cost).max(1))
-    });
-    fed.collect()
+    TARGETS
+        .iter()
+        .zip(0..)
+        .map(|(target, number)| {
+            eprintln!("{}", target.name);
+            feed(target, arguments.seed, number, (inputs / target.cost).max(1))
+        })
+        .collect()
 }
 
 fn feed(target: &Target, seed: u64, number: u64, inputs: u64) -> Fuzzed {
