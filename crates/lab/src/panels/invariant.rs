@@ -1,7 +1,7 @@
 //! Invariants along one path of each scheme, beside their conformal law.
 
 use stats::Point;
-use systems::{Damping, InvariantKind, Problem, paper::valid};
+use systems::{Damping, Invariant, InvariantKind, Problem};
 use verify::results::{Claim, Evidence, Kind, Panel, Series};
 
 use super::strong::{Curve, curves_of_the_paper};
@@ -17,8 +17,8 @@ const VISIBLE: f64 = 1e-3;
 pub struct InvariantPanel {
     pub words: Words,
     pub steps: u64,
-    /// Names of the invariants to show, the one of the paper first.
-    pub invariants: &'static [&'static str],
+    /// Numbers of the invariants to show, the one of the paper first.
+    pub invariants: &'static [usize],
 }
 
 impl InvariantPanel {
@@ -41,10 +41,9 @@ impl InvariantPanel {
         let known = problem.system().invariants();
         let mut findings = Findings::default();
         let mut all = Vec::new();
-        for &name in self.invariants {
-            let index = known.iter().position(|invariant| invariant.name == name);
-            let index = valid(index.ok_or_else(|| format!("there is no invariant {name}")));
-            let (id, function) = match known[index].kind {
+        for &index in self.invariants {
+            let Invariant { name, kind, .. } = known[index];
+            let (id, function) = match kind {
                 InvariantKind::Energy => ("energy-balance", "H"),
                 InvariantKind::Casimir => ("conformal-casimir", "the Casimir"),
             };

@@ -36,7 +36,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
                 paper: "sexp follows the conformal law of the Casimir; Euler–Maruyama does not.",
             },
             steps: 100,
-            invariants: &["C"],
+            invariants: &[0],
         }
         .follow(conditions, &paper::rigid_body_three_noises(10.0))
     }),
@@ -79,7 +79,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
                 paper: "sexp follows the conformal law of the energy.",
             },
             steps: 100,
-            invariants: &["H", "C"],
+            invariants: &[1, 0],
         }
         .follow(conditions, &paper::rigid_body_energy(10.0))
     }),
@@ -92,7 +92,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
                     quadratic.",
             },
             steps: 100,
-            invariants: &["H", "C"],
+            invariants: &[0, 1],
         }
         .follow(conditions, &paper::lotka_volterra_2_2(10.0))
     }),
@@ -120,7 +120,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
                 paper: "sexp follows the conformal law of the Casimir.",
             },
             steps: 500,
-            invariants: &["C"],
+            invariants: &[0],
         }
         .follow(conditions, &paper::maxwell_bloch(5.0))
     }),
@@ -134,7 +134,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
                     well, midpoint well.",
         },
         steps: 100,
-        invariants: &["C", "S"],
+        invariants: &[0, 1],
         }
         .follow(conditions, &paper::poisson3_casimir(2.0))
     }),

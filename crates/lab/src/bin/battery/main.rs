@@ -81,7 +81,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
 /// The last seed in a line: its verdicts, everything that went wrong so far, and the time.
 fn progress(battery: &Battery, seeds: u64, seconds: f64) -> String {
     let done = battery.claims.len();
-    let last = battery.claims.last().map_or(String::new(), |claims| terminal::counts(claims));
+    let last = terminal::counts(&battery.claims[done - 1]);
     format!(
         "seed {done} of {seeds}: {last}; so far {} false alarms, {} twins not refuted; \
          {seconds:.0} s, about {:.0} s left",

@@ -13,7 +13,7 @@ use std::{
     panic::{AssertUnwindSafe, catch_unwind},
 };
 
-use anyhow::{Result, anyhow, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use thiserror::Error;
 
 pub use bits::Bits;
@@ -144,7 +144,7 @@ fn feed(target: &Target, seed: u64, number: u64, inputs: u64) -> Fuzzed {
 
 /// What was accepted; [`Refused`] ends the input.
 fn accepted<T, E: Display>(result: Result<T, E>) -> Result<T> {
-    answer(result)?.ok_or_else(|| anyhow!(Refused))
+    answer(result)?.context(Refused)
 }
 
 /// What was accepted, if it was; a refusal must have words.
