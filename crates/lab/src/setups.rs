@@ -43,15 +43,10 @@ impl<S, G, const D: usize, const M: usize> Setup<S, G, D, M> {
     fn new(
         id: &'static str,
         problem: Problem<S, G, D>,
-        schemes: [Box<dyn Scheme<S, D, M>>; 4],
+        schemes: Vec<Box<dyn Scheme<S, D, M>>>,
     ) -> Self {
-        let (schemes, observables) = (schemes.into(), Vec::new());
+        let observables = Vec::new();
         Self { id, problem, schemes, title: "", system: "", observables, expectations: None }
-    }
-
-    fn with_areas(mut self, levy: Box<dyn Scheme<S, D, M>>) -> Self {
-        self.schemes.insert(1, levy);
-        self
     }
 
     fn described(
@@ -83,7 +78,7 @@ fn setup<S: PaperSystem<D, M>, G, const D: usize, const M: usize>(
     problem: Problem<S, G, D>,
 ) -> Setup<S, G, D, M> {
     let (sexp, midpoint) = (compiled(Sexp::default()), compiled(Midpoint::default()));
-    Setup::new(id, problem, [sexp, midpoint, Box::new(Heun), compiled(EulerMaruyama)])
+    Setup::new(id, problem, vec![sexp, midpoint, Box::new(Heun), compiled(EulerMaruyama)])
 }
 
 /// Identifiers of [`visit_paper`], in its order.
@@ -102,24 +97,23 @@ pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
         [("y1^2", |y| y[0] * y[0]), ("cos y2", |y| cos(y[1]))],
     ))?;
     // Spherical harmonics up to degree 96: to round-off for this body.
-    visitor.visit(Setup {
-        expectations: Some(|problem, phi| rigid_body_expectations(problem, 96, phi)),
-        ..setup("rigid-body-1", rigid_body_one_noise()).described(
-            "Rigid body, one noise",
-            "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1",
-            [("y1^2", |y| y[0] * y[0]), ("cos y3", |y| cos(y[2]))],
-        )
-    })?;
+    let mut one_noise = setup("rigid-body-1", rigid_body_one_noise()).described(
+        "Rigid body, one noise",
+        "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1",
+        [("y1^2", |y| y[0] * y[0]), ("cos y3", |y| cos(y[2]))],
+    );
+    one_noise.expectations = Some(|problem, phi| rigid_body_expectations(problem, 96, phi));
+    visitor.visit(one_noise)?;
     let problem = rigid_body_three_noises(1.0);
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
-    visitor.visit(Setup {
-        expectations: Some(|problem, phi| rigid_body_expectations(problem, 96, phi)),
-        ..setup("rigid-body-3", problem).with_areas(levy).described(
-            "Rigid body, three noises",
-            "rigid body, I = (2, 1, 2/3), Î = (1, 2, 3)",
-            [("y1^2", |y| y[0] * y[0]), ("cos y3", |y| cos(y[2]))],
-        )
-    })?;
+    let mut three_noises = setup("rigid-body-3", problem).described(
+        "Rigid body, three noises",
+        "rigid body, I = (2, 1, 2/3), Î = (1, 2, 3)",
+        [("y1^2", |y| y[0] * y[0]), ("cos y3", |y| cos(y[2]))],
+    );
+    three_noises.schemes.insert(1, levy);
+    three_noises.expectations = Some(|problem, phi| rigid_body_expectations(problem, 96, phi));
+    visitor.visit(three_noises)?;
     visitor.visit(setup("lotka-volterra", lotka_volterra_1_1()).described(
         "Lotka–Volterra",
         "Lotka–Volterra, a = −1, b = −1, c = 1",
@@ -154,6 +148,6 @@ pub fn visit_others(visitor: &mut impl Visit) -> Result<()> {
     let problem = spin_pair(valid(Constant::new(0.1)));
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     let (sexp, midpoint) = (compiled(Sexp::default()), Box::new(Midpoint::default()));
-    let schemes = [sexp, midpoint, Box::new(Heun), Box::new(EulerMaruyama)];
-    visitor.visit(Setup::new("spin-chain", problem, schemes).with_areas(levy))
+    let schemes = vec![sexp, levy, midpoint, Box::new(Heun), Box::new(EulerMaruyama)];
+    visitor.visit(Setup::new("spin-chain", problem, schemes))
 }

@@ -87,8 +87,8 @@ pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
     let mut series = observables.iter().enumerate().map(|(f, observable)| {
         let moments = measured.iter().map(|outcome| outcome.statistic.moments(f));
         let (points, rate) = weak_errors(&taus, &moments.collect::<Vec<_>>());
-        let (scheme, quantity) = ("sexp".into(), observable.name.into());
-        Series { scheme, quantity, points, rate, ..Series::default() }
+        let quantity = observable.name.into();
+        Series { scheme: "sexp".into(), quantity, points, rate, ..Series::default() }
     });
     let failures: Vec<String> = measured.iter().flat_map(describe_failures).collect();
     let steps = format!("τ = 2^-{FIRST} … 2^-{last}, {TRUNCATED}");

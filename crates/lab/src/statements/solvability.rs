@@ -77,12 +77,17 @@ pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
         }
         apart = worse(apart, squared_distance(one, other).sqrt());
     }
-    let lipschitz_words =
-        format!("largest Lipschitz quotient at τ = 2^-{exponent}, k = {TRUNCATION_ORDER}");
-    let apart_words = format!("largest distance between limits from {pairs} pairs of starts");
     let quantities = vec![
-        Bounded::at_most(lipschitz_words, quotient, lipschitz),
-        Bounded::at_most(apart_words, apart, AGREEMENT),
+        Bounded::at_most(
+            format!("largest Lipschitz quotient at τ = 2^-{exponent}, k = {TRUNCATION_ORDER}"),
+            quotient,
+            lipschitz,
+        ),
+        Bounded::at_most(
+            format!("largest distance between limits from {pairs} pairs of starts"),
+            apart,
+            AGREEMENT,
+        ),
     ];
     let statement = format!("{}: the step has a unique solution once C(k, τ) < 1", system.name());
     Claim::new("solvability", statement, Evidence::Bounds { quantities, failed: 0 })

@@ -112,16 +112,22 @@ fn distances(powers: &[i32]) -> Claim {
             let ratio = |tau: f64| distance(tau, k, p) / tau.powf(0.5 * f64::from(1 + k));
             growth = worse(growth, ratio(fine) / ratio(coarse));
         }
-        let growth_words = format!("growth of the ratio for p = {p} as τ falls, {RANGE}");
+        quantities.push(Bounded::at_most(
+            format!("growth of the ratio for p = {p} as τ falls, {RANGE}"),
+            growth,
+            1.0,
+        ));
         // The exponent that is seen between two fine steps, at the k of the reproduction.
         let k = TRUNCATION_ORDER;
         let seen = (distance(2.0 * fine, k, p) / distance(fine, k, p)).log2();
         let (bound, sharp) = (0.5 * f64::from(1 + k), 0.5 + f64::from(k) / f64::from(p));
-        let seen_words = format!(
-            "exponent at τ = 2^-40, k = {k} (the bound asks {bound:.1}, 1/2 + k/p is {sharp:.2})"
-        );
-        quantities.push(Bounded::at_most(growth_words, growth, 1.0));
-        quantities.push(Bounded::reported(seen_words, seen));
+        quantities.push(Bounded::reported(
+            format!(
+                "exponent at τ = 2^-40, k = {k} (the bound asks {bound:.1}, 1/2 + k/p is \
+                 {sharp:.2})"
+            ),
+            seen,
+        ));
     }
     let names: Vec<String> = powers.iter().map(ToString::to_string).collect();
     let statement = format!("‖ΔW − ΔŴ‖ in L^p ≤ C τ^((1+k)/2) for p = {}", names.join(", "));

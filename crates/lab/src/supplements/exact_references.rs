@@ -33,13 +33,10 @@ pub fn rigid_body(conditions: &Conditions) -> Findings {
     compare(conditions, title, system, &paper::rigid_body_energy(1.0))
 }
 
-/// Both systems have a vector field of degree 2 and noise of size 1.
-const DEGREE: f64 = 2.0;
-const NOISE: f64 = 1.0;
-
-/// The random time whose flow is the exact solution, on finest steps of T/`finest_steps`.
+/// The random time whose flow is the exact solution, on finest steps of T/`finest_steps`. Both
+/// systems have a vector field of degree 2 and noise of size 1.
 fn random_time<S, G: Damping>(problem: &Problem<S, G, 3>, finest_steps: u64) -> RandomTime<'_, G> {
-    RandomTime::new(problem.damping(), DEGREE, NOISE, problem.t_end() / finest_steps as f64)
+    RandomTime::new(problem.damping(), 2.0, 1.0, problem.t_end() / finest_steps as f64)
 }
 
 fn compare<S: PaperSystem<3, 1>, G: Damping>(

@@ -120,8 +120,8 @@ pub fn cost(conditions: &Conditions) -> Findings {
             let claim = claim(&result.estimates[0], &result, exact, statement);
             claims.push(claim.about(conditions.id(), "sexp"));
         }
-        let (scheme, quantity) = (name.into(), "cos y3".into());
-        series.push(Series { scheme, quantity, points, ..Series::default() });
+        let quantity = "cos y3".into();
+        series.push(Series { scheme: name.into(), quantity, points, ..Series::default() });
     }
     let reference = "half-width ε of the 95 % interval, bias included".into();
     let steps = "sexp, antithetic differences from τ = 1/2 on; a pilot of 1024 paths a level is \
