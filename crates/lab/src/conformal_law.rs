@@ -72,8 +72,9 @@ pub fn approach<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usi
     };
     let fine = logarithms(PART + 1, REFINEMENT * steps);
     let Some((coarse, fine)) = logarithms(PART, steps).zip(fine) else {
-        let reason = "a path failed, or obeys the law without any defect".into();
-        return Evidence::Undecided { reason };
+        return Evidence::Undecided {
+            reason: "a path failed, or obeys the law without any defect".into(),
+        };
     };
     let scale = (REFINEMENT as f64).ln();
     Evidence::Approach {

@@ -79,7 +79,7 @@ pub fn reproduce(
             wall_s_by_id.insert(names, start.elapsed().as_secs_f64());
         }
     }
-    let known = Provenance::of_run(settings.seed, settings.mode.id());
-    let provenance = Provenance { wall_s_by_id, ..known };
+    let provenance =
+        Provenance { wall_s_by_id, ..Provenance::of_run(settings.seed, settings.mode.id()) };
     Ok(Results { schema: SCHEMA, provenance, panels, supplements, claims })
 }

@@ -141,8 +141,8 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         }
         conditions.progress.begin(conditions.id(), ladder.steps_per_path() * grid.samples);
         let statistic = || StrongErrors::new(reference, &series, ladder.coarse_steps());
-        let advance = |work| conditions.progress.advance(work);
-        let measured = ladder.run(grid.samples, statistic, &advance);
+        let measured =
+            ladder.run(grid.samples, statistic, &|work| conditions.progress.advance(work));
         conditions.progress.end();
 
         let taus: Vec<f64> = grid.exponents().map(power_of_half).collect();

@@ -114,9 +114,10 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         let Sizes { repetitions, timed: key, .. } = self.sizes;
         let steps = self.sizes.timed_steps();
         progress.begin(&format!("{}: times", self.setup.id), repetitions.work(timed.len(), &steps));
-        let advance = |work| progress.advance(work);
         let problem = &self.setup.problem;
-        let times = path_times(timed, problem, &steps, truncation(), key, repetitions, &advance)?;
+        let times = path_times(timed, problem, &steps, truncation(), key, repetitions, &|work| {
+            progress.advance(work);
+        })?;
         progress.end();
         let by_steps = |times| steps.iter().copied().zip(times).collect();
         Ok(times.into_iter().map(by_steps).collect())
