@@ -77,8 +77,13 @@ fn setup<S: PaperSystem<D, M>, G, const D: usize, const M: usize>(
     id: &'static str,
     problem: Problem<S, G, D>,
 ) -> Setup<S, G, D, M> {
-    let (sexp, midpoint) = (compiled(Sexp::default()), compiled(Midpoint::default()));
-    Setup::new(id, problem, vec![sexp, midpoint, Box::new(Heun), compiled(EulerMaruyama)])
+    let schemes = vec![
+        compiled(Sexp::default()),
+        compiled(Midpoint::default()),
+        Box::new(Heun),
+        compiled(EulerMaruyama),
+    ];
+    Setup::new(id, problem, schemes)
 }
 
 /// Identifiers of [`visit_paper`], in its order.
@@ -147,7 +152,12 @@ pub fn visit_others(visitor: &mut impl Visit) -> Result<()> {
     visitor.visit(setup("lotka-volterra-2", lotka_volterra_2_2(1.0)))?;
     let problem = spin_pair(valid(Constant::new(0.1)));
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
-    let (sexp, midpoint) = (compiled(Sexp::default()), Box::new(Midpoint::default()));
-    let schemes = vec![sexp, levy, midpoint, Box::new(Heun), Box::new(EulerMaruyama)];
+    let schemes = vec![
+        compiled(Sexp::default()),
+        levy,
+        Box::new(Midpoint::default()),
+        Box::new(Heun),
+        Box::new(EulerMaruyama),
+    ];
     visitor.visit(Setup::new("spin-chain", problem, schemes))
 }

@@ -126,7 +126,7 @@ fn sharp(context: &Context) -> Rows {
             let quadrature: f64 = steps.map(|d| quadrature_error(kappa, d) * d.abs()).sum();
             // H and |∇H| are at most about two, so that rounding in H is no more than four times
             // that in ½|y|². The argument κy₁ has a rounding of its own, ε κ/κ.
-            let bound = quadrature + 4.0 * experiment.distance(paths, &CASIMIR, false).bound;
+            let bound = quadrature + 4.0 * experiment.distance(paths, &CASIMIR, scheme).bound;
             let row = row.with_figure(worst);
             let conformal = scheme.family == Family::Conformal;
             Ok(if conformal { row.guaranteed(worst <= bound, bound) } else { row })
