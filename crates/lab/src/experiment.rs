@@ -29,6 +29,9 @@ pub const TRUNCATION_ORDER: u32 = 4;
 
 impl Conditions<'_> {
     /// The id of what is made, where that is a single panel or statement.
+    ///
+    /// # Panics
+    /// When nothing is wanted, as of twins.
     pub fn id(&self) -> &str {
         self.wanted[0]
     }
@@ -94,6 +97,7 @@ pub struct Experiment {
 }
 
 impl Experiment {
+    /// One that does not take long.
     pub(crate) const fn new(
         ids: &'static [&'static str],
         run: fn(&Conditions) -> Findings,
@@ -101,6 +105,7 @@ impl Experiment {
         Self { ids, run, takes_long: false }
     }
 
+    /// The same as one that takes long.
     pub(crate) const fn long(self) -> Self {
         Self { takes_long: true, ..self }
     }

@@ -11,8 +11,8 @@ pub fn page(speed: &Speed) -> String {
     let workload = speed.workload;
     let parts = [
         Some(format!(
-            "{} paths, {} steps of 2^-8, {}, one thread, noise and statistics included; best of {}, ns \
-         ({}) for one step of one path",
+            "{} paths, {} steps of 2^-8, {}, one thread, noise and statistics included; best of \
+             {}, ns ({}) for one step of one path",
             workload.paths, workload.steps, speed.simd, workload.repetitions, speed.clock
         )),
         (!speed.optimised).then(|| "built without optimisation".into()),

@@ -162,7 +162,8 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
         })
     }
 
-    /// The distance of all paths of a scheme from a law. Where both sides of it overflow there is none.
+    /// The distance of all paths of a scheme from a law. Where both sides of it overflow there is
+    /// none.
     pub fn distance(&self, paths: &[Path<D>], law: &Law, scheme: &Tested<S, D, M>) -> Distance {
         let (system, damping, y0) =
             (self.problem.system(), self.problem.damping(), self.problem.y0());
