@@ -164,12 +164,12 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         point: impl Fn(usize, usize, u64) -> P,
         costs: impl Fn(&[P]) -> Option<Vec<Cost>>,
     ) -> Vec<Series<P>> {
-        let series = |(s, scheme): (usize, &Box<dyn Scheme<S, D, M>>)| {
+        let series = |(s, scheme): (usize, &&dyn Scheme<S, D, M>)| {
             let points: Vec<P> =
                 sizes.steps().enumerate().map(|(l, steps)| point(s, l, steps)).collect();
             Series { scheme: scheme.id(), costs: costs(&points), points }
         };
-        self.setup.schemes.iter().enumerate().map(series).collect()
+        self.timed.iter().enumerate().map(series).collect()
     }
 
     /// The values are squared errors of every run, then squared defects of every run and invariant.
