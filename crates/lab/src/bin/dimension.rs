@@ -146,7 +146,10 @@ fn measure(budget: Duration) -> Result<()> {
 
 fn main() -> Result<()> {
     let budget = if Arguments::parse().quick { Duration::ZERO } else { BUDGET };
-    let thread = thread::Builder::new().stack_size(STACK).spawn(move || measure(budget));
-    let measured = thread.context("cannot start a thread")?.join();
-    measured.map_err(|_| anyhow!("the measurement panicked"))?
+    thread::Builder::new()
+        .stack_size(STACK)
+        .spawn(move || measure(budget))
+        .context("cannot start a thread")?
+        .join()
+        .map_err(|_| anyhow!("the measurement panicked"))?
 }

@@ -20,7 +20,7 @@ pub enum Verdict {
 }
 
 /// One scheme in one setting of a case.
-#[derive(Default, Serialize)]
+#[derive(Clone, Default, Serialize)]
 pub struct Row {
     /// What is set, in words.
     pub setting: String,
@@ -44,9 +44,6 @@ pub struct Row {
     pub error: Option<String>,
     /// What became of the guarantee.
     pub verdict: Verdict,
-    /// Whether Newton's method came first: not drawn, since it looks like the fixed point.
-    #[serde(skip)]
-    pub newton: bool,
 }
 
 impl Row {

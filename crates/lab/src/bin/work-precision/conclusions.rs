@@ -1,6 +1,5 @@
 //! Conclusions in words that are made from the numbers.
 
-use lab::setups::Kind;
 use report::number;
 use verify::work_precision::{cost_at, crossing};
 
@@ -14,8 +13,8 @@ pub fn targets(curves: &[Curve]) -> Vec<f64> {
 
 /// The costs of an error on the curves that reach it, with the numbers of these.
 fn costs(curves: &[Curve], error: f64) -> impl Iterator<Item = (usize, f64)> {
-    let costs = curves.iter().map(move |curve| cost_at(&curve.points, error)).enumerate();
-    costs.filter_map(|(n, cost)| Some((n, cost?)))
+    let cost = move |(n, curve): (usize, &Curve)| Some((n, cost_at(&curve.points, error)?));
+    curves.iter().enumerate().filter_map(cost)
 }
 
 /// The cheapest curve at an error, by number, and its cost.
@@ -30,22 +29,29 @@ pub fn winner(curves: &[Curve], error: f64) -> Option<usize> {
 
 /// "`heun` from 1e-1 to 1e-3, `sexp` at 3e-4" for the winners at the targets.
 fn winners(curves: &[Curve]) -> String {
-    let targets = targets(curves);
-    let won = targets.iter().filter_map(|&error| Some((winner(curves, error)?, error)));
-    let won: Vec<(usize, f64)> = won.collect();
+    let won: Vec<(usize, f64)> = targets(curves)
+        .into_iter()
+        .filter_map(|error| Some((winner(curves, error)?, error)))
+        .collect();
     let words = won.chunk_by(|a, b| a.0 == b.0).map(|run| {
-        let (best, first) = run[0];
-        let (scheme, from, to) = (curves[best].scheme, number(first), number(run[run.len() - 1].1));
+        let (scheme, from) = (curves[run[0].0].scheme, number(run[0].1));
+        let to = number(run[run.len() - 1].1);
         let errors = if from == to { format!("at {to}") } else { format!("from {from} to {to}") };
         format!("`{scheme}` {errors}")
     });
-    let words: Vec<String> = words.collect();
-    if words.is_empty() { "no error is reached by two schemes".into() } else { words.join(", ") }
+    let words = words.collect::<Vec<_>>().join(", ");
+    if words.is_empty() { "no error is reached by two schemes".into() } else { words }
 }
 
-/// The strong errors of the schemes of a kind.
-pub fn series(case: &Case, kind: Kind) -> impl Iterator<Item = &Series<StrongPoint>> {
-    case.strong.series.iter().filter(move |series| series.kind == kind)
+/// The explicit schemes.
+pub const EXPLICIT: [&str; 2] = ["heun", "em"];
+
+/// The strong errors of some schemes.
+pub fn series<'a>(
+    case: &'a Case,
+    schemes: &'a [&str],
+) -> impl Iterator<Item = &'a Series<StrongPoint>> {
+    case.strong.series.iter().filter(|series| schemes.contains(&series.scheme))
 }
 
 /// "0.55 to 0.90", the smallest and the largest of some numbers.
@@ -75,8 +81,8 @@ fn compared(sexp: &Series<StrongPoint>, other: &Series<StrongPoint>) -> Option<S
 
 /// The strong conclusion of a case in a sentence or three.
 pub fn strong(case: &Case) -> String {
-    let others = series(case, Kind::OtherImplicit).chain(series(case, Kind::Explicit));
-    let sexp = series(case, Kind::Sexp).next();
+    let others = series(case, &["midpoint"]).chain(series(case, &EXPLICIT));
+    let sexp = series(case, &["sexp"]).next();
     let compared: String = others.filter_map(|other| compared(sexp?, other)).collect();
     format!("Cheapest for a strong error: {}.{compared}", winners(&case.strong.curves()))
 }
@@ -88,7 +94,7 @@ pub fn weak(observable: &WeakObservable) -> String {
 
 /// Whether Lévy areas are worth their price at equal strong error; nothing for a case without them.
 pub fn areas(case: &Case) -> Option<String> {
-    let (sexp, levy) = (series(case, Kind::Sexp).next()?, series(case, Kind::SexpLevy).next()?);
+    let (sexp, levy) = (series(case, &["sexp"]).next()?, series(case, &["sexp-levy"]).next()?);
     let ns = |series: &Series<StrongPoint>| {
         let each = |point: &StrongPoint| 1e9 * point.work.time.min_s / point.work.steps as f64;
         range(series.points.iter().map(each))

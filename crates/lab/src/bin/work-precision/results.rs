@@ -1,6 +1,5 @@
 //! The contract of `work-precision.json`; documented for other languages in `docs/results.md`.
 
-use lab::setups::Kind;
 use serde::Serialize;
 use verify::{
     results::Provenance,
@@ -34,7 +33,7 @@ pub struct Case {
     pub setup: String,
     /// The invariants whose conformal defect is measured, in the order of the system; none where it
     /// has none.
-    pub invariants: Vec<String>,
+    pub invariants: Vec<&'static str>,
     /// Strong errors.
     pub strong: Strong,
     /// Weak errors.
@@ -67,9 +66,6 @@ pub struct Strong {
 /// The errors of one scheme, coarsest step first.
 #[derive(Serialize)]
 pub struct Series<P> {
-    /// What the scheme is.
-    #[serde(skip)]
-    pub kind: Kind,
     /// `sexp`, `sexp-levy`, `midpoint`, `heun` or `em`.
     pub scheme: &'static str,
     /// A point for each step size.
