@@ -28,6 +28,7 @@ pub mod conformal_law;
 mod coverage;
 mod experiment;
 pub mod kernels;
+mod method;
 mod other_noise;
 mod panels;
 mod reproduce;
@@ -42,6 +43,7 @@ pub use experiment::{
     Conditions, Experiment, Findings, TRUNCATED, TRUNCATION_ORDER, set_up, truncation,
 };
 pub use kernels::{Compiled, PaperSystem, compiled};
+pub use method::Method;
 pub use other_noise::OtherNoise;
 pub use panels::EXPERIMENTS;
 pub use reproduce::{UnknownId, check_ids, ids, reproduce};

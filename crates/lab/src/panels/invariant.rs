@@ -6,7 +6,7 @@ use verify::results::{Claim, Evidence, Kind, Panel, Series};
 
 use super::strong::{Curve, curves_of_the_paper};
 use crate::{
-    Conditions, Findings, PaperSystem, TRUNCATED, Words,
+    Conditions, Findings, Method, PaperSystem, TRUNCATED, Words,
     conformal_law::{ROUND_OFF, along, approach, largest_defect},
 };
 
@@ -60,17 +60,19 @@ impl InvariantPanel {
                     ..Series::default()
                 });
                 // What the paper proves of `sexp` and reports of the others.
-                let (tolerance, obeys, statement) = match curve.name {
-                    "em" => (VISIBLE, false, "visibly leaves the conformal law"),
-                    "midpoint" => {
+                let (tolerance, obeys, statement) = match curve.method {
+                    Method::EulerMaruyama => (VISIBLE, false, "visibly leaves the conformal law"),
+                    Method::Midpoint => {
                         (ROUND_OFF, false, "leaves the conformal law, and returns to it as τ → 0")
                     }
-                    _ => (ROUND_OFF, true, "obeys the conformal law at every step"),
+                    Method::Sexp | Method::SexpLevy => {
+                        (ROUND_OFF, true, "obeys the conformal law at every step")
+                    }
                 };
                 let measured = match &path.failure {
                     // A path that ended early proves nothing about the rest.
                     Some(failure) => Evidence::Undecided { reason: failure.to_string() },
-                    None if curve.name == "midpoint" && largest > ROUND_OFF => {
+                    None if curve.method == Method::Midpoint && largest > ROUND_OFF => {
                         let scheme = curve.scheme.as_ref();
                         approach(conditions, problem, scheme, index, self.steps, largest)
                     }
@@ -85,7 +87,7 @@ impl InvariantPanel {
                 };
                 let claim = Claim::new(id, format!("{function} {statement}"), measured)
                     .about(conditions.id(), curve.name)
-                    .proven(curve.name == "sexp");
+                    .proven(curve.method == Method::Sexp);
                 findings.claims.push(claim);
             }
         }

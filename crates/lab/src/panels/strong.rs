@@ -12,7 +12,9 @@ use verify::{
     results::{Claim, Clipped, Evidence, Kind, Panel, Series},
 };
 
-use crate::{Compiled, Conditions, Findings, PaperSystem, TRUNCATED, Words, compiled, truncation};
+use crate::{
+    Compiled, Conditions, Findings, Method, PaperSystem, TRUNCATED, Words, compiled, truncation,
+};
 
 /// Coarsest step size 2⁻⁵.
 const FIRST: u32 = 5;
@@ -49,12 +51,13 @@ impl Grid {
 /// A scheme with the name of its curve.
 pub struct Curve<S, const D: usize, const M: usize> {
     pub name: &'static str,
+    pub method: Method,
     pub scheme: Box<dyn Scheme<S, D, M>>,
 }
 
 impl<S, const D: usize, const M: usize> Curve<S, D, M> {
-    pub fn new(scheme: Box<dyn Scheme<S, D, M>>) -> Self {
-        Self { name: scheme.id(), scheme }
+    pub fn new(method: Method, scheme: Box<dyn Scheme<S, D, M>>) -> Self {
+        Self { name: method.id(), method, scheme }
     }
 }
 
@@ -62,9 +65,9 @@ impl<S, const D: usize, const M: usize> Curve<S, D, M> {
 pub fn curves_of_the_paper<S: PaperSystem<D, M>, const D: usize, const M: usize>()
 -> Vec<Curve<S, D, M>> {
     vec![
-        Curve::new(compiled(Sexp::default())),
-        Curve::new(compiled(EulerMaruyama)),
-        Curve::new(compiled(Midpoint::default())),
+        Curve::new(Method::Sexp, compiled(Sexp::default())),
+        Curve::new(Method::EulerMaruyama, compiled(EulerMaruyama)),
+        Curve::new(Method::Midpoint, compiled(Midpoint::default())),
     ]
 }
 
@@ -155,11 +158,11 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             .filter(|_| self.exact.is_none())
             .map(|s| (s, "sup y", "largest over the common time grid", errors.at_worst_time(s)));
         for (s, quantity, when, squares) in at_end.chain(over_time) {
-            let Curve { name, scheme } = &curves[s];
+            let Curve { name, method, .. } = curves[s];
             let rate = fit_strong(&taus, reference_tau, squares);
-            claims.push(self.claim(conditions.id(), scheme.id(), when, rate.clone()));
+            claims.push(self.claim(conditions.id(), method, when, rate.clone()));
             series.push(Series {
-                scheme: (*name).into(),
+                scheme: name.into(),
                 quantity: quantity.into(),
                 points: root_mean_squares(&taus, squares),
                 rate,
@@ -176,7 +179,7 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
                 }
             }
         }
-        let at_finest = format!("{} at τ = 2^-{}", finest.scheme.id(), grid.reference());
+        let at_finest = format!("{} at τ = 2^-{}", finest.method.id(), grid.reference());
         let steps = format!("τ = 2^-{FIRST} … 2^-{}, {}", grid.last, self.truncated);
         let mut panel = Panel {
             samples: grid.samples,
@@ -204,26 +207,23 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
     }
 
     /// The order of a curve whose errors are taken at the time `when`.
-    fn claim(&self, panel: &str, scheme: &str, when: &str, rate: Option<Rate>) -> Claim {
+    fn claim(&self, panel: &str, method: Method, when: &str, rate: Option<Rate>) -> Claim {
         // A single noise commutes with itself.
         let commuting = M == 1;
-        let (id, bound) = match scheme {
-            "sexp-levy" => ("strong-one-levy", ""),
+        let (id, bound) = match method {
+            Method::SexpLevy => ("strong-one-levy", ""),
             _ if commuting => ("strong-one", "C τ for one noise (k ≥ 2)"),
             _ => ("strong-half", "C τ^½ for several noises (k ≥ 1)"),
         };
-        let order = match scheme {
-            "sexp-levy" => 1.0,
-            "sexp" | "midpoint" if commuting => 1.0,
-            _ => 0.5,
-        };
-        let bounded = self.bound.filter(|_| scheme == "sexp");
+        let order = method.strong_order(commuting);
+        let bounded = self.bound.filter(|_| method == Method::Sexp);
         let statement = match bounded {
             Some(_) => format!("sup over n of (E‖y_n − y(t_n)‖²)^½ ≤ {bound} ({when})"),
-            None => format!("{scheme} has strong order {order} ({when})"),
+            None => format!("{} has strong order {order} ({when})", method.id()),
         };
         let measured = Evidence::Order { order, one_sided: bounded.is_some(), rate };
-        Claim::new(id, statement, measured).about(panel, scheme).proven(bounded == Some(true))
+        let claim = Claim::new(id, statement, measured).about(panel, method.id());
+        claim.proven(bounded == Some(true))
     }
 }
 
@@ -286,7 +286,7 @@ impl StrongPanel {
     ) -> Findings {
         let mut findings = self.compare(conditions, problem);
         let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
-        let curves = [Curve::new(levy)];
+        let curves = [Curve::new(Method::SexpLevy, levy)];
         let runs = StrongRuns::new(self.words, problem, self.grid(conditions, 3), &curves);
         let areas = runs.measure(conditions);
         findings.claims.extend(areas.claims);

@@ -44,7 +44,9 @@ use systems::{
 use verify::results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series};
 
 use super::strong::{describe_failures, power_of_half};
-use crate::{Conditions, Findings, TRUNCATED, Words, compiled, setups::TestFunction, truncation};
+use crate::{
+    Conditions, Findings, Method, TRUNCATED, Words, compiled, setups::TestFunction, truncation,
+};
 
 /// One panel: a name and the test functions on it.
 pub struct WeakPanel {
@@ -87,8 +89,8 @@ pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
     let mut series = observables.iter().enumerate().map(|(f, observable)| {
         let moments = measured.iter().map(|outcome| outcome.statistic.moments(f));
         let (points, rate) = weak_errors(&taus, &moments.collect::<Vec<_>>());
-        let quantity = observable.name.into();
-        Series { scheme: "sexp".into(), quantity, points, rate, ..Series::default() }
+        let (scheme, quantity) = (Method::Sexp.id().into(), observable.name.into());
+        Series { scheme, quantity, points, rate, ..Series::default() }
     });
     let failures: Vec<String> = measured.iter().flat_map(describe_failures).collect();
     let steps = format!("τ = 2^-{FIRST} … 2^-{last}, {TRUNCATED}");

@@ -16,7 +16,7 @@ use verify::{
 };
 
 use crate::{
-    Conditions, Findings, PaperSystem, Words, compiled,
+    Conditions, Findings, Method, PaperSystem, Words, compiled,
     panels::strong::{Grid, StrongRuns, curves_of_the_paper},
     truncation,
 };
@@ -86,7 +86,7 @@ fn weak_claims<S: PaperSystem<3, 1>, G: Damping>(
         let statement = format!("sexp has weak order 1 against the exact solution for φ = {name}");
         let measured = Evidence::Order { order: 1.0, one_sided: false, rate: order.rate };
         let weak = Claim::new("weak-one", statement, measured)
-            .about(conditions.id(), "sexp")
+            .about(conditions.id(), Method::Sexp.id())
             .proven(false);
 
         // Two ways to the same number, of which one uses the noise of this project and the

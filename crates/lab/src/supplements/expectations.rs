@@ -14,7 +14,9 @@ use verify::{
     rigid_body_expectations,
 };
 
-use crate::{Conditions, Findings, Words, compiled, panels::weak_observables, streams, truncation};
+use crate::{
+    Conditions, Findings, Method, Words, compiled, panels::weak_observables, streams, truncation,
+};
 
 /// Steps on [0, 1] of the coarsest level: with two, the first difference has already the variance
 /// of order τ².
@@ -62,7 +64,7 @@ fn twelve(conditions: &Conditions, accuracy: f64) -> Vec<Claim> {
     let claims = measured.estimates.iter().zip(exact).map(|(estimate, exact)| {
         let name = estimate.name;
         let statement = format!("E[{name}] of the rigid body with three noises at T = 1");
-        claim(estimate, &measured, exact, statement).about("", "sexp")
+        claim(estimate, &measured, exact, statement).about("", Method::Sexp.id())
     });
     claims.collect()
 }
@@ -118,7 +120,7 @@ pub fn cost(conditions: &Conditions) -> Findings {
             points.push(Point::Cost { accuracy, path_steps: result.cost });
             let statement = format!("E[cos y3] to ± {accuracy:.0e} by {name}");
             let claim = claim(&result.estimates[0], &result, exact, statement);
-            claims.push(claim.about(conditions.id(), "sexp"));
+            claims.push(claim.about(conditions.id(), Method::Sexp.id()));
         }
         let quantity = "cos y3".into();
         series.push(Series { scheme: name.into(), quantity, points, ..Series::default() });

@@ -11,7 +11,7 @@ use verify::{
 };
 
 use crate::{
-    Compiled, Conditions, Findings, Words, compiled,
+    Compiled, Conditions, Findings, Method, Words, compiled,
     conformal_law::{along, largest_defect},
     panels::strong::{Curve, Grid, StrongRuns},
     setups::spin_pair,
@@ -26,7 +26,8 @@ const WORDS: Words = Words {
 pub fn measure(conditions: &Conditions) -> Findings {
     let problem = spin_pair(half_cosine());
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
-    let curves = [Curve::new(compiled(Sexp::default())), Curve::new(levy)];
+    let curves =
+        [Curve::new(Method::Sexp, compiled(Sexp::default())), Curve::new(Method::SexpLevy, levy)];
     let grid = conditions.choose(Grid { last: 11, samples: 500 }, Grid { last: 9, samples: 256 });
     let mut findings = StrongRuns::new(WORDS, &problem, grid, &curves).measure(conditions);
     findings.claims.extend([
@@ -68,5 +69,7 @@ fn obeys_law<S: Compiled<SexpLevy, D, 3>, G: Damping, const D: usize>(
         obeys: true,
     };
     let statement = "every Casimir obeys the conformal law at every step, Lévy areas included";
-    Claim::new("conformal-casimir", statement, measured).about(panel, "sexp-levy").proven(false)
+    Claim::new("conformal-casimir", statement, measured)
+        .about(panel, Method::SexpLevy.id())
+        .proven(false)
 }

@@ -5,7 +5,7 @@ use schemes::Sexp;
 use systems::paper::{rigid_body_one_noise, valid};
 
 use crate::{
-    Conditions, Findings, Words, compiled,
+    Conditions, Findings, Method, Words, compiled,
     panels::strong::{Curve, Grid, StrongRuns},
 };
 
@@ -28,7 +28,7 @@ pub fn measure(conditions: &Conditions) -> Findings {
         ("sexp, not truncated", Ok(Truncation::none())),
     ];
     let panels = rules.into_iter().flat_map(|(name, rule)| {
-        let curves = [Curve { name, scheme: compiled(Sexp::default()) }];
+        let curves = [Curve { name, method: Method::Sexp, scheme: compiled(Sexp::default()) }];
         let runs = StrongRuns {
             truncation: valid(rule),
             truncated: "increments truncated with k = 1, 2, 4 and not at all, those of the \
