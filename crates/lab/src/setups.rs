@@ -15,6 +15,19 @@ use verify::rigid_body_expectations;
 
 use crate::{PaperSystem, compiled};
 
+/// What a scheme is.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Kind {
+    /// The conformal exponential integrator.
+    Sexp,
+    /// The same with Lévy areas.
+    SexpLevy,
+    /// Another implicit scheme.
+    OtherImplicit,
+    /// An explicit scheme.
+    Explicit,
+}
+
 /// E φ(y(T)) of test functions on a problem, without sampling.
 pub type Expectations<S, G, const D: usize> = fn(&Problem<S, G, D>, &[Observable<D>]) -> Vec<f64>;
 
@@ -28,7 +41,7 @@ pub struct Setup<S, G, const D: usize, const M: usize> {
     /// System, damping, start and final time.
     pub problem: Problem<S, G, D>,
     /// `sexp`, `sexp-levy` where noises do not commute, `midpoint`, `heun` and `em`.
-    pub schemes: Vec<Box<dyn Scheme<S, D, M>>>,
+    pub schemes: Vec<(Kind, Box<dyn Scheme<S, D, M>>)>,
     /// What it is called on a figure; empty where only times are measured, and so are the next two.
     pub title: &'static str,
     /// The system and its parameters in words.
@@ -43,7 +56,7 @@ impl<S, G, const D: usize, const M: usize> Setup<S, G, D, M> {
     fn new(
         id: &'static str,
         problem: Problem<S, G, D>,
-        schemes: Vec<Box<dyn Scheme<S, D, M>>>,
+        schemes: Vec<(Kind, Box<dyn Scheme<S, D, M>>)>,
     ) -> Self {
         let observables = Vec::new();
         Self { id, problem, schemes, title: "", system: "", observables, expectations: None }
@@ -78,10 +91,10 @@ fn setup<S: PaperSystem<D, M>, G, const D: usize, const M: usize>(
     problem: Problem<S, G, D>,
 ) -> Setup<S, G, D, M> {
     let schemes = vec![
-        compiled(Sexp::default()),
-        compiled(Midpoint::default()),
-        Box::new(Heun),
-        compiled(EulerMaruyama),
+        (Kind::Sexp, compiled(Sexp::default())),
+        (Kind::OtherImplicit, compiled(Midpoint::default())),
+        (Kind::Explicit, Box::new(Heun)),
+        (Kind::Explicit, compiled(EulerMaruyama)),
     ];
     Setup::new(id, problem, schemes)
 }
@@ -116,7 +129,7 @@ pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
         "rigid body, I = (2, 1, 2/3), Î = (1, 2, 3)",
         [("y1^2", |y| y[0] * y[0]), ("cos y3", |y| cos(y[2]))],
     );
-    three_noises.schemes.insert(1, levy);
+    three_noises.schemes.insert(1, (Kind::SexpLevy, levy));
     three_noises.expectations = Some(|problem, phi| rigid_body_expectations(problem, 96, phi));
     visitor.visit(three_noises)?;
     visitor.visit(setup("lotka-volterra", lotka_volterra_1_1()).described(
@@ -153,11 +166,11 @@ pub fn visit_others(visitor: &mut impl Visit) -> Result<()> {
     let problem = spin_pair(valid(Constant::new(0.1)));
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     let schemes = vec![
-        compiled(Sexp::default()),
-        levy,
-        Box::new(Midpoint::default()),
-        Box::new(Heun),
-        Box::new(EulerMaruyama),
+        (Kind::Sexp, compiled(Sexp::default())),
+        (Kind::SexpLevy, levy),
+        (Kind::OtherImplicit, Box::new(Midpoint::default())),
+        (Kind::Explicit, Box::new(Heun)),
+        (Kind::Explicit, Box::new(EulerMaruyama)),
     ];
     visitor.visit(Setup::new("spin-chain", problem, schemes))
 }

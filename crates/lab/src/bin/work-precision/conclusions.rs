@@ -1,5 +1,6 @@
 //! Conclusions in words that are made from the numbers.
 
+use lab::setups::Kind;
 use report::number;
 use verify::work_precision::{cost_at, crossing};
 
@@ -43,15 +44,9 @@ fn winners(curves: &[Curve]) -> String {
     if words.is_empty() { "no error is reached by two schemes".into() } else { words }
 }
 
-/// The explicit schemes.
-pub const EXPLICIT: [&str; 2] = ["heun", "em"];
-
-/// The strong errors of some schemes.
-pub fn series<'a>(
-    case: &'a Case,
-    schemes: &'a [&str],
-) -> impl Iterator<Item = &'a Series<StrongPoint>> {
-    case.strong.series.iter().filter(|series| schemes.contains(&series.scheme))
+/// The strong errors of the schemes of a kind.
+pub fn series(case: &Case, kind: Kind) -> impl Iterator<Item = &Series<StrongPoint>> {
+    case.strong.series.iter().filter(move |series| series.kind == kind)
 }
 
 /// "0.55 to 0.90", the smallest and the largest of some numbers.
@@ -81,8 +76,8 @@ fn compared(sexp: &Series<StrongPoint>, other: &Series<StrongPoint>) -> Option<S
 
 /// The strong conclusion of a case in a sentence or three.
 pub fn strong(case: &Case) -> String {
-    let others = series(case, &["midpoint"]).chain(series(case, &EXPLICIT));
-    let sexp = series(case, &["sexp"]).next();
+    let others = series(case, Kind::OtherImplicit).chain(series(case, Kind::Explicit));
+    let sexp = series(case, Kind::Sexp).next();
     let compared: String = others.filter_map(|other| compared(sexp?, other)).collect();
     format!("Cheapest for a strong error: {}.{compared}", winners(&case.strong.curves()))
 }
@@ -94,7 +89,7 @@ pub fn weak(observable: &WeakObservable) -> String {
 
 /// Whether Lévy areas are worth their price at equal strong error; nothing for a case without them.
 pub fn areas(case: &Case) -> Option<String> {
-    let (sexp, levy) = (series(case, &["sexp"]).next()?, series(case, &["sexp-levy"]).next()?);
+    let (sexp, levy) = (series(case, Kind::Sexp).next()?, series(case, Kind::SexpLevy).next()?);
     let ns = |series: &Series<StrongPoint>| {
         let each = |point: &StrongPoint| 1e9 * point.work.time.min_s / point.work.steps as f64;
         range(series.points.iter().map(each))

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::Result;
 use lab::{
     OtherNoise, TRUNCATED, set_up,
-    setups::{Setup, Visit, visit_paper},
+    setups::{Kind, Setup, Visit, visit_paper},
     truncation,
 };
 use mc::{Run, View};
@@ -53,7 +53,8 @@ impl Visit for Cases<'_> {
         if !self.only.is_empty() && self.only.iter().all(|id| id != setup.id) {
             return Ok(());
         }
-        let timed: Vec<&dyn Scheme<S, D, M>> = setup.schemes.iter().map(Box::as_ref).collect();
+        let timed: Vec<&dyn Scheme<S, D, M>> =
+            setup.schemes.iter().map(|(_, scheme)| scheme.as_ref()).collect();
         let levy = timed.iter().copied().find(|scheme| scheme.reads_areas());
         let noise = |step: &Step, noise: &BlockNoise<M>, p: usize| {
             let right = noise.path(p);
@@ -164,12 +165,12 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         point: impl Fn(usize, usize, u64) -> P,
         costs: impl Fn(&[P]) -> Option<Vec<Cost>>,
     ) -> Vec<Series<P>> {
-        let series = |(s, scheme): (usize, &&dyn Scheme<S, D, M>)| {
+        let series = |(s, (kind, scheme)): (usize, &(Kind, Box<dyn Scheme<S, D, M>>))| {
             let points: Vec<P> =
                 sizes.steps().enumerate().map(|(l, steps)| point(s, l, steps)).collect();
-            Series { scheme: scheme.id(), costs: costs(&points), points }
+            Series { kind: *kind, scheme: scheme.id(), costs: costs(&points), points }
         };
-        self.timed.iter().enumerate().map(series).collect()
+        self.setup.schemes.iter().enumerate().map(series).collect()
     }
 
     /// The values are squared errors of every run, then squared defects of every run and invariant.

@@ -1,10 +1,11 @@
 //! `docs/work-precision.md`, made from the measurements.
 
+use lab::setups::Kind;
 use report::{Page, number, provenance::generated_by};
 use verify::work_precision::cost_at;
 
 use crate::{
-    conclusions::{self, EXPLICIT, cheapest, series, targets, winner},
+    conclusions::{self, cheapest, series, targets, winner},
     figures,
     results::{Case, Curve, Measurements, Sampled, Series, StrongPoint, WeakObservable},
 };
@@ -47,8 +48,8 @@ pub fn page(measured: &Measurements) -> Page {
 /// A row that compares `sexp` with the cheapest explicit scheme; nothing where they reach no error
 /// in common.
 fn price(case: &Case) -> Option<[String; 6]> {
-    let sexp = series(case, &["sexp"]).next()?;
-    let explicit: Vec<_> = series(case, &EXPLICIT).collect();
+    let sexp = series(case, Kind::Sexp).next()?;
+    let explicit: Vec<_> = series(case, Kind::Explicit).collect();
     let curves: Vec<Curve> = explicit.iter().map(|series| series.curve()).collect();
     let own = sexp.curve().points;
     let error = targets(&curves).into_iter().rfind(|&error| cost_at(&own, error).is_some())?;

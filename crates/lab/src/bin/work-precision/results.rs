@@ -1,5 +1,6 @@
 //! The contract of `work-precision.json`; documented for other languages in `docs/results.md`.
 
+use lab::setups::Kind;
 use serde::Serialize;
 use verify::{
     results::Provenance,
@@ -66,6 +67,9 @@ pub struct Strong {
 /// The errors of one scheme, coarsest step first.
 #[derive(Serialize)]
 pub struct Series<P> {
+    /// What the scheme is.
+    #[serde(skip)]
+    pub kind: Kind,
     /// `sexp`, `sexp-levy`, `midpoint`, `heun` or `em`.
     pub scheme: &'static str,
     /// A point for each step size.
