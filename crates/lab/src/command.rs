@@ -22,9 +22,8 @@ pub fn simd(name: &str) -> Result<Level, String> {
 }
 
 fn level_up_to(available: Level, name: &str) -> Result<Level, String> {
-    let mut levels = [Level::Baseline, Level::Avx2, Level::Avx512]
-        .into_iter()
-        .filter(|level| *level <= available);
+    let all = [Level::Baseline, Level::Avx2, Level::Avx512].into_iter();
+    let mut levels = all.filter(|level| *level <= available);
     levels.clone().find(|level| level.name() == name).ok_or_else(|| {
         let has = levels.by_ref().map(Level::name).collect::<Vec<_>>().join(", ");
         format!("this machine does not have it, only {has}")

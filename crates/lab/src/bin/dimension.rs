@@ -146,10 +146,7 @@ fn measure(budget: Duration) -> Result<()> {
 
 fn main() -> Result<()> {
     let budget = if Arguments::parse().quick { Duration::ZERO } else { BUDGET };
-    thread::Builder::new()
-        .stack_size(STACK)
-        .spawn(move || measure(budget))
-        .context("cannot start a thread")?
-        .join()
-        .map_err(|_| anyhow!("the measurement panicked"))?
+    let thread = thread::Builder::new().stack_size(STACK).spawn(move || measure(budget));
+    let measured = thread.context("cannot start a thread")?.join();
+    measured.map_err(|_| anyhow!("the measurement panicked"))?
 }

@@ -147,7 +147,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
         must_exceed: impl Fn(Family) -> Option<f64>,
     ) -> Result<Vec<Row>> {
         self.rows(setting, x, |row, scheme, paths| {
-            let Distance { worst, excess, bound } = self.distance(paths, law, scheme);
+            let Distance { worst, excess, bound } = self.distance(paths, law, scheme.newton);
             let kept = excess <= 1.0 && !(law.to_the_end && row.error.is_some());
             let row = row.with_figure(worst);
             let row = match must_exceed(scheme.family) {

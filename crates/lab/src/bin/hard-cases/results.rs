@@ -29,11 +29,9 @@ pub struct Stability {
 impl Stability {
     /// How many guarantees were refuted, by a case, by a long run or by fuzzing.
     pub fn refuted(&self) -> usize {
-        let rows = self.cases.iter().flat_map(|case| &case.rows);
-        rows.map(|row| row.verdict)
-            .chain(self.growth.iter().map(|run| run.verdict))
-            .filter(|verdict| *verdict == Verdict::Refuted)
-            .count()
+        let rows = self.cases.iter().flat_map(|case| &case.rows).map(|row| row.verdict);
+        let verdicts = rows.chain(self.growth.iter().map(|run| run.verdict));
+        verdicts.filter(|verdict| *verdict == Verdict::Refuted).count()
             + self.fuzz.iter().filter(|fuzzed| fuzzed.failures > 0).count()
     }
 }

@@ -22,6 +22,10 @@ pub enum Family {
 pub struct Tested<S, const D: usize, const M: usize> {
     pub name: &'static str,
     pub family: Family,
+    /// Whether Newton's method comes before the fixed point.
+    pub newton: bool,
+    /// The order for ordinary differential equations.
+    pub order: f64,
     /// The paths of each block that are advanced.
     pub paths: usize,
     advance: Box<Advance<S, D, M>>,
@@ -40,14 +44,18 @@ pub fn schemes<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     let sexp = |method| Sexp { solver: Solver::new(method) };
     let mut all = vec![
         Tested::new(Conformal, sexp(Method::FixedPoint)),
-        Tested { name: "sexp-newton", ..Tested::new(Conformal, sexp(Method::Newton)) },
+        Tested {
+            name: "sexp-newton",
+            newton: true,
+            ..Tested::new(Conformal, sexp(Method::Newton))
+        },
     ];
     if M > 1 {
         all.push(Tested::new(Conformal, SexpLevy::new(system, y0)));
     }
     all.push(Tested::new(Family::Midpoint, Midpoint::default()));
     all.push(Tested::new(Explicit, Heun));
-    all.push(Tested::new(Explicit, EulerMaruyama));
+    all.push(Tested { order: 1.0, ..Tested::new(Explicit, EulerMaruyama) });
     all
 }
 
@@ -56,6 +64,8 @@ impl<S, const D: usize, const M: usize> Tested<S, D, M> {
         Self {
             name: scheme.id(),
             family,
+            newton: false,
+            order: 2.0,
             paths: WIDTH,
             reads_areas: scheme.reads_areas(),
             advance: Box::new(move |system, step, noise, y| scheme.step(system, step, noise, y)),

@@ -103,9 +103,8 @@ fn no_noise(context: &Context) -> Rows {
             let (one, two, four) = (paths[0].end(), end(0)?, end(1)?);
             let difference = |a: [f64; 3], b: [f64; 3]| length([0, 1, 2].map(|i| a[i] - b[i]));
             let order = (difference(one, two) / difference(two, four)).log2();
-            let exact = if scheme.name == "em" { 1.0 } else { 2.0 };
-            let kept = row.error.is_none() && (order - exact).abs() <= SLACK / steps as f64;
-            let row = Row { exact: Some(exact), ..row };
+            let kept = row.error.is_none() && (order - scheme.order).abs() <= SLACK / steps as f64;
+            let row = Row { exact: Some(scheme.order), ..row };
             Ok(row.with_figure(order).guaranteed(kept, None))
         })
     })
