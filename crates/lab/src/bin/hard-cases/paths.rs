@@ -147,7 +147,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
         must_exceed: impl Fn(Family) -> Option<f64>,
     ) -> Result<Vec<Row>> {
         self.rows(setting, x, |row, scheme, paths| {
-            let Distance { worst, excess, bound } = self.distance(paths, law, scheme.newton);
+            let Distance { worst, excess, bound } = self.distance(paths, law, scheme);
             let kept = excess <= 1.0 && !(law.to_the_end && row.error.is_some());
             let row = row.with_figure(worst);
             let row = match must_exceed(scheme.family) {
@@ -168,7 +168,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
         let (system, damping, y0) =
             (self.problem.system(), self.problem.damping(), self.problem.y0());
         let invariants = system.invariants();
-        let newton_step = if scheme.name == "sexp-newton" { law.newton_step } else { 0.0 };
+        let newton_step = if scheme.newton { law.newton_step } else { 0.0 };
         let time = |n: usize| n as f64 * (self.problem.t_end() / self.steps as f64);
         let mut distance = Distance::default();
         for path in paths {
