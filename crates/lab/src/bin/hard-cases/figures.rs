@@ -29,7 +29,7 @@ fn plot(case: &CaseResult) -> Option<Plot> {
     let (_, x_title, (lo, hi)) = PLOTTED.into_iter().find(|(id, ..)| *id == case.case.id)?;
     let mut curves: Vec<Curve> = Vec::new();
     // `sexp` with Newton is `sexp` to the eye.
-    for row in case.rows.iter().filter(|row| row.scheme != "sexp-newton") {
+    for row in case.rows.iter().filter(|row| !row.newton) {
         // What is not finite, or overflows in the end, is at the top.
         let point = Measured::new(row.x?, row.measured.unwrap_or(hi).clamp(lo, hi));
         match curves.iter_mut().find(|curve| curve.name == row.scheme) {

@@ -132,7 +132,8 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
     ) -> Result<Vec<Row>> {
         let row = |scheme: &Tested<S, D, M>| {
             let paths = self.run(scheme)?;
-            complete(Row::new(&setting, x, scheme.name, stops(&paths)), scheme, &paths)
+            let row = Row::new(&setting, x, scheme.name, stops(&paths));
+            complete(Row { newton: scheme.newton, ..row }, scheme, &paths)
         };
         self.schemes().iter().map(row).collect()
     }

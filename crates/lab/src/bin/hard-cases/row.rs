@@ -44,6 +44,9 @@ pub struct Row {
     pub error: Option<String>,
     /// What became of the guarantee.
     pub verdict: Verdict,
+    /// Whether Newton's method came first: not drawn, since it looks like the fixed point.
+    #[serde(skip)]
+    pub newton: bool,
 }
 
 impl Row {
