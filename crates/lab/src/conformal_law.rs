@@ -1,12 +1,12 @@
 //! Invariants along paths, beside their conformal law exp(−p∫γ)F(y₀).
 
-use mc::{Trajectory, trajectory};
+use mc::Trajectory;
 use schemes::Scheme;
 use stats::Moments;
-use systems::{Damping, PoissonSystem, Problem, paper::valid};
+use systems::{Damping, PoissonSystem, Problem};
 use verify::{DEVIATIONS, results::Evidence, worse};
 
-use crate::experiment::{Conditions, truncation};
+use crate::Conditions;
 
 /// Largest relative defect of `sexp` that counts as round-off on the paper's paths of at most 500
 /// steps. A step leaves a residual of at most two ulp and a handful of roundings, say 16 ε in all;
@@ -15,15 +15,11 @@ use crate::experiment::{Conditions, truncation};
 pub const ROUND_OFF: f64 = 2e-13;
 
 /// (t, F(y(t)), exp(−p∫γ)F(y₀)) along a path, for the invariant number `index` of the system.
-pub fn along<S, G, const D: usize, const M: usize>(
+pub fn along<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
     index: usize,
     path: &Trajectory<D>,
-) -> Vec<(f64, f64, f64)>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
+) -> Vec<(f64, f64, f64)> {
     let system = problem.system();
     let degree = system.invariants()[index].degree;
     let initial: f64 = system.invariant(index, problem.y0());
@@ -52,25 +48,20 @@ const PART: u64 = 8;
 
 /// Whether a scheme with the defect `largest` along one path returns to the law as τ → 0: the order
 /// (mean ln d(τ) − mean ln d(τ/64))/ln 64 of the largest relative defect d along a path.
-pub fn approach<S, G, const D: usize, const M: usize>(
-    conditions: &Conditions<'_>,
+pub fn approach<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    conditions: &Conditions,
     problem: &Problem<S, G, D>,
     scheme: &dyn Scheme<S, D, M>,
     index: usize,
     steps: u64,
     largest: f64,
-) -> Evidence
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
+) -> Evidence {
     // ln of the largest relative defect along a path, over the paths; none if a path fails or has
     // no defect.
     let logarithms = |part, steps| {
         let mut logarithms = Moments::default();
         for path in 0..PATHS {
-            let key = conditions.key(part);
-            let path = valid(trajectory(problem, scheme, steps, truncation(), key, path));
+            let path = conditions.path(part, problem, scheme, steps, path);
             let logarithm = largest_defect(&along(problem, index, &path)).ln();
             if path.failure.is_some() || !logarithm.is_finite() {
                 return None;
@@ -79,14 +70,15 @@ where
         }
         Some(logarithms)
     };
-    let (coarse, fine) = (logarithms(PART, steps), logarithms(PART + 1, REFINEMENT * steps));
-    let (Some(coarse), Some(fine)) = (coarse, fine) else {
-        let reason = "a path failed, or obeys the law without any defect".to_owned();
-        return Evidence::Undecided { reason };
+    let fine = logarithms(PART + 1, REFINEMENT * steps);
+    let Some((coarse, fine)) = logarithms(PART, steps).zip(fine) else {
+        return Evidence::Undecided {
+            reason: "a path failed, or obeys the law without any defect".into(),
+        };
     };
     let scale = (REFINEMENT as f64).ln();
     Evidence::Approach {
-        invariant: problem.system().invariants()[index].name.to_owned(),
+        invariant: problem.system().invariants()[index].name.into(),
         largest,
         paths: PATHS,
         refinement: REFINEMENT,

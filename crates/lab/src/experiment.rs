@@ -1,7 +1,9 @@
 //! What an experiment is, what it is given and what it returns.
 
+use mc::{Trajectory, trajectory};
 use noise::{StreamKey, Truncation};
-use systems::{Damping, Problem, paper::valid};
+use schemes::Scheme;
+use systems::{Damping, PoissonSystem, Problem, paper::valid};
 use verify::{
     Mode, Progress, Settings,
     results::{Claim, Kind, Panel},
@@ -26,9 +28,32 @@ pub struct Conditions<'a> {
 pub const TRUNCATION_ORDER: u32 = 4;
 
 impl Conditions<'_> {
+    /// The id of what is made, where that is a single panel or statement.
+    ///
+    /// # Panics
+    /// When nothing is wanted, as of twins.
+    pub fn id(&self) -> &str {
+        self.wanted[0]
+    }
+
     /// The streams of part number `part` of the experiment.
     pub fn key(&self, part: u64) -> StreamKey {
         streams::key(self.settings.seed, self.experiment, part)
+    }
+
+    /// Path number `path` of a scheme on the streams of part number `part`, in `steps` steps.
+    ///
+    /// # Panics
+    /// When there is no such part, or truncation is not defined for such steps.
+    pub fn path<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+        &self,
+        part: u64,
+        problem: &Problem<S, G, D>,
+        scheme: &dyn Scheme<S, D, M>,
+        steps: u64,
+        path: u64,
+    ) -> Trajectory<D> {
+        valid(trajectory(problem, scheme, steps, truncation(), self.key(part), path))
     }
 
     /// `paper` at the paper's sizes, `quick` for continuous integration.
@@ -61,48 +86,34 @@ impl From<Vec<Claim>> for Findings {
 }
 
 /// One set of runs, which makes panels, claims or both.
-pub trait Experiment: Sync {
+#[derive(Clone, Copy)]
+pub struct Experiment {
     /// The ids of what it makes: of panels, or of a statement.
-    fn ids(&self) -> Vec<&'static str>;
+    pub ids: &'static [&'static str],
     /// Runs it.
-    fn run(&self, conditions: &Conditions<'_>) -> Findings;
+    pub run: fn(&Conditions) -> Findings,
     /// Whether it takes most of the time of a run: the battery repeats it at small sizes only.
-    fn takes_long(&self) -> bool {
-        false
-    }
+    pub takes_long: bool,
 }
 
-/// An experiment that is a function.
-pub struct Measurement {
-    /// Its id.
-    pub id: &'static str,
-    /// Measures.
-    pub measure: fn(&Conditions<'_>) -> Findings,
-    /// Whether it takes most of the time of a run.
-    pub long: bool,
-}
-
-impl Experiment for Measurement {
-    fn ids(&self) -> Vec<&'static str> {
-        vec![self.id]
+impl Experiment {
+    /// One that does not take long.
+    pub(crate) const fn new(
+        ids: &'static [&'static str],
+        run: fn(&Conditions) -> Findings,
+    ) -> Self {
+        Self { ids, run, takes_long: false }
     }
 
-    fn run(&self, conditions: &Conditions<'_>) -> Findings {
-        conditions.progress.begin(self.id, 0);
-        let findings = (self.measure)(conditions);
-        conditions.progress.end();
-        findings
-    }
-
-    fn takes_long(&self) -> bool {
-        self.long
+    /// The same as one that takes long.
+    pub(crate) const fn long(self) -> Self {
+        Self { takes_long: true, ..self }
     }
 }
 
 /// A figure in words.
 #[derive(Clone, Copy)]
 pub struct Words {
-    pub id: &'static str,
     pub title: &'static str,
     /// The system and its parameters.
     pub system: &'static str,
@@ -114,23 +125,27 @@ pub struct Words {
 pub const TRUNCATED: &str = "increments truncated with k = 4";
 
 impl Words {
-    /// A panel without curves; its set-up is "system, γ = …, y₀ = …, T = …, steps".
+    /// A panel without curves.
     pub fn panel<S, G: Damping, const D: usize>(
         &self,
+        id: &str,
         kind: Kind,
         problem: &Problem<S, G, D>,
         steps: &str,
     ) -> Panel {
-        let [id, title, paper] = [self.id, self.title, self.paper].map(str::to_owned);
-        let system = self.system;
-        let short = |y: &f64| {
-            let digits = format!("{y:.4}");
-            digits.trim_end_matches('0').trim_end_matches('.').to_owned()
-        };
-        let start: Vec<String> = problem.y0().iter().map(short).collect();
-        let (damping, t_end) = (problem.damping().describe(), problem.t_end());
-        let setup =
-            format!("{system}, {damping}, y₀ = ({}), T = {t_end}, {steps}", start.join(", "));
+        let [id, title, paper] = [id, self.title, self.paper].map(str::to_owned);
+        let setup = set_up(self.system, problem, steps);
         Panel { id, kind, title, setup, paper, ..Panel::default() }
     }
+}
+
+/// A set-up in words: "system, γ = …, y₀ = …, T = …, steps".
+pub fn set_up<S, G: Damping, const D: usize>(
+    system: &str,
+    problem: &Problem<S, G, D>,
+    steps: &str,
+) -> String {
+    let start = problem.y0().map(|y| ((1e4 * y).round() / 1e4).to_string()).join(", ");
+    let (damping, t_end) = (problem.damping().describe(), problem.t_end());
+    format!("{system}, {damping}, y₀ = ({start}), T = {t_end}, {steps}")
 }

@@ -14,6 +14,7 @@
 //! | [`statements`], [`conformal_law`] | measurements that twins repeat on wrong methods |
 //! | [`Compiled`], [`compiled()`], [`PaperSystem`] | schemes on systems, compiled once |
 //! | [`streams`] | which noise belongs to which experiment |
+//! | [`OtherNoise`] | a scheme on other noise than the driver's |
 //! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
 //! | [`command`] | what the command lines of all programs share |
 //! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo, against its value |
@@ -28,6 +29,7 @@ mod coverage;
 mod experiment;
 pub mod kernels;
 mod method;
+mod other_noise;
 mod panels;
 mod reproduce;
 pub mod setups;
@@ -36,9 +38,13 @@ pub mod streams;
 mod supplements;
 
 pub use coverage::coverage;
-pub use experiment::{Conditions, Experiment, Findings, Measurement, TRUNCATION_ORDER, truncation};
+use experiment::Words;
+pub use experiment::{
+    Conditions, Experiment, Findings, TRUNCATED, TRUNCATION_ORDER, set_up, truncation,
+};
 pub use kernels::{Compiled, PaperSystem, compiled};
 pub use method::Method;
+pub use other_noise::OtherNoise;
 pub use panels::EXPERIMENTS;
 pub use reproduce::{UnknownId, check_ids, ids, reproduce};
 pub use statements::STATEMENTS;

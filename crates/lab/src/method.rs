@@ -14,9 +14,6 @@ pub enum Method {
 }
 
 impl Method {
-    /// The schemes of the paper, in the order of its legends.
-    pub const PAPER: [Self; 3] = [Self::Sexp, Self::EulerMaruyama, Self::Midpoint];
-
     /// Identifier in results, that of the scheme itself.
     pub fn id(self) -> &'static str {
         match self {

@@ -1,46 +1,32 @@
 //! Runs experiments and collects their results.
 
-use std::{collections::BTreeMap, fmt, time::Instant};
+use std::{collections::BTreeMap, time::Instant};
 
+use thiserror::Error;
 use verify::{
     Progress, Settings,
     results::{Provenance, Results, SCHEMA},
 };
 
-use crate::{
-    experiment::{Conditions, Experiment},
-    panels::EXPERIMENTS,
-    statements::STATEMENTS,
-    streams,
-    supplements::SUPPLEMENTS,
-};
+use crate::{Conditions, EXPERIMENTS, Experiment, STATEMENTS, SUPPLEMENTS, streams};
 
 /// A panel or statement that does not exist.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error(
+    "there is no panel or statement {id:?}; panels: {}; figures that are not in the paper: {}; \
+     statements measured on their own, not on panels: {}",
+    ids(EXPERIMENTS).join(", "),
+    ids(SUPPLEMENTS).join(", "),
+    ids(STATEMENTS).join(", ")
+)]
 pub struct UnknownId {
     /// What was asked for.
     pub id: String,
 }
 
-impl fmt::Display for UnknownId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "there is no panel or statement {:?}; panels: {}; figures that are not in the paper: \
-             {}; statements measured on their own, not on panels: {}",
-            self.id,
-            ids(EXPERIMENTS).join(", "),
-            ids(SUPPLEMENTS).join(", "),
-            ids(STATEMENTS).join(", ")
-        )
-    }
-}
-
-impl std::error::Error for UnknownId {}
-
 /// The ids that experiments make.
-pub fn ids(experiments: &[&dyn Experiment]) -> Vec<&'static str> {
-    experiments.iter().flat_map(|experiment| experiment.ids()).collect()
+pub fn ids(experiments: &[Experiment]) -> Vec<String> {
+    experiments.iter().flat_map(|experiment| experiment.ids).map(ToString::to_string).collect()
 }
 
 /// Checks that every id names a panel or a statement.
@@ -49,7 +35,7 @@ pub fn ids(experiments: &[&dyn Experiment]) -> Vec<&'static str> {
 /// [`UnknownId`] names the first that does not, and lists those that do.
 pub fn check_ids(wanted: &[String]) -> Result<(), UnknownId> {
     let known = [ids(EXPERIMENTS), ids(STATEMENTS), ids(SUPPLEMENTS)].concat();
-    match wanted.iter().find(|id| !known.contains(&id.as_str())) {
+    match wanted.iter().find(|id| !known.contains(id)) {
         None => Ok(()),
         Some(id) => Err(UnknownId { id: id.clone() }),
     }
@@ -78,20 +64,22 @@ pub fn reproduce(
     ];
     for (first, family, of_paper) in families {
         for (experiment, member) in (first..).zip(family) {
-            let mut wanted = member.ids();
+            let mut wanted = member.ids.to_vec();
             wanted.retain(|id| only.is_empty() || only.iter().any(|name| name == id));
             if wanted.is_empty() {
                 continue;
             }
-            let start = Instant::now();
+            let (names, start) = (wanted.join(", "), Instant::now());
             let conditions = Conditions { settings, experiment, wanted: &wanted, progress };
-            let found = member.run(&conditions);
+            progress.begin(&names, 0);
+            let found = (member.run)(&conditions);
+            progress.end();
             if of_paper { &mut panels } else { &mut supplements }.extend(found.panels);
             claims.extend(found.claims);
-            wall_s_by_id.insert(wanted.join(", "), start.elapsed().as_secs_f64());
+            wall_s_by_id.insert(names, start.elapsed().as_secs_f64());
         }
     }
-    let known = Provenance::of_run(settings.seed, settings.mode.id());
-    let provenance = Provenance { wall_s_by_id, ..known };
+    let provenance =
+        Provenance { wall_s_by_id, ..Provenance::of_run(settings.seed, settings.mode.id()) };
     Ok(Results { schema: SCHEMA, provenance, panels, supplements, claims })
 }

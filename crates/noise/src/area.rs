@@ -82,10 +82,8 @@ pub struct AreaLadder<const M: usize> {
 impl<const M: usize> AreaLadder<M> {
     /// A ladder of `levels` levels above the finest, for a [`DyadicLadder`] with the same number.
     pub fn new(levels: usize) -> Self {
-        Self {
-            first_half: vec![AreaBlock::zero(); levels + 1],
-            joined: vec![AreaBlock::zero(); levels + 1],
-        }
+        let joined = vec![AreaBlock::zero(); levels + 1];
+        Self { first_half: joined.clone(), joined }
     }
 
     /// Adds the areas of the next finest step. Push its increment to `sums` first and pass the

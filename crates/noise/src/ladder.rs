@@ -18,11 +18,8 @@ pub struct DyadicLadder<const M: usize> {
 impl<const M: usize> DyadicLadder<M> {
     /// A ladder of `levels` levels above the finest, which is level 0.
     pub fn new(levels: usize) -> Self {
-        Self {
-            first_half: vec![Block::zero(); levels + 1],
-            sum: vec![Block::zero(); levels + 1],
-            pushed: 0,
-        }
+        let sum = vec![Block::zero(); levels + 1];
+        Self { first_half: sum.clone(), sum, pushed: 0 }
     }
 
     /// Adds the next finest increment. Returns the highest level whose step is now complete; all

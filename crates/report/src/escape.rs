@@ -3,18 +3,19 @@
 /// Replaces the characters that have a meaning in markup, so that the result stands for `text` in
 /// element content and in quoted attributes.
 pub fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
+    let (mut escaped, mut same) = (String::new(), [0; 4]);
     for c in text.chars() {
-        match c {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&#39;"),
-            // XML 1.0 knows no control characters but these three, not even as references.
-            c if c.is_control() && !matches!(c, '\t' | '\n' | '\r') => escaped.push('\u{fffd}'),
-            c => escaped.push(c),
-        }
+        escaped += match c {
+            '&' => "&amp;",
+            '<' => "&lt;",
+            '>' => "&gt;",
+            '"' => "&quot;",
+            '\'' => "&#39;",
+            '\t' | '\n' | '\r' => c.encode_utf8(&mut same),
+            // XML 1.0 knows no other control characters, not even as references.
+            _ if c.is_control() => "\u{fffd}",
+            _ => c.encode_utf8(&mut same),
+        };
     }
     escaped
 }

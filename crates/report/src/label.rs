@@ -34,13 +34,7 @@ impl Label {
 
     /// Plain words, in which digits and hyphens stay what they are.
     pub fn words(text: &str) -> Self {
-        Self { base: text.to_owned(), ..Self::default() }
-    }
-
-    /// The same label with plain words behind it.
-    #[must_use]
-    pub fn with_tail(self, text: &str) -> Self {
-        Self { tail: text.to_owned(), ..self }
+        Self { base: text.into(), ..Self::default() }
     }
 
     /// Estimated width in units of its font size.

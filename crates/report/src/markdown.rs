@@ -47,10 +47,10 @@ impl Page {
 
     /// A list with a bullet for each item; nothing without items.
     pub fn list(&mut self, items: impl IntoIterator<Item = String>) {
-        let items: Vec<String> =
-            items.into_iter().map(|item| format!("- {}", wrapped(&item, "  "))).collect();
+        let item = |item: String| format!("- {}\n", wrapped(&item, "  "));
+        let items: String = items.into_iter().map(item).collect();
         if !items.is_empty() {
-            self.block(&items.join("\n"));
+            self.block(&items);
         }
     }
 
@@ -65,18 +65,16 @@ impl Page {
         R: IntoIterator<Item: AsRef<str>>,
     {
         let cell = |text: &str| text.replace('|', "\\|").replace('\n', " ");
-        let rows: Vec<Vec<String>> = rows
-            .into_iter()
-            .map(|row| row.into_iter().map(|text| cell(text.as_ref())).collect())
-            .collect();
-        let head: Vec<String> = head.into_iter().map(|text| text.as_ref().to_owned()).collect();
+        let cells = |row: R| row.into_iter().map(|text| cell(text.as_ref())).collect();
+        let rows: Vec<Vec<String>> = rows.into_iter().map(cells).collect();
+        let head: Vec<String> = head.into_iter().map(|text| text.as_ref().into()).collect();
         let filled = |n: &usize| {
             rows.is_empty() || rows.iter().any(|row| row.get(*n).is_some_and(|c| !c.is_empty()))
         };
         let shown: Vec<usize> = (0..head.len()).filter(filled).collect();
-        let line = |cells: &Vec<String>| {
-            let cells = shown.iter().filter_map(|n| cells.get(*n).map(String::as_str));
-            format!("| {} |\n", cells.collect::<Vec<_>>().join(" | "))
+        let line = |row: &Vec<String>| {
+            let cells = shown.iter().filter_map(|n| row.get(*n)).map(|cell| format!(" {cell} |"));
+            format!("|{}\n", cells.collect::<String>())
         };
         let rule = "---|".repeat(shown.len());
         let rows: String = rows.iter().map(line).collect();
@@ -91,7 +89,7 @@ impl Page {
     /// A figure with its name as a file and its description.
     pub fn figure(&mut self, name: &str, description: &str, svg: String) {
         self.block(&format!("![{description}](figures/{name})"));
-        self.figures.push((name.to_owned(), svg));
+        self.figures.push((name.into(), svg));
     }
 
     fn block(&mut self, text: &str) {
@@ -135,24 +133,17 @@ pub fn distinct<T: Eq + std::hash::Hash + Clone>(entries: impl IntoIterator<Item
 
 /// Words in lines that are short enough; all lines but the first begin with `indent`.
 fn wrapped(words: &str, indent: &str) -> String {
-    let mut text = String::new();
-    let mut column = indent.len();
+    let mut lines: Vec<String> = Vec::new();
     for word in words.split_whitespace() {
-        let width = word.chars().count();
         // At the beginning of a line these words would have another meaning.
         let marks = ["-", "+", "*", ">", "=", "1."].contains(&word) || word.starts_with(['#', '|']);
-        if text.is_empty() {
-            column += width;
-        } else if column + 1 + width > COLUMNS && !marks {
-            text.push_str(&format!("\n{indent}"));
-            column = indent.len() + width;
-        } else {
-            text.push(' ');
-            column += 1 + width;
+        let fits = |line: &String| format!("{indent}{line} {word}").chars().count() <= COLUMNS;
+        match lines.last_mut() {
+            Some(line) if marks || fits(line) => *line += &format!(" {word}"),
+            _ => lines.push(word.into()),
         }
-        text.push_str(word);
     }
-    text
+    lines.join(&format!("\n{indent}"))
 }
 
 #[cfg(test)]

@@ -6,13 +6,11 @@
 /// assert_eq!([27.18, 3.2e-15].map(report::number), ["27.2", "3.2e-15"]);
 /// ```
 pub fn number(x: f64) -> String {
-    if !x.is_finite() || x == 0.0 {
-        return format!("{x}");
-    }
     match x.abs() {
-        size if (99.95..1e5).contains(&size) => format!("{x:.0}"),
-        size if (9.995..99.95).contains(&size) => format!("{x:.1}"),
-        size if (0.0995..9.995).contains(&size) => format!("{x:.2}"),
+        0.0 => format!("{x}"),
+        99.95..1e5 => format!("{x:.0}"),
+        9.995..99.95 => format!("{x:.1}"),
+        0.0995..9.995 => format!("{x:.2}"),
         _ => format!("{x:.1e}"),
     }
 }
@@ -23,7 +21,12 @@ mod tests {
 
     #[test]
     fn numbers_have_three_digits() {
-        let read = [0.0, 0.25, 3.16, 27.18, 1234.6, 1e-3, 3.2e-15, 4e7].map(number);
-        assert_eq!(read, ["0", "0.25", "3.16", "27.2", "1235", "1.0e-3", "3.2e-15", "4.0e7"]);
+        let read =
+            [0.0, f64::NAN, f64::NEG_INFINITY, 0.25, 3.16, 27.18, 1234.6, 1e-3, 3.2e-15, 4e7]
+                .map(number);
+        assert_eq!(
+            read,
+            ["0", "NaN", "-inf", "0.25", "3.16", "27.2", "1235", "1.0e-3", "3.2e-15", "4.0e7"]
+        );
     }
 }

@@ -3,22 +3,27 @@
 use verify::results::{Claim, Verdict};
 
 /// A verdict, with refutations that a documented misprint explains set apart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+///
+/// The least of the outcomes of several claims is that of all together, so that a misprint counts
+/// only where nothing else is left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Outcome {
+    /// The measurement contradicts the statement.
+    Refuted,
+    /// The measurement cannot decide.
+    Undecided,
     /// The measurement supports the statement.
     Holds,
     /// The measurement contradicts the statement as printed, and a misprint is documented.
     Misprint,
-    /// The measurement cannot decide.
-    Undecided,
-    /// The measurement contradicts the statement.
-    Refuted,
 }
 
 impl Outcome {
-    /// All outcomes. The first of them that one of several claims has is that of all together, so
-    /// that a misprint counts only where nothing else is left.
+    /// All outcomes in their order.
     pub const ALL: [Self; 4] = [Self::Refuted, Self::Undecided, Self::Holds, Self::Misprint];
+
+    /// All but [`Holds`](Self::Holds).
+    pub(crate) const BLEMISHES: [Self; 3] = [Self::Refuted, Self::Undecided, Self::Misprint];
 
     /// The outcome of one claim.
     pub fn of(claim: &Claim) -> Self {

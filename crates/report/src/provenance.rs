@@ -13,8 +13,8 @@ pub fn complete(known: Provenance, program: &str, start: Instant) -> Provenance 
     Provenance {
         git: first_line("git", &["describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]),
         rustc: first_line("rustc", &["--version"]),
-        cpu: cpu(),
-        simd: Level::current().name().to_owned(),
+        cpu: fact("/proc/cpuinfo", "model name").unwrap_or(std::env::consts::ARCH.into()),
+        simd: Level::current().name().into(),
         command: command_line(program, std::env::args().skip(1)),
         wall_s: start.elapsed().as_secs_f64(),
         ..known
@@ -31,7 +31,7 @@ pub fn generated_by(from: &Provenance) -> String {
 
 /// The command as a user types it, without the files and folders to write to.
 fn command_line(program: &str, arguments: impl Iterator<Item = String>) -> String {
-    let mut words = vec![program.to_owned()];
+    let mut words = vec![program.into()];
     let mut skip = false;
     for word in arguments {
         let target = ["--out", "--page", "--json"].contains(&word.split('=').next().unwrap_or(""));
@@ -47,9 +47,9 @@ fn command_line(program: &str, arguments: impl Iterator<Item = String>) -> Strin
 fn first_line(program: &str, arguments: &[&str]) -> String {
     match Command::new(program).args(arguments).output() {
         Ok(output) if output.status.success() => {
-            String::from_utf8_lossy(&output.stdout).lines().next().unwrap_or("unknown").to_owned()
+            String::from_utf8_lossy(&output.stdout).lines().next().unwrap_or("unknown").into()
         }
-        _ => "unknown".to_owned(),
+        _ => "unknown".into(),
     }
 }
 
@@ -57,12 +57,7 @@ fn first_line(program: &str, arguments: &[&str]) -> String {
 fn fact(file: &str, key: &str) -> Option<String> {
     let text = fs::read_to_string(file).ok()?;
     let line = text.lines().find(|line| line.starts_with(key))?;
-    Some(line.split_once(':')?.1.trim().to_owned())
-}
-
-/// Name of the processor, or of its architecture.
-fn cpu() -> String {
-    fact("/proc/cpuinfo", "model name").unwrap_or_else(|| std::env::consts::ARCH.to_owned())
+    Some(line.split_once(':')?.1.trim().into())
 }
 
 /// Largest resident memory of this process so far in MB; none where the system does not tell.

@@ -165,7 +165,7 @@ impl<F: Fn(f64) -> f64 + Send + Sync> Damping for DampingFunction<F> {
         self.rule.integrate(a, b, &self.rate)
     }
     fn describe(&self) -> String {
-        "γ given as a function".to_owned()
+        "γ given as a function".into()
     }
 }
 

@@ -97,37 +97,6 @@ pub fn ito_correction<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, 
     correction
 }
 
-/// Σ_{m<l} A_ml \[fₘ, f_l\](y) with [f, g] = g′f − f′g, for a skew matrix A. Computed as Σ_l
-/// f_l′g_l with g_l = Σₘ A_ml fₘ, which takes one directional derivative per noise.
-#[inline(always)]
-pub(crate) fn commutators<
-    S: PoissonSystem<D, M> + ?Sized,
-    R: Real,
-    const D: usize,
-    const M: usize,
->(
-    system: &S,
-    y: [R; D],
-    areas: [[f64; M]; M],
-) -> [R; D] {
-    let mut sum = [R::zero(); D];
-    if M < 2 {
-        return sum;
-    }
-    for l in 0..M {
-        let mut weights = [0.0; M];
-        for m in 0..M {
-            weights[m] = areas[m][l];
-        }
-        let direction = vector_field(system, y, 0.0, weights);
-        let derivative = vector_field_derivative(system, y, 0.0, unit_noise(l), direction);
-        for i in 0..D {
-            sum[i] = sum[i] + derivative[i];
-        }
-    }
-    sum
-}
-
 /// Relative distances from y of the points that [`noises_commute`] tests.
 const PROBES: [f64; 5] = [0.0, 0.011, -0.013, 0.17, -0.19];
 
@@ -147,24 +116,17 @@ pub fn noises_commute<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: 
             let direction = 2.0 * ((i + 1) as f64 * 0.618_033_988_749_894_8).fract() - 1.0;
             point[i] += distance * direction * f64::max(1.0, y[i].abs());
         }
-        system.check_domain(point).is_err() || commute_at(system, point)
-    })
-}
-
-fn commute_at<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
-    system: &S,
-    y: [f64; D],
-) -> bool {
-    let field = |m: usize| vector_field(system, y, 0.0, unit_noise(m));
-    let along = |of: usize, direction: usize| {
-        vector_field_derivative(system, y, 0.0, unit_noise(of), field(direction))
-    };
-    (0..M).all(|l| {
-        (0..l).all(|m| {
+        // f_l′fₘ.
+        let along = |l: usize, m: usize| {
+            let direction = vector_field(system, point, 0.0, unit_noise(m));
+            vector_field_derivative(system, point, 0.0, unit_noise(l), direction)
+        };
+        let commute = |l: usize, m: usize| {
             let (one, other) = (along(l, m), along(m, l));
             (0..D).all(|i| {
                 (one[i] - other[i]).abs() <= 64.0 * f64::EPSILON * (one[i].abs() + other[i].abs())
             })
-        })
+        };
+        system.check_domain(point).is_err() || (0..M).all(|l| (0..l).all(|m| commute(l, m)))
     })
 }

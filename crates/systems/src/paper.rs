@@ -16,8 +16,8 @@
 use std::fmt::Display;
 
 use crate::{
-    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum,
-    Poisson3, PoissonSystem, Problem, RigidBody, RigidBodyEnergy, Sine,
+    Constant, Cosine, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
+    Problem, RigidBody, RigidBodyEnergy, Sine,
 };
 
 /// Moments of inertia of the body, (2, 1, 2/3).
@@ -53,62 +53,54 @@ pub fn sine() -> Sine {
     valid(Sine::new(1.0, 1.0))
 }
 
-fn problem<S, G, const D: usize, const M: usize>(
-    system: S,
-    damping: G,
-    y0: [f64; D],
-    t_end: f64,
-) -> Problem<S, G, D>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    valid(Problem::new(system, damping, y0, t_end))
-}
-
 /// The damped stochastic pendulum on [0, 1].
 pub fn pendulum() -> Problem<Pendulum, Constant, 2> {
-    problem(valid(Pendulum::new(1.0)), valid(Constant::new(2.0)), [0.2, 1.0], 1.0)
+    valid(Problem::new(valid(Pendulum::new(1.0)), valid(Constant::new(2.0)), [0.2, 1.0], 1.0))
 }
 
 /// The rigid body with a noise about each axis.
 pub fn rigid_body_three_noises(t_end: f64) -> Problem<RigidBody<3>, Cosine, 3> {
     let body = valid(RigidBody::three_noises(INERTIA, NOISE_INERTIA));
-    problem(body, half_cosine(), rigid_body_start(), t_end)
+    valid(Problem::new(body, half_cosine(), rigid_body_start(), t_end))
 }
 
 /// The rigid body with W₁ alone on [0, 1].
 pub fn rigid_body_one_noise() -> Problem<RigidBody<1>, Cosine, 3> {
     let body = valid(RigidBody::one_noise(INERTIA, NOISE_INERTIA[0]));
-    problem(body, half_cosine(), rigid_body_start(), 1.0)
+    valid(Problem::new(body, half_cosine(), rigid_body_start(), 1.0))
 }
 
 /// The rigid body with one noise, whose Hamiltonian is H₀ itself.
 pub fn rigid_body_energy(t_end: f64) -> Problem<RigidBodyEnergy, Sine, 3> {
-    problem(valid(RigidBodyEnergy::new(INERTIA, 1.0)), sine(), rigid_body_start(), t_end)
+    valid(Problem::new(
+        valid(RigidBodyEnergy::new(INERTIA, 1.0)),
+        sine(),
+        rigid_body_start(),
+        t_end,
+    ))
 }
 
 /// The Lotka–Volterra system of the strong errors, H = y₁y₂y₃, on [0, 1].
 pub fn lotka_volterra_1_1() -> Problem<LotkaVolterra<IntegerExponents<1, 1>>, Sine, 3> {
-    problem(valid(LotkaVolterra::integer(1.0)), sine(), LOTKA_VOLTERRA_START, 1.0)
+    valid(Problem::new(valid(LotkaVolterra::integer(1.0)), sine(), LOTKA_VOLTERRA_START, 1.0))
 }
 
 /// The Lotka–Volterra system of the energy's evolution, H = y₁²y₂²y₃.
 pub fn lotka_volterra_2_2(t_end: f64) -> Problem<LotkaVolterra<IntegerExponents<2, 2>>, Sine, 3> {
-    problem(valid(LotkaVolterra::integer(1.0)), sine(), LOTKA_VOLTERRA_START, t_end)
+    valid(Problem::new(valid(LotkaVolterra::integer(1.0)), sine(), LOTKA_VOLTERRA_START, t_end))
 }
 
 /// The Maxwell–Bloch system.
 pub fn maxwell_bloch(t_end: f64) -> Problem<MaxwellBloch, Cosine, 3> {
-    problem(MaxwellBloch, half_cosine(), POISSON_START, t_end)
+    valid(Problem::new(MaxwellBloch, half_cosine(), POISSON_START, t_end))
 }
 
 /// The three-dimensional Poisson system of the strong errors, on [0, ½].
 pub fn poisson3_strong() -> Problem<Poisson3, Cosine, 3> {
-    problem(valid(Poisson3::new(1.0)), half_cosine(), POISSON_START, 0.5)
+    valid(Problem::new(valid(Poisson3::new(1.0)), half_cosine(), POISSON_START, 0.5))
 }
 
 /// The three-dimensional Poisson system of the Casimir's evolution.
 pub fn poisson3_casimir(t_end: f64) -> Problem<Poisson3, Linear, 3> {
-    problem(valid(Poisson3::new(1.0)), valid(Linear::new(1.0)), POISSON_START, t_end)
+    valid(Problem::new(valid(Poisson3::new(1.0)), valid(Linear::new(1.0)), POISSON_START, t_end))
 }

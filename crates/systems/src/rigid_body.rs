@@ -23,7 +23,7 @@ const CASIMIR: Invariant = Invariant::quadratic_casimir("C", "½(y₁² + y₂²
 
 fn reciprocals<const N: usize>(
     inertia: [f64; N],
-    names: [&'static str; N],
+    names: [&'static str; 3],
 ) -> Result<[f64; N], SystemError> {
     let mut reciprocal = [0.0; N];
     for i in 0..N {
@@ -51,7 +51,7 @@ impl RigidBody<3> {
     /// # Errors
     /// [`SystemError::NonPositiveParameter`] unless all moments are positive and finite.
     pub fn three_noises(inertia: [f64; 3], noise_inertia: [f64; 3]) -> Result<Self, SystemError> {
-        Self::with_noises(inertia, noise_inertia, ["Î1", "Î2", "Î3"])
+        Self::with_noises(inertia, noise_inertia)
     }
 }
 
@@ -61,18 +61,14 @@ impl RigidBody<1> {
     /// # Errors
     /// [`SystemError::NonPositiveParameter`] unless all moments are positive and finite.
     pub fn one_noise(inertia: [f64; 3], noise_inertia: f64) -> Result<Self, SystemError> {
-        Self::with_noises(inertia, [noise_inertia], ["Î1"])
+        Self::with_noises(inertia, [noise_inertia])
     }
 }
 
 impl<const M: usize> RigidBody<M> {
-    fn with_noises(
-        inertia: [f64; 3],
-        noise_inertia: [f64; M],
-        names: [&'static str; M],
-    ) -> Result<Self, SystemError> {
+    fn with_noises(inertia: [f64; 3], noise_inertia: [f64; M]) -> Result<Self, SystemError> {
         let drift = reciprocals(inertia, ["I1", "I2", "I3"])?;
-        Ok(Self { drift, noise: reciprocals(noise_inertia, names)? })
+        Ok(Self { drift, noise: reciprocals(noise_inertia, ["Î1", "Î2", "Î3"])? })
     }
 
     /// kᵢ = dt/Iᵢ + dwᵢ/Îᵢ. The Hamiltonian increment is ½Σ kᵢyᵢ².
@@ -179,7 +175,7 @@ impl RigidBodyEnergy {
     /// [`SystemError::NonPositiveParameter`] unless all moments are positive and finite,
     /// [`SystemError::NonFiniteParameter`] unless c is finite.
     pub fn new(inertia: [f64; 3], c: f64) -> Result<Self, SystemError> {
-        let body = RigidBody::with_noises(inertia, [], [])?;
+        let body = RigidBody::with_noises(inertia, [])?;
         Ok(Self { body, noise: finite("the noise size c", c)? })
     }
 }

@@ -5,7 +5,7 @@ use real::{Real, gradient};
 
 use crate::{
     Invariant, SystemError,
-    field::{HamiltonianIncrement, commutators},
+    field::{HamiltonianIncrement, unit_noise, vector_field, vector_field_derivative},
 };
 
 /// Nodes of the default discrete gradient. Its error is of order |b − a|¹⁶, below round-off for
@@ -64,7 +64,23 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
     /// every Casimir C, since [fₘ, f_l]C = fₘ(f_l C) − f_l(fₘ C) = 0.
     #[inline(always)]
     fn commutators<R: Real>(&self, y: [R; D], areas: [[f64; M]; M]) -> [R; D] {
-        commutators(self, y, areas)
+        // Σ_l f_l′g_l with g_l = Σₘ A_ml fₘ takes one directional derivative per noise.
+        let mut sum = [R::zero(); D];
+        if M < 2 {
+            return sum;
+        }
+        for l in 0..M {
+            let mut weights = [0.0; M];
+            for m in 0..M {
+                weights[m] = areas[m][l];
+            }
+            let direction = vector_field(self, y, 0.0, weights);
+            let derivative = vector_field_derivative(self, y, 0.0, unit_noise(l), direction);
+            for i in 0..D {
+                sum[i] = sum[i] + derivative[i];
+            }
+        }
+        sum
     }
 
     /// The functions that obey the conformal law: homogeneous Casimirs and, for H₁ = cH₀ as the

@@ -5,7 +5,7 @@ use real::{Block, WIDTH};
 
 /// dX = aX dt + bX dW (Itô) on [0, 1] with X(0) = 1, solved by Euler–Maruyama and known exactly:
 /// X(1) = exp(a − b²/2 + bW(1)).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Geometric {
     pub drift: f64,
     pub volatility: f64,

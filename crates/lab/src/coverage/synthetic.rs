@@ -24,7 +24,7 @@ const FINEST: f64 = TAUS[7];
 
 /// Squared errors C τ^{2p}(1 + bτ)(1 − c τ_ref/τ)Z² of paths, with Z normal and most of its
 /// variance shared between the levels of a path.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 struct Synthetic {
     order: f64,
     /// b.
@@ -42,7 +42,7 @@ struct Synthetic {
 const SHARED: f64 = 0.8;
 
 /// Some paths have larger errors on the coarse levels, as those have whose increments are clipped.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 struct Outliers {
     /// One path in this many.
     one_in: f64,

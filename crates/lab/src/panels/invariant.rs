@@ -1,16 +1,13 @@
 //! Invariants along one path of each scheme, beside their conformal law.
 
-use mc::trajectory;
 use stats::Point;
-use systems::{Damping, Invariant, InvariantKind, Problem, paper::valid};
+use systems::{Damping, Invariant, InvariantKind, Problem};
 use verify::results::{Claim, Evidence, Kind, Panel, Series};
 
 use super::strong::{Curve, curves_of_the_paper};
 use crate::{
+    Conditions, Findings, Method, PaperSystem, TRUNCATED, Words,
     conformal_law::{ROUND_OFF, along, approach, largest_defect},
-    experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation},
-    kernels::PaperSystem,
-    method::Method,
 };
 
 /// A relative defect above this is visible in a figure: Euler–Maruyama is expected there.
@@ -20,40 +17,23 @@ const VISIBLE: f64 = 1e-3;
 pub struct InvariantPanel {
     pub words: Words,
     pub steps: u64,
-    /// Names of the invariants to show, the one of the paper first.
-    pub invariants: &'static [&'static str],
-    /// Calls [`InvariantPanel::follow`] with the problem.
-    pub follow: fn(&Self, &Conditions<'_>) -> Findings,
-}
-
-impl Experiment for InvariantPanel {
-    fn ids(&self) -> Vec<&'static str> {
-        vec![self.words.id]
-    }
-
-    fn run(&self, conditions: &Conditions<'_>) -> Findings {
-        (self.follow)(self, conditions)
-    }
+    /// Numbers of the invariants to show, the one of the paper first.
+    pub invariants: &'static [usize],
 }
 
 impl InvariantPanel {
     /// One path of each scheme on the same noise, with a claim for each curve.
-    pub fn follow<S, G, const D: usize, const M: usize>(
+    pub fn follow<S: PaperSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &self,
-        conditions: &Conditions<'_>,
+        conditions: &Conditions,
         problem: &Problem<S, G, D>,
-    ) -> Findings
-    where
-        S: PaperSystem<D, M>,
-        G: Damping,
-    {
+    ) -> Findings {
         let curves = curves_of_the_paper::<S, D, M>();
-        conditions.progress.begin(self.words.id, self.steps * curves.len() as u64);
+        conditions.progress.begin(conditions.id(), self.steps * curves.len() as u64);
         let follow = |curve: &Curve<S, D, M>| {
-            let (scheme, key) = (curve.scheme.as_ref(), conditions.key(0));
-            let path = trajectory(problem, scheme, self.steps, truncation(), key, 0);
+            let path = conditions.path(0, problem, curve.scheme.as_ref(), self.steps, 0);
             conditions.progress.advance(self.steps);
-            valid(path)
+            path
         };
         let paths: Vec<_> = curves.iter().map(follow).collect();
         conditions.progress.end();
@@ -61,63 +41,65 @@ impl InvariantPanel {
         let known = problem.system().invariants();
         let mut findings = Findings::default();
         let mut all = Vec::new();
-        for &name in self.invariants {
-            let index = known.iter().position(|invariant| invariant.name == name);
-            let index = valid(index.ok_or_else(|| format!("there is no invariant {name}")));
+        for &index in self.invariants {
+            let Invariant { name, kind, .. } = known[index];
+            let (id, function) = match kind {
+                InvariantKind::Energy => ("energy-balance", "H"),
+                InvariantKind::Casimir => ("conformal-casimir", "the Casimir"),
+            };
             for (curve, path) in curves.iter().zip(&paths) {
                 let values = along(problem, index, path);
                 let largest = largest_defect(&values);
                 let points =
                     values.into_iter().map(|(t, value, exact)| Point::Value { t, value, exact });
                 all.push(Series {
-                    scheme: curve.name.to_owned(),
-                    quantity: name.to_owned(),
+                    scheme: curve.name.into(),
+                    quantity: name.into(),
                     points: points.collect(),
                     max_relative_defect: Some(largest),
                     ..Series::default()
                 });
-                let (tolerance, obeys) = match curve.method {
-                    Method::EulerMaruyama => (VISIBLE, false),
-                    Method::Midpoint => (ROUND_OFF, false),
-                    Method::Sexp | Method::SexpLevy => (ROUND_OFF, true),
+                // What the paper proves of `sexp` and reports of the others.
+                let (tolerance, obeys, statement) = match curve.method {
+                    Method::EulerMaruyama => (VISIBLE, false, "visibly leaves the conformal law"),
+                    Method::Midpoint => {
+                        (ROUND_OFF, false, "leaves the conformal law, and returns to it as τ → 0")
+                    }
+                    Method::Sexp | Method::SexpLevy => {
+                        (ROUND_OFF, true, "obeys the conformal law at every step")
+                    }
                 };
-                let (invariant, paths, steps) = (name.to_owned(), 1, self.steps);
                 let measured = match &path.failure {
                     // A path that ended early proves nothing about the rest.
                     Some(failure) => Evidence::Undecided { reason: failure.to_string() },
                     None if curve.method == Method::Midpoint && largest > ROUND_OFF => {
-                        approach(conditions, problem, curve.scheme.as_ref(), index, steps, largest)
+                        let scheme = curve.scheme.as_ref();
+                        approach(conditions, problem, scheme, index, self.steps, largest)
                     }
-                    None => Evidence::Defect { invariant, paths, steps, largest, tolerance, obeys },
+                    None => Evidence::Defect {
+                        invariant: name.into(),
+                        paths: 1,
+                        steps: self.steps,
+                        largest,
+                        tolerance,
+                        obeys,
+                    },
                 };
-                findings.claims.push(self.claim(curve.method, &known[index], measured));
+                let claim = Claim::new(id, format!("{function} {statement}"), measured)
+                    .about(conditions.id(), curve.name)
+                    .proven(curve.method == Method::Sexp);
+                findings.claims.push(claim);
             }
         }
         let steps = format!("τ = {}, {TRUNCATED}", problem.t_end() / self.steps as f64);
         let failures = paths.iter().filter_map(|path| path.failure.as_ref());
         findings.panels.push(Panel {
             samples: 1,
-            reference: "the conformal law exp(−p ∫γ) F(y₀)".to_owned(),
+            reference: "the conformal law exp(−p ∫γ) F(y₀)".into(),
             failures: failures.map(ToString::to_string).collect(),
             series: all,
-            ..self.words.panel(Kind::Invariant, problem, &steps)
+            ..self.words.panel(conditions.id(), Kind::Invariant, problem, &steps)
         });
         findings
-    }
-
-    /// What the paper proves of `sexp` and reports of the others.
-    fn claim(&self, method: Method, invariant: &Invariant, measured: Evidence) -> Claim {
-        let (id, function) = match invariant.kind {
-            InvariantKind::Energy => ("energy-balance", "H"),
-            InvariantKind::Casimir => ("conformal-casimir", "the Casimir"),
-        };
-        let statement = match method {
-            Method::EulerMaruyama => "visibly leaves the conformal law",
-            Method::Midpoint => "leaves the conformal law, and returns to it as τ → 0",
-            Method::Sexp | Method::SexpLevy => "obeys the conformal law at every step",
-        };
-        Claim::new(id, format!("{function} {statement}"), measured)
-            .about(self.words.id, method.id())
-            .proven(method == Method::Sexp)
     }
 }

@@ -8,89 +8,97 @@ use mc::Observable;
 use real::elementary::{cos, sin};
 use systems::paper;
 
-use crate::experiment::{Experiment, Words};
+use crate::{Experiment, Words};
 use invariant::InvariantPanel;
 use strong::StrongPanel;
-use weak::{WeakPanel, WeakPanels};
+use weak::WeakPanel;
 
 /// Everything that makes a panel, in the order of the paper.
-pub const EXPERIMENTS: &[&dyn Experiment] = &[
-    &StrongPanel {
-        words: Words {
-            id: "pendulum-strong",
-            title: "Damped stochastic pendulum: strong convergence",
-            system: "pendulum, c = 1",
-            paper: "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
-        },
-        last: 12,
-        samples: 500,
-        proven: true,
-        compare: |panel, conditions| panel.compare(conditions, &paper::pendulum()),
+pub const EXPERIMENTS: &[Experiment] = &[
+    Experiment::new(&["pendulum-strong"], |conditions| {
+        StrongPanel {
+            words: Words {
+                title: "Damped stochastic pendulum: strong convergence",
+                system: "pendulum, c = 1",
+                paper: "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
+            },
+            last: 12,
+            samples: 500,
+            proven: true,
+        }
+        .compare(conditions, &paper::pendulum())
+    }),
+    Experiment::new(&["rigid-body-casimir"], |conditions| {
+        InvariantPanel {
+            words: Words {
+                title: "Damped stochastic rigid body: the Casimir ½|y|² along one path",
+                system: "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
+                paper: "sexp follows the conformal law of the Casimir; Euler–Maruyama does not.",
+            },
+            steps: 100,
+            invariants: &[0],
+        }
+        .follow(conditions, &paper::rigid_body_three_noises(10.0))
+    }),
+    Experiment::new(&["rigid-body-strong-3"], |conditions| {
+        StrongPanel {
+            words: Words {
+                title: "Damped stochastic rigid body, three noises: strong convergence",
+                system: "rigid body, I = (2, 1, 2/3), Î = (1, 2, 3)",
+                paper: "With several noises all three schemes have strong order 1/2.",
+            },
+            last: 14,
+            samples: 1000,
+            proven: true,
+        }
+        .compare_with_areas(conditions, &paper::rigid_body_three_noises(1.0))
+    }),
+    Experiment::new(&["rigid-body-strong-1"], |conditions| {
+        StrongPanel {
+            words: Words {
+                title: "Damped stochastic rigid body, only W₁: strong convergence",
+                system: "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1",
+                paper: "With one noise sexp and midpoint have strong order 1, Euler–Maruyama 1/2.",
+            },
+            last: 14,
+            samples: 1000,
+            proven: true,
+        }
+        .compare(conditions, &paper::rigid_body_one_noise())
+    }),
+    Experiment {
+        ids: &[WEAK_PANELS[0].id, WEAK_PANELS[1].id, WEAK_PANELS[2].id, WEAK_PANELS[3].id],
+        run: |conditions| weak::measure(WEAK_PANELS, conditions),
+        takes_long: true,
     },
-    &InvariantPanel {
-        words: Words {
-            id: "rigid-body-casimir",
-            title: "Damped stochastic rigid body: the Casimir ½|y|² along one path",
-            system: "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
-            paper: "sexp follows the conformal law of the Casimir; Euler–Maruyama does not.",
-        },
-        steps: 100,
-        invariants: &["C"],
-        follow: |panel, conditions| panel.follow(conditions, &paper::rigid_body_three_noises(10.0)),
-    },
-    &StrongPanel {
-        words: Words {
-            id: "rigid-body-strong-3",
-            title: "Damped stochastic rigid body, three noises: strong convergence",
-            system: "rigid body, I = (2, 1, 2/3), Î = (1, 2, 3)",
-            paper: "With several noises all three schemes have strong order 1/2.",
-        },
-        last: 14,
-        samples: 1000,
-        proven: true,
-        compare: |panel, conditions| {
-            panel.compare_with_areas(conditions, &paper::rigid_body_three_noises(1.0))
-        },
-    },
-    &StrongPanel {
-        words: Words {
-            id: "rigid-body-strong-1",
-            title: "Damped stochastic rigid body, only W₁: strong convergence",
-            system: "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1",
-            paper: "With one noise sexp and midpoint have strong order 1, Euler–Maruyama 1/2.",
-        },
-        last: 14,
-        samples: 1000,
-        proven: true,
-        compare: |panel, conditions| panel.compare(conditions, &paper::rigid_body_one_noise()),
-    },
-    &WeakPanels(WEAK_PANELS),
-    &InvariantPanel {
-        words: Words {
-            id: "rigid-body-energy",
-            title: "Damped stochastic rigid body, noise H₀: the energy along one path",
-            system: "rigid body, one noise H₀, I = (2, 1, 2/3)",
-            paper: "sexp follows the conformal law of the energy.",
-        },
-        steps: 100,
-        invariants: &["H", "C"],
-        follow: |panel, conditions| panel.follow(conditions, &paper::rigid_body_energy(10.0)),
-    },
-    &InvariantPanel {
-        words: Words {
-            id: "lotka-volterra-energy",
-            title: "Damped stochastic Lotka–Volterra system: the energy along one path",
-            system: "Lotka–Volterra, a = −1, b = −2, c = 1",
-            paper: "sexp follows the conformal law of the energy, a Hamiltonian that is not \
+    Experiment::new(&["rigid-body-energy"], |conditions| {
+        InvariantPanel {
+            words: Words {
+                title: "Damped stochastic rigid body, noise H₀: the energy along one path",
+                system: "rigid body, one noise H₀, I = (2, 1, 2/3)",
+                paper: "sexp follows the conformal law of the energy.",
+            },
+            steps: 100,
+            invariants: &[1, 0],
+        }
+        .follow(conditions, &paper::rigid_body_energy(10.0))
+    }),
+    Experiment::new(&["lotka-volterra-energy"], |conditions| {
+        InvariantPanel {
+            words: Words {
+                title: "Damped stochastic Lotka–Volterra system: the energy along one path",
+                system: "Lotka–Volterra, a = −1, b = −2, c = 1",
+                paper: "sexp follows the conformal law of the energy, a Hamiltonian that is not \
                     quadratic.",
-        },
-        steps: 100,
-        invariants: &["H", "C"],
-        follow: |panel, conditions| panel.follow(conditions, &paper::lotka_volterra_2_2(10.0)),
-    },
-    &StrongPanel {
+            },
+            steps: 100,
+            invariants: &[0, 1],
+        }
+        .follow(conditions, &paper::lotka_volterra_2_2(10.0))
+    }),
+    Experiment::new(&["lotka-volterra-strong"], |conditions| {
+        StrongPanel {
         words: Words {
-            id: "lotka-volterra-strong",
             title: "Damped stochastic Lotka–Volterra system: strong convergence",
             system: "Lotka–Volterra, a = −1, b = −1, c = 1",
             paper: "sexp has strong order 1; m(H) = 0, so the theorems do not apply. (The paper's \
@@ -100,23 +108,25 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
         last: 12,
         samples: 500,
         proven: false,
-        compare: |panel, conditions| panel.compare(conditions, &paper::lotka_volterra_1_1()),
-    },
-    &InvariantPanel {
-        words: Words {
-            id: "maxwell-bloch-casimir",
-            title: "Damped stochastic Maxwell–Bloch system: the Casimir ½(y₂² + y₃²) along one \
+        }
+        .compare(conditions, &paper::lotka_volterra_1_1())
+    }),
+    Experiment::new(&["maxwell-bloch-casimir"], |conditions| {
+        InvariantPanel {
+            words: Words {
+                title: "Damped stochastic Maxwell–Bloch system: the Casimir ½(y₂² + y₃²) along one \
                     path",
-            system: "Maxwell–Bloch",
-            paper: "sexp follows the conformal law of the Casimir.",
-        },
-        steps: 500,
-        invariants: &["C"],
-        follow: |panel, conditions| panel.follow(conditions, &paper::maxwell_bloch(5.0)),
-    },
-    &InvariantPanel {
+                system: "Maxwell–Bloch",
+                paper: "sexp follows the conformal law of the Casimir.",
+            },
+            steps: 500,
+            invariants: &[0],
+        }
+        .follow(conditions, &paper::maxwell_bloch(5.0))
+    }),
+    Experiment::new(&["poisson3-casimir"], |conditions| {
+        InvariantPanel {
         words: Words {
-            id: "poisson3-casimir",
             title: "Damped three-dimensional Poisson system: the Casimir ½(y₁+y₂+y₃)² along one \
                     path",
             system: "three-dimensional Poisson system, c = 1",
@@ -124,21 +134,23 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
                     well, midpoint well.",
         },
         steps: 100,
-        invariants: &["C", "S"],
-        follow: |panel, conditions| panel.follow(conditions, &paper::poisson3_casimir(2.0)),
-    },
-    &StrongPanel {
-        words: Words {
-            id: "poisson3-strong",
-            title: "Damped three-dimensional Poisson system: strong convergence",
-            system: "three-dimensional Poisson system, c = 1",
-            paper: "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
-        },
-        last: 12,
-        samples: 400,
-        proven: true,
-        compare: |panel, conditions| panel.compare(conditions, &paper::poisson3_strong()),
-    },
+        invariants: &[0, 1],
+        }
+        .follow(conditions, &paper::poisson3_casimir(2.0))
+    }),
+    Experiment::new(&["poisson3-strong"], |conditions| {
+        StrongPanel {
+            words: Words {
+                title: "Damped three-dimensional Poisson system: strong convergence",
+                system: "three-dimensional Poisson system, c = 1",
+                paper: "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
+            },
+            last: 12,
+            samples: 400,
+            proven: true,
+        }
+        .compare(conditions, &paper::poisson3_strong())
+    }),
 ];
 
 /// The weak panels, which one set of runs makes.

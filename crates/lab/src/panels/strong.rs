@@ -2,10 +2,10 @@
 
 use std::ops::RangeInclusive;
 
-use mc::{Ladder, Reference, Run, StrongErrors};
+use mc::{Ladder, Measured, Reference, Run, StrongErrors};
 use noise::Truncation;
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy};
-use stats::{Point, Rate, fit_strong, root_mean_squares};
+use stats::{Rate, fit_strong, root_mean_squares};
 use systems::{Damping, PoissonSystem, Problem, paper::valid};
 use verify::{
     Exact,
@@ -13,9 +13,7 @@ use verify::{
 };
 
 use crate::{
-    experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation},
-    kernels::{Compiled, PaperSystem, compiled},
-    method::Method,
+    Compiled, Conditions, Findings, Method, PaperSystem, TRUNCATED, Words, compiled, truncation,
 };
 
 /// Coarsest step size 2⁻⁵.
@@ -63,15 +61,14 @@ impl<S, const D: usize, const M: usize> Curve<S, D, M> {
     }
 }
 
-/// The curves of the paper, in the order of [`Method::PAPER`].
+/// The schemes of the paper, in the order of its legends.
 pub fn curves_of_the_paper<S: PaperSystem<D, M>, const D: usize, const M: usize>()
 -> Vec<Curve<S, D, M>> {
-    let scheme = |method| match method {
-        Method::EulerMaruyama => compiled(EulerMaruyama),
-        Method::Midpoint => compiled(Midpoint::default()),
-        Method::Sexp | Method::SexpLevy => compiled(Sexp::default()),
-    };
-    Method::PAPER.map(|method| Curve::new(method, scheme(method))).into()
+    vec![
+        Curve::new(Method::Sexp, compiled(Sexp::default())),
+        Curve::new(Method::EulerMaruyama, compiled(EulerMaruyama)),
+        Curve::new(Method::Midpoint, compiled(Midpoint::default())),
+    ]
 }
 
 /// What the curves of a strong panel are drawn from.
@@ -83,26 +80,23 @@ pub struct StrongRuns<'a, S, G, const D: usize, const M: usize> {
     pub truncated: &'static str,
     pub problem: &'a Problem<S, G, D>,
     pub grid: Grid,
-    /// Runs at the finest step; the errors are differences from it unless `exact` is given.
-    pub reference: &'a dyn Scheme<S, D, M>,
     /// The exact solution, which is known at the final time only.
     pub exact: Option<Exact<'a, D, M>>,
+    /// The one with areas, or else the first, runs at the finest step, too; the errors are
+    /// differences from that unless `exact` is given.
     pub curves: &'a [Curve<S, D, M>],
     /// Whether `sexp` is held to the paper's bound, and if so, whether the paper proves it here.
     pub bound: Option<bool>,
 }
 
-impl<'a, S, G, const D: usize, const M: usize> StrongRuns<'a, S, G, D, M>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
+impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
+    StrongRuns<'a, S, G, D, M>
 {
-    /// With the truncation of the reproduction, and errors that are differences from `reference`.
+    /// With the truncation of the reproduction, and without an exact solution.
     pub fn new(
         words: Words,
         problem: &'a Problem<S, G, D>,
         grid: Grid,
-        reference: &'a dyn Scheme<S, D, M>,
         curves: &'a [Curve<S, D, M>],
     ) -> Self {
         Self {
@@ -111,7 +105,6 @@ where
             truncated: TRUNCATED,
             problem,
             grid,
-            reference,
             exact: None,
             curves,
             bound: None,
@@ -120,9 +113,10 @@ where
 
     /// A panel with a claim for each curve. Its series are the errors at the final time of each
     /// curve, then, unless the solution is exact, those at the worst time of the common grid.
-    pub fn measure(&self, conditions: &Conditions<'_>) -> Findings {
+    pub fn measure(&self, conditions: &Conditions) -> Findings {
         let Self { problem, grid, curves, .. } = *self;
-        let mut runs = vec![Run::new(self.reference, 0)];
+        let finest = curves.iter().find(|curve| curve.scheme.reads_areas()).unwrap_or(&curves[0]);
+        let mut runs = vec![Run::new(finest.scheme.as_ref(), 0)];
         let mut series = Vec::new();
         for curve in curves {
             let first = runs.len();
@@ -148,10 +142,10 @@ where
         if let Some(exact) = self.exact {
             ladder = ladder.with_time_change(exact.time_change);
         }
-        conditions.progress.begin(self.words.id, ladder.steps_per_path() * grid.samples);
+        conditions.progress.begin(conditions.id(), ladder.steps_per_path() * grid.samples);
         let statistic = || StrongErrors::new(reference, &series, ladder.coarse_steps());
-        let advance = |work| conditions.progress.advance(work);
-        let measured = ladder.run(grid.samples, statistic, &advance);
+        let measured =
+            ladder.run(grid.samples, statistic, &|work| conditions.progress.advance(work));
         conditions.progress.end();
 
         let taus: Vec<f64> = grid.exponents().map(power_of_half).collect();
@@ -166,10 +160,10 @@ where
         for (s, quantity, when, squares) in at_end.chain(over_time) {
             let Curve { name, method, .. } = curves[s];
             let rate = fit_strong(&taus, reference_tau, squares);
-            claims.push(self.claim(method, when, rate.clone()));
+            claims.push(self.claim(conditions.id(), method, when, rate.clone()));
             series.push(Series {
-                scheme: name.to_owned(),
-                quantity: quantity.to_owned(),
+                scheme: name.into(),
+                quantity: quantity.into(),
                 points: root_mean_squares(&taus, squares),
                 rate,
                 ..Series::default()
@@ -180,33 +174,30 @@ where
                 let increments = measured.clipped[grid.level(exponent)];
                 if increments > 0 {
                     let share = errors.clipped_share(s, r);
-                    let scheme = curve.name.to_owned();
+                    let scheme = curve.name.into();
                     clipped.push(Clipped { scheme, tau: taus[r], increments, share });
                 }
             }
         }
-        let at_finest = format!("{} at τ = 2^-{}", self.reference.id(), grid.reference());
+        let at_finest = format!("{} at τ = 2^-{}", finest.method.id(), grid.reference());
         let steps = format!("τ = 2^-{FIRST} … 2^-{}, {}", grid.last, self.truncated);
         let mut panel = Panel {
             samples: grid.samples,
-            failures: describe_failures(measured.failed, &measured.failures),
+            failures: describe_failures(&measured),
             series,
             clipped,
-            ..self.words.panel(Kind::Strong, problem, &steps)
+            ..self.words.panel(conditions.id(), Kind::Strong, problem, &steps)
         };
         if self.exact.is_some() {
-            panel.reference = "the exact solution by a change of time, path by path".to_owned();
-            let error = |series: usize| errors.at_end(series).mean(0).sqrt();
-            let finest = match panel.series[0].points.last() {
-                Some(Point::Error { value, .. }) => *value,
-                _ => f64::NAN,
-            };
+            panel.reference = "the exact solution by a change of time, path by path".into();
+            let error = |series, level| errors.at_end(series).mean(level).sqrt();
+            let own = error(curves.len(), 0);
             panel.paper += &format!(
                 " {at_finest}, the kind of reference that the paper takes, is itself {:.1e} (root \
                  mean square) away from the exact solution, {:.0} % of the error of sexp at τ = \
                  2^-{}",
-                error(curves.len()),
-                100.0 * error(curves.len()) / finest,
+                own,
+                100.0 * own / error(0, taus.len() - 1),
                 grid.last
             );
         } else {
@@ -216,7 +207,7 @@ where
     }
 
     /// The order of a curve whose errors are taken at the time `when`.
-    fn claim(&self, method: Method, when: &str, rate: Option<Rate>) -> Claim {
+    fn claim(&self, panel: &str, method: Method, when: &str, rate: Option<Rate>) -> Claim {
         // A single noise commutes with itself.
         let commuting = M == 1;
         let (id, bound) = match method {
@@ -231,7 +222,7 @@ where
             None => format!("{} has strong order {order} ({when})", method.id()),
         };
         let measured = Evidence::Order { order, one_sided: bounded.is_some(), rate };
-        let claim = Claim::new(id, statement, measured).about(self.words.id, method.id());
+        let claim = Claim::new(id, statement, measured).about(panel, method.id());
         claim.proven(bounded == Some(true))
     }
 }
@@ -241,9 +232,9 @@ pub fn power_of_half(exponent: u32) -> f64 {
 }
 
 /// Paths that were left out: the first few, and how many.
-pub fn describe_failures(failed: u64, failures: &[mc::PathFailure]) -> Vec<String> {
+pub fn describe_failures<T>(Measured { failed, failures, .. }: &Measured<T>) -> Vec<String> {
     let mut lines: Vec<String> = failures.iter().map(ToString::to_string).collect();
-    if failed > failures.len() as u64 {
+    if *failed > failures.len() as u64 {
         lines.push(format!("… {failed} paths in all"));
     }
     lines
@@ -258,18 +249,6 @@ pub struct StrongPanel {
     pub samples: u64,
     /// Whether the paper proves the order of `sexp` here.
     pub proven: bool,
-    /// Calls [`StrongPanel::compare`] with the problem.
-    pub compare: fn(&Self, &Conditions<'_>) -> Findings,
-}
-
-impl Experiment for StrongPanel {
-    fn ids(&self) -> Vec<&'static str> {
-        vec![self.words.id]
-    }
-
-    fn run(&self, conditions: &Conditions<'_>) -> Findings {
-        (self.compare)(self, conditions)
-    }
 }
 
 /// Sizes of the quick mode.
@@ -278,43 +257,37 @@ const QUICK: Grid = Grid { last: 10, samples: 512 };
 impl StrongPanel {
     /// The three schemes of the paper against `sexp` at the finest step, with a claim for each
     /// curve.
-    pub fn compare<S, G, const D: usize, const M: usize>(
+    pub fn compare<S: PaperSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &self,
-        conditions: &Conditions<'_>,
+        conditions: &Conditions,
         problem: &Problem<S, G, D>,
-    ) -> Findings
-    where
-        S: PaperSystem<D, M>,
-        G: Damping,
-    {
+    ) -> Findings {
         let curves = curves_of_the_paper::<S, D, M>();
-        let (grid, reference) = (self.grid(conditions, 0), curves[0].scheme.as_ref());
-        let runs = StrongRuns::new(self.words, problem, grid, reference, &curves);
+        let runs = StrongRuns::new(self.words, problem, self.grid(conditions, 0), &curves);
         StrongRuns { bound: Some(self.proven), ..runs }.measure(conditions)
     }
 
     /// The step sizes, of which the last `fewer` are left out at the paper's sizes.
-    fn grid(&self, conditions: &Conditions<'_>, fewer: u32) -> Grid {
+    fn grid(&self, conditions: &Conditions, fewer: u32) -> Grid {
         conditions.choose(Grid { last: self.last - fewer, samples: self.samples }, QUICK)
     }
 
     /// [`compare`](Self::compare) with a fourth curve, which is not in the paper: `sexp-levy`
     /// against itself at a finer step. Drawing areas costs as many normals as the square root of
     /// the step count, so its steps end three levels before those of the others.
-    pub fn compare_with_areas<S, G, const D: usize>(
-        &self,
-        conditions: &Conditions<'_>,
-        problem: &Problem<S, G, D>,
-    ) -> Findings
-    where
+    pub fn compare_with_areas<
         S: PaperSystem<D, 3> + Compiled<SexpLevy, D, 3>,
         G: Damping,
-    {
+        const D: usize,
+    >(
+        &self,
+        conditions: &Conditions,
+        problem: &Problem<S, G, D>,
+    ) -> Findings {
         let mut findings = self.compare(conditions, problem);
-        let levy = || compiled(SexpLevy::new(problem.system(), problem.y0()));
-        let curves = [Curve::new(Method::SexpLevy, levy())];
-        let (grid, reference) = (self.grid(conditions, 3), levy());
-        let runs = StrongRuns::new(self.words, problem, grid, &*reference, &curves);
+        let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
+        let curves = [Curve::new(Method::SexpLevy, levy)];
+        let runs = StrongRuns::new(self.words, problem, self.grid(conditions, 3), &curves);
         let areas = runs.measure(conditions);
         findings.claims.extend(areas.claims);
         for (panel, areas) in findings.panels.iter_mut().zip(areas.panels) {

@@ -45,29 +45,24 @@ use verify::results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series};
 
 use super::strong::{describe_failures, power_of_half};
 use crate::{
-    experiment::{Conditions, Experiment, Findings, TRUNCATED, Words, truncation},
-    kernels::compiled,
-    method::Method,
+    Conditions, Findings, Method, TRUNCATED, Words, compiled, setups::TestFunction, truncation,
 };
-
-/// A test function with its name.
-type TestFunction = (&'static str, fn([f64; 3]) -> f64);
 
 /// One panel: a name and the test functions on it.
 pub struct WeakPanel {
     pub id: &'static str,
     pub title: &'static str,
-    pub functions: [TestFunction; 3],
+    pub functions: [TestFunction<3>; 3],
 }
 
 /// The test functions of panels.
 pub fn observables(panels: &[&WeakPanel]) -> Vec<Observable<3>> {
-    let functions = panels.iter().flat_map(|panel| panel.functions);
-    functions.map(|(name, function)| Observable { name, function }).collect()
+    panels
+        .iter()
+        .flat_map(|panel| panel.functions)
+        .map(|(name, function)| Observable { name, function })
+        .collect()
 }
-
-/// The panels that one set of runs makes.
-pub struct WeakPanels(pub &'static [WeakPanel]);
 
 /// Coarsest step size 2⁻⁶.
 const FIRST: u32 = 6;
@@ -80,55 +75,44 @@ fn grid(last: u32, most: u64) -> Vec<DifferenceSamples> {
     (FIRST..=last).map(difference).collect()
 }
 
-impl Experiment for WeakPanels {
-    fn ids(&self) -> Vec<&'static str> {
-        self.0.iter().map(|panel| panel.id).collect()
-    }
+/// The panels that are wanted, which one set of runs makes.
+pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
+    let problem = rigid_body_three_noises(1.0);
+    let (last, most) = conditions.choose((12, 500_000), (9, 65_536));
+    let grid = grid(last, most);
+    let wanted = |panel: &&WeakPanel| conditions.wanted.contains(&panel.id);
+    let panels: Vec<&WeakPanel> = panels.iter().filter(wanted).collect();
+    let observables = observables(&panels);
+    let measured = differences(conditions, &grid, &problem, &observables);
 
-    fn takes_long(&self) -> bool {
-        true
-    }
-
-    fn run(&self, conditions: &Conditions<'_>) -> Findings {
-        let problem = rigid_body_three_noises(1.0);
-        let (last, most) = conditions.choose((12, 500_000), (9, 65_536));
-        let grid = grid(last, most);
-        let wanted = |panel: &&WeakPanel| conditions.wanted.contains(&panel.id);
-        let panels: Vec<&WeakPanel> = self.0.iter().filter(wanted).collect();
-        let observables = observables(&panels);
-        let measured = differences(conditions, &grid, &problem, &observables);
-
-        let taus: Vec<f64> = grid.iter().map(|difference| difference.tau).collect();
-        let mut series = observables.iter().enumerate().map(|(f, observable)| {
-            let moments = measured.iter().map(|outcome| outcome.statistic.moments(f));
-            let (points, rate) = weak_errors(&taus, &moments.collect::<Vec<_>>());
-            let (scheme, quantity) = (Method::Sexp.id().to_owned(), observable.name.to_owned());
-            Series { scheme, quantity, points, rate, ..Series::default() }
+    let taus: Vec<f64> = grid.iter().map(|difference| difference.tau).collect();
+    let mut series = observables.iter().enumerate().map(|(f, observable)| {
+        let moments = measured.iter().map(|outcome| outcome.statistic.moments(f));
+        let (points, rate) = weak_errors(&taus, &moments.collect::<Vec<_>>());
+        let (scheme, quantity) = (Method::Sexp.id().into(), observable.name.into());
+        Series { scheme, quantity, points, rate, ..Series::default() }
+    });
+    let failures: Vec<String> = measured.iter().flat_map(describe_failures).collect();
+    let steps = format!("τ = 2^-{FIRST} … 2^-{last}, {TRUNCATED}");
+    let mut findings = Findings::default();
+    for panel in panels {
+        let series: Vec<Series> = series.by_ref().take(panel.functions.len()).collect();
+        findings.claims.extend(series.iter().map(|series| claim(panel.id, series)));
+        let words = Words {
+            title: panel.title,
+            system: "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
+            paper: "sexp has weak order 1 for every test function.",
+        };
+        findings.panels.push(Panel {
+            samples: most,
+            reference: reference(&grid, last),
+            failures: failures.clone(),
+            differences: grid.clone(),
+            series,
+            ..words.panel(panel.id, Kind::Weak, &problem, &steps)
         });
-        let failures = measured.iter().flat_map(|m| describe_failures(m.failed, &m.failures));
-        let failures: Vec<String> = failures.collect();
-        let steps = format!("τ = 2^-{FIRST} … 2^-{last}, {TRUNCATED}");
-        let mut findings = Findings::default();
-        for panel in panels {
-            let series: Vec<Series> = series.by_ref().take(panel.functions.len()).collect();
-            findings.claims.extend(series.iter().map(|series| claim(panel.id, series)));
-            let words = Words {
-                id: panel.id,
-                title: panel.title,
-                system: "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
-                paper: "sexp has weak order 1 for every test function.",
-            };
-            findings.panels.push(Panel {
-                samples: most,
-                reference: reference(&grid, last),
-                failures: failures.clone(),
-                differences: grid.clone(),
-                series,
-                ..words.panel(Kind::Weak, &problem, &steps)
-            });
-        }
-        findings
     }
+    findings
 }
 
 fn claim(panel: &str, series: &Series) -> Claim {
@@ -152,7 +136,7 @@ fn reference(grid: &[DifferenceSamples], last: u32) -> String {
 /// Antithetic differences between neighbouring step sizes, coarsest first; each is a part of the
 /// experiment.
 fn differences(
-    conditions: &Conditions<'_>,
+    conditions: &Conditions,
     grid: &[DifferenceSamples],
     problem: &Problem<RigidBody<3>, Cosine, 3>,
     observables: &[Observable<3>],

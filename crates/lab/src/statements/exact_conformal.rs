@@ -23,12 +23,9 @@ use verify::{
     runge_kutta::runge_kutta,
 };
 
-use crate::{
-    conformal_law::along,
-    experiment::{Conditions, Findings},
-};
+use crate::{Conditions, Findings, conformal_law::along};
 
-pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
+pub(super) fn measure(conditions: &Conditions) -> Findings {
     [
         law(conditions, 0, &rigid_body_three_noises(1.0)),
         law(conditions, 1, &rigid_body_energy(1.0)),
@@ -54,15 +51,11 @@ const REDUCTION: f64 = 1000.0;
 const ROUND_OFF: f64 = 1e-12;
 
 /// A claim for each invariant of the system.
-pub fn law<S, G, const D: usize, const M: usize>(
-    conditions: &Conditions<'_>,
+pub fn law<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    conditions: &Conditions,
     part: u64,
     problem: &Problem<S, G, D>,
-) -> Vec<Claim>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
+) -> Vec<Claim> {
     let system = problem.system();
     let tau = problem.t_end() / PIECES as f64;
     // The states at the ends of the pieces.

@@ -23,7 +23,7 @@ use verify::{
     runge_kutta::runge_kutta,
 };
 
-use crate::experiment::{Conditions, Findings, truncation};
+use crate::{Conditions, Findings, truncation};
 
 /// A point of the rigid body.
 pub type Vector = [f64; 3];
@@ -33,17 +33,17 @@ pub const PIECES: usize = 64;
 /// Exponents j of the steps τ = 2^−j.
 const EXPONENTS: std::ops::RangeInclusive<i32> = 2..=9;
 
-pub(super) fn measure_exact(conditions: &Conditions<'_>) -> Findings {
+pub(super) fn measure_exact(conditions: &Conditions) -> Findings {
     remainder_claims(conditions, "local-exact", "the exact flow", exact_remainder).into()
 }
 
-pub(super) fn measure_sexp(conditions: &Conditions<'_>) -> Findings {
+pub(super) fn measure_sexp(conditions: &Conditions) -> Findings {
     remainder_claims(conditions, "local-sexp", "sexp", sexp_remainder).into()
 }
 
 /// Both claims about a remainder.
 pub fn remainder_claims(
-    conditions: &Conditions<'_>,
+    conditions: &Conditions,
     id: &str,
     of: &str,
     remainder: impl Fn(f64, &[Vector; PIECES]) -> Vector,
@@ -75,8 +75,8 @@ pub fn remainder_claims(
         let variance: f64 = pairs.map(|(i, j)| m[i] * mean.covariance_of_means(i, j) * m[j]).sum();
         means.push((length, variance.sqrt() / length));
     }
-    let claims = [("(E‖R‖²)^½ ≤ C τ^(3/2)", &roots, 1.5), ("‖E R‖ ≤ C τ²", &means, 2.0)];
-    let claims = claims.map(|(bound, values, order)| {
+    let bounds = [("(E‖R‖²)^½ ≤ C τ^(3/2)", &roots, 1.5), ("‖E R‖ ≤ C τ²", &means, 2.0)];
+    let claims = bounds.map(|(bound, values, order)| {
         let rate = fit_independent(&taus, values);
         let statement = format!("one-step remainder of {of}: {bound}");
         Claim::new(id, statement, Evidence::Order { order, one_sided: false, rate })

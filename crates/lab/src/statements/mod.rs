@@ -6,14 +6,14 @@ pub mod moment_bound;
 pub mod solvability;
 pub mod truncation;
 
-use crate::experiment::{Experiment, Measurement};
+use crate::Experiment;
 
 /// In the order of the paper.
-pub const STATEMENTS: &[&dyn Experiment] = &[
-    &Measurement { id: "truncation-moments", measure: truncation::measure, long: false },
-    &Measurement { id: "solvability", measure: solvability::measure, long: false },
-    &Measurement { id: "exact-conformal", measure: exact_conformal::measure, long: false },
-    &Measurement { id: "moment-bound", measure: moment_bound::measure, long: false },
-    &Measurement { id: "local-exact", measure: local::measure_exact, long: false },
-    &Measurement { id: "local-sexp", measure: local::measure_sexp, long: false },
+pub const STATEMENTS: &[Experiment] = &[
+    Experiment::new(&["truncation-moments"], truncation::measure),
+    Experiment::new(&["solvability"], solvability::measure),
+    Experiment::new(&["exact-conformal"], exact_conformal::measure),
+    Experiment::new(&["moment-bound"], moment_bound::measure),
+    Experiment::new(&["local-exact"], local::measure_exact),
+    Experiment::new(&["local-sexp"], local::measure_sexp),
 ];

@@ -1,7 +1,6 @@
 //! `moment-bound`: ‖y_n‖ ≤ (F(y₀)/m(F))^{1/p} e^{∫|γ|} almost surely when m(F) = min over the unit
 //! sphere of F > 0 (Bréhier, Cohen and Komori 2025, §3).
 
-use mc::trajectory;
 use schemes::{Scheme, Sexp};
 use systems::{
     Constant, Damping, DampingFunction, PoissonSystem, Problem, RigidBody,
@@ -12,21 +11,18 @@ use verify::{
     worse,
 };
 
-use crate::{
-    experiment::{Conditions, Findings, truncation},
-    kernels::compiled,
-};
+use crate::{Conditions, Findings, compiled};
 
-pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
+pub(super) fn measure(conditions: &Conditions) -> Findings {
     let (casimir, energy) = (rigid_body_three_noises(10.0), rigid_body_energy(10.0));
     let (sexp, sexp_energy) = (compiled(Sexp::default()), compiled(Sexp::default()));
-    // ½|y|² is ½ everywhere on the sphere; H₀ is smallest along the axis of the largest moment of
-    // inertia.
+    // Invariant 0 is C, 1 is H. ½|y|² is ½ everywhere on the sphere; H₀ is smallest along the axis
+    // of the largest moment of inertia.
     let least_energy = 0.5 / INERTIA.iter().copied().fold(0.0, f64::max);
     vec![
-        bound(conditions, 0, &casimir, sexp.as_ref(), "C", 0.5),
-        bound(conditions, 1, &energy, sexp_energy.as_ref(), "H", least_energy),
-        bound(conditions, 2, &undamped(), sexp.as_ref(), "C", 0.5),
+        bound(conditions, 0, &casimir, sexp.as_ref(), 0, 0.5),
+        bound(conditions, 1, &energy, sexp_energy.as_ref(), 1, least_energy),
+        bound(conditions, 2, &undamped(), sexp.as_ref(), 0, 0.5),
     ]
     .into()
 }
@@ -46,21 +42,15 @@ const STEPS: [u64; 3] = [20, 100, 1000];
 
 /// The largest ‖y_n‖ over the bound at t_n, over many paths and all n ≥ 1, for a quadratic F with
 /// minimum m.
-pub fn bound<S, G, const M: usize>(
-    conditions: &Conditions<'_>,
+pub fn bound<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
+    conditions: &Conditions,
     part: u64,
     problem: &Problem<S, G, 3>,
     scheme: &dyn Scheme<S, 3, M>,
-    invariant: &str,
+    index: usize,
     minimum: f64,
-) -> Claim
-where
-    S: PoissonSystem<3, M>,
-    G: Damping,
-{
+) -> Claim {
     let system = problem.system();
-    let index = system.invariants().iter().position(|known| known.name == invariant);
-    let index = valid(index.ok_or_else(|| format!("there is no invariant {invariant}")));
     let paths = conditions.choose(400, 40);
     // |γ| has kinks, so each step of the finest grid is integrated on its own.
     let absolute = valid(DampingFunction::new(|t| problem.damping().rate(t).abs(), 8));
@@ -76,8 +66,7 @@ where
             })
             .collect();
         for path in 0..paths {
-            let key = conditions.key(part);
-            let path = valid(trajectory(problem, scheme, steps, truncation(), key, path));
+            let path = conditions.path(part, problem, scheme, steps, path);
             failed += u64::from(path.failure.is_some());
             for (y, bound) in path.states[1..].iter().zip(&bounds) {
                 let norm = y.iter().map(|component| component * component).sum::<f64>().sqrt();
@@ -88,9 +77,10 @@ where
     let words = format!("largest ‖y_n‖ over its bound, {paths} paths with τ = 0.5, 0.1 and 0.01");
     let quantities = vec![Bounded::at_most(words, largest, 1.0 + ROUND_OFF)];
     let statement = format!(
-        "{}, {}: ‖y_n‖ ≤ (F(y₀)/m(F))^(1/p) exp ∫|γ| with F = {invariant}",
+        "{}, {}: ‖y_n‖ ≤ (F(y₀)/m(F))^(1/p) exp ∫|γ| with F = {}",
         system.name(),
-        problem.damping().describe()
+        problem.damping().describe(),
+        system.invariants()[index].name
     );
     Claim::new("moment-bound", statement, Evidence::Bounds { quantities, failed })
 }

@@ -15,12 +15,13 @@ use systems::{
 };
 use verify::{
     results::{Bounded, Claim, Evidence},
+    work_precision::squared_distance,
     worse,
 };
 
-use crate::experiment::{Conditions, Findings, TRUNCATION_ORDER, truncation};
+use crate::{Conditions, Findings, TRUNCATION_ORDER, truncation};
 
-pub(super) fn measure(conditions: &Conditions<'_>) -> Findings {
+pub(super) fn measure(conditions: &Conditions) -> Findings {
     vec![
         contraction(conditions, 0, pendulum().system(), 1.0, 1.0),
         contraction(conditions, 1, poisson3_strong().system(), 3f64.sqrt(), 1.0),
@@ -41,7 +42,7 @@ const AGREEMENT: f64 = 1e-9;
 /// The claim for one system, ‖B‖ = `structure`; increments go up to `reach` times the truncation
 /// bound.
 pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
-    conditions: &Conditions<'_>,
+    conditions: &Conditions,
     part: u64,
     system: &S,
     structure: f64,
@@ -66,27 +67,28 @@ pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
             let change = system.structure(dgrad::midpoint(z_hat, z), gradient);
             std::array::from_fn(|i| z_hat[i] + change[i])
         };
-        let distance = norm(&one, &other);
-        quotient = worse(quotient, norm(&psi(one), &psi(other)) / distance);
+        let distance = squared_distance(one, other).sqrt();
+        quotient = worse(quotient, squared_distance(psi(one), psi(other)).sqrt() / distance);
         // Cⁿ·distance below round-off.
         let sweeps = (ln(AGREEMENT * 1e-3 / distance) / ln(lipschitz)).ceil() as u32;
         for _ in 0..sweeps {
             one = psi(one);
             other = psi(other);
         }
-        apart = worse(apart, norm(&one, &other));
+        apart = worse(apart, squared_distance(one, other).sqrt());
     }
-    let lipschitz_words =
-        format!("largest Lipschitz quotient at τ = 2^-{exponent}, k = {TRUNCATION_ORDER}");
-    let apart_words = format!("largest distance between limits from {pairs} pairs of starts");
     let quantities = vec![
-        Bounded::at_most(lipschitz_words, quotient, lipschitz),
-        Bounded::at_most(apart_words, apart, AGREEMENT),
+        Bounded::at_most(
+            format!("largest Lipschitz quotient at τ = 2^-{exponent}, k = {TRUNCATION_ORDER}"),
+            quotient,
+            lipschitz,
+        ),
+        Bounded::at_most(
+            format!("largest distance between limits from {pairs} pairs of starts"),
+            apart,
+            AGREEMENT,
+        ),
     ];
     let statement = format!("{}: the step has a unique solution once C(k, τ) < 1", system.name());
     Claim::new("solvability", statement, Evidence::Bounds { quantities, failed: 0 })
-}
-
-fn norm<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }

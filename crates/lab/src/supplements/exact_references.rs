@@ -16,146 +16,104 @@ use verify::{
 };
 
 use crate::{
-    experiment::{Conditions, Experiment, Findings, Words, truncation},
-    kernels::{PaperSystem, compiled},
-    method::Method,
+    Conditions, Findings, Method, PaperSystem, Words, compiled,
     panels::strong::{Grid, StrongRuns, curves_of_the_paper},
+    truncation,
 };
 
-/// A one-noise system with its exact solution.
-pub struct AgainstExact {
-    words: Words,
-    /// Calls [`AgainstExact::compare`] with the problem.
-    compare: fn(&Self, &Conditions<'_>) -> Findings,
+pub fn lotka_volterra(conditions: &Conditions) -> Findings {
+    let title = "Lotka–Volterra against its exact solution: strong convergence";
+    let system = "Lotka–Volterra, a = −1, b = −1, c = 1";
+    compare(conditions, title, system, &paper::lotka_volterra_1_1())
 }
 
-pub const LOTKA_VOLTERRA: AgainstExact = AgainstExact {
-    words: Words {
-        id: "lotka-volterra-exact",
-        title: "Lotka–Volterra against its exact solution: strong convergence",
-        system: "Lotka–Volterra, a = −1, b = −1, c = 1",
-        paper: "Not in the paper.",
-    },
-    compare: |panel, conditions| panel.compare(conditions, &paper::lotka_volterra_1_1()),
-};
-
-pub const RIGID_BODY: AgainstExact = AgainstExact {
-    words: Words {
-        id: "rigid-body-energy-exact",
-        title: "Rigid body with noise H₀ against its exact solution: strong convergence",
-        system: "rigid body, one noise H₀, I = (2, 1, 2/3)",
-        paper: "Not in the paper.",
-    },
-    compare: |panel, conditions| panel.compare(conditions, &paper::rigid_body_energy(1.0)),
-};
-
-impl Experiment for AgainstExact {
-    fn ids(&self) -> Vec<&'static str> {
-        vec![self.words.id]
-    }
-
-    fn run(&self, conditions: &Conditions<'_>) -> Findings {
-        (self.compare)(self, conditions)
-    }
-
-    fn takes_long(&self) -> bool {
-        true
-    }
+pub fn rigid_body(conditions: &Conditions) -> Findings {
+    let title = "Rigid body with noise H₀ against its exact solution: strong convergence";
+    let system = "rigid body, one noise H₀, I = (2, 1, 2/3)";
+    compare(conditions, title, system, &paper::rigid_body_energy(1.0))
 }
 
-/// Both systems have a vector field of degree 2 and noise of size 1.
-const DEGREE: f64 = 2.0;
-const NOISE: f64 = 1.0;
-
-/// The random time whose flow is the exact solution, on finest steps of T/`finest_steps`.
+/// The random time whose flow is the exact solution, on finest steps of T/`finest_steps`. Both
+/// systems have a vector field of degree 2 and noise of size 1.
 fn random_time<S, G: Damping>(problem: &Problem<S, G, 3>, finest_steps: u64) -> RandomTime<'_, G> {
-    RandomTime::new(problem.damping(), DEGREE, NOISE, problem.t_end() / finest_steps as f64)
+    RandomTime::new(problem.damping(), 2.0, 1.0, problem.t_end() / finest_steps as f64)
 }
 
-impl AgainstExact {
-    fn compare<S, G>(&self, conditions: &Conditions<'_>, problem: &Problem<S, G, 3>) -> Findings
-    where
-        S: PaperSystem<3, 1>,
-        G: Damping,
-    {
-        let grid =
-            conditions.choose(Grid { last: 12, samples: 500 }, Grid { last: 10, samples: 200 });
-        let curves = curves_of_the_paper::<S, 3, 1>();
-        let time = random_time(problem, grid.finest_steps(problem.t_end()));
-        let solution = |s: f64| solution(problem, s);
-        // What the paper takes as the reference.
-        let reference = curves[0].scheme.as_ref();
-        let exact = Some(Exact { time_change: &time, solution: &solution });
-        let runs = StrongRuns::new(self.words, problem, grid, reference, &curves);
-        let mut findings = StrongRuns { exact, ..runs }.measure(conditions);
-        findings.claims.extend(self.weak_claims(conditions, problem));
-        findings
-    }
+fn compare<S: PaperSystem<3, 1>, G: Damping>(
+    conditions: &Conditions,
+    title: &'static str,
+    system: &'static str,
+    problem: &Problem<S, G, 3>,
+) -> Findings {
+    let grid = conditions.choose(Grid { last: 12, samples: 500 }, Grid { last: 10, samples: 200 });
+    let curves = curves_of_the_paper::<S, 3, 1>();
+    let time = random_time(problem, grid.finest_steps(problem.t_end()));
+    let solution = |s: f64| solution(problem, s);
+    let exact = Some(Exact { time_change: &time, solution: &solution });
+    let words = Words { title, system, paper: "Not in the paper." };
+    let runs = StrongRuns::new(words, problem, grid, &curves);
+    let mut findings = StrongRuns { exact, ..runs }.measure(conditions);
+    findings.claims.extend(weak_claims(conditions, problem));
+    findings
+}
 
-    /// Weak errors of `sexp` against the exact solution path by path, and the mean of the exact
-    /// solution over the paths against the Gaussian integral.
-    fn weak_claims<S, G>(
-        &self,
-        conditions: &Conditions<'_>,
-        problem: &Problem<S, G, 3>,
-    ) -> Vec<Claim>
-    where
-        S: PaperSystem<3, 1>,
-        G: Damping,
-    {
-        let observables: [Observable<3>; 2] = [
-            Observable { name: "y2", function: |y| y[1] },
-            Observable { name: "cos y3", function: |y| real::elementary::cos(y[2]) },
-        ];
+/// Weak errors of `sexp` against the exact solution path by path, and the mean of the exact
+/// solution over the paths against the Gaussian integral.
+fn weak_claims<S: PaperSystem<3, 1>, G: Damping>(
+    conditions: &Conditions,
+    problem: &Problem<S, G, 3>,
+) -> Vec<Claim> {
+    let observables: [Observable<3>; 2] = [
+        Observable { name: "y2", function: |y| y[1] },
+        Observable { name: "cos y3", function: |y| real::elementary::cos(y[2]) },
+    ];
+    let sizes = StepSizes {
+        coarsest_steps: 8,
+        levels: 5,
+        refinement: 0,
+        samples: conditions.choose(16_000, 400),
+        truncation: truncation(),
+        key: conditions.key(1),
+    };
+    let steps = sizes.coarsest_steps << (sizes.levels - 1);
+    let time = random_time(problem, steps);
+    let solution = |s: f64| solution(problem, s);
+    let exact = Exact { time_change: &time, solution: &solution };
+    let sexp = compiled(Sexp::default());
+    let claims = observables.map(|observable| {
+        let (name, reference) = (observable.name, ReferenceSolution::Exact(exact));
+        let order = valid(weak_order(sexp.as_ref(), problem, observable, &sizes, reference));
+        let statement = format!("sexp has weak order 1 against the exact solution for φ = {name}");
+        let measured = Evidence::Order { order: 1.0, one_sided: false, rate: order.rate };
+        let weak = Claim::new("weak-one", statement, measured)
+            .about(conditions.id(), Method::Sexp.id())
+            .proven(false);
+
+        // Two ways to the same number, of which one uses the noise of this project and the
+        // other a quadrature.
         let sizes = StepSizes {
-            coarsest_steps: 8,
-            levels: 5,
-            refinement: 0,
-            samples: conditions.choose(16_000, 400),
-            truncation: truncation(),
-            key: conditions.key(1),
+            coarsest_steps: steps / 2,
+            levels: 2,
+            samples: conditions.choose(20_000, 1_000),
+            key: conditions.key(2),
+            ..sizes
         };
-        let steps = sizes.coarsest_steps << (sizes.levels - 1);
-        let time = random_time(problem, steps);
-        let solution = |s: f64| solution(problem, s);
-        let exact = Exact { time_change: &time, solution: &solution };
-        let sexp = compiled(Sexp::default());
-        let claims = observables.map(|observable| {
-            let (name, reference) = (observable.name, ReferenceSolution::Exact(exact));
-            let order = valid(weak_order(sexp.as_ref(), problem, observable, &sizes, reference));
-            let statement =
-                format!("sexp has weak order 1 against the exact solution for φ = {name}");
-            let measured = Evidence::Order { order: 1.0, one_sided: false, rate: order.rate };
-            let weak = Claim::new("weak-one", statement, measured)
-                .about(self.words.id, Method::Sexp.id())
-                .proven(false);
-
-            // Two ways to the same number, of which one uses the noise of this project and the
-            // other a quadrature.
-            let sizes = StepSizes {
-                coarsest_steps: steps / 2,
-                levels: 2,
-                samples: conditions.choose(20_000, 1_000),
-                key: conditions.key(2),
-                ..sizes
-            };
-            let (value, standard_error) = valid(exact_mean(problem, observable, &sizes, exact));
-            let measured = Evidence::Deviation {
-                quantity: format!("E[{name}]"),
-                value,
-                standard_error,
-                bias: 0.0,
-                expected: expectation(problem, &time, steps, observable.function),
-                path_steps: None,
-                warnings: Vec::new(),
-            };
-            let statement = format!(
-                "E[{name}] over sampled exact solutions is the Gaussian integral over the random \
-                 time"
-            );
-            let mean = Claim::new("exact-expectation", statement, measured);
-            [weak, mean.about(self.words.id, "").proven(false)]
-        });
-        claims.into_iter().flatten().collect()
-    }
+        let (value, standard_error) = valid(exact_mean(problem, observable, &sizes, exact));
+        let measured = Evidence::Deviation {
+            quantity: format!("E[{name}]"),
+            value,
+            standard_error,
+            bias: 0.0,
+            expected: expectation(problem, &time, steps, observable.function),
+            path_steps: None,
+            warnings: Vec::new(),
+        };
+        let statement = format!(
+            "E[{name}] over sampled exact solutions is the Gaussian integral over the random \
+             time"
+        );
+        let mean = Claim::new("exact-expectation", statement, measured);
+        [weak, mean.about(conditions.id(), "").proven(false)]
+    });
+    claims.concat()
 }

@@ -15,11 +15,7 @@ use verify::{
 };
 
 use crate::{
-    experiment::{Conditions, Findings, Words, truncation},
-    kernels::compiled,
-    method::Method,
-    panels::weak_observables,
-    streams,
+    Conditions, Findings, Method, Words, compiled, panels::weak_observables, streams, truncation,
 };
 
 /// Steps on [0, 1] of the coarsest level: with two, the first difference has already the variance
@@ -28,11 +24,11 @@ const COARSEST_STEPS: u64 = 2;
 
 /// Degree of the spherical harmonics: the twelve values agree to 4e-15 from 96 to 160, and 64 is
 /// 8e-13 away.
-fn degree(conditions: &Conditions<'_>) -> usize {
+fn degree(conditions: &Conditions) -> usize {
     conditions.choose(96, 64)
 }
 
-fn settings(conditions: &Conditions<'_>, part: u64) -> ExpectationSettings {
+fn settings(conditions: &Conditions, part: u64) -> ExpectationSettings {
     let key = conditions.key(part);
     ExpectationSettings {
         max_cost: 1 << 40,
@@ -56,7 +52,7 @@ fn claim(estimate: &Estimate, of: &Expectation, exact: f64, statement: String) -
 
 /// The claims that the weak panels' twelve expectations, each to the half-width `accuracy`, agree
 /// with the Kolmogorov equation.
-fn twelve(conditions: &Conditions<'_>, accuracy: f64) -> Vec<Claim> {
+fn twelve(conditions: &Conditions, accuracy: f64) -> Vec<Claim> {
     let problem = rigid_body_three_noises(1.0);
     let observables = weak_observables();
     let exact = rigid_body_expectations(&problem, degree(conditions), &observables);
@@ -86,7 +82,7 @@ pub fn expectation_claims(
 }
 
 /// Twelve expectations, to the accuracy of the mode.
-pub fn measure(conditions: &Conditions<'_>) -> Findings {
+pub fn measure(conditions: &Conditions) -> Findings {
     twelve(conditions, conditions.choose(2e-4, 1e-3)).into()
 }
 
@@ -94,7 +90,6 @@ const COS_Y3: [Observable<3>; 1] =
     [Observable { name: "cos y3", function: |y| real::elementary::cos(y[2]) }];
 
 const COST: Words = Words {
-    id: "expectation-cost",
     title: "E[cos y_3] of the rigid body with three noises: cost against accuracy",
     system: "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
     paper: "Not in the paper, which takes single paths. With weak order 1 they cost ε⁻³; the \
@@ -102,7 +97,7 @@ const COST: Words = Words {
 };
 
 /// Path-steps for E[cos y₃] at several accuracies, by multilevel Monte Carlo and by single paths.
-pub fn cost(conditions: &Conditions<'_>) -> Findings {
+pub fn cost(conditions: &Conditions) -> Findings {
     let problem = rigid_body_three_noises(1.0);
     let sexp = compiled(Sexp::default());
     let accuracies = conditions.choose([1e-2, 3e-3, 1e-3, 3e-4], [1e-2, 5e-3, 3e-3, 2e-3]);
@@ -125,14 +120,15 @@ pub fn cost(conditions: &Conditions<'_>) -> Findings {
             points.push(Point::Cost { accuracy, path_steps: result.cost });
             let statement = format!("E[cos y3] to ± {accuracy:.0e} by {name}");
             let claim = claim(&result.estimates[0], &result, exact, statement);
-            claims.push(claim.about(COST.id, Method::Sexp.id()));
+            claims.push(claim.about(conditions.id(), Method::Sexp.id()));
         }
-        let (scheme, quantity) = (name.to_owned(), "cos y3".to_owned());
-        series.push(Series { scheme, quantity, points, ..Series::default() });
+        let quantity = "cos y3".into();
+        series.push(Series { scheme: name.into(), quantity, points, ..Series::default() });
     }
-    let reference = "half-width ε of the 95 % interval, bias included".to_owned();
+    let reference = "half-width ε of the 95 % interval, bias included".into();
     let steps = "sexp, antithetic differences from τ = 1/2 on; a pilot of 1024 paths a level is \
                  part of the cost";
-    let panel = Panel { reference, series, ..COST.panel(Kind::Cost, &problem, steps) };
+    let panel =
+        Panel { reference, series, ..COST.panel(conditions.id(), Kind::Cost, &problem, steps) };
     Findings { panels: vec![panel], claims }
 }

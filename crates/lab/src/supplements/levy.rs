@@ -1,10 +1,9 @@
 //! `spin-pair-levy`: `sexp-levy` beyond three dimensions and over long paths.
 
-use mc::trajectory;
 use schemes::{Sexp, SexpLevy};
 use systems::{
-    Cosine, Damping, Problem, SpinChain,
-    paper::{half_cosine, rigid_body_three_noises, valid},
+    Damping, Problem,
+    paper::{half_cosine, rigid_body_three_noises},
 };
 use verify::{
     results::{Claim, Evidence},
@@ -12,37 +11,27 @@ use verify::{
 };
 
 use crate::{
+    Compiled, Conditions, Findings, Method, Words, compiled,
     conformal_law::{along, largest_defect},
-    experiment::{Conditions, Findings, Words, truncation},
-    kernels::{Compiled, compiled},
-    method::Method,
     panels::strong::{Curve, Grid, StrongRuns},
+    setups::spin_pair,
 };
 
-/// Two spins with exchange and anisotropy in a field that fluctuates about all three axes: D = 6.
-fn spins() -> Problem<SpinChain<6>, Cosine, 6> {
-    let chain = valid(SpinChain::new(1.0, 0.5, 0.8));
-    valid(Problem::new(chain, half_cosine(), [1.0, 0.0, 0.0, 0.0, 0.6, 0.8], 1.0))
-}
-
 const WORDS: Words = Words {
-    id: "spin-pair-levy",
     title: "Two spins in a fluctuating field: strong convergence with and without Lévy areas",
     system: "Heisenberg pair, J = 1, K = 0.5, σ = 0.8, D = 6, three noises",
     paper: "Not in the paper, whose scheme has strong order 1/2 for noises that do not commute.",
 };
 
-pub fn measure(conditions: &Conditions<'_>) -> Findings {
-    let problem = spins();
-    let levy = || compiled(SexpLevy::new(problem.system(), problem.y0()));
+pub fn measure(conditions: &Conditions) -> Findings {
+    let problem = spin_pair(half_cosine());
+    let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     let curves =
-        [Curve::new(Method::Sexp, compiled(Sexp::default())), Curve::new(Method::SexpLevy, levy())];
+        [Curve::new(Method::Sexp, compiled(Sexp::default())), Curve::new(Method::SexpLevy, levy)];
     let grid = conditions.choose(Grid { last: 11, samples: 500 }, Grid { last: 9, samples: 256 });
-    let reference = levy();
-    let runs = StrongRuns::new(WORDS, &problem, grid, &*reference, &curves);
-    let mut findings = runs.measure(conditions);
+    let mut findings = StrongRuns::new(WORDS, &problem, grid, &curves).measure(conditions);
     findings.claims.extend([
-        obeys_law(conditions, WORDS.id, &problem),
+        obeys_law(conditions, conditions.id(), &problem),
         obeys_law(conditions, "rigid-body-strong-3", &rigid_body_three_noises(1.0)),
     ]);
     findings
@@ -55,20 +44,15 @@ const STEPS: u64 = 1024;
 const PATHS: u64 = 32;
 
 /// Every Casimir on its conformal law, at every step of many paths.
-fn obeys_law<S, G, const D: usize>(
-    conditions: &Conditions<'_>,
+fn obeys_law<S: Compiled<SexpLevy, D, 3>, G: Damping, const D: usize>(
+    conditions: &Conditions,
     panel: &str,
     problem: &Problem<S, G, D>,
-) -> Claim
-where
-    S: Compiled<SexpLevy, D, 3>,
-    G: Damping,
-{
+) -> Claim {
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     let mut largest = 0.0;
     for path in 0..PATHS {
-        let key = conditions.key(3);
-        let path = valid(trajectory(problem, levy.as_ref(), STEPS, truncation(), key, path));
+        let path = conditions.path(3, problem, levy.as_ref(), STEPS, path);
         for index in 0..problem.system().invariants().len() {
             largest = worse(largest, largest_defect(&along(problem, index, &path)));
         }
@@ -77,7 +61,7 @@ where
         }
     }
     let measured = Evidence::Defect {
-        invariant: "every Casimir".to_owned(),
+        invariant: "every Casimir".into(),
         paths: PATHS,
         steps: STEPS,
         largest,

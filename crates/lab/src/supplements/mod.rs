@@ -7,14 +7,14 @@ mod truncation_orders;
 
 pub use expectations::expectation_claims;
 
-use crate::experiment::{Experiment, Measurement};
+use crate::Experiment;
 
 /// All of them.
-pub const SUPPLEMENTS: &[&dyn Experiment] = &[
-    &Measurement { id: "truncation-orders", measure: truncation_orders::measure, long: false },
-    &exact_references::LOTKA_VOLTERRA,
-    &exact_references::RIGID_BODY,
-    &Measurement { id: "spin-pair-levy", measure: levy::measure, long: true },
-    &Measurement { id: "rigid-body-expectations", measure: expectations::measure, long: true },
-    &Measurement { id: "expectation-cost", measure: expectations::cost, long: true },
+pub const SUPPLEMENTS: &[Experiment] = &[
+    Experiment::new(&["truncation-orders"], truncation_orders::measure),
+    Experiment::new(&["lotka-volterra-exact"], exact_references::lotka_volterra).long(),
+    Experiment::new(&["rigid-body-energy-exact"], exact_references::rigid_body).long(),
+    Experiment::new(&["spin-pair-levy"], levy::measure).long(),
+    Experiment::new(&["rigid-body-expectations"], expectations::measure).long(),
+    Experiment::new(&["expectation-cost"], expectations::cost).long(),
 ];

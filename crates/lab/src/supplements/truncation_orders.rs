@@ -3,17 +3,13 @@
 use noise::Truncation;
 use schemes::Sexp;
 use systems::paper::{rigid_body_one_noise, valid};
-use verify::results::Panel;
 
 use crate::{
-    experiment::{Conditions, Findings, Words},
-    kernels::compiled,
-    method::Method,
+    Conditions, Findings, Method, Words, compiled,
     panels::strong::{Curve, Grid, StrongRuns},
 };
 
 const WORDS: Words = Words {
-    id: "truncation-orders",
     title: "What the truncation order k does: sexp on the rigid body, only W₁",
     system: "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1",
     paper: "The theorems ask k ≥ 2 for order 1; the k of the experiments is not stated. With k = 1 \
@@ -22,7 +18,7 @@ const WORDS: Words = Words {
 };
 
 /// Strong errors of `sexp` with k = 1, 2, 4 and without truncation, on the same noise.
-pub fn measure(conditions: &Conditions<'_>) -> Findings {
+pub fn measure(conditions: &Conditions) -> Findings {
     let problem = rigid_body_one_noise();
     let grid = conditions.choose(Grid { last: 12, samples: 1000 }, Grid { last: 10, samples: 512 });
     let rules = [
@@ -31,24 +27,21 @@ pub fn measure(conditions: &Conditions<'_>) -> Findings {
         ("sexp, k = 4", Truncation::new(4)),
         ("sexp, not truncated", Ok(Truncation::none())),
     ];
-    let reference = compiled(Sexp::default());
-    let mut all = Panel::default();
-    for (name, rule) in rules {
-        let curve = Curve { name, method: Method::Sexp, scheme: compiled(Sexp::default()) };
-        let curves = [curve];
+    let panels = rules.into_iter().flat_map(|(name, rule)| {
+        let curves = [Curve { name, method: Method::Sexp, scheme: compiled(Sexp::default()) }];
         let runs = StrongRuns {
             truncation: valid(rule),
             truncated: "increments truncated with k = 1, 2, 4 and not at all, those of the \
                         reference by the same rule",
-            ..StrongRuns::new(WORDS, &problem, grid, &*reference, &curves)
+            ..StrongRuns::new(WORDS, &problem, grid, &curves)
         };
-        for panel in runs.measure(conditions).panels {
-            let Panel { mut series, mut failures, mut clipped, .. } = all;
-            series.extend(panel.series);
-            failures.extend(panel.failures);
-            clipped.extend(panel.clipped);
-            all = Panel { series, failures, clipped, ..panel };
-        }
-    }
-    Findings { panels: vec![all], claims: Vec::new() }
+        runs.measure(conditions).panels
+    });
+    let together = panels.reduce(|mut all, panel| {
+        all.series.extend(panel.series);
+        all.failures.extend(panel.failures);
+        all.clipped.extend(panel.clipped);
+        all
+    });
+    Findings { panels: together.into_iter().collect(), claims: Vec::new() }
 }

@@ -8,8 +8,8 @@ use super::{Recording, TIME_AGREEMENT, area_name, error::RecordingError, pairs};
 fn header(noises: usize, with_areas: bool) -> Vec<String> {
     let areas = pairs(noises).filter(|_| with_areas);
     let increments = (1..=noises).map(|m| format!("dW{m}"));
-    let areas = areas.map(|(m, l)| area_name(m + 1, l + 1, noises));
-    ["tau".to_owned()].into_iter().chain(increments).chain(areas).collect()
+    let areas = areas.map(|pair| area_name(pair, noises));
+    ["tau".into()].into_iter().chain(increments).chain(areas).collect()
 }
 
 fn entries(line: &str) -> Vec<&str> {
@@ -35,10 +35,11 @@ impl<const M: usize> FromStr for Recording<M> {
         let found = entries(first);
         let with_areas = found.len() > M + 1;
         let names = header(M, with_areas);
-        let mut columns = (1..).zip(found.iter().zip(&names));
-        if let Some((column, (found, expected))) = columns.find(|(_, (a, b))| *a != *b) {
-            let (found, expected) = ((*found).to_owned(), expected.clone());
-            return Err(RecordingError::Header { column, found, expected });
+        for (column, (found, expected)) in (1..).zip(found.iter().zip(&names)) {
+            if found != expected {
+                let (found, expected) = (found.to_string(), expected.clone());
+                return Err(RecordingError::Header { column, found, expected });
+            }
         }
         check_columns(1, found.len(), names.len())?;
 
@@ -47,14 +48,15 @@ impl<const M: usize> FromStr for Recording<M> {
         for (line, text) in (2..).zip(lines) {
             let entries = entries(text);
             check_columns(line, entries.len(), names.len())?;
-            let number = |(text, name): (&&str, &String)| {
-                text.parse().map_err(|_| {
-                    let (column, text) = (name.clone(), (*text).to_owned());
-                    RecordingError::NotANumber { line, column, text }
-                })
-            };
-            let numbers: Vec<f64> =
-                entries.iter().zip(&names).map(number).collect::<Result<_, _>>()?;
+            let mut numbers: Vec<f64> = Vec::new();
+            for (text, column) in entries.iter().zip(&names) {
+                let wrong = |_| RecordingError::NotANumber {
+                    line,
+                    column: column.clone(),
+                    text: text.to_string(),
+                };
+                numbers.push(text.parse().map_err(wrong)?);
+            }
             let tau = numbers[0];
             let first = *first.get_or_insert(tau);
             if !(tau > 0.0 && tau.is_finite()) {

@@ -45,10 +45,10 @@ pub struct Recording<const M: usize> {
 /// differences of times.
 const TIME_AGREEMENT: f64 = 1e-9;
 
-/// `A12`; `A3_12` where numbers may have two digits.
-fn area_name(m: usize, l: usize, noises: usize) -> String {
+/// `A12` for (0, 1); `A3_12` where numbers may have two digits.
+fn area_name((m, l): (usize, usize), noises: usize) -> String {
     let separator = if noises < 10 { "" } else { "_" };
-    format!("A{m}{separator}{l}")
+    format!("A{}{separator}{}", m + 1, l + 1)
 }
 
 /// The (m, l) with m < l, row by row.
@@ -71,9 +71,11 @@ impl<const M: usize> Recording<M> {
             return Err(RecordingError::StepSize { line: 2, tau });
         }
         for (line, dw) in (2..).zip(&increments) {
-            if let Some((m, &value)) = dw.iter().enumerate().find(|(_, w)| !w.is_finite()) {
-                let column = format!("dW{}", m + 1);
-                return Err(RecordingError::NotFinite { line, column, value });
+            for (m, &value) in (1..).zip(dw) {
+                if !value.is_finite() {
+                    let column = format!("dW{m}");
+                    return Err(RecordingError::NotFinite { line, column, value });
+                }
             }
         }
         Ok(Self { tau, increments, areas: None })
@@ -95,7 +97,7 @@ impl<const M: usize> Recording<M> {
             for (m, l) in pairs(M) {
                 let value = area[m][l];
                 if !value.is_finite() {
-                    let column = area_name(m + 1, l + 1, M);
+                    let column = area_name((m, l), M);
                     return Err(RecordingError::NotFinite { line, column, value });
                 }
                 area[l][m] = -value;
@@ -203,9 +205,9 @@ impl<const M: usize> NoiseSource<M> for &Recording<M> {
         steps: u64,
         area_reader: Option<&'static str>,
     ) -> Result<(), LadderError> {
-        let found = self.increments.len() as u64;
-        if found != steps {
-            return Err(LadderError::RecordedSteps { recorded: found, steps });
+        let recorded = self.increments.len() as u64;
+        if recorded != steps {
+            return Err(LadderError::RecordedSteps { recorded, steps });
         }
         let recorded = self.tau * steps as f64;
         let agree = (recorded - t_end).abs() <= TIME_AGREEMENT * t_end;

@@ -4,14 +4,13 @@ mod error;
 mod series;
 mod write;
 
-use std::ops::Range;
+use std::{collections::BTreeMap, ops::Range};
 
 use noise::{StreamKey, Truncation};
 use schemes::{Scheme, Step};
-use systems::{Damping, PoissonSystem, Problem};
+use systems::{Damping, Invariant, PoissonSystem, Problem};
 
 use crate::{Ladder, LadderError, PathFailure, Recording, Run, trajectory::PathRecords};
-use series::InvariantColumn;
 
 pub use error::SimulationError;
 pub use series::{Column, NoiseOrigin, TimeSeries};
@@ -148,11 +147,17 @@ where
             return Err(SimulationError::Every);
         }
         let (problem, tau) = (self.problem, ladder.tau(0));
-        let invariants = InvariantColumn::of(problem.system(), problem.y0());
-        let mut names = vec!["t".to_owned()];
+        let (system, y0) = (problem.system(), problem.y0());
+        let invariants = system.invariants();
+        let mut names = vec!["t".into()];
         names.extend((1..=D).map(|i| format!("y{i}")));
         names.extend(self.observables.iter().map(|(name, _)| name.clone()));
-        for InvariantColumn { name, .. } in &invariants {
+        for (index, Invariant { name, .. }) in invariants.iter().enumerate() {
+            let same = |among: &[Invariant]| among.iter().filter(|i| i.name == *name).count();
+            let name = match same(&invariants) {
+                1 => name.to_string(),
+                _ => format!("{name}{}", 1 + same(&invariants[..index])),
+            };
             names.extend([name.clone(), format!("{name} defect")]);
         }
         if let Some(n) = (0..names.len()).find(|&n| names[..n].contains(&names[n])) {
@@ -163,64 +168,63 @@ where
             let mut row = vec![n as f64 * tau];
             row.extend(y);
             row.extend(self.observables.iter().map(|(_, phi)| phi(y)));
-            for (index, invariant) in invariants.iter().enumerate() {
-                let value = problem.system().invariant(index, y);
-                row.extend([value, invariant.defect(value, damped)]);
+            for (index, Invariant { degree, .. }) in invariants.iter().enumerate() {
+                let (value, initial) = (system.invariant(index, y), system.invariant(index, y0));
+                let law = (-degree * damped).exp() * initial;
+                row.extend([value, if initial == 0.0 { value } else { (value - law) / law.abs() }]);
             }
             row
         };
         let steps = ladder.coarse_steps();
         let saved = |n: u64| n.is_multiple_of(self.every) || n == steps;
         let damped = damping_integrals(problem.damping(), steps, tau, &saved)?;
-        let saved_row = |n: u64, y: [f64; D]| {
-            saved(n).then(|| row(n, damped[damped.partition_point(|&(m, _)| m < n)].1, y))
-        };
+        let saved_row = |n: u64, y: [f64; D]| saved(n).then(|| row(n, damped[&n], y));
         let count = paths.end.saturating_sub(paths.start);
         let ladder = ladder.describing(count as usize);
         let measured =
             ladder.run_from(paths.start, count, || PathRecords::new(&saved_row), &|_| ());
         let mut of_path = measured.statistic.of_path;
         let series = paths.map(|path| {
-            let mut rows = vec![row(0, 0.0, problem.y0())];
+            let mut rows = vec![row(0, 0.0, y0)];
             rows.extend(of_path.remove(&path).unwrap_or_default());
-            let values = |column: usize| rows.iter().map(|row| row[column]).collect();
-            let columns = names.iter().enumerate();
+            let columns = names.iter().enumerate().map(|(number, name)| Column {
+                name: name.clone(),
+                values: rows.iter().map(|row| row[number]).collect(),
+            });
             let failure = measured.failures.iter().find(|failure| failure.path == path);
             TimeSeries {
-                system: problem.system().name().to_owned(),
+                system: system.name().into(),
                 damping: problem.damping().describe(),
-                scheme: self.scheme.id().to_owned(),
+                scheme: self.scheme.id().into(),
                 tau,
                 noise: origin(path),
                 halted: failure.map(|&PathFailure { step, cause, .. }| {
                     format!("step {step} of size {tau}, at t = {}: {cause}", step as f64 * tau)
                 }),
-                columns: columns
-                    .map(|(number, name)| Column { name: name.clone(), values: values(number) })
-                    .collect(),
+                columns: columns.collect(),
             }
         });
         Ok(series.collect())
     }
 }
 
-/// (n, ∫γ from 0 to the end of step n) for every saved step n. Compensated summation (Kahan 1965)
+/// ∫γ from 0 to the end of every saved step. Compensated summation (Kahan 1965)
 /// of the integrals over the steps keeps rounding errors from accumulating in the conformal law.
 fn damping_integrals(
     damping: &dyn Damping,
     steps: u64,
     tau: f64,
     saved: &dyn Fn(u64) -> bool,
-) -> Result<Vec<(u64, f64)>, LadderError> {
+) -> Result<BTreeMap<u64, f64>, LadderError> {
     let (mut damped, mut lost) = (0.0, 0.0);
-    let mut integrals = Vec::new();
+    let mut integrals = BTreeMap::new();
     for n in 1..=steps {
         let term = Step::new(damping, n - 1, tau)?.damping_integral() - lost;
         let sum = damped + term;
         lost = (sum - damped) - term;
         damped = sum;
         if saved(n) {
-            integrals.push((n, damped));
+            integrals.insert(n, damped);
         }
     }
     Ok(integrals)

@@ -1,7 +1,6 @@
 //! The table of one path.
 
 use serde::Serialize;
-use systems::{Invariant, PoissonSystem};
 
 /// The table of one path, with everything needed to compute it again.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -60,37 +59,5 @@ impl TimeSeries {
     /// The saved times.
     pub fn times(&self) -> &[f64] {
         self.column("t").unwrap_or_default()
-    }
-}
-
-/// An invariant with the name of its column and its initial value.
-pub(super) struct InvariantColumn {
-    pub(super) name: String,
-    degree: f64,
-    initial: f64,
-}
-
-impl InvariantColumn {
-    pub(super) fn of<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-        system: &S,
-        y0: [f64; D],
-    ) -> Vec<Self> {
-        let known = system.invariants();
-        let column = |(index, invariant): (usize, &Invariant)| {
-            let shares = |other: &&Invariant| other.name == invariant.name;
-            let name = if known.iter().filter(shares).count() > 1 {
-                format!("{}{}", invariant.name, 1 + known[..index].iter().filter(shares).count())
-            } else {
-                invariant.name.to_owned()
-            };
-            Self { name, degree: invariant.degree, initial: system.invariant(index, y0) }
-        };
-        known.iter().enumerate().map(column).collect()
-    }
-
-    /// The relative defect of `value` from the conformal law, where `damped` = ∫γ.
-    pub(super) fn defect(&self, value: f64, damped: f64) -> f64 {
-        let law = (-self.degree * damped).exp() * self.initial;
-        if self.initial == 0.0 { value } else { (value - law) / law.abs() }
     }
 }

@@ -13,23 +13,20 @@ use super::{NoiseOrigin, TimeSeries};
 pub fn write_csv(series: &[TimeSeries], out: &mut impl Write) -> io::Result<()> {
     let Some(first) = series.first() else { return Ok(()) };
     let names = |series: &TimeSeries| {
-        series.columns.iter().map(|column| quoted(&column.name)).collect::<Vec<_>>()
+        let names = series.columns.iter().map(|column| quoted(&column.name));
+        names.collect::<Vec<_>>().join(",")
     };
     let header = names(first);
-    writeln!(out, "scheme,path,{}", header.join(","))?;
+    writeln!(out, "scheme,path,{header}")?;
     for one in series {
         let found = names(one);
         if found != header {
-            let message = format!(
-                "all paths must have the columns {}, got {}",
-                header.join(","),
-                found.join(",")
-            );
+            let message = format!("all paths must have the columns {header}, got {found}");
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
         let path = match one.noise {
             NoiseOrigin::Drawn { path, .. } => path.to_string(),
-            NoiseOrigin::Recorded => "recorded".to_owned(),
+            NoiseOrigin::Recorded => "recorded".into(),
         };
         for row in 0..one.times().len() {
             write!(out, "{},{path}", quoted(&one.scheme))?;
@@ -57,6 +54,6 @@ fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", text.replace('"', "\"\""))
     } else {
-        text.to_owned()
+        text.into()
     }
 }

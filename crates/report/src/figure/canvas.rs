@@ -1,7 +1,7 @@
 //! Lines, markers and text on an SVG page, measured in CSS pixels at column width.
 
 use super::{
-    look::{Look, Marker},
+    look::Look,
     scripts::markup,
     stroke::{Color, Position, Stroke},
 };
@@ -39,29 +39,9 @@ pub enum Align {
 }
 
 /// A page to draw on.
+#[derive(Default)]
 pub struct Canvas {
-    body: String,
-}
-
-/// Draws a page of the given size with `draw` and returns it as a stand-alone SVG document.
-///
-/// `title` is what a screen reader says in place of the picture.
-pub fn page((width, height): (f64, f64), title: &str, draw: impl FnOnce(&mut Canvas)) -> String {
-    let mut canvas = Canvas { body: String::new() };
-    draw(&mut canvas);
-    // With mitred joints a noisy curve would turn into needles.
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" width=\"{:.2}cm\" \
-         height=\"{:.2}cm\" viewBox=\"0 0 {} {}\" stroke-linejoin=\"round\" \
-         stroke-linecap=\"round\">\n<title>{}</title>\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n{}</svg>\n",
-        width / PER_CENTIMETRE,
-        height / PER_CENTIMETRE,
-        grid(width),
-        grid(height),
-        escape(title),
-        canvas.body
-    )
+    elements: Vec<String>,
 }
 
 fn grid(length: f64) -> i32 {
@@ -73,6 +53,26 @@ fn list(points: impl Iterator<Item = Position>) -> String {
 }
 
 impl Canvas {
+    /// The page of the given size as a stand-alone SVG document. `title` is what a screen reader
+    /// says in place of the picture.
+    pub fn page(self, (width, height): (f64, f64), title: &str) -> String {
+        let [wide, high] = [width, height].map(|length| length / PER_CENTIMETRE);
+        let size = format!(r#"width="{wide:.2}cm" height="{high:.2}cm""#);
+        let view = format!(r#"viewBox="0 0 {} {}""#, grid(width), grid(height));
+        // With mitred joints a noisy curve would turn into needles.
+        let joints = r#"stroke-linejoin="round" stroke-linecap="round""#;
+        format!(
+            r##"<svg xmlns="http://www.w3.org/2000/svg" role="img" {size} {view} {joints}>
+<title>{}</title>
+<rect width="100%" height="100%" fill="#fff"/>
+{}
+</svg>
+"##,
+            escape(title),
+            self.elements.join("\n")
+        )
+    }
+
     /// A line through `points`.
     pub fn polyline(&mut self, points: &[Position], stroke: Stroke) {
         if points.len() < 2 {
@@ -80,74 +80,48 @@ impl Canvas {
         }
         let Stroke { color, width, opacity, dashed } = stroke;
         let dashes = match dashed {
-            true => format!(" stroke-dasharray=\"{} {}\"", grid(DASH), grid(GAP)),
+            true => format!(r#" stroke-dasharray="{} {}""#, grid(DASH), grid(GAP)),
             false => String::new(),
         };
-        self.body += &format!(
-            "<polyline fill=\"none\" opacity=\"{opacity}\" stroke=\"{color}\" \
-             stroke-width=\"{}\"{dashes} points=\"{}\"/>\n",
-            grid(width),
-            list(points.iter().copied())
-        );
+        let (width, points) = (grid(width), list(points.iter().copied()));
+        let paint = format!(r#"opacity="{opacity}" stroke="{color}" stroke-width="{width}""#);
+        let line = format!(r#"<polyline fill="none" {paint}{dashes} points="{points}"/>"#);
+        self.elements.push(line);
     }
 
     /// A marker; a hollow one shows the paper inside.
     pub fn marker(&mut self, at: Position, look: Look, radius: f64, hollow: bool) {
-        let shape = match outline(look.marker) {
+        let shape = match look.marker {
             [] => {
                 let (x, y, r) = (grid(at.0), grid(at.1), grid(radius));
-                format!("circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"")
+                format!(r#"circle cx="{x}" cy="{y}" r="{r}""#)
             }
             corners => {
                 let corners = corners.iter().map(|(x, y)| (at.0 + radius * x, at.1 + radius * y));
-                format!("polygon points=\"{}\"", list(corners))
+                format!(r#"polygon points="{}""#, list(corners))
             }
         };
-        let paint = if hollow {
-            format!("fill=\"{PAPER}\" stroke=\"{}\" stroke-width=\"{}\"", look.color, grid(1.1))
-        } else {
-            format!("fill=\"{}\"", look.color)
+        let (color, width) = (look.color, grid(1.1));
+        let paint = match hollow {
+            true => format!(r#"fill="{PAPER}" stroke="{color}" stroke-width="{width}""#),
+            false => format!(r#"fill="{color}""#),
         };
-        self.body += &format!("<{shape} {paint}/>\n");
+        self.elements.push(format!("<{shape} {paint}/>"));
     }
 
     /// A label on one line, centred vertically at `at`; one that reads upwards is centred both
     /// ways.
     pub fn label(&mut self, label: &Label, at: Position, size: f64, align: Align) {
-        let (x, y, size) = (grid(at.0), grid(at.1), grid(size));
+        let (x, y, size, text) = (grid(at.0), grid(at.1), grid(size), markup(label));
         let (anchor, turn) = match align {
             Align::Left => ("start", 0),
             Align::Middle => ("middle", 0),
             Align::Right => ("end", 0),
             Align::Upward => ("middle", 270),
         };
-        self.body += &format!(
-            "<text x=\"{x}\" y=\"{y}\" dy=\"0.5ex\" text-anchor=\"{anchor}\" \
-             transform=\"rotate({turn}, {x}, {y})\" font-family=\"sans-serif\" \
-             font-size=\"{size}\" fill=\"{INK}\">{}</text>\n",
-            markup(label)
-        );
-    }
-}
-
-/// Corners of a marker of radius one, none of a circle. The areas are about that of the circle, so
-/// that no curve looks more important than another.
-fn outline(marker: Marker) -> &'static [Position] {
-    match marker {
-        Marker::Circle => &[],
-        Marker::Square => &[(-0.89, -0.89), (0.89, -0.89), (0.89, 0.89), (-0.89, 0.89)],
-        Marker::Diamond => &[(0.0, -1.3), (1.3, 0.0), (0.0, 1.3), (-1.3, 0.0)],
-        Marker::Triangle => &[(0.0, -1.4), (1.25, 0.85), (-1.25, 0.85)],
-        Marker::Wedge => &[(0.0, 1.4), (1.25, -0.85), (-1.25, -0.85)],
-        Marker::Star => &[
-            (0.0, -1.5),
-            (0.45, -0.45),
-            (1.5, 0.0),
-            (0.45, 0.45),
-            (0.0, 1.5),
-            (-0.45, 0.45),
-            (-1.5, 0.0),
-            (-0.45, -0.45),
-        ],
+        let turn = format!(r#"transform="rotate({turn}, {x}, {y})""#);
+        let place = format!(r#"x="{x}" y="{y}" dy="0.5ex" text-anchor="{anchor}" {turn}"#);
+        let font = format!(r#"font-family="sans-serif" font-size="{size}" fill="{INK}""#);
+        self.elements.push(format!("<text {place} {font}>{text}</text>"));
     }
 }

@@ -5,11 +5,11 @@ use std::collections::HashMap;
 
 use super::{
     axis::{Axis, Range, Scale},
-    canvas::{self, Align, Canvas, GREY, INK},
+    canvas::{Align, Canvas, GREY, INK},
     frame::Frame,
-    legend::{Legend, Sample},
-    look::{self, Layer, Look, Marker},
-    stroke::{Position, Stroke},
+    legend::{Sample, legend},
+    look::{self, CIRCLE, Layer, Look},
+    stroke::Stroke,
     ticks::{Spacing, Ticks},
 };
 use crate::{label::Label, markdown::distinct, panel::QUANTILE};
@@ -108,19 +108,10 @@ impl Measured {
         Self { x, x_hi: x, y, interval: None }
     }
 
-    fn size(&self) -> f64 {
-        self.y.abs()
-    }
-
     /// Ends of the interval of the size.
     fn ends(&self) -> (f64, f64) {
         let (lo, hi) = self.interval.unwrap_or((self.y, self.y));
         if self.y < 0.0 { (-hi, -lo) } else { (lo, hi) }
-    }
-
-    /// An estimate of the standard error.
-    fn noise(&self) -> f64 {
-        (self.ends().1 - self.ends().0) / (2.0 * QUANTILE)
     }
 }
 
@@ -150,7 +141,7 @@ impl Line {
 impl Curve {
     /// A curve with nothing but its name in the legend.
     pub fn new(name: &str, points: impl IntoIterator<Item = Measured>) -> Self {
-        Self { name: name.to_owned(), note: String::new(), points: points.into_iter().collect() }
+        Self { name: name.into(), note: String::new(), points: points.into_iter().collect() }
     }
 
     pub(super) fn drawn(&self) -> impl Iterator<Item = &Measured> {
@@ -159,11 +150,11 @@ impl Curve {
 
     /// Pairs (x, size) of the points that stand out from their noise, or of all if none does.
     pub(super) fn trend(&self) -> Vec<(f64, f64)> {
-        let pairs = |keep: fn(&Measured) -> bool| -> Vec<(f64, f64)> {
-            self.drawn().filter(|point| keep(point)).map(|point| (point.x, point.size())).collect()
-        };
-        let clear = pairs(|point| point.ends().0 > 0.0);
-        if clear.is_empty() { pairs(|point| point.size() > 0.0) } else { clear }
+        let clear = |point: &Measured| point.ends().0 > 0.0;
+        let all = !self.drawn().any(clear);
+        let shown =
+            self.drawn().filter(|point| if all { point.y.abs() > 0.0 } else { clear(point) });
+        shown.map(|point| (point.x, point.y.abs())).collect()
     }
 }
 
@@ -179,40 +170,35 @@ impl Figure {
             let label = if schemes { Label::words(name) } else { Label::new(name) };
             let note = curves().find(|curve| curve.name == *name).map_or("", |curve| &curve.note);
             let tail = if note.is_empty() { String::new() } else { format!(": {note}") };
-            (Sample::Curve(looks[name]), label.with_tail(&tail))
+            (Sample::Curve(looks[name]), Label { tail, ..label })
         };
         let signs = [(Layer::Plain, "> 0"), (Layer::Under, "< 0")].map(|(layer, words)| {
-            let look = Look { color: INK, marker: Marker::Circle, layer };
+            let look = Look { color: INK, marker: CIRCLE, layer };
             (Sample::Point(look), Label::words(words))
         });
         let signs = signs.into_iter().filter(|_| signed);
         let entries = names.iter().map(entry).chain(signs);
         let width = self.plots.len().max(1) as f64 * (self.size.0 + BETWEEN) - BETWEEN;
-        let legend = Legend::new(entries, width);
-        let top = legend.height + 7.0;
+        let mut canvas = Canvas::default();
+        let top = legend(&mut canvas, entries, LEFT, width);
         let bottom = top + self.size.1;
         let y = self.y_range();
-        canvas::page((LEFT + width + RIGHT, bottom + BELOW), &self.title, |canvas| {
-            legend.draw(canvas, LEFT, 2.0);
-            for (n, plot) in self.plots.iter().enumerate() {
-                let start = LEFT + n as f64 * (self.size.0 + BETWEEN);
-                let (scale, x) = (Scale::Logarithmic, plot.x_range());
-                let frame = Frame {
-                    x: Axis { scale, range: x, start, end: start + self.size.0 },
-                    y: Axis { scale, range: y, start: bottom, end: top },
-                };
-                let ticks = match plot.spacing {
-                    Spacing::Decades => Ticks::decades(x, 7),
-                    Spacing::Doublings => Ticks::powers(2, x, 8),
-                };
-                frame.draw(canvas, &ticks, &Ticks::decades(y, 7), true);
-                frame.title_below(canvas, &plot.x_title);
-                if n == 0 {
-                    frame.title_left(canvas, &self.y_title);
-                }
-                plot.draw(canvas, &frame, &looks, signed);
-            }
-        })
+        for (n, plot) in self.plots.iter().enumerate() {
+            let start = LEFT + n as f64 * (self.size.0 + BETWEEN);
+            let (scale, x) = (Scale::Logarithmic, plot.x_range());
+            let frame = Frame {
+                x: Axis { scale, range: x, start, end: start + self.size.0 },
+                y: Axis { scale, range: y, start: bottom, end: top },
+            };
+            let x = match plot.spacing {
+                Spacing::Decades => Ticks::decades(x, 7),
+                Spacing::Doublings => Ticks::powers(2, x, 8),
+            };
+            let y_title = (n == 0).then_some(&*self.y_title);
+            frame.draw(&mut canvas, (&x, Some(&plot.x_title)), (&Ticks::decades(y, 7), y_title));
+            plot.draw(&mut canvas, &frame, &looks, signed);
+        }
+        canvas.page((LEFT + width + RIGHT, bottom + BELOW), &self.title)
     }
 
     /// Covers the values, their intervals as far as they stay near the value, and the lines.
@@ -221,7 +207,8 @@ impl Figure {
         // depth that would squeeze the rest of the figure.
         const DEPTH: f64 = 0.25;
         let values = self.plots.iter().flat_map(Plot::drawn).flat_map(|point| {
-            let (size, noise, (lo, hi)) = (point.size(), point.noise(), point.ends());
+            let (size, (lo, hi)) = (point.y.abs(), point.ends());
+            let noise = (hi - lo) / (2.0 * QUANTILE);
             [size.max(DEPTH * noise), hi, lo.max(DEPTH * size.max(noise))]
         });
         let lines = self.plots.iter().flat_map(|plot| {
@@ -260,35 +247,30 @@ impl Plot {
         let mut from_below: Vec<_> = self.curves.iter().enumerate().collect();
         from_below.sort_by_key(|(_, curve)| look(curve).layer);
         for (n, curve) in from_below {
+            let look = look(curve);
             let shift = if signed { 2.4 * (n as f64 - middle) } else { 0.0 };
-            curve.draw(canvas, frame, look(curve), shift, signed);
+            // A point below the range shows its whole marker at the floor.
+            let radius = look.radius(MARKER_RADIUS);
+            let place = |x: f64, point: &Measured| {
+                let (x, y) = frame.place(x, point.y.abs());
+                (x + shift, y.clamp(frame.y.end, frame.y.start - radius))
+            };
+            let places: Vec<_> = curve.drawn().map(|point| place(point.x, point)).collect();
+            let line = look.line(if signed { 0.8 } else { 1.2 });
+            frame.polyline(canvas, &places, if signed { line.faded(0.45) } else { line });
+            let bar = Stroke::new(look.color, 1.0);
+            for (point, at) in curve.drawn().zip(places) {
+                if point.interval.is_some() {
+                    error_bar(canvas, frame, point.ends(), at.0, bar);
+                }
+                if point.x_hi > point.x {
+                    frame.polyline(canvas, &[at, place(point.x_hi, point)], bar);
+                }
+                canvas.marker(at, look, radius, look.hollow() || signed && point.y < 0.0);
+            }
         }
         if self.drawn().next().is_none() {
             frame.say(canvas, "no data");
-        }
-    }
-}
-
-impl Curve {
-    fn draw(&self, canvas: &mut Canvas, frame: &Frame, look: Look, shift: f64, signed: bool) {
-        // A point below the range shows its whole marker at the floor.
-        let radius = look.radius(MARKER_RADIUS);
-        let place = |x: f64, point: &Measured| {
-            let (x, y) = frame.place(x, point.size());
-            (x + shift, y.clamp(frame.y.end, frame.y.start - radius))
-        };
-        let places: Vec<Position> = self.drawn().map(|point| place(point.x, point)).collect();
-        let line = look.line(if signed { 0.8 } else { 1.2 });
-        frame.polyline(canvas, &places, if signed { line.faded(0.45) } else { line });
-        let bar = Stroke::new(look.color, 1.0);
-        for (point, at) in self.drawn().zip(places) {
-            if point.interval.is_some() {
-                error_bar(canvas, frame, point.ends(), at.0, bar);
-            }
-            if point.x_hi > point.x {
-                frame.polyline(canvas, &[at, place(point.x_hi, point)], bar);
-            }
-            canvas.marker(at, look, radius, look.hollow() || signed && point.y < 0.0);
         }
     }
 }

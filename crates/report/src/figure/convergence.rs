@@ -53,19 +53,19 @@ pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> Figure {
         let order = if weak || fitted() >= 0.75 { 1.0 } else { 0.5 };
         (order, points)
     });
-    let lines = if cost { Vec::new() } else { reference_slopes(&trends.collect::<Vec<_>>()) };
+    let lines = reference_slopes(&trends.filter(|_| !cost).collect::<Vec<_>>());
     let (x_title, y_title) = match kind {
         Kind::Cost => ("half-width ε of the 95 % interval", "path-steps".into()),
         Kind::Weak => ("step size τ", "|weak error|".into()),
         _ => ("step size τ", format!("RMS error of {quantity}")),
     };
     Figure {
-        title: title.to_owned(),
+        title: title.into(),
         y_title,
         size: COLUMN,
         style: if weak { Style::Signed } else { Style::Schemes },
         plots: vec![Plot {
-            x_title: x_title.to_owned(),
+            x_title: x_title.into(),
             spacing: if cost { Spacing::Decades } else { Spacing::Doublings },
             lines,
             curves,
@@ -124,7 +124,7 @@ fn reference_slopes(trends: &[(f64, Vec<(f64, f64)>)]) -> Vec<Line> {
             0 => ratios.reduce(f64::min)? / CLEARANCE,
             _ => ratios.reduce(f64::max)? * CLEARANCE,
         };
-        Some(Line { name: name.to_owned(), constant, power, covered: true })
+        Some(Line { name: name.into(), constant, power, covered: true })
     };
     shown.enumerate().filter_map(line).collect()
 }

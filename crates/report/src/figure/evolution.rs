@@ -5,12 +5,12 @@ use verify::results::{Point, Series};
 
 use super::{
     axis::{Axis, Range, Scale},
-    canvas::{self, Canvas, INK},
+    canvas::{Canvas, INK},
     chart::{BELOW, RIGHT},
     frame::Frame,
-    legend::{Legend, Sample},
-    look::{self, Look},
-    stroke::{Position, Stroke},
+    legend::{Sample, legend},
+    look,
+    stroke::Stroke,
     ticks::Ticks,
 };
 use crate::{
@@ -28,6 +28,8 @@ const VALUE_HEIGHT: f64 = 112.0;
 const DEFECT_HEIGHT: f64 = 132.0;
 const BETWEEN: f64 = 10.0;
 
+const UNIT: Range = Range { lo: 0.0, hi: 1.0 };
+
 /// A point of the path.
 struct Sampled {
     time: f64,
@@ -42,18 +44,25 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
     let quantity = main_quantity(series);
     let drawn: Vec<&Series> = series.iter().filter(|s| s.quantity == quantity).collect();
     let looks = look::of_schemes(&drawn.iter().map(|s| s.scheme.as_str()).collect::<Vec<_>>());
-    let curves: Vec<Vec<Sampled>> = drawn.iter().map(|series| sampled(series)).collect();
+    let point = |point: &Point| match *point {
+        Point::Value { t: time, value, exact: law } if time.is_finite() => {
+            Some(Sampled { time, value, law, defect: relative_defect(value, law) })
+        }
+        _ => None,
+    };
+    let sampled = |series: &&Series| series.points.iter().filter_map(point).collect();
+    let curves: Vec<Vec<Sampled>> = drawn.iter().map(sampled).collect();
 
     let law = Stroke::new(INK, 0.7);
     let names = drawn.iter().map(|series| Label::words(&series.scheme));
     let entries = looks.iter().map(|look| Sample::Curve(*look)).zip(names);
     let entries = entries.chain([(Sample::Line(law), Label::words("conformal law"))]);
-    let legend = Legend::new(entries, WIDTH - LEFT - RIGHT);
-    let value_top = legend.height + 7.0;
+    let mut canvas = Canvas::default();
+    let value_top = legend(&mut canvas, entries, LEFT, WIDTH - LEFT - RIGHT);
     let defect_top = value_top + VALUE_HEIGHT + BETWEEN;
     let bottom = defect_top + DEFECT_HEIGHT;
 
-    let times = Range::of(curves.iter().flatten().map(|p| p.time), Range { lo: 0.0, hi: 1.0 });
+    let times = Range::of(curves.iter().flatten().map(|p| p.time), UNIT);
     let times = if times.lo < times.hi { times } else { times.padded(0.1) };
     let x = Axis { scale: Scale::Linear, range: times, start: LEFT, end: WIDTH - RIGHT };
     let stacked = |scale, range, start, end| Frame { x, y: Axis { scale, range, start, end } };
@@ -62,49 +71,43 @@ pub fn evolution(title: &str, series: &[Series]) -> String {
     let defects = defect_range(&curves);
     let defect = stacked(Scale::Logarithmic, defects, bottom, defect_top);
 
-    canvas::page((WIDTH, bottom + BELOW), title, |canvas| {
-        legend.draw(canvas, LEFT, 2.0);
-        let ticks = Ticks::decimal(times, 6);
-        value.draw(canvas, &ticks, &Ticks::decimal(values, 5), false);
-        defect.draw(canvas, &ticks, &defect_ticks(defects), true);
-        value.title_left(canvas, quantity);
-        defect.title_left(canvas, "relative defect");
-        defect.title_below(canvas, "time t");
-        let mut from_below: Vec<_> = curves.iter().zip(looks).enumerate().collect();
-        from_below.sort_by_key(|(_, (_, look))| look.layer);
-        for (n, (curve, look)) in from_below {
-            draw(canvas, &value, look, curve.iter().map(|p| value.place(p.time, p.value)), n);
-            let floored = |p: &Sampled| if p.defect < FLOOR { FLOOR } else { p.defect };
-            draw(canvas, &defect, look, curve.iter().map(|p| defect.place(p.time, floored(p))), n);
-        }
-        // The law is drawn last and thin, so that it stays visible on the curves that follow it.
-        match curves.iter().max_by_key(|curve| curve.len()) {
-            Some(longest) if !longest.is_empty() => {
-                let path: Vec<_> = longest.iter().map(|p| value.place(p.time, p.law)).collect();
-                value.polyline(canvas, &path, law);
+    let ticks = Ticks::decimal(times, 6);
+    value.draw(&mut canvas, (&ticks, None), (&Ticks::decimal(values, 5), Some(quantity)));
+    let y = (&defect_ticks(defects), Some("relative defect"));
+    defect.draw(&mut canvas, (&ticks, Some("time t")), y);
+    let mut from_below: Vec<_> = curves.iter().zip(looks).enumerate().collect();
+    from_below.sort_by_key(|(_, (_, look))| look.layer);
+    for (n, (curve, look)) in from_below {
+        let values = curve.iter().map(|p| value.place(p.time, p.value));
+        // A clamped NaN stays one.
+        let floored = |p: &Sampled| p.defect.clamp(FLOOR, f64::INFINITY);
+        let defects = curve.iter().map(|p| defect.place(p.time, floored(p)));
+        // About ten markers, which no two curves carry at the same times.
+        let stride = (curve.len() / 10).max(1);
+        let first = (n * stride / 3 + stride / 6) % stride;
+        for (frame, path) in [(&value, values.collect::<Vec<_>>()), (&defect, defects.collect())] {
+            frame.polyline(&mut canvas, &path, look.line(1.1));
+            for at in path.iter().skip(first).step_by(stride).filter(|at| frame.holds(**at)) {
+                canvas.marker(*at, look, look.radius(2.6), look.hollow());
             }
-            _ => value.say(canvas, "no data"),
         }
-    })
-}
-
-fn sampled(series: &Series) -> Vec<Sampled> {
-    let point = |point: &Point| match *point {
-        Point::Value { t: time, value, exact: law } if time.is_finite() => {
-            Some(Sampled { time, value, law, defect: relative_defect(value, law) })
-        }
-        _ => None,
-    };
-    series.points.iter().filter_map(point).collect()
+    }
+    // The law is drawn last and thin, so that it stays visible on the curves that follow it.
+    let longest = curves.iter().max_by_key(|curve| curve.len()).into_iter().flatten();
+    let path: Vec<_> = longest.map(|p| value.place(p.time, p.law)).collect();
+    value.polyline(&mut canvas, &path, law);
+    if path.is_empty() {
+        value.say(&mut canvas, "no data");
+    }
+    canvas.page((WIDTH, bottom + BELOW), title)
 }
 
 /// Covers the law and the curves, except where a curve runs away so far that the law would become a
 /// flat line.
 fn value_range(curves: &[Vec<Sampled>]) -> Range {
     const EXCURSION: f64 = 2.0;
-    let unit = Range { lo: 0.0, hi: 1.0 };
-    let law = Range::of(curves.iter().flatten().map(|p| p.law), unit);
-    let all = Range::of(curves.iter().flatten().flat_map(|p| [p.value, p.law]), unit);
+    let law = Range::of(curves.iter().flatten().map(|p| p.law), UNIT);
+    let all = Range::of(curves.iter().flatten().flat_map(|p| [p.value, p.law]), UNIT);
     let reach = match EXCURSION * (law.hi - law.lo).max(0.1 * law.hi.abs()) {
         0.0 => f64::INFINITY,
         reach => reach,
@@ -125,21 +128,4 @@ fn defect_ticks(range: Range) -> Ticks {
     ticks.minor.retain(|value| *value > 2.0 * FLOOR);
     ticks.major.push((FLOOR, Label::words("0")));
     ticks
-}
-
-/// Draws curve number `n` with about ten markers, which no two curves carry at the same times.
-fn draw(
-    canvas: &mut Canvas,
-    frame: &Frame,
-    look: Look,
-    path: impl Iterator<Item = Position>,
-    n: usize,
-) {
-    let path: Vec<Position> = path.collect();
-    frame.polyline(canvas, &path, look.line(1.1));
-    let stride = (path.len() / 10).max(1);
-    let first = (n * stride / 3 + stride / 6) % stride;
-    for at in path.iter().skip(first).step_by(stride).filter(|at| frame.holds(**at)) {
-        canvas.marker(*at, look, look.radius(2.6), look.hollow());
-    }
 }

@@ -63,10 +63,7 @@ impl Frame {
     /// Draws the part of a line that lies in the box; a point that is not finite interrupts it.
     pub fn polyline(&self, canvas: &mut Canvas, points: &[Position], stroke: Stroke) {
         let mut run: Vec<Position> = Vec::new();
-        for pair in points.windows(2) {
-            let Some((a, b)) = self.clip(pair[0], pair[1]) else {
-                continue;
-            };
+        for (a, b) in points.windows(2).filter_map(|pair| self.clip(pair[0], pair[1])) {
             if run.last() != Some(&a) {
                 canvas.polyline(&run, stroke);
                 run = vec![a];
@@ -76,9 +73,15 @@ impl Frame {
         canvas.polyline(&run, stroke)
     }
 
-    /// Draws grid, marks and border. A plot that stands on another one goes without the labels
-    /// below.
-    pub fn draw(&self, canvas: &mut Canvas, x: &Ticks, y: &Ticks, labels_below: bool) {
+    /// Draws grid, marks, border and labels, the title of the horizontal axis below the labels and
+    /// that of the vertical axis at the left edge of the page. A plot that stands on another one
+    /// goes without labels and title below.
+    pub fn draw(
+        &self,
+        canvas: &mut Canvas,
+        (x, x_title): (&Ticks, Option<&str>),
+        (y, y_title): (&Ticks, Option<&str>),
+    ) {
         const MAJOR: f64 = 3.5;
         const MINOR: f64 = 2.0;
         // Digits are taller than the letters by whose height text is centred.
@@ -112,29 +115,23 @@ impl Frame {
         if let Some(factor) = &y.factor {
             label(factor, (left - 4.0, top - 11.0), Align::Right);
         }
-        if labels_below {
+        if let Some(title) = x_title {
             for (value, text) in &x.major {
                 label(text, column(*value, -9.5), Align::Middle);
             }
             if let Some(factor) = &x.factor {
                 label(factor, (right, bottom + 23.5), Align::Right);
             }
+            write(canvas, title, (middle(self.x), bottom + 23.5), Align::Middle);
+        }
+        if let Some(title) = y_title {
+            write(canvas, title, (7.5, middle(self.y)), Align::Upward);
         }
     }
 
     /// Writes words into the middle of the box.
     pub fn say(&self, canvas: &mut Canvas, words: &str) {
         write(canvas, words, (middle(self.x), middle(self.y)), Align::Middle);
-    }
-
-    /// Writes the title of the horizontal axis below the labels.
-    pub fn title_below(&self, canvas: &mut Canvas, title: &str) {
-        write(canvas, title, (middle(self.x), self.y.start + 23.5), Align::Middle);
-    }
-
-    /// Writes the title of the vertical axis at the left edge of the page.
-    pub fn title_left(&self, canvas: &mut Canvas, title: &str) {
-        write(canvas, title, (7.5, middle(self.y)), Align::Upward);
     }
 }
 

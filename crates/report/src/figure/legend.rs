@@ -3,7 +3,7 @@
 use super::{
     canvas::{Align, Canvas},
     look::Look,
-    stroke::{Position, Stroke},
+    stroke::Stroke,
 };
 use crate::label::Label;
 
@@ -15,7 +15,6 @@ const ROW: f64 = 14.0;
 const GAP: f64 = 9.0;
 
 /// What stands in front of a name.
-#[derive(Clone, Copy)]
 pub enum Sample {
     /// A line with a marker.
     Curve(Look),
@@ -25,55 +24,35 @@ pub enum Sample {
     Point(Look),
 }
 
-impl Sample {
-    fn width(self) -> f64 {
-        match self {
-            // Long enough for a dash on both sides of the marker.
-            Sample::Curve(_) | Sample::Line(_) => 17.5,
-            Sample::Point(_) => 7.0,
+/// Draws the entries in rows that begin at `left` and are no wider than `width`, and returns where
+/// the plot below may begin.
+pub fn legend(
+    canvas: &mut Canvas,
+    entries: impl Iterator<Item = (Sample, Label)>,
+    left: f64,
+    width: f64,
+) -> f64 {
+    let (mut x, mut height) = (f64::INFINITY, 0.0);
+    for (sample, label) in entries {
+        // Long enough for a dash on both sides of a marker.
+        let length = if let Sample::Point(_) = sample { 7.0 } else { 17.5 };
+        let needed = length + 4.0 + SIZE * label.width() + GAP;
+        // The gap behind the last entry of a row may stick out.
+        if x + needed > width + GAP {
+            (x, height) = (0.0, height + ROW);
         }
-    }
-}
-
-/// The entries in rows that are no wider than a given width.
-pub struct Legend {
-    entries: Vec<(Position, Sample, Label)>,
-    /// Height of all rows.
-    pub height: f64,
-}
-
-impl Legend {
-    /// Breaks the entries into rows.
-    pub fn new(entries: impl IntoIterator<Item = (Sample, Label)>, width: f64) -> Self {
-        let (mut x, mut height) = (f64::INFINITY, 0.0);
-        let mut place = |(sample, label): (Sample, Label)| {
-            let needed = sample.width() + 4.0 + SIZE * label.width() + GAP;
-            // The gap behind the last entry of a row may stick out.
-            if x + needed > width + GAP {
-                (x, height) = (0.0, height + ROW);
+        let (start, end, y) = (left + x, left + x + length, height - 0.5 * ROW + 2.0);
+        let middle = (0.5 * (start + end), y);
+        match sample {
+            Sample::Curve(look) => {
+                canvas.polyline(&[(start, y), (end, y)], look.line(1.2));
+                canvas.marker(middle, look, look.radius(2.8), look.hollow());
             }
-            x += needed;
-            ((x - needed, height - 0.5 * ROW), sample, label)
-        };
-        let entries = entries.into_iter().map(&mut place).collect();
-        Self { entries, height }
-    }
-
-    /// Draws the rows from `top` down, starting at `left`.
-    pub fn draw(&self, canvas: &mut Canvas, left: f64, top: f64) {
-        for (at, sample, label) in &self.entries {
-            let (x, y) = (left + at.0, top + at.1);
-            let end = x + sample.width();
-            let middle = (0.5 * (x + end), y);
-            match *sample {
-                Sample::Curve(look) => {
-                    canvas.polyline(&[(x, y), (end, y)], look.line(1.2));
-                    canvas.marker(middle, look, look.radius(2.8), look.hollow());
-                }
-                Sample::Line(stroke) => canvas.polyline(&[(x, y), (end, y)], stroke),
-                Sample::Point(look) => canvas.marker(middle, look, 2.8, look.hollow()),
-            }
-            canvas.label(label, (end + 4.0, y), SIZE, Align::Left);
+            Sample::Line(stroke) => canvas.polyline(&[(start, y), (end, y)], stroke),
+            Sample::Point(look) => canvas.marker(middle, look, 2.8, look.hollow()),
         }
+        canvas.label(&label, (end + 4.0, y), SIZE, Align::Left);
+        x += needed;
     }
+    height + 7.0
 }

@@ -4,27 +4,31 @@
 //! markers underneath, the other thin and dashed with small markers on top, so that each shows
 //! through the other.
 
-use super::stroke::{Color, Stroke};
+use super::stroke::{Color, Position, Stroke};
+use Layer::{Over, Plain, Under};
 
-/// Shape of a marker.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Marker {
-    /// ●
-    Circle,
-    /// ■
-    Square,
-    /// ◆
-    Diamond,
-    /// ▲
-    Triangle,
-    /// ▼
-    Wedge,
-    /// A star of four points.
-    Star,
-}
+/// Corners of a marker of radius one, none of a circle. The areas are about that of the circle, so
+/// that no curve looks more important than another.
+pub type Marker = &'static [Position];
+
+pub const CIRCLE: Marker = &[];
+const SQUARE: Marker = &[(-0.89, -0.89), (0.89, -0.89), (0.89, 0.89), (-0.89, 0.89)];
+const DIAMOND: Marker = &[(0.0, -1.3), (1.3, 0.0), (0.0, 1.3), (-1.3, 0.0)];
+const TRIANGLE: Marker = &[(0.0, -1.4), (1.25, 0.85), (-1.25, 0.85)];
+const WEDGE: Marker = &[(0.0, 1.4), (1.25, -0.85), (-1.25, -0.85)];
+const STAR: Marker = &[
+    (0.0, -1.5),
+    (0.45, -0.45),
+    (1.5, 0.0),
+    (0.45, 0.45),
+    (0.0, 1.5),
+    (-0.45, 0.45),
+    (-1.5, 0.0),
+    (-0.45, -0.45),
+];
 
 /// Where a curve lies in a stack of curves that may coincide; ordered from below.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Layer {
     /// Wide pale line, large open markers.
     Under,
@@ -35,7 +39,7 @@ pub enum Layer {
 }
 
 /// Appearance of a curve.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 pub struct Look {
     /// Colour of the line and the marker.
     pub color: Color,
@@ -45,42 +49,34 @@ pub struct Look {
     pub layer: Layer,
 }
 
-const fn look(color: Color, marker: Marker) -> Look {
-    Look { color, marker, layer: Layer::Plain }
+const fn look(color: Color, marker: Marker, layer: Layer) -> Look {
+    Look { color, marker, layer }
 }
 
 impl Look {
-    const fn under(self) -> Self {
-        Self { layer: Layer::Under, ..self }
-    }
-
-    const fn over(self) -> Self {
-        Self { layer: Layer::Over, ..self }
-    }
-
     /// The line of the curve, where that of a plain curve has the width `width`.
     pub fn line(self, width: f64) -> Stroke {
         let plain = Stroke::new(self.color, width);
         match self.layer {
             // Pale, so that dashes of a colour as dark as its own stand out on it.
-            Layer::Under => Stroke { width: 2.3 * width, ..plain.faded(0.5) },
-            Layer::Plain => plain,
-            Layer::Over => plain.dashed(),
+            Under => Stroke { width: 2.3 * width, ..plain.faded(0.5) },
+            Plain => plain,
+            Over => plain.dashed(),
         }
     }
 
     /// The radius of its markers, where that of a plain curve is `radius`.
     pub fn radius(self, radius: f64) -> f64 {
         match self.layer {
-            Layer::Under => 1.35 * radius,
-            Layer::Plain => radius,
-            Layer::Over => 0.8 * radius,
+            Under => 1.35 * radius,
+            Plain => radius,
+            Over => 0.8 * radius,
         }
     }
 
     /// Whether the paper shows inside of its markers.
     pub fn hollow(self) -> bool {
-        self.layer == Layer::Under
+        self.layer == Under
     }
 }
 
@@ -95,41 +91,38 @@ const BLACK: Color = "#000000";
 
 /// Schemes that look the same on every figure.
 const SCHEMES: [(&str, Look); 5] = [
-    ("sexp", look(BLUE, Marker::Circle).under()),
-    ("em", look(VERMILLION, Marker::Square)),
-    ("midpoint", look(GREEN, Marker::Diamond).over()),
+    ("sexp", look(BLUE, CIRCLE, Under)),
+    ("em", look(VERMILLION, SQUARE, Plain)),
+    ("midpoint", look(GREEN, DIAMOND, Over)),
     ("sexp-levy", SPARE[0]),
     ("heun", SPARE[1]),
 ];
 
 /// Looks of all other schemes, in the order of their appearance.
 const SPARE: [Look; 4] = [
-    look(PURPLE, Marker::Triangle),
-    look(ORANGE, Marker::Wedge),
-    look(SKY, Marker::Circle).under(),
-    look(BLACK, Marker::Star).over(),
+    look(PURPLE, TRIANGLE, Plain),
+    look(ORANGE, WEDGE, Plain),
+    look(SKY, CIRCLE, Under),
+    look(BLACK, STAR, Over),
 ];
 
 /// Looks of quantities.
 const QUANTITIES: [Look; 5] = [
-    look(BLACK, Marker::Circle),
-    look(ORANGE, Marker::Square),
-    look(PURPLE, Marker::Triangle),
-    look(SKY, Marker::Diamond),
-    look(GREEN, Marker::Wedge),
+    look(BLACK, CIRCLE, Plain),
+    look(ORANGE, SQUARE, Plain),
+    look(PURPLE, TRIANGLE, Plain),
+    look(SKY, DIAMOND, Plain),
+    look(GREEN, WEDGE, Plain),
 ];
 
 /// One look for each of the different schemes in `names`: an unknown one takes the first look that
 /// no scheme has yet.
 pub fn of_schemes(names: &[&str]) -> Vec<Look> {
-    let known = |name: &str| SCHEMES.iter().find(|(id, _)| *id == name).map(|(_, look)| *look);
-    let mut taken: Vec<Look> = names.iter().filter_map(|name| known(name)).collect();
-    let mut unknown = |n: usize| {
-        let look = SPARE.into_iter().find(|look| !taken.contains(look)).unwrap_or(SPARE[n % 4]);
-        taken.push(look);
-        look
-    };
-    names.iter().enumerate().map(|(n, name)| known(name).unwrap_or_else(|| unknown(n))).collect()
+    let known = |name: &&str| SCHEMES.iter().find(|(id, _)| id == name).map(|(_, look)| *look);
+    let taken: Vec<Look> = names.iter().filter_map(known).collect();
+    let free = SPARE.into_iter().filter(|look| !taken.contains(look));
+    let mut unknown = free.chain(SPARE.into_iter().cycle());
+    names.iter().filter_map(|name| known(name).or_else(|| unknown.next())).collect()
 }
 
 /// Looks for the quantities in `names`, the same again where there are more than looks.

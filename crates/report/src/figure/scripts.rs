@@ -46,7 +46,7 @@ mod tests {
 
     #[test]
     fn what_follows_a_script_is_back_on_the_line() {
-        let tail = |notation| markup(&Label::new(notation).with_tail(": 1"));
+        let tail = |notation| markup(&Label { tail: ": 1".into(), ..Label::new(notation) });
         for (notation, shift) in [("y", "0.00"), ("y2", "-0.21"), ("y2^2", "0.37")] {
             let end = format!("<tspan dy=\"{shift}em\" font-size=\"100%\">: 1</tspan>");
             assert!(tail(notation).ends_with(&end), "{}", tail(notation));

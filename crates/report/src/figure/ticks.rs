@@ -68,9 +68,9 @@ impl Ticks {
         }
         let magnitude = rough.log10().floor() as i32;
         let (mantissa, magnitude) = match rough / 10f64.powi(magnitude) {
-            m if m <= 1.0 => (1, magnitude),
-            m if m <= 2.0 => (2, magnitude),
-            m if m <= 5.0 => (5, magnitude),
+            ..=1.0 => (1, magnitude),
+            ..=2.0 => (2, magnitude),
+            ..=5.0 => (5, magnitude),
             _ => (1, magnitude + 1),
         };
         let step = f64::from(mantissa) * 10f64.powi(magnitude);
@@ -83,7 +83,7 @@ impl Ticks {
         }
         // Plain digits while they are few, otherwise the power of ten of the largest value.
         let power = match largest {
-            v if (1e-2..1e4).contains(&v) => 0,
+            1e-2..1e4 => 0,
             v => v.log10().floor() as i32,
         };
         let decimals = usize::try_from(power - magnitude).unwrap_or(0);

@@ -19,7 +19,7 @@ use crate::{
 /// says.
 pub fn card(panel: &Panel, figure: &str, claims: &[Claim], comment: &str) -> String {
     let samples = match panel.samples {
-        1 => "one path".to_owned(),
+        1 => "one path".into(),
         n => count(n) + " paths",
     };
     let facts = [
@@ -32,10 +32,14 @@ pub fn card(panel: &Panel, figure: &str, claims: &[Claim], comment: &str) -> Str
         ("Paths left out", failures(&panel.failures)),
     ];
     format!(
-        "<article class=\"card\" id=\"panel-{id}\">\n<header><h3>{title}</h3>{code}</header>\n\
-         <figure><div class=\"paper\">{figure}</div><figcaption>{caption}</figcaption></figure>\n\
-         {badges}<dl>{facts}</dl>\n<p class=\"files\"><a href=\"data/{stem}.csv\">Numbers \
-         (CSV)</a> <a href=\"figures/{stem}.svg\">Figure (SVG)</a></p>\n</article>\n",
+        r#"<article class="card" id="panel-{id}">
+<header><h3>{title}</h3>{code}</header>
+<figure><div class="paper">{figure}</div><figcaption>{caption}</figcaption></figure>
+{badges}<dl>{facts}</dl>
+<p class="files"><a href="data/{stem}.csv">Numbers (CSV)</a>
+<a href="figures/{stem}.svg">Figure (SVG)</a></p>
+</article>
+"#,
         id = escape(&panel.id),
         title = prose(&panel.title),
         code = code(&panel.id),
@@ -65,12 +69,12 @@ fn caption(panel: &Panel) -> String {
              reference slopes.{orders}{further}"
         ),
         Kind::Weak => format!(
-            "Size of the weak error, filled where it is positive and hollow where it is negative, \
-             with 95\u{202f}% error bars; a bar without a lower cap reaches zero. Markers at one \
-             step are set side by side. In grey: reference slope.{orders}"
+            "Size of the weak error, filled where it is positive and hollow where negative, with \
+             95\u{202f}% error bars; a bar without a lower cap reaches zero. Markers at one step \
+             stand side by side. In grey: reference slope.{orders}"
         ),
         Kind::Cost => {
-            "Path-steps, pilots included, for an interval of the given half-width.".to_owned()
+            "Path-steps, pilots included, for an interval of the given half-width.".into()
         }
         Kind::Invariant => format!(
             "Above: {main} along the path and, thin and black, its conformal law. Below: relative \

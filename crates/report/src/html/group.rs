@@ -18,9 +18,7 @@ pub struct Group<'a> {
 impl<'a> Group<'a> {
     /// Groups claims in the order in which the statements first appear.
     pub fn all(claims: impl IntoIterator<Item = &'a Claim>) -> Vec<Self> {
-        let key = |claim: &'a Claim| {
-            (claim.proven, claim.id.as_str(), if claim.proven { "" } else { claim.scheme.as_str() })
-        };
+        let key = |claim: &'a Claim| (&claim.id, (!claim.proven).then_some(&claim.scheme));
         let mut groups: Vec<Self> = Vec::new();
         for claim in claims {
             match groups.iter_mut().find(|group| key(group.first()) == key(claim)) {
@@ -49,14 +47,17 @@ impl<'a> Group<'a> {
     /// Refuted if one claim is, else undecided if one is; a misprint counts only where nothing else
     /// is left.
     pub fn verdict(&self) -> Outcome {
-        let found = Outcome::ALL.into_iter().find(|outcome| self.tally(*outcome) > 0);
-        found.unwrap_or(Outcome::Misprint)
+        Outcome::of(self.worst())
+    }
+
+    fn worst(&self) -> &'a Claim {
+        self.claims.iter().min_by_key(|claim| Outcome::of(claim)).expect("a group has claims")
     }
 
     /// How many of how many hold, and what became of the rest.
     pub fn counts(&self) -> String {
         let mut counts = format!("{} of {} hold", self.tally(Outcome::Holds), self.claims.len());
-        for outcome in Outcome::ALL.into_iter().filter(|outcome| *outcome != Outcome::Holds) {
+        for outcome in Outcome::BLEMISHES {
             match self.tally(outcome) {
                 0 => {}
                 n => counts += &format!(", {n} {}", outcome.word()),
@@ -68,10 +69,10 @@ impl<'a> Group<'a> {
     /// Its address on the page.
     pub fn anchor(&self) -> String {
         let claim = self.first();
-        if claim.proven {
-            format!("statement-{}", escape(&claim.id))
-        } else {
-            format!("reported-{}-{}", escape(&claim.id), escape(&claim.scheme))
+        let id = escape(&claim.id);
+        match claim.proven {
+            true => format!("statement-{id}"),
+            false => format!("reported-{id}-{}", escape(&claim.scheme)),
         }
     }
 
@@ -87,8 +88,16 @@ impl<'a> Group<'a> {
 
     /// What the claims measured, in a line.
     pub fn digest(&self) -> String {
-        let all = |number: fn(&Evidence) -> Option<f64>| -> Option<Vec<f64>> {
-            self.claims.iter().map(|claim| number(&claim.measured)).collect()
+        // One number, or how many there are and between what; none where a claim has none.
+        let spread = |name: &str, number: fn(&Evidence) -> Option<f64>, show: fn(f64) -> String| {
+            let numbers = self.claims.iter().map(|claim| number(&claim.measured));
+            let mut numbers: Vec<f64> = numbers.collect::<Option<_>>()?;
+            numbers.sort_by(f64::total_cmp);
+            let (count, least, most) = (numbers.len(), numbers[0], numbers[numbers.len() - 1]);
+            Some(match count {
+                1 => format!("{name} {}", show(least)),
+                _ => format!("{count} {name}s between {} and {}", show(least), show(most)),
+            })
         };
         let order = |evidence: &Evidence| match evidence {
             Evidence::Order { rate, .. } => Some(rate.as_ref()?.estimate),
@@ -98,26 +107,13 @@ impl<'a> Group<'a> {
             Evidence::Defect { largest, .. } | Evidence::Approach { largest, .. } => Some(*largest),
             _ => None,
         };
-        if let Some(orders) = all(order) {
-            return spread("order", orders, |order| format!("{order:.3}"));
-        }
-        if let Some(defects) = all(defect) {
-            return spread("largest relative defect", defects, |defect| scientific(defect, 1));
-        }
-        let telling = self.claims.iter().find(|claim| Outcome::of(claim) == self.verdict());
-        let evidence = prose(&telling.unwrap_or(&self.first()).evidence);
-        if self.claims.len() == 1 { evidence } else { format!("for example, {evidence}") }
-    }
-}
-
-/// One number, or how many there are and between what.
-fn spread(name: &str, mut numbers: Vec<f64>, show: impl Fn(f64) -> String) -> String {
-    numbers.sort_by(f64::total_cmp);
-    let count = numbers.len();
-    match numbers[..] {
-        [only] => format!("{name} {}", show(only)),
-        [least, .., most] => format!("{count} {name}s between {} and {}", show(least), show(most)),
-        [] => String::new(),
+        let evidence = || {
+            let example = if self.claims.len() == 1 { "" } else { "for example, " };
+            example.to_owned() + &prose(&self.worst().evidence)
+        };
+        spread("order", order, |order| format!("{order:.3}"))
+            .or_else(|| spread("largest relative defect", defect, |defect| scientific(defect, 1)))
+            .unwrap_or_else(evidence)
     }
 }
 

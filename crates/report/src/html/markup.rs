@@ -19,8 +19,11 @@ pub fn entry(term: &str, what: &str) -> String {
 /// A table of numbers, which scrolls where it is too wide; nothing without rows.
 ///
 /// The first cell of a row is its heading.
-pub fn table(heads: &[impl Display], rows: impl Iterator<Item = Vec<String>>) -> String {
-    let heads: String = heads.iter().map(|head| format!("<th>{head}</th>")).collect();
+pub fn table(
+    heads: impl IntoIterator<Item: Display>,
+    rows: impl Iterator<Item = Vec<String>>,
+) -> String {
+    let heads: String = heads.into_iter().map(|head| format!("<th>{head}</th>")).collect();
     let row = |cells: Vec<String>| {
         let tags = iter::once("th").chain(iter::repeat("td"));
         let cells = tags.zip(cells).map(|(tag, text)| format!("<{tag}>{text}</{tag}>"));
@@ -31,8 +34,8 @@ pub fn table(heads: &[impl Display], rows: impl Iterator<Item = Vec<String>>) ->
         return rows;
     }
     format!(
-        "<div class=\"wide\"><table class=\"numbers\"><thead><tr>{heads}</tr></thead>\
-         <tbody>{rows}</tbody></table></div>"
+        r#"<div class="wide"><table class="numbers">
+<thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table></div>"#
     )
 }
 

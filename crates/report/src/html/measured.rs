@@ -13,41 +13,30 @@ use crate::{
     panel::{QUANTILE, relative_defect},
 };
 
+type Rows = Vec<Vec<String>>;
+
 /// The tables of a panel.
 pub fn measured(panel: &Panel) -> String {
     let series = &panel.series;
-    let tables = match panel.kind {
-        Kind::Strong | Kind::Weak => {
-            let heads = ["order", "interval", "error at the finest step"];
-            numbers(series, &heads, |s| vec![order(s)]) + &methods(series) + &errors(series)
-        }
-        Kind::Invariant => {
-            numbers(series, &["largest relative defect", "points"], |s| vec![defect(s)])
-        }
-        Kind::Cost => numbers(series, &["half-width", "path-steps"], costs),
+    let (heads, rows): (&[&str], fn(&Series) -> Rows) = match panel.kind {
+        Kind::Strong | Kind::Weak => (&["order", "interval", "error at the finest step"], order),
+        Kind::Invariant => (&["largest relative defect", "points"], defect),
+        Kind::Cost => (&["half-width", "path-steps"], costs),
     };
-    if tables.is_empty() { "<p>Nothing.</p>".to_owned() } else { tables }
-}
-
-/// A table whose rows begin with scheme and quantity; a series has the rows that `rows` makes of
-/// it.
-fn numbers<const N: usize>(
-    series: &[Series],
-    heads: &[&str; N],
-    rows: fn(&Series) -> Vec<[String; N]>,
-) -> String {
     let rows = series.iter().flat_map(|s| {
-        let name = [code(&s.scheme), prose(&s.quantity)];
-        rows(s).into_iter().map(move |row| name.iter().cloned().chain(row).collect())
+        let name = vec![code(&s.scheme), prose(&s.quantity)];
+        rows(s).into_iter().map(move |row| [name.clone(), row].concat())
     });
-    table(&[&["scheme", "quantity"], &heads[..]].concat(), rows)
+    let numbers = table(["scheme", "quantity"].iter().chain(heads), rows);
+    let tables = numbers + &methods(series) + &errors(series);
+    if tables.is_empty() { "<p>Nothing.</p>".into() } else { tables }
 }
 
 /// Half-widths and the path-steps that they took.
-fn costs(series: &Series) -> Vec<[String; 2]> {
+fn costs(series: &Series) -> Rows {
     let costs = series.points.iter().filter_map(|point| match *point {
         Point::Cost { accuracy, path_steps } => {
-            Some([scientific(accuracy, 1), scientific(path_steps as f64, 2)])
+            Some(vec![scientific(accuracy, 1), scientific(path_steps as f64, 2)])
         }
         _ => None,
     });
@@ -55,7 +44,7 @@ fn costs(series: &Series) -> Vec<[String; 2]> {
 }
 
 /// The fitted order, its interval, and the error at the finest step.
-fn order(series: &Series) -> [String; 3] {
+fn order(series: &Series) -> Rows {
     let rate = series.rate.as_ref();
     let order = rate.map(|rate| prose(&format!("{:.2}", rate.estimate)));
     let interval = rate.map(|rate| {
@@ -64,22 +53,23 @@ fn order(series: &Series) -> [String; 3] {
     });
     let finest = errors_of(series).min_by(|a, b| a.0.total_cmp(&b.0));
     let finest = finest.map(|(tau, error)| error + " " + &quiet(&format!("at {}", step(tau))));
-    [order, interval, finest].map(or_dash)
+    vec![[order, interval, finest].map(or_dash).into()]
 }
 
 /// The largest defect, and of how many points.
-fn defect(series: &Series) -> [String; 2] {
+fn defect(series: &Series) -> Rows {
     let defects = series.points.iter().filter_map(|point| match *point {
         Point::Value { value, exact, .. } => Some(relative_defect(value, exact)),
-        Point::Error { .. } | Point::Cost { .. } => None,
+        _ => None,
     });
     // A defect that is not a number must not hide behind smaller ones, as it would with `f64::max`.
     let largest = series.max_relative_defect.or_else(|| defects.max_by(f64::total_cmp));
-    [or_dash(largest.map(|defect| scientific(defect, 2))), series.points.len().to_string()]
+    let largest = or_dash(largest.map(|defect| scientific(defect, 2)));
+    vec![vec![largest, series.points.len().to_string()]]
 }
 
 fn or_dash(cell: Option<String>) -> String {
-    cell.unwrap_or_else(|| "—".to_owned())
+    cell.unwrap_or("—".into())
 }
 
 /// The name of an interval by its confidence.
@@ -118,7 +108,7 @@ fn errors(series: &[Series]) -> String {
     steps.sort_by(|a, b| b.total_cmp(a));
     steps.dedup();
     let names = series.iter().map(|s| format!("{}<br>{}", code(&s.scheme), prose(&s.quantity)));
-    let heads: Vec<String> = std::iter::once("τ".to_owned()).chain(names).collect();
+    let heads = std::iter::once("τ".into()).chain(names);
     let rows = steps.iter().map(|tau| {
         let cells = series.iter().map(|s| {
             let error = errors_of(s).find(|error| error.0 == *tau);
@@ -126,5 +116,5 @@ fn errors(series: &[Series]) -> String {
         });
         std::iter::once(step(*tau)).chain(cells).collect()
     });
-    details(false, "Errors at every step, with 95\u{202f}% intervals", &table(&heads, rows))
+    details(false, "Errors at every step, with 95\u{202f}% intervals", &table(heads, rows))
 }

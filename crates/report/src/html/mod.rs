@@ -42,18 +42,16 @@ impl<'a> Wording<'a> {
 /// The page for `results`; `figures` are the drawings of its panels and then of its supplements, in
 /// the same order.
 pub fn page(results: &Results, wording: &Wording, figures: &[String]) -> String {
-    let (of_panels, of_supplements) = figures.split_at(results.panels.len());
-    let cards = |panels: &[Panel], figures: &[String], comment: &str| -> String {
-        let panels = panels.iter().zip(figures);
-        let card = |(panel, figure): (&Panel, &String)| {
-            card::card(panel, figure, &results.claims, comment)
-        };
-        let cards: String = panels.map(card).collect();
+    let mut figures = figures.iter();
+    let mut cards = |panels: &[Panel], comment: &str| {
+        let card =
+            |(panel, figure): (&_, &String)| card::card(panel, figure, &results.claims, comment);
+        let cards: String = panels.iter().zip(figures.by_ref()).map(card).collect();
         if cards.is_empty() { cards } else { format!("<div class=\"grid\">{cards}</div>") }
     };
     let statements = statements::statements(&results.claims, &results.panels, wording);
-    let panels = cards(&results.panels, of_panels, "What the paper says");
-    let supplements = cards(&results.supplements, of_supplements, "What it adds to the paper");
+    let panels = cards(&results.panels, "What the paper says");
+    let supplements = cards(&results.supplements, "What it adds to the paper");
     let provenance = provenance::provenance(&results.provenance);
     let lead = "<p class=\"lead\">Figures on questions that the paper leaves open.</p>\n";
     let (mut nav, mut main) = (String::new(), String::new());
@@ -70,13 +68,26 @@ pub fn page(results: &Results, wording: &Wording, figures: &[String]) -> String 
     }
     let schemes = wording.schemes.iter().map(|(id, name)| markup::entry(&markup::code(id), name));
     format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{kicker}</title>\n\
-         <style>\n{STYLE}</style>\n</head>\n<body>\n\
-         <header class=\"top\"><p class=\"kicker\">{kicker}</p>\n<h1>{title}</h1>\n{summary}\
-         <dl class=\"schemes\">{schemes}</dl>\n<nav>{nav}</nav></header>\n\
-         <main>\n{main}</main>\n</body>\n</html>\n",
+        r#"<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>{kicker}</title>
+<style>
+{STYLE}</style>
+</head>
+<body>
+<header class="top"><p class="kicker">{kicker}</p>
+<h1>{title}</h1>
+{summary}<dl class="schemes">{schemes}</dl>
+<nav>{nav}</nav></header>
+<main>
+{main}</main>
+</body>
+</html>
+"#,
         kicker = escape(wording.kicker),
         title = escape(wording.title),
         summary = summary::summary(results),

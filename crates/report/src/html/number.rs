@@ -5,7 +5,7 @@ use super::prose::prose;
 /// A number with `decimals` digits after the point of its mantissa, as a power of ten where that is
 /// shorter.
 pub fn scientific(value: f64, decimals: usize) -> String {
-    if value == 0.0 { "0".to_owned() } else { prose(&format!("{value:.decimals$e}")) }
+    if value == 0.0 { "0".into() } else { prose(&format!("{value:.decimals$e}")) }
 }
 
 /// A step size, as a power of two if it is one.

@@ -16,13 +16,13 @@ static RULES: LazyLock<Vec<(Regex, &str)>> = LazyLock::new(|| {
         r"(?:\(((?:[^()]|\([^()]*\))*)\)|\{([^{}]*)\}|([-−+]?[A-Za-zα-ωΑ-Ω0-9½]+))";
     let rules = [
         // No line ends behind a relation, or between a letter and a relation or the step size.
-        ("([=≤≥]) ".to_owned(), "$1\u{a0}"),
+        ("([=≤≥]) ".into(), "$1\u{a0}"),
         (format!("{BEFORE}({LETTER}) ([=≤≥τ])"), "$1$2\u{a0}$3"),
         (format!(r"([^\s])\^{SCRIPT}"), "$1<sup>$2$3$4</sup>"),
         // A name such as `relative_defect` has no index.
         (format!("{BEFORE}({LETTER})_{SCRIPT}"), "$1$2<sub>$3$4$5</sub>"),
-        (r"\by([0-9])\b".to_owned(), "y<sub>$1</sub>"),
-        (r"(^|[ (\[>])-([0-9])".to_owned(), "$1−$2"),
+        (r"\by([0-9])\b".into(), "y<sub>$1</sub>"),
+        (r"(^|[ (\[>])-([0-9])".into(), "$1−$2"),
     ];
     rules.into_iter().map(|(pattern, with)| (regex(&pattern), with)).collect()
 });
@@ -37,8 +37,8 @@ fn regex(pattern: &str) -> Regex {
 /// The text, escaped, with its scripts and powers of ten set as such.
 pub fn prose(text: &str) -> String {
     let power = |found: &Captures| match &found[2] {
-        "0" => found[1].to_owned(),
-        "-1" => found[0].parse().map_or(found[0].to_owned(), |x: f64| x.to_string()),
+        "0" => found[1].into(),
+        "-1" => found[0].parse().map_or(found[0].into(), |x: f64| x.to_string()),
         exponent => format!("{}·10^{{{}}}", &found[1], exponent.trim_start_matches('+')),
     };
     let text = POWER.replace_all(&escape(text), power).into_owned();

@@ -23,12 +23,12 @@ pub fn provenance(from: &Provenance) -> String {
     let facts: String = facts.iter().map(|(name, value)| entry(name, &code(value))).collect();
     let times = from.wall_s_by_id.iter().map(|(id, seconds)| vec![code(id), duration(*seconds)]);
     format!(
-        "<div class=\"two\"><div><dl class=\"facts\">{facts}</dl>\n\
-         <p class=\"quiet\">The results are the same, bit for bit, for the same seed on any number \
-         of threads and any instruction set.</p>\n\
-         <p class=\"quiet\">The whole run is in <a href=\"results.json\">results.json</a>; the \
-         columns of the CSV files are named in their first line.</p></div>\n\
-         <div>{}</div></div>",
-        table(&["panel or statement", "wall time"], times)
+        r#"<div class="two"><div><dl class="facts">{facts}</dl>
+<p class="quiet">The same seed gives the same bits on any number of threads and any instruction
+set.</p>
+<p class="quiet">The whole run is in <a href="results.json">results.json</a>; CSV files name their
+columns in the first line.</p></div>
+<div>{}</div></div>"#,
+        table(["panel or statement", "wall time"], times)
     )
 }

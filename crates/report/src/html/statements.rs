@@ -19,17 +19,19 @@ pub fn statements(claims: &[Claim], panels: &[Panel], wording: &Wording) -> Stri
             return bodies;
         }
         format!(
-            "{lead}<table class=\"statements\"><thead><tr><th>Verdict</th><th>{title}</th>\
-             <th>What was measured</th></tr></thead>\n{bodies}</table>\n"
+            r#"{lead}<table class="statements">
+<thead><tr><th>Verdict</th><th>{title}</th><th>What was measured</th></tr></thead>
+{bodies}</table>
+"#
         )
     };
-    const OBSERVED: &str = "<h3 class=\"part\">Statements without a proof</h3>\n\
-        <p class=\"lead\">What the figures of the paper report about the other schemes and where \
-        its theorems do not apply, and comparisons with exact solutions, which the paper does not \
-        make.</p>\n";
+    const OBSERVED: &str = r#"<h3 class="part">Statements without a proof</h3>
+<p class="lead">What the figures of the paper report about the other schemes and where its theorems
+do not apply, and comparisons with exact solutions, which the paper does not make.</p>
+"#;
     let section = table("", "What the paper proves", &proven)
         + &table(OBSERVED, "What is observed", &reported);
-    if section.is_empty() { "<p>None was checked.</p>".to_owned() } else { section }
+    if section.is_empty() { "<p>None was checked.</p>".into() } else { section }
 }
 
 fn body(group: &Group, panels: &[Panel], wording: &Wording) -> String {
@@ -41,10 +43,12 @@ fn body(group: &Group, panels: &[Panel], wording: &Wording) -> String {
     let checks = list("", group.claims.iter().map(|claim| check(claim, panels)));
     let clear = group.tally(Outcome::Holds) == group.claims.len();
     format!(
-        "<tbody id=\"{anchor}\"><tr class=\"statement\"><td>{badge} {misprint}<p class=\"quiet\">\
-         {counts}</p></td><td><p>{words}</p><p class=\"quiet\">{id}{scheme}</p></td>\
-         <td>{digest}</td></tr>\n\
-         <tr class=\"checks\"><td></td><td colspan=\"2\">{details}</td></tr></tbody>\n",
+        r#"<tbody id="{anchor}">
+<tr class="statement"><td>{badge} {misprint}<p class="quiet">{counts}</p></td>
+<td><p>{words}</p><p class="quiet">{id}{scheme}</p></td>
+<td>{digest}</td></tr>
+<tr class="checks"><td></td><td colspan="2">{details}</td></tr></tbody>
+"#,
         anchor = group.anchor(),
         badge = badge(verdict, verdict.words()),
         counts = group.counts(),
@@ -71,7 +75,7 @@ fn check(claim: &Claim, panels: &[Panel]) -> String {
     };
     let outcome = Outcome::of(claim);
     format!(
-        "<p class=\"where\">{} {place}{}</p><p>{}</p>{erratum}<p class=\"evidence\">{}</p>",
+        r#"<p class="where">{} {place}{}</p><p>{}</p>{erratum}<p class="evidence">{}</p>"#,
         badge(outcome, outcome.words()),
         scheme(claim),
         prose(&claim.statement),

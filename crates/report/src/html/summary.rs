@@ -10,8 +10,9 @@ pub fn summary(results: &Results) -> String {
     let (proven, reported) = Group::proven_and_reported(&results.claims);
     let provenance = &results.provenance;
     format!(
-        "<p class=\"summary\">{}{}A statement is undecided, never passed, where an interval is too \
-         wide. The run covers {} panels in <em>{}</em> mode with seed {} and took {}.</p>\n{}",
+        r#"<p class="summary">{}{}A statement is undecided, never passed, where an interval is too
+wide. The run covers {} panels in <em>{}</em> mode with seed {} and took {}.</p>
+{}"#,
         verdicts("proven statements", &proven),
         verdicts("statements without a proof", &reported),
         results.panels.len(),
@@ -32,7 +33,7 @@ fn verdicts(what: &str, groups: &[Group]) -> String {
     let checks: usize = groups.iter().map(|group| group.claims.len()).sum();
     let mut text =
         format!("<strong>{hold} of {}</strong> {what} hold, in {checks} checks", groups.len());
-    for outcome in Outcome::ALL.into_iter().filter(|outcome| *outcome != Outcome::Holds) {
+    for outcome in Outcome::BLEMISHES {
         let names: Vec<String> = of(outcome).map(|group| group.link() + &group.scheme()).collect();
         if !names.is_empty() {
             let word = outcome.word();
@@ -48,8 +49,9 @@ fn misprints<'a>(groups: impl Iterator<Item = &'a Group<'a>>) -> String {
         let claims = group.claims.iter().filter(|c| Outcome::of(c) == Outcome::Misprint);
         claims.map(move |claim| {
             format!(
-                "<p class=\"summary erratum\"><b>Misprint in the paper</b> ({}{}): {} The \
-                 statement as printed is refuted: {}.</p>\n",
+                r#"<p class="summary erratum"><b>Misprint in the paper</b> ({}{}): {}
+The statement as printed is refuted: {}.</p>
+"#,
                 group.link(),
                 group.scheme(),
                 prose(&claim.erratum),

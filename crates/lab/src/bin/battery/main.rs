@@ -81,7 +81,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
 /// The last seed in a line: its verdicts, everything that went wrong so far, and the time.
 fn progress(battery: &Battery, seeds: u64, seconds: f64) -> String {
     let done = battery.claims.len();
-    let last = battery.claims.last().map_or(String::new(), |claims| terminal::counts(claims));
+    let last = terminal::counts(&battery.claims[done - 1]);
     format!(
         "seed {done} of {seeds}: {last}; so far {} false alarms, {} twins not refuted; \
          {seconds:.0} s, about {:.0} s left",
@@ -95,10 +95,9 @@ fn progress(battery: &Battery, seeds: u64, seconds: f64) -> String {
 fn claims(seed: u64, bars: &Bars) -> Result<Vec<Claim>> {
     let all = [EXPERIMENTS, STATEMENTS, SUPPLEMENTS].concat();
     let (long, short): (Vec<_>, Vec<_>) =
-        all.into_iter().partition(|experiment| experiment.takes_long());
-    let run = |mode, experiments: &[&dyn Experiment]| {
-        let only: Vec<String> = ids(experiments).into_iter().map(str::to_owned).collect();
-        lab::reproduce(Settings { seed, mode }, &only, bars)
+        all.into_iter().partition(|experiment| experiment.takes_long);
+    let run = |mode, experiments: &[Experiment]| {
+        lab::reproduce(Settings { seed, mode }, &ids(experiments), bars)
     };
     let mut claims = run(Mode::Paper, &short)?.claims;
     claims.extend(run(if seed == 1 { Mode::Paper } else { Mode::Quick }, &long)?.claims);

@@ -56,8 +56,11 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     println!("{}", table::page(&speed));
     let failed: u64 = speed.schemes.iter().map(|row| row.failed).sum();
     if let Some(file) = &arguments.json {
-        let known = Provenance::of_run(measure::KEY.seed, mode);
-        let provenance = provenance::complete(known, "cargo xtask bench", start);
+        let provenance = provenance::complete(
+            Provenance::of_run(measure::KEY.seed, mode),
+            "cargo xtask bench",
+            start,
+        );
         files::write_json(file, &Report { schema: results::SCHEMA, provenance, speed })?;
         println!("numbers: {}", file.display());
     }

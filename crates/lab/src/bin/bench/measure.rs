@@ -131,8 +131,10 @@ impl Visit for Schemes {
 
 /// Powers of two below the number of processors, and that number.
 fn counts(processors: usize) -> Vec<usize> {
-    let powers = successors(Some(1), |threads| Some(2 * threads));
-    powers.take_while(|&threads| threads < processors).chain([processors]).collect()
+    successors(Some(1), |threads| Some(2 * threads))
+        .take_while(|&threads| threads < processors)
+        .chain([processors])
+        .collect()
 }
 
 /// The same work on one thread, two, four and so on, and on all processors.
@@ -171,8 +173,9 @@ fn sizes(workload: Workload) -> Vec<Size> {
     let longer =
         values(steps * FACTOR).map(|steps| ("steps", steps, Workload { steps, ..fewer }, 0));
     let quarter = Workload { paths: paths.div_ceil(FACTOR), ..workload };
-    let levels = (0..=MOST_LEVELS.min(steps.trailing_zeros())).step_by(2);
-    let levels = levels.map(|levels| ("levels", u64::from(levels), quarter, levels as usize));
+    let levels = (0..=MOST_LEVELS.min(steps.trailing_zeros()))
+        .step_by(2)
+        .map(|levels| ("levels", u64::from(levels), quarter, levels as usize));
     samples.chain(longer).chain(levels).collect()
 }
 

@@ -9,24 +9,20 @@ use crate::results::Speed;
 /// Everything that was measured.
 pub fn page(speed: &Speed) -> String {
     let workload = speed.workload;
-    let mut parts = vec![format!(
-        "{} paths, {} steps of 2^-8, {}, one thread, noise and statistics included; best of {}, ns \
-         ({}) for one step of one path",
-        workload.paths, workload.steps, speed.simd, workload.repetitions, speed.clock
-    )];
-    if !speed.optimised {
-        parts.push("built without optimisation".into());
-    }
-    if let Some(load) = speed.load_before {
-        parts.push(format!("load before: {load:.2} processes"));
-    }
-    parts.push(format!("{}\n", schemes(speed)));
-    parts.push(format!("sexp on the rigid body with three noises:\n{}\n", threads(speed)));
-    parts.push(growth(speed).to_string());
-    if let Some(peak) = speed.peak_memory_mb {
-        parts.push(format!("peak memory of the process: {peak:.1} MB"));
-    }
-    parts.join("\n")
+    let parts = [
+        Some(format!(
+            "{} paths, {} steps of 2^-8, {}, one thread, noise and statistics included; best of \
+             {}, ns ({}) for one step of one path",
+            workload.paths, workload.steps, speed.simd, workload.repetitions, speed.clock
+        )),
+        (!speed.optimised).then(|| "built without optimisation".into()),
+        speed.load_before.map(|load| format!("load before: {load:.2} processes")),
+        Some(format!("{}\n", schemes(speed))),
+        Some(format!("sexp on the rigid body with three noises:\n{}\n", threads(speed))),
+        Some(growth(speed).to_string()),
+        speed.peak_memory_mb.map(|peak| format!("peak memory of the process: {peak:.1} MB")),
+    ];
+    parts.into_iter().flatten().collect::<Vec<_>>().join("\n")
 }
 
 fn numbers(spread: &Spread, digits: usize) -> [String; 3] {
@@ -60,7 +56,7 @@ fn growth(speed: &Speed) -> Table {
         let [best, median, worst] = numbers(&row.ns_per_path_step, 2);
         let peak = row.peak_memory_mb.map_or("unknown".into(), |mb| format!("{mb:.2}"));
         let [value, steps] = [row.value, row.path_steps].map(|number| number.to_string());
-        [row.grows.to_owned(), value, steps, best, median, worst, peak]
+        [row.grows.into(), value, steps, best, median, worst, peak]
     });
     table(header, 1, rows)
 }

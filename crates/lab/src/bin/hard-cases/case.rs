@@ -23,9 +23,6 @@ pub struct Case {
     pub guarantee: &'static str,
     /// What the settings vary.
     pub varied: &'static str,
-    /// How the page plots the rows, if it does.
-    #[serde(skip)]
-    pub plot: Option<Plot>,
     /// Runs all schemes in all settings.
     #[serde(skip)]
     pub rows: fn(&Context) -> Rows,
@@ -34,13 +31,6 @@ pub struct Case {
 /// The quantity of most cases.
 pub const SQUARED_LENGTH: &str =
     "largest relative distance of |y|² from its law, before a path ends";
-
-/// The figures of all schemes over the settings as numbers.
-pub struct Plot {
-    pub x_title: &'static str,
-    /// What is outside of this range is drawn at its border.
-    pub range: (f64, f64),
-}
 
 /// The guarantee of cases whose equations may have no solution.
 pub const KEEPS_THE_LAW: &str = "`sexp` in all forms is on the law to rounding, or ends with a typed \
@@ -57,6 +47,5 @@ pub struct Context<'a> {
 
 /// The rows of every setting.
 pub fn each<T>(settings: impl IntoIterator<Item = T>, rows: impl FnMut(T) -> Rows) -> Rows {
-    let rows: Vec<Vec<Row>> = settings.into_iter().map(rows).collect::<Result<_>>()?;
-    Ok(rows.into_iter().flatten().collect())
+    Ok(settings.into_iter().map(rows).collect::<Result<Vec<_>>>()?.concat())
 }

@@ -14,8 +14,8 @@ use nonlin::{Method, Solver};
 use real::{WIDTH, elementary};
 use schemes::Sexp;
 use systems::{
-    Constant, Damping, Linear, Problem, RigidBody,
-    paper::{INERTIA, NOISE_INERTIA, half_cosine, lotka_volterra_1_1, rigid_body_start, sine},
+    Constant, Damping, Linear, Problem,
+    paper::{half_cosine, lotka_volterra_1_1, rigid_body_three_noises, sine},
 };
 
 use crate::{
@@ -63,10 +63,6 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
         volterra: None,
         drawn,
     };
-    let volterra = |id, damping, tau, drawn, invariant| LongRun {
-        volterra: Some(invariant),
-        ..run(id, damping, tau, drawn)
-    };
     let runs = [
         LongRun {
             scheme: ("sexp", Sexp::default()),
@@ -80,21 +76,26 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
         run("γ = ½cos 2t", cosine, dyadic, true),
         run("γ = ½cos 2t, τ rounded", cosine, rounded, false),
         run("γ = sin t, τ = ¹⁄₁₀", sine, 0.1, false),
-        volterra("Lotka–Volterra, H, undamped", none, dyadic, true, 0),
-        volterra("Lotka–Volterra, H, γ = sin t", sine, rounded, false, 0),
-        volterra("Lotka–Volterra, C, γ = sin t", sine, rounded, false, 1),
+        LongRun { volterra: Some(0), ..run("Lotka–Volterra, H, undamped", none, dyadic, true) },
+        LongRun {
+            volterra: Some(0), ..run("Lotka–Volterra, H, γ = sin t", sine, rounded, false)
+        },
+        LongRun {
+            volterra: Some(1), ..run("Lotka–Volterra, C, γ = sin t", sine, rounded, false)
+        },
     ];
-    let growths = runs.iter().zip(0..).map(|(run, number)| {
-        if run.volterra.is_some() {
-            let (system, _, y0, _) = lotka_volterra_1_1().into_parts();
-            growth(arguments, number, run, ("Lotka–Volterra with a = b = −1", system, y0))
-        } else {
-            let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA)?;
-            let system = ("Rigid body with three noises", body, rigid_body_start());
-            growth(arguments, number, run, system)
-        }
-    });
-    growths.collect()
+    runs.iter()
+        .zip(0..)
+        .map(|(run, number)| {
+            if run.volterra.is_some() {
+                let (system, _, y0, _) = lotka_volterra_1_1().into_parts();
+                growth(arguments, number, run, ("Lotka–Volterra with a = b = −1", system, y0))
+            } else {
+                let (body, _, y0, _) = rigid_body_three_noises(1.0).into_parts();
+                growth(arguments, number, run, ("Rigid body with three noises", body, y0))
+            }
+        })
+        .collect()
 }
 
 fn growth<S: Compiled<Sexp, D, M>, const D: usize, const M: usize>(
@@ -189,9 +190,12 @@ fn rms(d: &[f64; WIDTH]) -> f64 {
 
 /// The slope of ln RMS over ln n by least squares, over the given paths.
 fn slope(rows: &[(u64, [f64; WIDTH])], paths: &[usize; WIDTH]) -> f64 {
-    let late = rows.iter().filter(|(n, _)| *n >= FIRST);
-    let points = late.map(|(n, d)| ((*n as f64).ln(), rms(&paths.map(|path| d[path])).ln()));
-    let points: Vec<(f64, f64)> = points.filter(|(_, y)| *y > f64::NEG_INFINITY).collect();
+    let points: Vec<(f64, f64)> = rows
+        .iter()
+        .filter(|(n, _)| *n >= FIRST)
+        .map(|(n, d)| ((*n as f64).ln(), rms(&paths.map(|path| d[path])).ln()))
+        .filter(|(_, y)| *y > f64::NEG_INFINITY)
+        .collect();
     let count = points.len() as f64;
     let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / count, y + p.1 / count));
     let sum = |f: &dyn Fn(f64, f64) -> f64| points.iter().map(|p| f(p.0 - x, p.1 - y)).sum::<f64>();

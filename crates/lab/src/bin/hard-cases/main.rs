@@ -92,8 +92,11 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     let growth = if arguments.wants(GROWTH) { growth::run(arguments)? } else { Vec::new() };
     let fuzz = if arguments.wants(FUZZ) { fuzz::run(arguments) } else { Vec::new() };
     let mode = if arguments.quick { "quick" } else { "full" };
-    let known = Provenance::of_run(arguments.seed, mode);
-    let provenance = provenance::complete(known, "cargo xtask stability", start);
+    let provenance = provenance::complete(
+        Provenance::of_run(arguments.seed, mode),
+        "cargo xtask stability",
+        start,
+    );
     let results = Stability { schema: SCHEMA, provenance, cases, growth, fuzz };
     files::write_json(&arguments.out.join("stability.json"), &results)?;
     let page = page::page(&results);

@@ -62,8 +62,8 @@ pub fn summary(page: &mut Page, results: &Stability) {
     let long: Vec<Verdict> = results.growth.iter().map(|run| run.verdict).collect();
     let long = (!long.is_empty()).then(|| row(LONG, &long));
     page.table(["case", "hold", "fail as they must", "observed", "refuted"], cases.chain(long));
-    let refuted = results.cases.iter().flat_map(|result| &result.rows);
-    let refuted = refuted.filter(|row| row.verdict == Refuted);
+    let rows = results.cases.iter().flat_map(|result| &result.rows);
+    let refuted = rows.filter(|row| row.verdict == Refuted);
     page.list(refuted.map(|row| format!("{}, {}: {}", row.setting, row.scheme, cell(row))));
     if !results.fuzz.is_empty() {
         let sum = |count: fn(&Fuzzed) -> u64| results.fuzz.iter().map(count).sum::<u64>();
@@ -155,26 +155,26 @@ fn fuzz(page: &mut Page, fuzz: &[Fuzzed]) {
 }
 
 const METHOD: &str = "\
-Each case runs with every scheme: `sexp` with the fixed point first, `sexp-newton` with Newton's \
-method first, `sexp-levy` where noises do not commute, `midpoint`, `heun` and `em`. A guarantee \
-is a derived bound. Marks: ✓ it holds; ✗ the scheme fails, as theory predicts; none: nothing is \
-guaranteed. Increments are truncated with k = 4 unless a case says otherwise. No result is ever \
-NaN: a path that cannot go on ends with a typed error.
+Every case runs `sexp` (fixed point first), `sexp-newton` (Newton's method first), `sexp-levy` \
+where noises do not commute, `midpoint`, `heun` and `em`. A guarantee is a derived bound. ✓: it \
+holds; ✗: the scheme fails, as theory predicts; no mark: nothing is guaranteed. Increments are \
+truncated with k = 4 unless said otherwise. A path that cannot go on ends with a typed error, \
+never with NaN.
 
-*To rounding* is the worst case of all roundings together: |y_n|² = e^(−2∫γ)|y₀|² up to (32n + \
-4∫|γ| + 8)ε after n steps, see `crates/lab/src/bin/hard-cases/rounding.rs`.";
+*To rounding*: |y_n|² = e^(−2∫γ)|y₀|² up to (32n + 4∫|γ| + 8)ε after n steps, the worst case of \
+all roundings, see `crates/lab/src/bin/hard-cases/rounding.rs`.";
 
 const GROWTH: &str = "\
 Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over 32 paths. Roundings without a direction make a random \
 walk, √n·ε; those with one a drift, n·ε. The exponent is the slope of log root mean square over \
-log n from n = 1024 on; its interval comes from resampling paths. The roundings of the damping \
+log n from n = 1024 on, its interval that of resampled paths. The roundings of the damping \
 factors, which all paths share, show in the mean only.
 
-*Guarantee.* With a settled solver the root mean square stays below 32ε√n, a walk of the worst \
-roundings of a step. The default solver leaves a residual of up to 2ε in the same direction in \
-every step, a drift; `Solver::settled()` removes it with one more sweep.";
+*Guarantee.* With a settled solver the root mean square stays below 32ε√n, a walk of a step's \
+worst roundings. The default solver leaves a residual of up to 2ε in the same direction in every \
+step, a drift; one more sweep, `Solver::settled()`, removes it.";
 
 const FUZZING: &str = "\
 Numbers are arbitrary bit patterns: NaN, infinities, subnormals, ordinary numbers and neighbours. \
-Every input must be accepted or refused with a typed error. A panic, a NaN in a result or an \
-endless solve is a failure.";
+Each input must be accepted or refused with a typed error; a panic, a NaN or an endless solve is \
+a failure.";

@@ -8,10 +8,7 @@ use mc::{Ladder, NextNoise, Run, Statistic, View};
 use noise::{StreamKey, Truncation};
 use real::WIDTH;
 use report::distinct;
-use systems::{
-    Damping, PoissonSystem, Problem, RigidBody,
-    paper::{INERTIA, NOISE_INERTIA, rigid_body_start},
-};
+use systems::{Damping, PoissonSystem, Problem, RigidBody, paper::rigid_body_three_noises};
 
 use crate::{
     case::Context,
@@ -83,11 +80,7 @@ pub struct Distance {
     pub bound: f64,
 }
 
-impl<S, G, const D: usize, const M: usize> Experiment<S, G, D, M>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
+impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experiment<S, G, D, M> {
     /// One path with increments truncated as in the reproduction, and steps of size `tau`.
     pub fn new(
         context: &Context,
@@ -155,7 +148,7 @@ where
         must_exceed: impl Fn(Family) -> Option<f64>,
     ) -> Result<Vec<Row>> {
         self.rows(setting, x, |row, scheme, paths| {
-            let Distance { worst, excess, bound } = self.distance(paths, law, scheme.newton);
+            let Distance { worst, excess, bound } = self.distance(paths, law, scheme);
             let kept = excess <= 1.0 && !(law.to_the_end && row.error.is_some());
             let row = row.with_figure(worst);
             let row = match must_exceed(scheme.family) {
@@ -170,12 +163,13 @@ where
         })
     }
 
-    /// The distance of all paths from a law. Where both sides of it overflow there is none.
-    pub fn distance(&self, paths: &[Path<D>], law: &Law, newton: bool) -> Distance {
+    /// The distance of all paths of a scheme from a law. Where both sides of it overflow there is
+    /// none.
+    pub fn distance(&self, paths: &[Path<D>], law: &Law, scheme: &Tested<S, D, M>) -> Distance {
         let (system, damping, y0) =
             (self.problem.system(), self.problem.damping(), self.problem.y0());
         let invariants = system.invariants();
-        let newton_step = if newton { law.newton_step } else { 0.0 };
+        let newton_step = if scheme.newton { law.newton_step } else { 0.0 };
         let time = |n: usize| n as f64 * (self.problem.t_end() / self.steps as f64);
         let mut distance = Distance::default();
         for path in paths {
@@ -219,10 +213,8 @@ struct Record<'a, S, G, const D: usize, const M: usize> {
     paths: BTreeMap<u64, Path<D>>,
 }
 
-impl<S, G, const D: usize, const M: usize> Statistic<D> for Record<'_, S, G, D, M>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
+impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Statistic<D>
+    for Record<'_, S, G, D, M>
 {
     fn observe(&mut self, view: &View<'_, D>) {
         let Experiment { problem, paths, .. } = &self.experiment;
@@ -260,6 +252,6 @@ pub fn body<G: Damping>(
     damping: G,
     steps: (u64, f64),
 ) -> Result<Experiment<RigidBody<3>, G, 3, 3>> {
-    let body = RigidBody::three_noises(INERTIA, NOISE_INERTIA)?;
-    Experiment::new(context, (body, damping), rigid_body_start(), steps)
+    let (body, _, y0, _) = rigid_body_three_noises(1.0).into_parts();
+    Experiment::new(context, (body, damping), y0, steps)
 }

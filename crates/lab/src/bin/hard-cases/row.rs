@@ -20,7 +20,7 @@ pub enum Verdict {
 }
 
 /// One scheme in one setting of a case.
-#[derive(Default, Serialize)]
+#[derive(Clone, Default, Serialize)]
 pub struct Row {
     /// What is set, in words.
     pub setting: String,

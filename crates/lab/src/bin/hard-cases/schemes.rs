@@ -43,22 +43,26 @@ pub fn schemes<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     use Family::{Conformal, Explicit};
     let sexp = |method| Sexp { solver: Solver::new(method) };
     let mut all = vec![
-        Tested::new("sexp", Conformal, sexp(Method::FixedPoint)),
-        Tested { newton: true, ..Tested::new("sexp-newton", Conformal, sexp(Method::Newton)) },
+        Tested::new(Conformal, sexp(Method::FixedPoint)),
+        Tested {
+            name: "sexp-newton",
+            newton: true,
+            ..Tested::new(Conformal, sexp(Method::Newton))
+        },
     ];
     if M > 1 {
-        all.push(Tested::new("sexp-levy", Conformal, SexpLevy::new(system, y0)));
+        all.push(Tested::new(Conformal, SexpLevy::new(system, y0)));
     }
-    all.push(Tested::new("midpoint", Family::Midpoint, Midpoint::default()));
-    all.push(Tested::new("heun", Explicit, Heun));
-    all.push(Tested { order: 1.0, ..Tested::new("em", Explicit, EulerMaruyama) });
+    all.push(Tested::new(Family::Midpoint, Midpoint::default()));
+    all.push(Tested::new(Explicit, Heun));
+    all.push(Tested { order: 1.0, ..Tested::new(Explicit, EulerMaruyama) });
     all
 }
 
 impl<S, const D: usize, const M: usize> Tested<S, D, M> {
-    fn new(name: &'static str, family: Family, scheme: impl Scheme<S, D, M> + 'static) -> Self {
+    fn new(family: Family, scheme: impl Scheme<S, D, M> + 'static) -> Self {
         Self {
-            name,
+            name: scheme.id(),
             family,
             newton: false,
             order: 2.0,

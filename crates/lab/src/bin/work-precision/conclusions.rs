@@ -14,8 +14,8 @@ pub fn targets(curves: &[Curve]) -> Vec<f64> {
 
 /// The costs of an error on the curves that reach it, with the numbers of these.
 fn costs(curves: &[Curve], error: f64) -> impl Iterator<Item = (usize, f64)> {
-    let costs = curves.iter().map(move |curve| cost_at(&curve.points, error)).enumerate();
-    costs.filter_map(|(n, cost)| Some((n, cost?)))
+    let cost = move |(n, curve): (usize, &Curve)| Some((n, cost_at(&curve.points, error)?));
+    curves.iter().enumerate().filter_map(cost)
 }
 
 /// The cheapest curve at an error, by number, and its cost.
@@ -30,17 +30,18 @@ pub fn winner(curves: &[Curve], error: f64) -> Option<usize> {
 
 /// "`heun` from 1e-1 to 1e-3, `sexp` at 3e-4" for the winners at the targets.
 fn winners(curves: &[Curve]) -> String {
-    let targets = targets(curves);
-    let won = targets.iter().filter_map(|&error| Some((winner(curves, error)?, error)));
-    let won: Vec<(usize, f64)> = won.collect();
+    let won: Vec<(usize, f64)> = targets(curves)
+        .into_iter()
+        .filter_map(|error| Some((winner(curves, error)?, error)))
+        .collect();
     let words = won.chunk_by(|a, b| a.0 == b.0).map(|run| {
-        let (best, first) = run[0];
-        let (scheme, from, to) = (curves[best].scheme, number(first), number(run[run.len() - 1].1));
+        let (scheme, from) = (curves[run[0].0].scheme, number(run[0].1));
+        let to = number(run[run.len() - 1].1);
         let errors = if from == to { format!("at {to}") } else { format!("from {from} to {to}") };
         format!("`{scheme}` {errors}")
     });
-    let words: Vec<String> = words.collect();
-    if words.is_empty() { "no error is reached by two schemes".into() } else { words.join(", ") }
+    let words = words.collect::<Vec<_>>().join(", ");
+    if words.is_empty() { "no error is reached by two schemes".into() } else { words }
 }
 
 /// The strong errors of the schemes of a kind.

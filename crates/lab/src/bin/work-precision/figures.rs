@@ -5,7 +5,7 @@ use report::figure::{Curve, Figure, Measured, Plot, Spacing, Style};
 use crate::results::{Case, Series, StrongPoint};
 
 fn figure(title: String, y_title: &str, plots: Vec<Plot>) -> String {
-    let (y_title, size) = (y_title.to_owned(), (268.0, 214.0));
+    let (y_title, size) = (y_title.into(), (268.0, 214.0));
     Figure { title, y_title, size, style: Style::Schemes, plots }.svg()
 }
 

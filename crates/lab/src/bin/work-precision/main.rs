@@ -56,10 +56,13 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     let settings = Settings { seed: arguments.seed, mode };
     let cases = measure::measure(settings, &arguments.only, &bars)?;
     bars.finish();
-    let known = Provenance::of_run(arguments.seed, mode.id());
     let measured = Measurements {
         schema: results::SCHEMA,
-        provenance: provenance::complete(known, "cargo xtask work-precision", start),
+        provenance: provenance::complete(
+            Provenance::of_run(arguments.seed, mode.id()),
+            "cargo xtask work-precision",
+            start,
+        ),
         clock: if Stopwatch::MEASURES_PROCESSOR {
             "processor time of the thread"
         } else {

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 
 use anyhow::Result;
 use lab::{
-    TRUNCATION_ORDER,
+    OtherNoise, TRUNCATED, set_up,
     setups::{Kind, Setup, Visit, visit_paper},
     truncation,
 };
 use mc::{Run, View};
-use schemes::Scheme;
+use noise::{BlockNoise, Noise};
+use schemes::{Scheme, Step};
 use stats::CrossMoments;
 use systems::{Damping, Invariant, PoissonSystem};
 use verify::{
@@ -18,7 +19,7 @@ use verify::{
 };
 
 use crate::{
-    own_areas::{OwnAreas, terms},
+    own_areas::{disturb, terms},
     results::{
         Case, Cost, Sampled, Series, Strong, StrongPoint, Weak, WeakObservable, WeakPoint, costs,
     },
@@ -55,7 +56,11 @@ impl Visit for Cases<'_> {
         let timed: Vec<&dyn Scheme<S, D, M>> =
             setup.schemes.iter().map(|(_, scheme)| scheme.as_ref()).collect();
         let levy = timed.iter().copied().find(|scheme| scheme.reads_areas());
-        let own = levy.map(|levy| OwnAreas { levy });
+        let noise = |step: &Step, noise: &BlockNoise<M>, p: usize| {
+            let right = noise.path(p);
+            Noise { areas: disturb(step.tau, right.areas), ..right }
+        };
+        let own = levy.map(|scheme| OtherNoise { scheme, noise });
         let measured = timed.iter().map(|&scheme| match &own {
             Some(own) if scheme.reads_areas() => own,
             _ => scheme,
@@ -80,7 +85,7 @@ struct Measurement<'a, S, G, const D: usize, const M: usize> {
     sizes: Sizes,
     /// The schemes as they are timed.
     timed: Vec<&'a dyn Scheme<S, D, M>>,
-    /// The same as their errors are measured: see [`OwnAreas`].
+    /// The same as their errors are measured: see [`disturb`].
     measured: Vec<&'a dyn Scheme<S, D, M>>,
     /// The scheme with exact Lévy areas, where it differs from the one without.
     levy: Option<&'a dyn Scheme<S, D, M>>,
@@ -94,19 +99,12 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
 {
     fn run(&self) -> Result<Case> {
         let Setup { id, title, system, problem, .. } = self.setup;
-        let rounded = problem.y0().map(|y| ((1e4 * y).round() / 1e4).to_string());
-        let setup = format!(
-            "{system}, {}, y₀ = ({}), T = {}, increments truncated with k = {TRUNCATION_ORDER}",
-            problem.damping().describe(),
-            rounded.join(", "),
-            problem.t_end()
-        );
         let times = self.times()?;
         Ok(Case {
             id,
             title,
-            setup,
-            invariants: problem.system().invariants().iter().map(|f| f.name.to_owned()).collect(),
+            setup: set_up(system, problem, TRUNCATED),
+            invariants: problem.system().invariants().iter().map(|f| f.name).collect(),
             strong: self.strong(&times)?,
             weak: self.weak(&times)?,
         })
@@ -117,9 +115,10 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         let Sizes { repetitions, timed: key, .. } = self.sizes;
         let steps = self.sizes.timed_steps();
         progress.begin(&format!("{}: times", self.setup.id), repetitions.work(timed.len(), &steps));
-        let advance = |work| progress.advance(work);
         let problem = &self.setup.problem;
-        let times = path_times(timed, problem, &steps, truncation(), key, repetitions, &advance)?;
+        let times = path_times(timed, problem, &steps, truncation(), key, repetitions, &|work| {
+            progress.advance(work);
+        })?;
         progress.end();
         let by_steps = |times| steps.iter().copied().zip(times).collect();
         Ok(times.into_iter().map(by_steps).collect())
@@ -167,8 +166,8 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         costs: impl Fn(&[P]) -> Option<Vec<Cost>>,
     ) -> Vec<Series<P>> {
         let series = |(s, (kind, scheme)): (usize, &(Kind, Box<dyn Scheme<S, D, M>>))| {
-            let points = sizes.steps().enumerate().map(|(l, steps)| point(s, l, steps));
-            let points: Vec<P> = points.collect();
+            let points: Vec<P> =
+                sizes.steps().enumerate().map(|(l, steps)| point(s, l, steps)).collect();
             Series { kind: *kind, scheme: scheme.id(), costs: costs(&points), points }
         };
         self.setup.schemes.iter().enumerate().map(series).collect()

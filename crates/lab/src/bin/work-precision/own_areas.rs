@@ -9,10 +9,7 @@
 //! is the same in any block. The actual error is about half the bound, so the error measured is an
 //! upper estimate.
 
-use noise::{AreaMethod, BlockNoise, Noise, StreamKey, WienerPath, strong_order_one_error};
-use nonlin::{BlockStatus, Solution};
-use real::{Block, WIDTH};
-use schemes::{Scheme, Step};
+use noise::{AreaMethod, StreamKey, WienerPath, strong_order_one_error};
 use systems::paper::valid;
 
 /// The method that areas are drawn with.
@@ -23,16 +20,11 @@ pub fn terms(tau: f64, noises: usize) -> usize {
     valid(METHOD.terms_for(strong_order_one_error(tau), tau, noises))
 }
 
-/// The scheme on areas with the error of areas drawn at the step.
-pub struct OwnAreas<'a, S, const D: usize, const M: usize> {
-    pub levy: &'a dyn Scheme<S, D, M>,
-}
-
 /// A stream of its own among those of the workspace.
 const STREAM: u64 = 0x6f77_6e2d_6172_6561;
 
 /// Adds the error to the entries i < j of a skew matrix, and takes it from the others.
-fn disturb<const M: usize>(tau: f64, areas: [[f64; M]; M]) -> [[f64; M]; M] {
+pub fn disturb<const M: usize>(tau: f64, areas: [[f64; M]; M]) -> [[f64; M]; M] {
     let size = METHOD.rms_error(tau, terms(tau, M), M);
     // Numbers of different paths and steps differ in some area; a product with an odd number keeps
     // all of them.
@@ -48,40 +40,6 @@ fn disturb<const M: usize>(tau: f64, areas: [[f64; M]; M]) -> [[f64; M]; M] {
         }
     }
     disturbed
-}
-
-impl<S, const D: usize, const M: usize> Scheme<S, D, M> for OwnAreas<'_, S, D, M> {
-    fn id(&self) -> &'static str {
-        self.levy.id()
-    }
-
-    fn reads_areas(&self) -> bool {
-        self.levy.reads_areas()
-    }
-
-    fn clips_increments(&self) -> bool {
-        self.levy.clips_increments()
-    }
-
-    fn step_block(
-        &self,
-        system: &S,
-        step: &Step,
-        noise: &BlockNoise<M>,
-        y: &mut Block<D>,
-        status: &mut BlockStatus,
-    ) {
-        let mut disturbed = noise.clone();
-        for p in 0..WIDTH {
-            disturbed.areas.set_path(p, disturb(step.tau, noise.areas.path(p)));
-        }
-        self.levy.step_block(system, step, &disturbed, y, status);
-    }
-
-    fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        let disturbed = Noise { areas: disturb(step.tau, noise.areas), ..*noise };
-        self.levy.step(system, step, &disturbed, y)
-    }
 }
 
 #[cfg(test)]

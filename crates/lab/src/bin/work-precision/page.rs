@@ -54,14 +54,14 @@ fn price(case: &Case) -> Option<[String; 6]> {
     let own = sexp.curve().points;
     let error = targets(&curves).into_iter().rfind(|&error| cost_at(&own, error).is_some())?;
     let (best, cost) = cheapest(&curves, error)?;
-    let casimir = case.invariants.iter().position(|name| name == "C");
+    let casimir = case.invariants.iter().position(|name| *name == "C");
     let defect = |series: &Series<StrongPoint>| {
         let point = series.points.iter().find(|point| point.work.error <= error);
         let defect = point.zip(casimir).map(|(point, index)| point.defects[index]);
         defect.map_or("–".into(), number)
     };
     Some([
-        case.title.to_owned(),
+        case.title.into(),
         number(error),
         format!("`{}`", explicit[best].scheme),
         format!("{} ×", number(cost_at(&own, error)? / cost)),
@@ -125,7 +125,7 @@ fn costs(page: &mut Page, what: &str, curves: &[Curve]) {
         let costs = curves.iter().enumerate().map(cell);
         [number(error)].into_iter().chain(costs).collect::<Vec<_>>()
     });
-    page.table([what.to_owned()].into_iter().chain(names), rows);
+    page.table([what.into()].into_iter().chain(names), rows);
 }
 
 /// Everything measured at the coarsest step, one in the middle and the finest.
@@ -162,28 +162,27 @@ fn row(scheme: &str, point: &StrongPoint) -> Vec<String> {
 }
 
 const METHOD: &str = "\
-**Errors** come from ladders: all schemes at all step sizes see the same noise. A strong error is \
-(E|y_N − y(T)|²)^½. The reference is `sexp` on the finest steps, or `sexp-levy` where noises do \
-not commute; its own error is in every other.
+**Errors.** All schemes at all step sizes see the same noise. A strong error is (E|y_N − \
+y(T)|²)^½. The reference is `sexp` on the finest steps, or `sexp-levy` where noises do not \
+commute; its own error is in every other.
 
 **Times** are those of `mc::Ladder` on one thread, with noise and truncation. Every repetition \
-times every scheme at every step size once. Curves show the smallest; bars and the column \
-*spread* show how far the median lies above it.
+times every scheme at every step size once. Curves show the smallest, bars and the column \
+*spread* how far the median lies above it.
 
 **`sexp-levy`** is timed with areas drawn at its own step by the method of Mrongowius and Rößler, \
 with a root-mean-square error of at most τ^(3/2), as strong order one asks. Areas on a ladder \
-have no such error, so one of the size of the proven bound is added. The bound is about twice the \
-actual error: the strong errors of `sexp-levy` are upper estimates. The error with exact areas \
-stands beside them.
+have no such error, so one of the size of the proven bound, about twice the actual one, is added: \
+strong errors are upper estimates. The error with exact areas stands beside them.
 
 **Expectations.** A bias b is the mean difference to the reference on the same noise, \
-extrapolated in the step size. An estimate over N paths of time t has the root-mean-square error \
-ε = (b² + σ²/N)^½, where σ is the standard deviation of φ(y_N), and costs t·σ²/(ε² − b²). Shown \
-is the smallest cost over the step sizes, with b at the upper end of its 95 % interval.
+extrapolated in the step size. N paths of time t, σ being the standard deviation of φ(y_N), give \
+the root-mean-square error ε = (b² + σ²/N)^½ and cost t·σ²/(ε² − b²). Shown is the smallest cost \
+over the step sizes, with b at the upper end of its 95 % interval.
 
-**Between the points** costs are interpolated linearly in the logarithms.";
+**Between points** costs are interpolated linearly in the logarithms.";
 
 const PRICE: &str = "\
 At the smallest error 10^(−k/2) that `sexp` and an explicit scheme both reach: the cheapest \
-explicit scheme, the cost of `sexp` in multiples of it, and the root mean square of \
+explicit scheme, how many times its cost `sexp` costs, and the root mean square of \
 F(y_N)/(e^(−p∫γ)F(y₀)) − 1 for the Casimir F.";

@@ -34,7 +34,7 @@ pub struct Case {
     pub setup: String,
     /// The invariants whose conformal defect is measured, in the order of the system; none where it
     /// has none.
-    pub invariants: Vec<String>,
+    pub invariants: Vec<&'static str>,
     /// Strong errors.
     pub strong: Strong,
     /// Weak errors.

@@ -6,7 +6,7 @@ use schemes::Sexp;
 use stats::CrossMoments;
 use systems::{RigidBody, paper::rigid_body_three_noises};
 
-use crate::{experiment::truncation, kernels::compiled, panels::weak_observables};
+use crate::{compiled, panels::weak_observables, truncation};
 
 /// φ(coarse), φ(fine), the plain and the antithetic difference of every test function at the final
 /// time.

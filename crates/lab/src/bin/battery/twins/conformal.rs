@@ -4,9 +4,7 @@ use lab::{
     Conditions,
     conformal_law::{ROUND_OFF, along, approach, largest_defect},
     statements::{exact_conformal, moment_bound},
-    truncation,
 };
-use mc::trajectory;
 use schemes::{EulerMaruyama, Implicit, Increment, Scheme, Sexp};
 use systems::{
     Damping, PoissonSystem, Problem, RigidBody,
@@ -17,14 +15,10 @@ use verify::results::{Claim, Evidence};
 use super::wrong_systems::WrongSystem;
 
 /// The problem with a wrong system.
-fn wrong<S, G, const M: usize>(
+fn wrong<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
     problem: Problem<S, G, 3>,
     last: f64,
-) -> Problem<WrongSystem<S>, G, 3>
-where
-    S: PoissonSystem<3, M>,
-    G: Damping,
-{
+) -> Problem<WrongSystem<S>, G, 3> {
     let (right, damping, y0, t_end) = problem.into_parts();
     valid(Problem::new(WrongSystem { right, last }, damping, y0, t_end))
 }
@@ -33,19 +27,15 @@ where
 const STEPS: u64 = 100;
 
 /// The claim of the invariant panels about one scheme, first invariant of the system.
-fn obeys_law<S, G, const M: usize>(
-    conditions: &Conditions<'_>,
+fn obeys_law<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
+    conditions: &Conditions,
     id: &str,
     problem: &Problem<S, G, 3>,
     scheme: &dyn Scheme<S, 3, M>,
-) -> Claim
-where
-    S: PoissonSystem<3, M>,
-    G: Damping,
-{
-    let path = valid(trajectory(problem, scheme, STEPS, truncation(), conditions.key(0), 0));
+) -> Claim {
+    let path = conditions.path(0, problem, scheme, STEPS, 0);
     let measured = Evidence::Defect {
-        invariant: problem.system().invariants()[0].name.to_owned(),
+        invariant: problem.system().invariants()[0].name.into(),
         paths: 1,
         steps: STEPS,
         largest: largest_defect(&along(problem, 0, &path)),
@@ -56,16 +46,16 @@ where
 }
 
 /// [`obeys_law`] of the Casimir of the rigid body.
-fn casimir(conditions: &Conditions<'_>, scheme: &dyn Scheme<RigidBody<3>, 3, 3>) -> Claim {
+fn casimir(conditions: &Conditions, scheme: &dyn Scheme<RigidBody<3>, 3, 3>) -> Claim {
     obeys_law(conditions, "conformal-casimir", &rigid_body_three_noises(10.0), scheme)
 }
 
-pub fn sign_in_exact_flow(conditions: &Conditions<'_>) -> Claim {
+pub fn sign_in_exact_flow(conditions: &Conditions) -> Claim {
     let problem = wrong::<_, _, 3>(rigid_body_three_noises(1.0), -1.0);
     exact_conformal::law(conditions, 0, &problem).swap_remove(0)
 }
 
-pub fn sign_in_structure(conditions: &Conditions<'_>) -> Claim {
+pub fn sign_in_structure(conditions: &Conditions) -> Claim {
     let problem = wrong::<_, _, 3>(rigid_body_three_noises(10.0), -1.0);
     obeys_law::<_, _, 3>(conditions, "conformal-casimir", &problem, &Sexp::default())
 }
@@ -85,7 +75,7 @@ impl Implicit for FirstHalfTwice {
     }
 }
 
-pub fn damping_of_the_wrong_half(conditions: &Conditions<'_>) -> Claim {
+pub fn damping_of_the_wrong_half(conditions: &Conditions) -> Claim {
     casimir(conditions, &FirstHalfTwice)
 }
 
@@ -103,27 +93,27 @@ impl Implicit for OldStructure {
     }
 }
 
-pub fn old_structure(conditions: &Conditions<'_>) -> Claim {
+pub fn old_structure(conditions: &Conditions) -> Claim {
     casimir(conditions, &OldStructure)
 }
 
-pub fn old_structure_at_small_steps(conditions: &Conditions<'_>) -> Claim {
+pub fn old_structure_at_small_steps(conditions: &Conditions) -> Claim {
     // Up to T = 1: the Casimir of the wrong method drifts away.
     let problem = rigid_body_three_noises(1.0);
     let (steps, wrong): (_, &dyn Scheme<_, 3, 3>) = (STEPS / 10, &OldStructure);
-    let path = valid(trajectory(&problem, wrong, steps, truncation(), conditions.key(0), 0));
+    let path = conditions.path(0, &problem, wrong, steps, 0);
     let largest = largest_defect(&along(&problem, 0, &path));
     let measured = approach(conditions, &problem, wrong, 0, steps, largest);
     let statement = "the Casimir returns to the conformal law as τ → 0";
     Claim::new("conformal-casimir", statement, measured)
 }
 
-pub fn midpoint_quadrature(conditions: &Conditions<'_>) -> Claim {
+pub fn midpoint_quadrature(conditions: &Conditions) -> Claim {
     let problem = wrong::<_, _, 1>(lotka_volterra_2_2(10.0), 1.0);
     obeys_law::<_, _, 1>(conditions, "energy-balance", &problem, &Sexp::default())
 }
 
-pub fn unbounded_scheme(conditions: &Conditions<'_>) -> Claim {
+pub fn unbounded_scheme(conditions: &Conditions) -> Claim {
     let problem = moment_bound::undamped();
-    moment_bound::bound::<_, _, 3>(conditions, 0, &problem, &EulerMaruyama, "C", 0.5)
+    moment_bound::bound::<_, _, 3>(conditions, 0, &problem, &EulerMaruyama, 0, 0.5)
 }

@@ -13,7 +13,7 @@ fn whole(pieces: &[Vector; PIECES]) -> Vector {
 
 /// The expansion of the exact flow with ½ΔWΔWᵀ for the iterated integrals: the remainder is then of
 /// order τ.
-pub fn without_areas(conditions: &Conditions<'_>) -> Claim {
+pub fn without_areas(conditions: &Conditions) -> Claim {
     let remainder = |tau: f64, pieces: &[Vector; PIECES]| {
         let straight = whole(pieces).map(|w| w / PIECES as f64);
         // On one straight line the iterated integrals are ½ΔWΔWᵀ and the areas vanish.
@@ -23,7 +23,7 @@ pub fn without_areas(conditions: &Conditions<'_>) -> Claim {
 }
 
 /// The expansion of the scheme without ½Σ fₘ′f_l ΔŴ_lΔŴₘ.
-pub fn without_second_order(conditions: &Conditions<'_>) -> Claim {
+pub fn without_second_order(conditions: &Conditions) -> Claim {
     let remainder = |tau: f64, pieces: &[Vector; PIECES]| {
         difference(local::sexp_end(tau, pieces), local::first_order(tau, whole(pieces)))
     };

@@ -7,7 +7,6 @@
 mod conformal;
 mod local;
 mod orders;
-mod wrong_noise;
 mod wrong_systems;
 
 use lab::{
@@ -19,12 +18,12 @@ use systems::paper::pendulum;
 use verify::{Progress, Settings, results::Claim};
 
 /// A wrong method with its measurement.
-pub type Twin = verify::Twin<fn(&Conditions<'_>) -> Claim>;
+pub type Twin = verify::Twin<fn(&Conditions) -> Claim>;
 
 const fn twin(
     claim: &'static str,
     mistake: &'static str,
-    measure: fn(&Conditions<'_>) -> Claim,
+    measure: fn(&Conditions) -> Claim,
 ) -> Twin {
     Twin { claim, mistake, measure }
 }
@@ -102,8 +101,10 @@ pub const TWINS: &[Twin] = &[
 /// Measures every twin; the claims come in the order of [`TWINS`].
 pub fn measure_twins(settings: Settings, progress: &dyn Progress) -> Vec<Claim> {
     let conditions = |experiment| Conditions { settings, experiment, wanted: &[], progress };
-    let numbered = (streams::TWINS..).zip(TWINS);
-    numbered.map(|(experiment, twin)| (twin.measure)(&conditions(experiment))).collect()
+    (streams::TWINS..)
+        .zip(TWINS)
+        .map(|(experiment, twin)| (twin.measure)(&conditions(experiment)))
+        .collect()
 }
 
 #[cfg(test)]
@@ -130,10 +131,9 @@ mod tests {
 
     #[test]
     fn the_right_methods_are_not_refuted() {
-        let only: Vec<String> = ids(STATEMENTS).into_iter().map(str::to_owned).collect();
         for seed in SEEDS {
             let settings = Settings { seed, mode: Mode::Quick };
-            for claim in reproduce(settings, &only, &Silent).unwrap().claims {
+            for claim in reproduce(settings, &ids(STATEMENTS), &Silent).unwrap().claims {
                 assert!(!claim.is_refuted(), "seed {seed}: {}: {}", claim.id, claim.evidence);
             }
         }
@@ -143,7 +143,7 @@ mod tests {
     fn every_statement_has_a_twin() {
         let of_panels =
             ["conformal-casimir", "energy-balance", "strong-half", "strong-one", "weak-one"];
-        for id in ids(STATEMENTS).into_iter().chain(of_panels) {
+        for id in ids(STATEMENTS).into_iter().chain(of_panels.map(String::from)) {
             assert!(TWINS.iter().any(|twin| twin.claim == id), "{id} has no twin");
         }
     }

@@ -1,6 +1,6 @@
 //! Twins of the convergence orders.
 
-use lab::{Conditions, truncation};
+use lab::{Conditions, OtherNoise, truncation};
 use mc::Observable;
 use noise::{AreaMethod, AreaPath, BlockNoise, Noise, StreamKey, strong_order_one_error};
 use real::WIDTH;
@@ -15,11 +15,9 @@ use verify::{
     strong_order, weak_order,
 };
 
-use super::wrong_noise::WrongNoise;
-
 /// Step sizes 2⁻⁵ … 2⁻¹², reference 2⁻¹⁴: enough levels and paths to tell order ½ from order 1 on
 /// every seed.
-fn step_sizes(conditions: &Conditions<'_>) -> StepSizes {
+fn step_sizes(conditions: &Conditions) -> StepSizes {
     StepSizes {
         coarsest_steps: 32,
         levels: 8,
@@ -30,17 +28,13 @@ fn step_sizes(conditions: &Conditions<'_>) -> StepSizes {
     }
 }
 
-fn strong<S, G, const M: usize>(
-    conditions: &Conditions<'_>,
+fn strong<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
+    conditions: &Conditions,
     id: &str,
     problem: &Problem<S, G, 3>,
     scheme: &dyn Scheme<S, 3, M>,
     order: f64,
-) -> Claim
-where
-    S: PoissonSystem<3, M>,
-    G: Damping,
-{
+) -> Claim {
     // Areas cost more normals the finer the steps: 2⁻⁴ … 2⁻¹¹ and a reference at 2⁻¹³ will do.
     let coarsest_steps = if scheme.reads_areas() { 16 } else { 32 };
     let sizes = StepSizes { coarsest_steps, ..step_sizes(conditions) };
@@ -68,12 +62,12 @@ impl Explicit for Miscorrected {
     }
 }
 
-pub fn strong_with_correction(conditions: &Conditions<'_>, factor: f64) -> Claim {
+pub fn strong_with_correction(conditions: &Conditions, factor: f64) -> Claim {
     let problem = rigid_body_three_noises(1.0);
     strong::<_, _, 3>(conditions, "strong-half", &problem, &Miscorrected { factor }, 0.5)
 }
 
-pub fn weak_with_correction(conditions: &Conditions<'_>, factor: f64) -> Claim {
+pub fn weak_with_correction(conditions: &Conditions, factor: f64) -> Claim {
     let observable = Observable { name: "y3", function: |y: [f64; 3]| y[2] };
     let sizes = StepSizes { levels: 6, samples: 2048, ..step_sizes(conditions) };
     let problem = rigid_body_three_noises(1.0);
@@ -85,14 +79,14 @@ pub fn weak_with_correction(conditions: &Conditions<'_>, factor: f64) -> Claim {
 
 /// The strong order of `sexp` on the wrong noise, three of them.
 fn half(
-    conditions: &Conditions<'_>,
+    conditions: &Conditions,
     noise: impl Fn(&Step, &BlockNoise<3>, usize) -> Noise<3> + Send + Sync,
 ) -> Claim {
-    let wrong = WrongNoise { scheme: Sexp::default(), noise };
+    let wrong = OtherNoise { scheme: &Sexp::default(), noise };
     strong(conditions, "strong-half", &rigid_body_three_noises(1.0), &wrong, 0.5)
 }
 
-pub fn shared_stream(conditions: &Conditions<'_>) -> Claim {
+pub fn shared_stream(conditions: &Conditions) -> Claim {
     half(conditions, |_, noise, p| {
         let [first, _, third] = noise.increments.path(p);
         Noise::increments([first, first, third])
@@ -100,26 +94,26 @@ pub fn shared_stream(conditions: &Conditions<'_>) -> Claim {
 }
 
 /// `sexp` on the increments of the neighbouring path: the right law, drawn afresh.
-pub fn fresh_increments(conditions: &Conditions<'_>) -> Claim {
+pub fn fresh_increments(conditions: &Conditions) -> Claim {
     half(conditions, |_, noise, p| noise.path((p + 1) % WIDTH))
 }
 
-pub fn explicit(conditions: &Conditions<'_>) -> Claim {
+pub fn explicit(conditions: &Conditions) -> Claim {
     strong::<_, _, 1>(conditions, "strong-one", &rigid_body_one_noise(), &EulerMaruyama, 1.0)
 }
 
-pub fn truncated_too_early(conditions: &Conditions<'_>) -> Claim {
+pub fn truncated_too_early(conditions: &Conditions) -> Claim {
     let noise = |step: &Step, noise: &BlockNoise<1>, p: usize| {
         let bound = 0.5 * step.tau.sqrt();
         Noise::increments(noise.increments.path(p).map(|dw| dw.clamp(-bound, bound)))
     };
-    let wrong = WrongNoise { scheme: Sexp::default(), noise };
+    let wrong = OtherNoise { scheme: &Sexp::default(), noise };
     strong(conditions, "strong-one", &rigid_body_one_noise(), &wrong, 1.0)
 }
 
 /// The strong order of `sexp-levy` on the right increments and the wrong areas.
 fn with_areas(
-    conditions: &Conditions<'_>,
+    conditions: &Conditions,
     areas: impl Fn(&Step, &Noise<3>) -> [[f64; 3]; 3] + Send + Sync,
 ) -> Claim {
     let problem = rigid_body_three_noises(1.0);
@@ -127,21 +121,21 @@ fn with_areas(
         let right = noise.path(p);
         Noise { areas: areas(step, &right), ..right }
     };
-    let wrong = WrongNoise { scheme: SexpLevy::new(problem.system(), problem.y0()), noise };
+    let wrong = OtherNoise { scheme: &SexpLevy::new(problem.system(), problem.y0()), noise };
     strong(conditions, "strong-one-levy", &problem, &wrong, 1.0)
 }
 
-pub fn areas_of_the_wrong_sign(conditions: &Conditions<'_>) -> Claim {
+pub fn areas_of_the_wrong_sign(conditions: &Conditions) -> Claim {
     with_areas(conditions, |_, noise| noise.areas.map(|row| row.map(|area| -area)))
 }
 
-pub fn without_areas(conditions: &Conditions<'_>) -> Claim {
+pub fn without_areas(conditions: &Conditions) -> Claim {
     with_areas(conditions, |_, _| [[0.0; 3]; 3])
 }
 
 /// Areas with the right law given the increments, drawn for each step of each step size by itself:
 /// the stream is keyed by the bits of the increments, so that the twin is reproducible.
-pub fn fresh_areas(conditions: &Conditions<'_>) -> Claim {
+pub fn fresh_areas(conditions: &Conditions) -> Claim {
     with_areas(conditions, |step, noise| {
         let [a, b, c] = noise.increments.map(f64::to_bits);
         let key = StreamKey { seed: a ^ b.rotate_left(21), experiment: c ^ step.tau.to_bits() };

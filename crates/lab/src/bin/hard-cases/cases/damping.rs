@@ -3,7 +3,7 @@
 use systems::{Constant, Damping};
 
 use crate::{
-    case::{Case, Context, Plot, Rows, SQUARED_LENGTH, each},
+    case::{Case, Context, Rows, SQUARED_LENGTH, each},
     paths::{CASIMIR, Law, body},
     rounding::{law_bound, length},
     row::Row,
@@ -20,7 +20,6 @@ pub const STIFF: Case = Case {
     guarantee: "`sexp` has the factor e^(−x), x = γτ, to rounding, underflow included. For large \
                 x `midpoint` must hardly damp, `em` and `heun` must grow.",
     varied: "γτ",
-    plot: Some(Plot { x_title: "damping in a step, γτ", range: (1e-12, 1e12) }),
     rows: stiff,
 };
 
@@ -73,7 +72,6 @@ pub const ANTI: Case = Case {
     guarantee: "`sexp` is on the law to rounding, or ends with a typed error. Newton's stopping \
                 test keeps the law to 2⁻³⁰ a step only.",
     varied: "γτ",
-    plot: None,
     rows: anti,
 };
 
@@ -104,7 +102,6 @@ pub const ROUGH: Case = Case {
                 where it is infinite must stop: `em` and `heun` at the ends of a step, \
                 `midpoint` in its middle.",
     varied: "γ",
-    plot: None,
     rows: rough,
 };
 

@@ -8,9 +8,10 @@ use systems::{
     PoissonSystem, RealExponents, RigidBodyEnergy,
     paper::{INERTIA, half_cosine, rigid_body_start},
 };
+use verify::worse;
 
 use crate::{
-    case::{Case, Context, Plot, Rows, each},
+    case::{Case, Context, Rows, each},
     paths::{CASIMIR, Experiment, Law},
     rounding::length,
     row::Row,
@@ -29,7 +30,6 @@ pub const STIFF: Case = Case {
     guarantee: "`sexp` is on both laws to rounding, or ends with a typed error. The phase is not \
                 guaranteed. From ω = 1000 on `em` and `heun` must be off by more than one.",
     varied: "ω",
-    plot: Some(Plot { x_title: "frequency ω (τ = 1/64)", range: (1e-16, 1e8) }),
     rows: stiff,
 };
 
@@ -62,7 +62,6 @@ pub const SHARP: Case = Case {
     guarantee: "`sexp` keeps |y|² to rounding, and H to rounding and the error of eight nodes, \
                 Σ|Δy₁|·min(2, (8!)⁴/(17·16!³)·(κΔy₁)¹⁶); or it ends with a typed error.",
     varied: "κ",
-    plot: None,
     rows: sharp,
 };
 
@@ -127,13 +126,13 @@ fn sharp(context: &Context) -> Rows {
             let quadrature: f64 = steps.map(|d| quadrature_error(kappa, d) * d.abs()).sum();
             // H and |∇H| are at most about two, so that rounding in H is no more than four times
             // that in ½|y|². The argument κy₁ has a rounding of its own, ε κ/κ.
-            let bound = quadrature + 4.0 * experiment.distance(paths, &CASIMIR, false).bound;
+            let bound = quadrature + 4.0 * experiment.distance(paths, &CASIMIR, scheme).bound;
             let row = row.with_figure(worst);
             let conformal = scheme.family == Family::Conformal;
             Ok(if conformal { row.guaranteed(worst <= bound, bound) } else { row })
         })
     })?;
-    Ok(casimir.into_iter().chain(energy).collect())
+    Ok([casimir, energy].concat())
 }
 
 /// Discrete gradients at a = b and next to it.
@@ -148,7 +147,6 @@ pub const NEAR_EQUAL: Case = Case {
     quantity: "largest error of a component relative to |∇h|, against 49 Gauss–Legendre nodes",
     guarantee: "32ε at every distance.",
     varied: "distance",
-    plot: None,
     rows: near_equal,
 };
 
@@ -191,6 +189,5 @@ fn error<S: PoissonSystem<D, 1>, const D: usize>(
     let (exact, _) = averaged_with_error(&field, a, b, 24)?;
     let mean = system.averaged_gradient(a, b, 0.75, [0.5]);
     let size = length(field.gradient(a));
-    let errors = (0..D).map(|i| (mean[i] - exact[i]).abs() / size);
-    Ok(errors.fold(0.0, |worst, error| if error > worst || error.is_nan() { error } else { worst }))
+    Ok((0..D).map(|i| (mean[i] - exact[i]).abs() / size).fold(0.0, worse))
 }

@@ -27,7 +27,6 @@ pub const CASE: Case = Case {
     guarantee: "Inside the contraction bound (size 0.1) `sexp` solves every step on that branch. \
                 Beyond, it keeps |y|² to rounding or fails; the branch is not guaranteed.",
     varied: "size of the increments",
-    plot: None,
     rows,
 };
 

@@ -36,11 +36,13 @@ pub static CASES: [Case; 13] = [
 
 /// Runs the cases that are asked for.
 pub fn run(arguments: &Arguments) -> Result<Vec<CaseResult>> {
-    let numbered = CASES.iter().zip(streams::HARD_CASES..);
-    let wanted = numbered.filter(|(case, _)| arguments.wants(case.id));
-    let results = wanted.map(|(case, experiment)| {
-        let key = StreamKey { seed: arguments.seed, experiment };
-        Ok(CaseResult { case, rows: (case.rows)(&Context { key, arguments })? })
-    });
-    results.collect()
+    CASES
+        .iter()
+        .zip(streams::HARD_CASES..)
+        .filter(|(case, _)| arguments.wants(case.id))
+        .map(|(case, experiment)| {
+            let key = StreamKey { seed: arguments.seed, experiment };
+            Ok(CaseResult { case, rows: (case.rows)(&Context { key, arguments })? })
+        })
+        .collect()
 }

@@ -22,7 +22,6 @@ pub const SCALES: Case = Case {
     quantity: "largest difference from the solution of scale one, relative to |y₀|",
     guarantee: "No scheme or stopping test depends on the scale, up to one sweep.",
     varied: "scale",
-    plot: None,
     rows: scales,
 };
 
@@ -64,7 +63,6 @@ pub const EQUILIBRIA: Case = Case {
     guarantee: "Every scheme stays exactly. The upright pendulum starts an ulp from its \
                 equilibrium and leaves it like εe^t.",
     varied: "system and start",
-    plot: None,
     rows: equilibria,
 };
 
@@ -77,14 +75,14 @@ fn equilibria(context: &Context) -> Rows {
     let (none, some) = (Constant::new(0.0)?, Constant::new(2.0)?);
     // The float next to π is no equilibrium: its sine is 1.2e-16, and the distance grows like e^t.
     let (pi, grown) = (std::f64::consts::PI, f64::EPSILON * (REST.0 as f64 * REST.1).exp());
-    let rows = [
+    Ok([
         stay(context, "rigid body, y₀ = 0, γ = 2", (body, some), [0.0; 3], 0.0)?,
         stay(context, "rigid body, y₀ = (0, 1, 0), γ = 0", (body, none), [0.0, 1.0, 0.0], 0.0)?,
         stay(context, "pendulum, y₀ = 0, γ = 2", (pendulum, some), [0.0; 2], 0.0)?,
         stay(context, "pendulum upright, γ = 0, no noise", (still, none), [0.0, pi], grown)?,
         stay(context, "Lotka–Volterra, y₀ = (½, ½, ½), γ = 0", (volterra, none), [0.5; 3], 0.0)?,
-    ];
-    Ok(rows.into_iter().flatten().collect())
+    ]
+    .concat())
 }
 
 /// The largest distance from y₀, at most `bound`.
@@ -114,7 +112,6 @@ pub const LOTKA_VOLTERRA: Case = Case {
     guarantee: "`sexp` is positive and on the law to rounding, or ends with a typed error. No \
                 scheme is positive by construction.",
     varied: "start and τ",
-    plot: None,
     rows: lotka_volterra,
 };
 

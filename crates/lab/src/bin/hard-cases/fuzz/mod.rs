@@ -9,11 +9,12 @@ mod numbers;
 mod steps;
 
 use std::{
-    fmt::{self, Display, Formatter},
+    fmt::Display,
     panic::{AssertUnwindSafe, catch_unwind},
 };
 
-use anyhow::{Result, anyhow, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
+use thiserror::Error;
 
 pub use bits::Bits;
 use steps::Job;
@@ -25,14 +26,9 @@ use crate::{Arguments, results::Fuzzed};
 type Fed = Result<u64>;
 
 /// The input was refused, or ended in a typed error.
-#[derive(Debug)]
+#[derive(Debug, Error)]
+#[error("refused")]
 struct Refused;
-
-impl Display for Refused {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str("refused")
-    }
-}
 
 /// Something that takes input.
 struct Target {
@@ -112,11 +108,14 @@ const DESCRIBED: usize = 5;
 /// Feeds all targets, as many times fewer inputs as one takes longer.
 pub fn run(arguments: &Arguments) -> Vec<Fuzzed> {
     let inputs = arguments.inputs.unwrap_or(arguments.many(INPUTS, QUICK_INPUTS));
-    let fed = TARGETS.iter().zip(0..).map(|(target, number)| {
-        eprintln!("{}", target.name);
-        feed(target, arguments.seed, number, (inputs / target.cost).max(1))
-    });
-    fed.collect()
+    TARGETS
+        .iter()
+        .zip(0..)
+        .map(|(target, number)| {
+            eprintln!("{}", target.name);
+            feed(target, arguments.seed, number, (inputs / target.cost).max(1))
+        })
+        .collect()
 }
 
 fn feed(target: &Target, seed: u64, number: u64, inputs: u64) -> Fuzzed {
@@ -145,7 +144,7 @@ fn feed(target: &Target, seed: u64, number: u64, inputs: u64) -> Fuzzed {
 
 /// What was accepted; [`Refused`] ends the input.
 fn accepted<T, E: Display>(result: Result<T, E>) -> Result<T> {
-    answer(result)?.ok_or_else(|| anyhow!(Refused))
+    answer(result)?.context(Refused)
 }
 
 /// What was accepted, if it was; a refusal must have words.

@@ -1,6 +1,6 @@
 //! Problems and steps of every system with every scheme.
 
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, ensure};
 use lab::{PaperSystem, compiled};
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Method, Outcome, Solution, Solver};
@@ -70,7 +70,7 @@ fn with_system<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize>
                 let (scheme, system) = (scheme.name, system.name());
                 format!("{scheme} of {system} from {y:?} with {noise:?}, {step:?}")
             })?;
-            iterations.ok_or_else(|| anyhow!(Refused))
+            iterations.context(Refused)
         }
     }
 }

@@ -1,25 +1,24 @@
-//! A right scheme on the wrong noise.
+//! A scheme on other noise than the driver's.
 
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Solution};
 use real::{Block, WIDTH};
 use schemes::{Scheme, Step};
 
-/// `scheme` on other noise than it is given.
-pub struct WrongNoise<F, A> {
+/// A scheme on other noise than it is given.
+pub struct OtherNoise<'a, S, A, const D: usize, const M: usize> {
     /// The scheme.
-    pub scheme: F,
-    /// The noise that path p of a block gets.
+    pub scheme: &'a dyn Scheme<S, D, M>,
+    /// The noise that path p of a block gets in a step, from that of the block.
     pub noise: A,
 }
 
-impl<F, A, S, const D: usize, const M: usize> Scheme<S, D, M> for WrongNoise<F, A>
+impl<S, A, const D: usize, const M: usize> Scheme<S, D, M> for OtherNoise<'_, S, A, D, M>
 where
-    F: Scheme<S, D, M>,
     A: Fn(&Step, &BlockNoise<M>, usize) -> Noise<M> + Send + Sync,
 {
     fn id(&self) -> &'static str {
-        "wrong noise"
+        self.scheme.id()
     }
 
     fn reads_areas(&self) -> bool {
@@ -38,13 +37,13 @@ where
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        let mut wrong = BlockNoise::zero();
+        let mut other = BlockNoise::zero();
         for p in 0..WIDTH {
             let Noise { increments, areas } = (self.noise)(step, noise, p);
-            wrong.increments.set_path(p, increments);
-            wrong.areas.set_path(p, areas);
+            other.increments.set_path(p, increments);
+            other.areas.set_path(p, areas);
         }
-        self.scheme.step_block(system, step, &wrong, y, status);
+        self.scheme.step_block(system, step, &other, y, status);
     }
 
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
