@@ -20,7 +20,7 @@
 //! let series = [vec![1], vec![2]];
 //! let errors = || StrongErrors::new(Reference::Run(0), &series, ladder.coarse_steps());
 //! let measured = ladder.run(64, errors, &|_| ());
-//! let mean_square = |s: usize| measured.statistic.at_end(s).mean(0);
+//! let mean_square = |s: usize| measured.statistic.at_end(s).errors.mean(0);
 //! assert!(mean_square(0) < 0.1 * mean_square(1));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -28,7 +28,7 @@
 //! | item | purpose |
 //! |---|---|
 //! | [`Ladder`], [`Run`] | schemes at step sizes, driven by the same noise |
-//! | [`Statistic`] | results over paths: [`StrongErrors`], [`WeakDifferences`] |
+//! | [`Statistic`] | results over paths: [`StrongErrors`] with its [`Squares`], [`WeakDifferences`] |
 //! | [`TimeChange`] | a random time along each path, for exact references |
 //! | [`NoiseSource`] | noise given by the user |
 //! | [`trajectory`] | the states of one path |
@@ -60,6 +60,6 @@ pub use recording::{Recording, RecordingError};
 pub use simulation::{
     Column, NoiseOrigin, Simulation, SimulationError, TimeSeries, write_csv, write_json,
 };
-pub use strong::{Reference, StrongErrors};
+pub use strong::{Reference, Squares, StrongErrors};
 pub use trajectory::{Trajectory, trajectory};
 pub use weak::{Observable, WeakDifferences};

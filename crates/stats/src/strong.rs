@@ -28,10 +28,13 @@ const LEAST_LEVELS: usize = 4;
 /// The term b is fitted from five levels on, two more than there are parameters. Levels that a few paths dominate are left out and named. If χ² rejects the model, the rate
 /// carries a warning ([`Rate::misfits`]).
 ///
-/// `None` if an error is zero, or the covariance is singular: with fewer paths than levels, for
-/// example.
+/// `None` if an error is zero, if there are no more paths than levels, or if the covariance is
+/// singular.
 pub fn fit_strong(taus: &[f64], squares: &CrossMoments) -> Option<Rate> {
     let all: Vec<usize> = (0..taus.len()).collect();
+    if squares.count() <= taus.len() as u64 {
+        return None;
+    }
     // A zero error anywhere means that there is no order to speak of, even where its level would be
     // left out.
     LogMeanSquares::new(taus, squares, all.clone())?;

@@ -25,6 +25,10 @@ pub enum Evidence {
         one_sided: bool,
         /// The fit; none when no order can be named.
         rate: Option<Rate>,
+        /// How far the limit is from the right one; present where the scheme converges to something
+        /// else, whatever the order of its differences.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        wrong_limit: Option<f64>,
     },
     /// The largest relative defect |F(yₙ)/(e^{−p∫γ}F(y₀)) − 1| of a conformal law.
     Defect {
@@ -131,15 +135,28 @@ impl Bounded {
 }
 
 impl Evidence {
+    /// A fitted order that must be `order`, of a scheme whose limit is right.
+    pub fn order(order: f64, rate: Option<Rate>) -> Self {
+        Self::Order { order, one_sided: false, rate, wrong_limit: None }
+    }
+
+    /// The same for an order that must be at least `order`.
+    pub fn order_bound(order: f64, rate: Option<Rate>) -> Self {
+        Self::Order { order, one_sided: true, rate, wrong_limit: None }
+    }
+
     /// The verdict that the measurement gives. A NaN refutes, except where a path failed.
     ///
-    /// Orders: [`order_verdict`], or [`bound_verdict`] where `one_sided`. A deviation refutes
+    /// Orders: [`order_verdict`], or [`bound_verdict`] where `one_sided`; a wrong limit refutes. A deviation refutes
     /// beyond [`DEVIATIONS`] standard errors and the bias. Bounds that hold on some paths while
     /// others failed are undecided.
     pub fn verdict(&self) -> Verdict {
         let decided = |holds| if holds { Verdict::Holds } else { Verdict::Refuted };
         match self {
-            Self::Order { order, one_sided: true, rate } => bound_verdict(rate.as_ref(), *order),
+            Self::Order { wrong_limit: Some(_), .. } => Verdict::Refuted,
+            Self::Order { order, one_sided: true, rate, .. } => {
+                bound_verdict(rate.as_ref(), *order)
+            }
             Self::Order { order, rate, .. } => order_verdict(rate.as_ref(), *order),
             Self::Defect { largest, tolerance, obeys: true, .. } => decided(largest <= tolerance),
             Self::Defect { largest, tolerance, .. } => decided(largest > tolerance),
@@ -165,6 +182,12 @@ impl Evidence {
 impl fmt::Display for Evidence {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Order { wrong_limit: Some(distance), rate, .. } => {
+                write!(f, "the scheme converges to something else, {distance:.1e} away")?;
+                let slope =
+                    |rate: &Rate| write!(f, "; its differences fall with {:.2}", rate.estimate);
+                rate.iter().try_for_each(slope)
+            }
             Self::Order { rate: None, .. } => f.write_str(
                 "no order can be named: the errors are within their noise, or there are too \
                      few paths",

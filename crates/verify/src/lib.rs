@@ -7,7 +7,7 @@
 //! | item | job |
 //! |---|---|
 //! | [`strong_order`], [`strong_order_against`], [`strong_order_within`], [`weak_order`] | the order of any scheme |
-//! | [`Order`], [`Decision`], [`OneStep`], [`Limit`] | an order, and what it rests on |
+//! | [`Order`], [`Decision`], [`OneStep`], [`Limit`], [`wrong_limit`] | an order, and what it rests on |
 //! | [`StepSizes`], [`ReferenceSolution`] | how it is measured, and against what |
 //! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
 //! | [`inspect()`], [`inspect_problem`] | what a system is, and which statements apply |
@@ -39,7 +39,7 @@ pub use final_moments::{FinalMoments, FinalValues};
 pub use inspect::{inspect, inspect_problem};
 pub use orders::{
     Decision, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes, exact_mean, strong_order,
-    strong_order_against, strong_order_within, weak_order,
+    strong_order_against, strong_order_within, weak_order, wrong_limit,
 };
 pub use settings::{Mode, Progress, Settings, Silent};
 pub use sphere::rigid_body_expectations;

@@ -4,7 +4,7 @@
 //! interval is computed as for any experiment, and it is counted whether the truth lies inside.
 //! Warnings are counted likewise: where a few paths carry an error, or a model does not fit, they
 //! have to be raised, elsewhere not. Beside the intervals in use stand some that ignore something
-//! (the covariance between levels, the reference, heavy tails) and have to miscover, or the
+//! (the covariance between levels, the error of a reference, heavy tails) and have to miscover, or the
 //! measurement could not tell. More `--replications` of `cargo xtask verify` narrow the shares.
 
 mod geometric;
@@ -13,7 +13,7 @@ mod synthetic;
 
 use noise::StreamKey;
 use rayon::prelude::*;
-use stats::{Coverage, CrossMoments, Expected, LogMeanSquares, Point, Rate, Terms, normal_covers};
+use stats::{Bend, Coverage, CrossMoments, Expected, LogMeanSquares, Point, Rate, normal_covers};
 
 use crate::streams;
 
@@ -84,12 +84,12 @@ fn point_checks(point: Option<&Point>, truth: f64) -> [bool; 3] {
 fn naive(
     taus: &[f64],
     squares: &CrossMoments,
-    terms: Terms,
+    bend: Option<Bend>,
     independent: bool,
     order: f64,
 ) -> bool {
     LogMeanSquares::new(taus, squares, (0..taus.len()).collect())
         .map(|levels| if independent { levels.independent() } else { levels })
-        .and_then(|levels| levels.fit(terms))
+        .and_then(|levels| levels.fit(bend))
         .is_some_and(|estimate| normal_covers(estimate.rate.estimate, estimate.se, order))
 }

@@ -3,9 +3,9 @@
 
 use noise::StreamKey;
 use stats::{
-    CrossMoments,
+    Bend, CrossMoments,
     Expected::{Calibrated, Miscovers, Silent, Stated},
-    Terms, fit_strong, normal_covers, root_mean_squares, weak_errors,
+    fit_strong, normal_covers, root_mean_squares, weak_errors,
 };
 
 use super::{Tally, geometric::Geometric, naive, point_checks, rate_checks, warns};
@@ -28,7 +28,7 @@ fn strong(tally: &mut Tally, case: &'static str, motion: Geometric, order: f64) 
             let errors = solutions.iter().map(|solution| (solution - exact).powi(2));
             squares.add(&errors.collect::<Vec<_>>());
         });
-        let rate = fit_strong(&taus, None, &squares);
+        let rate = fit_strong(&taus, &squares);
         let points = root_mean_squares(&taus, &squares);
         let truth = |level: usize| motion.mean_square(taus[level]).sqrt();
         let [coarse, coarse_normal, _] = point_checks(points.first(), truth(0));
@@ -37,8 +37,7 @@ fn strong(tally: &mut Tally, case: &'static str, motion: Geometric, order: f64) 
         let measured = squares.mean(finest).sqrt();
         let normal_se = 0.5 * measured * (2.0 / motion.paths as f64).sqrt();
         let as_normal = normal_covers(measured, normal_se, truth(finest));
-        let terms = Terms { reference: None, curvature: true };
-        let independent = naive(&taus, &squares, terms, true, order);
+        let independent = naive(&taus, &squares, Some(Bend::LINEAR), true, order);
         let mut checks = rate_checks(rate.as_ref(), order, Calibrated);
         checks.extend([
             ("rate with levels taken for independent", Miscovers, independent),

@@ -10,6 +10,7 @@ use systems::{Damping, PoissonSystem, Problem, paper::valid};
 use verify::{
     Exact,
     results::{Claim, Clipped, Evidence, Kind, Panel, Series},
+    wrong_limit,
 };
 
 use crate::{
@@ -149,7 +150,6 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         conditions.progress.end();
 
         let taus: Vec<f64> = grid.exponents().map(power_of_half).collect();
-        let reference_tau = self.exact.is_none().then(|| power_of_half(grid.reference()));
         let errors = &measured.statistic;
         let (mut series, mut claims, mut clipped) = (Vec::new(), Vec::new(), Vec::new());
         let all = 0..curves.len();
@@ -159,12 +159,13 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             .map(|s| (s, "sup y", "largest over the common time grid", errors.at_worst_time(s)));
         for (s, quantity, when, squares) in at_end.chain(over_time) {
             let Curve { name, method, .. } = curves[s];
-            let rate = fit_strong(&taus, reference_tau, squares);
-            claims.push(self.claim(conditions.id(), method, when, rate.clone()));
+            let rate = fit_strong(&taus[..taus.len() - 1], &squares.differences);
+            let elsewhere = wrong_limit(&squares.errors, &squares.differences);
+            claims.push(self.claim(conditions.id(), method, when, rate.clone(), elsewhere));
             series.push(Series {
                 scheme: name.into(),
                 quantity: quantity.into(),
-                points: root_mean_squares(&taus, squares),
+                points: root_mean_squares(&taus, &squares.errors),
                 rate,
                 ..Series::default()
             });
@@ -190,7 +191,7 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         };
         if self.exact.is_some() {
             panel.reference = "the exact solution by a change of time, path by path".into();
-            let error = |series, level| errors.at_end(series).mean(level).sqrt();
+            let error = |series, level| errors.at_end(series).errors.mean(level).sqrt();
             let own = error(curves.len(), 0);
             panel.paper += &format!(
                 " {at_finest}, the kind of reference that the paper takes, is itself {:.1e} (root \
@@ -207,7 +208,14 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
     }
 
     /// The order of a curve whose errors are taken at the time `when`.
-    fn claim(&self, panel: &str, method: Method, when: &str, rate: Option<Rate>) -> Claim {
+    fn claim(
+        &self,
+        panel: &str,
+        method: Method,
+        when: &str,
+        rate: Option<Rate>,
+        wrong_limit: Option<f64>,
+    ) -> Claim {
         // A single noise commutes with itself.
         let commuting = M == 1;
         let (id, bound) = match method {
@@ -221,7 +229,7 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             Some(_) => format!("sup over n of (E‖y_n − y(t_n)‖²)^½ ≤ {bound} ({when})"),
             None => format!("{} has strong order {order} ({when})", method.id()),
         };
-        let measured = Evidence::Order { order, one_sided: bounded.is_some(), rate };
+        let measured = Evidence::Order { order, one_sided: bounded.is_some(), rate, wrong_limit };
         let claim = Claim::new(id, statement, measured).about(panel, method.id());
         claim.proven(bounded == Some(true))
     }

@@ -117,7 +117,7 @@ pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
 
 fn claim(panel: &str, series: &Series) -> Claim {
     let statement = format!("|E φ(y_N) − E φ(y(T))| ≤ C τ for φ = {} (k ≥ 2)", series.quantity);
-    let measured = Evidence::Order { order: 1.0, one_sided: true, rate: series.rate.clone() };
+    let measured = Evidence::order_bound(1.0, series.rate.clone());
     Claim::new("weak-one", statement, measured).about(panel, &series.scheme)
 }
 

@@ -79,7 +79,7 @@ pub fn remainder_claims(
     let claims = bounds.map(|(bound, values, order)| {
         let rate = fit_independent(&taus, values);
         let statement = format!("one-step remainder of {of}: {bound}");
-        Claim::new(id, statement, Evidence::Order { order, one_sided: false, rate })
+        Claim::new(id, statement, Evidence::order(order, rate))
     });
     claims.into()
 }

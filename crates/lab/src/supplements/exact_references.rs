@@ -81,10 +81,10 @@ fn weak_claims<S: PaperSystem<3, 1>, G: Damping>(
     let exact = Exact { time_change: &time, solution: &solution };
     let sexp = compiled(Sexp::default());
     let claims = observables.map(|observable| {
-        let (name, reference) = (observable.name, ReferenceSolution::Exact(exact));
+        let (name, reference) = (observable.name, &ReferenceSolution::Exact(exact));
         let order = valid(weak_order(sexp.as_ref(), problem, observable, &sizes, reference));
         let statement = format!("sexp has weak order 1 against the exact solution for φ = {name}");
-        let measured = Evidence::Order { order: 1.0, one_sided: false, rate: order.rate };
+        let measured = order.evidence(1.0);
         let weak = Claim::new("weak-one", statement, measured)
             .about(conditions.id(), Method::Sexp.id())
             .proven(false);

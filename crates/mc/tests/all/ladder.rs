@@ -174,9 +174,9 @@ fn threads_do_not_change_a_bit() {
             )
         });
         (
-            measured.statistic.at_end(0).clone(),
-            measured.statistic.at_end(1).clone(),
-            measured.statistic.at_worst_time(1).clone(),
+            measured.statistic.at_end(0).errors.clone(),
+            measured.statistic.at_end(1).errors.clone(),
+            measured.statistic.at_worst_time(1).errors.clone(),
         )
     };
     let one = mean_squares(1);

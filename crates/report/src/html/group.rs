@@ -167,11 +167,7 @@ mod tests {
             let claims: Vec<Claim> = measured.iter().map(claim).collect();
             Group { claims: claims.iter().collect() }.digest()
         };
-        let order = |estimate| Evidence::Order {
-            order: 1.0,
-            one_sided: false,
-            rate: Some(Rate { estimate, ..Rate::default() }),
-        };
+        let order = |estimate| Evidence::order(1.0, Some(Rate { estimate, ..Rate::default() }));
         let other = Evidence::Undecided { reason: "too short".into() };
         assert_eq!(digest(&[order(1.001)]), "order 1.001");
         assert_eq!(digest(&[order(1.001), order(0.99)]), "2 orders between 0.990 and 1.001");

@@ -44,20 +44,23 @@ pub fn differences(record: &CrossMoments, sizes: usize, levels: usize) -> CrossM
 ///
 /// The error that is left at the finest step is Σ of the differences that would follow. Of the last
 /// difference D the part ρ repeats itself along the path, 2^{−p} times as large each time (the error
-/// of a drift), and the rest is independent each time (iterated integrals); ρ is measured as
-/// ⟨y_{n−3} − y_{n−2}, D⟩/(2^p |D|²). With κ = 1/(2^p − 1),
-/// E|y_l − y|² = E[|y_l − y_{n−1}|² + 2κ(⟨y_l − y_{n−2}, D⟩ + ρ|D|²) + (κ²ρ + (1 − ρ)/(4^p − 1))|D|²].
+/// of a drift), and the rest is independent each time (iterated integrals). Errors of order ½ have
+/// ρ = 0; else ρ|D|² is measured as g = 2^{−p}⟨y_{n−3} − y_{n−2}, D⟩. With κ = 1/(2^p − 1) and
+/// λ = 1/(4^p − 1),
+/// E|y_l − y|² = E[|y_l − y_{n−1}|² + 2κ⟨y_l − y_{n−2}, D⟩ + λ|D|² + (2κ + κ² − λ)g].
 /// The interval is that of the paths, widened to those of the other orders.
 pub fn strong_points(
     taus: &[f64],
     record: &CrossMoments,
-    sizes: usize,
     order: f64,
     range: (f64, f64),
 ) -> Vec<Point> {
     let levels = taus.len();
-    let points =
-        |p: f64| root_mean_squares(taus, &record.combined(&rows(record, sizes, levels, p)));
+    let independent = order < 0.75;
+    let rows = |p: f64| -> Vec<Vec<f64>> {
+        (0..levels).map(|l| row(record.length(), levels, l, p, independent)).collect()
+    };
+    let points = |p: f64| root_mean_squares(taus, &record.combined(&rows(p)));
     let others = [points(range.0), points(range.1)];
     let mut points = points(order);
     for point in &mut points {
@@ -75,21 +78,21 @@ pub fn strong_points(
     points
 }
 
-fn rows(record: &CrossMoments, sizes: usize, levels: usize, p: f64) -> Vec<Vec<f64>> {
-    let (last, before) = (2 * levels + sizes - 2, 2 * levels + sizes - 1);
+/// The weights of a record in E|y_l − y|².
+fn row(length: usize, levels: usize, l: usize, p: f64, independent: bool) -> Vec<f64> {
+    let (last, before) = (length - 2, length - 1);
+    let is_finest = 2 * levels + l > last;
     let growth = p.exp2();
-    let repeated = (record.mean(before) / (growth * record.mean(last))).clamp(0.0, 1.0);
-    let kappa = 1.0 / (growth - 1.0);
-    let tail = kappa * kappa * repeated + (1.0 - repeated) / (growth * growth - 1.0);
-    let row = |l: usize| {
-        let mut row = vec![0.0; record.length()];
-        row[last] = tail;
-        if l + 1 < sizes {
-            row[l] = 1.0;
-            row[levels + l] = 2.0 * kappa;
-            row[last] += 2.0 * kappa * repeated;
-        }
-        row
-    };
-    (0..levels).map(row).collect()
+    let (kappa, lambda) = (1.0 / (growth - 1.0), 1.0 / (growth * growth - 1.0));
+    let mut row = vec![0.0; length];
+    row[last] = lambda;
+    if !is_finest {
+        row[l] = 1.0;
+    }
+    if !independent {
+        let cross = if is_finest { 0.0 } else { 2.0 * kappa };
+        row[levels + l] = cross;
+        row[before] = (cross + kappa * kappa - lambda) / growth;
+    }
+    row
 }

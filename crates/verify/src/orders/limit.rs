@@ -143,7 +143,7 @@ where
 }
 
 /// The distance of the limits, (E|y − z|²)^½, from the mean squares X at two step sizes that are
-/// 2^[`SPAN`] apart. X = c + Aτ + … with positive terms, so that c is at most (8X₀ − X₃)/7.
+/// 2^[`SPAN`] apart.
 fn compare_strong<S, G, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
@@ -160,21 +160,18 @@ where
         z: [[f64; D]; 3],
         numbers: &mut [f64],
     ) {
-        let growth = (1u64 << SPAN) as f64;
-        let [near, far] = [0, 2].map(|run| squared_distance(y[run], z[run]));
-        let constant = (growth * near - far) / (growth - 1.0);
+        let [far, near] = [2, 0].map(|run| squared_distance(y[run], z[run]));
         let [own, others] = [y, z].map(|y| squared_distance(y[0], y[1]));
-        numbers.copy_from_slice(&[near, constant, own, others]);
+        numbers.copy_from_slice(&[far, near, own, others]);
     }
     let with = other.name();
-    let Some(moments) = moments(scheme, problem, sizes, &other, 4, values, Measure::Strong)? else {
-        return Ok(None);
-    };
-    let [near, constant, own, others] = [0, 1, 2, 3].map(|i| moments.mean(i));
+    let moments = moments(scheme, problem, sizes, &other, 4, values, Measure::Strong)?;
+    let Some(moments) = moments else { return Ok(None) };
+    let [near, own, others] = [1, 2, 3].map(|i| moments.mean(i));
     if near <= SAME * SAME * own {
         return Ok(None);
     }
-    let half_width = QUANTILE * moments.covariance_of_means(1, 1).sqrt();
+    let (constant, half_width) = constant(&moments, [0, 1], SPAN);
     let distance = (constant.max(0.0) + half_width).min(near).sqrt();
     let errors = TAIL * (own.sqrt() + others.sqrt());
     Ok(Some(if constant + half_width <= LEFT * near || near <= LEFT * LEFT * LEFT * own {
@@ -184,6 +181,29 @@ where
     } else {
         Limit::Unclear { with, distance }
     }))
+}
+
+/// The constant c of mean squares X = c + Aτ + … with positive terms, at most, from those at two
+/// step sizes that are 2^`halvings` apart: c ≤ (2ⁿX(τ) − X(2ⁿτ))/(2ⁿ − 1), with its 95 % half-width.
+fn constant(squares: &CrossMoments, [far, near]: [usize; 2], halvings: usize) -> (f64, f64) {
+    let growth = (halvings as f64).exp2();
+    let mut row = vec![0.0; squares.length()];
+    row[near] = growth / (growth - 1.0);
+    row[far] = -1.0 / (growth - 1.0);
+    let constant = squares.combined(&[row]);
+    (constant.mean(0), QUANTILE * constant.covariance_of_means(0, 0).sqrt())
+}
+
+/// The distance of the limit from that of a reference, if squared errors against the reference
+/// stay while the differences of successive step sizes, coarsest first, fall; `None` where the
+/// limits agree or cannot be told apart.
+pub fn wrong_limit(errors: &CrossMoments, differences: &CrossMoments) -> Option<f64> {
+    let finest = errors.length().checked_sub(1).filter(|&finest| finest > 0)?;
+    let near = errors.mean(finest);
+    let (constant, half_width) = constant(errors, [0, finest], finest);
+    let own = differences.mean(finest - 1);
+    (constant - half_width > LEFT * near && near.sqrt() > 2.0 * TAIL * own.sqrt())
+        .then_some(near.sqrt())
 }
 
 /// The distance of the limits, |E[φ(y) − φ(z)]|, from the finest step. Either error is at most its

@@ -26,8 +26,10 @@ use mc::{Observable, TimeChange};
 use schemes::Scheme;
 use stats::{Point, Rate};
 
+use crate::results::Evidence;
+
 pub use decision::Decision;
-pub use limit::Limit;
+pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
 pub use runs::exact_mean;
 pub use step_sizes::StepSizes;
@@ -62,6 +64,15 @@ impl Order {
             Decision::Order { order, .. } => Some(order),
             _ => None,
         }
+    }
+
+    /// The measurement as evidence for this order.
+    pub fn evidence(self, order: f64) -> Evidence {
+        let wrong_limit = match self.limit {
+            Limit::Differs { distance, .. } => Some(distance),
+            _ => None,
+        };
+        Evidence::Order { order, one_sided: false, rate: self.rate, wrong_limit }
     }
 }
 

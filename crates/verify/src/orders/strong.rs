@@ -82,7 +82,7 @@ where
         // Orders below ½ would make the tail as large as one likes.
         Some((order, (lo, hi))) => {
             let [order, lo, hi] = [order, lo, hi].map(|p: f64| p.max(0.5));
-            strong_points(&taus[..levels], &moments, number, order, (lo, hi))
+            strong_points(&taus[..levels], &moments, order, (lo, hi))
         }
         None => Vec::new(),
     };

@@ -241,7 +241,7 @@ mod tests {
     use super::*;
 
     fn claim(verdict: Verdict, erratum: &str) -> Claim {
-        let measured = Evidence::Order { order: 1.0, one_sided: false, rate: None };
+        let measured = Evidence::order(1.0, None);
         Claim {
             verdict,
             erratum: erratum.to_owned(),

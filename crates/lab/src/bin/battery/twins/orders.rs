@@ -9,11 +9,7 @@ use systems::{
     Damping, PoissonSystem, Problem,
     paper::{rigid_body_one_noise, rigid_body_three_noises, valid},
 };
-use verify::{
-    Order, ReferenceSolution, StepSizes,
-    results::{Claim, Evidence},
-    strong_order, weak_order,
-};
+use verify::{Order, ReferenceSolution, StepSizes, results::Claim, strong_order, weak_order};
 
 /// Step sizes 2⁻⁵ … 2⁻¹², reference 2⁻¹⁴: enough levels and paths to tell order ½ from order 1 on
 /// every seed.
@@ -43,7 +39,7 @@ fn strong<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
 }
 
 fn order_claim(id: &str, statement: &str, measured: Order, order: f64) -> Claim {
-    Claim::new(id, statement, Evidence::Order { order, one_sided: false, rate: measured.rate })
+    Claim::new(id, statement, measured.evidence(order))
 }
 
 /// Euler–Maruyama with the Itô correction taken `factor` times.
@@ -73,7 +69,7 @@ pub fn weak_with_correction(conditions: &Conditions, factor: f64) -> Claim {
     let problem = rigid_body_three_noises(1.0);
     let (wrong, sexp) = (Miscorrected { factor }, Sexp::default());
     let sexp = ReferenceSolution::<_, 3, 3>::Scheme(&sexp);
-    let measured = valid(weak_order(&wrong, &problem, observable, &sizes, sexp));
+    let measured = valid(weak_order(&wrong, &problem, observable, &sizes, &sexp));
     order_claim("weak-one", "weak order 1 for φ = y3", measured, 1.0)
 }
 

@@ -1,0 +1,200 @@
+//! Orders on systems whose orders and exact solutions are known, with the false answers of simpler
+//! rules as twins.
+
+use mc::{Ladder, LadderError, Observable, Reference, Run, StrongErrors};
+use noise::{StreamKey, Truncation};
+use real::Real;
+use schemes::{EulerMaruyama, Explicit, Heun, Increment, Midpoint, Scheme, Sexp};
+use stats::{Point, root_mean_squares};
+use systems::{Constant, PoissonSystem, Problem};
+use verify::{
+    Decision, Limit, Order, ReferenceSolution, StepSizes, strong_order, strong_order_within,
+    weak_order,
+};
+
+/// Kubo's oscillator: the plane turns by ω dt + σ dW.
+struct Kubo {
+    omega: f64,
+    sigma: f64,
+}
+
+impl PoissonSystem<2, 1> for Kubo {
+    fn name(&self) -> &'static str {
+        "kubo"
+    }
+    fn structure<R: Real>(&self, _: [R; 2], v: [R; 2]) -> [R; 2] {
+        [-v[1], v[0]]
+    }
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
+        (y[0] * y[0] + y[1] * y[1]) * (0.5 * (self.omega * dt + self.sigma * dw[0]))
+    }
+}
+
+/// A rigid body with linear noises about the third axis and about one that leans by `angle`.
+struct Leaning {
+    angle: f64,
+}
+
+impl PoissonSystem<3, 2> for Leaning {
+    fn name(&self) -> &'static str {
+        "leaning noise"
+    }
+    fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+        [y[1] * v[2] - y[2] * v[1], y[2] * v[0] - y[0] * v[2], y[0] * v[1] - y[1] * v[0]]
+    }
+    fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 2]) -> R {
+        (y[0] * y[0] + y[1] * y[1] * 0.5 + y[2] * y[2] * (1.0 / 3.0)) * (0.5 * dt)
+            + y[2] * (dw[0] + dw[1])
+            + y[0] * (self.angle * dw[1])
+    }
+}
+
+fn kubo(omega: f64, sigma: f64) -> Problem<Kubo, Constant, 2> {
+    Problem::new(Kubo { omega, sigma }, Constant::new(0.0).unwrap(), [1.0, 0.0], 1.0).unwrap()
+}
+
+fn leaning(angle: f64) -> Problem<Leaning, Constant, 3> {
+    let y0 = [0.5, 0.6, 0.62];
+    Problem::new(Leaning { angle }, Constant::new(0.0).unwrap(), y0, 1.0).unwrap()
+}
+
+fn sizes(coarsest_steps: u64, seed: u64) -> StepSizes {
+    let key = StreamKey { seed, experiment: 7 };
+    StepSizes::new(coarsest_steps, Truncation::new(4).unwrap(), key)
+}
+
+fn strong<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, Constant, D>,
+    coarsest_steps: u64,
+) -> [Order; 4] {
+    [1, 2, 3, 4].map(|seed| strong_order(scheme, problem, &sizes(coarsest_steps, seed)).unwrap())
+}
+
+fn fitted(order: &Order) -> f64 {
+    order.rate.as_ref().unwrap().estimate
+}
+
+#[test]
+fn orders_of_schemes_on_a_turning_plane() {
+    let problem = kubo(1.0, 1.0);
+    let schemes: [(&dyn Scheme<Kubo, 2, 1>, f64); 4] =
+        [(&Sexp::default(), 1.0), (&Midpoint::default(), 1.0), (&Heun, 1.0), (&EulerMaruyama, 0.5)];
+    for (scheme, order) in schemes {
+        for measured in strong(scheme, &problem, 32) {
+            assert_eq!(measured.order(), Some(order), "{}: {measured}", scheme.id());
+            assert!(measured.rate.as_ref().unwrap().covers(order), "{measured}");
+            assert!(matches!(measured.limit, Limit::Agrees { .. }), "{measured}");
+        }
+    }
+}
+
+#[test]
+fn a_small_term_of_low_order_is_found_in_one_step() {
+    // The noises nearly commute: at these steps the points fall as for order one or so, and a fit
+    // alone would say that (the twin).
+    for measured in strong(&Sexp::default(), &leaning(0.03), 16) {
+        assert!(fitted(&measured) > 0.8, "{measured}");
+        assert_eq!(measured.order(), Some(0.5), "{measured}");
+        assert!(measured.rate.as_ref().unwrap().covers(0.5));
+    }
+    // Weak noise: the drift's error of order two hides that of the noise.
+    for (sigma, points) in [(0.1, 1.3), (1e-3, 1.9)] {
+        for measured in strong(&Sexp::default(), &kubo(6.0, sigma), 8) {
+            assert!(fitted(&measured) > points, "{measured}");
+            assert_eq!(measured.order(), Some(1.0), "{measured}");
+        }
+    }
+    for measured in strong(&EulerMaruyama, &kubo(1.0, 0.03), 16) {
+        assert!(fitted(&measured) > 0.9, "{measured}");
+        assert_eq!(measured.order(), Some(0.5), "{measured}");
+    }
+}
+
+/// Euler's scheme without the Itô correction.
+struct Uncorrected;
+
+impl Explicit for Uncorrected {
+    const ID: &'static str = "uncorrected";
+
+    #[inline(always)]
+    fn advance<H: Increment>(&self, h: H, y: H::Vector) -> H::Vector {
+        y + h.field(y)
+    }
+}
+
+#[test]
+fn convergence_to_something_else_is_no_order() {
+    let problem = kubo(1.0, 1.0);
+    for measured in strong(&Uncorrected, &problem, 32) {
+        assert_eq!(measured.decision, Decision::WrongLimit, "{measured}");
+        // |y| grows by e^{σ²T/2}: the distance is of size one half.
+        let Limit::Differs { distance, .. } = measured.limit else { panic!("{measured}") };
+        assert!((0.3..1.5).contains(&distance), "{measured}");
+        // The twin: its differences have an order.
+        assert!(measured.rate.as_ref().unwrap().covers(0.5), "{measured}");
+    }
+    let q = Observable { name: "q", function: |y: [f64; 2]| y[0] };
+    let many = StepSizes { samples: 20_000, ..sizes(8, 1) };
+    let independent = ReferenceSolution::Independent;
+    let wrong = weak_order(&Uncorrected, &problem, q, &many, &independent).unwrap();
+    assert_eq!(wrong.decision, Decision::WrongLimit, "{wrong}");
+    let right = weak_order(&Midpoint::default(), &problem, q, &many, &independent).unwrap();
+    assert!(matches!(right.limit, Limit::Agrees { .. }), "{right}");
+    assert!(right.rate.as_ref().unwrap().covers(1.0), "{right}");
+}
+
+/// The root-mean-square error of Euler–Maruyama on the plane turned by ω = σ = 1 on [0, 1]. A step
+/// multiplies the state, as a complex number, by 1 − τ/2 + ia with a normal of mean and variance τ,
+/// where the solution turns by e^{ia}; steps are independent.
+fn exact_error(steps: u64) -> f64 {
+    let tau = 1.0 / steps as f64;
+    let n = steps as f64;
+    let square = ((1.0 - 0.5 * tau).powi(2) + tau * tau + tau).powf(n);
+    // E[(1 − τ/2 + ia)e^{−ia}] = (1 + τ/2 + iτ) e^{−iτ − τ/2}, as modulus and angle.
+    let (modulus, angle) = ((1.0 + 0.5 * tau).hypot(tau), (tau / (1.0 + 0.5 * tau)).atan() - tau);
+    let product = (n * (modulus.ln() - 0.5 * tau)).exp() * (n * angle).cos();
+    (square + 1.0 - 2.0 * product).sqrt()
+}
+
+#[test]
+fn errors_are_errors_against_the_limit() {
+    // 95 % intervals at the finest of the points in 100 measurements: more than 14 misses have
+    // probability 1e-4. The twin takes the finest run for the limit.
+    let (problem, scheme) = (kubo(1.0, 1.0), EulerMaruyama);
+    let (mut missed, mut twin_missed) = (0, 0);
+    for seed in 0..100 {
+        let sizes = StepSizes { levels: 4, refinement: 1, samples: 1000, ..sizes(8, seed) };
+        let covers = |points: &[Point]| points[3].covers(exact_error(64));
+        let order = strong_order(&scheme, &problem, &sizes).unwrap();
+        missed += usize::from(!covers(&order.points));
+        let runs = (0..5).map(|index| Run::new(&scheme as _, 4 - index)).collect();
+        let ladder = Ladder::new(&problem, 128, 4, sizes.truncation, sizes.key, runs).unwrap();
+        let series = [vec![0, 1, 2, 3]];
+        let none = || StrongErrors::new(Reference::Run(4), &series, ladder.coarse_steps());
+        let errors = ladder.run(1000, none, &|_| ()).statistic;
+        let taus = [1.0, 0.5, 0.25, 0.125].map(|tau| tau / 8.0);
+        twin_missed += usize::from(!covers(&root_mean_squares(&taus, &errors.at_end(0).errors)));
+    }
+    assert!(missed <= 14, "{missed} of 100");
+    assert!(twin_missed > 50, "{twin_missed} of 100");
+}
+
+#[test]
+fn a_budget_is_spent_until_the_order_is_decided() {
+    let problem = kubo(1.0, 1.0);
+    let few = StepSizes { samples: 32, levels: 3, refinement: 1, ..sizes(16, 1) };
+    let scheme = Sexp::default();
+    let order = strong_order_within(&scheme, &problem, &few, 50_000_000).unwrap();
+    assert_eq!(order.order(), Some(1.0), "{order}");
+    let once = strong_order_within(&scheme, &problem, &few, 1).unwrap();
+    let same = strong_order(&scheme, &problem, &few).unwrap();
+    assert_eq!(once.decision, same.decision);
+}
+
+#[test]
+fn too_few_step_sizes_are_refused() {
+    let few = StepSizes { levels: 2, refinement: 1, ..sizes(16, 1) };
+    let error = strong_order(&Sexp::default(), &kubo(1.0, 1.0), &few).unwrap_err();
+    assert!(matches!(error, LadderError::StepSizes { given: 3, from: 4, .. }), "{error}");
+}
