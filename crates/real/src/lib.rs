@@ -21,6 +21,7 @@
 //! |---|---|
 //! | [`Real`] | operations that a formula may use |
 //! | [`Dual`] | value and one directional derivative; can be nested |
+//! | [`Bounded`] | value and a bound of its rounding error |
 //! | [`gradient`], [`directional`], [`jacobian`] | derivatives by dual numbers |
 //! | [`Block`], [`PathMask`] | the state of 32 paths, a subset of them |
 //! | [`Kernel`], [`dispatch`], [`Level`] | run-time choice of the instruction set |
@@ -30,6 +31,7 @@
 //! only reason for a dependency. Without it, kernels are compiled for the baseline of the target.
 
 mod block;
+mod bounded;
 mod derivative;
 #[cfg(feature = "dispatch")]
 mod dispatch;
@@ -38,6 +40,7 @@ pub mod elementary;
 mod number;
 
 pub use block::{Block, PathMask, WIDTH};
+pub use bounded::Bounded;
 pub use derivative::{ScalarFunction, VectorFunction, directional, gradient, jacobian};
 #[cfg(feature = "dispatch")]
 pub use dispatch::{Kernel, Level, dispatch, limit_to};

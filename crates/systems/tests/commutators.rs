@@ -9,7 +9,7 @@ use common::{
 };
 use real::Real;
 use systems::{
-    Constant, InvariantKind, Pendulum, PoissonSystem, Problem, RigidBody, SpinChain,
+    Constant, InvariantKind, Pendulum, PoissonSystem, Problem, RigidBody, SpinChain, SystemError,
     noises_commute, unit_noise, vector_field,
 };
 
@@ -176,4 +176,83 @@ fn commuting_noises_are_recognised() {
         Problem::new(Pendulum::new(1.0).unwrap(), Constant::new(1.0).unwrap(), [0.2, 1.0], 1.0)
             .unwrap();
     assert!(noises_commute(damped.system(), damped.y0()));
+}
+
+/// H₁ = p and H₂ = (q − `from`)³, where q > `edge` if there is one, on q, p > 0.
+struct Plane {
+    from: f64,
+    edge: Option<f64>,
+}
+
+impl PoissonSystem<2, 2> for Plane {
+    fn name(&self) -> &'static str {
+        "plane"
+    }
+    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+        [v[1], -v[0]]
+    }
+    fn energy<R: Real>(&self, y: [R; 2], _dt: f64, dw: [f64; 2]) -> R {
+        let cube = (y[0] - self.from).powi(3);
+        let second = self.edge.map_or(cube, |edge| R::select(y[0].value() > edge, cube, R::zero()));
+        y[1] * dw[0] + second * dw[1]
+    }
+    fn check_domain(&self, y: [f64; 2]) -> Result<(), SystemError> {
+        match y.iter().position(|x| *x <= 0.0) {
+            Some(i) => Err(SystemError::OutsideDomain {
+                component: i + 1,
+                value: y[i],
+                domain: "q, p > 0",
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+#[test]
+fn noises_that_do_not_commute_far_from_the_initial_value_or_beside_it() {
+    // At y₀ itself [f₁, f₂] = (0, −6(q − q₀)) is zero, and the domain ends a thousandth away.
+    assert!(!noises_commute(&Plane { from: 1e-3, edge: None }, [1e-3; 2]));
+    // A noise that acts only beyond an edge.
+    for edge in [0.5, 5.0, 1e3] {
+        assert!(!noises_commute(&Plane { from: edge, edge: Some(edge) }, [0.1; 2]));
+    }
+}
+
+/// so(3) with H₁ a quadratic form and H₂ a function of it and of C = ½|y|².
+struct Functions(usize);
+
+impl PoissonSystem<3, 2> for Functions {
+    fn name(&self) -> &'static str {
+        "functions of one energy"
+    }
+    fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+        std::array::from_fn(|i| {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            y[j] * v[k] - y[k] * v[j]
+        })
+    }
+    fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 2]) -> R {
+        let square = |i: usize| y[i] * y[i] * 0.5;
+        let c = square(0) + square(1) + square(2);
+        let h = square(0) * 0.7 + square(1) * 1.3 + y[0] * y[2] * 0.4;
+        let [one, two] = match self.0 {
+            0 => [h, h * h],
+            1 => [h, h + c * 10.0],
+            2 => [h, c * c + c * 0.5],
+            _ => [h, h + square(2) * 1e-10],
+        };
+        h * dt + one * dw[0] + two * dw[1]
+    }
+}
+
+#[test]
+fn functions_of_one_energy_and_of_casimirs_commute() {
+    let mut numbers = Numbers(9);
+    for _ in 0..200 {
+        let y = std::array::from_fn(|_| 3.0 * numbers.next());
+        for case in 0..3 {
+            assert!(noises_commute(&Functions(case), y), "{case} {y:?}");
+        }
+        assert!(!noises_commute(&Functions(3), y), "{y:?}");
+    }
 }

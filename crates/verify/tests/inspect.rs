@@ -23,14 +23,14 @@ fn row(
     energy: Option<f64>,
 ) {
     assert!(report.mistakes.is_empty(), "{report}");
-    assert!(report.structure.skew.holds && report.structure.jacobi.holds, "{report}");
+    assert!(report.structure.skew.holds() && report.structure.jacobi.holds(), "{report}");
     assert_eq!((report.dimension, report.noises), (dimension, noises), "{report}");
     let found: Vec<&str> =
         report.casimirs.found.iter().map(|casimir| casimir.formula.as_str()).collect();
     assert_eq!(found, casimirs, "{report}");
     let hamiltonians = &report.hamiltonians;
     assert_eq!(hamiltonians.noise_size.and(hamiltonians.shapes[0].degree), energy, "{report}");
-    assert!(hamiltonians.discrete_gradient.holds, "{report}");
+    assert!(hamiltonians.discrete_gradient.holds(), "{report}");
 }
 
 /// (kind, degree, m(F) > 0) of a claimed invariant.
@@ -41,7 +41,7 @@ fn claimed(report: &Inspection, name: &str) -> (Kind, Option<f64>, bool) {
         .find(|invariant| invariant.name == name)
         .expect("a claimed invariant");
     let shape = &invariant.shape;
-    (shape.kind, shape.degree, shape.minimum.is_some_and(|minimum| minimum.positive))
+    (shape.kind, shape.degree, shape.minimum.is_some_and(|minimum| minimum.positive.holds()))
 }
 
 #[test]
@@ -51,13 +51,13 @@ fn the_table_of_systems_is_reproduced() {
     let pendulum = inspect(&Pendulum::new(0.7).unwrap()).unwrap();
     row(&pendulum, 2, 1, &[], None);
     assert!((pendulum.hamiltonians.noise_size.unwrap() - 0.7).abs() < 1e-15);
-    assert!(pendulum.structure.constant.holds && pendulum.invariants.is_empty());
+    assert!(pendulum.structure.constant.holds() && pendulum.invariants.is_empty());
     assert_eq!(pendulum.applies("exact-conformal"), Some(Applies::No));
 
     let three = inspect(&RigidBody::three_noises(INERTIA, [1.0, 2.0, 3.0]).unwrap()).unwrap();
     row(&three, 3, 3, &[sphere], None);
     assert_eq!(claimed(&three, "C"), (Kind::Quadratic, Some(2.0), true));
-    assert!(!three.noise.commute.holds && !three.structure.constant.holds);
+    assert!(!three.noise.commute.holds() && !three.structure.constant.holds());
     assert_eq!(
         (three.order("sexp"), three.order("sexp-levy")),
         (Some((0.5, 1.0)), Some((1.0, 1.0)))
@@ -66,7 +66,7 @@ fn the_table_of_systems_is_reproduced() {
     assert_eq!(three.applies("strong-one"), None);
     // m(H₀) > 0 and m(Hₘ) = 0, as the paper's remark says.
     let positive: Vec<bool> =
-        three.hamiltonians.shapes.iter().map(|h| h.minimum.unwrap().positive).collect();
+        three.hamiltonians.shapes.iter().map(|h| h.minimum.unwrap().positive.holds()).collect();
     assert_eq!(positive, [true, false, false, false]);
 
     let one = inspect(&RigidBody::one_noise(INERTIA, 1.5).unwrap()).unwrap();
@@ -87,7 +87,8 @@ fn the_table_of_systems_is_reproduced() {
     row(&lotka, 3, 1, &["2 y1 + y2 + y3", square], Some(5.0));
     assert_eq!(claimed(&lotka, "H"), (Kind::Homogeneous, Some(5.0), false));
     assert_eq!(claimed(&lotka, "C"), (Kind::Linear, Some(1.0), true));
-    assert_eq!(lotka.applies("moment-bound"), Some(Applies::InDomain));
+    // The positive cone is not seen as a formula: a search on it proves nothing.
+    assert_eq!(lotka.applies("moment-bound"), Some(Applies::Conditionally));
 
     let maxwell = inspect(&MaxwellBloch).unwrap();
     row(&maxwell, 3, 1, &["0.5 y2² + 0.5 y3²"], None);
@@ -141,8 +142,8 @@ fn the_misprinted_casimir_is_found_and_the_true_one_named() {
     let report = inspect(&AsPrinted(LotkaVolterra::new(A, B, 1.0).unwrap())).unwrap();
     let printed = &report.invariants[0];
     // B∇ ln H = B∇H/H is the vector field itself; ln H is constant along it, and not homogeneous.
-    assert!(!printed.casimir.holds && printed.casimir.defect > 1e-3, "{report}");
-    assert!(printed.conserved.holds && printed.shape.degree.is_none());
+    assert!(!printed.casimir.holds() && printed.casimir.defect > 1e-3, "{report}");
+    assert!(printed.conserved.holds() && printed.shape.degree.is_none());
     assert_eq!(report.mistakes.len(), 2, "{report}");
     assert!(report.mistakes[0].contains("is claimed as a Casimir and is none"), "{report}");
     assert!(report.mistakes[0].contains("a function of the Hamiltonian"), "{report}");
@@ -154,7 +155,7 @@ fn the_misprinted_casimir_is_found_and_the_true_one_named() {
     for (found, exact) in casimir.coefficients.iter().zip([A * B, 1.0, -A]) {
         assert!((found / factor - exact).abs() < 1e-9, "{}", casimir.formula);
     }
-    assert!(casimir.minimum.positive && casimir.minimum.in_domain_only);
+    assert!(casimir.minimum.positive.holds() && casimir.minimum.in_domain_only);
 }
 
 /// One thing wrong with a rigid body.
@@ -342,10 +343,12 @@ fn without_a_skew_structure_no_statement_applies() {
 fn a_structure_without_jacobis_identity_is_reported_and_no_mistake() {
     let report = inspect(&Spoiled(Fault::NotJacobi)).unwrap();
     assert!(
-        !report.structure.jacobi.holds && report.structure.skew.holds && report.mistakes.is_empty(),
+        !report.structure.jacobi.holds()
+            && report.structure.skew.holds()
+            && report.mistakes.is_empty(),
         "{report}"
     );
-    assert!(report.to_string().contains("no Poisson structure"), "{report}");
+    assert!(report.to_string().contains("no Jacobi identity"), "{report}");
 }
 
 #[test]
@@ -365,9 +368,9 @@ fn what_cannot_be_looked_at_is_refused() {
 #[test]
 fn casimirs_of_parts_are_summed_to_a_bound() {
     let report = inspect(&SpinChain::<6>::new(0.9, 0.4, 0.7).unwrap()).unwrap();
-    assert!(report.mistakes.is_empty() && !report.noise.commute.holds, "{report}");
+    assert!(report.mistakes.is_empty() && !report.noise.commute.holds(), "{report}");
     assert_eq!(report.casimirs.found.len(), 2);
-    assert!(report.casimirs.found.iter().all(|casimir| !casimir.minimum.positive));
+    assert!(report.casimirs.found.iter().all(|casimir| !casimir.minimum.positive.holds()));
     let sum = report.casimirs.definite.as_ref().unwrap();
     assert!(
         (sum.minimum.value - 0.5).abs() < 1e-12
@@ -456,7 +459,7 @@ fn a_report_is_data() {
     let report = inspect(&MaxwellBloch).unwrap();
     let json = serde_json::to_value(&report).unwrap();
     assert_eq!(json["system"], "maxwell-bloch");
-    assert_eq!(json["structure"]["skew"]["holds"], true);
+    assert_eq!(json["structure"]["skew"]["status"], "shown");
     assert_eq!(json["casimirs"]["found"][0]["degree"], 2);
     assert_eq!(json["theorems"][3]["applies"], "no");
     assert_eq!(report, inspect(&MaxwellBloch).unwrap());

@@ -1,10 +1,15 @@
 //! All linear and quadratic Casimirs of B, from B alone.
 
+use real::{Bounded, Real};
 use serde::Serialize;
 
 use super::{
-    algebra::{Matrix, dot, eigenvalues, largest, norm, null_space, times},
+    algebra::{
+        Matrix, backward_error, dot, echelon, error_norm, largest, norm, singular_vectors, size,
+        smallest_eigenvalue, times, values,
+    },
     erased::System,
+    finding::{Finding, Status},
     function::Minimum,
     points::Points,
 };
@@ -12,37 +17,71 @@ use super::{
 /// A Casimir that follows from B alone.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FoundCasimir {
-    /// The formula with the coefficients of this system.
+    /// The formula with the coefficients of this system, to six digits.
     pub formula: String,
     /// 1 for βᵀy, 2 for ½yᵀQy.
     pub degree: u32,
     /// β, or the rows of Q one after the other.
     pub coefficients: Vec<f64>,
+    /// A bound of the error of each coefficient.
+    pub coefficient_error: f64,
+    /// B∇C = 0, with these coefficients.
+    pub casimir: Finding,
     /// m(C).
     pub minimum: Minimum,
 }
 
 impl FoundCasimir {
-    fn new(degree: u32, coefficients: Vec<f64>, system: &dyn System, points: &Points) -> Self {
+    fn new(degree: u32, x: Coefficients, system: &dyn System, points: &Points) -> Self {
+        let Coefficients { values: coefficients, error: coefficient_error } = x;
         let d = system.dimension();
-        let minimum = if degree == 2 && points.everywhere {
-            Minimum::of_form(square(&coefficients, d))
+        let bounded: Vec<_> =
+            coefficients.iter().map(|&c| coefficient(c, coefficient_error)).collect();
+        let mut casimir = Finding::default();
+        for y in &points.for_identities {
+            let state: Vec<_> = y.iter().map(|&x| Bounded::variable(x)).collect();
+            let gradient =
+                if degree == 1 { bounded.clone() } else { times(&square(&bounded, d), &state) };
+            for row in system.matrix(y) {
+                casimir.record(dot(&row, &gradient), size(&row, &gradient), y);
+            }
+        }
+        let at = |y: &[f64]| value(degree, &bounded, y);
+        let search = || Minimum::by_search(&at, system, points);
+        let minimum = if degree == 2 {
+            Minimum::of_form(&square(&bounded, d), Status::Shown).everywhere_or(search, points)
         } else {
-            Minimum::by_search(&|y| value(degree, &coefficients, y), system, points)
+            search()
         };
-        Self { formula: formula(degree, &coefficients, d), degree, coefficients, minimum }
+        let formula = formula(degree, &coefficients, d);
+        Self { formula, degree, coefficients, coefficient_error, casimir, minimum }
     }
 
     /// C(y).
     pub fn value(&self, y: &[f64]) -> f64 {
-        value(self.degree, &self.coefficients, y)
+        let coefficients: Vec<_> = self.coefficients.iter().map(|&c| Bounded::exact(c)).collect();
+        value(self.degree, &coefficients, y).value
     }
 }
 
-fn value(degree: u32, coefficients: &[f64], y: &[f64]) -> f64 {
+/// Coefficients with a bound of the error of each.
+struct Coefficients {
+    values: Vec<f64>,
+    error: f64,
+}
+
+/// A coefficient; zeros and integers were recognised and are exact.
+fn coefficient(value: f64, error: f64) -> Bounded {
+    let exact = value == value.round();
+    let rounded = Bounded::constant(value);
+    Bounded { error: if exact { 0.0 } else { error.max(rounded.error) }, ..rounded }
+}
+
+fn value(degree: u32, coefficients: &[Bounded], y: &[f64]) -> Bounded {
+    let y: Vec<_> = y.iter().map(|&x| Bounded::variable(x)).collect();
     match degree {
-        1 => dot(coefficients, y),
-        _ => 0.5 * dot(&times(&square(coefficients, y.len()), y), y),
+        1 => dot(coefficients, &y),
+        _ => dot(&times(&square(coefficients, y.len()), &y), &y) * Bounded::exact(0.5),
     }
 }
 
@@ -81,6 +120,10 @@ pub struct Casimirs {
     /// A basis of the linear ones, then one of the quadratic ones. A scheme that preserves these
     /// preserves their linear combinations.
     pub found: Vec<FoundCasimir>,
+    /// Functions that are almost Casimirs: their `casimir` is refuted, with its defect, or unknown.
+    pub nearly: Vec<FoundCasimir>,
+    /// How it is known that there are no others.
+    pub complete: Status,
     /// A positive definite quadratic Casimir, which bounds all paths: the projection of ½‖y‖² onto
     /// the quadratic Casimirs, if it is positive definite.
     pub definite: Option<FoundCasimir>,
@@ -89,43 +132,98 @@ pub struct Casimirs {
     pub quadratic_sought: bool,
 }
 
-/// Most unknowns of an elimination: it takes milliseconds.
+/// Most unknowns of a singular value decomposition: it takes a tenth of a second.
 const UNKNOWNS: usize = 300;
-/// Relative accuracy of the coefficients after an elimination.
-const ACCURACY: f64 = 1e-9;
+/// Singular values below this part of the largest one belong to almost-Casimirs.
+const NEARLY: f64 = 1e-3;
+/// Most almost-Casimirs that are listed.
+const LISTED: usize = 3;
 
 impl Casimirs {
-    /// Solves B(y)∇C(y) = 0 for the coefficients of C at half of the points, and checks it at the
-    /// other half.
+    /// Solves B(y)∇C(y) = 0 for the coefficients of C at all points, by singular values: zero are
+    /// those below the error of the equations. Then evaluates B∇C of each solution with its own
+    /// round-off.
     pub(super) fn of(system: &dyn System, points: &Points) -> Self {
         let d = system.dimension();
-        let points_and_matrices: Vec<_> =
-            points.for_identities.iter().map(|y| (y, normalized(system.matrix(y)))).collect();
         let quadratic_sought = d * (d + 1) / 2 <= UNKNOWNS;
-        let mut found = Vec::new();
+        let complete = if quadratic_sought { Status::Shown } else { Status::Unknown };
+        let (found, nearly) = (Vec::new(), Vec::new());
+        let mut all = Self { found, nearly, complete, definite: None, quadratic_sought };
         for degree in 1..=if quadratic_sought { 2 } else { 1 } {
-            // bᵀ∇C(y) = 0 for every row b of B(y).
-            let equation = |y: &[f64], b: &Vec<f64>| match degree {
-                1 => b.clone(),
-                _ => places(d)
-                    .map(|(i, j)| if i == j { b[i] * y[i] } else { b[i] * y[j] + b[j] * y[i] })
-                    .collect(),
+            let equations = Equations::of(degree, system, points);
+            let unknowns = if degree == 1 { d } else { d * (d + 1) / 2 };
+            let (sigma, vectors) = singular_vectors(&equations.rows, unknowns);
+            let entries = (equations.rows.len() * unknowns) as f64;
+            let error = equations.error + backward_error(1, 1) * entries.sqrt() * sigma[0];
+            let zero = sigma.iter().filter(|s| **s <= error).count();
+            let few = sigma.iter().filter(|s| **s > error && **s <= NEARLY * sigma[0]).count();
+            if sigma.iter().any(|s| s.is_nan()) {
+                all.complete = Status::Unknown;
+            }
+            // The angle of the subspace is at most the error over the gap (Wedin 1972); reduction to
+            // echelon form with complete pivoting adds up one for each of the other vectors.
+            let gap = sigma.iter().copied().filter(|s| *s > error).fold(f64::INFINITY, f64::min);
+            let angle = (error / gap).max(f64::EPSILON) * (zero + 1) as f64;
+            let candidate = |mut x: Coefficients| {
+                if degree == 2 {
+                    x.values = symmetric(&x.values, d);
+                }
+                FoundCasimir::new(degree, x, system, points)
             };
-            let equations: Matrix = points_and_matrices
-                .iter()
-                .flat_map(|(y, matrix)| matrix.iter().map(|row| equation(y, row)))
-                .collect();
-            let (solve, check) = equations.split_at(equations.len() / 2);
-            for x in null_space(solve.to_vec(), solve[0].len()).into_iter().map(readable) {
-                let holds = |row: &Vec<f64>| dot(row, &x).abs() <= ACCURACY * norm(row) * norm(&x);
-                if check.iter().all(holds) {
-                    let coefficients = if degree == 1 { x } else { symmetric(&x, d) };
-                    found.push(FoundCasimir::new(degree, coefficients, system, points));
+            for x in echelon(vectors[unknowns - zero..].to_vec()) {
+                let casimir = candidate(readable(x, angle));
+                if casimir.casimir.holds() {
+                    all.found.push(casimir);
+                } else {
+                    all.complete = Status::Unknown;
+                    all.nearly.push(casimir);
+                }
+            }
+            let near = vectors[unknowns - zero - few..unknowns - zero].iter().rev().take(LISTED);
+            // A function with just these coefficients.
+            let exactly =
+                |x: &Vec<f64>| Coefficients { error: 0.0, ..readable(x.clone(), NEARLY * NEARLY) };
+            all.nearly.extend(near.map(|x| candidate(exactly(x))));
+        }
+        all.definite = definite(&all.found, d)
+            .map(|x| FoundCasimir::new(2, x, system, points))
+            .filter(|casimir| casimir.casimir.holds());
+        all
+    }
+}
+
+/// bᵀ∇C(y) = 0 for every row b of B(y), as rows of length one.
+struct Equations {
+    rows: Matrix,
+    /// A bound of the Frobenius norm of the errors of the rows.
+    error: f64,
+}
+
+impl Equations {
+    fn of(degree: u32, system: &dyn System, points: &Points) -> Self {
+        let d = system.dimension();
+        let mut equations = Self { rows: Vec::new(), error: 0.0 };
+        for y in &points.for_identities {
+            let y_exact: Vec<_> = y.iter().map(|&x| Bounded::variable(x)).collect();
+            for b in system.matrix(y) {
+                let row: Vec<Bounded> = match degree {
+                    1 => b,
+                    _ => places(d)
+                        .map(|(i, j)| match i == j {
+                            true => b[i] * y_exact[i],
+                            false => b[i] * y_exact[j] + b[j] * y_exact[i],
+                        })
+                        .collect(),
+                };
+                let (length, error) = (norm(&values(&row)), error_norm(&row));
+                // A row of round-off says nothing.
+                if length > error {
+                    equations.rows.push(row.iter().map(|x| x.value / length).collect());
+                    equations.error = equations.error.hypot(error / length);
                 }
             }
         }
-        let definite = definite(&found, d).map(|q| FoundCasimir::new(2, q, system, points));
-        Self { found, definite, quadratic_sought }
+        equations
     }
 }
 
@@ -138,40 +236,33 @@ fn symmetric(x: &[f64], d: usize) -> Vec<f64> {
     q
 }
 
-/// The matrix divided by its largest entry, so that all points have equal weight.
-fn normalized(mut b: Matrix) -> Matrix {
-    let size = largest(b.iter().flatten());
-    if size > 0.0 {
-        b.iter_mut().flatten().for_each(|x| *x /= size);
-    }
-    b
-}
-
-/// The multiple of the solution whose smallest coefficient is ±1 and whose first one is positive,
-/// with zeros and integers exact.
-fn readable(mut x: Vec<f64>) -> Vec<f64> {
-    let zero = ACCURACY * largest(&x);
-    x.iter_mut().filter(|c| c.abs() < zero).for_each(|c| *c = 0.0);
+/// The multiple of the solution whose smallest coefficient is ±1 and whose first one is positive.
+/// Coefficients within `error` of zero or, relatively, of an integer are made exact.
+fn readable(mut x: Vec<f64>, error: f64) -> Coefficients {
+    let size = largest(&x);
+    x.iter_mut().filter(|c| c.abs() <= error * size).for_each(|c| *c = 0.0);
     let smallest = x.iter().filter(|c| **c != 0.0).fold(f64::INFINITY, |m, c| m.min(c.abs()));
     let sign = x.iter().find(|c| **c != 0.0).map_or(1.0, |c| c.signum());
+    let error = error * size / smallest;
     for c in &mut x {
         *c *= sign / smallest;
-        if (*c - c.round()).abs() < ACCURACY * c.abs() {
+        if (*c - c.round()).abs() <= error {
             *c = c.round();
         }
     }
-    x
+    Coefficients { values: x, error }
 }
 
 /// The projection of the identity onto the span of the quadratic forms, if it is positive definite.
 /// It averages over all symmetries of the span; of Casimirs ½|sᵢ|² of parts sᵢ of y it is the sum.
-fn definite(found: &[FoundCasimir], d: usize) -> Option<Vec<f64>> {
+fn definite(found: &[FoundCasimir], d: usize) -> Option<Coefficients> {
     let add = |sum: &mut [f64], factor: f64, q: &[f64]| {
         sum.iter_mut().zip(q).for_each(|(x, y)| *x += factor * y);
     };
     // An orthonormal basis by Gram and Schmidt.
     let mut basis: Matrix = Vec::new();
     let mut projection = vec![0.0; d * d];
+    let mut error = 0.0;
     for casimir in found.iter().filter(|casimir| casimir.degree == 2) {
         let mut q = casimir.coefficients.clone();
         for known in &basis {
@@ -183,12 +274,13 @@ fn definite(found: &[FoundCasimir], d: usize) -> Option<Vec<f64>> {
         let trace = (0..d).map(|i| q[i * d + i]).sum();
         add(&mut projection, trace, &q);
         basis.push(q);
+        error += (casimir.coefficient_error / length).max(f64::EPSILON) * (d * d) as f64;
     }
-    let smallest = eigenvalues(square(&projection, d)).first().copied()?;
-    (smallest > ACCURACY).then(|| readable(projection))
+    let smallest = smallest_eigenvalue(&square(&projection, d));
+    (!basis.is_empty() && smallest > error).then(|| readable(projection, error))
 }
 
 /// The matrix with these rows of length d.
-fn square(coefficients: &[f64], d: usize) -> Matrix {
-    coefficients.chunks(d).map(<[f64]>::to_vec).collect()
+fn square<R: Copy>(coefficients: &[R], d: usize) -> Matrix<R> {
+    coefficients.chunks(d).map(<[R]>::to_vec).collect()
 }

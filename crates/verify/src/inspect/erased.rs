@@ -1,40 +1,41 @@
 //! A system behind functions of slices, so that the checks are compiled once and not once for
 //! every system.
 
-use real::{Dual, Real, ScalarFunction, gradient, jacobian};
+use real::{Bounded, Dual, Real, ScalarFunction, directional, gradient};
 use systems::{HamiltonianIncrement, Invariant, PoissonSystem};
 
 use super::algebra::{Matrix, axis, transposed};
 
 /// A scalar function of y with its derivatives.
 pub trait Function {
-    fn value(&self, y: &[f64]) -> f64;
-    fn gradient(&self, y: &[f64]) -> Vec<f64>;
-    fn hessian(&self, y: &[f64]) -> Matrix;
+    fn value(&self, y: &[f64]) -> Bounded;
+    fn gradient(&self, y: &[f64]) -> Vec<Bounded>;
+    fn hessian(&self, y: &[f64]) -> Matrix<Bounded>;
 }
 
-/// What the checks need of a system. `weights` are (dt, dw₁, …, dw_M).
+/// What the checks need of a system. `weights` are (dt, dw₁, …, dw_M). Results carry bounds of
+/// their rounding errors.
 pub trait System {
     fn name(&self) -> &'static str;
     fn dimension(&self) -> usize;
     fn noises(&self) -> usize;
     fn in_domain(&self, y: &[f64]) -> bool;
     /// B(y)v.
-    fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64>;
+    fn structure(&self, y: &[f64], v: &[Bounded]) -> Vec<Bounded>;
     /// The matrices ∂B(y)/∂y_l.
-    fn matrix_derivatives(&self, y: &[f64]) -> Vec<Matrix>;
+    fn matrix_derivatives(&self, y: &[f64]) -> Vec<Matrix<Bounded>>;
     /// h for these weights, differentiated by dual numbers.
     fn energy(&self, weights: &[f64]) -> Box<dyn Function + '_>;
     /// ∇h as the system implements it.
-    fn gradient(&self, y: &[f64], weights: &[f64]) -> Vec<f64>;
+    fn gradient(&self, y: &[f64], weights: &[f64]) -> Vec<Bounded>;
     /// The averaged gradient and the averaged field.
-    fn averages(&self, a: &[f64], b: &[f64], weights: &[f64]) -> [Vec<f64>; 2];
+    fn averages(&self, a: &[f64], b: &[f64], weights: &[f64]) -> [Vec<Bounded>; 2];
     /// The predicted end of an implicit step and the bound of its residual.
     fn predict(&self, a: &[f64], weights: &[f64]) -> (Vec<f64>, f64);
     /// B∇h and (B∇h)′.
-    fn field(&self, y: &[f64], weights: &[f64]) -> (Vec<f64>, Matrix);
+    fn field(&self, y: &[f64], weights: &[f64]) -> (Vec<Bounded>, Matrix<Bounded>);
     /// Σ A_ml [fₘ, f_l] as the system implements it.
-    fn commutators(&self, y: &[f64], areas: &Matrix) -> Vec<f64>;
+    fn commutators(&self, y: &[f64], areas: &Matrix) -> Vec<Bounded>;
     /// The claimed invariants, differentiated by dual numbers.
     fn invariants(&self) -> Vec<(Invariant, Box<dyn Function + '_>)>;
 }
@@ -51,9 +52,10 @@ impl dyn System + '_ {
     }
 
     /// The matrix B(y).
-    pub fn matrix(&self, y: &[f64]) -> Matrix {
+    pub fn matrix(&self, y: &[f64]) -> Matrix<Bounded> {
         let d = self.dimension();
-        transposed(&(0..d).map(|j| self.structure(y, &axis(d, j))).collect())
+        let unit = |j| axis(d, j).into_iter().map(Bounded::exact).collect::<Vec<_>>();
+        transposed(&(0..d).map(|j| self.structure(y, &unit(j))).collect())
     }
 }
 
@@ -72,15 +74,28 @@ fn split<const M: usize>(weights: &[f64]) -> (f64, [f64; M]) {
     (weights[0], array(&weights[1..]))
 }
 
-fn derivatives<const D: usize>(y: [Dual; D]) -> Vec<f64> {
+fn variables<const D: usize>(y: &[f64]) -> [Bounded; D] {
+    array(y).map(Bounded::variable)
+}
+
+fn derivatives<const D: usize>(y: [Dual<Bounded>; D]) -> Vec<Bounded> {
     y.map(|component| component.derivative).to_vec()
 }
 
 /// y with derivative 1 in component l.
-fn seeded<const D: usize>(y: &[f64], l: usize) -> [Dual; D] {
-    let mut y = array(y).map(Dual::fixed);
-    y[l].derivative = 1.0;
+fn seeded<const D: usize>(y: &[f64], l: usize) -> [Dual<Bounded>; D] {
+    let mut y = variables(y).map(Dual::fixed);
+    y[l].derivative = Bounded::exact(1.0);
     y
+}
+
+/// The values of a formula; those of one with pieces are no polynomial.
+fn values(formula: impl FnOnce() -> Vec<Bounded>) -> Vec<Bounded> {
+    let (mut values, piecewise) = Bounded::piecewise(formula);
+    if piecewise {
+        values.iter_mut().for_each(|x| x.degree = f64::INFINITY);
+    }
+    values
 }
 
 /// An invariant of a system, by its number.
@@ -98,14 +113,15 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> ScalarFunction<D>
 struct ErasedFunction<F, const D: usize>(F);
 
 impl<F: ScalarFunction<D>, const D: usize> Function for ErasedFunction<F, D> {
-    fn value(&self, y: &[f64]) -> f64 {
-        self.0.value(array(y))
+    fn value(&self, y: &[f64]) -> Bounded {
+        values(|| vec![self.0.value(variables(y))])[0]
     }
-    fn gradient(&self, y: &[f64]) -> Vec<f64> {
-        gradient(&self.0, array(y)).to_vec()
+    fn gradient(&self, y: &[f64]) -> Vec<Bounded> {
+        values(|| gradient(&self.0, variables(y)).to_vec())
     }
-    fn hessian(&self, y: &[f64]) -> Matrix {
-        (0..D).map(|l| derivatives(gradient(&self.0, seeded::<D>(y, l)))).collect()
+    fn hessian(&self, y: &[f64]) -> Matrix<Bounded> {
+        let row = |l| values(|| derivatives(gradient(&self.0, seeded::<D>(y, l))));
+        (0..D).map(row).collect()
     }
 }
 
@@ -122,40 +138,53 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Erased<'
     fn in_domain(&self, y: &[f64]) -> bool {
         self.0.check_domain(array(y)).is_ok()
     }
-    fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
-        self.0.structure(array(y), array(v)).to_vec()
+    fn structure(&self, y: &[f64], v: &[Bounded]) -> Vec<Bounded> {
+        let v = std::array::from_fn(|i| v[i]);
+        values(|| self.0.structure(variables(y), v).to_vec())
     }
-    fn matrix_derivatives(&self, y: &[f64]) -> Vec<Matrix> {
-        let unit = |j| array(&axis(D, j)).map(Dual::fixed);
-        let column = |l, j| derivatives(self.0.structure(seeded::<D>(y, l), unit(j)));
+    fn matrix_derivatives(&self, y: &[f64]) -> Vec<Matrix<Bounded>> {
+        let unit = |j| array(&axis(D, j)).map(|x| Dual::fixed(Bounded::exact(x)));
+        let column = |l, j| values(|| derivatives(self.0.structure(seeded::<D>(y, l), unit(j))));
         (0..D).map(|l| transposed(&(0..D).map(|j| column(l, j)).collect())).collect()
     }
     fn energy(&self, weights: &[f64]) -> Box<dyn Function + '_> {
         let (dt, dw) = split(weights);
         Box::new(ErasedFunction::<_, D>(HamiltonianIncrement { system: self.0, dt, dw }))
     }
-    fn gradient(&self, y: &[f64], weights: &[f64]) -> Vec<f64> {
+    fn gradient(&self, y: &[f64], weights: &[f64]) -> Vec<Bounded> {
         let (dt, dw) = split(weights);
-        self.0.gradient(array(y), dt, dw).to_vec()
+        values(|| self.0.gradient(variables(y), dt, dw).to_vec())
     }
-    fn averages(&self, a: &[f64], b: &[f64], weights: &[f64]) -> [Vec<f64>; 2] {
-        let (a, b, (dt, dw)) = (array(a), array(b), split(weights));
-        let gradient = self.0.averaged_gradient(a, b, dt, dw);
-        [gradient, self.0.averaged_field(a, b, dt, dw)].map(Vec::from)
+    fn averages(&self, a: &[f64], b: &[f64], weights: &[f64]) -> [Vec<Bounded>; 2] {
+        let (a, b, (dt, dw)) = (variables(a), variables(b), split(weights));
+        [
+            values(|| self.0.averaged_gradient(a, b, dt, dw).to_vec()),
+            values(|| self.0.averaged_field(a, b, dt, dw).to_vec()),
+        ]
     }
     fn predict(&self, a: &[f64], weights: &[f64]) -> (Vec<f64>, f64) {
         let (dt, dw) = split(weights);
         let (b, bound) = self.0.predict(array(a), dt, dw);
         (b.to_vec(), bound)
     }
-    fn field(&self, y: &[f64], weights: &[f64]) -> (Vec<f64>, Matrix) {
+    fn field(&self, y: &[f64], weights: &[f64]) -> (Vec<Bounded>, Matrix<Bounded>) {
         let (dt, dw) = split(weights);
-        let (field, rows) = jacobian(&HamiltonianIncrement { system: self.0, dt, dw }, array(y));
-        (field.to_vec(), rows.map(Vec::from).into())
+        let h = HamiltonianIncrement { system: self.0, dt, dw };
+        let along = |l| {
+            let direction = array(&axis(D, l)).map(Bounded::exact);
+            values(|| {
+                let (field, slope) = directional(&h, variables(y), direction);
+                [field, slope].concat()
+            })
+        };
+        let columns: Matrix<Bounded> = (0..D).map(along).collect();
+        let field = columns[0][..D].to_vec();
+        let columns = columns.iter().map(|column| column[D..].to_vec()).collect();
+        (field, transposed(&columns))
     }
-    fn commutators(&self, y: &[f64], areas: &Matrix) -> Vec<f64> {
+    fn commutators(&self, y: &[f64], areas: &Matrix) -> Vec<Bounded> {
         let areas = std::array::from_fn(|m| array(&areas[m]));
-        self.0.commutators(array(y), areas).to_vec()
+        values(|| self.0.commutators(variables(y), areas).to_vec())
     }
     fn invariants(&self) -> Vec<(Invariant, Box<dyn Function + '_>)> {
         let function = |index| ErasedFunction::<_, D>(NumberedInvariant(self.0, index));

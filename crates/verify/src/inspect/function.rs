@@ -1,12 +1,16 @@
 //! The shape of a scalar function: linear, quadratic or homogeneous, its degree and its minimum on
 //! the unit sphere.
 
+use real::Bounded;
 use serde::Serialize;
 
 use super::{
-    algebra::{Matrix, dot, eigenvalues, largest, norm},
+    algebra::{
+        Matrix, backward_error, dot, error_norm, largest, matrix_values, norm, size,
+        smallest_eigenvalue, values,
+    },
     erased::{Function, System},
-    finding::{Finding, ROUND_OFF},
+    finding::{Finding, Status},
     points::Points,
 };
 
@@ -14,6 +18,8 @@ use super::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
+    /// 0.
+    Zero,
     /// βᵀy.
     Linear,
     /// ½yᵀQy.
@@ -22,15 +28,19 @@ pub enum Kind {
     Homogeneous,
     /// Not homogeneous: it has no conformal law.
     NotHomogeneous,
+    /// Round-off hides whether it is homogeneous.
+    Unknown,
 }
 
 impl Kind {
     pub(super) fn name(self) -> &'static str {
         match self {
+            Self::Zero => "zero",
             Self::Linear => "linear",
             Self::Quadratic => "quadratic",
             Self::Homogeneous => "homogeneous",
             Self::NotHomogeneous => "not homogeneous",
+            Self::Unknown => "cannot tell whether homogeneous",
         }
     }
 }
@@ -42,8 +52,12 @@ pub struct Shape {
     pub kind: Kind,
     /// The degree p of a homogeneous function, by Euler's identity ∇F·y = pF.
     pub degree: Option<f64>,
+    /// The error bound of the degree; zero for an integer.
+    pub degree_error: f64,
+    /// Euler's identity.
+    pub homogeneous: Finding,
     /// The Hessian is constant, hence the averaged gradient is the gradient at the midpoint.
-    pub constant_hessian: bool,
+    pub constant_hessian: Finding,
     /// m(F) of a homogeneous function.
     pub minimum: Option<Minimum>,
 }
@@ -52,10 +66,12 @@ pub struct Shape {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Minimum {
     /// The value: −‖β‖ of a linear function, half the smallest eigenvalue of a quadratic form, else
-    /// found by a search.
+    /// the lowest value that a search found, which is no lower bound.
     pub value: f64,
-    /// Whether the value is positive by more than its error.
-    pub positive: bool,
+    /// A bound of the error of `value`.
+    pub error: f64,
+    /// How it is known that m(F) > 0.
+    pub positive: Status,
     /// Whether the minimum is over the part of the sphere in the domain of the system only. The
     /// bound then holds as long as a path stays there.
     pub in_domain_only: bool,
@@ -63,92 +79,136 @@ pub struct Minimum {
 
 impl Shape {
     pub(super) fn of(f: &dyn Function, system: &dyn System, points: &Points) -> Self {
-        let [first, others @ ..] = points.for_identities.as_slice() else {
+        let [first, ..] = points.for_identities.as_slice() else {
             unreachable!("an inspection has points")
         };
         let (gradient, hessian) = (f.gradient(first), f.hessian(first));
         let (mut constant_gradient, mut constant_hessian) =
             (Finding::default(), Finding::default());
-        for y in others {
-            let (slope, curvature) = (f.gradient(y), f.hessian(y).concat());
-            let size = norm(&slope) + norm(&gradient);
-            constant_gradient.compare(&slope, &gradient, size, y);
+        let mut zero = true;
+        for y in &points.for_identities {
+            let slope = f.gradient(y);
+            constant_gradient.compare(&slope, &gradient, y);
             // A Hessian may vanish to round-off of the gradient.
-            let size = largest(&curvature) + largest(hessian.iter().flatten()) + size / norm(y);
-            constant_hessian.compare(&curvature, &hessian.concat(), size, y);
+            let flat = largest(&values(&slope)) / norm(y);
+            for (row, expected) in f.hessian(y).iter().zip(&hessian) {
+                for (&a, &b) in row.iter().zip(expected) {
+                    constant_hessian.record(a - b, a.value.abs() + b.value.abs() + flat, y);
+                }
+            }
+            zero &= f.value(y).value == 0.0 && slope.iter().all(|x| x.value == 0.0);
         }
-        let degree = degree(f, points);
-        let kind = match degree {
-            Some(1.0) if constant_gradient.holds => Kind::Linear,
-            Some(2.0) if constant_hessian.holds => Kind::Quadratic,
-            Some(_) => Kind::Homogeneous,
-            None => Kind::NotHomogeneous,
+        let (degree, homogeneous) = degree(f, points);
+        let kind = match (degree, homogeneous.status) {
+            _ if zero => Kind::Zero,
+            (_, Status::Unknown) => Kind::Unknown,
+            (Some(p), _) if p.value == 1.0 && constant_gradient.holds() => Kind::Linear,
+            (Some(p), _) if p.value == 2.0 && constant_hessian.holds() => Kind::Quadratic,
+            (Some(_), _) => Kind::Homogeneous,
+            (None, _) => Kind::NotHomogeneous,
         };
-        let minimum = degree.map(|_| match kind {
-            Kind::Linear if points.everywhere => Minimum::exact(-norm(&gradient), norm(&gradient)),
-            Kind::Quadratic if points.everywhere => Minimum::of_form(hessian),
-            _ => Minimum::by_search(&|y| f.value(y), system, points),
+        let degree = degree.filter(|_| !matches!(kind, Kind::Zero | Kind::Unknown));
+        let minimum = degree.map(|_| {
+            let status = homogeneous.status.min(constant_hessian.status);
+            match kind {
+                Kind::Linear if points.everywhere => Minimum::of_linear(&gradient),
+                Kind::Quadratic => Minimum::of_form(&hessian, status)
+                    .everywhere_or(|| Minimum::by_search(&|y| f.value(y), system, points), points),
+                _ => Minimum::by_search(&|y| f.value(y), system, points),
+            }
         });
-        Self { kind, degree, constant_hessian: constant_hessian.holds, minimum }
+        Self {
+            kind,
+            degree: degree.map(|p| p.value),
+            degree_error: degree.map_or(0.0, |p| p.error),
+            homogeneous,
+            constant_hessian,
+            minimum,
+        }
     }
 }
 
-/// A degree within this of an integer is that integer.
-const INTEGER: f64 = 1e-9;
-
-/// p of Euler's identity ∇F·y = pF: computed where F is largest relative to its gradient, and
-/// checked at all points.
-fn degree(f: &dyn Function, points: &Points) -> Option<f64> {
+/// p of Euler's identity ∇F·y = pF, computed where F is largest relative to its terms; an integer
+/// if one is within its error bound. And whether the identity holds at all points.
+fn degree(f: &dyn Function, points: &Points) -> (Option<Bounded>, Finding) {
     let euler = |y: &Vec<f64>| {
-        let gradient = f.gradient(y);
-        (f.value(y), dot(&gradient, y), norm(&gradient) * norm(y))
+        let (gradient, y) =
+            (f.gradient(y), y.iter().map(|&x| Bounded::variable(x)).collect::<Vec<_>>());
+        (dot(&gradient, &y), size(&gradient, &y))
     };
-    let terms: Vec<_> = points.for_identities.iter().map(euler).collect();
-    let relative = |(value, _, size): &(f64, f64, f64)| value.abs() / (size + value.abs());
-    let best = terms.iter().max_by(|a, b| relative(a).total_cmp(&relative(b)))?;
-    let p = best.1 / best.0;
-    let p = if (p - p.round()).abs() < INTEGER { p.round() } else { p };
+    let terms: Vec<_> = points.for_identities.iter().map(|y| (f.value(y), euler(y))).collect();
     let mut identity = Finding::default();
-    for (y, (value, slope, size)) in points.for_identities.iter().zip(terms.iter()) {
-        identity.record(slope - p * value, size + (p * value).abs(), y);
+    let relative = |(value, (_, size)): &(Bounded, (Bounded, f64))| {
+        let relative = value.value.abs() / (size + value.value.abs());
+        if relative.is_nan() { 0.0 } else { relative }
+    };
+    let Some((value, (slope, _))) = terms.iter().max_by(|a, b| relative(a).total_cmp(&relative(b)))
+    else {
+        return (None, identity);
+    };
+    let mut p = *slope / *value;
+    if (p.value - p.value.round()).abs() <= p.error {
+        p = Bounded::exact(p.value.round());
     }
-    (p.is_finite() && p != 0.0 && identity.holds).then_some(p)
+    p.degree = 0.0;
+    for (y, (value, (slope, size))) in points.for_identities.iter().zip(&terms) {
+        let scaled = *value * p;
+        identity.record(*slope - scaled, size + scaled.value.abs(), y);
+    }
+    ((p.value.is_finite() && p.value != 0.0 && identity.holds()).then_some(p), identity)
 }
 
-/// A minimum found by search counts as positive above this part of the largest value on the sphere.
-const CLEARLY_POSITIVE: f64 = 1e-6;
 /// Shortest step of the search; the error of the minimum is of the order of its square.
 const SHORTEST: f64 = 1e-7;
+/// Starts of the search.
+const STARTS: usize = 8;
 
 impl Minimum {
-    fn exact(value: f64, size: f64) -> Self {
-        Self { value, positive: value > ROUND_OFF * size, in_domain_only: false }
+    /// −‖β‖.
+    fn of_linear(beta: &[Bounded]) -> Self {
+        let value = -norm(&values(beta));
+        let error = error_norm(beta) + f64::EPSILON * beta.len() as f64 * value.abs();
+        Self { value, error, positive: Status::Refuted, in_domain_only: false }
     }
 
-    /// Of ½yᵀQy.
-    pub(super) fn of_form(q: Matrix) -> Self {
-        let size = largest(q.iter().flatten());
-        Self::exact(0.5 * eigenvalues(q).first().copied().unwrap_or(0.0), size)
+    /// Of ½yᵀQy, by the smallest eigenvalue. `form` says how it is known that this is the function.
+    pub(super) fn of_form(q: &Matrix<Bounded>, form: Status) -> Self {
+        let entries = matrix_values(q);
+        let value = 0.5 * smallest_eigenvalue(&entries);
+        let size = norm(&entries.concat());
+        let error =
+            0.5 * (error_norm(q.iter().flatten()) + backward_error(q.len(), q.len()) * size);
+        let positive = match (value > error, value < -error) {
+            (true, _) => form,
+            (_, true) => Status::Refuted,
+            _ => Status::Unknown,
+        };
+        Self { value, error, positive, in_domain_only: false }
     }
 
-    /// A compass search on the sphere from the four best points: steps along the axes, halved when
-    /// none helps.
+    /// This minimum over the whole sphere if it is positive or the domain is everywhere.
+    pub(super) fn everywhere_or(self, search: impl Fn() -> Self, points: &Points) -> Self {
+        if self.positive.holds() || points.everywhere { self } else { search() }
+    }
+
+    /// A compass search on the sphere from the best points: steps along the axes, halved when none
+    /// helps. A negative value refutes m(F) > 0; a positive one proves nothing.
     pub(super) fn by_search(
-        f: &dyn Fn(&[f64]) -> f64,
+        f: &dyn Fn(&[f64]) -> Bounded,
         system: &dyn System,
         points: &Points,
     ) -> Self {
         let on_sphere = |y: &[f64]| {
             let length = norm(y);
             let y: Vec<f64> = y.iter().map(|x| x / length).collect();
-            let value = f(&y);
+            let value = f(&y).value;
             (system.in_domain(&y) && value.is_finite()).then_some((value, y))
         };
         let mut starts: Vec<_> = points.for_suprema.iter().filter_map(|y| on_sphere(y)).collect();
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
         let size = largest(starts.iter().map(|(value, _)| value));
-        let mut value = f64::INFINITY;
-        for (mut lowest, mut y) in starts.into_iter().take(4) {
+        let mut least = Bounded::exact(f64::INFINITY);
+        for (mut lowest, mut y) in starts.into_iter().take(STARTS) {
             let mut step = 0.5;
             while step > SHORTEST {
                 let mut moves = (0..y.len()).flat_map(|i| [(i, step), (i, -step)]);
@@ -162,12 +222,21 @@ impl Minimum {
                     None => step *= 0.5,
                 }
             }
-            value = value.min(lowest);
+            let found = f(&y);
+            if found.value < least.value {
+                least = found;
+            }
         }
-        Self {
-            value,
-            positive: value > CLEARLY_POSITIVE * size && value.is_finite(),
-            in_domain_only: !points.everywhere,
-        }
+        let Bounded { value, error, .. } = least;
+        // The search ends at a distance of the order of its step from a minimum.
+        let resolved = error + SHORTEST * size;
+        let positive = if value < -error {
+            Status::Refuted
+        } else if value > resolved && value.is_finite() {
+            Status::Found
+        } else {
+            Status::Unknown
+        };
+        Self { value, error, positive, in_domain_only: !points.everywhere }
     }
 }

@@ -4,9 +4,9 @@ use serde::Serialize;
 use systems::{Form, InvariantKind};
 
 use super::{
-    algebra::{dot, largest, norm, times},
+    algebra::{dot, size, times},
     erased::System,
-    finding::Finding,
+    finding::{Finding, Status},
     function::{Kind, Shape},
     points::Points,
 };
@@ -39,13 +39,12 @@ impl ClaimedInvariant {
             let (mut casimir, mut conserved) = (Finding::default(), Finding::default());
             for y in &points.for_identities {
                 let (gradient, b) = (f.gradient(y), system.matrix(y));
-                let product = times(&b, &gradient);
-                let size = largest(b.iter().flatten()) * norm(&gradient) * y.len() as f64;
-                casimir.compare(&product, &vec![0.0; y.len()], size, y);
+                for (row, change) in b.iter().zip(times(&b, &gradient)) {
+                    casimir.record(change, size(row, &gradient), y);
+                }
                 for m in 0..=system.noises() {
-                    let hamiltonian = system.hamiltonian(m).gradient(y);
-                    let change = dot(&gradient, &times(&b, &hamiltonian));
-                    conserved.record(change, size * norm(&hamiltonian), y);
+                    let flow = times(&b, &system.hamiltonian(m).gradient(y));
+                    conserved.record(dot(&gradient, &flow), size(&gradient, &flow), y);
                 }
             }
             let mut invariant = Self {
@@ -58,7 +57,7 @@ impl ClaimedInvariant {
                 shape: Shape::of(&*f, system, points),
                 mistakes: Vec::new(),
             };
-            let mut values = points.for_identities.iter().map(|y| f.value(y));
+            let mut values = points.for_identities.iter().map(|y| f.value(y).value);
             let mistakes = match values.find(|value| !value.is_finite()) {
                 Some(value) => {
                     vec![format!(
@@ -75,20 +74,29 @@ impl ClaimedInvariant {
         examined.collect()
     }
 
+    /// How it is known that the claim is true.
+    pub(super) fn status(&self) -> Status {
+        let kind = if self.claimed_casimir { &self.casimir } else { &self.conserved };
+        if !self.mistakes.is_empty() {
+            return Status::Refuted;
+        }
+        kind.status.min(self.shape.homogeneous.status)
+    }
+
     fn mistakes(&self, claimed: Form) -> Vec<String> {
         let Self { name, claimed_casimir, claimed_degree, casimir, conserved, shape, .. } = self;
         let mut mistakes = Vec::new();
-        if *claimed_casimir && !casimir.holds {
-            let but = if conserved.holds {
-                "it is a function of the Hamiltonian or another constant of the motion"
-            } else {
-                "the flow changes it"
+        if *claimed_casimir && casimir.refuted() {
+            let but = match conserved.status {
+                Status::Refuted => "; the flow changes it",
+                Status::Unknown => "",
+                _ => "; it is a function of the Hamiltonian or another constant of the motion",
             };
             mistakes.push(format!(
-                "is claimed as a Casimir and is none: B∇{name} is not zero ({casimir}); {but}"
+                "is claimed as a Casimir and is none: B∇{name} is not zero ({casimir}){but}"
             ));
         }
-        if !*claimed_casimir && !conserved.holds {
+        if !*claimed_casimir && conserved.refuted() {
             mistakes.push(format!(
                 "is claimed as an energy, and the flow changes it: ∇{name}·B∇Hₘ ({conserved})"
             ));
@@ -99,16 +107,23 @@ impl ClaimedInvariant {
             Form::Homogeneous => Kind::Homogeneous,
         };
         match shape.degree {
-            None => mistakes.push("is not homogeneous and hence has no conformal law".into()),
-            Some(degree) if (degree - claimed_degree).abs() > 1e-9 * degree.abs() => mistakes.push(
+            None if shape.kind == Kind::NotHomogeneous => mistakes.push(format!(
+                "is not homogeneous and hence has no conformal law: ∇{name}·y = p{name} ({})",
+                shape.homogeneous
+            )),
+            Some(degree) if (degree - claimed_degree).abs() > shape.degree_error => mistakes.push(
                 format!("is claimed to have degree {claimed_degree} and has degree {degree}"),
             ),
-            Some(_) if claimed != shape.kind => mistakes.push(format!(
-                "is claimed as {} and is {}",
-                claimed.name(),
-                shape.kind.name()
-            )),
-            Some(_) => {}
+            Some(_)
+                if claimed != shape.kind && shape.constant_hessian.status != Status::Unknown =>
+            {
+                mistakes.push(format!(
+                    "is claimed as {} and is {}",
+                    claimed.name(),
+                    shape.kind.name()
+                ));
+            }
+            _ => {}
         }
         mistakes
     }

@@ -1,12 +1,13 @@
 //! Whether the noises commute, which decides the strong orders.
 
+use real::Bounded;
 use serde::Serialize;
 
 use super::{
-    algebra::{Matrix, norm, times},
+    algebra::{size, times},
     erased::System,
     finding::Finding,
-    points::{Points, Random},
+    points::{Points, Purpose, Random},
 };
 
 /// Commutators and products of the noise fields fₘ = B∇Hₘ.
@@ -23,34 +24,41 @@ pub struct Noises {
 impl Noises {
     pub(super) fn of(system: &dyn System, points: &Points) -> Self {
         let (noises, d) = (system.noises(), system.dimension());
+        let zero = Bounded::exact(0.0);
         let mut found = Self::default();
-        let mut random = Random::new();
+        let mut random = Random::new(Purpose::Areas);
         for y in &points.for_identities {
-            let (fields, derivatives): (Matrix, Vec<Matrix>) =
+            let (fields, derivatives): (Vec<_>, Vec<_>) =
                 (1..=noises).map(|m| system.field(y, &system.weights(m))).unzip();
-            // ‖f_l′‖‖fₘ‖: cancellation within f_l′fₘ must not pass for a commutator.
-            let size = |l: usize, m: usize| norm(&derivatives[l].concat()) * norm(&fields[m]);
             let mut areas = vec![vec![0.0; noises]; noises];
-            let (mut sum, mut sum_size) = (vec![0.0; d], 0.0);
+            let (mut sum, mut sizes) = (vec![zero; d], vec![0.0; d]);
             for l in 0..noises {
                 for m in 0..noises {
                     let product = times(&derivatives[l], &fields[m]);
-                    found.no_correction.compare(&product, &vec![0.0; d], size(l, m), y);
+                    for i in 0..d {
+                        let terms = size(&derivatives[l][i], &fields[m]);
+                        found.no_correction.record(product[i], terms, y);
+                    }
                     if m < l {
                         let exchanged = times(&derivatives[m], &fields[l]);
-                        let size = size(l, m) + size(m, l);
-                        found.commute.compare(&product, &exchanged, size, y);
                         areas[m][l] = random.uniform();
                         areas[l][m] = -areas[m][l];
-                        sum_size += size;
                         for i in 0..d {
-                            sum[i] += areas[m][l] * (product[i] - exchanged[i]);
+                            let commutator = product[i] - exchanged[i];
+                            let terms = size(&derivatives[l][i], &fields[m])
+                                + size(&derivatives[m][i], &fields[l]);
+                            found.commute.record(commutator, terms, y);
+                            sizes[i] += terms;
+                            sum[i] = sum[i] + commutator * Bounded::exact(areas[m][l]);
                         }
                     }
                 }
             }
             if noises > 1 {
-                found.commutators.compare(&system.commutators(y, &areas), &sum, sum_size, y);
+                let given = system.commutators(y, &areas);
+                for i in 0..d {
+                    found.commutators.record(given[i] - sum[i], sizes[i], y);
+                }
             }
         }
         found

@@ -3,7 +3,7 @@
 use noise::{StreamKey, WienerPath};
 use serde::Serialize;
 
-use super::{algebra::norm, erased::System, error::InspectError};
+use super::{algebra::norm, erased::System, error::InspectError, pilot::Pilot};
 
 /// The region of the points of an inspection.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -18,39 +18,61 @@ pub enum Region {
 /// Points of a region in the domain of the system.
 pub struct Points {
     pub region: Region,
-    /// The first points, where identities are checked.
+    /// The first points, and what was added to them: where identities are checked.
     pub for_identities: Vec<Vec<f64>>,
-    /// All points, over which suprema are taken.
+    /// Points of the region, over which suprema are taken.
     pub for_suprema: Vec<Vec<f64>>,
     /// Whether every point that was tried is in the domain.
     pub everywhere: bool,
+    /// States of pilot paths among the points.
+    pub pilot: Option<Pilot>,
 }
 
 /// Number of points for suprema.
 const SUPREMA: usize = 400;
-/// Least number of points for identities. An analytic identity that holds at one random point holds
-/// everywhere with probability one; the other points are for formulas with cases.
+/// Least number of points for identities, in as many directions. An identity between polynomials
+/// that holds at one random point holds everywhere with probability one; the other points are for
+/// other formulas.
 const IDENTITIES: usize = 24;
 /// Points tried for each one wanted: enough for the positive cone in five dimensions.
 const TRIES: usize = 64;
+/// Distances from the initial value, relative to its norm, of the points around it, and halvings
+/// of them until a point is in the domain.
+const AROUND: [f64; 4] = [1.0, 0.1, 0.01, 1e-3];
+const HALVINGS: i32 = 40;
 
 /// Random numbers, the same in every run.
 pub struct Random {
-    normals: WienerPath<1>,
+    pub normals: WienerPath<1>,
+    key: StreamKey,
     drawn: u64,
+}
+
+/// What random numbers are for.
+#[derive(Clone, Copy)]
+pub enum Purpose {
+    Points,
+    Around,
+    Paths,
+    Vectors,
+    Weights,
+    Areas,
 }
 
 const KEY: StreamKey = StreamKey { seed: 0x1257_ec71, experiment: 0 };
 
 impl Random {
-    pub fn new() -> Self {
-        Self { normals: WienerPath::new(KEY, 0), drawn: 0 }
+    /// Numbers that are independent of those for other purposes: a vector that is parallel to the
+    /// point would hide much.
+    pub fn new(purpose: Purpose) -> Self {
+        let key = StreamKey { experiment: purpose as u64, ..KEY };
+        Self { normals: WienerPath::new(key, 0), key, drawn: 0 }
     }
 
     /// Uniform in [−1, 1), from the seeds of paths, which are mixed words.
     pub fn uniform(&mut self) -> f64 {
         self.drawn += 1;
-        (KEY.path_seed(self.drawn) >> 11) as f64 * f64::EPSILON - 1.0
+        (self.key.path_seed(self.drawn) >> 11) as f64 * f64::EPSILON - 1.0
     }
 }
 
@@ -65,7 +87,7 @@ impl Points {
         let d = system.dimension();
         let identities = IDENTITIES.max(2 * d);
         let wanted = SUPREMA.max(identities);
-        let mut random = Random::new();
+        let mut random = Random::new(Purpose::Points);
         let (mut points, mut everywhere) = (Vec::new(), true);
         for attempt in 0..(TRIES + 2) * wanted {
             if points.len() == wanted {
@@ -91,7 +113,30 @@ impl Points {
             return Err(InspectError::NoPoints { found: points.len(), wanted: identities });
         }
         let for_identities = points[..identities].to_vec();
-        Ok(Self { region, for_identities, for_suprema: points, everywhere })
+        Ok(Self { region, for_identities, for_suprema: points, everywhere, pilot: None })
+    }
+
+    /// Adds the initial value, points around it, and the states of pilot paths.
+    pub fn with_paths(
+        mut self,
+        system: &dyn System,
+        y0: &[f64],
+        (pilot, states): (Pilot, Vec<Vec<f64>>),
+    ) -> Self {
+        let mut random = Random::new(Purpose::Around);
+        let size = if norm(y0) > 0.0 { norm(y0) } else { 1.0 };
+        let mut around = vec![y0.to_vec()];
+        for distance in AROUND {
+            let direction: Vec<f64> = y0.iter().map(|_| random.uniform()).collect();
+            around.extend((0..HALVINGS).find_map(|halvings| {
+                let length = size * distance * f64::powi(0.5, halvings);
+                let y: Vec<f64> = y0.iter().zip(&direction).map(|(y, d)| y + length * d).collect();
+                system.in_domain(&y).then_some(y)
+            }));
+        }
+        self.for_identities.extend(around.into_iter().chain(states));
+        self.pilot = Some(pilot);
+        self
     }
 }
 

@@ -6,17 +6,19 @@ use serde::Serialize;
 
 use super::{
     casimirs::Casimirs,
+    damping::DampingIntegral,
     erased::System,
-    finding::Finding,
+    finding::{Finding, Status},
     function::{Kind, Minimum, Shape},
     hamiltonian::Hamiltonians,
     invariants::ClaimedInvariant,
     noises::Noises,
+    pilot::Pilot,
     points::{Points, Region},
     problem::{Bound, ProblemFindings},
     solvability::Solvability,
     structure::Structure,
-    theory::{Applies, ExpectedOrder, Theorem, orders, theorems},
+    theory::{Applies, ExpectedOrder, Recommendation, Theorem, orders, recommendation, theorems},
 };
 
 /// The report on a system: its properties, what theory says of it, and its mistakes.
@@ -32,8 +34,10 @@ pub struct Inspection {
     pub noises: usize,
     /// The region of the points at which identities were checked.
     pub region: Region,
-    /// Number of these points.
+    /// Number of these points, with those around the initial value and on pilot paths.
     pub points: usize,
+    /// The pilot paths; `None` for a system alone.
+    pub pilot: Option<Pilot>,
     /// Whether the system is defined at every point that was tried.
     pub defined_everywhere: bool,
     /// B(y).
@@ -56,9 +60,13 @@ pub struct Inspection {
     pub theorems: Vec<Theorem>,
     /// The orders that theory predicts for the schemes.
     pub orders: Vec<ExpectedOrder>,
+    /// A scheme to take.
+    pub recommended: Recommendation,
     /// Every property that a system must have or claims and that was found wrong, in words; empty
     /// for a sound system.
     pub mistakes: Vec<String>,
+    /// Every property that a system must have and that cannot be told, in words with the reason.
+    pub undecided: Vec<String>,
 }
 
 /// Least relative error of `averaged_gradient` that is a mistake and not that of a quadrature: the
@@ -73,19 +81,22 @@ impl Inspection {
         let noise = Noises::of(system, points);
         let invariants = ClaimedInvariant::all(system, points);
         let casimirs = Casimirs::of(system, points);
-        let bound = Bound::of(&hamiltonians, &casimirs);
+        let bound = Bound::of(&structure, &hamiltonians, &casimirs);
         Self {
             system: system.name().into(),
             dimension: system.dimension(),
             noises: system.noises(),
             region: points.region.clone(),
             points: points.for_identities.len(),
+            pilot: points.pilot,
             defined_everywhere: points.everywhere,
             solvability: Solvability::of(system, points),
             problem: None,
             theorems: theorems(&structure, &hamiltonians, &casimirs, &invariants, bound.as_ref()),
             orders: orders(&noise),
+            recommended: recommendation(&structure, &hamiltonians, &casimirs, &noise),
             mistakes: Vec::new(),
+            undecided: Vec::new(),
             structure,
             hamiltonians,
             noise,
@@ -95,10 +106,10 @@ impl Inspection {
         }
     }
 
-    /// Lists what is wrong.
+    /// Lists what is wrong, and what cannot be told.
     pub(super) fn with_mistakes(mut self) -> Self {
         let Self { structure, hamiltonians: h, noise, .. } = &self;
-        let mut must_hold = vec![
+        let must_hold = [
             (&structure.linear, "structure(y, v) is not linear in v"),
             (&structure.skew, "B(y) is not skew-symmetric"),
             (&h.linear, "energy(y, dt, dw) is not linear in (dt, dw)"),
@@ -110,18 +121,35 @@ impl Inspection {
             ),
             (&h.prediction, "the residual of the predicted step exceeds the bound given with it"),
             (&noise.commutators, "commutators is not what follows from B and the energy"),
+            (&h.discrete_gradient, "averaged_gradient(a, b)·(b − a) is not the change of energy"),
         ];
-        if h.discrete_gradient.defect > POOR_QUADRATURE {
-            let what = "averaged_gradient(a, b)·(b − a) is not the change of energy";
-            must_hold.push((&h.discrete_gradient, what));
+        // The row of ∇̄h has the error of a quadrature.
+        let quadrature = |finding: &Finding| {
+            std::ptr::eq(finding, &h.discrete_gradient) && h.quadrature_error <= POOR_QUADRATURE
+        };
+        let (mut mistakes, mut undecided) = (Vec::new(), Vec::new());
+        for (finding, what) in must_hold {
+            match finding.status {
+                Status::Refuted if !quadrature(finding) => {
+                    mistakes.push(format!("{what}: {finding}"));
+                }
+                Status::Unknown => undecided.push(format!("whether {what}: {finding}")),
+                _ => {}
+            }
         }
-        if let Some(problem) = self.problem.as_ref().filter(|problem| !problem.integral_agrees) {
+        if let Some(problem) = &self.problem {
             let what = "the integral of the damping is not the integral of its rate";
-            must_hold.push((&problem.integral, what));
+            match problem.integral.agrees {
+                Status::Refuted => mistakes.push(format!("{what}: {}", problem.integral)),
+                Status::Unknown => undecided.push(format!("whether {what}: {}", problem.integral)),
+                _ => {}
+            }
         }
-        let fails = must_hold.into_iter().filter(|(finding, _)| !finding.holds);
-        self.mistakes = fails.map(|(finding, what)| format!("{what}: {finding}")).collect();
-        self.mistakes.extend(self.invariants.iter().flat_map(|i| i.mistakes.iter().cloned()));
+        mistakes.extend(self.invariants.iter().flat_map(|i| i.mistakes.iter().cloned()));
+        for invariant in self.invariants.iter().filter(|i| i.status() == Status::Unknown) {
+            undecided.push(format!("whether the claim on {} is true", invariant.name));
+        }
+        (self.mistakes, self.undecided) = (mistakes, undecided);
         self
     }
 
@@ -141,30 +169,50 @@ impl Inspection {
 
 impl Display for Inspection {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        writeln!(
-            f,
-            "{}: D = {}, M = {}; checked at {} points with {}{}",
-            self.system,
-            self.dimension,
-            self.noises,
-            self.points,
-            self.region,
-            if self.defined_everywhere { "" } else { " in its domain" }
-        )?;
+        let Self { system, dimension, noises, points, region, .. } = self;
+        let domain = if self.defined_everywhere { "" } else { " in its domain" };
+        write!(f, "{system}: D = {dimension}, M = {noises}; ")?;
+        match &self.pilot {
+            Some(Pilot { paths, states, until }) => {
+                let random = points - states;
+                writeln!(f, "{random} points with {region} or near y₀{domain}")?;
+                writeln!(f, "  and {states} states of {paths} paths, followed to t = {until}")?;
+            }
+            None => writeln!(f, "{points} points with {region}{domain}")?,
+        }
         self.write_properties(f)?;
         self.write_casimirs(f)?;
         if let Some(problem) = &self.problem {
-            let agrees = if problem.integral_agrees { "agree" } else { "DISAGREE, see below" };
-            row(f, "damping", format!("{}; rate and integral {agrees}", problem.damping))?;
-            let bound = problem.radius.map(|radius| format!("stay within ‖y‖ ≤ {radius:.4}"));
-            row(f, "paths", bound.as_deref().unwrap_or("no bound was found"))?;
+            row(f, "damping", format!("{}; {}", problem.damping, problem.integral))?;
+            match (problem.radius, &self.bound) {
+                (Some(radius), Some(bound)) => {
+                    let condition = match (bound.status, bound.minimum.in_domain_only) {
+                        (Status::Shown, false) => "",
+                        (Status::Shown, true) => " while they are in the domain",
+                        (_, false) => " if that bound, found by search, holds",
+                        (_, true) => {
+                            " while they are in the domain, if the bound, found by search, holds"
+                        }
+                    };
+                    row(f, "paths", format!("stay within ‖y‖ ≤ {radius:.4}{condition}"))?;
+                }
+                _ => row(f, "paths", "no bound was found")?,
+            }
         }
         self.write_theory(f)?;
-        if self.mistakes.is_empty() {
-            return write!(f, "No mistakes found.");
+        let list = |f: &mut Formatter<'_>, title: &str, lines: &[String]| {
+            write!(f, "{title}")?;
+            lines.iter().try_for_each(|line| write!(f, "\n  - {line}"))
+        };
+        if !self.undecided.is_empty() {
+            list(f, "Cannot tell", &self.undecided)?;
+            writeln!(f)?;
         }
-        write!(f, "Mistakes")?;
-        self.mistakes.iter().try_for_each(|mistake| write!(f, "\n  - {mistake}"))
+        match (self.mistakes.is_empty(), self.hamiltonians.discrete_gradient.refuted()) {
+            (true, false) => write!(f, "No mistakes found."),
+            (true, true) => write!(f, "No mistakes found but the error of ∇̄h."),
+            _ => list(f, "Mistakes", &self.mistakes),
+        }
     }
 }
 
@@ -172,39 +220,61 @@ impl Inspection {
     fn write_properties(&self, f: &mut Formatter<'_>) -> Result {
         row(f, "B(y)", &self.structure)?;
         for (m, shape) in self.hamiltonians.shapes.iter().enumerate() {
-            match self.hamiltonians.noise_size {
-                Some(c) if m == 1 => row(f, "H1", format!("c H0 with c = {c}"))?,
+            match (self.hamiltonians.noise_size, &self.hamiltonians.proportional) {
+                (Some(c), Some(finding)) if m == 1 => {
+                    row(f, "H1", format!("c H0 up to a constant, c = {c} ({finding})"))?;
+                }
                 _ => row(f, &format!("H{m}"), shape)?,
             }
         }
         // The combining macron takes a character, but no width.
         let label = "∇̄h ";
         let gradient = &self.hamiltonians.discrete_gradient;
-        let kind = if gradient.holds { "exact" } else { "quadrature" };
-        let error = gradient.defect;
-        row(f, label, format!(" {kind}: relative error {error:.1e} in h(b) − h(a)"))?;
+        let error = self.hamiltonians.quadrature_error;
+        let kind = match gradient.status {
+            Status::Refuted => format!("NOT exact: relative error {error:.1e} in h(b) − h(a)"),
+            Status::Unknown => format!("exact? {gradient}"),
+            _ => format!("exact ({gradient})"),
+        };
+        row(f, label, format!(" {kind}"))?;
         if self.noises > 1 {
-            let [not, no] = if self.noise.commute.holds { ["", "no "] } else { ["do not ", ""] };
-            row(f, "noises", format!("{not}commute: strong order 1 needs {no}Lévy areas"))?;
+            let commute = &self.noise.commute;
+            let text = match commute.status {
+                Status::Refuted => "do not commute: strong order 1 needs Lévy areas",
+                Status::Unknown => "commute?",
+                _ => "commute: strong order 1 needs no Lévy areas",
+            };
+            row(f, "noises", format!("{text}{LINE}({commute})"))?;
         }
-        for ClaimedInvariant { name, formula, shape, mistakes, claimed_casimir, .. } in
-            &self.invariants
-        {
-            let kind = if *claimed_casimir { "Casimir" } else { "energy" };
-            let wrong = if mistakes.is_empty() { "" } else { " (WRONG, see below)" };
-            row(f, name, format!("{formula}: {kind}{wrong}; {shape}"))?;
+        for invariant in &self.invariants {
+            let kind = if invariant.claimed_casimir { "Casimir" } else { "energy" };
+            let status = match invariant.status() {
+                Status::Refuted => "WRONG, see below",
+                status => status.name(),
+            };
+            let (formula, shape) = (invariant.formula, &invariant.shape);
+            row(f, invariant.name, format!("{formula}: {kind} ({status}); {shape}"))?;
         }
         Ok(())
     }
 
     fn write_casimirs(&self, f: &mut Formatter<'_>) -> Result {
-        let Casimirs { found, definite, quadratic_sought } = &self.casimirs;
+        let Casimirs { found, nearly, complete, definite, quadratic_sought } = &self.casimirs;
         let sought = if *quadratic_sought { "linear or quadratic" } else { "linear" };
-        let none = if found.is_empty() { " none" } else { "" };
-        writeln!(f, "  Casimirs of B, {sought}:{none}")?;
+        let none = match (found.is_empty(), complete) {
+            (true, Status::Shown) => " none (shown)",
+            (true, _) => " none found",
+            _ => "",
+        };
+        writeln!(f, "  Casimirs of B, {sought}, coefficients to six digits:{none}")?;
         for casimir in found {
             let (formula, degree, minimum) = (&casimir.formula, casimir.degree, casimir.minimum);
-            writeln!(f, "    {formula}; degree {degree}, m = {minimum}")?;
+            let known = &casimir.casimir;
+            writeln!(f, "    {formula}; degree {degree}, m = {minimum}; B∇C = 0 {known}")?;
+        }
+        for casimir in nearly {
+            let is = if casimir.casimir.refuted() { "not" } else { "perhaps" };
+            writeln!(f, "    {is} {}: B∇C has {}", casimir.formula, casimir.casimir)?;
         }
         match definite {
             Some(sum) if found.len() > 1 => {
@@ -219,7 +289,6 @@ impl Inspection {
         for theorem in &self.theorems {
             let applies = match theorem.applies {
                 Applies::Yes => "yes",
-                Applies::InDomain => "in the domain",
                 Applies::Conditionally => "conditional",
                 Applies::No => "no",
             };
@@ -227,13 +296,24 @@ impl Inspection {
             writeln!(f, "                 {}", theorem.because)?;
         }
         let orders = self.orders.iter();
-        let orders = orders.map(|o| format!("{} {} / {}", o.scheme, o.strong, o.weak));
+        let orders = orders.map(|o| {
+            let known = match o.known {
+                Status::Shown => "",
+                Status::Found => " (found)",
+                _ => " at least",
+            };
+            format!("{} {}{known} / {}", o.scheme, o.strong, o.weak)
+        });
         let orders: Vec<String> = orders.collect();
+        let Recommendation { scheme, because } = self.recommended;
         writeln!(f, "Expected orders, strong / weak\n  {}", orders.join(",  "))?;
+        writeln!(f, "Take {scheme}: {because}")?;
         let step = |k| format!("{:.1e} for k = {k}", self.solvability.largest_step(k));
         writeln!(
             f,
-            "Implicit steps of sexp with {} are contractions, C(k, τ) < 1, for τ below\n  {}",
+            "Implicit steps of sexp are contractions, C(k, τ) < 1, for τ below\n  {2}\n  \
+             by the largest norms found at {0} points with {1}",
+            self.solvability.points,
             self.solvability.region,
             [1, 2, 4].map(step).join(", ")
         )
@@ -242,9 +322,45 @@ impl Inspection {
 
 impl Display for Finding {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        write!(f, "relative defect {:.1e} at {:.3?}", self.defect, self.at)
+        let Self { status, defect, round_off, at, points, .. } = self;
+        match status {
+            Status::Shown if self.points == 0 => write!(f, "shown"),
+            Status::Shown => write!(f, "shown, to {round_off:.0e}"),
+            Status::Found => write!(f, "found at {points} points, to {round_off:.0e}"),
+            Status::Unknown => write!(f, "too much round-off, {round_off:.0e}, at {at:.3?}"),
+            Status::Refuted => {
+                write!(f, "defect {defect:.1e} at {at:.3?}, round-off {round_off:.0e}")
+            }
+        }
     }
 }
+
+impl Display for DampingIntegral {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Self { agrees, defect, relative, at, given, expected, rough, .. } = self;
+        let missed = self.resolution;
+        if agrees.holds() {
+            write!(
+                f,
+                "rate and integral agree to {relative:.0e}, pulses below {missed:.0e} aside"
+            )?;
+        } else {
+            write!(f, "rate and integral DISAGREE by {defect:.1e} in a step from t = {at:.4} on")?;
+            let rough = if *rough > 0 { ", and the rate jumps or has pulses" } else { "" };
+            write!(f, "{LINE}∫₀ᵀγ = {given:.6} in 1024 steps, {expected:.6} by quadrature{rough}")?;
+        }
+        match self.longest_step {
+            Some(step) if step < self.t_end => {
+                write!(f, "{LINE}and to 1e-6 for steps of {step:.2e}, and of halves of it")
+            }
+            Some(_) => Ok(()),
+            None => write!(f, "{LINE}and not to 1e-6 for steps of T/1024"),
+        }
+    }
+}
+
+/// The next line of a row.
+const LINE: &str = "\n           ";
 
 /// A property with its label.
 fn row(f: &mut Formatter<'_>, label: &str, text: impl Display) -> Result {
@@ -262,39 +378,48 @@ impl Display for Region {
 
 impl Display for Structure {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        if !self.linear.holds {
+        let Self { linear, skew, constant, jacobi } = self;
+        if linear.refuted() {
             return write!(f, "structure(y, v) is NOT linear in v, see below");
         }
-        let skew = if self.skew.holds { "skew-symmetric" } else { "NOT skew-symmetric, see below" };
-        let constant = if self.constant.holds { "constant" } else { "depends on y" };
-        write!(f, "{skew}; {constant}; ")?;
-        if self.jacobi.holds {
-            write!(f, "a Poisson structure (Jacobi identity holds)")
-        } else {
-            let defect = self.jacobi.defect;
-            write!(f, "no Poisson structure (Jacobi identity has defect {defect:.1e}), not needed")
-        }
+        let is = |finding: &Finding, yes: &str, no: &str| match finding.status {
+            Status::Refuted => format!("{no} ({finding})"),
+            Status::Unknown => format!("{yes}? ({finding})"),
+            _ => format!("{yes} ({finding})"),
+        };
+        writeln!(f, "{}", is(skew, "skew-symmetric", "NOT skew-symmetric, see below"))?;
+        let constant = match constant.status {
+            Status::Refuted => "depends on y".to_owned(),
+            _ => is(constant, "constant", ""),
+        };
+        let jacobi = is(jacobi, "Jacobi identity", "no Jacobi identity, not needed");
+        write!(f, "           {constant}; {jacobi}")
     }
 }
 
 impl Display for Minimum {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Self { value, positive, in_domain_only } = *self;
-        // A small value may be round-off.
-        let value = if value.abs() < 1e-6 { 0.0 } else { value };
-        let positive = if positive { " > 0" } else { "" };
+        let Self { value, error, positive, in_domain_only } = *self;
         let domain = if in_domain_only { " on the domain" } else { "" };
-        write!(f, "{value:.4}{positive}{domain}")
+        match positive {
+            Status::Unknown if value.abs() <= error => write!(f, "0 to {error:.0e}")?,
+            Status::Unknown => write!(f, "{value:.1e}, sign cannot be told")?,
+            Status::Refuted => write!(f, "{value:.4e}")?,
+            status => write!(f, "{value:.4e} > 0 ({})", status.name())?,
+        }
+        f.write_str(domain)
     }
 }
 
 impl Display for Shape {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        f.write_str(self.kind.name())?;
-        if let Some(degree) = self.degree {
-            let separator = if self.kind == Kind::Homogeneous { " of" } else { "," };
+        let Self { kind, degree, homogeneous, minimum, .. } = self;
+        f.write_str(kind.name())?;
+        if let Some(degree) = degree {
+            let separator = if *kind == Kind::Homogeneous { " of" } else { "," };
             write!(f, "{separator} degree {degree}")?;
         }
-        self.minimum.map_or(Ok(()), |minimum| write!(f, ", m = {minimum}"))
+        write!(f, " ({homogeneous})")?;
+        minimum.map_or(Ok(()), |minimum| write!(f, ", m = {minimum}"))
     }
 }

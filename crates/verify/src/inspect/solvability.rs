@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{
-    algebra::{norm, spectral_norm},
+    algebra::{Matrix, matrix_values, norm, spectral_norm, values},
     erased::{Function, System},
     points::{Points, Region},
 };
@@ -12,12 +12,14 @@ use super::{
 ///
 /// C(k, τ) = τ(½‖B′‖‖∇H₀‖ + ‖B‖‖∇²H₀‖) + √(2kτ|log τ|) Σₘ (½‖B′‖‖∇Hₘ‖ + ‖B‖‖∇²Hₘ‖),
 ///
-/// each the largest over the points of the inspection. For C(k, τ) < 1 the step has exactly one
-/// solution (solvability lemma of the paper).
+/// each the largest over the points, hence found by search: a supremum may be larger. For C(k, τ) <
+/// 1 the step has exactly one solution (solvability lemma of the paper).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Solvability {
     /// The region of the points.
     pub region: Region,
+    /// The number of points.
+    pub points: usize,
     /// ‖B‖.
     pub structure: f64,
     /// A bound of ‖B′‖ = max ‖Σ v_l ∂_l B‖ over unit vectors v: the root of ‖Σ_l (∂_l B)ᵀ∂_l B‖.
@@ -39,10 +41,14 @@ impl Solvability {
         };
         Self {
             region: points.region.clone(),
-            structure: supremum(&|y| spectral_norm(&system.matrix(y))),
-            structure_slope: supremum(&|y| spectral_norm(&system.matrix_derivatives(y).concat())),
-            gradients: norms(&|h, y| norm(&h.gradient(y))),
-            hessians: norms(&|h, y| spectral_norm(&h.hessian(y))),
+            points: points.for_suprema.len(),
+            structure: supremum(&|y| spectral_norm(&matrix_values(&system.matrix(y)))),
+            structure_slope: supremum(&|y| {
+                let slopes: Matrix<_> = system.matrix_derivatives(y).concat();
+                spectral_norm(&matrix_values(&slopes))
+            }),
+            gradients: norms(&|h, y| norm(&values(&h.gradient(y)))),
+            hessians: norms(&|h, y| spectral_norm(&matrix_values(&h.hessian(y)))),
         }
     }
 
@@ -81,6 +87,7 @@ mod tests {
     fn the_largest_step_solves_the_equation() {
         let pendulum = Solvability {
             region: Region::Ball(1.0),
+            points: 1,
             structure: 1.0,
             structure_slope: 0.0,
             gradients: vec![9.0; 2],

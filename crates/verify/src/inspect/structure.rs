@@ -1,12 +1,13 @@
 //! B(y): skew symmetry, constancy, the Jacobi identity.
 
+use real::Bounded;
 use serde::Serialize;
 
 use super::{
-    algebra::{Matrix, largest, times},
+    algebra::{Matrix, largest, matrix_values, times},
     erased::System,
-    finding::Finding,
-    points::{Points, Random},
+    finding::{Finding, Status},
+    points::{Points, Purpose, Random},
 };
 
 /// Properties of the structure matrix B(y).
@@ -27,30 +28,44 @@ impl Structure {
     pub(super) fn of(system: &dyn System, points: &Points) -> Self {
         let mut found = Self::default();
         let d = system.dimension();
-        let mut random = Random::new();
+        let mut random = Random::new(Purpose::Vectors);
         for y in &points.for_identities {
             let (b, derivatives) = (system.matrix(y), system.matrix_derivatives(y));
-            let size = largest(b.iter().flatten());
-            let v: Vec<f64> = (0..d).map(|_| 3.0 * random.uniform()).collect();
-            found.linear.compare(&system.structure(y, &v), &times(&b, &v), size * d as f64, y);
-            let slope = largest(&derivatives.concat().concat());
-            found.constant.record(slope * largest(y), size, y);
+            let v: Vec<_> = (0..d).map(|_| Bounded::variable(3.0 * random.uniform())).collect();
+            found.linear.compare(&system.structure(y, &v), &times(&b, &v), y);
+            let scale = largest(&matrix_values(&b).concat())
+                * largest(&matrix_values(&derivatives.concat()).concat());
             for i in 0..d {
                 for j in 0..=i {
+                    let size = b[i][j].value.abs() + b[j][i].value.abs();
                     found.skew.record(b[i][j] + b[j][i], size, y);
                 }
+                for j in 0..d {
+                    for slope in &derivatives {
+                        found.constant.record(slope[i][j], b[i][j].value.abs(), y);
+                    }
+                }
                 for (j, k) in (0..i).flat_map(|j| (0..j).map(move |k| (j, k))) {
-                    let defect = jacobiator(&b, &derivatives, [i, j, k]);
-                    found.jacobi.record(defect, size * slope * d as f64, y);
+                    found.jacobi.record(jacobiator(&b, &derivatives, [i, j, k]), scale, y);
                 }
             }
         }
         found
     }
+
+    /// How it is known that B(y)v is linear in v and B skew-symmetric.
+    pub(super) fn sound(&self) -> Status {
+        self.linear.status.min(self.skew.status)
+    }
 }
 
 /// Σ_l Bᵢ_l ∂_l Bⱼₖ + Bⱼ_l ∂_l Bₖᵢ + Bₖ_l ∂_l Bᵢⱼ.
-fn jacobiator(b: &Matrix, derivatives: &[Matrix], [i, j, k]: [usize; 3]) -> f64 {
-    let term = |(l, d): (usize, &Matrix)| b[i][l] * d[j][k] + b[j][l] * d[k][i] + b[k][l] * d[i][j];
-    derivatives.iter().enumerate().map(term).sum()
+fn jacobiator(
+    b: &Matrix<Bounded>,
+    derivatives: &[Matrix<Bounded>],
+    [i, j, k]: [usize; 3],
+) -> Bounded {
+    derivatives.iter().enumerate().fold(Bounded::exact(0.0), |sum, (l, d)| {
+        sum + b[i][l] * d[j][k] + b[j][l] * d[k][i] + b[k][l] * d[i][j]
+    })
 }

@@ -1,21 +1,25 @@
-//! Which statements of the paper apply, and the orders that theory predicts for each scheme.
+//! Which statements of the paper apply, the orders that theory predicts, and a scheme to take.
 
 use serde::Serialize;
 
 use super::{
-    casimirs::Casimirs, hamiltonian::Hamiltonians, invariants::ClaimedInvariant, noises::Noises,
-    problem::Bound, structure::Structure,
+    casimirs::Casimirs,
+    finding::{Finding, Status},
+    hamiltonian::Hamiltonians,
+    invariants::ClaimedInvariant,
+    noises::Noises,
+    problem::Bound,
+    structure::Structure,
 };
 
 /// Whether a statement of the paper applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Applies {
-    /// It applies.
+    /// It applies: its assumptions were shown.
     Yes,
-    /// It applies as long as a path stays in the domain of the system.
-    InDomain,
-    /// It applies under a condition that points cannot decide; the reason names it.
+    /// It applies if what was found at points holds everywhere, or under a condition that points
+    /// cannot decide; the reason names it.
     Conditionally,
     /// It does not apply.
     No,
@@ -39,25 +43,82 @@ pub struct Theorem {
 pub struct ExpectedOrder {
     /// The identifier of the scheme.
     pub scheme: &'static str,
-    /// Strong order.
+    /// Strong order; of an unknown one, the least.
     pub strong: f64,
     /// Weak order.
     pub weak: f64,
+    /// How the strong order is known: `Found` where noises were found to commute at the points.
+    pub known: Status,
+}
+
+/// A scheme to take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Recommendation {
+    /// Its identifier.
+    pub scheme: &'static str,
+    /// Why.
+    pub because: &'static str,
 }
 
 /// Orders of the schemes of this workspace. Strong order one takes Lévy areas where noises do not
 /// commute, and the terms ½ΔWₘΔW_l fₘ′f_l, which `em` leaves out, where they are not zero.
 pub fn orders(noises: &Noises) -> Vec<ExpectedOrder> {
-    let one_if = |condition| if condition { 1.0 } else { 0.5 };
-    let without_areas = one_if(noises.commute.holds);
+    // A counterexample shows that the order is ½.
+    let one_if = |finding: &Finding| match finding.status {
+        Status::Refuted => (0.5, Status::Shown),
+        Status::Unknown => (0.5, Status::Unknown),
+        holds => (1.0, holds),
+    };
+    let without_areas = one_if(&noises.commute);
     let orders = [
         ("sexp", without_areas),
-        ("sexp-levy", 1.0),
+        ("sexp-levy", (1.0, Status::Shown)),
         ("midpoint", without_areas),
         ("heun", without_areas),
-        ("em", one_if(noises.no_correction.holds)),
+        ("em", one_if(&noises.no_correction)),
     ];
-    orders.map(|(scheme, strong)| ExpectedOrder { scheme, strong, weak: 1.0 }).into()
+    orders
+        .map(|(scheme, (strong, known))| ExpectedOrder { scheme, strong, weak: 1.0, known })
+        .into()
+}
+
+/// What to take for paths: `sexp` keeps what there is to keep, `heun` costs least, and areas are
+/// needed unless noises commute.
+pub fn recommendation(
+    structure: &Structure,
+    hamiltonians: &Hamiltonians,
+    casimirs: &Casimirs,
+    noises: &Noises,
+) -> Recommendation {
+    let energy = hamiltonians.proportional.as_ref().is_some_and(Finding::holds)
+        && hamiltonians.shapes[0].degree.is_some();
+    let keeps = structure.sound().holds() && (energy || !casimirs.found.is_empty());
+    let (scheme, because) = match (noises.commute.status, keeps) {
+        (Status::Refuted, _) => {
+            ("sexp-levy", "noises do not commute; for expectations sexp will do, without areas")
+        }
+        (Status::Unknown, _) => ("sexp-levy", "strong order 1 whether noises commute or not"),
+        (_, true) => ("sexp", "it keeps what the damped equation keeps"),
+        (_, false) => ("heun", "explicit, of strong order 1; nothing was found for sexp to keep"),
+    };
+    Recommendation { scheme, because }
+}
+
+/// What a statement that needs this takes.
+fn applies(status: Status) -> Applies {
+    match status {
+        Status::Shown => Applies::Yes,
+        Status::Found | Status::Unknown => Applies::Conditionally,
+        Status::Refuted => Applies::No,
+    }
+}
+
+/// `text`, and how it is known.
+fn known(text: &str, status: Status) -> String {
+    match status {
+        Status::Refuted => text.to_owned(),
+        _ => format!("{text} ({})", status.name()),
+    }
 }
 
 /// The statements of the paper for a system with these properties.
@@ -68,45 +129,87 @@ pub fn theorems(
     invariants: &[ClaimedInvariant],
     bound: Option<&Bound>,
 ) -> Vec<Theorem> {
-    use Applies::{Conditionally, InDomain, No, Yes};
+    use Applies::{Conditionally, No, Yes};
     let noises = hamiltonians.shapes.len() - 1;
     let energy_degree = hamiltonians.noise_size.and(hamiltonians.shapes[0].degree);
-    let casimir = invariants.iter().any(|i| i.claimed_casimir && i.mistakes.is_empty());
-    let formulas: Vec<&str> = casimirs.found.iter().map(|c| c.formula.as_str()).collect();
-
-    let conformal = if casimir || !formulas.is_empty() || energy_degree.is_some() {
-        (Yes, "there is one".into())
-    } else {
-        (No, "no homogeneous Casimir or energy was found".into())
+    let energy_known = hamiltonians
+        .proportional
+        .as_ref()
+        .map_or(Status::Refuted, |finding| finding.status)
+        .min(hamiltonians.shapes[0].homogeneous.status);
+    // Whether there is another Casimir where none was found.
+    let none = |what: &str| match casimirs.complete {
+        Status::Shown => (No, format!("no {what}")),
+        _ => (Conditionally, format!("cannot tell whether there is a {what}")),
     };
-    let casimir = if formulas.is_empty() {
-        (No, "B has no linear or quadratic Casimir".into())
-    } else {
-        (Yes, formulas.join("; "))
+
+    let mut laws: Vec<(String, Status)> = invariants
+        .iter()
+        .filter(|i| i.claimed_casimir && i.status().holds())
+        .map(|i| (i.name.to_owned(), i.status()))
+        .collect();
+    let listed: Vec<(String, Status)> =
+        casimirs.found.iter().map(|c| (c.formula.clone(), c.casimir.status)).collect();
+    laws.extend(listed.iter().cloned());
+    if energy_degree.is_some() && energy_known.holds() {
+        laws.push(("H₀".into(), energy_known));
+    }
+    let each = |laws: &[(String, Status)]| {
+        let worst = laws.iter().map(|(_, status)| *status).min().unwrap_or(Status::Unknown);
+        let texts: Vec<String> = laws.iter().map(|(law, status)| known(law, *status)).collect();
+        (applies(worst), texts.join("; "))
+    };
+    let conformal = match laws.as_slice() {
+        [] => {
+            let (applies, text) = none("linear or quadratic Casimir");
+            (applies, format!("{text}, no homogeneous energy and no true claim was found"))
+        }
+        laws => each(laws),
+    };
+    let casimir = match listed.as_slice() {
+        [] => none("linear or quadratic Casimir of B"),
+        listed => each(listed),
     };
     let energy = match (hamiltonians.noise_size, energy_degree) {
-        (Some(c), Some(p)) if hamiltonians.discrete_gradient.holds => {
-            (Yes, format!("H₁ = {c} H₀, H₀ is homogeneous of degree {p}, and ∇̄h is exact"))
+        (Some(c), Some(p)) if hamiltonians.discrete_gradient.holds() => {
+            let status = energy_known.min(hamiltonians.discrete_gradient.status);
+            let law = format!("H₁ = {c} H₀, H₀ is homogeneous of degree {p}, and ∇̄h is exact");
+            (applies(status), known(&law, status))
         }
         (Some(_), Some(_)) => {
             (Conditionally, "up to the error of ∇̄h; take more nodes or a closed form".into())
         }
-        (Some(_), None) => (No, "H₀ is not homogeneous".into()),
-        (None, _) => (No, "there is not one noise with H₁ = c H₀".into()),
+        (Some(_), None) if energy_known == Status::Refuted => (No, "H₀ is not homogeneous".into()),
+        (None, _) if energy_known == Status::Refuted => {
+            (No, "there is not one noise with H₁ = c H₀".into())
+        }
+        _ => (Conditionally, "cannot tell whether H₁ = c H₀ with a homogeneous H₀".into()),
     };
     let bounded = match bound {
-        Some(Bound { function, minimum, .. }) => (
-            if minimum.in_domain_only { InDomain } else { Yes },
-            format!("m({function}) = {minimum}"),
-        ),
+        Some(Bound { function, minimum, status, .. }) if minimum.in_domain_only => {
+            let condition = "while paths stay in the domain, on which it is positive";
+            (Conditionally, known(&format!("m({function}) = {minimum} {condition}"), *status))
+        }
+        Some(Bound { function, minimum, status, .. }) => {
+            (applies(*status), format!("m({function}) = {minimum}"))
+        }
         None => (No, "found no linear or quadratic Casimir or energy with m(F) > 0".into()),
     };
-    let constant_hessians = hamiltonians.shapes.iter().all(|shape| shape.constant_hessian);
-    let (solvable, condition) = match (structure.constant.holds, bounded.0) {
-        (true, _) if constant_hessians => (Yes, "B and the Hessians are constant"),
-        (true, _) => (Conditionally, "if the second derivatives of all Hamiltonians are bounded"),
-        (false, No) => (Conditionally, "if paths stay in the region of the points"),
-        (false, _) => (Conditionally, "in the ball of the moment bound"),
+    let constant = hamiltonians
+        .shapes
+        .iter()
+        .map(|shape| shape.constant_hessian.status)
+        .fold(structure.constant.status, Status::min);
+    let (solvable, condition) = match (structure.constant.holds(), bounded.0) {
+        (true, _) if constant.holds() => {
+            (applies(constant), known("B and the Hessians are constant", constant))
+        }
+        (true, _) => {
+            let condition = "if the second derivatives of all Hamiltonians are bounded";
+            (Conditionally, condition.into())
+        }
+        (false, No) => (Conditionally, "if paths stay in the region of the points".into()),
+        (false, _) => (Conditionally, "in the ball of the moment bound".into()),
     };
     // The paper assumes that exact and numerical paths are bounded.
     let orders = match bounded.0 {
@@ -119,10 +222,15 @@ pub fn theorems(
         ("strong-one", "strong order 1 of sexp (k ≥ 2)")
     };
 
-    let skew = structure.skew.holds && structure.linear.holds;
+    let sound = structure.sound();
     let theorem = |(statement, says, (applies, because))| {
-        let (applies, because) =
-            if skew { (applies, because) } else { (No, "B is not skew-symmetric".into()) };
+        let (applies, because) = match (sound, applies) {
+            (Status::Refuted, _) => (No, "B is not skew-symmetric".into()),
+            (Status::Found | Status::Unknown, Yes) => {
+                (Conditionally, format!("{because}; B is skew-symmetric ({})", sound.name()))
+            }
+            _ => (applies, because),
+        };
         Theorem { statement, says, applies, because }
     };
     let theorems = [
@@ -145,7 +253,7 @@ pub fn theorems(
         (
             "solvability",
             "an implicit step below a known size has exactly one solution",
-            (solvable, condition.into()),
+            (solvable, condition),
         ),
         (strong, strong_order, orders.clone()),
         ("weak-one", "weak order 1 of sexp (k ≥ 2)", orders),

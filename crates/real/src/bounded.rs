@@ -1,0 +1,250 @@
+//! Numbers that carry a bound of their rounding error, and the degree of the polynomial that they
+//! are values of.
+
+use std::cell::Cell;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::Real;
+
+/// A value with a bound of its rounding error, by running error analysis (Wilkinson 1986; Higham
+/// 2002, section 3.3): |computed − exact| ≤ `error`, to first order in the unit round-off u.
+///
+/// A formula over `Bounded` bounds its own round-off, component by component, with the cancellations
+/// that happen in it; over `Dual<Bounded>` that of its derivatives. So an identity is refuted where
+/// its defect exceeds the bound, whatever the sizes of other terms.
+///
+/// A constant of a formula counts as accurate to 8u: it is the result of a few operations. The
+/// value also knows a bound of its degree as a polynomial in the variables.
+///
+/// ```
+/// use real::{Bounded, Real};
+///
+/// let x = Bounded::variable(1.0 / 3.0);
+/// let identity = (x + 1.0) * (x - 1.0) - (x * x - 1.0);
+/// assert!(identity.value.abs() <= identity.error && identity.error < 1e-14);
+/// assert_eq!((identity.degree, x.exp().degree), (2.0, f64::INFINITY));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounded {
+    /// The value.
+    pub value: f64,
+    /// A bound of its rounding error.
+    pub error: f64,
+    /// A bound of the degree as a polynomial in the variables; infinite for what is none.
+    pub degree: f64,
+}
+
+/// The unit round-off.
+const U: f64 = 0.5 * f64::EPSILON;
+/// Relative error of a constant.
+const CONSTANT: f64 = 8.0 * U;
+/// Relative error of an elementary function: at most 2 ulp, see [`elementary`](crate::elementary).
+const FUNCTION: f64 = 4.0 * U;
+
+thread_local! {
+    static PIECES: Cell<bool> = const { Cell::new(false) };
+}
+
+impl Bounded {
+    /// A variable: exact, of degree 1.
+    #[must_use]
+    pub fn variable(value: f64) -> Self {
+        Self { value, error: 0.0, degree: 1.0 }
+    }
+
+    /// A number without error.
+    #[must_use]
+    pub fn exact(value: f64) -> Self {
+        Self { value, error: 0.0, degree: 0.0 }
+    }
+
+    /// |x|.
+    #[must_use]
+    pub fn abs(self) -> Self {
+        Self { value: self.value.abs(), ..self }
+    }
+
+    /// Evaluates `formula` and says whether it may be made of pieces: it took a square root, which
+    /// √x² = |x| is, or looked at a value, as a condition does. Otherwise it is analytic.
+    pub fn piecewise<T>(formula: impl FnOnce() -> T) -> (T, bool) {
+        PIECES.set(false);
+        let result = formula();
+        (result, PIECES.get())
+    }
+
+    fn rounded(value: f64, error: f64, degree: f64) -> Self {
+        Self { value, error: error + U * value.abs(), degree }
+    }
+
+    /// An elementary function with this value and propagated error.
+    fn function(self, value: f64, error: f64) -> Self {
+        let degree = if self.degree == 0.0 { 0.0 } else { f64::INFINITY };
+        Self { value, error: error + FUNCTION * value.abs(), degree }
+    }
+}
+
+impl Add for Bounded {
+    type Output = Self;
+    fn add(self, b: Self) -> Self {
+        Self::rounded(self.value + b.value, self.error + b.error, self.degree.max(b.degree))
+    }
+}
+
+impl Sub for Bounded {
+    type Output = Self;
+    fn sub(self, b: Self) -> Self {
+        self + -b
+    }
+}
+
+impl Mul for Bounded {
+    type Output = Self;
+    fn mul(self, b: Self) -> Self {
+        let error = self.value.abs() * b.error + (b.value.abs() + b.error) * self.error;
+        Self::rounded(self.value * b.value, error, self.degree + b.degree)
+    }
+}
+
+impl Div for Bounded {
+    type Output = Self;
+    fn div(self, b: Self) -> Self {
+        let value = self.value / b.value;
+        // Not by a number that may be zero.
+        let least = (b.value.abs() - b.error).max(0.0);
+        let error = (self.error + value.abs() * b.error) / least;
+        let degree = if b.degree == 0.0 { self.degree } else { f64::INFINITY };
+        Self::rounded(value, error, degree)
+    }
+}
+
+impl Neg for Bounded {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self { value: -self.value, ..self }
+    }
+}
+
+impl Add<f64> for Bounded {
+    type Output = Self;
+    fn add(self, b: f64) -> Self {
+        self + Self::constant(b)
+    }
+}
+
+impl Sub<f64> for Bounded {
+    type Output = Self;
+    fn sub(self, b: f64) -> Self {
+        self - Self::constant(b)
+    }
+}
+
+impl Mul<f64> for Bounded {
+    type Output = Self;
+    fn mul(self, b: f64) -> Self {
+        self * Self::constant(b)
+    }
+}
+
+impl Div<f64> for Bounded {
+    type Output = Self;
+    fn div(self, b: f64) -> Self {
+        self / Self::constant(b)
+    }
+}
+
+impl Real for Bounded {
+    fn constant(x: f64) -> Self {
+        Self { value: x, error: CONSTANT * x.abs(), degree: 0.0 }
+    }
+    fn value(self) -> f64 {
+        PIECES.set(true);
+        self.value
+    }
+    fn sin_cos(self) -> (Self, Self) {
+        let (sin, cos) = self.value.sin_cos();
+        (self.function(sin, self.error), self.function(cos, self.error))
+    }
+    fn exp(self) -> Self {
+        let value = Real::exp(self.value);
+        // e^x(e^δ − 1) ≤ e^x δ(1 + δ) for δ ≤ 1.
+        let error = if self.error <= 1.0 { self.error * (1.0 + self.error) } else { f64::INFINITY };
+        self.function(value, value * error)
+    }
+    fn ln(self) -> Self {
+        let least = (self.value - self.error).max(0.0);
+        self.function(Real::ln(self.value), self.error / least)
+    }
+    fn sqrt(self) -> Self {
+        PIECES.set(true);
+        let root = self.value.sqrt();
+        let least = (self.value - self.error).max(0.0).sqrt();
+        let error = if self.error > 0.0 { self.error / (root + least) } else { 0.0 };
+        self.function(root, error)
+    }
+    fn sinc(self) -> Self {
+        // |sinc′| < ½.
+        self.function(Real::sinc(self.value), 0.5 * self.error)
+    }
+    fn select(condition: bool, a: Self, b: Self) -> Self {
+        if condition { a } else { b }
+    }
+    fn one() -> Self {
+        Self::exact(1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Dual;
+
+    /// (x + 1)ⁿ − Σ (n k) xᵏ = 0, which rounds.
+    fn binomial<R: Real>(x: R, n: i32) -> R {
+        let (mut sum, mut coefficient) = (R::zero(), 1.0);
+        for k in 0..=n {
+            sum = sum + x.powi(k) * coefficient;
+            coefficient *= f64::from(n - k) / f64::from(k + 1);
+        }
+        (x + 1.0).powi(n) - sum
+    }
+
+    #[test]
+    fn round_off_is_bounded_and_a_defect_is_not() {
+        for n in 1..200 {
+            let x = -3.0 + 0.031 * f64::from(n);
+            let zero = binomial(Bounded::variable(x), 7);
+            assert!(zero.value.abs() <= zero.error, "{x}: {zero:?}");
+            let slope = binomial(Dual::variable(Bounded::variable(x)), 7).derivative;
+            assert!(slope.value.abs() <= slope.error, "{x}: {slope:?}");
+            assert_eq!((zero.degree, slope.degree), (7.0, 7.0));
+            // sin² + cos² = 1, e^{ln x} = x, and (1 + 1e-10) of it.
+            let y = Bounded::variable(x.abs() + 0.1);
+            let circle = y.sin() * y.sin() + y.cos() * y.cos() - 1.0;
+            let inverse = y.ln().exp() - y;
+            let root = y.sqrt() * y.sqrt() - y;
+            let quotient = y / (y * y + 1.0) - (y + y.recip()).recip();
+            for zero in [circle, inverse, root, quotient] {
+                assert!(zero.value.abs() <= zero.error, "{x}: {zero:?}");
+                assert!(zero.error < 1e-13 && zero.degree == f64::INFINITY);
+            }
+            let wrong = y.ln().exp() - y * (1.0 + 1e-12);
+            assert!(wrong.value.abs() > wrong.error, "{x}: {wrong:?}");
+        }
+    }
+
+    #[test]
+    fn pieces_are_seen() {
+        let piecewise =
+            |f: fn(Bounded) -> Bounded| Bounded::piecewise(|| f(Bounded::variable(0.3))).1;
+        assert!(piecewise(|x| Bounded::select(x.value() > 1.0, x, -x)));
+        assert!(piecewise(|x| (x * x).sqrt()));
+        assert!(!piecewise(|x| (x * x + x.exp()).sin() / x));
+    }
+
+    #[test]
+    fn a_number_that_may_be_zero_has_no_bounded_inverse() {
+        let x = Bounded::variable(0.1) * 3.0 - 0.3;
+        assert!(x.value.abs() <= x.error);
+        assert!(!(Bounded::one() / x).error.is_finite());
+    }
+}

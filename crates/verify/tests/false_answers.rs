@@ -1,0 +1,177 @@
+//! What `inspect` once said falsely, each with what it must not say again.
+
+use real::Real;
+use systems::{Constant, Damping, DampingFunction, PoissonSystem, Problem};
+use verify::inspect::{Applies, Status};
+use verify::{inspect, inspect_problem};
+
+#[derive(Clone, Copy, PartialEq)]
+enum Case {
+    /// so(3) noises y₁ and y₂ of size one, and a pair (q, p) that they turn at the rate 1e7.
+    StiffBlock,
+    /// A defect of 1e-10 in so(3), skew.
+    NoCasimir,
+    /// A skew defect of 1e-9 beside an entry of 1e4.
+    NotSkew,
+    /// H + 1e6 with a quartic H and the midpoint as ∇̄h.
+    Offset,
+}
+
+impl PoissonSystem<5, 2> for Case {
+    fn name(&self) -> &'static str {
+        "once false"
+    }
+    fn structure<R: Real>(&self, y: [R; 5], v: [R; 5]) -> [R; 5] {
+        let mut result = [
+            y[1] * v[2] - y[2] * v[1],
+            y[2] * v[0] - y[0] * v[2],
+            y[0] * v[1] - y[1] * v[0],
+            v[4],
+            -v[3],
+        ];
+        match self {
+            Self::NoCasimir => {
+                result[0] = result[0] + y[0] * y[0] * v[1] * 1e-10;
+                result[1] = result[1] - y[0] * y[0] * v[0] * 1e-10;
+            }
+            Self::NotSkew => {
+                result[0] = result[0] + v[1] * 1e4;
+                result[1] = result[1] - v[0] * 1e4;
+                result[3] = result[3] + v[0] * 1e-9;
+            }
+            _ => {}
+        }
+        result
+    }
+    fn energy<R: Real>(&self, y: [R; 5], dt: f64, dw: [f64; 2]) -> R {
+        let square = |i: usize| y[i] * y[i] * 0.5;
+        let oscillator = square(3) + square(4);
+        let h = match self {
+            Self::Offset => oscillator + y[3].powi(4) * 0.25 + 1e6,
+            _ => oscillator + square(0) * 2.0 + square(1) + square(2) * 0.5,
+        };
+        let rate = if *self == Self::StiffBlock { 1e7 } else { 1.0 };
+        h * dt + (y[0] + oscillator * rate) * dw[0] + (y[1] + oscillator * rate) * dw[1]
+    }
+    fn averaged_gradient<R: Real>(&self, a: [R; 5], b: [R; 5], dt: f64, dw: [f64; 2]) -> [R; 5] {
+        self.gradient(dgrad::midpoint(a, b), dt, dw)
+    }
+}
+
+#[test]
+fn a_stiff_block_does_not_hide_that_noises_do_not_commute() {
+    let report = inspect(&Case::StiffBlock).unwrap();
+    assert_eq!(report.noise.commute.status, Status::Refuted, "{report}");
+    assert_eq!(report.order("sexp"), Some((0.5, 1.0)));
+}
+
+#[test]
+fn an_almost_casimir_is_none() {
+    let report = inspect(&Case::NoCasimir).unwrap();
+    assert!(report.casimirs.found.is_empty(), "{report}");
+    assert_eq!(report.applies("conformal-casimir"), Some(Applies::No), "{report}");
+    let defects: Vec<f64> = report.casimirs.nearly.iter().map(|c| c.casimir.defect).collect();
+    assert!(defects.iter().any(|d| (1e-11..1e-8).contains(d)), "{report}");
+    assert!(report.casimirs.nearly.iter().all(|c| c.casimir.refuted()));
+}
+
+#[test]
+fn a_small_skew_defect_beside_a_large_entry_is_seen() {
+    let skew = inspect(&Case::NotSkew).unwrap().structure.skew;
+    assert!(skew.refuted() && (skew.defect - 1e-9).abs() < 1e-15, "{skew}");
+}
+
+#[test]
+fn a_constant_in_the_energy_does_not_hide_a_wrong_average() {
+    let report = inspect(&Case::Offset).unwrap();
+    assert!(report.mistakes.iter().any(|m| m.contains("not the change of energy")), "{report}");
+}
+
+/// H₀ = |y|⁴ − 1.05(a·y)⁴ in twelve dimensions, negative in a narrow cone about a; H₁ = H₀.
+struct Unbounded([f64; 12]);
+
+impl PoissonSystem<12, 1> for Unbounded {
+    fn name(&self) -> &'static str {
+        "unbounded"
+    }
+    fn structure<R: Real>(&self, _y: [R; 12], v: [R; 12]) -> [R; 12] {
+        std::array::from_fn(|i| if i < 6 { v[i + 6] } else { -v[i - 6] })
+    }
+    fn energy<R: Real>(&self, y: [R; 12], dt: f64, dw: [f64; 1]) -> R {
+        let dot = |a: &dyn Fn(usize) -> R| (0..12).fold(R::zero(), |sum, i| sum + a(i));
+        let (size, along) = (dot(&|i| y[i] * y[i]), dot(&|i| y[i] * self.0[i]));
+        (size * size - along.powi(4) * 1.05) * (dt + dw[0])
+    }
+}
+
+#[test]
+fn a_search_is_no_proof_of_a_bound() {
+    for seed in 0..10 {
+        let a: [f64; 12] = std::array::from_fn(|i| ((seed * 12 + i) as f64 * 2.3 + 0.7).sin());
+        let length = a.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let report = inspect(&Unbounded(a.map(|x| x / length))).unwrap();
+        let minimum = report.hamiltonians.shapes[0].minimum.unwrap();
+        // m = −0.05: refuted where the search finds it, and never shown.
+        assert!(minimum.positive <= Status::Found, "{report}");
+        assert!(minimum.positive.holds() || minimum.value < 0.0);
+        assert_ne!(report.applies("moment-bound"), Some(Applies::Yes), "{report}");
+        assert!(!report.to_string().contains("yes            moment-bound"), "{report}");
+    }
+}
+
+/// A pulse of the rate `height` from `start` on, of this width, with its integral.
+struct Pulse {
+    start: f64,
+    width: f64,
+    height: f64,
+}
+
+impl Pulse {
+    fn until(&self, t: f64) -> f64 {
+        self.height * (t - self.start).clamp(0.0, self.width)
+    }
+}
+
+impl Damping for Pulse {
+    fn rate(&self, t: f64) -> f64 {
+        let inside = t >= self.start && t < self.start + self.width;
+        if inside { self.height } else { 0.0 }
+    }
+    fn integral(&self, a: f64, b: f64) -> f64 {
+        self.until(b) - self.until(a)
+    }
+    fn describe(&self) -> String {
+        "a pulse".to_owned()
+    }
+}
+
+fn integral<G: Damping>(damping: G) -> verify::inspect::DampingIntegral {
+    let problem = Problem::new(Case::Offset, damping, [1.0; 5], 1.0).unwrap();
+    inspect_problem(&problem).unwrap().problem.unwrap().integral
+}
+
+#[test]
+fn a_pulse_that_a_quadrature_misses_is_seen_and_its_integral_is_no_mistake() {
+    for (start, width) in [(0.37, 1e-4), (0.123_456, 1e-3), (0.5, 0.01), (0.6123, 0.3)] {
+        let height = 1.5 / width;
+        let right = integral(Pulse { start, width, height });
+        assert_eq!(right.agrees, Status::Found, "{start} {width}: {right}");
+        let pulse = Pulse { start, width, height };
+        let missed = integral(DampingFunction::new(move |t| pulse.rate(t), 8).unwrap());
+        assert_eq!(missed.agrees, Status::Unknown, "{start} {width}: {missed}");
+        assert!((missed.expected - 1.5).abs() < 1e-9, "{missed}");
+        assert!(missed.to_string().contains("DISAGREE"));
+    }
+}
+
+#[test]
+fn the_longest_step_of_a_quadrature_is_named() {
+    // One node on cos 20t is right to 1e-6 for short steps only; eight for much longer ones.
+    let steps = [1, 8].map(|nodes| {
+        let rate = |t: f64| 2.0 + (20.0 * t).cos();
+        integral(DampingFunction::new(rate, nodes).unwrap()).longest_step
+    });
+    assert_eq!(integral(Constant::new(2.0).unwrap()).longest_step, Some(1.0));
+    let longest = steps[1].expect("eight nodes are right");
+    assert!(steps[0].is_none_or(|step| step < longest) && longest < 1.0, "{steps:?}");
+}
