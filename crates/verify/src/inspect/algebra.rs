@@ -1,6 +1,6 @@
 //! Dense linear algebra for matrices of the size of a system.
 
-use faer::{Mat, Side, linalg::solvers::Solve};
+use nalgebra::{DMatrix, DVector};
 use real::{Bounded, Real};
 
 /// A matrix by rows.
@@ -53,8 +53,8 @@ pub fn error_norm<'a>(entries: impl IntoIterator<Item = &'a Bounded>) -> f64 {
     entries.into_iter().map(|x| x.error * x.error).sum::<f64>().sqrt()
 }
 
-fn dense(a: &Matrix) -> Mat<f64> {
-    Mat::from_fn(a.len(), a.first().map_or(0, Vec::len), |i, j| a[i][j])
+fn dense(a: &Matrix) -> DMatrix<f64> {
+    DMatrix::from_fn(a.len(), a.first().map_or(0, Vec::len), |i, j| a[i][j])
 }
 
 fn finite(a: &Matrix) -> bool {
@@ -63,17 +63,15 @@ fn finite(a: &Matrix) -> bool {
 
 /// ‖A‖₂; NaN unless A is finite.
 pub fn spectral_norm(a: &Matrix) -> f64 {
-    let singular = finite(a).then(|| dense(a).singular_values().ok()).flatten();
-    singular.map_or(f64::NAN, |values| values.first().copied().unwrap_or(0.0))
+    if finite(a) { dense(a).singular_values().max() } else { f64::NAN }
 }
 
 /// The smallest eigenvalue of a symmetric matrix; NaN unless it is finite.
 pub fn smallest_eigenvalue(a: &Matrix) -> f64 {
-    let values = finite(a).then(|| dense(a).self_adjoint_eigenvalues(Side::Lower).ok()).flatten();
-    values.and_then(|values| values.first().copied()).unwrap_or(f64::NAN)
+    if finite(a) { dense(a).symmetric_eigenvalues().min() } else { f64::NAN }
 }
 
-/// The bound of the errors of faer's decompositions of an n × m matrix, relative to its norm:
+/// The bound of the errors of the decompositions of an n × m matrix, relative to its norm:
 /// backward stable, with a modest multiple of u√(nm) (Golub and Van Loan 2013, section 8.6).
 pub fn backward_error(rows: usize, columns: usize) -> f64 {
     8.0 * f64::EPSILON * ((rows * columns) as f64).sqrt()
@@ -81,21 +79,20 @@ pub fn backward_error(rows: usize, columns: usize) -> f64 {
 
 /// x of Ax = b.
 pub fn solve(a: &Matrix, b: &[f64]) -> Vec<f64> {
-    let b = Mat::from_fn(b.len(), 1, |i, _| b[i]);
-    let x = dense(a).partial_piv_lu().solve(&b);
-    (0..a.len()).map(|i| x[(i, 0)]).collect()
+    let x = dense(a).lu().solve(&DVector::from_column_slice(b));
+    x.map_or_else(|| vec![f64::NAN; b.len()], |x| x.iter().copied().collect())
 }
 
 /// The singular values σ of A in descending order, padded by zeros, and its right singular vectors.
 pub fn singular_vectors(a: &Matrix, columns: usize) -> (Vec<f64>, Matrix) {
     let mut rows = a.clone();
     rows.resize(a.len().max(columns), vec![0.0; columns]);
-    let Some(svd) = finite(&rows).then(|| dense(&rows).thin_svd().ok()).flatten() else {
+    let svd = finite(&rows).then(|| dense(&rows).svd(false, true));
+    let Some((svd, v)) = svd.and_then(|mut svd| svd.v_t.take().map(|v| (svd, v))) else {
         return (vec![f64::NAN; columns], vec![vec![f64::NAN; columns]; columns]);
     };
-    let (sigma, v) = (svd.S().column_vector(), svd.V());
-    let vectors = (0..columns).map(|j| (0..columns).map(|i| v[(i, j)]).collect()).collect();
-    ((0..columns).map(|j| sigma[j]).collect(), vectors)
+    let sigma = svd.singular_values.iter().copied().collect();
+    (sigma, v.row_iter().map(|row| row.iter().copied().collect()).collect())
 }
 
 /// The basis of the span of the rows, which are independent, in which each vector has a 1 where all
