@@ -11,6 +11,7 @@ use super::{
     report::{Estimate, Expectation, Judged, Level, Warning},
     resolution::{Motion, coupled, is_near, unresolved},
     settings::{Coupling, Estimator, ExpectationSettings, MAX_ROUNDS},
+    tails::is_heavy,
 };
 
 /// The highest level of the pilot; the bias is judged with one more.
@@ -174,11 +175,13 @@ impl Sampler<'_> {
         biases.iter().map(|bias| self.accuracy - bias.bound.min(budget)).collect()
     }
 
-    /// Whether the half-width of a sum over the levels exceeds the one wanted.
+    /// Whether the half-width of a sum over the levels exceeds the one wanted, or is not known for
+    /// heavy tails.
     fn too_wide(&self, levels: &[Samples], half_widths: &[f64]) -> bool {
         let wide = |(k, width): (usize, &f64)| {
             let terms = self.terms(levels, k);
-            plan::half_width(plan::variance_of_sum(&terms), plan::tail_of_sum(&terms)) > *width
+            let found = plan::half_width(plan::variance_of_sum(&terms), plan::tail_of_sum(&terms));
+            found > *width || levels.iter().any(|samples| is_heavy(samples, k))
         };
         half_widths.iter().enumerate().any(wide)
     }
@@ -187,7 +190,11 @@ impl Sampler<'_> {
     fn samples(&self, levels: &[Samples], half_widths: &[f64]) -> Vec<u64> {
         let mut wanted = vec![0; levels.len()];
         for (k, &half_width) in half_widths.iter().enumerate() {
-            plan::raise(&mut wanted, &self.terms(levels, k), half_width);
+            let terms = self.terms(levels, k);
+            plan::raise(&mut wanted, &terms, half_width);
+            for (l, samples) in levels.iter().enumerate().filter(|(_, one)| is_heavy(one, k)) {
+                wanted[l] = wanted[l].max(samples.count() + BLOCK).max(terms[l].tail.enough as u64);
+            }
         }
         wanted
     }

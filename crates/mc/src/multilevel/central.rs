@@ -74,6 +74,13 @@ impl CentralMoments {
         self.count as f64 * self.m4 / (self.m2 * self.m2)
     }
 
+    /// Whether the samples have two values only: Pearson's inequality κ ≥ 1 + (skewness)² is an
+    /// equality for these and for no others.
+    pub fn is_two_valued(&self) -> bool {
+        let skewness = self.count as f64 * self.m3 * self.m3 / (self.m2 * self.m2 * self.m2);
+        (self.kurtosis() - 1.0 - skewness).abs() <= TWO_VALUED * self.kurtosis()
+    }
+
     /// The least and the largest sample; `None` without samples.
     pub fn range(&self) -> Option<(f64, f64)> {
         (self.count > 0).then_some((self.least, self.largest))
@@ -94,6 +101,8 @@ impl CentralMoments {
     }
 }
 
+/// Relative size of the rounding errors of sums of powers.
+const TWO_VALUED: f64 = 1e-9;
 /// Relative size of the rounding errors of some thousand steps.
 pub const ROUND_OFF: f64 = 4096.0 * f64::EPSILON;
 
@@ -123,6 +132,19 @@ mod tests {
             assert!((all.m3 / n / power(3) - 1.0).abs() < 1e-6, "{size}");
             assert!((all.kurtosis() / (power(4) / power(2).powi(2)) - 1.0).abs() < 1e-8, "{size}");
         }
+    }
+
+    #[test]
+    fn two_values_are_told_from_three() {
+        let of = |value: fn(u32) -> f64| {
+            let mut moments = CentralMoments::default();
+            (0..100_000).for_each(|n| moments.add(value(n)));
+            moments
+        };
+        assert!(of(|n| if n % 20_000 == 7 { 1.0 } else { 0.0 }).is_two_valued());
+        assert!(
+            !of(|n| if n % 20_000 == 7 { 1.0 } else { 0.01 * f64::from(n % 2) }).is_two_valued()
+        );
     }
 
     #[test]

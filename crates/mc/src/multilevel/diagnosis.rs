@@ -6,6 +6,7 @@ use super::{
     report::{Estimate, Judged, Level, LevelValue, Warning},
     resolution::{Unresolved, coupled, share, unresolved},
     settings::ExpectationSettings,
+    tails::is_heavy,
 };
 
 /// Largest kurtosis κ without a check of the number of samples N. The relative error of a variance
@@ -102,7 +103,12 @@ impl Evidence<'_> {
             for &Level { level, samples, ref values, .. } in reports {
                 let LevelValue { kurtosis, deviation, .. } = values[k];
                 // A NaN is no kurtosis above the limit.
-                if kurtosis > KURTOSIS_LIMIT && samples as f64 <= SAMPLES_PER_KURTOSIS * kurtosis {
+                let heavy = self.levels[..self.terms]
+                    .iter()
+                    .any(|samples| samples.level == level && is_heavy(samples, k));
+                judged.variance &= !heavy;
+                let unsure = samples as f64 <= SAMPLES_PER_KURTOSIS * kurtosis;
+                if heavy || kurtosis > KURTOSIS_LIMIT && unsure {
                     warnings.push(Warning::Kurtosis { observable, level, kurtosis });
                 }
                 if deviation > DEVIATION_LIMIT {

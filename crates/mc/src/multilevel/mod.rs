@@ -18,7 +18,8 @@
 //! - *Variance.* N/κ samples carry the variance, with the kurtosis κ. Below thirty, or where no
 //!   sample differs, the interval is widened by 3.69·R/N: without an event in N samples up to −ln
 //!   0.025 of them are expected, each no larger than R, the largest that was seen. More
-//!   samples are drawn until that fits into the accuracy. If φ is the same to the bit on every path
+//!   samples are drawn until that fits into the accuracy, and until thirty single paths carry the
+//!   variance of a φ of more than two values, whose tail may reach further. If φ is the same to the bit on every path
 //!   of a level that decides, nothing is known of R.
 //! - *Bias.* Three differences or more bound it, by one term of the expansion in τ and by two; the
 //!   observed order must not lie below ½; coarse and fine means of a level must agree.

@@ -36,7 +36,8 @@ impl Expectation {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Judged {
     /// The samples show how φ varies: it is not the same to the bit on every path of a level
-    /// ([`Warning::Constant`]).
+    /// ([`Warning::Constant`]), and thirty single paths or more carry its variance, or all events
+    /// are of one size ([`Warning::Kurtosis`]).
     pub variance: bool,
     /// Differences of three levels or more fall by an order that can be extrapolated, and the
     /// levels telescope ([`Warning::FewLevels`], [`Warning::WeakOrder`],
@@ -214,7 +215,9 @@ pub enum Warning {
     },
     /// The kurtosis is above 100 and above a sixteenth of the samples, so that the variance is not
     /// known to a quarter, nor the standard error of the level to an eighth. With a kurtosis above
-    /// a thirtieth of the samples the interval allows for [missed events](Estimate::missed).
+    /// a thirtieth of the samples the interval allows for [missed events](Estimate::missed). On
+    /// single paths that blocks [`Judged::variance`] unless φ has two values: events larger than
+    /// all that were seen may be missing.
     #[error("{observable}: kurtosis {kurtosis:.0} on level {level}, its variance is not reliable")]
     Kurtosis {
         /// Name of φ.

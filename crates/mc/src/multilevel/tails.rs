@@ -49,6 +49,15 @@ pub fn tails(levels: &[Samples], k: usize, range: f64) -> Vec<Tail> {
     levels.iter().map(tail).collect()
 }
 
+/// Whether fewer than [`EVENTS`] single paths carry the variance of test function number k, and are
+/// not of one size: larger ones may be missing, whose size is not known. φ of two values has events
+/// of one size.
+pub fn is_heavy(samples: &Samples, k: usize) -> bool {
+    let sample = &samples.values[k].sample;
+    let few = (samples.count() as f64) < EVENTS * sample.kurtosis();
+    samples.coupling.is_none() && few && !sample.is_two_valued()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
