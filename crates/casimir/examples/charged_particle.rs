@@ -66,9 +66,13 @@ fn many_paths(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
         .every(64)
         .observing("energy", |y| problem.system().energy(y, 1.0, [0.0]))
         .paths(256, key, 0..400)?;
-    for (row, t) in paths[0].times().iter().enumerate() {
-        let sum: f64 = paths.iter().filter_map(|path| path.column("energy")?.get(row)).sum();
-        println!("t = {t}: mean energy {:.3}", sum / paths.len() as f64);
+    // A path that fails ends early: each mean is of the paths that it has.
+    let times = paths.iter().map(|path| path.times()).max_by_key(|times| times.len());
+    for (row, t) in times.unwrap_or_default().iter().enumerate() {
+        let values = paths.iter().filter_map(|path| path.column("energy")?.get(row));
+        let values: Vec<f64> = values.copied().collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        println!("t = {t}: mean energy {mean:.3} of {} paths", values.len());
     }
     let file = std::env::temp_dir().join("particle.json");
     write_json(&paths, &mut std::fs::File::create(&file)?)?;

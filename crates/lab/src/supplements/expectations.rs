@@ -42,7 +42,7 @@ fn claim(estimate: &Estimate, of: &Expectation, exact: f64, statement: String) -
         quantity: format!("E[{}]", estimate.name),
         value: estimate.value,
         standard_error: estimate.standard_error,
-        bias: estimate.bias_bound,
+        bias: estimate.bias_bound + estimate.missed,
         expected: exact,
         path_steps: Some(of.cost),
         warnings: of.warnings.iter().map(ToString::to_string).collect(),

@@ -3,18 +3,24 @@
 use real::WIDTH;
 
 use super::{
-    diagnosis::{better_coarsest_steps, level_values, warnings},
+    bias::{self, BIAS_LEVELS, Bias},
+    diagnosis::{Evidence, better_coarsest_steps, level_values},
     error::MultilevelError,
-    level::{Round, Samples, Values},
-    plan::{self, BIAS_SHARE, Bias},
-    report::{Estimate, Expectation, Level, QUANTILE, Warning},
+    level::{Round, Samples, Values, hull},
+    plan::{self, BIAS_SHARE, Term},
+    report::{Estimate, Expectation, Judged, Level, Warning},
+    resolution::{Motion, coupled, is_near, unresolved},
     settings::{Coupling, Estimator, ExpectationSettings, MAX_ROUNDS},
+    tails::is_heavy,
 };
 
-/// The highest level of the pilot: two differences show how they decay.
+/// The highest level of the pilot; the bias is judged with one more.
 const PILOT_LEVEL: usize = 2;
 /// A level that is added later begins with at least this part of a pilot.
 const LATER_PILOT: u64 = 4;
+
+/// What the largest difference loses from a level to the next if it falls with strong order ½.
+const SHRINKS: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Paths of a block.
 const BLOCK: u64 = WIDTH as u64;
@@ -32,6 +38,8 @@ pub struct Sampler<'a> {
     pub names: Vec<&'static str>,
     pub accuracy: f64,
     pub settings: &'a ExpectationSettings,
+    /// The least and the largest value of each test function so far.
+    pub ranges: Vec<Option<(f64, f64)>>,
     /// Path-steps so far.
     pub cost: u64,
     /// Path-steps that are kept for single paths.
@@ -62,10 +70,13 @@ impl Sampler<'_> {
             let resolvable = biases.iter().all(|bias| bias.size <= BIAS_SHARE * self.accuracy);
             let budget = if at_end && resolvable { 0.5 } else { BIAS_SHARE } * self.accuracy;
             let half_widths = self.half_widths(&biases, budget);
-            let complete = if too_wide(&levels, &half_widths) {
-                let wanted = plan::samples(&plan::costs_and_variances(&levels), &half_widths);
+            let bounded = biases.iter().all(|bias| bias.bound <= budget);
+            let complete = if !at_end && !is_near(&levels[1..]) {
+                self.add_level(&mut levels, 0)?
+            } else if self.too_wide(&levels, &half_widths) {
+                let wanted = self.samples(&levels, &half_widths);
                 self.sample_up_to(&mut levels, &wanted)?
-            } else if biases.iter().all(|bias| bias.bound <= budget) {
+            } else if bounded && (at_end || self.resolves(&levels[1..])) {
                 break None;
             } else if at_end {
                 let wanted = self.bias_samples(&levels[1..], 0.5 * budget);
@@ -73,11 +84,11 @@ impl Sampler<'_> {
                     break Some(Warning::LevelLimit { level: last });
                 }
                 self.sample_up_to(&mut levels[1..], &wanted)?
+            } else if let Some(wanted) = self.missed_bias(&levels[1..], &biases, budget) {
+                self.sample_up_to(&mut levels[1..], &wanted)?
             } else {
-                let mut next = plan::costs_and_variances(&levels);
-                next.push(plan::next_level(&levels));
-                let paths = plan::samples(&next, &half_widths)[last + 1];
-                self.add_level(&mut levels, paths.max(self.settings.pilot / LATER_PILOT))?
+                let paths = self.next_samples(&levels, &half_widths);
+                self.add_level(&mut levels, paths)?
             };
             if !complete {
                 break Some(self.cost_limit());
@@ -103,8 +114,8 @@ impl Sampler<'_> {
         let half_widths = self.half_widths(&self.biases(&differences), BIAS_SHARE * self.accuracy);
         let mut single = vec![self.level(differences.len(), None)];
         let mut complete = self.sample_up_to(&mut single, &[self.settings.pilot])?;
-        while complete && too_wide(&single, &half_widths) {
-            let wanted = plan::samples(&plan::costs_and_variances(&single), &half_widths);
+        while complete && self.too_wide(&single, &half_widths) {
+            let wanted = self.samples(&single, &half_widths);
             complete = self.sample_up_to(&mut single, &wanted)?;
         }
         if !complete {
@@ -125,7 +136,8 @@ impl Sampler<'_> {
             Some(Coupling::Antithetic) => 2 * steps + steps / 2,
         };
         let values = vec![Values::default(); self.names.len()];
-        Samples { level, coupling, cost_per_path, values, paths: 0, failed: 0, rounds: 0 }
+        let motion = Motion::default();
+        Samples { level, coupling, cost_per_path, values, motion, paths: 0, failed: 0, rounds: 0 }
     }
 
     fn difference(&self, level: usize) -> Samples {
@@ -136,14 +148,93 @@ impl Sampler<'_> {
         Warning::CostLimit { max_cost: self.settings.max_cost }
     }
 
-    fn biases(&self, differences: &[Samples]) -> Vec<Bias> {
-        let observables = 0..self.names.len();
-        observables.map(|k| plan::bias(differences, k, self.settings.weak_order)).collect()
+    /// Test function number k on these levels. It may spread as it does on all levels that were
+    /// sampled so far, or by one if it is the same on all.
+    fn terms(&self, levels: &[Samples], k: usize) -> Vec<Term> {
+        let spread = self.ranges[k].map_or(0.0, |(least, largest)| largest - least);
+        plan::terms(levels, k, if spread > 0.0 { spread } else { 1.0 })
     }
 
-    /// What the bounds on the bias, up to their budget, leave for 1.96 standard errors.
+    /// The order by which the bias of test function number k is extrapolated.
+    fn order(&self, differences: &[Samples], terms: &[Term], k: usize) -> f64 {
+        bias::order(self.settings.weak_order, plan::alpha(differences, terms, k))
+    }
+
+    fn bias(&self, differences: &[Samples], k: usize) -> Bias {
+        let terms = self.terms(differences, k);
+        bias::bias(&terms, self.order(differences, &terms, k))
+    }
+
+    fn biases(&self, differences: &[Samples]) -> Vec<Bias> {
+        (0..self.names.len()).map(|k| self.bias(differences, k)).collect()
+    }
+
+    /// What the bounds on the bias, up to their budget, leave for standard errors and missed
+    /// events.
     fn half_widths(&self, biases: &[Bias], budget: f64) -> Vec<f64> {
         biases.iter().map(|bias| self.accuracy - bias.bound.min(budget)).collect()
+    }
+
+    /// Whether the half-width of a sum over the levels exceeds the one wanted, or is not known for
+    /// heavy tails.
+    fn too_wide(&self, levels: &[Samples], half_widths: &[f64]) -> bool {
+        let wide = |(k, width): (usize, &f64)| {
+            let terms = self.terms(levels, k);
+            let found = plan::half_width(plan::variance_of_sum(&terms), plan::tail_of_sum(&terms));
+            found > *width || levels.iter().any(|samples| is_heavy(samples, k))
+        };
+        half_widths.iter().enumerate().any(wide)
+    }
+
+    /// Samples of each level with which every sum reaches its half-width.
+    fn samples(&self, levels: &[Samples], half_widths: &[f64]) -> Vec<u64> {
+        let mut wanted = vec![0; levels.len()];
+        for (k, &half_width) in half_widths.iter().enumerate() {
+            let terms = self.terms(levels, k);
+            plan::raise(&mut wanted, &terms, half_width);
+            for (l, samples) in levels.iter().enumerate().filter(|(_, one)| is_heavy(one, k)) {
+                wanted[l] = wanted[l].max(samples.count() + BLOCK).max(terms[l].tail.enough as u64);
+            }
+        }
+        wanted
+    }
+
+    /// Samples expected of the next level.
+    fn next_samples(&self, levels: &[Samples], half_widths: &[f64]) -> u64 {
+        let mut wanted = vec![0; levels.len() + 1];
+        for (k, &half_width) in half_widths.iter().enumerate() {
+            let mut terms = self.terms(levels, k);
+            terms.push(plan::next_level(&terms));
+            plan::raise(&mut wanted, &terms, half_width);
+        }
+        wanted[levels.len()]
+    }
+
+    /// Whether the last difference resolves the motion and every φ.
+    fn resolves(&self, differences: &[Samples]) -> bool {
+        let [.., last] = differences else { return false };
+        unresolved(differences).is_none()
+            && last.values.iter().all(|values| coupled(values, self.accuracy))
+    }
+
+    /// Samples of the differences that show a small bias where events that are as large on the last
+    /// level as below may have been missed: a finer level would not make them smaller.
+    fn missed_bias(
+        &self,
+        differences: &[Samples],
+        biases: &[Bias],
+        budget: f64,
+    ) -> Option<Vec<u64>> {
+        let [.., below, last] = differences else { return None };
+        let of = |samples: &Samples, k: usize| samples.values[k].sample.largest_deviation();
+        let lasting = |k: usize| of(last, k) == 0.0 || of(last, k) > SHRINKS * of(below, k);
+        let first = differences.len() - BIAS_LEVELS;
+        let tailed = |k: usize| plan::tail_of_sum(&self.terms(differences, k)[first..]) > 0.0;
+        let open = |k: usize| biases[k].bound > budget && lasting(k) && tailed(k);
+        let small = biases.iter().all(|bias| bias.size <= 0.5 * budget);
+        let wanted = self.bias_samples(differences, 0.5 * budget);
+        let more = small && (0..self.names.len()).any(open) && !enough(differences, &wanted);
+        more.then_some(wanted)
     }
 
     fn pilot(&mut self, levels: &mut [Samples]) -> Result<()> {
@@ -162,13 +253,14 @@ impl Sampler<'_> {
         let budget = BIAS_SHARE * self.accuracy;
         loop {
             let biases = self.biases(differences);
-            if biases.iter().all(|bias| bias.bound <= budget) {
+            let last = differences.len();
+            let resolved = is_near(differences) && self.resolves(differences);
+            if resolved && biases.iter().all(|bias| bias.bound <= budget) {
                 return Ok(None);
             }
             // More samples if the bias may be small, else a finer level.
             let wanted = self.bias_samples(differences, 0.5 * budget);
-            let last = differences.len();
-            let small = biases.iter().all(|bias| bias.size <= budget);
+            let small = resolved && biases.iter().all(|bias| bias.size <= budget);
             let complete = if small && !enough(differences, &wanted) {
                 self.sample_up_to(differences, &wanted)?
             } else if last == self.settings.max_level {
@@ -189,13 +281,14 @@ impl Sampler<'_> {
     fn bias_samples(&self, differences: &[Samples], margin: f64) -> Vec<u64> {
         let mut wanted = vec![0; differences.len()];
         for k in 0..self.names.len() {
-            plan::raise_for_bias(&mut wanted, differences, k, self.settings.weak_order, margin);
+            let terms = self.terms(differences, k);
+            bias::raise(&mut wanted, &terms, self.order(differences, &terms, k), margin);
         }
         wanted
     }
 
-    /// Adds a level with `paths` samples, or as many as the cost limit allows; whether all were
-    /// drawn. Adds none if not even the least pilot is allowed.
+    /// Adds a level with `paths` samples, at least the least pilot, or as many as the cost limit
+    /// allows; whether all were drawn. Adds none if not even the least pilot is allowed.
     fn add_level(&mut self, levels: &mut Vec<Samples>, paths: u64) -> Result<bool> {
         let level = self.difference(levels.last().map_or(0, |last| last.level) + 1);
         let least_pilot = self.settings.pilot / LATER_PILOT;
@@ -204,7 +297,7 @@ impl Sampler<'_> {
         }
         levels.push(level);
         let last = levels.len() - 1;
-        self.sample_up_to(&mut levels[last..], &[paths])
+        self.sample_up_to(&mut levels[last..], &[paths.max(least_pilot)])
     }
 
     /// Path-steps that may be spent now.
@@ -239,6 +332,9 @@ impl Sampler<'_> {
     fn sample(&mut self, level: &mut Samples, paths: u64) -> Result<()> {
         let round = (self.draw)(level, paths)?;
         level.values.iter_mut().zip(&round.values).for_each(|(values, more)| values.merge(more));
+        let ranges = self.ranges.iter_mut().zip(&round.values);
+        ranges.for_each(|(range, more)| *range = hull(*range, more.range()));
+        level.motion.merge(&round.motion);
         level.paths += paths;
         level.failed += round.failed;
         level.rounds += 1;
@@ -258,21 +354,24 @@ impl Sampler<'_> {
     /// The sum over the first `terms` levels, with the warnings that are not about limits. All
     /// levels but the first are differences.
     fn report(&self, levels: &[Samples], terms: usize) -> Expectation {
-        let order = self.settings.weak_order;
-        let (terms, differences) = (&levels[..terms], &levels[1..]);
+        let (summed, differences) = (&levels[..terms], &levels[1..]);
         let estimate = |(k, &name): (usize, &&'static str)| {
-            let bias = plan::bias(differences, k, order);
+            let bias = self.bias(differences, k);
+            let sum = self.terms(summed, k);
             Estimate {
                 name,
-                value: terms.iter().map(|samples| samples.values[k].sample.mean()).sum(),
-                standard_error: plan::variance_of_sum(terms, k).sqrt(),
+                value: sum.iter().map(|term| term.mean).sum(),
+                standard_error: plan::variance_of_sum(&sum).sqrt(),
+                missed: plan::tail_of_sum(&sum),
                 bias: bias.value,
                 bias_bound: bias.bound,
-                alpha: plan::alpha(differences, k),
+                alpha: plan::alpha(differences, &self.terms(differences, k), k),
                 beta: plan::beta(differences, k),
+                failed: summed.iter().map(|samples| samples.failed).sum(),
+                judged: Judged::default(),
             }
         };
-        let estimates: Vec<_> = self.names.iter().enumerate().map(estimate).collect();
+        let mut estimates: Vec<_> = self.names.iter().enumerate().map(estimate).collect();
         let level = |samples: &Samples| Level {
             level: samples.level,
             tau: self.t_end / self.settings.steps(samples.level) as f64,
@@ -282,17 +381,12 @@ impl Sampler<'_> {
             cost_per_path: samples.cost_per_path,
             values: level_values(levels, samples),
         };
-        let levels: Vec<_> = levels.iter().map(level).collect();
-        let warnings = warnings(&levels, &estimates, order);
-        Expectation { accuracy: self.accuracy, cost: self.cost, levels, warnings, estimates }
+        let reports: Vec<_> = levels.iter().map(level).collect();
+        let (accuracy, order) = (self.accuracy, self.settings.weak_order);
+        let evidence = Evidence { levels, terms, accuracy, order };
+        let warnings = evidence.judge(&reports, &mut estimates);
+        Expectation { accuracy, cost: self.cost, levels: reports, warnings, estimates }
     }
-}
-
-/// Whether 1.96 standard errors of a sum over the levels exceed the half-width.
-fn too_wide(levels: &[Samples], half_widths: &[f64]) -> bool {
-    let wide =
-        |(k, width): (usize, &f64)| QUANTILE * plan::variance_of_sum(levels, k).sqrt() > *width;
-    half_widths.iter().enumerate().any(wide)
 }
 
 /// Whether every level has the samples wanted.

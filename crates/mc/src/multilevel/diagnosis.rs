@@ -1,10 +1,12 @@
 //! Checks of the assumptions against the samples.
 
 use super::{
+    bias::{BIAS_LEVELS, lowest},
     level::Samples,
-    plan,
-    report::{Estimate, Level, LevelValue, Warning},
+    report::{Estimate, Judged, Level, LevelValue, Warning},
+    resolution::{Unresolved, coupled, share, unresolved},
     settings::ExpectationSettings,
+    tails::is_heavy,
 };
 
 /// Largest kurtosis κ without a check of the number of samples N. The relative error of a variance
@@ -47,46 +49,106 @@ pub fn level_values(levels: &[Samples], samples: &Samples) -> Vec<LevelValue> {
     (0..samples.values.len()).map(value).collect()
 }
 
-/// All warnings but those about limits.
-pub fn warnings(levels: &[Level], estimates: &[Estimate], assumed: f64) -> Vec<Warning> {
-    let failing = levels.iter().filter(|level| level.failed > 0);
-    let mut warnings: Vec<Warning> = failing
-        .map(|&Level { level, failed, .. }| Warning::FailedPaths { level, failed })
-        .collect();
-    for (k, &Estimate { name: observable, alpha, beta, .. }) in estimates.iter().enumerate() {
-        for &Level { level, samples, ref values, .. } in levels {
-            let LevelValue { kurtosis, deviation, .. } = values[k];
-            // A NaN is no kurtosis above the limit.
-            if kurtosis > KURTOSIS_LIMIT && samples as f64 <= SAMPLES_PER_KURTOSIS * kurtosis {
-                warnings.push(Warning::Kurtosis { observable, level, kurtosis });
-            }
-            if deviation > DEVIATION_LIMIT {
-                warnings.push(Warning::Inconsistent { observable, level, deviation });
-            }
-        }
-        if let Some(beta) = beta.filter(|beta| beta.upper < 1.0) {
-            warnings.push(Warning::VarianceDecay { observable, beta });
-        }
-        if let Some(alpha) = alpha.filter(|alpha| alpha.upper < assumed - ORDER_TOLERANCE) {
-            warnings.push(Warning::WeakOrder { observable, alpha, assumed });
-        }
+/// What the checks read.
+pub struct Evidence<'a> {
+    /// All levels; all but the first are differences.
+    pub levels: &'a [Samples],
+    /// How many of them, from the first on, make the estimates.
+    pub terms: usize,
+    pub accuracy: f64,
+    /// The weak order given.
+    pub order: f64,
+}
+
+impl Evidence<'_> {
+    /// The levels that decide: the last differences, and the last of the terms.
+    fn deciding(&self) -> impl Iterator<Item = &Samples> {
+        let differences = &self.levels[1..];
+        let first = differences.len().saturating_sub(BIAS_LEVELS);
+        self.levels[..1].iter().take(usize::from(self.terms == 1)).chain(&differences[first..])
     }
-    warnings
+
+    /// Judges the estimates, and returns all warnings but those about limits. `reports` are of the
+    /// same levels.
+    pub fn judge(&self, reports: &[Level], estimates: &mut [Estimate]) -> Vec<Warning> {
+        let failing = reports.iter().filter(|level| level.failed > 0);
+        let mut warnings: Vec<Warning> = failing
+            .map(|&Level { level, failed, .. }| Warning::FailedPaths { level, failed })
+            .collect();
+        let differences = &self.levels[1..];
+        let (enough, last) =
+            (differences.len() >= BIAS_LEVELS, &differences[differences.len() - 1]);
+        if !enough {
+            warnings.push(Warning::FewLevels { differences: differences.len() });
+        }
+        let unresolved = unresolved(differences);
+        if let Some(&Unresolved { component, last: difference, before }) = unresolved.as_ref() {
+            let (component, level) = (component + 1, last.level);
+            warnings.push(Warning::Unresolved { component, level, difference, before });
+        }
+        for (k, estimate) in estimates.iter_mut().enumerate() {
+            let judged = &mut estimate.judged;
+            *judged = Judged { variance: true, bias: enough, resolution: unresolved.is_none() };
+            let observable = estimate.name;
+            if let Some(blind) = self.deciding().find(|samples| samples.values[k].is_blind()) {
+                judged.variance = false;
+                let (level, samples) = (blind.level, blind.count());
+                warnings.push(Warning::Constant { observable, level, samples });
+            }
+            if !coupled(&last.values[k], self.accuracy) {
+                judged.resolution = false;
+                let (level, share) = (last.level, share(&last.values[k]));
+                warnings.push(Warning::Uncoupled { observable, level, share });
+            }
+            for &Level { level, samples, ref values, .. } in reports {
+                let LevelValue { kurtosis, deviation, .. } = values[k];
+                // A NaN is no kurtosis above the limit.
+                let heavy = self.levels[..self.terms]
+                    .iter()
+                    .any(|samples| samples.level == level && is_heavy(samples, k));
+                judged.variance &= !heavy;
+                let unsure = samples as f64 <= SAMPLES_PER_KURTOSIS * kurtosis;
+                if heavy || kurtosis > KURTOSIS_LIMIT && unsure {
+                    warnings.push(Warning::Kurtosis { observable, level, kurtosis });
+                }
+                if deviation > DEVIATION_LIMIT {
+                    judged.bias = false;
+                    warnings.push(Warning::Inconsistent { observable, level, deviation });
+                }
+            }
+            if let Some(beta) = estimate.beta.filter(|beta| beta.upper < 1.0) {
+                warnings.push(Warning::VarianceDecay { observable, beta });
+            }
+            let assumed = self.order;
+            if let Some(alpha) = estimate.alpha {
+                let slow = alpha.upper < lowest(assumed);
+                judged.bias &= !slow;
+                if slow || alpha.upper < assumed - ORDER_TOLERANCE {
+                    warnings.push(Warning::WeakOrder { observable, alpha, assumed });
+                }
+            }
+        }
+        warnings
+    }
 }
 
 /// The number of coarsest steps with which the same levels would cost least, if that saves a fifth
 /// or more. Begun on level m, they are single paths there and the differences above.
 pub fn better_coarsest_steps(levels: &[Samples], settings: &ExpectationSettings) -> Option<u64> {
+    let root = |m: usize, k: usize| {
+        // Single paths on level m are the coarse paths of the level above it.
+        let first = match m {
+            0 => (&levels[0].values[k].sample, levels[0].cost_per_path),
+            _ => (&levels[m + 1].values[k].coarse, settings.steps(m)),
+        };
+        let above = levels[m + 1..].iter();
+        let above = above.map(|samples| (&samples.values[k].sample, samples.cost_per_path));
+        let all = std::iter::once(first).chain(above);
+        all.map(|(moments, cost)| (moments.variance() * cost as f64).sqrt()).sum::<f64>()
+    };
     let cost = |m: usize| {
-        let mut planned = plan::costs_and_variances(&levels[m..]);
-        if m > 0 {
-            // Single paths on level m are the coarse paths of the level above it.
-            let coarse = levels[m + 1].values.iter().map(|values| values.coarse.variance());
-            planned[0] = (settings.steps(m) as f64, coarse.collect());
-        }
-        let root = |k: usize| planned.iter().map(|(cost, v)| (v[k] * cost).sqrt()).sum::<f64>();
         let values = levels[0].values.iter().enumerate().filter(|(_, values)| values.varies());
-        values.map(|(k, _)| root(k) * root(k)).fold(0.0, f64::max)
+        values.map(|(k, _)| root(m, k) * root(m, k)).fold(0.0, f64::max)
     };
     let best = (0..levels.len() - 1).min_by(|&a, &b| cost(a).total_cmp(&cost(b)))?;
     (cost(best) < (1.0 - SAVING) * cost(0)).then(|| settings.steps(best))

@@ -1,6 +1,6 @@
 //! The samples of one level.
 
-use super::{central::CentralMoments, settings::Coupling};
+use super::{central::CentralMoments, resolution::Motion, settings::Coupling};
 use crate::{Observable, PathFailure, Statistic, View};
 
 /// Moments of one test function on one level.
@@ -21,9 +21,33 @@ impl Values {
         self.coarse.merge(&later.coarse);
     }
 
+    /// The least and the largest φ, or average of the fine and the swapped path.
+    pub fn range(&self) -> Option<(f64, f64)> {
+        hull(self.fine.range(), self.coarse.range())
+    }
+
+    /// Their distance: zero if φ is the same to the bit on every path.
+    pub fn spread(&self) -> f64 {
+        self.range().map_or(0.0, |(least, largest)| largest - least)
+    }
+
+    /// Whether φ is the same to the bit on every fine path, and on every coarse path.
+    pub fn is_blind(&self) -> bool {
+        let same = |moments: &CentralMoments| moments.range().is_none_or(|(a, b)| a == b);
+        same(&self.fine) && same(&self.coarse)
+    }
+
     /// Whether the samples vary by more than round-off.
     pub fn varies(&self) -> bool {
         self.sample.is_spread(self.fine.mean().abs() + self.fine.variance().sqrt())
+    }
+}
+
+/// The least interval that contains both.
+pub fn hull(a: Option<(f64, f64)>, b: Option<(f64, f64)>) -> Option<(f64, f64)> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
+        (one, other) => one.or(other),
     }
 }
 
@@ -36,6 +60,8 @@ pub struct Samples {
     pub cost_per_path: u64,
     /// One for each test function.
     pub values: Vec<Values>,
+    /// Of fine and coarse paths.
+    pub motion: Motion,
     /// Paths drawn, failed ones included.
     pub paths: u64,
     pub failed: u64,
@@ -50,16 +76,19 @@ impl Samples {
     }
 }
 
-/// Folds the values of all test functions at the final time. The runs are fine, coarse and swapped,
-/// as many as there are.
-pub struct FinalValues<'a, const D: usize> {
+/// Folds the values of all test functions at the final time, and the motion. The runs are fine,
+/// coarse and swapped, as many as there are.
+pub struct PathValues<'a, const D: usize> {
     pub observables: &'a [Observable<D>],
+    pub y0: [f64; D],
     pub last_time: u64,
     pub values: Vec<Values>,
+    pub motion: Motion,
 }
 
-impl<const D: usize> Statistic<D> for FinalValues<'_, D> {
+impl<const D: usize> Statistic<D> for PathValues<'_, D> {
     fn observe(&mut self, view: &View<'_, D>) {
+        self.motion.add(view.states, self.y0, view.live);
         if view.time != self.last_time {
             return;
         }
@@ -81,12 +110,14 @@ impl<const D: usize> Statistic<D> for FinalValues<'_, D> {
 
     fn merge(&mut self, later: Self) {
         self.values.iter_mut().zip(&later.values).for_each(|(sum, more)| sum.merge(more));
+        self.motion.merge(&later.motion);
     }
 }
 
 /// What one round of samples added.
 pub struct Round {
     pub values: Vec<Values>,
+    pub motion: Motion,
     pub failed: u64,
     pub first_failure: Option<PathFailure>,
 }

@@ -7,15 +7,37 @@
 //! an accuracy ε is of order ε⁻²; that of single paths is ε⁻³ for weak order one.
 //!
 //! **Accuracy.** The half-width of the 95 % interval of each test function: 1.96 standard errors
-//! plus a bound on the bias. The bias gets at most a quarter of ε (half on the finest level
-//! allowed), the standard error the rest. The bound is [`Estimate::bias_bound`]. It is as good as
-//! the weak order that it assumes, and the observed order is reported with it. The 95 % hold for
-//! each interval alone, not for all of them together.
+//! and, in quadrature, what events that the samples missed may add ([`Estimate::missed`]), plus a
+//! bound on the bias ([`Estimate::bias_bound`]). The bias gets at most a quarter of ε (half on the finest level
+//! allowed), the rest what is left. The 95 % hold for each interval alone, not for all of them
+//! together.
 //!
-//! **Algorithm.** A pilot on levels 0, 1 and 2; then rounds of samples until every level has the
-//! number that is optimal for the variances observed so far; then, while the bound on the bias is
-//! too large, one more level. Decisions depend on samples and counted path-steps only, so the
-//! result is the same bits for any number of threads.
+//! **What is judged.** Three things, for each test function ([`Judged`]);
+//! [`reached`](Expectation::reached) is true only if all are good, and a [`Warning`] names each that
+//! is not.
+//! - *Variance.* N/κ samples carry the variance, with the kurtosis κ. Below thirty, or where no
+//!   sample differs, the interval is widened by 3.69·R/N: without an event in N samples up to −ln
+//!   0.025 of them are expected, each no larger than R, the largest that was seen. More
+//!   samples are drawn until that fits into the accuracy, and until thirty single paths carry the
+//!   variance of a φ of more than two values, whose tail may reach further. If φ is the same to the bit on every path
+//!   of a level that decides, nothing is known of R.
+//! - *Bias.* Three differences or more bound it, by one term of the expansion in τ and by two; the
+//!   observed order must not lie below ½; coarse and fine means of a level must agree.
+//! - *Resolution.* Each component of fine and coarse states must agree to half of its motion in
+//!   root mean square over all coarse times, better than on the levels below, and φ must vary on
+//!   both in the same way. Else a finer level is added.
+//!
+//! **What is assumed.** The weak order given, and E[φ(y_τ)] = E[φ(y(T))] + Aτ^p + Bτ^{p+1} on the
+//! last three levels. Nothing that occurs on no path of any level: an event larger than all that
+//! were seen, or a jump of φ that is hidden beside a part that varies smoothly. Components all
+//! count, those that φ does not read too: they may drive the others.
+//!
+//! **Algorithm.** A pilot on levels 0, 1 and 2; finer levels until there are three differences and
+//! the last resolves the motion; then rounds of samples until every level has the number that is
+//! optimal for the variances and tails observed so far; then, while φ is not resolved or the bound
+//! on the bias is too large, one more level, or more samples where missed events make the bound.
+//! Decisions depend on samples and counted path-steps only, so the result is the same bits for any
+//! number of threads.
 //!
 //! **Stopping.** Each round of each level has its own family of streams
 //! ([`ExpectationSettings::key`]), and all samples count, those of the pilot too. Since a level
@@ -23,10 +45,12 @@
 //! That is at most √(κ/N) of its standard error, where κ is the kurtosis: below a tenth with κ = 10
 //! and a thousand samples, and less for the sum.
 //!
-//! **Checks.** Failed paths, kurtosis, the decay of variances and means, and whether the coarse
-//! mean of a level agrees with the fine mean below it; see [`Warning`]. The last check detects
-//! differences above some standard errors of φ itself on that level, which is far more than the
-//! accuracy.
+//! **Paths that fail** are in no mean, from their failure on; their number stands beside each
+//! estimate and level, and the estimate is conditional on survival.
+//!
+//! **Further checks** only warn: kurtosis, and the decay of variances and means; see [`Warning`].
+//! Whether the levels telescope is seen to some standard errors of φ itself on a level, which is far
+//! more than the accuracy.
 //!
 //! **Lévy areas.** The sum over the levels is E[φ(y_L)] only if the coarse path of a level has the
 //! law of the fine path below. Areas are drawn on fine steps and joined on coarse ones, so the two
@@ -59,23 +83,27 @@
 //! ```
 
 mod algorithm;
+mod bias;
 mod central;
 mod diagnosis;
 mod error;
 mod level;
 mod plan;
 mod report;
+mod resolution;
 mod settings;
+mod tails;
 
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem};
 
 use crate::{Ladder, Observable, Run};
 use algorithm::Sampler;
-use level::{FinalValues, Round, Samples, Values};
+use level::{PathValues, Round, Samples, Values};
+use resolution::Motion;
 
 pub use error::MultilevelError;
-pub use report::{Estimate, Expectation, Level, LevelValue, Rate, Warning};
+pub use report::{Estimate, Expectation, Judged, Level, LevelValue, Rate, Warning};
 pub use settings::{Coupling, Estimator, ExpectationSettings};
 
 /// E[φ(y(T))] of every φ to the half-width `accuracy`, by the [`Estimator`] of the settings.
@@ -110,12 +138,22 @@ pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
         let ladder = Ladder::new(problem, steps, levels, settings.truncation, key, runs)?;
         let last_time = ladder.coarse_steps();
         let values = vec![Values::default(); observables.len()];
-        let new = || FinalValues { observables, last_time, values: values.clone() };
+        let (y0, motion) = (problem.y0(), Motion::new(&problem.y0()));
+        let new = || PathValues {
+            observables,
+            y0,
+            last_time,
+            values: values.clone(),
+            motion: motion.clone(),
+        };
         let outcome = ladder.run(paths, new, progress);
         let first_failure = outcome.failures.first().copied();
-        Ok(Round { values: outcome.statistic.values, failed: outcome.failed, first_failure })
+        let PathValues { values, motion, .. } = outcome.statistic;
+        Ok(Round { values, motion, failed: outcome.failed, first_failure })
     };
     let names = observables.iter().map(|observable| observable.name).collect();
     let t_end = problem.t_end();
-    Sampler { draw: &draw, t_end, names, accuracy, settings, cost: 0, reserve: 0 }.expectation()
+    let ranges = vec![None; observables.len()];
+    Sampler { draw: &draw, t_end, names, accuracy, settings, ranges, cost: 0, reserve: 0 }
+        .expectation()
 }

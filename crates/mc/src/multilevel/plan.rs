@@ -1,147 +1,126 @@
-//! Numbers of samples, bias, and the decay of means and variances: arithmetic on moments.
+//! Numbers of samples, and the decay of means and variances: arithmetic on moments.
 
-use std::f64::consts::LN_2;
+pub use std::f64::consts::LN_2;
 
 use real::elementary;
 
 use super::{
-    level::{Samples, Values},
+    level::Samples,
     report::{QUANTILE, Rate},
+    tails::{Tail, tails},
 };
 
 /// The part of the accuracy that may go to the bias: small, since halving the bias costs a level
 /// where a level is cheap.
 pub const BIAS_SHARE: f64 = 0.25;
-/// Number of differences that bound the bias: one alone may be small by chance or by a change of
-/// sign.
-const BIAS_LEVELS: usize = 3;
-/// The bias is extrapolated by no order below this.
-const LOWEST_ORDER: f64 = 0.5;
 /// Differences of this many standard errors have a logarithm that is nearly normal.
 const SIGNIFICANT: f64 = 4.0;
+/// Halvings of an interval until it has the width of rounding errors.
+const HALVINGS: usize = 52;
 
-/// The bias of one test function.
-pub struct Bias {
-    /// The signed estimate from the last difference.
-    pub value: f64,
-    /// The largest estimate from the last differences, without a margin.
-    pub size: f64,
-    /// The largest with 1.96 standard errors added.
-    pub bound: f64,
+/// One test function on one level.
+#[derive(Clone, Copy, Debug)]
+pub struct Term {
+    /// Path-steps of a sample.
+    pub cost: f64,
+    /// Number of samples.
+    pub count: f64,
+    /// Their mean.
+    pub mean: f64,
+    /// Their variance.
+    pub variance: f64,
+    /// What they may have missed.
+    pub tail: Tail,
 }
 
-fn exp2(x: f64) -> f64 {
-    elementary::exp(x * LN_2)
-}
-
-fn log2(x: f64) -> f64 {
-    elementary::ln(x) / LN_2
-}
-
-/// The order by which the bias is extrapolated: the one given, or the upper end of the observed one
-/// if that is less.
-fn order(given: f64, alpha: Option<Rate>) -> f64 {
-    alpha.map_or(given, |alpha| given.min(alpha.upper).max(given.min(LOWEST_ORDER)))
-}
-
-/// Factor from the difference of a level, `below` levels under the last, to the bias on the last.
-fn extrapolation(order: f64, below: usize) -> f64 {
-    exp2(-order * below as f64) / (exp2(order) - 1.0)
-}
-
-/// The last differences, from the last down, each with its [`extrapolation`].
-fn extrapolated(
-    differences: &[Samples],
-    k: usize,
-    weak_order: f64,
-) -> impl Iterator<Item = (&Samples, f64)> {
-    let order = order(weak_order, alpha(differences, k));
-    let last = differences.iter().rev().take(BIAS_LEVELS).enumerate();
-    last.map(move |(below, samples)| (samples, extrapolation(order, below)))
-}
-
-/// The bias of test function number k on the level of the last difference.
-pub fn bias(differences: &[Samples], k: usize, weak_order: f64) -> Bias {
-    let mut last = None;
-    let (mut size, mut bound) = (0.0, 0.0);
-    for (samples, factor) in extrapolated(differences, k, weak_order) {
+/// Test function number k on each of these levels, where φ spreads by `range` on all.
+pub fn terms(levels: &[Samples], k: usize, range: f64) -> Vec<Term> {
+    let term = |(samples, tail): (&Samples, Tail)| {
         let sample = &samples.values[k].sample;
-        let (mean, error) = (sample.mean(), sample.variance_of_mean().sqrt());
-        last.get_or_insert(factor * mean);
-        size = f64::max(size, factor * mean.abs());
-        bound = f64::max(bound, factor * (mean.abs() + QUANTILE * error));
-    }
-    Bias { value: last.unwrap_or(0.0), size, bound }
-}
-
-/// Raises the samples of the last differences until their margin in the bias of test function
-/// number k is at most `margin`.
-pub fn raise_for_bias(
-    wanted: &mut [u64],
-    differences: &[Samples],
-    k: usize,
-    weak_order: f64,
-    margin: f64,
-) {
-    let last = extrapolated(differences, k, weak_order);
-    for (wanted, (samples, factor)) in wanted.iter_mut().rev().zip(last) {
-        let quotient = QUANTILE * factor / margin;
-        let n = samples.values[k].sample.variance() * quotient * quotient;
-        *wanted = (*wanted).max(n.ceil() as u64);
-    }
-}
-
-/// Squared standard error of the sum of the level means.
-pub fn variance_of_sum(levels: &[Samples], k: usize) -> f64 {
-    levels.iter().map(|samples| samples.values[k].sample.variance_of_mean()).sum()
-}
-
-/// Samples of each level with which every test function k reaches the half-width `half_widths[k]`
-/// at the least cost for it alone: N_l = (1.96/half-width)²·√(V_l/C_l)·Σ_j √(V_jC_j) (Giles 2008),
-/// and the largest over k.
-pub fn samples(levels: &[(f64, Vec<f64>)], half_widths: &[f64]) -> Vec<u64> {
-    let mut wanted = vec![0; levels.len()];
-    for (k, half_width) in half_widths.iter().enumerate() {
-        let quotient = QUANTILE / half_width;
-        let sum: f64 = levels.iter().map(|(cost, variances)| (variances[k] * cost).sqrt()).sum();
-        for (wanted, (cost, variances)) in wanted.iter_mut().zip(levels) {
-            let n = quotient * quotient * (variances[k] / cost).sqrt() * sum;
-            *wanted = n.ceil().max(*wanted as f64) as u64;
-        }
-    }
-    wanted
-}
-
-/// Costs and variances of levels.
-pub fn costs_and_variances(levels: &[Samples]) -> Vec<(f64, Vec<f64>)> {
-    let of_level = |Samples { cost_per_path, values, .. }: &Samples| {
-        let variances = values.iter().map(|values| values.sample.variance());
-        (*cost_per_path as f64, variances.collect())
+        let (cost, count) = (samples.cost_per_path as f64, samples.count() as f64);
+        Term { cost, count, mean: sample.mean(), variance: sample.variance(), tail }
     };
-    levels.iter().map(of_level).collect()
+    levels.iter().zip(tails(levels, k, range)).map(term).collect()
 }
 
-/// Expected cost and variances of the next level: twice the cost, and variances that fall by the
-/// last ratio, if that is from one to four.
-pub fn next_level(levels: &[Samples]) -> (f64, Vec<f64>) {
-    let [.., before, last] = levels else { unreachable!("there are at least three levels") };
-    let fall = |(before, last): (&Values, &Values)| {
-        let (v0, v1) = (before.sample.variance(), last.sample.variance());
-        if v0 > 0.0 { v1 * (v1 / v0).clamp(0.25, 1.0) } else { v1 }
-    };
-    (2.0 * last.cost_per_path as f64, before.values.iter().zip(&last.values).map(fall).collect())
+/// Squared standard error of the sum of the means.
+pub fn variance_of_sum(terms: &[Term]) -> f64 {
+    terms.iter().map(|term| term.variance / term.count).sum()
 }
 
-/// How fast the means of the differences fall.
-pub fn alpha(differences: &[Samples], k: usize) -> Option<Rate> {
-    let points = differences.iter().filter_map(|samples| {
-        let sample = &samples.values[k].sample;
-        let (size, error) = (sample.mean().abs(), sample.variance_of_mean().sqrt());
-        let relative = error / (size * LN_2);
-        (samples.values[k].varies() && size > SIGNIFICANT * error)
-            .then(|| (samples.level, log2(size), relative * relative))
+/// What missed events may add to the sum of the means: the root of the sum of squares, since the
+/// events of the levels are independent.
+pub fn tail_of_sum(terms: &[Term]) -> f64 {
+    let square = |term: &Term| (term.tail.size / term.count) * (term.tail.size / term.count);
+    terms.iter().map(square).sum::<f64>().sqrt()
+}
+
+/// Half-width of the 95 % interval of a mean with this squared standard error.
+pub fn half_width(variance: f64, tail: f64) -> f64 {
+    (QUANTILE * QUANTILE * variance + tail * tail).sqrt()
+}
+
+/// Raises the samples of each level to those with which the sum reaches the half-width h.
+///
+/// Standard errors get the part x of it, N_l = (1.96/x)²·√(V_l/C_l)·Σ_j √(V_jC_j), which costs least
+/// (Giles 2008). Tails P_l get √(h² − x²), N_l = √(P_l/C_l)·√(Σ_j P_jC_j)/√(h² − x²), but no more
+/// than [`Tail::enough`]. The sum of both costs is least for x.
+pub fn raise(wanted: &mut [u64], terms: &[Term], h: f64) {
+    let sum = |of: fn(&Term) -> f64| terms.iter().map(of).sum::<f64>();
+    let normal = QUANTILE * sum(|term| (term.variance * term.cost).sqrt());
+    let tail = sum(|term| term.tail.size * term.cost).sqrt();
+    let x = normal_part(normal, tail * sum(|term| (term.tail.size * term.cost).sqrt()), h);
+    for (wanted, term) in wanted.iter_mut().zip(terms) {
+        let n = QUANTILE * normal * (term.variance / term.cost).sqrt() / (x * x);
+        let tailed = match term.tail.size {
+            0.0 => 0.0,
+            size => tail * (size / term.cost).sqrt() / (h * h - x * x).sqrt(),
+        };
+        *wanted = n.max(tailed.min(term.tail.enough)).ceil().max(*wanted as f64) as u64;
+    }
+}
+
+/// The x from 0 to h where a²/x² + b/√(h² − x²) is least.
+fn normal_part(a: f64, b: f64, h: f64) -> f64 {
+    if b == 0.0 {
+        return h;
+    }
+    let (mut lower, mut upper) = (0.0, h);
+    for _ in 0..HALVINGS {
+        let x = 0.5 * (lower + upper);
+        let rest = h * h - x * x;
+        let falls = 2.0 * a * a * rest * rest.sqrt() > b * x * x * x * x;
+        *if falls { &mut lower } else { &mut upper } = x;
+    }
+    lower
+}
+
+/// What is expected of the next level: twice the cost, and a variance that falls by the last ratio,
+/// if that is from one to four.
+pub fn next_level(terms: &[Term]) -> Term {
+    let [.., before, last] = terms else { unreachable!("there are at least three levels") };
+    let fall = last.variance / before.variance;
+    let fall = if before.variance > 0.0 { fall.clamp(0.25, 1.0) } else { 1.0 };
+    Term { cost: 2.0 * last.cost, variance: last.variance * fall, ..*last }
+}
+
+/// How fast the means of the differences fall, if all that are significant have one sign.
+pub fn alpha(differences: &[Samples], terms: &[Term], k: usize) -> Option<Rate> {
+    let significant = differences.iter().zip(terms).filter(|(samples, term)| {
+        let error = (term.variance / term.count).sqrt();
+        let margin = SIGNIFICANT * error + term.tail.size / term.count;
+        samples.values[k].varies() && term.mean.abs() > margin
     });
-    decay(&points.collect::<Vec<_>>())
+    let significant: Vec<_> = significant.collect();
+    let positive = significant.iter().filter(|(_, term)| term.mean > 0.0).count();
+    if positive != 0 && positive != significant.len() {
+        return None;
+    }
+    let point = |(samples, term): &(&Samples, &Term)| {
+        let relative = term.variance / (term.count * term.mean * term.mean * LN_2 * LN_2);
+        (samples.level, log2(term.mean.abs()), relative)
+    };
+    decay(&significant.iter().map(point).collect::<Vec<_>>())
 }
 
 /// How fast the variances of the differences fall. The relative variance of a sample variance is
@@ -156,6 +135,10 @@ pub fn beta(differences: &[Samples], k: usize) -> Option<Rate> {
         values.varies().then(|| (samples.level, log2(values.sample.variance()), variance))
     });
     decay(&points.collect::<Vec<_>>())
+}
+
+fn log2(x: f64) -> f64 {
+    elementary::ln(x) / LN_2
 }
 
 /// Weighted least squares for minus the slope of (level, logarithm, variance of it). If the points
@@ -183,6 +166,7 @@ fn decay(points: &[(usize, f64, f64)]) -> Option<Rate> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::multilevel::{level::Values, resolution::Motion, settings::Coupling};
 
     #[test]
     fn a_line_is_found_and_a_bend_widens_it() {
@@ -199,34 +183,88 @@ mod tests {
     }
 
     #[test]
+    fn no_rate_is_named_where_significant_signs_differ() {
+        let difference = |level: usize, mean: f64| {
+            let mut values = Values::default();
+            (0..1000).for_each(|n| values.sample.add(mean + 0.01 * f64::from(n % 2)));
+            let motion = Motion::default();
+            let (values, coupling) = (vec![values], Some(Coupling::Plain));
+            let paths = 1000;
+            Samples {
+                level,
+                coupling,
+                cost_per_path: 1,
+                values,
+                motion,
+                paths,
+                failed: 0,
+                rounds: 1,
+            }
+        };
+        let rate = |means: [f64; 3]| {
+            let levels: Vec<_> = (1..).zip(means).map(|(l, mean)| difference(l, mean)).collect();
+            alpha(&levels, &terms(&levels, 0, 1.0), 0)
+        };
+        assert!(rate([0.4, 0.2, 0.1]).is_some());
+        // |d_l| alone falls as well.
+        assert_eq!(rate([0.4, -0.2, 0.1]), None);
+    }
+
+    /// Terms of (cost, variance, size of the tail).
+    fn levels(of: [(f64, f64, f64); 3]) -> Vec<Term> {
+        let term = |(cost, variance, size)| {
+            let tail = Tail { size, enough: f64::INFINITY };
+            Term { cost, count: 1.0, mean: 0.0, variance, tail }
+        };
+        of.map(term).to_vec()
+    }
+
+    fn reached(terms: &[Term]) -> f64 {
+        half_width(variance_of_sum(terms), tail_of_sum(terms))
+    }
+
+    fn with_samples(terms: &[Term], wanted: &[u64]) -> Vec<Term> {
+        let counts = terms.iter().zip(wanted);
+        counts.map(|(term, &n)| Term { count: n.max(1) as f64, ..*term }).collect()
+    }
+
+    #[test]
     fn samples_reach_the_half_width_at_least_cost() {
-        let levels = [(4.0, vec![1.0, 1e-6]), (20.0, vec![0.04, 1e-6]), (40.0, vec![0.01, 1e-6])];
-        let half_widths = [0.01, 0.01];
-        let wanted = samples(&levels, &half_widths);
-        let variance = |n: &[f64]| levels.iter().zip(n).map(|((_, v), n)| v[0] / n).sum::<f64>();
-        let cost = |n: &[f64]| levels.iter().zip(n).map(|((c, _), n)| c * n).sum::<f64>();
-        let best: Vec<f64> = wanted.iter().map(|&n| n as f64).collect();
-        let reached = QUANTILE * variance(&best).sqrt();
+        let terms = levels([(4.0, 1.0, 0.0), (20.0, 0.04, 0.0), (40.0, 0.01, 0.0)]);
+        let mut wanted = [0; 3];
+        raise(&mut wanted, &levels([(4.0, 1e-6, 0.0), (20.0, 1e-6, 0.0), (40.0, 1e-6, 0.0)]), 0.01);
+        raise(&mut wanted, &terms, 0.01);
+        let reached = reached(&with_samples(&terms, &wanted));
         assert!(reached <= 0.01 && reached > 0.01 * (1.0 - 1e-3));
+        let variance =
+            |n: &[f64]| terms.iter().zip(n).map(|(term, n)| term.variance / n).sum::<f64>();
+        let cost = |n: &[f64]| terms.iter().zip(n).map(|(term, n)| term.cost * n).sum::<f64>();
+        let best: Vec<f64> = wanted.iter().map(|&n| n as f64).collect();
         // Any other split with the same variance costs more.
         for (moved, other) in [(0, 1), (1, 2), (2, 0)] {
             let mut n = best.clone();
             n[moved] *= 1.1;
-            let missing = variance(&best) - (variance(&n) - levels[other].1[0] / n[other]);
-            n[other] = levels[other].1[0] / missing;
+            let missing = variance(&best) - (variance(&n) - terms[other].variance / n[other]);
+            n[other] = terms[other].variance / missing;
             assert!(cost(&n) > cost(&best) * (1.0 + 1e-6), "{moved} {other}");
         }
     }
 
     #[test]
-    fn the_order_of_extrapolation_is_the_given_one_unless_contradicted() {
-        let rate = |lower, upper| Some(Rate { value: 0.5 * (lower + upper), lower, upper });
-        assert_eq!(order(1.0, None), 1.0);
-        assert_eq!(order(1.0, rate(0.9, 1.2)), 1.0);
-        assert_eq!(order(1.0, rate(1.9, 2.2)), 1.0);
-        assert_eq!(order(1.0, rate(0.6, 0.8)), 0.8);
-        assert_eq!(order(1.0, rate(-0.1, 0.1)), 0.5);
-        assert_eq!(order(0.4, rate(-0.1, 0.1)), 0.4);
-        assert!((extrapolation(1.0, 2) - 0.25).abs() < 1e-15);
+    fn samples_bring_tails_into_the_half_width() {
+        for (tail, variance) in [(3.0, 1.0), (3.0, 0.0), (0.01, 1.0), (100.0, 1.0)] {
+            let terms = levels([(4.0, variance, 0.0), (20.0, 0.04, tail), (40.0, 0.0, tail)]);
+            let mut wanted = [0; 3];
+            raise(&mut wanted, &terms, 0.01);
+            let reached = reached(&with_samples(&terms, &wanted));
+            // Each level has the larger of two numbers: at most twice what both need.
+            assert!(reached <= 0.01 && reached > 0.005, "{tail} {variance}: {reached}");
+        }
+        // No more samples than end the tail.
+        let mut terms = levels([(4.0, 0.0, 1.0), (20.0, 0.0, 0.0), (40.0, 0.0, 0.0)]);
+        terms[0].tail.enough = 50.0;
+        let mut wanted = [0; 3];
+        raise(&mut wanted, &terms, 1e-3);
+        assert_eq!(wanted, [50, 0, 0]);
     }
 }

@@ -1,6 +1,6 @@
 //! The result: estimates, levels and warnings.
 
-use super::settings::Coupling;
+use super::{plan::half_width, settings::Coupling, tails::UNSEEN};
 
 /// P(|N(0, 1)| ≤ this) = 95 %.
 pub const QUANTILE: f64 = 1.959_963_984_540_054;
@@ -17,13 +17,41 @@ pub struct Expectation {
     /// The levels that were sampled.
     pub levels: Vec<Level>,
     /// Assumptions of the intervals that do not hold, and limits that were reached; usually none.
+    /// What is not [`Judged`] good is named here.
     pub warnings: Vec<Warning>,
 }
 
 impl Expectation {
-    /// Whether every half-width is at most the accuracy.
+    /// Whether every half-width is at most the accuracy, and variance, bias and resolution are
+    /// judged good for every φ. If not, the intervals may fail to cover, and the warnings say why.
     pub fn reached(&self) -> bool {
-        self.estimates.iter().all(|estimate| estimate.half_width() <= self.accuracy)
+        let reached =
+            |estimate: &Estimate| estimate.half_width() <= self.accuracy && estimate.judged.all();
+        self.estimates.iter().all(reached)
+    }
+}
+
+/// What the samples say about the three assumptions of an interval; each `false` has a
+/// [`Warning`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Judged {
+    /// The samples show how φ varies: it is not the same to the bit on every path of a level
+    /// ([`Warning::Constant`]), and thirty single paths or more carry its variance, or all events
+    /// are of one size ([`Warning::Kurtosis`]).
+    pub variance: bool,
+    /// Differences of three levels or more fall by an order that can be extrapolated, and the
+    /// levels telescope ([`Warning::FewLevels`], [`Warning::WeakOrder`],
+    /// [`Warning::Inconsistent`]).
+    pub bias: bool,
+    /// The finest paths follow the motion, and φ the same events on fine and coarse paths
+    /// ([`Warning::Unresolved`], [`Warning::Uncoupled`]).
+    pub resolution: bool,
+}
+
+impl Judged {
+    /// Whether all three are good.
+    pub fn all(self) -> bool {
+        self.variance && self.bias && self.resolution
     }
 }
 
@@ -39,20 +67,30 @@ pub struct Estimate {
     /// Estimate of E[φ(y(T))] − E[φ(y_τ)] at the finest step: d/(2^α − 1) from the last difference
     /// d. It is not added to the estimate.
     pub bias: f64,
-    /// Bound on its absolute value: the largest of
-    /// (|d_l| + 1.96 standard errors)·2^{−α(L−l)}/(2^α − 1) over the last three levels l.
+    /// Bound on its absolute value: with the half-width from standard errors and missed events
+    /// added, the largest of |d_l|·2^{−α(L−l)}/(2^α − 1) over the last three levels l and of
+    /// |u/(2^α − 1) + v/(2^{α+1} − 1)|, where v = (d_{L−1} − 2^α d_L)/2^α and u = d_L − v, which is
+    /// the bias Aτ^α + Bτ^{α+1} for any A and B.
     pub bias_bound: f64,
+    /// What events that the samples missed may add: the root of the sum of squares of 3.69·R/N over
+    /// the levels where fewer than thirty of N samples carry the variance (N/κ < 30 with the
+    /// kurtosis κ); R is the largest event that was seen, and 3.69 = −ln 0.025.
+    pub missed: f64,
     /// Observed α in E[φ(y_τ)] − E[φ(y_{2τ})] ∝ τ^α, from the differences that exceed four standard
-    /// errors; `None` with fewer than two of them.
+    /// errors; `None` with fewer than two of them, or if their signs differ.
     pub alpha: Option<Rate>,
     /// Observed β in Var ∝ τ^β of the differences; `None` where they do not vary.
     pub beta: Option<Rate>,
+    /// Failed paths of the levels that make the estimate: they are in none of its means.
+    pub failed: u64,
+    /// Whether the interval may be believed.
+    pub judged: Judged,
 }
 
 impl Estimate {
-    /// Half of the 95 % interval: 1.96 standard errors and the bound on the bias.
+    /// Half of the 95 % interval: √((1.96 standard errors)² + missed²) and the bound on the bias.
     pub fn half_width(&self) -> f64 {
-        QUANTILE * self.standard_error + self.bias_bound
+        half_width(self.standard_error * self.standard_error, self.missed) + self.bias_bound
     }
 
     /// The 95 % interval, from and to. It covers more often when the bias is below its bound.
@@ -120,8 +158,66 @@ pub enum Warning {
         /// How many.
         failed: u64,
     },
+    /// φ is the same to the bit on every path of a level, so that nothing is known about how it
+    /// varies. The interval supposes that it changes by no more than on other levels, or by one if
+    /// it is the same on all. Blocks [`Judged::variance`].
+    #[error(
+        "{observable} is the same on all {samples} paths of level {level}: an event of probability \
+         up to {:.1e} may have been missed, or the noise be too weak for these steps",
+        UNSEEN / *samples as f64
+    )]
+    Constant {
+        /// Name of φ.
+        observable: &'static str,
+        /// The level.
+        level: usize,
+        /// Its paths.
+        samples: u64,
+    },
+    /// Fewer than three differences were sampled, so that the bias is not known. Blocks
+    /// [`Judged::bias`].
+    #[error("the bias is not known from {differences} differences, three are needed")]
+    FewLevels {
+        /// Their number.
+        differences: usize,
+    },
+    /// A component of the state differs between fine and coarse paths by more than half of its
+    /// motion, or by no less than on coarser levels: a fast motion that the steps do not resolve
+    /// looks like a slow one. Blocks [`Judged::resolution`].
+    #[error(
+        "the steps do not resolve y{component}: on level {level} fine and coarse paths differ by \
+         {difference:.1e} of its motion, below by {before:.1e}; take more coarsest steps, or a \
+         higher finest level"
+    )]
+    Unresolved {
+        /// Number of the component, from one.
+        component: usize,
+        /// The last level.
+        level: usize,
+        /// Root mean square of fine minus coarse over that of y − y(0), over all coarse times.
+        difference: f64,
+        /// The larger one of the two levels below.
+        before: f64,
+    },
+    /// φ varies on coarse paths in another way than on fine ones: the difference has more than a
+    /// quarter of both variances. Blocks [`Judged::resolution`].
+    #[error(
+        "the steps do not resolve {observable}: on level {level} the variance of the difference is \
+         {share:.2} of those of the fine and the coarse paths together"
+    )]
+    Uncoupled {
+        /// Name of φ.
+        observable: &'static str,
+        /// The last level.
+        level: usize,
+        /// The quotient.
+        share: f64,
+    },
     /// The kurtosis is above 100 and above a sixteenth of the samples, so that the variance is not
-    /// known to a quarter, nor the standard error of the level to an eighth.
+    /// known to a quarter, nor the standard error of the level to an eighth. With a kurtosis above
+    /// a thirtieth of the samples the interval allows for [missed events](Estimate::missed). On
+    /// single paths that blocks [`Judged::variance`] unless φ has two values: events larger than
+    /// all that were seen may be missing.
     #[error("{observable}: kurtosis {kurtosis:.0} on level {level}, its variance is not reliable")]
     Kurtosis {
         /// Name of φ.
@@ -140,8 +236,9 @@ pub enum Warning {
         /// Observed exponent, significantly below one.
         beta: Rate,
     },
-    /// The differences fall more slowly than the weak order says; the bias is judged by the upper
-    /// end of the observed interval then, but by no order below ½.
+    /// The differences fall more slowly than the weak order says; the bias is extrapolated by the
+    /// upper end of the observed interval then, but by no order below ½ or half of the one given.
+    /// An upper end below that blocks [`Judged::bias`].
     #[error(
         "{observable}: differences fall with exponent {alpha}, the weak order given is {assumed}"
     )]
@@ -154,7 +251,7 @@ pub enum Warning {
         assumed: f64,
     },
     /// The coarse mean of a level contradicts the fine mean of the level below: the sum over the
-    /// levels does not telescope.
+    /// levels does not telescope. Blocks [`Judged::bias`].
     #[error(
         "{observable}: the coarse mean of level {level} is {deviation:.1} standard errors from the \
          fine mean of level {}, the levels do not telescope",

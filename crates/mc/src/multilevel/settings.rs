@@ -44,12 +44,12 @@ pub struct ExpectationSettings {
     pub estimator: Estimator,
     /// The coupling of the levels above 0.
     pub coupling: Coupling,
-    /// Theoretical weak order of the scheme, for the bound on the bias. Default 1.
+    /// Theoretical weak order of the scheme, which the bound on the bias assumes. Default 1.
     pub weak_order: f64,
     /// Paths of the pilot on each of the levels 0 to 2; a level that is added later begins with at
     /// least a quarter of it. At least 128, or variances mean little. Default 1024.
     pub pilot: u64,
-    /// The finest level that may be used, from 2 to 24. Default 16.
+    /// The finest level that may be used, from 3 to 24. Default 16.
     pub max_level: usize,
     /// Limit of the path-steps, whether the accuracy is reached or not. Default 10¹⁰: minutes.
     pub max_cost: u64,
@@ -113,9 +113,9 @@ impl ExpectationSettings {
             (positive(weak_order), "weak order", "positive and finite", weak_order),
             (pilot >= 128, "number of pilot paths", "at least 128", pilot as f64),
             (
-                (2..=MAX_LEVEL).contains(&max_level),
+                (3..=MAX_LEVEL).contains(&max_level),
                 "finest level",
-                "from 2 to 24",
+                "from 3 to 24",
                 max_level as f64,
             ),
         ];

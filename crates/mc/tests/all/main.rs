@@ -3,6 +3,7 @@
 
 mod driver;
 mod explosive;
+mod judged;
 mod ladder;
 mod multilevel;
 mod simulation;

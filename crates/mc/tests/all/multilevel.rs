@@ -186,15 +186,15 @@ fn the_interval_holds_where_the_bias_is_most_of_it() {
     let problem = rotations();
     let settings = ExpectationSettings {
         coarsest_steps: 2,
-        max_level: 2,
+        max_level: 3,
         ..settings(2, Coupling::Antithetic)
     };
     for estimator in ESTIMATORS {
         let settings = ExpectationSettings { estimator, ..settings };
         let result =
-            expectation(&Sexp::default(), &problem, &MOMENTS, 1e-3, &settings, &|_| ()).unwrap();
+            expectation(&Sexp::default(), &problem, &MOMENTS, 5e-4, &settings, &|_| ()).unwrap();
         assert!(
-            result.warnings.contains(&Warning::LevelLimit { level: 2 }) && !result.reached(),
+            result.warnings.contains(&Warning::LevelLimit { level: 3 }) && !result.reached(),
             "{result:?}"
         );
         for (estimate, exact) in result.estimates.iter().zip(exact_moments()) {
@@ -482,40 +482,38 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
             "{result:?}"
         );
     }
-    let settings = ExpectationSettings { max_level: 2, ..settings(9, Coupling::Antithetic) };
+    let settings = ExpectationSettings { max_level: 3, ..settings(9, Coupling::Antithetic) };
     for estimator in ESTIMATORS {
         let settings = ExpectationSettings { estimator, ..settings };
         let result =
-            expectation(&Sexp::default(), &problem, &COS_Y3, 4e-4, &settings, &|_| ()).unwrap();
+            expectation(&Sexp::default(), &problem, &COS_Y3, 2e-4, &settings, &|_| ()).unwrap();
         assert!(
-            result.warnings.contains(&Warning::LevelLimit { level: 2 }),
+            result.warnings.contains(&Warning::LevelLimit { level: 3 }),
             "{:?}",
             result.warnings
         );
-        assert!(!result.reached() && result.estimates[0].bias_bound > 1e-4);
+        assert!(!result.reached() && result.estimates[0].bias_bound > 5e-5);
     }
 }
 
 #[test]
 fn what_does_not_vary_needs_no_samples() {
     let problem = body();
-    // sexp keeps the damped Casimir to round-off; the constant has not even that.
-    let still = [
-        Observable {
-            name: "C",
-            function: |y: [f64; 3]| 0.5 * (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]),
-        },
-        Observable { name: "one", function: |_| 1.0 },
-    ];
+    // sexp keeps the damped Casimir to round-off, which differs from path to path.
+    let still = [Observable {
+        name: "C",
+        function: |y: [f64; 3]| 0.5 * (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]),
+    }];
     let settings = settings(10, Coupling::Antithetic);
     let result = expectation(&Sexp::default(), &problem, &still, 1e-9, &settings, &|_| ()).unwrap();
     assert!(result.reached() && result.warnings.is_empty(), "{result:?}");
-    assert_eq!(result.levels.len(), 3);
+    // The pilot, and the third difference that the bias is judged by.
+    assert_eq!(result.levels.len(), 4);
     assert!(
         result.estimates.iter().all(|estimate| estimate.alpha.is_none() && estimate.beta.is_none())
     );
     let law = 0.5 * (-0.5 * 2.0f64.sin()).exp();
-    assert!((result.estimates[0].value - law).abs() < 1e-13 && result.estimates[1].value == 1.0);
+    assert!((result.estimates[0].value - law).abs() < 1e-13);
 }
 
 #[test]
@@ -545,12 +543,13 @@ fn more_coarsest_steps_are_advised_where_they_pay() {
     let body = RigidBody::three_noises([0.4, 0.3, 0.2], [0.5, 0.6, 0.7]).unwrap();
     let problem = Problem::new(body, Constant::new(0.0).unwrap(), [0.5, 0.6, 0.7], 1.0).unwrap();
     let run = |coarsest_steps: u64| {
+        // The advice is for variances, which cost ε⁻²; tails of differences cost ε⁻¹ with any steps.
         let settings = ExpectationSettings {
             coarsest_steps,
-            max_cost: 20_000_000,
+            max_cost: 200_000_000,
             ..settings(12, Coupling::Antithetic)
         };
-        expectation(&Sexp::default(), &problem, &COS_Y3, 5e-3, &settings, &|_| ()).unwrap()
+        expectation(&Sexp::default(), &problem, &COS_Y3, 2e-3, &settings, &|_| ()).unwrap()
     };
     let advice = |result: &Expectation| {
         result.warnings.iter().find_map(|warning| match warning {
@@ -580,6 +579,8 @@ fn paths_that_fail_are_counted_and_reported() {
         assert!(result.warnings.contains(&warning), "{:?}", result.warnings);
         assert!(warning.to_string().contains(&level.failed.to_string()));
     }
+    // They are reported beside the estimate that misses them.
+    assert_eq!(result.estimates[0].failed, failed);
 }
 
 /// E[cos y₃] of [`body`], from the Kolmogorov equation on the sphere by spherical harmonics
@@ -652,7 +653,7 @@ fn bad_requests_are_refused_and_name_the_value() {
     assert_eq!(setting(0.1, order), ("weak order", -1.0));
     let pilot = ExpectationSettings { pilot: 127, ..good };
     assert_eq!(setting(0.1, pilot), ("number of pilot paths", 127.0));
-    for max_level in [0, 1, 25] {
+    for max_level in [0, 2, 25] {
         let settings = ExpectationSettings { max_level, ..good };
         assert_eq!(setting(0.1, settings), ("finest level", max_level as f64));
     }

@@ -1,0 +1,214 @@
+//! Whether the steps resolve the motion.
+//!
+//! A rotation with ωτ ≫ 1 has the right size and the wrong phase on the fine and on the coarse path
+//! alike, and expectations over it may agree on several levels by aliasing. The states then do not:
+//! for each component the root mean square of fine minus coarse, over all paths and coarse times, is
+//! divided by that of its motion y − y(0). Two paths of uncorrelated phases give √(2/3) to √2.
+
+use real::{Block, PathMask, WIDTH};
+
+use super::{
+    central::ROUND_OFF,
+    level::{Samples, Values},
+};
+
+/// The largest quotient that counts as resolved, on the last level: a rotation differs by half a
+/// radian to one, and the fine path is wrong by a third of that (phases have order two). The same
+/// number for φ: the correlation of φ(fine) and φ(coarse) is then ¾ or more.
+const RESOLVED: f64 = 0.5;
+/// What a level gains at least: strong order ½ gives 1/√2.
+const GAIN: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// Sums over paths and coarse times, for each component and each place in a block.
+#[derive(Clone, Default)]
+pub struct Motion {
+    /// (fine − coarse)².
+    difference: Vec<[f64; WIDTH]>,
+    /// (fine − y(0))².
+    displacement: Vec<[f64; WIDTH]>,
+    /// y(0)².
+    start: Vec<f64>,
+    /// Number of summands.
+    points: f64,
+}
+
+impl Motion {
+    pub fn new(start: &[f64]) -> Self {
+        let zero = vec![[0.0; WIDTH]; start.len()];
+        let start = start.iter().map(|y| y * y).collect();
+        Self { difference: zero.clone(), displacement: zero, start, points: 0.0 }
+    }
+
+    /// Adds the states of fine, coarse and, with [`Antithetic`](super::Coupling::Antithetic), of
+    /// swapped paths, whose average with the fine ones takes the place of fine: without areas it is
+    /// near the coarse path by order one where the fine one is by one half.
+    pub fn add<const D: usize>(&mut self, states: &[Block<D>], y0: [f64; D], live: PathMask) {
+        let [fine, coarse, ..] = states else { return };
+        let swapped = states.get(2).unwrap_or(fine);
+        self.points += f64::from(live.len());
+        // The usual case is vectorised.
+        let all = live == PathMask::ALL;
+        for i in 0..D {
+            let (fine, coarse, swapped) = (&fine.0[i], &coarse.0[i], &swapped.0[i]);
+            let (difference, displacement) = (&mut self.difference[i], &mut self.displacement[i]);
+            for p in 0..WIDTH {
+                if all || live.contains(p) {
+                    let d = 0.5 * (fine[p] + swapped[p]) - coarse[p];
+                    let m = fine[p] - y0[i];
+                    difference[p] += d * d;
+                    displacement[p] += m * m;
+                }
+            }
+        }
+    }
+
+    pub fn merge(&mut self, later: &Self) {
+        if self.start.is_empty() {
+            *self = later.clone();
+            return;
+        }
+        self.points += later.points;
+        for (sums, more) in [
+            (&mut self.difference, &later.difference),
+            (&mut self.displacement, &later.displacement),
+        ] {
+            let pairs = sums.iter_mut().flatten().zip(more.iter().flatten());
+            pairs.for_each(|(sum, more)| *sum += more);
+        }
+    }
+
+    /// Root mean square of fine minus coarse over that of the motion of component i; zero if it is
+    /// round-off.
+    pub fn difference(&self, i: usize) -> f64 {
+        let sum = |lanes: &[f64; WIDTH]| lanes.iter().sum::<f64>();
+        let (difference, displacement) = (sum(&self.difference[i]), sum(&self.displacement[i]));
+        let size = self.points * self.start[i] + displacement;
+        if difference <= ROUND_OFF * ROUND_OFF * size {
+            0.0
+        } else {
+            (difference / displacement).sqrt()
+        }
+    }
+}
+
+/// A component that the steps do not resolve.
+pub struct Unresolved {
+    /// Its number, from zero.
+    pub component: usize,
+    /// [`Motion::difference`] on the last level.
+    pub last: f64,
+    /// The larger one of the two levels below.
+    pub before: f64,
+}
+
+/// The quotients of component i on the last three levels, the last one last.
+fn quotients(differences: &[Samples], i: usize) -> Option<[f64; 3]> {
+    let [.., a, b, c] = differences else { return None };
+    Some([a, b, c].map(|samples| samples.motion.difference(i)))
+}
+
+/// Whether every component is near on the last three levels.
+pub fn is_near(differences: &[Samples]) -> bool {
+    let components = differences.last().map_or(0, |last| last.motion.start.len());
+    (0..components).all(|i| quotients(differences, i).is_some_and(near))
+}
+
+/// The worst component that the steps of the last level do not resolve, if there is one.
+pub fn unresolved(differences: &[Samples]) -> Option<Unresolved> {
+    let components = differences.last().map_or(0, |last| last.motion.start.len());
+    let of = |component: usize| {
+        let quotients = quotients(differences, component)?;
+        let [a, b, last] = quotients;
+        (!resolved(quotients)).then(|| Unresolved { component, last, before: a.max(b) })
+    };
+    (0..components).filter_map(of).max_by(|one, other| one.last.total_cmp(&other.last))
+}
+
+/// Whether quotients of three levels are as small as by strong order ½ at least: one alone may be
+/// small by chance.
+fn near([a, b, c]: [f64; 3]) -> bool {
+    c.max(GAIN * b).max(GAIN * GAIN * a) <= RESOLVED
+}
+
+/// Whether they fall so, too: far from resolution they may be small and grow.
+fn resolved(quotients: [f64; 3]) -> bool {
+    let [a, b, c] = quotients;
+    c == 0.0 || near(quotients) && c <= GAIN * a.max(b)
+}
+
+/// The variance of φ(fine) − φ(coarse) over the sum of both variances; NaN if φ does not vary.
+pub fn share(values: &Values) -> f64 {
+    values.sample.variance() / (values.fine.variance() + values.coarse.variance())
+}
+
+/// Whether φ is the same event on the fine and on the coarse paths: the share is small, or φ
+/// spreads by no more than the accuracy.
+pub fn coupled(values: &Values, accuracy: f64) -> bool {
+    !(share(values) > RESOLVED * RESOLVED && values.varies() && values.spread() > accuracy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The angle of the midpoint rule after n steps of ωτ.
+    fn midpoint(angle: f64, n: u32) -> f64 {
+        2.0 * f64::from(n) * (0.5 * angle / f64::from(n)).atan()
+    }
+
+    /// The quotient for q = cos over the coarse times of 2n fine steps.
+    fn quotient(angle: f64, n: u32) -> f64 {
+        let mut motion = Motion::new(&[1.0]);
+        let step = |n: u32| midpoint(angle, n) / f64::from(n);
+        for k in 1..=n {
+            let fine = Block([[(f64::from(2 * k) * step(2 * n)).cos(); WIDTH]]);
+            let coarse = Block([[(f64::from(k) * step(n)).cos(); WIDTH]]);
+            motion.add(&[fine, coarse], [1.0], PathMask::ALL);
+        }
+        motion.difference(0)
+    }
+
+    #[test]
+    fn a_rotation_is_resolved_when_its_phase_is() {
+        // Each ω on [0, 1] with 8 coarsest steps; its phase is wrong by ω³τ²/12.
+        for angle in [3.0, 26.7, 55.6, 101.3, 1e4, 1e7] {
+            let r: Vec<f64> = (0..16).map(|l| quotient(angle, 8 << l)).collect();
+            for last in 2..16 {
+                let n = f64::from(8 << (last + 1));
+                let phase = (angle - midpoint(angle, 16 << last)).abs();
+                let good = resolved([r[last - 2], r[last - 1], r[last]]);
+                assert!(!good || phase < 1.0, "{angle} {n}: {phase} {:?}", &r[..=last]);
+                assert!(good || phase > 0.02, "{angle} {n}: {phase} {:?}", &r[..=last]);
+            }
+        }
+    }
+
+    #[test]
+    fn order_one_half_is_resolved_and_chance_is_not() {
+        for [a, b, c] in [[0.6, 0.42, 0.3], [1e-3, 1e-3, 5e-4], [0.1, 0.2, 0.0]] {
+            assert!(resolved([a, b, c]));
+        }
+        for [a, b, c] in [[1.2, 1.3, 0.3], [1e-4, 4e-4, 1.6e-3], [0.9, 0.7, 0.55]] {
+            assert!(!resolved([a, b, c]));
+        }
+    }
+
+    #[test]
+    fn events_of_fine_paths_alone_are_not_coupled() {
+        // One path in a hundred has an event: on both paths, or on the fine one only.
+        let values = |both: bool| {
+            let mut values = Values::default();
+            for n in 0..1000 {
+                let event = f64::from(u8::from(n % 100 == 0));
+                let coarse = if both { event } else { 0.0 };
+                values.fine.add(event);
+                values.coarse.add(coarse);
+                values.sample.add(event - coarse);
+            }
+            values
+        };
+        assert!(coupled(&values(true), 0.1) && !coupled(&values(false), 0.1));
+        // They do not matter to an accuracy that is as large as they are.
+        assert!(coupled(&values(false), 1.0));
+    }
+}

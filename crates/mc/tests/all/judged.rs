@@ -1,0 +1,136 @@
+//! Intervals that hold, or say that they may not: variance, bias and resolution are judged.
+//!
+//! Systems with known laws: Kubo's oscillator, where q + ip is turned by the angle −(ωT + σW(T)),
+//! and p = W. Numbers of misses are compared with the binomial quantile of 1 − 10⁻⁴ at 5 %, which a
+//! right program exceeds with that probability or less, for any seed.
+
+use mc::Observable;
+use mc::multilevel::{Coupling, Estimator, Expectation, ExpectationSettings, Warning, expectation};
+use noise::{StreamKey, Truncation};
+use real::Real;
+use schemes::Sexp;
+use systems::{Constant, PoissonSystem, Problem};
+
+/// H₀ = ½ω(q² + p²), H₁ = ½σ(q² + p²).
+struct Kubo {
+    omega: f64,
+    sigma: f64,
+}
+
+impl PoissonSystem<2, 1> for Kubo {
+    fn name(&self) -> &'static str {
+        "kubo"
+    }
+    #[inline(always)]
+    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+        [v[1], -v[0]]
+    }
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
+        (y[0] * y[0] + y[1] * y[1]) * (0.5 * (self.omega * dt + self.sigma * dw[0]))
+    }
+    const QUADRATIC: bool = true;
+}
+
+/// H₀ = ½p², H₁ = −q: p = W, on fine and on coarse paths.
+struct Additive;
+
+impl PoissonSystem<2, 1> for Additive {
+    fn name(&self) -> &'static str {
+        "additive"
+    }
+    #[inline(always)]
+    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+        [v[1], -v[0]]
+    }
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
+        y[1] * y[1] * (0.5 * dt) - y[0] * dw[0]
+    }
+    const QUADRATIC: bool = true;
+}
+
+fn settings(seed: u64) -> ExpectationSettings {
+    let key = StreamKey { seed, experiment: 3 };
+    ExpectationSettings {
+        max_cost: 100_000_000,
+        ..ExpectationSettings::new(key, Truncation::new(4).unwrap(), 8, Coupling::Plain)
+    }
+}
+
+fn kubo(
+    (omega, sigma, t_end): (f64, f64, f64),
+    function: fn([f64; 2]) -> f64,
+    accuracy: f64,
+    settings: &ExpectationSettings,
+) -> Expectation {
+    let undamped = Constant::new(0.0).unwrap();
+    let problem = Problem::new(Kubo { omega, sigma }, undamped, [1.0, 0.0], t_end).unwrap();
+    let phi = [Observable { name: "phi", function }];
+    expectation(&Sexp::default(), &problem, &phi, accuracy, settings, &|_| ()).unwrap()
+}
+
+fn outside(result: &Expectation, exact: f64) -> bool {
+    let (lower, upper) = result.estimates[0].interval();
+    exact < lower || exact > upper
+}
+
+/// Of twenty intervals that hold with 95 %, five or more miss with probability 2.6·10⁻³, six or
+/// more with 3·10⁻⁴, seven or more with 3·10⁻⁵.
+const MOST_MISSES: usize = 6;
+
+#[test]
+fn what_is_the_same_on_every_path_is_not_believed() {
+    // 1{p < median}: the phase of coarse steps is wrong by a hundred standard deviations.
+    let indicator = |y: [f64; 2]| f64::from(y[1] < -(6f64.sin()));
+    for estimator in [Estimator::Multilevel, Estimator::SinglePaths] {
+        for seed in 0..4 {
+            let settings = ExpectationSettings { estimator, ..settings(seed) };
+            let result = kubo((1.0, 1e-4, 6.0), indicator, 0.1, &settings);
+            let estimate = result.estimates[0];
+            assert!(!result.reached() && !estimate.judged.variance, "{result:?}");
+            let constant = |warning: &Warning| matches!(warning, Warning::Constant { .. });
+            assert!(result.warnings.iter().any(constant), "{:?}", result.warnings);
+            // q is the same motion, and nothing is wrong with its mean.
+            let result = kubo((1.0, 1e-4, 6.0), |y| y[0], 0.01, &settings);
+            assert!(result.reached() && !outside(&result, 6f64.cos() * (-3e-8f64).exp()));
+        }
+    }
+}
+
+#[test]
+fn rare_events_are_found_or_allowed_for() {
+    // P(W > 3.09) = 10⁻³. With probability e⁻¹ the 1024 paths of the pilot see no event, and a
+    // variance of zero would end there.
+    let problem = Problem::new(Additive, Constant::new(0.0).unwrap(), [0.0, 0.0], 1.0).unwrap();
+    let phi = [Observable { name: "rare", function: |y: [f64; 2]| f64::from(y[1] > 3.090_232_3) }];
+    let run = |seed: u64| {
+        let settings = ExpectationSettings { coarsest_steps: 2, ..settings(seed) };
+        expectation(&Sexp::default(), &problem, &phi, 1e-3, &settings, &|_| ()).unwrap()
+    };
+    let results: Vec<Expectation> = (0..20).map(run).collect();
+    let wrong = results.iter().filter(|result| result.reached() && outside(result, 1e-3)).count();
+    assert!(wrong <= MOST_MISSES, "{wrong}");
+    let reached = results.iter().filter(|result| result.reached()).count();
+    assert!(reached >= 10, "{reached}");
+    assert!(results.iter().all(|result| result.estimates[0].missed > 0.0));
+}
+
+#[test]
+fn motion_that_the_steps_do_not_resolve_is_named() {
+    // ωτ = 7 on the coarsest level; the fast angle is wrong by whole turns.
+    let (omega, sigma) = (55.6, 0.3);
+    let exact = f64::cos(omega) * (-0.5 * sigma * sigma).exp();
+    let mut wrong = 0;
+    for seed in 0..20 {
+        let few = ExpectationSettings { max_level: 3, ..settings(seed) };
+        let result = kubo((omega, sigma, 1.0), |y| y[0], 0.1, &few);
+        assert!(!result.reached() && !result.estimates[0].judged.resolution, "{result:?}");
+        let named = |warning: &Warning| matches!(warning, Warning::Unresolved { level: 3, .. });
+        assert!(result.warnings.iter().any(named), "{:?}", result.warnings);
+        let result = kubo((omega, sigma, 1.0), |y| y[0], 0.1, &settings(seed));
+        assert!(result.reached(), "{result:?}");
+        wrong += usize::from(outside(&result, exact));
+    }
+    assert!(wrong <= MOST_MISSES, "{wrong}");
+}
