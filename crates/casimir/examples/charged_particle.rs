@@ -81,21 +81,8 @@ fn many_paths(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
 }
 
 fn order(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
-    let sizes = StepSizes {
-        coarsest_steps: 512,
-        levels: 5,
-        refinement: 3,
-        samples: 200,
-        truncation: Truncation::new(4)?,
-        key: StreamKey { seed: 1, experiment: 1 },
-    };
-    let order = strong_order(&Sexp::default(), problem, &sizes)?;
-    match order.rate {
-        Some(rate) => println!(
-            "strong order {:.2}, 95 % interval [{:.2}, {:.2}]",
-            rate.estimate, rate.lo, rate.hi
-        ),
-        None => println!("no order can be named: {:?}", order.points),
-    }
+    let key = StreamKey { seed: 1, experiment: 1 };
+    let sizes = StepSizes::new(512, Truncation::new(4)?, key);
+    println!("strong {}", strong_order(&Sexp::default(), problem, &sizes)?);
     Ok(())
 }
