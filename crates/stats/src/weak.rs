@@ -80,19 +80,19 @@ pub fn fit_weak(
     }))
 }
 
-/// How much of the difference at the finest step a term of order below `order` may be, at most: the
-/// upper end of a 95 % interval, with differences e(τ) − e(τ/2) of e = A₁τ + A₂τ² + … fitted by
-/// generalised least squares. `None` if there are too few levels or the covariance is singular.
+/// How much of the error at the finest step terms of order below `order` may be, at most: the upper
+/// end of a 95 % interval, with e = A₁τ + A₂τ² + … fitted by generalised least squares, as errors or
+/// differences ([`Against`]). `None` if there are too few levels or the covariance is singular.
 ///
 /// A small term of low order wins as τ → 0, however well a higher order fits here.
 pub fn lower_share(
     taus: &[f64],
-    differences: &[f64],
+    errors: &[f64],
     covariance: &[Vec<f64>],
     order: u32,
+    against: Against,
 ) -> Option<f64> {
     let (coarsest, finest) = (taus[0], taus[taus.len() - 1]);
-    let against = Against::HalfStep;
     let powers = || (1..=order + 1).map(f64::from);
     if powers().count() > taus.len() {
         return None;
@@ -100,14 +100,14 @@ pub fn lower_share(
     let column = |q| taus.iter().map(|&tau| against.power(tau, coarsest, q)).collect();
     let design: Vec<Vec<f64>> = powers().map(column).collect();
     let weighting = Weighting::new(covariance)?;
-    let fit = weighting.fit(&design, differences)?;
+    let fit = weighting.fit(&design, errors)?;
     let quantile = two_sided(CONFIDENCE, None);
     let term = |(c, q): (usize, f64)| {
         let largest = fit.parameters[c].abs() + quantile * fit.covariance(c)[c].sqrt();
         largest * against.power(finest, coarsest, q).abs()
     };
     let lower = powers().enumerate().take(order as usize - 1).map(term).sum::<f64>();
-    Some(lower / differences[differences.len() - 1].abs())
+    Some(lower / errors[errors.len() - 1].abs())
 }
 
 impl Against {

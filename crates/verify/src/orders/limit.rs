@@ -104,15 +104,13 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Other<'_, S, D, M> 
     }
 }
 
-/// Moments of the vector that `values` makes of the states of the scheme and of the other one at
-/// the levels 0, 1 and [`SPAN`]; `None` if paths fail that would not fail with the scheme alone.
+/// Moments of the [`distances`] of the states of the scheme and of the other one at the levels 0, 1
+/// and [`SPAN`]; `None` if paths fail that would not fail with the scheme alone.
 fn moments<S, G, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
     sizes: &StepSizes,
     other: &Other<'_, S, D, M>,
-    length: usize,
-    values: fn(Measure<D>, [[f64; D]; 3], [[f64; D]; 3], &mut [f64]),
     what: Measure<D>,
 ) -> Result<Option<CrossMoments>, LadderError>
 where
@@ -134,12 +132,30 @@ where
             None => [3, 4, 5].map(state),
             Some(exact) => [(exact.solution)(view.random_time.0[0][p]); 3],
         };
-        values(what, [0, 1, 2].map(state), others, numbers);
+        numbers.copy_from_slice(&distances(what, [0, 1, 2].map(state), others));
     };
     let time_change = exact.map(|exact| exact.time_change);
-    let (moments, failed) = measure(problem, sizes, runs, time_change, length, &of_view)?;
+    let (moments, failed) = measure(problem, sizes, runs, time_change, 4, &of_view)?;
     let usable = failed <= sizes.samples / 10 && moments.means().iter().all(|x| x.is_finite());
     Ok(usable.then_some(moments))
+}
+
+/// With y and z at the levels 0, 1 and [`SPAN`]. Strong: |y − z|² at the last level and at level 0,
+/// then the squared differences of levels 0 and 1 of y and of z. Weak: the differences of φ between
+/// y and z at level 0, between levels 0 and 1 of y and of z, and between the last level and level 0
+/// of y.
+fn distances<const D: usize>(what: Measure<D>, y: [[f64; D]; 3], z: [[f64; D]; 3]) -> [f64; 4] {
+    match what {
+        Measure::Strong => {
+            let [far, near] = [2, 0].map(|run| squared_distance(y[run], z[run]));
+            let [own, others] = [y, z].map(|y| squared_distance(y[0], y[1]));
+            [far, near, own, others]
+        }
+        Measure::Weak(observable) => {
+            let [y, z] = [y, z].map(|states| states.map(observable.function));
+            [y[0] - z[0], y[0] - y[1], z[0] - z[1], y[2] - y[0]]
+        }
+    }
 }
 
 /// The distance of the limits, (E|y − z|²)^½, from the mean squares X at two step sizes that are
@@ -154,18 +170,8 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    fn values<const D: usize>(
-        _: Measure<D>,
-        y: [[f64; D]; 3],
-        z: [[f64; D]; 3],
-        numbers: &mut [f64],
-    ) {
-        let [far, near] = [2, 0].map(|run| squared_distance(y[run], z[run]));
-        let [own, others] = [y, z].map(|y| squared_distance(y[0], y[1]));
-        numbers.copy_from_slice(&[far, near, own, others]);
-    }
     let with = other.name();
-    let moments = moments(scheme, problem, sizes, &other, 4, values, Measure::Strong)?;
+    let moments = moments(scheme, problem, sizes, &other, Measure::Strong)?;
     let Some(moments) = moments else { return Ok(None) };
     let [near, own, others] = [1, 2, 3].map(|i| moments.mean(i));
     if near <= SAME * SAME * own {
@@ -219,18 +225,8 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    fn values<const D: usize>(
-        what: Measure<D>,
-        y: [[f64; D]; 3],
-        z: [[f64; D]; 3],
-        numbers: &mut [f64],
-    ) {
-        let Measure::Weak(observable) = what else { return };
-        let [y, z] = [y, z].map(|states| states.map(observable.function));
-        numbers.copy_from_slice(&[y[0] - z[0], y[0] - y[1], z[0] - z[1], y[2] - y[0]]);
-    }
     let with = other.name();
-    let Some(moments) = moments(scheme, problem, sizes, &other, 4, values, what)? else {
+    let Some(moments) = moments(scheme, problem, sizes, &other, what)? else {
         return Ok(None);
     };
     let half_width = |i: usize| QUANTILE * moments.covariance_of_means(i, i).sqrt();

@@ -8,7 +8,8 @@ use systems::{Damping, PoissonSystem, Problem};
 use super::{Measure, Order, ReferenceSolution, StepSizes, decision, limit::limit, runs::measure};
 
 /// The weak order of `scheme` for one test function φ, from the differences E[φ(y_τ) − φ(y_{τ/2})]
-/// at the final time on the same noise, fitted by [`stats::fit_weak`].
+/// at the final time on the same noise, or from errors against the exact solution, fitted by
+/// [`stats::fit_weak`].
 ///
 /// Points are errors E[φ(y_τ) − φ(y)] with the error of the finest step extrapolated, or against
 /// the exact solution.
@@ -48,35 +49,46 @@ where
     let (moments, failed) = measure(problem, sizes, runs, time_change, number, &values)?;
 
     let taus = sizes.taus(problem.t_end());
-    let (taus, means) = (&taus[..number - 1], &moments.means()[..number - 1]);
-    let covariance: Vec<Vec<f64>> = moments
-        .covariances_of_means()
-        .into_iter()
-        .take(number - 1)
-        .map(|mut row| {
-            row.truncate(number - 1);
-            row
-        })
-        .collect();
-    let mut rate = fit_weak(taus, means, &covariance, Against::HalfStep);
+    // Errors against the exact solution at all step sizes, or differences at all but the finest.
+    let (fitted, against) = match exact {
+        Some(_) => (errors(number, &moments, None), Against::Exact),
+        None => {
+            let row = |k: usize| (0..number).map(|l| f64::from(u8::from(l == k))).collect();
+            (moments.combined(&(0..number - 1).map(row).collect::<Vec<_>>()), Against::HalfStep)
+        }
+    };
+    let (means, covariance) = (fitted.means(), fitted.covariances_of_means());
+    let mut rate = fit_weak(&taus[..means.len()], &means, &covariance, against);
     let limit = limit(scheme, problem, sizes, reference, Measure::Weak(observable))?;
-    let share = |order| lower_share(taus, means, &covariance, order);
+    let share = |order| lower_share(&taus[..means.len()], &means, &covariance, order, against);
     let decision = decision::weak(rate.as_ref(), share, limit);
     let likely = rate.as_mut().map_or(1.0, |rate| decision.settle(rate)).max(0.5);
     let tail = |p: f64| if exact.is_some() { None } else { Some(1.0 / (p.exp2() - 1.0)) };
-    let mut points = weak_points(&taus[..levels.min(number - 1)], &moments, tail(likely));
+    let mut points = weak_points(&taus[..levels], &moments, tail(likely));
     if let (None, Some(rate)) = (exact, &rate) {
         for end in [rate.lo, rate.hi] {
-            let other = weak_points(&taus[..points.len()], &moments, tail(end.max(0.5)));
+            let other = weak_points(&taus[..levels], &moments, tail(end.max(0.5)));
             points.iter_mut().zip(other).for_each(|(point, other)| widen(point, &other));
         }
     }
     Ok(Order { points, rate, one_step: None, limit, decision, failed })
 }
 
-/// Sums of differences from each step size on, with the last one times `tail` more, or with the
-/// error of the finest step where it was measured.
+/// Points with normal intervals.
 fn weak_points(taus: &[f64], moments: &CrossMoments, tail: Option<f64>) -> Vec<Point> {
+    let errors = errors(taus.len(), moments, tail);
+    let point = |(l, &tau): (usize, &f64)| {
+        let (value, se) = (errors.mean(l), errors.covariance_of_means(l, l).sqrt());
+        let reach = 1.96 * se;
+        let (lo, hi) = (Some(value - reach), Some(value + reach));
+        Point::Error { tau, value, se, lo, hi, warning: None }
+    };
+    taus.iter().enumerate().map(point).collect()
+}
+
+/// Errors at the first step sizes: sums of the differences from each on, with the last difference
+/// times `tail` more, or with the error of the finest step where it was measured.
+fn errors(sizes: usize, moments: &CrossMoments, tail: Option<f64>) -> CrossMoments {
     let length = moments.length();
     let row = |l: usize| {
         let mut row = vec![0.0; length];
@@ -87,14 +99,7 @@ fn weak_points(taus: &[f64], moments: &CrossMoments, tail: Option<f64>) -> Vec<P
         }
         row
     };
-    let errors = moments.combined(&(0..taus.len()).map(row).collect::<Vec<_>>());
-    let point = |(l, &tau): (usize, &f64)| {
-        let (value, se) = (errors.mean(l), errors.covariance_of_means(l, l).sqrt());
-        let reach = 1.96 * se;
-        let (lo, hi) = (Some(value - reach), Some(value + reach));
-        Point::Error { tau, value, se, lo, hi, warning: None }
-    };
-    taus.iter().enumerate().map(point).collect()
+    moments.combined(&(0..sizes).map(row).collect::<Vec<_>>())
 }
 
 /// Widens the interval of a point to that of another.
