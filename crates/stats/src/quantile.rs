@@ -5,11 +5,15 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, St
 /// Confidence of the reported intervals.
 pub const CONFIDENCE: f64 = 0.95;
 
+/// With so many degrees of freedom Student's quantiles are the normal ones to a millionth, and the
+/// library's iteration may not end.
+const NORMAL_DEGREES: f64 = 1e6;
+
 /// The two-sided quantile: with probability `confidence` a standard variable is at most this far
 /// from zero. The variable is Student's with so many degrees of freedom, or normal without any.
 pub fn two_sided(confidence: f64, student_degrees: Option<f64>) -> f64 {
     let p = 0.5 + 0.5 * confidence;
-    match student_degrees {
+    match student_degrees.filter(|&degrees| degrees < NORMAL_DEGREES) {
         None => Normal::standard().inverse_cdf(p),
         Some(degrees) => StudentsT::new(0.0, 1.0, degrees.max(1.0))
             .map_or(f64::INFINITY, |student| student.inverse_cdf(p)),

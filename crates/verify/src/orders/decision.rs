@@ -34,6 +34,8 @@ pub enum Decision {
         /// The largest part of the last difference that the lower orders may have.
         share: f64,
     },
+    /// More than a tenth of the paths failed: the rest says little about the scheme.
+    Failures,
     /// The scheme converges to something else than [`Limit`]'s other solution.
     WrongLimit,
     /// The limit could not be compared.
@@ -152,6 +154,9 @@ impl fmt::Display for Decision {
                  paths or finer steps would decide",
                 100.0 * share
             ),
+            Self::Failures => {
+                f.write_str("undecided: more than a tenth of the paths failed; finer steps would decide")
+            }
             Self::WrongLimit => f.write_str("no order: the scheme converges to something else"),
             Self::LimitUnclear => f.write_str(
                 "undecided: the limit could not be compared; finer steps or more paths would decide",
@@ -177,13 +182,13 @@ impl fmt::Display for Order {
         }
         match self.limit {
             Limit::Agrees { with, distance } => {
-                write!(f, "; the limit is that of {with} up to {distance:.1e}")
+                write!(f, "; its limit differs from that of {with} by at most {distance:.1e}")
             }
             Limit::Differs { with, distance } => {
                 write!(f, "; its limit is {distance:.1e} from that of {with}")
             }
             Limit::Unclear { with, distance } => {
-                write!(f, "; its limit is at most {distance:.1e} from that of {with}")
+                write!(f, "; its limit may differ from that of {with} by {distance:.1e}")
             }
             Limit::Unchecked => f.write_str("; no other scheme runs to compare the limit with"),
         }?;

@@ -39,43 +39,42 @@ pub fn differences(record: &CrossMoments, sizes: usize, levels: usize) -> CrossM
     record.combined(&(0..sizes - 1).map(unit).collect::<Vec<_>>())
 }
 
-/// Root-mean-square errors against the limit at the first step sizes, for errors of an order in
-/// this range, most likely `order`.
+/// Root-mean-square errors against the limit at the first step sizes, for errors of these orders,
+/// the most likely one first.
 ///
 /// The error that is left at the finest step is Σ of the differences that would follow. Of the last
 /// difference D the part ρ repeats itself along the path, 2^{−p} times as large each time (the error
-/// of a drift), and the rest is independent each time (iterated integrals). Errors of order ½ have
-/// ρ = 0; else ρ|D|² is measured as g = 2^{−p}⟨y_{n−3} − y_{n−2}, D⟩. With κ = 1/(2^p − 1) and
-/// λ = 1/(4^p − 1),
+/// of a drift), and the rest is independent each time (iterated integrals). ρ|D|² is measured as
+/// g = 2^{−p}⟨y_{n−3} − y_{n−2}, D⟩, or ρ = 0. With κ = 1/(2^p − 1) and λ = 1/(4^p − 1),
 /// E|y_l − y|² = E[|y_l − y_{n−1}|² + 2κ⟨y_l − y_{n−2}, D⟩ + λ|D|² + (2κ + κ² − λ)g].
-/// The interval is that of the paths, widened to those of the other orders.
-pub fn strong_points(
-    taus: &[f64],
-    record: &CrossMoments,
-    order: f64,
-    range: (f64, f64),
-) -> Vec<Point> {
+/// The value takes ρ = 0 where the most likely order is ½. The interval is that of the paths,
+/// widened to those of the other orders with either ρ.
+pub fn strong_points(taus: &[f64], record: &CrossMoments, orders: &[f64]) -> Vec<Point> {
     let levels = taus.len();
-    let independent = order < 0.75;
-    let rows = |p: f64| -> Vec<Vec<f64>> {
-        (0..levels).map(|l| row(record.length(), levels, l, p, independent)).collect()
+    let points = |p: f64, independent: bool| {
+        let row = |l| row(record.length(), levels, l, p, independent);
+        root_mean_squares(taus, &record.combined(&(0..levels).map(row).collect::<Vec<_>>()))
     };
-    let points = |p: f64| root_mean_squares(taus, &record.combined(&rows(p)));
-    let others = [points(range.0), points(range.1)];
-    let mut points = points(order);
-    for point in &mut points {
-        let Point::Error { tau, lo, hi, .. } = point else { continue };
-        for other in others.iter().flatten() {
-            let Point::Error { tau: same, lo: other_lo, hi: other_hi, .. } = other else {
-                continue;
-            };
-            if same == tau {
-                *lo = lo.zip(*other_lo).map(|(a, b)| f64::min(a, b));
-                *hi = hi.zip(*other_hi).map(|(a, b)| f64::max(a, b));
-            }
+    let mut likely = points(orders[0], orders[0] < 0.75);
+    for &order in orders {
+        for other in [true, false].into_iter().flat_map(|independent| points(order, independent)) {
+            likely.iter_mut().for_each(|point| widen(point, &other));
         }
     }
-    points
+    likely
+}
+
+/// Widens the interval of a point to that of another at the same step size.
+pub fn widen(point: &mut Point, other: &Point) {
+    if let (
+        Point::Error { tau, lo, hi, .. },
+        Point::Error { tau: same, lo: other_lo, hi: other_hi, .. },
+    ) = (point, other)
+        && tau == same
+    {
+        *lo = lo.zip(*other_lo).map(|(a, b)| f64::min(a, b));
+        *hi = hi.zip(*other_hi).map(|(a, b)| f64::max(a, b));
+    }
 }
 
 /// The weights of a record in E|y_l − y|².

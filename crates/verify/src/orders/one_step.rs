@@ -41,10 +41,8 @@ impl OneStep {
 const AMPLIFICATIONS: [f64; 3] = [1.0, 16.0, 256.0];
 /// Step sizes, each a quarter of the one before.
 const SCALES: u32 = 9;
-/// States from which steps are taken.
+/// States from which steps are taken, each of a path of its own.
 const STATES: u64 = 512;
-/// Paths that these states are collected from.
-const PATHS: u64 = 128;
 /// Differences below this fraction of |y| are rounding errors to a hundredth.
 const ROUND_OFF: f64 = 3e-14;
 /// How far the exponents of the last two pairs of scales may be from a multiple of ½: a tenth of
@@ -111,7 +109,7 @@ where
     Ok(least.filter(|step| step.order > 0.0))
 }
 
-/// States of some paths of the scheme at four times, or y₀ if none survives.
+/// States of some paths of the scheme, each at a time of its own, or y₀ if none survives.
 fn visited<S, G, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
@@ -125,7 +123,7 @@ where
     let runs = vec![Run::new(scheme, 0)];
     let ladder = Ladder::new(problem, steps, 0, sizes.truncation, sizes.key, runs)?;
     let none = || Visited { steps, states: Vec::new() };
-    let mut states = ladder.run(PATHS, none, &|_| ()).statistic.states;
+    let mut states = ladder.run(STATES, none, &|_| ()).statistic.states;
     if states.is_empty() {
         states.push(problem.y0());
     }
@@ -140,9 +138,13 @@ struct Visited<const D: usize> {
 
 impl<const D: usize> Statistic<D> for Visited<D> {
     fn observe(&mut self, view: &View<'_, D>) {
-        let quarter = |n: u64| n * 4 / self.steps;
-        if quarter(view.time) > quarter(view.time - 1) {
-            self.states.extend(view.live.paths().map(|p| view.states[0].path(p)));
+        // Multiples of the golden ratio, modulo one, are spread evenly.
+        let fraction = |path: u64| (path as f64 * 0.618_033_988_749_894_8).fract();
+        for p in view.live.paths() {
+            let time = 1 + (fraction(view.first_path + p as u64) * self.steps as f64) as u64;
+            if time.min(self.steps) == view.time {
+                self.states.push(view.states[0].path(p));
+            }
         }
     }
 

@@ -24,8 +24,6 @@ pub struct StepSizes {
 
 /// The most step sizes: 2⁴⁸ steps would take years.
 const MOST_SIZES: usize = 48;
-/// Three differences and their order.
-const LEAST_SIZES: usize = 4;
 
 impl StepSizes {
     /// Five step sizes from T/`coarsest_steps` on, two beyond, 1000 paths: some 250 000 steps for
@@ -64,17 +62,13 @@ impl StepSizes {
         self.samples.saturating_mul(2 * self.reference_steps())
     }
 
-    /// The same for an order, which needs four step sizes.
-    pub(super) fn check_order(&self) -> Result<(), LadderError> {
-        self.check_from(LEAST_SIZES)
-    }
-
     /// Refuses sizes without a step or a step size, or with too many.
     pub(crate) fn check(&self) -> Result<(), LadderError> {
-        self.check_from(1)
+        self.check_order(1)
     }
 
-    fn check_from(&self, from: usize) -> Result<(), LadderError> {
+    /// The same for an order, which needs so many step sizes.
+    pub(super) fn check_order(&self, from: usize) -> Result<(), LadderError> {
         let given = self.levels.saturating_add(self.refinement as usize);
         if self.levels == 0 || !(from..=MOST_SIZES).contains(&given) {
             return Err(LadderError::StepSizes { given, from, to: MOST_SIZES });

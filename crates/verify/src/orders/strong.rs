@@ -14,6 +14,9 @@ use super::{
 };
 use crate::work_precision::squared_distance;
 
+/// Three differences and their order.
+const LEAST_SIZES: usize = 4;
+
 /// The strong order of `scheme`, with root-mean-square errors at the final time. The limit is
 /// compared with that of an independent scheme.
 ///
@@ -47,7 +50,7 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    sizes.check_order()?;
+    sizes.check_order(LEAST_SIZES)?;
     let (levels, number) = (sizes.levels, sizes.sizes());
     let runs = (0..number).map(|index| Run::new(scheme, number - 1 - index)).collect();
     let exact = match *reference {
@@ -72,20 +75,23 @@ where
     let mut rate = fit_strong(&taus[..number - 1], &differences(&moments, number, levels));
     let one_step = one_step(scheme, problem, sizes)?;
     let limit = limit(scheme, problem, sizes, reference, Measure::Strong)?;
-    let decision = decision::strong(rate.as_ref(), one_step, limit);
-    let points = rate.as_mut().map(|rate| {
-        let order = decision.settle(rate);
-        (order, (rate.lo, rate.hi))
-    });
-    let points = match points {
+    let decision = match failed {
+        _ if 10 * failed > sizes.samples => Decision::Failures,
+        _ => decision::strong(rate.as_ref(), one_step, limit),
+    };
+    let points = match &mut rate {
         _ if exact.is_some() => stats::root_mean_squares(&taus[..levels], &moments),
-        // Orders below ½ would make the tail as large as one likes.
-        Some((order, (lo, hi))) => {
-            let [order, lo, hi] = [order, lo, hi].map(|p: f64| p.max(0.5));
-            strong_points(&taus[..levels], &moments, order, (lo, hi))
+        Some(rate) => {
+            let fitted = rate.estimate;
+            let orders = [decision.settle(rate), fitted, rate.lo, rate.hi];
+            // Orders below ½ would make the tail as large as one likes.
+            strong_points(&taus[..levels], &moments, &orders.map(|p| p.max(0.5)))
         }
         None => Vec::new(),
     };
+    if let Some(rate) = rate.as_mut().filter(|_| exact.is_some()) {
+        decision.settle(rate);
+    }
     Ok(Order { points, rate, one_step, limit, decision, failed })
 }
 
