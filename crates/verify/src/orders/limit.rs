@@ -108,6 +108,9 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Other<'_, S, D, M> 
     }
 }
 
+/// Makes a vector of the states of the scheme and of the other one at three levels.
+type Values<const D: usize> = fn(Measure<D>, [[f64; D]; 3], [[f64; D]; 3], &mut [f64]);
+
 /// Moments of the vector that `values` makes of the states of the scheme and of the other one at
 /// the levels 0, 1 and [`SPAN`]; `None` if paths fail that would not fail with the scheme alone.
 fn moments<S, G, const D: usize, const M: usize>(
@@ -116,7 +119,7 @@ fn moments<S, G, const D: usize, const M: usize>(
     sizes: &StepSizes,
     other: &Other<'_, S, D, M>,
     length: usize,
-    values: fn(Measure<D>, [[f64; D]; 3], [[f64; D]; 3], &mut [f64]),
+    values: Values<D>,
     what: Measure<D>,
 ) -> Result<Option<CrossMoments>, LadderError>
 where
