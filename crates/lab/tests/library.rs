@@ -24,7 +24,7 @@ fn quick(entry: &Entry) -> bool {
         }
     };
     let euler = name.contains("Euler–Maruyama") && *kind == "geometric";
-    kinds.contains(kind) && !euler || name.ends_with("q, ω = 55.6") || name == "W > 4"
+    kinds.contains(kind) && !euler || name == "q, ω = 77.2" || name == "W > 4"
 }
 
 #[test]

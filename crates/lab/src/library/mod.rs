@@ -143,6 +143,8 @@ pub struct Entry {
     pub old_rule: Option<OldRule>,
     /// Its place in the library, which says which noise it has.
     number: u64,
+    /// Whether an answer takes seconds: it is asked with every fourth seed.
+    slow: bool,
     ask: Ask,
 }
 
@@ -156,7 +158,7 @@ impl Entry {
         ask: impl Fn(StreamKey) -> Answer + Send + Sync + 'static,
     ) -> Self {
         let (name, ask) = (name.into(), Box::new(ask));
-        Self { kind, name, question, truth, old_rule, number: 0, ask }
+        Self { kind, name, question, truth, old_rule, number: 0, slow: false, ask }
     }
 }
 
@@ -213,9 +215,8 @@ impl OldRule {
     fn interval(self, estimate: &Estimate, accuracy: f64) -> Stated {
         let normal = 1.96 * estimate.standard_error;
         let half_width = match self {
-            Self::NothingMissed => normal + estimate.bias.abs(),
             Self::LastDifference => normal.hypot(estimate.missed) + estimate.bias.abs(),
-            _ => estimate.half_width(),
+            _ => normal + estimate.bias.abs(),
         };
         if half_width <= accuracy {
             Stated::Interval(estimate.value - half_width, estimate.value + half_width)
@@ -258,16 +259,18 @@ pub fn ask(entries: &[Entry], seeds: std::ops::Range<u64>, done: &(dyn Fn() + Sy
         done();
         answer
     };
-    let numbers: Vec<(usize, u64)> = (0..entries.len())
-        .flat_map(|number| seeds.clone().map(move |seed| (number, seed)))
-        .collect();
-    let answers: Vec<Answer> = numbers.into_par_iter().map(answer).collect();
-    let each = (seeds.end - seeds.start) as usize;
-    entries
-        .iter()
-        .zip(answers.chunks(each))
-        .map(|(entry, answers)| Row::new(entry, answers))
-        .collect()
+    let questions = |number: usize| {
+        let step = if entries[number].slow { 4 } else { 1 };
+        seeds.clone().step_by(step).map(move |seed| (number, seed))
+    };
+    let numbers: Vec<(usize, u64)> = (0..entries.len()).flat_map(questions).collect();
+    let answers: Vec<Answer> = numbers.par_iter().map(|&question| answer(question)).collect();
+    let mut answers = answers.into_iter();
+    let row = |(number, entry): (usize, &Entry)| {
+        let own: Vec<Answer> = answers.by_ref().take(questions(number).count()).collect();
+        Row::new(entry, &own)
+    };
+    entries.iter().enumerate().map(row).collect()
 }
 
 /// How E[φ] is asked for.

@@ -1,5 +1,4 @@
-//! Strong orders, with the defaults of [`StepSizes::new`] and sixteen coarsest steps;
-//! four where areas are drawn, which takes long.
+//! Strong orders, with the defaults of [`StepSizes::new`] and sixteen coarsest steps.
 //!
 //! The orders are those of the theory: 1 of `sexp`, `midpoint` and `heun` with one noise or several
 //! that commute, ½ with others; 1 of `sexp-levy`; ½ of Euler–Maruyama, and 1 with additive noise;
@@ -37,10 +36,10 @@ pub fn stated(order: &Order) -> (Stated, Stated) {
         Decision::WrongLimit => Stated::NoOrder,
         decision => Stated::Undecided(decision.to_string()),
     };
-    let slope = order
-        .rate
-        .as_ref()
-        .map_or(Stated::NoOrder, |rate| Stated::order(0.5 * (2.0 * rate.estimate).round()));
+    let slope = match &order.rate {
+        Some(rate) => Stated::order(0.5 * (2.0 * rate.estimate).round()),
+        None => Stated::Undecided("no slope".into()),
+    };
     (stated, slope)
 }
 
@@ -61,9 +60,9 @@ where
     X: Scheme<S, D, M> + 'static,
 {
     let name = format!("{}: {name}", scheme.id());
+    let slow = scheme.reads_areas();
     let ask = move |key: StreamKey| {
-        let coarsest = if scheme.reads_areas() { 4 } else { 16 };
-        let sizes = StepSizes::new(coarsest, truncation(), key);
+        let sizes = StepSizes::new(16, truncation(), key);
         match strong_order(&scheme, &problem, &sizes) {
             Ok(order) => {
                 let (stated, slope) = stated(&order);
@@ -75,7 +74,7 @@ where
         }
     };
     let old_rule = Some(OldRule::FittedSlope);
-    Entry::new(kind, name, Question::StrongOrder, truth, old_rule, ask)
+    Entry { slow, ..Entry::new(kind, name, Question::StrongOrder, truth, old_rule, ask) }
 }
 
 pub fn entries() -> Vec<Entry> {

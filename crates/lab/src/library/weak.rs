@@ -1,4 +1,4 @@
-//! Weak orders, for one test function and 20 000 paths.
+//! Weak orders, for one test function: 20 000 paths, and from 8 to 256 steps.
 
 use mc::Observable;
 use noise::StreamKey;
@@ -27,7 +27,8 @@ where
 {
     let name = format!("{}: {name}", scheme.id());
     let ask = move |key: StreamKey| {
-        let sizes = StepSizes { samples: 20_000, ..StepSizes::new(4, truncation(), key) };
+        let sizes =
+            StepSizes { samples: 20_000, refinement: 1, ..StepSizes::new(8, truncation(), key) };
         let phi = Observable { name: "φ", function };
         match weak_order(&scheme, &problem, phi, &sizes, &ReferenceSolution::Independent) {
             Ok(order) => {
