@@ -18,6 +18,7 @@
 //! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
 //! | [`command`] | what the command lines of all programs share |
 //! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo, against its value |
+//! | [`library`] | problems with known answers, and how often the answers are true |
 //! | [`coverage()`] | how often the intervals of `stats` cover the truth |
 //!
 //! The programs of this package are `reproduce`, `battery` (with the twins), `work-precision`,
@@ -28,6 +29,7 @@ pub mod conformal_law;
 mod coverage;
 mod experiment;
 pub mod kernels;
+pub mod library;
 mod method;
 mod other_noise;
 mod panels;

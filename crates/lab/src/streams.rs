@@ -30,6 +30,8 @@ pub const WORK_PRECISION_PARTS: u64 = 4;
 pub const HARD_CASES: u64 = 1 << 33;
 /// Growth of the defect over long runs.
 pub const GROWTH: u64 = HARD_CASES + (1 << 16);
+/// Entries of the library, one number each; expectations need numbers below 2⁴⁰.
+pub const LIBRARY: u64 = 1 << 34;
 /// Coverage: case number n takes the numbers from n times this on.
 pub const COVERAGE: u64 = 1 << 40;
 
@@ -50,7 +52,8 @@ mod tests {
     fn ranges_are_disjoint() {
         let families = [PANELS, STATEMENTS, SUPPLEMENTS, TWINS, EXPECTATIONS, EXPECTATIONS + 1];
         let ends = families.map(|first| first * PARTS).into_iter();
-        let starts: Vec<u64> = ends.chain([WORK_PRECISION, HARD_CASES, GROWTH, COVERAGE]).collect();
+        let starts: Vec<u64> =
+            ends.chain([WORK_PRECISION, HARD_CASES, GROWTH, LIBRARY, COVERAGE]).collect();
         // Fewer experiments in each family than there are numbers.
         assert!(starts.windows(2).all(|pair| pair[0] + 16 <= pair[1]), "{starts:?}");
     }

@@ -39,7 +39,8 @@ impl OneStep {
 
 /// Factors of the noise.
 const AMPLIFICATIONS: [f64; 3] = [1.0, 16.0, 256.0];
-/// Step sizes, each a quarter of the one before.
+/// Step sizes below the finest of the measurement, each a quarter of the one before. Coarser ones
+/// come first: errors of high order are rounding errors soon.
 const SCALES: u32 = 9;
 /// States from which steps are taken, each of a path of its own.
 const STATES: u64 = 512;
@@ -63,9 +64,11 @@ where
     let states = visited(scheme, problem, sizes)?;
     let mut least: Option<OneStep> = None;
     for amplification in AMPLIFICATIONS {
-        let first = sizes.reference_steps().ilog2() + 2;
+        let last = sizes.reference_steps().ilog2();
+        let coarser = (last - sizes.coarsest_steps.ilog2()) / 2;
         let mut squares = Vec::new();
-        for exponent in (0..SCALES).map(|scale| first + 2 * scale) {
+        for scale in 0..coarser + SCALES {
+            let exponent = last + 2 + 2 * scale - 2 * coarser;
             let steps = 2u64 << exponent.min(61);
             let tau = 2.0 * problem.t_end() / steps as f64;
             let runs = vec![Run::new(scheme, 1), Run::new(scheme, 0)];

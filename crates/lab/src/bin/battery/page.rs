@@ -1,5 +1,6 @@
-//! The page about the battery: statements by seed, twins, coverage.
+//! The page about the battery: statements by seed, twins, coverage, the library.
 
+use lab::library::{Question, Row, Total, by_kind, by_old_rule};
 use report::{Outcome, Page};
 use stats::{Coverage, Expected};
 use verify::results::{Claim, Evidence, Verdict};
@@ -20,6 +21,8 @@ pub struct Battery {
     pub expectations: Vec<Claim>,
     /// How often intervals cover.
     pub coverage: Vec<Coverage>,
+    /// Answers to the problems of the library.
+    pub library: Vec<Row>,
 }
 
 impl Battery {
@@ -32,10 +35,30 @@ impl Battery {
     pub fn missed_twins(&self) -> usize {
         self.twins.iter().flatten().filter(|claim| claim.verdict != Verdict::Refuted).count()
     }
+
+    /// Whether these answers are false more often than they may.
+    fn too_often(&self, question: Question, total: &Total) -> bool {
+        let chance = FALSE_ANSWERS_BY_CHANCE / self.library.len().max(1) as f64;
+        total.refuted(question.tolerated(), chance)
+    }
+
+    /// The problems of the library whose answers are false more often than they may.
+    pub fn false_answers(&self) -> Vec<&Row> {
+        self.library.iter().filter(|row| self.too_often(row.question, &row.total)).collect()
+    }
+
+    /// Old rules that the library does not refute.
+    pub fn missed_rules(&self) -> usize {
+        let rules = by_old_rule(&self.library);
+        rules.iter().filter(|(_, old, _)| !self.too_often(Question::Expectation, old)).count()
+    }
 }
 
 /// Confidence of the bound on the number of false alarms.
 const ALARM_CONFIDENCE: f64 = 0.999;
+/// Probability that any problem of the library is said to be answered falsely too often, if none
+/// is.
+const FALSE_ANSWERS_BY_CHANCE: f64 = 1e-3;
 /// Seeds that stand together in a line of verdicts.
 const SEEDS_TOGETHER: usize = 10;
 
@@ -58,6 +81,7 @@ pub fn page(battery: &Battery) -> Page {
     twins(&mut page, &battery.twins);
     expectations(&mut page, &battery.expectations);
     coverage(&mut page, &battery.coverage);
+    library(&mut page, battery);
     page
 }
 
@@ -229,6 +253,73 @@ fn coverage(page: &mut Page, rows: &[Coverage]) {
     page.table(head, rows.iter().map(row));
 }
 
+/// The counts of a line: answers, share undecided, false ones, path-steps of an answer.
+fn counts(total: &Total) -> [String; 4] {
+    [
+        total.stated.to_string(),
+        total.missed.to_string(),
+        format!("{:.0} %", 100.0 * total.undecided_share()),
+        format!("{:.1e}", total.cost as f64 / total.asked.max(1) as f64),
+    ]
+}
+
+fn library(page: &mut Page, battery: &Battery) {
+    let rows = &battery.library;
+    page.heading(2, "Problems with known answers");
+    page.paragraph(format!(
+        "{} questions with exactly known answers and settings as a user would choose them, each \
+         asked with {} seeds. An interval at 95 % may miss in {:.0} % of the answers that are \
+         stated, an order may be false in {:.0} %. A problem is answered *falsely* if so many false \
+         answers have the probability {FALSE_ANSWERS_BY_CHANCE:.0e} over the number of questions at \
+         that share (binomial). Costs are path-steps of an answer. **{} of the questions are \
+         answered falsely.**",
+        rows.len(),
+        rows.first().map_or(0, |row| row.total.asked),
+        100.0 * Question::Expectation.tolerated(),
+        100.0 * Question::StrongOrder.tolerated(),
+        battery.false_answers().len(),
+    ));
+    let kind = |(question, kind, total): (Question, &str, Total)| {
+        let [stated, missed, undecided, cost] = counts(&total);
+        let share = format!("{:.1} %", 100.0 * total.missed_share());
+        [question.words().into(), kind.into(), stated, missed, share, undecided, cost]
+    };
+    let head = ["question", "kind", "stated", "false", "share", "undecided", "cost"];
+    page.table(head, by_kind(rows).into_iter().map(kind));
+    page.paragraph(format!(
+        "The twins of the library are rules that were in use, on the problems that they answer \
+         falsely. Not refuted: **{}**.",
+        battery.missed_rules()
+    ));
+    let rule = |(rule, old, new): (lab::library::OldRule, Total, Total)| {
+        let of = |total: Total| format!("{} of {}", total.missed, total.stated);
+        [rule.words().into(), of(old), of(new)]
+    };
+    page.table(
+        ["old rule", "false", "false by the rule in use"],
+        by_old_rule(rows).into_iter().map(rule),
+    );
+    page.heading(3, "Problems");
+    let row = |row: &Row| {
+        let [stated, missed, undecided, cost] = counts(&row.total);
+        let verdict = if battery.too_often(row.question, &row.total) { "**falsely**" } else { "" };
+        let reason = row.reason.clone().unwrap_or_default();
+        let (question, name) = (row.question.words().into(), format!("{}: {}", row.kind, row.name));
+        [question, name, stated, missed, verdict.into(), undecided, cost, reason]
+    };
+    let head = [
+        "question",
+        "problem",
+        "stated",
+        "false",
+        "answered",
+        "undecided",
+        "cost",
+        "why undecided",
+    ];
+    page.table(head, rows.iter().map(row));
+}
+
 /// An identifier, or nothing.
 fn code(id: &str) -> String {
     if id.is_empty() { String::new() } else { format!("`{id}`") }
@@ -262,6 +353,7 @@ mod tests {
             twins: vec![vec![claim(Verdict::Refuted, "")]; 11],
             expectations: Vec::new(),
             coverage: Vec::new(),
+            library: Vec::new(),
         }
     }
 

@@ -1,0 +1,353 @@
+//! Problems with exactly known answers, and how often the answers of `mc::multilevel` and of
+//! `verify::strong_order` and `weak_order` are true.
+//!
+//! An [`Entry`] is a question with its truth, a closed form, and settings as a user would choose
+//! them. It is asked with many seeds. An answer that is *stated* may be false, in the share
+//! [`Question::tolerated`] at most. An answer that is *undecided* says so and is not false, but too
+//! many of them are no use.
+//!
+//! Some entries have a twin: what an older rule states of the same samples. The library must refute
+//! it, or it could not tell.
+
+mod additive;
+mod casimir;
+mod errors;
+mod growth;
+mod kubo;
+mod law;
+mod orders;
+mod pairs;
+mod rare;
+mod sphere;
+mod summary;
+mod system;
+mod weak;
+
+use mc::{
+    Observable,
+    multilevel::{Coupling, Estimate, ExpectationSettings, expectation},
+};
+use noise::{StreamKey, Truncation};
+use rayon::prelude::*;
+use schemes::Scheme;
+use systems::{PoissonSystem, Problem};
+
+use crate::streams;
+use system::Rate;
+
+pub use summary::{Row, Total, by_kind, by_old_rule};
+
+/// What is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// The strong order of a scheme, with the defaults of [`verify::StepSizes::new`].
+    StrongOrder,
+    /// Its weak order.
+    WeakOrder,
+    /// Its root-mean-square error at a step size.
+    StrongError,
+    /// E[φ(y(T))].
+    Expectation,
+}
+
+impl Question {
+    /// The share of the stated answers that may be false: none of the orders that are named has to
+    /// be, and an interval at 95 % may miss in a few more than 5 %.
+    pub fn tolerated(self) -> f64 {
+        match self {
+            Self::StrongOrder | Self::WeakOrder => 0.01,
+            Self::StrongError | Self::Expectation => 0.07,
+        }
+    }
+
+    /// The words for tables.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::StrongOrder => "strong order",
+            Self::WeakOrder => "weak order",
+            Self::StrongError => "strong error",
+            Self::Expectation => "expectation",
+        }
+    }
+}
+
+/// What is true.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Truth {
+    /// A number, or an order.
+    Is(f64),
+    /// The scheme converges to something else: there is no order.
+    NoOrder,
+}
+
+/// What is said.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stated {
+    /// From and to; an order is an interval of one number.
+    Interval(f64, f64),
+    /// The scheme converges to something else.
+    NoOrder,
+    /// Nothing, for this reason.
+    Undecided(String),
+}
+
+/// Rounding errors of a truth, relative to one.
+const ROUNDING: f64 = 1e-13;
+
+impl Stated {
+    fn order(order: f64) -> Self {
+        Self::Interval(order, order)
+    }
+
+    fn decided(&self) -> bool {
+        !matches!(self, Self::Undecided(_))
+    }
+
+    /// Whether something false is stated.
+    fn misses(&self, truth: Truth) -> bool {
+        match (self, truth) {
+            (Self::Undecided(_), _) | (Self::NoOrder, Truth::NoOrder) => false,
+            (&Self::Interval(lo, hi), Truth::Is(truth)) => {
+                !(lo - ROUNDING..=hi + ROUNDING).contains(&truth)
+            }
+            _ => true,
+        }
+    }
+}
+
+/// One answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Answer {
+    /// What is stated.
+    pub stated: Stated,
+    /// What the old rule states, if the entry has one.
+    pub old: Option<Stated>,
+    /// Path-steps.
+    pub cost: u64,
+}
+
+/// Answers with the noise of a key.
+type Ask = Box<dyn Fn(StreamKey) -> Answer + Send + Sync>;
+
+/// A question with a known answer.
+pub struct Entry {
+    /// What sort of problem it is.
+    pub kind: &'static str,
+    /// The problem.
+    pub name: String,
+    /// What is asked.
+    pub question: Question,
+    /// What is true.
+    pub truth: Truth,
+    /// The old rule that is its twin.
+    pub old_rule: Option<OldRule>,
+    /// Its place in the library, which says which noise it has.
+    number: u64,
+    /// Whether an answer takes seconds: it is asked with every fourth seed.
+    slow: bool,
+    ask: Ask,
+}
+
+impl Entry {
+    fn new(
+        kind: &'static str,
+        name: impl Into<String>,
+        question: Question,
+        truth: Truth,
+        old_rule: Option<OldRule>,
+        ask: impl Fn(StreamKey) -> Answer + Send + Sync + 'static,
+    ) -> Self {
+        let (name, ask) = (name.into(), Box::new(ask));
+        Self { kind, name, question, truth, old_rule, number: 0, slow: false, ask }
+    }
+}
+
+/// A rule that was in use, and what it states of the same samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OldRule {
+    /// ±1.96 standard errors and the bias: a sample variance of zero is believed.
+    NothingMissed,
+    /// Nothing asks whether the steps resolve the motion: the levels of the pilot and one more.
+    NoResolution,
+    /// The bias is that of the last difference.
+    LastDifference,
+    /// The order nearest to the fitted slope.
+    FittedSlope,
+    /// Errors against the finest run of the same scheme.
+    FinestRun,
+}
+
+impl OldRule {
+    /// All of them.
+    pub const ALL: [Self; 5] = [
+        Self::NothingMissed,
+        Self::NoResolution,
+        Self::LastDifference,
+        Self::FittedSlope,
+        Self::FinestRun,
+    ];
+
+    /// The words for tables.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::NothingMissed => "a variance of zero is believed: no missed events",
+            Self::NoResolution => "nobody asks whether the steps resolve the motion",
+            Self::LastDifference => "the bias is that of the last difference",
+            Self::FittedSlope => "the order is the multiple of ½ that is nearest to the slope",
+            Self::FinestRun => "errors against the finest run of the same scheme",
+        }
+    }
+
+    /// The settings with which an expectation is asked by this rule: it stopped where the rule in
+    /// use goes on.
+    fn settings(self, settings: ExpectationSettings) -> ExpectationSettings {
+        match self {
+            // The pilot on levels 0, 1 and 2.
+            Self::NothingMissed => {
+                let steps = settings.coarsest_steps;
+                ExpectationSettings { max_cost: 10 * steps * settings.pilot, ..settings }
+            }
+            _ => ExpectationSettings { max_level: 3, ..settings },
+        }
+    }
+
+    /// The interval of an expectation by this rule, if it is short enough.
+    fn interval(self, estimate: &Estimate, accuracy: f64) -> Stated {
+        let normal = 1.96 * estimate.standard_error;
+        let half_width = match self {
+            Self::LastDifference => normal.hypot(estimate.missed) + estimate.bias.abs(),
+            _ => normal + estimate.bias.abs(),
+        };
+        if half_width <= accuracy {
+            Stated::Interval(estimate.value - half_width, estimate.value + half_width)
+        } else {
+            Stated::Undecided("the interval is too long".into())
+        }
+    }
+}
+
+/// All entries.
+pub fn entries() -> Vec<Entry> {
+    let mut entries = Vec::new();
+    for part in [
+        orders::entries,
+        weak::entries,
+        errors::entries,
+        kubo::entries,
+        pairs::entries,
+        additive::entries,
+        growth::entries,
+        sphere::entries,
+        casimir::entries,
+        rare::entries,
+    ] {
+        entries.extend(part());
+    }
+    entries.iter_mut().zip(0..).for_each(|(entry, number)| entry.number = number);
+    entries
+}
+
+/// Asks these entries with the seeds from `first` on, on the current rayon pool; `done` is called
+/// after each answer. An entry has the same streams in any selection.
+///
+/// The answers are functions of the entries and seeds alone.
+pub fn ask(entries: &[Entry], seeds: std::ops::Range<u64>, done: &(dyn Fn() + Sync)) -> Vec<Row> {
+    let answer = |(number, seed): (usize, u64)| {
+        let entry = &entries[number];
+        let key = StreamKey { seed, experiment: streams::LIBRARY + entry.number };
+        let answer = (entry.ask)(key);
+        done();
+        answer
+    };
+    let questions = |number: usize| {
+        let step = if entries[number].slow { 4 } else { 1 };
+        seeds.clone().step_by(step).map(move |seed| (number, seed))
+    };
+    let numbers: Vec<(usize, u64)> = (0..entries.len()).flat_map(questions).collect();
+    let answers: Vec<Answer> = numbers.par_iter().map(|&question| answer(question)).collect();
+    let mut answers = answers.into_iter();
+    let row = |(number, entry): (usize, &Entry)| {
+        let own: Vec<Answer> = answers.by_ref().take(questions(number).count()).collect();
+        Row::new(entry, &own)
+    };
+    entries.iter().enumerate().map(row).collect()
+}
+
+/// How E[φ] is asked for.
+#[derive(Clone, Copy)]
+struct How {
+    accuracy: f64,
+    steps: u64,
+    coupling: Coupling,
+    max_level: usize,
+    old_rule: Option<OldRule>,
+}
+
+impl How {
+    /// With eight coarsest steps.
+    fn to(accuracy: f64) -> Self {
+        Self { accuracy, steps: 8, coupling: Coupling::Plain, max_level: 12, old_rule: None }
+    }
+
+    fn steps(self, steps: u64) -> Self {
+        Self { steps, ..self }
+    }
+
+    fn against(self, old_rule: OldRule) -> Self {
+        Self { old_rule: Some(old_rule), ..self }
+    }
+
+    fn antithetic(self) -> Self {
+        Self { coupling: Coupling::Antithetic, ..self }
+    }
+}
+
+/// Truncation k of everything here, the one that the guide recommends.
+fn truncation() -> Truncation {
+    systems::paper::valid(Truncation::new(4))
+}
+
+/// Path-steps that one expectation may cost: seconds.
+const MAX_COST: u64 = 30_000_000;
+
+/// The problem E[φ(y(T))] = `truth`, asked of `scheme`.
+fn expected<S, X, const D: usize, const M: usize>(
+    (kind, name): (&'static str, impl Into<String>),
+    scheme: X,
+    problem: Problem<S, Rate, D>,
+    function: fn([f64; D]) -> f64,
+    how: How,
+    truth: f64,
+) -> Entry
+where
+    S: PoissonSystem<D, M> + 'static,
+    X: Scheme<S, D, M> + 'static,
+{
+    let ask = move |key: StreamKey| {
+        let mut settings = ExpectationSettings::new(key, truncation(), how.steps, how.coupling);
+        (settings.max_level, settings.max_cost) = (how.max_level, MAX_COST);
+        let observable = [Observable { name: "φ", function }];
+        let run = |settings: &ExpectationSettings| {
+            expectation(&scheme, &problem, &observable, how.accuracy, settings, &|_| ())
+        };
+        let result = match run(&settings) {
+            Ok(result) => result,
+            Err(error) => {
+                return Answer { stated: Stated::Undecided(error.to_string()), old: None, cost: 0 };
+            }
+        };
+        let (estimate, reached) = (&result.estimates[0], result.reached());
+        let (lo, hi) = estimate.interval();
+        let reasons = || {
+            let reasons: Vec<String> = result.warnings.iter().map(ToString::to_string).collect();
+            reasons.join("; ")
+        };
+        let stated = if reached { Stated::Interval(lo, hi) } else { Stated::Undecided(reasons()) };
+        let old = how.old_rule.map(|rule| match run(&rule.settings(settings)) {
+            Ok(result) => rule.interval(&result.estimates[0], how.accuracy),
+            Err(error) => Stated::Undecided(error.to_string()),
+        });
+        Answer { stated, old, cost: result.cost }
+    };
+    Entry::new(kind, name, Question::Expectation, Truth::Is(truth), how.old_rule, ask)
+}

@@ -1,0 +1,139 @@
+//! Counts of answers, and how many may be false.
+
+use super::{Answer, Entry, OldRule, Question, Stated};
+
+/// The answers to one entry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// What sort of problem it is.
+    pub kind: &'static str,
+    /// The problem.
+    pub name: String,
+    /// What is asked.
+    pub question: Question,
+    /// The counts.
+    pub total: Total,
+    /// Those of the old rule.
+    pub old: Option<(OldRule, Total)>,
+    /// A reason for an undecided answer.
+    pub reason: Option<String>,
+}
+
+/// Counts of answers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Total {
+    /// Answers.
+    pub asked: u64,
+    /// Those that state something.
+    pub stated: u64,
+    /// Those that state something false.
+    pub missed: u64,
+    /// Path-steps of all.
+    pub cost: u64,
+}
+
+impl Total {
+    fn count<'a>(entry: &Entry, answers: impl Iterator<Item = (&'a Stated, u64)>) -> Self {
+        let one = |(stated, cost): (&Stated, u64)| Self {
+            asked: 1,
+            stated: u64::from(stated.decided()),
+            missed: u64::from(stated.misses(entry.truth)),
+            cost,
+        };
+        answers.map(one).fold(Self::default(), Self::plus)
+    }
+
+    fn plus(self, more: Self) -> Self {
+        Self {
+            asked: self.asked + more.asked,
+            stated: self.stated + more.stated,
+            missed: self.missed + more.missed,
+            cost: self.cost + more.cost,
+        }
+    }
+
+    /// Part of the stated answers that are false.
+    pub fn missed_share(&self) -> f64 {
+        self.missed as f64 / self.stated.max(1) as f64
+    }
+
+    /// Part of the answers that state nothing.
+    pub fn undecided_share(&self) -> f64 {
+        (self.asked - self.stated) as f64 / self.asked.max(1) as f64
+    }
+
+    /// Whether the share of false answers is above `tolerated`: with that share, so many among the
+    /// stated ones have a probability of at most `chance`.
+    pub fn refuted(&self, tolerated: f64, chance: f64) -> bool {
+        self.missed > 0 && at_least(self.missed, self.stated, tolerated) <= chance
+    }
+}
+
+/// P(X ≥ k) for a binomial X of n trials.
+fn at_least(k: u64, n: u64, p: f64) -> f64 {
+    let mut term = (1.0 - p).powi(n as i32);
+    let mut below = 0.0;
+    for j in 0..k {
+        below += term;
+        term *= (n - j) as f64 / (j + 1) as f64 * p / (1.0 - p);
+    }
+    (1.0 - below).max(0.0)
+}
+
+impl Row {
+    pub(super) fn new(entry: &Entry, answers: &[Answer]) -> Self {
+        let total = Total::count(entry, answers.iter().map(|a| (&a.stated, a.cost)));
+        let by_rule = answers.iter().filter_map(|a| a.old.as_ref().map(|old| (old, 0)));
+        let reason = answers.iter().find_map(|answer| match &answer.stated {
+            Stated::Undecided(reason) => Some(reason.clone()),
+            _ => None,
+        });
+        Self {
+            kind: entry.kind,
+            name: entry.name.clone(),
+            question: entry.question,
+            total,
+            old: entry.old_rule.map(|rule| (rule, Total::count(entry, by_rule))),
+            reason,
+        }
+    }
+}
+
+/// Totals by question and kind, in the order of the rows.
+pub fn by_kind(rows: &[Row]) -> Vec<(Question, &'static str, Total)> {
+    let mut totals: Vec<(Question, &'static str, Total)> = Vec::new();
+    for row in rows {
+        match totals.iter_mut().find(|(q, kind, _)| (*q, *kind) == (row.question, row.kind)) {
+            Some((.., total)) => *total = total.plus(row.total),
+            None => totals.push((row.question, row.kind, row.total)),
+        }
+    }
+    totals
+}
+
+/// Totals of each old rule on the entries it is the twin of, with those of the rule in use there.
+pub fn by_old_rule(rows: &[Row]) -> Vec<(OldRule, Total, Total)> {
+    let of = |rule: OldRule| {
+        let rows =
+            rows.iter().filter_map(|row| row.old.map(|(other, old)| (other, old, row.total)));
+        let rows = rows.filter(|(other, ..)| *other == rule);
+        rows.fold((rule, Total::default(), Total::default()), |(rule, old, new), (_, a, b)| {
+            (rule, old.plus(a), new.plus(b))
+        })
+    };
+    OldRule::ALL.map(of).into_iter().filter(|(_, old, _)| old.asked > 0).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn binomial_tails() {
+        assert!((at_least(1, 10, 0.07) - (1.0 - 0.93f64.powi(10))).abs() < 1e-15);
+        assert!((at_least(3, 3, 0.5) - 0.125).abs() < 1e-15);
+        assert_eq!(at_least(0, 5, 0.07), 1.0);
+        let of = |missed| Total { asked: 20, stated: 20, missed, cost: 0 };
+        assert!(!of(1).refuted(0.07, 0.01) && of(6).refuted(0.07, 0.01));
+    }
+}

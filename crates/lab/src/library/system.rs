@@ -1,0 +1,198 @@
+//! The systems of the library: four families, so that few kernels are compiled.
+
+use real::Real;
+use systems::{Damping, PoissonSystem, Problem, paper::valid};
+
+/// Linear damping with an exact integral.
+#[derive(Clone, Copy, Debug)]
+pub enum Rate {
+    /// γ.
+    Constant(f64),
+    /// `before` until `at`, `after` from then on.
+    Jump { at: f64, before: f64, after: f64 },
+    /// `height` from `start` to `end`, else zero.
+    Pulse { start: f64, end: f64, height: f64 },
+}
+
+pub const UNDAMPED: Rate = Rate::Constant(0.0);
+
+impl Rate {
+    /// ∫₀ᵗ γ.
+    pub fn until(self, t: f64) -> f64 {
+        match self {
+            Self::Constant(rate) => rate * t,
+            Self::Jump { at, before, after } => before * t.min(at) + after * (t - at).max(0.0),
+            Self::Pulse { start, end, height } => height * (t.clamp(start, end) - start),
+        }
+    }
+}
+
+impl Damping for Rate {
+    fn rate(&self, t: f64) -> f64 {
+        match *self {
+            Self::Constant(rate) => rate,
+            Self::Jump { at, before, after } => {
+                if t < at {
+                    before
+                } else {
+                    after
+                }
+            }
+            Self::Pulse { start, end, height } => {
+                if (start..end).contains(&t) {
+                    height
+                } else {
+                    0.0
+                }
+            }
+        }
+    }
+    fn integral(&self, a: f64, b: f64) -> f64 {
+        self.until(b) - self.until(a)
+    }
+    fn describe(&self) -> String {
+        format!("{self:?}")
+    }
+}
+
+/// A valid problem.
+pub fn problem<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    system: S,
+    damping: Rate,
+    y0: [f64; D],
+    t_end: f64,
+) -> Problem<S, Rate, D> {
+    valid(Problem::new(system, damping, y0, t_end))
+}
+
+/// The plane (q, p): H₀ = ½(aq² + bp²) and H₁ = ½σ(q² + p²) − cq, so that dq = bp dt + σp ∘ dW and
+/// dp = −aq dt − σq ∘ dW + c dW.
+#[derive(Clone, Copy, Debug)]
+pub struct Plane {
+    pub a: f64,
+    pub b: f64,
+    pub sigma: f64,
+    pub c: f64,
+}
+
+impl Plane {
+    /// q + ip is turned by −(ωT + σW(T)).
+    pub fn kubo(omega: f64, sigma: f64) -> Self {
+        Self { a: omega, b: omega, sigma, c: 0.0 }
+    }
+
+    /// dq = bp dt, dp = −aq dt + c dW.
+    pub fn additive(a: f64, b: f64, c: f64) -> Self {
+        Self { a, b, sigma: 0.0, c }
+    }
+}
+
+impl PoissonSystem<2, 1> for Plane {
+    fn name(&self) -> &'static str {
+        "plane"
+    }
+    #[inline(always)]
+    fn structure<R: Real>(&self, _: [R; 2], v: [R; 2]) -> [R; 2] {
+        [v[1], -v[0]]
+    }
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
+        let turn = self.sigma * dw[0];
+        y[0] * y[0] * (0.5 * (self.a * dt + turn)) + y[1] * y[1] * (0.5 * (self.b * dt + turn))
+            - y[0] * (self.c * dw[0])
+    }
+    const QUADRATIC: bool = true;
+}
+
+/// x, y > 0 with B = xy·((0, 1), (−1, 0)), H₀ = a ln x + b ln y and H₁ = α ln x + β ln y: the
+/// logarithms are ln x(0) + bT + βW − ∫γ and ln y(0) − aT − αW − ∫γ.
+#[derive(Clone, Copy, Debug)]
+pub struct Growth {
+    pub drift: [f64; 2],
+    pub noise: [f64; 2],
+}
+
+impl PoissonSystem<2, 1> for Growth {
+    fn name(&self) -> &'static str {
+        "growth"
+    }
+    #[inline(always)]
+    fn structure<R: Real>(&self, y: [R; 2], v: [R; 2]) -> [R; 2] {
+        let b = y[0] * y[1];
+        [b * v[1], -(b * v[0])]
+    }
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
+        let k = |i: usize| self.drift[i] * dt + self.noise[i] * dw[0];
+        y[0].ln() * k(0) + y[1].ln() * k(1)
+    }
+}
+
+/// so(3), By·v = y × v: H₀ = ½Σ aᵢyᵢ² + c·y and Hₘ = ½k_m|y|² + ½b_my₃² + σ_m·y. A linear
+/// Hamiltonian c·y turns y about c, clockwise; ½by₃² turns y about the third axis by −by₃ dt; |y|²
+/// has no effect.
+#[derive(Clone, Copy, Debug)]
+pub struct Body<const M: usize> {
+    pub a: [f64; 3],
+    pub c: [f64; 3],
+    pub k: f64,
+    pub b: [f64; M],
+    pub sigma: [[f64; 3]; M],
+}
+
+impl<const M: usize> Body<M> {
+    /// Without drift, and with these linear noises.
+    pub fn linear(sigma: [[f64; 3]; M]) -> Self {
+        Self { a: [0.0; 3], c: [0.0; 3], k: 0.0, b: [0.0; M], sigma }
+    }
+}
+
+impl<const M: usize> PoissonSystem<3, M> for Body<M> {
+    fn name(&self) -> &'static str {
+        "body"
+    }
+    #[inline(always)]
+    fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+        [y[1] * v[2] - y[2] * v[1], y[2] * v[0] - y[0] * v[2], y[0] * v[1] - y[1] * v[0]]
+    }
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; M]) -> R {
+        let (mut square, mut linear) = (self.a.map(|a| a * dt), self.c.map(|c| c * dt));
+        for m in 0..M {
+            for i in 0..3 {
+                square[i] += self.k * dw[m];
+                linear[i] += self.sigma[m][i] * dw[m];
+            }
+            square[2] += self.b[m] * dw[m];
+        }
+        let term = |i: usize| y[i] * y[i] * (0.5 * square[i]) + y[i] * linear[i];
+        term(0) + term(1) + term(2)
+    }
+    const QUADRATIC: bool = true;
+}
+
+/// Two planes (q, p), each turned by its own angle −(ω_iT + Σ σ_imW_m): the noises commute.
+#[derive(Clone, Copy, Debug)]
+pub struct Planes {
+    pub omega: [f64; 2],
+    /// By plane and noise.
+    pub sigma: [[f64; 2]; 2],
+}
+
+impl PoissonSystem<4, 2> for Planes {
+    fn name(&self) -> &'static str {
+        "planes"
+    }
+    #[inline(always)]
+    fn structure<R: Real>(&self, _: [R; 4], v: [R; 4]) -> [R; 4] {
+        [v[1], -v[0], v[3], -v[2]]
+    }
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 4], dt: f64, dw: [f64; 2]) -> R {
+        let angle =
+            |i: usize| self.omega[i] * dt + self.sigma[i][0] * dw[0] + self.sigma[i][1] * dw[1];
+        (y[0] * y[0] + y[1] * y[1]) * (0.5 * angle(0))
+            + (y[2] * y[2] + y[3] * y[3]) * (0.5 * angle(1))
+    }
+    const QUADRATIC: bool = true;
+}
