@@ -17,7 +17,13 @@ fn intervals_cover_as_often_as_they_say() {
     }
     let wrong: Vec<_> = rows.iter().filter(|row| !row.as_expected(0.02)).collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
-    for kind in [Expected::Calibrated, Expected::Miscovers, Expected::Raised, Expected::Silent] {
+    for kind in [
+        Expected::Calibrated,
+        Expected::Covers,
+        Expected::Miscovers,
+        Expected::Raised,
+        Expected::Silent,
+    ] {
         assert!(rows.iter().any(|row| row.expected == kind), "nothing is {kind:?}");
     }
 }

@@ -27,6 +27,8 @@ pub struct Coverage {
 pub enum Expected {
     /// The interval covers as often as it says.
     Calibrated,
+    /// The interval covers at least as often as it says: it leaves open which model is right.
+    Covers,
     /// The interval must not cover as often as it says: it ignores something.
     Miscovers,
     /// The warning is raised on nearly every data set.
@@ -45,7 +47,7 @@ impl Expected {
         match self {
             Self::Raised => 1.0,
             Self::Silent => 0.0,
-            Self::Calibrated | Self::Miscovers | Self::Stated => CONFIDENCE,
+            Self::Calibrated | Self::Covers | Self::Miscovers | Self::Stated => CONFIDENCE,
         }
     }
 }
@@ -63,6 +65,7 @@ impl Coverage {
         let deviation = (self.share() - self.expected.nominal()).abs();
         match self.expected {
             Expected::Calibrated | Expected::Raised | Expected::Silent => deviation <= tolerance,
+            Expected::Covers => self.share() >= self.expected.nominal() - tolerance,
             Expected::Miscovers => deviation > tolerance,
             Expected::Stated => true,
         }

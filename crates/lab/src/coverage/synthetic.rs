@@ -3,7 +3,7 @@
 use noise::{StreamKey, WienerPath};
 use stats::{
     Bend, CrossMoments, Expected,
-    Expected::{Calibrated, Miscovers, Raised, Silent, Stated},
+    Expected::{Calibrated, Covers, Miscovers, Raised, Silent, Stated},
     Rate, fit_strong, root_mean_squares,
 };
 
@@ -154,9 +154,9 @@ pub fn rows(tally: &mut Tally) {
             (RATE_WARNING, Silent, drawn.warns),
         ]
     };
-    add(tally, "order ½", half, Calibrated, calm);
+    add(tally, "order ½", half, Covers, calm);
     let curved = Synthetic { curvature: 4.0, ..one };
-    add(tally, "order 1, next order of the error 4τ", curved, Calibrated, calm);
+    add(tally, "order 1, next order of the error 4τ", curved, Covers, calm);
 
     // The twin of differences: errors against a run of the same scheme.
     let near = Synthetic { reference: Some(TAUS[7] / 2.0), ..half };
@@ -172,7 +172,7 @@ pub fn rows(tally: &mut Tally) {
     let hit = |outliers| Synthetic { paths: 1000, outliers: Some(outliers), ..one };
     let coarse = Outliers { one_in: 2000.0, factor: 30.0, levels: 3 };
     let case = "order 1, one path in 2000 with 30 times the error at the 3 coarsest steps";
-    add(tally, case, hit(coarse), Calibrated, |drawn| {
+    add(tally, case, hit(coarse), Covers, |drawn| {
         let all_levels = "rate with all levels, whatever their tails";
         vec![
             (all_levels, Miscovers, drawn.naive(Some(Bend::LINEAR), false)),

@@ -235,6 +235,7 @@ fn coverage(page: &mut Page, rows: &[Coverage]) {
         };
         let expected = match row.expected {
             Expected::Calibrated => "cover 93 to 97 %",
+            Expected::Covers => "cover at least 93 %",
             Expected::Miscovers => "miss, as a twin",
             Expected::Raised => "be raised on nearly all",
             Expected::Silent => "be raised on nearly none",
