@@ -11,6 +11,7 @@ use super::{
     limit::limit,
     one_step::one_step,
     runs::measure,
+    visits::visits,
 };
 use crate::work_precision::squared_distance;
 
@@ -73,12 +74,11 @@ where
 
     let taus = sizes.taus(problem.t_end());
     let mut rate = fit_strong(&taus[..number - 1], &differences(&moments, number, levels));
-    let one_step = one_step(scheme, problem, sizes)?;
-    let limit = limit(scheme, problem, sizes, reference, Measure::Strong)?;
-    let decision = match failed {
-        _ if 10 * failed > sizes.samples => Decision::Failures,
-        _ => decision::strong(rate.as_ref(), one_step, limit),
-    };
+    let visits = visits(scheme, problem, sizes)?;
+    let one_step = one_step(scheme, problem, sizes, &visits);
+    let limit = limit(scheme, problem, sizes, &visits, reference, Measure::Strong)?;
+    let decision = decision::obstacle(failed, sizes.samples, sizes.damping(scheme, problem))
+        .unwrap_or_else(|| decision::strong(rate.as_ref(), one_step, limit));
     let points = match &mut rate {
         _ if exact.is_some() => stats::root_mean_squares(&taus[..levels], &moments),
         Some(rate) => {
