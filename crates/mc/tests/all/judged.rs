@@ -142,15 +142,21 @@ fn a_function_of_high_degree_needs_finer_steps_than_the_state() {
         let double = |x: f64| 2.0 * x * x - 1.0;
         double(double(double(double(q))))
     }
+    let mut alone = 0;
     for n in 0..40u32 {
         let omega = 20.0 + 0.25 * f64::from(n);
         let few = ExpectationSettings { max_level: 3, ..settings(n.into()) };
         let phi = kubo((omega, 1e-3, 1.0), |y| chebyshev(y[0]), 0.1, &few);
         let exact = (16.0 * omega).cos() * (-128e-6f64).exp();
         assert!(!phi.reached() || !outside(&phi, exact), "{omega}: {phi:?}");
+        assert!(!phi.reached(), "{omega}: {phi:?}");
         let named = |warning: &Warning| matches!(warning, Warning::UnresolvedFunction { .. });
-        assert!(phi.warnings.iter().any(named), "{omega}: {:?}", phi.warnings);
+        let state = |warning: &Warning| matches!(warning, Warning::Unresolved { .. });
+        let warned = |of: &dyn Fn(&Warning) -> bool| phi.warnings.iter().any(of);
+        alone += u32::from(warned(&named) && !warned(&state));
     }
+    // The phase of the state is wrong by ω³τ²/12, and resolved for the slower of these.
+    assert!(alone >= 10, "{alone}");
     let fine = kubo((20.0, 1e-3, 1.0), |y| chebyshev(y[0]), 0.1, &settings(1));
     assert!(fine.reached() && !outside(&fine, 320f64.cos() * (-128e-6f64).exp()), "{fine:?}");
 }
