@@ -9,7 +9,7 @@ use stats::{Point, root_mean_squares};
 use systems::{Constant, Cosine, PoissonSystem, Problem};
 use verify::{
     Decision, Limit, Order, ReferenceSolution, StepSizes, strong_order, strong_order_within,
-    weak_order,
+    weak_order, weak_order_within,
 };
 
 /// Kubo's oscillator: the plane turns by ω dt + σ dW.
@@ -260,6 +260,16 @@ fn a_budget_is_spent_until_the_order_is_decided() {
     let once = strong_order_within(&scheme, &problem, &few, 1).unwrap();
     let same = strong_order(&scheme, &problem, &few).unwrap();
     assert_eq!(once.decision, same.decision);
+    // The mean of q needs many paths where its differences are small.
+    let q = Observable { name: "q", function: |y: [f64; 2]| y[0] };
+    let few = StepSizes { samples: 250, levels: 4, refinement: 1, ..sizes(4, 1) };
+    let of = |budget: u64| {
+        let independent = ReferenceSolution::Independent;
+        let scheme = Midpoint::default();
+        weak_order_within(&scheme, &problem, q, &few, &independent, budget).unwrap()
+    };
+    assert_eq!(of(1).order(), None, "{}", of(1));
+    assert_eq!(of(200_000_000).order(), Some(1.0), "{}", of(200_000_000));
 }
 
 #[test]

@@ -243,6 +243,17 @@ mod tests {
     }
 
     #[test]
+    fn a_component_that_stays_at_zero_is_round_off() {
+        // The first component moves by one, the second by rounding errors that do not agree.
+        let mut motion = Motion::new(&[1.0, 0.0]);
+        for k in 1..=8 {
+            let at = |sign: f64| Block([[1.0 + f64::from(k) / 8.0; WIDTH], [sign * 1e-17; WIDTH]]);
+            motion.add(&[at(1.0), at(-1.0)], [1.0, 0.0], PathMask::ALL);
+        }
+        assert_eq!([motion.difference(0), motion.difference(1)], [0.0, 0.0]);
+    }
+
+    #[test]
     fn order_one_half_is_resolved_and_chance_is_not() {
         for [a, b, c] in [[0.6, 0.42, 0.3], [1e-3, 1e-3, 5e-4], [0.1, 0.2, 0.0]] {
             assert!(resolved([a, b, c]));

@@ -24,6 +24,7 @@ mod step_sizes;
 mod strong;
 mod visits;
 mod weak;
+mod within;
 
 use mc::{Observable, TimeChange};
 use schemes::Scheme;
@@ -36,8 +37,9 @@ pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
 pub use runs::exact_mean;
 pub use step_sizes::StepSizes;
-pub use strong::{strong_order, strong_order_against, strong_order_within};
+pub use strong::{strong_order, strong_order_against};
 pub use weak::weak_order;
+pub use within::{strong_order_within, weak_order_within};
 
 /// The order of one scheme, with what it rests on.
 ///
@@ -88,6 +90,15 @@ pub enum ReferenceSolution<'a, S, const D: usize, const M: usize> {
     Scheme(&'a dyn Scheme<S, D, M>),
     /// The exact solution. Errors of points are measured against it.
     Exact(Exact<'a, D, M>),
+}
+
+impl<'a, S, const D: usize, const M: usize> ReferenceSolution<'a, S, D, M> {
+    fn exact(&self) -> Option<Exact<'a, D, M>> {
+        match *self {
+            Self::Exact(exact) => Some(exact),
+            _ => None,
+        }
+    }
 }
 
 /// An exact solution at the final time, a function of a random time ([`TimeChange`]).

@@ -1,13 +1,16 @@
 //! Weak orders.
 
-use mc::{LadderError, Observable, Run, View};
+use mc::{LadderError, Observable, View};
 use schemes::Scheme;
 use stats::{Against, CrossMoments, Point, fit_weak, lower_share};
 use systems::{Damping, PoissonSystem, Problem};
 
 use super::{
-    Measure, Order, ReferenceSolution, StepSizes, decision, errors::widen, limit::limit,
-    runs::measure, visits::visits,
+    Measure, Order, ReferenceSolution, StepSizes, decision,
+    errors::widen,
+    limit::limit,
+    runs::{at_all_sizes, measure},
+    visits::visits,
 };
 
 /// Four differences and their order.
@@ -38,11 +41,7 @@ where
 {
     sizes.check_order(LEAST_SIZES)?;
     let (levels, number) = (sizes.levels, sizes.sizes());
-    let runs = (0..number).map(|index| Run::new(scheme, number - 1 - index)).collect();
-    let exact = match *reference {
-        ReferenceSolution::Exact(exact) => Some(exact),
-        _ => None,
-    };
+    let (runs, exact) = (at_all_sizes(scheme, sizes), reference.exact());
     let phi = observable.function;
     // φ(y_k) − φ(y_{k+1}) for all but the finest, then the finest against the exact solution.
     let values = |view: &View<'_, D>, p: usize, numbers: &mut [f64]| {
