@@ -11,7 +11,8 @@ use super::finding::Status;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DampingIntegral {
     /// How it is known that they agree to six digits. `Unknown` if they differ in parts only in
-    /// which the rate jumps or has a pulse: so does every quadrature, and a wrong formula may.
+    /// which the rate jumps, has a pulse or oscillates too fast for the quadrature: so does every
+    /// quadrature, and a wrong formula may.
     pub agrees: Status,
     /// The largest difference on a part.
     pub defect: f64,
@@ -23,7 +24,7 @@ pub struct DampingIntegral {
     pub given: f64,
     /// ∫₀ᵀ by quadrature of the rate.
     pub expected: f64,
-    /// The parts in which the rate jumps, bends or has a pulse.
+    /// The parts in which the rate jumps, bends, has a pulse or is not resolved.
     pub rough: u32,
     /// The longest step T/2ᵏ for which the integrals of all steps agree to six digits, if a part is
     /// one.
@@ -52,6 +53,8 @@ const BUDGET: u32 = 40_000;
 const AGREEMENT: f64 = 1e-6;
 /// A cell is smooth if halving it changes the integral by no more than this part of ∫|γ|.
 const SMOOTH: f64 = 1e-12;
+/// A difference that is not below this part of itself after [`HALVINGS`] is at a point.
+const POINT: f64 = 1e-6;
 /// Where in a part the two pieces meet.
 const UNEVEN: f64 = 0.381_966_011_250_105;
 
@@ -121,13 +124,49 @@ impl<'a> Quadrature<'a> {
         let (left, right) = (self.rule(a, middle), self.rule(middle, b));
         let halves = left.plus(right);
         let smooth = |other: f64| (other - halves.net).abs() <= SMOOTH * halves.size;
-        if (smooth(whole.net) && smooth(self.closed(a, b))) || halvings == 0 || self.budget == 0 {
+        if smooth(whole.net) && smooth(self.closed(a, b)) {
+            return halves;
+        }
+        self.halved = true;
+        if halvings == 0 || self.budget == 0 || halves.net.is_nan() {
             return halves;
         }
         self.budget -= 1;
-        self.halved = true;
         let left = self.integrate(a, middle, left, halvings - 1);
         left.plus(self.integrate(middle, b, right, halvings - 1))
+    }
+
+    /// Looks for a pulse that the quadrature of [a, b] missed, in the half with more of the
+    /// difference from the given integral, and so on. The difference of a wrong formula falls with
+    /// the interval; that of a pulse does not, until the pulse is seen.
+    fn pursue(
+        &mut self,
+        given: &dyn Fn(f64, f64) -> f64,
+        (a, b): (f64, f64),
+        whole: Integrals,
+        tolerance: f64,
+        halvings: u32,
+    ) -> Integrals {
+        let difference = (given(a, b) - whole.net).abs();
+        if difference.is_nan() || difference <= tolerance {
+            return whole;
+        }
+        if halvings == 0 {
+            // It is at a point.
+            self.halved = true;
+            return whole;
+        }
+        let middle = 0.5 * (a + b);
+        let [(left, by_left), (right, by_right)] = [(a, middle), (middle, b)].map(|(a, b)| {
+            let rule = self.rule(a, b);
+            let half = self.integrate(a, b, rule, HALVINGS);
+            (half, (given(a, b) - half.net).abs())
+        });
+        if by_left > by_right {
+            self.pursue(given, (a, middle), left, tolerance, halvings - 1).plus(right)
+        } else {
+            left.plus(self.pursue(given, (middle, b), right, tolerance, halvings - 1))
+        }
     }
 }
 
@@ -136,7 +175,7 @@ impl DampingIntegral {
         let rate = |t| damping.rate(t);
         let mut quadrature = Quadrature::new(&rate);
         let time = |n: u32, of: u32| t_end * f64::from(n) / f64::from(of);
-        let parts: Vec<(Integrals, bool)> = (0..PARTS)
+        let mut parts: Vec<(Integrals, bool)> = (0..PARTS)
             .map(|n| {
                 quadrature.halved = false;
                 let cell = |k| time(n * CELLS + k, PARTS * CELLS);
@@ -147,10 +186,25 @@ impl DampingIntegral {
                 (exact, quadrature.halved)
             })
             .collect();
-        let total = parts.iter().fold(Integrals::default(), |sum, (part, _)| sum.plus(*part));
-        let average = total.size / f64::from(PARTS);
+        let sum = |parts: &[(Integrals, bool)]| {
+            parts.iter().fold(Integrals::default(), |sum, (part, _)| sum.plus(*part))
+        };
         // An antiderivative rounds by its own size.
-        let round_off = 64.0 * f64::EPSILON * total.size;
+        let round_off = |total: Integrals| 64.0 * f64::EPSILON * total.size;
+        let (before, given) = (sum(&parts), |a, b| damping.integral(a, b));
+        for (n, (exact, rough)) in (0..PARTS).zip(&mut parts).filter(|(_, (_, rough))| !rough) {
+            let (a, b) = (time(n, PARTS), time(n + 1, PARTS));
+            let difference = (given(a, b) - exact.net).abs();
+            if difference > AGREEMENT * exact.size + round_off(before) {
+                let tolerance = (POINT * difference).max(round_off(before));
+                quadrature.halved = false;
+                *exact = quadrature.pursue(&given, (a, b), *exact, tolerance, HALVINGS);
+                *rough = quadrature.halved;
+            }
+        }
+        let total = sum(&parts);
+        let average = total.size / f64::from(PARTS);
+        let round_off = round_off(total);
         let mut found = Self {
             agrees: Status::Found,
             defect: 0.0,
@@ -178,12 +232,10 @@ impl DampingIntegral {
                 found.relative = if scale > 0.0 { difference / scale } else { f64::INFINITY };
             }
             if difference.is_nan() || difference > AGREEMENT * scale + round_off {
-                let because = if rough { Status::Unknown } else { Status::Refuted };
+                let unresolved = rough && !difference.is_nan();
+                let because = if unresolved { Status::Unknown } else { Status::Refuted };
                 found.agrees = found.agrees.min(because);
             }
-        }
-        if quadrature.budget == 0 {
-            found.agrees = found.agrees.min(Status::Unknown);
         }
         let agrees_for = |steps: u32| {
             let parts_of =
