@@ -116,6 +116,11 @@ impl Points {
         Ok(Self { region, for_identities, for_suprema: points, everywhere, pilot: None })
     }
 
+    /// The largest ‖y‖ of the points for identities.
+    pub fn extent(&self) -> f64 {
+        self.for_identities.iter().map(|y| norm(y)).fold(f64::MIN_POSITIVE, f64::max)
+    }
+
     /// Adds the initial value, points around it, and the states of pilot paths.
     pub fn with_paths(
         mut self,
