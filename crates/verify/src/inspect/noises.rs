@@ -4,7 +4,7 @@ use real::Bounded;
 use serde::Serialize;
 
 use super::{
-    algebra::{size, times},
+    algebra::{norm, size, times, values},
     erased::System,
     finding::Finding,
     points::{Points, Purpose, Random},
@@ -19,6 +19,11 @@ pub struct Noises {
     pub no_correction: Finding,
     /// `commutators` is Σ A_ml [fₘ, f_l].
     pub commutators: Finding,
+    /// fₘ = 0 for every m: there is no noise.
+    pub silent: Finding,
+    /// Whether B or the energy may be made of pieces, with a root or a condition: orders are those of
+    /// smooth formulas.
+    pub pieces: bool,
 }
 
 impl Noises {
@@ -27,17 +32,25 @@ impl Noises {
         let zero = Bounded::exact(0.0);
         let mut found = Self::default();
         let mut random = Random::new(Purpose::Areas);
+        let extent = points.extent();
         for y in &points.for_identities {
+            found.pieces |= system.piecewise(y);
             let (fields, derivatives): (Vec<_>, Vec<_>) =
                 (1..=noises).map(|m| system.field(y, &system.weights(m))).unzip();
+            let lengths: Vec<f64> = fields.iter().map(|f| norm(&values(f))).collect();
             let mut areas = vec![vec![0.0; noises]; noises];
             let (mut sum, mut sizes) = (vec![zero; d], vec![0.0; d]);
             for l in 0..noises {
+                for &component in &fields[l] {
+                    found.silent.record(component, component.value.abs(), y);
+                }
                 for m in 0..noises {
                     let product = times(&derivatives[l], &fields[m]);
+                    // The size of a derivative of fields that are not nearly constant.
+                    let typical = lengths[l] * lengths[m] / extent;
                     for i in 0..d {
                         let terms = size(&derivatives[l][i], &fields[m]);
-                        found.no_correction.record(product[i], terms, y);
+                        found.no_correction.record(product[i], terms + typical, y);
                     }
                     if m < l {
                         let exchanged = times(&derivatives[m], &fields[l]);
@@ -47,7 +60,7 @@ impl Noises {
                             let commutator = product[i] - exchanged[i];
                             let terms = size(&derivatives[l][i], &fields[m])
                                 + size(&derivatives[m][i], &fields[l]);
-                            found.commute.record(commutator, terms, y);
+                            found.commute.record(commutator, terms + typical, y);
                             sizes[i] += terms;
                             sum[i] = sum[i] + commutator * Bounded::exact(areas[m][l]);
                         }

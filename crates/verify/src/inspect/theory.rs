@@ -47,7 +47,8 @@ pub struct ExpectedOrder {
     pub strong: f64,
     /// Weak order.
     pub weak: f64,
-    /// How the strong order is known: `Found` where noises were found to commute at the points.
+    /// How the strong order is known: `Found` where noises were found to commute at the points, or
+    /// where formulas may be made of pieces.
     pub known: Status,
 }
 
@@ -61,18 +62,27 @@ pub struct Recommendation {
 }
 
 /// Orders of the schemes of this workspace. Strong order one takes Lévy areas where noises do not
-/// commute, and the terms ½ΔWₘΔW_l fₘ′f_l, which `em` leaves out, where they are not zero.
+/// commute, and the terms ½ΔWₘΔW_l fₘ′f_l, which `em` leaves out, where they are not zero. Without
+/// noise all but `em` are symmetric or Runge–Kutta methods of order two.
 pub fn orders(noises: &Noises) -> Vec<ExpectedOrder> {
+    let smooth = if noises.pieces { Status::Found } else { Status::Shown };
+    if noises.silent.holds() {
+        let known = noises.silent.status.min(smooth);
+        let schemes = [("sexp", 2.0), ("sexp-levy", 2.0), ("midpoint", 2.0), ("heun", 2.0)];
+        return (schemes.into_iter().chain([("em", 1.0)]))
+            .map(|(scheme, order)| ExpectedOrder { scheme, strong: order, weak: order, known })
+            .collect();
+    }
     // A counterexample shows that the order is ½.
     let one_if = |finding: &Finding| match finding.status {
         Status::Refuted => (0.5, Status::Shown),
         Status::Unknown => (0.5, Status::Unknown),
-        holds => (1.0, holds),
+        holds => (1.0, holds.min(smooth)),
     };
     let without_areas = one_if(&noises.commute);
     let orders = [
         ("sexp", without_areas),
-        ("sexp-levy", (1.0, Status::Shown)),
+        ("sexp-levy", (1.0, smooth)),
         ("midpoint", without_areas),
         ("heun", without_areas),
         ("em", one_if(&noises.no_correction)),
@@ -93,12 +103,19 @@ pub fn recommendation(
     let energy = hamiltonians.proportional.as_ref().is_some_and(Finding::holds)
         && hamiltonians.shapes[0].degree.is_some();
     let keeps = structure.sound().holds() && (energy || !casimirs.found.is_empty());
+    let inexact = energy && hamiltonians.discrete_gradient.refuted();
     let (scheme, because) = match (noises.commute.status, keeps) {
         (Status::Refuted, _) => {
             ("sexp-levy", "noises do not commute; for expectations sexp will do, without areas")
         }
         (Status::Unknown, _) => ("sexp-levy", "strong order 1 whether noises commute or not"),
+        (_, true) if inexact => {
+            ("sexp", "it keeps what the damped equation keeps, the energy up to the error of ∇̄h")
+        }
         (_, true) => ("sexp", "it keeps what the damped equation keeps"),
+        (_, false) if noises.silent.holds() => {
+            ("heun", "explicit, of order 2; nothing was found for sexp to keep")
+        }
         (_, false) => ("heun", "explicit, of strong order 1; nothing was found for sexp to keep"),
     };
     Recommendation { scheme, because }
@@ -126,6 +143,7 @@ pub fn theorems(
     structure: &Structure,
     hamiltonians: &Hamiltonians,
     casimirs: &Casimirs,
+    noise: &Noises,
     invariants: &[ClaimedInvariant],
     bound: Option<&Bound>,
 ) -> Vec<Theorem> {
@@ -215,6 +233,12 @@ pub fn theorems(
     let orders = match bounded.0 {
         No => (Conditionally, "if all paths stay bounded, which was not proved here".into()),
         _ => bounded.clone(),
+    };
+    let orders = match orders {
+        (_, because) if noise.pieces => {
+            (Conditionally, format!("{because}; if B and the energy are smooth"))
+        }
+        orders => orders,
     };
     let (strong, strong_order) = if noises > 1 {
         ("strong-half", "strong order 1/2 of sexp (k ≥ 1)")
