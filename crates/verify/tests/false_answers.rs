@@ -1,7 +1,7 @@
 //! What `inspect` once said falsely, each with what it must not say again.
 
 use real::Real;
-use systems::{Constant, Damping, DampingFunction, PoissonSystem, Problem};
+use systems::{Constant, Damping, DampingFunction, PoissonSystem, Problem, SystemError};
 use verify::inspect::{Applies, Kind, Status};
 use verify::{inspect, inspect_problem};
 
@@ -345,4 +345,86 @@ fn a_wrong_integral_is_still_a_mistake() {
     assert_eq!(nothing.agrees, Status::Refuted, "{nothing}");
     let nowhere = integral(Given(|t: f64| if t > 0.5 { f64::NAN } else { 1.0 }, |t: f64| t, 1.0));
     assert_eq!(nowhere.agrees, Status::Refuted, "{nowhere}");
+}
+
+/// Two oscillators; the second noise turns the second one by what the first one does.
+struct Unexcited;
+
+impl PoissonSystem<4, 2> for Unexcited {
+    fn name(&self) -> &'static str {
+        "unexcited"
+    }
+    fn structure<R: Real>(&self, _y: [R; 4], v: [R; 4]) -> [R; 4] {
+        [v[1], -v[0], v[3], -v[2]]
+    }
+    fn energy<R: Real>(&self, y: [R; 4], dt: f64, dw: [f64; 2]) -> R {
+        let square = |i: usize| (y[i] * y[i] + y[i + 1] * y[i + 1]) * 0.5;
+        (square(0) + square(2)) * dt + square(0) * dw[0] + square(2) * y[0] * dw[1]
+    }
+}
+
+#[test]
+fn an_order_on_special_paths_is_not_told() {
+    // No path leaves y₃ = y₄ = 0, where the noises commute.
+    let known = |y0| {
+        let problem = Problem::new(Unexcited, Constant::new(0.1).unwrap(), y0, 1.0).unwrap();
+        let report = inspect_problem(&problem).unwrap();
+        assert!(report.noise.commute.refuted(), "{report}");
+        report.orders[0].known
+    };
+    assert_eq!(known([1.0, 0.5, 0.0, 0.0]), Status::Unknown);
+    assert_eq!(known([1.0, 0.5, 0.1, 0.0]), Status::Shown);
+}
+
+/// B(y) = uwᵀ − wuᵀ of rank two in ten dimensions, u = (y₂², y₃², …), w = (y₁y₄ + 1, …).
+struct LowRank;
+
+impl PoissonSystem<10, 1> for LowRank {
+    fn name(&self) -> &'static str {
+        "rank two"
+    }
+    fn structure<R: Real>(&self, y: [R; 10], v: [R; 10]) -> [R; 10] {
+        let u = |i: usize| y[(i + 1) % 10] * y[(i + 1) % 10];
+        let w = |i: usize| y[i] * y[(i + 3) % 10] + 1.0;
+        let dot = |a: &dyn Fn(usize) -> R| (0..10).fold(R::zero(), |sum, i| sum + a(i) * v[i]);
+        let (uv, wv) = (dot(&u), dot(&w));
+        std::array::from_fn(|i| u(i) * wv - w(i) * uv)
+    }
+    fn energy<R: Real>(&self, y: [R; 10], dt: f64, dw: [f64; 1]) -> R {
+        (0..10).fold(R::zero(), |sum, i| sum + y[i] * y[i]) * (0.5 * dt) + y[0] * dw[0]
+    }
+}
+
+#[test]
+fn few_equations_make_no_casimir() {
+    let casimirs = inspect(&LowRank).unwrap().casimirs;
+    assert!(casimirs.found.is_empty() && casimirs.nearly.is_empty(), "{casimirs:?}");
+    assert_eq!(casimirs.complete, Status::Shown);
+}
+
+/// A domain that is a narrow strip.
+struct Strip;
+
+impl PoissonSystem<2, 1> for Strip {
+    fn name(&self) -> &'static str {
+        "strip"
+    }
+    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+        [v[1], -v[0]]
+    }
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
+        (y[0] * y[0] + y[1] * y[1]) * (0.5 * dt) + y[1] * dw[0]
+    }
+    fn check_domain(&self, y: [f64; 2]) -> Result<(), SystemError> {
+        let inside = (y[0] - 100.0).abs() < 0.03;
+        let outside = SystemError::OutsideDomain { component: 1, value: y[0], domain: "a strip" };
+        if inside { Ok(()) } else { Err(outside) }
+    }
+}
+
+#[test]
+fn a_narrow_domain_is_found_around_the_initial_value() {
+    let problem = Problem::new(Strip, Constant::new(0.0).unwrap(), [100.0, 1.0], 1.0).unwrap();
+    let report = inspect_problem(&problem).unwrap();
+    assert!(!report.defined_everywhere && report.mistakes.is_empty(), "{report}");
 }

@@ -24,6 +24,9 @@ pub struct Noises {
     /// Whether B or the energy may be made of pieces, with a root or a condition: orders are those of
     /// smooth formulas.
     pub pieces: bool,
+    /// `commute` and `no_correction` at y₀ and on pilot paths, which may stay where they hold.
+    #[serde(skip)]
+    pub(super) on_paths: [Finding; 2],
 }
 
 impl Noises {
@@ -33,7 +36,8 @@ impl Noises {
         let mut found = Self::default();
         let mut random = Random::new(Purpose::Areas);
         let extent = points.extent();
-        for y in &points.for_identities {
+        for (n, y) in points.for_identities.iter().enumerate() {
+            let on_path = points.on_path(n);
             found.pieces |= system.piecewise(y);
             let (fields, derivatives): (Vec<_>, Vec<_>) =
                 (1..=noises).map(|m| system.field(y, &system.weights(m))).unzip();
@@ -51,6 +55,9 @@ impl Noises {
                     for i in 0..d {
                         let terms = size(&derivatives[l][i], &fields[m]);
                         found.no_correction.record(product[i], terms + typical, y);
+                        if on_path {
+                            found.on_paths[1].record(product[i], terms + typical, y);
+                        }
                     }
                     if m < l {
                         let exchanged = times(&derivatives[m], &fields[l]);
@@ -61,6 +68,9 @@ impl Noises {
                             let terms = size(&derivatives[l][i], &fields[m])
                                 + size(&derivatives[m][i], &fields[l]);
                             found.commute.record(commutator, terms + typical, y);
+                            if on_path {
+                                found.on_paths[0].record(commutator, terms + typical, y);
+                            }
                             sizes[i] += terms;
                             sum[i] = sum[i] + commutator * Bounded::exact(areas[m][l]);
                         }
