@@ -66,8 +66,9 @@ impl Bounded {
         Self { value: self.value.abs(), ..self }
     }
 
-    /// Evaluates `formula` and says whether it may be made of pieces: it took a square root, which
-    /// √x² = |x| is, or looked at a value, as a condition does. Otherwise it is analytic.
+    /// Evaluates `formula` and says whether it may be made of pieces: it took a square root or a
+    /// logarithm, as √x² = |x| and (x²)^{1/2} do, or looked at a value, as a condition does. Otherwise
+    /// it is analytic but for poles.
     pub fn piecewise<T>(formula: impl FnOnce() -> T) -> (T, bool) {
         PIECES.set(false);
         let result = formula();
@@ -185,6 +186,7 @@ impl Real for Bounded {
         self.function(value, value * error)
     }
     fn ln(self) -> Self {
+        PIECES.set(true);
         let least = (self.value - self.error).max(0.0);
         self.function(Real::ln(self.value), self.error / least)
     }
@@ -265,7 +267,7 @@ mod tests {
         let piecewise =
             |f: fn(Bounded) -> Bounded| Bounded::piecewise(|| f(Bounded::variable(0.3))).1;
         assert!(piecewise(|x| Bounded::select(x.value() > 1.0, x, -x)));
-        assert!(piecewise(|x| (x * x).sqrt()));
+        assert!(piecewise(|x| (x * x).sqrt()) && piecewise(|x| (x * x).powf(0.5)));
         assert!(!piecewise(|x| (x * x + x.exp()).sin() / x));
     }
 

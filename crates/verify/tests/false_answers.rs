@@ -428,3 +428,61 @@ fn a_narrow_domain_is_found_around_the_initial_value() {
     let report = inspect_problem(&problem).unwrap();
     assert!(!report.defined_everywhere && report.mistakes.is_empty(), "{report}");
 }
+
+/// A pendulum with noise in the size of its energy.
+struct Undamped;
+
+impl PoissonSystem<2, 1> for Undamped {
+    fn name(&self) -> &'static str {
+        "undamped"
+    }
+    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+        [v[1], -v[0]]
+    }
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
+        (y[1] * y[1] * 0.5 + y[0].powi(4)) * (dt + 0.3 * dw[0])
+    }
+}
+
+#[test]
+fn without_damping_there_is_an_energy_to_keep() {
+    let report = |rate| {
+        let problem = Problem::new(Undamped, Constant::new(rate).unwrap(), [1.0, 0.5], 1.0);
+        inspect_problem(&problem.unwrap()).unwrap()
+    };
+    let (damped, undamped) = (report(0.1), report(0.0));
+    assert_eq!(damped.applies("energy-balance"), Some(Applies::No), "{damped}");
+    assert_eq!(damped.recommended.scheme, "heun");
+    assert_eq!(undamped.applies("energy-balance"), Some(Applies::Conditionally), "{undamped}");
+    assert_eq!(undamped.recommended.scheme, "sexp");
+}
+
+/// H₁ and H₂ are multiples of a quartic H₀.
+struct Multiples;
+
+impl PoissonSystem<2, 2> for Multiples {
+    fn name(&self) -> &'static str {
+        "multiples"
+    }
+    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+        [v[1], -v[0]]
+    }
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 2]) -> R {
+        (y[1].powi(4) * 0.5 + y[0].powi(4) * 0.25) * (dt + dw[0] * 0.5 - dw[1] * 0.3)
+    }
+}
+
+#[test]
+fn several_noises_that_are_one_have_an_energy_to_keep() {
+    let report = inspect(&Multiples).unwrap();
+    assert_eq!(report.applies("energy-balance"), Some(Applies::Yes), "{report}");
+    assert_eq!(report.recommended.scheme, "sexp");
+}
+
+#[test]
+fn a_small_ball_is_not_printed_as_zero() {
+    let y0 = [1e-7, 0.0, 1e-8, 0.0, 0.0];
+    let problem = Problem::new(Case::Turned, Constant::new(0.0).unwrap(), y0, 1.0).unwrap();
+    let text = inspect_problem(&problem).unwrap().to_string();
+    assert!(text.contains("‖y‖ ≤ 2.0100e-7") && !text.contains("‖y‖ ≤ 0.0000"), "{text}");
+}

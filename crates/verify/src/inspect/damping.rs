@@ -36,6 +36,9 @@ pub struct DampingIntegral {
     /// The least ∫₀ᵗ given for a t in [0, T], or less.
     #[serde(skip)]
     pub(super) least: f64,
+    /// Whether rate and integral are zero wherever they were looked at.
+    #[serde(skip)]
+    pub(super) none: bool,
 }
 
 /// Parts of [0, T], a power of two.
@@ -217,6 +220,7 @@ impl DampingIntegral {
             resolution: t_end / f64::from(PARTS * CELLS) / (2.0 * NODES as f64),
             t_end,
             least: 0.0,
+            none: false,
         };
         for (n, &(exact, rough)) in (0..PARTS).zip(&parts) {
             let (a, b) = (time(n, PARTS), time(n + 1, PARTS));
@@ -237,6 +241,7 @@ impl DampingIntegral {
                 found.agrees = found.agrees.min(because);
             }
         }
+        found.none = total.size == 0.0 && found.defect == 0.0;
         let agrees_for = |steps: u32| {
             let parts_of =
                 |n: u32| &parts[(n * PARTS / steps) as usize..][..(PARTS / steps) as usize];

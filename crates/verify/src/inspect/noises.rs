@@ -4,7 +4,7 @@ use real::Bounded;
 use serde::Serialize;
 
 use super::{
-    algebra::{norm, size, times, values},
+    algebra::{matrix_values, norm, size, times, values},
     erased::System,
     finding::Finding,
     points::{Points, Purpose, Random},
@@ -41,12 +41,15 @@ impl Noises {
             found.pieces |= system.piecewise(y);
             let (fields, derivatives): (Vec<_>, Vec<_>) =
                 (1..=noises).map(|m| system.field(y, &system.weights(m))).unzip();
-            let lengths: Vec<f64> = fields.iter().map(|f| norm(&values(f))).collect();
+            // ‖B‖‖∇Hₘ‖: a field may vanish to round-off.
+            let b = norm(&matrix_values(&system.matrix(y)).concat());
+            let length = |m| b * norm(&values(&system.hamiltonian(m).gradient(y)));
+            let lengths: Vec<f64> = (1..=noises).map(length).collect();
             let mut areas = vec![vec![0.0; noises]; noises];
             let (mut sum, mut sizes) = (vec![zero; d], vec![0.0; d]);
             for l in 0..noises {
                 for &component in &fields[l] {
-                    found.silent.record(component, component.value.abs(), y);
+                    found.silent.record(component, lengths[l], y);
                 }
                 for m in 0..noises {
                     let product = times(&derivatives[l], &fields[m]);
@@ -71,7 +74,7 @@ impl Noises {
                             if on_path {
                                 found.on_paths[0].record(commutator, terms + typical, y);
                             }
-                            sizes[i] += terms;
+                            sizes[i] += terms + typical;
                             sum[i] = sum[i] + commutator * Bounded::exact(areas[m][l]);
                         }
                     }

@@ -9,6 +9,7 @@ use super::{
     invariants::ClaimedInvariant,
     noises::Noises,
     problem::Bound,
+    report::Inspection,
     structure::Structure,
 };
 
@@ -103,8 +104,8 @@ pub fn recommendation(
 ) -> Recommendation {
     let energy = hamiltonians.proportional.as_ref().is_some_and(Finding::holds)
         && hamiltonians.shapes[0].degree.is_some();
-    let keeps = structure.sound().holds() && (energy || !casimirs.found.is_empty());
-    let inexact = energy && hamiltonians.discrete_gradient.refuted();
+    let keeps = structure.sound() != Status::Refuted && (energy || !casimirs.found.is_empty());
+    let inexact = energy && !hamiltonians.discrete_gradient.holds();
     let (scheme, because) = match (noises.commute.status, keeps) {
         (Status::Refuted, _) => {
             ("sexp-levy", "noises do not commute; for expectations sexp will do, without areas")
@@ -139,6 +140,31 @@ fn known(text: &str, status: Status) -> String {
     }
 }
 
+/// Without damping the energy is constant where H₁ = cH₀, homogeneous or not, and `sexp` keeps it.
+pub fn without_damping(report: &mut Inspection) {
+    let hamiltonians = &report.hamiltonians;
+    let sound = report.structure.sound();
+    let proportional = hamiltonians.proportional.as_ref();
+    let energy = proportional.map_or(Status::Refuted, |finding| finding.status).min(sound);
+    if hamiltonians.shapes[0].degree.is_some() || !energy.holds() {
+        return;
+    }
+    let exact = hamiltonians.discrete_gradient.holds();
+    let but = if exact { "" } else { ", up to the error of ∇̄h" };
+    for theorem in report.theorems.iter_mut().filter(|t| t.statement == "energy-balance") {
+        theorem.applies = Applies::Conditionally;
+        theorem.because = format!("γ = 0 wherever it was looked at, and H₁ = c H₀{but}");
+    }
+    if report.recommended.scheme == "heun" {
+        let because = if exact {
+            "it keeps the energy, since there is no damping"
+        } else {
+            "it keeps the energy up to the error of ∇̄h, since there is no damping"
+        };
+        report.recommended = Recommendation { scheme: "sexp", because };
+    }
+}
+
 /// The statements of the paper for a system with these properties.
 pub fn theorems(
     structure: &Structure,
@@ -150,7 +176,14 @@ pub fn theorems(
 ) -> Vec<Theorem> {
     use Applies::{Conditionally, No, Yes};
     let noises = hamiltonians.shapes.len() - 1;
-    let energy_degree = hamiltonians.noise_size.and(hamiltonians.shapes[0].degree);
+    let proportional = hamiltonians.proportional.as_ref().is_some_and(Finding::holds);
+    // Noises that are multiples of one energy are one noise.
+    let multiple = match hamiltonians.noise_size {
+        _ if noises == 0 => Some("no noise".to_owned()),
+        Some(c) => Some(format!("H₁ = {c} H₀")),
+        None => (noises > 1 && proportional).then(|| "Hₘ = cₘ H₀ for every m".to_owned()),
+    };
+    let energy_degree = multiple.as_ref().and(hamiltonians.shapes[0].degree);
     let energy_known = hamiltonians
         .proportional
         .as_ref()
@@ -189,10 +222,10 @@ pub fn theorems(
         [] => none("linear or quadratic Casimir of B"),
         listed => each(listed),
     };
-    let energy = match (hamiltonians.noise_size, energy_degree) {
-        (Some(c), Some(p)) if hamiltonians.discrete_gradient.holds() => {
+    let energy = match (multiple, energy_degree) {
+        (Some(noise), Some(p)) if hamiltonians.discrete_gradient.holds() => {
             let status = energy_known.min(hamiltonians.discrete_gradient.status);
-            let law = format!("H₁ = {c} H₀, H₀ is homogeneous of degree {p}, and ∇̄h is exact");
+            let law = format!("{noise}, H₀ is homogeneous of degree {p}, and ∇̄h is exact");
             (applies(status), known(&law, status))
         }
         (Some(_), Some(_)) => {
