@@ -486,3 +486,12 @@ fn a_small_ball_is_not_printed_as_zero() {
     let text = inspect_problem(&problem).unwrap().to_string();
     assert!(text.contains("‖y‖ ≤ 2.0100e-7") && !text.contains("‖y‖ ≤ 0.0000"), "{text}");
 }
+
+#[test]
+fn a_rate_that_is_not_finite_has_no_order_for_those_who_read_it() {
+    let damping = Given(|t: f64| 0.5 / t.sqrt(), f64::sqrt, 1.0);
+    let problem = Problem::new(Undamped, damping, [1.0, 0.5], 1.0).unwrap();
+    let report = inspect_problem(&problem).unwrap();
+    assert_eq!((report.order("heun"), report.order("sexp")), (None, Some((1.0, 1.0))), "{report}");
+    assert_eq!(report.recommended.scheme, "sexp");
+}

@@ -39,6 +39,9 @@ pub struct DampingIntegral {
     /// Whether rate and integral are zero wherever they were looked at.
     #[serde(skip)]
     pub(super) none: bool,
+    /// Whether the rate is finite at both ends of every part, where schemes may read it.
+    #[serde(skip)]
+    pub(super) finite: bool,
 }
 
 /// Parts of [0, T], a power of two.
@@ -221,6 +224,7 @@ impl DampingIntegral {
             t_end,
             least: 0.0,
             none: false,
+            finite: (0..=PARTS).all(|n| damping.rate(time(n, PARTS)).is_finite()),
         };
         for (n, &(exact, rough)) in (0..PARTS).zip(&parts) {
             let (a, b) = (time(n, PARTS), time(n + 1, PARTS));

@@ -58,7 +58,7 @@ use algebra::norm;
 use erased::{Erased, System};
 use pilot::pilot_paths;
 use points::Points;
-use theory::without_damping;
+use theory::{with_unbounded_rate, without_damping};
 
 pub use casimirs::{Casimirs, FoundCasimir};
 pub use damping::DampingIntegral;
@@ -123,6 +123,9 @@ where
     }
     if findings.integral.none {
         without_damping(&mut report);
+    }
+    if !findings.integral.finite {
+        with_unbounded_rate(&mut report);
     }
     report.problem = Some(findings);
     Ok(report.with_mistakes())

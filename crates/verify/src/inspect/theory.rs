@@ -165,6 +165,18 @@ pub fn without_damping(report: &mut Inspection) {
     }
 }
 
+/// The schemes that read rates of the damping; the others take its integral.
+const READ_RATES: [&str; 3] = ["midpoint", "heun", "em"];
+
+/// The order of a scheme that reads rates of the damping is not known where these are not finite.
+pub fn with_unbounded_rate(report: &mut Inspection) {
+    report.orders.retain(|order| !READ_RATES.contains(&order.scheme));
+    if report.recommended.scheme == "heun" {
+        let because = "it takes the integral of the damping, whose rate is not finite";
+        report.recommended = Recommendation { scheme: "sexp", because };
+    }
+}
+
 /// The statements of the paper for a system with these properties.
 pub fn theorems(
     structure: &Structure,
