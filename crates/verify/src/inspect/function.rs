@@ -150,7 +150,8 @@ fn degree(f: &dyn Function, points: &Points) -> (Option<Bounded>, Finding) {
     let zero = slope.value == 0.0 && value.value == 0.0;
     let mut p = if zero { Bounded::exact(0.0) } else { *slope / *value };
     if (p.value - p.value.round()).abs() <= p.error {
-        p = Bounded::exact(p.value.round());
+        // Not −0.
+        p = Bounded::exact(p.value.round() + 0.0);
     }
     p.degree = 0.0;
     for (y, (value, (slope, size))) in points.for_identities.iter().zip(&terms) {
