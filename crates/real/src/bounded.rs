@@ -40,6 +40,8 @@ const U: f64 = 0.5 * f64::EPSILON;
 const CONSTANT: f64 = 8.0 * U;
 /// Relative error of an elementary function: at most 2 ulp, see [`elementary`](crate::elementary).
 const FUNCTION: f64 = 4.0 * U;
+/// The spacing of subnormal numbers, to which a result that underflows is rounded.
+const UNDERFLOW: f64 = f64::from_bits(1);
 
 thread_local! {
     static PIECES: Cell<bool> = const { Cell::new(false) };
@@ -64,8 +66,9 @@ impl Bounded {
         Self { value: self.value.abs(), ..self }
     }
 
-    /// Evaluates `formula` and says whether it may be made of pieces: it took a square root, which
-    /// √x² = |x| is, or looked at a value, as a condition does. Otherwise it is analytic.
+    /// Evaluates `formula` and says whether it may be made of pieces: it took a square root or a
+    /// logarithm, as √x² = |x| and (x²)^{1/2} do, or looked at a value, as a condition does. Otherwise
+    /// it is analytic but for poles.
     pub fn piecewise<T>(formula: impl FnOnce() -> T) -> (T, bool) {
         PIECES.set(false);
         let result = formula();
@@ -79,7 +82,17 @@ impl Bounded {
     /// An elementary function with this value and propagated error.
     fn function(self, value: f64, error: f64) -> Self {
         let degree = if self.degree == 0.0 { 0.0 } else { f64::INFINITY };
-        Self { value, error: error + FUNCTION * value.abs(), degree }
+        Self { value, error: error + FUNCTION * value.abs(), degree }.underflow()
+    }
+
+    /// Sums are exact where they are subnormal; products, quotients and functions are not.
+    fn underflow(self) -> Self {
+        let subnormal = self.value.abs() < f64::MIN_POSITIVE;
+        Self { error: self.error + if subnormal { UNDERFLOW } else { 0.0 }, ..self }
+    }
+
+    fn is_zero(self) -> bool {
+        self.value == 0.0 && self.error == 0.0
     }
 }
 
@@ -101,7 +114,8 @@ impl Mul for Bounded {
     type Output = Self;
     fn mul(self, b: Self) -> Self {
         let error = self.value.abs() * b.error + (b.value.abs() + b.error) * self.error;
-        Self::rounded(self.value * b.value, error, self.degree + b.degree)
+        let product = Self::rounded(self.value * b.value, error, self.degree + b.degree);
+        if self.is_zero() || b.is_zero() { product } else { product.underflow() }
     }
 }
 
@@ -113,7 +127,8 @@ impl Div for Bounded {
         let least = (b.value.abs() - b.error).max(0.0);
         let error = (self.error + value.abs() * b.error) / least;
         let degree = if b.degree == 0.0 { self.degree } else { f64::INFINITY };
-        Self::rounded(value, error, degree)
+        let quotient = Self::rounded(value, error, degree);
+        if self.is_zero() { quotient } else { quotient.underflow() }
     }
 }
 
@@ -171,6 +186,7 @@ impl Real for Bounded {
         self.function(value, value * error)
     }
     fn ln(self) -> Self {
+        PIECES.set(true);
         let least = (self.value - self.error).max(0.0);
         self.function(Real::ln(self.value), self.error / least)
     }
@@ -233,11 +249,25 @@ mod tests {
     }
 
     #[test]
+    fn underflow_is_an_error() {
+        let (x, y) = (Bounded::variable(0.3e-120), Bounded::variable(0.7e-110));
+        let zero = x * x * y - x * (x * y);
+        assert!(zero.value.abs() <= zero.error && zero.error < 1e-300, "{zero:?}");
+        let tail = Bounded::variable(-700.0).exp();
+        for (a, b) in [(0.3, 0.7), (1.7, 0.9)] {
+            let zero = tail * 1e-15 * a * b - tail * 1e-15 * (a * b);
+            assert!(zero.value.abs() <= zero.error, "{zero:?}");
+        }
+        // Zero has no error.
+        assert_eq!((Bounded::variable(0.0) * 3.0).error, 0.0);
+    }
+
+    #[test]
     fn pieces_are_seen() {
         let piecewise =
             |f: fn(Bounded) -> Bounded| Bounded::piecewise(|| f(Bounded::variable(0.3))).1;
         assert!(piecewise(|x| Bounded::select(x.value() > 1.0, x, -x)));
-        assert!(piecewise(|x| (x * x).sqrt()));
+        assert!(piecewise(|x| (x * x).sqrt()) && piecewise(|x| (x * x).powf(0.5)));
         assert!(!piecewise(|x| (x * x + x.exp()).sin() / x));
     }
 

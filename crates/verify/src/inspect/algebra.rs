@@ -63,7 +63,16 @@ fn finite(a: &Matrix) -> bool {
 
 /// ‖A‖₂; NaN unless A is finite.
 pub fn spectral_norm(a: &Matrix) -> f64 {
-    if finite(a) { dense(a).singular_values().max() } else { f64::NAN }
+    let scale = largest(a.iter().flatten());
+    if !finite(a) {
+        return f64::NAN;
+    }
+    if scale == 0.0 {
+        return 0.0;
+    }
+    let scaled = dense(a) / scale;
+    // AᵀA is much smaller than a tall A, and its largest eigenvalue is as accurate.
+    scale * (scaled.transpose() * &scaled).symmetric_eigenvalues().max().sqrt()
 }
 
 /// The smallest eigenvalue of a symmetric matrix; NaN unless it is finite.

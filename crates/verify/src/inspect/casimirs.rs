@@ -150,12 +150,9 @@ impl Casimirs {
         let (found, nearly) = (Vec::new(), Vec::new());
         let mut all = Self { found, nearly, complete, definite: None, quadratic_sought };
         for degree in 1..=if quadratic_sought { 2 } else { 1 } {
-            let equations = Equations::of(degree, system, points);
             let unknowns = if degree == 1 { d } else { d * (d + 1) / 2 };
-            let (sigma, vectors) = singular_vectors(&equations.rows, unknowns);
-            let entries = (equations.rows.len() * unknowns) as f64;
-            let error = equations.error + backward_error(1, 1) * entries.sqrt() * sigma[0];
-            let zero = sigma.iter().filter(|s| **s <= error).count();
+            let Solution { sigma, vectors, error, zero } =
+                Solution::of(degree, unknowns, system, points);
             let few = sigma.iter().filter(|s| **s > error && **s <= NEARLY * sigma[0]).count();
             if sigma.iter().any(|s| s.is_nan()) {
                 all.complete = Status::Unknown;
@@ -192,7 +189,44 @@ impl Casimirs {
     }
 }
 
+/// The singular values and vectors of the equations, and how many values are zero.
+struct Solution {
+    sigma: Vec<f64>,
+    vectors: Matrix,
+    error: f64,
+    zero: usize,
+}
+
+impl Solution {
+    /// From the points for identities; from more of them while other points contradict it. A B of
+    /// low rank has few equations at a point.
+    fn of(degree: u32, unknowns: usize, system: &dyn System, points: &Points) -> Self {
+        let more = &points.for_suprema[points.random..];
+        let mut equations = Equations::default();
+        points.for_identities.iter().for_each(|y| equations.add(degree, system, y));
+        let mut taken = 0;
+        loop {
+            let (sigma, vectors) = singular_vectors(&equations.rows, unknowns);
+            let entries = (equations.rows.len() * unknowns) as f64;
+            let error = equations.error + backward_error(1, 1) * entries.sqrt() * sigma[0];
+            let zero = sigma.iter().filter(|s| **s <= error).count();
+            let mut fresh = Equations::default();
+            let next = taken + points.random.min(more.len() - taken);
+            more[taken..next].iter().for_each(|y| fresh.add(degree, system, y));
+            let residuals = vectors[unknowns - zero..].iter().map(|x| norm(&times(&fresh.rows, x)));
+            let contradicted = residuals.fold(0.0, f64::max) > error + fresh.error;
+            if !contradicted || taken == next {
+                return Self { sigma, vectors, error, zero };
+            }
+            equations.rows.append(&mut fresh.rows);
+            equations.error = equations.error.hypot(fresh.error);
+            taken = next;
+        }
+    }
+}
+
 /// bᵀ∇C(y) = 0 for every row b of B(y), as rows of length one.
+#[derive(Default)]
 struct Equations {
     rows: Matrix,
     /// A bound of the Frobenius norm of the errors of the rows.
@@ -200,30 +234,25 @@ struct Equations {
 }
 
 impl Equations {
-    fn of(degree: u32, system: &dyn System, points: &Points) -> Self {
-        let d = system.dimension();
-        let mut equations = Self { rows: Vec::new(), error: 0.0 };
-        for y in &points.for_identities {
-            let y_exact: Vec<_> = y.iter().map(|&x| Bounded::variable(x)).collect();
-            for b in system.matrix(y) {
-                let row: Vec<Bounded> = match degree {
-                    1 => b,
-                    _ => places(d)
-                        .map(|(i, j)| match i == j {
-                            true => b[i] * y_exact[i],
-                            false => b[i] * y_exact[j] + b[j] * y_exact[i],
-                        })
-                        .collect(),
-                };
-                let (length, error) = (norm(&values(&row)), error_norm(&row));
-                // A row of round-off says nothing.
-                if length > error {
-                    equations.rows.push(row.iter().map(|x| x.value / length).collect());
-                    equations.error = equations.error.hypot(error / length);
-                }
+    fn add(&mut self, degree: u32, system: &dyn System, y: &[f64]) {
+        let y_exact: Vec<_> = y.iter().map(|&x| Bounded::variable(x)).collect();
+        for b in system.matrix(y) {
+            let row: Vec<Bounded> = match degree {
+                1 => b,
+                _ => places(y.len())
+                    .map(|(i, j)| match i == j {
+                        true => b[i] * y_exact[i],
+                        false => b[i] * y_exact[j] + b[j] * y_exact[i],
+                    })
+                    .collect(),
+            };
+            let (length, error) = (norm(&values(&row)), error_norm(&row));
+            // A row of round-off says nothing.
+            if length > error {
+                self.rows.push(row.iter().map(|x| x.value / length).collect());
+                self.error = self.error.hypot(error / length);
             }
         }
-        equations
     }
 }
 

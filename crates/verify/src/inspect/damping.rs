@@ -11,7 +11,8 @@ use super::finding::Status;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DampingIntegral {
     /// How it is known that they agree to six digits. `Unknown` if they differ in parts only in
-    /// which the rate jumps or has a pulse: so does every quadrature, and a wrong formula may.
+    /// which the rate jumps, has a pulse or oscillates too fast for the quadrature: so does every
+    /// quadrature, and a wrong formula may.
     pub agrees: Status,
     /// The largest difference on a part.
     pub defect: f64,
@@ -23,7 +24,7 @@ pub struct DampingIntegral {
     pub given: f64,
     /// ∫₀ᵀ by quadrature of the rate.
     pub expected: f64,
-    /// The parts in which the rate jumps, bends or has a pulse.
+    /// The parts in which the rate jumps, bends, has a pulse or is not resolved.
     pub rough: u32,
     /// The longest step T/2ᵏ for which the integrals of all steps agree to six digits, if a part is
     /// one.
@@ -35,6 +36,12 @@ pub struct DampingIntegral {
     /// The least ∫₀ᵗ given for a t in [0, T], or less.
     #[serde(skip)]
     pub(super) least: f64,
+    /// Whether rate and integral are zero wherever they were looked at.
+    #[serde(skip)]
+    pub(super) none: bool,
+    /// Whether the rate is finite at both ends of every part, where schemes may read it.
+    #[serde(skip)]
+    pub(super) finite: bool,
 }
 
 /// Parts of [0, T], a power of two.
@@ -48,8 +55,7 @@ const UNEVEN: f64 = 0.381_966_011_250_105;
 impl DampingIntegral {
     pub(super) fn of(damping: &dyn Damping, t_end: f64) -> Self {
         let time = |n: u32, of: u32| t_end * f64::from(n) / f64::from(of);
-        let RateQuadrature { parts, complete, resolution } =
-            RateQuadrature::new(damping, t_end, PARTS);
+        let RateQuadrature { parts, resolution } = RateQuadrature::new(damping, t_end, PARTS);
         let sum = |parts: &[RateIntegrals]| {
             parts.iter().fold(RateIntegrals::default(), |sum, part| sum + *part)
         };
@@ -69,6 +75,8 @@ impl DampingIntegral {
             resolution,
             t_end,
             least: 0.0,
+            none: false,
+            finite: (0..=PARTS).all(|n| damping.rate(time(n, PARTS)).is_finite()),
         };
         for (n, exact) in (0..PARTS).zip(&parts) {
             let (a, b) = (time(n, PARTS), time(n + 1, PARTS));
@@ -84,13 +92,12 @@ impl DampingIntegral {
                 found.relative = if scale > 0.0 { difference / scale } else { f64::INFINITY };
             }
             if difference.is_nan() || difference > AGREEMENT * scale + round_off {
-                let because = if exact.rough { Status::Unknown } else { Status::Refuted };
+                let unresolved = exact.rough && !difference.is_nan();
+                let because = if unresolved { Status::Unknown } else { Status::Refuted };
                 found.agrees = found.agrees.min(because);
             }
         }
-        if !complete {
-            found.agrees = found.agrees.min(Status::Unknown);
-        }
+        found.none = total.size == 0.0 && found.defect == 0.0;
         let agrees_for = |steps: u32| {
             let parts_of =
                 |n: u32| &parts[(n * PARTS / steps) as usize..][..(PARTS / steps) as usize];

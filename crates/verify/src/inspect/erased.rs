@@ -20,6 +20,8 @@ pub trait System {
     fn dimension(&self) -> usize;
     fn noises(&self) -> usize;
     fn in_domain(&self, y: &[f64]) -> bool;
+    /// Whether B or the energy may be made of pieces, see [`Bounded::piecewise`].
+    fn piecewise(&self, y: &[f64]) -> bool;
     /// B(y)v.
     fn structure(&self, y: &[f64], v: &[Bounded]) -> Vec<Bounded>;
     /// The matrices ∂B(y)/∂y_l.
@@ -137,6 +139,11 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Erased<'
     }
     fn in_domain(&self, y: &[f64]) -> bool {
         self.0.check_domain(array(y)).is_ok()
+    }
+    fn piecewise(&self, y: &[f64]) -> bool {
+        let h = HamiltonianIncrement { system: self.0, dt: 1.0, dw: [1.0; M] };
+        let along = [Bounded::exact(1.0); D];
+        Bounded::piecewise(|| directional(&h, variables(y), along)).1
     }
     fn structure(&self, y: &[f64], v: &[Bounded]) -> Vec<Bounded> {
         let v = std::array::from_fn(|i| v[i]);

@@ -52,6 +52,9 @@ pub struct Finding {
     pub scale: f64,
     /// The number of points.
     pub points: usize,
+    /// Whether a defect is beyond its round-off.
+    #[serde(skip)]
+    beyond: bool,
     #[serde(skip)]
     last: Vec<f64>,
     #[serde(skip)]
@@ -68,6 +71,7 @@ impl Default for Finding {
             at: Vec::new(),
             scale: 0.0,
             points: 0,
+            beyond: false,
             last: Vec::new(),
             degree: 0.0,
         }
@@ -76,6 +80,9 @@ impl Default for Finding {
 
 /// Round-off above this part of the largest term leaves an identity undecided.
 const COARSE: f64 = 1e-11;
+/// So does a defect below this part of the largest term: a constant beside it may be rounded, as is
+/// cos(π/2) = 6e-17.
+const FAINT: f64 = 2.0 * f64::EPSILON;
 
 impl Finding {
     /// Records a defect of an identity with terms of size `scale` at the point y.
@@ -87,17 +94,17 @@ impl Finding {
         }
         self.degree = self.degree.max(degree);
         if !(value.is_finite() && error.is_finite()) {
-            if self.status != Status::Refuted {
+            if !self.beyond {
                 (self.defect, self.round_off) = (value, f64::INFINITY);
                 self.at = y.to_vec();
             }
         } else if value.abs() > error {
-            if self.status != Status::Refuted || value.abs() > self.defect {
+            if !self.beyond || value.abs() > self.defect {
                 (self.defect, self.round_off) = (value.abs(), error);
                 self.at = y.to_vec();
             }
-            self.status = Status::Refuted;
-        } else if self.status != Status::Refuted {
+            self.beyond = true;
+        } else if !self.beyond {
             if self.at.is_empty() || value.abs() > self.defect {
                 self.defect = value.abs();
                 self.at = y.to_vec();
@@ -108,15 +115,18 @@ impl Finding {
         if scale > self.scale {
             self.scale = scale;
         }
-        if self.status != Status::Refuted {
-            self.status = if self.round_off > COARSE * self.scale && self.round_off > 0.0 {
-                Status::Unknown
-            } else if self.degree < self.points as f64 {
-                Status::Shown
-            } else {
-                Status::Found
-            };
-        }
+        self.status = if self.beyond && self.defect > FAINT * self.scale {
+            Status::Refuted
+        } else if self.beyond {
+            self.round_off = FAINT * self.scale;
+            Status::Unknown
+        } else if self.round_off > COARSE * self.scale && self.round_off > 0.0 {
+            Status::Unknown
+        } else if self.degree < self.points as f64 {
+            Status::Shown
+        } else {
+            Status::Found
+        };
     }
 
     /// Records the difference of two vectors, component by component.

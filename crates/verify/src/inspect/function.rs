@@ -90,7 +90,7 @@ impl Shape {
             let slope = f.gradient(y);
             constant_gradient.compare(&slope, &gradient, y);
             // A Hessian may vanish to round-off of the gradient.
-            let flat = largest(&values(&slope)) / norm(y);
+            let flat = largest(&values(&slope)) / points.extent();
             for (row, expected) in f.hessian(y).iter().zip(&hessian) {
                 for (&a, &b) in row.iter().zip(expected) {
                     constant_hessian.record(a - b, a.value.abs() + b.value.abs() + flat, y);
@@ -129,7 +129,8 @@ impl Shape {
 }
 
 /// p of Euler's identity ∇F·y = pF, computed where F is largest relative to its terms; an integer
-/// if one is within its error bound. And whether the identity holds at all points.
+/// if one is within its error bound, 0 for constants and ratios. And whether the identity holds at
+/// all points.
 fn degree(f: &dyn Function, points: &Points) -> (Option<Bounded>, Finding) {
     let euler = |y: &Vec<f64>| {
         let (gradient, y) =
@@ -146,16 +147,18 @@ fn degree(f: &dyn Function, points: &Points) -> (Option<Bounded>, Finding) {
     else {
         return (None, identity);
     };
-    let mut p = *slope / *value;
+    let zero = slope.value == 0.0 && value.value == 0.0;
+    let mut p = if zero { Bounded::exact(0.0) } else { *slope / *value };
     if (p.value - p.value.round()).abs() <= p.error {
-        p = Bounded::exact(p.value.round());
+        // Not −0.
+        p = Bounded::exact(p.value.round() + 0.0);
     }
     p.degree = 0.0;
     for (y, (value, (slope, size))) in points.for_identities.iter().zip(&terms) {
         let scaled = *value * p;
         identity.record(*slope - scaled, size + scaled.value.abs(), y);
     }
-    ((p.value.is_finite() && p.value != 0.0 && identity.holds()).then_some(p), identity)
+    ((p.value.is_finite() && identity.holds()).then_some(p), identity)
 }
 
 /// Shortest step of the search; the error of the minimum is of the order of its square.

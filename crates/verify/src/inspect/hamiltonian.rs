@@ -18,9 +18,10 @@ pub struct Hamiltonians {
     pub linear: Finding,
     /// H₀, H₁, …, H_M.
     pub shapes: Vec<Shape>,
-    /// c, if there is one noise and H₁ = cH₀ up to a constant: such a system has an energy law.
+    /// c, if there is one noise and H₁ = cH₀ up to a constant: such a system has an energy law. 0 if
+    /// there is no noise.
     pub noise_size: Option<f64>,
-    /// ∇H₁ = c∇H₀, if there is one noise.
+    /// ∇Hₘ = cₘ∇H₀ for every m.
     pub proportional: Option<Finding>,
     /// `gradient` is ∇h.
     pub gradient: Finding,
@@ -122,20 +123,22 @@ impl Hamiltonians {
     }
 }
 
-/// c of H₁ = cH₀, up to a constant in H₁, and whether that holds.
+/// c of H₁ = cH₀, up to a constant in H₁, for one noise, 0 for none; and whether Hₘ = cₘH₀ for
+/// every m.
 fn noise_size(system: &dyn System, points: &Points) -> (Option<f64>, Option<Finding>) {
-    if system.noises() != 1 {
-        return (None, None);
-    }
-    let gradients = |y: &[f64]| [0, 1].map(|m| system.hamiltonian(m).gradient(y));
-    let [drift, noise] = gradients(&points.for_identities[0]);
-    let mut c = dot(&drift, &noise) / dot(&drift, &drift);
-    c.degree = 0.0;
+    let gradient = |m: usize, y: &[f64]| system.hamiltonian(m).gradient(y);
     let mut proportional = Finding::default();
-    for y in &points.for_identities {
-        let [drift, noise] = gradients(y);
-        let scaled: Vec<_> = drift.iter().map(|&x| c * x).collect();
-        proportional.compare(&scaled, &noise, y);
+    let mut size = Some(0.0).filter(|_| system.noises() < 2);
+    for m in 1..=system.noises() {
+        let first = &points.for_identities[0];
+        let (drift, noise) = (gradient(0, first), gradient(m, first));
+        let mut c = dot(&drift, &noise) / dot(&drift, &drift);
+        c.degree = 0.0;
+        for y in &points.for_identities {
+            let scaled: Vec<_> = gradient(0, y).iter().map(|&x| c * x).collect();
+            proportional.compare(&scaled, &gradient(m, y), y);
+        }
+        size = size.map(|_| c.value);
     }
-    ((c.value.is_finite() && proportional.holds()).then_some(c.value), Some(proportional))
+    (size.filter(|c| c.is_finite() && proportional.holds()), Some(proportional))
 }

@@ -58,6 +58,7 @@ use algebra::norm;
 use erased::{Erased, System};
 use pilot::pilot_paths;
 use points::Points;
+use theory::{with_unbounded_rate, without_damping};
 
 pub use casimirs::{Casimirs, FoundCasimir};
 pub use damping::DampingIntegral;
@@ -119,6 +120,12 @@ where
     if let Some(radius) = findings.radius.filter(|radius| radius.is_finite() && *radius > 0.0) {
         let reached = Points::new(&system, Region::Ball(radius), Some(&problem.y0()))?;
         report.solvability = Solvability::of(&system, &reached);
+    }
+    if findings.integral.none {
+        without_damping(&mut report);
+    }
+    if !findings.integral.finite {
+        with_unbounded_rate(&mut report);
     }
     report.problem = Some(findings);
     Ok(report.with_mistakes())

@@ -4,7 +4,7 @@ use real::Bounded;
 use serde::Serialize;
 
 use super::{
-    algebra::{size, times},
+    algebra::{matrix_values, norm, size, times, values},
     erased::System,
     finding::Finding,
     points::{Points, Purpose, Random},
@@ -19,6 +19,14 @@ pub struct Noises {
     pub no_correction: Finding,
     /// `commutators` is Σ A_ml [fₘ, f_l].
     pub commutators: Finding,
+    /// fₘ = 0 for every m: there is no noise.
+    pub silent: Finding,
+    /// Whether B or the energy may be made of pieces, with a root or a condition: orders are those of
+    /// smooth formulas.
+    pub pieces: bool,
+    /// `commute` and `no_correction` at y₀ and on pilot paths, which may stay where they hold.
+    #[serde(skip)]
+    pub(super) on_paths: [Finding; 2],
 }
 
 impl Noises {
@@ -27,17 +35,32 @@ impl Noises {
         let zero = Bounded::exact(0.0);
         let mut found = Self::default();
         let mut random = Random::new(Purpose::Areas);
-        for y in &points.for_identities {
+        let extent = points.extent();
+        for (n, y) in points.for_identities.iter().enumerate() {
+            let on_path = points.on_path(n);
+            found.pieces |= system.piecewise(y);
             let (fields, derivatives): (Vec<_>, Vec<_>) =
                 (1..=noises).map(|m| system.field(y, &system.weights(m))).unzip();
+            // ‖B‖‖∇Hₘ‖: a field may vanish to round-off.
+            let b = norm(&matrix_values(&system.matrix(y)).concat());
+            let length = |m| b * norm(&values(&system.hamiltonian(m).gradient(y)));
+            let lengths: Vec<f64> = (1..=noises).map(length).collect();
             let mut areas = vec![vec![0.0; noises]; noises];
             let (mut sum, mut sizes) = (vec![zero; d], vec![0.0; d]);
             for l in 0..noises {
+                for &component in &fields[l] {
+                    found.silent.record(component, lengths[l], y);
+                }
                 for m in 0..noises {
                     let product = times(&derivatives[l], &fields[m]);
+                    // The size of a derivative of fields that are not nearly constant.
+                    let typical = lengths[l] * lengths[m] / extent;
                     for i in 0..d {
                         let terms = size(&derivatives[l][i], &fields[m]);
-                        found.no_correction.record(product[i], terms, y);
+                        found.no_correction.record(product[i], terms + typical, y);
+                        if on_path {
+                            found.on_paths[1].record(product[i], terms + typical, y);
+                        }
                     }
                     if m < l {
                         let exchanged = times(&derivatives[m], &fields[l]);
@@ -47,8 +70,11 @@ impl Noises {
                             let commutator = product[i] - exchanged[i];
                             let terms = size(&derivatives[l][i], &fields[m])
                                 + size(&derivatives[m][i], &fields[l]);
-                            found.commute.record(commutator, terms, y);
-                            sizes[i] += terms;
+                            found.commute.record(commutator, terms + typical, y);
+                            if on_path {
+                                found.on_paths[0].record(commutator, terms + typical, y);
+                            }
+                            sizes[i] += terms + typical;
                             sum[i] = sum[i] + commutator * Bounded::exact(areas[m][l]);
                         }
                     }

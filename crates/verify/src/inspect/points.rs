@@ -20,6 +20,8 @@ pub struct Points {
     pub region: Region,
     /// The first points, and what was added to them: where identities are checked.
     pub for_identities: Vec<Vec<f64>>,
+    /// The number of random points among them, with which those for suprema begin.
+    pub random: usize,
     /// Points of the region, over which suprema are taken.
     pub for_suprema: Vec<Vec<f64>>,
     /// Whether every point that was tried is in the domain.
@@ -36,6 +38,9 @@ const SUPREMA: usize = 400;
 const IDENTITIES: usize = 24;
 /// Points tried for each one wanted: enough for the positive cone in five dimensions.
 const TRIES: usize = 64;
+/// Halvings of the distance of points near the initial value, where the domain is a small part of
+/// the region.
+const NEARER: usize = 16;
 /// Distances from the initial value, relative to its norm, of the points around it, and halvings
 /// of them until a point is in the domain.
 const AROUND: [f64; 4] = [1.0, 0.1, 0.01, 1e-3];
@@ -98,10 +103,12 @@ impl Points {
                 (TRIES, _) | (_, None) => {
                     region.point(d, &mut random).into_iter().map(f64::abs).collect()
                 }
-                (_, Some(start)) => start
-                    .iter()
-                    .map(|x| x + 0.3 * random.uniform() * (x.abs() + 0.1 * norm(start)))
-                    .collect(),
+                (_, Some(start)) => {
+                    // A domain may be narrow.
+                    let share = 0.3 * f64::powi(0.5, (attempt % NEARER) as i32);
+                    let size = |x: f64| x.abs() + 0.1 * norm(start);
+                    start.iter().map(|&x| x + share * random.uniform() * size(x)).collect()
+                }
             };
             if system.in_domain(&y) {
                 points.push(y);
@@ -113,7 +120,19 @@ impl Points {
             return Err(InspectError::NoPoints { found: points.len(), wanted: identities });
         }
         let for_identities = points[..identities].to_vec();
-        Ok(Self { region, for_identities, for_suprema: points, everywhere, pilot: None })
+        let random = identities;
+        Ok(Self { region, for_identities, random, for_suprema: points, everywhere, pilot: None })
+    }
+
+    /// The largest ‖y‖ of the points for identities.
+    pub fn extent(&self) -> f64 {
+        self.for_identities.iter().map(|y| norm(y)).fold(f64::MIN_POSITIVE, f64::max)
+    }
+
+    /// Whether point n for identities is the initial value or a state of a pilot path.
+    pub fn on_path(&self, n: usize) -> bool {
+        let states = |pilot: &Pilot| self.for_identities.len() - pilot.states;
+        self.pilot.is_some_and(|pilot| n == self.random || n >= states(&pilot))
     }
 
     /// Adds the initial value, points around it, and the states of pilot paths.

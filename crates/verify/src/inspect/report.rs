@@ -92,7 +92,14 @@ impl Inspection {
             defined_everywhere: points.everywhere,
             solvability: Solvability::of(system, points),
             problem: None,
-            theorems: theorems(&structure, &hamiltonians, &casimirs, &invariants, bound.as_ref()),
+            theorems: theorems(
+                &structure,
+                &hamiltonians,
+                &casimirs,
+                &noise,
+                &invariants,
+                bound.as_ref(),
+            ),
             orders: orders(&noise),
             recommended: recommendation(&structure, &hamiltonians, &casimirs, &noise),
             mistakes: Vec::new(),
@@ -194,7 +201,7 @@ impl Display for Inspection {
                             " while they are in the domain, if the bound, found by search, holds"
                         }
                     };
-                    row(f, "paths", format!("stay within ‖y‖ ≤ {radius:.4}{condition}"))?;
+                    row(f, "paths", format!("stay within ‖y‖ ≤ {}{condition}", length(radius)))?;
                 }
                 _ => row(f, "paths", "no bound was found")?,
             }
@@ -362,6 +369,11 @@ impl Display for DampingIntegral {
 /// The next line of a row.
 const LINE: &str = "\n           ";
 
+/// A length with four decimals, or digits where these say little.
+fn length(x: f64) -> String {
+    if x == 0.0 || (0.01..1e6).contains(&x) { format!("{x:.4}") } else { format!("{x:.4e}") }
+}
+
 /// A property with its label.
 fn row(f: &mut Formatter<'_>, label: &str, text: impl Display) -> Result {
     writeln!(f, "  {label:<9}{text}")
@@ -371,7 +383,7 @@ impl Display for Region {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
             Self::Box(half_side) => write!(f, "|yᵢ| ≤ {half_side}"),
-            Self::Ball(radius) => write!(f, "‖y‖ ≤ {radius:.4}"),
+            Self::Ball(radius) => write!(f, "‖y‖ ≤ {}", length(*radius)),
         }
     }
 }

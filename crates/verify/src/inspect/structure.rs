@@ -17,7 +17,7 @@ pub struct Structure {
     pub linear: Finding,
     /// Bᵢⱼ + Bⱼᵢ = 0.
     pub skew: Finding,
-    /// ∂B = 0.
+    /// ∂B = 0, and B is the same at all points: it may jump.
     pub constant: Finding,
     /// The Jacobi identity Σ_l Bᵢ_l ∂_l Bⱼₖ + cyclic = 0, which makes B a Poisson structure. No
     /// scheme and no theorem of the paper needs it.
@@ -29,6 +29,7 @@ impl Structure {
         let mut found = Self::default();
         let d = system.dimension();
         let mut random = Random::new(Purpose::Vectors);
+        let first = system.matrix(&points.for_identities[0]);
         for y in &points.for_identities {
             let (b, derivatives) = (system.matrix(y), system.matrix_derivatives(y));
             let v: Vec<_> = (0..d).map(|_| Bounded::variable(3.0 * random.uniform())).collect();
@@ -41,6 +42,8 @@ impl Structure {
                     found.skew.record(b[i][j] + b[j][i], size, y);
                 }
                 for j in 0..d {
+                    let size = b[i][j].value.abs() + first[i][j].value.abs();
+                    found.constant.record(b[i][j] - first[i][j], size, y);
                     for slope in &derivatives {
                         found.constant.record(slope[i][j], b[i][j].value.abs(), y);
                     }

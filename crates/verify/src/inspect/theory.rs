@@ -9,6 +9,7 @@ use super::{
     invariants::ClaimedInvariant,
     noises::Noises,
     problem::Bound,
+    report::Inspection,
     structure::Structure,
 };
 
@@ -47,7 +48,8 @@ pub struct ExpectedOrder {
     pub strong: f64,
     /// Weak order.
     pub weak: f64,
-    /// How the strong order is known: `Found` where noises were found to commute at the points.
+    /// How the strong order is known: `Found` where noises were found to commute at the points, or
+    /// where formulas may be made of pieces.
     pub known: Status,
 }
 
@@ -61,21 +63,31 @@ pub struct Recommendation {
 }
 
 /// Orders of the schemes of this workspace. Strong order one takes Lévy areas where noises do not
-/// commute, and the terms ½ΔWₘΔW_l fₘ′f_l, which `em` leaves out, where they are not zero.
+/// commute, and the terms ½ΔWₘΔW_l fₘ′f_l, which `em` leaves out, where they are not zero. Without
+/// noise all but `em` are symmetric or Runge–Kutta methods of order two.
 pub fn orders(noises: &Noises) -> Vec<ExpectedOrder> {
-    // A counterexample shows that the order is ½.
-    let one_if = |finding: &Finding| match finding.status {
+    let smooth = if noises.pieces { Status::Found } else { Status::Shown };
+    if noises.silent.holds() {
+        let known = noises.silent.status.min(smooth);
+        let schemes = [("sexp", 2.0), ("sexp-levy", 2.0), ("midpoint", 2.0), ("heun", 2.0)];
+        return (schemes.into_iter().chain([("em", 1.0)]))
+            .map(|(scheme, order)| ExpectedOrder { scheme, strong: order, weak: order, known })
+            .collect();
+    }
+    // A counterexample shows that the order is ½, unless paths stay where there is none.
+    let one_if = |finding: &Finding, on_paths: &Finding| match finding.status {
+        Status::Refuted if on_paths.points > 0 && !on_paths.refuted() => (0.5, Status::Unknown),
         Status::Refuted => (0.5, Status::Shown),
         Status::Unknown => (0.5, Status::Unknown),
-        holds => (1.0, holds),
+        holds => (1.0, holds.min(smooth)),
     };
-    let without_areas = one_if(&noises.commute);
+    let without_areas = one_if(&noises.commute, &noises.on_paths[0]);
     let orders = [
         ("sexp", without_areas),
-        ("sexp-levy", (1.0, Status::Shown)),
+        ("sexp-levy", (1.0, smooth)),
         ("midpoint", without_areas),
         ("heun", without_areas),
-        ("em", one_if(&noises.no_correction)),
+        ("em", one_if(&noises.no_correction, &noises.on_paths[1])),
     ];
     orders
         .map(|(scheme, (strong, known))| ExpectedOrder { scheme, strong, weak: 1.0, known })
@@ -92,13 +104,20 @@ pub fn recommendation(
 ) -> Recommendation {
     let energy = hamiltonians.proportional.as_ref().is_some_and(Finding::holds)
         && hamiltonians.shapes[0].degree.is_some();
-    let keeps = structure.sound().holds() && (energy || !casimirs.found.is_empty());
+    let keeps = structure.sound() != Status::Refuted && (energy || !casimirs.found.is_empty());
+    let inexact = energy && !hamiltonians.discrete_gradient.holds();
     let (scheme, because) = match (noises.commute.status, keeps) {
         (Status::Refuted, _) => {
             ("sexp-levy", "noises do not commute; for expectations sexp will do, without areas")
         }
         (Status::Unknown, _) => ("sexp-levy", "strong order 1 whether noises commute or not"),
+        (_, true) if inexact => {
+            ("sexp", "it keeps what the damped equation keeps, the energy up to the error of ∇̄h")
+        }
         (_, true) => ("sexp", "it keeps what the damped equation keeps"),
+        (_, false) if noises.silent.holds() => {
+            ("heun", "explicit, of order 2; nothing was found for sexp to keep")
+        }
         (_, false) => ("heun", "explicit, of strong order 1; nothing was found for sexp to keep"),
     };
     Recommendation { scheme, because }
@@ -121,17 +140,62 @@ fn known(text: &str, status: Status) -> String {
     }
 }
 
+/// Without damping the energy is constant where H₁ = cH₀, homogeneous or not, and `sexp` keeps it.
+pub fn without_damping(report: &mut Inspection) {
+    let hamiltonians = &report.hamiltonians;
+    let sound = report.structure.sound();
+    let proportional = hamiltonians.proportional.as_ref();
+    let energy = proportional.map_or(Status::Refuted, |finding| finding.status).min(sound);
+    if hamiltonians.shapes[0].degree.is_some() || !energy.holds() {
+        return;
+    }
+    let exact = hamiltonians.discrete_gradient.holds();
+    let but = if exact { "" } else { ", up to the error of ∇̄h" };
+    for theorem in report.theorems.iter_mut().filter(|t| t.statement == "energy-balance") {
+        theorem.applies = Applies::Conditionally;
+        theorem.because = format!("γ = 0 wherever it was looked at, and H₁ = c H₀{but}");
+    }
+    if report.recommended.scheme == "heun" {
+        let because = if exact {
+            "it keeps the energy, since there is no damping"
+        } else {
+            "it keeps the energy up to the error of ∇̄h, since there is no damping"
+        };
+        report.recommended = Recommendation { scheme: "sexp", because };
+    }
+}
+
+/// The schemes that read rates of the damping; the others take its integral.
+const READ_RATES: [&str; 3] = ["midpoint", "heun", "em"];
+
+/// The order of a scheme that reads rates of the damping is not known where these are not finite.
+pub fn with_unbounded_rate(report: &mut Inspection) {
+    report.orders.retain(|order| !READ_RATES.contains(&order.scheme));
+    if report.recommended.scheme == "heun" {
+        let because = "it takes the integral of the damping, whose rate is not finite";
+        report.recommended = Recommendation { scheme: "sexp", because };
+    }
+}
+
 /// The statements of the paper for a system with these properties.
 pub fn theorems(
     structure: &Structure,
     hamiltonians: &Hamiltonians,
     casimirs: &Casimirs,
+    noise: &Noises,
     invariants: &[ClaimedInvariant],
     bound: Option<&Bound>,
 ) -> Vec<Theorem> {
     use Applies::{Conditionally, No, Yes};
     let noises = hamiltonians.shapes.len() - 1;
-    let energy_degree = hamiltonians.noise_size.and(hamiltonians.shapes[0].degree);
+    let proportional = hamiltonians.proportional.as_ref().is_some_and(Finding::holds);
+    // Noises that are multiples of one energy are one noise.
+    let multiple = match hamiltonians.noise_size {
+        _ if noises == 0 => Some("no noise".to_owned()),
+        Some(c) => Some(format!("H₁ = {c} H₀")),
+        None => (noises > 1 && proportional).then(|| "Hₘ = cₘ H₀ for every m".to_owned()),
+    };
+    let energy_degree = multiple.as_ref().and(hamiltonians.shapes[0].degree);
     let energy_known = hamiltonians
         .proportional
         .as_ref()
@@ -170,10 +234,10 @@ pub fn theorems(
         [] => none("linear or quadratic Casimir of B"),
         listed => each(listed),
     };
-    let energy = match (hamiltonians.noise_size, energy_degree) {
-        (Some(c), Some(p)) if hamiltonians.discrete_gradient.holds() => {
+    let energy = match (multiple, energy_degree) {
+        (Some(noise), Some(p)) if hamiltonians.discrete_gradient.holds() => {
             let status = energy_known.min(hamiltonians.discrete_gradient.status);
-            let law = format!("H₁ = {c} H₀, H₀ is homogeneous of degree {p}, and ∇̄h is exact");
+            let law = format!("{noise}, H₀ is homogeneous of degree {p}, and ∇̄h is exact");
             (applies(status), known(&law, status))
         }
         (Some(_), Some(_)) => {
@@ -215,6 +279,12 @@ pub fn theorems(
     let orders = match bounded.0 {
         No => (Conditionally, "if all paths stay bounded, which was not proved here".into()),
         _ => bounded.clone(),
+    };
+    let orders = match orders {
+        (_, because) if noise.pieces => {
+            (Conditionally, format!("{because}; if B and the energy are smooth"))
+        }
+        orders => orders,
     };
     let (strong, strong_order) = if noises > 1 {
         ("strong-half", "strong order 1/2 of sexp (k ≥ 1)")
