@@ -122,15 +122,19 @@ impl Against {
 }
 
 /// Weak errors and their order from independent differences d_l = e(τ_l) − e(τ_l/2) at step sizes
-/// that halve, coarsest first.
+/// that halve, coarsest first: component `index` of the moments.
 ///
 /// The errors are the sums e_l = Σ_{j ≥ l} d_j with a Richardson tail: below the finest step L, an
 /// error Cτ + O(τ²) leaves d_L once more, up to O(τ²). The order is fitted to the differences,
 /// without the tail.
-pub fn weak_errors(taus: &[f64], differences: &[&CrossMoments]) -> (Vec<Point>, Option<Rate>) {
-    let means: Vec<f64> = differences.iter().map(|difference| difference.mean(0)).collect();
+pub fn weak_errors(
+    taus: &[f64],
+    differences: &[CrossMoments],
+    index: usize,
+) -> (Vec<Point>, Option<Rate>) {
+    let means: Vec<f64> = differences.iter().map(|d| d.mean(index)).collect();
     let variances: Vec<f64> =
-        differences.iter().map(|difference| difference.covariance_of_means(0, 0)).collect();
+        differences.iter().map(|d| d.covariance_of_means(index, index)).collect();
     let finest = taus.len() - 1;
     let point = |l: usize| {
         let error = means[l..finest].iter().sum::<f64>() + 2.0 * means[finest];
