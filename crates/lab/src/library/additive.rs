@@ -3,9 +3,9 @@
 use schemes::{EulerMaruyama, Heun, Sexp};
 
 use super::{
-    Entry, How, expected,
-    law::{Normal, above},
-    system::{Plane, Rate, UNDAMPED, problem},
+    Entry, How, expected, indicator,
+    law::{Normal, above, excess},
+    system::{Plane, Rate, integrated, problem},
 };
 
 /// E|N|^½ of a standard normal, 2^{1/4}Γ(3/4)/√π.
@@ -13,14 +13,13 @@ const ROOT: f64 = 1.189_207_115_002_721 * 1.225_416_702_465_177_6 / 1.772_453_85
 
 pub fn entries() -> Vec<Entry> {
     let sexp = Sexp::default();
-    let origin = [0.0; 2];
-    // dq = p dt, dp = dW: p = W(1), q = ∫W with variance ⅓ and covariance ½ with p.
-    let integrated = problem(Plane::additive(0.0, 1.0, 1.0), UNDAMPED, origin, 1.0);
+    let walk = |kind, name, function, accuracy, truth| {
+        expected((kind, name), sexp, integrated(), function, How::to(accuracy), truth)
+    };
     // dp = −q dt − γp dt + dW, dq = p dt − γq dt. With a = b = ω the state is e^{−γT} times y₀ turned,
     // plus a normal of covariance ∫ e^{−2γs}(sin² ωs, sin ωs cos ωs; cos² ωs) ds.
     let (gamma, omega, t) = (0.7, 2.0, 1.5);
-    let langevin =
-        problem(Plane::additive(omega, omega, 1.0), Rate::Constant(gamma), [1.0, 0.0], t);
+    let langevin = problem(Plane::additive(omega, omega), Rate::Constant(gamma), [1.0, 0.0], t);
     let decay = (-gamma * t).exp();
     // ∫ e^{−2γs} cos 2ωs ds = [e^{−2γs}(ω sin 2ωs − γ cos 2ωs)]/(2(γ² + ω²)).
     let primitive = |s: f64| {
@@ -32,68 +31,39 @@ pub fn entries() -> Vec<Entry> {
     let q = Normal::new(decay * (omega * t).cos(), 0.5 * (whole - wave));
     let p = Normal::new(-decay * (omega * t).sin(), 0.5 * (whole + wave));
     // γ alone: Ornstein–Uhlenbeck, p of variance (1 − e^{−2γT})/(2γ).
-    let relaxed = problem(Plane::additive(0.0, 0.0, 1.0), Rate::Constant(2.0), [0.0, 1.0], 1.0);
+    let relaxed = problem(Plane::additive(0.0, 0.0), Rate::Constant(2.0), [0.0, 1.0], 1.0);
     let ornstein = Normal::new((-2.0f64).exp(), 0.25 * (1.0 - (-4.0f64).exp()));
+    // E|X| = s√(2/π)e^{−m²/2s²} + m(1 − 2Φ(−m/s)) of X = p − ½.
+    let (m, s) = (ornstein.mean - 0.5, ornstein.deviation);
+    let distance = s * (2.0 / std::f64::consts::PI).sqrt() * (-0.5 * m * m / (s * s)).exp()
+        + m * (1.0 - 2.0 * above(m / s));
     vec![
-        // P(W > 1).
-        expected(
-            ("additive noise", "W > 1"),
-            sexp,
-            integrated.clone(),
-            |y| f64::from(u8::from(y[1] > 1.0)),
-            How::to(0.01),
-            above(1.0),
-        ),
-        // E(W − K)₊ = φ(K) − KΦ(−K).
-        expected(
-            ("additive noise", "(W − ½)₊"),
-            sexp,
-            integrated.clone(),
-            |y| (y[1] - 0.5).max(0.0),
-            How::to(0.01),
-            (-0.125f64).exp() / std::f64::consts::TAU.sqrt() - 0.5 * above(0.5),
-        ),
-        // E e^W = e^{½}.
-        expected(
-            ("additive noise", "e^W"),
-            sexp,
-            integrated.clone(),
-            |y| y[1].exp(),
-            How::to(0.05),
-            0.5f64.exp(),
-        ),
-        // E q² = ⅓.
+        walk("additive noise", "W > 1", |y| indicator(y[1] > 1.0), 0.01, above(1.0)),
+        walk("additive noise", "(W − ½)₊", |y| (y[1] - 0.5).max(0.0), 0.01, excess(0.5)),
+        walk("additive noise", "e^W", |y| y[1].exp(), 0.05, 0.5f64.exp()),
         expected(
             ("additive noise", "(∫W)²"),
             Heun,
-            integrated.clone(),
+            integrated(),
             |y| y[0] * y[0],
             How::to(0.01),
             1.0 / 3.0,
         ),
-        // P(∫W > ½), ∫W normal of variance ⅓.
         expected(
             ("additive noise", "∫W > ½, Euler–Maruyama"),
             EulerMaruyama,
-            integrated.clone(),
-            |y| f64::from(u8::from(y[0] > 0.5)),
+            integrated(),
+            |y| indicator(y[0] > 0.5),
             How::to(0.02),
             Normal::new(0.0, 1.0 / 3.0).above(0.5),
         ),
         // E|q|^½ = (1/3)^{1/4} E|N|^½: a cusp where the density is largest.
-        expected(
-            ("kinks", "|∫W|^½"),
-            sexp,
-            integrated,
-            |y| y[0].abs().sqrt(),
-            How::to(0.01),
-            (1.0f64 / 3.0).powf(0.25) * ROOT,
-        ),
+        walk("kinks", "|∫W|^½", |y| y[0].abs().sqrt(), 0.01, (1.0f64 / 3.0).powf(0.25) * ROOT),
         expected(
             ("Langevin", "q > 0.2"),
             sexp,
             langevin.clone(),
-            |y| f64::from(u8::from(y[0] > 0.2)),
+            |y| indicator(y[0] > 0.2),
             How::to(0.02),
             q.above(0.2),
         ),
@@ -120,12 +90,7 @@ pub fn entries() -> Vec<Entry> {
             relaxed,
             |y| (y[1] - 0.5).abs(),
             How::to(0.01),
-            {
-                // E|X| = s√(2/π)e^{−m²/2s²} + m(1 − 2Φ(−m/s)) with m = mean − ½.
-                let (m, s) = (ornstein.mean - 0.5, ornstein.deviation);
-                s * (2.0 / std::f64::consts::PI).sqrt() * (-0.5 * m * m / (s * s)).exp()
-                    + m * (1.0 - 2.0 * above(m / s))
-            },
+            distance,
         ),
     ]
 }

@@ -4,6 +4,8 @@
 //! that commute, ½ with others; 1 of `sexp-levy`; ½ of Euler–Maruyama, and 1 with additive noise;
 //! without noise that acts, those of the schemes for ordinary equations. They are limits as τ → 0.
 
+use std::fmt::Display;
+
 use noise::StreamKey;
 use schemes::{EulerMaruyama, Explicit, Heun, Increment, Midpoint, Scheme, Sexp, SexpLevy};
 use systems::{PoissonSystem, Problem};
@@ -11,7 +13,9 @@ use verify::{Decision, Order, StepSizes, strong_order};
 
 use super::{
     Answer, Entry, OldRule, Question, Stated, Truth,
-    system::{Body, Growth, Plane, Planes, Rate, UNDAMPED, problem},
+    system::{
+        Body, Plane, Rate, START, UNDAMPED, damped_kubo, growth, kubo, on_sphere, planes, problem,
+    },
     truncation,
 };
 
@@ -29,23 +33,38 @@ impl Explicit for Uncorrected {
     }
 }
 
-/// What is stated by a measured order, and by the slope alone.
-pub fn stated(order: &Order) -> (Stated, Stated) {
-    let stated = match order.decision {
-        Decision::Order { order, .. } => Stated::order(order),
-        Decision::WrongLimit => Stated::NoOrder,
-        decision => Stated::Undecided(decision.to_string()),
-    };
-    let slope = match &order.rate {
-        Some(rate) => Stated::order(0.5 * (2.0 * rate.estimate).round()),
-        None => Stated::Undecided("no slope".into()),
-    };
-    (stated, slope)
-}
-
 /// Path-steps of a scheme at all step sizes of these.
 pub fn cost(sizes: &StepSizes) -> u64 {
     sizes.samples * 2 * sizes.reference_steps()
+}
+
+/// A question about an order, which is measured on these step sizes.
+pub fn order_entry<E: Display>(
+    kind: &'static str,
+    name: String,
+    question: Question,
+    truth: Truth,
+    sizes: impl Fn(StreamKey) -> StepSizes + Send + Sync + 'static,
+    measure: impl Fn(&StepSizes) -> Result<Order, E> + Send + Sync + 'static,
+) -> Entry {
+    let ask = move |key: StreamKey| {
+        let sizes = sizes(key);
+        let order = match measure(&sizes) {
+            Ok(order) => order,
+            Err(error) => return Answer::refused(error),
+        };
+        let stated = match order.decision {
+            Decision::Order { order, .. } => Stated::order(order),
+            Decision::WrongLimit => Stated::NoOrder,
+            decision => Stated::undecided(decision),
+        };
+        let slope = match order.rate {
+            Some(rate) => Stated::order(0.5 * (2.0 * rate.estimate).round()),
+            None => Stated::undecided("no slope"),
+        };
+        Answer { stated, old: Some(slope), cost: cost(&sizes) }
+    };
+    Entry::new(kind, name, question, truth, Some(OldRule::FittedSlope), ask)
 }
 
 fn entry<S, X, const D: usize, const M: usize>(
@@ -61,49 +80,28 @@ where
 {
     let name = format!("{}: {name}", scheme.id());
     let slow = scheme.reads_areas();
-    let ask = move |key: StreamKey| {
-        let sizes = StepSizes::new(16, truncation(), key);
-        match strong_order(&scheme, &problem, &sizes) {
-            Ok(order) => {
-                let (stated, slope) = stated(&order);
-                Answer { stated, old: Some(slope), cost: cost(&sizes) }
-            }
-            Err(error) => {
-                Answer { stated: Stated::Undecided(error.to_string()), old: None, cost: 0 }
-            }
-        }
-    };
-    let old_rule = Some(OldRule::FittedSlope);
-    Entry { slow, ..Entry::new(kind, name, Question::StrongOrder, truth, old_rule, ask) }
+    let sizes = |key| StepSizes::new(16, truncation(), key);
+    let measure = move |sizes: &StepSizes| strong_order(&scheme, &problem, sizes);
+    Entry { slow, ..order_entry(kind, name, Question::StrongOrder, truth, sizes, measure) }
 }
 
 pub fn entries() -> Vec<Entry> {
     let (sexp, midpoint, em) = (Sexp::default(), Midpoint::default(), EulerMaruyama);
     let [half, one, two] = [0.5, 1.0, 2.0].map(Truth::Is);
-    let kubo = |omega, sigma| problem(Plane::kubo(omega, sigma), UNDAMPED, [1.0, 0.0], 1.0);
-    let damped = |rate| problem(Plane::kubo(1.0, 1.0), rate, [1.0, 0.0], 1.0);
-    let jump = Rate::Jump { at: 0.37, before: 0.5, after: 3.0 };
-    let additive = |a, b, rate| problem(Plane::additive(a, b, 1.0), rate, [1.0, 0.0], 1.0);
-    let growth =
-        problem(Growth { drift: [0.4, 0.3], noise: [0.5, 0.6] }, UNDAMPED, [1.0, 1.0], 1.0);
-    let planes = problem(
-        Planes { omega: [1.0, -2.0], sigma: [[1.0, 0.5], [0.3, -0.6]] },
-        UNDAMPED,
-        [1.0, 0.0, 1.0, 0.0],
-        1.0,
-    );
-    let start = [0.48, 0.6, 0.64];
-    let top = Body { a: [1.0, 1.0, 3.0], b: [1.4], ..Body::linear([[0.0; 3]]) };
-    let idle = Body { b: [0.0], k: 2.0, ..top };
+    let kubo = |omega, sigma| kubo(omega, sigma, 1.0);
+    let damped = |rate| damped_kubo(1.0, 1.0, rate, 1.0);
+    let additive = |a, b, rate| problem(Plane::additive(a, b), rate, [1.0, 0.0], 1.0);
+    let growth = growth(UNDAMPED);
+    let planes = planes([1.0, -2.0], [[1.0, 0.5], [0.3, -0.6]]);
     let leaning = |angle: f64| Body {
         a: [1.0, 0.5, 1.0 / 3.0],
         ..Body::linear([[0.0, 0.0, 1.0], [angle, 0.0, 1.0]])
     };
-    let isotropic = Body::linear([[0.6, 0.0, 0.0], [0.0, 0.6, 0.0], [0.0, 0.0, 0.6]]);
-    let top = problem(top, UNDAMPED, start, 1.0);
-    let idle = problem(idle, UNDAMPED, start, 1.0);
-    let body = |angle| problem(leaning(angle), UNDAMPED, start, 1.0);
-    let sphere = problem(isotropic, UNDAMPED, start, 1.0);
+    let top = on_sphere(Body::top(0.0, 1.4));
+    let idle = on_sphere(Body::top(2.0, 0.0));
+    let body = |angle| on_sphere(leaning(angle));
+    let sphere = on_sphere(Body::isotropic(0.6));
+    let levy = SexpLevy::new(&leaning(1.0), START);
     vec![
         entry("one noise", "Kubo, ω = σ = 1", sexp, kubo(1.0, 1.0), one),
         entry("one noise", "Kubo, ω = σ = 1", midpoint, kubo(1.0, 1.0), one),
@@ -114,8 +112,8 @@ pub fn entries() -> Vec<Entry> {
         entry("one noise", "time change of a top", sexp, top.clone(), one),
         entry("one noise", "time change of a top", em, top, half),
         entry("damping", "Kubo, γ = 20", sexp, damped(Rate::Constant(20.0)), one),
-        entry("damping", "Kubo, γ jumps", sexp, damped(jump), one),
-        entry("damping", "Kubo, γ jumps", em, damped(jump), half),
+        entry("damping", "Kubo, γ jumps", sexp, damped(Rate::JUMP), one),
+        entry("damping", "Kubo, γ jumps", em, damped(Rate::JUMP), half),
         entry("weak noise", "Kubo, ω = 6, σ = 0.1", sexp, kubo(6.0, 0.1), one),
         entry("weak noise", "Kubo, ω = 1, σ = 1e-3", sexp, kubo(1.0, 1e-3), one),
         entry("weak noise", "Kubo, ω = 1, σ = 0.03", em, kubo(1.0, 0.03), half),
@@ -128,13 +126,7 @@ pub fn entries() -> Vec<Entry> {
         entry("other noises", "body, 1 rad apart", sexp, body(1.0), half),
         entry("other noises", "body, 1 rad apart", Heun, body(1.0), half),
         entry("other noises", "body, 1 rad apart", em, body(1.0), half),
-        entry(
-            "other noises",
-            "body, 1 rad apart",
-            SexpLevy::new(&leaning(1.0), start),
-            body(1.0),
-            one,
-        ),
+        entry("other noises", "body, 1 rad apart", levy, body(1.0), one),
         entry("other noises", "sphere", sexp, sphere.clone(), half),
         entry("nearly commuting", "body, 0.03 rad apart", sexp, body(0.03), half),
         entry("nearly commuting", "body, 0.2 rad apart", midpoint, body(0.2), half),

@@ -1,15 +1,14 @@
 //! Weak orders, for one test function: 20 000 paths, and from 8 to 256 steps.
 
 use mc::Observable;
-use noise::StreamKey;
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp};
 use systems::{PoissonSystem, Problem};
 use verify::{ReferenceSolution, StepSizes, weak_order};
 
 use super::{
-    Answer, Entry, OldRule, Question, Stated, Truth,
-    orders::{Uncorrected, cost, stated},
-    system::{Body, Plane, Rate, UNDAMPED, problem},
+    Entry, Question, Truth,
+    orders::{Uncorrected, order_entry},
+    system::{Body, Rate, integrated, kubo, on_sphere},
     truncation,
 };
 
@@ -26,31 +25,21 @@ where
     X: Scheme<S, D, M> + 'static,
 {
     let name = format!("{}: {name}", scheme.id());
-    let ask = move |key: StreamKey| {
-        let sizes =
-            StepSizes { samples: 20_000, refinement: 1, ..StepSizes::new(8, truncation(), key) };
-        let phi = Observable { name: "φ", function };
-        match weak_order(&scheme, &problem, phi, &sizes, &ReferenceSolution::Independent) {
-            Ok(order) => {
-                let (stated, slope) = stated(&order);
-                Answer { stated, old: Some(slope), cost: cost(&sizes) }
-            }
-            Err(error) => {
-                Answer { stated: Stated::Undecided(error.to_string()), old: None, cost: 0 }
-            }
-        }
+    let sizes =
+        |key| StepSizes { samples: 20_000, refinement: 1, ..StepSizes::new(8, truncation(), key) };
+    let phi = Observable { name: "φ", function };
+    let measure = move |sizes: &StepSizes| {
+        weak_order(&scheme, &problem, phi, sizes, &ReferenceSolution::Independent)
     };
-    Entry::new(kind, name, Question::WeakOrder, truth, Some(OldRule::FittedSlope), ask)
+    order_entry(kind, name, Question::WeakOrder, truth, sizes, measure)
 }
 
 pub fn entries() -> Vec<Entry> {
     let [one, two] = [1.0, 2.0].map(Truth::Is);
-    let kubo = |omega, sigma| problem(Plane::kubo(omega, sigma), UNDAMPED, [1.0, 0.0], 1.0);
+    let kubo = |omega, sigma| kubo(omega, sigma, 1.0);
     let q = |y: [f64; 2]| y[0];
-    let integrated = problem(Plane::additive(0.0, 1.0, 1.0), UNDAMPED, [0.0; 2], 1.0);
     let square = |y: [f64; 2]| y[0] * y[0];
-    let top = Body { a: [1.0, 1.0, 3.0], k: 2.0, ..Body::linear([[0.0; 3]]) };
-    let idle = problem(top, UNDAMPED, [0.48, 0.6, 0.64], 1.0);
+    let idle = on_sphere(Body::top(2.0, 0.0));
     vec![
         entry("one noise", "q of Kubo, ω = σ = 1", Midpoint::default(), kubo(1.0, 1.0), q, one),
         entry("one noise", "q of Kubo, ω = σ = 1", EulerMaruyama, kubo(1.0, 1.0), q, one),
@@ -58,9 +47,9 @@ pub fn entries() -> Vec<Entry> {
         // The error of order one is of size σ⁴τ, that of order two of size τ².
         entry("weak noise", "q of Kubo, ω = 3, σ = 0.3", Sexp::default(), kubo(3.0, 0.3), q, one),
         // Var Σ τW_n = ⅓ − ½τ + τ²/6.
-        entry("additive noise", "(∫W)²", EulerMaruyama, integrated.clone(), square, one),
+        entry("additive noise", "(∫W)²", EulerMaruyama, integrated(), square, one),
         // Of the trapezoidal rule, ⅓ − τ²/12.
-        entry("additive noise", "(∫W)²", Heun, integrated, square, two),
+        entry("additive noise", "(∫W)²", Heun, integrated(), square, two),
         entry("Casimir noise", "y₁ of a top", Sexp::default(), idle.clone(), |y| y[0], two),
         entry("Casimir noise", "y₁ of a top", EulerMaruyama, idle, |y| y[0], one),
         entry("wrong limit", "q of Kubo", Uncorrected, kubo(1.0, 1.0), q, Truth::NoOrder),
