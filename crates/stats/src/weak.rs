@@ -81,8 +81,8 @@ pub fn fit_weak(
 }
 
 /// How much of the error at the finest step terms of order below `order` may be, at most: the upper
-/// end of a 95 % interval, with e = A₁τ + A₂τ² + … fitted by generalised least squares, as errors or
-/// differences ([`Against`]). `None` if there are too few levels or the covariance is singular.
+/// end of a 95 % interval, with e = A₁τ + A₂τ² + … fitted by generalised least squares, as errors
+/// or differences ([`Against`]). `None` if there are too few levels or the covariance is singular.
 ///
 /// A small term of low order wins as τ → 0, however well a higher order fits here.
 pub fn lower_share(

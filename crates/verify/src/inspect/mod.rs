@@ -16,8 +16,9 @@
 //! rounding error ([`real::Bounded`]), component by component. A defect beyond its bound is a
 //! counterexample: the identity is *refuted*, and the defect is printed with its place. An identity
 //! that held at all points is *shown* if its formulas are polynomials of a degree below the number
-//! of points, else *found by search*; the accuracy is printed. Where the bound is above 1e-11 of the
-//! terms it *cannot be told*. A supremum is the largest value over the points, a lower bound only.
+//! of points, else *found by search*; the accuracy is printed. Where the bound is above 1e-11 of
+//! the terms it *cannot be told*. A supremum is the largest value over the points, a lower bound
+//! only.
 //!
 //! ```
 //! use systems::{MaxwellBloch, RigidBody};
