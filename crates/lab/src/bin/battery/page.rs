@@ -152,11 +152,11 @@ fn twins(page: &mut Page, seeds: &[Vec<Claim>]) {
         100.0 * least_power(seeds.len() as u64),
     ));
     let claims = seeds.iter().take(1).flatten();
-    let rows = TWINS.iter().zip(claims).enumerate().map(|(t, (twin, claim))| {
+    let rows = TWINS.iter().zip(claims).enumerate().map(|(t, ((id, mistake, _), claim))| {
         [
             (t + 1).to_string(),
-            code(twin.claim),
-            twin.mistake.into(),
+            code(id),
+            (*mistake).into(),
             claim.evidence.clone(),
             Outcome::of(claim).words().into(),
             format!("{} of {}", count(seeds, t, Verdict::Refuted), seeds.len()),
@@ -230,10 +230,10 @@ fn library(page: &mut Page, battery: &Battery) {
     page.heading(2, "Problems with known answers");
     page.paragraph(format!(
         "{} questions with exactly known answers and settings as a user would choose them, each \
-         asked with {} seeds. An interval at 95 % may miss in {:.0} % of the answers that are \
-         stated, an order may be false in {:.0} %. A problem is answered *falsely* if so many false \
-         answers have the probability {FALSE_ANSWERS_BY_CHANCE:.0e} over the number of questions at \
-         that share (binomial). Costs are path-steps of an answer. **{} of the questions are \
+         asked with {} seeds. Of the answers that are stated, {:.0} % of the 95 % intervals and \
+         {:.0} % of the orders may be false. A problem is answered *falsely* if so many false \
+         answers have the probability {FALSE_ANSWERS_BY_CHANCE:.0e} over the number of questions \
+         at that share (binomial). Costs are path-steps of an answer. **{} of the questions are \
          answered falsely.**",
         rows.len(),
         rows.first().map_or(0, |row| row.total.asked),
