@@ -16,8 +16,8 @@ pub fn entries() -> Vec<Entry> {
     let walk = |kind, name, function, accuracy, truth| {
         expected((kind, name), sexp, integrated(), function, How::to(accuracy), truth)
     };
-    // dp = −q dt − γp dt + dW, dq = p dt − γq dt. With a = b = ω the state is e^{−γT} times y₀ turned,
-    // plus a normal of covariance ∫ e^{−2γs}(sin² ωs, sin ωs cos ωs; cos² ωs) ds.
+    // dp = −q dt − γp dt + dW, dq = p dt − γq dt. With a = b = ω the state is e^{−γT} times y₀
+    // turned, plus a normal of covariance ∫ e^{−2γs}(sin² ωs, sin ωs cos ωs; cos² ωs) ds.
     let (gamma, omega, t) = (0.7, 2.0, 1.5);
     let langevin = problem(Plane::additive(omega, omega), Rate::Constant(gamma), [1.0, 0.0], t);
     let decay = (-gamma * t).exp();

@@ -11,7 +11,7 @@ use stats::{Point, root_mean_squares};
 use verify::{StepSizes, strong_order};
 
 use super::{
-    Answer, Entry, OldRule, Question, Stated, Truth,
+    Answer, Entry, OldRule, Question, Stated,
     law::Normal,
     orders::cost,
     system::{Plane, kubo},
@@ -83,7 +83,7 @@ fn entry<X: Scheme<Plane, 2, 1> + Copy + 'static>(
         Answer { stated, old: old.ok(), cost: cost(&sizes) }
     };
     let old_rule = (refinement == 1).then_some(OldRule::FinestRun);
-    let truth = Truth::Is(error(factor, omega, sigma, n));
+    let truth = Some(error(factor, omega, sigma, n));
     Entry::new("Kubo", name, Question::StrongError, truth, old_rule, ask)
 }
 

@@ -38,7 +38,7 @@ use system::Rate;
 pub use summary::{Row, Total, by_kind, by_old_rule};
 
 /// What is asked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Question {
     /// The strong order of a scheme, with the defaults of [`verify::StepSizes::new`].
     StrongOrder,
@@ -71,17 +71,10 @@ impl Question {
     }
 }
 
-/// What is true.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Truth {
-    /// A number, or an order.
-    Is(f64),
-    /// The scheme converges to something else: there is no order.
-    NoOrder,
-}
+/// A number or an order; none where the scheme converges to something else, and has no order.
+type Truth = Option<f64>;
 
 /// What is said.
-#[derive(Clone, Debug, PartialEq)]
 pub enum Stated {
     /// From and to; an order is an interval of one number.
     Interval(f64, f64),
@@ -110,8 +103,8 @@ impl Stated {
     /// Whether something false is stated.
     fn misses(&self, truth: Truth) -> bool {
         match (self, truth) {
-            (Self::Undecided(_), _) | (Self::NoOrder, Truth::NoOrder) => false,
-            (&Self::Interval(lo, hi), Truth::Is(truth)) => {
+            (Self::Undecided(_), _) | (Self::NoOrder, None) => false,
+            (&Self::Interval(lo, hi), Some(truth)) => {
                 !(lo - ROUNDING..=hi + ROUNDING).contains(&truth)
             }
             _ => true,
@@ -120,7 +113,6 @@ impl Stated {
 }
 
 /// One answer.
-#[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
     /// What is stated.
     pub stated: Stated,
@@ -148,8 +140,8 @@ pub struct Entry {
     pub name: String,
     /// What is asked.
     pub question: Question,
-    /// What is true.
-    pub truth: Truth,
+    /// What is true: a number or an order, none where there is no order.
+    pub truth: Option<f64>,
     /// The old rule that is its twin.
     pub old_rule: Option<OldRule>,
     /// Its place in the library, which says which noise it has.
@@ -174,7 +166,7 @@ impl Entry {
 }
 
 /// A rule that was in use, and what it states of the same samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OldRule {
     /// ±1.96 standard errors and the bias: a sample variance of zero is believed.
     NothingMissed,
@@ -353,5 +345,5 @@ where
         });
         Answer { stated, old, cost: result.cost }
     };
-    Entry::new(kind, name, Question::Expectation, Truth::Is(truth), how.old_rule, ask)
+    Entry::new(kind, name, Question::Expectation, Some(truth), how.old_rule, ask)
 }

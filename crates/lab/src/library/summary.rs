@@ -5,7 +5,7 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 use super::{Answer, Entry, OldRule, Question, Stated};
 
 /// The answers to one entry.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct Row {
     /// What sort of problem it is.
     pub kind: &'static str,
@@ -22,7 +22,7 @@ pub struct Row {
 }
 
 /// Counts of answers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Total {
     /// Answers.
     pub asked: u64,
