@@ -3,7 +3,8 @@
 //! d_l = E[φ(y_τ)] − E[φ(y_{τ/2})] with τ = 2^−l is measured for every l from the coarsest step
 //! size to the finest, on paths of its own, as the mean of φ(coarse) − ½(φ(fine) + φ(swapped)). The
 //! swapped run exchanges the two increments of every coarse step: this antithetic path cancels the
-//! Lévy areas that schemes of strong order ½ omit (Giles and Szpruch 2014, *Ann. Appl. Probab.* 24).
+//! Lévy areas that schemes of strong order ½ omit (Giles and Szpruch 2014, *Ann. Appl. Probab.*
+//! 24).
 //! The order is fitted to the d_l, which needs no assumption about what is left below the finest
 //! step. The errors that a figure shows are their sums e_l = Σ_{j ≥ l} d_j, ended by a Richardson
 //! tail: below the finest step L, an error Cτ + O(τ²) leaves d_L once more, up to O(τ²).
@@ -50,7 +51,8 @@ use verify::{
 
 use super::strong::{describe_failures, power_of_half};
 use crate::{
-    Conditions, Findings, Method, TRUNCATED, Words, compiled, setups::TestFunction, truncation,
+    Conditions, Findings, Method, TRUNCATED, Words, compiled, in_words, setups::TestFunction,
+    truncation,
 };
 
 /// One panel: a name and the test functions on it.
@@ -103,7 +105,7 @@ pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
         findings.claims.extend(series.iter().map(|series| claim(panel.id, series)));
         let words = Words {
             title: panel.title,
-            system: "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
+            system: in_words::BODY_3,
             paper: "sexp has weak order 1 for every test function.",
         };
         findings.panels.push(Panel {

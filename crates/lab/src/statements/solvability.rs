@@ -89,5 +89,5 @@ pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
         ),
     ];
     let statement = format!("{}: the step has a unique solution once C(k, τ) < 1", system.name());
-    Claim::new("solvability", statement, Evidence::Bounds { quantities, failed: 0 })
+    Claim::new("solvability", statement, Evidence::bounds(quantities))
 }
