@@ -9,17 +9,15 @@
 //! Some entries have a twin: what an older rule states of the same samples. The library must refute
 //! it, or it could not tell.
 
-mod additive;
 mod errors;
-mod growth;
 mod kubo;
 mod law;
+mod normal;
 mod orders;
 mod rare;
 mod sphere;
 mod summary;
 pub(crate) mod system;
-mod weak;
 
 use std::fmt::Display;
 
@@ -234,11 +232,9 @@ pub fn entries() -> Vec<Entry> {
     let mut entries = Vec::new();
     for part in [
         orders::entries,
-        weak::entries,
         errors::entries,
         kubo::entries,
-        additive::entries,
-        growth::entries,
+        normal::entries,
         sphere::entries,
         rare::entries,
     ] {

@@ -1,4 +1,5 @@
-//! Strong orders, with the defaults of [`StepSizes::new`] and sixteen coarsest steps.
+//! Strong orders, with the defaults of [`StepSizes::new`] and sixteen coarsest steps; and weak
+//! orders for one test function, with 20 000 paths and from 8 to 256 steps.
 //!
 //! The orders are those of the theory: 1 of `sexp`, `midpoint` and `heun` with one noise or several
 //! that commute, ½ with others; 1 of `sexp-levy`; ½ of Euler–Maruyama, and 1 with additive noise;
@@ -6,22 +7,24 @@
 
 use std::fmt::Display;
 
+use mc::Observable;
 use noise::StreamKey;
 use schemes::{EulerMaruyama, Explicit, Heun, Increment, Midpoint, Scheme, Sexp, SexpLevy};
 use systems::{PoissonSystem, Problem};
-use verify::{Decision, Order, StepSizes, strong_order};
+use verify::{Decision, Order, ReferenceSolution, StepSizes, strong_order, weak_order};
 
 use super::{
     Answer, Entry, OldRule, Question, Stated, Truth,
     system::{
-        Body, Plane, Rate, START, UNDAMPED, damped_kubo, growth, kubo, on_sphere, planes, problem,
+        Body, Plane, Rate, START, UNDAMPED, damped_kubo, growth, integrated, kubo, on_sphere,
+        planes, problem,
     },
     truncation,
 };
 
 /// Euler's scheme without the Itô correction: it converges to the Itô solution.
 #[derive(Clone, Copy)]
-pub struct Uncorrected;
+struct Uncorrected;
 
 impl Explicit for Uncorrected {
     const ID: &'static str = "uncorrected";
@@ -39,7 +42,7 @@ pub fn cost(sizes: &StepSizes) -> u64 {
 }
 
 /// A question about an order, which is measured on these step sizes.
-pub fn order_entry<E: Display>(
+fn order_entry<E: Display>(
     kind: &'static str,
     name: String,
     question: Question,
@@ -67,7 +70,7 @@ pub fn order_entry<E: Display>(
     Entry::new(kind, name, question, truth, Some(OldRule::FittedSlope), ask)
 }
 
-fn entry<S, X, const D: usize, const M: usize>(
+fn strong<S, X, const D: usize, const M: usize>(
     kind: &'static str,
     name: &str,
     scheme: X,
@@ -83,6 +86,28 @@ where
     let sizes = |key| StepSizes::new(16, truncation(), key);
     let measure = move |sizes: &StepSizes| strong_order(&scheme, &problem, sizes);
     Entry { slow, ..order_entry(kind, name, Question::StrongOrder, truth, sizes, measure) }
+}
+
+fn weak<S, X, const D: usize, const M: usize>(
+    kind: &'static str,
+    name: &str,
+    scheme: X,
+    problem: Problem<S, Rate, D>,
+    function: fn([f64; D]) -> f64,
+    truth: Truth,
+) -> Entry
+where
+    S: PoissonSystem<D, M> + 'static,
+    X: Scheme<S, D, M> + 'static,
+{
+    let name = format!("{}: {name}", scheme.id());
+    let sizes =
+        |key| StepSizes { samples: 20_000, refinement: 1, ..StepSizes::new(8, truncation(), key) };
+    let phi = Observable { name: "φ", function };
+    let measure = move |sizes: &StepSizes| {
+        weak_order(&scheme, &problem, phi, sizes, &ReferenceSolution::Independent)
+    };
+    order_entry(kind, name, Question::WeakOrder, truth, sizes, measure)
 }
 
 pub fn entries() -> Vec<Entry> {
@@ -102,38 +127,52 @@ pub fn entries() -> Vec<Entry> {
     let body = |angle| on_sphere(leaning(angle));
     let sphere = on_sphere(Body::isotropic(0.6));
     let levy = SexpLevy::new(&leaning(1.0), START);
+    let (q, first) = (|y: [f64; 2]| y[0], |y: [f64; 3]| y[0]);
+    let square = |y: [f64; 2]| y[0] * y[0];
     vec![
-        entry("one noise", "Kubo, ω = σ = 1", sexp, kubo(1.0, 1.0), one),
-        entry("one noise", "Kubo, ω = σ = 1", midpoint, kubo(1.0, 1.0), one),
-        entry("one noise", "Kubo, ω = σ = 1", Heun, kubo(1.0, 1.0), one),
-        entry("one noise", "Kubo, ω = σ = 1", em, kubo(1.0, 1.0), half),
-        entry("one noise", "geometric", Heun, growth.clone(), one),
-        entry("one noise", "geometric", em, growth.clone(), half),
-        entry("one noise", "time change of a top", sexp, top.clone(), one),
-        entry("one noise", "time change of a top", em, top, half),
-        entry("damping", "Kubo, γ = 20", sexp, damped(Rate::Constant(20.0)), one),
-        entry("damping", "Kubo, γ jumps", sexp, damped(Rate::JUMP), one),
-        entry("damping", "Kubo, γ jumps", em, damped(Rate::JUMP), half),
-        entry("weak noise", "Kubo, ω = 6, σ = 0.1", sexp, kubo(6.0, 0.1), one),
-        entry("weak noise", "Kubo, ω = 1, σ = 1e-3", sexp, kubo(1.0, 1e-3), one),
-        entry("weak noise", "Kubo, ω = 1, σ = 0.03", em, kubo(1.0, 0.03), half),
-        entry("additive noise", "oscillator", sexp, additive(1.0, 1.0, UNDAMPED), one),
-        entry("additive noise", "oscillator", em, additive(1.0, 1.0, UNDAMPED), one),
-        entry("additive noise", "integrated", Heun, additive(0.0, 1.0, UNDAMPED), one),
-        entry("additive noise", "Langevin", sexp, additive(2.0, 2.0, Rate::Constant(0.7)), one),
-        entry("commuting noises", "two planes", sexp, planes.clone(), one),
-        entry("commuting noises", "two planes", em, planes, half),
-        entry("other noises", "body, 1 rad apart", sexp, body(1.0), half),
-        entry("other noises", "body, 1 rad apart", Heun, body(1.0), half),
-        entry("other noises", "body, 1 rad apart", em, body(1.0), half),
-        entry("other noises", "body, 1 rad apart", levy, body(1.0), one),
-        entry("other noises", "sphere", sexp, sphere.clone(), half),
-        entry("nearly commuting", "body, 0.03 rad apart", sexp, body(0.03), half),
-        entry("nearly commuting", "body, 0.2 rad apart", midpoint, body(0.2), half),
-        entry("Casimir noise", "top, H₁ = |y|²", sexp, idle.clone(), two),
-        entry("Casimir noise", "top, H₁ = |y|²", em, idle, one),
-        entry("wrong limit", "Kubo", Uncorrected, kubo(1.0, 1.0), None),
-        entry("wrong limit", "geometric", Uncorrected, growth, None),
-        entry("wrong limit", "sphere", Uncorrected, sphere, None),
+        strong("one noise", "Kubo, ω = σ = 1", sexp, kubo(1.0, 1.0), one),
+        strong("one noise", "Kubo, ω = σ = 1", midpoint, kubo(1.0, 1.0), one),
+        strong("one noise", "Kubo, ω = σ = 1", Heun, kubo(1.0, 1.0), one),
+        strong("one noise", "Kubo, ω = σ = 1", em, kubo(1.0, 1.0), half),
+        strong("one noise", "geometric", Heun, growth.clone(), one),
+        strong("one noise", "geometric", em, growth.clone(), half),
+        strong("one noise", "time change of a top", sexp, top.clone(), one),
+        strong("one noise", "time change of a top", em, top, half),
+        strong("damping", "Kubo, γ = 20", sexp, damped(Rate::Constant(20.0)), one),
+        strong("damping", "Kubo, γ jumps", sexp, damped(Rate::JUMP), one),
+        strong("damping", "Kubo, γ jumps", em, damped(Rate::JUMP), half),
+        strong("weak noise", "Kubo, ω = 6, σ = 0.1", sexp, kubo(6.0, 0.1), one),
+        strong("weak noise", "Kubo, ω = 1, σ = 1e-3", sexp, kubo(1.0, 1e-3), one),
+        strong("weak noise", "Kubo, ω = 1, σ = 0.03", em, kubo(1.0, 0.03), half),
+        strong("additive noise", "oscillator", sexp, additive(1.0, 1.0, UNDAMPED), one),
+        strong("additive noise", "oscillator", em, additive(1.0, 1.0, UNDAMPED), one),
+        strong("additive noise", "integrated", Heun, additive(0.0, 1.0, UNDAMPED), one),
+        strong("additive noise", "Langevin", sexp, additive(2.0, 2.0, Rate::Constant(0.7)), one),
+        strong("commuting noises", "two planes", sexp, planes.clone(), one),
+        strong("commuting noises", "two planes", em, planes, half),
+        strong("other noises", "body, 1 rad apart", sexp, body(1.0), half),
+        strong("other noises", "body, 1 rad apart", Heun, body(1.0), half),
+        strong("other noises", "body, 1 rad apart", em, body(1.0), half),
+        strong("other noises", "body, 1 rad apart", levy, body(1.0), one),
+        strong("other noises", "sphere", sexp, sphere.clone(), half),
+        strong("nearly commuting", "body, 0.03 rad apart", sexp, body(0.03), half),
+        strong("nearly commuting", "body, 0.2 rad apart", midpoint, body(0.2), half),
+        strong("Casimir noise", "top, H₁ = |y|²", sexp, idle.clone(), two),
+        strong("Casimir noise", "top, H₁ = |y|²", em, idle.clone(), one),
+        strong("wrong limit", "Kubo", Uncorrected, kubo(1.0, 1.0), None),
+        strong("wrong limit", "geometric", Uncorrected, growth, None),
+        strong("wrong limit", "sphere", Uncorrected, sphere, None),
+        weak("one noise", "q of Kubo, ω = σ = 1", midpoint, kubo(1.0, 1.0), q, one),
+        weak("one noise", "q of Kubo, ω = σ = 1", em, kubo(1.0, 1.0), q, one),
+        weak("one noise", "q² of Kubo, ω = σ = 1", Heun, kubo(1.0, 1.0), square, one),
+        // The error of order one is of size σ⁴τ, that of order two of size τ².
+        weak("weak noise", "q of Kubo, ω = 3, σ = 0.3", sexp, kubo(3.0, 0.3), q, one),
+        // Var Σ τW_n = ⅓ − ½τ + τ²/6.
+        weak("additive noise", "(∫W)²", em, integrated(), square, one),
+        // Of the trapezoidal rule, ⅓ − τ²/12.
+        weak("additive noise", "(∫W)²", Heun, integrated(), square, two),
+        weak("Casimir noise", "y₁ of a top", sexp, idle.clone(), first, two),
+        weak("Casimir noise", "y₁ of a top", em, idle, first, one),
+        weak("wrong limit", "q of Kubo", Uncorrected, kubo(1.0, 1.0), q, None),
     ]
 }

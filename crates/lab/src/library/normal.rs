@@ -1,11 +1,12 @@
-//! Additive noise: W itself, its integral, and Langevin equations with normal laws.
+//! Normal laws of additive noise, W itself, its integral and Langevin equations; and of the
+//! logarithms of two geometric Brownian motions.
 
 use schemes::{EulerMaruyama, Heun, Sexp};
 
 use super::{
     Entry, How, expected, indicator,
     law::{Normal, above, excess},
-    system::{Plane, Rate, integrated, problem},
+    system::{Plane, Rate, UNDAMPED, growth, integrated, problem},
 };
 
 /// E|N|^½ of a standard normal, 2^{1/4}Γ(3/4)/√π.
@@ -37,6 +38,11 @@ pub fn entries() -> Vec<Entry> {
     let (m, s) = (ornstein.mean - 0.5, ornstein.deviation);
     let distance = s * (2.0 / std::f64::consts::PI).sqrt() * (-0.5 * m * m / (s * s)).exp()
         + m * (1.0 - 2.0 * above(m / s));
+    let heun = |name, rate, function, accuracy, truth| {
+        expected(("geometric", name), Heun, growth(rate), function, How::to(accuracy), truth)
+    };
+    // ln x = bT + βW and ln y = −aT − αW − ∫γ.
+    let x = Normal::new(0.3, 0.36);
     vec![
         walk("additive noise", "W > 1", |y| indicator(y[1] > 1.0), 0.01, above(1.0)),
         walk("additive noise", "(W − ½)₊", |y| (y[1] - 0.5).max(0.0), 0.01, excess(0.5)),
@@ -91,6 +97,25 @@ pub fn entries() -> Vec<Entry> {
             |y| (y[1] - 0.5).abs(),
             How::to(0.01),
             distance,
+        ),
+        heun("x, Heun", UNDAMPED, |y| y[0], 0.02, x.exp(1.0)),
+        heun("x², Heun", UNDAMPED, |y| y[0] * y[0], 0.1, x.exp(2.0)),
+        expected(
+            ("geometric", "x > 2, Euler–Maruyama"),
+            EulerMaruyama,
+            growth(UNDAMPED),
+            |y| indicator(y[0] > 2.0),
+            How::to(0.02),
+            x.above(2.0f64.ln()),
+        ),
+        // ln(xy) = (b − a)T + (β − α)W.
+        heun("xy, Heun", UNDAMPED, |y| y[0] * y[1], 0.01, Normal::new(-0.1, 0.01).exp(1.0)),
+        heun(
+            "y with γ = ½, Heun",
+            Rate::Constant(0.5),
+            |y| y[1],
+            0.01,
+            Normal::new(-0.4 - 0.5, 0.25).exp(1.0),
         ),
     ]
 }
