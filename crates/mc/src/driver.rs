@@ -16,32 +16,38 @@ type StepBlock<'a, const D: usize, const M: usize> =
     dyn Fn(&Step, &BlockNoise<M>, &mut Block<D>, &mut BlockStatus) + Send + Sync + 'a;
 
 /// A scheme on a level.
-pub struct DriverRun<'a, const D: usize, const M: usize> {
-    pub id: &'static str,
-    pub level: usize,
-    pub swapped: bool,
-    pub step_block: Box<StepBlock<'a, D, M>>,
+pub(crate) struct DriverRun<'a, const D: usize, const M: usize> {
+    pub(crate) id: &'static str,
+    pub(crate) level: usize,
+    pub(crate) swapped: bool,
+    pub(crate) step_block: Box<StepBlock<'a, D, M>>,
 }
 
 /// The truncation bounds of increments and areas.
 #[derive(Clone, Copy, PartialEq)]
-pub struct Bounds {
-    pub increment: f64,
-    pub area: f64,
+pub(crate) struct Bounds {
+    pub(crate) increment: f64,
+    pub(crate) area: f64,
 }
 
 /// Runs of one level with the same noise.
-pub struct Batch {
+pub(crate) struct Batch {
     level: usize,
     /// Whether they exchange the two halves of each step of the level above.
-    pub swapped: bool,
+    pub(crate) swapped: bool,
     bounds: Bounds,
     runs: Vec<usize>,
 }
 
 impl Batch {
     /// Adds run number `run` to its batch.
-    pub fn add(batches: &mut Vec<Self>, level: usize, swapped: bool, bounds: Bounds, run: usize) {
+    pub(crate) fn add(
+        batches: &mut Vec<Self>,
+        level: usize,
+        swapped: bool,
+        bounds: Bounds,
+        run: usize,
+    ) {
         let same = |batch: &&mut Self| {
             (batch.level, batch.swapped, batch.bounds) == (level, swapped, bounds)
         };
@@ -52,37 +58,37 @@ impl Batch {
     }
 
     /// The runs advance at the end of each step of this level.
-    pub fn due_level(&self) -> usize {
+    pub(crate) fn due_level(&self) -> usize {
         self.level + usize::from(self.swapped)
     }
 }
 
 /// The input of the loop over time.
-pub struct Driver<'a, const D: usize, const M: usize> {
-    pub damping: &'a dyn Damping,
+pub(crate) struct Driver<'a, const D: usize, const M: usize> {
+    pub(crate) damping: &'a dyn Damping,
     /// Initial states; path n begins at number n modulo their number.
-    pub initial: Vec<[f64; D]>,
-    pub t_end: f64,
-    pub finest_steps: u64,
+    pub(crate) initial: Vec<[f64; D]>,
+    pub(crate) t_end: f64,
+    pub(crate) finest_steps: u64,
     /// Finest steps after which the runs end, at most `finest_steps`.
-    pub last_step: u64,
-    pub levels: usize,
-    pub key: StreamKey,
-    pub noise: Box<dyn NoiseSource<M> + 'a>,
+    pub(crate) last_step: u64,
+    pub(crate) levels: usize,
+    pub(crate) key: StreamKey,
+    pub(crate) noise: Box<dyn NoiseSource<M> + 'a>,
     /// The first scheme that reads Lévy areas, if one does.
-    pub area_reader: Option<&'static str>,
-    pub runs: Vec<DriverRun<'a, D, M>>,
-    pub batches: Vec<Batch>,
-    pub time_change: Option<&'a dyn TimeChange<M>>,
-    pub described_failures: usize,
+    pub(crate) area_reader: Option<&'static str>,
+    pub(crate) runs: Vec<DriverRun<'a, D, M>>,
+    pub(crate) batches: Vec<Batch>,
+    pub(crate) time_change: Option<&'a dyn TimeChange<M>>,
+    pub(crate) described_failures: usize,
 }
 
 /// Counts of failed paths and clipped increments.
-pub struct Tally {
-    pub failed: u64,
-    pub failures: Vec<PathFailure>,
+pub(crate) struct Tally {
+    pub(crate) failed: u64,
+    pub(crate) failures: Vec<PathFailure>,
     /// Number of clipped increments of each level.
-    pub clipped: Vec<u64>,
+    pub(crate) clipped: Vec<u64>,
     described: usize,
 }
 
@@ -94,7 +100,7 @@ impl Tally {
         }
     }
 
-    pub fn merge(&mut self, later: Self) {
+    pub(crate) fn merge(&mut self, later: Self) {
         self.failed += later.failed;
         let room = self.described - self.failures.len();
         self.failures.extend(later.failures.into_iter().take(room));
@@ -108,7 +114,7 @@ impl Tally {
 /// as two paths of a block.
 const GROUP_BLOCKS: usize = 4;
 /// Number of paths of a group.
-pub const GROUP_PATHS: u64 = (GROUP_BLOCKS * WIDTH) as u64;
+pub(crate) const GROUP_PATHS: u64 = (GROUP_BLOCKS * WIDTH) as u64;
 
 /// The bit of the experiment number that separates the streams of time changes.
 const TIME_CHANGE_STREAM: u64 = 1 << 63;
@@ -124,15 +130,15 @@ struct StepPair {
 }
 
 impl<const D: usize, const M: usize> Driver<'_, D, M> {
-    pub fn tau(&self, level: usize) -> f64 {
+    pub(crate) fn tau(&self, level: usize) -> f64 {
         self.t_end * (1u64 << level) as f64 / self.finest_steps as f64
     }
 
-    pub fn steps_per_path(&self) -> u64 {
+    pub(crate) fn steps_per_path(&self) -> u64 {
         self.runs.iter().map(|run| self.last_step >> run.level).sum()
     }
 
-    pub fn tally(&self) -> Tally {
+    pub(crate) fn tally(&self) -> Tally {
         Tally {
             failed: 0,
             failures: Vec::new(),
@@ -160,7 +166,7 @@ impl<const D: usize, const M: usize> Driver<'_, D, M> {
 
     /// Advances `paths` paths from `first_path` on to the final time. Calls `observe` for each
     /// block at the end of every coarsest step.
-    pub fn march(
+    pub(crate) fn march(
         &self,
         first_path: u64,
         paths: u64,
