@@ -66,12 +66,9 @@ impl Batch {
 /// The input of the loop over time.
 pub(crate) struct Driver<'a, const D: usize, const M: usize> {
     pub(crate) damping: &'a dyn Damping,
-    /// Initial states; path n begins at number n modulo their number.
-    pub(crate) initial: Vec<[f64; D]>,
+    pub(crate) y0: [f64; D],
     pub(crate) t_end: f64,
     pub(crate) finest_steps: u64,
-    /// Finest steps after which the runs end, at most `finest_steps`.
-    pub(crate) last_step: u64,
     pub(crate) levels: usize,
     pub(crate) key: StreamKey,
     pub(crate) noise: Box<dyn NoiseSource<M> + 'a>,
@@ -135,7 +132,7 @@ impl<const D: usize, const M: usize> Driver<'_, D, M> {
     }
 
     pub(crate) fn steps_per_path(&self) -> u64 {
-        self.runs.iter().map(|run| self.last_step >> run.level).sum()
+        self.runs.iter().map(|run| self.finest_steps >> run.level).sum()
     }
 
     pub(crate) fn tally(&self) -> Tally {
@@ -145,16 +142,6 @@ impl<const D: usize, const M: usize> Driver<'_, D, M> {
             clipped: vec![0; self.levels + 1],
             described: self.described_failures,
         }
-    }
-
-    /// The initial states of the 32 paths from `first_path` on.
-    fn initial_block(&self, first_path: u64) -> Block<D> {
-        let mut block = Block::zero();
-        for p in 0..WIDTH {
-            let n = (first_path + p as u64) % self.initial.len() as u64;
-            block.set_path(p, self.initial[n as usize]);
-        }
-        block
     }
 
     /// Step number `n` of a level.
@@ -184,7 +171,7 @@ impl<const D: usize, const M: usize> Driver<'_, D, M> {
         let first = levels.map(|level| self.step(level, 0));
         let mut steps: Vec<_> = first.map(|step| StepPair { before: step, now: step }).collect();
         let (mut reported, total) = (0, self.steps_per_path());
-        for n in 1..=self.last_step {
+        for n in 1..=self.finest_steps {
             for level in (0..=self.levels).take_while(|level| n.is_multiple_of(1 << level)) {
                 if used[level] {
                     let now = self.step(level, (n >> level) - 1);
@@ -194,9 +181,9 @@ impl<const D: usize, const M: usize> Driver<'_, D, M> {
             for block in &mut blocks {
                 block.advance(&steps, n, &mut tally, observe);
             }
-            if n % PROGRESS_STEPS == 0 || n == self.last_step {
+            if n % PROGRESS_STEPS == 0 || n == self.finest_steps {
                 // The reports of a path add up to its number of steps.
-                let share = u128::from(total) * u128::from(n) / u128::from(self.last_step);
+                let share = u128::from(total) * u128::from(n) / u128::from(self.finest_steps);
                 progress((share as u64 - reported) * paths);
                 reported = share as u64;
             }
@@ -240,7 +227,7 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
             sums: DyadicLadder::new(driver.levels),
             areas: driver.area_reader.map(|_| AreaLadder::new(driver.levels)),
             truncated: BlockNoise::zero(),
-            states: vec![driver.initial_block(first_path); runs],
+            states: vec![Block::splat(driver.y0); runs],
             statuses: vec![BlockStatus::explicit(); runs],
             clipped: vec![PathMask::NONE; runs],
             random_time: Block::zero(),

@@ -70,9 +70,6 @@ pub enum LadderError {
         /// The most.
         to: usize,
     },
-    /// An ensemble has no initial state.
-    #[error("an ensemble of initial states must have at least one state, got none")]
-    NoStates,
     /// A step size is not positive and finite.
     #[error(transparent)]
     Step(#[from] StepError),

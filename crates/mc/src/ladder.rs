@@ -135,10 +135,9 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
         let area_reader = area_reader.map(|run| run.scheme.id());
         let mut driver = Driver {
             damping: problem.damping(),
-            initial: vec![problem.y0()],
+            y0: problem.y0(),
             t_end: problem.t_end(),
             finest_steps,
-            last_step: finest_steps,
             levels,
             key,
             noise: Box::new(Drawn::new::<M>(key, finest, area_reader.is_some())?),
@@ -187,27 +186,6 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
         Ok(self)
     }
 
-    /// Starts path number n at state number n of `states`, modulo their number, instead of y₀: an
-    /// ensemble of initial values.
-    ///
-    /// # Errors
-    /// [`LadderError::NoStates`] without a state.
-    pub fn starting_at(mut self, states: Vec<[f64; D]>) -> Result<Self, LadderError> {
-        if states.is_empty() {
-            return Err(LadderError::NoStates);
-        }
-        self.driver.initial = states;
-        Ok(self)
-    }
-
-    /// Ends after so many coarsest steps, or at T if that is earlier, with the same noise.
-    #[must_use]
-    pub fn ending_after(mut self, coarse_steps: u64) -> Self {
-        let Driver { finest_steps, levels, .. } = self.driver;
-        self.driver.last_step = finest_steps.min(coarse_steps.saturating_mul(1 << levels));
-        self
-    }
-
     /// Describes the first `failures` failed paths in [`Measured::failures`]; eight by default.
     #[must_use]
     pub fn describing(mut self, failures: usize) -> Self {
@@ -222,7 +200,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
 
     /// Number of coarsest steps: the number of times at which a statistic observes each block.
     pub fn coarse_steps(&self) -> u64 {
-        self.driver.last_step >> self.driver.levels
+        self.driver.finest_steps >> self.driver.levels
     }
 
     /// Whether paths advance on the threads of the current rayon pool. In dimensions whose steps

@@ -31,6 +31,7 @@
 //! | [`Statistic`] | results over paths: [`StrongErrors`] with its [`Squares`] |
 //! | [`TimeChange`] | a random time along each path, for exact references |
 //! | [`NoiseSource`] | noise given by the user |
+//! | [`SeenDamping`] | whether step sizes resolve the damping |
 //! | [`trajectory`] | the states of one path |
 //! | [`Simulation`], [`TimeSeries`] | tables of states, observables and invariants |
 //! | [`write_csv`], [`write_json`] | tables as files |
@@ -47,6 +48,7 @@ mod noise_source;
 mod observable;
 mod parallel;
 mod recording;
+mod seen_damping;
 mod simulation;
 mod strong;
 mod trajectory;
@@ -58,6 +60,7 @@ pub use ladder::{Ladder, Measured, Run, Statistic, TimeChange, View};
 pub use noise_source::{NextNoise, NoiseSource};
 pub use observable::Observable;
 pub use recording::{Recording, RecordingError};
+pub use seen_damping::SeenDamping;
 pub use simulation::{
     Column, NoiseOrigin, Simulation, SimulationError, TimeSeries, write_csv, write_json,
 };

@@ -37,11 +37,16 @@ impl Level {
         Self::available().min(Self::limit())
     }
 
-    /// The widest level that this machine supports.
+    /// The widest level that kernels are compiled for. Builds with debug assertions, as for `cargo
+    /// test`, have no [`Avx512`](Self::Avx512): it would take a third of their time.
+    pub const WIDEST: Self = if cfg!(debug_assertions) { Self::Avx2 } else { Self::Avx512 };
+
+    /// The widest level that this machine supports, up to [`WIDEST`](Self::WIDEST).
     pub fn available() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
-            if is_x86_feature_detected!("avx512f")
+            if Self::WIDEST == Self::Avx512
+                && is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512vl")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512bw")
@@ -85,15 +90,17 @@ pub fn limit_to(level: Level) {
 #[inline]
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     match Level::limit() {
-        Level::Avx512 => up_to_avx512(kernel),
-        Level::Avx2 => up_to_avx2(kernel),
         Level::Baseline => baseline(kernel),
+        #[cfg(not(debug_assertions))]
+        Level::Avx512 => up_to_avx512(kernel),
+        _ => up_to_avx2(kernel),
     }
 }
 
 // Each function below contains the kernel once, for its own level, and calls the next function on a
 // machine without that level. Compiling kernels is most of the cost of compiling the workspace.
 
+#[cfg(not(debug_assertions))]
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw"))]
 fn up_to_avx512<K: Kernel>(kernel: K) -> K::Output {
     match_target! {

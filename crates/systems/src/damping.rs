@@ -1,9 +1,13 @@
 //! Linear damping −γ(t)y: the rate γ(t) and its integral.
 
+mod quadrature;
+
 use dgrad::Rule;
 use real::Real;
 
 use crate::{SystemError, error::finite};
+
+pub use quadrature::{RateIntegrals, RateQuadrature};
 
 /// Linear damping −γ(t)y with the rate γ(t) and its integral.
 ///

@@ -59,7 +59,10 @@ mod rigid_body;
 mod spin_chain;
 mod system;
 
-pub use damping::{Constant, Cosine, Damping, DampingFunction, Harmonic, Linear, Sine};
+pub use damping::{
+    Constant, Cosine, Damping, DampingFunction, Harmonic, Linear, RateIntegrals, RateQuadrature,
+    Sine,
+};
 pub use error::SystemError;
 pub use field::{
     HamiltonianIncrement, ito_correction, noises_commute, unit_noise, vector_field,

@@ -6,7 +6,8 @@
 //!
 //! | item | job |
 //! |---|---|
-//! | [`strong_order`], [`strong_order_against`], [`strong_order_within`], [`weak_order`] | the order of any scheme |
+//! | [`strong_order`], [`strong_order_against`], [`weak_order`] | the order of any scheme |
+//! | [`strong_order_within`], [`weak_order_within`] | the same until it is decided or a budget is spent |
 //! | [`Order`], [`Decision`], [`OneStep`], [`Limit`], [`wrong_limit`] | an order, and what it rests on |
 //! | [`StepSizes`], [`ReferenceSolution`] | how it is measured, and against what |
 //! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
@@ -37,7 +38,7 @@ pub use final_moments::{FinalMoments, FinalValues};
 pub use inspect::{inspect, inspect_problem};
 pub use orders::{
     Decision, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes, exact_mean, strong_order,
-    strong_order_against, strong_order_within, weak_order, wrong_limit,
+    strong_order_against, strong_order_within, weak_order, weak_order_within, wrong_limit,
 };
 pub use settings::{Mode, Progress, Settings, Silent};
 pub use sphere::rigid_body_expectations;

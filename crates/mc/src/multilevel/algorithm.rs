@@ -2,6 +2,8 @@
 
 use real::WIDTH;
 
+use crate::SeenDamping;
+
 use super::{
     bias::{self, BIAS_LEVELS, Bias},
     diagnosis::{Evidence, better_coarsest_steps, level_values},
@@ -9,7 +11,7 @@ use super::{
     level::{Round, Samples, Values, hull},
     plan::{self, BIAS_SHARE, Term},
     report::{Estimate, Expectation, Judged, Level, Warning},
-    resolution::{Motion, coupled, is_near, unresolved},
+    resolution::{Motion, coupled, is_near, unresolved, unresolved_function},
     settings::{Coupling, Estimator, ExpectationSettings, MAX_ROUNDS},
     tails::is_heavy,
 };
@@ -21,6 +23,10 @@ const LATER_PILOT: u64 = 4;
 
 /// What the largest difference loses from a level to the next if it falls with strong order ½.
 const SHRINKS: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// A defect of the damping is negligible if it changes φ, which falls like e^{−∫γ} or its square, by
+/// less than this part of the accuracy.
+const NEGLIGIBLE: f64 = 0.125;
 
 /// Paths of a block.
 const BLOCK: u64 = WIDTH as u64;
@@ -34,6 +40,7 @@ type Result<T> = std::result::Result<T, MultilevelError>;
 pub struct Sampler<'a> {
     pub draw: &'a Draw<'a>,
     pub t_end: f64,
+    pub damping: SeenDamping<'a>,
     /// Names of the test functions.
     pub names: Vec<&'static str>,
     pub accuracy: f64,
@@ -193,7 +200,7 @@ impl Sampler<'_> {
             let terms = self.terms(levels, k);
             plan::raise(&mut wanted, &terms, half_width);
             for (l, samples) in levels.iter().enumerate().filter(|(_, one)| is_heavy(one, k)) {
-                wanted[l] = wanted[l].max(samples.count() + BLOCK).max(terms[l].tail.enough as u64);
+                wanted[l] = wanted[l].max(2 * samples.count()).max(terms[l].tail.enough as u64);
             }
         }
         wanted
@@ -210,11 +217,22 @@ impl Sampler<'_> {
         wanted[levels.len()]
     }
 
-    /// Whether the last difference resolves the motion and every φ.
+    /// What the sums of the damping over the steps of a level lack, if the level does not resolve
+    /// it.
+    fn unresolved_damping(&self, level: usize) -> Option<f64> {
+        let ranges = self.ranges.iter().flatten();
+        let largest = ranges.map(|(a, b)| a.abs().max(b.abs())).fold(0.0, f64::max);
+        self.damping.unresolved(level, NEGLIGIBLE * self.accuracy / largest)
+    }
+
+    /// Whether the last difference resolves the damping, the motion and every φ.
     fn resolves(&self, differences: &[Samples]) -> bool {
         let [.., last] = differences else { return false };
-        unresolved(differences).is_none()
+        self.unresolved_damping(last.level).is_none()
+            && unresolved(differences).is_none()
             && last.values.iter().all(|values| coupled(values, self.accuracy))
+            && (0..self.names.len())
+                .all(|k| unresolved_function(differences, k, self.accuracy).is_none())
     }
 
     /// Samples of the differences that show a small bias where events that are as large on the last
@@ -383,7 +401,8 @@ impl Sampler<'_> {
         };
         let reports: Vec<_> = levels.iter().map(level).collect();
         let (accuracy, order) = (self.accuracy, self.settings.weak_order);
-        let evidence = Evidence { levels, terms, accuracy, order };
+        let damping = levels.last().and_then(|last| self.unresolved_damping(last.level));
+        let evidence = Evidence { levels, terms, accuracy, order, damping };
         let warnings = evidence.judge(&reports, &mut estimates);
         Expectation { accuracy, cost: self.cost, levels: reports, warnings, estimates }
     }

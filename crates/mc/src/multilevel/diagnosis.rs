@@ -4,9 +4,9 @@ use super::{
     bias::{BIAS_LEVELS, lowest},
     level::Samples,
     report::{Estimate, Judged, Level, LevelValue, Warning},
-    resolution::{Unresolved, coupled, share, unresolved},
+    resolution::{Unresolved, coupled, share, unresolved, unresolved_function},
     settings::ExpectationSettings,
-    tails::is_heavy,
+    tails::{is_heavy, tail_index},
 };
 
 /// Largest kurtosis κ without a check of the number of samples N. The relative error of a variance
@@ -58,6 +58,8 @@ pub struct Evidence<'a> {
     pub accuracy: f64,
     /// The weak order given.
     pub order: f64,
+    /// What sums of the damping lack on the last level, if it does not resolve the damping.
+    pub damping: Option<f64>,
 }
 
 impl Evidence<'_> {
@@ -86,9 +88,13 @@ impl Evidence<'_> {
             let (component, level) = (component + 1, last.level);
             warnings.push(Warning::Unresolved { component, level, difference, before });
         }
+        if let Some(defect) = self.damping {
+            warnings.push(Warning::Damping { level: last.level, defect });
+        }
+        let resolution = unresolved.is_none() && self.damping.is_none();
         for (k, estimate) in estimates.iter_mut().enumerate() {
             let judged = &mut estimate.judged;
-            *judged = Judged { variance: true, bias: enough, resolution: unresolved.is_none() };
+            *judged = Judged { variance: true, bias: enough, resolution };
             let observable = estimate.name;
             if let Some(blind) = self.deciding().find(|samples| samples.values[k].is_blind()) {
                 judged.variance = false;
@@ -100,21 +106,27 @@ impl Evidence<'_> {
                 let (level, share) = (last.level, share(&last.values[k]));
                 warnings.push(Warning::Uncoupled { observable, level, share });
             }
+            if let Some(difference) = unresolved_function(differences, k, self.accuracy) {
+                judged.resolution = false;
+                let level = last.level;
+                warnings.push(Warning::UnresolvedFunction { observable, level, difference });
+            }
             for &Level { level, samples, ref values, .. } in reports {
                 let LevelValue { kurtosis, deviation, .. } = values[k];
                 // A NaN is no kurtosis above the limit.
-                let heavy = self.levels[..self.terms]
-                    .iter()
-                    .any(|samples| samples.level == level && is_heavy(samples, k));
-                judged.variance &= !heavy;
                 let unsure = samples as f64 <= SAMPLES_PER_KURTOSIS * kurtosis;
-                if heavy || kurtosis > KURTOSIS_LIMIT && unsure {
+                if kurtosis > KURTOSIS_LIMIT && unsure {
                     warnings.push(Warning::Kurtosis { observable, level, kurtosis });
                 }
                 if deviation > DEVIATION_LIMIT {
                     judged.bias = false;
                     warnings.push(Warning::Inconsistent { observable, level, deviation });
                 }
+            }
+            for heavy in self.levels[..self.terms].iter().filter(|one| is_heavy(one, k)) {
+                judged.variance = false;
+                let (level, index) = (heavy.level, tail_index(heavy, k));
+                warnings.push(Warning::HeavyTail { observable, level, index });
             }
             if let Some(beta) = estimate.beta.filter(|beta| beta.upper < 1.0) {
                 warnings.push(Warning::VarianceDecay { observable, beta });

@@ -1,6 +1,11 @@
 //! The samples of one level.
 
-use super::{central::CentralMoments, resolution::Motion, settings::Coupling};
+use super::{
+    central::CentralMoments,
+    resolution::{FunctionMotion, Motion, compares_at},
+    settings::Coupling,
+    tails::Extremes,
+};
 use crate::{Observable, PathFailure, Statistic, View};
 
 /// Moments of one test function on one level.
@@ -12,13 +17,34 @@ pub struct Values {
     pub fine: CentralMoments,
     /// φ on the coarse path.
     pub coarse: CentralMoments,
+    /// The extreme φ of single paths.
+    pub extremes: Extremes,
+    /// How φ moves along fine and coarse paths.
+    pub motion: FunctionMotion,
 }
 
 impl Values {
+    /// φ at the final time, and φ of the coarse path if there is one.
+    fn add(&mut self, fine: f64, coarse: Option<f64>) {
+        self.fine.add(fine);
+        match coarse {
+            None => {
+                self.sample.add(fine);
+                self.extremes.add(fine);
+            }
+            Some(coarse) => {
+                self.coarse.add(coarse);
+                self.sample.add(fine - coarse);
+            }
+        }
+    }
+
     pub fn merge(&mut self, later: &Self) {
         self.sample.merge(&later.sample);
         self.fine.merge(&later.fine);
         self.coarse.merge(&later.coarse);
+        self.extremes.merge(&later.extremes);
+        self.motion.merge(&later.motion);
     }
 
     /// The least and the largest φ, or average of the fine and the swapped path.
@@ -88,21 +114,22 @@ pub struct PathValues<'a, const D: usize> {
 
 impl<const D: usize> Statistic<D> for PathValues<'_, D> {
     fn observe(&mut self, view: &View<'_, D>) {
+        let coupled = view.states.len() > 1;
         self.motion.add(view.states, self.y0, view.live);
-        if view.time != self.last_time {
+        if !compares_at(view.time, self.last_time) || !coupled && view.time != self.last_time {
             return;
         }
         for (observable, values) in self.observables.iter().zip(&mut self.values) {
+            let start = (observable.function)(self.y0);
             for p in view.live.paths() {
                 let phi = |run: usize| (observable.function)(view.states[run].path(p));
                 let fine = if view.states.len() == 3 { 0.5 * (phi(0) + phi(2)) } else { phi(0) };
-                values.fine.add(fine);
-                if view.states.len() == 1 {
-                    values.sample.add(fine);
-                } else {
-                    let coarse = phi(1);
-                    values.coarse.add(coarse);
-                    values.sample.add(fine - coarse);
+                let coarse = if coupled { phi(1) } else { fine };
+                if coupled {
+                    values.motion.add(start, fine, coarse);
+                }
+                if view.time == self.last_time {
+                    values.add(fine, coupled.then_some(coarse));
                 }
             }
         }

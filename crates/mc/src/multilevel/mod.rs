@@ -25,7 +25,8 @@
 //!   observed order must not lie below ½; coarse and fine means of a level must agree.
 //! - *Resolution.* Each component of fine and coarse states must agree to half of its motion in
 //!   root mean square over all coarse times, better than on the levels below, and φ must vary on
-//!   both in the same way. Else a finer level is added.
+//!   both in the same way. The damping that the scheme reads, summed over the steps, must agree
+//!   with ∫γ by quadrature, or converge to it ([`SeenDamping`]). Else a finer level is added.
 //!
 //! **What is assumed.** The weak order given, and E[φ(y_τ)] = E[φ(y(T))] + Aτ^p + Bτ^{p+1} on the
 //! last three levels. Nothing that occurs on no path of any level: an event larger than all that
@@ -97,7 +98,7 @@ mod tails;
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::{Ladder, Observable, Run};
+use crate::{Ladder, Observable, Run, SeenDamping};
 use algorithm::Sampler;
 use level::{PathValues, Round, Samples, Values};
 use resolution::Motion;
@@ -154,6 +155,8 @@ pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
     let names = observables.iter().map(|observable| observable.name).collect();
     let t_end = problem.t_end();
     let ranges = vec![None; observables.len()];
-    Sampler { draw: &draw, t_end, names, accuracy, settings, ranges, cost: 0, reserve: 0 }
+    let damping = SeenDamping::new(scheme, problem, settings.coarsest_steps);
+    let (cost, reserve) = (0, 0);
+    Sampler { draw: &draw, t_end, damping, names, accuracy, settings, ranges, cost, reserve }
         .expectation()
 }

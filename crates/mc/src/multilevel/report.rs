@@ -37,14 +37,15 @@ impl Expectation {
 pub struct Judged {
     /// The samples show how φ varies: it is not the same to the bit on every path of a level
     /// ([`Warning::Constant`]), and thirty single paths or more carry its variance, or all events
-    /// are of one size ([`Warning::Kurtosis`]).
+    /// are of one size ([`Warning::HeavyTail`]).
     pub variance: bool,
     /// Differences of three levels or more fall by an order that can be extrapolated, and the
     /// levels telescope ([`Warning::FewLevels`], [`Warning::WeakOrder`],
     /// [`Warning::Inconsistent`]).
     pub bias: bool,
-    /// The finest paths follow the motion, and φ the same events on fine and coarse paths
-    /// ([`Warning::Unresolved`], [`Warning::Uncoupled`]).
+    /// The finest paths follow the motion and the damping, and φ the same events on fine and coarse
+    /// paths ([`Warning::Unresolved`], [`Warning::Damping`], [`Warning::UnresolvedFunction`],
+    /// [`Warning::Uncoupled`]).
     pub resolution: bool,
 }
 
@@ -199,6 +200,33 @@ pub enum Warning {
         /// The larger one of the two levels below.
         before: f64,
     },
+    /// The damping that the scheme reads, summed over the steps, differs from ∫γ and does not
+    /// converge to it: it oscillates or has pulses within the steps, or rate and integral
+    /// contradict each other. Blocks [`Judged::resolution`].
+    #[error(
+        "the steps do not resolve the damping: on level {level} its sums over the steps differ from \
+         the integral of the rate by {defect:.1e}; take more coarsest steps, or a higher finest level"
+    )]
+    Damping {
+        /// The last level.
+        level: usize,
+        /// The largest difference from ∫₀ᵗγ.
+        defect: f64,
+    },
+    /// φ differs between fine and coarse paths by more than 0.7 of its motion: it multiplies phases
+    /// that the states resolve. Blocks [`Judged::resolution`].
+    #[error(
+        "the steps do not resolve {observable}: on level {level} it differs between fine and coarse \
+         paths by {difference:.1e} of its motion; take more coarsest steps"
+    )]
+    UnresolvedFunction {
+        /// Name of φ.
+        observable: &'static str,
+        /// The last level.
+        level: usize,
+        /// Root mean square of φ(fine) − φ(coarse) over that of φ − φ(y(0)), at eight times.
+        difference: f64,
+    },
     /// φ varies on coarse paths in another way than on fine ones: the difference has more than a
     /// quarter of both variances. Blocks [`Judged::resolution`].
     #[error(
@@ -215,9 +243,7 @@ pub enum Warning {
     },
     /// The kurtosis is above 100 and above a sixteenth of the samples, so that the variance is not
     /// known to a quarter, nor the standard error of the level to an eighth. With a kurtosis above
-    /// a thirtieth of the samples the interval allows for [missed events](Estimate::missed). On
-    /// single paths that blocks [`Judged::variance`] unless φ has two values: events larger than
-    /// all that were seen may be missing.
+    /// a thirtieth of the samples the interval allows for [missed events](Estimate::missed).
     #[error("{observable}: kurtosis {kurtosis:.0} on level {level}, its variance is not reliable")]
     Kurtosis {
         /// Name of φ.
@@ -226,6 +252,21 @@ pub enum Warning {
         level: usize,
         /// Its kurtosis.
         kurtosis: f64,
+    },
+    /// On single paths, fewer than thirty samples carry the variance, or the largest deviations x
+    /// are as frequent as x^{−α} with α below two: events larger than all that were seen may be
+    /// missing, and the variance is not known. Blocks [`Judged::variance`], unless φ has two values.
+    #[error(
+        "{observable}: on level {level} a few large samples make the variance; deviations above x \
+         have probability x^-{index:.1}"
+    )]
+    HeavyTail {
+        /// Name of φ.
+        observable: &'static str,
+        /// The level.
+        level: usize,
+        /// Hill's estimate of α.
+        index: f64,
     },
     /// Variances fall more slowly than costs grow, so the cost is not of order ε⁻²: wrong coupling,
     /// or an order of strong convergence below ½.

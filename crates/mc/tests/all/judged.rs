@@ -12,9 +12,9 @@ use schemes::Sexp;
 use systems::{Constant, PoissonSystem, Problem};
 
 /// H₀ = ½ω(q² + p²), H₁ = ½σ(q² + p²).
-struct Kubo {
-    omega: f64,
-    sigma: f64,
+pub struct Kubo {
+    pub omega: f64,
+    pub sigma: f64,
 }
 
 impl PoissonSystem<2, 1> for Kubo {
@@ -133,4 +133,48 @@ fn motion_that_the_steps_do_not_resolve_is_named() {
         wrong += usize::from(outside(&result, exact));
     }
     assert!(wrong <= MOST_MISSES, "{wrong}");
+}
+
+#[test]
+fn a_function_of_high_degree_needs_finer_steps_than_the_state() {
+    // cos 64θ = T₆₄(q): with 64 steps the phase of the state is wrong by ω³/50 000, that of φ by 64
+    // times as much.
+    fn chebyshev(q: f64) -> f64 {
+        let double = |x: f64| 2.0 * x * x - 1.0;
+        (0..6).fold(q, |x, _| double(x))
+    }
+    let mut alone = 0;
+    for n in 0..40u32 {
+        let omega = 6.0 + 0.05 * f64::from(n);
+        let few = ExpectationSettings { max_level: 3, ..settings(n.into()) };
+        let phi = kubo((omega, 1e-3, 1.0), |y| chebyshev(y[0]), 0.1, &few);
+        let exact = (64.0 * omega).cos() * (-2048e-6f64).exp();
+        assert!(!phi.reached() || !outside(&phi, exact), "{omega}: {phi:?}");
+        let named = |warning: &Warning| matches!(warning, Warning::UnresolvedFunction { .. });
+        let state = |warning: &Warning| matches!(warning, Warning::Unresolved { .. });
+        let warned = |of: &dyn Fn(&Warning) -> bool| phi.warnings.iter().any(of);
+        alone += u32::from(warned(&named) && !warned(&state));
+    }
+    assert!(alone >= 5, "{alone}");
+    let fine = kubo((7.0, 1e-3, 1.0), |y| chebyshev(y[0]), 0.1, &settings(1));
+    assert!(fine.reached() && !outside(&fine, 448f64.cos() * (-2048e-6f64).exp()), "{fine:?}");
+}
+
+#[test]
+fn a_variance_that_no_sample_shows_is_not_believed() {
+    // E e^{σW} = e^{σ²/2}: with σ = 1 the paths show the variance, with σ = 3 two in a million do.
+    let problem = Problem::new(Additive, Constant::new(0.0).unwrap(), [0.0, 0.0], 1.0).unwrap();
+    let run = |function, exact: f64, seed| {
+        let phi = [Observable { name: "phi", function }];
+        let settings = ExpectationSettings { max_cost: 3_000_000, ..settings(seed) };
+        let accuracy = 0.05 * exact;
+        expectation(&Sexp::default(), &problem, &phi, accuracy, &settings, &|_| ()).unwrap()
+    };
+    for seed in 0..20 {
+        let light = run(|y: [f64; 2]| y[1].exp(), 0.5f64.exp(), seed);
+        assert!(light.reached(), "{light:?}");
+        let heavy = run(|y: [f64; 2]| (3.0 * y[1]).exp(), 4.5f64.exp(), seed);
+        let named = |warning: &Warning| matches!(warning, Warning::HeavyTail { .. });
+        assert!(!heavy.reached() && heavy.warnings.iter().any(named), "{heavy:?}");
+    }
 }

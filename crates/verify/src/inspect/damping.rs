@@ -1,7 +1,7 @@
 //! Whether the integral of a damping is the integral of its rate.
 
 use serde::Serialize;
-use systems::{Damping, paper::valid};
+use systems::{Damping, RateIntegrals, RateQuadrature};
 
 use super::finding::Status;
 
@@ -39,115 +39,21 @@ pub struct DampingIntegral {
 
 /// Parts of [0, T], a power of two.
 const PARTS: u32 = 1024;
-/// Cells of a part: each has 33 nodes.
-const CELLS: u32 = 8;
-/// Nodes of the quadrature.
-const NODES: usize = 8;
-/// Halvings of a cell in which the rate is not smooth. What is left is round-off of the times.
-const HALVINGS: u32 = 40;
-/// Most cells that are halved: each jump takes one for every halving.
-const BUDGET: u32 = 40_000;
 /// Relative tolerance: far above the error of a closed form or a quadrature, far below that of a
 /// wrong formula.
 const AGREEMENT: f64 = 1e-6;
-/// A cell is smooth if halving it changes the integral by no more than this part of ∫|γ|.
-const SMOOTH: f64 = 1e-12;
 /// Where in a part the two pieces meet.
 const UNEVEN: f64 = 0.381_966_011_250_105;
 
-/// ∫γ, ∫|γ| and ∫min(γ, 0) over an interval.
-#[derive(Clone, Copy, Default)]
-struct Integrals {
-    net: f64,
-    size: f64,
-    negative: f64,
-}
-
-impl Integrals {
-    fn plus(self, b: Self) -> Self {
-        let Self { net, size, negative } = self;
-        Self { net: net + b.net, size: size + b.size, negative: negative + b.negative }
-    }
-}
-
-struct Quadrature<'a> {
-    rate: &'a dyn Fn(f64) -> f64,
-    rule: dgrad::Rule,
-    /// Nodes and weights of the rule of Clenshaw and Curtis on [0, 1], which has both ends: Gauss's
-    /// rule does not see a jump beside its first node.
-    closed: Vec<(f64, f64)>,
-    /// Halvings left, and whether one was needed.
-    budget: u32,
-    halved: bool,
-}
-
-impl<'a> Quadrature<'a> {
-    fn new(rate: &'a dyn Fn(f64) -> f64) -> Self {
-        // w_k = (c_k/n)(1 − Σ_j b_j cos(2πjk/n)/(4j² − 1)) on [−1, 1] (Waldvogel 2006).
-        let n = NODES as f64;
-        let node = |k: usize| {
-            let angle = std::f64::consts::PI * k as f64 / n;
-            let sum: f64 = (1..=NODES / 2)
-                .map(|j| {
-                    let b = if 2 * j == NODES { 1.0 } else { 2.0 };
-                    b * (2.0 * j as f64 * angle).cos() / (4 * j * j - 1) as f64
-                })
-                .sum();
-            let c = if k.is_multiple_of(NODES) { 1.0 } else { 2.0 };
-            (0.5 * (1.0 - angle.cos()), 0.5 * c / n * (1.0 - sum))
-        };
-        let closed = (0..=NODES).map(node).collect();
-        let rule = valid(dgrad::Rule::new(NODES));
-        Self { rate, rule, closed, budget: BUDGET, halved: false }
-    }
-
-    fn rule(&self, a: f64, b: f64) -> Integrals {
-        let Self { rate, rule, .. } = self;
-        Integrals {
-            net: rule.integrate(a, b, rate),
-            size: rule.integrate(a, b, |t| rate(t).abs()),
-            negative: rule.integrate(a, b, |t| rate(t).min(0.0)),
-        }
-    }
-
-    fn closed(&self, a: f64, b: f64) -> f64 {
-        let term = |&(x, w): &(f64, f64)| w * (self.rate)(a + x * (b - a));
-        (b - a) * self.closed.iter().map(term).sum::<f64>()
-    }
-
-    /// Halves [a, b] until the rule is the same on it, on its halves, and with the ends.
-    fn integrate(&mut self, a: f64, b: f64, whole: Integrals, halvings: u32) -> Integrals {
-        let middle = 0.5 * (a + b);
-        let (left, right) = (self.rule(a, middle), self.rule(middle, b));
-        let halves = left.plus(right);
-        let smooth = |other: f64| (other - halves.net).abs() <= SMOOTH * halves.size;
-        if (smooth(whole.net) && smooth(self.closed(a, b))) || halvings == 0 || self.budget == 0 {
-            return halves;
-        }
-        self.budget -= 1;
-        self.halved = true;
-        let left = self.integrate(a, middle, left, halvings - 1);
-        left.plus(self.integrate(middle, b, right, halvings - 1))
-    }
-}
-
 impl DampingIntegral {
     pub(super) fn of(damping: &dyn Damping, t_end: f64) -> Self {
-        let rate = |t| damping.rate(t);
-        let mut quadrature = Quadrature::new(&rate);
         let time = |n: u32, of: u32| t_end * f64::from(n) / f64::from(of);
-        let parts: Vec<(Integrals, bool)> = (0..PARTS)
-            .map(|n| {
-                quadrature.halved = false;
-                let cell = |k| time(n * CELLS + k, PARTS * CELLS);
-                let exact = (0..CELLS).fold(Integrals::default(), |sum, k| {
-                    let whole = quadrature.rule(cell(k), cell(k + 1));
-                    sum.plus(quadrature.integrate(cell(k), cell(k + 1), whole, HALVINGS))
-                });
-                (exact, quadrature.halved)
-            })
-            .collect();
-        let total = parts.iter().fold(Integrals::default(), |sum, (part, _)| sum.plus(*part));
+        let RateQuadrature { parts, complete, resolution } =
+            RateQuadrature::new(damping, t_end, PARTS);
+        let sum = |parts: &[RateIntegrals]| {
+            parts.iter().fold(RateIntegrals::default(), |sum, part| sum + *part)
+        };
+        let total = sum(&parts);
         let average = total.size / f64::from(PARTS);
         // An antiderivative rounds by its own size.
         let round_off = 64.0 * f64::EPSILON * total.size;
@@ -158,13 +64,13 @@ impl DampingIntegral {
             at: 0.0,
             given: 0.0,
             expected: total.net,
-            rough: parts.iter().map(|(_, rough)| u32::from(*rough)).sum(),
+            rough: parts.iter().map(|part| u32::from(part.rough)).sum(),
             longest_step: None,
-            resolution: t_end / f64::from(PARTS * CELLS) / (2.0 * NODES as f64),
+            resolution,
             t_end,
             least: 0.0,
         };
-        for (n, &(exact, rough)) in (0..PARTS).zip(&parts) {
+        for (n, exact) in (0..PARTS).zip(&parts) {
             let (a, b) = (time(n, PARTS), time(n + 1, PARTS));
             let meet = a + UNEVEN * (b - a);
             let given = damping.integral(a, b);
@@ -178,18 +84,18 @@ impl DampingIntegral {
                 found.relative = if scale > 0.0 { difference / scale } else { f64::INFINITY };
             }
             if difference.is_nan() || difference > AGREEMENT * scale + round_off {
-                let because = if rough { Status::Unknown } else { Status::Refuted };
+                let because = if exact.rough { Status::Unknown } else { Status::Refuted };
                 found.agrees = found.agrees.min(because);
             }
         }
-        if quadrature.budget == 0 {
+        if !complete {
             found.agrees = found.agrees.min(Status::Unknown);
         }
         let agrees_for = |steps: u32| {
             let parts_of =
                 |n: u32| &parts[(n * PARTS / steps) as usize..][..(PARTS / steps) as usize];
             (0..steps).all(|n| {
-                let exact = parts_of(n).iter().fold(Integrals::default(), |sum, p| sum.plus(p.0));
+                let exact = sum(parts_of(n));
                 let scale = exact.size.max(total.size / f64::from(steps));
                 let given = damping.integral(time(n, steps), time(n + 1, steps));
                 (given - exact.net).abs() <= AGREEMENT * scale + round_off

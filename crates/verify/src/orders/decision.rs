@@ -36,6 +36,11 @@ pub enum Decision {
     },
     /// More than a tenth of the paths failed: the rest says little about the scheme.
     Failures,
+    /// The finest step does not resolve the damping ([`SeenDamping`](mc::SeenDamping)).
+    Damping {
+        /// How far its sums over the steps are from ∫γ.
+        defect: f64,
+    },
     /// The scheme converges to something else than [`Limit`]'s other solution.
     WrongLimit,
     /// The limit could not be compared.
@@ -48,6 +53,12 @@ const CONTRADICTION: f64 = 0.999;
 const WIDEST: f64 = 0.5;
 /// The part that terms of lower order may have of the last difference.
 const HIDDEN: f64 = 0.1;
+
+/// What forbids any order.
+pub fn obstacle(failed: u64, samples: u64, damping: Option<f64>) -> Option<Decision> {
+    let failures = (10 * failed > samples).then_some(Decision::Failures);
+    failures.or(damping.map(|defect| Decision::Damping { defect }))
+}
 
 /// The strong order.
 pub fn strong(rate: Option<&Rate>, one_step: Option<OneStep>, limit: Limit) -> Decision {
@@ -102,7 +113,7 @@ fn usable(rate: Option<&Rate>, limit: Limit) -> Result<&Rate, Decision> {
         Err(Decision::NotAsymptotic)
     } else if width.is_nan() || width > WIDEST {
         Err(Decision::Wide { more_paths: (width / WIDEST).powi(2).ceil() })
-    } else if !matches!(limit, Limit::Agrees { .. }) {
+    } else if !matches!(limit, Limit::Consistent { .. } | Limit::Agrees { .. }) {
         Err(Decision::LimitUnclear)
     } else {
         Ok(rate)
@@ -157,6 +168,11 @@ impl fmt::Display for Decision {
             Self::Failures => {
                 f.write_str("undecided: more than a tenth of the paths failed; finer steps would decide")
             }
+            Self::Damping { defect } => write!(
+                f,
+                "undecided: the steps do not resolve the damping, whose sums over them differ from \
+                 its integral by {defect:.1e}; finer steps would decide"
+            ),
             Self::WrongLimit => f.write_str("no order: the scheme converges to something else"),
             Self::LimitUnclear => f.write_str(
                 "undecided: the limit could not be compared; finer steps or more paths would decide",
@@ -181,8 +197,14 @@ impl fmt::Display for Order {
             f.write_str(" shows the order")?;
         }
         match self.limit {
+            Limit::Consistent { defect } => {
+                write!(f, "; one step has the coefficients of the equation to {defect:.0e}")
+            }
             Limit::Agrees { with, distance } => {
                 write!(f, "; its limit differs from that of {with} by at most {distance:.1e}")
+            }
+            Limit::Differs { with: "equation", distance } => {
+                write!(f, "; one step misses the coefficients of the equation by {distance:.0e}")
             }
             Limit::Differs { with, distance } => {
                 write!(f, "; its limit is {distance:.1e} from that of {with}")

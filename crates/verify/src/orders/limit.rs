@@ -1,16 +1,31 @@
 //! Whether a scheme converges to the right limit.
+//!
+//! [`consistency`] sees it in single steps. Paths on the same noise are compared, too: they say how
+//! far a wrong limit is, and where they differ although single steps agree, the step sizes do not
+//! show how the scheme converges. With an exact solution paths alone decide.
 
 use mc::{LadderError, Run, View};
 use schemes::{Heun, Midpoint, Scheme};
 use stats::CrossMoments;
 use systems::{Damping, PoissonSystem, Problem};
 
-use super::{Exact, Measure, ReferenceSolution, StepSizes, runs::measure};
+use super::{
+    Exact, Measure, ReferenceSolution, StepSizes,
+    consistency::{Consistency, consistency},
+    runs::measure,
+    visits::Visit,
+};
 use crate::work_precision::squared_distance;
 
-/// Whether a scheme converges to the limit of another, or to the exact solution.
+/// Whether a scheme converges to the solution, the limit of another scheme, or the exact solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
+    /// One step has the drift and the noise of the equation as τ → 0.
+    Consistent {
+        /// The largest error that single steps may have, as a part of |y| per unit of time or root
+        /// of it.
+        defect: f64,
+    },
     /// The distance of the limits is at most this, which is small beside the errors measured.
     Agrees {
         /// The other scheme, or `exact solution`.
@@ -20,9 +35,10 @@ pub enum Limit {
     },
     /// The scheme converges to something else.
     Differs {
-        /// The other scheme, or `exact solution`.
+        /// The other scheme, `exact solution`, or `equation` where no other scheme runs.
         with: &'static str,
-        /// The distance of the limits.
+        /// The distance of the limits. With `equation`: the error of single steps, as a part of |y|
+        /// per unit of time or root of it.
         distance: f64,
     },
     /// The steps are too coarse, or the paths too few, to tell.
@@ -55,6 +71,7 @@ pub fn limit<S, G, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
     sizes: &StepSizes,
+    visits: &[Visit<D>],
     reference: &ReferenceSolution<'_, S, D, M>,
     what: Measure<D>,
 ) -> Result<Limit, LadderError>
@@ -62,8 +79,6 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let (heun, midpoint) = (Heun, Midpoint::default());
-    let others: [&dyn Scheme<S, D, M>; 2] = [&heun, &midpoint];
     let compare = |other: Other<'_, S, D, M>| match what {
         Measure::Strong => {
             let sizes = StepSizes { samples: sizes.samples.min(STRONG_PATHS), ..*sizes };
@@ -79,17 +94,37 @@ where
             Ok(compare(Other::Scheme(other))?.unwrap_or(Limit::Unchecked))
         }
         ReferenceSolution::Independent => {
-            // One scheme may need finer steps than the other.
-            let mut found = Limit::Unchecked;
-            for other in others {
+            let mut paths = Limit::Unchecked;
+            for other in [&Heun as &dyn Scheme<S, D, M>, &Midpoint::default()] {
+                // One scheme may need finer steps than the other.
                 match compare(Other::Scheme(other))? {
-                    Some(unclear @ Limit::Unclear { .. }) => found = unclear,
-                    Some(limit) => return Ok(limit),
+                    Some(unclear @ Limit::Unclear { .. }) => paths = unclear,
+                    Some(limit) => {
+                        paths = limit;
+                        break;
+                    }
                     None => {}
                 }
             }
-            Ok(found)
+            Ok(combine(consistency(scheme, problem, sizes, visits), paths))
         }
+    }
+}
+
+/// The limit by single steps and by paths.
+fn combine(steps: Consistency, paths: Limit) -> Limit {
+    match (steps, paths) {
+        (Consistency::Consistent(_), Limit::Differs { with, distance }) => {
+            Limit::Unclear { with, distance }
+        }
+        (Consistency::Consistent(defect), _) => Limit::Consistent { defect },
+        (Consistency::Inconsistent(_), Limit::Differs { .. }) => paths,
+        (Consistency::Inconsistent(_), Limit::Agrees { with, distance })
+        | (Consistency::Inconsistent(_), Limit::Unclear { with, distance }) => {
+            Limit::Differs { with, distance }
+        }
+        (Consistency::Inconsistent(distance), _) => Limit::Differs { with: "equation", distance },
+        (Consistency::Unclear, _) => paths,
     }
 }
 

@@ -7,12 +7,14 @@
 //! 1. the points show convergence that is no slower;
 //! 2. for a strong order: one step as τ → 0 has the order that belongs to it ([`OneStep`]). A small
 //!    term of low order, which does not yet show at the step sizes measured, is found there;
-//! 3. the limit agrees with that of an independent scheme, or with an exact solution, on the same
-//!    noise ([`Limit`]): a scheme that converges to something else has differences with an order,
-//!    too.
+//! 3. the limit is right ([`Limit`]): one step has the coefficients of the equation as τ → 0, or
+//!    paths agree with those of a reference scheme or of an exact solution. A scheme that converges
+//!    to something else has differences with an order, too;
+//! 4. the steps resolve the damping ([`SeenDamping`](mc::SeenDamping)).
 //!
 //! Otherwise [`Order::decision`] says why no order is named, and what would decide.
 
+mod consistency;
 mod decision;
 mod errors;
 mod limit;
@@ -20,7 +22,9 @@ mod one_step;
 mod runs;
 mod step_sizes;
 mod strong;
+mod visits;
 mod weak;
+mod within;
 
 use mc::{Observable, TimeChange};
 use schemes::Scheme;
@@ -33,8 +37,9 @@ pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
 pub use runs::exact_mean;
 pub use step_sizes::StepSizes;
-pub use strong::{strong_order, strong_order_against, strong_order_within};
+pub use strong::{strong_order, strong_order_against};
 pub use weak::weak_order;
+pub use within::{strong_order_within, weak_order_within};
 
 /// The order of one scheme, with what it rests on.
 ///
@@ -78,12 +83,22 @@ impl Order {
 
 /// What the limit of a scheme is compared with, path by path.
 pub enum ReferenceSolution<'a, S, const D: usize, const M: usize> {
-    /// An independent scheme: `heun`, or `midpoint` where that fails or is the scheme itself.
+    /// The coefficients of the equation, in single steps as τ → 0, and the paths of `heun`, or of
+    /// `midpoint` where that fails or is the scheme itself.
     Independent,
     /// This scheme.
     Scheme(&'a dyn Scheme<S, D, M>),
     /// The exact solution. Errors of points are measured against it.
     Exact(Exact<'a, D, M>),
+}
+
+impl<'a, S, const D: usize, const M: usize> ReferenceSolution<'a, S, D, M> {
+    fn exact(&self) -> Option<Exact<'a, D, M>> {
+        match *self {
+            Self::Exact(exact) => Some(exact),
+            _ => None,
+        }
+    }
 }
 
 /// An exact solution at the final time, a function of a random time ([`TimeChange`]).

@@ -7,13 +7,11 @@
 //! sizes at which whole paths can run, where a small term of low order may not show yet. The same
 //! steps with stronger noise find such a term where the noise is weak.
 
-use mc::{Ladder, LadderError, NextNoise, NoiseSource, Run, Statistic, View};
-use noise::{AreaMethod, AreaSampler, StreamKey, Truncation, WienerBlock};
-use schemes::Scheme;
-use stats::Moments;
+use noise::{AreaMethod, AreaPath, Noise, StreamKey, WienerPath};
+use schemes::{Scheme, Step};
 use systems::{Damping, PoissonSystem, Problem};
 
-use super::StepSizes;
+use super::{StepSizes, visits::Visit};
 
 /// The order of the error of one step, a multiple of ½: E|δ|² ∝ τ^{2q}.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,12 +36,10 @@ impl OneStep {
 }
 
 /// Factors of the noise.
-const AMPLIFICATIONS: [f64; 3] = [1.0, 16.0, 256.0];
-/// Step sizes below the finest of the measurement, each a quarter of the one before. Coarser ones
-/// come first: errors of high order are rounding errors soon.
-const SCALES: u32 = 9;
-/// States from which steps are taken, each of a path of its own.
-const STATES: u64 = 512;
+const AMPLIFICATIONS: [f64; 5] = [1.0, 16.0, 256.0, 4096.0, 65_536.0];
+/// Step sizes below the finest of the measurement, each a quarter of the one before, until rounding
+/// ends it. Coarser ones come first: errors of high order are rounding errors soon.
+const SCALES: i32 = 20;
 /// Differences below this fraction of |y| are rounding errors to a hundredth.
 const ROUND_OFF: f64 = 3e-14;
 /// How far the exponents of the last two pairs of scales may be from a multiple of ½: a tenth of
@@ -51,41 +47,26 @@ const ROUND_OFF: f64 = 3e-14;
 const TOLERANCE: f64 = 0.05;
 
 /// The smallest order that one step of `scheme` shows with the noise of the problem or an amplified
-/// one; `None` if it is not clear.
+/// one, from these states at their times; `None` if it is not clear.
 pub fn one_step<S, G, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
     sizes: &StepSizes,
-) -> Result<Option<OneStep>, LadderError>
+    visits: &[Visit<D>],
+) -> Option<OneStep>
 where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let states = visited(scheme, problem, sizes)?;
     let mut least: Option<OneStep> = None;
     for amplification in AMPLIFICATIONS {
-        let last = sizes.reference_steps().ilog2();
-        let coarser = (last - sizes.coarsest_steps.ilog2()) / 2;
         let mut squares = Vec::new();
-        for scale in 0..coarser + SCALES {
-            let exponent = last + 2 + 2 * scale - 2 * coarser;
-            let steps = 2u64 << exponent.min(61);
-            let tau = 2.0 * problem.t_end() / steps as f64;
-            let runs = vec![Run::new(scheme, 1), Run::new(scheme, 0)];
-            let noise = Amplified {
-                key: sizes.key,
-                tau: 0.5 * tau,
-                factor: amplification,
-                areas: scheme.reads_areas(),
-            };
-            let ladder = Ladder::new(problem, steps, 1, Truncation::none(), sizes.key, runs)?
-                .with_noise(noise)?
-                .starting_at(states.clone())?
-                .ending_after(1);
-            let Differences { squares: of_step, size, .. } =
-                ladder.run(STATES, Differences::default, &|_| ()).statistic;
-            let square = of_step.mean();
-            if square <= ROUND_OFF * ROUND_OFF * size.mean() {
+        let finest = problem.t_end() / sizes.reference_steps() as f64;
+        let coarser = sizes.level(0) as i32 / 2;
+        for scale in -coarser..SCALES {
+            let tau = 0.25 * finest * f64::powi(0.25, scale);
+            let (square, size) = difference(scheme, problem, sizes.key, visits, tau, amplification);
+            if square <= ROUND_OFF * ROUND_OFF * size {
                 break;
             }
             // A step with very strong noise may fail, or overflow.
@@ -109,96 +90,73 @@ where
             (least, found) => found.or(least),
         };
     }
-    Ok(least.filter(|step| step.order > 0.0))
+    least.filter(|step| step.order > 0.0)
 }
 
-/// States of some paths of the scheme, each at a time of its own, or y₀ if none survives.
-fn visited<S, G, const D: usize, const M: usize>(
+/// Means of |δ|² and |y|² over the steps that succeed; NaN if none does.
+fn difference<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
-    sizes: &StepSizes,
-) -> Result<Vec<[f64; D]>, LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    let steps = sizes.coarsest_steps << (sizes.levels - 1);
-    let runs = vec![Run::new(scheme, 0)];
-    let ladder = Ladder::new(problem, steps, 0, sizes.truncation, sizes.key, runs)?;
-    let none = || Visited { steps, states: Vec::new() };
-    let mut states = ladder.run(STATES, none, &|_| ()).statistic.states;
-    if states.is_empty() {
-        states.push(problem.y0());
-    }
-    Ok(states)
-}
-
-/// Collects states.
-struct Visited<const D: usize> {
-    steps: u64,
-    states: Vec<[f64; D]>,
-}
-
-impl<const D: usize> Statistic<D> for Visited<D> {
-    fn observe(&mut self, view: &View<'_, D>) {
-        // Multiples of the golden ratio, modulo one, are spread evenly.
-        let fraction = |path: u64| (path as f64 * 0.618_033_988_749_894_8).fract();
-        for p in view.live.paths() {
-            let time = 1 + (fraction(view.first_path + p as u64) * self.steps as f64) as u64;
-            if time.min(self.steps) == view.time {
-                self.states.push(view.states[0].path(p));
-            }
-        }
-    }
-
-    fn merge(&mut self, later: Self) {
-        self.states.extend(later.states);
-    }
-}
-
-/// E|δ|² and E|y|² over the first step.
-#[derive(Default)]
-struct Differences {
-    squares: Moments,
-    size: Moments,
-}
-
-impl<const D: usize> Statistic<D> for Differences {
-    fn observe(&mut self, view: &View<'_, D>) {
-        for p in view.live.paths() {
-            let [one, two] = [0, 1].map(|run| view.states[run].path(p));
-            self.squares.add((0..D).map(|i| (one[i] - two[i]).powi(2)).sum());
-            self.size.add(two.iter().map(|y| y * y).sum());
-        }
-    }
-
-    fn merge(&mut self, later: Self) {
-        self.squares.merge(later.squares);
-        self.size.merge(later.size);
-    }
-}
-
-/// Noise of steps τ times a factor; areas by one term of their series, since one step and two half
-/// steps share them and only their law is that of the series.
-struct Amplified {
     key: StreamKey,
+    visits: &[Visit<D>],
+    tau: f64,
+    amplification: f64,
+) -> (f64, f64) {
+    let (mut square, mut size, mut count) = (0.0, 0.0, 0.0);
+    for (path, visit) in (0..).zip(visits) {
+        let [first, second] = two_steps(key, path, 0.5 * tau, amplification, scheme.reads_areas());
+        let both = join(first, second);
+        // Times are multiples of the step size.
+        let n = (visit.t / tau).round() as u64;
+        let step = |n: u64, tau: f64, noise: &Noise<M>, y: [f64; D]| {
+            let step = Step::new(problem.damping(), n, tau).ok()?;
+            let solution = scheme.step(problem.system(), &step, noise, y);
+            solution.outcome.converged().then_some(solution.z)
+        };
+        let one = step(n, tau, &both, visit.state);
+        let half = step(2 * n, 0.5 * tau, &first, visit.state);
+        let two = half.and_then(|y| step(2 * n + 1, 0.5 * tau, &second, y));
+        if let (Some(one), Some(two)) = (one, two) {
+            square += (0..D).map(|i| (one[i] - two[i]).powi(2)).sum::<f64>();
+            size += two.iter().map(|y| y * y).sum::<f64>();
+            count += 1.0;
+        }
+    }
+    (square / count, size / count)
+}
+
+/// The noise of two steps τ, times a factor. Areas have one term of their series, since one step and
+/// two half steps share them and only their law is that of the series.
+fn two_steps<const M: usize>(
+    key: StreamKey,
+    path: u64,
     tau: f64,
     factor: f64,
     areas: bool,
+) -> [Noise<M>; 2] {
+    let mut wiener = WienerPath::<M>::new(key, path);
+    let method = AreaMethod::MrongowiusRoessler;
+    let mut sampler = areas.then(|| AreaPath::<M>::new(key, path, method, 1));
+    // Brownian motion times a factor is Brownian motion of another time.
+    let time = tau * factor * factor;
+    [(); 2].map(|()| {
+        let mut noise = Noise::increments(wiener.increments(time.sqrt()));
+        if let Some(sampler) = &mut sampler {
+            noise.areas = sampler.areas(time, noise.increments);
+        }
+        noise
+    })
 }
 
-impl<const M: usize> NoiseSource<M> for Amplified {
-    fn block(&self, first_path: u64) -> NextNoise<'_, M> {
-        let mut increments = WienerBlock::new(self.key, first_path);
-        let method = AreaMethod::MrongowiusRoessler;
-        let mut areas = self.areas.then(|| AreaSampler::<M>::new(self.key, first_path, method, 1));
-        // Brownian motion times a factor is Brownian motion of another time.
-        let tau = self.tau * self.factor * self.factor;
-        Box::new(move |noise| {
-            increments.increments(tau.sqrt(), &mut noise.increments);
-            if let Some(sampler) = &mut areas {
-                sampler.areas(tau, &noise.increments, &mut noise.areas);
-            }
-        })
+/// The noise of a step that consists of two: areas by Chen's relation.
+fn join<const M: usize>(first: Noise<M>, second: Noise<M>) -> Noise<M> {
+    let mut both = first;
+    for i in 0..M {
+        both.increments[i] += second.increments[i];
+        for j in 0..M {
+            let (a, b) = (first.increments, second.increments);
+            both.areas[i][j] += second.areas[i][j] + 0.5 * (a[i] * b[j] - b[i] * a[j]);
+        }
     }
+    both
 }

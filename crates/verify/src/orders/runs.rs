@@ -1,11 +1,20 @@
 //! Runs of a scheme at several step sizes, and moments of what is made of their final states.
 
 use mc::{Ladder, LadderError, Observable, Run, TimeChange, View};
+use schemes::Scheme;
 use stats::CrossMoments;
 use systems::{Damping, PoissonSystem, Problem};
 
 use super::{Exact, StepSizes};
 use crate::{FinalMoments, FinalValues};
+
+/// The scheme at every step size, coarsest first.
+pub fn at_all_sizes<'a, S, const D: usize, const M: usize>(
+    scheme: &'a dyn Scheme<S, D, M>,
+    sizes: &StepSizes,
+) -> Vec<Run<'a, S, D, M>> {
+    (0..sizes.sizes()).map(|index| Run::new(scheme, sizes.sizes() - 1 - index)).collect()
+}
 
 /// Moments of a vector of this length at the final time, and the number of paths that were left
 /// out.

@@ -1,7 +1,9 @@
 //! Step sizes, paths and noise of a measurement.
 
-use mc::LadderError;
+use mc::{LadderError, SeenDamping};
 use noise::{StreamKey, Truncation};
+use schemes::Scheme;
+use systems::{Damping, PoissonSystem, Problem};
 
 /// Step sizes, paths and noise of a measurement of an order.
 ///
@@ -60,6 +62,20 @@ impl StepSizes {
     /// Path-steps of a scheme at all step sizes.
     pub(super) fn cost(&self) -> u64 {
         self.samples.saturating_mul(2 * self.reference_steps())
+    }
+
+    /// What the sums of the damping over the finest steps lack, if these do not resolve it.
+    pub(super) fn damping<S, G, const D: usize, const M: usize>(
+        &self,
+        scheme: &dyn Scheme<S, D, M>,
+        problem: &Problem<S, G, D>,
+    ) -> Option<f64>
+    where
+        S: PoissonSystem<D, M>,
+        G: Damping,
+    {
+        let seen = SeenDamping::new(scheme, problem, self.coarsest_steps);
+        seen.unresolved(self.sizes() - 1, 0.0)
     }
 
     /// Refuses sizes without a step or a step size, or with too many.

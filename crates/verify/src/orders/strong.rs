@@ -1,16 +1,17 @@
 //! Strong orders.
 
-use mc::{LadderError, Run, View};
+use mc::{LadderError, View};
 use schemes::Scheme;
 use stats::fit_strong;
 use systems::{Damping, PoissonSystem, Problem};
 
 use super::{
-    Decision, Limit, Measure, Order, ReferenceSolution, StepSizes, decision,
+    Measure, Order, ReferenceSolution, StepSizes, decision,
     errors::{differences, record, record_length, strong_points},
     limit::limit,
     one_step::one_step,
-    runs::measure,
+    runs::{at_all_sizes, measure},
+    visits::visits,
 };
 use crate::work_precision::squared_distance;
 
@@ -52,11 +53,7 @@ where
 {
     sizes.check_order(LEAST_SIZES)?;
     let (levels, number) = (sizes.levels, sizes.sizes());
-    let runs = (0..number).map(|index| Run::new(scheme, number - 1 - index)).collect();
-    let exact = match *reference {
-        ReferenceSolution::Exact(exact) => Some(exact),
-        _ => None,
-    };
+    let (runs, exact) = (at_all_sizes(scheme, sizes), reference.exact());
     let values = |view: &View<'_, D>, p: usize, numbers: &mut [f64]| {
         let states: Vec<[f64; D]> = view.states.iter().map(|state| state.path(p)).collect();
         record(&states, levels, numbers);
@@ -73,12 +70,11 @@ where
 
     let taus = sizes.taus(problem.t_end());
     let mut rate = fit_strong(&taus[..number - 1], &differences(&moments, number, levels));
-    let one_step = one_step(scheme, problem, sizes)?;
-    let limit = limit(scheme, problem, sizes, reference, Measure::Strong)?;
-    let decision = match failed {
-        _ if 10 * failed > sizes.samples => Decision::Failures,
-        _ => decision::strong(rate.as_ref(), one_step, limit),
-    };
+    let visits = visits(scheme, problem, sizes)?;
+    let one_step = one_step(scheme, problem, sizes, &visits);
+    let limit = limit(scheme, problem, sizes, &visits, reference, Measure::Strong)?;
+    let decision = decision::obstacle(failed, sizes.samples, sizes.damping(scheme, problem))
+        .unwrap_or_else(|| decision::strong(rate.as_ref(), one_step, limit));
     let points = match &mut rate {
         _ if exact.is_some() => stats::root_mean_squares(&taus[..levels], &moments),
         Some(rate) => {
@@ -93,36 +89,4 @@ where
         decision.settle(rate);
     }
     Ok(Order { points, rate, one_step, limit, decision, failed })
-}
-
-/// [`strong_order`] with more paths or finer steps, whatever would decide, until an order is named
-/// or the next measurement would exceed `path_steps` in all.
-///
-/// # Errors
-/// As [`strong_order`].
-pub fn strong_order_within<S, G, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
-    sizes: &StepSizes,
-    path_steps: u64,
-) -> Result<Order, LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    let mut sizes = *sizes;
-    let mut spent = 0u64;
-    loop {
-        let order = strong_order(scheme, problem, &sizes)?;
-        spent = spent.saturating_add(sizes.cost());
-        match order.decision {
-            Decision::Order { .. } | Decision::WrongLimit => return Ok(order),
-            Decision::LimitUnclear if order.limit == Limit::Unchecked => return Ok(order),
-            Decision::NoDifferences | Decision::Wide { .. } => sizes.samples *= 4,
-            _ => sizes.coarsest_steps *= 4,
-        }
-        if spent.saturating_add(sizes.cost()) > path_steps || sizes.check().is_err() {
-            return Ok(order);
-        }
-    }
 }

@@ -1,13 +1,16 @@
 //! Weak orders.
 
-use mc::{LadderError, Observable, Run, View};
+use mc::{LadderError, Observable, View};
 use schemes::Scheme;
 use stats::{Against, CrossMoments, Point, fit_weak, lower_share};
 use systems::{Damping, PoissonSystem, Problem};
 
 use super::{
-    Decision, Measure, Order, ReferenceSolution, StepSizes, decision, errors::widen, limit::limit,
-    runs::measure,
+    Measure, Order, ReferenceSolution, StepSizes, decision,
+    errors::widen,
+    limit::limit,
+    runs::{at_all_sizes, measure},
+    visits::visits,
 };
 
 /// Four differences and their order.
@@ -38,11 +41,7 @@ where
 {
     sizes.check_order(LEAST_SIZES)?;
     let (levels, number) = (sizes.levels, sizes.sizes());
-    let runs = (0..number).map(|index| Run::new(scheme, number - 1 - index)).collect();
-    let exact = match *reference {
-        ReferenceSolution::Exact(exact) => Some(exact),
-        _ => None,
-    };
+    let (runs, exact) = (at_all_sizes(scheme, sizes), reference.exact());
     let phi = observable.function;
     // φ(y_k) − φ(y_{k+1}) for all but the finest, then the finest against the exact solution.
     let values = |view: &View<'_, D>, p: usize, numbers: &mut [f64]| {
@@ -71,12 +70,11 @@ where
         covariance[l][l] += (MODEL_ERROR * mean).powi(2);
     }
     let mut rate = fit_weak(&taus[..means.len()], &means, &covariance, against);
-    let limit = limit(scheme, problem, sizes, reference, Measure::Weak(observable))?;
+    let visits = visits(scheme, problem, sizes)?;
+    let limit = limit(scheme, problem, sizes, &visits, reference, Measure::Weak(observable))?;
     let share = |order| lower_share(&taus[..means.len()], &means, &covariance, order, against);
-    let decision = match failed {
-        _ if 10 * failed > sizes.samples => Decision::Failures,
-        _ => decision::weak(rate.as_ref(), share, limit),
-    };
+    let decision = decision::obstacle(failed, sizes.samples, sizes.damping(scheme, problem))
+        .unwrap_or_else(|| decision::weak(rate.as_ref(), share, limit));
     let likely = rate.as_mut().map_or(1.0, |rate| decision.settle(rate)).max(0.5);
     let tail = |p: f64| if exact.is_some() { None } else { Some(1.0 / (p.exp2() - 1.0)) };
     let mut points = match rate.is_some() || exact.is_some() {

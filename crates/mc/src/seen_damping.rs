@@ -1,0 +1,160 @@
+//! What the steps of a scheme see of the damping.
+//!
+//! A scheme reads the rate γ at the ends and in the middle of a step, or the integral given over
+//! its halves. A rate that oscillates or has a pulse within the steps is missed by all step sizes
+//! alike, and no comparison of paths shows it. The sums over the steps show it: they differ from
+//! ∫γ by quadrature.
+
+use std::cell::RefCell;
+
+use schemes::{Scheme, Step};
+use systems::{Damping, PoissonSystem, Problem, RateQuadrature};
+
+/// At this many times or fewer sums are compared with ∫γ.
+const MOST_TIMES: u64 = 1024;
+/// Parts of the quadrature, at least.
+const LEAST_PARTS: u64 = 256;
+/// Steps beyond which no sum is formed: it takes a second.
+const MOST_STEPS: u64 = 1 << 24;
+/// Step sizes below the one judged that are looked at, too.
+const FINER: usize = 2;
+/// Where the sums converge, they gain at least this from a step size to the next.
+const GAIN: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// Above this defect no sum has converged: e^{−∫γ} is wrong by two thirds.
+const LARGEST: f64 = 0.5;
+
+/// The damping of a problem as the steps of a scheme see it.
+pub struct SeenDamping<'a> {
+    damping: &'a dyn Damping,
+    /// Whether the scheme reads rates, and integrals.
+    reads: [bool; 2],
+    t_end: f64,
+    coarsest_steps: u64,
+    /// ∫₀ᵗγ at the times kT/n.
+    exact: Vec<f64>,
+    /// Round-off of sums.
+    round_off: f64,
+    /// Defects that were asked for: the number of halvings, and what was found.
+    known: RefCell<Vec<(usize, f64)>>,
+}
+
+impl<'a> SeenDamping<'a> {
+    /// For `coarsest_steps` steps on [0, T] or halvings of them.
+    pub fn new<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+        scheme: &dyn Scheme<S, D, M>,
+        problem: &'a Problem<S, G, D>,
+        coarsest_steps: u64,
+    ) -> Self {
+        let (damping, t_end) = (problem.damping(), problem.t_end());
+        let mut times = coarsest_steps.max(1);
+        while times > MOST_TIMES {
+            times = if times.is_multiple_of(2) { times / 2 } else { 1 };
+        }
+        let per_time = LEAST_PARTS.div_ceil(times);
+        let quadrature = RateQuadrature::new(damping, t_end, (times * per_time) as u32);
+        let (mut sum, mut size) = (0.0, 0.0);
+        let exact = quadrature.parts.chunks(per_time as usize).map(|parts| {
+            sum += parts.iter().map(|part| part.net).sum::<f64>();
+            size += parts.iter().map(|part| part.size).sum::<f64>();
+            sum
+        });
+        let exact = exact.collect();
+        Self {
+            damping,
+            reads: reads(scheme, problem, t_end / coarsest_steps as f64),
+            t_end,
+            coarsest_steps,
+            exact,
+            round_off: 1e-12 * size,
+            known: RefCell::default(),
+        }
+    }
+
+    /// The largest distance from ∫₀ᵗγ of the sums that the scheme sees, over times t of coarsest
+    /// steps that are halved `halvings` times; zero if it is round-off.
+    pub fn defect(&self, halvings: usize) -> f64 {
+        let known = self.known.borrow().iter().find(|(h, _)| *h == halvings).map(|(_, d)| *d);
+        known.unwrap_or_else(|| {
+            let defect = self.measure(halvings);
+            self.known.borrow_mut().push((halvings, defect));
+            defect
+        })
+    }
+
+    fn measure(&self, halvings: usize) -> f64 {
+        let mut steps = self.coarsest_steps;
+        for _ in 0..halvings {
+            steps = if steps < MOST_STEPS { 2 * steps } else { steps };
+        }
+        let (tau, per_time) = (self.t_end / steps as f64, steps / self.exact.len() as u64);
+        let (mut sums, mut defect) = ([0.0; 4], 0.0f64);
+        for n in 0..steps {
+            // The step size is positive and finite, or no path could run.
+            let Ok(step) = Step::new(self.damping, n, tau) else { return f64::NAN };
+            if self.reads[0] {
+                let rates = [step.rate_at_start, step.rate_at_middle, step.rate_at_end];
+                sums.iter_mut().zip(rates).for_each(|(sum, rate)| *sum += tau * rate);
+            }
+            sums[3] += step.damping_integral();
+            if (n + 1).is_multiple_of(per_time) {
+                let exact = self.exact[((n + 1) / per_time - 1) as usize];
+                let seen = if self.reads[0] { &sums[..3] } else { &sums[..0] };
+                let seen = seen.iter().chain(self.reads[1].then_some(&sums[3]));
+                defect = seen.map(|sum| (sum - exact).abs()).fold(defect, f64::max);
+            }
+        }
+        if defect <= self.round_off { 0.0 } else { defect }
+    }
+
+    /// The defect with `halvings` halvings or more, if these steps do not resolve the damping: it
+    /// is not negligible and does not fall as sums do that converge.
+    pub fn unresolved(&self, halvings: usize, negligible: f64) -> Option<f64> {
+        let largest = |range: std::ops::RangeInclusive<usize>| {
+            range.map(|halvings| self.defect(halvings)).fold(0.0, f64::max)
+        };
+        let now = largest(halvings..=halvings + FINER);
+        let resolved = now <= negligible
+            || halvings > 0
+                && now <= LARGEST
+                && now <= GAIN * largest(halvings.saturating_sub(FINER)..=halvings - 1);
+        (!resolved).then_some(now)
+    }
+}
+
+/// Whether the scheme reads rates, and integrals: whether its first step changes with them. If it
+/// seems to read neither, as at the origin, it may read both.
+fn reads<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    tau: f64,
+) -> [bool; 2] {
+    let end = |rate: f64, integral: f64| {
+        let damping = Other { damping: problem.damping(), rate, integral };
+        let step = Step::new(&damping, 0, tau).ok()?;
+        let noise = noise::Noise::increments([0.0; M]);
+        Some(scheme.step(problem.system(), &step, &noise, problem.y0()).z.map(f64::to_bits))
+    };
+    let plain = end(0.0, 0.0);
+    // Large enough to change every digit, small enough that a step succeeds.
+    let found = [end(0.01 / tau, 0.0), end(0.0, 0.01)].map(|changed| changed != plain);
+    if found == [false; 2] { [true; 2] } else { found }
+}
+
+/// A damping whose rate, or whose integrals, are larger.
+struct Other<'a> {
+    damping: &'a dyn Damping,
+    rate: f64,
+    integral: f64,
+}
+
+impl Damping for Other<'_> {
+    fn rate(&self, t: f64) -> f64 {
+        self.damping.rate(t) + self.rate
+    }
+    fn integral(&self, a: f64, b: f64) -> f64 {
+        self.damping.integral(a, b) + self.integral
+    }
+    fn describe(&self) -> String {
+        self.damping.describe()
+    }
+}

@@ -1,0 +1,83 @@
+//! Dampings that oscillate or have a pulse within the steps: whether the steps are said to resolve
+//! them.
+
+use mc::{
+    Observable, SeenDamping,
+    multilevel::{Coupling, Expectation, ExpectationSettings, Warning, expectation},
+};
+use noise::{StreamKey, Truncation};
+use schemes::{Heun, Scheme, Sexp};
+use systems::{Constant, Cosine, Damping, DampingFunction, Problem};
+
+use crate::judged::Kubo;
+
+fn problem<G: Damping>(damping: G) -> Problem<Kubo, G, 2> {
+    Problem::new(Kubo { omega: 1.0, sigma: 0.5 }, damping, [1.0, 0.0], 1.0).unwrap()
+}
+
+/// E[y₁(1)] = cos 1·e^{−σ²/2 − ∫γ} with σ = ½.
+fn exact(integral: f64) -> f64 {
+    1f64.cos() * (-0.125 - integral).exp()
+}
+
+fn expected<G: Damping>(
+    scheme: &dyn Scheme<Kubo, 2, 1>,
+    problem: &Problem<Kubo, G, 2>,
+    max_level: usize,
+) -> Expectation {
+    let key = StreamKey { seed: 1, experiment: 5 };
+    let settings = ExpectationSettings::new(key, Truncation::new(4).unwrap(), 8, Coupling::Plain);
+    let settings = ExpectationSettings { max_level, ..settings };
+    let y1 = [Observable { name: "y1", function: |y| y[0] }];
+    expectation(scheme, problem, &y1, 0.02, &settings, &|_| ()).unwrap()
+}
+
+fn warns(expectation: &Expectation) -> bool {
+    expectation.warnings.iter().any(|warning| matches!(warning, Warning::Damping { .. }))
+}
+
+fn covers(expectation: &Expectation, exact: f64) -> bool {
+    let (lower, upper) = expectation.estimates[0].interval();
+    (lower..=upper).contains(&exact)
+}
+
+#[test]
+fn a_rate_that_oscillates_within_the_steps_is_not_resolved() {
+    // Rates at multiples of 1/256 are all one: up to 128 steps the damping looks constant.
+    let problem = problem(Cosine::new(1.0, 512.0 * std::f64::consts::PI).unwrap());
+    let coarse = expected(&Heun, &problem, 3);
+    assert!(!coarse.reached() && warns(&coarse), "{coarse:?}");
+    assert!(!covers(&coarse, exact(0.0)), "the problem is not hard enough");
+    let fine = expected(&Heun, &problem, 12);
+    assert!(fine.reached() && !warns(&fine) && covers(&fine, exact(0.0)), "{fine:?}");
+    // What reads the exact integrals sees all of it.
+    let exactly = expected(&Sexp::default(), &problem, 12);
+    assert!(exactly.reached() && exactly.levels.len() == 4 && covers(&exactly, exact(0.0)));
+}
+
+#[test]
+fn a_pulse_between_the_nodes_of_a_quadrature_is_not_resolved() {
+    // ∫γ = 1 from a pulse of width 1/2500, which two nodes in 1/128 do not see.
+    let pulse = |t: f64| if (t - 0.5314).abs() < 0.0002 { 2500.0 } else { 0.0 };
+    let problem = problem(DampingFunction::new(pulse, 2).unwrap());
+    let coarse = expected(&Sexp::default(), &problem, 3);
+    assert!(!coarse.reached() && warns(&coarse) && !covers(&coarse, exact(1.0)), "{coarse:?}");
+    let fine = expected(&Sexp::default(), &problem, 16);
+    assert!(!fine.reached() || covers(&fine, exact(1.0)), "{fine:?}");
+}
+
+#[test]
+fn smooth_dampings_and_jumps_are_resolved_by_few_steps() {
+    let negligible = 1e-3;
+    let resolved = |damping: &dyn Damping| {
+        let problem = problem(damping);
+        let seen = SeenDamping::new(&Heun, &problem, 8);
+        (2..8).all(|level| seen.unresolved(level, negligible).is_none())
+    };
+    assert!(resolved(&Constant::new(30.0).unwrap()));
+    assert!(resolved(&Cosine::new(3.0, 7.0).unwrap()));
+    for at in [0.3, 1.0 / 3.0, 0.5, 0.7, 0.501] {
+        let jump = move |t: f64| if t < at { 4.0 } else { -1.0 };
+        assert!(resolved(&DampingFunction::new(jump, 3).unwrap()), "{at}");
+    }
+}

@@ -1,0 +1,164 @@
+//! Integrals of a rate γ(t) by quadrature that is refined until it resolves the rate.
+
+use dgrad::Rule;
+
+use super::Damping;
+use crate::paper::valid;
+
+/// Cells of a part: each has 33 nodes.
+const CELLS: u32 = 8;
+/// Nodes of the quadrature.
+const NODES: usize = 8;
+/// Halvings of a cell in which the rate is not smooth. What is left is round-off of the times.
+const HALVINGS: u32 = 40;
+/// Most cells that are halved: each jump takes one for every halving.
+const BUDGET: u32 = 40_000;
+/// A cell is smooth if halving it changes the integral by no more than this part of ∫|γ|.
+const SMOOTH: f64 = 1e-12;
+
+/// ∫γ, ∫|γ| and ∫min(γ, 0) over an interval.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RateIntegrals {
+    /// ∫γ.
+    pub net: f64,
+    /// ∫|γ|.
+    pub size: f64,
+    /// ∫min(γ, 0).
+    pub negative: f64,
+    /// Whether the rate jumps, bends or has a pulse there.
+    pub rough: bool,
+}
+
+impl std::ops::Add for RateIntegrals {
+    type Output = Self;
+
+    fn add(self, b: Self) -> Self {
+        Self {
+            net: self.net + b.net,
+            size: self.size + b.size,
+            negative: self.negative + b.negative,
+            rough: self.rough || b.rough,
+        }
+    }
+}
+
+/// Integrals of a rate over equal parts of [0, T], by Gauss–Legendre quadrature on cells that are
+/// halved where the rate is not smooth.
+#[derive(Clone, Debug)]
+pub struct RateQuadrature {
+    /// One for each part.
+    pub parts: Vec<RateIntegrals>,
+    /// Whether every cell was halved as often as it needs.
+    pub complete: bool,
+    /// Times between which the rate was not looked at are at most about this far apart.
+    pub resolution: f64,
+}
+
+impl RateQuadrature {
+    /// Over `parts` parts of [0, `t_end`].
+    pub fn new(damping: &dyn Damping, t_end: f64, parts: u32) -> Self {
+        let mut quadrature = Refined::new(damping);
+        let time = |n: u32| t_end * f64::from(n) / f64::from(parts * CELLS);
+        let part = |n: u32| {
+            (n * CELLS..(n + 1) * CELLS).fold(RateIntegrals::default(), |sum, cell| {
+                let (a, b) = (time(cell), time(cell + 1));
+                sum + quadrature.integrate(a, b, quadrature.rule(a, b), HALVINGS)
+            })
+        };
+        let parts: Vec<_> = (0..parts).map(part).collect();
+        let resolution = t_end / f64::from(parts.len() as u32 * CELLS) / (2.0 * NODES as f64);
+        Self { parts, complete: quadrature.budget > 0, resolution }
+    }
+}
+
+struct Refined<'a> {
+    damping: &'a dyn Damping,
+    rule: Rule,
+    /// Nodes and weights of the rule of Clenshaw and Curtis on [0, 1], which has both ends: Gauss's
+    /// rule does not see a jump beside its first node.
+    closed: Vec<(f64, f64)>,
+    /// Halvings left.
+    budget: u32,
+}
+
+impl<'a> Refined<'a> {
+    fn new(damping: &'a dyn Damping) -> Self {
+        // w_k = (c_k/n)(1 − Σ_j b_j cos(2πjk/n)/(4j² − 1)) on [−1, 1] (Waldvogel 2006).
+        let n = NODES as f64;
+        let node = |k: usize| {
+            let angle = std::f64::consts::PI * k as f64 / n;
+            let sum: f64 = (1..=NODES / 2)
+                .map(|j| {
+                    let b = if 2 * j == NODES { 1.0 } else { 2.0 };
+                    b * (2.0 * j as f64 * angle).cos() / (4 * j * j - 1) as f64
+                })
+                .sum();
+            let c = if k.is_multiple_of(NODES) { 1.0 } else { 2.0 };
+            (0.5 * (1.0 - angle.cos()), 0.5 * c / n * (1.0 - sum))
+        };
+        let closed = (0..=NODES).map(node).collect();
+        Self { damping, rule: valid(Rule::new(NODES)), closed, budget: BUDGET }
+    }
+
+    fn rule(&self, a: f64, b: f64) -> RateIntegrals {
+        let integrate =
+            |of: &dyn Fn(f64) -> f64| self.rule.integrate(a, b, |t| of(self.damping.rate(t)));
+        RateIntegrals {
+            net: integrate(&|rate| rate),
+            size: integrate(&f64::abs),
+            negative: integrate(&|rate| rate.min(0.0)),
+            rough: false,
+        }
+    }
+
+    fn closed(&self, a: f64, b: f64) -> f64 {
+        let term = |&(x, w): &(f64, f64)| w * self.damping.rate(a + x * (b - a));
+        (b - a) * self.closed.iter().map(term).sum::<f64>()
+    }
+
+    /// Halves [a, b] until the rule is the same on it, on its halves, and with the ends.
+    fn integrate(&mut self, a: f64, b: f64, whole: RateIntegrals, halvings: u32) -> RateIntegrals {
+        let middle = 0.5 * (a + b);
+        let (left, right) = (self.rule(a, middle), self.rule(middle, b));
+        let halves = left + right;
+        let smooth = |other: f64| (other - halves.net).abs() <= SMOOTH * halves.size;
+        if (smooth(whole.net) && smooth(self.closed(a, b))) || halvings == 0 || self.budget == 0 {
+            return halves;
+        }
+        self.budget -= 1;
+        let left = self.integrate(a, middle, left, halvings - 1);
+        let refined = left + self.integrate(middle, b, right, halvings - 1);
+        RateIntegrals { rough: true, ..refined }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Cosine, DampingFunction};
+
+    #[test]
+    fn integrals_of_a_smooth_rate_and_of_a_jump() {
+        // γ = cos 7t has ∫ₐᵇ γ = (sin 7b − sin 7a)/7.
+        let cosine = RateQuadrature::new(&Cosine::new(1.0, 7.0).unwrap(), 2.0, 5);
+        for (n, part) in (0..5).zip(&cosine.parts) {
+            let sine = |n: i32| (7.0 * 0.4 * f64::from(n)).sin() / 7.0;
+            assert!((part.net - (sine(n + 1) - sine(n))).abs() < 1e-14, "{n}: {part:?}");
+        }
+        assert!(cosine.complete);
+        // −2 up to 1/3, then 1.
+        let jump = |t: f64| if t < 1.0 / 3.0 { -2.0 } else { 1.0 };
+        let jump = RateQuadrature::new(&DampingFunction::new(jump, 1).unwrap(), 1.0, 2);
+        let [first, second] = jump.parts[..] else { panic!() };
+        for (got, exact) in [
+            (first.net, -2.0 / 3.0 + 1.0 / 6.0),
+            (first.size, 2.0 / 3.0 + 1.0 / 6.0),
+            (first.negative, -2.0 / 3.0),
+            (second.net, 0.5),
+            (second.negative, 0.0),
+        ] {
+            assert!((got - exact).abs() < 1e-12, "{got} {exact}");
+        }
+        assert!(first.rough && !second.rough && jump.complete);
+    }
+}

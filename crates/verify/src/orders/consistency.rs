@@ -1,0 +1,192 @@
+//! Whether one step has the coefficients of the equation as the step size tends to zero.
+//!
+//! A scheme that is stable converges to the solution if its error of one step against the
+//! coefficients, δ = ψ_τ(y) − y − (B∇H₀ − γy + c)τ − Σ B∇Hₘ ΔWₘ with the Itô correction c = ½Σ
+//! fₘ′fₘ, has E|δ|² = o(τ) and |Eδ| = o(τ) (Milstein, *Theory Probab. Appl.* 32, 1987). Both can
+//! be seen in single steps, far below the step sizes at which whole paths can run. For Eδ the
+//! increments are ±√τ with signs from the rows of a Hadamard matrix and their negatives: their
+//! moments up to the third are those of normals, so the terms up to τ^{3/2} are averaged exactly.
+
+use noise::{Noise, StreamKey, WienerPath};
+use schemes::{Scheme, Step};
+use systems::{Damping, PoissonSystem, Problem, ito_correction, vector_field};
+
+use super::{StepSizes, visits::Visit};
+
+/// What single steps show as τ → 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Consistency {
+    /// Drift and noise are those of the equation, to this part of |y| per unit of time and per root
+    /// of it.
+    Consistent(f64),
+    /// The drift or the noise of a step is wrong by this part.
+    Inconsistent(f64),
+    /// Neither shows, or steps fail.
+    Unclear,
+}
+
+/// Paths whose states are taken.
+const VISITS: usize = 64;
+/// Step sizes, each a quarter of the one before.
+const SCALES: i32 = 24;
+/// Rounding errors of one step are this part of |y|, or less.
+const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
+/// What is that many times as large as rounding errors is known to a tenth.
+const SHOWN: f64 = 8.0;
+/// Errors that fall with less than this exponent of τ may not vanish; those of the field have ½ or
+/// more.
+const FALLS: f64 = 0.25;
+/// Errors that fall with less than this exponent do not vanish.
+const STAYS: f64 = 0.1;
+
+/// Compares steps from these states with the coefficients of the equation.
+pub fn consistency<S, G, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    sizes: &StepSizes,
+    visits: &[Visit<D>],
+) -> Consistency
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    let visits = &visits[..visits.len().min(VISITS)];
+    let coarsest = problem.t_end() / sizes.coarsest_steps as f64;
+    let (mut drift, mut noise) = (Vec::new(), Vec::new());
+    for scale in 0..SCALES {
+        let tau = coarsest * f64::powi(0.25, scale);
+        let Some(errors) = errors(scheme, problem, sizes.key, visits, tau) else { continue };
+        drift.push(Error { value: errors[0] / tau, floor: ROUND_OFF / tau });
+        noise.push(Error { value: errors[1] / tau.sqrt(), floor: ROUND_OFF / tau.sqrt() });
+    }
+    match [vanishes(&drift), vanishes(&noise)] {
+        [Consistency::Consistent(a), Consistency::Consistent(b)] => {
+            Consistency::Consistent(a.max(b))
+        }
+        [wrong @ Consistency::Inconsistent(_), _] | [_, wrong @ Consistency::Inconsistent(_)] => {
+            wrong
+        }
+        _ => Consistency::Unclear,
+    }
+}
+
+/// A relative error and what rounding makes of it.
+struct Error {
+    value: f64,
+    floor: f64,
+}
+
+/// Whether errors vanish as τ → 0, from those above rounding.
+fn vanishes(errors: &[Error]) -> Consistency {
+    let shown: Vec<f64> = errors
+        .iter()
+        .take_while(|error| error.value > SHOWN * error.floor)
+        .map(|error| error.value)
+        .collect();
+    // |Eδ|/τ and (E|δ|²/τ)^½ with τ a quarter as large.
+    let exponents: Vec<f64> =
+        shown.windows(2).map(|pair| 0.5 * (pair[0] / pair[1]).log2()).collect();
+    match (&shown[..], &exponents[..]) {
+        // Nothing but rounding, from the first or the second step size on.
+        ([] | [_], _) => match errors.get(shown.len()) {
+            Some(error) => Consistency::Consistent(error.value.max(error.floor)),
+            None => Consistency::Unclear,
+        },
+        (&[.., last], &[.., exponent]) if exponent >= FALLS => Consistency::Consistent(last),
+        (&[.., last], &[.., before, exponent]) if exponent.abs().max(before.abs()) <= STAYS => {
+            Consistency::Inconsistent(last)
+        }
+        _ => Consistency::Unclear,
+    }
+}
+
+/// Root mean squares of |Eδ| and |δ| over |y|; `None` if a tenth of the steps fail, or y = 0.
+fn errors<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    key: StreamKey,
+    visits: &[Visit<D>],
+    tau: f64,
+) -> Option<[f64; 2]> {
+    let (system, damping) = (problem.system(), problem.damping());
+    let (mut squares, mut size, mut failed) = ([0.0; 2], 0.0, 0);
+    for (path, visit) in (0..).zip(visits) {
+        let y = visit.state;
+        let n = (visit.t / tau).round() as u64;
+        let step = Step::new(damping, n, tau).ok()?;
+        let correction: [f64; D] = ito_correction(system, y);
+        let error = |increments: [f64; M]| {
+            let solution = scheme.step(system, &step, &Noise::increments(increments), y);
+            let field: [f64; D] = vector_field(system, y, tau, increments);
+            let exact =
+                |i: usize| y[i] + (field[i] + (correction[i] - step.rate_at_start * y[i]) * tau);
+            let error: [f64; D] = std::array::from_fn(|i| solution.z[i] - exact(i));
+            let good = solution.outcome.converged() && error.iter().all(|e| e.is_finite());
+            good.then_some(error)
+        };
+        let normal = error(WienerPath::<M>::new(key, path).increments(tau.sqrt()));
+        let signs = signs::<M>().map(|signs| error(signs.map(|sign| sign * tau.sqrt())));
+        let signed: Option<Vec<[f64; D]>> = signs.collect();
+        match (normal, signed) {
+            (Some(normal), Some(signed)) => {
+                let mean = |i: usize| {
+                    signed.iter().map(|error| error[i]).sum::<f64>() / signed.len() as f64
+                };
+                squares[0] += (0..D).map(|i| mean(i) * mean(i)).sum::<f64>();
+                squares[1] += normal.iter().map(|error| error * error).sum::<f64>();
+                size += y.iter().map(|y| y * y).sum::<f64>();
+            }
+            _ => failed += 1,
+        }
+    }
+    let usable = 10 * failed <= visits.len() && size > 0.0;
+    usable.then(|| squares.map(|square| (square / size).sqrt()))
+}
+
+/// The rows of a Hadamard matrix and their negatives: any two columns are orthogonal, and odd
+/// moments vanish.
+fn signs<const M: usize>() -> impl Iterator<Item = [f64; M]> {
+    let rows = M.next_power_of_two();
+    (0..2 * rows).map(move |row| {
+        let sign = if row < rows { 1.0 } else { -1.0 };
+        std::array::from_fn(|m| if (row & m).count_ones().is_multiple_of(2) { sign } else { -sign })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signs_have_the_moments_of_normals_up_to_the_third() {
+        let signs: Vec<[f64; 5]> = signs().collect();
+        let n = signs.len() as f64;
+        for i in 0..5 {
+            assert_eq!(signs.iter().map(|s| s[i]).sum::<f64>(), 0.0);
+            for j in 0..5 {
+                let second: f64 = signs.iter().map(|s| s[i] * s[j]).sum();
+                assert_eq!(second / n, f64::from(u8::from(i == j)));
+                for k in 0..5 {
+                    assert_eq!(signs.iter().map(|s| s[i] * s[j] * s[k]).sum::<f64>(), 0.0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_vanishes_and_what_stays() {
+        let of = |value: fn(f64) -> f64| {
+            let error = |n| {
+                let tau = f64::powi(0.25, n);
+                Error { value: value(tau).max(1e-17 / tau), floor: ROUND_OFF / tau }
+            };
+            vanishes(&(0..SCALES).map(error).collect::<Vec<_>>())
+        };
+        assert!(matches!(of(|tau| 3.0 * tau), Consistency::Consistent(d) if d < 1e-6));
+        assert!(matches!(of(|tau| tau.sqrt()), Consistency::Consistent(d) if d < 1e-3));
+        assert!(matches!(of(|_| 0.0), Consistency::Consistent(_)));
+        let Consistency::Inconsistent(part) = of(|tau| tau + 1e-5) else { panic!() };
+        assert!((1e-5..2e-5).contains(&part), "{part}");
+        assert_eq!(of(|tau| tau.powf(-0.5)), Consistency::Unclear);
+    }
+}
