@@ -115,7 +115,10 @@ proptest! {
     }
 
     #[test]
-    fn polynomials_are_exact_with_the_fewest_nodes(a in [POINT, POINT, POINT], b in [POINT, POINT, POINT]) {
+    fn polynomials_are_exact_with_the_fewest_nodes(
+        a in [POINT, POINT, POINT],
+        b in [POINT, POINT, POINT],
+    ) {
         const NODES: usize = nodes_for_degree(4);
         prop_assert_eq!(NODES, 3);
         let mean: [f64; 3] = averaged::<NODES, _, _, 3>(&Monomial, a, b);
@@ -127,7 +130,11 @@ proptest! {
     }
 
     #[test]
-    fn the_error_estimate_bounds_the_error(a in [POINT, POINT], b in [POINT, POINT], n in 2usize..12) {
+    fn the_error_estimate_bounds_the_error(
+        a in [POINT, POINT],
+        b in [POINT, POINT],
+        n in 2usize..12,
+    ) {
         let (mean, estimate) = averaged_with_error(&Logarithm, a, b, n).unwrap();
         let energy = |[x, y]: [f64; 2]| (1.0 + x * x + y * y).ln();
         let defect = (dot(mean, a, b) - (energy(b) - energy(a))).abs();
@@ -139,7 +146,8 @@ proptest! {
     fn the_gradient_is_symmetric_and_consistent(a in [POINT, POINT], b in [POINT, POINT]) {
         let forward: [f64; 2] = averaged::<8, _, _, 2>(&Logarithm, a, b);
         let backward: [f64; 2] = averaged::<8, _, _, 2>(&Logarithm, b, a);
-        let (same, gradient): ([f64; 2], _) = (averaged::<8, _, _, 2>(&Logarithm, a, a), Logarithm.gradient(a));
+        let same: [f64; 2] = averaged::<8, _, _, 2>(&Logarithm, a, a);
+        let gradient = Logarithm.gradient(a);
         for i in 0..2 {
             prop_assert!((forward[i] - backward[i]).abs() < 16.0 * f64::EPSILON);
             prop_assert!((same[i] - gradient[i]).abs() < 16.0 * f64::EPSILON);

@@ -121,6 +121,16 @@ pub struct Words {
     pub paper: &'static str,
 }
 
+/// The paper's systems and their parameters in words.
+pub mod in_words {
+    pub const PENDULUM: &str = "pendulum, c = 1";
+    pub const BODY_3: &str = "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)";
+    pub const BODY_1: &str = "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1";
+    pub const BODY_ENERGY: &str = "rigid body, one noise H₀, I = (2, 1, 2/3)";
+    pub const VOLTERRA: &str = "Lotka–Volterra, a = −1, b = −1, c = 1";
+    pub const POISSON: &str = "three-dimensional Poisson system, c = 1";
+}
+
 /// How increments are truncated in most panels, in words.
 pub const TRUNCATED: &str = "increments truncated with k = 4";
 

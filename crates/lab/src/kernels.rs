@@ -13,8 +13,9 @@
 //! let problem = pendulum();
 //! let step = Step::new(problem.damping(), 0, 0.01)?;
 //! let noise = Noise::increments([0.1]);
-//! let compiled = lab::compiled(Sexp::default()).step(problem.system(), &step, &noise, problem.y0());
-//! let generic = Sexp::default().step(problem.system(), &step, &noise, problem.y0());
+//! let (system, y0) = (problem.system(), problem.y0());
+//! let compiled = lab::compiled(Sexp::default()).step(system, &step, &noise, y0);
+//! let generic = Sexp::default().step(system, &step, &noise, y0);
 //! assert_eq!(compiled.z, generic.z);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -40,10 +40,10 @@ pub mod streams;
 mod supplements;
 
 pub use coverage::coverage;
-use experiment::Words;
 pub use experiment::{
     Conditions, Experiment, Findings, TRUNCATED, TRUNCATION_ORDER, set_up, truncation,
 };
+use experiment::{Words, in_words};
 pub use kernels::{Compiled, PaperSystem, compiled};
 pub use method::Method;
 pub use other_noise::OtherNoise;

@@ -13,7 +13,7 @@ use systems::{
 };
 use verify::rigid_body_expectations;
 
-use crate::{PaperSystem, compiled};
+use crate::{PaperSystem, compiled, in_words};
 
 /// What a scheme is.
 #[derive(Clone, Copy, PartialEq)]
@@ -99,6 +99,9 @@ fn setup<S: PaperSystem<D, M>, G, const D: usize, const M: usize>(
     Setup::new(id, problem, schemes)
 }
 
+/// Test functions of a body.
+const BODY: [TestFunction<3>; 2] = [("y1^2", |y| y[0] * y[0]), ("cos y3", |y| cos(y[2]))];
+
 /// Identifiers of [`visit_paper`], in its order.
 pub const PAPER: [&str; 6] =
     ["pendulum", "rigid-body-1", "rigid-body-3", "lotka-volterra", "maxwell-bloch", "poisson3"];
@@ -111,14 +114,14 @@ pub const PAPER: [&str; 6] =
 pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
     visitor.visit(setup("pendulum", pendulum()).described(
         "Pendulum",
-        "pendulum, c = 1",
+        in_words::PENDULUM,
         [("y1^2", |y| y[0] * y[0]), ("cos y2", |y| cos(y[1]))],
     ))?;
     // Spherical harmonics up to degree 96: to round-off for this body.
     let mut one_noise = setup("rigid-body-1", rigid_body_one_noise()).described(
         "Rigid body, one noise",
-        "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1",
-        [("y1^2", |y| y[0] * y[0]), ("cos y3", |y| cos(y[2]))],
+        in_words::BODY_1,
+        BODY,
     );
     one_noise.expectations = Some(|problem, phi| rigid_body_expectations(problem, 96, phi));
     visitor.visit(one_noise)?;
@@ -126,15 +129,15 @@ pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     let mut three_noises = setup("rigid-body-3", problem).described(
         "Rigid body, three noises",
-        "rigid body, I = (2, 1, 2/3), Î = (1, 2, 3)",
-        [("y1^2", |y| y[0] * y[0]), ("cos y3", |y| cos(y[2]))],
+        in_words::BODY_3,
+        BODY,
     );
     three_noises.schemes.insert(1, (Kind::SexpLevy, levy));
     three_noises.expectations = Some(|problem, phi| rigid_body_expectations(problem, 96, phi));
     visitor.visit(three_noises)?;
     visitor.visit(setup("lotka-volterra", lotka_volterra_1_1()).described(
         "Lotka–Volterra",
-        "Lotka–Volterra, a = −1, b = −1, c = 1",
+        in_words::VOLTERRA,
         [("y2", |y| y[1]), ("cos y3", |y| cos(y[2]))],
     ))?;
     visitor.visit(setup("maxwell-bloch", maxwell_bloch(1.0)).described(
@@ -144,7 +147,7 @@ pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
     ))?;
     visitor.visit(setup("poisson3", poisson3_strong()).described(
         "Three-dimensional Poisson system",
-        "three-dimensional Poisson system, c = 1",
+        in_words::POISSON,
         [("y1", |y| y[0]), ("sin y2", |y| sin(y[1]))],
     ))
 }

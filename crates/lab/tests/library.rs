@@ -1,8 +1,9 @@
 //! The library of known answers with few seeds: no problem is answered falsely too often, and the
 //! old rules are refuted. `cargo xtask verify` asks all of it with more seeds.
 //!
-//! With five seeds an entry of intervals is refuted by five misses of five (2e-6 at a share of 7 %),
-//! one of orders by two of five (1e-3 at 1 %): the chance below is per test, over the entries.
+//! With five seeds an entry of intervals is refuted by five misses of five (2e-6 at a share of
+//! 7 %), one of orders by two of five (1e-3 at 1 %): the chance below is per test, over the
+//! entries.
 
 use lab::library::{Entry, OldRule, Question, ask, by_old_rule, entries};
 

@@ -28,7 +28,7 @@
 //! | item | purpose |
 //! |---|---|
 //! | [`Ladder`], [`Run`] | schemes at step sizes, driven by the same noise |
-//! | [`Statistic`] | results over paths: [`StrongErrors`] with its [`Squares`], [`WeakDifferences`] |
+//! | [`Statistic`] | results over paths: [`StrongErrors`] with its [`Squares`] |
 //! | [`TimeChange`] | a random time along each path, for exact references |
 //! | [`NoiseSource`] | noise given by the user |
 //! | [`SeenDamping`] | whether step sizes resolve the damping |
@@ -45,6 +45,7 @@ mod failure;
 mod ladder;
 pub mod multilevel;
 mod noise_source;
+mod observable;
 mod parallel;
 mod recording;
 mod seen_damping;
@@ -52,17 +53,16 @@ mod simulation;
 mod strong;
 mod trajectory;
 mod tree;
-mod weak;
 
 pub use error::LadderError;
 pub use failure::{Cause, PathFailure};
 pub use ladder::{Ladder, Measured, Run, Statistic, TimeChange, View};
 pub use noise_source::{NextNoise, NoiseSource};
+pub use observable::Observable;
 pub use recording::{Recording, RecordingError};
 pub use seen_damping::SeenDamping;
 pub use simulation::{
     Column, NoiseOrigin, Simulation, SimulationError, TimeSeries, write_csv, write_json,
 };
-pub use strong::{Reference, Squares, StrongErrors};
+pub use strong::{Reference, Squares, StrongErrors, squared_distance};
 pub use trajectory::{Trajectory, trajectory};
-pub use weak::{Observable, WeakDifferences};

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 ///
 /// Rayon's code does not depend on the type of the results. So it is compiled once, and not for
 /// every statistic in every crate that runs a ladder.
-pub(crate) fn in_parallel<R: Send>(items: Range<u64>, work: &(dyn Fn(u64) -> R + Sync)) -> Vec<R> {
+pub fn in_parallel<R: Send>(items: Range<u64>, work: &(dyn Fn(u64) -> R + Sync)) -> Vec<R> {
     let results = Mutex::new(BTreeMap::new());
     for_each(items, &|item| {
         let result = work(item);

@@ -130,6 +130,6 @@ impl<const D: usize> Statistic<D> for StrongErrors<'_, D> {
 }
 
 /// |y − x|².
-fn squared_distance<const D: usize>(y: [f64; D], x: [f64; D]) -> f64 {
+pub fn squared_distance<const D: usize>(y: [f64; D], x: [f64; D]) -> f64 {
     (0..D).map(|i| (y[i] - x[i]) * (y[i] - x[i])).sum()
 }

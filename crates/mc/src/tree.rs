@@ -3,18 +3,18 @@
 /// Merges parts in the order in which they are pushed, always two adjacent parts of the same size,
 /// like carries in a binary counter. The tree depends on the number of parts alone, so the bits do
 /// not depend on the thread or time of computation. Depth, memory and round-off are logarithmic.
-pub(crate) struct MergeTree<T, F> {
+pub struct MergeTree<T, F> {
     /// Parts with the binary logarithm of their number of leaves, strictly decreasing.
     parts: Vec<(u32, T)>,
     merge: F,
 }
 
 impl<T, F: Fn(&mut T, T)> MergeTree<T, F> {
-    pub(crate) fn new(merge: F) -> Self {
+    pub fn new(merge: F) -> Self {
         Self { parts: Vec::new(), merge }
     }
 
-    pub(crate) fn push(&mut self, part: T) {
+    pub fn push(&mut self, part: T) {
         let mut carry = (0, part);
         while let Some((size, mut left)) = self.parts.pop_if(|(size, _)| *size == carry.0) {
             (self.merge)(&mut left, carry.1);
@@ -24,7 +24,7 @@ impl<T, F: Fn(&mut T, T)> MergeTree<T, F> {
     }
 
     /// The sum of all parts, or `None` without parts.
-    pub(crate) fn finish(mut self) -> Option<T> {
+    pub fn finish(mut self) -> Option<T> {
         let (_, mut sum) = self.parts.pop()?;
         while let Some((_, mut left)) = self.parts.pop() {
             (self.merge)(&mut left, sum);

@@ -9,11 +9,11 @@
 /// divisions one after the other. For larger D these are the LU factors, with the reciprocal pivots
 /// on the diagonal.
 #[derive(Clone, Copy)]
-pub(crate) struct Factored<const D: usize>([[f64; D]; D]);
+pub struct Factored<const D: usize>([[f64; D]; D]);
 
 impl<const D: usize> Factored<D> {
     #[inline(always)]
-    pub(crate) fn new(a: [[f64; D]; D]) -> Self {
+    pub fn new(a: [[f64; D]; D]) -> Self {
         Self(match D {
             1 => [[1.0 / a[0][0]; D]; D],
             2 => inverse_2(a),
@@ -24,7 +24,7 @@ impl<const D: usize> Factored<D> {
 
     /// x with A x = b.
     #[inline(always)]
-    pub(crate) fn solve(&self, b: [f64; D]) -> [f64; D] {
+    pub fn solve(&self, b: [f64; D]) -> [f64; D] {
         if D > 3 { substitute(&self.0, b) } else { product(&self.0, b) }
     }
 }
@@ -102,7 +102,7 @@ fn substitute<const D: usize>(lu: &[[f64; D]; D], b: [f64; D]) -> [f64; D] {
 }
 
 /// Solves A x = b with partial pivoting. The result is infinite or NaN if A is singular.
-pub(crate) fn solve_pivoted<const D: usize>(mut a: [[f64; D]; D], mut b: [f64; D]) -> [f64; D] {
+pub fn solve_pivoted<const D: usize>(mut a: [[f64; D]; D], mut b: [f64; D]) -> [f64; D] {
     for k in 0..D {
         let largest = (k..D).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap_or(k);
         a.swap(k, largest);

@@ -27,7 +27,7 @@ const MAX_JACOBIAN_CHANGE: f64 = 0.5;
 /// be up to 8000.
 const MIN_STEP: f64 = 1.0 / 16384.0;
 
-pub(crate) fn solve_robust<E: FixedPoint<D>, const D: usize>(equation: &E) -> Solution<D> {
+pub fn solve_robust<E: FixedPoint<D>, const D: usize>(equation: &E) -> Solution<D> {
     let start = equation.start();
     let (mut z, mut s, mut step, mut iterations) = (start, 0.0, 1.0, 0);
     // J = I at s = 0.

@@ -4,7 +4,7 @@ use crate::{FirstSweep, FixedPoint, elimination::Factored, solver::Method};
 
 /// A path has converged when the estimate of ‖z − ψ(z)‖₁ is below this fraction of ‖z‖₁. Evaluating
 /// ψ rounds each component of z by up to half an ulp, so smaller residuals carry no information.
-pub(crate) const TOLERANCE: f64 = 2.0 * f64::EPSILON;
+pub const TOLERANCE: f64 = 2.0 * f64::EPSILON;
 
 /// The test below multiplies two changes. For unknowns of size r their product can be as small as
 /// (εr)². This power of two prevents an underflow to zero, which would count as convergence, for r
@@ -22,12 +22,12 @@ const NEWTON_MARGIN: f64 = 256.0;
 
 /// The next iterate and its excess over the tolerance: at most zero if it has converged, NaN if a
 /// number is not finite.
-pub(crate) type Iterate<const D: usize> = ([f64; D], f64);
+pub type Iterate<const D: usize> = ([f64; D], f64);
 
 /// Whether the iteration begins with a sweep of its own. It does so only with the method that the
 /// equation prefers.
 #[inline(always)]
-pub(crate) fn has_first_sweep<E: FixedPoint<D>, const D: usize>(method: Method) -> bool {
+pub fn has_first_sweep<E: FixedPoint<D>, const D: usize>(method: Method) -> bool {
     E::FIRST_SWEEP != FirstSweep::Plain && method == E::METHOD
 }
 
@@ -35,7 +35,7 @@ pub(crate) fn has_first_sweep<E: FixedPoint<D>, const D: usize>(method: Method) 
 /// between the paths: an evaluation is a chain of dependent operations, and a processor executes
 /// two such chains in the time of one.
 #[inline(always)]
-pub(crate) fn first_sweeps<E: FixedPoint<D>, const D: usize>(
+pub fn first_sweeps<E: FixedPoint<D>, const D: usize>(
     one: &E,
     other: &E,
 ) -> (Iterate<D>, Iterate<D>) {
@@ -77,7 +77,7 @@ fn test_prediction<const D: usize>(
 
 /// One sweep from z.
 #[inline(always)]
-pub(crate) fn sweep<E: FixedPoint<D>, const D: usize>(
+pub fn sweep<E: FixedPoint<D>, const D: usize>(
     equation: &E,
     z: [f64; D],
     method: Method,
@@ -95,7 +95,7 @@ pub(crate) fn sweep<E: FixedPoint<D>, const D: usize>(
 /// One more sweep from a solution. Its result is discarded if it is not finite: Newton's method may
 /// diverge where I − ψ′ is singular.
 #[inline(always)]
-pub(crate) fn settled_path<E: FixedPoint<D>, const D: usize>(
+pub fn settled_path<E: FixedPoint<D>, const D: usize>(
     equation: &E,
     z: [f64; D],
     method: Method,
@@ -241,7 +241,7 @@ fn minus<const D: usize>(mut a: [f64; D], b: [f64; D]) -> [f64; D] {
 
 /// I − ψ′(z) and z − ψ(z).
 #[inline(always)]
-pub(crate) fn linearised<E: FixedPoint<D>, const D: usize>(
+pub fn linearised<E: FixedPoint<D>, const D: usize>(
     equation: &E,
     z: [f64; D],
 ) -> ([[f64; D]; D], [f64; D]) {

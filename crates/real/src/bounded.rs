@@ -9,9 +9,9 @@ use crate::Real;
 /// A value with a bound of its rounding error, by running error analysis (Wilkinson 1986; Higham
 /// 2002, section 3.3): |computed − exact| ≤ `error`, to first order in the unit round-off u.
 ///
-/// A formula over `Bounded` bounds its own round-off, component by component, with the cancellations
-/// that happen in it; over `Dual<Bounded>` that of its derivatives. So an identity is refuted where
-/// its defect exceeds the bound, whatever the sizes of other terms.
+/// A formula over `Bounded` bounds its own round-off, component by component, with the
+/// cancellations that happen in it; over `Dual<Bounded>` that of its derivatives. So an identity is
+/// refuted where its defect exceeds the bound, whatever the sizes of other terms.
 ///
 /// A constant of a formula counts as accurate to 8u: it is the result of a few operations. The
 /// value also knows a bound of its degree as a polynomial in the variables.
@@ -176,7 +176,7 @@ impl Real for Bounded {
         self.value
     }
     fn sin_cos(self) -> (Self, Self) {
-        let (sin, cos) = self.value.sin_cos();
+        let (sin, cos) = Real::sin_cos(self.value);
         (self.function(sin, self.error), self.function(cos, self.error))
     }
     fn exp(self) -> Self {

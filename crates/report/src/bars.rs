@@ -10,16 +10,18 @@ pub struct Bars {
     bar: ProgressBar,
 }
 
-impl Bars {
+impl Default for Bars {
     /// No bar yet.
-    pub fn new() -> Self {
+    fn default() -> Self {
         let style = "{elapsed:>4} [{bar:28}] {percent:>3}% {msg}, {eta} left";
         let style = ProgressStyle::with_template(style).expect("the template is valid");
         let bar = ProgressBar::new(0).with_style(style.progress_chars("=> "));
         bar.enable_steady_tick(Duration::from_millis(200));
         Self { bar }
     }
+}
 
+impl Bars {
     /// Prints a line above the bar, also where there is no bar.
     pub fn println(&self, line: &str) {
         self.bar.suspend(|| println!("{line}"));
@@ -28,12 +30,6 @@ impl Bars {
     /// Takes the bar off the terminal.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
-    }
-}
-
-impl Default for Bars {
-    fn default() -> Self {
-        Self::new()
     }
 }
 

@@ -58,18 +58,6 @@ impl Coverage {
     pub fn share(&self) -> f64 {
         self.covered as f64 / self.replications as f64
     }
-
-    /// Whether the share is as required, with `tolerance` as the largest deviation from the nominal
-    /// one.
-    pub fn as_expected(&self, tolerance: f64) -> bool {
-        let deviation = (self.share() - self.expected.nominal()).abs();
-        match self.expected {
-            Expected::Calibrated | Expected::Raised | Expected::Silent => deviation <= tolerance,
-            Expected::Covers => self.share() >= self.expected.nominal() - tolerance,
-            Expected::Miscovers => deviation > tolerance,
-            Expected::Stated => true,
-        }
-    }
 }
 
 /// Whether `value` ± 1.96 `se` contains the truth.

@@ -6,7 +6,7 @@
 //! ```
 //! use stats::{CrossMoments, fit_strong};
 //!
-//! // Squared differences of 200 paths at four step sizes, of order one but for the scatter of paths.
+//! // Squared differences of 200 paths at four step sizes, of order one but for their scatter.
 //! let taus = [0.1, 0.05, 0.025, 0.0125];
 //! let mut squares = CrossMoments::new(4);
 //! for path in 0..200 {

@@ -1,8 +1,9 @@
 //! The order of mean squares that share paths: ln m = a + 2p ln τ + k ln(1 + bτ^c).
 //!
 //! m_l are mean squares of the differences of runs at τ_l and τ_l/2 on the same noise, or of errors
-//! against an exact solution. The last term is a higher order of the error ([`Bend`]). Differences of successive
-//! runs need no reference, whose own error would bend the points.
+//! against an exact solution. Differences of successive runs need no reference, whose own error
+//! would bend the points. The last term is a higher order of the error, by one of three laws
+//! ([`Bend`]), or left out.
 //!
 //! **Weights.** Weighting by the inverse of the *estimated* covariance V would be efficient if V
 //! were known. Estimated from the same few hundred skewed squares it is not independent of the
@@ -99,8 +100,8 @@ impl<'a> LogMeanSquares<'a> {
         self
     }
 
-    /// Fits the order with the working weights, and χ² with those of the estimated covariance;
-    /// `None` if the covariance is singular.
+    /// Fits the order with the working weights, and χ² with those of the estimated covariance; b
+    /// is fitted if there is a `bend`. `None` if the covariance is singular.
     pub fn fit(&self, bend: Option<Bend>) -> Option<Estimate> {
         let levels = self.levels.len();
         let correlation = |l: usize, m: usize| WORKING_CORRELATION.powi(l.abs_diff(m) as i32);

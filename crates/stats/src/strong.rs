@@ -4,6 +4,8 @@
 //! 30, is left out of the fit: there the mean of the few largest squares is measured and not a mean
 //! square. With fewer than four levels left, all are used, and the interval reaches at each end as
 //! far as the farther of the delta method's and the bootstrap's.
+//!
+//! **Coarse steps.** While χ² rejects the model, the coarsest level is left out, down to four.
 
 use crate::{
     describe::describe,
@@ -25,8 +27,12 @@ const LEAST_LEVELS: usize = 4;
 /// covariance of the ln m, which share paths; beside it a bootstrap-t interval over whole paths
 /// (Efron and Tibshirani 1993), and the straight line with a test whether the points lie on one.
 ///
-/// The term b is fitted from five levels on, two more than there are parameters. Levels that a few paths dominate are left out and named. If χ² rejects the model, the rate
-/// carries a warning ([`Rate::misfits`]).
+/// The term b is fitted from five levels on, two more than there are parameters, and with four
+/// where χ² rejects the straight line. The next order may also enter as (1 + bτ)² or 1 + bτ²: the
+/// interval is widened to those of the fits with these that χ² does not reject.
+///
+/// Levels that a few paths dominate, and coarse levels with which χ² rejects the model, are left
+/// out and named. If χ² rejects it to the end, the rate carries a warning ([`Rate::misfits`]).
 ///
 /// `None` if an error is zero, if there are no more paths than levels, or if the covariance is
 /// singular.

@@ -81,8 +81,8 @@ pub fn fit_weak(
 }
 
 /// How much of the error at the finest step terms of order below `order` may be, at most: the upper
-/// end of a 95 % interval, with e = A₁τ + A₂τ² + … fitted by generalised least squares, as errors or
-/// differences ([`Against`]). `None` if there are too few levels or the covariance is singular.
+/// end of a 95 % interval, with e = A₁τ + A₂τ² + … fitted by generalised least squares, as errors
+/// or differences ([`Against`]). `None` if there are too few levels or the covariance is singular.
 ///
 /// A small term of low order wins as τ → 0, however well a higher order fits here.
 pub fn lower_share(
@@ -122,15 +122,19 @@ impl Against {
 }
 
 /// Weak errors and their order from independent differences d_l = e(τ_l) − e(τ_l/2) at step sizes
-/// that halve, coarsest first.
+/// that halve, coarsest first: component `index` of the moments.
 ///
 /// The errors are the sums e_l = Σ_{j ≥ l} d_j with a Richardson tail: below the finest step L, an
 /// error Cτ + O(τ²) leaves d_L once more, up to O(τ²). The order is fitted to the differences,
 /// without the tail.
-pub fn weak_errors(taus: &[f64], differences: &[&CrossMoments]) -> (Vec<Point>, Option<Rate>) {
-    let means: Vec<f64> = differences.iter().map(|difference| difference.mean(0)).collect();
+pub fn weak_errors(
+    taus: &[f64],
+    differences: &[CrossMoments],
+    index: usize,
+) -> (Vec<Point>, Option<Rate>) {
+    let means: Vec<f64> = differences.iter().map(|d| d.mean(index)).collect();
     let variances: Vec<f64> =
-        differences.iter().map(|difference| difference.covariance_of_means(0, 0)).collect();
+        differences.iter().map(|d| d.covariance_of_means(index, index)).collect();
     let finest = taus.len() - 1;
     let point = |l: usize| {
         let error = means[l..finest].iter().sum::<f64>() + 2.0 * means[finest];

@@ -111,9 +111,9 @@ const LEAST_POINTS: usize = 3;
 /// It is `true` if every component of [fₘ, f_l] is zero within its own rounding error, which
 /// [`Bounded`] bounds, at `y` and at points around it in several directions, moved towards `y` into
 /// the domain, at three points at least; and if the formulas are not made of pieces. Analytic
-/// fields that commute on an open set commute everywhere, and fields that do not pass at such points
-/// with probability zero. Pieces (a condition, a square root) may act where no point is, so the
-/// answer is `false`: it is safe, and costs areas.
+/// fields that commute on an open set commute everywhere, and fields that do not pass at such
+/// points with probability zero. Pieces (a condition, a square root) may act where no point is, so
+/// the answer is `false`: it is safe, and costs areas.
 pub fn noises_commute<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
     system: &S,
     y: [f64; D],

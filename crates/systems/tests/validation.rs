@@ -106,7 +106,7 @@ fn problems_refuse_initial_values() {
             y0[i] = bad;
             let error = Problem::new(MaxwellBloch, damping, y0, 1.0).unwrap_err();
             assert!(
-                matches!(error, SystemError::NonFiniteState { component, .. } if component == i + 1),
+                matches!(error, SystemError::NonFiniteState { component: c, .. } if c == i + 1),
                 "{error:?}"
             );
             named(error, &format!("y{}", i + 1), bad);
@@ -138,7 +138,7 @@ fn populations_are_positive() {
                 Problem::new(real, damping, y0, 1.0).unwrap_err(),
             ] {
                 assert!(
-                    matches!(error, SystemError::OutsideDomain { component, .. } if component == i + 1),
+                    matches!(error, SystemError::OutsideDomain { component: c, .. } if c == i + 1),
                     "{error:?}"
                 );
                 named(error, "y1 > 0, y2 > 0 and y3 > 0", bad);

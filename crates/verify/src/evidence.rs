@@ -145,11 +145,16 @@ impl Evidence {
         Self::Order { order, one_sided: true, rate, wrong_limit: None }
     }
 
+    /// Extremes of paths of which none failed.
+    pub fn bounds(quantities: Vec<Bounded>) -> Self {
+        Self::Bounds { quantities, failed: 0 }
+    }
+
     /// The verdict that the measurement gives. A NaN refutes, except where a path failed.
     ///
-    /// Orders: [`order_verdict`], or [`bound_verdict`] where `one_sided`; a wrong limit refutes. A deviation refutes
-    /// beyond [`DEVIATIONS`] standard errors and the bias. Bounds that hold on some paths while
-    /// others failed are undecided.
+    /// Orders: [`order_verdict`], or [`bound_verdict`] where `one_sided`; a wrong limit refutes. A
+    /// deviation refutes beyond [`DEVIATIONS`] standard errors and the bias. Bounds that hold on
+    /// some paths while others failed are undecided.
     pub fn verdict(&self) -> Verdict {
         let decided = |holds| if holds { Verdict::Holds } else { Verdict::Refuted };
         match self {

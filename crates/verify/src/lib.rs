@@ -16,7 +16,6 @@
 //! | [`work_precision`] | errors of any schemes against the processor time they take |
 //! | [`FinalMoments`], [`Stopwatch`], [`Spread`] | moments of final states; times of repeated work |
 //! | [`results::Evidence`], [`results::Claim`] | a measurement as data, its verdict in words |
-//! | [`Twin`] | a wrong method that a measurement must refute |
 //! | [`exact`], [`runge_kutta`], [`rigid_body_expectations`] | references |
 //! | [`Settings`], [`Mode`], [`Progress`], [`Silent`] | how much to compute; progress |
 //! | [`results`] | the `results.json` contract |
@@ -31,7 +30,6 @@ pub mod runge_kutta;
 mod settings;
 mod sphere;
 mod stopwatch;
-mod twin;
 mod verdict;
 pub mod work_precision;
 
@@ -45,5 +43,4 @@ pub use orders::{
 pub use settings::{Mode, Progress, Settings, Silent};
 pub use sphere::rigid_body_expectations;
 pub use stopwatch::{Spread, Stopwatch};
-pub use twin::Twin;
 pub use verdict::{ORDER_MARGIN, Verdict, bound_verdict, order_verdict};

@@ -205,9 +205,4 @@ impl Claim {
     pub fn proven(self, proven: bool) -> Self {
         Self { proven, ..self }
     }
-
-    /// Whether the verdict contradicts the statement as it is meant: a documented misprint is none.
-    pub fn is_refuted(&self) -> bool {
-        self.verdict == Verdict::Refuted && self.erratum.is_empty()
-    }
 }

@@ -4,10 +4,9 @@
 //! interval is computed as for any experiment, and it is counted whether the truth lies inside.
 //! Warnings are counted likewise: where a few paths carry an error, or a model does not fit, they
 //! have to be raised, elsewhere not. Beside the intervals in use stand some that ignore something
-//! (the covariance between levels, the error of a reference, heavy tails) and have to miscover, or the
-//! measurement could not tell. More `--replications` of `cargo xtask verify` narrow the shares.
+//! (the covariance between levels, the error of a reference, heavy tails) and have to miscover, or
+//! the measurement could not tell. More `--replications` of `cargo xtask verify` narrow the shares.
 
-mod geometric;
 mod motion;
 mod synthetic;
 

@@ -1,31 +1,54 @@
 //! Weak orders and errors of geometric Brownian motion, which have closed forms.
 
-use noise::StreamKey;
+use mc::{Ladder, Run, View};
+use noise::{StreamKey, Truncation};
+use schemes::EulerMaruyama;
 use stats::{
     CrossMoments,
     Expected::{Calibrated, Miscovers, Silent},
     normal_covers, weak_errors,
 };
+use systems::paper::valid;
+use verify::FinalMoments;
 
-use super::{Tally, geometric::Geometric, point_checks, warns};
+use super::{Tally, point_checks, warns};
+use crate::library::system::{Growth, UNDAMPED, problem};
+
+/// dX = aX dt + bX dW (Itô), X(0) = 1.
+const DRIFT: f64 = 0.6;
+const VOLATILITY: f64 = 0.5;
+/// Step sizes 2⁻² … 2⁻⁸.
+const EXPONENTS: std::ops::RangeInclusive<u32> = 2..=8;
+const PATHS: u64 = 400;
+
+/// E[X_N] − E[X(1)] = (1 + aτ)ᴺ − eᵃ of Euler–Maruyama.
+fn weak_error(tau: f64) -> f64 {
+    (1.0 + DRIFT * tau).powi((1.0 / tau).round() as i32) - DRIFT.exp()
+}
 
 /// The weak error as the weak panels measure it: differences between neighbouring steps, each on
 /// paths of its own.
 pub fn rows(tally: &mut Tally) {
-    let (first, last) = (2, 8);
-    let motion = Geometric { drift: 0.6, volatility: 0.5, first, last, paths: 400 };
-    let taus = motion.taus();
+    // X = x, and y = 1.
+    let stratonovich = DRIFT - 0.5 * VOLATILITY * VOLATILITY;
+    let system = Growth { drift: [0.0, stratonovich], noise: [0.0, VOLATILITY] };
+    let motion = problem(system, UNDAMPED, [1.0; 2], 1.0);
+    let taus: Vec<f64> = EXPONENTS.map(|exponent| 0.5f64.powi(exponent as i32)).collect();
     tally.add("weak error of Euler–Maruyama on geometric Brownian motion", |key| {
-        let difference = |exponent: u32| {
-            let pair = Geometric { first: exponent, last: exponent + 1, ..motion };
+        let difference = |exponent: u32| -> CrossMoments {
             let own = StreamKey { experiment: key.experiment + (u64::from(exponent) << 32), ..key };
-            let mut moments = CrossMoments::new(1);
-            pair.for_each_path(own, |solutions, _| moments.add(&[solutions[0] - solutions[1]]));
-            moments
+            let runs = [1, 0].map(|level| Run::new(&EulerMaruyama, level)).into();
+            let ladder =
+                valid(Ladder::new(&motion, 2 << exponent, 1, Truncation::none(), own, runs));
+            let values = |view: &View<'_, 2>, p: usize, difference: &mut [f64]| {
+                difference[0] = view.states[0].path(p)[0] - view.states[1].path(p)[0];
+            };
+            let new = || FinalMoments::new(ladder.coarse_steps(), 1, &values);
+            ladder.run(PATHS, new, &|_| ()).statistic.moments
         };
-        let differences: Vec<CrossMoments> = (first..=last).map(difference).collect();
-        let (points, rate) = weak_errors(&taus, &differences.iter().collect::<Vec<_>>());
-        let truth = |level: usize| motion.weak_error(taus[level]);
+        let differences: Vec<CrossMoments> = EXPONENTS.map(difference).collect();
+        let (points, rate) = weak_errors(&taus, &differences, 0);
+        let truth = |level: usize| weak_error(taus[level]);
         // As if the tail below the finest step had no error.
         let [before, finest] = [taus.len() - 2, taus.len() - 1];
         let value = differences[before].mean(0) + 2.0 * differences[finest].mean(0);

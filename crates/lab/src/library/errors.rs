@@ -11,10 +11,10 @@ use stats::{Point, root_mean_squares};
 use verify::{StepSizes, strong_order};
 
 use super::{
-    Answer, Entry, OldRule, Question, Stated, Truth,
+    Answer, Entry, OldRule, Question, Stated,
     law::Normal,
     orders::cost,
-    system::{Plane, UNDAMPED, problem},
+    system::{Plane, kubo},
     truncation,
 };
 
@@ -62,13 +62,13 @@ fn entry<X: Scheme<Plane, 2, 1> + Copy + 'static>(
 ) -> Entry {
     let n = (COARSEST as i32) << index;
     let name = format!("{}: Kubo, ω = {omega}, σ = {sigma}, τ = 1/{n}", scheme.id());
-    let problem = problem(Plane::kubo(omega, sigma), UNDAMPED, [1.0, 0.0], 1.0);
+    let problem = kubo(omega, sigma, 1.0);
     let ask = move |key: StreamKey| {
         let levels = index.max(3) + 1;
         let sizes = StepSizes { levels, refinement, ..StepSizes::new(COARSEST, truncation(), key) };
         let stated = match strong_order(&scheme, &problem, &sizes) {
             Ok(order) => interval(order.points.get(index)),
-            Err(error) => Stated::Undecided(error.to_string()),
+            Err(error) => Stated::undecided(error),
         };
         // Against the finest run.
         let last = sizes.levels + refinement as usize - 1;
@@ -83,7 +83,7 @@ fn entry<X: Scheme<Plane, 2, 1> + Copy + 'static>(
         Answer { stated, old: old.ok(), cost: cost(&sizes) }
     };
     let old_rule = (refinement == 1).then_some(OldRule::FinestRun);
-    let truth = Truth::Is(error(factor, omega, sigma, n));
+    let truth = Some(error(factor, omega, sigma, n));
     Entry::new("Kubo", name, Question::StrongError, truth, old_rule, ask)
 }
 
@@ -91,7 +91,7 @@ fn entry<X: Scheme<Plane, 2, 1> + Copy + 'static>(
 fn interval(point: Option<&Point>) -> Stated {
     match point {
         Some(&Point::Error { lo: Some(lo), hi: Some(hi), .. }) => Stated::Interval(lo, hi),
-        _ => Stated::Undecided("no point with an interval".into()),
+        _ => Stated::undecided("no point with an interval"),
     }
 }
 

@@ -1,12 +1,14 @@
 //! Kubo's oscillator: q + ip is turned by −θ with θ normal of mean ωT and variance σ²T, and damped
-//! by e^{−∫γ}.
+//! by e^{−∫γ}. And two of them side by side.
+
+use std::f64::consts::PI;
 
 use schemes::{EulerMaruyama, Heun, Midpoint, Sexp};
 
 use super::{
-    Entry, How, OldRule, expected,
+    Entry, How, OldRule, expected, indicator,
     law::Normal,
-    system::{Plane, Rate, UNDAMPED, problem},
+    system::{Rate, damped_kubo, kubo, planes},
 };
 
 /// θ after the time t.
@@ -15,21 +17,16 @@ fn angle(omega: f64, sigma: f64, t: f64) -> Normal {
 }
 
 pub fn entries() -> Vec<Entry> {
-    let sexp = Sexp::default();
-    let start = [1.0, 0.0];
-    let kubo = |omega, sigma, t| problem(Plane::kubo(omega, sigma), UNDAMPED, start, t);
     let q = |y: [f64; 2]| y[0];
-    let p_negative = |y: [f64; 2]| f64::from(u8::from(y[1] < 0.0));
+    let square = |y: [f64; 2]| y[0] * y[0];
+    let sexp = |kind, name, [omega, sigma, t]: [f64; 3], function, how, truth| {
+        let problem = kubo(omega, sigma, t);
+        expected((kind, name), Sexp::default(), problem, function, how, truth)
+    };
+    let theta = angle(1.0, 1.0, 1.0);
     let mut all = vec![
         // E q = E cos θ.
-        expected(
-            ("Kubo", "q, ω = σ = 1"),
-            sexp,
-            kubo(1.0, 1.0, 1.0),
-            q,
-            How::to(0.01),
-            angle(1.0, 1.0, 1.0).cos(1.0),
-        ),
+        sexp("Kubo", "q, ω = σ = 1", [1.0; 3], q, How::to(0.01), theta.cos(1.0)),
         // E p = −E sin θ.
         expected(
             ("Kubo", "p, ω = 2, σ = ½, midpoint"),
@@ -39,57 +36,56 @@ pub fn entries() -> Vec<Entry> {
             How::to(0.005),
             -angle(2.0, 0.5, 1.0).sin(1.0),
         ),
-        // E q² = ½(1 + E cos 2θ).
         expected(
             ("Kubo", "q², ω = σ = 1, Heun"),
             Heun,
             kubo(1.0, 1.0, 1.0),
-            |y| y[0] * y[0],
+            square,
             How::to(0.01),
-            0.5 * (1.0 + angle(1.0, 1.0, 1.0).cos(2.0)),
+            theta.cos_squared(),
         ),
         // cos³ = ¾ cos + ¼ cos 3θ.
-        expected(
-            ("Kubo", "q³, ω = 1, σ = ½, T = 2"),
-            sexp,
-            kubo(1.0, 0.5, 2.0),
+        sexp(
+            "Kubo",
+            "q³, ω = 1, σ = ½, T = 2",
+            [1.0, 0.5, 2.0],
             |y| y[0].powi(3),
             How::to(0.01),
             0.75 * angle(1.0, 0.5, 2.0).cos(1.0) + 0.25 * angle(1.0, 0.5, 2.0).cos(3.0),
         ),
         // P(cos θ > ½).
-        expected(
-            ("indicators", "q > ½, Kubo, ω = σ = 1"),
-            sexp,
-            kubo(1.0, 1.0, 1.0),
-            |y| f64::from(u8::from(y[0] > 0.5)),
+        sexp(
+            "indicators",
+            "q > ½, Kubo, ω = σ = 1",
+            [1.0; 3],
+            |y| indicator(y[0] > 0.5),
             How::to(0.02),
-            angle(1.0, 1.0, 1.0).cos_above(0.5),
+            theta.cos_above(0.5),
         ),
         // P(sin θ > 0.3).
-        expected(
-            ("indicators", "p < −0.3, Kubo, ω = σ = 1, T = 2"),
-            sexp,
-            kubo(1.0, 1.0, 2.0),
-            |y| f64::from(u8::from(y[1] < -0.3)),
+        sexp(
+            "indicators",
+            "p < −0.3, Kubo, ω = σ = 1, T = 2",
+            [1.0, 1.0, 2.0],
+            |y| indicator(y[1] < -0.3),
             How::to(0.02),
             angle(1.0, 1.0, 2.0).sin_above(0.3),
         ),
         // θ has the median π: sin θ > 0 with probability ½, up to e^{−10⁶}. Coarse paths are all on
         // one side of it.
-        expected(
-            ("weak noise", "p < 0 at its median, σ = 1e-3, T = π"),
-            sexp,
-            kubo(1.0, 1e-3, std::f64::consts::PI),
-            p_negative,
+        sexp(
+            "weak noise",
+            "p < 0 at its median, σ = 1e-3, T = π",
+            [1.0, 1e-3, PI],
+            |y| indicator(y[1] < 0.0),
             How::to(0.02).against(OldRule::NothingMissed),
             0.5,
         ),
         // E q = E cos θ, all but deterministic.
-        expected(
-            ("weak noise", "q, ω = 2, σ = 0.01"),
-            sexp,
-            kubo(2.0, 0.01, 1.0),
+        sexp(
+            "weak noise",
+            "q, ω = 2, σ = 0.01",
+            [2.0, 0.01, 1.0],
             q,
             How::to(1e-3),
             angle(2.0, 0.01, 1.0).cos(1.0),
@@ -98,34 +94,30 @@ pub fn entries() -> Vec<Entry> {
             ("weak noise", "q², ω = 6, σ = 0.1"),
             Heun,
             kubo(6.0, 0.1, 1.0),
-            |y| y[0] * y[0],
+            square,
             How::to(5e-3),
-            0.5 * (1.0 + angle(6.0, 0.1, 1.0).cos(2.0)),
+            angle(6.0, 0.1, 1.0).cos_squared(),
         ),
     ];
     // With Euler–Maruyama E(q + ip) after n steps is (1 − ½σ²τ − iωτ)ⁿ. Here its errors of order τ
     // and τ² are such that E q hardly changes from level 2 to level 3, and is far from the limit.
-    for (omega, sigma, steps, accuracy) in [(5.1, 0.3, 4, 0.05), (4.7, 1.1, 4, 0.02)] {
-        let how = How::to(accuracy).steps(steps).against(OldRule::LastDifference);
-        let name = format!("q, ω = {omega}, σ = {sigma}, Euler–Maruyama from {steps} steps");
+    for (omega, sigma, accuracy) in [(5.1, 0.3, 0.05), (4.7, 1.1, 0.02)] {
+        let how = How { steps: 4, ..How::to(accuracy) }.against(OldRule::LastDifference);
+        let name = format!("q, ω = {omega}, σ = {sigma}, Euler–Maruyama from 4 steps");
         let (problem, truth) = (kubo(omega, sigma, 1.0), angle(omega, sigma, 1.0).cos(1.0));
         all.push(expected(("large steps", name), EulerMaruyama, problem, q, how, truth));
     }
     // E q = e^{−∫γ} E cos θ.
-    let damped = [
+    let pulse = Rate::Pulse { start: 0.37, end: 0.3701, height: 1.5e4 };
+    for (name, rate, accuracy) in [
         ("γ = 20", Rate::Constant(20.0), 1e-10),
-        ("γ = ½ until 0.37, 3 after", Rate::Jump { at: 0.37, before: 0.5, after: 3.0 }, 2e-3),
-        (
-            "γ = 1.5e4 on [0.37, 0.3701]",
-            Rate::Pulse { start: 0.37, end: 0.3701, height: 1.5e4 },
-            2e-3,
-        ),
+        ("γ = ½ until 0.37, 3 after", Rate::JUMP, 2e-3),
+        ("γ = 1.5e4 on [0.37, 0.3701]", pulse, 2e-3),
         ("γ = −1", Rate::Constant(-1.0), 0.02),
-    ];
-    for (name, rate, accuracy) in damped {
-        let truth = (-rate.until(1.0)).exp() * angle(1.0, 1.0, 1.0).cos(1.0);
-        let problem = problem(Plane::kubo(1.0, 1.0), rate, start, 1.0);
-        all.push(expected(("damping", name), sexp, problem, q, How::to(accuracy), truth));
+    ] {
+        let truth = (-rate.until(1.0)).exp() * theta.cos(1.0);
+        let (problem, how) = (damped_kubo(1.0, 1.0, rate, 1.0), How::to(accuracy));
+        all.push(expected(("damping", name), Sexp::default(), problem, q, how, truth));
     }
     // Eight steps turn by several radians. With 77.2, the phases of 32 and 64 steps of the midpoint
     // rule are nearly the same, 2n arctan(ω/2n) modulo 2π, and far from ω.
@@ -135,7 +127,49 @@ pub fn entries() -> Vec<Entry> {
     {
         let (name, truth) = (format!("q, ω = {omega}"), angle(omega, sigma, 1.0).cos(1.0));
         let problem = kubo(omega, sigma, 1.0);
-        all.push(expected(("fast rotation", name), sexp, problem, q, how, truth));
+        all.push(expected(("fast rotation", name), Sexp::default(), problem, q, how, truth));
     }
+    all.extend(planes_entries());
     all
+}
+
+/// Two planes: a fast rotation beside a slow one, and two noises that commute.
+fn planes_entries() -> [Entry; 4] {
+    let entry = |kind, name, problem, function, how, truth| {
+        expected((kind, name), Sexp::default(), problem, function, how, truth)
+    };
+    let beside = planes([77.2, 1.0], [[0.0; 2], [0.3, 0.4]]);
+    let slow = planes([1.0, -2.0], [[1.0, 0.5], [0.3, -0.6]]);
+    // The angles after the time one are normal of mean ω and variance Σ σ².
+    let q2 = Normal::new(1.0, 0.3 * 0.3 + 0.4 * 0.4).cos(1.0);
+    [
+        // E[q₁ + q₂] = cos ω₁ + E cos θ₂.
+        entry(
+            "fast rotation",
+            "q₁ + q₂, ω = 77.2 without noise beside 1 with",
+            beside.clone(),
+            |y| y[0] + y[2],
+            How::to(0.1).against(OldRule::NoResolution),
+            77.2f64.cos() + q2,
+        ),
+        entry("fast rotation", "the slow q₂ beside ω = 77.2", beside, |y| y[2], How::to(0.02), q2),
+        // q₁q₂ = ½(cos(θ₁ − θ₂) + cos(θ₁ + θ₂)), with the variances |σ₁ ∓ σ₂|².
+        entry(
+            "commuting noises",
+            "q₁q₂ of two planes",
+            slow.clone(),
+            |y| y[0] * y[2],
+            How::to(0.01),
+            0.5 * (Normal::new(3.0, 0.7f64.powi(2) + 1.1f64.powi(2)).cos(1.0)
+                + Normal::new(-1.0, 1.3f64.powi(2) + 0.1f64.powi(2)).cos(1.0)),
+        ),
+        entry(
+            "commuting noises",
+            "q₁² of two planes",
+            slow,
+            |y| y[0] * y[0],
+            How::to(0.01),
+            Normal::new(1.0, 1.0 + 0.5 * 0.5).cos_squared(),
+        ),
+    ]
 }

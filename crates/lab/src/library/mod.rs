@@ -9,19 +9,17 @@
 //! Some entries have a twin: what an older rule states of the same samples. The library must refute
 //! it, or it could not tell.
 
-mod additive;
-mod casimir;
 mod errors;
-mod growth;
 mod kubo;
 mod law;
+mod normal;
 mod orders;
-mod pairs;
 mod rare;
 mod sphere;
 mod summary;
-mod system;
-mod weak;
+pub(crate) mod system;
+
+use std::fmt::Display;
 
 use mc::{
     Observable,
@@ -38,7 +36,7 @@ use system::Rate;
 pub use summary::{Row, Total, by_kind, by_old_rule};
 
 /// What is asked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Question {
     /// The strong order of a scheme, with the defaults of [`verify::StepSizes::new`].
     StrongOrder,
@@ -71,17 +69,10 @@ impl Question {
     }
 }
 
-/// What is true.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Truth {
-    /// A number, or an order.
-    Is(f64),
-    /// The scheme converges to something else: there is no order.
-    NoOrder,
-}
+/// A number or an order; none where the scheme converges to something else, and has no order.
+type Truth = Option<f64>;
 
 /// What is said.
-#[derive(Clone, Debug, PartialEq)]
 pub enum Stated {
     /// From and to; an order is an interval of one number.
     Interval(f64, f64),
@@ -99,6 +90,10 @@ impl Stated {
         Self::Interval(order, order)
     }
 
+    fn undecided(reason: impl Display) -> Self {
+        Self::Undecided(reason.to_string())
+    }
+
     fn decided(&self) -> bool {
         !matches!(self, Self::Undecided(_))
     }
@@ -106,8 +101,8 @@ impl Stated {
     /// Whether something false is stated.
     fn misses(&self, truth: Truth) -> bool {
         match (self, truth) {
-            (Self::Undecided(_), _) | (Self::NoOrder, Truth::NoOrder) => false,
-            (&Self::Interval(lo, hi), Truth::Is(truth)) => {
+            (Self::Undecided(_), _) | (Self::NoOrder, None) => false,
+            (&Self::Interval(lo, hi), Some(truth)) => {
                 !(lo - ROUNDING..=hi + ROUNDING).contains(&truth)
             }
             _ => true,
@@ -116,7 +111,6 @@ impl Stated {
 }
 
 /// One answer.
-#[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
     /// What is stated.
     pub stated: Stated,
@@ -124,6 +118,13 @@ pub struct Answer {
     pub old: Option<Stated>,
     /// Path-steps.
     pub cost: u64,
+}
+
+impl Answer {
+    /// Of a question that is refused.
+    fn refused(error: impl Display) -> Self {
+        Self { stated: Stated::undecided(error), old: None, cost: 0 }
+    }
 }
 
 /// Answers with the noise of a key.
@@ -137,8 +138,8 @@ pub struct Entry {
     pub name: String,
     /// What is asked.
     pub question: Question,
-    /// What is true.
-    pub truth: Truth,
+    /// What is true: a number or an order, none where there is no order.
+    pub truth: Option<f64>,
     /// The old rule that is its twin.
     pub old_rule: Option<OldRule>,
     /// Its place in the library, which says which noise it has.
@@ -163,7 +164,7 @@ impl Entry {
 }
 
 /// A rule that was in use, and what it states of the same samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OldRule {
     /// ±1.96 standard errors and the bias: a sample variance of zero is believed.
     NothingMissed,
@@ -221,7 +222,7 @@ impl OldRule {
         if half_width <= accuracy {
             Stated::Interval(estimate.value - half_width, estimate.value + half_width)
         } else {
-            Stated::Undecided("the interval is too long".into())
+            Stated::undecided("the interval is too long")
         }
     }
 }
@@ -231,14 +232,10 @@ pub fn entries() -> Vec<Entry> {
     let mut entries = Vec::new();
     for part in [
         orders::entries,
-        weak::entries,
         errors::entries,
         kubo::entries,
-        pairs::entries,
-        additive::entries,
-        growth::entries,
+        normal::entries,
         sphere::entries,
-        casimir::entries,
         rare::entries,
     ] {
         entries.extend(part());
@@ -252,25 +249,18 @@ pub fn entries() -> Vec<Entry> {
 ///
 /// The answers are functions of the entries and seeds alone.
 pub fn ask(entries: &[Entry], seeds: std::ops::Range<u64>, done: &(dyn Fn() + Sync)) -> Vec<Row> {
-    let answer = |(number, seed): (usize, u64)| {
-        let entry = &entries[number];
-        let key = StreamKey { seed, experiment: streams::LIBRARY + entry.number };
-        let answer = (entry.ask)(key);
+    let answer = |entry: &Entry, seed| {
+        let answer = (entry.ask)(StreamKey { seed, experiment: streams::LIBRARY + entry.number });
         done();
         answer
     };
-    let questions = |number: usize| {
-        let step = if entries[number].slow { 4 } else { 1 };
-        seeds.clone().step_by(step).map(move |seed| (number, seed))
+    let row = |entry: &Entry| {
+        let step = if entry.slow { 4 } else { 1 };
+        let seeds: Vec<u64> = seeds.clone().step_by(step).collect();
+        let answers: Vec<Answer> = seeds.par_iter().map(|&seed| answer(entry, seed)).collect();
+        Row::new(entry, &answers)
     };
-    let numbers: Vec<(usize, u64)> = (0..entries.len()).flat_map(questions).collect();
-    let answers: Vec<Answer> = numbers.par_iter().map(|&question| answer(question)).collect();
-    let mut answers = answers.into_iter();
-    let row = |(number, entry): (usize, &Entry)| {
-        let own: Vec<Answer> = answers.by_ref().take(questions(number).count()).collect();
-        Row::new(entry, &own)
-    };
-    entries.iter().enumerate().map(row).collect()
+    entries.par_iter().map(row).collect()
 }
 
 /// How E[φ] is asked for.
@@ -279,18 +269,13 @@ struct How {
     accuracy: f64,
     steps: u64,
     coupling: Coupling,
-    max_level: usize,
     old_rule: Option<OldRule>,
 }
 
 impl How {
     /// With eight coarsest steps.
     fn to(accuracy: f64) -> Self {
-        Self { accuracy, steps: 8, coupling: Coupling::Plain, max_level: 12, old_rule: None }
-    }
-
-    fn steps(self, steps: u64) -> Self {
-        Self { steps, ..self }
+        Self { accuracy, steps: 8, coupling: Coupling::Plain, old_rule: None }
     }
 
     fn against(self, old_rule: OldRule) -> Self {
@@ -307,8 +292,14 @@ fn truncation() -> Truncation {
     systems::paper::valid(Truncation::new(4))
 }
 
-/// Path-steps that one expectation may cost: seconds.
+/// Most levels of an expectation, and path-steps that it may cost: seconds.
+const MAX_LEVEL: usize = 12;
 const MAX_COST: u64 = 30_000_000;
+
+/// 1 where an event happens, else 0.
+fn indicator(happens: bool) -> f64 {
+    f64::from(u8::from(happens))
+}
 
 /// The problem E[φ(y(T))] = `truth`, asked of `scheme`.
 fn expected<S, X, const D: usize, const M: usize>(
@@ -324,30 +315,31 @@ where
     X: Scheme<S, D, M> + 'static,
 {
     let ask = move |key: StreamKey| {
-        let mut settings = ExpectationSettings::new(key, truncation(), how.steps, how.coupling);
-        (settings.max_level, settings.max_cost) = (how.max_level, MAX_COST);
+        let settings = ExpectationSettings {
+            max_level: MAX_LEVEL,
+            max_cost: MAX_COST,
+            ..ExpectationSettings::new(key, truncation(), how.steps, how.coupling)
+        };
         let observable = [Observable { name: "φ", function }];
         let run = |settings: &ExpectationSettings| {
             expectation(&scheme, &problem, &observable, how.accuracy, settings, &|_| ())
         };
         let result = match run(&settings) {
             Ok(result) => result,
-            Err(error) => {
-                return Answer { stated: Stated::Undecided(error.to_string()), old: None, cost: 0 };
-            }
+            Err(error) => return Answer::refused(error),
         };
-        let (estimate, reached) = (&result.estimates[0], result.reached());
-        let (lo, hi) = estimate.interval();
-        let reasons = || {
+        let stated = if result.reached() {
+            let (lo, hi) = result.estimates[0].interval();
+            Stated::Interval(lo, hi)
+        } else {
             let reasons: Vec<String> = result.warnings.iter().map(ToString::to_string).collect();
-            reasons.join("; ")
+            Stated::Undecided(reasons.join("; "))
         };
-        let stated = if reached { Stated::Interval(lo, hi) } else { Stated::Undecided(reasons()) };
         let old = how.old_rule.map(|rule| match run(&rule.settings(settings)) {
             Ok(result) => rule.interval(&result.estimates[0], how.accuracy),
-            Err(error) => Stated::Undecided(error.to_string()),
+            Err(error) => Stated::undecided(error),
         });
         Answer { stated, old, cost: result.cost }
     };
-    Entry::new(kind, name, Question::Expectation, Truth::Is(truth), how.old_rule, ask)
+    Entry::new(kind, name, Question::Expectation, Some(truth), how.old_rule, ask)
 }

@@ -1,23 +1,30 @@
-//! Strong orders, with the defaults of [`StepSizes::new`] and sixteen coarsest steps.
+//! Strong orders, with the defaults of [`StepSizes::new`] and sixteen coarsest steps; and weak
+//! orders for one test function, with 20 000 paths and from 8 to 256 steps.
 //!
 //! The orders are those of the theory: 1 of `sexp`, `midpoint` and `heun` with one noise or several
 //! that commute, ½ with others; 1 of `sexp-levy`; ½ of Euler–Maruyama, and 1 with additive noise;
 //! without noise that acts, those of the schemes for ordinary equations. They are limits as τ → 0.
 
+use std::fmt::Display;
+
+use mc::Observable;
 use noise::StreamKey;
 use schemes::{EulerMaruyama, Explicit, Heun, Increment, Midpoint, Scheme, Sexp, SexpLevy};
 use systems::{PoissonSystem, Problem};
-use verify::{Decision, Order, StepSizes, strong_order};
+use verify::{Decision, Order, ReferenceSolution, StepSizes, strong_order, weak_order};
 
 use super::{
     Answer, Entry, OldRule, Question, Stated, Truth,
-    system::{Body, Growth, Plane, Planes, Rate, UNDAMPED, problem},
+    system::{
+        Body, Plane, Rate, START, UNDAMPED, damped_kubo, growth, integrated, kubo, on_sphere,
+        planes, problem,
+    },
     truncation,
 };
 
 /// Euler's scheme without the Itô correction: it converges to the Itô solution.
 #[derive(Clone, Copy)]
-pub struct Uncorrected;
+struct Uncorrected;
 
 impl Explicit for Uncorrected {
     const ID: &'static str = "uncorrected";
@@ -29,26 +36,41 @@ impl Explicit for Uncorrected {
     }
 }
 
-/// What is stated by a measured order, and by the slope alone.
-pub fn stated(order: &Order) -> (Stated, Stated) {
-    let stated = match order.decision {
-        Decision::Order { order, .. } => Stated::order(order),
-        Decision::WrongLimit => Stated::NoOrder,
-        decision => Stated::Undecided(decision.to_string()),
-    };
-    let slope = match &order.rate {
-        Some(rate) => Stated::order(0.5 * (2.0 * rate.estimate).round()),
-        None => Stated::Undecided("no slope".into()),
-    };
-    (stated, slope)
-}
-
 /// Path-steps of a scheme at all step sizes of these.
 pub fn cost(sizes: &StepSizes) -> u64 {
     sizes.samples * 2 * sizes.reference_steps()
 }
 
-fn entry<S, X, const D: usize, const M: usize>(
+/// A question about an order, which is measured on these step sizes.
+fn order_entry<E: Display>(
+    kind: &'static str,
+    name: String,
+    question: Question,
+    truth: Truth,
+    sizes: impl Fn(StreamKey) -> StepSizes + Send + Sync + 'static,
+    measure: impl Fn(&StepSizes) -> Result<Order, E> + Send + Sync + 'static,
+) -> Entry {
+    let ask = move |key: StreamKey| {
+        let sizes = sizes(key);
+        let order = match measure(&sizes) {
+            Ok(order) => order,
+            Err(error) => return Answer::refused(error),
+        };
+        let stated = match order.decision {
+            Decision::Order { order, .. } => Stated::order(order),
+            Decision::WrongLimit => Stated::NoOrder,
+            decision => Stated::undecided(decision),
+        };
+        let slope = match order.rate {
+            Some(rate) => Stated::order(0.5 * (2.0 * rate.estimate).round()),
+            None => Stated::undecided("no slope"),
+        };
+        Answer { stated, old: Some(slope), cost: cost(&sizes) }
+    };
+    Entry::new(kind, name, question, truth, Some(OldRule::FittedSlope), ask)
+}
+
+fn strong<S, X, const D: usize, const M: usize>(
     kind: &'static str,
     name: &str,
     scheme: X,
@@ -61,87 +83,96 @@ where
 {
     let name = format!("{}: {name}", scheme.id());
     let slow = scheme.reads_areas();
-    let ask = move |key: StreamKey| {
-        let sizes = StepSizes::new(16, truncation(), key);
-        match strong_order(&scheme, &problem, &sizes) {
-            Ok(order) => {
-                let (stated, slope) = stated(&order);
-                Answer { stated, old: Some(slope), cost: cost(&sizes) }
-            }
-            Err(error) => {
-                Answer { stated: Stated::Undecided(error.to_string()), old: None, cost: 0 }
-            }
-        }
+    let sizes = |key| StepSizes::new(16, truncation(), key);
+    let measure = move |sizes: &StepSizes| strong_order(&scheme, &problem, sizes);
+    Entry { slow, ..order_entry(kind, name, Question::StrongOrder, truth, sizes, measure) }
+}
+
+fn weak<S, X, const D: usize, const M: usize>(
+    kind: &'static str,
+    name: &str,
+    scheme: X,
+    problem: Problem<S, Rate, D>,
+    function: fn([f64; D]) -> f64,
+    truth: Truth,
+) -> Entry
+where
+    S: PoissonSystem<D, M> + 'static,
+    X: Scheme<S, D, M> + 'static,
+{
+    let name = format!("{}: {name}", scheme.id());
+    let sizes =
+        |key| StepSizes { samples: 20_000, refinement: 1, ..StepSizes::new(8, truncation(), key) };
+    let phi = Observable { name: "φ", function };
+    let measure = move |sizes: &StepSizes| {
+        weak_order(&scheme, &problem, phi, sizes, &ReferenceSolution::Independent)
     };
-    let old_rule = Some(OldRule::FittedSlope);
-    Entry { slow, ..Entry::new(kind, name, Question::StrongOrder, truth, old_rule, ask) }
+    order_entry(kind, name, Question::WeakOrder, truth, sizes, measure)
 }
 
 pub fn entries() -> Vec<Entry> {
     let (sexp, midpoint, em) = (Sexp::default(), Midpoint::default(), EulerMaruyama);
-    let [half, one, two] = [0.5, 1.0, 2.0].map(Truth::Is);
-    let kubo = |omega, sigma| problem(Plane::kubo(omega, sigma), UNDAMPED, [1.0, 0.0], 1.0);
-    let damped = |rate| problem(Plane::kubo(1.0, 1.0), rate, [1.0, 0.0], 1.0);
-    let jump = Rate::Jump { at: 0.37, before: 0.5, after: 3.0 };
-    let additive = |a, b, rate| problem(Plane::additive(a, b, 1.0), rate, [1.0, 0.0], 1.0);
-    let growth =
-        problem(Growth { drift: [0.4, 0.3], noise: [0.5, 0.6] }, UNDAMPED, [1.0, 1.0], 1.0);
-    let planes = problem(
-        Planes { omega: [1.0, -2.0], sigma: [[1.0, 0.5], [0.3, -0.6]] },
-        UNDAMPED,
-        [1.0, 0.0, 1.0, 0.0],
-        1.0,
-    );
-    let start = [0.48, 0.6, 0.64];
-    let top = Body { a: [1.0, 1.0, 3.0], b: [1.4], ..Body::linear([[0.0; 3]]) };
-    let idle = Body { b: [0.0], k: 2.0, ..top };
+    let [half, one, two] = [0.5, 1.0, 2.0].map(Some);
+    let kubo = |omega, sigma| kubo(omega, sigma, 1.0);
+    let damped = |rate| damped_kubo(1.0, 1.0, rate, 1.0);
+    let additive = |a, b, rate| problem(Plane::additive(a, b), rate, [1.0, 0.0], 1.0);
+    let growth = growth(UNDAMPED);
+    let planes = planes([1.0, -2.0], [[1.0, 0.5], [0.3, -0.6]]);
     let leaning = |angle: f64| Body {
         a: [1.0, 0.5, 1.0 / 3.0],
         ..Body::linear([[0.0, 0.0, 1.0], [angle, 0.0, 1.0]])
     };
-    let isotropic = Body::linear([[0.6, 0.0, 0.0], [0.0, 0.6, 0.0], [0.0, 0.0, 0.6]]);
-    let top = problem(top, UNDAMPED, start, 1.0);
-    let idle = problem(idle, UNDAMPED, start, 1.0);
-    let body = |angle| problem(leaning(angle), UNDAMPED, start, 1.0);
-    let sphere = problem(isotropic, UNDAMPED, start, 1.0);
+    let top = on_sphere(Body::top(0.0, 1.4));
+    let idle = on_sphere(Body::top(2.0, 0.0));
+    let body = |angle| on_sphere(leaning(angle));
+    let sphere = on_sphere(Body::isotropic(0.6));
+    let levy = SexpLevy::new(&leaning(1.0), START);
+    let (q, first) = (|y: [f64; 2]| y[0], |y: [f64; 3]| y[0]);
+    let square = |y: [f64; 2]| y[0] * y[0];
     vec![
-        entry("one noise", "Kubo, ω = σ = 1", sexp, kubo(1.0, 1.0), one),
-        entry("one noise", "Kubo, ω = σ = 1", midpoint, kubo(1.0, 1.0), one),
-        entry("one noise", "Kubo, ω = σ = 1", Heun, kubo(1.0, 1.0), one),
-        entry("one noise", "Kubo, ω = σ = 1", em, kubo(1.0, 1.0), half),
-        entry("one noise", "geometric", Heun, growth.clone(), one),
-        entry("one noise", "geometric", em, growth.clone(), half),
-        entry("one noise", "time change of a top", sexp, top.clone(), one),
-        entry("one noise", "time change of a top", em, top, half),
-        entry("damping", "Kubo, γ = 20", sexp, damped(Rate::Constant(20.0)), one),
-        entry("damping", "Kubo, γ jumps", sexp, damped(jump), one),
-        entry("damping", "Kubo, γ jumps", em, damped(jump), half),
-        entry("weak noise", "Kubo, ω = 6, σ = 0.1", sexp, kubo(6.0, 0.1), one),
-        entry("weak noise", "Kubo, ω = 1, σ = 1e-3", sexp, kubo(1.0, 1e-3), one),
-        entry("weak noise", "Kubo, ω = 1, σ = 0.03", em, kubo(1.0, 0.03), half),
-        entry("additive noise", "oscillator", sexp, additive(1.0, 1.0, UNDAMPED), one),
-        entry("additive noise", "oscillator", em, additive(1.0, 1.0, UNDAMPED), one),
-        entry("additive noise", "integrated", Heun, additive(0.0, 1.0, UNDAMPED), one),
-        entry("additive noise", "Langevin", sexp, additive(2.0, 2.0, Rate::Constant(0.7)), one),
-        entry("commuting noises", "two planes", sexp, planes.clone(), one),
-        entry("commuting noises", "two planes", em, planes, half),
-        entry("other noises", "body, 1 rad apart", sexp, body(1.0), half),
-        entry("other noises", "body, 1 rad apart", Heun, body(1.0), half),
-        entry("other noises", "body, 1 rad apart", em, body(1.0), half),
-        entry(
-            "other noises",
-            "body, 1 rad apart",
-            SexpLevy::new(&leaning(1.0), start),
-            body(1.0),
-            one,
-        ),
-        entry("other noises", "sphere", sexp, sphere.clone(), half),
-        entry("nearly commuting", "body, 0.03 rad apart", sexp, body(0.03), half),
-        entry("nearly commuting", "body, 0.2 rad apart", midpoint, body(0.2), half),
-        entry("Casimir noise", "top, H₁ = |y|²", sexp, idle.clone(), two),
-        entry("Casimir noise", "top, H₁ = |y|²", em, idle, one),
-        entry("wrong limit", "Kubo", Uncorrected, kubo(1.0, 1.0), Truth::NoOrder),
-        entry("wrong limit", "geometric", Uncorrected, growth, Truth::NoOrder),
-        entry("wrong limit", "sphere", Uncorrected, sphere, Truth::NoOrder),
+        strong("one noise", "Kubo, ω = σ = 1", sexp, kubo(1.0, 1.0), one),
+        strong("one noise", "Kubo, ω = σ = 1", midpoint, kubo(1.0, 1.0), one),
+        strong("one noise", "Kubo, ω = σ = 1", Heun, kubo(1.0, 1.0), one),
+        strong("one noise", "Kubo, ω = σ = 1", em, kubo(1.0, 1.0), half),
+        strong("one noise", "geometric", Heun, growth.clone(), one),
+        strong("one noise", "geometric", em, growth.clone(), half),
+        strong("one noise", "time change of a top", sexp, top.clone(), one),
+        strong("one noise", "time change of a top", em, top, half),
+        strong("damping", "Kubo, γ = 20", sexp, damped(Rate::Constant(20.0)), one),
+        strong("damping", "Kubo, γ jumps", sexp, damped(Rate::JUMP), one),
+        strong("damping", "Kubo, γ jumps", em, damped(Rate::JUMP), half),
+        strong("weak noise", "Kubo, ω = 6, σ = 0.1", sexp, kubo(6.0, 0.1), one),
+        strong("weak noise", "Kubo, ω = 1, σ = 1e-3", sexp, kubo(1.0, 1e-3), one),
+        strong("weak noise", "Kubo, ω = 1, σ = 0.03", em, kubo(1.0, 0.03), half),
+        strong("additive noise", "oscillator", sexp, additive(1.0, 1.0, UNDAMPED), one),
+        strong("additive noise", "oscillator", em, additive(1.0, 1.0, UNDAMPED), one),
+        strong("additive noise", "integrated", Heun, additive(0.0, 1.0, UNDAMPED), one),
+        strong("additive noise", "Langevin", sexp, additive(2.0, 2.0, Rate::Constant(0.7)), one),
+        strong("commuting noises", "two planes", sexp, planes.clone(), one),
+        strong("commuting noises", "two planes", em, planes, half),
+        strong("other noises", "body, 1 rad apart", sexp, body(1.0), half),
+        strong("other noises", "body, 1 rad apart", Heun, body(1.0), half),
+        strong("other noises", "body, 1 rad apart", em, body(1.0), half),
+        strong("other noises", "body, 1 rad apart", levy, body(1.0), one),
+        strong("other noises", "sphere", sexp, sphere.clone(), half),
+        strong("nearly commuting", "body, 0.03 rad apart", sexp, body(0.03), half),
+        strong("nearly commuting", "body, 0.2 rad apart", midpoint, body(0.2), half),
+        strong("Casimir noise", "top, H₁ = |y|²", sexp, idle.clone(), two),
+        strong("Casimir noise", "top, H₁ = |y|²", em, idle.clone(), one),
+        strong("wrong limit", "Kubo", Uncorrected, kubo(1.0, 1.0), None),
+        strong("wrong limit", "geometric", Uncorrected, growth, None),
+        strong("wrong limit", "sphere", Uncorrected, sphere, None),
+        weak("one noise", "q of Kubo, ω = σ = 1", midpoint, kubo(1.0, 1.0), q, one),
+        weak("one noise", "q of Kubo, ω = σ = 1", em, kubo(1.0, 1.0), q, one),
+        weak("one noise", "q² of Kubo, ω = σ = 1", Heun, kubo(1.0, 1.0), square, one),
+        // The error of order one is of size σ⁴τ, that of order two of size τ².
+        weak("weak noise", "q of Kubo, ω = 3, σ = 0.3", sexp, kubo(3.0, 0.3), q, one),
+        // Var Σ τW_n = ⅓ − ½τ + τ²/6.
+        weak("additive noise", "(∫W)²", em, integrated(), square, one),
+        // Of the trapezoidal rule, ⅓ − τ²/12.
+        weak("additive noise", "(∫W)²", Heun, integrated(), square, two),
+        weak("Casimir noise", "y₁ of a top", sexp, idle.clone(), first, two),
+        weak("Casimir noise", "y₁ of a top", em, idle, first, one),
+        weak("wrong limit", "q of Kubo", Uncorrected, kubo(1.0, 1.0), q, None),
     ]
 }

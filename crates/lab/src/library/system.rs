@@ -17,6 +17,9 @@ pub enum Rate {
 pub const UNDAMPED: Rate = Rate::Constant(0.0);
 
 impl Rate {
+    /// ½, and 3 from 0.37 on.
+    pub const JUMP: Self = Self::Jump { at: 0.37, before: 0.5, after: 3.0 };
+
     /// ∫₀ᵗ γ.
     pub fn until(self, t: f64) -> f64 {
         match self {
@@ -76,15 +79,25 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// q + ip is turned by −(ωT + σW(T)).
-    pub fn kubo(omega: f64, sigma: f64) -> Self {
-        Self { a: omega, b: omega, sigma, c: 0.0 }
+    /// dq = bp dt, dp = −aq dt + dW.
+    pub fn additive(a: f64, b: f64) -> Self {
+        Self { a, b, sigma: 0.0, c: 1.0 }
     }
+}
 
-    /// dq = bp dt, dp = −aq dt + c dW.
-    pub fn additive(a: f64, b: f64, c: f64) -> Self {
-        Self { a, b, sigma: 0.0, c }
-    }
+/// Kubo's oscillator from (1, 0): q + ip is turned by −(ωT + σW(T)) and damped.
+pub fn damped_kubo(omega: f64, sigma: f64, rate: Rate, t: f64) -> Problem<Plane, Rate, 2> {
+    problem(Plane { a: omega, b: omega, sigma, c: 0.0 }, rate, [1.0, 0.0], t)
+}
+
+/// The same without damping.
+pub fn kubo(omega: f64, sigma: f64, t: f64) -> Problem<Plane, Rate, 2> {
+    damped_kubo(omega, sigma, UNDAMPED, t)
+}
+
+/// dq = p dt, dp = dW from the origin to T = 1: p = W(1), and q = ∫W has the variance ⅓.
+pub fn integrated() -> Problem<Plane, Rate, 2> {
+    problem(Plane::additive(0.0, 1.0), UNDAMPED, [0.0; 2], 1.0)
 }
 
 impl PoissonSystem<2, 1> for Plane {
@@ -128,6 +141,11 @@ impl PoissonSystem<2, 1> for Growth {
     }
 }
 
+/// [`Growth`] from (1, 1) to T = 1.
+pub fn growth(rate: Rate) -> Problem<Growth, Rate, 2> {
+    problem(Growth { drift: [0.4, 0.3], noise: [0.5, 0.6] }, rate, [1.0, 1.0], 1.0)
+}
+
 /// so(3), By·v = y × v: H₀ = ½Σ aᵢyᵢ² + c·y and Hₘ = ½k_m|y|² + ½b_my₃² + σ_m·y. A linear
 /// Hamiltonian c·y turns y about c, clockwise; ½by₃² turns y about the third axis by −by₃ dt; |y|²
 /// has no effect.
@@ -145,6 +163,28 @@ impl<const M: usize> Body<M> {
     pub fn linear(sigma: [[f64; 3]; M]) -> Self {
         Self { a: [0.0; 3], c: [0.0; 3], k: 0.0, b: [0.0; M], sigma }
     }
+}
+
+impl Body<1> {
+    /// A symmetric top with H₁ = ½k|y|² + ½by₃², which is ½bH₀ up to a Casimir.
+    pub fn top(k: f64, b: f64) -> Self {
+        Self { a: [1.0, 1.0, 3.0], k, b: [b], ..Self::linear([[0.0; 3]]) }
+    }
+}
+
+impl Body<3> {
+    /// Noises of size σ along the axes.
+    pub fn isotropic(sigma: f64) -> Self {
+        Self::linear([[sigma, 0.0, 0.0], [0.0, sigma, 0.0], [0.0, 0.0, sigma]])
+    }
+}
+
+/// A point of the unit sphere.
+pub const START: [f64; 3] = [0.48, 0.6, 0.64];
+
+/// A body from [`START`] to T = 1.
+pub fn on_sphere<const M: usize>(body: Body<M>) -> Problem<Body<M>, Rate, 3> {
+    problem(body, UNDAMPED, START, 1.0)
 }
 
 impl<const M: usize> PoissonSystem<3, M> for Body<M> {
@@ -195,4 +235,9 @@ impl PoissonSystem<4, 2> for Planes {
             + (y[2] * y[2] + y[3] * y[3]) * (0.5 * angle(1))
     }
     const QUADRATIC: bool = true;
+}
+
+/// Planes with two noises each, from (1, 0, 1, 0) to T = 1.
+pub fn planes(omega: [f64; 2], sigma: [[f64; 2]; 2]) -> Problem<Planes, Rate, 4> {
+    problem(Planes { omega, sigma }, UNDAMPED, [1.0, 0.0, 1.0, 0.0], 1.0)
 }

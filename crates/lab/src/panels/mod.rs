@@ -8,7 +8,7 @@ use mc::Observable;
 use real::elementary::{cos, sin};
 use systems::paper;
 
-use crate::{Experiment, Words};
+use crate::{Experiment, Words, in_words};
 use invariant::InvariantPanel;
 use strong::StrongPanel;
 use weak::WeakPanel;
@@ -19,7 +19,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         StrongPanel {
             words: Words {
                 title: "Damped stochastic pendulum: strong convergence",
-                system: "pendulum, c = 1",
+                system: in_words::PENDULUM,
                 paper: "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
             },
             last: 12,
@@ -32,7 +32,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         InvariantPanel {
             words: Words {
                 title: "Damped stochastic rigid body: the Casimir ½|y|² along one path",
-                system: "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
+                system: in_words::BODY_3,
                 paper: "sexp follows the conformal law of the Casimir; Euler–Maruyama does not.",
             },
             steps: 100,
@@ -44,7 +44,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         StrongPanel {
             words: Words {
                 title: "Damped stochastic rigid body, three noises: strong convergence",
-                system: "rigid body, I = (2, 1, 2/3), Î = (1, 2, 3)",
+                system: in_words::BODY_3,
                 paper: "With several noises all three schemes have strong order 1/2.",
             },
             last: 14,
@@ -57,7 +57,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         StrongPanel {
             words: Words {
                 title: "Damped stochastic rigid body, only W₁: strong convergence",
-                system: "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1",
+                system: in_words::BODY_1,
                 paper: "With one noise sexp and midpoint have strong order 1, Euler–Maruyama 1/2.",
             },
             last: 14,
@@ -75,7 +75,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         InvariantPanel {
             words: Words {
                 title: "Damped stochastic rigid body, noise H₀: the energy along one path",
-                system: "rigid body, one noise H₀, I = (2, 1, 2/3)",
+                system: in_words::BODY_ENERGY,
                 paper: "sexp follows the conformal law of the energy.",
             },
             steps: 100,
@@ -100,7 +100,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         StrongPanel {
         words: Words {
             title: "Damped stochastic Lotka–Volterra system: strong convergence",
-            system: "Lotka–Volterra, a = −1, b = −1, c = 1",
+            system: in_words::VOLTERRA,
             paper: "sexp has strong order 1; m(H) = 0, so the theorems do not apply. (The paper's \
                     reference has the finest step of the figure, where the error is then zero by \
                     construction; here it is finer.)",
@@ -129,7 +129,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         words: Words {
             title: "Damped three-dimensional Poisson system: the Casimir ½(y₁+y₂+y₃)² along one \
                     path",
-            system: "three-dimensional Poisson system, c = 1",
+            system: in_words::POISSON,
             paper: "sexp follows the conformal law of the Casimir; Euler–Maruyama slightly less \
                     well, midpoint well.",
         },
@@ -142,7 +142,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         StrongPanel {
             words: Words {
                 title: "Damped three-dimensional Poisson system: strong convergence",
-                system: "three-dimensional Poisson system, c = 1",
+                system: in_words::POISSON,
                 paper: "sexp and midpoint have strong order 1, Euler–Maruyama has 1/2.",
             },
             last: 12,

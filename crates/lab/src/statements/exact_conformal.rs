@@ -93,7 +93,7 @@ pub fn law<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
             invariant.formula,
             invariant.degree
         );
-        Claim::new("exact-conformal", statement, Evidence::Bounds { quantities, failed: 0 })
+        Claim::new("exact-conformal", statement, Evidence::bounds(quantities))
     };
     system.invariants().iter().enumerate().map(claim).collect()
 }

@@ -7,6 +7,7 @@
 //! random pairs of points with increments up to the truncation bound are mapped, and the iteration
 //! is started from both.
 
+use mc::squared_distance;
 use noise::WienerPath;
 use real::elementary::ln;
 use systems::{
@@ -15,7 +16,6 @@ use systems::{
 };
 use verify::{
     results::{Bounded, Claim, Evidence},
-    work_precision::squared_distance,
     worse,
 };
 
@@ -63,8 +63,7 @@ pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
         let dw = bound * (2.0 * f64::from(pair) / f64::from(pairs - 1) - 1.0);
         // ψ(z) of the scheme.
         let psi = |z: [f64; D]| -> [f64; D] {
-            let gradient = system.averaged_gradient(z_hat, z, tau, [dw]);
-            let change = system.structure(dgrad::midpoint(z_hat, z), gradient);
+            let change = system.averaged_field(z_hat, z, tau, [dw]);
             std::array::from_fn(|i| z_hat[i] + change[i])
         };
         let distance = squared_distance(one, other).sqrt();
@@ -90,5 +89,5 @@ pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
         ),
     ];
     let statement = format!("{}: the step has a unique solution once C(k, τ) < 1", system.name());
-    Claim::new("solvability", statement, Evidence::Bounds { quantities, failed: 0 })
+    Claim::new("solvability", statement, Evidence::bounds(quantities))
 }

@@ -66,7 +66,7 @@ fn variance() -> Claim {
         Bounded::at_most(format!("largest, {RANGE}"), largest, 1.0),
     ];
     let statement = "0 ≤ E[ΔW²] − E[ΔŴ²] ≤ (1 + A) τ^(k+1)";
-    Claim::new("truncation-moments", statement, Evidence::Bounds { quantities, failed: 0 })
+    Claim::new("truncation-moments", statement, Evidence::bounds(quantities))
 }
 
 /// [`ORDERS`] and [`EXPONENTS`] in words.
@@ -131,7 +131,7 @@ fn distances(powers: &[i32]) -> Claim {
     }
     let names: Vec<String> = powers.iter().map(ToString::to_string).collect();
     let statement = format!("‖ΔW − ΔŴ‖ in L^p ≤ C τ^((1+k)/2) for p = {}", names.join(", "));
-    let measured = Evidence::Bounds { quantities, failed: 0 };
+    let measured = Evidence::bounds(quantities);
     let mut claim = Claim::new("truncation-moments", statement, measured);
     if claim.verdict == Verdict::Refuted && powers.iter().all(|&p| p > 2) {
         claim.erratum = "The estimate is stated for all p but holds for p ≤ 2 only, which is all \

@@ -16,21 +16,19 @@ use verify::{
 };
 
 use crate::{
-    Conditions, Findings, Method, PaperSystem, Words, compiled,
+    Conditions, Findings, Method, PaperSystem, Words, compiled, in_words,
     panels::strong::{Grid, StrongRuns, curves_of_the_paper},
     truncation,
 };
 
 pub fn lotka_volterra(conditions: &Conditions) -> Findings {
     let title = "Lotka–Volterra against its exact solution: strong convergence";
-    let system = "Lotka–Volterra, a = −1, b = −1, c = 1";
-    compare(conditions, title, system, &paper::lotka_volterra_1_1())
+    compare(conditions, title, in_words::VOLTERRA, &paper::lotka_volterra_1_1())
 }
 
 pub fn rigid_body(conditions: &Conditions) -> Findings {
     let title = "Rigid body with noise H₀ against its exact solution: strong convergence";
-    let system = "rigid body, one noise H₀, I = (2, 1, 2/3)";
-    compare(conditions, title, system, &paper::rigid_body_energy(1.0))
+    compare(conditions, title, in_words::BODY_ENERGY, &paper::rigid_body_energy(1.0))
 }
 
 /// The random time whose flow is the exact solution, on finest steps of T/`finest_steps`. Both

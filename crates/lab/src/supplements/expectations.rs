@@ -15,7 +15,8 @@ use verify::{
 };
 
 use crate::{
-    Conditions, Findings, Method, Words, compiled, panels::weak_observables, streams, truncation,
+    Conditions, Findings, Method, Words, compiled, in_words, panels::weak_observables, streams,
+    truncation,
 };
 
 /// Steps on [0, 1] of the coarsest level: with two, the first difference has already the variance
@@ -91,7 +92,7 @@ const COS_Y3: [Observable<3>; 1] =
 
 const COST: Words = Words {
     title: "E[cos y_3] of the rigid body with three noises: cost against accuracy",
-    system: "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)",
+    system: in_words::BODY_3,
     paper: "Not in the paper, which takes single paths. With weak order 1 they cost ε⁻³; the \
             antithetic multilevel method costs ε⁻², since the variance of a level falls like τ².",
 };

@@ -5,13 +5,13 @@ use schemes::Sexp;
 use systems::paper::{rigid_body_one_noise, valid};
 
 use crate::{
-    Conditions, Findings, Method, Words, compiled,
+    Conditions, Findings, Method, Words, compiled, in_words,
     panels::strong::{Curve, Grid, StrongRuns},
 };
 
 const WORDS: Words = Words {
     title: "What the truncation order k does: sexp on the rigid body, only W₁",
-    system: "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1",
+    system: in_words::BODY_1,
     paper: "The theorems ask k ≥ 2 for order 1; the k of the experiments is not stated. With k = 1 \
             clipped increments spoil the order, with k = 2 a handful of them dominates the \
             mean-square error of coarse steps.",

@@ -1,6 +1,6 @@
 //! Dense linear algebra for matrices of the size of a system.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use real::{Bounded, Real};
 
 /// A matrix by rows.
@@ -86,12 +86,6 @@ pub fn backward_error(rows: usize, columns: usize) -> f64 {
     8.0 * f64::EPSILON * ((rows * columns) as f64).sqrt()
 }
 
-/// x of Ax = b.
-pub fn solve(a: &Matrix, b: &[f64]) -> Vec<f64> {
-    let x = dense(a).lu().solve(&DVector::from_column_slice(b));
-    x.map_or_else(|| vec![f64::NAN; b.len()], |x| x.iter().copied().collect())
-}
-
 /// The singular values σ of A in descending order, padded by zeros, and its right singular vectors.
 pub fn singular_vectors(a: &Matrix, columns: usize) -> (Vec<f64>, Matrix) {
     let mut rows = a.clone();
@@ -151,12 +145,6 @@ mod tests {
         // The norm of a shear, (1 + √5)/2.
         let shear = spectral_norm(&vec![vec![1.0, 1.0], vec![0.0, 1.0]]);
         assert!((shear - 0.5 * (1.0 + 5f64.sqrt())).abs() < 1e-15);
-    }
-
-    #[test]
-    fn a_system_is_solved() {
-        let x = solve(&vec![vec![0.0, 2.0], vec![3.0, 1.0]], &[4.0, 5.0]);
-        assert!((x[0] - 1.0).abs() < 1e-15 && (x[1] - 2.0).abs() < 1e-15, "{x:?}");
     }
 
     #[test]

@@ -157,8 +157,8 @@ impl Casimirs {
             if sigma.iter().any(|s| s.is_nan()) {
                 all.complete = Status::Unknown;
             }
-            // The angle of the subspace is at most the error over the gap (Wedin 1972); reduction to
-            // echelon form with complete pivoting adds up one for each of the other vectors.
+            // The angle of the subspace is at most the error over the gap (Wedin 1972); reduction
+            // to echelon form with complete pivoting adds up one for each of the other vectors.
             let gap = sigma.iter().copied().filter(|s| *s > error).fold(f64::INFINITY, f64::min);
             let angle = (error / gap).max(f64::EPSILON) * (zero + 1) as f64;
             let candidate = |mut x: Coefficients| {

@@ -9,15 +9,16 @@
 //! - which statements of the paper apply, which orders to expect, and a scheme to take;
 //! - the step size below which the implicit step is a contraction.
 //!
-//! [`inspect_problem`] adds what follows from damping and initial value, and looks along pilot paths.
-//! A report prints as text and serializes as data.
+//! [`inspect_problem`] adds what follows from damping and initial value, and looks along pilot
+//! paths. A report prints as text and serializes as data.
 //!
 //! Each [`Finding`] has a [`Status`]. All formulas are evaluated in numbers that bound their own
 //! rounding error ([`real::Bounded`]), component by component. A defect beyond its bound is a
 //! counterexample: the identity is *refuted*, and the defect is printed with its place. An identity
 //! that held at all points is *shown* if its formulas are polynomials of a degree below the number
-//! of points, else *found by search*; the accuracy is printed. Where the bound is above 1e-11 of the
-//! terms it *cannot be told*. A supremum is the largest value over the points, a lower bound only.
+//! of points, else *found by search*; the accuracy is printed. Where the bound is above 1e-11 of
+//! the terms it *cannot be told*. A supremum is the largest value over the points, a lower bound
+//! only.
 //!
 //! ```
 //! use systems::{MaxwellBloch, RigidBody};
@@ -111,7 +112,7 @@ where
     let system = Erased::<S, D, M>(problem.system());
     let length = norm(&problem.y0());
     let ball = Region::Ball(if length > 0.0 { 2.0 * length } else { HALF_SIDE });
-    let pilot = pilot_paths(&system, problem.damping(), &problem.y0(), problem.t_end());
+    let pilot = pilot_paths(problem);
     let points = Points::new(&system, ball, Some(&problem.y0()))?;
     let points = points.with_paths(&system, &problem.y0(), pilot);
     check_finite(&system, &points)?;

@@ -5,7 +5,7 @@ use std::fmt::{Display, Formatter, Result};
 use serde::Serialize;
 
 use super::{
-    casimirs::Casimirs,
+    casimirs::{Casimirs, FoundCasimir},
     damping::DampingIntegral,
     erased::System,
     finding::{Finding, Status},
@@ -115,48 +115,43 @@ impl Inspection {
 
     /// Lists what is wrong, and what cannot be told.
     pub(super) fn with_mistakes(mut self) -> Self {
-        let Self { structure, hamiltonians: h, noise, .. } = &self;
-        let must_hold = [
-            (&structure.linear, "structure(y, v) is not linear in v"),
-            (&structure.skew, "B(y) is not skew-symmetric"),
-            (&h.linear, "energy(y, dt, dw) is not linear in (dt, dw)"),
-            (&h.gradient, "gradient is not the gradient of energy"),
-            (&h.averaged_gradient, "averaged_gradient(y, y) is not the gradient of energy at y"),
-            (
+        let Self { structure, hamiltonians: h, noise, invariants, .. } = &self;
+        let check = |finding: &Finding, what| (finding.status, format!("{what}: {finding}"));
+        let mut checks = vec![
+            check(&structure.linear, "structure(y, v) is not linear in v"),
+            check(&structure.skew, "B(y) is not skew-symmetric"),
+            check(&h.linear, "energy(y, dt, dw) is not linear in (dt, dw)"),
+            check(&h.gradient, "gradient is not the gradient of energy"),
+            check(
+                &h.averaged_gradient,
+                "averaged_gradient(y, y) is not the gradient of energy at y",
+            ),
+            check(
                 &h.averaged_field,
                 "averaged_field(a, b) is not structure((a+b)/2, averaged_gradient(a, b))",
             ),
-            (&h.prediction, "the residual of the predicted step exceeds the bound given with it"),
-            (&noise.commutators, "commutators is not what follows from B and the energy"),
-            (&h.discrete_gradient, "averaged_gradient(a, b)·(b − a) is not the change of energy"),
+            check(
+                &h.prediction,
+                "the residual of the predicted step exceeds the bound given with it",
+            ),
+            check(&noise.commutators, "commutators is not what follows from B and the energy"),
         ];
-        // The row of ∇̄h has the error of a quadrature.
-        let quadrature = |finding: &Finding| {
-            std::ptr::eq(finding, &h.discrete_gradient) && h.quadrature_error <= POOR_QUADRATURE
-        };
-        let (mut mistakes, mut undecided) = (Vec::new(), Vec::new());
-        for (finding, what) in must_hold {
-            match finding.status {
-                Status::Refuted if !quadrature(finding) => {
-                    mistakes.push(format!("{what}: {finding}"));
-                }
-                Status::Unknown => undecided.push(format!("whether {what}: {finding}")),
-                _ => {}
-            }
+        // The error of a quadrature is no mistake.
+        if !h.discrete_gradient.refuted() || h.quadrature_error > POOR_QUADRATURE {
+            let what = "averaged_gradient(a, b)·(b − a) is not the change of energy";
+            checks.push(check(&h.discrete_gradient, what));
         }
-        if let Some(problem) = &self.problem {
+        if let Some(ProblemFindings { integral, .. }) = &self.problem {
             let what = "the integral of the damping is not the integral of its rate";
-            match problem.integral.agrees {
-                Status::Refuted => mistakes.push(format!("{what}: {}", problem.integral)),
-                Status::Unknown => undecided.push(format!("whether {what}: {}", problem.integral)),
-                _ => {}
-            }
+            checks.push((integral.agrees, format!("{what}: {integral}")));
         }
-        mistakes.extend(self.invariants.iter().flat_map(|i| i.mistakes.iter().cloned()));
-        for invariant in self.invariants.iter().filter(|i| i.status() == Status::Unknown) {
-            undecided.push(format!("whether the claim on {} is true", invariant.name));
-        }
-        (self.mistakes, self.undecided) = (mistakes, undecided);
+        let all = |status| checks.iter().filter(move |check| check.0 == status);
+        let mistakes = all(Status::Refuted).map(|check| check.1.clone());
+        let mistakes = mistakes.chain(invariants.iter().flat_map(|i| i.mistakes.clone()));
+        let undecided = all(Status::Unknown).map(|check| format!("whether {}", check.1));
+        let claims = invariants.iter().filter(|i| i.status() == Status::Unknown);
+        let claims = claims.map(|i| format!("whether the claim on {} is true", i.name));
+        (self.mistakes, self.undecided) = (mistakes.collect(), undecided.chain(claims).collect());
         self
     }
 
@@ -193,57 +188,60 @@ impl Display for Inspection {
             row(f, "damping", format!("{}; {}", problem.damping, problem.integral))?;
             match (problem.radius, &self.bound) {
                 (Some(radius), Some(bound)) => {
-                    let condition = match (bound.status, bound.minimum.in_domain_only) {
-                        (Status::Shown, false) => "",
-                        (Status::Shown, true) => " while they are in the domain",
-                        (_, false) => " if that bound, found by search, holds",
-                        (_, true) => {
-                            " while they are in the domain, if the bound, found by search, holds"
-                        }
+                    let inside = if bound.minimum.in_domain_only {
+                        " while they are in the domain"
+                    } else {
+                        ""
                     };
-                    row(f, "paths", format!("stay within ‖y‖ ≤ {}{condition}", length(radius)))?;
+                    let found = match bound.status {
+                        Status::Shown => "",
+                        _ => " if that bound, found by search, holds",
+                    };
+                    let radius = length(radius);
+                    row(f, "paths", format!("stay within ‖y‖ ≤ {radius}{inside}{found}"))?;
                 }
                 _ => row(f, "paths", "no bound was found")?,
             }
         }
         self.write_theory(f)?;
-        let list = |f: &mut Formatter<'_>, title: &str, lines: &[String]| {
-            write!(f, "{title}")?;
-            lines.iter().try_for_each(|line| write!(f, "\n  - {line}"))
-        };
+        let list = |lines: &[String]| lines.join("\n  - ");
         if !self.undecided.is_empty() {
-            list(f, "Cannot tell", &self.undecided)?;
-            writeln!(f)?;
+            writeln!(f, "Cannot tell\n  - {}", list(&self.undecided))?;
         }
-        match (self.mistakes.is_empty(), self.hamiltonians.discrete_gradient.refuted()) {
-            (true, false) => write!(f, "No mistakes found."),
-            (true, true) => write!(f, "No mistakes found but the error of ∇̄h."),
-            _ => list(f, "Mistakes", &self.mistakes),
+        if !self.mistakes.is_empty() {
+            return write!(f, "Mistakes\n  - {}", list(&self.mistakes));
         }
+        let but = if self.hamiltonians.discrete_gradient.refuted() {
+            " but the error of ∇̄h"
+        } else {
+            ""
+        };
+        write!(f, "No mistakes found{but}.")
     }
 }
 
 impl Inspection {
     fn write_properties(&self, f: &mut Formatter<'_>) -> Result {
+        let h = &self.hamiltonians;
         row(f, "B(y)", &self.structure)?;
-        for (m, shape) in self.hamiltonians.shapes.iter().enumerate() {
-            match (self.hamiltonians.noise_size, &self.hamiltonians.proportional) {
+        for (m, shape) in h.shapes.iter().enumerate() {
+            match (h.noise_size, &h.proportional) {
                 (Some(c), Some(finding)) if m == 1 => {
                     row(f, "H1", format!("c H0 up to a constant, c = {c} ({finding})"))?;
                 }
                 _ => row(f, &format!("H{m}"), shape)?,
             }
         }
-        // The combining macron takes a character, but no width.
-        let label = "∇̄h ";
-        let gradient = &self.hamiltonians.discrete_gradient;
-        let error = self.hamiltonians.quadrature_error;
-        let kind = match gradient.status {
-            Status::Refuted => format!("NOT exact: relative error {error:.1e} in h(b) − h(a)"),
+        let gradient = &h.discrete_gradient;
+        let exact = match gradient.status {
+            Status::Refuted => {
+                format!("NOT exact: relative error {:.1e} in h(b) − h(a)", h.quadrature_error)
+            }
             Status::Unknown => format!("exact? {gradient}"),
             _ => format!("exact ({gradient})"),
         };
-        row(f, label, format!(" {kind}"))?;
+        // The combining macron takes a character, but no width.
+        row(f, "∇̄h ", format!(" {exact}"))?;
         if self.noises > 1 {
             let commute = &self.noise.commute;
             let text = match commute.status {
@@ -254,13 +252,13 @@ impl Inspection {
             row(f, "noises", format!("{text}{LINE}({commute})"))?;
         }
         for invariant in &self.invariants {
+            let ClaimedInvariant { name, formula, shape, .. } = invariant;
             let kind = if invariant.claimed_casimir { "Casimir" } else { "energy" };
             let status = match invariant.status() {
                 Status::Refuted => "WRONG, see below",
                 status => status.name(),
             };
-            let (formula, shape) = (invariant.formula, &invariant.shape);
-            row(f, invariant.name, format!("{formula}: {kind} ({status}); {shape}"))?;
+            row(f, name, format!("{formula}: {kind} ({status}); {shape}"))?;
         }
         Ok(())
     }
@@ -274,54 +272,47 @@ impl Inspection {
             _ => "",
         };
         writeln!(f, "  Casimirs of B, {sought}, coefficients to six digits:{none}")?;
-        for casimir in found {
-            let (formula, degree, minimum) = (&casimir.formula, casimir.degree, casimir.minimum);
-            let known = &casimir.casimir;
-            writeln!(f, "    {formula}; degree {degree}, m = {minimum}; B∇C = 0 {known}")?;
+        for FoundCasimir { formula, degree, minimum, casimir, .. } in found {
+            writeln!(f, "    {formula}; degree {degree}, m = {minimum}; B∇C = 0 {casimir}")?;
         }
-        for casimir in nearly {
-            let is = if casimir.casimir.refuted() { "not" } else { "perhaps" };
-            writeln!(f, "    {is} {}: B∇C has {}", casimir.formula, casimir.casimir)?;
+        for FoundCasimir { formula, casimir, .. } in nearly {
+            let is = if casimir.refuted() { "not" } else { "perhaps" };
+            writeln!(f, "    {is} {formula}: B∇C has {casimir}")?;
         }
-        match definite {
-            Some(sum) if found.len() > 1 => {
-                writeln!(f, "    a positive definite sum: {}, m = {}", sum.formula, sum.minimum)
-            }
-            _ => Ok(()),
-        }
+        let sum = definite.iter().filter(|_| found.len() > 1);
+        sum.into_iter().try_for_each(|FoundCasimir { formula, minimum, .. }| {
+            writeln!(f, "    a positive definite sum: {formula}, m = {minimum}")
+        })
     }
 
     fn write_theory(&self, f: &mut Formatter<'_>) -> Result {
         writeln!(f, "Which statements of the paper apply")?;
-        for theorem in &self.theorems {
-            let applies = match theorem.applies {
+        for Theorem { statement, says, applies, because } in &self.theorems {
+            let applies = match applies {
                 Applies::Yes => "yes",
                 Applies::Conditionally => "conditional",
                 Applies::No => "no",
             };
-            writeln!(f, "  {applies:<13}  {}: {}", theorem.statement, theorem.says)?;
-            writeln!(f, "                 {}", theorem.because)?;
+            writeln!(f, "  {applies:<13}  {statement}: {says}\n{:17}{because}", "")?;
         }
-        let orders = self.orders.iter();
-        let orders = orders.map(|o| {
-            let known = match o.known {
+        let order = |order: &ExpectedOrder| {
+            let known = match order.known {
                 Status::Shown => "",
                 Status::Found => " (found)",
                 _ => " at least",
             };
-            format!("{} {}{known} / {}", o.scheme, o.strong, o.weak)
-        });
-        let orders: Vec<String> = orders.collect();
+            format!("{} {}{known} / {}", order.scheme, order.strong, order.weak)
+        };
+        let orders: Vec<String> = self.orders.iter().map(order).collect();
         let Recommendation { scheme, because } = self.recommended;
-        writeln!(f, "Expected orders, strong / weak\n  {}", orders.join(",  "))?;
-        writeln!(f, "Take {scheme}: {because}")?;
         let step = |k| format!("{:.1e} for k = {k}", self.solvability.largest_step(k));
+        let Solvability { points, region, .. } = &self.solvability;
         writeln!(
             f,
-            "Implicit steps of sexp are contractions, C(k, τ) < 1, for τ below\n  {2}\n  \
-             by the largest norms found at {0} points with {1}",
-            self.solvability.points,
-            self.solvability.region,
+            "Expected orders, strong / weak\n  {}\nTake {scheme}: {because}\n\
+             Implicit steps of sexp are contractions, C(k, τ) < 1, for τ below\n  {}\n  \
+             by the largest norms found at {points} points with {region}",
+            orders.join(",  "),
             [1, 2, 4].map(step).join(", ")
         )
     }
@@ -344,17 +335,19 @@ impl Display for Finding {
 
 impl Display for DampingIntegral {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Self { agrees, defect, relative, at, given, expected, rough, .. } = self;
-        let missed = self.resolution;
-        if agrees.holds() {
+        let Self { defect, relative, at, given, expected, resolution, .. } = self;
+        if self.agrees.holds() {
             write!(
                 f,
-                "rate and integral agree to {relative:.0e}, pulses below {missed:.0e} aside"
+                "rate and integral agree to {relative:.0e}, pulses below {resolution:.0e} aside"
             )?;
         } else {
-            write!(f, "rate and integral DISAGREE by {defect:.1e} in a step from t = {at:.4} on")?;
-            let rough = if *rough > 0 { ", and the rate jumps or has pulses" } else { "" };
-            write!(f, "{LINE}∫₀ᵀγ = {given:.6} in 1024 steps, {expected:.6} by quadrature{rough}")?;
+            let rough = if self.rough > 0 { ", and the rate jumps or has pulses" } else { "" };
+            write!(
+                f,
+                "rate and integral DISAGREE by {defect:.1e} in a step from t = {at:.4} on\
+                 {LINE}∫₀ᵀγ = {given:.6} in 1024 steps, {expected:.6} by quadrature{rough}"
+            )?;
         }
         match self.longest_step {
             Some(step) if step < self.t_end => {
@@ -394,18 +387,18 @@ impl Display for Structure {
         if linear.refuted() {
             return write!(f, "structure(y, v) is NOT linear in v, see below");
         }
-        let is = |finding: &Finding, yes: &str, no: &str| match finding.status {
+        let is = |finding: &Finding, yes, no| match finding.status {
             Status::Refuted => format!("{no} ({finding})"),
             Status::Unknown => format!("{yes}? ({finding})"),
             _ => format!("{yes} ({finding})"),
         };
-        writeln!(f, "{}", is(skew, "skew-symmetric", "NOT skew-symmetric, see below"))?;
+        let skew = is(skew, "skew-symmetric", "NOT skew-symmetric, see below");
         let constant = match constant.status {
-            Status::Refuted => "depends on y".to_owned(),
+            Status::Refuted => "depends on y".into(),
             _ => is(constant, "constant", ""),
         };
         let jacobi = is(jacobi, "Jacobi identity", "no Jacobi identity, not needed");
-        write!(f, "           {constant}; {jacobi}")
+        write!(f, "{skew}{LINE}{constant}; {jacobi}")
     }
 }
 

@@ -188,52 +188,35 @@ pub fn theorems(
 ) -> Vec<Theorem> {
     use Applies::{Conditionally, No, Yes};
     let noises = hamiltonians.shapes.len() - 1;
-    let proportional = hamiltonians.proportional.as_ref().is_some_and(Finding::holds);
+    let proportional = hamiltonians.proportional.as_ref().map_or(Status::Refuted, |f| f.status);
     // Noises that are multiples of one energy are one noise.
     let multiple = match hamiltonians.noise_size {
         _ if noises == 0 => Some("no noise".to_owned()),
         Some(c) => Some(format!("H₁ = {c} H₀")),
-        None => (noises > 1 && proportional).then(|| "Hₘ = cₘ H₀ for every m".to_owned()),
+        None => (noises > 1 && proportional.holds()).then(|| "Hₘ = cₘ H₀ for every m".to_owned()),
     };
     let energy_degree = multiple.as_ref().and(hamiltonians.shapes[0].degree);
-    let energy_known = hamiltonians
-        .proportional
-        .as_ref()
-        .map_or(Status::Refuted, |finding| finding.status)
-        .min(hamiltonians.shapes[0].homogeneous.status);
-    // Whether there is another Casimir where none was found.
-    let none = |what: &str| match casimirs.complete {
-        Status::Shown => (No, format!("no {what}")),
-        _ => (Conditionally, format!("cannot tell whether there is a {what}")),
-    };
-
-    let mut laws: Vec<(String, Status)> = invariants
-        .iter()
-        .filter(|i| i.claimed_casimir && i.status().holds())
-        .map(|i| (i.name.to_owned(), i.status()))
-        .collect();
-    let listed: Vec<(String, Status)> =
+    let energy_known = proportional.min(hamiltonians.shapes[0].homogeneous.status);
+    let listed: Vec<_> =
         casimirs.found.iter().map(|c| (c.formula.clone(), c.casimir.status)).collect();
+    let claims = invariants.iter().filter(|i| i.claimed_casimir && i.status().holds());
+    let mut laws: Vec<_> = claims.map(|i| (i.name.to_owned(), i.status())).collect();
     laws.extend(listed.iter().cloned());
     if energy_degree.is_some() && energy_known.holds() {
         laws.push(("H₀".into(), energy_known));
     }
-    let each = |laws: &[(String, Status)]| {
-        let worst = laws.iter().map(|(_, status)| *status).min().unwrap_or(Status::Unknown);
-        let texts: Vec<String> = laws.iter().map(|(law, status)| known(law, *status)).collect();
-        (applies(worst), texts.join("; "))
-    };
-    let conformal = match laws.as_slice() {
-        [] => {
-            let (applies, text) = none("linear or quadratic Casimir");
-            (applies, format!("{text}, no homogeneous energy and no true claim was found"))
+    let each = |laws: &[(String, Status)], what| match laws.iter().map(|(_, status)| *status).min()
+    {
+        Some(worst) => {
+            let texts: Vec<_> = laws.iter().map(|(law, status)| known(law, *status)).collect();
+            (applies(worst), texts.join("; "))
         }
-        laws => each(laws),
+        None if casimirs.complete == Status::Shown => (No, format!("no {what}")),
+        None => (Conditionally, format!("cannot tell whether there is a {what}")),
     };
-    let casimir = match listed.as_slice() {
-        [] => none("linear or quadratic Casimir of B"),
-        listed => each(listed),
-    };
+    let none = "linear or quadratic Casimir, and found no homogeneous energy or true claim";
+    let conformal = each(&laws, none);
+    let casimir = each(&listed, "linear or quadratic Casimir of B");
     let energy = match (multiple, energy_degree) {
         (Some(noise), Some(p)) if hamiltonians.discrete_gradient.holds() => {
             let status = energy_known.min(hamiltonians.discrete_gradient.status);

@@ -48,6 +48,7 @@ use stats::{CrossMoments, root_mean_square_interval};
 use systems::{Damping, PoissonSystem, Problem};
 
 pub use compare::{Crossing, cost_at, crossing};
+pub use mc::squared_distance;
 pub use time::{Repetitions, Time, path_times};
 
 use crate::{FinalMoments, StepSizes};
@@ -132,11 +133,6 @@ pub fn ladder<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
         runs.extend((0..sizes.levels).map(|index| Run::new(scheme, sizes.level(index))));
     }
     Ladder::new(problem, sizes.reference_steps(), top, sizes.truncation, sizes.key, runs)
-}
-
-/// |y − x|².
-pub fn squared_distance<const D: usize>(y: [f64; D], x: [f64; D]) -> f64 {
-    (0..D).map(|i| (y[i] - x[i]) * (y[i] - x[i])).sum()
 }
 
 /// Strong errors at the final time and processor times of `schemes` at every step size of `sizes`.

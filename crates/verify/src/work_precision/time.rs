@@ -2,14 +2,14 @@
 
 use std::hint::black_box;
 
-use mc::{Ladder, LadderError, Run, Statistic, View};
+use mc::{Ladder, LadderError, Run, View};
 use noise::{StreamKey, Truncation};
 use rayon::ThreadPoolBuilder;
 use schemes::Scheme;
 use serde::{Deserialize, Serialize};
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::{Spread, Stopwatch};
+use crate::{FinalMoments, Spread, Stopwatch};
 
 /// Paths that advance together on a ladder and share the damping of a step.
 const PATHS: u64 = 128;
@@ -55,17 +55,6 @@ pub struct Time {
     pub failed: u64,
 }
 
-/// Keeps the states from being optimised away, and nothing else.
-struct Ignored;
-
-impl<const D: usize> Statistic<D> for Ignored {
-    fn observe(&mut self, view: &View<'_, D>) {
-        black_box(view.states);
-    }
-
-    fn merge(&mut self, _later: Self) {}
-}
-
 /// The processor time of a path of every scheme at every number of steps on [0, T], on one thread:
 /// `times[s][l]` is that of scheme s with `steps[l]` steps.
 ///
@@ -97,6 +86,7 @@ pub fn path_times<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
             ladders.push((ladder, steps));
         }
     }
+    let nothing = |_: &View<'_, D>, _: usize, _: &mut [f64]| ();
     let mut measured = vec![(Vec::with_capacity(repetitions.count), 0); ladders.len()];
     // The clock of the thread is read on the thread that works.
     let one = ThreadPoolBuilder::new().num_threads(1).build();
@@ -106,7 +96,8 @@ pub fn path_times<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
             for (&(ref ladder, steps), (seconds, failed)) in ladders.iter().zip(&mut measured) {
                 let paths = repetitions.paths(steps);
                 let watch = Stopwatch::start();
-                *failed = ladder.run(paths, || Ignored, &|_| ()).failed;
+                let new = || FinalMoments::new(ladder.coarse_steps(), 0, &nothing);
+                *failed = black_box(ladder.run(paths, new, &|_| ())).failed;
                 let time = if ladder.runs_on_pool() { watch.thread_s() } else { watch.wall_s() };
                 seconds.push(time / paths as f64);
                 progress(paths * steps);

@@ -20,7 +20,7 @@ use systems::PoissonSystem;
 
 use crate::damping::Rate;
 use crate::hamiltonian::Polynomial;
-use crate::rounding::{Bounded, UNIT, dot};
+use crate::rounding::{Bounded, UNIT, dot, rounded, size};
 use crate::structure::Casimir;
 
 /// S for Newton: changes up to 2ε are accepted by its robust variant, squares of 2⁻³² by the fast
@@ -187,9 +187,9 @@ impl<const D: usize> Transition<D> {
         let (residual, allowed_residual) = residual(map, before, after, solver);
         let rounding: f64 = map.value(after.map(Bounded::exact)).iter().map(|x| x.error).sum();
         let slope = function.slope(before.map(Bounded::exact), after.map(Bounded::exact));
-        let steepest = slope.iter().map(|s| s.size()).fold(0.0, f64::max);
+        let steepest = slope.into_iter().map(size).fold(0.0, f64::max);
         // ẑ and y₁ are products that were rounded.
-        let noise = |y: [f64; D]| function.value(y.map(Bounded::rounded)).error;
+        let noise = |y: [f64; D]| function.value(y.map(rounded)).error;
         let second = self.step.second_decay.powi(function.degree());
         let mut allowed =
             noise(self.y1) + second * (noise(before) + steepest * (allowed_residual + rounding));

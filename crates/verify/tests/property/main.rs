@@ -7,7 +7,7 @@
 //!
 //! | module | idea |
 //! |---|---|
-//! | `rounding` | a number that carries a bound of its own rounding error: where tolerances come from |
+//! | `rounding` | numbers that bound their own rounding error: where tolerances come from |
 //! | `structure`, `hamiltonian`, `damping`, `random` | the random systems and what happens to them |
 //! | `law` | the defect of a conformal law and what round-off and the solver may make of it |
 //! | `identities` | skewness, Casimirs, discrete gradients: no scheme yet |

@@ -1,6 +1,7 @@
 //! How many false alarms are to be expected, and how many are too many.
 
 use report::Outcome;
+use statrs::distribution::{DiscreteCDF, Poisson};
 use verify::results::{Claim, Evidence};
 
 /// The most often that an order is refuted by chance: a 99.9 % interval misses on one side.
@@ -21,17 +22,8 @@ pub fn expected_alarms<'a>(verdicts: impl Iterator<Item = &'a Claim>) -> f64 {
 /// The smallest k that a Poisson number with this mean exceeds with a probability of at most 1 −
 /// `confidence`.
 pub fn poisson_quantile(mean: f64, confidence: f64) -> u64 {
-    let mut term = (-mean).exp();
-    let mut below = term;
-    let mut k = 0;
-    // With a mean so large that its exponential is zero there is no sum to speak of; no page is so
-    // long.
-    while below < confidence && term > 0.0 {
-        k += 1;
-        term *= mean / k as f64;
-        below += term;
-    }
-    k
+    // A mean of zero has no Poisson law.
+    Poisson::new(mean).map_or(0, |law| law.inverse_cdf(confidence))
 }
 
 /// The least power with which `trials` out of `trials` refutations are no surprise at 95 %

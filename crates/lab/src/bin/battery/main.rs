@@ -58,7 +58,7 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Result<ExitCode> {
     files::prepare_file(&arguments.out)?;
     let start = Instant::now();
-    let bars = Bars::new();
+    let bars = Bars::default();
     let mut battery = Battery::default();
     for seed in 1..=arguments.seeds {
         battery.claims.push(claims(seed, &bars)?);

@@ -1,4 +1,4 @@
-//! The page about the battery: statements by seed, twins, coverage, the library.
+//! The page about the battery: statements, twins, coverage, the library.
 
 use lab::library::{Question, Row, Total, by_kind, by_old_rule};
 use report::{Outcome, Page};
@@ -59,8 +59,6 @@ const ALARM_CONFIDENCE: f64 = 0.999;
 /// Probability that any problem of the library is said to be answered falsely too often, if none
 /// is.
 const FALSE_ANSWERS_BY_CHANCE: f64 = 1e-3;
-/// Seeds that stand together in a line of verdicts.
-const SEEDS_TOGETHER: usize = 10;
 
 /// The page in Markdown.
 pub fn page(battery: &Battery) -> Page {
@@ -76,7 +74,6 @@ pub fn page(battery: &Battery) -> Page {
          [mutation.md](mutation.md)."
     ));
     alarms(&mut page, battery);
-    grids(&mut page, battery);
     statements(&mut page, &battery.claims);
     twins(&mut page, &battery.twins);
     expectations(&mut page, &battery.expectations);
@@ -109,48 +106,12 @@ fn alarms(page: &mut Page, battery: &Battery) {
         battery.missed_twins(),
         battery.twins.iter().map(Vec::len).sum::<usize>(),
     ));
-}
-
-/// Every verdict as one character.
-fn grids(page: &mut Page, battery: &Battery) {
-    page.heading(2, "Verdicts by seed");
-    page.paragraph(format!(
-        "A line a statement, numbered as below; a character a seed, 1 to {} in groups of \
-         {SEEDS_TOGETHER}: `·` holds, `u` undecided, `R` refuted, `m` a misprint.",
-        battery.claims.len()
-    ));
-    grid(page, &battery.claims, |claim| match Outcome::of(claim) {
-        Outcome::Holds => '·',
-        Outcome::Undecided => 'u',
-        Outcome::Refuted => 'R',
-        Outcome::Misprint => 'm',
-    });
-    page.paragraph("Wrong twins: `·` refuted, `u` undecided, `H` not detected.");
-    grid(page, &battery.twins, |claim| match claim.verdict {
-        Verdict::Refuted => '·',
-        Verdict::Undecided => 'u',
-        Verdict::Holds => 'H',
-    });
-}
-
-/// One line for each claim of the first seed; a seed that lacks it shows as `?`.
-fn grid(page: &mut Page, seeds: &[Vec<Claim>], letter: impl Fn(&Claim) -> char) {
-    let Some(first) = seeds.first() else { return };
-    let label = |(claim, number): (&Claim, usize)| {
-        let words = [&claim.id, &claim.panel, &claim.scheme].map(String::as_str);
-        let words: Vec<&str> = words.into_iter().filter(|word| !word.is_empty()).collect();
-        format!("{number:3} {}", words.join(" "))
+    let of_seed = |(seed, claims): (usize, &Vec<Claim>)| -> Vec<String> {
+        let refuted = claims.iter().filter(|claim| Outcome::of(claim) == Outcome::Refuted);
+        let words = |c: &Claim| format!("Seed {seed}: `{}` on `{}`, {}", c.id, c.panel, c.evidence);
+        refuted.map(words).collect()
     };
-    let labels: Vec<String> = first.iter().zip(1..).map(label).collect();
-    let width = labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
-    let mut lines = String::new();
-    for (c, label) in labels.iter().enumerate() {
-        let of = |claims: &Vec<Claim>| claims.get(c).map_or('?', &letter);
-        let groups: Vec<String> =
-            seeds.chunks(SEEDS_TOGETHER).map(|group| group.iter().map(of).collect()).collect();
-        lines += &format!("{label:width$}  {}\n", groups.join(" "));
-    }
-    page.verbatim(&lines);
+    page.list((1..).zip(&battery.claims).flat_map(of_seed));
 }
 
 /// How many seeds gave a verdict to claim number c.
@@ -191,11 +152,11 @@ fn twins(page: &mut Page, seeds: &[Vec<Claim>]) {
         100.0 * least_power(seeds.len() as u64),
     ));
     let claims = seeds.iter().take(1).flatten();
-    let rows = TWINS.iter().zip(claims).enumerate().map(|(t, (twin, claim))| {
+    let rows = TWINS.iter().zip(claims).enumerate().map(|(t, ((id, mistake, _), claim))| {
         [
             (t + 1).to_string(),
-            code(twin.claim),
-            twin.mistake.into(),
+            code(id),
+            (*mistake).into(),
             claim.evidence.clone(),
             Outcome::of(claim).words().into(),
             format!("{} of {}", count(seeds, t, Verdict::Refuted), seeds.len()),
@@ -269,10 +230,10 @@ fn library(page: &mut Page, battery: &Battery) {
     page.heading(2, "Problems with known answers");
     page.paragraph(format!(
         "{} questions with exactly known answers and settings as a user would choose them, each \
-         asked with {} seeds. An interval at 95 % may miss in {:.0} % of the answers that are \
-         stated, an order may be false in {:.0} %. A problem is answered *falsely* if so many false \
-         answers have the probability {FALSE_ANSWERS_BY_CHANCE:.0e} over the number of questions at \
-         that share (binomial). Costs are path-steps of an answer. **{} of the questions are \
+         asked with {} seeds. Of the answers that are stated, {:.0} % of the 95 % intervals and \
+         {:.0} % of the orders may be false. A problem is answered *falsely* if so many false \
+         answers have the probability {FALSE_ANSWERS_BY_CHANCE:.0e} over the number of questions \
+         at that share (binomial). Costs are path-steps of an answer. **{} of the questions are \
          answered falsely.**",
         rows.len(),
         rows.first().map_or(0, |row| row.total.asked),
@@ -366,25 +327,23 @@ mod tests {
     }
 
     #[test]
-    fn a_seed_is_a_character() {
+    fn alarms_are_counted_and_named() {
         let (calm, words) = text(&battery(Verdict::Holds));
-        assert!(calm.contains("\n  1 strong-one a-panel  ··u······· ·\n"), "{calm}");
         assert!(words.contains("**0 false alarms**, within the budget"), "{calm}");
         assert!(words.contains("Undecided: 1 of 11 verdicts, 9.1 %"), "{calm}");
-        assert!(calm.contains("(mutation.md)"));
+        assert!(words.contains("| holds | 10 / 1 / 0 |"), "{calm}");
+        assert!(calm.contains("(mutation.md)") && !calm.contains("- Seed"));
         let (alarmed, words) = text(&battery(Verdict::Refuted));
-        assert!(
-            alarmed.contains("··u······· R\n") && words.contains("**1 false alarms**"),
-            "{alarmed}"
-        );
+        assert!(words.contains("**1 false alarms**"), "{alarmed}");
+        assert!(words.contains("- Seed 11: `strong-one` on `a-panel`, no order"), "{alarmed}");
     }
 
     #[test]
-    fn misprints_are_no_alarms_and_missing_claims_show() {
+    fn misprints_are_no_alarms_and_claims_may_be_missing() {
         let mut misprint = battery(Verdict::Holds);
         misprint.claims[4] = vec![claim(Verdict::Refuted, "a sign")];
         misprint.claims[5] = Vec::new();
         let (page, words) = text(&misprint);
-        assert!(page.contains("··u·m?···· ·\n") && words.contains("**0 false alarms**"), "{page}");
+        assert!(words.contains("| 8 / 1 / 1 |") && words.contains("**0 false alarms**"), "{page}");
     }
 }

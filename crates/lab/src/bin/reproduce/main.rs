@@ -64,7 +64,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     let settings = Settings { seed: arguments.seed, mode };
 
     let start = Instant::now();
-    let bars = Bars::new();
+    let bars = Bars::default();
     let mut results = pool.install(|| lab::reproduce(settings, &arguments.only, &bars))?;
     bars.finish();
     results.provenance = provenance::complete(results.provenance, "cargo xtask reproduce", start);

@@ -51,7 +51,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     if let Some(page) = &arguments.page {
         files::prepare_file(page)?;
     }
-    let (start, bars) = (Instant::now(), Bars::new());
+    let (start, bars) = (Instant::now(), Bars::default());
     let mode = if arguments.quick { Mode::Quick } else { Mode::Paper };
     let settings = Settings { seed: arguments.seed, mode };
     let cases = measure::measure(settings, &arguments.only, &bars)?;

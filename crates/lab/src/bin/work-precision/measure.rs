@@ -8,14 +8,14 @@ use lab::{
     setups::{Kind, Setup, Visit, visit_paper},
     truncation,
 };
-use mc::{Run, View};
+use mc::{Run, View, squared_distance};
 use noise::{BlockNoise, Noise};
 use schemes::{Scheme, Step};
 use stats::CrossMoments;
 use systems::{Damping, Invariant, PoissonSystem};
 use verify::{
     FinalMoments, FinalValues, Progress, Settings, StepSizes,
-    work_precision::{Time, WorkPoint, ladder, path_times, squared_distance},
+    work_precision::{Time, WorkPoint, ladder, path_times},
 };
 
 use crate::{

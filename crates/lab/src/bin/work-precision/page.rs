@@ -94,7 +94,7 @@ fn paths(sampled: &Sampled) -> String {
     match sampled.failures.first() {
         None => paths,
         Some(first) => format!(
-            "{paths} {} paths, on which some scheme failed, are left out of all; the first: {first}.",
+            "{paths} {} paths, on which some scheme failed, are left out; the first: {first}.",
             sampled.failed
         ),
     }

@@ -94,7 +94,8 @@ fn antithetic_estimators_are_the_narrowest_per_path_step() {
             [0, 1, 2].map(|i| median(work.iter().map(|row| row[i]).collect()));
         let relative = antithetic / (5.0 * steps) * steps * steps;
         println!(
-            "| 2^-{exponent} | {independent:.1e} | {plain:.1e} | {antithetic:.1e} | {relative:.1e} |"
+            "| 2^-{exponent} | {independent:.1e} | {plain:.1e} | {antithetic:.1e} | \
+             {relative:.1e} |"
         );
         variances.push(relative);
     }

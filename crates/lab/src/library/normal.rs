@@ -1,0 +1,121 @@
+//! Normal laws of additive noise, W itself, its integral and Langevin equations; and of the
+//! logarithms of two geometric Brownian motions.
+
+use schemes::{EulerMaruyama, Heun, Sexp};
+
+use super::{
+    Entry, How, expected, indicator,
+    law::{Normal, above, excess},
+    system::{Plane, Rate, UNDAMPED, growth, integrated, problem},
+};
+
+/// E|N|^½ of a standard normal, 2^{1/4}Γ(3/4)/√π.
+const ROOT: f64 = 1.189_207_115_002_721 * 1.225_416_702_465_177_6 / 1.772_453_850_905_516;
+
+pub fn entries() -> Vec<Entry> {
+    let sexp = Sexp::default();
+    let walk = |kind, name, function, accuracy, truth| {
+        expected((kind, name), sexp, integrated(), function, How::to(accuracy), truth)
+    };
+    // dp = −q dt − γp dt + dW, dq = p dt − γq dt. With a = b = ω the state is e^{−γT} times y₀
+    // turned, plus a normal of covariance ∫ e^{−2γs}(sin² ωs, sin ωs cos ωs; cos² ωs) ds.
+    let (gamma, omega, t) = (0.7, 2.0, 1.5);
+    let langevin = problem(Plane::additive(omega, omega), Rate::Constant(gamma), [1.0, 0.0], t);
+    let decay = (-gamma * t).exp();
+    // ∫ e^{−2γs} cos 2ωs ds = [e^{−2γs}(ω sin 2ωs − γ cos 2ωs)]/(2(γ² + ω²)).
+    let primitive = |s: f64| {
+        (-2.0 * gamma * s).exp()
+            * (omega * (2.0 * omega * s).sin() - gamma * (2.0 * omega * s).cos())
+            / (2.0 * (gamma * gamma + omega * omega))
+    };
+    let (whole, wave) = ((1.0 - decay * decay) / (2.0 * gamma), primitive(t) - primitive(0.0));
+    let q = Normal::new(decay * (omega * t).cos(), 0.5 * (whole - wave));
+    let p = Normal::new(-decay * (omega * t).sin(), 0.5 * (whole + wave));
+    // γ alone: Ornstein–Uhlenbeck, p of variance (1 − e^{−2γT})/(2γ).
+    let relaxed = problem(Plane::additive(0.0, 0.0), Rate::Constant(2.0), [0.0, 1.0], 1.0);
+    let ornstein = Normal::new((-2.0f64).exp(), 0.25 * (1.0 - (-4.0f64).exp()));
+    // E|X| = s√(2/π)e^{−m²/2s²} + m(1 − 2Φ(−m/s)) of X = p − ½.
+    let (m, s) = (ornstein.mean - 0.5, ornstein.deviation);
+    let distance = s * (2.0 / std::f64::consts::PI).sqrt() * (-0.5 * m * m / (s * s)).exp()
+        + m * (1.0 - 2.0 * above(m / s));
+    let heun = |name, rate, function, accuracy, truth| {
+        expected(("geometric", name), Heun, growth(rate), function, How::to(accuracy), truth)
+    };
+    // ln x = bT + βW and ln y = −aT − αW − ∫γ.
+    let x = Normal::new(0.3, 0.36);
+    vec![
+        walk("additive noise", "W > 1", |y| indicator(y[1] > 1.0), 0.01, above(1.0)),
+        walk("additive noise", "(W − ½)₊", |y| (y[1] - 0.5).max(0.0), 0.01, excess(0.5)),
+        walk("additive noise", "e^W", |y| y[1].exp(), 0.05, 0.5f64.exp()),
+        expected(
+            ("additive noise", "(∫W)²"),
+            Heun,
+            integrated(),
+            |y| y[0] * y[0],
+            How::to(0.01),
+            1.0 / 3.0,
+        ),
+        expected(
+            ("additive noise", "∫W > ½, Euler–Maruyama"),
+            EulerMaruyama,
+            integrated(),
+            |y| indicator(y[0] > 0.5),
+            How::to(0.02),
+            Normal::new(0.0, 1.0 / 3.0).above(0.5),
+        ),
+        // E|q|^½ = (1/3)^{1/4} E|N|^½: a cusp where the density is largest.
+        walk("kinks", "|∫W|^½", |y| y[0].abs().sqrt(), 0.01, (1.0f64 / 3.0).powf(0.25) * ROOT),
+        expected(
+            ("Langevin", "q > 0.2"),
+            sexp,
+            langevin.clone(),
+            |y| indicator(y[0] > 0.2),
+            How::to(0.02),
+            q.above(0.2),
+        ),
+        // E p² = mean² + variance.
+        expected(
+            ("Langevin", "p²"),
+            sexp,
+            langevin.clone(),
+            |y| y[1] * y[1],
+            How::to(0.01),
+            p.mean * p.mean + p.deviation * p.deviation,
+        ),
+        expected(
+            ("Langevin", "cos q, Heun"),
+            Heun,
+            langevin,
+            |y| y[0].cos(),
+            How::to(0.01),
+            q.cos(1.0),
+        ),
+        expected(
+            ("Langevin", "|p − ½|, Ornstein–Uhlenbeck"),
+            sexp,
+            relaxed,
+            |y| (y[1] - 0.5).abs(),
+            How::to(0.01),
+            distance,
+        ),
+        heun("x, Heun", UNDAMPED, |y| y[0], 0.02, x.exp(1.0)),
+        heun("x², Heun", UNDAMPED, |y| y[0] * y[0], 0.1, x.exp(2.0)),
+        expected(
+            ("geometric", "x > 2, Euler–Maruyama"),
+            EulerMaruyama,
+            growth(UNDAMPED),
+            |y| indicator(y[0] > 2.0),
+            How::to(0.02),
+            x.above(2.0f64.ln()),
+        ),
+        // ln(xy) = (b − a)T + (β − α)W.
+        heun("xy, Heun", UNDAMPED, |y| y[0] * y[1], 0.01, Normal::new(-0.1, 0.01).exp(1.0)),
+        heun(
+            "y with γ = ½, Heun",
+            Rate::Constant(0.5),
+            |y| y[1],
+            0.01,
+            Normal::new(-0.4 - 0.5, 0.25).exp(1.0),
+        ),
+    ]
+}
