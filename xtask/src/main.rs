@@ -1,7 +1,7 @@
-//! Chores of the workspace: each is a program of the package `lab`, built and run here.
+//! Chores of the workspace: each is a program of the package `lab` or `battery`, built and run here.
 //!
-//! `cargo xtask CHORE ARGUMENTS…` is `cargo run --release -p lab --bin PROGRAM -- ARGUMENTS…`, so a
-//! chore builds what it needs and nothing else.
+//! `cargo xtask CHORE ARGUMENTS…` is `cargo run --release -p PACKAGE --bin PROGRAM -- ARGUMENTS…`, so
+//! a chore builds what it needs and nothing else.
 
 use std::{
     env,
@@ -9,7 +9,7 @@ use std::{
     process::{Command, ExitCode},
 };
 
-/// A chore, the program of `lab` that does it, what else cargo is told, and what it is for.
+/// A chore, the program that does it, what else cargo is told, and what it is for.
 type Chore = (&'static str, &'static str, &'static [&'static str], &'static str);
 
 const CHORES: [Chore; 6] = [
@@ -37,9 +37,10 @@ fn main() -> ExitCode {
         eprint!("error: there is no chore {name:?}\n\n{}", help());
         return ExitCode::from(2);
     };
+    let package = if *program == "battery" { "battery" } else { "lab" };
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let status = Command::new(cargo)
-        .args(["run", "--quiet", "--release", "--package", "lab", "--bin", program])
+        .args(["run", "--quiet", "--release", "--package", package, "--bin", program])
         .args(*options)
         .arg("--")
         .args(arguments.collect::<Vec<OsString>>())

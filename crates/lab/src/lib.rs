@@ -18,18 +18,14 @@
 //! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
 //! | [`command`] | what the command lines of all programs share |
 //! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo, against its value |
-//! | [`library`] | problems with known answers, and how often the answers are true |
-//! | [`coverage()`] | how often the intervals of `stats` cover the truth |
 //!
-//! The programs of this package are `reproduce`, `battery` (with the twins), `work-precision`,
-//! `hard-cases` and `bench`; what one of them alone needs is in its folder.
+//! The programs of this package are `reproduce`, `work-precision`, `hard-cases` and `bench`; what one
+//! of them alone needs is in its folder.
 
 pub mod command;
 pub mod conformal_law;
-mod coverage;
 mod experiment;
 pub mod kernels;
-pub mod library;
 mod method;
 mod other_noise;
 mod panels;
@@ -39,7 +35,6 @@ pub mod statements;
 pub mod streams;
 mod supplements;
 
-pub use coverage::coverage;
 pub use experiment::{
     Conditions, Experiment, Findings, TRUNCATED, TRUNCATION_ORDER, set_up, truncation,
 };

@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use schemes::Scheme;
 use systems::{PoissonSystem, Problem};
 
-use crate::streams;
+use lab::streams;
 use system::Rate;
 
 pub use summary::{Row, Total, by_kind, by_old_rule};

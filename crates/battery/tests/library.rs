@@ -5,7 +5,7 @@
 //! 7 %), one of orders by two of five (1e-3 at 1 %): the chance below is per test, over the
 //! entries.
 
-use lab::library::{Entry, OldRule, Question, ask, by_old_rule, entries};
+use battery::library::{Entry, OldRule, Question, ask, by_old_rule, entries};
 
 const SEEDS: std::ops::Range<u64> = 1..6;
 /// Probability of a failure of this test if everything is as it should be.

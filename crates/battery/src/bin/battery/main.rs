@@ -8,8 +8,9 @@ mod twins;
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
 use anyhow::Result;
+use battery::library;
 use clap::{Parser, value_parser};
-use lab::{EXPERIMENTS, Experiment, STATEMENTS, SUPPLEMENTS, command, ids, library};
+use lab::{EXPERIMENTS, Experiment, STATEMENTS, SUPPLEMENTS, command, ids};
 use report::{Bars, files, terminal};
 use verify::{Mode, Settings, results::Claim};
 
@@ -69,7 +70,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     let settings = Settings { seed: 1, mode: Mode::Paper };
     battery.expectations = lab::expectation_claims(settings, arguments.accuracy, &bars);
     bars.println("coverage of the intervals");
-    battery.coverage = lab::coverage(arguments.replications, 1);
+    battery.coverage = battery::coverage(arguments.replications, 1);
     bars.println("the library of known answers");
     battery.library = library::ask(&library::entries(), 1..arguments.library_seeds + 1, &|| ());
     bars.finish();

@@ -14,7 +14,7 @@ use noise::StreamKey;
 use rayon::prelude::*;
 use stats::{Bend, Coverage, CrossMoments, Expected, LogMeanSquares, Point, Rate, normal_covers};
 
-use crate::streams;
+use lab::streams;
 
 /// Measures the coverage of every kind of interval on `replications` data sets each, on the current
 /// rayon pool.

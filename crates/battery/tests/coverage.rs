@@ -6,7 +6,7 @@
 //! them together with less than 10⁻³. A warning has to be raised on at least 98 % of the data sets,
 //! or on at most 2 %: one that fails in 1 % of them misses that with probability 4·10⁻⁵, too.
 
-use lab::coverage;
+use battery::coverage;
 use stats::{Coverage, Expected};
 
 /// The largest deviation from the nominal share.
