@@ -19,8 +19,8 @@
 //! | [`command`] | what the command lines of all programs share |
 //! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo, against its value |
 //!
-//! The programs of this package are `reproduce`, `work-precision`, `hard-cases` and `bench`; what one
-//! of them alone needs is in its folder.
+//! The programs of this package are `reproduce`, `work-precision`, `hard-cases` and `bench`; what
+//! one of them alone needs is in its folder.
 
 pub mod command;
 pub mod conformal_law;

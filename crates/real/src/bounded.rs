@@ -67,8 +67,8 @@ impl Bounded {
     }
 
     /// Evaluates `formula` and says whether it may be made of pieces: it took a square root or a
-    /// logarithm, as √x² = |x| and (x²)^{1/2} do, or looked at a value, as a condition does. Otherwise
-    /// it is analytic but for poles.
+    /// logarithm, as √x² = |x| and (x²)^{1/2} do, or looked at a value, as a condition does.
+    /// Otherwise it is analytic but for poles.
     pub fn piecewise<T>(formula: impl FnOnce() -> T) -> (T, bool) {
         PIECES.set(false);
         let result = formula();

@@ -7,14 +7,14 @@
 //! | item | job |
 //! |---|---|
 //! | [`strong_order`], [`strong_order_against`], [`weak_order`] | the order of any scheme |
-//! | [`strong_order_within`], [`weak_order_within`] | the same until it is decided or a budget is spent |
-//! | [`Order`], [`Decision`], [`OneStep`], [`Limit`], [`wrong_limit`] | an order, and what it rests on |
+//! | [`strong_order_within`], [`weak_order_within`] | the same within a budget |
+//! | [`Order`], [`Decision`], [`OneStep`], [`Limit`], [`wrong_limit`] | an order, its reasons |
 //! | [`StepSizes`], [`ReferenceSolution`] | how it is measured, and against what |
 //! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
 //! | [`inspect()`], [`inspect_problem`] | what a system is, and which statements apply |
 //! | [`order_verdict`], [`bound_verdict`] | when an order is said to hold |
 //! | [`work_precision`] | errors of any schemes against the processor time they take |
-//! | [`FinalMoments`], [`Stopwatch`], [`Spread`] | moments of final states; times of repeated work |
+//! | [`FinalMoments`], [`Stopwatch`], [`Spread`] | moments of final states; times |
 //! | [`results::Evidence`], [`results::Claim`] | a measurement as data, its verdict in words |
 //! | [`exact`], [`runge_kutta`], [`rigid_body_expectations`] | references |
 //! | [`Settings`], [`Mode`], [`Progress`], [`Silent`] | how much to compute; progress |

@@ -194,8 +194,8 @@ fn a_damping_that_the_steps_do_not_resolve_leaves_orders_undecided() {
 }
 
 /// The root-mean-square error of Euler–Maruyama on the plane turned by dt + σ dW on [0, 1]. A step
-/// multiplies the state, as a complex number, by 1 − s + ia with s = σ²τ/2 and a normal of mean τ and
-/// variance v = σ²τ, where the solution turns by e^{ia}; steps are independent.
+/// multiplies the state, as a complex number, by 1 − s + ia with s = σ²τ/2 and a normal of mean τ
+/// and variance v = σ²τ, where the solution turns by e^{ia}; steps are independent.
 fn exact_error(sigma: f64, steps: u64) -> f64 {
     let (tau, n) = (1.0 / steps as f64, steps as f64);
     let v = sigma * sigma * tau;

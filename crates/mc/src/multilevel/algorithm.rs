@@ -24,8 +24,8 @@ const LATER_PILOT: u64 = 4;
 /// What the largest difference loses from a level to the next if it falls with strong order ½.
 const SHRINKS: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// A defect of the damping is negligible if it changes φ, which falls like e^{−∫γ} or its square, by
-/// less than this part of the accuracy.
+/// A defect of the damping is negligible if it changes φ, which falls like e^{−∫γ} or its square,
+/// by less than this part of the accuracy.
 const NEGLIGIBLE: f64 = 0.125;
 
 /// Paths of a block.

@@ -1,8 +1,8 @@
 //! The bias on the last level, from the differences.
 //!
-//! E[φ(y(T))] − E[φ(y_τ)] = Aτ^p + Bτ^{p+1} is assumed, with the weak order p. Differences
-//! d_l = E[φ(y_l) − φ(y_{l−1})] of the last levels l ≤ L give it in four ways, each a sum Σ w_l d_l:
-//! from one difference, 2^{−p(L−l)}d_l/(2^p − 1) with l = L, L − 1 and L − 2, right where B = 0; and
+//! E[φ(y(T))] − E[φ(y_τ)] = Aτ^p + Bτ^{p+1} is assumed, with the weak order p. Differences d_l =
+//! E[φ(y_l) − φ(y_{l−1})] of the last levels l ≤ L give it in four ways, each a sum Σ w_l d_l: from
+//! one difference, 2^{−p(L−l)}d_l/(2^p − 1) with l = L, L − 1 and L − 2, right where B = 0; and
 //! from two, u/(2^p − 1) + v/(2^{p+1} − 1) with v = (d_{L−1} − 2^p d_L)/2^p and u = d_L − v, right
 //! for any B. The largest bounds the bias: a difference may be small where A and B nearly cancel.
 

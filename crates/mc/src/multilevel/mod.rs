@@ -8,24 +8,25 @@
 //!
 //! **Accuracy.** The half-width of the 95 % interval of each test function: 1.96 standard errors
 //! and, in quadrature, what events that the samples missed may add ([`Estimate::missed`]), plus a
-//! bound on the bias ([`Estimate::bias_bound`]). The bias gets at most a quarter of ε (half on the finest level
-//! allowed), the rest what is left. The 95 % hold for each interval alone, not for all of them
-//! together.
+//! bound on the bias ([`Estimate::bias_bound`]). The bias gets at most a quarter of ε (half on the
+//! finest level allowed), the rest what is left. The 95 % hold for each interval alone, not for all
+//! of them together.
 //!
 //! **What is judged.** Three things, for each test function ([`Judged`]);
-//! [`reached`](Expectation::reached) is true only if all are good, and a [`Warning`] names each that
-//! is not.
+//! [`reached`](Expectation::reached) is true only if all are good, and a [`Warning`] names each
+//! that is not.
 //! - *Variance.* N/κ samples carry the variance, with the kurtosis κ. Below thirty, or where no
 //!   sample differs, the interval is widened by 3.69·R/N: without an event in N samples up to −ln
-//!   0.025 of them are expected, each no larger than R, the largest that was seen. More
-//!   samples are drawn until that fits into the accuracy, and until thirty single paths carry the
-//!   variance of a φ of more than two values, whose tail may reach further. If φ is the same to the bit on every path
-//!   of a level that decides, nothing is known of R.
+//!   0.025 of them are expected, each no larger than R, the largest that was seen. More samples are
+//!   drawn until that fits into the accuracy, and until thirty single paths carry the variance of a
+//!   φ of more than two values, whose tail may reach further, and until the largest of them fall
+//!   faster than a power that has no variance (Hill's estimate). If φ is the same to the bit on
+//!   every path of a level that decides, nothing is known of R.
 //! - *Bias.* Three differences or more bound it, by one term of the expansion in τ and by two; the
 //!   observed order must not lie below ½; coarse and fine means of a level must agree.
 //! - *Resolution.* Each component of fine and coarse states must agree to half of its motion in
-//!   root mean square over all coarse times, better than on the levels below, and φ must vary on
-//!   both in the same way. The damping that the scheme reads, summed over the steps, must agree
+//!   root mean square over all coarse times, better than on the levels below, φ to 0.7 of its motion
+//!   at eight of them, and φ must vary on both in the same way. The damping that the scheme reads, summed over the steps, must agree
 //!   with ∫γ by quadrature, or converge to it ([`SeenDamping`]). Else a finer level is added.
 //!
 //! **What is assumed.** The weak order given, and E[φ(y_τ)] = E[φ(y(T))] + Aτ^p + Bτ^{p+1} on the
@@ -50,8 +51,8 @@
 //! estimate and level, and the estimate is conditional on survival.
 //!
 //! **Further checks** only warn: kurtosis, and the decay of variances and means; see [`Warning`].
-//! Whether the levels telescope is seen to some standard errors of φ itself on a level, which is far
-//! more than the accuracy.
+//! Whether the levels telescope is seen to some standard errors of φ itself on a level, which is
+//! far more than the accuracy.
 //!
 //! **Lévy areas.** The sum over the levels is E[φ(y_L)] only if the coarse path of a level has the
 //! law of the fine path below. Areas are drawn on fine steps and joined on coarse ones, so the two

@@ -62,9 +62,9 @@ pub fn half_width(variance: f64, tail: f64) -> f64 {
 
 /// Raises the samples of each level to those with which the sum reaches the half-width h.
 ///
-/// Standard errors get the part x of it, N_l = (1.96/x)²·√(V_l/C_l)·Σ_j √(V_jC_j), which costs least
-/// (Giles 2008). Tails P_l get √(h² − x²), N_l = √(P_l/C_l)·√(Σ_j P_jC_j)/√(h² − x²), but no more
-/// than [`Tail::enough`]. The sum of both costs is least for x.
+/// Standard errors get the part x of it, N_l = (1.96/x)²·√(V_l/C_l)·Σ_j √(V_jC_j), which costs
+/// least (Giles 2008). Tails P_l get √(h² − x²), N_l = √(P_l/C_l)·√(Σ_j P_jC_j)/√(h² − x²), but no
+/// more than [`Tail::enough`]. The sum of both costs is least for x.
 pub fn raise(wanted: &mut [u64], terms: &[Term], h: f64) {
     let sum = |of: fn(&Term) -> f64| terms.iter().map(of).sum::<f64>();
     let normal = QUANTILE * sum(|term| (term.variance * term.cost).sqrt());

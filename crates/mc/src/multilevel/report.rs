@@ -204,8 +204,9 @@ pub enum Warning {
     /// converge to it: it oscillates or has pulses within the steps, or rate and integral
     /// contradict each other. Blocks [`Judged::resolution`].
     #[error(
-        "the steps do not resolve the damping: on level {level} its sums over the steps differ from \
-         the integral of the rate by {defect:.1e}; take more coarsest steps, or a higher finest level"
+        "the steps do not resolve the damping: on level {level} its sums over the steps differ \
+         from the integral of the rate by {defect:.1e}; take more coarsest steps, or a higher \
+         finest level"
     )]
     Damping {
         /// The last level.
@@ -216,8 +217,8 @@ pub enum Warning {
     /// φ differs between fine and coarse paths by more than 0.7 of its motion: it multiplies phases
     /// that the states resolve. Blocks [`Judged::resolution`].
     #[error(
-        "the steps do not resolve {observable}: on level {level} it differs between fine and coarse \
-         paths by {difference:.1e} of its motion; take more coarsest steps"
+        "the steps do not resolve {observable}: on level {level} it differs between fine and \
+         coarse paths by {difference:.1e} of its motion; take more coarsest steps"
     )]
     UnresolvedFunction {
         /// Name of φ.
@@ -255,7 +256,8 @@ pub enum Warning {
     },
     /// On single paths, fewer than thirty samples carry the variance, or the largest deviations x
     /// are as frequent as x^{−α} with α below two: events larger than all that were seen may be
-    /// missing, and the variance is not known. Blocks [`Judged::variance`], unless φ has two values.
+    /// missing, and the variance is not known. Blocks [`Judged::variance`], unless φ has two
+    /// values.
     #[error(
         "{observable}: on level {level} a few large samples make the variance; deviations above x \
          have probability x^-{index:.1}"

@@ -2,9 +2,9 @@
 //!
 //! A rotation with ωτ ≫ 1 has the right size and the wrong phase on the fine and on the coarse path
 //! alike, and expectations over it may agree on several levels by aliasing. The states then do not:
-//! for each component the root mean square of fine minus coarse, over all paths and coarse times, is
-//! divided by that of its motion y − y(0). Two paths of uncorrelated phases give √(2/3) to √2. Each φ
-//! is compared in the same way, at eight coarse times.
+//! for each component the root mean square of fine minus coarse, over all paths and coarse times,
+//! is divided by that of its motion y − y(0). Two paths of uncorrelated phases give √(2/3) to √2.
+//! Each φ is compared in the same way, at eight coarse times.
 
 use real::{Block, PathMask, WIDTH};
 

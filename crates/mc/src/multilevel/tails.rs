@@ -5,11 +5,11 @@ use real::Real;
 use super::level::Samples;
 
 /// No event in N samples: 97.5 % upper limit u of the expected number, −ln 0.025. With k events the
-/// interval k ± √(1.96²k + u²) covers a Poisson number with 93 % or more for any mean, and events of
-/// several levels with more.
+/// interval k ± √(1.96²k + u²) covers a Poisson number with 93 % or more for any mean, and events
+/// of several levels with more.
 pub const UNSEEN: f64 = 3.688_879_454_113_936;
-/// With this many events the normal interval k ± 1.96√k covers as well without u. A variance that so many samples carry is known to √(1/30) of itself,
-/// and its root to a tenth.
+/// With this many events the normal interval k ± 1.96√k covers as well without u. A variance that
+/// so many samples carry is known to √(1/30) of itself, and its root to a tenth.
 const EVENTS: f64 = 30.0;
 
 /// What missed events may add to the mean of one test function on one level.
@@ -159,9 +159,9 @@ mod tests {
 
     #[test]
     fn the_tail_index_of_powers() {
-        // u^{−1/α} at the middles of n intervals, and their negatives, shifted: deviations fall like
-        // x^{−α}. Hill's estimate from 64 of them scatters by an eighth; from the middles it does
-        // not.
+        // u^{−1/α} at the middles of n intervals, and their negatives, shifted: deviations fall
+        // like x^{−α}. Hill's estimate from 64 of them scatters by an eighth; from the middles it
+        // does not.
         for (alpha, n) in [(1.0, 4000), (3.0, 4000), (3.0, 100_000)] {
             let mut values = Values::default();
             for i in 0..n {

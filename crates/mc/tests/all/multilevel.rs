@@ -543,7 +543,8 @@ fn more_coarsest_steps_are_advised_where_they_pay() {
     let body = RigidBody::three_noises([0.4, 0.3, 0.2], [0.5, 0.6, 0.7]).unwrap();
     let problem = Problem::new(body, Constant::new(0.0).unwrap(), [0.5, 0.6, 0.7], 1.0).unwrap();
     let run = |coarsest_steps: u64| {
-        // The advice is for variances, which cost ε⁻²; tails of differences cost ε⁻¹ with any steps.
+        // The advice is for variances, which cost ε⁻²; tails of differences cost ε⁻¹ with any
+        // steps.
         let settings = ExpectationSettings {
             coarsest_steps,
             max_cost: 200_000_000,

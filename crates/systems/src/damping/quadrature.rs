@@ -15,8 +15,8 @@ const HALVINGS: u32 = 40;
 const BUDGET: u32 = 40_000;
 /// A cell is smooth if halving it changes the integral by no more than this part of ∫|γ|.
 const SMOOTH: f64 = 1e-12;
-/// An integral that is given may differ from that of the nodes by this part of ∫|γ|, or it is looked
-/// for a pulse between them.
+/// An integral that is given may differ from that of the nodes by this part of ∫|γ|, or it is
+/// looked for a pulse between them.
 const AGREEMENT: f64 = 1e-6;
 /// A difference that is not below this part of itself after [`HALVINGS`] is at a point.
 const POINT: f64 = 1e-6;

@@ -18,8 +18,8 @@ pub struct Hamiltonians {
     pub linear: Finding,
     /// H₀, H₁, …, H_M.
     pub shapes: Vec<Shape>,
-    /// c, if there is one noise and H₁ = cH₀ up to a constant: such a system has an energy law. 0 if
-    /// there is no noise.
+    /// c, if there is one noise and H₁ = cH₀ up to a constant: such a system has an energy law. 0
+    /// if there is no noise.
     pub noise_size: Option<f64>,
     /// ∇Hₘ = cₘ∇H₀ for every m.
     pub proportional: Option<Finding>,

@@ -21,8 +21,8 @@ pub struct Noises {
     pub commutators: Finding,
     /// fₘ = 0 for every m: there is no noise.
     pub silent: Finding,
-    /// Whether B or the energy may be made of pieces, with a root or a condition: orders are those of
-    /// smooth formulas.
+    /// Whether B or the energy may be made of pieces, with a root or a condition: orders are those
+    /// of smooth formulas.
     pub pieces: bool,
     /// `commute` and `no_correction` at y₀ and on pilot paths, which may stay where they hold.
     #[serde(skip)]

@@ -165,9 +165,9 @@ impl fmt::Display for Decision {
                  paths or finer steps would decide",
                 100.0 * share
             ),
-            Self::Failures => {
-                f.write_str("undecided: more than a tenth of the paths failed; finer steps would decide")
-            }
+            Self::Failures => f.write_str(
+                "undecided: a tenth of the paths failed, or more; finer steps would decide",
+            ),
             Self::Damping { defect } => write!(
                 f,
                 "undecided: the steps do not resolve the damping, whose sums over them differ from \
@@ -175,7 +175,8 @@ impl fmt::Display for Decision {
             ),
             Self::WrongLimit => f.write_str("no order: the scheme converges to something else"),
             Self::LimitUnclear => f.write_str(
-                "undecided: the limit could not be compared; finer steps or more paths would decide",
+                "undecided: the limit could not be compared; finer steps or more paths would \
+                 decide",
             ),
         }
     }

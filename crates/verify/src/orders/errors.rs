@@ -43,12 +43,12 @@ pub fn differences(record: &CrossMoments, sizes: usize, levels: usize) -> CrossM
 /// the most likely one first.
 ///
 /// The error that is left at the finest step is Σ of the differences that would follow. Of the last
-/// difference D the part ρ repeats itself along the path, 2^{−p} times as large each time (the error
-/// of a drift), and the rest is independent each time (iterated integrals). ρ|D|² is measured as
-/// g = 2^{−p}⟨y_{n−3} − y_{n−2}, D⟩, or ρ = 0. With κ = 1/(2^p − 1) and λ = 1/(4^p − 1),
-/// E|y_l − y|² = E[|y_l − y_{n−1}|² + 2κ⟨y_l − y_{n−2}, D⟩ + λ|D|² + (2κ + κ² − λ)g].
-/// The value takes ρ = 0 where the most likely order is ½. The interval is that of the paths,
-/// widened to those of the other orders with either ρ.
+/// difference D the part ρ repeats itself along the path, 2^{−p} times as large each time (the
+/// error of a drift), and the rest is independent each time (iterated integrals). ρ|D|² is measured
+/// as g = 2^{−p}⟨y_{n−3} − y_{n−2}, D⟩, or ρ = 0. With κ = 1/(2^p − 1) and λ = 1/(4^p − 1), E|y_l −
+/// y|² = E[|y_l − y_{n−1}|² + 2κ⟨y_l − y_{n−2}, D⟩ + λ|D|² + (2κ + κ² − λ)g]. The value takes ρ = 0
+/// where the most likely order is ½. The interval is that of the paths, widened to those of the
+/// other orders with either ρ.
 pub fn strong_points(taus: &[f64], record: &CrossMoments, orders: &[f64]) -> Vec<Point> {
     let levels = taus.len();
     let points = |p: f64, independent: bool| {

@@ -229,7 +229,8 @@ where
 }
 
 /// The constant c of mean squares X = c + Aτ + … with positive terms, at most, from those at two
-/// step sizes that are 2^`halvings` apart: c ≤ (2ⁿX(τ) − X(2ⁿτ))/(2ⁿ − 1), with its 95 % half-width.
+/// step sizes that are 2^`halvings` apart: c ≤ (2ⁿX(τ) − X(2ⁿτ))/(2ⁿ − 1), with its 95 %
+/// half-width.
 fn constant(squares: &CrossMoments, [far, near]: [usize; 2], halvings: usize) -> (f64, f64) {
     let growth = (halvings as f64).exp2();
     let mut row = vec![0.0; squares.length()];

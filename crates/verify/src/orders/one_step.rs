@@ -125,8 +125,8 @@ fn difference<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
     (square / count, size / count)
 }
 
-/// The noise of two steps τ, times a factor. Areas have one term of their series, since one step and
-/// two half steps share them and only their law is that of the series.
+/// The noise of two steps τ, times a factor. Areas have one term of their series, since one step
+/// and two half steps share them and only their law is that of the series.
 fn two_steps<const M: usize>(
     key: StreamKey,
     path: u64,
