@@ -84,7 +84,10 @@ impl Sampler<'_> {
                 let wanted = self.samples(&levels, &half_widths);
                 self.sample_up_to(&mut levels, &wanted)?
             } else if bounded && (at_end || self.resolves(&levels[1..])) {
-                break None;
+                match self.blind_samples(&levels) {
+                    None => break None,
+                    Some(wanted) => self.sample_up_to(&mut levels, &wanted)?,
+                }
             } else if at_end {
                 let wanted = self.bias_samples(&levels[1..], 0.5 * budget);
                 if !resolvable || enough(&levels[1..], &wanted) {
@@ -223,6 +226,21 @@ impl Sampler<'_> {
         let ranges = self.ranges.iter().flatten();
         let largest = ranges.map(|(a, b)| a.abs().max(b.abs())).fold(0.0, f64::max);
         self.damping.unresolved(level, NEGLIGIBLE * self.accuracy / largest)
+    }
+
+    /// Twice as many samples of the levels that decide the bias and on which some φ is the same on
+    /// every path while it varies on others: it has rare events that a few more paths will meet.
+    fn blind_samples(&self, levels: &[Samples]) -> Option<Vec<u64>> {
+        let blind = |samples: &Samples, k: usize| samples.values[k].is_blind();
+        let rare = |k: &usize| levels.iter().any(|samples| !blind(samples, *k));
+        let rare: Vec<usize> = (0..self.names.len()).filter(rare).collect();
+        let first = levels.len() - BIAS_LEVELS;
+        let wanted = levels.iter().enumerate().map(|(l, samples)| {
+            let unseen = l >= first && rare.iter().any(|&k| blind(samples, k));
+            if unseen { 2 * samples.count() } else { 0 }
+        });
+        let wanted: Vec<u64> = wanted.collect();
+        wanted.iter().any(|&n| n > 0).then_some(wanted)
     }
 
     /// Whether the last difference resolves the damping, the motion and every φ.
