@@ -11,7 +11,7 @@ use super::{
     level::{Round, Samples, Values, hull},
     plan::{self, BIAS_SHARE, Term},
     report::{Estimate, Expectation, Judged, Level, Warning},
-    resolution::{Motion, coupled, is_near, unresolved, unresolved_function},
+    resolution::{Motion, Scaling, coupled, is_near, unresolved, unresolved_function},
     settings::{Coupling, Estimator, ExpectationSettings, MAX_ROUNDS},
     tails::is_heavy,
 };
@@ -24,8 +24,8 @@ const LATER_PILOT: u64 = 4;
 /// What the largest difference loses from a level to the next if it falls with strong order ½.
 const SHRINKS: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// A defect of the damping is negligible if it changes φ, which falls like e^{−∫γ} or its square, by
-/// less than this part of the accuracy.
+/// A defect of the damping is negligible if it changes no φ by more than this part of the accuracy:
+/// neither in the mean if the state is scaled, nor, times the largest φ, as an exponent of φ.
 const NEGLIGIBLE: f64 = 0.125;
 
 /// Paths of a block.
@@ -47,6 +47,8 @@ pub struct Sampler<'a> {
     pub settings: &'a ExpectationSettings,
     /// The least and the largest value of each test function so far.
     pub ranges: Vec<Option<(f64, f64)>>,
+    /// How each test function changes if states are scaled, so far.
+    pub scalings: Vec<Scaling>,
     /// Path-steps so far.
     pub cost: u64,
     /// Path-steps that are kept for single paths.
@@ -222,7 +224,9 @@ impl Sampler<'_> {
     fn unresolved_damping(&self, level: usize) -> Option<f64> {
         let ranges = self.ranges.iter().flatten();
         let largest = ranges.map(|(a, b)| a.abs().max(b.abs())).fold(0.0, f64::max);
-        self.damping.unresolved(level, NEGLIGIBLE * self.accuracy / largest)
+        let change = NEGLIGIBLE * self.accuracy;
+        let sizes = self.scalings.iter().map(|scaling| scaling.largest(change));
+        self.damping.unresolved(level, sizes.fold(change / largest, f64::min))
     }
 
     /// Whether the last difference resolves the damping, the motion and every φ.
@@ -352,6 +356,8 @@ impl Sampler<'_> {
         level.values.iter_mut().zip(&round.values).for_each(|(values, more)| values.merge(more));
         let ranges = self.ranges.iter_mut().zip(&round.values);
         ranges.for_each(|(range, more)| *range = hull(*range, more.range()));
+        let scalings = self.scalings.iter_mut().zip(&round.values);
+        scalings.for_each(|(scaling, more)| scaling.merge(&more.scaling));
         level.motion.merge(&round.motion);
         level.paths += paths;
         level.failed += round.failed;

@@ -2,7 +2,7 @@
 
 use super::{
     central::CentralMoments,
-    resolution::{FunctionMotion, Motion, compares_at},
+    resolution::{FunctionMotion, Motion, Scaling, compares_at},
     settings::Coupling,
     tails::Extremes,
 };
@@ -21,6 +21,8 @@ pub struct Values {
     pub extremes: Extremes,
     /// How φ moves along fine and coarse paths.
     pub motion: FunctionMotion,
+    /// How φ changes if the state is scaled.
+    pub scaling: Scaling,
 }
 
 impl Values {
@@ -45,6 +47,7 @@ impl Values {
         self.coarse.merge(&later.coarse);
         self.extremes.merge(&later.extremes);
         self.motion.merge(&later.motion);
+        self.scaling.merge(&later.scaling);
     }
 
     /// The least and the largest φ, or average of the fine and the swapped path.
@@ -130,6 +133,11 @@ impl<const D: usize> Statistic<D> for PathValues<'_, D> {
                 }
                 if view.time == self.last_time {
                     values.add(fine, coupled.then_some(coarse));
+                    if view.first_path + (p as u64) < Scaling::PATHS {
+                        let state = view.states[0].path(p);
+                        let of = |scale: f64| (observable.function)(state.map(|y| scale * y));
+                        values.scaling.add(&of);
+                    }
                 }
             }
         }

@@ -101,7 +101,7 @@ use systems::{Damping, PoissonSystem, Problem};
 use crate::{Ladder, Observable, Run, SeenDamping};
 use algorithm::Sampler;
 use level::{PathValues, Round, Samples, Values};
-use resolution::Motion;
+use resolution::{Motion, Scaling};
 
 pub use error::MultilevelError;
 pub use report::{Estimate, Expectation, Judged, Level, LevelValue, Rate, Warning};
@@ -156,7 +156,8 @@ pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
     let t_end = problem.t_end();
     let ranges = vec![None; observables.len()];
     let damping = SeenDamping::new(scheme, problem, settings.coarsest_steps);
-    let (cost, reserve) = (0, 0);
-    Sampler { draw: &draw, t_end, damping, names, accuracy, settings, ranges, cost, reserve }
+    let scalings = vec![Scaling::default(); observables.len()];
+    let (draw, cost, reserve) = (&draw, 0, 0);
+    Sampler { draw, t_end, damping, names, accuracy, settings, ranges, scalings, cost, reserve }
         .expectation()
 }

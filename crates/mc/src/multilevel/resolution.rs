@@ -6,7 +6,7 @@
 //! divided by that of its motion y − y(0). Two paths of uncorrelated phases give √(2/3) to √2. Each φ
 //! is compared in the same way, at eight coarse times.
 
-use real::{Block, PathMask, WIDTH};
+use real::{Block, PathMask, WIDTH, elementary};
 
 use super::{
     central::ROUND_OFF,
@@ -136,6 +136,51 @@ impl FunctionMotion {
             0.0
         } else {
             (self.difference / self.displacement).sqrt()
+        }
+    }
+}
+
+/// Mean changes of φ if the state is scaled by e^{±d}, d = ½, ¼, …: a defect d of ∫γ does that, or
+/// the like.
+#[derive(Clone, Copy, Default)]
+pub struct Scaling {
+    sums: [f64; Self::SIZES],
+    points: f64,
+}
+
+impl Scaling {
+    /// How many sizes d.
+    const SIZES: usize = 32;
+    /// So many paths of each round are scaled.
+    pub const PATHS: u64 = 32;
+
+    /// Size number i.
+    fn size(i: usize) -> f64 {
+        0.5 / (1u64 << i) as f64
+    }
+
+    /// Adds a path, whose state times a number has this φ.
+    pub fn add(&mut self, function: &dyn Fn(f64) -> f64) {
+        let phi = function(1.0);
+        for (i, sum) in self.sums.iter_mut().enumerate() {
+            let scaled = |d: f64| function(elementary::exp(d));
+            let changes = [Self::size(i), -Self::size(i)].map(|d| (scaled(d) - phi).abs());
+            *sum += 0.5 * (changes[0] + changes[1]);
+        }
+        self.points += 1.0;
+    }
+
+    pub fn merge(&mut self, later: &Self) {
+        self.sums.iter_mut().zip(later.sums).for_each(|(sum, more)| *sum += more);
+        self.points += later.points;
+    }
+
+    /// The largest size up to which φ changes by no more than `change` in the mean, or zero.
+    pub fn largest(&self, change: f64) -> f64 {
+        let small = self.sums.iter().rposition(|&sum| !(sum <= change * self.points));
+        match small.map_or(0, |i| i + 1) {
+            Self::SIZES => 0.0,
+            i => Self::size(i),
         }
     }
 }
