@@ -177,7 +177,7 @@ impl Scaling {
 
     /// The largest size up to which φ changes by no more than `change` in the mean, or zero.
     pub fn largest(&self, change: f64) -> f64 {
-        let small = self.sums.iter().rposition(|&sum| !(sum <= change * self.points));
+        let small = self.sums.iter().rposition(|&sum| sum.is_nan() || sum > change * self.points);
         match small.map_or(0, |i| i + 1) {
             Self::SIZES => 0.0,
             i => Self::size(i),

@@ -94,7 +94,7 @@ pub fn weak(
     match orders[..] {
         [order] => match lower_share(order) {
             _ if order == 1 => Decision::Order { order: 1.0, shown: true },
-            Some(share) if share <= HIDDEN && !one_step().is_some_and(|q| q < f64::from(order)) => {
+            Some(share) if share <= HIDDEN && one_step().is_none_or(|q| q >= f64::from(order)) => {
                 Decision::Order { order: f64::from(order), shown: true }
             }
             share => Decision::Hidden { share: share.unwrap_or(1.0) },
