@@ -7,8 +7,8 @@
 //! increments are ±√τ with signs from the rows of a Hadamard matrix and their negatives: their
 //! moments up to the third are those of normals, so the terms up to τ^{3/2} are averaged exactly.
 //!
-//! A law is the right one, whatever the paths, if the covariance of a step replaces its noise: |Eδ| =
-//! o(τ) and |E[ΔyΔyᵀ] − Σ fₘfₘᵀτ| = o(τ) (Milstein, *Theory Probab. Appl.* 30, 1986).
+//! A law is the right one, whatever the paths, if the covariance of a step replaces its noise:
+//! |Eδ| = o(τ) and |E[ΔyΔyᵀ] − Σ fₘfₘᵀτ| = o(τ) (Milstein, *Theory Probab. Appl.* 30, 1986).
 
 use noise::{Noise, StreamKey, WienerPath};
 use schemes::{Scheme, Step};

@@ -7,9 +7,9 @@
 //! sizes at which whole paths can run, where a small term of low order may not show yet. The same
 //! steps with stronger noise find such a term where the noise is weak.
 //!
-//! If the means of δ and of the differences of squares are of order τ^{r+1}, the weak order of these
-//! test functions is r. Means are those of Stroud's cubature of degree five (*Approximate Calculation
-//! of Multiple Integrals*, 1971, E_n^{r²} 5-2), exact for the terms up to τ^{5/2}.
+//! If the means of δ and of the differences of squares are of order τ^{r+1}, the weak order of
+//! these test functions is r. Means are those of a cubature of degree five (Stroud, *Approximate
+//! Calculation of Multiple Integrals*, 1971), exact for the terms up to τ^{5/2}.
 
 use noise::{AreaMethod, AreaPath, Noise, StreamKey, WienerPath};
 use schemes::{Scheme, Step};
