@@ -3,7 +3,8 @@
 //! A scheme reads the rate γ at the ends and in the middle of a step, or the integral given over
 //! its halves. A rate that oscillates or has a pulse within the steps is missed by all step sizes
 //! alike, and no comparison of paths shows it. The sums over the steps show it: they differ from
-//! ∫γ by quadrature.
+//! ∫γ by quadrature. A pulse that is narrower than the quadrature is known to a closed integral
+//! alone, which is compared for every scheme.
 
 use std::cell::RefCell;
 
@@ -26,8 +27,8 @@ const LARGEST: f64 = 0.5;
 /// The damping of a problem as the steps of a scheme see it.
 pub struct SeenDamping<'a> {
     damping: &'a dyn Damping,
-    /// Whether the scheme reads rates, and integrals.
-    reads: [bool; 2],
+    /// Whether the scheme reads rates.
+    reads_rates: bool,
     t_end: f64,
     coarsest_steps: u64,
     /// ∫₀ᵗγ at the times kT/n.
@@ -61,7 +62,7 @@ impl<'a> SeenDamping<'a> {
         let exact = exact.collect();
         Self {
             damping,
-            reads: reads(scheme, problem, t_end / coarsest_steps as f64),
+            reads_rates: reads_rates(scheme, problem, t_end / coarsest_steps as f64),
             t_end,
             coarsest_steps,
             exact,
@@ -70,8 +71,8 @@ impl<'a> SeenDamping<'a> {
         }
     }
 
-    /// The largest distance from ∫₀ᵗγ of the sums that the scheme sees, over times t of coarsest
-    /// steps that are halved `halvings` times; zero if it is round-off.
+    /// The largest distance from ∫₀ᵗγ of the sums that the scheme sees, and of the integrals given,
+    /// over times t of coarsest steps that are halved `halvings` times; zero if it is round-off.
     pub fn defect(&self, halvings: usize) -> f64 {
         let known = self.known.borrow().iter().find(|(h, _)| *h == halvings).map(|(_, d)| *d);
         known.unwrap_or_else(|| {
@@ -91,43 +92,41 @@ impl<'a> SeenDamping<'a> {
         for n in 0..steps {
             // The step size is positive and finite, or no path could run.
             let Ok(step) = Step::new(self.damping, n, tau) else { return f64::NAN };
-            if self.reads[0] {
+            if self.reads_rates {
                 let rates = [step.rate_at_start, step.rate_at_middle, step.rate_at_end];
                 sums.iter_mut().zip(rates).for_each(|(sum, rate)| *sum += tau * rate);
             }
             sums[3] += step.damping_integral();
             if (n + 1).is_multiple_of(per_time) {
                 let exact = self.exact[((n + 1) / per_time - 1) as usize];
-                let seen = if self.reads[0] { &sums[..3] } else { &sums[..0] };
-                let seen = seen.iter().chain(self.reads[1].then_some(&sums[3]));
-                defect = seen.map(|sum| (sum - exact).abs()).fold(defect, f64::max);
+                let seen = if self.reads_rates { &sums[..] } else { &sums[3..] };
+                defect = seen.iter().map(|sum| (sum - exact).abs()).fold(defect, f64::max);
             }
         }
         if defect <= self.round_off { 0.0 } else { defect }
     }
 
     /// The defect with `halvings` halvings or more, if these steps do not resolve the damping: it
-    /// is not negligible and does not fall as sums do that converge.
-    pub fn unresolved(&self, halvings: usize, negligible: f64) -> Option<f64> {
+    /// does not fall as sums do that converge.
+    pub fn unresolved(&self, halvings: usize) -> Option<f64> {
         let largest = |range: std::ops::RangeInclusive<usize>| {
             range.map(|halvings| self.defect(halvings)).fold(0.0, f64::max)
         };
         let now = largest(halvings..=halvings + FINER);
-        let resolved = now <= negligible
-            || halvings > 0
-                && now <= LARGEST
-                && now <= GAIN * largest(halvings.saturating_sub(FINER)..=halvings - 1);
+        let falls = |before: f64| now <= LARGEST && now <= GAIN * before;
+        let resolved = now == 0.0
+            || halvings > 0 && falls(largest(halvings.saturating_sub(FINER)..=halvings - 1));
         (!resolved).then_some(now)
     }
 }
 
-/// Whether the scheme reads rates, and integrals: whether its first step changes with them. If it
-/// seems to read neither, as at the origin, it may read both.
-fn reads<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+/// Whether the scheme reads rates: whether its first step changes with them. If it seems to read
+/// neither rates nor integrals, as at the origin, it may read both.
+fn reads_rates<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
     tau: f64,
-) -> [bool; 2] {
+) -> bool {
     let end = |rate: f64, integral: f64| {
         let damping = Other { damping: problem.damping(), rate, integral };
         let step = Step::new(&damping, 0, tau).ok()?;
@@ -136,8 +135,8 @@ fn reads<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     };
     let plain = end(0.0, 0.0);
     // Large enough to change every digit, small enough that a step succeeds.
-    let found = [end(0.01 / tau, 0.0), end(0.0, 0.01)].map(|changed| changed != plain);
-    if found == [false; 2] { [true; 2] } else { found }
+    let [rates, integrals] = [end(0.01 / tau, 0.0), end(0.0, 0.01)].map(|changed| changed != plain);
+    rates || !integrals
 }
 
 /// A damping whose rate, or whose integrals, are larger.

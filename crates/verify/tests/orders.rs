@@ -160,6 +160,78 @@ fn a_limit_inside_the_errors_is_seen_in_single_steps() {
     }
 }
 
+/// Kubo's oscillator beside a component that does not move.
+struct Beside;
+
+impl PoissonSystem<3, 1> for Beside {
+    fn name(&self) -> &'static str {
+        "kubo beside a constant"
+    }
+    fn structure<R: Real>(&self, _: [R; 3], v: [R; 3]) -> [R; 3] {
+        [-v[1], v[0], R::zero()]
+    }
+    fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> R {
+        (y[0] * y[0] + y[1] * y[1]) * (0.5 * (dt + dw[0]))
+    }
+}
+
+#[test]
+fn a_large_component_hides_no_wrong_limit() {
+    // A tenth of the Itô correction is missing, which is round-off of the third component.
+    let problem = |size: f64| {
+        Problem::new(Beside, Constant::new(0.0).unwrap(), [1.0, 0.0, size], 1.0).unwrap()
+    };
+    for measured in strong(&Corrected(0.9), &problem(1e12), 16) {
+        assert_eq!(measured.order(), None, "{measured}");
+        // The twin: the order of its differences.
+        assert!(measured.rate.as_ref().unwrap().covers(0.5), "{measured}");
+    }
+    for measured in strong(&Corrected(1.0), &problem(1e4), 16) {
+        assert_eq!(measured.order(), Some(0.5), "{measured}");
+    }
+}
+
+/// Heun's scheme with −h for h: the right law where there is noise alone, and the wrong paths.
+struct Flipped;
+
+impl Explicit for Flipped {
+    const ID: &'static str = "flipped";
+
+    #[inline(always)]
+    fn advance<H: Increment>(&self, h: H, y: H::Vector) -> H::Vector {
+        let first = h.field(y);
+        y - (first + h.field(y - first)) * 0.5
+    }
+}
+
+#[test]
+fn a_law_may_be_right_where_paths_are_wrong() {
+    let q = Observable { name: "q", function: |y: [f64; 2]| y[0] };
+    let many = StepSizes { samples: 5000, levels: 4, refinement: 1, ..sizes(2, 1) };
+    let weak = |omega: f64| {
+        let independent = ReferenceSolution::Independent;
+        weak_order(&Flipped, &kubo(omega, 1.0), q, &many, &independent).unwrap()
+    };
+    assert!(matches!(weak(0.0).limit, Limit::Consistent { .. }), "{}", weak(0.0));
+    assert_eq!(weak(1.0).decision, Decision::WrongLimit, "{}", weak(1.0));
+    let strong = strong_order(&Flipped, &kubo(0.0, 1.0), &sizes(16, 1)).unwrap();
+    assert_eq!(strong.decision, Decision::WrongLimit, "{strong}");
+}
+
+#[test]
+fn a_weak_term_of_low_order_is_found_in_one_step() {
+    // The error of the drift has order two, that of the noise of 3 % order one.
+    let q = Observable { name: "q", function: |y: [f64; 2]| y[0] };
+    let many = StepSizes { samples: 4000, ..sizes(16, 1) };
+    let weak = |sigma: f64| {
+        let independent = ReferenceSolution::Independent;
+        weak_order(&Heun, &kubo(6.0, sigma), q, &many, &independent).unwrap()
+    };
+    let order = weak(0.03);
+    assert!(matches!(order.decision, Decision::Hidden { share } if share < 0.1), "{order}");
+    assert!(order.rate.as_ref().unwrap().covers(2.0), "{order}");
+}
+
 /// Heun's scheme, and Euler–Maruyama from the middle of the time on.
 struct LateEuler;
 

@@ -24,10 +24,6 @@ const LATER_PILOT: u64 = 4;
 /// What the largest difference loses from a level to the next if it falls with strong order ½.
 const SHRINKS: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// A defect of the damping is negligible if it changes φ, which falls like e^{−∫γ} or its square,
-/// by less than this part of the accuracy.
-const NEGLIGIBLE: f64 = 0.125;
-
 /// Paths of a block.
 const BLOCK: u64 = WIDTH as u64;
 
@@ -223,9 +219,7 @@ impl Sampler<'_> {
     /// What the sums of the damping over the steps of a level lack, if the level does not resolve
     /// it.
     fn unresolved_damping(&self, level: usize) -> Option<f64> {
-        let ranges = self.ranges.iter().flatten();
-        let largest = ranges.map(|(a, b)| a.abs().max(b.abs())).fold(0.0, f64::max);
-        self.damping.unresolved(level, NEGLIGIBLE * self.accuracy / largest)
+        self.damping.unresolved(level)
     }
 
     /// Twice as many samples of the levels that decide the bias and on which some φ is the same on

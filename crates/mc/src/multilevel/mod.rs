@@ -29,10 +29,11 @@
 //!   at eight of them, and φ must vary on both in the same way. The damping that the scheme reads, summed over the steps, must agree
 //!   with ∫γ by quadrature, or converge to it ([`SeenDamping`]). Else a finer level is added.
 //!
-//! **What is assumed.** The weak order given, and E[φ(y_τ)] = E[φ(y(T))] + Aτ^p + Bτ^{p+1} on the
-//! last three levels. Nothing that occurs on no path of any level: an event larger than all that
-//! were seen, or a jump of φ that is hidden beside a part that varies smoothly. Components all
-//! count, those that φ does not read too: they may drive the others.
+//! **What is assumed.** A scheme that converges to the solution, the weak order given, and
+//! E[φ(y_τ)] = E[φ(y(T))] + Aτ^p + Bτ^{p+1} on the last three levels. Nothing that occurs on no
+//! path of any level: an event larger than all that were seen, or a jump of φ that is hidden beside
+//! a part that varies smoothly. Components all count, those that φ does not read too: they may
+//! drive the others.
 //!
 //! **Algorithm.** A pilot on levels 0, 1 and 2; finer levels until there are three differences and
 //! the last resolves the motion; then rounds of samples until every level has the number that is

@@ -6,10 +6,13 @@
 //! be seen in single steps, far below the step sizes at which whole paths can run. For Eδ the
 //! increments are ±√τ with signs from the rows of a Hadamard matrix and their negatives: their
 //! moments up to the third are those of normals, so the terms up to τ^{3/2} are averaged exactly.
+//!
+//! A law is the right one, whatever the paths, if the covariance of a step replaces its noise:
+//! |Eδ| = o(τ) and |E[ΔyΔyᵀ] − Σ fₘfₘᵀτ| = o(τ) (Milstein, *Theory Probab. Appl.* 30, 1986).
 
 use noise::{Noise, StreamKey, WienerPath};
 use schemes::{Scheme, Step};
-use systems::{Damping, PoissonSystem, Problem, ito_correction, vector_field};
+use systems::{Damping, PoissonSystem, Problem, ito_correction, unit_noise, vector_field};
 
 use super::{StepSizes, visits::Visit};
 
@@ -36,31 +39,41 @@ const SHOWN: f64 = 8.0;
 /// Errors that fall with less than this exponent of τ may not vanish; those of the field have ½ or
 /// more.
 const FALLS: f64 = 0.25;
+/// Defects must be known to this part of the motion of the paths: beside a component of 1e12, a
+/// wrong coefficient of size one is round-off.
+const KNOWN: f64 = 1e-3;
 /// Errors that fall with less than this exponent do not vanish.
 const STAYS: f64 = 0.1;
 
-/// Compares steps from these states with the coefficients of the equation.
+/// Compares steps from these states with the coefficients of the equation, for paths or for their
+/// law alone.
 pub fn consistency<S, G, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
     sizes: &StepSizes,
     visits: &[Visit<D>],
+    law: bool,
 ) -> Consistency
 where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
     let visits = &visits[..visits.len().min(VISITS)];
-    let coarsest = problem.t_end() / sizes.coarsest_steps as f64;
-    let (mut drift, mut noise) = (Vec::new(), Vec::new());
+    let t_end = problem.t_end();
+    let coarsest = t_end / sizes.coarsest_steps as f64;
+    let (mut drift, mut noise, mut motion) = (Vec::new(), Vec::new(), 0.0f64);
     for scale in 0..SCALES {
         let tau = coarsest * f64::powi(0.25, scale);
         let Some(errors) = errors(scheme, problem, sizes.key, visits, tau) else { continue };
-        drift.push(Error { value: errors[0] / tau, floor: ROUND_OFF / tau });
-        noise.push(Error { value: errors[1] / tau.sqrt(), floor: ROUND_OFF / tau.sqrt() });
+        drift.push(Error { value: errors.drift / tau, floor: ROUND_OFF / tau });
+        let value = if law { errors.covariance / tau } else { errors.noise / tau.sqrt() };
+        motion = motion.max(errors.motion);
+        noise.push(Error { value, floor: ROUND_OFF / tau.sqrt() });
     }
     match [vanishes(&drift), vanishes(&noise)] {
-        [Consistency::Consistent(a), Consistency::Consistent(b)] => {
+        [Consistency::Consistent(a), Consistency::Consistent(b)]
+            if (a * t_end).max(b * t_end.sqrt()) <= KNOWN * motion =>
+        {
             Consistency::Consistent(a.max(b))
         }
         [wrong @ Consistency::Inconsistent(_), _] | [_, wrong @ Consistency::Inconsistent(_)] => {
@@ -100,16 +113,28 @@ fn vanishes(errors: &[Error]) -> Consistency {
     }
 }
 
-/// Root mean squares of |Eδ| and |δ| over |y|; `None` if a tenth of the steps fail, or y = 0.
+/// What steps of one size show, as parts of |y|.
+struct Errors {
+    /// Root mean square of |Eδ|.
+    drift: f64,
+    /// Root mean square of |δ|.
+    noise: f64,
+    /// Root mean square of |E[ΔyΔyᵀ] − Σ fₘfₘᵀτ| over |y|√Σ|fₘ|².
+    covariance: f64,
+    /// Size of the coefficients times T and √T.
+    motion: f64,
+}
+
+/// Errors of steps from these states; `None` if a tenth of the steps fail, or y = 0.
 fn errors<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     scheme: &dyn Scheme<S, D, M>,
     problem: &Problem<S, G, D>,
     key: StreamKey,
     visits: &[Visit<D>],
     tau: f64,
-) -> Option<[f64; 2]> {
+) -> Option<Errors> {
     let (system, damping) = (problem.system(), problem.damping());
-    let (mut squares, mut size, mut failed) = ([0.0; 2], 0.0, 0);
+    let (mut squares, mut size, mut noise_size, mut failed) = ([0.0; 4], 0.0, 0.0, 0);
     for (path, visit) in (0..).zip(visits) {
         let y = visit.state;
         let n = (visit.t / tau).round() as u64;
@@ -122,25 +147,49 @@ fn errors<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
                 |i: usize| y[i] + (field[i] + (correction[i] - step.rate_at_start * y[i]) * tau);
             let error: [f64; D] = std::array::from_fn(|i| solution.z[i] - exact(i));
             let good = solution.outcome.converged() && error.iter().all(|e| e.is_finite());
-            good.then_some(error)
+            let change = std::array::from_fn(|i| solution.z[i] - y[i]);
+            good.then_some((error, change))
         };
         let normal = error(WienerPath::<M>::new(key, path).increments(tau.sqrt()));
         let signs = signs::<M>().map(|signs| error(signs.map(|sign| sign * tau.sqrt())));
-        let signed: Option<Vec<[f64; D]>> = signs.collect();
+        let signed: Option<Vec<([f64; D], [f64; D])>> = signs.collect();
         match (normal, signed) {
-            (Some(normal), Some(signed)) => {
+            (Some((normal, _)), Some(signed)) => {
                 let mean = |i: usize| {
-                    signed.iter().map(|error| error[i]).sum::<f64>() / signed.len() as f64
+                    signed.iter().map(|(error, _)| error[i]).sum::<f64>() / signed.len() as f64
                 };
+                let noises: [[f64; D]; M] =
+                    std::array::from_fn(|m| vector_field(system, y, 0.0, unit_noise(m)));
+                let covariance = |i: usize, j: usize| {
+                    let changes = signed.iter().map(|(_, change)| change[i] * change[j]);
+                    let exact = noises.iter().map(|noise| noise[i] * noise[j]).sum::<f64>();
+                    changes.sum::<f64>() / signed.len() as f64 - exact * tau
+                };
+                let square = y.iter().map(|y| y * y).sum::<f64>();
+                let noise = noises.iter().flatten().map(|f| f * f).sum::<f64>();
+                noise_size += square * noise;
+                let field: [f64; D] = vector_field(system, y, 1.0, [0.0; M]);
+                let drift = |i: usize| field[i] + correction[i] - step.rate_at_start * y[i];
+                let drift = (0..D).map(|i| drift(i) * drift(i)).sum::<f64>();
+                let t_end = problem.t_end();
+                squares[3] += drift * t_end * t_end + noise * t_end;
+                let pairs = (0..D).flat_map(|i| (0..D).map(move |j| (i, j)));
+                squares[2] += pairs.map(|(i, j)| covariance(i, j).powi(2)).sum::<f64>();
                 squares[0] += (0..D).map(|i| mean(i) * mean(i)).sum::<f64>();
                 squares[1] += normal.iter().map(|error| error * error).sum::<f64>();
-                size += y.iter().map(|y| y * y).sum::<f64>();
+                size += square;
             }
             _ => failed += 1,
         }
     }
     let usable = 10 * failed <= visits.len() && size > 0.0;
-    usable.then(|| squares.map(|square| (square / size).sqrt()))
+    let covariance = if noise_size > 0.0 { squares[2] / noise_size } else { 0.0 };
+    usable.then(|| Errors {
+        drift: (squares[0] / size).sqrt(),
+        noise: (squares[1] / size).sqrt(),
+        covariance: covariance.sqrt(),
+        motion: (squares[3] / size).sqrt(),
+    })
 }
 
 /// The rows of a Hadamard matrix and their negatives: any two columns are orthogonal, and odd

@@ -79,10 +79,11 @@ pub fn strong(rate: Option<&Rate>, one_step: Option<OneStep>, limit: Limit) -> D
 }
 
 /// The weak order; `lower_share` is an upper bound of the terms of order below a given one in the
-/// last difference.
+/// last difference, `one_step` the order that the mean error of one step leaves.
 pub fn weak(
     rate: Option<&Rate>,
     lower_share: impl Fn(u32) -> Option<f64>,
+    one_step: impl Fn() -> Option<f64>,
     limit: Limit,
 ) -> Decision {
     let rate = match usable(rate, limit) {
@@ -93,7 +94,7 @@ pub fn weak(
     match orders[..] {
         [order] => match lower_share(order) {
             _ if order == 1 => Decision::Order { order: 1.0, shown: true },
-            Some(share) if share <= HIDDEN => {
+            Some(share) if share <= HIDDEN && one_step().is_none_or(|q| q >= f64::from(order)) => {
                 Decision::Order { order: f64::from(order), shown: true }
             }
             share => Decision::Hidden { share: share.unwrap_or(1.0) },

@@ -106,7 +106,8 @@ where
                     None => {}
                 }
             }
-            Ok(combine(consistency(scheme, problem, sizes, visits), paths))
+            let law = matches!(what, Measure::Weak(_));
+            Ok(combine(consistency(scheme, problem, sizes, visits, law), paths))
         }
     }
 }

@@ -6,6 +6,10 @@
 //! add up faster. Steps cost little, so τ can be as small as rounding allows: far below the step
 //! sizes at which whole paths can run, where a small term of low order may not show yet. The same
 //! steps with stronger noise find such a term where the noise is weak.
+//!
+//! If the means of δ and of the differences of squares are of order τ^{r+1}, the weak order of
+//! these test functions is r. Means are those of a cubature of degree five (Stroud, *Approximate
+//! Calculation of Multiple Integrals*, 1971), exact for the terms up to τ^{5/2}.
 
 use noise::{AreaMethod, AreaPath, Noise, StreamKey, WienerPath};
 use schemes::{Scheme, Step};
@@ -58,6 +62,38 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
+    least_order(problem, sizes, &|tau, amplification| {
+        difference(scheme, problem, sizes.key, visits, tau, amplification)
+    })
+}
+
+/// The smallest weak order that the means of one step leave, for the components and their squares,
+/// with the noise of the problem or an amplified one; `None` if it is not clear, or if the scheme
+/// reads areas, which the cubature has not.
+pub fn mean_order<S, G, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    sizes: &StepSizes,
+    visits: &[Visit<D>],
+) -> Option<f64>
+where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    let visits = &visits[..visits.len().min(MEAN_VISITS)];
+    let least = least_order(problem, sizes, &|tau, amplification| {
+        mean_difference(scheme, problem, visits, tau, amplification)
+    });
+    least.filter(|_| !scheme.reads_areas()).map(|step| step.order - 1.0)
+}
+
+/// The smallest clear order of a mean square of differences, which is given with that of the states
+/// for a step size and a factor of the noise.
+fn least_order<S, G: Damping, const D: usize>(
+    problem: &Problem<S, G, D>,
+    sizes: &StepSizes,
+    squares_of: &dyn Fn(f64, f64) -> (f64, f64),
+) -> Option<OneStep> {
     let mut least: Option<OneStep> = None;
     for amplification in AMPLIFICATIONS {
         let mut squares = Vec::new();
@@ -65,7 +101,7 @@ where
         let coarser = sizes.level(0) as i32 / 2;
         for scale in -coarser..SCALES {
             let tau = 0.25 * finest * f64::powi(0.25, scale);
-            let (square, size) = difference(scheme, problem, sizes.key, visits, tau, amplification);
+            let (square, size) = squares_of(tau, amplification);
             if square <= ROUND_OFF * ROUND_OFF * size {
                 break;
             }
@@ -91,6 +127,73 @@ where
         };
     }
     least.filter(|step| step.order > 0.0)
+}
+
+/// Visits from which means are formed.
+const MEAN_VISITS: usize = 16;
+
+/// Means over visits of the squares of E[g(one step) − g(two half steps)] and of g, where g are the
+/// components and their squares; NaN if no step succeeds.
+fn mean_difference<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    visits: &[Visit<D>],
+    tau: f64,
+    amplification: f64,
+) -> (f64, f64) {
+    let (mut square, mut size, mut count) = (0.0, 0.0, 0.0);
+    let root = amplification * (0.5 * tau).sqrt();
+    let step = |n: u64, tau: f64, noise: [f64; M], y: [f64; D]| {
+        let step = Step::new(problem.damping(), n, tau).ok()?;
+        let solution = scheme.step(problem.system(), &step, &Noise::increments(noise), y);
+        solution.outcome.converged().then_some(solution.z)
+    };
+    for visit in visits {
+        let n = (visit.t / tau).round() as u64;
+        let mut means = [[0.0; D]; 2];
+        let mut add = |weight: f64, [first, second]: [[f64; M]; 2]| {
+            let [first, second] = [first, second].map(|noise| noise.map(|x| root * x));
+            let both = std::array::from_fn(|m| first[m] + second[m]);
+            let one = step(n, tau, both, visit.state)?;
+            let half = step(2 * n, 0.5 * tau, first, visit.state)?;
+            let two = step(2 * n + 1, 0.5 * tau, second, half)?;
+            for i in 0..D {
+                let difference = one[i] - two[i];
+                means[0][i] += weight * difference;
+                means[1][i] += weight * difference * (one[i] + two[i]);
+            }
+            Some(())
+        };
+        if cubature::<M>().try_for_each(|(weight, noises)| add(weight, noises)).is_some() {
+            let sum = |values: [f64; D]| values.iter().map(|x| x * x).sum::<f64>();
+            square += means.map(sum).iter().sum::<f64>();
+            size += sum(visit.state) + sum(visit.state.map(|y| y * y));
+            count += 1.0;
+        }
+    }
+    (square / count, size / count)
+}
+
+/// Weights and points of a cubature of degree five for two vectors of M normals.
+fn cubature<const M: usize>() -> impl Iterator<Item = (f64, [[f64; M]; 2])> {
+    let n = 2 * M;
+    let r = n as f64 + 2.0;
+    let point = move |entries: &[(usize, f64)]| {
+        let mut point = [[0.0; M]; 2];
+        entries.iter().for_each(|&(i, x)| point[i / M][i % M] = x);
+        point
+    };
+    let centre = std::iter::once((2.0 / r, [[0.0; M]; 2]));
+    let axes = (0..n).flat_map(move |i| {
+        [r.sqrt(), -r.sqrt()].map(|x| ((4.0 - n as f64) / (2.0 * r * r), point(&[(i, x)])))
+    });
+    let pairs = (0..n).flat_map(move |i| (i + 1..n).map(move |j| (i, j)));
+    let planes = pairs.flat_map(move |(i, j)| {
+        let x = (0.5 * r).sqrt();
+        let signs = [(x, x), (x, -x), (-x, x), (-x, -x)];
+        signs.map(|(a, b)| (1.0 / (r * r), point(&[(i, a), (j, b)])))
+    });
+    centre.chain(axes).chain(planes)
 }
 
 /// Means of |δ|² and |y|² over the steps that succeed; NaN if none does.
@@ -159,4 +262,31 @@ fn join<const M: usize>(first: Noise<M>, second: Noise<M>) -> Noise<M> {
         }
     }
     both
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cubature_has_the_moments_of_normals_up_to_the_fifth() {
+        let points: Vec<(f64, [[f64; 3]; 2])> = cubature().collect();
+        let moment = |of: &dyn Fn([f64; 6]) -> f64| {
+            let flat = |p: [[f64; 3]; 2]| std::array::from_fn(|i| p[i / 3][i % 3]);
+            points.iter().map(|&(weight, p)| weight * of(flat(p))).sum::<f64>()
+        };
+        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-13, "{a} {b}");
+        close(moment(&|_| 1.0), 1.0);
+        for i in 0..6 {
+            close(moment(&|x| x[i]), 0.0);
+            close(moment(&|x| x[i].powi(2)), 1.0);
+            close(moment(&|x| x[i].powi(4)), 3.0);
+            close(moment(&|x| x[i].powi(5)), 0.0);
+            for j in 0..i {
+                close(moment(&|x| x[i] * x[j]), 0.0);
+                close(moment(&|x| x[i].powi(3) * x[j]), 0.0);
+                close(moment(&|x| (x[i] * x[j]).powi(2)), 1.0);
+            }
+        }
+    }
 }

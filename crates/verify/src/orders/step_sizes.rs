@@ -75,7 +75,7 @@ impl StepSizes {
         G: Damping,
     {
         let seen = SeenDamping::new(scheme, problem, self.coarsest_steps);
-        seen.unresolved(self.sizes() - 1, 0.0)
+        seen.unresolved(self.sizes() - 1)
     }
 
     /// Refuses sizes without a step or a step size, or with too many.

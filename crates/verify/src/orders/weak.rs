@@ -9,6 +9,7 @@ use super::{
     Measure, Order, ReferenceSolution, StepSizes, decision,
     errors::widen,
     limit::limit,
+    one_step::mean_order,
     runs::{at_all_sizes, measure},
     visits::visits,
 };
@@ -74,7 +75,10 @@ where
     let limit = limit(scheme, problem, sizes, &visits, reference, Measure::Weak(observable))?;
     let share = |order| lower_share(&taus[..means.len()], &means, &covariance, order, against);
     let decision = decision::obstacle(failed, sizes.samples, sizes.damping(scheme, problem))
-        .unwrap_or_else(|| decision::weak(rate.as_ref(), share, limit));
+        .unwrap_or_else(|| {
+            let one_step = || mean_order(scheme, problem, sizes, &visits);
+            decision::weak(rate.as_ref(), share, one_step, limit)
+        });
     let likely = rate.as_mut().map_or(1.0, |rate| decision.settle(rate)).max(0.5);
     let tail = |p: f64| if exact.is_some() { None } else { Some(1.0 / (p.exp2() - 1.0)) };
     let mut points = match rate.is_some() || exact.is_some() {
