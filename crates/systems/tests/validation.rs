@@ -148,3 +148,34 @@ fn populations_are_positive() {
     let fine = LotkaVolterra::new(-1.0, -2.0, 1.0).unwrap();
     assert!(Problem::new(fine, damping, [0.2, 0.4, 0.6], 1.0).is_ok());
 }
+
+#[test]
+fn a_problem_gives_back_what_it_was_made_of() {
+    let (damping, y0) = (Constant::new(0.5).unwrap(), [0.2, 1.0]);
+    let problem = Problem::new(Pendulum::new(0.7).unwrap(), damping, y0, 1.0).unwrap();
+    assert_eq!((problem.y0(), problem.t_end()), (y0, 1.0));
+    let longer = problem.until(3.0).unwrap();
+    assert_eq!((longer.t_end(), longer.damping().rate(0.0)), (3.0, 0.5));
+    for bad in NOT_POSITIVE {
+        assert!(longer.clone().until(bad).is_err(), "{bad}");
+    }
+    let (_, damping, state, t_end) = longer.into_parts();
+    assert_eq!((damping.rate(0.0), state, t_end), (0.5, y0, 3.0));
+}
+
+#[test]
+fn a_borrowed_damping_is_the_damping() {
+    fn of<G: Damping>(damping: G) -> (f64, f64, String) {
+        (damping.rate(0.3), damping.integral(0.3, 0.8), damping.describe())
+    }
+    let damping = Cosine::new(0.5, 2.0).unwrap();
+    let borrowed: &dyn Damping = &damping;
+    let (rate, integral, words) = of(borrowed);
+    assert_eq!(
+        (rate, integral, words.as_str()),
+        (damping.rate(0.3), damping.integral(0.3, 0.8), "γ = 0.5 cos 2 t")
+    );
+    // ½ cos 0.6, and its integral ¼(sin 1.6 − sin 0.6).
+    assert!((rate - 0.5 * 0.6f64.cos()).abs() < 1e-15);
+    assert!((integral - 0.25 * (1.6f64.sin() - 0.6f64.sin())).abs() < 1e-15);
+}
