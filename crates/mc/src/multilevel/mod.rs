@@ -93,6 +93,8 @@ mod report;
 mod resolution;
 mod settings;
 mod tails;
+#[cfg(test)]
+mod tests;
 
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem};
