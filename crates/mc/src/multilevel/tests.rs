@@ -371,6 +371,11 @@ fn neighbours_are_compared_in_standard_errors() {
     let [lowest] = level_values(&levels, &levels[0])[..] else { panic!("one test function") };
     assert_eq!((lowest.deviation, lowest.mean), (0.0, 1.0));
     assert!(close(lowest.kurtosis, 1.0));
+    // What never varies is compared in 64 roundings.
+    let same = level(1, 8, pairs(&[1.0; 8], &[0.0; 8]));
+    let rounded = level(2, 8, pairs(&[2.0; 8], &[1.0 + 1024.0 * f64::EPSILON; 8]));
+    let levels = [same, rounded];
+    assert!(close(level_values(&levels, &levels[1])[0].deviation, 16.0));
 }
 
 fn rate(lower: f64, upper: f64) -> Option<Rate> {

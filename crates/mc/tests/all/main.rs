@@ -7,3 +7,4 @@ mod judged;
 mod ladder;
 mod multilevel;
 mod simulation;
+mod statistics;
