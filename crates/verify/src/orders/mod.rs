@@ -20,6 +20,8 @@ mod one_step;
 mod runs;
 mod step_sizes;
 mod strong;
+#[cfg(test)]
+mod tests;
 mod weak;
 
 use mc::{Observable, TimeChange};

@@ -1,0 +1,278 @@
+//! The arithmetic of orders, and what is decided, on numbers that are made up.
+
+use noise::{StreamKey, Truncation};
+use stats::{CrossMoments, Point, Rate};
+
+use super::{
+    Decision, Limit, OneStep, Order, StepSizes, decision,
+    errors::{differences, record, record_length, strong_points},
+    wrong_limit,
+};
+
+const AGREES: Limit = Limit::Agrees { with: "heun", distance: 1e-3 };
+
+fn rate(estimate: f64, lo: f64, hi: f64) -> Rate {
+    // At the confidence of a contradiction already, so that nothing is widened.
+    Rate { estimate, lo, hi, confidence: 0.999, ..Rate::default() }
+}
+
+fn one_step(order: f64) -> Option<OneStep> {
+    Some(OneStep { order, tau: 1e-6, amplification: 16.0 })
+}
+
+#[test]
+fn one_step_of_integer_order_leaves_two_orders_possible() {
+    let orders = |order: f64| one_step(order).unwrap().strong_orders().collect::<Vec<_>>();
+    assert_eq!(orders(1.0), [0.5]);
+    assert_eq!(orders(1.5), [1.0]);
+    assert_eq!(orders(2.0), [1.0, 1.5]);
+    assert_eq!(orders(3.0), [2.0, 2.5]);
+}
+
+#[test]
+fn a_strong_order_is_named_where_one_is_left_that_the_points_do_not_exceed() {
+    let of = |lo: f64, hi: f64, step: f64| {
+        decision::strong(Some(&rate(0.5 * (lo + hi), lo, hi)), one_step(step), AGREES)
+    };
+    let named = |order: f64, shown: bool| Decision::Order { order, shown };
+    assert_eq!(of(0.9, 1.1, 1.5), named(1.0, true));
+    // The points fall faster still.
+    assert_eq!(of(1.2, 1.4, 1.5), named(1.0, false));
+    // They fall too slowly for the order of one step.
+    assert_eq!(of(0.7, 0.9, 1.5), Decision::NotAsymptotic);
+    // Of orders one and 1½ the points leave one, or both.
+    assert_eq!(of(0.9, 1.1, 2.0), named(1.0, true));
+    assert_eq!(of(1.3, 1.6, 2.0), Decision::OneStepUnclear);
+    let calm = rate(1.0, 0.9, 1.1);
+    assert_eq!(decision::strong(Some(&calm), None, AGREES), Decision::OneStepUnclear);
+}
+
+#[test]
+fn nothing_is_named_without_a_good_fit_and_a_limit() {
+    let of = |rate: Option<&Rate>, limit: Limit| {
+        let strong = decision::strong(rate, one_step(1.5), limit);
+        assert_eq!(decision::weak(rate, |_| Some(0.0), limit), strong);
+        strong
+    };
+    let good = rate(1.0, 0.9, 1.1);
+    assert_eq!(of(Some(&good), AGREES), Decision::Order { order: 1.0, shown: true });
+    let differs = Limit::Differs { with: "heun", distance: 1.0 };
+    assert_eq!(of(Some(&good), differs), Decision::WrongLimit);
+    assert_eq!(of(None, differs), Decision::WrongLimit);
+    assert_eq!(of(None, AGREES), Decision::NoDifferences);
+    for limit in [Limit::Unclear { with: "heun", distance: 1.0 }, Limit::Unchecked] {
+        assert_eq!(of(Some(&good), limit), Decision::LimitUnclear);
+    }
+    let misfit = Rate { p_value: Some(1e-6), ..good.clone() };
+    assert_eq!(of(Some(&misfit), AGREES), Decision::NotAsymptotic);
+    // An interval of ½ is narrow enough; one twice as wide takes four times as many paths.
+    assert_eq!(
+        of(Some(&rate(1.0, 0.75, 1.25)), AGREES),
+        Decision::Order { order: 1.0, shown: true }
+    );
+    assert_eq!(of(Some(&rate(1.0, 0.5, 1.5)), AGREES), Decision::Wide { more_paths: 4.0 });
+    let nan = of(Some(&rate(1.0, f64::NAN, 1.5)), AGREES);
+    assert!(matches!(nan, Decision::Wide { .. }), "{nan:?}");
+}
+
+#[test]
+fn a_weak_order_above_one_may_hide_a_lower_one() {
+    let of = |lo: f64, hi: f64, share: Option<f64>| {
+        decision::weak(Some(&rate(lo, lo, hi)), |_| share, AGREES)
+    };
+    let two = Decision::Order { order: 2.0, shown: true };
+    assert_eq!(of(1.9, 2.1, Some(0.1)), two);
+    assert_eq!(of(1.9, 2.1, Some(0.11)), Decision::Hidden { share: 0.11 });
+    assert_eq!(of(1.9, 2.1, None), Decision::Hidden { share: 1.0 });
+    // Nothing is lower than one, whatever its share.
+    assert_eq!(of(0.9, 1.1, Some(1.0)), Decision::Order { order: 1.0, shown: true });
+    // Between the orders, or none of them.
+    assert_eq!(of(1.4, 1.6, Some(0.0)), Decision::NotAsymptotic);
+    assert_eq!(of(4.1, 4.3, Some(0.0)), Decision::NotAsymptotic);
+    assert_eq!(of(3.9, 4.1, Some(0.0)), Decision::Order { order: 4.0, shown: true });
+}
+
+#[test]
+fn a_decision_settles_the_interval_or_warns() {
+    let mut fitted = rate(1.3, 1.2, 1.4);
+    assert_eq!(Decision::Order { order: 1.0, shown: false }.settle(&mut fitted), 1.0);
+    assert_eq!((fitted.lo, fitted.hi, &fitted.warning), (1.0, 1.4, &None));
+    assert_eq!(Decision::Order { order: 1.5, shown: false }.settle(&mut fitted), 1.5);
+    assert_eq!((fitted.lo, fitted.hi), (1.0, 1.5));
+    assert_eq!(Decision::NoDifferences.settle(&mut fitted), 1.3);
+    let first = fitted.warning.clone().unwrap();
+    assert_eq!(first, Decision::NoDifferences.to_string());
+    Decision::WrongLimit.settle(&mut fitted);
+    assert_eq!(fitted.warning, Some(format!("{first}; {}", Decision::WrongLimit)));
+}
+
+fn order(decision: Decision, limit: Limit) -> Order {
+    let one_step = one_step(1.5);
+    Order {
+        points: Vec::new(),
+        rate: Some(rate(1.25, 1.0, 1.5)),
+        one_step,
+        limit,
+        decision,
+        failed: 0,
+    }
+}
+
+#[test]
+fn an_order_says_what_it_rests_on() {
+    let shown = order(Decision::Order { order: 1.0, shown: true }, AGREES);
+    let fitted = "fitted 1.25 [1.00, 1.50]";
+    let agrees = "its limit differs from that of heun by at most 1.0e-3";
+    assert_eq!(shown.to_string(), format!("order 1; {fitted}; {agrees}"));
+    assert_eq!(shown.order(), Some(1.0));
+    let hidden = order(Decision::Order { order: 1.0, shown: false }, AGREES);
+    let still = "the points still fall faster, one step at τ = 1e-6";
+    assert_eq!(
+        hidden.to_string(),
+        format!("order 1; {fitted}; {still} with 16 times the noise shows the order; {agrees}")
+    );
+    let plain = OneStep { amplification: 1.0, ..one_step(1.5).unwrap() };
+    let plain = Order { one_step: Some(plain), ..hidden };
+    let text = format!("order 1; {fitted}; {still} shows the order; {agrees}");
+    assert_eq!(plain.to_string(), text);
+    let failed = Order { failed: 3, ..plain };
+    assert_eq!(failed.to_string(), format!("{text}; 3 paths failed and are left out"));
+
+    let wrong = order(Decision::WrongLimit, Limit::Differs { with: "heun", distance: 0.5 });
+    assert_eq!(wrong.order(), None);
+    let away = "its limit is 5.0e-1 from that of heun";
+    assert!(wrong.to_string().ends_with(away), "{wrong}");
+    let unclear = order(Decision::LimitUnclear, Limit::Unclear { with: "heun", distance: 0.5 });
+    assert!(unclear.to_string().ends_with("may differ from that of heun by 5.0e-1"), "{unclear}");
+    let none = Order { rate: None, ..order(Decision::NoDifferences, Limit::Unchecked) };
+    assert!(none.to_string().ends_with("; no other scheme runs to compare the limit with"));
+    let wide = Decision::Wide { more_paths: 4.0 }.to_string();
+    assert_eq!(wide, "undecided: 4 times as many paths would decide");
+    let share = Decision::Hidden { share: 0.25 }.to_string();
+    assert!(share.contains("may have 25 % of the last difference"), "{share}");
+    // As evidence it refutes what converges to something else.
+    assert_eq!(wrong.evidence(1.0).verdict(), crate::Verdict::Refuted);
+    assert_eq!(shown.evidence(1.25).verdict(), crate::Verdict::Undecided);
+}
+
+#[test]
+fn step_sizes_halve_down_to_the_reference() {
+    let key = StreamKey { seed: 1, experiment: 1 };
+    let sizes = StepSizes { levels: 3, ..StepSizes::new(5, Truncation::none(), key) };
+    assert_eq!(sizes.steps().collect::<Vec<_>>(), [5, 10, 20]);
+    assert_eq!((sizes.reference_steps(), sizes.sizes()), (80, 5));
+    assert_eq!([0, 1, 2].map(|index| sizes.level(index)), [4, 3, 2]);
+    assert_eq!(sizes.taus(2.0), [5.0, 10.0, 20.0, 40.0, 80.0].map(|steps| 2.0 / steps));
+    // One run at the finest size and its halves: twice the reference.
+    assert_eq!(sizes.cost(), 160 * sizes.samples);
+    let allowed = |sizes: StepSizes| sizes.check().is_ok();
+    assert!(allowed(sizes) && allowed(StepSizes { levels: 46, coarsest_steps: 1, ..sizes }));
+    assert!(!allowed(StepSizes { levels: 47, coarsest_steps: 1, ..sizes }));
+    assert!(!allowed(StepSizes { levels: 0, ..sizes }));
+    assert!(!allowed(StepSizes { coarsest_steps: 0, ..sizes }));
+    // 2⁶⁰ steps of size 1/16 do not fit 64 bits.
+    assert!(allowed(StepSizes { coarsest_steps: 1 << 59, ..sizes }));
+    assert!(!allowed(StepSizes { coarsest_steps: 1 << 60, ..sizes }));
+    assert!(sizes.check_order(5).is_ok() && sizes.check_order(6).is_err());
+}
+
+const LEVELS: usize = 3;
+const SIZES: usize = 5;
+
+/// Moments of 64 paths whose states at the five step sizes are these, times ±1.1 and ±0.9.
+fn recorded<const D: usize>(states: [[f64; D]; SIZES]) -> CrossMoments {
+    let length = record_length(SIZES, LEVELS);
+    let mut moments = CrossMoments::new(length);
+    for path in 0..64 {
+        let size = [1.1, 0.9, -1.1, -0.9][path % 4];
+        let mut numbers = vec![0.0; length];
+        record(&states.map(|state| state.map(|y| size * y)), LEVELS, &mut numbers);
+        moments.add(&numbers);
+    }
+    moments
+}
+
+fn values(points: &[Point]) -> Vec<f64> {
+    let value = |point: &Point| match point {
+        Point::Error { value, .. } => *value,
+        other => panic!("{other:?}"),
+    };
+    points.iter().map(value).collect()
+}
+
+#[test]
+fn errors_in_proportion_are_extrapolated_to_the_limit() {
+    // y_k = y + a·2^{−pk} on every path: the error at step size k is |a|·2^{−pk}, whose root mean
+    // square is √1.01 of that.
+    let taus = [0.25, 0.125, 0.0625];
+    for p in [1.0f64, 1.5, 2.0] {
+        let factor = |k: i32| 2f64.powf(-p * f64::from(k));
+        let states = [0, 1, 2, 3, 4].map(|k| [3.0 + 0.6 * factor(k), 1.0 - 0.8 * factor(k)]);
+        let moments = recorded(states);
+        let found = values(&strong_points(&taus, &moments, &[p]));
+        for (k, value) in (0..).zip(found) {
+            assert!((value / (1.01f64.sqrt() * factor(k)) - 1.0).abs() < 1e-12, "{p} {k} {value}");
+        }
+        // The differences alone.
+        let steps = differences(&moments, SIZES, LEVELS);
+        assert_eq!(steps.length(), SIZES - 1);
+        for k in 0..4 {
+            let exact = 1.01 * (factor(k) - factor(k + 1)).powi(2);
+            assert!((steps.mean(k as usize) / exact - 1.0).abs() < 1e-12, "{p} {k}");
+        }
+    }
+}
+
+#[test]
+fn independent_errors_add_up_to_the_limit() {
+    // Steps from size to size along axes of their own, of length 2^{−k/2}: of what is beyond the
+    // finest size, Σ_{j ≥ k} 2^{−j} = 2^{1 − k}.
+    let step = |j: usize, k: usize| if j < k { 0.0 } else { 0.5f64.powf(0.5 * j as f64) };
+    let states: [[f64; 4]; SIZES] = std::array::from_fn(|k| std::array::from_fn(|j| step(j, k)));
+    let taus = [0.25, 0.125, 0.0625];
+    let found = values(&strong_points(&taus, &recorded(states), &[0.5]));
+    for (k, value) in found.into_iter().enumerate() {
+        let exact = (1.01 * 2.0 * 0.5f64.powi(k as i32)).sqrt();
+        assert!((value / exact - 1.0).abs() < 1e-12, "{k}: {value} {exact}");
+    }
+}
+
+#[test]
+fn points_are_as_wide_as_any_order_makes_them() {
+    let states = [0, 1, 2, 3, 4].map(|k| [0.5f64.powi(k), 0.3]);
+    let (moments, taus) = (recorded(states), [0.25, 0.125, 0.0625]);
+    let ends = |orders: &[f64]| -> Vec<(f64, f64)> {
+        let points = strong_points(&taus, &moments, orders);
+        let end = |point: &Point| match point {
+            Point::Error { lo: Some(lo), hi: Some(hi), .. } => (*lo, *hi),
+            other => panic!("{other:?}"),
+        };
+        points.iter().map(end).collect()
+    };
+    let (one, both) = (ends(&[1.0]), ends(&[1.0, 0.6]));
+    for l in 0..3 {
+        assert!(both[l].0 <= one[l].0 && both[l].1 > one[l].1 && one[l].0 < one[l].1, "{both:?}");
+    }
+}
+
+#[test]
+fn a_limit_is_wrong_where_most_of_the_error_does_not_shrink() {
+    // Squares c + a·4^{2 − l} against the solution at l = 0, 1, 2, and of the last difference.
+    let of = |c: f64, a: f64, own: f64| {
+        let (mut errors, mut differences) = (CrossMoments::new(3), CrossMoments::new(2));
+        for path in 0..100 {
+            let size = if path % 2 == 0 { 1.001 } else { 0.999 };
+            errors.add(&[16.0, 4.0, 1.0].map(|growth| size * (c + a * growth)));
+            differences.add(&[4.0 * own, own].map(|square| size * square));
+        }
+        wrong_limit(&errors, &differences)
+    };
+    // Squares that fall like τ, by four in two halvings, leave the constant (4·near − far)/3.
+    let near = |found: Option<f64>| found.is_some_and(|distance| (distance - 1.0).abs() < 1e-3);
+    assert!(near(of(1.0, 0.0, 0.01)));
+    // The root of the square of near is compared with 4.84 times that of the last difference.
+    assert!(near(of(1.0, 0.0, 0.0425)) && of(1.0, 0.0, 0.043).is_none());
+    // That is c − 4a, above half of near = c + a for a below c/9.
+    assert!(near(of(0.901, 0.099, 0.01)) && of(0.899, 0.101, 0.01).is_none());
+    assert_eq!(wrong_limit(&CrossMoments::new(1), &CrossMoments::new(0)), None);
+}
