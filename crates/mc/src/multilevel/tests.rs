@@ -563,11 +563,14 @@ fn made_up(level: &Samples, paths: u64) -> Round {
     Round { values: vec![values], motion, failed: 0, first_failure: None }
 }
 
-/// The result on the made-up problem, with the level and the number of paths of every round.
+/// Of every round its level, whether of differences, and the number of paths.
+type Rounds = Vec<(usize, bool, u64)>;
+
+/// The result on the made-up problem, with its rounds.
 fn run(
     accuracy: f64,
     settings: &ExpectationSettings,
-) -> (Result<Expectation, MultilevelError>, Vec<(usize, bool, u64)>) {
+) -> (Result<Expectation, MultilevelError>, Rounds) {
     let rounds = RefCell::new(Vec::new());
     let draw = |level: &Samples, paths: u64| {
         rounds.borrow_mut().push((level.level, level.coupling.is_some(), paths));
@@ -647,7 +650,7 @@ fn a_finer_level_is_added_until_the_bias_is_small() {
     };
     let levels = [0.1, 0.02, 0.004].map(finest);
     for (level, accuracy) in levels.into_iter().zip([0.1, 0.02, 0.004]) {
-        let least = (0.1 / (0.25 * accuracy) as f64).log2().ceil().max(3.0) as usize;
+        let least = f64::log2(0.1 / (0.25 * accuracy)).ceil().max(3.0) as usize;
         assert!((least..=least + 2).contains(&level), "{accuracy}: {level}, {least}");
     }
 }
