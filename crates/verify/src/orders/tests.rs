@@ -303,7 +303,7 @@ impl PoissonSystem<2, 1> for Plane {
 fn moved(offset: f64, seed: u64) -> Limit {
     let problem = valid(Problem::new(Plane, valid(Constant::new(0.0)), [1.0, 0.0], 1.0));
     let key = StreamKey { seed, experiment: 1 };
-    let sizes = StepSizes { samples: 128, ..StepSizes::new(8, valid(Truncation::new(4)), key) };
+    let sizes = StepSizes { samples: 256, ..StepSizes::new(8, valid(Truncation::new(4)), key) };
     let tau = 1.0 / sizes.reference_steps() as f64;
     let time_change = RandomTime::new(problem.damping(), 1.0, 1.0, tau);
     let solution = |s: f64| [s.cos() + offset, s.sin()];
@@ -314,13 +314,18 @@ fn moved(offset: f64, seed: u64) -> Limit {
 
 #[test]
 fn a_limit_is_told_from_another_by_what_the_steps_leave_of_the_distance() {
-    // Errors of 0.05 or so at the finest step. An offset of 0.02 is not seen, and is within the
-    // distance named, a bound of 97½ %: of 40 seeds, 35 or more but for a probability of 1e-3.
+    // Errors of 0.04 or so at the finest step. An offset of 0.02 is not told from none, and the
+    // distance named is a bound of 97½ %: in 40 measurements, fewer than 35 times with a probability
+    // of 1e-3.
     let mut covered = 0;
     for seed in 0..40 {
-        let Limit::Agrees { distance, with } = moved(0.02, seed) else { panic!("{seed}") };
-        assert!(distance < 0.08 && with == "exact solution", "{seed}: {distance}");
-        covered += usize::from(distance >= 0.02);
+        match moved(0.02, seed) {
+            Limit::Agrees { distance, with } | Limit::Unclear { distance, with } => {
+                assert!(distance < 0.08 && with == "exact solution", "{seed}: {distance}");
+                covered += usize::from(distance >= 0.02);
+            }
+            other => panic!("{seed}: {other:?}"),
+        }
     }
     assert!(covered >= 35, "{covered} of 40");
     for seed in 0..4 {
