@@ -176,6 +176,9 @@ fn a_recording_knows_its_step_and_reads_steps_that_agree() {
     let drawn = Recording::<2>::draw(KEY, 0, 8, 2.0, true).unwrap();
     assert_eq!((drawn.tau(), drawn.increments().len()), (0.25, 8));
     assert_eq!(drawn.coarsened(4).unwrap().tau(), 1.0);
+    for t_end in [-1.0, 0.0, f64::INFINITY] {
+        assert!(Recording::<2>::draw(KEY, 0, 8, t_end, false).is_err(), "{t_end}");
+    }
     // Steps may differ by 1e-9 of themselves, whatever their size.
     for tau in [1e-6, 1.0, 1e6] {
         let read = |factor: f64| {

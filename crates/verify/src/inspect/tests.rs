@@ -391,3 +391,80 @@ fn a_problem_is_looked_at_in_twice_the_ball_of_its_start() {
     assert!(radius.is_none_or(|radius| (radius - 5.0).abs() < 1e-6), "{radius:?}");
     assert_eq!(region([0.0, 0.0]).0, Region::Ball(2.0));
 }
+
+/// B constant with the kernel (1, −2, 0), and H₁ = H₀ + y₁ − 2y₂.
+struct Kernel;
+
+impl PoissonSystem<3, 1> for Kernel {
+    fn name(&self) -> &'static str {
+        "kernel"
+    }
+    fn structure<R: Real>(&self, _y: [R; 3], v: [R; 3]) -> [R; 3] {
+        [v[2] * 2.0, v[2], -(v[0] * 2.0) - v[1]]
+    }
+    fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> R {
+        let h = (y[0] * y[0] + y[1] * y[1] + y[2] * y[2] * 4.0) * 0.5;
+        h * (dt + dw[0]) + (y[0] - y[1] * 2.0) * dw[0]
+    }
+}
+
+/// so(2, 1), with the Casimir ½(y₁² + y₂² − y₃²), and B in front of which a sine stands.
+struct Hyperbolic {
+    sine: bool,
+}
+
+impl PoissonSystem<3, 1> for Hyperbolic {
+    fn name(&self) -> &'static str {
+        "hyperbolic"
+    }
+    fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+        let z = -y[2];
+        let cross = [y[1] * v[2] - z * v[1], z * v[0] - y[0] * v[2], y[0] * v[1] - y[1] * v[0]];
+        let factor = if self.sine { y[0].sin() + 2.0 } else { R::constant(1.0) };
+        cross.map(|x| x * factor)
+    }
+    fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> R {
+        y[0] * y[1] * (dt + dw[0])
+    }
+}
+
+#[test]
+fn casimirs_are_written_with_their_signs() {
+    let report = inspect(&Kernel).unwrap();
+    let formulas: Vec<_> = report.casimirs.found.iter().map(|c| c.formula.as_str()).collect();
+    assert_eq!(formulas, ["y1 − 2 y2", "0.5 y1² + 2 y2² − 2 y1 y2"]);
+    let [line, square] = &report.casimirs.found[..] else { panic!("{report}") };
+    assert_eq!((line.degree, square.degree), (1, 2));
+    assert_eq!((line.value(&[3.0, 1.0, 7.0]), square.value(&[3.0, 0.0, 7.0])), (1.0, 4.5));
+    // A minimum of −√5 at (−1, 2, 0)/√5, and zero beside it.
+    let least = line.minimum;
+    assert!((least.value + 5f64.sqrt()).abs() < 1e-6 && least.positive == Status::Refuted);
+    assert!(square.minimum.value.abs() < 1e-12 && report.casimirs.definite.is_none());
+    assert!(report.bound.is_none() && report.casimirs.complete == Status::Shown, "{report}");
+    // H₁ is not a multiple of H₀, though the flows are the same.
+    assert_eq!(report.hamiltonians.noise_size, None);
+    assert!(report.structure.constant.holds() && report.noise.commute.holds());
+}
+
+#[test]
+fn an_indefinite_casimir_bounds_nothing_and_what_is_found_is_not_shown() {
+    let report = inspect(&Hyperbolic { sine: false }).unwrap();
+    let [casimir] = &report.casimirs.found[..] else { panic!("{report}") };
+    assert_eq!(casimir.formula, "0.5 y1² + 0.5 y2² − 0.5 y3²");
+    assert!((casimir.minimum.value + 0.5).abs() < 1e-14, "{report}");
+    assert_eq!(casimir.minimum.positive, Status::Refuted);
+    assert_eq!(report.applies("moment-bound"), Some(Applies::No));
+    assert_eq!(report.applies("conformal-casimir"), Some(Applies::Yes));
+    assert!(report.to_string().contains("m = -5.0000e-1; B∇C = 0 shown"), "{report}");
+    // H₁ = H₀ with H₀ = y₁y₂ of degree two, whose average at the midpoint is exact.
+    assert_eq!(report.applies("energy-balance"), Some(Applies::Yes));
+    // With a sine in B an identity at the points is no proof.
+    let report = inspect(&Hyperbolic { sine: true }).unwrap();
+    assert_eq!(report.structure.skew.status, Status::Found, "{report}");
+    assert_eq!(report.casimirs.found[0].formula, casimir.formula);
+    let of = |statement: &str| report.theorems.iter().find(|t| t.statement == statement).unwrap();
+    assert_eq!(of("conformal-casimir").applies, Applies::Conditionally);
+    let words = "0.5 y1² + 0.5 y2² − 0.5 y3² (found by search)";
+    assert_eq!(of("conformal-casimir").because, words);
+    assert_eq!(report.orders[0].known, Status::Shown);
+}
