@@ -385,10 +385,20 @@ fn rate(lower: f64, upper: f64) -> Option<Rate> {
 /// What is said of three levels of differences above single paths, with these properties of the
 /// last one.
 fn judged(value: LevelValue, samples: u64, estimate: Estimate) -> (Judged, Vec<Warning>) {
+    judged_at([0.1, 0.05, 0.02], value, samples, estimate)
+}
+
+/// The same with these quotients of the motion.
+fn judged_at(
+    motion: [f64; 3],
+    value: LevelValue,
+    samples: u64,
+    estimate: Estimate,
+) -> (Judged, Vec<Warning>) {
     let mut levels = vec![level(0, 64, pairs(&[1.0, 2.0, 4.0], &[]))];
     levels[0].values[0].sample = moments(&[1.0, 2.0, 4.0].repeat(60));
     levels[0].paths = 180;
-    levels.extend(quotients([0.1, 0.05, 0.02]));
+    levels.extend(quotients(motion));
     let good = LevelValue { mean: 0.0, variance: 1.0, kurtosis: 3.0, deviation: 0.0 };
     let report = |l: usize, samples: u64, value: LevelValue| Level {
         level: l,
@@ -424,6 +434,13 @@ fn each_assumption_is_judged_at_its_limit() {
     let good = LevelValue { mean: 0.0, variance: 1.0, kurtosis: 3.0, deviation: 0.0 };
     let all = Judged { variance: true, bias: true, resolution: true };
     assert_eq!(judged(good, 1000, estimate), (all, vec![]));
+    // Components are counted from one.
+    let (coarse, warnings) = judged_at([1.2, 1.3, 0.75], good, 1000, estimate);
+    assert_eq!(coarse, Judged { resolution: false, ..all });
+    let [Warning::Unresolved { component: 1, level: 3, difference, before }] = warnings[..] else {
+        panic!("{warnings:?}")
+    };
+    assert!(close(difference, 0.75) && close(before, 1.3));
     // A kurtosis above 100 with at most sixteen samples for each unit of it.
     let kurtosis = |kurtosis: f64, samples: u64| {
         let (judged, warnings) = judged(LevelValue { kurtosis, ..good }, samples, estimate);
