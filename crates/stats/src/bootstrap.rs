@@ -186,4 +186,111 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn batches_are_drawn_evenly_and_every_resample_is_another() {
+        // A batch is drawn 399 times in all, with the standard deviation √399 = 20; five of them
+        // are exceeded by one of 256 batches with probability 1.5e-4.
+        let draws = draws(BATCHES);
+        for batch in 0..BATCHES {
+            let times: u32 = draws.iter().skip(batch).step_by(BATCHES).map(|&n| u32::from(n)).sum();
+            assert!(times.abs_diff(399) < 100, "{batch}: {times}");
+        }
+        let resamples: std::collections::HashSet<_> = draws.chunks(BATCHES).collect();
+        assert_eq!(resamples.len(), RESAMPLES);
+    }
+
+    #[test]
+    fn partial_sums_add_up() {
+        for n in 0..30 {
+            let a: Vec<f64> = (1..=n).map(f64::from).collect();
+            let b: Vec<f64> = a.iter().map(|x| 2.0 * x - 7.0).collect();
+            let n = f64::from(n);
+            // Σ k(2k − 7), in integers.
+            let exact = n * (n + 1.0) * (2.0 * n + 1.0) / 3.0 - 7.0 * n * (n + 1.0) / 2.0;
+            assert_eq!(dot(&a, &b), exact);
+        }
+    }
+
+    /// Skewed squares at two step sizes, which share a part.
+    fn skewed(paths: u32) -> CrossMoments {
+        let mut squares = CrossMoments::new(2);
+        for path in 0..paths {
+            let (shared, own) = (f64::from(path * path % 11), f64::from(path % 5));
+            squares.add(&[1.0 + shared * shared, 3.0 + 0.5 * shared + own]);
+        }
+        squares
+    }
+
+    /// The ends of the interval by the steps 1 to 3 of this module, word for word.
+    fn by_definition(squares: &CrossMoments, levels: &[usize], gain: &[f64]) -> (f64, f64) {
+        let batches: Vec<(u64, &[f64])> = squares.batches().collect();
+        let theta = |mean: &dyn Fn(usize) -> f64| -> f64 {
+            levels.iter().zip(gain).map(|(&l, g)| g * mean(l).ln()).sum()
+        };
+        let estimate = theta(&|l| squares.mean(l));
+        let draws = draws(batches.len());
+        let statistic = |times: &[u16]| {
+            let over = |f: &dyn Fn(u64, &[f64]) -> f64| -> f64 {
+                batches.iter().zip(times).map(|(&(n, x), &times)| f64::from(times) * f(n, x)).sum()
+            };
+            let count = over(&|n, _| n as f64);
+            let mean = |l: usize| over(&|_, x| x[l]) / count;
+            let influence = |n: u64, x: &[f64]| -> f64 {
+                levels.iter().zip(gain).map(|(&l, g)| g * (x[l] / mean(l) - n as f64)).sum()
+            };
+            let se = over(&|n, x| influence(n, x).powi(2)).sqrt() / count;
+            (theta(&mean) - estimate) / se
+        };
+        let mut statistics: Vec<f64> = draws.chunks(batches.len()).map(statistic).collect();
+        statistics.sort_by(f64::total_cmp);
+        // 2½ % of 399 are below the tenth, and as many above the tenth from above.
+        (statistics[389], -statistics[9])
+    }
+
+    #[test]
+    fn the_interval_is_the_one_defined() {
+        for paths in [32, 100, 256, 1000] {
+            let squares = skewed(paths);
+            for (levels, gain) in [(&[1][..], &[0.5][..]), (&[0, 1], &[0.7, -0.4])] {
+                let (below, above) = reach(&squares, levels, gain).unwrap();
+                let (low, high) = by_definition(&squares, levels, gain);
+                assert!((below / low - 1.0).abs() < 1e-9, "{paths}: {below} {low}");
+                assert!((above / high - 1.0).abs() < 1e-9, "{paths}: {above} {high}");
+            }
+        }
+        assert_eq!(reach(&skewed(31), &[0], &[1.0]), None);
+    }
+
+    #[test]
+    fn an_interval_without_an_end_is_none() {
+        // Of 32 squares one is 33 and the others are 1. A third of the resamples has only ones, at
+        // which the standard error is zero and the lower end is infinite; the upper end is not.
+        let mut squares = CrossMoments::new(2);
+        for path in 0..32 {
+            squares.add(&[if path == 5 { 33.0 } else { 1.0 }, 2.0]);
+        }
+        assert_eq!(reach(&squares, &[0], &[1.0]), None);
+        // Nor has it ends where all squares are the same.
+        assert_eq!(reach(&squares, &[1], &[1.0]), None);
+    }
+
+    #[test]
+    fn degrees_of_freedom_follow_from_the_kurtosis() {
+        // Squares 1, 2, 3, 6 and 4, 5, 7, 8 of four paths: by the weights (1, 0) the influences are
+        // −⅔, −⅓, 0, 1, with the kurtosis 4·(98/81)/(14/9)² = 2, hence 2·4/(2 − 1). By (1, 2) they
+        // are −4/3, −⅔, ⅓, 5/3.
+        let mut squares = CrossMoments::new(2);
+        for x in [[1.0, 4.0], [2.0, 5.0], [3.0, 7.0], [6.0, 8.0]] {
+            squares.add(&x);
+        }
+        let of = |levels: &[usize], gain: &[f64]| degrees_of_freedom(&squares, levels, gain);
+        assert!((of(&[0], &[1.0]) - 8.0).abs() < 1e-12);
+        assert!((of(&[0], &[-3.0]) - 8.0).abs() < 1e-12);
+        let influences = [-4.0 / 3.0, -2.0 / 3.0, 1.0 / 3.0, 5.0 / 3.0];
+        let sum = |k: i32| influences.iter().map(|u: &f64| u.powi(k)).sum::<f64>();
+        let exact = 8.0 / (4.0 * sum(4) / sum(2).powi(2) - 1.0);
+        let found = of(&[0, 1], &[1.0, 2.0]);
+        assert!((found - exact).abs() < 1e-12, "{found} {exact}");
+    }
 }

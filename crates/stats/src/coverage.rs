@@ -98,3 +98,55 @@ impl Point {
         matches!(self, Self::Error { warning: Some(_), .. })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn coverage(covered: u64, expected: Expected) -> Coverage {
+        Coverage { case: "case", interval: "interval", covered, replications: 200, expected }
+    }
+
+    #[test]
+    fn a_share_is_of_all() {
+        assert_eq!(coverage(190, Expected::Calibrated).share(), 0.95);
+    }
+
+    #[test]
+    fn intervals_contain_their_ends_and_nothing_beyond() {
+        let rate = Rate { lo: 0.5, hi: 1.0, ..Rate::default() };
+        let covered = [0.4, 0.5, 0.7, 1.0, 1.1].map(|order| rate.covers(order));
+        assert_eq!(covered, [false, true, true, true, false]);
+        let ends = |lo, hi| Rate { bootstrap_lo: lo, bootstrap_hi: hi, ..rate.clone() };
+        let both = ends(Some(0.6), Some(0.9));
+        let covered = [0.55, 0.6, 0.7, 0.9, 0.95].map(|order| both.bootstrap_covers(order));
+        assert_eq!(covered, [false, true, true, true, false]);
+        assert!(!ends(None, Some(0.9)).bootstrap_covers(0.7));
+        assert!(!ends(Some(0.6), None).bootstrap_covers(0.7));
+    }
+
+    #[test]
+    fn a_point_covers_by_its_interval_or_by_its_standard_error() {
+        let normal = Point::normal(0.1, 2.0, 0.5);
+        // 2 ± 0.98.
+        for (truth, covered) in [(1.0, false), (1.03, true), (2.97, true), (3.0, false)] {
+            assert_eq!((normal.covers(truth), normal.normal_covers(truth)), (covered, covered));
+        }
+        let skewed = Point::Error {
+            tau: 0.1,
+            value: 2.0,
+            se: 0.5,
+            lo: Some(1.5),
+            hi: Some(4.0),
+            warning: Some("few".into()),
+        };
+        for (truth, covered) in [(1.4, false), (1.5, true), (3.0, true), (4.0, true), (4.1, false)]
+        {
+            assert_eq!(skewed.covers(truth), covered, "{truth}");
+        }
+        assert!(skewed.normal_covers(1.4) && !skewed.normal_covers(4.0));
+        assert!(skewed.warns() && !normal.warns());
+        let other = Point::Cost { accuracy: 2.0, path_steps: 2 };
+        assert!(!other.covers(2.0) && !other.normal_covers(2.0) && !other.warns());
+    }
+}

@@ -98,3 +98,96 @@ pub fn few_paths(effective: f64) -> Option<String> {
         )
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(rate: Rate) -> String {
+        describe(rate).method
+    }
+
+    #[test]
+    fn the_model_is_named() {
+        let of =
+            |model: Model| words(Rate { model, chi_square: 1.26, degrees: 3, ..Rate::default() });
+        let powers = |against, terms| of(Model::Powers { against, terms });
+        let fits = "profile of generalised least squares,";
+        let chi = "χ² = 1.3 with 3 degrees of freedom";
+        let line = "least squares, ln mean square = a + 2p ln τ";
+        assert_eq!(of(Model::MeanSquares), format!("{line}, {chi}"));
+        let bent = Rate { curvature_t: Some(0.1), chi_square: 1.26, degrees: 3, ..Rate::default() };
+        assert_eq!(words(bent), format!("{line} + ln(1 + bτ), {chi}"));
+        let logarithms = "weighted least squares, ln error = a + p ln τ + bτ + cτ²";
+        assert_eq!(of(Model::Logarithms), format!("{logarithms}, {chi}"));
+        let two = format!("{fits} error = Aτ^p + Bτ^(p+1), {chi}");
+        assert_eq!(powers(Against::Exact, 2), two);
+        let three = "differences e(τ) − e(τ/2) of an error = Aτ^p + Bτ^(p+1) + Cτ^(p+2)";
+        assert_eq!(powers(Against::HalfStep, 3), format!("{fits} {three}, {chi}"));
+    }
+
+    #[test]
+    fn a_refuted_line_is_a_bend_only_where_the_bend_is_significant() {
+        let of = |refuted: bool, curvature_t: Option<f64>| {
+            let straight = Some(StraightLine { refuted, ..StraightLine::default() });
+            words(Rate { straight, curvature_t, ..Rate::default() })
+        };
+        assert!(of(false, Some(9.0)).ends_with("which the points do not contradict"));
+        // The quantile of 99 % is 2.576.
+        for t in [None, Some(2.5), Some(-2.5)] {
+            assert!(of(true, t).ends_with("the points do not lie on a line"), "{t:?}");
+        }
+        for t in [2.6, -2.6] {
+            assert!(of(true, Some(t)).ends_with("the coarse steps are not yet asymptotic"), "{t}");
+        }
+    }
+
+    #[test]
+    fn what_was_left_out_is_listed_with_the_reason() {
+        let plain = words(Rate::default());
+        assert!(!plain.contains("left out") && !plain.contains("wider"), "{plain}");
+        let few = words(Rate {
+            left_out: vec![0.5, 0.25],
+            effective_paths: Some(3.0),
+            ..Rate::default()
+        });
+        let reason = "fewer than 30 effective paths carry the error";
+        assert!(few.ends_with(&format!("; left out, since {reason}: τ = 5.000e-1, 2.500e-1")));
+        let coarse = words(Rate { coarse: vec![0.5], ..Rate::default() });
+        assert!(
+            coarse.ends_with("; left out, since the model does not fit with them: τ = 5.000e-1")
+        );
+        let bootstrap =
+            Rate { bootstrap_lo: Some(0.25), bootstrap_hi: Some(0.5), ..Rate::default() };
+        assert!(words(bootstrap).ends_with("; bootstrap over paths [0.250, 0.500]"));
+    }
+
+    #[test]
+    fn a_misfit_and_few_paths_are_warnings() {
+        let of = |p_value, effective_paths| {
+            describe(Rate { p_value, effective_paths, ..Rate::default() })
+        };
+        assert_eq!(of(Some(0.3), Some(30.0)).warning, None);
+        let misfit = of(Some(2e-6), Some(100.0)).warning.unwrap();
+        assert_eq!(
+            misfit,
+            "the model does not fit: residuals so large have the probability 2e-6, no order can be \
+             read off"
+        );
+        let few = of(None, Some(29.0));
+        let wider = "fewer than 30 effective paths carry the error: the interval is the wider of \
+                     both at each end";
+        assert_eq!(few.warning.as_deref(), Some(wider));
+        assert!(few.method.ends_with(&format!("; {wider}")));
+        assert_eq!(of(Some(2e-6), Some(29.0)).warning, Some(format!("{misfit}; {wider}")));
+    }
+
+    #[test]
+    fn a_point_is_warned_about_below_thirty_effective_paths() {
+        assert_eq!(few_paths(30.0), None);
+        assert_eq!(
+            few_paths(29.0).unwrap(),
+            "only 29 effective paths carry the error; the interval may be too narrow"
+        );
+    }
+}

@@ -189,4 +189,27 @@ mod tests {
         assert!(Weighting::new(&[vec![1.0, 1.0], vec![1.0, 1.0]]).is_none());
         assert!(Weighting::new(&[vec![f64::NAN, 0.0], vec![0.0, 1.0]]).is_none());
     }
+
+    #[test]
+    fn covariances_of_parameters_are_those_of_a_line() {
+        // Points −1, 0, 2 with variances 1, ½, ¼: XᵀV⁻¹X = (7, 7; 7, 17), with determinant 70.
+        let weighting = Weighting::new(&diagonal(&[1.0, 0.5, 0.25])).unwrap();
+        let x = vec![-1.0, 0.0, 2.0];
+        let fit = weighting.fit(&[vec![1.0; 3], x], &[0.0, 1.0, 1.0]).unwrap();
+        for (c, exact) in [[17.0 / 70.0, -0.1], [-0.1, 0.1]].iter().enumerate() {
+            assert_relative_eq!(fit.covariance(c)[..], exact[..], epsilon = 1e-14);
+        }
+        // XᵀV⁻¹y = (6, 8): β = (17·6 − 7·8, −7·6 + 7·8)/70 = (46, 14)/70.
+        assert_relative_eq!(fit.parameters[..], [46.0 / 70.0, 0.2][..], epsilon = 1e-14);
+        // χ² = yᵀV⁻¹y − βᵀXᵀV⁻¹y = 6 − (46·6 + 14·8)/70.
+        assert_relative_eq!(fit.chi_square, 6.0 - 388.0 / 70.0, epsilon = 1e-13);
+    }
+
+    #[test]
+    fn a_matrix_is_singular_below_sixty_four_roundings() {
+        // The second pivot is δ of a diagonal of 1 + δ.
+        let with = |delta: f64| Weighting::new(&[vec![1.0, 1.0], vec![1.0, 1.0 + delta]]);
+        assert!(with(60.0 * f64::EPSILON).is_none() && with(70.0 * f64::EPSILON).is_some());
+        assert!(Weighting::new(&[vec![-1.0]]).is_none());
+    }
 }

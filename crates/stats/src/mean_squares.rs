@@ -174,3 +174,147 @@ impl<'a> LogMeanSquares<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::LN_2;
+
+    use super::*;
+
+    const PATHS: u64 = 64;
+    /// Relative variance of a mean of 64 squares that scatter by 0.1 to both sides, and that of the
+    /// model.
+    const VARIANCE: f64 = 0.01 / 63.0 + 1e-4;
+
+    /// Squares with these means: each scatters by ±0.1 of it, independently of the others.
+    fn scattered(means: &[f64]) -> CrossMoments {
+        let mut squares = CrossMoments::new(means.len());
+        for path in 0..PATHS {
+            let sign = |l: usize| if path >> l & 1 == 0 { 1.1 } else { 0.9 };
+            let values = means.iter().enumerate().map(|(l, m)| m * sign(l));
+            squares.add(&values.collect::<Vec<f64>>());
+        }
+        squares
+    }
+
+    /// Step sizes that halve, and the means 3τ^{2p}(1 + b(τ/τ₀)^c)^k.
+    fn bent(levels: usize, p: f64, b: f64, bend: Bend) -> (Vec<f64>, CrossMoments) {
+        let taus: Vec<f64> = (0..levels).map(|l| 0.5f64.powi(l as i32 + 3)).collect();
+        let factor = |tau: f64| (1.0 + b * (tau / taus[0]).powi(bend.power)).powf(bend.exponent);
+        let means: Vec<f64> = taus.iter().map(|t| 3.0 * t.powf(2.0 * p) * factor(*t)).collect();
+        let squares = scattered(&means);
+        (taus, squares)
+    }
+
+    fn fit(taus: &[f64], squares: &CrossMoments, bend: Option<Bend>) -> Estimate {
+        let levels = (0..taus.len()).collect();
+        LogMeanSquares::new(taus, squares, levels).unwrap().fit(bend).unwrap()
+    }
+
+    #[test]
+    fn an_order_is_recovered_behind_the_bend_that_is_fitted() {
+        for bend in [Bend::LINEAR, Bend::SQUARED, Bend::QUADRATIC] {
+            for (p, b) in [(0.5, 2.0), (1.0, -0.6), (1.0, -0.95), (2.0, 0.3)] {
+                let (taus, squares) = bent(6, p, b, bend);
+                let Estimate { rate, .. } = fit(&taus, &squares, Some(bend));
+                assert!((rate.estimate - p).abs() < 1e-7, "{bend:?} {p} {b}: {rate:?}");
+                assert!(rate.chi_square < 1e-9 && rate.degrees == 3, "{bend:?} {p} {b}: {rate:?}");
+                assert_eq!(rate.curvature_t.unwrap() > 0.0, b > 0.0, "{bend:?} {p} {b}");
+                // The twin: without the bend the points do not lie on the line.
+                let line = fit(&taus, &squares, None).rate;
+                assert!((line.estimate - p).abs() > 0.01 && line.degrees == 4, "{line:?}");
+                assert_eq!(line.curvature_t, None);
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_has_the_weights_of_neighbours_half_correlated() {
+        // The inverse of the correlations 2^−|l − m| is proportional to the tridiagonal matrix with
+        // 1, 5/4, 5/4, 1 and −½ beside; it takes ln τ = ln 2·(3, 1, −1, −3)/2 to a multiple of
+        // (10, 1, −1, −10), and a slope of one has the order ½.
+        let (taus, squares) = bent(4, 1.0, 0.0, Bend::LINEAR);
+        let Estimate { rate, se, gain } = fit(&taus, &squares, None);
+        for (g, exact) in gain.iter().zip([10.0, 1.0, -1.0, -10.0]) {
+            assert!((g - exact / (62.0 * LN_2)).abs() < 1e-12, "{gain:?}");
+        }
+        let exact = (202.0 * VARIANCE).sqrt() / (62.0 * LN_2);
+        assert!((se / exact - 1.0).abs() < 1e-9, "{se} {exact}");
+        // The influences ±0.1g add up to sixteen values, of each sign pattern four: their kurtosis
+        // is 3 − 2Σg⁴/(Σg²)².
+        let kurtosis = 3.0 - 2.0 * 20_002.0 / (202.0 * 202.0);
+        let degrees = rate.student_degrees.unwrap();
+        assert!((degrees - 2.0 * PATHS as f64 / (kurtosis - 1.0)).abs() < 1e-6, "{degrees}");
+        let half_width = two_sided(0.95, Some(degrees)) * se;
+        for width in [rate.hi - rate.estimate, rate.estimate - rate.lo] {
+            assert!((width / half_width - 1.0).abs() < 1e-9, "{rate:?}");
+        }
+        assert_eq!((rate.confidence, rate.model), (0.95, Model::MeanSquares));
+    }
+
+    #[test]
+    fn residuals_and_bends_are_measured_in_their_errors() {
+        // Three points leave one residual, along w = (1, −2, 1)/√6.
+        let bend = |y: [f64; 3]| y[0] - 2.0 * y[1] + y[2];
+        let (taus, squares) = bent(3, 1.0, 0.8, Bend::LINEAR);
+        let x = [1.0, 0.5, 0.25];
+        let line = fit(&taus, &squares, None).rate;
+        let residual = bend(x.map(|x| f64::ln(1.0 + 0.8 * x)));
+        let chi_square = residual * residual / (6.0 * VARIANCE);
+        assert!((line.chi_square / chi_square - 1.0).abs() < 1e-9, "{line:?} {chi_square}");
+        assert_eq!(line.p_value, hotelling_p_value(line.chi_square, 1, PATHS));
+        // The bend b moves w·y by b·w·x/(1 + bx).
+        let bent = fit(&taus, &squares, Some(Bend::LINEAR)).rate;
+        let slope = bend(x.map(|x| x / (1.0 + 0.8 * x)));
+        let t = 0.8 * slope / (6.0 * VARIANCE).sqrt();
+        assert!((bent.curvature_t.unwrap() / t - 1.0).abs() < 1e-6, "{bent:?} {t}");
+        assert_eq!((bent.degrees, bent.p_value), (0, None));
+    }
+
+    #[test]
+    fn the_interval_of_the_bootstrap_is_about_the_estimate() {
+        let (taus, squares) = bent(4, 1.0, 0.0, Bend::LINEAR);
+        let logarithms = LogMeanSquares::new(&taus, &squares, (0..4).collect()).unwrap();
+        let estimate = logarithms.fit(None).unwrap();
+        let (low, high) = logarithms.bootstrap(&estimate).unwrap();
+        let (below, above) = bootstrap::reach(&squares, &[0, 1, 2, 3], &estimate.gain).unwrap();
+        assert!((low - (1.0 - below * estimate.se)).abs() < 1e-12 && low < 1.0);
+        assert!((high - (1.0 + above * estimate.se)).abs() < 1e-12 && high > 1.0);
+    }
+
+    #[test]
+    fn what_levels_share_cancels_unless_they_are_taken_for_independent() {
+        // One factor for all levels of a path: of the errors the model's alone are left.
+        let mut squares = CrossMoments::new(4);
+        for path in 0..PATHS {
+            let factor = if path % 2 == 0 { 1.5 } else { 0.5 };
+            squares.add(&[1.0, 0.25, 0.0625, 0.015625].map(|mean| factor * mean));
+        }
+        let taus = [0.5, 0.25, 0.125, 0.0625];
+        let new = || LogMeanSquares::new(&taus, &squares, (0..4).collect()).unwrap();
+        let se = |logarithms: LogMeanSquares<'_>| logarithms.fit(None).unwrap().se;
+        let length = 202f64.sqrt() / (62.0 * LN_2);
+        let independent = (0.25 / 63.0 + 1e-4f64).sqrt() * length;
+        assert!((se(new()) / (0.01 * length) - 1.0).abs() < 1e-9);
+        assert!((se(new().independent()) / independent - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn levels_are_chosen_by_number_and_their_means_must_be_positive() {
+        let taus = [0.5, 0.25, 0.125, 0.0625, 0.03125];
+        let mut squares = CrossMoments::new(5);
+        for path in 0..PATHS {
+            let sign = |l: u64| if path >> l & 1 == 0 { 1.1 } else { 0.9 };
+            let level = |l: usize| taus[l] * taus[l] * sign(l as u64);
+            squares.add(&[level(0), 0.0, level(2), level(3), level(4)]);
+        }
+        let of = |levels: Vec<usize>| LogMeanSquares::new(&taus, &squares, levels);
+        assert!(of((0..5).collect()).is_none());
+        let rate = of(vec![0, 2, 3, 4]).unwrap().fit(None).unwrap().rate;
+        assert!((rate.estimate - 1.0).abs() < 1e-9, "{rate:?}");
+        let mut infinite = CrossMoments::new(1);
+        infinite.add(&[f64::INFINITY]);
+        assert!(LogMeanSquares::new(&[0.5], &infinite, vec![0]).is_none());
+        assert!(LogMeanSquares::new(&[0.5], &CrossMoments::new(1), vec![0]).is_none());
+    }
+}

@@ -286,4 +286,38 @@ mod tests {
         }
         assert_eq!(CrossMoments::new(2).batches().count(), 0);
     }
+
+    #[test]
+    fn merged_samples_count_like_added_ones() {
+        // Integers, so that nothing is rounded.
+        let samples = [3.0, -1.0, 4.0, 1.0, -5.0, 9.0, 2.0];
+        let mut all = Moments::default();
+        samples.iter().for_each(|&x| all.add(x));
+        let [mut one, mut other] = [Moments::default(); 2];
+        samples[..3].iter().for_each(|&x| one.add(x));
+        samples[3..].iter().for_each(|&x| other.add(x));
+        one.merge(other);
+        assert_eq!(one, all);
+        // The sum is 13 and that of the squares 137: variance (137 − 169/7)/6 of seven samples.
+        assert_eq!((all.count(), all.mean()), (7, 13.0 / 7.0));
+        let exact = ((137.0 - 169.0 / 7.0) / 42.0f64).sqrt();
+        assert_relative_eq!(all.standard_error(), exact, epsilon = 0.0, max_relative = 1e-15);
+        // Round-off does not make the variance negative.
+        let mut same = Moments::default();
+        (0..3).for_each(|_| same.add(0.1));
+        assert!(same.standard_error() >= 0.0);
+    }
+
+    #[test]
+    fn lists_and_matrices_hold_the_single_moments() {
+        let mut moments = CrossMoments::new(2);
+        for x in [[1.0, 2.0], [3.0, -2.0], [5.0, 3.0]] {
+            moments.add(&x);
+        }
+        assert_eq!((moments.length(), moments.means()), (2, vec![3.0, 1.0]));
+        // Deviations (−2, 0, 2) and (1, −3, 2): sums of products 8, 2 and 14, over 2 and over 3.
+        let sixth = |x: f64| x / 2.0 / 3.0;
+        let covariances = [[8.0, 2.0], [2.0, 14.0]].map(|row| row.map(sixth).to_vec());
+        assert_eq!(moments.covariances_of_means(), covariances);
+    }
 }

@@ -37,3 +37,43 @@ pub fn hotelling_p_value(t_square: f64, degrees: usize, samples: u64) -> Option<
     let f = t_square * (n - d) / (d * (n - 1.0));
     Some(FisherSnedecor::new(d, n - d).ok()?.sf(f))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_those_of_the_tables() {
+        let close = |found: f64, exact: f64| (found / exact - 1.0).abs() < 1e-8;
+        for (confidence, degrees, exact) in [
+            (0.95, None, 1.959_963_984_5),
+            (0.99, None, 2.575_829_303_5),
+            (0.95, Some(1.0), 12.706_204_736),
+            (0.95, Some(10.0), 2.228_138_852_0),
+            (0.99, Some(10.0), 3.169_272_672_6),
+            // Fewer than one degree of freedom counts as one, and a million as all.
+            (0.95, Some(0.3), 12.706_204_736),
+            (0.95, Some(1e6), 1.959_963_984_5),
+            (0.95, Some(1e12), 1.959_963_984_5),
+        ] {
+            let found = two_sided(confidence, degrees);
+            assert!(close(found, exact), "{confidence} {degrees:?}: {found}");
+        }
+    }
+
+    #[test]
+    fn probabilities_are_the_closed_ones_of_two_degrees() {
+        for x in [0.1f64, 1.0, 7.0] {
+            let known = chi_square_p_value(x, 2).unwrap();
+            assert!((known - (-0.5 * x).exp()).abs() < 1e-12, "{x}");
+            // F = T²(n − 2)/(2(n − 1)) exceeds f with probability (1 + 2f/(n − 2))^{−(n − 2)/2}.
+            let n = 12.0;
+            let f = x * (n - 2.0) / (2.0 * (n - 1.0));
+            let exact = (1.0 + 2.0 * f / (n - 2.0)).powf(-0.5 * (n - 2.0));
+            let estimated = hotelling_p_value(x, 2, 12).unwrap();
+            assert!((estimated - exact).abs() < 1e-12, "{x}: {estimated} {exact}");
+        }
+        assert_eq!(chi_square_p_value(f64::NAN, 2), Some(0.0));
+        assert_eq!((chi_square_p_value(1.0, 0), hotelling_p_value(1.0, 0, 12)), (None, None));
+    }
+}

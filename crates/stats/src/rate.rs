@@ -142,3 +142,42 @@ impl Rate {
         (reach(self.lo), reach(self.hi))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_is_rejected_below_one_in_a_hundred_thousand() {
+        let misfits = |p_value| Rate { p_value, ..Rate::default() }.misfits();
+        let p = [None, Some(0.5), Some(1.1e-5), Some(0.9e-5), Some(f64::NAN)];
+        assert_eq!(p.map(misfits), [false, false, false, true, true]);
+    }
+
+    #[test]
+    fn few_paths_carry_the_error_unless_their_levels_are_left_out() {
+        let few = |effective_paths, left_out: &[f64]| {
+            Rate { effective_paths, left_out: left_out.to_vec(), ..Rate::default() }
+                .rests_on_few_paths()
+        };
+        assert!(few(Some(29.0), &[]) && !few(Some(30.0), &[]));
+        assert!(!few(Some(29.0), &[0.5]) && !few(None, &[]));
+    }
+
+    #[test]
+    fn another_confidence_widens_both_ends_about_the_estimate() {
+        let rate = Rate { estimate: 1.0, lo: 0.8, hi: 1.1, confidence: 0.95, ..Rate::default() };
+        // Normal quantiles of 95 % and 99 %, and those of Student with ten degrees of freedom.
+        for (student_degrees, ratio) in [
+            (None, 2.575_829_303_5 / 1.959_963_984_5),
+            (Some(10.0), 3.169_272_672_6 / 2.228_138_852_0),
+        ] {
+            let rate = Rate { student_degrees, ..rate.clone() };
+            let (lo, hi) = rate.interval(0.99);
+            assert!((lo - (1.0 - 0.2 * ratio)).abs() < 1e-8, "{lo}");
+            assert!((hi - (1.0 + 0.1 * ratio)).abs() < 1e-8, "{hi}");
+            let (lo, hi) = rate.interval(0.95);
+            assert!((lo - 0.8).abs() < 1e-15 && (hi - 1.1).abs() < 1e-15);
+        }
+    }
+}

@@ -27,3 +27,43 @@ pub fn root_mean_square_interval(squares: &CrossMoments, l: usize) -> Option<(f6
     let (below, above) = bootstrap::reach(squares, &[l], &[0.5])?;
     Some((mean.sqrt() * (-below * se).exp(), mean.sqrt() * (above * se).exp()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Squares 1 + (n mod 7), exact zeros, and one that a single path carries.
+    fn squares() -> CrossMoments {
+        let mut squares = CrossMoments::new(3);
+        for path in 0..70 {
+            let carried = if path == 3 { 700.0 } else { 1.0 };
+            squares.add(&[1.0 + f64::from(path % 7), 0.0, carried]);
+        }
+        squares
+    }
+
+    #[test]
+    fn roots_have_the_errors_of_the_delta_method() {
+        let points = root_mean_squares(&[0.5, 0.25, 0.125], &squares());
+        let [Point::Error { tau, value, se, lo, hi, warning }, zero, carried] = &points[..] else {
+            panic!("{points:?}")
+        };
+        // Ten times the numbers 1 to 7: mean 4, variance 4·70/69 about it.
+        let of_square = (4.0 / 69.0f64).sqrt();
+        assert_eq!((*tau, *value, warning), (0.5, 2.0, &None));
+        assert!((se / (of_square / 4.0) - 1.0).abs() < 1e-12, "{se}");
+        // ln √m has the standard error se(m)/(2m).
+        let (below, above) = bootstrap::reach(&squares(), &[0], &[0.5]).unwrap();
+        let end = |reach: f64| 2.0 * (reach * of_square / 8.0).exp();
+        assert!((lo.unwrap() / end(-below) - 1.0).abs() < 1e-12);
+        assert!((hi.unwrap() / end(above) - 1.0).abs() < 1e-12);
+        assert_eq!(root_mean_square_interval(&squares(), 0), lo.zip(*hi));
+        let zero_is_known = matches!(zero, Point::Error { value: 0.0, se: 0.0, lo: None, .. });
+        assert!(zero_is_known && carried.warns(), "{points:?}");
+    }
+
+    #[test]
+    fn a_step_without_samples_has_no_point() {
+        assert!(root_mean_squares(&[0.5, 0.25], &CrossMoments::new(2)).is_empty());
+    }
+}

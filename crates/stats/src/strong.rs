@@ -90,3 +90,127 @@ fn straight(logarithms: &LogMeanSquares<'_>) -> Option<StraightLine> {
     let refuted = p_value.is_some_and(|p| p < 1.0 - STRAIGHT_CONFIDENCE);
     Some(StraightLine { estimate, lo, hi, chi_square, degrees: degrees as u32, refuted })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Squares with the means τ²·factor(τ) at steps 1/8, 1/16, …, scattered by `spread` to both
+    /// sides, independently of each other.
+    fn squares(
+        paths: u64,
+        levels: usize,
+        spread: f64,
+        factor: impl Fn(f64) -> f64,
+    ) -> (Vec<f64>, CrossMoments) {
+        let taus: Vec<f64> = (0..levels).map(|l| 0.5f64.powi(l as i32 + 3)).collect();
+        let mut squares = CrossMoments::new(levels);
+        for path in 0..paths {
+            let sign = |l: usize| if path >> l & 1 == 0 { 1.0 + spread } else { 1.0 - spread };
+            let values = taus.iter().enumerate().map(|(l, &tau)| tau * tau * factor(tau) * sign(l));
+            squares.add(&values.collect::<Vec<f64>>());
+        }
+        (taus, squares)
+    }
+
+    #[test]
+    fn five_levels_are_fitted_with_a_bend_and_four_with_one_only_if_they_need_it() {
+        let degrees = |levels: usize, factor: fn(f64) -> f64| {
+            let (taus, squares) = squares(64, levels, 0.1, factor);
+            let rate = fit_strong(&taus, &squares).unwrap();
+            assert!(rate.covers(1.0), "{rate:?}");
+            (rate.degrees, rate.curvature_t.is_some(), rate.straight.is_some())
+        };
+        assert_eq!(degrees(5, |_| 1.0), (2, true, true));
+        assert_eq!(degrees(4, |_| 1.0), (2, false, false));
+        assert_eq!(degrees(4, |tau| 1.0 + 40.0 * tau), (1, true, true));
+    }
+
+    #[test]
+    fn more_paths_than_levels_are_needed() {
+        let taus = [0.5, 0.25, 0.125, 0.0625];
+        let mut four = CrossMoments::new(4);
+        for x in
+            [[4.0, 2.0, 1.5, 1.0], [5.0, 2.5, 1.0, 0.9], [3.0, 2.0, 1.2, 0.7], [4.5, 2.2, 1.1, 1.1]]
+        {
+            four.add(&x);
+        }
+        assert!(fit_strong(&taus, &four).is_none());
+        four.add(&[4.2, 2.1, 1.3, 0.6]);
+        assert!(fit_strong(&taus, &four).is_some());
+    }
+
+    #[test]
+    fn coarse_steps_that_follow_no_power_are_left_out_one_by_one() {
+        // At the two coarsest steps the error is that of order one times 30 and 1/30.
+        let (taus, squares) = squares(256, 8, 0.1, |tau| match tau {
+            0.125 => 30.0,
+            0.0625 => 1.0 / 30.0,
+            _ => 1.0,
+        });
+        let rate = fit_strong(&taus, &squares).unwrap();
+        assert_eq!((&rate.coarse[..], rate.degrees), (&taus[..2], 3), "{rate:?}");
+        assert!(rate.covers(1.0) && !rate.misfits() && rate.method.contains("left out"));
+        // Where no four levels are left that fit, the order comes with a warning.
+        let (taus, squares) = squares_of_no_order(&taus[..5]);
+        let rate = fit_strong(&taus, &squares).unwrap();
+        assert!(rate.misfits() && rate.coarse.len() == 1 && rate.warning.is_some(), "{rate:?}");
+    }
+
+    /// Errors that grow and fall in turn.
+    fn squares_of_no_order(taus: &[f64]) -> (Vec<f64>, CrossMoments) {
+        squares(64, taus.len(), 0.1, |tau| if tau.log2() % 2.0 == 0.0 { 9.0 } else { 1.0 })
+    }
+
+    #[test]
+    fn the_interval_is_the_hull_over_the_bends() {
+        let (taus, squares) = squares(256, 6, 0.4, |tau| 1.0 + 3.0 * tau);
+        let rate = fit_strong(&taus, &squares).unwrap();
+        let logarithms = LogMeanSquares::new(&taus, &squares, (0..6).collect()).unwrap();
+        let of = |bend| logarithms.fit(Some(bend)).unwrap().rate;
+        let bends = [Bend::LINEAR, Bend::SQUARED, Bend::QUADRATIC].map(of);
+        assert!(bends.iter().all(|rate| !rate.misfits()));
+        assert_eq!(rate.lo, bends.iter().map(|rate| rate.lo).fold(f64::INFINITY, f64::min));
+        assert_eq!(rate.hi, bends.iter().map(|rate| rate.hi).fold(0.0, f64::max));
+        assert_eq!(rate.estimate, bends[0].estimate);
+        let estimate = logarithms.fit(Some(Bend::LINEAR)).unwrap();
+        let (low, high) = logarithms.bootstrap(&estimate).unwrap();
+        assert_eq!((rate.bootstrap_lo, rate.bootstrap_hi), (Some(low), Some(high)));
+        // All paths carry an error that scatters by 0.4 alike, but for the factor 1 + 0.4².
+        let effective = rate.effective_paths.unwrap();
+        assert!((effective - 256.0 / 1.16).abs() < 1e-9, "{effective}");
+        let line = logarithms.fit(None).unwrap().rate;
+        let straight = rate.straight.unwrap();
+        assert_eq!(
+            (straight.estimate, straight.lo, straight.hi),
+            (line.estimate, line.lo, line.hi)
+        );
+        assert_eq!((straight.chi_square, straight.degrees), (line.chi_square, 4));
+        assert_eq!(straight.refuted, line.p_value.unwrap() < 0.01);
+    }
+
+    #[test]
+    fn thirty_effective_paths_are_reliable() {
+        // One of n equal squares counts as n; 30 are enough and 29 are not, and of few reliable
+        // levels all are used.
+        let levels = |paths: u64, carried: usize| {
+            let (taus, mut squares) =
+                (vec![0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625], CrossMoments::new(6));
+            for path in 0..128u64 {
+                let level = |l: usize| {
+                    let sign = if path >> l & 1 == 0 { 1.0 + 1e-6 } else { 1.0 - 1e-6 };
+                    let share = if l < carried && path >= paths { 1e-9 } else { 1.0 };
+                    taus[l] * taus[l] * sign * share
+                };
+                squares.add(&std::array::from_fn::<f64, 6, _>(level));
+            }
+            fit_strong(&taus, &squares).unwrap()
+        };
+        assert_eq!(levels(31, 2).left_out, []);
+        assert_eq!(levels(29, 2).left_out, [0.5, 0.25]);
+        let few = levels(29, 3);
+        assert!(few.left_out.is_empty() && few.rests_on_few_paths(), "{few:?}");
+        let (low, high) = (few.bootstrap_lo.unwrap(), few.bootstrap_hi.unwrap());
+        assert!(few.lo <= low && few.hi >= high, "{few:?}");
+    }
+}

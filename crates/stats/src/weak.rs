@@ -144,3 +144,129 @@ pub fn weak_errors(
     let rate = fit_weak(taus, &means, &diagonal(&variances), Against::HalfStep);
     ((0..taus.len()).map(point).collect(), rate)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn taus(levels: usize) -> Vec<f64> {
+        (0..levels).map(|l| 0.1 * 0.5f64.powi(l as i32)).collect()
+    }
+
+    #[test]
+    fn an_order_on_the_grid_is_recovered_from_errors_and_from_differences() {
+        for (levels, terms) in [(4, 2), (5, 2), (6, 2), (7, 3), (8, 3)] {
+            for against in [Against::Exact, Against::HalfStep] {
+                // e = 2τᵖ − 3τ^{p+1} (+ τ^{p+2}/2), with errors of 10⁻⁴ of each value.
+                let (taus, p) = (taus(levels), 1.5);
+                let e = |tau: f64| {
+                    let third = if terms == 3 { 0.5 * tau * tau } else { 0.0 };
+                    tau.powf(p) * (2.0 - 3.0 * tau + third)
+                };
+                let error = |tau: f64| match against {
+                    Against::Exact => e(tau),
+                    Against::HalfStep => e(tau) - e(0.5 * tau),
+                };
+                let errors: Vec<f64> = taus.iter().map(|&tau| error(tau)).collect();
+                let variances: Vec<f64> = errors.iter().map(|e| (1e-4 * e).powi(2)).collect();
+                let rate = fit_weak(&taus, &errors, &diagonal(&variances), against).unwrap();
+                assert_eq!(rate.estimate, p, "{rate:?}");
+                assert!(rate.chi_square < 1e-9 && rate.lo <= p && p <= rate.hi, "{rate:?}");
+                assert_eq!((rate.degrees, rate.confidence), (levels - terms as usize - 1, 0.95));
+                assert_eq!(rate.model, Model::Powers { against, terms });
+                assert_eq!(rate.p_value.is_some(), rate.degrees > 0);
+                assert!(rate.p_value.is_none_or(|p| p > 0.999) && rate.warning.is_none());
+                // Signs do not matter.
+                let negative: Vec<f64> = errors.iter().map(|e| -e).collect();
+                let same = fit_weak(&taus, &negative, &diagonal(&variances), against).unwrap();
+                assert_eq!((same.estimate, same.lo, same.hi), (rate.estimate, rate.lo, rate.hi));
+            }
+        }
+        let three = taus(3);
+        assert!(fit_weak(&three, &three, &diagonal(&[1e-8; 3]), Against::Exact).is_none());
+    }
+
+    #[test]
+    fn one_error_must_stand_out_of_the_noise() {
+        let taus = taus(5);
+        let fit = |deviations: f64| {
+            let mut variances = vec![1.0; 5];
+            variances[2] = (taus[2] / deviations).powi(2);
+            fit_weak(&taus, &taus, &diagonal(&variances), Against::Exact)
+        };
+        assert!(fit(3.99).is_none() && fit(4.01).is_some());
+    }
+
+    #[test]
+    fn the_leading_term_is_the_largest_at_the_finest_step() {
+        // 2τ − 3τ² at two step sizes more than parameters: as −3τ² + 2τ it would be of order two.
+        let taus = [0.8, 0.4, 0.2, 0.1];
+        let errors = taus.map(|tau| 2.0 * tau - 3.0 * tau * tau);
+        let rate = fit_weak(&taus, &errors, &diagonal(&[1e-10; 4]), Against::Exact).unwrap();
+        assert!(rate.lo > 0.95 && rate.hi < 1.05, "{rate:?}");
+    }
+
+    #[test]
+    fn a_lower_term_is_bounded_by_its_interval() {
+        // e/τ = A₁ + A₂τ + A₃τ² through three points at 1, ½, ¼: A₁ = e₁/3 − 4e₂ + 32e₃/3 in units
+        // of the coarsest step, with the standard error σ√(1/9 + 16 + 1024/9). Of differences with
+        // half the step it is twice that, and contributes half.
+        let taus = taus(3);
+        let (sigma, errors) = (0.01, [0.9, 0.5, 0.3]);
+        let a = 0.3 - 2.0 + 3.2;
+        let se = sigma * (1.0 / 9.0 + 16.0 + 1024.0 / 9.0f64).sqrt();
+        let exact = (a + 1.959_963_984_540_054 * se) * 0.25 / 0.3;
+        let covariance = diagonal(&[sigma * sigma; 3]);
+        for against in [Against::Exact, Against::HalfStep] {
+            for sign in [1.0, -1.0] {
+                let errors = errors.map(|e| sign * e);
+                let share = lower_share(&taus, &errors, &covariance, 2, against).unwrap();
+                assert!((share / exact - 1.0).abs() < 1e-9, "{against:?}: {share} {exact}");
+            }
+            // Nothing is lower than order one; order three has a term more than there are points.
+            let of = |order| lower_share(&taus, &errors, &covariance, order, against);
+            assert_eq!((of(1), of(3)), (Some(0.0), None));
+        }
+        let singular = vec![vec![1.0; 3]; 3];
+        assert_eq!(lower_share(&taus, &errors, &singular, 2, Against::Exact), None);
+    }
+
+    #[test]
+    fn two_lower_terms_are_added_up() {
+        // 0.1τ − 0.2τ² + 5τ³ without noise, in units of the coarsest step.
+        let taus = taus(6);
+        let e = |x: f64| 0.1 * x - 0.2 * x * x + 5.0 * x.powi(3);
+        let errors: Vec<f64> = taus.iter().map(|tau| e(tau / 0.1)).collect();
+        let covariance = diagonal(&[1e-24; 6]);
+        let share = lower_share(&taus, &errors, &covariance, 3, Against::Exact).unwrap();
+        let x = 0.5f64.powi(5);
+        let exact = (0.1 * x + 0.2 * x * x) / e(x);
+        assert!((share / exact - 1.0).abs() < 1e-6, "{share} {exact}");
+    }
+
+    #[test]
+    fn errors_are_sums_of_differences_with_a_tail() {
+        // 64 differences ±1 about 8, 4 and 2, and ±2 about 1: their means have the variances 1/63
+        // and 4/63, and the last counts twice.
+        let moments = |mean: f64, spread: f64| {
+            let mut moments = CrossMoments::new(1);
+            (0..64).for_each(|n| moments.add(&[mean + if n % 2 == 0 { spread } else { -spread }]));
+            moments
+        };
+        let all = [moments(8.0, 1.0), moments(4.0, 1.0), moments(2.0, 1.0), moments(1.0, 2.0)];
+        let (points, rate) = weak_errors(&taus(4), &all, 0);
+        let variance = 1.0 / 63.0;
+        for (l, (value, of_sum)) in
+            [(16.0, 19.0), (8.0, 18.0), (4.0, 17.0), (2.0, 16.0)].into_iter().enumerate()
+        {
+            let Point::Error { tau, value: found, se, lo: None, .. } = points[l] else {
+                panic!("{points:?}")
+            };
+            assert_eq!((tau, found), (taus(4)[l], value));
+            assert!((se / f64::sqrt(of_sum * variance) - 1.0).abs() < 1e-12, "{se}");
+        }
+        let rate = rate.unwrap();
+        assert_eq!((points.len(), rate.estimate), (4, 1.0));
+        assert_eq!(rate.model, Model::Powers { against: Against::HalfStep, terms: 2 });
+    }
+}

@@ -181,7 +181,7 @@ mod tests {
     fn closed_integrals_agree_with_quadrature_and_add_up() {
         let closed: [&dyn Damping; 4] = [
             &Constant::new(2.0).unwrap(),
-            &Linear::new(1.0).unwrap(),
+            &Linear::new(0.7).unwrap(),
             &Sine::new(1.0, 1.0).unwrap(),
             &Cosine::new(0.5, 2.0).unwrap(),
         ];

@@ -170,3 +170,75 @@ fn commute_at<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
     let (zero, piecewise) = Bounded::piecewise(zero);
     zero && !piecewise
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SystemError;
+
+    /// A system on y₁ > 0, or everywhere.
+    struct Half {
+        everywhere: bool,
+    }
+
+    impl PoissonSystem<3, 1> for Half {
+        fn name(&self) -> &'static str {
+            "half"
+        }
+        fn structure<R: Real>(&self, _y: [R; 3], v: [R; 3]) -> [R; 3] {
+            v
+        }
+        fn energy<R: Real>(&self, y: [R; 3], dt: f64, _dw: [f64; 1]) -> R {
+            y[0] * dt
+        }
+        fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
+            if self.everywhere || y[0] > 0.0 {
+                Ok(())
+            } else {
+                Err(SystemError::OutsideDomain { component: 1, value: y[0], domain: "y1 > 0" })
+            }
+        }
+    }
+
+    #[test]
+    fn points_around_lie_in_many_directions_at_every_distance() {
+        let y = [0.5, -40.0, 3.0];
+        let points = around(&Half { everywhere: true }, y);
+        assert_eq!((points.len(), points[0]), (1 + 2 * 4 * 4, y));
+        // What is left of each offset in units of its distance and of the component, if not below
+        // one.
+        let direction = |n: usize| -> [f64; 3] {
+            let scale = [1.0, 40.0, 3.0];
+            std::array::from_fn(|i| (points[n][i] - y[i]) / (DISTANCES[(n - 1) % 4] * scale[i]))
+        };
+        let mut numbers = Vec::new();
+        for first in (1..33).step_by(4) {
+            for n in first..first + 4 {
+                // The same direction at four distances, and its opposite after it.
+                let opposite = if (first / 4) % 2 == 0 { first } else { first - 4 };
+                let sign = if opposite == first { 1.0 } else { -1.0 };
+                for i in 0..3 {
+                    let (one, same) = (direction(n)[i], sign * direction(opposite)[i]);
+                    assert!((one - same).abs() < 1e-11 && one.abs() < 1.0, "{n} {i}");
+                }
+            }
+            if (first / 4) % 2 == 0 {
+                numbers.extend(direction(first));
+            }
+        }
+        // Twelve multiples of the golden ratio, modulo one: no two are closer than F₇⁻¹ = 1/13
+        // of the circle, or 2/13 of [−1, 1), less a little.
+        numbers.sort_by(f64::total_cmp);
+        assert!(numbers.windows(2).all(|pair| pair[1] - pair[0] > 0.1), "{numbers:?}");
+    }
+
+    #[test]
+    fn points_around_are_drawn_into_the_domain() {
+        let y = [1e-3, 2.0, 3.0];
+        let points = around(&Half { everywhere: false }, y);
+        assert!(points.iter().all(|point| point[0] > 0.0) && points.len() > 16);
+        // Those that were inside at once stay where they are.
+        let all = around(&Half { everywhere: true }, y);
+        assert!(all.iter().filter(|point| point[0] > 0.0).all(|point| points.contains(point)));
+    }
+}

@@ -243,3 +243,62 @@ fn an_invariant_that_does_not_exist_names_the_system() {
     every_system(&mut check);
     assert!(check.0 >= 9, "{}", check.0);
 }
+
+/// The bound of a prediction over its residual at long steps, where the residual is far above its
+/// round-off: the least over many points.
+fn sharpness<S: PoissonSystem<D, 1>, const D: usize>(system: &S) -> f64 {
+    let mut numbers = Numbers(12);
+    let sum = |v: [f64; D]| v.iter().map(|x| x.abs()).sum::<f64>();
+    let mut least = f64::INFINITY;
+    for _ in 0..2000 {
+        let (a, dt): ([f64; D], f64) = (Region::Box.point(&mut numbers), 0.9);
+        let (b, bound) = system.predict(a, dt, [0.0]);
+        let field = system.averaged_field(a, b, dt, [0.0]);
+        let residual = sum(std::array::from_fn(|i| b[i] - a[i] - field[i]));
+        if bound < f64::INFINITY && residual > 1e-12 {
+            least = least.min(bound / residual);
+        }
+    }
+    least
+}
+
+#[test]
+fn bounds_of_predictions_are_no_larger_than_they_must_be() {
+    // |M″| ≤ |w|/3 is attained where the force is steepest. In three dimensions the two components
+    // that each derivative enters do not add up, and the 1-norm of the step counts twice.
+    let pendulum = sharpness(&Pendulum::new(0.7).unwrap());
+    assert!((0.99..1.01).contains(&pendulum), "{pendulum}");
+    let poisson = sharpness(&Poisson3::new(0.7).unwrap());
+    assert!((1.0..5.0).contains(&poisson), "{poisson}");
+    // At steps of a fifth the predictions are accepted, for their bound is below round-off.
+    let mut numbers = Numbers(13);
+    for _ in 0..1000 {
+        let (a, b) = (Region::Box.point(&mut numbers), Region::Box.point(&mut numbers));
+        let pendulum = Pendulum::new(0.7).unwrap().predict(a, 0.2, [0.0]).1;
+        let poisson = Poisson3::new(0.7).unwrap().predict(b, 0.2, [0.0]).1;
+        assert!(pendulum.max(poisson) < f64::EPSILON, "{pendulum:e} {poisson:e}");
+    }
+}
+
+struct Names(Vec<&'static str>);
+
+impl Check for Names {
+    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        _region: Region,
+    ) {
+        self.0.push(system.name());
+    }
+}
+
+#[test]
+fn every_system_has_the_name_by_which_results_know_it() {
+    let mut names = Names(Vec::new());
+    every_system(&mut names);
+    names.0.dedup();
+    assert_eq!(
+        names.0,
+        ["pendulum", "rigid-body", "lotka-volterra", "maxwell-bloch", "poisson3", "spin-chain"]
+    );
+}

@@ -260,3 +260,30 @@ fn invariants_are_differentiable_twice() {
         assert_eq!(value.derivative.derivative, 1.0);
     }
 }
+
+struct LinearStructure;
+
+impl Check for LinearStructure {
+    fn check<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        &mut self,
+        system: &S,
+        region: Region,
+    ) {
+        let mut numbers = Numbers(16);
+        for _ in 0..100 {
+            let (y, v) = (region.point(&mut numbers), numbers.vector::<D>());
+            let (b, ours) = (matrix(system, y), system.structure(y, v));
+            for i in 0..D {
+                let terms: f64 = (0..D).map(|j| (b[i][j] * v[j]).abs()).sum();
+                let defect = (ours[i] - dot(b[i], v)).abs();
+                // An infinite entry is no round-off.
+                assert!(defect <= ROUND_OFF * terms && terms.is_finite(), "{}", system.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn the_structure_is_a_matrix() {
+    every_system(&mut LinearStructure);
+}

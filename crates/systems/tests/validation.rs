@@ -3,7 +3,8 @@
 
 use systems::{
     Constant, Cosine, Damping, DampingFunction, IntegerExponents, Linear, LotkaVolterra,
-    MaxwellBloch, Pendulum, Poisson3, Problem, RigidBody, RigidBodyEnergy, Sine, SystemError,
+    MaxwellBloch, Pendulum, Poisson3, PoissonSystem, Problem, RigidBody, RigidBodyEnergy, Sine,
+    SystemError, paper,
 };
 
 const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
@@ -147,4 +148,76 @@ fn populations_are_positive() {
     }
     let fine = LotkaVolterra::new(-1.0, -2.0, 1.0).unwrap();
     assert!(Problem::new(fine, damping, [0.2, 0.4, 0.6], 1.0).is_ok());
+}
+
+#[test]
+fn a_problem_gives_back_what_it_was_made_of() {
+    let (damping, y0) = (Constant::new(0.5).unwrap(), [0.2, 1.0]);
+    let problem = Problem::new(Pendulum::new(0.7).unwrap(), damping, y0, 1.0).unwrap();
+    assert_eq!((problem.y0(), problem.t_end()), (y0, 1.0));
+    let longer = problem.until(3.0).unwrap();
+    assert_eq!((longer.t_end(), longer.damping().rate(0.0)), (3.0, 0.5));
+    for bad in NOT_POSITIVE {
+        assert!(longer.clone().until(bad).is_err(), "{bad}");
+    }
+    let (_, damping, state, t_end) = longer.into_parts();
+    assert_eq!((damping.rate(0.0), state, t_end), (0.5, y0, 3.0));
+}
+
+#[test]
+fn a_borrowed_damping_is_the_damping() {
+    fn of<G: Damping>(damping: G) -> (f64, f64, String) {
+        (damping.rate(0.3), damping.integral(0.3, 0.8), damping.describe())
+    }
+    let damping = Cosine::new(0.5, 2.0).unwrap();
+    let borrowed: &dyn Damping = &damping;
+    let (rate, integral, words) = of(borrowed);
+    assert_eq!(
+        (rate, integral, words.as_str()),
+        (damping.rate(0.3), damping.integral(0.3, 0.8), "γ = 0.5 cos 2 t")
+    );
+    // ½ cos 0.6, and its integral ¼(sin 1.6 − sin 0.6).
+    assert!((rate - 0.5 * 0.6f64.cos()).abs() < 1e-15);
+    assert!((integral - 0.25 * (1.6f64.sin() - 0.6f64.sin())).abs() < 1e-15);
+}
+
+#[test]
+fn the_problems_of_the_paper_start_where_it_says() {
+    let start = paper::rigid_body_start();
+    let exact = [1.1f64.cos(), 0.0, 1.1f64.sin()];
+    assert!(start.iter().zip(exact).all(|(y, exact)| (y - exact).abs() < 1e-15));
+    // y(0), T, and γ(1).
+    let (cosine, sine) = (0.5 * 2f64.cos(), 1f64.sin());
+    fn is<S, G: Damping, const D: usize>(
+        problem: &Problem<S, G, D>,
+        y0: [f64; D],
+        t_end: f64,
+        rate: f64,
+    ) {
+        assert_eq!((problem.y0(), problem.t_end()), (y0, t_end));
+        assert!((problem.damping().rate(1.0) - rate).abs() < 1e-15);
+    }
+    is(&paper::pendulum(), [0.2, 1.0], 1.0, 2.0);
+    is(&paper::rigid_body_three_noises(2.0), start, 2.0, cosine);
+    is(&paper::rigid_body_one_noise(), start, 1.0, cosine);
+    is(&paper::rigid_body_energy(3.0), start, 3.0, sine);
+    is(&paper::lotka_volterra_1_1(), [0.2, 0.4, 0.6], 1.0, sine);
+    is(&paper::lotka_volterra_2_2(10.0), [0.2, 0.4, 0.6], 10.0, sine);
+    is(&paper::maxwell_bloch(5.0), [1.0, 2.0, 3.0], 5.0, cosine);
+    is(&paper::poisson3_strong(), [1.0, 2.0, 3.0], 0.5, cosine);
+    is(&paper::poisson3_casimir(7.0), [1.0, 2.0, 3.0], 7.0, 1.0);
+    // I = (2, 1, 2/3) and Î = (1, 2, 3): the energy at (1, 1, 1).
+    let problem = paper::rigid_body_three_noises(1.0);
+    let energy: f64 = problem.system().energy([1.0; 3], 1.0, [0.0; 3]);
+    assert!((energy - 0.5 * (0.5 + 1.0 + 1.5)).abs() < 1e-15, "{energy}");
+    let noise: f64 = problem.system().energy([1.0; 3], 0.0, [1.0; 3]);
+    assert!((noise - 0.5 * (1.0 + 0.5 + 1.0 / 3.0)).abs() < 1e-15, "{noise}");
+}
+
+#[test]
+fn a_damping_function_has_the_rate_given_and_its_integral() {
+    let damping = DampingFunction::new(|t| 3.0 * t * t, 2).unwrap();
+    assert_eq!(damping.rate(2.0), 12.0);
+    // Two nodes are exact up to degree three.
+    assert!((damping.integral(1.0, 2.0) - 7.0).abs() < 1e-14);
 }

@@ -354,4 +354,125 @@ mod tests {
         }
         assert!(serde_json::to_string(&defect(1.0, true)).unwrap().contains(r#""kind":"defect""#));
     }
+
+    fn rate(estimate: f64, lo: f64, hi: f64) -> Rate {
+        let method = "a fit".to_owned();
+        Rate { estimate, lo, hi, confidence: 0.999, method, ..Rate::default() }
+    }
+
+    #[test]
+    fn orders_are_held_to_one_side_or_both_and_a_wrong_limit_refutes() {
+        use Verdict::{Holds, Refuted, Undecided};
+        let both = |rate: Option<Rate>, order: f64| {
+            [Evidence::order(order, rate.clone()), Evidence::order_bound(order, rate)]
+                .map(|evidence| evidence.verdict())
+        };
+        assert_eq!(both(Some(rate(1.0, 0.9, 1.1)), 1.0), [Holds, Holds]);
+        assert_eq!(both(Some(rate(1.0, 0.9, 1.1)), 0.5), [Refuted, Holds]);
+        assert_eq!(both(Some(rate(1.0, 0.9, 1.1)), 1.5), [Refuted, Refuted]);
+        assert_eq!(both(None, 1.0), [Undecided, Undecided]);
+        let wrong = |rate: Option<Rate>| Evidence::Order {
+            order: 1.0,
+            one_sided: false,
+            rate,
+            wrong_limit: Some(0.25),
+        };
+        assert_eq!(wrong(Some(rate(1.0, 0.9, 1.1))).verdict(), Refuted);
+        let away = "the scheme converges to something else, 2.5e-1 away";
+        assert_eq!(wrong(None).to_string(), away);
+        let slope = "; its differences fall with 1.00";
+        assert_eq!(wrong(Some(rate(1.0, 0.9, 1.1))).to_string(), format!("{away}{slope}"));
+        let warned = Rate { warning: Some("few paths".into()), ..rate(1.0, 0.9, 1.1) };
+        assert_eq!(
+            Evidence::order(1.0, Some(warned)).to_string(),
+            "order 1.000, 100 % interval [0.900, 1.100]; a fit; warning: few paths"
+        );
+        assert!(Evidence::order(1.0, None).to_string().starts_with("no order can be named"));
+    }
+
+    #[test]
+    fn an_approach_is_decided_outside_its_half_width() {
+        use Verdict::{Holds, Refuted, Undecided};
+        let approach = |order: f64| Evidence::Approach {
+            invariant: "H".into(),
+            largest: 0.25,
+            paths: 100,
+            refinement: 16,
+            coarse: 0.01,
+            fine: 0.001,
+            order,
+            half_width: 0.25,
+            least: 1.0,
+        };
+        let orders = [1.26, 1.25, 0.75, 0.74, f64::NAN];
+        let verdicts = orders.map(|order| approach(order).verdict());
+        assert_eq!(verdicts, [Holds, Undecided, Undecided, Refuted, Undecided]);
+        assert_eq!(
+            approach(1.5).to_string(),
+            "largest relative defect of H on the path: 2.5e-1; geometric mean over 100 paths \
+             1.0e-2 at τ and 1.0e-3 at τ/16, order 1.50 ± 0.25"
+        );
+        let undecided = Evidence::Undecided { reason: "no time".into() };
+        assert_eq!((undecided.verdict(), undecided.to_string()), (Undecided, "no time".into()));
+    }
+
+    #[test]
+    fn limits_belong_to_what_they_limit() {
+        use Verdict::{Holds, Refuted};
+        let bounded = |value: f64| {
+            let least = Bounded::at_least("gain", value, 2.0);
+            Evidence::Bounds { quantities: vec![least], failed: 0 }
+        };
+        assert_eq!([1.9, 2.0, 2.1].map(|x| bounded(x).verdict()), [Refuted, Holds, Holds]);
+        let at_most =
+            Evidence::Bounds { quantities: vec![Bounded::at_most("norm", 2.0, 2.0)], failed: 0 };
+        assert_eq!(at_most.verdict(), Holds);
+        assert_eq!(bounded(1.9).to_string(), "gain: 1.9000, at least 2.0000");
+        // Numbers of four digits in sight are written out.
+        let sizes = [0.0, 0.01, 0.0099, 9999.0, 1e4, -0.5, -1e-5].map(short);
+        let words = ["0", "0.0100", "9.9e-3", "9999.0000", "1.0e4", "-0.5000", "-1.0e-5"];
+        assert_eq!(sizes, words);
+    }
+
+    #[test]
+    fn a_deviation_without_a_bias_names_none() {
+        let Evidence::Deviation { quantity, warnings, .. } = deviation(0.5) else {
+            panic!("a deviation")
+        };
+        let evidence = |standard_error: f64, value: f64| Evidence::Deviation {
+            quantity: quantity.clone(),
+            value,
+            standard_error,
+            bias: 0.0,
+            expected: 0.5,
+            path_steps: None,
+            warnings: warnings[..0].to_vec(),
+        };
+        assert_eq!(
+            evidence(0.02, 0.47).to_string(),
+            "E[y1] = 0.4700 ± 2.0e-2 (standard error) against 0.5000: -1.5 standard errors"
+        );
+        assert!(evidence(30.0, 0.5).to_string().starts_with("E[y1] = 0.50 ± 3.0e1"));
+        // 4.42 standard errors are the limit.
+        let verdicts = [4.41, 4.43].map(|k| evidence(0.02, 0.5 - 0.02 * k).verdict());
+        assert_eq!(verdicts, [Verdict::Holds, Verdict::Refuted]);
+        let many = Evidence::Defect {
+            invariant: "C".into(),
+            paths: 2,
+            steps: 3,
+            largest: 1.0,
+            tolerance: 0.5,
+            obeys: false,
+        };
+        assert_eq!(
+            many.to_string(),
+            "largest relative defect of C over 2 paths of 3 steps: 1.0e0, expected above 5.0e-1"
+        );
+    }
+
+    #[test]
+    fn the_worse_of_two_numbers_is_the_larger_and_nan_stays() {
+        assert_eq!((worse(1.0, 2.0), worse(2.0, 1.0), worse(1.0, 1.0)), (2.0, 2.0, 1.0));
+        assert!(worse(f64::NAN, 1.0).is_nan() && worse(1.0, f64::NAN).is_nan());
+    }
 }

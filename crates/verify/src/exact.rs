@@ -154,4 +154,65 @@ mod tests {
             }
         }
     }
+
+    /// A plane that turns: H = ½|y|².
+    struct Plane;
+
+    impl PoissonSystem<2, 1> for Plane {
+        fn name(&self) -> &'static str {
+            "plane"
+        }
+        fn structure<R: real::Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+            [-v[1], v[0]]
+        }
+        fn energy<R: real::Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
+            (y[0] * y[0] + y[1] * y[1]) * (0.5 * (dt + dw[0]))
+        }
+    }
+
+    #[test]
+    fn one_step_of_random_time_is_a_normal_with_the_moments_of_the_weight() {
+        // g = e^{−2γt} for degree three: ḡ and ∫(g − ḡ)² on [nτ, (n + 1)τ].
+        let (gamma, tau, noise) = (0.7f64, 0.125, 1.5);
+        let damping = valid(Constant::new(gamma));
+        let time = RandomTime::new(&damping, 3.0, noise, tau);
+        for n in [0, 5] {
+            let start = (-2.0 * gamma * tau * n as f64).exp();
+            let primitive = |k: f64| (1.0 - (-k * gamma * tau).exp()) / (k * gamma);
+            let mean = start * primitive(2.0) / tau;
+            let spread = start * start * primitive(4.0) - mean * mean * tau;
+            let found = time.step(n);
+            assert!((found.0 / mean - 1.0).abs() < 1e-12, "{found:?} {mean}");
+            assert!((found.1 / spread - 1.0).abs() < 1e-6, "{found:?} {spread}");
+            let mut s = Block::splat([0.25]);
+            let (mut dw, mut normals) = (Block::zero(), Block::zero());
+            for p in 0..WIDTH {
+                dw.set_path(p, [0.1 * p as f64]);
+                normals.set_path(p, [2.0 - 0.2 * p as f64]);
+            }
+            time.advance(n, &dw, &normals, &mut s);
+            for p in 0..WIDTH {
+                let [w] = dw.path(p);
+                let own = noise * spread.sqrt() * normals.path(p)[0];
+                let exact = 0.25 + mean * tau + noise * mean * w + own;
+                assert!((s.path(p)[0] - exact).abs() < 1e-7, "{n} {p}");
+            }
+        }
+    }
+
+    #[test]
+    fn expectations_of_a_turned_plane_are_known() {
+        // S = T + cW(T) at degree one: E[e^{iS}] = e^{iT − c²T/2}, and y decays with ∫γ.
+        let damping = valid(Sine::new(0.5, 1.0));
+        let problem = valid(Problem::new(Plane, damping, [0.8, 0.6], 2.0));
+        let time = RandomTime::new(problem.damping(), 1.0, 0.7, 0.25);
+        let size = (-0.5 * (1.0 - 2f64.cos()) - 0.5 * 0.49 * 2.0).exp();
+        let (sin, cos) = 2f64.sin_cos();
+        for (i, exact) in [0.8 * cos - 0.6 * sin, 0.6 * cos + 0.8 * sin].into_iter().enumerate() {
+            let found = expectation(&problem, &time, 8, |y| y[i]);
+            assert!((found - size * exact).abs() < 1e-11, "{found} {}", size * exact);
+        }
+        let squares = expectation(&problem, &time, 8, |y| y[0] * y[0] + y[1] * y[1]);
+        assert!((squares - (2f64.cos() - 1.0).exp()).abs() < 1e-11, "{squares}");
+    }
 }

@@ -34,3 +34,44 @@ pub fn runge_kutta<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
     }
     y
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use real::Real;
+    use systems::{Linear, paper::valid};
+
+    /// A plane that turns by dt and by both noises.
+    struct Plane;
+
+    impl PoissonSystem<2, 2> for Plane {
+        fn name(&self) -> &'static str {
+            "plane"
+        }
+        fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+            [-v[1], v[0]]
+        }
+        fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 2]) -> R {
+            (y[0] * y[0] + y[1] * y[1]) * (0.5 * (dt + dw[0] - 2.0 * dw[1]))
+        }
+    }
+
+    #[test]
+    fn a_damped_rotation_is_solved_with_order_four() {
+        // γ = 0.6t from t = 2 on: y is turned by τ + w₁ − 2w₂ and shrinks by ∫γ.
+        let (damping, t, tau, dw) = (valid(Linear::new(0.6)), 2.0, 0.5, [0.7, -0.4]);
+        let angle: f64 = tau + 0.7 + 0.8;
+        let size = (-0.3 * ((t + tau) * (t + tau) - t * t)).exp();
+        let exact =
+            [size * (angle.cos() - 2.0 * angle.sin()), size * (angle.sin() + 2.0 * angle.cos())];
+        let error = |substeps: u32| {
+            let y = runge_kutta(&Plane, &damping, t, tau, dw, substeps, [1.0, 2.0]);
+            (y[0] - exact[0]).hypot(y[1] - exact[1])
+        };
+        assert!(error(64) < 1e-7, "{}", error(64));
+        for substeps in [8, 16, 32] {
+            let ratio = error(substeps) / error(2 * substeps);
+            assert!((14.0..18.5).contains(&ratio), "{substeps}: {ratio}");
+        }
+    }
+}

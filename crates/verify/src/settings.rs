@@ -48,3 +48,13 @@ impl Progress for Silent {
     fn advance(&self, _work: u64) {}
     fn end(&self) {}
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn modes_have_the_names_of_the_results() {
+        assert_eq!([Mode::Paper, Mode::Quick].map(Mode::id), ["paper", "quick"]);
+    }
+}

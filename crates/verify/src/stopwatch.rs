@@ -101,4 +101,27 @@ mod tests {
         assert_eq!(spread.scaled(2.0), Spread { best: 2.0, median: 5.0, worst: 10.0 });
         assert_eq!(Spread::of(vec![7.0]), Spread { best: 7.0, median: 7.0, worst: 7.0 });
     }
+
+    #[test]
+    fn processor_time_of_a_thread_is_no_more_than_wall_time() {
+        // Some processor time before the start does not count.
+        let before = Stopwatch::start();
+        let work = |seconds: f64| {
+            let watch = Stopwatch::start();
+            while watch.wall_s() < seconds {
+                std::hint::black_box(seconds.sqrt());
+            }
+            watch
+        };
+        work(0.02);
+        let watch = work(0.05);
+        let (used, passed) = (watch.thread_s(), watch.wall_s());
+        assert!(0.0 < used && used <= passed && passed >= 0.05, "{used} {passed}");
+        assert!(before.wall_s() >= 0.07 && before.thread_s() > watch.thread_s() - 1e-3);
+        // A thread that sleeps uses next to none.
+        let asleep = Stopwatch::start();
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        assert!(asleep.wall_s() >= 0.05);
+        assert!(!Stopwatch::MEASURES_PROCESSOR || asleep.thread_s() < 0.02);
+    }
 }

@@ -350,3 +350,21 @@ fn too_few_step_sizes_are_refused() {
     let error = strong_order(&Sexp::default(), &kubo(1.0, 1.0), &few).unwrap_err();
     assert!(matches!(error, LadderError::StepSizes { given: 3, from: 4, .. }), "{error}");
 }
+
+#[test]
+fn weak_points_are_the_errors_of_the_scheme() {
+    // Without noise: Heun's errors of q against cos 1, of order two. The twin forgets what the
+    // finest step leaves, a fifth of the last error.
+    let problem = kubo(1.0, 0.0);
+    let q = Observable { name: "q", function: |y: [f64; 2]| y[0] };
+    let sizes = StepSizes { samples: 32, ..sizes(8, 1) };
+    let order = weak_order(&Heun, &problem, q, &sizes, &ReferenceSolution::Independent).unwrap();
+    assert_eq!(order.points.len(), 5);
+    for (point, steps) in order.points.iter().zip([8, 16, 32, 64, 128]) {
+        let Point::Error { tau, value, .. } = *point else { panic!("{point:?}") };
+        let path = mc::trajectory(&problem, &Heun, steps, sizes.truncation, sizes.key, 0).unwrap();
+        let error = path.states[steps as usize][0] - 1f64.cos();
+        assert_eq!(tau, 1.0 / steps as f64);
+        assert!((value / error - 1.0).abs() < 0.05, "{steps}: {value} {error}");
+    }
+}

@@ -96,6 +96,8 @@ mod report;
 mod resolution;
 mod settings;
 mod tails;
+#[cfg(test)]
+mod tests;
 
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem};

@@ -8,3 +8,4 @@ mod judged;
 mod ladder;
 mod multilevel;
 mod simulation;
+mod statistics;

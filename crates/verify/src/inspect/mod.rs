@@ -51,6 +51,8 @@ mod problem;
 mod report;
 mod solvability;
 mod structure;
+#[cfg(test)]
+mod tests;
 mod theory;
 
 use systems::{Damping, PoissonSystem, Problem};

@@ -22,6 +22,8 @@ mod one_step;
 mod runs;
 mod step_sizes;
 mod strong;
+#[cfg(test)]
+mod tests;
 mod visits;
 mod weak;
 mod within;

@@ -1,7 +1,7 @@
 //! Harmonics, generator and expectations against identities and known values.
 
 use super::{
-    generator::Generator,
+    generator::{Generator, norm_bound},
     harmonics::harmonics,
     integration::{moments, norm, steps},
     *,
@@ -47,7 +47,8 @@ fn components() -> [Observable<3>; 3] {
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    // NaN stays.
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, crate::worse)
 }
 
 const POINTS: [[f64; 3]; 4] =
@@ -265,4 +266,21 @@ fn sampled_paths_agree() {
         let deviation = (moments.mean() - exact) / moments.standard_error();
         assert!(deviation.abs() < 5.0, "{exact}: {deviation} standard errors");
     }
+}
+
+#[test]
+fn the_bound_of_the_generator_is_linear_in_the_drift_and_quadratic_in_the_noise() {
+    // Inertia that moves next to nothing.
+    const HEAVY: [f64; 3] = [1e12; 3];
+    let of = |inertia: [f64; 3], noise: [f64; 3], degree: usize, r: f64| {
+        norm_bound(&valid(RigidBody::three_noises(inertia, noise)), degree, r)
+    };
+    let close = |found: f64, exact: f64| (found / exact - 1.0).abs() < 1e-9;
+    let (drift, noise) = (of(INERTIA, HEAVY, 3, 1.0), of(HEAVY, NOISE_INERTIA, 3, 1.0));
+    assert!(close(of(INERTIA, HEAVY, 3, 2.0), 2.0 * drift) && drift > 0.1);
+    assert!(close(of(HEAVY, NOISE_INERTIA, 3, 2.0), 4.0 * noise) && noise > 0.1);
+    // So with the degree: from four to eight functions of one order.
+    assert!(close(of(INERTIA, HEAVY, 7, 1.0), 2.0 * drift));
+    assert!(close(of(HEAVY, NOISE_INERTIA, 7, 1.0), 4.0 * noise));
+    assert!(close(of(INERTIA, NOISE_INERTIA, 3, 1.0), drift + noise));
 }

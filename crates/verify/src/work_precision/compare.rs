@@ -88,4 +88,18 @@ mod tests {
         assert!(crossing(&curve(1.0, 1.0), &curve(1.0, 2.0)).expect("common errors").at.is_empty());
         assert_eq!(crossing(&[(1.0, 1.0), (0.5, 2.0)], &[(0.1, 1.0), (0.05, 2.0)]), None);
     }
+
+    #[test]
+    fn a_crossing_between_the_points_is_interpolated() {
+        // ε⁻² against 10 ε⁻¹: equal at ε = 1/10, which is no point of either; the ratio is 1/(10ε).
+        let found = crossing(&curve(0.5, 1.0), &curve(1.0, 10.0)).expect("common errors");
+        assert!(found.at.len() == 1 && (found.at[0] * 10.0 - 1.0).abs() < 1e-12, "{found:?}");
+        for (error, ratio) in found.ratios {
+            assert!((ratio * 10.0 * error - 1.0).abs() < 1e-12, "{error}");
+        }
+        // Of two points with one error the later is taken, and none that costs nothing.
+        assert_eq!(cost_at(&[(0.1, 1.0), (0.1, 3.0)], 0.1), Some(3.0));
+        assert_eq!(cost_at(&[(0.1, 0.0), (0.01, 3.0)], 0.05), None);
+        assert_eq!(cost_at(&[(0.0, 1.0), (0.01, 3.0)], 0.005), None);
+    }
 }

@@ -181,3 +181,24 @@ pub fn work_precision<S: PoissonSystem<D, M>, G: Damping, const D: usize, const 
         failures: outcome.failures,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_has_the_error_of_its_index_and_a_curve_its_cheapest_times() {
+        let mut squares = CrossMoments::new(2);
+        (0..64).for_each(|n| squares.add(&[9.0, 4.0 + if n % 2 == 0 { 1.0 } else { -1.0 }]));
+        let time =
+            Time { min_s: 0.5, median_s: 1.0, max_s: 2.0, repetitions: 3, paths: 128, failed: 0 };
+        let point = WorkPoint::new(3.0, 12, &squares, 1, time);
+        assert_eq!((point.steps, point.tau, point.error), (12, 0.25, 2.0));
+        // The mean 4 has the standard error √(1/63), and its root a quarter of that.
+        assert!((point.se * 4.0 * 63f64.sqrt() - 1.0).abs() < 1e-12, "{}", point.se);
+        assert!(point.lo.unwrap() < 2.0 && point.hi.unwrap() > 2.0);
+        let other = WorkPoint::new(3.0, 24, &squares, 0, Time { min_s: 0.75, ..time });
+        let curve = WorkCurve { scheme: "sexp", points: vec![point, other] };
+        assert_eq!(curve.costs(), [(2.0, 0.5), (3.0, 0.75)]);
+    }
+}

@@ -1,0 +1,381 @@
+//! The arithmetic of orders, and what is decided, on numbers that are made up.
+
+use mc::Observable;
+use noise::{StreamKey, Truncation};
+use real::Real;
+use schemes::{EulerMaruyama, Midpoint};
+use stats::{CrossMoments, Point, Rate};
+use systems::{Constant, PoissonSystem, Problem, paper::valid};
+
+use super::{
+    Decision, Exact, Limit, Measure, OneStep, Order, ReferenceSolution, StepSizes, decision,
+    errors::{differences, record, record_length, strong_points},
+    exact_mean,
+    limit::limit,
+    weak_order, wrong_limit,
+};
+use crate::exact::RandomTime;
+
+const AGREES: Limit = Limit::Agrees { with: "heun", distance: 1e-3 };
+
+fn rate(estimate: f64, lo: f64, hi: f64) -> Rate {
+    // At the confidence of a contradiction already, so that nothing is widened.
+    Rate { estimate, lo, hi, confidence: 0.999, ..Rate::default() }
+}
+
+fn one_step(order: f64) -> Option<OneStep> {
+    Some(OneStep { order, tau: 1e-6, amplification: 16.0 })
+}
+
+#[test]
+fn one_step_of_integer_order_leaves_two_orders_possible() {
+    let orders = |order: f64| one_step(order).unwrap().strong_orders().collect::<Vec<_>>();
+    assert_eq!(orders(1.0), [0.5]);
+    assert_eq!(orders(1.5), [1.0]);
+    assert_eq!(orders(2.0), [1.0, 1.5]);
+    assert_eq!(orders(3.0), [2.0, 2.5]);
+}
+
+#[test]
+fn a_strong_order_is_named_where_one_is_left_that_the_points_do_not_exceed() {
+    let of = |lo: f64, hi: f64, step: f64| {
+        decision::strong(Some(&rate(0.5 * (lo + hi), lo, hi)), one_step(step), AGREES)
+    };
+    let named = |order: f64, shown: bool| Decision::Order { order, shown };
+    assert_eq!(of(0.9, 1.1, 1.5), named(1.0, true));
+    // The points fall faster still.
+    assert_eq!(of(1.2, 1.4, 1.5), named(1.0, false));
+    // They fall too slowly for the order of one step.
+    assert_eq!(of(0.7, 0.9, 1.5), Decision::NotAsymptotic);
+    // Of orders one and 1½ the points leave one, or both.
+    assert_eq!(of(0.9, 1.1, 2.0), named(1.0, true));
+    assert_eq!(of(1.3, 1.6, 2.0), Decision::OneStepUnclear);
+    let calm = rate(1.0, 0.9, 1.1);
+    assert_eq!(decision::strong(Some(&calm), None, AGREES), Decision::OneStepUnclear);
+}
+
+#[test]
+fn nothing_is_named_without_a_good_fit_and_a_limit() {
+    let of = |rate: Option<&Rate>, limit: Limit| {
+        let strong = decision::strong(rate, one_step(1.5), limit);
+        // As text, for NaN is not equal to itself.
+        let weak = decision::weak(rate, |_| Some(0.0), || None, limit);
+        assert_eq!(format!("{weak:?}"), format!("{strong:?}"));
+        strong
+    };
+    let good = rate(1.0, 0.9, 1.1);
+    assert_eq!(of(Some(&good), AGREES), Decision::Order { order: 1.0, shown: true });
+    let differs = Limit::Differs { with: "heun", distance: 1.0 };
+    assert_eq!(of(Some(&good), differs), Decision::WrongLimit);
+    assert_eq!(of(None, differs), Decision::WrongLimit);
+    assert_eq!(of(None, AGREES), Decision::NoDifferences);
+    for limit in [Limit::Unclear { with: "heun", distance: 1.0 }, Limit::Unchecked] {
+        assert_eq!(of(Some(&good), limit), Decision::LimitUnclear);
+    }
+    let misfit = Rate { p_value: Some(1e-6), ..good.clone() };
+    assert_eq!(of(Some(&misfit), AGREES), Decision::NotAsymptotic);
+    // An interval of ½ is narrow enough; one twice as wide takes four times as many paths.
+    assert_eq!(
+        of(Some(&rate(1.0, 0.75, 1.25)), AGREES),
+        Decision::Order { order: 1.0, shown: true }
+    );
+    assert_eq!(of(Some(&rate(1.0, 0.5, 1.5)), AGREES), Decision::Wide { more_paths: 4.0 });
+    let nan = of(Some(&rate(1.0, f64::NAN, 1.5)), AGREES);
+    assert!(matches!(nan, Decision::Wide { .. }), "{nan:?}");
+}
+
+#[test]
+fn a_weak_order_above_one_may_hide_a_lower_one() {
+    let of = |lo: f64, hi: f64, share: Option<f64>| {
+        decision::weak(Some(&rate(lo, lo, hi)), |_| share, || None, AGREES)
+    };
+    let two = Decision::Order { order: 2.0, shown: true };
+    assert_eq!(of(1.9, 2.1, Some(0.1)), two);
+    assert_eq!(of(1.9, 2.1, Some(0.11)), Decision::Hidden { share: 0.11 });
+    assert_eq!(of(1.9, 2.1, None), Decision::Hidden { share: 1.0 });
+    // Nothing is lower than one, whatever its share.
+    assert_eq!(of(0.9, 1.1, Some(1.0)), Decision::Order { order: 1.0, shown: true });
+    // Between the orders, or none of them.
+    assert_eq!(of(1.4, 1.6, Some(0.0)), Decision::NotAsymptotic);
+    assert_eq!(of(4.1, 4.3, Some(0.0)), Decision::NotAsymptotic);
+    assert_eq!(of(3.9, 4.1, Some(0.0)), Decision::Order { order: 4.0, shown: true });
+}
+
+#[test]
+fn a_decision_settles_the_interval_or_warns() {
+    let mut fitted = rate(1.3, 1.2, 1.4);
+    assert_eq!(Decision::Order { order: 1.0, shown: false }.settle(&mut fitted), 1.0);
+    assert_eq!((fitted.lo, fitted.hi, &fitted.warning), (1.0, 1.4, &None));
+    assert_eq!(Decision::Order { order: 1.5, shown: false }.settle(&mut fitted), 1.5);
+    assert_eq!((fitted.lo, fitted.hi), (1.0, 1.5));
+    assert_eq!(Decision::NoDifferences.settle(&mut fitted), 1.3);
+    let first = fitted.warning.clone().unwrap();
+    assert_eq!(first, Decision::NoDifferences.to_string());
+    Decision::WrongLimit.settle(&mut fitted);
+    assert_eq!(fitted.warning, Some(format!("{first}; {}", Decision::WrongLimit)));
+}
+
+fn order(decision: Decision, limit: Limit) -> Order {
+    let one_step = one_step(1.5);
+    Order {
+        points: Vec::new(),
+        rate: Some(rate(1.25, 1.0, 1.5)),
+        one_step,
+        limit,
+        decision,
+        failed: 0,
+    }
+}
+
+#[test]
+fn an_order_says_what_it_rests_on() {
+    let shown = order(Decision::Order { order: 1.0, shown: true }, AGREES);
+    let fitted = "fitted 1.25 [1.00, 1.50]";
+    let agrees = "its limit differs from that of heun by at most 1.0e-3";
+    assert_eq!(shown.to_string(), format!("order 1; {fitted}; {agrees}"));
+    assert_eq!(shown.order(), Some(1.0));
+    let hidden = order(Decision::Order { order: 1.0, shown: false }, AGREES);
+    let still = "the points still fall faster, one step at τ = 1e-6";
+    assert_eq!(
+        hidden.to_string(),
+        format!("order 1; {fitted}; {still} with 16 times the noise shows the order; {agrees}")
+    );
+    let plain = OneStep { amplification: 1.0, ..one_step(1.5).unwrap() };
+    let plain = Order { one_step: Some(plain), ..hidden };
+    let text = format!("order 1; {fitted}; {still} shows the order; {agrees}");
+    assert_eq!(plain.to_string(), text);
+    let failed = Order { failed: 3, ..plain };
+    assert_eq!(failed.to_string(), format!("{text}; 3 paths failed and are left out"));
+
+    let wrong = order(Decision::WrongLimit, Limit::Differs { with: "heun", distance: 0.5 });
+    assert_eq!(wrong.order(), None);
+    let away = "its limit is 5.0e-1 from that of heun";
+    assert!(wrong.to_string().ends_with(away), "{wrong}");
+    let unclear = order(Decision::LimitUnclear, Limit::Unclear { with: "heun", distance: 0.5 });
+    assert!(unclear.to_string().ends_with("may differ from that of heun by 5.0e-1"), "{unclear}");
+    let none = Order { rate: None, ..order(Decision::NoDifferences, Limit::Unchecked) };
+    assert!(none.to_string().ends_with("; no other scheme runs to compare the limit with"));
+    let wide = Decision::Wide { more_paths: 4.0 }.to_string();
+    assert_eq!(wide, "undecided: 4 times as many paths would decide");
+    let share = Decision::Hidden { share: 0.25 }.to_string();
+    assert!(share.contains("may have 25 % of the last difference"), "{share}");
+    // As evidence it refutes what converges to something else.
+    assert_eq!(wrong.evidence(1.0).verdict(), crate::Verdict::Refuted);
+    assert_eq!(shown.evidence(1.25).verdict(), crate::Verdict::Undecided);
+}
+
+#[test]
+fn step_sizes_halve_down_to_the_reference() {
+    let key = StreamKey { seed: 1, experiment: 1 };
+    let sizes = StepSizes { levels: 3, ..StepSizes::new(5, Truncation::none(), key) };
+    assert_eq!(sizes.steps().collect::<Vec<_>>(), [5, 10, 20]);
+    assert_eq!((sizes.reference_steps(), sizes.sizes()), (80, 5));
+    assert_eq!([0, 1, 2].map(|index| sizes.level(index)), [4, 3, 2]);
+    assert_eq!(sizes.taus(2.0), [5.0, 10.0, 20.0, 40.0, 80.0].map(|steps| 2.0 / steps));
+    // One run at the finest size and its halves: twice the reference.
+    assert_eq!(sizes.cost(), 160 * sizes.samples);
+    let allowed = |sizes: StepSizes| sizes.check().is_ok();
+    assert!(allowed(sizes) && allowed(StepSizes { levels: 46, coarsest_steps: 1, ..sizes }));
+    assert!(!allowed(StepSizes { levels: 47, coarsest_steps: 1, ..sizes }));
+    assert!(!allowed(StepSizes { levels: 0, ..sizes }));
+    assert!(!allowed(StepSizes { coarsest_steps: 0, ..sizes }));
+    // Sixteen times as many steps, and twice that, fit 64 bits.
+    assert!(allowed(StepSizes { coarsest_steps: 1 << 58, ..sizes }));
+    assert!(!allowed(StepSizes { coarsest_steps: 1 << 59, ..sizes }));
+    assert!(sizes.check_order(5).is_ok() && sizes.check_order(6).is_err());
+}
+
+const LEVELS: usize = 3;
+const SIZES: usize = 5;
+
+/// Moments of 64 paths whose states at the five step sizes are these, times ±1.1 and ±0.9.
+fn recorded<const D: usize>(states: [[f64; D]; SIZES]) -> CrossMoments {
+    let length = record_length(SIZES, LEVELS);
+    let mut moments = CrossMoments::new(length);
+    for path in 0..64 {
+        let size = [1.1, 0.9, -1.1, -0.9][path % 4];
+        let mut numbers = vec![0.0; length];
+        record(&states.map(|state| state.map(|y| size * y)), LEVELS, &mut numbers);
+        moments.add(&numbers);
+    }
+    moments
+}
+
+fn values(points: &[Point]) -> Vec<f64> {
+    let value = |point: &Point| match point {
+        Point::Error { value, .. } => *value,
+        other => panic!("{other:?}"),
+    };
+    points.iter().map(value).collect()
+}
+
+#[test]
+fn errors_in_proportion_are_extrapolated_to_the_limit() {
+    // y_k = y + a·2^{−pk} on every path: the error at step size k is |a|·2^{−pk}, whose root mean
+    // square is √1.01 of that.
+    let taus = [0.25, 0.125, 0.0625];
+    for p in [1.0f64, 1.5, 2.0] {
+        let factor = |k: i32| 2f64.powf(-p * f64::from(k));
+        let states = [0, 1, 2, 3, 4].map(|k| [3.0 + 0.6 * factor(k), 1.0 - 0.8 * factor(k)]);
+        let moments = recorded(states);
+        let found = values(&strong_points(&taus, &moments, &[p]));
+        for (k, value) in (0..).zip(found) {
+            assert!((value / (1.01f64.sqrt() * factor(k)) - 1.0).abs() < 1e-12, "{p} {k} {value}");
+        }
+        // The differences alone.
+        let steps = differences(&moments, SIZES, LEVELS);
+        assert_eq!(steps.length(), SIZES - 1);
+        for k in 0..4 {
+            let exact = 1.01 * (factor(k) - factor(k + 1)).powi(2);
+            assert!((steps.mean(k as usize) / exact - 1.0).abs() < 1e-12, "{p} {k}");
+        }
+    }
+}
+
+#[test]
+fn independent_errors_add_up_to_the_limit() {
+    // Steps from size to size along axes of their own, of length 2^{−k/2}: of what is beyond the
+    // finest size, Σ_{j ≥ k} 2^{−j} = 2^{1 − k}.
+    let step = |j: usize, k: usize| if j < k { 0.0 } else { 0.5f64.powf(0.5 * j as f64) };
+    let states: [[f64; 4]; SIZES] = std::array::from_fn(|k| std::array::from_fn(|j| step(j, k)));
+    let taus = [0.25, 0.125, 0.0625];
+    let found = values(&strong_points(&taus, &recorded(states), &[0.5]));
+    for (k, value) in found.into_iter().enumerate() {
+        let exact = (1.01 * 2.0 * 0.5f64.powi(k as i32)).sqrt();
+        assert!((value / exact - 1.0).abs() < 1e-12, "{k}: {value} {exact}");
+    }
+}
+
+#[test]
+fn points_are_as_wide_as_any_order_makes_them() {
+    let states = [0, 1, 2, 3, 4].map(|k| [0.5f64.powi(k), 0.3]);
+    let (moments, taus) = (recorded(states), [0.25, 0.125, 0.0625]);
+    let ends = |orders: &[f64]| -> Vec<(f64, f64)> {
+        let points = strong_points(&taus, &moments, orders);
+        let end = |point: &Point| match point {
+            Point::Error { lo: Some(lo), hi: Some(hi), .. } => (*lo, *hi),
+            other => panic!("{other:?}"),
+        };
+        points.iter().map(end).collect()
+    };
+    let (one, both) = (ends(&[1.0]), ends(&[1.0, 0.6]));
+    for l in 0..3 {
+        assert!(both[l].0 <= one[l].0 && both[l].1 > one[l].1 && one[l].0 < one[l].1, "{both:?}");
+    }
+}
+
+#[test]
+fn a_limit_is_wrong_where_most_of_the_error_does_not_shrink() {
+    // Squares c + a·4^{2 − l} against the solution at l = 0, 1, 2, and of the last difference.
+    let of = |c: f64, a: f64, own: f64| {
+        let (mut errors, mut differences) = (CrossMoments::new(3), CrossMoments::new(2));
+        for path in 0..100 {
+            let size = if path % 2 == 0 { 1.001 } else { 0.999 };
+            errors.add(&[16.0, 4.0, 1.0].map(|growth| size * (c + a * growth)));
+            differences.add(&[4.0 * own, own].map(|square| size * square));
+        }
+        wrong_limit(&errors, &differences)
+    };
+    // Squares that fall like τ, by four in two halvings, leave the constant (4·near − far)/3.
+    let near = |found: Option<f64>| found.is_some_and(|distance| (distance - 1.0).abs() < 1e-3);
+    assert!(near(of(1.0, 0.0, 0.01)));
+    // The root of the square of near is compared with 4.84 times that of the last difference.
+    assert!(near(of(1.0, 0.0, 0.0425)) && of(1.0, 0.0, 0.043).is_none());
+    // That is c − 4a, above half of near = c + a for a below c/9.
+    assert!(near(of(0.901, 0.099, 0.01)) && of(0.899, 0.101, 0.01).is_none());
+    assert_eq!(wrong_limit(&CrossMoments::new(1), &CrossMoments::new(0)), None);
+}
+
+/// A plane that turns by dt + dW.
+struct Plane;
+
+impl PoissonSystem<2, 1> for Plane {
+    fn name(&self) -> &'static str {
+        "plane"
+    }
+    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+        [-v[1], v[0]]
+    }
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
+        (y[0] * y[0] + y[1] * y[1]) * (0.5 * (dt + dw[0]))
+    }
+}
+
+/// Euler–Maruyama against the solution moved by `offset`: that is the distance of the limits.
+fn moved(offset: f64, seed: u64) -> Limit {
+    let problem = valid(Problem::new(Plane, valid(Constant::new(0.0)), [1.0, 0.0], 1.0));
+    let key = StreamKey { seed, experiment: 1 };
+    let sizes = StepSizes { samples: 256, ..StepSizes::new(8, valid(Truncation::new(4)), key) };
+    let tau = 1.0 / sizes.reference_steps() as f64;
+    let time_change = RandomTime::new(problem.damping(), 1.0, 1.0, tau);
+    let solution = |s: f64| [s.cos() + offset, s.sin()];
+    let exact = Exact { time_change: &time_change, solution: &solution };
+    let reference = ReferenceSolution::Exact(exact);
+    limit(&EulerMaruyama, &problem, &sizes, &[], &reference, Measure::Strong).unwrap()
+}
+
+#[test]
+fn a_limit_is_told_from_another_by_what_the_steps_leave_of_the_distance() {
+    // Errors of 0.04 or so at the finest step. An offset of 0.02 is not told from none, and the
+    // distance named is a bound of 97½ %: in 40 measurements, fewer than 35 times with a probability
+    // of 1e-3.
+    let mut covered = 0;
+    for seed in 0..40 {
+        match moved(0.02, seed) {
+            Limit::Agrees { distance, with } | Limit::Unclear { distance, with } => {
+                assert!(distance < 0.08 && with == "exact solution", "{seed}: {distance}");
+                covered += usize::from(distance >= 0.02);
+            }
+            other => panic!("{seed}: {other:?}"),
+        }
+    }
+    assert!(covered >= 35, "{covered} of 40");
+    for seed in 0..4 {
+        // 0.6 is beyond 4.84 of the last differences, and 0.12 is not.
+        let far = moved(0.6, seed);
+        let Limit::Differs { distance, .. } = far else { panic!("{far:?}") };
+        assert!((distance - 0.6).abs() < 0.06, "{distance}");
+        let between = moved(0.12, seed);
+        assert!(matches!(between, Limit::Unclear { .. }), "{between:?}");
+    }
+}
+
+#[test]
+fn means_against_the_exact_solution_need_no_tail() {
+    let problem = valid(Problem::new(Plane, valid(Constant::new(0.0)), [1.0, 0.0], 1.0));
+    let key = StreamKey { seed: 3, experiment: 1 };
+    let sizes = StepSizes { samples: 4000, ..StepSizes::new(4, valid(Truncation::new(4)), key) };
+    let tau = 1.0 / sizes.reference_steps() as f64;
+    let time_change = RandomTime::new(problem.damping(), 1.0, 1.0, tau);
+    let solution = |s: f64| [s.cos(), s.sin()];
+    let exact = Exact { time_change: &time_change, solution: &solution };
+    let q = Observable { name: "q", function: |y: [f64; 2]| y[0] };
+    // E cos(1 + W) = e^{−½} cos 1, and E cos² = ½(1 + e^{−2} cos 2).
+    let truth = (-0.5f64).exp() * 1f64.cos();
+    let variance = 0.5 * (1.0 + (-2f64).exp() * 2f64.cos()) - truth * truth;
+    let (mean, se) = exact_mean(&problem, q, &sizes, exact).unwrap();
+    assert!((se / (variance / 4000.0).sqrt() - 1.0).abs() < 0.1, "{se}");
+    assert!((mean - truth).abs() < 5.0 * se, "{mean} {truth} {se}");
+    // The midpoint rule turns by 2 atan(a/2) for the increment a of time and noise: its errors at
+    // the five step sizes have the means E cos(Σ 2 atan(a/2)) − truth, of order one.
+    let reference = ReferenceSolution::Exact(exact);
+    let order = weak_order(&Midpoint::default(), &problem, q, &sizes, &reference).unwrap();
+    assert_eq!(order.points.len(), 5);
+    for (point, steps) in order.points.iter().zip([4.0, 8.0, 16.0, 32.0, 64.0f64]) {
+        let Point::Error { tau, value, se, lo, hi, .. } = *point else { panic!("{point:?}") };
+        assert_eq!(tau, 1.0 / steps);
+        // E e^{iθ} over a step by the trapezoidal rule, which is exact for normals.
+        let (mut re, mut im, mut mass) = (0.0, 0.0, 0.0);
+        for n in -600..=600 {
+            let x = f64::from(n) * 0.01;
+            let weight = (-0.5 * x * x).exp();
+            let angle = 2.0 * (0.5 * (tau + tau.sqrt() * x)).atan();
+            (re, im, mass) = (re + weight * angle.cos(), im + weight * angle.sin(), mass + weight);
+        }
+        let (size, angle) = ((re / mass).hypot(im / mass), im.atan2(re));
+        let error = size.powf(steps) * (steps * angle).cos() - truth;
+        assert!((value - error).abs() < 5.0 * se && se < 0.01, "{steps}: {value} {error} {se}");
+        let (lo, hi) = (lo.unwrap(), hi.unwrap());
+        assert!((value - lo - 1.96 * se).abs() < 1e-12 && (hi - value - 1.96 * se).abs() < 1e-12);
+    }
+}
