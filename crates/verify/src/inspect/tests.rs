@@ -347,7 +347,7 @@ fn a_report_says_why_a_statement_does_not_apply() {
     };
     assert_eq!(because(&pendulum, "energy-balance"), "H₀ is not homogeneous");
     assert!(
-        because(&pendulum, "exact-conformal").starts_with("no linear or quadratic Casimir, no")
+        because(&pendulum, "exact-conformal").starts_with("no linear or quadratic Casimir, and")
     );
     assert_eq!(because(&pendulum, "conformal-casimir"), "no linear or quadratic Casimir of B");
     assert!(because(&pendulum, "strong-one").starts_with("if all paths stay bounded"));
