@@ -129,14 +129,18 @@ pub fn without_areas(conditions: &Conditions) -> Claim {
     with_areas(conditions, |_, _| [[0.0; 3]; 3])
 }
 
+/// The shortest step of the paths of a twin.
+const FINEST: f64 = 1.0 / 16_384.0;
+
 /// Areas with the right law given the increments, drawn for each step of each step size by itself:
 /// the stream is keyed by the bits of the increments, so that the twin is reproducible.
 pub fn fresh_areas(conditions: &Conditions) -> Claim {
     with_areas(conditions, |step, noise| {
         let [a, b, c] = noise.increments.map(f64::to_bits);
         let key = StreamKey { seed: a ^ b.rotate_left(21), experiment: c ^ step.tau.to_bits() };
-        let error = strong_order_one_error(step.tau);
-        let (method, terms) = valid(AreaMethod::cheapest(error, step.tau, 3));
+        // Single steps are far shorter than those of paths, for which the terms are as many.
+        let tau = step.tau.max(FINEST);
+        let (method, terms) = valid(AreaMethod::cheapest(strong_order_one_error(tau), tau, 3));
         AreaPath::<3>::new(key, 0, method, terms).areas(step.tau, noise.increments)
     })
 }
