@@ -114,9 +114,10 @@ pub struct PathValues<'a, const D: usize> {
 
 impl<const D: usize> Statistic<D> for PathValues<'_, D> {
     fn observe(&mut self, view: &View<'_, D>) {
-        let coupled = view.states.len() > 1;
+        let (coupled, last) = (view.states.len() > 1, view.time == self.last_time);
         self.motion.add(view.states, self.y0, view.live);
-        if !compares_at(view.time, self.last_time) || !coupled && view.time != self.last_time {
+        let compared = coupled && compares_at(view.time, self.last_time, view.first_path);
+        if !last && !compared {
             return;
         }
         for (observable, values) in self.observables.iter().zip(&mut self.values) {
@@ -128,7 +129,7 @@ impl<const D: usize> Statistic<D> for PathValues<'_, D> {
                 if coupled {
                     values.motion.add(start, fine, coarse);
                 }
-                if view.time == self.last_time {
+                if last {
                     values.add(fine, coupled.then_some(coarse));
                 }
             }
