@@ -17,6 +17,8 @@ const MOST_TIMES: u64 = 1024;
 const LEAST_PARTS: u64 = 256;
 /// Steps beyond which no sum is formed: it takes a second.
 const MOST_STEPS: u64 = 1 << 24;
+/// Relative error of the quadrature.
+const QUADRATURE: f64 = 1e-12;
 /// Step sizes below the one judged that are looked at, too.
 const FINER: usize = 2;
 /// Where the sums converge, they gain at least this from a step size to the next.
@@ -33,8 +35,8 @@ pub struct SeenDamping<'a> {
     coarsest_steps: u64,
     /// ∫₀ᵗγ at the times kT/n.
     exact: Vec<f64>,
-    /// Round-off of sums.
-    round_off: f64,
+    /// ∫|γ| over [0, T].
+    size: f64,
     /// Defects that were asked for: the number of halvings, and what was found.
     known: RefCell<Vec<(usize, f64)>>,
 }
@@ -66,7 +68,7 @@ impl<'a> SeenDamping<'a> {
             t_end,
             coarsest_steps,
             exact,
-            round_off: 1e-12 * size,
+            size,
             known: RefCell::default(),
         }
     }
@@ -103,7 +105,9 @@ impl<'a> SeenDamping<'a> {
                 defect = seen.iter().map(|sum| (sum - exact).abs()).fold(defect, f64::max);
             }
         }
-        if defect <= self.round_off { 0.0 } else { defect }
+        // A sum of n terms rounds by nε of their sizes at most.
+        let round_off = (QUADRATURE + steps as f64 * f64::EPSILON) * self.size;
+        if defect <= round_off { 0.0 } else { defect }
     }
 
     /// The defect with `halvings` halvings or more, if these steps do not resolve the damping: it
