@@ -1,7 +1,7 @@
-//! Chores of the workspace: each is a program of the package `lab` or `battery`, built and run here.
+//! Chores of the workspace: programs of the packages `lab` and `battery`, built and run here.
 //!
-//! `cargo xtask CHORE ARGUMENTS…` is `cargo run --release -p PACKAGE --bin PROGRAM -- ARGUMENTS…`, so
-//! a chore builds what it needs and nothing else.
+//! `cargo xtask CHORE ARGUMENTS…` is `cargo run --release -p PACKAGE --bin PROGRAM --
+//! ARGUMENTS…`, so a chore builds what it needs and nothing else.
 
 use std::{
     env,
@@ -9,18 +9,23 @@ use std::{
     process::{Command, ExitCode},
 };
 
-/// A chore, the program that does it, what else cargo is told, and what it is for.
-type Chore = (&'static str, &'static str, &'static [&'static str], &'static str);
+/// A chore, the package and the program that do it, what else cargo is told, and what it is for.
+type Chore = (&'static str, [&'static str; 2], &'static [&'static str], &'static str);
 
 const CHORES: [Chore; 6] = [
-    ("reproduce", "reproduce", &[], "Run the paper's experiments and write the report"),
-    ("verify", "battery", &[], "Run all checks for many seeds and write docs/verification.md"),
-    ("work-precision", "work-precision", &[], "Measure errors against processor time"),
-    ("stability", "hard-cases", &[], "Run the hard cases, the long runs and the fuzzer"),
-    ("bench", "bench", &[], "Measure what a path-step costs"),
+    ("reproduce", ["lab", "reproduce"], &[], "Run the paper's experiments and write the report"),
+    (
+        "verify",
+        ["battery", "battery"],
+        &[],
+        "Run all checks for many seeds and write docs/verification.md",
+    ),
+    ("work-precision", ["lab", "work-precision"], &[], "Measure errors against processor time"),
+    ("stability", ["lab", "hard-cases"], &[], "Run the hard cases, the long runs and the fuzzer"),
+    ("bench", ["lab", "bench"], &[], "Measure what a path-step costs"),
     (
         "dimension",
-        "dimension",
+        ["lab", "dimension"],
         &["--features", "dimension"],
         "Measure the fixed point against Newton's method up to D = 300",
     ),
@@ -33,11 +38,11 @@ fn main() -> ExitCode {
         print!("{}", help());
         return ExitCode::SUCCESS;
     }
-    let Some((_, program, options, _)) = CHORES.iter().find(|chore| name == chore.0) else {
+    let Some((_, [package, program], options, _)) = CHORES.iter().find(|chore| name == chore.0)
+    else {
         eprint!("error: there is no chore {name:?}\n\n{}", help());
         return ExitCode::from(2);
     };
-    let package = if *program == "battery" { "battery" } else { "lab" };
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let status = Command::new(cargo)
         .args(["run", "--quiet", "--release", "--package", package, "--bin", program])

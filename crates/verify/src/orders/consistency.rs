@@ -133,62 +133,55 @@ fn errors<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     visits: &[Visit<D>],
     tau: f64,
 ) -> Option<Errors> {
-    let (system, damping) = (problem.system(), problem.damping());
-    let (mut squares, mut size, mut noise_size, mut failed) = ([0.0; 4], 0.0, 0.0, 0);
+    let (system, damping, t_end) = (problem.system(), problem.damping(), problem.t_end());
+    let (mut drift, mut noise, mut covariance, mut motion) = (0.0, 0.0, 0.0, 0.0);
+    let (mut size, mut scale, mut failed) = (0.0, 0.0, 0);
     for (path, visit) in (0..).zip(visits) {
         let y = visit.state;
-        let n = (visit.t / tau).round() as u64;
-        let step = Step::new(damping, n, tau).ok()?;
+        let step = Step::new(damping, (visit.t / tau).round() as u64, tau).ok()?;
+        // The coefficients of the equation in Itô's form.
+        let field: [f64; D] = vector_field(system, y, 1.0, [0.0; M]);
         let correction: [f64; D] = ito_correction(system, y);
-        let error = |increments: [f64; M]| {
-            let solution = scheme.step(system, &step, &Noise::increments(increments), y);
-            let field: [f64; D] = vector_field(system, y, tau, increments);
-            let exact =
-                |i: usize| y[i] + (field[i] + (correction[i] - step.rate_at_start * y[i]) * tau);
-            let error: [f64; D] = std::array::from_fn(|i| solution.z[i] - exact(i));
+        let a: [f64; D] =
+            std::array::from_fn(|i| field[i] + correction[i] - step.rate_at_start * y[i]);
+        let b: [[f64; D]; M] = std::array::from_fn(|m| vector_field(system, y, 0.0, unit_noise(m)));
+        // Δy, and its error δ.
+        let change = |dw: [f64; M]| {
+            let solution = scheme.step(system, &step, &Noise::increments(dw), y);
+            let change: [f64; D] = std::array::from_fn(|i| solution.z[i] - y[i]);
+            let exact = |i: usize| a[i] * tau + (0..M).map(|m| b[m][i] * dw[m]).sum::<f64>();
+            let error: [f64; D] = std::array::from_fn(|i| change[i] - exact(i));
             let good = solution.outcome.converged() && error.iter().all(|e| e.is_finite());
-            let change = std::array::from_fn(|i| solution.z[i] - y[i]);
-            good.then_some((error, change))
+            good.then_some((change, error))
         };
-        let normal = error(WienerPath::<M>::new(key, path).increments(tau.sqrt()));
-        let signs = signs::<M>().map(|signs| error(signs.map(|sign| sign * tau.sqrt())));
-        let signed: Option<Vec<([f64; D], [f64; D])>> = signs.collect();
-        match (normal, signed) {
-            (Some((normal, _)), Some(signed)) => {
-                let mean = |i: usize| {
-                    signed.iter().map(|(error, _)| error[i]).sum::<f64>() / signed.len() as f64
-                };
-                let noises: [[f64; D]; M] =
-                    std::array::from_fn(|m| vector_field(system, y, 0.0, unit_noise(m)));
-                let covariance = |i: usize, j: usize| {
-                    let changes = signed.iter().map(|(_, change)| change[i] * change[j]);
-                    let exact = noises.iter().map(|noise| noise[i] * noise[j]).sum::<f64>();
-                    changes.sum::<f64>() / signed.len() as f64 - exact * tau
-                };
-                let square = y.iter().map(|y| y * y).sum::<f64>();
-                let noise = noises.iter().flatten().map(|f| f * f).sum::<f64>();
-                noise_size += square * noise;
-                let field: [f64; D] = vector_field(system, y, 1.0, [0.0; M]);
-                let drift = |i: usize| field[i] + correction[i] - step.rate_at_start * y[i];
-                let drift = (0..D).map(|i| drift(i) * drift(i)).sum::<f64>();
-                let t_end = problem.t_end();
-                squares[3] += drift * t_end * t_end + noise * t_end;
-                let pairs = (0..D).flat_map(|i| (0..D).map(move |j| (i, j)));
-                squares[2] += pairs.map(|(i, j)| covariance(i, j).powi(2)).sum::<f64>();
-                squares[0] += (0..D).map(|i| mean(i) * mean(i)).sum::<f64>();
-                squares[1] += normal.iter().map(|error| error * error).sum::<f64>();
-                size += square;
-            }
-            _ => failed += 1,
-        }
+        let normal = change(WienerPath::<M>::new(key, path).increments(tau.sqrt()));
+        let signed: Option<Vec<_>> =
+            signs::<M>().map(|signs| change(signs.map(|sign| sign * tau.sqrt()))).collect();
+        let (Some((_, normal)), Some(signed)) = (normal, signed) else {
+            failed += 1;
+            continue;
+        };
+        let number = signed.len() as f64;
+        let mean = |i: usize| signed.iter().map(|(_, error)| error[i]).sum::<f64>() / number;
+        let wrong = |i: usize, j: usize| {
+            let product = signed.iter().map(|(change, _)| change[i] * change[j]).sum::<f64>();
+            product / number - tau * b.iter().map(|b| b[i] * b[j]).sum::<f64>()
+        };
+        let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+        let noises = square(b.as_flattened());
+        drift += square(&std::array::from_fn::<f64, D, _>(mean));
+        noise += square(&normal);
+        covariance += (0..D).map(|i| (0..D).map(|j| wrong(i, j).powi(2)).sum::<f64>()).sum::<f64>();
+        motion += square(&a) * t_end * t_end + noises * t_end;
+        size += square(&y);
+        scale += square(&y) * noises;
     }
     let usable = 10 * failed <= visits.len() && size > 0.0;
-    let covariance = if noise_size > 0.0 { squares[2] / noise_size } else { 0.0 };
     usable.then(|| Errors {
-        drift: (squares[0] / size).sqrt(),
-        noise: (squares[1] / size).sqrt(),
-        covariance: covariance.sqrt(),
-        motion: (squares[3] / size).sqrt(),
+        drift: (drift / size).sqrt(),
+        noise: (noise / size).sqrt(),
+        covariance: if scale > 0.0 { (covariance / scale).sqrt() } else { 0.0 },
+        motion: (motion / size).sqrt(),
     })
 }
 

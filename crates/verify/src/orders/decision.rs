@@ -54,7 +54,7 @@ const WIDEST: f64 = 0.5;
 /// The part that terms of lower order may have of the last difference.
 const HIDDEN: f64 = 0.1;
 
-/// What forbids any order.
+/// What forbids any order: failed paths, or what the sums of the damping lack.
 pub fn obstacle(failed: u64, samples: u64, damping: Option<f64>) -> Option<Decision> {
     let failures = (10 * failed > samples).then_some(Decision::Failures);
     failures.or(damping.map(|defect| Decision::Damping { defect }))
@@ -105,7 +105,7 @@ pub fn weak(
 
 /// A rate from which an order may be read.
 fn usable(rate: Option<&Rate>, limit: Limit) -> Result<&Rate, Decision> {
-    if let Limit::Differs { .. } = limit {
+    if let Limit::Differs { .. } | Limit::Inconsistent { .. } = limit {
         return Err(Decision::WrongLimit);
     }
     let rate = rate.ok_or(Decision::NoDifferences)?;
@@ -205,8 +205,8 @@ impl fmt::Display for Order {
             Limit::Agrees { with, distance } => {
                 write!(f, "; its limit differs from that of {with} by at most {distance:.1e}")
             }
-            Limit::Differs { with: "equation", distance } => {
-                write!(f, "; one step misses the coefficients of the equation by {distance:.0e}")
+            Limit::Inconsistent { defect } => {
+                write!(f, "; one step misses the coefficients of the equation by {defect:.0e}")
             }
             Limit::Differs { with, distance } => {
                 write!(f, "; its limit is {distance:.1e} from that of {with}")

@@ -33,12 +33,17 @@ pub enum Limit {
         /// Upper end of the interval of the distance.
         distance: f64,
     },
+    /// One step has another drift or noise as τ → 0, and no other scheme runs to measure the
+    /// distance of the limits.
+    Inconsistent {
+        /// The error of single steps, as a part of |y| per unit of time or root of it.
+        defect: f64,
+    },
     /// The scheme converges to something else.
     Differs {
-        /// The other scheme, `exact solution`, or `equation` where no other scheme runs.
+        /// The other scheme, or `exact solution`.
         with: &'static str,
-        /// The distance of the limits. With `equation`: the error of single steps, as a part of |y|
-        /// per unit of time or root of it.
+        /// The distance of the limits.
         distance: f64,
     },
     /// The steps are too coarse, or the paths too few, to tell.
@@ -120,11 +125,11 @@ fn combine(steps: Consistency, paths: Limit) -> Limit {
         }
         (Consistency::Consistent(defect), _) => Limit::Consistent { defect },
         (Consistency::Inconsistent(_), Limit::Differs { .. }) => paths,
-        (Consistency::Inconsistent(_), Limit::Agrees { with, distance })
-        | (Consistency::Inconsistent(_), Limit::Unclear { with, distance }) => {
-            Limit::Differs { with, distance }
-        }
-        (Consistency::Inconsistent(distance), _) => Limit::Differs { with: "equation", distance },
+        (
+            Consistency::Inconsistent(_),
+            Limit::Agrees { with, distance } | Limit::Unclear { with, distance },
+        ) => Limit::Differs { with, distance },
+        (Consistency::Inconsistent(defect), _) => Limit::Inconsistent { defect },
         (Consistency::Unclear, _) => paths,
     }
 }

@@ -76,7 +76,9 @@ impl Order {
     /// The measurement as evidence for this order.
     pub fn evidence(self, order: f64) -> Evidence {
         let wrong_limit = match self.limit {
-            Limit::Differs { distance, .. } => Some(distance),
+            Limit::Differs { distance: wrong, .. } | Limit::Inconsistent { defect: wrong } => {
+                Some(wrong)
+            }
             _ => None,
         };
         Evidence::Order { order, one_sided: false, rate: self.rate, wrong_limit }

@@ -80,11 +80,14 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
+    if scheme.reads_areas() {
+        return None;
+    }
     let visits = &visits[..visits.len().min(MEAN_VISITS)];
     let least = least_order(problem, sizes, &|tau, amplification| {
         mean_difference(scheme, problem, visits, tau, amplification)
     });
-    least.filter(|_| !scheme.reads_areas()).map(|step| step.order - 1.0)
+    least.map(|step| step.order - 1.0)
 }
 
 /// The smallest clear order of a mean square of differences, which is given with that of the states
@@ -143,20 +146,11 @@ fn mean_difference<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
 ) -> (f64, f64) {
     let (mut square, mut size, mut count) = (0.0, 0.0, 0.0);
     let root = amplification * (0.5 * tau).sqrt();
-    let step = |n: u64, tau: f64, noise: [f64; M], y: [f64; D]| {
-        let step = Step::new(problem.damping(), n, tau).ok()?;
-        let solution = scheme.step(problem.system(), &step, &Noise::increments(noise), y);
-        solution.outcome.converged().then_some(solution.z)
-    };
     for visit in visits {
-        let n = (visit.t / tau).round() as u64;
         let mut means = [[0.0; D]; 2];
-        let mut add = |weight: f64, [first, second]: [[f64; M]; 2]| {
-            let [first, second] = [first, second].map(|noise| noise.map(|x| root * x));
-            let both = std::array::from_fn(|m| first[m] + second[m]);
-            let one = step(n, tau, both, visit.state)?;
-            let half = step(2 * n, 0.5 * tau, first, visit.state)?;
-            let two = step(2 * n + 1, 0.5 * tau, second, half)?;
+        let mut add = |weight: f64, normals: [[f64; M]; 2]| {
+            let noises = normals.map(|normals| Noise::increments(normals.map(|x| root * x)));
+            let (one, two) = one_and_two(scheme, problem, visit, tau, noises)?;
             for i in 0..D {
                 let difference = one[i] - two[i];
                 means[0][i] += weight * difference;
@@ -164,14 +158,37 @@ fn mean_difference<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
             }
             Some(())
         };
-        if cubature::<M>().try_for_each(|(weight, noises)| add(weight, noises)).is_some() {
-            let sum = |values: [f64; D]| values.iter().map(|x| x * x).sum::<f64>();
-            square += means.map(sum).iter().sum::<f64>();
-            size += sum(visit.state) + sum(visit.state.map(|y| y * y));
+        if cubature::<M>().try_for_each(|(weight, normals)| add(weight, normals)).is_some() {
+            square += means.map(square_of).iter().sum::<f64>();
+            size += square_of(visit.state) + square_of(visit.state.map(|y| y * y));
             count += 1.0;
         }
     }
     (square / count, size / count)
+}
+
+fn square_of<const D: usize>(x: [f64; D]) -> f64 {
+    x.iter().map(|x| x * x).sum()
+}
+
+/// A step τ from the visit and two half steps on the same noise; `None` if one fails.
+fn one_and_two<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    visit: &Visit<D>,
+    tau: f64,
+    [first, second]: [Noise<M>; 2],
+) -> Option<([f64; D], [f64; D])> {
+    let step = |n: u64, tau: f64, noise: &Noise<M>, y: [f64; D]| {
+        let step = Step::new(problem.damping(), n, tau).ok()?;
+        let solution = scheme.step(problem.system(), &step, noise, y);
+        solution.outcome.converged().then_some(solution.z)
+    };
+    // Times are multiples of the step size.
+    let n = (visit.t / tau).round() as u64;
+    let one = step(n, tau, &join(first, second), visit.state)?;
+    let half = step(2 * n, 0.5 * tau, &first, visit.state)?;
+    Some((one, step(2 * n + 1, 0.5 * tau, &second, half)?))
 }
 
 /// Weights and points of a cubature of degree five for two vectors of M normals.
@@ -207,21 +224,10 @@ fn difference<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
 ) -> (f64, f64) {
     let (mut square, mut size, mut count) = (0.0, 0.0, 0.0);
     for (path, visit) in (0..).zip(visits) {
-        let [first, second] = two_steps(key, path, 0.5 * tau, amplification, scheme.reads_areas());
-        let both = join(first, second);
-        // Times are multiples of the step size.
-        let n = (visit.t / tau).round() as u64;
-        let step = |n: u64, tau: f64, noise: &Noise<M>, y: [f64; D]| {
-            let step = Step::new(problem.damping(), n, tau).ok()?;
-            let solution = scheme.step(problem.system(), &step, noise, y);
-            solution.outcome.converged().then_some(solution.z)
-        };
-        let one = step(n, tau, &both, visit.state);
-        let half = step(2 * n, 0.5 * tau, &first, visit.state);
-        let two = half.and_then(|y| step(2 * n + 1, 0.5 * tau, &second, y));
-        if let (Some(one), Some(two)) = (one, two) {
-            square += (0..D).map(|i| (one[i] - two[i]).powi(2)).sum::<f64>();
-            size += two.iter().map(|y| y * y).sum::<f64>();
+        let noises = two_steps(key, path, 0.5 * tau, amplification, scheme.reads_areas());
+        if let Some((one, two)) = one_and_two(scheme, problem, visit, tau, noises) {
+            square += square_of(std::array::from_fn::<f64, D, _>(|i| one[i] - two[i]));
+            size += square_of(two);
             count += 1.0;
         }
     }

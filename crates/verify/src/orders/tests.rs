@@ -317,8 +317,8 @@ fn moved(offset: f64, seed: u64) -> Limit {
 #[test]
 fn a_limit_is_told_from_another_by_what_the_steps_leave_of_the_distance() {
     // Errors of 0.04 or so at the finest step. An offset of 0.02 is not told from none, and the
-    // distance named is a bound of 97½ %: in 40 measurements, fewer than 35 times with a probability
-    // of 1e-3.
+    // distance named is a bound of 97½ %: in 40 measurements, fewer than 35 times with a
+    // probability of 1e-3.
     let mut covered = 0;
     for seed in 0..40 {
         match moved(0.02, seed) {
