@@ -25,9 +25,10 @@
 //! - *Bias.* Three differences or more bound it, by one term of the expansion in τ and by two; the
 //!   observed order must not lie below ½; coarse and fine means of a level must agree.
 //! - *Resolution.* Each component of fine and coarse states must agree to half of its motion in
-//!   root mean square over all coarse times, better than on the levels below, φ to 0.7 of its motion
-//!   at eight of them, and φ must vary on both in the same way. The damping that the scheme reads, summed over the steps, must agree
-//!   with ∫γ by quadrature, or converge to it ([`SeenDamping`]). Else a finer level is added.
+//!   root mean square over all coarse times, better than on the levels below, φ to 0.7 of its
+//!   motion at eight of them, and φ must vary on both in the same way. The damping that the scheme
+//!   reads, summed over the steps, must agree with ∫γ by quadrature, or converge to it
+//!   ([`SeenDamping`]). Else a finer level is added.
 //!
 //! **What is assumed.** A scheme that converges to the solution, the weak order given, and
 //! E[φ(y_τ)] = E[φ(y(T))] + Aτ^p + Bτ^{p+1} on the last three levels. Nothing that occurs on no

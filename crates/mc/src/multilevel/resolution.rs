@@ -100,8 +100,8 @@ const TIMES: u64 = 8;
 /// Before the last time, one block of so many is compared: φ may cost more than a step.
 const BLOCKS: u64 = 8;
 
-/// Whether φ is compared at this one of `steps` coarse times on the block of this first path. At the
-/// last one it is on all.
+/// Whether φ is compared at this one of `steps` coarse times on the block of this first path. At
+/// the last one it is on all.
 pub fn compares_at(time: u64, steps: u64, first_path: u64) -> bool {
     let chosen = (first_path / WIDTH as u64).is_multiple_of(BLOCKS);
     time == steps || chosen && time.is_multiple_of((steps / TIMES).max(1))
