@@ -49,7 +49,7 @@ fn main() -> Result<(), Error> {
 }
 
 fn one_path(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
-    let sexp = Sexp::default();
+    let sexp = Sexp;
     let key = StreamKey { seed: 1, experiment: 0 };
     let path = Simulation::new(problem, &sexp, Truncation::new(4)?)
         .every(32)
@@ -60,7 +60,7 @@ fn one_path(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
 }
 
 fn many_paths(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
-    let sexp = Sexp::default();
+    let sexp = Sexp;
     let key = StreamKey { seed: 1, experiment: 0 };
     let paths = Simulation::new(problem, &sexp, Truncation::new(4)?)
         .every(64)
@@ -83,6 +83,6 @@ fn many_paths(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
 fn order(problem: &Problem<Particle, Constant, 4>) -> Result<(), Error> {
     let key = StreamKey { seed: 1, experiment: 1 };
     let sizes = StepSizes::new(512, Truncation::new(4)?, key);
-    println!("strong {}", strong_order(&Sexp::default(), problem, &sizes)?);
+    println!("strong {}", strong_order(&Sexp, problem, &sizes)?);
     Ok(())
 }

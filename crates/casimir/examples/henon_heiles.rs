@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{}\n", inspect_problem(&problem)?);
 
     // The noises commute, as the report says: no Lévy areas are needed for strong order 1.
-    let sexp = Sexp::default();
+    let sexp = Sexp;
     let key = StreamKey { seed: 1, experiment: 0 };
     let truncation = Truncation::new(4)?;
     let path = Simulation::new(&problem, &sexp, truncation)

@@ -92,7 +92,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // One path with its areas, at two step sizes: the same noise, joined.
     let fine = Recording::<2>::draw(StreamKey { seed: 3, experiment: 0 }, 0, 4096, 4.0, true)?;
-    let (sexp, levy) = (Sexp::default(), SexpLevy::new(problem.system(), problem.y0()));
+    let (sexp, levy) = (Sexp, SexpLevy::new(problem.system(), problem.y0()));
     let distance = |y: [f64; 4]| (y[0] - y[2]).hypot(y[1] - y[3]);
     let follow = |scheme: &dyn Scheme<Vortices, 4, 2>, recording: &Recording<2>| {
         Simulation::new(&problem, scheme, Truncation::new(4)?)

@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0])?;
     let t_end = recording.tau() * recording.increments().len() as f64;
     let problem = Problem::new(body, Cosine::new(0.5, 2.0)?, [0.45, 0.0, 0.89], t_end)?;
-    let (sexp, midpoint) = (Sexp::default(), Midpoint::default());
+    let (sexp, midpoint) = (Sexp, Midpoint);
     let mut paths = Vec::new();
     for scheme in [&sexp as &dyn Scheme<RigidBody<3>, 3, 3>, &midpoint, &EulerMaruyama] {
         let path = Simulation::new(&problem, scheme, Truncation::none()).recorded(&recording)?;

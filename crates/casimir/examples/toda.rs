@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Problem::new(Toda { noise: 0.3 }, Constant::new(0.2)?, [0.5, -0.5, 0.0, 0.5], 8.0)?;
     println!("{}\n", inspect_problem(&problem)?);
 
-    let sexp = Sexp::default();
+    let sexp = Sexp;
     let truncation = Truncation::new(4)?;
     let path = Simulation::new(&problem, &sexp, truncation)
         .every(32)

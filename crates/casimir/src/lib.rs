@@ -16,7 +16,7 @@
 //! let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0])?;
 //! let problem = Problem::new(body, Cosine::new(0.5, 2.0)?, [0.45, 0.0, 0.89], 10.0)?;
 //! let key = StreamKey { seed: 1, experiment: 0 };
-//! let sexp = Sexp::default();
+//! let sexp = Sexp;
 //! let path = Simulation::new(&problem, &sexp, Truncation::new(4)?).path(100, key, 0)?;
 //! assert!(path.column("C defect").unwrap().iter().all(|defect| defect.abs() < 1e-13));
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -14,8 +14,8 @@
 //! let step = Step::new(problem.damping(), 0, 0.01)?;
 //! let noise = Noise::increments([0.1]);
 //! let (system, y0) = (problem.system(), problem.y0());
-//! let compiled = lab::compiled(Sexp::default()).step(system, &step, &noise, y0);
-//! let generic = Sexp::default().step(system, &step, &noise, y0);
+//! let compiled = lab::compiled(Sexp).step(system, &step, &noise, y0);
+//! let generic = Sexp.step(system, &step, &noise, y0);
 //! assert_eq!(compiled.z, generic.z);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

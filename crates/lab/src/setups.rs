@@ -91,8 +91,8 @@ fn setup<S: PaperSystem<D, M>, G, const D: usize, const M: usize>(
     problem: Problem<S, G, D>,
 ) -> Setup<S, G, D, M> {
     let schemes = vec![
-        (Kind::Sexp, compiled(Sexp::default())),
-        (Kind::OtherImplicit, compiled(Midpoint::default())),
+        (Kind::Sexp, compiled(Sexp)),
+        (Kind::OtherImplicit, compiled(Midpoint)),
         (Kind::Explicit, Box::new(Heun)),
         (Kind::Explicit, compiled(EulerMaruyama)),
     ];
@@ -169,9 +169,9 @@ pub fn visit_others(visitor: &mut impl Visit) -> Result<()> {
     let problem = spin_pair(valid(Constant::new(0.1)));
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     let schemes = vec![
-        (Kind::Sexp, compiled(Sexp::default())),
+        (Kind::Sexp, compiled(Sexp)),
         (Kind::SexpLevy, levy),
-        (Kind::OtherImplicit, Box::new(Midpoint::default())),
+        (Kind::OtherImplicit, Box::new(Midpoint)),
         (Kind::Explicit, Box::new(Heun)),
         (Kind::Explicit, Box::new(EulerMaruyama)),
     ];

@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         max_cost: 1 << 40,
         ..ExpectationSettings::new(key, Truncation::new(4)?, 2, Coupling::Antithetic)
     };
-    let sexp = Sexp::default();
+    let sexp = Sexp;
     // ε³·cost of single paths and seconds a path-step, as last measured.
     let mut last: Option<(f64, f64)> = None;
     for accuracy in accuracies {

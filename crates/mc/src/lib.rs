@@ -12,7 +12,7 @@
 //! use systems::{Constant, Pendulum, Problem};
 //!
 //! let problem = Problem::new(Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0], 1.0)?;
-//! let (sexp, em) = (Sexp::default(), EulerMaruyama);
+//! let (sexp, em) = (Sexp, EulerMaruyama);
 //! // The reference at 256 steps, then both schemes at 32 steps (level 3).
 //! let runs = vec![Run::new(&sexp, 0), Run::new(&sexp, 3), Run::new(&em, 3)];
 //! let key = StreamKey { seed: 1, experiment: 1 };

@@ -28,7 +28,7 @@ use noise::{
 };
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Block, WIDTH};
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step};
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step, WithSolver};
 use systems::{
     Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum,
     Poisson3, PoissonSystem, RigidBody, Sine,
@@ -172,12 +172,12 @@ fn rigid_body(criterion: &mut Criterion) {
     let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).expect("positive");
     let damping = Cosine::new(0.5, 2.0).expect("finite");
     let run = Run::new(body, &damping, momentum());
-    let sexp = |method| Sexp { solver: Solver::new(method) };
+    let sexp = |method| WithSolver { formula: Sexp, solver: Solver::new(method) };
     let mut group = short(criterion, "rigid body");
     run.both(&mut group, "sexp", &sexp(Method::FixedPoint));
     run.both(&mut group, "sexp newton", &sexp(Method::Newton));
     run.both(&mut group, "sexp-levy", &SexpLevy::new(&body, momentum()));
-    run.both(&mut group, "midpoint", &Midpoint::default());
+    run.both(&mut group, "midpoint", &Midpoint);
     run.both(&mut group, "heun", &Heun);
     run.both(&mut group, "em", &EulerMaruyama);
     group.finish();
@@ -185,7 +185,7 @@ fn rigid_body(criterion: &mut Criterion) {
 
 fn systems(criterion: &mut Criterion) {
     let mut group = short(criterion, "sexp");
-    let sexp = Sexp::default();
+    let sexp = Sexp;
     let constant = Constant::new(2.0).expect("finite");
     let sine = Sine::new(1.0, 1.0).expect("finite");
     let cosine = Cosine::new(0.5, 2.0).expect("finite");
@@ -212,7 +212,7 @@ fn systems(criterion: &mut Criterion) {
 fn own_system(criterion: &mut Criterion) {
     let mut group = short(criterion, "own system");
     let damping = Cosine::new(0.5, 2.0).expect("finite");
-    let sexp = Sexp::default();
+    let sexp = Sexp;
     let tuned = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).expect("positive");
     Run::new(tuned, &damping, momentum()).block(&mut group, "tuned", &sexp);
     Run::new(own::TwentyLines, &damping, momentum()).block(&mut group, "twenty lines", &sexp);

@@ -15,7 +15,7 @@
 //! let damping = Cosine::new(0.5, 2.0)?;
 //! let step = Step::new(&damping, 0, 0.1)?;
 //! let y0 = [1.1f64.cos(), 0.0, 1.1f64.sin()];
-//! let y1 = Sexp::default().step(&body, &step, &Noise::increments([0.2, -0.3, 0.1]), y0);
+//! let y1 = Sexp.step(&body, &step, &Noise::increments([0.2, -0.3, 0.1]), y0);
 //!
 //! // One step damps the Casimir ½|y|² by exp(−2∫γ) for every outcome of the noise.
 //! let law = (-2.0 * step.damping_integral()).exp();
@@ -42,6 +42,7 @@ mod scheme;
 mod sexp;
 mod sexp_levy;
 mod step;
+mod with_solver;
 
 pub use em::EulerMaruyama;
 pub use formula::{Explicit, Implicit};
@@ -52,3 +53,4 @@ pub use scheme::Scheme;
 pub use sexp::Sexp;
 pub use sexp_levy::SexpLevy;
 pub use step::{Step, StepError};
+pub use with_solver::WithSolver;

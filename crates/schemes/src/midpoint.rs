@@ -1,7 +1,5 @@
 //! The stochastic midpoint rule.
 
-use nonlin::Solver;
-
 use crate::{Implicit, Increment};
 
 /// The stochastic midpoint rule, `midpoint` (Milstein, Repin and Tretyakov 2002).
@@ -14,10 +12,7 @@ use crate::{Implicit, Increment};
 ///   is multiplied by (1 − τγ/2)/(1 + τγ/2).
 /// - Cost per step: one nonlinear system of D equations.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Midpoint {
-    /// The options for solving the implicit equation.
-    pub solver: Solver,
-}
+pub struct Midpoint;
 
 impl Implicit for Midpoint {
     const ID: &'static str = "midpoint";
@@ -26,9 +21,5 @@ impl Implicit for Midpoint {
     fn psi<H: Increment>(&self, h: H, start: H::Vector, z: H::Vector) -> H::Vector {
         let middle = (z + start) * 0.5;
         (h.field(middle) - middle * (h.step().tau * h.step().rate_at_middle)) + start
-    }
-
-    fn solver(&self) -> Solver {
-        self.solver
     }
 }

@@ -1,7 +1,5 @@
 //! The stochastic conformal exponential integrator.
 
-use nonlin::Solver;
-
 use crate::{Implicit, Increment};
 
 /// The stochastic conformal exponential integrator, `sexp` (Bréhier, Cohen and Komori 2025).
@@ -19,10 +17,7 @@ use crate::{Implicit, Increment};
 ///
 /// Use it if an invariant matters, or if large steps must stay bounded.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Sexp {
-    /// The options for solving the implicit equation.
-    pub solver: Solver,
-}
+pub struct Sexp;
 
 impl Implicit for Sexp {
     const ID: &'static str = "sexp";
@@ -32,9 +27,5 @@ impl Implicit for Sexp {
     #[inline(always)]
     fn psi<H: Increment>(&self, h: H, start: H::Vector, z: H::Vector) -> H::Vector {
         h.averaged_field(start, z) + start
-    }
-
-    fn solver(&self) -> Solver {
-        self.solver
     }
 }

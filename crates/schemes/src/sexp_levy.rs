@@ -1,7 +1,7 @@
 //! The stochastic conformal exponential integrator with Lévy areas.
 
 use noise::{BlockNoise, Noise};
-use nonlin::{BlockStatus, Solution, Solver};
+use nonlin::{BlockStatus, Solution};
 use real::Block;
 use systems::{PoissonSystem, noises_commute};
 
@@ -26,8 +26,6 @@ use crate::{Implicit, Increment, Scheme, Sexp, Step};
 ///   the Lévy areas. If the noises commute, no areas are read and a step is one of [`Sexp`].
 #[derive(Clone, Copy, Debug)]
 pub struct SexpLevy {
-    /// The options for solving the implicit equation.
-    pub solver: Solver,
     commuting: bool,
 }
 
@@ -38,7 +36,7 @@ impl SexpLevy {
     where
         S: PoissonSystem<D, M>,
     {
-        Self { solver: Solver::default(), commuting: noises_commute(system, y0) }
+        Self { commuting: noises_commute(system, y0) }
     }
 
     /// Whether the noises commute, so that the scheme reads no areas.
@@ -48,9 +46,7 @@ impl SexpLevy {
 }
 
 /// The formula for noises that do not commute.
-struct WithAreas {
-    solver: Solver,
-}
+struct WithAreas;
 
 impl Implicit for WithAreas {
     const ID: &'static str = "sexp-levy";
@@ -60,10 +56,6 @@ impl Implicit for WithAreas {
     #[inline(always)]
     fn psi<H: Increment>(&self, h: H, start: H::Vector, z: H::Vector) -> H::Vector {
         (h.averaged_field(start, z) + h.commutators((z + start) * 0.5)) + start
-    }
-
-    fn solver(&self) -> Solver {
-        self.solver
     }
 }
 
@@ -88,20 +80,18 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        let solver = self.solver;
         if Scheme::<S, D, M>::reads_areas(self) {
-            WithAreas { solver }.step_block(system, step, noise, y, status);
+            WithAreas.step_block(system, step, noise, y, status);
         } else {
-            Sexp { solver }.step_block(system, step, noise, y, status);
+            Sexp.step_block(system, step, noise, y, status);
         }
     }
 
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        let solver = self.solver;
         if Scheme::<S, D, M>::reads_areas(self) {
-            WithAreas { solver }.step(system, step, noise, y)
+            WithAreas.step(system, step, noise, y)
         } else {
-            Sexp { solver }.step(system, step, noise, y)
+            Sexp.step(system, step, noise, y)
         }
     }
 }

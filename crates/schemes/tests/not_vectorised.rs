@@ -47,7 +47,7 @@ fn a_loop_that_paths_leave_is_seen_in_the_count() {
     let step = Step::new(&Constant::new(0.1).unwrap(), 0, 1.0 / 256.0).unwrap();
     let (mut y, mut status) = (Block::splat([0.5, 0.8]), BlockStatus::explicit());
     let noise = BlockNoise::increments(Block::splat([0.1]));
-    Sexp::default().step_block(&Impatient, &step, &noise, &mut y, &mut status);
+    Sexp.step_block(&Impatient, &step, &noise, &mut y, &mut status);
     assert!(y.0[0][31] != 0.5);
     // Only release builds have AVX-512.
     let sets = [("_avx2_version", 1), ("up_to_avx512_avx512", 2)];

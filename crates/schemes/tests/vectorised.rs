@@ -34,7 +34,7 @@ fn use_the_kernel() {
     let step = Step::new(&Cosine::new(0.5, 2.0).unwrap(), 0, 1.0 / 256.0).unwrap();
     let (mut y, mut status) = (Block::splat([0.45, 0.0, 0.89]), BlockStatus::explicit());
     let noise = BlockNoise::increments(Block::splat([0.1, -0.05, 0.02]));
-    Sexp::default().step_block(&body, &step, &noise, &mut y, &mut status);
+    Sexp.step_block(&body, &step, &noise, &mut y, &mut status);
     assert!(status.failed.is_empty() && y.0[1][31] != 0.0);
 }
 

@@ -79,7 +79,7 @@ fn fitted(order: &Order) -> f64 {
 fn orders_of_schemes_on_a_turning_plane() {
     let problem = kubo(1.0, 1.0);
     let schemes: [(&dyn Scheme<Kubo, 2, 1>, f64); 4] =
-        [(&Sexp::default(), 1.0), (&Midpoint::default(), 1.0), (&Heun, 1.0), (&EulerMaruyama, 0.5)];
+        [(&Sexp, 1.0), (&Midpoint, 1.0), (&Heun, 1.0), (&EulerMaruyama, 0.5)];
     for (scheme, order) in schemes {
         for measured in strong(scheme, &problem, 32) {
             assert_eq!(measured.order(), Some(order), "{}: {measured}", scheme.id());
@@ -93,18 +93,18 @@ fn orders_of_schemes_on_a_turning_plane() {
 fn a_small_term_of_low_order_is_found_in_one_step() {
     // The noises nearly commute: at these steps the points fall as for order one or so, and a fit
     // alone would say that (the twin).
-    for measured in strong(&Sexp::default(), &leaning(0.03), 16) {
+    for measured in strong(&Sexp, &leaning(0.03), 16) {
         assert!(fitted(&measured) > 0.8, "{measured}");
         assert_eq!(measured.order(), Some(0.5), "{measured}");
         assert!(measured.rate.as_ref().unwrap().covers(0.5));
     }
     // Noises about axes that are 1e-3 apart.
-    for measured in strong(&Sexp::default(), &leaning(1e-3), 8) {
+    for measured in strong(&Sexp, &leaning(1e-3), 8) {
         assert_eq!(measured.order(), Some(0.5), "{measured}");
     }
     // Weak noise: the drift's error of order two hides that of the noise.
     for (sigma, points) in [(0.1, 1.3), (1e-3, 1.9), (1e-5, 1.9)] {
-        for measured in strong(&Sexp::default(), &kubo(6.0, sigma), 8) {
+        for measured in strong(&Sexp, &kubo(6.0, sigma), 8) {
             assert!(fitted(&measured) > points, "{measured}");
             assert_eq!(measured.order(), Some(1.0), "{measured}");
         }
@@ -143,7 +143,7 @@ fn convergence_to_something_else_is_no_order() {
     let independent = ReferenceSolution::Independent;
     let wrong = weak_order(&Corrected(0.0), &problem, q, &many, &independent).unwrap();
     assert_eq!(wrong.decision, Decision::WrongLimit, "{wrong}");
-    let right = weak_order(&Midpoint::default(), &problem, q, &many, &independent).unwrap();
+    let right = weak_order(&Midpoint, &problem, q, &many, &independent).unwrap();
     assert!(matches!(right.limit, Limit::Consistent { .. }), "{right}");
     assert!(right.rate.as_ref().unwrap().covers(1.0), "{right}");
 }
@@ -261,7 +261,7 @@ fn a_damping_that_the_steps_do_not_resolve_leaves_orders_undecided() {
     let order = strong_order(&Heun, &problem, &few).unwrap();
     assert!(matches!(order.decision, Decision::Damping { .. }), "{order}");
     // `sexp` reads the integral, and its limit is right, whatever `heun` does.
-    let order = strong_order(&Sexp::default(), &problem, &few).unwrap();
+    let order = strong_order(&Sexp, &problem, &few).unwrap();
     assert!(order.decision != Decision::WrongLimit, "{order}");
 }
 
@@ -326,7 +326,7 @@ fn intervals_of_points_hold_where_the_order_does_not_show() {
 fn a_budget_is_spent_until_the_order_is_decided() {
     let problem = kubo(1.0, 1.0);
     let few = StepSizes { samples: 32, levels: 3, refinement: 1, ..sizes(16, 1) };
-    let scheme = Sexp::default();
+    let scheme = Sexp;
     let order = strong_order_within(&scheme, &problem, &few, 50_000_000).unwrap();
     assert_eq!(order.order(), Some(1.0), "{order}");
     let once = strong_order_within(&scheme, &problem, &few, 1).unwrap();
@@ -337,7 +337,7 @@ fn a_budget_is_spent_until_the_order_is_decided() {
     let few = StepSizes { samples: 250, levels: 4, refinement: 1, ..sizes(4, 1) };
     let of = |budget: u64| {
         let independent = ReferenceSolution::Independent;
-        let scheme = Midpoint::default();
+        let scheme = Midpoint;
         weak_order_within(&scheme, &problem, q, &few, &independent, budget).unwrap()
     };
     assert_eq!(of(1).order(), None, "{}", of(1));
@@ -347,7 +347,7 @@ fn a_budget_is_spent_until_the_order_is_decided() {
 #[test]
 fn too_few_step_sizes_are_refused() {
     let few = StepSizes { levels: 2, refinement: 1, ..sizes(16, 1) };
-    let error = strong_order(&Sexp::default(), &kubo(1.0, 1.0), &few).unwrap_err();
+    let error = strong_order(&Sexp, &kubo(1.0, 1.0), &few).unwrap_err();
     assert!(matches!(error, LadderError::StepSizes { given: 3, from: 4, .. }), "{error}");
 }
 

@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("lie-conformal: largest defect of the Casimir {defect:.1e}");
     assert!(defect < 1e-13);
 
-    let sexp = Sexp::default();
+    let sexp = Sexp;
     let pairs: [[&dyn Scheme<Body, 3, 3>; 2]; 2] =
         [[&ExponentialHeun, &Heun], [&LieConformal, &sexp]];
     for [mine, theirs] in pairs {

@@ -96,7 +96,7 @@ fn interval(point: Option<&Point>) -> Stated {
 }
 
 pub fn entries() -> Vec<Entry> {
-    let (em, half) = (EulerMaruyama, Midpoint::default());
+    let (em, half) = (EulerMaruyama, Midpoint);
     vec![
         entry(em, euler, [1.0, 1.0], 0, 2),
         entry(em, euler, [1.0, 1.0], 3, 1),

@@ -21,7 +21,7 @@ pub fn entries() -> Vec<Entry> {
     let square = |y: [f64; 2]| y[0] * y[0];
     let sexp = |kind, name, [omega, sigma, t]: [f64; 3], function, how, truth| {
         let problem = kubo(omega, sigma, t);
-        expected((kind, name), Sexp::default(), problem, function, how, truth)
+        expected((kind, name), Sexp, problem, function, how, truth)
     };
     let theta = angle(1.0, 1.0, 1.0);
     let mut all = vec![
@@ -30,7 +30,7 @@ pub fn entries() -> Vec<Entry> {
         // E p = −E sin θ.
         expected(
             ("Kubo", "p, ω = 2, σ = ½, midpoint"),
-            Midpoint::default(),
+            Midpoint,
             kubo(2.0, 0.5, 1.0),
             |y| y[1],
             How::to(0.005),
@@ -117,7 +117,7 @@ pub fn entries() -> Vec<Entry> {
     ] {
         let truth = (-rate.until(1.0)).exp() * theta.cos(1.0);
         let (problem, how) = (damped_kubo(1.0, 1.0, rate, 1.0), How::to(accuracy));
-        all.push(expected(("damping", name), Sexp::default(), problem, q, how, truth));
+        all.push(expected(("damping", name), Sexp, problem, q, how, truth));
     }
     // Eight steps turn by several radians. With 77.2, the phases of 32 and 64 steps of the midpoint
     // rule are nearly the same, 2n arctan(ω/2n) modulo 2π, and far from ω.
@@ -127,7 +127,7 @@ pub fn entries() -> Vec<Entry> {
     {
         let (name, truth) = (format!("q, ω = {omega}"), angle(omega, sigma, 1.0).cos(1.0));
         let problem = kubo(omega, sigma, 1.0);
-        all.push(expected(("fast rotation", name), Sexp::default(), problem, q, how, truth));
+        all.push(expected(("fast rotation", name), Sexp, problem, q, how, truth));
     }
     all.extend(planes_entries());
     all
@@ -136,7 +136,7 @@ pub fn entries() -> Vec<Entry> {
 /// Two planes: a fast rotation beside a slow one, and two noises that commute.
 fn planes_entries() -> [Entry; 4] {
     let entry = |kind, name, problem, function, how, truth| {
-        expected((kind, name), Sexp::default(), problem, function, how, truth)
+        expected((kind, name), Sexp, problem, function, how, truth)
     };
     let beside = planes([77.2, 1.0], [[0.0; 2], [0.3, 0.4]]);
     let slow = planes([1.0, -2.0], [[1.0, 0.5], [0.3, -0.6]]);

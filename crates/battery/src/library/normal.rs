@@ -13,7 +13,7 @@ use super::{
 const ROOT: f64 = 1.189_207_115_002_721 * 1.225_416_702_465_177_6 / 1.772_453_850_905_516;
 
 pub fn entries() -> Vec<Entry> {
-    let sexp = Sexp::default();
+    let sexp = Sexp;
     let walk = |kind, name, function, accuracy, truth| {
         expected((kind, name), sexp, integrated(), function, How::to(accuracy), truth)
     };

@@ -111,7 +111,7 @@ where
 }
 
 pub fn entries() -> Vec<Entry> {
-    let (sexp, midpoint, em) = (Sexp::default(), Midpoint::default(), EulerMaruyama);
+    let (sexp, midpoint, em) = (Sexp, Midpoint, EulerMaruyama);
     let [half, one, two] = [0.5, 1.0, 2.0].map(Some);
     let kubo = |omega, sigma| kubo(omega, sigma, 1.0);
     let damped = |rate| damped_kubo(1.0, 1.0, rate, 1.0);

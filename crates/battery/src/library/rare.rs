@@ -9,7 +9,7 @@ use super::{
 };
 
 pub fn entries() -> Vec<Entry> {
-    let sexp = Sexp::default();
+    let sexp = Sexp;
     let how = |accuracy| How::to(accuracy).against(OldRule::NothingMissed);
     let walk = problem(Plane::additive(0.0, 0.0), UNDAMPED, [0.0; 2], 1.0);
     let w = |name, function, accuracy, truth| {

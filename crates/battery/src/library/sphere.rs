@@ -20,7 +20,7 @@ fn turned(theta: Normal) -> f64 {
 }
 
 pub fn entries() -> Vec<Entry> {
-    let sexp = Sexp::default();
+    let sexp = Sexp;
     let first = |y: [f64; 3]| y[0];
     // One noise.
     let one = |kind, name, problem, function, accuracy, truth| {

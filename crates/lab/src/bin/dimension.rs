@@ -17,7 +17,7 @@ use lab::command::table;
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Method, Outcome, Solver};
 use real::{Block, Level, WIDTH};
-use schemes::{Scheme, Sexp, Step};
+use schemes::{Scheme, Sexp, Step, WithSolver};
 use systems::{Constant, PoissonSystem, SpinChain};
 
 /// Time against dimension.
@@ -91,8 +91,8 @@ fn cell(seconds: f64, outcome: Outcome) -> String {
 fn rows<const D: usize>(budget: Duration) -> Result<Vec<[String; 6]>> {
     let step = Step::new(&Constant::new(0.1)?, 0, TAU)?;
     let y = spins::<D>();
-    let [fixed_point, newton] =
-        [Method::FixedPoint, Method::Newton].map(|method| Sexp { solver: Solver::new(method) });
+    let [fixed_point, newton] = [Method::FixedPoint, Method::Newton]
+        .map(|method| WithSolver { formula: Sexp, solver: Solver::new(method) });
     let row = |exchange| {
         let system = SpinChain::<D>::new(exchange, 0.5, 0.8)?;
         let contraction = contraction(&system, y.map(|component| step.first_decay * component));

@@ -66,9 +66,9 @@ impl<S, const D: usize, const M: usize> Curve<S, D, M> {
 pub fn curves_of_the_paper<S: PaperSystem<D, M>, const D: usize, const M: usize>()
 -> Vec<Curve<S, D, M>> {
     vec![
-        Curve::new(Method::Sexp, compiled(Sexp::default())),
+        Curve::new(Method::Sexp, compiled(Sexp)),
         Curve::new(Method::EulerMaruyama, compiled(EulerMaruyama)),
-        Curve::new(Method::Midpoint, compiled(Midpoint::default())),
+        Curve::new(Method::Midpoint, compiled(Midpoint)),
     ]
 }
 

@@ -146,7 +146,7 @@ fn differences(
     problem: &Problem<RigidBody<3>, Cosine, 3>,
     observables: &[Observable<3>],
 ) -> (Vec<CrossMoments>, Vec<String>) {
-    let sexp = compiled(Sexp::default());
+    let sexp = compiled(Sexp);
     let sexp = sexp.as_ref();
     let ladder = |(difference, part): (&DifferenceSamples, u64)| {
         let runs = vec![Run::new(sexp, 1), Run::new(sexp, 0), Run::swapped(sexp, 0)];

@@ -154,7 +154,7 @@ fn truncated(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
 pub fn sexp_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     let (system, damping, y0, _) = problem().into_parts();
     let step = valid(Step::new(&damping, 0, tau));
-    Sexp::default().step(&system, &step, &Noise::increments(truncated(tau, pieces)), y0).z
+    Sexp.step(&system, &step, &Noise::increments(truncated(tau, pieces)), y0).z
 }
 
 fn sexp_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {

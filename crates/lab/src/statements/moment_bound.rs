@@ -15,7 +15,7 @@ use crate::{Conditions, Findings, compiled};
 
 pub(super) fn measure(conditions: &Conditions) -> Findings {
     let (casimir, energy) = (rigid_body_three_noises(10.0), rigid_body_energy(10.0));
-    let (sexp, sexp_energy) = (compiled(Sexp::default()), compiled(Sexp::default()));
+    let (sexp, sexp_energy) = (compiled(Sexp), compiled(Sexp));
     // Invariant 0 is C, 1 is H. ½|y|² is ½ everywhere on the sphere; H₀ is smallest along the axis
     // of the largest moment of inertia.
     let least_energy = 0.5 / INERTIA.iter().copied().fold(0.0, f64::max);

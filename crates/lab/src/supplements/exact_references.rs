@@ -77,7 +77,7 @@ fn weak_claims<S: PaperSystem<3, 1>, G: Damping>(
     let time = random_time(problem, steps);
     let solution = |s: f64| solution(problem, s);
     let exact = Exact { time_change: &time, solution: &solution };
-    let sexp = compiled(Sexp::default());
+    let sexp = compiled(Sexp);
     let claims = observables.map(|observable| {
         let (name, reference) = (observable.name, &ReferenceSolution::Exact(exact));
         let order = valid(weak_order(sexp.as_ref(), problem, observable, &sizes, reference));

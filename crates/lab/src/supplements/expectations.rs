@@ -57,7 +57,7 @@ fn twelve(conditions: &Conditions, accuracy: f64) -> Vec<Claim> {
     let problem = rigid_body_three_noises(1.0);
     let observables = weak_observables();
     let exact = rigid_body_expectations(&problem, degree(conditions), &observables);
-    let sexp = compiled(Sexp::default());
+    let sexp = compiled(Sexp);
     let settings = settings(conditions, 0);
     let advance = |work| conditions.progress.advance(work);
     let measured =
@@ -100,7 +100,7 @@ const COST: Words = Words {
 /// Path-steps for E[cos y₃] at several accuracies, by multilevel Monte Carlo and by single paths.
 pub fn cost(conditions: &Conditions) -> Findings {
     let problem = rigid_body_three_noises(1.0);
-    let sexp = compiled(Sexp::default());
+    let sexp = compiled(Sexp);
     let accuracies = conditions.choose([1e-2, 3e-3, 1e-3, 3e-4], [1e-2, 5e-3, 3e-3, 2e-3]);
     // Single paths at the next accuracy would take twenty times as long as all of these.
     let finer = conditions.choose([1e-4, 3e-5], [1e-3, 5e-4]);

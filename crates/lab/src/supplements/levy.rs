@@ -26,8 +26,7 @@ const WORDS: Words = Words {
 pub fn measure(conditions: &Conditions) -> Findings {
     let problem = spin_pair(half_cosine());
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
-    let curves =
-        [Curve::new(Method::Sexp, compiled(Sexp::default())), Curve::new(Method::SexpLevy, levy)];
+    let curves = [Curve::new(Method::Sexp, compiled(Sexp)), Curve::new(Method::SexpLevy, levy)];
     let grid = conditions.choose(Grid { last: 11, samples: 500 }, Grid { last: 9, samples: 256 });
     let mut findings = StrongRuns::new(WORDS, &problem, grid, &curves).measure(conditions);
     findings.claims.extend([

@@ -28,7 +28,7 @@ pub fn measure(conditions: &Conditions) -> Findings {
         ("sexp, not truncated", Ok(Truncation::none())),
     ];
     let panels = rules.into_iter().flat_map(|(name, rule)| {
-        let curves = [Curve { name, method: Method::Sexp, scheme: compiled(Sexp::default()) }];
+        let curves = [Curve { name, method: Method::Sexp, scheme: compiled(Sexp) }];
         let runs = StrongRuns {
             truncation: valid(rule),
             truncated: "increments truncated with k = 1, 2, 4 and not at all, those of the \

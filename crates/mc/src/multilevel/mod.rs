@@ -77,7 +77,7 @@
 //! let key = StreamKey { seed: 1, experiment: 1 };
 //! let settings = ExpectationSettings::new(key, Truncation::new(4)?, 4, Coupling::Plain);
 //! let y2 = [Observable { name: "y2", function: |y| y[1] }];
-//! let expectation = expectation(&Sexp::default(), &problem, &y2, 0.01, &settings, &|_| ())?;
+//! let expectation = expectation(&Sexp, &problem, &y2, 0.01, &settings, &|_| ())?;
 //!
 //! let (lower, upper) = expectation.estimates[0].interval();
 //! assert!(expectation.reached() && expectation.warnings.is_empty() && upper - lower <= 0.02);

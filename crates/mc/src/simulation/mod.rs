@@ -30,7 +30,7 @@ type Observed<'a, const D: usize> = Box<dyn Fn([f64; D]) -> f64 + Sync + 'a>;
 /// use systems::{Constant, MaxwellBloch, Problem};
 ///
 /// let problem = Problem::new(MaxwellBloch, Constant::new(0.1)?, [1.0, 2.0, 3.0], 5.0)?;
-/// let sexp = Sexp::default();
+/// let sexp = Sexp;
 /// let simulation = Simulation::new(&problem, &sexp, Truncation::new(4)?)
 ///     .every(100)
 ///     .observing("intensity", |y| y[0] * y[0]);

@@ -51,7 +51,7 @@ fn a_rate_that_oscillates_within_the_steps_is_not_resolved() {
     let fine = expected(&Heun, &problem, 12);
     assert!(fine.reached() && !warns(&fine) && covers(&fine, exact(0.0)), "{fine:?}");
     // What reads the exact integrals sees all of it.
-    let exactly = expected(&Sexp::default(), &problem, 12);
+    let exactly = expected(&Sexp, &problem, 12);
     assert!(exactly.reached() && exactly.levels.len() == 4 && covers(&exactly, exact(0.0)));
 }
 
@@ -60,9 +60,9 @@ fn a_pulse_between_the_nodes_of_a_quadrature_is_not_resolved() {
     // ∫γ = 1 from a pulse of width 1/2500, which two nodes in 1/128 do not see.
     let pulse = |t: f64| if (t - 0.5314).abs() < 0.0002 { 2500.0 } else { 0.0 };
     let problem = problem(DampingFunction::new(pulse, 2).unwrap());
-    let coarse = expected(&Sexp::default(), &problem, 3);
+    let coarse = expected(&Sexp, &problem, 3);
     assert!(!coarse.reached() && warns(&coarse) && !covers(&coarse, exact(1.0)), "{coarse:?}");
-    let fine = expected(&Sexp::default(), &problem, 16);
+    let fine = expected(&Sexp, &problem, 16);
     assert!(!fine.reached() || covers(&fine, exact(1.0)), "{fine:?}");
 }
 

@@ -132,7 +132,7 @@ impl NoiseSource<3> for Streams {
 
 #[test]
 fn noise_from_elsewhere_drives_every_path_of_a_ladder() {
-    let (problem, sexp) = (body(), Sexp::default());
+    let (problem, sexp) = (body(), Sexp);
     let run = |source: Option<Streams>| {
         let runs = vec![Run::new(&sexp as _, 0), Run::new(&sexp, 2), Run::swapped(&sexp, 1)];
         let k = Truncation::new(2).unwrap();
@@ -151,7 +151,7 @@ fn noise_from_elsewhere_drives_every_path_of_a_ladder() {
 
 #[test]
 fn a_recording_drives_a_ladder_like_the_path_that_it_records() {
-    let (problem, sexp) = (body(), Sexp::default());
+    let (problem, sexp) = (body(), Sexp);
     let levy = SexpLevy::new(problem.system(), problem.y0());
     let ladder = || {
         let runs = vec![
@@ -203,7 +203,7 @@ fn a_statistic_sees_which_steps_needed_the_robust_method() {
     // A fast rotation, large steps and raw increments.
     let (system, damping, ..) = body().into_parts();
     let problem = Problem::new(system, damping, [2.0, 1.0, 3.0], 2.0).unwrap();
-    let sexp = Sexp::default();
+    let sexp = Sexp;
     let tau = problem.t_end() / STEPS as f64;
     let runs = vec![Run::new(&sexp as _, 0)];
     let ladder = Ladder::new(&problem, STEPS, 0, Truncation::none(), KEY, runs).unwrap();

@@ -9,7 +9,7 @@ use noise::{
     strong_order_one_error,
 };
 use nonlin::{Method, Solver};
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, Step};
+use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, Step, WithSolver};
 use stats::Moments;
 use systems::{Constant, Cosine, Damping, PoissonSystem, Problem, RigidBody};
 
@@ -113,7 +113,7 @@ fn by_hand(
 #[test]
 fn every_run_is_the_path_that_one_would_follow_by_hand() {
     let problem = body();
-    let (sexp, em, midpoint) = (Sexp::default(), EulerMaruyama, Midpoint::default());
+    let (sexp, em, midpoint) = (Sexp, EulerMaruyama, Midpoint);
     let levy = SexpLevy::new(problem.system(), problem.y0());
     let schemes: [&dyn Scheme<RigidBody<3>, 3, 3>; 6] =
         [&sexp, &em, &midpoint, &levy, &Euler::<false>, &BackwardEuler];
@@ -159,7 +159,7 @@ fn every_run_is_the_path_that_one_would_follow_by_hand() {
 #[test]
 fn threads_do_not_change_a_bit() {
     let problem = body();
-    let (sexp, em) = (Sexp::default(), EulerMaruyama);
+    let (sexp, em) = (Sexp, EulerMaruyama);
     let mean_squares = |threads: usize| {
         let runs =
             vec![Run::new(&sexp as &dyn Scheme<_, 3, 3>, 0), Run::new(&sexp, 2), Run::new(&em, 3)];
@@ -189,7 +189,7 @@ fn threads_do_not_change_a_bit() {
 #[test]
 fn progress_adds_up_to_the_work() {
     let problem = body();
-    let sexp = Sexp::default();
+    let sexp = Sexp;
     let ladder = Ladder::new(
         &problem,
         96,
@@ -210,7 +210,7 @@ fn progress_adds_up_to_the_work() {
 #[test]
 fn impossible_ladders_are_refused() {
     let problem = body();
-    let sexp = Sexp::default();
+    let sexp = Sexp;
     let refuse = |steps, levels, truncation, run| {
         Ladder::new(&problem, steps, levels, truncation, KEY, vec![run]).err()
     };
@@ -244,7 +244,8 @@ fn impossible_ladders_are_refused() {
 #[test]
 fn paths_without_a_solution_are_left_out_counted_and_described() {
     let problem = Problem::new(Explosive, Constant::new(0.0).unwrap(), [0.1, 0.5], 1.0).unwrap();
-    let (sexp, em) = (Sexp { solver: Solver::new(Method::Newton) }, EulerMaruyama);
+    let (sexp, em) =
+        (WithSolver { formula: Sexp, solver: Solver::new(Method::Newton) }, EulerMaruyama);
     let runs =
         vec![Run::new(&sexp as &dyn Scheme<_, 2, 1>, 0), Run::new(&sexp, 2), Run::new(&em, 0)];
     let ladder = Ladder::new(&problem, 16, 2, Truncation::new(4).unwrap(), KEY, runs).unwrap();
@@ -280,8 +281,7 @@ fn paths_without_a_solution_are_left_out_counted_and_described() {
 #[test]
 fn a_trajectory_keeps_the_conformal_law() {
     let problem = body();
-    let path =
-        trajectory(&problem, &Sexp::default(), 64, Truncation::new(4).unwrap(), KEY, 3).unwrap();
+    let path = trajectory(&problem, &Sexp, 64, Truncation::new(4).unwrap(), KEY, 3).unwrap();
     assert_eq!((path.times.len(), path.states.len()), (65, 65));
     let mut defect = Moments::default();
     for (t, y) in path.times.iter().zip(&path.states) {

@@ -16,7 +16,7 @@ use mc::{LadderError, Observable};
 use noise::{BlockNoise, Noise, NoiseError, StreamKey, Truncation};
 use nonlin::{BlockStatus, Method, Solution, Solver};
 use real::{Block, Real};
-use schemes::{Scheme, Sexp, SexpLevy, Step};
+use schemes::{Scheme, Sexp, SexpLevy, Step, WithSolver};
 use systems::{Constant, Cosine, PoissonSystem, Problem, RigidBody};
 
 use crate::explosive::Explosive;
@@ -161,7 +161,7 @@ fn intervals_cover_the_truth() {
     for coupling in [Coupling::Antithetic, Coupling::Plain] {
         check_coverage(&format!("{coupling:?}"), |seed| {
             let settings = ExpectationSettings { pilot: 256, ..settings(seed, coupling) };
-            expectation(&Sexp::default(), &problem, &MOMENTS, 0.015, &settings, &|_| ()).unwrap()
+            expectation(&Sexp, &problem, &MOMENTS, 0.015, &settings, &|_| ()).unwrap()
         });
     }
 }
@@ -175,7 +175,7 @@ fn intervals_of_single_paths_cover_the_truth() {
             pilot: 256,
             ..settings(seed, Coupling::Antithetic)
         };
-        expectation(&Sexp::default(), &problem, &MOMENTS, 0.015, &settings, &|_| ()).unwrap()
+        expectation(&Sexp, &problem, &MOMENTS, 0.015, &settings, &|_| ()).unwrap()
     });
 }
 
@@ -191,8 +191,7 @@ fn the_interval_holds_where_the_bias_is_most_of_it() {
     };
     for estimator in ESTIMATORS {
         let settings = ExpectationSettings { estimator, ..settings };
-        let result =
-            expectation(&Sexp::default(), &problem, &MOMENTS, 5e-4, &settings, &|_| ()).unwrap();
+        let result = expectation(&Sexp, &problem, &MOMENTS, 5e-4, &settings, &|_| ()).unwrap();
         assert!(
             result.warnings.contains(&Warning::LevelLimit { level: 3 }) && !result.reached(),
             "{result:?}"
@@ -220,7 +219,7 @@ fn threads_do_not_change_a_bit() {
         pool.install(|| {
             ESTIMATORS.map(|estimator| {
                 expectation(
-                    &Sexp::default(),
+                    &Sexp,
                     &problem,
                     &COS_Y3,
                     1e-3,
@@ -244,15 +243,9 @@ fn the_twin_doubles_the_order_of_the_variance() {
     for (coupling, accuracy, range) in
         [(Coupling::Antithetic, 2e-4, 1.8..=2.35), (Coupling::Plain, 4e-4, 0.9..=1.1)]
     {
-        let result = expectation(
-            &Sexp::default(),
-            &problem,
-            &COS_Y3,
-            accuracy,
-            &settings(4, coupling),
-            &|_| (),
-        )
-        .unwrap();
+        let result =
+            expectation(&Sexp, &problem, &COS_Y3, accuracy, &settings(4, coupling), &|_| ())
+                .unwrap();
         let kurtosis = |warning: &Warning| matches!(warning, Warning::Kurtosis { .. });
         assert!(
             result.reached() && result.warnings.iter().all(kurtosis),
@@ -279,15 +272,13 @@ fn the_cost_grows_as_the_accuracy_squared() {
         })
     };
     let multilevel = costs(|accuracy, problem, settings| {
-        let result =
-            expectation(&Sexp::default(), problem, &COS_Y3, accuracy, settings, &|_| ()).unwrap();
+        let result = expectation(&Sexp, problem, &COS_Y3, accuracy, settings, &|_| ()).unwrap();
         assert!(result.reached() && result.warnings.is_empty(), "{:?}", result.warnings);
         result.cost
     });
     let plain = costs(|accuracy, problem, settings| {
         let settings = ExpectationSettings { estimator: Estimator::SinglePaths, ..*settings };
-        let result =
-            expectation(&Sexp::default(), problem, &COS_Y3, accuracy, &settings, &|_| ()).unwrap();
+        let result = expectation(&Sexp, problem, &COS_Y3, accuracy, &settings, &|_| ()).unwrap();
         assert!(result.reached() && result.warnings.is_empty(), "{:?}", result.warnings);
         result.cost
     });
@@ -333,12 +324,12 @@ impl<S: PoissonSystem<D, M>, F: Fn(f64) -> f64 + Send + Sync, const D: usize, co
     ) {
         let (mut altered, factor) = (noise.clone(), (self.0)(step.tau));
         altered.increments.0.iter_mut().flatten().for_each(|w| *w *= factor);
-        Sexp::default().step_block(system, step, &altered, y, status);
+        Sexp.step_block(system, step, &altered, y, status);
     }
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
         let factor = (self.0)(step.tau);
         let altered = Noise::increments(noise.increments.map(|w| factor * w));
-        Sexp::default().step(system, step, &altered, y)
+        Sexp.step(system, step, &altered, y)
     }
 }
 
@@ -409,14 +400,14 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        Sexp::default().step_block(system, step, noise, y, status);
+        Sexp.step_block(system, step, noise, y, status);
         let before = LAST_TAU.replace(step.tau);
         if before < step.tau && before > 0.0 {
             y.0.iter_mut().flatten().for_each(|component| *component *= 1.0 - 0.02 * step.tau);
         }
     }
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        Sexp::default().step(system, step, noise, y)
+        Sexp.step(system, step, noise, y)
     }
 }
 
@@ -432,7 +423,7 @@ fn levels_that_do_not_telescope_are_noticed() {
     let inconsistent =
         |warning: &Warning| matches!(warning, Warning::Inconsistent { level: 1, .. });
     assert!(wrong.warnings.iter().any(inconsistent), "{:?}", wrong.warnings);
-    let right = run(&Sexp::default());
+    let right = run(&Sexp);
     assert!(right.warnings.is_empty(), "{:?}", right.warnings);
     // The error is beyond the accuracy, which is what makes the check worth having.
     assert!((wrong.estimates[0].value - right.estimates[0].value).abs() > 2e-4);
@@ -448,7 +439,7 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
         let progress = |steps: u64| {
             done.fetch_add(steps, Ordering::Relaxed);
         };
-        let result = expectation(&Sexp::default(), &problem, &COS_Y3, 1e-5, &settings, &progress);
+        let result = expectation(&Sexp, &problem, &COS_Y3, 1e-5, &settings, &progress);
         if let Ok(result) = &result {
             // Every path-step is counted, and those that progress was told of are all.
             assert_eq!(done.into_inner(), result.cost);
@@ -485,8 +476,7 @@ fn a_limit_ends_the_computation_and_nothing_is_lost() {
     let settings = ExpectationSettings { max_level: 3, ..settings(9, Coupling::Antithetic) };
     for estimator in ESTIMATORS {
         let settings = ExpectationSettings { estimator, ..settings };
-        let result =
-            expectation(&Sexp::default(), &problem, &COS_Y3, 2e-4, &settings, &|_| ()).unwrap();
+        let result = expectation(&Sexp, &problem, &COS_Y3, 2e-4, &settings, &|_| ()).unwrap();
         assert!(
             result.warnings.contains(&Warning::LevelLimit { level: 3 }),
             "{:?}",
@@ -505,7 +495,7 @@ fn what_does_not_vary_needs_no_samples() {
         function: |y: [f64; 3]| 0.5 * (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]),
     }];
     let settings = settings(10, Coupling::Antithetic);
-    let result = expectation(&Sexp::default(), &problem, &still, 1e-9, &settings, &|_| ()).unwrap();
+    let result = expectation(&Sexp, &problem, &still, 1e-9, &settings, &|_| ()).unwrap();
     assert!(result.reached() && result.warnings.is_empty(), "{result:?}");
     // The pilot, and the third difference that the bias is judged by.
     assert_eq!(result.levels.len(), 4);
@@ -525,12 +515,10 @@ fn the_accuracy_holds_for_each_test_function() {
         Observable { name: "y2^2", function: |y| y[1] * y[1] },
     ];
     let settings = settings(11, Coupling::Antithetic);
-    let together =
-        expectation(&Sexp::default(), &problem, &several, 4e-3, &settings, &|_| ()).unwrap();
+    let together = expectation(&Sexp, &problem, &several, 4e-3, &settings, &|_| ()).unwrap();
     assert!(together.reached(), "{together:?}");
     for (k, one) in several.iter().enumerate() {
-        let alone =
-            expectation(&Sexp::default(), &problem, &[*one], 4e-3, &settings, &|_| ()).unwrap();
+        let alone = expectation(&Sexp, &problem, &[*one], 4e-3, &settings, &|_| ()).unwrap();
         assert!(alone.reached() && alone.cost <= together.cost, "{}", one.name);
         let difference = (alone.estimates[0].value - together.estimates[k].value).abs();
         assert!(difference < 8e-3, "{}: {difference}", one.name);
@@ -550,7 +538,7 @@ fn more_coarsest_steps_are_advised_where_they_pay() {
             max_cost: 200_000_000,
             ..settings(12, Coupling::Antithetic)
         };
-        expectation(&Sexp::default(), &problem, &COS_Y3, 2e-3, &settings, &|_| ()).unwrap()
+        expectation(&Sexp, &problem, &COS_Y3, 2e-3, &settings, &|_| ()).unwrap()
     };
     let advice = |result: &Expectation| {
         result.warnings.iter().find_map(|warning| match warning {
@@ -568,7 +556,7 @@ fn more_coarsest_steps_are_advised_where_they_pay() {
 #[test]
 fn paths_that_fail_are_counted_and_reported() {
     let problem = Problem::new(Explosive, Constant::new(0.0).unwrap(), [0.1, -0.5], 0.5).unwrap();
-    let sexp = Sexp { solver: Solver::new(Method::Newton) };
+    let sexp = WithSolver { formula: Sexp, solver: Solver::new(Method::Newton) };
     let bounded =
         [Observable { name: "bounded", function: |y: [f64; 2]| 1.0 / (1.0 + y[1] * y[1]) }];
     let settings = ExpectationSettings { max_cost: 400_000, ..settings(13, Coupling::Plain) };
@@ -611,7 +599,7 @@ fn coupling_by_areas_has_no_bias() {
     let levy = SexpLevy::new(problem.system(), problem.y0());
     let [with, without]: [Expectation; 2] = [
         expectation(&levy, &problem, &COS_Y3, 1e-2, &settings, &|_| ()).unwrap(),
-        expectation(&Sexp::default(), &problem, &COS_Y3, 1e-2, &settings, &|_| ()).unwrap(),
+        expectation(&Sexp, &problem, &COS_Y3, 1e-2, &settings, &|_| ()).unwrap(),
     ];
     assert_eq!(with, without);
 }
@@ -622,12 +610,10 @@ fn bad_requests_are_refused_and_name_the_value() {
     let good = settings(14, Coupling::Antithetic);
     let refuse = |accuracy: f64, observables: &[Observable<3>], settings: ExpectationSettings| {
         let error =
-            expectation(&Sexp::default(), &problem, observables, accuracy, &settings, &|_| ())
-                .unwrap_err();
+            expectation(&Sexp, &problem, observables, accuracy, &settings, &|_| ()).unwrap_err();
         let settings = ExpectationSettings { estimator: Estimator::SinglePaths, ..settings };
         let plain =
-            expectation(&Sexp::default(), &problem, observables, accuracy, &settings, &|_| ())
-                .unwrap_err();
+            expectation(&Sexp, &problem, observables, accuracy, &settings, &|_| ()).unwrap_err();
         assert_eq!(std::mem::discriminant(&error), std::mem::discriminant(&plain), "{plain}");
         error
     };

@@ -6,7 +6,7 @@ use mc::{
 };
 use noise::{StreamKey, Truncation};
 use nonlin::{Method, Solver};
-use schemes::{EulerMaruyama, Sexp, SexpLevy};
+use schemes::{EulerMaruyama, Sexp, SexpLevy, WithSolver};
 use systems::{Cosine, Damping, PoissonSystem, Problem, RigidBody, SpinChain};
 
 const KEY: StreamKey = StreamKey { seed: 5, experiment: 2 };
@@ -22,7 +22,7 @@ fn k4() -> Truncation {
 
 #[test]
 fn a_table_holds_the_trajectory_and_the_conformal_defect() {
-    let (problem, sexp) = (body(), Sexp::default());
+    let (problem, sexp) = (body(), Sexp);
     let all = trajectory(&problem, &sexp, 64, k4(), KEY, 7).unwrap();
     let table = Simulation::new(&problem, &sexp, k4())
         .every(10)
@@ -61,7 +61,7 @@ fn a_table_holds_the_trajectory_and_the_conformal_defect() {
 
 #[test]
 fn many_paths_come_in_order_and_do_not_depend_on_threads() {
-    let (problem, sexp) = (body(), Sexp::default());
+    let (problem, sexp) = (body(), Sexp);
     let simulation = Simulation::new(&problem, &sexp, k4()).every(8);
     let paths = simulation.paths(16, KEY, 3..9).unwrap();
     for (path, table) in (3..9).zip(&paths) {
@@ -73,7 +73,7 @@ fn many_paths_come_in_order_and_do_not_depend_on_threads() {
 
 #[test]
 fn tables_read_back_to_the_same_bits() {
-    let (problem, sexp) = (body(), Sexp::default());
+    let (problem, sexp) = (body(), Sexp);
     let paths = Simulation::new(&problem, &sexp, k4())
         .observing("a \"b\", c", |y| y[0])
         .paths(8, KEY, 0..3)
@@ -110,7 +110,7 @@ fn tables_read_back_to_the_same_bits() {
 
 #[test]
 fn recorded_increments_give_the_drawn_path_bit_for_bit() {
-    let (problem, sexp) = (body(), Sexp::default());
+    let (problem, sexp) = (body(), Sexp);
     let simulation = Simulation::new(&problem, &sexp, k4());
     let recording = Recording::<3>::draw(KEY, 4, 32, 1.0, false).unwrap();
     let read: Recording<3> = recording.to_string().parse().unwrap();
@@ -232,7 +232,7 @@ fn bad_recordings_and_simulations_are_refused() {
     assert!(Recording::<2>::draw(KEY, 0, 0, 1.0, false).is_err());
     assert!(Recording::<2>::draw(KEY, 0, 4, f64::NAN, false).is_err());
 
-    let (problem, sexp) = (body(), Sexp::default());
+    let (problem, sexp) = (body(), Sexp);
     let simulation = || Simulation::new(&problem, &sexp, k4());
     assert_eq!(simulation().every(0).path(8, KEY, 0), Err(SimulationError::Every));
     assert_eq!(
@@ -261,7 +261,7 @@ fn invariants_that_share_a_name_are_numbered() {
     let problem =
         Problem::new(chain, Cosine::new(0.5, 2.0).unwrap(), [0.0, 0.6, 0.8, 0.0, 0.0, 0.0], 1.0)
             .unwrap();
-    let table = Simulation::new(&problem, &Sexp::default(), k4()).path(16, KEY, 0).unwrap();
+    let table = Simulation::new(&problem, &Sexp, k4()).path(16, KEY, 0).unwrap();
     let names: Vec<&str> = table.columns[7..].iter().map(|column| column.name.as_str()).collect();
     assert_eq!(names, ["C1", "C1 defect", "C2", "C2 defect"]);
     // The second spin is zero and stays so: there is no relative defect, and none is needed.
@@ -274,8 +274,8 @@ fn a_hundred_spins_run_on_the_usual_threads() {
     let chain = SpinChain::<300>::new(0.9, 0.4, 0.7).unwrap();
     let y0 = std::array::from_fn(|i| [0.6, 0.0, 0.8][(i + i / 3) % 3]);
     let problem = Problem::new(chain, Cosine::new(0.5, 2.0).unwrap(), y0, 0.125).unwrap();
-    let newton = Sexp { solver: Solver::new(Method::Newton) };
-    for (scheme, steps) in [(&Sexp::default(), 8), (&newton, 1)] {
+    for (solver, steps) in [(Solver::default(), 8), (Solver::new(Method::Newton), 1)] {
+        let scheme = &WithSolver { formula: Sexp, solver };
         let paths = Simulation::new(&problem, scheme, k4()).paths(steps, KEY, 0..2).unwrap();
         let alone = trajectory(&problem, scheme, steps, k4(), KEY, 1).unwrap();
         let last = alone.states[steps as usize];

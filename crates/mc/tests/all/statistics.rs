@@ -25,7 +25,7 @@ fn square(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// Runs 0 to 3: the reference, then a series from coarse to fine, and the last one exchanged.
 fn with_runs<T>(use_it: impl FnOnce(&Ladder<'_, 3, 3>, Truncation) -> T) -> T {
     let (problem, euler, k) = (body(), EulerMaruyama, Truncation::new(2).unwrap());
-    let sexp = Sexp::default();
+    let sexp = Sexp;
     let runs = vec![
         Run::new(&sexp as &dyn Scheme<RigidBody<3>, 3, 3>, 0),
         Run::new(&euler, 3),
@@ -112,7 +112,7 @@ impl TimeChange<3> for Steps {
 
 #[test]
 fn errors_against_an_exact_solution_are_taken_at_the_random_time() {
-    let (problem, sexp) = (body(), Sexp::default());
+    let (problem, sexp) = (body(), Sexp);
     let k = Truncation::new(2).unwrap();
     let runs = vec![Run::new(&sexp as &dyn Scheme<_, 3, 3>, 0)];
     let ladder = Ladder::new(&problem, 64, 3, k, KEY, runs).unwrap().with_time_change(&Steps);

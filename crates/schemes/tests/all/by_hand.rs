@@ -7,7 +7,7 @@ use crate::common::{
 use approx::assert_relative_eq;
 use noise::{Noise, Truncation};
 use nonlin::{Method, Solver};
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, Step};
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, Step, WithSolver};
 use systems::{Cosine, Damping};
 
 /// Sums of some tens of terms, each rounded a few times.
@@ -111,7 +111,12 @@ fn midpoint_and_sexp() {
         });
         for method in [Method::FixedPoint, Method::Newton] {
             let solver = Solver::new(method);
-            let ours = Midpoint { solver }.step(&body(), &step, &Noise::increments(dw), y);
+            let ours = WithSolver { formula: Midpoint, solver }.step(
+                &body(),
+                &step,
+                &Noise::increments(dw),
+                y,
+            );
             // |y| up to 3, and roundings amplified by 1/(1 − 0.9) at most.
             close(ours.z, exact, 10.0 * norm(y), "midpoint");
         }
@@ -126,7 +131,12 @@ fn midpoint_and_sexp() {
         let exact = z.map(|x| x * (-integral(half, end)).exp());
         for method in [Method::FixedPoint, Method::Newton] {
             let solver = Solver::new(method);
-            let ours = Sexp { solver }.step(&body(), &step, &Noise::increments(dw), y);
+            let ours = WithSolver { formula: Sexp, solver }.step(
+                &body(),
+                &step,
+                &Noise::increments(dw),
+                y,
+            );
             close(ours.z, exact, 10.0 * norm(y), "sexp");
         }
     }

@@ -12,7 +12,7 @@ use nonlin::{Method, Outcome, Solver};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use real::Real;
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step};
+use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step, WithSolver};
 use systems::{
     Constant, Damping, Invariant, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
     RigidBodyEnergy, vector_field,
@@ -42,7 +42,7 @@ impl Visit for KeepsTheLaw {
         system: &S,
         y0: [f64; D],
     ) {
-        let sexp = Sexp { solver: Solver::new(self.method) };
+        let sexp = WithSolver { formula: Sexp, solver: Solver::new(self.method) };
         let allowed = match self.method {
             Method::FixedPoint => FIXED_POINT,
             Method::Newton => NEWTON,
@@ -118,7 +118,7 @@ proptest! {
         // where |z| = 1.
         let system = body();
         let step = Step::new(&Constant::new(rate).unwrap(), n, tau).unwrap();
-        let y1 = Sexp::default().step(&system, &step, &Noise::increments(dw), y);
+        let y1 = Sexp.step(&system, &step, &Noise::increments(dw), y);
         let exact = (-2.0 * rate * tau).exp();
         let ratio = system.invariant(0, y1.z) / system.invariant(0, y);
         // Grid times nτ up to 900 lose 900ε of a damping of at most 2·2 per unit of time.
@@ -138,7 +138,7 @@ proptest! {
         // with ρ = 5 + √24.
         let system = LotkaVolterra::new(a, b, 1.0).unwrap();
         let step = Step::new(&Constant::new(0.3).unwrap(), 0, tau).unwrap();
-        let solution = Sexp::default().step(&system, &step, &Noise::increments([dw]), y);
+        let solution = Sexp.step(&system, &step, &Noise::increments([dw]), y);
         prop_assume!((0..3).all(|i| (solution.z[i] / y[i] - 1.0).abs() < 0.5));
         for index in 0..2 {
             // Powers through the exponential function are good to ten ε, not to half an ε.
@@ -161,7 +161,7 @@ fn a_long_path_stays_on_the_law() {
     for n in 0..steps {
         let step = Step::new(&damping, n, tau).unwrap();
         let noise = Noise::increments(any_increments(&mut numbers, tau));
-        y = Sexp::default().step(&system, &step, &noise, y).z;
+        y = Sexp.step(&system, &step, &noise, y).z;
     }
     let law = (-2.0 * damping.integral(0.0, tau * steps as f64)).exp();
     let ratio = system.invariant(0, y) / start;
@@ -203,7 +203,7 @@ fn sexp<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     dw: [f64; M],
     y: [f64; D],
 ) -> [f64; D] {
-    Sexp::default().step(system, step, &Noise::increments(dw), y).z
+    Sexp.step(system, step, &Noise::increments(dw), y).z
 }
 
 #[test]
@@ -249,9 +249,8 @@ fn euler_maruyama_and_midpoint_break_the_law() {
         EulerMaruyama.step(system, step, &Noise::increments(dw), y).z
     };
     assert!(visible(&body(), 0, [0.5; 3], em) > NEARLY_ALL);
-    let midpoint = |system: &_, step: &Step, dw, y| {
-        Midpoint::default().step(system, step, &Noise::increments(dw), y).z
-    };
+    let midpoint =
+        |system: &_, step: &Step, dw, y| Midpoint.step(system, step, &Noise::increments(dw), y).z;
     assert!(visible(&body(), 0, [0.5; 3], midpoint) > NEARLY_ALL);
 }
 
@@ -317,8 +316,8 @@ fn one_node_breaks_the_energy_and_nothing_else() {
 
 /// Solved to the rounding of the equation, so that a tolerance is about the scheme and not about
 /// the solver.
-fn by_newton() -> Sexp {
-    Sexp { solver: Solver::new(Method::Newton) }
+fn by_newton() -> WithSolver<Sexp> {
+    WithSolver { formula: Sexp, solver: Solver::new(Method::Newton) }
 }
 
 /// Σ|∇̄Hᵢ| times the lengths involved, and |H|: what H(z) − H(ẑ) is rounded relative to; sines are
@@ -365,7 +364,7 @@ fn what_midpoint_keeps() {
     // C(y₁) − C(y₀) = ∇C(m)·(y₁ − y₀) = −τγ·∇C(m)·m: for a quadratic Casimir −2τγC(m), for a linear
     // one the factor (1 − τγ/2)/(1 + τγ/2).
     let mut numbers = Numbers(9);
-    let midpoint = Midpoint { solver: Solver::new(Method::Newton) };
+    let midpoint = WithSolver { formula: Midpoint, solver: Solver::new(Method::Newton) };
     for _ in 0..2000 {
         let damping = any_damping(&mut numbers);
         let step = any_step(&mut numbers, damping.as_ref());

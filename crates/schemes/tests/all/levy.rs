@@ -6,7 +6,7 @@ use crate::common::{
     every_system, spins,
 };
 use noise::{Noise, Truncation};
-use nonlin::{Method, Outcome, Solver};
+use nonlin::Outcome;
 use real::Real;
 use schemes::{Scheme, Sexp, SexpLevy, Step};
 use systems::{Constant, InvariantKind, PoissonSystem};
@@ -39,8 +39,7 @@ impl Visit for KeepsCasimirs {
         system: &S,
         y0: [f64; D],
     ) {
-        let mut levy = SexpLevy::new(system, y0);
-        levy.solver = Solver::new(Method::Newton);
+        let levy = SexpLevy::new(system, y0);
         if !Scheme::<S, D, M>::reads_areas(&levy) {
             return;
         }
@@ -96,7 +95,7 @@ impl Visit for NothingToAdd {
             let dw = any_increments(&mut numbers, step.tau);
             let areas = any_areas(&mut numbers, step.tau);
             let y = any_state(&mut numbers, system, y0);
-            let without = Sexp::default().step(system, &step, &Noise::increments(dw), y).z;
+            let without = Sexp.step(system, &step, &Noise::increments(dw), y).z;
             let with = levy.step(system, &step, &Noise { increments: dw, areas }, y).z;
             assert_eq!(
                 levy.step(system, &step, &Noise::increments(dw), y).z,
@@ -137,7 +136,7 @@ fn a_small_loop_of_the_noise_turns_about_the_third_axis() {
     // Round a square of side h the increments vanish and the area is h²: exactly a product of four
     // rotations. One step of `sexp` stays where it is, one of `sexp-levy` turns by the area, and
     // the sign is that of the loop.
-    let (levy, sexp) = (SexpLevy::new(&Rotations, [0.6, 0.0, 0.8]), Sexp::default());
+    let (levy, sexp) = (SexpLevy::new(&Rotations, [0.6, 0.0, 0.8]), Sexp);
     let step = Step::new(&Constant::new(0.0).unwrap(), 0, 0.01).unwrap();
     for h in [0.1, 0.05] {
         let y0 = [0.6, 0.0, 0.8];

@@ -77,12 +77,11 @@ impl Visit for Orders {
         y0: [f64; D],
     ) {
         let exact = reference(system, y0, false);
-        let sexp = order(y0, exact, |step, y| {
-            Sexp::default().step(system, step, &Noise::increments([0.0; M]), y).z
-        });
+        let sexp =
+            order(y0, exact, |step, y| Sexp.step(system, step, &Noise::increments([0.0; M]), y).z);
         assert!((sexp - 2.0).abs() < WINDOW, "sexp on {}: {sexp}", system.name());
         let midpoint = order(y0, exact, |step, y| {
-            Midpoint::default().step(system, step, &Noise::increments([0.0; M]), y).z
+            Midpoint.step(system, step, &Noise::increments([0.0; M]), y).z
         });
         assert!((midpoint - 2.0).abs() < WINDOW, "midpoint on {}: {midpoint}", system.name());
         let heun =
@@ -105,9 +104,7 @@ fn richardson_needs_no_reference() {
     // One path of sexp against itself at half the step: the differences shrink by four.
     let y0 = [1.1f64.cos(), 0.0, 1.1f64.sin()];
     let ends = [6, 7, 8].map(|exponent| {
-        march(y0, exponent, |step, y| {
-            Sexp::default().step(&body(), step, &Noise::increments([0.0; 3]), y).z
-        })
+        march(y0, exponent, |step, y| Sexp.step(&body(), step, &Noise::increments([0.0; 3]), y).z)
     });
     let observed = (distance(ends[0], ends[1]) / distance(ends[1], ends[2])).log2();
     assert!((observed - 2.0).abs() < WINDOW, "{observed}");
@@ -122,14 +119,14 @@ fn damping_at_the_wrong_time_has_order_one() {
         let mut wrong = *step;
         wrong.first_decay = step.first_decay * step.second_decay;
         wrong.second_decay = 1.0;
-        Sexp::default().step(&body(), &wrong, &Noise::increments([0.0; 3]), y).z
+        Sexp.step(&body(), &wrong, &Noise::increments([0.0; 3]), y).z
     });
     assert!((before - 1.0).abs() < WINDOW, "{before}");
     // The rate of the midpoint rule taken at the start of the step.
     let early = order(y0, exact, |step, y| {
         let mut wrong = *step;
         wrong.rate_at_middle = step.rate_at_start;
-        Midpoint::default().step(&body(), &wrong, &Noise::increments([0.0; 3]), y).z
+        Midpoint.step(&body(), &wrong, &Noise::increments([0.0; 3]), y).z
     });
     assert!((early - 1.0).abs() < WINDOW, "{early}");
     // The rate of the corrector of the Heun method taken at the start of the step.

@@ -29,8 +29,7 @@ fn overflow_in_the_second_half_is_a_failure() {
     // Each half multiplies by e^{±370} = 5·10^{±160}.
     let growing = Step::new(&Constant::new(-1480.0).unwrap(), 0, 0.5).unwrap();
     let shrinking = Step::new(&Constant::new(1480.0).unwrap(), 0, 0.5).unwrap();
-    let schemes: [&dyn Scheme<Still, 2, 1>; 2] =
-        [&Sexp::default(), &SexpLevy::new(&Still, [1.0, 1.0])];
+    let schemes: [&dyn Scheme<Still, 2, 1>; 2] = [&Sexp, &SexpLevy::new(&Still, [1.0, 1.0])];
     for scheme in schemes {
         for (step, y, fails) in
             [(&growing, 1e-10, true), (&growing, 1e-15, false), (&shrinking, 1e140, false)]

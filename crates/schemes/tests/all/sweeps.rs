@@ -248,14 +248,14 @@ impl Visit for Guard {
         let newton = predicted || S::IMPLICIT_STEP == ImplicitStep::Newton;
         let levy = SexpLevy::new(system, y0);
         for (exponent, pinned) in [(8, (block_mean, most)), (12, PINNED_SMALL)] {
-            let sexp = count(&Sexp::default(), Rule::Sexp, system, y0, (exponent, 1.0));
+            let sexp = count(&Sexp, Rule::Sexp, system, y0, (exponent, 1.0));
             let pinned_sexp = if predicted { PINNED_PREDICTED } else { pinned };
             self.check((name, newton), "sexp", exponent, pinned_sexp, &sexp);
             if Scheme::<S, D, M>::reads_areas(&levy) {
                 let levy = count(&levy, Rule::Levy, system, y0, (exponent, 1.0));
                 self.check((name, newton), "sexp-levy", exponent, pinned, &levy);
             }
-            let midpoint = count(&Midpoint::default(), Rule::Midpoint, system, y0, (exponent, 1.0));
+            let midpoint = count(&Midpoint, Rule::Midpoint, system, y0, (exponent, 1.0));
             self.check((name, newton), "midpoint", exponent, pinned, &midpoint);
         }
     }
@@ -277,11 +277,11 @@ fn no_step_takes_more_sweeps_than_its_equation_needs() {
 fn more_work_is_noticed() {
     let (body, y0) = (body(), [1.1f64.cos(), 0.0, 1.1f64.sin()]);
     let pinned = (1.1, 2);
-    let right = count(&Sexp::default(), Rule::Sexp, &body, y0, (8, 1.0));
+    let right = count(&Sexp, Rule::Sexp, &body, y0, (8, 1.0));
     assert_eq!(wrong(&right, false, pinned), "");
-    let larger = count(&Sexp::default(), Rule::Sexp, &body, y0, (7, 1.0));
+    let larger = count(&Sexp, Rule::Sexp, &body, y0, (7, 1.0));
     assert_eq!(wrong(&larger, false, pinned), "more sweeps than pinned");
-    let harder = count(&Sexp::default(), Rule::Sexp, &body, y0, (8, 2.0));
+    let harder = count(&Sexp, Rule::Sexp, &body, y0, (8, 2.0));
     assert!(
         wrong(&harder, false, pinned).starts_with("more sweeps than derived, more sweeps in all"),
         "{harder:?}"

@@ -100,7 +100,7 @@ where
         }
         ReferenceSolution::Independent => {
             let mut paths = Limit::Unchecked;
-            for other in [&Heun as &dyn Scheme<S, D, M>, &Midpoint::default()] {
+            for other in [&Heun as &dyn Scheme<S, D, M>, &Midpoint] {
                 // One scheme may need finer steps than the other.
                 match compare(Other::Scheme(other))? {
                     Some(unclear @ Limit::Unclear { .. }) => paths = unclear,

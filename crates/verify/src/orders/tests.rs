@@ -359,7 +359,7 @@ fn means_against_the_exact_solution_need_no_tail() {
     // The midpoint rule turns by 2 atan(a/2) for the increment a of time and noise: its errors at
     // the five step sizes have the means E cos(Σ 2 atan(a/2)) − truth, of order one.
     let reference = ReferenceSolution::Exact(exact);
-    let order = weak_order(&Midpoint::default(), &problem, q, &sizes, &reference).unwrap();
+    let order = weak_order(&Midpoint, &problem, q, &sizes, &reference).unwrap();
     assert_eq!(order.points.len(), 5);
     for (point, steps) in order.points.iter().zip([4.0, 8.0, 16.0, 32.0, 64.0f64]) {
         let Point::Error { tau, value, se, lo, hi, .. } = *point else { panic!("{point:?}") };

@@ -252,7 +252,7 @@ impl Statistic<3> for Final {
 #[test]
 fn sampled_paths_agree() {
     let problem = paper_problem();
-    let (sexp, key) = (Sexp::default(), StreamKey { seed: 20, experiment: 3 });
+    let (sexp, key) = (Sexp, StreamKey { seed: 20, experiment: 3 });
     let truncation = Truncation::new(4).unwrap();
     let ladder = Ladder::new(&problem, 128, 0, truncation, key, vec![Run::new(&sexp, 0)]).unwrap();
     let new = || Final {

@@ -24,7 +24,7 @@
 //! };
 //! let repetitions = Repetitions { count: 3, path_steps: 1 << 12 };
 //! let measured =
-//!     work_precision(&[&Heun, &EulerMaruyama], &problem, &Sexp::default(), &sizes, repetitions)?;
+//!     work_precision(&[&Heun, &EulerMaruyama], &problem, &Sexp, &sizes, repetitions)?;
 //! let [heun, em] = [0, 1].map(|n| measured.curves[n].costs());
 //! // Heun is of order one here, Euler–Maruyama of order ½: seconds of a path at an error.
 //! let finest = heun[3].0;

@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn times_are_ordered_and_count_their_paths() -> Result<(), Box<dyn std::error::Error>> {
         let problem = Problem::new(Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0], 1.0)?;
-        let (sexp, truncation) = (Sexp::default(), Truncation::new(4)?);
+        let (sexp, truncation) = (Sexp, Truncation::new(4)?);
         let key = StreamKey { seed: 3, experiment: 1 };
         let repetitions = Repetitions { count: 3, path_steps: 1 };
         let schemes: [&dyn Scheme<_, 2, 1>; 2] = [&sexp, &Heun];

@@ -10,7 +10,7 @@ use proptest::array::uniform;
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
 use real::{Block, Real, WIDTH};
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step};
+use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, Step, WithSolver};
 use systems::{HamiltonianIncrement, PoissonSystem};
 
 use crate::damping::{Rate, any_rate};
@@ -120,8 +120,14 @@ impl Ways {
                 }
                 self.same_bits(&EulerMaruyama, &system, &step, &dw, &y)?;
                 for solver in [Method::FixedPoint, Method::Newton].map(Solver::new) {
-                    self.same_bits(&Sexp { solver }, &system, &step, &dw, &y)?;
-                    self.same_bits(&Midpoint { solver }, &system, &step, &dw, &y)?;
+                    self.same_bits(&WithSolver { formula: Sexp, solver }, &system, &step, &dw, &y)?;
+                    self.same_bits(
+                        &WithSolver { formula: Midpoint, solver },
+                        &system,
+                        &step,
+                        &dw,
+                        &y,
+                    )?;
                 }
                 Ok(())
             },

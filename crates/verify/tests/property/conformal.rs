@@ -7,7 +7,7 @@ use noise::Noise;
 use nonlin::{Method, Solver};
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
-use schemes::{Midpoint, Scheme, Sexp, Step};
+use schemes::{Midpoint, Scheme, Sexp, Step, WithSolver};
 use systems::PoissonSystem;
 
 use crate::damping::{Rate, any_rate};
@@ -59,7 +59,7 @@ impl Tally {
         noise: Increments<M, STEPS>,
         y0: [f64; D],
     ) -> TestCaseResult {
-        let sexp = Sexp { solver: Solver::new(method) };
+        let sexp = WithSolver { formula: Sexp, solver: Solver::new(method) };
         let damping = rate.damping();
         let value = |y: [f64; D]| function.value(y.map(Bounded::exact)).value;
         let (mut y, mut law, mut allowed) = (y0, 1.0, 0.0);
@@ -160,7 +160,7 @@ fn undamped_midpoint<const D: usize>() {
         |(system, method, noise, y0): (Several<D, 2>, _, Increments<2, 1>, _)| {
             let [dw] = noise.dw;
             let step = Step::new(UNDAMPED.damping().as_ref(), 0, noise.tau).unwrap();
-            let solution = Midpoint { solver: Solver::new(method) }.step(
+            let solution = WithSolver { formula: Midpoint, solver: Solver::new(method) }.step(
                 &system,
                 &step,
                 &Noise::increments(dw),

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use noise::Noise;
 use nonlin::{Method, Solver};
 use proptest::prelude::*;
-use schemes::{Scheme, Sexp, Step};
+use schemes::{Scheme, Sexp, Step, WithSolver};
 
 use crate::damping::{Rate, any_rate};
 use crate::hamiltonian::MAX_DEGREE;
@@ -34,7 +34,7 @@ fn newton_is_fixed_point<const D: usize>() {
         let map = SexpMap { system: &system, tau: noise.tau, dw, before };
         let mut allowed = 0.0;
         let solutions = METHODS.map(|method| {
-            let z = Sexp { solver: Solver::new(method) }
+            let z = WithSolver { formula: Sexp, solver: Solver::new(method) }
                 .step(&system, &step, &Noise::increments(dw), before)
                 .z;
             let contraction = columns(&map, z).map(norm).into_iter().fold(0.0, f64::max);
@@ -84,7 +84,7 @@ fn scaling<const D: usize>() {
             let mut scaled = step;
             scaled.tau *= increment;
             for solver in METHODS.map(Solver::new) {
-                let sexp = Sexp { solver };
+                let sexp = WithSolver { formula: Sexp, solver };
                 let one = sexp.step(&system, &step, &Noise::increments([dw]), y0);
                 let other = sexp.step(
                     &system,

@@ -4,7 +4,7 @@ use dgrad::midpoint;
 use noise::Noise;
 use nonlin::{Method, Solver};
 use real::Real;
-use schemes::{EulerMaruyama, Scheme, Sexp, Step};
+use schemes::{EulerMaruyama, Scheme, Sexp, Step, WithSolver};
 use systems::PoissonSystem;
 
 use crate::damping::{Rate, any_rate, changing_rate};
@@ -84,8 +84,8 @@ fn breaks<S: PoissonSystem<D, M>, C: Scheme<S, D, M>, const D: usize, const M: u
     verdict.defect > VISIBLE * verdict.allowed
 }
 
-fn by_newton() -> Sexp {
-    Sexp { solver: Solver::new(Method::Newton) }
+fn by_newton() -> WithSolver<Sexp> {
+    WithSolver { formula: Sexp, solver: Solver::new(Method::Newton) }
 }
 
 /// Shares with the mistake, and without it on the same draws.

@@ -140,7 +140,7 @@ fn counts(processors: usize) -> Vec<usize> {
 /// The same work on one thread, two, four and so on, and on all processors.
 fn threads(workload: Workload) -> Result<Vec<ThreadRow>> {
     let problem = rigid_body_three_noises(workload.steps as f64 * TAU);
-    let sexp = compiled(Sexp::default());
+    let sexp = compiled(Sexp);
     let ladder = ladder(&problem, 0, vec![Run::new(sexp.as_ref(), 0)])?;
     let mut rows: Vec<ThreadRow> = Vec::new();
     for threads in counts(available_parallelism().map_or(1, usize::from)) {
@@ -181,7 +181,7 @@ fn sizes(workload: Workload) -> Vec<Size> {
 
 /// More samples, more steps, more levels: is time linear, is memory flat?
 fn growth(workload: Workload, one: &ThreadPool) -> Result<Vec<GrowthRow>> {
-    let sexp = compiled(Sexp::default());
+    let sexp = compiled(Sexp);
     let mut rows = Vec::new();
     for (grows, value, workload, levels) in sizes(workload) {
         eprintln!("{value} {grows}");

@@ -7,14 +7,14 @@
 //! points of one path are not.
 
 use anyhow::Result;
-use lab::{Compiled, compiled, streams};
+use lab::streams;
 use mc::{Ladder, Run, Statistic, View};
 use noise::StreamKey;
 use nonlin::{Method, Solver};
 use real::{WIDTH, elementary};
-use schemes::Sexp;
+use schemes::{Sexp, WithSolver};
 use systems::{
-    Constant, Damping, Linear, Problem,
+    Constant, Damping, Linear, PoissonSystem, Problem,
     paper::{half_cosine, lotka_volterra_1_1, rigid_body_three_noises, sine},
 };
 
@@ -38,7 +38,7 @@ struct LongRun<'a> {
     id: &'static str,
     damping: &'a dyn Damping,
     tau: f64,
-    scheme: (&'static str, Sexp),
+    scheme: (&'static str, Solver),
     /// Of a Lotka–Volterra system the number of the invariant, else of the body its only Casimir.
     volterra: Option<usize>,
     /// Whether the figure shows it: as many as can be told apart.
@@ -50,8 +50,8 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
     let (none, sine, cosine) = (&Constant::new(0.0)?, &sine(), &half_cosine());
     let (weak, negative) = (&Constant::new(2e-5)?, &Constant::new(-2e-5)?);
     let linear = &Linear::new(1e-8)?;
-    let fixed = ("sexp, settled", Sexp { solver: Solver::default().settled() });
-    let newton = ("sexp-newton, settled", Sexp { solver: Solver::new(Method::Newton).settled() });
+    let fixed = ("sexp, settled", Solver::default().settled());
+    let newton = ("sexp-newton, settled", Solver::new(Method::Newton).settled());
     // 1/100 is rounded, so that steps of a grid differ in their last bits; 1/128 is not, and a
     // constant γ gives the same factor in every step.
     let (rounded, dyadic) = (1.0 / 100.0, 1.0 / 128.0);
@@ -65,7 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
     };
     let runs = [
         LongRun {
-            scheme: ("sexp", Sexp::default()),
+            scheme: ("sexp", Solver::default()),
             ..run("default solver, undamped", none, dyadic, true)
         },
         run("undamped", none, dyadic, true),
@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
         .collect()
 }
 
-fn growth<S: Compiled<Sexp, D, M>, const D: usize, const M: usize>(
+fn growth<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     arguments: &Arguments,
     number: u64,
     run: &LongRun<'_>,
@@ -115,8 +115,8 @@ fn growth<S: Compiled<Sexp, D, M>, const D: usize, const M: usize>(
         let damping = run.damping.integral(0.0, n as f64 * run.tau);
         value(y) / (value(y0) * elementary::exp(-invariant.degree * damping)) - 1.0
     };
-    let scheme = compiled::<_, S, D, M>(run.scheme.1);
-    let runs = vec![Run::new(scheme.as_ref(), 0)];
+    let scheme = WithSolver { formula: Sexp, solver: run.scheme.1 };
+    let runs = vec![Run::new(&scheme, 0)];
     let ladder = Ladder::new(&problem, steps, 0, lab::truncation(), key, runs)?;
     let new = || Defects { steps, defect: &defect, rows: Vec::new() };
     let rows = ladder.run(WIDTH as u64, new, &|_| ()).statistic.rows;
@@ -136,7 +136,7 @@ fn growth<S: Compiled<Sexp, D, M>, const D: usize, const M: usize>(
     let end = points.last().map_or(f64::NAN, |point| point.rms);
     // A walk whose steps are independent, each no larger than the worst case of a step; NaN is not.
     let walk = end <= PER_STEP * f64::EPSILON * (steps as f64).sqrt();
-    let verdict = match (run.scheme.1.solver.settle, walk) {
+    let verdict = match (run.scheme.1.settle, walk) {
         (true, true) => Verdict::Holds,
         (true, false) => Verdict::Refuted,
         // The stopping test leaves a residual that has a direction: a drift is expected, and no

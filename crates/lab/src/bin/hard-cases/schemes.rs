@@ -3,7 +3,7 @@
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Method, Solution, Solver};
 use real::{Block, WIDTH};
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step};
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step, WithSolver};
 use systems::PoissonSystem;
 
 /// Where a scheme reads γ, and what it keeps.
@@ -41,7 +41,7 @@ pub fn schemes<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     y0: [f64; D],
 ) -> Vec<Tested<S, D, M>> {
     use Family::{Conformal, Explicit};
-    let sexp = |method| Sexp { solver: Solver::new(method) };
+    let sexp = |method| WithSolver { formula: Sexp, solver: Solver::new(method) };
     let mut all = vec![
         Tested::new(Conformal, sexp(Method::FixedPoint)),
         Tested {
@@ -53,7 +53,7 @@ pub fn schemes<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     if M > 1 {
         all.push(Tested::new(Conformal, SexpLevy::new(system, y0)));
     }
-    all.push(Tested::new(Family::Midpoint, Midpoint::default()));
+    all.push(Tested::new(Family::Midpoint, Midpoint));
     all.push(Tested::new(Explicit, Heun));
     all.push(Tested { order: 1.0, ..Tested::new(Explicit, EulerMaruyama) });
     all

@@ -54,7 +54,7 @@ fn antithetic_estimators_are_the_narrowest_per_path_step() {
     const PATHS: u64 = 4096;
     let problem = rigid_body_three_noises(1.0);
     let observables = weak_observables();
-    let sexp = compiled::<_, RigidBody<3>, 3, 3>(Sexp::default());
+    let sexp = compiled::<_, RigidBody<3>, 3, 3>(Sexp);
     let mut variances = Vec::new();
     println!("| τ | independent | plain difference | antithetic | its variance / τ² |");
     for exponent in [6, 8, 10] {

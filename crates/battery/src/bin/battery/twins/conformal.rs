@@ -57,7 +57,7 @@ pub fn sign_in_exact_flow(conditions: &Conditions) -> Claim {
 
 pub fn sign_in_structure(conditions: &Conditions) -> Claim {
     let problem = wrong::<_, _, 3>(rigid_body_three_noises(10.0), -1.0);
-    obeys_law::<_, _, 3>(conditions, "conformal-casimir", &problem, &Sexp::default())
+    obeys_law::<_, _, 3>(conditions, "conformal-casimir", &problem, &Sexp)
 }
 
 /// `sexp` with e^{−∫γ} over the first half for both halves: with δ that factor, the equation of
@@ -110,7 +110,7 @@ pub fn old_structure_at_small_steps(conditions: &Conditions) -> Claim {
 
 pub fn midpoint_quadrature(conditions: &Conditions) -> Claim {
     let problem = wrong::<_, _, 1>(lotka_volterra_2_2(10.0), 1.0);
-    obeys_law::<_, _, 1>(conditions, "energy-balance", &problem, &Sexp::default())
+    obeys_law::<_, _, 1>(conditions, "energy-balance", &problem, &Sexp)
 }
 
 pub fn unbounded_scheme(conditions: &Conditions) -> Claim {

@@ -67,7 +67,7 @@ pub fn weak_with_correction(conditions: &Conditions, factor: f64) -> Claim {
     let observable = Observable { name: "y3", function: |y: [f64; 3]| y[2] };
     let sizes = StepSizes { levels: 6, samples: 2048, ..step_sizes(conditions) };
     let problem = rigid_body_three_noises(1.0);
-    let (wrong, sexp) = (Miscorrected { factor }, Sexp::default());
+    let (wrong, sexp) = (Miscorrected { factor }, Sexp);
     let sexp = ReferenceSolution::<_, 3, 3>::Scheme(&sexp);
     let measured = valid(weak_order(&wrong, &problem, observable, &sizes, &sexp));
     order_claim("weak-one", "weak order 1 for φ = y3", measured, 1.0)
@@ -78,7 +78,7 @@ fn half(
     conditions: &Conditions,
     noise: impl Fn(&Step, &BlockNoise<3>, usize) -> Noise<3> + Send + Sync,
 ) -> Claim {
-    let wrong = OtherNoise { scheme: &Sexp::default(), noise };
+    let wrong = OtherNoise { scheme: &Sexp, noise };
     strong(conditions, "strong-half", &rigid_body_three_noises(1.0), &wrong, 0.5)
 }
 
@@ -103,7 +103,7 @@ pub fn truncated_too_early(conditions: &Conditions) -> Claim {
         let bound = 0.5 * step.tau.sqrt();
         Noise::increments(noise.increments.path(p).map(|dw| dw.clamp(-bound, bound)))
     };
-    let wrong = OtherNoise { scheme: &Sexp::default(), noise };
+    let wrong = OtherNoise { scheme: &Sexp, noise };
     strong(conditions, "strong-one", &rigid_body_one_noise(), &wrong, 1.0)
 }
 
