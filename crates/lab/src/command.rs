@@ -8,24 +8,24 @@ use real::Level;
 /// Reads the value of `--simd`: `baseline`, `avx2` or `avx512`.
 ///
 /// # Errors
-/// A sentence, when there is no such instruction set or this machine does not have it: kernels
+/// A sentence, when there is no such instruction set or this build or machine does not have it: kernels
 /// would run on a narrower one, and a time would be that of something else.
 ///
 /// ```
 /// use real::Level;
 ///
-/// assert_eq!(lab::command::simd("baseline"), Ok(Level::Baseline));
+/// let built = Level::BUILT[0];
+/// assert_eq!(lab::command::simd(built.name()), Ok(built));
 /// assert!(lab::command::simd("mmx").is_err());
 /// ```
 pub fn simd(name: &str) -> Result<Level, String> {
-    level_up_to(Level::available(), name)
+    let available = Level::BUILT.iter().filter(|level| **level <= Level::available());
+    one_of(&available.copied().collect::<Vec<_>>(), name)
 }
 
-fn level_up_to(available: Level, name: &str) -> Result<Level, String> {
-    let all = [Level::Baseline, Level::Avx2, Level::Avx512].into_iter();
-    let mut levels = all.filter(|level| *level <= available);
-    levels.clone().find(|level| level.name() == name).ok_or_else(|| {
-        let has = levels.by_ref().map(Level::name).collect::<Vec<_>>().join(", ");
+fn one_of(levels: &[Level], name: &str) -> Result<Level, String> {
+    levels.iter().copied().find(|level| level.name() == name).ok_or_else(|| {
+        let has = levels.iter().map(|level| level.name()).collect::<Vec<_>>().join(", ");
         format!("this machine does not have it, only {has}")
     })
 }
@@ -58,9 +58,10 @@ mod tests {
 
     #[test]
     fn an_instruction_set_that_the_machine_lacks_is_refused() {
-        assert_eq!(level_up_to(Level::Avx2, "avx2"), Ok(Level::Avx2));
-        let refused = level_up_to(Level::Avx2, "avx512");
+        let two = &[Level::Baseline, Level::Avx2];
+        assert_eq!(one_of(two, "avx2"), Ok(Level::Avx2));
+        let refused = one_of(two, "avx512");
         assert_eq!(refused, Err("this machine does not have it, only baseline, avx2".to_owned()));
-        assert!(level_up_to(Level::Avx512, "AVX2").is_err());
+        assert!(one_of(two, "AVX2").is_err());
     }
 }

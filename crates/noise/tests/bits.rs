@@ -61,7 +61,7 @@ fn areas_equal_those_of_the_paths<const M: usize>(first_path: u64, steps: usize)
 /// One test: the limit belongs to the whole process.
 #[test]
 fn a_block_is_its_paths_at_every_level() {
-    for level in [Level::Baseline, Level::Avx2, Level::Avx512] {
+    for &level in Level::BUILT {
         limit_to(level);
         block_equals_its_paths::<1>(0, 2000);
         block_equals_its_paths::<2>(32, 2000);

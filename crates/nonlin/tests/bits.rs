@@ -95,7 +95,7 @@ fn block_is_its_paths<const D: usize>() -> [u32; 3] {
 /// One test: the limit belongs to the whole process.
 #[test]
 fn a_block_is_its_paths_at_every_level() {
-    for level in [Level::Baseline, Level::Avx2, Level::Avx512] {
+    for &level in Level::BUILT {
         limit_to(level);
         for seen in
             [block_is_its_paths::<1>(), block_is_its_paths::<2>(), block_is_its_paths::<3>()]

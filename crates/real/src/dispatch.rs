@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
+#[cfg(any(avx2_alone, not(debug_assertions)))]
 use multiversion::{multiversion, target::match_target};
 
 /// A computation on blocks of paths, compiled for every [`Level`].
@@ -32,20 +33,29 @@ pub enum Level {
 }
 
 impl Level {
+    /// The levels that kernels are compiled for, the narrowest first.
+    ///
+    /// Debug builds, as for `cargo test`, have one alone: that of the machine which builds them, up
+    /// to AVX2. Compiling the others would take most of their time.
+    pub const BUILT: &[Self] = if cfg!(avx2_alone) {
+        &[Self::Avx2]
+    } else if cfg!(debug_assertions) {
+        &[Self::Baseline]
+    } else {
+        &[Self::Baseline, Self::Avx2, Self::Avx512]
+    };
+
     /// The widest level that this machine supports and [`limit_to`] allows.
     pub fn current() -> Self {
-        Self::available().min(Self::limit())
+        Self::available().min(Self::limit()).max(Self::BUILT[0])
     }
 
-    /// The widest level that kernels are compiled for. Builds with debug assertions, as for `cargo
-    /// test`, have no [`Avx512`](Self::Avx512): it would take a third of their time.
-    pub const WIDEST: Self = if cfg!(debug_assertions) { Self::Avx2 } else { Self::Avx512 };
-
-    /// The widest level that this machine supports, up to [`WIDEST`](Self::WIDEST).
+    /// The widest level that this machine supports and kernels are compiled for.
     pub fn available() -> Self {
+        let built = |level| Self::BUILT.contains(&level);
         #[cfg(target_arch = "x86_64")]
         {
-            if Self::WIDEST == Self::Avx512
+            if built(Self::Avx512)
                 && is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512vl")
                 && is_x86_feature_detected!("avx512dq")
@@ -53,11 +63,11 @@ impl Level {
             {
                 return Self::Avx512;
             }
-            if is_x86_feature_detected!("avx2") {
+            if built(Self::Avx2) && is_x86_feature_detected!("avx2") {
                 return Self::Avx2;
             }
         }
-        Self::Baseline
+        Self::BUILT[0]
     }
 
     fn limit() -> Self {
@@ -87,13 +97,32 @@ pub fn limit_to(level: Level) {
 }
 
 /// Runs the version of `kernel` compiled for [`Level::current`].
+///
+/// # Panics
+/// In a debug build that was built on a machine with AVX2 and runs on one without.
 #[inline]
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
+    #[cfg(avx2_alone)]
+    return avx2_alone(kernel);
+    #[cfg(all(debug_assertions, not(avx2_alone)))]
+    return baseline(kernel);
+    #[cfg(not(debug_assertions))]
     match Level::limit() {
         Level::Baseline => baseline(kernel),
-        #[cfg(not(debug_assertions))]
+        Level::Avx2 => up_to_avx2(kernel),
         Level::Avx512 => up_to_avx512(kernel),
-        _ => up_to_avx2(kernel),
+    }
+}
+
+#[cfg(avx2_alone)]
+#[multiversion(targets("x86_64+avx2"))]
+fn avx2_alone<K: Kernel>(kernel: K) -> K::Output {
+    match_target! {
+        "x86_64+avx2" => kernel.run(),
+        _ => {
+            drop(kernel);
+            panic!("this debug build has kernels for AVX2 alone: build it on this machine")
+        }
     }
 }
 
@@ -109,6 +138,7 @@ fn up_to_avx512<K: Kernel>(kernel: K) -> K::Output {
     }
 }
 
+#[cfg(not(debug_assertions))]
 #[multiversion(targets("x86_64+avx2"))]
 fn up_to_avx2<K: Kernel>(kernel: K) -> K::Output {
     match_target! {
@@ -117,6 +147,7 @@ fn up_to_avx2<K: Kernel>(kernel: K) -> K::Output {
     }
 }
 
+#[cfg(not(avx2_alone))]
 #[inline(never)]
 fn baseline<K: Kernel>(kernel: K) -> K::Output {
     kernel.run()

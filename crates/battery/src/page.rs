@@ -1,12 +1,12 @@
 //! The page about the battery: statements, twins, coverage, the library.
 
-use battery::library::{Question, Row, Total, by_kind, by_old_rule};
 use report::{Outcome, Page};
 use stats::{Coverage, Expected};
 use verify::results::{Claim, Evidence, Verdict};
 
 use crate::{
     budget::{expected_alarms, least_power, poisson_quantile},
+    library::{OldRule, Question, Row, Total, by_kind, by_old_rule},
     twins::TWINS,
 };
 
@@ -253,7 +253,7 @@ fn library(page: &mut Page, battery: &Battery) {
          falsely. Not refuted: **{}**.",
         battery.missed_rules()
     ));
-    let rule = |(rule, old, new): (battery::library::OldRule, Total, Total)| {
+    let rule = |(rule, old, new): (OldRule, Total, Total)| {
         let of = |total: Total| format!("{} of {}", total.missed, total.stated);
         [rule.words().into(), of(old), of(new)]
     };

@@ -1,21 +1,18 @@
 //! `cargo xtask verify`: all statements for many master seeds, all twins, the coverage of the
 //! intervals, the library of known answers, and the page `docs/verification.md`.
 
-mod budget;
-mod page;
-mod twins;
-
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
 use anyhow::Result;
-use battery::library;
+use battery::{
+    library,
+    page::{self, Battery},
+    twins::measure_twins,
+};
 use clap::{Parser, value_parser};
 use lab::{EXPERIMENTS, Experiment, STATEMENTS, SUPPLEMENTS, command, ids};
 use report::{Bars, files, terminal};
 use verify::{Mode, Settings, results::Claim};
-
-use page::Battery;
-use twins::measure_twins;
 
 /// Runs the whole battery for many seeds, with all wrong twins, and writes docs/verification.md.
 #[derive(Parser)]
