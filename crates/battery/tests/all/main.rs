@@ -3,4 +3,5 @@
 
 mod coverage;
 mod library;
+mod page;
 mod twins;
