@@ -1,6 +1,8 @@
 //! One sweep of the fast methods on one path, for single paths and blocks alike.
 
-use crate::{FirstSweep, FixedPoint, elimination::Factored, solver::Method};
+use real::Factored;
+
+use crate::{FirstSweep, FixedPoint, solver::Method};
 
 /// A path has converged when the estimate of ‖z − ψ(z)‖₁ is below this fraction of ‖z‖₁. Evaluating
 /// ψ rounds each component of z by up to half an ulp, so smaller residuals carry no information.
@@ -183,7 +185,7 @@ fn newton_twice<E: FixedPoint<D>, const D: usize>(one: &E, other: &E) -> (Tail<D
 fn newton_step<const D: usize>(
     z: [f64; D],
     (value, jacobian): ([f64; D], [[f64; D]; D]),
-) -> (Factored<D>, [f64; D]) {
+) -> (Factored<f64, D>, [f64; D]) {
     let matrix = Factored::new(identity_minus(jacobian));
     (matrix, minus(z, matrix.solve(minus(z, value))))
 }
@@ -192,7 +194,7 @@ fn newton_step<const D: usize>(
 #[inline(always)]
 fn simplified_step<E: FixedPoint<D>, const D: usize>(
     equation: &E,
-    matrix: Factored<D>,
+    matrix: Factored<f64, D>,
     z: [f64; D],
 ) -> [f64; D] {
     minus(z, matrix.solve(minus(z, equation.map(z))))

@@ -23,6 +23,7 @@
 //! | [`Dual`] | value and one directional derivative; can be nested |
 //! | [`Bounded`] | value and a bound of its rounding error |
 //! | [`gradient`], [`directional`], [`jacobian`] | derivatives by dual numbers |
+//! | [`Factored`] | small linear systems without branches |
 //! | [`Block`], [`PathMask`] | the state of 32 paths, a subset of them |
 //! | [`Kernel`], [`dispatch`], [`Level`] | run-time choice of the instruction set |
 //! | [`elementary`] | branch-free sin, cos, exp, ln, sinc |
@@ -37,6 +38,7 @@ mod derivative;
 mod dispatch;
 mod dual;
 pub mod elementary;
+mod factored;
 mod number;
 
 pub use block::{Block, PathMask, WIDTH};
@@ -45,4 +47,5 @@ pub use derivative::{ScalarFunction, VectorFunction, directional, gradient, jaco
 #[cfg(feature = "dispatch")]
 pub use dispatch::{Kernel, Level, dispatch, limit_to};
 pub use dual::Dual;
+pub use factored::Factored;
 pub use number::Real;

@@ -35,6 +35,9 @@ pub trait Increment: Copy {
     /// ∇̄h(a, b) = ∫₀¹ ∇h((1−η)a + ηb) dη, the averaged discrete gradient.
     fn averaged_gradient(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
 
+    /// The solution of z = y + B((y+z)/2)·v, for B that is affine in y.
+    fn cayley(self, y: Self::Vector, v: Self::Vector) -> Self::Vector;
+
     /// ½Σ fₘ′(y)fₘ(y) with fₘ = B∇Hₘ: the drift of the Itô form minus that of the Stratonovich
     /// form, per unit of time.
     fn ito_correction(self, y: Self::Vector) -> Self::Vector;
@@ -123,6 +126,10 @@ impl<S: PoissonSystem<D, M>, R: Real, const D: usize, const M: usize> Increment
     #[inline(always)]
     fn averaged_gradient(self, a: Vector<R, D>, b: Vector<R, D>) -> Vector<R, D> {
         Vector(self.system.averaged_gradient(a.0, b.0, self.step.tau, self.noise.increments))
+    }
+    #[inline(always)]
+    fn cayley(self, y: Vector<R, D>, v: Vector<R, D>) -> Vector<R, D> {
+        Vector(self.system.cayley(y.0, v.0))
     }
     #[inline(always)]
     fn ito_correction(self, y: Vector<R, D>) -> Vector<R, D> {

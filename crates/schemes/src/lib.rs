@@ -28,6 +28,8 @@
 //! |---|---|---|
 //! | [`Sexp`] | implicit, exponential | 1 / ½ |
 //! | [`SexpLevy`] | implicit, exponential, with Lévy areas | 1 / 1 |
+//! | [`SexpLi`] | linearly implicit, exponential | 1 / ½ |
+//! | [`Split`] | explicit, exponential | 1 / ½ |
 //! | [`Midpoint`] | implicit | 1 / ½ |
 //! | [`Heun`] | explicit | 1 / ½ |
 //! | [`EulerMaruyama`] | explicit | ½ / ½ |
@@ -41,6 +43,8 @@ mod midpoint;
 mod scheme;
 mod sexp;
 mod sexp_levy;
+mod sexp_li;
+mod split;
 mod step;
 mod with_solver;
 
@@ -52,5 +56,7 @@ pub use midpoint::Midpoint;
 pub use scheme::Scheme;
 pub use sexp::Sexp;
 pub use sexp_levy::SexpLevy;
+pub use sexp_li::{SexpLi, SexpLiError};
+pub use split::Split;
 pub use step::{Step, StepError};
 pub use with_solver::WithSolver;

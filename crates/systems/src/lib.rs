@@ -45,10 +45,13 @@
 //! [`Poisson3`] (Bréhier, Cohen and Komori 2025), and [`SpinChain`] with more than three
 //! dimensions.
 
+mod cayley;
 mod damping;
 mod error;
 mod field;
+mod flows;
 mod invariant;
+mod linearity;
 mod lotka_volterra;
 mod maxwell_bloch;
 pub mod paper;
@@ -68,6 +71,8 @@ pub use field::{
     HamiltonianIncrement, ito_correction, noises_commute, unit_noise, vector_field,
     vector_field_derivative,
 };
+pub use linearity::{Linearity, always_solvable, linearity};
+pub use flows::Flows;
 pub use invariant::{Form, Invariant, InvariantKind};
 pub use lotka_volterra::{Exponents, IntegerExponents, LotkaVolterra, RealExponents};
 pub use maxwell_bloch::MaxwellBloch;

@@ -2,7 +2,7 @@
 
 use real::Real;
 
-use crate::{ImplicitStep, Invariant, PoissonSystem, system::no_invariant};
+use crate::{Flows, ImplicitStep, Invariant, PoissonSystem, cayley::turned, system::no_invariant};
 
 /// The Maxwell–Bloch system of laser-matter dynamics (Bréhier, Cohen and Komori 2025, Example 4):
 /// B(y)v = (−y₃v₂ + y₂v₃, y₃v₁, −y₂v₁), H₀ = ½y₁² + y₃, H₁ = y₃.
@@ -10,6 +10,22 @@ use crate::{ImplicitStep, Invariant, PoissonSystem, system::no_invariant};
 /// Casimir: ½(y₂² + y₃²), of degree 2.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MaxwellBloch;
+
+/// Parts: ½y₁², a rotation of (y₂, y₃) by Cayley's map, then y₃, a shift of y₁ by y₂.
+impl Flows<3, 1> for MaxwellBloch {
+    const PARTS: usize = 2;
+
+    #[inline(always)]
+    fn flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
+        match part {
+            0 => {
+                let (second, third) = turned(y[1], y[2], 0.5 * dt * y[0]);
+                [y[0], second, third]
+            }
+            _ => [y[0] + (dt + dw[0]) * y[1], y[1], y[2]],
+        }
+    }
+}
 
 impl PoissonSystem<3, 1> for MaxwellBloch {
     fn name(&self) -> &'static str {
@@ -19,6 +35,14 @@ impl PoissonSystem<3, 1> for MaxwellBloch {
     #[inline(always)]
     fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
         [y[1] * v[2] - y[2] * v[1], y[2] * v[0], -(y[1] * v[0])]
+    }
+
+    /// A rotation of (y₂, y₃) by Cayley's map, then y₁.
+    #[inline(always)]
+    fn cayley<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+        let (second, third) = turned(y[1], y[2], v[0] * 0.5);
+        let first = y[0] + ((y[1] + second) * v[2] - (y[2] + third) * v[1]) * 0.5;
+        [first, second, third]
     }
 
     #[inline(always)]

@@ -1,9 +1,9 @@
 //! The damped stochastic mathematical pendulum.
 
 use dgrad::{ShortMean, mean_sine};
-use real::Real;
+use real::{Real, elementary};
 
-use crate::{ImplicitStep, PoissonSystem, SystemError, error::finite};
+use crate::{Flows, ImplicitStep, PoissonSystem, SystemError, error::finite};
 
 /// The mathematical pendulum (Bréhier, Cohen and Komori 2025, Example 1): B(y)v = (−v₂, v₁),
 /// H₀ = H = ½y₁² − cos y₂ and H₁ = cH, with the momentum y₁ and the angle y₂ in radians.
@@ -21,6 +21,20 @@ impl Pendulum {
     /// [`SystemError::NonFiniteParameter`] unless c is finite.
     pub fn new(c: f64) -> Result<Self, SystemError> {
         Ok(Self { noise: finite("the noise size c", c)? })
+    }
+}
+
+/// Parts: ½y₁², which moves the angle, then −cos y₂, which moves the momentum: one sine a step.
+impl Flows<2, 1> for Pendulum {
+    const PARTS: usize = 2;
+
+    #[inline(always)]
+    fn flow(&self, part: usize, y: [f64; 2], dt: f64, dw: [f64; 1]) -> [f64; 2] {
+        let time = dt + self.noise * dw[0];
+        match part {
+            0 => [y[0], y[1] + time * y[0]],
+            _ => [y[0] - time * elementary::sin(y[1]), y[1]],
+        }
     }
 }
 

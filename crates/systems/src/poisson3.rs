@@ -1,10 +1,10 @@
 //! A damped stochastic Poisson system in three dimensions with constant B.
 
 use dgrad::{ShortMean, mean_cosine};
-use real::Real;
+use real::{Real, elementary};
 
 use crate::{
-    ImplicitStep, Invariant, PoissonSystem, SystemError, error::finite, system::no_invariant,
+    Flows, ImplicitStep, Invariant, PoissonSystem, SystemError, error::finite, system::no_invariant,
 };
 
 /// A Poisson system with constant structure matrix (Bréhier, Cohen and Komori 2025, Example 5):
@@ -23,6 +23,21 @@ impl Poisson3 {
     /// [`SystemError::NonFiniteParameter`] unless c is finite.
     pub fn new(c: f64) -> Result<Self, SystemError> {
         Ok(Self { noise: finite("the noise size c", c)? })
+    }
+}
+
+/// Parts sin yᵢ: y moves along Beᵢ, which has no component i.
+impl Flows<3, 1> for Poisson3 {
+    const PARTS: usize = 3;
+
+    #[inline(always)]
+    fn flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
+        let shift = (dt + self.noise * dw[0]) * elementary::cos(y[part]);
+        match part {
+            0 => [y[0], y[1] - shift, y[2] + shift],
+            1 => [y[0] + shift, y[1], y[2] - shift],
+            _ => [y[0] - shift, y[1] + shift, y[2]],
+        }
     }
 }
 

@@ -3,16 +3,11 @@
 use real::Real;
 
 use crate::{
-    Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem, SystemError,
+    Flows, Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem, SystemError,
+    cayley::{cayley_cross, cross, turned},
     error::{finite, positive},
     system::no_invariant,
 };
-
-/// y × v.
-#[inline(always)]
-fn cross<R: Real>(y: [R; 3], v: [R; 3]) -> [R; 3] {
-    [y[1] * v[2] - y[2] * v[1], y[2] * v[0] - y[0] * v[2], y[0] * v[1] - y[1] * v[0]]
-}
 
 #[inline(always)]
 fn half_square<R: Real>(y: [R; 3]) -> R {
@@ -85,6 +80,25 @@ impl<const M: usize> RigidBody<M> {
     }
 }
 
+/// ẏ = y × k yᵢeᵢ for time one: a rotation about axis i, by Cayley's map.
+#[inline(always)]
+fn turned_about(axis: usize, y: [f64; 3], k: f64) -> [f64; 3] {
+    let (j, l) = ((axis + 1) % 3, (axis + 2) % 3);
+    let mut z = y;
+    (z[j], z[l]) = turned(y[j], y[l], 0.5 * k * y[axis]);
+    z
+}
+
+/// Parts ½yᵢ²(dt/Iᵢ + dwᵢ/Îᵢ): rotations about the axes.
+impl<const M: usize> Flows<3, M> for RigidBody<M> {
+    const PARTS: usize = 3;
+
+    #[inline(always)]
+    fn flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; M]) -> [f64; 3] {
+        turned_about(part, y, self.coefficients(dt, dw)[part])
+    }
+}
+
 impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
     fn name(&self) -> &'static str {
         "rigid-body"
@@ -93,6 +107,11 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
     #[inline(always)]
     fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
         cross(y, v)
+    }
+
+    #[inline(always)]
+    fn cayley<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+        cayley_cross(y, v)
     }
 
     #[inline(always)]
@@ -180,6 +199,15 @@ impl RigidBodyEnergy {
     }
 }
 
+impl Flows<3, 1> for RigidBodyEnergy {
+    const PARTS: usize = 3;
+
+    #[inline(always)]
+    fn flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
+        self.body.flow(part, y, dt + self.noise * dw[0], [])
+    }
+}
+
 impl PoissonSystem<3, 1> for RigidBodyEnergy {
     fn name(&self) -> &'static str {
         "rigid-body"
@@ -188,6 +216,11 @@ impl PoissonSystem<3, 1> for RigidBodyEnergy {
     #[inline(always)]
     fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
         cross(y, v)
+    }
+
+    #[inline(always)]
+    fn cayley<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+        cayley_cross(y, v)
     }
 
     #[inline(always)]

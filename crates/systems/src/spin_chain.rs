@@ -3,7 +3,8 @@
 use real::Real;
 
 use crate::{
-    ImplicitStep, Invariant, PoissonSystem, SystemError, error::finite, system::no_invariant,
+    Flows, ImplicitStep, Invariant, PoissonSystem, SystemError, cayley::cayley_cross, error::finite,
+    system::no_invariant,
 };
 
 /// A classical Heisenberg chain of n = D/3 spins sᵢ ∈ ℝ³ in a fluctuating magnetic field with y =
@@ -35,6 +36,48 @@ impl<const D: usize> SpinChain<D> {
     }
 }
 
+/// Parts: the fluctuating field, the anisotropy, the bonds (1, 2), (3, 4), …, and the bonds (2, 3),
+/// (4, 5), …. All are rotations, by Cayley's map; a bond turns both spins about their sum.
+impl<const D: usize> Flows<D, 3> for SpinChain<D> {
+    const PARTS: usize = 4;
+
+    #[inline(always)]
+    fn flow(&self, part: usize, mut y: [f64; D], dt: f64, dw: [f64; 3]) -> [f64; D] {
+        match part {
+            0 => {
+                let axis = [-self.field * dw[0], -self.field * dw[1], -self.field * dw[2]];
+                for i in (0..D).step_by(3) {
+                    turn(&mut y, i, axis);
+                }
+            }
+            1 => {
+                for i in (0..D).step_by(3) {
+                    let axis = [0.0, 0.0, -self.anisotropy * dt * y[i + 2]];
+                    turn(&mut y, i, axis);
+                }
+            }
+            _ => {
+                let weight = -self.exchange * dt;
+                for i in (3 * (part - 2)..D).step_by(6) {
+                    if i + 3 < D {
+                        let axis =
+                            [0, 1, 2].map(|j| weight * (y[i + j] + y[i + 3 + j]));
+                        turn(&mut y, i, axis);
+                        turn(&mut y, i + 3, axis);
+                    }
+                }
+            }
+        }
+        y
+    }
+}
+
+/// Spin yᵢ, yᵢ₊₁, yᵢ₊₂ turned by Cayley's map.
+#[inline(always)]
+fn turn<const D: usize>(y: &mut [f64; D], i: usize, axis: [f64; 3]) {
+    [y[i], y[i + 1], y[i + 2]] = cayley_cross([y[i], y[i + 1], y[i + 2]], axis);
+}
+
 impl<const D: usize> PoissonSystem<D, 3> for SpinChain<D> {
     fn name(&self) -> &'static str {
         "spin-chain"
@@ -47,6 +90,17 @@ impl<const D: usize> PoissonSystem<D, 3> for SpinChain<D> {
             turned[i] = y[i + 1] * v[i + 2] - y[i + 2] * v[i + 1];
             turned[i + 1] = y[i + 2] * v[i] - y[i] * v[i + 2];
             turned[i + 2] = y[i] * v[i + 1] - y[i + 1] * v[i];
+        }
+        turned
+    }
+
+    #[inline(always)]
+    fn cayley<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
+        let mut turned = y;
+        for i in (0..D).step_by(3) {
+            let spin = [y[i], y[i + 1], y[i + 2]];
+            let next = cayley_cross(spin, [v[i], v[i + 1], v[i + 2]]);
+            (turned[i], turned[i + 1], turned[i + 2]) = (next[0], next[1], next[2]);
         }
         turned
     }

@@ -5,6 +5,7 @@ use real::{Real, gradient};
 
 use crate::{
     Invariant, SystemError,
+    cayley::cayley_by_elimination,
     field::{HamiltonianIncrement, unit_noise, vector_field, vector_field_derivative},
 };
 
@@ -57,6 +58,15 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
     #[inline(always)]
     fn averaged_field<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
         self.structure(midpoint(a, b), self.averaged_gradient(a, b, dt, dw))
+    }
+
+    /// The solution of z = y + B((y+z)/2)·v, for B that is affine in y: a linear equation, solved by
+    /// elimination unless overridden. Not finite where the equation has no solution.
+    ///
+    /// Every quadratic Casimir C has C(z) = C(y), whatever v is.
+    #[inline(always)]
+    fn cayley<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
+        cayley_by_elimination(self, y, v)
     }
 
     /// Σ_{m<l} A_ml \[fₘ, f_l\](y) for a skew matrix A of Lévy areas, with fₘ = B∇Hₘ and [f, g] =

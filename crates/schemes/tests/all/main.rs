@@ -10,3 +10,4 @@ mod order;
 mod overflow;
 mod own_schemes;
 mod sweeps;
+mod without_iteration;

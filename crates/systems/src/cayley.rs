@@ -1,0 +1,66 @@
+//! The linearly implicit step z = y + B((y+z)/2)·v for B that is affine in y.
+
+use real::{Factored, Real};
+
+use crate::PoissonSystem;
+
+/// The solution by elimination without pivoting, for any affine B.
+///
+/// With A(v)x = B(x)v − B(0)v the equation is (I − ½A)z = y + ½Ay + B(0)v = y + B(y/2)·v + ½B(0)·v.
+#[inline(always)]
+pub fn cayley_by_elimination<S, R: Real, const D: usize, const M: usize>(
+    system: &S,
+    y: [R; D],
+    v: [R; D],
+) -> [R; D]
+where
+    S: PoissonSystem<D, M> + ?Sized,
+{
+    let zero = [R::zero(); D];
+    let constant = system.structure(zero, v);
+    let mut matrix = [zero; D];
+    for j in 0..D {
+        let mut unit = zero;
+        unit[j] = R::one();
+        let column = system.structure(unit, v);
+        for i in 0..D {
+            matrix[i][j] = (constant[i] - column[i]) * 0.5;
+        }
+        matrix[j][j] = matrix[j][j] + R::one();
+    }
+    // A y + 2B(0)v = B(y)v + B(0)v.
+    let field = system.structure(y, v);
+    let mut right = y;
+    for i in 0..D {
+        right[i] = right[i] + (field[i] + constant[i]) * 0.5;
+    }
+    Factored::new(matrix).solve(right)
+}
+
+/// The solution for B(y)v = y × v, Cayley's rotation: z = y + (2/(1+|s|²))·(y × s + (y × s) × s) with
+/// s = v/2.
+#[inline(always)]
+pub fn cayley_cross<R: Real>(y: [R; 3], v: [R; 3]) -> [R; 3] {
+    let s = [v[0] * 0.5, v[1] * 0.5, v[2] * 0.5];
+    let turned = cross(y, s);
+    let twice = cross(turned, s);
+    let factor = R::constant(2.0) / (R::one() + (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]));
+    [
+        y[0] + (turned[0] + twice[0]) * factor,
+        y[1] + (turned[1] + twice[1]) * factor,
+        y[2] + (turned[2] + twice[2]) * factor,
+    ]
+}
+
+/// y × v.
+#[inline(always)]
+pub fn cross<R: Real>(y: [R; 3], v: [R; 3]) -> [R; 3] {
+    [y[1] * v[2] - y[2] * v[1], y[2] * v[0] - y[0] * v[2], y[0] * v[1] - y[1] * v[0]]
+}
+
+/// (a, b) turned by the angle −2 arctan s: (a, b) + (2s/(1+s²))·(b − sa, −a − sb).
+#[inline(always)]
+pub fn turned<R: Real>(a: R, b: R, s: R) -> (R, R) {
+    let factor = s * 2.0 / (s * s + 1.0);
+    (a + (b - s * a) * factor, b - (a + s * b) * factor)
+}

@@ -1,0 +1,119 @@
+//! How B depends on y, which decides whether a step can be linearly implicit.
+
+use real::Bounded;
+
+use crate::PoissonSystem;
+
+/// How the structure matrix B depends on y.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Linearity {
+    /// Not at all.
+    Constant,
+    /// B(y) − B(0) is linear in y, as for every Lie–Poisson system.
+    Affine,
+    /// In another way, or its formula does not show it.
+    Other,
+}
+
+/// How B depends on y, shown by its formula: the degree of every column B(y)eⱼ as a polynomial in
+/// y, which [`Bounded`] bounds, at this point. A formula made of pieces may be something else
+/// elsewhere.
+pub fn linearity<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+    system: &S,
+    y: [f64; D],
+) -> Linearity {
+    let mut degree = 0.0;
+    let ((), pieces) = Bounded::piecewise(|| {
+        for j in 0..D {
+            let mut unit = [Bounded::exact(0.0); D];
+            unit[j] = Bounded::exact(1.0);
+            let column = system.structure(y.map(Bounded::variable), unit);
+            degree = column.iter().fold(degree, |degree, entry| f64::max(degree, entry.degree));
+        }
+    });
+    match degree {
+        _ if pieces => Linearity::Other,
+        0.0 => Linearity::Constant,
+        1.0 => Linearity::Affine,
+        _ => Linearity::Other,
+    }
+}
+
+/// Vectors v that [`always_solvable`] tries, and their sizes ‖v‖ from least to largest.
+const TRIED: u32 = 64;
+const SIZES: [f64; 2] = [0.1, 1e3];
+
+/// Relative error of a determinant by elimination, with a margin: D ε times a growth of the pivots.
+const ROUNDING: f64 = 1e-9;
+
+/// Whether z = y + B((y+z)/2)·v has a solution for every v, found by search: B is constant, or it
+/// is affine and det(I − ½A(v)) ≥ 1 for 64 vectors v of many directions and sizes, where A(v)x =
+/// B(x)v − B(0)v.
+///
+/// If all eigenvalues of A(v) are imaginary for all v, as where a quadratic Casimir is positive
+/// definite, the determinant is Π(1 + ωᵢ²/4). A real eigenvalue λ of A(v) makes I − ½A(2v/λ)
+/// singular, and the determinant is below one on the way there.
+pub fn always_solvable<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+    system: &S,
+    y: [f64; D],
+) -> bool {
+    match linearity(system, y) {
+        Linearity::Constant => true,
+        Linearity::Other => false,
+        Linearity::Affine => {
+            let determinant = |n| determinant(identity_minus_half(system, direction(n)));
+            (0..TRIED).all(|n| determinant(n) >= 1.0 - ROUNDING)
+        }
+    }
+}
+
+/// Vector number n: a direction by multiples of the golden ratio, of a size between [`SIZES`].
+fn direction<const D: usize>(n: u32) -> [f64; D] {
+    let position = f64::from(n) / f64::from(TRIED - 1);
+    let size = SIZES[0] * (SIZES[1] / SIZES[0]).powf(position);
+    let v: [f64; D] = std::array::from_fn(|i| {
+        let number = f64::from(n) * D as f64 + (i + 1) as f64;
+        2.0 * (number * 0.618_033_988_749_894_8).fract() - 1.0
+    });
+    let norm = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    v.map(|x| x * size / norm)
+}
+
+/// The rows of I − ½A(v).
+fn identity_minus_half<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+    system: &S,
+    v: [f64; D],
+) -> Vec<[f64; D]> {
+    let constant = system.structure([0.0; D], v);
+    let mut rows = vec![[0.0; D]; D];
+    for j in 0..D {
+        let mut unit = [0.0; D];
+        unit[j] = 1.0;
+        let column = system.structure(unit, v);
+        for i in 0..D {
+            rows[i][j] = 0.5 * (constant[i] - column[i]);
+        }
+        rows[j][j] += 1.0;
+    }
+    rows
+}
+
+/// By elimination with pivoting.
+fn determinant<const D: usize>(mut a: Vec<[f64; D]>) -> f64 {
+    let mut determinant = 1.0;
+    for k in 0..D {
+        let largest = (k..D).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap_or(k);
+        if largest != k {
+            a.swap(k, largest);
+            determinant = -determinant;
+        }
+        determinant *= a[k][k];
+        for i in k + 1..D {
+            let factor = a[i][k] / a[k][k];
+            for j in k + 1..D {
+                a[i][j] -= factor * a[k][j];
+            }
+        }
+    }
+    determinant
+}
