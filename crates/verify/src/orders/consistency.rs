@@ -231,4 +231,29 @@ mod tests {
         assert!((1e-5..2e-5).contains(&part), "{part}");
         assert_eq!(of(|tau| tau.powf(-0.5)), Consistency::Unclear);
     }
+
+    #[test]
+    fn an_error_stays_or_vanishes_by_its_last_two_exponents() {
+        let of = |values: &[f64], floor: f64| {
+            vanishes(&values.iter().map(|&value| Error { value, floor }).collect::<Vec<_>>())
+        };
+        // Quarters of τ: factors 4^{¼} and 4^{0.1} of two values are the exponents at the edges.
+        let factor = |exponent: f64| 4f64.powf(-exponent);
+        let last_two = |a: f64, b: f64| of(&[1.0, factor(a), factor(a) * factor(b)], 1e-9);
+        assert!(matches!(last_two(-1.0, 0.251), Consistency::Consistent(_)));
+        assert_eq!(last_two(1.0, 0.249), Consistency::Unclear);
+        let stays = factor(0.099) * factor(0.099);
+        assert_eq!(last_two(0.099, 0.099), Consistency::Inconsistent(stays));
+        let grows = factor(-0.099) * factor(-0.099);
+        assert_eq!(last_two(-0.099, -0.099), Consistency::Inconsistent(grows));
+        assert_eq!(last_two(0.101, 0.099), Consistency::Unclear);
+        assert_eq!(last_two(0.099, 0.101), Consistency::Unclear);
+        assert_eq!(last_two(-0.2, 0.05), Consistency::Unclear);
+        // What is eight times rounding is known; the first that is not bounds the rest.
+        assert_eq!(of(&[7.9, 1.0], 1.0), Consistency::Consistent(7.9));
+        assert_eq!(of(&[8.1, 1.0], 1.0), Consistency::Consistent(1.0));
+        assert_eq!(of(&[8.1, 0.5, 9.0], 1.0), Consistency::Consistent(1.0));
+        assert_eq!((of(&[8.1], 1.0), of(&[], 1.0)), (Consistency::Unclear, Consistency::Unclear));
+        assert_eq!(of(&[8.1, 8.1], 1.0), Consistency::Unclear);
+    }
 }
