@@ -296,25 +296,10 @@ mod tests {
         }
     }
 
-    use noise::{BlockNoise, Truncation};
-    use nonlin::{BlockStatus, Outcome, Solution};
-    use real::{Block, Real};
+    use noise::Truncation;
     use systems::{Constant, paper::valid};
 
-    /// A system that no scheme here asks.
-    struct Anything;
-
-    impl PoissonSystem<2, 1> for Anything {
-        fn name(&self) -> &'static str {
-            "anything"
-        }
-        fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
-            v
-        }
-        fn energy<R: Real>(&self, y: [R; 2], _dt: f64, _dw: [f64; 1]) -> R {
-            y[0]
-        }
-    }
+    use super::super::tests::{Anything, Single};
 
     fn problem() -> Problem<Anything, Constant, 2> {
         valid(Problem::new(Anything, valid(Constant::new(0.0)), [1.0, 0.0], 2.0))
@@ -323,35 +308,6 @@ mod tests {
     fn sizes() -> StepSizes {
         let key = StreamKey { seed: 1, experiment: 1 };
         StepSizes { levels: 3, ..StepSizes::new(4, Truncation::none(), key) }
-    }
-
-    /// A step as a function of t, τ, ΔW and y; it fails where that is NaN.
-    struct Single(fn(f64, f64, f64, [f64; 2]) -> [f64; 2]);
-
-    impl Scheme<Anything, 2, 1> for Single {
-        fn id(&self) -> &'static str {
-            "single"
-        }
-        fn reads_areas(&self) -> bool {
-            false
-        }
-        fn clips_increments(&self) -> bool {
-            false
-        }
-        fn step_block(
-            &self,
-            _: &Anything,
-            _: &Step,
-            _: &BlockNoise<1>,
-            _: &mut Block<2>,
-            _: &mut BlockStatus,
-        ) {
-            unreachable!("single steps only")
-        }
-        fn step(&self, _: &Anything, step: &Step, noise: &Noise<1>, y: [f64; 2]) -> Solution<2> {
-            let z = (self.0)(step.t, step.tau, noise.increments[0], y);
-            Solution { z, outcome: Outcome::Fast { iterations: 1 } }.checked()
-        }
     }
 
     #[test]

@@ -140,6 +140,8 @@ fn laws_of_casimirs_are_as_sure_as_the_least_sure_one() {
     assert_eq!(of(CASIMIR, &[], Shown), words(No, &format!("no {none}")));
     let unknown = words(Conditionally, &format!("cannot tell whether there is a {none}"));
     assert_eq!(of(CASIMIR, &[], Unknown), unknown);
+    let doubt = says(EXACT, |r| r.hamiltonians.proportional = Some(finding(Unknown)));
+    assert!(doubt.0 == No && doubt.1.starts_with("no linear or quadratic Casimir"), "{doubt:?}");
     // True claims have laws, too; those on the energy are that of the energy.
     let claim = |claimed_casimir, status| {
         says(EXACT, |r| {
@@ -371,4 +373,19 @@ fn every_status_has_its_words() {
     assert_eq!(commute(Refuted), none);
     let one = Inspection { noises: 1, ..sound() };
     assert!(!one.to_string().contains("  noises"), "{one}");
+
+    let casimirs = |change: &dyn Fn(&mut Casimirs)| of("Casimirs", &|r| change(&mut r.casimirs));
+    let head =
+        |sought, none| format!("  Casimirs of B, {sought}, coefficients to six digits:{none}");
+    assert_eq!(casimirs(&|_| ()), head("linear or quadratic", " none (shown)"));
+    let unknown = casimirs(&|c| (c.complete, c.quadratic_sought) = (Unknown, false));
+    assert_eq!(unknown, head("linear", " none found"));
+    let body = inspect(&valid(RigidBody::one_noise([1.0, 2.0, 4.0], 5.0))).unwrap();
+    for (status, is, has) in [(Refuted, "not", defect), (Unknown, "perhaps", rough)] {
+        let nearly = FoundCasimir { casimir: finding(status), ..body.casimirs.found[0].clone() };
+        let mut report = sound();
+        report.casimirs.nearly.push(nearly);
+        let words = format!("    {is} 0.5 y1² + 0.5 y2² + 0.5 y3²: B∇C has {has}\n");
+        assert!(report.to_string().contains(&words), "{report}");
+    }
 }
