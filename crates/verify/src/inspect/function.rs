@@ -324,6 +324,8 @@ mod tests {
             (Kind::Quadratic, Some(2.0), 0.0)
         );
         assert!(close(found.minimum.unwrap().value, 0.5));
+        // 1 + 1, and the slope 4 over the extent 5.
+        assert!(close(found.constant_hessian.scale, 2.8), "{found:?}");
         // Of degree two with Hessians that differ.
         let bent = |y: &[f64]| vec![exact(&[1.0, y[0]]), exact(&[y[0], 1.0])];
         assert_eq!(shape(quadratic, exact, bent).kind, Kind::Homogeneous);
@@ -341,6 +343,8 @@ mod tests {
         assert_eq!((slope.kind, slope.degree), (Kind::NotHomogeneous, None));
         let one = shape(|_| Bounded::exact(1.0), |_| exact(&[0.0; 2]), flat);
         assert_eq!((one.kind, one.degree), (Kind::Homogeneous, Some(0.0)));
+        let below = shape(|_| Bounded::exact(-1.0), |_| exact(&[0.0; 2]), flat);
+        assert!(below.degree.is_some_and(|degree| degree.is_sign_positive()), "not −0");
         // Values with an error of 1e-9 of theirs.
         let rough = |y: &[f64]| within(y[0] + y[1], 1e-9 * (y[0] + y[1]));
         let unknown = shape(rough, |_| exact(&[1.0; 2]), flat);
