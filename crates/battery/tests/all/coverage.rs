@@ -1,16 +1,16 @@
-//! Nominal 95 % intervals cover 92 to 98 %, and their twins do not; warnings are raised where they
+//! Nominal 95 % intervals cover 93 to 97 %, and their twins do not; warnings are raised where they
 //! have to be, and only there.
 //!
-//! With 1000 data sets the share covered by a calibrated interval has the standard error 0.69 %;
-//! 2.8 % are 4.1 of them, which a calibrated interval misses with probability 4·10⁻⁵, and two dozen
-//! of them together with less than 10⁻³. A warning has to be raised on at least 97.2 % of the data
-//! sets, or on at most 2.8 %: one that fails in 1 % of them misses that with probability 10⁻⁶.
+//! With 2000 data sets the share covered by a calibrated interval has the standard error 0.49 %; 2
+//! % are 4.1 of them, which a calibrated interval misses with probability 4·10⁻⁵, and two dozen of
+//! them together with less than 10⁻³. A warning has to be raised on at least 98 % of the data sets,
+//! or on at most 2 %: one that fails in 1 % of them misses that with probability 4·10⁻⁵, too.
 
 use battery::coverage;
 use stats::{Coverage, Expected};
 
 /// The largest deviation from the nominal share.
-const TOLERANCE: f64 = 0.028;
+const TOLERANCE: f64 = 0.02;
 
 fn as_expected(row: &Coverage) -> bool {
     let above = row.share() - row.expected.nominal();
@@ -24,7 +24,7 @@ fn as_expected(row: &Coverage) -> bool {
 
 #[test]
 fn intervals_cover_as_often_as_they_say() {
-    let rows = coverage(1000, 1);
+    let rows = coverage(2000, 1);
     for row in &rows {
         println!("{:70} {:60} {:.4} {:?}", row.case, row.interval, row.share(), row.expected);
     }
