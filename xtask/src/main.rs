@@ -12,7 +12,7 @@ use std::{
 /// A chore, the package and the program that do it, what else cargo is told, and what it is for.
 type Chore = (&'static str, [&'static str; 2], &'static [&'static str], &'static str);
 
-/// The feature of `lab` without which its programs that measure are not built.
+/// The feature without which the programs that measure are not built.
 const MEASURING: &[&str] = &["--features", "measuring"];
 
 const CHORES: [Chore; 6] = [
@@ -20,7 +20,7 @@ const CHORES: [Chore; 6] = [
     (
         "verify",
         ["battery", "battery"],
-        &[],
+        MEASURING,
         "Run all checks for many seeds and write docs/verification.md",
     ),
     (
