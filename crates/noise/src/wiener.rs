@@ -30,34 +30,26 @@ impl<const M: usize> WienerBlock<M> {
     /// Writes the next M increments, each N(0, τ), into `dw`; `sqrt_tau` = √τ.
     #[inline]
     pub fn increments(&mut self, sqrt_tau: f64, dw: &mut Block<M>) {
-        let mut drawn = 0;
-        if self.has_spare && M > 0 {
-            for p in 0..WIDTH {
-                dw.0[0][p] = self.spare.0[0][p] * sqrt_tau;
-            }
-            self.has_spare = false;
-            drawn = 1;
-        }
-        if drawn < M {
-            self.has_spare = (M - drawn) % 2 == 1;
-            dispatch(Fill {
-                streams: &mut self.streams,
-                spare: &mut self.spare,
-                dw,
-                drawn,
-                sqrt_tau,
-            });
+        let Self { streams, spare, has_spare } = self;
+        let begins_with_spare = *has_spare;
+        *has_spare ^= M % 2 == 1;
+        let fill = Fill { streams, spare, begins_with_spare, dw, sqrt_tau };
+        if M == 1 && begins_with_spare {
+            // Nothing is drawn, which is not worth a dispatch.
+            fill.run();
+        } else if M > 0 {
+            dispatch(fill);
         }
     }
 }
 
-/// Draws pairs of normals into the rows `drawn..M` of `dw`, and the last of an odd number into
-/// `spare`.
+/// Fills the rows of `dw` with the spare normals, if it begins with them, and with pairs of
+/// normals. The last of an odd number of these becomes the spare.
 struct Fill<'a, const M: usize> {
     streams: &'a mut BlockStreams,
     spare: &'a mut Block<1>,
+    begins_with_spare: bool,
     dw: &'a mut Block<M>,
-    drawn: usize,
     sqrt_tau: f64,
 }
 
@@ -65,13 +57,20 @@ impl<const M: usize> Kernel for Fill<'_, M> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let mut rows = &mut self.dw.0[self.drawn..];
+        let Self { streams, spare: Block([spare]), begins_with_spare, dw, sqrt_tau } = self;
+        let mut rows = &mut dw.0[..];
+        if begins_with_spare && let [row, rest @ ..] = rows {
+            for p in 0..WIDTH {
+                row[p] = spare[p] * sqrt_tau;
+            }
+            rows = rest;
+        }
         while let [first, second, rest @ ..] = rows {
-            fill_pair(&mut self.streams.0, first, second, self.sqrt_tau, self.sqrt_tau);
+            fill_pair(&mut streams.0, first, second, sqrt_tau, sqrt_tau);
             rows = rest;
         }
         if let [last] = rows {
-            fill_pair(&mut self.streams.0, last, &mut self.spare.0[0], self.sqrt_tau, 1.0);
+            fill_pair(&mut streams.0, last, spare, sqrt_tau, 1.0);
         }
     }
 }
