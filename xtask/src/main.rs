@@ -12,17 +12,30 @@ use std::{
 /// A chore, the package and the program that do it, what else cargo is told, and what it is for.
 type Chore = (&'static str, [&'static str; 2], &'static [&'static str], &'static str);
 
+/// The feature without which the programs that measure are not built.
+const MEASURING: &[&str] = &["--features", "measuring"];
+
 const CHORES: [Chore; 6] = [
     ("reproduce", ["lab", "reproduce"], &[], "Run the paper's experiments and write the report"),
     (
         "verify",
         ["battery", "battery"],
-        &[],
+        MEASURING,
         "Run all checks for many seeds and write docs/verification.md",
     ),
-    ("work-precision", ["lab", "work-precision"], &[], "Measure errors against processor time"),
-    ("stability", ["lab", "hard-cases"], &[], "Run the hard cases, the long runs and the fuzzer"),
-    ("bench", ["lab", "bench"], &[], "Measure what a path-step costs"),
+    (
+        "work-precision",
+        ["lab", "work-precision"],
+        MEASURING,
+        "Measure errors against processor time",
+    ),
+    (
+        "stability",
+        ["lab", "hard-cases"],
+        MEASURING,
+        "Run the hard cases, the long runs and the fuzzer",
+    ),
+    ("bench", ["lab", "bench"], MEASURING, "Measure what a path-step costs"),
     (
         "dimension",
         ["lab", "dimension"],

@@ -1,23 +1,55 @@
 //! What a Wiener increment costs.
 //!
-//! Measured: [`WienerBlock::increments`] for one and for three noises, 256 steps of 32 paths, and
-//! the same steps of [`WienerPath`] for a single path.
+//! First, ns per normal of [`WienerBlock::increments`] for one, two and three noises at each level
+//! of instructions: the least of many runs of 256 steps of 32 paths.
 //!
-//! An element is one path and step, so criterion's `Melem/s` are millions of path-steps a second:
-//! **ns per path-step = 1000 / (Melem/s)**; divided by the number of noises it is ns per normal.
-//! The ratio of the rates of `block` and `path` says whether the path loop is still vectorised:
-//! about one would mean that it is not.
+//! Then, by criterion, the same steps for one and for three noises, and those of [`WienerPath`] for
+//! a single path. An element is one path and step, so criterion's `Melem/s` are millions of
+//! path-steps a second: **ns per path-step = 1000 / (Melem/s)**; divided by the number of noises it
+//! is ns per normal. The ratio of the rates of `block` and `path` says whether the path loop is
+//! still vectorised: about one would mean that it is not.
 
 use std::hint::black_box;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group};
 use noise::{StreamKey, WienerBlock, WienerPath};
-use real::{Block, WIDTH};
+use real::{Block, Level, WIDTH, limit_to};
 
 const STEPS: usize = 256;
 
 const KEY: StreamKey = StreamKey { seed: 1, experiment: 1 };
+
+/// Runs of which the least time counts.
+const RUNS: usize = 2000;
+
+fn ns_per_normal<const M: usize>() -> f64 {
+    let mut noise = WienerBlock::<M>::new(KEY, 0);
+    let mut dw = Block::zero();
+    let mut least = Duration::MAX;
+    for _ in 0..RUNS {
+        let start = Instant::now();
+        for _ in 0..STEPS {
+            noise.increments(black_box(0.0625), &mut dw);
+            black_box(&dw);
+        }
+        least = least.min(start.elapsed());
+    }
+    least.as_secs_f64() * 1e9 / (M * WIDTH * STEPS) as f64
+}
+
+fn print_ns_per_normal() {
+    println!("ns per normal   1 noise  2 noises  3 noises");
+    for level in [Level::Baseline, Level::Avx2, Level::Avx512] {
+        limit_to(level);
+        if Level::current() == level {
+            let [one, two, three] =
+                [ns_per_normal::<1>(), ns_per_normal::<2>(), ns_per_normal::<3>()];
+            println!("{:13} {one:9.2} {two:9.2} {three:9.2}", level.name());
+        }
+    }
+    limit_to(Level::Avx512);
+}
 
 fn increments<const M: usize>(
     group: &mut BenchmarkGroup<'_, criterion::measurement::WallTime>,
@@ -57,4 +89,12 @@ fn bench(criterion: &mut Criterion) {
 }
 
 criterion_group!(benches, bench);
-criterion_main!(benches);
+
+fn main() {
+    // `cargo test` starts benches without this argument.
+    if std::env::args().any(|argument| argument == "--bench") {
+        print_ns_per_normal();
+    }
+    benches();
+    Criterion::default().configure_from_args().final_summary();
+}

@@ -6,7 +6,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use real::{Block, Kernel, dispatch};
 
 use crate::{
-    AreaBlock, StreamKey, area_method::AreaMethod, stream::BlockStreams, wiener::fill_pair,
+    AreaBlock, StreamKey, area_method::AreaMethod, box_muller::fill_pair, stream::BlockStreams,
 };
 
 /// The bit of the experiment number that separates the streams of areas from those of increments.

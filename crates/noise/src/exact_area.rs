@@ -7,8 +7,8 @@ use real::elementary;
 use crate::{
     StreamKey,
     area_method::trigamma_after,
+    box_muller::{normal_pair, open_unit},
     stream::next_word,
-    wiener::{box_muller, open_unit},
 };
 
 /// Almost exact sampler of the Lévy area of two Wiener processes on one path, given their increment
@@ -64,17 +64,17 @@ impl ExactArea {
             }
             sum += jumps / f64::from(k);
         }
-        let (normal, _) = box_muller(next_word(&mut self.state), next_word(&mut self.state));
+        let (normal, _) = normal_pair(next_word(&mut self.state), next_word(&mut self.state));
         sum += self.tail_amplitude * rate.sqrt() * normal;
         step / TAU * sum
     }
 }
 
-/// A Laplace variable of scale one: an exponential variable from the high 52 bits, with a sign from
-/// the lowest bit.
+/// A Laplace variable of scale one: an exponential variable from the low 52 bits, with a sign from
+/// the highest bit.
 fn laplace(word: u64) -> f64 {
     let exponential = elementary::ln_unit(open_unit(word));
-    if word & 1 == 0 { exponential } else { -exponential }
+    if word >> 63 == 0 { exponential } else { -exponential }
 }
 
 /// A Poisson variable by inversion: the smallest n with `u` < P(N ≤ n), where `none` = e^{−mean} =
@@ -133,6 +133,6 @@ mod tests {
         for word in [0, 1, u64::MAX, u64::MAX - 1] {
             assert!(laplace(word).is_finite());
         }
-        assert_eq!(laplace(0), -laplace(1));
+        assert_eq!(laplace(0), -laplace(1 << 63));
     }
 }

@@ -43,6 +43,7 @@
 mod area;
 mod area_method;
 mod area_sampler;
+mod box_muller;
 mod error;
 mod exact_area;
 mod iterated;

@@ -3,7 +3,7 @@
 //! prints the errors that the module documents.
 
 use real::elementary::{
-    cos, deficit_versine, exp, ln, ln_unit, sin, sin_cos_absolute, sin_cos_turn, sinc,
+    cos, deficit_versine, exp, half_turn, ln, ln_unit, sin, sin_cos_absolute, sin_cos_turn, sinc,
 };
 
 /// A small generator of equidistributed numbers.
@@ -21,12 +21,14 @@ impl Uniform {
 
 type Function = (&'static str, fn(f64) -> f64);
 
-const FUNCTIONS: [Function; 12] = [
+const FUNCTIONS: [Function; 14] = [
     ("sin", sin),
     ("cos", cos),
     ("sinc", sinc),
     ("sin_turn", |u| sin_cos_turn(u).0),
     ("cos_turn", |u| sin_cos_turn(u).1),
+    ("sin_half_turn", |r| half_turn(r).1 / half_turn(r).2),
+    ("cos_half_turn", |r| half_turn(r).0 / half_turn(r).2),
     ("exp", exp),
     ("ln", ln),
     ("ln_unit", ln_unit),
@@ -53,6 +55,7 @@ fn main() {
                 ("sin" | "cos" | "sinc" | "sin_absolute" | "cos_absolute", _) => {
                     uniform.between(-1_048_576.0, 1_048_576.0)
                 }
+                ("sin_half_turn" | "cos_half_turn", _) => uniform.between(-0.5, 0.5),
                 ("deficit" | "versine", _) => uniform.between(-0.7, 0.7),
                 ("exp", 0 | 1) => uniform.between(-0.4, 0.4),
                 ("exp", 2) => uniform.between(-745.2, -708.0),

@@ -3,16 +3,19 @@
 
 Every polynomial is a minimax approximation found by the Remez exchange in 60-digit arithmetic
 (mpmath); the coefficients are then rounded to f64, the first ones first, with the remaining ones
-fitted again after each rounding. The argument-reduction constants are truncated so that their
+fitted again after each rounding. The rational tangent interpolates at Chebyshev nodes, which is
+nearly minimax, and its coefficients are rounded. The argument-reduction constants are truncated so that their
 products with the reduction index are exact. A literal is the shortest decimal which reads back as
-the same f64; 2 pi has its name from `std::f64::consts`.
+the same f64; 2 pi and pi/2 have their names from `std::f64::consts`.
 
 Usage: python3 crates/real/tools/coefficients.py
 """
 
 import struct
 
-from mpmath import cos, exp, floor, ldexp, log, lu_solve, mag, matrix, mp, mpf, pi, sin, sqrt
+from mpmath import (
+    atan, cos, exp, floor, ldexp, log, lu_solve, mag, matrix, mp, mpf, pi, polyval, sin, sqrt, tan,
+)
 
 mp.dps = 60
 
@@ -80,16 +83,44 @@ def rounded_remez(f, w, a, b, powers):
 
 
 def literal(v):
-    return "TAU" if float(v) == float(2 * pi) else repr(float(v))
+    names = {float(2 * pi): "TAU", float(pi / 2): "FRAC_PI_2"}
+    return names.get(float(v), repr(float(v)))
+
+
+def array(name, c):
+    print(f"const {name}: [f64; {len(c)}] = [")
+    for v in c:
+        print(f"    {literal(v)},")
+    print("];")
 
 
 def polynomial(name, f, w, a, b, degree):
     c, worst = rounded_remez(f, w, a, b, list(range(degree + 1)))
     print(f"// {name}: {degree + 1} coefficients, error 2^{float(log(worst, 2)):.2f}")
-    print(f"const {name}: [f64; {degree + 1}] = [")
-    for v in c:
-        print(f"    {literal(v)},")
-    print("];")
+    array(name, c)
+
+
+def half_tangent(name, degree):
+    """tan(pi r/2) = r A(r^2) / B(r^2) for |r| <= 1/2 with B(0) = 1; the error is that of the angle."""
+    n = 2 * degree + 1
+    nodes = [(1 + cos(pi * (2 * i + 1) / (2 * n))) / 8 for i in range(n)]
+    lhs, rhs = matrix(n, n), matrix(n, 1)
+    for i, z in enumerate(nodes):
+        rhs[i] = tan(pi * sqrt(z) / 2) / sqrt(z)
+        for j in range(degree + 1):
+            lhs[i, j] = z**j
+        for j in range(1, degree + 1):
+            lhs[i, degree + j] = -rhs[i] * z**j
+    solution = [mpf(float(c)) for c in lu_solve(lhs, rhs)]
+    above, below = solution[: degree + 1], [mpf(1)] + solution[degree + 1 :]
+    worst = 0
+    for i in range(1, 1001):
+        r = mpf(i) / 2000
+        angle = 2 * atan(r * polyval(above[::-1], r * r) / polyval(below[::-1], r * r))
+        worst = max(worst, abs(angle / (pi * r) - 1))
+    print(f"// {name}: degrees {degree} and {degree}, relative error 2^{float(log(worst, 2)):.2f}")
+    array(f"{name}_ABOVE", above)
+    array(f"{name}_BELOW", below)
 
 
 def truncated(v, bits):
@@ -142,6 +173,7 @@ def main():
         lambda z: z,
         tiny, e, 5,
     )
+    half_tangent("HALF_TANGENT", 3)
     s = (sqrt(mpf(2)) - 1) / (sqrt(mpf(2)) + 1)
     atanh2 = lambda z: log((1 + sqrt(z)) / (1 - sqrt(z))) / sqrt(z)
     polynomial(
@@ -149,6 +181,12 @@ def main():
         lambda z: (atanh2(z) - 2) / z,
         lambda z: z / atanh2(z),
         tiny, s * s * mpf("1.0001"), 6,
+    )
+    polynomial(
+        "MINUS_TWO_LN",
+        lambda z: -2 * (atanh2(z) - 2) / z,
+        lambda z: z / (2 * atanh2(z)),
+        tiny, s * s * mpf("1.0001"), 5,
     )
     h = log(mpf(2)) / 2 * mpf("1.0001")
     polynomial(

@@ -83,6 +83,8 @@ EXACT = {
     "sinc": lambda x: sin(x) / x,
     "sin_turn": lambda u: sin(2 * pi * u),
     "cos_turn": lambda u: cos(2 * pi * u),
+    "sin_half_turn": lambda r: sin(pi * r),
+    "cos_half_turn": lambda r: cos(pi * r),
     "exp": exp,
     "ln": log,
     "ln_unit": log,
@@ -162,6 +164,11 @@ def main():
     mp.dps = 100
     emit("deficit", EXACT["deficit"], short)
     emit("versine", EXACT["versine"], short)
+    mp.dps = 60
+    half = signed(log_uniform(-52, -1, 40)) + signed([random.uniform(0, 0.5) for _ in range(40)])
+    half += [0.0, 0.25, -0.25, 0.5, -0.5] + near(0.5, (-2, -1))
+    emit("sin_half_turn", EXACT["sin_half_turn"], half)
+    emit("cos_half_turn", EXACT["cos_half_turn"], half)
 
 
 if __name__ == "__main__":

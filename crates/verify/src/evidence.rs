@@ -322,6 +322,8 @@ mod tests {
         assert_eq!([1e-14, 1e-12].map(|d| defect(d, true).verdict()), [Holds, Refuted]);
         assert_eq!([1e-14, 1e-12].map(|d| defect(d, false).verdict()), [Refuted, Holds]);
         assert_eq!([true, false].map(|o| defect(f64::NAN, o).verdict()), [Refuted; 2]);
+        // The tolerance itself is allowed, and is not above it.
+        assert_eq!([true, false].map(|o| defect(1e-13, o).verdict()), [Holds, Refuted]);
         assert_eq!([0.9, 1.1, f64::NAN].map(|v| bounds(v, 0).verdict()), [Holds, Refuted, Refuted]);
         assert_eq!([0.9, 1.1].map(|v| bounds(v, 2).verdict()), [Undecided, Refuted]);
         assert_eq!(

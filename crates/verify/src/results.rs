@@ -226,4 +226,11 @@ mod tests {
         assert_eq!((about.id.as_str(), about.statement.as_str()), ("id", "statement"));
         assert!(!about.proven && about.verdict == Verdict::Refuted);
     }
+
+    #[test]
+    fn a_run_knows_its_seed_its_mode_and_its_threads() {
+        let run = Provenance::of_run(7, "quick");
+        assert_eq!((run.seed, run.mode.as_str()), (7, "quick"));
+        assert_eq!(run.threads, rayon::current_num_threads());
+    }
 }

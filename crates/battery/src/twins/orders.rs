@@ -2,7 +2,7 @@
 
 use lab::{Conditions, OtherNoise, truncation};
 use mc::Observable;
-use noise::{AreaMethod, AreaPath, BlockNoise, Noise, StreamKey, strong_order_one_error};
+use noise::{BlockNoise, Noise, StreamKey, WienerPath};
 use real::WIDTH;
 use schemes::{EulerMaruyama, Explicit, Increment, Scheme, Sexp, SexpLevy, Step};
 use systems::{
@@ -129,18 +129,21 @@ pub fn without_areas(conditions: &Conditions) -> Claim {
     with_areas(conditions, |_, _| [[0.0; 3]; 3])
 }
 
-/// The shortest step of the paths of a twin.
-const FINEST: f64 = 1.0 / 16_384.0;
-
-/// Areas with the right law given the increments, drawn for each step of each step size by itself:
-/// the stream is keyed by the bits of the increments, so that the twin is reproducible.
+/// Normal areas with the right variance given the increments, (τ² + τ(ΔWₘ² + ΔW_l²))/12, drawn for
+/// each step of each step size by itself: the stream is keyed by the bits of the increments, so
+/// that the twin is reproducible.
 pub fn fresh_areas(conditions: &Conditions) -> Claim {
     with_areas(conditions, |step, noise| {
         let [a, b, c] = noise.increments.map(f64::to_bits);
         let key = StreamKey { seed: a ^ b.rotate_left(21), experiment: c ^ step.tau.to_bits() };
-        // Single steps are far shorter than those of paths, for which the terms are as many.
-        let tau = step.tau.max(FINEST);
-        let (method, terms) = valid(AreaMethod::cheapest(strong_order_one_error(tau), tau, 3));
-        AreaPath::<3>::new(key, 0, method, terms).areas(step.tau, noise.increments)
+        let mut normals = WienerPath::<3>::new(key, 0);
+        let mut areas = [[0.0; 3]; 3];
+        for (m, l) in [(0, 1), (0, 2), (1, 2)] {
+            let squares = noise.increments[m].powi(2) + noise.increments[l].powi(2);
+            let deviation = (step.tau * (step.tau + squares) / 12.0).sqrt();
+            areas[m][l] = deviation * normals.normal();
+            areas[l][m] = -areas[m][l];
+        }
+        areas
     })
 }

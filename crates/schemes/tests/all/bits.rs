@@ -141,8 +141,7 @@ fn a_block_is_its_paths_at_every_level() {
     }
     let [fast, robust, failed] = seen[0];
     assert!(fast > 10_000 && robust > 100 && failed > 100, "{seen:?}");
-    assert_eq!(seen[0], seen[1]);
-    assert_eq!(seen[0], seen[2]);
+    assert!(seen.iter().all(|ways| *ways == seen[0]), "{seen:?}");
 }
 
 #[test]

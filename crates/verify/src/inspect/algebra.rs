@@ -158,4 +158,43 @@ mod tests {
         }
         assert_eq!(singular_vectors(&Vec::new(), 1).0, [0.0]);
     }
+
+    #[test]
+    fn sums_and_norms_of_small_numbers() {
+        let bounded = |value, error| Bounded { value, error, degree: 1.0 };
+        let (a, b) = ([bounded(3.0, 0.3), bounded(-2.0, 0.4)], [bounded(-2.0, 0.0); 2]);
+        assert_eq!((axis(3, 1), norm(&[3.0, -4.0])), (vec![0.0, 1.0, 0.0], 5.0));
+        assert_eq!((dot(&a, &b).value, size(&a, &b), error_norm(&a)), (-2.0, 10.0, 0.5));
+        assert_eq!((largest(&[1.0, -3.0, 2.0]), largest(&[])), (3.0, 0.0));
+        assert!(largest(&[1.0, f64::NAN, 2.0]).is_nan());
+        let matrix = vec![vec![1.0, 2.0], vec![3.0, 4.0]];
+        assert_eq!(transposed(&matrix), [[1.0, 3.0], [2.0, 4.0]]);
+        assert_eq!(times(&matrix, &[1.0, -1.0]), [-1.0, -1.0]);
+        assert_eq!(matrix_values(&vec![a.to_vec()]), [[3.0, -2.0]]);
+        // 8u√(nm), twice: u is half of ε.
+        assert_eq!(backward_error(2, 8), 32.0 * f64::EPSILON);
+    }
+
+    #[test]
+    fn norms_neither_overflow_nor_lose_what_is_not_finite() {
+        let of = |x: f64| spectral_norm(&vec![vec![3.0 * x, 0.0], vec![0.0, -4.0 * x]]);
+        assert_eq!((of(0.0), of(1e200)), (0.0, 4e200));
+        assert!(of(f64::NAN).is_nan() && of(f64::INFINITY).is_nan());
+        // Singular values of a matrix of NaN, and of one with more columns than rows.
+        let (sigma, vectors) = singular_vectors(&vec![vec![f64::NAN, 1.0]], 2);
+        assert!(sigma.iter().chain(vectors.iter().flatten()).all(|x| x.is_nan()));
+        assert_eq!((sigma.len(), vectors.len(), vectors[1].len()), (2, 2, 2));
+        let (sigma, vectors) = singular_vectors(&vec![vec![0.0, 2.0, 0.0]], 3);
+        assert_eq!((sigma, vectors.len()), (vec![2.0, 0.0, 0.0], 3));
+    }
+
+    #[test]
+    fn the_reduced_basis_has_a_one_where_the_others_have_a_zero() {
+        let of = |rows: [[f64; 3]; 2]| echelon(rows.map(|row| row.to_vec()).to_vec());
+        assert_eq!(of([[2.0, 4.0, 0.0], [1.0, 1.0, 1.0]]), [[0.5, 1.0, 0.0], [0.5, 0.0, 1.0]]);
+        // In the order of the ones, whichever came first.
+        assert_eq!(of([[0.0, 0.0, 5.0], [1.0, 2.0, 0.0]]), [[0.5, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        // Of equal pivots the last column.
+        assert_eq!(of([[1.0, 1.0, 0.0], [0.0, 3.0, 3.0]]), [[1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]]);
+    }
 }

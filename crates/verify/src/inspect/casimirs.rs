@@ -313,3 +313,198 @@ fn definite(found: &[FoundCasimir], d: usize) -> Option<Coefficients> {
 fn square<R: Copy>(coefficients: &[R], d: usize) -> Matrix<R> {
     coefficients.chunks(d).map(<[R]>::to_vec).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::{
+            points::Region,
+            tests::by_hand::{ByHand, at, close, exact, within},
+        },
+        *,
+    };
+
+    #[test]
+    fn integers_are_exact_coefficients_and_others_are_not() {
+        let of = |value, error| coefficient(value, error).error;
+        assert_eq!((of(-3.0, 0.5), of(0.0, 0.5), of(0.5, 1e-3)), (0.0, 0.0, 1e-3));
+        // At least as much as the constant of a formula.
+        assert_eq!(of(0.1, 0.0), Bounded::constant(0.1).error);
+        assert_eq!((coefficient(0.1, 1e-3).value, coefficient(0.1, 1e-3).degree), (0.1, 0.0));
+    }
+
+    #[test]
+    fn formulas_have_signs_squares_and_products() {
+        assert_eq!(formula(1, &[2.0, -1.0, 0.5], 3), "2 y1 − y2 + 0.5 y3");
+        assert_eq!(formula(1, &[0.0, -1.234_567_8, 0.0], 3), "−1.234568 y2");
+        assert_eq!(formula(1, &[0.0, 1.0, 1.0], 3), "y2 + y3");
+        let q = symmetric(&[2.0, -1.0, 0.0, 0.0, 3.0, -4.0], 3);
+        assert_eq!(q, [2.0, -1.0, 0.0, -1.0, 0.0, 3.0, 0.0, 3.0, -4.0]);
+        assert_eq!(formula(2, &q, 3), "y1² − 2 y3² − y1 y2 + 3 y2 y3");
+        // ½yᵀQy.
+        assert_eq!(value(2, &exact(&q), &[1.0, 2.0, 3.0]).value, 1.0 - 18.0 - 2.0 + 18.0);
+        assert_eq!(value(1, &exact(&q[..3]), &[1.0, 2.0, 3.0]).value, 0.0);
+    }
+
+    #[test]
+    fn coefficients_are_made_readable_within_their_error() {
+        let of = |x: &[f64], error| {
+            let Coefficients { values, error } = readable(x.to_vec(), error);
+            (values, error)
+        };
+        // 1e-9 is zero beside 0.4; the error grows as the smallest coefficient becomes one.
+        let (values, error) = of(&[0.2, -0.4, 1e-9], 1e-8);
+        assert!(values == [1.0, -2.0, 0.0] && close(error, 2e-8), "{values:?} {error}");
+        // The first one is positive, and what is no integer stays.
+        let (values, error) = of(&[-0.3, 0.7], 1e-3);
+        assert!(values[0] == 1.0 && close(values[1], -7.0 / 3.0), "{values:?}");
+        assert!(close(error, 1e-3 * 0.7 / 0.3), "{error}");
+        // 2.00033 is an integer within 0.002 and not within 0.0002.
+        assert_eq!(of(&[0.3, 0.6001], 1e-3).0, [1.0, 2.0]);
+        assert_eq!(of(&[0.3, 0.6001], 1e-4).0, [1.0, 0.6001 / 0.3]);
+    }
+
+    fn form(degree: u32, diagonal: [f64; 3], coefficient_error: f64) -> FoundCasimir {
+        let mut coefficients = vec![0.0; 9];
+        (0..3).for_each(|i| coefficients[4 * i] = diagonal[i]);
+        FoundCasimir {
+            formula: String::new(),
+            degree,
+            coefficients,
+            coefficient_error,
+            casimir: Finding::default(),
+            minimum: Minimum::of_form(&vec![exact(&[1.0])], Status::Shown),
+        }
+    }
+
+    #[test]
+    fn the_projection_of_the_identity_is_definite_beyond_its_error() {
+        // (1, 1, 0) has the length √2; what (1, 1, 2) adds to it is (0, 0, 2).
+        let [one, two] = [form(2, [1.0, 1.0, 0.0], 1e-3), form(2, [1.0, 1.0, 2.0], 2e-3)];
+        let found = definite(&[one.clone(), two.clone()], 3).unwrap();
+        assert_eq!(found.values, [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+        assert!(close(found.error, 9.0 * (1e-3 / 2f64.sqrt() + 1e-3)), "{}", found.error);
+        let of = |error: f64| {
+            let two = FoundCasimir { coefficient_error: error, ..two.clone() };
+            definite(&[one.clone(), two], 3).is_some()
+        };
+        // Its smallest eigenvalue is one.
+        assert!(of(0.21) && !of(0.23));
+        let without = |casimir: FoundCasimir| definite(&[casimir], 3).is_none();
+        assert!(without(one) && without(form(2, [1.0, 1.0, -1.0], 0.0)));
+        assert!(without(form(1, [1.0; 3], 0.0)) && definite(&[], 3).is_none());
+        // An exact one has the round-off of nine products.
+        let sphere = definite(&[form(2, [1.0; 3], 0.0)], 3).unwrap();
+        assert!(close(sphere.error, 9.0 * f64::EPSILON), "{}", sphere.error);
+    }
+
+    #[test]
+    fn equations_have_length_one_and_the_errors_of_their_rows() {
+        // The columns of B are (0, −4 ± 0.8) and (3 ± 0.3, 3).
+        let system = ByHand {
+            structure: |_, v| {
+                let second = if v[1].value == 0.0 { 0.0 } else { 1.0 };
+                let first = 1.0 - second;
+                vec![
+                    within(3.0 * second, 0.3 * second),
+                    within(-4.0 * first + 3.0 * second, 0.8 * first),
+                ]
+            },
+            ..ByHand::default()
+        };
+        let mut linear = Equations::default();
+        linear.add(1, &system, &[2.0, 5.0]);
+        assert_eq!(linear.rows, [[0.0, 1.0], [-0.8, 0.6]]);
+        assert!(close(linear.error, 0.1f64.hypot(0.16)), "{}", linear.error);
+        // b₁y₁, b₁y₂ + b₂y₁, b₂y₂: (0, 6, 15) ± (0, 0.6, 1.5) and (−8, −14, 15) ± (1.6, 4, 0).
+        let mut quadratic = Equations::default();
+        quadratic.add(2, &system, &[2.0, 5.0]);
+        let lengths = [261f64.sqrt(), 485f64.sqrt()];
+        let rows = [[0.0, 6.0, 15.0], [-8.0, -14.0, 15.0]];
+        for (n, row) in quadratic.rows.iter().enumerate() {
+            assert!((0..3).all(|i| close(row[i] * lengths[n], rows[n][i])), "{row:?}");
+        }
+        let error = (0.6f64.hypot(1.5) / lengths[0]).hypot(1.6f64.hypot(4.0) / lengths[1]);
+        assert!((quadratic.error / error - 1.0).abs() < 1e-12, "{}", quadratic.error);
+        // Round-off is no equation.
+        let noise = ByHand { structure: |_, _| vec![within(0.1, 0.1); 2], ..ByHand::default() };
+        linear = Equations::default();
+        linear.add(1, &noise, &[2.0, 5.0]);
+        assert!(linear.rows.is_empty() && linear.error == 0.0);
+    }
+
+    #[test]
+    fn more_points_are_asked_while_they_contradict() {
+        // Row one of B at y is y: the coefficients are perpendicular to all points.
+        let system = ByHand {
+            structure: |y, v| exact(&[y[0] * v[0].value + y[1] * v[1].value, 0.0]),
+            ..ByHand::default()
+        };
+        let solution = |points: &[&[f64]]| {
+            let points = Points { for_identities: vec![vec![3.0, 0.0]], random: 1, ..at(points) };
+            Solution::of(1, 2, &system, &points)
+        };
+        let (x, y): (&[f64], &[f64]) = (&[3.0, 0.0], &[0.0, 2.0]);
+        let alone = solution(&[x]);
+        assert_eq!((alone.zero, &alone.sigma[..]), (1, &[1.0, 0.0][..]));
+        assert!(close(alone.error, 8.0 * f64::EPSILON * 2f64.sqrt()), "{}", alone.error);
+        // The next points agree: those after them are not asked.
+        assert_eq!(solution(&[x, x, y]).zero, 1);
+        assert_eq!((solution(&[x, y]).zero, solution(&[x, y, x]).zero), (0, 0));
+    }
+
+    #[test]
+    fn coefficients_are_as_accurate_as_the_gap_of_the_singular_values_allows() {
+        // Rows (0, 1, 0) and (0, 0.6, 0.8) at 24 points have σ² = 24·1.6 and 24·0.4.
+        let system = ByHand {
+            dimension: 3,
+            structure: |_, v| {
+                let [a, b] = [v[1].value, v[2].value];
+                exact(&[0.0, a, 0.6 * a + 0.8 * b])
+            },
+            ..ByHand::default()
+        };
+        let points = Points::new(&system, Region::Box(2.0), None).unwrap();
+        let casimirs = Casimirs::of(&system, &points);
+        let linear = &casimirs.found[0];
+        assert_eq!((linear.formula.as_str(), linear.degree), ("y1", 1));
+        // 8ε√(48·3)·√(24·1.6) over the gap √(24·0.4), and one more for each of one vectors.
+        let error = 8.0 * f64::EPSILON * 12.0 * 2.0 * 2.0;
+        assert!(close(linear.coefficient_error, error), "{}", linear.coefficient_error / error);
+        assert_eq!(casimirs.found[1].formula, "0.5 y1²");
+        assert!(casimirs.found.len() == 2 && casimirs.complete == Status::Shown);
+        assert!(
+            casimirs.nearly.is_empty() && casimirs.definite.is_none() && casimirs.quadratic_sought
+        );
+    }
+
+    #[test]
+    fn almost_casimirs_are_listed_with_their_defect() {
+        let system = ByHand {
+            dimension: 3,
+            structure: |_, v| exact(&[0.0, v[1].value, v[1].value + 1e-7 * v[2].value]),
+            ..ByHand::default()
+        };
+        let points = Points::new(&system, Region::Box(2.0), None).unwrap();
+        let casimirs = Casimirs::of(&system, &points);
+        let nearly = &casimirs.nearly[0];
+        assert_eq!((nearly.formula.as_str(), nearly.coefficient_error), ("y3", 0.0));
+        assert!(nearly.casimir.refuted() && close(nearly.casimir.defect, 1e-7), "{nearly:?}");
+        // Of the quadratic ones y₁y₃ and y₃², which have y₃ as a factor, are almost Casimirs.
+        assert_eq!(casimirs.nearly.len(), 3, "{:?}", casimirs.nearly);
+        assert_eq!(casimirs.complete, Status::Shown);
+        // Nothing is complete where B is not finite.
+        let unknown =
+            ByHand { structure: |_, v| vec![within(f64::NAN, 0.0); v.len()], ..ByHand::default() };
+        assert_eq!(Casimirs::of(&unknown, &at(&[&[1.0, 2.0]])).complete, Status::Unknown);
+    }
+
+    #[test]
+    fn quadratic_casimirs_of_many_variables_are_not_sought() {
+        let system = ByHand { dimension: 25, structure: |_, v| v.to_vec(), ..ByHand::default() };
+        let points = Points::new(&system, Region::Box(2.0), None).unwrap();
+        let casimirs = Casimirs::of(&system, &points);
+        assert!(casimirs.found.is_empty() && casimirs.nearly.is_empty());
+        assert_eq!((casimirs.complete, casimirs.quadratic_sought), (Status::Unknown, false));
+    }
+}

@@ -243,3 +243,140 @@ impl Minimum {
         Self { value, error, positive, in_domain_only: !points.everywhere }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::tests::by_hand::{ByHand, Given, at, close, exact, within},
+        *,
+    };
+
+    #[test]
+    fn minima_have_the_errors_of_their_coefficients() {
+        let linear = Minimum::of_linear(&[within(3.0, 0.1), within(-4.0, 0.2)]);
+        let error = 0.1f64.hypot(0.2) + 10.0 * f64::EPSILON;
+        assert!(linear.value == -5.0 && close(linear.error, error), "{linear:?}");
+        // Half the smaller eigenvalue, and half the Frobenius norm of the errors.
+        let of = |least: f64, form| {
+            let rows = vec![vec![within(least, 0.3), within(0.0, 0.4)], exact(&[0.0, 4.0])];
+            Minimum::of_form(&rows, form)
+        };
+        let error = 0.5 * (0.5 + 16.0 * f64::EPSILON * 20f64.sqrt());
+        let two = of(2.0, Status::Found);
+        assert!(close(two.value, 1.0) && close(two.error, error), "{two:?}");
+        assert_eq!((two.positive, of(2.0, Status::Shown).positive), (Status::Found, Status::Shown));
+        // ±½ within ¼, and 0.2 within 0.25.
+        let signs = [0.51, 0.49, -0.49, -0.51].map(|x| of(x, Status::Shown).positive);
+        assert_eq!(signs, [Status::Shown, Status::Unknown, Status::Unknown, Status::Refuted]);
+        // A search is for what is not positive everywhere where the domain is not everywhere.
+        let (below, found) = (of(-2.0, Status::Shown), Minimum { value: 7.0, ..two });
+        let inside = Points { everywhere: false, ..at(&[]) };
+        let value = |minimum: Minimum, points| minimum.everywhere_or(|| found, points).value;
+        assert_eq!((value(two, &inside), value(below, &inside)), (two.value, 7.0));
+        assert_eq!(value(below, &at(&[])), below.value);
+    }
+
+    #[test]
+    fn a_search_tells_the_sign_beyond_its_error_and_its_step() {
+        let points = Points { everywhere: false, ..at(&[&[2.0, 1.0], &[0.0, 3.0]]) };
+        let system = ByHand::default();
+        let search = |f: &dyn Fn(&[f64]) -> Bounded| Minimum::by_search(f, &system, &points);
+        let constant = |value, error| search(&|_| within(value, error));
+        assert_eq!(constant(0.3, 0.29).positive, Status::Found);
+        assert_eq!(constant(0.3, 0.31).positive, Status::Unknown);
+        assert_eq!(constant(-0.3, 0.31).positive, Status::Unknown);
+        assert_eq!(constant(-0.3, 0.29).positive, Status::Refuted);
+        assert_eq!((constant(-0.3, 0.25).value, constant(-0.3, 0.25).error), (-0.3, 0.25));
+        assert!(constant(0.3, 0.0).in_domain_only);
+        // The least value, at (0, ±1), is told from zero beyond 1e-7 of the largest start, 0.8.
+        let above = |least: f64| search(&|y| Bounded::exact(y[0] * y[0] + least));
+        assert!((above(1e-3).value - 1e-3).abs() < 1e-13, "{:?}", above(1e-3));
+        assert_eq!((above(9e-8).positive, above(7e-8).positive), (Status::Found, Status::Unknown));
+        // Nowhere finite, or nowhere in the domain.
+        let nowhere = ByHand { inside: |_| false, ..ByHand::default() };
+        let none = Minimum::by_search(&|_| Bounded::exact(1.0), &nowhere, &points);
+        for found in [constant(f64::NAN, 0.0), none] {
+            assert_eq!((found.value, found.positive), (f64::INFINITY, Status::Unknown));
+        }
+    }
+
+    /// F with these values, slopes and Hessians at (3, 4) and (0, 1).
+    fn shape(
+        value: fn(&[f64]) -> Bounded,
+        gradient: fn(&[f64]) -> Vec<Bounded>,
+        hessian: fn(&[f64]) -> Matrix<Bounded>,
+    ) -> Shape {
+        let points = at(&[&[3.0, 4.0], &[0.0, 1.0]]);
+        Shape::of(&Given { value, gradient, hessian }, &ByHand::default(), &points)
+    }
+
+    fn flat(_: &[f64]) -> Matrix<Bounded> {
+        vec![exact(&[0.0; 2]); 2]
+    }
+
+    #[test]
+    fn kinds_follow_from_the_degree_and_from_what_is_constant() {
+        let quadratic = |y: &[f64]| Bounded::exact(0.5 * (y[0] * y[0] + y[1] * y[1]));
+        let unit = |_: &[f64]| vec![exact(&[1.0, 0.0]), exact(&[0.0, 1.0])];
+        let found = shape(quadratic, exact, unit);
+        assert_eq!(
+            (found.kind, found.degree, found.degree_error),
+            (Kind::Quadratic, Some(2.0), 0.0)
+        );
+        assert!(close(found.minimum.unwrap().value, 0.5));
+        // 1 + 1, and the slope 4 over the extent 5.
+        assert!(close(found.constant_hessian.scale, 2.8), "{found:?}");
+        // Of degree two with Hessians that differ.
+        let bent = |y: &[f64]| vec![exact(&[1.0, y[0]]), exact(&[y[0], 1.0])];
+        assert_eq!(shape(quadratic, exact, bent).kind, Kind::Homogeneous);
+        let linear = shape(|y| Bounded::exact(y[0] - y[1]), |_| exact(&[1.0, -1.0]), flat);
+        assert_eq!((linear.kind, linear.degree), (Kind::Linear, Some(1.0)));
+        let least = linear.minimum.unwrap();
+        assert!(close(least.value, -2f64.sqrt()) && close(least.error, f64::EPSILON * 8f64.sqrt()));
+        // Of degree one with slopes that differ: |y₁| + |y₂|.
+        let norm = shape(|y| Bounded::exact(y[0] + y[1]), |y| exact(&[y[0].signum(), 1.0]), flat);
+        assert_eq!((norm.kind, norm.degree), (Kind::Linear, Some(1.0)));
+        let zero = shape(|_| Bounded::exact(0.0), |_| exact(&[0.0; 2]), flat);
+        assert_eq!((zero.kind, zero.degree, zero.minimum), (Kind::Zero, None, None));
+        // Zero with a slope at one point, or with a value, is not zero.
+        let slope = shape(|_| Bounded::exact(0.0), |y| exact(&[y[0], 0.0]), flat);
+        assert_eq!((slope.kind, slope.degree), (Kind::NotHomogeneous, None));
+        let one = shape(|_| Bounded::exact(1.0), |_| exact(&[0.0; 2]), flat);
+        assert_eq!((one.kind, one.degree), (Kind::Homogeneous, Some(0.0)));
+        let below = shape(|_| Bounded::exact(-1.0), |_| exact(&[0.0; 2]), flat);
+        assert!(below.degree.is_some_and(|degree| degree.is_sign_positive()), "not −0");
+        // Values with an error of 1e-9 of theirs.
+        let rough = |y: &[f64]| within(y[0] + y[1], 1e-9 * (y[0] + y[1]));
+        let unknown = shape(rough, |_| exact(&[1.0; 2]), flat);
+        assert_eq!((unknown.kind, unknown.degree, unknown.minimum), (Kind::Unknown, None, None));
+        // A Hessian is zero to round-off of the slopes: 5/extent = 1 for (3, 4) of length five.
+        let slopes = |_: &[f64]| exact(&[3.0, -5.0]);
+        let flat = shape(|y| Bounded::exact(3.0 * y[0] - 5.0 * y[1]), slopes, flat);
+        assert_eq!(flat.constant_hessian.scale, 1.0);
+    }
+
+    #[test]
+    fn a_degree_is_read_where_the_function_is_largest_and_has_its_error() {
+        let points = at(&[&[1.0, 0.0], &[0.0, 2.0]]);
+        let of = |value: fn(&[f64]) -> Bounded, gradient: fn(&[f64]) -> Vec<Bounded>| {
+            degree(&Given { value, gradient, hessian: flat }, &points)
+        };
+        // ∇F·y = 5 and F = 2 ± 0.02 at the second point; at the first one F vanishes.
+        let value = |y: &[f64]| within(y[1], 0.01 * y[1]);
+        let (p, identity) = of(value, |_| vec![within(0.0, 0.0), within(2.5, 0.025)]);
+        // Errors of a hundredth leave the identity unknown.
+        assert!(p.is_none() && identity.status == Status::Unknown, "{p:?} {identity:?}");
+        assert_eq!((identity.scale, identity.points), (10.0, 2));
+        // Relative errors add up: 2.5 ± 2.5·2e-14 is told, and 2 + 1e-14 is two.
+        let value = |y: &[f64]| within(y[1], 1e-14 * y[1]);
+        let (p, _) = of(value, |_| vec![within(0.0, 0.0), within(2.5, 2.5e-14)]);
+        let p = p.unwrap();
+        assert!(p.value == 2.5 && (p.error / 5e-14 - 1.0).abs() < 0.02, "{p:?}");
+        assert_eq!(p.degree, 0.0);
+        let (p, _) = of(value, |_| vec![within(0.0, 0.0), within(2.0 + 1e-14, 2e-14)]);
+        assert_eq!(p, Some(Bounded::exact(2.0)));
+        // No power explains both.
+        let (p, identity) = of(|y| Bounded::exact(y[0] + y[1]), |y| exact(&[1.0, y[1]]));
+        assert!(p.is_none() && identity.refuted(), "{identity:?}");
+    }
+}

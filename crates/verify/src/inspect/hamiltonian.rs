@@ -142,3 +142,121 @@ fn noise_size(system: &dyn System, points: &Points) -> (Option<f64>, Option<Find
     }
     (size.filter(|c| c.is_finite() && proportional.holds()), Some(proportional))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::{
+            finding::Status,
+            tests::by_hand::{ByHand, Given, Slope, at, close, exact, within},
+        },
+        *,
+    };
+
+    /// H₀ = 3 and H₁ = −4 with slopes (3, 4) and (6, 8), but for y₂ > 1.
+    fn system() -> ByHand {
+        let hessian = |_: &[f64]| vec![exact(&[0.0; 2]); 2];
+        let value: [fn(&[f64]) -> Bounded; 2] = [|_| Bounded::exact(3.0), |_| Bounded::exact(-4.0)];
+        let slope: [Slope; 2] = [
+            |_| exact(&[3.0, 4.0]),
+            |y| if y[1] > 1.0 { exact(&[6.0, 7.0]) } else { exact(&[6.0, 8.0]) },
+        ];
+        let given = |m: usize| Given { value: value[m], gradient: slope[m], hessian };
+        ByHand {
+            hamiltonians: vec![given(0), given(1)],
+            structure: |_, v| vec![v[1], -v[0]],
+            averages: |_, _, _| [exact(&[3.0, 4.0]), exact(&[4.0, -3.0])],
+            predict: |y| (y.to_vec(), f64::INFINITY),
+            ..ByHand::default()
+        }
+    }
+
+    #[test]
+    fn identities_of_the_energy_are_compared_with_the_size_of_their_terms() {
+        let (system, mut found) = (system(), Hamiltonians::default());
+        found.check_energy(&system, &[0.5, 0.25], &[1.0, 1.0]);
+        // |½·3| + |¼·(−4)| and |½|.
+        assert_eq!((found.linear.scale, found.linear.defect), (3.0, 0.0));
+        // ½(3, 4) + ¼(6, 8) = (3, 4).
+        assert!(found.gradient.holds() && found.averaged_gradient.holds());
+        assert_eq!((found.gradient.scale, found.averaged_gradient.scale), (8.0, 8.0));
+        found.check_energy(&system, &[1.0, 0.25], &[1.0, 1.0]);
+        assert!(found.gradient.holds() && found.averaged_gradient.defect == 2.0);
+    }
+
+    #[test]
+    fn the_error_of_a_quadrature_is_relative_to_the_slope_times_the_step() {
+        let (system, mut found) = (system(), Hamiltonians::default());
+        // (3, 4)·(½, 0) = 1.5 against no change of the energy: 1.5/(5·½).
+        found.check_averages(&system, &[1.0, 0.0], &[1.0, 1.0], &[1.5, 1.0]);
+        assert!(found.averaged_field.holds() && found.averaged_field.scale == 8.0, "{found:?}");
+        assert_eq!((found.discrete_gradient.defect, found.discrete_gradient.scale), (1.5, 1.5));
+        assert_eq!(found.quadrature_error, 0.6);
+        // The largest one is kept: (3, 4)·(0, ½) = 2, and (4, −3)·(3, 4) = 0.
+        found.check_averages(&system, &[1.0, 0.0], &[1.0, 1.0], &[1.0, 1.5]);
+        found.check_averages(&system, &[1.0, 0.0], &[1.0, 1.0], &[5.0, -2.0]);
+        assert_eq!((found.quadrature_error, found.discrete_gradient.defect), (0.8, 2.0));
+    }
+
+    #[test]
+    fn a_prediction_may_exceed_its_bound_by_round_off_only() {
+        let check = |bound: f64| {
+            let predict: fn(&[f64]) -> (Vec<f64>, f64) = match bound {
+                1.0 => |_| (vec![6.0, 8.0], 1.0),
+                _ => |_| (vec![6.0, 8.0], 1.5),
+            };
+            // (6, 8) − (3, 4) less (4, 3.5 ± 0.01): a residual of 1 + ½.
+            let averages: fn(&[f64], &[f64], &[f64]) -> _ =
+                |_, _, _| [Vec::new(), vec![within(4.0, 0.0), within(3.5, 0.01)]];
+            let mut found = Hamiltonians::default();
+            let system = ByHand { predict, averages, ..system() };
+            found.check_prediction(&system, &[1.0, 0.0], &[3.0, 4.0]);
+            found.prediction
+        };
+        let refuted = check(1.0);
+        assert!(refuted.refuted() && close(refuted.defect, 0.5) && refuted.scale == 15.0);
+        // The error of the field, of its differences, and ε|a|.
+        let error = refuted.round_off - 0.01;
+        assert!((5.0..20.0).contains(&(error / f64::EPSILON)), "{error}");
+        let holds = check(1.5);
+        assert_eq!((holds.defect, holds.status), (0.0, Status::Unknown));
+        let mut none = Hamiltonians::default();
+        none.check_prediction(&system(), &[1.0, 0.0], &[3.0, 4.0]);
+        assert_eq!(none.prediction.points, 0);
+    }
+
+    #[test]
+    fn the_size_of_the_noise_is_a_quotient_of_slopes() {
+        let of = |system: &ByHand, y: &[&[f64]]| noise_size(system, &at(y));
+        let (size, proportional) = of(&system(), &[&[1.0, 1.0], &[0.0, 1.0]]);
+        assert!(size == Some(2.0) && proportional.unwrap().status == Status::Shown);
+        let (size, proportional) = of(&system(), &[&[1.0, 1.0], &[0.0, 2.0]]);
+        assert!(size.is_none() && proportional.unwrap().refuted());
+        let mut several = system();
+        several.hamiltonians.push(several.hamiltonians[1]);
+        let (size, proportional) = of(&several, &[&[1.0, 1.0]]);
+        assert!(size.is_none() && proportional.unwrap().holds());
+        several.hamiltonians.truncate(1);
+        assert_eq!(of(&several, &[&[1.0, 1.0]]), (Some(0.0), Some(Finding::default())));
+    }
+
+    #[test]
+    fn averages_are_asked_a_tenth_apart_and_predictions_at_four_step_sizes() {
+        let system = ByHand { inside: |y| y[0] < 7.5, ..system() };
+        let points = at(&[&[0.0, 0.0], &[7.0, 1.0], &[17.0, 0.0], &[2.0, 1.0], &[1.0, 1.0]]);
+        Hamiltonians::of(&system, &points);
+        let (averaged, predicted) = (system.averaged.take(), system.predicted.take());
+        // At each point first with itself, and then with one on the way to the next.
+        let apart: Vec<_> = averaged.iter().filter(|[a, b, _]| a != b).collect();
+        assert_eq!((averaged.len(), apart.len(), predicted.len()), (9, 4, 5));
+        // From 7 towards 17 a tenth and a twentieth are outside, from 17 towards 2 all is.
+        let ends: Vec<f64> = apart.iter().map(|[_, b, _]| b[0]).collect();
+        assert!(ends.iter().zip([0.7, 7.25, 1.9, 0.9]).all(|(b, x)| close(*b, x)), "{ends:?}");
+        for (n, size) in [1e-3, 0.01, 0.1, 0.5, 1e-3].into_iter().enumerate() {
+            let weights = &averaged.iter().find(|[a, _, _]| *a == predicted[n][0]).unwrap()[2];
+            let scaled: Vec<f64> = weights.iter().map(|w| w * size).collect();
+            assert_eq!(predicted[n][1], scaled);
+            assert!(weights.iter().all(|w| w.abs() > 1e-6 && w.abs() <= 1.0), "{weights:?}");
+        }
+    }
+}

@@ -90,3 +90,45 @@ impl Noises {
         found
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::tests::by_hand::{ByHand, Given, Slope, at, close, exact},
+        *,
+    };
+
+    #[test]
+    fn commutators_are_compared_with_the_size_of_their_terms() {
+        // f₁ = (1, 0) with f₁′ = (0 1; 0 0) and f₂ = (0, 1), constant: [f₁, f₂] = −f₁′f₂.
+        let slope: [Slope; 3] =
+            [|_| exact(&[0.0; 2]), |_| exact(&[3.0, 4.0]), |_| exact(&[0.0, 2.0])];
+        let given = |m: usize| Given {
+            value: |_| Bounded::exact(0.0),
+            gradient: slope[m],
+            hessian: |_| unreachable!(),
+        };
+        let system = ByHand {
+            hamiltonians: vec![given(0), given(1), given(2)],
+            structure: |_, v| vec![v[1], -v[0]],
+            field: |weights| {
+                let (zero, moves) = (exact(&[0.0; 2]), exact(&[0.0, 1.0]));
+                match weights[1] {
+                    1.0 => (exact(&[1.0, 0.0]), vec![moves, zero]),
+                    _ => (exact(&[0.0, 1.0]), vec![zero.clone(), zero]),
+                }
+            },
+            commutators: |areas| exact(&[-areas[0][1], 0.0]),
+            ..ByHand::default()
+        };
+        let found = Noises::of(&system, &at(&[&[3.0, 4.0]]));
+        // ‖B‖‖∇H‖ = 5√2 and 2√2; their product over the extent five is 4, and with itself 10.
+        assert!(close(found.silent.scale, 50f64.sqrt()) && found.silent.defect == 1.0);
+        assert!(close(found.no_correction.scale, 10.0) && found.no_correction.defect == 1.0);
+        assert!(close(found.commute.scale, 5.0) && found.commute.defect == 1.0, "{found:?}");
+        assert!(found.commutators.holds() && close(found.commutators.scale, 5.0), "{found:?}");
+        assert!(found.on_paths.iter().all(|finding| finding.points == 0));
+        let wrong = ByHand { commutators: |areas| exact(&[areas[0][1], 0.0]), ..system };
+        assert!(Noises::of(&wrong, &at(&[&[3.0, 4.0]])).commutators.refuted());
+    }
+}

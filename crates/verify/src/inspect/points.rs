@@ -175,3 +175,67 @@ impl Region {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::tests::by_hand::{ByHand, at},
+        *,
+    };
+
+    #[test]
+    fn points_are_found_in_a_cone_and_near_a_start() {
+        // The positive cone in twelve dimensions has a share of 1/4096.
+        let cone =
+            ByHand { dimension: 12, inside: |y| y.iter().all(|x| *x > 0.0), ..ByHand::default() };
+        let points = Points::new(&cone, Region::Ball(2.0), None).unwrap();
+        assert_eq!((points.for_suprema.len(), points.random, points.everywhere), (400, 24, false));
+        assert!(points.for_suprema.iter().all(|y| norm(y) <= 2.0 + 1e-12));
+        let wide = ByHand { dimension: 13, ..ByHand::default() };
+        assert_eq!(Points::new(&wide, Region::Box(1.0), None).unwrap().random, 26);
+        // A spot about the start: within a third of |xᵢ| + |x|/10, and down to 2⁻¹⁵ of that.
+        let spot = ByHand {
+            inside: |y| (y[0] + 100.0).abs() < 0.01 && y[1].abs() < 0.01,
+            ..ByHand::default()
+        };
+        let points = Points::new(&spot, Region::Ball(200.0), Some(&[-100.0, 0.0])).unwrap();
+        assert!(points.for_suprema.len() >= 24 && points.for_suprema.len() < 400);
+        let nowhere = ByHand { inside: |_| false, ..ByHand::default() };
+        let none = Points::new(&nowhere, Region::Ball(200.0), Some(&[-100.0, 0.0])).err();
+        assert_eq!(none, Some(InspectError::NoPoints { found: 0, wanted: 24 }));
+    }
+
+    #[test]
+    fn states_of_paths_are_those_at_the_start_and_at_the_end() {
+        let system = ByHand::default();
+        let around = |y0: [f64; 2], states: Vec<Vec<f64>>| {
+            let pilot = Pilot { paths: 1, states: states.len(), until: 1.0 };
+            at(&[&[1.0, 0.0], &[0.0, 4.0]]).with_paths(&system, &y0, (pilot, states))
+        };
+        let points = around([300.0, -400.0], vec![vec![6.0, 8.0], vec![1.0, 1.0]]);
+        let on_path: Vec<usize> =
+            (0..points.for_identities.len()).filter(|&n| points.on_path(n)).collect();
+        assert_eq!((points.for_identities.len(), on_path), (9, vec![2, 7, 8]));
+        assert!(!at(&[&[1.0]]).on_path(0));
+        assert!((400.0..1300.0).contains(&points.extent()), "{}", points.extent());
+        assert_eq!(at(&[&[3.0, -4.0], &[0.0, 4.0]]).extent(), 5.0);
+        // Around it at 1, 0.1, 0.01 and 0.001 of its norm 500, or of one for zero.
+        for (y0, size) in [([300.0, -400.0], 500.0), ([0.0; 2], 1.0)] {
+            let points = around(y0, Vec::new());
+            for (n, y) in points.for_identities[3..].iter().enumerate() {
+                let away = (y[0] - y0[0]).hypot(y[1] - y0[1]) * 10f64.powi(n as i32) / size;
+                assert!((0.05..2f64.sqrt()).contains(&away), "{n}: {away}");
+            }
+        }
+        // Halved until it is in the domain, 40 times at most.
+        let narrow = ByHand { inside: |y| y[0].hypot(y[1]) < 1e-5, ..ByHand::default() };
+        let pilot = Pilot { paths: 1, states: 0, until: 1.0 };
+        let points = at(&[&[1.0, 0.0]]).with_paths(&narrow, &[0.0; 2], (pilot, Vec::new()));
+        assert_eq!(points.for_identities.len(), 1 + 1 + 4);
+        let lengths = points.for_identities[2..].iter().map(|y| norm(y));
+        assert!(lengths.into_iter().all(|length| (5e-6..1e-5).contains(&length)));
+        let never = ByHand { inside: |y| y[0] == 0.0, ..ByHand::default() };
+        let points = at(&[&[1.0, 0.0]]).with_paths(&never, &[0.0; 2], (pilot, Vec::new()));
+        assert_eq!(points.for_identities.len(), 1 + 1);
+    }
+}

@@ -105,4 +105,29 @@ mod tests {
             assert_eq!(Solvability { structure: bad, ..pendulum.clone() }.largest_step(4), 0.0);
         }
     }
+
+    #[test]
+    fn the_largest_step_is_below_all_that_do_not_contract() {
+        // C(1, τ) = τ/2 + √(2τ|ln τ|) is below one near τ = 1 again.
+        let found = Solvability {
+            region: Region::Ball(1.0),
+            points: 1,
+            structure: 1.0,
+            structure_slope: 0.0,
+            gradients: vec![1.0; 2],
+            hessians: vec![0.5, 1.0],
+        };
+        let tau = found.largest_step(1);
+        assert!((found.contraction(1, tau) - 1.0).abs() < 1e-9 && tau < 0.36, "{tau}");
+        assert!(found.contraction(1, 0.999) < 1.0 && found.contraction(1, 0.5) > 1.0);
+        // Without noise C is linear: 1/‖∇²H₀‖, for steps of 2⁻⁵⁰ as well; and all steps below 1.
+        let alone = |hessian: f64| {
+            let (gradients, hessians) = (vec![1.0], vec![hessian]);
+            Solvability { gradients, hessians, ..found.clone() }.largest_step(4)
+        };
+        assert!((alone(3.0) - 1.0 / 3.0).abs() < 1e-12, "{}", alone(3.0));
+        let small = alone(2f64.powi(50));
+        assert!((small * 2f64.powi(50) - 1.0).abs() < 1e-9, "{small}");
+        assert_eq!((alone(0.999), alone(0.0)), (1.0, 1.0));
+    }
 }

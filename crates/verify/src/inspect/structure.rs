@@ -72,3 +72,43 @@ fn jacobiator(
         sum + b[i][l] * d[j][k] + b[j][l] * d[k][i] + b[k][l] * d[i][j]
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::tests::by_hand::{ByHand, at, exact},
+        *,
+    };
+
+    #[test]
+    fn properties_of_b_are_compared_with_the_size_of_their_terms() {
+        // b₁₂ = 2 and b₂₃ = 5, of which ∂₂b₂₃ = 3 is said; b₃₃ is y₁ − 1.
+        let system = ByHand {
+            dimension: 3,
+            structure: |y, v| {
+                let [a, b, c] = [v[0], v[1], v[2]];
+                let [two, five] = [2.0, 5.0].map(Bounded::exact);
+                let last = c * Bounded::exact(y[0] - 1.0);
+                vec![b * two, c * five - a * two, last - b * five]
+            },
+            slopes: |_| {
+                let none = vec![exact(&[0.0; 3]); 3];
+                let some =
+                    vec![exact(&[0.0; 3]), exact(&[0.0, 0.0, 3.0]), exact(&[0.0, -3.0, 0.0])];
+                vec![none.clone(), some, none]
+            },
+            ..ByHand::default()
+        };
+        let found = Structure::of(&system, &at(&[&[1.0, 0.0, 0.0]]));
+        assert!(found.linear.holds() && found.linear.scale > 1.0 && found.skew.defect == 0.0);
+        assert_eq!((found.skew.scale, found.constant.scale), (10.0, 10.0));
+        assert_eq!(found.constant.defect, 3.0);
+        // Σ_l b₃_l ∂_l b₂₁ + b₂_l ∂_l b₁₃ + b₁_l ∂_l b₃₂ = 2·(−3), of terms up to 5·3.
+        assert_eq!((found.jacobi.defect, found.jacobi.scale), (6.0, 15.0));
+        assert_eq!(found.sound(), Status::Found);
+        // The diagonal counts twice in bᵢᵢ + bᵢᵢ, and once in what changes.
+        let found = Structure::of(&system, &at(&[&[1.0, 0.0, 0.0], &[8.0, 0.0, 0.0]]));
+        assert_eq!((found.skew.defect, found.constant.defect), (14.0, 7.0));
+        assert_eq!((found.skew.scale, found.sound()), (14.0, Status::Refuted));
+    }
+}

@@ -1,5 +1,8 @@
 //! The parts of an inspection on systems that are solved by hand.
 
+pub mod by_hand;
+mod words;
+
 use std::sync::Mutex;
 
 use real::{Bounded, Real};

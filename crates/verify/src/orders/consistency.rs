@@ -197,7 +197,12 @@ fn signs<const M: usize>() -> impl Iterator<Item = [f64; M]> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use systems::{Constant, paper::valid};
+
+    use super::{
+        super::tests::{Anything, Single},
+        *,
+    };
 
     #[test]
     fn signs_have_the_moments_of_normals_up_to_the_third() {
@@ -230,5 +235,75 @@ mod tests {
         let Consistency::Inconsistent(part) = of(|tau| tau + 1e-5) else { panic!() };
         assert!((1e-5..2e-5).contains(&part), "{part}");
         assert_eq!(of(|tau| tau.powf(-0.5)), Consistency::Unclear);
+    }
+
+    #[test]
+    fn an_error_stays_or_vanishes_by_its_last_two_exponents() {
+        let of = |values: &[f64], floor: f64| {
+            vanishes(&values.iter().map(|&value| Error { value, floor }).collect::<Vec<_>>())
+        };
+        // Quarters of τ: factors 4^{¼} and 4^{0.1} of two values are the exponents at the edges.
+        let factor = |exponent: f64| 4f64.powf(-exponent);
+        let last_two = |a: f64, b: f64| of(&[1.0, factor(a), factor(a) * factor(b)], 1e-9);
+        assert!(matches!(last_two(-1.0, 0.251), Consistency::Consistent(_)));
+        assert_eq!(last_two(1.0, 0.249), Consistency::Unclear);
+        let stays = factor(0.099) * factor(0.099);
+        assert_eq!(last_two(0.099, 0.099), Consistency::Inconsistent(stays));
+        let grows = factor(-0.099) * factor(-0.099);
+        assert_eq!(last_two(-0.099, -0.099), Consistency::Inconsistent(grows));
+        assert_eq!(last_two(0.101, 0.099), Consistency::Unclear);
+        assert_eq!(last_two(0.099, 0.101), Consistency::Unclear);
+        assert_eq!(last_two(-0.2, 0.05), Consistency::Unclear);
+        // What is eight times rounding is known; the first that is not bounds the rest.
+        assert_eq!(of(&[7.9, 1.0], 1.0), Consistency::Consistent(7.9));
+        assert_eq!(of(&[8.1, 1.0], 1.0), Consistency::Consistent(1.0));
+        assert_eq!(of(&[8.1, 0.5, 9.0], 1.0), Consistency::Consistent(1.0));
+        assert_eq!((of(&[8.1], 1.0), of(&[], 1.0)), (Consistency::Unclear, Consistency::Unclear));
+        assert_eq!(of(&[8.1, 8.1], 1.0), Consistency::Unclear);
+    }
+
+    #[test]
+    fn errors_of_steps_are_parts_of_the_states() {
+        // γ = ½ at (3, 4): a = (1, 0) − (1.5, 2) and b = (1, 0). A step adds τ/2 to its first
+        // component and ΔW/4 to its second one.
+        let scheme = Single(|_, tau, dw, y| {
+            if y[0] < 0.0 {
+                return [f64::NAN; 2];
+            }
+            [y[0] - 0.5 * tau + dw + 0.5 * tau, y[1] - 2.0 * tau + 0.25 * dw]
+        });
+        let damping = valid(Constant::new(0.5));
+        let problem = valid(Problem::new(Anything, damping, [3.0, 4.0], 2.0));
+        let key = StreamKey { seed: 1, experiment: 1 };
+        let good = Visit { t: 0.0, state: [3.0, 4.0] };
+        let failing = Visit { state: [-3.0, 4.0], ..good };
+        let of = |visits: &[Visit<2>]| errors(&scheme, &problem, key, visits, 0.25);
+        let found = of(&[good; 2]).unwrap();
+        let close = |found: f64, exact: f64| {
+            assert!((found / exact - 1.0).abs() < 1e-12, "{found} {exact}");
+        };
+        close(found.drift, 0.125 / 5.0);
+        let dw = [0, 1].map(|path| WienerPath::<1>::new(key, path).increments(0.5)[0]);
+        let square = dw.map(|dw| 0.125 * 0.125 + dw * dw / 16.0);
+        close(found.noise, (0.5 * (square[0] + square[1])).sqrt() / 5.0);
+        // Δy = (±½, −½ ± ⅛): its square less (¼, 0, 0).
+        let covariance = 2.0 * 0.0625f64.powi(2) + (0.25f64 + 0.015_625).powi(2);
+        close(found.covariance, covariance.sqrt() / 5.0);
+        // |a|²T² + |b|²T.
+        close(found.motion, (4.25f64 * 4.0 + 2.0).sqrt() / 5.0);
+        // A tenth of the steps may fail.
+        let visits = [&[good; 9][..], &[failing]].concat();
+        close(of(&visits).unwrap().drift, 0.125 / 5.0);
+        assert!(of(&[&[good; 8][..], &[failing]].concat()).is_none());
+        assert!(of(&[Visit { state: [0.0; 2], ..good }]).is_none());
+        // The drift is wrong by a tenth of |y|, told to an eighth; without it, the noise is wrong.
+        let sizes = StepSizes::new(4, noise::Truncation::none(), key);
+        let told = |scheme: &Single| consistency(scheme, &problem, &sizes, &[good; 4], false);
+        let Consistency::Inconsistent(part) = told(&scheme) else { panic!("{:?}", told(&scheme)) };
+        assert!((part - 0.1).abs() < 0.1 / SHOWN, "{part}");
+        let right = Single(|_, tau, dw, y| [y[0] - 0.5 * tau + dw, y[1] - 2.0 * tau]);
+        assert!(matches!(told(&right), Consistency::Consistent(part) if part < 1e-6));
+        let noisy = Single(|_, tau, dw, y| [y[0] - 0.5 * tau + dw, y[1] - 2.0 * tau + 0.25 * dw]);
+        assert!(matches!(told(&noisy), Consistency::Inconsistent(part) if part > 0.01));
     }
 }

@@ -215,23 +215,26 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let with = other.name();
     let moments = moments(scheme, problem, sizes, &other, Measure::Strong)?;
-    let Some(moments) = moments else { return Ok(None) };
+    Ok(moments.and_then(|moments| strong_limit(&moments, other.name())))
+}
+
+/// That from the means of [`distances`]; `None` if the schemes are the same one.
+fn strong_limit(moments: &CrossMoments, with: &'static str) -> Option<Limit> {
     let [near, own, others] = [1, 2, 3].map(|i| moments.mean(i));
     if near <= SAME * SAME * own {
-        return Ok(None);
+        return None;
     }
-    let (constant, half_width) = constant(&moments, [0, 1], SPAN);
+    let (constant, half_width) = constant(moments, [0, 1], SPAN);
     let distance = (constant.max(0.0) + half_width).min(near).sqrt();
     let errors = TAIL * (own.sqrt() + others.sqrt());
-    Ok(Some(if constant + half_width <= LEFT * near || near <= LEFT * LEFT * LEFT * own {
+    Some(if constant + half_width <= LEFT * near || near <= LEFT * LEFT * LEFT * own {
         Limit::Agrees { with, distance }
     } else if constant - half_width > LEFT * near && near.sqrt() > 2.0 * errors {
         Limit::Differs { with, distance: near.sqrt() }
     } else {
         Limit::Unclear { with, distance }
-    }))
+    })
 }
 
 /// The constant c of mean squares X = c + Aτ + … with positive terms, at most, from those at two
@@ -277,23 +280,159 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let with = other.name();
-    let Some(moments) = moments(scheme, problem, sizes, &other, what)? else {
-        return Ok(None);
-    };
-    let half_width = |i: usize| half_width(&moments, i);
+    let moments = moments(scheme, problem, sizes, &other, what)?;
+    let scheme = matches!(other, Other::Scheme(_));
+    Ok(moments.and_then(|moments| weak_limit(&moments, other.name(), scheme)))
+}
+
+/// That from the means of [`distances`]; `None` if the schemes are the same one, where they may be.
+fn weak_limit(moments: &CrossMoments, with: &'static str, may_be_same: bool) -> Option<Limit> {
+    let half_width = |i: usize| half_width(moments, i);
     let [near, own, others, coarse] = [0, 1, 2, 3].map(|i| moments.mean(i).abs());
     let noise = half_width(0);
     let errors = own + half_width(1) + others + half_width(2);
-    if near + noise <= SAME * coarse && matches!(other, Other::Scheme(_)) {
-        return Ok(None);
+    if may_be_same && near + noise <= SAME * coarse {
+        return None;
     }
     let distance = near + noise;
-    Ok(Some(if near > 2.0 * (noise + errors) {
+    Some(if near > 2.0 * (noise + errors) {
         Limit::Differs { with, distance: near }
     } else if distance <= (1.0 - LEFT) * coarse.max(own) || distance <= 2.0 * errors.min(coarse) {
         Limit::Agrees { with, distance }
     } else {
         Limit::Unclear { with, distance }
-    }))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use mc::Observable;
+
+    use super::*;
+
+    #[test]
+    fn single_steps_and_paths_are_combined() {
+        let (with, distance) = ("heun", 0.25);
+        let differs = Limit::Differs { with, distance };
+        let (agrees, unclear) =
+            (Limit::Agrees { with, distance }, Limit::Unclear { with, distance });
+        let of = |steps: Consistency| {
+            [differs, agrees, unclear, Limit::Unchecked].map(|paths| combine(steps, paths))
+        };
+        let right = Limit::Consistent { defect: 0.5 };
+        assert_eq!(of(Consistency::Consistent(0.5)), [unclear, right, right, right]);
+        let wrong = Limit::Inconsistent { defect: 0.5 };
+        assert_eq!(of(Consistency::Inconsistent(0.5)), [differs, differs, differs, wrong]);
+        assert_eq!(of(Consistency::Unclear), [differs, agrees, unclear, Limit::Unchecked]);
+    }
+
+    #[test]
+    fn distances_are_between_schemes_and_between_their_step_sizes() {
+        let (y, z) = ([[1.0, 0.0], [4.0, 4.0], [1.0, 6.0]], [[3.0, 0.0], [3.0, 1.0], [1.0, 0.0]]);
+        assert_eq!(distances(Measure::Strong, y, z), [36.0, 4.0, 25.0, 1.0]);
+        let sum = Observable { name: "sum", function: |y: [f64; 2]| y[0] + y[1] };
+        assert_eq!(distances(Measure::Weak(sum), y, z), [-2.0, -7.0, -1.0, 6.0]);
+    }
+
+    #[test]
+    fn the_constant_of_a_line_is_extrapolated_with_its_noise() {
+        // 9 and 2 three halvings apart: (8·2 − 9)/7 = 1, times 1 ± ½ on 64 paths.
+        let mut squares = CrossMoments::new(2);
+        (0..64).for_each(|n| {
+            let size = if n % 2 == 0 { 1.5 } else { 0.5 };
+            squares.add(&[9.0 * size, 2.0 * size]);
+        });
+        let (found, width) = constant(&squares, [0, 1], 3);
+        assert!((found - 1.0).abs() < 1e-12, "{found}");
+        assert!((width / (1.96 * 0.5 / 63f64.sqrt()) - 1.0).abs() < 1e-9, "{width}");
+        let (found, width) = constant(&squares, [1, 0], 1);
+        assert!(
+            (found - 16.0).abs() < 1e-12
+                && (width / 16.0 * 2.0 * 63f64.sqrt() / 1.96 - 1.0).abs() < 1e-9
+        );
+    }
+
+    /// Moments of 64 paths with these means, of which each is spread by this part of it.
+    fn spread<const N: usize>(means: [f64; N], parts: [f64; N]) -> CrossMoments {
+        let mut moments = CrossMoments::new(N);
+        for path in 0..64 {
+            let sign = if path % 2 == 0 { 1.0 } else { -1.0 };
+            let numbers: Vec<f64> = (0..N).map(|i| means[i] * (1.0 + sign * parts[i])).collect();
+            moments.add(&numbers);
+        }
+        moments
+    }
+
+    /// Half the width of the interval of a mean of one that is spread by a half.
+    const HALF: f64 = 0.5 * 1.96 / 7.937_253_933_193_772;
+
+    /// A, D or U for agrees, differs or unclear, with the distance.
+    fn told(limit: Option<Limit>) -> Option<(char, f64)> {
+        limit.map(|limit| match limit {
+            Limit::Agrees { distance, .. } => ('A', distance),
+            Limit::Differs { distance, .. } => ('D', distance),
+            Limit::Unclear { distance, .. } => ('U', distance),
+            other => panic!("{other:?}"),
+        })
+    }
+
+    /// Up to rounding, whose root is the standard error of what is not spread.
+    fn is(limit: Option<Limit>, what: char, distance: f64) -> bool {
+        let rounding = 64.0 * f64::EPSILON.sqrt();
+        told(limit).is_some_and(|(a, b)| a == what && (b / distance - 1.0).abs() < rounding)
+    }
+
+    #[test]
+    fn paths_agree_where_most_of_their_distance_shrinks_and_differ_beyond_their_errors() {
+        // Near 1 and far 8 − 7c leave the constant c, named as the distance √c.
+        let of = |c: f64, own: f64, others: f64, part: f64| {
+            let means = [8.0 - 7.0 * c, 1.0, own * own, others * others];
+            strong_limit(&spread(means, [part, part, 0.0, 0.0]), "heun")
+        };
+        assert!(is(of(0.499, 0.1, 0.1, 0.0), 'A', 0.499f64.sqrt()));
+        // Two errors of 2.42 times the last differences, 0.968 and 1.016.
+        assert!(is(of(0.501, 0.1, 0.1, 0.0), 'D', 1.0));
+        assert!(is(of(0.501, 0.1, 0.11, 0.0), 'U', 0.501f64.sqrt()));
+        assert!(is(of(0.501, 0.11, 0.1, 0.0), 'U', 0.501f64.sqrt()));
+        // Below the root of an eighth of the last difference it is no difference.
+        assert!(is(of(1.0, 8.1f64.sqrt(), 0.1, 0.0), 'A', 1.0));
+        assert!(is(of(1.0, 7.9f64.sqrt(), 0.1, 0.0), 'U', 1.0));
+        // Noise: 0.46 ± 0.057 is not below ½, and 0.55 ± 0.068 not above.
+        for c in [0.46, 0.55] {
+            assert!(is(of(c, 0.1, 0.1, 0.5), 'U', (c * (1.0 + HALF)).sqrt()), "{c}");
+        }
+        assert!(is(of(0.44, 0.1, 0.1, 0.5), 'A', (0.44 * (1.0 + HALF)).sqrt()));
+        assert!(is(of(0.58, 0.1, 0.1, 0.5), 'D', 1.0));
+        // A scheme is itself within 1e-6 of the last difference.
+        let same = |near: f64| strong_limit(&spread([near, near, 1.0, 1.0], [0.0; 4]), "heun");
+        assert!(same(0.9e-12).is_none() && is(same(1.1e-12), 'A', 1.1e-12f64.sqrt()));
+    }
+
+    #[test]
+    fn means_differ_beyond_twice_their_noise_and_errors() {
+        let of = |own: f64, others: f64, coarse: f64, parts: [f64; 3]| {
+            let [a, b, c] = parts;
+            weak_limit(&spread([-1.0, own, -others, coarse], [a, b, c, 0.0]), "heun", true)
+        };
+        let none = [0.0; 3];
+        assert!(is(of(0.3, 0.19, 0.1, none), 'D', 1.0));
+        // Twice errors of 0.51, half of the change by the step size, or twice of that.
+        assert!(is(of(0.3, 0.21, 0.45, none), 'U', 1.0));
+        assert!(is(of(0.3, 0.21, 0.51, none), 'A', 1.0));
+        assert!(is(of(1.9, 0.21, 0.45, none), 'U', 1.0));
+        assert!(is(of(2.1, 0.21, 0.45, none), 'A', 1.0));
+        assert!(is(of(0.2, 0.2, 2.1, none), 'D', 1.0));
+        // Noise of the distance, and of either error.
+        assert!(is(of(0.37, 0.0, 0.1, [0.5, 0.0, 0.0]), 'D', 1.0));
+        assert!(is(of(0.38, 0.0, 0.1, [0.5, 0.0, 0.0]), 'U', 1.0 + HALF));
+        assert!(is(of(0.2, 0.27, 0.1, [0.0, 0.5, 0.0]), 'D', 1.0));
+        assert!(is(of(0.2, 0.28, 0.1, [0.0, 0.5, 0.0]), 'U', 1.0));
+        assert!(is(of(0.27, 0.2, 0.1, [0.0, 0.0, 0.5]), 'D', 1.0));
+        assert!(is(of(0.28, 0.2, 0.1, [0.0, 0.0, 0.5]), 'U', 1.0));
+        let same = |coarse: f64, may_be| {
+            weak_limit(&spread([1e-6, 1e-6, 0.0, coarse], [0.0; 4]), "heun", may_be)
+        };
+        assert!(same(1.1, true).is_none() && is(same(1.1, false), 'A', 1e-6));
+        assert!(is(same(0.9, true), 'A', 1e-6));
+    }
 }

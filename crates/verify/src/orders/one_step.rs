@@ -295,4 +295,129 @@ mod tests {
             }
         }
     }
+
+    use noise::Truncation;
+    use systems::{Constant, paper::valid};
+
+    use super::super::tests::{Anything, Single};
+
+    fn problem() -> Problem<Anything, Constant, 2> {
+        valid(Problem::new(Anything, valid(Constant::new(0.0)), [1.0, 0.0], 2.0))
+    }
+
+    fn sizes() -> StepSizes {
+        let key = StreamKey { seed: 1, experiment: 1 };
+        StepSizes { levels: 3, ..StepSizes::new(4, Truncation::none(), key) }
+    }
+
+    #[test]
+    fn the_least_clear_order_of_all_strengths_of_noise_is_taken() {
+        // From T/64 times 4² down: two levels above the finest of four sizes.
+        let of = |squares: &dyn Fn(f64, f64) -> (f64, f64)| {
+            let found = least_order(&problem(), &sizes(), squares);
+            found.map(|step| (step.order, step.amplification, step.tau))
+        };
+        // Halfway to rounding: (3e-14)² < τ³ down to τ = 2⁻²⁷ (from 2⁻³, by quarters).
+        let tau = |n: i32| 2f64.powi(-n);
+        assert_eq!(of(&|tau, _| (tau.powi(3), 1.0)), Some((1.5, 1.0, tau(29))));
+        // Rounding is relative to the states.
+        assert_eq!(of(&|tau, _| (tau.powi(3), 1e6)), Some((1.5, 1.0, tau(23))));
+        // A term that noise of 16 shows, and one that none does; equal orders keep the first.
+        let weak = |tau: f64, strength: f64| {
+            let extra = if strength > 1.0 { tau * tau } else { 0.0 };
+            (tau.powi(3) + 1e3 * extra, 1.0)
+        };
+        assert_eq!(of(&weak).map(|found| (found.0, found.1)), Some((1.0, 16.0)));
+        // Exponents within a twentieth of a multiple of ½ are one.
+        let power = |q: f64| of(&|tau, _| (tau.powf(2.0 * q), 1.0)).map(|found| found.0);
+        assert_eq!([1.04, 1.06, 1.46].map(power), [Some(1.0), None, Some(1.5)]);
+        // What does not shrink has no order, as what is always rounding.
+        assert_eq!((of(&|_, _| (1.0, 1.0)), of(&|_, _| (0.0, 1.0))), (None, None));
+        // Steps that overflow are passed over.
+        let late = |tau: f64, _: f64| (if tau > 1e-3 { f64::NAN } else { tau.powi(4) }, 1.0);
+        assert_eq!(of(&late).map(|found| found.0), Some(2.0));
+    }
+
+    #[test]
+    fn step_sizes_begin_above_the_finest_and_fall_by_quarters() {
+        let asked = std::cell::RefCell::new(Vec::new());
+        least_order(&problem(), &sizes(), &|tau, strength| {
+            if strength == 1.0 {
+                asked.borrow_mut().push(tau);
+            }
+            (1.0, 1.0)
+        });
+        // The reference has 4·2⁴ steps on [0, 2]; a quarter of it, and two quarters more up.
+        let finest = 2.0 / 64.0 / 4.0;
+        let expected: Vec<f64> = (-2..20).map(|n| finest * 0.25f64.powi(n)).collect();
+        assert_eq!(asked.into_inner(), expected);
+    }
+
+    #[test]
+    fn one_step_and_two_half_steps_share_time_and_noise() {
+        // y₁ + 2t + 3τ + 5ΔW, and y₂ + τ².
+        let scheme =
+            Single(|t, tau, dw, y| [y[0] + 2.0 * t + 3.0 * tau + 5.0 * dw, y[1] + tau * tau]);
+        let visit = Visit { t: 0.5, state: [1.0, -2.0] };
+        let noises = [0.25, -0.5].map(|dw| Noise::increments([dw]));
+        let (one, two) = one_and_two(&scheme, &problem(), &visit, 0.25, noises).unwrap();
+        assert_eq!(one, [1.0 + 1.0 + 0.75 - 1.25, -2.0 + 0.0625]);
+        assert_eq!(two, [1.0 + (1.0 + 1.25) + 0.75 - 1.25, -2.0 + 2.0 * 0.015_625]);
+        // Visits whose steps fail are left out of both means.
+        let partly =
+            Single(|_, tau, _, y| [y[0] + tau.sqrt(), if y[0] > 2.0 { f64::NAN } else { y[1] }]);
+        let visits = [[1.0, 0.0], [0.5, 1.0], [3.0, 0.0]].map(|state| Visit { t: 0.0, state });
+        let key = StreamKey { seed: 1, experiment: 1 };
+        let (square, size) = difference(&partly, &problem(), key, &visits, 0.04, 1.0);
+        let (one, two) = (0.2, 2.0 * 0.02f64.sqrt());
+        let states = [1.0 + two, 0.5 + two];
+        let exact = (states[0] * states[0] + states[1] * states[1] + 1.0) / 2.0;
+        assert!((square / ((one - two) * (one - two)) - 1.0).abs() < 1e-12, "{square}");
+        assert!((size / exact - 1.0).abs() < 1e-12, "{size} {exact}");
+        assert!(difference(&partly, &problem(), key, &visits[2..], 0.04, 1.0).0.is_nan());
+    }
+
+    #[test]
+    fn means_of_one_step_are_those_over_the_noise() {
+        // y₁ + ΔW + ½τ² and y₂: the means of y₁ and y₁² differ by τ²/4 and by what ΔW² adds.
+        let scheme = Single(|_, tau, dw, y| [y[0] + dw + 0.5 * tau * tau, y[1]]);
+        let visits = [Visit { t: 0.0, state: [3.0, 1.0] }];
+        let (tau, strength) = (0.5, 2.0);
+        let (square, size) = mean_difference(&scheme, &problem(), &visits, tau, strength);
+        // One step ends at 3 + ΔW + 0.125 and two at 3 + ΔW + 0.0625.
+        let second = 0.0625 * (2.0 * 3.0 + 0.1875);
+        assert!((square - 0.0625 * 0.0625 - second * second).abs() < 1e-12, "{square}");
+        assert_eq!(size, 10.0 + 82.0);
+        // Two steps of ΔW² each have twice the mean; squares of increments are strength²·τ.
+        let scheme = Single(|_, tau, dw, y| [y[0] + if tau < 0.5 { dw * dw } else { 0.0 }, y[1]]);
+        let visits = [Visit { t: 0.0, state: [0.0, 0.0] }];
+        let (square, _) = mean_difference(&scheme, &problem(), &visits, tau, strength);
+        // E of the sum, 4·0.5 = 2, and of its square, 2·3·1² + 2·1·1 = 8.
+        assert!((square - 4.0 - 64.0).abs() < 1e-9, "{square}");
+        // Of order τ² in the mean: weak order one, from sixteen visits at most.
+        let drift = Single(|_, tau, dw, y| [y[0] + dw + tau * tau, y[1]]);
+        let visits = vec![Visit { t: 0.0, state: [1.0, 1.0] }; 20];
+        assert_eq!(mean_order(&drift, &problem(), &sizes(), &visits), Some(1.0));
+    }
+
+    #[test]
+    fn areas_of_two_steps_add_up_by_chens_relation() {
+        let noise = |increments: [f64; 2], area: f64| Noise {
+            increments,
+            areas: [[0.0, area], [-area, 0.0]],
+        };
+        let both = join(noise([1.0, 2.0], 0.25), noise([3.0, 5.0], 0.5));
+        // ½(1·5 − 2·3) = −½.
+        assert_eq!(both.increments, [4.0, 7.0]);
+        assert_eq!(both.areas, [[0.0, 0.25], [-0.25, 0.0]]);
+        // Brownian motion times two is that of four times the time.
+        let key = StreamKey { seed: 7, experiment: 1 };
+        let of = |tau, factor| two_steps::<2>(key, 3, tau, factor, true);
+        assert_eq!(of(0.5, 2.0).map(|n| n.increments), of(2.0, 1.0).map(|n| n.increments));
+        assert_eq!(of(0.5, 2.0).map(|n| n.areas), of(2.0, 1.0).map(|n| n.areas));
+        assert!(of(0.5, 2.0)[0].areas[0][1] != 0.0);
+        let without = two_steps::<2>(key, 3, 2.0, 1.0, false);
+        assert_eq!(without.map(|n| n.increments), of(2.0, 1.0).map(|n| n.increments));
+        assert_eq!(without[0].areas, [[0.0; 2]; 2]);
+    }
 }

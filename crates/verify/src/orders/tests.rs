@@ -1,9 +1,10 @@
 //! The arithmetic of orders, and what is decided, on numbers that are made up.
 
 use mc::Observable;
-use noise::{StreamKey, Truncation};
-use real::Real;
-use schemes::{EulerMaruyama, Midpoint};
+use noise::{BlockNoise, Noise, StreamKey, Truncation};
+use nonlin::{BlockStatus, Outcome, Solution};
+use real::{Block, Real};
+use schemes::{EulerMaruyama, Midpoint, Scheme, Step};
 use stats::{CrossMoments, Point, Rate};
 use systems::{Constant, PoissonSystem, Problem, paper::valid};
 
@@ -284,6 +285,50 @@ fn a_limit_is_wrong_where_most_of_the_error_does_not_shrink() {
     // That is c − 4a, above half of near = c + a for a below c/9.
     assert!(near(of(0.901, 0.099, 0.01)) && of(0.899, 0.101, 0.01).is_none());
     assert_eq!(wrong_limit(&CrossMoments::new(1), &CrossMoments::new(0)), None);
+}
+
+/// A field (1, 0), for time and for noise.
+pub struct Anything;
+
+impl PoissonSystem<2, 1> for Anything {
+    fn name(&self) -> &'static str {
+        "anything"
+    }
+    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+        v
+    }
+    fn energy<R: Real>(&self, y: [R; 2], _dt: f64, _dw: [f64; 1]) -> R {
+        y[0]
+    }
+}
+
+/// A step as a function of t, τ, ΔW and y; it fails where that is NaN.
+pub struct Single(pub fn(f64, f64, f64, [f64; 2]) -> [f64; 2]);
+
+impl Scheme<Anything, 2, 1> for Single {
+    fn id(&self) -> &'static str {
+        "single"
+    }
+    fn reads_areas(&self) -> bool {
+        false
+    }
+    fn clips_increments(&self) -> bool {
+        false
+    }
+    fn step_block(
+        &self,
+        _: &Anything,
+        _: &Step,
+        _: &BlockNoise<1>,
+        _: &mut Block<2>,
+        _: &mut BlockStatus,
+    ) {
+        unreachable!("single steps only")
+    }
+    fn step(&self, _: &Anything, step: &Step, noise: &Noise<1>, y: [f64; 2]) -> Solution<2> {
+        let z = (self.0)(step.t, step.tau, noise.increments[0], y);
+        Solution { z, outcome: Outcome::Fast { iterations: 1 } }.checked()
+    }
 }
 
 /// A plane that turns by dt + dW.

@@ -121,3 +121,32 @@ fn errors(sizes: usize, moments: &CrossMoments, tail: Option<f64>) -> CrossMomen
     };
     moments.combined(&(0..sizes).map(row).collect::<Vec<_>>())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_sums_of_the_differences_that_follow() {
+        // Differences 8, 4 and 2 between four sizes, and 1 of the finest against the solution.
+        let mut moments = CrossMoments::new(4);
+        for path in 0..64 {
+            let size = if path % 2 == 0 { 1.5 } else { 0.5 };
+            moments.add(&[8.0, 4.0, 2.0, 1.0].map(|x| size * x));
+        }
+        // The sum of what would follow is the last difference again for order one.
+        assert_eq!(errors(3, &moments, Some(1.0)).means(), [16.0, 8.0, 4.0]);
+        assert_eq!(errors(3, &moments, Some(0.5)).means(), [15.0, 7.0, 3.0]);
+        assert_eq!(errors(4, &moments, None).means(), [15.0, 7.0, 3.0, 1.0]);
+        let points = weak_points(&[0.5, 0.25], &moments, Some(1.0));
+        for (point, (tau, exact)) in points.iter().zip([(0.5, 16.0), (0.25, 8.0)]) {
+            let Point::Error { tau: at, value, se, lo, hi, .. } = *point else {
+                panic!("{point:?}")
+            };
+            // The paths differ by half of the value to either side: √(1/63) of that.
+            assert!(at == tau && value == exact, "{point:?}");
+            assert!((se / (0.5 * exact / 63f64.sqrt()) - 1.0).abs() < 1e-12, "{point:?}");
+            assert_eq!((lo, hi), (Some(value - 1.96 * se), Some(value + 1.96 * se)));
+        }
+    }
+}

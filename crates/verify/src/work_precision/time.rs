@@ -129,8 +129,12 @@ mod tests {
         let key = StreamKey { seed: 3, experiment: 1 };
         let repetitions = Repetitions { count: 3, path_steps: 1 };
         let schemes: [&dyn Scheme<_, 2, 1>; 2] = [&sexp, &Heun];
+        let watch = Stopwatch::start();
         let times =
             path_times(&schemes, &problem, &[8, 16], truncation, key, repetitions, &|_| ())?;
+        // Three repetitions of 128 paths took no longer than all of it.
+        let shortest: f64 = times.iter().flatten().map(|time| 3.0 * 128.0 * time.min_s).sum();
+        assert!(shortest <= watch.wall_s(), "{shortest}");
         assert_eq!((times.len(), times[0].len(), repetitions.work(2, &[8, 16])), (2, 2, 18_432));
         for time in times.iter().flatten() {
             assert!(0.0 <= time.min_s && time.min_s <= time.median_s, "{time:?}");

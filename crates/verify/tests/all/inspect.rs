@@ -147,6 +147,17 @@ fn the_misprinted_casimir_is_found_and_the_true_one_named() {
     assert_eq!(report.mistakes.len(), 2, "{report}");
     assert!(report.mistakes[0].contains("is claimed as a Casimir and is none"), "{report}");
     assert!(report.mistakes[0].contains("a function of the Hamiltonian"), "{report}");
+    let text = report.to_string();
+    for words in [
+        "D = 3, M = 1; 24 points with |yᵢ| ≤ 2 in its domain\n",
+        "C        ab ln y₁ − b ln y₂ + ln y₃: Casimir (WRONG, see below); not homogeneous (",
+        "y3; degree 1, m = 1.0000e0 > 0 (found by search) on the domain; B∇C = 0 found at 24",
+        "sexp 1 (found) / 1,  sexp-levy 1 (found) / 1,",
+        "Take sexp: it keeps what the damped equation keeps, the energy up to the error of ∇̄h\n",
+        "\nMistakes\n  - C = ab ln y₁ − b ln y₂ + ln y₃ is claimed as a Casimir and is none",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
 
     // ab y₁ + y₂ − a y₃, up to a factor.
     let casimir = &report.casimirs.found[0];
@@ -377,6 +388,8 @@ fn casimirs_of_parts_are_summed_to_a_bound() {
             && report.applies("strong-half") == Some(Applies::Yes),
         "{report}"
     );
+    let words = format!("    a positive definite sum: {}, m = 5.0000e-1 > 0 (shown)", sum.formula);
+    assert!(report.to_string().contains(&words), "{report}");
 }
 
 #[test]
@@ -402,6 +415,9 @@ fn a_problem_knows_its_radius_and_its_largest_step() {
     let report = inspect_problem(&problem.unwrap()).unwrap();
     let radius = report.problem.as_ref().unwrap().radius.unwrap();
     assert!((radius - 1.4).abs() < 1e-5, "{report}");
+    let words = "stay within ‖y‖ ≤ 1.4000 while they are in the domain if that bound, found by \
+                 search, holds\n";
+    assert!(report.to_string().contains(words), "{report}");
 
     // The pendulum has ‖B‖ = ‖∇²H‖ = 1: C(4, τ) = τ + √(8τ|ln τ|), and nothing bounds it.
     let pendulum = Pendulum::new(1.0).unwrap();
@@ -463,4 +479,72 @@ fn a_report_is_data() {
     assert_eq!(json["casimirs"]["found"][0]["degree"], 2);
     assert_eq!(json["theorems"][3]["applies"], "no");
     assert_eq!(report, inspect(&MaxwellBloch).unwrap());
+}
+
+#[test]
+fn a_report_reads_like_this() {
+    let problem = Problem::new(body(), Constant::new(-0.5).unwrap(), [0.6, 0.0, 0.8], 2.0).unwrap();
+    let text = inspect_problem(&problem).unwrap().to_string();
+    let expected = [
+        "rigid-body: D = 3, M = 3; 29 points with ‖y‖ ≤ 2.0000 or near y₀",
+        "  and 32 states of 4 paths, followed to t = 2",
+        "  B(y)     skew-symmetric (shown, to 1e-15)",
+        "           depends on y; Jacobi identity (shown, to 0e0)",
+        "  H0       quadratic, degree 2 (shown, to 5e-14), m = 2.5000e-1 > 0 (shown)",
+        "  H1       quadratic, degree 2 (shown, to 3e-14), m = 0 to 4e-15",
+        "  H2       quadratic, degree 2 (shown, to 2e-14), m = 0 to 2e-15",
+        "  H3       quadratic, degree 2 (shown, to 1e-14), m = 0 to 1e-15",
+        "  ∇̄h       exact (shown, to 2e-14)",
+        "  noises   do not commute: strong order 1 needs Lévy areas",
+        "           (defect 3.7e0 at [0.019, -1.797, -2.039], round-off 1e-14)",
+        concat!(
+            "  C        ½(y₁² + y₂² + y₃²): Casimir (shown); quadratic, degree 2 (shown, to ",
+            "2e-14), m = 5.0000e-1 > 0 (shown)"
+        ),
+        "  Casimirs of B, linear or quadratic, coefficients to six digits:",
+        concat!(
+            "    0.5 y1² + 0.5 y2² + 0.5 y3²; degree 2, m = 5.0000e-1 > 0 (shown); B∇C = 0 ",
+            "shown, to 5e-15"
+        ),
+        "  damping  γ = -0.5; rate and integral agree to 0e0, pulses below 2e-5 aside",
+        "  paths    stay within ‖y‖ ≤ 2.7183",
+        "Which statements of the paper apply",
+        concat!(
+            "  yes            exact-conformal: homogeneous Casimirs (one noise: and the ",
+            "energy) obey exp(−p∫γ)"
+        ),
+        "                 C (shown); 0.5 y1² + 0.5 y2² + 0.5 y3² (shown)",
+        concat!(
+            "  yes            conformal-casimir: sexp keeps linear and quadratic Casimirs on ",
+            "their law for any τ"
+        ),
+        "                 0.5 y1² + 0.5 y2² + 0.5 y3² (shown)",
+        concat!(
+            "  no             energy-balance: sexp keeps the energy of a one-noise system on ",
+            "its law for any τ"
+        ),
+        "                 there is not one noise with H₁ = c H₀",
+        "  yes            moment-bound: all paths stay in a known ball",
+        "                 m(0.5 y1² + 0.5 y2² + 0.5 y3²) = 5.0000e-1 > 0 (shown)",
+        concat!(
+            "  conditional    solvability: an implicit step below a known size has exactly ",
+            "one solution"
+        ),
+        "                 in the ball of the moment bound",
+        "  yes            strong-half: strong order 1/2 of sexp (k ≥ 1)",
+        "                 m(0.5 y1² + 0.5 y2² + 0.5 y3²) = 5.0000e-1 > 0 (shown)",
+        "  yes            weak-one: weak order 1 of sexp (k ≥ 2)",
+        "                 m(0.5 y1² + 0.5 y2² + 0.5 y3²) = 5.0000e-1 > 0 (shown)",
+        "Expected orders, strong / weak",
+        "  sexp 0.5 / 1,  sexp-levy 1 / 1,  midpoint 0.5 / 1,  heun 0.5 / 1,  em 0.5 / 1",
+        "Take sexp-levy: noises do not commute; for expectations sexp will do, without areas",
+        "Implicit steps of sexp are contractions, C(k, τ) < 1, for τ below",
+        "  1.0e-3 for k = 1, 4.5e-4 for k = 2, 2.1e-4 for k = 4",
+        "  by the largest norms found at 400 points with ‖y‖ ≤ 2.7183",
+        "No mistakes found.",
+    ];
+    for (line, words) in text.lines().zip(expected) {
+        assert_eq!(line, words);
+    }
+    assert_eq!(text.lines().count(), expected.len());
 }

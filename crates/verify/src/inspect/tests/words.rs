@@ -1,0 +1,391 @@
+//! What follows from findings, and its words: every case on findings that are made up.
+
+use super::{
+    super::{
+        finding::Status::{self, Found, Refuted, Shown, Unknown},
+        problem::Bound,
+        theory::{orders, recommendation, theorems},
+        *,
+    },
+    *,
+};
+use Applies::{Conditionally, No, Yes};
+
+/// A finding of this status, with a defect and a bound to print.
+fn finding(status: Status) -> Finding {
+    let mut finding = Finding::default();
+    (finding.status, finding.points, finding.at) = (status, 3, vec![1.0]);
+    (finding.defect, finding.round_off) = (0.5, 1e-15);
+    finding
+}
+
+/// Canonical variables, H₁ = H₀/2 of degree two: everything is shown.
+fn sound() -> Inspection {
+    let mut report = inspect(&valid(Pendulum::new(0.7))).unwrap();
+    let shape = Shape {
+        kind: Kind::Quadratic,
+        degree: Some(2.0),
+        degree_error: 0.0,
+        homogeneous: finding(Shown),
+        constant_hessian: finding(Shown),
+        minimum: Some(minimum(0.5, Shown)),
+    };
+    report.hamiltonians.shapes = vec![shape.clone(), shape];
+    report.hamiltonians.noise_size = Some(0.5);
+    report.hamiltonians.proportional = Some(finding(Shown));
+    report.hamiltonians.discrete_gradient = finding(Shown);
+    report.structure.linear = finding(Shown);
+    report.structure.skew = finding(Shown);
+    report.structure.constant = finding(Shown);
+    report
+}
+
+fn minimum(value: f64, positive: Status) -> Minimum {
+    Minimum { value, error: 1e-3, positive, in_domain_only: false }
+}
+
+fn bound(report: &Inspection) -> Option<Bound> {
+    Bound::of(&report.structure, &report.hamiltonians, &report.casimirs)
+}
+
+/// (applies, because) of the statements, in the order of the report.
+fn statements(report: &Inspection) -> Vec<(Applies, String)> {
+    let Inspection { structure, hamiltonians, casimirs, noise, invariants, .. } = report;
+    let bound = bound(report);
+    let all = theorems(structure, hamiltonians, casimirs, noise, invariants, bound.as_ref());
+    all.into_iter().map(|theorem| (theorem.applies, theorem.because)).collect()
+}
+
+const EXACT: usize = 0;
+const CASIMIR: usize = 1;
+const ENERGY: usize = 2;
+const BOUND: usize = 3;
+const SOLVABLE: usize = 4;
+const STRONG: usize = 5;
+
+/// What one statement says of the sound system with one change.
+fn says(statement: usize, change: impl Fn(&mut Inspection)) -> (Applies, String) {
+    let mut report = sound();
+    change(&mut report);
+    statements(&report)[statement].clone()
+}
+
+fn words(applies: Applies, because: &str) -> (Applies, String) {
+    (applies, because.to_owned())
+}
+
+#[test]
+fn the_energy_law_needs_one_noise_a_degree_and_an_exact_average() {
+    let of = |change: &dyn Fn(&mut Hamiltonians)| says(ENERGY, |r| change(&mut r.hamiltonians));
+    let law = "H₁ = 0.5 H₀, H₀ is homogeneous of degree 2, and ∇̄h is exact";
+    assert_eq!(of(&|_| ()), words(Yes, &format!("{law} (shown)")));
+    let found = words(Conditionally, &format!("{law} (found by search)"));
+    assert_eq!(of(&|h| h.discrete_gradient = finding(Found)), found);
+    assert_eq!(of(&|h| h.shapes[0].homogeneous = finding(Found)), found);
+    assert_eq!(of(&|h| h.proportional = Some(finding(Found))), found);
+    let inexact = words(Conditionally, "up to the error of ∇̄h; take more nodes or a closed form");
+    assert_eq!(of(&|h| h.discrete_gradient = finding(Refuted)), inexact);
+    assert_eq!(of(&|h| h.discrete_gradient = finding(Unknown)), inexact);
+    let none = |h: &mut Hamiltonians, status| {
+        (h.shapes[0].degree, h.shapes[0].homogeneous) = (None, finding(status));
+    };
+    assert_eq!(of(&|h| none(h, Refuted)), words(No, "H₀ is not homogeneous"));
+    let unknown = words(Conditionally, "cannot tell whether H₁ = c H₀ with a homogeneous H₀");
+    assert_eq!(of(&|h| none(h, Unknown)), unknown);
+    let other = |h: &mut Hamiltonians, status| {
+        (h.noise_size, h.proportional) = (None, Some(finding(status)));
+    };
+    let many = words(No, "there is not one noise with H₁ = c H₀");
+    assert_eq!(of(&|h| other(h, Refuted)), many);
+    assert_eq!(of(&|h| other(h, Unknown)), unknown);
+    // Two noises that are one, or are not, and none.
+    let two = |h: &mut Hamiltonians, status| {
+        other(h, status);
+        h.shapes.push(h.shapes[1].clone());
+    };
+    let both = law.replace("H₁ = 0.5 H₀", "Hₘ = cₘ H₀ for every m");
+    assert_eq!(of(&|h| two(h, Shown)), words(Yes, &format!("{both} (shown)")));
+    assert_eq!(of(&|h| two(h, Refuted)), many);
+    let silent = law.replace("H₁ = 0.5 H₀", "no noise");
+    assert_eq!(of(&|h| h.shapes.truncate(1)), words(Yes, &format!("{silent} (shown)")));
+    // B must be skew-symmetric, and must be known to be.
+    let skew = |status| says(ENERGY, |r| r.structure.skew = finding(status));
+    assert_eq!(skew(Refuted), words(No, "B is not skew-symmetric"));
+    let doubt = |name| format!("{law} (shown); B is skew-symmetric ({name})");
+    assert_eq!(skew(Found), words(Conditionally, &doubt("found by search")));
+    assert_eq!(skew(Unknown), words(Conditionally, &doubt("cannot tell")));
+}
+
+#[test]
+fn laws_of_casimirs_are_as_sure_as_the_least_sure_one() {
+    let body = inspect(&valid(RigidBody::one_noise([1.0, 2.0, 4.0], 5.0))).unwrap();
+    let sphere = "0.5 y1² + 0.5 y2² + 0.5 y3²";
+    let casimir = |status| {
+        let mut casimir = body.casimirs.found[0].clone();
+        casimir.casimir = finding(status);
+        casimir
+    };
+    let of = |statement, found: &[Status], complete| {
+        says(statement, |r| {
+            r.casimirs.found = found.iter().map(|&status| casimir(status)).collect();
+            r.casimirs.complete = complete;
+        })
+    };
+    let one = words(Yes, &format!("{sphere} (shown)"));
+    assert_eq!(of(CASIMIR, &[Shown], Unknown), one);
+    let two = format!("{sphere} (shown); {sphere} (found by search)");
+    assert_eq!(of(CASIMIR, &[Shown, Found], Shown), words(Conditionally, &two));
+    assert_eq!(of(EXACT, &[Shown], Shown), words(Yes, &format!("{sphere} (shown); H₀ (shown)")));
+    let none = "linear or quadratic Casimir of B";
+    assert_eq!(of(CASIMIR, &[], Shown), words(No, &format!("no {none}")));
+    let unknown = words(Conditionally, &format!("cannot tell whether there is a {none}"));
+    assert_eq!(of(CASIMIR, &[], Unknown), unknown);
+    let doubt = says(EXACT, |r| r.hamiltonians.proportional = Some(finding(Unknown)));
+    assert!(doubt.0 == No && doubt.1.starts_with("no linear or quadratic Casimir"), "{doubt:?}");
+    // True claims have laws, too; those on the energy are that of the energy.
+    let claim = |claimed_casimir, status| {
+        says(EXACT, |r| {
+            let claim = ClaimedInvariant { claimed_casimir, ..body.invariants[0].clone() };
+            r.invariants = vec![ClaimedInvariant { casimir: finding(status), ..claim }];
+            r.casimirs.found.clear();
+        })
+    };
+    assert_eq!(claim(true, Shown), words(Yes, "C (shown); H₀ (shown)"));
+    assert_eq!(claim(true, Refuted), words(Yes, "H₀ (shown)"));
+    assert_eq!(claim(false, Shown), words(Yes, "H₀ (shown)"));
+}
+
+#[test]
+fn steps_are_solvable_where_derivatives_are_bounded() {
+    let of = |constant, hessian, positive| {
+        says(SOLVABLE, |r| {
+            r.structure.constant = finding(constant);
+            r.hamiltonians.shapes[1].constant_hessian = finding(hessian);
+            r.hamiltonians.shapes[0].minimum = Some(minimum(0.5, positive));
+        })
+    };
+    let both = "B and the Hessians are constant";
+    assert_eq!(of(Shown, Shown, Shown), words(Yes, &format!("{both} (shown)")));
+    let found = words(Conditionally, &format!("{both} (found by search)"));
+    assert_eq!((of(Shown, Found, Shown), of(Found, Shown, Shown)), (found.clone(), found));
+    let second = "if the second derivatives of all Hamiltonians are bounded";
+    assert_eq!(of(Shown, Refuted, Shown), words(Conditionally, second));
+    let ball = words(Conditionally, "in the ball of the moment bound");
+    assert_eq!(of(Refuted, Shown, Shown), ball);
+    let region = words(Conditionally, "if paths stay in the region of the points");
+    assert_eq!(of(Refuted, Shown, Refuted), region);
+}
+
+#[test]
+fn orders_hold_while_paths_are_bounded_and_formulas_smooth() {
+    let of = |statement, pieces, positive, in_domain_only| {
+        says(statement, |r| {
+            r.noise.pieces = pieces;
+            let least = Minimum { in_domain_only, ..minimum(0.5, positive) };
+            r.hamiltonians.shapes[0].minimum = Some(least);
+        })
+    };
+    let least = "m(H₀) = 5.0000e-1 > 0 (shown)";
+    assert_eq!(of(BOUND, false, Shown, false), words(Yes, least));
+    assert_eq!(of(STRONG, false, Shown, false), words(Yes, least));
+    let smooth = format!("{least}; if B and the energy are smooth");
+    assert_eq!(of(STRONG, true, Shown, false), words(Conditionally, &smooth));
+    let found = "m(H₀) = 5.0000e-1 > 0 (found by search)";
+    assert_eq!(of(BOUND, false, Found, false), words(Conditionally, found));
+    let domain = format!(
+        "{found} on the domain while paths stay in the domain, on which it is positive \
+         (found by search)"
+    );
+    assert_eq!(of(BOUND, false, Found, true), words(Conditionally, &domain));
+    let none = "found no linear or quadratic Casimir or energy with m(F) > 0";
+    assert_eq!(of(BOUND, false, Unknown, false), words(No, none));
+    let unbounded = "if all paths stay bounded, which was not proved here";
+    assert_eq!(of(STRONG, false, Refuted, false), words(Conditionally, unbounded));
+}
+
+#[test]
+fn the_surest_bound_is_taken_and_that_of_a_casimir_first() {
+    let body = inspect(&valid(RigidBody::one_noise([1.0, 2.0, 4.0], 5.0))).unwrap();
+    let of = |casimir: Minimum, energy: Minimum| {
+        let mut report = sound();
+        report.casimirs = body.casimirs.clone();
+        report.casimirs.definite = None;
+        report.casimirs.found[0].minimum = casimir;
+        report.hamiltonians.shapes[0].minimum = Some(energy);
+        bound(&report).map(|bound| (bound.function == "H₀", bound.status))
+    };
+    let (shown, found, unknown) = (minimum(0.5, Shown), minimum(0.5, Found), minimum(0.5, Unknown));
+    let domain = Minimum { in_domain_only: true, ..shown };
+    assert_eq!(of(shown, shown), Some((false, Shown)));
+    assert_eq!(of(found, shown), Some((true, Shown)));
+    assert_eq!(of(domain, found), Some((true, Found)));
+    assert_eq!(of(unknown, found), Some((true, Found)));
+    assert_eq!(of(unknown, unknown), None);
+    // (F(y)/(m − error))^{1/p}: (8/(0.5 − 0.001))^{1/4} for a quartic F = 8.
+    let plane = valid(Problem::new(EVERYWHERE, valid(Constant::new(-0.5)), [4.0, 0.0], 2.0));
+    let mut report = sound();
+    (report.hamiltonians.shapes[0].degree, report.casimirs.found) = (Some(4.0), Vec::new());
+    let system = Erased::<_, 2, 1>(&EVERYWHERE);
+    let findings = ProblemFindings::of(&plane, &system, bound(&report).as_ref());
+    let radius = (8.0f64 / 0.499).powf(0.25) * 1f64.exp();
+    assert!((findings.radius.unwrap() / radius - 1.0).abs() < 1e-12, "{findings:?}");
+    // A constant bounds nothing.
+    report.hamiltonians.shapes[0].degree = Some(0.0);
+    assert_eq!(bound(&report), None);
+}
+
+#[test]
+fn orders_follow_from_what_commutes_and_from_where_paths_are() {
+    let noises = |commute, no_correction, pieces| Noises {
+        commute: finding(commute),
+        no_correction: finding(no_correction),
+        silent: finding(Refuted),
+        pieces,
+        ..Noises::default()
+    };
+    let of = |noises: &Noises| -> Vec<(f64, f64, Status)> {
+        orders(noises).iter().map(|order| (order.strong, order.weak, order.known)).collect()
+    };
+    let (one, half) = ((1.0, 1.0, Shown), (0.5, 1.0, Shown));
+    assert_eq!(of(&noises(Shown, Shown, false)), [one; 5]);
+    assert_eq!(of(&noises(Refuted, Refuted, false)), [half, one, half, half, half]);
+    let (found, doubt) = ((1.0, 1.0, Found), (0.5, 1.0, Unknown));
+    assert_eq!(of(&noises(Found, Unknown, true)), [found, found, found, found, doubt]);
+    // A counterexample off the paths does not tell on which order there is.
+    let calm = [finding(Found), finding(Refuted)];
+    let special = Noises { on_paths: calm, ..noises(Refuted, Refuted, false) };
+    assert_eq!(of(&special), [doubt, one, doubt, doubt, half]);
+    let silent = Noises { silent: finding(Found), ..noises(Shown, Shown, false) };
+    let two = (2.0, 2.0, Found);
+    assert_eq!(of(&silent), [two, two, two, two, (1.0, 1.0, Found)]);
+}
+
+#[test]
+fn a_scheme_is_recommended_for_what_it_keeps() {
+    let body = inspect(&valid(RigidBody::one_noise([1.0, 2.0, 4.0], 5.0))).unwrap();
+    let of = |change: &dyn Fn(&mut Inspection)| {
+        let mut report = sound();
+        report.noise.commute = finding(Shown);
+        report.noise.silent = finding(Refuted);
+        change(&mut report);
+        let Inspection { structure, hamiltonians, casimirs, noise, .. } = &report;
+        let Recommendation { scheme, because } =
+            recommendation(structure, hamiltonians, casimirs, noise);
+        format!("{scheme}: {because}")
+    };
+    let keeps = "sexp: it keeps what the damped equation keeps";
+    assert_eq!(of(&|_| ()), keeps);
+    let inexact = of(&|r| r.hamiltonians.discrete_gradient = finding(Refuted));
+    assert_eq!(inexact, format!("{keeps}, the energy up to the error of ∇̄h"));
+    let explicit = "heun: explicit, of strong order 1; nothing was found for sexp to keep";
+    assert_eq!(of(&|r| r.hamiltonians.shapes[0].degree = None), explicit);
+    assert_eq!(of(&|r| r.hamiltonians.proportional = Some(finding(Refuted))), explicit);
+    assert_eq!(of(&|r| r.structure.skew = finding(Refuted)), explicit);
+    // A Casimir is enough.
+    let casimir = of(&|r| {
+        (r.hamiltonians.shapes[0].degree, r.casimirs) = (None, body.casimirs.clone());
+    });
+    assert_eq!(casimir, keeps);
+    let silent = of(&|r| {
+        (r.hamiltonians.shapes[0].degree, r.noise.silent) = (None, finding(Found));
+    });
+    assert_eq!(silent, explicit.replace("strong order 1", "order 2"));
+    let commute = |status| of(&|r| r.noise.commute = finding(status));
+    let doubt = "sexp-levy: strong order 1 whether noises commute or not";
+    assert_eq!(commute(Unknown), doubt);
+    let areas = "sexp-levy: noises do not commute; for expectations sexp will do, without areas";
+    assert_eq!((commute(Refuted), commute(Found)), (areas.to_owned(), keeps.to_owned()));
+}
+
+#[test]
+fn a_claim_is_as_sure_as_its_law_and_its_degree() {
+    let body = inspect(&valid(RigidBody::one_noise([1.0, 2.0, 4.0], 5.0))).unwrap();
+    let status = |claimed_casimir, casimir, conserved, homogeneous| {
+        let mut claim = ClaimedInvariant { claimed_casimir, ..body.invariants[0].clone() };
+        (claim.casimir, claim.conserved) = (finding(casimir), finding(conserved));
+        claim.shape.homogeneous = finding(homogeneous);
+        claim.status()
+    };
+    assert_eq!(status(true, Shown, Refuted, Shown), Shown);
+    assert_eq!(status(true, Found, Shown, Shown), Found);
+    assert_eq!(status(false, Refuted, Unknown, Shown), Unknown);
+    assert_eq!(status(true, Shown, Shown, Found), Found);
+    let mistaken = ClaimedInvariant { mistakes: vec!["one".into()], ..body.invariants[0].clone() };
+    assert_eq!(mistaken.status(), Refuted);
+}
+
+/// The lines of a report that have this label.
+fn line(report: &Inspection, label: &str) -> String {
+    let text = report.to_string();
+    let mut lines = text.lines().skip_while(|line| !line.trim_start().starts_with(label));
+    let first = lines.next().unwrap_or_else(|| panic!("{label}: {text}")).to_owned();
+    let next = lines.take_while(|line| line.starts_with("           "));
+    next.fold(first, |all, line| format!("{all}\n{}", line.trim_start()))
+}
+
+#[test]
+fn every_status_has_its_words() {
+    let of = |label: &str, change: &dyn Fn(&mut Inspection)| {
+        let mut report = sound();
+        report.noises = 2;
+        change(&mut report);
+        line(&report, label)
+    };
+    let (defect, rough) =
+        ("defect 5.0e-1 at [1.000], round-off 1e-15", "too much round-off, 1e-15, at [1.000]");
+    let skew = |status| of("B(y)", &|r| r.structure.skew = finding(status));
+    let jacobi = "constant (shown, to 1e-15); Jacobi identity (shown)";
+    let b = |skew: String| format!("  B(y)     {skew}\n{jacobi}");
+    assert_eq!(skew(Shown), b("skew-symmetric (shown, to 1e-15)".into()));
+    assert_eq!(skew(Unknown), b(format!("skew-symmetric? ({rough})")));
+    assert_eq!(skew(Refuted), b(format!("NOT skew-symmetric, see below ({defect})")));
+    let found = of("B(y)", &|r| r.structure.constant = finding(Found));
+    assert!(found.ends_with("\nconstant (found at 3 points, to 1e-15); Jacobi identity (shown)"));
+    let bent = of("B(y)", &|r| {
+        (r.structure.constant, r.structure.jacobi) = (finding(Refuted), finding(Refuted));
+    });
+    let none = format!("\ndepends on y; no Jacobi identity, not needed ({defect})");
+    assert!(bent.ends_with(&none), "{bent}");
+    let crooked = of("B(y)", &|r| r.structure.linear = finding(Refuted));
+    assert_eq!(crooked, "  B(y)     structure(y, v) is NOT linear in v, see below");
+
+    let least = "5.0000e-1 > 0 (shown)";
+    let quadratic = format!("quadratic, degree 2 (shown, to 1e-15), m = {least}");
+    assert_eq!(of("H0", &|_| ()), format!("  H0       {quadratic}"));
+    let c = "  H1       c H0 up to a constant, c = 0.5 (shown, to 1e-15)";
+    assert_eq!(of("H1", &|_| ()), c);
+    let own = of("H1", &|r| r.hamiltonians.noise_size = None);
+    assert_eq!(own, format!("  H1       {quadratic}"));
+    let quartic = of("H0", &|r| {
+        (r.hamiltonians.shapes[0].kind, r.hamiltonians.shapes[0].minimum) =
+            (Kind::Homogeneous, None);
+    });
+    assert_eq!(quartic, "  H0       homogeneous of degree 2 (shown, to 1e-15)");
+    let average = |status| of("∇̄h", &|r| r.hamiltonians.discrete_gradient = finding(status));
+    assert_eq!(average(Found), "  ∇̄h       exact (found at 3 points, to 1e-15)");
+    assert_eq!(average(Unknown), format!("  ∇̄h       exact? {rough}"));
+    assert!(average(Refuted).starts_with("  ∇̄h       NOT exact: relative error "));
+    let commute = |status| of("noises", &|r| r.noise.commute = finding(status));
+    let areas = "  noises   commute: strong order 1 needs no Lévy areas\n(shown, to 1e-15)";
+    assert_eq!(commute(Shown), areas);
+    assert_eq!(commute(Unknown), format!("  noises   commute?\n({rough})"));
+    let none = format!("  noises   do not commute: strong order 1 needs Lévy areas\n({defect})");
+    assert_eq!(commute(Refuted), none);
+    let one = Inspection { noises: 1, ..sound() };
+    assert!(!one.to_string().contains("  noises"), "{one}");
+
+    let casimirs = |change: &dyn Fn(&mut Casimirs)| of("Casimirs", &|r| change(&mut r.casimirs));
+    let head =
+        |sought, none| format!("  Casimirs of B, {sought}, coefficients to six digits:{none}");
+    assert_eq!(casimirs(&|_| ()), head("linear or quadratic", " none (shown)"));
+    let unknown = casimirs(&|c| (c.complete, c.quadratic_sought) = (Unknown, false));
+    assert_eq!(unknown, head("linear", " none found"));
+    let body = inspect(&valid(RigidBody::one_noise([1.0, 2.0, 4.0], 5.0))).unwrap();
+    for (status, is, has) in [(Refuted, "not", defect), (Unknown, "perhaps", rough)] {
+        let nearly = FoundCasimir { casimir: finding(status), ..body.casimirs.found[0].clone() };
+        let mut report = sound();
+        report.casimirs.nearly.push(nearly);
+        let words = format!("    {is} 0.5 y1² + 0.5 y2² + 0.5 y3²: B∇C has {has}\n");
+        assert!(report.to_string().contains(&words), "{report}");
+    }
+}
