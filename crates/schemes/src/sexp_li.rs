@@ -68,8 +68,7 @@ impl SexpLi {
             Linearity::Other => {
                 let mut forms = system.invariants();
                 forms.retain(|invariant| invariant.kind == InvariantKind::Casimir);
-                let refused =
-                    |found| Err(SexpLiError::Structure { system: system.name(), found });
+                let refused = |found| Err(SexpLiError::Structure { system: system.name(), found });
                 if forms.is_empty() {
                     return refused("neither, and the system names no Casimir");
                 }

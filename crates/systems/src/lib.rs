@@ -71,9 +71,9 @@ pub use field::{
     HamiltonianIncrement, ito_correction, noises_commute, unit_noise, vector_field,
     vector_field_derivative,
 };
-pub use linearity::{Linearity, always_solvable, linearity};
 pub use flows::Flows;
 pub use invariant::{Form, Invariant, InvariantKind};
+pub use linearity::{Linearity, always_solvable, linearity};
 pub use lotka_volterra::{Exponents, IntegerExponents, LotkaVolterra, RealExponents};
 pub use maxwell_bloch::MaxwellBloch;
 pub use pendulum::Pendulum;

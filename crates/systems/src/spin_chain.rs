@@ -3,8 +3,8 @@
 use real::Real;
 
 use crate::{
-    Flows, ImplicitStep, Invariant, PoissonSystem, SystemError, cayley::cayley_cross, error::finite,
-    system::no_invariant,
+    Flows, ImplicitStep, Invariant, PoissonSystem, SystemError, cayley::cayley_cross,
+    error::finite, system::no_invariant,
 };
 
 /// A classical Heisenberg chain of n = D/3 spins sᵢ ∈ ℝ³ in a fluctuating magnetic field with y =
@@ -60,8 +60,7 @@ impl<const D: usize> Flows<D, 3> for SpinChain<D> {
                 let weight = -self.exchange * dt;
                 for i in (3 * (part - 2)..D).step_by(6) {
                     if i + 3 < D {
-                        let axis =
-                            [0, 1, 2].map(|j| weight * (y[i + j] + y[i + 3 + j]));
+                        let axis = [0, 1, 2].map(|j| weight * (y[i + j] + y[i + 3 + j]));
                         turn(&mut y, i, axis);
                         turn(&mut y, i + 3, axis);
                     }

@@ -6,7 +6,9 @@ use crate::own_schemes::{ConformalMidpoint, EulerWithAreas};
 use noise::{BlockNoise, StreamKey, Truncation, WienerBlock, clip};
 use nonlin::{BlockStatus, Method, Outcome, Solver};
 use real::{Block, Level, WIDTH, limit_to};
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step, WithSolver};
+use schemes::{
+    EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Split, Step, WithSolver,
+};
 use systems::{Cosine, PoissonSystem, RigidBody};
 
 const TAU: f64 = 0.05;
@@ -98,6 +100,7 @@ impl Visit for SideBySide {
         y0: [f64; D],
     ) {
         self.compare(&Sexp, system, y0);
+        self.compare(&SexpLi::new(system, y0).unwrap(), system, y0);
         self.compare(&EulerMaruyama, system, y0);
         self.compare(&Heun, system, y0);
     }
@@ -136,6 +139,7 @@ fn a_block_is_its_paths_at_every_level() {
         side_by_side.compare(&levy, &body, y0);
         // The same without closed forms: commutators and gradients by dual numbers.
         side_by_side.compare(&levy, &Plain(body), y0);
+        side_by_side.compare(&Split, &body, y0);
         side_by_side.compare(&EulerWithAreas, &body, [0.6, 0.0, 0.8]);
         seen.push(side_by_side.ways);
     }

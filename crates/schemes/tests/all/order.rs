@@ -1,9 +1,9 @@
-//! Without noise `sexp`, `midpoint` and `heun` have order two and `em` order one, with damping, on
+//! Without noise `sexp`, `sexp-li`, `midpoint` and `heun` have order two and `em` order one, with damping, on
 //! every system; and damping at the wrong time has order one.
 
 use crate::common::{Visit, body, every_system};
 use noise::Noise;
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, Step};
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLi, Step};
 use systems::{Damping, PoissonSystem, Sine, ito_correction, vector_field};
 
 const T: f64 = 1.0;
@@ -68,6 +68,20 @@ fn order<const D: usize>(
     (coarse / fine).log2()
 }
 
+/// The order of `advance` without noise.
+pub fn deterministic_order<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    system: &S,
+    y0: [f64; D],
+    advance: impl Fn(&Step, [f64; D]) -> [f64; D],
+) -> f64 {
+    order(y0, reference(system, y0, false), advance)
+}
+
+/// Whether an observed order may be this one.
+pub fn in_window(observed: f64, order: f64) -> bool {
+    (observed - order).abs() < WINDOW
+}
+
 struct Orders;
 
 impl Visit for Orders {
@@ -87,6 +101,10 @@ impl Visit for Orders {
         let heun =
             order(y0, exact, |step, y| Heun.step(system, step, &Noise::increments([0.0; M]), y).z);
         assert!((heun - 2.0).abs() < WINDOW, "heun on {}: {heun}", system.name());
+        let li = SexpLi::new(system, y0).unwrap();
+        let li =
+            order(y0, exact, |step, y| li.step(system, step, &Noise::increments([0.0; M]), y).z);
+        assert!((li - 2.0).abs() < WINDOW, "sexp-li on {}: {li}", system.name());
         let em = order(y0, reference(system, y0, true), |step, y| {
             EulerMaruyama.step(system, step, &Noise::increments([0.0; M]), y).z
         });
