@@ -3,9 +3,9 @@
 use anyhow::Result;
 use mc::Observable;
 use real::elementary::{cos, sin};
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy};
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Split};
 use systems::{
-    Constant, Damping, PoissonSystem, Problem, SpinChain,
+    Constant, Damping, Flows, PoissonSystem, Problem, SpinChain,
     paper::{
         lotka_volterra_1_1, lotka_volterra_2_2, maxwell_bloch, pendulum, poisson3_strong,
         rigid_body_energy, rigid_body_one_noise, rigid_body_three_noises, valid,
@@ -22,6 +22,8 @@ pub enum Kind {
     Sexp,
     /// The same with Lévy areas.
     SexpLevy,
+    /// A scheme that keeps Casimirs without iteration.
+    WithoutIteration,
     /// Another implicit scheme.
     OtherImplicit,
     /// An explicit scheme.
@@ -40,7 +42,8 @@ pub struct Setup<S, G, const D: usize, const M: usize> {
     pub id: &'static str,
     /// System, damping, start and final time.
     pub problem: Problem<S, G, D>,
-    /// `sexp`, `sexp-levy` where noises do not commute, `midpoint`, `heun` and `em`.
+    /// `sexp`, `sexp-levy` where noises do not commute, `sexp-li`, `split` where flows are known,
+    /// `midpoint`, `heun` and `em`.
     pub schemes: Vec<(Kind, Box<dyn Scheme<S, D, M>>)>,
     /// What it is called on a figure; empty where only times are measured, and so are the next two.
     pub title: &'static str,
@@ -73,6 +76,24 @@ impl<S, G, const D: usize, const M: usize> Setup<S, G, D, M> {
     }
 }
 
+impl<S: Flows<D, M> + 'static, G, const D: usize, const M: usize> Setup<S, G, D, M> {
+    /// With `split` before the other implicit schemes.
+    fn and_split(mut self) -> Self {
+        let place = self.schemes.iter().position(|(kind, _)| *kind == Kind::OtherImplicit);
+        let split = (Kind::WithoutIteration, Box::new(Split) as Box<dyn Scheme<S, D, M>>);
+        self.schemes.insert(place.unwrap_or(0), split);
+        self
+    }
+}
+
+/// `sexp-li` for a system of this crate, all of which it is for.
+fn linearly_implicit<S: PoissonSystem<D, M> + 'static, G, const D: usize, const M: usize>(
+    problem: &Problem<S, G, D>,
+) -> (Kind, Box<dyn Scheme<S, D, M>>) {
+    let scheme = valid(SexpLi::new(problem.system(), problem.y0()));
+    (Kind::WithoutIteration, Box::new(scheme))
+}
+
 /// Something to do with every problem.
 pub trait Visit {
     /// Does it with one problem.
@@ -86,12 +107,13 @@ pub trait Visit {
 }
 
 /// The set-up of a problem whose noises commute.
-fn setup<S: PaperSystem<D, M>, G, const D: usize, const M: usize>(
+fn setup<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
     id: &'static str,
     problem: Problem<S, G, D>,
 ) -> Setup<S, G, D, M> {
     let schemes = vec![
         (Kind::Sexp, compiled(Sexp)),
+        linearly_implicit(&problem),
         (Kind::OtherImplicit, compiled(Midpoint)),
         (Kind::Explicit, Box::new(Heun)),
         (Kind::Explicit, compiled(EulerMaruyama)),
@@ -112,13 +134,13 @@ pub const PAPER: [&str; 6] =
 /// # Errors
 /// The first of the visitor's.
 pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
-    visitor.visit(setup("pendulum", pendulum()).described(
+    visitor.visit(setup("pendulum", pendulum()).and_split().described(
         "Pendulum",
         in_words::PENDULUM,
         [("y1^2", |y| y[0] * y[0]), ("cos y2", |y| cos(y[1]))],
     ))?;
     // Spherical harmonics up to degree 96: to round-off for this body.
-    let mut one_noise = setup("rigid-body-1", rigid_body_one_noise()).described(
+    let mut one_noise = setup("rigid-body-1", rigid_body_one_noise()).and_split().described(
         "Rigid body, one noise",
         in_words::BODY_1,
         BODY,
@@ -127,7 +149,7 @@ pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
     visitor.visit(one_noise)?;
     let problem = rigid_body_three_noises(1.0);
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
-    let mut three_noises = setup("rigid-body-3", problem).described(
+    let mut three_noises = setup("rigid-body-3", problem).and_split().described(
         "Rigid body, three noises",
         in_words::BODY_3,
         BODY,
@@ -140,12 +162,12 @@ pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
         in_words::VOLTERRA,
         [("y2", |y| y[1]), ("cos y3", |y| cos(y[2]))],
     ))?;
-    visitor.visit(setup("maxwell-bloch", maxwell_bloch(1.0)).described(
+    visitor.visit(setup("maxwell-bloch", maxwell_bloch(1.0)).and_split().described(
         "Maxwell–Bloch",
         "Maxwell–Bloch",
         [("y1", |y| y[0]), ("y2^2", |y| y[1] * y[1])],
     ))?;
-    visitor.visit(setup("poisson3", poisson3_strong()).described(
+    visitor.visit(setup("poisson3", poisson3_strong()).and_split().described(
         "Three-dimensional Poisson system",
         in_words::POISSON,
         [("y1", |y| y[0]), ("sin y2", |y| sin(y[1]))],
@@ -164,16 +186,17 @@ pub(crate) fn spin_pair<G: Damping>(damping: G) -> Problem<SpinChain<6>, G, 6> {
 /// # Errors
 /// The first of the visitor's.
 pub fn visit_others(visitor: &mut impl Visit) -> Result<()> {
-    visitor.visit(setup("rigid-body-energy", rigid_body_energy(1.0)))?;
+    visitor.visit(setup("rigid-body-energy", rigid_body_energy(1.0)).and_split())?;
     visitor.visit(setup("lotka-volterra-2", lotka_volterra_2_2(1.0)))?;
     let problem = spin_pair(valid(Constant::new(0.1)));
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     let schemes = vec![
         (Kind::Sexp, compiled(Sexp)),
         (Kind::SexpLevy, levy),
+        linearly_implicit(&problem),
         (Kind::OtherImplicit, Box::new(Midpoint)),
         (Kind::Explicit, Box::new(Heun)),
         (Kind::Explicit, Box::new(EulerMaruyama)),
     ];
-    visitor.visit(Setup::new("spin-chain", problem, schemes))
+    visitor.visit(Setup::new("spin-chain", problem, schemes).and_split())
 }

@@ -48,7 +48,9 @@ fn every_scheme_is_measured_on_every_system() {
         // Areas matter only where noises do not commute.
         let levy: &[&str] =
             if ["rigid-body-3", "spin-chain"].contains(&system) { &["sexp-levy"] } else { &[] };
-        assert_eq!(names, [&["sexp"], levy, &["midpoint", "heun", "em"]].concat(), "{system}");
+        let split: &[&str] = if system.starts_with("lotka") { &[] } else { &["split"] };
+        let all = [&["sexp"], levy, &["sexp-li"], split, &["midpoint", "heun", "em"]].concat();
+        assert_eq!(names, all, "{system}");
         assert!(page.contains(system), "{system} is not on the page");
     }
     for row in schemes {
