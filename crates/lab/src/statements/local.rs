@@ -48,7 +48,7 @@ pub fn remainder_claims(
     of: &str,
     remainder: impl Fn(f64, &[Vector; PIECES]) -> Vector,
 ) -> Vec<Claim> {
-    let samples = conditions.choose(4000, 400);
+    let samples = conditions.choose(4000, 1000);
     let mut taus = Vec::new();
     let (mut roots, mut means) = (Vec::new(), Vec::new());
     for exponent in EXPONENTS {
