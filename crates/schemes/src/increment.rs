@@ -23,6 +23,9 @@ pub trait Increment: Copy {
         + Sub<Output = Self::Vector>
         + Mul<f64, Output = Self::Vector>;
 
+    /// Whether h is a polynomial of degree at most two, so that ∇̄h(a, b) = ∇h((a+b)/2).
+    const QUADRATIC: bool;
+
     /// Time, step size and damping of the step.
     fn step(&self) -> &Step;
 
@@ -110,6 +113,8 @@ impl<S: PoissonSystem<D, M>, R: Real, const D: usize, const M: usize> Increment
     for SystemIncrement<&S, R, D, M>
 {
     type Vector = Vector<R, D>;
+
+    const QUADRATIC: bool = S::QUADRATIC;
 
     #[inline(always)]
     fn step(&self) -> &Step {

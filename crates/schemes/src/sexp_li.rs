@@ -10,21 +10,23 @@ use crate::{Explicit, Increment, Scheme, Step};
 /// The linearly implicit conformal exponential integrator, `sexp-li`: the conformal laws of
 /// [`Sexp`](crate::Sexp) for Casimirs, at the price of an explicit scheme.
 ///
-/// With ẑ = e^{−∫γ, first half} y_n, z̃ = ẑ + B(ẑ)∇h(ẑ) and v = ∇̄h(ẑ, z̃),
+/// With ẑ = e^{−∫γ, first half} y_n, m = ẑ + ½B(ẑ)∇h(ẑ) and v = ∇̄h(ẑ, ẑ + B(m)∇h(m)),
 ///
 /// z = ẑ + B((ẑ+z)/2) v,  y_{n+1} = e^{−∫γ, second half} z.
+///
+/// For a quadratic h this v is replaced by ∇h(m), which is as accurate.
 ///
 /// For every v, C(z) − C(ẑ) = ∇C((ẑ+z)/2)ᵀ B((ẑ+z)/2) v = 0 for a quadratic Casimir C, so v has to
 /// be accurate only. If B is affine in y, the equation is linear in z. This is the semi-implicit
 /// idea of spin dynamics (Mentink, Tretyakov, Fasolino, Katsnelson and Rasing 2010) with conformal
 /// damping and any affine B. Where all Casimirs are linear, B may be evaluated anywhere: then z = ẑ
-/// + B(½(ẑ+z̃)) v.
+/// + B(m) v.
 ///
 /// - Orders: strong 1 for one noise or commuting noises, else ½; weak 1.
 /// - Preserves the conformal law of linear and quadratic Casimirs exactly for every τ. It does not
 ///   preserve an energy: [`Sexp`](crate::Sexp) does with one noise.
 /// - Increments are not truncated where the equation has a solution for every v.
-/// - Cost per step: ∇h, ∇̄h and a linear system of D equations.
+/// - Cost per step: two ∇h, with ∇̄h if h is not quadratic, and a linear system of D equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SexpLi {
     implicit: bool,
@@ -81,6 +83,17 @@ impl SexpLi {
     }
 }
 
+/// m and v.
+#[inline(always)]
+fn middle_and_gradient<H: Increment>(h: H, start: H::Vector) -> (H::Vector, H::Vector) {
+    let middle = start + h.field(start) * 0.5;
+    let gradient = h.gradient(middle);
+    if H::QUADRATIC {
+        return (middle, gradient);
+    }
+    (middle, h.averaged_gradient(start, start + h.structure(middle, gradient)))
+}
+
 /// The formula for an affine B.
 struct LinearlyImplicit;
 
@@ -90,8 +103,8 @@ impl Explicit for LinearlyImplicit {
     #[inline(always)]
     fn advance<H: Increment>(&self, h: H, y: H::Vector) -> H::Vector {
         let start = y * h.step().first_decay;
-        let predicted = start + h.field(start);
-        h.cayley(start, h.averaged_gradient(start, predicted)) * h.step().second_decay
+        let (_, v) = middle_and_gradient(h, start);
+        h.cayley(start, v) * h.step().second_decay
     }
 }
 
@@ -104,8 +117,8 @@ impl Explicit for LinearCasimirs {
     #[inline(always)]
     fn advance<H: Increment>(&self, h: H, y: H::Vector) -> H::Vector {
         let start = y * h.step().first_decay;
-        let predicted = start + h.field(start);
-        (start + h.averaged_field(start, predicted)) * h.step().second_decay
+        let (middle, v) = middle_and_gradient(h, start);
+        (start + h.structure(middle, v)) * h.step().second_decay
     }
 }
 
