@@ -8,8 +8,8 @@ use real::Level;
 /// Reads the value of `--simd`: `baseline`, `avx2` or `avx512`.
 ///
 /// # Errors
-/// A sentence, when there is no such instruction set or this build or machine does not have it: kernels
-/// would run on a narrower one, and a time would be that of something else.
+/// A sentence, when there is no such instruction set or this build or machine does not have it:
+/// kernels would run on a narrower one, and a time would be that of something else.
 ///
 /// ```
 /// use real::Level;

@@ -37,8 +37,8 @@ where
     Factored::new(matrix).solve(right)
 }
 
-/// The solution for B(y)v = y × v, Cayley's rotation: z = y + (2/(1+|s|²))·(y × s + (y × s) × s) with
-/// s = v/2.
+/// The solution for B(y)v = y × v, Cayley's rotation: z = y + (2/(1+|s|²))·(y × s + (y × s) × s)
+/// with s = v/2.
 #[inline(always)]
 pub fn cayley_cross<R: Real>(y: [R; 3], v: [R; 3]) -> [R; 3] {
     let s = [v[0] * 0.5, v[1] * 0.5, v[2] * 0.5];

@@ -60,8 +60,8 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
         self.structure(midpoint(a, b), self.averaged_gradient(a, b, dt, dw))
     }
 
-    /// The solution of z = y + B((y+z)/2)·v, for B that is affine in y: a linear equation, solved by
-    /// elimination unless overridden. Not finite where the equation has no solution.
+    /// The solution of z = y + B((y+z)/2)·v, for B that is affine in y: a linear equation, solved
+    /// by elimination unless overridden. Not finite where the equation has no solution.
     ///
     /// Every quadratic Casimir C has C(z) = C(y), whatever v is.
     #[inline(always)]

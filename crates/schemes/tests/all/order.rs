@@ -1,5 +1,5 @@
-//! Without noise `sexp`, `sexp-li`, `midpoint` and `heun` have order two and `em` order one, with damping, on
-//! every system; and damping at the wrong time has order one.
+//! Without noise `sexp`, `sexp-li`, `midpoint` and `heun` have order two and `em` order one,
+//! with damping, on every system; and damping at the wrong time has order one.
 
 use crate::common::{Visit, body, every_system};
 use noise::Noise;

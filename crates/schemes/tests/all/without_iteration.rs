@@ -266,8 +266,8 @@ fn the_kind_of_a_system_is_found() {
     let clipped = SexpLi::new(&Hyperbolic, [1.0, 0.0, 0.5]).unwrap();
     let largest = largest_defect(&clipped, &Hyperbolic, [1.0, 0.0, 0.5]);
     assert!(largest < 1e3, "{largest}");
-    // B of the first populations is constant; else, if neither constant nor affine, Casimirs have to
-    // be linear.
+    // B of the first populations is constant; else, if neither constant nor affine, Casimirs have
+    // to be linear.
     assert!(!clips(SexpLi::new(&populations_1(), [0.2, 0.4, 0.6]).unwrap()));
     assert!(clips(SexpLi::new(&populations_2(), [0.2, 0.4, 0.6]).unwrap()));
     assert!(SexpLi::new(&Squared(Some(Form::Linear)), [1.0; 3]).is_ok());
