@@ -187,8 +187,8 @@ fn a_large_component_hides_no_wrong_limit() {
     };
     for measured in strong(&Corrected(0.9), &problem(1e12), 16) {
         assert_eq!(measured.order(), None, "{measured}");
-        // The twin: the order of its differences.
-        assert!(measured.rate.as_ref().unwrap().covers(0.5), "{measured}");
+        // The twin: the order of its differences is nearest to ½.
+        assert!((fitted(&measured) - 0.5).abs() < 0.25, "{measured}");
     }
     for measured in strong(&Corrected(1.0), &problem(1e4), 16) {
         assert_eq!(measured.order(), Some(0.5), "{measured}");
