@@ -26,7 +26,7 @@ use crate::{Explicit, Increment, Scheme, Step};
 /// - Preserves the conformal law of linear and quadratic Casimirs exactly for every τ. It does not
 ///   preserve an energy: [`Sexp`](crate::Sexp) does with one noise.
 /// - Increments are not truncated where the equation has a solution for every v.
-/// - Cost per step: two ∇h, with ∇̄h if h is not quadratic, and a linear system of D equations.
+/// - Cost per step: ∇h twice, ∇̄h as well if h is not quadratic, and D linear equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SexpLi {
     implicit: bool,

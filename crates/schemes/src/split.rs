@@ -9,12 +9,12 @@ use crate::{Scheme, Step};
 
 /// Splitting into exact flows, `split` (Bréhier, Cohen and Jahnke 2023), with exact damping.
 ///
-/// For a system with the parts 0 … P ([`Flows`]) and half of the damping D before and after,
+/// For a system with the parts 0 … P ([`Flows`]), with half of the damping, D, before and after,
 ///
 /// y_{n+1} = D φ₀(½) ⋯ φ_{P−1}(½) φ_P(1) φ_{P−1}(½) ⋯ φ₀(½) D y_n,
 ///
-/// where φ_k(c) is the flow of part k for c·(τ, ΔW). The composition is symmetric, which makes the
-/// strong order one for commuting noises.
+/// where φ_k(c) is the flow of part k for c·(τ, ΔW). The composition is symmetric: commutators of the
+/// parts, which would cost half an order, cancel.
 ///
 /// - Orders: strong 1 for one noise or commuting noises, else ½; weak 1; order 2 without noise.
 /// - Preserves the conformal law of every homogeneous Casimir of any degree exactly, for every τ

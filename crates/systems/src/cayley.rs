@@ -16,6 +16,26 @@ pub fn cayley_by_elimination<S, R: Real, const D: usize, const M: usize>(
 where
     S: PoissonSystem<D, M> + ?Sized,
 {
+    let matrix = identity_minus_half(system, v);
+    let constant = system.structure([R::zero(); D], v);
+    // A y + 2B(0)v = B(y)v + B(0)v.
+    let field = system.structure(y, v);
+    let mut right = y;
+    for i in 0..D {
+        right[i] = right[i] + (field[i] + constant[i]) * 0.5;
+    }
+    Factored::new(matrix).solve(right)
+}
+
+/// I − ½A(v) with A(v)x = B(x)v − B(0)v.
+#[inline(always)]
+pub fn identity_minus_half<S, R: Real, const D: usize, const M: usize>(
+    system: &S,
+    v: [R; D],
+) -> [[R; D]; D]
+where
+    S: PoissonSystem<D, M> + ?Sized,
+{
     let zero = [R::zero(); D];
     let constant = system.structure(zero, v);
     let mut matrix = [zero; D];
@@ -28,13 +48,7 @@ where
         }
         matrix[j][j] = matrix[j][j] + R::one();
     }
-    // A y + 2B(0)v = B(y)v + B(0)v.
-    let field = system.structure(y, v);
-    let mut right = y;
-    for i in 0..D {
-        right[i] = right[i] + (field[i] + constant[i]) * 0.5;
-    }
-    Factored::new(matrix).solve(right)
+    matrix
 }
 
 /// The solution for B(y)v = y × v, Cayley's rotation: z = y + (2/(1+|s|²))·(y × s + (y × s) × s)

@@ -2,7 +2,7 @@
 
 use real::Bounded;
 
-use crate::PoissonSystem;
+use crate::{PoissonSystem, cayley::identity_minus_half};
 
 /// How the structure matrix B depends on y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,27 +79,8 @@ fn direction<const D: usize>(n: u32) -> [f64; D] {
     v.map(|x| x * size / norm)
 }
 
-/// The rows of I − ½A(v).
-fn identity_minus_half<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
-    system: &S,
-    v: [f64; D],
-) -> Vec<[f64; D]> {
-    let constant = system.structure([0.0; D], v);
-    let mut rows = vec![[0.0; D]; D];
-    for j in 0..D {
-        let mut unit = [0.0; D];
-        unit[j] = 1.0;
-        let column = system.structure(unit, v);
-        for i in 0..D {
-            rows[i][j] = 0.5 * (constant[i] - column[i]);
-        }
-        rows[j][j] += 1.0;
-    }
-    rows
-}
-
 /// By elimination with pivoting.
-fn determinant<const D: usize>(mut a: Vec<[f64; D]>) -> f64 {
+fn determinant<const D: usize>(mut a: [[f64; D]; D]) -> f64 {
     let mut determinant = 1.0;
     for k in 0..D {
         let largest = (k..D).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap_or(k);
