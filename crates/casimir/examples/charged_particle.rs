@@ -32,9 +32,6 @@ impl PoissonSystem<4, 1> for Particle {
         let trap = (y[0] * y[0] + y[1] * y[1]) * (0.5 * self.trap);
         (kinetic + trap) * dt - y[0] * (self.noise * dw[0])
     }
-
-    /// The energy is quadratic: its gradient is averaged at the midpoint.
-    const QUADRATIC: bool = true;
 }
 
 type Error = Box<dyn std::error::Error>;

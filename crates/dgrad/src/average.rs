@@ -14,7 +14,7 @@ pub trait GradientField<const D: usize> {
 ///
 /// The sum is exact to round-off if ∇H is a polynomial of degree at most 2N − 1. Otherwise the
 /// error is of order |b − a|^{2N}. N is a constant, so a block kernel contains the whole sum. A
-/// kernel with more than 9 nodes is not vectorised.
+/// kernel with more than 9 nodes or more than 4 dimensions is not vectorised.
 #[inline(always)]
 pub fn averaged<const N: usize, R: Real, F: GradientField<D>, const D: usize>(
     field: &F,
@@ -29,19 +29,21 @@ pub fn averaged<const N: usize, R: Real, F: GradientField<D>, const D: usize>(
     let nodes = Nodes::<F, R, N, D> { field, middle, difference };
     let mut mean = nodes.first();
     // Up to 9 nodes are written out. The compiler unrolls a loop with a long body too late for the
-    // enclosing loop over paths to be vectorised. More nodes are a loop, slow but quick to compile.
-    if (4..10).contains(&N) {
-        mean = nodes.add_pair(mean, 1);
-    }
-    if (6..10).contains(&N) {
-        mean = nodes.add_pair(mean, 2);
-    }
-    if (8..10).contains(&N) {
-        mean = nodes.add_pair(mean, 3);
-    }
-    if N > 9 {
+    // enclosing loop over paths to be vectorised. More nodes, or nodes in more than four dimensions,
+    // are a loop, slow but quick to compile.
+    if const { N > 9 || D > 4 } {
         for k in 1..N / 2 {
             mean = nodes.add_pair(mean, k);
+        }
+    } else {
+        if const { N > 3 } {
+            mean = nodes.add_pair(mean, 1);
+        }
+        if const { N > 5 } {
+            mean = nodes.add_pair(mean, 2);
+        }
+        if const { N > 7 } {
+            mean = nodes.add_pair(mean, 3);
         }
     }
     if N > 1 && N % 2 == 1 { nodes.add_middle(mean) } else { mean }

@@ -4,7 +4,7 @@
 use std::cell::Cell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::Real;
+use crate::{Degree, Real};
 
 /// A value with a bound of its rounding error, by running error analysis (Wilkinson 1986; Higham
 /// 2002, section 3.3): |computed − exact| ≤ `error`, to first order in the unit round-off u.
@@ -17,12 +17,12 @@ use crate::Real;
 /// value also knows a bound of its degree as a polynomial in the variables.
 ///
 /// ```
-/// use real::{Bounded, Real};
+/// use real::{Bounded, Degree, Real};
 ///
 /// let x = Bounded::variable(1.0 / 3.0);
 /// let identity = (x + 1.0) * (x - 1.0) - (x * x - 1.0);
 /// assert!(identity.value.abs() <= identity.error && identity.error < 1e-14);
-/// assert_eq!((identity.degree, x.exp().degree), (2.0, f64::INFINITY));
+/// assert_eq!((identity.degree, x.exp().degree), (Degree::of(2), Degree::NONE));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounded {
@@ -30,8 +30,8 @@ pub struct Bounded {
     pub value: f64,
     /// A bound of its rounding error.
     pub error: f64,
-    /// A bound of the degree as a polynomial in the variables; infinite for what is none.
-    pub degree: f64,
+    /// A bound of the degree as a polynomial in the variables.
+    pub degree: Degree,
 }
 
 /// The unit round-off.
@@ -51,13 +51,13 @@ impl Bounded {
     /// A variable: exact, of degree 1.
     #[must_use]
     pub fn variable(value: f64) -> Self {
-        Self { value, error: 0.0, degree: 1.0 }
+        Self { value, error: 0.0, degree: Degree::VARIABLE }
     }
 
     /// A number without error.
     #[must_use]
     pub fn exact(value: f64) -> Self {
-        Self { value, error: 0.0, degree: 0.0 }
+        Self { value, error: 0.0, degree: Degree::CONSTANT }
     }
 
     /// |x|.
@@ -67,7 +67,7 @@ impl Bounded {
     }
 
     /// Evaluates `formula` and says whether it may be made of pieces: it took a square root or a
-    /// logarithm, as √x² = |x| and (x²)^{1/2} do, or looked at a value, as a condition does.
+    /// logarithm, as √x² = |x| and (x²)^{1/2} do, or has a condition.
     /// Otherwise it is analytic but for poles.
     pub fn piecewise<T>(formula: impl FnOnce() -> T) -> (T, bool) {
         PIECES.set(false);
@@ -75,14 +75,14 @@ impl Bounded {
         (result, PIECES.get())
     }
 
-    fn rounded(value: f64, error: f64, degree: f64) -> Self {
+    fn rounded(value: f64, error: f64, degree: Degree) -> Self {
         Self { value, error: error + U * value.abs(), degree }
     }
 
     /// An elementary function with this value and propagated error.
     fn function(self, value: f64, error: f64) -> Self {
-        let degree = if self.degree == 0.0 { 0.0 } else { f64::INFINITY };
-        Self { value, error: error + FUNCTION * value.abs(), degree }.underflow()
+        let error = error + FUNCTION * value.abs();
+        Self { value, error, degree: self.degree.function() }.underflow()
     }
 
     /// Sums are exact where they are subnormal; products, quotients and functions are not.
@@ -99,7 +99,7 @@ impl Bounded {
 impl Add for Bounded {
     type Output = Self;
     fn add(self, b: Self) -> Self {
-        Self::rounded(self.value + b.value, self.error + b.error, self.degree.max(b.degree))
+        Self::rounded(self.value + b.value, self.error + b.error, self.degree + b.degree)
     }
 }
 
@@ -114,7 +114,7 @@ impl Mul for Bounded {
     type Output = Self;
     fn mul(self, b: Self) -> Self {
         let error = self.value.abs() * b.error + (b.value.abs() + b.error) * self.error;
-        let product = Self::rounded(self.value * b.value, error, self.degree + b.degree);
+        let product = Self::rounded(self.value * b.value, error, self.degree * b.degree);
         if self.is_zero() || b.is_zero() { product } else { product.underflow() }
     }
 }
@@ -126,8 +126,7 @@ impl Div for Bounded {
         // Not by a number that may be zero.
         let least = (b.value.abs() - b.error).max(0.0);
         let error = (self.error + value.abs() * b.error) / least;
-        let degree = if b.degree == 0.0 { self.degree } else { f64::INFINITY };
-        let quotient = Self::rounded(value, error, degree);
+        let quotient = Self::rounded(value, error, self.degree / b.degree);
         if self.is_zero() { quotient } else { quotient.underflow() }
     }
 }
@@ -168,12 +167,10 @@ impl Div<f64> for Bounded {
 }
 
 impl Real for Bounded {
+    /// It is never in a hot loop.
+    const DEPTH: u32 = 2;
     fn constant(x: f64) -> Self {
-        Self { value: x, error: CONSTANT * x.abs(), degree: 0.0 }
-    }
-    fn value(self) -> f64 {
-        PIECES.set(true);
-        self.value
+        Self { value: x, error: CONSTANT * x.abs(), degree: Degree::CONSTANT }
     }
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = Real::sin_cos(self.value);
@@ -204,6 +201,11 @@ impl Real for Bounded {
     fn select(condition: bool, a: Self, b: Self) -> Self {
         if condition { a } else { b }
     }
+    fn where_less(x: Self, y: Self, a: Self, b: Self) -> Self {
+        PIECES.set(true);
+        let degree = Degree::where_less(x.degree, y.degree, a.degree, b.degree);
+        Self { degree, ..if x.value < y.value { a } else { b } }
+    }
     fn one() -> Self {
         Self::exact(1.0)
     }
@@ -230,9 +232,9 @@ mod tests {
             let x = -3.0 + 0.031 * f64::from(n);
             let zero = binomial(Bounded::variable(x), 7);
             assert!(zero.value.abs() <= zero.error, "{x}: {zero:?}");
-            let slope = binomial(Dual::variable(Bounded::variable(x)), 7).derivative;
+            let slope = binomial(Dual::variable(Bounded::variable(x)), 7).derivative();
             assert!(slope.value.abs() <= slope.error, "{x}: {slope:?}");
-            assert_eq!((zero.degree, slope.degree), (7.0, 7.0));
+            assert_eq!((zero.degree, slope.degree), (Degree::of(7), Degree::of(7)));
             // sin² + cos² = 1, e^{ln x} = x, and (1 + 1e-10) of it.
             let y = Bounded::variable(x.abs() + 0.1);
             let circle = y.sin() * y.sin() + y.cos() * y.cos() - 1.0;
@@ -241,7 +243,7 @@ mod tests {
             let quotient = y / (y * y + 1.0) - (y + y.recip()).recip();
             for zero in [circle, inverse, root, quotient] {
                 assert!(zero.value.abs() <= zero.error, "{x}: {zero:?}");
-                assert!(zero.error < 1e-13 && zero.degree == f64::INFINITY);
+                assert!(zero.error < 1e-13 && zero.degree == Degree::NONE);
             }
             let wrong = y.ln().exp() - y * (1.0 + 1e-12);
             assert!(wrong.value.abs() > wrong.error, "{x}: {wrong:?}");
@@ -266,7 +268,7 @@ mod tests {
     fn pieces_are_seen() {
         let piecewise =
             |f: fn(Bounded) -> Bounded| Bounded::piecewise(|| f(Bounded::variable(0.3))).1;
-        assert!(piecewise(|x| Bounded::select(x.value() > 1.0, x, -x)));
+        assert!(piecewise(|x| Bounded::where_less(Bounded::one(), x, x, -x)));
         assert!(piecewise(|x| (x * x).sqrt()) && piecewise(|x| (x * x).powf(0.5)));
         assert!(!piecewise(|x| (x * x + x.exp()).sin() / x));
     }

@@ -14,15 +14,18 @@
 //!     x * x * x.sin()
 //! }
 //! let y = f(Dual::variable(2.0));
-//! assert!((y.derivative - (4.0 * 2f64.sin() + 4.0 * 2f64.cos())).abs() < 1e-14);
+//! assert!((y.derivative() - (4.0 * 2f64.sin() + 4.0 * 2f64.cos())).abs() < 1e-14);
 //! ```
 //!
 //! | item | purpose |
 //! |---|---|
 //! | [`Real`] | operations that a formula may use |
 //! | [`Dual`] | value and one directional derivative; can be nested |
+//! | [`Partial`] | the same, aware of what does not vary |
 //! | [`Bounded`] | value and a bound of its rounding error |
-//! | [`gradient`], [`directional`], [`jacobian`] | derivatives by dual numbers |
+//! | [`Degree`] | the degree of a formula as a polynomial |
+//! | [`gradient`], [`directional`], [`jacobian`], [`seeded`] | derivatives by dual numbers |
+//! | [`unrolled!`] | loops that are written out |
 //! | [`Factored`] | small linear systems without branches |
 //! | [`Block`], [`PathMask`] | the state of 32 paths, a subset of them |
 //! | [`Kernel`], [`dispatch`], [`Level`] | run-time choice of the instruction set |
@@ -33,6 +36,7 @@
 
 mod block;
 mod bounded;
+mod degree;
 mod derivative;
 #[cfg(feature = "dispatch")]
 mod dispatch;
@@ -43,9 +47,12 @@ mod number;
 
 pub use block::{Block, PathMask, WIDTH};
 pub use bounded::Bounded;
-pub use derivative::{ScalarFunction, VectorFunction, directional, gradient, jacobian};
+pub use degree::Degree;
+pub use derivative::{
+    ScalarFunction, VectorFunction, directional, gradient, is_written_out, jacobian, seeded,
+};
 #[cfg(feature = "dispatch")]
 pub use dispatch::{Kernel, Level, dispatch, limit_to};
-pub use dual::Dual;
+pub use dual::{Dual, DualNumber, Partial, Variation, Varies};
 pub use factored::Factored;
 pub use number::Real;

@@ -8,8 +8,8 @@ use crate::elementary;
 ///
 /// `f64` implements it, and so does [`Dual`](crate::Dual) over any `Real`. An operation with an
 /// `f64` on the right is cheaper than converting the constant to `Self` first. There are no
-/// comparisons, because a formula with a branch would not vectorise. [`Real::select`] chooses
-/// between two values by a condition on [`Real::value`].
+/// comparisons and no values to look at, because a formula with a branch would not vectorise.
+/// [`Real::where_less`] chooses between two values.
 pub trait Real:
     Copy
     + Send
@@ -24,10 +24,13 @@ pub trait Real:
     + Mul<f64, Output = Self>
     + Div<f64, Output = Self>
 {
+    /// How many derivatives are nested. Loops over components are written out ([`unrolled!`]) for
+    /// first derivatives of first derivatives and below.
+    ///
+    /// [`unrolled!`]: crate::unrolled
+    const DEPTH: u32;
     /// The constant `x`, with derivative zero.
     fn constant(x: f64) -> Self;
-    /// The value, without derivatives.
-    fn value(self) -> f64;
     /// (sin x, cos x) with one argument reduction.
     fn sin_cos(self) -> (Self, Self);
     /// eˣ.
@@ -40,6 +43,8 @@ pub trait Real:
     fn sinc(self) -> Self;
     /// `a` if `condition`, else `b`, without a branch.
     fn select(condition: bool, a: Self, b: Self) -> Self;
+    /// `a` where x < y, else `b`, without a branch.
+    fn where_less(x: Self, y: Self, a: Self, b: Self) -> Self;
 
     /// 0.
     #[inline(always)]
@@ -91,13 +96,10 @@ pub trait Real:
 }
 
 impl Real for f64 {
+    const DEPTH: u32 = 0;
     #[inline(always)]
     fn constant(x: f64) -> Self {
         x
-    }
-    #[inline(always)]
-    fn value(self) -> f64 {
-        self
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
@@ -134,5 +136,9 @@ impl Real for f64 {
     #[inline(always)]
     fn select(condition: bool, a: Self, b: Self) -> Self {
         if condition { a } else { b }
+    }
+    #[inline(always)]
+    fn where_less(x: Self, y: Self, a: Self, b: Self) -> Self {
+        if x < y { a } else { b }
     }
 }

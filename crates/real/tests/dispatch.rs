@@ -8,7 +8,7 @@ use real::{Block, Dual, Kernel, Level, Real, WIDTH, dispatch, limit_to};
 fn formula<R: Real>(x: R, y: R) -> R {
     let turn = x.sin() * y.cos() + (x * 0.5).sinc();
     let growth = (y * 0.25).exp() / (x * x + 1.0).sqrt() + (x * x + 0.1).ln();
-    R::select(x.value() > y.value(), turn + growth, turn - growth) + x * y + x.powi(3)
+    R::where_less(y, x, turn + growth, turn - growth) + x * y + x.powi(3)
 }
 
 struct Iterate<'a> {
@@ -25,8 +25,8 @@ impl Kernel for Iterate<'_> {
             let [a, b] = self.y.path(p);
             let next = formula(Dual::variable(a), Dual::fixed(b));
             // Folded back into (−2, 2), so that the iteration neither settles nor overflows.
-            self.y.set_path(p, [next.value.sin() * 2.0, next.derivative.cos() * 2.0]);
-            self.derivative.0[0][p] = next.derivative;
+            self.y.set_path(p, [next.value.sin() * 2.0, next.derivative().cos() * 2.0]);
+            self.derivative.0[0][p] = next.derivative();
             above += if next.value > 0.0 { 1 } else { 0 };
         }
         above

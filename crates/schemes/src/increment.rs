@@ -7,7 +7,7 @@ use std::{
 
 use noise::Noise;
 use real::Real;
-use systems::{PoissonSystem, ito_correction};
+use systems::{PoissonSystem, area_gradient, is_quadratic, ito_correction};
 
 use crate::Step;
 
@@ -23,11 +23,11 @@ pub trait Increment: Copy {
         + Sub<Output = Self::Vector>
         + Mul<f64, Output = Self::Vector>;
 
-    /// Whether h is a polynomial of degree at most two, so that ∇̄h(a, b) = ∇h((a+b)/2).
-    const QUADRATIC: bool;
-
     /// Time, step size and damping of the step.
     fn step(&self) -> &Step;
+
+    /// Whether h is a polynomial of degree at most two, so that ∇̄h(a, b) = ∇h((a+b)/2).
+    fn is_quadratic(self) -> bool;
 
     /// B(y)·v.
     fn structure(self, y: Self::Vector, v: Self::Vector) -> Self::Vector;
@@ -48,6 +48,10 @@ pub trait Increment: Copy {
     /// Σ_{m<l} A_ml \[fₘ, f_l\](y) with the Lévy areas A of the step and [f, g] = g′f − f′g. Zero
     /// unless the scheme declares `READS_AREAS`.
     fn commutators(self, y: Self::Vector) -> Self::Vector;
+
+    /// Σ_{m<l} A_ml ∇{Hₘ, H_l}(y), where Jacobi's identity holds the vector v with
+    /// [`commutators`](Self::commutators) = −B(y)v.
+    fn area_gradient(self, y: Self::Vector) -> Self::Vector;
 
     /// B(y)∇h(y), the vector field over the step.
     #[inline(always)]
@@ -114,11 +118,13 @@ impl<S: PoissonSystem<D, M>, R: Real, const D: usize, const M: usize> Increment
 {
     type Vector = Vector<R, D>;
 
-    const QUADRATIC: bool = S::QUADRATIC;
-
     #[inline(always)]
     fn step(&self) -> &Step {
         &self.step
+    }
+    #[inline(always)]
+    fn is_quadratic(self) -> bool {
+        is_quadratic(self.system, self.step.tau, self.noise.increments)
     }
     #[inline(always)]
     fn structure(self, y: Vector<R, D>, v: Vector<R, D>) -> Vector<R, D> {
@@ -143,6 +149,10 @@ impl<S: PoissonSystem<D, M>, R: Real, const D: usize, const M: usize> Increment
     #[inline(always)]
     fn commutators(self, y: Vector<R, D>) -> Vector<R, D> {
         Vector(self.system.commutators(y.0, self.noise.areas))
+    }
+    #[inline(always)]
+    fn area_gradient(self, y: Vector<R, D>) -> Vector<R, D> {
+        Vector(area_gradient(self.system, y.0, self.noise.areas))
     }
     #[inline(always)]
     fn averaged_field(self, a: Vector<R, D>, b: Vector<R, D>) -> Vector<R, D> {

@@ -3,7 +3,10 @@
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Solution};
 use real::Block;
-use systems::{Form, InvariantKind, Linearity, PoissonSystem, always_solvable, linearity};
+use systems::{
+    Form, InvariantKind, Linearity, PoissonSystem, always_solvable, jacobi_holds, linearity,
+    noises_commute,
+};
 
 use crate::{Explicit, Increment, Scheme, Step};
 
@@ -14,7 +17,10 @@ use crate::{Explicit, Increment, Scheme, Step};
 ///
 /// z = ẑ + B((ẑ+z)/2) v,  y_{n+1} = e^{−∫γ, second half} z.
 ///
-/// For a quadratic h this v is replaced by ∇h(m), which is as accurate.
+/// For a quadratic h this v is replaced by ∇h(m), which is as accurate. `sexp-li-levy`, by
+/// [`with_areas`](Self::with_areas), subtracts Σ_{m<l} Â_ml ∇{Hₘ, H_l}(m) from v, with the Lévy areas
+/// of the step; by Jacobi's identity \[fₘ, f_l\] = −B∇{Hₘ, H_l}, so this is the term of
+/// [`SexpLevy`](crate::SexpLevy).
 ///
 /// For every v, C(z) − C(ẑ) = ∇C((ẑ+z)/2)ᵀ B((ẑ+z)/2) v = 0 for a quadratic Casimir C, so v has to
 /// be accurate only. If B is affine in y, the equation is linear in z. This is the semi-implicit
@@ -22,14 +28,16 @@ use crate::{Explicit, Increment, Scheme, Step};
 /// damping and any affine B. Where all Casimirs are linear, B may be evaluated anywhere: then z = ẑ
 /// + B(m) v.
 ///
-/// - Orders: strong 1 for one noise or commuting noises, else ½; weak 1.
+/// - Orders: strong 1 for one noise, for commuting noises and with areas, else ½; weak 1.
 /// - Preserves the conformal law of linear and quadratic Casimirs exactly for every τ. It does not
 ///   preserve an energy: [`Sexp`](crate::Sexp) does with one noise.
 /// - Increments are not truncated where the equation has a solution for every v.
-/// - Cost per step: ∇h twice, ∇̄h as well if h is not quadratic, and D linear equations.
+/// - Cost per step: ∇h twice, ∇̄h as well if h is not quadratic, and D linear equations; with areas
+///   a derivative of each ∇Hₘ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SexpLi {
     implicit: bool,
+    areas: bool,
     clips: bool,
 }
 
@@ -48,6 +56,15 @@ pub enum SexpLiError {
         /// What was found.
         found: &'static str,
     },
+    /// Areas enter by Jacobi's identity, which was not found to hold.
+    #[error(
+        "sexp-li with areas needs Jacobi's identity [f_m, f_l] = -B grad {{H_m, H_l}}, which `{system}` \
+         was not found to have; take sexp-levy"
+    )]
+    Jacobi {
+        /// The name of the system.
+        system: &'static str,
+    },
 }
 
 impl SexpLi {
@@ -64,9 +81,10 @@ impl SexpLi {
     where
         S: PoissonSystem<D, M>,
     {
+        let scheme = |implicit, clips| Ok(Self { implicit, areas: false, clips });
         match linearity(system, y0) {
-            Linearity::Constant => Ok(Self { implicit: false, clips: false }),
-            Linearity::Affine => Ok(Self { implicit: true, clips: !always_solvable(system, y0) }),
+            Linearity::Constant => scheme(false, false),
+            Linearity::Affine => scheme(true, !always_solvable(system, y0)),
             Linearity::Other => {
                 let mut forms = system.invariants();
                 forms.retain(|invariant| invariant.kind == InvariantKind::Casimir);
@@ -77,58 +95,80 @@ impl SexpLi {
                 if forms.iter().any(|casimir| casimir.form != Form::Linear) {
                     return refused("neither, and the system names a Casimir that is not linear");
                 }
-                Ok(Self { implicit: false, clips: true })
+                scheme(false, true)
             }
         }
     }
-}
 
-/// m and v.
-#[inline(always)]
-fn middle_and_gradient<H: Increment>(h: H, start: H::Vector) -> (H::Vector, H::Vector) {
-    let middle = start + h.field(start) * 0.5;
-    let gradient = h.gradient(middle);
-    if H::QUADRATIC {
-        return (middle, gradient);
+    /// The scheme with Lévy areas, `sexp-li-levy`: strong order 1 for any noises. If the noises
+    /// commute ([`systems::noises_commute`] around `y0`), no areas are read and it is that of
+    /// [`new`](Self::new).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and [`SexpLiError::Jacobi`] unless [`systems::jacobi_holds`].
+    pub fn with_areas<S, const D: usize, const M: usize>(
+        system: &S,
+        y0: [f64; D],
+    ) -> Result<Self, SexpLiError>
+    where
+        S: PoissonSystem<D, M>,
+    {
+        let scheme = Self::new(system, y0)?;
+        let areas = !noises_commute(system, y0);
+        if areas && !jacobi_holds(system, y0) {
+            return Err(SexpLiError::Jacobi { system: system.name() });
+        }
+        Ok(Self { areas, ..scheme })
     }
-    (middle, h.averaged_gradient(start, start + h.structure(middle, gradient)))
 }
 
-/// The formula for an affine B.
-struct LinearlyImplicit;
+/// The formula. `IMPLICIT`: for an affine B, else for linear Casimirs.
+struct LinearlyImplicit<const IMPLICIT: bool, const AREAS: bool>;
 
-impl Explicit for LinearlyImplicit {
-    const ID: &'static str = "sexp-li";
+impl<const IMPLICIT: bool, const AREAS: bool> Explicit for LinearlyImplicit<IMPLICIT, AREAS> {
+    const ID: &'static str = if AREAS { "sexp-li-levy" } else { "sexp-li" };
+    const READS_AREAS: bool = AREAS;
 
     #[inline(always)]
     fn advance<H: Increment>(&self, h: H, y: H::Vector) -> H::Vector {
         let start = y * h.step().first_decay;
-        let (_, v) = middle_and_gradient(h, start);
-        h.cayley(start, v) * h.step().second_decay
+        let middle = start + h.field(start) * 0.5;
+        let mut v = h.gradient(middle);
+        if !h.is_quadratic() {
+            v = h.averaged_gradient(start, start + h.structure(middle, v));
+        }
+        if AREAS {
+            v = v - h.area_gradient(middle);
+        }
+        let z = if IMPLICIT { h.cayley(start, v) } else { start + h.structure(middle, v) };
+        z * h.step().second_decay
     }
 }
 
-/// The formula for linear Casimirs.
-struct LinearCasimirs;
-
-impl Explicit for LinearCasimirs {
-    const ID: &'static str = "sexp-li";
-
-    #[inline(always)]
-    fn advance<H: Increment>(&self, h: H, y: H::Vector) -> H::Vector {
-        let start = y * h.step().first_decay;
-        let (middle, v) = middle_and_gradient(h, start);
-        (start + h.structure(middle, v)) * h.step().second_decay
-    }
+/// Calls a method of the formula that is meant. With one noise none with areas is compiled.
+macro_rules! formula {
+    ($scheme:expr, $method:ident($($argument:expr),*)) => {
+        if const { M > 1 } && $scheme.areas {
+            match $scheme.implicit {
+                true => LinearlyImplicit::<true, true>.$method($($argument),*),
+                false => LinearlyImplicit::<false, true>.$method($($argument),*),
+            }
+        } else {
+            match $scheme.implicit {
+                true => LinearlyImplicit::<true, false>.$method($($argument),*),
+                false => LinearlyImplicit::<false, false>.$method($($argument),*),
+            }
+        }
+    };
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for SexpLi {
     fn id(&self) -> &'static str {
-        <LinearlyImplicit as Explicit>::ID
+        if self.areas { "sexp-li-levy" } else { "sexp-li" }
     }
 
     fn reads_areas(&self) -> bool {
-        false
+        self.areas
     }
 
     fn clips_increments(&self) -> bool {
@@ -143,18 +183,10 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for
         y: &mut Block<D>,
         status: &mut BlockStatus,
     ) {
-        if self.implicit {
-            LinearlyImplicit.step_block(system, step, noise, y, status);
-        } else {
-            LinearCasimirs.step_block(system, step, noise, y, status);
-        }
+        formula!(self, step_block(system, step, noise, y, status));
     }
 
     fn step(&self, system: &S, step: &Step, noise: &Noise<M>, y: [f64; D]) -> Solution<D> {
-        if self.implicit {
-            LinearlyImplicit.step(system, step, noise, y)
-        } else {
-            LinearCasimirs.step(system, step, noise, y)
-        }
+        formula!(self, step(system, step, noise, y))
     }
 }

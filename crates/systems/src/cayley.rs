@@ -1,6 +1,6 @@
 //! The linearly implicit step z = y + B((y+z)/2)·v for B that is affine in y.
 
-use real::{Factored, Real};
+use real::{Factored, Partial, Real, seeded, unrolled};
 
 use crate::PoissonSystem;
 
@@ -37,17 +37,18 @@ where
     S: PoissonSystem<D, M> + ?Sized,
 {
     let zero = [R::zero(); D];
-    let constant = system.structure(zero, v);
+    let mut fixed = [Partial::fixed(R::zero()); D];
+    for i in 0..D {
+        fixed[i] = Partial::fixed(v[i]);
+    }
     let mut matrix = [zero; D];
-    for j in 0..D {
-        let mut unit = zero;
-        unit[j] = R::one();
-        let column = system.structure(unit, v);
+    unrolled!(R: j in 0..D => {
+        let column = system.structure(seeded(zero, j), fixed);
         for i in 0..D {
-            matrix[i][j] = (constant[i] - column[i]) * 0.5;
+            matrix[i][j] = column[i].derivative() * -0.5;
         }
         matrix[j][j] = matrix[j][j] + R::one();
-    }
+    });
     matrix
 }
 

@@ -1,7 +1,10 @@
 //! Vector fields of a system: f = B∇h, its derivatives, the Itô correction and commutators.
 
 use dgrad::GradientField;
-use real::{Bounded, Real, ScalarFunction, VectorFunction, directional};
+use real::{
+    Bounded, Degree, Dual, Partial, Real, ScalarFunction, VectorFunction, directional, seeded,
+    unrolled,
+};
 
 use crate::PoissonSystem;
 
@@ -87,14 +90,63 @@ pub fn ito_correction<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, 
     y: [R; D],
 ) -> [R; D] {
     let mut correction = [R::zero(); D];
-    for m in 0..M {
+    unrolled!(R: m in 0..M => {
         let direction = vector_field(system, y, 0.0, unit_noise(m));
         let derivative = vector_field_derivative(system, y, 0.0, unit_noise(m), direction);
         for i in 0..D {
             correction[i] = correction[i] + derivative[i] * 0.5;
         }
-    }
+    });
     correction
+}
+
+/// Σ_{m<l} A_ml ∇{Hₘ, H_l}(y) for a skew matrix A of Lévy areas, with {F, G} = ∇FᵀB∇G.
+///
+/// Where Jacobi's identity holds ([`jacobi_holds`]), \[fₘ, f_l\] = −B∇{Hₘ, H_l}, so that
+/// [`commutators`](PoissonSystem::commutators) are −B times this gradient.
+///
+/// With Gₘ = Σ_l A_ml ∇H_l it is Σₘ (∇²Hₘ B Gₘ + ½∇ₓ(∇HₘᵀB(x)Gₘ)), the second gradient being that of
+/// B alone: a directional derivative of ∇Hₘ for each noise.
+#[inline(always)]
+pub fn area_gradient<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, const M: usize>(
+    system: &S,
+    y: [R; D],
+    areas: [[f64; M]; M],
+) -> [R; D] {
+    let mut sum = [R::zero(); D];
+    if M < 2 {
+        return sum;
+    }
+    unrolled!(R: m in 0..M => {
+        let other = system.gradient(y, 0.0, areas[m]);
+        let direction = system.structure(y, other);
+        let (mut seeded_y, mut fixed) = ([Dual::<R>::fixed(R::zero()); D], [Partial::fixed(y[0]); D]);
+        for i in 0..D {
+            seeded_y[i] = Dual::new(y[i], direction[i]);
+            fixed[i] = Partial::fixed(other[i]);
+        }
+        let along = system.gradient(seeded_y, 0.0, unit_noise(m));
+        unrolled!(R: k in 0..D => {
+            let column = system.structure(seeded(y, k), fixed);
+            let mut bent = R::zero();
+            for i in 0..D {
+                bent = bent + along[i].value * column[i].derivative();
+            }
+            sum[k] = sum[k] + (along[k].derivative() + bent * 0.5);
+        });
+    });
+    sum
+}
+
+/// Whether the formula of h shows a polynomial of degree at most two in y. Then ∇h is affine and
+/// ∇̄h(a, b) = ∇h((a+b)/2). The compiler answers it for an inlined formula.
+#[inline(always)]
+pub fn is_quadratic<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+    system: &S,
+    dt: f64,
+    dw: [f64; M],
+) -> bool {
+    system.energy([Degree::VARIABLE; D], dt, dw) <= Degree::of(2)
 }
 
 /// Distances from y of the points that [`noises_commute`] tests, relative to max(1, |yᵢ|).
@@ -118,10 +170,51 @@ pub fn noises_commute<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: 
     system: &S,
     y: [f64; D],
 ) -> bool {
-    M < 2 || {
-        let points = around(system, y);
-        points.len() >= LEAST_POINTS && points.into_iter().all(|y| commute_at(system, y))
-    }
+    M < 2 || shown_around(system, y, commute_at)
+}
+
+/// Whether \[fₘ, f_l\] = −B∇{Hₘ, H_l} for all noises, which Jacobi's identity for B implies, shown as
+/// in [`noises_commute`].
+pub fn jacobi_holds<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+    system: &S,
+    y: [f64; D],
+) -> bool {
+    M < 2 || shown_around(system, y, jacobi_at)
+}
+
+/// Whether `identity` holds at y and at points around it.
+fn shown_around<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+    system: &S,
+    y: [f64; D],
+    identity: fn(&S, [f64; D]) -> bool,
+) -> bool {
+    let points = around(system, y);
+    points.len() >= LEAST_POINTS && points.into_iter().all(|y| identity(system, y))
+}
+
+fn jacobi_at<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
+    system: &S,
+    y: [f64; D],
+) -> bool {
+    let y = y.map(Bounded::variable);
+    let zero = || {
+        (0..M).all(|l| {
+            (0..l).all(|m| {
+                let mut areas = [[0.0; M]; M];
+                (areas[m][l], areas[l][m]) = (1.0, -1.0);
+                let field = system.structure(y, area_gradient(system, y, areas));
+                let commutators = system.commutators(y, areas);
+                (0..D).all(|i| is_zero(commutators[i] + field[i]))
+            })
+        })
+    };
+    let (zero, piecewise) = Bounded::piecewise(zero);
+    zero && !piecewise
+}
+
+/// Whether x is zero within its rounding error.
+fn is_zero(x: Bounded) -> bool {
+    x.value.abs() <= x.error && x.error.is_finite()
 }
 
 /// y and points of the domain around it.
@@ -160,10 +253,7 @@ fn commute_at<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
                 let g = vector_field(system, y, 0.0, unit_noise(m));
                 let one = vector_field_derivative(system, y, 0.0, unit_noise(l), g);
                 let other = vector_field_derivative(system, y, 0.0, unit_noise(m), f);
-                (0..D).all(|i| {
-                    let commutator = one[i] - other[i];
-                    commutator.value.abs() <= commutator.error && commutator.error.is_finite()
-                })
+                (0..D).all(|i| is_zero(one[i] - other[i]))
             })
         })
     };

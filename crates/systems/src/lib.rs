@@ -34,6 +34,8 @@
 //! |---|---|
 //! | [`PoissonSystem`] | B(y)v, h(y), and what follows from them |
 //! | [`vector_field`], [`vector_field_derivative`], [`ito_correction`] | f = B∇h, f′v, ½Σ fₘ′fₘ |
+//! | [`area_gradient`], [`jacobi_holds`] | Σ A_ml ∇{Hₘ, H_l}, and whether −B times it is Σ A_ml [fₘ, f_l] |
+//! | [`is_quadratic`] | whether ∇h is affine, from its formula |
 //! | [`noises_commute`] | whether [fₘ, f_l] = 0, so that Lévy areas are not needed |
 //! | [`Damping`] | γ(t) and ∫γ |
 //! | [`Invariant`] | a Casimir or an energy with its conformal law |
@@ -68,8 +70,8 @@ pub use damping::{
 };
 pub use error::SystemError;
 pub use field::{
-    HamiltonianIncrement, ito_correction, noises_commute, unit_noise, vector_field,
-    vector_field_derivative,
+    HamiltonianIncrement, area_gradient, is_quadratic, ito_correction, jacobi_holds,
+    noises_commute, unit_noise, vector_field, vector_field_derivative,
 };
 pub use flows::Flows;
 pub use invariant::{Form, Invariant, InvariantKind};

@@ -1,6 +1,6 @@
 //! How B depends on y, which decides whether a step can be linearly implicit.
 
-use real::Bounded;
+use real::{Bounded, Degree};
 
 use crate::{PoissonSystem, cayley::identity_minus_half};
 
@@ -22,19 +22,19 @@ pub fn linearity<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize
     system: &S,
     y: [f64; D],
 ) -> Linearity {
-    let mut degree = 0.0;
+    let mut degree = Degree::CONSTANT;
     let ((), pieces) = Bounded::piecewise(|| {
         for j in 0..D {
             let mut unit = [Bounded::exact(0.0); D];
             unit[j] = Bounded::exact(1.0);
             let column = system.structure(y.map(Bounded::variable), unit);
-            degree = column.iter().fold(degree, |degree, entry| f64::max(degree, entry.degree));
+            degree = column.iter().fold(degree, |degree, entry| degree + entry.degree);
         }
     });
     match degree {
         _ if pieces => Linearity::Other,
-        0.0 => Linearity::Constant,
-        1.0 => Linearity::Affine,
+        Degree::CONSTANT => Linearity::Constant,
+        Degree::VARIABLE => Linearity::Affine,
         _ => Linearity::Other,
     }
 }

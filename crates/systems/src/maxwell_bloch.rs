@@ -67,6 +67,5 @@ impl PoissonSystem<3, 1> for MaxwellBloch {
         }
     }
 
-    const QUADRATIC: bool = true;
     const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
 }

@@ -172,7 +172,6 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
         }
     }
 
-    const QUADRATIC: bool = true;
     const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
 }
 
@@ -253,6 +252,5 @@ impl PoissonSystem<3, 1> for RigidBodyEnergy {
         }
     }
 
-    const QUADRATIC: bool = true;
     const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
 }

@@ -166,7 +166,6 @@ impl<const D: usize> PoissonSystem<D, 3> for SpinChain<D> {
         (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) * 0.5
     }
 
-    const QUADRATIC: bool = true;
     const IMPLICIT_STEP: ImplicitStep =
         if D <= 6 { ImplicitStep::UnrolledFixedPoint } else { ImplicitStep::FixedPoint };
 }

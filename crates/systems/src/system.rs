@@ -1,12 +1,14 @@
 //! The trait of Poisson systems.
 
 use dgrad::{averaged, midpoint};
-use real::{Real, gradient};
+use real::{Real, gradient, unrolled};
 
 use crate::{
     Invariant, SystemError,
     cayley::cayley_by_elimination,
-    field::{HamiltonianIncrement, unit_noise, vector_field, vector_field_derivative},
+    field::{
+        HamiltonianIncrement, is_quadratic, unit_noise, vector_field, vector_field_derivative,
+    },
 };
 
 /// Nodes of the default discrete gradient. Its error is of order |b − a|¹⁶, below round-off for
@@ -39,14 +41,11 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
         gradient(&HamiltonianIncrement { system: self, dt, dw }, y)
     }
 
-    /// Whether h is a polynomial of degree at most two. Then ∇̄h(a, b) = ∇h((a+b)/2).
-    const QUADRATIC: bool = false;
-
-    /// ∇̄h(a, b) = ∫₀¹ ∇h((1−η)a + ηb) dη; unless overridden, by the midpoint if h is
-    /// [`QUADRATIC`](Self::QUADRATIC), otherwise by 8 Gauss–Legendre nodes.
+    /// ∇̄h(a, b) = ∫₀¹ ∇h((1−η)a + ηb) dη; unless overridden, ∇h((a+b)/2) if h
+    /// [`is_quadratic`], otherwise by 8 Gauss–Legendre nodes.
     #[inline(always)]
     fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; M]) -> [R; D] {
-        if Self::QUADRATIC {
+        if is_quadratic(self, dt, dw) {
             return self.gradient(midpoint(a, b), dt, dw);
         }
         averaged::<DEFAULT_NODES, R, _, D>(&HamiltonianIncrement { system: self, dt, dw }, a, b)
@@ -79,7 +78,7 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
         if M < 2 {
             return sum;
         }
-        for l in 0..M {
+        unrolled!(R: l in 0..M => {
             let mut weights = [0.0; M];
             for m in 0..M {
                 weights[m] = areas[m][l];
@@ -89,7 +88,7 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
             for i in 0..D {
                 sum[i] = sum[i] + derivative[i];
             }
-        }
+        });
         sum
     }
 

@@ -193,7 +193,8 @@ impl PoissonSystem<2, 2> for Plane {
     }
     fn energy<R: Real>(&self, y: [R; 2], _dt: f64, dw: [f64; 2]) -> R {
         let cube = (y[0] - self.from).powi(3);
-        let second = self.edge.map_or(cube, |edge| R::select(y[0].value() > edge, cube, R::zero()));
+        let second =
+            self.edge.map_or(cube, |edge| R::where_less(R::constant(edge), y[0], cube, R::zero()));
         y[1] * dw[0] + second * dw[1]
     }
     fn check_domain(&self, y: [f64; 2]) -> Result<(), SystemError> {

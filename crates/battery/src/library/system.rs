@@ -114,7 +114,6 @@ impl PoissonSystem<2, 1> for Plane {
         y[0] * y[0] * (0.5 * (self.a * dt + turn)) + y[1] * y[1] * (0.5 * (self.b * dt + turn))
             - y[0] * (self.c * dw[0])
     }
-    const QUADRATIC: bool = true;
 }
 
 /// x, y > 0 with B = xy·((0, 1), (−1, 0)), H₀ = a ln x + b ln y and H₁ = α ln x + β ln y: the
@@ -208,7 +207,6 @@ impl<const M: usize> PoissonSystem<3, M> for Body<M> {
         let term = |i: usize| y[i] * y[i] * (0.5 * square[i]) + y[i] * linear[i];
         term(0) + term(1) + term(2)
     }
-    const QUADRATIC: bool = true;
 }
 
 /// Two planes (q, p), each turned by its own angle −(ω_iT + Σ σ_imW_m): the noises commute.
@@ -234,7 +232,6 @@ impl PoissonSystem<4, 2> for Planes {
         (y[0] * y[0] + y[1] * y[1]) * (0.5 * angle(0))
             + (y[2] * y[2] + y[3] * y[3]) * (0.5 * angle(1))
     }
-    const QUADRATIC: bool = true;
 }
 
 /// Planes with two noises each, from (1, 0, 1, 0) to T = 1.

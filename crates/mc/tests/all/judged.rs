@@ -29,7 +29,6 @@ impl PoissonSystem<2, 1> for Kubo {
     fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
         (y[0] * y[0] + y[1] * y[1]) * (0.5 * (self.omega * dt + self.sigma * dw[0]))
     }
-    const QUADRATIC: bool = true;
 }
 
 /// H₀ = ½p², H₁ = −q: p = W, on fine and on coarse paths.
@@ -47,7 +46,6 @@ impl PoissonSystem<2, 1> for Additive {
     fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
         y[1] * y[1] * (0.5 * dt) - y[0] * dw[0]
     }
-    const QUADRATIC: bool = true;
 }
 
 fn settings(seed: u64) -> ExpectationSettings {

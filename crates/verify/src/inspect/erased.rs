@@ -1,7 +1,7 @@
 //! A system behind functions of slices, so that the checks are compiled once and not once for
 //! every system.
 
-use real::{Bounded, Dual, Real, ScalarFunction, directional, gradient};
+use real::{Bounded, Degree, Dual, Real, ScalarFunction, directional, gradient};
 use systems::{HamiltonianIncrement, Invariant, PoissonSystem};
 
 use super::algebra::{Matrix, axis, transposed};
@@ -81,13 +81,13 @@ fn variables<const D: usize>(y: &[f64]) -> [Bounded; D] {
 }
 
 fn derivatives<const D: usize>(y: [Dual<Bounded>; D]) -> Vec<Bounded> {
-    y.map(|component| component.derivative).to_vec()
+    y.map(|component| component.derivative()).to_vec()
 }
 
 /// y with derivative 1 in component l.
 fn seeded<const D: usize>(y: &[f64], l: usize) -> [Dual<Bounded>; D] {
     let mut y = variables(y).map(Dual::fixed);
-    y[l].derivative = Bounded::exact(1.0);
+    y[l] = Dual::new(y[l].value, Bounded::exact(1.0));
     y
 }
 
@@ -95,7 +95,7 @@ fn seeded<const D: usize>(y: &[f64], l: usize) -> [Dual<Bounded>; D] {
 fn values(formula: impl FnOnce() -> Vec<Bounded>) -> Vec<Bounded> {
     let (mut values, piecewise) = Bounded::piecewise(formula);
     if piecewise {
-        values.iter_mut().for_each(|x| x.degree = f64::INFINITY);
+        values.iter_mut().for_each(|x| x.degree = Degree::NONE);
     }
     values
 }

@@ -1,7 +1,7 @@
 //! The shape of a scalar function: linear, quadratic or homogeneous, its degree and its minimum on
 //! the unit sphere.
 
-use real::Bounded;
+use real::{Bounded, Degree};
 use serde::Serialize;
 
 use super::{
@@ -153,7 +153,7 @@ fn degree(f: &dyn Function, points: &Points) -> (Option<Bounded>, Finding) {
         // Not −0.
         p = Bounded::exact(p.value.round() + 0.0);
     }
-    p.degree = 0.0;
+    p.degree = Degree::CONSTANT;
     for (y, (value, (slope, size))) in points.for_identities.iter().zip(&terms) {
         let scaled = *value * p;
         identity.record(*slope - scaled, size + scaled.value.abs(), y);

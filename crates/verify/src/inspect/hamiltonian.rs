@@ -1,6 +1,6 @@
 //! The Hamiltonians, and whether the methods that a system overrides agree with its energy.
 
-use real::Bounded;
+use real::{Bounded, Degree};
 use serde::Serialize;
 
 use super::{
@@ -117,7 +117,7 @@ impl Hamiltonians {
             let excess = (residual.value - bound).max(0.0);
             // Larger than the bound it may be by its own rounding and by that of the prediction.
             let error = residual.error + f64::EPSILON * norm(a);
-            let excess = Bounded { value: excess, error, degree: f64::INFINITY };
+            let excess = Bounded { value: excess, error, degree: Degree::NONE };
             self.prediction.record(excess, norm(a) + norm(&b), a);
         }
     }
@@ -133,7 +133,7 @@ fn noise_size(system: &dyn System, points: &Points) -> (Option<f64>, Option<Find
         let first = &points.for_identities[0];
         let (drift, noise) = (gradient(0, first), gradient(m, first));
         let mut c = dot(&drift, &noise) / dot(&drift, &drift);
-        c.degree = 0.0;
+        c.degree = Degree::CONSTANT;
         for y in &points.for_identities {
             let scaled: Vec<_> = gradient(0, y).iter().map(|&x| c * x).collect();
             proportional.compare(&scaled, &gradient(m, y), y);

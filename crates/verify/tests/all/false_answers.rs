@@ -208,8 +208,8 @@ impl PoissonSystem<2, 2> for Plane {
         "strange"
     }
     fn structure<R: Real>(&self, y: [R; 2], v: [R; 2]) -> [R; 2] {
-        let jump = *self == Self::Jump && y[0].value() > 0.0;
-        let s = R::select(jump, R::one() * 2.0, R::one());
+        let (one, two) = (R::one(), R::constant(2.0));
+        let s = if *self == Self::Jump { R::where_less(R::zero(), y[0], two, one) } else { one };
         [s * v[1], -(s * v[0])]
     }
     fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 2]) -> R {
@@ -218,13 +218,13 @@ impl PoissonSystem<2, 2> for Plane {
             Self::LongWave => square * dt + (y[0] * 1e-9).sin() * dw[0] + y[1] * dw[1],
             Self::Jump => square * (dt + dw[0]),
             Self::Kink => {
-                square * dt + R::select(y[1].value() > 0.0, y[1], -y[1]) * (dw[0] + dw[1])
+                square * dt + R::where_less(R::zero(), y[1], y[1], -y[1]) * (dw[0] + dw[1])
             }
             Self::Ratio => y[0] * y[0] / (square * 2.0) * dt + square * dw[0],
             Self::Bump => {
                 let distance = ((y[0] - 1.0) * (y[0] - 1.0) + y[1] * y[1]) * 1e6;
-                let inside = distance.value() < 1.0;
-                R::select(inside, (-distance + 1.0).powi(3), R::zero()) * dt + square * dw[0]
+                let inside = (-distance + 1.0).powi(3);
+                R::where_less(distance, R::one(), inside, R::zero()) * dt + square * dw[0]
             }
             Self::Silent => (square + y[0].powi(4) * 0.25) * dt + y[1] * (0.0 * dw[0]),
             Self::Quartic => (square + y[0].powi(4) * 0.25) * dt + y[0] * y[0] * dw[0],

@@ -1,0 +1,180 @@
+//! The degree of a formula as a polynomial.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::Real;
+
+/// A bound of the degree of a polynomial, found by evaluating its formula: sums take the larger
+/// degree, products add them.
+///
+/// Nothing depends on a value, so that the compiler knows the degree of an inlined formula, and a
+/// question about it costs nothing.
+///
+/// ```
+/// use real::{Degree, Real};
+///
+/// fn energy<R: Real>(p: R, q: R) -> R {
+///     p * p * 0.5 - q.cos()
+/// }
+/// let [variable, constant] = [Degree::VARIABLE, Degree::CONSTANT];
+/// assert_eq!(energy(variable, constant), Degree::of(2));
+/// assert_eq!(energy(constant, variable), Degree::NONE);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Degree(u32);
+
+impl Degree {
+    /// That of a constant.
+    pub const CONSTANT: Self = Self(0);
+    /// That of a variable.
+    pub const VARIABLE: Self = Self(1);
+    /// Not shown to be a polynomial.
+    pub const NONE: Self = Self(u32::MAX);
+
+    /// The degree n.
+    #[must_use]
+    pub const fn of(n: u32) -> Self {
+        Self(n)
+    }
+
+    /// That of a function of something of this degree.
+    #[inline(always)]
+    #[must_use]
+    pub fn function(self) -> Self {
+        if self.0 == 0 { self } else { Self::NONE }
+    }
+
+    #[inline(always)]
+    fn larger(self, b: Self) -> Self {
+        if self.0 > b.0 { self } else { b }
+    }
+}
+
+impl Add for Degree {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, b: Self) -> Self {
+        self.larger(b)
+    }
+}
+
+impl Sub for Degree {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, b: Self) -> Self {
+        self.larger(b)
+    }
+}
+
+impl Mul for Degree {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, b: Self) -> Self {
+        Self(self.0.saturating_add(b.0))
+    }
+}
+
+impl Div for Degree {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, b: Self) -> Self {
+        if b.0 == 0 { self } else { Self::NONE }
+    }
+}
+
+impl Neg for Degree {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self
+    }
+}
+
+impl Add<f64> for Degree {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, _: f64) -> Self {
+        self
+    }
+}
+
+impl Sub<f64> for Degree {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, _: f64) -> Self {
+        self
+    }
+}
+
+impl Mul<f64> for Degree {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, _: f64) -> Self {
+        self
+    }
+}
+
+impl Div<f64> for Degree {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, _: f64) -> Self {
+        self
+    }
+}
+
+impl Real for Degree {
+    const DEPTH: u32 = 0;
+    #[inline(always)]
+    fn constant(_: f64) -> Self {
+        Self::CONSTANT
+    }
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        (self.function(), self.function())
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        self.function()
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.function()
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.function()
+    }
+    #[inline(always)]
+    fn sinc(self) -> Self {
+        self.function()
+    }
+    #[inline(always)]
+    fn select(_condition: bool, a: Self, b: Self) -> Self {
+        a.larger(b)
+    }
+    /// Pieces are no polynomial.
+    #[inline(always)]
+    fn where_less(x: Self, y: Self, a: Self, b: Self) -> Self {
+        if x.larger(y).0 == 0 { a.larger(b) } else { Self::NONE }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_operation_has_its_degree() {
+        let (x, one) = (Degree::VARIABLE, Degree::CONSTANT);
+        let square = x * x + one - x * 2.0 + 1.0;
+        assert_eq!((square, -square / 3.0 - 1.0, square / one), (Degree(2), Degree(2), Degree(2)));
+        assert_eq!((square * square, x.powi(7)), (Degree(4), Degree(7)));
+        assert_eq!((one.exp(), one.ln(), one.sqrt(), one.sinc()), (one, one, one, one));
+        for none in [x.sin(), x.cos(), x.exp(), x.ln(), x.sqrt(), x.sinc(), one / x, x.recip()] {
+            assert_eq!(none, Degree::NONE);
+            assert_eq!((none * x, none + x, none * 0.0), (none, none, none));
+        }
+        assert_eq!(Degree::where_less(x, one, x, -x), Degree::NONE);
+        assert_eq!(Degree::where_less(one, one * 2.0, x, one), x);
+    }
+}
