@@ -10,7 +10,7 @@ use common::{
 use real::Real;
 use systems::{
     Constant, InvariantKind, Pendulum, PoissonSystem, Problem, RigidBody, SpinChain, SystemError,
-    noises_commute, unit_noise, vector_field,
+    area_gradient, noises_commute, unit_noise, vector_field,
 };
 
 /// A random skew matrix.
@@ -85,7 +85,14 @@ impl Check for Commutators {
             // a derivative.
             let terms = 48.0;
             let differences = by_differences(system, y, areas, 1e-4);
+            // By Jacobi's identity, which all these systems have.
+            let slope = area_gradient(system, y, areas);
+            let by_jacobi = system.structure(y, slope);
             for i in 0..D {
+                assert!(
+                    (ours[i] + by_jacobi[i]).abs() <= 16.0 * f64::EPSILON * terms,
+                    "{name} at {y:?}"
+                );
                 assert!(
                     (ours[i] - provided[i]).abs() <= 16.0 * f64::EPSILON * terms,
                     "{name} at {y:?}"

@@ -100,7 +100,7 @@ impl Visit for SideBySide {
         y0: [f64; D],
     ) {
         self.compare(&Sexp, system, y0);
-        self.compare(&SexpLi::new(system, y0).unwrap(), system, y0);
+        self.compare(&SexpLi::with_areas(system, y0).unwrap(), system, y0);
         self.compare(&EulerMaruyama, system, y0);
         self.compare(&Heun, system, y0);
     }
