@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn sums_and_norms_of_small_numbers() {
-        let bounded = |value, error| Bounded { value, error, degree: 1.0 };
+        let bounded = |value, error| Bounded { error, ..Bounded::variable(value) };
         let (a, b) = ([bounded(3.0, 0.3), bounded(-2.0, 0.4)], [bounded(-2.0, 0.0); 2]);
         assert_eq!((axis(3, 1), norm(&[3.0, -4.0])), (vec![0.0, 1.0, 0.0], 5.0));
         assert_eq!((dot(&a, &b).value, size(&a, &b), error_norm(&a)), (-2.0, 10.0, 0.5));

@@ -330,7 +330,8 @@ mod tests {
         assert_eq!((of(-3.0, 0.5), of(0.0, 0.5), of(0.5, 1e-3)), (0.0, 0.0, 1e-3));
         // At least as much as the constant of a formula.
         assert_eq!(of(0.1, 0.0), Bounded::constant(0.1).error);
-        assert_eq!((coefficient(0.1, 1e-3).value, coefficient(0.1, 1e-3).degree), (0.1, 0.0));
+        let tenth = coefficient(0.1, 1e-3);
+        assert_eq!((tenth.value, tenth.degree), (0.1, Bounded::exact(0.1).degree));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Whether an identity holds, and how that is known.
 
-use real::Bounded;
+use real::{Bounded, Degree};
 use serde::Serialize;
 
 /// How a statement about a system is known, from the worst to the best.
@@ -58,7 +58,7 @@ pub struct Finding {
     #[serde(skip)]
     last: Vec<f64>,
     #[serde(skip)]
-    degree: f64,
+    degree: Degree,
 }
 
 /// Shown, since nothing has been compared yet.
@@ -73,7 +73,7 @@ impl Default for Finding {
             points: 0,
             beyond: false,
             last: Vec::new(),
-            degree: 0.0,
+            degree: Degree::CONSTANT,
         }
     }
 }
@@ -122,7 +122,7 @@ impl Finding {
             Status::Unknown
         } else if self.round_off > COARSE * self.scale && self.round_off > 0.0 {
             Status::Unknown
-        } else if self.degree < self.points as f64 {
+        } else if self.degree < Degree::of(self.points as u32) {
             Status::Shown
         } else {
             Status::Found

@@ -372,7 +372,7 @@ mod tests {
         let (p, _) = of(value, |_| vec![within(0.0, 0.0), within(2.5, 2.5e-14)]);
         let p = p.unwrap();
         assert!(p.value == 2.5 && (p.error / 5e-14 - 1.0).abs() < 0.02, "{p:?}");
-        assert_eq!(p.degree, 0.0);
+        assert_eq!(p.degree, Bounded::exact(0.0).degree);
         let (p, _) = of(value, |_| vec![within(0.0, 0.0), within(2.0 + 1e-14, 2e-14)]);
         assert_eq!(p, Some(Bounded::exact(2.0)));
         // No power explains both.

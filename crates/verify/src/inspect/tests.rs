@@ -5,7 +5,7 @@ mod words;
 
 use std::sync::Mutex;
 
-use real::{Bounded, Real};
+use real::{Bounded, Degree, Real};
 use systems::{
     Constant, Cosine, Damping, Pendulum, Poisson3, RigidBody, SystemError, paper::valid,
 };
@@ -230,29 +230,29 @@ fn the_integral_of_a_damping_is_looked_at_closely() {
     assert_eq!(rough.to_string(), format!("{text}, and the rate jumps or has pulses{none}"));
 }
 
-fn bounded(value: f64, error: f64, degree: f64) -> Bounded {
-    Bounded { value, error, degree }
+fn bounded(value: f64, error: f64, degree: u32) -> Bounded {
+    Bounded { value, error, degree: Degree::of(degree) }
 }
 
 #[test]
 fn a_finding_keeps_the_largest_defect_beyond_its_bound() {
     let mut finding = Finding::default();
-    finding.record(bounded(1e-16, 2e-16, 1.0), 1.0, &[1.0]);
+    finding.record(bounded(1e-16, 2e-16, 1), 1.0, &[1.0]);
     assert!(finding.status == Status::Found && finding.at == [1.0] && finding.points == 1);
     // More points than the degree show a polynomial identity; one point is counted once.
-    finding.record(bounded(-3e-16, 4e-16, 1.0), 2.0, &[2.0]);
-    finding.record(bounded(0.0, 1e-17, 1.0), 0.5, &[2.0]);
+    finding.record(bounded(-3e-16, 4e-16, 1), 2.0, &[2.0]);
+    finding.record(bounded(0.0, 1e-17, 1), 0.5, &[2.0]);
     assert!(finding.status == Status::Shown && finding.points == 2);
     assert_eq!((finding.defect, finding.round_off, finding.scale), (3e-16, 4e-16, 2.0));
     assert_eq!(finding.at, [2.0]);
     assert_eq!(finding.to_string(), "shown, to 4e-16");
     // A defect refutes, the largest is kept, and what comes later does not take it back.
     for (value, y) in [(-1e-3, 3.0), (5e-3, 4.0), (2e-3, 5.0), (0.0, 6.0)] {
-        finding.record(bounded(value, 1e-16, 1.0), 2.0, &[y]);
+        finding.record(bounded(value, 1e-16, 1), 2.0, &[y]);
     }
     assert!(finding.refuted() && !finding.holds());
     assert_eq!((finding.defect, &finding.at[..], finding.points), (5e-3, &[4.0][..], 6));
-    finding.record(bounded(f64::NAN, 0.0, 1.0), 1.0, &[7.0]);
+    finding.record(bounded(f64::NAN, 0.0, 1), 1.0, &[7.0]);
     assert_eq!((finding.defect, finding.round_off), (5e-3, 1e-16));
     assert_eq!(finding.to_string(), "defect 5.0e-3 at [4.000], round-off 1e-16");
 }
@@ -261,7 +261,7 @@ fn a_finding_keeps_the_largest_defect_beyond_its_bound() {
 fn a_finding_with_much_round_off_tells_nothing() {
     let of = |error: f64, scale: f64| {
         let mut finding = Finding::default();
-        finding.record(bounded(0.0, error, 5.0), scale, &[1.0]);
+        finding.record(bounded(0.0, error, 5), scale, &[1.0]);
         finding
     };
     // Above 1e-11 of the terms.

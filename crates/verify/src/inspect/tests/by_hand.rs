@@ -19,7 +19,7 @@ pub fn exact(row: &[f64]) -> Vec<Bounded> {
 
 /// A number with a bound of its error.
 pub fn within(value: f64, error: f64) -> Bounded {
-    Bounded { value, error, degree: 1.0 }
+    Bounded { error, ..Bounded::variable(value) }
 }
 
 /// Whether two numbers agree up to some roundings.
