@@ -283,7 +283,9 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
         let level = batch.level;
         let increment =
             if one_before { self.sums.first_half(level + 1) } else { self.sums.increment(level) };
-        if clip(increment, batch.bounds.increment, &mut self.truncated.increments) > 0 {
+        if batch.bounds.increment == f64::INFINITY {
+            self.truncated.increments = *increment;
+        } else if clip(increment, batch.bounds.increment, &mut self.truncated.increments) > 0 {
             let (paths, count) = differing(increment, &self.truncated.increments, self.live);
             for &run in &batch.runs {
                 self.clipped[run] = self.clipped[run].or(paths);
