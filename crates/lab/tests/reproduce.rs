@@ -56,6 +56,21 @@ fn results_are_the_same_bits_however_they_are_computed() {
         assert_eq!(find(&reference, id), find(&part, id));
         assert_ne!(find(&reference, id), find(&other_seed, id));
     }
+
+    // Further series leave the others as they are.
+    let more = run("more", &with(&["--with", "sexp-li,split"]));
+    for id in ids {
+        let of_paper =
+            |series: &Value| !["sexp-li", "split"].contains(&series["scheme"].as_str().unwrap());
+        let series = |results: &Value| find(results, id)["series"].as_array().unwrap().clone();
+        let (all, fewer) = (series(&more), series(&part));
+        assert_eq!(
+            all.iter().filter(|series| of_paper(series)).collect::<Vec<_>>(),
+            fewer.iter().collect::<Vec<_>>()
+        );
+        let weak = id.contains("weak");
+        assert_eq!(all.len(), fewer.len() + fewer.len() * 2 / if weak { 1 } else { 3 });
+    }
 }
 
 #[test]
