@@ -35,7 +35,10 @@ const DOORS: [(&str, &[&str]); 14] = [
     ),
     (
         "battery",
-        &["lab", "report", "verify", "mc", "stats", "schemes", "systems", "dgrad", "noise", "real"],
+        &[
+            "lab", "report", "verify", "mc", "stats", "schemes", "systems", "nonlin", "dgrad",
+            "noise", "real",
+        ],
     ),
     ("xtask", &[]),
 ];

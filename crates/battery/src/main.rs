@@ -10,7 +10,7 @@ use battery::{
     twins::measure_twins,
 };
 use clap::{Parser, value_parser};
-use lab::{EXPERIMENTS, Experiment, STATEMENTS, SUPPLEMENTS, command, ids};
+use lab::{EXPERIMENTS, Experiment, Method, STATEMENTS, SUPPLEMENTS, command, ids};
 use report::{Bars, files, terminal};
 use verify::{Mode, Settings, results::Claim};
 
@@ -103,7 +103,7 @@ fn claims(seed: u64, bars: &Bars) -> Result<Vec<Claim>> {
     let (long, short): (Vec<_>, Vec<_>) =
         all.into_iter().partition(|experiment| experiment.takes_long);
     let run = |mode, experiments: &[Experiment]| {
-        lab::reproduce(Settings { seed, mode }, &ids(experiments), bars)
+        lab::reproduce(Settings { seed, mode }, &ids(experiments), &Method::FURTHER, bars)
     };
     let mut claims = run(Mode::Paper, &short)?.claims;
     claims.extend(run(if seed == 1 { Mode::Paper } else { Mode::Quick }, &long)?.claims);

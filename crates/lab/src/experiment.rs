@@ -9,7 +9,7 @@ use verify::{
     results::{Claim, Kind, Panel},
 };
 
-use crate::streams;
+use crate::{Method, streams};
 
 /// What an experiment is given.
 pub struct Conditions<'a> {
@@ -19,6 +19,8 @@ pub struct Conditions<'a> {
     pub experiment: u64,
     /// The ids that are wanted of those that the experiment can make.
     pub wanted: &'a [&'a str],
+    /// Schemes that are not in the paper and are to be further series of its panels.
+    pub further: &'a [Method],
     /// Is told how far it is.
     pub progress: &'a dyn Progress,
 }

@@ -22,7 +22,7 @@
 //!
 //! A system of your own needs none of this: take its schemes from [`schemes`].
 
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy};
+use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Split};
 use systems::{
     IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
     RigidBodyEnergy, SpinChain,
@@ -41,15 +41,15 @@ pub fn compiled<F, S: Compiled<F, D, M>, const D: usize, const M: usize>(
     S::compiled(scheme)
 }
 
-/// A system of the paper, for which all three of its schemes are compiled.
+/// A system of the paper, for which its three schemes are compiled and those without iteration.
 pub trait PaperSystem<const D: usize, const M: usize>:
-    Compiled<Sexp, D, M> + Compiled<EulerMaruyama, D, M> + Compiled<Midpoint, D, M>
+    Compiled<Sexp, D, M>
+    + Compiled<EulerMaruyama, D, M>
+    + Compiled<Midpoint, D, M>
+    + Compiled<SexpLi, D, M>
 {
-}
-
-impl<S, const D: usize, const M: usize> PaperSystem<D, M> for S where
-    S: Compiled<Sexp, D, M> + Compiled<EulerMaruyama, D, M> + Compiled<Midpoint, D, M>
-{
+    /// `split`, where the system is a sum of parts with known flows.
+    fn split() -> Option<Box<dyn Scheme<Self, D, M>>>;
 }
 
 // Not inlined: a caller that sees the constructor would compile what it constructs.
@@ -64,24 +64,37 @@ macro_rules! compiled {
     )+)+};
 }
 
-macro_rules! on_the_systems_of_the_paper {
-    ($($scheme:ident)+) => {
-        compiled! {$(
-            $scheme {
-            Pendulum, 2, 1;
-            RigidBody<1>, 3, 1;
-            RigidBody<3>, 3, 3;
-            RigidBodyEnergy, 3, 1;
-            LotkaVolterra<IntegerExponents<1, 1>>, 3, 1;
-            LotkaVolterra<IntegerExponents<2, 2>>, 3, 1;
-            MaxwellBloch, 3, 1;
-            Poisson3, 3, 1;
+macro_rules! systems_of_the_paper {
+    ($($split:expr => { $($system:ty, $d:literal, $m:literal;)+ })+) => {$($(
+        compiled! {
+            Sexp { $system, $d, $m; }
+            EulerMaruyama { $system, $d, $m; }
+            Midpoint { $system, $d, $m; }
+            SexpLi { $system, $d, $m; }
+        }
+        impl PaperSystem<$d, $m> for $system {
+            #[inline(never)]
+            fn split() -> Option<Box<dyn Scheme<Self, $d, $m>>> {
+                $split
             }
-        )+}
-    };
+        }
+    )+)+};
 }
 
-on_the_systems_of_the_paper! { Sexp EulerMaruyama Midpoint }
+systems_of_the_paper! {
+    Some(Box::new(Split)) => {
+        Pendulum, 2, 1;
+        RigidBody<1>, 3, 1;
+        RigidBody<3>, 3, 3;
+        RigidBodyEnergy, 3, 1;
+        MaxwellBloch, 3, 1;
+        Poisson3, 3, 1;
+    }
+    None => {
+        LotkaVolterra<IntegerExponents<1, 1>>, 3, 1;
+        LotkaVolterra<IntegerExponents<2, 2>>, 3, 1;
+    }
+}
 compiled! {
     Sexp { SpinChain<6>, 6, 3; }
     SexpLevy { RigidBody<3>, 3, 3; SpinChain<6>, 6, 3; }

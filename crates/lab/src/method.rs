@@ -1,5 +1,7 @@
 //! What is known of each scheme.
 
+use systems::InvariantKind;
+
 /// A scheme with what theory says of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
@@ -11,9 +13,16 @@ pub enum Method {
     Midpoint,
     /// The conformal exponential integrator with Lévy areas, which is not in the paper.
     SexpLevy,
+    /// The linearly implicit conformal integrator, which is not in the paper.
+    SexpLi,
+    /// Exact flows in turn, which is not in the paper.
+    Split,
 }
 
 impl Method {
+    /// The schemes that are not in the paper.
+    pub const FURTHER: [Self; 3] = [Self::SexpLevy, Self::SexpLi, Self::Split];
+
     /// Identifier in results, that of the scheme itself.
     pub fn id(self) -> &'static str {
         match self {
@@ -21,6 +30,8 @@ impl Method {
             Self::EulerMaruyama => "em",
             Self::Midpoint => "midpoint",
             Self::SexpLevy => "sexp-levy",
+            Self::SexpLi => "sexp-li",
+            Self::Split => "split",
         }
     }
 
@@ -28,8 +39,24 @@ impl Method {
     pub fn strong_order(self, commuting: bool) -> f64 {
         match self {
             Self::SexpLevy => 1.0,
-            Self::Sexp | Self::Midpoint if commuting => 1.0,
-            Self::Sexp | Self::Midpoint | Self::EulerMaruyama => 0.5,
+            Self::EulerMaruyama => 0.5,
+            Self::Sexp | Self::Midpoint | Self::SexpLi | Self::Split => {
+                if commuting {
+                    1.0
+                } else {
+                    0.5
+                }
+            }
+        }
+    }
+
+    /// Whether it obeys the conformal law of linear and quadratic Casimirs, or of a homogeneous
+    /// energy with one noise, at every step.
+    pub fn obeys_law(self, of: InvariantKind) -> bool {
+        match self {
+            Self::Sexp | Self::SexpLevy => true,
+            Self::SexpLi | Self::Split => of == InvariantKind::Casimir,
+            Self::EulerMaruyama | Self::Midpoint => false,
         }
     }
 }

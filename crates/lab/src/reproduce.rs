@@ -8,7 +8,7 @@ use verify::{
     results::{Provenance, Results, SCHEMA},
 };
 
-use crate::{Conditions, EXPERIMENTS, Experiment, STATEMENTS, SUPPLEMENTS, streams};
+use crate::{Conditions, EXPERIMENTS, Experiment, Method, STATEMENTS, SUPPLEMENTS, streams};
 
 /// A panel or statement that does not exist.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -42,7 +42,8 @@ pub fn check_ids(wanted: &[String]) -> Result<(), UnknownId> {
 }
 
 /// Runs the panels, statements and supplements in `only`, or all of them when it is empty, on the
-/// current rayon pool.
+/// current rayon pool. The schemes in `further` are series of the panels that they are for, beside
+/// those of the paper, whose numbers do not depend on them.
 ///
 /// Of the provenance, the seed, the mode, the threads and the timings by id are filled in; the rest
 /// is left to the caller.
@@ -52,6 +53,7 @@ pub fn check_ids(wanted: &[String]) -> Result<(), UnknownId> {
 pub fn reproduce(
     settings: Settings,
     only: &[String],
+    further: &[Method],
     progress: &dyn Progress,
 ) -> Result<Results, UnknownId> {
     check_ids(only)?;
@@ -70,7 +72,8 @@ pub fn reproduce(
                 continue;
             }
             let (names, start) = (wanted.join(", "), Instant::now());
-            let conditions = Conditions { settings, experiment, wanted: &wanted, progress };
+            let wanted = &wanted;
+            let conditions = Conditions { settings, experiment, wanted, further, progress };
             progress.begin(&names, 0);
             let found = (member.run)(&conditions);
             progress.end();

@@ -5,7 +5,7 @@ use mc::Observable;
 use real::elementary::{cos, sin};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Split};
 use systems::{
-    Constant, Damping, Flows, PoissonSystem, Problem, SpinChain,
+    Constant, Damping, PoissonSystem, Problem, SpinChain,
     paper::{
         lotka_volterra_1_1, lotka_volterra_2_2, maxwell_bloch, pendulum, poisson3_strong,
         rigid_body_energy, rigid_body_one_noise, rigid_body_three_noises, valid,
@@ -76,24 +76,6 @@ impl<S, G, const D: usize, const M: usize> Setup<S, G, D, M> {
     }
 }
 
-impl<S: Flows<D, M> + 'static, G, const D: usize, const M: usize> Setup<S, G, D, M> {
-    /// With `split` before the other implicit schemes.
-    fn and_split(mut self) -> Self {
-        let place = self.schemes.iter().position(|(kind, _)| *kind == Kind::OtherImplicit);
-        let split = (Kind::WithoutIteration, Box::new(Split) as Box<dyn Scheme<S, D, M>>);
-        self.schemes.insert(place.unwrap_or(0), split);
-        self
-    }
-}
-
-/// `sexp-li` for a system of this crate, all of which it is for.
-fn linearly_implicit<S: PoissonSystem<D, M> + 'static, G, const D: usize, const M: usize>(
-    problem: &Problem<S, G, D>,
-) -> (Kind, Box<dyn Scheme<S, D, M>>) {
-    let scheme = valid(SexpLi::new(problem.system(), problem.y0()));
-    (Kind::WithoutIteration, Box::new(scheme))
-}
-
 /// Something to do with every problem.
 pub trait Visit {
     /// Does it with one problem.
@@ -111,13 +93,15 @@ fn setup<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
     id: &'static str,
     problem: Problem<S, G, D>,
 ) -> Setup<S, G, D, M> {
-    let schemes = vec![
-        (Kind::Sexp, compiled(Sexp)),
-        linearly_implicit(&problem),
+    let linearly_implicit = valid(SexpLi::new(problem.system(), problem.y0()));
+    let mut schemes =
+        vec![(Kind::Sexp, compiled(Sexp)), (Kind::WithoutIteration, compiled(linearly_implicit))];
+    schemes.extend(S::split().map(|split| (Kind::WithoutIteration, split)));
+    schemes.extend([
         (Kind::OtherImplicit, compiled(Midpoint)),
-        (Kind::Explicit, Box::new(Heun)),
+        (Kind::Explicit, Box::new(Heun) as Box<dyn Scheme<S, D, M>>),
         (Kind::Explicit, compiled(EulerMaruyama)),
-    ];
+    ]);
     Setup::new(id, problem, schemes)
 }
 
@@ -134,13 +118,13 @@ pub const PAPER: [&str; 6] =
 /// # Errors
 /// The first of the visitor's.
 pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
-    visitor.visit(setup("pendulum", pendulum()).and_split().described(
+    visitor.visit(setup("pendulum", pendulum()).described(
         "Pendulum",
         in_words::PENDULUM,
         [("y1^2", |y| y[0] * y[0]), ("cos y2", |y| cos(y[1]))],
     ))?;
     // Spherical harmonics up to degree 96: to round-off for this body.
-    let mut one_noise = setup("rigid-body-1", rigid_body_one_noise()).and_split().described(
+    let mut one_noise = setup("rigid-body-1", rigid_body_one_noise()).described(
         "Rigid body, one noise",
         in_words::BODY_1,
         BODY,
@@ -149,7 +133,7 @@ pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
     visitor.visit(one_noise)?;
     let problem = rigid_body_three_noises(1.0);
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
-    let mut three_noises = setup("rigid-body-3", problem).and_split().described(
+    let mut three_noises = setup("rigid-body-3", problem).described(
         "Rigid body, three noises",
         in_words::BODY_3,
         BODY,
@@ -162,12 +146,12 @@ pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
         in_words::VOLTERRA,
         [("y2", |y| y[1]), ("cos y3", |y| cos(y[2]))],
     ))?;
-    visitor.visit(setup("maxwell-bloch", maxwell_bloch(1.0)).and_split().described(
+    visitor.visit(setup("maxwell-bloch", maxwell_bloch(1.0)).described(
         "Maxwell–Bloch",
         "Maxwell–Bloch",
         [("y1", |y| y[0]), ("y2^2", |y| y[1] * y[1])],
     ))?;
-    visitor.visit(setup("poisson3", poisson3_strong()).and_split().described(
+    visitor.visit(setup("poisson3", poisson3_strong()).described(
         "Three-dimensional Poisson system",
         in_words::POISSON,
         [("y1", |y| y[0]), ("sin y2", |y| sin(y[1]))],
@@ -186,17 +170,19 @@ pub(crate) fn spin_pair<G: Damping>(damping: G) -> Problem<SpinChain<6>, G, 6> {
 /// # Errors
 /// The first of the visitor's.
 pub fn visit_others(visitor: &mut impl Visit) -> Result<()> {
-    visitor.visit(setup("rigid-body-energy", rigid_body_energy(1.0)).and_split())?;
+    visitor.visit(setup("rigid-body-energy", rigid_body_energy(1.0)))?;
     visitor.visit(setup("lotka-volterra-2", lotka_volterra_2_2(1.0)))?;
     let problem = spin_pair(valid(Constant::new(0.1)));
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
-    let schemes = vec![
+    let linearly_implicit = valid(SexpLi::new(problem.system(), problem.y0()));
+    let schemes: Vec<(Kind, Box<dyn Scheme<SpinChain<6>, 6, 3>>)> = vec![
         (Kind::Sexp, compiled(Sexp)),
         (Kind::SexpLevy, levy),
-        linearly_implicit(&problem),
+        (Kind::WithoutIteration, Box::new(linearly_implicit)),
+        (Kind::WithoutIteration, Box::new(Split)),
         (Kind::OtherImplicit, Box::new(Midpoint)),
         (Kind::Explicit, Box::new(Heun)),
         (Kind::Explicit, Box::new(EulerMaruyama)),
     ];
-    visitor.visit(Setup::new("spin-chain", problem, schemes).and_split())
+    visitor.visit(Setup::new("spin-chain", problem, schemes))
 }

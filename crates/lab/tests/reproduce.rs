@@ -56,6 +56,18 @@ fn results_are_the_same_bits_however_they_are_computed() {
         assert_eq!(find(&reference, id), find(&part, id));
         assert_ne!(find(&reference, id), find(&other_seed, id));
     }
+
+    // Further series leave the others as they are.
+    let ids = ["poisson3-strong", "maxwell-bloch-casimir"];
+    let only: Vec<&str> = ids.iter().flat_map(|&id| ["--only", id]).collect();
+    let more = run("more", &[&only[..], &["--with", "sexp-li,split"]].concat());
+    for id in ids {
+        let series = |results: &Value| find(results, id)["series"].as_array().unwrap().clone();
+        let (mut all, paper) = (series(&more), series(&reference));
+        assert_eq!(3 * all.len(), 5 * paper.len());
+        all.retain(|series| !["sexp-li", "split"].iter().any(|id| series["scheme"] == *id));
+        assert_eq!(all, paper);
+    }
 }
 
 #[test]

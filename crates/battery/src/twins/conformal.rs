@@ -46,7 +46,7 @@ fn obeys_law<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
 }
 
 /// [`obeys_law`] of the Casimir of the rigid body.
-fn casimir(conditions: &Conditions, scheme: &dyn Scheme<RigidBody<3>, 3, 3>) -> Claim {
+pub fn casimir(conditions: &Conditions, scheme: &dyn Scheme<RigidBody<3>, 3, 3>) -> Claim {
     obeys_law(conditions, "conformal-casimir", &rigid_body_three_noises(10.0), scheme)
 }
 

@@ -4,9 +4,11 @@
 //! measurement on a method with one deliberate mistake, of the kind that is made in practice. A
 //! twin that is not refuted is a failure of the battery.
 
+mod altered;
 mod conformal;
 mod local;
 mod orders;
+mod without_iteration;
 mod wrong_systems;
 
 use lab::{
@@ -14,7 +16,7 @@ use lab::{
     statements::{solvability::contraction, truncation::sampled_variance},
     streams,
 };
-use systems::paper::pendulum;
+use systems::paper::{pendulum, poisson3_strong};
 use verify::{Progress, Settings, results::Claim};
 
 /// A wrong method: the statement that it is a twin of, its mistake in words, and its measurement.
@@ -84,11 +86,51 @@ pub const TWINS: &[Twin] = &[
     ("weak-one", "the Itô correction is doubled", |conditions| {
         orders::weak_with_correction(conditions, 2.0)
     }),
+    ("conformal-casimir", "sexp-li: a sign in Cayley's map", without_iteration::sign_in_cayley),
+    (
+        "conformal-casimir",
+        "sexp-li: the damping of the first half step for both halves",
+        without_iteration::first_half_twice,
+    ),
+    (
+        "conformal-casimir",
+        "split: the damping of the first half step for both halves",
+        without_iteration::first_half_twice_split,
+    ),
+    ("strong-one", "sexp-li: v from the beginning", without_iteration::strong_shifted),
+    ("strong-one", "split: flows in a row, pendulum", without_iteration::pendulum_in_a_row),
+    ("strong-one", "split: flows in a row, Poisson system", without_iteration::poisson_in_a_row),
+    ("local-sexp-li", "v from the beginning", |conditions| {
+        without_iteration::local_shifted(conditions, 0.0)
+    }),
+    ("local-sexp-li", "v from the end", |conditions| {
+        without_iteration::local_shifted(conditions, 1.0)
+    }),
+    ("local-sexp-li", "v from the wrong side of the beginning", |conditions| {
+        without_iteration::local_shifted(conditions, -0.5)
+    }),
+    ("local-split", "flows in a row", without_iteration::local_in_a_row),
+    ("any-increment", "sexp-li: increments are clipped", without_iteration::clipped_body),
+    ("any-increment", "split: increments are clipped", without_iteration::clipped_light),
+    (
+        "any-increment",
+        "sexp-li: a sign in Cayley's map",
+        without_iteration::sign_in_cayley_with_large_noise,
+    ),
+    ("no-noise", "split: flows in a row, pendulum", |conditions| {
+        without_iteration::order_in_a_row(conditions, &pendulum())
+    }),
+    ("no-noise", "split: flows in a row, Poisson system", |conditions| {
+        without_iteration::order_in_a_row(conditions, &poisson3_strong())
+    }),
+    ("no-noise", "sexp-li: all damping at first", without_iteration::order_damped_before),
+    ("no-noise", "split: all damping at last", without_iteration::order_damped_after),
 ];
 
 /// Measures every twin; the claims come in the order of [`TWINS`].
 pub fn measure_twins(settings: Settings, progress: &dyn Progress) -> Vec<Claim> {
-    let conditions = |experiment| Conditions { settings, experiment, wanted: &[], progress };
+    let conditions =
+        |experiment| Conditions { settings, experiment, wanted: &[], further: &[], progress };
     (streams::TWINS..)
         .zip(TWINS)
         .map(|(experiment, (.., measure))| measure(&conditions(experiment)))

@@ -24,11 +24,11 @@ fn step_sizes(conditions: &Conditions) -> StepSizes {
     }
 }
 
-fn strong<S: PoissonSystem<3, M>, G: Damping, const M: usize>(
+pub fn strong<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     conditions: &Conditions,
     id: &str,
-    problem: &Problem<S, G, 3>,
-    scheme: &dyn Scheme<S, 3, M>,
+    problem: &Problem<S, G, D>,
+    scheme: &dyn Scheme<S, D, M>,
     order: f64,
 ) -> Claim {
     // Areas cost more normals the finer the steps: 2⁻⁴ … 2⁻¹¹ and a reference at 2⁻¹³ will do.
@@ -60,7 +60,7 @@ impl Explicit for Miscorrected {
 
 pub fn strong_with_correction(conditions: &Conditions, factor: f64) -> Claim {
     let problem = rigid_body_three_noises(1.0);
-    strong::<_, _, 3>(conditions, "strong-half", &problem, &Miscorrected { factor }, 0.5)
+    strong::<_, _, 3, 3>(conditions, "strong-half", &problem, &Miscorrected { factor }, 0.5)
 }
 
 pub fn weak_with_correction(conditions: &Conditions, factor: f64) -> Claim {
@@ -95,7 +95,7 @@ pub fn fresh_increments(conditions: &Conditions) -> Claim {
 }
 
 pub fn explicit(conditions: &Conditions) -> Claim {
-    strong::<_, _, 1>(conditions, "strong-one", &rigid_body_one_noise(), &EulerMaruyama, 1.0)
+    strong::<_, _, 3, 1>(conditions, "strong-one", &rigid_body_one_noise(), &EulerMaruyama, 1.0)
 }
 
 pub fn truncated_too_early(conditions: &Conditions) -> Claim {

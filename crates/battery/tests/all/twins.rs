@@ -18,7 +18,7 @@ fn every_twin_is_refuted() {
 
 #[test]
 fn the_right_methods_are_not_refuted() {
-    for claim in reproduce(QUICK, &ids(STATEMENTS), &Silent).unwrap().claims {
+    for claim in reproduce(QUICK, &ids(STATEMENTS), &[], &Silent).unwrap().claims {
         let refuted = Outcome::of(&claim) == Outcome::Refuted;
         assert!(!refuted, "{}: {}", claim.id, claim.evidence);
     }

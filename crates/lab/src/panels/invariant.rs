@@ -4,7 +4,7 @@ use stats::Point;
 use systems::{Damping, Invariant, InvariantKind, Problem};
 use verify::results::{Claim, Evidence, Kind, Panel, Series};
 
-use super::strong::{Curve, curves_of_the_paper};
+use super::curves::{Curve, curves};
 use crate::{
     Conditions, Findings, Method, PaperSystem, TRUNCATED, Words,
     conformal_law::{ROUND_OFF, along, approach, largest_defect},
@@ -28,7 +28,7 @@ impl InvariantPanel {
         conditions: &Conditions,
         problem: &Problem<S, G, D>,
     ) -> Findings {
-        let curves = curves_of_the_paper::<S, D, M>();
+        let curves = curves(conditions, problem);
         conditions.progress.begin(conditions.id(), self.steps * curves.len() as u64);
         let follow = |curve: &Curve<S, D, M>| {
             let path = conditions.path(0, problem, curve.scheme.as_ref(), self.steps, 0);
@@ -59,20 +59,18 @@ impl InvariantPanel {
                     max_relative_defect: Some(largest),
                     ..Series::default()
                 });
-                // What the paper proves of `sexp` and reports of the others.
-                let (tolerance, obeys, statement) = match curve.method {
-                    Method::EulerMaruyama => (VISIBLE, false, "visibly leaves the conformal law"),
-                    Method::Midpoint => {
-                        (ROUND_OFF, false, "leaves the conformal law, and returns to it as τ → 0")
-                    }
-                    Method::Sexp | Method::SexpLevy => {
-                        (ROUND_OFF, true, "obeys the conformal law at every step")
-                    }
+                // Of schemes that have not the law only Euler–Maruyama has to leave it visibly.
+                let obeys = curve.method.obeys_law(kind);
+                let visibly = curve.method == Method::EulerMaruyama;
+                let (tolerance, statement) = match (obeys, visibly) {
+                    (true, _) => (ROUND_OFF, "obeys the conformal law at every step"),
+                    (_, true) => (VISIBLE, "visibly leaves the conformal law"),
+                    _ => (ROUND_OFF, "leaves the conformal law, and returns to it as τ → 0"),
                 };
                 let measured = match &path.failure {
                     // A path that ended early proves nothing about the rest.
                     Some(failure) => Evidence::Undecided { reason: failure.to_string() },
-                    None if curve.method == Method::Midpoint && largest > ROUND_OFF => {
+                    None if !obeys && !visibly && largest > ROUND_OFF => {
                         let scheme = curve.scheme.as_ref();
                         approach(conditions, problem, scheme, index, self.steps, largest)
                     }

@@ -1,5 +1,6 @@
 //! The 14 panels of the paper as data (Bréhier, Cohen and Komori 2025, §5).
 
+pub mod curves;
 mod invariant;
 pub mod strong;
 pub mod weak;

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use mc::{Ladder, Measured, Reference, Run, StrongErrors};
 use noise::Truncation;
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy};
+use schemes::SexpLevy;
 use stats::{Rate, fit_strong, root_mean_squares};
 use systems::{Damping, PoissonSystem, Problem, paper::valid};
 use verify::{
@@ -13,6 +13,7 @@ use verify::{
     wrong_limit,
 };
 
+use super::curves::{Curve, curves};
 use crate::{
     Compiled, Conditions, Findings, Method, PaperSystem, TRUNCATED, Words, compiled, truncation,
 };
@@ -47,29 +48,6 @@ impl Grid {
     pub fn finest_steps(self, t_end: f64) -> u64 {
         (t_end * 2f64.powi(self.reference() as i32)).round() as u64
     }
-}
-
-/// A scheme with the name of its curve.
-pub struct Curve<S, const D: usize, const M: usize> {
-    pub name: &'static str,
-    pub method: Method,
-    pub scheme: Box<dyn Scheme<S, D, M>>,
-}
-
-impl<S, const D: usize, const M: usize> Curve<S, D, M> {
-    pub fn new(method: Method, scheme: Box<dyn Scheme<S, D, M>>) -> Self {
-        Self { name: method.id(), method, scheme }
-    }
-}
-
-/// The schemes of the paper, in the order of its legends.
-pub fn curves_of_the_paper<S: PaperSystem<D, M>, const D: usize, const M: usize>()
--> Vec<Curve<S, D, M>> {
-    vec![
-        Curve::new(Method::Sexp, compiled(Sexp)),
-        Curve::new(Method::EulerMaruyama, compiled(EulerMaruyama)),
-        Curve::new(Method::Midpoint, compiled(Midpoint)),
-    ]
 }
 
 /// What the curves of a strong panel are drawn from.
@@ -170,7 +148,8 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
                 ..Series::default()
             });
         }
-        for (s, curve) in curves.iter().enumerate() {
+        let all_clipped = curves.iter().enumerate();
+        for (s, curve) in all_clipped.filter(|(_, curve)| curve.scheme.clips_increments()) {
             for (r, exponent) in grid.exponents().enumerate() {
                 let increments = measured.clipped[grid.level(exponent)];
                 if increments > 0 {
@@ -263,14 +242,14 @@ pub struct StrongPanel {
 const QUICK: Grid = Grid { last: 10, samples: 512 };
 
 impl StrongPanel {
-    /// The three schemes of the paper against `sexp` at the finest step, with a claim for each
-    /// curve.
+    /// The three schemes of the paper, and those without iteration that are wanted, against `sexp`
+    /// at the finest step, with a claim for each curve.
     pub fn compare<S: PaperSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         &self,
         conditions: &Conditions,
         problem: &Problem<S, G, D>,
     ) -> Findings {
-        let curves = curves_of_the_paper::<S, D, M>();
+        let curves = curves(conditions, problem);
         let runs = StrongRuns::new(self.words, problem, self.grid(conditions, 0), &curves);
         StrongRuns { bound: Some(self.proven), ..runs }.measure(conditions)
     }
@@ -280,8 +259,8 @@ impl StrongPanel {
         conditions.choose(Grid { last: self.last - fewer, samples: self.samples }, QUICK)
     }
 
-    /// [`compare`](Self::compare) with a fourth curve, which is not in the paper: `sexp-levy`
-    /// against itself at a finer step. Drawing areas costs as many normals as the square root of
+    /// [`compare`](Self::compare) with one more curve where it is wanted: `sexp-levy` against itself
+    /// at a finer step. Drawing areas costs as many normals as the square root of
     /// the step count, so its steps end three levels before those of the others.
     pub fn compare_with_areas<
         S: PaperSystem<D, 3> + Compiled<SexpLevy, D, 3>,
@@ -293,6 +272,9 @@ impl StrongPanel {
         problem: &Problem<S, G, D>,
     ) -> Findings {
         let mut findings = self.compare(conditions, problem);
+        if !conditions.further.contains(&Method::SexpLevy) {
+            return findings;
+        }
         let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
         let curves = [Curve::new(Method::SexpLevy, levy)];
         let runs = StrongRuns::new(self.words, problem, self.grid(conditions, 3), &curves);

@@ -1,4 +1,5 @@
-//! Weak convergence of `sexp` for twelve test functions of the rigid body with three noises.
+//! Weak convergence of `sexp`, and of schemes without iteration where they are wanted, for twelve
+//! test functions of the rigid body with three noises.
 //!
 //! d_l = E[φ(y_τ)] − E[φ(y_{τ/2})] with τ = 2^−l is measured for every l from the coarsest step
 //! size to the finest, on paths of its own, as the mean of φ(coarse) − ½(φ(fine) + φ(swapped)). The
@@ -38,7 +39,7 @@
 mod tests;
 
 use mc::{Ladder, Observable, Run, View};
-use schemes::Sexp;
+use schemes::{Scheme, Sexp};
 use stats::{CrossMoments, weak_errors};
 use systems::{
     Cosine, Problem, RigidBody,
@@ -49,7 +50,10 @@ use verify::{
     results::{Claim, DifferenceSamples, Evidence, Kind, Panel, Series},
 };
 
-use super::strong::{describe_failures, power_of_half};
+use super::{
+    curves::{Curve, without_iteration},
+    strong::{describe_failures, power_of_half},
+};
 use crate::{
     Conditions, Findings, Method, TRUNCATED, Words, compiled, in_words, setups::TestFunction,
     truncation,
@@ -90,40 +94,53 @@ pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
     let wanted = |panel: &&WeakPanel| conditions.wanted.contains(&panel.id);
     let panels: Vec<&WeakPanel> = panels.iter().filter(wanted).collect();
     let observables = observables(&panels);
-    let (moments, failures) = differences(conditions, &grid, &problem, &observables);
-
-    let taus: Vec<f64> = grid.iter().map(|difference| difference.tau).collect();
-    let mut series = observables.iter().enumerate().map(|(f, observable)| {
-        let (points, rate) = weak_errors(&taus, &moments, f);
-        let (scheme, quantity) = (Method::Sexp.id().into(), observable.name.into());
-        Series { scheme, quantity, points, rate, ..Series::default() }
-    });
+    let mut curves = vec![Curve::new(Method::Sexp, compiled(Sexp))];
+    curves.extend(without_iteration(conditions.further, &problem));
     let steps = format!("τ = 2^-{FIRST} … 2^-{last}, {TRUNCATED}");
-    let mut findings = Findings::default();
-    for panel in panels {
-        let series: Vec<Series> = series.by_ref().take(panel.functions.len()).collect();
-        findings.claims.extend(series.iter().map(|series| claim(panel.id, series)));
+    let drawn = panels.iter().map(|panel| {
         let words = Words {
             title: panel.title,
             system: in_words::BODY_3,
             paper: "sexp has weak order 1 for every test function.",
         };
-        findings.panels.push(Panel {
+        Panel {
             samples: most,
             reference: reference(&grid, last),
-            failures: failures.clone(),
             differences: grid.clone(),
-            series,
             ..words.panel(panel.id, Kind::Weak, &problem, &steps)
+        }
+    });
+    let mut findings = Findings { panels: drawn.collect(), claims: Vec::new() };
+    let taus: Vec<f64> = grid.iter().map(|difference| difference.tau).collect();
+    for curve in &curves {
+        let (moments, failures) =
+            differences(conditions, &grid, &problem, &observables, curve.scheme.as_ref());
+        let mut series = observables.iter().enumerate().map(|(f, observable)| {
+            let (points, rate) = weak_errors(&taus, &moments, f);
+            let (scheme, quantity) = (curve.name.into(), observable.name.into());
+            Series { scheme, quantity, points, rate, ..Series::default() }
         });
+        for (panel, drawn) in panels.iter().zip(&mut findings.panels) {
+            let series: Vec<Series> = series.by_ref().take(panel.functions.len()).collect();
+            let claims = series.iter().map(|series| claim(panel.id, curve.method, series));
+            findings.claims.extend(claims);
+            drawn.series.extend(series);
+            drawn.failures.extend_from_slice(&failures);
+        }
     }
     findings
 }
 
-fn claim(panel: &str, series: &Series) -> Claim {
-    let statement = format!("|E φ(y_N) − E φ(y(T))| ≤ C τ for φ = {} (k ≥ 2)", series.quantity);
+/// The paper's bound for `sexp`; the order of any other scheme.
+fn claim(panel: &str, method: Method, series: &Series) -> Claim {
+    let (scheme, quantity) = (&series.scheme, &series.quantity);
+    let paper = method == Method::Sexp;
+    let statement = match paper {
+        true => format!("|E φ(y_N) − E φ(y(T))| ≤ C τ for φ = {quantity} (k ≥ 2)"),
+        false => format!("{scheme} has weak order 1 for φ = {quantity}"),
+    };
     let measured = Evidence::order_bound(1.0, series.rate.clone());
-    Claim::new("weak-one", statement, measured).about(panel, &series.scheme)
+    Claim::new("weak-one", statement, measured).about(panel, scheme).proven(paper)
 }
 
 /// What the errors are sums of, in words.
@@ -145,11 +162,10 @@ fn differences(
     grid: &[DifferenceSamples],
     problem: &Problem<RigidBody<3>, Cosine, 3>,
     observables: &[Observable<3>],
+    scheme: &dyn Scheme<RigidBody<3>, 3, 3>,
 ) -> (Vec<CrossMoments>, Vec<String>) {
-    let sexp = compiled(Sexp);
-    let sexp = sexp.as_ref();
     let ladder = |(difference, part): (&DifferenceSamples, u64)| {
-        let runs = vec![Run::new(sexp, 1), Run::new(sexp, 0), Run::swapped(sexp, 0)];
+        let runs = vec![Run::new(scheme, 1), Run::new(scheme, 0), Run::swapped(scheme, 0)];
         let finest_steps = (2.0 * problem.t_end() / difference.tau).round() as u64;
         let key = conditions.key(part);
         let ladder = Ladder::new(problem, finest_steps, 1, truncation(), key, runs);

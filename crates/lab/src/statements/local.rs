@@ -1,8 +1,9 @@
 //! `local-exact` and `local-sexp`: one-step Taylor remainders (Bréhier, Cohen and
-//! Komori 2025, §4), on the rigid body with three noises.
+//! Komori 2025, §4), on the rigid body with three noises; `local-sexp-li` and `local-split`: the same
+//! of schemes that are not in the paper.
 //!
 //! Exact flow: R = y(τ) − y − τ(f₀ − γy) − Σ fₘΔWₘ − Σ fₘ′f_l J_lm with J_lm = ∫∫ ∘dW_l ∘dWₘ.
-//! Scheme: the same with truncated increments and ½ΔŴ_lΔŴₘ for J_lm. Claimed: (E‖R‖²)^½ ≤ Cτ^{3/2}
+//! Scheme: the same with increments truncated if the scheme asks for it and ½ΔŴ_lΔŴₘ for J_lm. Claimed: (E‖R‖²)^½ ≤ Cτ^{3/2}
 //! and ‖E R‖ ≤ Cτ².
 //!
 //! The exact flow is taken on noise that is linear on 64 pieces of the step, with the iterated
@@ -10,8 +11,8 @@
 //! expansion is the same. R(W) and R(−W) are averaged: all terms of odd degree in W cancel, among
 //! them those of size τ^{3/2}, so that a mean of size τ² can be seen.
 
-use noise::{Noise, WienerPath};
-use schemes::{Scheme, Sexp, Step};
+use noise::{Noise, Truncation, WienerPath};
+use schemes::{Scheme, Sexp, SexpLi, Split, Step};
 use stats::{CrossMoments, Moments, fit_independent};
 use systems::{
     Cosine, Damping, Problem, RigidBody,
@@ -28,6 +29,9 @@ use crate::{Conditions, Findings, truncation};
 /// A point of the rigid body.
 pub type Vector = [f64; 3];
 
+/// A scheme for the rigid body.
+pub type BodyScheme = dyn Scheme<RigidBody<3>, 3, 3>;
+
 /// Linear pieces of the noise in a step.
 pub const PIECES: usize = 64;
 /// Exponents j of the steps τ = 2^−j.
@@ -38,7 +42,28 @@ pub(super) fn measure_exact(conditions: &Conditions) -> Findings {
 }
 
 pub(super) fn measure_sexp(conditions: &Conditions) -> Findings {
-    remainder_claims(conditions, "local-sexp", "sexp", sexp_remainder).into()
+    of_scheme(conditions, "local-sexp", &Sexp)
+}
+
+pub(super) fn measure_sexp_li(conditions: &Conditions) -> Findings {
+    let problem = problem();
+    let scheme = valid(SexpLi::new(problem.system(), problem.y0()));
+    unproven(of_scheme(conditions, "local-sexp-li", &scheme))
+}
+
+pub(super) fn measure_split(conditions: &Conditions) -> Findings {
+    unproven(of_scheme(conditions, "local-split", &Split))
+}
+
+fn unproven(findings: Findings) -> Findings {
+    let claims = findings.claims.into_iter().map(|claim| claim.proven(false));
+    claims.collect::<Vec<_>>().into()
+}
+
+/// Both claims about the remainder of a scheme.
+fn of_scheme(conditions: &Conditions, id: &str, scheme: &BodyScheme) -> Findings {
+    let remainder = |tau: f64, pieces: &_| scheme_remainder(scheme, tau, pieces);
+    remainder_claims(conditions, id, scheme.id(), remainder).into()
 }
 
 /// Both claims about a remainder.
@@ -144,26 +169,28 @@ pub fn expansion(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     sum
 }
 
-/// The truncated increments of the whole step.
-fn truncated(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
-    let bound = valid(truncation().bound(tau));
+/// The increments of the whole step, truncated if the scheme asks for it.
+fn increments(scheme: &BodyScheme, tau: f64, pieces: &[Vector; PIECES]) -> Vector {
+    let truncated = if scheme.clips_increments() { truncation() } else { Truncation::none() };
+    let bound = valid(truncated.bound(tau));
     std::array::from_fn(|m| pieces.iter().map(|dw| dw[m]).sum::<f64>().clamp(-bound, bound))
 }
 
-/// One step of `sexp`.
-pub fn sexp_end(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
+/// One step of a scheme.
+pub fn scheme_end(scheme: &BodyScheme, tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     let (system, damping, y0, _) = problem().into_parts();
     let step = valid(Step::new(&damping, 0, tau));
-    Sexp.step(&system, &step, &Noise::increments(truncated(tau, pieces)), y0).z
+    scheme.step(&system, &step, &Noise::increments(increments(scheme, tau, pieces)), y0).z
 }
 
-fn sexp_remainder(tau: f64, pieces: &[Vector; PIECES]) -> Vector {
+/// What a step of a scheme lacks of its expansion.
+pub fn scheme_remainder(scheme: &BodyScheme, tau: f64, pieces: &[Vector; PIECES]) -> Vector {
     let (system, _, start, _) = problem().into_parts();
-    let w = truncated(tau, pieces);
+    let w = increments(scheme, tau, pieces);
     // ½Σ fₘ′f_l ΔŴ_lΔŴₘ = ½f′f with f = Σ fₘΔŴₘ.
     let field = vector_field(&system, start, 0.0, w);
     let second = vector_field_derivative(&system, start, 0.0, w, field);
-    let (end, first) = (sexp_end(tau, pieces), first_order(tau, w));
+    let (end, first) = (scheme_end(scheme, tau, pieces), first_order(tau, w));
     std::array::from_fn(|i| end[i] - first[i] - 0.5 * second[i])
 }
 
@@ -190,7 +217,7 @@ mod tests {
         assert!((ratio(&exact_remainder) - 8.0).abs() < 0.5, "{}", ratio(&exact_remainder));
         let without = |tau: f64, pieces: &[Vector; PIECES]| {
             let w = std::array::from_fn(|m| pieces.iter().map(|dw| dw[m]).sum());
-            let (end, first) = (sexp_end(tau, pieces), first_order(tau, w));
+            let (end, first) = (scheme_end(&Sexp, tau, pieces), first_order(tau, w));
             std::array::from_fn(|i| end[i] - first[i])
         };
         assert!((ratio(&without) - 4.0).abs() < 0.5, "{}", ratio(&without));

@@ -17,7 +17,10 @@ use verify::{
 
 use crate::{
     Conditions, Findings, Method, PaperSystem, Words, compiled, in_words,
-    panels::strong::{Grid, StrongRuns, curves_of_the_paper},
+    panels::{
+        curves::curves,
+        strong::{Grid, StrongRuns},
+    },
     truncation,
 };
 
@@ -44,7 +47,7 @@ fn compare<S: PaperSystem<3, 1>, G: Damping>(
     problem: &Problem<S, G, 3>,
 ) -> Findings {
     let grid = conditions.choose(Grid { last: 12, samples: 500 }, Grid { last: 10, samples: 200 });
-    let curves = curves_of_the_paper::<S, 3, 1>();
+    let curves = curves(conditions, problem);
     let time = random_time(problem, grid.finest_steps(problem.t_end()));
     let solution = |s: f64| solution(problem, s);
     let exact = Some(Exact { time_change: &time, solution: &solution });

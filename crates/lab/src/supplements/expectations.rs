@@ -79,7 +79,7 @@ pub fn expectation_claims(
     progress: &dyn Progress,
 ) -> Vec<Claim> {
     let experiment = streams::EXPECTATIONS;
-    twelve(&Conditions { settings, experiment, wanted: &[], progress }, accuracy)
+    twelve(&Conditions { settings, experiment, wanted: &[], further: &[], progress }, accuracy)
 }
 
 /// Twelve expectations, to the accuracy of the mode.

@@ -13,7 +13,10 @@ use verify::{
 use crate::{
     Compiled, Conditions, Findings, Method, Words, compiled,
     conformal_law::{along, largest_defect},
-    panels::strong::{Curve, Grid, StrongRuns},
+    panels::{
+        curves::Curve,
+        strong::{Grid, StrongRuns},
+    },
     setups::spin_pair,
 };
 

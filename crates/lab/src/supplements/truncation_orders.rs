@@ -6,7 +6,10 @@ use systems::paper::{rigid_body_one_noise, valid};
 
 use crate::{
     Conditions, Findings, Method, Words, compiled, in_words,
-    panels::strong::{Curve, Grid, StrongRuns},
+    panels::{
+        curves::Curve,
+        strong::{Grid, StrongRuns},
+    },
 };
 
 const WORDS: Words = Words {

@@ -6,13 +6,16 @@ use super::{
     chart::{COLUMN, Curve, Figure, Line, Measured, Plot, Style},
     ticks::Spacing,
 };
-use crate::panel::{QUANTILE, main_quantity};
+use crate::{
+    markdown::distinct,
+    panel::{QUANTILE, main_quantity},
+};
 
 /// The figure of strong or weak errors against the step size, or of path-steps against accuracy.
 ///
-/// Of strong errors it shows the error at the final time, of weak errors all quantities. Fitted
-/// orders stand in the legend; grey lines show the slopes 1/2 and 1, whichever is nearer to each
-/// order.
+/// Of strong errors it shows the error at the final time, of weak errors all quantities, in a plot
+/// for each scheme. Fitted orders stand in the legend, unless it is that of several plots; grey
+/// lines show the slopes 1/2 and 1, whichever is nearer to each order.
 ///
 /// ```
 /// use report::figure::convergence;
@@ -33,19 +36,14 @@ pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> Figure {
     let (weak, cost) = (kind == Kind::Weak, kind == Kind::Cost);
     let quantity = main_quantity(series);
     let drawn: Vec<&Series> = series.iter().filter(|s| weak || s.quantity == quantity).collect();
-    let several_schemes = drawn.windows(2).any(|pair| pair[0].scheme != pair[1].scheme);
-    let curves: Vec<Curve> = drawn
-        .iter()
-        .map(|series| Curve {
-            name: match (weak, several_schemes) {
-                (false, _) => series.scheme.clone(),
-                (true, false) => series.quantity.clone(),
-                (true, true) => format!("{} {}", series.scheme, series.quantity),
-            },
-            note: rate(series).map_or(String::new(), order),
-            points: series.points.iter().filter_map(measured).collect(),
-        })
-        .collect();
+    let schemes = distinct(drawn.iter().map(|series| series.scheme.as_str()));
+    let several = weak && schemes.len() > 1;
+    let curve = |series: &&Series| Curve {
+        name: if weak { series.quantity.clone() } else { series.scheme.clone() },
+        note: rate(series).filter(|_| !several).map_or(String::new(), order),
+        points: series.points.iter().filter_map(measured).collect(),
+    };
+    let curves: Vec<Curve> = drawn.iter().map(curve).collect();
     let trends = drawn.iter().zip(&curves).map(|(series, curve)| {
         let points = curve.trend();
         let fitted = || rate(series).map_or_else(|| overall_order(&points), |rate| rate.estimate);
@@ -59,17 +57,22 @@ pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> Figure {
         Kind::Weak => ("step size τ", "|weak error|".into()),
         _ => ("step size τ", format!("RMS error of {quantity}")),
     };
+    let spacing = if cost { Spacing::Decades } else { Spacing::Doublings };
+    let plot = |x_title: String, curves| Plot { x_title, spacing, lines: lines.clone(), curves };
+    let of_scheme = |scheme: &&str| {
+        let own = drawn.iter().filter(|series| series.scheme == *scheme);
+        plot(format!("{x_title}, {scheme}"), own.map(curve).collect())
+    };
+    let plots = match several {
+        true => schemes.iter().map(of_scheme).collect(),
+        false => vec![plot(x_title.into(), curves)],
+    };
     Figure {
         title: title.into(),
         y_title,
         size: COLUMN,
         style: if weak { Style::Signed } else { Style::Schemes },
-        plots: vec![Plot {
-            x_title: x_title.into(),
-            spacing: if cost { Spacing::Decades } else { Spacing::Doublings },
-            lines,
-            curves,
-        }],
+        plots,
     }
 }
 

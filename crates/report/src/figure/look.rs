@@ -90,12 +90,14 @@ const SKY: Color = "#56B4E9";
 const BLACK: Color = "#000000";
 
 /// Schemes that look the same on every figure.
-const SCHEMES: [(&str, Look); 5] = [
+const SCHEMES: [(&str, Look); 7] = [
     ("sexp", look(BLUE, CIRCLE, Under)),
     ("em", look(VERMILLION, SQUARE, Plain)),
     ("midpoint", look(GREEN, DIAMOND, Over)),
     ("sexp-levy", SPARE[0]),
     ("heun", SPARE[1]),
+    ("sexp-li", SPARE[2]),
+    ("split", SPARE[3]),
 ];
 
 /// Looks of all other schemes, in the order of their appearance.

@@ -12,6 +12,7 @@
 //! | `law` | the defect of a conformal law and what round-off and the solver may make of it |
 //! | `identities` | skewness, Casimirs, discrete gradients: no scheme yet |
 //! | `conformal` | `sexp` keeps Casimirs and energies over several steps; `midpoint` keeps Casimirs undamped |
+//! | `affine`, `without_iteration` | the linear equation of `sexp-li` for every v, and `split` |
 //! | `solver` | Newton = fixed point; scaling by powers of two bit for bit |
 //! | `block` | a block is its paths bit for bit |
 //! | `twins` | the same checks reject what is wrong on purpose |
@@ -19,6 +20,7 @@
 //! All draws come from proptest with a fixed seed, so a run is reproducible. `--nocapture` prints
 //! how much of each tolerance was used.
 
+mod affine;
 mod block;
 mod conformal;
 mod damping;
@@ -30,3 +32,4 @@ mod rounding;
 mod solver;
 mod structure;
 mod twins;
+mod without_iteration;

@@ -32,10 +32,6 @@ pub struct Case {
 pub const SQUARED_LENGTH: &str =
     "largest relative distance of |y|² from its law, before a path ends";
 
-/// The guarantee of cases whose equations may have no solution.
-pub const KEEPS_THE_LAW: &str = "`sexp` in all forms is on the law to rounding, or ends with a \
-                             typed error. Nothing is guaranteed of the others.";
-
 /// All schemes in all settings of a case.
 pub type Rows = Result<Vec<Row>>;
 

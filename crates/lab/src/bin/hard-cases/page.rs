@@ -156,13 +156,15 @@ fn fuzz(page: &mut Page, fuzz: &[Fuzzed]) {
 
 const METHOD: &str = "\
 Every case runs `sexp` (fixed point first), `sexp-newton` (Newton's method first), `sexp-levy` \
-where noises do not commute, `midpoint`, `heun` and `em`. A guarantee is a derived bound. ✓: it \
+where noises do not commute, `sexp-li`, `split` where flows are known, `midpoint`, `heun` and `em`. \
+A guarantee is a derived bound. ✓: it \
 holds; ✗: the scheme fails, as theory predicts; no mark: nothing is guaranteed. Increments are \
 truncated with k = 4 unless said otherwise. A path that cannot go on ends with a typed error, \
 never with NaN.
 
 *To rounding*: |y_n|² = e^(−2∫γ)|y₀|² up to (32n + 4∫|γ| + 8)ε after n steps, the worst case of \
-all roundings, see `crates/lab/src/bin/hard-cases/rounding.rs`.";
+all roundings, see `crates/lab/src/bin/hard-cases/rounding.rs`; twice that for `sexp-li`, three \
+times for `split`.";
 
 const GROWTH: &str = "\
 Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over 32 paths. Roundings without a direction make a random \
@@ -172,7 +174,10 @@ factors, which all paths share, show in the mean only.
 
 *Guarantee.* With a settled solver the root mean square stays below 32ε√n, a walk of a step's \
 worst roundings. The default solver leaves a residual of up to 2ε in the same direction in every \
-step, a drift; one more sweep, `Solver::settled()`, removes it.";
+step, a drift; one more sweep, `Solver::settled()`, removes it. `sexp-li` and `split` solve nothing by \
+iteration and have no such option: twice and three times that bound, and an exponent whose interval \
+does not lie above 0.55. The Maxwell–Bloch system turns by an angle that grows like √t, and with it \
+what a step rounds; its steps are short, so that the angle stays small.";
 
 const FUZZING: &str = "\
 Numbers are arbitrary bit patterns: NaN, infinities, subnormals, ordinary numbers and neighbours. \

@@ -8,13 +8,16 @@ use mc::{Ladder, NextNoise, Run, Statistic, View};
 use noise::{StreamKey, Truncation};
 use real::WIDTH;
 use report::distinct;
-use systems::{Damping, PoissonSystem, Problem, RigidBody, paper::rigid_body_three_noises};
+use systems::{
+    Damping, Flows, InvariantKind, PoissonSystem, Problem, RigidBody,
+    paper::rigid_body_three_noises,
+};
 
 use crate::{
     case::Context,
     rounding::{law_bound, residual_share},
     row::Row,
-    schemes::{Family, Tested, schemes},
+    schemes::{Family, Tested, schemes, split},
 };
 
 /// One path as far as it lasts.
@@ -44,6 +47,8 @@ pub struct Experiment<S, G, const D: usize, const M: usize> {
     /// Where the noise comes from, if not from the streams.
     /// It gives that of a block of paths, see [`mc::NoiseSource`].
     pub noise: Option<Box<dyn Fn(u64) -> NextNoise<'static, M> + Sync>>,
+    /// `split`, where flows are known.
+    pub split: Option<fn() -> Tested<S, D, M>>,
 }
 
 /// A conformal law with the rounding that is allowed.
@@ -54,8 +59,8 @@ pub struct Law {
     pub weight: f64,
     /// What a step of Newton's method may add.
     pub newton_step: f64,
-    /// Whether no path may end early.
-    pub to_the_end: bool,
+    /// Of which schemes that keep the law no path may end early.
+    pub to_the_end: &'static [Family],
     /// Whether rows report the steps that the robust solver takes.
     pub counts_continuation: bool,
 }
@@ -65,7 +70,7 @@ pub const CASIMIR: Law = Law {
     invariants: &[0],
     weight: 1.0,
     newton_step: 0.0,
-    to_the_end: false,
+    to_the_end: &[],
     counts_continuation: false,
 };
 
@@ -74,7 +79,7 @@ pub const CASIMIR: Law = Law {
 pub struct Distance {
     /// The largest relative distance.
     pub worst: f64,
-    /// The largest quotient of a distance and what is allowed there.
+    /// The largest quotient of a distance and what is allowed there, of laws that the scheme keeps.
     pub excess: f64,
     /// What is allowed in the last step.
     pub bound: f64,
@@ -90,7 +95,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
     ) -> Result<Self> {
         let problem = Problem::new::<M>(system, damping, y0, steps as f64 * tau)?;
         let (truncation, key) = (lab::truncation(), context.key);
-        Ok(Self { problem, steps, paths: 1, truncation, key, noise: None })
+        Ok(Self { problem, steps, paths: 1, truncation, key, noise: None, split: None })
     }
 
     /// With noise from elsewhere: a function of the number of a block's first path.
@@ -117,6 +122,10 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
     /// The schemes.
     pub fn schemes(&self) -> Vec<Tested<S, D, M>> {
         let mut all = schemes(self.problem.system(), self.problem.y0());
+        if let Some(split) = self.split {
+            let midpoint = all.iter().position(|scheme| scheme.family == Family::Midpoint);
+            all.insert(midpoint.unwrap_or(all.len()), split());
+        }
         for scheme in &mut all {
             scheme.paths = WIDTH.min(self.paths as usize);
         }
@@ -138,7 +147,8 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
         self.schemes().iter().map(row).collect()
     }
 
-    /// The distance from a law for every scheme. The conformal schemes keep it; `must_exceed` is
+    /// The distance from a law for every scheme. The conformal schemes keep it, those without
+    /// iteration that of its Casimirs; `must_exceed` is
     /// the distance that a scheme has to exceed, if theory predicts that it fails.
     pub fn law_rows(
         &self,
@@ -149,10 +159,11 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
     ) -> Result<Vec<Row>> {
         self.rows(setting, x, |row, scheme, paths| {
             let Distance { worst, excess, bound } = self.distance(paths, law, scheme);
-            let kept = excess <= 1.0 && !(law.to_the_end && row.error.is_some());
+            let early = row.error.is_some() && law.to_the_end.contains(&scheme.family);
+            let kept = excess <= 1.0 && !early;
             let row = row.with_figure(worst);
             let row = match must_exceed(scheme.family) {
-                _ if scheme.family == Family::Conformal => row.guaranteed(kept, bound),
+                _ if scheme.family.keeps(InvariantKind::Casimir) => row.guaranteed(kept, bound),
                 Some(bound) => row.must_exceed(bound),
                 None => row,
             };
@@ -179,20 +190,29 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
                     total += damping.integral(time(n - 1), time(n)).abs();
                     residuals += residual_share(path.residuals[n - 1].unwrap_or(0.0), *y);
                 }
-                let allowed =
-                    law.weight * (law_bound(n as u64, total) + residuals) + newton_step * n as f64;
+                let rounding = scheme.rounding * law_bound(n as u64, total);
+                let allowed = law.weight * (rounding + residuals) + newton_step * n as f64;
                 let integral = damping.integral(0.0, time(n));
                 for &index in law.invariants {
                     let decay = (-invariants[index].degree * integral).exp();
                     let exact = system.invariant(index, y0) * decay;
                     let defect = (system.invariant(index, *y) / exact - 1.0).abs();
                     distance.worst = distance.worst.max(defect);
-                    distance.excess = distance.excess.max(defect / allowed);
+                    if scheme.family.keeps(invariants[index].kind) {
+                        distance.excess = distance.excess.max(defect / allowed);
+                    }
                 }
                 distance.bound = distance.bound.max(allowed);
             }
         }
         distance
+    }
+}
+
+impl<S: Flows<D, M>, G: Damping, const D: usize, const M: usize> Experiment<S, G, D, M> {
+    /// With `split`.
+    pub fn with_split(self) -> Self {
+        Self { split: Some(split), ..self }
     }
 }
 
@@ -253,5 +273,5 @@ pub fn body<G: Damping>(
     steps: (u64, f64),
 ) -> Result<Experiment<RigidBody<3>, G, 3, 3>> {
     let (body, _, y0, _) = rigid_body_three_noises(1.0).into_parts();
-    Experiment::new(context, (body, damping), y0, steps)
+    Ok(Experiment::new(context, (body, damping), y0, steps)?.with_split())
 }

@@ -3,18 +3,35 @@
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Method, Solution, Solver};
 use real::{Block, WIDTH};
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step, WithSolver};
-use systems::PoissonSystem;
+use schemes::{
+    EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Split, Step, WithSolver,
+};
+use systems::{Flows, InvariantKind, PoissonSystem};
+
+use crate::rounding::{FIVE_ROTATIONS, LINEARLY_IMPLICIT};
 
 /// Where a scheme reads γ, and what it keeps.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Family {
     /// The forms of `sexp`: reads ∫γ alone, and keeps conformal laws.
     Conformal,
+    /// Reads ∫γ alone, keeps conformal laws of Casimirs, and has no equation to iterate on.
+    WithoutIteration,
     /// The midpoint rule: reads γ in the middle of a step.
     Midpoint,
     /// Reads γ at the ends of a step, and solves nothing.
     Explicit,
+}
+
+impl Family {
+    /// Whether invariants of this kind obey their conformal law.
+    pub fn keeps(self, kind: InvariantKind) -> bool {
+        match self {
+            Self::Conformal => true,
+            Self::WithoutIteration => kind == InvariantKind::Casimir,
+            Self::Midpoint | Self::Explicit => false,
+        }
+    }
 }
 
 /// A scheme under its name in results. It boxes the step of a single path: hard cases have few
@@ -26,16 +43,19 @@ pub struct Tested<S, const D: usize, const M: usize> {
     pub newton: bool,
     /// The order for ordinary differential equations.
     pub order: f64,
+    /// What a step rounds, in units of that of `sexp`, see `rounding`.
+    pub rounding: f64,
     /// The paths of each block that are advanced.
     pub paths: usize,
     advance: Box<Advance<S, D, M>>,
     reads_areas: bool,
+    clips_increments: bool,
 }
 
 type Advance<S, const D: usize, const M: usize> =
     dyn Fn(&S, &Step, &Noise<M>, [f64; D]) -> Solution<D> + Send + Sync;
 
-/// Every scheme that differs from the others with M noises.
+/// Every scheme that differs from the others with M noises, but for [`split`].
 pub fn schemes<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: &S,
     y0: [f64; D],
@@ -53,10 +73,19 @@ pub fn schemes<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     if M > 1 {
         all.push(Tested::new(Conformal, SexpLevy::new(system, y0)));
     }
+    if let Ok(linearly_implicit) = SexpLi::new(system, y0) {
+        let scheme = Tested::new(Family::WithoutIteration, linearly_implicit);
+        all.push(Tested { rounding: LINEARLY_IMPLICIT, ..scheme });
+    }
     all.push(Tested::new(Family::Midpoint, Midpoint));
     all.push(Tested::new(Explicit, Heun));
     all.push(Tested { order: 1.0, ..Tested::new(Explicit, EulerMaruyama) });
     all
+}
+
+/// Exact flows in turn.
+pub fn split<S: Flows<D, M>, const D: usize, const M: usize>() -> Tested<S, D, M> {
+    Tested { rounding: FIVE_ROTATIONS, ..Tested::new(Family::WithoutIteration, Split) }
 }
 
 impl<S, const D: usize, const M: usize> Tested<S, D, M> {
@@ -66,8 +95,10 @@ impl<S, const D: usize, const M: usize> Tested<S, D, M> {
             family,
             newton: false,
             order: 2.0,
+            rounding: 1.0,
             paths: WIDTH,
             reads_areas: scheme.reads_areas(),
+            clips_increments: scheme.clips_increments(),
             advance: Box::new(move |system, step, noise, y| scheme.step(system, step, noise, y)),
         }
     }
@@ -84,7 +115,7 @@ impl<S, const D: usize, const M: usize> Scheme<S, D, M> for Tested<S, D, M> {
     }
 
     fn clips_increments(&self) -> bool {
-        true
+        self.clips_increments
     }
 
     fn step_block(

@@ -6,8 +6,8 @@ mod wording;
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
 use anyhow::{Context, Result};
-use clap::Parser;
-use lab::command;
+use clap::{Parser, builder::PossibleValuesParser};
+use lab::{Method, command};
 use real::{Level, limit_to};
 use report::{Bars, Outcome, files, provenance, terminal};
 use verify::{
@@ -28,6 +28,11 @@ struct Arguments {
     /// Run only this panel or statement; may be given several times.
     #[arg(long, value_name = "ID")]
     only: Vec<String>,
+    /// Schemes that are not in the paper and are further series of its panels, separated by commas,
+    /// or none.
+    #[arg(long, value_name = "SCHEMES", default_value = "sexp-levy", value_delimiter = ',')]
+    #[arg(value_parser = PossibleValuesParser::new(further()))]
+    with: Vec<String>,
     /// Master seed, 0 to 2^64 − 1; the same seed gives the same results on any number of threads
     /// and any vectors.
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
@@ -41,6 +46,11 @@ struct Arguments {
     /// Use no wider vector instructions than these; the results are the same, only slower.
     #[arg(long, value_parser = command::simd, value_name = "LEVEL")]
     simd: Option<Level>,
+}
+
+/// What `--with` may name.
+fn further() -> impl Iterator<Item = &'static str> {
+    ["none"].into_iter().chain(Method::FURTHER.map(Method::id))
 }
 
 fn main() -> ExitCode {
@@ -62,10 +72,13 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         .context("cannot start the threads")?;
     let mode = if arguments.quick { Mode::Quick } else { Mode::Paper };
     let settings = Settings { seed: arguments.seed, mode };
+    let mut further = Method::FURTHER.to_vec();
+    further.retain(|method| arguments.with.iter().any(|name| name == method.id()));
 
     let start = Instant::now();
     let bars = Bars::default();
-    let mut results = pool.install(|| lab::reproduce(settings, &arguments.only, &bars))?;
+    let mut results =
+        pool.install(|| lab::reproduce(settings, &arguments.only, &further, &bars))?;
     bars.finish();
     results.provenance = provenance::complete(results.provenance, "cargo xtask reproduce", start);
     files::write_json(&arguments.out.join("results.json"), &results)?;

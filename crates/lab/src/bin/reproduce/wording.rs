@@ -10,6 +10,9 @@ pub const WORDING: Wording<'static> = Wording {
         ("sexp", "stochastic conformal exponential integrator, the method of the paper"),
         ("em", "Euler–Maruyama on the Itô form"),
         ("midpoint", "stochastic midpoint, damping included"),
+        ("sexp-levy", "sexp with Lévy areas, not in the paper"),
+        ("sexp-li", "sexp by a linear equation, not in the paper"),
+        ("split", "exact flows in turn, not in the paper"),
     ],
     statements: &STATEMENTS,
 };

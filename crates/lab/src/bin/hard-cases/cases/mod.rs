@@ -5,6 +5,7 @@ mod damping;
 mod hamiltonians;
 mod increments;
 mod large_noise;
+mod near_singular;
 mod states;
 
 use anyhow::Result;
@@ -18,7 +19,7 @@ use crate::{
 };
 
 /// All families, in the order of the page and of their streams.
-pub static CASES: [Case; 13] = [
+pub static CASES: [Case; 14] = [
     damping::STIFF,
     damping::ANTI,
     damping::ROUGH,
@@ -32,6 +33,7 @@ pub static CASES: [Case; 13] = [
     hamiltonians::STIFF,
     states::LOTKA_VOLTERRA,
     increments::NO_NOISE,
+    near_singular::CASE,
 ];
 
 /// Runs the cases that are asked for.

@@ -37,7 +37,7 @@ fn scales(context: &Context) -> Rows {
             let mut increments = WienerBlock::new(key, first_path);
             Box::new(move |noise| increments.increments(tau.sqrt(), &mut noise.increments))
         });
-        anyhow::Ok(without_areas)
+        anyhow::Ok(without_areas.with_split())
     };
     let plain = scaled(1.0)?;
     // Powers of two next to 10⁻¹⁵⁰ … 10¹⁵⁰.
@@ -109,8 +109,8 @@ pub const LOTKA_VOLTERRA: Case = Case {
     mathematics: "The solution stays positive. The Casimir 2y₁ + y₂ + y₃ follows e^(−∫γ). B has \
                   poles where y₁ = 0 or y₂ = 0.",
     quantity: "largest relative distance of the Casimir from its law, before a path ends",
-    guarantee: "`sexp` is positive and on the law to rounding, or ends with a typed error. No \
-                scheme is positive by construction.",
+    guarantee: "`sexp` and `sexp-li` are positive and on the law to rounding, or end with a typed \
+                error. No scheme is positive by construction.",
     varied: "start and τ",
     rows: lotka_volterra,
 };

@@ -5,7 +5,7 @@ use lab::{PaperSystem, compiled};
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Method, Outcome, Solution, Solver};
 use real::{Block, WIDTH};
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, Step, WithSolver};
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Step, WithSolver};
 use systems::{
     Constant, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
     Problem, RealExponents, RigidBody, RigidBodyEnergy, SpinChain, SystemError,
@@ -122,13 +122,15 @@ fn block_step<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
 ) -> Fed {
     let step = any_step(bits)?;
     let with_solver = |solver| Box::new(WithSolver { formula: Sexp, solver });
-    let scheme: Box<dyn Scheme<S, D, M>> = match bits.below(7) {
+    let scheme: Box<dyn Scheme<S, D, M>> = match bits.below(9) {
         0 => with_solver(Solver::new(Method::FixedPoint)),
         1 => with_solver(Solver::new(Method::Newton)),
         2 => with_solver(Solver::default().settled()),
         3 => Box::new(SexpLevy::new(system, [1.0; D])),
         4 => compiled(Midpoint),
         5 => Box::new(Heun),
+        6 => compiled(SexpLi::new(system, [1.0; D])?),
+        7 => S::split().context("flows are known")?,
         _ => compiled(EulerMaruyama),
     };
     let (mut noises, mut start) = (BlockNoise::zero(), Block::zero());
