@@ -26,8 +26,17 @@ pub enum Kind {
     WithoutIteration,
     /// Another implicit scheme.
     OtherImplicit,
-    /// An explicit scheme.
-    Explicit,
+    /// Heun's method.
+    Heun,
+    /// Euler and Maruyama's method.
+    EulerMaruyama,
+}
+
+impl Kind {
+    /// Whether the scheme keeps Casimirs on their conformal law.
+    pub fn conformal(self) -> bool {
+        matches!(self, Self::Sexp | Self::SexpLevy | Self::WithoutIteration)
+    }
 }
 
 /// E φ(y(T)) of test functions on a problem, without sampling.
@@ -115,8 +124,8 @@ fn setup<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
         (Kind::Sexp, compiled(Sexp)),
         linearly_implicit(&problem),
         (Kind::OtherImplicit, compiled(Midpoint)),
-        (Kind::Explicit, Box::new(Heun)),
-        (Kind::Explicit, compiled(EulerMaruyama)),
+        (Kind::Heun, Box::new(Heun)),
+        (Kind::EulerMaruyama, compiled(EulerMaruyama)),
     ];
     Setup::new(id, problem, schemes)
 }
@@ -195,8 +204,8 @@ pub fn visit_others(visitor: &mut impl Visit) -> Result<()> {
         (Kind::SexpLevy, levy),
         linearly_implicit(&problem),
         (Kind::OtherImplicit, Box::new(Midpoint)),
-        (Kind::Explicit, Box::new(Heun)),
-        (Kind::Explicit, Box::new(EulerMaruyama)),
+        (Kind::Heun, Box::new(Heun)),
+        (Kind::EulerMaruyama, Box::new(EulerMaruyama)),
     ];
     visitor.visit(Setup::new("spin-chain", problem, schemes).and_split())
 }
