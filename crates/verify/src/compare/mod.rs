@@ -58,6 +58,7 @@ mod grid;
 mod laws;
 mod own_areas;
 mod pilot;
+mod plan;
 mod recommend;
 mod search;
 mod settings;

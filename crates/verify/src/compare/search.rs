@@ -8,10 +8,11 @@ use systems::{Damping, PoissonSystem, Problem};
 
 use super::{
     Candidate, Candidates, Choice, CompareError, CompareSettings, Comparison, Expectations, Grid,
-    Outcome, Repetitions, Series, Stopped, Strong, StrongPoint, Time, Verdicts, Weak, WeakPoint,
+    Outcome, Repetitions, Series, Stopped, Strong, Time, Verdicts, Weak, WeakPoint,
     laws::Law,
     path_times,
     pilot::{Pilot, steps_beyond},
+    plan::{HALVINGS, Known, Lacks, Plan, below, common, good, lacks},
     recommend::choose,
 };
 use crate::{
@@ -32,8 +33,6 @@ const REFERENCE: f64 = 1.0 / 12.0;
 const ENOUGH: f64 = 1.0 / 8.0;
 /// Rounds of refinement.
 const ROUNDS: usize = 4;
-/// Halvings of the step size that a round may add.
-const HALVINGS: u32 = 4;
 /// The part of the budget that pilots may take.
 const PILOTS: f64 = 0.2;
 /// The part of the time left that a measurement may take by estimate.
@@ -57,39 +56,6 @@ pub struct Search<'a, S, G, const D: usize, const M: usize> {
     watch: Stopwatch,
     /// The finest steps, once the budget has cut something short.
     stopped: Cell<Option<u64>>,
-}
-
-/// What is known of a scheme before errors are measured.
-struct Known {
-    pilot: Pilot,
-    /// How far single steps miss the coefficients, if they do.
-    inconsistent: Option<f64>,
-}
-
-impl Known {
-    /// Whether the scheme may be recommended.
-    fn sound(&self) -> bool {
-        self.pilot.failure.is_none() && self.inconsistent.is_none()
-    }
-}
-
-/// The finest step sizes of the schemes and that of the reference.
-#[derive(Clone, PartialEq)]
-struct Plan {
-    last: Vec<u32>,
-    reference: u32,
-}
-
-impl Plan {
-    fn finest(&self) -> u32 {
-        self.last.iter().copied().fold(self.reference, u32::max)
-    }
-}
-
-/// The longest of the coarsest step sizes that all schemes have.
-fn common(known: &[Known]) -> u32 {
-    let running = known.iter().filter(|known| known.pilot.failure.is_none());
-    running.map(|known| known.pilot.first).max().unwrap_or(0)
 }
 
 impl<'a, S, G, const D: usize, const M: usize> Search<'a, S, G, D, M>
@@ -399,38 +365,4 @@ where
         let (schemes, problem) = (&self.schemes, self.problem);
         Ok(path_times(schemes, problem, &steps, truncation, key, repetitions, &|_| ())?)
     }
-}
-
-/// Whether an error is resolved and its whole interval at most the wanted one.
-fn below(point: &StrongPoint, wanted: f64) -> bool {
-    point.resolved && point.hi.unwrap_or(point.error) <= wanted
-}
-
-/// What a scheme lacks of a resolved error below the wanted one.
-enum Lacks {
-    Nothing,
-    /// A finer reference.
-    Reference,
-    /// So many halvings of the step size.
-    Halvings(u32),
-}
-
-fn lacks(series: &Series<StrongPoint>, wanted: f64) -> Lacks {
-    let Some(last) = series.points.last() else { return Lacks::Nothing };
-    if series.points.iter().any(|point| below(point, wanted)) {
-        return Lacks::Nothing;
-    }
-    if !last.resolved {
-        return Lacks::Reference;
-    }
-    let p = match &series.points[..] {
-        [.., before, last] => (before.error / last.error).log2().clamp(0.5, 1.0),
-        _ => 1.0,
-    };
-    Lacks::Halvings(steps_beyond(last.error, wanted, p).clamp(1, HALVINGS))
-}
-
-/// Whether an expectation of this accuracy is not much dearer for the bias of the point.
-fn good(point: &WeakPoint, accuracy: f64) -> bool {
-    point.hi <= std::f64::consts::FRAC_1_SQRT_2 * accuracy
 }

@@ -229,8 +229,8 @@ mod tests {
         // Its bias is known to be out of reach for the coarsest, and expensive for the next.
         assert_eq!(at(10f64.powf(-1.5)).map(|cost| cost.steps), Some(4));
         assert!(at(0.01).is_none() && at(1.0).is_none() && at(10f64.powf(-0.5)).is_some());
-        // With half the bias the coarsest does for 1/(0.001 − 0.000625).
+        // With half the bias two steps do, for 2/(0.001 − 0.0125²).
         let least = series.least_cost(10f64.powf(-1.5)).expect("reached");
-        assert!(least.steps == 1 && close(least.cost_s, 1.0 / (0.001 - 0.000_625)), "{least:?}");
+        assert!(least.steps == 2 && close(least.cost_s, 2.0 / (0.001 - 0.000_156_25)), "{least:?}");
     }
 }
