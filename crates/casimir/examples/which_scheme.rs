@@ -45,7 +45,6 @@ impl PoissonSystem<6, 2> for Kirchhoff {
         h
     }
 
-    const QUADRATIC: bool = true;
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -59,9 +59,9 @@ impl<'a, S, const D: usize, const M: usize> Candidates<'a, S, D, M> {
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Candidates<'_, S, D, M> {
-    /// All schemes for `problem`: [`Sexp`], [`SexpLevy`] if the noises do not commute, [`SexpLi`]
-    /// if it is for the system, [`Midpoint`], [`Heun`] and [`EulerMaruyama`]. The reference is
-    /// [`SexpLevy`].
+    /// All schemes for `problem`: [`Sexp`] and, if it is for the system, [`SexpLi`], both with Lévy
+    /// areas as well if the noises do not commute; [`Midpoint`], [`Heun`] and [`EulerMaruyama`].
+    /// The reference is [`SexpLevy`].
     ///
     /// If the system names no invariant, the linear and quadratic Casimirs that [`inspect()`] finds
     /// are measured.
@@ -76,6 +76,11 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Candidates<'_, S, D
             schemes.push(Box::new(levy));
         }
         if let Ok(scheme) = SexpLi::new(system, y0) {
+            schemes.push(Box::new(scheme));
+        }
+        if !levy.commuting()
+            && let Ok(scheme) = SexpLi::with_areas(system, y0)
+        {
             schemes.push(Box::new(scheme));
         }
         schemes.push(Box::new(Midpoint));
