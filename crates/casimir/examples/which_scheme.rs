@@ -44,7 +44,6 @@ impl PoissonSystem<6, 2> for Kirchhoff {
         }
         h
     }
-
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
