@@ -29,11 +29,14 @@
 //! - [`mc`]: many paths with [`Simulation`](mc::Simulation), [`Ladder`](mc::Ladder) and
 //!   [`multilevel`](mc::multilevel).
 //! - [`verify`]: [`inspect`](verify::inspect()), [`strong_order`](verify::strong_order),
-//!   [`weak_order`](verify::weak_order), [`work_precision`](verify::work_precision).
+//!   [`weak_order`](verify::weak_order), and [`compare`](verify::compare()), which says which scheme
+//!   is cheapest for an error.
 //! - [`noise`], [`dgrad`], [`nonlin`], [`stats`], [`real`]: increments and Lévy areas, discrete
 //!   gradients, implicit equations, fits of orders, numbers.
 //! - `report`, with the feature of that name: figures and reports.
 
+#[cfg(feature = "report")]
+pub use report;
 pub use {dgrad, mc, noise, nonlin, real, schemes, stats, systems, verify};
 
 /// The names that most programs use: `use casimir::prelude::*`.
@@ -43,7 +46,9 @@ pub mod prelude {
     pub use real::Real;
     pub use schemes::{Explicit, Implicit, Increment, Scheme, Sexp};
     pub use systems::{Constant, Damping, PoissonSystem, Problem};
-    pub use verify::{StepSizes, inspect, inspect_problem, strong_order};
+    pub use verify::{
+        Candidates, CompareSettings, StepSizes, compare, inspect, inspect_problem, strong_order,
+    };
 }
 
 /// The examples of the README, compiled and run with the other examples.

@@ -14,7 +14,6 @@
 //! | [`statements`], [`conformal_law`] | measurements that twins repeat on wrong methods |
 //! | [`Compiled`], [`compiled()`], [`PaperSystem`] | schemes on systems, compiled once |
 //! | [`streams`] | which noise belongs to which experiment |
-//! | [`OtherNoise`] | a scheme on other noise than the driver's |
 //! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
 //! | [`command`] | what the command lines of all programs share |
 //! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo, against its value |
@@ -27,7 +26,6 @@ pub mod conformal_law;
 mod experiment;
 pub mod kernels;
 mod method;
-mod other_noise;
 mod panels;
 mod reproduce;
 pub mod setups;
@@ -41,7 +39,6 @@ pub use experiment::{
 use experiment::{Words, in_words};
 pub use kernels::{Compiled, PaperSystem, compiled};
 pub use method::Method;
-pub use other_noise::OtherNoise;
 pub use panels::EXPERIMENTS;
 pub use reproduce::{UnknownId, check_ids, ids, reproduce};
 pub use statements::STATEMENTS;

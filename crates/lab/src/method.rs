@@ -15,13 +15,15 @@ pub enum Method {
     SexpLevy,
     /// The linearly implicit conformal integrator, which is not in the paper.
     SexpLi,
+    /// The same with Lévy areas.
+    SexpLiLevy,
     /// Exact flows in turn, which is not in the paper.
     Split,
 }
 
 impl Method {
     /// The schemes that are not in the paper.
-    pub const FURTHER: [Self; 3] = [Self::SexpLevy, Self::SexpLi, Self::Split];
+    pub const FURTHER: [Self; 4] = [Self::SexpLevy, Self::SexpLi, Self::SexpLiLevy, Self::Split];
 
     /// Identifier in results, that of the scheme itself.
     pub fn id(self) -> &'static str {
@@ -31,6 +33,7 @@ impl Method {
             Self::Midpoint => "midpoint",
             Self::SexpLevy => "sexp-levy",
             Self::SexpLi => "sexp-li",
+            Self::SexpLiLevy => "sexp-li-levy",
             Self::Split => "split",
         }
     }
@@ -38,7 +41,7 @@ impl Method {
     /// Strong order where noises commute, as a single one does, or do not.
     pub fn strong_order(self, commuting: bool) -> f64 {
         match self {
-            Self::SexpLevy => 1.0,
+            Self::SexpLevy | Self::SexpLiLevy => 1.0,
             Self::EulerMaruyama => 0.5,
             Self::Sexp | Self::Midpoint | Self::SexpLi | Self::Split => {
                 if commuting {
@@ -55,7 +58,7 @@ impl Method {
     pub fn obeys_law(self, of: InvariantKind) -> bool {
         match self {
             Self::Sexp | Self::SexpLevy => true,
-            Self::SexpLi | Self::Split => of == InvariantKind::Casimir,
+            Self::SexpLi | Self::SexpLiLevy | Self::Split => of == InvariantKind::Casimir,
             Self::EulerMaruyama | Self::Midpoint => false,
         }
     }

@@ -26,8 +26,17 @@ pub enum Kind {
     WithoutIteration,
     /// Another implicit scheme.
     OtherImplicit,
-    /// An explicit scheme.
-    Explicit,
+    /// Heun's method.
+    Heun,
+    /// Euler and Maruyama's method.
+    EulerMaruyama,
+}
+
+impl Kind {
+    /// Whether the scheme keeps Casimirs on their conformal law.
+    pub fn conformal(self) -> bool {
+        matches!(self, Self::Sexp | Self::SexpLevy | Self::WithoutIteration)
+    }
 }
 
 /// E φ(y(T)) of test functions on a problem, without sampling.
@@ -99,8 +108,8 @@ fn setup<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
     schemes.extend(S::split().map(|split| (Kind::WithoutIteration, split)));
     schemes.extend([
         (Kind::OtherImplicit, compiled(Midpoint)),
-        (Kind::Explicit, Box::new(Heun) as Box<dyn Scheme<S, D, M>>),
-        (Kind::Explicit, compiled(EulerMaruyama)),
+        (Kind::Heun, Box::new(Heun) as Box<dyn Scheme<S, D, M>>),
+        (Kind::EulerMaruyama, compiled(EulerMaruyama)),
     ]);
     Setup::new(id, problem, schemes)
 }
@@ -139,6 +148,10 @@ pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
         BODY,
     );
     three_noises.schemes.insert(1, (Kind::SexpLevy, levy));
+    let linearly_implicit =
+        SexpLi::with_areas(three_noises.problem.system(), three_noises.problem.y0());
+    let linearly_implicit = compiled(valid(linearly_implicit));
+    three_noises.schemes.insert(2, (Kind::WithoutIteration, linearly_implicit));
     three_noises.expectations = Some(|problem, phi| rigid_body_expectations(problem, 96, phi));
     visitor.visit(three_noises)?;
     visitor.visit(setup("lotka-volterra", lotka_volterra_1_1()).described(
@@ -181,8 +194,8 @@ pub fn visit_others(visitor: &mut impl Visit) -> Result<()> {
         (Kind::WithoutIteration, Box::new(linearly_implicit)),
         (Kind::WithoutIteration, Box::new(Split)),
         (Kind::OtherImplicit, Box::new(Midpoint)),
-        (Kind::Explicit, Box::new(Heun)),
-        (Kind::Explicit, Box::new(EulerMaruyama)),
+        (Kind::Heun, Box::new(Heun)),
+        (Kind::EulerMaruyama, Box::new(EulerMaruyama)),
     ];
     visitor.visit(Setup::new("spin-chain", problem, schemes))
 }

@@ -48,13 +48,14 @@ fn all_cases_have_numbers_figures_and_words() {
     let measured = measured(dir.path());
     assert_eq!(
         (measured["schema"].as_u64(), measured["provenance"]["mode"].as_str()),
-        (Some(1), Some("quick"))
+        (Some(2), Some("quick"))
     );
     let cases = measured["cases"].as_array().unwrap();
     assert_eq!(cases.len(), 6);
     let text = fs::read_to_string(dir.path().join("work-precision.md")).unwrap();
     assert_eq!(text, fs::read_to_string(&page).unwrap());
     assert!(!text.contains("NaN") && text.contains("Are Lévy areas worth their price?"));
+    assert!(text.contains("The cheapest conformal scheme in multiples of `heun`"));
     for case in cases {
         let id = case["id"].as_str().unwrap();
         for kind in ["strong", "weak"] {

@@ -33,9 +33,9 @@
 //! | item | job |
 //! |---|---|
 //! | [`write_report`], [`Wording`] | HTML page, figures and tables of a whole run |
-//! | [`figure`] | figures as SVG: convergence, evolution, any curves in logarithmic coordinates |
+//! | [`figure`] | figures as SVG: convergence, evolution, error against cost, any curves |
 //! | [`Page`], [`anchor`], [`distinct`], [`number`] | Markdown pages |
-//! | [`csv()`] | the numbers of a panel |
+//! | [`csv()`], [`comparison_csv`] | the numbers of a panel, or of a comparison of schemes |
 //! | [`files`] | whole files, folders that are checked before the computing |
 //! | [`provenance`] | commit, compiler, processor, command, memory |
 //! | [`Bars`], [`terminal`] | progress and verdicts on the terminal |
@@ -50,7 +50,7 @@ pub mod files;
 mod html;
 mod label;
 mod markdown;
-mod number;
+
 mod outcome;
 mod panel;
 pub mod provenance;
@@ -61,12 +61,12 @@ use std::{io::Result, path::Path};
 use verify::results::Results;
 
 pub use bars::Bars;
-pub use csv::csv;
+pub use csv::{comparison_csv, csv};
 pub use html::Wording;
 pub use label::Label;
 pub use markdown::{Page, anchor, distinct};
-pub use number::number;
 pub use outcome::Outcome;
+pub use verify::number;
 
 /// Writes the report of a run into a folder.
 ///

@@ -13,33 +13,39 @@
 //! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
 //! | [`inspect()`], [`inspect_problem`] | what a system is, and which statements apply |
 //! | [`order_verdict`], [`bound_verdict`] | when an order is said to hold |
-//! | [`work_precision`] | errors of any schemes against the processor time they take |
-//! | [`FinalMoments`], [`Stopwatch`], [`Spread`] | moments of final states; times |
+//! | [`compare()`], [`Candidates`], [`CompareSettings`] | which scheme is cheapest for an error |
+//! | [`OtherNoise`] | a scheme on other noise than the driver's |
+//! | [`FinalMoments`], [`Stopwatch`], [`Spread`], [`number()`] | moments of final states; times; digits |
 //! | [`results::Evidence`], [`results::Claim`] | a measurement as data, its verdict in words |
 //! | [`exact`], [`runge_kutta`], [`rigid_body_expectations`] | references |
 //! | [`Settings`], [`Mode`], [`Progress`], [`Silent`] | how much to compute; progress |
 //! | [`results`] | the `results.json` contract |
 
+pub mod compare;
 mod evidence;
 pub mod exact;
 mod final_moments;
 pub mod inspect;
+mod number;
 mod orders;
+mod other_noise;
 pub mod results;
 pub mod runge_kutta;
 mod settings;
 mod sphere;
 mod stopwatch;
 mod verdict;
-pub mod work_precision;
 
+pub use compare::{Candidates, CompareSettings, Comparison, compare};
 pub use evidence::{DEVIATIONS, worse};
 pub use final_moments::{FinalMoments, FinalValues};
 pub use inspect::{inspect, inspect_problem};
+pub use number::number;
 pub use orders::{
     Decision, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes, exact_mean, strong_order,
     strong_order_against, strong_order_within, weak_order, weak_order_within, wrong_limit,
 };
+pub use other_noise::OtherNoise;
 pub use settings::{Mode, Progress, Settings, Silent};
 pub use sphere::rigid_body_expectations;
 pub use stopwatch::{Spread, Stopwatch};

@@ -1,6 +1,6 @@
 //! Twins of the convergence orders.
 
-use lab::{Conditions, OtherNoise, truncation};
+use lab::{Conditions, truncation};
 use mc::Observable;
 use noise::{BlockNoise, Noise, StreamKey, WienerPath};
 use real::WIDTH;
@@ -9,7 +9,9 @@ use systems::{
     Damping, PoissonSystem, Problem,
     paper::{rigid_body_one_noise, rigid_body_three_noises, valid},
 };
-use verify::{Order, ReferenceSolution, StepSizes, results::Claim, strong_order, weak_order};
+use verify::{
+    Order, OtherNoise, ReferenceSolution, StepSizes, results::Claim, strong_order, weak_order,
+};
 
 /// Step sizes 2⁻⁵ … 2⁻¹², reference 2⁻¹⁴: enough levels and paths to tell order ½ from order 1 on
 /// every seed.

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use mc::{Ladder, Measured, Reference, Run, StrongErrors};
 use noise::Truncation;
-use schemes::SexpLevy;
+use schemes::{SexpLevy, SexpLi};
 use stats::{Rate, fit_strong, root_mean_squares};
 use systems::{Damping, PoissonSystem, Problem, paper::valid};
 use verify::{
@@ -198,7 +198,7 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         // A single noise commutes with itself.
         let commuting = M == 1;
         let (id, bound) = match method {
-            Method::SexpLevy => ("strong-one-levy", ""),
+            Method::SexpLevy | Method::SexpLiLevy => ("strong-one-levy", ""),
             _ if commuting => ("strong-one", "C τ for one noise (k ≥ 2)"),
             _ => ("strong-half", "C τ^½ for several noises (k ≥ 1)"),
         };
@@ -259,8 +259,8 @@ impl StrongPanel {
         conditions.choose(Grid { last: self.last - fewer, samples: self.samples }, QUICK)
     }
 
-    /// [`compare`](Self::compare) with one more curve where it is wanted: `sexp-levy` against itself
-    /// at a finer step. Drawing areas costs as many normals as the square root of
+    /// [`compare`](Self::compare) with more curves where they are wanted: the schemes with areas,
+    /// against the first of them at a finer step. Drawing areas costs as many normals as the square root of
     /// the step count, so its steps end three levels before those of the others.
     pub fn compare_with_areas<
         S: PaperSystem<D, 3> + Compiled<SexpLevy, D, 3>,
@@ -272,16 +272,24 @@ impl StrongPanel {
         problem: &Problem<S, G, D>,
     ) -> Findings {
         let mut findings = self.compare(conditions, problem);
-        if !conditions.further.contains(&Method::SexpLevy) {
+        let (system, y0) = (problem.system(), problem.y0());
+        let wanted = |method| conditions.further.contains(&method);
+        let mut curves = Vec::new();
+        if wanted(Method::SexpLevy) {
+            curves.push(Curve::new(Method::SexpLevy, compiled(SexpLevy::new(system, y0))));
+        }
+        if wanted(Method::SexpLiLevy) {
+            let levy = compiled(valid(SexpLi::with_areas(system, y0)));
+            curves.push(Curve::new(Method::SexpLiLevy, levy));
+        }
+        if curves.is_empty() {
             return findings;
         }
-        let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
-        let curves = [Curve::new(Method::SexpLevy, levy)];
         let runs = StrongRuns::new(self.words, problem, self.grid(conditions, 3), &curves);
         let areas = runs.measure(conditions);
         findings.claims.extend(areas.claims);
         for (panel, areas) in findings.panels.iter_mut().zip(areas.panels) {
-            panel.reference = format!("{}; sexp-levy: {}", panel.reference, areas.reference);
+            panel.reference = format!("{}; with areas: {}", panel.reference, areas.reference);
             panel.failures.extend(areas.failures);
             panel.series.extend(areas.series);
         }

@@ -15,12 +15,13 @@ use systems::{
     paper::{maxwell_bloch, pendulum, poisson3_strong, rigid_body_three_noises, valid},
 };
 use verify::{
+    OtherNoise,
     results::{Bounded, Claim, Evidence},
     worse,
 };
 
 use crate::{
-    Conditions, Findings, Method, OtherNoise, PaperSystem,
+    Conditions, Findings, Method, PaperSystem,
     conformal_law::{ROUND_OFF, along, largest_defect},
     panels::curves::{Curve, without_iteration},
     truncation,

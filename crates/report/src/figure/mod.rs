@@ -1,12 +1,13 @@
 //! Figures as stand-alone SVG documents, readable at the width of a journal column.
 //!
 //! [`Figure`] draws any curves in logarithmic coordinates; [`convergence`] makes one from series of
-//! errors; [`evolution`] draws an invariant along a path.
+//! errors; [`evolution`] draws an invariant along a path; [`comparison`] errors against cost.
 
 mod axis;
 mod canvas;
 mod chart;
 mod convergence;
+mod cost;
 mod evolution;
 mod frame;
 mod legend;
@@ -19,6 +20,9 @@ use verify::results::{Kind, Panel};
 
 pub use chart::{Curve, Figure, Line, Measured, Plot, Style};
 pub use convergence::convergence;
+#[cfg(test)]
+pub(crate) use cost::tests::small as small_comparison;
+pub use cost::{comparison, expectations_against_cost, strong_against_cost};
 pub use evolution::evolution;
 pub use ticks::Spacing;
 

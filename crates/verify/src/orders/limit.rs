@@ -4,7 +4,7 @@
 //! far a wrong limit is, and where they differ although single steps agree, the step sizes do not
 //! show how the scheme converges. With an exact solution paths alone decide.
 
-use mc::{LadderError, Run, View};
+use mc::{LadderError, Run, View, squared_distance};
 use schemes::{Heun, Midpoint, Scheme};
 use stats::CrossMoments;
 use systems::{Damping, PoissonSystem, Problem};
@@ -15,7 +15,6 @@ use super::{
     runs::measure,
     visits::Visit,
 };
-use crate::work_precision::squared_distance;
 
 /// Whether a scheme converges to the solution, the limit of another scheme, or the exact solution.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -28,12 +28,14 @@ mod visits;
 mod weak;
 mod within;
 
-use mc::{Observable, TimeChange};
+use mc::{LadderError, Observable, TimeChange};
 use schemes::Scheme;
 use stats::{Point, Rate};
+use systems::{Damping, PoissonSystem, Problem};
 
 use crate::results::Evidence;
 
+pub(crate) use consistency::Consistency;
 pub use decision::Decision;
 pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
@@ -119,4 +121,15 @@ pub struct Exact<'a, const D: usize, const M: usize> {
 enum Measure<const D: usize> {
     Strong,
     Weak(Observable<D>),
+}
+
+/// Compares single steps of the scheme with the coefficients of the equation as τ → 0, at states
+/// that its paths visit.
+pub(crate) fn single_steps<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    sizes: &StepSizes,
+) -> Result<Consistency, LadderError> {
+    let visits = visits::visits(scheme, problem, sizes)?;
+    Ok(consistency::consistency(scheme, problem, sizes, &visits, false))
 }

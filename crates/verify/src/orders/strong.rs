@@ -1,6 +1,6 @@
 //! Strong orders.
 
-use mc::{LadderError, View};
+use mc::{LadderError, View, squared_distance};
 use schemes::Scheme;
 use stats::fit_strong;
 use systems::{Damping, PoissonSystem, Problem};
@@ -13,7 +13,6 @@ use super::{
     runs::{at_all_sizes, measure},
     visits::visits,
 };
-use crate::work_precision::squared_distance;
 
 /// Three differences and their order.
 const LEAST_SIZES: usize = 4;

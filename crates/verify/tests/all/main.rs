@@ -1,6 +1,7 @@
-//! Orders, `inspect`, and what both once said falsely. One program: its tests run side by side, and
+//! Orders, `inspect`, and what both once said falsely; `compare`. One program: its tests run side by side, and
 //! what they share is compiled once.
 
+mod compare;
 mod false_answers;
 mod generated;
 mod inspect;

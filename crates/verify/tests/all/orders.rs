@@ -13,7 +13,7 @@ use verify::{
 };
 
 /// Kubo's oscillator: the plane turns by ω dt + σ dW.
-struct Kubo {
+pub struct Kubo {
     omega: f64,
     sigma: f64,
 }
@@ -49,7 +49,7 @@ impl PoissonSystem<3, 2> for Leaning {
     }
 }
 
-fn kubo(omega: f64, sigma: f64) -> Problem<Kubo, Constant, 2> {
+pub fn kubo(omega: f64, sigma: f64) -> Problem<Kubo, Constant, 2> {
     Problem::new(Kubo { omega, sigma }, Constant::new(0.0).unwrap(), [1.0, 0.0], 1.0).unwrap()
 }
 

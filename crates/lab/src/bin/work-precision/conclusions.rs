@@ -2,9 +2,9 @@
 
 use lab::setups::Kind;
 use report::number;
-use verify::work_precision::{cost_at, crossing};
+use verify::compare::{Curve, Series, StrongPoint, WeakObservable, WeakPoint, cost_at, crossing};
 
-use crate::results::{Case, Curve, Series, StrongPoint, WeakObservable};
+use crate::results::{Case, in_microseconds};
 
 /// Errors 10^{−k/2} that some curve reaches, from large to small.
 pub fn targets(curves: &[Curve]) -> Vec<f64> {
@@ -35,18 +35,13 @@ fn winners(curves: &[Curve]) -> String {
         .filter_map(|error| Some((winner(curves, error)?, error)))
         .collect();
     let words = won.chunk_by(|a, b| a.0 == b.0).map(|run| {
-        let (scheme, from) = (curves[run[0].0].scheme, number(run[0].1));
+        let (scheme, from) = (&curves[run[0].0].scheme, number(run[0].1));
         let to = number(run[run.len() - 1].1);
         let errors = if from == to { format!("at {to}") } else { format!("from {from} to {to}") };
         format!("`{scheme}` {errors}")
     });
     let words = words.collect::<Vec<_>>().join(", ");
     if words.is_empty() { "no error is reached by two schemes".into() } else { words }
-}
-
-/// The strong errors of the schemes of a kind.
-pub fn series(case: &Case, kind: Kind) -> impl Iterator<Item = &Series<StrongPoint>> {
-    case.strong.series.iter().filter(move |series| series.kind == kind)
 }
 
 /// "0.55 to 0.90", the smallest and the largest of some numbers.
@@ -76,23 +71,44 @@ fn compared(sexp: &Series<StrongPoint>, other: &Series<StrongPoint>) -> Option<S
 
 /// The strong conclusion of a case in a sentence or three.
 pub fn strong(case: &Case) -> String {
-    let others = series(case, Kind::OtherImplicit).chain(series(case, Kind::Explicit));
-    let sexp = series(case, Kind::Sexp).next();
+    let others = case.series(|kind| !kind.conformal());
+    let sexp = case.series(|kind| kind == Kind::Sexp).next();
     let compared: String = others.filter_map(|other| compared(sexp?, other)).collect();
-    format!("Cheapest for a strong error: {}.{compared}", winners(&case.strong.curves()))
+    format!("Cheapest for a strong error: {}.{compared}", winners(&case.curves()))
+}
+
+/// At every strong error that the tables show: the cheapest conformal scheme in multiples of
+/// `heun`; nothing where they reach no error in common.
+pub fn conformal(case: &Case) -> Option<String> {
+    let heun = in_microseconds(case.series(|kind| kind == Kind::Heun).next()?);
+    let conformal: Vec<Curve> = case.series(Kind::conformal).map(in_microseconds).collect();
+    let multiples = targets(&case.curves()).into_iter().filter_map(|error| {
+        let (best, cost) = cheapest(&conformal, error)?;
+        let multiple = number(cost / cost_at(&heun.points, error)?);
+        Some(format!("{multiple} at {} (`{}`)", number(error), conformal[best].scheme))
+    });
+    let words = multiples.collect::<Vec<_>>().join(", ");
+    let prefix = format!("The cheapest conformal scheme in multiples of `{}`: ", heun.scheme);
+    (!words.is_empty()).then(|| prefix + &words + ".")
+}
+
+/// (accuracy, seconds of an estimate) of all schemes.
+pub fn weak_curves(observable: &WeakObservable) -> Vec<Curve> {
+    observable.series.iter().map(Series::<WeakPoint>::curve).collect()
 }
 
 /// The weak conclusion for a test function.
 pub fn weak(observable: &WeakObservable) -> String {
-    format!("Cheapest for E[{}]: {}.", observable.name, winners(&observable.curves()))
+    format!("Cheapest for E[{}]: {}.", observable.name, winners(&weak_curves(observable)))
 }
 
 /// Whether Lévy areas are worth their price at equal strong error; nothing for a case without them.
 pub fn areas(case: &Case) -> Option<String> {
-    let (sexp, levy) = (series(case, Kind::Sexp).next()?, series(case, Kind::SexpLevy).next()?);
+    let of = |kind: Kind| case.series(move |of| of == kind).next();
+    let (sexp, levy) = (of(Kind::Sexp)?, of(Kind::SexpLevy)?);
     let ns = |series: &Series<StrongPoint>| {
-        let each = |point: &StrongPoint| 1e9 * point.work.time.min_s / point.work.steps as f64;
-        range(series.points.iter().map(each))
+        let each = |point: &StrongPoint| Some(1e9 * point.time?.min_s / point.steps as f64);
+        range(series.points.iter().filter_map(each))
     };
     Some(format!(
         "A step of `{}` takes {} ns, one of `{}` {} ns, with up to {} terms per area.{}",
@@ -111,10 +127,10 @@ mod tests {
 
     #[test]
     fn winners_are_grouped() {
-        let curve = |scheme, scale: f64, power: i32| {
+        let curve = |scheme: &str, scale: f64, power: i32| {
             let errors = (0..9).map(|k| 10f64.powf(-0.5 * f64::from(k)));
             let points = errors.map(|error| (error, scale * error.powi(-power))).collect();
-            Curve { scheme, points }
+            Curve { scheme: scheme.to_owned(), points }
         };
         // ε⁻² against 50 ε⁻¹: equal at 0.02.
         let curves = [curve("a", 1.0, 2), curve("b", 50.0, 1)];

@@ -5,9 +5,7 @@
 //! size, on one thread. `docs/work-precision.md` is made from them.
 
 mod conclusions;
-mod figures;
 mod measure;
-mod own_areas;
 mod page;
 mod results;
 mod sizes;

@@ -1,13 +1,12 @@
 //! `docs/work-precision.md`, made from the measurements.
 
 use lab::setups::Kind;
-use report::{Page, number, provenance::generated_by};
-use verify::work_precision::cost_at;
+use report::{Page, figure, number, provenance::generated_by};
+use verify::compare::{Curve, Sampled, Series, StrongPoint, WeakObservable, cost_at};
 
 use crate::{
-    conclusions::{self, cheapest, series, targets, winner},
-    figures,
-    results::{Case, Curve, Measurements, Sampled, Series, StrongPoint, WeakObservable},
+    conclusions::{self, cheapest, targets, weak_curves, winner},
+    results::{Case, Measurements, in_microseconds},
 };
 
 /// The whole page with its figures.
@@ -48,15 +47,16 @@ pub fn page(measured: &Measurements) -> Page {
 /// A row that compares `sexp` with the cheapest explicit scheme; nothing where they reach no error
 /// in common.
 fn price(case: &Case) -> Option<[String; 6]> {
-    let sexp = series(case, Kind::Sexp).next()?;
-    let explicit: Vec<_> = series(case, Kind::Explicit).collect();
-    let curves: Vec<Curve> = explicit.iter().map(|series| series.curve()).collect();
-    let own = sexp.curve().points;
+    let sexp = case.series(|kind| kind == Kind::Sexp).next()?;
+    let explicit = |kind| matches!(kind, Kind::Heun | Kind::EulerMaruyama);
+    let explicit: Vec<_> = case.series(explicit).collect();
+    let curves: Vec<Curve> = explicit.iter().copied().map(in_microseconds).collect();
+    let own = in_microseconds(sexp).points;
     let error = targets(&curves).into_iter().rfind(|&error| cost_at(&own, error).is_some())?;
     let (best, cost) = cheapest(&curves, error)?;
     let casimir = case.invariants.iter().position(|name| *name == "C");
     let defect = |series: &Series<StrongPoint>| {
-        let point = series.points.iter().find(|point| point.work.error <= error);
+        let point = series.points.iter().find(|point| point.error <= error);
         let defect = point.zip(casimir).map(|(point, index)| point.defects[index]);
         defect.map_or("–".into(), number)
     };
@@ -72,19 +72,22 @@ fn price(case: &Case) -> Option<[String; 6]> {
 
 fn section(page: &mut Page, case: &Case) {
     let (strong, weak) = (&case.strong, &case.weak);
-    let figure = |kind| format!("work-precision-{}-{kind}.svg", case.id);
+    let name = |kind| format!("work-precision-{}-{kind}.svg", case.id);
     page.heading(2, case.title);
     page.paragraph(format!("`{}`: {}. {}", case.id, case.setup, paths(&strong.sampled)));
-    page.figure(&figure("strong"), "Strong error against cost", figures::strong(case));
+    let drawing = figure::strong_against_cost(case.title, &strong.series);
+    page.figure(&name("strong"), "Strong error against cost", drawing);
     page.paragraph("Microseconds of a path, the cheapest in bold:");
-    costs(page, "error", &strong.curves());
+    costs(page, "error", &case.curves());
+    page.paragraph(conclusions::conformal(case).unwrap_or_default());
     steps(page, case);
     page.heading(3, "Expectations");
     page.paragraph(format!("{} {}", paths(&weak.sampled), checked(&weak.observables)));
-    page.figure(&figure("weak"), "Accuracy of expectations against cost", figures::weak(case));
+    let drawing = figure::expectations_against_cost(case.title, &weak.observables);
+    page.figure(&name("weak"), "Accuracy of expectations against cost", drawing);
     for observable in &weak.observables {
         page.paragraph(format!("{} Seconds of an estimate:", conclusions::weak(observable)));
-        costs(page, "accuracy", &observable.curves());
+        costs(page, "accuracy", &weak_curves(observable));
     }
 }
 
@@ -137,26 +140,26 @@ fn steps(page: &mut Page, case: &Case) {
     let shown = [0, count / 2, count.saturating_sub(1)];
     let rows = shown
         .iter()
-        .flat_map(|&l| series.iter().filter_map(move |s| Some(row(s.scheme, s.points.get(l)?))));
+        .flat_map(|&l| series.iter().filter_map(move |s| Some(row(&s.scheme, s.points.get(l)?))));
     page.table(head.map(str::to_owned).into_iter().chain(defects), rows);
 }
 
 fn row(scheme: &str, point: &StrongPoint) -> Vec<String> {
-    let work = &point.work;
-    let mut error = number(work.error);
-    if let Some((lo, hi)) = work.lo.zip(work.hi) {
+    let mut error = number(point.error);
+    if let Some((lo, hi)) = point.lo.zip(point.hi) {
         error += &format!(" [{}, {}]", number(lo), number(hi));
+    }
+    if !point.resolved {
+        error += ", not resolved";
     }
     if let Some(exact) = point.error_exact_areas {
         error += &format!(", with exact areas {}", number(exact));
     }
-    let mut cells = vec![
-        work.steps.to_string(),
-        format!("`{scheme}`"),
-        error,
-        number(1e9 * work.time.min_s / work.steps as f64),
-        format!("+{:.0} %", 100.0 * (work.time.median_s / work.time.min_s - 1.0)),
-    ];
+    let ns = point.time.map_or("–".into(), |time| number(1e9 * time.min_s / point.steps as f64));
+    let spread = point.time.map_or("–".into(), |time| {
+        format!("+{:.0} %", 100.0 * (time.median_s / time.min_s - 1.0))
+    });
+    let mut cells = vec![point.steps.to_string(), format!("`{scheme}`"), error, ns, spread];
     cells.extend(point.defects.iter().map(|&defect| number(defect)));
     cells
 }
@@ -164,7 +167,8 @@ fn row(scheme: &str, point: &StrongPoint) -> Vec<String> {
 const METHOD: &str = "\
 **Errors.** All schemes at all step sizes see the same noise. A strong error is (E|y_N − \
 y(T)|²)^½. The reference is `sexp` on the finest steps, or `sexp-levy` where noises do not \
-commute; its own error is in every other.
+commute; its own error, bounded by its differences at three step sizes, is added to every interval. \
+Points below four times that error are not used.
 
 **Times** are those of `mc::Ladder` on one thread, with noise and truncation. Every repetition \
 times every scheme at every step size once. Curves show the smallest, bars and the column \

@@ -7,7 +7,7 @@ use lab::{
     truncation,
 };
 use noise::StreamKey;
-use verify::{Mode, Settings, StepSizes, work_precision::Repetitions};
+use verify::{Mode, Settings, StepSizes, compare::Repetitions};
 
 /// What a case is measured with.
 pub struct Sizes {
@@ -47,8 +47,8 @@ impl Sizes {
     }
 
     /// Every number of steps whose time is wanted, in increasing order.
-    pub fn timed_steps(&self) -> Vec<u64> {
-        let timed: BTreeSet<u64> = self.strong.steps().chain(self.weak.steps()).collect();
+    pub fn timed_steps(strong: &StepSizes, weak: &StepSizes) -> Vec<u64> {
+        let timed: BTreeSet<u64> = strong.steps().chain(weak.steps()).collect();
         timed.into_iter().collect()
     }
 }

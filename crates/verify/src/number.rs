@@ -3,7 +3,7 @@
 /// A number in three significant digits where it is of ordinary size, in two otherwise.
 ///
 /// ```
-/// assert_eq!([27.18, 3.2e-15].map(report::number), ["27.2", "3.2e-15"]);
+/// assert_eq!([27.18, 3.2e-15].map(verify::number), ["27.2", "3.2e-15"]);
 /// ```
 pub fn number(x: f64) -> String {
     match x.abs() {

@@ -1,5 +1,14 @@
 //! What a given error costs, between the measured points.
 
+/// Errors of a scheme against their costs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// The scheme.
+    pub scheme: String,
+    /// (error, cost) by increasing cost.
+    pub points: Vec<(f64, f64)>,
+}
+
 /// The cost of an error of `target` on a curve of (error, cost) by increasing cost: linear in the
 /// logarithms between the two neighbouring points, the more expensive ones if the curve passes
 /// `target` more than once. `None` where no neighbours enclose it: nothing is extrapolated.

@@ -1,31 +1,43 @@
-//! `sexp-levy` with areas as they are when drawn at the step itself.
+//! Lévy areas as they are when drawn at the step itself.
 //!
 //! On a ladder the areas of a step are joined from those of the finest steps and are practically
-//! exact. A user of the scheme has no finer steps: the areas are drawn at τ with a root-mean-square
-//! error δ(τ) in each entry, which has to count in the strong error of what is timed. The drawn
-//! area and the exact one can be coupled in theory only, so the error is put back here: a centred
-//! normal of standard deviation δ(τ), the proven bound, is added to every entry. It is drawn from a
-//! stream keyed by the bits of the path's areas, so that the scheme still keeps no state and a path
-//! is the same in any block. The actual error is about half the bound, so the error measured is an
-//! upper estimate.
+//! exact. A user of the scheme has no finer steps: areas are drawn at τ with a root-mean-square
+//! error δ(τ) in each entry, which counts in the strong error of what is timed. The drawn area and
+//! the exact one can be coupled in theory only, so the error is put back here: a centred normal of
+//! standard deviation δ(τ), the proven bound, is added to every entry. It is drawn from a stream
+//! keyed by the bits of the path's areas, so that the scheme still keeps no state and a path is the
+//! same in any block. The actual error is about half the bound, so the error measured is an upper
+//! estimate.
 
-use noise::{AreaMethod, StreamKey, WienerPath, strong_order_one_error};
-use systems::paper::valid;
+use noise::{AreaMethod, BlockNoise, Noise, StreamKey, WienerPath, strong_order_one_error};
+use schemes::Step;
 
 /// The method that areas are drawn with.
 const METHOD: AreaMethod = AreaMethod::MrongowiusRoessler;
 
-/// Terms behind an area of a step, for strong order one.
-pub fn terms(tau: f64, noises: usize) -> usize {
-    valid(METHOD.terms_for(strong_order_one_error(tau), tau, noises))
+/// Terms behind an area of a step, for strong order one; `None` if they are too many.
+pub fn terms(tau: f64, noises: usize) -> Option<usize> {
+    METHOD.terms_for(strong_order_one_error(tau), tau, noises).ok()
+}
+
+/// δ(τ).
+fn size(tau: f64, noises: usize) -> f64 {
+    let asked = strong_order_one_error(tau);
+    terms(tau, noises).map_or(asked, |terms| METHOD.rms_error(tau, terms, noises))
+}
+
+/// The noise of path p with areas as they are drawn at the step itself.
+pub fn own_areas<const M: usize>(step: &Step, noise: &BlockNoise<M>, p: usize) -> Noise<M> {
+    let exact = noise.path(p);
+    Noise { areas: disturb(size(step.tau, M), exact.areas), ..exact }
 }
 
 /// A stream of its own among those of the workspace.
 const STREAM: u64 = 0x6f77_6e2d_6172_6561;
 
-/// Adds the error to the entries i < j of a skew matrix, and takes it from the others.
-pub fn disturb<const M: usize>(tau: f64, areas: [[f64; M]; M]) -> [[f64; M]; M] {
-    let size = METHOD.rms_error(tau, terms(tau, M), M);
+/// Adds errors of standard deviation `size` to the entries i < j of a skew matrix, and takes them
+/// from the others.
+fn disturb<const M: usize>(size: f64, areas: [[f64; M]; M]) -> [[f64; M]; M] {
     // Numbers of different paths and steps differ in some area; a product with an odd number keeps
     // all of them.
     let bits = areas.iter().flatten().fold(STREAM, |hash, area| {
@@ -49,14 +61,14 @@ mod tests {
     #[test]
     fn the_error_has_the_size_of_the_bound_and_depends_on_the_areas_alone() {
         let tau = 1.0 / 64.0;
-        let size = METHOD.rms_error(tau, terms(tau, 3), 3);
+        let size = size(tau, 3);
         let (mut sum, mut squares, mut cross) = (0.0, 0.0, 0.0);
         let count = 20_000;
         for n in 0..count {
             let a = 0.1 * tau * f64::from(n);
             let areas = [[0.0, a, 0.0], [-a, 0.0, 0.0], [0.0, 0.0, 0.0]];
-            let disturbed = disturb(tau, areas);
-            assert_eq!(disturbed, disturb(tau, areas));
+            let disturbed = disturb(size, areas);
+            assert_eq!(disturbed, disturb(size, areas));
             assert_eq!(disturbed[1][0], -disturbed[0][1]);
             let (one, other) = ((disturbed[0][1] - a) / size, disturbed[0][2] / size);
             sum += one;

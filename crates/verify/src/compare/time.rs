@@ -30,9 +30,9 @@ impl Repetitions {
     }
 
     /// Steps over all paths and repetitions that [`path_times`] takes.
-    pub fn work(self, schemes: usize, steps: &[u64]) -> u64 {
-        let each: u64 = steps.iter().map(|&steps| self.paths(steps) * steps).sum();
-        each * (schemes * self.count) as u64
+    pub fn work(self, steps: &[Vec<u64>]) -> u64 {
+        let each: u64 = steps.iter().flatten().map(|&steps| self.paths(steps) * steps).sum();
+        each * self.count as u64
     }
 }
 
@@ -55,10 +55,10 @@ pub struct Time {
     pub failed: u64,
 }
 
-/// The processor time of a path of every scheme at every number of steps on [0, T], on one thread:
-/// `times[s][l]` is that of scheme s with `steps[l]` steps.
+/// The processor time of a path of every scheme at its numbers of steps on [0, T], on one thread:
+/// `times[s]` are those of scheme s with `steps[s]` steps, each with its number of steps.
 ///
-/// Every repetition times every scheme at every number of steps once, so that a disturbance hits
+/// Every repetition times every scheme at each of its numbers of steps once, so that a disturbance hits
 /// all of them. In dimensions whose steps need a thread with a larger stack
 /// ([`Ladder::runs_on_pool`]) times are wall times. `progress` is told how many more steps over all
 /// paths are done.
@@ -71,15 +71,15 @@ pub struct Time {
 pub fn path_times<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     schemes: &[&dyn Scheme<S, D, M>],
     problem: &Problem<S, G, D>,
-    steps: &[u64],
+    steps: &[Vec<u64>],
     truncation: Truncation,
     key: StreamKey,
     repetitions: Repetitions,
     progress: &(dyn Fn(u64) + Sync),
-) -> Result<Vec<Vec<Time>>, LadderError> {
+) -> Result<Vec<Vec<(u64, Time)>>, LadderError> {
     assert!(repetitions.count > 0, "a time needs at least one repetition");
     let mut ladders = Vec::new();
-    for &scheme in schemes {
+    for (&scheme, steps) in schemes.iter().zip(steps) {
         for &steps in steps {
             let runs = vec![Run::new(scheme, 0)];
             let ladder = Ladder::new(problem, steps, 0, truncation, key, runs)?;
@@ -104,16 +104,12 @@ pub fn path_times<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
             }
         }
     });
-    let times: Vec<Time> = ladders
-        .iter()
-        .zip(measured)
-        .map(|(&(_, steps), (seconds, failed))| {
-            let Spread { best: min_s, median: median_s, worst: max_s } = Spread::of(seconds);
-            let (paths, repetitions) = (repetitions.paths(steps), repetitions.count);
-            Time { min_s, median_s, max_s, repetitions, paths, failed }
-        })
-        .collect();
-    Ok(times.chunks(steps.len().max(1)).map(<[Time]>::to_vec).collect())
+    let mut times = ladders.iter().zip(measured).map(|(&(_, steps), (seconds, failed))| {
+        let Spread { best: min_s, median: median_s, worst: max_s } = Spread::of(seconds);
+        let (paths, repetitions) = (repetitions.paths(steps), repetitions.count);
+        (steps, Time { min_s, median_s, max_s, repetitions, paths, failed })
+    });
+    Ok(steps.iter().map(|steps| times.by_ref().take(steps.len()).collect()).collect())
 }
 
 #[cfg(test)]
@@ -129,14 +125,16 @@ mod tests {
         let key = StreamKey { seed: 3, experiment: 1 };
         let repetitions = Repetitions { count: 3, path_steps: 1 };
         let schemes: [&dyn Scheme<_, 2, 1>; 2] = [&sexp, &Heun];
+        let steps = [vec![8, 16], vec![16]];
         let watch = Stopwatch::start();
-        let times =
-            path_times(&schemes, &problem, &[8, 16], truncation, key, repetitions, &|_| ())?;
+        let times = path_times(&schemes, &problem, &steps, truncation, key, repetitions, &|_| ())?;
         // Three repetitions of 128 paths took no longer than all of it.
-        let shortest: f64 = times.iter().flatten().map(|time| 3.0 * 128.0 * time.min_s).sum();
+        let times = || times.iter().flatten();
+        let shortest: f64 = times().map(|(_, time)| 3.0 * 128.0 * time.min_s).sum();
         assert!(shortest <= watch.wall_s(), "{shortest}");
-        assert_eq!((times.len(), times[0].len(), repetitions.work(2, &[8, 16])), (2, 2, 18_432));
-        for time in times.iter().flatten() {
+        assert_eq!(times().map(|(steps, _)| *steps).collect::<Vec<_>>(), [8, 16, 16]);
+        assert_eq!(repetitions.work(&steps), 3 * 128 * 40);
+        for (_, time) in times() {
             assert!(0.0 <= time.min_s && time.min_s <= time.median_s, "{time:?}");
             assert!(time.median_s <= time.max_s, "{time:?}");
             assert_eq!((time.repetitions, time.paths, time.failed), (3, PATHS, 0));

@@ -1,0 +1,123 @@
+//! What is asked of a comparison.
+
+use mc::{LadderError, Observable};
+use noise::{StreamKey, Truncation};
+
+/// What is wanted of a comparison, and what it may cost.
+#[derive(Clone, Copy, Debug)]
+pub struct CompareSettings<'a, const D: usize> {
+    /// The wanted strong error, (E|y_N − y(T)|²)^½.
+    pub error: f64,
+    /// Expectations that are wanted, too.
+    pub expectations: Option<Expectations<'a, D>>,
+    /// Seconds of wall time. When they are spent, what was found so far is the answer.
+    pub budget_s: f64,
+    /// Paths behind strong errors, 32 at least.
+    pub samples: u64,
+    /// A scheme gets at most so many times the steps of the scheme that needs fewest.
+    pub reach: u64,
+    /// How increments are truncated.
+    pub truncation: Truncation,
+    /// Which noise. Comparisons use the experiments from this one on, [`EXPERIMENTS`] of them.
+    pub key: StreamKey,
+}
+
+/// Expectations E φ(y(T)) to be estimated by plain Monte Carlo.
+#[derive(Clone, Copy, Debug)]
+pub struct Expectations<'a, const D: usize> {
+    /// The functions φ.
+    pub observables: &'a [Observable<D>],
+    /// The wanted root-mean-square error of an estimate, bias and sampling together.
+    pub accuracy: f64,
+}
+
+/// Numbers of experiments that a comparison takes.
+pub const EXPERIMENTS: u64 = 4;
+/// Paths without which there are no intervals.
+const LEAST_SAMPLES: u64 = 32;
+
+/// A comparison that cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CompareError {
+    /// There is no scheme to compare.
+    #[error("a comparison needs at least one scheme, got none: `Candidates::all` has them all")]
+    NoScheme,
+    /// There is nothing whose expectation is wanted.
+    #[error("expectations need at least one test function, got none: leave `expectations` out")]
+    NoObservable,
+    /// A number that must be positive and finite.
+    #[error("the {what} must be positive and finite, got {value}")]
+    NotPositive {
+        /// Which.
+        what: &'static str,
+        /// The given value.
+        value: f64,
+    },
+    /// A number that is too small.
+    #[error("the {what} must be at least {least}, got {value}")]
+    TooFew {
+        /// Which.
+        what: &'static str,
+        /// The least.
+        least: u64,
+        /// The given value.
+        value: u64,
+    },
+    /// The reference fails on pilot paths at every step size.
+    #[error(
+        "{scheme} fails on pilot paths with {steps} steps, too: {failure}; take a shorter final \
+         time, or another reference"
+    )]
+    Reference {
+        /// The reference.
+        scheme: &'static str,
+        /// The finest steps tried.
+        steps: u64,
+        /// The first failure.
+        failure: String,
+    },
+    /// Steps below ½ are too many.
+    #[error("a final time of {t_end} needs too many steps; take one below 1e9")]
+    FinalTime {
+        /// The final time of the problem.
+        t_end: f64,
+    },
+    /// A ladder of steps that is refused.
+    #[error(transparent)]
+    Ladder(#[from] LadderError),
+}
+
+impl<const D: usize> CompareSettings<'_, D> {
+    /// A strong error, on this noise: 512 paths, no expectations, a minute, 64 times the fewest
+    /// steps, increments truncated with k = 4.
+    pub fn new(error: f64, truncation: Truncation, key: StreamKey) -> Self {
+        let (expectations, budget_s, samples, reach) = (None, 60.0, 512, 64);
+        Self { error, expectations, budget_s, samples, reach, truncation, key }
+    }
+
+    /// Refuses what cannot be done.
+    pub(super) fn check(&self, schemes: usize) -> Result<(), CompareError> {
+        if schemes == 0 {
+            return Err(CompareError::NoScheme);
+        }
+        let accuracy = self.expectations.map(|wanted| ("wanted accuracy", wanted.accuracy));
+        for (what, value) in
+            [("wanted error", self.error), ("budget", self.budget_s)].into_iter().chain(accuracy)
+        {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(CompareError::NotPositive { what, value });
+            }
+        }
+        let few = [("number of paths", LEAST_SAMPLES, self.samples), ("reach", 1, self.reach)];
+        for (what, least, value) in few {
+            if value < least {
+                return Err(CompareError::TooFew { what, least, value });
+            }
+        }
+        match self.expectations {
+            Some(wanted) if wanted.observables.is_empty() => Err(CompareError::NoObservable),
+            _ => Ok(()),
+        }
+    }
+}
