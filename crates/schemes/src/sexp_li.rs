@@ -133,10 +133,11 @@ impl<const IMPLICIT: bool, const AREAS: bool> Explicit for LinearlyImplicit<IMPL
     fn advance<H: Increment>(&self, h: H, y: H::Vector) -> H::Vector {
         let start = y * h.step().first_decay;
         let middle = start + h.field(start) * 0.5;
-        let mut v = h.gradient(middle);
-        if !h.is_quadratic() {
-            v = h.averaged_gradient(start, start + h.structure(middle, v));
-        }
+        let mut v = if h.is_quadratic() {
+            h.gradient(middle)
+        } else {
+            h.averaged_gradient(start, start + h.field(middle))
+        };
         if AREAS {
             v = v - h.area_gradient(middle);
         }
