@@ -4,7 +4,10 @@
 use real::{Bounded, Degree, Dual, Real, ScalarFunction, directional, gradient};
 use systems::{HamiltonianIncrement, Invariant, PoissonSystem};
 
-use super::algebra::{Matrix, axis, transposed};
+use super::{
+    advice::{Override, WithoutIteration},
+    algebra::{Matrix, axis, transposed},
+};
 
 /// A scalar function of y with its derivatives.
 pub trait Function {
@@ -38,6 +41,10 @@ pub trait System {
     fn field(&self, y: &[f64], weights: &[f64]) -> (Vec<Bounded>, Matrix<Bounded>);
     /// Σ A_ml [fₘ, f_l] as the system implements it.
     fn commutators(&self, y: &[f64], areas: &Matrix) -> Vec<Bounded>;
+    /// What `sexp-li` says of the system around y.
+    fn without_iteration(&self, y: &[f64]) -> WithoutIteration;
+    /// The methods that are worth writing out.
+    fn overrides(&self, points: &[Vec<f64>]) -> Vec<Override>;
     /// The claimed invariants, differentiated by dual numbers.
     fn invariants(&self) -> Vec<(Invariant, Box<dyn Function + '_>)>;
 }
@@ -192,6 +199,12 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Erased<'
     fn commutators(&self, y: &[f64], areas: &Matrix) -> Vec<Bounded> {
         let areas = std::array::from_fn(|m| array(&areas[m]));
         values(|| self.0.commutators(variables(y), areas).to_vec())
+    }
+    fn without_iteration(&self, y: &[f64]) -> WithoutIteration {
+        WithoutIteration::of(self.0, array(y))
+    }
+    fn overrides(&self, points: &[Vec<f64>]) -> Vec<Override> {
+        Override::worthwhile(self.0, points)
     }
     fn invariants(&self) -> Vec<(Invariant, Box<dyn Function + '_>)> {
         let function = |index| ErasedFunction::<_, D>(NumberedInvariant(self.0, index));

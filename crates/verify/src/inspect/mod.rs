@@ -35,6 +35,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod advice;
 mod algebra;
 mod casimirs;
 mod damping;
@@ -48,6 +49,7 @@ mod noises;
 mod pilot;
 mod points;
 mod problem;
+mod recommendation;
 mod report;
 mod solvability;
 mod structure;
@@ -61,8 +63,10 @@ use algebra::norm;
 use erased::{Erased, System};
 use pilot::pilot_paths;
 use points::Points;
+use recommendation::Circumstances;
 use theory::{with_unbounded_rate, without_damping};
 
+pub use advice::{Override, WithoutIteration};
 pub use casimirs::{Casimirs, FoundCasimir};
 pub use damping::DampingIntegral;
 pub use error::InspectError;
@@ -74,10 +78,11 @@ pub use noises::Noises;
 pub use pilot::Pilot;
 pub use points::Region;
 pub use problem::{Bound, ProblemFindings};
+pub use recommendation::{Purpose, Recommendation};
 pub use report::Inspection;
 pub use solvability::Solvability;
 pub use structure::Structure;
-pub use theory::{Applies, ExpectedOrder, Recommendation, Theorem};
+pub use theory::{Applies, ExpectedOrder, Theorem};
 
 /// Half the side of the box in which a system alone is inspected.
 const HALF_SIDE: f64 = 2.0;
@@ -130,6 +135,8 @@ where
     if !findings.integral.finite {
         with_unbounded_rate(&mut report);
     }
+    let (damped, finite_rate) = (!findings.integral.none, findings.integral.finite);
+    report = report.in_circumstances(Circumstances { damped, finite_rate });
     report.problem = Some(findings);
     Ok(report.with_mistakes())
 }

@@ -5,6 +5,7 @@ use std::fmt::{Display, Formatter, Result};
 use serde::Serialize;
 
 use super::{
+    advice::{Override, WithoutIteration},
     casimirs::{Casimirs, FoundCasimir},
     damping::DampingIntegral,
     erased::System,
@@ -16,9 +17,10 @@ use super::{
     pilot::Pilot,
     points::{Points, Region},
     problem::{Bound, ProblemFindings},
+    recommendation::{Circumstances, Recommendation, recommendations},
     solvability::Solvability,
     structure::Structure,
-    theory::{Applies, ExpectedOrder, Recommendation, Theorem, orders, recommendation, theorems},
+    theory::{Applies, ExpectedOrder, Theorem, orders, theorems},
 };
 
 /// The report on a system: its properties, what theory says of it, and its mistakes.
@@ -60,8 +62,12 @@ pub struct Inspection {
     pub theorems: Vec<Theorem>,
     /// The orders that theory predicts for the schemes.
     pub orders: Vec<ExpectedOrder>,
-    /// A scheme to take.
-    pub recommended: Recommendation,
+    /// What `sexp-li` says of the system.
+    pub without_iteration: WithoutIteration,
+    /// The schemes to take, that for paths first.
+    pub recommended: Vec<Recommendation>,
+    /// The methods that are worth writing out.
+    pub overrides: Vec<Override>,
     /// Every property that a system must have or claims and that was found wrong, in words; empty
     /// for a sound system.
     pub mistakes: Vec<String>,
@@ -101,7 +107,9 @@ impl Inspection {
                 bound.as_ref(),
             ),
             orders: orders(&noise),
-            recommended: recommendation(&structure, &hamiltonians, &casimirs, &noise),
+            without_iteration: system.without_iteration(&points.for_identities[0]),
+            recommended: Vec::new(),
+            overrides: system.overrides(&points.for_identities),
             mistakes: Vec::new(),
             undecided: Vec::new(),
             structure,
@@ -111,6 +119,13 @@ impl Inspection {
             casimirs,
             bound,
         }
+        .in_circumstances(Circumstances { damped: true, finite_rate: true })
+    }
+
+    /// With the schemes to take.
+    pub(super) fn in_circumstances(mut self, circumstances: Circumstances) -> Self {
+        self.recommended = recommendations(&self, circumstances);
+        self
     }
 
     /// Lists what is wrong, and what cannot be told.
@@ -295,26 +310,67 @@ impl Inspection {
             };
             writeln!(f, "  {applies:<13}  {statement}: {says}\n{:17}{because}", "")?;
         }
-        let order = |order: &ExpectedOrder| {
-            let known = match order.known {
+        let mut orders: Vec<(String, Vec<&str>)> = Vec::new();
+        for ExpectedOrder { scheme, strong, weak, known } in &self.orders {
+            let known = match known {
                 Status::Shown => "",
                 Status::Found => " (found)",
                 _ => " at least",
             };
-            format!("{} {}{known} / {}", order.scheme, order.strong, order.weak)
-        };
-        let orders: Vec<String> = self.orders.iter().map(order).collect();
-        let Recommendation { scheme, because } = self.recommended;
+            let order = format!("{strong}{known} / {weak}");
+            match orders.iter_mut().find(|(same, _)| *same == order) {
+                Some((_, schemes)) => schemes.push(scheme),
+                None => orders.push((order, vec![scheme])),
+            }
+        }
+        let orders: Vec<_> =
+            orders.iter().map(|(order, of)| format!("{order}: {}", of.join(", "))).collect();
         let step = |k| format!("{:.1e} for k = {k}", self.solvability.largest_step(k));
         let Solvability { points, region, .. } = &self.solvability;
         writeln!(
             f,
-            "Expected orders, strong / weak\n  {}\nTake {scheme}: {because}\n\
-             Implicit steps of sexp are contractions, C(k, τ) < 1, for τ below\n  {}\n  \
-             by the largest norms found at {points} points with {region}",
-            orders.join(",  "),
+            "Expected orders, strong / weak\n  {}\nImplicit steps of sexp are contractions, C(k, τ) < 1, \
+             for τ below\n  {}\n  by the largest norms found at {points} points with {region}",
+            orders.join("\n  "),
             [1, 2, 4].map(step).join(", ")
-        )
+        )?;
+        self.write_advice(f)
+    }
+
+    fn write_advice(&self, f: &mut Formatter<'_>) -> Result {
+        let WithoutIteration { structure, refused, truncates, areas_refused } =
+            &self.without_iteration;
+        match refused {
+            Some(reason) => writeln!(f, "{reason}")?,
+            None => {
+                let solved = if *truncates {
+                    "a step may have no solution, so increments are truncated"
+                } else {
+                    "every step has a solution"
+                };
+                writeln!(f, "sexp-li applies: B is {structure} in y, {solved}")?;
+            }
+        }
+        if let (None, Some(reason)) = (refused, areas_refused) {
+            writeln!(f, "{reason}")?;
+        }
+        for Recommendation { purpose, scheme, because } in &self.recommended {
+            writeln!(f, "Take {scheme} {}: {because}", purpose.name())?;
+        }
+        if self.sound() {
+            writeln!(f, "split keeps every Casimir, if you can write the flows of parts of H")?;
+        }
+        if !self.overrides.is_empty() {
+            writeln!(f, "Worth writing out")?;
+        }
+        for Override { method, gains } in &self.overrides {
+            writeln!(f, "  {method}: {gains}")?;
+        }
+        Ok(())
+    }
+
+    fn sound(&self) -> bool {
+        self.structure.sound() != Status::Refuted
     }
 }
 

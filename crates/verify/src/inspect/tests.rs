@@ -360,8 +360,9 @@ fn a_report_says_why_a_statement_does_not_apply() {
         "H1       c H0 up to a constant, c = 0.",
         "Casimirs of B, linear or quadratic, coefficients to six digits: none (shown)",
         "no             energy-balance: sexp keeps the energy",
-        "sexp 1 / 1,  sexp-levy 1 / 1,  midpoint 1 / 1,  heun 1 / 1,  em 0.5 / 1\n",
-        "Take heun: explicit, of strong order 1; nothing was found for sexp to keep",
+        "  1 / 1: sexp, sexp-levy, sexp-li, sexp-li-levy, split, midpoint, heun\n  0.5 / 1: em\n",
+        "sexp-li applies: B is constant in y, every step has a solution\n",
+        "Take heun for paths: explicit, of strong order 1; nothing was found to keep",
         "No mistakes found.",
     ] {
         assert!(text.contains(words), "{words}: {text}");
@@ -371,9 +372,9 @@ fn a_report_says_why_a_statement_does_not_apply() {
     assert_eq!(because(&body, "energy-balance"), none);
     let text = body.to_string();
     for words in [
-        "sexp 0.5 / 1,  sexp-levy 1 / 1,  midpoint 0.5 / 1,",
+        "  0.5 / 1: sexp, sexp-li, split, midpoint, heun, em\n  1 / 1: sexp-levy, sexp-li-levy\n",
         "do not commute: strong order 1 needs Lévy areas",
-        "Take sexp-levy: noises do not commute",
+        "Take sexp-li-levy for paths: noises do not commute",
         "0.5 y1² + 0.5 y2² + 0.5 y3²; degree 2, m = 5.0000e-1 > 0 (shown); B∇C = 0 shown",
     ] {
         assert!(text.contains(words), "{words}: {text}");

@@ -1,4 +1,4 @@
-//! Which statements of the paper apply, the orders that theory predicts, and a scheme to take.
+//! Which statements of the paper apply, and the orders that theory predicts.
 
 use serde::Serialize;
 
@@ -53,15 +53,6 @@ pub struct ExpectedOrder {
     pub known: Status,
 }
 
-/// A scheme to take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Recommendation {
-    /// Its identifier.
-    pub scheme: &'static str,
-    /// Why.
-    pub because: &'static str,
-}
-
 /// Orders of the schemes of this workspace. Strong order one takes Lévy areas where noises do not
 /// commute, and the terms ½ΔWₘΔW_l fₘ′f_l, which `em` leaves out, where they are not zero. Without
 /// noise all but `em` are symmetric or Runge–Kutta methods of order two.
@@ -69,8 +60,9 @@ pub fn orders(noises: &Noises) -> Vec<ExpectedOrder> {
     let smooth = if noises.pieces { Status::Found } else { Status::Shown };
     if noises.silent.holds() {
         let known = noises.silent.status.min(smooth);
-        let schemes = [("sexp", 2.0), ("sexp-levy", 2.0), ("midpoint", 2.0), ("heun", 2.0)];
-        return (schemes.into_iter().chain([("em", 1.0)]))
+        let schemes = ["sexp", "sexp-levy", "sexp-li", "sexp-li-levy", "split", "midpoint", "heun"];
+        let schemes = schemes.into_iter().map(|scheme| (scheme, 2.0));
+        return (schemes.chain([("em", 1.0)]))
             .map(|(scheme, order)| ExpectedOrder { scheme, strong: order, weak: order, known })
             .collect();
     }
@@ -85,6 +77,9 @@ pub fn orders(noises: &Noises) -> Vec<ExpectedOrder> {
     let orders = [
         ("sexp", without_areas),
         ("sexp-levy", (1.0, smooth)),
+        ("sexp-li", without_areas),
+        ("sexp-li-levy", (1.0, smooth)),
+        ("split", without_areas),
         ("midpoint", without_areas),
         ("heun", without_areas),
         ("em", one_if(&noises.no_correction, &noises.on_paths[1])),
@@ -92,35 +87,6 @@ pub fn orders(noises: &Noises) -> Vec<ExpectedOrder> {
     orders
         .map(|(scheme, (strong, known))| ExpectedOrder { scheme, strong, weak: 1.0, known })
         .into()
-}
-
-/// What to take for paths: `sexp` keeps what there is to keep, `heun` costs least, and areas are
-/// needed unless noises commute.
-pub fn recommendation(
-    structure: &Structure,
-    hamiltonians: &Hamiltonians,
-    casimirs: &Casimirs,
-    noises: &Noises,
-) -> Recommendation {
-    let energy = hamiltonians.proportional.as_ref().is_some_and(Finding::holds)
-        && hamiltonians.shapes[0].degree.is_some();
-    let keeps = structure.sound() != Status::Refuted && (energy || !casimirs.found.is_empty());
-    let inexact = energy && !hamiltonians.discrete_gradient.holds();
-    let (scheme, because) = match (noises.commute.status, keeps) {
-        (Status::Refuted, _) => {
-            ("sexp-levy", "noises do not commute; for expectations sexp will do, without areas")
-        }
-        (Status::Unknown, _) => ("sexp-levy", "strong order 1 whether noises commute or not"),
-        (_, true) if inexact => {
-            ("sexp", "it keeps what the damped equation keeps, the energy up to the error of ∇̄h")
-        }
-        (_, true) => ("sexp", "it keeps what the damped equation keeps"),
-        (_, false) if noises.silent.holds() => {
-            ("heun", "explicit, of order 2; nothing was found for sexp to keep")
-        }
-        (_, false) => ("heun", "explicit, of strong order 1; nothing was found for sexp to keep"),
-    };
-    Recommendation { scheme, because }
 }
 
 /// What a statement that needs this takes.
@@ -155,14 +121,6 @@ pub fn without_damping(report: &mut Inspection) {
         theorem.applies = Applies::Conditionally;
         theorem.because = format!("γ = 0 wherever it was looked at, and H₁ = c H₀{but}");
     }
-    if report.recommended.scheme == "heun" {
-        let because = if exact {
-            "it keeps the energy, since there is no damping"
-        } else {
-            "it keeps the energy up to the error of ∇̄h, since there is no damping"
-        };
-        report.recommended = Recommendation { scheme: "sexp", because };
-    }
 }
 
 /// The schemes that read rates of the damping; the others take its integral.
@@ -171,10 +129,6 @@ const READ_RATES: [&str; 3] = ["midpoint", "heun", "em"];
 /// The order of a scheme that reads rates of the damping is not known where these are not finite.
 pub fn with_unbounded_rate(report: &mut Inspection) {
     report.orders.retain(|order| !READ_RATES.contains(&order.scheme));
-    if report.recommended.scheme == "heun" {
-        let because = "it takes the integral of the damping, whose rate is not finite";
-        report.recommended = Recommendation { scheme: "sexp", because };
-    }
 }
 
 /// The statements of the paper for a system with these properties.

@@ -152,8 +152,8 @@ fn the_misprinted_casimir_is_found_and_the_true_one_named() {
         "D = 3, M = 1; 24 points with |yᵢ| ≤ 2 in its domain\n",
         "C        ab ln y₁ − b ln y₂ + ln y₃: Casimir (WRONG, see below); not homogeneous (",
         "y3; degree 1, m = 1.0000e0 > 0 (found by search) on the domain; B∇C = 0 found at 24",
-        "sexp 1 (found) / 1,  sexp-levy 1 (found) / 1,",
-        "Take sexp: it keeps what the damped equation keeps, the energy up to the error of ∇̄h\n",
+        "  1 (found) / 1: sexp, sexp-levy, sexp-li,",
+        "Take sexp for paths: it keeps the energy and the Casimirs; the energy up to the error of ∇̄h\n",
         "\nMistakes\n  - C = ab ln y₁ − b ln y₂ + ln y₃ is claimed as a Casimir and is none",
     ] {
         assert!(text.contains(words), "{words}: {text}");
@@ -536,11 +536,22 @@ fn a_report_reads_like_this() {
         "  yes            weak-one: weak order 1 of sexp (k ≥ 2)",
         "                 m(0.5 y1² + 0.5 y2² + 0.5 y3²) = 5.0000e-1 > 0 (shown)",
         "Expected orders, strong / weak",
-        "  sexp 0.5 / 1,  sexp-levy 1 / 1,  midpoint 0.5 / 1,  heun 0.5 / 1,  em 0.5 / 1",
-        "Take sexp-levy: noises do not commute; for expectations sexp will do, without areas",
+        "  0.5 / 1: sexp, sexp-li, split, midpoint, heun, em",
+        "  1 / 1: sexp-levy, sexp-li-levy",
         "Implicit steps of sexp are contractions, C(k, τ) < 1, for τ below",
         "  9.9e-4 for k = 1, 4.5e-4 for k = 2, 2.0e-4 for k = 4",
         "  by the largest norms found at 400 points with ‖y‖ ≤ 2.7183",
+        "sexp-li applies: B is affine in y, every step has a solution",
+        concat!(
+            "Take sexp-li-levy for paths: noises do not commute, and Lévy areas give strong ",
+            "order 1; no iteration"
+        ),
+        "Take sexp-li for expectations: weak order 1 takes no areas",
+        concat!(
+            "Take sexp-li or sexp-li-levy for large noise: every step has a solution, so no ",
+            "increment is truncated"
+        ),
+        "split keeps every Casimir, if you can write the flows of parts of H",
         "No mistakes found.",
     ];
     for (line, words) in text.lines().zip(expected) {

@@ -7,6 +7,7 @@ use real::Bounded;
 use systems::Invariant;
 
 use crate::inspect::{
+    Override, WithoutIteration,
     algebra::Matrix,
     erased::{Function, System},
     points::{Points, Region},
@@ -164,6 +165,13 @@ impl System for ByHand {
     }
     fn commutators(&self, _y: &[f64], areas: &Matrix) -> Vec<Bounded> {
         (self.commutators)(areas)
+    }
+    fn without_iteration(&self, _y: &[f64]) -> WithoutIteration {
+        let [refused, areas_refused] = [None, None];
+        WithoutIteration { structure: "affine", refused, truncates: false, areas_refused }
+    }
+    fn overrides(&self, _points: &[Vec<f64>]) -> Vec<Override> {
+        Vec::new()
     }
     fn invariants(&self) -> Vec<(Invariant, Box<dyn Function + '_>)> {
         Vec::new()

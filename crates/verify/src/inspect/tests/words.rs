@@ -4,7 +4,7 @@ use super::{
     super::{
         finding::Status::{self, Found, Refuted, Shown, Unknown},
         problem::Bound,
-        theory::{orders, recommendation, theorems},
+        theory::{orders, theorems},
         *,
     },
     *,
@@ -247,54 +247,78 @@ fn orders_follow_from_what_commutes_and_from_where_paths_are() {
         orders(noises).iter().map(|order| (order.strong, order.weak, order.known)).collect()
     };
     let (one, half) = ((1.0, 1.0, Shown), (0.5, 1.0, Shown));
-    assert_eq!(of(&noises(Shown, Shown, false)), [one; 5]);
-    assert_eq!(of(&noises(Refuted, Refuted, false)), [half, one, half, half, half]);
+    // sexp, sexp-levy, sexp-li, sexp-li-levy, split, midpoint, heun and em.
+    assert_eq!(of(&noises(Shown, Shown, false)), [one; 8]);
+    let with_areas = [half, one, half, one, half, half, half, half];
+    assert_eq!(of(&noises(Refuted, Refuted, false)), with_areas);
     let (found, doubt) = ((1.0, 1.0, Found), (0.5, 1.0, Unknown));
-    assert_eq!(of(&noises(Found, Unknown, true)), [found, found, found, found, doubt]);
+    let [but_em @ .., _] = [found; 8];
+    assert_eq!(of(&noises(Found, Unknown, true)), [&but_em[..], &[doubt]].concat());
     // A counterexample off the paths does not tell on which order there is.
     let calm = [finding(Found), finding(Refuted)];
     let special = Noises { on_paths: calm, ..noises(Refuted, Refuted, false) };
-    assert_eq!(of(&special), [doubt, one, doubt, doubt, half]);
+    assert_eq!(of(&special), [doubt, one, doubt, one, doubt, doubt, doubt, half]);
     let silent = Noises { silent: finding(Found), ..noises(Shown, Shown, false) };
-    let two = (2.0, 2.0, Found);
-    assert_eq!(of(&silent), [two, two, two, two, (1.0, 1.0, Found)]);
+    let [but_em @ .., _] = [(2.0, 2.0, Found); 8];
+    assert_eq!(of(&silent), [&but_em[..], &[(1.0, 1.0, Found)]].concat());
 }
 
 #[test]
 fn a_scheme_is_recommended_for_what_it_keeps() {
     let body = inspect(&valid(RigidBody::one_noise([1.0, 2.0, 4.0], 5.0))).unwrap();
-    let of = |change: &dyn Fn(&mut Inspection)| {
+    let of = |change: &dyn Fn(&mut Inspection), damped, finite_rate| {
         let mut report = sound();
         report.noise.commute = finding(Shown);
         report.noise.silent = finding(Refuted);
         change(&mut report);
-        let Inspection { structure, hamiltonians, casimirs, noise, .. } = &report;
-        let Recommendation { scheme, because } =
-            recommendation(structure, hamiltonians, casimirs, noise);
-        format!("{scheme}: {because}")
+        report = report.in_circumstances(Circumstances { damped, finite_rate });
+        let said = report.recommended.iter();
+        said.map(|taken| format!("{} {}: {}", taken.scheme, taken.purpose.name(), taken.because))
+            .collect::<Vec<_>>()
     };
-    let keeps = "sexp: it keeps what the damped equation keeps";
-    assert_eq!(of(&|_| ()), keeps);
-    let inexact = of(&|r| r.hamiltonians.discrete_gradient = finding(Refuted));
-    assert_eq!(inexact, format!("{keeps}, the energy up to the error of ∇̄h"));
-    let explicit = "heun: explicit, of strong order 1; nothing was found for sexp to keep";
-    assert_eq!(of(&|r| r.hamiltonians.shapes[0].degree = None), explicit);
-    assert_eq!(of(&|r| r.hamiltonians.proportional = Some(finding(Refuted))), explicit);
-    assert_eq!(of(&|r| r.structure.skew = finding(Refuted)), explicit);
-    // A Casimir is enough.
-    let casimir = of(&|r| {
-        (r.hamiltonians.shapes[0].degree, r.casimirs) = (None, body.casimirs.clone());
+    let usual = |change: &dyn Fn(&mut Inspection)| of(change, true, true);
+    let large = "sexp-li for large noise: every step has a solution, so no increment is truncated";
+    let energy = "sexp for paths: it keeps the energy".to_owned();
+    assert_eq!(usual(&|_| ()), [&energy, large]);
+    let inexact = usual(&|r| r.hamiltonians.discrete_gradient = finding(Refuted));
+    assert_eq!(inexact[0], format!("{energy}; the energy up to the error of ∇̄h"));
+    let no_energy = |r: &mut Inspection| r.hamiltonians.shapes[0].degree = None;
+    let explicit = "heun for paths: explicit, of strong order 1; nothing was found to keep";
+    assert_eq!(usual(&no_energy)[0], explicit);
+    assert_eq!(usual(&|r| r.hamiltonians.proportional = Some(finding(Refuted)))[0], explicit);
+    assert_eq!(usual(&|r| r.structure.skew = finding(Refuted)), [explicit]);
+    assert_eq!(of(&no_energy, false, true)[0], format!("{energy}, since there is no damping"));
+    let rate = "sexp-li for paths: it takes the integral of the damping, whose rate is not finite";
+    assert_eq!(of(&no_energy, true, false)[0], rate);
+    // Casimirs, with and without an energy, and where sexp-li refuses the system or truncates.
+    let price = "it keeps the Casimirs at about the price of heun";
+    let casimir = |r: &mut Inspection| r.casimirs = body.casimirs.clone();
+    let both = usual(&casimir);
+    assert_eq!(both[0], "sexp for paths: it keeps the energy and the Casimirs");
+    assert_eq!(both[1], format!("sexp-li for paths, if the energy does not matter: {price}"));
+    let only = |r: &mut Inspection| (casimir(r), no_energy(r)).1;
+    assert_eq!(usual(&only), [format!("sexp-li for paths: {price}"), large.into()]);
+    let refused = usual(&|r| (only(r), r.without_iteration.refused = Some("no".into())).1);
+    assert_eq!(refused, ["sexp for paths: it keeps the Casimirs, and B is not affine in y"]);
+    assert_eq!(usual(&|r| (only(r), r.without_iteration.truncates = true).1).len(), 1);
+    let silent = usual(&|r| (no_energy(r), r.noise.silent = finding(Found)).1);
+    assert_eq!(silent, [explicit.replace("strong order 1", "order 2")]);
+    // Areas.
+    let doubt = usual(&|r| r.noise.commute = finding(Unknown));
+    assert_eq!(
+        doubt[0],
+        "sexp-li-levy for paths: strong order 1 whether noises commute or not; no iteration"
+    );
+    assert_eq!(doubt[1], "heun for expectations: weak order 1 takes no areas");
+    assert!(doubt[2].starts_with("sexp-li or sexp-li-levy for large noise"), "{doubt:?}");
+    let refuted = usual(&|r| {
+        only(r);
+        r.noise.commute = finding(Refuted);
+        r.without_iteration.areas_refused = Some("no".into());
     });
-    assert_eq!(casimir, keeps);
-    let silent = of(&|r| {
-        (r.hamiltonians.shapes[0].degree, r.noise.silent) = (None, finding(Found));
-    });
-    assert_eq!(silent, explicit.replace("strong order 1", "order 2"));
-    let commute = |status| of(&|r| r.noise.commute = finding(status));
-    let doubt = "sexp-levy: strong order 1 whether noises commute or not";
-    assert_eq!(commute(Unknown), doubt);
-    let areas = "sexp-levy: noises do not commute; for expectations sexp will do, without areas";
-    assert_eq!((commute(Refuted), commute(Found)), (areas.to_owned(), keeps.to_owned()));
+    let areas = "sexp-levy for paths: noises do not commute, and Lévy areas give strong order 1";
+    let weak = "sexp-li for expectations: weak order 1 takes no areas";
+    assert_eq!(refuted, [areas, weak, large]);
 }
 
 #[test]

@@ -1,0 +1,143 @@
+//! Whether `sexp-li` is for a system, and which methods are worth writing out.
+
+use real::Degree;
+use schemes::{Scheme, SexpLi};
+use serde::Serialize;
+use systems::{ImplicitStep, Linearity, PoissonSystem, is_quadratic, linearity};
+
+/// What [`SexpLi`] says of a system.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WithoutIteration {
+    /// How B depends on y: `constant`, `affine` or `other`.
+    pub structure: &'static str,
+    /// Why `sexp-li` refuses the system, if it does.
+    pub refused: Option<String>,
+    /// Whether it truncates increments, since a step may have no solution.
+    pub truncates: bool,
+    /// Why `sexp-li-levy` refuses the system, if it does.
+    pub areas_refused: Option<String>,
+}
+
+impl WithoutIteration {
+    /// That of a system, found around y.
+    pub(super) fn of<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        system: &S,
+        y: [f64; D],
+    ) -> Self {
+        let scheme = SexpLi::new(system, y);
+        let truncates = scheme.as_ref().is_ok_and(<SexpLi as Scheme<S, D, M>>::clips_increments);
+        Self {
+            structure: match linearity(system, y) {
+                Linearity::Constant => "constant",
+                Linearity::Affine => "affine",
+                Linearity::Other => "other",
+            },
+            refused: scheme.err().map(|refused| refused.to_string()),
+            truncates,
+            areas_refused: SexpLi::with_areas(system, y).err().map(|refused| refused.to_string()),
+        }
+    }
+}
+
+/// A method of `PoissonSystem` that is worth writing out.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Override {
+    /// Its name.
+    pub method: &'static str,
+    /// What it gains.
+    pub gains: String,
+}
+
+/// A system of nothing but its two formulas.
+struct TwoFormulas<'a, S>(&'a S);
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M>
+    for TwoFormulas<'_, S>
+{
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+    fn structure<R: real::Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
+        self.0.structure(y, v)
+    }
+    fn energy<R: real::Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> R {
+        self.0.energy(y, dt, dw)
+    }
+}
+
+/// Nodes of the provided ∇̄h.
+const PROVIDED_NODES: u32 = 8;
+
+impl Override {
+    /// Those of a system. A method is the provided one if its results have the same bits.
+    pub(super) fn worthwhile<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+        system: &S,
+        points: &[Vec<f64>],
+    ) -> Vec<Self> {
+        let plain = TwoFormulas(system);
+        let array = |y: &Vec<f64>| -> [f64; D] { std::array::from_fn(|i| y[i]) };
+        // Areas and increments of no special ratio.
+        let areas: [[f64; M]; M] = std::array::from_fn(|m| {
+            std::array::from_fn(|l| (m as f64 - l as f64) * (1.0 + 0.37 * (m * l) as f64))
+        });
+        let (dt, dw) = (0.3, std::array::from_fn(|m| 0.7 - 0.2 * m as f64));
+        let same = |ours: &dyn Fn([f64; D], [f64; D]) -> [[f64; D]; 2]| {
+            points.windows(2).take(4).all(|pair| {
+                let [one, other] = ours(array(&pair[0]), array(&pair[1]));
+                one.map(f64::to_bits) == other.map(f64::to_bits)
+            })
+        };
+        let mut found = Vec::new();
+        let mut worth = |method, gains| found.push(Self { method, gains });
+        let quadratic = is_quadratic(system, dt, dw);
+        let averages =
+            |a, b| [system.averaged_gradient(a, b, dt, dw), plain.averaged_gradient(a, b, dt, dw)];
+        if !quadratic && same(&averages) {
+            let degree = system.energy([Degree::VARIABLE; D], dt, dw);
+            let exact = (1..PROVIDED_NODES).find(|&n| degree <= Degree::of(2 * n));
+            worth(
+                "averaged_gradient",
+                match exact {
+                    Some(1) => "∇̄h takes 8 evaluations of ∇h, of which one is enough".into(),
+                    Some(n) => format!(
+                        "∇̄h takes 8 evaluations of ∇h; dgrad::averaged::<{n}, _, _, {D}> is exact \
+                         with {n}"
+                    ),
+                    None => "∇̄h takes 8 evaluations of ∇h; a closed form takes about one, such as \
+                             dgrad::mean_sine for cosines"
+                        .into(),
+                },
+            );
+        }
+        let gradients = |a, _| [system.gradient(a, dt, dw), plain.gradient(a, dt, dw)];
+        if D > 8 && same(&gradients) {
+            worth(
+                "gradient",
+                format!("∇h takes {D} evaluations of h on dual numbers; by hand about one"),
+            );
+        }
+        let steps = |y, v| [system.cayley(y, v), plain.cayley(y, v)];
+        let affine = linearity(system, array(&points[0])) == Linearity::Affine;
+        if affine && D > 3 && same(&steps) {
+            worth(
+                "cayley",
+                format!(
+                    "sexp-li solves {D} equations by elimination; a closed form, where B is made \
+                     of cross products, halves its step"
+                ),
+            );
+        }
+        let commutators = |a, _| [system.commutators(a, areas), plain.commutators(a, areas)];
+        let silent = commutators(array(&points[0]), [0.0; D])[0].iter().all(|x| *x == 0.0);
+        if M > 1 && !silent && same(&commutators) {
+            worth("commutators", "by hand, a step of sexp-levy costs about a third less".into());
+        }
+        if quadratic && D <= 3 && S::IMPLICIT_STEP == ImplicitStep::FixedPoint {
+            worth(
+                "IMPLICIT_STEP",
+                "UnrolledFixedPoint makes steps of sexp and midpoint about a third faster".into(),
+            );
+        }
+        found
+    }
+}
