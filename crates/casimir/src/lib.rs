@@ -44,7 +44,7 @@ pub mod prelude {
     pub use mc::{Simulation, write_csv};
     pub use noise::{StreamKey, Truncation};
     pub use real::Real;
-    pub use schemes::{Explicit, Implicit, Increment, Scheme, Sexp};
+    pub use schemes::{Explicit, Heun, Implicit, Increment, Scheme, Sexp, SexpLevy, SexpLi, Split};
     pub use systems::{Constant, Damping, PoissonSystem, Problem};
     pub use verify::{
         Candidates, CompareSettings, StepSizes, compare, inspect, inspect_problem, strong_order,

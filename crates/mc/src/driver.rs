@@ -259,10 +259,16 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
             if batch.swapped {
                 // The second half of the step of the level above comes first.
                 self.truncate(batch, false, tally);
-                self.step(batch, &before, tally);
+                self.step(batch, &before, false, tally);
             }
-            self.truncate(batch, batch.swapped, tally);
-            self.step(batch, &now, tally);
+            let as_drawn = batch.level == 0
+                && !batch.swapped
+                && batch.bounds.increment == f64::INFINITY
+                && self.areas.is_none();
+            if !as_drawn {
+                self.truncate(batch, batch.swapped, tally);
+            }
+            self.step(batch, &now, as_drawn, tally);
         }
         if complete == driver.levels {
             self.drop_non_finite(n, tally);
@@ -283,9 +289,7 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
         let level = batch.level;
         let increment =
             if one_before { self.sums.first_half(level + 1) } else { self.sums.increment(level) };
-        if batch.bounds.increment == f64::INFINITY {
-            self.truncated.increments = *increment;
-        } else if clip(increment, batch.bounds.increment, &mut self.truncated.increments) > 0 {
+        if clip(increment, batch.bounds.increment, &mut self.truncated.increments) > 0 {
             let (paths, count) = differing(increment, &self.truncated.increments, self.live);
             for &run in &batch.runs {
                 self.clipped[run] = self.clipped[run].or(paths);
@@ -300,11 +304,13 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
         }
     }
 
-    /// One step of the runs of a batch.
-    fn step(&mut self, batch: &Batch, step: &Step, tally: &mut Tally) {
+    /// One step of the runs of a batch, with the truncated noise, or with that of the finest step
+    /// as it was drawn, which saves copying it.
+    fn step(&mut self, batch: &Batch, step: &Step, as_drawn: bool, tally: &mut Tally) {
+        let noise = if as_drawn { &self.drawn } else { &self.truncated };
         for &number in &batch.runs {
             let (run, status) = (&self.driver.runs[number], &mut self.statuses[number]);
-            (run.step_block)(step, &self.truncated, &mut self.states[number], status);
+            (run.step_block)(step, noise, &mut self.states[number], status);
             let failed = status.failed.and(self.live);
             if !failed.is_empty() {
                 // The number of the step follows from its time.
