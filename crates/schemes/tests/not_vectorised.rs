@@ -36,7 +36,7 @@ impl PoissonSystem<2, 1> for Impatient {
     fn averaged_gradient<R: Real>(&self, a: [R; 2], b: [R; 2], dt: f64, dw: [f64; 1]) -> [R; 2] {
         let mut frequency = dt + dw[0];
         while frequency > 1e-3 {
-            frequency = frequency * 0.7;
+            frequency *= 0.7;
         }
         [(b[0] + a[0]) * frequency, (a[1] + b[1]) * (0.5 * (dt + dw[0]))]
     }
