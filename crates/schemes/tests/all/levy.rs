@@ -50,7 +50,7 @@ impl Visit for KeepsCasimirs {
 impl KeepsCasimirs {
     fn visit_scheme<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
         &mut self,
-        scheme: &dyn Scheme<S, D, M>,
+        scheme: &impl Scheme<S, D, M>,
         system: &S,
         y0: [f64; D],
     ) {
@@ -230,22 +230,6 @@ fn areas_enter_both_schemes_alike() {
     }
     check(&crate::common::body(), [0.45, 0.3, 0.84]);
     check(&spins(), [1.0, 0.2, 0.1, 0.1, 0.6, 0.8]);
-    check(&Plain(crate::common::body()), [0.45, 0.3, 0.84]);
-}
-
-/// The system from its two formulas.
-struct Plain<S>(S);
-
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M> for Plain<S> {
-    fn name(&self) -> &'static str {
-        "plain"
-    }
-    fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
-        self.0.structure(y, v)
-    }
-    fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> R {
-        self.0.energy(y, dt, dw)
-    }
 }
 
 /// B(y)v = b(y) × v with b = (y₂, 0, 1): skew and affine, but b·(∇ × b) = −1.

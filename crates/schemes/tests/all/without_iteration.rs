@@ -22,7 +22,7 @@ const MOMENTUM: [f64; 3] = [0.45, 0.0, 0.89];
 
 /// The largest defect of a Casimir over random steps.
 fn largest_defect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
+    scheme: &impl Scheme<S, D, M>,
     system: &S,
     y0: [f64; D],
 ) -> f64 {
@@ -162,7 +162,7 @@ fn closed_forms_and_elimination_solve_the_linear_equation() {
 /// 400 steps with increments of this many standard deviations, none clipped; the distance from the
 /// law of the Casimir.
 fn with_large_noise<S: PoissonSystem<3, M>, const M: usize>(
-    scheme: &dyn Scheme<S, 3, M>,
+    scheme: &impl Scheme<S, 3, M>,
     system: &S,
     mut y: [f64; 3],
     deviations: f64,
