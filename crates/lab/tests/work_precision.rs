@@ -87,13 +87,14 @@ fn all_cases_have_numbers_figures_and_words() {
                     // has one is kept by `sexp` alone.
                     let keeps = match scheme {
                         "sexp" | "sexp-levy" => true,
-                        "sexp-li" | "split" => id != "lotka-volterra" || index > 0,
+                        "sexp-li" | "sexp-li-levy" | "split" => id != "lotka-volterra" || index > 0,
                         _ => false,
                     };
                     let kept = defect.as_f64().unwrap() < 1e-12;
                     assert!(kept == keeps || id == "poisson3", "{id} {scheme} {point}");
                 }
-                assert_eq!(point["area_terms"].is_u64(), scheme == "sexp-levy");
+                let reads_areas = ["sexp-levy", "sexp-li-levy"].contains(&scheme);
+                assert_eq!(point["area_terms"].is_u64(), reads_areas);
             }
         }
     }
