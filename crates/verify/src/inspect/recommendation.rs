@@ -112,7 +112,9 @@ pub fn recommendations(report: &Inspection, circumstances: Circumstances) -> Vec
         };
         take(Purpose::Expectations, scheme, because);
     }
-    if sound && linear && !without_iteration.truncates && !noise.silent.holds() {
+    // With a constant B the scheme is explicit, and large steps grow.
+    let implicit = linear && without_iteration.structure == "affine";
+    if sound && implicit && !without_iteration.truncates && !noise.silent.holds() {
         let because = "every step has a solution, so no increment is truncated";
         let scheme = if areas && without_iteration.areas_refused.is_none() {
             "sexp-li or sexp-li-levy"
