@@ -29,8 +29,8 @@ pub fn averaged<const N: usize, R: Real, F: GradientField<D>, const D: usize>(
     let nodes = Nodes::<F, R, N, D> { field, middle, difference };
     let mut mean = nodes.first();
     // Up to 9 nodes are written out. The compiler unrolls a loop with a long body too late for the
-    // enclosing loop over paths to be vectorised. More nodes, or nodes in more than four dimensions,
-    // are a loop, slow but quick to compile.
+    // enclosing loop over paths to be vectorised. More nodes, or nodes in more than four
+    // dimensions, are a loop, slow but quick to compile.
     if const { N > 9 || D > 4 } {
         for k in 1..N / 2 {
             mean = nodes.add_pair(mean, k);

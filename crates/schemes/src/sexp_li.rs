@@ -18,8 +18,8 @@ use crate::{Explicit, Increment, Scheme, Step};
 /// z = ẑ + B((ẑ+z)/2) v,  y_{n+1} = e^{−∫γ, second half} z.
 ///
 /// For a quadratic h this v is replaced by ∇h(m), which is as accurate. `sexp-li-levy`, by
-/// [`with_areas`](Self::with_areas), subtracts Σ_{m<l} Â_ml ∇{Hₘ, H_l}(m) from v, with the Lévy areas
-/// of the step; by Jacobi's identity \[fₘ, f_l\] = −B∇{Hₘ, H_l}, so this is the term of
+/// [`with_areas`](Self::with_areas), subtracts Σ_{m<l} Â_ml ∇{Hₘ, H_l}(m) from v, with the Lévy
+/// areas of the step; by Jacobi's identity \[fₘ, f_l\] = −B∇{Hₘ, H_l}, so this is the term of
 /// [`SexpLevy`](crate::SexpLevy).
 ///
 /// For every v, C(z) − C(ẑ) = ∇C((ẑ+z)/2)ᵀ B((ẑ+z)/2) v = 0 for a quadratic Casimir C, so v has to
@@ -48,7 +48,7 @@ pub enum SexpLiError {
     /// The structure matrix is neither constant nor affine, and Casimirs need not be linear.
     #[error(
         "sexp-li needs a structure matrix that is constant or affine in y, or a system whose \
-         Casimirs are all linear; B of `{system}` is {found}, take sexp"
+         Casimirs are all linear; B of `{system}` is {found}; sexp is for any B"
     )]
     Structure {
         /// The name of the system.
@@ -58,8 +58,8 @@ pub enum SexpLiError {
     },
     /// Areas enter by Jacobi's identity, which was not found to hold.
     #[error(
-        "sexp-li with areas needs Jacobi's identity [f_m, f_l] = -B grad {{H_m, H_l}}, which `{system}` \
-         was not found to have; take sexp-levy"
+        "sexp-li with areas needs Jacobi's identity [f_m, f_l] = -B grad {{H_m, H_l}}, which \
+         `{system}` was not found to have; take sexp-levy"
     )]
     Jacobi {
         /// The name of the system.
@@ -165,7 +165,11 @@ macro_rules! formula {
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for SexpLi {
     fn id(&self) -> &'static str {
-        if self.areas { "sexp-li-levy" } else { "sexp-li" }
+        if self.areas {
+            LinearlyImplicit::<true, true>::ID
+        } else {
+            LinearlyImplicit::<true, false>::ID
+        }
     }
 
     fn reads_areas(&self) -> bool {

@@ -13,8 +13,8 @@ use crate::{Scheme, Step};
 ///
 /// y_{n+1} = D φ₀(½) ⋯ φ_{P−1}(½) φ_P(1) φ_{P−1}(½) ⋯ φ₀(½) D y_n,
 ///
-/// where φ_k(c) is the flow of part k for c·(τ, ΔW). The composition is symmetric: commutators of the
-/// parts, which would cost half an order, cancel.
+/// where φ_k(c) is the flow of part k for c·(τ, ΔW). The composition is symmetric: commutators of
+/// the parts, which would cost half an order, cancel.
 ///
 /// - Orders: strong 1 for one noise or commuting noises, else ½; weak 1; order 2 without noise.
 /// - Preserves the conformal law of every homogeneous Casimir of any degree exactly, for every τ

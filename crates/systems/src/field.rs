@@ -105,8 +105,8 @@ pub fn ito_correction<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, 
 /// Where Jacobi's identity holds ([`jacobi_holds`]), \[fₘ, f_l\] = −B∇{Hₘ, H_l}, so that
 /// [`commutators`](PoissonSystem::commutators) are −B times this gradient.
 ///
-/// With Gₘ = Σ_l A_ml ∇H_l it is Σₘ (∇²Hₘ B Gₘ + ½∇ₓ(∇HₘᵀB(x)Gₘ)), the second gradient being that of
-/// B alone: a directional derivative of ∇Hₘ for each noise.
+/// With Gₘ = Σ_l A_ml ∇H_l it is Σₘ (∇²Hₘ B Gₘ + ½∇ₓ(∇HₘᵀB(x)Gₘ)), the second gradient being that
+/// of B alone: a directional derivative of ∇Hₘ for each noise.
 #[inline(always)]
 pub fn area_gradient<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, const M: usize>(
     system: &S,
@@ -120,7 +120,8 @@ pub fn area_gradient<S: PoissonSystem<D, M> + ?Sized, R: Real, const D: usize, c
     unrolled!(R: m in 0..M => {
         let other = system.gradient(y, 0.0, areas[m]);
         let direction = system.structure(y, other);
-        let (mut seeded_y, mut fixed) = ([Dual::<R>::fixed(R::zero()); D], [Partial::fixed(y[0]); D]);
+        let mut seeded_y = [Dual::<R>::fixed(R::zero()); D];
+        let mut fixed = [Partial::fixed(R::zero()); D];
         for i in 0..D {
             seeded_y[i] = Dual::new(y[i], direction[i]);
             fixed[i] = Partial::fixed(other[i]);
@@ -173,8 +174,8 @@ pub fn noises_commute<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: 
     M < 2 || shown_around(system, y, commute_at)
 }
 
-/// Whether \[fₘ, f_l\] = −B∇{Hₘ, H_l} for all noises, which Jacobi's identity for B implies, shown as
-/// in [`noises_commute`].
+/// Whether \[fₘ, f_l\] = −B∇{Hₘ, H_l} for all noises, which Jacobi's identity for B implies, shown
+/// as in [`noises_commute`].
 pub fn jacobi_holds<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
     system: &S,
     y: [f64; D],

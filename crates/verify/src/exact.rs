@@ -84,8 +84,8 @@ const STEPS_PER_UNIT: f64 = 32.0;
 /// Midpoint steps of the columns that are extrapolated.
 const COLUMNS: [u32; 5] = [2, 4, 6, 8, 10];
 
-/// φ_s(y): the flow of f = B∇H₀ over time s, to round-off, by extrapolation of the modified midpoint
-/// rule (Gragg 1965; Bulirsch and Stoer 1966).
+/// φ_s(y): the flow of f = B∇H₀ over time s, to round-off, by extrapolation of the modified
+/// midpoint rule (Gragg 1965; Bulirsch and Stoer 1966).
 fn flow<S: PoissonSystem<D, 1>, const D: usize>(system: &S, mut y: [f64; D], s: f64) -> [f64; D] {
     let steps = (s.abs() * STEPS_PER_UNIT).ceil().max(1.0);
     for _ in 0..steps as u32 {

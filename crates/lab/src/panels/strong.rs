@@ -260,8 +260,8 @@ impl StrongPanel {
     }
 
     /// [`compare`](Self::compare) with more curves where they are wanted: the schemes with areas,
-    /// against the first of them at a finer step. Drawing areas costs as many normals as the square root of
-    /// the step count, so its steps end three levels before those of the others.
+    /// against the first of them at a finer step. Drawing areas costs as many normals as the square
+    /// root of the step count, so its steps end three levels before those of the others.
     pub fn compare_with_areas<
         S: PaperSystem<D, 3> + Compiled<SexpLevy, D, 3>,
         G: Damping,

@@ -1,10 +1,10 @@
-//! `local-exact` and `local-sexp`: one-step Taylor remainders (Bréhier, Cohen and
-//! Komori 2025, §4), on the rigid body with three noises; `local-sexp-li` and `local-split`: the same
-//! of schemes that are not in the paper.
+//! `local-exact` and `local-sexp`: one-step Taylor remainders (Bréhier, Cohen and Komori 2025, §4),
+//! on the rigid body with three noises; `local-sexp-li` and `local-split`: the same of schemes that
+//! are not in the paper.
 //!
 //! Exact flow: R = y(τ) − y − τ(f₀ − γy) − Σ fₘΔWₘ − Σ fₘ′f_l J_lm with J_lm = ∫∫ ∘dW_l ∘dWₘ.
-//! Scheme: the same with increments truncated if the scheme asks for it and ½ΔŴ_lΔŴₘ for J_lm. Claimed: (E‖R‖²)^½ ≤ Cτ^{3/2}
-//! and ‖E R‖ ≤ Cτ².
+//! Scheme: the same with increments truncated if the scheme asks for it and ½ΔŴ_lΔŴₘ for J_lm.
+//! Claimed: (E‖R‖²)^½ ≤ Cτ^{3/2} and ‖E R‖ ≤ Cτ².
 //!
 //! The exact flow is taken on noise that is linear on 64 pieces of the step, with the iterated
 //! integrals of that noise: for such noise y(τ) and J_lm are computable to round-off, and the

@@ -1,5 +1,5 @@
-//! `any-increment` and `no-noise`: what the schemes without iteration promise beside their strong and
-//! weak orders, see `docs/theory.md`.
+//! `any-increment` and `no-noise`: what the schemes without iteration promise beside their strong
+//! and weak orders, see `docs/theory.md`.
 //!
 //! `any-increment`: on systems where every step has a solution no increment is clipped, every step
 //! is solved, and the Casimir is on its conformal law, however large the increments are.

@@ -274,7 +274,7 @@ fn the_kind_of_a_system_is_found() {
         let Err(SexpLiError::Structure { system: "squared", .. }) = refused else {
             panic!("{refused:?}")
         };
-        assert!(refused.unwrap_err().to_string().contains("take sexp"));
+        assert!(refused.unwrap_err().to_string().contains("sexp is for any B"));
     }
 }
 

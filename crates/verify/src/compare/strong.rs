@@ -144,7 +144,8 @@ impl Strong {
     ) -> Result<Self, LadderError> {
         let laws = Law::all(grid.problem, found);
         let (points, exact) = (grid.points(), grid.exact_points());
-        // Differences of the reference, squared errors of every run, squared defects of every point.
+        // Differences of the reference, squared errors of every run, squared defects of every
+        // point.
         let (own, runs) = (REFERENCES - 1, points + exact);
         let values = |view: &View<'_, D>, p: usize, values: &mut [f64]| {
             let state = |run: usize| view.states[run].path(p);

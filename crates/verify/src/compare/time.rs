@@ -58,8 +58,8 @@ pub struct Time {
 /// The processor time of a path of every scheme at its numbers of steps on [0, T], on one thread:
 /// `times[s]` are those of scheme s with `steps[s]` steps, each with its number of steps.
 ///
-/// Every repetition times every scheme at each of its numbers of steps once, so that a disturbance hits
-/// all of them. In dimensions whose steps need a thread with a larger stack
+/// Every repetition times every scheme at each of its numbers of steps once, so that a disturbance
+/// hits all of them. In dimensions whose steps need a thread with a larger stack
 /// ([`Ladder::runs_on_pool`]) times are wall times. `progress` is told how many more steps over all
 /// paths are done.
 ///

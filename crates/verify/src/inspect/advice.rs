@@ -2,14 +2,15 @@
 
 use real::Degree;
 use schemes::{Scheme, SexpLi};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use systems::{ImplicitStep, Linearity, PoissonSystem, is_quadratic, linearity};
 
 /// What [`SexpLi`] says of a system.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WithoutIteration {
-    /// How B depends on y: `constant`, `affine` or `other`.
-    pub structure: &'static str,
+    /// How B depends on y.
+    #[serde(serialize_with = "as_word")]
+    pub structure: Linearity,
     /// Why `sexp-li` refuses the system, if it does.
     pub refused: Option<String>,
     /// Whether it truncates increments, since a step may have no solution.
@@ -27,16 +28,25 @@ impl WithoutIteration {
         let scheme = SexpLi::new(system, y);
         let truncates = scheme.as_ref().is_ok_and(<SexpLi as Scheme<S, D, M>>::clips_increments);
         Self {
-            structure: match linearity(system, y) {
-                Linearity::Constant => "constant",
-                Linearity::Affine => "affine",
-                Linearity::Other => "other",
-            },
+            structure: linearity(system, y),
             refused: scheme.err().map(|refused| refused.to_string()),
             truncates,
             areas_refused: SexpLi::with_areas(system, y).err().map(|refused| refused.to_string()),
         }
     }
+}
+
+/// `constant`, `affine` or `other`.
+pub(super) fn word(structure: Linearity) -> &'static str {
+    match structure {
+        Linearity::Constant => "constant",
+        Linearity::Affine => "affine",
+        Linearity::Other => "other",
+    }
+}
+
+fn as_word<S: Serializer>(structure: &Linearity, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(word(*structure))
 }
 
 /// A method of `PoissonSystem` that is worth writing out.

@@ -1,6 +1,7 @@
 //! Which scheme to take, for what.
 
 use serde::Serialize;
+use systems::Linearity;
 
 use super::{
     finding::{Finding, Status},
@@ -113,7 +114,7 @@ pub fn recommendations(report: &Inspection, circumstances: Circumstances) -> Vec
         take(Purpose::Expectations, scheme, because);
     }
     // With a constant B the scheme is explicit, and large steps grow.
-    let implicit = linear && without_iteration.structure == "affine";
+    let implicit = linear && without_iteration.structure == Linearity::Affine;
     if sound && implicit && !without_iteration.truncates && !noise.silent.holds() {
         let because = "every step has a solution, so no increment is truncated";
         let scheme = if areas && without_iteration.areas_refused.is_none() {

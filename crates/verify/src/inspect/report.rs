@@ -5,7 +5,7 @@ use std::fmt::{Display, Formatter, Result};
 use serde::Serialize;
 
 use super::{
-    advice::{Override, WithoutIteration},
+    advice::{Override, WithoutIteration, word},
     casimirs::{Casimirs, FoundCasimir},
     damping::DampingIntegral,
     erased::System,
@@ -348,7 +348,7 @@ impl Inspection {
                 } else {
                     "every step has a solution"
                 };
-                writeln!(f, "sexp-li applies: B is {structure} in y, {solved}")?;
+                writeln!(f, "sexp-li applies: B is {} in y, {solved}", word(*structure))?;
             }
         }
         if let (None, Some(reason)) = (refused, areas_refused) {

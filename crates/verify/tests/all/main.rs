@@ -1,5 +1,5 @@
-//! Orders, `inspect`, and what both once said falsely; `compare`. One program: its tests run side by side, and
-//! what they share is compiled once.
+//! Orders, `inspect`, and what both once said falsely; `compare`. One program: its tests run side
+//! by side, and what they share is compiled once.
 
 mod compare;
 mod false_answers;

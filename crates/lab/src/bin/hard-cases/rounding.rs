@@ -17,11 +17,11 @@
 //! Evaluating F and the quotient at the end: [`AT_END`]·ε. All of these are worst cases, as if
 //! every rounding of every step went the same way.
 //!
-//! A rotation by Cayley's map, z = y + f·w with w = y × s + (y × s) × s and f = 2/(1 + |s|²), adds at
-//! most 55u whatever s is: 20 by f, which is off by 5u, since |z|² changes by 2z·w δf and z·w f ≤
-//! 2|y|²; twice 17½ by w and the sum, since |s|f ≤ 1 and |s|²f ≤ 2. With the damping a step of
-//! `sexp-li` adds 67u, [`LINEARLY_IMPLICIT`] times [`PER_STEP`]. About an axis it is 26u, and `split`
-//! makes five of them: [`FIVE_ROTATIONS`].
+//! A rotation by Cayley's map, z = y + f·w with w = y × s + (y × s) × s and f = 2/(1 + |s|²), adds
+//! at most 55u whatever s is: 20 by f, which is off by 5u, since |z|² changes by 2z·w δf and z·w f
+//! ≤ 2|y|²; twice 17½ by w and the sum, since |s|f ≤ 1 and |s|²f ≤ 2. With the damping a step of
+//! `sexp-li` adds 67u, [`LINEARLY_IMPLICIT`] times [`PER_STEP`]. About an axis it is 26u, and
+//! `split` makes five of them: [`FIVE_ROTATIONS`].
 //!
 //! A step that the robust solver takes adds its residual: see [`residual_share`].
 

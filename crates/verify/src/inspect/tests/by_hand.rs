@@ -4,7 +4,7 @@
 use std::cell::RefCell;
 
 use real::Bounded;
-use systems::Invariant;
+use systems::{Invariant, Linearity};
 
 use crate::inspect::{
     Override, WithoutIteration,
@@ -168,7 +168,8 @@ impl System for ByHand {
     }
     fn without_iteration(&self, _y: &[f64]) -> WithoutIteration {
         let [refused, areas_refused] = [None, None];
-        WithoutIteration { structure: "affine", refused, truncates: false, areas_refused }
+        let structure = Linearity::Affine;
+        WithoutIteration { structure, refused, truncates: false, areas_refused }
     }
     fn overrides(&self, _points: &[Vec<f64>]) -> Vec<Override> {
         Vec::new()

@@ -10,6 +10,7 @@ use super::{
     *,
 };
 use Applies::{Conditionally, No, Yes};
+use systems::Linearity;
 
 /// A finding of this status, with a defect and a bound to print.
 fn finding(status: Status) -> Finding {
@@ -270,7 +271,7 @@ fn a_scheme_is_recommended_for_what_it_keeps() {
         let mut report = sound();
         report.noise.commute = finding(Shown);
         report.noise.silent = finding(Refuted);
-        report.without_iteration.structure = "affine";
+        report.without_iteration.structure = Linearity::Affine;
         change(&mut report);
         report = report.in_circumstances(Circumstances { damped, finite_rate });
         let said = report.recommended.iter();
@@ -281,7 +282,7 @@ fn a_scheme_is_recommended_for_what_it_keeps() {
     let large = "sexp-li for large noise: every step has a solution, so no increment is truncated";
     let energy = "sexp for paths: it keeps the energy".to_owned();
     assert_eq!(usual(&|_| ()), [&energy, large]);
-    assert_eq!(usual(&|r| r.without_iteration.structure = "constant"), [energy.as_str()]);
+    assert_eq!(usual(&|r| r.without_iteration.structure = Linearity::Constant), [energy.as_str()]);
     let inexact = usual(&|r| r.hamiltonians.discrete_gradient = finding(Refuted));
     assert_eq!(inexact[0], format!("{energy}; the energy up to the error of ∇̄h"));
     let no_energy = |r: &mut Inspection| r.hamiltonians.shapes[0].degree = None;
