@@ -1,10 +1,10 @@
 //! How the distance from a conformal law grows over a long time.
 //!
-//! d_n = F(y_n)e^{pΓ(t_n)}/F(y₀) − 1 on 32 independent paths, at powers of two of n. Errors of
-//! rounding without a direction make a random walk, d_n ~ √n·ε; errors with one a drift, d_n ~ n·ε.
-//! The exponent is the slope of ln RMS(d_n) over ln n, from n = 1024 on; its interval is the
-//! percentile interval of the bootstrap over whole paths, which are independent of each other as
-//! points of one path are not.
+//! d_n = F(y_n)e^{pΓ(t_n)}/F(y₀) − 1 on independent paths, at powers of two of n. Errors of rounding
+//! without a direction make a random walk, d_n ~ √n·ε; errors with one a drift, d_n ~ n·ε. The
+//! exponent is the slope of ln RMS(d_n) over ln n, from n = 1024 on; its interval is the percentile
+//! interval of the bootstrap over whole paths, which are independent of each other as points of one
+//! path are not.
 
 use anyhow::{Context, Result};
 use lab::{PaperSystem, compiled, streams};
@@ -35,6 +35,9 @@ const FIRST: u64 = 1024;
 /// the others to tell.
 const MOST_EXPONENT: f64 = 0.55;
 const TELLING: u64 = 1_000_000;
+/// Paths of a run, and of one without iteration, whose exponent is held to a bound.
+const PATHS: usize = WIDTH;
+const MANY_PATHS: usize = 16 * WIDTH;
 /// Samples of the bootstrap.
 const RESAMPLES: usize = 2000;
 
@@ -160,18 +163,19 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
     let runs = vec![Run::new(scheme.as_ref(), 0)];
     let ladder = Ladder::new(&problem, steps, 0, lab::truncation(), key, runs)?;
     let new = || Defects { steps, defect: &defect, rows: Vec::new() };
-    let rows = ladder.run(WIDTH as u64, new, &|_| ()).statistic.rows;
-    let point = |(steps, d): &(u64, [f64; WIDTH])| GrowthPoint {
+    let paths = if let Rule::Sexp(..) = run.rule { PATHS } else { MANY_PATHS };
+    let rows = ladder.run(paths as u64, new, &|_| ()).statistic.rows;
+    let point = |(steps, d): &Row| GrowthPoint {
         steps: *steps,
-        rms: rms(d),
-        mean: d.iter().sum::<f64>() / WIDTH as f64,
+        rms: rms(d.iter().copied()),
+        mean: d.iter().sum::<f64>() / paths as f64,
         max: d.iter().map(|d| d.abs()).fold(0.0, f64::max),
     };
     let points: Vec<GrowthPoint> = rows.iter().map(point).collect();
     let mut bits = Bits::new(arguments.seed, streams::GROWTH, number);
-    let mut slopes: Vec<f64> = (0..RESAMPLES)
-        .map(|_| slope(&rows, &[(); WIDTH].map(|()| bits.below(WIDTH as u64) as usize)))
-        .collect();
+    let mut resampled =
+        || (0..paths).map(|_| bits.below(paths as u64) as usize).collect::<Vec<_>>();
+    let mut slopes: Vec<f64> = (0..RESAMPLES).map(|_| slope(&rows, &resampled())).collect();
     slopes.sort_unstable_by(f64::total_cmp);
     let (lo, hi) = (slopes[RESAMPLES / 40], slopes[RESAMPLES - 1 - RESAMPLES / 40]);
     let end = points.last().map_or(f64::NAN, |point| point.rms);
@@ -191,9 +195,9 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
         setup: format!("{name}, {}, τ = {}.", run.damping.describe(), run.tau),
         scheme: scheme_name,
         invariant: invariant.name,
-        paths: WIDTH,
+        paths,
         points,
-        exponent: slope(&rows, &std::array::from_fn(|path| path)),
+        exponent: slope(&rows, &(0..paths).collect::<Vec<_>>()),
         lo,
         hi,
         linear: steps as f64 * f64::EPSILON,
@@ -202,11 +206,23 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
     })
 }
 
-/// d of every path at powers of two of n and at the end; NaN of a path that failed.
+/// d_n of every path for one n; NaN of a path that failed.
+type Row = (u64, Vec<f64>);
+
+/// d of every path at powers of two of n and at the end.
 struct Defects<'a, F> {
     steps: u64,
     defect: &'a F,
-    rows: Vec<(u64, [f64; WIDTH])>,
+    rows: Vec<Row>,
+}
+
+impl<F> Defects<'_, F> {
+    fn add(&mut self, n: u64, d: impl IntoIterator<Item = f64>) {
+        match self.rows.iter_mut().find(|row| row.0 == n) {
+            Some(row) => row.1.extend(d),
+            None => self.rows.push((n, d.into_iter().collect())),
+        }
+    }
 }
 
 impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Statistic<D> for Defects<'_, F> {
@@ -217,25 +233,26 @@ impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Statistic<D> for Defect
                 true => (self.defect)(n, view.states[0].path(p)),
                 false => f64::NAN,
             };
-            self.rows.push((n, std::array::from_fn(of_path)));
+            self.add(n, (0..WIDTH).map(of_path));
         }
     }
 
     fn merge(&mut self, later: Self) {
-        self.rows.extend(later.rows);
+        later.rows.into_iter().for_each(|(n, d)| self.add(n, d));
     }
 }
 
-fn rms(d: &[f64; WIDTH]) -> f64 {
-    (d.iter().map(|d| d * d).sum::<f64>() / WIDTH as f64).sqrt()
+fn rms(d: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let paths = d.len() as f64;
+    (d.map(|d| d * d).sum::<f64>() / paths).sqrt()
 }
 
 /// The slope of ln RMS over ln n by least squares, over the given paths.
-fn slope(rows: &[(u64, [f64; WIDTH])], paths: &[usize; WIDTH]) -> f64 {
+fn slope(rows: &[Row], paths: &[usize]) -> f64 {
     let points: Vec<(f64, f64)> = rows
         .iter()
         .filter(|(n, _)| *n >= FIRST)
-        .map(|(n, d)| ((*n as f64).ln(), rms(&paths.map(|path| d[path])).ln()))
+        .map(|(n, d)| ((*n as f64).ln(), rms(paths.iter().map(|&path| d[path])).ln()))
         .filter(|(_, y)| *y > f64::NEG_INFINITY)
         .collect();
     let count = points.len() as f64;
