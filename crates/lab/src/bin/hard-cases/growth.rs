@@ -30,9 +30,9 @@ const STEPS: u64 = 10_000_000;
 const QUICK_STEPS: u64 = 65_536;
 /// The exponent is fitted from here on: before, a handful of roundings has not become a walk.
 const FIRST: u64 = 1024;
-/// Intervals of the exponents of the schemes without iteration may not lie above this. Before a
-/// million steps the walk that all paths share, which intervals do not contain, is too large beside
-/// the others to tell.
+/// Intervals of the exponents of the schemes without iteration lie below this. Before a million
+/// steps the walk that all paths share, which intervals do not contain, is too large beside the
+/// others to tell.
 const MOST_EXPONENT: f64 = 0.55;
 const TELLING: u64 = 1_000_000;
 /// Paths of a run, and of one without iteration, whose exponent is held to a bound.
@@ -183,7 +183,7 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
     let walk = end <= rounding * PER_STEP * f64::EPSILON * (steps as f64).sqrt();
     let held = |kept| if kept { Verdict::Holds } else { Verdict::Refuted };
     let verdict = match run.rule {
-        Rule::SexpLi | Rule::Split => held(walk && (steps < TELLING || lo <= MOST_EXPONENT)),
+        Rule::SexpLi | Rule::Split => held(walk && (steps < TELLING || hi <= MOST_EXPONENT)),
         Rule::Sexp(_, solver) if solver.settle => held(walk),
         // The stopping test leaves a residual that has a direction: a drift is expected, and no
         // bound is stated.

@@ -167,17 +167,17 @@ all roundings, see `crates/lab/src/bin/hard-cases/rounding.rs`; twice that for `
 times for `split`.";
 
 const GROWTH: &str = "\
-Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over 32 paths. Roundings without a direction make a random \
-walk, √n·ε; those with one a drift, n·ε. The exponent is the slope of log root mean square over \
-log n from n = 1024 on, its interval that of resampled paths. The roundings of the damping \
+Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over 32 paths, or over 512 without iteration. Roundings \
+without a direction make a random walk, √n·ε; those with one a drift, n·ε. The exponent is the \
+slope of log root mean square over log n from n = 1024 on, its interval that of resampled paths. The roundings of the damping \
 factors, which all paths share, show in the mean only.
 
 *Guarantee.* With a settled solver the root mean square stays below 32ε√n, a walk of a step's \
 worst roundings. The default solver leaves a residual of up to 2ε in the same direction in every \
-step, a drift; one more sweep, `Solver::settled()`, removes it. `sexp-li` and `split` solve nothing by \
-iteration and have no such option: twice and three times that bound, and an exponent whose interval \
-does not lie above 0.55. The Maxwell–Bloch system turns by an angle that grows like √t, and with it \
-what a step rounds; its steps are short, so that the angle stays small.";
+step, a drift; one more sweep, `Solver::settled()`, removes it. `sexp-li` and `split` solve \
+nothing by iteration and have no such option: twice and three times that bound, and an exponent \
+whose interval lies below 0.55. The Maxwell–Bloch system turns by an angle that grows like √t, \
+and with it what a step rounds; its steps are short, so that the angle stays small.";
 
 const FUZZING: &str = "\
 Numbers are arbitrary bit patterns: NaN, infinities, subnormals, ordinary numbers and neighbours. \
