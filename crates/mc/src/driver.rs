@@ -9,7 +9,9 @@ use real::{Block, PathMask, WIDTH};
 use schemes::Step;
 use systems::Damping;
 
-use crate::{Cause, NoiseSource, PathFailure, TimeChange, View};
+use serde::{Deserialize, Serialize};
+
+use crate::{Cause, NoiseSource, TimeChange, View, parts::Stop};
 
 /// [`Scheme::step_block`](schemes::Scheme::step_block) for a fixed scheme and system.
 type StepBlock<'a, const D: usize, const M: usize> =
@@ -35,7 +37,7 @@ pub(crate) struct Batch {
     level: usize,
     /// Whether they exchange the two halves of each step of the level above.
     pub(crate) swapped: bool,
-    bounds: Bounds,
+    pub(crate) bounds: Bounds,
     runs: Vec<usize>,
 }
 
@@ -80,17 +82,27 @@ pub(crate) struct Driver<'a, const D: usize, const M: usize> {
     pub(crate) described_failures: usize,
 }
 
+/// A failed path: which run failed when and why.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+pub(crate) struct Failed {
+    pub(crate) run: usize,
+    pub(crate) path: u64,
+    pub(crate) step: u64,
+    pub(crate) cause: Cause,
+}
+
 /// Counts of failed paths and clipped increments.
+#[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct Tally {
     pub(crate) failed: u64,
-    pub(crate) failures: Vec<PathFailure>,
+    pub(crate) failures: Vec<Failed>,
     /// Number of clipped increments of each level.
     pub(crate) clipped: Vec<u64>,
     described: usize,
 }
 
 impl Tally {
-    fn record(&mut self, failure: PathFailure) {
+    fn record(&mut self, failure: Failed) {
         self.failed += 1;
         if self.failures.len() < self.described {
             self.failures.push(failure);
@@ -152,14 +164,15 @@ impl<const D: usize, const M: usize> Driver<'_, D, M> {
     }
 
     /// Advances `paths` paths from `first_path` on to the final time. Calls `observe` for each
-    /// block at the end of every coarsest step.
+    /// block at the end of every coarsest step. `None` if `stop` asks for the end before.
     pub(crate) fn march(
         &self,
         first_path: u64,
         paths: u64,
         observe: &mut dyn FnMut(&View<'_, D>),
         progress: &(dyn Fn(u64) + Sync),
-    ) -> Tally {
+        stop: &Stop,
+    ) -> Option<Tally> {
         let mut tally = self.tally();
         let offsets = (0..paths).step_by(WIDTH);
         let mut blocks: Vec<Marcher<'_, D, M>> = offsets
@@ -182,13 +195,16 @@ impl<const D: usize, const M: usize> Driver<'_, D, M> {
                 block.advance(&steps, n, &mut tally, observe);
             }
             if n % PROGRESS_STEPS == 0 || n == self.finest_steps {
+                if stop.is_asked() {
+                    return None;
+                }
                 // The reports of a path add up to its number of steps.
                 let share = u128::from(total) * u128::from(n) / u128::from(self.finest_steps);
                 progress((share as u64 - reported) * paths);
                 reported = share as u64;
             }
         }
-        tally
+        Some(tally)
     }
 }
 
@@ -317,36 +333,25 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
                 let n = (step.t / step.tau).round() as u64;
                 for p in failed.paths() {
                     let cause = Cause::of_residual(self.statuses[number].residual(p));
-                    tally.record(self.failure(run, p, n, cause));
+                    let path = self.first_path + p as u64;
+                    tally.record(Failed { run: number, path, step: n, cause });
                 }
                 self.live = self.live.without(failed);
             }
         }
     }
 
-    #[cold]
-    fn failure(&self, run: &DriverRun<'_, D, M>, p: usize, step: u64, cause: Cause) -> PathFailure {
-        PathFailure {
-            path: self.first_path + p as u64,
-            key: self.driver.key,
-            scheme: run.id,
-            swapped: run.swapped,
-            tau: self.driver.tau(run.level),
-            step,
-            cause,
-        }
-    }
-
     /// Marks paths with a state that is not finite as failed, for schemes that do not do so
     /// themselves. Called once in each coarsest step.
     fn drop_non_finite(&mut self, n: u64, tally: &mut Tally) {
-        for (state, run) in self.states.iter().zip(&self.driver.runs) {
+        for (number, state) in self.states.iter().enumerate() {
             let mut status = BlockStatus::explicit();
             status.fail_where_not_finite(state);
             let failed = status.failed.and(self.live);
             for p in failed.paths() {
-                let step = (n >> run.level).saturating_sub(1);
-                tally.record(self.failure(run, p, step, Cause::NotFinite));
+                let step = (n >> self.driver.runs[number].level).saturating_sub(1);
+                let (path, cause) = (self.first_path + p as u64, Cause::NotFinite);
+                tally.record(Failed { run: number, path, step, cause });
             }
             self.live = self.live.without(failed);
         }

@@ -1,9 +1,10 @@
 //! Failed paths.
 
 use noise::StreamKey;
+use serde::{Deserialize, Serialize};
 
 /// The reason why a path failed.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Cause {
     /// The solver found no solution of the implicit step.
     #[error("no solution found, residual {residual:e}")]

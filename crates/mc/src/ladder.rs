@@ -1,16 +1,20 @@
 //! Schemes on a dyadic ladder of steps.
 
+use std::ops::Range;
+
 use noise::{StreamKey, Truncation};
 use real::{Block, PathMask};
-use schemes::{Scheme, StepError};
+use schemes::{Scheme, Step, StepError};
+use serde::{Serialize, de::DeserializeOwned};
 use systems::{Damping, PoissonSystem, Problem};
 
 use crate::{
     LadderError, NoiseSource, PathFailure,
-    driver::{Batch, Bounds, Driver, DriverRun, GROUP_PATHS, Tally},
+    driver::{Batch, Bounds, Driver, DriverRun, Failed, GROUP_PATHS, Tally},
     noise_source::Drawn,
-    parallel::in_parallel,
-    tree::MergeTree,
+    parallel::grow,
+    parts::{Fingerprint, Hash, Job, Stop, Work, of_problem, probe_noise, probe_states},
+    tree::{MergeTree, Node},
 };
 
 /// A scheme on a level of a ladder. Its steps consist of 2^level finest steps.
@@ -63,6 +67,17 @@ pub trait Statistic<const D: usize>: Send {
     fn merge(&mut self, later: Self);
 }
 
+/// A statistic whose sums can be written to a file and read back, so that it can be computed in
+/// parts, see [`parts`](crate::parts).
+pub trait Kept<const D: usize>: Statistic<D> {
+    /// What is kept. Everything else, such as observables, is in a new statistic already.
+    type Sums: Serialize + DeserializeOwned;
+    /// The sums so far.
+    fn sums(&self) -> &Self::Sums;
+    /// The sums so far, to be replaced.
+    fn sums_mut(&mut self) -> &mut Self::Sums;
+}
+
 /// A random time change along each path, driven by the untruncated increments of the finest steps.
 /// The exact solution of a system with one Hamiltonian is the deterministic flow at such a time.
 pub trait TimeChange<const M: usize>: Send + Sync {
@@ -77,6 +92,8 @@ pub struct Ladder<'a, const D: usize, const M: usize> {
     driver: Driver<'a, D, M>,
     /// Bytes of stack for a group.
     stack: usize,
+    /// The hash of the problem.
+    system: String,
 }
 
 /// The results of a ladder.
@@ -95,8 +112,8 @@ pub struct Measured<T> {
 
 /// Default number of failures that are described.
 const DESCRIBED_FAILURES: usize = 8;
-/// Groups per thread in a wave, enough that no thread waits long at its end.
-const GROUPS_PER_THREAD: usize = 8;
+/// Paths on which a statistic is tried for its fingerprint.
+const PROBES: usize = 8;
 
 impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
     /// A ladder with `finest_steps` steps on [0, T] at level 0 and `levels` levels above it. The
@@ -164,7 +181,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
         }
         // This order decides which failure is described first.
         driver.batches.sort_by_key(|batch| (batch.due_level(), batch.swapped));
-        Ok(Self { driver, stack: stack_for(D) })
+        Ok(Self { driver, stack: stack_for(D), system: of_problem(problem) })
     }
 
     /// Computes a random time along each path, see [`TimeChange`].
@@ -242,30 +259,156 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
         new: impl Fn() -> T + Sync,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Measured<T> {
-        let groups = samples.div_ceil(GROUP_PATHS);
-        let wave = (rayon::current_num_threads() * GROUPS_PER_THREAD) as u64;
-        let mut tree = MergeTree::new(|sum: &mut (T, Tally), later: (T, Tally)| {
-            sum.0.merge(later.0);
-            sum.1.merge(later.1);
-        });
-        tree.push((new(), self.driver.tally()));
-        for begin in (0..groups).step_by(wave as usize) {
-            let parts = in_parallel(begin..groups.min(begin + wave), &|group| {
-                let offset = group * GROUP_PATHS;
-                let paths = GROUP_PATHS.min(samples - offset);
-                let mut statistic = new();
-                let mut observe = |view: &View<'_, D>| statistic.observe(view);
-                let tally = on_stack(self.stack, || {
-                    self.driver.march(first + offset, paths, &mut observe, progress)
-                });
-                (statistic, tally)
-            });
-            parts.into_iter().for_each(|part| tree.push(part));
-        }
-        let (statistic, Tally { failed, failures, clipped, .. }) =
-            tree.finish().unwrap_or_else(|| unreachable!("an empty part was pushed first"));
-        Measured { statistic, failed, failures, clipped }
+        let stop = Stop::default();
+        let compute = |group| self.group(first, samples, group, &new, progress, &stop);
+        let mut tree = MergeTree::new(merge);
+        grow(&mut tree, 0..samples.div_ceil(GROUP_PATHS), &compute, &mut |_, _| ());
+        self.measured(tree.finish(), &new)
     }
+
+    /// The same as [`run`](Self::run), as a piece of work of a job: whole, in parts or merged.
+    /// `None` if the results are not here, because this job computes a part, or parts are missing,
+    /// or an error was met; [`Job::finish`] says which. The bits are those of `run`.
+    ///
+    /// `name` is unique in the program. It names the work in files.
+    ///
+    /// # Panics
+    /// As [`run`](Self::run).
+    pub fn run_in<T: Kept<D>>(
+        &self,
+        job: &Job,
+        name: &str,
+        samples: u64,
+        new: impl Fn() -> T + Sync,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Option<Measured<T>> {
+        let groups = 0..samples.div_ceil(GROUP_PATHS);
+        let nodes = self.nodes_in(job, name, samples, groups, &new, progress)?;
+        let mut tree = MergeTree::new(merge);
+        nodes.into_iter().for_each(|node| tree.push(node));
+        Some(self.measured(tree.finish(), &new))
+    }
+
+    /// The nodes of some groups of `samples` paths, as a piece of work of a job.
+    pub(crate) fn nodes_in<T: Kept<D>>(
+        &self,
+        job: &Job,
+        name: &str,
+        samples: u64,
+        groups: Range<u64>,
+        new: &(impl Fn() -> T + Sync),
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Option<Vec<Node<(T, Tally)>>> {
+        let unpack = |bytes: &[u8]| {
+            let (sums, tally) = postcard::from_bytes(bytes)?;
+            let mut statistic = new();
+            *statistic.sums_mut() = sums;
+            Ok((statistic, tally))
+        };
+        job.collect(&Work {
+            name,
+            fingerprint: self.fingerprint(new),
+            key: self.driver.key,
+            paths: samples,
+            groups,
+            pack: &|(statistic, tally): &(T, Tally)| {
+                postcard::to_stdvec(&(statistic.sums(), tally))
+            },
+            unpack: &unpack,
+            merge: &merge,
+            compute: &|group| self.group(0, samples, group, new, progress, job.stop()),
+            skipped: &|groups| progress(groups * GROUP_PATHS * self.steps_per_path()),
+        })
+    }
+
+    /// The statistic of one group of `samples` paths from path number `first` on.
+    fn group<T: Statistic<D>>(
+        &self,
+        first: u64,
+        samples: u64,
+        group: u64,
+        new: &impl Fn() -> T,
+        progress: &(dyn Fn(u64) + Sync),
+        stop: &Stop,
+    ) -> Option<(T, Tally)> {
+        let offset = group * GROUP_PATHS;
+        let paths = GROUP_PATHS.min(samples - offset);
+        let mut statistic = new();
+        let mut observe = |view: &View<'_, D>| statistic.observe(view);
+        let tally = on_stack(self.stack, || {
+            self.driver.march(first + offset, paths, &mut observe, progress, stop)
+        });
+        tally.map(|tally| (statistic, tally))
+    }
+
+    fn measured<T>(&self, sum: Option<(T, Tally)>, new: &impl Fn() -> T) -> Measured<T> {
+        let (statistic, tally) = sum.unwrap_or_else(|| (new(), self.driver.tally()));
+        let failures = tally.failures.iter().map(|failed| self.failure(failed)).collect();
+        Measured { statistic, failed: tally.failed, failures, clipped: tally.clipped }
+    }
+
+    fn failure(&self, &Failed { run, path, step, cause }: &Failed) -> PathFailure {
+        let DriverRun { id: scheme, level, swapped, .. } = self.driver.runs[run];
+        let (key, tau) = (self.driver.key, self.driver.tau(level));
+        PathFailure { path, key, scheme, swapped, tau, step, cause }
+    }
+
+    /// What this ladder and a statistic are, by what they give at fixed points.
+    fn fingerprint<T: Kept<D>>(&self, new: &impl Fn() -> T) -> Fingerprint {
+        let Driver { y0, finest_steps, levels, damping, ref runs, ref batches, .. } = self.driver;
+        let hash = Hash::default().with_number(finest_steps).with_number(levels as u64);
+        let mut schemes = batches.iter().fold(hash, |hash, batch| {
+            let Bounds { increment, area } = batch.bounds;
+            hash.with_number(batch.due_level() as u64).with_reals([increment, area])
+        });
+        let (mut states, mut statuses) = (Vec::new(), Vec::new());
+        for (n, run) in runs.iter().enumerate() {
+            let mut status = nonlin::BlockStatus::explicit();
+            let mut y = probe_states(y0, n);
+            if let Ok(step) = Step::new(damping, 0, self.driver.tau(run.level)) {
+                (run.step_block)(&step, &probe_noise(&step), &mut y, &mut status);
+            }
+            let of_run = Hash::with(schemes, run.id.as_bytes()).with_number(run.level as u64);
+            schemes = of_run.with_reals(y.0.as_flattened().iter().copied());
+            states.push(y);
+            statuses.push(status);
+        }
+        let clipped = vec![PathMask::NONE; runs.len()];
+        let random_time = probe_states([1.0], 0);
+        let mut observed = Hash::default();
+        // One path at a time: a sum over many would hide small differences.
+        for p in 0..PROBES {
+            let mut statistic = new();
+            let mut live = PathMask::NONE;
+            live.insert(p);
+            for time in [1, self.coarse_steps()] {
+                let (states, statuses) = (&states[..], &statuses[..]);
+                let (clipped, random_time) = (&clipped[..], &random_time);
+                let first_path = 0;
+                statistic.observe(&View {
+                    time,
+                    first_path,
+                    states,
+                    statuses,
+                    clipped,
+                    random_time,
+                    live,
+                });
+            }
+            observed = observed.with(&postcard::to_stdvec(statistic.sums()).unwrap_or_default());
+        }
+        Fingerprint {
+            system: self.system.clone(),
+            schemes: schemes.finish(),
+            observed: observed.finish(),
+        }
+    }
+}
+
+/// Merges statistics and tallies.
+fn merge<const D: usize, T: Statistic<D>>(sum: &mut (T, Tally), later: (T, Tally)) {
+    sum.0.merge(later.0);
+    sum.1.merge(later.1);
 }
 
 /// The part of the stack of a thread of rayon, two megabytes, that steps may use.

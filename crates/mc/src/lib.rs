@@ -47,6 +47,7 @@ pub mod multilevel;
 mod noise_source;
 mod observable;
 mod parallel;
+pub mod parts;
 mod recording;
 mod seen_damping;
 mod simulation;
@@ -56,7 +57,7 @@ mod tree;
 
 pub use error::LadderError;
 pub use failure::{Cause, PathFailure};
-pub use ladder::{Ladder, Measured, Run, Statistic, TimeChange, View};
+pub use ladder::{Kept, Ladder, Measured, Run, Statistic, TimeChange, View};
 pub use noise_source::{NextNoise, NoiseSource};
 pub use observable::Observable;
 pub use recording::{Recording, RecordingError};

@@ -4,15 +4,53 @@ use std::{
     collections::BTreeMap,
     ops::Range,
     sync::{Mutex, PoisonError},
+    time::{Duration, Instant},
 };
 
 use rayon::prelude::*;
+
+use crate::tree::{MergeTree, Node};
+
+/// Items per thread in a wave, enough that no thread waits long at its end.
+const PER_THREAD: u64 = 8;
+/// A wave that takes longer has one item per thread from then on, so that little is lost when it is
+/// interrupted.
+const LONG: Duration = Duration::from_secs(2);
+
+/// Adds the results for some items to a tree, in waves. `compute` gives `None` when it is stopped.
+/// `after` sees the tree and the next item after each wave. Returns the first item without result.
+pub fn grow<T: Send, F: Fn(&mut T, T)>(
+    tree: &mut MergeTree<T, F>,
+    items: Range<u64>,
+    compute: &(dyn Fn(u64) -> Option<T> + Sync),
+    after: &mut dyn FnMut(&[Node<T>], u64),
+) -> u64 {
+    let threads = rayon::current_num_threads() as u64;
+    let (mut next, mut wave) = (items.start, threads * PER_THREAD);
+    while next < items.end {
+        let start = Instant::now();
+        let end = items.end.min(next + wave);
+        let results = in_parallel(next..end, compute);
+        for sum in results.into_iter().map_while(|result| result) {
+            tree.push(Node::leaf(next, sum));
+            next += 1;
+        }
+        after(tree.nodes(), next);
+        if next < end {
+            break;
+        }
+        if start.elapsed() > LONG {
+            wave = threads;
+        }
+    }
+    next
+}
 
 /// The results of `work` for all items in their order, computed on the current rayon pool.
 ///
 /// Rayon's code does not depend on the type of the results. So it is compiled once, and not for
 /// every statistic in every crate that runs a ladder.
-pub fn in_parallel<R: Send>(items: Range<u64>, work: &(dyn Fn(u64) -> R + Sync)) -> Vec<R> {
+fn in_parallel<R: Send>(items: Range<u64>, work: &(dyn Fn(u64) -> R + Sync)) -> Vec<R> {
     let results = Mutex::new(BTreeMap::new());
     for_each(items, &|item| {
         let result = work(item);

@@ -1,34 +1,73 @@
 //! Sums on a fixed binary tree.
 
-/// Merges parts in the order in which they are pushed, always two adjacent parts of the same size,
-/// like carries in a binary counter. The tree depends on the number of parts alone, so the bits do
-/// not depend on the thread or time of computation. Depth, memory and round-off are logarithmic.
+/// The sum over the 2^level leaves from leaf number `first` on, where 2^level divides `first`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node<T> {
+    pub first: u64,
+    pub level: u32,
+    pub sum: T,
+}
+
+impl<T> Node<T> {
+    /// A single leaf.
+    pub fn leaf(first: u64, sum: T) -> Self {
+        Self { first, level: 0, sum }
+    }
+
+    /// The number of the leaf after its last.
+    pub fn end(&self) -> u64 {
+        self.first + (1 << self.level)
+    }
+
+    /// Whether `later` is the right half of a node of which this is the left half.
+    fn precedes<U>(&self, later: &Node<U>) -> bool {
+        self.level == later.level
+            && self.end() == later.first
+            && self.first.is_multiple_of(2 << self.level)
+    }
+}
+
+/// Merges nodes in the order of their leaves: two halves of a node of the tree, as soon as both are
+/// there, like carries in a binary counter.
+///
+/// The tree depends on the number of leaves alone. So the bits depend neither on the thread or time
+/// of computation nor on how leaves were gathered into nodes before. Depth, memory and round-off
+/// are logarithmic.
 pub struct MergeTree<T, F> {
-    /// Parts with the binary logarithm of their number of leaves, strictly decreasing.
-    parts: Vec<(u32, T)>,
+    /// The largest nodes of the tree that cover the leaves so far.
+    nodes: Vec<Node<T>>,
     merge: F,
 }
 
 impl<T, F: Fn(&mut T, T)> MergeTree<T, F> {
     pub fn new(merge: F) -> Self {
-        Self { parts: Vec::new(), merge }
+        Self { nodes: Vec::new(), merge }
     }
 
-    pub fn push(&mut self, part: T) {
-        let mut carry = (0, part);
-        while let Some((size, mut left)) = self.parts.pop_if(|(size, _)| *size == carry.0) {
-            (self.merge)(&mut left, carry.1);
-            carry = (size + 1, left);
+    /// Adds a node that begins where the last one ends.
+    pub fn push(&mut self, mut node: Node<T>) {
+        while let Some(mut left) = self.nodes.pop_if(|left| left.precedes(&node)) {
+            (self.merge)(&mut left.sum, node.sum);
+            node = Node { level: left.level + 1, ..left };
         }
-        self.parts.push(carry);
+        self.nodes.push(node);
     }
 
-    /// The sum of all parts, or `None` without parts.
+    /// The nodes so far.
+    pub fn nodes(&self) -> &[Node<T>] {
+        &self.nodes
+    }
+
+    pub fn into_nodes(self) -> Vec<Node<T>> {
+        self.nodes
+    }
+
+    /// The sum of all leaves, which begin with leaf 0; `None` without leaves.
     pub fn finish(mut self) -> Option<T> {
-        let (_, mut sum) = self.parts.pop()?;
-        while let Some((_, mut left)) = self.parts.pop() {
-            (self.merge)(&mut left, sum);
-            sum = left;
+        let mut sum = self.nodes.pop()?.sum;
+        while let Some(mut left) = self.nodes.pop() {
+            (self.merge)(&mut left.sum, sum);
+            sum = left.sum;
         }
         Some(sum)
     }
@@ -36,15 +75,50 @@ impl<T, F: Fn(&mut T, T)> MergeTree<T, F> {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::Range;
+
     use super::*;
 
+    fn join(left: &mut String, right: String) {
+        *left = format!("({left}{right})");
+    }
+
+    fn nodes(leaves: Range<u64>) -> Vec<Node<String>> {
+        let mut tree = MergeTree::new(join);
+        leaves.for_each(|leaf| tree.push(Node::leaf(leaf, leaf.to_string())));
+        tree.into_nodes()
+    }
+
+    fn finished(nodes: impl IntoIterator<Item = Node<String>>) -> String {
+        let mut tree = MergeTree::new(join);
+        nodes.into_iter().for_each(|node| tree.push(node));
+        tree.finish().unwrap()
+    }
+
     #[test]
-    fn parts_are_merged_in_order_on_a_balanced_tree() {
-        let mut tree =
-            MergeTree::new(|left: &mut String, right: String| *left = format!("({left}{right})"));
-        for part in 0..7 {
-            tree.push(part.to_string());
+    fn leaves_are_merged_in_order_on_a_balanced_tree() {
+        assert_eq!(finished(nodes(0..7)), "(((01)(23))((45)6))");
+    }
+
+    #[test]
+    fn leaves_gathered_in_any_ranges_make_the_same_tree() {
+        for leaves in 1..=40 {
+            let whole = finished(nodes(0..leaves));
+            for a in 0..=leaves {
+                for b in a..=leaves {
+                    let parts = [nodes(0..a), nodes(a..b), nodes(b..leaves)];
+                    assert_eq!(finished(parts.concat()), whole, "{a} {b} {leaves}");
+                }
+            }
         }
-        assert_eq!(tree.finish().unwrap(), "(((01)(23))((45)6))");
+    }
+
+    #[test]
+    fn a_range_is_covered_by_few_nodes() {
+        // At most two of each size, one at either end.
+        for (a, b) in [(1, 1023), (3, 1000), (511, 513), (0, 1024)] {
+            let most = 2 * (b as f64).log2().ceil() as usize;
+            assert!(nodes(a..b).len() <= most, "{a} {b}");
+        }
     }
 }

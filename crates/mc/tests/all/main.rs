@@ -7,5 +7,6 @@ mod explosive;
 mod judged;
 mod ladder;
 mod multilevel;
+mod parts;
 mod simulation;
 mod statistics;

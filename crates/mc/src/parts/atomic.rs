@@ -1,0 +1,73 @@
+//! Files that are replaced whole or not at all.
+
+use std::{
+    fs, io,
+    io::Write,
+    path::{Path, PathBuf},
+};
+
+use tempfile::Builder;
+
+/// The folder of a file.
+pub fn folder(file: &Path) -> &Path {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
+}
+
+/// What the names of temporary files of `file` begin with.
+fn prefix(file: &Path) -> String {
+    format!(".{}.", file.file_name().unwrap_or_default().to_string_lossy())
+}
+
+/// Replaces a file in one step: a reader sees the old file or the new one, whenever this is
+/// interrupted, and after a power failure too.
+///
+/// # Errors
+/// When it cannot be written; the old file is then still there.
+pub fn replace(file: &Path, content: &[u8]) -> io::Result<()> {
+    let mut builder = Builder::new();
+    // Temporary files are private by default; this one is for everybody whom the umask admits.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut temporary = builder.prefix(&prefix(file)).tempfile_in(folder(file))?;
+    temporary.write_all(content)?;
+    temporary.as_file().sync_all()?;
+    temporary.persist(file)?;
+    // The new name is durable when the folder is. Not every file system can do that.
+    let _ = fs::File::open(folder(file)).and_then(|folder| folder.sync_all());
+    Ok(())
+}
+
+/// Removes temporary files that a killed process left beside `file`.
+pub fn tidy(file: &Path) {
+    let prefix = prefix(file);
+    let entries = fs::read_dir(folder(file)).into_iter().flatten().flatten();
+    let left = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix));
+    left.for_each(|entry| drop(fs::remove_file(entry.path())));
+}
+
+/// A lock that ends with the process, however that ends.
+#[derive(Debug)]
+pub struct Lock {
+    _file: fs::File,
+}
+
+impl Lock {
+    /// Locks `file`, which it creates and in which it writes who holds it. `Err` has the holder if
+    /// another process has it. On file systems without locks everybody gets one: two processes with
+    /// the same part write the same bits, so that only time is lost.
+    pub fn take(file: &PathBuf) -> io::Result<Result<Self, String>> {
+        let options = fs::OpenOptions::new().read(true).write(true).create(true).clone();
+        let mut opened = options.open(file)?;
+        match opened.try_lock() {
+            Err(fs::TryLockError::WouldBlock) => {
+                let holder = fs::read_to_string(file).unwrap_or_default();
+                return Ok(Err(if holder.is_empty() { "another process".into() } else { holder }));
+            }
+            Ok(()) | Err(fs::TryLockError::Error(_)) => {}
+        }
+        opened.set_len(0)?;
+        let job = std::env::var("SLURM_JOB_ID").map(|job| format!(" of Slurm job {job}"));
+        write!(opened, "process {}{}", std::process::id(), job.unwrap_or_default())?;
+        Ok(Ok(Self { _file: opened }))
+    }
+}

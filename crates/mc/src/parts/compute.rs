@@ -1,0 +1,130 @@
+//! One part of all work, with checkpoints.
+
+use std::{
+    path::Path,
+    time::{Duration, Instant},
+};
+
+use super::{
+    JobError, Outcome, Program, Share, atomic,
+    file::{Entry, Header, PartFile, file_error, foreign},
+    job::Work,
+    merging::{Known, MERGED},
+};
+use crate::{
+    parallel::grow,
+    tree::{MergeTree, Node},
+};
+
+/// A part with its file.
+pub struct Computing {
+    share: Share,
+    file: PartFile,
+    written: Instant,
+    known: Known,
+    _lock: atomic::Lock,
+}
+
+impl Computing {
+    pub fn open(folder: &Path, share: Share, program: &Program) -> Result<Self, JobError> {
+        let name = share.file_name();
+        let (path, lock) = (folder.join(&name), folder.join(format!(".lock.{name}")));
+        let lock = atomic::Lock::take(&lock).map_err(file_error("write", &lock))?;
+        let busy = |holder| {
+            let (part, folder) = (share.to_string(), folder.to_owned());
+            JobError::Busy { part, folder, holder }
+        };
+        let _lock = lock.map_err(busy)?;
+        atomic::tidy(&path);
+        let file = PartFile::open(path, program, Some(share))?;
+        // A folder that cannot be written is found now and not after hours.
+        file.write()?;
+        let known = Known(PartFile::open(folder.join(MERGED), program, None)?);
+        Ok(Self { share, file, written: Instant::now(), known, _lock })
+    }
+
+    pub fn finish(self) -> Result<Outcome, JobError> {
+        self.file.write()?;
+        let part = self.share != Share::WHOLE;
+        Ok(if part { Outcome::Part(self.share) } else { Outcome::Complete })
+    }
+
+    /// The nodes of all groups if they were merged before, or if this part is the whole.
+    pub fn collect<T: Send>(
+        &mut self,
+        work: &Work<'_, T>,
+        interval: Duration,
+    ) -> Result<Option<Vec<Node<T>>>, JobError> {
+        let known = self.known.nodes(work)?;
+        let first = known.last().map_or(work.groups.start, Node::end);
+        let mut header = work.header(self.share.range(&(first..work.groups.end)));
+        let mut tree = MergeTree::new(work.merge);
+        header.done = self.resume(work, first, &header, &mut tree)?;
+        (work.skipped)(first - work.groups.start + header.done - header.groups.start);
+        let rest = header.done..header.groups.end;
+        let mut kept = Ok(());
+        let done = grow(&mut tree, rest, work.compute, &mut |nodes, done| {
+            if self.written.elapsed() >= interval && kept.is_ok() {
+                kept = self.record(work, Header { done, ..header.clone() }, nodes);
+                // A full disk may have room again when the next checkpoint is due.
+                if let Err(error) = self.write() {
+                    eprintln!("warning: no checkpoint: {error}");
+                }
+            }
+        });
+        kept?;
+        let complete = done == header.groups.end;
+        self.record(work, Header { done, ..header }, tree.nodes())?;
+        if !complete {
+            self.write()?;
+            return Err(JobError::Stopped);
+        }
+        Ok((self.share == Share::WHOLE || first == work.groups.end).then(|| {
+            let mut nodes = known;
+            nodes.extend(tree.into_nodes());
+            nodes
+        }))
+    }
+
+    /// Takes up what a checkpoint has of these groups, where those before `known` are merged.
+    /// Returns the first group that it has not.
+    fn resume<T, F: Fn(&mut T, T)>(
+        &self,
+        work: &Work<'_, T>,
+        known: u64,
+        header: &Header,
+        tree: &mut MergeTree<T, F>,
+    ) -> Result<u64, JobError> {
+        let (path, groups) = (&self.file.path, &header.groups);
+        let Some(entry) = self.file.works.get(work.name) else { return Ok(groups.start) };
+        let found = &entry.header;
+        work.check(path, found)?;
+        if found.groups == *groups && found.paths == work.paths {
+            entry.nodes(path, work)?.into_iter().for_each(|node| tree.push(node));
+            return Ok(found.done);
+        }
+        // Groups that are merged by now are no longer needed here.
+        if found.groups.end <= known {
+            return Ok(groups.start);
+        }
+        let (found, here) = (found.paths, work.paths);
+        Err(foreign(path, work.name, "a number of paths", found, here))
+    }
+
+    /// Puts nodes into the file, in memory.
+    fn record<T>(
+        &mut self,
+        work: &Work<'_, T>,
+        header: Header,
+        nodes: &[Node<T>],
+    ) -> Result<(), JobError> {
+        self.file.works.insert(work.name.to_owned(), Entry::new(header, nodes, work)?);
+        Ok(())
+    }
+
+    fn write(&mut self) -> Result<(), JobError> {
+        // After a failure, too: a disk that is full is not asked again after every wave.
+        self.written = Instant::now();
+        self.file.write()
+    }
+}

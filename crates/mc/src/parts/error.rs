@@ -1,0 +1,136 @@
+//! What goes wrong with parts.
+
+use std::{io, path::PathBuf};
+
+use super::share::array;
+
+/// Why a job did not come to its end. Nothing that was in its folder is lost by any of these.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum JobError {
+    /// There is no such part.
+    #[error("there is no part {number} of {of}: parts are numbered from 1 to their number")]
+    Share {
+        /// The given number.
+        number: u64,
+        /// The given number of parts.
+        of: u64,
+    },
+    /// An argument of the command line that is not understood.
+    #[error("cannot understand {0:?}; the arguments of a job are {usage}", usage = super::arguments::USAGE)]
+    Argument(String),
+    /// A file or folder cannot be read or written.
+    #[error("cannot {action} {}: {source}", path.display())]
+    File {
+        /// "read", "write", …
+        action: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// The cause.
+        source: io::Error,
+    },
+    /// A file is not what was written.
+    #[error(
+        "{} is damaged: {found}. Delete it and run its part again; nothing else is affected",
+        path.display()
+    )]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        found: String,
+    },
+    /// A file belongs to another study.
+    #[error(
+        "{} is of another study: {work} has {what} {found}, here it is {here}. Take another \
+         folder, or the arguments with which that study was begun",
+        path.display()
+    )]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// The piece of work that differs.
+        work: String,
+        /// What differs.
+        what: &'static str,
+        /// As the file has it.
+        found: String,
+        /// As this program has it.
+        here: String,
+    },
+    /// Two files have the same groups of paths.
+    #[error(
+        "{} and {} both have paths {from} to {to} of {work}: they are parts of different numbers \
+         of parts. Delete those of one number", first.display(), second.display()
+    )]
+    Overlap {
+        /// A file.
+        first: PathBuf,
+        /// Another.
+        second: PathBuf,
+        /// The piece of work.
+        work: String,
+        /// The first path of both.
+        from: u64,
+        /// The last path of both.
+        to: u64,
+    },
+    /// Another process has the same part.
+    #[error(
+        "{part} in {} is being computed by {holder}; wait for its end, or stop it",
+        folder.display()
+    )]
+    Busy {
+        /// "part 3 of 64".
+        part: String,
+        /// The folder.
+        folder: PathBuf,
+        /// The other process.
+        holder: String,
+    },
+    /// A folder has no parts.
+    #[error("there are no parts in {}", .0.display())]
+    NoParts(PathBuf),
+    /// Parts are missing or have not come to their end.
+    #[error("missing or incomplete: run these parts again: --array={}", array(parts))]
+    Missing {
+        /// Their numbers.
+        parts: Vec<u64>,
+    },
+    /// The next round of paths depends on those that are now merged.
+    #[error("{work} needs more paths: run the same parts once more, then merge again")]
+    NextRound {
+        /// The piece of work.
+        work: String,
+    },
+    /// A study can be extended by whole groups of paths only.
+    #[error(
+        "{work} has {paths} paths, which is no multiple of {group}: it cannot be extended. Begin \
+         anew in another folder with a multiple of {group}"
+    )]
+    NotWhole {
+        /// The piece of work.
+        work: String,
+        /// Its paths.
+        paths: u64,
+        /// Paths of a group.
+        group: u64,
+    },
+    /// Two pieces of work have the same name.
+    #[error("the name {0:?} is given to two pieces of work; names tell them apart in files")]
+    SameName(String),
+    /// A statistic does not come back from a file as it was.
+    #[error(
+        "the sums of {work} cannot be written and read back: {found}. Derive Serialize and \
+         Deserialize for them without skipping or flattening fields"
+    )]
+    NotKept {
+        /// The piece of work.
+        work: String,
+        /// What happened.
+        found: String,
+    },
+    /// The computation was stopped; a checkpoint is written.
+    #[error("stopped; the same command goes on from the checkpoint")]
+    Stopped,
+}

@@ -1,0 +1,124 @@
+//! What a study is, as hashes of numbers that its formulas give.
+
+use std::fmt::Write;
+
+use real::{Block, WIDTH};
+use schemes::Step;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use systems::{Damping, PoissonSystem, Problem};
+
+/// Hashes of a study, one for each of the things that may differ between two studies of one name.
+///
+/// Names do not tell studies apart: a changed constant in a formula has the same name. So B(y)v,
+/// h(y), γ, a step of every scheme and every statistic are evaluated at fixed points, and the bits
+/// are hashed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Fingerprint {
+    /// B, h, γ, y₀ and T.
+    pub system: String,
+    /// Schemes, step sizes and truncation.
+    pub schemes: String,
+    /// What is observed.
+    pub observed: String,
+}
+
+/// A hash of numbers and texts.
+#[derive(Clone, Default)]
+pub struct Hash(Sha256);
+
+impl Hash {
+    #[must_use]
+    pub fn with(mut self, bytes: &[u8]) -> Self {
+        self.0.update((bytes.len() as u64).to_le_bytes());
+        self.0.update(bytes);
+        self
+    }
+
+    #[must_use]
+    pub fn with_number(self, number: u64) -> Self {
+        self.with(&number.to_le_bytes())
+    }
+
+    /// The bits of real numbers. A NaN has many; any is as good as another.
+    #[must_use]
+    pub fn with_reals(self, numbers: impl IntoIterator<Item = f64>) -> Self {
+        let bits = |x: f64| if x.is_nan() { u64::MAX } else { x.to_bits() };
+        numbers.into_iter().fold(self, |hash, x| hash.with_number(bits(x)))
+    }
+
+    /// The first 16 bytes in hexadecimal.
+    pub fn finish(self) -> String {
+        hexadecimal(&self.0.finalize()[..16])
+    }
+}
+
+/// The SHA-256 of bytes in hexadecimal.
+pub fn checksum(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        // Writing into a string does not fail.
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}
+
+/// Points at which formulas are evaluated.
+const POINTS: usize = 8;
+/// Times at which the damping is.
+const TIMES: u32 = 16;
+
+/// A number between −1 and 1 that looks random: the fraction of multiples of the golden ratio.
+fn fixed(n: usize) -> f64 {
+    2.0 * (n as f64 * 0.618_033_988_749_894_9).fract() - 1.0
+}
+
+/// A state near y₀, of the same signs.
+fn near<const D: usize>(y0: [f64; D], n: usize) -> [f64; D] {
+    std::array::from_fn(|i| {
+        let shift = 0.05 * fixed(1 + n * D + i);
+        if y0[i] == 0.0 { shift } else { y0[i] * (1.0 + shift) }
+    })
+}
+
+/// 32 states near y₀, others for each n.
+pub fn probe_states<const D: usize>(y0: [f64; D], n: usize) -> Block<D> {
+    let mut block = Block::zero();
+    (0..WIDTH).for_each(|p| block.set_path(p, near(y0, n * WIDTH + p)));
+    block
+}
+
+/// Increments as they are drawn for steps of this size, but fixed.
+pub fn probe_noise<const M: usize>(step: &Step) -> noise::BlockNoise<M> {
+    let mut noise = noise::BlockNoise::zero();
+    for m in 0..M {
+        for p in 0..WIDTH {
+            noise.increments.0[m][p] = step.tau.sqrt() * fixed(7 + m * WIDTH + p);
+        }
+    }
+    noise
+}
+
+/// B(y)v, h, γ, y₀ and T of a problem.
+pub fn of_problem<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    problem: &Problem<S, G, D>,
+) -> String {
+    let (system, damping) = (problem.system(), problem.damping());
+    let (y0, t_end) = (problem.y0(), problem.t_end());
+    let mut hash = Hash::default().with_number(D as u64).with_number(M as u64);
+    hash = hash.with_reals(y0).with_reals([t_end]);
+    for n in 0..POINTS {
+        let (y, v) = (near(y0, n), near([1.0; D], POINTS + n));
+        let dw = std::array::from_fn(|m| fixed(3 * n + m));
+        let energy: f64 = system.energy(y, fixed(n), dw);
+        hash = hash.with_reals(system.structure(y, v)).with_reals([energy]);
+    }
+    for n in 0..TIMES {
+        let (from, to) = (t_end * f64::from(n) / 16.0, t_end * f64::from(n + 1) / 16.0);
+        hash = hash.with_reals([damping.rate(from), damping.integral(from, to)]);
+    }
+    hash.finish()
+}

@@ -1,0 +1,198 @@
+//! A run of a program: whole, one part of it, or the merging of parts.
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    ops::Range,
+    path::Path,
+    sync::{Mutex, PoisonError},
+    time::Duration,
+};
+
+use noise::StreamKey;
+
+use super::{
+    Fingerprint, JobError, Program, Share, Stop,
+    compute::Computing,
+    file::{Header, file_error, foreign},
+    merging::Merging,
+};
+use crate::{
+    parallel::grow,
+    tree::{MergeTree, Node},
+};
+
+/// How often a checkpoint is written, unless said otherwise.
+const INTERVAL: Duration = Duration::from_secs(60);
+
+/// What a program does with its Monte Carlo work: compute it here, compute one part, or merge.
+///
+/// A job that met an error computes nothing more; [`finish`](Self::finish) says what it was.
+pub struct Job {
+    stop: Stop,
+    interval: Duration,
+    state: Mutex<State>,
+}
+
+/// How a job ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Every piece of work gave its result.
+    Complete,
+    /// This part is complete; results come when all parts are merged.
+    Part(Share),
+}
+
+struct State {
+    mode: Mode,
+    error: Option<JobError>,
+    /// Names of works so far.
+    names: BTreeSet<String>,
+}
+
+enum Mode {
+    /// Nothing is written.
+    Here,
+    Part(Computing),
+    Merge(Merging),
+}
+
+/// A piece of work: groups of paths of a ladder, and how their sums become bytes and come back.
+pub(crate) struct Work<'a, T> {
+    pub name: &'a str,
+    pub fingerprint: Fingerprint,
+    pub key: StreamKey,
+    /// Paths of the whole.
+    pub paths: u64,
+    pub groups: Range<u64>,
+    pub pack: &'a dyn Fn(&T) -> postcard::Result<Vec<u8>>,
+    pub unpack: &'a dyn Fn(&[u8]) -> postcard::Result<T>,
+    pub merge: &'a dyn Fn(&mut T, T),
+    /// The sums of a group, or `None` if it was stopped.
+    pub compute: &'a (dyn Fn(u64) -> Option<T> + Sync),
+    /// Is told how many groups need not be computed.
+    pub skipped: &'a dyn Fn(u64),
+}
+
+impl<T> Work<'_, T> {
+    /// What a file says of these groups, of which it has none yet.
+    pub(super) fn header(&self, groups: Range<u64>) -> Header {
+        Header {
+            fingerprint: self.fingerprint.clone(),
+            seed: self.key.seed,
+            experiment: self.key.experiment,
+            paths: self.paths,
+            done: groups.start,
+            groups,
+        }
+    }
+
+    /// Whether a file has the same study, of any size.
+    pub(super) fn check(&self, path: &Path, found: &Header) -> Result<(), JobError> {
+        let Fingerprint { system, schemes, observed } = &self.fingerprint;
+        let pairs = [
+            ("the seed", found.seed.to_string(), self.key.seed.to_string()),
+            ("the experiment", found.experiment.to_string(), self.key.experiment.to_string()),
+            ("the system with hash", found.fingerprint.system.clone(), system.clone()),
+            ("schemes with hash", found.fingerprint.schemes.clone(), schemes.clone()),
+            ("observables with hash", found.fingerprint.observed.clone(), observed.clone()),
+        ];
+        match pairs.into_iter().find(|(_, found, here)| found != here) {
+            None => Ok(()),
+            Some((what, found, here)) => Err(foreign(path, self.name, what, found, here)),
+        }
+    }
+}
+
+impl Job {
+    /// All work is done here, and nothing is written.
+    pub fn here() -> Self {
+        Self::new(Mode::Here)
+    }
+
+    /// Part `share` of all work, in `folder`, which is created. If the folder has a checkpoint of
+    /// this part, the job goes on from it. [`Share::WHOLE`] gives results at once: a run with
+    /// checkpoints.
+    ///
+    /// # Errors
+    /// [`JobError`] if the folder cannot be written, another process has this part, or the file of
+    /// the part is damaged or of another program.
+    pub fn part(folder: &Path, share: Share, program: Program) -> Result<Self, JobError> {
+        fs::create_dir_all(folder).map_err(file_error("create the folder", folder))?;
+        Ok(Self::new(Mode::Part(Computing::open(folder, share, &program)?)))
+    }
+
+    /// Results come from the parts in `folder`.
+    ///
+    /// # Errors
+    /// [`JobError`] if there are none, or a file cannot be read, is damaged, or is of another
+    /// program.
+    pub fn merge(folder: &Path, program: Program) -> Result<Self, JobError> {
+        Ok(Self::new(Mode::Merge(Merging::open(folder, &program)?)))
+    }
+
+    fn new(mode: Mode) -> Self {
+        let state = State { mode, error: None, names: BTreeSet::new() };
+        Self { stop: Stop::default(), interval: INTERVAL, state: Mutex::new(state) }
+    }
+
+    /// Ends early when `stop` asks for it, with a checkpoint.
+    #[must_use]
+    pub fn stopped_by(mut self, stop: &Stop) -> Self {
+        self.stop = stop.clone();
+        self
+    }
+
+    /// Writes a checkpoint as often as this; a minute by default.
+    #[must_use]
+    pub fn with_checkpoints_every(mut self, interval: Duration) -> Self {
+        self.interval = interval;
+        self
+    }
+
+    /// Ends the job: writes what is not written yet.
+    ///
+    /// # Errors
+    /// [`JobError`]: the first error of the job, or [`JobError::Missing`], or
+    /// [`JobError::NextRound`].
+    pub fn finish(self) -> Result<Outcome, JobError> {
+        let State { mode, error, .. } =
+            self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
+        match (error, mode) {
+            (Some(error), _) => Err(error),
+            (None, Mode::Here) => Ok(Outcome::Complete),
+            (None, Mode::Part(computing)) => computing.finish(),
+            (None, Mode::Merge(merging)) => merging.finish(),
+        }
+    }
+
+    pub(crate) fn stop(&self) -> &Stop {
+        &self.stop
+    }
+
+    /// The nodes of all groups of a piece of work, if they are known here: computed, or merged.
+    pub(crate) fn collect<T: Send>(&self, work: &Work<'_, T>) -> Option<Vec<Node<T>>> {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let State { mode, error, names } = &mut *state;
+        if error.is_some() {
+            return None;
+        }
+        let found = match mode {
+            _ if !names.insert(work.name.to_owned()) => {
+                Err(JobError::SameName(work.name.to_owned()))
+            }
+            Mode::Here => {
+                let mut tree = MergeTree::new(work.merge);
+                let end = grow(&mut tree, work.groups.clone(), work.compute, &mut |_, _| ());
+                let complete = end == work.groups.end;
+                if complete { Ok(Some(tree.into_nodes())) } else { Err(JobError::Stopped) }
+            }
+            Mode::Part(computing) => computing.collect(work, self.interval),
+            Mode::Merge(merging) => merging.collect(work),
+        };
+        found.unwrap_or_else(|met| {
+            *error = Some(met);
+            None
+        })
+    }
+}

@@ -1,0 +1,178 @@
+//! Merging the parts in a folder.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::{Path, PathBuf},
+};
+
+use super::{
+    JobError, Outcome, Program, Share,
+    file::{Entry, Index, PartFile, Place, file_error, foreign},
+    job::Work,
+};
+use crate::{
+    driver::GROUP_PATHS,
+    tree::{MergeTree, Node},
+};
+
+/// The file of what was merged.
+pub const MERGED: &str = "merged.json";
+
+/// What was merged before.
+pub struct Known(pub PartFile);
+
+impl Known {
+    /// Its nodes of a piece of work, from the first group on: all of them, or fewer if there are
+    /// more paths now.
+    pub fn nodes<T>(&self, work: &Work<'_, T>) -> Result<Vec<Node<T>>, JobError> {
+        let path = &self.0.path;
+        let Some(entry) = self.0.works.get(work.name) else { return Ok(Vec::new()) };
+        let header = &entry.header;
+        work.check(path, header)?;
+        if header.paths < work.paths && !header.paths.is_multiple_of(GROUP_PATHS) {
+            let (name, paths) = (work.name.to_owned(), header.paths);
+            return Err(JobError::NotWhole { work: name, paths, group: GROUP_PATHS });
+        }
+        if header.groups.start != work.groups.start || header.paths > work.paths {
+            return Err(foreign(path, work.name, "a number of paths", header.paths, work.paths));
+        }
+        entry.nodes(path, work)
+    }
+}
+
+/// The parts in a folder, by piece of work.
+pub struct Merging {
+    works: BTreeMap<String, Vec<(Share, Place)>>,
+    /// The parts that have a file.
+    parts: BTreeSet<Share>,
+    known: Known,
+    missing: BTreeSet<u64>,
+    next_round: Option<String>,
+}
+
+impl Merging {
+    pub fn open(folder: &Path, program: &Program) -> Result<Self, JobError> {
+        let known = Known(PartFile::open(folder.join(MERGED), program, None)?);
+        let (mut works, mut parts) = (BTreeMap::<String, Vec<_>>::new(), BTreeSet::new());
+        for path in part_files(folder)? {
+            let index = Index::read(&path, program)?;
+            parts.insert(index.part);
+            for (name, place) in index.works {
+                works.entry(name).or_default().push((index.part, place));
+            }
+        }
+        if parts.is_empty() && known.0.works.is_empty() {
+            return Err(JobError::NoParts(folder.to_owned()));
+        }
+        Ok(Self { works, parts, known, missing: BTreeSet::new(), next_round: None })
+    }
+
+    pub fn finish(self) -> Result<Outcome, JobError> {
+        if !self.missing.is_empty() {
+            return Err(JobError::Missing { parts: self.missing.into_iter().collect() });
+        }
+        self.known.0.write()?;
+        let next = self.next_round;
+        next.map_or(Ok(Outcome::Complete), |work| Err(JobError::NextRound { work }))
+    }
+
+    /// The nodes of all groups, if the parts have them.
+    pub fn collect<T>(&mut self, work: &Work<'_, T>) -> Result<Option<Vec<Node<T>>>, JobError> {
+        let mut tree = MergeTree::new(work.merge);
+        self.known.nodes(work)?.into_iter().for_each(|node| tree.push(node));
+        let known = tree.nodes().last().map_or(work.groups.start, Node::end);
+        if known < work.groups.end {
+            let mut places = self.works.remove(work.name).unwrap_or_default();
+            places.retain(|(_, place)| place.header.groups.end > known);
+            if places.is_empty() {
+                self.not_begun(work.name);
+                return Ok(None);
+            }
+            if !self.are_complete(work, known, &places)? {
+                return Ok(None);
+            }
+            for (_, place) in &places {
+                let nodes = place.entry()?.nodes(&place.path, work)?;
+                nodes.into_iter().for_each(|node| tree.push(node));
+            }
+        }
+        let mut header = work.header(work.groups.clone());
+        header.done = header.groups.end;
+        let nodes = tree.into_nodes();
+        self.known.0.works.insert(work.name.to_owned(), Entry::new(header, &nodes, work)?);
+        Ok(Some(nodes))
+    }
+}
+
+impl Merging {
+    /// No part has begun a piece of work: its paths follow from those that are merged now, or all
+    /// parts are missing that have no file.
+    fn not_begun(&mut self, work: &str) {
+        let of = self.parts.iter().map(|part| part.of()).max().unwrap_or(0);
+        let exists = |number| self.parts.iter().any(|part| part.number() == number);
+        let missing: Vec<u64> = (1..=of).filter(|&number| !exists(number)).collect();
+        if missing.is_empty() {
+            self.next_round.get_or_insert_with(|| work.to_owned());
+        }
+        self.missing.extend(missing);
+    }
+
+    /// Whether the files have all groups from group `known` on. Remembers which parts have not.
+    fn are_complete<T>(
+        &mut self,
+        work: &Work<'_, T>,
+        known: u64,
+        places: &[(Share, Place)],
+    ) -> Result<bool, JobError> {
+        let ((share, first), mut next) = (&places[0], known);
+        let mut complete = BTreeSet::new();
+        let mut before = first;
+        for (part, place) in places {
+            let (path, header) = (&place.path, &place.header);
+            work.check(path, header)?;
+            if header.paths != work.paths {
+                let (found, here) = (header.paths, work.paths);
+                return Err(foreign(path, work.name, "a number of paths", found, here));
+            }
+            if part.of() != share.of() {
+                let (found, here) = (part.of(), share.of());
+                return Err(foreign(path, work.name, "a number of parts", found, here));
+            }
+            if header.groups.start < next {
+                let (first, second) = (before.path.clone(), path.clone());
+                let (from, to) = (header.groups.start * GROUP_PATHS, next * GROUP_PATHS - 1);
+                let work = work.name.to_owned();
+                return Err(JobError::Overlap { first, second, work, from, to });
+            }
+            if header.is_complete() {
+                complete.insert(part.number());
+            }
+            (before, next) = (place, header.groups.end);
+        }
+        let groups = known..work.groups.end;
+        let wanted = |number: &u64| {
+            Share::new(*number, share.of()).is_ok_and(|part| !part.range(&groups).is_empty())
+        };
+        let missing = (1..=share.of()).filter(wanted).filter(|number| !complete.contains(number));
+        let missing: Vec<u64> = missing.collect();
+        let all = missing.is_empty();
+        self.missing.extend(missing);
+        Ok(all)
+    }
+}
+
+/// The files of parts in a folder, sorted by name.
+fn part_files(folder: &Path) -> Result<Vec<PathBuf>, JobError> {
+    let entries = fs::read_dir(folder).map_err(file_error("read", folder))?;
+    let mut files = Vec::new();
+    for entry in entries {
+        let path = entry.map_err(file_error("read", folder))?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if name.starts_with("part-") && name.ends_with(".json") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    Ok(files)
+}

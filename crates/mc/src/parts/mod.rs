@@ -1,0 +1,74 @@
+//! **One study on many machines: parts, checkpoints, merging.**
+//!
+//! A [`Job`] says what a program does with its Monte Carlo: all of it here, a part of it, or merge
+//! the parts that others computed. The program itself stays as it is:
+//!
+//! ```
+//! use mc::{Kept, Ladder, Run, Statistic, View, parts::{Job, Program, Share}};
+//! # use noise::{StreamKey, Truncation};
+//! # use schemes::Sexp;
+//! # use systems::{Constant, Pendulum, Problem};
+//! # #[derive(Default, serde::Serialize, serde::Deserialize)]
+//! # struct Momentum { sum: f64 }
+//! # impl Statistic<2> for Momentum {
+//! #     fn observe(&mut self, view: &View<'_, 2>) {
+//! #         self.sum += view.live.paths().map(|p| view.states[0].path(p)[1]).sum::<f64>();
+//! #     }
+//! #     fn merge(&mut self, later: Self) { self.sum += later.sum; }
+//! # }
+//! # let folder = tempfile::tempdir()?;
+//! # let folder = folder.path();
+//! # let program = || Program { name: "momentum".into(), version: "1".into() };
+//! # let problem = Problem::new(Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0], 1.0)?;
+//! # let key = StreamKey { seed: 1, experiment: 1 };
+//! // A statistic of which everything is kept.
+//! impl Kept<2> for Momentum {
+//!     type Sums = Self;
+//!     fn sums(&self) -> &Self { self }
+//!     fn sums_mut(&mut self) -> &mut Self { self }
+//! }
+//! let ladder = Ladder::new(&problem, 64, 6, Truncation::new(4)?, key, vec![Run::new(&Sexp, 0)])?;
+//! let study = |job: Job| {
+//!     let measured = ladder.run_in(&job, "momentum", 4096, Momentum::default, &|_| ());
+//!     let mean = measured.map(|measured| measured.statistic.sum / 4096.0);
+//!     job.finish().map(|_| mean)
+//! };
+//! // Three tasks, on any machines, in any order, and then one that merges.
+//! for number in [2, 3, 1] {
+//!     study(Job::part(folder, Share::new(number, 3)?, program())?)?;
+//! }
+//! let merged = study(Job::merge(folder, program())?)?;
+//! assert_eq!(merged, study(Job::here())?); // to the bit
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Statistics are merged on a fixed binary tree over groups of 128 paths. A part has a range of
+//! groups and writes the largest subtrees of the tree within it, at most 2 log₂G of them. Whoever
+//! merges completes the tree: the same bits in any number of parts.
+//!
+//! | file in the folder | content |
+//! |---|---|
+//! | `part-03-of-64.json` | the nodes of a part; while it runs, its checkpoint |
+//! | `merged.json` | the nodes of all works that were merged; later rounds and extensions begin here |
+
+mod arguments;
+mod atomic;
+mod compute;
+mod error;
+mod file;
+mod fingerprint;
+mod job;
+mod merging;
+mod share;
+mod stop;
+
+pub use atomic::{folder, replace};
+pub use error::JobError;
+pub use file::Program;
+pub use fingerprint::Fingerprint;
+pub use job::{Job, Outcome};
+pub use share::{Share, array};
+pub use stop::Stop;
+
+pub(crate) use fingerprint::{Hash, of_problem, probe_noise, probe_states};
+pub(crate) use job::Work;

@@ -1,0 +1,129 @@
+//! Part k of n.
+
+use std::{fmt, ops::Range, str::FromStr};
+
+use serde::{Deserialize, Serialize};
+
+use super::JobError;
+
+/// Part `number` of `of` parts, counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Share {
+    number: u64,
+    of: u64,
+}
+
+impl Share {
+    /// All of it.
+    pub const WHOLE: Self = Self { number: 1, of: 1 };
+
+    /// Part `number` of `of`.
+    ///
+    /// # Errors
+    /// [`JobError::Share`] unless 1 ≤ `number` ≤ `of`.
+    pub fn new(number: u64, of: u64) -> Result<Self, JobError> {
+        if (1..=of).contains(&number) {
+            Ok(Self { number, of })
+        } else {
+            Err(JobError::Share { number, of })
+        }
+    }
+
+    /// The number of this part, from 1.
+    pub fn number(self) -> u64 {
+        self.number
+    }
+
+    /// How many parts there are.
+    pub fn of(self) -> u64 {
+        self.of
+    }
+
+    /// What this part has of a range of items: ⌊(k − 1)L/n⌋ to ⌊kL/n⌋ of L items. The parts cover
+    /// all, and their lengths differ by at most one.
+    pub(crate) fn range(self, all: &Range<u64>) -> Range<u64> {
+        let length = u128::from(all.end - all.start);
+        let at = |k: u64| all.start + (u128::from(k) * length / u128::from(self.of)) as u64;
+        at(self.number - 1)..at(self.number)
+    }
+
+    /// The name of its file: the numbers have as many digits as the largest, so that names sort.
+    pub(crate) fn file_name(self) -> String {
+        let digits = self.of.to_string().len();
+        format!("part-{:0digits$}-of-{}.json", self.number, self.of)
+    }
+}
+
+impl fmt::Display for Share {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "part {} of {}", self.number, self.of)
+    }
+}
+
+/// "3/64".
+impl FromStr for Share {
+    type Err = JobError;
+
+    fn from_str(text: &str) -> Result<Self, JobError> {
+        let parts =
+            text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+        let (number, of) = parts.ok_or_else(|| JobError::Argument(text.to_owned()))?;
+        Self::new(number, of)
+    }
+}
+
+/// Numbers as an array specification of Slurm: "1-3,7".
+pub fn array(numbers: &[u64]) -> String {
+    let runs = numbers.chunk_by(|a, b| a + 1 == *b);
+    let words = runs.map(|run| match run {
+        [one] => one.to_string(),
+        run => format!("{}-{}", run[0], run[run.len() - 1]),
+    });
+    words.collect::<Vec<_>>().join(",")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_cover_a_range_once_and_evenly() {
+        for (first, items) in [(0, 0), (0, 1), (5, 6), (0, 63), (128, 1000), (7, 7813)] {
+            for of in [1, 2, 7, 64, 1000] {
+                let mut end = first;
+                for number in 1..=of {
+                    let range = Share::new(number, of).unwrap().range(&(first..first + items));
+                    assert_eq!(range.start, end);
+                    let length = range.end - range.start;
+                    assert!(length == items / of || length == items.div_ceil(of));
+                    end = range.end;
+                }
+                assert_eq!(end, first + items);
+            }
+        }
+    }
+
+    #[test]
+    fn only_parts_that_exist_are_taken() {
+        assert_eq!("3/64".parse::<Share>().unwrap(), Share { number: 3, of: 64 });
+        for wrong in ["0/4", "5/4", "1/0", "3", "a/b", "-1/4", "1/4/2"] {
+            assert!(wrong.parse::<Share>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn numbers_become_an_array_specification() {
+        assert_eq!(array(&[3]), "3");
+        assert_eq!(array(&[1, 2, 3, 7, 9, 10]), "1-3,7,9-10");
+    }
+
+    #[test]
+    fn names_of_files_sort_like_their_numbers() {
+        let mut names: Vec<String> =
+            (1..=120).map(|k| Share::new(k, 120).unwrap().file_name()).collect();
+        let in_order = names.clone();
+        names.sort();
+        assert_eq!(names, in_order);
+        assert_eq!(names[2], "part-003-of-120.json");
+    }
+}

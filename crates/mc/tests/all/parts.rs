@@ -1,0 +1,384 @@
+//! Parts, checkpoints and merging: the same bits, and no error without its name.
+
+use std::{
+    fs,
+    path::Path,
+    sync::atomic::{AtomicU64, Ordering},
+    time::Duration,
+};
+
+use mc::{
+    Kept, Ladder, Measured, Run, Statistic, View,
+    parts::{Job, JobError, Outcome, Program, Share, Stop},
+};
+use noise::{StreamKey, Truncation};
+use schemes::{EulerMaruyama, Heun, Scheme};
+use serde::{Deserialize, Serialize};
+use systems::{Constant, Pendulum, Problem};
+
+type Pendulums = Problem<Pendulum, Constant, 2>;
+
+fn pendulum(c: f64) -> Pendulums {
+    Problem::new(Pendulum::new(c).unwrap(), Constant::new(0.5).unwrap(), [0.2, 1.0], 1.0).unwrap()
+}
+
+/// Σ cos(ωy₁) + y₂³: a sum whose rounding depends on the order.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Sums {
+    sum: f64,
+    least: f64,
+    blocks: Vec<u64>,
+}
+
+struct Sum {
+    frequency: f64,
+    sums: Sums,
+}
+
+impl Sum {
+    fn new(frequency: f64) -> Self {
+        Self { frequency, sums: Sums { sum: 0.0, least: f64::INFINITY, blocks: Vec::new() } }
+    }
+}
+
+impl Statistic<2> for Sum {
+    fn observe(&mut self, view: &View<'_, 2>) {
+        for p in view.live.paths() {
+            let [q, p] = view.states[0].path(p);
+            self.sums.sum += real::elementary::cos(self.frequency * q) + p * p * p;
+            self.sums.least = self.sums.least.min(p);
+        }
+        self.sums.blocks.push(view.first_path);
+    }
+
+    fn merge(&mut self, later: Self) {
+        self.sums.sum += later.sums.sum;
+        self.sums.least = self.sums.least.min(later.sums.least);
+        self.sums.blocks.extend(later.sums.blocks);
+    }
+}
+
+impl Kept<2> for Sum {
+    type Sums = Sums;
+    fn sums(&self) -> &Sums {
+        &self.sums
+    }
+    fn sums_mut(&mut self) -> &mut Sums {
+        &mut self.sums
+    }
+}
+
+/// What makes a study.
+#[derive(Clone, Copy)]
+struct Study {
+    c: f64,
+    frequency: f64,
+    seed: u64,
+    paths: u64,
+    heun: bool,
+    version: &'static str,
+}
+
+const STUDY: Study =
+    Study { c: 1.0, frequency: 3.0, seed: 1, paths: 128 * 150 + 17, heun: true, version: "1" };
+
+impl Study {
+    fn program(self) -> Program {
+        Program { name: "test".into(), version: self.version.into() }
+    }
+
+    fn part(self, folder: &Path, number: u64, of: u64) -> Result<Job, JobError> {
+        Job::part(folder, Share::new(number, of)?, self.program())
+    }
+
+    fn run(self, job: Job) -> Result<(Outcome, Option<Sums>), JobError> {
+        self.run_with(job, &|_| ())
+    }
+
+    fn run_with(
+        self,
+        job: Job,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<(Outcome, Option<Sums>), JobError> {
+        let problem = pendulum(self.c);
+        let scheme: &dyn Scheme<Pendulum, 2, 1> = if self.heun { &Heun } else { &EulerMaruyama };
+        let key = StreamKey { seed: self.seed, experiment: 5 };
+        let runs = vec![Run::new(scheme, 0)];
+        let ladder = Ladder::new(&problem, 8, 3, Truncation::new(4).unwrap(), key, runs).unwrap();
+        let new = || Sum::new(self.frequency);
+        let found = ladder.run_in(&job, "sum", self.paths, new, progress);
+        let sums = |measured: Measured<Sum>| measured.statistic.sums;
+        job.finish().map(|outcome| (outcome, found.map(sums)))
+    }
+
+    fn here(self) -> Sums {
+        self.run(Job::here()).unwrap().1.unwrap()
+    }
+
+    fn merged(self, folder: &Path) -> Result<Sums, JobError> {
+        let (outcome, sums) = self.run(Job::merge(folder, self.program())?)?;
+        assert_eq!(outcome, Outcome::Complete);
+        Ok(sums.unwrap())
+    }
+
+    /// Runs parts, in this order.
+    fn run_parts(self, folder: &Path, numbers: impl IntoIterator<Item = u64>, of: u64) {
+        for number in numbers {
+            let (outcome, sums) = self.run(self.part(folder, number, of).unwrap()).unwrap();
+            assert_eq!(outcome, Outcome::Part(Share::new(number, of).unwrap()));
+            assert_eq!(sums, None);
+        }
+    }
+}
+
+fn message<T>(result: Result<T, JobError>) -> String {
+    result.err().expect("an error").to_string()
+}
+
+#[test]
+fn any_number_of_parts_in_any_order_on_any_threads_gives_the_same_bits() {
+    let whole = STUDY.here();
+    assert_eq!(whole.blocks.len() as u64, STUDY.paths.div_ceil(32));
+    for of in [1, 2, 7, 64, 200] {
+        let folder = tempfile::tempdir().unwrap();
+        let pools = [1, 2].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap());
+        for n in 1..=of {
+            // Another order: multiples of a number without a common factor.
+            let number = n * 11 % of + 1;
+            let part = STUDY.part(folder.path(), number, of).unwrap();
+            let (_, sums) = pools[n as usize % 2].install(|| STUDY.run(part)).unwrap();
+            assert_eq!(sums.is_some(), of == 1);
+        }
+        assert_eq!(STUDY.merged(folder.path()).unwrap(), whole, "{of}");
+        // Again, now from what was merged.
+        assert_eq!(STUDY.merged(folder.path()).unwrap(), whole, "{of}");
+    }
+}
+
+#[test]
+fn a_part_that_was_stopped_goes_on_where_it_was() {
+    let whole = STUDY.here();
+    let folder = tempfile::tempdir().unwrap();
+    let (mut stops, mut steps) = (0, 0);
+    for number in [1, 2] {
+        loop {
+            let (stop, done) = (Stop::default(), AtomicU64::new(0));
+            let job = STUDY.part(folder.path(), number, 2).unwrap().stopped_by(&stop);
+            let computed = AtomicU64::new(0);
+            let result = STUDY.run_with(job, &|work| {
+                // The first report is of what was done before.
+                if done.fetch_add(work, Ordering::Relaxed) > 0 || work == 1024 {
+                    computed.fetch_add(work, Ordering::Relaxed);
+                }
+                if computed.load(Ordering::Relaxed) > 40 * 1024 {
+                    stop.now();
+                }
+            });
+            steps += done.load(Ordering::Relaxed);
+            match result {
+                Ok((outcome, _)) => break assert!(matches!(outcome, Outcome::Part(_))),
+                Err(error) => assert!(matches!(error, JobError::Stopped), "{error}"),
+            }
+            stops += 1;
+        }
+    }
+    assert!(stops >= 2 && steps > 0);
+    assert_eq!(STUDY.merged(folder.path()).unwrap(), whole);
+}
+
+#[test]
+fn a_run_with_checkpoints_gives_its_result_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = || STUDY.part(folder.path(), 1, 1).unwrap();
+    let job = whole().with_checkpoints_every(Duration::ZERO);
+    assert_eq!(STUDY.run(job).unwrap(), (Outcome::Complete, Some(STUDY.here())));
+    // And again without computing.
+    let computed = AtomicU64::new(0);
+    let count = |work| _ = computed.fetch_add(work, Ordering::Relaxed);
+    let found = STUDY.run_with(whole(), &count);
+    assert_eq!(found.unwrap().1, Some(STUDY.here()));
+    // One report: all of it was done before.
+    assert_eq!(computed.into_inner(), STUDY.paths.div_ceil(128) * 128 * 8);
+}
+
+#[test]
+fn missing_parts_are_listed_and_can_be_added() {
+    let folder = tempfile::tempdir().unwrap();
+    STUDY.run_parts(folder.path(), [1, 3, 4, 5, 9, 12], 12);
+    let stop = Stop::default();
+    stop.now();
+    let incomplete = STUDY.part(folder.path(), 10, 12).unwrap().stopped_by(&stop);
+    assert!(matches!(STUDY.run(incomplete), Err(JobError::Stopped)));
+    let missing = message(STUDY.merged(folder.path()));
+    assert!(missing.ends_with("--array=2,6-8,10-11"), "{missing}");
+    STUDY.run_parts(folder.path(), [2, 6, 7, 8, 10, 11], 12);
+    assert_eq!(STUDY.merged(folder.path()).unwrap(), STUDY.here());
+}
+
+#[test]
+fn an_extended_study_has_the_bits_of_one_planned_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let small = Study { paths: 128 * 50, ..STUDY };
+    small.run_parts(folder.path(), 1..=3, 3);
+    assert_eq!(small.merged(folder.path()).unwrap(), small.here());
+    // Before the parts ran again, the extension is not there.
+    let early = message(STUDY.merged(folder.path()));
+    assert!(early.contains("run the same parts once more"), "{early}");
+    STUDY.run_parts(folder.path(), 1..=5, 5);
+    assert_eq!(STUDY.merged(folder.path()).unwrap(), STUDY.here());
+    // A part that comes late has nothing to do: one report, of what was done before.
+    let computed = AtomicU64::new(0);
+    let late = STUDY.part(folder.path(), 2, 3).unwrap();
+    let count = |work| _ = computed.fetch_add(work, Ordering::Relaxed);
+    assert_eq!(STUDY.run_with(late, &count).unwrap().1, Some(STUDY.here()));
+    assert_eq!(computed.into_inner(), STUDY.paths.div_ceil(128) * 128 * 8);
+
+    let folder = tempfile::tempdir().unwrap();
+    let odd = Study { paths: 1000, ..STUDY };
+    odd.run_parts(folder.path(), 1..=2, 2);
+    odd.merged(folder.path()).unwrap();
+    let refused = message(STUDY.run(STUDY.part(folder.path(), 1, 2).unwrap()));
+    assert!(refused.contains("1000 paths, which is no multiple of 128"), "{refused}");
+}
+
+#[test]
+fn parts_of_another_study_are_refused_by_name() {
+    let changes: [(Study, &str); 6] = [
+        (Study { seed: 2, ..STUDY }, "sum has the seed 2, here it is 1"),
+        (Study { c: 1.0 + 1e-15, ..STUDY }, "sum has the system with hash"),
+        (Study { heun: false, ..STUDY }, "sum has schemes with hash"),
+        (Study { frequency: 3.0 + 1e-13, ..STUDY }, "sum has observables with hash"),
+        (Study { paths: 999, ..STUDY }, "sum has a number of paths 999, here it is 19217"),
+        (Study { version: "0.9", ..STUDY }, "it has version 0.9, here it is 1"),
+    ];
+    for (other, why) in changes {
+        let folder = tempfile::tempdir().unwrap();
+        STUDY.run_parts(folder.path(), [1], 2);
+        other.run_parts(folder.path(), [2], 2);
+        let refused = message(STUDY.merged(folder.path()));
+        assert!(refused.contains(why) && refused.contains("part-2-of-2.json"), "{refused}");
+        // Nor does a part go on from it, or write over it.
+        let before = fs::read(folder.path().join("part-2-of-2.json")).unwrap();
+        let refused = message(STUDY.part(folder.path(), 2, 2).and_then(|job| STUDY.run(job)));
+        assert!(refused.contains(why), "{refused}");
+        assert_eq!(fs::read(folder.path().join("part-2-of-2.json")).unwrap(), before);
+    }
+}
+
+#[test]
+fn parts_of_two_numbers_of_parts_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    STUDY.run_parts(folder.path(), 1..=2, 2);
+    STUDY.run_parts(folder.path(), [1], 3);
+    let refused = message(STUDY.merged(folder.path()));
+    assert!(refused.contains("a number of parts"), "{refused}");
+    let folder = tempfile::tempdir().unwrap();
+    STUDY.run_parts(folder.path(), 1..=2, 2);
+    let copy = folder.path().join("part-2-of-2-copy.json");
+    fs::copy(folder.path().join("part-2-of-2.json"), copy).unwrap();
+    let refused = message(STUDY.merged(folder.path()));
+    assert!(refused.contains("both have paths") && refused.contains("copy"), "{refused}");
+}
+
+#[test]
+fn damaged_files_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    STUDY.run_parts(folder.path(), 1..=2, 2);
+    let file = folder.path().join("part-2-of-2.json");
+    let good = fs::read(&file).unwrap();
+    let middle = good.len() / 2;
+    let mut flipped = good.clone();
+    flipped[middle] = if flipped[middle] == b'A' { b'B' } else { b'A' };
+    let cut = good[..middle].to_vec();
+    for bad in [flipped, cut, Vec::new(), b"{}".to_vec()] {
+        fs::write(&file, &bad).unwrap();
+        let refused = message(STUDY.merged(folder.path()));
+        assert!(refused.contains("part-2-of-2.json is damaged"), "{refused}");
+        assert!(message(STUDY.part(folder.path(), 2, 2)).contains("damaged"));
+        assert_eq!(fs::read(&file).unwrap(), bad);
+    }
+    fs::remove_file(&file).unwrap();
+    STUDY.run_parts(folder.path(), [2], 2);
+    assert_eq!(STUDY.merged(folder.path()).unwrap(), STUDY.here());
+    assert_eq!(fs::read(&file).unwrap(), good);
+}
+
+#[test]
+fn a_part_is_computed_by_one_process_at_a_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = STUDY.part(folder.path(), 1, 2).unwrap();
+    let refused = message(STUDY.part(folder.path(), 1, 2));
+    assert!(refused.contains("part 1 of 2") && refused.contains("process"), "{refused}");
+    assert!(STUDY.part(folder.path(), 2, 2).is_ok());
+    drop(first);
+    assert!(STUDY.part(folder.path(), 1, 2).is_ok());
+}
+
+#[test]
+fn folders_that_are_none_are_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    fs::write(&file, "text").unwrap();
+    assert!(message(STUDY.part(&file, 1, 2)).contains("cannot create the folder"));
+    assert!(message(STUDY.merged(folder.path())).contains("there are no parts in"));
+    assert!(message(STUDY.merged(&folder.path().join("nowhere"))).contains("cannot read"));
+    assert!(message(STUDY.part(folder.path(), 3, 2)).contains("no part 3 of 2"));
+}
+
+#[test]
+fn temporary_files_of_a_killed_process_are_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let left = folder.path().join(".part-1-of-2.json.x1Yz");
+    fs::write(&left, "half of a checkp").unwrap();
+    STUDY.run_parts(folder.path(), [1], 2);
+    assert!(!left.exists());
+}
+
+/// A statistic with a field that does not come back.
+#[derive(Default, Serialize, Deserialize)]
+struct Forgetful {
+    #[serde(skip)]
+    sum: f64,
+    count: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    most: Option<f64>,
+}
+
+impl Statistic<2> for Forgetful {
+    fn observe(&mut self, _: &View<'_, 2>) {
+        self.sum += 1.0;
+        self.count = Some(self.sum as u64);
+    }
+    fn merge(&mut self, later: Self) {
+        self.sum += later.sum;
+    }
+}
+
+impl Kept<2> for Forgetful {
+    type Sums = Self;
+    fn sums(&self) -> &Self {
+        self
+    }
+    fn sums_mut(&mut self) -> &mut Self {
+        self
+    }
+}
+
+#[test]
+fn sums_that_do_not_come_back_and_names_given_twice_are_errors() {
+    let problem = pendulum(1.0);
+    let key = StreamKey { seed: 1, experiment: 1 };
+    let runs = vec![Run::new(&Heun as &dyn Scheme<Pendulum, 2, 1>, 0)];
+    let ladder = Ladder::new(&problem, 8, 3, Truncation::new(4).unwrap(), key, runs).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let job = STUDY.part(folder.path(), 1, 1).unwrap();
+    assert!(ladder.run_in(&job, "none", 500, Forgetful::default, &|_| ()).is_none());
+    let error = message(job.finish());
+    assert!(error.contains("cannot be written and read back"), "{error}");
+
+    let job = Job::here();
+    let sum = || Sum::new(1.0);
+    assert!(ladder.run_in(&job, "sum", 500, sum, &|_| ()).is_some());
+    assert!(ladder.run_in(&job, "sum", 500, sum, &|_| ()).is_none());
+    assert!(message(job.finish()).contains("\"sum\" is given to two pieces of work"));
+}
