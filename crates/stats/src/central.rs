@@ -16,17 +16,11 @@ use crate::{
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CentralMoments {
     count: u64,
-    #[serde(with = "any_float")]
     mean: f64,
-    #[serde(with = "any_float")]
     m2: f64,
-    #[serde(with = "any_float")]
     m3: f64,
-    #[serde(with = "any_float")]
     m4: f64,
-    #[serde(with = "any_float")]
     least: f64,
-    #[serde(with = "any_float")]
     largest: f64,
 }
 

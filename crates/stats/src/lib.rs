@@ -35,7 +35,6 @@
 //! Of this workspace the crate uses only `real`, whose dispatch runs the bootstrap's kernel on the
 //! widest vectors of the processor.
 
-mod any_float;
 mod bootstrap;
 mod central;
 mod coverage;
