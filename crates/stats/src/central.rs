@@ -3,10 +3,7 @@
 use real::{Kernel, PathMask, WIDTH, dispatch};
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    any_float,
-    quantile::{CONFIDENCE, two_sided},
-};
+use crate::quantile::{CONFIDENCE, two_sided};
 
 /// Number, mean, the sums of the second, third and fourth powers of the deviations from it, and the
 /// least and the largest sample.
