@@ -1,6 +1,10 @@
 //! What an experiment is, what it is given and what it returns.
 
-use mc::{Trajectory, trajectory};
+use mc::{
+    Kept, Ladder, Measured, Trajectory,
+    parts::{GROUP_PATHS, Job},
+    trajectory,
+};
 use noise::{StreamKey, Truncation};
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem, paper::valid};
@@ -13,8 +17,10 @@ use crate::{Method, streams};
 
 /// What an experiment is given.
 pub struct Conditions<'a> {
-    /// Seed and mode.
+    /// Seed, mode and number of paths.
     pub settings: Settings,
+    /// What is done with long ladders: computed here, in parts, or merged.
+    pub job: &'a Job,
     /// Number of the experiment ([`streams`]), so that no two share noise.
     pub experiment: u64,
     /// The ids that are wanted of those that the experiment can make.
@@ -58,6 +64,35 @@ impl Conditions<'_> {
         valid(trajectory(problem, scheme, steps, truncation(), self.key(part), path))
     }
 
+    /// The results of a ladder with `samples` paths, as a piece of work of the job: `None` if they
+    /// are not here. Two ladders of an experiment have different names.
+    pub fn run<T: Kept<D>, const D: usize, const M: usize>(
+        &self,
+        name: &str,
+        ladder: &Ladder<'_, D, M>,
+        samples: u64,
+        new: impl Fn() -> T + Sync,
+    ) -> Option<Measured<T>> {
+        let advance = |work| self.progress.advance(work);
+        ladder.run_in(self.job, name, samples, new, &advance)
+    }
+
+    /// A number of paths, as often as the settings want it: in whole groups, so that the study can
+    /// be extended, or the number itself where they want nothing.
+    pub fn paths(&self, paths: u64) -> u64 {
+        self.settings.samples_times.map_or(paths, |times| {
+            let groups = (times * paths as f64 / GROUP_PATHS as f64).ceil();
+            groups as u64 * GROUP_PATHS
+        })
+    }
+
+    /// How often there are these paths, in words after a comma; nothing where nothing was wanted.
+    pub fn times_in_words(&self) -> String {
+        let whose = self.choose("paper's", "quick mode's");
+        let times = self.settings.samples_times;
+        times.map_or(String::new(), |times| format!(", {times} times the {whose} paths"))
+    }
+
     /// `paper` at the paper's sizes, `quick` for continuous integration.
     pub fn choose<T>(&self, paper: T, quick: T) -> T {
         match self.settings.mode {
@@ -96,6 +131,9 @@ pub struct Experiment {
     pub run: fn(&Conditions) -> Findings,
     /// Whether it takes most of the time of a run: the battery repeats it at small sizes only.
     pub takes_long: bool,
+    /// Whether it has ladders that are divided among parts. What has none is computed when parts
+    /// are merged.
+    pub in_parts: bool,
 }
 
 impl Experiment {
@@ -104,12 +142,17 @@ impl Experiment {
         ids: &'static [&'static str],
         run: fn(&Conditions) -> Findings,
     ) -> Self {
-        Self { ids, run, takes_long: false }
+        Self { ids, run, takes_long: false, in_parts: false }
     }
 
     /// The same as one that takes long.
     pub(crate) const fn long(self) -> Self {
         Self { takes_long: true, ..self }
+    }
+
+    /// The same as one with ladders that are divided among parts.
+    pub(crate) const fn in_parts(self) -> Self {
+        Self { in_parts: true, ..self }
     }
 }
 

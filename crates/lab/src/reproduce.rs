@@ -2,6 +2,7 @@
 
 use std::{collections::BTreeMap, time::Instant};
 
+use mc::parts::Job;
 use thiserror::Error;
 use verify::{
     Progress, Settings,
@@ -45,6 +46,9 @@ pub fn check_ids(wanted: &[String]) -> Result<(), UnknownId> {
 /// current rayon pool. The schemes in `further` are series of the panels that they are for, beside
 /// those of the paper, whose numbers do not depend on them.
 ///
+/// `job` says what is done with the long ladders. If it gives no results, they are incomplete, and
+/// [`Job::finish`] says why.
+///
 /// Of the provenance, the seed, the mode, the threads and the timings by id are filled in; the rest
 /// is left to the caller.
 ///
@@ -54,6 +58,7 @@ pub fn reproduce(
     settings: Settings,
     only: &[String],
     further: &[Method],
+    job: &Job,
     progress: &dyn Progress,
 ) -> Result<Results, UnknownId> {
     check_ids(only)?;
@@ -68,12 +73,13 @@ pub fn reproduce(
         for (experiment, member) in (first..).zip(family) {
             let mut wanted = member.ids.to_vec();
             wanted.retain(|id| only.is_empty() || only.iter().any(|name| name == id));
-            if wanted.is_empty() {
+            let here = member.in_parts || job.gives_results();
+            if wanted.is_empty() || !here {
                 continue;
             }
             let (names, start) = (wanted.join(", "), Instant::now());
             let wanted = &wanted;
-            let conditions = Conditions { settings, experiment, wanted, further, progress };
+            let conditions = Conditions { settings, job, experiment, wanted, further, progress };
             progress.begin(&names, 0);
             let found = (member.run)(&conditions);
             progress.end();
@@ -82,7 +88,8 @@ pub fn reproduce(
             wall_s_by_id.insert(names, start.elapsed().as_secs_f64());
         }
     }
-    let provenance =
-        Provenance { wall_s_by_id, ..Provenance::of_run(settings.seed, settings.mode.id()) };
+    let run = Provenance::of_run(settings.seed, settings.mode.id());
+    let samples_times = settings.samples_times;
+    let provenance = Provenance { wall_s_by_id, samples_times, ..run };
     Ok(Results { schema: SCHEMA, provenance, panels, supplements, claims })
 }

@@ -50,6 +50,9 @@ pub struct Provenance {
     pub seed: u64,
     /// `paper` or `quick`.
     pub mode: String,
+    /// How often the mode's numbers of paths there are, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub samples_times: Option<f64>,
     /// The command line.
     pub command: String,
     /// Wall time of the whole run in seconds.
@@ -141,7 +144,8 @@ pub struct Series {
     /// Scheme id: `sexp`, `em` or `midpoint`; with a qualifier on a supplement.
     pub scheme: String,
     /// What is measured: `y(T)`, `sup y` (strong; at the common coarse time where the coarsest
-    /// step's error is largest), `y1`, `y2^2`, `cos y3` (weak), `C`, `H` (invariant).
+    /// step's error is largest, found on other paths), `y1`, `y2^2`, `cos y3` (weak), `C`, `H`
+    /// (invariant).
     pub quantity: String,
     /// The points, in the order of decreasing step size, or of time.
     pub points: Vec<Point>,

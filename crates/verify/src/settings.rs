@@ -27,6 +27,16 @@ pub struct Settings {
     pub seed: u64,
     /// How much to compute.
     pub mode: Mode,
+    /// How often the mode's numbers of paths, in whole groups, so that a study can be extended;
+    /// `None` for the mode's numbers themselves.
+    pub samples_times: Option<f64>,
+}
+
+impl Settings {
+    /// With the mode's numbers of paths.
+    pub fn new(seed: u64, mode: Mode) -> Self {
+        Self { seed, mode, samples_times: None }
+    }
 }
 
 /// Is told how far a run is. Work is counted in path-steps.

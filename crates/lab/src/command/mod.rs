@@ -1,9 +1,16 @@
 //! What the command lines of all programs share.
 
+mod parts;
+mod study;
+
 use std::{fmt::Display, process::ExitCode};
 
+use anyhow::Context;
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use real::Level;
+
+pub use parts::{Parts, Running};
+pub use study::{RUN, Study};
 
 /// Reads the value of `--simd`: `baseline`, `avx2` or `avx512`.
 ///
@@ -42,6 +49,15 @@ pub fn table<const N: usize>(
         column.set_cell_alignment(CellAlignment::Right);
     }
     table
+}
+
+/// Limits the threads of everything that is computed from now on; 0 for all processors.
+///
+/// # Errors
+/// When threads cannot be started, or work has begun already.
+pub fn limit_threads(threads: usize) -> anyhow::Result<()> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    pool.build_global().context("cannot start the threads")
 }
 
 /// The exit code of a program: its own, or 2 after the error has been printed.

@@ -28,7 +28,8 @@ pub const EXPERIMENTS: &[Experiment] = &[
             proven: true,
         }
         .compare(conditions, &paper::pendulum())
-    }),
+    })
+    .in_parts(),
     Experiment::new(&["rigid-body-casimir"], |conditions| {
         InvariantPanel {
             words: Words {
@@ -53,7 +54,8 @@ pub const EXPERIMENTS: &[Experiment] = &[
             proven: true,
         }
         .compare_with_areas(conditions, &paper::rigid_body_three_noises(1.0))
-    }),
+    })
+    .in_parts(),
     Experiment::new(&["rigid-body-strong-1"], |conditions| {
         StrongPanel {
             words: Words {
@@ -66,12 +68,11 @@ pub const EXPERIMENTS: &[Experiment] = &[
             proven: true,
         }
         .compare(conditions, &paper::rigid_body_one_noise())
-    }),
-    Experiment {
-        ids: &[WEAK_PANELS[0].id, WEAK_PANELS[1].id, WEAK_PANELS[2].id, WEAK_PANELS[3].id],
-        run: |conditions| weak::measure(WEAK_PANELS, conditions),
-        takes_long: true,
-    },
+    })
+    .in_parts(),
+    Experiment::new(WEAK_IDS, |conditions| weak::measure(WEAK_PANELS, conditions))
+        .long()
+        .in_parts(),
     Experiment::new(&["rigid-body-energy"], |conditions| {
         InvariantPanel {
             words: Words {
@@ -111,7 +112,8 @@ pub const EXPERIMENTS: &[Experiment] = &[
         proven: false,
         }
         .compare(conditions, &paper::lotka_volterra_1_1())
-    }),
+    })
+    .in_parts(),
     Experiment::new(&["maxwell-bloch-casimir"], |conditions| {
         InvariantPanel {
             words: Words {
@@ -151,8 +153,12 @@ pub const EXPERIMENTS: &[Experiment] = &[
             proven: true,
         }
         .compare(conditions, &paper::poisson3_strong())
-    }),
+    })
+    .in_parts(),
 ];
+
+const WEAK_IDS: &[&str] =
+    &[WEAK_PANELS[0].id, WEAK_PANELS[1].id, WEAK_PANELS[2].id, WEAK_PANELS[3].id];
 
 /// The weak panels, which one set of runs makes.
 const WEAK_PANELS: &[WeakPanel] = &[

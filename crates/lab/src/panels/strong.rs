@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use mc::{Ladder, Measured, Reference, Run, StrongErrors};
+use mc::{Ladder, Measured, Reference, Run, StrongErrors, WorstTimes};
 use noise::Truncation;
 use schemes::{SexpLevy, SexpLi};
 use stats::{Rate, fit_strong, root_mean_squares};
@@ -15,11 +15,16 @@ use verify::{
 
 use super::curves::{Curve, curves};
 use crate::{
-    Compiled, Conditions, Findings, Method, PaperSystem, TRUNCATED, Words, compiled, truncation,
+    Compiled, Conditions, Findings, Method, PaperSystem, TRUNCATED, Words, compiled, streams,
+    truncation,
 };
 
 /// Coarsest step size 2⁻⁵.
 const FIRST: u32 = 5;
+/// The part of an experiment whose noise finds the times of the largest errors.
+const WORST_TIMES: u64 = streams::PARTS - 1;
+/// Paths that find them.
+const PILOT_PATHS: u64 = 512;
 
 /// Step sizes 2⁻⁵ … 2^−last with a reference at 2^−(last + 2), and the number of paths.
 #[derive(Clone, Copy)]
@@ -92,8 +97,10 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
 
     /// A panel with a claim for each curve. Its series are the errors at the final time of each
     /// curve, then, unless the solution is exact, those at the worst time of the common grid.
+    /// Nothing where the job gives no results.
     pub fn measure(&self, conditions: &Conditions) -> Findings {
-        let Self { problem, grid, curves, .. } = *self;
+        let Self { problem, curves, .. } = *self;
+        let grid = Grid { samples: conditions.paths(self.grid.samples), ..self.grid };
         let finest = curves.iter().find(|curve| curve.scheme.reads_areas()).unwrap_or(&curves[0]);
         let mut runs = vec![Run::new(finest.scheme.as_ref(), 0)];
         let mut series = Vec::new();
@@ -121,25 +128,33 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
         if let Some(exact) = self.exact {
             ladder = ladder.with_time_change(exact.time_change);
         }
+        let times = if self.exact.is_none() { self.worst_times(conditions) } else { Vec::new() };
+        let statistic = || {
+            let errors = StrongErrors::new(reference, &series, ladder.coarse_steps());
+            if times.is_empty() { errors } else { errors.and_at(&times) }
+        };
+        let names: Vec<&str> = curves.iter().map(|curve| curve.name).collect();
+        let name = format!("{}/{}", conditions.id(), names.join("+"));
         conditions.progress.begin(conditions.id(), ladder.steps_per_path() * grid.samples);
-        let statistic = || StrongErrors::new(reference, &series, ladder.coarse_steps());
-        let measured =
-            ladder.run(grid.samples, statistic, &|work| conditions.progress.advance(work));
+        let measured = conditions.run(&name, &ladder, grid.samples, statistic);
         conditions.progress.end();
+        let Some(measured) = measured else { return Findings::default() };
 
         let taus: Vec<f64> = grid.exponents().map(power_of_half).collect();
+        let more = conditions.times_in_words();
         let errors = &measured.statistic;
         let (mut series, mut claims, mut clipped) = (Vec::new(), Vec::new(), Vec::new());
         let all = 0..curves.len();
         let at_end = all.clone().map(|s| (s, "y(T)", "at the final time", errors.at_end(s)));
         let over_time = all
             .filter(|_| self.exact.is_none())
-            .map(|s| (s, "sup y", "largest over the common time grid", errors.at_worst_time(s)));
+            .map(|s| (s, "sup y", "largest over the common time grid", errors.at_time(s)));
         for (s, quantity, when, squares) in at_end.chain(over_time) {
             let Curve { name, method, .. } = curves[s];
             let rate = fit_strong(&taus[..taus.len() - 1], &squares.differences);
             let elsewhere = wrong_limit(&squares.errors, &squares.differences);
-            claims.push(self.claim(conditions.id(), method, when, rate.clone(), elsewhere));
+            let when = format!("{when}{more}");
+            claims.push(self.claim(conditions.id(), method, &when, rate.clone(), elsewhere));
             series.push(Series {
                 scheme: name.into(),
                 quantity: quantity.into(),
@@ -160,7 +175,7 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             }
         }
         let at_finest = format!("{} at τ = 2^-{}", finest.method.id(), grid.reference());
-        let steps = format!("τ = 2^-{FIRST} … 2^-{}, {}", grid.last, self.truncated);
+        let steps = format!("τ = 2^-{FIRST} … 2^-{}, {}{more}", grid.last, self.truncated);
         let mut panel = Panel {
             samples: grid.samples,
             failures: describe_failures(&measured),
@@ -184,6 +199,26 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             panel.reference = format!("{at_finest} on the same noise");
         }
         Findings { panels: vec![panel], claims }
+    }
+
+    /// For each curve the time of the common grid at which the error of its coarsest step is
+    /// largest, from the difference between that step and a quarter of it on paths of their own:
+    /// every part of a study finds the same times, and they do not depend on the errors that are
+    /// measured there.
+    fn worst_times(&self, conditions: &Conditions) -> Vec<u64> {
+        let runs =
+            |curve: &'a Curve<S, D, M>| [2, 0].map(|level| Run::new(curve.scheme.as_ref(), level));
+        let ladder = valid(Ladder::new(
+            self.problem,
+            (self.problem.t_end() * 2f64.powi(FIRST as i32 + 2)).round() as u64,
+            2,
+            self.truncation,
+            conditions.key(WORST_TIMES),
+            self.curves.iter().flat_map(runs).collect(),
+        ));
+        let pairs: Vec<_> = (0..self.curves.len()).map(|s| [2 * s, 2 * s + 1]).collect();
+        let new = || WorstTimes::new(pairs.clone(), ladder.coarse_steps());
+        ladder.run(PILOT_PATHS, new, &|_| ()).statistic.times()
     }
 
     /// The order of a curve whose errors are taken at the time `when`.

@@ -39,7 +39,7 @@
 mod tests;
 
 use mc::{Ladder, Observable, Run, View};
-use schemes::{Scheme, Sexp};
+use schemes::Sexp;
 use stats::{CrossMoments, weak_errors};
 use systems::{
     Cosine, Problem, RigidBody,
@@ -79,9 +79,10 @@ pub fn observables(panels: &[&WeakPanel]) -> Vec<Observable<3>> {
 const FIRST: u32 = 6;
 
 /// Step sizes 2⁻⁶ … 2^−last, each with the paths of the difference between it and half of it:
-/// `most`·√(τ/2⁻⁶), rounded upwards.
-fn grid(last: u32, most: u64) -> Vec<DifferenceSamples> {
+/// `most`·√(τ/2⁻⁶), rounded upwards, as often as the settings want it.
+fn grid(conditions: &Conditions, last: u32, most: u64) -> Vec<DifferenceSamples> {
     let samples = |l: u32| (most as f64 * power_of_half(l - FIRST).sqrt()).ceil() as u64;
+    let samples = |l| conditions.paths(samples(l));
     let difference = |l| DifferenceSamples { tau: power_of_half(l), samples: samples(l) };
     (FIRST..=last).map(difference).collect()
 }
@@ -90,13 +91,14 @@ fn grid(last: u32, most: u64) -> Vec<DifferenceSamples> {
 pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
     let problem = rigid_body_three_noises(1.0);
     let (last, most) = conditions.choose((12, 500_000), (9, 65_536));
-    let grid = grid(last, most);
+    let grid = grid(conditions, last, most);
     let wanted = |panel: &&WeakPanel| conditions.wanted.contains(&panel.id);
     let panels: Vec<&WeakPanel> = panels.iter().filter(wanted).collect();
     let observables = observables(&panels);
     let mut curves = vec![Curve::new(Method::Sexp, compiled(Sexp))];
     curves.extend(without_iteration(conditions.further, &problem));
-    let steps = format!("τ = 2^-{FIRST} … 2^-{last}, {TRUNCATED}");
+    let more = conditions.times_in_words();
+    let steps = format!("τ = 2^-{FIRST} … 2^-{last}, {TRUNCATED}{more}");
     let drawn = panels.iter().map(|panel| {
         let words = Words {
             title: panel.title,
@@ -104,7 +106,7 @@ pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
             paper: "sexp has weak order 1 for every test function.",
         };
         Panel {
-            samples: most,
+            samples: grid[0].samples,
             reference: reference(&grid, last),
             differences: grid.clone(),
             ..words.panel(panel.id, Kind::Weak, &problem, &steps)
@@ -113,8 +115,11 @@ pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
     let mut findings = Findings { panels: drawn.collect(), claims: Vec::new() };
     let taus: Vec<f64> = grid.iter().map(|difference| difference.tau).collect();
     for curve in &curves {
-        let (moments, failures) =
-            differences(conditions, &grid, &problem, &observables, curve.scheme.as_ref());
+        let Some((moments, failures)) =
+            differences(conditions, &grid, &problem, &observables, curve)
+        else {
+            continue;
+        };
         let mut series = observables.iter().enumerate().map(|(f, observable)| {
             let (points, rate) = weak_errors(&taus, &moments, f);
             let (scheme, quantity) = (curve.name.into(), observable.name.into());
@@ -122,7 +127,7 @@ pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
         });
         for (panel, drawn) in panels.iter().zip(&mut findings.panels) {
             let series: Vec<Series> = series.by_ref().take(panel.functions.len()).collect();
-            let claims = series.iter().map(|series| claim(panel.id, curve.method, series));
+            let claims = series.iter().map(|series| claim(panel.id, curve.method, series, &more));
             findings.claims.extend(claims);
             drawn.series.extend(series);
             drawn.failures.extend_from_slice(&failures);
@@ -132,12 +137,12 @@ pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
 }
 
 /// The paper's bound for `sexp`; the order of any other scheme.
-fn claim(panel: &str, method: Method, series: &Series) -> Claim {
+fn claim(panel: &str, method: Method, series: &Series, more: &str) -> Claim {
     let (scheme, quantity) = (&series.scheme, &series.quantity);
     let paper = method == Method::Sexp;
     let statement = match paper {
-        true => format!("|E φ(y_N) − E φ(y(T))| ≤ C τ for φ = {quantity} (k ≥ 2)"),
-        false => format!("{scheme} has weak order 1 for φ = {quantity}"),
+        true => format!("|E φ(y_N) − E φ(y(T))| ≤ C τ for φ = {quantity} (k ≥ 2{more})"),
+        false => format!("{scheme} has weak order 1 for φ = {quantity}{more}"),
     };
     let measured = Evidence::order_bound(1.0, series.rate.clone());
     Claim::new("weak-one", statement, measured).about(panel, scheme).proven(paper)
@@ -156,23 +161,26 @@ fn reference(grid: &[DifferenceSamples], last: u32) -> String {
 }
 
 /// Moments of antithetic differences between neighbouring step sizes, coarsest first, and the paths
-/// that failed; each difference is a part of the experiment.
+/// that failed; each difference is a part of the experiment, and a piece of work. `None` where the
+/// job gives no results.
 fn differences(
     conditions: &Conditions,
     grid: &[DifferenceSamples],
     problem: &Problem<RigidBody<3>, Cosine, 3>,
     observables: &[Observable<3>],
-    scheme: &dyn Scheme<RigidBody<3>, 3, 3>,
-) -> (Vec<CrossMoments>, Vec<String>) {
+    curve: &Curve<RigidBody<3>, 3, 3>,
+) -> Option<(Vec<CrossMoments>, Vec<String>)> {
+    let scheme = curve.scheme.as_ref();
     let ladder = |(difference, part): (&DifferenceSamples, u64)| {
         let runs = vec![Run::new(scheme, 1), Run::new(scheme, 0), Run::swapped(scheme, 0)];
         let finest_steps = (2.0 * problem.t_end() / difference.tau).round() as u64;
         let key = conditions.key(part);
         let ladder = Ladder::new(problem, finest_steps, 1, truncation(), key, runs);
-        (difference.samples, valid(ladder))
+        let name = format!("rigid-body-weak/{}/2^{}", curve.name, difference.tau.log2());
+        (name, difference.samples, valid(ladder))
     };
     let ladders: Vec<_> = grid.iter().zip(0..).map(ladder).collect();
-    let work = ladders.iter().map(|(samples, ladder)| samples * ladder.steps_per_path()).sum();
+    let work = ladders.iter().map(|(_, samples, ladder)| samples * ladder.steps_per_path()).sum();
     conditions.progress.begin(&conditions.wanted.join(", "), work);
     let values = |view: &View<'_, 3>, p: usize, differences: &mut [f64]| {
         for (difference, observable) in differences.iter_mut().zip(observables) {
@@ -181,12 +189,13 @@ fn differences(
         }
     };
     let (mut moments, mut failures) = (Vec::new(), Vec::new());
-    for (samples, ladder) in &ladders {
+    // All of them are begun, also where a part has no results.
+    for (name, samples, ladder) in &ladders {
         let new = || FinalMoments::new(ladder.coarse_steps(), observables.len(), &values);
-        let measured = ladder.run(*samples, new, &|work| conditions.progress.advance(work));
+        let Some(measured) = conditions.run(name, ladder, *samples, new) else { continue };
         failures.extend(describe_failures(&measured));
         moments.push(measured.statistic.moments);
     }
     conditions.progress.end();
-    (moments, failures)
+    (moments.len() == ladders.len()).then_some((moments, failures))
 }

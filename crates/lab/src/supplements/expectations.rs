@@ -4,6 +4,7 @@
 use mc::{
     Observable,
     multilevel::{Coupling, Estimate, Estimator, Expectation, ExpectationSettings, expectation},
+    parts::Job,
 };
 use schemes::Sexp;
 use stats::Point;
@@ -76,10 +77,11 @@ fn twelve(conditions: &Conditions, accuracy: f64) -> Vec<Claim> {
 pub fn expectation_claims(
     settings: verify::Settings,
     accuracy: f64,
+    job: &Job,
     progress: &dyn Progress,
 ) -> Vec<Claim> {
-    let experiment = streams::EXPECTATIONS;
-    twelve(&Conditions { settings, experiment, wanted: &[], further: &[], progress }, accuracy)
+    let (experiment, wanted, further) = (streams::EXPECTATIONS, &[], &[]);
+    twelve(&Conditions { settings, job, experiment, wanted, further, progress }, accuracy)
 }
 
 /// Twelve expectations, to the accuracy of the mode.

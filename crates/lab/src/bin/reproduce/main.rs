@@ -5,13 +5,17 @@ mod wording;
 
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::{Parser, builder::PossibleValuesParser};
-use lab::{Method, command};
+use lab::{
+    Method,
+    command::{self, Parts, Study},
+};
+use mc::parts::Job;
 use real::{Level, limit_to};
 use report::{Bars, Outcome, files, provenance, terminal};
 use verify::{
-    Mode, Settings,
+    Mode, Progress, Settings, Silent,
     results::{Claim, Results},
 };
 
@@ -37,6 +41,10 @@ struct Arguments {
     /// and any vectors.
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
+    /// Multiply the numbers of paths by X, in whole groups of 128, so that parts can be extended by
+    /// running them again with a larger X. With 1 or more.
+    #[arg(long, value_name = "X", value_parser = times)]
+    samples_times: Option<f64>,
     /// Worker threads; all processors unless given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
@@ -46,6 +54,29 @@ struct Arguments {
     /// Use no wider vector instructions than these; the results are the same, only slower.
     #[arg(long, value_parser = command::simd, value_name = "LEVEL")]
     simd: Option<Level>,
+    #[command(flatten)]
+    parts: Parts,
+}
+
+impl Arguments {
+    /// Those that decide what is computed.
+    fn study(&self) -> Result<Study> {
+        let quick = self.quick.then(|| "--quick".to_owned());
+        let only = self.only.iter().flat_map(|id| ["--only".to_owned(), id.clone()]);
+        let with = ["--with".to_owned(), self.with.join(",")];
+        let seed = ["--seed".to_owned(), self.seed.to_string()];
+        let arguments = quick.into_iter().chain(only).chain(with).chain(seed).collect();
+        let times = self.samples_times.map(|times| ("--samples-times".to_owned(), times));
+        Study::new("reproduce", arguments, times.into_iter().collect(), &self.out)
+    }
+}
+
+/// A factor for numbers of paths.
+fn times(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(times @ 1.0..=1e9) => Ok(times),
+        _ => Err("a number from 1 to 1e9 is wanted".to_owned()),
+    }
 }
 
 /// What `--with` may name.
@@ -65,24 +96,29 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     lab::check_ids(&arguments.only)?;
     files::prepare(&arguments.out)?;
-    let threads = arguments.threads.map_or(0, usize::from);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .context("cannot start the threads")?;
+    command::limit_threads(arguments.threads.map_or(0, usize::from))?;
     let mode = if arguments.quick { Mode::Quick } else { Mode::Paper };
-    let settings = Settings { seed: arguments.seed, mode };
+    let samples_times = arguments.samples_times;
+    let settings = Settings { samples_times, ..Settings::new(arguments.seed, mode) };
     let mut further = Method::FURTHER.to_vec();
     further.retain(|method| arguments.with.iter().any(|name| name == method.id()));
 
+    let reproduce = |job: &Job, progress: &dyn Progress| {
+        lab::reproduce(settings, &arguments.only, &further, job, progress)
+    };
+    let list = |job: &Job| drop(reproduce(job, &Silent));
+    let running = arguments.parts.begin(arguments.study()?, &arguments.out, list)?;
     let start = Instant::now();
     let bars = Bars::default();
-    let mut results =
-        pool.install(|| lab::reproduce(settings, &arguments.only, &further, &bars))?;
+    let mut results = reproduce(&running.job, &bars)?;
     bars.finish();
+    if let Some(code) = running.end()? {
+        return Ok(code);
+    }
     results.provenance = provenance::complete(results.provenance, "cargo xtask reproduce", start);
     files::write_json(&arguments.out.join("results.json"), &results)?;
     report::write_report(&results, &WORDING, &arguments.out)?;
+    arguments.parts.forget(&arguments.out)?;
     print_summary(&results, arguments);
     Ok(if results.claims.iter().any(fails) { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }

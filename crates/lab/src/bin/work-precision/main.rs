@@ -51,7 +51,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     let (start, bars) = (Instant::now(), Bars::default());
     let mode = if arguments.quick { Mode::Quick } else { Mode::Paper };
-    let settings = Settings { seed: arguments.seed, mode };
+    let settings = Settings::new(arguments.seed, mode);
     let cases = measure::measure(settings, &arguments.only, &bars)?;
     bars.finish();
     let measured = Measurements {
