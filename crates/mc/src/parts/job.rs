@@ -25,12 +25,16 @@ use crate::{
 /// How often a checkpoint is written, unless said otherwise.
 const INTERVAL: Duration = Duration::from_secs(60);
 
+/// Rounds of samples of at most so many path-steps, about a second, are drawn by every part.
+const ALONE: u64 = 1 << 27;
+
 /// What a program does with its Monte Carlo work: compute it here, compute one part, or merge.
 ///
 /// A job that met an error computes nothing more; [`finish`](Self::finish) says what it was.
 pub struct Job {
     stop: Stop,
     interval: Duration,
+    alone: u64,
     state: Mutex<State>,
 }
 
@@ -60,6 +64,9 @@ enum Mode {
 /// A piece of work: groups of paths of a ladder, and how their sums become bytes and come back.
 pub(crate) struct Work<'a, T> {
     pub name: &'a str,
+    /// Path-steps, if later work follows from its result: then it is computed here, whatever the
+    /// job is, unless it is worth a round of parts.
+    pub round: Option<u64>,
     pub fingerprint: Fingerprint,
     pub key: StreamKey,
     /// Paths of the whole.
@@ -72,6 +79,15 @@ pub(crate) struct Work<'a, T> {
     pub compute: &'a (dyn Fn(u64) -> Option<T> + Sync),
     /// Is told how many groups need not be computed.
     pub skipped: &'a dyn Fn(u64),
+}
+
+impl<T: Send> Work<'_, T> {
+    /// The nodes of all groups, computed here.
+    fn here(&self) -> Result<Option<Vec<Node<T>>>, JobError> {
+        let mut tree = MergeTree::new(self.merge);
+        let end = grow(&mut tree, self.groups.clone(), self.compute, &mut |_, _| ());
+        if end == self.groups.end { Ok(Some(tree.into_nodes())) } else { Err(JobError::Stopped) }
+    }
 }
 
 impl<T> Work<'_, T> {
@@ -133,7 +149,8 @@ impl Job {
 
     fn new(mode: Mode) -> Self {
         let state = State { mode, error: None, names: BTreeSet::new() };
-        Self { stop: Stop::default(), interval: INTERVAL, state: Mutex::new(state) }
+        let state = Mutex::new(state);
+        Self { stop: Stop::default(), interval: INTERVAL, alone: ALONE, state }
     }
 
     /// Ends early when `stop` asks for it, with a checkpoint.
@@ -147,6 +164,16 @@ impl Job {
     #[must_use]
     pub fn with_checkpoints_every(mut self, interval: Duration) -> Self {
         self.interval = interval;
+        self
+    }
+
+    /// Splits a round of samples of an [expectation](crate::multilevel::expectation_in) into parts
+    /// if it takes more than so many path-steps; 2²⁷, about a second, by default. Smaller rounds are
+    /// drawn by every part, since later ones follow from them. All parts and whoever merges them
+    /// must have the same number.
+    #[must_use]
+    pub fn splitting_rounds_above(mut self, path_steps: u64) -> Self {
+        self.alone = path_steps;
         self
     }
 
@@ -181,12 +208,8 @@ impl Job {
             _ if !names.insert(work.name.to_owned()) => {
                 Err(JobError::SameName(work.name.to_owned()))
             }
-            Mode::Here => {
-                let mut tree = MergeTree::new(work.merge);
-                let end = grow(&mut tree, work.groups.clone(), work.compute, &mut |_, _| ());
-                let complete = end == work.groups.end;
-                if complete { Ok(Some(tree.into_nodes())) } else { Err(JobError::Stopped) }
-            }
+            Mode::Here => work.here(),
+            _ if work.round.is_some_and(|path_steps| path_steps <= self.alone) => work.here(),
             Mode::Part(computing) => computing.collect(work, self.interval),
             Mode::Merge(merging) => merging.collect(work),
         };
