@@ -31,6 +31,7 @@ const ALONE: u64 = 1 << 27;
 /// What a program does with its Monte Carlo work: compute it here, compute one part, or merge.
 ///
 /// A job that met an error computes nothing more; [`finish`](Self::finish) says what it was.
+#[must_use = "a job is written and its errors are told by `finish`"]
 pub struct Job {
     stop: Stop,
     interval: Duration,
@@ -154,14 +155,12 @@ impl Job {
     }
 
     /// Ends early when `stop` asks for it, with a checkpoint.
-    #[must_use]
     pub fn stopped_by(mut self, stop: &Stop) -> Self {
         self.stop = stop.clone();
         self
     }
 
     /// Writes a checkpoint as often as this; a minute by default.
-    #[must_use]
     pub fn with_checkpoints_every(mut self, interval: Duration) -> Self {
         self.interval = interval;
         self
@@ -171,7 +170,6 @@ impl Job {
     /// if it takes more than so many path-steps; 2²⁷, about a second, by default. Smaller rounds are
     /// drawn by every part, since later ones follow from them. All parts and whoever merges them
     /// must have the same number.
-    #[must_use]
     pub fn splitting_rounds_above(mut self, path_steps: u64) -> Self {
         self.alone = path_steps;
         self
