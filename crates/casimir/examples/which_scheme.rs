@@ -44,6 +44,17 @@ impl PoissonSystem<6, 2> for Kirchhoff {
         }
         h
     }
+
+    /// ∇h by hand: the kernels compile in half the time, and steps are faster.
+    #[inline(always)]
+    fn gradient<R: Real>(&self, y: [R; 6], dt: f64, dw: [f64; 2]) -> [R; 6] {
+        let [drift, one, two] = self.inverse;
+        let mut gradient = y;
+        for i in 0..6 {
+            gradient[i] = y[i] * (drift[i] * dt + one[i] * dw[0] + two[i] * dw[1]);
+        }
+        gradient
+    }
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -283,17 +283,18 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Option<Measured<T>> {
         let groups = 0..samples.div_ceil(GROUP_PATHS);
-        let nodes = self.nodes_in(job, name, samples, groups, &new, progress)?;
+        let nodes = self.nodes_in(job, (name, None), samples, groups, &new, progress)?;
         let mut tree = MergeTree::new(merge);
         nodes.into_iter().for_each(|node| tree.push(node));
         Some(self.measured(tree.finish(), &new))
     }
 
-    /// The nodes of some groups of `samples` paths, as a piece of work of a job.
+    /// The nodes of some groups of `samples` paths, as a piece of work of a job with this name; of a
+    /// round with its path-steps, which is computed here if these are few.
     pub(crate) fn nodes_in<T: Kept<D>>(
         &self,
         job: &Job,
-        name: &str,
+        (name, round): (&str, Option<u64>),
         samples: u64,
         groups: Range<u64>,
         new: &(impl Fn() -> T + Sync),
@@ -307,6 +308,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
         };
         job.collect(&Work {
             name,
+            round,
             fingerprint: self.fingerprint(new),
             key: self.driver.key,
             paths: samples,
@@ -320,6 +322,19 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
             compute: &|group| self.group(0, samples, group, new, progress, job.stop()),
             skipped: &|groups| progress(groups * GROUP_PATHS * self.steps_per_path()),
         })
+    }
+
+    /// Adds the nodes of more groups to those before, and gives the sum of all.
+    pub(crate) fn join<T: Statistic<D> + Clone>(
+        &self,
+        nodes: &mut Vec<Node<(T, Tally)>>,
+        more: Vec<Node<(T, Tally)>>,
+        new: &impl Fn() -> T,
+    ) -> Measured<T> {
+        let mut tree = MergeTree::new(merge);
+        nodes.drain(..).chain(more).for_each(|node| tree.push(node));
+        nodes.extend_from_slice(tree.nodes());
+        self.measured(tree.finish(), new)
     }
 
     /// The statistic of one group of `samples` paths from path number `first` on.

@@ -1,18 +1,16 @@
 //! The algorithms: which samples are drawn on which level, and when to stop.
 
-use real::WIDTH;
-
-use crate::SeenDamping;
+use crate::{SeenDamping, driver::GROUP_PATHS};
 
 use super::{
     bias::{self, BIAS_LEVELS, Bias},
     diagnosis::{Evidence, better_coarsest_steps, level_values},
     error::MultilevelError,
-    level::{Round, Samples, Values, hull},
+    level::{Drawn, Samples, Values, hull},
     plan::{self, BIAS_SHARE, Term},
     report::{Estimate, Expectation, Judged, Level, Warning},
     resolution::{Motion, coupled, is_near, unresolved, unresolved_function},
-    settings::{Coupling, Estimator, ExpectationSettings, MAX_ROUNDS},
+    settings::{Coupling, Estimator, ExpectationSettings},
     tails::is_heavy,
 };
 
@@ -24,13 +22,22 @@ const LATER_PILOT: u64 = 4;
 /// What the largest difference loses from a level to the next if it falls with strong order ½.
 const SHRINKS: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Paths of a block.
-const BLOCK: u64 = WIDTH as u64;
+/// Gives all samples of a level, so many paths; `None` if they are drawn elsewhere.
+type Draw<'a> = dyn Fn(&Samples, u64) -> Result<Option<Drawn>, MultilevelError> + 'a;
 
-/// Draws samples of a level.
-type Draw<'a> = dyn Fn(&Samples, u64) -> Result<Round> + 'a;
+/// Why the algorithm ends before it has an expectation.
+#[derive(Debug)]
+pub enum Halt {
+    Error(MultilevelError),
+    /// Samples are being drawn in parts elsewhere.
+    Elsewhere,
+}
 
-type Result<T> = std::result::Result<T, MultilevelError>;
+impl<E: Into<MultilevelError>> From<E> for Halt {
+    fn from(error: E) -> Self {
+        Self::Error(error.into())
+    }
+}
 
 /// Draws samples, and counts their cost.
 pub struct Sampler<'a> {
@@ -50,10 +57,10 @@ pub struct Sampler<'a> {
 }
 
 impl Sampler<'_> {
-    pub fn expectation(self) -> Result<Expectation> {
+    pub fn expectation(self) -> Result<Expectation, Halt> {
         self.settings.check(self.accuracy)?;
         if self.names.is_empty() {
-            return Err(MultilevelError::NoObservable);
+            return Err(MultilevelError::NoObservable.into());
         }
         match self.settings.estimator {
             Estimator::Multilevel => self.multilevel(),
@@ -61,7 +68,7 @@ impl Sampler<'_> {
         }
     }
 
-    fn multilevel(mut self) -> Result<Expectation> {
+    fn multilevel(mut self) -> Result<Expectation, Halt> {
         let mut levels = vec![self.level(0, None)];
         levels.extend((1..=PILOT_LEVEL).map(|level| self.difference(level)));
         self.pilot(&mut levels)?;
@@ -107,9 +114,9 @@ impl Sampler<'_> {
         Ok(expectation)
     }
 
-    fn single_paths(mut self) -> Result<Expectation> {
+    fn single_paths(mut self) -> Result<Expectation, Halt> {
         // Without a reserve for the first single paths there would be no estimate at the limit.
-        self.reserve = self.settings.pilot.saturating_mul(self.settings.steps(PILOT_LEVEL));
+        self.reserve = self.settings.whole_pilot().saturating_mul(self.settings.steps(PILOT_LEVEL));
         let mut differences: Vec<_> =
             (1..=PILOT_LEVEL).map(|level| self.difference(level)).collect();
         self.pilot(&mut differences)?;
@@ -119,7 +126,7 @@ impl Sampler<'_> {
         // not worth more samples.
         let half_widths = self.half_widths(&self.biases(&differences), BIAS_SHARE * self.accuracy);
         let mut single = vec![self.level(differences.len(), None)];
-        let mut complete = self.sample_up_to(&mut single, &[self.settings.pilot])?;
+        let mut complete = self.sample_up_to(&mut single, &[self.settings.whole_pilot()])?;
         while complete && self.too_wide(&single, &half_widths) {
             let wanted = self.samples(&single, &half_widths);
             complete = self.sample_up_to(&mut single, &wanted)?;
@@ -143,7 +150,7 @@ impl Sampler<'_> {
         };
         let values = vec![Values::default(); self.names.len()];
         let motion = Motion::default();
-        Samples { level, coupling, cost_per_path, values, motion, paths: 0, failed: 0, rounds: 0 }
+        Samples { level, coupling, cost_per_path, values, motion, paths: 0, failed: 0 }
     }
 
     fn difference(&self, level: usize) -> Samples {
@@ -267,19 +274,19 @@ impl Sampler<'_> {
         more.then_some(wanted)
     }
 
-    fn pilot(&mut self, levels: &mut [Samples]) -> Result<()> {
-        let ExpectationSettings { pilot, max_cost, .. } = *self.settings;
+    fn pilot(&mut self, levels: &mut [Samples]) -> Result<(), Halt> {
+        let (pilot, max_cost) = (self.settings.whole_pilot(), self.settings.max_cost);
         let cost = levels.iter().map(|level| level.cost_per_path).sum::<u64>();
         let pilot_cost = cost.saturating_mul(pilot).saturating_add(self.reserve);
         if pilot_cost > max_cost {
-            return Err(MultilevelError::PilotCost { pilot_cost, max_cost });
+            return Err(MultilevelError::PilotCost { pilot_cost, max_cost }.into());
         }
-        levels.iter_mut().try_for_each(|level| self.sample(level, pilot))
+        self.sample(levels, &vec![pilot; levels.len()])
     }
 
     /// Samples differences, and adds levels, until the bias on the last is bounded by its share of
     /// the accuracy. Returns the limit that was reached, if any.
-    fn resolve_bias(&mut self, differences: &mut Vec<Samples>) -> Result<Option<Warning>> {
+    fn resolve_bias(&mut self, differences: &mut Vec<Samples>) -> Result<Option<Warning>, Halt> {
         let budget = BIAS_SHARE * self.accuracy;
         loop {
             let biases = self.biases(differences);
@@ -296,7 +303,7 @@ impl Sampler<'_> {
             } else if last == self.settings.max_level {
                 return Ok(Some(Warning::LevelLimit { level: last }));
             } else {
-                let pilot = self.settings.pilot;
+                let pilot = self.settings.whole_pilot();
                 self.reserve = pilot * self.settings.steps(last + 1);
                 self.add_level(differences, pilot)?
             };
@@ -319,9 +326,9 @@ impl Sampler<'_> {
 
     /// Adds a level with `paths` samples, at least the least pilot, or as many as the cost limit
     /// allows; whether all were drawn. Adds none if not even the least pilot is allowed.
-    fn add_level(&mut self, levels: &mut Vec<Samples>, paths: u64) -> Result<bool> {
+    fn add_level(&mut self, levels: &mut Vec<Samples>, paths: u64) -> Result<bool, Halt> {
         let level = self.difference(levels.last().map_or(0, |last| last.level) + 1);
-        let least_pilot = self.settings.pilot / LATER_PILOT;
+        let least_pilot = self.settings.whole_pilot() / LATER_PILOT;
         if least_pilot.saturating_mul(level.cost_per_path) > self.budget() {
             return Ok(false);
         }
@@ -337,46 +344,56 @@ impl Sampler<'_> {
 
     /// Draws the samples wanted of each level, or in proportion as many as the cost limit allows;
     /// whether all were drawn.
-    fn sample_up_to(&mut self, levels: &mut [Samples], wanted: &[u64]) -> Result<bool> {
+    fn sample_up_to(&mut self, levels: &mut [Samples], wanted: &[u64]) -> Result<bool, Halt> {
         let more: Vec<u64> =
             levels.iter().zip(wanted).map(|(level, &wanted)| additional(level, wanted)).collect();
         let costs = levels.iter().zip(&more);
         let cost: u128 =
             costs.map(|(level, &n)| u128::from(level.cost_per_path) * u128::from(n)).sum();
         let budget = u128::from(self.budget());
-        if levels.iter().any(|level| level.rounds >= MAX_ROUNDS) {
-            return Ok(false);
-        }
-        for (level, mut paths) in levels.iter_mut().zip(more) {
-            if cost > budget {
-                // Whole blocks, rounded down.
-                paths = (u128::from(paths) * budget / cost) as u64 / BLOCK * BLOCK;
-            }
-            if paths > 0 {
-                self.sample(level, paths)?;
-            }
-        }
+        let within = |paths: u64| match cost > budget {
+            // Whole groups, rounded down.
+            true => (u128::from(paths) * budget / cost) as u64 / GROUP_PATHS * GROUP_PATHS,
+            false => paths,
+        };
+        self.sample(levels, &more.into_iter().map(within).collect::<Vec<_>>())?;
         Ok(cost <= budget)
     }
 
-    fn sample(&mut self, level: &mut Samples, paths: u64) -> Result<()> {
-        let round = (self.draw)(level, paths)?;
-        level.values.iter_mut().zip(&round.values).for_each(|(values, more)| values.merge(more));
-        let ranges = self.ranges.iter_mut().zip(&round.values);
-        ranges.for_each(|(range, more)| *range = hull(*range, more.range()));
-        level.motion.merge(&round.motion);
-        level.paths += paths;
-        level.failed += round.failed;
-        level.rounds += 1;
+    /// Draws more paths of each level.
+    fn sample(&mut self, levels: &mut [Samples], more: &[u64]) -> Result<(), Halt> {
+        let mut elsewhere = false;
+        for (level, &paths) in levels.iter_mut().zip(more).filter(|(_, paths)| **paths > 0) {
+            // All levels are begun: none depends on another.
+            match (self.draw)(level, level.paths + paths)? {
+                Some(drawn) => self.take(level, paths, drawn)?,
+                None => elsewhere = true,
+            }
+        }
+        if elsewhere { Err(Halt::Elsewhere) } else { Ok(()) }
+    }
+
+    /// Takes all samples of a level, of which the last `paths` paths are new.
+    fn take(
+        &mut self,
+        level: &mut Samples,
+        paths: u64,
+        drawn: Drawn,
+    ) -> Result<(), MultilevelError> {
+        let Drawn { sums, failed, first_failure: first } = drawn;
+        let ranges = self.ranges.iter_mut().zip(&sums.values);
+        ranges.for_each(|(range, values)| *range = hull(*range, values.range()));
+        (level.values, level.motion) = (sums.values, sums.motion);
+        (level.paths, level.failed) = (level.paths + paths, failed);
         self.cost += paths * level.cost_per_path;
-        let Samples { level: number, failed, .. } = *level;
         if level.count() < 2 {
-            let first = round.first_failure;
-            return Err(MultilevelError::NoPaths { level: number, failed, first });
+            return Err(MultilevelError::NoPaths { level: level.level, failed, first });
         }
         let mut values = self.names.iter().zip(&level.values);
         match values.find(|(_, values)| !values.sample.variance().is_finite()) {
-            Some((observable, _)) => Err(MultilevelError::NotFinite { observable, level: number }),
+            Some((observable, _)) => {
+                Err(MultilevelError::NotFinite { observable, level: level.level })
+            }
             None => Ok(()),
         }
     }
@@ -425,12 +442,12 @@ fn enough(levels: &[Samples], wanted: &[u64]) -> bool {
     levels.iter().zip(wanted).all(|(level, &wanted)| level.count() >= wanted)
 }
 
-/// How many paths to add: whole blocks, and none or at least a 32nd of those there are, so that the
+/// How many paths to add: whole groups, and none or at least a 32nd of those there are, so that the
 /// rounds are few.
 fn additional(level: &Samples, wanted: u64) -> u64 {
     let missing = wanted.saturating_sub(level.count());
     if missing == 0 {
         return 0;
     }
-    missing.max(level.count() / 32).div_ceil(BLOCK).saturating_mul(BLOCK)
+    missing.max(level.count() / 32).div_ceil(GROUP_PATHS).saturating_mul(GROUP_PATHS)
 }

@@ -1,5 +1,6 @@
 //! The samples of one level.
 
+use serde::{Deserialize, Serialize};
 use stats::CentralMoments;
 
 use super::{
@@ -7,10 +8,10 @@ use super::{
     settings::Coupling,
     tails::Extremes,
 };
-use crate::{Observable, PathFailure, Statistic, View};
+use crate::{Kept, Observable, PathFailure, Statistic, View};
 
 /// Moments of one test function on one level.
-#[derive(Clone, Default)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Values {
     /// φ of single paths, or the difference.
     pub sample: CentralMoments,
@@ -92,8 +93,6 @@ pub struct Samples {
     /// Paths drawn, failed ones included.
     pub paths: u64,
     pub failed: u64,
-    /// How often samples were drawn.
-    pub rounds: u64,
 }
 
 impl Samples {
@@ -105,10 +104,17 @@ impl Samples {
 
 /// Folds the values of all test functions at the final time, and the motion. The runs are fine,
 /// coarse and swapped, as many as there are.
+#[derive(Clone)]
 pub struct PathValues<'a, const D: usize> {
     pub observables: &'a [Observable<D>],
     pub y0: [f64; D],
     pub last_time: u64,
+    pub sums: Sums,
+}
+
+/// What a level folds over its paths.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Sums {
     pub values: Vec<Values>,
     pub motion: Motion,
 }
@@ -116,12 +122,12 @@ pub struct PathValues<'a, const D: usize> {
 impl<const D: usize> Statistic<D> for PathValues<'_, D> {
     fn observe(&mut self, view: &View<'_, D>) {
         let (coupled, last) = (view.states.len() > 1, view.time == self.last_time);
-        self.motion.add(view.states, self.y0, view.live);
+        self.sums.motion.add(view.states, self.y0, view.live);
         let compared = coupled && compares_at(view.time, self.last_time, view.first_path);
         if !last && !compared {
             return;
         }
-        for (observable, values) in self.observables.iter().zip(&mut self.values) {
+        for (observable, values) in self.observables.iter().zip(&mut self.sums.values) {
             let start = (observable.function)(self.y0);
             for p in view.live.paths() {
                 let phi = |run: usize| (observable.function)(view.states[run].path(p));
@@ -138,15 +144,25 @@ impl<const D: usize> Statistic<D> for PathValues<'_, D> {
     }
 
     fn merge(&mut self, later: Self) {
-        self.values.iter_mut().zip(&later.values).for_each(|(sum, more)| sum.merge(more));
-        self.motion.merge(&later.motion);
+        let (sums, later) = (&mut self.sums, &later.sums);
+        sums.values.iter_mut().zip(&later.values).for_each(|(sum, more)| sum.merge(more));
+        sums.motion.merge(&later.motion);
     }
 }
 
-/// What one round of samples added.
-pub struct Round {
-    pub values: Vec<Values>,
-    pub motion: Motion,
+impl<const D: usize> Kept<D> for PathValues<'_, D> {
+    type Sums = Sums;
+    fn sums(&self) -> &Sums {
+        &self.sums
+    }
+    fn sums_mut(&mut self) -> &mut Sums {
+        &mut self.sums
+    }
+}
+
+/// All samples of a level.
+pub struct Drawn {
+    pub sums: Sums,
     pub failed: u64,
     pub first_failure: Option<PathFailure>,
 }

@@ -43,9 +43,8 @@
 //! Decisions depend on samples and counted path-steps only, so the result is the same bits for any
 //! number of threads.
 //!
-//! **Stopping.** Each round of each level has its own family of streams
-//! ([`ExpectationSettings::key`]), and all samples count, those of the pilot too. Since a level
-//! stops when its sample variance is small enough, its mean is biased by −μ₃/(σ²N) to first order.
+//! **Stopping.** Each level has its own family of streams ([`ExpectationSettings::key`]), later
+//! rounds draw its next paths, and all samples count, those of the pilot too. Since a level stops when its sample variance is small enough, its mean is biased by −μ₃/(σ²N) to first order.
 //! That is at most √(κ/N) of its standard error, where κ is the kurtosis: below a tenth with κ = 10
 //! and a thousand samples, and less for the sum.
 //!
@@ -99,12 +98,14 @@ mod tails;
 #[cfg(test)]
 mod tests;
 
+use std::{cell::RefCell, collections::BTreeMap};
+
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::{Ladder, Observable, Run, SeenDamping};
-use algorithm::Sampler;
-use level::{PathValues, Round, Samples, Values};
+use crate::{Ladder, Observable, Run, SeenDamping, driver::GROUP_PATHS, parts::Job};
+use algorithm::{Halt, Sampler};
+use level::{Drawn, PathValues, Samples, Sums, Values};
 use resolution::Motion;
 
 pub use error::MultilevelError;
@@ -127,8 +128,37 @@ pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
     settings: &ExpectationSettings,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Expectation, MultilevelError> {
-    // Draws `paths` samples of a level from the family of streams of its next round.
-    let draw = |level: &Samples, paths| {
+    let job = Job::here();
+    let found =
+        expectation_in(&job, "", scheme, problem, observables, accuracy, settings, progress)?;
+    Ok(found.unwrap_or_else(|| unreachable!("a job that computes everything here has results")))
+}
+
+/// The same as [`expectation`], as a piece of work of a job with the name `name`, whole, in parts or
+/// merged, with the same bits. `None` if the results are not here; [`Job::finish`] says why.
+///
+/// Samples are drawn in rounds, and every round follows from those before: run the parts, merge,
+/// and if [`Job::finish`] reports [`NextRound`](crate::parts::JobError::NextRound), run the parts
+/// and merge again. Small rounds are not worth that, see [`Job::splitting_rounds_above`]. With a smaller accuracy in the same folder, samples that are
+/// there count.
+///
+/// # Errors
+/// Those of [`expectation`].
+#[expect(clippy::too_many_arguments, reason = "those of `expectation`, and the job with the name")]
+pub fn expectation_in<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    job: &Job,
+    name: &str,
+    scheme: &dyn Scheme<S, D, M>,
+    problem: &Problem<S, G, D>,
+    observables: &[Observable<D>],
+    accuracy: f64,
+    settings: &ExpectationSettings,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Option<Expectation>, MultilevelError> {
+    // The nodes of each family of streams so far.
+    let drawn = RefCell::new(BTreeMap::new());
+    // Draws all samples of a level up to `paths` paths.
+    let draw = |level: &Samples, paths: u64| {
         let mut runs = vec![Run::new(scheme, 0)];
         if level.coupling.is_some() {
             runs.push(Run::new(scheme, 1));
@@ -138,29 +168,36 @@ pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
         }
         // Single paths have the families of level 0, whatever their step size.
         let (levels, family) = level.coupling.map_or((0, 0), |_| (1, level.level));
-        let key = settings.stream(family, level.rounds);
-        let steps = settings.steps(level.level);
+        let (key, steps) = (settings.stream(family), settings.steps(level.level));
         let ladder = Ladder::new(problem, steps, levels, settings.truncation, key, runs)?;
         let last_time = ladder.coarse_steps();
         let values = vec![Values::default(); observables.len()];
         let (y0, motion) = (problem.y0(), Motion::new(&problem.y0()));
-        let new = || PathValues {
-            observables,
-            y0,
-            last_time,
-            values: values.clone(),
-            motion: motion.clone(),
+        let new = || {
+            let sums = Sums { values: values.clone(), motion: motion.clone() };
+            PathValues { observables, y0, last_time, sums }
         };
-        let outcome = ladder.run(paths, new, progress);
+        let path_steps = (paths - level.paths).saturating_mul(level.cost_per_path);
+        let work = format!("{name}/level {family} from {}", level.paths);
+        let groups = level.paths / GROUP_PATHS..paths / GROUP_PATHS;
+        let more = ladder.nodes_in(job, (&work, Some(path_steps)), paths, groups, &new, progress);
+        let Some(more) = more else { return Ok(None) };
+        let mut drawn = drawn.borrow_mut();
+        let nodes: &mut Vec<_> = drawn.entry(family).or_default();
+        let outcome = ladder.join(nodes, more, &new);
         let first_failure = outcome.failures.first().copied();
-        let PathValues { values, motion, .. } = outcome.statistic;
-        Ok(Round { values, motion, failed: outcome.failed, first_failure })
+        Ok(Some(Drawn { sums: outcome.statistic.sums, failed: outcome.failed, first_failure }))
     };
     let names = observables.iter().map(|observable| observable.name).collect();
     let t_end = problem.t_end();
     let ranges = vec![None; observables.len()];
     let damping = SeenDamping::new(scheme, problem, settings.coarsest_steps);
     let (cost, reserve) = (0, 0);
-    Sampler { draw: &draw, t_end, damping, names, accuracy, settings, ranges, cost, reserve }
-        .expectation()
+    let sampler =
+        Sampler { draw: &draw, t_end, damping, names, accuracy, settings, ranges, cost, reserve };
+    match sampler.expectation() {
+        Ok(expectation) => Ok(Some(expectation)),
+        Err(Halt::Elsewhere) => Ok(None),
+        Err(Halt::Error(error)) => Err(error),
+    }
 }

@@ -190,16 +190,7 @@ mod tests {
             let motion = Motion::default();
             let (values, coupling) = (vec![values], Some(Coupling::Plain));
             let paths = 1000;
-            Samples {
-                level,
-                coupling,
-                cost_per_path: 1,
-                values,
-                motion,
-                paths,
-                failed: 0,
-                rounds: 1,
-            }
+            Samples { level, coupling, cost_per_path: 1, values, motion, paths, failed: 0 }
         };
         let rate = |means: [f64; 3]| {
             let levels: Vec<_> = (1..).zip(means).map(|(l, mean)| difference(l, mean)).collect();

@@ -7,6 +7,7 @@
 //! Each φ is compared in the same way, at eight coarse times.
 
 use real::{Block, PathMask, WIDTH};
+use serde::{Deserialize, Serialize};
 use stats::ROUND_OFF;
 
 use super::level::{Samples, Values};
@@ -19,7 +20,7 @@ const RESOLVED: f64 = 0.5;
 const GAIN: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Sums over paths and coarse times, for each component and each place in a block.
-#[derive(Clone, Default)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Motion {
     /// (fine − coarse)².
     difference: Vec<[f64; WIDTH]>,
@@ -107,7 +108,7 @@ pub fn compares_at(time: u64, steps: u64, first_path: u64) -> bool {
 
 /// Sums of (φ(fine) − φ(coarse))², (φ(fine) − φ(y(0)))² and φ(y(0))² over paths and some coarse
 /// times.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Default, Serialize, Deserialize)]
 pub struct FunctionMotion {
     difference: f64,
     displacement: f64,

@@ -1,8 +1,9 @@
 //! Settings of the computation of an expectation.
 
-use noise::{AREA_STREAM, StreamKey, Truncation};
+use noise::{StreamKey, Truncation};
 
 use super::error::MultilevelError;
+use crate::driver::GROUP_PATHS;
 
 /// How the fine and the coarse paths of a level are coupled. Both couplings share the noise, and
 /// the mean of either difference is E[φ(y_τ)] − E[φ(y_{2τ})].
@@ -32,9 +33,9 @@ pub enum Estimator {
 /// Settings of [`expectation`](super::expectation), beside the accuracy.
 #[derive(Clone, Copy, Debug)]
 pub struct ExpectationSettings {
-    /// Seed and experiment. Round r of level l draws from the family of streams with the experiment
-    /// number experiment + 2⁴⁰(l + 1) + 2⁴⁸r, so the experiment must be below 2⁴⁰. The families of
-    /// all such experiments are distinct from each other and from the experiments themselves.
+    /// Seed and experiment. Level l draws from the family of streams with the experiment number
+    /// experiment + 2⁴⁰(l + 1), so the experiment must be below 2⁴⁰. The families of all such
+    /// experiments are distinct from each other and from the experiments themselves.
     pub key: StreamKey,
     /// How increments are truncated, on every level at its own step size.
     pub truncation: Truncation,
@@ -47,7 +48,8 @@ pub struct ExpectationSettings {
     /// Theoretical weak order of the scheme, which the bound on the bias assumes. Default 1.
     pub weak_order: f64,
     /// Paths of the pilot on each of the levels 0 to 2; a level that is added later begins with at
-    /// least a quarter of it. At least 128, or variances mean little. Default 1024.
+    /// least a quarter of it. At least 128, or variances mean little; samples are drawn in groups of
+    /// 128. Default 1024.
     pub pilot: u64,
     /// The finest level that may be used, from 3 to 24. Default 16.
     pub max_level: usize,
@@ -60,10 +62,6 @@ pub struct ExpectationSettings {
 const MAX_LEVEL: usize = 24;
 /// First bit of the level in an experiment number.
 const LEVEL_BIT: u32 = 40;
-/// First bit of the round.
-const ROUND_BIT: u32 = 48;
-/// Rounds that have stream families of their own; areas and random times use the bits above.
-pub const MAX_ROUNDS: u64 = AREA_STREAM >> ROUND_BIT;
 
 impl ExpectationSettings {
     /// Default values for the settings that have one.
@@ -86,10 +84,9 @@ impl ExpectationSettings {
         }
     }
 
-    /// The family of streams of one round of a level.
-    pub(crate) fn stream(&self, level: usize, round: u64) -> StreamKey {
-        let experiment =
-            self.key.experiment + ((level as u64 + 1) << LEVEL_BIT) + (round << ROUND_BIT);
+    /// The family of streams of a level.
+    pub(crate) fn stream(&self, level: usize) -> StreamKey {
+        let experiment = self.key.experiment + ((level as u64 + 1) << LEVEL_BIT);
         StreamKey { experiment, ..self.key }
     }
 
@@ -127,6 +124,11 @@ impl ExpectationSettings {
         }
     }
 
+    /// Paths of the pilot, in whole groups.
+    pub(crate) fn whole_pilot(&self) -> u64 {
+        self.pilot.next_multiple_of(GROUP_PATHS)
+    }
+
     /// Steps of the fine path of a level.
     pub(crate) fn steps(&self, level: usize) -> u64 {
         self.coarsest_steps << level
@@ -135,20 +137,20 @@ impl ExpectationSettings {
 
 #[cfg(test)]
 mod tests {
+    use noise::AREA_STREAM;
+
     use super::*;
 
     #[test]
-    fn no_two_rounds_share_a_family() {
+    fn no_two_levels_share_a_family() {
         let mut seen = std::collections::HashSet::new();
         for experiment in [0, 1, (1 << LEVEL_BIT) - 1] {
             assert!(seen.insert(experiment));
             let key = StreamKey { seed: 0, experiment };
             let settings = ExpectationSettings::new(key, Truncation::none(), 1, Coupling::Plain);
             for level in 0..=MAX_LEVEL {
-                for round in [0, 1, 2, MAX_ROUNDS - 1] {
-                    let family = settings.stream(level, round).experiment;
-                    assert!(seen.insert(family) && family < AREA_STREAM);
-                }
+                let family = settings.stream(level).experiment;
+                assert!(seen.insert(family) && family < AREA_STREAM);
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Events that the samples of a level may have missed.
 
 use real::Real;
+use serde::{Deserialize, Serialize};
 
 use super::level::Samples;
 
@@ -81,7 +82,7 @@ const LEAST_INDEX: f64 = 2.0;
 const KEPT: usize = 65;
 
 /// The largest and the smallest samples.
-#[derive(Clone, Default)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Extremes {
     largest: Vec<f64>,
     smallest: Vec<f64>,
@@ -178,9 +179,9 @@ mod tests {
     }
 
     fn single(values: Values, paths: u64) -> Samples {
-        let (level, coupling, cost_per_path, failed, rounds) = (0, None, 8, 0, 1);
+        let (level, coupling, cost_per_path, failed) = (0, None, 8, 0);
         let (values, motion) = (vec![values], Motion::default());
-        Samples { level, coupling, cost_per_path, values, motion, paths, failed, rounds }
+        Samples { level, coupling, cost_per_path, values, motion, paths, failed }
     }
 
     #[test]

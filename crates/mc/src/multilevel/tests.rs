@@ -9,10 +9,10 @@ use stats::{CentralMoments, ROUND_OFF};
 use systems::{Constant, Pendulum, Problem};
 
 use super::{
-    algorithm::Sampler,
+    algorithm::{Halt, Sampler},
     diagnosis::{Evidence, better_coarsest_steps, level_values},
     error::MultilevelError,
-    level::{PathValues, Round, Samples, Values, hull},
+    level::{Drawn, PathValues, Samples, Sums, Values, hull},
     plan::{self, Term},
     report::{Estimate, Expectation, Judged, Level, LevelValue, QUANTILE, Rate, Warning},
     resolution::{Motion, coupled, is_near, share, unresolved},
@@ -48,7 +48,6 @@ fn level(level: usize, paths: u64, values: Values) -> Samples {
         motion: Motion::default(),
         paths,
         failed: 0,
-        rounds: 1,
     }
 }
 
@@ -107,8 +106,7 @@ fn path_values_are_those_of_the_runs() {
         observables: &observables,
         y0: [0.0],
         last_time: 2,
-        values: vec![Values::default()],
-        motion: Motion::new(&[0.0]),
+        sums: Sums { values: vec![Values::default()], motion: Motion::new(&[0.0]) },
     };
     let observe = |states: &[Block<1>], times: &[u64]| {
         let mut seen = new();
@@ -133,13 +131,16 @@ fn path_values_are_those_of_the_runs() {
         (vec![state(3.0), state(2.0), state(5.0)], 40.0, 20.0),
     ] {
         let mut seen = observe(&states, &[1, 2]);
-        assert_eq!((seen.values[0].fine.mean(), seen.values[0].sample.mean()), (fine, sample));
+        assert_eq!(
+            (seen.sums.values[0].fine.mean(), seen.sums.values[0].sample.mean()),
+            (fine, sample)
+        );
         // Motion is seen at all times, φ at the last; of single paths there is none.
         let apart = if states.len() == 1 { 0.0 } else { 0.1 * sample / 3.0 };
-        assert!(close(seen.motion.difference(0), apart));
-        assert!(observe(&states, &[1]).values[0].range().is_none());
+        assert!(close(seen.sums.motion.difference(0), apart));
+        assert!(observe(&states, &[1]).sums.values[0].range().is_none());
         seen.merge(observe(&states, &[2]));
-        assert_eq!(seen.values[0].fine.variance(), 0.0);
+        assert_eq!(seen.sums.values[0].fine.variance(), 0.0);
     }
 }
 
@@ -556,7 +557,7 @@ fn settings_are_allowed_up_to_their_limits() {
 
 /// Level l of a made-up problem: φ is one third on average, with the bias −2^{−l}/10 and the
 /// variance one; the differences have the standard deviation 2^{−l}.
-fn made_up(level: &Samples, paths: u64) -> Round {
+fn made_up(level: &Samples, paths: u64) -> Drawn {
     let mut values = Values::default();
     let mut motion = Motion::new(&[0.0]);
     let size = |l: usize| 0.5f64.powi(l as i32);
@@ -564,7 +565,7 @@ fn made_up(level: &Samples, paths: u64) -> Round {
     let l = level.level;
     // Numbers of two steps of one golden ratio each: nearly uniform, of variance one.
     let uniform = |n: u64, ratio: f64| 12f64.sqrt() * ((n as f64 * ratio).fract() - 0.5);
-    for n in (1..=paths).map(|n| n + 1000 * level.rounds) {
+    for n in 1..=paths {
         let (shared, own) =
             (uniform(n, 0.618_033_988_749_894_8), uniform(n, 0.414_213_562_373_095_1));
         let fine = mean(l) + shared;
@@ -581,7 +582,7 @@ fn made_up(level: &Samples, paths: u64) -> Round {
     let states = [Block::splat([1.0]), Block::splat([1.0 + 0.2 * size(l)])];
     let runs = if level.coupling.is_some() { 2 } else { 1 };
     motion.add(&states[..runs], [0.0], PathMask::ALL);
-    Round { values: vec![values], motion, failed: 0, first_failure: None }
+    Drawn { sums: Sums { values: vec![values], motion }, failed: 0, first_failure: None }
 }
 
 /// Of every round its level, whether of differences, and the number of paths.
@@ -594,8 +595,8 @@ fn run(
 ) -> (Result<Expectation, MultilevelError>, Rounds) {
     let rounds = RefCell::new(Vec::new());
     let draw = |level: &Samples, paths: u64| {
-        rounds.borrow_mut().push((level.level, level.coupling.is_some(), paths));
-        Ok(made_up(level, paths))
+        rounds.borrow_mut().push((level.level, level.coupling.is_some(), paths - level.paths));
+        Ok(Some(made_up(level, paths)))
     };
     let undamped = Constant::new(0.0).unwrap();
     let problem = Problem::new(Pendulum::new(1.0).unwrap(), undamped, [0.2, 1.0], 2.0).unwrap();
@@ -610,7 +611,10 @@ fn run(
         cost: 0,
         reserve: 0,
     };
-    let result = sampler.expectation();
+    let result = sampler.expectation().map_err(|halt| match halt {
+        Halt::Error(error) => error,
+        Halt::Elsewhere => unreachable!("all samples are drawn here"),
+    });
     (result, rounds.into_inner())
 }
 
@@ -643,8 +647,8 @@ fn the_accuracy_is_reached_with_little_more_than_it_takes() {
                 cost += level.samples * per_path;
             }
             assert_eq!(result.cost, cost);
-            // Whole blocks after the pilots, and each round adds a 32nd or more.
-            assert!(rounds.iter().all(|&(.., paths)| paths.is_multiple_of(32)), "{rounds:?}");
+            // Whole groups, and each round adds a 32nd or more.
+            assert!(rounds.iter().all(|&(.., paths)| paths.is_multiple_of(128)), "{rounds:?}");
             let terms = if estimator == Estimator::Multilevel { result.levels.len() } else { 1 };
             let summed = &result.levels[..terms];
             let value: f64 = summed.iter().map(|level| level.values[0].mean).sum();

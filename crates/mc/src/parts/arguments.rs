@@ -1,13 +1,14 @@
 //! The arguments of a user's program.
 
-use std::{env, path::PathBuf};
+use std::path::PathBuf;
 
 use super::{Job, JobError, Program, Share, Stop};
 
-pub const USAGE: &str = "[--out DIR [--part K --parts N]] | --merge DIR, and --threads N";
+pub const USAGE: &str = "[--out DIR [--part K --parts N]] or --merge DIR, and [--threads N]";
 
 impl Job {
-    /// The job that the command line asks for; it stops on Ctrl-C and SIGTERM.
+    /// The job that the command line of a program asks for. It stops on Ctrl-C and SIGTERM. Its
+    /// arguments are taken out; what is left are those of the program.
     ///
     /// | arguments | job |
     /// |---|---|
@@ -16,13 +17,13 @@ impl Job {
     /// | `--out DIR --part 3 --parts 64` | part 3 of 64 |
     /// | `--merge DIR` | results from the parts in the folder |
     ///
-    /// `--threads N` limits the threads, by default one for each processor.
+    /// `--threads N` limits the threads; without it there is one for each processor.
     ///
     /// # Errors
-    /// [`JobError::Argument`] for anything else, and the errors of [`part`](Self::part) and
-    /// [`merge`](Self::merge).
-    pub fn from_arguments(program: Program) -> Result<Self, JobError> {
-        let job = Self::parse(program, env::args().skip(1))?;
+    /// [`JobError::Argument`] for a value that is not understood or a combination that is none, and
+    /// the errors of [`part`](Self::part) and [`merge`](Self::merge).
+    pub fn from_arguments(program: Program, arguments: &mut Vec<String>) -> Result<Self, JobError> {
+        let job = Self::parsed(program, arguments)?;
         let stop = Stop::default();
         if let Err(error) = stop.on_signals() {
             eprintln!("warning: Ctrl-C loses what is not in a checkpoint: {error}");
@@ -30,24 +31,12 @@ impl Job {
         Ok(job.stopped_by(&stop))
     }
 
-    fn parse(
-        program: Program,
-        mut arguments: impl Iterator<Item = String>,
-    ) -> Result<Self, JobError> {
-        let wrong = |text: &str| JobError::Argument(text.to_owned());
-        let number = |text: &str| text.parse::<u64>().map_err(|_| wrong(text));
-        let (mut out, mut merge): (Option<PathBuf>, Option<PathBuf>) = (None, None);
-        let (mut part, mut parts) = (None, None);
-        while let Some(name) = arguments.next() {
-            let value = arguments.next().ok_or_else(|| wrong(&name))?;
-            match name.as_str() {
-                "--out" => out = Some(value.into()),
-                "--merge" => merge = Some(value.into()),
-                "--part" => part = Some(number(&value)?),
-                "--parts" => parts = Some(number(&value)?),
-                "--threads" => limit_threads(number(&value)?),
-                _ => return Err(wrong(&name)),
-            }
+    fn parsed(program: Program, arguments: &mut Vec<String>) -> Result<Self, JobError> {
+        let out = take(arguments, "--out")?.map(PathBuf::from);
+        let merge = take(arguments, "--merge")?.map(PathBuf::from);
+        let (part, parts) = (number(arguments, "--part")?, number(arguments, "--parts")?);
+        if let Some(threads) = number(arguments, "--threads")? {
+            limit_threads(threads)?;
         }
         match (out, merge, part, parts) {
             (None, None, None, None) => Ok(Self::here()),
@@ -56,15 +45,68 @@ impl Job {
             (Some(folder), None, Some(part), Some(parts)) => {
                 Self::part(&folder, Share::new(part, parts)?, program)
             }
-            _ => Err(wrong("this combination")),
+            _ => Err(JobError::Argument("this combination of arguments".into())),
         }
     }
 }
 
+/// Takes an argument and its value.
+fn take(arguments: &mut Vec<String>, name: &str) -> Result<Option<String>, JobError> {
+    let Some(at) = arguments.iter().position(|argument| argument == name) else { return Ok(None) };
+    if at + 1 == arguments.len() {
+        return Err(JobError::Argument(format!("{name} without a value")));
+    }
+    arguments.remove(at);
+    Ok(Some(arguments.remove(at)))
+}
+
+fn number(arguments: &mut Vec<String>, name: &str) -> Result<Option<u64>, JobError> {
+    let value = take(arguments, name)?;
+    let wrong = |value: &str| JobError::Argument(format!("{name} {value}"));
+    value.map(|value| value.parse().map_err(|_| wrong(&value))).transpose()
+}
+
 /// Limits the threads of everything that runs on the global pool.
-fn limit_threads(threads: u64) {
+fn limit_threads(threads: u64) -> Result<(), JobError> {
+    if threads == 0 {
+        return Err(JobError::Argument("--threads 0".into()));
+    }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
     if let Err(error) = pool.build_global() {
         eprintln!("warning: the number of threads stays: {error}");
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn job(line: &str) -> Result<Vec<String>, String> {
+        let mut arguments: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
+        let program = Program { name: "test".into(), version: "1".into() };
+        let finished = Job::parsed(program, &mut arguments).and_then(Job::finish);
+        finished.map(|_| arguments).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn the_arguments_of_a_job_are_taken_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path().to_str().unwrap();
+        assert_eq!(job("1e6 --fast").unwrap(), ["1e6", "--fast"]);
+        let part = format!("1e6 --part 2 --out {folder} --parts 3");
+        assert_eq!(job(&part).unwrap(), ["1e6"]);
+        assert!(std::path::Path::new(folder).join("part-2-of-3.json").exists());
+        for (line, told) in [
+            ("--part 2 --parts 3".to_owned(), "this combination"),
+            (format!("--out {folder} --part 2"), "this combination"),
+            (format!("--out {folder} --merge {folder}"), "this combination"),
+            (format!("--out {folder} --part two --parts 3"), "--part two"),
+            (format!("--out {folder} --part 4 --parts 3"), "no part 4 of 3"),
+            ("--out".to_owned(), "--out without a value"),
+        ] {
+            let error = job(&line).unwrap_err();
+            assert!(error.contains(told), "{line}: {error}");
+        }
     }
 }

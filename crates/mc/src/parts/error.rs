@@ -2,7 +2,7 @@
 
 use std::{io, path::PathBuf};
 
-use super::share::array;
+use super::{arguments::USAGE, share::array};
 
 /// Why a job did not come to its end. Nothing that was in its folder is lost by any of these.
 #[derive(Debug, thiserror::Error)]
@@ -16,8 +16,8 @@ pub enum JobError {
         /// The given number of parts.
         of: u64,
     },
-    /// An argument of the command line that is not understood.
-    #[error("cannot understand {0:?}; the arguments of a job are {usage}", usage = super::arguments::USAGE)]
+    /// An argument of a command line that is not understood.
+    #[error("cannot understand {0}; arguments are {USAGE}")]
     Argument(String),
     /// A file or folder cannot be read or written.
     #[error("cannot {action} {}: {source}", path.display())]

@@ -29,12 +29,17 @@ use crate::{
 /// How often a checkpoint is written, unless said otherwise.
 const INTERVAL: Duration = Duration::from_secs(60);
 
+/// Rounds of samples of at most so many path-steps, about a second, are drawn by every part.
+const ALONE: u64 = 1 << 27;
+
 /// What a program does with its Monte Carlo work: compute it here, compute one part, or merge.
 ///
 /// A job that met an error computes nothing more; [`finish`](Self::finish) says what it was.
+#[must_use = "a job is written and its errors are told by `finish`"]
 pub struct Job {
     stop: Stop,
     interval: Duration,
+    alone: u64,
     state: Mutex<State>,
 }
 
@@ -69,6 +74,9 @@ pub(crate) type Packing<T> = Result<T, Box<dyn Error>>;
 /// A piece of work: groups of paths of a ladder, and how their sums become bytes and come back.
 pub(crate) struct Work<'a, T> {
     pub name: &'a str,
+    /// Path-steps, if later work follows from its result: then it is computed here, whatever the
+    /// job is, unless it is worth a round of parts.
+    pub round: Option<u64>,
     pub fingerprint: Fingerprint,
     pub key: StreamKey,
     /// Paths of the whole.
@@ -83,6 +91,15 @@ pub(crate) struct Work<'a, T> {
     pub compute: &'a (dyn Fn(u64) -> Option<T> + Sync),
     /// Is told how many groups need not be computed.
     pub skipped: &'a dyn Fn(u64),
+}
+
+impl<T: Send> Work<'_, T> {
+    /// The nodes of all groups, computed here.
+    fn here(&self) -> Result<Option<Vec<Node<T>>>, JobError> {
+        let mut tree = MergeTree::new(self.merge);
+        let end = grow(&mut tree, self.groups.clone(), self.compute, &mut |_, _| ());
+        if end == self.groups.end { Ok(Some(tree.into_nodes())) } else { Err(JobError::Stopped) }
+    }
 }
 
 impl<T> Work<'_, T> {
@@ -150,7 +167,8 @@ impl Job {
 
     fn new(mode: Mode) -> Self {
         let state = State { mode, error: None, names: BTreeSet::new() };
-        Self { stop: Stop::default(), interval: INTERVAL, state: Mutex::new(state) }
+        let state = Mutex::new(state);
+        Self { stop: Stop::default(), interval: INTERVAL, alone: ALONE, state }
     }
 
     /// Divides the works of a plan so that all parts have about as many path-steps. Without it each
@@ -158,7 +176,6 @@ impl Job {
     ///
     /// All parts and the merge are given the plan of the same program with the same arguments,
     /// which needs no times: that of a [`pilot`](Self::pilot) of no duration.
-    #[must_use]
     pub fn balanced(self, plan: &Plan) -> Self {
         match &mut self.state().mode {
             Mode::Here | Mode::Plan(_) => {}
@@ -169,16 +186,23 @@ impl Job {
     }
 
     /// Ends early when `stop` asks for it, with a checkpoint.
-    #[must_use]
     pub fn stopped_by(mut self, stop: &Stop) -> Self {
         self.stop = stop.clone();
         self
     }
 
     /// Writes a checkpoint as often as this; a minute by default.
-    #[must_use]
     pub fn with_checkpoints_every(mut self, interval: Duration) -> Self {
         self.interval = interval;
+        self
+    }
+
+    /// Splits a round of samples of an [expectation](crate::multilevel::expectation_in) into parts
+    /// if it takes more than so many path-steps; 2²⁷, about a second, by default. Smaller rounds are
+    /// drawn by every part, since later ones follow from them. All parts and whoever merges them
+    /// must have the same number.
+    pub fn splitting_rounds_above(mut self, path_steps: u64) -> Self {
+        self.alone = path_steps;
         self
     }
 
@@ -267,6 +291,7 @@ impl Job {
         };
         let nodes = self.collect(&Work {
             name,
+            round: None,
             fingerprint: Fingerprint {
                 system: String::new(),
                 schemes: String::new(),
@@ -297,12 +322,9 @@ impl Job {
             _ if !names.insert(work.name.to_owned()) => {
                 Err(JobError::SameName(work.name.to_owned()))
             }
-            Mode::Here => {
-                let mut tree = MergeTree::new(work.merge);
-                let end = grow(&mut tree, work.groups.clone(), work.compute, &mut |_, _| ());
-                let complete = end == work.groups.end;
-                if complete { Ok(Some(tree.into_nodes())) } else { Err(JobError::Stopped) }
-            }
+            Mode::Here => work.here(),
+            Mode::Plan(pilot) if pilot.only_lists() => Ok(pilot.list(work)),
+            _ if work.round.is_some_and(|path_steps| path_steps <= self.alone) => work.here(),
             Mode::Part(computing) => computing.collect(work, self.interval),
             Mode::Merge(merging) => merging.collect(work),
             Mode::Plan(pilot) => pilot.measure(work),

@@ -117,6 +117,19 @@ impl Pilot {
         Self { each, plan: Plan::default() }
     }
 
+    /// Whether nothing is measured.
+    pub fn only_lists(&self) -> bool {
+        self.each.is_zero()
+    }
+
+    /// Lists a piece of work, unless it follows from the results of others. There are no results.
+    pub fn list<T>(&mut self, work: &Work<'_, T>) -> Option<Vec<Node<T>>> {
+        if work.round.is_none() {
+            self.add(work, 0.0, 0);
+        }
+        None
+    }
+
     /// Computes some groups. There are no results.
     pub fn measure<T: Send>(
         &mut self,
@@ -125,9 +138,7 @@ impl Pilot {
         let (groups, threads) = (&work.groups, rayon::current_num_threads() as u64);
         let mut tree = MergeTree::new(work.merge);
         let (start, mut next, mut waves) = (Instant::now(), groups.start, 0);
-        let goes_on =
-            |waves: u32| start.elapsed() < self.each || waves == 0 && !self.each.is_zero();
-        while next < groups.end && goes_on(waves) {
+        while next < groups.end && (waves == 0 || start.elapsed() < self.each) {
             let end = groups.end.min(next + threads);
             if grow(&mut tree, next..end, work.compute, &mut |_, _| ()) < end {
                 return Err(JobError::Stopped);
@@ -136,15 +147,20 @@ impl Pilot {
         }
         let seconds = start.elapsed().as_secs_f64() / f64::from(waves.max(1));
         let bytes = tree.finish().map(|sum| packed_bytes(&sum, work)).transpose()?;
+        self.add(work, seconds, bytes.unwrap_or(0));
+        Ok(None)
+    }
+
+    fn add<T>(&mut self, work: &Work<'_, T>, seconds: f64, bytes: u64) {
+        let groups = length(&work.groups);
         self.plan.works.push(Planned {
             name: work.name.to_owned(),
-            items: if work.steps == 0 { length(groups) } else { work.paths },
+            items: if work.steps == 0 { groups } else { work.paths },
             steps: work.steps,
-            groups: length(groups),
+            groups,
             seconds,
-            bytes: bytes.unwrap_or(0),
+            bytes,
         });
-        Ok(None)
     }
 
     pub fn finish(self) -> Plan {

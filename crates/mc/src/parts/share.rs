@@ -67,7 +67,7 @@ impl FromStr for Share {
     fn from_str(text: &str) -> Result<Self, JobError> {
         let parts =
             text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
-        let (number, of) = parts.ok_or_else(|| JobError::Argument(text.to_owned()))?;
+        let (number, of) = parts.ok_or_else(|| JobError::Argument(format!("part {text:?}")))?;
         Self::new(number, of)
     }
 }

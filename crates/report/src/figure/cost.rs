@@ -86,6 +86,7 @@ pub(crate) mod tests {
             lo: Some(0.25 / steps as f64),
             hi: Some(1.0 / steps as f64),
             resolved,
+            ratio: None,
             error_exact_areas: None,
             area_terms: None,
             defects: vec![1e-3],

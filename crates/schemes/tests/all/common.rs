@@ -60,24 +60,6 @@ pub fn populations_2() -> LotkaVolterra<IntegerExponents<2, 2>> {
     LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0).unwrap()
 }
 
-/// A system that says only what must be said.
-#[derive(Clone, Copy)]
-pub struct Plain<S>(pub S);
-
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M> for Plain<S> {
-    fn name(&self) -> &'static str {
-        self.0.name()
-    }
-    #[inline(always)]
-    fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
-        self.0.structure(y, v)
-    }
-    #[inline(always)]
-    fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; M]) -> R {
-        self.0.energy(y, dt, dw)
-    }
-}
-
 /// A point near y₀, or, for populations, in the positive octant.
 pub fn any_state<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     numbers: &mut Numbers,

@@ -10,6 +10,8 @@ pub struct Candidates<'a, S, const D: usize, const M: usize> {
     schemes: Vec<Held<'a, S, D, M>>,
     reference: Held<'a, S, D, M>,
     casimirs: Vec<FoundCasimir>,
+    /// The scheme that errors are related to, by number.
+    base: Option<usize>,
 }
 
 /// A scheme of one's own or of someone else's.
@@ -32,7 +34,7 @@ impl<'a, S, const D: usize, const M: usize> Candidates<'a, S, D, M> {
     /// [`SexpLevy`], or [`Sexp`] where noises commute.
     pub fn against(reference: &'a dyn Scheme<S, D, M>) -> Self {
         let reference = Held::Lent(reference);
-        Self { schemes: Vec::new(), reference, casimirs: Vec::new() }
+        Self { schemes: Vec::new(), reference, casimirs: Vec::new(), base: None }
     }
 
     /// With this scheme, too.
@@ -52,6 +54,11 @@ impl<'a, S, const D: usize, const M: usize> Candidates<'a, S, D, M> {
         self.reference.scheme()
     }
 
+    /// The scheme that errors are related to, by number.
+    pub(super) fn base(&self) -> Option<usize> {
+        self.base
+    }
+
     /// Casimirs that the system does not name.
     pub(super) fn casimirs(&self) -> &[FoundCasimir] {
         &self.casimirs
@@ -61,7 +68,8 @@ impl<'a, S, const D: usize, const M: usize> Candidates<'a, S, D, M> {
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Candidates<'_, S, D, M> {
     /// All schemes for `problem`: [`Sexp`] and, if it is for the system, [`SexpLi`], both with Lévy
     /// areas as well if the noises do not commute; [`Midpoint`], [`Heun`] and [`EulerMaruyama`].
-    /// The reference is [`SexpLevy`].
+    /// The reference is [`SexpLevy`]. Strong errors are related to those of [`Heun`] on the same
+    /// paths ([`StrongPoint::ratio`](super::StrongPoint::ratio)).
     ///
     /// If the system names no invariant, the linear and quadratic Casimirs that [`inspect()`] finds
     /// are measured.
@@ -84,6 +92,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Candidates<'_, S, D
             schemes.push(Box::new(scheme));
         }
         schemes.push(Box::new(Midpoint));
+        let base = Some(schemes.len());
         schemes.push(Box::new(Heun));
         schemes.push(Box::new(EulerMaruyama));
         let casimirs = match system.invariants()[..] {
@@ -92,6 +101,6 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Candidates<'_, S, D
             _ => Vec::new(),
         };
         let schemes = schemes.into_iter().map(Held::Own).collect();
-        Self { schemes, reference: Held::Own(Box::new(levy)), casimirs }
+        Self { schemes, reference: Held::Own(Box::new(levy)), casimirs, base }
     }
 }

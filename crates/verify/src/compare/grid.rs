@@ -101,6 +101,13 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Grid<'_
         self.schemes[s].reads_areas()
     }
 
+    /// The number among all points of that of scheme `s` with this many steps.
+    pub(super) fn point_number(&self, s: usize, steps: u64) -> Option<usize> {
+        let before: usize = self.levels.get(..s)?.iter().map(|levels| levels.len()).sum();
+        let mut levels = self.levels.get(s)?.clone().rev();
+        levels.position(|level| self.steps(level) == steps).map(|n| before + n)
+    }
+
     /// The number of steps at a level.
     pub(super) fn steps(&self, level: usize) -> u64 {
         self.finest_steps >> level

@@ -74,7 +74,7 @@ pub use cost::{Crossing, Curve, cost_at, crossing};
 pub use grid::{Grid, Sampled, Series, Timed};
 pub use recommend::{Candidate, Choice, Measured, Outcome};
 pub use settings::{CompareError, CompareSettings, EXPERIMENTS, Expectations};
-pub use strong::{Strong, StrongPoint};
+pub use strong::{Ratio, Strong, StrongPoint};
 pub use time::{Repetitions, Time, path_times};
 pub use weak::{Cost, Weak, WeakObservable, WeakPoint};
 

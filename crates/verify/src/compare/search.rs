@@ -223,7 +223,8 @@ where
         loop {
             self.limit(known, reference, &mut plan);
             let grid = self.grid(known, &plan, self.settings.samples, self.key(0));
-            let strong = Strong::measure(&grid, self.candidates.casimirs(), &|_| ())?;
+            let (casimirs, base) = (self.candidates.casimirs(), self.candidates.base());
+            let strong = Strong::measure(&grid, casimirs, base, &|_| ())?;
             let mut next = plan.clone();
             let mut reference_lacks = strong.reference_error > ENOUGH * wanted;
             for (s, series) in strong.series.iter().enumerate().filter(|(s, _)| known[*s].sound()) {

@@ -48,6 +48,10 @@ pub struct StrongPoint {
     /// Whether the error of the reference is at most a quarter of this one. Other points are not
     /// used.
     pub resolved: bool,
+    /// Its error over that of the base scheme with as many steps on the same paths, where both are
+    /// resolved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ratio: Option<Ratio>,
     /// Of a scheme with Lévy areas: the error with exact areas of the step. `error` includes what
     /// the approximation of areas at the step itself may add.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -63,8 +67,51 @@ pub struct StrongPoint {
     pub time: Option<Time>,
 }
 
+/// A ratio of two errors on the same paths.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ratio {
+    /// The ratio.
+    pub value: f64,
+    /// Lower end of its 95 % interval, which is narrower than those of the errors allow: chance
+    /// that both share cancels. The error of the reference is in it.
+    pub lo: f64,
+    /// Upper end.
+    pub hi: f64,
+}
+
+impl Ratio {
+    /// √(mᵢ/mⱼ) of two mean squares of `squares`, against a reference with this error ρ.
+    ///
+    /// The variance of ½(ln mᵢ − ln mⱼ) is ¼(vᵢᵢ/mᵢ² + vⱼⱼ/mⱼ² − 2vᵢⱼ/(mᵢmⱼ)), with the covariances v
+    /// of the means; the triangle inequality moves each error by ρ at most. None with fewer than 32
+    /// paths, and where ρ is more than a quarter of an error.
+    fn of(squares: &CrossMoments, i: usize, j: usize, reference: f64) -> Option<Self> {
+        let [one, other] = [i, j].map(|k| squares.mean(k).sqrt());
+        let few = squares.count() < LEAST_PATHS;
+        // True for NaN.
+        let unresolved = |error: f64| !(error > 0.0 && reference <= RESOLVED * error);
+        if few || unresolved(one) || unresolved(other) {
+            return None;
+        }
+        let relative = |a: usize, b: usize| {
+            squares.covariance_of_means(a, b) / (squares.mean(a) * squares.mean(b))
+        };
+        let variance = 0.25 * (relative(i, i) + relative(j, j) - 2.0 * relative(i, j));
+        let reach = (QUANTILE * variance.max(0.0).sqrt()).exp();
+        Some(Self {
+            value: one / other,
+            lo: (one - reference) / (other + reference) / reach,
+            hi: (one + reference) / (other - reference) * reach,
+        })
+    }
+}
+
 /// The part of an error that the error of the reference may be.
 const RESOLVED: f64 = 0.25;
+/// Two-sided 95 % quantile of the normal distribution.
+const QUANTILE: f64 = 1.96;
+/// Paths without which there is no interval.
+const LEAST_PATHS: u64 = 32;
 
 /// A bound of the error at the finest of three step sizes from the root-mean-square differences of
 /// successive ones, d₁ = |y_{4τ} − y_{2τ}| and d₀ = |y_{2τ} − y_τ|: Σ of those that would follow,
@@ -95,6 +142,7 @@ impl StrongPoint {
             lo,
             hi,
             resolved: reference <= RESOLVED * error,
+            ratio: None,
             error_exact_areas: None,
             area_terms: None,
             defects: Vec::new(),
@@ -132,7 +180,8 @@ impl Strong {
     /// Errors are root-mean-square distances to the reference on the same noise. The error of the
     /// reference is estimated from its own differences and enters every interval by the triangle
     /// inequality. A scheme that reads Lévy areas gets those of a ladder with the error that areas
-    /// have when they are drawn at its own step.
+    /// have when they are drawn at its own step. The points of all schemes but the one with the
+    /// number `base` have the ratio of their error to its error with as many steps.
     ///
     /// # Errors
     /// [`LadderError`] when there is no step, or when truncation or areas are not defined at a step
@@ -140,6 +189,7 @@ impl Strong {
     pub fn measure<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         grid: &Grid<'_, S, G, D, M>,
         found: &[FoundCasimir],
+        base: Option<usize>,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Self, LadderError> {
         let laws = Law::all(grid.problem, found);
@@ -174,7 +224,12 @@ impl Strong {
             let tau = grid.problem.t_end() / steps as f64;
             let point = StrongPoint::new(tau, steps, &moments, own + number, reference_error);
             let first = own + runs + number * laws.len();
+            let base = base.and_then(|base| grid.point_number(base, steps));
+            let base = base.filter(|&base| base != number);
             StrongPoint {
+                ratio: base.and_then(|base| {
+                    Ratio::of(&moments, own + number, own + base, reference_error)
+                }),
                 error_exact_areas: exact.map(|exact| rms(own + exact)),
                 area_terms: exact.and_then(|_| terms(tau, M)),
                 defects: (first..first + laws.len()).map(rms).collect(),
@@ -182,5 +237,43 @@ impl Strong {
             }
         };
         Ok(Self { series: grid.series(point), reference_error, sampled })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratios_of_errors_are_those_of_the_same_paths() {
+        // Four times the other square, and one of its own.
+        let mut squares = CrossMoments::new(3);
+        for path in 0..64 {
+            let x = 1.0 + f64::from(path % 7);
+            squares.add(&[4.0 * x, x, 1.0 + f64::from(path * path % 11)]);
+        }
+        let of = |i, j, reference| Ratio::of(&squares, i, j, reference);
+        // All of the chance is shared: the ratio is known.
+        let shared = of(0, 1, 0.0).unwrap();
+        for x in [shared.value, shared.lo, shared.hi] {
+            assert!((x - 2.0).abs() < 1e-7, "{shared:?}");
+        }
+        // By hand from the variance of the logarithms, one by one.
+        let apart = of(0, 2, 0.0).unwrap();
+        let log = |path: usize, i: usize| {
+            let x = [4.0 * (1.0 + (path % 7) as f64), 0.0, 1.0 + (path * path % 11) as f64][i];
+            0.5 * x / squares.mean(i)
+        };
+        let differences: Vec<f64> = (0..64).map(|path| log(path, 0) - log(path, 2)).collect();
+        let variance = differences.iter().map(|x| x * x).sum::<f64>() / 63.0 / 64.0;
+        let reach = (1.96 * variance.sqrt()).exp();
+        assert!((apart.hi / (apart.value * reach) - 1.0).abs() < 1e-12, "{apart:?} {reach}");
+        assert!((apart.lo * reach / apart.value - 1.0).abs() < 1e-12, "{apart:?} {reach}");
+        // An error of the reference of a tenth of the smaller error: (2 ∓ 0.1)/(1 ± 0.1).
+        let widened = of(0, 1, 0.1 * squares.mean(1).sqrt()).unwrap();
+        assert!((widened.lo - 1.9 / 1.1).abs() < 1e-7 && (widened.hi - 2.1 / 0.9).abs() < 1e-7);
+        assert_eq!(of(0, 1, 0.26 * squares.mean(1).sqrt()), None);
+        assert_eq!(of(0, 1, f64::INFINITY), None);
+        assert_eq!(Ratio::of(&CrossMoments::new(2), 0, 1, 0.0), None);
     }
 }

@@ -54,6 +54,8 @@ fn as_word<S: Serializer>(structure: &Linearity, serializer: S) -> Result<S::Ok,
 pub struct Override {
     /// Its name.
     pub method: &'static str,
+    /// The schemes that use it, in words.
+    pub schemes: &'static str,
     /// What it gains.
     pub gains: String,
 }
@@ -75,8 +77,9 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> PoissonSystem<D, M>
     }
 }
 
-/// Nodes of the provided ∇̄h.
+/// Nodes of the provided ∇̄h, and the most that are advised.
 const PROVIDED_NODES: u32 = 8;
+const MOST_NODES: u32 = 32;
 
 impl Override {
     /// Those of a system. A method is the provided one if its results have the same bits.
@@ -98,50 +101,53 @@ impl Override {
             })
         };
         let mut found = Vec::new();
-        let mut worth = |method, gains| found.push(Self { method, gains });
+        let mut worth = |method, schemes, gains| found.push(Self { method, schemes, gains });
         let quadratic = is_quadratic(system, dt, dw);
         let averages =
             |a, b| [system.averaged_gradient(a, b, dt, dw), plain.averaged_gradient(a, b, dt, dw)];
-        if !quadratic && same(&averages) {
-            let degree = system.energy([Degree::VARIABLE; D], dt, dw);
-            let exact = (1..PROVIDED_NODES).find(|&n| degree <= Degree::of(2 * n));
-            worth(
-                "averaged_gradient",
-                match exact {
-                    Some(1) => "∇̄h takes 8 evaluations of ∇h, of which one is enough".into(),
-                    Some(n) => format!(
-                        "∇̄h takes 8 evaluations of ∇h; dgrad::averaged::<{n}, _, _, {D}> is exact \
-                         with {n}"
-                    ),
-                    None => "∇̄h takes 8 evaluations of ∇h; a closed form takes about one, such as \
-                             dgrad::mean_sine for cosines"
-                        .into(),
-                },
-            );
+        let degree = system.energy([Degree::VARIABLE; D], dt, dw);
+        let exact = (1..=MOST_NODES).find(|&n| degree <= Degree::of(2 * n));
+        if !quadratic && exact != Some(PROVIDED_NODES) && same(&averages) {
+            let gains = match exact {
+                Some(1) => "∇̄h takes 8 evaluations of ∇h, of which one is enough".into(),
+                Some(n) if n < PROVIDED_NODES => format!(
+                    "∇̄h takes 8 evaluations of ∇h; dgrad::averaged::<{n}, _, _, {D}> is exact with \
+                     {n}"
+                ),
+                Some(n) => {
+                    format!("8 nodes are not exact; dgrad::averaged::<{n}, _, _, {D}> is")
+                }
+                None => "∇̄h takes 8 evaluations of ∇h and is as exact as the line ∇̄h says; sines \
+                         and cosines of one coordinate have closed forms, dgrad::mean_cosine and \
+                         dgrad::mean_sine; for other functions keep the 8 nodes"
+                    .into(),
+            };
+            worth("averaged_gradient", "sexp, sexp-levy and sexp-li", gains);
         }
         let gradients = |a, _| [system.gradient(a, dt, dw), plain.gradient(a, dt, dw)];
         if D > 8 && same(&gradients) {
             worth(
                 "gradient",
+                "all schemes",
                 format!("∇h takes {D} evaluations of h on dual numbers; by hand about one"),
             );
         }
         let steps = |y, v| [system.cayley(y, v), plain.cayley(y, v)];
         let affine = linearity(system, array(&points[0])) == Linearity::Affine;
         if affine && D > 3 && same(&steps) {
-            let gains =
-                "a closed form, where B is made of cross products, halves a step of sexp-li";
-            worth("cayley", gains.into());
+            let gains = "a closed form, where B is made of cross products, halves a step";
+            worth("cayley", "sexp-li", gains.into());
         }
         let commutators = |a, _| [system.commutators(a, areas), plain.commutators(a, areas)];
         let silent = commutators(array(&points[0]), [0.0; D])[0].iter().all(|x| *x == 0.0);
         if M > 1 && !silent && same(&commutators) {
-            worth("commutators", "by hand, a step of sexp-levy costs about a third less".into());
+            worth("commutators", "sexp-levy", "by hand, a step costs about a third less".into());
         }
         if quadratic && D <= 3 && S::IMPLICIT_STEP == ImplicitStep::FixedPoint {
             worth(
                 "IMPLICIT_STEP",
-                "UnrolledFixedPoint makes steps of sexp and midpoint about a third faster".into(),
+                "sexp and midpoint",
+                "UnrolledFixedPoint makes steps about a third faster".into(),
             );
         }
         found

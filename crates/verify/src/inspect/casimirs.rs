@@ -11,6 +11,7 @@ use super::{
     erased::System,
     finding::{Finding, Status},
     function::Minimum,
+    logarithms::LogarithmicCasimir,
     points::Points,
 };
 
@@ -65,13 +66,13 @@ impl FoundCasimir {
 }
 
 /// Coefficients with a bound of the error of each.
-struct Coefficients {
-    values: Vec<f64>,
-    error: f64,
+pub(super) struct Coefficients {
+    pub(super) values: Vec<f64>,
+    pub(super) error: f64,
 }
 
 /// A coefficient; zeros and integers were recognised and are exact.
-fn coefficient(value: f64, error: f64) -> Bounded {
+pub(super) fn coefficient(value: f64, error: f64) -> Bounded {
     let exact = value == value.round();
     let rounded = Bounded::constant(value);
     Bounded { error: if exact { 0.0 } else { error.max(rounded.error) }, ..rounded }
@@ -98,7 +99,11 @@ fn formula(degree: u32, coefficients: &[f64], d: usize) -> String {
         (_, true) => (0.5 * coefficients[i * d + i], format!("y{}²", i + 1)),
         (_, false) => (coefficients[i * d + j], format!("y{} y{}", i + 1, j + 1)),
     };
-    let terms = squares.into_iter().chain(products.into_iter().filter(|_| degree == 2)).map(term);
+    sum_of_terms(squares.into_iter().chain(products.into_iter().filter(|_| degree == 2)).map(term))
+}
+
+/// `2 a − b`, coefficients to six digits and without those that are zero.
+pub(super) fn sum_of_terms(terms: impl Iterator<Item = (f64, String)>) -> String {
     let mut formula = String::new();
     for (coefficient, symbol) in terms.filter(|(coefficient, _)| *coefficient != 0.0) {
         let sign = match (formula.is_empty(), coefficient < 0.0) {
@@ -130,10 +135,12 @@ pub struct Casimirs {
     /// Whether quadratic Casimirs were searched for: only where their D(D+1)/2 coefficients are no
     /// more than 300.
     pub quadratic_sought: bool,
+    /// A basis of those that are sums of logarithms of coordinates.
+    pub logarithmic: Vec<LogarithmicCasimir>,
 }
 
 /// Most unknowns of a singular value decomposition: it takes a tenth of a second.
-const UNKNOWNS: usize = 300;
+pub(super) const UNKNOWNS: usize = 300;
 /// Singular values below this part of the largest one belong to almost-Casimirs.
 const NEARLY: f64 = 1e-3;
 /// Most almost-Casimirs that are listed.
@@ -148,7 +155,9 @@ impl Casimirs {
         let quadratic_sought = d * (d + 1) / 2 <= UNKNOWNS;
         let complete = if quadratic_sought { Status::Shown } else { Status::Unknown };
         let (found, nearly) = (Vec::new(), Vec::new());
-        let mut all = Self { found, nearly, complete, definite: None, quadratic_sought };
+        let logarithmic = LogarithmicCasimir::all(system, points);
+        let mut all =
+            Self { found, nearly, complete, definite: None, quadratic_sought, logarithmic };
         for degree in 1..=if quadratic_sought { 2 } else { 1 } {
             let unknowns = if degree == 1 { d } else { d * (d + 1) / 2 };
             let Solution { sigma, vectors, error, zero } =
@@ -227,10 +236,10 @@ impl Solution {
 
 /// bᵀ∇C(y) = 0 for every row b of B(y), as rows of length one.
 #[derive(Default)]
-struct Equations {
-    rows: Matrix,
+pub(super) struct Equations {
+    pub(super) rows: Matrix,
     /// A bound of the Frobenius norm of the errors of the rows.
-    error: f64,
+    pub(super) error: f64,
 }
 
 impl Equations {
@@ -246,12 +255,16 @@ impl Equations {
                     })
                     .collect(),
             };
-            let (length, error) = (norm(&values(&row)), error_norm(&row));
-            // A row of round-off says nothing.
-            if length > error {
-                self.rows.push(row.iter().map(|x| x.value / length).collect());
-                self.error = self.error.hypot(error / length);
-            }
+            self.push(&row);
+        }
+    }
+
+    /// A row; one of round-off says nothing.
+    pub(super) fn push(&mut self, row: &[Bounded]) {
+        let (length, error) = (norm(&values(row)), error_norm(row));
+        if length > error {
+            self.rows.push(row.iter().map(|x| x.value / length).collect());
+            self.error = self.error.hypot(error / length);
         }
     }
 }
@@ -267,7 +280,7 @@ fn symmetric(x: &[f64], d: usize) -> Vec<f64> {
 
 /// The multiple of the solution whose smallest coefficient is ±1 and whose first one is positive.
 /// Coefficients within `error` of zero or, relatively, of an integer are made exact.
-fn readable(mut x: Vec<f64>, error: f64) -> Coefficients {
+pub(super) fn readable(mut x: Vec<f64>, error: f64) -> Coefficients {
     let size = largest(&x);
     x.iter_mut().filter(|c| c.abs() <= error * size).for_each(|c| *c = 0.0);
     let smallest = x.iter().filter(|c| **c != 0.0).fold(f64::INFINITY, |m, c| m.min(c.abs()));

@@ -4,7 +4,7 @@
 //!
 //! - whether B is skew-symmetric, and whether closed forms agree with the energy;
 //! - whether the claimed invariants are invariants, and of which degree;
-//! - all linear and quadratic Casimirs of B, and what is almost one;
+//! - all linear and quadratic Casimirs of B, what is almost one, and those Σ cᵢ ln|yᵢ|;
 //! - whether the noises commute;
 //! - which statements of the paper apply, which orders to expect, and a scheme to take;
 //! - the step size below which the implicit step is a contraction.
@@ -45,6 +45,7 @@ mod finding;
 mod function;
 mod hamiltonian;
 mod invariants;
+mod logarithms;
 mod noises;
 mod pilot;
 mod points;
@@ -74,6 +75,7 @@ pub use finding::{Finding, Status};
 pub use function::{Kind, Minimum, Shape};
 pub use hamiltonian::Hamiltonians;
 pub use invariants::ClaimedInvariant;
+pub use logarithms::LogarithmicCasimir;
 pub use noises::Noises;
 pub use pilot::Pilot;
 pub use points::Region;

@@ -58,6 +58,11 @@ pub struct Circumstances {
 pub fn recommendations(report: &Inspection, circumstances: Circumstances) -> Vec<Recommendation> {
     let Inspection { structure, hamiltonians, casimirs, noise, without_iteration, .. } = report;
     let sound = structure.sound() != Status::Refuted;
+    // Sums of logarithms are kept by flows alone.
+    let nothing = match casimirs.logarithmic.is_empty() {
+        true => "nothing was found to keep",
+        false => "split alone keeps the Casimir with logarithms",
+    };
     let casimirs = sound && !casimirs.found.is_empty();
     let energy = sound
         && hamiltonians.proportional.as_ref().is_some_and(Finding::holds)
@@ -99,9 +104,9 @@ pub fn recommendations(report: &Inspection, circumstances: Circumstances) -> Vec
         let because = "it takes the integral of the damping, whose rate is not finite";
         take(Purpose::Paths, if linear { "sexp-li" } else { "sexp" }, because);
     } else if noise.silent.holds() {
-        take(Purpose::Paths, "heun", "explicit, of order 2; nothing was found to keep");
+        take(Purpose::Paths, "heun", &format!("explicit, of order 2; {nothing}"));
     } else {
-        take(Purpose::Paths, "heun", "explicit, of strong order 1; nothing was found to keep");
+        take(Purpose::Paths, "heun", &format!("explicit, of strong order 1; {nothing}"));
     }
 
     if areas && !noise.silent.holds() {

@@ -13,6 +13,7 @@ use super::{
     function::{Kind, Minimum, Shape},
     hamiltonian::Hamiltonians,
     invariants::ClaimedInvariant,
+    logarithms::LogarithmicCasimir,
     noises::Noises,
     pilot::Pilot,
     points::{Points, Region},
@@ -78,6 +79,9 @@ pub struct Inspection {
 /// Least relative error of `averaged_gradient` that is a mistake and not that of a quadrature: the
 /// points of the check are further apart than a step is long.
 const POOR_QUADRATURE: f64 = 1e-3;
+
+/// A bound of the step size below this helps no one.
+const USELESS_STEP: f64 = 1e-6;
 
 impl Inspection {
     /// The report on a system alone.
@@ -279,7 +283,8 @@ impl Inspection {
     }
 
     fn write_casimirs(&self, f: &mut Formatter<'_>) -> Result {
-        let Casimirs { found, nearly, complete, definite, quadratic_sought } = &self.casimirs;
+        let Casimirs { found, nearly, complete, definite, quadratic_sought, logarithmic } =
+            &self.casimirs;
         let sought = if *quadratic_sought { "linear or quadratic" } else { "linear" };
         let none = match (found.is_empty(), complete) {
             (true, Status::Shown) => " none (shown)",
@@ -294,9 +299,11 @@ impl Inspection {
             let is = if casimir.refuted() { "not" } else { "perhaps" };
             writeln!(f, "    {is} {formula}: B∇C has {casimir}")?;
         }
-        let sum = definite.iter().filter(|_| found.len() > 1);
-        sum.into_iter().try_for_each(|FoundCasimir { formula, minimum, .. }| {
-            writeln!(f, "    a positive definite sum: {formula}, m = {minimum}")
+        for FoundCasimir { formula, minimum, .. } in definite.iter().filter(|_| found.len() > 1) {
+            writeln!(f, "    a positive definite sum: {formula}, m = {minimum}")?;
+        }
+        logarithmic.iter().try_for_each(|LogarithmicCasimir { formula, casimir, .. }| {
+            writeln!(f, "  and with logarithms: {formula}; B∇C = 0 {casimir}")
         })
     }
 
@@ -325,16 +332,28 @@ impl Inspection {
         }
         let orders: Vec<_> =
             orders.iter().map(|(order, of)| format!("{order}: {}", of.join(", "))).collect();
-        let step = |k| format!("{:.1e} for k = {k}", self.solvability.largest_step(k));
+        writeln!(f, "Expected orders, strong / weak\n  {}", orders.join("\n  "))?;
+        self.write_solvability(f)?;
+        self.write_advice(f)
+    }
+
+    fn write_solvability(&self, f: &mut Formatter<'_>) -> Result {
         let Solvability { points, region, .. } = &self.solvability;
+        let steps = [1, 2, 4].map(|k| (k, self.solvability.largest_step(k)));
+        if steps[0].1 < USELESS_STEP {
+            return writeln!(
+                f,
+                "Implicit steps of sexp: no useful bound of τ, the norms at {points} points with \
+                 {region} are too large\n  (a singular point?); the solver reports a step that it \
+                 cannot solve"
+            );
+        }
+        let steps = steps.map(|(k, step)| format!("{step:.1e} for k = {k}")).join(", ");
         writeln!(
             f,
-            "Expected orders, strong / weak\n  {}\nImplicit steps of sexp are contractions, C(k, τ) < 1, \
-             for τ below\n  {}\n  by the largest norms found at {points} points with {region}",
-            orders.join("\n  "),
-            [1, 2, 4].map(step).join(", ")
-        )?;
-        self.write_advice(f)
+            "Implicit steps of sexp are contractions, C(k, τ) < 1, for τ below\n  {steps}\n  by the \
+             largest norms found at {points} points with {region}"
+        )
     }
 
     fn write_advice(&self, f: &mut Formatter<'_>) -> Result {
@@ -357,20 +376,26 @@ impl Inspection {
         for Recommendation { purpose, scheme, because } in &self.recommended {
             writeln!(f, "Take {scheme} {}: {because}", purpose.name())?;
         }
-        if self.sound() {
+        if self.has_casimirs() {
             writeln!(f, "split keeps every Casimir, if you can write the flows of parts of H")?;
         }
         if !self.overrides.is_empty() {
             writeln!(f, "Worth writing out")?;
         }
-        for Override { method, gains } in &self.overrides {
-            writeln!(f, "  {method}: {gains}")?;
+        for Override { method, schemes, gains } in &self.overrides {
+            writeln!(f, "  {method}, for {schemes}: {gains}")?;
         }
         Ok(())
     }
 
-    fn sound(&self) -> bool {
+    /// Whether B is sound and a Casimir was found, or is claimed and may be one.
+    fn has_casimirs(&self) -> bool {
+        let Casimirs { found, logarithmic, .. } = &self.casimirs;
+        let mut claims = self.invariants.iter().filter(|claim| claim.claimed_casimir);
         self.structure.sound() != Status::Refuted
+            && (!found.is_empty()
+                || !logarithmic.is_empty()
+                || claims.any(|claim| claim.status() != Status::Refuted))
     }
 }
 

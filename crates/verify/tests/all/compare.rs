@@ -89,6 +89,36 @@ fn intervals_contain_the_strong_errors_that_are_known() {
 }
 
 #[test]
+fn ratios_to_heun_contain_those_that_are_known() {
+    let problem = kubo(OMEGA, SIGMA);
+    let (mut points, mut misses, mut shorter) = (0, Vec::new(), 0);
+    for seed in 1..=4 {
+        let found = compare(&problem, &Candidates::all(&problem), &settings(0.02, seed)).unwrap();
+        let [sexp, _, midpoint, base, em_series] = &found.strong.series[..] else {
+            panic!("{found}")
+        };
+        assert!(base.points.iter().all(|point| point.ratio.is_none()), "{base:?}");
+        for (series, a) in
+            [(sexp, cayley as fn(f64, f64) -> Complex), (midpoint, cayley), (em_series, em)]
+        {
+            for point in series.points.iter().filter(|point| point.steps >= 16) {
+                let Some(ratio) = point.ratio else { continue };
+                let known = exact(point.steps, a) / exact(point.steps, heun);
+                points += 1;
+                if !(ratio.lo <= known && known <= ratio.hi) {
+                    misses.push(format!("{} {known} {point:?}", series.scheme));
+                }
+                let alone = point.hi.unwrap() / point.lo.unwrap();
+                shorter += usize::from(ratio.hi / ratio.lo < alone);
+            }
+        }
+    }
+    assert!(points > 12 && 10 * misses.len() <= points, "{points} {misses:?}");
+    // Shared chance cancels: most are narrower than the interval of one of the two errors.
+    assert!(2 * shorter > points, "{shorter} of {points}");
+}
+
+#[test]
 fn all_schemes_are_compared_and_expectations_are_priced() {
     let problem = kubo(OMEGA, SIGMA);
     let observables = [Observable { name: "y1", function: |y: [f64; 2]| y[0] }];

@@ -78,18 +78,42 @@ pub fn strong(case: &Case) -> String {
 }
 
 /// At every strong error that the tables show: the cheapest conformal scheme in multiples of
-/// `heun`; nothing where they reach no error in common.
+/// `heun`, with the interval that follows from the errors; nothing where they reach no error in
+/// common.
 pub fn conformal(case: &Case) -> Option<String> {
     let heun = in_microseconds(case.series(|kind| kind == Kind::Heun).next()?);
-    let conformal: Vec<Curve> = case.series(Kind::conformal).map(in_microseconds).collect();
+    let conformal: Vec<_> = case.series(Kind::conformal).collect();
+    let curves: Vec<Curve> = conformal.iter().copied().map(in_microseconds).collect();
     let multiples = targets(&case.curves()).into_iter().filter_map(|error| {
-        let (best, cost) = cheapest(&conformal, error)?;
-        let multiple = number(cost / cost_at(&heun.points, error)?);
-        Some(format!("{multiple} at {} (`{}`)", number(error), conformal[best].scheme))
+        let (best, cost) = cheapest(&curves, error)?;
+        let multiple = cost / cost_at(&heun.points, error)?;
+        let interval = interval(conformal[best], error, multiple)
+            .map_or(String::new(), |ends| format!(" [{}]", ends.map(number).join(", ")));
+        let scheme = &curves[best].scheme;
+        Some(format!("{}{interval} at {} (`{scheme}`)", number(multiple), number(error)))
     });
     let words = multiples.collect::<Vec<_>>().join(", ");
     let prefix = format!("The cheapest conformal scheme in multiples of `{}`: ", heun.scheme);
     (!words.is_empty()).then(|| prefix + &words + ".")
+}
+
+/// The interval of a multiple of the cost of the base scheme at an equal error.
+///
+/// With an error of order p in the step size, an error that is r times that of the base scheme at
+/// the same steps costs r^{1/p} times as much at equal error. So the interval of r at the measured
+/// steps nearest to `error` gives that of the multiple; p is the slope of the errors between the
+/// two measured neighbours.
+fn interval(series: &Series<StrongPoint>, error: f64, multiple: f64) -> Option<[f64; 2]> {
+    let usable: Vec<_> =
+        series.points.iter().filter(|point| point.resolved && point.time.is_some()).collect();
+    let pairs = usable.windows(2).rev();
+    let pair = { pairs }.find(|pair| pair[1].error <= error && error <= pair[0].error)?;
+    let steps = pair[1].steps as f64 / pair[0].steps as f64;
+    let order = (pair[0].error / pair[1].error).ln() / steps.ln();
+    let away = |point: &StrongPoint| (point.error / error).ln().abs();
+    let nearest = if away(pair[0]) < away(pair[1]) { pair[0] } else { pair[1] };
+    let ratio = nearest.ratio.filter(|_| order > 0.0)?;
+    Some([ratio.lo, ratio.hi].map(|end| multiple * (end / ratio.value).powf(1.0 / order)))
 }
 
 /// (accuracy, seconds of an estimate) of all schemes.
@@ -123,7 +147,45 @@ pub fn areas(case: &Case) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use verify::compare::{Ratio, Time};
+
     use super::*;
+
+    #[test]
+    fn multiples_have_the_interval_of_the_ratio_at_the_nearest_steps() {
+        let time = Some(Time {
+            min_s: 1e-6,
+            median_s: 1e-6,
+            max_s: 1e-6,
+            repetitions: 1,
+            paths: 1,
+            failed: 0,
+        });
+        // Errors of order ½; the finer point has the ratio 2 within a tenth.
+        let point = |steps: u64, ratio| StrongPoint {
+            steps,
+            tau: 1.0 / steps as f64,
+            error: (steps as f64).powf(-0.5),
+            se: 0.0,
+            lo: None,
+            hi: None,
+            resolved: true,
+            ratio,
+            error_exact_areas: None,
+            area_terms: None,
+            defects: Vec::new(),
+            time,
+        };
+        let known = Ratio { value: 2.0, lo: 2.0 / 1.1, hi: 2.0 * 1.1 };
+        let points = vec![point(16, None), point(64, Some(known))];
+        let series = Series { scheme: "a".to_owned(), points };
+        // Twice the error costs four times as much, and so the interval is the square.
+        let [lo, hi] = interval(&series, 0.13, 5.0).unwrap();
+        assert!((lo * 1.21 / 5.0 - 1.0).abs() < 1e-12 && (hi / 5.0 / 1.21 - 1.0).abs() < 1e-12);
+        // Nearer to the coarse point, which has no ratio, and beyond both.
+        assert_eq!(interval(&series, 0.24, 5.0), None);
+        assert_eq!(interval(&series, 0.1, 5.0), None);
+    }
 
     #[test]
     fn winners_are_grouped() {

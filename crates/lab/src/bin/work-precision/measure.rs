@@ -3,7 +3,7 @@
 use anyhow::Result;
 use lab::{
     TRUNCATED, set_up,
-    setups::{Setup, Visit, visit_paper},
+    setups::{Kind, Setup, Visit, visit_paper},
     truncation,
 };
 use schemes::Scheme;
@@ -73,7 +73,8 @@ impl Visit for Cases<'_> {
         progress.begin(&format!("{id}: times"), repetitions.work(&steps));
         let times = path_times(&schemes, problem, &steps, truncation(), timed, repetitions, &done)?;
         progress.end();
-        let mut strong = Strong::measure(&grid(&strong), &[], &done)?;
+        let heun = setup.schemes.iter().position(|(kind, _)| *kind == Kind::Heun);
+        let mut strong = Strong::measure(&grid(&strong), &[], heun, &done)?;
         progress.end();
         let mut weak = Weak::measure(&grid(&weak), observables, &done)?;
         progress.end();

@@ -416,3 +416,73 @@ fn every_status_has_its_words() {
         assert!(report.to_string().contains(&words), "{report}");
     }
 }
+
+#[test]
+fn what_helps_no_one_is_not_printed() {
+    let of = |norm: f64, change: &dyn Fn(&mut Inspection)| {
+        let mut report = sound();
+        (report.solvability.structure, report.solvability.hessians) = (1.0, vec![norm; 2]);
+        change(&mut report);
+        report.to_string()
+    };
+    let (bound, none) = ("are contractions, C(k, τ) < 1", "no useful bound of τ");
+    let text = of(1.0, &|_| ());
+    assert!(text.contains(bound) && !text.contains(none), "{text}");
+    let text = of(1e8, &|_| ());
+    assert!(text.contains(none) && !text.contains(bound), "{text}");
+    // Canonical variables have no Casimir.
+    let split = "split keeps every Casimir";
+    assert!(!text.contains(split), "{text}");
+    let body = inspect(&valid(RigidBody::one_noise([1.0, 2.0, 4.0], 5.0))).unwrap();
+    assert!(of(1.0, &|r| r.casimirs = body.casimirs.clone()).contains(split));
+    // One that is claimed and may be one.
+    let claim = |status, linear| {
+        of(1.0, &|r| {
+            r.invariants = vec![body.invariants[0].clone()];
+            r.invariants[0].casimir = finding(status);
+            r.structure.linear = finding(linear);
+        })
+    };
+    assert!(claim(Found, Shown).contains(split));
+    assert!(!claim(Refuted, Shown).contains(split) && !claim(Found, Refuted).contains(split));
+}
+
+#[test]
+fn advice_names_the_schemes_and_how_many_nodes_are_exact() {
+    let gains = |report: Inspection| {
+        let all = report.overrides.iter();
+        let mut average = all.filter(|one| one.method == "averaged_gradient");
+        average.next().map(|one| one.gains.clone())
+    };
+    let polynomial = |degree| gains(inspect(&Power { degree, cosine: false }).unwrap());
+    assert_eq!(polynomial(2), None);
+    let four = "∇̄h takes 8 evaluations of ∇h; dgrad::averaged::<2, _, _, 2> is exact with 2";
+    assert_eq!(polynomial(4).as_deref(), Some(four));
+    assert_eq!(polynomial(16), None);
+    let many = "8 nodes are not exact; dgrad::averaged::<9, _, _, 2> is";
+    assert_eq!(polynomial(18).as_deref(), Some(many));
+    let report = inspect(&Power { degree: 2, cosine: true }).unwrap();
+    let words = "  averaged_gradient, for sexp, sexp-levy and sexp-li: ∇̄h takes 8 evaluations of ∇h \
+                 and is as exact as the line ∇̄h says; sines and cosines of one coordinate";
+    assert!(report.to_string().contains(words), "{report}");
+}
+
+/// H₀ = y₁ⁿ + y₂², and a cosine.
+struct Power {
+    degree: i32,
+    cosine: bool,
+}
+
+impl PoissonSystem<2, 1> for Power {
+    fn name(&self) -> &'static str {
+        "power"
+    }
+    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+        [-v[1], v[0]]
+    }
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
+        let h = y[0].powi(self.degree) + y[1] * y[1];
+        let h = if self.cosine { h + y[0].cos() } else { h };
+        h * (dt + dw[0])
+    }
+}

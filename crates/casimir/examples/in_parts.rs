@@ -1,0 +1,61 @@
+//! A study and an expectation on one machine, or in parts on many. Either goes on after a kill.
+//!
+//! ```text
+//! cargo run --release -p casimir-poisson --example in_parts -- 1000000 --out run
+//! ```
+//!
+//! `--part 3 --parts 64` beside `--out run` computes a part, `--merge run` merges the parts.
+
+use std::{env, process::ExitCode};
+
+use casimir::{
+    mc::{
+        Observable, Study, StudySettings,
+        multilevel::{Coupling, ExpectationSettings, expectation_in},
+        parts::{Job, Program},
+    },
+    prelude::*,
+    systems::{Cosine, RigidBody},
+};
+
+fn main() -> ExitCode {
+    match run(env::args().skip(1).collect()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(mut arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
+    // The job takes its arguments; what is left is the number of paths.
+    let program = Program { name: "in_parts".into(), version: env!("CARGO_PKG_VERSION").into() };
+    let job = Job::from_arguments(program, &mut arguments)?;
+    let paths = arguments.first().map_or(Ok(1e5), |paths| paths.parse::<f64>())? as u64;
+
+    let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0])?;
+    let problem = Problem::new(body, Cosine::new(0.5, 2.0)?, [0.45, 0.0, 0.89], 1.0)?;
+    let (truncation, key) = (Truncation::new(4)?, StreamKey { seed: 1, experiment: 0 });
+    let scheme = SexpLi::new(problem.system(), problem.y0())?;
+    let phi = [
+        Observable { name: "y3", function: |y: [f64; 3]| y[2] },
+        Observable { name: "y1 y2", function: |y: [f64; 3]| y[0] * y[1] },
+    ];
+    // 256 steps, quantile bands at 40 of them.
+    let settings = StudySettings::new(256, 40, paths, truncation, key);
+    let bands = Study::new(&problem, &scheme, &phi, &settings)?.run_in(&job, "bands", &|_| ());
+    let accuracy = 1.0 / (paths as f64).sqrt();
+    let settings = ExpectationSettings::new(key, truncation, 16, Coupling::Antithetic);
+    let mean = expectation_in(&job, "E", &scheme, &problem, &phi, accuracy, &settings, &|_| ())?;
+    job.finish()?;
+
+    // A part has no results.
+    if let (Some(bands), Some(mean)) = (bands, mean) {
+        bands.write_csv(&mut std::io::stdout().lock())?;
+        for found in &mean.estimates {
+            println!("E[{}] = {:.17e} ± {:.2e}", found.name, found.value, found.half_width());
+        }
+    }
+    Ok(())
+}
