@@ -10,23 +10,26 @@
 mod motion;
 mod synthetic;
 
+use mc::parts::Job;
 use noise::StreamKey;
-use rayon::prelude::*;
 use stats::{Bend, Coverage, CrossMoments, Expected, LogMeanSquares, Point, Rate, normal_covers};
 
 use lab::streams;
 
-/// Measures the coverage of every kind of interval on `replications` data sets each, on the current
-/// rayon pool.
+/// Measures the coverage of every kind of interval on `replications` data sets each, as work of
+/// `job`: `None` where that gives no results.
 ///
-/// The rows are functions of the arguments alone.
-pub fn coverage(replications: u64, seed: u64) -> Vec<Coverage> {
-    let mut tally = Tally { rows: Vec::new(), replications, seed, case: 0 };
+/// The rows are functions of the other arguments alone.
+pub fn coverage(replications: u64, seed: u64, job: &Job) -> Option<Vec<Coverage>> {
+    let mut tally = Tally { rows: Vec::new(), replications, seed, job, case: 0 };
     synthetic::rows(&mut tally);
     tally.case = MOTION;
     motion::rows(&mut tally);
-    tally.rows
+    job.gives_results().then_some(tally.rows)
 }
+
+/// Data sets of a task.
+const BLOCK: u64 = 50;
 
 /// Number of the first case of geometric Brownian motion, so that no two cases share noise.
 const MOTION: u64 = 100;
@@ -36,24 +39,33 @@ const MOTION: u64 = 100;
 type Check = (&'static str, Expected, bool);
 
 /// Counts, case by case.
-struct Tally {
+struct Tally<'a> {
     rows: Vec<Coverage>,
     replications: u64,
     seed: u64,
+    job: &'a Job,
     case: u64,
 }
 
-impl Tally {
+impl Tally<'_> {
     /// One case: `checks` draws a data set and checks its intervals, always the same ones.
     fn add(&mut self, case: &'static str, checks: impl Fn(StreamKey) -> Vec<Check> + Sync) {
         self.case += 1;
         let (seed, first) = (self.seed, self.case * streams::COVERAGE);
         let key = |replication| StreamKey { seed, experiment: first + replication };
-        let replications = (0..self.replications).into_par_iter();
-        let sets: Vec<Vec<Check>> = replications.map(|number| checks(key(number))).collect();
-        for (n, &(interval, expected, _)) in sets.iter().take(1).flatten().enumerate() {
-            let covered = sets.iter().filter(|checks| checks[n].2).count() as u64;
-            let replications = self.replications;
+        let replications = self.replications;
+        // How many data sets of a block each interval covers.
+        let count = |block: u64| {
+            let numbers = block * BLOCK..replications.min((block + 1) * BLOCK);
+            let sets: Vec<Vec<Check>> = numbers.map(|number| checks(key(number))).collect();
+            let covers = |n: usize| sets.iter().filter(|checks| checks[n].2).count() as u64;
+            Some((0..sets[0].len()).map(covers).collect::<Vec<u64>>())
+        };
+        let (name, of) = (format!("coverage/{case}"), format!("{replications} of seed {seed}"));
+        let blocks = self.job.tasks(&name, &of, replications.div_ceil(BLOCK), count);
+        let Some(blocks) = blocks else { return };
+        for (n, (interval, expected, _)) in checks(key(0)).into_iter().enumerate() {
+            let covered = blocks.iter().map(|covered| covered[n]).sum();
             self.rows.push(Coverage { case, interval, covered, replications, expected });
         }
     }

@@ -28,7 +28,7 @@ fn weak_error(tau: f64) -> f64 {
 
 /// The weak error as the weak panels measure it: differences between neighbouring steps, each on
 /// paths of its own.
-pub fn rows(tally: &mut Tally) {
+pub fn rows(tally: &mut Tally<'_>) {
     // X = x, and y = 1.
     let stratonovich = DRIFT - 0.5 * VOLATILITY * VOLATILITY;
     let system = Growth { drift: [0.0, stratonovich], noise: [0.0, VOLATILITY] };

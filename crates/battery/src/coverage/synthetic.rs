@@ -126,7 +126,7 @@ const RATE_WARNING: &str = "warning of the rate";
 
 /// A case: its data, what is required of the intervals of its rate, and its other checks.
 fn add(
-    tally: &mut Tally,
+    tally: &mut Tally<'_>,
     case: &'static str,
     data: Synthetic,
     expected: Expected,
@@ -140,7 +140,7 @@ fn add(
     });
 }
 
-pub fn rows(tally: &mut Tally) {
+pub fn rows(tally: &mut Tally<'_>) {
     let half = Synthetic::new(0.5);
     let one = Synthetic::new(1.0);
 

@@ -24,15 +24,16 @@ use std::fmt::Display;
 use mc::{
     Observable,
     multilevel::{Coupling, Estimate, ExpectationSettings, expectation},
+    parts::Job,
 };
 use noise::{StreamKey, Truncation};
-use rayon::prelude::*;
 use schemes::Scheme;
 use systems::{PoissonSystem, Problem};
 
 use lab::streams;
 use system::Rate;
 
+use summary::Counted;
 pub use summary::{Row, Total, by_kind, by_old_rule};
 
 /// What is asked.
@@ -244,23 +245,29 @@ pub fn entries() -> Vec<Entry> {
     entries
 }
 
-/// Asks these entries with the seeds from `first` on, on the current rayon pool; `done` is called
-/// after each answer. An entry has the same streams in any selection.
+/// Asks these entries with the seeds 1 … `seeds`, as work of `job`: `None` where that gives no
+/// results. An entry has the same streams in any selection.
 ///
 /// The answers are functions of the entries and seeds alone.
-pub fn ask(entries: &[Entry], seeds: std::ops::Range<u64>, done: &(dyn Fn() + Sync)) -> Vec<Row> {
-    let answer = |entry: &Entry, seed| {
+pub fn ask(entries: &[Entry], seeds: u64, job: &Job) -> Option<Vec<Row>> {
+    // By seed: more of them are further tasks.
+    let asked = |seed: u64| {
+        entries.iter().filter(move |entry| !entry.slow || seed % 4 == 1).map(move |e| (e, seed))
+    };
+    let questions: Vec<(&Entry, u64)> = (1..=seeds).flat_map(asked).collect();
+    let answer = |n: u64| {
+        let (entry, seed) = questions[n as usize];
         let answer = (entry.ask)(StreamKey { seed, experiment: streams::LIBRARY + entry.number });
-        done();
-        answer
+        Some(Counted::new(entry, &answer))
     };
+    let names: Vec<String> =
+        entries.iter().map(|entry| format!("{:?} {}", entry.question, entry.name)).collect();
+    let answers = job.tasks("library", &names.join("\n"), questions.len() as u64, answer)?;
     let row = |entry: &Entry| {
-        let step = if entry.slow { 4 } else { 1 };
-        let seeds: Vec<u64> = seeds.clone().step_by(step).collect();
-        let answers: Vec<Answer> = seeds.par_iter().map(|&seed| answer(entry, seed)).collect();
-        Row::new(entry, &answers)
+        let of_entry = questions.iter().zip(&answers).filter(|(of, _)| of.0.number == entry.number);
+        Row::new(entry, of_entry.map(|(_, counted)| counted))
     };
-    entries.par_iter().map(row).collect()
+    Some(entries.iter().map(row).collect())
 }
 
 /// How E[φ] is asked for.

@@ -1,5 +1,6 @@
 //! Counts of answers, and how many may be false.
 
+use serde::{Deserialize, Serialize};
 use statrs::distribution::{Binomial, DiscreteCDF};
 
 use super::{Answer, Entry, OldRule, Question, Stated};
@@ -22,7 +23,7 @@ pub struct Row {
 }
 
 /// Counts of answers.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Total {
     /// Answers.
     pub asked: u64,
@@ -35,14 +36,9 @@ pub struct Total {
 }
 
 impl Total {
-    fn count<'a>(entry: &Entry, answers: impl Iterator<Item = (&'a Stated, u64)>) -> Self {
-        let one = |(stated, cost): (&Stated, u64)| Self {
-            asked: 1,
-            stated: u64::from(stated.decided()),
-            missed: u64::from(stated.misses(entry.truth)),
-            cost,
-        };
-        answers.map(one).fold(Self::default(), Self::plus)
+    fn of_one(entry: &Entry, stated: &Stated, cost: u64) -> Self {
+        let [stated, missed] = [stated.decided(), stated.misses(entry.truth)].map(u64::from);
+        Self { asked: 1, stated, missed, cost }
     }
 
     fn plus(self, more: Self) -> Self {
@@ -76,20 +72,39 @@ fn at_least(k: u64, n: u64, p: f64) -> f64 {
     Binomial::new(p, n).map_or(1.0, |law| law.sf(k - 1))
 }
 
-impl Row {
-    pub(super) fn new(entry: &Entry, answers: &[Answer]) -> Self {
-        let total = Total::count(entry, answers.iter().map(|a| (&a.stated, a.cost)));
-        let by_rule = answers.iter().filter_map(|a| a.old.as_ref().map(|old| (old, 0)));
-        let reason = answers.iter().find_map(|answer| match &answer.stated {
+/// What is counted of an answer.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Counted {
+    total: Total,
+    old: Option<Total>,
+    reason: Option<String>,
+}
+
+impl Counted {
+    pub fn new(entry: &Entry, answer: &Answer) -> Self {
+        let reason = match &answer.stated {
             Stated::Undecided(reason) => Some(reason.clone()),
             _ => None,
-        });
+        };
+        let old = answer.old.as_ref().map(|old| Total::of_one(entry, old, 0));
+        Self { total: Total::of_one(entry, &answer.stated, answer.cost), old, reason }
+    }
+}
+
+impl Row {
+    pub(super) fn new<'a>(entry: &Entry, answers: impl Iterator<Item = &'a Counted>) -> Self {
+        let (mut total, mut old, mut reason) = (Total::default(), Total::default(), None);
+        for counted in answers {
+            total = total.plus(counted.total);
+            old = old.plus(counted.old.unwrap_or_default());
+            reason = reason.or_else(|| counted.reason.clone());
+        }
         Self {
             kind: entry.kind,
             name: entry.name.clone(),
             question: entry.question,
             total,
-            old: entry.old_rule.map(|rule| (rule, Total::count(entry, by_rule))),
+            old: entry.old_rule.map(|rule| (rule, old)),
             reason,
         }
     }

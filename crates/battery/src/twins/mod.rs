@@ -16,6 +16,7 @@ use lab::{
     statements::{solvability::contraction, truncation::sampled_variance},
     streams,
 };
+use mc::parts::Job;
 use systems::paper::{pendulum, poisson3_strong};
 use verify::{Progress, Settings, results::Claim};
 
@@ -129,8 +130,9 @@ pub const TWINS: &[Twin] = &[
 
 /// Measures every twin; the claims come in the order of [`TWINS`].
 pub fn measure_twins(settings: Settings, progress: &dyn Progress) -> Vec<Claim> {
+    let (job, wanted, further) = (&Job::here(), &[], &[]);
     let conditions =
-        |experiment| Conditions { settings, experiment, wanted: &[], further: &[], progress };
+        |experiment| Conditions { settings, job, experiment, wanted, further, progress };
     (streams::TWINS..)
         .zip(TWINS)
         .map(|(experiment, (.., measure))| measure(&conditions(experiment)))

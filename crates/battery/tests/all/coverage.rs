@@ -7,6 +7,7 @@
 //! or on at most 2 %: one that fails in 1 % of them misses that with probability 4·10⁻⁵, too.
 
 use battery::coverage;
+use mc::parts::Job;
 use stats::{Coverage, Expected};
 
 /// The largest deviation from the nominal share.
@@ -24,7 +25,7 @@ fn as_expected(row: &Coverage) -> bool {
 
 #[test]
 fn intervals_cover_as_often_as_they_say() {
-    let rows = coverage(2000, 1);
+    let rows = coverage(2000, 1, &Job::here()).unwrap();
     for row in &rows {
         println!("{:70} {:60} {:.4} {:?}", row.case, row.interval, row.share(), row.expected);
     }

@@ -5,9 +5,13 @@
 //! 7 %), one of orders by two of five (1e-3 at 1 %): the chance below is per test, over the
 //! entries.
 
-use battery::library::{Entry, OldRule, Question, ask, by_old_rule, entries};
+use battery::{
+    coverage,
+    library::{Entry, OldRule, Question, ask, by_old_rule, entries},
+};
+use mc::parts::{Job, Outcome, Program, Share};
 
-const SEEDS: std::ops::Range<u64> = 1..6;
+const SEEDS: u64 = 5;
 /// Probability of a failure of this test if everything is as it should be.
 const CHANCE: f64 = 1e-3;
 
@@ -32,7 +36,7 @@ fn quick(entry: &Entry) -> bool {
 fn the_library_is_answered_and_old_rules_are_refuted() {
     let entries: Vec<Entry> = entries().into_iter().filter(quick).collect();
     assert!(entries.len() >= 30, "{}", entries.len());
-    let rows = ask(&entries, SEEDS, &|| ());
+    let rows = ask(&entries, SEEDS, &Job::here()).unwrap();
     let chance = CHANCE / rows.len() as f64;
     for row in &rows {
         println!("{:?} {}: {} {:?} {:?}", row.question, row.kind, row.name, row.total, row.old);
@@ -49,7 +53,24 @@ fn the_library_is_answered_and_old_rules_are_refuted() {
 #[test]
 fn answers_are_functions_of_the_seed() {
     let some = || -> Vec<Entry> { entries().into_iter().filter(|e| e.kind == "damping").collect() };
-    let all = ask(&some(), 1..3, &|| ());
+    let all = ask(&some(), 2, &Job::here()).unwrap();
     let last: Vec<Entry> = some().into_iter().skip(all.len() - 1).collect();
-    assert_eq!(ask(&last, 1..3, &|| ())[0], all[all.len() - 1]);
+    assert_eq!(ask(&last, 2, &Job::here()).unwrap()[0], all[all.len() - 1]);
+}
+
+#[test]
+fn answers_and_coverage_come_in_parts() {
+    let entries: Vec<Entry> = entries().into_iter().filter(|e| e.kind == "damping").collect();
+    let run = |job: &Job| (ask(&entries, 2, job), coverage(120, 1, job));
+    let folder = tempfile::tempdir().unwrap();
+    let program = || Program { name: "battery".into(), version: "1".into() };
+    for number in [2, 3, 1] {
+        let part = Share::new(number, 3).unwrap();
+        let job = Job::part(folder.path(), part, program()).unwrap();
+        assert_eq!(run(&job), (None, None));
+        assert_eq!(job.finish().unwrap(), Outcome::Part(part));
+    }
+    let job = Job::merge(folder.path(), program()).unwrap();
+    assert_eq!(run(&job), run(&Job::here()));
+    job.finish().unwrap();
 }

@@ -3,10 +3,11 @@
 
 use battery::twins::{TWINS, measure_twins};
 use lab::{STATEMENTS, ids, reproduce};
+use mc::parts::Job;
 use report::Outcome;
 use verify::{Mode, Settings, Silent, results::Verdict};
 
-const QUICK: Settings = Settings { seed: 1, mode: Mode::Quick };
+const QUICK: Settings = Settings { seed: 1, mode: Mode::Quick, samples_times: None };
 
 #[test]
 fn every_twin_is_refuted() {
@@ -18,7 +19,7 @@ fn every_twin_is_refuted() {
 
 #[test]
 fn the_right_methods_are_not_refuted() {
-    for claim in reproduce(QUICK, &ids(STATEMENTS), &[], &Silent).unwrap().claims {
+    for claim in reproduce(QUICK, &ids(STATEMENTS), &[], &Job::here(), &Silent).unwrap().claims {
         let refuted = Outcome::of(&claim) == Outcome::Refuted;
         assert!(!refuted, "{}: {}", claim.id, claim.evidence);
     }

@@ -3,7 +3,7 @@
 
 use mc::{
     Observable,
-    multilevel::{Coupling, Estimate, Estimator, Expectation, ExpectationSettings, expectation},
+    multilevel::{Coupling, Estimate, Estimator, Expectation, ExpectationSettings, expectation_in},
     parts::Job,
 };
 use schemes::Sexp;
@@ -38,6 +38,28 @@ fn settings(conditions: &Conditions, part: u64) -> ExpectationSettings {
     }
 }
 
+/// Computes here what takes seconds and is no work for parts; it stops when the others do.
+fn here(conditions: &Conditions) -> Job {
+    Job::here().stopped_by(conditions.job.stop())
+}
+
+/// Expectations on the streams of part number `part`, as a piece of work of a job.
+fn in_job(
+    conditions: &Conditions,
+    job: &Job,
+    part: u64,
+    observables: &[Observable<3>],
+    accuracy: f64,
+    with: impl FnOnce(ExpectationSettings) -> ExpectationSettings,
+) -> Option<Expectation> {
+    let (problem, sexp) = (rigid_body_three_noises(1.0), compiled(Sexp));
+    let name = format!("expectations/{part}");
+    let settings = with(settings(conditions, part));
+    let advance = |work| conditions.progress.advance(work);
+    let (scheme, problem) = (sexp.as_ref(), &problem);
+    valid(expectation_in(job, &name, scheme, problem, observables, accuracy, &settings, &advance))
+}
+
 /// E[φ] of `estimate` against its value by the Kolmogorov equation.
 fn claim(estimate: &Estimate, of: &Expectation, exact: f64, statement: String) -> Claim {
     let measured = Evidence::Deviation {
@@ -54,15 +76,12 @@ fn claim(estimate: &Estimate, of: &Expectation, exact: f64, statement: String) -
 
 /// The claims that the weak panels' twelve expectations, each to the half-width `accuracy`, agree
 /// with the Kolmogorov equation.
-fn twelve(conditions: &Conditions, accuracy: f64) -> Vec<Claim> {
+fn twelve(conditions: &Conditions, job: &Job, accuracy: f64) -> Vec<Claim> {
     let problem = rigid_body_three_noises(1.0);
     let observables = weak_observables();
+    let measured = in_job(conditions, job, 0, &observables, accuracy, |settings| settings);
+    let Some(measured) = measured else { return Vec::new() };
     let exact = rigid_body_expectations(&problem, degree(conditions), &observables);
-    let sexp = compiled(Sexp);
-    let settings = settings(conditions, 0);
-    let advance = |work| conditions.progress.advance(work);
-    let measured =
-        valid(expectation(sexp.as_ref(), &problem, &observables, accuracy, &settings, &advance));
     let claims = measured.estimates.iter().zip(exact).map(|(estimate, exact)| {
         let name = estimate.name;
         let statement = format!("E[{name}] of the rigid body with three noises at T = 1");
@@ -73,7 +92,8 @@ fn twelve(conditions: &Conditions, accuracy: f64) -> Vec<Claim> {
 
 /// The twelve expectations of the weak panels, E of y_j, y_j², cos y_j and sin y_j at T = 1, each
 /// to the half-width `accuracy` of its 95 % interval, against the Kolmogorov equation. The cost
-/// grows like accuracy⁻²: 2e-4 takes seconds, 2e-5 minutes.
+/// grows like accuracy⁻²: 2e-4 takes seconds, 2e-5 minutes. They are a piece of work of `job`, and
+/// there are none where it gives no results.
 pub fn expectation_claims(
     settings: verify::Settings,
     accuracy: f64,
@@ -81,12 +101,13 @@ pub fn expectation_claims(
     progress: &dyn Progress,
 ) -> Vec<Claim> {
     let (experiment, wanted, further) = (streams::EXPECTATIONS, &[], &[]);
-    twelve(&Conditions { settings, job, experiment, wanted, further, progress }, accuracy)
+    let conditions = Conditions { settings, job, experiment, wanted, further, progress };
+    twelve(&conditions, job, accuracy)
 }
 
 /// Twelve expectations, to the accuracy of the mode.
 pub fn measure(conditions: &Conditions) -> Findings {
-    twelve(conditions, conditions.choose(2e-4, 1e-3)).into()
+    twelve(conditions, &here(conditions), conditions.choose(2e-4, 1e-3)).into()
 }
 
 const COS_Y3: [Observable<3>; 1] =
@@ -102,12 +123,11 @@ const COST: Words = Words {
 /// Path-steps for E[cos y₃] at several accuracies, by multilevel Monte Carlo and by single paths.
 pub fn cost(conditions: &Conditions) -> Findings {
     let problem = rigid_body_three_noises(1.0);
-    let sexp = compiled(Sexp);
+    let job = here(conditions);
     let accuracies = conditions.choose([1e-2, 3e-3, 1e-3, 3e-4], [1e-2, 5e-3, 3e-3, 2e-3]);
     // Single paths at the next accuracy would take twenty times as long as all of these.
     let finer = conditions.choose([1e-4, 3e-5], [1e-3, 5e-4]);
     let exact = rigid_body_expectations(&problem, degree(conditions), &COS_Y3)[0];
-    let advance = |work| conditions.progress.advance(work);
     let (mut series, mut claims) = (Vec::new(), Vec::new());
     for (name, estimator) in
         [("multilevel", Estimator::Multilevel), ("single paths", Estimator::SinglePaths)]
@@ -117,9 +137,9 @@ pub fn cost(conditions: &Conditions) -> Findings {
         let mut points = Vec::new();
         for (part, &accuracy) in all.enumerate() {
             let number = 2 * part as u64 + u64::from(multilevel);
-            let settings = ExpectationSettings { estimator, ..settings(conditions, number) };
-            let result =
-                valid(expectation(sexp.as_ref(), &problem, &COS_Y3, accuracy, &settings, &advance));
+            let with = |settings| ExpectationSettings { estimator, ..settings };
+            let result = in_job(conditions, &job, number, &COS_Y3, accuracy, with);
+            let Some(result) = result else { return Findings::default() };
             points.push(Point::Cost { accuracy, path_steps: result.cost });
             let statement = format!("E[cos y3] to ± {accuracy:.0e} by {name}");
             let claim = claim(&result.estimates[0], &result, exact, statement);
