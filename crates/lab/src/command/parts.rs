@@ -149,7 +149,12 @@ impl Running {
             return Ok(Some(ExitCode::SUCCESS));
         }
         match job.finish() {
-            Ok(Outcome::Complete) => Ok(None),
+            Ok(Outcome::Complete) => {
+                if parts.merge {
+                    study.note_merged(&folder)?;
+                }
+                Ok(None)
+            }
             Ok(Outcome::Part(share)) => {
                 let file = folder.join(share.file_name());
                 let bytes = fs::metadata(&file).map_or(0, |file| file.len());

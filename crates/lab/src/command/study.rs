@@ -21,6 +21,8 @@ pub struct Study {
     pub arguments: Vec<String>,
     /// Arguments that may grow: a larger study reuses what was merged.
     pub sizes: BTreeMap<String, f64>,
+    /// Whether parts of these sizes were merged. Before that a study cannot grow.
+    pub merged: bool,
 }
 
 impl Study {
@@ -41,7 +43,7 @@ impl Study {
             (None, Some(begun)) => begun.version,
             (None, None) => package.to_owned(),
         };
-        Ok(Self { program: program.to_owned(), version, arguments, sizes })
+        Ok(Self { program: program.to_owned(), version, arguments, sizes, merged: false })
     }
 
     /// The study that a folder was begun with, if it was.
@@ -65,13 +67,27 @@ impl Study {
     pub fn settle(&self, folder: &Path) -> Result<()> {
         if let Some(begun) = Self::read(folder)? {
             self.check(&begun, folder)?;
-            if begun == *self {
+            if begun.sizes == self.sizes {
                 return Ok(());
             }
+            if !begun.merged && has_parts(folder)? {
+                let folder = folder.display();
+                bail!("before it grows, merge what is there: cargo xtask merge {folder}");
+            }
         }
-        let file = folder.join(RUN);
-        files::write_json(&file, self)?;
-        Ok(())
+        self.write(folder)
+    }
+
+    /// Notes that the parts in the folder are merged.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn note_merged(&self, folder: &Path) -> Result<()> {
+        Self { merged: true, ..self.clone() }.write(folder)
+    }
+
+    fn write(&self, folder: &Path) -> Result<()> {
+        Ok(files::write_json(&folder.join(RUN), self)?)
     }
 
     fn check(&self, begun: &Self, folder: &Path) -> Result<()> {
@@ -106,6 +122,11 @@ impl Study {
     }
 }
 
+fn has_parts(folder: &Path) -> Result<bool> {
+    let files: Vec<_> = fs::read_dir(folder)?.collect::<io::Result<_>>()?;
+    Ok(files.iter().any(|file| file.file_name().to_string_lossy().starts_with("part-")))
+}
+
 fn names(sizes: &BTreeMap<String, f64>) -> String {
     sizes.keys().map(String::as_str).collect::<Vec<_>>().join(" ")
 }
@@ -128,8 +149,14 @@ mod tests {
         assert_eq!(Study::read(folder).unwrap(), None);
         begun.settle(folder).unwrap();
         begun.settle(folder).unwrap();
-        assert_eq!(Study::read(folder).unwrap(), Some(begun));
+        assert_eq!(Study::read(folder).unwrap(), Some(begun.clone()));
         let larger = study("--seed 1", Some(2.5), folder);
+        let part = folder.join("part-1-of-2.json");
+        fs::write(&part, "").unwrap();
+        let error = larger.settle(folder).unwrap_err().to_string();
+        assert!(error.contains("before it grows, merge"), "{error}");
+        begun.note_merged(folder).unwrap();
+        begun.settle(folder).unwrap();
         larger.settle(folder).unwrap();
         assert_eq!(Study::read(folder).unwrap(), Some(larger.clone()));
         assert_eq!(larger.command(), ["--seed", "1", "--samples-times", "2.5"]);
