@@ -113,7 +113,9 @@ fn merge(mut arguments: Vec<OsString>) -> Result<(OsString, Vec<OsString>), Stri
     else {
         return Err(file_error(&"it is damaged"));
     };
-    let sizes = sizes.iter().flat_map(|(name, size)| [name.clone(), size.to_string()]);
+    // 20 and not 20.0, which is no number of seeds.
+    let number = |size: &Value| size.as_f64().unwrap_or(f64::NAN).to_string();
+    let sizes = sizes.iter().flat_map(|(name, size)| [name.clone(), number(size)]);
     let words = list.iter().filter_map(Value::as_str).map(str::to_owned).chain(sizes);
     let mut all: Vec<OsString> = words.map(OsString::from).collect();
     all.extend(["--merge".into(), "--out".into(), folder]);
