@@ -101,7 +101,10 @@ impl Study {
             (&names(&begun.sizes), &names(&self.sizes)),
         ];
         if let Some((found, here)) = pairs.into_iter().find(|(found, here)| found != here) {
-            bail!("{folder} was begun with {found:?}, here it is {here:?}: take another folder");
+            bail!(
+                "{folder} was begun with {found:?}, here it is {here:?}: take another folder, or \
+                 what that one was begun with"
+            );
         }
         if let Some((name, size)) = self.sizes.iter().find(|size| smaller(*size)) {
             let begun = begun.sizes[name];
