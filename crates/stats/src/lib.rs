@@ -21,6 +21,8 @@
 //! | item | job |
 //! |---|---|
 //! | [`Moments`], [`CrossMoments`] | means and covariances |
+//! | [`CentralMoments`] | mean, variance, kurtosis and range, without cancellation |
+//! | [`quantile_ranks`] | order statistics that enclose a quantile |
 //! | [`fit_strong`] | strong orders, from squared differences that share paths |
 //! | [`fit_weak`], [`weak_errors`] | weak orders, from signed errors or differences with a covariance |
 //! | [`lower_share`] | how much a term of lower order may hide |
@@ -33,7 +35,9 @@
 //! Of this workspace the crate uses only `real`, whose dispatch runs the bootstrap's kernel on the
 //! widest vectors of the processor.
 
+mod any_float;
 mod bootstrap;
+mod central;
 mod coverage;
 mod describe;
 mod independent;
@@ -42,16 +46,19 @@ mod mean_squares;
 mod moments;
 mod point;
 mod quantile;
+mod quantile_ranks;
 mod rate;
 mod root_mean_square;
 mod strong;
 mod weak;
 
+pub use central::{CentralMoments, ROUND_OFF};
 pub use coverage::{Coverage, Expected, normal_covers};
 pub use independent::fit_independent;
 pub use mean_squares::{Bend, Estimate, LogMeanSquares};
-pub use moments::{BATCHES, CrossMoments, Moments};
+pub use moments::{BATCHES, CrossMoments, FEW_SAMPLES, Moments};
 pub use point::Point;
+pub use quantile_ranks::quantile_ranks;
 pub use rate::{Against, Model, Rate, StraightLine};
 pub use root_mean_square::{root_mean_square_interval, root_mean_squares};
 pub use strong::fit_strong;

@@ -3,10 +3,12 @@
 //! Sums of squares lose digits only where the mean is many times the standard deviation; what is
 //! folded here are errors and differences, whose mean is of the size of their spread or below.
 
+use serde::{Deserialize, Serialize};
+
 use crate::least_squares::{dot, matrix};
 
 /// Mean and variance of one quantity.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Moments {
     count: u64,
     sum: f64,
@@ -59,7 +61,7 @@ pub const FEW_SAMPLES: f64 = 30.0;
 /// Sample number n, in the order of adding and merging, belongs to batch n mod [`BATCHES`]. Samples
 /// are independent, so any rule that does not look at their values will do; this one does not
 /// depend on how the samples were grouped, and memory does not grow with their number.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CrossMoments {
     count: u64,
     sum: Vec<f64>,

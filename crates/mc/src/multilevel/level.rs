@@ -1,7 +1,8 @@
 //! The samples of one level.
 
+use stats::CentralMoments;
+
 use super::{
-    central::CentralMoments,
     resolution::{FunctionMotion, Motion, compares_at},
     settings::Coupling,
     tails::Extremes,

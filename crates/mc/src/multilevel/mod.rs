@@ -88,7 +88,6 @@
 
 mod algorithm;
 mod bias;
-mod central;
 mod diagnosis;
 mod error;
 mod level;

@@ -7,11 +7,9 @@
 //! Each φ is compared in the same way, at eight coarse times.
 
 use real::{Block, PathMask, WIDTH};
+use stats::ROUND_OFF;
 
-use super::{
-    central::ROUND_OFF,
-    level::{Samples, Values},
-};
+use super::level::{Samples, Values};
 
 /// The largest quotient that counts as resolved, on the last level: a rotation differs by half a
 /// radian to one, and the fine path is wrong by a third of that (phases have order two). The same

@@ -5,11 +5,11 @@ use std::cell::RefCell;
 use noise::{StreamKey, Truncation};
 use real::{Block, PathMask};
 use schemes::Heun;
+use stats::{CentralMoments, ROUND_OFF};
 use systems::{Constant, Pendulum, Problem};
 
 use super::{
     algorithm::Sampler,
-    central::{CentralMoments, ROUND_OFF},
     diagnosis::{Evidence, better_coarsest_steps, level_values},
     error::MultilevelError,
     level::{PathValues, Round, Samples, Values, hull},

@@ -1,0 +1,311 @@
+//! Mean, variance, kurtosis and range of one quantity, without cancellation.
+
+use real::{Kernel, PathMask, WIDTH, dispatch};
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    any_float,
+    quantile::{CONFIDENCE, two_sided},
+};
+
+/// Number, mean, the sums of the second, third and fourth powers of the deviations from it, and the
+/// least and the largest sample.
+///
+/// Merged by the pairwise formulas of Pébay (SAND2008-6212), which subtract no large sums: they
+/// lose no digits where the mean is many times the standard deviation, as that of φ may be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CentralMoments {
+    count: u64,
+    #[serde(with = "any_float")]
+    mean: f64,
+    #[serde(with = "any_float")]
+    m2: f64,
+    #[serde(with = "any_float")]
+    m3: f64,
+    #[serde(with = "any_float")]
+    m4: f64,
+    #[serde(with = "any_float")]
+    least: f64,
+    #[serde(with = "any_float")]
+    largest: f64,
+}
+
+impl CentralMoments {
+    /// Adds a sample.
+    pub fn add(&mut self, x: f64) {
+        self.merge(&Self { count: 1, mean: x, least: x, largest: x, ..Self::default() });
+    }
+
+    /// Adds the values of these paths of a block, all at once.
+    pub fn add_block(&mut self, values: &[f64; WIDTH], paths: PathMask) {
+        if !paths.is_empty() {
+            self.merge(&dispatch(OfBlock { values, paths }));
+        }
+    }
+
+    /// Adds all samples of `later`.
+    pub fn merge(&mut self, later: &Self) {
+        if self.count == 0 || later.count == 0 {
+            if self.count == 0 {
+                *self = *later;
+            }
+            return;
+        }
+        let (a, b) = (self.count as f64, later.count as f64);
+        let n = a + b;
+        let delta = later.mean - self.mean;
+        let step = delta / n;
+        let square = delta * step * a * b;
+        let m4 = self.m4
+            + later.m4
+            + square * step * step * (a * a - a * b + b * b)
+            + 6.0 * step * step * (a * a * later.m2 + b * b * self.m2)
+            + 4.0 * step * (a * later.m3 - b * self.m3);
+        let m3 = self.m3
+            + later.m3
+            + square * step * (a - b)
+            + 3.0 * step * (a * later.m2 - b * self.m2);
+        let m2 = self.m2 + later.m2 + square;
+        *self = Self {
+            count: self.count + later.count,
+            mean: self.mean + b * step,
+            m2,
+            m3,
+            m4,
+            least: self.least.min(later.least),
+            largest: self.largest.max(later.largest),
+        };
+    }
+
+    /// Number of samples.
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Sample mean; zero without samples.
+    pub fn mean(&self) -> f64 {
+        self.mean
+    }
+
+    /// Half the width of the 95 % interval of the mean by Student's quantile; NaN with fewer than
+    /// two samples. The interval assumes a mean that is nearly normal: see
+    /// [`effective_samples`](Self::effective_samples).
+    pub fn half_width(&self) -> f64 {
+        if self.count < 2 {
+            return f64::NAN;
+        }
+        let quantile = two_sided(CONFIDENCE, Some(self.count as f64 - 1.0));
+        quantile * self.variance_of_mean().sqrt()
+    }
+
+    /// How many samples carry the variance, N/κ with the kurtosis κ; NaN for a constant. With fewer
+    /// than [`FEW_SAMPLES`](crate::FEW_SAMPLES) the mean is not nearly normal.
+    pub fn effective_samples(&self) -> f64 {
+        self.count as f64 / self.kurtosis()
+    }
+
+    /// Sample variance; NaN with fewer than two samples.
+    pub fn variance(&self) -> f64 {
+        self.m2 / (self.count as f64 - 1.0)
+    }
+
+    /// Squared standard error of the mean; NaN with fewer than two samples.
+    pub fn variance_of_mean(&self) -> f64 {
+        self.variance() / self.count as f64
+    }
+
+    /// E[(x − Ex)⁴]/Var(x)², three for normals; NaN for a constant.
+    pub fn kurtosis(&self) -> f64 {
+        self.count as f64 * self.m4 / (self.m2 * self.m2)
+    }
+
+    /// Whether the samples have two values only: Pearson's inequality κ ≥ 1 + (skewness)² is an
+    /// equality for these and for no others.
+    pub fn is_two_valued(&self) -> bool {
+        let skewness = self.count as f64 * self.m3 * self.m3 / (self.m2 * self.m2 * self.m2);
+        (self.kurtosis() - 1.0 - skewness).abs() <= TWO_VALUED * self.kurtosis()
+    }
+
+    /// The least and the largest sample; `None` without samples.
+    pub fn range(&self) -> Option<(f64, f64)> {
+        (self.count > 0).then_some((self.least, self.largest))
+    }
+
+    /// The largest distance of a sample from the mean; zero if all are the same.
+    pub fn largest_deviation(&self) -> f64 {
+        if self.least == self.largest {
+            0.0
+        } else {
+            (self.largest - self.mean).max(self.mean - self.least)
+        }
+    }
+
+    /// Whether the standard deviation exceeds the rounding errors of numbers of size `scale`.
+    pub fn is_spread(&self, scale: f64) -> bool {
+        self.variance().sqrt() > ROUND_OFF * scale
+    }
+}
+
+/// The moments of some values of a block. Sums run over eight lanes, which are added in a fixed
+/// order, so that every instruction set gives the same bits.
+struct OfBlock<'a> {
+    values: &'a [f64; WIDTH],
+    paths: PathMask,
+}
+
+/// Lanes of a sum.
+const LANES: usize = 8;
+
+#[inline(always)]
+fn sum(x: &[f64; WIDTH]) -> f64 {
+    let mut lanes = [0.0; LANES];
+    for p in 0..WIDTH {
+        lanes[p % LANES] += x[p];
+    }
+    let [a, b, c, d, e, f, g, h] = lanes;
+    ((a + b) + (c + d)) + ((e + f) + (g + h))
+}
+
+impl Kernel for OfBlock<'_> {
+    type Output = CentralMoments;
+
+    /// The mean is corrected by that of the deviations from it, so its rounding error does not
+    /// enter the second moment.
+    #[inline(always)]
+    fn run(self) -> CentralMoments {
+        let n = f64::from(self.paths.len());
+        let mut x = [0.0; WIDTH];
+        let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+        for p in 0..WIDTH {
+            let inside = self.paths.0 >> p & 1 == 1;
+            let (lane, value) = (p % LANES, self.values[p]);
+            x[p] = if inside { value } else { 0.0 };
+            low[lane] = if inside && value < low[lane] { value } else { low[lane] };
+            high[lane] = if inside && value > high[lane] { value } else { high[lane] };
+        }
+        let mean = sum(&x) / n;
+        let [mut first, mut second, mut third, mut fourth] = [[0.0; WIDTH]; 4];
+        for p in 0..WIDTH {
+            let deviation = if self.paths.0 >> p & 1 == 1 { x[p] - mean } else { 0.0 };
+            let square = deviation * deviation;
+            first[p] = deviation;
+            second[p] = square;
+            third[p] = square * deviation;
+            fourth[p] = square * square;
+        }
+        let shift = sum(&first) / n;
+        CentralMoments {
+            count: u64::from(self.paths.len()),
+            mean: mean + shift,
+            m2: sum(&second) - n * shift * shift,
+            m3: sum(&third),
+            m4: sum(&fourth),
+            least: low.into_iter().fold(f64::INFINITY, f64::min),
+            largest: high.into_iter().fold(f64::NEG_INFINITY, f64::max),
+        }
+    }
+}
+
+/// Relative size of the rounding errors of sums of powers.
+const TWO_VALUED: f64 = 1e-9;
+/// Relative size of the rounding errors of some thousand steps.
+pub const ROUND_OFF: f64 = 4096.0 * f64::EPSILON;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn merged_moments_are_those_of_all_samples() {
+        // A mean of 10⁶ spreads: sums of squares would keep four digits of the variance, sums of
+        // fourth powers none.
+        let samples: Vec<f64> = (0..300).map(|n| 1e6 + f64::from(n * n % 97) / 97.0).collect();
+        let n = samples.len() as f64;
+        let mean = 1e6 + samples.iter().map(|x| x - 1e6).sum::<f64>() / n;
+        let power = |k: i32| samples.iter().map(|x| (x - mean).powi(k)).sum::<f64>() / n;
+        for size in [1, 7, 128, 300] {
+            let mut all = CentralMoments::default();
+            for group in samples.chunks(size) {
+                let mut part = CentralMoments::default();
+                group.iter().for_each(|&x| part.add(x));
+                all.merge(&part);
+            }
+            assert_eq!(all.count(), 300);
+            assert!((all.mean() - mean).abs() < 1e-8);
+            assert_eq!(all.range(), Some((1e6, 1e6 + 96.0 / 97.0)));
+            assert!((all.variance() * (n - 1.0) / n / power(2) - 1.0).abs() < 1e-8, "{size}");
+            assert!((all.m3 / n / power(3) - 1.0).abs() < 1e-6, "{size}");
+            assert!((all.kurtosis() / (power(4) / power(2).powi(2)) - 1.0).abs() < 1e-8, "{size}");
+        }
+    }
+
+    #[test]
+    fn two_values_are_told_from_three() {
+        let of = |value: fn(u32) -> f64| {
+            let mut moments = CentralMoments::default();
+            (0..100_000).for_each(|n| moments.add(value(n)));
+            moments
+        };
+        assert!(of(|n| if n % 20_000 == 7 { 1.0 } else { 0.0 }).is_two_valued());
+        assert!(
+            !of(|n| if n % 20_000 == 7 { 1.0 } else { 0.01 * f64::from(n % 2) }).is_two_valued()
+        );
+    }
+
+    #[test]
+    fn a_constant_has_no_kurtosis_and_no_spread() {
+        let mut constant = CentralMoments::default();
+        for _ in 0..10 {
+            constant.add(0.1);
+        }
+        assert!(
+            constant.kurtosis().is_nan() && constant.variance() == 0.0 && !constant.is_spread(0.1)
+        );
+    }
+
+    #[test]
+    fn a_block_counts_like_its_paths() {
+        let mut values = [f64::NAN; WIDTH];
+        for seed in 0u32..40 {
+            let paths = PathMask(seed.wrapping_mul(0x9e37_79b9) | u32::from(seed == 0));
+            let paths = if seed == 7 { PathMask::ALL } else { paths };
+            let (mut block, mut single) = (CentralMoments::default(), CentralMoments::default());
+            for round in 0..3 {
+                for p in paths.paths() {
+                    values[p] = 1e8 + f64::from((seed + round) * p as u32 % 11) / 11.0;
+                    single.add(values[p]);
+                }
+                block.add_block(&values, paths);
+            }
+            assert_eq!((block.count, block.range()), (single.count, single.range()));
+            assert!((block.mean - single.mean).abs() <= 1e-7);
+            // Samples are rounded to 1.5e-8, deviations of the mean likewise.
+            let close = |a: f64, b: f64| (a - b).abs() <= 1e-5 * f64::from(paths.len());
+            assert!(close(block.m2, single.m2) && close(block.m3, single.m3), "{seed}");
+            assert!(close(block.m4, single.m4), "{seed}: {block:?} {single:?}");
+        }
+        let mut none = CentralMoments::default();
+        none.add_block(&values, PathMask::NONE);
+        assert_eq!(none, CentralMoments::default());
+    }
+
+    #[test]
+    fn half_widths_are_students() {
+        let mut moments = CentralMoments::default();
+        assert!(moments.half_width().is_nan());
+        [1.0, 2.0, 3.0].iter().for_each(|&x| moments.add(x));
+        // The quantile of two degrees of freedom is 4.302 652 73, the standard error 1/√3.
+        assert!((moments.half_width() * 3f64.sqrt() / 4.302_652_73 - 1.0).abs() < 1e-8);
+        assert!((moments.effective_samples() - 2.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn moments_are_read_back_to_the_same_bits() {
+        let mut moments = CentralMoments::default();
+        [0.1, 1e200, -1e200, 0.3].iter().for_each(|&x| moments.add(x));
+        assert!(moments.m4.is_infinite() || moments.m4.is_nan());
+        let text = serde_json::to_string(&moments).unwrap();
+        let read: CentralMoments = serde_json::from_str(&text).unwrap();
+        assert_eq!(format!("{read:?}"), format!("{moments:?}"));
+    }
+}

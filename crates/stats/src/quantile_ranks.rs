@@ -1,0 +1,108 @@
+//! Order statistics that enclose a quantile.
+
+use crate::quantile::{CONFIDENCE, two_sided};
+
+/// Above this standard deviation of the number of samples below a quantile, its binomial law is
+/// taken as normal: the 10⁴ terms of the sum would take longer than they are worth.
+const NORMAL_DEVIATION: f64 = 500.0;
+/// What the quantiles of the binomial law differ from those of the normal law at most: the skewness
+/// shifts them by |1 − 2q|(1.96² − 1)/6 < 0.48, and they are integers.
+const NORMAL_ERROR: f64 = 2.0;
+/// Terms of the binomial law relative to the largest one that do not count.
+const NEGLIGIBLE: f64 = 1e-20;
+
+/// The ranks l and u with P(X₍ₗ₎ ≤ x ≤ X₍ᵤ₎) ≥ 0.95, where X₍₁₎ ≤ … ≤ X₍ₙ₎ are n independent samples
+/// of any law, continuous or not, and x is its quantile at `level`, 0 < level < 1. Each end is
+/// missed with probability 0.025 at most. l = 0 or u = n + 1 says that there are too few samples to
+/// bound that end.
+///
+/// X₍ₗ₎ > x means that at most l − 1 samples are ≤ x. Their number is binomial with a probability of
+/// at least `level`, so l is the largest rank with P(Bin(n, level) ≤ l − 1) ≤ 0.025. Likewise u is
+/// the smallest with P(Bin(n, level) ≥ u) ≤ 0.025 (Conover, *Practical Nonparametric Statistics*).
+pub fn quantile_ranks(n: u64, level: f64) -> (u64, u64) {
+    let deviation = (n as f64 * level * (1.0 - level)).sqrt();
+    if deviation < NORMAL_DEVIATION {
+        (lower(n, level), n + 1 - lower(n, 1.0 - level))
+    } else {
+        by_normal_law(n, level, deviation)
+    }
+}
+
+fn by_normal_law(n: u64, level: f64, deviation: f64) -> (u64, u64) {
+    let (mean, reach) = (n as f64 * level, two_sided(CONFIDENCE, None) * deviation + NORMAL_ERROR);
+    ((mean - reach).max(0.0) as u64, ((mean + reach).ceil() as u64).min(n + 1))
+}
+
+/// The largest l with P(Bin(n, q) ≤ l − 1) ≤ 0.025.
+fn lower(n: u64, q: f64) -> u64 {
+    let odds = q / (1.0 - q);
+    // P(Bin = k)/P(Bin = k − 1).
+    let ratio = |k: u64| (n - k + 1) as f64 / k as f64 * odds;
+    let mode = ((n as f64 * q) as u64).min(n);
+    let (mut term, mut above) = (1.0, 1.0);
+    for k in mode + 1..=n {
+        term *= ratio(k);
+        above += term;
+        if term < NEGLIGIBLE {
+            break;
+        }
+    }
+    // The terms of mode − 1, mode − 2, … relative to that of the mode.
+    let mut below = Vec::new();
+    term = 1.0;
+    for k in (1..=mode).rev() {
+        term /= ratio(k);
+        below.push(term);
+        if term < NEGLIGIBLE {
+            break;
+        }
+    }
+    let allowed = 0.5 * (1.0 - CONFIDENCE) * (above + below.iter().sum::<f64>());
+    let (mut l, mut sum) = (mode - below.len() as u64, 0.0);
+    for term in below.iter().rev().chain([&1.0]) {
+        sum += term;
+        if sum > allowed {
+            return l;
+        }
+        l += 1;
+    }
+    l
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use statrs::distribution::{Binomial, DiscreteCDF};
+
+    #[test]
+    fn ranks_are_the_quantiles_of_the_binomial_law() {
+        for n in [0, 1, 5, 20, 72, 73, 400, 5000] {
+            for level in [1e-3, 0.05, 0.25, 0.5, 0.75, 0.95, 0.999] {
+                let (l, u) = quantile_ranks(n, level);
+                let law = Binomial::new(level, n).unwrap();
+                // P(Bin ≤ l − 1) and P(Bin ≥ u).
+                let low = |l: u64| if l == 0 { 0.0 } else { law.cdf(l - 1) };
+                let high = |u: u64| if u == 0 { 1.0 } else { law.sf(u - 1) };
+                assert!(low(l) <= 0.025 && (l > n || low(l + 1) > 0.025), "{n} {level}: {l}");
+                assert!(high(u) <= 0.025 && (u == 0 || high(u - 1) > 0.025), "{n} {level}: {u}");
+            }
+        }
+        // Of 72 samples the first may lie above the 5 % quantile: 0.95⁷² = 0.0249.
+        assert_eq!((quantile_ranks(72, 0.05).0, quantile_ranks(71, 0.05).0), (1, 0));
+    }
+
+    #[test]
+    fn normal_ranks_enclose_the_binomial_ones_and_little_more() {
+        for level in [0.01, 0.05, 0.5, 0.9] {
+            for deviation in [100.0, 400.0] {
+                let n = (deviation * deviation / (level * (1.0 - level))) as u64;
+                let exact = (lower(n, level), n + 1 - lower(n, 1.0 - level));
+                let normal = by_normal_law(n, level, deviation);
+                assert!(normal.0 <= exact.0 && exact.0 <= normal.0 + 4, "{normal:?} {exact:?}");
+                assert!(exact.1 <= normal.1 && normal.1 <= exact.1 + 4, "{normal:?} {exact:?}");
+            }
+        }
+        let (l, u) = quantile_ranks(1_000_000_000_000, 0.5);
+        assert!(l < 499_999_020_019 && u > 500_000_979_981 && u - l < 1_959_970);
+    }
+}
