@@ -9,3 +9,4 @@ mod ladder;
 mod multilevel;
 mod simulation;
 mod statistics;
+mod study;
