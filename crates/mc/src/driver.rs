@@ -122,8 +122,8 @@ impl Tally {
 /// Number of blocks that advance together and share the damping of each step, which costs as much
 /// as two paths of a block.
 const GROUP_BLOCKS: usize = 4;
-/// Number of paths of a group.
-pub(crate) const GROUP_PATHS: u64 = (GROUP_BLOCKS * WIDTH) as u64;
+/// Number of paths of a group, which is computed in one piece.
+pub const GROUP_PATHS: u64 = (GROUP_BLOCKS * WIDTH) as u64;
 
 /// The bit of the experiment number that separates the streams of time changes.
 const TIME_CHANGE_STREAM: u64 = 1 << 63;

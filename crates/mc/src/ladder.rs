@@ -319,8 +319,9 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
             key: self.driver.key,
             paths: samples,
             groups,
+            steps: self.steps_per_path(),
             pack: &|(statistic, tally): &(T, Tally)| {
-                postcard::to_stdvec(&(statistic.sums(), tally))
+                Ok(postcard::to_stdvec(&(statistic.sums(), tally))?)
             },
             unpack: &unpack,
             merge: &merge,

@@ -29,6 +29,7 @@
 //! |---|---|
 //! | [`Ladder`], [`Run`] | schemes at step sizes, driven by the same noise |
 //! | [`Statistic`] | results over paths: [`StrongErrors`] with its [`Squares`] |
+//! | [`WorstTimes`] | when an error is largest |
 //! | [`TimeChange`] | a random time along each path, for exact references |
 //! | [`NoiseSource`] | noise given by the user |
 //! | [`SeenDamping`] | whether step sizes resolve the damping |
@@ -39,6 +40,7 @@
 //! | [`Recording`] | the increments of a path, to exchange with other programs |
 //! | [`PathFailure`] | a failed path: scheme, step, time and reason |
 //! | [`multilevel`] | E[φ(y(T))] to a given accuracy |
+//! | [`parts`], [`Kept`] | a study on many machines, with checkpoints |
 
 mod driver;
 mod error;
@@ -67,6 +69,6 @@ pub use seen_damping::SeenDamping;
 pub use simulation::{
     Column, NoiseOrigin, Simulation, SimulationError, TimeSeries, write_csv, write_json,
 };
-pub use strong::{Reference, Squares, StrongErrors, squared_distance};
+pub use strong::{Reference, Squares, StrongErrors, StrongSums, WorstTimes, squared_distance};
 pub use study::{Study, StudyError, StudyResult, StudySettings, Times, study};
 pub use trajectory::{Trajectory, trajectory};

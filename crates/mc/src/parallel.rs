@@ -11,10 +11,10 @@ use rayon::prelude::*;
 
 use crate::tree::{MergeTree, Node};
 
-/// Items per thread in a wave, enough that no thread waits long at its end.
+/// Most items per thread in a wave, enough that no thread waits long at its end.
 const PER_THREAD: u64 = 8;
-/// A wave that takes longer has one item per thread from then on, so that little is lost when it is
-/// interrupted.
+/// Waves of quick items grow up to this time; a wave of slow ones has one item per thread, so that
+/// little is lost when it is interrupted.
 const LONG: Duration = Duration::from_secs(2);
 
 /// Adds the results for some items to a tree, in waves. `compute` gives `None` when it is stopped.
@@ -26,7 +26,7 @@ pub fn grow<T: Send, F: Fn(&mut T, T)>(
     after: &mut dyn FnMut(&[Node<T>], u64),
 ) -> u64 {
     let threads = rayon::current_num_threads() as u64;
-    let (mut next, mut wave) = (items.start, threads * PER_THREAD);
+    let (mut next, mut wave) = (items.start, threads);
     while next < items.end {
         let start = Instant::now();
         let end = items.end.min(next + wave);
@@ -39,8 +39,11 @@ pub fn grow<T: Send, F: Fn(&mut T, T)>(
         if next < end {
             break;
         }
-        if start.elapsed() > LONG {
+        let elapsed = start.elapsed();
+        if elapsed > LONG {
             wave = threads;
+        } else if 2 * elapsed < LONG {
+            wave = (2 * wave).min(threads * PER_THREAD);
         }
     }
     next

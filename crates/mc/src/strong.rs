@@ -1,26 +1,39 @@
 //! Mean-square errors.
 
+use serde::{Deserialize, Serialize};
 use stats::{CrossMoments, Moments};
 
-use crate::{Statistic, View};
+use crate::{Kept, Statistic, View};
 
-/// Mean squares for the runs of several series at every coarse time, with the covariances between
-/// the runs of a series: of the errors |y − y_ref|, and of the differences of each run from the
-/// next.
+/// Mean squares for the runs of several series at the final time, and at one more time for each
+/// series if it is wanted, with the covariances between the runs of a series: of the errors |y −
+/// y_ref|, and of the differences of each run from the next.
+///
+/// The time at which an error is largest is found by a [`WorstTimes`] on other paths: then it does
+/// not depend on the errors that are measured there, and moments are kept for two times and not for
+/// all.
 #[derive(Clone)]
 pub struct StrongErrors<'a, const D: usize> {
     reference: Reference<'a, D>,
     series: Vec<Vec<usize>>,
-    /// For each series one entry per coarse time; the last is the final time.
-    in_time: Vec<Vec<Squares>>,
+    last_time: u64,
+    sums: StrongSums,
+}
+
+/// The sums of [`StrongErrors`].
+#[derive(Clone, Serialize, Deserialize)]
+pub struct StrongSums {
+    at_end: Vec<Squares>,
+    /// One for each series, or none. They are kept with the sums, since they say what was measured.
+    times: Vec<u64>,
+    at_time: Vec<Squares>,
     /// For each run of each series, the squares at the final time on paths with clipped increments,
     /// and zero on other paths.
     clipped: Vec<Vec<Moments>>,
-    last_time: u64,
 }
 
 /// Moments of the squares of one series at one time.
-#[derive(Clone)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Squares {
     /// |y − y_ref|² of each run.
     pub errors: CrossMoments,
@@ -33,6 +46,16 @@ impl Squares {
         let [errors, differences] = [runs, runs.saturating_sub(1)].map(CrossMoments::new);
         Self { errors, differences }
     }
+
+    fn add(&mut self, squares: &[f64], differences: &[f64]) {
+        self.errors.add(squares);
+        self.differences.add(differences);
+    }
+
+    fn merge(&mut self, later: &Self) {
+        self.errors.merge(&later.errors);
+        self.differences.merge(&later.differences);
+    }
 }
 
 /// The reference solution y_ref of errors.
@@ -41,53 +64,62 @@ pub enum Reference<'a, const D: usize> {
     /// A run of the same ladder.
     Run(usize),
     /// The exact solution at the final time, as a function of the random time of the ladder
-    /// ([`TimeChange`](crate::TimeChange)). Errors are then measured at the final time only.
+    /// ([`TimeChange`](crate::TimeChange)). It is known at the final time only.
     Exact(&'a (dyn Fn(f64) -> [f64; D] + Sync)),
 }
 
 impl<'a, const D: usize> StrongErrors<'a, D> {
-    /// Errors against `reference`. `series[s]` lists the runs of series s, and `coarse_steps` is
-    /// [`Ladder::coarse_steps`](crate::Ladder::coarse_steps).
+    /// Errors against `reference` at the final time. `series[s]` lists the runs of series s, and
+    /// `coarse_steps` is [`Ladder::coarse_steps`](crate::Ladder::coarse_steps).
     pub fn new(reference: Reference<'a, D>, series: &[Vec<usize>], coarse_steps: u64) -> Self {
+        let at_end = series.iter().map(|runs| Squares::new(runs.len())).collect();
+        let clipped = series.iter().map(|runs| vec![Moments::default(); runs.len()]).collect();
         Self {
             reference,
             series: series.to_vec(),
-            in_time: series
-                .iter()
-                .map(|runs| vec![Squares::new(runs.len()); coarse_steps as usize])
-                .collect(),
-            clipped: series.iter().map(|runs| vec![Moments::default(); runs.len()]).collect(),
             last_time: coarse_steps,
+            sums: StrongSums { at_end, times: Vec::new(), at_time: Vec::new(), clipped },
         }
+    }
+
+    /// The same, and errors at coarse time `times[s]` for series s.
+    ///
+    /// # Panics
+    /// Unless there is a time for each series, and the reference is a run.
+    #[must_use]
+    pub fn and_at(mut self, times: &[u64]) -> Self {
+        assert_eq!(times.len(), self.series.len(), "each series has a time of its own");
+        assert!(matches!(self.reference, Reference::Run(_)), "only a run is known at all times");
+        self.sums.times = times.to_vec();
+        self.sums.at_time = self.series.iter().map(|runs| Squares::new(runs.len())).collect();
+        self
     }
 
     /// The squares at T for the runs of series s.
     pub fn at_end(&self, s: usize) -> &Squares {
-        let times = &self.in_time[s];
-        &times[times.len() - 1]
+        &self.sums.at_end[s]
+    }
+
+    /// The squares for the runs of series s at the time that [`and_at`](Self::and_at) was given.
+    ///
+    /// # Panics
+    /// If it was given none.
+    pub fn at_time(&self, s: usize) -> &Squares {
+        &self.sums.at_time[s]
     }
 
     /// The fraction of the mean-square error at T of run r of series s that is due to paths with
     /// clipped increments.
     pub fn clipped_share(&self, s: usize, r: usize) -> f64 {
         let mean = self.at_end(s).errors.mean(r);
-        if mean > 0.0 { self.clipped[s][r].mean() / mean } else { 0.0 }
-    }
-
-    /// The squares for the runs of series s at the coarse time where the mean-square error of the
-    /// first run is largest.
-    pub fn at_worst_time(&self, s: usize) -> &Squares {
-        let first = |squares: &&Squares| squares.errors.mean(0);
-        let larger = |a: &&Squares, b: &&Squares| first(a).total_cmp(&first(b));
-        self.in_time[s].iter().max_by(larger).unwrap_or(self.at_end(s))
+        if mean > 0.0 { self.sums.clipped[s][r].mean() / mean } else { 0.0 }
     }
 }
 
 impl<const D: usize> Statistic<D> for StrongErrors<'_, D> {
     fn observe(&mut self, view: &View<'_, D>) {
         let at_end = view.time == self.last_time;
-        let only_at_end = matches!(self.reference, Reference::Exact(_));
-        if only_at_end && !at_end {
+        if !at_end && !self.sums.times.contains(&view.time) {
             return;
         }
         for p in view.live.paths() {
@@ -96,6 +128,10 @@ impl<const D: usize> Statistic<D> for StrongErrors<'_, D> {
                 Reference::Exact(solution) => solution(view.random_time.0[0][p]),
             };
             for (s, runs) in self.series.iter().enumerate() {
+                let at_time = self.sums.times.get(s) == Some(&view.time);
+                if !at_end && !at_time {
+                    continue;
+                }
                 let state = |run: usize| view.states[run].path(p);
                 let squares: Vec<f64> =
                     runs.iter().map(|&run| squared_distance(state(run), exact)).collect();
@@ -103,13 +139,14 @@ impl<const D: usize> Statistic<D> for StrongErrors<'_, D> {
                     .windows(2)
                     .map(|pair| squared_distance(state(pair[0]), state(pair[1])))
                     .collect();
-                let in_time = &mut self.in_time[s][view.time as usize - 1];
-                in_time.errors.add(&squares);
-                in_time.differences.add(&differences);
+                if at_time {
+                    self.sums.at_time[s].add(&squares, &differences);
+                }
                 if at_end {
+                    self.sums.at_end[s].add(&squares, &differences);
                     for (r, &run) in runs.iter().enumerate() {
                         let clipped = if view.clipped[run].contains(p) { squares[r] } else { 0.0 };
-                        self.clipped[s][r].add(clipped);
+                        self.sums.clipped[s][r].add(clipped);
                     }
                 }
             }
@@ -117,15 +154,67 @@ impl<const D: usize> Statistic<D> for StrongErrors<'_, D> {
     }
 
     fn merge(&mut self, later: Self) {
-        for (sum, more) in
-            self.clipped.iter_mut().flatten().zip(later.clipped.into_iter().flatten())
-        {
-            sum.merge(more);
+        let (sums, later) = (&mut self.sums, later.sums);
+        let clipped = later.clipped.into_iter().flatten();
+        sums.clipped.iter_mut().flatten().zip(clipped).for_each(|(sum, more)| sum.merge(more));
+        sums.at_end.iter_mut().zip(&later.at_end).for_each(|(sum, more)| sum.merge(more));
+        sums.at_time.iter_mut().zip(&later.at_time).for_each(|(sum, more)| sum.merge(more));
+    }
+}
+
+impl<const D: usize> Kept<D> for StrongErrors<'_, D> {
+    type Sums = StrongSums;
+
+    fn sums(&self) -> &StrongSums {
+        &self.sums
+    }
+
+    fn sums_mut(&mut self) -> &mut StrongSums {
+        &mut self.sums
+    }
+}
+
+/// The coarse time at which the mean square of the difference of two runs is largest, for several
+/// pairs of runs.
+///
+/// To leading order the errors of two step sizes have the same course in time, and so has their
+/// difference: two coarse runs on some hundred paths find the time at which the error of the
+/// coarser one is largest, at no cost beside that of a reference.
+#[derive(Clone, Debug)]
+pub struct WorstTimes {
+    pairs: Vec<[usize; 2]>,
+    /// For each pair the sums of squares at all coarse times.
+    squares: Vec<Vec<f64>>,
+}
+
+impl WorstTimes {
+    /// Of these pairs of runs of a ladder with so many coarse steps.
+    pub fn new(pairs: Vec<[usize; 2]>, coarse_steps: u64) -> Self {
+        let squares = vec![vec![0.0; coarse_steps as usize]; pairs.len()];
+        Self { pairs, squares }
+    }
+
+    /// The times by pair, counted in coarse steps from 1.
+    pub fn times(&self) -> Vec<u64> {
+        let worst = |squares: &Vec<f64>| {
+            (1..).zip(squares).max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(time, _)| time)
+        };
+        self.squares.iter().map(worst).collect()
+    }
+}
+
+impl<const D: usize> Statistic<D> for WorstTimes {
+    fn observe(&mut self, view: &View<'_, D>) {
+        for (squares, pair) in self.squares.iter_mut().zip(&self.pairs) {
+            let [one, other] = pair.map(|run| &view.states[run]);
+            let square = |p: usize| squared_distance(one.path(p), other.path(p));
+            squares[view.time as usize - 1] += view.live.paths().map(square).sum::<f64>();
         }
-        for (sum, more) in self.in_time.iter_mut().flatten().zip(later.in_time.iter().flatten()) {
-            sum.errors.merge(&more.errors);
-            sum.differences.merge(&more.differences);
-        }
+    }
+
+    fn merge(&mut self, later: Self) {
+        let later = later.squares.into_iter().flatten();
+        self.squares.iter_mut().flatten().zip(later).for_each(|(sum, more)| *sum += more);
     }
 }
 

@@ -2,12 +2,13 @@
 
 use std::{
     fs,
-    io::{Error, Result, Write},
+    io::{Error, Result},
     path::Path,
 };
 
+pub use mc::parts::folder;
 use serde::Serialize;
-use tempfile::{Builder, NamedTempFile};
+use tempfile::NamedTempFile;
 
 fn named(what: &str, path: &Path) -> impl FnOnce(Error) -> Error {
     move |error| Error::new(error.kind(), format!("cannot {what} {}: {error}", path.display()))
@@ -36,28 +37,14 @@ pub fn prepare_file(file: &Path) -> Result<()> {
     prepare(folder(file))
 }
 
-/// The folder of a file.
-pub fn folder(file: &Path) -> &Path {
-    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
-}
-
-/// Replaces a file in one step: a reader sees the old file or the new one, whenever this is
-/// interrupted.
+/// Replaces a file in one step, as [`mc::parts::replace`] does: a reader sees the old file or the
+/// new one, whenever this is interrupted.
 ///
 /// # Errors
 ///
 /// When it cannot be written; the error names the file.
 pub fn write(file: &Path, content: impl AsRef<[u8]>) -> Result<()> {
-    let mut builder = Builder::new();
-    // Temporary files are private by default; a report is for everybody whom the umask admits.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let replace = || {
-        let mut temporary = builder.tempfile_in(folder(file))?;
-        temporary.write_all(content.as_ref())?;
-        temporary.persist(file).map_err(Error::from)
-    };
-    replace().map(drop).map_err(named("write", file))
+    mc::parts::replace(file, content.as_ref()).map_err(named("write", file))
 }
 
 /// Writes a value as indented JSON.

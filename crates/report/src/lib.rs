@@ -36,6 +36,7 @@
 //! | [`figure`] | figures as SVG: convergence, evolution, error against cost, any curves |
 //! | [`Page`], [`anchor`], [`distinct`], [`number`] | Markdown pages |
 //! | [`csv()`], [`comparison_csv`] | the numbers of a panel, or of a comparison of schemes |
+//! | [`cluster`] | the job script of a study in parts |
 //! | [`files`] | whole files, folders that are checked before the computing |
 //! | [`provenance`] | commit, compiler, processor, command, memory |
 //! | [`Bars`], [`terminal`] | progress and verdicts on the terminal |
@@ -43,6 +44,7 @@
 //! | [`Label`] | indices and exponents in names of quantities |
 
 mod bars;
+pub mod cluster;
 mod csv;
 mod escape;
 pub mod figure;

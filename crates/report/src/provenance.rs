@@ -5,6 +5,9 @@ use std::{fs, process::Command, time::Instant};
 use real::Level;
 use verify::results::Provenance;
 
+/// What is written for a fact that nobody tells.
+const UNKNOWN: &str = "unknown";
+
 /// Completes the provenance of a run that began at `start`: commit, compiler, processor,
 /// instruction set, command and wall time. What else it holds stays.
 ///
@@ -19,6 +22,14 @@ pub fn complete(known: Provenance, program: &str, start: Instant) -> Provenance 
         wall_s: start.elapsed().as_secs_f64(),
         ..known
     }
+}
+
+/// The commit of the working folder, where git knows one.
+///
+/// Not whether files differ from it: a page that is edited while a study runs changes no result.
+pub fn commit() -> Option<String> {
+    let commit = first_line("git", &["rev-parse", "--short=12", "HEAD"]);
+    (commit != UNKNOWN).then_some(commit)
 }
 
 /// Where the numbers of a page come from, in a sentence.
@@ -47,9 +58,9 @@ fn command_line(program: &str, arguments: impl Iterator<Item = String>) -> Strin
 fn first_line(program: &str, arguments: &[&str]) -> String {
     match Command::new(program).args(arguments).output() {
         Ok(output) if output.status.success() => {
-            String::from_utf8_lossy(&output.stdout).lines().next().unwrap_or("unknown").into()
+            String::from_utf8_lossy(&output.stdout).lines().next().unwrap_or(UNKNOWN).into()
         }
-        _ => "unknown".into(),
+        _ => UNKNOWN.into(),
     }
 }
 

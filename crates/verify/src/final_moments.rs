@@ -1,6 +1,6 @@
 //! Moments of functions of the final states.
 
-use mc::{Statistic, View};
+use mc::{Kept, Statistic, View};
 use stats::CrossMoments;
 
 /// Numbers made of the final states of all runs on one path of a block, written into the slice.
@@ -38,5 +38,17 @@ impl<const D: usize> Statistic<D> for FinalMoments<'_, D> {
 
     fn merge(&mut self, later: Self) {
         self.moments.merge(&later.moments);
+    }
+}
+
+impl<const D: usize> Kept<D> for FinalMoments<'_, D> {
+    type Sums = CrossMoments;
+
+    fn sums(&self) -> &CrossMoments {
+        &self.moments
+    }
+
+    fn sums_mut(&mut self) -> &mut CrossMoments {
+        &mut self.moments
     }
 }

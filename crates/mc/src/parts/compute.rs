@@ -1,12 +1,14 @@
 //! One part of all work, with checkpoints.
 
 use std::{
-    path::Path,
+    fs, io,
+    path::{Path, PathBuf},
     time::{Duration, Instant},
 };
 
 use super::{
-    JobError, Outcome, Program, Share, atomic,
+    JobError, Outcome, Plan, Program, Share, atomic,
+    balance::Shares,
     file::{Entry, Header, PartFile, file_error, foreign},
     job::Work,
     merging::{Known, MERGED},
@@ -16,19 +18,41 @@ use crate::{
     tree::{MergeTree, Node},
 };
 
+/// Where the lock of a part is.
+fn lock_of(folder: &Path, share: Share) -> PathBuf {
+    folder.join(format!(".lock.{}", share.file_name()))
+}
+
+/// Removes the file of a part, or its checkpoint, if there is one.
+///
+/// # Errors
+/// [`JobError::File`] if it is there and stays.
+pub fn remove(folder: &Path, share: Share) -> Result<(), JobError> {
+    for file in [folder.join(share.file_name()), lock_of(folder, share)] {
+        match fs::remove_file(&file) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                return Err(file_error("remove", &file)(error));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
 /// A part with its file.
 pub struct Computing {
     share: Share,
     file: PartFile,
+    resumes: bool,
     written: Instant,
     known: Known,
+    shares: Shares,
     _lock: atomic::Lock,
 }
 
 impl Computing {
     pub fn open(folder: &Path, share: Share, program: &Program) -> Result<Self, JobError> {
-        let name = share.file_name();
-        let (path, lock) = (folder.join(&name), folder.join(format!(".lock.{name}")));
+        let (path, lock) = (folder.join(share.file_name()), lock_of(folder, share));
         let lock = atomic::Lock::take(&lock).map_err(file_error("write", &lock))?;
         let busy = |holder| {
             let (part, folder) = (share.to_string(), folder.to_owned());
@@ -40,13 +64,35 @@ impl Computing {
         // A folder that cannot be written is found now and not after hours.
         file.write()?;
         let known = Known(PartFile::open(folder.join(MERGED), program, None)?);
-        Ok(Self { share, file, written: Instant::now(), known, _lock })
+        let resumes = !file.works.is_empty();
+        Ok(Self {
+            share,
+            file,
+            resumes,
+            written: Instant::now(),
+            known,
+            shares: Shares::default(),
+            _lock,
+        })
+    }
+
+    /// Divides these works so that parts have as much to do as each other.
+    pub fn balance(&mut self, plan: &Plan) {
+        self.shares = Shares::new(self.known.left(plan), self.share.of());
+    }
+
+    /// Whether its file has work from before.
+    pub fn resumes(&self) -> bool {
+        self.resumes
+    }
+
+    pub fn is_whole(&self) -> bool {
+        self.share == Share::WHOLE
     }
 
     pub fn finish(self) -> Result<Outcome, JobError> {
         self.file.write()?;
-        let part = self.share != Share::WHOLE;
-        Ok(if part { Outcome::Part(self.share) } else { Outcome::Complete })
+        Ok(if self.is_whole() { Outcome::Complete } else { Outcome::Part(self.share) })
     }
 
     /// The nodes of all groups if they were merged before, or if this part is the whole.
@@ -57,7 +103,8 @@ impl Computing {
     ) -> Result<Option<Vec<Node<T>>>, JobError> {
         let known = self.known.nodes(work)?;
         let first = known.last().map_or(work.groups.start, Node::end);
-        let mut header = work.header(self.share.range(&(first..work.groups.end)));
+        let mut header =
+            work.header(self.shares.range(work.name, self.share, &(first..work.groups.end)));
         let mut tree = MergeTree::new(work.merge);
         header.done = self.resume(work, first, &header, &mut tree)?;
         (work.skipped)(first - work.groups.start + header.done - header.groups.start);
@@ -79,7 +126,7 @@ impl Computing {
             self.write()?;
             return Err(JobError::Stopped);
         }
-        Ok((self.share == Share::WHOLE || first == work.groups.end).then(|| {
+        Ok((self.is_whole() || first == work.groups.end).then(|| {
             let mut nodes = known;
             nodes.extend(tree.into_nodes());
             nodes

@@ -11,7 +11,11 @@ use base64::{Engine, engine::general_purpose::STANDARD_NO_PAD};
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
-use super::{Fingerprint, JobError, Share, atomic, fingerprint::checksum, job::Work};
+use super::{
+    Fingerprint, JobError, Share, atomic,
+    fingerprint::checksum,
+    job::{Packing, Work},
+};
 use crate::tree::Node;
 
 /// The version of the format.
@@ -75,12 +79,11 @@ impl Entry {
             let packed = Packed { first: node.first, level: node.level, sums };
             Ok((bytes == again).then_some(packed))
         };
-        let packed: postcard::Result<Option<Vec<Packed>>> = nodes.iter().map(pack).collect();
-        let not_kept = |found: String| JobError::NotKept { work: work.name.to_owned(), found };
+        let packed: Packing<Option<Vec<Packed>>> = nodes.iter().map(pack).collect();
         match packed {
             Ok(Some(nodes)) => Ok(Self { header, nodes }),
-            Ok(None) => Err(not_kept("they come back as others".into())),
-            Err(error) => Err(not_kept(error.to_string())),
+            Ok(None) => Err(not_kept(work, "they come back as others")),
+            Err(error) => Err(not_kept(work, error)),
         }
     }
 
@@ -100,6 +103,18 @@ impl Entry {
         let nodes: Vec<_> = self.nodes.iter().map(unpack).collect::<Result<_, _>>()?;
         if next == self.header.done { Ok(nodes) } else { Err(damaged(path, "groups are missing")) }
     }
+}
+
+fn not_kept<T>(work: &Work<'_, T>, found: impl ToString) -> JobError {
+    JobError::NotKept { work: work.name.to_owned(), found: found.to_string() }
+}
+
+/// Bytes that a node with these sums takes in a file.
+pub fn packed_bytes<T>(sum: &T, work: &Work<'_, T>) -> Result<u64, JobError> {
+    let bytes = (work.pack)(sum).map_err(|error| not_kept(work, error))?;
+    let packed = Packed { first: 0, level: 0, sums: STANDARD_NO_PAD.encode(bytes) };
+    let written = serde_json::to_vec(&packed).map_err(|error| not_kept(work, error))?;
+    Ok(written.len() as u64)
 }
 
 #[derive(Serialize, Deserialize)]

@@ -2,22 +2,26 @@
 
 use std::{
     collections::BTreeSet,
+    error::Error,
     fs,
     ops::Range,
     path::Path,
-    sync::{Mutex, PoisonError},
+    sync::{Mutex, MutexGuard, PoisonError},
     time::Duration,
 };
 
 use noise::StreamKey;
+use serde::{Serialize, de::DeserializeOwned};
 
 use super::{
-    Fingerprint, JobError, Program, Share, Stop,
+    Fingerprint, Hash, JobError, Program, Share, Stop,
     compute::Computing,
     file::{Header, file_error, foreign},
     merging::Merging,
+    plan::{Pilot, Plan},
 };
 use crate::{
+    driver::GROUP_PATHS,
     parallel::grow,
     tree::{MergeTree, Node},
 };
@@ -60,7 +64,12 @@ enum Mode {
     Here,
     Part(Computing),
     Merge(Merging),
+    /// A little of everything is computed, and forgotten.
+    Plan(Pilot),
 }
+
+/// What becomes of sums on their way to bytes and back.
+pub(crate) type Packing<T> = Result<T, Box<dyn Error>>;
 
 /// A piece of work: groups of paths of a ladder, and how their sums become bytes and come back.
 pub(crate) struct Work<'a, T> {
@@ -73,8 +82,10 @@ pub(crate) struct Work<'a, T> {
     /// Paths of the whole.
     pub paths: u64,
     pub groups: Range<u64>,
-    pub pack: &'a dyn Fn(&T) -> postcard::Result<Vec<u8>>,
-    pub unpack: &'a dyn Fn(&[u8]) -> postcard::Result<T>,
+    /// Steps of a path; 0 where work is not counted in steps.
+    pub steps: u64,
+    pub pack: &'a dyn Fn(&T) -> Packing<Vec<u8>>,
+    pub unpack: &'a dyn Fn(&[u8]) -> Packing<T>,
     pub merge: &'a dyn Fn(&mut T, T),
     /// The sums of a group, or `None` if it was stopped.
     pub compute: &'a (dyn Fn(u64) -> Option<T> + Sync),
@@ -148,10 +159,30 @@ impl Job {
         Ok(Self::new(Mode::Merge(Merging::open(folder, &program)?)))
     }
 
+    /// Measures how long works take, on a few groups of each that take at least this long; with
+    /// zero works are listed only. [`plan`](Self::plan) has the result.
+    pub fn pilot(each: Duration) -> Self {
+        Self::new(Mode::Plan(Pilot::new(each)))
+    }
+
     fn new(mode: Mode) -> Self {
         let state = State { mode, error: None, names: BTreeSet::new() };
         let state = Mutex::new(state);
         Self { stop: Stop::default(), interval: INTERVAL, alone: ALONE, state }
+    }
+
+    /// Divides the works of a plan so that all parts have about as many path-steps. Without it each
+    /// work is divided into equal numbers of groups, which is as good where every work has many.
+    ///
+    /// All parts and the merge are given the plan of the same program with the same arguments,
+    /// which needs no times: that of a [`pilot`](Self::pilot) of no duration.
+    pub fn balanced(self, plan: &Plan) -> Self {
+        match &mut self.state().mode {
+            Mode::Here | Mode::Plan(_) => {}
+            Mode::Part(computing) => computing.balance(plan),
+            Mode::Merge(merging) => merging.balance(plan),
+        }
+        self
     }
 
     /// Ends early when `stop` asks for it, with a checkpoint.
@@ -175,29 +206,114 @@ impl Job {
         self
     }
 
+    /// Whether this job goes on from a checkpoint.
+    pub fn resumes(&self) -> bool {
+        matches!(&self.state().mode, Mode::Part(computing) if computing.resumes())
+    }
+
+    /// Whether results come from this job. They do not from one part of several or from a pilot,
+    /// nor once it was stopped or has met an error: what is not a piece of work for parts need not
+    /// be computed then.
+    pub fn gives_results(&self) -> bool {
+        let mut state = self.state();
+        if state.error.is_none() && self.stop.is_asked() {
+            state.error = Some(JobError::Stopped);
+        }
+        let whole = match &state.mode {
+            Mode::Here | Mode::Merge(_) => true,
+            Mode::Part(computing) => computing.is_whole(),
+            Mode::Plan(_) => false,
+        };
+        whole && state.error.is_none()
+    }
+
+    /// Ends a [`pilot`](Self::pilot): what there is to compute, and how long it takes.
+    ///
+    /// # Errors
+    /// The first error of the job.
+    pub fn plan(self) -> Result<Plan, JobError> {
+        match self.into_state() {
+            State { error: Some(error), .. } => Err(error),
+            State { mode: Mode::Plan(pilot), .. } => Ok(pilot.finish()),
+            _ => Ok(Plan::default()),
+        }
+    }
+
     /// Ends the job: writes what is not written yet.
     ///
     /// # Errors
     /// [`JobError`]: the first error of the job, or [`JobError::Missing`], or
     /// [`JobError::NextRound`].
     pub fn finish(self) -> Result<Outcome, JobError> {
-        let State { mode, error, .. } =
-            self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let State { mode, error, .. } = self.into_state();
         match (error, mode) {
+            (Some(JobError::Stopped), Mode::Part(computing)) => {
+                computing.finish()?;
+                Err(JobError::Stopped)
+            }
             (Some(error), _) => Err(error),
-            (None, Mode::Here) => Ok(Outcome::Complete),
+            (None, Mode::Here | Mode::Plan(_)) => Ok(Outcome::Complete),
             (None, Mode::Part(computing)) => computing.finish(),
             (None, Mode::Merge(merging)) => merging.finish(),
         }
     }
 
-    pub(crate) fn stop(&self) -> &Stop {
+    /// What ends this job early.
+    pub fn stop(&self) -> &Stop {
         &self.stop
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn into_state(self) -> State {
+        self.state.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Results that are numbered and have nothing to do with each other, such as answers for many
+    /// seeds, as a piece of work: whole, in parts or merged. `None` as of
+    /// [`Ladder::run_in`](crate::Ladder::run_in).
+    ///
+    /// `name` is unique in the program. `of` says in words or numbers what the tasks are given:
+    /// results for another text are refused. `task` gives `None` if [`stop`](Self::stop) ended it.
+    /// A checkpoint has whole tasks only, so they should take seconds. Results are kept as JSON,
+    /// which has no word for NaN and infinity.
+    pub fn tasks<T: Serialize + DeserializeOwned + Send>(
+        &self,
+        name: &str,
+        of: &str,
+        count: u64,
+        task: impl Fn(u64) -> Option<T> + Sync,
+    ) -> Option<Vec<T>> {
+        let compute = |number| {
+            if self.stop.is_asked() { None } else { task(number).map(|result| vec![result]) }
+        };
+        let nodes = self.collect(&Work {
+            name,
+            fingerprint: Fingerprint {
+                system: String::new(),
+                schemes: String::new(),
+                observed: Hash::default().with(of.as_bytes()).finish(),
+            },
+            key: StreamKey { seed: 0, experiment: 0 },
+            // So that every number of tasks can be extended.
+            paths: count * GROUP_PATHS,
+            groups: 0..count,
+            steps: 0,
+            round: None,
+            pack: &|results: &Vec<T>| Ok(serde_json::to_vec(results)?),
+            unpack: &|bytes: &[u8]| Ok(serde_json::from_slice(bytes)?),
+            merge: &Vec::extend,
+            compute: &compute,
+            skipped: &|_| (),
+        })?;
+        Some(nodes.into_iter().flat_map(|node| node.sum).collect())
     }
 
     /// The nodes of all groups of a piece of work, if they are known here: computed, or merged.
     pub(crate) fn collect<T: Send>(&self, work: &Work<'_, T>) -> Option<Vec<Node<T>>> {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut state = self.state();
         let State { mode, error, names } = &mut *state;
         if error.is_some() {
             return None;
@@ -210,6 +326,7 @@ impl Job {
             _ if work.round.is_some_and(|path_steps| path_steps <= self.alone) => work.here(),
             Mode::Part(computing) => computing.collect(work, self.interval),
             Mode::Merge(merging) => merging.collect(work),
+            Mode::Plan(pilot) => pilot.measure(work),
         };
         found.unwrap_or_else(|met| {
             *error = Some(met);

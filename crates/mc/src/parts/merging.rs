@@ -7,7 +7,8 @@ use std::{
 };
 
 use super::{
-    JobError, Outcome, Program, Share,
+    JobError, Outcome, Plan, Planned, Program, Share,
+    balance::{Load, Shares},
     file::{Entry, Index, PartFile, Place, file_error, foreign},
     job::Work,
 };
@@ -23,6 +24,16 @@ pub const MERGED: &str = "merged.json";
 pub struct Known(pub PartFile);
 
 impl Known {
+    /// What is left to be computed of planned works.
+    pub fn left(&self, plan: &Plan) -> Vec<Load> {
+        let load = |work: &Planned| {
+            let merged = self.0.works.get(&work.name).map_or(0, |entry| entry.header.groups.end);
+            let (name, groups) = (work.name.clone(), merged.min(work.groups)..work.groups);
+            Load { name, groups, steps: work.steps }
+        };
+        plan.works.iter().map(load).collect()
+    }
+
     /// Its nodes of a piece of work, from the first group on: all of them, or fewer if there are
     /// more paths now.
     pub fn nodes<T>(&self, work: &Work<'_, T>) -> Result<Vec<Node<T>>, JobError> {
@@ -49,6 +60,7 @@ pub struct Merging {
     known: Known,
     missing: BTreeSet<u64>,
     next_round: Option<String>,
+    shares: Shares,
 }
 
 impl Merging {
@@ -65,7 +77,18 @@ impl Merging {
         if parts.is_empty() && known.0.works.is_empty() {
             return Err(JobError::NoParts(folder.to_owned()));
         }
-        Ok(Self { works, parts, known, missing: BTreeSet::new(), next_round: None })
+        let (missing, shares) = (BTreeSet::new(), Shares::default());
+        Ok(Self { works, parts, known, missing, next_round: None, shares })
+    }
+
+    /// Divides these works as their parts did.
+    pub fn balance(&mut self, plan: &Plan) {
+        self.shares = Shares::new(self.known.left(plan), self.of());
+    }
+
+    /// The number of parts.
+    fn of(&self) -> u64 {
+        self.parts.iter().map(|part| part.of()).max().unwrap_or(0)
     }
 
     pub fn finish(self) -> Result<Outcome, JobError> {
@@ -109,7 +132,7 @@ impl Merging {
     /// No part has begun a piece of work: its paths follow from those that are merged now, or all
     /// parts are missing that have no file.
     fn not_begun(&mut self, work: &str) {
-        let of = self.parts.iter().map(|part| part.of()).max().unwrap_or(0);
+        let of = self.of();
         let exists = |number| self.parts.iter().any(|part| part.number() == number);
         let missing: Vec<u64> = (1..=of).filter(|&number| !exists(number)).collect();
         if missing.is_empty() {
@@ -152,7 +175,8 @@ impl Merging {
         }
         let groups = known..work.groups.end;
         let wanted = |number: &u64| {
-            Share::new(*number, share.of()).is_ok_and(|part| !part.range(&groups).is_empty())
+            Share::new(*number, share.of())
+                .is_ok_and(|part| !self.shares.range(work.name, part, &groups).is_empty())
         };
         let missing = (1..=share.of()).filter(wanted).filter(|number| !complete.contains(number));
         let missing: Vec<u64> = missing.collect();

@@ -53,20 +53,25 @@
 
 mod arguments;
 mod atomic;
+mod balance;
 mod compute;
 mod error;
 mod file;
 mod fingerprint;
 mod job;
 mod merging;
+mod plan;
 mod share;
 mod stop;
 
+pub use crate::driver::GROUP_PATHS;
 pub use atomic::{folder, replace};
+pub use compute::remove;
 pub use error::JobError;
 pub use file::Program;
 pub use fingerprint::Fingerprint;
 pub use job::{Job, Outcome};
+pub use plan::{Plan, Planned, PlannedPart};
 pub use share::{Share, array};
 pub use stop::Stop;
 

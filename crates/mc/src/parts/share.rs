@@ -48,7 +48,7 @@ impl Share {
     }
 
     /// The name of its file: the numbers have as many digits as the largest, so that names sort.
-    pub(crate) fn file_name(self) -> String {
+    pub fn file_name(self) -> String {
         let digits = self.of.to_string().len();
         format!("part-{:0digits$}-of-{}.json", self.number, self.of)
     }

@@ -10,7 +10,7 @@ use std::{
 use mc::{
     Kept, Ladder, Measured, Observable, Run, Statistic, View,
     multilevel::{Coupling, Expectation, ExpectationSettings, expectation_in},
-    parts::{Job, JobError, Outcome, Program, Share, Stop},
+    parts::{Job, JobError, Outcome, Program, Share, Stop, remove},
 };
 use noise::{StreamKey, Truncation};
 use schemes::{EulerMaruyama, Heun, Scheme};
@@ -101,15 +101,30 @@ impl Study {
         job: Job,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<(Outcome, Option<Sums>), JobError> {
+        let sums = self.run_in(&job, progress);
+        job.finish().map(|outcome| (outcome, sums))
+    }
+
+    fn run_in(self, job: &Job, progress: &(dyn Fn(u64) + Sync)) -> Option<Sums> {
+        self.run_as(job, "sum", 8, progress)
+    }
+
+    fn run_as(
+        self,
+        job: &Job,
+        name: &str,
+        steps: u64,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Option<Sums> {
         let problem = pendulum(self.c);
         let scheme: &dyn Scheme<Pendulum, 2, 1> = if self.heun { &Heun } else { &EulerMaruyama };
         let key = StreamKey { seed: self.seed, experiment: 5 };
         let runs = vec![Run::new(scheme, 0)];
-        let ladder = Ladder::new(&problem, 8, 3, Truncation::new(4).unwrap(), key, runs).unwrap();
+        let ladder =
+            Ladder::new(&problem, steps, 3, Truncation::new(4).unwrap(), key, runs).unwrap();
         let new = || Sum::new(self.frequency);
-        let found = ladder.run_in(&job, "sum", self.paths, new, progress);
-        let sums = |measured: Measured<Sum>| measured.statistic.sums;
-        job.finish().map(|outcome| (outcome, found.map(sums)))
+        let found = ladder.run_in(job, name, self.paths, new, progress);
+        found.map(|measured: Measured<Sum>| measured.statistic.sums)
     }
 
     fn here(self) -> Sums {
@@ -432,4 +447,116 @@ fn an_expectation_in_parts_takes_rounds_and_has_the_same_bits() {
         }
     }
     assert!(rounds.iter().all(|&n| n >= 2), "{rounds:?}");
+}
+
+#[test]
+fn tasks_are_gathered_in_their_order() {
+    let square = |n: u64| Some((n, 1.0 / (n as f64 + 1.0), format!("{n}²")));
+    let run = |job: Job, of: &str, count: u64| {
+        let found = job.tasks("squares", of, count, square);
+        job.finish().map(|outcome| (outcome, found))
+    };
+    let whole: Vec<_> = (0..41).filter_map(square).collect();
+    assert_eq!(run(Job::here(), "", 41).unwrap().1, Some(whole.clone()));
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for number in [3, 1, 2] {
+        assert_eq!(run(STUDY.part(folder, number, 3).unwrap(), "", 30).unwrap().1, None);
+    }
+    let merged = |of, count| run(Job::merge(folder, STUDY.program()).unwrap(), of, count);
+    assert_eq!(merged("", 30).unwrap().1.unwrap(), whole[..30]);
+    assert!(message(merged("cubes", 30)).contains("squares has observables with hash"));
+    // More of them, in one part.
+    let found = run(STUDY.part(folder, 1, 1).unwrap(), "", 41).unwrap();
+    assert_eq!(found, (Outcome::Complete, Some(whole)));
+}
+
+#[test]
+fn results_are_asked_for_where_there_are_some() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(Job::here().gives_results() && !Job::pilot(Duration::ZERO).gives_results());
+    let whole = STUDY.part(folder.path(), 1, 1).unwrap();
+    assert!(whole.gives_results() && !whole.resumes());
+    let part = STUDY.part(folder.path(), 1, 2).unwrap();
+    assert!(!part.gives_results());
+    drop((whole, part));
+    // Who is stopped between two works keeps the first.
+    let stop = Stop::default();
+    let job = STUDY.part(folder.path(), 1, 1).unwrap().stopped_by(&stop);
+    assert!(job.tasks("numbers", "", 9, Some).is_some());
+    stop.now();
+    assert!(!job.gives_results());
+    assert!(matches!(job.finish(), Err(JobError::Stopped)));
+    let job = STUDY.part(folder.path(), 1, 1).unwrap();
+    assert!(job.resumes());
+    let not_again = |_| -> Option<u64> { panic!("it was done before") };
+    assert_eq!(job.tasks("numbers", "", 9, not_again), Some((0..9).collect()));
+    drop(job);
+    remove(folder.path(), Share::WHOLE).unwrap();
+    remove(folder.path(), Share::WHOLE).unwrap();
+    assert!(!STUDY.part(folder.path(), 1, 1).unwrap().resumes());
+}
+
+#[test]
+fn a_plan_says_what_each_part_has() {
+    let job = Job::pilot(Duration::from_millis(10));
+    assert_eq!(job.tasks("numbers", "", 10, Some), None);
+    STUDY.run_in(&job, &|_| ());
+    let plan = job.plan().unwrap();
+    let [numbers, sum] = &plan.works[..] else { panic!("{plan:?}") };
+    assert_eq!((numbers.items, numbers.steps, numbers.groups), (10, 0, 10));
+    assert_eq!((sum.items, sum.steps, sum.groups), (STUDY.paths, 8, STUDY.paths.div_ceil(128)));
+    assert!(sum.seconds > 0.0 && sum.bytes > 0 && plan.nanoseconds() > 0.0);
+    assert_eq!(plan.path_steps(), STUDY.paths * 8);
+    for of in [1, 7, 64] {
+        let (one, two) = (plan.parts(of, 1), plan.parts(of, 2));
+        assert!(one.iter().zip(&two).all(|(one, two)| one.seconds > two.seconds));
+        let steps: u64 = one.iter().map(|part| part.path_steps).sum();
+        assert_eq!(steps, plan.path_steps());
+        let most = one.iter().map(|part| part.path_steps).max().unwrap();
+        assert!(most * of >= steps && (most - 1024) * of <= steps, "{most}");
+    }
+}
+
+#[test]
+fn balanced_parts_are_merged_and_extended() {
+    // Works of few long groups beside one of many short ones.
+    let run = |job: &Job, paths: u64| {
+        let few = |name, groups: u64| {
+            let study = Study { paths: groups * 128, ..STUDY };
+            study.run_as(job, name, 1 << 10, &|_| ())
+        };
+        let sums = [few("few", 3), few("fewer", 2)];
+        (sums, Study { paths, ..STUDY }.run_as(job, "many", 8, &|_| ()))
+    };
+    let plan = |paths: u64| {
+        let job = Job::pilot(Duration::ZERO);
+        run(&job, paths);
+        job.plan().unwrap()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // Five groups of 1024 steps and 700 of 8, which fill up all parts to the same.
+    let parts = plan(700 * 128).parts(8, 1);
+    let most = parts.iter().map(|part| part.path_steps).max().unwrap();
+    let mean = parts.iter().map(|part| part.path_steps).sum::<u64>() / 8;
+    assert!(most <= mean + 8 * 128, "{parts:?}");
+    for paths in [700 * 128, 1400 * 128] {
+        let plan = plan(paths);
+        for number in [5, 1, 2, 8, 7, 3, 6] {
+            let job = STUDY.part(folder, number, 8).unwrap().balanced(&plan);
+            run(&job, paths);
+            job.finish().unwrap();
+        }
+        let merge = || {
+            let job = Job::merge(folder, STUDY.program()).unwrap().balanced(&plan);
+            let found = run(&job, paths);
+            job.finish().map(|_| found)
+        };
+        assert!(message(merge()).ends_with("--array=4"));
+        let job = STUDY.part(folder, 4, 8).unwrap().balanced(&plan);
+        run(&job, paths);
+        job.finish().unwrap();
+        assert_eq!(merge().unwrap(), run(&Job::here(), paths));
+    }
 }

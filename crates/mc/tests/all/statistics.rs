@@ -1,6 +1,9 @@
 //! Statistics of final states against the states themselves, and recordings against their numbers.
 
-use mc::{Ladder, Recording, RecordingError, Reference, Run, Simulation, StrongErrors, TimeChange};
+use mc::{
+    Ladder, Recording, RecordingError, Reference, Run, Simulation, StrongErrors, TimeChange,
+    WorstTimes,
+};
 use noise::Truncation;
 use real::{Block, WIDTH};
 use schemes::{EulerMaruyama, Scheme, Sexp};
@@ -57,13 +60,22 @@ fn strong_errors_are_mean_squares_of_distances() {
         let differences = &errors.at_end(0).differences;
         assert!(differences.length() == 1 && close(differences.mean(0), distance(1, 2)));
         assert_eq!(errors.at_end(1).differences.length(), 0);
-        // The worst time is that of the largest mean of the coarsest run.
-        let at = |n: u64| {
+        // At other times, and at that where the difference of two runs is largest.
+        let at = |n: u64, run: usize, from: usize| {
             let states = states(ladder, n);
-            mean((0..PATHS).map(|p| square(states[1][p], states[0][p])))
+            mean((0..PATHS).map(|p| square(states[run][p], states[from][p])))
         };
-        let worst = (1..=8).map(at).fold(0.0, f64::max);
-        assert!(close(errors.at_worst_time(0).errors.mean(0), worst));
+        let new = || WorstTimes::new(vec![[1, 0], [3, 2]], ladder.coarse_steps());
+        let times = ladder.run(PATHS as u64, new, &|_| ()).statistic.times();
+        for (time, [run, from]) in times.iter().zip([[1, 0], [3, 2]]) {
+            let largest = (1..=8).map(|n| at(n, run, from)).fold(0.0, f64::max);
+            assert!(close(at(*time, run, from), largest));
+        }
+        let new = || StrongErrors::new(Reference::Run(0), &series, 8).and_at(&[times[0], 3]);
+        let errors = ladder.run(PATHS as u64, new, &|_| ()).statistic;
+        assert!(close(errors.at_time(0).errors.mean(0), at(times[0], 1, 0)));
+        assert!(close(errors.at_time(1).errors.mean(0), at(3, 3, 0)));
+        assert_eq!(errors.at_time(1).errors.count(), PATHS as u64);
     });
 }
 
