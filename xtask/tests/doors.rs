@@ -18,7 +18,7 @@ const DOORS: [(&str, &[&str]); 14] = [
     ("stats", &["real"]),
     ("mc", &["stats", "real", "schemes", "systems", "noise", "nonlin"]),
     ("verify", &["mc", "stats", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
-    ("report", &["verify", "stats", "real"]),
+    ("report", &["verify", "mc", "stats", "real"]),
     (
         "casimir",
         &[
