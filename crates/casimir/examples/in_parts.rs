@@ -42,8 +42,8 @@ fn run(mut arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
         Observable { name: "y3", function: |y: [f64; 3]| y[2] },
         Observable { name: "y1 y2", function: |y: [f64; 3]| y[0] * y[1] },
     ];
-    // 256 steps, quantile bands at 40 of them.
-    let settings = StudySettings::new(256, 40, paths, truncation, key);
+    // 240 steps, quantile bands at 40 of them.
+    let settings = StudySettings::new(240, 40, paths, truncation, key);
     let bands = Study::new(&problem, &scheme, &phi, &settings)?.run_in(&job, "bands", &|_| ());
     let accuracy = 1.0 / (paths as f64).sqrt();
     let settings = ExpectationSettings::new(key, truncation, 16, Coupling::Antithetic);

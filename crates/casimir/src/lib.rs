@@ -26,8 +26,8 @@
 //!   [`Problem`](systems::Problem).
 //! - [`schemes`]: [`Sexp`](schemes::Sexp) and its peers; [`Explicit`](schemes::Explicit) and
 //!   [`Implicit`](schemes::Implicit) for your own.
-//! - [`mc`]: many paths with [`Simulation`](mc::Simulation), [`Ladder`](mc::Ladder) and
-//!   [`multilevel`](mc::multilevel).
+//! - [`mc`]: many paths with [`Simulation`](mc::Simulation), [`study`](mc::study()),
+//!   [`Ladder`](mc::Ladder) and [`multilevel`](mc::multilevel).
 //! - [`verify`]: [`inspect`](verify::inspect()), [`strong_order`](verify::strong_order),
 //!   [`weak_order`](verify::weak_order), and [`compare`](verify::compare()), which says which scheme
 //!   is cheapest for an error.
@@ -41,7 +41,7 @@ pub use {dgrad, mc, noise, nonlin, real, schemes, stats, systems, verify};
 
 /// The names that most programs use: `use casimir::prelude::*`.
 pub mod prelude {
-    pub use mc::{Simulation, write_csv};
+    pub use mc::{Observable, Simulation, StudySettings, Times, study, write_csv};
     pub use noise::{StreamKey, Truncation};
     pub use real::Real;
     pub use schemes::{Explicit, Heun, Implicit, Increment, Scheme, Sexp, SexpLevy, SexpLi, Split};

@@ -16,8 +16,11 @@ fn the_blocks_of_the_guide_are_in_the_examples() {
             blocks.push(block.join("\n"));
         }
     }
-    assert_eq!(blocks.len(), 7);
-    assert_eq!(blocks[..6].join("\n\n") + "\n", example);
-    let other = read_to_string(here.join("examples/which_scheme.rs")).unwrap();
-    assert!(other.contains(&blocks[6]));
+    assert_eq!(blocks.len(), 8);
+    // The other two programs are shown in part.
+    for (block, other) in [(7, "which_scheme"), (5, "study")] {
+        let other = read_to_string(here.join(format!("examples/{other}.rs"))).unwrap();
+        assert!(other.contains(&blocks.remove(block)));
+    }
+    assert_eq!(blocks.join("\n\n") + "\n", example);
 }

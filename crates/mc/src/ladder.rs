@@ -76,6 +76,12 @@ pub trait Kept<const D: usize>: Statistic<D> {
     fn sums(&self) -> &Self::Sums;
     /// The sums so far, to be replaced.
     fn sums_mut(&mut self) -> &mut Self::Sums;
+
+    /// Some of the times up to `last` at which it adds something, by which it is told from another
+    /// statistic. The first and the last unless said otherwise.
+    fn some_times(&self, last: u64) -> Vec<u64> {
+        vec![1, last]
+    }
 }
 
 /// A random time change along each path, driven by the untruncated increments of the finest steps.
@@ -397,7 +403,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
             let mut statistic = new();
             let mut live = PathMask::NONE;
             live.insert(p);
-            for time in [1, self.coarse_steps()] {
+            for time in statistic.some_times(self.coarse_steps()) {
                 let (states, statuses) = (&states[..], &statuses[..]);
                 let (clipped, random_time) = (&clipped[..], &random_time);
                 let first_path = 0;

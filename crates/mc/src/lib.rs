@@ -36,6 +36,7 @@
 //! | [`trajectory`] | the states of one path |
 //! | [`Simulation`], [`TimeSeries`] | tables of states, observables and invariants |
 //! | [`write_csv`], [`write_json`] | tables as files |
+//! | [`mod@study`], [`StudySettings`] | means, quantiles and histograms of many paths in time |
 //! | [`Recording`] | the increments of a path, to exchange with other programs |
 //! | [`PathFailure`] | a failed path: scheme, step, time and reason |
 //! | [`multilevel`] | E[φ(y(T))] to a given accuracy |
@@ -54,6 +55,7 @@ mod recording;
 mod seen_damping;
 mod simulation;
 mod strong;
+pub mod study;
 mod trajectory;
 mod tree;
 
@@ -68,4 +70,5 @@ pub use simulation::{
     Column, NoiseOrigin, Simulation, SimulationError, TimeSeries, write_csv, write_json,
 };
 pub use strong::{Reference, Squares, StrongErrors, StrongSums, WorstTimes, squared_distance};
+pub use study::{Study, StudyError, StudyResult, StudySettings, Times, study};
 pub use trajectory::{Trajectory, trajectory};

@@ -28,6 +28,11 @@ impl Truncation {
         Self { order: None }
     }
 
+    /// The order k; `None` for [`Truncation::none`].
+    pub fn order(self) -> Option<u32> {
+        self.order
+    }
+
     /// The largest |ΔŴ| at step `tau`: √τ·√(2k|log τ|). Infinite for [`Truncation::none`].
     ///
     /// # Errors
@@ -94,6 +99,10 @@ mod tests {
             assert!(error.to_string().contains(&format!("tau = {tau}")), "{error}");
         }
         assert_eq!(Truncation::none().bound(3.0), Ok(f64::INFINITY));
+        assert_eq!(
+            (Truncation::none().order(), Truncation::new(2).unwrap().order()),
+            (None, Some(2))
+        );
     }
 
     #[test]

@@ -27,11 +27,10 @@ impl CentralMoments {
         self.merge(&Self { count: 1, mean: x, least: x, largest: x, ..Self::default() });
     }
 
-    /// Adds the values of these paths of a block, all at once.
-    pub fn add_block(&mut self, values: &[f64; WIDTH], paths: PathMask) {
-        if !paths.is_empty() {
-            self.merge(&dispatch(OfBlock { values, paths }));
-        }
+    /// The moments of the values of these paths of a block. The mean is finite if they all are, and
+    /// their sum is.
+    pub fn of_block(values: &[f64; WIDTH], paths: PathMask) -> Self {
+        if paths.is_empty() { Self::default() } else { dispatch(OfBlock { values, paths }) }
     }
 
     /// Adds all samples of `later`.
@@ -147,52 +146,74 @@ struct OfBlock<'a> {
 /// Lanes of a sum.
 const LANES: usize = 8;
 
+/// Σ xₚ.
 #[inline(always)]
 fn sum(x: &[f64; WIDTH]) -> f64 {
     let mut lanes = [0.0; LANES];
-    for p in 0..WIDTH {
-        lanes[p % LANES] += x[p];
+    for p in 0..LANES {
+        lanes[p] = (x[p] + x[p + LANES]) + (x[p + 2 * LANES] + x[p + 3 * LANES]);
     }
     let [a, b, c, d, e, f, g, h] = lanes;
-    ((a + b) + (c + d)) + ((e + f) + (g + h))
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
+}
+
+#[inline(always)]
+fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The larger one; NaN if `a` is.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a < b { b } else { a }
+}
+
+/// The least of numbers that are not NaN.
+#[inline(always)]
+fn least(x: &[f64; WIDTH]) -> f64 {
+    let mut lanes = [0.0; LANES];
+    for p in 0..LANES {
+        let (first, second) = (smaller(x[p], x[p + LANES]), smaller(x[p + 16], x[p + 24]));
+        lanes[p] = smaller(first, second);
+    }
+    let [a, b, c, d, e, f, g, h] = lanes;
+    let (first, second) = (smaller(smaller(a, e), smaller(c, g)), smaller(b, f));
+    smaller(first, smaller(second, smaller(d, h)))
 }
 
 impl Kernel for OfBlock<'_> {
     type Output = CentralMoments;
 
-    /// The mean is corrected by that of the deviations from it, so its rounding error does not
-    /// enter the second moment.
+    /// From the deviations from one of the values. It is no further from the mean than √(m₂), so at
+    /// most five bits of the second moment are lost.
     #[inline(always)]
     fn run(self) -> CentralMoments {
         let n = f64::from(self.paths.len());
-        let mut x = [0.0; WIDTH];
-        let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
-        for p in 0..WIDTH {
-            let inside = self.paths.0 >> p & 1 == 1;
-            let (lane, value) = (p % LANES, self.values[p]);
-            x[p] = if inside { value } else { 0.0 };
-            low[lane] = if inside && value < low[lane] { value } else { low[lane] };
-            high[lane] = if inside && value > high[lane] { value } else { high[lane] };
-        }
-        let mean = sum(&x) / n;
+        let origin = self.values[self.paths.0.trailing_zeros() as usize % WIDTH];
         let [mut first, mut second, mut third, mut fourth] = [[0.0; WIDTH]; 4];
+        let [mut low, mut high] = [[0.0; WIDTH]; 2];
         for p in 0..WIDTH {
-            let deviation = if self.paths.0 >> p & 1 == 1 { x[p] - mean } else { 0.0 };
+            let value = if self.paths.0 >> p & 1 == 1 { self.values[p] } else { origin };
+            let deviation = value - origin;
             let square = deviation * deviation;
-            first[p] = deviation;
-            second[p] = square;
-            third[p] = square * deviation;
-            fourth[p] = square * square;
+            (low[p], high[p]) = (value, -value);
+            (first[p], second[p]) = (deviation, square);
+            (third[p], fourth[p]) = (square * deviation, square * square);
         }
+        let [second, third, fourth] = [sum(&second), sum(&third), sum(&fourth)];
         let shift = sum(&first) / n;
+        let square = shift * shift;
         CentralMoments {
             count: u64::from(self.paths.len()),
-            mean: mean + shift,
-            m2: sum(&second) - n * shift * shift,
-            m3: sum(&third),
-            m4: sum(&fourth),
-            least: low.into_iter().fold(f64::INFINITY, f64::min),
-            largest: high.into_iter().fold(f64::NEG_INFINITY, f64::max),
+            mean: origin + shift,
+            m2: larger(second - n * square, 0.0),
+            m3: third - 3.0 * shift * second + 2.0 * n * square * shift,
+            m4: larger(
+                fourth - 4.0 * shift * third + 6.0 * square * second - 3.0 * n * square * square,
+                0.0,
+            ),
+            least: least(&low),
+            largest: -least(&high),
         }
     }
 }
@@ -266,7 +287,7 @@ mod tests {
                     values[p] = 1e8 + f64::from((seed + round) * p as u32 % 11) / 11.0;
                     single.add(values[p]);
                 }
-                block.add_block(&values, paths);
+                block.merge(&CentralMoments::of_block(&values, paths));
             }
             assert_eq!((block.count, block.range()), (single.count, single.range()));
             assert!((block.mean - single.mean).abs() <= 1e-7);
@@ -275,9 +296,16 @@ mod tests {
             assert!(close(block.m2, single.m2) && close(block.m3, single.m3), "{seed}");
             assert!(close(block.m4, single.m4), "{seed}: {block:?} {single:?}");
         }
-        let mut none = CentralMoments::default();
-        none.add_block(&values, PathMask::NONE);
+        let none = CentralMoments::of_block(&values, PathMask::NONE);
         assert_eq!(none, CentralMoments::default());
+        let infinite = CentralMoments::of_block(&[f64::INFINITY; WIDTH], PathMask(6));
+        assert!(!infinite.mean.is_finite());
+        // A value that is left out has no part, whatever it is.
+        let mut values = [0.1; WIDTH];
+        values[3] = f64::NAN;
+        let constant = CentralMoments::of_block(&values, PathMask(!8));
+        let range = Some((0.1, 0.1));
+        assert_eq!((constant.mean, constant.m2, constant.range()), (0.1, 0.0, range));
     }
 
     #[test]

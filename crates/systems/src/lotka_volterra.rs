@@ -140,6 +140,11 @@ impl<E: Exponents> PoissonSystem<3, 1> for LotkaVolterra<E> {
         "lotka-volterra"
     }
 
+    fn parameters(&self) -> String {
+        let (p, q) = (self.exponents.p(), self.exponents.q());
+        format!("a = {}, c = {}, p = {p}, q = {q}", self.a, self.c)
+    }
+
     #[inline(always)]
     fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
         let prefactor = self.exponents.powers(y[0], y[1]).recip() * self.c;

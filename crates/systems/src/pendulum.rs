@@ -43,6 +43,10 @@ impl PoissonSystem<2, 1> for Pendulum {
         "pendulum"
     }
 
+    fn parameters(&self) -> String {
+        format!("c = {}", self.noise)
+    }
+
     #[inline(always)]
     fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
         [-v[1], v[0]]

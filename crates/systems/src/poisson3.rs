@@ -46,6 +46,10 @@ impl PoissonSystem<3, 1> for Poisson3 {
         "poisson3"
     }
 
+    fn parameters(&self) -> String {
+        format!("c = {}", self.noise)
+    }
+
     #[inline(always)]
     fn structure<R: Real>(&self, _y: [R; 3], v: [R; 3]) -> [R; 3] {
         [v[1] - v[2], v[2] - v[0], v[0] - v[1]]

@@ -104,6 +104,10 @@ impl<const M: usize> PoissonSystem<3, M> for RigidBody<M> {
         "rigid-body"
     }
 
+    fn parameters(&self) -> String {
+        format!("1/I = {:?}, 1/Î = {:?}", self.drift, self.noise)
+    }
+
     #[inline(always)]
     fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
         cross(y, v)
@@ -210,6 +214,10 @@ impl Flows<3, 1> for RigidBodyEnergy {
 impl PoissonSystem<3, 1> for RigidBodyEnergy {
     fn name(&self) -> &'static str {
         "rigid-body"
+    }
+
+    fn parameters(&self) -> String {
+        format!("1/I = {:?}, c = {}", self.body.drift, self.noise)
     }
 
     #[inline(always)]

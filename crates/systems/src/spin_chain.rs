@@ -82,6 +82,10 @@ impl<const D: usize> PoissonSystem<D, 3> for SpinChain<D> {
         "spin-chain"
     }
 
+    fn parameters(&self) -> String {
+        format!("J = {}, K = {}, σ = {}", self.exchange, self.anisotropy, self.field)
+    }
+
     #[inline(always)]
     fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
         let mut turned = y;

@@ -29,6 +29,11 @@ pub trait PoissonSystem<const D: usize, const M: usize>: Send + Sync {
     /// The name of the system in reports.
     fn name(&self) -> &'static str;
 
+    /// The parameters of the system in reports, for example `c = 0.5`; empty unless overridden.
+    fn parameters(&self) -> String {
+        String::new()
+    }
+
     /// B(y)·v, with B(y) skew-symmetric.
     fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D];
 

@@ -221,3 +221,17 @@ fn a_damping_function_has_the_rate_given_and_its_integral() {
     // Two nodes are exact up to degree three.
     assert!((damping.integral(1.0, 2.0) - 7.0).abs() < 1e-14);
 }
+
+#[test]
+fn parameters_are_described_to_the_last_digit() {
+    let body = RigidBody::three_noises([2.0, 1.0, 0.5], [1.0, 4.0, 3.0]).unwrap();
+    let text = PoissonSystem::<3, 3>::parameters(&body);
+    assert_eq!(text, "1/I = [0.5, 1.0, 2.0], 1/Î = [1.0, 0.25, 0.3333333333333333]");
+    let energy = RigidBodyEnergy::new([2.0, 1.0, 0.5], 0.1).unwrap();
+    assert_eq!(energy.parameters(), "1/I = [0.5, 1.0, 2.0], c = 0.1");
+    let populations = LotkaVolterra::new(-1.0, -2.0, 0.1).unwrap();
+    assert_eq!(populations.parameters(), "a = -1, c = 0.1, p = 2, q = 2");
+    assert_eq!(Pendulum::new(0.7).unwrap().parameters(), "c = 0.7");
+    assert_eq!(Poisson3::new(0.7).unwrap().parameters(), "c = 0.7");
+    assert_eq!(MaxwellBloch.parameters(), "");
+}

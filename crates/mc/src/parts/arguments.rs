@@ -1,10 +1,11 @@
 //! The arguments of a user's program.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, str::FromStr, time::Duration};
 
 use super::{Job, JobError, Program, Share, Stop};
 
-pub const USAGE: &str = "[--out DIR [--part K --parts N]] or --merge DIR, and [--threads N]";
+pub const USAGE: &str = "[--out DIR [--part K --parts N]] or --merge DIR, and [--threads N] and \
+    [--checkpoint-every SECONDS]";
 
 impl Job {
     /// The job that the command line of a program asks for. It stops on Ctrl-C and SIGTERM. Its
@@ -18,12 +19,13 @@ impl Job {
     /// | `--merge DIR` | results from the parts in the folder |
     ///
     /// `--threads N` limits the threads; without it there is one for each processor.
+    /// `--checkpoint-every SECONDS` is a minute unless given.
     ///
     /// # Errors
     /// [`JobError::Argument`] for a value that is not understood or a combination that is none, and
     /// the errors of [`part`](Self::part) and [`merge`](Self::merge).
     pub fn from_arguments(program: Program, arguments: &mut Vec<String>) -> Result<Self, JobError> {
-        let job = Self::parsed(program, arguments)?;
+        let job = Self::of(program, arguments)?;
         let stop = Stop::default();
         if let Err(error) = stop.on_signals() {
             eprintln!("warning: Ctrl-C loses what is not in a checkpoint: {error}");
@@ -31,22 +33,26 @@ impl Job {
         Ok(job.stopped_by(&stop))
     }
 
-    fn parsed(program: Program, arguments: &mut Vec<String>) -> Result<Self, JobError> {
+    fn of(program: Program, arguments: &mut Vec<String>) -> Result<Self, JobError> {
         let out = take(arguments, "--out")?.map(PathBuf::from);
         let merge = take(arguments, "--merge")?.map(PathBuf::from);
-        let (part, parts) = (number(arguments, "--part")?, number(arguments, "--parts")?);
-        if let Some(threads) = number(arguments, "--threads")? {
+        let (part, parts) = (parsed(arguments, "--part")?, parsed(arguments, "--parts")?);
+        if let Some(threads) = parsed(arguments, "--threads")? {
             limit_threads(threads)?;
         }
-        match (out, merge, part, parts) {
-            (None, None, None, None) => Ok(Self::here()),
-            (None, Some(folder), None, None) => Self::merge(&folder, program),
-            (Some(folder), None, None, None) => Self::part(&folder, Share::WHOLE, program),
+        let every: Option<f64> = parsed(arguments, "--checkpoint-every")?;
+        let every = every.map(Duration::try_from_secs_f64).transpose();
+        let every = every.map_err(|_| JobError::Argument("--checkpoint-every".into()))?;
+        let job = match (out, merge, part, parts) {
+            (None, None, None, None) => Self::here(),
+            (None, Some(folder), None, None) => Self::merge(&folder, program)?,
+            (Some(folder), None, None, None) => Self::part(&folder, Share::WHOLE, program)?,
             (Some(folder), None, Some(part), Some(parts)) => {
-                Self::part(&folder, Share::new(part, parts)?, program)
+                Self::part(&folder, Share::new(part, parts)?, program)?
             }
-            _ => Err(JobError::Argument("this combination of arguments".into())),
-        }
+            _ => return Err(JobError::Argument("this combination of arguments".into())),
+        };
+        Ok(every.into_iter().fold(job, Self::with_checkpoints_every))
     }
 }
 
@@ -60,7 +66,7 @@ fn take(arguments: &mut Vec<String>, name: &str) -> Result<Option<String>, JobEr
     Ok(Some(arguments.remove(at)))
 }
 
-fn number(arguments: &mut Vec<String>, name: &str) -> Result<Option<u64>, JobError> {
+fn parsed<T: FromStr>(arguments: &mut Vec<String>, name: &str) -> Result<Option<T>, JobError> {
     let value = take(arguments, name)?;
     let wrong = |value: &str| JobError::Argument(format!("{name} {value}"));
     value.map(|value| value.parse().map_err(|_| wrong(&value))).transpose()
@@ -85,7 +91,7 @@ mod tests {
     fn job(line: &str) -> Result<Vec<String>, String> {
         let mut arguments: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
         let program = Program { name: "test".into(), version: "1".into() };
-        let finished = Job::parsed(program, &mut arguments).and_then(Job::finish);
+        let finished = Job::of(program, &mut arguments).and_then(Job::finish);
         finished.map(|_| arguments).map_err(|error| error.to_string())
     }
 
@@ -103,6 +109,7 @@ mod tests {
             (format!("--out {folder} --merge {folder}"), "this combination"),
             (format!("--out {folder} --part two --parts 3"), "--part two"),
             (format!("--out {folder} --part 4 --parts 3"), "no part 4 of 3"),
+            (format!("--out {folder} --checkpoint-every -1"), "--checkpoint-every"),
             ("--out".to_owned(), "--out without a value"),
         ] {
             let error = job(&line).unwrap_err();

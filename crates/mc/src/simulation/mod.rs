@@ -14,6 +14,7 @@ use crate::{Ladder, LadderError, PathFailure, Recording, Run, trajectory::PathRe
 
 pub use error::SimulationError;
 pub use series::{Column, NoiseOrigin, TimeSeries};
+pub(crate) use write::quoted;
 pub use write::{write_csv, write_json};
 
 /// An observable φ(y).

@@ -50,7 +50,7 @@ pub fn write_json(series: &[TimeSeries], out: &mut impl Write) -> io::Result<()>
 }
 
 /// The entry in quotes if it contains a comma, a quote or a line break (RFC 4180).
-fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", text.replace('"', "\"\""))
     } else {

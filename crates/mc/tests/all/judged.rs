@@ -32,7 +32,7 @@ impl PoissonSystem<2, 1> for Kubo {
 }
 
 /// H₀ = ½p², H₁ = −q: p = W, on fine and on coarse paths.
-struct Additive;
+pub struct Additive;
 
 impl PoissonSystem<2, 1> for Additive {
     fn name(&self) -> &'static str {

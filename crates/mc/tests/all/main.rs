@@ -10,3 +10,4 @@ mod multilevel;
 mod parts;
 mod simulation;
 mod statistics;
+mod study;

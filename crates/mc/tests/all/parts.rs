@@ -399,6 +399,56 @@ fn sums_that_do_not_come_back_and_names_given_twice_are_errors() {
     assert!(message(job.finish()).contains("\"sum\" is given to two pieces of work"));
 }
 
+/// E[q] and E[q²] to an accuracy, in parts.
+fn expectation(
+    job: Job,
+    accuracy: f64,
+    problem: &Pendulums,
+) -> Result<Option<Expectation>, JobError> {
+    let key = StreamKey { seed: 3, experiment: 7 };
+    let truncation = Truncation::new(4).unwrap();
+    let settings = ExpectationSettings {
+        pilot: 256,
+        ..ExpectationSettings::new(key, truncation, 4, Coupling::Plain)
+    };
+    let phi = [
+        Observable { name: "q", function: |y: [f64; 2]| y[0] },
+        Observable { name: "q^2", function: |y: [f64; 2]| y[0] * y[0] },
+    ];
+    let job = job.splitting_rounds_above(10_000);
+    let found = expectation_in(&job, "E", &Heun, problem, &phi, accuracy, &settings, &|_| ());
+    job.finish().map(|_| found.unwrap())
+}
+
+#[test]
+fn an_expectation_in_parts_takes_rounds_and_has_the_same_bits() {
+    let problem = pendulum(1.0);
+    let folder = tempfile::tempdir().unwrap();
+    let mut rounds = Vec::new();
+    // The second accuracy extends the samples of the first.
+    for (accuracy, of) in [(0.02, 3), (0.005, 2)] {
+        let here = expectation(Job::here(), accuracy, &problem).unwrap();
+        rounds.push(0);
+        loop {
+            for number in (1..=of).rev() {
+                let part = STUDY.part(folder.path(), number, of).unwrap();
+                let found = expectation(part, accuracy, &problem).unwrap();
+                // A part knows the result when all samples were merged.
+                assert!(found.is_none() || found == here);
+            }
+            *rounds.last_mut().unwrap() += 1;
+            let merge = Job::merge(folder.path(), STUDY.program()).unwrap();
+            match expectation(merge, accuracy, &problem) {
+                Ok(found) => break assert_eq!(found, here),
+                Err(JobError::NextRound { work }) => assert!(work.starts_with("E/level"), "{work}"),
+                Err(error) => panic!("{error}"),
+            }
+            assert!(rounds.last() < Some(&20));
+        }
+    }
+    assert!(rounds.iter().all(|&n| n >= 2), "{rounds:?}");
+}
+
 #[test]
 fn tasks_are_gathered_in_their_order() {
     let square = |n: u64| Some((n, 1.0 / (n as f64 + 1.0), format!("{n}²")));
@@ -509,54 +559,4 @@ fn balanced_parts_are_merged_and_extended() {
         job.finish().unwrap();
         assert_eq!(merge().unwrap(), run(&Job::here(), paths));
     }
-}
-
-/// E[q] and E[q²] to an accuracy, in parts.
-fn expectation(
-    job: Job,
-    accuracy: f64,
-    problem: &Pendulums,
-) -> Result<Option<Expectation>, JobError> {
-    let key = StreamKey { seed: 3, experiment: 7 };
-    let truncation = Truncation::new(4).unwrap();
-    let settings = ExpectationSettings {
-        pilot: 256,
-        ..ExpectationSettings::new(key, truncation, 4, Coupling::Plain)
-    };
-    let phi = [
-        Observable { name: "q", function: |y: [f64; 2]| y[0] },
-        Observable { name: "q^2", function: |y: [f64; 2]| y[0] * y[0] },
-    ];
-    let job = job.splitting_rounds_above(10_000);
-    let found = expectation_in(&job, "E", &Heun, problem, &phi, accuracy, &settings, &|_| ());
-    job.finish().map(|_| found.unwrap())
-}
-
-#[test]
-fn an_expectation_in_parts_takes_rounds_and_has_the_same_bits() {
-    let problem = pendulum(1.0);
-    let folder = tempfile::tempdir().unwrap();
-    let mut rounds = Vec::new();
-    // The second accuracy extends the samples of the first.
-    for (accuracy, of) in [(0.02, 3), (0.005, 2)] {
-        let here = expectation(Job::here(), accuracy, &problem).unwrap();
-        rounds.push(0);
-        loop {
-            for number in (1..=of).rev() {
-                let part = STUDY.part(folder.path(), number, of).unwrap();
-                let found = expectation(part, accuracy, &problem).unwrap();
-                // A part knows the result when all samples were merged.
-                assert!(found.is_none() || found == here);
-            }
-            *rounds.last_mut().unwrap() += 1;
-            let merge = Job::merge(folder.path(), STUDY.program()).unwrap();
-            match expectation(merge, accuracy, &problem) {
-                Ok(found) => break assert_eq!(found, here),
-                Err(JobError::NextRound { work }) => assert!(work.starts_with("E/level"), "{work}"),
-                Err(error) => panic!("{error}"),
-            }
-            assert!(rounds.last() < Some(&20));
-        }
-    }
-    assert!(rounds.iter().all(|&n| n >= 2), "{rounds:?}");
 }

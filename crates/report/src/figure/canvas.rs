@@ -89,6 +89,13 @@ impl Canvas {
         self.elements.push(line);
     }
 
+    /// An area without a border.
+    pub fn area(&mut self, corners: &[Position], color: Color, opacity: f64) {
+        let points = list(corners.iter().copied());
+        let area = format!(r#"<polygon fill="{color}" opacity="{opacity}" points="{points}"/>"#);
+        self.elements.push(area);
+    }
+
     /// A marker; a hollow one shows the paper inside.
     pub fn marker(&mut self, at: Position, look: Look, radius: f64, hollow: bool) {
         let shape = match look.marker {

@@ -3,7 +3,7 @@
 use super::{
     canvas::{Align, Canvas},
     look::Look,
-    stroke::Stroke,
+    stroke::{Color, Stroke},
 };
 use crate::label::Label;
 
@@ -22,6 +22,8 @@ pub enum Sample {
     Line(Stroke),
     /// A marker without a line.
     Point(Look),
+    /// An area of a colour and an opacity.
+    Area(Color, f64),
 }
 
 /// Draws the entries in rows that begin at `left` and are no wider than `width`, and returns where
@@ -49,6 +51,10 @@ pub fn legend(
                 canvas.marker(middle, look, look.radius(2.8), look.hollow());
             }
             Sample::Line(stroke) => canvas.polyline(&[(start, y), (end, y)], stroke),
+            Sample::Area(color, opacity) => {
+                let corners = [(start, y - 4.0), (end, y - 4.0), (end, y + 4.0), (start, y + 4.0)];
+                canvas.area(&corners, color, opacity);
+            }
             Sample::Point(look) => canvas.marker(middle, look, 2.8, look.hollow()),
         }
         canvas.label(&label, (end + 4.0, y), SIZE, Align::Left);

@@ -81,8 +81,8 @@ impl Look {
 }
 
 // The palette of Okabe and Ito, which readers with any colour vision can tell apart.
-const BLUE: Color = "#0072B2";
-const VERMILLION: Color = "#D55E00";
+pub const BLUE: Color = "#0072B2";
+pub const VERMILLION: Color = "#D55E00";
 const GREEN: Color = "#009E73";
 const PURPLE: Color = "#CC79A7";
 const ORANGE: Color = "#E69F00";

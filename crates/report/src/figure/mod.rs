@@ -1,15 +1,18 @@
 //! Figures as stand-alone SVG documents, readable at the width of a journal column.
 //!
 //! [`Figure`] draws any curves in logarithmic coordinates; [`convergence`] makes one from series of
-//! errors; [`evolution`] draws an invariant along a path; [`comparison`] errors against cost.
+//! errors; [`evolution`] draws an invariant along a path; [`comparison`] errors against cost;
+//! [`bands`] and [`histogram`] what a study found of an observable.
 
 mod axis;
+mod bands;
 mod canvas;
 mod chart;
 mod convergence;
 mod cost;
 mod evolution;
 mod frame;
+mod histogram;
 mod legend;
 mod look;
 mod scripts;
@@ -18,12 +21,14 @@ mod ticks;
 
 use verify::results::{Kind, Panel};
 
+pub use bands::bands;
 pub use chart::{Curve, Figure, Line, Measured, Plot, Style};
 pub use convergence::convergence;
 #[cfg(test)]
 pub(crate) use cost::tests::small as small_comparison;
 pub use cost::{comparison, expectations_against_cost, strong_against_cost};
 pub use evolution::evolution;
+pub use histogram::histogram;
 pub use ticks::Spacing;
 
 /// The figure of a panel as an SVG document.

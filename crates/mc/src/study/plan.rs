@@ -1,0 +1,95 @@
+//! What a study computes, before any path is simulated.
+
+use schemes::Scheme;
+use serde::{Deserialize, Serialize};
+use systems::{Damping, PoissonSystem, Problem};
+
+use super::{Grid, StudyError, StudySettings};
+use crate::Observable;
+
+/// Everything that the result of a study depends on. Systems and damping are described by
+/// [`PoissonSystem::name`], [`PoissonSystem::parameters`] and [`Damping::describe`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Version of this crate.
+    pub version: String,
+    /// Name of the system.
+    pub system: String,
+    /// Its parameters, as far as it describes them.
+    pub parameters: String,
+    /// Formula of γ.
+    pub damping: String,
+    /// The initial value y(0).
+    pub y0: Vec<f64>,
+    /// The final time T.
+    pub t_end: f64,
+    /// Identifier of the scheme.
+    pub scheme: String,
+    /// Order k of the truncation of increments; `None` if they are not truncated.
+    pub truncation: Option<u32>,
+    /// Number of steps on [0, T].
+    pub steps: u64,
+    /// The steps at whose ends observables are evaluated, counted from 1.
+    pub times: Vec<u64>,
+    /// Master seed.
+    pub seed: u64,
+    /// Number of the experiment.
+    pub experiment: u64,
+    /// Number of paths, of those that failed too.
+    pub paths: u64,
+    /// Number of paths of the pilot that chose the bins.
+    pub pilot: u64,
+    /// Levels of the quantiles, in increasing order.
+    pub quantiles: Vec<f64>,
+    /// Names of the observables.
+    pub observables: Vec<String>,
+    /// Their values at t = 0; `None` for one that is not finite.
+    pub initial: Vec<Option<f64>>,
+}
+
+impl Record {
+    pub(super) fn new<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+        problem: &Problem<S, G, D>,
+        scheme: &dyn Scheme<S, D, M>,
+        observables: &[Observable<D>],
+        settings: &StudySettings,
+    ) -> Result<Self, StudyError> {
+        settings.check(observables)?;
+        let mut quantiles = settings.quantiles.clone();
+        quantiles.sort_by(f64::total_cmp);
+        let initial = observables.iter().map(|observable| (observable.function)(problem.y0()));
+        Ok(Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            system: problem.system().name().into(),
+            parameters: problem.system().parameters(),
+            damping: problem.damping().describe(),
+            y0: problem.y0().into(),
+            t_end: problem.t_end(),
+            scheme: scheme.id().into(),
+            truncation: settings.truncation.order(),
+            steps: settings.steps,
+            times: settings.time_steps()?,
+            seed: settings.key.seed,
+            experiment: settings.key.experiment,
+            paths: settings.paths,
+            pilot: settings.pilot,
+            quantiles,
+            observables: observables.iter().map(|observable| observable.name.into()).collect(),
+            initial: initial.map(|value| value.is_finite().then_some(value)).collect(),
+        })
+    }
+
+    /// The time at the end of a step.
+    pub(super) fn time(&self, step: u64) -> f64 {
+        step as f64 * (self.t_end / self.steps as f64)
+    }
+}
+
+/// A study that is ready to be run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StudyPlan {
+    /// What is computed.
+    pub record: Record,
+    /// The bins of every observable at every time, time by time.
+    pub grids: Vec<Grid>,
+}

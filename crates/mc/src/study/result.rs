@@ -1,0 +1,124 @@
+//! The result of a study.
+
+use serde::{Deserialize, Serialize};
+use stats::FEW_SAMPLES;
+
+use super::{
+    StudyPlan,
+    plan::Record,
+    summary::{Histogram, Place, Ranks, Summary},
+    sums::Sums,
+};
+use crate::Measured;
+
+/// What is known of the law of every observable at every time, with everything that made it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StudyResult {
+    /// What was computed.
+    pub record: Record,
+    /// Paths that failed.
+    pub losses: Losses,
+    /// What a reader must know before believing the rest: failed paths, values that are not finite,
+    /// means and quantiles that are not known well.
+    pub warnings: Vec<String>,
+    /// One for each observable.
+    pub series: Vec<Series>,
+}
+
+/// One observable at all times.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Series {
+    /// Its name.
+    pub observable: String,
+    /// The initial value and the times of the study.
+    pub points: Vec<Summary>,
+}
+
+/// Failed paths and clipped increments.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Losses {
+    /// Number of failed paths. Statistics exclude a path from the time on at which it failed.
+    pub failed: u64,
+    /// The first of them, each with what replays it, as in [`Measured::failures`].
+    pub failures: Vec<String>,
+    /// Number of clipped increments, counted on paths that had not failed.
+    pub clipped: u64,
+}
+
+impl Losses {
+    /// Those of a ladder with one run.
+    pub(super) fn of<T>(measured: &Measured<T>) -> Self {
+        Self {
+            failed: measured.failed,
+            failures: measured.failures.iter().map(ToString::to_string).collect(),
+            clipped: measured.clipped.iter().sum(),
+        }
+    }
+}
+
+impl StudyResult {
+    /// The result of sums over all paths of a plan.
+    pub(super) fn new(plan: &StudyPlan, sums: &Sums, losses: Losses) -> Self {
+        let StudyPlan { record, grids } = plan;
+        let mut ranks = Ranks::new(&record.quantiles);
+        let observables = record.observables.iter().zip(&record.initial).enumerate();
+        let series = observables.map(|(k, (name, initial))| {
+            let later = record.times.iter().enumerate().map(|(time, &step)| {
+                let cell = time * record.observables.len() + k;
+                let histogram = Histogram::new(grids[cell], sums.counts(cell, &grids[cell]));
+                let at = (step, record.time(step));
+                let moments = sums.moments(cell);
+                Summary::new(at, moments, sums.not_finite(cell), histogram, &mut ranks)
+            });
+            let first = Summary::exact(*initial, record.paths, &record.quantiles);
+            Series { observable: name.clone(), points: [first].into_iter().chain(later).collect() }
+        });
+        let series: Vec<_> = series.collect();
+        let warnings = warnings(record, &losses, &series);
+        Self { record: record.clone(), losses, warnings, series }
+    }
+
+    /// The series of the observable with this name, if there is one.
+    pub fn series(&self, observable: &str) -> Option<&Series> {
+        self.series.iter().find(|series| series.observable == observable)
+    }
+}
+
+impl Series {
+    /// The last time.
+    pub fn last(&self) -> &Summary {
+        // The initial value is always there.
+        &self.points[self.points.len() - 1]
+    }
+}
+
+fn warnings(record: &Record, losses: &Losses, series: &[Series]) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if losses.failed > 0 {
+        warnings.push(format!(
+            "{} of {} paths failed: what is left is no fair sample",
+            losses.failed, record.paths
+        ));
+    }
+    for Series { observable, points } in series {
+        let mut warn = |what: &str, concerns: &dyn Fn(&Summary) -> bool| {
+            let times = points.iter().filter(|point| concerns(point));
+            let (mut times, number) = (times.clone().map(|point| point.time), times.count());
+            if let Some(first) = times.next() {
+                warnings.push(format!("{observable}: {what} at {number} times, first t = {first}"));
+            }
+        };
+        warn("values that are not finite, left out", &|point| point.not_finite > 0);
+        warn("too few values carry the variance for the interval of the mean", &|point| {
+            point.effective.is_some_and(|effective| effective < FEW_SAMPLES)
+        });
+        warn(
+            "a quantile lies outside of the grid: a larger pilot would choose a wider one",
+            &|p| {
+                let outside = |place| matches!(place, Place::BelowGrid | Place::AboveGrid);
+                p.quantiles.iter().any(|quantile| outside(quantile.place))
+            },
+        );
+    }
+    warnings
+}

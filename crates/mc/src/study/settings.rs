@@ -1,0 +1,183 @@
+//! Settings of a study.
+
+use noise::{StreamKey, Truncation};
+
+use super::StudyError;
+use crate::Observable;
+
+/// The times of a study. The initial value is in the result without being asked for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Times {
+    /// So many times, evenly spaced; the last is T. The number must divide the number of steps.
+    Even(u64),
+    /// The ends of these steps, counted from 1, in increasing order.
+    AtSteps(Vec<u64>),
+}
+
+impl From<u64> for Times {
+    fn from(times: u64) -> Self {
+        Self::Even(times)
+    }
+}
+
+impl From<Vec<u64>> for Times {
+    fn from(steps: Vec<u64>) -> Self {
+        Self::AtSteps(steps)
+    }
+}
+
+/// Settings of a [`Study`](super::Study).
+#[derive(Clone, Debug, PartialEq)]
+pub struct StudySettings {
+    /// Number of steps on [0, T].
+    pub steps: u64,
+    /// The times at which observables are evaluated.
+    pub times: Times,
+    /// Number of paths.
+    pub paths: u64,
+    /// How increments are truncated.
+    pub truncation: Truncation,
+    /// Seed and experiment of the streams. The pilot draws from the streams of experiment +
+    /// 2⁴⁷, which no other study or expectation uses, so the experiment must be below 2⁴⁰.
+    pub key: StreamKey,
+    /// The levels of the quantiles, between 0 and 1. Default 0.05, 0.25, 0.5, 0.75 and 0.95.
+    pub quantiles: Vec<f64>,
+    /// Bins of each histogram, from 2 to 65536. Default 256: a bin is then a twentieth to a tenth of
+    /// the standard deviation of a normal law. A study keeps 2 bytes for each bin, observable and
+    /// time in each group of 128 paths, and 8 groups per thread.
+    pub bins: u32,
+    /// Paths of the pilot that chooses the bins, at least 128. Default an eighth of the paths, at
+    /// least 256 and at most 4096. A study that is extended keeps its bins, and so its pilot.
+    pub pilot: u64,
+}
+
+/// The experiment number of the pilot differs from that of the study in this bit. Levels of
+/// `multilevel` use the bits from 40 to 44.
+const PILOT_STREAM: u64 = 1 << 47;
+/// First bit that an experiment number may not use.
+const EXPERIMENT_BITS: u32 = 40;
+
+impl StudySettings {
+    /// Default values for the settings that have one.
+    pub fn new(
+        steps: u64,
+        times: impl Into<Times>,
+        paths: u64,
+        truncation: Truncation,
+        key: StreamKey,
+    ) -> Self {
+        Self {
+            steps,
+            times: times.into(),
+            paths,
+            truncation,
+            key,
+            quantiles: vec![0.05, 0.25, 0.5, 0.75, 0.95],
+            bins: 256,
+            pilot: (paths / 8).clamp(256, 4096),
+        }
+    }
+
+    /// The streams of the pilot.
+    pub(super) fn pilot_key(&self) -> StreamKey {
+        StreamKey { experiment: self.key.experiment | PILOT_STREAM, ..self.key }
+    }
+
+    /// The steps at whose ends observables are evaluated.
+    pub(super) fn time_steps(&self) -> Result<Vec<u64>, StudyError> {
+        let steps = self.steps;
+        match &self.times {
+            Times::Even(0) => Err(StudyError::NoTime),
+            Times::Even(times) if steps.is_multiple_of(*times) => {
+                Ok((1..=*times).map(|n| n * (steps / times)).collect())
+            }
+            Times::Even(times) => {
+                let divides = |n: &u64| steps.is_multiple_of(*n);
+                let below = (1..=(*times).min(steps)).rev().find(divides).unwrap_or(1);
+                let above = (*times..=steps).find(divides).unwrap_or(below);
+                let nearest = if times - below <= above.abs_diff(*times) { below } else { above };
+                Err(StudyError::EvenTimes { times: *times, steps, nearest })
+            }
+            Times::AtSteps(at) => {
+                let mut before = 0;
+                for &step in at {
+                    if step == 0 || step > steps {
+                        return Err(StudyError::Time { step, steps });
+                    }
+                    if step <= before {
+                        return Err(StudyError::TimeOrder { step, before });
+                    }
+                    before = step;
+                }
+                if at.is_empty() { Err(StudyError::NoTime) } else { Ok(at.clone()) }
+            }
+        }
+    }
+
+    /// Checks all but the times, the steps and the truncation.
+    pub(super) fn check<const D: usize>(
+        &self,
+        observables: &[Observable<D>],
+    ) -> Result<(), StudyError> {
+        let Self { paths, key, bins, pilot, .. } = *self;
+        let mut requirements = vec![
+            (paths > 0, "number of paths", "at least 1", paths as f64),
+            (
+                key.experiment >> EXPERIMENT_BITS == 0,
+                "experiment number",
+                "below 2^40",
+                key.experiment as f64,
+            ),
+            ((2..=1 << 16).contains(&bins), "number of bins", "from 2 to 65536", f64::from(bins)),
+            (pilot >= 128, "number of pilot paths", "at least 128", pilot as f64),
+        ];
+        for &level in &self.quantiles {
+            let inside = level > 0.0 && level < 1.0;
+            requirements.push((inside, "level of a quantile", "between 0 and 1", level));
+        }
+        if let Some((_, name, allowed, value)) = requirements.into_iter().find(|(met, ..)| !met) {
+            return Err(StudyError::Setting { name, allowed, value });
+        }
+        if observables.is_empty() {
+            return Err(StudyError::NoObservable);
+        }
+        for (n, Observable { name, .. }) in observables.iter().enumerate() {
+            if observables[..n].iter().any(|before| before.name == *name) {
+                return Err(StudyError::Observable { name });
+            }
+        }
+        for (n, &level) in self.quantiles.iter().enumerate() {
+            if self.quantiles[..n].contains(&level) {
+                return Err(StudyError::QuantileTwice { level });
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::multilevel::{Coupling, ExpectationSettings};
+
+    #[test]
+    fn the_pilot_shares_its_streams_with_nothing() {
+        for experiment in [0, 1, (1 << EXPERIMENT_BITS) - 1] {
+            let key = StreamKey { seed: 0, experiment };
+            let study = StudySettings::new(1, 1, 1, Truncation::none(), key);
+            let pilot = study.pilot_key().experiment;
+            assert!(pilot < noise::AREA_STREAM && pilot != experiment);
+            let other = ExpectationSettings::new(key, Truncation::none(), 1, Coupling::Plain);
+            for level in 0..=24 {
+                assert_ne!(pilot, other.stream(level).experiment);
+            }
+        }
+    }
+
+    #[test]
+    fn a_pilot_is_an_eighth_of_the_paths_within_limits() {
+        let key = StreamKey { seed: 0, experiment: 0 };
+        let pilot = |paths| StudySettings::new(1, 1, paths, Truncation::none(), key).pilot;
+        assert_eq!([1, 8000, 1_000_000].map(pilot), [256, 1000, 4096]);
+    }
+}

@@ -1,0 +1,277 @@
+//! The law of one observable at one time.
+
+use serde::{Deserialize, Serialize};
+use stats::{CentralMoments, quantile_ranks};
+
+use super::Grid;
+
+/// Statistics of one observable at one time, over the paths that have not failed by then and on
+/// which it is finite.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Number of steps done; 0 for the initial value, which is exact.
+    pub step: u64,
+    /// The time t.
+    pub time: f64,
+    /// Number of values.
+    pub count: u64,
+    /// Number of values that are not finite and count nowhere else.
+    pub not_finite: u64,
+    /// The mean; `None` without values.
+    pub mean: Option<f64>,
+    /// Its 95 % interval, by Student's law; `None` with fewer than two values.
+    pub mean_interval: Option<(f64, f64)>,
+    /// The sample variance; `None` with fewer than two values.
+    pub variance: Option<f64>,
+    /// The standard deviation, its square root.
+    pub deviation: Option<f64>,
+    /// N/κ with the kurtosis κ: how many values carry the variance. With fewer than thirty the
+    /// interval of the mean may be too narrow. `None` if all values are the same.
+    pub effective: Option<f64>,
+    /// The smallest value.
+    pub least: Option<f64>,
+    /// The largest value.
+    pub largest: Option<f64>,
+    /// The quantiles, in the order of their levels.
+    pub quantiles: Vec<Quantile>,
+    /// The histogram; `None` for the initial value.
+    pub histogram: Option<Histogram>,
+}
+
+/// The quantile of one level.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Quantile {
+    /// The level, between 0 and 1.
+    pub level: f64,
+    /// The estimate, interpolated inside of its bin; `None` outside of the grid.
+    pub value: Option<f64>,
+    /// Lower end of the 95 % interval; `None` if there are too few values to know one.
+    ///
+    /// The interval reaches from the lower edge of the bin of the order statistic X₍ₗ₎ to the upper
+    /// edge of that of X₍ᵤ₎, with l and u of [`quantile_ranks`]. So it contains the uncertainty of
+    /// ranks, for any law, and the width of the bins. In the underflow and the overflow the ends
+    /// are the smallest and the largest value.
+    pub lo: Option<f64>,
+    /// Upper end of the interval.
+    pub hi: Option<f64>,
+    /// Where it lies.
+    pub place: Place,
+}
+
+/// Where a quantile lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Place {
+    /// In a bin.
+    Inside,
+    /// Below the grid: it is known to lie between `lo` and `hi` only.
+    BelowGrid,
+    /// Above the grid, likewise.
+    AboveGrid,
+    /// There are no values.
+    NoValues,
+}
+
+/// How often a value fell into each bin.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Histogram {
+    /// The bins.
+    pub grid: Grid,
+    /// Number of values below them.
+    pub below: u64,
+    /// Number of values in each.
+    pub counts: Vec<u64>,
+    /// Number of values above them.
+    pub above: u64,
+}
+
+impl Summary {
+    /// The summary of `count` paths that all have the same value.
+    pub(super) fn exact(value: Option<f64>, count: u64, levels: &[f64]) -> Self {
+        let place = if value.is_some() { Place::Inside } else { Place::NoValues };
+        let quantile = |&level| Quantile { level, value, lo: value, hi: value, place };
+        let zero = value.map(|_| 0.0);
+        Self {
+            step: 0,
+            time: 0.0,
+            count: if value.is_some() { count } else { 0 },
+            not_finite: if value.is_some() { 0 } else { count },
+            mean: value,
+            mean_interval: value.zip(value),
+            variance: zero,
+            deviation: zero,
+            effective: None,
+            least: value,
+            largest: value,
+            quantiles: levels.iter().map(quantile).collect(),
+            histogram: None,
+        }
+    }
+
+    /// The summary of values with these moments and counts, at the end of step `step` at `time`.
+    pub(super) fn new(
+        (step, time): (u64, f64),
+        moments: &CentralMoments,
+        not_finite: u64,
+        histogram: Histogram,
+        ranks: &mut Ranks,
+    ) -> Self {
+        let finite = |x: f64| x.is_finite().then_some(x);
+        let (count, range) = (moments.count(), moments.range());
+        let mean = finite(moments.mean()).filter(|_| count > 0);
+        let variance = finite(moments.variance()).filter(|_| count > 1);
+        let half_width = finite(moments.half_width());
+        let quantiles = ranks.of(count).iter().map(|&ranks| histogram.quantile(ranks, range));
+        Self {
+            step,
+            time,
+            count,
+            not_finite,
+            mean,
+            mean_interval: mean.zip(half_width).map(|(mean, half)| (mean - half, mean + half)),
+            variance,
+            deviation: variance.map(f64::sqrt),
+            effective: finite(moments.effective_samples()),
+            least: range.map(|(least, _)| least),
+            largest: range.map(|(_, largest)| largest),
+            quantiles: quantiles.collect(),
+            histogram: Some(histogram),
+        }
+    }
+}
+
+/// Levels of quantiles, each with the ranks that enclose it. They are kept as long as the number of
+/// values is the same.
+pub struct Ranks {
+    count: u64,
+    of_levels: Vec<(f64, (u64, u64))>,
+}
+
+impl Ranks {
+    pub fn new(levels: &[f64]) -> Self {
+        let of_levels = levels.iter().map(|&level| (level, quantile_ranks(0, level)));
+        Self { count: 0, of_levels: of_levels.collect() }
+    }
+
+    fn of(&mut self, count: u64) -> &[(f64, (u64, u64))] {
+        if self.count != count {
+            self.count = count;
+            for (level, ranks) in &mut self.of_levels {
+                *ranks = quantile_ranks(count, *level);
+            }
+        }
+        &self.of_levels
+    }
+}
+
+impl Histogram {
+    /// The histogram with these counts of underflow, bins and overflow.
+    pub(super) fn new(grid: Grid, counts: Vec<u64>) -> Self {
+        let bins = grid.bins as usize;
+        Self { grid, below: counts[0], counts: counts[1..=bins].to_vec(), above: counts[bins + 1] }
+    }
+
+    /// The bin, underflow or overflow of the value that `reached` says of the number of values up
+    /// to it: its number among them all, the number of values below it, and its own.
+    fn find(&self, reached: impl Fn(u64) -> bool) -> (usize, u64, u64) {
+        let mut before = 0;
+        let places = [self.below].into_iter().chain(self.counts.iter().copied());
+        for (place, count) in places.enumerate() {
+            if count > 0 && reached(before + count) {
+                return (place, before, count);
+            }
+            before += count;
+        }
+        (self.counts.len() + 1, before, self.above)
+    }
+
+    /// The edges of a bin. Those of the underflow begin at the least value, those of the overflow
+    /// end at the largest; and no value lies beyond these.
+    fn ends(&self, place: usize, (least, largest): (f64, f64)) -> (f64, f64) {
+        let (place, last) = (place as u32, self.grid.bins + 1);
+        let lo = if place == 0 { least } else { self.grid.edge(place - 1) };
+        let hi = if place == last { largest } else { self.grid.edge(place) };
+        (lo.max(least), hi.min(largest))
+    }
+
+    /// The quantile of values in this range.
+    fn quantile(&self, (level, (l, u)): (f64, (u64, u64)), range: Option<(f64, f64)>) -> Quantile {
+        let Some(range) = range else {
+            return Quantile { level, value: None, lo: None, hi: None, place: Place::NoValues };
+        };
+        let n = self.below + self.counts.iter().sum::<u64>() + self.above;
+        let rank = level * n as f64;
+        let (place, before, count) = self.find(|up_to| up_to as f64 >= rank);
+        let ends = |rank: u64| self.ends(self.find(|up_to| up_to >= rank).0, range);
+        let (value, place) = if place == 0 {
+            (None, Place::BelowGrid)
+        } else if place > self.counts.len() {
+            (None, Place::AboveGrid)
+        } else {
+            let share = (rank - before as f64) / count as f64;
+            let value = self.grid.edge(place as u32 - 1) + share * self.grid.width;
+            (Some(value.clamp(range.0, range.1)), Place::Inside)
+        };
+        let lo = (l > 0).then(|| ends(l).0);
+        let hi = (u <= n).then(|| ends(u).1);
+        Quantile { level, value, lo, hi, place }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bins of width 1 on [0, 4], and values between −2 and 9.
+    fn histogram(counts: [u64; 6]) -> Histogram {
+        Histogram::new(Grid { lo: 0.0, width: 1.0, bins: 4 }, counts.to_vec())
+    }
+
+    fn quantile(histogram: &Histogram, level: f64, range: Option<(f64, f64)>) -> Quantile {
+        let count = histogram.below + histogram.counts.iter().sum::<u64>() + histogram.above;
+        let mut ranks = Ranks::new(&[level]);
+        histogram.quantile(ranks.of(count)[0], range)
+    }
+
+    const RANGE: Option<(f64, f64)> = Some((-2.0, 9.0));
+
+    #[test]
+    fn a_quantile_is_interpolated_in_its_bin() {
+        let histogram = histogram([0, 1000, 2000, 0, 1000, 0]);
+        let quantile = |level: f64| quantile(&histogram, level, Some((0.25, 3.75)));
+        assert_eq!(quantile(0.125).value, Some(0.5));
+        assert_eq!(quantile(0.5).value, Some(1.5));
+        assert_eq!(quantile(0.875).value, Some(3.5));
+        // In the first and the last bin no value lies beyond the least and the largest.
+        assert_eq!((quantile(0.01).value, quantile(0.01).lo), (Some(0.25), Some(0.25)));
+        assert_eq!((quantile(0.999).value, quantile(0.999).hi), (Some(3.75), Some(3.75)));
+        // At the border of two bins, and of an empty one, the interval has both.
+        assert_eq!((quantile(0.25).lo, quantile(0.25).hi), (Some(0.25), Some(2.0)));
+        assert_eq!((quantile(0.75).lo, quantile(0.75).hi), (Some(1.0), Some(3.75)));
+    }
+
+    #[test]
+    fn a_quantile_outside_of_the_grid_is_not_made_up() {
+        let histogram = histogram([500, 300, 0, 0, 0, 200]);
+        let below = quantile(&histogram, 0.25, RANGE);
+        let bounds = (below.value, below.lo, below.hi, below.place);
+        assert_eq!(bounds, (None, Some(-2.0), Some(0.0), Place::BelowGrid));
+        let above = quantile(&histogram, 0.9, RANGE);
+        let bounds = (above.value, above.lo, above.hi, above.place);
+        assert_eq!(bounds, (None, Some(4.0), Some(9.0), Place::AboveGrid));
+        // The uncertainty of the rank reaches into the underflow.
+        let near = quantile(&histogram, 0.51, RANGE);
+        assert_eq!((near.lo, near.hi, near.place), (Some(-2.0), Some(1.0), Place::Inside));
+    }
+
+    #[test]
+    fn few_values_bound_no_extreme_quantile() {
+        let few = histogram([0, 10, 10, 10, 10, 0]);
+        let low = quantile(&few, 0.05, RANGE);
+        assert_eq!((low.value, low.lo), (Some(0.2), None));
+        assert!(low.hi.is_some());
+        assert_eq!(quantile(&few, 0.95, RANGE).hi, None);
+        let none = quantile(&histogram([0; 6]), 0.5, None);
+        assert_eq!((none.value, none.lo, none.hi, none.place), (None, None, None, Place::NoValues));
+    }
+}

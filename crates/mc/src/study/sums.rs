@@ -1,0 +1,177 @@
+//! What a study adds up.
+
+use real::{Block, PathMask, WIDTH};
+use serde::{Deserialize, Serialize};
+use stats::CentralMoments;
+
+use super::{counts::Counts, grid::Grid};
+use crate::{Kept, Observable, Statistic, View};
+
+/// The sums of a study: moments and counts of every observable at every time. Counts are the same whatever the order of merging; moments are the same to rounding errors, and
+/// to the last bit if the order is the same.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sums {
+    /// Of the finite values; time by time, and for each time observable by observable.
+    moments: Vec<CentralMoments>,
+    /// Number of values that are not finite, of paths that had not failed.
+    not_finite: Vec<u64>,
+    counts: Counts,
+}
+
+impl Sums {
+    /// No paths. `cells` is the number of times and observables, `places` that of counts for each.
+    pub(super) fn new(cells: usize, places: usize) -> Self {
+        Self {
+            moments: vec![CentralMoments::default(); cells],
+            not_finite: vec![0; cells],
+            counts: Counts::new(cells * places),
+        }
+    }
+
+    /// Adds the sums of other paths of the same study.
+    fn merge(&mut self, later: &Self) {
+        let mut most = 0;
+        for (sum, more) in self.moments.iter_mut().zip(&later.moments) {
+            sum.merge(more);
+            most = most.max(sum.count());
+        }
+        for (sum, more) in self.not_finite.iter_mut().zip(&later.not_finite) {
+            *sum += more;
+        }
+        self.counts.merge(&later.counts, most);
+    }
+
+    /// Adds the values of the paths `live` of a block.
+    fn add(&mut self, cell: usize, values: &[f64; WIDTH], live: PathMask, grid: Option<&Grid>) {
+        let (mut block, mut finite) = (CentralMoments::of_block(values, live), live);
+        if !block.mean().is_finite() {
+            finite = finite_values(values, live);
+            self.not_finite[cell] += u64::from(live.without(finite).len());
+            block = CentralMoments::of_block(values, finite);
+        }
+        self.moments[cell].merge(&block);
+        let Some(grid) = grid else { return };
+        let mut places = [0; WIDTH];
+        grid.place(values, &mut places);
+        self.counts.add(cell * grid.cells(), &places, finite, self.moments[cell].count());
+    }
+
+    /// Moments of the finite values of a cell.
+    pub(super) fn moments(&self, cell: usize) -> &CentralMoments {
+        &self.moments[cell]
+    }
+
+    /// Number of values of a cell that are not finite.
+    pub(super) fn not_finite(&self, cell: usize) -> u64 {
+        self.not_finite[cell]
+    }
+
+    /// Underflow, bins and overflow of a cell.
+    pub(super) fn counts(&self, cell: usize, grid: &Grid) -> Vec<u64> {
+        self.counts.range(cell * grid.cells(), grid.cells())
+    }
+}
+
+/// The statistic of a study on a [`Ladder`](crate::Ladder) with one run.
+pub struct StudyStatistic<'a, const D: usize> {
+    /// What was added up.
+    pub(super) sums: Sums,
+    observables: &'a [Observable<D>],
+    times: &'a [u64],
+    /// The grids of all cells, or none in a pilot.
+    grids: &'a [Grid],
+    /// Number of the time that is expected next.
+    next: usize,
+}
+
+impl<'a, const D: usize> StudyStatistic<'a, D> {
+    pub(super) fn new(
+        observables: &'a [Observable<D>],
+        times: &'a [u64],
+        grids: &'a [Grid],
+    ) -> Self {
+        let places = grids.first().map_or(0, Grid::cells);
+        Self {
+            sums: Sums::new(times.len() * observables.len(), places),
+            observables,
+            times,
+            grids,
+            next: 0,
+        }
+    }
+
+    /// The number of a step among the times. Steps come in order, so the next time is remembered;
+    /// where they do not, it is searched for.
+    fn number(&mut self, step: u64) -> Option<usize> {
+        let before = self.next.checked_sub(1).map_or(0, |before| self.times[before]);
+        let after = self.times.get(self.next).copied().unwrap_or(u64::MAX);
+        if before < step && step < after {
+            return None;
+        }
+        self.next = self.times.partition_point(|&time| time < step);
+        (self.times.get(self.next) == Some(&step)).then_some(self.next)
+    }
+}
+
+impl<const D: usize> Statistic<D> for StudyStatistic<'_, D> {
+    fn observe(&mut self, view: &View<'_, D>) {
+        let Some(time) = self.number(view.time) else { return };
+        let state = &view.states[0];
+        let first = time * self.observables.len();
+        let mut values = [0.0; WIDTH];
+        for (k, observable) in self.observables.iter().enumerate() {
+            evaluate(observable.function, state, view.live, &mut values);
+            self.sums.add(first + k, &values, view.live, self.grids.get(first + k));
+        }
+    }
+
+    fn merge(&mut self, later: Self) {
+        self.sums.merge(&later.sums);
+    }
+}
+
+impl<const D: usize> Kept<D> for StudyStatistic<'_, D> {
+    type Sums = Sums;
+
+    fn sums(&self) -> &Sums {
+        &self.sums
+    }
+
+    fn sums_mut(&mut self) -> &mut Sums {
+        &mut self.sums
+    }
+
+    fn some_times(&self, _: u64) -> Vec<u64> {
+        self.times.to_vec()
+    }
+}
+
+/// Writes φ of the states of the paths `live`.
+///
+/// States are copied eight at a time: a function that reads what was stored just before, in other
+/// pieces, waits.
+fn evaluate<const D: usize>(
+    phi: fn([f64; D]) -> f64,
+    state: &Block<D>,
+    live: PathMask,
+    values: &mut [f64; WIDTH],
+) {
+    if live != PathMask::ALL {
+        live.paths().for_each(|p| values[p] = phi(state.path(p)));
+        return;
+    }
+    for p in (0..WIDTH).step_by(8) {
+        let [a, b, c, d] = [state.path(p), state.path(p + 1), state.path(p + 2), state.path(p + 3)];
+        let [e, f, g, h] =
+            [state.path(p + 4), state.path(p + 5), state.path(p + 6), state.path(p + 7)];
+        let eight = [phi(a), phi(b), phi(c), phi(d), phi(e), phi(f), phi(g), phi(h)];
+        values[p..p + 8].copy_from_slice(&eight);
+    }
+}
+
+/// The paths among `live` with a finite value.
+fn finite_values(values: &[f64; WIDTH], live: PathMask) -> PathMask {
+    let mut finite = PathMask::NONE;
+    live.paths().filter(|&p| values[p].is_finite()).for_each(|p| finite.insert(p));
+    finite
+}

@@ -1,0 +1,87 @@
+//! Writers of results.
+
+use std::io::{self, Write};
+
+use super::{
+    StudyResult,
+    summary::{Place, Quantile, Summary},
+};
+use crate::simulation::quoted;
+
+impl StudyResult {
+    /// Writes one row for each time, observable and quantity, as CSV with the columns `t`,
+    /// `observable`, `quantity`, `value`, `lo`, `hi` and `note`. `lo` and `hi` are the ends of the
+    /// 95 % interval. What is not known is empty. Numbers are written in the shortest form that is
+    /// read back to the same bits.
+    ///
+    /// | quantity | value |
+    /// |---|---|
+    /// | `count`, `not finite` | number of values, and of those that are not finite and left out |
+    /// | `mean`, `variance`, `deviation` | mean with interval, variance, standard deviation |
+    /// | `least`, `largest` | smallest and largest value |
+    /// | `q0.05` … | quantile with interval; a note says when it is outside of the grid |
+    /// | `below grid`, `above grid` | number of values outside of the bins |
+    ///
+    /// Histograms and the record are in [`write_json`](Self::write_json).
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_csv(&self, out: &mut impl Write) -> io::Result<()> {
+        writeln!(out, "t,observable,quantity,value,lo,hi,note")?;
+        for series in &self.series {
+            let name = quoted(&series.observable);
+            for point in &series.points {
+                for (quantity, [value, lo, hi], note) in rows(point) {
+                    let time = point.time;
+                    writeln!(out, "{time:?},{name},{quantity},{value},{lo},{hi},{note}")?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the result as JSON, with the fields of [`StudyResult`]. What is not known is `null`.
+    /// Numbers are written in the shortest form that is read back to the same bits.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_json(&self, out: &mut impl Write) -> io::Result<()> {
+        serde_json::to_writer(&mut *out, self)?;
+        writeln!(out)
+    }
+}
+
+type Row = (String, [String; 3], &'static str);
+
+fn rows(point: &Summary) -> Vec<Row> {
+    let text = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:?}"));
+    let row = |name: &str, value: Option<f64>, interval: Option<(f64, f64)>| {
+        let (lo, hi) = interval.unzip();
+        (name.to_owned(), [value, lo, hi].map(text), "")
+    };
+    let count = |name: &str, count: u64| {
+        (name.to_owned(), [count.to_string(), String::new(), String::new()], "")
+    };
+    let mut rows = vec![
+        count("count", point.count),
+        count("not finite", point.not_finite),
+        row("mean", point.mean, point.mean_interval),
+        row("variance", point.variance, None),
+        row("deviation", point.deviation, None),
+        row("least", point.least, None),
+        row("largest", point.largest, None),
+    ];
+    rows.extend(point.quantiles.iter().map(|&Quantile { level, value, lo, hi, place }| {
+        let note = match place {
+            Place::Inside | Place::NoValues => "",
+            Place::BelowGrid => "below the grid",
+            Place::AboveGrid => "above the grid",
+        };
+        (format!("q{level}"), [value, lo, hi].map(text), note)
+    }));
+    if let Some(histogram) = &point.histogram {
+        rows.push(count("below grid", histogram.below));
+        rows.push(count("above grid", histogram.above));
+    }
+    rows
+}

@@ -1,0 +1,390 @@
+//! Studies: against laws that are known, against tables of the same paths, and in parts.
+//!
+//! p of [`Additive`] is W, so it is normal with variance t at any step size. The bounds of a test
+//! are each exceeded by a right program with the probability that stands there.
+
+use mc::{
+    LadderError, Observable, Simulation, Study, StudyError, StudyResult, StudySettings, Times,
+    parts::{Job, Program, Share},
+    study,
+    study::Place,
+};
+use noise::{StreamKey, Truncation};
+use nonlin::{Method, Solver};
+use schemes::{Sexp, WithSolver};
+use systems::{Constant, Problem};
+
+use crate::{explosive::Explosive, judged::Additive, ladder::body};
+
+fn additive() -> Problem<Additive, Constant, 2> {
+    Problem::new(Additive, Constant::new(0.0).unwrap(), [0.0, 0.0], 1.0).unwrap()
+}
+
+fn settings(steps: u64, times: impl Into<Times>, paths: u64, seed: u64) -> StudySettings {
+    let key = StreamKey { seed, experiment: 4 };
+    StudySettings::new(steps, times, paths, Truncation::none(), key)
+}
+
+const P: Observable<2> = Observable { name: "p", function: |y| y[1] };
+const OFFSET: Observable<2> = Observable { name: "1e8 + p", function: |y| 1e8 + y[1] };
+const ROOT: Observable<2> = Observable { name: "√p", function: |y| y[1].sqrt() };
+
+fn run(observables: &[Observable<2>], settings: &StudySettings) -> StudyResult {
+    study(&additive(), &Sexp, observables, settings, &|_| ()).unwrap()
+}
+
+/// Quantiles of the normal law at the default levels, and its density there.
+const NORMAL: [(f64, f64, f64); 5] = [
+    (0.05, -1.644_853_6, 0.103_135_6),
+    (0.25, -0.674_489_8, 0.317_776_6),
+    (0.5, 0.0, 0.398_942_3),
+    (0.75, 0.674_489_8, 0.317_776_6),
+    (0.95, 1.644_853_6, 0.103_135_6),
+];
+
+/// Whether mean, variance and quantiles of every time and of p shifted by `shift` are those of
+/// N(shift, factor·t), within 4.5 standard errors: 56 comparisons with 7·10⁻⁶ each.
+fn is_normal(result: &StudyResult, observable: &str, shift: f64, factor: f64) -> bool {
+    let series = result.series(observable).unwrap();
+    series.points[1..].iter().all(|point| {
+        let (n, variance) = (point.count as f64, factor * point.time);
+        let near = |found: f64, exact: f64, error: f64| (found - exact).abs() <= 4.5 * error;
+        let quantiles =
+            point.quantiles.iter().zip(NORMAL).all(|(quantile, (level, z, density))| {
+                let error = (level * (1.0 - level) / n).sqrt() / density * variance.sqrt();
+                // Interpolation is exact to a tenth of a bin.
+                let bin = 0.1 * point.histogram.as_ref().unwrap().grid.width / 4.5;
+                let exact = shift + z * variance.sqrt();
+                quantile.level == level && near(quantile.value.unwrap(), exact, error + bin)
+            });
+        quantiles
+            && near(point.mean.unwrap(), shift, (variance / n).sqrt())
+            && near(point.variance.unwrap() / variance, 1.0, (2.0 / n).sqrt())
+    })
+}
+
+#[test]
+fn moments_and_quantiles_are_those_of_the_law() {
+    let result = run(&[P, OFFSET], &settings(16, 4, 20_000, 1));
+    assert!(is_normal(&result, "p", 0.0, 1.0) && is_normal(&result, "1e8 + p", 1e8, 1.0));
+    // The twin: the law of another noise.
+    assert!(!is_normal(&result, "p", 0.0, 1.1) && !is_normal(&result, "1e8 + p", 1e8, 1.1));
+    let points = &result.series("p").unwrap().points;
+    let times: Vec<f64> = points.iter().map(|point| point.time).collect();
+    assert_eq!(times, [0.0, 0.25, 0.5, 0.75, 1.0]);
+    for point in &points[1..] {
+        assert_eq!((point.count, point.not_finite), (20_000, 0));
+        assert_eq!(point.deviation, Some(point.variance.unwrap().sqrt()));
+        let (lo, hi) = point.mean_interval.unwrap();
+        let width = 2.0 * 1.96 * point.deviation.unwrap() / 20_000f64.sqrt();
+        assert!(((hi - lo) / width - 1.0).abs() < 1e-3);
+        // κ is 3 with the standard error √(24/n).
+        assert!((20_000.0 / point.effective.unwrap() - 3.0).abs() < 0.2);
+    }
+    assert!(result.warnings.is_empty(), "{:?}", result.warnings);
+}
+
+#[test]
+fn the_initial_value_is_exact() {
+    let constant = Observable { name: "c", function: |_: [f64; 2]| 0.1 };
+    let result = run(&[P, constant], &settings(4, 2, 1000, 1));
+    for (series, exact) in result.series.iter().zip([0.0, 0.1]) {
+        let first = &series.points[0];
+        assert_eq!((first.step, first.time, first.count), (0, 0.0, 1000));
+        assert_eq!((first.mean, first.mean_interval), (Some(exact), Some((exact, exact))));
+        assert_eq!(
+            (first.variance, first.least, first.largest),
+            (Some(0.0), Some(exact), Some(exact))
+        );
+        assert!(first.quantiles.iter().all(|q| q.value == Some(exact) && q.lo == q.hi));
+    }
+    // A constant is one to the last bit at all times.
+    let last = result.series("c").unwrap().last();
+    assert_eq!((last.mean, last.variance, last.effective), (Some(0.1), Some(0.0), None));
+    for quantile in &last.quantiles {
+        assert_eq!([quantile.value, quantile.lo, quantile.hi], [Some(0.1); 3]);
+    }
+    assert!(result.warnings.is_empty(), "{:?}", result.warnings);
+}
+
+#[test]
+fn a_study_is_made_of_the_values_of_its_paths() {
+    let (problem, k) = (body(), Truncation::new(4).unwrap());
+    let key = StreamKey { seed: 5, experiment: 2 };
+    let observables = [
+        Observable { name: "y1", function: |y: [f64; 3]| y[0] },
+        Observable { name: "y2 y3", function: |y: [f64; 3]| y[1] * y[2] },
+    ];
+    // More than two groups of paths, and no full block at the end.
+    let paths = 333;
+    let settings = StudySettings {
+        bins: 20,
+        quantiles: vec![0.9, 0.1],
+        ..StudySettings::new(12, vec![5, 12], paths, k, key)
+    };
+    let result = study(&problem, &Sexp, &observables, &settings, &|_| ()).unwrap();
+    assert_eq!(result.record.quantiles, [0.1, 0.9]);
+    let simulation = Simulation::new(&problem, &Sexp, k).observing("y2 y3", |y| y[1] * y[2]);
+    let tables = simulation.paths(12, key, 0..paths).unwrap();
+    for name in ["y1", "y2 y3"] {
+        for (point, step) in result.series(name).unwrap().points[1..].iter().zip([5, 12]) {
+            assert_eq!((point.step, point.time), (step, tables[0].times()[step as usize]));
+            let value = |table: &mc::TimeSeries| table.column(name).unwrap()[step as usize];
+            let mut values: Vec<f64> = tables.iter().map(value).collect();
+            values.sort_by(f64::total_cmp);
+            let (n, all) = (paths as f64, paths as usize);
+            let mean = values.iter().sum::<f64>() / n;
+            let squares = values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>();
+            assert!((point.mean.unwrap() - mean).abs() < 1e-14);
+            assert!((point.variance.unwrap() / (squares / (n - 1.0)) - 1.0).abs() < 1e-12);
+            assert_eq!((point.least, point.largest), (Some(values[0]), Some(values[all - 1])));
+            let histogram = point.histogram.as_ref().unwrap();
+            let grid = &histogram.grid;
+            let between = |lo: f64, hi: f64| values.iter().filter(|&&x| lo <= x && x < hi).count();
+            for (k, &count) in (0..).zip(&histogram.counts) {
+                assert_eq!(count as usize, between(grid.edge(k), grid.edge(k + 1)));
+            }
+            assert_eq!(histogram.below as usize, between(f64::NEG_INFINITY, grid.lo));
+            assert_eq!(histogram.above as usize, between(grid.edge(20), f64::INFINITY));
+            for quantile in &point.quantiles {
+                let (l, u) = stats::quantile_ranks(paths, quantile.level);
+                let sample = values[(quantile.level * n) as usize];
+                let [lo, hi] = [quantile.lo, quantile.hi].map(Option::unwrap);
+                assert!((quantile.value.unwrap() - sample).abs() <= grid.width);
+                assert!(lo <= values[l as usize - 1] && values[u as usize - 1] <= hi);
+                assert!(
+                    hi - lo <= values[u as usize - 1] - values[l as usize - 1] + 2.0 * grid.width
+                );
+            }
+        }
+    }
+    // Other times give the same numbers where they coincide.
+    let even = StudySettings { times: Times::Even(1), ..settings };
+    let even = study(&problem, &Sexp, &observables, &even, &|_| ()).unwrap();
+    assert_eq!(even.series[1].last(), result.series[1].last());
+}
+
+/// Bits are the same for any number of threads, and the work is reported.
+#[test]
+fn threads_change_no_bit_of_a_study() {
+    let json = |threads: usize| {
+        let done = std::sync::atomic::AtomicU64::new(0);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let count = |steps| {
+            done.fetch_add(steps, std::sync::atomic::Ordering::Relaxed);
+        };
+        let settings = settings(6, 3, 3000, 2);
+        let result =
+            pool.install(|| study(&additive(), &Sexp, &[P, OFFSET], &settings, &count).unwrap());
+        assert_eq!(done.into_inner(), 6 * 3000);
+        let mut json = Vec::new();
+        result.write_json(&mut json).unwrap();
+        json
+    };
+    let one = json(1);
+    assert!(json(2) == one && json(3) == one);
+}
+
+#[test]
+fn a_study_in_parts_has_the_same_bits() {
+    let (problem, observables) = (additive(), [P, ROOT]);
+    let study = |paths: u64, times: u64| {
+        Study::new(&problem, &Sexp, &observables, &settings(8, times, paths, 3)).unwrap()
+    };
+    let whole = study(1700, 4).run(&|_| ());
+    let (folder, program) =
+        (tempfile::tempdir().unwrap(), || Program { name: "study".into(), version: "1".into() });
+    for number in [3, 1, 2] {
+        let job = Job::part(folder.path(), Share::new(number, 3).unwrap(), program()).unwrap();
+        assert!(study(1700, 4).run_in(&job, "study", &|_| ()).is_none());
+        job.finish().unwrap();
+    }
+    let merge = |times: u64| {
+        let job = Job::merge(folder.path(), program()).unwrap();
+        let found = study(1700, times).run_in(&job, "study", &|_| ());
+        job.finish().map(|_| found)
+    };
+    assert_eq!(merge(4).unwrap().as_ref(), Some(&whole));
+    // Other times are another study.
+    let error = merge(2).unwrap_err().to_string();
+    assert!(error.contains("observables with hash"), "{error}");
+    let read: StudyResult = serde_json::from_str(&serde_json::to_string(&whole).unwrap()).unwrap();
+    assert_eq!(read, whole);
+}
+
+/// Of 2000 intervals that cover with probability 0.95 to 0.97 (ranks are integers), the share that
+/// covers lies between 0.95 − 4.2·0.0049 and 0.97 + 4.2·0.0038, but for 2·10⁻⁵. Six are asked.
+#[test]
+fn intervals_cover_as_often_as_they_say() {
+    let (replications, paths) = (2000, 400);
+    let (mut covered, mut halves) = ([0; 6], [0; 6]);
+    for seed in 0..replications {
+        let settings = StudySettings { bins: 4096, ..settings(2, 1, paths, 100 + seed) };
+        let result = run(&[P], &settings);
+        let last = result.series[0].last();
+        let mut count = |n: usize, value: f64, (lo, hi): (f64, f64), exact: f64| {
+            covered[n] += u32::from(lo <= exact && exact <= hi);
+            // The twin: half as wide.
+            let (lo, hi) = (0.5 * (value + lo), 0.5 * (value + hi));
+            halves[n] += u32::from(lo <= exact && exact <= hi);
+        };
+        count(5, last.mean.unwrap(), last.mean_interval.unwrap(), 0.0);
+        for (n, (quantile, (_, z, _))) in last.quantiles.iter().zip(NORMAL).enumerate() {
+            let interval = quantile.lo.zip(quantile.hi).unwrap();
+            count(n, quantile.value.unwrap(), interval, z);
+        }
+    }
+    let share = |covered: u32| f64::from(covered) / replications as f64;
+    assert!(covered.iter().all(|&n| (0.93..0.986).contains(&share(n))), "{covered:?}");
+    assert!(halves.iter().all(|&n| share(n) < 0.8), "{halves:?}");
+}
+
+/// With few bins the interval contains their width: it covers at least as often.
+#[test]
+fn intervals_contain_the_width_of_the_bins() {
+    let mut covered = [0; 5];
+    for seed in 0..400 {
+        let result = run(&[P], &StudySettings { bins: 12, ..settings(2, 1, 2000, 5000 + seed) });
+        for (n, (quantile, (_, z, _))) in
+            result.series[0].last().quantiles.iter().zip(NORMAL).enumerate()
+        {
+            covered[n] += u32::from(quantile.lo.unwrap() <= z && z <= quantile.hi.unwrap());
+        }
+    }
+    // 0.95 − 4·0.011.
+    assert!(covered.iter().all(|&n| n >= 363), "{covered:?}");
+}
+
+#[test]
+fn failed_paths_are_left_out_counted_and_described() {
+    let problem = Problem::new(Explosive, Constant::new(0.0).unwrap(), [0.1, 0.5], 1.0).unwrap();
+    let scheme = WithSolver { formula: Sexp, solver: Solver::new(Method::Newton) };
+    let observables = [Observable { name: "y2", function: |y: [f64; 2]| y[1] }];
+    let settings =
+        StudySettings { truncation: Truncation::new(4).unwrap(), ..settings(16, 4, 400, 1) };
+    let result = study(&problem, &scheme, &observables, &settings, &|_| ()).unwrap();
+    let counts: Vec<u64> = result.series[0].points.iter().map(|point| point.count).collect();
+    assert!(counts[0] == 400 && counts.is_sorted_by(|a, b| a >= b), "{counts:?}");
+    assert!(result.losses.failed > 20 && counts[4] + result.losses.failed == 400);
+    assert_eq!(result.losses.failures.len(), 8);
+    let text = &result.losses.failures[0];
+    assert!(text.starts_with("path ") && text.contains("seed 1, experiment 4"), "{text}");
+    let warning = format!("{} of 400 paths failed", result.losses.failed);
+    assert!(result.warnings[0].starts_with(&warning), "{:?}", result.warnings);
+    // tan near its pole has no variance to speak of.
+    assert!(result.warnings.iter().any(|warning| warning.contains("too few values carry")));
+}
+
+#[test]
+fn values_that_are_not_finite_are_counted_and_in_no_mean() {
+    let pole = Observable { name: "1/p", function: |y: [f64; 2]| 1.0 / y[1] };
+    let result = run(&[P, ROOT, pole], &settings(4, 2, 1000, 7));
+    let (p, root) = (result.series("p").unwrap(), result.series("√p").unwrap());
+    for (p, root) in p.points.iter().zip(&root.points).skip(1) {
+        let grid = &p.histogram.as_ref().unwrap().grid;
+        let below_zero: u64 = (0..)
+            .zip(&p.histogram.as_ref().unwrap().counts)
+            .filter(|(k, _)| grid.edge(*k) < 0.0)
+            .map(|(_, count)| count)
+            .sum();
+        // Zero is an edge, or the grid lies above it.
+        assert!(
+            grid.lo < 0.0 && root.not_finite == below_zero + p.histogram.as_ref().unwrap().below
+        );
+        assert_eq!(root.count + root.not_finite, 1000);
+        // E[√p | p > 0] is 0.822 179 for p normal, times t^¼.
+        assert!((root.mean.unwrap() - 0.822_179 * root.time.powf(0.25)).abs() < 0.08);
+        assert!(root.least.unwrap() >= 0.0);
+    }
+    // The initial value of 1/p is infinite.
+    let first = &result.series("1/p").unwrap().points[0];
+    assert_eq!((first.count, first.not_finite, first.mean), (0, 1000, None));
+    assert_eq!(first.quantiles[0].place, Place::NoValues);
+    assert_eq!(result.record.initial, [Some(0.0), Some(0.0), None]);
+    let warning = "√p: values that are not finite, left out at 2 times, first t = 0.5";
+    assert!(result.warnings.iter().any(|text| text == warning), "{:?}", result.warnings);
+}
+
+#[test]
+fn a_table_has_a_row_for_each_quantity() {
+    let quoted = Observable { name: "p, again", function: |y: [f64; 2]| y[1] };
+    let result = run(&[P, quoted], &settings(4, vec![1, 4], 1000, 7));
+    let mut csv = Vec::new();
+    result.write_csv(&mut csv).unwrap();
+    let csv = String::from_utf8(csv).unwrap();
+    let lines: Vec<&str> = csv.lines().collect();
+    assert_eq!(lines[0], "t,observable,quantity,value,lo,hi,note");
+    assert_eq!(lines.len(), 1 + 2 * (12 + 14 + 14));
+    assert_eq!(lines[1], "0.0,p,count,1000,,,");
+    assert_eq!(lines[3], "0.0,p,mean,0.0,0.0,0.0,");
+    let point = &result.series[0].points[2];
+    let (lo, hi) = point.mean_interval.unwrap();
+    assert!(
+        lines.contains(&format!("1.0,p,mean,{:?},{lo:?},{hi:?},", point.mean.unwrap()).as_str())
+    );
+    let quantile = point.quantiles[4];
+    let [value, lo, hi] = [quantile.value, quantile.lo, quantile.hi].map(Option::unwrap);
+    assert!(lines.contains(&format!("1.0,p,q0.95,{value:?},{lo:?},{hi:?},").as_str()));
+    assert!(lines.iter().any(|line| line.starts_with("0.25,\"p, again\",above grid,")));
+
+    let mut json = Vec::new();
+    result.write_json(&mut json).unwrap();
+    let json: serde_json::Value = serde_json::from_slice(&json).unwrap();
+    assert_eq!(json["record"]["system"], "additive");
+    assert_eq!(json["record"]["truncation"], serde_json::Value::Null);
+    assert_eq!(json["record"]["times"], serde_json::json!([1, 4]));
+    assert_eq!(json["series"][1]["points"][1]["quantiles"][0]["place"], "inside");
+}
+
+#[test]
+fn impossible_studies_are_refused() {
+    let good = || settings(12, 4, 100, 1);
+    let refuse = |settings: StudySettings, observables: &[Observable<2>]| {
+        study(&additive(), &Sexp, observables, &settings, &|_| ()).unwrap_err()
+    };
+    let message = |settings| refuse(settings, &[P]).to_string();
+    let with = |times: Times| message(StudySettings { times, ..good() });
+    assert_eq!(refuse(good(), &[]), StudyError::NoObservable);
+    assert_eq!(refuse(good(), &[P, ROOT, P]), StudyError::Observable { name: "p" });
+    let nearest = |times| {
+        let settings = StudySettings { times: Times::Even(times), ..good() };
+        match refuse(settings, &[P]) {
+            StudyError::EvenTimes { steps: 12, nearest, .. } => nearest,
+            other => panic!("{other}"),
+        }
+    };
+    assert_eq!([5, 7, 10, 11, 24].map(nearest), [4, 6, 12, 12, 12]);
+    assert_eq!(
+        with(Times::Even(9)),
+        "12 steps cannot be divided into 9 equal parts; the nearest possible number is 6, or list \
+         the steps"
+    );
+    assert_eq!(with(Times::Even(0)), "a study needs at least one time after t = 0, got none");
+    assert_eq!(with(Times::AtSteps(vec![])), with(Times::Even(0)));
+    assert_eq!(
+        with(vec![3, 13].into()),
+        "a time must be the number of a step from 1 to 12, got 13; t = 0 is always in the result"
+    );
+    assert!(with(vec![0, 3].into()).contains("got 0;"));
+    assert_eq!(with(vec![3, 3].into()), "the times must increase, got step 3 after step 3");
+    assert_eq!(
+        message(StudySettings { paths: 0, ..good() }),
+        "the number of paths must be at least 1, got 0"
+    );
+    assert!(message(StudySettings { pilot: 127, ..good() }).contains("128, got 127"));
+    for bins in [1, 65_537] {
+        assert!(message(StudySettings { bins, ..good() }).contains("from 2 to 65536"));
+    }
+    for level in [0.0, 1.0, -0.5, f64::NAN] {
+        let text = message(StudySettings { quantiles: vec![0.5, level], ..good() });
+        assert!(text.ends_with(&format!("between 0 and 1, got {level}")), "{text}");
+    }
+    let twice = StudySettings { quantiles: vec![0.5, 0.1, 0.5], ..good() };
+    assert_eq!(refuse(twice, &[P]), StudyError::QuantileTwice { level: 0.5 });
+    let key = StreamKey { seed: 0, experiment: 1 << 40 };
+    assert!(message(StudySettings { key, ..good() }).contains("below 2^40"));
+    let steps = StudySettings { steps: 0, ..good() };
+    assert!(matches!(refuse(steps, &[P]), StudyError::Ladder(LadderError::Steps { .. })));
+    let coarse = StudySettings { truncation: Truncation::new(4).unwrap(), ..settings(1, 1, 9, 1) };
+    assert!(matches!(refuse(coarse, &[P]), StudyError::Ladder(LadderError::Noise(_))));
+}
