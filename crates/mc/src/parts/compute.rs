@@ -91,7 +91,11 @@ impl Computing {
     }
 
     pub fn finish(self) -> Result<Outcome, JobError> {
-        self.file.write()?;
+        match (self.file.write(), self.is_whole()) {
+            // The results are with the program already.
+            (Err(error), true) => eprintln!("warning: no checkpoint: {error}"),
+            (written, _) => written?,
+        }
         Ok(if self.is_whole() { Outcome::Complete } else { Outcome::Part(self.share) })
     }
 
