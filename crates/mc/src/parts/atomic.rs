@@ -49,6 +49,8 @@ pub fn tidy(file: &Path) {
 #[derive(Debug)]
 pub struct Lock {
     _file: fs::File,
+    /// Whether no other process can have it. Not every file system can say so.
+    pub is_sole: bool,
 }
 
 impl Lock {
@@ -58,16 +60,17 @@ impl Lock {
     pub fn take(file: &PathBuf) -> io::Result<Result<Self, String>> {
         let options = fs::OpenOptions::new().read(true).write(true).create(true).clone();
         let mut opened = options.open(file)?;
-        match opened.try_lock() {
+        let is_sole = match opened.try_lock() {
+            Ok(()) => true,
+            Err(fs::TryLockError::Error(_)) => false,
             Err(fs::TryLockError::WouldBlock) => {
                 let holder = fs::read_to_string(file).unwrap_or_default();
                 return Ok(Err(if holder.is_empty() { "another process".into() } else { holder }));
             }
-            Ok(()) | Err(fs::TryLockError::Error(_)) => {}
-        }
+        };
         opened.set_len(0)?;
         let job = std::env::var("SLURM_JOB_ID").map(|job| format!(" of Slurm job {job}"));
         write!(opened, "process {}{}", std::process::id(), job.unwrap_or_default())?;
-        Ok(Ok(Self { _file: opened }))
+        Ok(Ok(Self { _file: opened, is_sole }))
     }
 }

@@ -58,8 +58,10 @@ impl Computing {
             let (part, folder) = (share.to_string(), folder.to_owned());
             JobError::Busy { part, folder, holder }
         };
-        let _lock = lock.map_err(busy)?;
-        atomic::tidy(&path);
+        let lock = lock.map_err(busy)?;
+        if lock.is_sole {
+            atomic::tidy(&path);
+        }
         let file = PartFile::open(path, program, Some(share))?;
         // A folder that cannot be written is found now and not after hours.
         file.write()?;
@@ -72,7 +74,7 @@ impl Computing {
             written: Instant::now(),
             known,
             shares: Shares::default(),
-            _lock,
+            _lock: lock,
         })
     }
 
