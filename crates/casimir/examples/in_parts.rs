@@ -1,10 +1,11 @@
 //! A study and an expectation on one machine, or in parts on many. Either goes on after a kill.
 //!
 //! ```text
-//! cargo run --release -p casimir-poisson --example in_parts -- 1000000 --out run
+//! cargo run --release -p casimir-poisson --example in_parts -- 1e6 1e-5 --out run
 //! ```
 //!
-//! `--part 3 --parts 64` beside `--out run` computes a part, `--merge run` merges the parts.
+//! takes a million paths for the study and 1e-5 for the accuracy. `--part 3 --parts 64` beside
+//! `--out run` computes a part, `--merge run` merges the parts.
 
 use std::{env, process::ExitCode};
 
@@ -15,6 +16,7 @@ use casimir::{
         parts::{Job, Program},
     },
     prelude::*,
+    real::{Level, limit_to},
     systems::{Cosine, RigidBody},
 };
 
@@ -29,12 +31,16 @@ fn main() -> ExitCode {
 }
 
 fn run(mut arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
-    // The job takes its arguments; what is left is the number of paths.
+    // The job takes its arguments. What is left: paths, accuracy, instruction set.
     let program = Program { name: "in_parts".into(), version: env!("CARGO_PKG_VERSION").into() };
     let job = Job::from_arguments(program, &mut arguments)?;
-    let paths = arguments.first().map_or(Ok(1e5), |paths| paths.parse::<f64>())? as u64;
+    let number = |n: usize, usual| arguments.get(n).map_or(Ok(usual), |text| text.parse::<f64>());
+    let (paths, accuracy) = (number(0, 1e5)? as u64, number(1, 1e-4)?);
+    // The bits are the same on all.
+    let named = |level: &&Level| arguments.get(2).is_some_and(|name| name == level.name());
+    Level::BUILT.iter().find(named).copied().into_iter().for_each(limit_to);
 
-    let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0])?;
+    let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [2.0, 4.0, 6.0])?;
     let problem = Problem::new(body, Cosine::new(0.5, 2.0)?, [0.45, 0.0, 0.89], 1.0)?;
     let (truncation, key) = (Truncation::new(4)?, StreamKey { seed: 1, experiment: 0 });
     let scheme = SexpLi::new(problem.system(), problem.y0())?;
@@ -45,7 +51,6 @@ fn run(mut arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
     // 240 steps, quantile bands at 40 of them.
     let settings = StudySettings::new(240, 40, paths, truncation, key);
     let bands = Study::new(&problem, &scheme, &phi, &settings)?.run_in(&job, "bands", &|_| ());
-    let accuracy = 1.0 / (paths as f64).sqrt();
     let settings = ExpectationSettings::new(key, truncation, 16, Coupling::Antithetic);
     let mean = expectation_in(&job, "E", &scheme, &problem, &phi, accuracy, &settings, &|_| ())?;
     job.finish()?;

@@ -22,8 +22,9 @@ const LATER_PILOT: u64 = 4;
 /// What the largest difference loses from a level to the next if it falls with strong order ½.
 const SHRINKS: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Gives all samples of a level, so many paths; `None` if they are drawn elsewhere.
-type Draw<'a> = dyn Fn(&Samples, u64) -> Result<Option<Drawn>, MultilevelError> + 'a;
+/// Gives all samples of a level, so many paths, where those of the whole round take so many
+/// path-steps; `None` if they are drawn elsewhere.
+type Draw<'a> = dyn Fn(&Samples, u64, u64) -> Result<Option<Drawn>, MultilevelError> + 'a;
 
 /// Why the algorithm ends before it has an expectation.
 #[derive(Debug)]
@@ -362,10 +363,12 @@ impl Sampler<'_> {
 
     /// Draws more paths of each level.
     fn sample(&mut self, levels: &mut [Samples], more: &[u64]) -> Result<(), Halt> {
+        let cost = |(level, paths): (&Samples, &u64)| level.cost_per_path.saturating_mul(*paths);
+        let round = levels.iter().zip(more).map(cost).fold(0, u64::saturating_add);
         let mut elsewhere = false;
         for (level, &paths) in levels.iter_mut().zip(more).filter(|(_, paths)| **paths > 0) {
             // All levels are begun: none depends on another.
-            match (self.draw)(level, level.paths + paths)? {
+            match (self.draw)(level, level.paths + paths, round)? {
                 Some(drawn) => self.take(level, paths, drawn)?,
                 None => elsewhere = true,
             }

@@ -158,7 +158,7 @@ pub fn expectation_in<S: PoissonSystem<D, M>, G: Damping, const D: usize, const 
     // The nodes of each family of streams so far.
     let drawn = RefCell::new(BTreeMap::new());
     // Draws all samples of a level up to `paths` paths.
-    let draw = |level: &Samples, paths: u64| {
+    let draw = |level: &Samples, paths: u64, round: u64| {
         let mut runs = vec![Run::new(scheme, 0)];
         if level.coupling.is_some() {
             runs.push(Run::new(scheme, 1));
@@ -177,10 +177,9 @@ pub fn expectation_in<S: PoissonSystem<D, M>, G: Damping, const D: usize, const 
             let sums = Sums { values: values.clone(), motion: motion.clone() };
             PathValues { observables, y0, last_time, sums }
         };
-        let path_steps = (paths - level.paths).saturating_mul(level.cost_per_path);
         let work = format!("{name}/level {family} from {}", level.paths);
         let groups = level.paths / GROUP_PATHS..paths / GROUP_PATHS;
-        let more = ladder.nodes_in(job, (&work, Some(path_steps)), paths, groups, &new, progress);
+        let more = ladder.nodes_in(job, (&work, Some(round)), paths, groups, &new, progress);
         let Some(more) = more else { return Ok(None) };
         let mut drawn = drawn.borrow_mut();
         let nodes: &mut Vec<_> = drawn.entry(family).or_default();

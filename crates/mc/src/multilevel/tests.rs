@@ -594,7 +594,7 @@ fn run(
     settings: &ExpectationSettings,
 ) -> (Result<Expectation, MultilevelError>, Rounds) {
     let rounds = RefCell::new(Vec::new());
-    let draw = |level: &Samples, paths: u64| {
+    let draw = |level: &Samples, paths: u64, _: u64| {
         rounds.borrow_mut().push((level.level, level.coupling.is_some(), paths - level.paths));
         Ok(Some(made_up(level, paths)))
     };
