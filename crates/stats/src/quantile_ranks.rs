@@ -11,14 +11,15 @@ const NORMAL_ERROR: f64 = 2.0;
 /// Terms of the binomial law relative to the largest one that do not count.
 const NEGLIGIBLE: f64 = 1e-20;
 
-/// The ranks l and u with P(X₍ₗ₎ ≤ x ≤ X₍ᵤ₎) ≥ 0.95, where X₍₁₎ ≤ … ≤ X₍ₙ₎ are n independent samples
-/// of any law, continuous or not, and x is its quantile at `level`, 0 < level < 1. Each end is
-/// missed with probability 0.025 at most. l = 0 or u = n + 1 says that there are too few samples to
-/// bound that end.
+/// The ranks l and u with P(X₍ₗ₎ ≤ x ≤ X₍ᵤ₎) ≥ 0.95, where X₍₁₎ ≤ … ≤ X₍ₙ₎ are n independent
+/// samples of any law, continuous or not, and x is its quantile at `level`, 0 < level < 1. Each end
+/// is missed with probability 0.025 at most. l = 0 or u = n + 1 says that there are too few samples
+/// to bound that end.
 ///
-/// X₍ₗ₎ > x means that at most l − 1 samples are ≤ x. Their number is binomial with a probability of
-/// at least `level`, so l is the largest rank with P(Bin(n, level) ≤ l − 1) ≤ 0.025. Likewise u is
-/// the smallest with P(Bin(n, level) ≥ u) ≤ 0.025 (Conover, *Practical Nonparametric Statistics*).
+/// X₍ₗ₎ > x means that at most l − 1 samples are ≤ x. Their number is binomial with a probability
+/// of at least `level`, so l is the largest rank with P(Bin(n, level) ≤ l − 1) ≤ 0.025. Likewise u
+/// is the smallest with P(Bin(n, level) ≥ u) ≤ 0.025 (Conover, *Practical Nonparametric
+/// Statistics*).
 pub fn quantile_ranks(n: u64, level: f64) -> (u64, u64) {
     let deviation = (n as f64 * level * (1.0 - level)).sqrt();
     if deviation < NORMAL_DEVIATION {

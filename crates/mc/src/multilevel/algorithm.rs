@@ -1,6 +1,7 @@
 //! The algorithms: which samples are drawn on which level, and when to stop.
 
-use crate::{SeenDamping, driver::GROUP_PATHS};
+use crate::SeenDamping;
+use crate::driver::GROUP_PATHS;
 
 use super::{
     bias::{self, BIAS_LEVELS, Bias},
@@ -10,7 +11,7 @@ use super::{
     plan::{self, BIAS_SHARE, Term},
     report::{Estimate, Expectation, Judged, Level, Warning},
     resolution::{Motion, coupled, is_near, unresolved, unresolved_function},
-    settings::{Coupling, Estimator, ExpectationSettings},
+    settings::{Coupling, Estimator, ExpectationSettings, whole},
     tails::is_heavy,
 };
 
@@ -329,7 +330,7 @@ impl Sampler<'_> {
     /// allows; whether all were drawn. Adds none if not even the least pilot is allowed.
     fn add_level(&mut self, levels: &mut Vec<Samples>, paths: u64) -> Result<bool, Halt> {
         let level = self.difference(levels.last().map_or(0, |last| last.level) + 1);
-        let least_pilot = self.settings.whole_pilot() / LATER_PILOT;
+        let least_pilot = whole(self.settings.pilot / LATER_PILOT);
         if least_pilot.saturating_mul(level.cost_per_path) > self.budget() {
             return Ok(false);
         }
@@ -452,5 +453,5 @@ fn additional(level: &Samples, wanted: u64) -> u64 {
     if missing == 0 {
         return 0;
     }
-    missing.max(level.count() / 32).div_ceil(GROUP_PATHS).saturating_mul(GROUP_PATHS)
+    whole(missing.max(level.count() / 32))
 }

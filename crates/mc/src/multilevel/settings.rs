@@ -63,6 +63,11 @@ const MAX_LEVEL: usize = 24;
 /// First bit of the level in an experiment number.
 const LEVEL_BIT: u32 = 40;
 
+/// As many paths in whole groups, rounded upwards.
+pub fn whole(paths: u64) -> u64 {
+    paths.div_ceil(GROUP_PATHS).saturating_mul(GROUP_PATHS)
+}
+
 impl ExpectationSettings {
     /// Default values for the settings that have one.
     pub fn new(
@@ -126,7 +131,7 @@ impl ExpectationSettings {
 
     /// Paths of the pilot, in whole groups.
     pub(crate) fn whole_pilot(&self) -> u64 {
-        self.pilot.next_multiple_of(GROUP_PATHS)
+        whole(self.pilot)
     }
 
     /// Steps of the fine path of a level.

@@ -689,12 +689,14 @@ fn limits_end_the_algorithm_with_an_estimate() {
         let settings = ExpectationSettings { estimator, pilot: 256, ..settings() };
         let (free, _) = run(0.002, &settings);
         let enough = free.unwrap().cost;
-        for max_cost in [enough / 2, enough / 5, 30_000, 20_000] {
+        for max_cost in [enough / 2, enough / 5, 30_000, 25_000, 22_000, 20_000] {
             let limited = ExpectationSettings { max_cost, ..settings };
             let (result, rounds) = run(0.002, &limited);
             let result = result.unwrap();
             assert!(result.cost <= max_cost && !result.reached(), "{max_cost}: {result:?}");
             assert!(result.warnings.contains(&Warning::CostLimit { max_cost }), "{result:?}");
+            // No level is begun that has no paths.
+            assert!(result.levels.iter().all(|level| level.samples > 0), "{result:?}");
             // The first pilot of single paths is reserved for.
             if estimator == Estimator::SinglePaths {
                 let (_, _, paths) = rounds.iter().find(|round| !round.1).unwrap();

@@ -42,9 +42,9 @@ pub struct StudySettings {
     pub key: StreamKey,
     /// The levels of the quantiles, between 0 and 1. Default 0.05, 0.25, 0.5, 0.75 and 0.95.
     pub quantiles: Vec<f64>,
-    /// Bins of each histogram, from 2 to 65536. Default 256: a bin is then a twentieth to a tenth of
-    /// the standard deviation of a normal law. A study keeps 2 bytes for each bin, observable and
-    /// time in each group of 128 paths, and 8 groups per thread.
+    /// Bins of each histogram, from 2 to 65536. Default 256: for a normal law a bin is then a
+    /// twentieth to a tenth of the standard deviation. A study keeps 2 bytes for each bin,
+    /// observable and time in each group of 128 paths, and 8 groups per thread.
     pub bins: u32,
     /// Paths of the pilot that chooses the bins, at least 128. Default an eighth of the paths, at
     /// least 256 and at most 4096. A study that is extended keeps its bins, and so its pilot.

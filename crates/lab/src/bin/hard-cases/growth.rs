@@ -8,7 +8,7 @@
 
 use anyhow::{Context, Result};
 use lab::{PaperSystem, compiled, streams};
-use mc::{Ladder, Run, Statistic, View};
+use mc::{Kept, Ladder, Run, Statistic, View, parts::Job};
 use noise::StreamKey;
 use nonlin::{Method, Solver};
 use real::{WIDTH, elementary};
@@ -69,8 +69,8 @@ struct LongRun<'a> {
     drawn: bool,
 }
 
-/// All long runs.
-pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
+/// All long runs, as pieces of work of a job; nothing where it was stopped.
+pub fn run(arguments: &Arguments, job: &Job) -> Result<Vec<Growth>> {
     use Followed::{Body, Light, Volterra};
     let (none, sine, cosine) = (&Constant::new(0.0)?, &sine(), &half_cosine());
     let (weak, negative) = (&Constant::new(2e-5)?, &Constant::new(-2e-5)?);
@@ -112,19 +112,19 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Growth>> {
         match followed {
             Body => {
                 let (body, _, y0, _) = rigid_body_three_noises(1.0).into_parts();
-                growth(arguments, number, &run, ("Rigid body with three noises", body, y0))
+                growth(arguments, job, number, &run, ("Rigid body with three noises", body, y0))
             }
             Volterra(_) => {
                 let (system, _, y0, _) = lotka_volterra_1_1().into_parts();
-                growth(arguments, number, &run, ("Lotka–Volterra with a = b = −1", system, y0))
+                growth(arguments, job, number, &run, ("Lotka–Volterra with a = b = −1", system, y0))
             }
             Light => {
                 let (system, _, y0, _) = maxwell_bloch(1.0).into_parts();
-                growth(arguments, number, &run, ("Maxwell–Bloch", system, y0))
+                growth(arguments, job, number, &run, ("Maxwell–Bloch", system, y0))
             }
         }
     };
-    runs.into_iter().zip(0..).map(growth).collect()
+    runs.into_iter().zip(0..).filter_map(|run| growth(run).transpose()).collect()
 }
 
 /// The scheme, its name, and what a step of it rounds in units of [`PER_STEP`].
@@ -144,10 +144,11 @@ fn scheme<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
 
 fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
     arguments: &Arguments,
+    job: &Job,
     number: u64,
     run: &LongRun<'_>,
     (name, system, y0): (&str, S, [f64; D]),
-) -> Result<Growth> {
+) -> Result<Option<Growth>> {
     eprintln!("{}", run.id);
     let steps = arguments.many(STEPS, QUICK_STEPS);
     let key = StreamKey { seed: arguments.seed, experiment: streams::GROWTH + number };
@@ -164,7 +165,10 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
     let ladder = Ladder::new(&problem, steps, 0, lab::truncation(), key, runs)?;
     let new = || Defects { steps, defect: &defect, rows: Vec::new() };
     let paths = if let Rule::Sexp(..) = run.rule { PATHS } else { MANY_PATHS };
-    let rows = ladder.run(paths as u64, new, &|_| ()).statistic.rows;
+    let Some(measured) = ladder.run_in(job, run.id, paths as u64, new, &|_| ()) else {
+        return Ok(None);
+    };
+    let rows = measured.statistic.rows;
     let point = |(steps, d): &Row| GrowthPoint {
         steps: *steps,
         rms: rms(d.iter().copied()),
@@ -190,7 +194,7 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
         Rule::Sexp(..) if lo > 0.5 => Verdict::FailsAsItMust,
         Rule::Sexp(..) => Verdict::Observed,
     };
-    Ok(Growth {
+    Ok(Some(Growth {
         id: run.id,
         setup: format!("{name}, {}, τ = {}.", run.damping.describe(), run.tau),
         scheme: scheme_name,
@@ -203,7 +207,7 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
         linear: steps as f64 * f64::EPSILON,
         verdict,
         drawn: run.drawn,
-    })
+    }))
 }
 
 /// d_n of every path for one n; NaN of a path that failed.
@@ -239,6 +243,18 @@ impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Statistic<D> for Defect
 
     fn merge(&mut self, later: Self) {
         later.rows.into_iter().for_each(|(n, d)| self.add(n, d));
+    }
+}
+
+impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Kept<D> for Defects<'_, F> {
+    type Sums = Vec<Row>;
+
+    fn sums(&self) -> &Vec<Row> {
+        &self.rows
+    }
+
+    fn sums_mut(&mut self) -> &mut Vec<Row> {
+        &mut self.rows
     }
 }
 

@@ -18,11 +18,12 @@ mod rounding;
 mod row;
 mod schemes;
 
-use std::{path::PathBuf, process::ExitCode, time::Instant};
+use std::{collections::BTreeMap, path::PathBuf, process::ExitCode, time::Instant};
 
 use anyhow::Result;
 use clap::{Parser, builder::PossibleValuesParser};
-use lab::command;
+use lab::command::{self, Study};
+use mc::parts::{Job, Share, remove};
 use report::{Page, files, provenance};
 use verify::results::Provenance;
 
@@ -88,8 +89,15 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         files::prepare_file(page)?;
     }
     let start = Instant::now();
+    // The long runs are most of it, and have checkpoints.
+    let study = Study::new("stability", Vec::new(), BTreeMap::new(), &arguments.out)?;
+    let job = Job::part(&arguments.out, Share::WHOLE, study.program())?;
+    if job.resumes() {
+        eprintln!("going on from a checkpoint in {}", arguments.out.display());
+    }
+    let growth = if arguments.wants(GROWTH) { growth::run(arguments, &job)? } else { Vec::new() };
+    job.finish()?;
     let cases = cases::run(arguments)?;
-    let growth = if arguments.wants(GROWTH) { growth::run(arguments)? } else { Vec::new() };
     let fuzz = if arguments.wants(FUZZ) { fuzz::run(arguments) } else { Vec::new() };
     let mode = if arguments.quick { "quick" } else { "full" };
     let provenance = provenance::complete(
@@ -99,6 +107,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     );
     let results = Stability { schema: SCHEMA, provenance, cases, growth, fuzz };
     files::write_json(&arguments.out.join("stability.json"), &results)?;
+    remove(&arguments.out, Share::WHOLE)?;
     let page = page::page(&results);
     for file in [&arguments.out.join("stability.md")].into_iter().chain(&arguments.page) {
         page.write(file)?;
