@@ -58,6 +58,9 @@ fn run(mut arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
     // A part has no results.
     if let (Some(bands), Some(mean)) = (bands, mean) {
         bands.write_csv(&mut std::io::stdout().lock())?;
+        println!("the accuracy is reached: {}", mean.reached());
+        bands.warnings.iter().for_each(|warning| println!("{warning}"));
+        mean.warnings.iter().for_each(|warning| println!("{warning}"));
         for found in &mean.estimates {
             println!("E[{}] = {:.17e} ± {:.2e}", found.name, found.value, found.half_width());
         }

@@ -185,6 +185,9 @@ impl<const D: usize, const M: usize> Driver<'_, D, M> {
         let mut steps: Vec<_> = first.map(|step| StepPair { before: step, now: step }).collect();
         let (mut reported, total) = (0, self.steps_per_path());
         for n in 1..=self.finest_steps {
+            if stop.is_asked() {
+                return None;
+            }
             for level in (0..=self.levels).take_while(|level| n.is_multiple_of(1 << level)) {
                 if used[level] {
                     let now = self.step(level, (n >> level) - 1);
@@ -195,9 +198,6 @@ impl<const D: usize, const M: usize> Driver<'_, D, M> {
                 block.advance(&steps, n, &mut tally, observe);
             }
             if n % PROGRESS_STEPS == 0 || n == self.finest_steps {
-                if stop.is_asked() {
-                    return None;
-                }
                 // The reports of a path add up to its number of steps.
                 let share = u128::from(total) * u128::from(n) / u128::from(self.finest_steps);
                 progress((share as u64 - reported) * paths);

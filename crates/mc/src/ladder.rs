@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use noise::{StreamKey, Truncation};
+use noise::{BlockNoise, StreamKey, Truncation};
 use real::{Block, PathMask};
 use schemes::{Scheme, Step, StepError};
 use serde::{Serialize, de::DeserializeOwned};
@@ -13,7 +13,7 @@ use crate::{
     driver::{Batch, Bounds, Driver, DriverRun, Failed, GROUP_PATHS, Tally},
     noise_source::Drawn,
     parallel::grow,
-    parts::{Fingerprint, Hash, Job, Stop, Work, of_problem, probe_noise, probe_states},
+    parts::{Fingerprint, Hash, Job, Stop, Work, of_problem, probe_states},
     tree::{MergeTree, Node},
 };
 
@@ -70,12 +70,18 @@ pub trait Statistic<const D: usize>: Send {
 /// A statistic whose sums can be written to a file and read back, so that it can be computed in
 /// parts, see [`parts`](crate::parts).
 pub trait Kept<const D: usize>: Statistic<D> {
-    /// What is kept. Everything else, such as observables, is in a new statistic already.
+    /// What is kept. Everything else, such as observables, is in a new statistic already. Every
+    /// field must be serialized: one that is skipped is lost without a word.
     type Sums: Serialize + DeserializeOwned;
     /// The sums so far.
     fn sums(&self) -> &Self::Sums;
     /// The sums so far, to be replaced.
     fn sums_mut(&mut self) -> &mut Self::Sums;
+
+    /// What it is beside its sums, such as bins, as bytes that tell it from another statistic.
+    fn fixed(&self) -> Vec<u8> {
+        Vec::new()
+    }
 
     /// Some of the times up to `last` at which it adds something, by which it is told from another
     /// statistic. The first and the last unless said otherwise.
@@ -268,7 +274,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
         let stop = Stop::default();
         let compute = |group| self.group(first, samples, group, &new, progress, &stop);
         let mut tree = MergeTree::new(merge);
-        grow(&mut tree, 0..samples.div_ceil(GROUP_PATHS), &compute, &mut |_, _| ());
+        grow(&mut tree, 0..samples.div_ceil(GROUP_PATHS), &compute, &mut |_, _| true);
         self.measured(tree.finish(), &new)
     }
 
@@ -325,6 +331,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
             },
             unpack: &unpack,
             merge: &merge,
+            empty: &|| (new(), self.driver.tally()),
             compute: &|group| self.group(0, samples, group, new, progress, job.stop()),
             skipped: &|groups| progress(groups * GROUP_PATHS * self.steps_per_path()),
         })
@@ -383,21 +390,31 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
             let Bounds { increment, area } = batch.bounds;
             hash.with_number(batch.due_level() as u64).with_reals([increment, area])
         });
+        // The first noise of the first block, drawn or given, with areas where they are read.
+        let mut noise = BlockNoise::zero();
+        (self.driver.noise.block(0))(&mut noise);
+        schemes = schemes.with_reals(noise.increments.0.as_flattened().iter().copied());
+        let mut random_time = probe_states([1.0], 0);
+        if let Some(time_change) = self.driver.time_change {
+            let normals = probe_states([1.0], 1);
+            time_change.advance(0, &noise.increments, &normals, &mut random_time);
+            schemes = schemes.with_reals(random_time.0[0]);
+        }
         let (mut states, mut statuses) = (Vec::new(), Vec::new());
         for (n, run) in runs.iter().enumerate() {
             let mut status = nonlin::BlockStatus::explicit();
             let mut y = probe_states(y0, n);
             if let Ok(step) = Step::new(damping, 0, self.driver.tau(run.level)) {
-                (run.step_block)(&step, &probe_noise(&step), &mut y, &mut status);
+                (run.step_block)(&step, &noise, &mut y, &mut status);
             }
-            let of_run = Hash::with(schemes, run.id.as_bytes()).with_number(run.level as u64);
+            let place = 2 * run.level as u64 + u64::from(run.swapped);
+            let of_run = Hash::with(schemes, run.id.as_bytes()).with_number(place);
             schemes = of_run.with_reals(y.0.as_flattened().iter().copied());
             states.push(y);
             statuses.push(status);
         }
         let clipped = vec![PathMask::NONE; runs.len()];
-        let random_time = probe_states([1.0], 0);
-        let mut observed = Hash::default();
+        let mut observed = Hash::default().with(&new().fixed());
         // One path at a time: a sum over many would hide small differences.
         for p in 0..PROBES {
             let mut statistic = new();

@@ -18,12 +18,13 @@ const PER_THREAD: u64 = 8;
 const LONG: Duration = Duration::from_secs(2);
 
 /// Adds the results for some items to a tree, in waves. `compute` gives `None` when it is stopped.
-/// `after` sees the tree and the next item after each wave. Returns the first item without result.
+/// `after` sees the tree and the next item after each wave, and says whether to go on. Returns the
+/// first item without result.
 pub fn grow<T: Send, F: Fn(&mut T, T)>(
     tree: &mut MergeTree<T, F>,
     items: Range<u64>,
     compute: &(dyn Fn(u64) -> Option<T> + Sync),
-    after: &mut dyn FnMut(&[Node<T>], u64),
+    after: &mut dyn FnMut(&[Node<T>], u64) -> bool,
 ) -> u64 {
     let threads = rayon::current_num_threads() as u64;
     let (mut next, mut wave) = (items.start, threads);
@@ -35,8 +36,7 @@ pub fn grow<T: Send, F: Fn(&mut T, T)>(
             tree.push(Node::leaf(next, sum));
             next += 1;
         }
-        after(tree.nodes(), next);
-        if next < end {
+        if !after(tree.nodes(), next) || next < end {
             break;
         }
         let elapsed = start.elapsed();

@@ -2,6 +2,7 @@
 
 use std::{
     fs, io,
+    ops::Range,
     path::{Path, PathBuf},
     time::{Duration, Instant},
 };
@@ -115,6 +116,8 @@ impl Computing {
         header.done = self.resume(work, first, &header, &mut tree)?;
         (work.skipped)(first - work.groups.start + header.done - header.groups.start);
         let rest = header.done..header.groups.end;
+        // What cannot be read back is known before the computing.
+        Entry::new(header.clone(), &[Node::leaf(header.done, (work.empty)())], work)?;
         let mut kept = Ok(());
         let done = grow(&mut tree, rest, work.compute, &mut |nodes, done| {
             if self.written.elapsed() >= interval && kept.is_ok() {
@@ -124,6 +127,7 @@ impl Computing {
                     eprintln!("warning: no checkpoint: {error}");
                 }
             }
+            kept.is_ok()
         });
         kept?;
         let complete = done == header.groups.end;
@@ -160,8 +164,11 @@ impl Computing {
         if found.groups.end <= known {
             return Ok(groups.start);
         }
-        let (found, here) = (found.paths, work.paths);
-        Err(foreign(path, work.name, "a number of paths", found, here))
+        if found.paths != work.paths {
+            return Err(foreign(path, work.name, "a number of paths", found.paths, work.paths));
+        }
+        let words = |groups: &Range<u64>| format!("{} to {}", groups.start, groups.end);
+        Err(foreign(path, work.name, "the groups", words(&found.groups), words(groups)))
     }
 
     /// Puts nodes into the file, in memory.

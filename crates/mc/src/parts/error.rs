@@ -31,7 +31,8 @@ pub enum JobError {
     },
     /// A file is not what was written.
     #[error(
-        "{} is damaged: {found}. Delete it and run its part again; nothing else is affected",
+        "{} is damaged: {found}. Delete the file of a part and run that part again; without \
+         merged.json begin anew in another folder",
         path.display()
     )]
     Damaged {
@@ -40,6 +41,12 @@ pub enum JobError {
         /// What is wrong with it.
         found: String,
     },
+    /// A file was replaced while it was merged.
+    #[error("{} was replaced while it was merged: wait until its part has ended", .0.display())]
+    Replaced(PathBuf),
+    /// Two pieces of work were begun at the same time.
+    #[error("{0} was begun inside another piece of work; a job has one at a time")]
+    Nested(String),
     /// A file belongs to another study.
     #[error(
         "{} is of another study: {work} has {what} {found}, here it is {here}. Take another \
@@ -130,7 +137,7 @@ pub enum JobError {
         /// What happened.
         found: String,
     },
-    /// The computation was stopped; a checkpoint is written.
-    #[error("stopped; the same command goes on from the checkpoint")]
+    /// The computation was stopped. A checkpoint is written if the job has a folder.
+    #[error("stopped; where there is a folder, the same command goes on from the checkpoint")]
     Stopped,
 }

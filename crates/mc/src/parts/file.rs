@@ -232,7 +232,7 @@ impl Place {
     }
 
     fn changed(&self) -> JobError {
-        damaged(&self.path, "it was changed while it was merged; merge again")
+        JobError::Replaced(self.path.clone())
     }
 }
 

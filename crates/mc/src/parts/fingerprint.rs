@@ -3,7 +3,6 @@
 use std::fmt::Write;
 
 use real::{Block, WIDTH};
-use schemes::Step;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use systems::{Damping, PoissonSystem, Problem};
@@ -89,17 +88,6 @@ pub fn probe_states<const D: usize>(y0: [f64; D], n: usize) -> Block<D> {
     let mut block = Block::zero();
     (0..WIDTH).for_each(|p| block.set_path(p, near(y0, n * WIDTH + p)));
     block
-}
-
-/// Increments as they are drawn for steps of this size, but fixed.
-pub fn probe_noise<const M: usize>(step: &Step) -> noise::BlockNoise<M> {
-    let mut noise = noise::BlockNoise::zero();
-    for m in 0..M {
-        for p in 0..WIDTH {
-            noise.increments.0[m][p] = step.tau.sqrt() * fixed(7 + m * WIDTH + p);
-        }
-    }
-    noise
 }
 
 /// B(y)v, h, γ, y₀ and T of a problem.

@@ -41,6 +41,8 @@ pub struct Job {
     interval: Duration,
     alone: u64,
     state: Mutex<State>,
+    /// Work that was begun inside another.
+    nested: Mutex<Option<String>>,
 }
 
 /// How a job ended.
@@ -87,6 +89,8 @@ pub(crate) struct Work<'a, T> {
     pub pack: &'a dyn Fn(&T) -> Packing<Vec<u8>>,
     pub unpack: &'a dyn Fn(&[u8]) -> Packing<T>,
     pub merge: &'a dyn Fn(&mut T, T),
+    /// The sums of no group.
+    pub empty: &'a dyn Fn() -> T,
     /// The sums of a group, or `None` if it was stopped.
     pub compute: &'a (dyn Fn(u64) -> Option<T> + Sync),
     /// Is told how many groups need not be computed.
@@ -97,7 +101,7 @@ impl<T: Send> Work<'_, T> {
     /// The nodes of all groups, computed here.
     fn here(&self) -> Result<Option<Vec<Node<T>>>, JobError> {
         let mut tree = MergeTree::new(self.merge);
-        let end = grow(&mut tree, self.groups.clone(), self.compute, &mut |_, _| ());
+        let end = grow(&mut tree, self.groups.clone(), self.compute, &mut |_, _| true);
         if end == self.groups.end { Ok(Some(tree.into_nodes())) } else { Err(JobError::Stopped) }
     }
 }
@@ -168,7 +172,8 @@ impl Job {
     fn new(mode: Mode) -> Self {
         let state = State { mode, error: None, names: BTreeSet::new() };
         let state = Mutex::new(state);
-        Self { stop: Stop::default(), interval: INTERVAL, alone: ALONE, state }
+        let nested = Mutex::new(None);
+        Self { stop: Stop::default(), interval: INTERVAL, alone: ALONE, state, nested }
     }
 
     /// Divides the works of a plan so that all parts have about as many path-steps. Without it each
@@ -245,6 +250,10 @@ impl Job {
     /// [`JobError`]: the first error of the job, or [`JobError::Missing`], or
     /// [`JobError::NextRound`].
     pub fn finish(self) -> Result<Outcome, JobError> {
+        let nested = self.nested.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some(work) = nested {
+            return Err(JobError::Nested(work));
+        }
         let State { mode, error, .. } = self.into_state();
         match (error, mode) {
             (Some(JobError::Stopped), Mode::Part(computing)) => {
@@ -305,6 +314,7 @@ impl Job {
             pack: &|results: &Vec<T>| Ok(serde_json::to_vec(results)?),
             unpack: &|bytes: &[u8]| Ok(serde_json::from_slice(bytes)?),
             merge: &Vec::extend,
+            empty: &Vec::new,
             compute: &compute,
             skipped: &|_| (),
         })?;
@@ -313,7 +323,11 @@ impl Job {
 
     /// The nodes of all groups of a piece of work, if they are known here: computed, or merged.
     pub(crate) fn collect<T: Send>(&self, work: &Work<'_, T>) -> Option<Vec<Node<T>>> {
-        let mut state = self.state();
+        let Ok(mut state) = self.state.try_lock() else {
+            // Waiting would be for ever: this thread may be at work on the other one.
+            *self.nested.lock().unwrap_or_else(PoisonError::into_inner) = Some(work.name.into());
+            return None;
+        };
         let State { mode, error, names } = &mut *state;
         if error.is_some() {
             return None;

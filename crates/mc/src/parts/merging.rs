@@ -45,6 +45,10 @@ impl Known {
             let (name, paths) = (work.name.to_owned(), header.paths);
             return Err(JobError::NotWhole { work: name, paths, group: GROUP_PATHS });
         }
+        if header.paths > work.paths && work.round.is_some() {
+            // A round that is smaller this time is drawn anew.
+            return Ok(Vec::new());
+        }
         if header.groups.start != work.groups.start || header.paths > work.paths {
             return Err(foreign(path, work.name, "a number of paths", header.paths, work.paths));
         }
@@ -108,6 +112,7 @@ impl Merging {
         if known < work.groups.end {
             let mut places = self.works.remove(work.name).unwrap_or_default();
             places.retain(|(_, place)| place.header.groups.end > known);
+            places.sort_by_key(|(_, place)| (place.header.groups.start, place.header.groups.end));
             if places.is_empty() {
                 self.not_begun(work.name);
                 return Ok(None);
@@ -148,9 +153,9 @@ impl Merging {
         known: u64,
         places: &[(Share, Place)],
     ) -> Result<bool, JobError> {
-        let ((share, first), mut next) = (&places[0], known);
+        let (share, first) = &places[0];
+        let (mut before, mut next, mut all) = (first, known, true);
         let mut complete = BTreeSet::new();
-        let mut before = first;
         for (part, place) in places {
             let (path, header) = (&place.path, &place.header);
             work.check(path, header)?;
@@ -162,6 +167,11 @@ impl Merging {
                 let (found, here) = (part.of(), share.of());
                 return Err(foreign(path, work.name, "a number of parts", found, here));
             }
+            if header.groups.is_empty() {
+                complete.insert(part.number());
+                continue;
+            }
+            all &= header.groups.start <= next && header.is_complete();
             if header.groups.start < next {
                 let (first, second) = (before.path.clone(), path.clone());
                 let (from, to) = (header.groups.start * GROUP_PATHS, next * GROUP_PATHS - 1);
@@ -173,16 +183,21 @@ impl Merging {
             }
             (before, next) = (place, header.groups.end);
         }
+        if all && next == work.groups.end {
+            return Ok(true);
+        }
+        // Which parts would have had the groups that are missing; where the parts were divided by
+        // another plan, all that are not complete.
         let groups = known..work.groups.end;
         let wanted = |number: &u64| {
             Share::new(*number, share.of())
                 .is_ok_and(|part| !self.shares.range(work.name, part, &groups).is_empty())
         };
-        let missing = (1..=share.of()).filter(wanted).filter(|number| !complete.contains(number));
-        let missing: Vec<u64> = missing.collect();
-        let all = missing.is_empty();
-        self.missing.extend(missing);
-        Ok(all)
+        let others = (1..=share.of()).filter(|number| !complete.contains(number));
+        let others: Vec<u64> = others.collect();
+        let missing: Vec<u64> = others.iter().copied().filter(wanted).collect();
+        self.missing.extend(if missing.is_empty() { others } else { missing });
+        Ok(false)
     }
 }
 

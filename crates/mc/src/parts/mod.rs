@@ -75,5 +75,5 @@ pub use plan::{Plan, Planned, PlannedPart};
 pub use share::{Share, array};
 pub use stop::Stop;
 
-pub(crate) use fingerprint::{Hash, of_problem, probe_noise, probe_states};
+pub(crate) use fingerprint::{Hash, of_problem, probe_states};
 pub(crate) use job::Work;

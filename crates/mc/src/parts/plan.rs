@@ -140,7 +140,7 @@ impl Pilot {
         let (start, mut next, mut waves) = (Instant::now(), groups.start, 0);
         while next < groups.end && (waves == 0 || start.elapsed() < self.each) {
             let end = groups.end.min(next + threads);
-            if grow(&mut tree, next..end, work.compute, &mut |_, _| ()) < end {
+            if grow(&mut tree, next..end, work.compute, &mut |_, _| true) < end {
                 return Err(JobError::Stopped);
             }
             (next, waves) = (end, waves + 1);

@@ -1,6 +1,6 @@
 //! Part k of n.
 
-use std::{fmt, ops::Range, str::FromStr};
+use std::{fmt, ops::Range};
 
 use serde::{Deserialize, Serialize};
 
@@ -60,18 +60,6 @@ impl fmt::Display for Share {
     }
 }
 
-/// "3/64".
-impl FromStr for Share {
-    type Err = JobError;
-
-    fn from_str(text: &str) -> Result<Self, JobError> {
-        let parts =
-            text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
-        let (number, of) = parts.ok_or_else(|| JobError::Argument(format!("part {text:?}")))?;
-        Self::new(number, of)
-    }
-}
-
 /// Numbers as an array specification of Slurm: "1-3,7".
 pub fn array(numbers: &[u64]) -> String {
     let runs = numbers.chunk_by(|a, b| a + 1 == *b);
@@ -105,10 +93,8 @@ mod tests {
 
     #[test]
     fn only_parts_that_exist_are_taken() {
-        assert_eq!("3/64".parse::<Share>().unwrap(), Share { number: 3, of: 64 });
-        for wrong in ["0/4", "5/4", "1/0", "3", "a/b", "-1/4", "1/4/2"] {
-            assert!(wrong.parse::<Share>().is_err(), "{wrong}");
-        }
+        assert!(Share::new(3, 64).is_ok());
+        assert!([(0, 4), (5, 4), (1, 0)].iter().all(|&(k, n)| Share::new(k, n).is_err()));
     }
 
     #[test]

@@ -5,8 +5,7 @@ use std::sync::{
     atomic::{AtomicBool, Ordering},
 };
 
-/// A flag that ends a computation as soon as a block of paths has advanced by some thousand steps.
-/// What complete groups of blocks have given is kept.
+/// A flag that ends a computation at the next step. What complete groups of paths gave is kept.
 #[derive(Clone, Debug, Default)]
 pub struct Stop(Arc<AtomicBool>);
 

@@ -46,8 +46,8 @@ pub struct StudySettings {
     /// twentieth to a tenth of the standard deviation. A study keeps 2 bytes for each bin,
     /// observable and time in each group of 128 paths, and 8 groups per thread.
     pub bins: u32,
-    /// Paths of the pilot that chooses the bins, at least 128. Default an eighth of the paths, at
-    /// least 256 and at most 4096. A study that is extended keeps its bins, and so its pilot.
+    /// Paths of the pilot that chooses the bins, at least 128. Default 1024. A study that is extended
+    /// keeps its bins, and so its pilot.
     pub pilot: u64,
 }
 
@@ -74,7 +74,7 @@ impl StudySettings {
             key,
             quantiles: vec![0.05, 0.25, 0.5, 0.75, 0.95],
             bins: 256,
-            pilot: (paths / 8).clamp(256, 4096),
+            pilot: 1024,
         }
     }
 
@@ -172,12 +172,5 @@ mod tests {
                 assert_ne!(pilot, other.stream(level).experiment);
             }
         }
-    }
-
-    #[test]
-    fn a_pilot_is_an_eighth_of_the_paths_within_limits() {
-        let key = StreamKey { seed: 0, experiment: 0 };
-        let pilot = |paths| StudySettings::new(1, 1, paths, Truncation::none(), key).pilot;
-        assert_eq!([1, 8000, 1_000_000].map(pilot), [256, 1000, 4096]);
     }
 }

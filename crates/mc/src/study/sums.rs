@@ -141,6 +141,10 @@ impl<const D: usize> Kept<D> for StudyStatistic<'_, D> {
         &mut self.sums
     }
 
+    fn fixed(&self) -> Vec<u8> {
+        postcard::to_stdvec(self.grids).unwrap_or_default()
+    }
+
     fn some_times(&self, _: u64) -> Vec<u64> {
         self.times.to_vec()
     }

@@ -297,6 +297,29 @@ fn parts_of_two_numbers_of_parts_are_refused() {
 }
 
 #[test]
+fn files_of_a_larger_array_that_never_began_do_not_count() {
+    let folder = tempfile::tempdir().unwrap();
+    drop(STUDY.part(folder.path(), 9, 64).unwrap());
+    STUDY.run_parts(folder.path(), [1, 3], 3);
+    let missing = message(STUDY.merged(folder.path()));
+    assert!(missing.ends_with("--array=2"), "{missing}");
+    STUDY.run_parts(folder.path(), [2], 3);
+    assert_eq!(STUDY.merged(folder.path()).unwrap(), STUDY.here());
+}
+
+#[test]
+fn work_inside_other_work_is_an_error_and_not_a_deadlock() {
+    let job = Job::here();
+    let problem = pendulum(1.0);
+    let key = StreamKey { seed: 1, experiment: 5 };
+    let runs = vec![Run::new(&Heun as &dyn Scheme<Pendulum, 2, 1>, 0)];
+    let ladder = Ladder::new(&problem, 8, 3, Truncation::none(), key, runs).unwrap();
+    let inner = |_| drop(ladder.run_in(&job, "inner", 1, || Sum::new(1.0), &|_| ()));
+    ladder.run_in(&job, "outer", 1, || Sum::new(1.0), &inner).unwrap();
+    assert!(message(job.finish()).contains("inner was begun inside another"));
+}
+
+#[test]
 fn damaged_files_are_named() {
     let folder = tempfile::tempdir().unwrap();
     STUDY.run_parts(folder.path(), 1..=2, 2);

@@ -199,15 +199,19 @@ fn a_study_in_parts_has_the_same_bits() {
         assert!(study(1700, 4).run_in(&job, "study", &|_| ()).is_none());
         job.finish().unwrap();
     }
-    let merge = |times: u64| {
+    let merge_as = |study: Study<'_, 2, 1>| {
         let job = Job::merge(folder.path(), program()).unwrap();
-        let found = study(1700, times).run_in(&job, "study", &|_| ());
+        let found = study.run_in(&job, "study", &|_| ());
         job.finish().map(|_| found)
     };
-    assert_eq!(merge(4).unwrap().as_ref(), Some(&whole));
-    // Other times are another study.
-    let error = merge(2).unwrap_err().to_string();
-    assert!(error.contains("observables with hash"), "{error}");
+    assert_eq!(merge_as(study(1700, 4)).unwrap().as_ref(), Some(&whole));
+    // Other times, and other bins, are another study.
+    let bins = StudySettings { bins: 255, ..settings(8, 4, 1700, 3) };
+    let binned = Study::new(&problem, &Sexp, &observables, &bins).unwrap();
+    for other in [study(1700, 2), binned] {
+        let error = merge_as(other).unwrap_err().to_string();
+        assert!(error.contains("observables with hash"), "{error}");
+    }
     let read: StudyResult = serde_json::from_str(&serde_json::to_string(&whole).unwrap()).unwrap();
     assert_eq!(read, whole);
 }
