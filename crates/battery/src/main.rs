@@ -15,7 +15,7 @@ use lab::{
     command::{self, Parts, Study},
     ids,
 };
-use mc::parts::Job;
+use mc::parts::{Job, limit_threads};
 use report::{Bars, files, terminal};
 use verify::{
     Mode, Progress, Settings, Silent,
@@ -48,8 +48,8 @@ struct Arguments {
     #[arg(long, value_name = "DIR", default_value = "target/verify")]
     out: PathBuf,
     /// Worker threads; all processors unless given.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    threads: usize,
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..))]
+    threads: Option<u16>,
     #[command(flatten)]
     parts: Parts,
 }
@@ -86,7 +86,7 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Result<ExitCode> {
     files::prepare_file(&arguments.page)?;
     files::prepare(&arguments.out)?;
-    command::limit_threads(arguments.threads)?;
+    arguments.threads.map_or(Ok(()), |threads| limit_threads(threads.into()))?;
     let start = Instant::now();
     let running = arguments.parts.begin(arguments.study()?, &arguments.out, |_| ())?;
     let bars = Bars::default();

@@ -7,9 +7,8 @@ use noise::{AreaLadder, BlockNoise, DyadicLadder, StreamKey, WienerBlock, clip};
 use nonlin::BlockStatus;
 use real::{Block, PathMask, WIDTH};
 use schemes::Step;
-use systems::Damping;
-
 use serde::{Deserialize, Serialize};
+use systems::Damping;
 
 use crate::{Cause, NoiseSource, TimeChange, View, parts::Stop};
 

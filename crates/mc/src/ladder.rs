@@ -13,7 +13,7 @@ use crate::{
     driver::{Batch, Bounds, Driver, DriverRun, Failed, GROUP_PATHS, Tally},
     noise_source::Drawn,
     parallel::grow,
-    parts::{Fingerprint, Hash, Job, Stop, Work, of_problem, probe_states},
+    parts::{Fingerprint, Hash, Job, Stop, Work, bytes, of_problem, probe_states},
     tree::{MergeTree, Node},
 };
 
@@ -78,7 +78,8 @@ pub trait Kept<const D: usize>: Statistic<D> {
     /// The sums so far, to be replaced.
     fn sums_mut(&mut self) -> &mut Self::Sums;
 
-    /// What it is beside its sums, such as bins, as bytes that tell it from another statistic.
+    /// What it is beside its sums, such as times and bins, as bytes that tell it from another
+    /// statistic.
     fn fixed(&self) -> Vec<u8> {
         Vec::new()
     }
@@ -301,8 +302,8 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
         Some(self.measured(tree.finish(), &new))
     }
 
-    /// The nodes of some groups of `samples` paths, as a piece of work of a job with this name; of a
-    /// round with its path-steps, which is computed here if these are few.
+    /// The nodes of some groups of `samples` paths, as a piece of work of a job with this name; of
+    /// a round with its path-steps, which is computed here if these are few.
     pub(crate) fn nodes_in<T: Kept<D>>(
         &self,
         job: &Job,
@@ -434,7 +435,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
                     live,
                 });
             }
-            observed = observed.with(&postcard::to_stdvec(statistic.sums()).unwrap_or_default());
+            observed = observed.with(&bytes(statistic.sums()));
         }
         Fingerprint {
             system: self.system.clone(),

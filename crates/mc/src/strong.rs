@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use stats::{CrossMoments, Moments};
 
-use crate::{Kept, Statistic, View};
+use crate::{Kept, Statistic, View, parts::bytes};
 
 /// Mean squares for the runs of several series at the final time, and at one more time for each
 /// series if it is wanted, with the covariances between the runs of a series: of the errors |y −
@@ -16,6 +16,8 @@ use crate::{Kept, Statistic, View};
 pub struct StrongErrors<'a, const D: usize> {
     reference: Reference<'a, D>,
     series: Vec<Vec<usize>>,
+    /// One more time for each series, or none.
+    times: Vec<u64>,
     last_time: u64,
     sums: StrongSums,
 }
@@ -24,8 +26,6 @@ pub struct StrongErrors<'a, const D: usize> {
 #[derive(Clone, Serialize, Deserialize)]
 pub struct StrongSums {
     at_end: Vec<Squares>,
-    /// One for each series, or none. They are kept with the sums, since they say what was measured.
-    times: Vec<u64>,
     at_time: Vec<Squares>,
     /// For each run of each series, the squares at the final time on paths with clipped increments,
     /// and zero on other paths.
@@ -77,8 +77,9 @@ impl<'a, const D: usize> StrongErrors<'a, D> {
         Self {
             reference,
             series: series.to_vec(),
+            times: Vec::new(),
             last_time: coarse_steps,
-            sums: StrongSums { at_end, times: Vec::new(), at_time: Vec::new(), clipped },
+            sums: StrongSums { at_end, at_time: Vec::new(), clipped },
         }
     }
 
@@ -90,7 +91,7 @@ impl<'a, const D: usize> StrongErrors<'a, D> {
     pub fn and_at(mut self, times: &[u64]) -> Self {
         assert_eq!(times.len(), self.series.len(), "each series has a time of its own");
         assert!(matches!(self.reference, Reference::Run(_)), "only a run is known at all times");
-        self.sums.times = times.to_vec();
+        self.times = times.to_vec();
         self.sums.at_time = self.series.iter().map(|runs| Squares::new(runs.len())).collect();
         self
     }
@@ -119,7 +120,7 @@ impl<'a, const D: usize> StrongErrors<'a, D> {
 impl<const D: usize> Statistic<D> for StrongErrors<'_, D> {
     fn observe(&mut self, view: &View<'_, D>) {
         let at_end = view.time == self.last_time;
-        if !at_end && !self.sums.times.contains(&view.time) {
+        if !at_end && !self.times.contains(&view.time) {
             return;
         }
         for p in view.live.paths() {
@@ -128,7 +129,7 @@ impl<const D: usize> Statistic<D> for StrongErrors<'_, D> {
                 Reference::Exact(solution) => solution(view.random_time.0[0][p]),
             };
             for (s, runs) in self.series.iter().enumerate() {
-                let at_time = self.sums.times.get(s) == Some(&view.time);
+                let at_time = self.times.get(s) == Some(&view.time);
                 if !at_end && !at_time {
                     continue;
                 }
@@ -171,6 +172,14 @@ impl<const D: usize> Kept<D> for StrongErrors<'_, D> {
 
     fn sums_mut(&mut self) -> &mut StrongSums {
         &mut self.sums
+    }
+
+    fn fixed(&self) -> Vec<u8> {
+        bytes(&self.times)
+    }
+
+    fn some_times(&self, last: u64) -> Vec<u64> {
+        self.times.iter().copied().chain([last]).collect()
     }
 }
 

@@ -5,7 +5,6 @@ mod study;
 
 use std::{fmt::Display, process::ExitCode};
 
-use anyhow::Context;
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use real::Level;
 
@@ -49,15 +48,6 @@ pub fn table<const N: usize>(
         column.set_cell_alignment(CellAlignment::Right);
     }
     table
-}
-
-/// Limits the threads of everything that is computed from now on; 0 for all processors.
-///
-/// # Errors
-/// When threads cannot be started, or work has begun already.
-pub fn limit_threads(threads: usize) -> anyhow::Result<()> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-    pool.build_global().context("cannot start the threads")
 }
 
 /// The exit code of a program: its own, or 2 after the error has been printed.

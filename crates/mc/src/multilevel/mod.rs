@@ -44,9 +44,10 @@
 //! number of threads.
 //!
 //! **Stopping.** Each level has its own family of streams ([`ExpectationSettings::key`]), later
-//! rounds draw its next paths, and all samples count, those of the pilot too. Since a level stops when its sample variance is small enough, its mean is biased by −μ₃/(σ²N) to first order.
-//! That is at most √(κ/N) of its standard error, where κ is the kurtosis: below a tenth with κ = 10
-//! and a thousand samples, and less for the sum.
+//! rounds draw its next paths, and all samples count, those of the pilot too. Since a level stops
+//! when its sample variance is small enough, its mean is biased by −μ₃/(σ²N) to first order. That
+//! is at most √(κ/N) of its standard error, where κ is the kurtosis: below a tenth with κ = 10 and
+//! a thousand samples, and less for the sum.
 //!
 //! **Paths that fail** are in no mean, from their failure on; their number stands beside each
 //! estimate and level, and the estimate is conditional on survival.
@@ -134,13 +135,13 @@ pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
     Ok(found.unwrap_or_else(|| unreachable!("a job that computes everything here has results")))
 }
 
-/// The same as [`expectation`], as a piece of work of a job with the name `name`, whole, in parts or
-/// merged, with the same bits. `None` if the results are not here; [`Job::finish`] says why.
+/// The same as [`expectation`], as a piece of work of a job with the name `name`, whole, in parts
+/// or merged, with the same bits. `None` if the results are not here; [`Job::finish`] says why.
 ///
 /// Samples are drawn in rounds, and every round follows from those before: run the parts, merge,
 /// and if [`Job::finish`] reports [`NextRound`](crate::parts::JobError::NextRound), run the parts
-/// and merge again. Small rounds are not worth that, see [`Job::splitting_rounds_above`]. With a smaller accuracy in the same folder, samples that are
-/// there count.
+/// and merge again. Small rounds are not worth that, see [`Job::splitting_rounds_above`]. With a
+/// smaller accuracy in the same folder, samples that are there count.
 ///
 /// # Errors
 /// Those of [`expectation`].

@@ -48,7 +48,8 @@ pub struct ExpectationSettings {
     /// Theoretical weak order of the scheme, which the bound on the bias assumes. Default 1.
     pub weak_order: f64,
     /// Paths of the pilot on each of the levels 0 to 2; a level that is added later begins with at
-    /// least a quarter of it. At least 128, or variances mean little; samples are drawn in groups of
+    /// least a quarter of it. At least 128, or variances mean little; samples are drawn in groups
+    /// of
     /// 128. Default 1024.
     pub pilot: u64,
     /// The finest level that may be used, from 3 to 24. Default 16.

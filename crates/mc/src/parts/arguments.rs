@@ -72,16 +72,17 @@ fn parsed<T: FromStr>(arguments: &mut Vec<String>, name: &str) -> Result<Option<
     value.map(|value| value.parse().map_err(|_| wrong(&value))).transpose()
 }
 
-/// Limits the threads of everything that runs on the global pool.
-fn limit_threads(threads: u64) -> Result<(), JobError> {
+/// Limits the threads of everything that is computed from now on in this process.
+///
+/// # Errors
+/// [`JobError::Threads`] for no thread, or if work has begun already.
+pub fn limit_threads(threads: u64) -> Result<(), JobError> {
+    let refused = |why: String| JobError::Threads { threads, why };
     if threads == 0 {
-        return Err(JobError::Argument("--threads 0".into()));
+        return Err(refused("at least one is needed".into()));
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
-    if let Err(error) = pool.build_global() {
-        eprintln!("warning: the number of threads stays: {error}");
-    }
-    Ok(())
+    pool.build_global().map_err(|error| refused(error.to_string()))
 }
 
 #[cfg(test)]
@@ -110,6 +111,7 @@ mod tests {
             (format!("--out {folder} --part two --parts 3"), "--part two"),
             (format!("--out {folder} --part 4 --parts 3"), "no part 4 of 3"),
             (format!("--out {folder} --checkpoint-every -1"), "--checkpoint-every"),
+            ("--threads 0".to_owned(), "with 0 threads: at least one"),
             ("--out".to_owned(), "--out without a value"),
         ] {
             let error = job(&line).unwrap_err();

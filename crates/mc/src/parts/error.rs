@@ -19,6 +19,14 @@ pub enum JobError {
     /// An argument of a command line that is not understood.
     #[error("cannot understand {0}; arguments are {USAGE}")]
     Argument(String),
+    /// The number of threads cannot be set.
+    #[error("cannot compute with {threads} threads: {why}")]
+    Threads {
+        /// The given number.
+        threads: u64,
+        /// The reason.
+        why: String,
+    },
     /// A file or folder cannot be read or written.
     #[error("cannot {action} {}: {source}", path.display())]
     File {

@@ -52,6 +52,12 @@ impl Hash {
     }
 }
 
+/// A value as bytes for a hash. What cannot be written is told when sums are tried before the
+/// computing.
+pub fn bytes(value: &impl Serialize) -> Vec<u8> {
+    postcard::to_stdvec(value).unwrap_or_default()
+}
+
 /// The SHA-256 of bytes in hexadecimal.
 pub fn checksum(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))

@@ -203,9 +203,9 @@ impl Job {
     }
 
     /// Splits a round of samples of an [expectation](crate::multilevel::expectation_in) into parts
-    /// if it takes more than so many path-steps; 2²⁷, about a second, by default. Smaller rounds are
-    /// drawn by every part, since later ones follow from them. All parts and whoever merges them
-    /// must have the same number.
+    /// if it takes more than so many path-steps; 2²⁷, about a second, by default. Smaller rounds
+    /// are drawn by every part, since later ones follow from them. All parts and whoever merges
+    /// them must have the same number.
     pub fn splitting_rounds_above(mut self, path_steps: u64) -> Self {
         self.alone = path_steps;
         self

@@ -49,7 +49,7 @@
 //! | file in the folder | content |
 //! |---|---|
 //! | `part-03-of-64.json` | the nodes of a part; while it runs, its checkpoint |
-//! | `merged.json` | the nodes of all works that were merged; later rounds and extensions begin here |
+//! | `merged.json` | the nodes of all works that were merged; later rounds and extensions use it |
 
 mod arguments;
 mod atomic;
@@ -65,15 +65,15 @@ mod share;
 mod stop;
 
 pub use crate::driver::GROUP_PATHS;
+pub use arguments::limit_threads;
 pub use atomic::{folder, replace};
 pub use compute::remove;
 pub use error::JobError;
 pub use file::Program;
-pub use fingerprint::Fingerprint;
 pub use job::{Job, Outcome};
 pub use plan::{Plan, Planned, PlannedPart};
-pub use share::{Share, array};
+pub use share::Share;
 pub use stop::Stop;
 
-pub(crate) use fingerprint::{Hash, of_problem, probe_states};
+pub(crate) use fingerprint::{Fingerprint, Hash, bytes, of_problem, probe_states};
 pub(crate) use job::Work;

@@ -46,8 +46,8 @@ pub struct StudySettings {
     /// twentieth to a tenth of the standard deviation. A study keeps 2 bytes for each bin,
     /// observable and time in each group of 128 paths, and 8 groups per thread.
     pub bins: u32,
-    /// Paths of the pilot that chooses the bins, at least 128. Default 1024. A study that is extended
-    /// keeps its bins, and so its pilot.
+    /// Paths of the pilot that chooses the bins, at least 128. Default 1024. A study that is
+    /// extended keeps its bins, and so its pilot.
     pub pilot: u64,
 }
 

@@ -5,10 +5,11 @@ use serde::{Deserialize, Serialize};
 use stats::CentralMoments;
 
 use super::{counts::Counts, grid::Grid};
-use crate::{Kept, Observable, Statistic, View};
+use crate::{Kept, Observable, Statistic, View, parts::bytes};
 
-/// The sums of a study: moments and counts of every observable at every time. Counts are the same whatever the order of merging; moments are the same to rounding errors, and
-/// to the last bit if the order is the same.
+/// The sums of a study: moments and counts of every observable at every time. Counts are the same
+/// whatever the order of merging; moments are the same to rounding errors, and to the last bit if
+/// the order is the same.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sums {
     /// Of the finite values; time by time, and for each time observable by observable.
@@ -142,7 +143,7 @@ impl<const D: usize> Kept<D> for StudyStatistic<'_, D> {
     }
 
     fn fixed(&self) -> Vec<u8> {
-        postcard::to_stdvec(self.grids).unwrap_or_default()
+        bytes(&(self.times, self.grids))
     }
 
     fn some_times(&self, _: u64) -> Vec<u64> {

@@ -208,7 +208,9 @@ fn a_study_in_parts_has_the_same_bits() {
     // Other times, and other bins, are another study.
     let bins = StudySettings { bins: 255, ..settings(8, 4, 1700, 3) };
     let binned = Study::new(&problem, &Sexp, &observables, &bins).unwrap();
-    for other in [study(1700, 2), binned] {
+    let late = StudySettings { times: vec![2, 4, 7, 8].into(), ..settings(8, 4, 1700, 3) };
+    let late = Study::new(&problem, &Sexp, &observables, &late).unwrap();
+    for other in [study(1700, 2), late, binned] {
         let error = merge_as(other).unwrap_err().to_string();
         assert!(error.contains("observables with hash"), "{error}");
     }

@@ -174,6 +174,7 @@ fn a_small_loop_of_the_noise_turns_about_the_third_axis() {
         assert!(distance(round, at_once) < 4.0 * h * h * h, "{round:?} {at_once:?}");
         assert!(distance(round, without_iteration) < 4.0 * h * h * h, "{without_iteration:?}");
         let at_rest = sexp.step(&Rotations, &step, &Noise::increments([0.0; 2]), y0).z;
+        // |y × ∇H₀| ≤ 2|y|², and |y| = 1.
         assert!(distance(at_rest, y0) < 2.0 * tau, "{at_rest:?}");
     }
 }
@@ -234,6 +235,8 @@ fn areas_enter_both_schemes_alike() {
     }
     check(&crate::common::body(), [0.45, 0.3, 0.84]);
     check(&spins(), [1.0, 0.2, 0.1, 0.1, 0.6, 0.8]);
+    // By dual numbers.
+    check(&Rotations, [0.6, 0.3, 0.7]);
 }
 
 /// B(y)v = b(y) × v with b = (y₂, 0, 1): skew and affine, but b·(∇ × b) = −1.

@@ -82,9 +82,9 @@ pub struct Ratio {
 impl Ratio {
     /// √(mᵢ/mⱼ) of two mean squares of `squares`, against a reference with this error ρ.
     ///
-    /// The variance of ½(ln mᵢ − ln mⱼ) is ¼(vᵢᵢ/mᵢ² + vⱼⱼ/mⱼ² − 2vᵢⱼ/(mᵢmⱼ)), with the covariances v
-    /// of the means; the triangle inequality moves each error by ρ at most. None with fewer than 32
-    /// paths, and where ρ is more than a quarter of an error.
+    /// The variance of ½(ln mᵢ − ln mⱼ) is ¼(vᵢᵢ/mᵢ² + vⱼⱼ/mⱼ² − 2vᵢⱼ/(mᵢmⱼ)), with the covariances
+    /// v of the means; the triangle inequality moves each error by ρ at most. None with fewer than
+    /// 32 paths, and where ρ is more than a quarter of an error.
     fn of(squares: &CrossMoments, i: usize, j: usize, reference: f64) -> Option<Self> {
         let [one, other] = [i, j].map(|k| squares.mean(k).sqrt());
         let few = squares.count() < LEAST_PATHS;

@@ -1,10 +1,10 @@
 //! How the distance from a conformal law grows over a long time.
 //!
-//! d_n = F(y_n)e^{pΓ(t_n)}/F(y₀) − 1 on independent paths, at powers of two of n. Errors of rounding
-//! without a direction make a random walk, d_n ~ √n·ε; errors with one a drift, d_n ~ n·ε. The
-//! exponent is the slope of ln RMS(d_n) over ln n, from n = 1024 on; its interval is the percentile
-//! interval of the bootstrap over whole paths, which are independent of each other as points of one
-//! path are not.
+//! d_n = F(y_n)e^{pΓ(t_n)}/F(y₀) − 1 on independent paths, at powers of two of n. Errors of
+//! rounding without a direction make a random walk, d_n ~ √n·ε; errors with one a drift, d_n ~ n·ε.
+//! The exponent is the slope of ln RMS(d_n) over ln n, from n = 1024 on; its interval is the
+//! percentile interval of the bootstrap over whole paths, which are independent of each other as
+//! points of one path are not.
 
 use anyhow::{Context, Result};
 use lab::{PaperSystem, compiled, streams};

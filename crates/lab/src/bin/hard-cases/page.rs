@@ -169,8 +169,8 @@ times for `split`.";
 const GROWTH: &str = "\
 Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over 32 paths, or over 512 without iteration. Roundings \
 without a direction make a random walk, √n·ε; those with one a drift, n·ε. The exponent is the \
-slope of log root mean square over log n from n = 1024 on, its interval that of resampled paths. The roundings of the damping \
-factors, which all paths share, show in the mean only.
+slope of log root mean square over log n from n = 1024 on, its interval that of resampled paths. \
+The roundings of the damping factors, which all paths share, show in the mean only.
 
 *Guarantee.* With a settled solver the root mean square stays below 32ε√n, a walk of a step's \
 worst roundings. The default solver leaves a residual of up to 2ε in the same direction in every \

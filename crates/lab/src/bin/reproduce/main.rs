@@ -11,7 +11,7 @@ use lab::{
     Method,
     command::{self, Parts, Study},
 };
-use mc::parts::Job;
+use mc::parts::{Job, limit_threads};
 use real::{Level, limit_to};
 use report::{Bars, Outcome, files, provenance, terminal};
 use verify::{
@@ -96,7 +96,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     lab::check_ids(&arguments.only)?;
     files::prepare(&arguments.out)?;
-    command::limit_threads(arguments.threads.map_or(0, usize::from))?;
+    arguments.threads.map_or(Ok(()), |threads| limit_threads(threads.into()))?;
     let mode = if arguments.quick { Mode::Quick } else { Mode::Paper };
     let samples_times = arguments.samples_times;
     let settings = Settings { samples_times, ..Settings::new(arguments.seed, mode) };

@@ -184,9 +184,9 @@ extrapolated in the step size. N paths of time t, σ being the standard deviatio
 the root-mean-square error ε = (b² + σ²/N)^½ and cost t·σ²/(ε² − b²). Shown is the smallest cost \
 over the step sizes, with b at the upper end of its 95 % interval.
 
-**Between points** costs are interpolated linearly in the logarithms. The intervals of multiples of \
-`heun` are of 95 % and follow from the ratio of both errors at the nearest number of steps, on the \
-same paths, and from the order between the neighbouring points. Times have no part in them.";
+**Between points** costs are interpolated linearly in the logarithms. The intervals of multiples \
+of `heun` are of 95 % and follow from the ratio of both errors at the nearest number of steps, on \
+the same paths, and from the order between the neighbouring points. Times have no part in them.";
 
 const PRICE: &str = "\
 At the smallest error 10^(−k/2) that `sexp` and an explicit scheme both reach: the cheapest \
