@@ -28,6 +28,7 @@
 //! | [`unrolled!`] | loops that are written out |
 //! | [`Factored`] | small linear systems without branches |
 //! | [`Block`], [`PathMask`] | the state of 32 paths, a subset of them |
+//! | [`Row`], [`Rows`] | 32 numbers, and as many of them on the heap as is known at run time |
 //! | [`Kernel`], [`dispatch`], [`Level`] | run-time choice of the instruction set |
 //! | [`elementary`] | branch-free sin, cos, exp, ln, sinc |
 //!
@@ -44,6 +45,7 @@ mod dual;
 pub mod elementary;
 mod factored;
 mod number;
+mod rows;
 
 pub use block::{Block, PathMask, WIDTH};
 pub use bounded::Bounded;
@@ -56,3 +58,4 @@ pub use dispatch::{Kernel, Level, dispatch, limit_to};
 pub use dual::{Dual, DualNumber, Partial, Variation, Varies};
 pub use factored::Factored;
 pub use number::Real;
+pub use rows::{OutOfMemory, Row, Rows};
