@@ -40,6 +40,7 @@
 //! | [`Damping`] | γ(t) and ∫γ |
 //! | [`Invariant`] | a Casimir or an energy with its conformal law |
 //! | [`Problem`] | system, damping, initial value and final time |
+//! | [`run_time`] | systems whose dimension is known at run time |
 //! | [`paper`] | the problems of Bréhier, Cohen and Komori (2025) |
 //!
 //! Dampings: [`Constant`], [`Linear`], [`Sine`], [`Cosine`], [`DampingFunction`]. Systems:
@@ -61,6 +62,7 @@ mod pendulum;
 mod poisson3;
 mod problem;
 mod rigid_body;
+pub mod run_time;
 mod spin_chain;
 mod system;
 

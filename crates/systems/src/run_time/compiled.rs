@@ -1,0 +1,293 @@
+//! A compiled system as one that is known at run time.
+
+use std::ops::Range;
+
+use dgrad::{GradientField, Rule};
+use real::{Kernel, Real, Row, VectorFunction, WIDTH, directional, dispatch};
+
+use super::{System, Weights};
+use crate::{
+    Flows, HamiltonianIncrement, Invariant, Linearity, PoissonSystem, SystemError, always_solvable,
+    is_quadratic, ito_correction, linearity,
+};
+
+/// Nodes of the rule for derivatives of the averaged gradient. The gradient itself is that of the
+/// compiled system.
+const NODES: usize = 8;
+
+/// The flow of a part of a compiled system.
+type Flow<S, const D: usize, const M: usize> = fn(&S, usize, [f64; D], f64, [f64; M]) -> [f64; D];
+
+/// A [`PoissonSystem`] as a [`System`]: every method has the same bits as that of the compiled
+/// system on each path.
+pub struct Compiled<S, const D: usize, const M: usize> {
+    system: S,
+    linearity: Linearity,
+    solvable: bool,
+    rule: Rule,
+    parts: usize,
+    flow: Flow<S, D, M>,
+}
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
+    /// The system; how B depends on y is found at `y0`.
+    pub fn new(system: S, y0: [f64; D]) -> Self {
+        let (linearity, solvable) = (linearity(&system, y0), always_solvable(&system, y0));
+        let nodes = if is_quadratic(&system, 1.0, [1.0; M]) { 1 } else { NODES };
+        let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
+        Self { system, linearity, solvable, rule, parts: 0, flow: |_, _, y, _, _| y }
+    }
+}
+
+impl<S: Flows<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
+    /// The system with its flows; how B depends on y is found at `y0`.
+    pub fn with_flows(system: S, y0: [f64; D]) -> Self {
+        Self { parts: S::PARTS, flow: S::flow, ..Self::new(system, y0) }
+    }
+}
+
+/// What is computed on each path.
+#[derive(Clone, Copy)]
+enum Function {
+    Structure,
+    StructureAlong,
+    Gradient,
+    Hessian,
+    AveragedGradient,
+    AveragedField,
+    Cayley,
+    ItoCorrection,
+}
+
+/// A function of up to three states on 32 paths.
+struct OnPaths<'a, S, const D: usize, const M: usize> {
+    system: &'a S,
+    function: Function,
+    states: [&'a [Row; D]; 3],
+    dt: f64,
+    dw: &'a [Row; M],
+    out: &'a mut [Row; D],
+}
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for OnPaths<'_, S, D, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { system: s, function, states: [x, y, z], dt, dw, out } = self;
+        // One loop for each function, so that each is vectorised.
+        macro_rules! on_each {
+            ($p:ident => $value:expr) => {
+                for $p in 0..WIDTH {
+                    let value = $value;
+                    for i in 0..D {
+                        out[i][$p] = value[i];
+                    }
+                }
+            };
+        }
+        match function {
+            Function::Structure => on_each!(p => s.structure(path(x, p), path(y, p))),
+            Function::StructureAlong => on_each!(p => {
+                let structure = StructureTimes::<_, D, M> { system: s, v: path(z, p) };
+                directional(&structure, path(x, p), path(y, p)).1
+            }),
+            Function::Gradient => on_each!(p => s.gradient(path(x, p), dt, path(dw, p))),
+            Function::Hessian => on_each!(p => {
+                let gradient = GradientOf(HamiltonianIncrement { system: s, dt, dw: path(dw, p) });
+                directional(&gradient, path(x, p), path(y, p)).1
+            }),
+            Function::AveragedGradient => {
+                on_each!(p => s.averaged_gradient(path(x, p), path(y, p), dt, path(dw, p)));
+            }
+            Function::AveragedField => {
+                on_each!(p => s.averaged_field(path(x, p), path(y, p), dt, path(dw, p)));
+            }
+            Function::Cayley => on_each!(p => s.cayley(path(x, p), path(y, p))),
+            Function::ItoCorrection => on_each!(p => ito_correction(s, path(x, p))),
+        }
+    }
+}
+
+/// The numbers of path p.
+#[inline(always)]
+fn path<const N: usize>(rows: &[Row; N], p: usize) -> [f64; N] {
+    let mut y = [0.0; N];
+    for i in 0..N {
+        y[i] = rows[i][p];
+    }
+    y
+}
+
+/// B(y)v as a function of y; M says of which [`PoissonSystem`] it is.
+struct StructureTimes<'a, S, const D: usize, const M: usize> {
+    system: &'a S,
+    v: [f64; D],
+}
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D>
+    for StructureTimes<'_, S, D, M>
+{
+    #[inline(always)]
+    fn value<R: Real>(&self, y: [R; D]) -> [R; D] {
+        let mut v = [R::zero(); D];
+        for i in 0..D {
+            v[i] = R::constant(self.v[i]);
+        }
+        self.system.structure(y, v)
+    }
+}
+
+/// ∇h as a function of y.
+struct GradientOf<'a, S, const M: usize>(HamiltonianIncrement<'a, S, M>);
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> VectorFunction<D, D>
+    for GradientOf<'_, S, M>
+{
+    #[inline(always)]
+    fn value<R: Real>(&self, y: [R; D]) -> [R; D] {
+        self.0.gradient(y)
+    }
+}
+
+/// Rows as an array.
+///
+/// # Panics
+/// Unless there are N of them, which the caller of a [`System`] has to see to.
+fn array<const N: usize>(rows: &[Row]) -> &[Row; N] {
+    rows.try_into().unwrap_or_else(|_| panic!("{N} rows are needed, got {}", rows.len()))
+}
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
+    const NO_NOISE: [Row; M] = [[0.0; WIDTH]; M];
+
+    fn evaluate(&self, function: Function, states: [&[Row]; 3], h: Weights<'_>, out: &mut [Row]) {
+        let count = out.len();
+        let out = out.try_into().unwrap_or_else(|_| panic!("{D} rows are needed, got {count}"));
+        let (system, states, dw) = (&self.system, states.map(array), array(h.dw));
+        dispatch(OnPaths { system, function, states, dt: h.dt, dw, out });
+    }
+}
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Compiled<S, D, M> {
+    fn name(&self) -> &str {
+        self.system.name()
+    }
+
+    fn parameters(&self) -> String {
+        self.system.parameters()
+    }
+
+    fn dimension(&self) -> usize {
+        D
+    }
+
+    fn noises(&self) -> usize {
+        M
+    }
+
+    fn structure(&self, _: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], _: &mut [Row]) {
+        let none = Weights { dt: 0.0, dw: &Self::NO_NOISE };
+        self.evaluate(Function::Structure, [y, v, y], none, out);
+    }
+
+    fn structure_along(
+        &self,
+        _: Range<usize>,
+        y: &[Row],
+        u: &[Row],
+        v: &[Row],
+        out: &mut [Row],
+        _: &mut [Row],
+    ) {
+        let none = Weights { dt: 0.0, dw: &Self::NO_NOISE };
+        self.evaluate(Function::StructureAlong, [y, u, v], none, out);
+    }
+
+    fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, _: &mut [Row]) {
+        for p in 0..WIDTH {
+            out[p] = self.system.energy(path(array(y), p), h.dt, path(array(h.dw), p));
+        }
+    }
+
+    fn gradient(&self, _: Range<usize>, y: &[Row], h: Weights<'_>, out: &mut [Row], _: &mut [Row]) {
+        self.evaluate(Function::Gradient, [y, y, y], h, out);
+    }
+
+    fn hessian(
+        &self,
+        _: Range<usize>,
+        y: &[Row],
+        u: &[Row],
+        h: Weights<'_>,
+        out: &mut [Row],
+        _: &mut [Row],
+    ) {
+        self.evaluate(Function::Hessian, [y, u, y], h, out);
+    }
+
+    fn rule(&self) -> &Rule {
+        &self.rule
+    }
+
+    fn averaged_gradient(
+        &self,
+        a: &[Row],
+        b: &[Row],
+        h: Weights<'_>,
+        out: &mut [Row],
+        _: &mut [Row],
+    ) {
+        self.evaluate(Function::AveragedGradient, [a, b, a], h, out);
+    }
+
+    fn averaged_field(&self, a: &[Row], b: &[Row], h: Weights<'_>, out: &mut [Row], _: &mut [Row]) {
+        self.evaluate(Function::AveragedField, [a, b, a], h, out);
+    }
+
+    fn linearity(&self) -> Linearity {
+        self.linearity
+    }
+
+    fn always_solvable(&self) -> bool {
+        self.solvable
+    }
+
+    fn cayley(&self, _: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], _: &mut [Row]) {
+        let none = Weights { dt: 0.0, dw: &Self::NO_NOISE };
+        self.evaluate(Function::Cayley, [y, v, y], none, out);
+    }
+
+    fn ito_correction(&self, _: Range<usize>, y: &[Row], out: &mut [Row], _: &mut [Row]) {
+        let none = Weights { dt: 0.0, dw: &Self::NO_NOISE };
+        self.evaluate(Function::ItoCorrection, [y, y, y], none, out);
+    }
+
+    fn parts(&self) -> usize {
+        self.parts
+    }
+
+    fn flow(&self, part: usize, y: &mut [Row], h: Weights<'_>, _: &mut [Row]) {
+        for p in 0..WIDTH {
+            let moved =
+                (self.flow)(&self.system, part, path(array(y), p), h.dt, path(array(h.dw), p));
+            for i in 0..D {
+                y[i][p] = moved[i];
+            }
+        }
+    }
+
+    fn invariants(&self) -> Vec<Invariant> {
+        self.system.invariants()
+    }
+
+    fn invariant(&self, index: usize, y: &[Row], out: &mut Row, _: &mut [Row]) {
+        for p in 0..WIDTH {
+            out[p] = self.system.invariant(index, path(array(y), p));
+        }
+    }
+
+    fn check_domain(&self, y: &[f64]) -> Result<(), SystemError> {
+        self.system.check_domain(std::array::from_fn(|i| y[i]))
+    }
+}

@@ -1,0 +1,219 @@
+//! The trait of systems known at run time.
+
+use std::ops::Range;
+
+use dgrad::Rule;
+use real::Row;
+
+use super::derived;
+use crate::{Invariant, Linearity};
+
+/// The weights of the Hamiltonian increment h = H₀·dt + Σₘ Hₘ·dwₘ.
+#[derive(Clone, Copy, Debug)]
+pub struct Weights<'a> {
+    /// The weight of H₀.
+    pub dt: f64,
+    /// The weights of H₁, …: as many rows as [`System::noise_rows`].
+    pub dw: &'a [Row],
+}
+
+/// What the 32 numbers of a row belong to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lanes {
+    /// To 32 paths: row i is component i.
+    Paths,
+    /// To one path. Numbers beyond its last component are zero and stay so.
+    Components,
+}
+
+/// A Poisson system dy = B∇H₀ dt + Σₘ B∇Hₘ ∘ dWₘ whose dimension and number of noises are known at
+/// run time.
+///
+/// B is block diagonal: rows are grouped in tiles, and B(y)v on a tile depends on y and v there. A
+/// tile is the whole state unless [`tile_rows`](Self::tile_rows) says otherwise, so that B is any
+/// matrix. ∇h may read all of y. Every method writes the rows `tile` of its result into `out`, of
+/// length `tile.len()`. Arguments that are read on the tile alone have this length too, others are
+/// whole states. `scratch` has at least [`scratch_rows`](Self::scratch_rows) rows with any content.
+pub trait System: Send + Sync {
+    /// The name of the system in reports.
+    fn name(&self) -> &str;
+
+    /// The parameters of the system in reports, for example `c = 0.5`; empty unless overridden.
+    fn parameters(&self) -> String {
+        String::new()
+    }
+
+    /// The number of components of a path.
+    fn dimension(&self) -> usize;
+
+    /// The number of noises.
+    fn noises(&self) -> usize;
+
+    /// What the numbers of a row belong to.
+    fn lanes(&self) -> Lanes {
+        Lanes::Paths
+    }
+
+    /// The number of rows of a state.
+    fn rows(&self) -> usize {
+        self.dimension()
+    }
+
+    /// The number of rows of the increments of all noises.
+    fn noise_rows(&self) -> usize {
+        self.noises()
+    }
+
+    /// The number of rows of a tile; the last tile may have fewer.
+    fn tile_rows(&self) -> usize {
+        self.rows()
+    }
+
+    /// Rows of scratch for a method that is not derived from others.
+    fn own_scratch_rows(&self) -> usize {
+        0
+    }
+
+    /// Rows of scratch for any method.
+    fn scratch_rows(&self) -> usize {
+        derived::scratch_rows(self.rows(), self.noise_rows()) + self.own_scratch_rows()
+    }
+
+    /// B(y)·v. All arguments are on the tile.
+    fn structure(
+        &self,
+        tile: Range<usize>,
+        y: &[Row],
+        v: &[Row],
+        out: &mut [Row],
+        scratch: &mut [Row],
+    );
+
+    /// (∂B(y)/∂y · u)·v, the derivative of B(y)v along u for a fixed v. All arguments are on the
+    /// tile.
+    fn structure_along(
+        &self,
+        tile: Range<usize>,
+        y: &[Row],
+        u: &[Row],
+        v: &[Row],
+        out: &mut [Row],
+        scratch: &mut [Row],
+    );
+
+    /// h(y) of each path. For [`Lanes::Components`] h is the sum over the row.
+    fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]);
+
+    /// ∇h(y); y is whole.
+    fn gradient(
+        &self,
+        tile: Range<usize>,
+        y: &[Row],
+        h: Weights<'_>,
+        out: &mut [Row],
+        scratch: &mut [Row],
+    );
+
+    /// ∇²h(y)·u; y and u are whole.
+    fn hessian(
+        &self,
+        tile: Range<usize>,
+        y: &[Row],
+        u: &[Row],
+        h: Weights<'_>,
+        out: &mut [Row],
+        scratch: &mut [Row],
+    );
+
+    /// Whether h is a polynomial of degree at most two, so that ∇̄h(a, b) = ∇h((a+b)/2).
+    fn is_quadratic(&self) -> bool {
+        self.rule().nodes().len() == 1
+    }
+
+    /// The Gauss–Legendre rule for [`averaged_gradient`](Self::averaged_gradient): n nodes are
+    /// exact if ∇h is a polynomial of degree at most 2n − 1.
+    fn rule(&self) -> &Rule;
+
+    /// ∇̄h(a, b) = ∫₀¹ ∇h((1−η)a + ηb) dη; by the [`rule`](Self::rule) unless overridden. Only for
+    /// systems with one tile.
+    fn averaged_gradient(
+        &self,
+        a: &[Row],
+        b: &[Row],
+        h: Weights<'_>,
+        out: &mut [Row],
+        scratch: &mut [Row],
+    ) {
+        derived::averaged_gradient(self, a, b, h, out, scratch);
+    }
+
+    /// B((a+b)/2)·∇̄h(a, b). Only for systems with one tile.
+    fn averaged_field(
+        &self,
+        a: &[Row],
+        b: &[Row],
+        h: Weights<'_>,
+        out: &mut [Row],
+        scratch: &mut [Row],
+    ) {
+        derived::averaged_field(self, a, b, h, out, scratch);
+    }
+
+    /// How B depends on y.
+    fn linearity(&self) -> Linearity;
+
+    /// Whether z = y + B((y+z)/2)·v has a solution for every v, see
+    /// [`always_solvable`](crate::always_solvable).
+    fn always_solvable(&self) -> bool;
+
+    /// The solution of z = y + B((y+z)/2)·v for B that is affine in y; not finite where there is
+    /// none. All arguments are on the tile. Called only if [`linearity`](Self::linearity) is
+    /// [`Affine`](Linearity::Affine).
+    fn cayley(
+        &self,
+        tile: Range<usize>,
+        y: &[Row],
+        v: &[Row],
+        out: &mut [Row],
+        scratch: &mut [Row],
+    );
+
+    /// ½Σₘ fₘ′(y)fₘ(y) with fₘ = B∇Hₘ; by derivatives of B and of ∇Hₘ unless overridden, which is
+    /// for systems with one tile. y is whole.
+    fn ito_correction(&self, tile: Range<usize>, y: &[Row], out: &mut [Row], scratch: &mut [Row]) {
+        debug_assert_eq!(tile, 0..self.rows());
+        derived::ito_correction(self, y, out, scratch);
+    }
+
+    /// The number of parts with exact flows, see [`Flows`](crate::Flows); zero if there are none.
+    fn parts(&self) -> usize {
+        0
+    }
+
+    /// The flow of a part from y, in place; y is whole.
+    fn flow(&self, part: usize, y: &mut [Row], h: Weights<'_>, scratch: &mut [Row]) {
+        let _ = (y, h, scratch);
+        unreachable!("{} has no part {part}", self.name())
+    }
+
+    /// The functions that obey the conformal law. Empty unless overridden.
+    fn invariants(&self) -> Vec<Invariant> {
+        Vec::new()
+    }
+
+    /// The value of `invariants()[index]` of each path. For [`Lanes::Components`] it is the sum
+    /// over the row.
+    fn invariant(&self, index: usize, y: &[Row], out: &mut Row, scratch: &mut [Row]) {
+        let _ = (y, out, scratch);
+        crate::system::no_invariant(self.name(), index)
+    }
+
+    /// Checks that the components y are in the domain of the system: ℝᴰ unless overridden.
+    ///
+    /// # Errors
+    /// [`SystemError::OutsideDomain`](crate::SystemError::OutsideDomain).
+    fn check_domain(&self, y: &[f64]) -> Result<(), crate::SystemError> {
+        let _ = y;
+        Ok(())
+    }
+}

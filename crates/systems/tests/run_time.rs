@@ -1,0 +1,112 @@
+//! Compiled systems through the trait of systems known at run time.
+
+use real::{Row, Rows, WIDTH, directional};
+use systems::{
+    HamiltonianIncrement, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
+    PoissonSystem, RigidBody, ito_correction,
+    run_time::{self, Compiled, System, Weights},
+};
+
+/// States near y0, one for each path.
+fn around(y0: &[f64], spread: f64, shift: usize) -> Rows {
+    let mut rows = Rows::splat(y0).unwrap();
+    for (i, row) in rows.iter_mut().enumerate() {
+        for p in 0..WIDTH {
+            let number = ((i + 7 * p + shift) as f64 * 0.618_033_988_749_894_9).fract();
+            row[p] += spread * (2.0 * number - 1.0);
+        }
+    }
+    rows
+}
+
+fn path<const N: usize>(rows: &[Row], p: usize) -> [f64; N] {
+    std::array::from_fn(|i| rows[i][p])
+}
+
+/// Compares with the system itself: equal where the adapter calls it, to `rounding` where methods
+/// are derived from B, ∇h and their derivatives.
+fn check<S, const D: usize, const M: usize>(system: S, y0: [f64; D], rounding: f64)
+where
+    S: PoissonSystem<D, M> + Copy,
+{
+    let adapter = Compiled::new(system, y0);
+    let mut scratch = Rows::zero(adapter.scratch_rows()).unwrap();
+    let (a, b) = (around(&y0, 0.1, 0), around(&y0, 0.1, 1000));
+    let (u, dw) = (around(&[0.0; D], 1.0, 77), around(&[0.0; M], 0.1, 5));
+    let h = Weights { dt: 0.03, dw: &dw };
+    let mut out = Rows::zero(D).unwrap();
+    let each = |found: &[Row], expected: &dyn Fn(usize) -> [f64; D], rounding: f64| {
+        for p in 0..WIDTH {
+            let (found, expected) = (path::<D>(found, p), expected(p));
+            for i in 0..D {
+                let error = (found[i] - expected[i]).abs();
+                assert!(error <= rounding, "{} {i} {p}: {error:e}", system.name());
+            }
+        }
+    };
+    adapter.structure(0..D, &a, &u, &mut out, &mut scratch);
+    each(&out, &|p| system.structure(path(&a, p), path(&u, p)), 0.0);
+    adapter.gradient(0..D, &a, h, &mut out, &mut scratch);
+    each(&out, &|p| system.gradient(path(&a, p), h.dt, path(&dw, p)), 0.0);
+    adapter.averaged_gradient(&a, &b, h, &mut out, &mut scratch);
+    let averaged = |p| system.averaged_gradient(path(&a, p), path(&b, p), h.dt, path(&dw, p));
+    each(&out, &averaged, 0.0);
+    adapter.averaged_field(&a, &b, h, &mut out, &mut scratch);
+    let field = |p| system.averaged_field(path(&a, p), path(&b, p), h.dt, path(&dw, p));
+    each(&out, &field, 0.0);
+    adapter.ito_correction(0..D, &a, &mut out, &mut scratch);
+    each(&out, &|p| ito_correction(&system, path(&a, p)), 0.0);
+    let mut energy = [0.0; WIDTH];
+    adapter.energy(&a, h, &mut energy, &mut scratch);
+    assert_eq!(energy[9], system.energy(path(&a, 9), h.dt, path(&dw, 9)));
+
+    let derived: &dyn System = &adapter;
+    run_time::averaged_gradient(derived, &a, &b, h, &mut out, &mut scratch);
+    each(&out, &averaged, rounding);
+    run_time::averaged_field(derived, &a, &b, h, &mut out, &mut scratch);
+    each(&out, &field, rounding);
+    run_time::ito_correction(derived, &a, &mut out, &mut scratch);
+    each(&out, &|p| ito_correction(&system, path(&a, p)), rounding);
+
+    // The derivative of B∇h along u is (∂B·u)∇h + B∇²h·u, and that of ∇̄h a difference quotient.
+    let mut parts = [0, 1, 2].map(|_| Rows::zero(D).unwrap());
+    let [gradient, bent, curved] = &mut parts;
+    adapter.gradient(0..D, &a, h, gradient, &mut scratch);
+    adapter.structure_along(0..D, &a, &u, gradient, bent, &mut scratch);
+    adapter.hessian(0..D, &a, &u, h, curved, &mut scratch);
+    adapter.structure(0..D, &a, curved, &mut out, &mut scratch);
+    out.iter_mut().flatten().zip(bent.iter().flatten()).for_each(|(x, bent)| *x += bent);
+    let along = |p| {
+        let field = HamiltonianIncrement { system: &system, dt: h.dt, dw: path(&dw, p) };
+        directional(&field, path(&a, p), path(&u, p)).1
+    };
+    each(&out, &along, rounding);
+    let mut slope = Rows::zero(D).unwrap();
+    run_time::averaged_hessian(derived, &a, &b, &u, h, &mut slope, &mut scratch);
+    let step = 1e-5;
+    let quotient = |p| {
+        let (a, b, u): ([f64; D], [f64; D], [f64; D]) = (path(&a, p), path(&b, p), path(&u, p));
+        let moved = |s: f64| {
+            let b = std::array::from_fn(|i| b[i] + s * u[i]);
+            system.averaged_gradient(a, b, h.dt, path(&dw, p))
+        };
+        let (plus, minus): ([f64; D], [f64; D]) = (moved(step), moved(-step));
+        std::array::from_fn(|i| (plus[i] - minus[i]) / (2.0 * step))
+    };
+    // Truncation step², rounding ε/step.
+    each(&slope, &quotient, 1e-9);
+}
+
+#[test]
+fn the_adapter_has_the_bits_of_the_system() {
+    check(Pendulum::new(1.0).unwrap(), [0.3, 1.0], 1e-15);
+    check(
+        RigidBody::three_noises([2.0, 1.0, 0.5], [1.0, 2.0, 3.0]).unwrap(),
+        [0.6, 0.3, 0.8],
+        2e-15,
+    );
+    check(MaxwellBloch, [1.0, 0.4, 0.7], 2e-15);
+    let lotka_volterra = LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0).unwrap();
+    check(lotka_volterra, [1.0, 1.9, 0.5], 1e-14);
+    check(Poisson3::new(1.0).unwrap(), [1.0, 2.0, 3.0], 1e-13);
+}
