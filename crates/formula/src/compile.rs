@@ -4,17 +4,14 @@
 use crate::{
     Id,
     graph::{Binary, Graph, Node, Unary},
-    instruction::{
-        Instruction, OUT_AFTER, OUT_BEFORE, Operation, SCRATCH_AFTER, SCRATCH_BEFORE, Source,
-        Target,
-    },
+    instruction::{Instruction, OUT, Operation, Place, SCRATCH},
 };
 
 /// The instructions for `outputs`, and the number of scratch rows. Input k is at `inputs[k]`.
 pub fn compile(
     graph: &Graph,
     outputs: &[Id],
-    inputs: &[Option<Source>],
+    inputs: &[Option<Place>],
 ) -> (Vec<Instruction>, usize) {
     let (graph, outputs) = lowered(graph, outputs);
     let steps = joined(&graph, &outputs);
@@ -250,17 +247,11 @@ fn unary(function: Unary) -> Operation {
     }
 }
 
-/// Where a value is.
-#[derive(Clone, Copy)]
-enum Home {
-    Input(Source),
-    Written(Target),
-}
-
 /// Rows for values, from the first instruction to the last.
 struct Rows {
-    homes: Vec<Option<Home>>,
-    /// The place among the results of a value that is one.
+    /// Where a value is.
+    homes: Vec<Option<Place>>,
+    /// The row of a value that is a result.
     results: Vec<Option<u32>>,
     last_use: Vec<usize>,
     free: Vec<u32>,
@@ -273,7 +264,7 @@ impl Rows {
         graph: &Graph,
         outputs: &[Id],
         steps: &[Option<Step>],
-        inputs: &[Option<Source>],
+        inputs: &[Option<Place>],
     ) -> Self {
         let mut results = vec![None; graph.len()];
         for (k, output) in outputs.iter().enumerate().rev() {
@@ -287,8 +278,8 @@ impl Rows {
         }
         let home = |id| match graph.node(id) {
             Node::Input(k) => {
-                let source = inputs.get(k as usize).copied().flatten();
-                Some(Home::Input(source.unwrap_or_else(|| panic!("input {k} is in no group"))))
+                let place = inputs.get(k as usize).copied().flatten();
+                Some(place.unwrap_or_else(|| panic!("input {k} is in no group")))
             }
             _ => None,
         };
@@ -296,69 +287,43 @@ impl Rows {
         Self { homes, results, last_use, free: Vec::new(), count: 0, code: Vec::new() }
     }
 
-    fn emit(&mut self, id: Id, step: Step) {
-        let to = match self.results[id.index()] {
-            Some(k) => Target::Out(k),
-            None => Target::Scratch(self.free.pop().unwrap_or_else(|| {
-                self.count += 1;
-                self.count - 1
-            })),
-        };
-        let mut from = [Source::default(); 4];
-        for (source, operand) in from.iter_mut().zip(step.operands()) {
-            *source = self.source(*operand, to);
-        }
-        let Step { operation, numbers, .. } = step;
-        self.code.push(Instruction { operation, to, from, numbers });
-        self.homes[id.index()] = Some(Home::Written(to));
-        for (k, operand) in step.operands().iter().enumerate() {
-            let repeated = step.operands()[..k].contains(operand);
-            if let Some(Home::Written(Target::Scratch(row))) = self.homes[operand.index()]
-                && self.last_use[operand.index()] == id.index()
-                && !repeated
-            {
-                self.free.push(row);
-            }
-        }
+    fn home(&self, id: Id) -> Place {
+        self.homes[id.index()].unwrap_or_else(|| unreachable!("operands come first"))
     }
 
-    /// Where an operand is, seen from the row that is written.
-    fn source(&self, operand: Id, to: Target) -> Source {
-        let relative = |row: u32, written: u32, before, after| match row.checked_sub(written) {
-            Some(distance) => Source { bank: after, row: distance - 1 },
-            None => Source { bank: before, row },
-        };
-        match (self.homes[operand.index()], to) {
-            (Some(Home::Input(source)), _) => source,
-            (Some(Home::Written(Target::Scratch(row))), Target::Scratch(written)) => {
-                relative(row, written, SCRATCH_BEFORE, SCRATCH_AFTER)
+    fn emit(&mut self, id: Id, step: Step) {
+        let mut from = [Place::default(); 4];
+        for (k, &operand) in step.operands().iter().enumerate() {
+            from[k] = self.home(operand);
+            // A row that is not used after this instruction may be written by it.
+            let is_last = self.last_use[operand.index()] == id.index();
+            if is_last && from[k].bank == SCRATCH && !from[..k].contains(&from[k]) {
+                self.free.push(from[k].row);
             }
-            (Some(Home::Written(Target::Out(row))), Target::Out(written)) => {
-                relative(row, written, OUT_BEFORE, OUT_AFTER)
-            }
-            (Some(Home::Written(Target::Scratch(row))), _) => Source { bank: SCRATCH_BEFORE, row },
-            (Some(Home::Written(Target::Out(row))), _) => Source { bank: OUT_BEFORE, row },
-            (None, _) => unreachable!("operands come first"),
         }
+        let to = match self.results[id.index()] {
+            Some(row) => Place { bank: OUT, row },
+            None => Place { bank: SCRATCH, row: self.free_row() },
+        };
+        self.code.push(Instruction { operation: step.operation, to, from, numbers: step.numbers });
+        self.homes[id.index()] = Some(to);
+    }
+
+    fn free_row(&mut self) -> u32 {
+        self.free.pop().unwrap_or_else(|| {
+            self.count += 1;
+            self.count - 1
+        })
     }
 
     /// Results that are inputs, and results that are there already.
     fn copy_repeated_outputs(&mut self, outputs: &[Id]) {
-        for (k, output) in outputs.iter().enumerate() {
-            let to = Target::Out(k as u32);
-            if self.results[output.index()] != Some(k as u32) {
-                let from = [
-                    self.source(*output, to),
-                    Source::default(),
-                    Source::default(),
-                    Source::default(),
-                ];
-                self.code.push(Instruction {
-                    operation: Operation::Copy,
-                    to,
-                    from,
-                    numbers: [0.0; 2],
-                });
+        for (k, &output) in outputs.iter().enumerate() {
+            let (to, from) = (Place { bank: OUT, row: k as u32 }, self.home(output));
+            if to != from {
+                let from = [from, Place::default(), Place::default(), Place::default()];
+                let (operation, numbers) = (Operation::Copy, [0.0; 2]);
+                self.code.push(Instruction { operation, to, from, numbers });
             }
         }
     }

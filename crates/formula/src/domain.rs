@@ -26,7 +26,7 @@ pub struct DomainError {
     pub line: usize,
     /// Its column in characters, counted from 1.
     pub column: usize,
-    excerpt: Excerpt,
+    excerpt: Box<Excerpt>,
 }
 
 impl Display for DomainError {
@@ -61,7 +61,7 @@ pub(crate) fn explain(
         value: values[id.index()],
         line,
         column,
-        excerpt: Excerpt::new(text, &span),
+        excerpt: Box::new(Excerpt::new(text, &span)),
         span,
     })
 }

@@ -21,7 +21,7 @@ pub struct FormulaError {
     pub line: usize,
     /// The column of the place in its line.
     pub column: usize,
-    excerpt: Excerpt,
+    excerpt: Box<Excerpt>,
 }
 
 /// What is wrong with a text.
@@ -151,7 +151,7 @@ impl Display for Before<'_> {
 impl FormulaError {
     pub(crate) fn new(kind: FormulaErrorKind, text: &str, span: Range<usize>) -> Self {
         let (line, column) = line_column(text, span.start);
-        let excerpt = Excerpt::new(text, &span);
+        let excerpt = Box::new(Excerpt::new(text, &span));
         Self { kind, span, line, column, excerpt }
     }
 }

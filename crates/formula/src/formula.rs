@@ -1,5 +1,7 @@
 //! One formula with its text.
 
+use std::slice::from_ref;
+
 use crate::{DomainError, FormulaError, Graph, Id, Names, Tape, domain::explain, parse};
 
 /// A formula in named variables.
@@ -34,7 +36,7 @@ impl Formula {
         let mut graph = Graph::new();
         let root = parse(text, names, &mut graph)?;
         let variables = names.variables().to_vec();
-        let tape = Tape::new(&graph, &[root], &[0..variables.len()]);
+        let tape = Tape::new(&graph, &[root], from_ref(&(0..variables.len())));
         Ok(Self { text: text.to_owned(), variables, graph, root, tape })
     }
 
@@ -85,7 +87,7 @@ impl Formula {
         let mut graph = self.graph.clone();
         let one = graph.constant(1.0);
         let gradient = graph.reverse(&[(self.root, one)], variables);
-        Tape::new(&graph, &gradient, &[0..self.variables.len()])
+        Tape::new(&graph, &gradient, from_ref(&(0..self.variables.len())))
     }
 
     /// ∇²f·u as a tape with two groups of inputs: all variables, and u with a number for each.

@@ -49,52 +49,42 @@ pub enum Operation {
     MulSubMul,
 }
 
-/// The rows that an instruction finds, by number. The inputs come first.
-pub const MAX_INPUTS: usize = 4;
-pub const SCRATCH_BEFORE: u32 = 4;
-pub const SCRATCH_AFTER: u32 = 5;
-pub const OUT_BEFORE: u32 = 6;
-pub const OUT_AFTER: u32 = 7;
-const BANKS: usize = 8;
+/// The rows that an instruction finds, by number: groups of inputs are counted from zero.
+pub const SCRATCH: u32 = u32::MAX - 1;
+pub const OUT: u32 = u32::MAX;
 
-/// Where an operand is: a row of an input, or of the rows of scratch or of results before or after
-/// the row that is written.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Source {
+/// A row of a bank.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Place {
     pub bank: u32,
     pub row: u32,
 }
 
-/// Where a result goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Target {
-    Scratch(u32),
-    Out(u32),
-}
-
-/// An operation with its rows and numbers. No operand is the row that is written.
+/// An operation with its rows and numbers. The row that is written, of scratch or of the results,
+/// may be an operand.
 #[derive(Clone, Copy, Debug)]
 pub struct Instruction {
     pub operation: Operation,
-    pub to: Target,
-    pub from: [Source; 4],
+    pub to: Place,
+    pub from: [Place; 4],
     pub numbers: [f64; 2],
 }
 
-/// A function for each operation: a plain loop over lanes. The arguments of a function do not
-/// overlap, and so the compiler vectorises it without tests.
+/// A function for each operation: a plain loop over lanes. The result is a value that overlaps with
+/// no operand, and so the compiler vectorises the loop and keeps the result in registers.
 macro_rules! on_lanes {
     ($($name:ident($($row:ident),*; $($number:ident),*) = $value:expr;)*) => {$(
         #[inline(always)]
         pub fn $name<const W: usize>(
-            to: &mut [f64; W],
             $($row: &[f64; W],)*
             $($number: f64,)*
-        ) {
+        ) -> [f64; W] {
+            let mut value = [0.0; W];
             for p in 0..W {
                 $(let $row = $row[p];)*
-                to[p] = $value;
+                value[p] = $value;
             }
+            value
         }
     )*};
 }
@@ -148,80 +138,84 @@ mod lanes {
     }
 }
 
+#[inline(always)]
+fn find<'a, const W: usize>(
+    place: Place,
+    inputs: &[&'a [[f64; W]]],
+    scratch: &'a [[f64; W]],
+    out: &'a [[f64; W]],
+) -> &'a [f64; W] {
+    let bank = match place.bank {
+        SCRATCH => scratch,
+        OUT => out,
+        bank => inputs[bank as usize],
+    };
+    &bank[place.row as usize]
+}
+
 /// Runs the instructions on rows of W numbers.
 #[inline(always)]
 pub fn run<const W: usize>(
     code: &[Instruction],
-    inputs: [&[[f64; W]]; MAX_INPUTS],
+    inputs: &[&[[f64; W]]],
     out: &mut [[f64; W]],
     scratch: &mut [[f64; W]],
 ) {
-    let [first, second, third, fourth] = inputs;
     for instruction in code {
-        let (to, scratch_before, scratch_after, out_before, out_after);
-        match instruction.to {
-            Target::Scratch(row) => {
-                let (before, rest) = scratch.split_at_mut(row as usize);
-                let (written, after) = rest.split_at_mut(1);
-                (to, scratch_before, scratch_after) = (&mut written[0], &*before, &*after);
-                (out_before, out_after) = (&*out, &[][..]);
-            }
-            Target::Out(row) => {
-                let (before, rest) = out.split_at_mut(row as usize);
-                let (written, after) = rest.split_at_mut(1);
-                (to, out_before, out_after) = (&mut written[0], &*before, &*after);
-                (scratch_before, scratch_after) = (&*scratch, &[][..]);
-            }
+        let Instruction { operation, to, from, numbers: [k, l] } = instruction;
+        // A macro, since the rows are borrowed until the result is there.
+        macro_rules! set {
+            ($name:ident($($operand:literal),*; $($number:ident),*)) => {{
+                let value = lanes::$name(
+                    $(find(from[$operand], inputs, scratch, out),)*
+                    $(*$number,)*
+                );
+                let to_bank = if to.bank == OUT { &mut *out } else { &mut *scratch };
+                to_bank[to.row as usize] = value;
+            }};
         }
-        let banks: [&[[f64; W]]; BANKS] =
-            [first, second, third, fourth, scratch_before, scratch_after, out_before, out_after];
-        let row = |operand: usize| {
-            let Source { bank, row } = instruction.from[operand];
-            &banks[bank as usize % BANKS][row as usize]
-        };
-        let [k, l] = instruction.numbers;
-        match instruction.operation {
-            Operation::Copy => lanes::copy(to, row(0)),
-            Operation::Fill => lanes::fill(to, k),
-            Operation::Neg => lanes::neg(to, row(0)),
-            Operation::Abs => lanes::abs(to, row(0)),
-            Operation::Sqrt => lanes::sqrt(to, row(0)),
-            Operation::Exp => lanes::exp(to, row(0)),
-            Operation::Ln => lanes::ln(to, row(0)),
-            Operation::Sin => lanes::sin(to, row(0)),
-            Operation::Cos => lanes::cos(to, row(0)),
-            Operation::Tan => lanes::tan(to, row(0)),
-            Operation::Sinh => lanes::sinh(to, row(0)),
-            Operation::Cosh => lanes::cosh(to, row(0)),
-            Operation::Tanh => lanes::tanh(to, row(0)),
-            Operation::Add => lanes::add(to, row(0), row(1)),
-            Operation::AddNumber => lanes::add_number(to, row(0), k),
-            Operation::Sub => lanes::sub(to, row(0), row(1)),
-            Operation::NumberSub => lanes::number_sub(to, row(0), k),
-            Operation::Mul => lanes::mul(to, row(0), row(1)),
-            Operation::Scale => lanes::scale(to, row(0), k),
-            Operation::Div => lanes::div(to, row(0), row(1)),
-            Operation::NumberDiv => lanes::number_div(to, row(0), k),
-            Operation::DivNumber => lanes::div_number(to, row(0), k),
-            Operation::Min => lanes::min(to, row(0), row(1)),
-            Operation::Max => lanes::max(to, row(0), row(1)),
-            Operation::Where => lanes::where_less(to, row(0), row(1), row(2), row(3)),
-            Operation::NegMul => lanes::neg_mul(to, row(0), row(1)),
-            Operation::MulMul => lanes::mul_mul(to, row(0), row(1), row(2)),
-            Operation::ScaleMul => lanes::scale_mul(to, row(0), row(1), k),
-            Operation::AddMul => lanes::add_mul(to, row(0), row(1), row(2)),
-            Operation::DifferenceMul => lanes::difference_mul(to, row(0), row(1), row(2)),
-            Operation::MulAdd => lanes::mul_add(to, row(0), row(1), row(2)),
-            Operation::MulSub => lanes::mul_sub(to, row(0), row(1), row(2)),
-            Operation::SubMul => lanes::sub_mul(to, row(0), row(1), row(2)),
-            Operation::MulAddNumber => lanes::mul_add_number(to, row(0), row(1), k),
-            Operation::NumberSubMul => lanes::number_sub_mul(to, row(0), row(1), k),
-            Operation::ScaleAdd => lanes::scale_add(to, row(0), row(1), k),
-            Operation::ScaleSub => lanes::scale_sub(to, row(0), row(1), k),
-            Operation::ScaleAddNumber => lanes::scale_add_number(to, row(0), k, l),
-            Operation::ScaleAddScale => lanes::scale_add_scale(to, row(0), row(1), k, l),
-            Operation::MulAddMul => lanes::mul_add_mul(to, row(0), row(1), row(2), row(3)),
-            Operation::MulSubMul => lanes::mul_sub_mul(to, row(0), row(1), row(2), row(3)),
+        match operation {
+            Operation::Copy => set!(copy(0; )),
+            Operation::Fill => set!(fill(; k)),
+            Operation::Neg => set!(neg(0; )),
+            Operation::Abs => set!(abs(0; )),
+            Operation::Sqrt => set!(sqrt(0; )),
+            Operation::Exp => set!(exp(0; )),
+            Operation::Ln => set!(ln(0; )),
+            Operation::Sin => set!(sin(0; )),
+            Operation::Cos => set!(cos(0; )),
+            Operation::Tan => set!(tan(0; )),
+            Operation::Sinh => set!(sinh(0; )),
+            Operation::Cosh => set!(cosh(0; )),
+            Operation::Tanh => set!(tanh(0; )),
+            Operation::Add => set!(add(0, 1; )),
+            Operation::AddNumber => set!(add_number(0; k)),
+            Operation::Sub => set!(sub(0, 1; )),
+            Operation::NumberSub => set!(number_sub(0; k)),
+            Operation::Mul => set!(mul(0, 1; )),
+            Operation::Scale => set!(scale(0; k)),
+            Operation::Div => set!(div(0, 1; )),
+            Operation::NumberDiv => set!(number_div(0; k)),
+            Operation::DivNumber => set!(div_number(0; k)),
+            Operation::Min => set!(min(0, 1; )),
+            Operation::Max => set!(max(0, 1; )),
+            Operation::Where => set!(where_less(0, 1, 2, 3; )),
+            Operation::NegMul => set!(neg_mul(0, 1; )),
+            Operation::MulMul => set!(mul_mul(0, 1, 2; )),
+            Operation::ScaleMul => set!(scale_mul(0, 1; k)),
+            Operation::AddMul => set!(add_mul(0, 1, 2; )),
+            Operation::DifferenceMul => set!(difference_mul(0, 1, 2; )),
+            Operation::MulAdd => set!(mul_add(0, 1, 2; )),
+            Operation::MulSub => set!(mul_sub(0, 1, 2; )),
+            Operation::SubMul => set!(sub_mul(0, 1, 2; )),
+            Operation::MulAddNumber => set!(mul_add_number(0, 1; k)),
+            Operation::NumberSubMul => set!(number_sub_mul(0, 1; k)),
+            Operation::ScaleAdd => set!(scale_add(0, 1; k)),
+            Operation::ScaleSub => set!(scale_sub(0, 1; k)),
+            Operation::ScaleAddNumber => set!(scale_add_number(0; k, l)),
+            Operation::ScaleAddScale => set!(scale_add_scale(0, 1; k, l)),
+            Operation::MulAddMul => set!(mul_add_mul(0, 1, 2, 3; )),
+            Operation::MulSubMul => set!(mul_sub_mul(0, 1, 2, 3; )),
         }
     }
 }

@@ -43,6 +43,7 @@
 //! | [`Names`] | variables and parameters |
 //! | [`Graph`], [`parse()`] | expressions of several formulas together, derivatives from graph to graph |
 //! | [`Tape`] | what evaluates them |
+//! | [`Definition`], [`FormulaSystem`] | a Poisson system from texts, for `systems::run_time` |
 //! | [`FormulaError`], [`DomainError`] | what is wrong, with line, column and carets |
 
 mod compile;
@@ -56,6 +57,7 @@ mod instruction;
 mod names;
 mod parse;
 mod shape;
+mod system;
 mod tape;
 
 pub use domain::DomainError;
@@ -64,4 +66,5 @@ pub use formula::Formula;
 pub use graph::{Binary, Graph, Id, Node, Unary};
 pub use names::{NameError, Names};
 pub use parse::{MAX_BYTES, MAX_DEPTH, parse};
-pub use tape::{MAX_INPUTS, Tape};
+pub use system::{Definition, DefinitionError, FormulaSystem, Which};
+pub use tape::Tape;

@@ -8,11 +8,8 @@ use crate::{
     Id,
     compile::compile,
     graph::Graph,
-    instruction::{self, Instruction, Source, run},
+    instruction::{Instruction, Place, run},
 };
-
-/// The largest number of groups of inputs of a [`Tape`].
-pub const MAX_INPUTS: usize = instruction::MAX_INPUTS;
 
 /// Some expressions of a graph, ready to be evaluated on 32 points at a time.
 ///
@@ -50,15 +47,14 @@ impl Tape {
     /// The tape of `outputs`. Each group of inputs is a range of inputs of the graph.
     ///
     /// # Panics
-    /// If there are more than [`MAX_INPUTS`] groups, or if an input that is used is in none.
+    /// If an input that is used is in no group.
     #[must_use]
     pub fn new(graph: &Graph, outputs: &[Id], groups: &[Range<usize>]) -> Self {
-        assert!(groups.len() <= MAX_INPUTS, "a tape has at most {MAX_INPUTS} groups of inputs");
         let count = groups.iter().map(|group| group.end).max().unwrap_or(0);
         let mut inputs = vec![None; count];
         for (bank, group) in groups.iter().enumerate() {
             for (row, input) in group.clone().enumerate() {
-                inputs[input] = Some(Source { bank: bank as u32, row: row as u32 });
+                inputs[input] = Some(Place { bank: bank as u32, row: row as u32 });
             }
         }
         let (code, scratch) = compile(graph, outputs, &inputs);
@@ -90,8 +86,8 @@ impl Tape {
     /// Unless `inputs` are as many groups of as many rows as the tape has, `out` has a row for each
     /// result, and `scratch` has at least [`scratch_rows`](Self::scratch_rows) rows.
     pub fn evaluate(&self, inputs: &[&[Row]], out: &mut [Row], scratch: &mut [Row]) {
-        let inputs = self.checked(inputs, out.len(), scratch.len());
-        dispatch(Evaluation { code: &self.code, inputs, out, scratch });
+        self.check(inputs, out.len(), scratch.len());
+        dispatch(Evaluation(&mut Parts { code: &self.code, inputs, out, scratch }));
     }
 
     /// The results at one point, with the bits of [`evaluate`](Self::evaluate).
@@ -101,39 +97,34 @@ impl Tape {
     pub fn evaluate_one(&self, inputs: &[&[f64]], out: &mut [f64]) {
         let inputs: Vec<&[[f64; 1]]> = inputs.iter().map(|group| group.as_chunks().0).collect();
         let mut scratch = vec![[0.0]; self.scratch];
-        let inputs = self.checked(&inputs, out.len(), scratch.len());
-        run(&self.code, inputs, out.as_chunks_mut().0, &mut scratch);
+        self.check(&inputs, out.len(), scratch.len());
+        run(&self.code, &inputs, out.as_chunks_mut().0, &mut scratch);
     }
 
-    fn checked<'a, R>(
-        &self,
-        inputs: &[&'a [R]],
-        out: usize,
-        scratch: usize,
-    ) -> [&'a [R]; MAX_INPUTS] {
+    fn check<R>(&self, inputs: &[&[R]], out: usize, scratch: usize) {
         assert_eq!(inputs.len(), self.inputs.len(), "groups of inputs of a tape");
-        let mut groups: [&[R]; MAX_INPUTS] = [&[]; MAX_INPUTS];
-        for (k, group) in inputs.iter().enumerate() {
-            assert_eq!(group.len(), self.inputs[k], "rows of group {k} of a tape");
-            groups[k] = group;
+        for (group, &rows) in inputs.iter().zip(&self.inputs) {
+            assert_eq!(group.len(), rows, "rows of a group of inputs of a tape");
         }
         assert_eq!(out, self.outputs, "results of a tape");
         assert!(scratch >= self.scratch, "a tape needs {} rows of scratch", self.scratch);
-        groups
     }
 }
 
-struct Evaluation<'a> {
+/// By reference: a kernel that is a value is copied into its function.
+struct Evaluation<'a, 'b>(&'a mut Parts<'b>);
+
+struct Parts<'a> {
     code: &'a [Instruction],
-    inputs: [&'a [Row]; MAX_INPUTS],
+    inputs: &'a [&'a [Row]],
     out: &'a mut [Row],
     scratch: &'a mut [Row],
 }
 
-impl Kernel for Evaluation<'_> {
+impl Kernel for Evaluation<'_, '_> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        run(self.code, self.inputs, self.out, self.scratch);
+        run(self.0.code, self.0.inputs, self.0.out, self.0.scratch);
     }
 }
