@@ -9,5 +9,6 @@ mod levy;
 mod order;
 mod overflow;
 mod own_schemes;
+mod run_time;
 mod sweeps;
 mod without_iteration;

@@ -1,0 +1,229 @@
+//! Executes the plan of a formula on rows.
+
+use std::{
+    ops::Range,
+    sync::{Mutex, PoisonError},
+};
+
+use real::{Kernel, OutOfMemory, Row, Rows, WIDTH, dispatch};
+use systems::run_time::{System, Weights, averaged_hessian};
+
+use super::plan::{Instruction, MOST_STORES, Operation, Plan, Source, Stage};
+
+/// Memory for the operations of formulas on one system.
+pub struct Machine<'a> {
+    system: &'a dyn System,
+    /// Whole states: inputs of the formula first.
+    pub buffers: Vec<Rows>,
+    /// Memory of the tiles, for each thread.
+    desks: Vec<Mutex<Desk>>,
+}
+
+/// What a tile needs.
+struct Desk {
+    slots: Vec<Rows>,
+    scratch: Rows,
+}
+
+/// The parts of buffers in which a tile stores its results; empty ones are not used.
+type Stores<'a> = [&'a mut [Row]; MOST_STORES];
+
+/// A stage that is being executed.
+struct Execution<'a> {
+    system: &'a dyn System,
+    stage: &'a Stage,
+    factors: &'a [f64],
+    h: Weights<'a>,
+    buffers: &'a [Rows],
+    desks: &'a [Mutex<Desk>],
+}
+
+impl<'a> Machine<'a> {
+    /// Memory for a system, without buffers yet.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn new(system: &'a dyn System) -> Result<Self, OutOfMemory> {
+        let threads =
+            if system.tile_rows() < system.rows() { rayon::current_num_threads() } else { 1 };
+        let desk = || {
+            let scratch = Rows::zero(system.scratch_rows())?;
+            Ok(Mutex::new(Desk { slots: Vec::new(), scratch }))
+        };
+        let desks = (0..threads).map(|_| desk()).collect::<Result<_, OutOfMemory>>()?;
+        Ok(Self { system, buffers: Vec::new(), desks })
+    }
+
+    /// Provides the memory that a plan needs.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn prepare(&mut self, plan: &Plan) -> Result<(), OutOfMemory> {
+        let tile = self.system.tile_rows().min(self.system.rows());
+        for desk in &mut self.desks {
+            let desk = desk.get_mut().unwrap_or_else(PoisonError::into_inner);
+            while desk.slots.len() < plan.slots {
+                desk.slots.push(Rows::zero(tile)?);
+            }
+        }
+        while self.buffers.len() < plan.buffers {
+            self.buffers.push(Rows::zero(self.system.rows())?);
+        }
+        Ok(())
+    }
+
+    /// Executes a plan, whose memory [`prepare`](Self::prepare) has provided. The inputs are in the
+    /// first buffers, the result is in buffer [`Plan::result`].
+    pub fn execute(&mut self, plan: &Plan, factors: &[f64], h: Weights<'_>) {
+        for stage in &plan.stages {
+            // The buffers in which the stage stores are taken out while the others are read.
+            let mut taken: [Rows; MOST_STORES] = Default::default();
+            for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
+                *taken = std::mem::take(&mut self.buffers[buffer]);
+            }
+            let execution = Execution {
+                system: self.system,
+                stage,
+                factors,
+                h,
+                buffers: &self.buffers,
+                desks: &self.desks,
+            };
+            let mut stores = taken.iter_mut();
+            let stores = std::array::from_fn(|_| match stores.next() {
+                Some(rows) => &mut rows[..],
+                None => &mut [],
+            });
+            execution.on_rows(0..self.system.rows(), stores);
+            for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
+                self.buffers[buffer] = std::mem::take(taken);
+            }
+        }
+    }
+}
+
+impl Execution<'_> {
+    /// Executes the stage on some rows: halves in parallel, down to single tiles.
+    fn on_rows(&self, rows: Range<usize>, stores: Stores<'_>) {
+        let tile = self.system.tile_rows();
+        let tiles = rows.len().div_ceil(tile);
+        if tiles <= 1 {
+            let thread = rayon::current_thread_index().unwrap_or(0) % self.desks.len();
+            let mut desk = self.desks[thread].lock().unwrap_or_else(PoisonError::into_inner);
+            return self.on_tile(rows, stores, &mut desk);
+        }
+        let half = tiles / 2 * tile;
+        let mut later: Stores<'_> = Default::default();
+        let mut n = 0;
+        let earlier = stores.map(|store| {
+            let (first, second) = store.split_at_mut(half.min(store.len()));
+            later[n] = second;
+            n += 1;
+            first
+        });
+        let middle = rows.start + half;
+        rayon::join(
+            || self.on_rows(rows.start..middle, earlier),
+            || self.on_rows(middle..rows.end, later),
+        );
+    }
+
+    /// Executes the stage on one tile.
+    fn on_tile(&self, tile: Range<usize>, stores: Stores<'_>, desk: &mut Desk) {
+        let Desk { slots, scratch } = desk;
+        for &Instruction { operation, slot } in &self.stage.instructions {
+            let mut result = std::mem::take(&mut slots[slot]);
+            let local = |source: Source| match source {
+                Source::Slot(slot) => &slots[slot][..tile.len()],
+                Source::Buffer(buffer) => {
+                    let stored = self.stage.stores.iter().position(|&(_, b)| b == buffer);
+                    match stored {
+                        Some(n) => &*stores[n],
+                        None => &self.buffers[buffer][tile.clone()],
+                    }
+                }
+            };
+            let whole = |buffer: usize| &self.buffers[buffer][..];
+            let (system, h, rows) = (self.system, self.h, tile.clone());
+            let out = &mut result[..tile.len()];
+            match operation {
+                Operation::Multiple { x: (x, factor) } => {
+                    dispatch(Multiple { x: local(x), factor: self.factors[factor], out });
+                }
+                Operation::Combination { x: (x, fx), y: (y, fy), minus } => {
+                    let factor = |node: Option<usize>| node.map_or(1.0, |node| self.factors[node]);
+                    // a − fb = a + (−f)b to the bit.
+                    let fy = if minus { -factor(fy) } else { factor(fy) };
+                    dispatch(Combination { x: local(x), fx: factor(fx), y: local(y), fy, out });
+                }
+                Operation::Structure { y, v } => {
+                    system.structure(rows, local(y), local(v), out, scratch);
+                }
+                Operation::StructureAlong { y, u, v } => {
+                    system.structure_along(rows, local(y), local(u), local(v), out, scratch);
+                }
+                Operation::Cayley { y, v } => system.cayley(rows, local(y), local(v), out, scratch),
+                Operation::Gradient { y } => system.gradient(rows, whole(y), h, out, scratch),
+                Operation::Hessian { y, u } => {
+                    system.hessian(rows, whole(y), whole(u), h, out, scratch);
+                }
+                Operation::AveragedGradient { a, b } => {
+                    system.averaged_gradient(whole(a), whole(b), h, out, scratch);
+                }
+                Operation::AveragedHessian { a, b, u } => {
+                    averaged_hessian(system, whole(a), whole(b), whole(u), h, out, scratch);
+                }
+                Operation::AveragedField { a, b } => {
+                    system.averaged_field(whole(a), whole(b), h, out, scratch);
+                }
+                Operation::ItoCorrection { y } => {
+                    system.ito_correction(rows, whole(y), out, scratch);
+                }
+            }
+            slots[slot] = result;
+        }
+        for (n, &(slot, _)) in self.stage.stores.iter().enumerate() {
+            stores[n].copy_from_slice(&slots[slot][..tile.len()]);
+        }
+    }
+}
+
+/// out = factor·x.
+struct Multiple<'a> {
+    x: &'a [Row],
+    factor: f64,
+    out: &'a mut [Row],
+}
+
+impl Kernel for Multiple<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        for (out, x) in self.out.iter_mut().zip(self.x) {
+            for p in 0..WIDTH {
+                out[p] = x[p] * self.factor;
+            }
+        }
+    }
+}
+
+/// out = fx·x + fy·y. Multiplication by one is exact.
+struct Combination<'a> {
+    x: &'a [Row],
+    fx: f64,
+    y: &'a [Row],
+    fy: f64,
+    out: &'a mut [Row],
+}
+
+impl Kernel for Combination<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        for ((out, x), y) in self.out.iter_mut().zip(self.x).zip(self.y) {
+            for p in 0..WIDTH {
+                out[p] = x[p] * self.fx + y[p] * self.fy;
+            }
+        }
+    }
+}
