@@ -8,7 +8,7 @@ use super::{
     Stepper,
     explicit::some_step,
     krylov::{Equation, Krylov},
-    machine::Machine,
+    machine::{Machine, Multiple},
     norm::{Distance, Size, sum},
     plan::Plan,
     record::{Recorder, Recording},
@@ -170,7 +170,7 @@ impl<F: Implicit> Stepper for ImplicitStepper<'_, F> {
         let h = Weights { dt: step.tau, dw };
         let (first, second) =
             if F::EXACT_DAMPING { (step.first_decay, step.second_decay) } else { (1.0, 1.0) };
-        dispatch(Scaled { x: &self.state, factor: first, out: &mut self.machine.buffers[0] });
+        dispatch(Multiple { x: &self.state, factor: first, out: &mut self.machine.buffers[0] });
         self.solution.copy_from_slice(&self.machine.buffers[0]);
         let solver = self.formula.solver();
         let pending = self.iterate(h, solver.max_sweeps.max(1));
@@ -190,7 +190,7 @@ impl<F: Implicit> Stepper for ImplicitStepper<'_, F> {
             };
             status.set(p, outcome);
         }
-        dispatch(Scaled { x: &self.solution, factor: second, out: &mut self.state });
+        dispatch(Multiple { x: &self.solution, factor: second, out: &mut self.state });
         // The second half of the damping may give a state that is not finite.
         if (second > 1.0 || second.is_nan()) && self.system.lanes() == Lanes::Paths {
             status.fail_where_not_finite(self.state());
@@ -221,28 +221,11 @@ impl Kernel for Select<'_> {
     #[inline(always)]
     fn run(self) {
         for (solution, next) in self.solution.iter_mut().zip(self.next) {
+            let (mut row, next) = (*solution, *next);
             for p in 0..WIDTH {
-                solution[p] = if self.frozen[p] <= 0.0 { solution[p] } else { next[p] };
+                row[p] = if self.frozen[p] <= 0.0 { row[p] } else { next[p] };
             }
-        }
-    }
-}
-
-/// out = factor·x.
-struct Scaled<'a> {
-    x: &'a [Row],
-    factor: f64,
-    out: &'a mut [Row],
-}
-
-impl Kernel for Scaled<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        for (out, x) in self.out.iter_mut().zip(self.x) {
-            for p in 0..WIDTH {
-                out[p] = x[p] * self.factor;
-            }
+            *solution = row;
         }
     }
 }

@@ -79,7 +79,7 @@ impl<'a> Machine<'a> {
             // The buffers in which the stage stores are taken out while the others are read.
             let mut taken: [Rows; MOST_STORES] = Default::default();
             for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
-                *taken = std::mem::take(&mut self.buffers[buffer]);
+                std::mem::swap(taken, &mut self.buffers[buffer]);
             }
             let execution = Execution {
                 system: self.system,
@@ -96,7 +96,7 @@ impl<'a> Machine<'a> {
             });
             execution.on_rows(0..self.system.rows(), stores);
             for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
-                self.buffers[buffer] = std::mem::take(taken);
+                std::mem::swap(taken, &mut self.buffers[buffer]);
             }
         }
     }
@@ -108,7 +108,10 @@ impl Execution<'_> {
         let tile = self.system.tile_rows();
         let tiles = rows.len().div_ceil(tile);
         if tiles <= 1 {
-            let thread = rayon::current_thread_index().unwrap_or(0) % self.desks.len();
+            let thread = match self.desks.len() {
+                1 => 0,
+                threads => rayon::current_thread_index().unwrap_or(0) % threads,
+            };
             let mut desk = self.desks[thread].lock().unwrap_or_else(PoisonError::into_inner);
             return self.on_tile(rows, stores, &mut desk);
         }
@@ -189,10 +192,10 @@ impl Execution<'_> {
 }
 
 /// out = factor·x.
-struct Multiple<'a> {
-    x: &'a [Row],
-    factor: f64,
-    out: &'a mut [Row],
+pub struct Multiple<'a> {
+    pub x: &'a [Row],
+    pub factor: f64,
+    pub out: &'a mut [Row],
 }
 
 impl Kernel for Multiple<'_> {
@@ -200,9 +203,12 @@ impl Kernel for Multiple<'_> {
     #[inline(always)]
     fn run(self) {
         for (out, x) in self.out.iter_mut().zip(self.x) {
+            // A copy, which a store cannot change: without it the loop is not vectorised.
+            let mut row = *x;
             for p in 0..WIDTH {
-                out[p] = x[p] * self.factor;
+                row[p] *= self.factor;
             }
+            *out = row;
         }
     }
 }
@@ -221,9 +227,11 @@ impl Kernel for Combination<'_> {
     #[inline(always)]
     fn run(self) {
         for ((out, x), y) in self.out.iter_mut().zip(self.x).zip(self.y) {
+            let (mut row, y) = (*x, *y);
             for p in 0..WIDTH {
-                out[p] = x[p] * self.fx + y[p] * self.fy;
+                row[p] = row[p] * self.fx + y[p] * self.fy;
             }
+            *out = row;
         }
     }
 }

@@ -57,6 +57,7 @@ impl Recorder {
         std::array::from_fn(|input| self.push(Node::Input(input), 1.0))
     }
 
+    #[inline]
     fn push(&self, node: Node, factor: f64) -> Symbol<'_> {
         let mut nodes = self.nodes.borrow_mut();
         nodes.push(node);
