@@ -1,7 +1,7 @@
 //! Implicit formulas on systems known at run time.
 
 use nonlin::{BlockStatus, Outcome};
-use real::{Kernel, OutOfMemory, Row, Rows, WIDTH, dispatch};
+use real::{Kernel, OutOfMemory, PathMask, Row, Rows, WIDTH, dispatch};
 use systems::run_time::{Lanes, System, Weights};
 
 use super::{
@@ -28,14 +28,7 @@ pub struct ImplicitStepper<'a, F> {
     state: Rows,
     solution: Rows,
     previous: Rows,
-    krylov: Option<Rescue<'a>>,
-}
-
-/// Newton's method, and the noise and the start of one path for it.
-struct Rescue<'a> {
-    krylov: Krylov<'a>,
-    dw: Rows,
-    start: Rows,
+    krylov: Option<Krylov<'a>>,
 }
 
 /// Minus the number of sweeps of a path that has converged; positive on other paths.
@@ -113,35 +106,21 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
         pending
     }
 
-    /// Solves path p by Newton's method.
-    fn rescue(&mut self, p: usize, h: Weights<'_>) -> Result<Outcome, OutOfMemory> {
-        if self.krylov.is_none() {
-            let krylov = Krylov::new(self.system)?;
-            let (dw, start) = (Rows::zero(h.dw.len())?, Rows::zero(self.system.rows())?);
-            self.krylov = Some(Rescue { krylov, dw, start });
-        }
-        let Some(Rescue { krylov, dw, start }) = &mut self.krylov else { unreachable!() };
-        let begin = &self.machine.buffers[0];
-        match self.system.lanes() {
-            Lanes::Components => {
-                dw.copy_from_slice(h.dw);
-                start.copy_from_slice(begin);
-            }
-            Lanes::Paths => {
-                dw.iter_mut().zip(h.dw).for_each(|(row, dw)| *row = [dw[p]; WIDTH]);
-                start.iter_mut().zip(begin.iter()).for_each(|(row, y)| *row = [y[p]; WIDTH]);
-            }
-        }
+    /// Solves some paths by Newton's method.
+    fn rescue(&mut self, paths: PathMask, h: Weights<'_>) -> Result<[Outcome; WIDTH], OutOfMemory> {
+        let krylov = match &mut self.krylov {
+            Some(krylov) => krylov,
+            none => none.insert(Krylov::new(self.system)?),
+        };
         let (nodes, factors) = self.recorder.operations();
-        let h = Weights { dt: h.dt, dw };
-        let (z, outcome) = krylov.solve(&Equation { nodes, factors, h, start })?;
-        match self.system.lanes() {
-            Lanes::Components => self.solution.copy_from_slice(z),
-            Lanes::Paths => {
-                self.solution.iter_mut().zip(z).for_each(|(solution, z)| solution[p] = z[p]);
+        let start = &self.machine.buffers[0];
+        let outcomes = krylov.solve(&Equation { nodes, factors, h, start }, paths)?;
+        for (solution, z) in self.solution.iter_mut().zip(krylov.z.iter()) {
+            for p in paths.paths() {
+                solution[p] = z[p];
             }
         }
-        Ok(outcome)
+        Ok(outcomes)
     }
 }
 
@@ -177,19 +156,19 @@ impl<F: Implicit> Stepper for ImplicitStepper<'_, F> {
         if solver.settle {
             self.settle(h);
         }
+        let mut unsolved = PathMask::NONE;
+        (0..WIDTH).filter(|&p| pending[p] > 0.0).for_each(|p| unsolved.insert(p));
+        let mut outcomes = pending.map(|pending| Outcome::Fast { iterations: -pending as u32 });
+        if !unsolved.is_empty() {
+            let failed = [Outcome::Failed { residual: f64::INFINITY }; WIDTH];
+            let solved = self.rescue(unsolved, h).unwrap_or(failed);
+            unsolved.paths().for_each(|p| outcomes[p] = solved[p]);
+        }
         let paths = match self.system.lanes() {
             Lanes::Paths => WIDTH,
             Lanes::Components => 1,
         };
-        for p in 0..paths {
-            let outcome = if pending[p] <= 0.0 {
-                Outcome::Fast { iterations: -pending[p] as u32 }
-            } else {
-                let outcome = self.rescue(p, h);
-                outcome.unwrap_or(Outcome::Failed { residual: f64::INFINITY })
-            };
-            status.set(p, outcome);
-        }
+        (0..paths).for_each(|p| status.set(p, outcomes[p]));
         dispatch(Multiple { x: &self.solution, factor: second, out: &mut self.state });
         // The second half of the damping may give a state that is not finite.
         if (second > 1.0 || second.is_nan()) && self.system.lanes() == Lanes::Paths {

@@ -1,12 +1,13 @@
-//! Newton's method with continuation for one path, without a matrix.
+//! Newton's method with continuation, without a matrix, on all paths at once.
 //!
 //! The homotopy z = z₀ + s(ψ(z) − z₀) connects the start z₀ with the equation, as in [`nonlin`] for
 //! few unknowns. Each linear equation (I − sψ′(z))δ = defect is solved by GMRES (Saad and Schultz
-//! 1986) with products ψ′(z)u. Inner products are summed in a fixed order. A step in s is accepted
-//! if Newton's method contracts from its first iteration on, otherwise it is halved.
+//! 1986) with products ψ′(z)u. A step in s is accepted if Newton's method contracts from its first
+//! iteration on, otherwise it is halved. Every path has numbers of its own, 32 in a [`Row`]; if a
+//! row belongs to one path they are equal.
 
 use nonlin::Outcome;
-use real::{OutOfMemory, Row, Rows, WIDTH};
+use real::{Kernel, OutOfMemory, PathMask, Row, Rows, WIDTH, dispatch};
 use systems::run_time::{System, Weights};
 
 use super::{
@@ -29,10 +30,10 @@ const LEAST_STEP: f64 = 1.0 / 16384.0;
 const ROUND_OFF: f64 = 1.0 / (1u64 << 26) as f64;
 /// Dimension of the Krylov space at most; then it is begun anew.
 const DIRECTIONS: usize = 40;
-/// Times that it is begun anew.
-const RESTARTS: usize = 10;
+/// Times that it is begun.
+const STARTS: usize = 10;
 /// The residual of a linear equation relative to its right-hand side.
-const LINEAR_TOLERANCE: f64 = 1e-10;
+const LINEAR_TOLERANCE: f64 = 1e-8;
 
 /// Memory of the method.
 pub struct Krylov<'a> {
@@ -40,27 +41,29 @@ pub struct Krylov<'a> {
     /// The machines of ψ and of its derivative.
     psi: Machine<'a>,
     slope: Machine<'a>,
-    z: Rows,
+    pub z: Rows,
     before: Rows,
     defect: Rows,
     change: Rows,
     basis: Vec<Rows>,
 }
 
-/// ψ with the noise of one path on all 32.
+/// The equation z = ψ(ẑ, z).
 pub struct Equation<'e> {
     pub nodes: &'e [Node],
     pub factors: &'e [f64],
     pub h: Weights<'e>,
-    /// ẑ of this path on all 32.
+    /// ẑ.
     pub start: &'e [Row],
 }
 
-/// The plans for ψ and its derivative.
-struct Plans {
+/// An equation, the plans for ψ and its derivative, and s of every path.
+struct Homotopy<'e> {
+    equation: &'e Equation<'e>,
     psi: Plan,
     slope: Plan,
     slope_factors: Vec<f64>,
+    s: Row,
 }
 
 impl<'a> Krylov<'a> {
@@ -82,82 +85,117 @@ impl<'a> Krylov<'a> {
         })
     }
 
-    /// The solution of z = ψ(z) on the branch that begins at the start, and how it was found.
+    /// Solves the equations of some paths on the branch that begins at the start; the solutions are
+    /// in `z`. Returns how each ended.
     ///
     /// # Errors
     /// [`OutOfMemory`].
-    pub fn solve(&mut self, equation: &Equation<'_>) -> Result<(&[Row], Outcome), OutOfMemory> {
+    pub fn solve(
+        &mut self,
+        equation: &Equation<'_>,
+        paths: PathMask,
+    ) -> Result<[Outcome; WIDTH], OutOfMemory> {
         let (nodes, slope_factors) = derivative(equation.nodes, equation.factors);
-        let plans = Plans {
-            psi: Plan::new(equation.nodes, &[false; 2]),
-            slope: Plan::new(&nodes, &[false; 3]),
-            slope_factors,
-        };
-        self.psi.prepare(&plans.psi)?;
-        self.slope.prepare(&plans.slope)?;
+        let psi = Plan::new(equation.nodes, &[false; 2]);
+        let slope = Plan::new(&nodes, &[false; 3]);
+        self.psi.prepare(&psi)?;
+        self.slope.prepare(&slope)?;
+        let mut homotopy = Homotopy { equation, psi, slope, slope_factors, s: [0.0; WIDTH] };
         self.psi.buffers[0].copy_from_slice(equation.start);
         self.slope.buffers[0].copy_from_slice(equation.start);
         self.z.copy_from_slice(equation.start);
-        let (mut s, mut step, mut iterations) = (0.0, 1.0, 0);
-        while s < 1.0 {
-            let target = f64::min(s + step, 1.0);
-            self.before.copy_from_slice(&self.z);
-            let (converged, more) = self.newton(equation, &plans, target)?;
-            iterations += more;
-            if converged {
-                s = target;
-                step *= 2.0;
-                continue;
+        // How far each path is, and its next step.
+        let (mut reached, mut step) = ([0.0; WIDTH], [1.0f64; WIDTH]);
+        let (mut going, mut failed, mut iterations) = (paths, PathMask::NONE, [0; WIDTH]);
+        while !going.is_empty() {
+            for p in going.paths() {
+                homotopy.s[p] = f64::min(reached[p] + step[p], 1.0);
             }
-            self.z.copy_from_slice(&self.before);
-            step *= 0.5;
-            if step < LEAST_STEP {
-                self.find_defect(equation, &plans, 1.0);
-                let residual = self.norm(&self.defect);
-                return Ok((&self.z, Outcome::Failed { residual }));
+            self.before.copy_from_slice(&self.z);
+            let converged = self.newton(&homotopy, going, &mut iterations)?;
+            let back = going.without(converged);
+            dispatch(Choose { x: &mut self.z, y: &self.before, paths: weights(back) });
+            for p in going.paths() {
+                if converged.contains(p) {
+                    (reached[p], step[p]) = (homotopy.s[p], 2.0 * step[p]);
+                    if reached[p] == 1.0 {
+                        going = going.without(PathMask(1 << p));
+                    }
+                } else {
+                    step[p] *= 0.5;
+                    if step[p] < LEAST_STEP {
+                        failed.insert(p);
+                        going = going.without(PathMask(1 << p));
+                    }
+                }
             }
         }
-        self.find_defect(equation, &plans, 1.0);
-        let residual = self.norm(&self.defect);
-        Ok((&self.z, Outcome::Robust { iterations, residual }))
+        homotopy.s = [1.0; WIDTH];
+        self.find_defect(&homotopy);
+        let residuals = self.norm(&self.defect);
+        Ok(std::array::from_fn(|p| {
+            let (residual, iterations) = (residuals[p], iterations[p]);
+            match failed.contains(p) {
+                true => Outcome::Failed { residual },
+                false => Outcome::Robust { iterations, residual },
+            }
+        }))
     }
 
-    /// Newton's method for z = z₀ + s(ψ(z) − z₀): whether it converged, and its iterations.
+    /// Newton's method for z = z₀ + s(ψ(z) − z₀): the paths on which it converged. Iterations are
+    /// added to `iterations`.
     fn newton(
         &mut self,
-        equation: &Equation<'_>,
-        plans: &Plans,
-        s: f64,
-    ) -> Result<(bool, u32), OutOfMemory> {
-        let mut before = f64::INFINITY;
-        for iteration in 1..=MOST_ITERATIONS {
-            self.find_defect(equation, plans, s);
-            self.solve_linear(equation, plans, s)?;
-            combine(&mut self.z, 1.0, &self.change, -1.0);
-            let length = self.norm(&self.change);
-            let size = self.norm(&self.z) + self.norm(equation.start);
-            let solved = length <= TOLERANCE * size;
-            // With a NaN both are false.
-            let contracts = length <= CONTRACTION * before;
-            if solved || !contracts {
-                let stagnates = !contracts && length <= ROUND_OFF * size;
-                return Ok((size.is_finite() && (solved || stagnates), iteration));
+        homotopy: &Homotopy<'_>,
+        paths: PathMask,
+        iterations: &mut [u32; WIDTH],
+    ) -> Result<PathMask, OutOfMemory> {
+        let mut before = [f64::INFINITY; WIDTH];
+        let (mut going, mut converged) = (paths, PathMask::NONE);
+        let starts = self.norm(homotopy.equation.start);
+        for _ in 0..MOST_ITERATIONS {
+            self.find_defect(homotopy);
+            self.solve_linear(homotopy, going)?;
+            dispatch(AddMultiple {
+                x: &mut self.z,
+                y: &self.change,
+                factor: weights(going),
+                by: -1.0,
+            });
+            let (lengths, sizes) = (self.norm(&self.change), self.norm(&self.z));
+            for p in going.paths() {
+                iterations[p] += 1;
+                let (length, size) = (lengths[p], sizes[p] + starts[p]);
+                let solved = length <= TOLERANCE * size;
+                // With a NaN both are false.
+                let contracts = length <= CONTRACTION * before[p];
+                if solved || !contracts {
+                    going = going.without(PathMask(1 << p));
+                    let stagnates = !contracts && length <= ROUND_OFF * size;
+                    if size.is_finite() && (solved || stagnates) {
+                        converged.insert(p);
+                    }
+                }
+                before[p] = length;
             }
-            before = length;
+            if going.is_empty() {
+                break;
+            }
         }
-        Ok((false, MOST_ITERATIONS))
+        Ok(converged)
     }
 
     /// defect = z − z₀ − s(ψ(z) − z₀).
-    fn find_defect(&mut self, equation: &Equation<'_>, plans: &Plans, s: f64) {
+    fn find_defect(&mut self, homotopy: &Homotopy<'_>) {
+        let Homotopy { equation: Equation { factors, h, start, .. }, psi, s, .. } = homotopy;
         self.psi.buffers[1].copy_from_slice(&self.z);
-        self.psi.execute(&plans.psi, equation.factors, equation.h);
-        let psi = &self.psi.buffers[plans.psi.result];
+        self.psi.execute(psi, factors, *h);
+        let psi = &self.psi.buffers[psi.result];
         for (((defect, z), start), psi) in
-            self.defect.iter_mut().zip(self.z.iter()).zip(equation.start).zip(psi.iter())
+            self.defect.iter_mut().zip(self.z.iter()).zip(*start).zip(psi.iter())
         {
             for p in 0..WIDTH {
-                defect[p] = (1.0 - s) * (z[p] - start[p]) + s * (z[p] - psi[p]);
+                defect[p] = (1.0 - s[p]) * (z[p] - start[p]) + s[p] * (z[p] - psi[p]);
             }
         }
     }
@@ -165,32 +203,32 @@ impl<'a> Krylov<'a> {
     /// change = (I − sψ′(z))⁻¹ defect, by GMRES.
     fn solve_linear(
         &mut self,
-        equation: &Equation<'_>,
-        plans: &Plans,
-        s: f64,
+        homotopy: &Homotopy<'_>,
+        paths: PathMask,
     ) -> Result<(), OutOfMemory> {
         self.change.fill([0.0; WIDTH]);
         self.slope.buffers[1].copy_from_slice(&self.z);
-        let aim = LINEAR_TOLERANCE * self.dot(&self.defect, &self.defect).sqrt();
-        for _ in 0..RESTARTS {
+        let aim = self.length(&self.defect).map(|length| LINEAR_TOLERANCE * length);
+        for start in 0..STARTS {
             // The residual begins the basis.
             let mut residual = self.direction(0)?;
-            self.apply(equation, plans, s, None, &mut residual);
-            for (residual, defect) in residual.iter_mut().zip(self.defect.iter()) {
-                for p in 0..WIDTH {
-                    residual[p] = defect[p] - residual[p];
-                }
+            residual.copy_from_slice(&self.defect);
+            if start > 0 {
+                let mut product = self.direction(1)?;
+                self.apply(homotopy, None, &mut product);
+                add(&mut residual, &product, [1.0; WIDTH], -1.0);
+                self.basis[1] = product;
             }
-            let length = self.dot(&residual, &residual).sqrt();
-            if length <= aim || !length.is_finite() {
+            let length = self.length(&residual);
+            if paths.paths().all(|p| length[p] <= aim[p] || !length[p].is_finite()) {
                 self.basis[0] = residual;
                 return Ok(());
             }
-            scale(&mut residual, 1.0 / length);
+            dispatch(Scale { x: &mut residual, factor: length.map(inverse) });
             self.basis[0] = residual;
-            let columns = self.arnoldi(equation, plans, s, length, aim)?;
-            for (k, weight) in columns.into_iter().enumerate() {
-                combine(&mut self.change, 1.0, &self.basis[k], weight);
+            let weights = self.arnoldi(homotopy, paths, length, aim)?;
+            for (k, &weight) in weights.iter().enumerate() {
+                add(&mut self.change, &self.basis[k], weight, 1.0);
             }
         }
         Ok(())
@@ -199,77 +237,74 @@ impl<'a> Krylov<'a> {
     /// Builds the Krylov space, and gives the weights of its directions in the solution.
     fn arnoldi(
         &mut self,
-        equation: &Equation<'_>,
-        plans: &Plans,
-        s: f64,
-        length: f64,
-        aim: f64,
-    ) -> Result<Vec<f64>, OutOfMemory> {
+        homotopy: &Homotopy<'_>,
+        paths: PathMask,
+        length: Row,
+        aim: Row,
+    ) -> Result<Vec<Row>, OutOfMemory> {
         // The upper triangular matrix after rotations, column by column, and the right-hand side.
-        let mut columns: Vec<Vec<f64>> = Vec::new();
-        let mut rotations: Vec<(f64, f64)> = Vec::new();
+        let mut columns: Vec<Vec<Row>> = Vec::new();
+        let mut rotations: Vec<(Row, Row)> = Vec::new();
         let mut right = vec![length];
         for k in 0..DIRECTIONS {
             let mut next = self.direction(k + 1)?;
-            self.apply(equation, plans, s, Some(k), &mut next);
-            let mut column = Vec::with_capacity(k + 2);
-            // Twice is enough (Kahan; Giraud et al. 2005).
-            for pass in 0..2 {
+            self.apply(homotopy, Some(k), &mut next);
+            let mut column = vec![[0.0; WIDTH]; k + 1];
+            // Twice is enough to be orthogonal (Giraud, Langou and Rozloznik 2005).
+            for _ in 0..2 {
                 for j in 0..=k {
-                    let part = self.dot(&next, &self.basis[j]);
-                    combine(&mut next, 1.0, &self.basis[j], -part);
-                    if pass == 0 {
-                        column.push(part);
-                    } else {
-                        column[j] += part;
+                    let part = sum(self.system, Product, &next, &self.basis[j]);
+                    add(&mut next, &self.basis[j], part, -1.0);
+                    for p in 0..WIDTH {
+                        column[j][p] += part[p];
                     }
                 }
             }
-            let rest = self.dot(&next, &next).sqrt();
-            if rest > 0.0 {
-                scale(&mut next, 1.0 / rest);
-            }
+            let rest = self.length(&next);
+            dispatch(Scale { x: &mut next, factor: rest.map(inverse) });
             self.basis[k + 1] = next;
-            for (j, &(c, d)) in rotations.iter().enumerate() {
-                let (a, b) = (column[j], column[j + 1]);
-                (column[j], column[j + 1]) = (c * a + d * b, c * b - d * a);
+            let (mut cosine, mut sine) = ([1.0; WIDTH], [0.0; WIDTH]);
+            let mut after = [0.0; WIDTH];
+            for p in 0..WIDTH {
+                for (j, (c, d)) in rotations.iter().enumerate() {
+                    let (a, b) = (column[j][p], column[j + 1][p]);
+                    (column[j][p], column[j + 1][p]) = (c[p] * a + d[p] * b, c[p] * b - d[p] * a);
+                }
+                let radius = (column[k][p] * column[k][p] + rest[p] * rest[p]).sqrt();
+                if radius > 0.0 {
+                    (cosine[p], sine[p]) = (column[k][p] / radius, rest[p] / radius);
+                }
+                column[k][p] = radius;
+                after[p] = -sine[p] * right[k][p];
+                right[k][p] *= cosine[p];
             }
-            let radius = (column[k] * column[k] + rest * rest).sqrt();
-            if !(radius > 0.0 && radius.is_finite()) {
-                break;
-            }
-            let (c, d) = (column[k] / radius, rest / radius);
-            column[k] = radius;
             columns.push(column);
-            rotations.push((c, d));
-            right.push(-d * right[k]);
-            right[k] *= c;
-            if right[k + 1].abs() <= aim || rest == 0.0 {
+            rotations.push((cosine, sine));
+            right.push(after);
+            // With a NaN there is nothing to be gained.
+            if paths.paths().all(|p| after[p].abs() <= aim[p] || after[p].is_nan()) {
                 break;
             }
         }
-        let mut weights = vec![0.0; columns.len()];
+        let mut weights = vec![[0.0; WIDTH]; columns.len()];
         for k in (0..columns.len()).rev() {
-            let known: f64 = (k + 1..columns.len()).map(|j| columns[j][k] * weights[j]).sum();
-            weights[k] = (right[k] - known) / columns[k][k];
+            for p in 0..WIDTH {
+                let known: f64 =
+                    (k + 1..columns.len()).map(|j| columns[j][k][p] * weights[j][p]).sum();
+                weights[k][p] = (right[k][p] - known) * inverse(columns[k][k][p]);
+            }
         }
         Ok(weights)
     }
 
     /// out = (I − sψ′(z))u for direction number k of the basis, or for the change so far.
-    fn apply(
-        &mut self,
-        equation: &Equation<'_>,
-        plans: &Plans,
-        s: f64,
-        direction: Option<usize>,
-        out: &mut Rows,
-    ) {
+    fn apply(&mut self, homotopy: &Homotopy<'_>, direction: Option<usize>, out: &mut Rows) {
+        let Homotopy { equation, slope, slope_factors, s, .. } = homotopy;
         let u = direction.map_or(&self.change, |k| &self.basis[k]);
         self.slope.buffers[2].copy_from_slice(u);
-        self.slope.execute(&plans.slope, &plans.slope_factors, equation.h);
+        self.slope.execute(slope, slope_factors, equation.h);
         out.copy_from_slice(u);
-        combine(out, 1.0, &self.slope.buffers[plans.slope.result], -s);
+        add(out, &self.slope.buffers[slope.result], *s, -1.0);
     }
 
     /// Memory for a direction of the basis, taken out of it.
@@ -280,24 +315,92 @@ impl<'a> Krylov<'a> {
         Ok(std::mem::take(&mut self.basis[k]))
     }
 
-    fn dot(&self, x: &[Row], y: &[Row]) -> f64 {
-        sum(self.system, Product, x, y)[0]
+    /// The Euclidean length of a state.
+    fn length(&self, x: &[Row]) -> Row {
+        sum(self.system, Product, x, x).map(f64::sqrt)
     }
 
-    fn norm(&self, x: &[Row]) -> f64 {
-        sum(self.system, Size, x, x)[0]
+    /// The sum of the absolute values of a state.
+    fn norm(&self, x: &[Row]) -> Row {
+        sum(self.system, Size, x, x)
     }
 }
 
-/// x ← fx·x + fy·y.
-fn combine(x: &mut [Row], fx: f64, y: &[Row], fy: f64) {
-    for (x, y) in x.iter_mut().zip(y) {
-        for p in 0..WIDTH {
-            x[p] = x[p] * fx + y[p] * fy;
+/// 1 on the paths, else 0.
+fn weights(paths: PathMask) -> Row {
+    std::array::from_fn(|p| if paths.contains(p) { 1.0 } else { 0.0 })
+}
+
+/// 1/x, and 0 for 0.
+fn inverse(x: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { 1.0 / x }
+}
+
+fn add(x: &mut [Row], y: &[Row], factor: Row, by: f64) {
+    dispatch(AddMultiple { x, y, factor, by });
+}
+
+/// x + by·factor·y.
+struct AddMultiple<'a> {
+    x: &'a mut [Row],
+    y: &'a [Row],
+    factor: Row,
+    by: f64,
+}
+
+impl Kernel for AddMultiple<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        for (x, y) in self.x.iter_mut().zip(self.y) {
+            let (mut row, y) = (*x, *y);
+            for p in 0..WIDTH {
+                // Where the factor is zero y may be NaN.
+                let term = if self.factor[p] == 0.0 { 0.0 } else { y[p] * self.factor[p] };
+                row[p] += term * self.by;
+            }
+            *x = row;
         }
     }
 }
 
-fn scale(x: &mut [Row], factor: f64) {
-    x.iter_mut().flatten().for_each(|x| *x *= factor);
+/// factor·x.
+struct Scale<'a> {
+    x: &'a mut [Row],
+    factor: Row,
+}
+
+impl Kernel for Scale<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        for x in self.x.iter_mut() {
+            let mut row = *x;
+            for p in 0..WIDTH {
+                row[p] *= self.factor[p];
+            }
+            *x = row;
+        }
+    }
+}
+
+/// x ← y on paths with the weight one.
+struct Choose<'a> {
+    x: &'a mut [Row],
+    y: &'a [Row],
+    paths: Row,
+}
+
+impl Kernel for Choose<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        for (x, y) in self.x.iter_mut().zip(self.y) {
+            let (mut row, y) = (*x, *y);
+            for p in 0..WIDTH {
+                row[p] = if self.paths[p] == 1.0 { y[p] } else { row[p] };
+            }
+            *x = row;
+        }
+    }
 }
