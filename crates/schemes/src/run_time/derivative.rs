@@ -1,6 +1,6 @@
 //! The derivative of a recorded formula.
 
-use super::record::Node;
+use systems::run_time::Node;
 
 /// The operations of ∂ψ/∂z·u for a formula ψ(ẑ, z) with the inputs ẑ, z; the inputs of the result
 /// are ẑ, z, u. Operations that do not depend on z are kept, their derivatives are zero and not

@@ -10,7 +10,6 @@ use systems::{
 use super::{
     Stepper,
     machine::Machine,
-    plan::Plan,
     record::{Recorder, Recording},
 };
 use crate::{Implicit, Step};
@@ -20,7 +19,6 @@ pub struct ExplicitStepper<'a, F> {
     formula: &'a F,
     system: &'a dyn System,
     recorder: Recorder,
-    plan: Plan,
     /// The state is the first buffer.
     machine: Machine<'a>,
 }
@@ -28,8 +26,8 @@ pub struct ExplicitStepper<'a, F> {
 impl<'a, F: Implicit> ExplicitStepper<'a, F> {
     pub fn new(formula: &'a F, system: &'a dyn System) -> Result<Self, OutOfMemory> {
         let machine = Machine::new(system)?;
-        let (recorder, plan) = (Recorder::default(), Plan::default());
-        let mut stepper = Self { formula, system, recorder, plan, machine };
+        let recorder = Recorder::default();
+        let mut stepper = Self { formula, system, recorder, machine };
         stepper.prepare(&some_step())?;
         Ok(stepper)
     }
@@ -40,12 +38,7 @@ impl<'a, F: Implicit> ExplicitStepper<'a, F> {
         let h = Recording { system: self.system, step, recorder: &self.recorder };
         let result = self.formula.psi(h, y, y);
         self.recorder.finish(result.number);
-        let (nodes, _) = self.recorder.operations();
-        if !self.plan.is_for(nodes) {
-            self.plan = Plan::new(nodes, &[true]);
-            self.machine.prepare(&self.plan)?;
-        }
-        Ok(())
+        self.machine.prepare(self.recorder.operations().0, &[true])
     }
 }
 
@@ -72,8 +65,8 @@ impl<F: Implicit> Stepper for ExplicitStepper<'_, F> {
             return status.fail_everywhere();
         }
         let h = Weights { dt: step.tau, dw };
-        self.machine.execute(&self.plan, self.recorder.operations().1, h);
-        self.machine.buffers.swap(0, self.plan.result);
+        self.machine.execute(self.recorder.operations().1, h);
+        self.machine.feed_back(0);
         if self.system.lanes() == Lanes::Paths {
             status.fail_where_not_finite(self.state());
         }

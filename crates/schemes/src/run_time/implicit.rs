@@ -10,7 +10,6 @@ use super::{
     krylov::{Equation, Krylov},
     machine::{Machine, Multiple},
     norm::{Distance, Size, sum},
-    plan::Plan,
     record::{Recorder, Recording},
 };
 use crate::{Implicit, Step};
@@ -21,7 +20,6 @@ pub struct ImplicitStepper<'a, F> {
     formula: &'a F,
     system: &'a dyn System,
     recorder: Recorder,
-    plan: Plan,
     /// ẑ and z are the first buffers.
     machine: Machine<'a>,
     /// The state; the iterates that have converged; an earlier iterate.
@@ -46,7 +44,6 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
             formula,
             system,
             recorder: Recorder::default(),
-            plan: Plan::default(),
             machine: Machine::new(system)?,
             state: rows()?,
             solution: rows()?,
@@ -63,18 +60,13 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
         let h = Recording { system: self.system, step, recorder: &self.recorder };
         let result = self.formula.psi(h, start, z);
         self.recorder.finish(result.number);
-        let (nodes, _) = self.recorder.operations();
-        if !self.plan.is_for(nodes) {
-            self.plan = Plan::new(nodes, &[false; 2]);
-            self.machine.prepare(&self.plan)?;
-        }
-        Ok(())
+        self.machine.prepare(self.recorder.operations().0, &[false; 2])
     }
 
     /// ψ of the iterate, which becomes the iterate.
     fn evaluate(&mut self, h: Weights<'_>) {
-        self.machine.execute(&self.plan, self.recorder.operations().1, h);
-        self.machine.buffers.swap(1, self.plan.result);
+        self.machine.execute(self.recorder.operations().1, h);
+        self.machine.feed_back(1);
     }
 
     /// Sweeps of three evaluations until every path has converged or their number is reached.
@@ -86,9 +78,9 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
             self.evaluate(h);
             self.previous.copy_from_slice(&self.machine.buffers[1]);
             self.evaluate(h);
-            self.machine.execute(&self.plan, self.recorder.operations().1, h);
+            self.machine.execute(self.recorder.operations().1, h);
             let (before, next) =
-                (&self.machine.buffers[1], &self.machine.buffers[self.plan.result]);
+                (&self.machine.buffers[1], &self.machine.buffers[self.machine.result()]);
             let change = sum(system, Distance, next, before);
             let change_before = sum(system, Distance, before, &self.previous);
             let size = sum(system, Size, next, next);

@@ -8,14 +8,12 @@
 
 use nonlin::Outcome;
 use real::{Kernel, OutOfMemory, PathMask, Row, Rows, WIDTH, dispatch};
-use systems::run_time::{System, Weights};
+use systems::run_time::{Node, System, Weights};
 
 use super::{
     derivative::derivative,
     machine::Machine,
     norm::{Product, Size, sum},
-    plan::Plan,
-    record::Node,
 };
 
 /// ‖z − ψ(z)‖₁ relative to ‖z‖₁ at which Newton's method ends.
@@ -57,11 +55,9 @@ pub struct Equation<'e> {
     pub start: &'e [Row],
 }
 
-/// An equation, the plans for ψ and its derivative, and s of every path.
+/// An equation, the factors of its derivative, and s of every path.
 struct Homotopy<'e> {
     equation: &'e Equation<'e>,
-    psi: Plan,
-    slope: Plan,
     slope_factors: Vec<f64>,
     s: Row,
 }
@@ -96,11 +92,9 @@ impl<'a> Krylov<'a> {
         paths: PathMask,
     ) -> Result<[Outcome; WIDTH], OutOfMemory> {
         let (nodes, slope_factors) = derivative(equation.nodes, equation.factors);
-        let psi = Plan::new(equation.nodes, &[false; 2]);
-        let slope = Plan::new(&nodes, &[false; 3]);
-        self.psi.prepare(&psi)?;
-        self.slope.prepare(&slope)?;
-        let mut homotopy = Homotopy { equation, psi, slope, slope_factors, s: [0.0; WIDTH] };
+        self.psi.prepare(equation.nodes, &[false; 2])?;
+        self.slope.prepare(&nodes, &[false; 3])?;
+        let mut homotopy = Homotopy { equation, slope_factors, s: [0.0; WIDTH] };
         self.psi.buffers[0].copy_from_slice(equation.start);
         self.slope.buffers[0].copy_from_slice(equation.start);
         self.z.copy_from_slice(equation.start);
@@ -187,10 +181,10 @@ impl<'a> Krylov<'a> {
 
     /// defect = z − z₀ − s(ψ(z) − z₀).
     fn find_defect(&mut self, homotopy: &Homotopy<'_>) {
-        let Homotopy { equation: Equation { factors, h, start, .. }, psi, s, .. } = homotopy;
+        let Homotopy { equation: Equation { factors, h, start, .. }, s, .. } = homotopy;
         self.psi.buffers[1].copy_from_slice(&self.z);
-        self.psi.execute(psi, factors, *h);
-        let psi = &self.psi.buffers[psi.result];
+        self.psi.execute(factors, *h);
+        let psi = &self.psi.buffers[self.psi.result()];
         for (((defect, z), start), psi) in
             self.defect.iter_mut().zip(self.z.iter()).zip(*start).zip(psi.iter())
         {
@@ -299,12 +293,12 @@ impl<'a> Krylov<'a> {
 
     /// out = (I − sψ′(z))u for direction number k of the basis, or for the change so far.
     fn apply(&mut self, homotopy: &Homotopy<'_>, direction: Option<usize>, out: &mut Rows) {
-        let Homotopy { equation, slope, slope_factors, s, .. } = homotopy;
+        let Homotopy { equation, slope_factors, s } = homotopy;
         let u = direction.map_or(&self.change, |k| &self.basis[k]);
         self.slope.buffers[2].copy_from_slice(u);
-        self.slope.execute(slope, slope_factors, equation.h);
+        self.slope.execute(slope_factors, equation.h);
         out.copy_from_slice(u);
-        add(out, &self.slope.buffers[slope.result], *s, -1.0);
+        add(out, &self.slope.buffers[self.slope.result()], *s, -1.0);
     }
 
     /// Memory for a direction of the basis, taken out of it.

@@ -6,7 +6,7 @@ use std::{
 };
 
 use real::{Kernel, OutOfMemory, Row, Rows, WIDTH, dispatch};
-use systems::run_time::{System, Weights, averaged_hessian};
+use systems::run_time::{Node, Program, System, Weights, averaged_hessian};
 
 use super::plan::{Instruction, MOST_STORES, Operation, Plan, Source, Stage};
 
@@ -15,9 +15,15 @@ pub struct Machine<'a> {
     system: &'a dyn System,
     /// Whole states: inputs of the formula first.
     pub buffers: Vec<Rows>,
+    plan: Plan,
+    /// The formula in one piece, for systems that can compute it so.
+    program: Option<Box<dyn Program>>,
     /// Memory of the tiles, for each thread.
     desks: Vec<Mutex<Desk>>,
 }
+
+/// Most inputs of a formula: ẑ, z and a direction.
+const MOST_INPUTS: usize = 3;
 
 /// What a tile needs.
 struct Desk {
@@ -51,31 +57,56 @@ impl<'a> Machine<'a> {
             Ok(Mutex::new(Desk { slots: Vec::new(), scratch }))
         };
         let desks = (0..threads).map(|_| desk()).collect::<Result<_, OutOfMemory>>()?;
-        Ok(Self { system, buffers: Vec::new(), desks })
+        let plan = Plan::default();
+        Ok(Self { system, buffers: Vec::new(), plan, program: None, desks })
     }
 
-    /// Provides the memory that a plan needs.
+    /// Plans operations, of which the last is the result, unless they are the same as before, and
+    /// provides the memory that they need. Only the inputs `consumed` may be overwritten.
     ///
     /// # Errors
     /// [`OutOfMemory`].
-    pub fn prepare(&mut self, plan: &Plan) -> Result<(), OutOfMemory> {
+    pub fn prepare(&mut self, nodes: &[Node], consumed: &[bool]) -> Result<(), OutOfMemory> {
+        if self.plan.is_for(nodes) {
+            return Ok(());
+        }
+        self.program = self.system.compile(nodes, consumed.len());
+        self.plan = match self.program {
+            Some(_) => Plan::of_program(nodes, consumed.len()),
+            None => Plan::new(nodes, consumed),
+        };
         let tile = self.system.tile_rows().min(self.system.rows());
         for desk in &mut self.desks {
             let desk = desk.get_mut().unwrap_or_else(PoisonError::into_inner);
-            while desk.slots.len() < plan.slots {
+            while desk.slots.len() < self.plan.slots {
                 desk.slots.push(Rows::zero(tile)?);
             }
         }
-        while self.buffers.len() < plan.buffers {
+        while self.buffers.len() < self.plan.buffers {
             self.buffers.push(Rows::zero(self.system.rows())?);
         }
         Ok(())
     }
 
-    /// Executes a plan, whose memory [`prepare`](Self::prepare) has provided. The inputs are in the
-    /// first buffers, the result is in buffer [`Plan::result`].
-    pub fn execute(&mut self, plan: &Plan, factors: &[f64], h: Weights<'_>) {
-        for stage in &plan.stages {
+    /// The buffer in which the result is.
+    pub fn result(&self) -> usize {
+        self.plan.result
+    }
+
+    /// Makes the result this input; what was there is lost.
+    pub fn feed_back(&mut self, input: usize) {
+        self.buffers.swap(input, self.plan.result);
+    }
+
+    /// Executes the operations on the inputs in the first buffers.
+    pub fn execute(&mut self, factors: &[f64], h: Weights<'_>) {
+        if let Some(program) = &mut self.program {
+            let (inputs, rest) = self.buffers.split_at_mut(self.plan.result);
+            let mut states: [&[Row]; MOST_INPUTS] = [&[]; MOST_INPUTS];
+            inputs.iter().zip(&mut states).for_each(|(input, state)| *state = input);
+            return program.run(&states[..inputs.len()], factors, h, &mut rest[0]);
+        }
+        for stage in &self.plan.stages {
             // The buffers in which the stage stores are taken out while the others are read.
             let mut taken: [Rows; MOST_STORES] = Default::default();
             for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {

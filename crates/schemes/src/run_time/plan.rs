@@ -5,7 +5,7 @@
 //! stages, and what a later stage reads is stored in a whole buffer. A buffer is used again as soon
 //! as its content is no longer needed.
 
-use super::record::Node;
+use systems::run_time::Node;
 
 /// Most results that a stage stores.
 pub const MOST_STORES: usize = 4;
@@ -126,6 +126,12 @@ struct Read {
 }
 
 impl Plan {
+    /// The plan for operations that a program computes in one piece from `inputs` inputs.
+    pub fn of_program(nodes: &[Node], inputs: usize) -> Self {
+        let nodes = nodes.to_vec();
+        Self { nodes, buffers: inputs + 1, result: inputs, ..Self::default() }
+    }
+
     /// Whether the plan is for these operations.
     pub fn is_for(&self, nodes: &[Node]) -> bool {
         self.nodes == nodes

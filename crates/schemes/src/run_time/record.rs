@@ -5,40 +5,9 @@ use std::{
     ops::{Add, Mul, Sub},
 };
 
-use systems::run_time::System;
+use systems::run_time::{Node, System};
 
 use crate::{Increment, Step};
-
-/// An operation on states. Arguments are numbers of earlier nodes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Node {
-    /// An argument of the formula.
-    Input(usize),
-    /// a + b.
-    Sum(usize, usize),
-    /// a − b.
-    Difference(usize, usize),
-    /// A multiple of a; the factor is kept apart.
-    Multiple(usize),
-    /// B(y)v.
-    Structure { y: usize, v: usize },
-    /// (∂B(y)·u)v.
-    StructureAlong { y: usize, u: usize, v: usize },
-    /// ∇h(y).
-    Gradient { y: usize },
-    /// ∇²h(y)u.
-    Hessian { y: usize, u: usize },
-    /// ∇̄h(a, b).
-    AveragedGradient { a: usize, b: usize },
-    /// ∂∇̄h(a, b)/∂b·u.
-    AveragedHessian { a: usize, b: usize, u: usize },
-    /// B((a+b)/2)∇̄h(a, b).
-    AveragedField { a: usize, b: usize },
-    /// The solution of z = y + B((y+z)/2)v.
-    Cayley { y: usize, v: usize },
-    /// ½Σ fₘ′fₘ at y.
-    ItoCorrection { y: usize },
-}
 
 /// The operations of a formula in their order. A formula is recorded anew in every step, since its
 /// factors change; the operations do not, and how they are executed is planned once.
