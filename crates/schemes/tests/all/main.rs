@@ -11,4 +11,5 @@ mod overflow;
 mod own_schemes;
 mod run_time;
 mod sweeps;
+mod tiles;
 mod without_iteration;
