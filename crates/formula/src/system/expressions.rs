@@ -2,7 +2,9 @@
 
 use std::{ops::Range, slice::from_ref};
 
-use super::{cayley, definition::Formulas};
+use dgrad::Rule;
+
+use super::{cayley, definition::Formulas, program::Templates};
 use crate::{Formula, Graph, Id, Tape};
 
 /// B(y)v, H₀, Hₘ and the observables, in the inputs y, u, v, dt and dw, in this order.
@@ -163,6 +165,11 @@ impl Expressions {
 
     /// ½Σₘ fₘ′fₘ from y, with fₘ = B∇Hₘ.
     pub fn ito_correction(&mut self) -> Tape {
+        let correction = self.correction();
+        self.tape(&correction, from_ref(&self.y()))
+    }
+
+    fn correction(&mut self) -> Vec<Id> {
         let mut correction = vec![self.graph.constant(0.0); self.dimension];
         for m in 1..self.hamiltonians.len() {
             let mut unit = vec![self.graph.constant(0.0); self.hamiltonians.len()];
@@ -176,7 +183,7 @@ impl Expressions {
                 *sum = self.graph.add(*sum, half);
             }
         }
-        self.tape(&correction, from_ref(&self.y()))
+        correction
     }
 
     /// B(y)v for other expressions y and v.
@@ -192,6 +199,27 @@ impl Expressions {
         self.graph.import(&source, &self.field, &inputs)
     }
 
+    /// The expressions of all operations, for programs.
+    pub fn templates(mut self, affine: bool, rule: &Rule) -> Templates {
+        let gradient = self.gradient_of(&self.weights.clone());
+        let hessian = self.along(&gradient);
+        let structure_along = self.along(&self.field.clone());
+        let ito_correction = self.correction();
+        let cayley = (affine && self.dimension <= LARGEST_ELIMINATION).then(|| self.solution());
+        Templates {
+            dimension: self.dimension,
+            noises: self.noises,
+            structure: self.field,
+            structure_along,
+            gradient,
+            hessian,
+            ito_correction,
+            cayley,
+            rule: (rule.nodes().to_vec(), rule.weights().to_vec()),
+            graph: self.graph,
+        }
+    }
+
     /// The entries of I − ½A(v) from v, row by row.
     pub fn cayley_matrix(&mut self) -> Tape {
         let matrix = cayley::matrix(&mut self.graph, &self.field).concat();
@@ -203,10 +231,14 @@ impl Expressions {
         if self.dimension > LARGEST_ELIMINATION {
             return None;
         }
+        let solution = self.solution();
+        Some(self.tape(&solution, &[self.y(), self.v()]))
+    }
+
+    fn solution(&mut self) -> Vec<Id> {
         let right = self.cayley_right_side();
         let matrix = cayley::matrix(&mut self.graph, &self.field);
-        let solution = cayley::solve(&mut self.graph, &matrix, &right);
-        Some(self.tape(&solution, &[self.y(), self.v()]))
+        cayley::solve(&mut self.graph, &matrix, &right)
     }
 
     /// y + ½(B(y)v + B(0)v).

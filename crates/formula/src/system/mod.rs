@@ -4,6 +4,7 @@ mod cayley;
 mod definition;
 mod elimination;
 mod expressions;
+mod program;
 mod skew;
 
 use std::ops::Range;
@@ -12,7 +13,7 @@ use dgrad::{Rule, nodes_for_degree};
 use real::{Row, WIDTH, dispatch};
 use systems::{
     Linearity, SystemError,
-    run_time::{System, Weights},
+    run_time::{Node, Program, System, Weights},
     shown_solvable,
 };
 
@@ -22,6 +23,7 @@ use crate::{Formula, Names, Tape};
 use definition::Formulas;
 use elimination::Eliminate;
 use expressions::Expressions;
+use program::Templates;
 
 /// Nodes of the averaged gradient of what is no polynomial, and the most for a polynomial. The
 /// error of n nodes is of order |b − a|²ⁿ.
@@ -75,6 +77,7 @@ pub struct FormulaSystem {
     linearity: Linearity,
     solvable: bool,
     scratch: usize,
+    templates: Templates,
 }
 
 /// How z = y + B((y+z)/2)v is solved.
@@ -132,6 +135,7 @@ impl FormulaSystem {
                 (Cayley::new(&mut expressions), solvable)
             }
         };
+        let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
         let mut system = Self {
             definition: definition.clone(),
             structure: expressions.structure(),
@@ -142,10 +146,11 @@ impl FormulaSystem {
             ito_correction: expressions.ito_correction(),
             observables: expressions.observables(),
             cayley,
-            rule: Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}")),
             linearity,
             solvable,
             scratch: 0,
+            templates: expressions.templates(linearity == Linearity::Affine, &rule),
+            rule,
             names: formulas.names,
             checked: std::iter::once(formulas.energy)
                 .chain(formulas.noises)
@@ -296,6 +301,10 @@ impl System for FormulaSystem {
             }
             Cayley::None => unreachable!("B of {} is not affine", self.name()),
         }
+    }
+
+    fn compile(&self, nodes: &[Node], inputs: usize) -> Option<Box<dyn Program>> {
+        self.templates.compile(nodes, inputs)
     }
 
     fn ito_correction(&self, _: Range<usize>, y: &[Row], out: &mut [Row], scratch: &mut [Row]) {
