@@ -132,6 +132,11 @@ impl BlockStatus {
         }
     }
 
+    /// Every path solved by the fast method, `sweeps` being minus the number of its sweeps.
+    pub fn fast(sweeps: Row) -> Self {
+        Self { pending: Block([sweeps]), ..Self::explicit() }
+    }
+
     /// Records the outcome of path `p`, which must not be marked as robust or failed yet. For a
     /// scheme that advances the paths of a block one by one.
     pub fn set(&mut self, p: usize, outcome: Outcome) {

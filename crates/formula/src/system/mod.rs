@@ -303,8 +303,13 @@ impl System for FormulaSystem {
         }
     }
 
-    fn compile(&self, nodes: &[Node], inputs: usize) -> Option<Box<dyn Program>> {
-        self.templates.compile(nodes, inputs)
+    fn compile(
+        &self,
+        nodes: &[Node],
+        inputs: usize,
+        results: &[usize],
+    ) -> Option<Box<dyn Program>> {
+        self.templates.compile(nodes, inputs, results)
     }
 
     fn ito_correction(&self, _: Range<usize>, y: &[Row], out: &mut [Row], scratch: &mut [Row]) {

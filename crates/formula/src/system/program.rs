@@ -34,7 +34,12 @@ pub struct Templates {
 
 impl Templates {
     /// The program of these operations on so many inputs; none if it is too long.
-    pub fn compile(&self, nodes: &[Node], inputs: usize) -> Option<Box<dyn Program>> {
+    pub fn compile(
+        &self,
+        nodes: &[Node],
+        inputs: usize,
+        results: &[usize],
+    ) -> Option<Box<dyn Program>> {
         let (d, m) = (self.dimension, self.noises);
         let mut writer = Writer { templates: self, graph: Graph::new(), weights: Vec::new() };
         let mut end = 0;
@@ -56,7 +61,8 @@ impl Templates {
             }
             values.push(value);
         }
-        let tape = Tape::new(&writer.graph, values.last()?, &groups);
+        let results: Vec<Id> = results.iter().flat_map(|&result| values[result].clone()).collect();
+        let tape = Tape::new(&writer.graph, &results, &groups);
         let scratch = Rows::zero(tape.scratch_rows()).ok()?;
         let [dt, factors] = [Rows::zero(1).ok()?, Rows::zero(nodes.len()).ok()?];
         let is_multiple = nodes.iter().map(|node| matches!(node, Node::Multiple(_))).collect();

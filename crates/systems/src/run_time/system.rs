@@ -186,9 +186,15 @@ pub trait System: Send + Sync {
     }
 
     /// The operations of a formula with as many inputs in one piece, if the system can do better
-    /// than one operation after the other. The bits have to be the same.
-    fn compile(&self, nodes: &[Node], inputs: usize) -> Option<Box<dyn Program>> {
-        let _ = (nodes, inputs);
+    /// than one operation after the other. The bits have to be the same. `results` are the numbers
+    /// of the operations whose results are wanted.
+    fn compile(
+        &self,
+        nodes: &[Node],
+        inputs: usize,
+        results: &[usize],
+    ) -> Option<Box<dyn Program>> {
+        let _ = (nodes, inputs, results);
         None
     }
 
