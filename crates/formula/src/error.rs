@@ -113,6 +113,9 @@ pub enum FormulaErrorKind {
         /// How many there are.
         found: usize,
     },
+    /// A quotient with the constant zero below.
+    #[error("division by zero")]
+    DivisionByZero,
     /// A number too large for floating point, or a constant that is not finite, as ln(−1).
     #[error("this is not a finite number but {value}")]
     NotFinite {

@@ -50,14 +50,13 @@ use Expression::*;
 impl Expression {
     /// A random expression with at most `depth` nested operations.
     pub fn random(random: &mut Random, depth: usize) -> Self {
-        let mut next = || Box::new(Self::random(random, depth.saturating_sub(1)));
         if depth == 0 {
-            drop(next);
             return match random.below(3) {
                 0 => Number(NUMBERS[random.below(NUMBERS.len())].to_owned()),
                 _ => Variable(random.below(VARIABLES.len())),
             };
         }
+        let mut next = || Box::new(Self::random(random, depth - 1));
         let (a, b) = (next(), next());
         match random.below(12) {
             0 => Neg(a),
@@ -218,17 +217,18 @@ impl Expression {
         }
     }
 
-    /// Whether rounding may choose the other piece of abs, min or max somewhere, or an angle is
+    /// Whether rounding may choose the other piece of abs, min or max somewhere, an angle is
     /// large.
     pub fn is_at_an_edge(&self, x: &[Bounded]) -> bool {
         let near = |a: Bounded, b: Bounded| {
             let distance = (a.value - b.value).abs();
-            // Negated, so that NaN is near.
-            !(distance > 16.0 * (a.error + b.error))
+            distance <= 16.0 * (a.error + b.error) || distance.is_nan()
         };
         match self {
             Number(_) | Variable(_) => false,
-            Neg(a) | Power(a, _) => a.is_at_an_edge(x),
+            Neg(a) => a.is_at_an_edge(x),
+            // The sign of a zero below is not kept.
+            Power(a, _) => a.is_at_an_edge(x) || a.value(x).value == 0.0,
             Function(name, a) => {
                 let at = a.value(x);
                 let outside = match *name {
@@ -242,7 +242,10 @@ impl Expression {
             Pair(_, a, b) => {
                 a.is_at_an_edge(x) || b.is_at_an_edge(x) || near(a.value(x), b.value(x))
             }
-            Binary(_, a, b) => a.is_at_an_edge(x) || b.is_at_an_edge(x),
+            Binary(operator, a, b) => {
+                let pole = *operator == '/' && b.value(x).value == 0.0;
+                pole || a.is_at_an_edge(x) || b.is_at_an_edge(x)
+            }
         }
     }
 }
