@@ -345,7 +345,7 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
     fn drop_non_finite(&mut self, n: u64, tally: &mut Tally) {
         for (number, state) in self.states.iter().enumerate() {
             let mut status = BlockStatus::explicit();
-            status.fail_where_not_finite(state);
+            status.fail_where_not_finite(&state.0);
             let failed = status.failed.and(self.live);
             for p in failed.paths() {
                 let step = (n >> self.driver.runs[number].level).saturating_sub(1);

@@ -12,7 +12,7 @@ const LINE: usize = 8;
 
 /// Rows on the heap, aligned to a cache line, so that no vector load straddles two lines. It
 /// dereferences to a slice of [`Row`].
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Rows {
     numbers: Vec<f64>,
     /// Place of the first row in `numbers`, and the number of rows.

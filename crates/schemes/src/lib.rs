@@ -40,6 +40,7 @@ mod heun;
 mod increment;
 mod kernel;
 mod midpoint;
+pub mod run_time;
 mod scheme;
 mod sexp;
 mod sexp_levy;

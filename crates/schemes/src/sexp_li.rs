@@ -4,8 +4,8 @@ use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Solution};
 use real::Block;
 use systems::{
-    Form, InvariantKind, Linearity, PoissonSystem, always_solvable, jacobi_holds, linearity,
-    noises_commute,
+    Form, Invariant, InvariantKind, Linearity, PoissonSystem, always_solvable, jacobi_holds,
+    linearity, noises_commute, run_time,
 };
 
 use crate::{Explicit, Increment, Scheme, Step};
@@ -36,9 +36,9 @@ use crate::{Explicit, Increment, Scheme, Step};
 ///   a derivative of each ∇Hₘ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SexpLi {
-    implicit: bool,
-    areas: bool,
-    clips: bool,
+    pub(crate) implicit: bool,
+    pub(crate) areas: bool,
+    pub(crate) clips: bool,
 }
 
 /// A system that [`SexpLi`] is not for.
@@ -52,7 +52,7 @@ pub enum SexpLiError {
     )]
     Structure {
         /// The name of the system.
-        system: &'static str,
+        system: String,
         /// What was found.
         found: &'static str,
     },
@@ -63,7 +63,7 @@ pub enum SexpLiError {
     )]
     Jacobi {
         /// The name of the system.
-        system: &'static str,
+        system: String,
     },
 }
 
@@ -81,22 +81,41 @@ impl SexpLi {
     where
         S: PoissonSystem<D, M>,
     {
+        let linearity = linearity(system, y0);
+        let solvable = linearity == Linearity::Affine && always_solvable(system, y0);
+        Self::suited(system.name(), linearity, solvable, &system.invariants())
+    }
+
+    /// The scheme for a system known at run time, which says how B depends on y and whether every
+    /// step has a solution.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn at_run_time(system: &dyn run_time::System) -> Result<Self, SexpLiError> {
+        let (linearity, solvable) = (system.linearity(), system.always_solvable());
+        Self::suited(system.name(), linearity, solvable, &system.invariants())
+    }
+
+    fn suited(
+        name: &str,
+        linearity: Linearity,
+        solvable: bool,
+        invariants: &[Invariant],
+    ) -> Result<Self, SexpLiError> {
         let scheme = |implicit, clips| Ok(Self { implicit, areas: false, clips });
-        match linearity(system, y0) {
+        let refused = |found| Err(SexpLiError::Structure { system: name.into(), found });
+        let mut casimirs =
+            invariants.iter().filter(|f| f.kind == InvariantKind::Casimir).peekable();
+        match linearity {
             Linearity::Constant => scheme(false, false),
-            Linearity::Affine => scheme(true, !always_solvable(system, y0)),
-            Linearity::Other => {
-                let mut forms = system.invariants();
-                forms.retain(|invariant| invariant.kind == InvariantKind::Casimir);
-                let refused = |found| Err(SexpLiError::Structure { system: system.name(), found });
-                if forms.is_empty() {
-                    return refused("neither, and the system names no Casimir");
-                }
-                if forms.iter().any(|casimir| casimir.form != Form::Linear) {
-                    return refused("neither, and the system names a Casimir that is not linear");
-                }
-                scheme(false, true)
+            Linearity::Affine => scheme(true, !solvable),
+            Linearity::Other if casimirs.peek().is_none() => {
+                refused("neither, and the system names no Casimir")
             }
+            Linearity::Other if casimirs.any(|casimir| casimir.form != Form::Linear) => {
+                refused("neither, and the system names a Casimir that is not linear")
+            }
+            Linearity::Other => scheme(false, true),
         }
     }
 
@@ -116,14 +135,14 @@ impl SexpLi {
         let scheme = Self::new(system, y0)?;
         let areas = !noises_commute(system, y0);
         if areas && !jacobi_holds(system, y0) {
-            return Err(SexpLiError::Jacobi { system: system.name() });
+            return Err(SexpLiError::Jacobi { system: system.name().into() });
         }
         Ok(Self { areas, ..scheme })
     }
 }
 
 /// The formula. `IMPLICIT`: for an affine B, else for linear Casimirs.
-struct LinearlyImplicit<const IMPLICIT: bool, const AREAS: bool>;
+pub(crate) struct LinearlyImplicit<const IMPLICIT: bool, const AREAS: bool>;
 
 impl<const IMPLICIT: bool, const AREAS: bool> Explicit for LinearlyImplicit<IMPLICIT, AREAS> {
     const ID: &'static str = if AREAS { "sexp-li-levy" } else { "sexp-li" };

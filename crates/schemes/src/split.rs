@@ -23,30 +23,68 @@ use crate::{Scheme, Step};
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Split;
 
+/// A state that is moved by flows: one path, or rows of numbers.
+pub(crate) trait Moved {
+    /// Multiplies the state by a number.
+    fn scale(&mut self, factor: f64);
+    /// The flow of a part over the step, or over half of it.
+    fn flow(&mut self, part: usize, half: bool);
+}
+
+/// The composition of the flows of `parts` ≥ 1 parts.
+#[inline(always)]
+pub(crate) fn compose(parts: usize, step: &Step, state: &mut impl Moved) {
+    state.scale(step.first_decay);
+    for part in 0..parts - 1 {
+        state.flow(part, true);
+    }
+    state.flow(parts - 1, false);
+    for part in (0..parts - 1).rev() {
+        state.flow(part, true);
+    }
+    state.scale(step.second_decay);
+}
+
+/// One path of a compiled system.
+struct Path<'a, S, const D: usize, const M: usize> {
+    system: &'a S,
+    tau: f64,
+    increments: [f64; M],
+    y: [f64; D],
+}
+
+impl<S: Flows<D, M>, const D: usize, const M: usize> Moved for Path<'_, S, D, M> {
+    #[inline(always)]
+    fn scale(&mut self, factor: f64) {
+        for i in 0..D {
+            self.y[i] *= factor;
+        }
+    }
+
+    #[inline(always)]
+    fn flow(&mut self, part: usize, half: bool) {
+        let (mut dt, mut dw) = (self.tau, self.increments);
+        if half {
+            dt *= 0.5;
+            for m in 0..M {
+                dw[m] *= 0.5;
+            }
+        }
+        self.y = self.system.flow(part, self.y, dt, dw);
+    }
+}
+
 /// One step of one path.
 #[inline(always)]
 fn advance<S: Flows<D, M>, const D: usize, const M: usize>(
     system: &S,
     step: &Step,
     increments: [f64; M],
-    mut y: [f64; D],
+    y: [f64; D],
 ) -> [f64; D] {
-    let half_tau = 0.5 * step.tau;
-    let half = increments.map(|dw| 0.5 * dw);
-    for i in 0..D {
-        y[i] *= step.first_decay;
-    }
-    for part in 0..S::PARTS - 1 {
-        y = system.flow(part, y, half_tau, half);
-    }
-    y = system.flow(S::PARTS - 1, y, step.tau, increments);
-    for part in (0..S::PARTS - 1).rev() {
-        y = system.flow(part, y, half_tau, half);
-    }
-    for i in 0..D {
-        y[i] *= step.second_decay;
-    }
-    y
+    let mut path = Path { system, tau: step.tau, increments, y };
+    compose(S::PARTS, step, &mut path);
+    path.y
 }
 
 struct SplitKernel<'a, S, const D: usize, const M: usize> {
@@ -70,7 +108,7 @@ impl<S: Flows<D, M>, const D: usize, const M: usize> Kernel for SplitKernel<'_, 
         }
         *y = next;
         *status = BlockStatus::explicit();
-        status.fail_where_not_finite(y);
+        status.fail_where_not_finite(&y.0);
     }
 }
 

@@ -259,6 +259,6 @@ fn areas_without_jacobis_identity_are_refused() {
     let y0 = [0.3, 0.4, 0.5];
     assert!(!jacobi_holds(&NoJacobi, y0) && jacobi_holds(&Rotations, y0));
     let refused = SexpLi::with_areas(&NoJacobi, y0);
-    assert_eq!(refused, Err(SexpLiError::Jacobi { system: "no-jacobi" }));
+    assert_eq!(refused, Err(SexpLiError::Jacobi { system: "no-jacobi".into() }));
     assert!(SexpLi::new(&NoJacobi, y0).is_ok());
 }

@@ -9,5 +9,7 @@ mod levy;
 mod order;
 mod overflow;
 mod own_schemes;
+mod run_time;
 mod sweeps;
+mod tiles;
 mod without_iteration;

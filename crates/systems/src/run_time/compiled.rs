@@ -75,13 +75,15 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for OnPaths<
     #[inline(always)]
     fn run(self) {
         let Self { system: s, function, states: [x, y, z], dt, dw, out } = self;
-        // One loop for each function, so that each is vectorised.
+        // One loop for each function, which writes into memory of its own, so that each is
+        // vectorised.
+        let mut rows = [[0.0; WIDTH]; D];
         macro_rules! on_each {
             ($p:ident => $value:expr) => {
                 for $p in 0..WIDTH {
                     let value = $value;
                     for i in 0..D {
-                        out[i][$p] = value[i];
+                        rows[i][$p] = value[i];
                     }
                 }
             };
@@ -106,6 +108,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for OnPaths<
             Function::Cayley => on_each!(p => s.cayley(path(x, p), path(y, p))),
             Function::ItoCorrection => on_each!(p => ito_correction(s, path(x, p))),
         }
+        *out = rows;
     }
 }
 

@@ -79,9 +79,11 @@ impl Kernel for Point<'_> {
     #[inline(always)]
     fn run(self) {
         for ((y, a), b) in self.point.iter_mut().zip(self.a).zip(self.b) {
+            let (mut row, b) = (*a, *b);
             for p in 0..WIDTH {
-                y[p] = (a[p] + b[p]) * 0.5 + (b[p] - a[p]) * self.distance;
+                row[p] = (row[p] + b[p]) * 0.5 + (b[p] - row[p]) * self.distance;
             }
+            *y = row;
         }
     }
 }
@@ -98,9 +100,11 @@ impl Kernel for Add<'_> {
     #[inline(always)]
     fn run(self) {
         for (sum, value) in self.sum.iter_mut().zip(self.value) {
+            let (mut row, value) = (*sum, *value);
             for p in 0..WIDTH {
-                sum[p] += value[p] * self.weight;
+                row[p] += value[p] * self.weight;
             }
+            *sum = row;
         }
     }
 }
@@ -119,10 +123,12 @@ impl Kernel for AddPair<'_> {
     #[inline(always)]
     fn run(self) {
         for ((sum, lower), upper) in self.sum.iter_mut().zip(self.lower).zip(self.upper) {
+            let (mut row, lower, upper) = (*sum, *lower, *upper);
             for p in 0..WIDTH {
                 let pair = (lower[p] + upper[p]) * self.weight;
-                sum[p] = if self.first { pair } else { sum[p] + pair };
+                row[p] = if self.first { pair } else { row[p] + pair };
             }
+            *sum = row;
         }
     }
 }

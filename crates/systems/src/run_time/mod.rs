@@ -29,10 +29,12 @@
 
 mod compiled;
 mod derived;
+mod node;
 mod problem;
 mod system;
 
 pub use compiled::Compiled;
 pub use derived::{averaged_field, averaged_gradient, averaged_hessian, ito_correction};
+pub use node::{Node, Program};
 pub use problem::{Problem, ProblemError};
 pub use system::{Lanes, System, Weights};

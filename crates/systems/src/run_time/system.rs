@@ -5,7 +5,7 @@ use std::ops::Range;
 use dgrad::Rule;
 use real::Row;
 
-use super::derived;
+use super::{Node, Program, derived};
 use crate::{Invariant, Linearity};
 
 /// The weights of the Hamiltonian increment h = H₀·dt + Σₘ Hₘ·dwₘ.
@@ -183,6 +183,13 @@ pub trait System: Send + Sync {
     fn ito_correction(&self, tile: Range<usize>, y: &[Row], out: &mut [Row], scratch: &mut [Row]) {
         debug_assert_eq!(tile, 0..self.rows());
         derived::ito_correction(self, y, out, scratch);
+    }
+
+    /// The operations of a formula with as many inputs in one piece, if the system can do better
+    /// than one operation after the other. The bits have to be the same.
+    fn compile(&self, nodes: &[Node], inputs: usize) -> Option<Box<dyn Program>> {
+        let _ = (nodes, inputs);
+        None
     }
 
     /// The number of parts with exact flows, see [`Flows`](crate::Flows); zero if there are none.

@@ -1,0 +1,74 @@
+//! Explicit formulas on systems known at run time.
+
+use nonlin::BlockStatus;
+use real::{OutOfMemory, Row};
+use systems::{
+    Constant,
+    run_time::{Lanes, System, Weights},
+};
+
+use super::{
+    Stepper,
+    machine::Machine,
+    record::{Recorder, Recording},
+};
+use crate::{Implicit, Step};
+
+/// A formula that does not depend on z.
+pub struct ExplicitStepper<'a, F> {
+    formula: &'a F,
+    system: &'a dyn System,
+    recorder: Recorder,
+    /// The state is the first buffer.
+    machine: Machine<'a>,
+}
+
+impl<'a, F: Implicit> ExplicitStepper<'a, F> {
+    pub fn new(formula: &'a F, system: &'a dyn System) -> Result<Self, OutOfMemory> {
+        let machine = Machine::new(system)?;
+        let recorder = Recorder::default();
+        let mut stepper = Self { formula, system, recorder, machine };
+        stepper.prepare(&some_step())?;
+        Ok(stepper)
+    }
+
+    /// Records the formula for a step, and plans it if its operations are new.
+    fn prepare(&mut self, step: &Step) -> Result<(), OutOfMemory> {
+        let [y] = self.recorder.restart();
+        let h = Recording { system: self.system, step, recorder: &self.recorder };
+        let result = self.formula.psi(h, y, y);
+        self.recorder.finish(result.number);
+        self.machine.prepare(self.recorder.operations().0, &[true])
+    }
+}
+
+/// A step by which the memory of a formula is found out.
+pub fn some_step() -> Step {
+    let step = Constant::new(0.0).map(|damping| Step::new(&damping, 0, 1.0));
+    step.unwrap_or_else(|error| unreachable!("{error}"))
+        .unwrap_or_else(|error| unreachable!("{error}"))
+}
+
+impl<F: Implicit> Stepper for ExplicitStepper<'_, F> {
+    fn state(&self) -> &[Row] {
+        &self.machine.buffers[0]
+    }
+
+    fn state_mut(&mut self) -> &mut [Row] {
+        &mut self.machine.buffers[0]
+    }
+
+    fn step(&mut self, step: &Step, dw: &[Row], status: &mut BlockStatus) {
+        *status = BlockStatus::explicit();
+        // Operations that a formula did not have before may need more memory.
+        if self.prepare(step).is_err() {
+            return status.fail_everywhere();
+        }
+        let h = Weights { dt: step.tau, dw };
+        self.machine.execute(self.recorder.operations().1, h);
+        self.machine.feed_back(0);
+        if self.system.lanes() == Lanes::Paths {
+            status.fail_where_not_finite(self.state());
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! Executes the plan of a formula on rows.
+
+use std::{
+    ops::Range,
+    sync::{Mutex, PoisonError},
+};
+
+use real::{Kernel, OutOfMemory, Row, Rows, WIDTH, dispatch};
+use systems::run_time::{Node, Program, System, Weights, averaged_hessian};
+
+use super::plan::{Instruction, MOST_STORES, Operation, Plan, Source, Stage};
+
+/// Memory for the operations of formulas on one system.
+pub struct Machine<'a> {
+    system: &'a dyn System,
+    /// Whole states: inputs of the formula first.
+    pub buffers: Vec<Rows>,
+    plan: Plan,
+    /// The formula in one piece, for systems that can compute it so.
+    program: Option<Box<dyn Program>>,
+    /// Memory of the tiles, for each thread.
+    desks: Vec<Mutex<Desk>>,
+}
+
+/// Most inputs of a formula: ẑ, z and a direction.
+const MOST_INPUTS: usize = 3;
+
+/// What a tile needs.
+struct Desk {
+    slots: Vec<Rows>,
+    scratch: Rows,
+}
+
+/// The parts of buffers in which a tile stores its results; empty ones are not used.
+type Stores<'a> = [&'a mut [Row]; MOST_STORES];
+
+/// A stage that is being executed.
+struct Execution<'a> {
+    system: &'a dyn System,
+    stage: &'a Stage,
+    factors: &'a [f64],
+    h: Weights<'a>,
+    buffers: &'a [Rows],
+    desks: &'a [Mutex<Desk>],
+}
+
+impl<'a> Machine<'a> {
+    /// Memory for a system, without buffers yet.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn new(system: &'a dyn System) -> Result<Self, OutOfMemory> {
+        let threads =
+            if system.tile_rows() < system.rows() { rayon::current_num_threads() } else { 1 };
+        let desk = || {
+            let scratch = Rows::zero(system.scratch_rows())?;
+            Ok(Mutex::new(Desk { slots: Vec::new(), scratch }))
+        };
+        let desks = (0..threads).map(|_| desk()).collect::<Result<_, OutOfMemory>>()?;
+        let plan = Plan::default();
+        Ok(Self { system, buffers: Vec::new(), plan, program: None, desks })
+    }
+
+    /// Plans operations, of which the last is the result, unless they are the same as before, and
+    /// provides the memory that they need. Only the inputs `consumed` may be overwritten.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn prepare(&mut self, nodes: &[Node], consumed: &[bool]) -> Result<(), OutOfMemory> {
+        if self.plan.is_for(nodes) {
+            return Ok(());
+        }
+        self.program = self.system.compile(nodes, consumed.len());
+        self.plan = match self.program {
+            Some(_) => Plan::of_program(nodes, consumed.len()),
+            None => Plan::new(nodes, consumed),
+        };
+        let tile = self.system.tile_rows().min(self.system.rows());
+        for desk in &mut self.desks {
+            let desk = desk.get_mut().unwrap_or_else(PoisonError::into_inner);
+            while desk.slots.len() < self.plan.slots {
+                desk.slots.push(Rows::zero(tile)?);
+            }
+        }
+        while self.buffers.len() < self.plan.buffers {
+            self.buffers.push(Rows::zero(self.system.rows())?);
+        }
+        Ok(())
+    }
+
+    /// The buffer in which the result is.
+    pub fn result(&self) -> usize {
+        self.plan.result
+    }
+
+    /// Makes the result this input; what was there is lost.
+    pub fn feed_back(&mut self, input: usize) {
+        self.buffers.swap(input, self.plan.result);
+    }
+
+    /// Executes the operations on the inputs in the first buffers.
+    pub fn execute(&mut self, factors: &[f64], h: Weights<'_>) {
+        if let Some(program) = &mut self.program {
+            let (inputs, rest) = self.buffers.split_at_mut(self.plan.result);
+            let mut states: [&[Row]; MOST_INPUTS] = [&[]; MOST_INPUTS];
+            inputs.iter().zip(&mut states).for_each(|(input, state)| *state = input);
+            return program.run(&states[..inputs.len()], factors, h, &mut rest[0]);
+        }
+        for stage in &self.plan.stages {
+            // The buffers in which the stage stores are taken out while the others are read.
+            let mut taken: [Rows; MOST_STORES] = Default::default();
+            for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
+                std::mem::swap(taken, &mut self.buffers[buffer]);
+            }
+            let execution = Execution {
+                system: self.system,
+                stage,
+                factors,
+                h,
+                buffers: &self.buffers,
+                desks: &self.desks,
+            };
+            let mut stores = taken.iter_mut();
+            let stores = std::array::from_fn(|_| match stores.next() {
+                Some(rows) => &mut rows[..],
+                None => &mut [],
+            });
+            execution.on_rows(0..self.system.rows(), stores);
+            for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
+                std::mem::swap(taken, &mut self.buffers[buffer]);
+            }
+        }
+    }
+}
+
+impl Execution<'_> {
+    /// Executes the stage on some rows: halves in parallel, down to single tiles.
+    fn on_rows(&self, rows: Range<usize>, stores: Stores<'_>) {
+        let tile = self.system.tile_rows();
+        let tiles = rows.len().div_ceil(tile);
+        if tiles <= 1 {
+            let thread = match self.desks.len() {
+                1 => 0,
+                threads => rayon::current_thread_index().unwrap_or(0) % threads,
+            };
+            let mut desk = self.desks[thread].lock().unwrap_or_else(PoisonError::into_inner);
+            return self.on_tile(rows, stores, &mut desk);
+        }
+        let half = tiles / 2 * tile;
+        let mut later: Stores<'_> = Default::default();
+        let mut n = 0;
+        let earlier = stores.map(|store| {
+            let (first, second) = store.split_at_mut(half.min(store.len()));
+            later[n] = second;
+            n += 1;
+            first
+        });
+        let middle = rows.start + half;
+        rayon::join(
+            || self.on_rows(rows.start..middle, earlier),
+            || self.on_rows(middle..rows.end, later),
+        );
+    }
+
+    /// Executes the stage on one tile.
+    fn on_tile(&self, tile: Range<usize>, stores: Stores<'_>, desk: &mut Desk) {
+        let Desk { slots, scratch } = desk;
+        for &Instruction { operation, slot } in &self.stage.instructions {
+            let mut result = std::mem::take(&mut slots[slot]);
+            let local = |source: Source| match source {
+                Source::Slot(slot) => &slots[slot][..tile.len()],
+                Source::Buffer(buffer) => {
+                    let stored = self.stage.stores.iter().position(|&(_, b)| b == buffer);
+                    match stored {
+                        Some(n) => &*stores[n],
+                        None => &self.buffers[buffer][tile.clone()],
+                    }
+                }
+            };
+            let whole = |buffer: usize| &self.buffers[buffer][..];
+            let (system, h, rows) = (self.system, self.h, tile.clone());
+            let out = &mut result[..tile.len()];
+            match operation {
+                Operation::Multiple { x: (x, factor) } => {
+                    dispatch(Multiple { x: local(x), factor: self.factors[factor], out });
+                }
+                Operation::Combination { x: (x, fx), y: (y, fy), minus } => {
+                    let factor = |node: Option<usize>| node.map_or(1.0, |node| self.factors[node]);
+                    // a − fb = a + (−f)b to the bit.
+                    let fy = if minus { -factor(fy) } else { factor(fy) };
+                    dispatch(Combination { x: local(x), fx: factor(fx), y: local(y), fy, out });
+                }
+                Operation::Structure { y, v } => {
+                    system.structure(rows, local(y), local(v), out, scratch);
+                }
+                Operation::StructureAlong { y, u, v } => {
+                    system.structure_along(rows, local(y), local(u), local(v), out, scratch);
+                }
+                Operation::Cayley { y, v } => system.cayley(rows, local(y), local(v), out, scratch),
+                Operation::Gradient { y } => system.gradient(rows, whole(y), h, out, scratch),
+                Operation::Hessian { y, u } => {
+                    system.hessian(rows, whole(y), whole(u), h, out, scratch);
+                }
+                Operation::AveragedGradient { a, b } => {
+                    system.averaged_gradient(whole(a), whole(b), h, out, scratch);
+                }
+                Operation::AveragedHessian { a, b, u } => {
+                    averaged_hessian(system, whole(a), whole(b), whole(u), h, out, scratch);
+                }
+                Operation::AveragedField { a, b } => {
+                    system.averaged_field(whole(a), whole(b), h, out, scratch);
+                }
+                Operation::ItoCorrection { y } => {
+                    system.ito_correction(rows, whole(y), out, scratch);
+                }
+            }
+            slots[slot] = result;
+        }
+        for (n, &(slot, _)) in self.stage.stores.iter().enumerate() {
+            stores[n].copy_from_slice(&slots[slot][..tile.len()]);
+        }
+    }
+}
+
+/// out = factor·x.
+pub struct Multiple<'a> {
+    pub x: &'a [Row],
+    pub factor: f64,
+    pub out: &'a mut [Row],
+}
+
+impl Kernel for Multiple<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        for (out, x) in self.out.iter_mut().zip(self.x) {
+            // A copy, which a store cannot change: without it the loop is not vectorised.
+            let mut row = *x;
+            for p in 0..WIDTH {
+                row[p] *= self.factor;
+            }
+            *out = row;
+        }
+    }
+}
+
+/// out = fx·x + fy·y. Multiplication by one is exact.
+struct Combination<'a> {
+    x: &'a [Row],
+    fx: f64,
+    y: &'a [Row],
+    fy: f64,
+    out: &'a mut [Row],
+}
+
+impl Kernel for Combination<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        for ((out, x), y) in self.out.iter_mut().zip(self.x).zip(self.y) {
+            let (mut row, y) = (*x, *y);
+            for p in 0..WIDTH {
+                row[p] = row[p] * self.fx + y[p] * self.fy;
+            }
+            *out = row;
+        }
+    }
+}

@@ -1,0 +1,313 @@
+//! How the operations of a formula are executed: stages, tiles and memory.
+//!
+//! Operations are computed tile by tile, each tile in memory of its own that fits a cache. ∇h on a
+//! tile reads all of its argument, which therefore has to be complete: operations are divided into
+//! stages, and what a later stage reads is stored in a whole buffer. A buffer is used again as soon
+//! as its content is no longer needed.
+
+use systems::run_time::Node;
+
+/// Most results that a stage stores.
+pub const MOST_STORES: usize = 4;
+
+/// Where an argument is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// In memory of the tile.
+    Slot(usize),
+    /// In a whole buffer.
+    Buffer(usize),
+}
+
+/// An operation with places in memory. Its result goes into a slot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instruction {
+    pub operation: Operation,
+    pub slot: usize,
+}
+
+/// What is computed. Numbers beside sources are those of nodes with factors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Operation {
+    /// fx·x, with the product of the factors of up to two nodes.
+    Multiple {
+        x: (Source, usize),
+    },
+    /// fx·x ± fy·y.
+    Combination {
+        x: (Source, Option<usize>),
+        y: (Source, Option<usize>),
+        minus: bool,
+    },
+    Structure {
+        y: Source,
+        v: Source,
+    },
+    StructureAlong {
+        y: Source,
+        u: Source,
+        v: Source,
+    },
+    /// Arguments that are numbers are read whole, from buffers.
+    Gradient {
+        y: usize,
+    },
+    Hessian {
+        y: usize,
+        u: usize,
+    },
+    AveragedGradient {
+        a: usize,
+        b: usize,
+    },
+    AveragedHessian {
+        a: usize,
+        b: usize,
+        u: usize,
+    },
+    AveragedField {
+        a: usize,
+        b: usize,
+    },
+    Cayley {
+        y: Source,
+        v: Source,
+    },
+    ItoCorrection {
+        y: usize,
+    },
+}
+
+/// Operations that every tile can do when the stages before are complete.
+#[derive(Clone, Debug, Default)]
+pub struct Stage {
+    pub instructions: Vec<Instruction>,
+    /// Slots that are stored in buffers after the last instruction.
+    pub stores: Vec<(usize, usize)>,
+}
+
+/// The plan for a formula.
+#[derive(Clone, Debug, Default)]
+pub struct Plan {
+    nodes: Vec<Node>,
+    pub stages: Vec<Stage>,
+    /// Number of slots of a tile, and of buffers with the inputs, which come first.
+    pub slots: usize,
+    pub buffers: usize,
+    /// The buffer of the result.
+    pub result: usize,
+}
+
+/// The reads of a node: argument, and whether it is read whole.
+fn reads(node: Node) -> impl Iterator<Item = (usize, bool)> {
+    let (local, whole) = match node {
+        Node::Input(_) => ([None; 3], [None; 3]),
+        Node::Multiple(x) => ([Some(x), None, None], [None; 3]),
+        Node::Sum(x, y)
+        | Node::Difference(x, y)
+        | Node::Structure { y: x, v: y }
+        | Node::Cayley { y: x, v: y } => ([Some(x), Some(y), None], [None; 3]),
+        Node::StructureAlong { y, u, v } => ([Some(y), Some(u), Some(v)], [None; 3]),
+        Node::Gradient { y } | Node::ItoCorrection { y } => ([None; 3], [Some(y), None, None]),
+        Node::Hessian { y, u } => ([None; 3], [Some(y), Some(u), None]),
+        Node::AveragedGradient { a, b } | Node::AveragedField { a, b } => {
+            ([None; 3], [Some(a), Some(b), None])
+        }
+        Node::AveragedHessian { a, b, u } => ([None; 3], [Some(a), Some(b), Some(u)]),
+    };
+    let local = local.into_iter().flatten().map(|x| (x, false));
+    local.chain(whole.into_iter().flatten().map(|x| (x, true)))
+}
+
+/// A read of a node: in which stage, and whether whole.
+struct Read {
+    stage: usize,
+    whole: bool,
+}
+
+impl Plan {
+    /// The plan for operations that a program computes in one piece from `inputs` inputs.
+    pub fn of_program(nodes: &[Node], inputs: usize) -> Self {
+        let nodes = nodes.to_vec();
+        Self { nodes, buffers: inputs + 1, result: inputs, ..Self::default() }
+    }
+
+    /// Whether the plan is for these operations.
+    pub fn is_for(&self, nodes: &[Node]) -> bool {
+        self.nodes == nodes
+    }
+
+    /// The plan for `nodes`, the last of which is the result. Only the inputs `consumed` may be
+    /// overwritten.
+    pub fn new(nodes: &[Node], consumed: &[bool]) -> Self {
+        let last = nodes.len() - 1;
+        let mut count = vec![0; nodes.len()];
+        nodes.iter().for_each(|&node| reads(node).for_each(|(x, _)| count[x] += 1));
+        // Multiples that only one sum or difference reads are computed there.
+        let mut absorbed = vec![false; nodes.len()];
+        for &node in nodes {
+            if let Node::Sum(x, y) | Node::Difference(x, y) = node {
+                for x in [x, y] {
+                    absorbed[x] |= count[x] == 1 && matches!(nodes[x], Node::Multiple(_));
+                }
+            }
+        }
+        // The stage of each node, and who reads it when.
+        let is_input = |x: usize| matches!(nodes[x], Node::Input(_));
+        let mut stage = vec![0; nodes.len()];
+        for n in 0..nodes.len() {
+            let after = |(x, whole): (usize, bool)| stage[x] + usize::from(whole && !is_input(x));
+            stage[n] = reads(nodes[n]).map(after).max().unwrap_or(0);
+        }
+        // An absorbed multiple is read by its reader, in that one's stage.
+        for n in 0..nodes.len() {
+            for (x, _) in reads(nodes[n]) {
+                if absorbed[x] {
+                    stage[x] = stage[n];
+                }
+            }
+        }
+        let mut readers: Vec<Vec<Read>> = nodes.iter().map(|_| Vec::new()).collect();
+        for n in 0..nodes.len() {
+            for (x, whole) in reads(nodes[n]) {
+                readers[x].push(Read { stage: stage[n], whole });
+            }
+        }
+        let stored = |n: usize| {
+            !is_input(n)
+                && (n == last || readers[n].iter().any(|read| read.whole || read.stage > stage[n]))
+        };
+        let mut plan = Self { nodes: nodes.to_vec(), ..Self::default() };
+        // Which node is in each buffer.
+        let mut content: Vec<Option<usize>> = Vec::new();
+        let mut buffer = vec![usize::MAX; nodes.len()];
+        for n in (0..nodes.len()).filter(|&n| is_input(n)) {
+            buffer[n] = content.len();
+            content.push(Some(n));
+        }
+        plan.stages = vec![Stage::default(); stage.iter().max().map_or(0, |stages| stages + 1)];
+        for s in 0..plan.stages.len() {
+            let of_stage = |n: &usize| stage[*n] == s && !is_input(*n) && !absorbed[*n];
+            let mut slots = Slots::default();
+            let mut slot = vec![usize::MAX; nodes.len()];
+            let mut released = vec![false; nodes.len()];
+            let of_stage: Vec<usize> = (0..nodes.len()).filter(of_stage).collect();
+            for (place, &n) in of_stage.iter().enumerate() {
+                let source = |x: usize| match slot[x] {
+                    usize::MAX => Source::Buffer(buffer[x]),
+                    slot => Source::Slot(slot),
+                };
+                let operation = operation(nodes, n, &absorbed, &source, &buffer);
+                let own = slots.take();
+                slot[n] = own;
+                plan.stages[s].instructions.push(Instruction { operation, slot: own });
+                // Slots that no later instruction of this stage reads, and that are not stored.
+                for &m in &of_stage[..=place] {
+                    let read_later =
+                        of_stage[place + 1..].iter().any(|&k| reads_slot(nodes, k, m, &absorbed));
+                    if !read_later && !stored(m) && !released[m] {
+                        slots.give_back(slot[m]);
+                        released[m] = true;
+                    }
+                }
+            }
+            plan.slots = plan.slots.max(slots.most);
+            for &n in of_stage.iter().filter(|&&n| stored(n)) {
+                // A buffer whose content no later stage reads, and no tile of this stage whole.
+                let is_free = |(b, content): (usize, &Option<usize>)| {
+                    let Some(x) = *content else { return Some(b) };
+                    let keeps = x == last || matches!(nodes[x], Node::Input(i) if !consumed[i]);
+                    let read = |read: &Read| read.stage > s || (read.stage == s && read.whole);
+                    (!keeps
+                        && stage[x] + usize::from(!is_input(x)) <= s
+                        && !readers[x].iter().any(read))
+                    .then_some(b)
+                };
+                let free = content.iter().enumerate().find_map(is_free);
+                let own = free.unwrap_or_else(|| {
+                    content.push(None);
+                    content.len() - 1
+                });
+                content[own] = Some(n);
+                buffer[n] = own;
+                plan.stages[s].stores.push((slot[n], own));
+            }
+            assert!(
+                plan.stages[s].stores.len() <= MOST_STORES,
+                "a formula stores too much at once"
+            );
+        }
+        plan.buffers = content.len();
+        plan.result = buffer[last];
+        plan
+    }
+}
+
+/// Whether node k reads node m, itself or through a multiple that it absorbs.
+fn reads_slot(nodes: &[Node], k: usize, m: usize, absorbed: &[bool]) -> bool {
+    reads(nodes[k])
+        .any(|(x, _)| x == m || (absorbed[x] && reads(nodes[x]).any(|(inner, _)| inner == m)))
+}
+
+/// The operation of node n.
+fn operation(
+    nodes: &[Node],
+    n: usize,
+    absorbed: &[bool],
+    source: &dyn Fn(usize) -> Source,
+    buffer: &[usize],
+) -> Operation {
+    let with_factor = |x: usize| match nodes[x] {
+        Node::Multiple(inner) if absorbed[x] => (source(inner), Some(x)),
+        _ => (source(x), None),
+    };
+    match nodes[n] {
+        Node::Input(_) => unreachable!("inputs are not computed"),
+        Node::Multiple(x) => Operation::Multiple { x: (source(x), n) },
+        Node::Sum(x, y) => {
+            Operation::Combination { x: with_factor(x), y: with_factor(y), minus: false }
+        }
+        Node::Difference(x, y) => {
+            Operation::Combination { x: with_factor(x), y: with_factor(y), minus: true }
+        }
+        Node::Structure { y, v } => Operation::Structure { y: source(y), v: source(v) },
+        Node::StructureAlong { y, u, v } => {
+            Operation::StructureAlong { y: source(y), u: source(u), v: source(v) }
+        }
+        Node::Gradient { y } => Operation::Gradient { y: buffer[y] },
+        Node::Hessian { y, u } => Operation::Hessian { y: buffer[y], u: buffer[u] },
+        Node::AveragedGradient { a, b } => {
+            Operation::AveragedGradient { a: buffer[a], b: buffer[b] }
+        }
+        Node::AveragedHessian { a, b, u } => {
+            Operation::AveragedHessian { a: buffer[a], b: buffer[b], u: buffer[u] }
+        }
+        Node::AveragedField { a, b } => Operation::AveragedField { a: buffer[a], b: buffer[b] },
+        Node::Cayley { y, v } => Operation::Cayley { y: source(y), v: source(v) },
+        Node::ItoCorrection { y } => Operation::ItoCorrection { y: buffer[y] },
+    }
+}
+
+/// The slots in use.
+#[derive(Default)]
+struct Slots {
+    used: Vec<bool>,
+    most: usize,
+}
+
+impl Slots {
+    fn take(&mut self) -> usize {
+        let free = self.used.iter().position(|used| !used);
+        let slot = free.unwrap_or(self.used.len());
+        if slot == self.used.len() {
+            self.used.push(false);
+        }
+        self.used[slot] = true;
+        self.most = self.most.max(self.used.len());
+        slot
+    }
+
+    fn give_back(&mut self, slot: usize) {
+        self.used[slot] = false;
+    }
+}

@@ -1,0 +1,146 @@
+//! A formula as a list of operations.
+
+use std::{
+    cell::RefCell,
+    ops::{Add, Mul, Sub},
+};
+
+use systems::run_time::{Node, System};
+
+use crate::{Increment, Step};
+
+/// The operations of a formula in their order. A formula is recorded anew in every step, since its
+/// factors change; the operations do not, and how they are executed is planned once.
+#[derive(Debug, Default)]
+pub struct Recorder {
+    nodes: RefCell<Vec<Node>>,
+    /// The factor of every [`Node::Multiple`], 1 elsewhere.
+    factors: RefCell<Vec<f64>>,
+}
+
+impl Recorder {
+    /// Forgets all operations, and gives the inputs.
+    pub fn restart<const N: usize>(&self) -> [Symbol<'_>; N] {
+        self.nodes.borrow_mut().clear();
+        self.factors.borrow_mut().clear();
+        std::array::from_fn(|input| self.push(Node::Input(input), 1.0))
+    }
+
+    #[inline]
+    fn push(&self, node: Node, factor: f64) -> Symbol<'_> {
+        let mut nodes = self.nodes.borrow_mut();
+        nodes.push(node);
+        self.factors.borrow_mut().push(factor);
+        Symbol { recorder: self, number: nodes.len() - 1 }
+    }
+
+    /// Ends with this result, which is the last operation then, and no input.
+    pub fn finish(&mut self, result: usize) {
+        self.nodes.get_mut().truncate(result + 1);
+        self.factors.get_mut().truncate(result + 1);
+        if let Some(Node::Input(_)) = self.nodes.get_mut().last() {
+            self.push(Node::Multiple(result), 1.0);
+        }
+    }
+
+    /// The operations and the factor of each.
+    pub fn operations(&mut self) -> (&[Node], &[f64]) {
+        (self.nodes.get_mut(), self.factors.get_mut())
+    }
+}
+
+/// The result of an operation.
+#[derive(Clone, Copy, Debug)]
+pub struct Symbol<'a> {
+    recorder: &'a Recorder,
+    /// The number of the operation.
+    pub number: usize,
+}
+
+impl Add for Symbol<'_> {
+    type Output = Self;
+    fn add(self, b: Self) -> Self {
+        self.recorder.push(Node::Sum(self.number, b.number), 1.0)
+    }
+}
+
+impl Sub for Symbol<'_> {
+    type Output = Self;
+    fn sub(self, b: Self) -> Self {
+        self.recorder.push(Node::Difference(self.number, b.number), 1.0)
+    }
+}
+
+impl Mul<f64> for Symbol<'_> {
+    type Output = Self;
+    fn mul(self, factor: f64) -> Self {
+        self.recorder.push(Node::Multiple(self.number), factor)
+    }
+}
+
+/// One step of a system known at run time, which records what a formula asks for.
+#[derive(Clone, Copy)]
+pub struct Recording<'a> {
+    pub system: &'a dyn System,
+    pub step: &'a Step,
+    pub recorder: &'a Recorder,
+}
+
+impl Recording<'_> {
+    /// Whether B(y)v is computed tile by tile.
+    fn has_tiles(&self) -> bool {
+        self.system.tile_rows() < self.system.rows()
+    }
+}
+
+impl<'a> Increment for Recording<'a> {
+    type Vector = Symbol<'a>;
+
+    fn step(&self) -> &Step {
+        self.step
+    }
+
+    fn is_quadratic(self) -> bool {
+        self.system.is_quadratic()
+    }
+
+    fn structure(self, y: Symbol<'a>, v: Symbol<'a>) -> Symbol<'a> {
+        self.recorder.push(Node::Structure { y: y.number, v: v.number }, 1.0)
+    }
+
+    fn gradient(self, y: Symbol<'a>) -> Symbol<'a> {
+        self.recorder.push(Node::Gradient { y: y.number }, 1.0)
+    }
+
+    fn averaged_gradient(self, a: Symbol<'a>, b: Symbol<'a>) -> Symbol<'a> {
+        if self.has_tiles() {
+            return self.gradient((a + b) * 0.5);
+        }
+        self.recorder.push(Node::AveragedGradient { a: a.number, b: b.number }, 1.0)
+    }
+
+    fn averaged_field(self, a: Symbol<'a>, b: Symbol<'a>) -> Symbol<'a> {
+        if self.has_tiles() {
+            return self.field((a + b) * 0.5);
+        }
+        self.recorder.push(Node::AveragedField { a: a.number, b: b.number }, 1.0)
+    }
+
+    fn cayley(self, y: Symbol<'a>, v: Symbol<'a>) -> Symbol<'a> {
+        self.recorder.push(Node::Cayley { y: y.number, v: v.number }, 1.0)
+    }
+
+    fn ito_correction(self, y: Symbol<'a>) -> Symbol<'a> {
+        self.recorder.push(Node::ItoCorrection { y: y.number }, 1.0)
+    }
+
+    /// Zero: formulas that read areas are refused unless there is at most one noise.
+    fn commutators(self, y: Symbol<'a>) -> Symbol<'a> {
+        y * 0.0
+    }
+
+    /// Zero, as [`commutators`](Self::commutators).
+    fn area_gradient(self, y: Symbol<'a>) -> Symbol<'a> {
+        y * 0.0
+    }
+}

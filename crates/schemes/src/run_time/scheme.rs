@@ -1,0 +1,86 @@
+//! Schemes for systems known at run time.
+
+use nonlin::BlockStatus;
+use real::{OutOfMemory, Row};
+use systems::run_time::System;
+
+use super::{explicit::ExplicitStepper, implicit::ImplicitStepper};
+use crate::{Implicit, Step};
+
+/// A one-step method for systems whose dimension is known at run time. Every formula is one, with
+/// the same formula as for compiled systems; see [`Explicit`](crate::Explicit) and [`Implicit`].
+pub trait Scheme: Send + Sync {
+    /// Identifier in results, for example `sexp`.
+    fn id(&self) -> &'static str;
+
+    /// Whether the driver truncates increments for this scheme.
+    fn clips_increments(&self) -> bool;
+
+    /// The state of 32 paths, or of one large path, that advances by this scheme.
+    ///
+    /// # Errors
+    /// [`SchemeError`] if the scheme is not for the system, or memory is not there.
+    fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError>;
+}
+
+/// A state that advances step by step.
+pub trait Stepper: Send {
+    /// The rows of the state.
+    fn state(&self) -> &[Row];
+
+    /// The rows of the state, to be set.
+    fn state_mut(&mut self) -> &mut [Row];
+
+    /// Advances by one step with the increments `dw` and overwrites `status`. Numbers that belong
+    /// to one path have the status of path 0.
+    fn step(&mut self, step: &Step, dw: &[Row], status: &mut BlockStatus);
+}
+
+/// A scheme that cannot be used for a system known at run time.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SchemeError {
+    /// Lévy areas are drawn for compiled systems only.
+    #[error(
+        "{scheme} reads Lévy areas, which are drawn for compiled systems only; `{system}` has \
+         {noises} noises and is known at run time: take sexp or sexp-li, of strong order 1/2"
+    )]
+    Areas {
+        /// The scheme.
+        scheme: &'static str,
+        /// The system.
+        system: String,
+        /// The number of its noises.
+        noises: usize,
+    },
+    /// The system has no parts with flows.
+    #[error("split needs a system that is a sum of parts with flows; `{system}` has none")]
+    Parts {
+        /// The system.
+        system: String,
+    },
+    /// There is no memory for the states.
+    #[error(transparent)]
+    Memory(#[from] OutOfMemory),
+}
+
+impl<F: Implicit> Scheme for F {
+    fn id(&self) -> &'static str {
+        F::ID
+    }
+
+    fn clips_increments(&self) -> bool {
+        F::CLIPS_INCREMENTS
+    }
+
+    fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
+        if F::READS_AREAS && system.noises() > 1 {
+            let (scheme, noises) = (F::ID, system.noises());
+            return Err(SchemeError::Areas { scheme, system: system.name().into(), noises });
+        }
+        if F::EXPLICIT {
+            return Ok(Box::new(ExplicitStepper::new(self, system)?));
+        }
+        Ok(Box::new(ImplicitStepper::new(self, system)?))
+    }
+}

@@ -1,0 +1,190 @@
+//! Schemes on systems known at run time: the bits of compiled ones where formulas are explicit, the
+//! same solutions where they are implicit, and Newton's method without a matrix.
+
+use noise::{BlockNoise, StreamKey, WienerBlock};
+use nonlin::{BlockStatus, Method, Solver};
+use real::{Block, Row, Rows, WIDTH};
+use schemes::{
+    EulerMaruyama, Heun, Implicit, Midpoint, Scheme, Sexp, SexpLi, Split, Step, WithSolver,
+    run_time,
+};
+use systems::{
+    Cosine, Flows, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
+    run_time::{Compiled, System},
+};
+
+use crate::common::{INERTIA, Numbers, body, populations_1, spins};
+
+const STEPS: u64 = 40;
+
+/// The largest difference, relative to the size of the state, after some steps of 32 paths.
+fn difference<S, C, const D: usize, const M: usize>(
+    system: &S,
+    scheme: &C,
+    adapter: &dyn System,
+    y0: [f64; D],
+    tau: f64,
+) -> f64
+where
+    S: PoissonSystem<D, M>,
+    C: Scheme<S, D, M> + run_time::Scheme,
+{
+    let mut paths = scheme.stepper(adapter).unwrap();
+    let mut y = Block::splat(y0);
+    paths.state_mut().copy_from_slice(&y.0);
+    let mut wiener = WienerBlock::<M>::new(StreamKey { seed: 3, experiment: 1 }, 0);
+    let mut noise = BlockNoise::zero();
+    let (mut status, mut other) = (BlockStatus::explicit(), BlockStatus::explicit());
+    let damping = Cosine::new(0.5, 2.0).unwrap();
+    let mut largest = 0.0f64;
+    for n in 0..STEPS {
+        wiener.increments(tau.sqrt(), &mut noise.increments);
+        noise.increments.0.iter_mut().flatten().for_each(|dw| *dw = dw.clamp(-0.4, 0.4));
+        let step = Step::new(&damping, n, tau).unwrap();
+        scheme.step_block(system, &step, &noise, &mut y, &mut status);
+        paths.step(&step, &noise.increments.0, &mut other);
+        assert!(status.failed.is_empty() && other.failed.is_empty(), "{}", system.name());
+        for (row, expected) in paths.state().iter().zip(&y.0) {
+            for p in 0..WIDTH {
+                let size: f64 = y.0.iter().map(|row| row[p].abs()).sum();
+                largest = largest.max((row[p] - expected[p]).abs() / size);
+            }
+        }
+    }
+    largest
+}
+
+fn check<S, const D: usize, const M: usize>(system: S, y0: [f64; D])
+where
+    S: Flows<D, M> + Clone,
+{
+    let adapter = Compiled::with_flows(system.clone(), y0);
+    let name = system.name();
+    let tau = 1.0 / 64.0;
+    assert_eq!(difference(&system, &Heun, &adapter, y0, tau), 0.0, "{name}");
+    assert_eq!(difference(&system, &EulerMaruyama, &adapter, y0, tau), 0.0, "{name}");
+    assert_eq!(difference(&system, &Split, &adapter, y0, tau), 0.0, "{name}");
+    let sexp_li = SexpLi::new(&system, y0).unwrap();
+    assert_eq!(difference(&system, &sexp_li, &adapter, y0, tau), 0.0, "{name}");
+    assert_eq!(SexpLi::at_run_time(&adapter).as_ref(), Ok(&sexp_li));
+    // Residuals are at most 2ε of the size in each step, and errors of some forty steps add up.
+    let allowed = 8.0 * STEPS as f64 * f64::EPSILON;
+    assert!(difference(&system, &Sexp, &adapter, y0, tau) <= allowed, "{name}");
+    assert!(difference(&system, &Midpoint, &adapter, y0, tau) <= allowed, "{name}");
+}
+
+#[test]
+fn schemes_at_run_time_are_those_of_compiled_systems() {
+    let momentum = [1.1f64.cos(), 0.0, 1.1f64.sin()];
+    check(Pendulum::new(1.0).unwrap(), [0.2, 1.0]);
+    check(body(), momentum);
+    check(RigidBody::one_noise(INERTIA, 1.0).unwrap(), momentum);
+    check(MaxwellBloch, [1.0, 2.0, 3.0]);
+    check(Poisson3::new(1.0).unwrap(), [1.0, 2.0, 3.0]);
+    check(spins(), [0.6, 0.0, 0.8, 0.0, 1.0, 0.0]);
+}
+
+/// Fixed-point iteration in single sweeps is the same to the bit.
+#[test]
+fn fixed_point_iteration_has_the_same_bits() {
+    // Poisson3 begins with a plain sweep; others write it out.
+    let (system, y0) = (spins_of_nine(), [0.6, 0.0, 0.8, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0]);
+    let adapter = Compiled::new(system, y0);
+    for tau in [1.0 / 64.0, 0.2] {
+        assert_eq!(difference(&system, &Sexp, &adapter, y0, tau), 0.0);
+        assert_eq!(difference(&system, &Midpoint, &adapter, y0, tau), 0.0);
+        let settled = WithSolver { formula: Sexp, solver: Solver::default().settled() };
+        assert_eq!(difference(&system, &settled, &adapter, y0, tau), 0.0);
+    }
+}
+
+fn spins_of_nine() -> systems::SpinChain<9> {
+    systems::SpinChain::new(1.0, 0.5, 0.8).unwrap()
+}
+
+/// One step on 32 paths from states around y0 with large increments: the solutions, and on how many
+/// paths Newton's method was needed.
+fn one_step<F: Implicit>(
+    scheme: &F,
+    adapter: &dyn System,
+    y0: &[f64],
+    (tau, dw): (f64, &[Row]),
+) -> (Rows, BlockStatus) {
+    let mut paths = run_time::Scheme::stepper(scheme, adapter).unwrap();
+    let mut numbers = Numbers(5);
+    paths.state_mut().iter_mut().zip(y0).for_each(|(row, y)| {
+        *row = std::array::from_fn(|_| y + 0.1 * numbers.next());
+    });
+    let mut status = BlockStatus::explicit();
+    let step = Step::new(&Cosine::new(0.5, 2.0).unwrap(), 0, tau).unwrap();
+    paths.step(&step, dw, &mut status);
+    let mut z = Rows::zero(y0.len()).unwrap();
+    z.copy_from_slice(paths.state());
+    (z, status)
+}
+
+#[test]
+fn newton_without_a_matrix_finds_the_same_solutions() {
+    fn check<S: PoissonSystem<D, M> + Clone, const D: usize, const M: usize>(
+        system: S,
+        y0: [f64; D],
+        scale: f64,
+    ) {
+        let adapter = Compiled::new(system.clone(), y0);
+        let mut dw = Rows::zero(M).unwrap();
+        let mut numbers = Numbers(11);
+        dw.iter_mut().flatten().for_each(|dw| *dw = scale * numbers.next());
+        let h = (0.1, &dw[..]);
+        let one_sweep = Solver { max_sweeps: 1, ..Solver::new(Method::FixedPoint) };
+        let forced = WithSolver { formula: Sexp, solver: one_sweep };
+        let (z, status) = one_step(&forced, &adapter, &y0, h);
+        let (expected, fast) = one_step(&Sexp, &adapter, &y0, h);
+        assert!(status.robust.len() > 20, "{}: {}", system.name(), status.robust.len());
+        assert!(status.failed.is_empty() && fast.failed.is_empty(), "{}", system.name());
+        for (z, expected) in z.iter().flatten().zip(expected.iter().flatten()) {
+            // Residuals of both of a few ε, amplified by (1 − contraction)⁻¹.
+            let error = (z - expected).abs() / (1.0 + expected.abs());
+            assert!(error < 200.0 * f64::EPSILON, "{}: {error:e}", system.name());
+        }
+    }
+    check(body(), [0.6, 0.0, 0.8], 0.5);
+    check(Pendulum::new(1.0).unwrap(), [0.2, 1.0], 0.5);
+    check(MaxwellBloch, [1.0, 0.5, 0.8], 0.3);
+    check(Poisson3::new(1.0).unwrap(), [1.0, 0.5, 0.8], 0.1);
+    check(populations_1(), [0.8, 1.4, 0.6], 0.1);
+    check(spins_of_nine(), [0.6, 0.0, 0.8, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0], 0.5);
+}
+
+/// Where the iteration does not contract, the solution is that of the compiled system.
+#[test]
+fn large_increments_are_solved_on_the_branch_of_the_flow() {
+    let (system, y0) = (body(), [0.6, 0.0, 0.8]);
+    let adapter = Compiled::new(system, y0);
+    let dw = Rows::splat(&[3.0, -2.5, 2.0]).unwrap();
+    let (z, status) = one_step(&Sexp, &adapter, &y0, (0.5, &dw));
+    assert!(status.failed.is_empty() && !status.robust.is_empty());
+    let mut numbers = Numbers(5);
+    let mut y = Block::<3>::zero();
+    for i in 0..3 {
+        y.0[i] = std::array::from_fn(|_| y0[i] + 0.1 * numbers.next());
+    }
+    let step = Step::new(&Cosine::new(0.5, 2.0).unwrap(), 0, 0.5).unwrap();
+    let noise = BlockNoise::increments(Block::splat([3.0, -2.5, 2.0]));
+    let mut compiled = BlockStatus::explicit();
+    Sexp.step_block(&system, &step, &noise, &mut y, &mut compiled);
+    assert!(compiled.failed.is_empty());
+    for (z, expected) in z.iter().flatten().zip(y.0.iter().flatten()) {
+        assert!((z - expected).abs() < 1e-12, "{z} {expected}");
+    }
+}
+
+#[test]
+fn schemes_that_cannot_run_say_why() {
+    let adapter = Compiled::new(body(), [0.6, 0.0, 0.8]);
+    let error = |scheme: &dyn run_time::Scheme| {
+        scheme.stepper(&adapter).map(|_| ()).unwrap_err().to_string()
+    };
+    let levy = SexpLi::with_areas(&body(), [0.6, 0.0, 0.8]).unwrap();
+    assert!(error(&levy).contains("3 noises"), "{}", error(&levy));
+    assert!(error(&Split).contains("sum of parts"), "{}", error(&Split));
+}
