@@ -9,7 +9,8 @@ impl Graph {
     /// Σ wᵢ ∂fᵢ/∂x for every input x in `inputs`, by reverse accumulation: one pass for any number
     /// of inputs. `weighted` are the pairs (fᵢ, wᵢ). The weights are not differentiated.
     ///
-    /// With one weight 1 it is a gradient.
+    /// With one weight 1 it is a gradient. The derivative of a piece that abs, min or max does not
+    /// choose is multiplied by zero, and so must be finite.
     pub fn reverse(&mut self, weighted: &[(Id, Id)], inputs: &[usize]) -> Vec<Id> {
         let inputs: Vec<Id> = inputs.iter().map(|&k| self.input(k)).collect();
         let varies = self.varies(&inputs);
@@ -102,8 +103,8 @@ impl Graph {
                 push(self, b, &|g| g.weight_where_not_less(a, b, weight));
             }
             Node::Binary(Binary::Max, a, b) => {
-                push(self, a, &|g| g.weight_where_not_less(b, a, weight));
-                push(self, b, &|g| g.weight_where_less(b, a, weight));
+                push(self, a, &|g| g.weight_where_less(b, a, weight));
+                push(self, b, &|g| g.weight_where_not_less(b, a, weight));
             }
             Node::Power(a, n) => push(self, a, &|g| {
                 let power = g.power_of_size(a, n - 1);

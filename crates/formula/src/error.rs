@@ -76,7 +76,7 @@ pub enum FormulaErrorKind {
         write: &'static str,
     },
     /// A name that nobody gave.
-    #[error("unknown name `{name}`{}", Hint("; the nearest is ", nearest))]
+    #[error("unknown name `{}`{}", Short(name), Hint("; the nearest is ", nearest))]
     UnknownName {
         /// The name.
         name: String,
@@ -84,7 +84,7 @@ pub enum FormulaErrorKind {
         nearest: Option<String>,
     },
     /// A function that does not exist.
-    #[error("unknown function `{name}`{}", Hint("; the nearest is ", nearest))]
+    #[error("unknown function `{}`{}", Short(name), Hint("; the nearest is ", nearest))]
     UnknownFunction {
         /// Its name.
         name: String,
@@ -92,7 +92,7 @@ pub enum FormulaErrorKind {
         nearest: Option<String>,
     },
     /// A variable or parameter with arguments.
-    #[error("`{name}` is no function: write {name}*(…) for a product")]
+    #[error("`{0}` is no function: write {0}*(…) for a product", Short(name))]
     NotAFunction {
         /// The name.
         name: String,
@@ -113,6 +113,9 @@ pub enum FormulaErrorKind {
         /// How many there are.
         found: usize,
     },
+    /// A quotient with the constant zero below.
+    #[error("division by zero")]
+    DivisionByZero,
     /// A number too large for floating point, or a constant that is not finite, as ln(−1).
     #[error("this is not a finite number but {value}")]
     NotFinite {
@@ -137,12 +140,24 @@ impl<S: Display> Display for Hint<'_, S> {
     }
 }
 
+/// The first characters of a name.
+struct Short<'a>(&'a str);
+
+impl Display for Short<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0.char_indices().nth(Excerpt::AFTER) {
+            Some((end, _)) => write!(f, "{}…", &self.0[..end]),
+            None => f.write_str(self.0),
+        }
+    }
+}
+
 struct Before<'a>(&'a Option<String>);
 
 impl Display for Before<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
-            Some(token) => write!(f, "before `{token}`"),
+            Some(token) => write!(f, "before `{}`", Short(token)),
             None => f.write_str("at the end"),
         }
     }

@@ -101,9 +101,13 @@ fn first_token(text: &str) -> Option<&str> {
     }
 }
 
+/// Whether a number or a name may have the character.
+fn is_word(c: char) -> bool {
+    c.is_alphabetic() || c.is_ascii_digit() || matches!(c, '_' | '.')
+}
+
 /// The number or name that ends `text`, or its last character.
 fn last_token(text: &str) -> Option<&str> {
-    let is_word = |c: char| c.is_alphanumeric() || c == '_' || c == '.';
     let word = text.trim_end_matches(is_word);
     if word.len() < text.len() {
         return Some(&text[word.len()..]);
@@ -138,8 +142,8 @@ fn syntax_error(text: &str, at: usize) -> FormulaError {
     };
     let span = at..at + token.len();
     let found = token.chars().next().unwrap_or_default();
-    let starts_operand = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | '(');
-    let ends_operand = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | ')');
+    let starts_operand = |c: char| is_word(c) || c == '(';
+    let ends_operand = |c: char| is_word(c) || c == ')';
     let after_operand = before.chars().next_back().is_some_and(ends_operand);
     if !(starts_operand(found) || "+-*/^,)".contains(found)) {
         let kind = FormulaErrorKind::UnexpectedCharacter { found, instead: instead_of(found) };
@@ -241,7 +245,11 @@ impl Builder<'_> {
     fn operand(&mut self, pair: Pair<'_, Rule>, depth: usize) -> Result<Placed, FormulaError> {
         let span = place(&pair);
         match pair.as_rule() {
-            Rule::expression => self.expression(pair.into_inner(), depth),
+            Rule::group => {
+                let inner = pair.into_inner().next();
+                let inner = inner.unwrap_or_else(|| unreachable!("a group is not empty"));
+                self.expression(inner.into_inner(), depth).map(|(id, _)| (id, span))
+            }
             Rule::number => {
                 let value = pair.as_str().parse().unwrap_or(f64::NAN);
                 self.finish(span, |graph| graph.constant(value))
@@ -332,6 +340,9 @@ impl Builder<'_> {
         (a, left): Placed,
         (b, right): Placed,
     ) -> Result<Placed, FormulaError> {
+        if rule == Rule::divide && self.graph.is_zero(b) {
+            return self.error(FormulaErrorKind::DivisionByZero, right);
+        }
         self.finish(left.start..right.end, |graph| match rule {
             Rule::add => graph.add(a, b),
             Rule::subtract => graph.sub(a, b),

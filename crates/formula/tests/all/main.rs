@@ -1,0 +1,9 @@
+//! The crate from outside.
+
+mod bits;
+mod derivatives;
+mod expression;
+mod fuzz;
+mod grammar;
+mod graph;
+mod systems;
