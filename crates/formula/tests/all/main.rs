@@ -6,4 +6,7 @@ mod expression;
 mod fuzz;
 mod grammar;
 mod graph;
+mod panels;
+#[path = "../../examples/paper/mod.rs"]
+mod paper;
 mod systems;

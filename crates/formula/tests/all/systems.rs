@@ -1,8 +1,5 @@
 //! Poisson systems from texts against compiled ones, and what is said about wrong ones.
 
-#[path = "../../examples/paper/mod.rs"]
-mod paper;
-
 use formula::{Definition, DefinitionError, FormulaSystem, Which};
 use real::{Row, Rows, WIDTH};
 use systems::{
@@ -11,7 +8,7 @@ use systems::{
     run_time::{Compiled, System, Weights},
 };
 
-use crate::expression::Random;
+use crate::{expression::Random, paper};
 
 /// Relative to the largest component: a few roundings of sums of a few terms.
 const ROUNDING: f64 = 1e-14;
