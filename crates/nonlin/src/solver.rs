@@ -1,6 +1,6 @@
 //! The options of the solver and its results.
 
-use real::{Block, PathMask, WIDTH};
+use real::{Block, PathMask, Row, WIDTH};
 
 /// The fast method, which is tried first on every path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,15 +149,15 @@ impl BlockStatus {
         }
     }
 
-    /// Marks paths with a state that is not finite as failed, with an infinite residual. Call it
-    /// inside a kernel.
+    /// Marks paths with a state that is not finite as failed, with an infinite residual; row i of
+    /// `y` is component i. Call it inside a kernel.
     #[inline(always)]
-    pub fn fail_where_not_finite<const D: usize>(&mut self, y: &Block<D>) {
+    pub fn fail_where_not_finite(&mut self, y: &[Row]) {
         // 0·y is NaN if y is infinite or NaN, else zero.
         let mut sums = Block::<1>::zero();
-        for i in 0..D {
+        for row in y {
             for p in 0..WIDTH {
-                sums.0[0][p] += 0.0 * y.0[i][p];
+                sums.0[0][p] += 0.0 * row[p];
             }
         }
         let mut count = 0u64;

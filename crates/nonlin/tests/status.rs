@@ -34,7 +34,7 @@ fn what_is_not_finite_has_failed() {
         assert_eq!(checked.outcome, if finite { outcome } else { failed });
         assert_eq!(checked.z.map(f64::to_bits), state.map(f64::to_bits));
     }
-    status.fail_where_not_finite(&block);
+    status.fail_where_not_finite(&block.0);
     assert_eq!(status.failed, PathMask(1 << 3 | 1 << 8 | 1 << 21));
     assert_eq!(status.robust, PathMask(1 << 4));
     for p in 0..WIDTH {
@@ -43,6 +43,6 @@ fn what_is_not_finite_has_failed() {
     }
 
     let (all, before) = (Block::splat([1.0, -2.0]), status);
-    status.fail_where_not_finite(&all);
+    status.fail_where_not_finite(&all.0);
     assert_eq!(status, before, "states that are finite change nothing");
 }

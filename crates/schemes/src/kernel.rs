@@ -171,7 +171,7 @@ impl<F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel
             }
             *y = next;
             *status = BlockStatus::explicit();
-            status.fail_where_not_finite(y);
+            status.fail_where_not_finite(&y.0);
             return;
         }
         let mut z = Block::zero();
@@ -182,7 +182,7 @@ impl<F: Implicit, S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel
                 y.set_path(p, scaled(z.path(p), step.second_decay));
             }
             if may_overflow(&step) {
-                status.fail_where_not_finite(y);
+                status.fail_where_not_finite(&y.0);
             }
         } else {
             *y = z;

@@ -70,7 +70,7 @@ impl<S: Flows<D, M>, const D: usize, const M: usize> Kernel for SplitKernel<'_, 
         }
         *y = next;
         *status = BlockStatus::explicit();
-        status.fail_where_not_finite(y);
+        status.fail_where_not_finite(&y.0);
     }
 }
 

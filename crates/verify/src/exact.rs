@@ -11,7 +11,7 @@
 
 use dgrad::Rule;
 use mc::TimeChange;
-use real::{Block, WIDTH};
+use real::{Row, WIDTH};
 use systems::{Damping, PoissonSystem, Problem, paper::valid, vector_field};
 
 /// The random time S of the exact solution, along a path or in law.
@@ -58,13 +58,12 @@ impl<'a, G: Damping> RandomTime<'a, G> {
     }
 }
 
-impl<G: Damping> TimeChange<1> for RandomTime<'_, G> {
-    fn advance(&self, n: u64, dw: &Block<1>, normals: &Block<1>, random_time: &mut Block<1>) {
+impl<G: Damping> TimeChange for RandomTime<'_, G> {
+    fn advance(&self, n: u64, dw: &[Row], normals: &Row, random_time: &mut Row) {
         let (mean, spread) = self.step(n);
         let (drift, residual) = (mean * self.tau, self.noise * spread.sqrt());
         for p in 0..WIDTH {
-            random_time.0[0][p] +=
-                drift + self.noise * mean * dw.0[0][p] + residual * normals.0[0][p];
+            random_time[p] += drift + self.noise * mean * dw[0][p] + residual * normals[p];
         }
     }
 }

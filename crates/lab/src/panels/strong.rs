@@ -65,7 +65,7 @@ pub struct StrongRuns<'a, S, G, const D: usize, const M: usize> {
     pub problem: &'a Problem<S, G, D>,
     pub grid: Grid,
     /// The exact solution, which is known at the final time only.
-    pub exact: Option<Exact<'a, D, M>>,
+    pub exact: Option<Exact<'a, D>>,
     /// The one with areas, or else the first, runs at the finest step, too; the errors are
     /// differences from that unless `exact` is given.
     pub curves: &'a [Curve<S, D, M>],

@@ -9,7 +9,7 @@ use lab::{
     truncation,
 };
 use mc::{Ladder, Run, View};
-use noise::StreamKey;
+use noise::{BlockNoise, StreamKey};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use real::Level;
 use report::provenance::peak_memory_mb;
@@ -60,16 +60,16 @@ fn ladder<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
     problem: &'a Problem<S, G, D>,
     levels: usize,
     runs: Vec<Run<'a, S, D, M>>,
-) -> Result<Ladder<'a, D, M>> {
+) -> Result<Ladder<'a, BlockNoise<M>>> {
     let steps = (problem.t_end() / TAU).round() as u64;
     Ok(Ladder::new(problem, steps, levels, truncation(), KEY, runs)?)
 }
 
 /// Runs the ladder on the current pool with a small statistic, the mean of the final state; returns
 /// how many paths were left out.
-fn run_once<const D: usize, const M: usize>(ladder: &Ladder<'_, D, M>, paths: u64) -> u64 {
-    let state = |view: &View<'_, D>, p: usize, values: &mut [f64]| {
-        values.copy_from_slice(&view.states[0].path(p));
+fn run_once<const D: usize, const M: usize>(ladder: &Ladder<'_, BlockNoise<M>>, paths: u64) -> u64 {
+    let state = |view: &View<'_>, p: usize, values: &mut [f64]| {
+        values.copy_from_slice(&view.path(0, p));
     };
     let new = || FinalMoments::new(ladder.coarse_steps(), D, &state);
     black_box(ladder.run(paths, new, &|_| ())).failed
@@ -79,7 +79,7 @@ fn run_once<const D: usize, const M: usize>(ladder: &Ladder<'_, D, M>, paths: u6
 /// single thread, both in seconds, and how many paths were left out.
 fn repeat<const D: usize, const M: usize>(
     pool: &ThreadPool,
-    ladder: &Ladder<'_, D, M>,
+    ladder: &Ladder<'_, BlockNoise<M>>,
     Workload { paths, repetitions, .. }: Workload,
 ) -> (Spread, Spread, u64) {
     // The clock of the thread is read on the thread that works.

@@ -229,12 +229,12 @@ impl<F> Defects<'_, F> {
     }
 }
 
-impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Statistic<D> for Defects<'_, F> {
-    fn observe(&mut self, view: &View<'_, D>) {
+impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Statistic for Defects<'_, F> {
+    fn observe(&mut self, view: &View<'_>) {
         let n = view.time;
         if n.is_power_of_two() || n == self.steps {
             let of_path = |p: usize| match view.live.contains(p) {
-                true => (self.defect)(n, view.states[0].path(p)),
+                true => (self.defect)(n, view.path(0, p)),
                 false => f64::NAN,
             };
             self.add(n, (0..WIDTH).map(of_path));
@@ -246,7 +246,7 @@ impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Statistic<D> for Defect
     }
 }
 
-impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Kept<D> for Defects<'_, F> {
+impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Kept for Defects<'_, F> {
     type Sums = Vec<Row>;
 
     fn sums(&self) -> &Vec<Row> {
