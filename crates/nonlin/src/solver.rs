@@ -154,8 +154,8 @@ impl BlockStatus {
         }
     }
 
-    /// Marks paths with a state that is not finite as failed, with an infinite residual. Call it
-    /// inside a kernel.
+    /// Marks paths with a state that is not finite as failed, with an infinite residual; row i of
+    /// `y` is component i. Call it inside a kernel.
     #[inline(always)]
     pub fn fail_where_not_finite(&mut self, y: &[Row]) {
         // 0·y is NaN if y is infinite or NaN, else zero.
