@@ -221,18 +221,14 @@ mod tests {
             let found = time.step(n);
             assert!((found.0 / mean - 1.0).abs() < 1e-12, "{found:?} {mean}");
             assert!((found.1 / spread - 1.0).abs() < 1e-6, "{found:?} {spread}");
-            let mut s = Block::splat([0.25]);
-            let (mut dw, mut normals) = (Block::zero(), Block::zero());
+            let mut s = [0.25; WIDTH];
+            let dw: Row = std::array::from_fn(|p| 0.1 * p as f64);
+            let normals: Row = std::array::from_fn(|p| 2.0 - 0.2 * p as f64);
+            time.advance(n, &[dw], &normals, &mut s);
             for p in 0..WIDTH {
-                dw.set_path(p, [0.1 * p as f64]);
-                normals.set_path(p, [2.0 - 0.2 * p as f64]);
-            }
-            time.advance(n, &dw, &normals, &mut s);
-            for p in 0..WIDTH {
-                let [w] = dw.path(p);
-                let own = noise * spread.sqrt() * normals.path(p)[0];
-                let exact = 0.25 + mean * tau + noise * mean * w + own;
-                assert!((s.path(p)[0] - exact).abs() < 1e-7, "{n} {p}");
+                let own = noise * spread.sqrt() * normals[p];
+                let exact = 0.25 + mean * tau + noise * mean * dw[p] + own;
+                assert!((s[p] - exact).abs() < 1e-7, "{n} {p}");
             }
         }
     }

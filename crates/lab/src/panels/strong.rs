@@ -110,10 +110,11 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             runs.extend(grid.exponents().map(run));
             series.push((first..runs.len()).collect::<Vec<_>>());
         }
-        let reference = match self.exact {
-            Some(exact) => {
+        let exact = self.exact.map(|exact| move |s| (exact.solution)(s).to_vec());
+        let reference = match &exact {
+            Some(solution) => {
                 series.push(vec![0]);
-                Reference::Exact(exact.solution)
+                Reference::Exact(solution)
             }
             None => Reference::Run(0),
         };
