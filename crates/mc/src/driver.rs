@@ -10,7 +10,7 @@ use schemes::{RunState, Step};
 use serde::{Deserialize, Serialize};
 use systems::Damping;
 
-use crate::{Cause, DynRun, NoiseSource, TimeChange, View, parts::Stop};
+use crate::{Cause, DynRun, NoiseSource, TimeChange, View, observable::splat, parts::Stop};
 
 /// The truncation bounds of increments and areas.
 #[derive(Clone, Copy, PartialEq)]
@@ -223,7 +223,7 @@ impl<'a, N: StepNoise> Marcher<'a, N> {
     fn new(driver: &'a Driver<'a, N>, first_path: u64, paths: usize) -> Self {
         let runs = driver.runs.len();
         let experiment = driver.key.experiment ^ TIME_CHANGE_STREAM;
-        let start: Vec<Row> = driver.y0.iter().map(|&y| [y; WIDTH]).collect();
+        let start = splat(&driver.y0);
         Self {
             driver,
             first_path,
