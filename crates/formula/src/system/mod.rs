@@ -4,6 +4,7 @@ mod cayley;
 mod definition;
 mod elimination;
 mod expressions;
+mod program;
 mod skew;
 
 use std::ops::Range;
@@ -12,7 +13,7 @@ use dgrad::{Rule, nodes_for_degree};
 use real::{Row, WIDTH, dispatch};
 use systems::{
     Linearity, SystemError,
-    run_time::{System, Weights},
+    run_time::{Node, Program, System, Weights},
     shown_solvable,
 };
 
@@ -22,6 +23,7 @@ use crate::{Formula, Names, Tape};
 use definition::Formulas;
 use elimination::Eliminate;
 use expressions::Expressions;
+use program::FormulaProgram;
 
 /// Nodes of the averaged gradient of what is no polynomial, and the most for a polynomial. The
 /// error of n nodes is of order |b − a|²ⁿ.
@@ -71,6 +73,7 @@ pub struct FormulaSystem {
     ito_correction: Tape,
     observables: Tape,
     cayley: Cayley,
+    expressions: Expressions,
     rule: Rule,
     linearity: Linearity,
     solvable: bool,
@@ -90,11 +93,11 @@ enum Cayley {
 impl Cayley {
     /// For an affine B.
     fn new(expressions: &mut Expressions) -> Self {
-        match expressions.cayley() {
+        match expressions.cayley_tape() {
             Some(tape) => Self::Tape(tape),
             None => Self::Rows {
-                matrix: expressions.cayley_matrix(),
-                right: expressions.cayley_right(),
+                matrix: expressions.cayley_matrix_tape(),
+                right: expressions.right_side_tape(),
             },
         }
     }
@@ -123,7 +126,7 @@ impl FormulaSystem {
             Linearity::Other => (Cayley::None, false),
             Linearity::Constant => (Cayley::new(&mut expressions), true),
             Linearity::Affine => {
-                let matrix = expressions.cayley_matrix();
+                let matrix = expressions.cayley_matrix_tape();
                 let solvable = shown_solvable(y0.len(), |v| {
                     let mut entries = vec![0.0; v.len() * v.len()];
                     matrix.evaluate_one(&[v], &mut entries);
@@ -134,14 +137,15 @@ impl FormulaSystem {
         };
         let mut system = Self {
             definition: definition.clone(),
-            structure: expressions.structure(),
-            structure_along: expressions.structure_along(),
-            energy: expressions.energy(),
-            gradient: expressions.gradient(),
-            hessian: expressions.hessian(),
-            ito_correction: expressions.ito_correction(),
-            observables: expressions.observables(),
+            structure: expressions.structure_tape(),
+            structure_along: expressions.structure_along_tape(),
+            energy: expressions.energy_tape(),
+            gradient: expressions.gradient_tape(),
+            hessian: expressions.hessian_tape(),
+            ito_correction: expressions.ito_correction_tape(),
+            observables: expressions.observables_tape(),
             cayley,
+            expressions,
             rule: Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}")),
             linearity,
             solvable,
@@ -300,6 +304,12 @@ impl System for FormulaSystem {
 
     fn ito_correction(&self, _: Range<usize>, y: &[Row], out: &mut [Row], scratch: &mut [Row]) {
         self.ito_correction.evaluate(&[y], out, scratch);
+    }
+
+    /// The whole formula of a scheme is one tape.
+    fn compile(&self, nodes: &[Node], inputs: usize) -> Option<Box<dyn Program>> {
+        let program = FormulaProgram::new(&self.expressions, &self.rule, nodes, inputs)?;
+        Some(Box::new(program))
     }
 
     /// The formulas of B, H₀ and Hₘ must be finite. The error names the first component that the

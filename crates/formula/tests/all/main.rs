@@ -6,4 +6,5 @@ mod expression;
 mod fuzz;
 mod grammar;
 mod graph;
+mod programs;
 mod systems;

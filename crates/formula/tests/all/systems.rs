@@ -1,7 +1,7 @@
 //! Poisson systems from texts against compiled ones, and what is said about wrong ones.
 
 #[path = "../../examples/paper/mod.rs"]
-mod paper;
+pub mod paper;
 
 use formula::{Definition, DefinitionError, FormulaSystem, Which};
 use real::{Row, Rows, WIDTH};

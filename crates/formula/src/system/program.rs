@@ -1,0 +1,192 @@
+//! The formula of a scheme on a system as one tape.
+
+use std::iter::once;
+
+use dgrad::Rule;
+use real::{Row, Rows, WIDTH};
+use systems::run_time::{Node, Program, Weights};
+
+use super::expressions::Expressions;
+use crate::{Graph, Id, Tape};
+
+/// Expressions of a scheme's formula beyond which it is not worth one tape.
+const MOST_EXPRESSIONS: usize = 100_000;
+
+/// The largest number of states that a formula has as inputs.
+const MOST_INPUTS: usize = 4;
+
+/// A scheme's formula on 32 paths.
+pub struct FormulaProgram {
+    tape: Tape,
+    /// Rows of dt and of the factors.
+    numbers: Rows,
+    /// The operations that have a factor.
+    multiples: Vec<usize>,
+    scratch: Rows,
+}
+
+impl FormulaProgram {
+    /// The tape of the last of `nodes`; none if it would be too long.
+    pub fn new(system: &Expressions, rule: &Rule, nodes: &[Node], inputs: usize) -> Option<Self> {
+        let is_multiple = |n: &usize| matches!(nodes[*n], Node::Multiple(_));
+        let multiples: Vec<usize> = (0..nodes.len()).filter(is_multiple).collect();
+        let numbers = inputs * system.dimension();
+        let noise = numbers + 1 + multiples.len();
+        let mut graph = Graph::new();
+        let dt = graph.input(numbers);
+        let weights =
+            once(dt).chain((0..system.noises()).map(|m| graph.input(noise + m))).collect();
+        let mut builder = Builder { system, rule, graph, weights, states: Vec::new() };
+        for (n, &node) in nodes.iter().enumerate() {
+            let factor = multiples.iter().position(|&multiple| multiple == n);
+            let factor = factor.map(|k| builder.graph.input(numbers + 1 + k));
+            let state = builder.state(node, factor)?;
+            builder.states.push(state);
+            if builder.graph.len() > MOST_EXPRESSIONS {
+                return None;
+            }
+        }
+        let states = (0..inputs).map(|k| k * system.dimension()..(k + 1) * system.dimension());
+        let groups: Vec<_> =
+            states.chain([numbers..noise, noise..noise + system.noises()]).collect();
+        if inputs > MOST_INPUTS {
+            return None;
+        }
+        let tape = Tape::new(&builder.graph, builder.states.last()?, &groups);
+        let numbers = Rows::zero(1 + multiples.len()).ok()?;
+        let scratch = Rows::zero(tape.scratch_rows()).ok()?;
+        Some(Self { tape, numbers, multiples, scratch })
+    }
+}
+
+impl Program for FormulaProgram {
+    fn run(&mut self, inputs: &[&[Row]], factors: &[f64], h: Weights<'_>, out: &mut [Row]) {
+        self.numbers[0] = [h.dt; WIDTH];
+        for (k, &multiple) in self.multiples.iter().enumerate() {
+            self.numbers[1 + k] = [factors[multiple]; WIDTH];
+        }
+        let mut groups: [&[Row]; MOST_INPUTS + 2] = [&[]; MOST_INPUTS + 2];
+        groups[..inputs.len()].copy_from_slice(inputs);
+        groups[inputs.len()] = &self.numbers;
+        groups[inputs.len() + 1] = h.dw;
+        self.tape.evaluate(&groups[..inputs.len() + 2], out, &mut self.scratch);
+    }
+}
+
+/// The states of a formula, operation by operation.
+struct Builder<'a> {
+    system: &'a Expressions,
+    rule: &'a Rule,
+    graph: Graph,
+    /// dt, dw₁, …
+    weights: Vec<Id>,
+    states: Vec<Vec<Id>>,
+}
+
+impl Builder<'_> {
+    /// The components of a node; none if it has no expression.
+    fn state(&mut self, node: Node, factor: Option<Id>) -> Option<Vec<Id>> {
+        let system = self.system;
+        let of = |n: usize| self.states[n].clone();
+        Some(match node {
+            Node::Input(k) => {
+                let first = k * system.dimension();
+                (first..first + system.dimension()).map(|k| self.graph.input(k)).collect()
+            }
+            Node::Sum(a, b) => self.each(&of(a), &of(b), Graph::add),
+            Node::Difference(a, b) => self.each(&of(a), &of(b), Graph::sub),
+            Node::Multiple(a) => {
+                let (state, factor) = (of(a), factor?);
+                state.into_iter().map(|x| self.graph.mul(x, factor)).collect()
+            }
+            Node::Structure { y, v } => self.import(&system.field, &of(y), None, Some(&of(v))),
+            Node::StructureAlong { y, u, v } => {
+                self.import(&system.field_along, &of(y), Some(&of(u)), Some(&of(v)))
+            }
+            Node::Gradient { y } => self.import(&system.gradient, &of(y), None, None),
+            Node::Hessian { y, u } => self.import(&system.hessian, &of(y), Some(&of(u)), None),
+            Node::AveragedGradient { a, b } => self.averaged_gradient(&of(a), &of(b)),
+            Node::AveragedHessian { a, b, u } => self.averaged_hessian(&of(a), &of(b), &of(u)),
+            Node::AveragedField { a, b } => {
+                let (a, b) = (of(a), of(b));
+                let gradient = self.averaged_gradient(&a, &b);
+                let middle = self.point(&a, &b, 0.0);
+                self.import(&system.field, &middle, None, Some(&gradient))
+            }
+            Node::Cayley { y, v } => {
+                self.import(system.cayley.as_ref()?, &of(y), None, Some(&of(v)))
+            }
+            Node::ItoCorrection { y } => self.import(&system.ito_correction, &of(y), None, None),
+        })
+    }
+
+    fn each(&mut self, a: &[Id], b: &[Id], f: fn(&mut Graph, Id, Id) -> Id) -> Vec<Id> {
+        a.iter().zip(b).map(|(&a, &b)| f(&mut self.graph, a, b)).collect()
+    }
+
+    /// Expressions of the system at other states; a state that they do not read may be anything.
+    fn import(&mut self, roots: &[Id], y: &[Id], u: Option<&[Id]>, v: Option<&[Id]>) -> Vec<Id> {
+        let inputs = [y, u.unwrap_or(y), v.unwrap_or(y), &self.weights].concat();
+        self.graph.import(&self.system.graph, roots, &inputs)
+    }
+
+    /// (a+b)/2 + distance·(b − a), as in `systems::run_time`.
+    fn point(&mut self, a: &[Id], b: &[Id], distance: f64) -> Vec<Id> {
+        let graph = &mut self.graph;
+        let component = |(&a, &b): (&Id, &Id)| {
+            let (sum, difference) = (graph.add(a, b), graph.sub(b, a));
+            let (middle, shift) = (graph.scale(sum, 0.5), graph.scale(difference, distance));
+            graph.add(middle, shift)
+        };
+        a.iter().zip(b).map(component).collect()
+    }
+
+    fn gradient_at(&mut self, a: &[Id], b: &[Id], distance: f64) -> Vec<Id> {
+        let point = self.point(a, b, distance);
+        self.import(&self.system.gradient, &point, None, None)
+    }
+
+    /// sum + weight·value.
+    fn plus(&mut self, sum: &[Id], value: &[Id], weight: f64) -> Vec<Id> {
+        let weighted: Vec<Id> = value.iter().map(|&x| self.graph.scale(x, weight)).collect();
+        self.each(sum, &weighted, Graph::add)
+    }
+
+    fn zero(&mut self) -> Vec<Id> {
+        vec![self.graph.constant(0.0); self.system.dimension()]
+    }
+
+    /// ∇̄h(a, b), pair by pair as in `systems::run_time`.
+    fn averaged_gradient(&mut self, a: &[Id], b: &[Id]) -> Vec<Id> {
+        let (nodes, weights) = (self.rule.nodes(), self.rule.weights());
+        let count = nodes.len();
+        if count == 1 {
+            return self.gradient_at(a, b, 0.0);
+        }
+        let mut sum = self.zero();
+        for k in 0..count / 2 {
+            let distance = 0.5 - nodes[k];
+            let lower = self.gradient_at(a, b, -distance);
+            let upper = self.gradient_at(a, b, distance);
+            let pair = self.each(&lower, &upper, Graph::add);
+            sum = self.plus(&sum, &pair, weights[k]);
+        }
+        if count % 2 == 1 {
+            let middle = self.gradient_at(a, b, 0.0);
+            sum = self.plus(&sum, &middle, weights[count / 2]);
+        }
+        sum
+    }
+
+    /// ∂∇̄h(a, b)/∂b·u.
+    fn averaged_hessian(&mut self, a: &[Id], b: &[Id], u: &[Id]) -> Vec<Id> {
+        let mut sum = self.zero();
+        for k in 0..self.rule.nodes().len() {
+            let (node, weight) = (self.rule.nodes()[k], self.rule.weights()[k]);
+            let point = self.point(a, b, node - 0.5);
+            let value = self.import(&self.system.hessian, &point, Some(u), None);
+            sum = self.plus(&sum, &value, weight * node);
+        }
+        sum
+    }
+}
