@@ -8,7 +8,7 @@ use nonlin::BlockStatus;
 use real::{Row, Rows, WIDTH};
 use schemes::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi, Step, run_time::Scheme};
 use systems::{
-    Constant, Linearity, RigidBody,
+    Constant, Linearity,
     run_time::{System, Weights},
 };
 
@@ -115,14 +115,11 @@ fn a_formula_in_one_piece_has_the_bits_of_its_operations() {
         (paper::maxwell_bloch(), &y3[..]),
         (paper::poisson3(0.5), &y3[..]),
     ];
-    let body = RigidBody::three_noises(inertia, noise).unwrap();
-    let linear = SexpLi::new(&body, y3).unwrap();
     for (definition, y0) in definitions {
         let system = FormulaSystem::new(&definition, y0).unwrap();
+        let linear = SexpLi::at_run_time(&system);
         let mut schemes: Vec<&dyn Scheme> = vec![&EulerMaruyama, &Heun, &Sexp, &Midpoint];
-        if system.linearity() != Linearity::Other {
-            schemes.push(&linear);
-        }
+        schemes.extend(linear.iter().map(|linear| linear as &dyn Scheme));
         for scheme in schemes {
             let one = path(scheme, &system, y0);
             let other = path(scheme, &OneByOne(&system), y0);
