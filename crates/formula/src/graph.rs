@@ -188,14 +188,17 @@ fn powu(x: f64, n: u32) -> f64 {
     power
 }
 
-/// Expressions in some inputs, numbered from zero. Equal expressions are one.
+/// Expressions in some inputs, numbered from zero.
 ///
-/// Constants are folded with the functions that evaluate a tape. These identities are applied; they
-/// are exact, up to the sign of a zero, an overflow, and an operand that is not finite:
-/// x + 0 = x, 1·x = x, −1·x = −x, 0·x = 0/x = 0, x − x = 0, x + x = 2x, x·x = x²,
-/// −(−x) = x, −(a − b) = b − a, x/2ⁿ = 2⁻ⁿx, c·(2ⁿx) = (2ⁿc)·x. A sign is moved out of sums, products,
-/// quotients and powers, and into a constant factor. Operands of + and · are put in order. Zero has
-/// no sign.
+/// Equal expressions are one. Constants are folded with the functions that evaluate a tape. These
+/// identities are applied, and no others; they are exact, up to the sign of a zero, an overflow,
+/// and an operand that is not finite:
+/// - x + 0 = x, 1·x = x, −1·x = −x, 0·x = 0/x = 0, x − x = 0, x + x = 2x, x·x = x²;
+/// - −(−x) = x, −(a − b) = b − a, |−x| = |x|, min(x, x) = max(x, x) = x;
+/// - x/2ⁿ = 2⁻ⁿ·x, and c·(d·x) = (c·d)·x if c or d is a power of two;
+/// - a sign moves out of sums, products, quotients and powers, and into a constant factor.
+///
+/// The operands of + and · are put in order. Zero has no sign.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,

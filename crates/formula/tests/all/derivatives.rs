@@ -9,8 +9,8 @@ use crate::expression::{Expression, Random, VARIABLES};
 
 /// The order of operations differs from that of the bound, and the oracle rounds too.
 const FACTOR: f64 = 16.0;
-/// In another order an intermediate result may underflow.
-const UNDERFLOW: f64 = 1e-100;
+/// Squares and cubes of intermediate results may underflow, in another order or in the oracle.
+const UNDERFLOW: f64 = 1e-50;
 
 /// What was compared and what could not be: not finite, no bound, or next to an edge.
 #[derive(Default, Debug)]
