@@ -48,11 +48,13 @@ pub enum Unary {
     Cosh,
     /// tanh x.
     Tanh,
+    /// sin x/x, and 1 at 0.
+    Sinc,
 }
 
 impl Unary {
     /// The functions that a formula may name.
-    pub(crate) const NAMED: [Self; 10] = [
+    pub(crate) const NAMED: [Self; 11] = [
         Self::Abs,
         Self::Sqrt,
         Self::Exp,
@@ -63,6 +65,7 @@ impl Unary {
         Self::Sinh,
         Self::Cosh,
         Self::Tanh,
+        Self::Sinc,
     ];
 
     /// The value at x, with the functions of `real` that a tape uses.
@@ -79,6 +82,7 @@ impl Unary {
             Self::Sinh => functions::sinh(x),
             Self::Cosh => functions::cosh(x),
             Self::Tanh => functions::tanh(x),
+            Self::Sinc => elementary::sinc(x),
         }
     }
 }
@@ -97,6 +101,7 @@ impl Display for Unary {
             Self::Sinh => "sinh",
             Self::Cosh => "cosh",
             Self::Tanh => "tanh",
+            Self::Sinc => "sinc",
         })
     }
 }

@@ -30,7 +30,7 @@
 //! | numbers | `2`, `.5`, `1e-3` |
 //! | names | variables, parameters, `pi`; letters of any alphabet, digits, `_` |
 //! | operators | `+ - * / ^`; −x² is −(x²), a^b^c is a^(b^c), 2^-x is 2^(−x) |
-//! | functions | `sin cos tan exp ln sqrt abs sinh cosh tanh`, and `min max` of two numbers |
+//! | functions | `sin cos tan exp ln sqrt abs sinh cosh tanh sinc`, and `min max` of two numbers |
 //!
 //! The logarithm is `ln`; there is no `log`, which means several things. A product needs its `*`.
 //! `^` with a constant integer is a product by repeated squaring, `x^0.5` is `sqrt(x)`, any other
