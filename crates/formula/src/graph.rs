@@ -274,6 +274,15 @@ impl Graph {
         self.intern(Node::Input(k as u32))
     }
 
+    /// The number of inputs up to the last that was made.
+    pub(crate) fn inputs(&self) -> usize {
+        let number = |node: &Node| match node {
+            Node::Input(k) => *k as usize + 1,
+            _ => 0,
+        };
+        self.nodes.iter().map(number).max().unwrap_or(0)
+    }
+
     /// The value of an expression without inputs.
     #[must_use]
     pub fn as_constant(&self, id: Id) -> Option<f64> {
@@ -539,6 +548,20 @@ impl Graph {
             copies[id.index()] = Some(copy);
         }
         roots.iter().filter_map(|root| copies[root.index()]).collect()
+    }
+
+    /// The expressions `roots` with `inputs[k]` in the place of input k.
+    pub(crate) fn substitute(&mut self, roots: &[Id], inputs: &[Id]) -> Vec<Id> {
+        let needed = self.needed(roots);
+        let mut copies = vec![Id::FIRST; needed.len()];
+        self.place = None;
+        for (index, id) in self.ids().enumerate().filter(|(index, _)| needed[*index]) {
+            copies[index] = match self.node(id) {
+                Node::Input(k) => inputs[k as usize],
+                node => self.make(node, |operand| copies[operand.index()]),
+            };
+        }
+        roots.iter().map(|root| copies[root.index()]).collect()
     }
 
     /// For every expression, whether one of the roots uses it.

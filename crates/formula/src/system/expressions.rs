@@ -2,7 +2,11 @@
 
 use std::{ops::Range, slice::from_ref};
 
-use super::{cayley, definition::Formulas};
+use super::{
+    average::{self, Segment},
+    cayley,
+    definition::Formulas,
+};
 use crate::{Formula, Graph, Id, Tape};
 
 /// What a system is asked for, in the inputs y, u, v, dt and dw, in this order.
@@ -23,6 +27,8 @@ pub struct Expressions {
     pub gradient: Vec<Id>,
     /// ∇²h·u.
     pub hessian: Vec<Id>,
+    /// ∇̄h(y, u).
+    pub averaged_gradient: Vec<Id>,
     /// ½Σₘ fₘ′fₘ with fₘ = B∇Hₘ.
     pub ito_correction: Vec<Id>,
     /// The solution z of z = y + B((y+z)/2)v; none if B is not affine, or the dimension too large.
@@ -57,6 +63,7 @@ impl Expressions {
             energy,
             gradient: none(),
             hessian: none(),
+            averaged_gradient: none(),
             ito_correction: none(),
             cayley: None,
         };
@@ -67,6 +74,7 @@ impl Expressions {
         new.energy = new.weighted(&weights);
         new.gradient = new.gradient_of(&weights);
         new.hessian = new.along(&new.gradient.clone());
+        new.averaged_gradient = new.averaged(&weights);
         new.ito_correction = new.corrected();
         if new.structure_degree().is_some_and(|degree| degree <= 1)
             && dimension <= LARGEST_ELIMINATION
@@ -169,6 +177,16 @@ impl Expressions {
         self.graph.reverse(&weighted, &y)
     }
 
+    /// ∇̄h(y, u).
+    fn averaged(&mut self, weights: &[Id]) -> Vec<Id> {
+        let (a, b) = (self.inputs(self.y()), self.inputs(self.u()));
+        let weighted: Vec<(Id, Id)> =
+            self.hamiltonians.iter().copied().zip(weights.iter().copied()).collect();
+        let y: Vec<usize> = self.y().collect();
+        let segment = Segment { y: &y, a: &a, b: &b };
+        average::averaged_gradient(&mut self.graph, &weighted, &segment)
+    }
+
     /// ½Σₘ fₘ′fₘ.
     fn corrected(&mut self) -> Vec<Id> {
         let mut correction = vec![self.graph.constant(0.0); self.dimension];
@@ -197,8 +215,7 @@ impl Expressions {
         if let Some(v) = v {
             inputs[at_v].copy_from_slice(v);
         }
-        let source = self.graph.clone();
-        self.graph.import(&source, &self.field, &inputs)
+        self.graph.substitute(&self.field, &inputs)
     }
 
     /// The solution z of z = y + B((y+z)/2)v.
@@ -243,6 +260,12 @@ impl Expressions {
     /// ∇²h·u from y, u, dt and dw.
     pub fn hessian_tape(&self) -> Tape {
         self.tape(&self.hessian, &[self.y(), self.u(), self.dt(), self.dw()])
+    }
+
+    /// ∇̄h(a, b) from a, b, dt and dw.
+    pub fn averaged_gradient_tape(&self) -> Tape {
+        let groups = [self.y(), self.u(), self.dt(), self.dw()];
+        self.tape(&self.averaged_gradient, &groups)
     }
 
     /// ½Σₘ fₘ′fₘ from y.

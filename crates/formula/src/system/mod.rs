@@ -1,5 +1,6 @@
 //! Poisson systems from texts.
 
+mod average;
 mod cayley;
 mod definition;
 mod elimination;
@@ -70,6 +71,7 @@ pub struct FormulaSystem {
     energy: Tape,
     gradient: Tape,
     hessian: Tape,
+    averaged_gradient: Tape,
     ito_correction: Tape,
     observables: Tape,
     cayley: Cayley,
@@ -142,6 +144,7 @@ impl FormulaSystem {
             energy: expressions.energy_tape(),
             gradient: expressions.gradient_tape(),
             hessian: expressions.hessian_tape(),
+            averaged_gradient: expressions.averaged_gradient_tape(),
             ito_correction: expressions.ito_correction_tape(),
             observables: expressions.observables_tape(),
             cayley,
@@ -161,7 +164,7 @@ impl FormulaSystem {
     }
 
     fn largest_scratch(&self) -> usize {
-        let weighted = [&self.energy, &self.gradient, &self.hessian];
+        let weighted = [&self.energy, &self.gradient, &self.hessian, &self.averaged_gradient];
         let plain =
             [&self.structure, &self.structure_along, &self.ito_correction, &self.observables];
         let cayley = match &self.cayley {
@@ -279,6 +282,18 @@ impl System for FormulaSystem {
 
     fn rule(&self) -> &Rule {
         &self.rule
+    }
+
+    fn averaged_gradient(
+        &self,
+        a: &[Row],
+        b: &[Row],
+        h: Weights<'_>,
+        out: &mut [Row],
+        scratch: &mut [Row],
+    ) {
+        let (dt, scratch) = with_dt(h.dt, scratch);
+        self.averaged_gradient.evaluate(&[a, b, dt, h.dw], out, scratch);
     }
 
     fn linearity(&self) -> Linearity {

@@ -6,7 +6,7 @@ use dgrad::Rule;
 use real::{Row, Rows, WIDTH};
 use systems::run_time::{Node, Program, Weights};
 
-use super::expressions::Expressions;
+use super::{average::point, expressions::Expressions};
 use crate::{Graph, Id, Tape};
 
 /// Expressions of a scheme's formula beyond which it is not worth one tape.
@@ -105,12 +105,14 @@ impl Builder<'_> {
             }
             Node::Gradient { y } => self.import(&system.gradient, &of(y), None, None),
             Node::Hessian { y, u } => self.import(&system.hessian, &of(y), Some(&of(u)), None),
-            Node::AveragedGradient { a, b } => self.averaged_gradient(&of(a), &of(b)),
+            Node::AveragedGradient { a, b } => {
+                self.import(&system.averaged_gradient, &of(a), Some(&of(b)), None)
+            }
             Node::AveragedHessian { a, b, u } => self.averaged_hessian(&of(a), &of(b), &of(u)),
             Node::AveragedField { a, b } => {
                 let (a, b) = (of(a), of(b));
-                let gradient = self.averaged_gradient(&a, &b);
-                let middle = self.point(&a, &b, 0.0);
+                let gradient = self.import(&system.averaged_gradient, &a, Some(&b), None);
+                let middle = point(&mut self.graph, &a, &b, 0.0);
                 self.import(&system.field, &middle, None, Some(&gradient))
             }
             Node::Cayley { y, v } => {
@@ -130,60 +132,18 @@ impl Builder<'_> {
         self.graph.import(&self.system.graph, roots, &inputs)
     }
 
-    /// (a+b)/2 + distance·(b − a), as in `systems::run_time`.
-    fn point(&mut self, a: &[Id], b: &[Id], distance: f64) -> Vec<Id> {
-        let graph = &mut self.graph;
-        let component = |(&a, &b): (&Id, &Id)| {
-            let (sum, difference) = (graph.add(a, b), graph.sub(b, a));
-            let (middle, shift) = (graph.scale(sum, 0.5), graph.scale(difference, distance));
-            graph.add(middle, shift)
-        };
-        a.iter().zip(b).map(component).collect()
-    }
-
-    fn gradient_at(&mut self, a: &[Id], b: &[Id], distance: f64) -> Vec<Id> {
-        let point = self.point(a, b, distance);
-        self.import(&self.system.gradient, &point, None, None)
-    }
-
     /// sum + weight·value.
     fn plus(&mut self, sum: &[Id], value: &[Id], weight: f64) -> Vec<Id> {
         let weighted: Vec<Id> = value.iter().map(|&x| self.graph.scale(x, weight)).collect();
         self.each(sum, &weighted, Graph::add)
     }
 
-    fn zero(&mut self) -> Vec<Id> {
-        vec![self.graph.constant(0.0); self.system.dimension()]
-    }
-
-    /// ∇̄h(a, b), pair by pair as in `systems::run_time`.
-    fn averaged_gradient(&mut self, a: &[Id], b: &[Id]) -> Vec<Id> {
-        let (nodes, weights) = (self.rule.nodes(), self.rule.weights());
-        let count = nodes.len();
-        if count == 1 {
-            return self.gradient_at(a, b, 0.0);
-        }
-        let mut sum = self.zero();
-        for k in 0..count / 2 {
-            let distance = 0.5 - nodes[k];
-            let lower = self.gradient_at(a, b, -distance);
-            let upper = self.gradient_at(a, b, distance);
-            let pair = self.each(&lower, &upper, Graph::add);
-            sum = self.plus(&sum, &pair, weights[k]);
-        }
-        if count % 2 == 1 {
-            let middle = self.gradient_at(a, b, 0.0);
-            sum = self.plus(&sum, &middle, weights[count / 2]);
-        }
-        sum
-    }
-
     /// ∂∇̄h(a, b)/∂b·u.
     fn averaged_hessian(&mut self, a: &[Id], b: &[Id], u: &[Id]) -> Vec<Id> {
-        let mut sum = self.zero();
+        let mut sum = vec![self.graph.constant(0.0); self.system.dimension()];
         for k in 0..self.rule.nodes().len() {
             let (node, weight) = (self.rule.nodes()[k], self.rule.weights()[k]);
-            let point = self.point(a, b, node - 0.5);
+            let point = point(&mut self.graph, a, b, node - 0.5);
             let value = self.import(&self.system.hessian, &point, Some(u), None);
             sum = self.plus(&sum, &value, weight * node);
         }

@@ -71,6 +71,16 @@ impl System for OneByOne<'_> {
     fn rule(&self) -> &Rule {
         self.0.rule()
     }
+    fn averaged_gradient(
+        &self,
+        a: &[Row],
+        b: &[Row],
+        h: Weights<'_>,
+        out: &mut [Row],
+        s: &mut [Row],
+    ) {
+        self.0.averaged_gradient(a, b, h, out, s);
+    }
     fn linearity(&self) -> Linearity {
         self.0.linearity()
     }
