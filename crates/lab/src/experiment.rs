@@ -5,7 +5,7 @@ use mc::{
     parts::{GROUP_PATHS, Job},
     trajectory,
 };
-use noise::{StreamKey, Truncation};
+use noise::{StepNoise, StreamKey, Truncation};
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem, paper::valid};
 use verify::{
@@ -66,10 +66,10 @@ impl Conditions<'_> {
 
     /// The results of a ladder with `samples` paths, as a piece of work of the job: `None` if they
     /// are not here. Two ladders of an experiment have different names.
-    pub fn run<T: Kept<D>, const D: usize, const M: usize>(
+    pub fn run<T: Kept, N: StepNoise>(
         &self,
         name: &str,
-        ladder: &Ladder<'_, D, M>,
+        ladder: &Ladder<'_, N>,
         samples: u64,
         new: impl Fn() -> T + Sync,
     ) -> Option<Measured<T>> {

@@ -1,28 +1,16 @@
 //! The loop over time: groups of blocks advance on a dyadic ladder of steps.
 //!
-//! A scheme with its system is a trait object here, so the loop is compiled once for each dimension
-//! and not for each system.
+//! The states of a run are a trait object here, so the loop is compiled once for each type of noise
+//! and not for each system and dimension.
 
-use noise::{AreaLadder, BlockNoise, DyadicLadder, StreamKey, WienerBlock, clip};
+use noise::{AreaSums, DyadicLadder, StepNoise, StreamKey, WienerBlock, clip};
 use nonlin::BlockStatus;
-use real::{Block, PathMask, WIDTH};
-use schemes::Step;
+use real::{Block, PathMask, Row, WIDTH};
+use schemes::{RunState, Step};
 use serde::{Deserialize, Serialize};
 use systems::Damping;
 
-use crate::{Cause, NoiseSource, TimeChange, View, parts::Stop};
-
-/// [`Scheme::step_block`](schemes::Scheme::step_block) for a fixed scheme and system.
-type StepBlock<'a, const D: usize, const M: usize> =
-    dyn Fn(&Step, &BlockNoise<M>, &mut Block<D>, &mut BlockStatus) + Send + Sync + 'a;
-
-/// A scheme on a level.
-pub(crate) struct DriverRun<'a, const D: usize, const M: usize> {
-    pub(crate) id: &'static str,
-    pub(crate) level: usize,
-    pub(crate) swapped: bool,
-    pub(crate) step_block: Box<StepBlock<'a, D, M>>,
-}
+use crate::{Cause, DynRun, NoiseSource, TimeChange, View, parts::Stop};
 
 /// The truncation bounds of increments and areas.
 #[derive(Clone, Copy, PartialEq)]
@@ -65,19 +53,21 @@ impl Batch {
 }
 
 /// The input of the loop over time.
-pub(crate) struct Driver<'a, const D: usize, const M: usize> {
+pub(crate) struct Driver<'a, N> {
     pub(crate) damping: &'a dyn Damping,
-    pub(crate) y0: [f64; D],
+    /// Number of noises.
+    pub(crate) noises: usize,
+    pub(crate) y0: Vec<f64>,
     pub(crate) t_end: f64,
     pub(crate) finest_steps: u64,
     pub(crate) levels: usize,
     pub(crate) key: StreamKey,
-    pub(crate) noise: Box<dyn NoiseSource<M> + 'a>,
+    pub(crate) noise: Box<dyn NoiseSource<N> + 'a>,
     /// The first scheme that reads Lévy areas, if one does.
     pub(crate) area_reader: Option<&'static str>,
-    pub(crate) runs: Vec<DriverRun<'a, D, M>>,
+    pub(crate) runs: Vec<DynRun<'a, N>>,
     pub(crate) batches: Vec<Batch>,
-    pub(crate) time_change: Option<&'a dyn TimeChange<M>>,
+    pub(crate) time_change: Option<&'a dyn TimeChange>,
     pub(crate) described_failures: usize,
 }
 
@@ -137,7 +127,7 @@ struct StepPair {
     now: Step,
 }
 
-impl<const D: usize, const M: usize> Driver<'_, D, M> {
+impl<N: StepNoise> Driver<'_, N> {
     pub(crate) fn tau(&self, level: usize) -> f64 {
         self.t_end * (1u64 << level) as f64 / self.finest_steps as f64
     }
@@ -168,13 +158,13 @@ impl<const D: usize, const M: usize> Driver<'_, D, M> {
         &self,
         first_path: u64,
         paths: u64,
-        observe: &mut dyn FnMut(&View<'_, D>),
+        observe: &mut dyn FnMut(&View<'_>),
         progress: &(dyn Fn(u64) + Sync),
         stop: &Stop,
     ) -> Option<Tally> {
         let mut tally = self.tally();
         let offsets = (0..paths).step_by(WIDTH);
-        let mut blocks: Vec<Marcher<'_, D, M>> = offsets
+        let mut blocks: Vec<Marcher<'_, N>> = offsets
             .map(|offset| Marcher::new(self, first_path + offset, (paths - offset) as usize))
             .collect();
         let levels = 0..=self.levels;
@@ -207,21 +197,21 @@ impl<const D: usize, const M: usize> Driver<'_, D, M> {
     }
 }
 
-/// The noise of one block and the state of every run.
-struct Marcher<'a, const D: usize, const M: usize> {
-    driver: &'a Driver<'a, D, M>,
+/// The noise of one block and the states of every run.
+struct Marcher<'a, N> {
+    driver: &'a Driver<'a, N>,
     first_path: u64,
     live: PathMask,
-    next_noise: crate::NextNoise<'a, M>,
+    next_noise: crate::NextNoise<'a, N>,
     /// Noise of the finest step.
-    drawn: BlockNoise<M>,
-    sums: DyadicLadder<M>,
+    drawn: N,
+    sums: DyadicLadder,
     /// Lévy areas of every level, if a scheme reads them.
-    areas: Option<AreaLadder<M>>,
+    areas: Option<Box<dyn AreaSums<N>>>,
     /// The truncated noise of the current step. It is reused, since zeroing it in every step takes
     /// as long as a tenth of a step.
-    truncated: BlockNoise<M>,
-    states: Vec<Block<D>>,
+    truncated: N,
+    states: Vec<Box<dyn RunState<N> + 'a>>,
     statuses: Vec<BlockStatus>,
     /// For each run the paths with a clipped increment so far.
     clipped: Vec<PathMask>,
@@ -229,20 +219,21 @@ struct Marcher<'a, const D: usize, const M: usize> {
     time_change_noise: WienerBlock<1>,
 }
 
-impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
-    fn new(driver: &'a Driver<'a, D, M>, first_path: u64, paths: usize) -> Self {
+impl<'a, N: StepNoise> Marcher<'a, N> {
+    fn new(driver: &'a Driver<'a, N>, first_path: u64, paths: usize) -> Self {
         let runs = driver.runs.len();
         let experiment = driver.key.experiment ^ TIME_CHANGE_STREAM;
+        let start: Vec<Row> = driver.y0.iter().map(|&y| [y; WIDTH]).collect();
         Self {
             driver,
             first_path,
             live: PathMask::first(paths),
             next_noise: driver.noise.block(first_path),
-            drawn: BlockNoise::zero(),
-            sums: DyadicLadder::new(driver.levels),
-            areas: driver.area_reader.map(|_| AreaLadder::new(driver.levels)),
-            truncated: BlockNoise::zero(),
-            states: vec![Block::splat(driver.y0); runs],
+            drawn: N::zero(driver.noises),
+            sums: DyadicLadder::new(driver.noises, driver.levels),
+            areas: driver.area_reader.and_then(|_| N::area_sums(driver.levels)),
+            truncated: N::zero(driver.noises),
+            states: driver.runs.iter().map(|run| run.scheme.start(&start)).collect(),
             statuses: vec![BlockStatus::explicit(); runs],
             clipped: vec![PathMask::NONE; runs],
             random_time: Block::zero(),
@@ -256,18 +247,19 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
         steps: &[StepPair],
         n: u64,
         tally: &mut Tally,
-        observe: &mut dyn FnMut(&View<'_, D>),
+        observe: &mut dyn FnMut(&View<'_>),
     ) {
         let driver = self.driver;
         (self.next_noise)(&mut self.drawn);
         if let Some(time_change) = driver.time_change {
             let mut normals = Block::zero();
             self.time_change_noise.increments(1.0, &mut normals);
-            time_change.advance(n - 1, &self.drawn.increments, &normals, &mut self.random_time);
+            let (dw, [time]) = (self.drawn.increments(), &mut self.random_time.0);
+            time_change.advance(n - 1, dw, &normals.0[0], time);
         }
-        let complete = self.sums.push(&self.drawn.increments);
+        let complete = self.sums.push(self.drawn.increments());
         if let Some(areas) = &mut self.areas {
-            areas.push(&self.drawn.areas, &self.sums, complete);
+            areas.push(&self.drawn, &self.sums, complete);
         }
         for batch in driver.batches.iter().filter(|batch| batch.due_level() <= complete) {
             let StepPair { before, now } = steps[batch.level];
@@ -293,7 +285,7 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
                 states: &self.states,
                 statuses: &self.statuses,
                 clipped: &self.clipped,
-                random_time: &self.random_time,
+                random_time: &self.random_time.0[0],
                 live: self.live,
             });
         }
@@ -304,8 +296,8 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
         let level = batch.level;
         let increment =
             if one_before { self.sums.first_half(level + 1) } else { self.sums.increment(level) };
-        if clip(increment, batch.bounds.increment, &mut self.truncated.increments) > 0 {
-            let (paths, count) = differing(increment, &self.truncated.increments, self.live);
+        if clip(increment, batch.bounds.increment, self.truncated.increments_mut()) > 0 {
+            let (paths, count) = differing(increment, self.truncated.increments(), self.live);
             for &run in &batch.runs {
                 self.clipped[run] = self.clipped[run].or(paths);
             }
@@ -314,8 +306,11 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
             }
         }
         if let Some(areas) = &self.areas {
-            let areas = if one_before { areas.first_half(level + 1) } else { areas.areas(level) };
-            self.truncated.areas = areas.clipped(batch.bounds.area);
+            let (bound, noise) = (batch.bounds.area, &mut self.truncated);
+            match one_before {
+                true => areas.clip_first_half(level + 1, bound, noise),
+                false => areas.clip(level, bound, noise),
+            }
         }
     }
 
@@ -324,8 +319,8 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
     fn step(&mut self, batch: &Batch, step: &Step, as_drawn: bool, tally: &mut Tally) {
         let noise = if as_drawn { &self.drawn } else { &self.truncated };
         for &number in &batch.runs {
-            let (run, status) = (&self.driver.runs[number], &mut self.statuses[number]);
-            (run.step_block)(step, noise, &mut self.states[number], status);
+            let status = &mut self.statuses[number];
+            self.states[number].step(step, noise, status);
             let failed = status.failed.and(self.live);
             if !failed.is_empty() {
                 // The number of the step follows from its time.
@@ -345,7 +340,7 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
     fn drop_non_finite(&mut self, n: u64, tally: &mut Tally) {
         for (number, state) in self.states.iter().enumerate() {
             let mut status = BlockStatus::explicit();
-            status.fail_where_not_finite(&state.0);
+            status.fail_where_not_finite(state.rows());
             let failed = status.failed.and(self.live);
             for p in failed.paths() {
                 let step = (n >> self.driver.runs[number].level).saturating_sub(1);
@@ -359,10 +354,10 @@ impl<'a, const D: usize, const M: usize> Marcher<'a, D, M> {
 
 /// The paths on which two blocks differ, and the number of differing entries on the `live` paths.
 #[cold]
-fn differing<const M: usize>(a: &Block<M>, b: &Block<M>, live: PathMask) -> (PathMask, u64) {
+fn differing(a: &[Row], b: &[Row], live: PathMask) -> (PathMask, u64) {
     let (mut paths, mut count) = (PathMask::NONE, 0);
     for p in 0..WIDTH {
-        let differ = (0..M).filter(|&m| a.0[m][p] != b.0[m][p]).count();
+        let differ = a.iter().zip(b).filter(|(a, b)| a[p] != b[p]).count();
         if differ > 0 {
             paths.insert(p);
         }

@@ -60,6 +60,12 @@ pub enum LadderError {
         /// The scheme.
         scheme: &'static str,
     },
+    /// A scheme reads Lévy areas, and the noise of a number that is known at run time has none.
+    #[error("{scheme} reads Levy areas, which this noise does not have: it has increments only")]
+    NoiseWithoutAreas {
+        /// The scheme.
+        scheme: &'static str,
+    },
     /// A measurement has too few step sizes, or too many.
     #[error("the number of step sizes must be from {from} to {to}, got {given}")]
     StepSizes {

@@ -2,18 +2,20 @@
 
 use std::ops::Range;
 
-use noise::{BlockNoise, StreamKey, Truncation};
-use real::{Block, PathMask};
-use schemes::{Scheme, Step, StepError};
+use noise::{BlockNoise, StepNoise, StreamKey, Truncation};
+use real::{PathMask, Row};
+use schemes::{RunState, Scheme, Step, StepError};
 use serde::{Serialize, de::DeserializeOwned};
 use systems::{Damping, PoissonSystem, Problem};
 
 use crate::{
-    LadderError, NoiseSource, PathFailure,
-    driver::{Batch, Bounds, Driver, DriverRun, Failed, GROUP_PATHS, Tally},
+    DynProblem, DynRun, LadderError, NoiseSource, PathFailure,
+    driver::{Batch, Bounds, Driver, Failed, GROUP_PATHS, Tally},
     noise_source::Drawn,
+    observable::{components, path},
     parallel::grow,
     parts::{Fingerprint, Hash, Job, Stop, Work, bytes, of_problem, probe_states},
+    setup::bound,
     tree::{MergeTree, Node},
 };
 
@@ -41,35 +43,88 @@ impl<'a, S, const D: usize, const M: usize> Run<'a, S, D, M> {
 }
 
 /// The state of all runs on one block at the end of a coarsest step, a time of all levels.
-#[derive(Clone, Copy, Debug)]
-pub struct View<'a, const D: usize> {
+#[derive(Clone, Copy)]
+pub struct View<'a> {
     /// Number of coarsest steps done, at least 1.
     pub time: u64,
     /// Number of the first path of the block.
     pub first_path: u64,
-    /// The states of each run.
-    pub states: &'a [Block<D>],
+    pub(crate) states: &'a (dyn States + 'a),
     /// The status of the last step of each run.
     pub statuses: &'a [nonlin::BlockStatus],
     /// For each run the paths with a clipped increment so far.
     pub clipped: &'a [PathMask],
     /// The random time of each path by the [`TimeChange`] of the ladder; zero without one.
-    pub random_time: &'a Block<1>,
+    pub random_time: &'a Row,
     /// The paths that exist and have not failed. Only these may enter a statistic.
     pub live: PathMask,
 }
 
+/// The states of several runs.
+pub(crate) trait States {
+    fn runs(&self) -> usize;
+    fn state(&self, run: usize) -> &[Row];
+}
+
+impl<N> States for Vec<Box<dyn RunState<N> + '_>> {
+    fn runs(&self) -> usize {
+        self.len()
+    }
+
+    fn state(&self, run: usize) -> &[Row] {
+        self[run].rows()
+    }
+}
+
+#[cfg(test)]
+impl<const D: usize> States for Vec<real::Block<D>> {
+    fn runs(&self) -> usize {
+        self.len()
+    }
+
+    fn state(&self, run: usize) -> &[Row] {
+        &self[run].0
+    }
+}
+
+impl<'a> View<'a> {
+    /// The view of states at the first time.
+    #[cfg(test)]
+    pub(crate) fn of(states: &'a dyn States, live: PathMask) -> Self {
+        let random_time = &[0.0; real::WIDTH];
+        Self { time: 1, first_path: 0, states, statuses: &[], clipped: &[], random_time, live }
+    }
+
+    /// Number of runs.
+    pub fn runs(&self) -> usize {
+        self.states.runs()
+    }
+
+    /// The states of a run; row i is component i of 32 paths.
+    pub fn state(&self, run: usize) -> &'a [Row] {
+        self.states.state(run)
+    }
+
+    /// The state of path `p` < 32 of a run.
+    ///
+    /// # Panics
+    /// Unless D is the dimension.
+    pub fn path<const D: usize>(&self, run: usize, p: usize) -> [f64; D] {
+        path(components(self.state(run)), p)
+    }
+}
+
 /// An accumulator of results over paths, for example a mean.
-pub trait Statistic<const D: usize>: Send {
+pub trait Statistic: Send {
     /// Adds one block at one time.
-    fn observe(&mut self, view: &View<'_, D>);
+    fn observe(&mut self, view: &View<'_>);
     /// Adds the results of `later` paths.
     fn merge(&mut self, later: Self);
 }
 
 /// A statistic whose sums can be written to a file and read back, so that it can be computed in
 /// parts, see [`parts`](crate::parts).
-pub trait Kept<const D: usize>: Statistic<D> {
+pub trait Kept: Statistic {
     /// What is kept. Everything else, such as observables, is in a new statistic already. Every
     /// field must be serialized: one that is skipped is lost without a word.
     type Sums: Serialize + DeserializeOwned;
@@ -93,16 +148,17 @@ pub trait Kept<const D: usize>: Statistic<D> {
 
 /// A random time change along each path, driven by the untruncated increments of the finest steps.
 /// The exact solution of a system with one Hamiltonian is the deterministic flow at such a time.
-pub trait TimeChange<const M: usize>: Send + Sync {
-    /// Advances the random time of a block over finest step number n ≥ 0 with increments `dw`.
-    /// `normals` are independent standard normals, for example for the part of the random time that
-    /// the increments do not determine.
-    fn advance(&self, n: u64, dw: &Block<M>, normals: &Block<1>, random_time: &mut Block<1>);
+pub trait TimeChange: Send + Sync {
+    /// Advances the random time of 32 paths over finest step number n ≥ 0 with increments `dw`, a
+    /// row for each noise. `normals` are independent standard normals, for example for the part of
+    /// the random time that the increments do not determine.
+    fn advance(&self, n: u64, dw: &[Row], normals: &Row, random_time: &mut Row);
 }
 
-/// Several runs, each a scheme at a step size, on a dyadic ladder of steps with the same noise.
-pub struct Ladder<'a, const D: usize, const M: usize> {
-    driver: Driver<'a, D, M>,
+/// Several runs, each a scheme at a step size, on a dyadic ladder of steps with the same noise. N
+/// is the noise of a step, for M noises [`BlockNoise<M>`].
+pub struct Ladder<'a, N> {
+    driver: Driver<'a, N>,
     /// Bytes of stack for a group.
     stack: usize,
     /// The hash of the problem.
@@ -128,7 +184,7 @@ const DESCRIBED_FAILURES: usize = 8;
 /// Paths on which a statistic is tried for its fingerprint.
 const PROBES: usize = 8;
 
-impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
+impl<'a, const M: usize> Ladder<'a, BlockNoise<M>> {
     /// A ladder with `finest_steps` steps on [0, T] at level 0 and `levels` levels above it. The
     /// noise is drawn from the streams of `key`.
     ///
@@ -144,7 +200,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
     /// - [`LadderError::Noise`] if the truncation is undefined at a step size, or if the areas need
     ///   too many terms.
     /// - [`LadderError::Step`] if the finest step underflows.
-    pub fn new<S: PoissonSystem<D, M>, G: Damping>(
+    pub fn new<S: PoissonSystem<D, M>, G: Damping, const D: usize>(
         problem: &'a Problem<S, G, D>,
         finest_steps: u64,
         levels: usize,
@@ -152,32 +208,61 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
         key: StreamKey,
         runs: Vec<Run<'a, S, D, M>>,
     ) -> Result<Self, LadderError> {
+        let run = |Run { scheme, level, swapped }| DynRun {
+            scheme: bound(problem.system(), scheme),
+            level,
+            swapped,
+        };
+        let runs = runs.into_iter().map(run).collect();
+        Self::of(&DynProblem::of(problem), finest_steps, levels, truncation, key, runs)
+    }
+}
+
+impl<'a, N: StepNoise> Ladder<'a, N> {
+    /// The same for a problem of any dimension and schemes on its system.
+    ///
+    /// # Errors
+    /// As [`new`](Ladder::new), and [`LadderError::NoiseWithoutAreas`] if a scheme reads Lévy areas
+    /// and N has none.
+    pub fn of(
+        problem: &DynProblem<'a>,
+        finest_steps: u64,
+        levels: usize,
+        truncation: Truncation,
+        key: StreamKey,
+        runs: Vec<DynRun<'a, N>>,
+    ) -> Result<Self, LadderError> {
         let coarsest = 1u64.checked_shl(levels as u32).unwrap_or(u64::MAX);
         if finest_steps == 0 || !finest_steps.is_multiple_of(coarsest) {
             return Err(LadderError::Steps { steps: finest_steps, multiple_of: coarsest });
         }
         // The finest step may underflow.
-        let finest = problem.t_end() / finest_steps as f64;
-        if finest <= 0.0 {
+        let finest = problem.t_end / finest_steps as f64;
+        if !(finest > 0.0 && finest.is_finite()) {
             return Err(StepError::Size { tau: finest }.into());
         }
         let area_reader = runs.iter().find(|run| run.scheme.reads_areas());
         let area_reader = area_reader.map(|run| run.scheme.id());
+        if let Some(scheme) = area_reader.filter(|_| N::area_sums(0).is_none()) {
+            return Err(LadderError::NoiseWithoutAreas { scheme });
+        }
+        let area_noises = area_reader.map(|_| problem.noises);
         let mut driver = Driver {
-            damping: problem.damping(),
-            y0: problem.y0(),
-            t_end: problem.t_end(),
+            damping: problem.damping,
+            noises: problem.noises,
+            y0: problem.y0.clone(),
+            t_end: problem.t_end,
             finest_steps,
             levels,
             key,
-            noise: Box::new(Drawn::new::<M>(key, finest, area_reader.is_some())?),
+            noise: Box::new(Drawn::new(key, finest, area_noises)?),
             area_reader,
-            runs: Vec::with_capacity(runs.len()),
+            runs: Vec::new(),
             batches: Vec::new(),
             time_change: None,
             described_failures: DESCRIBED_FAILURES,
         };
-        for Run { scheme, level, swapped } in runs {
+        for (number, &DynRun { ref scheme, level, swapped }) in runs.iter().enumerate() {
             if level + usize::from(swapped) > levels {
                 return Err(LadderError::Level { level, swapped, levels });
             }
@@ -186,20 +271,18 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
                 if scheme.clips_increments() { truncation } else { Truncation::none() };
             let bounds =
                 Bounds { increment: truncation.bound(tau)?, area: truncation.area_bound(tau)? };
-            Batch::add(&mut driver.batches, level, swapped, bounds, driver.runs.len());
-            let step_block = Box::new(move |step: &_, noise: &_, y: &mut _, status: &mut _| {
-                scheme.step_block(problem.system(), step, noise, y, status);
-            });
-            driver.runs.push(DriverRun { id: scheme.id(), level, swapped, step_block });
+            Batch::add(&mut driver.batches, level, swapped, bounds, number);
         }
         // This order decides which failure is described first.
         driver.batches.sort_by_key(|batch| (batch.due_level(), batch.swapped));
-        Ok(Self { driver, stack: stack_for(D), system: of_problem(problem) })
+        let stack = runs.iter().map(|run| run.scheme.stack()).max().unwrap_or(0);
+        driver.runs = runs;
+        Ok(Self { driver, stack, system: of_problem(problem) })
     }
 
     /// Computes a random time along each path, see [`TimeChange`].
     #[must_use]
-    pub fn with_time_change(mut self, time_change: &'a dyn TimeChange<M>) -> Self {
+    pub fn with_time_change(mut self, time_change: &'a dyn TimeChange) -> Self {
         self.driver.time_change = Some(time_change);
         self
     }
@@ -209,7 +292,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
     /// # Errors
     /// Those of [`NoiseSource::check`]: a recording must have the finest steps of the ladder, and
     /// areas if a scheme reads them.
-    pub fn with_noise(mut self, source: impl NoiseSource<M> + 'a) -> Result<Self, LadderError> {
+    pub fn with_noise(mut self, source: impl NoiseSource<N> + 'a) -> Result<Self, LadderError> {
         let Driver { t_end, finest_steps, area_reader, .. } = self.driver;
         source.check(t_end, finest_steps, area_reader)?;
         self.driver.noise = Box::new(source);
@@ -252,7 +335,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
     ///
     /// # Panics
     /// If a thread with a larger stack cannot be started, see [`runs_on_pool`](Self::runs_on_pool).
-    pub fn run<T: Statistic<D>>(
+    pub fn run<T: Statistic>(
         &self,
         samples: u64,
         new: impl Fn() -> T + Sync,
@@ -265,7 +348,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
     ///
     /// # Panics
     /// As [`run`](Self::run).
-    pub fn run_from<T: Statistic<D>>(
+    pub fn run_from<T: Statistic>(
         &self,
         first: u64,
         samples: u64,
@@ -287,7 +370,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
     ///
     /// # Panics
     /// As [`run`](Self::run).
-    pub fn run_in<T: Kept<D>>(
+    pub fn run_in<T: Kept>(
         &self,
         job: &Job,
         name: &str,
@@ -304,7 +387,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
 
     /// The nodes of some groups of `samples` paths, as a piece of work of a job with this name; of
     /// a round with its path-steps, which is computed here if these are few.
-    pub(crate) fn nodes_in<T: Kept<D>>(
+    pub(crate) fn nodes_in<T: Kept>(
         &self,
         job: &Job,
         (name, round): (&str, Option<u64>),
@@ -339,7 +422,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
     }
 
     /// Adds the nodes of more groups to those before, and gives the sum of all.
-    pub(crate) fn join<T: Statistic<D> + Clone>(
+    pub(crate) fn join<T: Statistic + Clone>(
         &self,
         nodes: &mut Vec<Node<(T, Tally)>>,
         more: Vec<Node<(T, Tally)>>,
@@ -352,7 +435,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
     }
 
     /// The statistic of one group of `samples` paths from path number `first` on.
-    fn group<T: Statistic<D>>(
+    fn group<T: Statistic>(
         &self,
         first: u64,
         samples: u64,
@@ -364,7 +447,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
         let offset = group * GROUP_PATHS;
         let paths = GROUP_PATHS.min(samples - offset);
         let mut statistic = new();
-        let mut observe = |view: &View<'_, D>| statistic.observe(view);
+        let mut observe = |view: &View<'_>| statistic.observe(view);
         let tally = on_stack(self.stack, || {
             self.driver.march(first + offset, paths, &mut observe, progress, stop)
         });
@@ -378,39 +461,40 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
     }
 
     fn failure(&self, &Failed { run, path, step, cause }: &Failed) -> PathFailure {
-        let DriverRun { id: scheme, level, swapped, .. } = self.driver.runs[run];
-        let (key, tau) = (self.driver.key, self.driver.tau(level));
+        let DynRun { ref scheme, level, swapped } = self.driver.runs[run];
+        let (scheme, key, tau) = (scheme.id(), self.driver.key, self.driver.tau(level));
         PathFailure { path, key, scheme, swapped, tau, step, cause }
     }
 
     /// What this ladder and a statistic are, by what they give at fixed points.
-    fn fingerprint<T: Kept<D>>(&self, new: &impl Fn() -> T) -> Fingerprint {
-        let Driver { y0, finest_steps, levels, damping, ref runs, ref batches, .. } = self.driver;
+    fn fingerprint<T: Kept>(&self, new: &impl Fn() -> T) -> Fingerprint {
+        let Driver { finest_steps, levels, damping, ref y0, ref runs, ref batches, .. } =
+            self.driver;
         let hash = Hash::default().with_number(finest_steps).with_number(levels as u64);
         let mut schemes = batches.iter().fold(hash, |hash, batch| {
             let Bounds { increment, area } = batch.bounds;
             hash.with_number(batch.due_level() as u64).with_reals([increment, area])
         });
         // The first noise of the first block, drawn or given, with areas where they are read.
-        let mut noise = BlockNoise::zero();
+        let mut noise = N::zero(self.driver.noises);
         (self.driver.noise.block(0))(&mut noise);
-        schemes = schemes.with_reals(noise.increments.0.as_flattened().iter().copied());
-        let mut random_time = probe_states([1.0], 0);
+        schemes = schemes.with_reals(noise.increments().as_flattened().iter().copied());
+        let mut random_time = probe_states(&[1.0], 0)[0];
         if let Some(time_change) = self.driver.time_change {
-            let normals = probe_states([1.0], 1);
-            time_change.advance(0, &noise.increments, &normals, &mut random_time);
-            schemes = schemes.with_reals(random_time.0[0]);
+            let normals = probe_states(&[1.0], 1)[0];
+            time_change.advance(0, noise.increments(), &normals, &mut random_time);
+            schemes = schemes.with_reals(random_time);
         }
         let (mut states, mut statuses) = (Vec::new(), Vec::new());
         for (n, run) in runs.iter().enumerate() {
             let mut status = nonlin::BlockStatus::explicit();
-            let mut y = probe_states(y0, n);
+            let mut y = run.scheme.start(&probe_states(y0, n));
             if let Ok(step) = Step::new(damping, 0, self.driver.tau(run.level)) {
-                (run.step_block)(&step, &noise, &mut y, &mut status);
+                y.step(&step, &noise, &mut status);
             }
             let place = 2 * run.level as u64 + u64::from(run.swapped);
-            let of_run = Hash::with(schemes, run.id.as_bytes()).with_number(place);
-            schemes = of_run.with_reals(y.0.as_flattened().iter().copied());
+            let of_run = Hash::with(schemes, run.scheme.id().as_bytes()).with_number(place);
+            schemes = of_run.with_reals(y.rows().as_flattened().iter().copied());
             states.push(y);
             statuses.push(status);
         }
@@ -422,7 +506,7 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
             let mut live = PathMask::NONE;
             live.insert(p);
             for time in statistic.some_times(self.coarse_steps()) {
-                let (states, statuses) = (&states[..], &statuses[..]);
+                let (states, statuses) = (&states, &statuses[..]);
                 let (clipped, random_time) = (&clipped[..], &random_time);
                 let first_path = 0;
                 statistic.observe(&View {
@@ -446,20 +530,13 @@ impl<'a, const D: usize, const M: usize> Ladder<'a, D, M> {
 }
 
 /// Merges statistics and tallies.
-fn merge<const D: usize, T: Statistic<D>>(sum: &mut (T, Tally), later: (T, Tally)) {
+fn merge<T: Statistic>(sum: &mut (T, Tally), later: (T, Tally)) {
     sum.0.merge(later.0);
     sum.1.merge(later.1);
 }
 
 /// The part of the stack of a thread of rayon, two megabytes, that steps may use.
 const USUAL_STACK: usize = 1 << 20;
-
-/// Bytes of stack for a step in D dimensions. Newton's method and continuation have a dozen
-/// matrices in an optimised build, and up to 160 (measured) in one that is not optimised. Memory
-/// that is not used is only reserved.
-fn stack_for(dimension: usize) -> usize {
-    (1 << 19) + 256 * 8 * dimension * dimension
-}
 
 /// Calls `work` on this thread, or on a thread of its own if it needs a larger stack.
 fn on_stack<R: Send>(stack: usize, work: impl FnOnce() -> R + Send) -> R {

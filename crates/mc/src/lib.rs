@@ -41,6 +41,10 @@
 //! | [`PathFailure`] | a failed path: scheme, step, time and reason |
 //! | [`multilevel`] | E[φ(y(T))] to a given accuracy |
 //! | [`parts`], [`Kept`] | a study on many machines, with checkpoints |
+//!
+//! Everything but [`trajectory`] also takes a [`DynProblem`] or a [`Setup`], whose dimension and
+//! number of noises are known at run time only: [`Ladder::of`], [`DynSimulation`], [`Study::of`],
+//! [`multilevel::expectation_of`].
 
 mod driver;
 mod error;
@@ -53,6 +57,7 @@ mod parallel;
 pub mod parts;
 mod recording;
 mod seen_damping;
+mod setup;
 mod simulation;
 mod strong;
 pub mod study;
@@ -63,11 +68,13 @@ pub use error::LadderError;
 pub use failure::{Cause, PathFailure};
 pub use ladder::{Kept, Ladder, Measured, Run, Statistic, TimeChange, View};
 pub use noise_source::{NextNoise, NoiseSource};
-pub use observable::Observable;
+pub use observable::{Observable, Observe};
 pub use recording::{Recording, RecordingError};
 pub use seen_damping::SeenDamping;
+pub use setup::{ConformalLaw, DynProblem, DynRun, Formulas, Setup};
 pub use simulation::{
-    Column, NoiseOrigin, Simulation, SimulationError, TimeSeries, write_csv, write_json,
+    Column, DynSimulation, NoiseOrigin, Simulation, SimulationError, TimeSeries, write_csv,
+    write_json,
 };
 pub use strong::{Reference, Squares, StrongErrors, StrongSums, WorstTimes, squared_distance};
 pub use study::{Study, StudyError, StudyResult, StudySettings, Times, study};

@@ -1,16 +1,17 @@
 //! Sources of the noise of the finest steps.
 
-use noise::{AreaMethod, AreaSampler, BlockNoise, StreamKey, WienerBlock, strong_order_one_error};
+use noise::{AreaMethod, StepNoise, StreamKey, WienerRows, strong_order_one_error};
 
 use crate::LadderError;
 
 /// Writes the noise of the next finest step of a block.
-pub type NextNoise<'a, const M: usize> = Box<dyn FnMut(&mut BlockNoise<M>) + Send + 'a>;
+pub type NextNoise<'a, N> = Box<dyn FnMut(&mut N) + Send + 'a>;
 
-/// A source of increments and Lévy areas, for noise that is not drawn from the streams of a key.
-pub trait NoiseSource<const M: usize>: Sync {
+/// A source of increments and Lévy areas, for noise that is not drawn from the streams of a key. N
+/// is the noise of a step, for M noises [`BlockNoise<M>`](noise::BlockNoise).
+pub trait NoiseSource<N>: Sync {
     /// The untruncated noise of the 32 paths from `first_path` on, one finest step per call.
-    fn block(&self, first_path: u64) -> NextNoise<'_, M>;
+    fn block(&self, first_path: u64) -> NextNoise<'_, N>;
 
     /// Checks that the source has the noise of `steps` equal steps on [0, `t_end`], with areas if
     /// the scheme `area_reader` reads them. By default it has.
@@ -29,8 +30,8 @@ pub trait NoiseSource<const M: usize>: Sync {
 }
 
 /// A function of `first_path` is a source.
-impl<const M: usize, F: Fn(u64) -> NextNoise<'static, M> + Sync> NoiseSource<M> for F {
-    fn block(&self, first_path: u64) -> NextNoise<'_, M> {
+impl<N, F: Fn(u64) -> NextNoise<'static, N> + Sync> NoiseSource<N> for F {
+    fn block(&self, first_path: u64) -> NextNoise<'_, N> {
         self(first_path)
     }
 }
@@ -44,28 +45,29 @@ pub(crate) struct Drawn {
 }
 
 impl Drawn {
-    /// The error of the areas is at most τ^{3/2}, as strong order 1 requires.
-    pub(crate) fn new<const M: usize>(
+    /// Without areas, or with those of so many noises. Their error is at most τ^{3/2}, as strong
+    /// order 1 requires.
+    pub(crate) fn new(
         key: StreamKey,
         tau: f64,
-        with_areas: bool,
+        area_noises: Option<usize>,
     ) -> Result<Self, LadderError> {
         let method = AreaMethod::MrongowiusRoessler;
-        let terms = with_areas.then(|| method.terms_for(strong_order_one_error(tau), tau, M));
+        let terms = area_noises.map(|m| method.terms_for(strong_order_one_error(tau), tau, m));
         Ok(Self { key, tau, areas: terms.transpose()?.map(|terms| (method, terms)) })
     }
 }
 
-impl<const M: usize> NoiseSource<M> for Drawn {
-    fn block(&self, first_path: u64) -> NextNoise<'_, M> {
-        let mut increments = WienerBlock::new(self.key, first_path);
+impl<N: StepNoise> NoiseSource<N> for Drawn {
+    fn block(&self, first_path: u64) -> NextNoise<'_, N> {
+        let mut increments = WienerRows::new(self.key, first_path);
         let mut areas = self
             .areas
-            .map(|(method, terms)| AreaSampler::<M>::new(self.key, first_path, method, terms));
+            .and_then(|(method, terms)| N::area_draw(self.key, first_path, method, terms));
         Box::new(move |noise| {
-            increments.increments(self.tau.sqrt(), &mut noise.increments);
-            if let Some(sampler) = &mut areas {
-                sampler.areas(self.tau, &noise.increments, &mut noise.areas);
+            noise.draw(&mut increments, self.tau.sqrt());
+            if let Some(draw) = &mut areas {
+                draw(self.tau, noise);
             }
         })
     }

@@ -1,5 +1,7 @@
 //! Test functions.
 
+use real::{PathMask, Row, WIDTH};
+
 /// A test function φ with its name.
 #[derive(Clone, Copy, Debug)]
 pub struct Observable<const D: usize> {
@@ -7,4 +9,80 @@ pub struct Observable<const D: usize> {
     pub name: &'static str,
     /// φ(y).
     pub function: fn([f64; D]) -> f64,
+}
+
+/// A test function φ of states of any dimension.
+pub trait Observe: Sync {
+    /// Its name in results.
+    fn name(&self) -> &str;
+
+    /// Writes φ of the paths `live`, and anything for the others. Row i of `y` is component i.
+    fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row);
+}
+
+impl<const D: usize> Observe for Observable<D> {
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
+        evaluate(self.function, components(y), live, values);
+    }
+}
+
+/// Observables as objects.
+pub(crate) fn erased<const D: usize>(observables: &[Observable<D>]) -> Vec<&dyn Observe> {
+    observables.iter().map(|observable| observable as &dyn Observe).collect()
+}
+
+/// φ of one state.
+pub(crate) fn value(observable: &dyn Observe, y: &[f64]) -> f64 {
+    let (rows, mut values) = (splat(y), [0.0; WIDTH]);
+    observable.evaluate(&rows, PathMask::first(1), &mut values);
+    values[0]
+}
+
+/// The same state on all paths.
+pub(crate) fn splat(y: &[f64]) -> Vec<Row> {
+    y.iter().map(|&y| [y; WIDTH]).collect()
+}
+
+/// The rows of states in D dimensions.
+///
+/// # Panics
+/// If the states have another dimension.
+pub(crate) fn components<const D: usize>(y: &[Row]) -> &[Row; D] {
+    y.try_into().unwrap_or_else(|_| panic!("a state has {} dimensions, not {D}", y.len()))
+}
+
+/// The state of path p.
+#[inline(always)]
+pub(crate) fn path<const D: usize>(y: &[Row; D], p: usize) -> [f64; D] {
+    let mut state = [0.0; D];
+    for i in 0..D {
+        state[i] = y[i][p];
+    }
+    state
+}
+
+/// Writes φ of the states of the paths `live`.
+///
+/// States are copied eight at a time: a function that reads what was stored just before, in other
+/// pieces, waits.
+fn evaluate<const D: usize>(
+    phi: fn([f64; D]) -> f64,
+    y: &[Row; D],
+    live: PathMask,
+    values: &mut Row,
+) {
+    if live != PathMask::ALL {
+        live.paths().for_each(|p| values[p] = phi(path(y, p)));
+        return;
+    }
+    for p in (0..WIDTH).step_by(8) {
+        let [a, b, c, d] = [path(y, p), path(y, p + 1), path(y, p + 2), path(y, p + 3)];
+        let [e, f, g, h] = [path(y, p + 4), path(y, p + 5), path(y, p + 6), path(y, p + 7)];
+        let eight = [phi(a), phi(b), phi(c), phi(d), phi(e), phi(f), phi(g), phi(h)];
+        values[p..p + 8].copy_from_slice(&eight);
+    }
 }

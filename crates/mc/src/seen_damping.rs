@@ -8,8 +8,12 @@
 
 use std::cell::RefCell;
 
+use noise::StepNoise;
+use nonlin::BlockStatus;
 use schemes::{Scheme, Step};
 use systems::{Damping, PoissonSystem, Problem, RateQuadrature};
+
+use crate::{DynProblem, Setup, observable::splat};
 
 /// At this many times or fewer sums are compared with ∫γ.
 const MOST_TIMES: u64 = 1024;
@@ -48,7 +52,19 @@ impl<'a> SeenDamping<'a> {
         problem: &'a Problem<S, G, D>,
         coarsest_steps: u64,
     ) -> Self {
-        let (damping, t_end) = (problem.damping(), problem.t_end());
+        let tau = problem.t_end() / coarsest_steps as f64;
+        let reads_rates = reads_rates(&Setup::of(problem, scheme), tau);
+        Self::seen(problem.damping(), reads_rates, problem.t_end(), coarsest_steps)
+    }
+
+    /// The same for a problem of any dimension.
+    pub fn of<N: StepNoise>(setup: &Setup<'a, N>, coarsest_steps: u64) -> Self {
+        let DynProblem { damping, t_end, .. } = setup.problem;
+        let reads_rates = reads_rates(setup, t_end / coarsest_steps as f64);
+        Self::seen(damping, reads_rates, t_end, coarsest_steps)
+    }
+
+    fn seen(damping: &'a dyn Damping, reads_rates: bool, t_end: f64, coarsest_steps: u64) -> Self {
         let mut times = coarsest_steps.max(1);
         while times > MOST_TIMES {
             times = if times.is_multiple_of(2) { times / 2 } else { 1 };
@@ -62,15 +78,7 @@ impl<'a> SeenDamping<'a> {
             sum
         });
         let exact = exact.collect();
-        Self {
-            damping,
-            reads_rates: reads_rates(scheme, problem, t_end / coarsest_steps as f64),
-            t_end,
-            coarsest_steps,
-            exact,
-            size,
-            known: RefCell::default(),
-        }
+        Self { damping, reads_rates, t_end, coarsest_steps, exact, size, known: RefCell::default() }
     }
 
     /// The largest distance from ∫₀ᵗγ of the sums that the scheme sees, and of the integrals given,
@@ -126,16 +134,14 @@ impl<'a> SeenDamping<'a> {
 
 /// Whether the scheme reads rates: whether its first step changes with them. If it seems to read
 /// neither rates nor integrals, as at the origin, it may read both.
-fn reads_rates<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
-    tau: f64,
-) -> bool {
+fn reads_rates<N: StepNoise>(setup: &Setup<'_, N>, tau: f64) -> bool {
+    let Setup { problem, scheme } = setup;
     let end = |rate: f64, integral: f64| {
-        let damping = Other { damping: problem.damping(), rate, integral };
+        let damping = Other { damping: problem.damping, rate, integral };
         let step = Step::new(&damping, 0, tau).ok()?;
-        let noise = noise::Noise::increments([0.0; M]);
-        Some(scheme.step(problem.system(), &step, &noise, problem.y0()).z.map(f64::to_bits))
+        let (noise, mut state) = (N::zero(problem.noises), scheme.start(&splat(&problem.y0)));
+        state.step(&step, &noise, &mut BlockStatus::explicit());
+        Some(state.rows().iter().map(|row| row[0].to_bits()).collect::<Vec<_>>())
     };
     let plain = end(0.0, 0.0);
     // Large enough to change every digit, small enough that a step succeeds.

@@ -1,5 +1,6 @@
 //! Mean-square errors.
 
+use real::Row;
 use serde::{Deserialize, Serialize};
 use stats::{CrossMoments, Moments};
 
@@ -13,8 +14,8 @@ use crate::{Kept, Statistic, View, parts::bytes};
 /// not depend on the errors that are measured there, and moments are kept for two times and not for
 /// all.
 #[derive(Clone)]
-pub struct StrongErrors<'a, const D: usize> {
-    reference: Reference<'a, D>,
+pub struct StrongErrors<'a> {
+    reference: Reference<'a>,
     series: Vec<Vec<usize>>,
     /// One more time for each series, or none.
     times: Vec<u64>,
@@ -60,18 +61,18 @@ impl Squares {
 
 /// The reference solution y_ref of errors.
 #[derive(Clone, Copy)]
-pub enum Reference<'a, const D: usize> {
+pub enum Reference<'a> {
     /// A run of the same ladder.
     Run(usize),
     /// The exact solution at the final time, as a function of the random time of the ladder
     /// ([`TimeChange`](crate::TimeChange)). It is known at the final time only.
-    Exact(&'a (dyn Fn(f64) -> [f64; D] + Sync)),
+    Exact(&'a (dyn Fn(f64) -> Vec<f64> + Sync)),
 }
 
-impl<'a, const D: usize> StrongErrors<'a, D> {
+impl<'a> StrongErrors<'a> {
     /// Errors against `reference` at the final time. `series[s]` lists the runs of series s, and
     /// `coarse_steps` is [`Ladder::coarse_steps`](crate::Ladder::coarse_steps).
-    pub fn new(reference: Reference<'a, D>, series: &[Vec<usize>], coarse_steps: u64) -> Self {
+    pub fn new(reference: Reference<'a>, series: &[Vec<usize>], coarse_steps: u64) -> Self {
         let at_end = series.iter().map(|runs| Squares::new(runs.len())).collect();
         let clipped = series.iter().map(|runs| vec![Moments::default(); runs.len()]).collect();
         Self {
@@ -117,28 +118,30 @@ impl<'a, const D: usize> StrongErrors<'a, D> {
     }
 }
 
-impl<const D: usize> Statistic<D> for StrongErrors<'_, D> {
-    fn observe(&mut self, view: &View<'_, D>) {
+impl Statistic for StrongErrors<'_> {
+    fn observe(&mut self, view: &View<'_>) {
         let at_end = view.time == self.last_time;
         if !at_end && !self.times.contains(&view.time) {
             return;
         }
         for p in view.live.paths() {
-            let exact = match self.reference {
-                Reference::Run(run) => view.states[run].path(p),
-                Reference::Exact(solution) => solution(view.random_time.0[0][p]),
+            let exact: Vec<f64> = match self.reference {
+                Reference::Run(run) => view.state(run).iter().map(|row| row[p]).collect(),
+                Reference::Exact(solution) => solution(view.random_time[p]),
             };
             for (s, runs) in self.series.iter().enumerate() {
                 let at_time = self.times.get(s) == Some(&view.time);
                 if !at_end && !at_time {
                     continue;
                 }
-                let state = |run: usize| view.states[run].path(p);
-                let squares: Vec<f64> =
-                    runs.iter().map(|&run| squared_distance(state(run), exact)).collect();
+                let error = |&run: &usize| {
+                    let pairs = view.state(run).iter().zip(&exact);
+                    pairs.map(|(y, x)| (y[p] - x) * (y[p] - x)).sum()
+                };
+                let squares: Vec<f64> = runs.iter().map(error).collect();
                 let differences: Vec<f64> = runs
                     .windows(2)
-                    .map(|pair| squared_distance(state(pair[0]), state(pair[1])))
+                    .map(|pair| squared_difference(view.state(pair[0]), view.state(pair[1]), p))
                     .collect();
                 if at_time {
                     self.sums.at_time[s].add(&squares, &differences);
@@ -163,7 +166,7 @@ impl<const D: usize> Statistic<D> for StrongErrors<'_, D> {
     }
 }
 
-impl<const D: usize> Kept<D> for StrongErrors<'_, D> {
+impl Kept for StrongErrors<'_> {
     type Sums = StrongSums;
 
     fn sums(&self) -> &StrongSums {
@@ -212,11 +215,11 @@ impl WorstTimes {
     }
 }
 
-impl<const D: usize> Statistic<D> for WorstTimes {
-    fn observe(&mut self, view: &View<'_, D>) {
+impl Statistic for WorstTimes {
+    fn observe(&mut self, view: &View<'_>) {
         for (squares, pair) in self.squares.iter_mut().zip(&self.pairs) {
-            let [one, other] = pair.map(|run| &view.states[run]);
-            let square = |p: usize| squared_distance(one.path(p), other.path(p));
+            let [one, other] = pair.map(|run| view.state(run));
+            let square = |p: usize| squared_difference(one, other, p);
             squares[view.time as usize - 1] += view.live.paths().map(square).sum::<f64>();
         }
     }
@@ -225,6 +228,11 @@ impl<const D: usize> Statistic<D> for WorstTimes {
         let later = later.squares.into_iter().flatten();
         self.squares.iter_mut().flatten().zip(later).for_each(|(sum, more)| *sum += more);
     }
+}
+
+/// |y − x|² on path p.
+fn squared_difference(y: &[Row], x: &[Row], p: usize) -> f64 {
+    y.iter().zip(x).map(|(y, x)| (y[p] - x[p]) * (y[p] - x[p])).sum()
 }
 
 /// |y − x|².

@@ -37,34 +37,33 @@ pub fn trajectory<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
     path: u64,
 ) -> Result<Trajectory<D>, LadderError> {
     let ladder = Ladder::new(problem, steps, 0, truncation, key, vec![Run::new(scheme, 0)])?;
-    let measured = ladder.run_from(path, 1, || PathRecords::new(&|_, y| Some(y)), &|_| ());
+    let states = |view: &View<'_>| view.live.paths().map(|p| (p, view.path(0, p))).collect();
+    let measured = ladder.run_from(path, 1, || PathRecords::new(&states), &|_| ());
     let mut states = vec![problem.y0()];
     states.extend(measured.statistic.of_path.into_values().flatten());
     let times = (0..states.len()).map(|n| n as f64 * ladder.tau(0)).collect();
     Ok(Trajectory { times, states, failure: measured.failures.into_iter().next() })
 }
 
-/// The record of step n in the state y, or `None` if the step is not recorded.
-type RecordState<'a, T, const D: usize> = dyn Fn(u64, [f64; D]) -> Option<T> + Sync + 'a;
+/// The records of paths of a block at one time, each with the number of the path in the block.
+type RecordBlock<'a, T> = dyn Fn(&View<'_>) -> Vec<(usize, T)> + Sync + 'a;
 
-/// The records of every path of the first run.
-pub(crate) struct PathRecords<'a, T, const D: usize> {
-    record: &'a RecordState<'a, T, D>,
+/// The records of every path.
+pub(crate) struct PathRecords<'a, T> {
+    record: &'a RecordBlock<'a, T>,
     pub(crate) of_path: BTreeMap<u64, Vec<T>>,
 }
 
-impl<'a, T, const D: usize> PathRecords<'a, T, D> {
-    pub(crate) fn new(record: &'a RecordState<'a, T, D>) -> Self {
+impl<'a, T> PathRecords<'a, T> {
+    pub(crate) fn new(record: &'a RecordBlock<'a, T>) -> Self {
         Self { record, of_path: BTreeMap::new() }
     }
 }
 
-impl<T: Send, const D: usize> Statistic<D> for PathRecords<'_, T, D> {
-    fn observe(&mut self, view: &View<'_, D>) {
-        for p in view.live.paths() {
-            if let Some(record) = (self.record)(view.time, view.states[0].path(p)) {
-                self.of_path.entry(view.first_path + p as u64).or_default().push(record);
-            }
+impl<T: Send> Statistic for PathRecords<'_, T> {
+    fn observe(&mut self, view: &View<'_>) {
+        for (p, record) in (self.record)(view) {
+            self.of_path.entry(view.first_path + p as u64).or_default().push(record);
         }
     }
 

@@ -1,6 +1,6 @@
 //! Lévy areas of a block of paths, their truncation, and Chen's relation on a dyadic ladder.
 
-use real::{Block, WIDTH};
+use real::{Row, WIDTH};
 
 use crate::{DyadicLadder, NoiseError, Truncation, truncation::clip_to};
 
@@ -88,10 +88,13 @@ impl<const M: usize> AreaLadder<M> {
 
     /// Adds the areas of the next finest step. Push its increment to `sums` first and pass the
     /// result of [`DyadicLadder::push`] as `complete`.
-    pub fn push(&mut self, areas: &AreaBlock<M>, sums: &DyadicLadder<M>, complete: usize) {
+    ///
+    /// # Panics
+    /// Unless `sums` has M noises.
+    pub fn push(&mut self, areas: &AreaBlock<M>, sums: &DyadicLadder, complete: usize) {
         self.joined[0] = *areas;
         for level in 1..=complete {
-            let (first, second) = (sums.first_half(level), sums.increment(level - 1));
+            let (first, second) = (of(sums.first_half(level)), of(sums.increment(level - 1)));
             self.joined[level] =
                 join(&self.first_half[level], first, &self.joined[level - 1], second);
         }
@@ -112,20 +115,25 @@ impl<const M: usize> AreaLadder<M> {
     }
 }
 
+/// The rows of M noises.
+fn of<const M: usize>(rows: &[Row]) -> &[Row; M] {
+    rows.try_into().unwrap_or_else(|_| panic!("a ladder of {M} noises, got {}", rows.len()))
+}
+
 /// Chen's relation (Chen 1957) for two consecutive steps with areas A′, A″ and increments W′, W″:
 /// the areas over both are A = A′ + A″ + ½(W′W″ᵀ − W″W′ᵀ).
 #[inline]
 pub fn join<const M: usize>(
     first_areas: &AreaBlock<M>,
-    first: &Block<M>,
+    first: &[Row; M],
     second_areas: &AreaBlock<M>,
-    second: &Block<M>,
+    second: &[Row; M],
 ) -> AreaBlock<M> {
     let mut joined = AreaBlock::zero();
     for i in 0..M {
         for j in i + 1..M {
             for p in 0..WIDTH {
-                let wedge = first.0[i][p] * second.0[j][p] - second.0[i][p] * first.0[j][p];
+                let wedge = first[i][p] * second[j][p] - second[i][p] * first[j][p];
                 joined.0[i][j][p] =
                     (first_areas.0[i][j][p] + second_areas.0[i][j][p]) + 0.5 * wedge;
             }
@@ -137,6 +145,7 @@ pub fn join<const M: usize>(
 #[cfg(test)]
 mod tests {
     use approx::assert_relative_eq;
+    use real::Block;
 
     use super::*;
 
@@ -165,9 +174,9 @@ mod tests {
     #[test]
     fn the_ladder_joins_the_area_of_the_path() {
         let pieces = pieces();
-        let (mut sums, mut areas) = (DyadicLadder::<3>::new(4), AreaLadder::<3>::new(4));
+        let (mut sums, mut areas) = (DyadicLadder::new(3, 4), AreaLadder::<3>::new(4));
         for (n, piece) in pieces.iter().enumerate() {
-            let complete = sums.push(&Block::splat(*piece));
+            let complete = sums.push(&Block::splat(*piece).0);
             areas.push(&AreaBlock::zero(), &sums, complete);
             for level in 0..=complete {
                 let step = &pieces[n + 1 - (1 << level)..=n];
@@ -196,14 +205,14 @@ mod tests {
 
     #[test]
     fn areas_of_the_finest_steps_are_added() {
-        let (mut sums, mut areas) = (DyadicLadder::<2>::new(1), AreaLadder::<2>::new(1));
+        let (mut sums, mut areas) = (DyadicLadder::new(2, 1), AreaLadder::<2>::new(1));
         for area in [2.0, -0.5] {
             let mut finest = AreaBlock::zero();
             finest.set_path(3, [[7.0, area], [7.0, 7.0]]);
             let entries =
                 [finest.0[0][0][3], finest.0[0][1][3], finest.0[1][0][3], finest.0[1][1][3]];
             assert_eq!(entries, [0.0, area, 0.0, 0.0]);
-            let complete = sums.push(&Block::zero());
+            let complete = sums.push(&[[0.0; WIDTH]; 2]);
             areas.push(&finest, &sums, complete);
         }
         assert_eq!(areas.areas(1).path(3), [[0.0, 1.5], [-1.5, 0.0]]);

@@ -32,6 +32,8 @@
 //! | [`StreamKey`] | identifies the random streams of an experiment |
 //! | [`WienerBlock`], [`WienerPath`] | normal increments of 32 paths, of one path |
 //! | [`Noise`], [`BlockNoise`] | increments and Lévy areas of one step |
+//! | [`WienerRows`], [`NoiseRows`] | increments of noises whose number is known at run time only |
+//! | [`StepNoise`] | what a driver asks of the noise of a step |
 //! | [`Truncation`], [`clip`] | truncated increments ΔŴ |
 //! | [`DyadicLadder`], [`AreaLadder`] | increments and areas of all coarser steps |
 //! | [`AreaMethod`] | approximations of the Lévy areas: errors and costs |
@@ -60,7 +62,7 @@ pub use error::NoiseError;
 pub use exact_area::ExactArea;
 pub use iterated::{ito, stratonovich};
 pub use ladder::DyadicLadder;
-pub use step::{BlockNoise, Noise};
+pub use step::{AreaDraw, AreaSums, BlockNoise, Noise, NoiseRows, StepNoise};
 pub use stream::StreamKey;
 pub use truncation::{Truncation, clip};
-pub use wiener::{WienerBlock, WienerPath};
+pub use wiener::{WienerBlock, WienerPath, WienerRows};

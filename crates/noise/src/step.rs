@@ -1,8 +1,59 @@
 //! The noise of one step: increments and Lévy areas.
 
-use real::Block;
+use real::{Block, Row, Rows};
 
-use crate::AreaBlock;
+use crate::{AreaBlock, AreaLadder, AreaMethod, AreaSampler, DyadicLadder, StreamKey, WienerRows};
+
+/// The noise of one step on 32 paths: of M noises ([`BlockNoise`]), or of a number that is known at
+/// run time only ([`NoiseRows`]).
+pub trait StepNoise: Send + Sync + Sized + 'static {
+    /// No noise. A type with M noises has M, whatever `noises` is.
+    ///
+    /// # Panics
+    /// If there is no memory for it.
+    fn zero(noises: usize) -> Self;
+
+    /// ΔW_m of every path; row m belongs to noise number m.
+    fn increments(&self) -> &[Row];
+
+    /// The increments, to be written.
+    fn increments_mut(&mut self) -> &mut [Row];
+
+    /// Draws the next increments, each N(0, τ); `sqrt_tau` = √τ.
+    fn draw(&mut self, wiener: &mut WienerRows, sqrt_tau: f64);
+
+    /// What draws the Lévy areas of the paths from `first_path` on; `None` if this type has none.
+    fn area_draw(
+        _key: StreamKey,
+        _first_path: u64,
+        _method: AreaMethod,
+        _terms: usize,
+    ) -> Option<AreaDraw<Self>> {
+        None
+    }
+
+    /// What joins Lévy areas on a ladder of `levels` levels above the finest; `None` if this type
+    /// has none.
+    fn area_sums(_levels: usize) -> Option<Box<dyn AreaSums<Self>>> {
+        None
+    }
+}
+
+/// Writes the Lévy areas of the next step, of the size given, into a noise whose *untruncated*
+/// increments are there.
+pub type AreaDraw<N> = Box<dyn FnMut(f64, &mut N) + Send>;
+
+/// The Lévy areas of every level of a ladder, see [`AreaLadder`].
+pub trait AreaSums<N>: Send {
+    /// Adds the areas of the next finest step; see [`AreaLadder::push`].
+    fn push(&mut self, noise: &N, sums: &DyadicLadder, complete: usize);
+
+    /// Writes the areas of the last complete step of `level`, clipped to ±`bound`, into `noise`.
+    fn clip(&self, level: usize, bound: f64, noise: &mut N);
+
+    /// The same for the first half of that step.
+    fn clip_first_half(&self, level: usize, bound: f64, noise: &mut N);
+}
 
 /// The noise of one step on one path: M increments and their Lévy areas.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,4 +97,92 @@ impl<const M: usize> BlockNoise<M> {
     pub fn path(&self, p: usize) -> Noise<M> {
         Noise { increments: self.increments.path(p), areas: self.areas.path(p) }
     }
+}
+
+impl<const M: usize> StepNoise for BlockNoise<M> {
+    fn zero(_noises: usize) -> Self {
+        Self::zero()
+    }
+
+    #[inline]
+    fn increments(&self) -> &[Row] {
+        &self.increments.0
+    }
+
+    #[inline]
+    fn increments_mut(&mut self) -> &mut [Row] {
+        &mut self.increments.0
+    }
+
+    #[inline]
+    fn draw(&mut self, wiener: &mut WienerRows, sqrt_tau: f64) {
+        // The kernel knows the number of rows.
+        wiener.increments(sqrt_tau, &mut self.increments.0);
+    }
+
+    fn area_draw(
+        key: StreamKey,
+        first_path: u64,
+        method: AreaMethod,
+        terms: usize,
+    ) -> Option<AreaDraw<Self>> {
+        let mut sampler = AreaSampler::new(key, first_path, method, terms);
+        Some(Box::new(move |step, noise: &mut Self| {
+            sampler.areas(step, &noise.increments, &mut noise.areas);
+        }))
+    }
+
+    fn area_sums(levels: usize) -> Option<Box<dyn AreaSums<Self>>> {
+        Some(Box::new(AreaLadder::<M>::new(levels)))
+    }
+}
+
+impl<const M: usize> AreaSums<BlockNoise<M>> for AreaLadder<M> {
+    fn push(&mut self, noise: &BlockNoise<M>, sums: &DyadicLadder, complete: usize) {
+        self.push(&noise.areas, sums, complete);
+    }
+
+    fn clip(&self, level: usize, bound: f64, noise: &mut BlockNoise<M>) {
+        noise.areas = self.areas(level).clipped(bound);
+    }
+
+    fn clip_first_half(&self, level: usize, bound: f64, noise: &mut BlockNoise<M>) {
+        noise.areas = self.first_half(level).clipped(bound);
+    }
+}
+
+/// The increments of one step on 32 paths, for any number of noises. It has no Lévy areas.
+#[derive(Debug)]
+pub struct NoiseRows {
+    /// ΔW_m of every path; row m belongs to noise number m.
+    pub increments: Rows,
+}
+
+impl StepNoise for NoiseRows {
+    fn zero(noises: usize) -> Self {
+        Self { increments: zero_rows(noises) }
+    }
+
+    #[inline]
+    fn increments(&self) -> &[Row] {
+        &self.increments
+    }
+
+    #[inline]
+    fn increments_mut(&mut self) -> &mut [Row] {
+        &mut self.increments
+    }
+
+    #[inline]
+    fn draw(&mut self, wiener: &mut WienerRows, sqrt_tau: f64) {
+        wiener.increments(sqrt_tau, &mut self.increments[..]);
+    }
+}
+
+/// Rows of zeros.
+///
+/// # Panics
+/// If there is no memory for them.
+pub(crate) fn zero_rows(count: usize) -> Rows {
+    Rows::zero(count).unwrap_or_else(|error| panic!("{error}"))
 }

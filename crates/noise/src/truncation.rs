@@ -1,6 +1,6 @@
 //! Truncated Wiener increments.
 
-use real::{Block, Kernel, WIDTH, dispatch};
+use real::{Kernel, Row, WIDTH, dispatch};
 
 use crate::NoiseError;
 
@@ -49,10 +49,10 @@ impl Truncation {
     }
 }
 
-/// Writes the increments `dw`, clipped to ±`bound`, into `clipped`. Returns the number of
-/// increments changed.
+/// Writes the increments `dw`, clipped to ±`bound`, into `clipped`, which has as many rows. Returns
+/// the number of increments changed.
 #[inline]
-pub fn clip<const M: usize>(dw: &Block<M>, bound: f64, clipped: &mut Block<M>) -> u64 {
+pub fn clip(dw: &[Row], bound: f64, clipped: &mut [Row]) -> u64 {
     dispatch(Clip { dw, bound, clipped })
 }
 
@@ -63,23 +63,23 @@ pub(crate) fn clip_to(x: f64, bound: f64) -> f64 {
     if below > -bound { below } else { -bound }
 }
 
-struct Clip<'a, const M: usize> {
-    dw: &'a Block<M>,
+struct Clip<'a> {
+    dw: &'a [Row],
     bound: f64,
-    clipped: &'a mut Block<M>,
+    clipped: &'a mut [Row],
 }
 
-impl<const M: usize> Kernel for Clip<'_, M> {
+impl Kernel for Clip<'_> {
     type Output = u64;
     #[inline(always)]
     fn run(self) -> u64 {
         // The counter has the width of the lanes. It wraps, since an overflow check is a branch.
         let mut count = 0u64;
-        for m in 0..M {
+        for (dw, clipped) in self.dw.iter().zip(self.clipped) {
             for p in 0..WIDTH {
-                let w = self.dw.0[m][p];
+                let w = dw[p];
                 let inside = clip_to(w, self.bound);
-                self.clipped.0[m][p] = inside;
+                clipped[p] = inside;
                 count = count.wrapping_add(if inside != w { 1 } else { 0 });
             }
         }
@@ -90,6 +90,7 @@ impl<const M: usize> Kernel for Clip<'_, M> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use real::Block;
 
     #[test]
     fn bad_requests_name_the_value() {
@@ -111,10 +112,10 @@ mod tests {
         dw.0[0][3] = 5.0;
         dw.0[1][4] = -7.0;
         dw.0[1][5] = 0.5;
-        let mut clipped = Block::zero();
-        assert_eq!(clip(&dw, 1.0, &mut clipped), 2);
+        let mut clipped = Block::<2>::zero();
+        assert_eq!(clip(&dw.0, 1.0, &mut clipped.0), 2);
         assert_eq!((clipped.0[0][3], clipped.0[1][4], clipped.0[1][5]), (1.0, -1.0, 0.5));
-        assert_eq!(clip(&dw, f64::INFINITY, &mut clipped), 0);
+        assert_eq!(clip(&dw.0, f64::INFINITY, &mut clipped.0), 0);
         assert_eq!(clipped, dw);
     }
 }

@@ -1,7 +1,7 @@
 //! Wiener increments of a block of paths and of one path. Both call the same functions, so they
 //! give the same bits.
 
-use real::{Block, Kernel, WIDTH, dispatch};
+use real::{Block, Kernel, Row, WIDTH, dispatch};
 
 use crate::{
     StreamKey,
@@ -15,29 +15,46 @@ use crate::{
 /// which none exceeds √(106 ln 2) ≈ 8.57. Normals are used step by step and noise by noise. With
 /// odd M every second step begins with a normal left over from the step before.
 #[derive(Clone, Debug)]
-pub struct WienerBlock<const M: usize> {
-    streams: BlockStreams,
-    spare: Block<1>,
-    has_spare: bool,
-}
+pub struct WienerBlock<const M: usize>(WienerRows);
 
 impl<const M: usize> WienerBlock<M> {
     /// The increments of paths `first_path` .. `first_path + 32`.
     pub fn new(key: StreamKey, first_path: u64) -> Self {
-        Self { streams: BlockStreams::new(key, first_path), spare: Block::zero(), has_spare: false }
+        Self(WienerRows::new(key, first_path))
     }
 
     /// Writes the next M increments, each N(0, τ), into `dw`; `sqrt_tau` = √τ.
     #[inline]
     pub fn increments(&mut self, sqrt_tau: f64, dw: &mut Block<M>) {
+        self.0.increments(sqrt_tau, &mut dw.0);
+    }
+}
+
+/// The same for any number of noises, with the bits of a [`WienerBlock`].
+#[derive(Clone, Debug)]
+pub struct WienerRows {
+    streams: BlockStreams,
+    spare: Block<1>,
+    has_spare: bool,
+}
+
+impl WienerRows {
+    /// The increments of paths `first_path` .. `first_path + 32`.
+    pub fn new(key: StreamKey, first_path: u64) -> Self {
+        Self { streams: BlockStreams::new(key, first_path), spare: Block::zero(), has_spare: false }
+    }
+
+    /// Writes the next increment of each noise, each N(0, τ), into a row of `dw`; `sqrt_tau` = √τ.
+    #[inline]
+    pub fn increments<R: AsMut<[Row]> + ?Sized>(&mut self, sqrt_tau: f64, dw: &mut R) {
         let Self { streams, spare, has_spare } = self;
-        let begins_with_spare = *has_spare;
-        *has_spare ^= M % 2 == 1;
+        let (noises, begins_with_spare) = (dw.as_mut().len(), *has_spare);
+        *has_spare ^= noises % 2 == 1;
         let fill = Fill { streams, spare, begins_with_spare, dw, sqrt_tau };
-        if M == 1 && begins_with_spare {
+        if noises == 1 && begins_with_spare {
             // Nothing is drawn, which is not worth a dispatch.
             fill.run();
-        } else if M > 0 {
+        } else if noises > 0 {
             dispatch(fill);
         }
     }
@@ -45,20 +62,20 @@ impl<const M: usize> WienerBlock<M> {
 
 /// Fills the rows of `dw` with the spare normals, if it begins with them, and with pairs of
 /// normals. The last of an odd number of these becomes the spare.
-struct Fill<'a, const M: usize> {
+struct Fill<'a, R: ?Sized> {
     streams: &'a mut BlockStreams,
     spare: &'a mut Block<1>,
     begins_with_spare: bool,
-    dw: &'a mut Block<M>,
+    dw: &'a mut R,
     sqrt_tau: f64,
 }
 
-impl<const M: usize> Kernel for Fill<'_, M> {
+impl<R: AsMut<[Row]> + ?Sized> Kernel for Fill<'_, R> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
         let Self { streams, spare: Block([spare]), begins_with_spare, dw, sqrt_tau } = self;
-        let mut rows = &mut dw.0[..];
+        let mut rows = dw.as_mut();
         if begins_with_spare && let [row, rest @ ..] = rows {
             for p in 0..WIDTH {
                 row[p] = spare[p] * sqrt_tau;

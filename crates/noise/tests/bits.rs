@@ -2,10 +2,10 @@
 //! and alone, at every level of instructions, in any block, and in every release.
 
 use noise::{
-    AreaBlock, AreaMethod, AreaPath, AreaSampler, DyadicLadder, ExactArea, StreamKey, WienerBlock,
-    WienerPath,
+    AreaBlock, AreaMethod, AreaPath, AreaSampler, DyadicLadder, ExactArea, NoiseRows, StepNoise,
+    StreamKey, WienerBlock, WienerPath, WienerRows,
 };
-use real::{Block, Level, WIDTH, limit_to};
+use real::{Block, Level, Row, WIDTH, limit_to};
 
 const KEY: StreamKey = StreamKey { seed: 42, experiment: 3 };
 
@@ -74,6 +74,29 @@ fn a_block_is_its_paths_at_every_level() {
         areas_equal_those_of_the_paths::<4>(1 << 40, 100);
         areas_equal_those_of_the_paths::<5>(7, 100);
     }
+}
+
+/// Increments of a number of noises that is known at run time only are those of the paths.
+#[test]
+fn rows_equal_their_paths() {
+    fn check<const M: usize>() {
+        let (mut rows, mut noise) = (WienerRows::new(KEY, 7), NoiseRows::zero(M));
+        let mut paths: Vec<_> =
+            (7..7 + WIDTH as u64).map(|p| WienerPath::<M>::new(KEY, p)).collect();
+        for n in 0..100 {
+            rows.increments(sqrt_tau(n), noise.increments_mut());
+            for (p, path) in paths.iter_mut().enumerate() {
+                let found: [f64; M] = std::array::from_fn(|m| noise.increments()[m][p]);
+                let bits = path.increments(sqrt_tau(n)).map(f64::to_bits);
+                assert_eq!(found.map(f64::to_bits), bits, "M = {M}, step {n}, path {p}");
+            }
+        }
+    }
+    check::<1>();
+    check::<2>();
+    check::<3>();
+    check::<4>();
+    check::<7>();
 }
 
 #[test]
@@ -217,12 +240,16 @@ fn tree<const M: usize>(path: &mut WienerPath<M>, level: usize, scale: f64) -> [
     std::array::from_fn(|m| first[m] + second[m])
 }
 
+fn path_of(rows: &[Row], p: usize) -> [f64; 3] {
+    std::array::from_fn(|m| rows[m][p])
+}
+
 #[test]
 fn ladder_sums_can_be_recomputed_from_a_path() {
     const LEVELS: usize = 6;
     let scale = 2f64.powi(-7);
     let mut noise = WienerBlock::<3>::new(KEY, 96);
-    let mut ladder = DyadicLadder::<3>::new(LEVELS);
+    let mut ladder = DyadicLadder::new(3, LEVELS);
     let mut dw = Block::zero();
     let mut replay: Vec<Vec<_>> = (0..=LEVELS)
         .map(|_| (0..WIDTH as u64).map(|p| WienerPath::<3>::new(KEY, 96 + p)).collect())
@@ -230,7 +257,7 @@ fn ladder_sums_can_be_recomputed_from_a_path() {
     let mut completed = [0; LEVELS + 1];
     for _ in 0..1 << 9 {
         noise.increments(scale, &mut dw);
-        let top = ladder.push(&dw);
+        let top = ladder.push(&dw.0);
         for level in 0..=top {
             completed[level] += 1;
             for p in 0..WIDTH {
@@ -241,12 +268,12 @@ fn ladder_sums_can_be_recomputed_from_a_path() {
                     let first = tree(path, level - 1, scale);
                     let second = tree(path, level - 1, scale);
                     // The second half is what the level below has just completed.
-                    assert_eq!(ladder.increment(level - 1).path(p), second);
+                    assert_eq!(path_of(ladder.increment(level - 1), p), second);
                     (first, std::array::from_fn(|m| first[m] + second[m]))
                 };
-                assert_eq!(ladder.increment(level).path(p), sum);
+                assert_eq!(path_of(ladder.increment(level), p), sum);
                 if level > 0 {
-                    assert_eq!(ladder.first_half(level).path(p), first);
+                    assert_eq!(path_of(ladder.first_half(level), p), first);
                 }
             }
         }

@@ -318,7 +318,7 @@ fn compare_defect(key: StreamKey, tau: f64, claimed: f64) -> Check {
                 dw.0[m][p] = sample.noise[m][p][n] * tau.sqrt();
             }
         }
-        clip(&dw, bound, &mut clipped);
+        clip(&dw.0, bound, &mut clipped.0);
         for (w, c) in dw.0.iter().flatten().zip(clipped.0.iter().flatten()) {
             differences.push(w * w - c * c - claimed);
         }

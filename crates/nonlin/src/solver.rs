@@ -132,6 +132,11 @@ impl BlockStatus {
         }
     }
 
+    /// Every path solved by the fast method, `sweeps` being minus the number of its sweeps.
+    pub fn fast(sweeps: Row) -> Self {
+        Self { pending: Block([sweeps]), ..Self::explicit() }
+    }
+
     /// Records the outcome of path `p`, which must not be marked as robust or failed yet. For a
     /// scheme that advances the paths of a block one by one.
     pub fn set(&mut self, p: usize, outcome: Outcome) {
@@ -149,8 +154,8 @@ impl BlockStatus {
         }
     }
 
-    /// Marks paths with a state that is not finite as failed, with an infinite residual. Call it
-    /// inside a kernel.
+    /// Marks paths with a state that is not finite as failed, with an infinite residual; row i of
+    /// `y` is component i. Call it inside a kernel.
     #[inline(always)]
     pub fn fail_where_not_finite(&mut self, y: &[Row]) {
         // 0·y is NaN if y is infinite or NaN, else zero.

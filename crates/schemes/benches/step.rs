@@ -94,7 +94,7 @@ impl<S, const D: usize> Run<S, D> {
                         sampler.areas(TAU, &drawn.increments, &mut drawn.areas);
                         shown.areas = drawn.areas.clipped(self.area_bound);
                     }
-                    clip(&drawn.increments, self.bound, &mut shown.increments);
+                    clip(&drawn.increments.0, self.bound, &mut shown.increments.0);
                     scheme.step_block(&self.system, step, &shown, &mut y, &mut status);
                 }
                 first_path += WIDTH as u64;

@@ -33,7 +33,10 @@
 //! | [`Midpoint`] | implicit | 1 / ½ |
 //! | [`Heun`] | explicit | 1 / ½ |
 //! | [`EulerMaruyama`] | explicit | ½ / ½ |
+//!
+//! A [`DynScheme`] is a scheme on a system whose dimension is known at run time only.
 
+mod dynamic;
 mod em;
 mod formula;
 mod heun;
@@ -49,6 +52,7 @@ mod split;
 mod step;
 mod with_solver;
 
+pub use dynamic::{DynScheme, RunState};
 pub use em::EulerMaruyama;
 pub use formula::{Explicit, Implicit};
 pub use heun::Heun;

@@ -77,7 +77,7 @@ pub use field::{
 };
 pub use flows::Flows;
 pub use invariant::{Form, Invariant, InvariantKind};
-pub use linearity::{Linearity, always_solvable, linearity};
+pub use linearity::{Linearity, always_solvable, linearity, shown_solvable};
 pub use lotka_volterra::{Exponents, IntegerExponents, LotkaVolterra, RealExponents};
 pub use maxwell_bloch::MaxwellBloch;
 pub use pendulum::Pendulum;

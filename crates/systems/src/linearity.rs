@@ -60,39 +60,48 @@ pub fn always_solvable<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M:
     match linearity(system, y) {
         Linearity::Constant => true,
         Linearity::Other => false,
-        Linearity::Affine => {
-            let determinant = |n| determinant(identity_minus_half(system, direction(n)));
-            (0..TRIED).all(|n| determinant(n) >= 1.0 - ROUNDING)
-        }
+        Linearity::Affine => shown_solvable(D, |v| {
+            let v: [f64; D] = std::array::from_fn(|i| v[i]);
+            identity_minus_half(system, v).map(Vec::from).to_vec()
+        }),
     }
 }
 
+/// The search of [`always_solvable`], for the matrix I − ½A(v) of any dimension.
+pub fn shown_solvable(dimension: usize, matrix: impl Fn(&[f64]) -> Vec<Vec<f64>>) -> bool {
+    (0..TRIED).all(|n| determinant(matrix(&direction(n, dimension))) >= 1.0 - ROUNDING)
+}
+
 /// Vector number n: a direction by multiples of the golden ratio, of a size between [`SIZES`].
-fn direction<const D: usize>(n: u32) -> [f64; D] {
+fn direction(n: u32, dimension: usize) -> Vec<f64> {
     let position = f64::from(n) / f64::from(TRIED - 1);
     let size = SIZES[0] * (SIZES[1] / SIZES[0]).powf(position);
-    let v: [f64; D] = std::array::from_fn(|i| {
-        let number = f64::from(n) * D as f64 + (i + 1) as f64;
+    let component = |i: usize| {
+        let number = f64::from(n) * dimension as f64 + (i + 1) as f64;
         2.0 * (number * 0.618_033_988_749_894_8).fract() - 1.0
-    });
+    };
+    let v: Vec<f64> = (0..dimension).map(component).collect();
     let norm = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    v.map(|x| x * size / norm)
+    v.iter().map(|x| x * size / norm).collect()
 }
 
 /// By elimination with pivoting.
-fn determinant<const D: usize>(mut a: [[f64; D]; D]) -> f64 {
+fn determinant(mut a: Vec<Vec<f64>>) -> f64 {
     let mut determinant = 1.0;
-    for k in 0..D {
-        let largest = (k..D).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap_or(k);
+    for k in 0..a.len() {
+        let largest =
+            (k..a.len()).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap_or(k);
         if largest != k {
             a.swap(k, largest);
             determinant = -determinant;
         }
-        determinant *= a[k][k];
-        for i in k + 1..D {
-            let factor = a[i][k] / a[k][k];
-            for j in k + 1..D {
-                a[i][j] -= factor * a[k][j];
+        let (above, below) = a.split_at_mut(k + 1);
+        let pivot = &above[k];
+        determinant *= pivot[k];
+        for row in below {
+            let factor = row[k] / pivot[k];
+            for j in k + 1..row.len() {
+                row[j] -= factor * pivot[j];
             }
         }
     }

@@ -11,7 +11,7 @@
 
 use dgrad::Rule;
 use mc::TimeChange;
-use real::{Block, WIDTH};
+use real::{Row, WIDTH};
 use systems::{Damping, PoissonSystem, Problem, paper::valid, vector_field};
 
 /// The random time S of the exact solution, along a path or in law.
@@ -58,13 +58,12 @@ impl<'a, G: Damping> RandomTime<'a, G> {
     }
 }
 
-impl<G: Damping> TimeChange<1> for RandomTime<'_, G> {
-    fn advance(&self, n: u64, dw: &Block<1>, normals: &Block<1>, random_time: &mut Block<1>) {
+impl<G: Damping> TimeChange for RandomTime<'_, G> {
+    fn advance(&self, n: u64, dw: &[Row], normals: &Row, random_time: &mut Row) {
         let (mean, spread) = self.step(n);
         let (drift, residual) = (mean * self.tau, self.noise * spread.sqrt());
         for p in 0..WIDTH {
-            random_time.0[0][p] +=
-                drift + self.noise * mean * dw.0[0][p] + residual * normals.0[0][p];
+            random_time[p] += drift + self.noise * mean * dw[0][p] + residual * normals[p];
         }
     }
 }
@@ -222,18 +221,14 @@ mod tests {
             let found = time.step(n);
             assert!((found.0 / mean - 1.0).abs() < 1e-12, "{found:?} {mean}");
             assert!((found.1 / spread - 1.0).abs() < 1e-6, "{found:?} {spread}");
-            let mut s = Block::splat([0.25]);
-            let (mut dw, mut normals) = (Block::zero(), Block::zero());
+            let mut s = [0.25; WIDTH];
+            let dw: Row = std::array::from_fn(|p| 0.1 * p as f64);
+            let normals: Row = std::array::from_fn(|p| 2.0 - 0.2 * p as f64);
+            time.advance(n, &[dw], &normals, &mut s);
             for p in 0..WIDTH {
-                dw.set_path(p, [0.1 * p as f64]);
-                normals.set_path(p, [2.0 - 0.2 * p as f64]);
-            }
-            time.advance(n, &dw, &normals, &mut s);
-            for p in 0..WIDTH {
-                let [w] = dw.path(p);
-                let own = noise * spread.sqrt() * normals.path(p)[0];
-                let exact = 0.25 + mean * tau + noise * mean * w + own;
-                assert!((s.path(p)[0] - exact).abs() < 1e-7, "{n} {p}");
+                let own = noise * spread.sqrt() * normals[p];
+                let exact = 0.25 + mean * tau + noise * mean * dw[p] + own;
+                assert!((s[p] - exact).abs() < 1e-7, "{n} {p}");
             }
         }
     }

@@ -76,14 +76,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// Time of 512 paths.
-fn seconds(ladder: &Ladder<'_, 3, 3>) -> f64 {
+fn seconds(ladder: &Ladder<'_, BlockNoise<3>>) -> f64 {
     let start = Instant::now();
     black_box(ladder.run(512, || Nothing, &|_| ()).failed);
     start.elapsed().as_secs_f64()
 }
 
 struct Nothing;
-impl Statistic<3> for Nothing {
-    fn observe(&mut self, _view: &View<'_, 3>) {}
+impl Statistic for Nothing {
+    fn observe(&mut self, _view: &View<'_>) {}
     fn merge(&mut self, _later: Self) {}
 }

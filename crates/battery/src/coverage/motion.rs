@@ -40,8 +40,8 @@ pub fn rows(tally: &mut Tally<'_>) {
             let runs = [1, 0].map(|level| Run::new(&EulerMaruyama, level)).into();
             let ladder =
                 valid(Ladder::new(&motion, 2 << exponent, 1, Truncation::none(), own, runs));
-            let values = |view: &View<'_, 2>, p: usize, difference: &mut [f64]| {
-                difference[0] = view.states[0].path(p)[0] - view.states[1].path(p)[0];
+            let values = |view: &View<'_>, p: usize, difference: &mut [f64]| {
+                difference[0] = view.state(0)[0][p] - view.state(1)[0][p];
             };
             let new = || FinalMoments::new(ladder.coarse_steps(), 1, &values);
             ladder.run(PATHS, new, &|_| ()).statistic.moments

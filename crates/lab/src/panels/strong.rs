@@ -65,7 +65,7 @@ pub struct StrongRuns<'a, S, G, const D: usize, const M: usize> {
     pub problem: &'a Problem<S, G, D>,
     pub grid: Grid,
     /// The exact solution, which is known at the final time only.
-    pub exact: Option<Exact<'a, D, M>>,
+    pub exact: Option<Exact<'a, D>>,
     /// The one with areas, or else the first, runs at the finest step, too; the errors are
     /// differences from that unless `exact` is given.
     pub curves: &'a [Curve<S, D, M>],
@@ -110,10 +110,11 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>
             runs.extend(grid.exponents().map(run));
             series.push((first..runs.len()).collect::<Vec<_>>());
         }
-        let reference = match self.exact {
-            Some(exact) => {
+        let exact = self.exact.map(|exact| move |s| (exact.solution)(s).to_vec());
+        let reference = match &exact {
+            Some(solution) => {
                 series.push(vec![0]);
-                Reference::Exact(exact.solution)
+                Reference::Exact(solution)
             }
             None => Reference::Run(0),
         };

@@ -182,9 +182,9 @@ fn differences(
     let ladders: Vec<_> = grid.iter().zip(0..).map(ladder).collect();
     let work = ladders.iter().map(|(_, samples, ladder)| samples * ladder.steps_per_path()).sum();
     conditions.progress.begin(&conditions.wanted.join(", "), work);
-    let values = |view: &View<'_, 3>, p: usize, differences: &mut [f64]| {
+    let values = |view: &View<'_>, p: usize, differences: &mut [f64]| {
         for (difference, observable) in differences.iter_mut().zip(observables) {
-            let phi = |run: usize| (observable.function)(view.states[run].path(p));
+            let phi = |run: usize| (observable.function)(view.path(run, p));
             *difference = phi(0) - 0.5 * (phi(1) + phi(2));
         }
     };

@@ -83,7 +83,7 @@ fn twelve(conditions: &Conditions, job: &Job, accuracy: f64) -> Vec<Claim> {
     let Some(measured) = measured else { return Vec::new() };
     let exact = rigid_body_expectations(&problem, degree(conditions), &observables);
     let claims = measured.estimates.iter().zip(exact).map(|(estimate, exact)| {
-        let name = estimate.name;
+        let name = &estimate.name;
         let statement = format!("E[{name}] of the rigid body with three noises at T = 1");
         claim(estimate, &measured, exact, statement).about("", Method::Sexp.id())
     });

@@ -47,7 +47,7 @@ pub struct Sampler<'a> {
     pub t_end: f64,
     pub damping: SeenDamping<'a>,
     /// Names of the test functions.
-    pub names: Vec<&'static str>,
+    pub names: Vec<String>,
     pub accuracy: f64,
     pub settings: &'a ExpectationSettings,
     /// The least and the largest value of each test function so far.
@@ -396,6 +396,7 @@ impl Sampler<'_> {
         let mut values = self.names.iter().zip(&level.values);
         match values.find(|(_, values)| !values.sample.variance().is_finite()) {
             Some((observable, _)) => {
+                let observable = observable.clone();
                 Err(MultilevelError::NotFinite { observable, level: level.level })
             }
             None => Ok(()),
@@ -406,11 +407,11 @@ impl Sampler<'_> {
     /// levels but the first are differences.
     fn report(&self, levels: &[Samples], terms: usize) -> Expectation {
         let (summed, differences) = (&levels[..terms], &levels[1..]);
-        let estimate = |(k, &name): (usize, &&'static str)| {
+        let estimate = |(k, name): (usize, &String)| {
             let bias = self.bias(differences, k);
             let sum = self.terms(summed, k);
             Estimate {
-                name,
+                name: name.clone(),
                 value: sum.iter().map(|term| term.mean).sum(),
                 standard_error: plan::variance_of_sum(&sum).sqrt(),
                 missed: plan::tail_of_sum(&sum),

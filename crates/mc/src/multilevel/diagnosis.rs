@@ -95,48 +95,57 @@ impl Evidence<'_> {
         for (k, estimate) in estimates.iter_mut().enumerate() {
             let judged = &mut estimate.judged;
             *judged = Judged { variance: true, bias: enough, resolution };
-            let observable = estimate.name;
+            let name = &estimate.name;
+            let observable = || name.clone();
             if let Some(blind) = self.deciding().find(|samples| samples.values[k].is_blind()) {
                 judged.variance = false;
                 let (level, samples) = (blind.level, blind.count());
-                warnings.push(Warning::Constant { observable, level, samples });
+                warnings.push(Warning::Constant { observable: observable(), level, samples });
             }
             if !coupled(&last.values[k], self.accuracy) {
                 judged.resolution = false;
                 let (level, share) = (last.level, share(&last.values[k]));
-                warnings.push(Warning::Uncoupled { observable, level, share });
+                warnings.push(Warning::Uncoupled { observable: observable(), level, share });
             }
             if let Some(difference) = unresolved_function(differences, k, self.accuracy) {
                 judged.resolution = false;
                 let level = last.level;
-                warnings.push(Warning::UnresolvedFunction { observable, level, difference });
+                warnings.push(Warning::UnresolvedFunction {
+                    observable: observable(),
+                    level,
+                    difference,
+                });
             }
             for &Level { level, samples, ref values, .. } in reports {
                 let LevelValue { kurtosis, deviation, .. } = values[k];
                 // A NaN is no kurtosis above the limit.
                 let unsure = samples as f64 <= SAMPLES_PER_KURTOSIS * kurtosis;
                 if kurtosis > KURTOSIS_LIMIT && unsure {
-                    warnings.push(Warning::Kurtosis { observable, level, kurtosis });
+                    warnings.push(Warning::Kurtosis { observable: observable(), level, kurtosis });
                 }
                 if deviation > DEVIATION_LIMIT {
                     judged.bias = false;
-                    warnings.push(Warning::Inconsistent { observable, level, deviation });
+                    warnings.push(Warning::Inconsistent {
+                        observable: observable(),
+                        level,
+                        deviation,
+                    });
                 }
             }
             for heavy in self.levels[..self.terms].iter().filter(|one| is_heavy(one, k)) {
                 judged.variance = false;
                 let (level, index) = (heavy.level, tail_index(heavy, k));
-                warnings.push(Warning::HeavyTail { observable, level, index });
+                warnings.push(Warning::HeavyTail { observable: observable(), level, index });
             }
             if let Some(beta) = estimate.beta.filter(|beta| beta.upper < 1.0) {
-                warnings.push(Warning::VarianceDecay { observable, beta });
+                warnings.push(Warning::VarianceDecay { observable: observable(), beta });
             }
             let assumed = self.order;
             if let Some(alpha) = estimate.alpha {
                 let slow = alpha.upper < lowest(assumed);
                 judged.bias &= !slow;
                 if slow || alpha.upper < assumed - ORDER_TOLERANCE {
-                    warnings.push(Warning::WeakOrder { observable, alpha, assumed });
+                    warnings.push(Warning::WeakOrder { observable: observable(), alpha, assumed });
                 }
             }
         }

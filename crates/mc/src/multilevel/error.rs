@@ -47,7 +47,7 @@ pub enum MultilevelError {
     #[error("the test function {observable} is not finite on a path of level {level}")]
     NotFinite {
         /// Its name.
-        observable: &'static str,
+        observable: String,
         /// The level.
         level: usize,
     },

@@ -1,5 +1,6 @@
 //! The samples of one level.
 
+use real::WIDTH;
 use serde::{Deserialize, Serialize};
 use stats::CentralMoments;
 
@@ -8,7 +9,7 @@ use super::{
     settings::Coupling,
     tails::Extremes,
 };
-use crate::{Kept, Observable, PathFailure, Statistic, View};
+use crate::{Kept, Observe, PathFailure, Statistic, View};
 
 /// Moments of one test function on one level.
 #[derive(Clone, Default, Serialize, Deserialize)]
@@ -105,9 +106,11 @@ impl Samples {
 /// Folds the values of all test functions at the final time, and the motion. The runs are fine,
 /// coarse and swapped, as many as there are.
 #[derive(Clone)]
-pub struct PathValues<'a, const D: usize> {
-    pub observables: &'a [Observable<D>],
-    pub y0: [f64; D],
+pub struct PathValues<'a> {
+    pub observables: &'a [&'a dyn Observe],
+    pub y0: &'a [f64],
+    /// φ(y₀) of each observable.
+    pub starts: &'a [f64],
     pub last_time: u64,
     pub sums: Sums,
 }
@@ -119,20 +122,23 @@ pub struct Sums {
     pub motion: Motion,
 }
 
-impl<const D: usize> Statistic<D> for PathValues<'_, D> {
-    fn observe(&mut self, view: &View<'_, D>) {
-        let (coupled, last) = (view.states.len() > 1, view.time == self.last_time);
-        self.sums.motion.add(view.states, self.y0, view.live);
+impl Statistic for PathValues<'_> {
+    fn observe(&mut self, view: &View<'_>) {
+        let (coupled, last) = (view.runs() > 1, view.time == self.last_time);
+        self.sums.motion.add(view, self.y0);
         let compared = coupled && compares_at(view.time, self.last_time, view.first_path);
         if !last && !compared {
             return;
         }
-        for (observable, values) in self.observables.iter().zip(&mut self.sums.values) {
-            let start = (observable.function)(self.y0);
+        let observables = self.observables.iter().zip(self.starts);
+        for ((observable, &start), values) in observables.zip(&mut self.sums.values) {
+            let mut phi = [[0.0; WIDTH]; 3];
+            for (run, phi) in phi.iter_mut().enumerate().take(view.runs()) {
+                observable.evaluate(view.state(run), view.live, phi);
+            }
             for p in view.live.paths() {
-                let phi = |run: usize| (observable.function)(view.states[run].path(p));
-                let fine = if view.states.len() == 3 { 0.5 * (phi(0) + phi(2)) } else { phi(0) };
-                let coarse = if coupled { phi(1) } else { fine };
+                let fine = if view.runs() == 3 { 0.5 * (phi[0][p] + phi[2][p]) } else { phi[0][p] };
+                let coarse = if coupled { phi[1][p] } else { fine };
                 if coupled {
                     values.motion.add(start, fine, coarse);
                 }
@@ -150,7 +156,7 @@ impl<const D: usize> Statistic<D> for PathValues<'_, D> {
     }
 }
 
-impl<const D: usize> Kept<D> for PathValues<'_, D> {
+impl Kept for PathValues<'_> {
     type Sums = Sums;
     fn sums(&self) -> &Sums {
         &self.sums

@@ -99,12 +99,18 @@ mod tails;
 #[cfg(test)]
 mod tests;
 
-use std::{cell::RefCell, collections::BTreeMap};
+use std::{cell::RefCell, collections::BTreeMap, sync::Arc};
 
+use noise::StepNoise;
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::{Ladder, Observable, Run, SeenDamping, driver::GROUP_PATHS, parts::Job};
+use crate::{
+    DynRun, Ladder, Observable, Observe, SeenDamping, Setup,
+    driver::GROUP_PATHS,
+    observable::{erased, value},
+    parts::Job,
+};
 use algorithm::{Halt, Sampler};
 use level::{Drawn, PathValues, Samples, Sums, Values};
 use resolution::Motion;
@@ -129,9 +135,23 @@ pub fn expectation<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
     settings: &ExpectationSettings,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Expectation, MultilevelError> {
+    let (setup, observables) = (Setup::of(problem, scheme), erased(observables));
+    expectation_of(&setup, &observables, accuracy, settings, progress)
+}
+
+/// The same as [`expectation`] for a problem of any dimension.
+///
+/// # Errors
+/// Those of [`expectation`].
+pub fn expectation_of<N: StepNoise>(
+    setup: &Setup<'_, N>,
+    observables: &[&dyn Observe],
+    accuracy: f64,
+    settings: &ExpectationSettings,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Expectation, MultilevelError> {
     let job = Job::here();
-    let found =
-        expectation_in(&job, "", scheme, problem, observables, accuracy, settings, progress)?;
+    let found = expectation_of_in(&job, "", setup, observables, accuracy, settings, progress)?;
     Ok(found.unwrap_or_else(|| unreachable!("a job that computes everything here has results")))
 }
 
@@ -156,27 +176,47 @@ pub fn expectation_in<S: PoissonSystem<D, M>, G: Damping, const D: usize, const 
     settings: &ExpectationSettings,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Option<Expectation>, MultilevelError> {
+    let (setup, observables) = (Setup::of(problem, scheme), erased(observables));
+    expectation_of_in(job, name, &setup, &observables, accuracy, settings, progress)
+}
+
+/// The same as [`expectation_in`] for a problem of any dimension.
+///
+/// # Errors
+/// Those of [`expectation`].
+pub fn expectation_of_in<N: StepNoise>(
+    job: &Job,
+    name: &str,
+    setup: &Setup<'_, N>,
+    observables: &[&dyn Observe],
+    accuracy: f64,
+    settings: &ExpectationSettings,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Option<Expectation>, MultilevelError> {
+    let Setup { problem, scheme } = setup;
+    let y0 = &problem.y0[..];
+    let starts: Vec<f64> = observables.iter().map(|phi| value(*phi, y0)).collect();
     // The nodes of each family of streams so far.
     let drawn = RefCell::new(BTreeMap::new());
     // Draws all samples of a level up to `paths` paths.
     let draw = |level: &Samples, paths: u64, round: u64| {
-        let mut runs = vec![Run::new(scheme, 0)];
+        let mut runs = vec![DynRun::new(Arc::clone(scheme), 0)];
         if level.coupling.is_some() {
-            runs.push(Run::new(scheme, 1));
+            runs.push(DynRun::new(Arc::clone(scheme), 1));
         }
         if level.coupling == Some(Coupling::Antithetic) {
-            runs.push(Run::swapped(scheme, 0));
+            runs.push(DynRun::swapped(Arc::clone(scheme), 0));
         }
         // Single paths have the families of level 0, whatever their step size.
         let (levels, family) = level.coupling.map_or((0, 0), |_| (1, level.level));
         let (key, steps) = (settings.stream(family), settings.steps(level.level));
-        let ladder = Ladder::new(problem, steps, levels, settings.truncation, key, runs)?;
+        let ladder = Ladder::of(problem, steps, levels, settings.truncation, key, runs)?;
         let last_time = ladder.coarse_steps();
         let values = vec![Values::default(); observables.len()];
-        let (y0, motion) = (problem.y0(), Motion::new(&problem.y0()));
+        let motion = Motion::new(y0);
         let new = || {
             let sums = Sums { values: values.clone(), motion: motion.clone() };
-            PathValues { observables, y0, last_time, sums }
+            PathValues { observables, y0, starts: &starts, last_time, sums }
         };
         let work = format!("{name}/level {family} from {}", level.paths);
         let groups = level.paths / GROUP_PATHS..paths / GROUP_PATHS;
@@ -188,10 +228,10 @@ pub fn expectation_in<S: PoissonSystem<D, M>, G: Damping, const D: usize, const 
         let first_failure = outcome.failures.first().copied();
         Ok(Some(Drawn { sums: outcome.statistic.sums, failed: outcome.failed, first_failure }))
     };
-    let names = observables.iter().map(|observable| observable.name).collect();
-    let t_end = problem.t_end();
+    let names = observables.iter().map(|observable| observable.name().to_owned()).collect();
+    let t_end = problem.t_end;
     let ranges = vec![None; observables.len()];
-    let damping = SeenDamping::new(scheme, problem, settings.coarsest_steps);
+    let damping = SeenDamping::of(setup, settings.coarsest_steps);
     let (cost, reserve) = (0, 0);
     let sampler =
         Sampler { draw: &draw, t_end, damping, names, accuracy, settings, ranges, cost, reserve };

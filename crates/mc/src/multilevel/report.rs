@@ -57,10 +57,10 @@ impl Judged {
 }
 
 /// E[φ(y(T))] for one φ.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     /// Name of φ.
-    pub name: &'static str,
+    pub name: String,
     /// The estimate.
     pub value: f64,
     /// Standard error of the estimate, without bias.
@@ -146,7 +146,7 @@ pub struct LevelValue {
 }
 
 /// An assumption that does not hold, or a limit that was reached.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Warning {
     /// Paths without a solution were left out: the estimate is conditional on survival.
@@ -169,7 +169,7 @@ pub enum Warning {
     )]
     Constant {
         /// Name of φ.
-        observable: &'static str,
+        observable: String,
         /// The level.
         level: usize,
         /// Its paths.
@@ -222,7 +222,7 @@ pub enum Warning {
     )]
     UnresolvedFunction {
         /// Name of φ.
-        observable: &'static str,
+        observable: String,
         /// The last level.
         level: usize,
         /// Root mean square of φ(fine) − φ(coarse) over that of φ − φ(y(0)), at eight times.
@@ -236,7 +236,7 @@ pub enum Warning {
     )]
     Uncoupled {
         /// Name of φ.
-        observable: &'static str,
+        observable: String,
         /// The last level.
         level: usize,
         /// The quotient.
@@ -248,7 +248,7 @@ pub enum Warning {
     #[error("{observable}: kurtosis {kurtosis:.0} on level {level}, its variance is not reliable")]
     Kurtosis {
         /// Name of φ.
-        observable: &'static str,
+        observable: String,
         /// The level.
         level: usize,
         /// Its kurtosis.
@@ -264,7 +264,7 @@ pub enum Warning {
     )]
     HeavyTail {
         /// Name of φ.
-        observable: &'static str,
+        observable: String,
         /// The level.
         level: usize,
         /// Hill's estimate of α.
@@ -275,7 +275,7 @@ pub enum Warning {
     #[error("{observable}: variances fall with exponent {beta}, below the exponent 1 of the cost")]
     VarianceDecay {
         /// Name of φ.
-        observable: &'static str,
+        observable: String,
         /// Observed exponent, significantly below one.
         beta: Rate,
     },
@@ -287,7 +287,7 @@ pub enum Warning {
     )]
     WeakOrder {
         /// Name of φ.
-        observable: &'static str,
+        observable: String,
         /// Observed exponent.
         alpha: Rate,
         /// Weak order of the settings.
@@ -302,7 +302,7 @@ pub enum Warning {
     )]
     Inconsistent {
         /// Name of φ.
-        observable: &'static str,
+        observable: String,
         /// The level of the coarse mean.
         level: usize,
         /// Distance in standard errors.

@@ -6,11 +6,12 @@
 //! is divided by that of its motion y − y(0). Two paths of uncorrelated phases give √(2/3) to √2.
 //! Each φ is compared in the same way, at eight coarse times.
 
-use real::{Block, PathMask, WIDTH};
+use real::{PathMask, WIDTH};
 use serde::{Deserialize, Serialize};
 use stats::ROUND_OFF;
 
 use super::level::{Samples, Values};
+use crate::View;
 
 /// The largest quotient that counts as resolved, on the last level: a rotation differs by half a
 /// radian to one, and the fine path is wrong by a third of that (phases have order two). The same
@@ -42,14 +43,17 @@ impl Motion {
     /// Adds the states of fine, coarse and, with [`Antithetic`](super::Coupling::Antithetic), of
     /// swapped paths, whose average with the fine ones takes the place of fine: without areas it is
     /// near the coarse path by order one where the fine one is by one half.
-    pub fn add<const D: usize>(&mut self, states: &[Block<D>], y0: [f64; D], live: PathMask) {
-        let [fine, coarse, ..] = states else { return };
-        let swapped = states.get(2).unwrap_or(fine);
+    pub fn add(&mut self, view: &View<'_>, y0: &[f64]) {
+        if view.runs() < 2 {
+            return;
+        }
+        let (fine, coarse, live) = (view.state(0), view.state(1), view.live);
+        let swapped = if view.runs() > 2 { view.state(2) } else { fine };
         self.points += f64::from(live.len());
         // The usual case is vectorised.
         let all = live == PathMask::ALL;
-        for i in 0..D {
-            let (fine, coarse, swapped) = (&fine.0[i], &coarse.0[i], &swapped.0[i]);
+        for i in 0..y0.len() {
+            let (fine, coarse, swapped) = (&fine[i], &coarse[i], &swapped[i]);
             let (difference, displacement) = (&mut self.difference[i], &mut self.displacement[i]);
             for p in 0..WIDTH {
                 if all || live.contains(p) {
@@ -211,6 +215,8 @@ pub fn coupled(values: &Values, accuracy: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use real::Block;
+
     use super::*;
 
     /// The angle of the midpoint rule after n steps of ωτ.
@@ -225,7 +231,7 @@ mod tests {
         for k in 1..=n {
             let fine = Block([[(f64::from(2 * k) * step(2 * n)).cos(); WIDTH]]);
             let coarse = Block([[(f64::from(k) * step(n)).cos(); WIDTH]]);
-            motion.add(&[fine, coarse], [1.0], PathMask::ALL);
+            motion.add(&View::of(&vec![fine, coarse], PathMask::ALL), &[1.0]);
         }
         motion.difference(0)
     }
@@ -251,7 +257,7 @@ mod tests {
         let mut motion = Motion::new(&[1.0, 0.0]);
         for k in 1..=8 {
             let at = |sign: f64| Block([[1.0 + f64::from(k) / 8.0; WIDTH], [sign * 1e-17; WIDTH]]);
-            motion.add(&[at(1.0), at(-1.0)], [1.0, 0.0], PathMask::ALL);
+            motion.add(&View::of(&vec![at(1.0), at(-1.0)], PathMask::ALL), &[1.0, 0.0]);
         }
         assert_eq!([motion.difference(0), motion.difference(1)], [0.0, 0.0]);
     }

@@ -19,7 +19,7 @@ use super::{
     settings::{Coupling, Estimator, ExpectationSettings},
     tails::{Tail, UNSEEN, is_heavy, tails},
 };
-use crate::{Observable, SeenDamping, Statistic, View};
+use crate::{Observable, Observe, SeenDamping, Statistic, View};
 
 fn close(found: f64, exact: f64) -> bool {
     (found - exact).abs() <= 1e-12 * exact.abs()
@@ -100,26 +100,19 @@ fn values_know_their_range_and_what_never_differs() {
 
 #[test]
 fn path_values_are_those_of_the_runs() {
-    let observables = [Observable { name: "y", function: |y: [f64; 1]| 10.0 * y[0] }];
-    let status = [nonlin::BlockStatus::explicit(), nonlin::BlockStatus::explicit()];
+    let observable = Observable { name: "y", function: |y: [f64; 1]| 10.0 * y[0] };
+    let observables = [&observable as &dyn Observe];
     let new = || PathValues {
         observables: &observables,
-        y0: [0.0],
+        y0: &[0.0],
+        starts: &[0.0],
         last_time: 2,
         sums: Sums { values: vec![Values::default()], motion: Motion::new(&[0.0]) },
     };
-    let observe = |states: &[Block<1>], times: &[u64]| {
+    let observe = |states: &Vec<Block<1>>, times: &[u64]| {
         let mut seen = new();
         for &time in times {
-            seen.observe(&View {
-                time,
-                first_path: 0,
-                states,
-                statuses: &status,
-                clipped: &[],
-                random_time: &Block::zero(),
-                live: PathMask::first(3),
-            });
+            seen.observe(&View { time, ..View::of(states, PathMask::first(3)) });
         }
         seen
     };
@@ -236,7 +229,8 @@ fn exponents_are_slopes_of_weighted_lines() {
 /// Motion whose fine path moves by one and whose coarse path is `q` away from it.
 fn moved(y0: f64, q: f64) -> Motion {
     let mut motion = Motion::new(&[y0]);
-    motion.add(&[Block::splat([y0 + 1.0]), Block::splat([y0 + 1.0 + q])], [y0], PathMask::ALL);
+    let states = vec![Block::splat([y0 + 1.0]), Block::splat([y0 + 1.0 + q])];
+    motion.add(&View::of(&states, PathMask::ALL), &[y0]);
     motion
 }
 
@@ -244,19 +238,19 @@ fn moved(y0: f64, q: f64) -> Motion {
 fn motion_is_compared_over_the_paths_that_live() {
     let mut motion = Motion::new(&[1.0, 0.0]);
     let states = |fine: f64, coarse: f64, twin: f64| {
-        [fine, coarse, twin].map(|y| Block::splat([1.0 + y, 2.0 * y]))
+        [fine, coarse, twin].map(|y| Block::splat([1.0 + y, 2.0 * y])).to_vec()
     };
     // Differences ½(2 + 4) − 1 = 2 and twice that, of motions 2 and 4.
-    motion.add(&states(2.0, 1.0, 4.0), [1.0, 0.0], PathMask::ALL);
+    motion.add(&View::of(&states(2.0, 1.0, 4.0), PathMask::ALL), &[1.0, 0.0]);
     assert!(close(motion.difference(0), 1.0) && close(motion.difference(1), 1.0));
     // Three paths more with the difference 3 of the motion 1: √((32·4 + 3·9)/(32·4 + 3)).
     let few = PathMask::first(3);
     let exact = (155.0f64 / 131.0).sqrt();
     let mut merged = motion.clone();
-    motion.add(&states(1.0, -1.0, 3.0), [1.0, 0.0], few);
+    motion.add(&View::of(&states(1.0, -1.0, 3.0), few), &[1.0, 0.0]);
     assert!(close(motion.difference(0), exact) && close(motion.difference(1), exact));
     let mut later = Motion::new(&[1.0, 0.0]);
-    later.add(&states(1.0, -1.0, 3.0), [1.0, 0.0], few);
+    later.add(&View::of(&states(1.0, -1.0, 3.0), few), &[1.0, 0.0]);
     merged.merge(&later);
     assert!(close(merged.difference(0), exact));
     let mut none = Motion::default();
@@ -264,7 +258,8 @@ fn motion_is_compared_over_the_paths_that_live() {
     assert!(close(none.difference(0), 3.0));
     // A single path shows nothing.
     let mut alone = Motion::new(&[1.0, 0.0]);
-    alone.add(&states(2.0, 0.0, 0.0)[..1], [1.0, 0.0], PathMask::ALL);
+    let single = states(2.0, 0.0, 0.0)[..1].to_vec();
+    alone.add(&View::of(&single, PathMask::ALL), &[1.0, 0.0]);
     assert_eq!(alone.difference(0), 0.0);
 }
 
@@ -388,7 +383,7 @@ fn rate(lower: f64, upper: f64) -> Option<Rate> {
 
 /// What is said of three levels of differences above single paths, with these properties of the
 /// last one.
-fn judged(value: LevelValue, samples: u64, estimate: Estimate) -> (Judged, Vec<Warning>) {
+fn judged(value: LevelValue, samples: u64, estimate: &Estimate) -> (Judged, Vec<Warning>) {
     judged_at([0.1, 0.05, 0.02], value, samples, estimate)
 }
 
@@ -397,7 +392,7 @@ fn judged_at(
     motion: [f64; 3],
     value: LevelValue,
     samples: u64,
-    estimate: Estimate,
+    estimate: &Estimate,
 ) -> (Judged, Vec<Warning>) {
     let mut levels = vec![level(0, 64, pairs(&[1.0, 2.0, 4.0], &[]))];
     levels[0].values[0].sample = moments(&[1.0, 2.0, 4.0].repeat(60));
@@ -416,7 +411,7 @@ fn judged_at(
     let mut reports: Vec<_> = (0..3).map(|l| report(l, 180, good)).collect();
     reports.push(report(3, samples, value));
     let evidence = Evidence { levels: &levels, terms: 4, accuracy: 1e9, order: 1.0, damping: None };
-    let mut estimates = [estimate];
+    let mut estimates = [estimate.clone()];
     let warnings = evidence.judge(&reports, &mut estimates);
     (estimates[0].judged, warnings)
 }
@@ -424,7 +419,7 @@ fn judged_at(
 #[test]
 fn each_assumption_is_judged_at_its_limit() {
     let estimate = Estimate {
-        name: "phi",
+        name: "phi".into(),
         value: 0.0,
         standard_error: 0.0,
         bias: 0.0,
@@ -437,9 +432,9 @@ fn each_assumption_is_judged_at_its_limit() {
     };
     let good = LevelValue { mean: 0.0, variance: 1.0, kurtosis: 3.0, deviation: 0.0 };
     let all = Judged { variance: true, bias: true, resolution: true };
-    assert_eq!(judged(good, 1000, estimate), (all, vec![]));
+    assert_eq!(judged(good, 1000, &estimate), (all, vec![]));
     // Components are counted from one.
-    let (coarse, warnings) = judged_at([1.2, 1.3, 0.75], good, 1000, estimate);
+    let (coarse, warnings) = judged_at([1.2, 1.3, 0.75], good, 1000, &estimate);
     assert_eq!(coarse, Judged { resolution: false, ..all });
     let [Warning::Unresolved { component: 1, level: 3, difference, before }] = warnings[..] else {
         panic!("{warnings:?}")
@@ -447,24 +442,26 @@ fn each_assumption_is_judged_at_its_limit() {
     assert!(close(difference, 0.75) && close(before, 1.3));
     // A kurtosis above 100 with at most sixteen samples for each unit of it.
     let kurtosis = |kurtosis: f64, samples: u64| {
-        let (judged, warnings) = judged(LevelValue { kurtosis, ..good }, samples, estimate);
+        let (judged, warnings) = judged(LevelValue { kurtosis, ..good }, samples, &estimate);
         assert_eq!(judged, all);
         matches!(warnings[..], [Warning::Kurtosis { level: 3, .. }])
     };
     assert!(kurtosis(101.0, 1616) && !kurtosis(101.0, 1617) && !kurtosis(100.0, 1000));
     assert!(!kurtosis(f64::NAN, 1000));
     // Four and a half standard errors between neighbours.
-    let deviation = |deviation: f64| judged(LevelValue { deviation, ..good }, 1000, estimate);
+    let deviation = |deviation: f64| judged(LevelValue { deviation, ..good }, 1000, &estimate);
     assert_eq!(deviation(4.5), (all, vec![]));
     let (apart, warnings) = deviation(4.6);
     assert_eq!(apart, Judged { bias: false, ..all });
     assert!(matches!(warnings[..], [Warning::Inconsistent { level: 3, .. }]));
     // Variances that fall more slowly than the cost grows.
-    let beta = |upper: f64| judged(good, 1000, Estimate { beta: rate(0.5, upper), ..estimate });
+    let beta =
+        |upper: f64| judged(good, 1000, &Estimate { beta: rate(0.5, upper), ..estimate.clone() });
     assert_eq!(beta(1.0), (all, vec![]));
     assert!(matches!(beta(0.99).1[..], [Warning::VarianceDecay { .. }]));
     // A weak order below the one given by more than a quarter is named, and below ½ not believed.
-    let alpha = |upper: f64| judged(good, 1000, Estimate { alpha: rate(0.1, upper), ..estimate });
+    let alpha =
+        |upper: f64| judged(good, 1000, &Estimate { alpha: rate(0.1, upper), ..estimate.clone() });
     assert_eq!(alpha(0.76), (all, vec![]));
     let (named, warnings) = alpha(0.74);
     assert!(named == all && matches!(warnings[..], [Warning::WeakOrder { .. }]));
@@ -505,7 +502,7 @@ fn better_coarsest_steps_save_a_fifth() {
 #[test]
 fn an_interval_adds_the_bias_to_the_rest() {
     let estimate = Estimate {
-        name: "phi",
+        name: "phi".into(),
         value: 2.0,
         standard_error: 3.0 / QUANTILE,
         bias: 0.0,
@@ -520,7 +517,7 @@ fn an_interval_adds_the_bias_to_the_rest() {
     let (lower, upper) = estimate.interval();
     assert!(close(lower, -4.0) && close(upper, 8.0));
     let result = |accuracy: f64, judged: Judged| Expectation {
-        estimates: vec![Estimate { judged, ..estimate }],
+        estimates: vec![Estimate { judged, ..estimate.clone() }],
         accuracy,
         cost: 0,
         levels: vec![],
@@ -581,7 +578,7 @@ fn made_up(level: &Samples, paths: u64) -> Drawn {
     }
     let states = [Block::splat([1.0]), Block::splat([1.0 + 0.2 * size(l)])];
     let runs = if level.coupling.is_some() { 2 } else { 1 };
-    motion.add(&states[..runs], [0.0], PathMask::ALL);
+    motion.add(&View::of(&states[..runs].to_vec(), PathMask::ALL), &[0.0]);
     Drawn { sums: Sums { values: vec![values], motion }, failed: 0, first_failure: None }
 }
 
@@ -604,7 +601,7 @@ fn run(
         draw: &draw,
         t_end: 2.0,
         damping: SeenDamping::new(&Heun, &problem, settings.coarsest_steps),
-        names: vec!["phi"],
+        names: vec!["phi".into()],
         accuracy,
         settings,
         ranges: vec![None],
@@ -625,7 +622,7 @@ fn the_accuracy_is_reached_with_little_more_than_it_takes() {
             let settings = ExpectationSettings { estimator, pilot: 256, ..settings() };
             let (result, rounds) = run(accuracy, &settings);
             let result = result.unwrap();
-            let estimate = result.estimates[0];
+            let estimate = &result.estimates[0];
             let advice = |warning: &Warning| matches!(warning, Warning::CoarsestSteps { .. });
             assert!(result.reached() && result.warnings.iter().all(advice), "{result:?}");
             let (lower, upper) = estimate.interval();

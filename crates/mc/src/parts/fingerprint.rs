@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 
-use real::{Block, WIDTH};
+use real::{Row, WIDTH};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use systems::{Damping, PoissonSystem, Problem};
+
+use crate::DynProblem;
 
 /// Hashes of a study, one for each of the things that may differ between two studies of one name.
 ///
@@ -82,33 +83,33 @@ fn fixed(n: usize) -> f64 {
 }
 
 /// A state near y₀, of the same signs.
-fn near<const D: usize>(y0: [f64; D], n: usize) -> [f64; D] {
-    std::array::from_fn(|i| {
-        let shift = 0.05 * fixed(1 + n * D + i);
-        if y0[i] == 0.0 { shift } else { y0[i] * (1.0 + shift) }
-    })
+fn near(y0: &[f64], n: usize) -> Vec<f64> {
+    let near = |(i, &y): (usize, &f64)| {
+        let shift = 0.05 * fixed(1 + n * y0.len() + i);
+        if y == 0.0 { shift } else { y * (1.0 + shift) }
+    };
+    y0.iter().enumerate().map(near).collect()
 }
 
 /// 32 states near y₀, others for each n.
-pub fn probe_states<const D: usize>(y0: [f64; D], n: usize) -> Block<D> {
-    let mut block = Block::zero();
-    (0..WIDTH).for_each(|p| block.set_path(p, near(y0, n * WIDTH + p)));
-    block
+pub fn probe_states(y0: &[f64], n: usize) -> Vec<Row> {
+    let mut rows = vec![[0.0; WIDTH]; y0.len()];
+    for p in 0..WIDTH {
+        rows.iter_mut().zip(near(y0, n * WIDTH + p)).for_each(|(row, y)| row[p] = y);
+    }
+    rows
 }
 
 /// B(y)v, h, γ, y₀ and T of a problem.
-pub fn of_problem<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    problem: &Problem<S, G, D>,
-) -> String {
-    let (system, damping) = (problem.system(), problem.damping());
-    let (y0, t_end) = (problem.y0(), problem.t_end());
-    let mut hash = Hash::default().with_number(D as u64).with_number(M as u64);
-    hash = hash.with_reals(y0).with_reals([t_end]);
+pub fn of_problem(problem: &DynProblem<'_>) -> String {
+    let DynProblem { ref y0, t_end, damping, noises, ref formulas, .. } = *problem;
+    let mut hash = Hash::default().with_number(y0.len() as u64).with_number(noises as u64);
+    hash = hash.with_reals(y0.iter().copied()).with_reals([t_end]);
     for n in 0..POINTS {
-        let (y, v) = (near(y0, n), near([1.0; D], POINTS + n));
-        let dw = std::array::from_fn(|m| fixed(3 * n + m));
-        let energy: f64 = system.energy(y, fixed(n), dw);
-        hash = hash.with_reals(system.structure(y, v)).with_reals([energy]);
+        let (y, v) = (near(y0, n), near(&vec![1.0; y0.len()], POINTS + n));
+        let dw: Vec<f64> = (0..noises).map(|m| fixed(3 * n + m)).collect();
+        let energy = formulas.energy(&y, fixed(n), &dw);
+        hash = hash.with_reals(formulas.structure(&y, &v)).with_reals([energy]);
     }
     for n in 0..TIMES {
         let (from, to) = (t_end * f64::from(n) / 16.0, t_end * f64::from(n + 1) / 16.0);

@@ -10,9 +10,9 @@
 //! # use systems::{Constant, Pendulum, Problem};
 //! # #[derive(Default, serde::Serialize, serde::Deserialize)]
 //! # struct Momentum { sum: f64 }
-//! # impl Statistic<2> for Momentum {
-//! #     fn observe(&mut self, view: &View<'_, 2>) {
-//! #         self.sum += view.live.paths().map(|p| view.states[0].path(p)[1]).sum::<f64>();
+//! # impl Statistic for Momentum {
+//! #     fn observe(&mut self, view: &View<'_>) {
+//! #         self.sum += view.live.paths().map(|p| view.state(0)[1][p]).sum::<f64>();
 //! #     }
 //! #     fn merge(&mut self, later: Self) { self.sum += later.sum; }
 //! # }
@@ -22,7 +22,7 @@
 //! # let problem = Problem::new(Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0], 1.0)?;
 //! # let key = StreamKey { seed: 1, experiment: 1 };
 //! // A statistic of which everything is kept.
-//! impl Kept<2> for Momentum {
+//! impl Kept for Momentum {
 //!     type Sums = Self;
 //!     fn sums(&self) -> &Self { self }
 //!     fn sums_mut(&mut self) -> &mut Self { self }

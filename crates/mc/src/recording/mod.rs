@@ -127,8 +127,8 @@ impl<const M: usize> Recording<M> {
         if !(tau > 0.0 && tau.is_finite()) {
             return Err(schemes::StepError::Size { tau }.into());
         }
-        let drawn = Drawn::new::<M>(key, tau, with_areas)?;
-        let (mut next, mut block) = (drawn.block(path), BlockNoise::zero());
+        let drawn = Drawn::new(key, tau, with_areas.then_some(M))?;
+        let (mut next, mut block) = (drawn.block(path), BlockNoise::<M>::zero());
         let step = |_| {
             next(&mut block);
             let Noise { increments, areas } = block.path(0);
@@ -189,8 +189,8 @@ impl<const M: usize> Recording<M> {
 }
 
 /// The recording on every path.
-impl<const M: usize> NoiseSource<M> for &Recording<M> {
-    fn block(&self, _first_path: u64) -> NextNoise<'_, M> {
+impl<const M: usize> NoiseSource<BlockNoise<M>> for &Recording<M> {
+    fn block(&self, _first_path: u64) -> NextNoise<'_, BlockNoise<M>> {
         let mut steps = 0..;
         Box::new(move |noise| {
             let (increments, areas) = self.step(steps.next().unwrap_or_default());

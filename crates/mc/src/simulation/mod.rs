@@ -4,21 +4,24 @@ mod error;
 mod series;
 mod write;
 
-use std::{collections::BTreeMap, ops::Range};
+use std::{collections::BTreeMap, ops::Range, sync::Arc};
 
-use noise::{StreamKey, Truncation};
+use noise::{BlockNoise, StepNoise, StreamKey, Truncation};
+use real::{PathMask, Row, WIDTH};
 use schemes::{Scheme, Step};
-use systems::{Damping, Invariant, PoissonSystem, Problem};
+use systems::{Damping, PoissonSystem, Problem};
 
-use crate::{Ladder, LadderError, PathFailure, Recording, Run, trajectory::PathRecords};
+use crate::{
+    ConformalLaw, DynRun, Ladder, LadderError, NoiseSource, Observe, PathFailure, Recording, Setup,
+    View,
+    observable::{components, path, value},
+    trajectory::PathRecords,
+};
 
 pub use error::SimulationError;
 pub use series::{Column, NoiseOrigin, TimeSeries};
 pub(crate) use write::quoted;
 pub use write::{write_csv, write_json};
-
-/// An observable φ(y).
-type Observed<'a, const D: usize> = Box<dyn Fn([f64; D]) -> f64 + Sync + 'a>;
 
 /// Simulation of paths of a problem by a scheme. The table of each path contains time, state,
 /// observables, and every invariant of the system with its relative defect from the conformal law.
@@ -47,44 +50,32 @@ type Observed<'a, const D: usize> = Box<dyn Fn([f64; D]) -> f64 + Sync + 'a>;
 /// assert_eq!(lines.next(), Some("sexp,0,0.0,1.0,2.0,3.0,1.0,6.5,0.0"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct Simulation<'a, S, G, const D: usize, const M: usize> {
-    problem: &'a Problem<S, G, D>,
-    scheme: &'a dyn Scheme<S, D, M>,
-    truncation: Truncation,
-    every: u64,
-    observables: Vec<(String, Observed<'a, D>)>,
-}
+pub struct Simulation<'a, const D: usize, const M: usize>(DynSimulation<'a, BlockNoise<M>>);
 
-impl<'a, S, G, const D: usize, const M: usize> Simulation<'a, S, G, D, M>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
+impl<'a, const D: usize, const M: usize> Simulation<'a, D, M> {
     /// A simulation that saves every step and has no observables.
-    pub fn new(
+    pub fn new<S: PoissonSystem<D, M>, G: Damping>(
         problem: &'a Problem<S, G, D>,
         scheme: &'a dyn Scheme<S, D, M>,
         truncation: Truncation,
     ) -> Self {
-        Self { problem, scheme, truncation, every: 1, observables: Vec::new() }
+        Self(DynSimulation::new(Setup::of(problem, scheme), truncation))
     }
 
     /// Saves only every `every`-th step, the initial state and the last step.
     #[must_use]
-    pub fn every(mut self, every: u64) -> Self {
-        self.every = every;
-        self
+    pub fn every(self, every: u64) -> Self {
+        Self(self.0.every(every))
     }
 
     /// Adds a column with the observable φ(y).
     #[must_use]
     pub fn observing(
-        mut self,
+        self,
         name: impl Into<String>,
         phi: impl Fn([f64; D]) -> f64 + Sync + 'a,
     ) -> Self {
-        self.observables.push((name.into(), Box::new(phi)));
-        self
+        Self(self.0.observing(Named::<_, D> { name: name.into(), phi }))
     }
 
     /// The table of path number `path` in `steps` steps to the final time, with the same states as
@@ -115,14 +106,7 @@ where
         key: StreamKey,
         paths: Range<u64>,
     ) -> Result<Vec<TimeSeries>, SimulationError> {
-        let StreamKey { seed, experiment } = key;
-        let drawn = |path| NoiseOrigin::Drawn { seed, experiment, path };
-        self.run(self.ladder(steps, key)?, paths, &drawn)
-    }
-
-    fn ladder(&self, steps: u64, key: StreamKey) -> Result<Ladder<'a, D, M>, LadderError> {
-        let runs = vec![Run::new(self.scheme, 0)];
-        Ladder::new(self.problem, steps, 0, self.truncation, key, runs)
+        self.0.paths(steps, key, paths)
     }
 
     /// The table of the path with recorded increments. They are truncated like drawn increments,
@@ -131,46 +115,132 @@ where
     /// # Errors
     /// As for [`path`](Self::path), and those of [`Ladder::with_noise`].
     pub fn recorded(&self, recording: &Recording<M>) -> Result<TimeSeries, SimulationError> {
-        let steps = recording.increments().len() as u64;
+        self.0.recorded(recording.increments().len() as u64, recording)
+    }
+}
+
+/// A function of D components with a name.
+struct Named<F, const D: usize> {
+    name: String,
+    phi: F,
+}
+
+impl<F: Fn([f64; D]) -> f64 + Sync, const D: usize> Observe for Named<F, D> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
+        let y = components(y);
+        live.paths().for_each(|p| values[p] = (self.phi)(path(y, p)));
+    }
+}
+
+/// The same as [`Simulation`] for a problem of any dimension. N is the noise of a step.
+pub struct DynSimulation<'a, N> {
+    setup: Setup<'a, N>,
+    truncation: Truncation,
+    every: u64,
+    observables: Vec<Box<dyn Observe + 'a>>,
+}
+
+impl<'a, N: StepNoise> DynSimulation<'a, N> {
+    /// As [`Simulation::new`].
+    pub fn new(setup: Setup<'a, N>, truncation: Truncation) -> Self {
+        Self { setup, truncation, every: 1, observables: Vec::new() }
+    }
+
+    /// As [`Simulation::every`].
+    #[must_use]
+    pub fn every(mut self, every: u64) -> Self {
+        self.every = every;
+        self
+    }
+
+    /// As [`Simulation::observing`].
+    #[must_use]
+    pub fn observing(mut self, observable: impl Observe + 'a) -> Self {
+        self.observables.push(Box::new(observable));
+        self
+    }
+
+    /// As [`Simulation::paths`].
+    ///
+    /// # Errors
+    /// As for [`Simulation::path`], and [`LadderError::NoiseWithoutAreas`].
+    pub fn paths(
+        &self,
+        steps: u64,
+        key: StreamKey,
+        paths: Range<u64>,
+    ) -> Result<Vec<TimeSeries>, SimulationError> {
+        let StreamKey { seed, experiment } = key;
+        let drawn = |path| NoiseOrigin::Drawn { seed, experiment, path };
+        self.run(self.ladder(steps, key)?, paths, &drawn)
+    }
+
+    /// The table of the path with the noise of `steps` steps of `source`, as
+    /// [`Simulation::recorded`].
+    ///
+    /// # Errors
+    /// As for [`paths`](Self::paths), and those of [`Ladder::with_noise`].
+    pub fn recorded(
+        &self,
+        steps: u64,
+        source: impl NoiseSource<N>,
+    ) -> Result<TimeSeries, SimulationError> {
         let ladder = self.ladder(steps, StreamKey { seed: 0, experiment: 0 })?;
-        let ladder = ladder.with_noise(recording)?;
+        let ladder = ladder.with_noise(source)?;
         let mut series = self.run(ladder, 0..1, &|_| NoiseOrigin::Recorded)?;
         Ok(series.swap_remove(0))
     }
 
+    fn ladder(&self, steps: u64, key: StreamKey) -> Result<Ladder<'_, N>, LadderError> {
+        let Setup { problem, scheme } = &self.setup;
+        let runs = vec![DynRun::new(Arc::clone(scheme), 0)];
+        Ladder::of(problem, steps, 0, self.truncation, key, runs)
+    }
+
+    /// The names of the columns.
+    fn names(&self) -> Result<Vec<String>, SimulationError> {
+        let Setup { problem, .. } = &self.setup;
+        let mut names = vec!["t".into()];
+        names.extend((1..=problem.y0.len()).map(|i| format!("y{i}")));
+        names.extend(self.observables.iter().map(|observable| observable.name().into()));
+        for (index, ConformalLaw { name, .. }) in problem.laws.iter().enumerate() {
+            let same = |among: &[ConformalLaw]| among.iter().filter(|i| i.name == *name).count();
+            let name = match same(&problem.laws) {
+                1 => name.clone(),
+                _ => format!("{name}{}", 1 + same(&problem.laws[..index])),
+            };
+            names.extend([name.clone(), format!("{name} defect")]);
+        }
+        match (0..names.len()).find(|&n| names[..n].contains(&names[n])) {
+            Some(n) => Err(SimulationError::Column { name: names.swap_remove(n) }),
+            None => Ok(names),
+        }
+    }
+
     fn run(
         &self,
-        ladder: Ladder<'_, D, M>,
+        ladder: Ladder<'_, N>,
         paths: Range<u64>,
         origin: &dyn Fn(u64) -> NoiseOrigin,
     ) -> Result<Vec<TimeSeries>, SimulationError> {
         if self.every == 0 {
             return Err(SimulationError::Every);
         }
-        let (problem, tau) = (self.problem, ladder.tau(0));
-        let (system, y0) = (problem.system(), problem.y0());
-        let invariants = system.invariants();
-        let mut names = vec!["t".into()];
-        names.extend((1..=D).map(|i| format!("y{i}")));
-        names.extend(self.observables.iter().map(|(name, _)| name.clone()));
-        for (index, Invariant { name, .. }) in invariants.iter().enumerate() {
-            let same = |among: &[Invariant]| among.iter().filter(|i| i.name == *name).count();
-            let name = match same(&invariants) {
-                1 => name.to_string(),
-                _ => format!("{name}{}", 1 + same(&invariants[..index])),
-            };
-            names.extend([name.clone(), format!("{name} defect")]);
-        }
-        if let Some(n) = (0..names.len()).find(|&n| names[..n].contains(&names[n])) {
-            return Err(SimulationError::Column { name: names.swap_remove(n) });
-        }
+        let (Setup { problem, scheme }, tau) = (&self.setup, ladder.tau(0));
+        let names = self.names()?;
+        let initial = |index| problem.formulas.law(index, &problem.y0);
+        let initial: Vec<f64> = (0..problem.laws.len()).map(initial).collect();
         // The row of step n, where `damped` is ∫γ up to its end.
-        let row = |n: u64, damped: f64, y: [f64; D]| {
+        let row = |n: u64, damped: f64, y: &[f64], observed: &mut dyn Iterator<Item = f64>| {
             let mut row = vec![n as f64 * tau];
             row.extend(y);
-            row.extend(self.observables.iter().map(|(_, phi)| phi(y)));
-            for (index, Invariant { degree, .. }) in invariants.iter().enumerate() {
-                let (value, initial) = (system.invariant(index, y), system.invariant(index, y0));
+            row.extend(observed);
+            for (index, ConformalLaw { degree, .. }) in problem.laws.iter().enumerate() {
+                let (value, initial) = (problem.formulas.law(index, y), initial[index]);
                 let law = (-degree * damped).exp() * initial;
                 row.extend([value, if initial == 0.0 { value } else { (value - law) / law.abs() }]);
             }
@@ -178,15 +248,30 @@ where
         };
         let steps = ladder.coarse_steps();
         let saved = |n: u64| n.is_multiple_of(self.every) || n == steps;
-        let damped = damping_integrals(problem.damping(), steps, tau, &saved)?;
-        let saved_row = |n: u64, y: [f64; D]| saved(n).then(|| row(n, damped[&n], y));
+        let damped = damping_integrals(problem.damping, steps, tau, &saved)?;
+        let saved_rows = |view: &View<'_>| {
+            if !saved(view.time) {
+                return Vec::new();
+            }
+            let (state, live) = (view.state(0), view.live);
+            let mut observed = vec![[0.0; WIDTH]; self.observables.len()];
+            let observables = self.observables.iter().zip(&mut observed);
+            observables.for_each(|(phi, values)| phi.evaluate(state, live, values));
+            let row = |p: usize| {
+                let y: Vec<f64> = state.iter().map(|row| row[p]).collect();
+                let mut observed = observed.iter().map(|values| values[p]);
+                (p, row(view.time, damped[&view.time], &y, &mut observed))
+            };
+            live.paths().map(row).collect()
+        };
         let count = paths.end.saturating_sub(paths.start);
         let ladder = ladder.describing(count as usize);
         let measured =
-            ladder.run_from(paths.start, count, || PathRecords::new(&saved_row), &|_| ());
+            ladder.run_from(paths.start, count, || PathRecords::new(&saved_rows), &|_| ());
         let mut of_path = measured.statistic.of_path;
         let series = paths.map(|path| {
-            let mut rows = vec![row(0, 0.0, y0)];
+            let mut observed = self.observables.iter().map(|phi| value(&**phi, &problem.y0));
+            let mut rows = vec![row(0, 0.0, &problem.y0, &mut observed)];
             rows.extend(of_path.remove(&path).unwrap_or_default());
             let columns = names.iter().enumerate().map(|(number, name)| Column {
                 name: name.clone(),
@@ -194,9 +279,9 @@ where
             });
             let failure = measured.failures.iter().find(|failure| failure.path == path);
             TimeSeries {
-                system: system.name().into(),
-                damping: problem.damping().describe(),
-                scheme: self.scheme.id().into(),
+                system: problem.name.clone(),
+                damping: problem.damping.describe(),
+                scheme: scheme.id().into(),
                 tau,
                 noise: origin(path),
                 halted: failure.map(|&PathFailure { step, cause, .. }| {

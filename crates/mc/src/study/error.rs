@@ -23,7 +23,7 @@ pub enum StudyError {
     #[error("two observables have the name {name:?}; rename one")]
     Observable {
         /// The name.
-        name: &'static str,
+        name: String,
     },
     /// There is no time.
     #[error("a study needs at least one time after t = 0, got none")]

@@ -56,10 +56,13 @@ mod summary;
 mod sums;
 mod write;
 
+use std::sync::Arc;
+
+use noise::{BlockNoise, StepNoise};
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem};
 
-use crate::{Ladder, Measured, Observable, Run, parts::Job};
+use crate::{DynRun, Ladder, Measured, Observable, Observe, Setup, observable::erased, parts::Job};
 use sums::StudyStatistic;
 
 pub use error::StudyError;
@@ -73,31 +76,45 @@ pub use summary::{Histogram, Place, Quantile, Summary};
 /// when it is made, the paths are simulated by [`run`](Self::run).
 ///
 /// [`run_in`](Self::run_in) is a run that machines share.
-pub struct Study<'a, const D: usize, const M: usize> {
-    ladder: Ladder<'a, D, M>,
-    observables: &'a [Observable<D>],
+pub struct Study<'a, N> {
+    ladder: Ladder<'a, N>,
+    observables: Vec<&'a dyn Observe>,
     plan: StudyPlan,
 }
 
-impl<'a, const D: usize, const M: usize> Study<'a, D, M> {
+impl<'a, const M: usize> Study<'a, BlockNoise<M>> {
     /// Checks the settings, and chooses the bins by a pilot on the current rayon pool.
     ///
     /// # Errors
     /// [`StudyError`] if a setting is out of range, times are not ends of steps or not in order,
     /// observables are missing or share a name, or the scheme cannot be run on the steps.
-    pub fn new<S: PoissonSystem<D, M>, G: Damping>(
+    pub fn new<S: PoissonSystem<D, M>, G: Damping, const D: usize>(
         problem: &'a Problem<S, G, D>,
         scheme: &'a dyn Scheme<S, D, M>,
         observables: &'a [Observable<D>],
         settings: &StudySettings,
     ) -> Result<Self, StudyError> {
-        let record = Record::new(problem, scheme, observables, settings)?;
+        Self::of(&Setup::of(problem, scheme), erased(observables), settings)
+    }
+}
+
+impl<'a, N: StepNoise> Study<'a, N> {
+    /// The same for a problem of any dimension.
+    ///
+    /// # Errors
+    /// As [`new`](Study::new).
+    pub fn of(
+        setup: &Setup<'a, N>,
+        observables: Vec<&'a dyn Observe>,
+        settings: &StudySettings,
+    ) -> Result<Self, StudyError> {
+        let record = Record::new(setup, &observables, settings)?;
         let ladder = |key| {
-            let runs = vec![Run::new(scheme, 0)];
-            Ladder::new(problem, settings.steps, 0, settings.truncation, key, runs)
+            let runs = vec![DynRun::new(Arc::clone(&setup.scheme), 0)];
+            Ladder::of(&setup.problem, settings.steps, 0, settings.truncation, key, runs)
         };
         let pilot = ladder(settings.pilot_key())?.describing(0);
-        let new = || StudyStatistic::new(observables, &record.times, &[]);
+        let new = || StudyStatistic::new(&observables, &record.times, &[]);
         let seen = pilot.run(settings.pilot, new, &|_| ()).statistic.sums;
         let cells = 0..record.times.len() * observables.len();
         let grids =
@@ -111,8 +128,8 @@ impl<'a, const D: usize, const M: usize> Study<'a, D, M> {
         &self.plan
     }
 
-    fn statistic(&self) -> StudyStatistic<'_, D> {
-        StudyStatistic::new(self.observables, &self.plan.record.times, &self.plan.grids)
+    fn statistic(&self) -> StudyStatistic<'_> {
+        StudyStatistic::new(&self.observables, &self.plan.record.times, &self.plan.grids)
     }
 
     /// Simulates all paths in parallel on the current rayon pool. The bits do not depend on the
@@ -142,7 +159,7 @@ impl<'a, const D: usize, const M: usize> Study<'a, D, M> {
         measured.map(|measured| self.result(&measured))
     }
 
-    fn result(&self, measured: &Measured<StudyStatistic<'_, D>>) -> StudyResult {
+    fn result(&self, measured: &Measured<StudyStatistic<'_>>) -> StudyResult {
         StudyResult::new(&self.plan, &measured.statistic.sums, Losses::of(measured))
     }
 }

@@ -1,14 +1,14 @@
 //! What a study computes, before any path is simulated.
 
-use schemes::Scheme;
 use serde::{Deserialize, Serialize};
-use systems::{Damping, PoissonSystem, Problem};
 
 use super::{Grid, StudyError, StudySettings};
-use crate::Observable;
+use crate::{Observe, Setup, observable::value};
 
 /// Everything that the result of a study depends on. Systems and damping are described by
-/// [`PoissonSystem::name`], [`PoissonSystem::parameters`] and [`Damping::describe`].
+/// [`PoissonSystem::name`](systems::PoissonSystem::name),
+/// [`PoissonSystem::parameters`](systems::PoissonSystem::parameters) and
+/// [`Damping::describe`](systems::Damping::describe).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Version of this crate.
@@ -48,23 +48,23 @@ pub struct Record {
 }
 
 impl Record {
-    pub(super) fn new<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-        problem: &Problem<S, G, D>,
-        scheme: &dyn Scheme<S, D, M>,
-        observables: &[Observable<D>],
+    pub(super) fn new<N>(
+        setup: &Setup<'_, N>,
+        observables: &[&dyn Observe],
         settings: &StudySettings,
     ) -> Result<Self, StudyError> {
         settings.check(observables)?;
+        let Setup { problem, scheme } = setup;
         let mut quantiles = settings.quantiles.clone();
         quantiles.sort_by(f64::total_cmp);
-        let initial = observables.iter().map(|observable| (observable.function)(problem.y0()));
+        let initial = observables.iter().map(|observable| value(*observable, &problem.y0));
         Ok(Self {
             version: env!("CARGO_PKG_VERSION").into(),
-            system: problem.system().name().into(),
-            parameters: problem.system().parameters(),
-            damping: problem.damping().describe(),
-            y0: problem.y0().into(),
-            t_end: problem.t_end(),
+            system: problem.name.clone(),
+            parameters: problem.parameters.clone(),
+            damping: problem.damping.describe(),
+            y0: problem.y0.clone(),
+            t_end: problem.t_end,
             scheme: scheme.id().into(),
             truncation: settings.truncation.order(),
             steps: settings.steps,
@@ -74,7 +74,7 @@ impl Record {
             paths: settings.paths,
             pilot: settings.pilot,
             quantiles,
-            observables: observables.iter().map(|observable| observable.name.into()).collect(),
+            observables: observables.iter().map(|observable| observable.name().into()).collect(),
             initial: initial.map(|value| value.is_finite().then_some(value)).collect(),
         })
     }

@@ -3,7 +3,7 @@
 use noise::{StreamKey, Truncation};
 
 use super::StudyError;
-use crate::Observable;
+use crate::Observe;
 
 /// The times of a study. The initial value is in the result without being asked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -115,10 +115,7 @@ impl StudySettings {
     }
 
     /// Checks all but the times, the steps and the truncation.
-    pub(super) fn check<const D: usize>(
-        &self,
-        observables: &[Observable<D>],
-    ) -> Result<(), StudyError> {
+    pub(super) fn check(&self, observables: &[&dyn Observe]) -> Result<(), StudyError> {
         let Self { paths, key, bins, pilot, .. } = *self;
         let mut requirements = vec![
             (paths > 0, "number of paths", "at least 1", paths as f64),
@@ -141,9 +138,9 @@ impl StudySettings {
         if observables.is_empty() {
             return Err(StudyError::NoObservable);
         }
-        for (n, Observable { name, .. }) in observables.iter().enumerate() {
-            if observables[..n].iter().any(|before| before.name == *name) {
-                return Err(StudyError::Observable { name });
+        for (n, name) in observables.iter().map(|observable| observable.name()).enumerate() {
+            if observables[..n].iter().any(|before| before.name() == name) {
+                return Err(StudyError::Observable { name: name.into() });
             }
         }
         for (n, &level) in self.quantiles.iter().enumerate() {

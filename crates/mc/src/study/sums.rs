@@ -1,11 +1,11 @@
 //! What a study adds up.
 
-use real::{Block, PathMask, WIDTH};
+use real::{PathMask, WIDTH};
 use serde::{Deserialize, Serialize};
 use stats::CentralMoments;
 
 use super::{counts::Counts, grid::Grid};
-use crate::{Kept, Observable, Statistic, View, parts::bytes};
+use crate::{Kept, Observe, Statistic, View, parts::bytes};
 
 /// The sums of a study: moments and counts of every observable at every time. Counts are the same
 /// whatever the order of merging; moments are the same to rounding errors, and to the last bit if
@@ -74,10 +74,10 @@ impl Sums {
 }
 
 /// The statistic of a study on a [`Ladder`](crate::Ladder) with one run.
-pub struct StudyStatistic<'a, const D: usize> {
+pub struct StudyStatistic<'a> {
     /// What was added up.
     pub(super) sums: Sums,
-    observables: &'a [Observable<D>],
+    observables: &'a [&'a dyn Observe],
     times: &'a [u64],
     /// The grids of all cells, or none in a pilot.
     grids: &'a [Grid],
@@ -85,9 +85,9 @@ pub struct StudyStatistic<'a, const D: usize> {
     next: usize,
 }
 
-impl<'a, const D: usize> StudyStatistic<'a, D> {
+impl<'a> StudyStatistic<'a> {
     pub(super) fn new(
-        observables: &'a [Observable<D>],
+        observables: &'a [&'a dyn Observe],
         times: &'a [u64],
         grids: &'a [Grid],
     ) -> Self {
@@ -114,14 +114,14 @@ impl<'a, const D: usize> StudyStatistic<'a, D> {
     }
 }
 
-impl<const D: usize> Statistic<D> for StudyStatistic<'_, D> {
-    fn observe(&mut self, view: &View<'_, D>) {
+impl Statistic for StudyStatistic<'_> {
+    fn observe(&mut self, view: &View<'_>) {
         let Some(time) = self.number(view.time) else { return };
-        let state = &view.states[0];
+        let state = view.state(0);
         let first = time * self.observables.len();
         let mut values = [0.0; WIDTH];
         for (k, observable) in self.observables.iter().enumerate() {
-            evaluate(observable.function, state, view.live, &mut values);
+            observable.evaluate(state, view.live, &mut values);
             self.sums.add(first + k, &values, view.live, self.grids.get(first + k));
         }
     }
@@ -131,7 +131,7 @@ impl<const D: usize> Statistic<D> for StudyStatistic<'_, D> {
     }
 }
 
-impl<const D: usize> Kept<D> for StudyStatistic<'_, D> {
+impl Kept for StudyStatistic<'_> {
     type Sums = Sums;
 
     fn sums(&self) -> &Sums {
@@ -148,29 +148,6 @@ impl<const D: usize> Kept<D> for StudyStatistic<'_, D> {
 
     fn some_times(&self, _: u64) -> Vec<u64> {
         self.times.to_vec()
-    }
-}
-
-/// Writes φ of the states of the paths `live`.
-///
-/// States are copied eight at a time: a function that reads what was stored just before, in other
-/// pieces, waits.
-fn evaluate<const D: usize>(
-    phi: fn([f64; D]) -> f64,
-    state: &Block<D>,
-    live: PathMask,
-    values: &mut [f64; WIDTH],
-) {
-    if live != PathMask::ALL {
-        live.paths().for_each(|p| values[p] = phi(state.path(p)));
-        return;
-    }
-    for p in (0..WIDTH).step_by(8) {
-        let [a, b, c, d] = [state.path(p), state.path(p + 1), state.path(p + 2), state.path(p + 3)];
-        let [e, f, g, h] =
-            [state.path(p + 4), state.path(p + 5), state.path(p + 6), state.path(p + 7)];
-        let eight = [phi(a), phi(b), phi(c), phi(d), phi(e), phi(f), phi(g), phi(h)];
-        values[p..p + 8].copy_from_slice(&eight);
     }
 }
 

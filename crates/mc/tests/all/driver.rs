@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use mc::{Ladder, LadderError, NextNoise, NoiseSource, Recording, Run, Statistic, View};
-use noise::{Noise, NoiseError, StreamKey, Truncation, WienerBlock, WienerPath};
+use noise::{BlockNoise, Noise, NoiseError, StreamKey, Truncation, WienerBlock, WienerPath};
 use nonlin::Outcome;
 use real::Real;
 use schemes::{Explicit, Implicit, Increment, Scheme, Sexp, SexpLevy, Step};
@@ -63,10 +63,10 @@ fn walk(t_end: f64) -> Problem<Walk, Constant, 2> {
 /// For every path the final W of each run, and whether an increment of the run was clipped.
 struct Walks(Vec<[(f64, bool); 2]>);
 
-impl Statistic<2> for Walks {
-    fn observe(&mut self, view: &View<'_, 2>) {
+impl Statistic for Walks {
+    fn observe(&mut self, view: &View<'_>) {
         if view.time == 4 {
-            let run = |r: usize, p| (view.states[r].path(p)[1], view.clipped[r].contains(p));
+            let run = |r: usize, p| (view.state(r)[1][p], view.clipped[r].contains(p));
             self.0.extend(view.live.paths().map(|p| [run(0, p), run(1, p)]));
         }
     }
@@ -123,8 +123,8 @@ struct Streams {
     tau: f64,
 }
 
-impl NoiseSource<3> for Streams {
-    fn block(&self, first_path: u64) -> NextNoise<'_, 3> {
+impl NoiseSource<BlockNoise<3>> for Streams {
+    fn block(&self, first_path: u64) -> NextNoise<'_, BlockNoise<3>> {
         let mut wiener = WienerBlock::new(self.key, first_path);
         Box::new(move |noise| wiener.increments(self.tau.sqrt(), &mut noise.increments))
     }
@@ -141,7 +141,7 @@ fn noise_from_elsewhere_drives_every_path_of_a_ladder() {
             Some(source) => ladder.with_noise(source).unwrap(),
             None => ladder,
         };
-        ladder.run(150, || Keep::new(8, 3), &|_| ()).statistic.runs
+        ladder.run(150, || Keep::<3>::new(8, 3), &|_| ()).statistic.runs
     };
     let (drawn, tau) = (run(None), 1.0 / 32.0);
     assert_eq!(run(Some(Streams { key: KEY, tau })), drawn);
@@ -162,7 +162,7 @@ fn a_recording_drives_a_ladder_like_the_path_that_it_records() {
         ];
         Ladder::new(&problem, 32, 2, Truncation::new(2).unwrap(), KEY, runs).unwrap()
     };
-    let keep = || Keep::new(8, 4);
+    let keep = || Keep::<3>::new(8, 4);
     let drawn = ladder().run_from(4, 1, keep, &|_| ()).statistic.runs;
     let of_recording = |path| {
         let recording = Recording::<3>::draw(KEY, path, 32, 1.0, true).unwrap();
@@ -186,8 +186,8 @@ fn a_recording_drives_a_ladder_like_the_path_that_it_records() {
 #[derive(Default)]
 struct Robust(BTreeSet<(u64, u64)>);
 
-impl Statistic<3> for Robust {
-    fn observe(&mut self, view: &View<'_, 3>) {
+impl Statistic for Robust {
+    fn observe(&mut self, view: &View<'_>) {
         let robust = view.statuses[0].robust.and(view.live);
         self.0.extend(robust.paths().map(|p| (view.first_path + p as u64, view.time)));
     }

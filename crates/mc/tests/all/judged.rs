@@ -85,7 +85,7 @@ fn what_is_the_same_on_every_path_is_not_believed() {
         for seed in 0..4 {
             let settings = ExpectationSettings { estimator, ..settings(seed) };
             let result = kubo((1.0, 1e-4, 6.0), indicator, 0.1, &settings);
-            let estimate = result.estimates[0];
+            let estimate = &result.estimates[0];
             assert!(!result.reached() && !estimate.judged.variance, "{result:?}");
             let constant = |warning: &Warning| matches!(warning, Warning::Constant { .. });
             assert!(result.warnings.iter().any(constant), "{:?}", result.warnings);

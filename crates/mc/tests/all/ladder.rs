@@ -38,11 +38,11 @@ impl<const D: usize> Keep<D> {
     }
 }
 
-impl<const D: usize> Statistic<D> for Keep<D> {
-    fn observe(&mut self, view: &View<'_, D>) {
+impl<const D: usize> Statistic for Keep<D> {
+    fn observe(&mut self, view: &View<'_>) {
         if view.time == self.last_time {
-            for (kept, state) in self.runs.iter_mut().zip(view.states) {
-                kept.extend(view.live.paths().map(|p| state.path(p)));
+            for (run, kept) in self.runs.iter_mut().enumerate() {
+                kept.extend(view.live.paths().map(|p| view.path::<D>(run, p)));
             }
         }
     }
@@ -253,7 +253,7 @@ fn paths_without_a_solution_are_left_out_counted_and_described() {
         vec![Run::new(&sexp as &dyn Scheme<_, 2, 1>, 0), Run::new(&sexp, 2), Run::new(&em, 0)];
     let ladder = Ladder::new(&problem, 16, 2, Truncation::new(4).unwrap(), KEY, runs).unwrap();
     let samples = 400;
-    let measured = ladder.run(samples, || Keep::new(ladder.coarse_steps(), 3), &|_| ());
+    let measured = ladder.run(samples, || Keep::<2>::new(ladder.coarse_steps(), 3), &|_| ());
     let kept = measured.statistic.runs[0].len() as u64;
     // y₂ = tan(arctan ½ + t + W) leaves every bound when t + W passes 1.1: on many paths, and not
     // on all.

@@ -3,6 +3,7 @@
 
 mod damping;
 mod driver;
+mod dynamic;
 mod explosive;
 mod judged;
 mod ladder;

@@ -42,10 +42,10 @@ impl Sum {
     }
 }
 
-impl Statistic<2> for Sum {
-    fn observe(&mut self, view: &View<'_, 2>) {
+impl Statistic for Sum {
+    fn observe(&mut self, view: &View<'_>) {
         for p in view.live.paths() {
-            let [q, p] = view.states[0].path(p);
+            let [q, p] = view.path(0, p);
             self.sums.sum += real::elementary::cos(self.frequency * q) + p * p * p;
             self.sums.least = self.sums.least.min(p);
         }
@@ -59,7 +59,7 @@ impl Statistic<2> for Sum {
     }
 }
 
-impl Kept<2> for Sum {
+impl Kept for Sum {
     type Sums = Sums;
     fn sums(&self) -> &Sums {
         &self.sums
@@ -383,8 +383,8 @@ struct Forgetful {
     most: Option<f64>,
 }
 
-impl Statistic<2> for Forgetful {
-    fn observe(&mut self, _: &View<'_, 2>) {
+impl Statistic for Forgetful {
+    fn observe(&mut self, _: &View<'_>) {
         self.sum += 1.0;
         self.count = Some(self.sum as u64);
     }
@@ -393,7 +393,7 @@ impl Statistic<2> for Forgetful {
     }
 }
 
-impl Kept<2> for Forgetful {
+impl Kept for Forgetful {
     type Sums = Self;
     fn sums(&self) -> &Self {
         self

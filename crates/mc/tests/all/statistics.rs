@@ -4,8 +4,8 @@ use mc::{
     Ladder, Recording, RecordingError, Reference, Run, Simulation, StrongErrors, TimeChange,
     WorstTimes,
 };
-use noise::Truncation;
-use real::{Block, WIDTH};
+use noise::{BlockNoise, Truncation};
+use real::{Row, WIDTH};
 use schemes::{EulerMaruyama, Scheme, Sexp};
 use systems::{Damping, PoissonSystem, RigidBody};
 
@@ -26,7 +26,7 @@ fn square(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// Runs 0 to 3: the reference, then a series from coarse to fine, and the last one exchanged.
-fn with_runs<T>(use_it: impl FnOnce(&Ladder<'_, 3, 3>, Truncation) -> T) -> T {
+fn with_runs<T>(use_it: impl FnOnce(&Ladder<'_, BlockNoise<3>>, Truncation) -> T) -> T {
     let (problem, euler, k) = (body(), EulerMaruyama, Truncation::new(2).unwrap());
     let sexp = Sexp;
     let runs = vec![
@@ -39,7 +39,7 @@ fn with_runs<T>(use_it: impl FnOnce(&Ladder<'_, 3, 3>, Truncation) -> T) -> T {
 }
 
 /// The states of all runs at coarse time n.
-fn states(ladder: &Ladder<'_, 3, 3>, n: u64) -> Vec<Vec<[f64; 3]>> {
+fn states(ladder: &Ladder<'_, BlockNoise<3>>, n: u64) -> Vec<Vec<[f64; 3]>> {
     ladder.run(PATHS as u64, || Keep::new(n, 4), &|_| ()).statistic.runs
 }
 
@@ -82,8 +82,8 @@ fn strong_errors_are_mean_squares_of_distances() {
 /// Which paths of a run have a clipped increment.
 struct Clipped(Vec<bool>);
 
-impl mc::Statistic<3> for Clipped {
-    fn observe(&mut self, view: &mc::View<'_, 3>) {
+impl mc::Statistic for Clipped {
+    fn observe(&mut self, view: &mc::View<'_>) {
         if view.time == 8 {
             self.0.extend(view.live.paths().map(|p| view.clipped[1].contains(p)));
         }
@@ -114,10 +114,10 @@ fn clipped_paths_have_their_share_of_the_mean_square() {
 /// Random time n + 1 + W₁ after step n of the finest level.
 struct Steps;
 
-impl TimeChange<3> for Steps {
-    fn advance(&self, n: u64, dw: &Block<3>, _normals: &Block<1>, random_time: &mut Block<1>) {
+impl TimeChange for Steps {
+    fn advance(&self, n: u64, dw: &[Row], _normals: &Row, random_time: &mut Row) {
         for p in 0..WIDTH {
-            random_time.0[0][p] += dw.0[0][p] + if n == 63 { 64.0 } else { 0.0 };
+            random_time[p] += dw[0][p] + if n == 63 { 64.0 } else { 0.0 };
         }
     }
 }
@@ -128,7 +128,7 @@ fn errors_against_an_exact_solution_are_taken_at_the_random_time() {
     let k = Truncation::new(2).unwrap();
     let runs = vec![Run::new(&sexp as &dyn Scheme<_, 3, 3>, 0)];
     let ladder = Ladder::new(&problem, 64, 3, k, KEY, runs).unwrap().with_time_change(&Steps);
-    let solution = |s: f64| [s, 0.0, 0.0];
+    let solution = |s: f64| vec![s, 0.0, 0.0];
     let series = [vec![0]];
     let new = || StrongErrors::new(Reference::Exact(&solution), &series, ladder.coarse_steps());
     let errors = ladder.run(PATHS as u64, new, &|_| ()).statistic;

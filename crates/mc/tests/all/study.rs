@@ -9,7 +9,7 @@ use mc::{
     study,
     study::Place,
 };
-use noise::{StreamKey, Truncation};
+use noise::{BlockNoise, StreamKey, Truncation};
 use nonlin::{Method, Solver};
 use schemes::{Sexp, WithSolver};
 use systems::{Constant, Problem};
@@ -199,7 +199,7 @@ fn a_study_in_parts_has_the_same_bits() {
         assert!(study(1700, 4).run_in(&job, "study", &|_| ()).is_none());
         job.finish().unwrap();
     }
-    let merge_as = |study: Study<'_, 2, 1>| {
+    let merge_as = |study: Study<'_, BlockNoise<1>>| {
         let job = Job::merge(folder.path(), program()).unwrap();
         let found = study.run_in(&job, "study", &|_| ());
         job.finish().map(|_| found)
@@ -351,7 +351,7 @@ fn impossible_studies_are_refused() {
     let message = |settings| refuse(settings, &[P]).to_string();
     let with = |times: Times| message(StudySettings { times, ..good() });
     assert_eq!(refuse(good(), &[]), StudyError::NoObservable);
-    assert_eq!(refuse(good(), &[P, ROOT, P]), StudyError::Observable { name: "p" });
+    assert_eq!(refuse(good(), &[P, ROOT, P]), StudyError::Observable { name: "p".into() });
     let nearest = |times| {
         let settings = StudySettings { times: Times::Even(times), ..good() };
         match refuse(settings, &[P]) {

@@ -17,7 +17,7 @@ mod written_out;
 use std::f64::consts::{FRAC_2_PI, PI};
 
 use noise::{AreaBlock, AreaMethod, AreaSampler, ExactArea, StreamKey, WienerBlock, join};
-use real::{Block, WIDTH};
+use real::{Block, Row, WIDTH};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::battery::{CHECKS, FALSE_ALARM, battery};
@@ -57,7 +57,7 @@ fn exact(key: StreamKey) -> impl FnMut(f64, &Block<2>, &mut AreaBlock<2>) {
 fn halves<const M: usize>(
     key: StreamKey,
     mut sampler: impl FnMut(f64, &Block<M>, &mut AreaBlock<M>),
-    chen: fn(&AreaBlock<M>, &Block<M>, &AreaBlock<M>, &Block<M>) -> AreaBlock<M>,
+    chen: fn(&AreaBlock<M>, &[Row; M], &AreaBlock<M>, &[Row; M]) -> AreaBlock<M>,
 ) -> impl FnMut(f64, &Block<M>, &mut AreaBlock<M>) {
     let mut bridge =
         WienerBlock::<M>::new(StreamKey { experiment: key.experiment + 1_000_000, ..key }, 0);
@@ -74,7 +74,7 @@ fn halves<const M: usize>(
         let (mut one, mut other) = (AreaBlock::zero(), AreaBlock::zero());
         sampler(0.5 * step, &first, &mut one);
         sampler(0.5 * step, &second, &mut other);
-        *areas = chen(&one, &first, &other, &second);
+        *areas = chen(&one, &first.0, &other, &second.0);
     }
 }
 
@@ -252,9 +252,9 @@ fn samplers_that_forget_something_are_rejected() {
         },
     );
 
+    const NONE: [Row; 3] = [[0.0; WIDTH]; 3];
     // Areas added without the triangle between the halves.
-    let mut triangle =
-        halves(key, good(), |one, _, other, _| join(one, &Block::zero(), other, &Block::zero()));
+    let mut triangle = halves(key, good(), |one, _, other, _| join(one, &NONE, other, &NONE));
     rejected("halves without Chen's term", 100, &["variance", "regression on w_i²"], &mut triangle);
 
     // Every area handed out twice.

@@ -11,6 +11,7 @@ use super::{
     machine::{Machine, Multiple},
     norm::{Distance, Size, sum},
     record::{Recorder, Recording},
+    sweep::{Pending, Sweep, excess},
 };
 use crate::{Implicit, Step};
 
@@ -26,16 +27,9 @@ pub struct ImplicitStepper<'a, F> {
     state: Rows,
     solution: Rows,
     previous: Rows,
+    sweep: Option<Sweep>,
     krylov: Option<Krylov<'a>>,
 }
-
-/// Minus the number of sweeps of a path that has converged; positive on other paths.
-type Pending = Row;
-
-/// The convergence test of `nonlin`: residuals below this fraction of ‖z‖₁ are round-off.
-const TOLERANCE: f64 = 2.0 * f64::EPSILON;
-/// Prevents an underflow of the product of two changes.
-const GUARD: f64 = (1u128 << 64) as f64;
 
 impl<'a, F: Implicit> ImplicitStepper<'a, F> {
     pub fn new(formula: &'a F, system: &'a dyn System) -> Result<Self, OutOfMemory> {
@@ -48,8 +42,10 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
             state: rows()?,
             solution: rows()?,
             previous: rows()?,
+            sweep: None,
             krylov: None,
         };
+        stepper.sweep = Sweep::new(formula, system, &some_step())?;
         stepper.prepare(&some_step())?;
         Ok(stepper)
     }
@@ -70,9 +66,16 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
     }
 
     /// Sweeps of three evaluations until every path has converged or their number is reached.
-    fn iterate(&mut self, h: Weights<'_>, most_sweeps: u32) -> Pending {
-        let system = self.system;
+    fn iterate(&mut self, step: &Step, h: Weights<'_>, most_sweeps: u32) -> Pending {
         let mut pending = [1.0; WIDTH];
+        if let Some(sweep) = &mut self.sweep
+            && sweep.record(self.formula, self.system, step)
+        {
+            let start = &self.machine.buffers[0];
+            sweep.iterate(start, h, most_sweeps, &mut self.solution, &mut pending);
+            return pending;
+        }
+        let system = self.system;
         for sweep in 1..=most_sweeps {
             self.machine.buffers[1].copy_from_slice(&self.solution);
             self.evaluate(h);
@@ -116,13 +119,6 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
     }
 }
 
-/// The test of fixed-point iteration from the last two changes and the size of the last iterate: at
-/// most zero if it has converged, as in [`nonlin`].
-fn excess(change: f64, change_before: f64, size: f64) -> f64 {
-    let before = if change_before < size { change_before } else { size };
-    change * GUARD * change - size * (GUARD * TOLERANCE) * before
-}
-
 impl<F: Implicit> Stepper for ImplicitStepper<'_, F> {
     fn state(&self) -> &[Row] {
         &self.state
@@ -144,23 +140,20 @@ impl<F: Implicit> Stepper for ImplicitStepper<'_, F> {
         dispatch(Multiple { x: &self.state, factor: first, out: &mut self.machine.buffers[0] });
         self.solution.copy_from_slice(&self.machine.buffers[0]);
         let solver = self.formula.solver();
-        let pending = self.iterate(h, solver.max_sweeps.max(1));
+        let pending = self.iterate(step, h, solver.max_sweeps.max(1));
         if solver.settle {
             self.settle(h);
         }
+        *status = BlockStatus::fast(pending);
         let mut unsolved = PathMask::NONE;
         (0..WIDTH).filter(|&p| pending[p] > 0.0).for_each(|p| unsolved.insert(p));
-        let mut outcomes = pending.map(|pending| Outcome::Fast { iterations: -pending as u32 });
         if !unsolved.is_empty() {
             let failed = [Outcome::Failed { residual: f64::INFINITY }; WIDTH];
             let solved = self.rescue(unsolved, h).unwrap_or(failed);
-            unsolved.paths().for_each(|p| outcomes[p] = solved[p]);
+            let one_path = self.system.lanes() == Lanes::Components;
+            let paths = if one_path { PathMask::first(1) } else { unsolved };
+            paths.paths().for_each(|p| status.set(p, solved[p]));
         }
-        let paths = match self.system.lanes() {
-            Lanes::Paths => WIDTH,
-            Lanes::Components => 1,
-        };
-        (0..paths).for_each(|p| status.set(p, outcomes[p]));
         dispatch(Multiple { x: &self.solution, factor: second, out: &mut self.state });
         // The second half of the damping may give a state that is not finite.
         if (second > 1.0 || second.is_nan()) && self.system.lanes() == Lanes::Paths {

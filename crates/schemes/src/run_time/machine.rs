@@ -70,7 +70,7 @@ impl<'a> Machine<'a> {
         if self.plan.is_for(nodes) {
             return Ok(());
         }
-        self.program = self.system.compile(nodes, consumed.len());
+        self.program = self.system.compile(nodes, consumed.len(), &[nodes.len() - 1]);
         self.plan = match self.program {
             Some(_) => Plan::of_program(nodes, consumed.len()),
             None => Plan::new(nodes, consumed),

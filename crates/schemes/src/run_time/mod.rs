@@ -38,6 +38,7 @@ mod norm;
 mod plan;
 mod record;
 mod scheme;
+mod sweep;
 mod without_iteration;
 
 pub use scheme::{Scheme, SchemeError, Stepper};

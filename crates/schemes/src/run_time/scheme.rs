@@ -54,10 +54,12 @@ pub enum SchemeError {
         noises: usize,
     },
     /// The system has no parts with flows.
-    #[error("split needs a system that is a sum of parts with flows; `{system}` has none")]
+    #[error("split needs a sum of parts with flows, which `{system}` has not: {reason}")]
     Parts {
         /// The system.
         system: String,
+        /// Why it has none.
+        reason: String,
     },
     /// There is no memory for the states.
     #[error(transparent)]

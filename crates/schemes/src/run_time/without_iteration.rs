@@ -39,25 +39,27 @@ impl Scheme for Split {
     }
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
-        if system.parts() == 0 {
-            return Err(SchemeError::Parts { system: system.name().into() });
-        }
-        Ok(Box::new(SplitStepper::new(system)?))
+        let parts = system
+            .parts()
+            .map_err(|reason| SchemeError::Parts { system: system.name().into(), reason })?;
+        Ok(Box::new(SplitStepper::new(system, parts)?))
     }
 }
 
 /// Exact flows in turn.
 struct SplitStepper<'a> {
     system: &'a dyn System,
+    parts: usize,
     state: Rows,
     half_dw: Rows,
     scratch: Rows,
 }
 
 impl<'a> SplitStepper<'a> {
-    fn new(system: &'a dyn System) -> Result<Self, OutOfMemory> {
+    fn new(system: &'a dyn System, parts: usize) -> Result<Self, OutOfMemory> {
         Ok(Self {
             system,
+            parts,
             state: Rows::zero(system.rows())?,
             half_dw: Rows::zero(system.noise_rows())?,
             scratch: Rows::zero(system.scratch_rows())?,
@@ -78,7 +80,7 @@ impl split::Moved for Moving<'_, '_> {
     }
 
     fn flow(&mut self, part: usize, half: bool) {
-        let SplitStepper { system, state, half_dw, scratch } = &mut *self.stepper;
+        let SplitStepper { system, state, half_dw, scratch, .. } = &mut *self.stepper;
         let h = match half {
             true => Weights { dt: 0.5 * self.tau, dw: half_dw },
             false => Weights { dt: self.tau, dw: self.dw },
@@ -100,7 +102,7 @@ impl Stepper for SplitStepper<'_> {
         *status = BlockStatus::explicit();
         let halves = self.half_dw.iter_mut().flatten().zip(dw.iter().flatten());
         halves.for_each(|(half, dw)| *half = 0.5 * dw);
-        let parts = self.system.parts();
+        let parts = self.parts;
         split::compose(parts, step, &mut Moving { stepper: self, tau: step.tau, dw });
         if self.system.lanes() == Lanes::Paths {
             status.fail_where_not_finite(&self.state);

@@ -53,7 +53,7 @@ impl SideBySide {
         for n in 0..STEPS {
             let step = Step::new(&damping, n, TAU).unwrap();
             wiener.increments(TAU.sqrt(), &mut dw);
-            clip(&dw, bound, &mut noise.increments);
+            clip(&dw.0, bound, &mut noise.increments.0);
             // Some increments are far larger than truncation allows, so that the robust method has
             // work.
             for p in [4, 21] {

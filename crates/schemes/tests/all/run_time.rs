@@ -186,5 +186,5 @@ fn schemes_that_cannot_run_say_why() {
     };
     let levy = SexpLi::with_areas(&body(), [0.6, 0.0, 0.8]).unwrap();
     assert!(error(&levy).contains("3 noises"), "{}", error(&levy));
-    assert!(error(&Split).contains("sum of parts"), "{}", error(&Split));
+    assert!(error(&Split).contains("flows were not given"), "{}", error(&Split));
 }

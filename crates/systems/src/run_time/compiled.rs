@@ -266,8 +266,11 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Compiled
         self.evaluate(Function::ItoCorrection, [y, y, y], none, out);
     }
 
-    fn parts(&self) -> usize {
-        self.parts
+    fn parts(&self) -> Result<usize, String> {
+        match self.parts {
+            0 => Err("its flows were not given".into()),
+            parts => Ok(parts),
+        }
     }
 
     fn flow(&self, part: usize, y: &mut [Row], h: Weights<'_>, _: &mut [Row]) {

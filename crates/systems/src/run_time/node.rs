@@ -83,7 +83,7 @@ pub enum Node {
 /// The operations of a formula on one system, compiled into something faster than one operation
 /// after the other, see [`System::compile`](super::System::compile).
 pub trait Program: Send {
-    /// Writes the result of the last operation. `inputs` are the states of the
+    /// Writes the results, one state after the other. `inputs` are the states of the
     /// [`Node::Input`]s, `factors` has a number for every node, used by each [`Node::Multiple`].
     fn run(&mut self, inputs: &[&[Row]], factors: &[f64], h: Weights<'_>, out: &mut [Row]);
 }

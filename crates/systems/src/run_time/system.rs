@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use dgrad::Rule;
-use real::Row;
+use real::{Row, WIDTH};
 
 use super::{Node, Program, derived};
 use crate::{Invariant, Linearity};
@@ -15,6 +15,11 @@ pub struct Weights<'a> {
     pub dt: f64,
     /// The weights of H₁, …: as many rows as [`System::noise_rows`].
     pub dw: &'a [Row],
+}
+
+impl Weights<'_> {
+    /// No time and no noise, for functions that do not read them.
+    pub(super) const NONE: Self = Self { dt: 0.0, dw: &[[0.0; WIDTH]; 3] };
 }
 
 /// What the 32 numbers of a row belong to.
@@ -79,6 +84,15 @@ pub trait System: Send + Sync {
         derived::scratch_rows(self.rows(), self.noise_rows()) + self.own_scratch_rows()
     }
 
+    /// Row and place in it of a component, on path 0. If rows belong to one path, it is its only
+    /// place; otherwise path p is p places further.
+    fn place(&self, component: usize) -> (usize, usize) {
+        match self.lanes() {
+            Lanes::Paths => (component, 0),
+            Lanes::Components => (component / WIDTH, component % WIDTH),
+        }
+    }
+
     /// B(y)·v. All arguments are on the tile.
     fn structure(
         &self,
@@ -104,7 +118,8 @@ pub trait System: Send + Sync {
     /// h(y) of each path. For [`Lanes::Components`] h is the sum over the row.
     fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]);
 
-    /// ∇h(y); y is whole.
+    /// ∇h(y), and whatever else turns the state, such as transverse damping: the v of B(y)v. y is
+    /// whole.
     fn gradient(
         &self,
         tile: Range<usize>,
@@ -114,7 +129,7 @@ pub trait System: Send + Sync {
         scratch: &mut [Row],
     );
 
-    /// ∇²h(y)·u; y and u are whole.
+    /// ∇²h(y)·u, the derivative of [`gradient`](Self::gradient) along u; y and u are whole.
     fn hessian(
         &self,
         tile: Range<usize>,
@@ -186,15 +201,24 @@ pub trait System: Send + Sync {
     }
 
     /// The operations of a formula with as many inputs in one piece, if the system can do better
-    /// than one operation after the other. The bits have to be the same.
-    fn compile(&self, nodes: &[Node], inputs: usize) -> Option<Box<dyn Program>> {
-        let _ = (nodes, inputs);
+    /// than one operation after the other. The bits have to be the same. `results` are the numbers
+    /// of the operations whose results are wanted.
+    fn compile(
+        &self,
+        nodes: &[Node],
+        inputs: usize,
+        results: &[usize],
+    ) -> Option<Box<dyn Program>> {
+        let _ = (nodes, inputs, results);
         None
     }
 
-    /// The number of parts with exact flows, see [`Flows`](crate::Flows); zero if there are none.
-    fn parts(&self) -> usize {
-        0
+    /// The number of parts with exact flows, see [`Flows`](crate::Flows), or why there are none.
+    ///
+    /// # Errors
+    /// The reason in words.
+    fn parts(&self) -> Result<usize, String> {
+        Err("it names no parts".into())
     }
 
     /// The flow of a part from y, in place; y is whole.

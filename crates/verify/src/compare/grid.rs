@@ -135,7 +135,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Grid<'_
         &self,
         exact: bool,
         length: usize,
-        values: &FinalValues<'_, D>,
+        values: &FinalValues<'_>,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<(CrossMoments, Sampled), LadderError> {
         let own: Vec<_> = self.schemes.iter().map(|&scheme| as_drawn(scheme)).collect();

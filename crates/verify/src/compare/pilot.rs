@@ -50,9 +50,9 @@ impl Pilot {
             let runs = (0..sizes).rev().map(|level| Run::new(scheme, level)).collect();
             let steps = base << finest;
             let ladder = Ladder::new(problem, steps, sizes - 1, truncation, key, runs)?;
-            let values = |view: &View<'_, D>, p: usize, values: &mut [f64]| {
-                for (value, pair) in values.iter_mut().zip(view.states.windows(2)) {
-                    *value = squared_distance(pair[0].path(p), pair[1].path(p));
+            let values = |view: &View<'_>, p: usize, values: &mut [f64]| {
+                for (run, value) in values.iter_mut().enumerate() {
+                    *value = squared_distance::<D>(view.path(run, p), view.path(run + 1, p));
                 }
             };
             let new = || FinalMoments::new(ladder.coarse_steps(), sizes - 1, &values);

@@ -197,8 +197,8 @@ impl Strong {
         // Differences of the reference, squared errors of every run, squared defects of every
         // point.
         let (own, runs) = (REFERENCES - 1, points + exact);
-        let values = |view: &View<'_, D>, p: usize, values: &mut [f64]| {
-            let state = |run: usize| view.states[run].path(p);
+        let values = |view: &View<'_>, p: usize, values: &mut [f64]| {
+            let state = |run: usize| view.path(run, p);
             for (k, value) in values[..own].iter_mut().enumerate() {
                 *value = squared_distance(state(k), state(k + 1));
             }

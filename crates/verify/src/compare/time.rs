@@ -86,7 +86,7 @@ pub fn path_times<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
             ladders.push((ladder, steps));
         }
     }
-    let nothing = |_: &View<'_, D>, _: usize, _: &mut [f64]| ();
+    let nothing = |_: &View<'_>, _: usize, _: &mut [f64]| ();
     let mut measured = vec![(Vec::with_capacity(repetitions.count), 0); ladders.len()];
     // The clock of the thread is read on the thread that works.
     let one = ThreadPoolBuilder::new().num_threads(1).build();

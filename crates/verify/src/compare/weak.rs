@@ -149,9 +149,9 @@ impl Weak {
         // The reference, its difference to that at twice the step, and for every point φ and its
         // difference to the reference.
         let each = 2 + 2 * grid.points();
-        let values = |view: &View<'_, D>, p: usize, values: &mut [f64]| {
+        let values = |view: &View<'_>, p: usize, values: &mut [f64]| {
             for (observable, values) in observables.iter().zip(values.chunks_exact_mut(each)) {
-                let phi = |run: usize| (observable.function)(view.states[run].path(p));
+                let phi = |run: usize| (observable.function)(view.path(run, p));
                 // An error Cτ + O(τ²) of the expectation is C·2τ + O(τ²) at twice the step.
                 let extrapolated = |run: usize| 2.0 * phi(run) - phi(run + 1);
                 values[0] = extrapolated(0);

@@ -136,7 +136,7 @@ fn combine(steps: Consistency, paths: Limit) -> Limit {
 /// What a scheme is compared with.
 enum Other<'a, S, const D: usize, const M: usize> {
     Scheme(&'a dyn Scheme<S, D, M>),
-    Exact(Exact<'a, D, M>),
+    Exact(Exact<'a, D>),
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Other<'_, S, D, M> {
@@ -170,11 +170,11 @@ where
             None
         }
     };
-    let of_view = |view: &View<'_, D>, p: usize, numbers: &mut [f64]| {
-        let state = |run: usize| view.states[run].path(p);
+    let of_view = |view: &View<'_>, p: usize, numbers: &mut [f64]| {
+        let state = |run: usize| view.path(run, p);
         let others = match exact {
             None => [3, 4, 5].map(state),
-            Some(exact) => [(exact.solution)(view.random_time.0[0][p]); 3],
+            Some(exact) => [(exact.solution)(view.random_time[p]); 3],
         };
         numbers.copy_from_slice(&distances(what, [0, 1, 2].map(state), others));
     };

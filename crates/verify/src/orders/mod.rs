@@ -95,11 +95,11 @@ pub enum ReferenceSolution<'a, S, const D: usize, const M: usize> {
     /// This scheme.
     Scheme(&'a dyn Scheme<S, D, M>),
     /// The exact solution. Errors of points are measured against it.
-    Exact(Exact<'a, D, M>),
+    Exact(Exact<'a, D>),
 }
 
 impl<'a, S, const D: usize, const M: usize> ReferenceSolution<'a, S, D, M> {
-    fn exact(&self) -> Option<Exact<'a, D, M>> {
+    fn exact(&self) -> Option<Exact<'a, D>> {
         match *self {
             Self::Exact(exact) => Some(exact),
             _ => None,
@@ -109,9 +109,9 @@ impl<'a, S, const D: usize, const M: usize> ReferenceSolution<'a, S, D, M> {
 
 /// An exact solution at the final time, a function of a random time ([`TimeChange`]).
 #[derive(Clone, Copy)]
-pub struct Exact<'a, const D: usize, const M: usize> {
+pub struct Exact<'a, const D: usize> {
     /// The random time, carried along each path.
-    pub time_change: &'a dyn TimeChange<M>,
+    pub time_change: &'a dyn TimeChange,
     /// y(T) as a function of the random time at T.
     pub solution: &'a (dyn Fn(f64) -> [f64; D] + Sync),
 }

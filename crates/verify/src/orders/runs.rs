@@ -22,9 +22,9 @@ pub fn measure<S, G, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
     sizes: &StepSizes,
     runs: Vec<Run<'_, S, D, M>>,
-    time_change: Option<&dyn TimeChange<M>>,
+    time_change: Option<&dyn TimeChange>,
     length: usize,
-    values: &FinalValues<'_, D>,
+    values: &FinalValues<'_>,
 ) -> Result<(CrossMoments, u64), LadderError>
 where
     S: PoissonSystem<D, M>,
@@ -49,14 +49,14 @@ pub fn exact_mean<S, G, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
     observable: Observable<D>,
     sizes: &StepSizes,
-    exact: Exact<'_, D, M>,
+    exact: Exact<'_, D>,
 ) -> Result<(f64, f64), LadderError>
 where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
-    let values = |view: &View<'_, D>, p: usize, values: &mut [f64]| {
-        values[0] = (observable.function)((exact.solution)(view.random_time.0[0][p]));
+    let values = |view: &View<'_>, p: usize, values: &mut [f64]| {
+        values[0] = (observable.function)((exact.solution)(view.random_time[p]));
     };
     let (values, _) = measure(problem, sizes, Vec::new(), Some(exact.time_change), 1, &values)?;
     Ok((values.mean(0), values.covariance_of_means(0, 0).sqrt()))

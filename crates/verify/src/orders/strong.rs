@@ -53,11 +53,11 @@ where
     sizes.check_order(LEAST_SIZES)?;
     let (levels, number) = (sizes.levels, sizes.sizes());
     let (runs, exact) = (at_all_sizes(scheme, sizes), reference.exact());
-    let values = |view: &View<'_, D>, p: usize, numbers: &mut [f64]| {
-        let states: Vec<[f64; D]> = view.states.iter().map(|state| state.path(p)).collect();
+    let values = |view: &View<'_>, p: usize, numbers: &mut [f64]| {
+        let states: Vec<[f64; D]> = (0..view.runs()).map(|run| view.path(run, p)).collect();
         record(&states, levels, numbers);
         if let Some(exact) = exact {
-            let solution = (exact.solution)(view.random_time.0[0][p]);
+            let solution = (exact.solution)(view.random_time[p]);
             for (number, state) in numbers.iter_mut().zip(&states[..levels]) {
                 *number = squared_distance(*state, solution);
             }

@@ -45,14 +45,14 @@ struct Visits<const D: usize> {
     visits: Vec<Visit<D>>,
 }
 
-impl<const D: usize> Statistic<D> for Visits<D> {
-    fn observe(&mut self, view: &View<'_, D>) {
+impl<const D: usize> Statistic for Visits<D> {
+    fn observe(&mut self, view: &View<'_>) {
         // Multiples of the golden ratio, modulo one, are spread evenly.
         let fraction = |path: u64| (path as f64 * 0.618_033_988_749_894_8).fract();
         for p in view.live.paths() {
             let time = 1 + (fraction(view.first_path + p as u64) * self.steps as f64) as u64;
             if time.min(self.steps) == view.time {
-                let (t, state) = (view.time as f64 * self.tau, view.states[0].path(p));
+                let (t, state) = (view.time as f64 * self.tau, view.path(0, p));
                 self.visits.push(Visit { t, state });
             }
         }

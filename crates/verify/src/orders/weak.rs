@@ -45,13 +45,14 @@ where
     let (runs, exact) = (at_all_sizes(scheme, sizes), reference.exact());
     let phi = observable.function;
     // φ(y_k) − φ(y_{k+1}) for all but the finest, then the finest against the exact solution.
-    let values = |view: &View<'_, D>, p: usize, numbers: &mut [f64]| {
-        for (number, pair) in numbers.iter_mut().zip(view.states.windows(2)) {
-            *number = phi(pair[0].path(p)) - phi(pair[1].path(p));
+    let values = |view: &View<'_>, p: usize, numbers: &mut [f64]| {
+        let finest = view.runs() - 1;
+        for (run, number) in numbers.iter_mut().enumerate().take(finest) {
+            *number = phi(view.path(run, p)) - phi(view.path(run + 1, p));
         }
-        if let (Some(exact), Some(state)) = (exact, view.states.last()) {
-            let solution = (exact.solution)(view.random_time.0[0][p]);
-            numbers[number - 1] = phi(state.path(p)) - phi(solution);
+        if let Some(exact) = exact {
+            let solution = (exact.solution)(view.random_time[p]);
+            numbers[number - 1] = phi(view.path(finest, p)) - phi(solution);
         }
     };
     let time_change = exact.map(|exact| exact.time_change);

@@ -229,11 +229,11 @@ struct Final {
     last_time: u64,
 }
 
-impl Statistic<3> for Final {
-    fn observe(&mut self, view: &View<'_, 3>) {
+impl Statistic for Final {
+    fn observe(&mut self, view: &View<'_>) {
         if view.time == self.last_time {
             for p in view.live.paths() {
-                let y = view.states[0].path(p);
+                let y = view.path(0, p);
                 for (moments, observable) in self.moments.iter_mut().zip(&self.observables) {
                     moments.add((observable.function)(y));
                 }

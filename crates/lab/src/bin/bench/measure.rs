@@ -9,7 +9,7 @@ use lab::{
     truncation,
 };
 use mc::{Ladder, Run, View};
-use noise::StreamKey;
+use noise::{BlockNoise, StreamKey};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use real::Level;
 use report::provenance::peak_memory_mb;
@@ -60,16 +60,16 @@ fn ladder<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
     problem: &'a Problem<S, G, D>,
     levels: usize,
     runs: Vec<Run<'a, S, D, M>>,
-) -> Result<Ladder<'a, D, M>> {
+) -> Result<Ladder<'a, BlockNoise<M>>> {
     let steps = (problem.t_end() / TAU).round() as u64;
     Ok(Ladder::new(problem, steps, levels, truncation(), KEY, runs)?)
 }
 
 /// Runs the ladder on the current pool with a small statistic, the mean of the final state; returns
 /// how many paths were left out.
-fn run_once<const D: usize, const M: usize>(ladder: &Ladder<'_, D, M>, paths: u64) -> u64 {
-    let state = |view: &View<'_, D>, p: usize, values: &mut [f64]| {
-        values.copy_from_slice(&view.states[0].path(p));
+fn run_once<const D: usize, const M: usize>(ladder: &Ladder<'_, BlockNoise<M>>, paths: u64) -> u64 {
+    let state = |view: &View<'_>, p: usize, values: &mut [f64]| {
+        values.copy_from_slice(&view.path::<D>(0, p));
     };
     let new = || FinalMoments::new(ladder.coarse_steps(), D, &state);
     black_box(ladder.run(paths, new, &|_| ())).failed
@@ -79,15 +79,15 @@ fn run_once<const D: usize, const M: usize>(ladder: &Ladder<'_, D, M>, paths: u6
 /// single thread, both in seconds, and how many paths were left out.
 fn repeat<const D: usize, const M: usize>(
     pool: &ThreadPool,
-    ladder: &Ladder<'_, D, M>,
+    ladder: &Ladder<'_, BlockNoise<M>>,
     Workload { paths, repetitions, .. }: Workload,
 ) -> (Spread, Spread, u64) {
     // The clock of the thread is read on the thread that works.
     pool.install(|| {
-        let failed = run_once(ladder, paths);
+        let failed = run_once::<D, M>(ladder, paths);
         let once = |_| {
             let watch = Stopwatch::start();
-            run_once(ladder, paths);
+            run_once::<D, M>(ladder, paths);
             (watch.wall_s(), watch.thread_s())
         };
         let (wall, thread) = (0..repetitions).map(once).unzip();
@@ -114,7 +114,7 @@ impl Visit for Schemes {
         for (_, scheme) in &schemes {
             eprintln!("{} on {}", scheme.id(), id);
             let ladder = ladder(&problem, 0, vec![Run::new(scheme.as_ref(), 0)])?;
-            let (wall, thread, failed) = repeat(&self.one, &ladder, self.workload);
+            let (wall, thread, failed) = repeat::<D, M>(&self.one, &ladder, self.workload);
             self.rows.push(SchemeRow {
                 system: id,
                 dimension: D,
@@ -145,7 +145,7 @@ fn threads(workload: Workload) -> Result<Vec<ThreadRow>> {
     let mut rows: Vec<ThreadRow> = Vec::new();
     for threads in counts(available_parallelism().map_or(1, usize::from)) {
         eprintln!("{threads} threads");
-        let (seconds, ..) = repeat(&pool(threads)?, &ladder, workload);
+        let (seconds, ..) = repeat::<D, M>(&pool(threads)?, &ladder, workload);
         let first = rows.first().map_or(seconds.best, |row| row.seconds.best);
         rows.push(ThreadRow { threads, seconds, speedup: first / seconds.best });
     }
@@ -191,9 +191,9 @@ fn growth(workload: Workload, one: &ThreadPool) -> Result<Vec<GrowthRow>> {
         let path_steps = ladder.steps_per_path() * workload.paths;
         // Sets the mark of the peak back to what is in use now, where the system lets us.
         let forgotten = fs::write("/proc/self/clear_refs", "5").is_ok();
-        one.install(|| run_once(&ladder, workload.paths));
+        one.install(|| run_once::<D, M>(&ladder, workload.paths));
         let peak_memory_mb = if forgotten { peak_memory_mb() } else { None };
-        let (_, thread, _) = repeat(one, &ladder, workload);
+        let (_, thread, _) = repeat::<D, M>(one, &ladder, workload);
         let ns_per_path_step = thread.scaled(1e9 / path_steps as f64);
         rows.push(GrowthRow { grows, value, path_steps, ns_per_path_step, peak_memory_mb });
     }

@@ -163,7 +163,7 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
     let (scheme, scheme_name, rounding) = scheme(run.rule, &problem)?;
     let runs = vec![Run::new(scheme.as_ref(), 0)];
     let ladder = Ladder::new(&problem, steps, 0, lab::truncation(), key, runs)?;
-    let new = || Defects { steps, defect: &defect, rows: Vec::new() };
+    let new = || Defects::<_, D> { steps, defect: &defect, rows: Vec::new() };
     let paths = if let Rule::Sexp(..) = run.rule { PATHS } else { MANY_PATHS };
     let Some(measured) = ladder.run_in(job, run.id, paths as u64, new, &|_| ()) else {
         return Ok(None);
@@ -214,13 +214,13 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
 type Row = (u64, Vec<f64>);
 
 /// d of every path at powers of two of n and at the end.
-struct Defects<'a, F> {
+struct Defects<'a, F, const D: usize> {
     steps: u64,
     defect: &'a F,
     rows: Vec<Row>,
 }
 
-impl<F> Defects<'_, F> {
+impl<F, const D: usize> Defects<'_, F, D> {
     fn add(&mut self, n: u64, d: impl IntoIterator<Item = f64>) {
         match self.rows.iter_mut().find(|row| row.0 == n) {
             Some(row) => row.1.extend(d),
@@ -229,12 +229,12 @@ impl<F> Defects<'_, F> {
     }
 }
 
-impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Statistic<D> for Defects<'_, F> {
-    fn observe(&mut self, view: &View<'_, D>) {
+impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Statistic for Defects<'_, F, D> {
+    fn observe(&mut self, view: &View<'_>) {
         let n = view.time;
         if n.is_power_of_two() || n == self.steps {
             let of_path = |p: usize| match view.live.contains(p) {
-                true => (self.defect)(n, view.states[0].path(p)),
+                true => (self.defect)(n, view.path(0, p)),
                 false => f64::NAN,
             };
             self.add(n, (0..WIDTH).map(of_path));
@@ -246,7 +246,7 @@ impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Statistic<D> for Defect
     }
 }
 
-impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Kept<D> for Defects<'_, F> {
+impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Kept for Defects<'_, F, D> {
     type Sums = Vec<Row>;
 
     fn sums(&self) -> &Vec<Row> {

@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, fmt::Display};
 
 use anyhow::Result;
 use mc::{Ladder, NextNoise, Run, Statistic, View};
-use noise::{StreamKey, Truncation};
+use noise::{BlockNoise, StreamKey, Truncation};
 use real::WIDTH;
 use report::distinct;
 use systems::{
@@ -46,7 +46,7 @@ pub struct Experiment<S, G, const D: usize, const M: usize> {
     pub key: StreamKey,
     /// Where the noise comes from, if not from the streams.
     /// It gives that of a block of paths, see [`mc::NoiseSource`].
-    pub noise: Option<Box<dyn Fn(u64) -> NextNoise<'static, M> + Sync>>,
+    pub noise: Option<Box<dyn Fn(u64) -> NextNoise<'static, BlockNoise<M>> + Sync>>,
     /// `split`, where flows are known.
     pub split: Option<fn() -> Tested<S, D, M>>,
 }
@@ -101,7 +101,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
     /// With noise from elsewhere: a function of the number of a block's first path.
     pub fn with_noise(
         self,
-        source: impl Fn(u64) -> NextNoise<'static, M> + Sync + 'static,
+        source: impl Fn(u64) -> NextNoise<'static, BlockNoise<M>> + Sync + 'static,
     ) -> Self {
         Self { noise: Some(Box::new(source)), ..self }
     }
@@ -233,10 +233,10 @@ struct Record<'a, S, G, const D: usize, const M: usize> {
     paths: BTreeMap<u64, Path<D>>,
 }
 
-impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Statistic<D>
+impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Statistic
     for Record<'_, S, G, D, M>
 {
-    fn observe(&mut self, view: &View<'_, D>) {
+    fn observe(&mut self, view: &View<'_>) {
         let Experiment { problem, paths, .. } = &self.experiment;
         let block = (view.first_path..(*paths).min(view.first_path + WIDTH as u64)).zip(0..);
         for (number, p) in block {
@@ -245,7 +245,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Statist
             if path.stop.is_some() {
                 continue;
             }
-            let (y, status) = (view.states[0].path(p), &view.statuses[0]);
+            let (y, status) = (view.path(0, p), &view.statuses[0]);
             let cause = if !y.iter().all(|component| component.is_finite()) {
                 Some("overflow")
             } else if !view.live.contains(p) {

@@ -16,15 +16,15 @@ struct Estimates {
     moments: Vec<CrossMoments>,
 }
 
-impl Statistic<3> for Estimates {
-    fn observe(&mut self, view: &View<'_, 3>) {
+impl Statistic for Estimates {
+    fn observe(&mut self, view: &View<'_>) {
         if view.time != self.last_time {
             return;
         }
         for (observable, moments) in self.observables.iter().zip(&mut self.moments) {
             for p in view.live.paths() {
                 let [coarse, fine, swapped] =
-                    [0, 1, 2].map(|run| (observable.function)(view.states[run].path(p)));
+                    [0, 1, 2].map(|run| (observable.function)(view.path(run, p)));
                 moments.add(&[coarse, fine, coarse - fine, coarse - 0.5 * (fine + swapped)]);
             }
         }

@@ -1,0 +1,245 @@
+//! Derivatives from graph to graph. What does not vary is left out, not multiplied by zero.
+
+use crate::{
+    Id,
+    graph::{Binary, Graph, Node, Unary},
+};
+
+impl Graph {
+    /// Σ wᵢ ∂fᵢ/∂x for every input x in `inputs`, by reverse accumulation: one pass for any number
+    /// of inputs. `weighted` are the pairs (fᵢ, wᵢ). The weights are not differentiated.
+    ///
+    /// With one weight 1 it is a gradient. The derivative of a piece that abs, min or max does not
+    /// choose is multiplied by zero, and so must be finite.
+    pub fn reverse(&mut self, weighted: &[(Id, Id)], inputs: &[usize]) -> Vec<Id> {
+        let inputs: Vec<Id> = inputs.iter().map(|&k| self.input(k)).collect();
+        let varies = self.varies(&inputs);
+        let mut adjoints: Vec<Option<Id>> = vec![None; self.len()];
+        for &(f, weight) in weighted {
+            self.accumulate(&mut adjoints, &varies, f, weight);
+        }
+        for id in self.ids().rev().skip_while(|id| id.index() >= varies.len()) {
+            if let Some(weight) = adjoints[id.index()] {
+                for (operand, part) in self.parts(id, weight, &varies) {
+                    self.accumulate(&mut adjoints, &varies, operand, part);
+                }
+            }
+        }
+        inputs
+            .iter()
+            .map(|x| match adjoints[x.index()] {
+                Some(adjoint) => adjoint,
+                None => self.constant(0.0),
+            })
+            .collect()
+    }
+
+    fn accumulate(&mut self, adjoints: &mut [Option<Id>], varies: &[bool], f: Id, part: Id) {
+        if varies[f.index()] && !self.is_zero(part) {
+            adjoints[f.index()] = Some(match adjoints[f.index()] {
+                Some(sum) => self.add(sum, part),
+                None => part,
+            });
+        }
+    }
+
+    /// For every expression, whether it depends on one of `inputs`.
+    fn varies(&self, inputs: &[Id]) -> Vec<bool> {
+        let mut varies = vec![false; self.len()];
+        inputs.iter().for_each(|x| varies[x.index()] = true);
+        for id in self.ids() {
+            let depends = self.node(id).operands().any(|operand| varies[operand.index()]);
+            varies[id.index()] |= depends;
+        }
+        varies
+    }
+
+    /// weight·∂f/∂a for every operand a of f that varies.
+    fn parts(&mut self, f: Id, weight: Id, varies: &[bool]) -> Vec<(Id, Id)> {
+        let mut parts = Vec::new();
+        let mut push = |graph: &mut Self, a: Id, part: &dyn Fn(&mut Self) -> Id| {
+            if varies[a.index()] {
+                parts.push((a, part(graph)));
+            }
+        };
+        match self.node(f) {
+            Node::Constant(_) | Node::Input(_) => {}
+            Node::Unary(Unary::Neg, a) => push(self, a, &|g| g.neg(weight)),
+            Node::Unary(Unary::Abs, a) => push(self, a, &|g| {
+                let (zero, other) = (g.constant(0.0), g.neg(weight));
+                g.where_less(a, zero, other, weight)
+            }),
+            Node::Unary(Unary::Sqrt, a) => push(self, a, &|g| {
+                let twice = g.scale(f, 2.0);
+                g.div(weight, twice)
+            }),
+            Node::Unary(Unary::Ln, a) => push(self, a, &|g| g.div(weight, a)),
+            Node::Unary(function, a) => push(self, a, &|g| {
+                let slope = g.slope(function, f, a);
+                g.mul(weight, slope)
+            }),
+            Node::Binary(Binary::Add, a, b) => {
+                push(self, a, &|_| weight);
+                push(self, b, &|_| weight);
+            }
+            Node::Binary(Binary::Sub, a, b) => {
+                push(self, a, &|_| weight);
+                push(self, b, &|g| g.neg(weight));
+            }
+            Node::Binary(Binary::Mul, a, b) => {
+                push(self, a, &|g| g.mul(weight, b));
+                push(self, b, &|g| g.mul(weight, a));
+            }
+            Node::Binary(Binary::Div, a, b) => {
+                push(self, a, &|g| g.div(weight, b));
+                push(self, b, &|g| {
+                    let part = g.div(weight, b);
+                    let part = g.mul(part, f);
+                    g.neg(part)
+                });
+            }
+            Node::Binary(Binary::Min, a, b) => {
+                push(self, a, &|g| g.weight_where_less(a, b, weight));
+                push(self, b, &|g| g.weight_where_not_less(a, b, weight));
+            }
+            Node::Binary(Binary::Max, a, b) => {
+                push(self, a, &|g| g.weight_where_less(b, a, weight));
+                push(self, b, &|g| g.weight_where_not_less(b, a, weight));
+            }
+            Node::Power(a, n) => push(self, a, &|g| {
+                let power = g.power_of_size(a, n - 1);
+                let weight = g.scale(weight, f64::from(n));
+                g.mul(weight, power)
+            }),
+            Node::Where([x, y, a, b]) => {
+                push(self, a, &|g| g.weight_where_less(x, y, weight));
+                push(self, b, &|g| g.weight_where_not_less(x, y, weight));
+            }
+        }
+        parts
+    }
+
+    fn weight_where_less(&mut self, x: Id, y: Id, weight: Id) -> Id {
+        let zero = self.constant(0.0);
+        self.where_less(x, y, weight, zero)
+    }
+
+    fn weight_where_not_less(&mut self, x: Id, y: Id, weight: Id) -> Id {
+        let zero = self.constant(0.0);
+        self.where_less(x, y, zero, weight)
+    }
+
+    /// The derivative of f = function(a), for smooth functions other than √, ln and −.
+    fn slope(&mut self, function: Unary, f: Id, a: Id) -> Id {
+        match function {
+            Unary::Exp => f,
+            Unary::Sin => self.unary(Unary::Cos, a),
+            Unary::Cos => {
+                let sin = self.unary(Unary::Sin, a);
+                self.neg(sin)
+            }
+            Unary::Sinh => self.unary(Unary::Cosh, a),
+            Unary::Cosh => self.unary(Unary::Sinh, a),
+            Unary::Tan | Unary::Tanh => {
+                let (one, square) = (self.constant(1.0), self.power(f, 2));
+                if function == Unary::Tan { self.add(square, one) } else { self.sub(one, square) }
+            }
+            Unary::Neg | Unary::Abs | Unary::Sqrt | Unary::Ln => {
+                unreachable!("{function} has a rule of its own")
+            }
+        }
+    }
+
+    /// The derivatives of `roots` along a direction: input k changes at the rate of its expression
+    /// in `direction`, all others are constant. The direction is not differentiated.
+    ///
+    /// Along new inputs, of the gradient, it is a Hessian times a vector.
+    pub fn forward(&mut self, roots: &[Id], direction: &[(usize, Id)]) -> Vec<Id> {
+        let needed = self.needed(roots);
+        let mut tangents: Vec<Option<Id>> = vec![None; self.len()];
+        for &(k, rate) in direction {
+            let input = self.input(k);
+            if input.index() < tangents.len() && !self.is_zero(rate) {
+                tangents[input.index()] = Some(rate);
+            }
+        }
+        for (index, id) in self.ids().enumerate().take(needed.len()) {
+            if needed[index] && !matches!(self.node(id), Node::Input(_)) {
+                tangents[index] = self.tangent(id, &tangents);
+            }
+        }
+        roots
+            .iter()
+            .map(|root| match tangents[root.index()] {
+                Some(tangent) => tangent,
+                None => self.constant(0.0),
+            })
+            .collect()
+    }
+
+    /// The derivative of f from those of its operands; none if it does not vary.
+    fn tangent(&mut self, f: Id, tangents: &[Option<Id>]) -> Option<Id> {
+        let of = |id: Id| tangents[id.index()];
+        let tangent = match self.node(f) {
+            Node::Constant(_) | Node::Input(_) => return None,
+            Node::Unary(Unary::Neg, a) => self.neg(of(a)?),
+            Node::Unary(Unary::Abs, a) => {
+                let (rate, zero) = (of(a)?, self.constant(0.0));
+                let other = self.neg(rate);
+                self.where_less(a, zero, other, rate)
+            }
+            Node::Unary(Unary::Sqrt, a) => {
+                let (rate, twice) = (of(a)?, self.scale(f, 2.0));
+                self.div(rate, twice)
+            }
+            Node::Unary(Unary::Ln, a) => self.div(of(a)?, a),
+            Node::Unary(function, a) => {
+                let rate = of(a)?;
+                let slope = self.slope(function, f, a);
+                self.mul(slope, rate)
+            }
+            Node::Binary(Binary::Add, a, b) => match (of(a), of(b)) {
+                (Some(a), Some(b)) => self.add(a, b),
+                (a, b) => a.or(b)?,
+            },
+            Node::Binary(Binary::Sub, a, b) => match (of(a), of(b)) {
+                (Some(a), Some(b)) => self.sub(a, b),
+                (Some(a), None) => a,
+                (None, b) => self.neg(b?),
+            },
+            Node::Binary(Binary::Mul, a, b) => {
+                let left = of(a).map(|rate| self.mul(rate, b));
+                let right = of(b).map(|rate| self.mul(a, rate));
+                match (left, right) {
+                    (Some(left), Some(right)) => self.add(left, right),
+                    (left, right) => left.or(right)?,
+                }
+            }
+            Node::Binary(Binary::Div, a, b) => {
+                let lower = of(b).map(|rate| self.mul(f, rate));
+                let upper = match (of(a), lower) {
+                    (Some(upper), Some(lower)) => self.sub(upper, lower),
+                    (Some(upper), None) => upper,
+                    (None, lower) => self.neg(lower?),
+                };
+                self.div(upper, b)
+            }
+            Node::Binary(Binary::Min, a, b) => self.chosen(a, b, of(a), of(b))?,
+            Node::Binary(Binary::Max, a, b) => self.chosen(b, a, of(a), of(b))?,
+            Node::Power(a, n) => {
+                let (rate, power) = (of(a)?, self.power_of_size(a, n - 1));
+                let slope = self.scale(power, f64::from(n));
+                self.mul(slope, rate)
+            }
+            Node::Where([x, y, a, b]) => self.chosen(x, y, of(a), of(b))?,
+        };
+        (!self.is_zero(tangent)).then_some(tangent)
+    }
+
+    /// `a` where x < y, else `b`; none if neither varies.
+    fn chosen(&mut self, x: Id, y: Id, a: Option<Id>, b: Option<Id>) -> Option<Id> {
+        a.or(b)?;
+        let zero = self.constant(0.0);
+        Some(self.where_less(x, y, a.unwrap_or(zero), b.unwrap_or(zero)))
+    }
+}

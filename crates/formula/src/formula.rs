@@ -1,0 +1,135 @@
+//! One formula with its text.
+
+use std::slice::from_ref;
+
+use crate::{DomainError, FormulaError, Graph, Id, Names, Tape, domain::explain, parse};
+
+/// A formula in named variables.
+///
+/// ```
+/// use formula::{Formula, Names};
+///
+/// let mut names = Names::with_variables(&["y1", "y2"])?;
+/// names.parameter("k", 0.5)?;
+/// let h = Formula::parse("y1^2/2 + k*ln(y2)", &names)?;
+/// assert_eq!(h.value(&[2.0, 1.0]), 2.0);
+/// assert_eq!((h.degree(&[0]), h.degree(&[1])), (Some(2), None));
+/// let reason = h.explain(&[2.0, -0.3]).unwrap();
+/// assert_eq!((reason.operation.as_str(), reason.column), ("ln of -0.3", 12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Formula {
+    text: String,
+    variables: Vec<String>,
+    graph: Graph,
+    root: Id,
+    tape: Tape,
+}
+
+impl Formula {
+    /// The formula that the text means.
+    ///
+    /// # Errors
+    /// [`FormulaError`] with the place in the text and what would be right.
+    pub fn parse(text: &str, names: &Names) -> Result<Self, FormulaError> {
+        let mut graph = Graph::new();
+        let root = parse(text, names, &mut graph)?;
+        let variables = names.variables().to_vec();
+        let tape = Tape::new(&graph, &[root], from_ref(&(0..variables.len())));
+        Ok(Self { text: text.to_owned(), variables, graph, root, tape })
+    }
+
+    /// The text.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The names of the variables, in their order.
+    #[must_use]
+    pub fn variables(&self) -> &[String] {
+        &self.variables
+    }
+
+    /// The graph of the formula, with the variables as inputs.
+    #[must_use]
+    pub fn graph(&self) -> &Graph {
+        &self.graph
+    }
+
+    /// The formula in its [`graph`](Self::graph).
+    #[must_use]
+    pub fn root(&self) -> Id {
+        self.root
+    }
+
+    /// The formula as a tape, with the variables as the one group of inputs.
+    #[must_use]
+    pub fn tape(&self) -> &Tape {
+        &self.tape
+    }
+
+    /// The value at a point.
+    ///
+    /// # Panics
+    /// Unless the point has a number for each variable.
+    #[must_use]
+    pub fn value(&self, point: &[f64]) -> f64 {
+        let mut value = [0.0];
+        self.tape.evaluate_one(&[point], &mut value);
+        value[0]
+    }
+
+    /// The derivatives with respect to the variables of these numbers, as a tape on the variables.
+    #[must_use]
+    pub fn gradient(&self, variables: &[usize]) -> Tape {
+        let mut graph = self.graph.clone();
+        let one = graph.constant(1.0);
+        let gradient = graph.reverse(&[(self.root, one)], variables);
+        Tape::new(&graph, &gradient, from_ref(&(0..self.variables.len())))
+    }
+
+    /// ∇²f·u as a tape with two groups of inputs: all variables, and u with a number for each.
+    #[must_use]
+    pub fn hessian(&self) -> Tape {
+        let count = self.variables.len();
+        let all: Vec<usize> = (0..count).collect();
+        let mut graph = self.graph.clone();
+        let one = graph.constant(1.0);
+        let gradient = graph.reverse(&[(self.root, one)], &all);
+        let direction: Vec<_> = (0..count).map(|k| (k, graph.input(count + k))).collect();
+        let product = graph.forward(&gradient, &direction);
+        Tape::new(&graph, &product, &[0..count, count..2 * count])
+    }
+
+    /// A bound of the degree as a polynomial in the variables of these numbers; none if the formula
+    /// does not show a polynomial.
+    #[must_use]
+    pub fn degree(&self, variables: &[usize]) -> Option<u32> {
+        self.graph.degree(self.root, variables)
+    }
+
+    /// Whether the formula uses variable number k.
+    #[must_use]
+    pub fn depends_on(&self, k: usize) -> bool {
+        self.graph.depends_on(self.root, k)
+    }
+
+    /// Whether the formula is made of pieces, by abs, min or max.
+    #[must_use]
+    pub fn is_piecewise(&self) -> bool {
+        self.graph.is_piecewise(self.root)
+    }
+
+    /// Why the formula has no finite value at a point: its first operation that is not finite. None
+    /// if it has one.
+    ///
+    /// # Panics
+    /// Unless the point has a number for each variable.
+    #[must_use]
+    pub fn explain(&self, point: &[f64]) -> Option<DomainError> {
+        assert_eq!(point.len(), self.variables.len(), "numbers of a point");
+        explain(&self.graph, self.root, &self.text, &self.variables, point)
+    }
+}

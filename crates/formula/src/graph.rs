@@ -1,0 +1,564 @@
+//! Expressions as a graph: every subexpression once, operands before what uses them.
+
+use std::{
+    collections::HashMap,
+    fmt::{self, Display},
+    ops::Range,
+};
+
+use real::elementary;
+
+use crate::functions;
+
+/// An expression of a [`Graph`].
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Id(u32);
+
+impl Id {
+    /// Stands in where there is no operand.
+    pub(crate) const FIRST: Self = Self(0);
+
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A function of one number.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Unary {
+    /// −x.
+    Neg,
+    /// |x|.
+    Abs,
+    /// √x.
+    Sqrt,
+    /// eˣ.
+    Exp,
+    /// The natural logarithm.
+    Ln,
+    /// sin x.
+    Sin,
+    /// cos x.
+    Cos,
+    /// tan x = sin x/cos x.
+    Tan,
+    /// sinh x.
+    Sinh,
+    /// cosh x.
+    Cosh,
+    /// tanh x.
+    Tanh,
+}
+
+impl Unary {
+    /// The functions that a formula may name.
+    pub(crate) const NAMED: [Self; 10] = [
+        Self::Abs,
+        Self::Sqrt,
+        Self::Exp,
+        Self::Ln,
+        Self::Sin,
+        Self::Cos,
+        Self::Tan,
+        Self::Sinh,
+        Self::Cosh,
+        Self::Tanh,
+    ];
+
+    /// The value at x, with the functions of `real` that a tape uses.
+    pub(crate) fn value(self, x: f64) -> f64 {
+        match self {
+            Self::Neg => -x,
+            Self::Abs => x.abs(),
+            Self::Sqrt => x.sqrt(),
+            Self::Exp => elementary::exp(x),
+            Self::Ln => elementary::ln(x),
+            Self::Sin => elementary::sin(x),
+            Self::Cos => elementary::cos(x),
+            Self::Tan => functions::tan(x),
+            Self::Sinh => functions::sinh(x),
+            Self::Cosh => functions::cosh(x),
+            Self::Tanh => functions::tanh(x),
+        }
+    }
+}
+
+impl Display for Unary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Neg => "-",
+            Self::Abs => "abs",
+            Self::Sqrt => "sqrt",
+            Self::Exp => "exp",
+            Self::Ln => "ln",
+            Self::Sin => "sin",
+            Self::Cos => "cos",
+            Self::Tan => "tan",
+            Self::Sinh => "sinh",
+            Self::Cosh => "cosh",
+            Self::Tanh => "tanh",
+        })
+    }
+}
+
+/// A function of two numbers.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Binary {
+    /// a + b.
+    Add,
+    /// a − b.
+    Sub,
+    /// a·b.
+    Mul,
+    /// a/b.
+    Div,
+    /// The smaller number; NaN if either is.
+    Min,
+    /// The larger number; NaN if either is.
+    Max,
+}
+
+impl Binary {
+    /// The value at (a, b).
+    pub(crate) fn value(self, a: f64, b: f64) -> f64 {
+        match self {
+            Self::Add => a + b,
+            Self::Sub => a - b,
+            Self::Mul => a * b,
+            Self::Div => a / b,
+            Self::Min => functions::min(a, b),
+            Self::Max => functions::max(a, b),
+        }
+    }
+}
+
+/// What an expression is.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Node {
+    /// The number with these bits.
+    Constant(u64),
+    /// The input of this number.
+    Input(u32),
+    /// A function of one expression.
+    Unary(Unary, Id),
+    /// A function of two expressions.
+    Binary(Binary, Id, Id),
+    /// xⁿ with n ≥ 2, by repeated squaring as [`elementary::powi`].
+    Power(Id, u32),
+    /// The third where the first is less than the second, else the fourth.
+    Where([Id; 4]),
+}
+
+impl Node {
+    /// The operands.
+    pub(crate) fn operands(self) -> impl Iterator<Item = Id> {
+        let (all, count) = match self {
+            Self::Constant(_) | Self::Input(_) => ([Id(0); 4], 0),
+            Self::Unary(_, a) | Self::Power(a, _) => ([a; 4], 1),
+            Self::Binary(_, a, b) => ([a, b, a, a], 2),
+            Self::Where(all) => (all, 4),
+        };
+        all.into_iter().take(count)
+    }
+
+    /// The value, from those of the inputs and of earlier expressions.
+    pub(crate) fn value(self, inputs: &[f64], values: &[f64]) -> f64 {
+        let of = |id: Id| values[id.index()];
+        match self {
+            Self::Constant(bits) => f64::from_bits(bits),
+            Self::Input(k) => inputs[k as usize],
+            Self::Unary(function, a) => function.value(of(a)),
+            Self::Binary(function, a, b) => function.value(of(a), of(b)),
+            Self::Power(a, n) => powu(of(a), n),
+            Self::Where([x, y, a, b]) => functions::where_less(of(x), of(y), of(a), of(b)),
+        }
+    }
+}
+
+/// xⁿ with the bits of [`elementary::powi`], for any n.
+fn powu(x: f64, n: u32) -> f64 {
+    let (mut power, mut square, mut rest) = (1.0, x, n);
+    while rest != 0 {
+        if rest & 1 == 1 {
+            power *= square;
+        }
+        square *= square;
+        rest >>= 1;
+    }
+    power
+}
+
+/// Expressions in some inputs, numbered from zero. Equal expressions are one.
+///
+/// Constants are folded with the functions that evaluate a tape. These identities are applied; they
+/// are exact, up to the sign of a zero, an overflow, and an operand that is not finite:
+/// x + 0 = x, 1·x = x, −1·x = −x, 0·x = 0/x = 0, x − x = 0, x + x = 2x, x·x = x²,
+/// −(−x) = x, −(a − b) = b − a, x/2ⁿ = 2⁻ⁿx, c·(2ⁿx) = (2ⁿc)·x. A sign is moved out of sums, products,
+/// quotients and powers, and into a constant factor. Operands of + and · are put in order. Zero has
+/// no sign.
+#[derive(Clone, Debug, Default)]
+pub struct Graph {
+    nodes: Vec<Node>,
+    places: Vec<Option<Place>>,
+    ids: HashMap<Node, Id>,
+    place: Option<Place>,
+}
+
+/// A range of bytes of a text.
+pub(crate) type Place = (u32, u32);
+
+impl Graph {
+    /// A graph without expressions.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// What an expression is.
+    #[must_use]
+    pub fn node(&self, id: Id) -> Node {
+        self.nodes[id.index()]
+    }
+
+    /// The number of expressions.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Whether there is no expression.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    pub(crate) fn ids(&self) -> impl DoubleEndedIterator<Item = Id> + use<> {
+        (0..self.nodes.len() as u32).map(Id)
+    }
+
+    /// Expressions made from now on have this place in the text.
+    pub(crate) fn set_place(&mut self, place: Range<usize>) {
+        self.place = Some((place.start as u32, place.end as u32));
+    }
+
+    /// The place where an expression was made first.
+    pub(crate) fn place(&self, id: Id) -> Option<Range<usize>> {
+        self.places[id.index()].map(|(start, end)| start as usize..end as usize)
+    }
+
+    /// The expression as it stands, without any identity.
+    pub(crate) fn intern(&mut self, node: Node) -> Id {
+        *self.ids.entry(node).or_insert_with(|| {
+            self.nodes.push(node);
+            self.places.push(self.place);
+            Id(self.nodes.len() as u32 - 1)
+        })
+    }
+
+    /// The number x.
+    pub fn constant(&mut self, x: f64) -> Id {
+        // Zero has no sign.
+        self.intern(Node::Constant((x + 0.0).to_bits()))
+    }
+
+    /// Input number k.
+    pub fn input(&mut self, k: usize) -> Id {
+        self.intern(Node::Input(k as u32))
+    }
+
+    /// The value of an expression without inputs.
+    #[must_use]
+    pub fn as_constant(&self, id: Id) -> Option<f64> {
+        match self.node(id) {
+            Node::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn is_zero(&self, id: Id) -> bool {
+        self.as_constant(id) == Some(0.0)
+    }
+
+    /// x, if the expression is −x.
+    fn negated(&self, id: Id) -> Option<Id> {
+        match self.node(id) {
+            Node::Unary(Unary::Neg, x) => Some(x),
+            _ => None,
+        }
+    }
+
+    /// (x, c), if the expression is c·x.
+    fn scaled(&self, id: Id) -> Option<(Id, f64)> {
+        match self.node(id) {
+            Node::Binary(Binary::Mul, x, c) => Some((x, self.as_constant(c)?)),
+            _ => None,
+        }
+    }
+
+    /// −a.
+    pub fn neg(&mut self, a: Id) -> Id {
+        if let Some(x) = self.as_constant(a) {
+            return self.constant(-x);
+        }
+        if let Some((x, c)) = self.scaled(a) {
+            return self.scale(x, -c);
+        }
+        match self.node(a) {
+            Node::Unary(Unary::Neg, x) => x,
+            Node::Binary(Binary::Sub, x, y) => self.sub(y, x),
+            Node::Binary(Binary::Add, x, y) if self.as_constant(y).is_some() => {
+                let y = self.neg(y);
+                self.sub(y, x)
+            }
+            _ => self.intern(Node::Unary(Unary::Neg, a)),
+        }
+    }
+
+    /// A function of a.
+    pub fn unary(&mut self, function: Unary, a: Id) -> Id {
+        match (function, self.as_constant(a), self.negated(a)) {
+            (Unary::Neg, _, _) => self.neg(a),
+            (_, Some(x), _) => self.constant(function.value(x)),
+            (Unary::Abs, _, Some(x)) => self.unary(function, x),
+            _ => self.intern(Node::Unary(function, a)),
+        }
+    }
+
+    /// A function of a and b.
+    pub fn binary(&mut self, function: Binary, a: Id, b: Id) -> Id {
+        match function {
+            Binary::Add => self.add(a, b),
+            Binary::Sub => self.sub(a, b),
+            Binary::Mul => self.mul(a, b),
+            Binary::Div => self.div(a, b),
+            Binary::Min | Binary::Max => match (self.as_constant(a), self.as_constant(b)) {
+                (Some(x), Some(y)) => self.constant(function.value(x, y)),
+                _ if a == b => a,
+                _ => self.intern(Node::Binary(function, a, b)),
+            },
+        }
+    }
+
+    /// a + b.
+    pub fn add(&mut self, a: Id, b: Id) -> Id {
+        match (self.as_constant(a), self.as_constant(b)) {
+            (Some(x), Some(y)) => return self.constant(x + y),
+            (Some(0.0), _) => return b,
+            (_, Some(0.0)) => return a,
+            _ if a == b => return self.scale(a, 2.0),
+            _ => {}
+        }
+        match (self.negated(a), self.negated(b)) {
+            (_, Some(y)) => self.sub(a, y),
+            (Some(x), None) => self.sub(b, x),
+            _ => self.commutative(Binary::Add, a, b),
+        }
+    }
+
+    /// a − b.
+    pub fn sub(&mut self, a: Id, b: Id) -> Id {
+        match (self.as_constant(a), self.as_constant(b)) {
+            (Some(x), Some(y)) => return self.constant(x - y),
+            (Some(0.0), _) => return self.neg(b),
+            (_, Some(y)) => {
+                let y = self.constant(-y);
+                return self.add(a, y);
+            }
+            _ if a == b => return self.constant(0.0),
+            _ => {}
+        }
+        match (self.negated(a), self.negated(b)) {
+            (_, Some(y)) => self.add(a, y),
+            (Some(x), None) => {
+                let sum = self.add(x, b);
+                self.neg(sum)
+            }
+            _ => self.intern(Node::Binary(Binary::Sub, a, b)),
+        }
+    }
+
+    /// a·b.
+    pub fn mul(&mut self, a: Id, b: Id) -> Id {
+        match (self.as_constant(a), self.as_constant(b)) {
+            (Some(x), Some(y)) => return self.constant(x * y),
+            (Some(x), _) => return self.scale(b, x),
+            (_, Some(y)) => return self.scale(a, y),
+            _ if a == b => return self.power(a, 2),
+            _ => {}
+        }
+        match (self.negated(a), self.negated(b)) {
+            (Some(x), Some(y)) => self.mul(x, y),
+            (Some(x), None) => {
+                let product = self.mul(x, b);
+                self.neg(product)
+            }
+            (None, Some(y)) => {
+                let product = self.mul(a, y);
+                self.neg(product)
+            }
+            (None, None) => self.commutative(Binary::Mul, a, b),
+        }
+    }
+
+    /// c·a.
+    pub fn scale(&mut self, a: Id, c: f64) -> Id {
+        if let Some(x) = self.as_constant(a) {
+            return self.constant(x * c);
+        }
+        if c == 0.0 {
+            return self.constant(0.0);
+        }
+        if c == 1.0 {
+            return a;
+        }
+        if let Some(x) = self.negated(a) {
+            return self.scale(x, -c);
+        }
+        if c == -1.0 {
+            return self.neg(a);
+        }
+        if let Some((x, inner)) = self.scaled(a)
+            && (is_power_of_two(c) || is_power_of_two(inner))
+            && (c * inner).is_normal()
+        {
+            return self.scale(x, c * inner);
+        }
+        let c = self.constant(c);
+        self.intern(Node::Binary(Binary::Mul, a, c))
+    }
+
+    /// a/b.
+    pub fn div(&mut self, a: Id, b: Id) -> Id {
+        match (self.as_constant(a), self.as_constant(b)) {
+            (Some(x), Some(y)) => return self.constant(x / y),
+            (Some(0.0), _) => return a,
+            (_, Some(1.0)) => return a,
+            (_, Some(y)) if is_power_of_two(y) && (1.0 / y).is_normal() => {
+                return self.scale(a, 1.0 / y);
+            }
+            (_, Some(y)) if y < 0.0 => {
+                let (a, b) = (self.neg(a), self.constant(-y));
+                return self.div(a, b);
+            }
+            _ => {}
+        }
+        match (self.negated(a), self.negated(b)) {
+            (Some(x), Some(y)) => self.div(x, y),
+            (Some(x), None) => {
+                let quotient = self.div(x, b);
+                self.neg(quotient)
+            }
+            (None, Some(y)) => {
+                let quotient = self.div(a, y);
+                self.neg(quotient)
+            }
+            (None, None) => self.intern(Node::Binary(Binary::Div, a, b)),
+        }
+    }
+
+    /// aⁿ by repeated squaring, with the bits of [`elementary::powi`].
+    pub fn power(&mut self, a: Id, n: i32) -> Id {
+        if n < 0 {
+            let (one, power) = (self.constant(1.0), self.power_of_size(a, n.unsigned_abs()));
+            return self.div(one, power);
+        }
+        self.power_of_size(a, n.unsigned_abs())
+    }
+
+    pub(crate) fn power_of_size(&mut self, a: Id, n: u32) -> Id {
+        match (n, self.as_constant(a), self.negated(a)) {
+            (0, _, _) => self.constant(1.0),
+            (1, _, _) => a,
+            (_, Some(x), _) => self.constant(powu(x, n)),
+            (_, _, Some(x)) => {
+                let power = self.power_of_size(x, n);
+                if n % 2 == 1 { self.neg(power) } else { power }
+            }
+            _ => self.intern(Node::Power(a, n)),
+        }
+    }
+
+    /// `a` where x < y, else `b`.
+    pub fn where_less(&mut self, x: Id, y: Id, a: Id, b: Id) -> Id {
+        match (self.as_constant(x), self.as_constant(y)) {
+            (Some(x), Some(y)) => {
+                if x < y {
+                    a
+                } else {
+                    b
+                }
+            }
+            _ if a == b => a,
+            _ => self.intern(Node::Where([x, y, a, b])),
+        }
+    }
+
+    /// A constant is the second operand; other operands are in the order in which they were made.
+    fn commutative(&mut self, function: Binary, a: Id, b: Id) -> Id {
+        let swap = match (self.as_constant(a), self.as_constant(b)) {
+            (Some(_), _) => true,
+            (_, Some(_)) => false,
+            _ => b < a,
+        };
+        let (a, b) = if swap { (b, a) } else { (a, b) };
+        self.intern(Node::Binary(function, a, b))
+    }
+
+    /// The node with other operands, by the identities.
+    pub(crate) fn make(&mut self, node: Node, mut of: impl FnMut(Id) -> Id) -> Id {
+        match node {
+            Node::Constant(bits) => self.constant(f64::from_bits(bits)),
+            Node::Input(k) => self.input(k as usize),
+            Node::Unary(function, a) => self.unary(function, of(a)),
+            Node::Binary(function, a, b) => self.binary(function, of(a), of(b)),
+            Node::Power(a, n) => self.power_of_size(of(a), n),
+            Node::Where([x, y, a, b]) => self.where_less(of(x), of(y), of(a), of(b)),
+        }
+    }
+
+    /// The expressions `roots` of another graph, with input k of it being `inputs[k]` of this one.
+    pub fn import(&mut self, other: &Self, roots: &[Id], inputs: &[Id]) -> Vec<Id> {
+        let needed = other.needed(roots);
+        let mut copies = vec![None; other.len()];
+        self.place = None;
+        for id in other.ids().filter(|id| needed[id.index()]) {
+            let copy = match other.node(id) {
+                Node::Input(k) => inputs[k as usize],
+                node => self.make(node, |operand| {
+                    copies[operand.index()].unwrap_or_else(|| unreachable!("operands come first"))
+                }),
+            };
+            copies[id.index()] = Some(copy);
+        }
+        roots.iter().filter_map(|root| copies[root.index()]).collect()
+    }
+
+    /// For every expression, whether one of the roots uses it.
+    pub(crate) fn needed(&self, roots: &[Id]) -> Vec<bool> {
+        let mut needed = vec![false; self.len()];
+        for root in roots {
+            needed[root.index()] = true;
+        }
+        for id in self.ids().rev() {
+            if needed[id.index()] {
+                self.node(id).operands().for_each(|operand| needed[operand.index()] = true);
+            }
+        }
+        needed
+    }
+
+    /// The values of all expressions that come before the largest of `roots`, and of these.
+    pub(crate) fn values(&self, roots: &[Id], inputs: &[f64]) -> Vec<f64> {
+        let needed = self.needed(roots);
+        let mut values = vec![0.0; self.len()];
+        for id in self.ids().filter(|id| needed[id.index()]) {
+            values[id.index()] = self.node(id).value(inputs, &values);
+        }
+        values
+    }
+}
+
+/// Whether |x| is a normal power of two.
+fn is_power_of_two(x: f64) -> bool {
+    x.is_normal() && x.to_bits() << 12 == 0
+}

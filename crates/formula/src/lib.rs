@@ -1,0 +1,70 @@
+//! **Formulas from text, evaluated on 32 points at a time, with their derivatives.**
+//!
+//! A formula is parsed by a grammar (`src/formula.pest`) into a [`Graph`], in which every
+//! subexpression stands once. Derivatives are further expressions of the graph: gradients by reverse
+//! accumulation, directional derivatives forward, Hessian–vector products by both. A [`Tape`] has
+//! the instructions for some expressions of a graph and runs them on rows of 32 numbers, with the
+//! functions of [`real`] and the same bits on every instruction set.
+//!
+//! ```
+//! use formula::{Formula, Names};
+//!
+//! let names = Names::with_variables(&["p", "q"])?;
+//! let energy = Formula::parse("p^2/2 - cos(q)", &names)?;
+//! let mut gradient = [0.0; 2];
+//! energy.gradient(&[0, 1]).evaluate_one(&[&[3.0, 0.5]], &mut gradient);
+//! assert!((gradient[0] - 3.0).abs() + (gradient[1] - 0.5f64.sin()).abs() < 1e-15);
+//!
+//! let error = Formula::parse("p^2/2 - 2cos(q)", &names).unwrap_err();
+//! assert_eq!(error.to_string(), "\
+//! line 1, column 10: an operator is missing: write 2*cos
+//!   p^2/2 - 2cos(q)
+//!            ^^^");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # The language
+//!
+//! | | |
+//! |---|---|
+//! | numbers | `2`, `.5`, `1e-3` |
+//! | names | variables, parameters, `pi`; letters of any alphabet, digits, `_` |
+//! | operators | `+ - * / ^`; −x² is −(x²), a^b^c is a^(b^c), 2^-x is 2^(−x) |
+//! | functions | `sin cos tan exp ln sqrt abs sinh cosh tanh`, and `min max` of two numbers |
+//!
+//! The logarithm is `ln`; there is no `log`, which means several things. A product needs its `*`.
+//! `^` with a constant integer is a product by repeated squaring, `x^0.5` is `sqrt(x)`, any other
+//! a^b is e^{b ln a}, for a > 0. A text has at most [`MAX_BYTES`] bytes and is nested at most
+//! [`MAX_DEPTH`] deep: more is an error. [`Graph`] lists the identities that are applied.
+//!
+//! | item | purpose |
+//! |---|---|
+//! | [`Formula`] | a text, its value and derivatives, its degree, and where it has no value |
+//! | [`Names`] | variables and parameters |
+//! | [`Graph`], [`parse()`] | expressions of several formulas together, derivatives from graph to graph |
+//! | [`Tape`] | what evaluates them |
+//! | [`Definition`], [`FormulaSystem`] | a Poisson system from texts, for `systems::run_time` |
+//! | [`FormulaError`], [`DomainError`] | what is wrong, with line, column and carets |
+
+mod compile;
+mod derivative;
+mod domain;
+mod error;
+mod formula;
+mod functions;
+mod graph;
+mod instruction;
+mod names;
+mod parse;
+mod shape;
+mod system;
+mod tape;
+
+pub use domain::DomainError;
+pub use error::{FormulaError, FormulaErrorKind};
+pub use formula::Formula;
+pub use graph::{Binary, Graph, Id, Node, Unary};
+pub use names::{NameError, Names};
+pub use parse::{MAX_BYTES, MAX_DEPTH, parse};
+pub use system::{Definition, DefinitionError, FormulaSystem, Which};
+pub use tape::Tape;

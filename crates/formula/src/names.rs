@@ -1,0 +1,155 @@
+//! The names that a formula may use.
+
+use std::collections::HashMap;
+
+use crate::graph::Unary;
+
+/// What a name stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Meaning {
+    /// Input number k.
+    Variable(usize),
+    /// A constant.
+    Value(f64),
+}
+
+/// Variables in their order, and parameters with their values, which become constants.
+///
+/// A name is a letter or `_`, then letters, digits and `_`, of any alphabet. `pi` and the names of
+/// functions are taken.
+#[derive(Clone, Debug, Default)]
+pub struct Names {
+    variables: Vec<String>,
+    meanings: HashMap<String, Meaning>,
+}
+
+/// A name that cannot be given.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NameError {
+    /// It has other characters than a name.
+    #[error("`{name}` is no name: a name is a letter, then letters, digits and _")]
+    NotAName {
+        /// The name.
+        name: String,
+    },
+    /// It is that of a function or of pi.
+    #[error("`{name}` is the name of a function or a constant: choose another")]
+    Reserved {
+        /// The name.
+        name: String,
+    },
+    /// It was given before.
+    #[error("`{name}` is given twice")]
+    Twice {
+        /// The name.
+        name: String,
+    },
+    /// The value of a parameter is NaN or infinite.
+    #[error("the parameter `{name}` must be finite, got {value}")]
+    NotFinite {
+        /// Its name.
+        name: String,
+        /// Its value.
+        value: f64,
+    },
+}
+
+/// Functions of two numbers.
+pub(crate) const PAIRS: [&str; 2] = ["min", "max"];
+
+/// The names of all functions.
+pub(crate) fn functions() -> impl Iterator<Item = String> {
+    Unary::NAMED.iter().map(Unary::to_string).chain(PAIRS.map(String::from))
+}
+
+impl Names {
+    /// No names but `pi` and the functions.
+    #[must_use]
+    pub fn new() -> Self {
+        let mut names = Self::default();
+        names.meanings.insert("pi".to_owned(), Meaning::Value(std::f64::consts::PI));
+        names
+    }
+
+    /// The variables, input 0 first.
+    ///
+    /// # Errors
+    /// [`NameError`].
+    pub fn with_variables<S: AsRef<str>>(variables: &[S]) -> Result<Self, NameError> {
+        let mut names = Self::new();
+        for variable in variables {
+            names.variable(variable.as_ref())?;
+        }
+        Ok(names)
+    }
+
+    /// One more variable, the next input.
+    ///
+    /// # Errors
+    /// [`NameError`].
+    pub fn variable(&mut self, name: &str) -> Result<(), NameError> {
+        self.insert(name, Meaning::Variable(self.variables.len()))?;
+        self.variables.push(name.to_owned());
+        Ok(())
+    }
+
+    /// One more parameter.
+    ///
+    /// # Errors
+    /// [`NameError`].
+    pub fn parameter(&mut self, name: &str, value: f64) -> Result<(), NameError> {
+        if !value.is_finite() {
+            return Err(NameError::NotFinite { name: name.to_owned(), value });
+        }
+        self.insert(name, Meaning::Value(value))
+    }
+
+    fn insert(&mut self, name: &str, meaning: Meaning) -> Result<(), NameError> {
+        let given = name.to_owned();
+        if !crate::parse::is_name(name) {
+            return Err(NameError::NotAName { name: given });
+        }
+        if name == "pi" || functions().any(|function| function == name) {
+            return Err(NameError::Reserved { name: given });
+        }
+        if self.meanings.contains_key(name) {
+            return Err(NameError::Twice { name: given });
+        }
+        self.meanings.insert(given, meaning);
+        Ok(())
+    }
+
+    /// The names of the variables, input 0 first.
+    #[must_use]
+    pub fn variables(&self) -> &[String] {
+        &self.variables
+    }
+
+    pub(crate) fn meaning(&self, name: &str) -> Option<Meaning> {
+        self.meanings.get(name).copied()
+    }
+
+    /// The known name nearest to `name`.
+    pub(crate) fn nearest(&self, name: &str) -> Option<String> {
+        nearest(name, self.meanings.keys().cloned())
+    }
+}
+
+/// Longer names have no nearest name.
+const LONGEST: usize = 40;
+
+/// The candidate with the fewest changed characters, at most a third of them or one; the first in
+/// the alphabet of several.
+pub(crate) fn nearest(name: &str, candidates: impl Iterator<Item = String>) -> Option<String> {
+    let length = name.chars().count();
+    if length > LONGEST {
+        return None;
+    }
+    candidates
+        .filter(|candidate| candidate.len() <= 4 * LONGEST)
+        .map(|candidate| (strsim::damerau_levenshtein(name, &candidate), candidate))
+        .filter(|(distance, _)| *distance <= (length / 3).max(1))
+        .min()
+        .map(|(_, candidate)| candidate)
+}

@@ -1,0 +1,331 @@
+//! Poisson systems from texts.
+
+mod cayley;
+mod definition;
+mod elimination;
+mod expressions;
+mod program;
+mod skew;
+
+use std::ops::Range;
+
+use dgrad::{Rule, nodes_for_degree};
+use real::{Row, WIDTH, dispatch};
+use systems::{
+    Linearity, SystemError,
+    run_time::{Node, Program, System, Weights},
+    shown_solvable,
+};
+
+pub use definition::{Definition, DefinitionError, Which};
+
+use crate::{Formula, Names, Tape};
+use definition::Formulas;
+use elimination::Eliminate;
+use expressions::Expressions;
+use program::Templates;
+
+/// Nodes of the averaged gradient of what is no polynomial, and the most for a polynomial. The
+/// error of n nodes is of order |b − a|²ⁿ.
+const NODES: usize = 8;
+const MOST_NODES: usize = 16;
+
+/// A [`System`] from texts: B, H₀ and Hₘ as formulas in named components and parameters.
+///
+/// B may be given in full, and is then checked to be skew, or above the diagonal; only the entries
+/// above the diagonal are used. Gradients, Hessians, derivatives of B, the Itô correction and the
+/// linearly implicit step are derived as expressions, and each is a [`Tape`].
+///
+/// ```
+/// use formula::{Definition, FormulaSystem};
+/// use real::Rows;
+/// use systems::run_time::{System, Weights};
+///
+/// let words = |texts: &[&str]| texts.iter().map(|text| text.to_string()).collect::<Vec<_>>();
+/// let definition = Definition {
+///     name: "rigid body".into(),
+///     state: words(&["y1", "y2", "y3"]),
+///     parameters: vec![("c".into(), 0.5)],
+///     structure: vec![words(&["-y3", "y2"]), words(&["-y1"])],
+///     energy: "(y1^2/2 + y2^2 + 2*y3^2)/2".into(),
+///     noises: words(&["c*y1^2/2"]),
+///     observables: vec![],
+/// };
+/// let body = FormulaSystem::new(&definition, &[0.6, 0.0, 0.8])?;
+/// assert!(body.is_quadratic() && body.always_solvable());
+///
+/// let (y, dw) = (Rows::splat(&[0.6, 0.0, 0.8])?, Rows::splat(&[0.3])?);
+/// let (mut gradient, mut scratch) = (Rows::zero(3)?, Rows::zero(body.scratch_rows())?);
+/// let h = Weights { dt: 0.01, dw: &dw };
+/// body.gradient(0..3, &y, h, &mut gradient, &mut scratch);
+/// assert!((gradient[0][5] - 0.6 * (0.005 + 0.5 * 0.3)).abs() < 1e-16);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct FormulaSystem {
+    definition: Definition,
+    names: Names,
+    checked: Vec<Formula>,
+    structure: Tape,
+    structure_along: Tape,
+    energy: Tape,
+    gradient: Tape,
+    hessian: Tape,
+    ito_correction: Tape,
+    observables: Tape,
+    cayley: Cayley,
+    rule: Rule,
+    linearity: Linearity,
+    solvable: bool,
+    scratch: usize,
+    templates: Templates,
+}
+
+/// How z = y + B((y+z)/2)v is solved.
+enum Cayley {
+    /// By a tape that has the whole elimination.
+    Tape(Tape),
+    /// By elimination on rows.
+    Rows { matrix: Tape, right: Tape },
+    /// Not at all, since B is not affine.
+    None,
+}
+
+impl Cayley {
+    /// For an affine B.
+    fn new(expressions: &mut Expressions) -> Self {
+        match expressions.cayley() {
+            Some(tape) => Self::Tape(tape),
+            None => Self::Rows {
+                matrix: expressions.cayley_matrix(),
+                right: expressions.cayley_right(),
+            },
+        }
+    }
+}
+
+impl FormulaSystem {
+    /// The system of these texts, all of which must have values and derivatives at `y0`.
+    ///
+    /// # Errors
+    /// [`DefinitionError`] with the formula and the place in it.
+    pub fn new(definition: &Definition, y0: &[f64]) -> Result<Self, DefinitionError> {
+        let formulas = Formulas::new(definition, y0)?;
+        let mut expressions = Expressions::new(&formulas);
+        let linearity = match expressions.structure_degree() {
+            Some(0) => Linearity::Constant,
+            Some(1) => Linearity::Affine,
+            _ => Linearity::Other,
+        };
+        let nodes = match expressions.energy_degree() {
+            Some(degree) => {
+                nodes_for_degree(degree.saturating_sub(1) as usize).clamp(1, MOST_NODES)
+            }
+            None => NODES,
+        };
+        let (cayley, solvable) = match linearity {
+            Linearity::Other => (Cayley::None, false),
+            Linearity::Constant => (Cayley::new(&mut expressions), true),
+            Linearity::Affine => {
+                let matrix = expressions.cayley_matrix();
+                let solvable = shown_solvable(y0.len(), |v| {
+                    let mut entries = vec![0.0; v.len() * v.len()];
+                    matrix.evaluate_one(&[v], &mut entries);
+                    entries.chunks(v.len()).map(Vec::from).collect()
+                });
+                (Cayley::new(&mut expressions), solvable)
+            }
+        };
+        let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
+        let mut system = Self {
+            definition: definition.clone(),
+            structure: expressions.structure(),
+            structure_along: expressions.structure_along(),
+            energy: expressions.energy(),
+            gradient: expressions.gradient(),
+            hessian: expressions.hessian(),
+            ito_correction: expressions.ito_correction(),
+            observables: expressions.observables(),
+            cayley,
+            linearity,
+            solvable,
+            scratch: 0,
+            templates: expressions.templates(linearity == Linearity::Affine, &rule),
+            rule,
+            names: formulas.names,
+            checked: std::iter::once(formulas.energy)
+                .chain(formulas.noises)
+                .chain(formulas.structure.into_iter().flatten())
+                .collect(),
+        };
+        system.scratch = system.largest_scratch();
+        Ok(system)
+    }
+
+    fn largest_scratch(&self) -> usize {
+        let weighted = [&self.energy, &self.gradient, &self.hessian];
+        let plain =
+            [&self.structure, &self.structure_along, &self.ito_correction, &self.observables];
+        let cayley = match &self.cayley {
+            Cayley::Tape(tape) => tape.scratch_rows(),
+            Cayley::Rows { matrix, right } => {
+                matrix.outputs() + matrix.scratch_rows().max(right.scratch_rows())
+            }
+            Cayley::None => 0,
+        };
+        // One more row has dt.
+        let weighted = weighted.iter().map(|tape| tape.scratch_rows() + 1);
+        let plain = plain.iter().map(|tape| tape.scratch_rows());
+        weighted.chain(plain).chain([cayley]).max().unwrap_or(0)
+    }
+
+    /// The texts.
+    #[must_use]
+    pub fn definition(&self) -> &Definition {
+        &self.definition
+    }
+
+    /// The names of components and parameters, for more formulas.
+    #[must_use]
+    pub fn names(&self) -> &Names {
+        &self.names
+    }
+
+    /// The observables at y, in their order, one row each. `scratch` has at least
+    /// [`scratch_rows`](System::scratch_rows) rows.
+    pub fn observe(&self, y: &[Row], out: &mut [Row], scratch: &mut [Row]) {
+        self.observables.evaluate(&[y], out, scratch);
+    }
+
+    /// The number of instructions for B(y)v, h, ∇h, ∇²h·u, in this order.
+    #[must_use]
+    pub fn instructions(&self) -> [usize; 4] {
+        [&self.structure, &self.energy, &self.gradient, &self.hessian].map(Tape::instructions)
+    }
+}
+
+/// dt as a row in front of the scratch.
+fn with_dt(dt: f64, scratch: &mut [Row]) -> (&[Row], &mut [Row]) {
+    let (first, rest) = scratch.split_at_mut(1);
+    first[0] = [dt; WIDTH];
+    (first, rest)
+}
+
+impl System for FormulaSystem {
+    fn name(&self) -> &str {
+        &self.definition.name
+    }
+
+    fn parameters(&self) -> String {
+        let each = self.definition.parameters.iter();
+        each.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
+    }
+
+    fn dimension(&self) -> usize {
+        self.definition.state.len()
+    }
+
+    fn noises(&self) -> usize {
+        self.definition.noises.len()
+    }
+
+    fn own_scratch_rows(&self) -> usize {
+        self.scratch
+    }
+
+    fn structure(&self, _: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], s: &mut [Row]) {
+        self.structure.evaluate(&[y, v], out, s);
+    }
+
+    fn structure_along(
+        &self,
+        _: Range<usize>,
+        y: &[Row],
+        u: &[Row],
+        v: &[Row],
+        out: &mut [Row],
+        scratch: &mut [Row],
+    ) {
+        self.structure_along.evaluate(&[y, u, v], out, scratch);
+    }
+
+    fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]) {
+        let (dt, scratch) = with_dt(h.dt, scratch);
+        self.energy.evaluate(&[y, dt, h.dw], std::slice::from_mut(out), scratch);
+    }
+
+    fn gradient(
+        &self,
+        _: Range<usize>,
+        y: &[Row],
+        h: Weights<'_>,
+        out: &mut [Row],
+        scratch: &mut [Row],
+    ) {
+        let (dt, scratch) = with_dt(h.dt, scratch);
+        self.gradient.evaluate(&[y, dt, h.dw], out, scratch);
+    }
+
+    fn hessian(
+        &self,
+        _: Range<usize>,
+        y: &[Row],
+        u: &[Row],
+        h: Weights<'_>,
+        out: &mut [Row],
+        scratch: &mut [Row],
+    ) {
+        let (dt, scratch) = with_dt(h.dt, scratch);
+        self.hessian.evaluate(&[y, u, dt, h.dw], out, scratch);
+    }
+
+    fn rule(&self) -> &Rule {
+        &self.rule
+    }
+
+    fn linearity(&self) -> Linearity {
+        self.linearity
+    }
+
+    fn always_solvable(&self) -> bool {
+        self.solvable
+    }
+
+    fn cayley(&self, _: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], s: &mut [Row]) {
+        match &self.cayley {
+            Cayley::Tape(tape) => tape.evaluate(&[y, v], out, s),
+            Cayley::Rows { matrix, right } => {
+                let (entries, s) = s.split_at_mut(matrix.outputs());
+                matrix.evaluate(&[v], entries, s);
+                right.evaluate(&[y, v], out, s);
+                dispatch(Eliminate { matrix: entries, x: out });
+            }
+            Cayley::None => unreachable!("B of {} is not affine", self.name()),
+        }
+    }
+
+    fn compile(
+        &self,
+        nodes: &[Node],
+        inputs: usize,
+        results: &[usize],
+    ) -> Option<Box<dyn Program>> {
+        self.templates.compile(nodes, inputs, results)
+    }
+
+    fn ito_correction(&self, _: Range<usize>, y: &[Row], out: &mut [Row], scratch: &mut [Row]) {
+        self.ito_correction.evaluate(&[y], out, scratch);
+    }
+
+    /// The formulas of B, H₀ and Hₘ must be finite. The error names the first component that the
+    /// formula uses which is not.
+    fn check_domain(&self, y: &[f64]) -> Result<(), SystemError> {
+        match self.checked.iter().find(|formula| !formula.value(y).is_finite()) {
+            None => Ok(()),
+            Some(formula) => {
+                let i = (0..y.len()).find(|&i| formula.depends_on(i)).unwrap_or(0);
+                let domain = "that all formulas are finite";
+                Err(SystemError::OutsideDomain { component: i + 1, value: y[i], domain })
+            }
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Whether a matrix of formulas is skew-symmetric.
+
+use super::DefinitionError;
+use crate::{Formula, Graph, Id};
+
+/// Points at which two entries are compared whose formulas do not show it.
+const POINTS: u32 = 20;
+
+/// The relative difference that counts as rounding: some hundred operations of 2⁻⁵³, and a loss of
+/// five digits by cancellation.
+const ROUNDING: f64 = 1e-9;
+
+/// Checks bᵢⱼ = −bⱼᵢ: by the identities of [`Graph`], else at the initial value and points near it
+/// at which both are finite.
+pub fn check(entries: &[Vec<Formula>], y0: &[f64]) -> Result<(), DefinitionError> {
+    for i in 0..entries.len() {
+        for j in 0..=i {
+            let (lower, upper) = (&entries[i][j], &entries[j][i]);
+            if is_negative(upper, lower, y0.len()) {
+                continue;
+            }
+            for point in points(y0) {
+                let (value, mirror) = (upper.value(&point), lower.value(&point));
+                if (value + mirror).abs() > ROUNDING * (value.abs() + mirror.abs()) {
+                    let (row, column) = (j + 1, i + 1);
+                    return Err(DefinitionError::NotSkew { row, column, value, mirror, point });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether the formulas show a = −b.
+fn is_negative(a: &Formula, b: &Formula, variables: usize) -> bool {
+    let mut graph = Graph::new();
+    let inputs: Vec<Id> = (0..variables).map(|k| graph.input(k)).collect();
+    let a = graph.import(a.graph(), &[a.root()], &inputs);
+    let b = graph.import(b.graph(), &[b.root()], &inputs);
+    a[0] == graph.neg(b[0])
+}
+
+/// The initial value, and points whose components differ from it by at most half of 1 + |y|, by
+/// multiples of the golden ratio.
+fn points(y0: &[f64]) -> impl Iterator<Item = Vec<f64>> {
+    (0..=POINTS).map(|n| {
+        let moved = |(i, y): (usize, &f64)| {
+            let number = f64::from(n) * (y0.len() + 1) as f64 + (i + 1) as f64;
+            let shift = (number * 0.618_033_988_749_894_8).fract() - 0.5;
+            if n == 0 { *y } else { y + (1.0 + y.abs()) * shift }
+        };
+        y0.iter().enumerate().map(moved).collect()
+    })
+}

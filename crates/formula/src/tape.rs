@@ -1,0 +1,130 @@
+//! Expressions as a list of instructions on rows.
+
+use std::ops::Range;
+
+use real::{Kernel, Row, dispatch};
+
+use crate::{
+    Id,
+    compile::compile,
+    graph::Graph,
+    instruction::{Instruction, Place, run},
+};
+
+/// Some expressions of a graph, ready to be evaluated on 32 points at a time.
+///
+/// The inputs of the graph are divided into groups, for example y and v: a group is a slice of
+/// rows. An instruction is a plain loop over 32 numbers, compiled for every instruction set, and
+/// all instructions run in one [`dispatch`]. Products and sums are joined where one feeds another
+/// alone, each of them rounded. All levels give the same bits, a number does not depend on its
+/// neighbours in a row, and [`evaluate_one`](Self::evaluate_one) gives the same bits.
+///
+/// ```
+/// use formula::{Graph, Names, Tape, parse};
+///
+/// let names = Names::with_variables(&["x", "y"])?;
+/// let mut graph = Graph::new();
+/// let f = parse("x^2*sin(y)", &names, &mut graph)?;
+/// let one = graph.constant(1.0);
+/// let gradient = graph.reverse(&[(f, one)], &[0, 1]);
+/// let tape = Tape::new(&graph, &gradient, &[0..2]);
+///
+/// let point = [[3.0; 32], [0.5; 32]];
+/// let (mut out, mut scratch) = ([[0.0; 32]; 2], vec![[0.0; 32]; tape.scratch_rows()]);
+/// tape.evaluate(&[&point], &mut out, &mut scratch);
+/// assert!((out[1][31] - 9.0 * 0.5f64.cos()).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Tape {
+    code: Vec<Instruction>,
+    inputs: Vec<usize>,
+    outputs: usize,
+    scratch: usize,
+}
+
+impl Tape {
+    /// The tape of `outputs`. Each group of inputs is a range of inputs of the graph.
+    ///
+    /// # Panics
+    /// If an input that is used is in no group.
+    #[must_use]
+    pub fn new(graph: &Graph, outputs: &[Id], groups: &[Range<usize>]) -> Self {
+        let count = groups.iter().map(|group| group.end).max().unwrap_or(0);
+        let mut inputs = vec![None; count];
+        for (bank, group) in groups.iter().enumerate() {
+            for (row, input) in group.clone().enumerate() {
+                inputs[input] = Some(Place { bank: bank as u32, row: row as u32 });
+            }
+        }
+        let (code, scratch) = compile(graph, outputs, &inputs);
+        let inputs = groups.iter().map(ExactSizeIterator::len).collect();
+        Self { code, inputs, outputs: outputs.len(), scratch }
+    }
+
+    /// The rows of scratch that an evaluation needs.
+    #[must_use]
+    pub fn scratch_rows(&self) -> usize {
+        self.scratch
+    }
+
+    /// The number of results.
+    #[must_use]
+    pub fn outputs(&self) -> usize {
+        self.outputs
+    }
+
+    /// The number of instructions.
+    #[must_use]
+    pub fn instructions(&self) -> usize {
+        self.code.len()
+    }
+
+    /// The results at 32 points. Nothing is allocated. `scratch` may have any content.
+    ///
+    /// # Panics
+    /// Unless `inputs` are as many groups of as many rows as the tape has, `out` has a row for each
+    /// result, and `scratch` has at least [`scratch_rows`](Self::scratch_rows) rows.
+    pub fn evaluate(&self, inputs: &[&[Row]], out: &mut [Row], scratch: &mut [Row]) {
+        self.check(inputs, out.len(), scratch.len());
+        dispatch(Evaluation(&mut Parts { code: &self.code, inputs, out, scratch }));
+    }
+
+    /// The results at one point, with the bits of [`evaluate`](Self::evaluate).
+    ///
+    /// # Panics
+    /// Unless there are as many numbers as the tape has inputs and results.
+    pub fn evaluate_one(&self, inputs: &[&[f64]], out: &mut [f64]) {
+        let inputs: Vec<&[[f64; 1]]> = inputs.iter().map(|group| group.as_chunks().0).collect();
+        let mut scratch = vec![[0.0]; self.scratch];
+        self.check(&inputs, out.len(), scratch.len());
+        run(&self.code, &inputs, out.as_chunks_mut().0, &mut scratch);
+    }
+
+    fn check<R>(&self, inputs: &[&[R]], out: usize, scratch: usize) {
+        assert_eq!(inputs.len(), self.inputs.len(), "groups of inputs of a tape");
+        for (group, &rows) in inputs.iter().zip(&self.inputs) {
+            assert_eq!(group.len(), rows, "rows of a group of inputs of a tape");
+        }
+        assert_eq!(out, self.outputs, "results of a tape");
+        assert!(scratch >= self.scratch, "a tape needs {} rows of scratch", self.scratch);
+    }
+}
+
+/// By reference: a kernel that is a value is copied into its function.
+struct Evaluation<'a, 'b>(&'a mut Parts<'b>);
+
+struct Parts<'a> {
+    code: &'a [Instruction],
+    inputs: &'a [&'a [Row]],
+    out: &'a mut [Row],
+    scratch: &'a mut [Row],
+}
+
+impl Kernel for Evaluation<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        run(self.0.code, self.0.inputs, self.0.out, self.0.scratch);
+    }
+}

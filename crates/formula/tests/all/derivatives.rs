@@ -1,0 +1,101 @@
+//! Values, gradients and Hessian products of random expressions against dual numbers of another
+//! project. The tolerance is a bound of the round-off of each expression, by `real::Bounded`.
+
+use formula::{Formula, FormulaErrorKind, Names};
+use num_dual::{Dual64, HyperDual64};
+use real::{Bounded, Dual};
+
+use crate::expression::{Expression, Random, VARIABLES};
+
+/// The order of operations differs from that of the bound, and the oracle rounds too.
+const FACTOR: f64 = 16.0;
+/// In another order an intermediate result may underflow.
+const UNDERFLOW: f64 = 1e-100;
+
+/// What was compared and what could not be: not finite, no bound, or next to an edge.
+#[derive(Default, Debug)]
+pub struct Seen {
+    pub values: usize,
+    pub slopes: usize,
+    pub products: usize,
+    pub skipped: usize,
+}
+
+/// Compares one number with its oracle; whether it could.
+fn agrees(ours: f64, theirs: f64, bound: Bounded, what: &dyn Fn() -> String) -> bool {
+    let tolerance = FACTOR * bound.error + UNDERFLOW;
+    if !(theirs.is_finite() && bound.value.is_finite() && tolerance < 1e-3 * (1.0 + theirs.abs())) {
+        return false;
+    }
+    if !ours.is_finite() && !(UNDERFLOW..1.0 / UNDERFLOW).contains(&theirs.abs()) {
+        // In another order an intermediate result overflows, or is zero and multiplied by infinity.
+        return false;
+    }
+    let error = (ours - theirs).abs();
+    assert!(error <= tolerance, "{}: {ours:e} for {theirs:e} ± {tolerance:e}", what());
+    true
+}
+
+/// Compares everything at a random point; the expression is parsed from its text.
+pub fn check(expression: &Expression, random: &mut Random, seen: &mut Seen) {
+    let text = expression.text();
+    let names = Names::with_variables(&VARIABLES).unwrap();
+    let formula = match Formula::parse(&text, &names) {
+        Ok(formula) => formula,
+        Err(error) => {
+            use FormulaErrorKind::{DivisionByZero, NotFinite};
+            let constant = matches!(error.kind, NotFinite { .. } | DivisionByZero);
+            assert!(constant, "{text}: {error}");
+            seen.skipped += 1;
+            return;
+        }
+    };
+    let (x, u) = ([(); 3].map(|()| random.number()), [(); 3].map(|()| random.number()));
+    if expression.is_at_an_edge(&x.map(Bounded::variable)) {
+        seen.skipped += 1;
+        return;
+    }
+    let what = || format!("{text} at {x:?} along {u:?}");
+    let bound = expression.value(&x.map(Bounded::variable));
+    if !agrees(formula.value(&x), expression.oracle(&x), bound, &what) {
+        seen.skipped += 1;
+        return;
+    }
+    seen.values += 1;
+    let mut gradient = [0.0; 3];
+    formula.gradient(&[0, 1, 2]).evaluate_one(&[&x], &mut gradient);
+    if formula.is_piecewise() && gradient.iter().any(|slope| slope.is_nan()) {
+        // A piece that is not chosen has no derivative.
+        return;
+    }
+    let mut product = [0.0; 3];
+    formula.hessian().evaluate_one(&[&x, &u], &mut product);
+    for i in 0..3 {
+        let at = |k: usize| if k == i { 1.0 } else { 0.0 };
+        let duals = [0, 1, 2].map(|k| Dual64::new(x[k], at(k)));
+        let bounds = [0, 1, 2].map(|k| {
+            let [x, one, u] = [x[k], at(k), u[k]].map(Bounded::variable);
+            Dual::new(Dual::new(x, one), Dual::new(u, Bounded::exact(0.0)))
+        });
+        let bound = expression.value::<Dual<Dual<Bounded>>>(&bounds);
+        let theirs = expression.oracle(&duals).eps;
+        let slope = bound.value.derivative();
+        seen.slopes += usize::from(agrees(gradient[i], theirs, slope, &what));
+        let hyper = [0, 1, 2].map(|k| HyperDual64::new(x[k], at(k), u[k], 0.0));
+        let theirs = expression.oracle(&hyper).eps1eps2;
+        let curvature = bound.derivative().derivative();
+        seen.products += usize::from(agrees(product[i], theirs, curvature, &what));
+    }
+}
+
+#[test]
+fn random_expressions_agree_with_dual_numbers() {
+    let mut random = Random::new(1);
+    let mut seen = Seen::default();
+    for n in 0..20_000 {
+        let expression = Expression::random(&mut random, 1 + n % 5);
+        check(&expression, &mut random, &mut seen);
+    }
+    println!("{seen:?}");
+    assert!(seen.values > 8_000 && seen.slopes > 20_000 && seen.products > 20_000, "{seen:?}");
+}

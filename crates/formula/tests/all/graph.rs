@@ -1,0 +1,172 @@
+//! Identities, degrees and instructions.
+
+use formula::{Binary, Formula, Graph, Names, Tape, Unary};
+use real::elementary;
+
+fn formula(text: &str) -> Formula {
+    Formula::parse(text, &Names::with_variables(&["x", "y"]).unwrap()).unwrap()
+}
+
+/// Whether two texts are the same expression.
+fn same(a: &str, b: &str) -> bool {
+    let mut graph = Graph::new();
+    let inputs = [graph.input(0), graph.input(1)];
+    let mut import = |text: &str| {
+        let formula = formula(text);
+        graph.import(formula.graph(), &[formula.root()], &inputs)[0]
+    };
+    import(a) == import(b)
+}
+
+#[test]
+fn identities_are_applied_and_no_others() {
+    let equal = [
+        ("x + 0", "x"),
+        ("1*x", "x"),
+        ("x/1", "x"),
+        ("-1*x", "-x"),
+        ("0*x + y", "y"),
+        ("x - x", "0"),
+        ("x + x", "2*x"),
+        ("x*x", "x^2"),
+        ("x*y", "y*x"),
+        ("x + y", "y + x"),
+        ("-(x - y)", "y - x"),
+        ("-x - y", "-(y + x)"),
+        ("-x*y", "x*-y"),
+        ("-x/y", "x/-y"),
+        ("x/-3", "-(x/3)"),
+        ("x/2", "0.5*x"),
+        ("3*(2*x)", "6*x"),
+        ("2*(3*x)", "6*x"),
+        ("-(3*x)", "-3*x"),
+        ("(-x)^2", "x^2"),
+        ("(-x)^3", "-x^3"),
+        ("x - 3", "x + -3"),
+        ("-(x + 3)", "-3 - x"),
+        ("abs(-x)", "abs(x)"),
+        ("min(x, x)", "x"),
+        ("2*pi/2", "pi"),
+    ];
+    for (a, b) in equal {
+        assert!(same(a, b), "{a} and {b}");
+    }
+    let different =
+        [("(x + y) + 1", "x + (y + 1)"), ("3*(5*x)", "15*x"), ("x/3", "x*(1/3)"), ("x/x", "1")];
+    for (a, b) in different {
+        assert!(!same(a, b), "{a} and {b}");
+    }
+}
+
+#[test]
+fn constants_have_the_bits_of_rows() {
+    let functions = ["sin", "cos", "tan", "exp", "ln", "sqrt", "abs", "sinh", "cosh", "tanh"];
+    for function in functions {
+        let folded = formula(&format!("{function}(0.7321)")).value(&[0.0, 0.0]);
+        let value = formula(&format!("{function}(x)")).value(&[0.7321, 0.0]);
+        assert_eq!(folded.to_bits(), value.to_bits(), "{function}");
+    }
+    for n in [-7_i32, -2, -1, 0, 1, 2, 3, 4, 5, 7, 10, 15, 31, 100] {
+        let value = formula(&format!("x^{n}")).value(&[1.0123, 0.0]);
+        assert_eq!(value.to_bits(), elementary::powi(1.0123, n).to_bits(), "{n}");
+        assert_eq!(formula(&format!("1.0123^{n}")).value(&[0.0; 2]).to_bits(), value.to_bits());
+    }
+    assert_eq!(formula("x^0.37").value(&[2.0, 0.0]), elementary::exp(0.37 * elementary::ln(2.0)));
+}
+
+#[test]
+fn functions_are_accurate() {
+    for n in -4000..4000 {
+        let x = f64::from(n) * 0.003 + 1e-5;
+        for (text, host) in [("sinh(x)", x.sinh()), ("cosh(x)", x.cosh()), ("tanh(x)", x.tanh())] {
+            let value = formula(text).value(&[x, 0.0]);
+            assert!((value - host).abs() <= 4.0 * f64::EPSILON * host.abs(), "{text} at {x}");
+        }
+    }
+    let at = |text: &str, x: f64| formula(text).value(&[x, 0.0]);
+    assert_eq!((at("tanh(x)", 1e300), at("tanh(x)", f64::NEG_INFINITY)), (1.0, -1.0));
+    assert_eq!((at("sinh(x)", -800.0), at("cosh(x)", -800.0)), (f64::NEG_INFINITY, f64::INFINITY));
+    for text in ["sinh(x)", "cosh(x)", "tanh(x)", "tan(x)", "abs(x)", "min(x, y)", "max(y, x)"] {
+        assert!(at(text, f64::NAN).is_nan(), "{text}");
+    }
+}
+
+#[test]
+fn degrees_are_read_off() {
+    let degrees = [
+        ("3", Some(0), Some(0)),
+        ("x^2*y + 1", Some(2), Some(1)),
+        ("(x + y)^3/7 - x*y^4", Some(3), Some(4)),
+        ("x/y", Some(1), None),
+        ("sin(y)*x", Some(1), None),
+        ("abs(y)", Some(0), None),
+        ("min(x, 1)*y", None, Some(1)),
+        ("exp(ln(2))*x", Some(1), Some(0)),
+        ("x^-1", None, Some(0)),
+        ("0*sin(x) + y", Some(0), Some(1)),
+        ("x^1.5", None, Some(0)),
+    ];
+    for (text, x, y) in degrees {
+        let formula = formula(text);
+        assert_eq!((formula.degree(&[0]), formula.degree(&[1])), (x, y), "{text}");
+    }
+    let pieces = formula("abs(x) + 1");
+    assert!(pieces.is_piecewise() && pieces.depends_on(0) && !pieces.depends_on(1));
+    assert!(!formula("abs(-2)*x").is_piecewise());
+}
+
+/// The number of instructions of a tape for a text.
+fn instructions(text: &str) -> usize {
+    formula(text).tape().instructions()
+}
+
+#[test]
+fn products_are_joined_with_sums() {
+    let table = [
+        ("x*y + x^2", 1),
+        ("x*y - 3", 1),
+        ("3 - x*y", 1),
+        ("2*x + 3*y", 1),
+        ("2*x - y", 1),
+        ("x - 2*y", 1),
+        ("-(x*y)", 1),
+        ("(2*x)*y", 1),
+        ("(x + y)*x", 1),
+        ("x*y/3", 2),
+        ("x^8", 3),
+        ("sin(x)*sin(x) + sin(x)", 2),
+    ];
+    for (text, count) in table {
+        assert_eq!(instructions(text), count, "{text}");
+    }
+}
+
+#[test]
+fn no_product_and_sum_is_fused() {
+    // x·y rounds to 1, so that a fused operation would give −2^-106.
+    let (x, y) = (1.0 + f64::EPSILON * 0.5 * 2.0, 1.0 - f64::EPSILON);
+    assert_eq!(formula("x*y - 1").value(&[x, y]), x * y - 1.0);
+    assert_eq!(formula("x*y - x*y + 0*x").value(&[x, y]), 0.0);
+}
+
+#[test]
+fn results_may_be_inputs_constants_and_each_other() {
+    let mut graph = Graph::new();
+    let (x, y, three) = (graph.input(0), graph.input(1), graph.constant(3.0));
+    let sum = graph.add(x, y);
+    let root = graph.unary(Unary::Sqrt, sum);
+    let product = graph.binary(Binary::Mul, sum, root);
+    let outputs = [y, three, root, product, root, sum, y, three];
+    let tape = Tape::new(&graph, &outputs, &[0..1, 1..2]);
+    let mut out = [0.0; 8];
+    tape.evaluate_one(&[&[1.0], &[3.0]], &mut out);
+    assert_eq!(out, [3.0, 3.0, 2.0, 8.0, 2.0, 4.0, 3.0, 3.0]);
+    assert_eq!((tape.scratch_rows(), tape.outputs()), (0, 8));
+}
+
+#[test]
+fn scratch_is_used_again() {
+    let text = (0..50).map(|n| format!("sin(x + {n})*y")).collect::<Vec<_>>().join(" + ");
+    let formula = formula(&text);
+    assert!(formula.tape().scratch_rows() <= 3, "{}", formula.tape().scratch_rows());
+}

@@ -1,0 +1,12 @@
+//! The crate from outside.
+
+mod bits;
+mod derivatives;
+mod expression;
+mod fuzz;
+mod grammar;
+mod graph;
+mod panels;
+#[path = "../../examples/paper/mod.rs"]
+mod paper;
+mod systems;

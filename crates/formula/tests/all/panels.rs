@@ -1,0 +1,138 @@
+//! The systems of the paper as formulas, in the set-ups of its panels, against compiled ones.
+
+use formula::{Definition, FormulaSystem};
+use noise::{BlockNoise, StreamKey, Truncation, WienerBlock, clip};
+use nonlin::BlockStatus;
+use real::{Block, Level, PathMask, Row, WIDTH, limit_to};
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLi, Step, run_time};
+use systems::{Damping, PoissonSystem, Problem, paper};
+
+use crate::paper as texts;
+
+const KEY: StreamKey = StreamKey { seed: 7, experiment: 2 };
+
+/// The states of 32 paths after all steps, path p with the noise of number `numbers[p]`, and those
+/// that failed.
+fn simulate<const M: usize>(
+    (scheme, system): (&dyn run_time::Scheme, &FormulaSystem),
+    (damping, y0, tau): (&dyn Damping, &[f64], f64),
+    steps: u64,
+    numbers: [usize; WIDTH],
+) -> (Vec<Row>, PathMask) {
+    let mut paths = scheme.stepper(system).unwrap();
+    paths.state_mut().iter_mut().zip(y0).for_each(|(row, &y)| *row = [y; WIDTH]);
+    let mut wiener = WienerBlock::<M>::new(KEY, 0);
+    let (mut drawn, mut clipped) = (Block::<M>::zero(), Block::<M>::zero());
+    let (mut status, mut failed) = (BlockStatus::explicit(), PathMask::NONE);
+    let bound = Truncation::new(4).unwrap().bound(tau).unwrap();
+    for n in 0..steps {
+        wiener.increments(tau.sqrt(), &mut drawn);
+        clip(&drawn, bound, &mut clipped);
+        let used = if scheme.clips_increments() { &clipped } else { &drawn };
+        let dw: Vec<Row> = used.0.iter().map(|row| numbers.map(|number| row[number])).collect();
+        paths.step(&Step::new(damping, n, tau).unwrap(), &dw, &mut status);
+        failed = failed.or(status.failed);
+    }
+    (paths.state().to_vec(), failed)
+}
+
+/// The bits of numbers, any NaN being as good as another.
+fn bits(row: &Row) -> [u64; WIDTH] {
+    row.map(|x| if x.is_nan() { u64::MAX } else { x.to_bits() })
+}
+
+fn check<S, G, const D: usize, const M: usize>(
+    panel: &str,
+    problem: Problem<S, G, D>,
+    definition: &Definition,
+    steps: &[u64],
+) where
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    let (system, y0) = (problem.system(), problem.y0());
+    let formulas = FormulaSystem::new(definition, &y0).unwrap();
+    let mut schemes: Vec<(&dyn Scheme<S, D, M>, &dyn run_time::Scheme)> = vec![
+        (&Sexp, &Sexp),
+        (&Midpoint, &Midpoint),
+        (&EulerMaruyama, &EulerMaruyama),
+        (&Heun, &Heun),
+    ];
+    // A system from texts names no Casimir, so that sexp-li is for constant and affine B.
+    let pair = (SexpLi::new(system, y0), SexpLi::at_run_time(&formulas));
+    if let (Ok(compiled), Ok(at_run_time)) = &pair {
+        assert_eq!(compiled, at_run_time);
+        schemes.push((compiled, at_run_time));
+    }
+    for &steps in steps {
+        let tau = problem.t_end() / steps as f64;
+        for &(compiled, at_run_time) in &schemes {
+            let mut wiener = WienerBlock::<M>::new(KEY, 0);
+            let (mut drawn, mut noise) = (Block::zero(), BlockNoise::zero());
+            let (mut y, mut status) = (Block::splat(y0), BlockStatus::explicit());
+            let mut lost = PathMask::NONE;
+            let bound = Truncation::new(4).unwrap().bound(tau).unwrap();
+            let bound = if compiled.clips_increments() { bound } else { f64::INFINITY };
+            for n in 0..steps {
+                wiener.increments(tau.sqrt(), &mut drawn);
+                clip(&drawn, bound, &mut noise.increments);
+                let step = Step::new(problem.damping(), n, tau).unwrap();
+                compiled.step_block(system, &step, &noise, &mut y, &mut status);
+                lost = lost.or(status.failed);
+            }
+            let what = format!("{panel}, {}, {steps} steps", compiled.id());
+            let setup = (problem.damping() as &dyn Damping, &y0[..], tau);
+            let order = std::array::from_fn(|p| p);
+            let (found, failed) = simulate::<M>((at_run_time, &formulas), setup, steps, order);
+            assert_eq!(failed, lost, "{what}");
+            let live = PathMask::ALL.without(lost);
+            // Rounding errors of a step, some ε of the size, grow along a path by a factor that is
+            // e⁵ at most here, and so by much less than 1000.
+            let allowed = 1000.0 * f64::EPSILON * (steps as f64).sqrt();
+            for p in live.paths() {
+                let size: f64 = y.path(p).iter().map(|y| y.abs()).sum();
+                for i in 0..D {
+                    let error = (found[i][p] - y.0[i][p]).abs() / size;
+                    assert!(error <= allowed, "{what}, y{} of path {p}: {error:e}", i + 1);
+                }
+            }
+            // A path has the same bits at any place of a block, with any neighbours, and on every
+            // instruction set.
+            let moved = std::array::from_fn(|p| (7 * p + 5) % WIDTH);
+            let (elsewhere, _) = simulate::<M>((at_run_time, &formulas), setup, steps, moved);
+            for (row, other) in found.iter().zip(&elsewhere) {
+                assert_eq!(bits(&moved.map(|p| row[p])), bits(other), "{what}: neighbours");
+            }
+            for &level in Level::BUILT {
+                limit_to(level);
+                let (same, _) = simulate::<M>((at_run_time, &formulas), setup, steps, order);
+                let equal = same.iter().zip(&found).all(|(a, b)| bits(a) == bits(b));
+                assert!(equal, "{what}: {}", level.name());
+            }
+            limit_to(Level::Avx512);
+        }
+    }
+}
+
+#[test]
+fn the_panels_of_the_paper_have_the_same_results() {
+    let body = texts::rigid_body(paper::INERTIA, paper::NOISE_INERTIA);
+    let one_noise = Definition { noises: vec!["y1^2/(2*J1)".into()], ..body.clone() };
+    let energy = Definition { noises: vec![body.energy.clone()], ..body.clone() };
+    // 2⁻⁴ and 2⁻⁸ of the time of strong and weak errors, and the steps of the evolutions.
+    let powers = [16, 256];
+    check("pendulum-strong", paper::pendulum(), &texts::pendulum(1.0), &powers);
+    check("rigid-body-casimir", paper::rigid_body_three_noises(10.0), &body, &[100]);
+    check("rigid-body-strong-3, weak", paper::rigid_body_three_noises(1.0), &body, &powers);
+    check("rigid-body-strong-1", paper::rigid_body_one_noise(), &one_noise, &powers);
+    check("rigid-body-energy", paper::rigid_body_energy(10.0), &energy, &[100]);
+    let mut populations = texts::lotka_volterra(1.0);
+    check("lotka-volterra-energy", paper::lotka_volterra_2_2(10.0), &populations, &[100]);
+    populations = texts::lotka_volterra_1_1(1.0);
+    check("lotka-volterra-strong", paper::lotka_volterra_1_1(), &populations, &powers);
+    check("maxwell-bloch-casimir", paper::maxwell_bloch(5.0), &texts::maxwell_bloch(), &[500]);
+    check("maxwell-bloch-strong", paper::maxwell_bloch(1.0), &texts::maxwell_bloch(), &powers);
+    let poisson3 = texts::poisson3(1.0);
+    check("poisson3-casimir", paper::poisson3_casimir(2.0), &poisson3, &[100]);
+    check("poisson3-strong", paper::poisson3_strong(), &poisson3, &powers);
+}

@@ -1,0 +1,295 @@
+//! Poisson systems from texts against compiled ones, and what is said about wrong ones.
+
+use formula::{Definition, DefinitionError, FormulaSystem, Which};
+use real::{Row, Rows, WIDTH};
+use systems::{
+    IntegerExponents, Linearity, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, RigidBody,
+    SpinChain, SystemError,
+    run_time::{Compiled, System, Weights},
+};
+
+use crate::{expression::Random, paper};
+
+/// Relative to the largest component: a few roundings of sums of a few terms.
+const ROUNDING: f64 = 1e-14;
+
+struct Pair {
+    formula: FormulaSystem,
+    compiled: Box<dyn System>,
+}
+
+fn rows(random: &mut Random, count: usize, scale: f64, shift: f64) -> Rows {
+    let mut rows = Rows::zero(count).unwrap();
+    rows.iter_mut().flatten().for_each(|x| *x = shift + scale * random.number());
+    rows
+}
+
+fn assert_near(ours: &[Row], theirs: &[Row], tolerance: f64, what: &str) {
+    let flat = |rows: &[Row]| rows.as_flattened().to_vec();
+    let (ours, theirs) = (flat(ours), flat(theirs));
+    let scale = theirs.iter().fold(0.0, |scale: f64, x| scale.max(x.abs()));
+    for (ours, theirs) in ours.iter().zip(&theirs) {
+        assert!((ours - theirs).abs() <= tolerance * scale, "{what}: {ours} {theirs} of {scale}");
+    }
+}
+
+impl Pair {
+    fn new(definition: &Definition, y0: &[f64], compiled: impl System + 'static) -> Self {
+        let formula = FormulaSystem::new(definition, y0).unwrap();
+        Self { formula, compiled: Box::new(compiled) }
+    }
+
+    /// Compares every method near 1.5 in each component.
+    fn agree(&self, tolerance: f64) {
+        let systems: [&dyn System; 2] = [&self.formula, &*self.compiled];
+        let (d, name) = (self.formula.dimension(), self.formula.name());
+        assert_eq!(systems.map(System::noises)[0], self.compiled.noises());
+        let mut random = Random::new(5);
+        let y = rows(&mut random, d, 0.5, 1.5);
+        let (u, v) = (rows(&mut random, d, 1.0, 0.0), rows(&mut random, d, 0.1, 0.0));
+        let dw = rows(&mut random, self.formula.noises(), 0.1, 0.0);
+        let h = Weights { dt: 0.01, dw: &dw };
+        let affine = self.compiled.linearity() != Linearity::Other;
+        type Method<'a> = &'a dyn Fn(&dyn System, &mut [Row], &mut [Row]);
+        let methods: [(&str, Method); 8] = [
+            ("B v", &|s, out, scratch| s.structure(0..d, &y, &v, out, scratch)),
+            ("(dB u) v", &|s, out, scratch| s.structure_along(0..d, &y, &u, &v, out, scratch)),
+            ("h", &|s, out, scratch| s.energy(&y, h, &mut out[0], scratch)),
+            ("grad h", &|s, out, scratch| s.gradient(0..d, &y, h, out, scratch)),
+            ("hess h u", &|s, out, scratch| s.hessian(0..d, &y, &u, h, out, scratch)),
+            ("field", &|s, out, scratch| s.averaged_field(&y, &v, h, out, scratch)),
+            ("ito", &|s, out, scratch| s.ito_correction(0..d, &y, out, scratch)),
+            ("cayley", &|s, out, scratch| {
+                if affine {
+                    s.cayley(0..d, &y, &v, out, scratch);
+                }
+            }),
+        ];
+        for (method, run) in methods {
+            let [ours, theirs] = systems.map(|system| {
+                let mut out = Rows::zero(d).unwrap();
+                let mut scratch = Rows::zero(system.scratch_rows()).unwrap();
+                scratch.fill([f64::NAN; WIDTH]);
+                run(system, &mut out, &mut scratch);
+                out
+            });
+            // The averaged gradient of the compiled system may be a closed form.
+            assert_near(&ours, &theirs, tolerance, &format!("{name}: {method}"));
+        }
+        assert_eq!(self.formula.linearity(), self.compiled.linearity(), "{name}");
+        assert_eq!(self.formula.always_solvable(), self.compiled.always_solvable(), "{name}");
+    }
+}
+
+#[test]
+fn the_systems_of_the_paper_are_the_compiled_ones() {
+    let y3 = [1.0, 1.2, 0.8];
+    let (inertia, noise) = ([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]);
+    let body = RigidBody::three_noises(inertia, noise).unwrap();
+    let body = Pair::new(&paper::rigid_body(inertia, noise), &y3, Compiled::new(body, y3));
+    body.agree(ROUNDING);
+    assert!(body.formula.is_quadratic());
+
+    let pendulum = Compiled::new(Pendulum::new(0.5).unwrap(), [0.2, 1.0]);
+    Pair::new(&paper::pendulum(0.5), &[0.2, 1.0], pendulum).agree(1e-13);
+
+    let populations = LotkaVolterra::<IntegerExponents<2, 2>>::integer(0.5).unwrap();
+    let populations = Compiled::new(populations, y3);
+    let populations = Pair::new(&paper::lotka_volterra(0.5), &y3, populations);
+    // ∇H has degree 4.
+    assert_eq!(populations.formula.rule().nodes().len(), 3);
+    populations.agree(1e-13);
+
+    Pair::new(&paper::maxwell_bloch(), &y3, Compiled::new(MaxwellBloch, y3)).agree(ROUNDING);
+    let poisson = Compiled::new(Poisson3::new(0.5).unwrap(), y3);
+    Pair::new(&paper::poisson3(0.5), &y3, poisson).agree(1e-13);
+}
+
+/// `count` words.
+fn words(texts: &[&str]) -> Vec<String> {
+    texts.iter().map(|&text| text.to_owned()).collect()
+}
+
+/// The definition of a chain of rigid bodies, with B block diagonal and given in full.
+fn bodies(count: usize) -> Definition {
+    let y = |body: usize, i: usize| format!("y{body}_{i}");
+    let mut structure = vec![vec!["0".to_owned(); 3 * count]; 3 * count];
+    for body in 0..count {
+        for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+            structure[3 * body + i][3 * body + j] = format!("-{}", y(body, k));
+            structure[3 * body + j][3 * body + i] = y(body, k);
+        }
+    }
+    let squares = (0..count).flat_map(|body| (0..3).map(move |i| (body, i)));
+    let energy: Vec<String> =
+        squares.map(|(body, i)| format!("{}*{}^2", i + 1, y(body, i))).collect();
+    Definition {
+        name: "bodies".into(),
+        state: (0..count).flat_map(|body| (0..3).map(move |i| y(body, i))).collect(),
+        structure,
+        energy: energy.join(" + "),
+        noises: vec![format!("{}^2/2", y(0, 0)), format!("{}*{}", y(0, 1), y(count - 1, 2))],
+        ..Definition::default()
+    }
+}
+
+/// Eliminations of all sizes solve z = y + B((y+z)/2)v.
+#[test]
+fn the_linearly_implicit_step_is_solved_in_every_dimension() {
+    for count in [1, 2, 3, 8, 9, 12] {
+        let d = 3 * count;
+        let y0: Vec<f64> = (0..d).map(|i| 0.3 + 0.1 * i as f64).collect();
+        let system = FormulaSystem::new(&bodies(count), &y0).unwrap();
+        assert!(system.linearity() == Linearity::Affine && system.always_solvable());
+        let mut random = Random::new(9);
+        let (y, v) = (rows(&mut random, d, 1.0, 0.0), rows(&mut random, d, 0.5, 0.0));
+        let mut scratch = Rows::zero(system.scratch_rows()).unwrap();
+        let (mut z, mut field) = (Rows::zero(d).unwrap(), Rows::zero(d).unwrap());
+        system.cayley(0..d, &y, &v, &mut z, &mut scratch);
+        let mut middle = Rows::zero(d).unwrap();
+        for i in 0..d {
+            middle[i] = std::array::from_fn(|p| 0.5 * (y[i][p] + z[i][p]));
+        }
+        system.structure(0..d, &middle, &v, &mut field, &mut scratch);
+        for i in 0..d {
+            for p in 0..WIDTH {
+                let defect = z[i][p] - y[i][p] - field[i][p];
+                assert!(defect.abs() < 1e-13, "dimension {d}: {defect:e}");
+            }
+        }
+    }
+}
+
+/// A chain of spins of the compiled crate, with the elimination in six dimensions.
+#[test]
+fn six_dimensions_agree() {
+    let y0 = [0.6, 0.1, 0.8, 0.2, 0.8, 0.6];
+    let mut definition = bodies(2);
+    definition.name = "two spins".into();
+    definition.state = words(&["a1", "a2", "a3", "b1", "b2", "b3"]);
+    definition.structure = vec![
+        words(&["-a3", "a2", "0", "0", "0"]),
+        words(&["-a1", "0", "0", "0"]),
+        words(&["0", "0", "0"]),
+        words(&["-b3", "b2"]),
+        words(&["-b1"]),
+    ];
+    definition.energy = "-J*(a1*b1 + a2*b2 + a3*b3) - K*(a3^2 + b3^2)/2".into();
+    definition.noises = (1..=3).map(|m| format!("-sigma*(a{m} + b{m})")).collect();
+    let parameters = [("J", 1.0), ("K", 0.5), ("sigma", 0.7)];
+    definition.parameters = parameters.map(|(name, value)| (name.into(), value)).to_vec();
+    let compiled = Compiled::new(SpinChain::<6>::new(1.0, 0.5, 0.7).unwrap(), y0);
+    Pair::new(&definition, &y0, compiled).agree(ROUNDING);
+}
+
+fn harmonic() -> Definition {
+    Definition {
+        name: "harmonic".into(),
+        state: words(&["p", "q"]),
+        parameters: vec![("c".into(), 2.0)],
+        structure: vec![words(&["0", "-c*q"]), words(&["c*q", "0"])],
+        energy: "(p^2 + q^2)/2".into(),
+        noises: words(&["q"]),
+        observables: vec![("r".into(), "sqrt(p^2 + q^2)".into()), ("one".into(), "1".into())],
+    }
+}
+
+fn error(change: impl FnOnce(&mut Definition)) -> DefinitionError {
+    let mut definition = harmonic();
+    change(&mut definition);
+    FormulaSystem::new(&definition, &[3.0, 4.0]).err().expect("an error")
+}
+
+#[test]
+fn observables_and_descriptions_are_kept() {
+    let system = FormulaSystem::new(&harmonic(), &[3.0, 4.0]).unwrap();
+    assert_eq!((system.name(), system.parameters().as_str()), ("harmonic", "c = 2"));
+    let y = Rows::splat(&[3.0, 4.0]).unwrap();
+    let (mut out, mut scratch) =
+        (Rows::zero(2).unwrap(), Rows::zero(system.scratch_rows()).unwrap());
+    system.observe(&y, &mut out, &mut scratch);
+    assert_eq!((out[0][31], out[1][0]), (5.0, 1.0));
+}
+
+#[test]
+fn wrong_definitions_are_named() {
+    let shown = |change: fn(&mut Definition)| error(change).to_string();
+    type Change = fn(&mut Definition);
+    let table: [(Change, &str); 12] = [
+        (|d| d.state[1] = "p".into(), "`p` is given twice"),
+        (|d| d.parameters[0].1 = f64::INFINITY, "the parameter `c` must be finite, got inf"),
+        (|d| d.state.truncate(1), "the initial value must have 1 components, got 2"),
+        (
+            |d| d.structure[1].truncate(1),
+            "B must have 2 rows of 2 entries, or its entries above \
+             the diagonal in rows of 1 to 1; its rows have [2, 1]",
+        ),
+        (
+            |d| d.structure[0][1] = "-c*q + 2r".into(),
+            "B, row 1, column 2: line 1, column 9: an operator is missing: write 2*r\n  \
+             -c*q + 2r\n          ^",
+        ),
+        (
+            |d| d.structure[1][0] = "c*p".into(),
+            "B is not skew: row 1, column 2 is -8, and row 2, column 1 is 6, at y = [3.0, 4.0]",
+        ),
+        (
+            |d| d.structure[0][0] = "p".into(),
+            "B is not skew: row 1, column 1 is 3, and row 1, column 1 is 3, at y = [3.0, 4.0]",
+        ),
+        (
+            |d| d.energy = "ln(p - q)".into(),
+            "H0 has no finite value at the initial value: line 1, column 1: ln of -1 is NaN\n  \
+             ln(p - q)\n  ^^^^^^^^^",
+        ),
+        (
+            |d| d.energy = "sqrt(p - 3)".into(),
+            "the derivative of H0 by p is inf at the initial value",
+        ),
+        (
+            |d| d.noises[0] = "qq".into(),
+            "H, noise 1: line 1, column 1: unknown name `qq`; the nearest is `q`\n  qq\n  ^^",
+        ),
+        (
+            |d| d.observables[0].1 = "".into(),
+            "the observable r: line 1, column 1: the formula is empty: write a number or an \
+             expression\n  \n  ^",
+        ),
+        (
+            |d| d.structure[0][1] = "1/(p - 3)".into(),
+            "B, row 1, column 2 has no finite value at the initial value: line 1, column 1: the \
+             quotient of 1 and 0 is inf\n  1/(p - 3)\n  ^^^^^^^^^",
+        ),
+    ];
+    for (change, message) in table {
+        assert_eq!(shown(change), message);
+    }
+    let none = Definition::default();
+    assert_eq!(FormulaSystem::new(&none, &[]).err(), Some(DefinitionError::NoState));
+    let nan = FormulaSystem::new(&harmonic(), &[3.0, f64::NAN]).err().unwrap();
+    assert_eq!(nan.to_string(), "the initial value must be finite, got q = NaN");
+    assert!(matches!(
+        error(|d| d.noises[0] = "2q".into()),
+        DefinitionError::Formula { which: Which::Noise(1), .. }
+    ));
+}
+
+#[test]
+fn skewness_is_found_where_only_numbers_show_it() {
+    let mut definition = harmonic();
+    definition.structure = vec![words(&["0", "(p + q)^2"]), words(&["-p^2 - q*(2*p + q)", "0"])];
+    assert!(FormulaSystem::new(&definition, &[3.0, 4.0]).is_ok());
+    definition.structure[1][0] = "-p^2 - q*(2*p + q*1.0000001)".into();
+    let error = FormulaSystem::new(&definition, &[3.0, 4.0]).err();
+    assert!(matches!(error, Some(DefinitionError::NotSkew { row: 1, column: 2, .. })), "{error:?}");
+}
+
+#[test]
+fn a_point_outside_of_the_domain_is_named() {
+    let mut definition = harmonic();
+    definition.energy = "p^2/2 + ln(q)".into();
+    let system = FormulaSystem::new(&definition, &[3.0, 4.0]).unwrap();
+    assert_eq!(system.check_domain(&[1.0, 1.0]), Ok(()));
+    let error = system.check_domain(&[1.0, -1.0]).unwrap_err();
+    assert!(matches!(error, SystemError::OutsideDomain { .. }), "{error}");
+}

@@ -1,0 +1,191 @@
+//! A problem and a scheme, whose dimension and number of noises are known at run time only.
+
+use std::sync::Arc;
+
+use noise::BlockNoise;
+use nonlin::BlockStatus;
+use real::{Block, Row};
+use schemes::{DynScheme, RunState, Scheme, Step};
+use systems::{Damping, PoissonSystem, Problem};
+
+use crate::observable::components;
+
+/// A problem of any dimension with any number of noises: what is needed of it beside the steps of
+/// schemes. That of a [`Problem`] is made where a `Problem` is given.
+///
+/// Paths start at `y0` at time 0 and end at `t_end`, which must be positive and finite.
+pub struct DynProblem<'a> {
+    /// Name of the system.
+    pub name: String,
+    /// Its parameters, as far as it describes them.
+    pub parameters: String,
+    /// Number of noises.
+    pub noises: usize,
+    /// The initial value; its length is the dimension.
+    pub y0: Vec<f64>,
+    /// The final time T.
+    pub t_end: f64,
+    /// The damping γ.
+    pub damping: &'a dyn Damping,
+    /// The functions that obey the conformal law, which tables have as columns.
+    pub laws: Vec<ConformalLaw>,
+    /// The formulas of the system.
+    pub formulas: Box<dyn Formulas + 'a>,
+}
+
+/// A function F that obeys the conformal law F(y(t)) = e^{−p∫γ}F(y(0)).
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConformalLaw {
+    /// Its symbol in results, for example `C` or `H`.
+    pub name: String,
+    /// The degree p.
+    pub degree: f64,
+}
+
+/// The formulas of a system, evaluated at single states.
+pub trait Formulas: Sync {
+    /// B(y)·v.
+    fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64>;
+    /// h(y) = H₀(y)·dt + Σₘ Hₘ(y)·dwₘ.
+    fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64;
+    /// The value at y of the function number `index` among [`DynProblem::laws`].
+    fn law(&self, index: usize, y: &[f64]) -> f64;
+}
+
+/// A problem and a scheme for it. N is the noise of a step, [`noise::NoiseRows`] where the number
+/// of noises is known at run time only.
+pub struct Setup<'a, N> {
+    /// The problem.
+    pub problem: DynProblem<'a>,
+    /// The scheme on the system of this problem.
+    pub scheme: Arc<dyn DynScheme<N> + 'a>,
+}
+
+/// A scheme on a level of a ladder, see [`Run`](crate::Run).
+pub struct DynRun<'a, N> {
+    /// The scheme on the system of the problem of the ladder.
+    pub scheme: Arc<dyn DynScheme<N> + 'a>,
+    /// The level; 0 is the finest.
+    pub level: usize,
+    /// Whether the two increments in every step of the level above are exchanged.
+    pub swapped: bool,
+}
+
+impl<'a, N> DynRun<'a, N> {
+    /// The scheme on the increments in their order.
+    pub fn new(scheme: Arc<dyn DynScheme<N> + 'a>, level: usize) -> Self {
+        Self { scheme, level, swapped: false }
+    }
+
+    /// The scheme on exchanged increments.
+    pub fn swapped(scheme: Arc<dyn DynScheme<N> + 'a>, level: usize) -> Self {
+        Self { scheme, level, swapped: true }
+    }
+}
+
+impl<'a> DynProblem<'a> {
+    pub(crate) fn of<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+        problem: &'a Problem<S, G, D>,
+    ) -> Self {
+        let system = problem.system();
+        let laws = system.invariants().into_iter();
+        let law =
+            |law: systems::Invariant| ConformalLaw { name: law.name.into(), degree: law.degree };
+        Self {
+            name: system.name().into(),
+            parameters: system.parameters(),
+            noises: M,
+            y0: problem.y0().into(),
+            t_end: problem.t_end(),
+            damping: problem.damping(),
+            laws: laws.map(law).collect(),
+            formulas: Box::new(Compiled::<_, D, M> { system }),
+        }
+    }
+}
+
+impl<'a, const M: usize> Setup<'a, BlockNoise<M>> {
+    pub(crate) fn of<S: PoissonSystem<D, M>, G: Damping, const D: usize>(
+        problem: &'a Problem<S, G, D>,
+        scheme: &'a dyn Scheme<S, D, M>,
+    ) -> Self {
+        Self { problem: DynProblem::of(problem), scheme: bound(problem.system(), scheme) }
+    }
+}
+
+/// A scheme on a system that are known to the compiler.
+pub(crate) fn bound<'a, S: Sync, const D: usize, const M: usize>(
+    system: &'a S,
+    scheme: &'a dyn Scheme<S, D, M>,
+) -> Arc<dyn DynScheme<BlockNoise<M>> + 'a> {
+    Arc::new(Bound { system, scheme })
+}
+
+struct Compiled<'a, S, const D: usize, const M: usize> {
+    system: &'a S,
+}
+
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Formulas for Compiled<'_, S, D, M> {
+    fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
+        self.system.structure(array::<D>(y), array(v)).into()
+    }
+
+    fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64 {
+        self.system.energy(array::<D>(y), dt, array(dw))
+    }
+
+    fn law(&self, index: usize, y: &[f64]) -> f64 {
+        self.system.invariant(index, array(y))
+    }
+}
+
+fn array<const D: usize>(y: &[f64]) -> [f64; D] {
+    y.try_into().unwrap_or_else(|_| panic!("got {} numbers instead of {D}", y.len()))
+}
+
+struct Bound<'a, S, const D: usize, const M: usize> {
+    system: &'a S,
+    scheme: &'a dyn Scheme<S, D, M>,
+}
+
+impl<S: Sync, const D: usize, const M: usize> DynScheme<BlockNoise<M>> for Bound<'_, S, D, M> {
+    fn id(&self) -> &'static str {
+        self.scheme.id()
+    }
+
+    fn reads_areas(&self) -> bool {
+        self.scheme.reads_areas()
+    }
+
+    fn clips_increments(&self) -> bool {
+        self.scheme.clips_increments()
+    }
+
+    /// Newton's method and continuation have a dozen matrices in an optimised build, and up to 160
+    /// (measured) in one that is not optimised. Memory that is not used is only reserved.
+    fn stack(&self) -> usize {
+        (1 << 19) + 256 * 8 * D * D
+    }
+
+    fn start(&self, y: &[Row]) -> Box<dyn RunState<BlockNoise<M>> + '_> {
+        let Self { system, scheme } = *self;
+        Box::new(BlockState { system, scheme, y: Block(*components(y)) })
+    }
+}
+
+/// A block of paths of a scheme on a system.
+struct BlockState<'a, S, const D: usize, const M: usize> {
+    system: &'a S,
+    scheme: &'a dyn Scheme<S, D, M>,
+    y: Block<D>,
+}
+
+impl<S: Sync, const D: usize, const M: usize> RunState<BlockNoise<M>> for BlockState<'_, S, D, M> {
+    fn step(&mut self, step: &Step, noise: &BlockNoise<M>, status: &mut BlockStatus) {
+        self.scheme.step_block(self.system, step, noise, &mut self.y, status);
+    }
+
+    fn rows(&self) -> &[Row] {
+        &self.y.0
+    }
+}

@@ -1,0 +1,302 @@
+//! Systems whose dimension and number of noises are known at run time only: the same bits as those
+//! that the compiler knows.
+
+use std::sync::Arc;
+
+use mc::{
+    DynProblem, DynRun, DynSimulation, Formulas, Ladder, LadderError, Observable, Observe, Run,
+    Setup, Simulation, Statistic, Study, StudySettings, View,
+    multilevel::{Coupling, ExpectationSettings, expectation, expectation_of},
+    parts::{Job, Program, Share},
+    study,
+};
+use noise::{BlockNoise, NoiseRows, StepNoise, Truncation};
+use nonlin::BlockStatus;
+use real::{PathMask, Real, Row, Rows, WIDTH};
+use schemes::{DynScheme, Heun, RunState, Step};
+use systems::{Constant, Damping, PoissonSystem, Problem};
+
+use crate::ladder::KEY;
+
+/// y_m = W_m.
+struct Walk {
+    reads_areas: bool,
+}
+
+impl<N: StepNoise> DynScheme<N> for Walk {
+    fn id(&self) -> &'static str {
+        "walk"
+    }
+    fn reads_areas(&self) -> bool {
+        self.reads_areas
+    }
+    fn clips_increments(&self) -> bool {
+        true
+    }
+    fn start(&self, y: &[Row]) -> Box<dyn RunState<N> + '_> {
+        Box::new(Walked(y.to_vec()))
+    }
+}
+
+struct Walked(Vec<Row>);
+
+impl<N: StepNoise> RunState<N> for Walked {
+    fn step(&mut self, _: &Step, noise: &N, status: &mut BlockStatus) {
+        for (y, dw) in self.0.iter_mut().zip(noise.increments()) {
+            (0..WIDTH).for_each(|p| y[p] += dw[p]);
+        }
+        *status = BlockStatus::explicit();
+    }
+    fn rows(&self) -> &[Row] {
+        &self.0
+    }
+}
+
+/// No formulas.
+struct Nothing;
+
+impl Formulas for Nothing {
+    fn structure(&self, _: &[f64], _: &[f64]) -> Vec<f64> {
+        Vec::new()
+    }
+    fn energy(&self, _: &[f64], _: f64, _: &[f64]) -> f64 {
+        0.0
+    }
+    fn law(&self, _: usize, _: &[f64]) -> f64 {
+        0.0
+    }
+}
+
+fn problem<'a>(
+    damping: &'a dyn Damping,
+    noises: usize,
+    y0: &[f64],
+    formulas: impl Formulas + 'a,
+) -> DynProblem<'a> {
+    DynProblem {
+        name: "turn".into(),
+        parameters: String::new(),
+        noises,
+        y0: y0.into(),
+        t_end: 1.0,
+        damping,
+        laws: Vec::new(),
+        formulas: Box::new(formulas),
+    }
+}
+
+/// The bits of all states at all times, path by path.
+#[derive(Default, Debug, PartialEq)]
+struct Bits(Vec<u64>);
+
+impl Statistic for Bits {
+    fn observe(&mut self, view: &View<'_>) {
+        for run in 0..view.runs() {
+            for row in view.state(run) {
+                self.0.extend(view.live.paths().map(|p| row[p].to_bits()));
+            }
+            self.0.push(u64::from(view.clipped[run].0));
+        }
+    }
+    fn merge(&mut self, later: Self) {
+        self.0.extend(later.0);
+    }
+}
+
+/// The states of walks at several levels, and the number of clipped increments at each.
+fn walks<N: StepNoise>(noises: usize) -> (Bits, Vec<u64>) {
+    let damping = Constant::new(0.0).unwrap();
+    let problem = problem(&damping, noises, &vec![0.0; noises], Nothing);
+    let walk: Arc<dyn DynScheme<N>> = Arc::new(Walk { reads_areas: false });
+    let run = |level| DynRun::new(Arc::clone(&walk), level);
+    let runs = vec![run(0), run(1), run(3), DynRun::swapped(Arc::clone(&walk), 2)];
+    let ladder = Ladder::of(&problem, 64, 3, Truncation::new(1).unwrap(), KEY, runs).unwrap();
+    let measured = ladder.run(150, Bits::default, &|_| ());
+    (measured.statistic, measured.clipped)
+}
+
+#[test]
+fn noises_counted_at_run_time_have_the_bits_of_those_counted_by_the_compiler() {
+    fn check<const M: usize>() {
+        let (bits, clipped) = walks::<BlockNoise<M>>(M);
+        assert!(clipped[0] > 0 && clipped[1] > 0 && clipped[3] > 0, "{clipped:?}");
+        assert_eq!(walks::<NoiseRows>(M), (bits, clipped), "M = {M}");
+    }
+    check::<1>();
+    check::<2>();
+    check::<3>();
+    check::<4>();
+    check::<7>();
+}
+
+#[test]
+fn noise_without_areas_is_refused_to_a_scheme_that_reads_them() {
+    let damping = Constant::new(0.0).unwrap();
+    let problem = problem(&damping, 2, &[0.0; 2], Nothing);
+    let run = DynRun::<NoiseRows>::new(Arc::new(Walk { reads_areas: true }), 0);
+    let error = Ladder::of(&problem, 4, 0, Truncation::none(), KEY, vec![run]).err();
+    assert_eq!(error, Some(LadderError::NoiseWithoutAreas { scheme: "walk" }));
+}
+
+/// H₀ = ½(q² + p²), H₁ = ½q², H₂ = ½p², H₃ = ½(q² + p²).
+struct Turn;
+
+impl PoissonSystem<2, 3> for Turn {
+    fn name(&self) -> &'static str {
+        "turn"
+    }
+    #[inline(always)]
+    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+        [v[1], -v[0]]
+    }
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 3]) -> R {
+        let [a, b] = [dt + dw[0] + dw[2], dt + dw[1] + dw[2]];
+        y[0] * y[0] * (0.5 * a) + y[1] * y[1] * (0.5 * b)
+    }
+    #[inline(always)]
+    fn gradient<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 3]) -> [R; 2] {
+        [y[0] * (dt + dw[0] + dw[2]), y[1] * (dt + dw[1] + dw[2])]
+    }
+}
+
+/// The formulas of the same system on slices.
+struct TurnFormulas;
+
+impl Formulas for TurnFormulas {
+    fn structure(&self, _: &[f64], v: &[f64]) -> Vec<f64> {
+        vec![v[1], -v[0]]
+    }
+    fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64 {
+        let [a, b] = [dt + dw[0] + dw[2], dt + dw[1] + dw[2]];
+        y[0] * y[0] * (0.5 * a) + y[1] * y[1] * (0.5 * b)
+    }
+    fn law(&self, _: usize, _: &[f64]) -> f64 {
+        unreachable!("there is none")
+    }
+}
+
+/// `heun` on it, written on rows.
+struct TurnHeun;
+
+impl DynScheme<NoiseRows> for TurnHeun {
+    fn id(&self) -> &'static str {
+        "heun"
+    }
+    fn reads_areas(&self) -> bool {
+        false
+    }
+    fn clips_increments(&self) -> bool {
+        false
+    }
+    fn start(&self, y: &[Row]) -> Box<dyn RunState<NoiseRows> + '_> {
+        let mut rows = Rows::zero(y.len()).unwrap();
+        rows.copy_from_slice(y);
+        Box::new(Turned(rows))
+    }
+}
+
+struct Turned(Rows);
+
+impl RunState<NoiseRows> for Turned {
+    fn step(&mut self, step: &Step, noise: &NoiseRows, status: &mut BlockStatus) {
+        let [q, p] = &mut self.0[..] else { unreachable!("two components") };
+        for k in 0..WIDTH {
+            let dw = |m: usize| noise.increments[m][k];
+            let [a, b] = [step.tau + dw(0) + dw(2), step.tau + dw(1) + dw(2)];
+            let change = |q: f64, p: f64, rate: f64| {
+                [p * b - q * (step.tau * rate), -(q * a) - p * (step.tau * rate)]
+            };
+            let first = change(q[k], p[k], step.rate_at_start);
+            let second = change(q[k] + first[0], p[k] + first[1], step.rate_at_end);
+            q[k] += (first[0] + second[0]) * 0.5;
+            p[k] += (first[1] + second[1]) * 0.5;
+        }
+        *status = BlockStatus::explicit();
+        status.fail_where_not_finite(&self.0);
+    }
+    fn rows(&self) -> &[Row] {
+        &self.0
+    }
+}
+
+/// qp of any system that begins with them.
+struct Product;
+
+impl Observe for Product {
+    fn name(&self) -> &str {
+        "qp"
+    }
+    fn evaluate(&self, y: &[Row], live: PathMask, values: &mut Row) {
+        live.paths().for_each(|p| values[p] = y[0][p] * y[1][p]);
+    }
+}
+
+const PRODUCT: [Observable<2>; 1] = [Observable { name: "qp", function: |y| y[0] * y[1] }];
+const START: [f64; 2] = [1.0, 0.25];
+
+fn compiled() -> Problem<Turn, Constant, 2> {
+    Problem::new(Turn, Constant::new(0.5).unwrap(), START, 1.0).unwrap()
+}
+
+fn setup(damping: &Constant) -> Setup<'_, NoiseRows> {
+    Setup { problem: problem(damping, 3, &START, TurnFormulas), scheme: Arc::new(TurnHeun) }
+}
+
+#[test]
+fn a_system_on_rows_has_the_bits_of_the_compiled_one_on_a_ladder() {
+    let (one, damping) = (compiled(), Constant::new(0.5).unwrap());
+    let Setup { problem, scheme } = setup(&damping);
+    let k = Truncation::none();
+    let runs = vec![Run::new(&Heun as _, 0), Run::new(&Heun, 2), Run::swapped(&Heun, 1)];
+    let ladder = Ladder::new(&one, 32, 2, k, KEY, runs).unwrap();
+    let run = |level| DynRun::new(Arc::clone(&scheme), level);
+    let runs = vec![run(0), run(2), DynRun::swapped(Arc::clone(&scheme), 1)];
+    let other = Ladder::of(&problem, 32, 2, k, KEY, runs).unwrap();
+    let bits = ladder.run(200, Bits::default, &|_| ()).statistic;
+    assert_eq!(other.run(200, Bits::default, &|_| ()).statistic, bits);
+}
+
+#[test]
+fn a_system_on_rows_has_the_bits_of_the_compiled_one_in_tables() {
+    let (one, damping) = (compiled(), Constant::new(0.5).unwrap());
+    let simulation = Simulation::new(&one, &Heun, Truncation::none()).every(3);
+    let tables = simulation.observing("qp", |y| y[0] * y[1]).paths(16, KEY, 5..40).unwrap();
+    let other = DynSimulation::new(setup(&damping), Truncation::none()).every(3);
+    assert_eq!(other.observing(Product).paths(16, KEY, 5..40).unwrap(), tables);
+}
+
+/// A study, and parts of it: its files do not tell the two systems apart.
+#[test]
+fn a_system_on_rows_has_the_bits_of_the_compiled_one_in_a_study() {
+    let (one, damping) = (compiled(), Constant::new(0.5).unwrap());
+    let settings = StudySettings::new(16, 4, 1000, Truncation::none(), KEY);
+    let result = study(&one, &Heun, &PRODUCT, &settings, &|_| ()).unwrap();
+    let other = Study::of(&setup(&damping), vec![&Product], &settings).unwrap();
+    assert_eq!(other.run(&|_| ()), result);
+
+    let folder = tempfile::tempdir().unwrap();
+    let program = || Program { name: "study".into(), version: "1".into() };
+    let part =
+        |number| Job::part(folder.path(), Share::new(number, 2).unwrap(), program()).unwrap();
+    let (first, second) = (part(1), part(2));
+    let one = Study::new(&one, &Heun, &PRODUCT, &settings).unwrap();
+    assert!(one.run_in(&first, "study", &|_| ()).is_none());
+    assert!(other.run_in(&second, "study", &|_| ()).is_none());
+    first.finish().unwrap();
+    second.finish().unwrap();
+    let job = Job::merge(folder.path(), program()).unwrap();
+    assert_eq!(other.run_in(&job, "study", &|_| ()), Some(result));
+    job.finish().unwrap();
+}
+
+#[test]
+fn a_system_on_rows_has_the_bits_of_the_compiled_one_in_an_expectation() {
+    let (one, damping) = (compiled(), Constant::new(0.5).unwrap());
+    for coupling in [Coupling::Plain, Coupling::Antithetic] {
+        let settings = ExpectationSettings::new(KEY, Truncation::none(), 4, coupling);
+        let found = expectation(&Heun, &one, &PRODUCT, 0.02, &settings, &|_| ()).unwrap();
+        let other = expectation_of(&setup(&damping), &[&Product], 0.02, &settings, &|_| ());
+        assert_eq!(format!("{:?}", other.unwrap()), format!("{found:?}"));
+    }
+}

@@ -1,0 +1,160 @@
+//! Where the spins of a lattice are in the rows of a state.
+//!
+//! The formulas of the lattice are written for 32 spins at once: those of one site on 32 paths, or
+//! those of 32 consecutive sites on one path.
+
+use std::ops::Range;
+
+use real::{Row, WIDTH};
+
+use super::shape::{Direction, Shape};
+
+/// Sites of a tile of one large path; a power of two. Its states take 24 KiB each.
+pub const TILE_SITES: usize = 1024;
+/// Rows of such a tile.
+pub const TILE_ROWS: usize = 3 * TILE_SITES / WIDTH;
+
+/// 32 spins: rows of their x, y and z.
+pub type Spins = [Row; 3];
+
+/// A layout of the spins.
+pub trait Layout: Copy + Sync {
+    /// The number of groups of 32 spins on a tile of rows.
+    fn groups(self, tile: &Range<usize>) -> usize;
+    /// The rows of group number `group` of a tile, counted from its first row.
+    fn rows(self, tile: &Range<usize>, group: usize) -> [usize; 3];
+    /// The spins next to those of a group in a direction; zero where there are none.
+    fn neighbours(self, tile: &Range<usize>, group: usize, direction: usize, y: &[Row]) -> Spins;
+}
+
+/// Component c of site i in row 3i + c, on 32 paths.
+#[derive(Clone, Copy)]
+pub struct OnPaths<'a> {
+    pub shape: &'a Shape,
+    pub directions: &'a [Direction],
+}
+
+impl Layout for OnPaths<'_> {
+    #[inline(always)]
+    fn groups(self, tile: &Range<usize>) -> usize {
+        tile.len() / 3
+    }
+
+    #[inline(always)]
+    fn rows(self, _: &Range<usize>, group: usize) -> [usize; 3] {
+        [3 * group, 3 * group + 1, 3 * group + 2]
+    }
+
+    #[inline(always)]
+    fn neighbours(self, tile: &Range<usize>, group: usize, direction: usize, y: &[Row]) -> Spins {
+        match self.shape.neighbour(tile.start / 3 + group, self.directions[direction]) {
+            Some(site) => [y[3 * site], y[3 * site + 1], y[3 * site + 2]],
+            None => [[0.0; WIDTH]; 3],
+        }
+    }
+}
+
+/// Tiles of [`TILE_SITES`] sites of one path: the x of all of them, then the y, then the z. The last
+/// tile has as many groups of 32 as are left.
+#[derive(Clone, Copy)]
+pub struct OnePath<'a> {
+    pub sites: usize,
+    /// Offsets inside and across a periodic end, and whether the axis is periodic.
+    pub offsets: &'a [((isize, isize), bool)],
+    /// For each group of 32 sites and direction, the sites that are the last ones.
+    pub ends: &'a [u32],
+}
+
+impl OnePath<'_> {
+    /// The number of rows.
+    pub fn row_count(sites: usize) -> usize {
+        3 * sites.div_ceil(WIDTH)
+    }
+
+    /// Row and lane of a component of a site.
+    pub fn place(sites: usize, site: usize, component: usize) -> (usize, usize) {
+        let tile = site / TILE_SITES;
+        let plane = Self::plane(sites, tile);
+        let inside = site % TILE_SITES;
+        (tile * TILE_ROWS + component * plane + inside / WIDTH, inside % WIDTH)
+    }
+
+    /// Rows of one component on a tile.
+    #[inline(always)]
+    fn plane(sites: usize, tile: usize) -> usize {
+        let left = (sites - tile * TILE_SITES).div_ceil(WIDTH);
+        if left < TILE_SITES / WIDTH { left } else { TILE_SITES / WIDTH }
+    }
+
+    /// The spins at sites first to first + 31; anything outside of the lattice.
+    #[inline(always)]
+    fn load(self, first: isize, y: &[Row]) -> Spins {
+        let numbers = y.as_flattened();
+        let tile = first as usize / TILE_SITES;
+        if first >= 0 && first as usize + WIDTH <= self.sites {
+            let plane = Self::plane(self.sites, tile) * WIDTH;
+            let inside = first as usize % TILE_SITES;
+            if inside + WIDTH <= plane {
+                let begin = tile * TILE_ROWS * WIDTH + inside;
+                let mut spins = [[0.0; WIDTH]; 3];
+                for c in 0..3 {
+                    let at = begin + c * plane;
+                    spins[c].copy_from_slice(&numbers[at..at + WIDTH]);
+                }
+                return spins;
+            }
+        }
+        self.load_each(first, y)
+    }
+
+    /// The same site by site, where they are on two tiles or at an end.
+    #[cold]
+    #[inline(never)]
+    fn load_each(self, first: isize, y: &[Row]) -> Spins {
+        let mut spins = [[0.0; WIDTH]; 3];
+        for lane in 0..WIDTH {
+            let site = first + lane as isize;
+            if site >= 0 && (site as usize) < self.sites {
+                for c in 0..3 {
+                    let (row, place) = Self::place(self.sites, site as usize, c);
+                    spins[c][lane] = y[row][place];
+                }
+            }
+        }
+        spins
+    }
+}
+
+impl Layout for OnePath<'_> {
+    #[inline(always)]
+    fn groups(self, tile: &Range<usize>) -> usize {
+        tile.len() / 3
+    }
+
+    #[inline(always)]
+    fn rows(self, tile: &Range<usize>, group: usize) -> [usize; 3] {
+        let plane = tile.len() / 3;
+        [group, group + plane, group + 2 * plane]
+    }
+
+    #[inline(always)]
+    fn neighbours(self, tile: &Range<usize>, group: usize, direction: usize, y: &[Row]) -> Spins {
+        let number = tile.start / 3 + group;
+        let first = (number * WIDTH) as isize;
+        let ends = self.ends[number * self.offsets.len() + direction];
+        let ((inside, across), periodic) = self.offsets[direction];
+        if ends == 0 {
+            return self.load(first + inside, y);
+        }
+        let near = self.load(first + inside, y);
+        let far = if periodic { self.load(first + across, y) } else { [[0.0; WIDTH]; 3] };
+        let mut spins = near;
+        for p in 0..WIDTH {
+            let end = ends >> p & 1 == 1;
+            for c in 0..3 {
+                spins[c][p] = if end { far[c][p] } else { near[c][p] };
+            }
+        }
+        spins
+    }
+}

@@ -1,0 +1,388 @@
+//! Classical spins on a lattice.
+//!
+//! A [`SpinLattice`] has spins sᵢ ∈ ℝ³ on a chain, a square or a cubic lattice, with B(y)v = (sᵢ ×
+//! vᵢ). Its Casimirs are the lengths of the spins: every scheme that keeps quadratic Casimirs keeps
+//! each of them on its law.
+//!
+//! **Transverse damping.** Bv with v = ∇H₀dt + α(s × ∇H₀)dt/|s| + Σ∇HₘdWₘ is of the form of the
+//! equation and leaves the lengths alone. With |s| = 1 and local noise it is the stochastic
+//! Landau–Lifshitz equation
+//!
+//! ds = (s × ∇H₀ + αs × (s × ∇H₀)) dt − σs × ∘dW.
+//!
+//! **Temperature.** On the product of spheres s × (s × ∇H₀) is minus the tangential gradient of H₀,
+//! and the noise has the generator ½σ²Δ. The precession s × ∇H₀ keeps H₀ and volumes. So exp(−βH₀)
+//! is stationary where α∇H₀e^{−βH₀} = ½σ²β∇H₀e^{−βH₀}: σ² = 2α/β, see
+//! [`noise_at_temperature`]. The damping does not act on the noise here. Where it does, as in the
+//! equation dsᵢ = sᵢ × (1 + αsᵢ×)(∇H₀dt − σ∘dW), the noise has the generator ½σ²(1 + α²)Δ, and
+//! σ² = 2α/(β(1 + α²)).
+
+mod bonds;
+mod formulas;
+mod layout;
+mod shape;
+
+use std::ops::Range;
+
+use dgrad::Rule;
+use real::{OutOfMemory, Row, Rows, WIDTH, dispatch};
+
+use super::{Lanes, System, Weights};
+use crate::{Invariant, Linearity};
+use bonds::{Flow, Part};
+use formulas::{Function, OnTile};
+use layout::{OnPaths, OnePath, TILE_ROWS};
+
+pub use formulas::Couplings;
+pub use shape::{Direction, Shape};
+
+/// σ = √(2α/β) at the temperature 1/β: with local noise and |s| = 1 the equilibrium is exp(−βH₀).
+///
+/// ```
+/// let (alpha, beta) = (0.1, 5.0);
+/// assert_eq!(systems::run_time::noise_at_temperature(alpha, 1.0 / beta), (2.0 * alpha / beta).sqrt());
+/// ```
+#[must_use]
+pub fn noise_at_temperature(damping: f64, temperature: f64) -> f64 {
+    (2.0 * damping * temperature).sqrt()
+}
+
+/// An invalid lattice.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LatticeError {
+    /// Sizes are missing, zero, too many or too large.
+    #[error("a lattice has one to three sizes, each at least 1, got {sizes:?}")]
+    Sizes {
+        /// The given sizes.
+        sizes: Vec<usize>,
+    },
+    /// A coupling is NaN or infinite.
+    #[error("{name} must be finite, got {value}")]
+    NotFinite {
+        /// Its name.
+        name: &'static str,
+        /// The given value.
+        value: f64,
+    },
+    /// There is no memory for the lattice.
+    #[error(transparent)]
+    Memory(#[from] OutOfMemory),
+}
+
+/// Classical spins on a lattice: H₀ = −J Σ sᵢ·sⱼ − ½K Σ (sᵢᶻ)² − h·Σ sᵢ, noise that is common or
+/// local, and transverse damping; see the [module](self).
+///
+/// The state has the components x, y and z of spin 1, then of spin 2, and so on. With
+/// [`on_paths`](Self::on_paths) rows hold 32 paths, with [`one_path`](Self::one_path) they hold one
+/// path of many spins.
+///
+/// ```
+/// use systems::run_time::{Couplings, Shape, SpinLattice, System};
+///
+/// let couplings = Couplings { exchange: 1.0, noise: 0.1, local: true, ..Couplings::default() };
+/// let lattice = SpinLattice::one_path(Shape::periodic(&[100, 100, 100])?, couplings)?;
+/// assert_eq!((lattice.dimension(), lattice.noises()), (3_000_000, 3_000_000));
+/// # Ok::<(), systems::run_time::LatticeError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct SpinLattice {
+    shape: Shape,
+    directions: Vec<Direction>,
+    couplings: Couplings,
+    /// For one path: the offsets of each direction, and the last sites of each group of 32.
+    offsets: Vec<((isize, isize), bool)>,
+    ends: Option<Vec<u32>>,
+    parts: Result<Vec<Part>, String>,
+    rule: Rule,
+}
+
+impl SpinLattice {
+    /// The lattice on rows of 32 paths.
+    ///
+    /// # Errors
+    /// [`LatticeError::NotFinite`].
+    pub fn on_paths(shape: Shape, couplings: Couplings) -> Result<Self, LatticeError> {
+        let Couplings { exchange, anisotropy, field: [x, y, z], noise, damping, .. } = couplings;
+        for (name, value) in [
+            ("the exchange J", exchange),
+            ("the anisotropy K", anisotropy),
+            ("the field h", x),
+            ("the field h", y),
+            ("the field h", z),
+            ("the noise σ", noise),
+            ("the damping α", damping),
+        ] {
+            if !value.is_finite() {
+                return Err(LatticeError::NotFinite { name, value });
+            }
+        }
+        let directions = shape.directions();
+        let odd = (0..3).find(|&axis| shape.is_periodic(axis) && shape.sizes()[axis] % 2 == 1);
+        let parts = if damping != 0.0 {
+            Err("transverse damping has no exact flow; take sexp-li".into())
+        } else if let Some(axis) = odd {
+            let size = shape.sizes()[axis];
+            Err(format!(
+                "axis {} is periodic with {size} sites, and bonds are taken in turn from even and \
+                 odd sites: take an even size, an open end or sexp-li",
+                axis + 1
+            ))
+        } else {
+            Ok(Part::all(&shape, &couplings))
+        };
+        let rule = Rule::new(1).unwrap_or_else(|error| unreachable!("{error}"));
+        let offsets = Vec::new();
+        Ok(Self { shape, directions, couplings, offsets, ends: None, parts, rule })
+    }
+
+    /// The lattice on rows that hold one path.
+    ///
+    /// # Errors
+    /// [`LatticeError::NotFinite`], and [`LatticeError::Memory`] if there is no memory for a state.
+    pub fn one_path(shape: Shape, couplings: Couplings) -> Result<Self, LatticeError> {
+        let mut lattice = Self::on_paths(shape, couplings)?;
+        let Self { shape, directions, .. } = &lattice;
+        let sites = shape.sites();
+        Rows::zero(OnePath::row_count(sites))?;
+        let offsets = directions
+            .iter()
+            .map(|&direction| (shape.offsets(direction), shape.is_periodic(direction.axis)))
+            .collect();
+        let mut ends = vec![0; sites.div_ceil(WIDTH) * directions.len()];
+        for site in 0..sites {
+            for (d, &direction) in directions.iter().enumerate() {
+                if shape.is_last(site, direction) {
+                    ends[site / WIDTH * directions.len() + d] |= 1 << (site % WIDTH);
+                }
+            }
+        }
+        (lattice.offsets, lattice.ends) = (offsets, Some(ends));
+        Ok(lattice)
+    }
+
+    /// The shape.
+    #[must_use]
+    pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// The couplings.
+    #[must_use]
+    pub fn couplings(&self) -> Couplings {
+        self.couplings
+    }
+
+    /// The largest relative error of |sᵢ|, if it should be `length` for every spin: max |sᵢ|/length −
+    /// 1 in absolute value. On 32 paths it is that of all of them.
+    #[must_use]
+    pub fn length_defect(&self, y: &[Row], length: f64) -> f64 {
+        let defect = |square: f64| (square.sqrt() / length - 1.0).abs();
+        let mut largest = 0.0f64;
+        for site in 0..self.shape.sites() {
+            let lanes = if self.ends.is_some() { 0..1 } else { 0..WIDTH };
+            for p in lanes {
+                let square: f64 = (0..3)
+                    .map(|c| {
+                        let (row, lane) = self.place(3 * site + c);
+                        y[row][lane + p].powi(2)
+                    })
+                    .sum();
+                let this = defect(square);
+                // A NaN is the largest.
+                largest = if this > largest || this.is_nan() { this } else { largest };
+            }
+        }
+        largest
+    }
+
+    fn evaluate(
+        &self,
+        function: Function<'_>,
+        tile: Range<usize>,
+        h: Weights<'_>,
+        out: &mut [Row],
+    ) {
+        let (couplings, directions) = (self.couplings, self.directions.len());
+        match &self.ends {
+            None => {
+                let layout = OnPaths { shape: &self.shape, directions: &self.directions };
+                dispatch(OnTile { layout, directions, couplings, tile, function, h, out });
+            }
+            Some(ends) => {
+                let layout = OnePath { sites: self.shape.sites(), offsets: &self.offsets, ends };
+                dispatch(OnTile { layout, directions, couplings, tile, function, h, out });
+            }
+        }
+    }
+}
+
+/// Spins with an invariant each; of more spins it is the sum.
+const SPINS_NAMED: usize = 16;
+
+impl System for SpinLattice {
+    fn name(&self) -> &str {
+        "spin-lattice"
+    }
+
+    fn parameters(&self) -> String {
+        let Couplings { exchange, anisotropy, field, noise, local, damping } = self.couplings;
+        let kind = if local { "local" } else { "common" };
+        format!(
+            "{}, J = {exchange}, K = {anisotropy}, h = {field:?}, σ = {noise} ({kind}), α = {damping}",
+            self.shape.describe()
+        )
+    }
+
+    fn dimension(&self) -> usize {
+        3 * self.shape.sites()
+    }
+
+    fn noises(&self) -> usize {
+        if self.couplings.local { self.dimension() } else { 3 }
+    }
+
+    fn lanes(&self) -> Lanes {
+        if self.ends.is_some() { Lanes::Components } else { Lanes::Paths }
+    }
+
+    fn rows(&self) -> usize {
+        match self.lanes() {
+            Lanes::Paths => self.dimension(),
+            Lanes::Components => OnePath::row_count(self.shape.sites()),
+        }
+    }
+
+    fn noise_rows(&self) -> usize {
+        if self.couplings.local { self.rows() } else { 3 }
+    }
+
+    fn tile_rows(&self) -> usize {
+        match self.lanes() {
+            Lanes::Paths => self.rows(),
+            Lanes::Components => TILE_ROWS,
+        }
+    }
+
+    fn place(&self, component: usize) -> (usize, usize) {
+        match self.lanes() {
+            Lanes::Paths => (component, 0),
+            Lanes::Components => OnePath::place(self.shape.sites(), component / 3, component % 3),
+        }
+    }
+
+    fn structure(&self, tile: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], _: &mut [Row]) {
+        self.evaluate(Function::Cross { s: y, v }, tile, Weights::NONE, out);
+    }
+
+    fn structure_along(
+        &self,
+        tile: Range<usize>,
+        _: &[Row],
+        u: &[Row],
+        v: &[Row],
+        out: &mut [Row],
+        _: &mut [Row],
+    ) {
+        self.evaluate(Function::Cross { s: u, v }, tile, Weights::NONE, out);
+    }
+
+    fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, _: &mut [Row]) {
+        let Couplings { exchange, anisotropy, field, noise, local, .. } = self.couplings;
+        let at = |rows: &[Row], site: usize, c: usize, p: usize| {
+            let (row, lane) = self.place(3 * site + c);
+            rows[row][lane + p]
+        };
+        let lanes = if self.ends.is_some() { 0..1 } else { 0..WIDTH };
+        *out = [0.0; WIDTH];
+        for p in lanes {
+            for site in 0..self.shape.sites() {
+                let s = [0, 1, 2].map(|c| at(y, site, c, p));
+                let up = self.directions.iter().filter(|direction| direction.up);
+                for next in up.filter_map(|&direction| self.shape.neighbour(site, direction)) {
+                    let product: f64 = (0..3).map(|c| s[c] * at(y, next, c, p)).sum();
+                    out[p] -= exchange * h.dt * product;
+                }
+                out[p] -= 0.5 * anisotropy * h.dt * s[2] * s[2];
+                for c in 0..3 {
+                    let dw = if local { at(h.dw, site, c, p) } else { h.dw[c][p] };
+                    out[p] -= (field[c] * h.dt + noise * dw) * s[c];
+                }
+            }
+        }
+    }
+
+    fn gradient(
+        &self,
+        tile: Range<usize>,
+        y: &[Row],
+        h: Weights<'_>,
+        out: &mut [Row],
+        _: &mut [Row],
+    ) {
+        self.evaluate(Function::Gradient { y }, tile, h, out);
+    }
+
+    fn hessian(
+        &self,
+        tile: Range<usize>,
+        y: &[Row],
+        u: &[Row],
+        h: Weights<'_>,
+        out: &mut [Row],
+        _: &mut [Row],
+    ) {
+        self.evaluate(Function::Hessian { y, u }, tile, h, out);
+    }
+
+    fn rule(&self) -> &Rule {
+        &self.rule
+    }
+
+    fn linearity(&self) -> Linearity {
+        Linearity::Affine
+    }
+
+    fn always_solvable(&self) -> bool {
+        true
+    }
+
+    fn cayley(&self, tile: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], _: &mut [Row]) {
+        self.evaluate(Function::Cayley { s: y, v }, tile, Weights::NONE, out);
+    }
+
+    fn ito_correction(&self, tile: Range<usize>, y: &[Row], out: &mut [Row], _: &mut [Row]) {
+        self.evaluate(Function::Ito { y }, tile, Weights::NONE, out);
+    }
+
+    fn parts(&self) -> Result<usize, String> {
+        self.parts.as_ref().map(Vec::len).map_err(String::clone)
+    }
+
+    fn flow(&self, part: usize, y: &mut [Row], h: Weights<'_>, _: &mut [Row]) {
+        let Ok(parts) = &self.parts else { unreachable!("a lattice without parts") };
+        let on_paths = self.ends.is_none();
+        let (shape, couplings) = (&self.shape, &self.couplings);
+        dispatch(Flow { shape, couplings, on_paths, part: parts[part], h, y });
+    }
+
+    fn invariants(&self) -> Vec<Invariant> {
+        match self.shape.sites() {
+            sites @ ..=SPINS_NAMED => vec![Invariant::quadratic_casimir("C", "½|sᵢ|²"); sites],
+            _ => vec![Invariant::quadratic_casimir("C", "½Σ|sᵢ|²")],
+        }
+    }
+
+    fn invariant(&self, index: usize, y: &[Row], out: &mut Row, _: &mut [Row]) {
+        let sites = self.shape.sites();
+        let spins = if sites <= SPINS_NAMED { index..index + 1 } else { 0..sites };
+        *out = [0.0; WIDTH];
+        let lanes = if self.ends.is_some() { 0..1 } else { 0..WIDTH };
+        for component in 3 * spins.start..3 * spins.end {
+            let (row, lane) = self.place(component);
+            for p in lanes.clone() {
+                out[p] += 0.5 * y[row][lane + p].powi(2);
+            }
+        }
+    }
+}

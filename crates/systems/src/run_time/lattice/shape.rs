@@ -1,0 +1,128 @@
+//! The shape of a lattice: sizes, boundaries, and who is whose neighbour.
+
+use super::LatticeError;
+
+/// A chain, a square or a cubic lattice, periodic or open along each axis. Site x + L₁(y + L₂z) is
+/// that of the coordinates (x, y, z).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Shape {
+    sizes: [usize; 3],
+    periodic: [bool; 3],
+}
+
+/// A direction to a neighbour: an axis, and whether its coordinate grows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Direction {
+    /// 0, 1 or 2.
+    pub axis: usize,
+    /// Whether the coordinate grows.
+    pub up: bool,
+}
+
+impl Shape {
+    /// The lattice with one to three sizes, open at all ends.
+    ///
+    /// # Errors
+    /// [`LatticeError::Sizes`] unless there are one to three sizes, all of them positive, whose
+    /// product is a number of sites.
+    pub fn open(sizes: &[usize]) -> Result<Self, LatticeError> {
+        Self::new(sizes, false)
+    }
+
+    /// The lattice with one to three sizes, periodic along each axis. An axis of size one or two is
+    /// open: its sites would be their own neighbours, or be joined twice.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn periodic(sizes: &[usize]) -> Result<Self, LatticeError> {
+        Self::new(sizes, true)
+    }
+
+    fn new(given: &[usize], periodic: bool) -> Result<Self, LatticeError> {
+        let mut sizes = [1; 3];
+        let sites = given.iter().try_fold(1usize, |sites, &size| sites.checked_mul(size));
+        let fits = sites.is_some_and(|sites| sites > 0 && sites < usize::MAX / 64);
+        if !(1..=3).contains(&given.len()) || !fits {
+            return Err(LatticeError::Sizes { sizes: given.to_vec() });
+        }
+        sizes[..given.len()].copy_from_slice(given);
+        Ok(Self { sizes, periodic: sizes.map(|size| periodic && size > 2) })
+    }
+
+    /// The same lattice, periodic or open along one axis. An axis of size one or two stays open.
+    #[must_use]
+    pub fn with_axis(mut self, axis: usize, periodic: bool) -> Self {
+        self.periodic[axis] = periodic && self.sizes[axis] > 2;
+        self
+    }
+
+    /// The sizes; 1 for axes that the lattice does not have.
+    #[must_use]
+    pub fn sizes(&self) -> [usize; 3] {
+        self.sizes
+    }
+
+    /// Whether an axis is periodic.
+    #[must_use]
+    pub fn is_periodic(&self, axis: usize) -> bool {
+        self.periodic[axis]
+    }
+
+    /// The number of sites.
+    #[must_use]
+    pub fn sites(&self) -> usize {
+        self.sizes.iter().product()
+    }
+
+    /// The distance between the numbers of neighbours along an axis.
+    pub(super) fn stride(&self, axis: usize) -> usize {
+        self.sizes[..axis].iter().product()
+    }
+
+    /// The coordinate of a site along an axis.
+    pub(super) fn coordinate(&self, site: usize, axis: usize) -> usize {
+        site / self.stride(axis) % self.sizes[axis]
+    }
+
+    /// The directions along the axes with more than one site.
+    pub(super) fn directions(&self) -> Vec<Direction> {
+        let axes = (0..3).filter(|&axis| self.sizes[axis] > 1);
+        axes.flat_map(|axis| [false, true].map(|up| Direction { axis, up })).collect()
+    }
+
+    /// Whether a site is the last one in a direction.
+    pub(super) fn is_last(&self, site: usize, direction: Direction) -> bool {
+        let end = if direction.up { self.sizes[direction.axis] - 1 } else { 0 };
+        self.coordinate(site, direction.axis) == end
+    }
+
+    /// The difference of the number of a neighbour: inside, and across a periodic end.
+    pub(super) fn offsets(&self, direction: Direction) -> (isize, isize) {
+        let stride = self.stride(direction.axis) as isize;
+        let around = stride * (self.sizes[direction.axis] as isize - 1);
+        if direction.up { (stride, -around) } else { (-stride, around) }
+    }
+
+    /// The neighbour of a site, if there is one.
+    #[must_use]
+    pub fn neighbour(&self, site: usize, direction: Direction) -> Option<usize> {
+        let (inside, across) = self.offsets(direction);
+        let last = self.is_last(site, direction);
+        if last && !self.periodic[direction.axis] {
+            return None;
+        }
+        site.checked_add_signed(if last { across } else { inside })
+    }
+
+    /// Sizes and boundaries in words.
+    pub(super) fn describe(&self) -> String {
+        let axes = (0..3).filter(|&axis| axis == 0 || self.sizes[axis] > 1);
+        let axes: Vec<String> = axes
+            .map(|axis| {
+                let end = if self.periodic[axis] { "periodic" } else { "open" };
+                format!("{} {end}", self.sizes[axis])
+            })
+            .collect();
+        axes.join(" × ")
+    }
+}

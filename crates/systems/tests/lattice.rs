@@ -1,0 +1,286 @@
+//! Spin lattices against formulas written out spin by spin, in both layouts.
+
+use real::{Row, Rows, WIDTH};
+use systems::run_time::{
+    Couplings, LatticeError, Shape, SpinLattice, System, Weights, noise_at_temperature,
+};
+
+type Spin = [f64; 3];
+
+/// Numbers in [−1, 1), by multiples of the golden ratio.
+fn number(n: usize) -> f64 {
+    2.0 * (n as f64 * 0.618_033_988_749_894_9 + 0.1).fract() - 1.0
+}
+
+fn spins(sites: usize, first: usize) -> Vec<Spin> {
+    (0..sites).map(|i| [0, 1, 2].map(|c| number(first + 5 * (3 * i + c)))).collect()
+}
+
+/// Vectors in the rows of a system, the same on all paths.
+fn rows(system: &dyn System, vectors: &[Spin]) -> Rows {
+    let mut rows = Rows::zero(system.rows()).unwrap();
+    for (component, &x) in vectors.as_flattened().iter().enumerate() {
+        let (row, lane) = system.place(component);
+        rows[row][lane] = x;
+        if lane == 0 && system.rows() == system.dimension() {
+            rows[row] = [x; WIDTH];
+        }
+    }
+    rows
+}
+
+fn vectors(system: &dyn System, rows: &[Row]) -> Vec<Spin> {
+    let at = |component| {
+        let (row, lane) = system.place(component);
+        rows[row][lane]
+    };
+    (0..system.dimension() / 3).map(|i| [0, 1, 2].map(|c| at(3 * i + c))).collect()
+}
+
+fn cross(a: Spin, b: Spin) -> Spin {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn dot(a: Spin, b: Spin) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Every bond of a lattice once, found from coordinates.
+fn bonds(sizes: [usize; 3], periodic: [bool; 3]) -> Vec<(usize, usize)> {
+    let site = |at: [usize; 3]| at[0] + sizes[0] * (at[1] + sizes[1] * at[2]);
+    let mut bonds = Vec::new();
+    for z in 0..sizes[2] {
+        for y in 0..sizes[1] {
+            for x in 0..sizes[0] {
+                for axis in 0..3 {
+                    let mut next = [x, y, z];
+                    next[axis] += 1;
+                    if next[axis] == sizes[axis] {
+                        if !periodic[axis] || sizes[axis] < 3 {
+                            continue;
+                        }
+                        next[axis] = 0;
+                    }
+                    bonds.push((site([x, y, z]), site(next)));
+                }
+            }
+        }
+    }
+    bonds
+}
+
+/// The vector v of the lattice, and h.
+fn by_hand(
+    bonds: &[(usize, usize)],
+    k: &Couplings,
+    s: &[Spin],
+    dt: f64,
+    dw: &dyn Fn(usize) -> Spin,
+) -> (Vec<Spin>, f64) {
+    let mut field = vec![k.field; s.len()];
+    let mut energy = 0.0;
+    for &(i, j) in bonds {
+        energy -= k.exchange * dot(s[i], s[j]) * dt;
+        for c in 0..3 {
+            field[i][c] += k.exchange * s[j][c];
+            field[j][c] += k.exchange * s[i][c];
+        }
+    }
+    let v = (0..s.len()).map(|i| {
+        energy -= 0.5 * k.anisotropy * s[i][2] * s[i][2] * dt;
+        energy -= dot(k.field, s[i]) * dt + k.noise * dot(dw(i), s[i]);
+        field[i][2] += k.anisotropy * s[i][2];
+        let turned = cross(s[i], field[i]);
+        let length = dot(s[i], s[i]).sqrt();
+        [0, 1, 2]
+            .map(|c| -field[i][c] * dt - k.noise * dw(i)[c] - k.damping * dt * turned[c] / length)
+    });
+    let v = v.collect();
+    (v, energy)
+}
+
+fn near(found: &[Spin], expected: &[Spin], tolerance: f64, what: &str) {
+    for (i, (found, expected)) in found.iter().zip(expected).enumerate() {
+        for c in 0..3 {
+            let error = (found[c] - expected[c]).abs();
+            assert!(error <= tolerance, "{what}, spin {i}: {found:?} {expected:?}");
+        }
+    }
+}
+
+/// All rows of a result, tile by tile.
+fn tiles(system: &dyn System, compute: &dyn Fn(std::ops::Range<usize>, &mut [Row])) -> Rows {
+    let mut out = Rows::zero(system.rows()).unwrap();
+    for first in (0..system.rows()).step_by(system.tile_rows()) {
+        let tile = first..(first + system.tile_rows()).min(system.rows());
+        compute(tile.clone(), &mut out[tile]);
+    }
+    out
+}
+
+#[test]
+fn both_layouts_are_the_lattice_spin_by_spin() {
+    let sizes: [&[usize]; 13] = [
+        &[1],
+        &[2],
+        &[3],
+        &[31],
+        &[32],
+        &[33],
+        &[100],
+        &[2500],
+        &[7, 5],
+        &[40, 33],
+        &[3, 4, 5],
+        &[12, 11, 10],
+        &[33, 2, 40],
+    ];
+    let tolerance = 64.0 * f64::EPSILON;
+    for (n, sizes) in sizes.iter().enumerate() {
+        for periodic in [false, true] {
+            for (local, damping) in [(false, 0.0), (true, 0.3)] {
+                let shape = if periodic { Shape::periodic(sizes) } else { Shape::open(sizes) };
+                let shape = shape.unwrap();
+                let k = Couplings {
+                    exchange: 1.3,
+                    anisotropy: 0.7,
+                    field: [0.1, -0.2, 0.4],
+                    noise: 0.8,
+                    local,
+                    damping,
+                };
+                let bonds = bonds(shape.sizes(), [periodic; 3]);
+                let sites = shape.sites();
+                let (s, u, w) = (spins(sites, n), spins(sites, 1000), spins(sites, 2000));
+                let dt = 0.2;
+                let dw = |i: usize| if local { w[i] } else { w[0] };
+                let (v, energy) = by_hand(&bonds, &k, &s, dt, &dw);
+                let systems = [
+                    SpinLattice::on_paths(shape.clone(), k).unwrap(),
+                    SpinLattice::one_path(shape, k).unwrap(),
+                ];
+                let mut first = None;
+                for system in &systems {
+                    let what = format!("{} of {}", system.parameters(), system.rows());
+                    let y = rows(system, &s);
+                    let dw = if local { rows(system, &w) } else { Rows::splat(&w[0]).unwrap() };
+                    let h = Weights { dt, dw: &dw };
+                    let gradient = tiles(system, &|tile, out| {
+                        system.gradient(tile, &y, h, out, &mut []);
+                    });
+                    near(&vectors(system, &gradient), &v, tolerance, &what);
+                    let turned = tiles(system, &|tile, out| {
+                        let (y, v) = (&y[tile.clone()], &gradient[tile.clone()]);
+                        system.structure(tile, y, v, out, &mut []);
+                    });
+                    let expected: Vec<Spin> =
+                        s.iter().zip(&v).map(|(&s, &v)| cross(s, v)).collect();
+                    near(&vectors(system, &turned), &expected, tolerance, &what);
+                    let mut sum = [0.0; WIDTH];
+                    system.energy(&y, h, &mut sum, &mut []);
+                    assert!((sum[0] - energy).abs() < tolerance * (1.0 + sites as f64), "{what}");
+                    // The derivative along u, by a central difference.
+                    let moved = |step: f64| {
+                        let moved = |(s, u): (&Spin, &Spin)| [0, 1, 2].map(|c| s[c] + step * u[c]);
+                        let moved: Vec<Spin> = s.iter().zip(&u).map(moved).collect();
+                        by_hand(&bonds, &k, &moved, dt, &|_| [0.0; 3]).0
+                    };
+                    let step = 1e-5;
+                    let (up, down) = (moved(step), moved(-step));
+                    let quotient =
+                        |(a, b): (&Spin, &Spin)| [0, 1, 2].map(|c| (a[c] - b[c]) / (2.0 * step));
+                    let expected: Vec<Spin> = up.iter().zip(&down).map(quotient).collect();
+                    let along = rows(system, &u);
+                    let hessian = tiles(system, &|tile, out| {
+                        system.hessian(tile, &y, &along, h, out, &mut []);
+                    });
+                    // Third derivatives of 1/|s| at |s| ≥ 0.1, times step².
+                    near(&vectors(system, &hessian), &expected, 1e-6, &what);
+                    // Both layouts compute in the same order.
+                    let bits = (vectors(system, &gradient), vectors(system, &hessian));
+                    assert_eq!(*first.get_or_insert(bits.clone()), bits, "{what}");
+                    // Nothing is where no spin is.
+                    let count = |rows: &[Row]| rows.iter().flatten().filter(|x| **x != 0.0).count();
+                    assert!(
+                        count(&turned)
+                            <= 3 * sites * if system.rows() == 3 * sites { WIDTH } else { 1 }
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn flows_turn_spins_and_lengths_stay() {
+    let shape = Shape::periodic(&[6, 4]).unwrap().with_axis(1, false);
+    let k = Couplings {
+        exchange: -0.6,
+        anisotropy: 0.9,
+        field: [0.3, 0.0, 0.1],
+        noise: 0.4,
+        local: true,
+        damping: 0.0,
+    };
+    let systems = [
+        SpinLattice::on_paths(shape.clone(), k).unwrap(),
+        SpinLattice::one_path(shape, k).unwrap(),
+    ];
+    let (s, w) = (spins(24, 3), spins(24, 17));
+    let mut ends = Vec::new();
+    for system in &systems {
+        let mut y = rows(system, &s);
+        let dw = rows(system, &w);
+        // Field and noise, anisotropy, and two parts for each axis.
+        assert_eq!(system.parts(), Ok(6));
+        // To first order the flows add up to B∇h.
+        let step = 1e-7;
+        let small: Vec<Spin> = w.iter().map(|w| w.map(|w| w * step)).collect();
+        let small = rows(system, &small);
+        let mut moved = rows(system, &s);
+        for part in 0..6 {
+            system.flow(part, &mut y, Weights { dt: 0.3, dw: &dw }, &mut []);
+            system.flow(part, &mut moved, Weights { dt: step, dw: &small }, &mut []);
+        }
+        let bonds = bonds([6, 4, 1], [true, false, false]);
+        let (v, _) = by_hand(&bonds, &k, &s, 1.0, &|i| w[i]);
+        for (i, moved) in vectors(system, &moved).into_iter().enumerate() {
+            let field = cross(s[i], v[i]);
+            for c in 0..3 {
+                // The second order is step·|f|² ≈ 1e-6.
+                assert!(((moved[c] - s[i][c]) / step - field[c]).abs() < 1e-5, "spin {i}");
+            }
+        }
+        for (s, y) in s.iter().zip(vectors(system, &y)) {
+            assert!((dot(y, y) / dot(*s, *s) - 1.0).abs() < 64.0 * f64::EPSILON);
+        }
+        ends.push(vectors(system, &y));
+    }
+    assert_eq!(ends[0], ends[1]);
+}
+
+#[test]
+fn wrong_lattices_are_refused() {
+    let k = Couplings { exchange: 1.0, noise: 0.1, ..Couplings::default() };
+    for sizes in [&[][..], &[0], &[3, 0], &[1, 2, 3, 4], &[usize::MAX, 2]] {
+        let error = Shape::open(sizes).unwrap_err();
+        assert_eq!(error, LatticeError::Sizes { sizes: sizes.to_vec() });
+    }
+    let shape = Shape::periodic(&[4, 5]).unwrap();
+    let nan = Couplings { anisotropy: f64::NAN, ..k };
+    let error = SpinLattice::on_paths(shape.clone(), nan).unwrap_err().to_string();
+    assert_eq!(error, "the anisotropy K must be finite, got NaN");
+    let odd = SpinLattice::one_path(shape, k).unwrap().parts().unwrap_err();
+    assert!(odd.contains("axis 2 is periodic with 5 sites"), "{odd}");
+    let damped = Couplings { damping: 0.1, ..k };
+    let lattice = SpinLattice::one_path(Shape::open(&[4]).unwrap(), damped).unwrap();
+    assert!(lattice.parts().is_err());
+    // Two exbibytes.
+    let error = SpinLattice::one_path(Shape::open(&[1 << 56]).unwrap(), k).unwrap_err();
+    assert!(error.to_string().contains("1729382256910270528 bytes"), "{error}");
+}
+
+#[test]
+fn the_noise_at_a_temperature() {
+    assert_eq!(noise_at_temperature(0.5, 4.0), 2.0);
+}
