@@ -22,6 +22,7 @@
 //! |---|---|
 //! | [`Moments`], [`CrossMoments`] | means and covariances |
 //! | [`CentralMoments`] | mean, variance, kurtosis and range, without cancellation |
+//! | [`TimeAverage`] | averages of a correlated series, in memory that does not grow |
 //! | [`quantile_ranks`] | order statistics that enclose a quantile |
 //! | [`fit_strong`] | strong orders, from squared differences that share paths |
 //! | [`fit_weak`], [`weak_errors`] | weak orders, from signed errors or differences with a covariance |
@@ -49,6 +50,7 @@ mod quantile_ranks;
 mod rate;
 mod root_mean_square;
 mod strong;
+mod time_average;
 mod weak;
 
 pub use central::{CentralMoments, ROUND_OFF};
@@ -61,4 +63,5 @@ pub use quantile_ranks::quantile_ranks;
 pub use rate::{Against, Model, Rate, StraightLine};
 pub use root_mean_square::{root_mean_square_interval, root_mean_squares};
 pub use strong::fit_strong;
+pub use time_average::{FEWEST_SAMPLES, StationaryMean, TimeAverage, TimeAverageError};
 pub use weak::{fit_weak, lower_share, weak_errors};
