@@ -47,6 +47,7 @@
 //! | [`FormulaError`], [`DomainError`] | what is wrong, with line, column and carets |
 
 mod compile;
+mod damping;
 mod derivative;
 mod domain;
 mod error;
@@ -60,6 +61,7 @@ mod shape;
 mod system;
 mod tape;
 
+pub use damping::{DampingError, FormulaDamping};
 pub use domain::DomainError;
 pub use error::{FormulaError, FormulaErrorKind};
 pub use formula::Formula;

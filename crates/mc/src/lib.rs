@@ -72,7 +72,7 @@ pub use failure::{Cause, PathFailure};
 pub use ladder::{Kept, Ladder, Measured, Run, Statistic, TimeChange, View};
 pub use large_path::{LargePath, LargePathError};
 pub use noise_source::{NextNoise, NoiseSource};
-pub use observable::{Observable, Observe};
+pub use observable::{Observable, Observe, RowFunction};
 pub use recording::{Recording, RecordingError};
 pub use seen_damping::SeenDamping;
 pub use setup::{ConformalLaw, DynProblem, DynRun, Formulas, Setup};
