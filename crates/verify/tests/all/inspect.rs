@@ -559,3 +559,55 @@ fn a_report_reads_like_this() {
     }
     assert_eq!(text.lines().count(), expected.len());
 }
+
+/// A system from texts is found to be what the compiled one is.
+#[test]
+fn formulas_are_inspected_like_compiled_systems() {
+    let words = |text: &str| text.split_whitespace().map(String::from).collect::<Vec<_>>();
+    let definition = formula::Definition {
+        name: "body".into(),
+        state: words("y1 y2 y3"),
+        structure: ["-y3 y2", "-y1"].map(words).into(),
+        energy: "(y1^2/2 + y2^2 + 1.5*y3^2)/2".into(),
+        noises: words("y1^2/2 y2^2/4 y3^2/6"),
+        ..formula::Definition::default()
+    };
+    let y0 = [0.45, 0.0, 0.89];
+    let texts = formula::FormulaSystem::new(&definition, &y0).unwrap();
+    let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
+    let damping = systems::Cosine::new(0.5, 2.0).unwrap();
+    let ours = verify::inspect_formula_problem(&texts, &damping, &y0, 1.0).unwrap();
+    let problem = systems::Problem::new(body, damping, y0, 1.0).unwrap();
+    let theirs = verify::inspect_problem(&problem).unwrap();
+    assert!(ours.mistakes.is_empty(), "{ours}");
+    assert_eq!(ours.structure.skew.status, theirs.structure.skew.status);
+    assert_eq!(ours.structure.jacobi.status, theirs.structure.jacobi.status);
+    assert_eq!(ours.noise.commute.status, theirs.noise.commute.status);
+    let found = |report: &verify::inspect::Inspection| -> Vec<String> {
+        report.casimirs.found.iter().map(|casimir| casimir.formula.clone()).collect()
+    };
+    assert_eq!(found(&ours), found(&theirs));
+    assert_eq!(ours.orders, theirs.orders);
+    assert_eq!(ours.pilot.unwrap().states, theirs.pilot.unwrap().states);
+    let radius = |report: &verify::inspect::Inspection| {
+        report.problem.as_ref().and_then(|problem| problem.radius).unwrap()
+    };
+    assert!((radius(&ours) / radius(&theirs) - 1.0).abs() < 1e-12);
+    assert!(ours.without_iteration.refused.is_none());
+
+    // Two populations: Σ cᵢ ln yᵢ, and a domain that has to be found.
+    let populations = formula::Definition {
+        name: "populations".into(),
+        state: words("x y z"),
+        structure: ["x*y -x*z", "y*z"].map(words).into(),
+        energy: "x + y + z - ln(x) - ln(y)".into(),
+        noises: words("0.1*x"),
+        ..formula::Definition::default()
+    };
+    let texts = formula::FormulaSystem::new(&populations, &[1.0, 0.5, 0.7]).unwrap();
+    let report = verify::inspect_formulas(&texts, &[1.0, 0.5, 0.7]).unwrap();
+    assert!(report.mistakes.is_empty() && !report.defined_everywhere, "{report}");
+    assert_eq!(report.casimirs.logarithmic.len(), 1, "{report}");
+    // Affine structure only: it has products.
+    assert!(report.without_iteration.refused.is_some());
+}
