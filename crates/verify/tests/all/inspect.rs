@@ -611,3 +611,59 @@ fn formulas_are_inspected_like_compiled_systems() {
     // Affine structure only: it has products.
     assert!(report.without_iteration.refused.is_some());
 }
+
+/// Large systems are inspected along directions, and what is wrong is seen.
+#[test]
+fn lattices_are_inspected_along_directions() {
+    use systems::run_time::{Couplings, Shape, SpinLattice};
+    let couplings = Couplings {
+        exchange: 1.0,
+        anisotropy: 0.4,
+        field: [0.1, 0.2, 0.3],
+        noise: 0.5,
+        local: true,
+        damping: 0.0,
+    };
+    let shape = Shape::periodic(&[20, 15, 10]).unwrap();
+    let y0 = [0.6, 0.0, 0.8].repeat(3000);
+    for damping in [0.0, 0.2] {
+        let couplings = Couplings { damping, ..couplings };
+        let lattice = SpinLattice::one_path(shape.clone(), couplings).unwrap();
+        let report = verify::inspect_large(&lattice, &y0).unwrap();
+        assert!(report.is_sound(), "{report}");
+        assert_eq!(report.identities.len(), if damping == 0.0 { 5 } else { 4 });
+        assert!(report.sexp_li_refused.is_none() && report.split_refused.is_some());
+        assert!(report.to_string().contains("9000 components, 9000 noises"), "{report}");
+    }
+    // On 32 paths, and formulas.
+    let ring = SpinLattice::on_paths(Shape::periodic(&[4]).unwrap(), couplings).unwrap();
+    assert!(verify::inspect_large(&ring, &y0[..12]).unwrap().is_sound());
+    // A body whose B is not skew, and one with a wrong Casimir, given as compiled systems.
+    struct Wrong {
+        skew: bool,
+    }
+    impl PoissonSystem<3, 1> for Wrong {
+        fn name(&self) -> &'static str {
+            "wrong"
+        }
+        fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+            let first = if self.skew { y[1] * v[2] - y[2] * v[1] } else { y[1] * v[2] };
+            [first, y[2] * v[0] - y[0] * v[2], y[0] * v[1] - y[1] * v[0]]
+        }
+        fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> R {
+            y[0] * y[1] * dt + y[2] * dw[0]
+        }
+        fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
+            [y[1] * dt, y[0] * dt * if self.skew { 1.01 } else { 1.0 }, R::constant(dw[0])]
+        }
+    }
+    for (skew, what) in [(false, "vᵀB(y)v = 0"), (true, "∇h is the derivative of h")] {
+        let y0 = [0.5, -0.3, 0.8];
+        let system = systems::run_time::Compiled::new(Wrong { skew }, y0);
+        let report = verify::inspect_large(&system, &y0).unwrap();
+        let refuted: Vec<_> =
+            report.identities.iter().filter(|identity| !identity.status.holds()).collect();
+        assert_eq!(refuted.len(), 1, "{report}");
+        assert_eq!(refuted[0].what, what);
+    }
+}
