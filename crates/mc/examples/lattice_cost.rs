@@ -2,14 +2,16 @@
 //!
 //! `cargo run --release -p casimir-mc --example lattice_cost [LEVEL]` prints ns per spin and step of
 //! cubic lattices with local noise, for several numbers of spins, schemes and threads: the least of
-//! several runs. The last column is the time of one thread over that of two.
+//! several runs. The last column is the time of one thread over that of two. Then the time of a step
+//! of `sexp` on a chain of 100 spins, as the step grows until iteration does not contract.
 
 use std::{sync::Arc, time::Instant};
 
 use mc::LargePath;
 use noise::{StreamKey, Truncation};
-use real::{Level, limit_to};
-use schemes::{Heun, Sexp, SexpLi, Split, run_time::Scheme};
+use nonlin::BlockStatus;
+use real::{Level, Rows, limit_to};
+use schemes::{Heun, Sexp, SexpLi, Split, Step, run_time::Scheme};
 use systems::{
     Constant,
     run_time::{Couplings, Problem, Shape, SpinLattice},
@@ -64,5 +66,33 @@ fn main() {
             let id = scheme.id();
             println!("{id:>8} {spins:>8} {one:>10.1} {two:>10.1} {:>6.2}", one / two);
         }
+    }
+    implicit();
+}
+
+/// One step of `sexp` on 32 paths of a chain.
+fn implicit() {
+    println!("\nsexp on 32 paths of a chain of 100 spins");
+    let couplings =
+        Couplings { exchange: 1.0, anisotropy: 0.5, noise: 0.8, ..Couplings::default() };
+    let chain = SpinLattice::on_paths(Shape::open(&[100]).unwrap(), couplings).unwrap();
+    let damping = Constant::new(0.0).unwrap();
+    let mut paths = Sexp.stepper(&chain).unwrap();
+    for tau in [0.05, 0.2, 0.3, 0.4, 0.45, 0.5, 0.7] {
+        let step = Step::new(&damping, 0, tau).unwrap();
+        let dw = Rows::splat(&[0.1, -0.2, 0.3]).unwrap();
+        let (mut least, mut status) = (f64::INFINITY, BlockStatus::explicit());
+        for _ in 0..5 {
+            for (component, row) in paths.state_mut().iter_mut().enumerate() {
+                let angle = 0.37 * (component / 3) as f64;
+                *row = [[angle.sin(), 0.6 * angle.cos(), 0.8 * angle.cos()][component % 3]; 32];
+            }
+            let begin = Instant::now();
+            paths.step(&step, &dw, &mut status);
+            least = least.min(begin.elapsed().as_secs_f64());
+        }
+        let way =
+            if status.robust.is_empty() { "sweeps of three evaluations" } else { "Newton steps" };
+        println!("step {tau:.2}: {:7.3} ms, {} {way}", 1e3 * least, status.iterations(0));
     }
 }

@@ -242,3 +242,27 @@ fn wrong_paths_are_refused() {
     let refused = Setup::at_run_time(&one, &Heun).map(|_| ()).unwrap_err();
     assert!(matches!(refused, SchemeError::OnePath { .. }), "{refused}");
 }
+
+/// Chains of 300 and of 10⁵ components run on the threads that there are, with iteration too, where
+/// a step hardly contracts and where it does not.
+#[test]
+fn long_chains_need_no_large_stack() {
+    let couplings = Couplings { exchange: 1.0, noise: 0.2, local: true, ..Couplings::default() };
+    let shape = Shape::open(&[100]).unwrap();
+    let many = problem(SpinLattice::on_paths(shape.clone(), couplings).unwrap(), 0.1, 4.0);
+    let one = problem(SpinLattice::one_path(shape, couplings).unwrap(), 0.1, 4.0);
+    let sexp_li = SexpLi::at_run_time(many.system()).unwrap();
+    for (scheme, steps) in [(&sexp_li as &dyn Scheme, 8), (&Heun, 64), (&Sexp, 64), (&Sexp, 6)] {
+        let setup = Setup::at_run_time(&many, scheme).unwrap();
+        let paths = DynSimulation::new(setup, truncation()).paths(steps, KEY, 0..2).unwrap();
+        assert!(paths.iter().all(|path| path.halted.is_none()), "{}", scheme.id());
+        let mut path = LargePath::new(&one, scheme, steps, truncation(), KEY, 0).unwrap();
+        path.advance(steps).unwrap();
+    }
+    let shape = Shape::open(&[33_334]).unwrap();
+    let large = problem(SpinLattice::one_path(shape, couplings).unwrap(), 0.1, 1.0);
+    for (scheme, steps) in [(&sexp_li as &dyn Scheme, 8), (&Heun, 8), (&Split, 8), (&Sexp, 8)] {
+        let mut path = LargePath::new(&large, scheme, steps, truncation(), KEY, 0).unwrap();
+        path.advance(2).unwrap();
+    }
+}
