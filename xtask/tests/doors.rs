@@ -23,8 +23,8 @@ const DOORS: [(&str, &[&str]); 15] = [
     (
         "casimir",
         &[
-            "report", "verify", "mc", "stats", "schemes", "systems", "nonlin", "dgrad", "noise",
-            "real",
+            "report", "verify", "mc", "stats", "formula", "schemes", "systems", "nonlin", "dgrad",
+            "noise", "real",
         ],
     ),
     (

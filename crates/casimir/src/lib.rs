@@ -31,13 +31,15 @@
 //! - [`verify`]: [`inspect`](verify::inspect()), [`strong_order`](verify::strong_order),
 //!   [`weak_order`](verify::weak_order), and [`compare`](verify::compare()), which says which scheme
 //!   is cheapest for an error.
+//! - [`formula`]: systems, dampings and observables from text; [`systems::run_time`] and
+//!   [`schemes::run_time`] for any system whose dimension is known at run time.
 //! - [`noise`], [`dgrad`], [`nonlin`], [`stats`], [`real`]: increments and Lévy areas, discrete
 //!   gradients, implicit equations, fits of orders, numbers.
 //! - `report`, with the feature of that name: figures and reports.
 
 #[cfg(feature = "report")]
 pub use report;
-pub use {dgrad, mc, noise, nonlin, real, schemes, stats, systems, verify};
+pub use {dgrad, formula, mc, noise, nonlin, real, schemes, stats, systems, verify};
 
 /// The names that most programs use: `use casimir::prelude::*`.
 pub mod prelude {

@@ -1,54 +1,70 @@
-//! What a path costs: B(y)v, h, ∇h, ∇²h·u and the linearly implicit step of the paper's systems,
-//! as formulas and compiled, in nanoseconds per path on one core. Run it with `--release`.
+//! What a path costs in nanoseconds on one core, as formulas and compiled: B(y)v, h, ∇h, ∇²h·u and
+//! the linearly implicit step of the paper's systems, then whole steps of schemes. Run it with
+//! `--release`.
 
 mod paper;
 
-use std::{hint::black_box, time::Instant};
+use std::{error::Error, hint::black_box, time::Instant};
 
 use formula::{Definition, FormulaSystem};
-use real::{Level, Rows, WIDTH};
+use noise::BlockNoise;
+use nonlin::BlockStatus;
+use real::{Block, Level, Rows, WIDTH};
+use schemes::{Heun, Sexp, SexpLi, Step, run_time};
 use systems::{
-    IntegerExponents, Linearity, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, RigidBody,
+    Constant, IntegerExponents, Linearity, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
+    PoissonSystem, RigidBody,
     run_time::{Compiled, System, Weights},
 };
 
 /// Rounds of which the fastest counts, and evaluations in a round.
-const ROUNDS: usize = 40;
-const EVALUATIONS: usize = 4000;
+const ROUNDS: usize = 30;
+const EVALUATIONS: usize = 3000;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    println!("{}; nanoseconds per path: formula / compiled\n", Level::current().name());
-    println!("{:16}{:>16}{:>16}{:>16}{:>16}{:>16}", "", "B v", "h", "grad h", "hess h u", "cayley");
-    let (inertia, noise) = ([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]);
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> Outcome<()> {
+    let (inertia, noise, y3) = ([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0], [0.6, 0.3, 0.8]);
     let body = RigidBody::three_noises(inertia, noise)?;
-    let y3 = [0.6, 0.3, 0.8];
-    row(&paper::pendulum(0.5), &Compiled::new(Pendulum::new(0.5)?, [0.2, 1.0]), &[0.2, 1.0])?;
-    row(&paper::rigid_body(inertia, noise), &Compiled::new(body, y3), &y3)?;
     let populations = LotkaVolterra::<IntegerExponents<2, 2>>::integer(0.5)?;
-    row(&paper::lotka_volterra(0.5), &Compiled::new(populations, y3), &y3)?;
-    row(&paper::maxwell_bloch(), &Compiled::new(MaxwellBloch, y3), &y3)?;
-    row(&paper::poisson3(0.5), &Compiled::new(Poisson3::new(0.5)?, y3), &y3)?;
-    Ok(())
+    println!("{}: nanoseconds per path, formula / compiled", Level::current().name());
+    row(&paper::pendulum(0.5), Pendulum::new(0.5)?, [0.2, 1.0])?;
+    row(&paper::rigid_body(inertia, noise), body, y3)?;
+    row(&paper::lotka_volterra(0.5), populations, y3)?;
+    row(&paper::maxwell_bloch(), MaxwellBloch, y3)?;
+    row(&paper::poisson3(0.5), Poisson3::new(0.5)?, y3)
 }
 
-/// The costs of one system in two forms.
-fn row(
+/// The costs of one system in two forms; those of schemes also at compile time.
+fn row<S, const D: usize, const M: usize>(
     definition: &Definition,
-    compiled: &dyn System,
-    y0: &[f64],
-) -> Result<(), Box<dyn std::error::Error>> {
-    let formula = FormulaSystem::new(definition, y0)?;
-    let (ours, theirs) = (costs(&formula, y0)?, costs(compiled, y0)?);
-    print!("{:16}", definition.name);
-    for (ours, theirs) in ours.iter().zip(theirs) {
-        print!("{:>16}", format!("{ours:.2} / {theirs:.2}"));
+    system: S,
+    y0: [f64; D],
+) -> Outcome<()>
+where
+    S: PoissonSystem<D, M> + Copy,
+{
+    let (formula, compiled) = (FormulaSystem::new(definition, &y0)?, Compiled::new(system, y0));
+    println!("{}", definition.name);
+    let names = ["B v", "h", "grad h", "hess h u", "cayley"];
+    let (ours, theirs) = (operations(&formula, &y0)?, operations(&compiled, &y0)?);
+    for (name, (ours, theirs)) in names.iter().zip(ours.iter().zip(theirs)) {
+        println!("  {name:10} {ours:8.2} / {theirs:.2}");
     }
-    println!("   {:?}", formula.instructions());
+    let linear = SexpLi::at_run_time(&formula);
+    let mut all: Vec<(&dyn run_time::Scheme, &dyn schemes::Scheme<S, D, M>)> =
+        vec![(&Heun, &Heun), (&Sexp, &Sexp)];
+    all.extend(linear.iter().map(|linear| (linear as _, linear as _)));
+    for (scheme, tuned) in all {
+        let tuned = tuned_step(tuned, &system, y0)?;
+        let (ours, theirs) = (step(scheme, &formula, &y0)?, step(scheme, &compiled, &y0)?);
+        println!("  {:10} {ours:8.2} / {theirs:.2} at run time / {tuned:.2}", scheme.id());
+    }
     Ok(())
 }
 
 /// The costs of B(y)v, h, ∇h, ∇²h·u and the linearly implicit step; zero where there is none.
-fn costs(system: &dyn System, y0: &[f64]) -> Result<[f64; 5], Box<dyn std::error::Error>> {
+fn operations(system: &dyn System, y0: &[f64]) -> Outcome<[f64; 5]> {
     let all = || 0..y0.len();
     let (y, v) = (Rows::splat(y0)?, Rows::splat(&vec![0.01; y0.len()])?);
     let dw = Rows::splat(&vec![0.1; system.noises()])?;
@@ -66,6 +82,34 @@ fn costs(system: &dyn System, y0: &[f64]) -> Result<[f64; 5], Box<dyn std::error
             }
         }),
     ])
+}
+
+/// The cost of a step from `y0` on a system known at run time.
+fn step(scheme: &dyn run_time::Scheme, system: &dyn System, y0: &[f64]) -> Outcome<f64> {
+    let mut stepper = scheme.stepper(system)?;
+    let (start, dw) = (Rows::splat(y0)?, Rows::splat(&vec![0.05; system.noises()])?);
+    let step = Step::new(&Constant::new(0.2)?, 0, 0.01)?;
+    let mut status = BlockStatus::explicit();
+    Ok(cost(|| {
+        stepper.state_mut().copy_from_slice(&start);
+        stepper.step(&step, &dw, &mut status);
+    }))
+}
+
+/// The cost of a step from `y0` of a kernel.
+fn tuned_step<S, const D: usize, const M: usize>(
+    scheme: &dyn schemes::Scheme<S, D, M>,
+    system: &S,
+    y0: [f64; D],
+) -> Outcome<f64> {
+    let noise = BlockNoise::<M>::increments(Block::splat([0.05; M]));
+    let step = Step::new(&Constant::new(0.2)?, 0, 0.01)?;
+    let mut status = BlockStatus::explicit();
+    let mut y = Block::splat(y0);
+    Ok(cost(|| {
+        y = Block::splat(y0);
+        scheme.step_block(system, &step, &noise, &mut y, &mut status);
+    }))
 }
 
 /// Nanoseconds per path.

@@ -244,6 +244,7 @@ fn unary(function: Unary) -> Operation {
         Unary::Sinh => Operation::Sinh,
         Unary::Cosh => Operation::Cosh,
         Unary::Tanh => Operation::Tanh,
+        Unary::Sinc => Operation::Sinc,
     }
 }
 

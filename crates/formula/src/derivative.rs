@@ -5,6 +5,9 @@ use crate::{
     graph::{Binary, Graph, Node, Unary},
 };
 
+/// Terms of the series of sinc′: the first omitted one is below half an ulp at x = 1.
+const SINC_SLOPE_TERMS: i32 = 9;
+
 impl Graph {
     /// Σ wᵢ ∂fᵢ/∂x for every input x in `inputs`, by reverse accumulation: one pass for any number
     /// of inputs. `weighted` are the pairs (fᵢ, wᵢ). The weights are not differentiated.
@@ -144,10 +147,33 @@ impl Graph {
                 let (one, square) = (self.constant(1.0), self.power(f, 2));
                 if function == Unary::Tan { self.add(square, one) } else { self.sub(one, square) }
             }
+            Unary::Sinc => self.sinc_slope(f, a),
             Unary::Neg | Unary::Abs | Unary::Sqrt | Unary::Ln => {
                 unreachable!("{function} has a rule of its own")
             }
         }
+    }
+
+    /// sinc′(x) = (cos x − sinc x)/x, and for x² < 1, where that cancels, the series
+    /// Σ_{n≥1} (−1)ⁿ 2n x^{2n−1}/(2n+1)!, as [`real::Dual`] has it.
+    fn sinc_slope(&mut self, sinc: Id, x: Id) -> Id {
+        let (square, one) = (self.power(x, 2), self.constant(1.0));
+        let mut series = one;
+        for n in (1..SINC_SLOPE_TERMS).rev() {
+            let n = f64::from(n);
+            let ratio = (n + 1.0) / (n * (2.0 * n + 2.0) * (2.0 * n + 3.0));
+            let scaled = self.scale(square, ratio);
+            let product = self.mul(scaled, series);
+            series = self.sub(one, product);
+        }
+        let product = self.mul(x, series);
+        let near = self.scale(product, -1.0 / 3.0);
+        // Where the series is taken, the quotient is not 0/0.
+        let safe = self.where_less(square, one, one, x);
+        let cos = self.unary(Unary::Cos, x);
+        let difference = self.sub(cos, sinc);
+        let far = self.div(difference, safe);
+        self.where_less(square, one, near, far)
     }
 
     /// The derivatives of `roots` along a direction: input k changes at the rate of its expression

@@ -1,6 +1,8 @@
 //! One formula with its text.
 
-use std::slice::from_ref;
+use std::slice::{from_mut, from_ref};
+
+use real::{Row, WIDTH};
 
 use crate::{DomainError, FormulaError, Graph, Id, Names, Tape, domain::explain, parse};
 
@@ -79,6 +81,16 @@ impl Formula {
         let mut value = [0.0];
         self.tape.evaluate_one(&[point], &mut value);
         value[0]
+    }
+
+    /// The values at 32 points, with a row for each variable. For formulas that are evaluated now
+    /// and then: memory is allocated, which a [`tape`](Self::tape) does not.
+    ///
+    /// # Panics
+    /// Unless there is a row for each variable.
+    pub fn values(&self, points: &[Row], values: &mut Row) {
+        let mut scratch = vec![[0.0; WIDTH]; self.tape.scratch_rows()];
+        self.tape.evaluate(&[points], from_mut(values), &mut scratch);
     }
 
     /// The derivatives with respect to the variables of these numbers, as a tape on the variables.

@@ -48,11 +48,13 @@ pub enum Unary {
     Cosh,
     /// tanh x.
     Tanh,
+    /// sin x/x, and 1 at 0.
+    Sinc,
 }
 
 impl Unary {
     /// The functions that a formula may name.
-    pub(crate) const NAMED: [Self; 10] = [
+    pub(crate) const NAMED: [Self; 11] = [
         Self::Abs,
         Self::Sqrt,
         Self::Exp,
@@ -63,6 +65,7 @@ impl Unary {
         Self::Sinh,
         Self::Cosh,
         Self::Tanh,
+        Self::Sinc,
     ];
 
     /// The value at x, with the functions of `real` that a tape uses.
@@ -79,6 +82,7 @@ impl Unary {
             Self::Sinh => functions::sinh(x),
             Self::Cosh => functions::cosh(x),
             Self::Tanh => functions::tanh(x),
+            Self::Sinc => elementary::sinc(x),
         }
     }
 }
@@ -97,6 +101,7 @@ impl Display for Unary {
             Self::Sinh => "sinh",
             Self::Cosh => "cosh",
             Self::Tanh => "tanh",
+            Self::Sinc => "sinc",
         })
     }
 }
@@ -188,14 +193,17 @@ fn powu(x: f64, n: u32) -> f64 {
     power
 }
 
-/// Expressions in some inputs, numbered from zero. Equal expressions are one.
+/// Expressions in some inputs, numbered from zero.
 ///
-/// Constants are folded with the functions that evaluate a tape. These identities are applied; they
-/// are exact, up to the sign of a zero, an overflow, and an operand that is not finite:
-/// x + 0 = x, 1·x = x, −1·x = −x, 0·x = 0/x = 0, x − x = 0, x + x = 2x, x·x = x²,
-/// −(−x) = x, −(a − b) = b − a, x/2ⁿ = 2⁻ⁿx, c·(2ⁿx) = (2ⁿc)·x. A sign is moved out of sums, products,
-/// quotients and powers, and into a constant factor. Operands of + and · are put in order. Zero has
-/// no sign.
+/// Equal expressions are one. Constants are folded with the functions that evaluate a tape. These
+/// identities are applied, and no others; they are exact, up to the sign of a zero, an overflow,
+/// and an operand that is not finite:
+/// - x + 0 = x, 1·x = x, −1·x = −x, 0·x = 0/x = 0, x − x = 0, x + x = 2x, x·x = x²;
+/// - −(−x) = x, −(a − b) = b − a, |−x| = |x|, min(x, x) = max(x, x) = x;
+/// - x/2ⁿ = 2⁻ⁿ·x, and c·(d·x) = (c·d)·x if c or d is a power of two;
+/// - a sign moves out of sums, products, quotients and powers, and into a constant factor.
+///
+/// The operands of + and · are put in order. Zero has no sign.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
@@ -264,6 +272,15 @@ impl Graph {
     /// Input number k.
     pub fn input(&mut self, k: usize) -> Id {
         self.intern(Node::Input(k as u32))
+    }
+
+    /// The number of inputs up to the last that was made.
+    pub(crate) fn inputs(&self) -> usize {
+        let number = |node: &Node| match node {
+            Node::Input(k) => *k as usize + 1,
+            _ => 0,
+        };
+        self.nodes.iter().map(number).max().unwrap_or(0)
     }
 
     /// The value of an expression without inputs.
@@ -531,6 +548,20 @@ impl Graph {
             copies[id.index()] = Some(copy);
         }
         roots.iter().filter_map(|root| copies[root.index()]).collect()
+    }
+
+    /// The expressions `roots` with `inputs[k]` in the place of input k.
+    pub(crate) fn substitute(&mut self, roots: &[Id], inputs: &[Id]) -> Vec<Id> {
+        let needed = self.needed(roots);
+        let mut copies = vec![Id::FIRST; needed.len()];
+        self.place = None;
+        for (index, id) in self.ids().enumerate().filter(|(index, _)| needed[*index]) {
+            copies[index] = match self.node(id) {
+                Node::Input(k) => inputs[k as usize],
+                node => self.make(node, |operand| copies[operand.index()]),
+            };
+        }
+        roots.iter().map(|root| copies[root.index()]).collect()
     }
 
     /// For every expression, whether one of the roots uses it.

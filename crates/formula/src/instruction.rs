@@ -19,6 +19,7 @@ pub enum Operation {
     Sinh,
     Cosh,
     Tanh,
+    Sinc,
     Add,
     AddNumber,
     Sub,
@@ -107,6 +108,7 @@ mod lanes {
         sinh(a; ) = functions::sinh(a);
         cosh(a; ) = functions::cosh(a);
         tanh(a; ) = functions::tanh(a);
+        sinc(a; ) = elementary::sinc(a);
         add(a, b; ) = a + b;
         add_number(a; k) = a + k;
         sub(a, b; ) = a - b;
@@ -188,6 +190,7 @@ pub fn run<const W: usize>(
             Operation::Sinh => set!(sinh(0; )),
             Operation::Cosh => set!(cosh(0; )),
             Operation::Tanh => set!(tanh(0; )),
+            Operation::Sinc => set!(sinc(0; )),
             Operation::Add => set!(add(0, 1; )),
             Operation::AddNumber => set!(add_number(0; k)),
             Operation::Sub => set!(sub(0, 1; )),

@@ -1,10 +1,10 @@
 //! **Formulas from text, evaluated on 32 points at a time, with their derivatives.**
 //!
 //! A formula is parsed by a grammar (`src/formula.pest`) into a [`Graph`], in which every
-//! subexpression stands once. Derivatives are further expressions of the graph: gradients by reverse
-//! accumulation, directional derivatives forward, Hessian–vector products by both. A [`Tape`] has
-//! the instructions for some expressions of a graph and runs them on rows of 32 numbers, with the
-//! functions of [`real`] and the same bits on every instruction set.
+//! subexpression stands once. Derivatives are further expressions of the graph: gradients by
+//! reverse accumulation, directional derivatives forward, Hessian–vector products by both. A
+//! [`Tape`] has the instructions for some expressions of a graph and runs them on rows of 32
+//! numbers, with the functions of [`real`] and the same bits on every instruction set.
 //!
 //! ```
 //! use formula::{Formula, Names};
@@ -30,7 +30,7 @@
 //! | numbers | `2`, `.5`, `1e-3` |
 //! | names | variables, parameters, `pi`; letters of any alphabet, digits, `_` |
 //! | operators | `+ - * / ^`; −x² is −(x²), a^b^c is a^(b^c), 2^-x is 2^(−x) |
-//! | functions | `sin cos tan exp ln sqrt abs sinh cosh tanh`, and `min max` of two numbers |
+//! | functions | `sin cos tan exp ln sqrt abs sinh cosh tanh sinc`, and `min max` of two numbers |
 //!
 //! The logarithm is `ln`; there is no `log`, which means several things. A product needs its `*`.
 //! `^` with a constant integer is a product by repeated squaring, `x^0.5` is `sqrt(x)`, any other
@@ -41,12 +41,13 @@
 //! |---|---|
 //! | [`Formula`] | a text, its value and derivatives, its degree, and where it has no value |
 //! | [`Names`] | variables and parameters |
-//! | [`Graph`], [`parse()`] | expressions of several formulas together, derivatives from graph to graph |
+//! | [`Graph`], [`parse()`] | expressions of several formulas, derivatives from graph to graph |
 //! | [`Tape`] | what evaluates them |
 //! | [`Definition`], [`FormulaSystem`] | a Poisson system from texts, for `systems::run_time` |
 //! | [`FormulaError`], [`DomainError`] | what is wrong, with line, column and carets |
 
 mod compile;
+mod damping;
 mod derivative;
 mod domain;
 mod error;
@@ -60,6 +61,7 @@ mod shape;
 mod system;
 mod tape;
 
+pub use damping::{DampingError, FormulaDamping};
 pub use domain::DomainError;
 pub use error::{FormulaError, FormulaErrorKind};
 pub use formula::Formula;

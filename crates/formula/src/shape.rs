@@ -10,12 +10,16 @@ impl Graph {
     /// none if it does not show a polynomial. An expression made of pieces is none.
     #[must_use]
     pub fn degree(&self, root: Id, inputs: &[usize]) -> Option<u32> {
-        let needed = self.needed(&[root]);
-        let mut degrees: Vec<Option<u32>> = vec![Some(0); self.len()];
-        for id in self.ids().filter(|id| needed[id.index()]) {
+        self.degrees(inputs)[root.index()]
+    }
+
+    /// The [`degree`](Self::degree) of every expression.
+    pub(crate) fn degrees(&self, inputs: &[usize]) -> Vec<Option<u32>> {
+        let mut degrees: Vec<Option<u32>> = Vec::with_capacity(self.len());
+        for id in self.ids() {
             let of = |id: Id| degrees[id.index()];
             let node = self.node(id);
-            degrees[id.index()] = match node {
+            let degree = match node {
                 Node::Constant(_) => Some(0),
                 Node::Input(k) => Some(u32::from(inputs.contains(&(k as usize)))),
                 Node::Unary(Unary::Neg, a) => of(a),
@@ -29,8 +33,9 @@ impl Graph {
                 Node::Power(a, n) => of(a).map(|degree| degree.saturating_mul(n)),
                 _ => node.operands().all(|operand| of(operand) == Some(0)).then_some(0),
             };
+            degrees.push(degree);
         }
-        degrees[root.index()]
+        degrees
     }
 
     /// Whether an expression uses input number k.

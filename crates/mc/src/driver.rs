@@ -10,7 +10,7 @@ use schemes::{RunState, Step};
 use serde::{Deserialize, Serialize};
 use systems::Damping;
 
-use crate::{Cause, DynRun, NoiseSource, TimeChange, View, parts::Stop};
+use crate::{Cause, DynRun, NoiseSource, TimeChange, View, observable::splat, parts::Stop};
 
 /// The truncation bounds of increments and areas.
 #[derive(Clone, Copy, PartialEq)]
@@ -223,7 +223,7 @@ impl<'a, N: StepNoise> Marcher<'a, N> {
     fn new(driver: &'a Driver<'a, N>, first_path: u64, paths: usize) -> Self {
         let runs = driver.runs.len();
         let experiment = driver.key.experiment ^ TIME_CHANGE_STREAM;
-        let start: Vec<Row> = driver.y0.iter().map(|&y| [y; WIDTH]).collect();
+        let start = splat(&driver.y0);
         Self {
             driver,
             first_path,
@@ -339,6 +339,9 @@ impl<'a, N: StepNoise> Marcher<'a, N> {
     /// themselves. Called once in each coarsest step.
     fn drop_non_finite(&mut self, n: u64, tally: &mut Tally) {
         for (number, state) in self.states.iter().enumerate() {
+            if are_finite(state.rows()) {
+                continue;
+            }
             let mut status = BlockStatus::explicit();
             status.fail_where_not_finite(state.rows());
             let failed = status.failed.and(self.live);
@@ -350,6 +353,17 @@ impl<'a, N: StepNoise> Marcher<'a, N> {
             self.live = self.live.without(failed);
         }
     }
+}
+
+/// Whether all numbers are finite, in the least time: it is asked for once in each coarsest step.
+fn are_finite(rows: &[Row]) -> bool {
+    // 0·y is NaN if y is infinite or NaN, else zero.
+    let mut sums = [0.0; WIDTH / 2];
+    for half in rows.as_flattened().as_chunks().0 {
+        let half: &[f64; WIDTH / 2] = half;
+        (0..WIDTH / 2).for_each(|k| sums[k] += 0.0 * half[k]);
+    }
+    sums.iter().sum::<f64>() == 0.0
 }
 
 /// The paths on which two blocks differ, and the number of differing entries on the `live` paths.

@@ -334,7 +334,8 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
     /// path-steps done since its last call.
     ///
     /// # Panics
-    /// If a thread with a larger stack cannot be started, see [`runs_on_pool`](Self::runs_on_pool).
+    /// If a thread with a larger stack cannot be started, see [`runs_on_pool`](Self::runs_on_pool),
+    /// or if there is no memory for the noise of a group.
     pub fn run<T: Statistic>(
         &self,
         samples: u64,

@@ -37,6 +37,7 @@
 //! | [`Simulation`], [`TimeSeries`] | tables of states, observables and invariants |
 //! | [`write_csv`], [`write_json`] | tables as files |
 //! | [`mod@study`], [`StudySettings`] | means, quantiles and histograms of many paths in time |
+//! | [`Setup`], [`LargePath`] | problems and large systems known at run time |
 //! | [`Recording`] | the increments of a path, to exchange with other programs |
 //! | [`PathFailure`] | a failed path: scheme, step, time and reason |
 //! | [`multilevel`] | E[φ(y(T))] to a given accuracy |
@@ -50,12 +51,14 @@ mod driver;
 mod error;
 mod failure;
 mod ladder;
+mod large_path;
 pub mod multilevel;
 mod noise_source;
 mod observable;
 mod parallel;
 pub mod parts;
 mod recording;
+mod run_time;
 mod seen_damping;
 mod setup;
 mod simulation;
@@ -67,8 +70,9 @@ mod tree;
 pub use error::LadderError;
 pub use failure::{Cause, PathFailure};
 pub use ladder::{Kept, Ladder, Measured, Run, Statistic, TimeChange, View};
+pub use large_path::{LargePath, LargePathError};
 pub use noise_source::{NextNoise, NoiseSource};
-pub use observable::{Observable, Observe};
+pub use observable::{Observable, Observe, RowFunction};
 pub use recording::{Recording, RecordingError};
 pub use seen_damping::SeenDamping;
 pub use setup::{ConformalLaw, DynProblem, DynRun, Formulas, Setup};

@@ -54,6 +54,63 @@ pub trait Formulas: Sync {
 
 /// A problem and a scheme for it. N is the noise of a step, [`noise::NoiseRows`] where the number
 /// of noises is known at run time only.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use mc::{DynProblem, DynSimulation, Formulas, Setup};
+/// use noise::{NoiseRows, StepNoise, StreamKey, Truncation};
+/// use nonlin::BlockStatus;
+/// use real::Row;
+/// use schemes::{DynScheme, RunState, Step};
+/// use systems::Constant;
+///
+/// /// dy = dW by Euler's method, in any dimension.
+/// struct Walk;
+/// struct Walked(Vec<Row>);
+///
+/// impl DynScheme<NoiseRows> for Walk {
+///     fn id(&self) -> &'static str { "euler" }
+///     fn reads_areas(&self) -> bool { false }
+///     fn clips_increments(&self) -> bool { false }
+///     fn start(&self, y: &[Row]) -> Box<dyn RunState<NoiseRows> + '_> {
+///         Box::new(Walked(y.to_vec()))
+///     }
+/// }
+/// impl RunState<NoiseRows> for Walked {
+///     fn step(&mut self, _: &Step, noise: &NoiseRows, status: &mut BlockStatus) {
+///         let (y, dw) = (self.0.as_flattened_mut(), noise.increments().as_flattened());
+///         y.iter_mut().zip(dw).for_each(|(y, dw)| *y += dw);
+///         *status = BlockStatus::explicit();
+///     }
+///     fn rows(&self) -> &[Row] { &self.0 }
+/// }
+/// /// Its formulas tell a file of parts from that of another system.
+/// impl Formulas for Walk {
+///     fn structure(&self, _y: &[f64], v: &[f64]) -> Vec<f64> { v.to_vec() }
+///     fn energy(&self, y: &[f64], _dt: f64, dw: &[f64]) -> f64 {
+///         y.iter().zip(dw).map(|(y, dw)| y * dw).sum()
+///     }
+///     fn law(&self, _index: usize, _y: &[f64]) -> f64 { unreachable!("there are no laws") }
+/// }
+///
+/// let (dimension, damping) = (5, Constant::new(0.0)?);
+/// let problem = DynProblem {
+///     name: "walk".into(),
+///     parameters: String::new(),
+///     noises: dimension,
+///     y0: vec![0.0; dimension],
+///     t_end: 1.0,
+///     damping: &damping,
+///     laws: Vec::new(),
+///     formulas: Box::new(Walk),
+/// };
+/// let simulation =
+///     DynSimulation::new(Setup { problem, scheme: Arc::new(Walk) }, Truncation::none());
+/// let tables = simulation.paths(16, StreamKey { seed: 1, experiment: 0 }, 0..3)?;
+/// assert_eq!(tables[2].column("y5").map(<[f64]>::len), Some(17));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Setup<'a, N> {
     /// The problem.
     pub problem: DynProblem<'a>,

@@ -32,6 +32,7 @@ impl DyadicLadder {
 
     /// Adds the next finest increment, one row for each noise. Returns the highest level whose step
     /// is now complete; all lower levels are complete as well.
+    #[inline]
     pub fn push(&mut self, dw: &[Row]) -> usize {
         let noises = self.noises;
         self.sum[..noises].copy_from_slice(dw);

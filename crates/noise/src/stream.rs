@@ -15,6 +15,9 @@ pub struct StreamKey {
 /// The odd constant of SplitMix64: ⌊2⁶⁴/φ⌋ made odd.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
+/// The bit of the experiment number that separates the streams of tiles from those of paths.
+const TILE_STREAM: u64 = 1 << 61;
+
 /// The finaliser of SplitMix64, a bijection of 64-bit words.
 #[inline(always)]
 fn mix(mut x: u64) -> u64 {
@@ -29,6 +32,13 @@ impl StreamKey {
     pub fn path_seed(self, path: u64) -> u64 {
         let experiment = mix(mix(self.seed.wrapping_add(GOLDEN)).wrapping_add(self.experiment));
         mix(experiment.wrapping_add(GOLDEN).wrapping_add(path.wrapping_mul(GOLDEN)))
+    }
+
+    /// The key of the streams of the tiles of one large path, with bit 61 of the experiment
+    /// number flipped: the seed is that of the path, and tile k has the streams 32k to 32k + 31.
+    #[must_use]
+    pub fn of_tiles(self, path: u64) -> Self {
+        Self { seed: self.path_seed(path), experiment: self.experiment ^ TILE_STREAM }
     }
 
     /// The state of xoshiro256++ after `seed_from_u64` of [`path_seed`](Self::path_seed), which

@@ -44,7 +44,8 @@ impl WienerRows {
         Self { streams: BlockStreams::new(key, first_path), spare: Block::zero(), has_spare: false }
     }
 
-    /// Writes the next increment of each noise, each N(0, τ), into a row of `dw`; `sqrt_tau` = √τ.
+    /// Writes the next increment of each noise, each N(0, τ), into a row of `dw`, an array or a
+    /// slice of rows; `sqrt_tau` = √τ.
     #[inline]
     pub fn increments<R: AsMut<[Row]> + ?Sized>(&mut self, sqrt_tau: f64, dw: &mut R) {
         let Self { streams, spare, has_spare } = self;

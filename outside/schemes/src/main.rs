@@ -5,6 +5,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use casimir::mc::{Ladder, Run, Statistic, View};
+use casimir::noise::BlockNoise;
 use casimir::prelude::*;
 use casimir::schemes::Heun;
 use casimir::systems::{Cosine, RigidBody};

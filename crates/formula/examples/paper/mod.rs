@@ -56,12 +56,6 @@ pub fn lotka_volterra(c: f64) -> Definition {
     )
 }
 
-/// The Lotka–Volterra system with p = q = 1.
-pub fn lotka_volterra_1_1(c: f64) -> Definition {
-    let energy = "y1*y2*y3";
-    definition("lotka-volterra", &[&["-c", "c"], &["-c"]], energy, &[energy], &[("c", c)])
-}
-
 /// The Maxwell–Bloch system.
 pub fn maxwell_bloch() -> Definition {
     let energy = "y1^2/2 + y3";

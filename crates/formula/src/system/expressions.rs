@@ -2,26 +2,40 @@
 
 use std::{ops::Range, slice::from_ref};
 
-use dgrad::Rule;
-
-use super::{cayley, definition::Formulas, program::Templates};
+use super::{
+    average::{self, Segment},
+    cayley,
+    definition::Formulas,
+};
 use crate::{Formula, Graph, Id, Tape};
 
-/// B(y)v, H₀, Hₘ and the observables, in the inputs y, u, v, dt and dw, in this order.
+/// What a system is asked for, in the inputs y, u, v, dt and dw, in this order.
 pub struct Expressions {
-    graph: Graph,
+    pub graph: Graph,
     dimension: usize,
     noises: usize,
-    /// B(y)v.
-    field: Vec<Id>,
     /// H₀, H₁, …
     hamiltonians: Vec<Id>,
-    /// dt, dw₁, …
-    weights: Vec<Id>,
     observables: Vec<Id>,
+    /// B(y)v.
+    pub field: Vec<Id>,
+    /// (∂B·u)v.
+    pub field_along: Vec<Id>,
+    /// h.
+    energy: Id,
+    /// ∇h.
+    pub gradient: Vec<Id>,
+    /// ∇²h·u.
+    pub hessian: Vec<Id>,
+    /// ∇̄h(y, u).
+    pub averaged_gradient: Vec<Id>,
+    /// ½Σₘ fₘ′fₘ with fₘ = B∇Hₘ.
+    pub ito_correction: Vec<Id>,
+    /// The solution z of z = y + B((y+z)/2)v; none if B is not affine, or the dimension too large.
+    pub cayley: Option<Vec<Id>>,
 }
 
-/// From this dimension on the elimination has more instructions than a program should.
+/// From this dimension on the elimination has more instructions than a tape should.
 const LARGEST_ELIMINATION: usize = 24;
 
 impl Expressions {
@@ -29,7 +43,6 @@ impl Expressions {
         let (dimension, noises) = (formulas.structure.len(), formulas.noises.len());
         let mut graph = Graph::new();
         let y: Vec<Id> = (0..dimension).map(|k| graph.input(k)).collect();
-        let weights = (0..=noises).map(|m| graph.input(3 * dimension + m)).collect();
         let mut import =
             |formula: &Formula| graph.import(formula.graph(), &[formula.root()], &y)[0];
         let hamiltonians: Vec<Id> =
@@ -37,29 +50,57 @@ impl Expressions {
         let observables = formulas.observables.iter().map(|(_, f)| import(f)).collect();
         let entries: Vec<Vec<Id>> =
             formulas.structure.iter().map(|row| row.iter().map(&mut import).collect()).collect();
+        let energy = graph.constant(0.0);
+        let (field, none) = (Vec::new(), Vec::new);
         let mut new = Self {
             graph,
             dimension,
             noises,
-            field: Vec::new(),
             hamiltonians,
-            weights,
             observables,
+            field,
+            field_along: none(),
+            energy,
+            gradient: none(),
+            hessian: none(),
+            averaged_gradient: none(),
+            ito_correction: none(),
+            cayley: None,
         };
         let v = new.inputs(new.v());
         new.field = new.times(&entries, &v);
+        new.field_along = new.along(&new.field.clone());
+        let weights = new.inputs(new.dt().start..new.dw().end);
+        new.energy = new.weighted(&weights);
+        new.gradient = new.gradient_of(&weights);
+        new.hessian = new.along(&new.gradient.clone());
+        new.averaged_gradient = new.averaged(&weights);
+        new.ito_correction = new.corrected();
+        if new.structure_degree().is_some_and(|degree| degree <= 1)
+            && dimension <= LARGEST_ELIMINATION
+        {
+            new.cayley = Some(new.solved());
+        }
         new
     }
 
-    pub fn y(&self) -> Range<usize> {
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    pub fn noises(&self) -> usize {
+        self.noises
+    }
+
+    fn y(&self) -> Range<usize> {
         0..self.dimension
     }
 
-    pub fn u(&self) -> Range<usize> {
+    fn u(&self) -> Range<usize> {
         self.dimension..2 * self.dimension
     }
 
-    pub fn v(&self) -> Range<usize> {
+    fn v(&self) -> Range<usize> {
         2 * self.dimension..3 * self.dimension
     }
 
@@ -68,7 +109,7 @@ impl Expressions {
     }
 
     fn dw(&self) -> Range<usize> {
-        3 * self.dimension + 1..3 * self.dimension + 1 + self.noises
+        self.dt().end..self.dt().end + self.noises
     }
 
     fn inputs(&mut self, range: Range<usize>) -> Vec<Id> {
@@ -111,21 +152,6 @@ impl Expressions {
         degrees.map(|degrees| degrees.into_iter().max().unwrap_or(0))
     }
 
-    fn tape(&self, outputs: &[Id], groups: &[Range<usize>]) -> Tape {
-        Tape::new(&self.graph, outputs, groups)
-    }
-
-    /// B(y)v from y and v.
-    pub fn structure(&self) -> Tape {
-        self.tape(&self.field, &[self.y(), self.v()])
-    }
-
-    /// (∂B·u)v from y, u and v.
-    pub fn structure_along(&mut self) -> Tape {
-        let along = self.along(&self.field.clone());
-        self.tape(&along, &[self.y(), self.u(), self.v()])
-    }
-
     /// The derivatives along u.
     fn along(&mut self, roots: &[Id]) -> Vec<Id> {
         let u = self.inputs(self.u());
@@ -133,16 +159,17 @@ impl Expressions {
         self.graph.forward(roots, &direction)
     }
 
-    /// h from y, dt and dw.
-    pub fn energy(&mut self) -> Tape {
+    /// H₀w₀ + H₁w₁ + ….
+    fn weighted(&mut self, weights: &[Id]) -> Id {
         let mut sum = self.graph.constant(0.0);
-        for (&h, &weight) in self.hamiltonians.iter().zip(&self.weights) {
+        for (&h, &weight) in self.hamiltonians.iter().zip(weights) {
             let product = self.graph.mul(h, weight);
             sum = self.graph.add(sum, product);
         }
-        self.tape(&[sum], &[self.y(), self.dt(), self.dw()])
+        sum
     }
 
+    /// ∇(H₀w₀ + H₁w₁ + …).
     fn gradient_of(&mut self, weights: &[Id]) -> Vec<Id> {
         let weighted: Vec<(Id, Id)> =
             self.hamiltonians.iter().copied().zip(weights.iter().copied()).collect();
@@ -150,26 +177,18 @@ impl Expressions {
         self.graph.reverse(&weighted, &y)
     }
 
-    /// ∇h from y, dt and dw.
-    pub fn gradient(&mut self) -> Tape {
-        let gradient = self.gradient_of(&self.weights.clone());
-        self.tape(&gradient, &[self.y(), self.dt(), self.dw()])
+    /// ∇̄h(y, u).
+    fn averaged(&mut self, weights: &[Id]) -> Vec<Id> {
+        let (a, b) = (self.inputs(self.y()), self.inputs(self.u()));
+        let weighted: Vec<(Id, Id)> =
+            self.hamiltonians.iter().copied().zip(weights.iter().copied()).collect();
+        let y: Vec<usize> = self.y().collect();
+        let segment = Segment { y: &y, a: &a, b: &b };
+        average::averaged_gradient(&mut self.graph, &weighted, &segment)
     }
 
-    /// ∇²h·u from y, u, dt and dw.
-    pub fn hessian(&mut self) -> Tape {
-        let gradient = self.gradient_of(&self.weights.clone());
-        let along = self.along(&gradient);
-        self.tape(&along, &[self.y(), self.u(), self.dt(), self.dw()])
-    }
-
-    /// ½Σₘ fₘ′fₘ from y, with fₘ = B∇Hₘ.
-    pub fn ito_correction(&mut self) -> Tape {
-        let correction = self.correction();
-        self.tape(&correction, from_ref(&self.y()))
-    }
-
-    fn correction(&mut self) -> Vec<Id> {
+    /// ½Σₘ fₘ′fₘ.
+    fn corrected(&mut self) -> Vec<Id> {
         let mut correction = vec![self.graph.constant(0.0); self.dimension];
         for m in 1..self.hamiltonians.len() {
             let mut unit = vec![self.graph.constant(0.0); self.hamiltonians.len()];
@@ -188,75 +207,91 @@ impl Expressions {
 
     /// B(y)v for other expressions y and v.
     fn field_at(&mut self, y: Option<&[Id]>, v: Option<&[Id]>) -> Vec<Id> {
-        let mut inputs = self.inputs(0..3 * self.dimension);
+        let mut inputs = self.inputs(0..self.v().end);
+        let (at_y, at_v) = (self.y(), self.v());
         if let Some(y) = y {
-            inputs[..self.dimension].copy_from_slice(y);
+            inputs[at_y].copy_from_slice(y);
         }
         if let Some(v) = v {
-            inputs[2 * self.dimension..].copy_from_slice(v);
+            inputs[at_v].copy_from_slice(v);
         }
-        let source = self.graph.clone();
-        self.graph.import(&source, &self.field, &inputs)
+        self.graph.substitute(&self.field, &inputs)
     }
 
-    /// The expressions of all operations, for programs.
-    pub fn templates(mut self, affine: bool, rule: &Rule) -> Templates {
-        let gradient = self.gradient_of(&self.weights.clone());
-        let hessian = self.along(&gradient);
-        let structure_along = self.along(&self.field.clone());
-        let ito_correction = self.correction();
-        let cayley = (affine && self.dimension <= LARGEST_ELIMINATION).then(|| self.solution());
-        Templates {
-            dimension: self.dimension,
-            noises: self.noises,
-            structure: self.field,
-            structure_along,
-            gradient,
-            hessian,
-            ito_correction,
-            cayley,
-            rule: (rule.nodes().to_vec(), rule.weights().to_vec()),
-            graph: self.graph,
-        }
-    }
-
-    /// The entries of I − ½A(v) from v, row by row.
-    pub fn cayley_matrix(&mut self) -> Tape {
-        let matrix = cayley::matrix(&mut self.graph, &self.field).concat();
-        self.tape(&matrix, from_ref(&self.v()))
-    }
-
-    /// The solution z of z = y + B((y+z)/2)v from y and v; none if the dimension is too large.
-    pub fn cayley(&mut self) -> Option<Tape> {
-        if self.dimension > LARGEST_ELIMINATION {
-            return None;
-        }
-        let solution = self.solution();
-        Some(self.tape(&solution, &[self.y(), self.v()]))
-    }
-
-    fn solution(&mut self) -> Vec<Id> {
-        let right = self.cayley_right_side();
+    /// The solution z of z = y + B((y+z)/2)v.
+    fn solved(&mut self) -> Vec<Id> {
+        let right = self.right_side();
         let matrix = cayley::matrix(&mut self.graph, &self.field);
         cayley::solve(&mut self.graph, &matrix, &right)
     }
 
     /// y + ½(B(y)v + B(0)v).
-    fn cayley_right_side(&mut self) -> Vec<Id> {
+    fn right_side(&mut self) -> Vec<Id> {
         let zero = vec![self.graph.constant(0.0); self.dimension];
         let constant = self.field_at(Some(&zero), None);
         let y = self.inputs(self.y());
         cayley::right_side(&mut self.graph, &y, &self.field, &constant)
     }
 
-    /// y + ½(B(y)v + B(0)v) from y and v.
-    pub fn cayley_right(&mut self) -> Tape {
-        let right = self.cayley_right_side();
-        self.tape(&right, &[self.y(), self.v()])
+    fn tape(&self, outputs: &[Id], groups: &[Range<usize>]) -> Tape {
+        Tape::new(&self.graph, outputs, groups)
+    }
+
+    /// B(y)v from y and v.
+    pub fn structure_tape(&self) -> Tape {
+        self.tape(&self.field, &[self.y(), self.v()])
+    }
+
+    /// (∂B·u)v from y, u and v.
+    pub fn structure_along_tape(&self) -> Tape {
+        self.tape(&self.field_along, &[self.y(), self.u(), self.v()])
+    }
+
+    /// h from y, dt and dw.
+    pub fn energy_tape(&self) -> Tape {
+        self.tape(&[self.energy], &[self.y(), self.dt(), self.dw()])
+    }
+
+    /// ∇h from y, dt and dw.
+    pub fn gradient_tape(&self) -> Tape {
+        self.tape(&self.gradient, &[self.y(), self.dt(), self.dw()])
+    }
+
+    /// ∇²h·u from y, u, dt and dw.
+    pub fn hessian_tape(&self) -> Tape {
+        self.tape(&self.hessian, &[self.y(), self.u(), self.dt(), self.dw()])
+    }
+
+    /// ∇̄h(a, b) from a, b, dt and dw.
+    pub fn averaged_gradient_tape(&self) -> Tape {
+        let groups = [self.y(), self.u(), self.dt(), self.dw()];
+        self.tape(&self.averaged_gradient, &groups)
+    }
+
+    /// ½Σₘ fₘ′fₘ from y.
+    pub fn ito_correction_tape(&self) -> Tape {
+        self.tape(&self.ito_correction, from_ref(&self.y()))
     }
 
     /// The observables from y.
-    pub fn observables(&self) -> Tape {
+    pub fn observables_tape(&self) -> Tape {
         self.tape(&self.observables, from_ref(&self.y()))
+    }
+
+    /// The solution of the linearly implicit step from y and v.
+    pub fn cayley_tape(&self) -> Option<Tape> {
+        Some(self.tape(self.cayley.as_ref()?, &[self.y(), self.v()]))
+    }
+
+    /// The entries of I − ½A(v) from v, row by row.
+    pub fn cayley_matrix_tape(&mut self) -> Tape {
+        let matrix = cayley::matrix(&mut self.graph, &self.field).concat();
+        self.tape(&matrix, from_ref(&self.v()))
+    }
+
+    /// y + ½(B(y)v + B(0)v) from y and v.
+    pub fn right_side_tape(&mut self) -> Tape {
+        let right = self.right_side();
+        self.tape(&right, &[self.y(), self.v()])
     }
 }

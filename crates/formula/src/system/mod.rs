@@ -1,5 +1,6 @@
 //! Poisson systems from texts.
 
+mod average;
 mod cayley;
 mod definition;
 mod elimination;
@@ -23,7 +24,7 @@ use crate::{Formula, Names, Tape};
 use definition::Formulas;
 use elimination::Eliminate;
 use expressions::Expressions;
-use program::Templates;
+use program::FormulaProgram;
 
 /// Nodes of the averaged gradient of what is no polynomial, and the most for a polynomial. The
 /// error of n nodes is of order |b − a|²ⁿ.
@@ -70,14 +71,15 @@ pub struct FormulaSystem {
     energy: Tape,
     gradient: Tape,
     hessian: Tape,
+    averaged_gradient: Tape,
     ito_correction: Tape,
     observables: Tape,
     cayley: Cayley,
+    expressions: Expressions,
     rule: Rule,
     linearity: Linearity,
     solvable: bool,
     scratch: usize,
-    templates: Templates,
 }
 
 /// How z = y + B((y+z)/2)v is solved.
@@ -93,11 +95,11 @@ enum Cayley {
 impl Cayley {
     /// For an affine B.
     fn new(expressions: &mut Expressions) -> Self {
-        match expressions.cayley() {
+        match expressions.cayley_tape() {
             Some(tape) => Self::Tape(tape),
             None => Self::Rows {
-                matrix: expressions.cayley_matrix(),
-                right: expressions.cayley_right(),
+                matrix: expressions.cayley_matrix_tape(),
+                right: expressions.right_side_tape(),
             },
         }
     }
@@ -126,7 +128,7 @@ impl FormulaSystem {
             Linearity::Other => (Cayley::None, false),
             Linearity::Constant => (Cayley::new(&mut expressions), true),
             Linearity::Affine => {
-                let matrix = expressions.cayley_matrix();
+                let matrix = expressions.cayley_matrix_tape();
                 let solvable = shown_solvable(y0.len(), |v| {
                     let mut entries = vec![0.0; v.len() * v.len()];
                     matrix.evaluate_one(&[v], &mut entries);
@@ -135,22 +137,22 @@ impl FormulaSystem {
                 (Cayley::new(&mut expressions), solvable)
             }
         };
-        let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
         let mut system = Self {
             definition: definition.clone(),
-            structure: expressions.structure(),
-            structure_along: expressions.structure_along(),
-            energy: expressions.energy(),
-            gradient: expressions.gradient(),
-            hessian: expressions.hessian(),
-            ito_correction: expressions.ito_correction(),
-            observables: expressions.observables(),
+            structure: expressions.structure_tape(),
+            structure_along: expressions.structure_along_tape(),
+            energy: expressions.energy_tape(),
+            gradient: expressions.gradient_tape(),
+            hessian: expressions.hessian_tape(),
+            averaged_gradient: expressions.averaged_gradient_tape(),
+            ito_correction: expressions.ito_correction_tape(),
+            observables: expressions.observables_tape(),
             cayley,
+            expressions,
+            rule: Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}")),
             linearity,
             solvable,
             scratch: 0,
-            templates: expressions.templates(linearity == Linearity::Affine, &rule),
-            rule,
             names: formulas.names,
             checked: std::iter::once(formulas.energy)
                 .chain(formulas.noises)
@@ -162,7 +164,7 @@ impl FormulaSystem {
     }
 
     fn largest_scratch(&self) -> usize {
-        let weighted = [&self.energy, &self.gradient, &self.hessian];
+        let weighted = [&self.energy, &self.gradient, &self.hessian, &self.averaged_gradient];
         let plain =
             [&self.structure, &self.structure_along, &self.ito_correction, &self.observables];
         let cayley = match &self.cayley {
@@ -282,6 +284,18 @@ impl System for FormulaSystem {
         &self.rule
     }
 
+    fn averaged_gradient(
+        &self,
+        a: &[Row],
+        b: &[Row],
+        h: Weights<'_>,
+        out: &mut [Row],
+        scratch: &mut [Row],
+    ) {
+        let (dt, scratch) = with_dt(h.dt, scratch);
+        self.averaged_gradient.evaluate(&[a, b, dt, h.dw], out, scratch);
+    }
+
     fn linearity(&self) -> Linearity {
         self.linearity
     }
@@ -303,17 +317,19 @@ impl System for FormulaSystem {
         }
     }
 
+    fn ito_correction(&self, _: Range<usize>, y: &[Row], out: &mut [Row], scratch: &mut [Row]) {
+        self.ito_correction.evaluate(&[y], out, scratch);
+    }
+
+    /// The whole formula of a scheme is one tape.
     fn compile(
         &self,
         nodes: &[Node],
         inputs: usize,
         results: &[usize],
     ) -> Option<Box<dyn Program>> {
-        self.templates.compile(nodes, inputs, results)
-    }
-
-    fn ito_correction(&self, _: Range<usize>, y: &[Row], out: &mut [Row], scratch: &mut [Row]) {
-        self.ito_correction.evaluate(&[y], out, scratch);
+        let program = FormulaProgram::new(&self.expressions, &self.rule, nodes, inputs, results)?;
+        Some(Box::new(program))
     }
 
     /// The formulas of B, H₀ and Hₘ must be finite. The error names the first component that the

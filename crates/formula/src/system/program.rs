@@ -1,239 +1,159 @@
-//! The formula of a scheme on a system from texts, as one tape.
+//! The formula of a scheme on a system as one tape.
 
-use std::ops::Range;
+use std::iter::once;
 
+use dgrad::Rule;
 use real::{Row, Rows, WIDTH};
 use systems::run_time::{Node, Program, Weights};
 
+use super::{average::point, expressions::Expressions};
 use crate::{Graph, Id, Tape};
 
-/// Most instructions of a program: beyond them an operation takes longer than it costs to begin it,
-/// and the program takes long to compile.
-const MOST_INSTRUCTIONS: usize = 4000;
+/// Expressions of a scheme's formula beyond which it is not worth one tape.
+const MOST_EXPRESSIONS: usize = 100_000;
 
-/// What the operations of a scheme need, in the inputs y, u, v, dt and dw of a graph.
-pub struct Templates {
-    pub graph: Graph,
-    pub dimension: usize,
-    pub noises: usize,
-    /// B(y)v.
-    pub structure: Vec<Id>,
-    /// (∂B(y)·u)v.
-    pub structure_along: Vec<Id>,
-    /// ∇h(y).
-    pub gradient: Vec<Id>,
-    /// ∇²h(y)u.
-    pub hessian: Vec<Id>,
-    /// ½Σ fₘ′fₘ.
-    pub ito_correction: Vec<Id>,
-    /// z with z = y + B((y+z)/2)v.
-    pub cayley: Option<Vec<Id>>,
-    /// Places in [0, 1] and weights of the averaged gradient.
-    pub rule: (Vec<f64>, Vec<f64>),
+/// The largest number of states that a formula has as inputs.
+const MOST_INPUTS: usize = 4;
+
+/// A scheme's formula on 32 paths.
+pub struct FormulaProgram {
+    tape: Tape,
+    /// Rows of dt and of the factors.
+    numbers: Rows,
+    /// The operations that have a factor.
+    multiples: Vec<usize>,
+    scratch: Rows,
 }
 
-impl Templates {
-    /// The program of these operations on so many inputs; none if it is too long.
-    pub fn compile(
-        &self,
+impl FormulaProgram {
+    /// The tape of the `results` among the nodes; none if it would be too long.
+    pub fn new(
+        system: &Expressions,
+        rule: &Rule,
         nodes: &[Node],
         inputs: usize,
         results: &[usize],
-    ) -> Option<Box<dyn Program>> {
-        let (d, m) = (self.dimension, self.noises);
-        let mut writer = Writer { templates: self, graph: Graph::new(), weights: Vec::new() };
-        let mut end = 0;
-        let mut group = |length: usize| {
-            end += length;
-            end - length..end
-        };
-        let mut groups: Vec<Range<usize>> = (0..inputs).map(|_| group(d)).collect();
-        groups.extend([group(1), group(m), group(nodes.len())]);
-        let states: Vec<Vec<Id>> =
-            groups[..inputs].iter().map(|group| writer.inputs(group.clone())).collect();
-        writer.weights = writer.inputs(groups[inputs].start..groups[inputs + 1].end);
-        let factors = writer.inputs(groups[inputs + 2].clone());
-        let mut values: Vec<Vec<Id>> = Vec::new();
-        for (&node, &factor) in nodes.iter().zip(&factors) {
-            let value = writer.operation(node, factor, &states, &values)?;
-            if writer.graph.len() > MOST_INSTRUCTIONS {
+    ) -> Option<Self> {
+        let is_multiple = |n: &usize| matches!(nodes[*n], Node::Multiple(_));
+        let multiples: Vec<usize> = (0..nodes.len()).filter(is_multiple).collect();
+        let numbers = inputs * system.dimension();
+        let noise = numbers + 1 + multiples.len();
+        let mut graph = Graph::new();
+        let dt = graph.input(numbers);
+        let weights =
+            once(dt).chain((0..system.noises()).map(|m| graph.input(noise + m))).collect();
+        let mut builder = Builder { system, rule, graph, weights, states: Vec::new() };
+        for (n, &node) in nodes.iter().enumerate() {
+            let factor = multiples.iter().position(|&multiple| multiple == n);
+            let factor = factor.map(|k| builder.graph.input(numbers + 1 + k));
+            let state = builder.state(node, factor)?;
+            builder.states.push(state);
+            if builder.graph.len() > MOST_EXPRESSIONS {
                 return None;
             }
-            values.push(value);
         }
-        let results: Vec<Id> = results.iter().flat_map(|&result| values[result].clone()).collect();
-        let tape = Tape::new(&writer.graph, &results, &groups);
+        let states = (0..inputs).map(|k| k * system.dimension()..(k + 1) * system.dimension());
+        let groups: Vec<_> =
+            states.chain([numbers..noise, noise..noise + system.noises()]).collect();
+        if inputs > MOST_INPUTS {
+            return None;
+        }
+        let results: Vec<Id> = results.iter().flat_map(|&n| builder.states[n].clone()).collect();
+        let tape = Tape::new(&builder.graph, &results, &groups);
+        let numbers = Rows::zero(1 + multiples.len()).ok()?;
         let scratch = Rows::zero(tape.scratch_rows()).ok()?;
-        let [dt, factors] = [Rows::zero(1).ok()?, Rows::zero(nodes.len()).ok()?];
-        let is_multiple = nodes.iter().map(|node| matches!(node, Node::Multiple(_))).collect();
-        Some(Box::new(FormulaProgram { tape, scratch, dt, factors, is_multiple }))
+        Some(Self { tape, numbers, multiples, scratch })
     }
-}
-
-/// A graph that is being written.
-struct Writer<'a> {
-    templates: &'a Templates,
-    graph: Graph,
-    /// dt, dw₁, …
-    weights: Vec<Id>,
-}
-
-impl Writer<'_> {
-    fn inputs(&mut self, range: Range<usize>) -> Vec<Id> {
-        range.map(|k| self.graph.input(k)).collect()
-    }
-
-    fn operation(
-        &mut self,
-        node: Node,
-        factor: Id,
-        states: &[Vec<Id>],
-        values: &[Vec<Id>],
-    ) -> Option<Vec<Id>> {
-        let templates = self.templates;
-        Some(match node {
-            Node::Input(k) => states[k].clone(),
-            Node::Sum(a, b) => self.each(&values[a], &values[b], Graph::add),
-            Node::Difference(a, b) => self.each(&values[a], &values[b], Graph::sub),
-            Node::Multiple(a) => values[a].iter().map(|&x| self.graph.mul(x, factor)).collect(),
-            Node::Structure { y, v } => self.structure(&values[y], &values[v]),
-            Node::StructureAlong { y, u, v } => {
-                self.at(&templates.structure_along, &values[y], &values[u], &values[v])
-            }
-            Node::Gradient { y } => self.gradient(&values[y]),
-            Node::Hessian { y, u } => self.hessian(&values[y], &values[u]),
-            Node::AveragedGradient { a, b } => self.averaged_gradient(&values[a], &values[b]),
-            Node::AveragedHessian { a, b, u } => {
-                self.averaged_hessian(&values[a], &values[b], &values[u])
-            }
-            Node::AveragedField { a, b } => {
-                let gradient = self.averaged_gradient(&values[a], &values[b]);
-                let middle = self.point(&values[a], &values[b], 0.0);
-                self.structure(&middle, &gradient)
-            }
-            Node::Cayley { y, v } => {
-                let cayley = templates.cayley.as_ref()?;
-                self.at(cayley, &values[y], &values[y], &values[v])
-            }
-            Node::ItoCorrection { y } => {
-                self.at(&templates.ito_correction, &values[y], &values[y], &values[y])
-            }
-        })
-    }
-
-    fn each(&mut self, a: &[Id], b: &[Id], function: fn(&mut Graph, Id, Id) -> Id) -> Vec<Id> {
-        a.iter().zip(b).map(|(&a, &b)| function(&mut self.graph, a, b)).collect()
-    }
-
-    /// Expressions of the templates at these y, u and v.
-    fn at(&mut self, roots: &[Id], y: &[Id], u: &[Id], v: &[Id]) -> Vec<Id> {
-        let inputs = [y, u, v, &self.weights].concat();
-        self.graph.import(&self.templates.graph, roots, &inputs)
-    }
-
-    fn structure(&mut self, y: &[Id], v: &[Id]) -> Vec<Id> {
-        self.at(&self.templates.structure, y, y, v)
-    }
-
-    fn gradient(&mut self, y: &[Id]) -> Vec<Id> {
-        self.at(&self.templates.gradient, y, y, y)
-    }
-
-    fn hessian(&mut self, y: &[Id], u: &[Id]) -> Vec<Id> {
-        self.at(&self.templates.hessian, y, u, y)
-    }
-
-    /// (a+b)/2 + distance·(b − a), as in [`systems::run_time::averaged_gradient`].
-    fn point(&mut self, a: &[Id], b: &[Id], distance: f64) -> Vec<Id> {
-        let graph = &mut self.graph;
-        let point = |(&a, &b): (&Id, &Id)| {
-            let sum = graph.add(a, b);
-            let middle = graph.scale(sum, 0.5);
-            if distance == 0.0 {
-                return middle;
-            }
-            let difference = graph.sub(b, a);
-            let shift = graph.scale(difference, distance);
-            graph.add(middle, shift)
-        };
-        a.iter().zip(b).map(point).collect()
-    }
-
-    /// sum + weight·value; the first value begins the sum.
-    fn add(&mut self, sum: Option<Vec<Id>>, value: &[Id], weight: f64) -> Vec<Id> {
-        let weighted: Vec<Id> = value.iter().map(|&x| self.graph.scale(x, weight)).collect();
-        match sum {
-            Some(sum) => self.each(&sum, &weighted, Graph::add),
-            None => weighted,
-        }
-    }
-
-    /// ∇̄h(a, b), pair by pair as in [`systems::run_time::averaged_gradient`].
-    fn averaged_gradient(&mut self, a: &[Id], b: &[Id]) -> Vec<Id> {
-        let (nodes, weights) = &self.templates.rule;
-        let mut sum = None;
-        for k in 0..nodes.len() / 2 {
-            let distance = 0.5 - nodes[k];
-            let [lower, upper] = [-distance, distance].map(|distance| {
-                let point = self.point(a, b, distance);
-                self.gradient(&point)
-            });
-            let pair = self.each(&lower, &upper, Graph::add);
-            sum = Some(self.add(sum, &pair, weights[k]));
-        }
-        if nodes.len() % 2 == 1 {
-            let middle = self.point(a, b, 0.0);
-            let gradient = self.gradient(&middle);
-            if nodes.len() == 1 {
-                return gradient;
-            }
-            sum = Some(self.add(sum, &gradient, weights[nodes.len() / 2]));
-        }
-        sum.unwrap_or_default()
-    }
-
-    /// ∂∇̄h(a, b)/∂b·u.
-    fn averaged_hessian(&mut self, a: &[Id], b: &[Id], u: &[Id]) -> Vec<Id> {
-        let (nodes, weights) = &self.templates.rule;
-        let mut sum = None;
-        for (&node, &weight) in nodes.iter().zip(weights) {
-            let point = self.point(a, b, node - 0.5);
-            let value = self.hessian(&point, u);
-            sum = Some(self.add(sum, &value, weight * node));
-        }
-        sum.unwrap_or_default()
-    }
-}
-
-struct FormulaProgram {
-    tape: Tape,
-    scratch: Rows,
-    dt: Rows,
-    /// A row for each operation; those of multiples are set.
-    factors: Rows,
-    is_multiple: Vec<bool>,
 }
 
 impl Program for FormulaProgram {
     fn run(&mut self, inputs: &[&[Row]], factors: &[f64], h: Weights<'_>, out: &mut [Row]) {
-        self.dt[0] = [h.dt; WIDTH];
-        for ((row, &factor), is_multiple) in
-            self.factors.iter_mut().zip(factors).zip(&self.is_multiple)
-        {
-            if *is_multiple {
-                *row = [factor; WIDTH];
-            }
+        self.numbers[0] = [h.dt; WIDTH];
+        for (k, &multiple) in self.multiples.iter().enumerate() {
+            self.numbers[1 + k] = [factors[multiple]; WIDTH];
         }
-        let rest = [&self.dt[..], h.dw, &self.factors];
-        match *inputs {
-            [y] => self.tape.evaluate(&[y, rest[0], rest[1], rest[2]], out, &mut self.scratch),
-            [y, z] => {
-                self.tape.evaluate(&[y, z, rest[0], rest[1], rest[2]], out, &mut self.scratch);
+        let mut groups: [&[Row]; MOST_INPUTS + 2] = [&[]; MOST_INPUTS + 2];
+        groups[..inputs.len()].copy_from_slice(inputs);
+        groups[inputs.len()] = &self.numbers;
+        groups[inputs.len() + 1] = h.dw;
+        self.tape.evaluate(&groups[..inputs.len() + 2], out, &mut self.scratch);
+    }
+}
+
+/// The states of a formula, operation by operation.
+struct Builder<'a> {
+    system: &'a Expressions,
+    rule: &'a Rule,
+    graph: Graph,
+    /// dt, dw₁, …
+    weights: Vec<Id>,
+    states: Vec<Vec<Id>>,
+}
+
+impl Builder<'_> {
+    /// The components of a node; none if it has no expression.
+    fn state(&mut self, node: Node, factor: Option<Id>) -> Option<Vec<Id>> {
+        let system = self.system;
+        let of = |n: usize| self.states[n].clone();
+        Some(match node {
+            Node::Input(k) => {
+                let first = k * system.dimension();
+                (first..first + system.dimension()).map(|k| self.graph.input(k)).collect()
             }
-            [y, z, u] => {
-                self.tape.evaluate(&[y, z, u, rest[0], rest[1], rest[2]], out, &mut self.scratch);
+            Node::Sum(a, b) => self.each(&of(a), &of(b), Graph::add),
+            Node::Difference(a, b) => self.each(&of(a), &of(b), Graph::sub),
+            Node::Multiple(a) => {
+                let (state, factor) = (of(a), factor?);
+                state.into_iter().map(|x| self.graph.mul(x, factor)).collect()
             }
-            _ => unreachable!("formulas have one to three inputs"),
+            Node::Structure { y, v } => self.import(&system.field, &of(y), None, Some(&of(v))),
+            Node::StructureAlong { y, u, v } => {
+                self.import(&system.field_along, &of(y), Some(&of(u)), Some(&of(v)))
+            }
+            Node::Gradient { y } => self.import(&system.gradient, &of(y), None, None),
+            Node::Hessian { y, u } => self.import(&system.hessian, &of(y), Some(&of(u)), None),
+            Node::AveragedGradient { a, b } => {
+                self.import(&system.averaged_gradient, &of(a), Some(&of(b)), None)
+            }
+            Node::AveragedHessian { a, b, u } => self.averaged_hessian(&of(a), &of(b), &of(u)),
+            Node::AveragedField { a, b } => {
+                let (a, b) = (of(a), of(b));
+                let gradient = self.import(&system.averaged_gradient, &a, Some(&b), None);
+                let middle = point(&mut self.graph, &a, &b, 0.0);
+                self.import(&system.field, &middle, None, Some(&gradient))
+            }
+            Node::Cayley { y, v } => {
+                self.import(system.cayley.as_ref()?, &of(y), None, Some(&of(v)))
+            }
+            Node::ItoCorrection { y } => self.import(&system.ito_correction, &of(y), None, None),
+        })
+    }
+
+    fn each(&mut self, a: &[Id], b: &[Id], f: fn(&mut Graph, Id, Id) -> Id) -> Vec<Id> {
+        a.iter().zip(b).map(|(&a, &b)| f(&mut self.graph, a, b)).collect()
+    }
+
+    /// Expressions of the system at other states; a state that they do not read may be anything.
+    fn import(&mut self, roots: &[Id], y: &[Id], u: Option<&[Id]>, v: Option<&[Id]>) -> Vec<Id> {
+        let inputs = [y, u.unwrap_or(y), v.unwrap_or(y), &self.weights].concat();
+        self.graph.import(&self.system.graph, roots, &inputs)
+    }
+
+    /// sum + weight·value.
+    fn plus(&mut self, sum: &[Id], value: &[Id], weight: f64) -> Vec<Id> {
+        let weighted: Vec<Id> = value.iter().map(|&x| self.graph.scale(x, weight)).collect();
+        self.each(sum, &weighted, Graph::add)
+    }
+
+    /// ∂∇̄h(a, b)/∂b·u.
+    fn averaged_hessian(&mut self, a: &[Id], b: &[Id], u: &[Id]) -> Vec<Id> {
+        let mut sum = vec![self.graph.constant(0.0); self.system.dimension()];
+        for k in 0..self.rule.nodes().len() {
+            let (node, weight) = (self.rule.nodes()[k], self.rule.weights()[k]);
+            let point = point(&mut self.graph, a, b, node - 0.5);
+            let value = self.import(&self.system.hessian, &point, Some(u), None);
+            sum = self.plus(&sum, &value, weight * node);
         }
+        sum
     }
 }

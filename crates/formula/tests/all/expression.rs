@@ -41,8 +41,8 @@ pub enum Expression {
 
 pub const VARIABLES: [&str; 3] = ["x", "y_1", "γ"];
 const NUMBERS: [&str; 8] = ["0", "1", "2", "0.37", "1e-3", ".5", "3.", "2.5E+0"];
-const FUNCTIONS: [&str; 10] =
-    ["sin", "cos", "tan", "exp", "ln", "sqrt", "abs", "sinh", "cosh", "tanh"];
+const FUNCTIONS: [&str; 11] =
+    ["sin", "cos", "tan", "exp", "ln", "sqrt", "abs", "sinh", "cosh", "tanh", "sinc"];
 const OPERATORS: [char; 5] = ['+', '-', '*', '/', '^'];
 
 use Expression::*;
@@ -144,6 +144,7 @@ impl Expression {
                     "sinh" => a.sinh(),
                     "cosh" => a.cosh(),
                     "tanh" => a.tanh(),
+                    "sinc" => a.sph_j0(),
                     _ => {
                         if a < 0.0 {
                             -a
@@ -192,6 +193,7 @@ impl Expression {
                     "sqrt" => a.sqrt(),
                     "sinh" => (a.exp() - (-a).exp()) * 0.5,
                     "cosh" => (a.exp() + (-a).exp()) * 0.5,
+                    "sinc" => a.sinc(),
                     "tanh" => (a.exp() - (-a).exp()) / (a.exp() + (-a).exp()),
                     _ => R::where_less(a, R::zero(), -a, a),
                 }
@@ -217,8 +219,8 @@ impl Expression {
         }
     }
 
-    /// Whether rounding may choose the other piece of abs, min or max somewhere, an angle is
-    /// large.
+    /// Whether rounding may choose the other piece of abs, min or max somewhere, or an angle is
+    /// too large or too small.
     pub fn is_at_an_edge(&self, x: &[Bounded]) -> bool {
         let near = |a: Bounded, b: Bounded| {
             let distance = (a.value - b.value).abs();
@@ -235,6 +237,8 @@ impl Expression {
                     "abs" => near(at, Bounded::exact(0.0)),
                     // Beyond it sine and cosine of `real` are not accurate.
                     "sin" | "cos" | "tan" => at.value.abs() > 1_048_576.0,
+                    // The derivatives of the oracle cancel for small ones.
+                    "sinc" => !(1.0..1_048_576.0).contains(&at.value.abs()),
                     _ => false,
                 };
                 outside || a.is_at_an_edge(x)
@@ -244,7 +248,9 @@ impl Expression {
             }
             Binary(operator, a, b) => {
                 let pole = *operator == '/' && b.value(x).value == 0.0;
-                pole || a.is_at_an_edge(x) || b.is_at_an_edge(x)
+                // The oracle overflows.
+                let high = *operator == '^' && b.constant().is_some_and(|n| n.abs() > 1000.0);
+                high || pole || a.is_at_an_edge(x) || b.is_at_an_edge(x)
             }
         }
     }
@@ -261,6 +267,7 @@ fn host(name: &str, a: f64) -> f64 {
         "sinh" => a.sinh(),
         "cosh" => a.cosh(),
         "tanh" => a.tanh(),
+        "sinc" => a.sin() / a,
         _ => a.abs(),
     }
 }

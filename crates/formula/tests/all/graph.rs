@@ -92,6 +92,25 @@ fn functions_are_accurate() {
 }
 
 #[test]
+fn derivatives_of_sinc_have_no_cancellation() {
+    let formula = formula("sinc(x)");
+    for x in [0.0, 1e-9, 1e-3, 0.3, 0.999, 1.001] {
+        let (mut slope, mut curvature) = ([0.0], [0.0; 2]);
+        formula.gradient(&[0]).evaluate_one(&[&[x, 0.0]], &mut slope);
+        formula.hessian().evaluate_one(&[&[x, 0.0], &[1.0, 0.0]], &mut curvature);
+        // Taylor series: sinc = Σ (−1)ⁿ x²ⁿ/(2n+1)!.
+        let (mut first, mut second, mut factorial) = (0.0, 0.0, 1.0);
+        for n in 1..15 {
+            factorial *= -f64::from(2 * n * (2 * n + 1));
+            first += f64::from(2 * n) * x.powi(2 * n - 1) / factorial;
+            second += f64::from(2 * n * (2 * n - 1)) * x.powi(2 * n - 2) / factorial;
+        }
+        assert!((slope[0] - first).abs() <= 1e-15, "{x}: {} {first}", slope[0]);
+        assert!((curvature[0] - second).abs() <= 4e-15, "{x}: {} {second}", curvature[0]);
+    }
+}
+
+#[test]
 fn degrees_are_read_off() {
     let degrees = [
         ("3", Some(0), Some(0)),

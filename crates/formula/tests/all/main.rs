@@ -9,4 +9,5 @@ mod graph;
 mod panels;
 #[path = "../../examples/paper/mod.rs"]
 mod paper;
+mod programs;
 mod systems;

@@ -27,7 +27,7 @@ fn simulate<const M: usize>(
     let bound = Truncation::new(4).unwrap().bound(tau).unwrap();
     for n in 0..steps {
         wiener.increments(tau.sqrt(), &mut drawn);
-        clip(&drawn, bound, &mut clipped);
+        clip(&drawn.0, bound, &mut clipped.0);
         let used = if scheme.clips_increments() { &clipped } else { &drawn };
         let dw: Vec<Row> = used.0.iter().map(|row| numbers.map(|number| row[number])).collect();
         paths.step(&Step::new(damping, n, tau).unwrap(), &dw, &mut status);
@@ -75,7 +75,7 @@ fn check<S, G, const D: usize, const M: usize>(
             let bound = if compiled.clips_increments() { bound } else { f64::INFINITY };
             for n in 0..steps {
                 wiener.increments(tau.sqrt(), &mut drawn);
-                clip(&drawn, bound, &mut noise.increments);
+                clip(&drawn.0, bound, &mut noise.increments.0);
                 let step = Step::new(problem.damping(), n, tau).unwrap();
                 compiled.step_block(system, &step, &noise, &mut y, &mut status);
                 lost = lost.or(status.failed);
@@ -126,9 +126,15 @@ fn the_panels_of_the_paper_have_the_same_results() {
     check("rigid-body-strong-3, weak", paper::rigid_body_three_noises(1.0), &body, &powers);
     check("rigid-body-strong-1", paper::rigid_body_one_noise(), &one_noise, &powers);
     check("rigid-body-energy", paper::rigid_body_energy(10.0), &energy, &[100]);
-    let mut populations = texts::lotka_volterra(1.0);
-    check("lotka-volterra-energy", paper::lotka_volterra_2_2(10.0), &populations, &[100]);
-    populations = texts::lotka_volterra_1_1(1.0);
+    let two_two = texts::lotka_volterra(1.0);
+    check("lotka-volterra-energy", paper::lotka_volterra_2_2(10.0), &two_two, &[100]);
+    // With p = q = 1.
+    let populations = Definition {
+        structure: vec![vec!["-c".into(), "c".into()], vec!["-c".into()]],
+        energy: "y1*y2*y3".into(),
+        noises: vec!["y1*y2*y3".into()],
+        ..two_two
+    };
     check("lotka-volterra-strong", paper::lotka_volterra_1_1(), &populations, &powers);
     check("maxwell-bloch-casimir", paper::maxwell_bloch(5.0), &texts::maxwell_bloch(), &[500]);
     check("maxwell-bloch-strong", paper::maxwell_bloch(1.0), &texts::maxwell_bloch(), &powers);

@@ -293,3 +293,27 @@ fn a_point_outside_of_the_domain_is_named() {
     let error = system.check_domain(&[1.0, -1.0]).unwrap_err();
     assert!(matches!(error, SystemError::OutsideDomain { .. }), "{error}");
 }
+
+/// ∇̄h(a, b)·(b − a) = h(b) − h(a) for polynomials, sines and cosines, however far b is from a.
+#[test]
+fn averaged_gradients_keep_the_energy() {
+    let mut definition = harmonic();
+    definition.energy = "p^6*q/7 - 3*cos(2*p - q/3 + 1) + (p + q)^2 - (2 - sin(q))".into();
+    definition.noises = vec!["p*q^3 + sin(p + c*q)".into(), "2*sin(p + c*q) - p".into()];
+    let system = FormulaSystem::new(&definition, &[0.3, 0.4]).unwrap();
+    let mut random = Random::new(23);
+    let (a, b) = (rows(&mut random, 2, 0.7, 0.0), rows(&mut random, 2, 0.7, 0.5));
+    let dw = rows(&mut random, 2, 1.0, 0.0);
+    let h = Weights { dt: 0.3, dw: &dw };
+    let mut scratch = Rows::zero(system.scratch_rows()).unwrap();
+    let (mut mean, mut start, mut end) = (Rows::zero(2).unwrap(), [0.0; WIDTH], [0.0; WIDTH]);
+    system.averaged_gradient(&a, &b, h, &mut mean, &mut scratch);
+    system.energy(&a, h, &mut start, &mut scratch);
+    system.energy(&b, h, &mut end, &mut scratch);
+    for p in 0..WIDTH {
+        let work: f64 = (0..2).map(|i| mean[i][p] * (b[i][p] - a[i][p])).sum();
+        let change = end[p] - start[p];
+        let scale = 1.0 + start[p].abs() + end[p].abs() + work.abs();
+        assert!((work - change).abs() < 2e-14 * scale, "{work} {change}");
+    }
+}

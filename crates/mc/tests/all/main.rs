@@ -7,6 +7,7 @@ mod dynamic;
 mod explosive;
 mod judged;
 mod ladder;
+mod lattice;
 mod multilevel;
 mod parts;
 mod simulation;

@@ -61,6 +61,15 @@ pub enum SchemeError {
         /// Why it has none.
         reason: String,
     },
+    /// Rows of the system hold one path.
+    #[error(
+        "rows of `{system}` hold one path, and not 32: take `mc::LargePath`, or the layout of the \
+         system for many paths"
+    )]
+    OnePath {
+        /// The system.
+        system: String,
+    },
     /// There is no memory for the states.
     #[error(transparent)]
     Memory(#[from] OutOfMemory),

@@ -69,6 +69,12 @@ pub trait System: Send + Sync {
         self.noises()
     }
 
+    /// Whether every component has a noise of its own, in the row and place of the component.
+    /// Otherwise noise m is in row m.
+    fn local_noise(&self) -> bool {
+        false
+    }
+
     /// The number of rows of a tile; the last tile may have fewer.
     fn tile_rows(&self) -> usize {
         self.rows()

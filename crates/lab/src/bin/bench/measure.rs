@@ -145,7 +145,7 @@ fn threads(workload: Workload) -> Result<Vec<ThreadRow>> {
     let mut rows: Vec<ThreadRow> = Vec::new();
     for threads in counts(available_parallelism().map_or(1, usize::from)) {
         eprintln!("{threads} threads");
-        let (seconds, ..) = repeat::<D, M>(&pool(threads)?, &ladder, workload);
+        let (seconds, ..) = repeat::<3, _>(&pool(threads)?, &ladder, workload);
         let first = rows.first().map_or(seconds.best, |row| row.seconds.best);
         rows.push(ThreadRow { threads, seconds, speedup: first / seconds.best });
     }
@@ -191,9 +191,9 @@ fn growth(workload: Workload, one: &ThreadPool) -> Result<Vec<GrowthRow>> {
         let path_steps = ladder.steps_per_path() * workload.paths;
         // Sets the mark of the peak back to what is in use now, where the system lets us.
         let forgotten = fs::write("/proc/self/clear_refs", "5").is_ok();
-        one.install(|| run_once::<D, M>(&ladder, workload.paths));
+        one.install(|| run_once::<3, _>(&ladder, workload.paths));
         let peak_memory_mb = if forgotten { peak_memory_mb() } else { None };
-        let (_, thread, _) = repeat::<D, M>(one, &ladder, workload);
+        let (_, thread, _) = repeat::<3, _>(one, &ladder, workload);
         let ns_per_path_step = thread.scaled(1e9 / path_steps as f64);
         rows.push(GrowthRow { grows, value, path_steps, ns_per_path_step, peak_memory_mb });
     }

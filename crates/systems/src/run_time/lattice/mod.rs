@@ -257,6 +257,10 @@ impl System for SpinLattice {
         if self.couplings.local { self.rows() } else { 3 }
     }
 
+    fn local_noise(&self) -> bool {
+        self.couplings.local
+    }
+
     fn tile_rows(&self) -> usize {
         match self.lanes() {
             Lanes::Paths => self.rows(),

@@ -1,0 +1,180 @@
+//! The averaged gradient ∇̄h(a, b) = ∫₀¹ ∇h((1−η)a + ηb) dη as expressions.
+//!
+//! Each Hamiltonian is taken apart into terms. A sine or cosine of what is affine in y has a closed
+//! form without cancellation, as in [`dgrad`]. A polynomial has as many Gauss–Legendre nodes as it
+//! needs, and everything else has 8. So a sum of polynomials, sines and cosines is exact to
+//! round-off.
+
+use std::collections::{HashMap, hash_map::Entry};
+
+use dgrad::{Rule, nodes_for_degree};
+
+use super::{MOST_NODES, NODES};
+use crate::{
+    Id,
+    graph::{Binary, Graph, Node, Unary},
+};
+
+/// Two states and the weights of a Hamiltonian increment, as inputs of a graph.
+pub struct Segment<'a> {
+    /// The numbers of the components of y as inputs of the graph.
+    pub y: &'a [usize],
+    /// The ends.
+    pub a: &'a [Id],
+    pub b: &'a [Id],
+}
+
+/// A term of h with its weight.
+type Weighted = (Id, Id);
+
+/// (a+b)/2 + distance·(b − a), in the order of operations of `systems::run_time`.
+pub fn point(graph: &mut Graph, a: &[Id], b: &[Id], distance: f64) -> Vec<Id> {
+    let component = |(&a, &b): (&Id, &Id)| {
+        let (sum, difference) = (graph.add(a, b), graph.sub(b, a));
+        let (middle, shift) = (graph.scale(sum, 0.5), graph.scale(difference, distance));
+        graph.add(middle, shift)
+    };
+    a.iter().zip(b).map(component).collect()
+}
+
+/// ∇̄h(a, b) for h = Σ weight·Hamiltonian.
+pub fn averaged_gradient(graph: &mut Graph, h: &[Weighted], segment: &Segment<'_>) -> Vec<Id> {
+    let mut mean = vec![graph.constant(0.0); segment.y.len()];
+    // Terms by the number of their nodes.
+    let mut groups: Vec<Vec<Weighted>> = vec![Vec::new(); MOST_NODES + 1];
+    let terms = terms(graph, h);
+    let degrees = graph.degrees(segment.y);
+    for (term, weight) in terms {
+        let part = match graph.node(term) {
+            Node::Unary(function @ (Unary::Sin | Unary::Cos), angle)
+                if degrees[angle.index()] == Some(1) =>
+            {
+                averaged_wave(graph, function, angle, weight, segment)
+            }
+            _ => {
+                let nodes = match degrees[term.index()] {
+                    Some(0) => continue,
+                    Some(degree) => nodes_for_degree(degree as usize - 1).min(MOST_NODES),
+                    None => NODES,
+                };
+                groups[nodes].push((term, weight));
+                continue;
+            }
+        };
+        add(graph, &mut mean, &part);
+    }
+    for (nodes, group) in groups.iter().enumerate().filter(|(_, group)| !group.is_empty()) {
+        let gradient = graph.reverse(group, segment.y);
+        let part = by_quadrature(graph, &gradient, nodes, segment);
+        add(graph, &mut mean, &part);
+    }
+    mean
+}
+
+fn add(graph: &mut Graph, sum: &mut [Id], part: &[Id]) {
+    for (sum, &part) in sum.iter_mut().zip(part) {
+        *sum = graph.add(*sum, part);
+    }
+}
+
+/// The terms of Σ weight·Hamiltonian, each once, with its weight.
+fn terms(graph: &mut Graph, h: &[Weighted]) -> Vec<Weighted> {
+    let mut terms: Vec<Weighted> = Vec::new();
+    let mut places: HashMap<Id, usize> = HashMap::new();
+    let mut open: Vec<Weighted> = h.iter().rev().copied().collect();
+    while let Some((id, weight)) = open.pop() {
+        match graph.node(id) {
+            Node::Binary(Binary::Add, a, b) => open.extend([(b, weight), (a, weight)]),
+            Node::Binary(Binary::Sub, a, b) => {
+                let negative = graph.neg(weight);
+                open.extend([(b, negative), (a, weight)]);
+            }
+            Node::Unary(Unary::Neg, a) => open.push((a, graph.neg(weight))),
+            Node::Binary(Binary::Mul, a, c) if graph.as_constant(c).is_some() => {
+                open.push((a, graph.mul(weight, c)));
+            }
+            _ => match places.entry(id) {
+                Entry::Occupied(place) => {
+                    let sum = &mut terms[*place.get()].1;
+                    *sum = graph.add(*sum, weight);
+                }
+                Entry::Vacant(place) => {
+                    place.insert(terms.len());
+                    terms.push((id, weight));
+                }
+            },
+        }
+    }
+    terms
+}
+
+/// The averaged gradient of weight·sin u or weight·cos u for an affine u: the means of cos u and
+/// −sin u are their values at the middle times sinc(½(u(b) − u(a))).
+fn averaged_wave(
+    graph: &mut Graph,
+    function: Unary,
+    angle: Id,
+    weight: Id,
+    segment: &Segment<'_>,
+) -> Vec<Id> {
+    let one = graph.constant(1.0);
+    let slopes = graph.reverse(&[(angle, one)], segment.y);
+    let mut half = graph.constant(0.0);
+    for ((&a, &b), &slope) in segment.a.iter().zip(segment.b).zip(&slopes) {
+        let difference = graph.sub(b, a);
+        let distance = graph.scale(difference, 0.5);
+        let part = graph.mul(distance, slope);
+        half = graph.add(half, part);
+    }
+    let middle = point(graph, segment.a, segment.b, 0.0);
+    let angle = at(graph, &[angle], &middle, segment.y)[0];
+    let mean = match function {
+        Unary::Sin => graph.unary(Unary::Cos, angle),
+        _ => {
+            let sin = graph.unary(Unary::Sin, angle);
+            graph.neg(sin)
+        }
+    };
+    let sinc = graph.unary(Unary::Sinc, half);
+    let product = graph.mul(mean, sinc);
+    let mean = graph.mul(product, weight);
+    slopes.into_iter().map(|slope| graph.mul(mean, slope)).collect()
+}
+
+/// Expressions at another state y.
+fn at(graph: &mut Graph, roots: &[Id], state: &[Id], y: &[usize]) -> Vec<Id> {
+    let mut inputs: Vec<Id> = (0..graph.inputs()).map(|k| graph.input(k)).collect();
+    for (&k, &component) in y.iter().zip(state) {
+        inputs[k] = component;
+    }
+    graph.substitute(roots, &inputs)
+}
+
+fn by_quadrature(
+    graph: &mut Graph,
+    gradient: &[Id],
+    nodes: usize,
+    segment: &Segment<'_>,
+) -> Vec<Id> {
+    let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
+    let at_distance = |graph: &mut Graph, distance: f64| {
+        let point = point(graph, segment.a, segment.b, distance);
+        at(graph, gradient, &point, segment.y)
+    };
+    if nodes == 1 {
+        return at_distance(graph, 0.0);
+    }
+    let mut sum = vec![graph.constant(0.0); gradient.len()];
+    for k in 0..nodes.div_ceil(2) {
+        let distance = 0.5 - rule.nodes()[k];
+        let mut value = at_distance(graph, -distance);
+        if 2 * k + 1 != nodes {
+            let mirror = at_distance(graph, distance);
+            add(graph, &mut value, &mirror);
+        }
+        let weighted: Vec<Id> =
+            value.into_iter().map(|x| graph.scale(x, rule.weights()[k])).collect();
+        add(graph, &mut sum, &weighted);
+    }
+    sum
+}

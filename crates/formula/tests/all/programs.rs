@@ -1,0 +1,139 @@
+//! A scheme's formula as one tape has the bits of its operations one by one.
+
+use std::ops::Range;
+
+use dgrad::Rule;
+use formula::FormulaSystem;
+use nonlin::BlockStatus;
+use real::{Row, Rows, WIDTH};
+use schemes::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi, Step, run_time::Scheme};
+use systems::{
+    Constant, Linearity,
+    run_time::{System, Weights},
+};
+
+use crate::{expression::Random, paper};
+
+/// A system that does not compile formulas of schemes.
+struct OneByOne<'a>(&'a FormulaSystem);
+
+impl System for OneByOne<'_> {
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+    fn dimension(&self) -> usize {
+        self.0.dimension()
+    }
+    fn noises(&self) -> usize {
+        self.0.noises()
+    }
+    fn own_scratch_rows(&self) -> usize {
+        self.0.own_scratch_rows()
+    }
+    fn structure(&self, tile: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], s: &mut [Row]) {
+        self.0.structure(tile, y, v, out, s);
+    }
+    fn structure_along(
+        &self,
+        tile: Range<usize>,
+        y: &[Row],
+        u: &[Row],
+        v: &[Row],
+        out: &mut [Row],
+        s: &mut [Row],
+    ) {
+        self.0.structure_along(tile, y, u, v, out, s);
+    }
+    fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, s: &mut [Row]) {
+        self.0.energy(y, h, out, s);
+    }
+    fn gradient(
+        &self,
+        tile: Range<usize>,
+        y: &[Row],
+        h: Weights<'_>,
+        out: &mut [Row],
+        s: &mut [Row],
+    ) {
+        self.0.gradient(tile, y, h, out, s);
+    }
+    fn hessian(
+        &self,
+        tile: Range<usize>,
+        y: &[Row],
+        u: &[Row],
+        h: Weights<'_>,
+        out: &mut [Row],
+        s: &mut [Row],
+    ) {
+        self.0.hessian(tile, y, u, h, out, s);
+    }
+    fn rule(&self) -> &Rule {
+        self.0.rule()
+    }
+    fn averaged_gradient(
+        &self,
+        a: &[Row],
+        b: &[Row],
+        h: Weights<'_>,
+        out: &mut [Row],
+        s: &mut [Row],
+    ) {
+        self.0.averaged_gradient(a, b, h, out, s);
+    }
+    fn linearity(&self) -> Linearity {
+        self.0.linearity()
+    }
+    fn always_solvable(&self) -> bool {
+        self.0.always_solvable()
+    }
+    fn cayley(&self, tile: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], s: &mut [Row]) {
+        self.0.cayley(tile, y, v, out, s);
+    }
+    fn ito_correction(&self, tile: Range<usize>, y: &[Row], out: &mut [Row], s: &mut [Row]) {
+        self.0.ito_correction(tile, y, out, s);
+    }
+}
+
+/// Some steps from near `y0`.
+fn path(scheme: &dyn Scheme, system: &dyn System, y0: &[f64]) -> Vec<Row> {
+    let mut random = Random::new(17);
+    let mut stepper = scheme.stepper(system).unwrap();
+    for (row, y) in stepper.state_mut().iter_mut().zip(y0) {
+        *row = [(); WIDTH].map(|()| y + 0.05 * random.number());
+    }
+    let damping = Constant::new(0.3).unwrap();
+    for n in 0..5 {
+        let step = Step::new(&damping, n, 0.01).unwrap();
+        let mut dw = Rows::zero(system.noises()).unwrap();
+        dw.iter_mut().flatten().for_each(|dw| *dw = 0.05 * random.number());
+        let mut status = BlockStatus::explicit();
+        stepper.step(&step, &dw, &mut status);
+        assert!(status.failed.is_empty(), "{}: {status:?}", scheme.id());
+    }
+    stepper.state().to_vec()
+}
+
+#[test]
+fn a_formula_in_one_piece_has_the_bits_of_its_operations() {
+    let y3 = [1.0, 1.2, 0.8];
+    let (inertia, noise) = ([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]);
+    let definitions = [
+        (paper::rigid_body(inertia, noise), &y3[..]),
+        (paper::pendulum(0.5), &y3[..2]),
+        (paper::lotka_volterra(0.5), &y3[..]),
+        (paper::maxwell_bloch(), &y3[..]),
+        (paper::poisson3(0.5), &y3[..]),
+    ];
+    for (definition, y0) in definitions {
+        let system = FormulaSystem::new(&definition, y0).unwrap();
+        let linear = SexpLi::at_run_time(&system);
+        let mut schemes: Vec<&dyn Scheme> = vec![&EulerMaruyama, &Heun, &Sexp, &Midpoint];
+        schemes.extend(linear.iter().map(|linear| linear as &dyn Scheme));
+        for scheme in schemes {
+            let one = path(scheme, &system, y0);
+            let other = path(scheme, &OneByOne(&system), y0);
+            assert_eq!(one, other, "{} on {}", scheme.id(), definition.name);
+        }
+    }
+}

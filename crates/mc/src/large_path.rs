@@ -1,0 +1,229 @@
+//! One path of a system with very many components.
+
+use noise::{NoiseError, StreamKey, Truncation, WienerPath, WienerRows};
+use nonlin::BlockStatus;
+use rayon::prelude::*;
+use real::{OutOfMemory, Row, Rows, WIDTH};
+use schemes::{
+    Step, StepError,
+    run_time::{Scheme, SchemeError, Stepper},
+};
+use systems::{
+    Damping,
+    run_time::{Lanes, Problem, System},
+};
+
+use crate::{Cause, PathFailure};
+
+/// One path of a system whose rows hold one path, such as a lattice of a million spins. A step uses
+/// all threads of the current rayon pool, and its bits do not depend on their number. Memory is a
+/// few states.
+///
+/// Noise that is common to all components is that of the path of this number in any other
+/// simulation. Local noise has streams of its own for each tile of the system.
+///
+/// ```
+/// use std::sync::Arc;
+/// use mc::LargePath;
+/// use noise::{StreamKey, Truncation};
+/// use schemes::SexpLi;
+/// use systems::{Constant, run_time::{Couplings, Problem, Shape, SpinLattice}};
+///
+/// let couplings = Couplings { exchange: 1.0, noise: 0.3, local: true, ..Couplings::default() };
+/// let lattice = SpinLattice::one_path(Shape::periodic(&[20, 20, 20])?, couplings)?;
+/// let scheme = SexpLi::at_run_time(&lattice)?;
+/// let (lattice, y0) = (Arc::new(lattice), [0.0, 0.0, 1.0].repeat(8000));
+/// let problem = Problem::new(lattice.clone(), Arc::new(Constant::new(0.0)?), y0, 1.0)?;
+/// let key = StreamKey { seed: 1, experiment: 0 };
+/// let mut path = LargePath::new(&problem, &scheme, 100, Truncation::new(4)?, key, 0)?;
+/// while path.steps_done() < 100 {
+///     path.advance(10)?;
+///     assert!(lattice.length_defect(path.state(), 1.0) < 1e-13);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct LargePath<'a> {
+    system: &'a dyn System,
+    damping: &'a dyn Damping,
+    stepper: Box<dyn Stepper + 'a>,
+    noise: Noise,
+    dw: Rows,
+    /// Increments are clipped at this.
+    bound: f64,
+    tau: f64,
+    done: u64,
+    /// What describes a failure.
+    failure: PathFailure,
+}
+
+/// A large path that cannot be simulated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LargePathError {
+    /// Rows of the system hold 32 paths.
+    #[error("rows of `{system}` hold 32 paths: take an ensemble, or a layout for one path")]
+    Paths {
+        /// The system.
+        system: String,
+    },
+    /// There are no steps.
+    #[error("the number of steps must be positive, got 0")]
+    Steps,
+    /// The scheme is not for the system.
+    #[error(transparent)]
+    Scheme(#[from] SchemeError),
+    /// The step size is not positive.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// The truncation is undefined at the step size.
+    #[error(transparent)]
+    Noise(#[from] NoiseError),
+    /// There is no memory.
+    #[error(transparent)]
+    Memory(#[from] OutOfMemory),
+}
+
+/// Where increments come from.
+enum Noise {
+    /// One stream, whose normals are the same for all components.
+    Common(WienerPath<1>),
+    /// Streams for every tile.
+    Local(Vec<WienerRows>),
+}
+
+/// Steps between two checks that the state is finite.
+const CHECKED: u64 = 64;
+
+impl<'a> LargePath<'a> {
+    /// Path number `path` of a problem in `steps` steps on [0, T].
+    ///
+    /// # Errors
+    /// [`LargePathError`] if rows of the system hold 32 paths, there are no steps, the scheme is
+    /// not for the system, the truncation is undefined at T/steps, or memory is not there.
+    pub fn new(
+        problem: &'a Problem,
+        scheme: &'a dyn Scheme,
+        steps: u64,
+        truncation: Truncation,
+        key: StreamKey,
+        path: u64,
+    ) -> Result<Self, LargePathError> {
+        let (system, damping) = (problem.system(), problem.damping());
+        if system.lanes() == Lanes::Paths {
+            return Err(LargePathError::Paths { system: system.name().into() });
+        }
+        if steps == 0 {
+            return Err(LargePathError::Steps);
+        }
+        let tau = problem.t_end() / steps as f64;
+        Step::new(damping, 0, tau)?;
+        let clips = scheme.clips_increments();
+        let bound = if clips { truncation.bound(tau)? } else { f64::INFINITY };
+        let mut stepper = scheme.stepper(system)?;
+        for (component, &y) in problem.y0().iter().enumerate() {
+            let (row, place) = system.place(component);
+            stepper.state_mut()[row][place] = y;
+        }
+        let tiles = system.rows().div_ceil(system.tile_rows()) as u64;
+        let noise = if system.local_noise() {
+            let key = key.of_tiles(path);
+            let streams = |tile| WienerRows::new(key, tile * WIDTH as u64);
+            Noise::Local((0..tiles).map(streams).collect())
+        } else {
+            Noise::Common(WienerPath::new(key, path))
+        };
+        let dw = Rows::zero(system.noise_rows())?;
+        let (scheme, cause) = (scheme.id(), Cause::NotFinite);
+        let failure = PathFailure { path, key, scheme, swapped: false, tau, step: 0, cause };
+        Ok(Self { system, damping, stepper, noise, dw, bound, tau, done: 0, failure })
+    }
+
+    /// Advances by so many steps, also beyond T.
+    ///
+    /// # Errors
+    /// The failure of a step. A state that is not finite is found within 64 steps.
+    pub fn advance(&mut self, steps: u64) -> Result<(), PathFailure> {
+        let mut status = BlockStatus::explicit();
+        for n in 1..=steps {
+            // The size of a step was checked when the path was made.
+            let step = Step::new(self.damping, self.done, self.tau)
+                .unwrap_or_else(|error| unreachable!("{error}"));
+            self.draw();
+            self.stepper.step(&step, &self.dw, &mut status);
+            let failed = |cause| Err(PathFailure { step: self.done, cause, ..self.failure });
+            if !status.failed.is_empty() {
+                return failed(Cause::of_residual(status.residual(0)));
+            }
+            if (n % CHECKED == 0 || n == steps) && !is_finite(self.stepper.state()) {
+                return failed(Cause::NotFinite);
+            }
+            self.done += 1;
+        }
+        Ok(())
+    }
+
+    /// Draws the increments of the next step.
+    fn draw(&mut self) {
+        let (sqrt_tau, bound) = (self.tau.sqrt(), self.bound);
+        match &mut self.noise {
+            Noise::Common(stream) => {
+                for row in self.dw.iter_mut() {
+                    *row = [(stream.normal() * sqrt_tau).clamp(-bound, bound); WIDTH];
+                }
+            }
+            Noise::Local(streams) => {
+                let tiles = self.dw.par_chunks_mut(self.system.tile_rows());
+                tiles.zip(streams).for_each(|(dw, stream)| {
+                    stream.increments(sqrt_tau, dw);
+                    if bound < f64::INFINITY {
+                        dw.iter_mut().flatten().for_each(|dw| *dw = dw.clamp(-bound, bound));
+                    }
+                });
+            }
+        }
+    }
+
+    /// The rows of the state, in the layout of the system.
+    #[must_use]
+    pub fn state(&self) -> &[Row] {
+        self.stepper.state()
+    }
+
+    /// A component of the state.
+    #[must_use]
+    pub fn component(&self, number: usize) -> f64 {
+        let (row, place) = self.system.place(number);
+        self.state()[row][place]
+    }
+
+    /// The number of steps done.
+    #[must_use]
+    pub fn steps_done(&self) -> u64 {
+        self.done
+    }
+
+    /// The time.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.done as f64 * self.tau
+    }
+
+    /// The step size.
+    #[must_use]
+    pub fn tau(&self) -> f64 {
+        self.tau
+    }
+}
+
+/// Whether all numbers are finite: 0·x is NaN otherwise, and so is a sum of it.
+fn is_finite(state: &[Row]) -> bool {
+    state.par_chunks(1024).all(|rows| {
+        let mut sums = [0.0; WIDTH];
+        for row in rows {
+            for p in 0..WIDTH {
+                sums[p] += 0.0 * row[p];
+            }
+        }
+        sums.iter().all(|sum| *sum == 0.0)
+    })
+}

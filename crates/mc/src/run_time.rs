@@ -1,0 +1,148 @@
+//! Problems whose system is known at run time, for the driver.
+
+use std::sync::Arc;
+
+use noise::NoiseRows;
+use nonlin::BlockStatus;
+use real::{Row, Rows};
+use schemes::{
+    DynScheme, RunState, Step,
+    run_time::{Scheme, SchemeError, Stepper},
+};
+use systems::run_time::{Problem, System, Weights};
+
+use crate::{ConformalLaw, DynProblem, Formulas, Setup, observable::splat};
+
+impl<'a> DynProblem<'a> {
+    /// The problem with a system that is known at run time.
+    pub fn at_run_time(problem: &'a Problem) -> Self {
+        let system = problem.system();
+        let law =
+            |law: systems::Invariant| ConformalLaw { name: law.name.into(), degree: law.degree };
+        Self {
+            name: system.name().into(),
+            parameters: system.parameters(),
+            noises: system.noises(),
+            y0: problem.y0().into(),
+            t_end: problem.t_end(),
+            damping: problem.damping(),
+            laws: system.invariants().into_iter().map(law).collect(),
+            formulas: Box::new(OnRows(system)),
+        }
+    }
+}
+
+impl<'a> Setup<'a, NoiseRows> {
+    /// A problem whose system is known at run time, and a scheme for it. Every statistic, study and
+    /// expectation takes it.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use mc::{DynSimulation, Setup};
+    /// use noise::{StreamKey, Truncation};
+    /// use schemes::SexpLi;
+    /// use systems::{Constant, run_time::{Couplings, Problem, Shape, SpinLattice}};
+    ///
+    /// // Four spins in a ring with a noise for each component.
+    /// let couplings = Couplings { exchange: 1.0, noise: 0.3, local: true, ..Couplings::default() };
+    /// let ring = SpinLattice::on_paths(Shape::periodic(&[4])?, couplings)?;
+    /// let scheme = SexpLi::at_run_time(&ring)?;
+    /// let y0 = [1.0, 0.0, 0.0].repeat(4);
+    /// let problem = Problem::new(Arc::new(ring), Arc::new(Constant::new(0.1)?), y0, 1.0)?;
+    /// let setup = Setup::at_run_time(&problem, &scheme)?;
+    /// let simulation = DynSimulation::new(setup, Truncation::new(4)?);
+    /// let key = StreamKey { seed: 1, experiment: 0 };
+    /// let paths = simulation.paths(64, key, 0..2)?;
+    /// // Each length is on its law.
+    /// assert!(paths[1].column("C4 defect").unwrap().iter().all(|defect| defect.abs() < 1e-13));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`Scheme::stepper`]: the scheme is not for the system, or there is no memory.
+    /// [`SchemeError::OnePath`] if rows of the system hold one path, which is for
+    /// [`LargePath`](crate::LargePath).
+    pub fn at_run_time(problem: &'a Problem, scheme: &'a dyn Scheme) -> Result<Self, SchemeError> {
+        let system = problem.system();
+        if system.lanes() == systems::run_time::Lanes::Components {
+            return Err(SchemeError::OnePath { system: system.name().into() });
+        }
+        scheme.stepper(system)?;
+        let scheme = Arc::new(Bound { system, scheme });
+        Ok(Self { problem: DynProblem::at_run_time(problem), scheme })
+    }
+}
+
+/// A scheme on a system, both known at run time.
+struct Bound<'a> {
+    system: &'a dyn System,
+    scheme: &'a dyn Scheme,
+}
+
+impl DynScheme<NoiseRows> for Bound<'_> {
+    fn id(&self) -> &'static str {
+        self.scheme.id()
+    }
+
+    fn reads_areas(&self) -> bool {
+        // Schemes that do have no stepper.
+        false
+    }
+
+    fn clips_increments(&self) -> bool {
+        self.scheme.clips_increments()
+    }
+
+    /// # Panics
+    /// If there is no more memory.
+    fn start(&self, y: &[Row]) -> Box<dyn RunState<NoiseRows> + '_> {
+        let stepper = self.scheme.stepper(self.system);
+        let mut stepper = stepper.unwrap_or_else(|error| panic!("{error}"));
+        stepper.state_mut().copy_from_slice(y);
+        Box::new(Paths(stepper))
+    }
+}
+
+struct Paths<'a>(Box<dyn Stepper + 'a>);
+
+impl RunState<NoiseRows> for Paths<'_> {
+    fn step(&mut self, step: &Step, noise: &NoiseRows, status: &mut BlockStatus) {
+        self.0.step(step, &noise.increments, status);
+    }
+
+    fn rows(&self) -> &[Row] {
+        self.0.state()
+    }
+}
+
+/// The formulas of a system at single states.
+struct OnRows<'a>(&'a dyn System);
+
+impl OnRows<'_> {
+    /// # Panics
+    /// If there is no memory.
+    fn scratch(&self) -> Rows {
+        Rows::zero(self.0.scratch_rows()).unwrap_or_else(|error| panic!("{error}"))
+    }
+}
+
+impl Formulas for OnRows<'_> {
+    fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
+        let mut out = splat(y);
+        let tile = 0..out.len();
+        self.0.structure(tile, &splat(y), &splat(v), &mut out, &mut self.scratch());
+        out.iter().map(|row| row[0]).collect()
+    }
+
+    fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64 {
+        let (mut out, dw) = (splat(&[0.0]), splat(dw));
+        self.0.energy(&splat(y), Weights { dt, dw: &dw }, &mut out[0], &mut self.scratch());
+        out[0][0]
+    }
+
+    fn law(&self, index: usize, y: &[f64]) -> f64 {
+        let mut out = splat(&[0.0]);
+        self.0.invariant(index, &splat(y), &mut out[0], &mut self.scratch());
+        out[0][0]
+    }
+}

@@ -1,0 +1,244 @@
+//! Spins on a lattice: lengths on their law, equilibrium at a temperature, and one path beside many.
+
+use std::sync::Arc;
+
+use mc::{DynSimulation, LargePath, LargePathError, Setup};
+use noise::{StreamKey, Truncation};
+use schemes::{
+    Explicit, Heun, Increment, Sexp, SexpLi, Split,
+    run_time::{Scheme, SchemeError},
+};
+use stats::{StationaryMean, TimeAverage};
+use systems::{
+    Constant,
+    run_time::{Couplings, Problem, Shape, SpinLattice, noise_at_temperature},
+};
+
+const KEY: StreamKey = StreamKey { seed: 20_261_122, experiment: 0 };
+
+fn truncation() -> Truncation {
+    Truncation::new(4).unwrap()
+}
+
+/// All spins in one direction, on [0, T] with a constant damping.
+fn problem(lattice: SpinLattice, rate: f64, t_end: f64) -> Problem {
+    let spins = lattice.shape().sites();
+    let y0 = [0.6, 0.0, 0.8].repeat(spins);
+    Problem::new(Arc::new(lattice), Arc::new(Constant::new(rate).unwrap()), y0, t_end).unwrap()
+}
+
+#[test]
+fn every_length_is_on_its_law_after_100_000_steps() {
+    const STEPS: u64 = 100_000;
+    let couplings = Couplings {
+        exchange: 1.0,
+        anisotropy: 0.3,
+        field: [0.0, 0.1, 0.2],
+        noise: 0.2,
+        local: true,
+        damping: 0.0,
+    };
+    let lattice = SpinLattice::one_path(Shape::periodic(&[4, 4, 2]).unwrap(), couplings).unwrap();
+    let damped = Couplings { damping: 0.2, ..couplings };
+    let transverse = SpinLattice::one_path(lattice.shape().clone(), damped).unwrap();
+    let sexp_li = SexpLi::at_run_time(&lattice).unwrap();
+    for (lattice, scheme, steps) in [
+        (&lattice, &sexp_li as &dyn Scheme, STEPS),
+        (&transverse, &sexp_li, STEPS),
+        (&lattice, &Split, STEPS),
+        (&lattice, &Sexp, STEPS / 10),
+    ] {
+        let problem = problem(lattice.clone(), 1e-3, 1e-2 * STEPS as f64);
+        let mut path = LargePath::new(&problem, scheme, STEPS, truncation(), KEY, 3).unwrap();
+        path.advance(steps).unwrap();
+        let law = (-1e-3 * path.time()).exp();
+        let defect = lattice.length_defect(path.state(), law);
+        assert!(defect < 1e-12, "{}: {defect:e}", scheme.id());
+    }
+    // An explicit scheme leaves the law.
+    let problem = problem(lattice.clone(), 1e-3, 1e-2 * STEPS as f64);
+    let mut path = LargePath::new(&problem, &Heun, STEPS, truncation(), KEY, 3).unwrap();
+    path.advance(STEPS / 100).unwrap();
+    assert!(lattice.length_defect(path.state(), (-1e-3 * path.time()).exp()) > 1e-6);
+}
+
+/// coth x − 1/x.
+fn langevin(x: f64) -> f64 {
+    1.0 / x.tanh() - 1.0 / x
+}
+
+/// The average over time of `observable`, in steps of size τ after a tenth of them.
+fn average(
+    lattice: &SpinLattice,
+    scheme: &dyn Scheme,
+    (tau, steps): (f64, u64),
+    key: StreamKey,
+    observable: &dyn Fn(&LargePath<'_>) -> f64,
+) -> StationaryMean {
+    let problem = problem(lattice.clone(), 0.0, tau * steps as f64);
+    let mut path = LargePath::new(&problem, scheme, steps, truncation(), key, 0).unwrap();
+    path.advance(steps / 10).unwrap();
+    let mut average = TimeAverage::default();
+    while path.steps_done() < steps {
+        path.advance(8).unwrap();
+        average.add(observable(&path));
+    }
+    average.interval().unwrap()
+}
+
+const ALPHA: f64 = 1.0;
+/// Steps of size 0.004β/α, so that σ²τ = 0.008, and at most 0.01: the weak error, of this relative
+/// size, is below a third of the standard error. They are some 500 times of decorrelation, β/2α.
+const STEPS: u64 = 150_000;
+
+fn tau(beta: f64) -> f64 {
+    f64::min(0.004 * beta / ALPHA, 0.01)
+}
+
+/// Independent spins in a field along z, at the temperature 1/β.
+fn in_a_field(beta: f64, noise: f64) -> SpinLattice {
+    let couplings = Couplings {
+        field: [0.0, 0.0, 1.0],
+        noise: noise * noise_at_temperature(ALPHA, 1.0 / beta),
+        local: true,
+        damping: ALPHA,
+        ..Couplings::default()
+    };
+    SpinLattice::one_path(Shape::open(&[64]).unwrap(), couplings).unwrap()
+}
+
+fn mean_z(path: &LargePath<'_>) -> f64 {
+    (0..64).map(|spin| path.component(3 * spin + 2)).sum::<f64>() / 64.0
+}
+
+/// An open Heisenberg chain without field.
+fn chain(beta: f64, noise: f64) -> SpinLattice {
+    let couplings = Couplings {
+        exchange: 1.0,
+        noise: noise * noise_at_temperature(ALPHA, 1.0 / beta),
+        local: true,
+        damping: ALPHA,
+        ..Couplings::default()
+    };
+    SpinLattice::one_path(Shape::open(&[65]).unwrap(), couplings).unwrap()
+}
+
+fn mean_bond(path: &LargePath<'_>) -> f64 {
+    let bond = |spin: usize| -> f64 {
+        (0..3).map(|c| path.component(3 * spin + c) * path.component(3 * spin + 3 + c)).sum()
+    };
+    (0..64).map(bond).sum::<f64>() / 64.0
+}
+
+/// Standard errors that a mean may be off: each of six tests fails by chance with a probability of
+/// 6e-5 for a normal mean, 2e-4 for Student's t with 31 degrees of freedom.
+const MOST_ERRORS: f64 = 4.0;
+
+/// E s_z = coth βh − 1/(βh) (Langevin), and E sᵢ·sᵢ₊₁ = coth βJ − 1/(βJ) (Fisher, *Am. J. Phys.* 32,
+/// 1964).
+#[test]
+fn the_equilibrium_is_that_of_the_temperature() {
+    for (n, beta) in [0.5, 2.0, 6.0].into_iter().enumerate() {
+        let key = StreamKey { experiment: n as u64, ..KEY };
+        let (spins, bonds) = (in_a_field(beta, 1.0), chain(beta, 1.0));
+        let sexp_li = SexpLi::at_run_time(&spins).unwrap();
+        for (what, mean) in [
+            ("a field", average(&spins, &sexp_li, (tau(beta), STEPS), key, &mean_z)),
+            ("a chain", average(&bonds, &sexp_li, (tau(beta), STEPS), key, &mean_bond)),
+        ] {
+            let errors = (mean.mean - langevin(beta)) / mean.se;
+            println!("{what}, beta {beta}: {mean:?} {} {errors}", langevin(beta));
+            assert!(errors.abs() < MOST_ERRORS, "{what} at {beta}: {errors} of {mean:?}");
+            assert!(mean.se < 0.005, "{what} at {beta}: {mean:?}");
+        }
+    }
+}
+
+/// Euler's method without the correction: the Itô equation with the fields of the Stratonovich one.
+struct Ito;
+
+impl Explicit for Ito {
+    const ID: &'static str = "ito";
+    fn advance<H: Increment>(&self, h: H, y: H::Vector) -> H::Vector {
+        y + h.field(y)
+    }
+}
+
+#[test]
+fn wrong_noise_is_not_at_the_temperature() {
+    let beta = 2.0;
+    // σ² = 2α/(β(1 + α²)), which belongs to damped noise.
+    let misplaced = (1.0 / (1.0 + ALPHA * ALPHA)).sqrt();
+    for (lattice, observable) in [
+        (in_a_field(beta, misplaced), &mean_z as &dyn Fn(&LargePath<'_>) -> f64),
+        (chain(beta, misplaced), &mean_bond),
+    ] {
+        let sexp_li = SexpLi::at_run_time(&lattice).unwrap();
+        let mean = average(&lattice, &sexp_li, (tau(beta), STEPS), KEY, observable);
+        assert!(((mean.mean - langevin(beta)) / mean.se).abs() > 2.0 * MOST_ERRORS, "{mean:?}");
+    }
+    // Lengths grow, as E|s|² = exp(2σ²t).
+    let lattice = in_a_field(beta, 1.0);
+    let problem = problem(lattice.clone(), 0.0, 1.0);
+    let mut path = LargePath::new(&problem, &Ito, 100, truncation(), KEY, 0).unwrap();
+    path.advance(100).unwrap();
+    assert!(lattice.length_defect(path.state(), 1.0) > 0.1);
+}
+
+#[test]
+fn one_path_has_the_common_noise_of_the_path_with_its_number() {
+    let couplings =
+        Couplings { exchange: 0.7, anisotropy: 0.2, noise: 0.5, ..Couplings::default() };
+    let shape = Shape::periodic(&[6, 5]).unwrap();
+    let on_paths = SpinLattice::on_paths(shape.clone(), couplings).unwrap();
+    let sexp_li = SexpLi::at_run_time(&on_paths).unwrap();
+    let many = problem(on_paths, 0.1, 1.0);
+    let simulation = DynSimulation::new(Setup::at_run_time(&many, &sexp_li).unwrap(), truncation());
+    let table = simulation.paths(50, KEY, 33..34).unwrap();
+    let single = problem(SpinLattice::one_path(shape, couplings).unwrap(), 0.1, 1.0);
+    let mut path = LargePath::new(&single, &sexp_li, 50, truncation(), KEY, 33).unwrap();
+    path.advance(50).unwrap();
+    for component in 0..90 {
+        let column = table[0].column(&format!("y{}", component + 1)).unwrap();
+        assert_eq!(path.component(component), column[50], "component {component}");
+    }
+}
+
+#[test]
+fn local_noise_depends_on_neither_threads_nor_pieces_of_time() {
+    let couplings = Couplings { exchange: 0.7, noise: 0.5, local: true, ..Couplings::default() };
+    let lattice = SpinLattice::one_path(Shape::open(&[5000]).unwrap(), couplings).unwrap();
+    let sexp_li = SexpLi::at_run_time(&lattice).unwrap();
+    let problem = problem(lattice, 0.1, 1.0);
+    let run = |threads, pieces: u64, path| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let path = LargePath::new(&problem, &sexp_li, 30, truncation(), KEY, path);
+            let mut path = path.unwrap();
+            (0..pieces).for_each(|_| path.advance(30 / pieces).unwrap());
+            path.state().to_vec()
+        })
+    };
+    let expected = run(1, 1, 0);
+    assert!(run(2, 1, 0) == expected && run(3, 5, 0) == expected);
+    assert!(run(1, 1, 1) != expected);
+}
+
+#[test]
+fn wrong_paths_are_refused() {
+    let couplings = Couplings { exchange: 1.0, noise: 0.5, ..Couplings::default() };
+    let shape = Shape::periodic(&[5]).unwrap();
+    let one = problem(SpinLattice::one_path(shape.clone(), couplings).unwrap(), 0.0, 1.0);
+    let many = problem(SpinLattice::on_paths(shape, couplings).unwrap(), 0.0, 1.0);
+    let new = |problem, scheme, steps| {
+        LargePath::new(problem, scheme, steps, truncation(), KEY, 0).map(|_| ()).unwrap_err()
+    };
+    assert!(matches!(new(&many, &Heun, 10), LargePathError::Paths { .. }));
+    assert_eq!(new(&one, &Heun, 0), LargePathError::Steps);
+    // The truncation needs τ < 1.
+    assert!(matches!(new(&one, &Heun, 1), LargePathError::Noise(_)));
+    let odd = new(&one, &Split, 10).to_string();
+    assert!(odd.contains("periodic with 5 sites"), "{odd}");
+    let refused = Setup::at_run_time(&one, &Heun).map(|_| ()).unwrap_err();
+    assert!(matches!(refused, SchemeError::OnePath { .. }), "{refused}");
+}
