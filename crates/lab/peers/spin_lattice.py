@@ -1,8 +1,10 @@
-"""What a step of a spin lattice costs in compiled Python, to compare with the bench `large_path`.
+"""What a step of a spin lattice costs in compiled Python, to compare with the example
+`lattice_cost` of `mc`.
 
 The same equation as there, on classical spins of a periodic cubic lattice:
 ds = s x (v dt - sigma o dW) with v = grad H0 + alpha s x grad H0 / |s| and H0 = -J sum of s_i . s_j
-over bonds, with three independent noises at every site. Double precision, one thread, no fast-math.
+over bonds, with three independent noises at every site, and alpha = 0 as there. Double precision,
+one thread, no fast-math.
 
 - sib: the semi-implicit scheme B of Mentink, Tretyakov, Fasolino, Katsnelson and Rasing (2010):
   a predictor and a corrector, each a Cayley rotation of the spin at the start;
@@ -21,7 +23,7 @@ import time
 import numpy as np
 from numba import njit
 
-J, ALPHA, SIGMA, TAU = 1.0, 0.1, 0.1, 0.01
+J, ALPHA, SIGMA, TAU = 1.0, 0.0, 0.1, 0.01
 RUNS = 5
 SPIN_STEPS = 4_000_000
 
@@ -136,7 +138,7 @@ def start(edge):
 
 
 def check():
-    """Lengths stay, both schemes agree, and without noise the energy falls."""
+    """Lengths stay, both schemes agree, and without noise the energy stays."""
     edge = 6
     ends = []
     for scheme in ("sib", "heun"):
@@ -155,7 +157,7 @@ def check():
             else:
                 heun(s, work[0], work[1], dw, up, down, edge)
         assert np.abs(np.sum(s * s, axis=0) - 1.0).max() < 1e-12, scheme
-        assert energy(s, edge) < before, scheme
+        assert abs(energy(s, edge) - before) < 1e-3, scheme
         ends.append(s)
     distance = np.abs(ends[0] - ends[1]).max()
     assert 0.0 < distance < 0.05, distance

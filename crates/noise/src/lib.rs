@@ -33,7 +33,6 @@
 //! | [`WienerBlock`], [`WienerPath`] | normal increments of 32 paths, of one path |
 //! | [`Noise`], [`BlockNoise`] | increments and Lévy areas of one step |
 //! | [`WienerRows`], [`NoiseRows`] | increments of noises whose number is known at run time only |
-//! | [`SiteNoise`], [`SiteTiles`] | increments at all sites of one large path, tile by tile |
 //! | [`StepNoise`] | what a driver asks of the noise of a step |
 //! | [`Truncation`], [`clip`] | truncated increments ΔŴ |
 //! | [`DyadicLadder`], [`AreaLadder`] | increments and areas of all coarser steps |
@@ -51,7 +50,6 @@ mod error;
 mod exact_area;
 mod iterated;
 mod ladder;
-mod site;
 mod step;
 mod stream;
 mod truncation;
@@ -64,7 +62,6 @@ pub use error::NoiseError;
 pub use exact_area::ExactArea;
 pub use iterated::{ito, stratonovich};
 pub use ladder::DyadicLadder;
-pub use site::{SITE_STREAM, SiteNoise, SiteTiles};
 pub use step::{AreaDraw, AreaSums, BlockNoise, Noise, NoiseRows, StepNoise};
 pub use stream::StreamKey;
 pub use truncation::{Truncation, clip};
