@@ -18,7 +18,10 @@ const DOORS: [(&str, &[&str]); 15] = [
     ("schemes", &["real", "systems", "dgrad", "nonlin", "noise"]),
     ("stats", &["real"]),
     ("mc", &["stats", "real", "schemes", "systems", "noise", "nonlin"]),
-    ("verify", &["mc", "stats", "schemes", "systems", "nonlin", "dgrad", "noise", "real"]),
+    (
+        "verify",
+        &["mc", "stats", "formula", "schemes", "systems", "nonlin", "dgrad", "noise", "real"],
+    ),
     ("report", &["verify", "mc", "stats", "real"]),
     (
         "casimir",

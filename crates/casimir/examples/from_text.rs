@@ -8,7 +8,7 @@ use casimir::{
     formula::{Definition, Formula, FormulaDamping, FormulaSystem},
     mc::{
         DynSimulation, RowFunction, Setup,
-        multilevel::{ExpectationSettings, expectation_of},
+        multilevel::{Coupling, ExpectationSettings, expectation_of},
     },
     prelude::*,
     systems::run_time,
@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         function: move |y: &[_], values: &mut _| nutation.values(y, values),
     };
     let (truncation, key) = (Truncation::new(4)?, StreamKey { seed: 1, experiment: 0 });
-    let settings = ExpectationSettings::new(key, truncation, 16);
+    let settings = ExpectationSettings::new(key, truncation, 16, Coupling::Antithetic);
     let setup = Setup::at_run_time(&problem, &scheme)?;
     let found = expectation_of(&setup, &[&nutation], 2e-3, &settings, &|_| ())?;
     let (lo, hi) = found.estimates[0].interval();

@@ -56,6 +56,7 @@ mod functions;
 mod graph;
 mod instruction;
 mod names;
+mod numbers;
 mod parse;
 mod shape;
 mod system;

@@ -6,7 +6,7 @@ use crate::quantile::{CONFIDENCE, two_sided, variance_ratio_p_value};
 
 /// Most batches that are kept. When there are so many, neighbours are merged.
 const MOST_BATCHES: usize = 1024;
-/// A series with fewer samples is refused: half of [`MOST_BATCHES`].
+/// A series with fewer samples is refused: half as many as batches are kept at most.
 pub const FEWEST_SAMPLES: u64 = MOST_BATCHES as u64 / 2;
 /// The interval is made from at least so many batches, and from fewer than twice as many of one
 /// series. More degrees of freedom hardly narrow it, longer batches are less correlated (Schmeiser,

@@ -39,7 +39,9 @@ mod verdict;
 pub use compare::{Candidates, CompareSettings, Comparison, compare};
 pub use evidence::{DEVIATIONS, worse};
 pub use final_moments::{FinalMoments, FinalValues};
-pub use inspect::{inspect, inspect_problem};
+pub use inspect::{
+    inspect, inspect_formula_problem, inspect_formulas, inspect_large, inspect_problem,
+};
 pub use number::number;
 pub use orders::{
     Decision, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes, exact_mean, strong_order,

@@ -7,6 +7,8 @@ use super::{
     cayley,
     definition::Formulas,
 };
+use real::Real;
+
 use crate::{Formula, Graph, Id, Tape};
 
 /// What a system is asked for, in the inputs y, u, v, dt and dw, in this order.
@@ -114,6 +116,20 @@ impl Expressions {
 
     fn inputs(&mut self, range: Range<usize>) -> Vec<Id> {
         range.map(|k| self.graph.input(k)).collect()
+    }
+
+    /// B(y)v on numbers of any type.
+    pub fn field_on<R: Real>(&self, y: &[R], v: &[R]) -> Vec<R> {
+        let rest = vec![R::zero(); 1 + self.noises];
+        let inputs = [y, y, v, &rest].concat();
+        self.graph.evaluate(&self.field, &inputs)
+    }
+
+    /// h(y) on numbers of any type.
+    pub fn energy_on<R: Real>(&self, y: &[R], weights: &[f64]) -> R {
+        let weights: Vec<R> = weights.iter().map(|&weight| R::constant(weight)).collect();
+        let inputs = [y, y, y, &weights].concat();
+        self.graph.evaluate(&[self.energy], &inputs)[0]
     }
 
     /// B·v, with bⱼᵢ = −bᵢⱼ below the diagonal.

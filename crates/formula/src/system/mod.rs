@@ -11,7 +11,7 @@ mod skew;
 use std::ops::Range;
 
 use dgrad::{Rule, nodes_for_degree};
-use real::{Row, WIDTH, dispatch};
+use real::{Real, Row, WIDTH, dispatch};
 use systems::{
     Linearity, SystemError,
     run_time::{Node, Program, System, Weights},
@@ -190,6 +190,18 @@ impl FormulaSystem {
     #[must_use]
     pub fn names(&self) -> &Names {
         &self.names
+    }
+
+    /// B(y)v on numbers of any type, see [`Graph::evaluate`](crate::Graph::evaluate).
+    #[must_use]
+    pub fn structure_of<R: Real>(&self, y: &[R], v: &[R]) -> Vec<R> {
+        self.expressions.field_on(y, v)
+    }
+
+    /// h(y) with the weights dt, dw₁, … on numbers of any type, see [`Graph::evaluate`](crate::Graph::evaluate).
+    #[must_use]
+    pub fn energy_of<R: Real>(&self, y: &[R], weights: &[f64]) -> R {
+        self.expressions.energy_on(y, weights)
     }
 
     /// The observables at y, in their order, one row each. `scratch` has at least

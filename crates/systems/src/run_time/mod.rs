@@ -29,7 +29,7 @@
 
 mod compiled;
 mod derived;
-mod lattice;
+pub mod lattice;
 mod node;
 mod problem;
 mod system;

@@ -140,6 +140,11 @@ pub trait System: Send + Sync {
         scratch: &mut [Row],
     );
 
+    /// Whether [`gradient`](Self::gradient) is more than ∇h.
+    fn is_transverse(&self) -> bool {
+        false
+    }
+
     /// ∇²h(y)·u, the derivative of [`gradient`](Self::gradient) along u; y and u are whole.
     fn hessian(
         &self,

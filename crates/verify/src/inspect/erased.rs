@@ -19,7 +19,7 @@ pub trait Function {
 /// What the checks need of a system. `weights` are (dt, dw₁, …, dw_M). Results carry bounds of
 /// their rounding errors.
 pub trait System {
-    fn name(&self) -> &'static str;
+    fn name(&self) -> &str;
     fn dimension(&self) -> usize;
     fn noises(&self) -> usize;
     fn in_domain(&self, y: &[f64]) -> bool;
@@ -135,7 +135,7 @@ impl<F: ScalarFunction<D>, const D: usize> Function for ErasedFunction<F, D> {
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Erased<'_, S, D, M> {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         self.0.name()
     }
     fn dimension(&self) -> usize {

@@ -42,9 +42,11 @@ mod damping;
 mod erased;
 mod error;
 mod finding;
+mod formulas;
 mod function;
 mod hamiltonian;
 mod invariants;
+mod large;
 mod logarithms;
 mod noises;
 mod pilot;
@@ -58,11 +60,13 @@ mod structure;
 mod tests;
 mod theory;
 
+use formula::FormulaSystem;
 use systems::{Damping, PoissonSystem, Problem};
 
 use algebra::norm;
 use erased::{Erased, System};
-use pilot::pilot_paths;
+use formulas::OfFormulas;
+use pilot::{pilot_paths, pilot_paths_of};
 use points::Points;
 use recommendation::Circumstances;
 use theory::{with_unbounded_rate, without_damping};
@@ -75,6 +79,7 @@ pub use finding::{Finding, Status};
 pub use function::{Kind, Minimum, Shape};
 pub use hamiltonian::Hamiltonians;
 pub use invariants::ClaimedInvariant;
+pub use large::{Identity, LargeInspection, inspect_large};
 pub use logarithms::LogarithmicCasimir;
 pub use noises::Noises;
 pub use pilot::Pilot;
@@ -119,17 +124,57 @@ where
     G: Damping,
 {
     let system = Erased::<S, D, M>(problem.system());
-    let length = norm(&problem.y0());
-    let ball = Region::Ball(if length > 0.0 { 2.0 * length } else { HALF_SIDE });
     let pilot = pilot_paths(problem);
-    let points = Points::new(&system, ball, Some(&problem.y0()))?;
-    let points = points.with_paths(&system, &problem.y0(), pilot);
+    let (damping, y0) = (problem.damping() as &dyn Damping, problem.y0());
+    inspect_around(&system, damping, &y0, problem.t_end(), pilot)
+}
+
+/// Inspects a system from texts, without damping, at random points with ‖y‖ ≤ 2‖y₀‖ and around y₀.
+///
+/// # Errors
+/// As [`inspect()`].
+pub fn inspect_formulas(system: &FormulaSystem, y0: &[f64]) -> Result<Inspection, InspectError> {
+    let system = OfFormulas(system);
+    let points = Points::new(&system, ball(y0), Some(y0))?;
     check_finite(&system, &points)?;
-    let mut report = Inspection::of(&system, &points);
-    let findings = ProblemFindings::of(problem, &system, report.bound.as_ref());
+    Ok(Inspection::of(&system, &points).with_mistakes())
+}
+
+/// Inspects a problem whose system is from texts, as [`inspect_problem`].
+///
+/// # Errors
+/// As [`inspect()`].
+pub fn inspect_formula_problem(
+    system: &FormulaSystem,
+    damping: &dyn Damping,
+    y0: &[f64],
+    t_end: f64,
+) -> Result<Inspection, InspectError> {
+    let pilot = pilot_paths_of(system, damping, y0, t_end);
+    inspect_around(&OfFormulas(system), damping, y0, t_end, pilot)
+}
+
+/// The ball around zero in which a problem is inspected.
+fn ball(y0: &[f64]) -> Region {
+    let length = norm(y0);
+    Region::Ball(if length > 0.0 { 2.0 * length } else { HALF_SIDE })
+}
+
+fn inspect_around(
+    system: &dyn System,
+    damping: &dyn Damping,
+    y0: &[f64],
+    t_end: f64,
+    pilot: (Pilot, Vec<Vec<f64>>),
+) -> Result<Inspection, InspectError> {
+    let points = Points::new(system, ball(y0), Some(y0))?;
+    let points = points.with_paths(system, y0, pilot);
+    check_finite(system, &points)?;
+    let mut report = Inspection::of(system, &points);
+    let findings = ProblemFindings::of(damping, y0, t_end, system, report.bound.as_ref());
     if let Some(radius) = findings.radius.filter(|radius| radius.is_finite() && *radius > 0.0) {
-        let reached = Points::new(&system, Region::Ball(radius), Some(&problem.y0()))?;
-        report.solvability = Solvability::of(&system, &reached);
+        let reached = Points::new(system, Region::Ball(radius), Some(y0))?;
+        report.solvability = Solvability::of(system, &reached);
     }
     if findings.integral.none {
         without_damping(&mut report);

@@ -1,9 +1,11 @@
 //! Pilot paths: where the paths of a problem go.
 
 use noise::Noise;
-use schemes::{Implicit, Increment, Scheme, Step};
+use nonlin::BlockStatus;
+use real::WIDTH;
+use schemes::{Implicit, Increment, Scheme, Step, run_time as at_run_time};
 use serde::Serialize;
-use systems::{Damping, PoissonSystem, Problem};
+use systems::{Damping, PoissonSystem, Problem, run_time};
 
 use super::points::{Purpose, Random};
 
@@ -68,4 +70,43 @@ pub fn pilot_paths<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: 
         }
     }
     (Pilot { paths: PATHS, states: states.len(), until }, states)
+}
+
+/// The same for a system from texts: paths that a step has no solution on, or that leave the
+/// domain, end.
+pub fn pilot_paths_of(
+    system: &dyn run_time::System,
+    damping: &dyn Damping,
+    y0: &[f64],
+    t_end: f64,
+) -> (Pilot, Vec<Vec<f64>>) {
+    let tau = t_end / STEPS as f64;
+    let (mut states, mut until) = (Vec::new(), t_end);
+    let pilot = |states: &[Vec<f64>], until| Pilot { paths: PATHS, states: states.len(), until };
+    let Ok(mut paths) = at_run_time::Scheme::stepper(&ConformalMidpoint, system) else {
+        return (pilot(&states, 0.0), states);
+    };
+    paths.state_mut().iter_mut().zip(y0).for_each(|(row, &y)| *row = [y; WIDTH]);
+    let mut random = Random::new(Purpose::Paths);
+    let mut dw = vec![[0.0; WIDTH]; system.noises()];
+    let mut live: Vec<usize> = (0..PATHS).collect();
+    for n in 0..STEPS {
+        for increment in dw.iter_mut().flat_map(|row| &mut row[..PATHS]) {
+            *increment = tau.sqrt() * random.normals.normal().clamp(-CLIPPED, CLIPPED);
+        }
+        let Ok(step) = Step::new(damping, n, tau) else { break };
+        let mut status = BlockStatus::explicit();
+        paths.step(&step, &dw, &mut status);
+        let state = |p: usize| paths.state().iter().map(|row| row[p]).collect::<Vec<_>>();
+        let ends =
+            |p: &usize| status.failed.contains(*p) || system.check_domain(&state(*p)).is_err();
+        if live.iter().any(ends) {
+            until = f64::min(until, n as f64 * tau);
+            live.retain(|p| !ends(p));
+        }
+        if (n + 1) % EVERY == 0 {
+            states.extend(live.iter().map(|&p| state(p)));
+        }
+    }
+    (pilot(&states, until), states)
 }

@@ -1,7 +1,7 @@
 //! What damping and initial value add: the integral of the damping and a bound of all paths.
 
 use serde::Serialize;
-use systems::{Damping, Problem};
+use systems::Damping;
 
 use super::{
     casimirs::{Casimirs, FoundCasimir},
@@ -80,15 +80,17 @@ pub struct ProblemFindings {
 }
 
 impl ProblemFindings {
-    pub(super) fn of<S, G: Damping, const D: usize>(
-        problem: &Problem<S, G, D>,
+    pub(super) fn of(
+        damping: &dyn Damping,
+        y0: &[f64],
+        t_end: f64,
         system: &dyn System,
         bound: Option<&Bound>,
     ) -> Self {
-        let integral = DampingIntegral::of(problem.damping(), problem.t_end());
+        let integral = DampingIntegral::of(damping, t_end);
         let radius = bound
             .filter(|_| integral.agrees.holds())
-            .map(|bound| bound.radius(system, &problem.y0()) * (-integral.least).exp());
-        Self { damping: problem.damping().describe(), integral, radius }
+            .map(|bound| bound.radius(system, y0) * (-integral.least).exp());
+        Self { damping: damping.describe(), integral, radius }
     }
 }

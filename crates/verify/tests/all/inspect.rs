@@ -559,3 +559,111 @@ fn a_report_reads_like_this() {
     }
     assert_eq!(text.lines().count(), expected.len());
 }
+
+/// A system from texts is found to be what the compiled one is.
+#[test]
+fn formulas_are_inspected_like_compiled_systems() {
+    let words = |text: &str| text.split_whitespace().map(String::from).collect::<Vec<_>>();
+    let definition = formula::Definition {
+        name: "body".into(),
+        state: words("y1 y2 y3"),
+        structure: ["-y3 y2", "-y1"].map(words).into(),
+        energy: "(y1^2/2 + y2^2 + 1.5*y3^2)/2".into(),
+        noises: words("y1^2/2 y2^2/4 y3^2/6"),
+        ..formula::Definition::default()
+    };
+    let y0 = [0.45, 0.0, 0.89];
+    let texts = formula::FormulaSystem::new(&definition, &y0).unwrap();
+    let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
+    let damping = systems::Cosine::new(0.5, 2.0).unwrap();
+    let ours = verify::inspect_formula_problem(&texts, &damping, &y0, 1.0).unwrap();
+    let problem = systems::Problem::new(body, damping, y0, 1.0).unwrap();
+    let theirs = verify::inspect_problem(&problem).unwrap();
+    assert!(ours.mistakes.is_empty(), "{ours}");
+    assert_eq!(ours.structure.skew.status, theirs.structure.skew.status);
+    assert_eq!(ours.structure.jacobi.status, theirs.structure.jacobi.status);
+    assert_eq!(ours.noise.commute.status, theirs.noise.commute.status);
+    let found = |report: &verify::inspect::Inspection| -> Vec<String> {
+        report.casimirs.found.iter().map(|casimir| casimir.formula.clone()).collect()
+    };
+    assert_eq!(found(&ours), found(&theirs));
+    assert_eq!(ours.orders, theirs.orders);
+    assert_eq!(ours.pilot.unwrap().states, theirs.pilot.unwrap().states);
+    let radius = |report: &verify::inspect::Inspection| {
+        report.problem.as_ref().and_then(|problem| problem.radius).unwrap()
+    };
+    assert!((radius(&ours) / radius(&theirs) - 1.0).abs() < 1e-12);
+    assert!(ours.without_iteration.refused.is_none());
+
+    // Two populations: Σ cᵢ ln yᵢ, and a domain that has to be found.
+    let populations = formula::Definition {
+        name: "populations".into(),
+        state: words("x y z"),
+        structure: ["x*y -x*z", "y*z"].map(words).into(),
+        energy: "x + y + z - ln(x) - ln(y)".into(),
+        noises: words("0.1*x"),
+        ..formula::Definition::default()
+    };
+    let texts = formula::FormulaSystem::new(&populations, &[1.0, 0.5, 0.7]).unwrap();
+    let report = verify::inspect_formulas(&texts, &[1.0, 0.5, 0.7]).unwrap();
+    assert!(report.mistakes.is_empty() && !report.defined_everywhere, "{report}");
+    assert_eq!(report.casimirs.logarithmic.len(), 1, "{report}");
+    // Affine structure only: it has products.
+    assert!(report.without_iteration.refused.is_some());
+}
+
+/// Large systems are inspected along directions, and what is wrong is seen.
+#[test]
+fn lattices_are_inspected_along_directions() {
+    use systems::run_time::{Couplings, Shape, SpinLattice};
+    let couplings = Couplings {
+        exchange: 1.0,
+        anisotropy: 0.4,
+        field: [0.1, 0.2, 0.3],
+        noise: 0.5,
+        local: true,
+        damping: 0.0,
+    };
+    let shape = Shape::periodic(&[20, 15, 10]).unwrap();
+    let y0 = [0.6, 0.0, 0.8].repeat(3000);
+    for damping in [0.0, 0.2] {
+        let couplings = Couplings { damping, ..couplings };
+        let lattice = SpinLattice::one_path(shape.clone(), couplings).unwrap();
+        let report = verify::inspect_large(&lattice, &y0).unwrap();
+        assert!(report.is_sound(), "{report}");
+        assert_eq!(report.identities.len(), if damping == 0.0 { 5 } else { 4 });
+        assert!(report.sexp_li_refused.is_none() && report.split_refused.is_some());
+        assert!(report.to_string().contains("9000 components, 9000 noises"), "{report}");
+    }
+    // On 32 paths, and formulas.
+    let ring = SpinLattice::on_paths(Shape::periodic(&[4]).unwrap(), couplings).unwrap();
+    assert!(verify::inspect_large(&ring, &y0[..12]).unwrap().is_sound());
+    // A body whose B is not skew, and one with a wrong Casimir, given as compiled systems.
+    struct Wrong {
+        skew: bool,
+    }
+    impl PoissonSystem<3, 1> for Wrong {
+        fn name(&self) -> &'static str {
+            "wrong"
+        }
+        fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+            let first = if self.skew { y[1] * v[2] - y[2] * v[1] } else { y[1] * v[2] };
+            [first, y[2] * v[0] - y[0] * v[2], y[0] * v[1] - y[1] * v[0]]
+        }
+        fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> R {
+            y[0] * y[1] * dt + y[2] * dw[0]
+        }
+        fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
+            [y[1] * dt, y[0] * dt * if self.skew { 1.01 } else { 1.0 }, R::constant(dw[0])]
+        }
+    }
+    for (skew, what) in [(false, "vᵀB(y)v = 0"), (true, "∇h is the derivative of h")] {
+        let y0 = [0.5, -0.3, 0.8];
+        let system = systems::run_time::Compiled::new(Wrong { skew }, y0);
+        let report = verify::inspect_large(&system, &y0).unwrap();
+        let refuted: Vec<_> =
+            report.identities.iter().filter(|identity| !identity.status.holds()).collect();
+        assert_eq!(refuted.len(), 1, "{report}");
+        assert_eq!(refuted[0].what, what);
+    }
+}

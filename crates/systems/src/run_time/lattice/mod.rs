@@ -339,6 +339,10 @@ impl System for SpinLattice {
         self.evaluate(Function::Hessian { y, u }, tile, h, out);
     }
 
+    fn is_transverse(&self) -> bool {
+        self.couplings.damping != 0.0
+    }
+
     fn rule(&self) -> &Rule {
         &self.rule
     }

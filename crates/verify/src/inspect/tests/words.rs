@@ -227,7 +227,13 @@ fn the_surest_bound_is_taken_and_that_of_a_casimir_first() {
     let mut report = sound();
     (report.hamiltonians.shapes[0].degree, report.casimirs.found) = (Some(4.0), Vec::new());
     let system = Erased::<_, 2, 1>(&EVERYWHERE);
-    let findings = ProblemFindings::of(&plane, &system, bound(&report).as_ref());
+    let findings = ProblemFindings::of(
+        plane.damping(),
+        &plane.y0(),
+        plane.t_end(),
+        &system,
+        bound(&report).as_ref(),
+    );
     let radius = (8.0f64 / 0.499).powf(0.25) * 1f64.exp();
     assert!((findings.radius.unwrap() / radius - 1.0).abs() < 1e-12, "{findings:?}");
     // A constant bounds nothing.
