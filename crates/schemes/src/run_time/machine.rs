@@ -5,7 +5,7 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use real::{Kernel, OutOfMemory, Row, Rows, WIDTH, dispatch};
+use real::{Kernel, OutOfMemory, Row, Rows, dispatch};
 use systems::run_time::{Node, Program, System, Weights, averaged_hessian};
 
 use super::plan::{Instruction, MOST_STORES, Operation, Plan, Source, Stage};
@@ -233,13 +233,10 @@ impl Kernel for Multiple<'_> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        for (out, x) in self.out.iter_mut().zip(self.x) {
-            // A copy, which a store cannot change: without it the loop is not vectorised.
-            let mut row = *x;
-            for p in 0..WIDTH {
-                row[p] *= self.factor;
-            }
-            *out = row;
+        // One loop over all numbers: one over rows makes gathered loads of them.
+        let out = self.out.as_flattened_mut().iter_mut();
+        for (out, x) in out.zip(self.x.as_flattened()) {
+            *out = x * self.factor;
         }
     }
 }
@@ -257,12 +254,9 @@ impl Kernel for Combination<'_> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        for ((out, x), y) in self.out.iter_mut().zip(self.x).zip(self.y) {
-            let (mut row, y) = (*x, *y);
-            for p in 0..WIDTH {
-                row[p] = row[p] * self.fx + y[p] * self.fy;
-            }
-            *out = row;
+        let out = self.out.as_flattened_mut().iter_mut();
+        for ((out, x), y) in out.zip(self.x.as_flattened()).zip(self.y.as_flattened()) {
+            *out = x * self.fx + y * self.fy;
         }
     }
 }

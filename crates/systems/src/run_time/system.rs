@@ -85,9 +85,14 @@ pub trait System: Send + Sync {
         0
     }
 
-    /// Rows of scratch for any method.
+    /// Rows of scratch for any method. Every thread has them; methods that are derived from others
+    /// are for systems with one tile, so that one large path has none for them.
     fn scratch_rows(&self) -> usize {
-        derived::scratch_rows(self.rows(), self.noise_rows()) + self.own_scratch_rows()
+        let derived = match self.tile_rows() < self.rows() {
+            true => 0,
+            false => derived::scratch_rows(self.rows(), self.noise_rows()),
+        };
+        derived + self.own_scratch_rows()
     }
 
     /// Row and place in it of a component, on path 0. If rows belong to one path, it is its only

@@ -88,7 +88,7 @@ impl<L: Layout> Kernel for OnTile<'_, L> {
                 let spins = at(&y[tile.clone()], rows);
                 let mut sum = [[0.0; WIDTH]; 3];
                 for direction in 0..directions {
-                    add(&mut sum, layout.neighbours(&tile, group, direction, y));
+                    layout.add_neighbours(&tile, group, direction, y, &mut sum);
                 }
                 let noise = increments(couplings.local, h.dw, &tile, rows);
                 couplings.gradient(spins, sum, noise, h.dt)
@@ -97,8 +97,8 @@ impl<L: Layout> Kernel for OnTile<'_, L> {
                 let (spins, along) = (at(&y[tile.clone()], rows), at(&u[tile.clone()], rows));
                 let (mut sum, mut sum_along) = ([[0.0; WIDTH]; 3], [[0.0; WIDTH]; 3]);
                 for direction in 0..directions {
-                    add(&mut sum, layout.neighbours(&tile, group, direction, y));
-                    add(&mut sum_along, layout.neighbours(&tile, group, direction, u));
+                    layout.add_neighbours(&tile, group, direction, y, &mut sum);
+                    layout.add_neighbours(&tile, group, direction, u, &mut sum_along);
                 }
                 couplings.hessian((spins, along), (sum, sum_along), h.dt)
             }),
@@ -112,15 +112,6 @@ fn at(rows: &[Row], [x, y, z]: [usize; 3]) -> Spins {
     [rows[x], rows[y], rows[z]]
 }
 
-#[inline(always)]
-fn add(sum: &mut Spins, spins: Spins) {
-    for c in 0..3 {
-        for p in 0..WIDTH {
-            sum[c][p] += spins[c][p];
-        }
-    }
-}
-
 /// The increments at a group: its own, or those of all sites.
 #[inline(always)]
 fn increments(local: bool, dw: &[Row], tile: &Range<usize>, rows: [usize; 3]) -> Spins {
@@ -130,14 +121,13 @@ fn increments(local: bool, dw: &[Row], tile: &Range<usize>, rows: [usize; 3]) ->
 /// A function of two vectors on each lane.
 #[inline(always)]
 fn on_lanes(a: Spins, b: Spins, function: impl Fn([f64; 3], [f64; 3]) -> [f64; 3]) -> Spins {
-    let mut result = [[0.0; WIDTH]; 3];
+    // Each row by its name: a loop over the components makes scattered stores of them.
+    let [mut x, mut y, mut z] = a;
     for p in 0..WIDTH {
-        let value = function([a[0][p], a[1][p], a[2][p]], [b[0][p], b[1][p], b[2][p]]);
-        for c in 0..3 {
-            result[c][p] = value[c];
-        }
+        let value = function([x[p], y[p], z[p]], [b[0][p], b[1][p], b[2][p]]);
+        (x[p], y[p], z[p]) = (value[0], value[1], value[2]);
     }
-    result
+    [x, y, z]
 }
 
 impl Couplings {
@@ -151,10 +141,10 @@ impl Couplings {
 
     #[inline(always)]
     fn gradient(self, spins: Spins, sum: Spins, noise: Spins, dt: f64) -> Spins {
-        let mut result = [[0.0; WIDTH]; 3];
         let damped = self.damping != 0.0;
+        let [mut x, mut y, mut z] = spins;
         for p in 0..WIDTH {
-            let s = [spins[0][p], spins[1][p], spins[2][p]];
+            let s = [x[p], y[p], z[p]];
             let field = self.field_on(s, [sum[0][p], sum[1][p], sum[2][p]]);
             let mut v = [0.0; 3];
             for c in 0..3 {
@@ -167,33 +157,33 @@ impl Couplings {
                     v[c] += turned[c] * weight;
                 }
             }
-            for c in 0..3 {
-                result[c][p] = v[c];
-            }
+            (x[p], y[p], z[p]) = (v[0], v[1], v[2]);
         }
-        result
+        [x, y, z]
     }
 
     /// With F the field on s and F′ that of the direction, without h: −F′ − α(u × F + s × F′ − (s ×
     /// F)(s·u)/|s|²)/|s|.
     #[inline(always)]
     fn hessian(self, (spins, along): (Spins, Spins), sums: (Spins, Spins), dt: f64) -> Spins {
-        let mut result = [[0.0; WIDTH]; 3];
+        let [mut x, mut y, mut z] = spins;
         let linear = Self { field: [0.0; 3], ..self };
         for p in 0..WIDTH {
             let lane = |spins: &Spins| [spins[0][p], spins[1][p], spins[2][p]];
-            let (s, u) = (lane(&spins), lane(&along));
+            let (s, u) = ([x[p], y[p], z[p]], lane(&along));
             let (field, moved) =
                 (self.field_on(s, lane(&sums.0)), linear.field_on(u, lane(&sums.1)));
             let (bent, turned, plain) = (cross(u, field), cross(s, moved), cross(s, field));
             let inverse = inverse_length(s);
             let share = (s[0] * u[0] + s[1] * u[1] + s[2] * u[2]) * inverse * inverse;
+            let mut v = [0.0; 3];
             for c in 0..3 {
                 let transverse = (bent[c] + turned[c] - plain[c] * share) * inverse;
-                result[c][p] = -(moved[c] + transverse * self.damping) * dt;
+                v[c] = -(moved[c] + transverse * self.damping) * dt;
             }
+            (x[p], y[p], z[p]) = (v[0], v[1], v[2]);
         }
-        result
+        [x, y, z]
     }
 }
 

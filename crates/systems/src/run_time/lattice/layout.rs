@@ -23,8 +23,15 @@ pub trait Layout: Copy + Sync {
     fn groups(self, tile: &Range<usize>) -> usize;
     /// The rows of group number `group` of a tile, counted from its first row.
     fn rows(self, tile: &Range<usize>, group: usize) -> [usize; 3];
-    /// The spins next to those of a group in a direction; zero where there are none.
-    fn neighbours(self, tile: &Range<usize>, group: usize, direction: usize, y: &[Row]) -> Spins;
+    /// Adds to `sum` the spins next to those of a group in a direction, where there are some.
+    fn add_neighbours(
+        self,
+        tile: &Range<usize>,
+        group: usize,
+        direction: usize,
+        y: &[Row],
+        sum: &mut Spins,
+    );
 }
 
 /// Component c of site i in row 3i + c, on 32 paths.
@@ -46,10 +53,17 @@ impl Layout for OnPaths<'_> {
     }
 
     #[inline(always)]
-    fn neighbours(self, tile: &Range<usize>, group: usize, direction: usize, y: &[Row]) -> Spins {
-        match self.shape.neighbour(tile.start / 3 + group, self.directions[direction]) {
-            Some(site) => [y[3 * site], y[3 * site + 1], y[3 * site + 2]],
-            None => [[0.0; WIDTH]; 3],
+    fn add_neighbours(
+        self,
+        tile: &Range<usize>,
+        group: usize,
+        direction: usize,
+        y: &[Row],
+        sum: &mut Spins,
+    ) {
+        let neighbour = self.shape.neighbour(tile.start / 3 + group, self.directions[direction]);
+        if let Some(site) = neighbour {
+            add(sum, [&y[3 * site], &y[3 * site + 1], &y[3 * site + 2]]);
         }
     }
 }
@@ -86,25 +100,33 @@ impl OnePath<'_> {
         if left < TILE_SITES / WIDTH { left } else { TILE_SITES / WIDTH }
     }
 
-    /// The spins at sites first to first + 31; anything outside of the lattice.
+    /// The spins at sites first to first + 31, if they are on one tile.
+    #[inline(always)]
+    fn place_of(self, first: isize, y: &[Row]) -> Option<[&Row; 3]> {
+        if first < 0 || first as usize + WIDTH > self.sites {
+            return None;
+        }
+        let (tile, inside) = (first as usize / TILE_SITES, first as usize % TILE_SITES);
+        let plane = Self::plane(self.sites, tile) * WIDTH;
+        if inside + WIDTH > plane {
+            return None;
+        }
+        let begin = tile * TILE_ROWS * WIDTH + inside;
+        let numbers = y.as_flattened();
+        Some([
+            numbers[begin..].first_chunk()?,
+            numbers[begin + plane..].first_chunk()?,
+            numbers[begin + 2 * plane..].first_chunk()?,
+        ])
+    }
+
+    /// The spins at sites first to first + 31; zero outside of the lattice.
     #[inline(always)]
     fn load(self, first: isize, y: &[Row]) -> Spins {
-        let numbers = y.as_flattened();
-        let tile = first as usize / TILE_SITES;
-        if first >= 0 && first as usize + WIDTH <= self.sites {
-            let plane = Self::plane(self.sites, tile) * WIDTH;
-            let inside = first as usize % TILE_SITES;
-            if inside + WIDTH <= plane {
-                let begin = tile * TILE_ROWS * WIDTH + inside;
-                let mut spins = [[0.0; WIDTH]; 3];
-                for c in 0..3 {
-                    let at = begin + c * plane;
-                    spins[c].copy_from_slice(&numbers[at..at + WIDTH]);
-                }
-                return spins;
-            }
+        match self.place_of(first, y) {
+            Some([x, y, z]) => [*x, *y, *z],
+            None => self.load_each(first, y),
         }
-        self.load_each(first, y)
     }
 
     /// The same site by site, where they are on two tiles or at an end.
@@ -138,23 +160,54 @@ impl Layout for OnePath<'_> {
     }
 
     #[inline(always)]
-    fn neighbours(self, tile: &Range<usize>, group: usize, direction: usize, y: &[Row]) -> Spins {
+    fn add_neighbours(
+        self,
+        tile: &Range<usize>,
+        group: usize,
+        direction: usize,
+        y: &[Row],
+        sum: &mut Spins,
+    ) {
         let number = tile.start / 3 + group;
         let first = (number * WIDTH) as isize;
         let ends = self.ends[number * self.offsets.len() + direction];
         let ((inside, across), periodic) = self.offsets[direction];
         if ends == 0 {
-            return self.load(first + inside, y);
+            return match self.place_of(first + inside, y) {
+                Some(spins) => add(sum, spins),
+                None => {
+                    let [x, y, z] = self.load_each(first + inside, y);
+                    add(sum, [&x, &y, &z]);
+                }
+            };
         }
         let near = self.load(first + inside, y);
         let far = if periodic { self.load(first + across, y) } else { [[0.0; WIDTH]; 3] };
-        let mut spins = near;
+        // Products with 1 and 0 and no choice, of which the compiler makes one of addresses.
+        let mut weights = [[0.0; WIDTH]; 2];
         for p in 0..WIDTH {
-            let end = ends >> p & 1 == 1;
-            for c in 0..3 {
-                spins[c][p] = if end { far[c][p] } else { near[c][p] };
+            let end = f64::from(ends >> p & 1);
+            (weights[0][p], weights[1][p]) = (1.0 - end, end);
+        }
+        for c in 0..3 {
+            for p in 0..WIDTH {
+                sum[c][p] += near[c][p] * weights[0][p] + far[c][p] * weights[1][p];
             }
         }
-        spins
+    }
+}
+
+/// Adds spins.
+#[inline(always)]
+fn add(sum: &mut Spins, [x, y, z]: [&Row; 3]) {
+    let [sum_x, sum_y, sum_z] = sum;
+    for p in 0..WIDTH {
+        sum_x[p] += x[p];
+    }
+    for p in 0..WIDTH {
+        sum_y[p] += y[p];
+    }
+    for p in 0..WIDTH {
+        sum_z[p] += z[p];
     }
 }
