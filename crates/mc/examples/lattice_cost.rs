@@ -18,7 +18,7 @@ use systems::{
 };
 
 const KEY: StreamKey = StreamKey { seed: 1, experiment: 1 };
-const RUNS: usize = 5;
+const RUNS: usize = 3;
 /// Spins times steps of a run.
 const WORK: usize = 4_000_000;
 
