@@ -1,19 +1,16 @@
 //! What a path costs in nanoseconds on one core, as formulas and compiled: B(y)v, h, ∇h, ∇²h·u and
-//! the linearly implicit step of the paper's systems, then whole steps of schemes. Run it with
-//! `--release`.
+//! the linearly implicit step of the paper's systems. Run it with `--release`; `step_cost` has whole
+//! steps.
 
 mod paper;
 
 use std::{error::Error, hint::black_box, time::Instant};
 
 use formula::{Definition, FormulaSystem};
-use noise::BlockNoise;
-use nonlin::BlockStatus;
-use real::{Block, Level, Rows, WIDTH};
-use schemes::{Heun, Sexp, SexpLi, Step, run_time};
+use real::{Level, Rows, WIDTH};
 use systems::{
-    Constant, IntegerExponents, Linearity, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
-    PoissonSystem, RigidBody,
+    IntegerExponents, Linearity, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
+    RigidBody,
     run_time::{Compiled, System, Weights},
 };
 
@@ -51,15 +48,6 @@ where
     for (name, (ours, theirs)) in names.iter().zip(ours.iter().zip(theirs)) {
         println!("  {name:10} {ours:8.2} / {theirs:.2}");
     }
-    let linear = SexpLi::at_run_time(&formula);
-    let mut all: Vec<(&dyn run_time::Scheme, &dyn schemes::Scheme<S, D, M>)> =
-        vec![(&Heun, &Heun), (&Sexp, &Sexp)];
-    all.extend(linear.iter().map(|linear| (linear as _, linear as _)));
-    for (scheme, tuned) in all {
-        let tuned = tuned_step(tuned, &system, y0)?;
-        let (ours, theirs) = (step(scheme, &formula, &y0)?, step(scheme, &compiled, &y0)?);
-        println!("  {:10} {ours:8.2} / {theirs:.2} at run time / {tuned:.2}", scheme.id());
-    }
     Ok(())
 }
 
@@ -82,34 +70,6 @@ fn operations(system: &dyn System, y0: &[f64]) -> Outcome<[f64; 5]> {
             }
         }),
     ])
-}
-
-/// The cost of a step from `y0` on a system known at run time.
-fn step(scheme: &dyn run_time::Scheme, system: &dyn System, y0: &[f64]) -> Outcome<f64> {
-    let mut stepper = scheme.stepper(system)?;
-    let (start, dw) = (Rows::splat(y0)?, Rows::splat(&vec![0.05; system.noises()])?);
-    let step = Step::new(&Constant::new(0.2)?, 0, 0.01)?;
-    let mut status = BlockStatus::explicit();
-    Ok(cost(|| {
-        stepper.state_mut().copy_from_slice(&start);
-        stepper.step(&step, &dw, &mut status);
-    }))
-}
-
-/// The cost of a step from `y0` of a kernel.
-fn tuned_step<S, const D: usize, const M: usize>(
-    scheme: &dyn schemes::Scheme<S, D, M>,
-    system: &S,
-    y0: [f64; D],
-) -> Outcome<f64> {
-    let noise = BlockNoise::<M>::increments(Block::splat([0.05; M]));
-    let step = Step::new(&Constant::new(0.2)?, 0, 0.01)?;
-    let mut status = BlockStatus::explicit();
-    let mut y = Block::splat(y0);
-    Ok(cost(|| {
-        y = Block::splat(y0);
-        scheme.step_block(system, &step, &noise, &mut y, &mut status);
-    }))
 }
 
 /// Nanoseconds per path.

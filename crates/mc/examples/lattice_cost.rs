@@ -1,9 +1,9 @@
 //! What a step of a spin lattice costs.
 //!
-//! `cargo run --release -p casimir-mc --example lattice_cost [LEVEL]` prints ns per spin and step of
-//! cubic lattices with local noise, for several numbers of spins, schemes and threads: the least of
-//! several runs. The last column is the time of one thread over that of two. Then the time of a step
-//! of `sexp` on a chain of 100 spins, as the step grows until iteration does not contract.
+//! `cargo run --release -p casimir-mc --example lattice_cost [LEVEL]` prints ns per spin and step
+//! of cubic lattices with local noise, for several numbers of spins, schemes and threads: the least
+//! of several runs. The last column is the time of one thread over that of two. Then follow steps
+//! of `sexp` on a chain of 100 spins, the larger ones without contraction.
 
 use std::{sync::Arc, time::Instant};
 

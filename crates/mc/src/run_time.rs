@@ -44,7 +44,8 @@ impl<'a> Setup<'a, NoiseRows> {
     /// use systems::{Constant, run_time::{Couplings, Problem, Shape, SpinLattice}};
     ///
     /// // Four spins in a ring with a noise for each component.
-    /// let couplings = Couplings { exchange: 1.0, noise: 0.3, local: true, ..Couplings::default() };
+    /// let couplings =
+    ///     Couplings { exchange: 1.0, noise: 0.3, local: true, ..Couplings::default() };
     /// let ring = SpinLattice::on_paths(Shape::periodic(&[4])?, couplings)?;
     /// let scheme = SexpLi::at_run_time(&ring)?;
     /// let y0 = [1.0, 0.0, 0.0].repeat(4);

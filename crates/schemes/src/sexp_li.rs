@@ -96,6 +96,14 @@ impl SexpLi {
         Self::suited(system.name(), linearity, solvable, &system.invariants())
     }
 
+    pub(crate) fn name(&self) -> &'static str {
+        if self.areas {
+            LinearlyImplicit::<true, true>::ID
+        } else {
+            LinearlyImplicit::<true, false>::ID
+        }
+    }
+
     fn suited(
         name: &str,
         linearity: Linearity,
@@ -184,11 +192,7 @@ macro_rules! formula {
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Scheme<S, D, M> for SexpLi {
     fn id(&self) -> &'static str {
-        if self.areas {
-            LinearlyImplicit::<true, true>::ID
-        } else {
-            LinearlyImplicit::<true, false>::ID
-        }
+        self.name()
     }
 
     fn reads_areas(&self) -> bool {

@@ -25,9 +25,9 @@ const LEAST_PROBABILITY: f64 = 1e-4;
 /// The interval is that of batch means, with Student's quantile, from 32 to 63 batches. Their
 /// variance is too small by a factor 1 − T/b, where b is the batch length and T = 2Σkγₖ/Σγₖ, with
 /// sums over all lags k > 0 and all k, a time of decorrelation. To keep it near one, neighbouring
-/// batches may have a correlation of at most ½ at every length from about n/1024 to n/32, where n counts
-/// all samples. For
-/// correlations that decay exponentially, ½ at b/16 means T ≈ b/19: 2.6 % of the standard error.
+/// batches may have a correlation of at most ½ at every length from about n/1024 to n/32, where n
+/// counts all samples. For correlations that decay exponentially, ½ at b/16 means T ≈ b/19: 2.6 %
+/// of the standard error.
 ///
 /// A part of the motion that is slower than the whole series is not seen by any such rule; several
 /// chains from different starts see it ([`of_chains`](Self::of_chains)).

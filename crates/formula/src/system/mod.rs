@@ -192,13 +192,14 @@ impl FormulaSystem {
         &self.names
     }
 
-    /// B(y)v on numbers of any type, see [`Graph::evaluate`](crate::Graph::evaluate).
+    /// B(y)v on numbers of any type, see [`evaluate`](crate::Graph::evaluate).
     #[must_use]
     pub fn structure_of<R: Real>(&self, y: &[R], v: &[R]) -> Vec<R> {
         self.expressions.field_on(y, v)
     }
 
-    /// h(y) with the weights dt, dw₁, … on numbers of any type, see [`Graph::evaluate`](crate::Graph::evaluate).
+    /// h(y) with the weights dt, dw₁, … on numbers of any type, see
+    /// [`evaluate`](crate::Graph::evaluate).
     #[must_use]
     pub fn energy_of<R: Real>(&self, y: &[R], weights: &[f64]) -> R {
         self.expressions.energy_on(y, weights)

@@ -1,4 +1,4 @@
-//! Spins on a lattice: lengths on their law, equilibrium at a temperature, and one path beside many.
+//! Spins on a lattice: lengths on their law, equilibrium at a temperature, one path beside many.
 
 use std::sync::Arc;
 
@@ -134,8 +134,8 @@ fn mean_bond(path: &LargePath<'_>) -> f64 {
 /// 6e-5 for a normal mean, 2e-4 for Student's t with 31 degrees of freedom.
 const MOST_ERRORS: f64 = 4.0;
 
-/// E s_z = coth βh − 1/(βh) (Langevin), and E sᵢ·sᵢ₊₁ = coth βJ − 1/(βJ) (Fisher, *Am. J. Phys.* 32,
-/// 1964).
+/// E s_z = coth βh − 1/(βh) (Langevin), and E sᵢ·sᵢ₊₁ = coth βJ − 1/(βJ) (Fisher, *Am. J. Phys.*
+/// 32, 1964).
 #[test]
 fn the_equilibrium_is_that_of_the_temperature() {
     for (n, beta) in [0.5, 2.0, 6.0].into_iter().enumerate() {
@@ -147,7 +147,6 @@ fn the_equilibrium_is_that_of_the_temperature() {
             ("a chain", average(&bonds, &sexp_li, (tau(beta), STEPS), key, &mean_bond)),
         ] {
             let errors = (mean.mean - langevin(beta)) / mean.se;
-            println!("{what}, beta {beta}: {mean:?} {} {errors}", langevin(beta));
             assert!(errors.abs() < MOST_ERRORS, "{what} at {beta}: {errors} of {mean:?}");
             assert!(mean.se < 0.005, "{what} at {beta}: {mean:?}");
         }

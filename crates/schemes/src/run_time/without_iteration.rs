@@ -9,7 +9,7 @@ use crate::{SexpLi, Split, Step, sexp_li::LinearlyImplicit, split};
 
 impl Scheme for SexpLi {
     fn id(&self) -> &'static str {
-        if self.areas { "sexp-li-levy" } else { "sexp-li" }
+        self.name()
     }
 
     fn clips_increments(&self) -> bool {
@@ -19,7 +19,7 @@ impl Scheme for SexpLi {
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
         if self.areas {
             let (system, noises) = (system.name().into(), system.noises());
-            return Err(SchemeError::Areas { scheme: "sexp-li-levy", system, noises });
+            return Err(SchemeError::Areas { scheme: self.name(), system, noises });
         }
         Ok(if self.implicit {
             Box::new(ExplicitStepper::new(&LinearlyImplicit::<true, false>, system)?)

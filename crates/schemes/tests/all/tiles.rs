@@ -13,8 +13,8 @@ use systems::{
 
 const SIGMA: f64 = 0.8;
 
-/// A chain of spins with B(y)v = (sᵢ × vᵢ), H₀ = −Σ sᵢ·sᵢ₊₁ and Hₘ = −σ Σ sᵢᵐ. Rows 3b to 3b + 2 hold
-/// the components of 32 spins.
+/// A chain of spins with B(y)v = (sᵢ × vᵢ), H₀ = −Σ sᵢ·sᵢ₊₁ and Hₘ = −σ Σ sᵢᵐ. Rows 3b to 3b + 2
+/// hold the components of 32 spins.
 struct Chain {
     spins: usize,
     tile: usize,

@@ -156,7 +156,8 @@ pub trait System: Send + Sync {
         scratch: &mut [Row],
     );
 
-    /// Whether h is a polynomial of degree at most two, so that ∇̄h(a, b) = ∇h((a+b)/2).
+    /// Whether h is a polynomial of degree at most two, so that ∇̄h(a, b) = ∇h((a+b)/2). What
+    /// [`gradient`](Self::gradient) adds is then taken at (a+b)/2 too.
     fn is_quadratic(&self) -> bool {
         self.rule().nodes().len() == 1
     }

@@ -99,7 +99,7 @@ fn seeded<const D: usize>(y: &[f64], l: usize) -> [Dual<Bounded>; D] {
 }
 
 /// The values of a formula; those of one with pieces are no polynomial.
-fn values(formula: impl FnOnce() -> Vec<Bounded>) -> Vec<Bounded> {
+pub(super) fn values(formula: impl FnOnce() -> Vec<Bounded>) -> Vec<Bounded> {
     let (mut values, piecewise) = Bounded::piecewise(formula);
     if piecewise {
         values.iter_mut().for_each(|x| x.degree = Degree::NONE);

@@ -1,27 +1,18 @@
 //! A system from texts behind the functions that the checks need.
 
 use formula::FormulaSystem;
-use real::{Bounded, Degree, Dual, Real};
+use real::{Bounded, Dual, Real};
 use schemes::{SexpLi, run_time::Scheme};
 use systems::{Invariant, run_time};
 
 use super::{
     advice::{Override, WithoutIteration},
     algebra::{Matrix, axis, transposed},
-    erased::{Function, System},
+    erased::{Function, System, values},
 };
 
 /// A [`System`] from a [`FormulaSystem`].
 pub struct OfFormulas<'a>(pub(super) &'a FormulaSystem);
-
-/// The values of a formula; those of one with pieces are no polynomial.
-fn values(formula: impl FnOnce() -> Vec<Bounded>) -> Vec<Bounded> {
-    let (mut values, piecewise) = Bounded::piecewise(formula);
-    if piecewise {
-        values.iter_mut().for_each(|x| x.degree = Degree::NONE);
-    }
-    values
-}
 
 fn variables(y: &[f64]) -> Vec<Bounded> {
     y.iter().copied().map(Bounded::variable).collect()

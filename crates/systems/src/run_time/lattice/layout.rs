@@ -68,8 +68,8 @@ impl Layout for OnPaths<'_> {
     }
 }
 
-/// Tiles of [`TILE_SITES`] sites of one path: the x of all of them, then the y, then the z. The last
-/// tile has as many groups of 32 as are left.
+/// Tiles of [`TILE_SITES`] sites of one path: the x of all of them, then the y, then the z. The
+/// last tile has as many groups of 32 as are left.
 #[derive(Clone, Copy)]
 pub struct OnePath<'a> {
     pub sites: usize,

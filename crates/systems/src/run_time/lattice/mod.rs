@@ -40,7 +40,8 @@ pub use shape::{Direction, Shape};
 ///
 /// ```
 /// let (alpha, beta) = (0.1, 5.0);
-/// assert_eq!(systems::run_time::noise_at_temperature(alpha, 1.0 / beta), (2.0 * alpha / beta).sqrt());
+/// let sigma = systems::run_time::noise_at_temperature(alpha, 1.0 / beta);
+/// assert_eq!(sigma, 0.2);
 /// ```
 #[must_use]
 pub fn noise_at_temperature(damping: f64, temperature: f64) -> f64 {
@@ -173,8 +174,8 @@ impl SpinLattice {
         self.couplings
     }
 
-    /// The largest relative error of |sᵢ|, if it should be `length` for every spin: max |sᵢ|/length −
-    /// 1 in absolute value. On 32 paths it is that of all of them.
+    /// max ||sᵢ|/length − 1|: the largest relative error if every spin should have this `length`. On
+    /// 32 paths it is that of all of them.
     #[must_use]
     pub fn length_defect(&self, y: &[Row], length: f64) -> f64 {
         let defect = |square: f64| (square.sqrt() / length - 1.0).abs();
@@ -229,7 +230,8 @@ impl System for SpinLattice {
         let Couplings { exchange, anisotropy, field, noise, local, damping } = self.couplings;
         let kind = if local { "local" } else { "common" };
         format!(
-            "{}, J = {exchange}, K = {anisotropy}, h = {field:?}, σ = {noise} ({kind}), α = {damping}",
+            "{}, J = {exchange}, K = {anisotropy}, h = {field:?}, σ = {noise} ({kind}), \
+             α = {damping}",
             self.shape.describe()
         )
     }
