@@ -180,16 +180,24 @@ impl Display for FormulaError {
 
 impl std::error::Error for FormulaError {}
 
-/// Line and column of a byte, counted from 1.
-pub(crate) fn line_column(text: &str, byte: usize) -> (usize, usize) {
+/// Line and column of a byte of a text, counted from 1; columns in characters.
+#[must_use]
+pub fn line_column(text: &str, byte: usize) -> (usize, usize) {
     let before = &text[..byte];
     let start = before.rfind('\n').map_or(0, |newline| newline + 1);
     (before.matches('\n').count() + 1, before[start..].chars().count() + 1)
 }
 
-/// A line of a text with carets under a place.
+/// A line of a text with carets under a place, for messages about other files than formulas, too.
+///
+/// ```
+/// let text = "steps = 512\nuntil = -2";
+/// let excerpt = formula::Excerpt::new(text, &(20..22));
+/// assert_eq!(excerpt.to_string(), "  until = -2\n          ^^");
+/// assert_eq!(formula::line_column(text, 20), (2, 9));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Excerpt {
+pub struct Excerpt {
     line: String,
     /// Characters before the carets, and carets.
     before: usize,
@@ -201,7 +209,9 @@ impl Excerpt {
     const BEFORE: usize = 50;
     const AFTER: usize = 30;
 
-    pub(crate) fn new(text: &str, span: &Range<usize>) -> Self {
+    /// The line of the first byte of `span`, which is in bytes of the text.
+    #[must_use]
+    pub fn new(text: &str, span: &Range<usize>) -> Self {
         let start = text[..span.start].rfind('\n').map_or(0, |newline| newline + 1);
         let end = text[span.start..].find('\n').map_or(text.len(), |at| span.start + at);
         let before = text[start..span.start].chars().count();

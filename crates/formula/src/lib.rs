@@ -45,7 +45,9 @@
 //! | [`Tape`] | what evaluates them |
 //! | [`Definition`], [`FormulaSystem`] | a Poisson system from texts, for `systems::run_time` |
 //! | [`FormulaError`], [`DomainError`] | what is wrong, with line, column and carets |
+//! | [`Excerpt`], [`line_column`] | the same for other texts |
 
+mod closed_integral;
 mod compile;
 mod damping;
 mod derivative;
@@ -61,10 +63,11 @@ mod parse;
 mod shape;
 mod system;
 mod tape;
+mod terms;
 
 pub use damping::{DampingError, FormulaDamping};
 pub use domain::DomainError;
-pub use error::{FormulaError, FormulaErrorKind};
+pub use error::{Excerpt, FormulaError, FormulaErrorKind, line_column};
 pub use formula::Formula;
 pub use graph::{Binary, Graph, Id, Node, Unary};
 pub use names::{NameError, Names};

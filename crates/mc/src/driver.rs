@@ -153,7 +153,8 @@ impl<N: StepNoise> Driver<'_, N> {
     }
 
     /// Advances `paths` paths from `first_path` on to the final time. Calls `observe` for each
-    /// block at the end of every coarsest step. `None` if `stop` asks for the end before.
+    /// block at the end of every coarsest step. `Err` with what was counted if `stop` asks for the
+    /// end before.
     pub(crate) fn march(
         &self,
         first_path: u64,
@@ -161,7 +162,7 @@ impl<N: StepNoise> Driver<'_, N> {
         observe: &mut dyn FnMut(&View<'_>),
         progress: &(dyn Fn(u64) + Sync),
         stop: &Stop,
-    ) -> Option<Tally> {
+    ) -> Result<Tally, Tally> {
         let mut tally = self.tally();
         let offsets = (0..paths).step_by(WIDTH);
         let mut blocks: Vec<Marcher<'_, N>> = offsets
@@ -175,7 +176,7 @@ impl<N: StepNoise> Driver<'_, N> {
         let (mut reported, total) = (0, self.steps_per_path());
         for n in 1..=self.finest_steps {
             if stop.is_asked() {
-                return None;
+                return Err(tally);
             }
             for level in (0..=self.levels).take_while(|level| n.is_multiple_of(1 << level)) {
                 if used[level] {
@@ -193,7 +194,7 @@ impl<N: StepNoise> Driver<'_, N> {
                 reported = share as u64;
             }
         }
-        Some(tally)
+        Ok(tally)
     }
 }
 

@@ -356,8 +356,22 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
         new: impl Fn() -> T + Sync,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Measured<T> {
-        let stop = Stop::default();
-        let compute = |group| self.group(first, samples, group, &new, progress, &stop);
+        self.run_until(&Stop::default(), first, samples, new, progress)
+    }
+
+    /// The same with paths that end where `stop` asks for the end.
+    pub(crate) fn run_until<T: Statistic>(
+        &self,
+        stop: &Stop,
+        first: u64,
+        samples: u64,
+        new: impl Fn() -> T + Sync,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Measured<T> {
+        let compute = |group| {
+            let (statistic, tally) = self.group(first, samples, group, &new, progress, stop);
+            Some((statistic, tally.unwrap_or_else(|cut_short| cut_short)))
+        };
         let mut tree = MergeTree::new(merge);
         grow(&mut tree, 0..samples.div_ceil(GROUP_PATHS), &compute, &mut |_, _| true);
         self.measured(tree.finish(), &new)
@@ -417,7 +431,10 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
             unpack: &unpack,
             merge: &merge,
             empty: &|| (new(), self.driver.tally()),
-            compute: &|group| self.group(0, samples, group, new, progress, job.stop()),
+            compute: &|group| {
+                let (statistic, tally) = self.group(0, samples, group, new, progress, job.stop());
+                tally.ok().map(|tally| (statistic, tally))
+            },
             skipped: &|groups| progress(groups * GROUP_PATHS * self.steps_per_path()),
         })
     }
@@ -435,7 +452,8 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
         self.measured(tree.finish(), new)
     }
 
-    /// The statistic of one group of `samples` paths from path number `first` on.
+    /// The statistic of one group of `samples` paths from path number `first` on; `Err` with the
+    /// counts if `stop` cut it short.
     fn group<T: Statistic>(
         &self,
         first: u64,
@@ -444,7 +462,7 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
         new: &impl Fn() -> T,
         progress: &(dyn Fn(u64) + Sync),
         stop: &Stop,
-    ) -> Option<(T, Tally)> {
+    ) -> (T, Result<Tally, Tally>) {
         let offset = group * GROUP_PATHS;
         let paths = GROUP_PATHS.min(samples - offset);
         let mut statistic = new();
@@ -452,7 +470,7 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
         let tally = on_stack(self.stack, || {
             self.driver.march(first + offset, paths, &mut observe, progress, stop)
         });
-        tally.map(|tally| (statistic, tally))
+        (statistic, tally)
     }
 
     fn measured<T>(&self, sum: Option<(T, Tally)>, new: &impl Fn() -> T) -> Measured<T> {

@@ -141,7 +141,8 @@ impl<'a, N> DynRun<'a, N> {
 }
 
 impl<'a> DynProblem<'a> {
-    pub(crate) fn of<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    /// The problem with a system that the compiler knows.
+    pub fn of<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         problem: &'a Problem<S, G, D>,
     ) -> Self {
         let system = problem.system();
@@ -162,7 +163,8 @@ impl<'a> DynProblem<'a> {
 }
 
 impl<'a, const M: usize> Setup<'a, BlockNoise<M>> {
-    pub(crate) fn of<S: PoissonSystem<D, M>, G: Damping, const D: usize>(
+    /// A problem and a scheme that the compiler knows.
+    pub fn of<S: PoissonSystem<D, M>, G: Damping, const D: usize>(
         problem: &'a Problem<S, G, D>,
         scheme: &'a dyn Scheme<S, D, M>,
     ) -> Self {

@@ -8,11 +8,13 @@ use std::path::Path;
 pub struct Script<'a> {
     /// What the job is called.
     pub name: &'a str,
+    /// The command that writes the script.
+    pub written_by: &'a str,
     /// Number of parts.
     pub parts: u64,
     /// The program, as an absolute path: it is built already.
     pub program: &'a str,
-    /// Its arguments but `--part`, `--parts`, `--out` and `--threads`.
+    /// Its arguments but `--part` and `--threads`.
     pub arguments: &'a [String],
     /// The folder of the parts, as an absolute path.
     pub folder: &'a str,
@@ -38,15 +40,16 @@ impl Script<'_> {
     /// assert!(script.slurm().contains("#SBATCH --array=1-64\n"));
     /// ```
     pub fn slurm(&self) -> String {
-        let Self { name, parts, program, arguments, folder, directory, minutes, cpus, .. } = *self;
+        let Self { name, written_by, parts, program, arguments, folder, directory, .. } = *self;
+        let Self { minutes, cpus, .. } = *self;
         let options: String =
             self.options.iter().map(|option| format!("#SBATCH {option}\n")).collect();
         let words: String = arguments.iter().map(|word| format!(" {}", quoted(word))).collect();
         let [program, directory] = [program, directory].map(quoted);
-        let (out, log) = (quoted(folder), Path::new(folder).join("part-%a.log"));
+        let log = Path::new(folder).join("part-%a.log");
         format!(
             "#!/bin/bash\n\
-             # Written by `cargo xtask plan`. `sbatch {script}` computes all parts, `bash {script} \
+             # Written by `{written_by}`. `sbatch {script}` computes all parts, `bash {script} \
              K` part K.\n\
              #SBATCH --job-name={name}\n\
              #SBATCH --array=1-{parts}\n\
@@ -59,7 +62,7 @@ impl Script<'_> {
              {options}\
              part=${{SLURM_ARRAY_TASK_ID:-${{HQ_TASK_ID:-$1}}}}\n\
              cd {directory} || exit 2\n\
-             exec {program}{words} --parts {parts} --part \"$part\" --out {out} \\\n    \
+             exec {program}{words} --part \"$part\" \\\n    \
              --threads \"${{SLURM_CPUS_PER_TASK:-{cpus}}}\"\n",
             script = JOB,
             log = quoted(&log.display().to_string()),
@@ -118,7 +121,7 @@ mod tests {
 
     #[test]
     fn a_script_has_what_the_scheduler_needs() {
-        let arguments = ["--seed", "it's"].map(str::to_owned);
+        let arguments = ["--seed", "it's", "--parts", "64"].map(str::to_owned);
         let options = ["--account=physics".to_owned()];
         let text = Script { arguments: &arguments, options: &options, ..script() }.slurm();
         assert!(text.starts_with("#!/bin/bash\n"));

@@ -34,6 +34,7 @@
 //! |---|---|
 //! | [`write_report`], [`Wording`] | HTML page, figures and tables of a whole run |
 //! | [`figure`] | figures as SVG: convergence, evolution, error against cost, any curves |
+//! | [`Document`] | HTML pages of one file |
 //! | [`Page`], [`anchor`], [`distinct`], [`number`] | Markdown pages |
 //! | [`csv()`], [`comparison_csv`] | the numbers of a panel, or of a comparison of schemes |
 //! | [`cluster`] | the job script of a study in parts |
@@ -64,7 +65,7 @@ use verify::results::Results;
 
 pub use bars::Bars;
 pub use csv::{comparison_csv, csv};
-pub use html::Wording;
+pub use html::{Document, Wording};
 pub use label::Label;
 pub use markdown::{Page, anchor, distinct};
 pub use outcome::Outcome;

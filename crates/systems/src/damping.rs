@@ -35,6 +35,18 @@ impl<G: Damping + ?Sized> Damping for &G {
     }
 }
 
+impl<G: Damping + ?Sized> Damping for std::sync::Arc<G> {
+    fn rate(&self, t: f64) -> f64 {
+        (**self).rate(t)
+    }
+    fn integral(&self, a: f64, b: f64) -> f64 {
+        (**self).integral(a, b)
+    }
+    fn describe(&self) -> String {
+        (**self).describe()
+    }
+}
+
 /// γ(t) = γ₀.
 #[derive(Clone, Copy, Debug)]
 pub struct Constant {

@@ -5,14 +5,13 @@
 //! needs, and everything else has 8. So a sum of polynomials, sines and cosines is exact to
 //! round-off.
 
-use std::collections::{HashMap, hash_map::Entry};
-
 use dgrad::{Rule, nodes_for_degree};
 
 use super::{MOST_NODES, NODES};
 use crate::{
     Id,
-    graph::{Binary, Graph, Node, Unary},
+    graph::{Graph, Node, Unary},
+    terms::{Weighted, terms},
 };
 
 /// Two states and the weights of a Hamiltonian increment, as inputs of a graph.
@@ -23,9 +22,6 @@ pub struct Segment<'a> {
     pub a: &'a [Id],
     pub b: &'a [Id],
 }
-
-/// A term of h with its weight.
-type Weighted = (Id, Id);
 
 /// (a+b)/2 + distance·(b − a), in the order of operations of `systems::run_time`.
 pub fn point(graph: &mut Graph, a: &[Id], b: &[Id], distance: f64) -> Vec<Id> {
@@ -75,37 +71,6 @@ fn add(graph: &mut Graph, sum: &mut [Id], part: &[Id]) {
     for (sum, &part) in sum.iter_mut().zip(part) {
         *sum = graph.add(*sum, part);
     }
-}
-
-/// The terms of Σ weight·Hamiltonian, each once, with its weight.
-fn terms(graph: &mut Graph, h: &[Weighted]) -> Vec<Weighted> {
-    let mut terms: Vec<Weighted> = Vec::new();
-    let mut places: HashMap<Id, usize> = HashMap::new();
-    let mut open: Vec<Weighted> = h.iter().rev().copied().collect();
-    while let Some((id, weight)) = open.pop() {
-        match graph.node(id) {
-            Node::Binary(Binary::Add, a, b) => open.extend([(b, weight), (a, weight)]),
-            Node::Binary(Binary::Sub, a, b) => {
-                let negative = graph.neg(weight);
-                open.extend([(b, negative), (a, weight)]);
-            }
-            Node::Unary(Unary::Neg, a) => open.push((a, graph.neg(weight))),
-            Node::Binary(Binary::Mul, a, c) if graph.as_constant(c).is_some() => {
-                open.push((a, graph.mul(weight, c)));
-            }
-            _ => match places.entry(id) {
-                Entry::Occupied(place) => {
-                    let sum = &mut terms[*place.get()].1;
-                    *sum = graph.add(*sum, weight);
-                }
-                Entry::Vacant(place) => {
-                    place.insert(terms.len());
-                    terms.push((id, weight));
-                }
-            },
-        }
-    }
-    terms
 }
 
 /// The averaged gradient of weight·sin u or weight·cos u for an affine u: the means of cos u and

@@ -202,11 +202,14 @@ impl Parts {
                 .flatten()
                 .collect();
         let (program, directory) = (env::current_exe()?, env::current_dir()?);
+        let mut arguments = study.command();
+        arguments.extend(["--parts".into(), parts.to_string(), "--out".into(), path(&folder)]);
         let script = Script {
             name: &study.program,
+            written_by: "cargo xtask plan",
             parts,
             program: &path(&program),
-            arguments: &study.command(),
+            arguments: &arguments,
             folder: &path(&folder),
             directory: &path(&directory),
             minutes,

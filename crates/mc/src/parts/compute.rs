@@ -102,11 +102,13 @@ impl Computing {
         Ok(if self.is_whole() { Outcome::Complete } else { Outcome::Part(self.share) })
     }
 
-    /// The nodes of all groups if they were merged before, or if this part is the whole.
+    /// The nodes of all groups if they were merged before, or if this part is the whole; those that
+    /// are done if it is stopped and `incomplete`.
     pub fn collect<T: Send>(
         &mut self,
         work: &Work<'_, T>,
         interval: Duration,
+        incomplete: bool,
     ) -> Result<Option<Vec<Node<T>>>, JobError> {
         let known = self.known.nodes(work)?;
         let first = known.last().map_or(work.groups.start, Node::end);
@@ -134,7 +136,9 @@ impl Computing {
         self.record(work, Header { done, ..header }, tree.nodes())?;
         if !complete {
             self.write()?;
-            return Err(JobError::Stopped);
+            if !(incomplete && self.is_whole()) {
+                return Err(JobError::Stopped);
+            }
         }
         Ok((self.is_whole() || first == work.groups.end).then(|| {
             let mut nodes = known;

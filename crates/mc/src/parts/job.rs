@@ -40,6 +40,8 @@ pub struct Job {
     stop: Stop,
     interval: Duration,
     alone: u64,
+    /// Whether work that was stopped gives the result of what is done.
+    incomplete: bool,
     state: Mutex<State>,
     /// Work that was begun inside another.
     nested: Mutex<Option<String>>,
@@ -98,11 +100,16 @@ pub(crate) struct Work<'a, T> {
 }
 
 impl<T: Send> Work<'_, T> {
-    /// The nodes of all groups, computed here.
-    fn here(&self) -> Result<Option<Vec<Node<T>>>, JobError> {
+    /// The nodes of all groups, computed here; of those that are done if it is stopped and
+    /// `incomplete`.
+    fn here(&self, incomplete: bool) -> Result<Option<Vec<Node<T>>>, JobError> {
         let mut tree = MergeTree::new(self.merge);
         let end = grow(&mut tree, self.groups.clone(), self.compute, &mut |_, _| true);
-        if end == self.groups.end { Ok(Some(tree.into_nodes())) } else { Err(JobError::Stopped) }
+        if end == self.groups.end || incomplete {
+            Ok(Some(tree.into_nodes()))
+        } else {
+            Err(JobError::Stopped)
+        }
     }
 }
 
@@ -173,7 +180,8 @@ impl Job {
         let state = State { mode, error: None, names: BTreeSet::new() };
         let state = Mutex::new(state);
         let nested = Mutex::new(None);
-        Self { stop: Stop::default(), interval: INTERVAL, alone: ALONE, state, nested }
+        let (stop, incomplete) = (Stop::default(), false);
+        Self { stop, interval: INTERVAL, alone: ALONE, incomplete, state, nested }
     }
 
     /// Divides the works of a plan so that all parts have about as many path-steps. Without it each
@@ -193,6 +201,13 @@ impl Job {
     /// Ends early when `stop` asks for it, with a checkpoint.
     pub fn stopped_by(mut self, stop: &Stop) -> Self {
         self.stop = stop.clone();
+        self
+    }
+
+    /// A study or ladder that is stopped gives the result of the paths that are done, not of part of
+    /// several. [`finish`](Self::finish) says [`JobError::Stopped`] all the same.
+    pub fn giving_what_is_done(mut self) -> Self {
+        self.incomplete = true;
         self
     }
 
@@ -332,20 +347,26 @@ impl Job {
         if error.is_some() {
             return None;
         }
+        // Later rounds follow from whole ones only.
+        let incomplete = self.incomplete && work.round.is_none();
         let found = match mode {
             _ if !names.insert(work.name.to_owned()) => {
                 Err(JobError::SameName(work.name.to_owned()))
             }
-            Mode::Here => work.here(),
+            Mode::Here => work.here(incomplete),
             Mode::Plan(pilot) if pilot.only_lists() => Ok(pilot.list(work)),
-            _ if work.round.is_some_and(|path_steps| path_steps <= self.alone) => work.here(),
-            Mode::Part(computing) => computing.collect(work, self.interval),
+            _ if work.round.is_some_and(|path_steps| path_steps <= self.alone) => work.here(false),
+            Mode::Part(computing) => computing.collect(work, self.interval, incomplete),
             Mode::Merge(merging) => merging.collect(work),
             Mode::Plan(pilot) => pilot.measure(work),
         };
-        found.unwrap_or_else(|met| {
+        let found = found.unwrap_or_else(|met| {
             *error = Some(met);
             None
-        })
+        });
+        if incomplete && self.stop.is_asked() {
+            error.get_or_insert(JobError::Stopped);
+        }
+        found
     }
 }

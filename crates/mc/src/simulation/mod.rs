@@ -15,6 +15,7 @@ use crate::{
     ConformalLaw, DynRun, Ladder, LadderError, NoiseSource, Observe, PathFailure, Recording, Setup,
     View,
     observable::{components, path, value},
+    parts::Stop,
     trajectory::PathRecords,
 };
 
@@ -142,12 +143,33 @@ pub struct DynSimulation<'a, N> {
     truncation: Truncation,
     every: u64,
     observables: Vec<Box<dyn Observe + 'a>>,
+    components: Option<Vec<String>>,
+    stop: Stop,
 }
 
 impl<'a, N: StepNoise> DynSimulation<'a, N> {
     /// As [`Simulation::new`].
     pub fn new(setup: Setup<'a, N>, truncation: Truncation) -> Self {
-        Self { setup, truncation, every: 1, observables: Vec::new() }
+        let (observables, stop) = (Vec::new(), Stop::default());
+        Self { setup, truncation, every: 1, observables, components: None, stop }
+    }
+
+    /// Names the columns of the state, which are `y1` … `yD` otherwise.
+    ///
+    /// # Panics
+    /// Unless there is a name for each component.
+    #[must_use]
+    pub fn with_components(mut self, names: Vec<String>) -> Self {
+        assert_eq!(names.len(), self.setup.problem.y0.len(), "names of components");
+        self.components = Some(names);
+        self
+    }
+
+    /// Ends all tables early when `stop` asks for it; [`TimeSeries::halted`] says so.
+    #[must_use]
+    pub fn stopped_by(mut self, stop: &Stop) -> Self {
+        self.stop = stop.clone();
+        self
     }
 
     /// As [`Simulation::every`].
@@ -205,7 +227,10 @@ impl<'a, N: StepNoise> DynSimulation<'a, N> {
     fn names(&self) -> Result<Vec<String>, SimulationError> {
         let Setup { problem, .. } = &self.setup;
         let mut names = vec!["t".into()];
-        names.extend((1..=problem.y0.len()).map(|i| format!("y{i}")));
+        match &self.components {
+            Some(components) => names.extend_from_slice(components),
+            None => names.extend((1..=problem.y0.len()).map(|i| format!("y{i}"))),
+        }
         names.extend(self.observables.iter().map(|observable| observable.name().into()));
         for (index, ConformalLaw { name, .. }) in problem.laws.iter().enumerate() {
             let same = |among: &[ConformalLaw]| among.iter().filter(|i| i.name == *name).count();
@@ -266,8 +291,8 @@ impl<'a, N: StepNoise> DynSimulation<'a, N> {
         };
         let count = paths.end.saturating_sub(paths.start);
         let ladder = ladder.describing(count as usize);
-        let measured =
-            ladder.run_from(paths.start, count, || PathRecords::new(&saved_rows), &|_| ());
+        let new = || PathRecords::new(&saved_rows);
+        let measured = ladder.run_until(&self.stop, paths.start, count, new, &|_| ());
         let mut of_path = measured.statistic.of_path;
         let series = paths.map(|path| {
             let mut observed = self.observables.iter().map(|phi| value(&**phi, &problem.y0));
@@ -278,15 +303,19 @@ impl<'a, N: StepNoise> DynSimulation<'a, N> {
                 values: rows.iter().map(|row| row[number]).collect(),
             });
             let failure = measured.failures.iter().find(|failure| failure.path == path);
+            let halted = failure.map(|&PathFailure { step, cause, .. }| {
+                format!("step {step} of size {tau}, at t = {}: {cause}", step as f64 * tau)
+            });
+            let end = rows.last().map_or(0.0, |row| row[0]);
+            let stopped = (self.stop.is_asked() && end < steps as f64 * tau)
+                .then(|| format!("stopped after t = {end}"));
             TimeSeries {
                 system: problem.name.clone(),
                 damping: problem.damping.describe(),
                 scheme: scheme.id().into(),
                 tau,
                 noise: origin(path),
-                halted: failure.map(|&PathFailure { step, cause, .. }| {
-                    format!("step {step} of size {tau}, at t = {}: {cause}", step as f64 * tau)
-                }),
+                halted: halted.or(stopped),
                 columns: columns.collect(),
             }
         });

@@ -15,7 +15,7 @@ pub struct TimeSeries {
     pub tau: f64,
     /// Origin of the increments.
     pub noise: NoiseOrigin,
-    /// The failure of the path, if it ends before the final time.
+    /// The failure of the path, or that it was stopped, if it ends before the final time.
     pub halted: Option<String>,
     /// `t`, `y1` … `yD`, the observables, and for each invariant its value and its defect.
     /// Invariants with the same name are numbered. The defect of F is (F − F₀)/|F₀| with F₀ =

@@ -57,9 +57,13 @@ impl Losses {
 }
 
 impl StudyResult {
-    /// The result of sums over all paths of a plan.
+    /// The result of sums over all paths of a plan, or those that were done when it was stopped.
     pub(super) fn new(plan: &StudyPlan, sums: &Sums, losses: Losses) -> Self {
         let StudyPlan { record, grids } = plan;
+        let last = record.times.len().saturating_sub(1) * record.observables.len();
+        let done = sums.moments(last).count() + sums.not_finite(last) + losses.failed;
+        let planned = record.paths;
+        let record = &Record { paths: done, ..record.clone() };
         let mut ranks = Ranks::new(&record.quantiles);
         let observables = record.observables.iter().zip(&record.initial).enumerate();
         let series = observables.map(|(k, (name, initial))| {
@@ -74,7 +78,10 @@ impl StudyResult {
             Series { observable: name.clone(), points: [first].into_iter().chain(later).collect() }
         });
         let series: Vec<_> = series.collect();
-        let warnings = warnings(record, &losses, &series);
+        let mut warnings = warnings(record, &losses, &series);
+        if done < planned {
+            warnings.push(format!("stopped after {done} of {planned} paths"));
+        }
         Self { record: record.clone(), losses, warnings, series }
     }
 

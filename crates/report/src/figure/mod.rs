@@ -2,7 +2,8 @@
 //!
 //! [`Figure`] draws any curves in logarithmic coordinates; [`convergence`] makes one from series of
 //! errors; [`evolution`] draws an invariant along a path; [`comparison`] errors against cost;
-//! [`bands`] and [`histogram`] what a study found of an observable.
+//! [`bands`] and [`histogram`] what a study found of an observable, [`lines()`] any curves in plain
+//! coordinates.
 
 mod axis;
 mod bands;
@@ -14,6 +15,7 @@ mod evolution;
 mod frame;
 mod histogram;
 mod legend;
+mod lines;
 mod look;
 mod scripts;
 mod stroke;
@@ -29,6 +31,7 @@ pub(crate) use cost::tests::small as small_comparison;
 pub use cost::{comparison, expectations_against_cost, strong_against_cost};
 pub use evolution::evolution;
 pub use histogram::histogram;
+pub use lines::{Trace, lines};
 pub use ticks::Spacing;
 
 /// The figure of a panel as an SVG document.

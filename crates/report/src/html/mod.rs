@@ -2,6 +2,7 @@
 //! network and no script.
 
 mod card;
+mod document;
 mod group;
 mod markup;
 mod measured;
@@ -14,6 +15,8 @@ mod summary;
 use verify::results::{Claim, Panel, Results};
 
 use crate::escape::escape;
+
+pub use document::Document;
 
 const STYLE: &str = include_str!("style.css");
 

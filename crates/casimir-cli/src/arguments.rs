@@ -1,0 +1,222 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::scene::Changes;
+
+/// Damped stochastic Poisson systems from a text file:
+/// dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ
+#[derive(Parser, Debug)]
+#[command(name = "casimir", version, max_term_width = 90, after_help = EXAMPLES)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  casimir new rigid-body > body.toml     a commented scene to change
+  casimir run body.toml                  tables, figures and a report in body-run/
+  casimir expect body.toml               expectations with 95 % intervals
+Exit codes: 0 done, 1 the run failed, 2 the scene or the command is wrong, 130 stopped";
+
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Print a commented scene to begin with
+    #[command(after_help = "Example: casimir new heavy-top > top.toml")]
+    New(New),
+    /// Say what a system is: Casimirs, orders, mistakes, a scheme to take
+    #[command(after_help = "Example: casimir inspect top.toml")]
+    Inspect(Inspect),
+    /// Simulate paths: tables, figures, a report in HTML
+    #[command(after_help = "Examples:
+  casimir run top.toml
+  casimir run top.toml --paths 1e6 --write csv,npz --out top-million")]
+    Run(Run),
+    /// Compute expectations with 95 % intervals
+    #[command(after_help = "Example: casimir expect top.toml --accuracy 1e-4")]
+    Expect(Expect),
+    /// Measure the strong and the weak order of a scheme on a scene
+    #[command(after_help = "Example: casimir order top.toml --scheme sexp-li")]
+    Order(Order),
+    /// Measure error against cost of all schemes on a scene, and recommend one
+    #[command(after_help = "Example: casimir compare top.toml --error 1e-3")]
+    Compare(Compare),
+    /// Divide a run into parts for a cluster
+    #[command(after_help = "Example: casimir plan top.toml --parts 64 --out big")]
+    Plan(Plan),
+    /// Compute one part; goes on from its checkpoint
+    #[command(after_help = "Example: casimir part big --part 3")]
+    Part(Part),
+    /// Put the parts in a folder together, or say which are missing
+    #[command(after_help = "Example: casimir merge big")]
+    Merge(Merge),
+    /// Ask for more paths or a smaller accuracy in a folder; nothing is computed twice
+    #[command(after_help = "Example: casimir extend big --paths 1e9")]
+    Extend(Extend),
+    /// Print the JSON schema of scenes, for editors
+    Schema,
+    /// Print completions for a shell
+    #[command(
+        after_help = "Example: casimir completions bash > ~/.local/share/bash-completion/completions/casimir"
+    )]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+#[derive(Args, Debug)]
+pub struct New {
+    /// A scene of the gallery; without it an empty scene with all keys
+    pub name: Option<String>,
+    /// List the scenes and the systems of the project
+    #[arg(long)]
+    pub list: bool,
+}
+
+#[derive(Args, Debug)]
+pub struct Inspect {
+    /// The file of the scene
+    pub scene: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What a run writes beside its report.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Tables as text
+    Csv,
+    /// Everything, for programs
+    Json,
+    /// Arrays for NumPy
+    Npz,
+}
+
+#[derive(Args, Debug, Default)]
+pub struct Output {
+    /// The folder of results. Default: the name of the scene and the command, as `top-run`
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print a summary as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Number of threads; the results are the same bits with any number
+    #[arg(long, value_name = "N")]
+    pub threads: Option<u64>,
+}
+
+#[derive(Args, Debug)]
+pub struct Run {
+    /// The file of the scene
+    pub scene: PathBuf,
+    #[command(flatten)]
+    pub changes: Changes,
+    /// What to write beside the report
+    #[arg(long, value_name = "FORMATS", value_delimiter = ',')]
+    pub write: Vec<Format>,
+    /// Write tables of more than a gigabyte
+    #[arg(long)]
+    pub large: bool,
+    #[command(flatten)]
+    pub output: Output,
+}
+
+#[derive(Args, Debug)]
+pub struct Expect {
+    /// The file of the scene, which has [expect]
+    pub scene: PathBuf,
+    /// Half-width of the 95 % intervals, instead of that of the scene
+    #[arg(long, value_name = "ERROR")]
+    pub accuracy: Option<f64>,
+    #[command(flatten)]
+    pub changes: Changes,
+    #[command(flatten)]
+    pub output: Output,
+}
+
+#[derive(Args, Debug)]
+pub struct Order {
+    /// The file of the scene
+    pub scene: PathBuf,
+    #[command(flatten)]
+    pub changes: Changes,
+    #[command(flatten)]
+    pub output: Output,
+}
+
+#[derive(Args, Debug)]
+pub struct Compare {
+    /// The file of the scene
+    pub scene: PathBuf,
+    /// The wanted root-mean-square error of y(T)
+    #[arg(long, value_name = "ERROR", default_value_t = 1e-3)]
+    pub error: f64,
+    #[command(flatten)]
+    pub changes: Changes,
+    #[command(flatten)]
+    pub output: Output,
+}
+
+#[derive(Args, Debug)]
+pub struct Plan {
+    /// The file of the scene
+    pub scene: PathBuf,
+    /// Number of parts
+    #[arg(long, value_name = "N")]
+    pub parts: u64,
+    /// The folder of the parts
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Plan `casimir expect` instead of `casimir run`
+    #[arg(long)]
+    pub expect: bool,
+    /// Processors of a part
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub cpus: u64,
+    /// A further option of `sbatch`, such as --account=physics; may be repeated
+    #[arg(long, value_name = "OPTION", allow_hyphen_values = true)]
+    pub sbatch: Vec<String>,
+    #[command(flatten)]
+    pub changes: Changes,
+}
+
+#[derive(Args, Debug)]
+pub struct Part {
+    /// The folder that `casimir plan` made
+    pub folder: PathBuf,
+    /// The number of the part, from 1
+    #[arg(long, value_name = "K")]
+    pub part: u64,
+    /// Number of threads. Default: one for each processor
+    #[arg(long, value_name = "N")]
+    pub threads: Option<u64>,
+}
+
+#[derive(Args, Debug)]
+pub struct Merge {
+    /// The folder that `casimir plan` made
+    pub folder: PathBuf,
+    /// What to write beside the report
+    #[arg(long, value_name = "FORMATS", value_delimiter = ',')]
+    pub write: Vec<Format>,
+    /// Print a summary as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args, Debug)]
+pub struct Extend {
+    /// The folder that `casimir plan` made
+    pub folder: PathBuf,
+    /// The new number of paths, in all
+    #[arg(long, value_name = "N", value_parser = crate::scene::count)]
+    pub paths: Option<u64>,
+    /// The new half-width of the intervals
+    #[arg(long, value_name = "ERROR")]
+    pub accuracy: Option<f64>,
+}

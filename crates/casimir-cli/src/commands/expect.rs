@@ -1,0 +1,166 @@
+//! `casimir expect`: expectations with intervals.
+
+use std::time::Instant;
+
+use casimir::{
+    mc::{
+        Observe,
+        multilevel::{
+            Coupling, Expectation, ExpectationSettings, MultilevelError, expectation_of_in,
+        },
+        parts::{Job, JobError, Share, remove},
+    },
+    noise::StepNoise,
+    report::Bars,
+    verify::{Progress, inspect::Purpose},
+};
+
+use super::{findings, folder, open, print, print_json, program, scheme, stop, threads};
+use crate::{
+    arguments::Expect,
+    failure::{Done, Failure},
+    model::{Model, with_model},
+    output,
+    scene::Scene,
+};
+
+/// What was found.
+pub struct Results {
+    /// The scheme.
+    pub scheme: String,
+    /// Why, if it was left to the program.
+    pub because: Option<String>,
+    /// Expectations with levels and warnings.
+    pub expectation: Expectation,
+    /// Steps of the coarsest level.
+    pub coarsest_steps: u64,
+    /// Seconds of the computation.
+    pub seconds: f64,
+}
+
+/// Computes the expectations of a scene.
+pub fn expect(arguments: &Expect) -> Done {
+    let mut scene = open(&arguments.scene, &arguments.changes)?;
+    threads(arguments.output.threads)?;
+    scene.accuracy = arguments.accuracy.or(scene.accuracy);
+    let stop = stop();
+    let folder = arguments.output.out.as_ref();
+    let (results, finished) = with_model!(&scene.model, model => {
+        let ready = Ready::new(&scene, model)?;
+        let job = match folder {
+            Some(folder) => {
+                folder::prepare(folder)?;
+                Job::part(folder, Share::WHOLE, program())?
+            }
+            None => Job::here(),
+        };
+        let job = job.stopped_by(&stop);
+        (ready.compute(&job)?, job.finish())
+    });
+    match finished {
+        Err(JobError::Stopped) => {
+            let kept = match folder {
+                Some(folder) => format!(
+                    "{} has a checkpoint; the same command goes on from there",
+                    folder.display()
+                ),
+                None => "nothing is kept; with --out DIR the samples are".into(),
+            };
+            return Err(Failure::Stopped(kept));
+        }
+        finished => finished?,
+    };
+    let Some(results) = results else { return Ok(()) };
+    if let Some(folder) = folder {
+        output::write_expectation(&scene, &results, folder)?;
+        remove(folder, Share::WHOLE)?;
+    }
+    report(&scene, &results, arguments.output.json)
+}
+
+/// Expectations that were checked.
+pub struct Ready<'a, N> {
+    scene: &'a Scene,
+    model: &'a dyn Model<N>,
+    scheme: String,
+    because: Option<String>,
+    accuracy: f64,
+}
+
+impl<'a, N: StepNoise> Ready<'a, N> {
+    /// Chooses the scheme, and checks that there is something to expect.
+    pub fn new(scene: &'a Scene, model: &'a dyn Model<N>) -> Done<Self> {
+        let (false, Some(accuracy)) = (scene.expected.is_empty(), scene.accuracy) else {
+            let name = scene.observables.first().map_or("y1", |observable| &*observable.name);
+            let message = format!(
+                "nothing is expected: add a table\n  [expect]\n  of = [\"{name}\"]\n  accuracy = 1e-3"
+            );
+            return Err(scene.source.error_of_all(message).into());
+        };
+        let findings = findings(scene, model)?;
+        let (scheme, because) = scheme(scene, model, &findings, Purpose::Expectations);
+        let (source, settings) = (&scene.source, &scene.settings);
+        let setup = model.setup(&scheme);
+        setup.map_err(|error| settings.scheme_error(source, error))?;
+        Ok(Self { scene, model, scheme, because, accuracy })
+    }
+
+    /// Computes the expectations as a piece of work of a job.
+    pub fn compute(self, job: &Job) -> Done<Option<Results>> {
+        let Self { scene, model, scheme, because, accuracy } = self;
+        let start = Instant::now();
+        let (source, settings) = (&scene.source, &scene.settings);
+        let setup = model.setup(&scheme);
+        let setup = setup.map_err(|error| settings.scheme_error(source, error))?;
+        let coarsest_steps = coarsest_steps(settings.until);
+        let coupling = match setup.problem.noises > 1 && !setup.scheme.reads_areas() {
+            true => Coupling::Antithetic,
+            false => Coupling::Plain,
+        };
+        let expectation_settings =
+            ExpectationSettings::new(settings.key, settings.truncation, coarsest_steps, coupling);
+        let observables: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
+        let bars = Bars::default();
+        bars.begin("path-steps", 0);
+        let advance = |work| bars.advance(work);
+        let found = expectation_of_in(
+            job,
+            "expectation",
+            &setup,
+            &observables,
+            accuracy,
+            &expectation_settings,
+            &advance,
+        );
+        bars.finish();
+        let expectation = found.map_err(|error| match error {
+            MultilevelError::Setting { .. } | MultilevelError::NoObservable => {
+                Failure::Usage(error.to_string())
+            }
+            other => Failure::Run(other.into()),
+        })?;
+        let seconds = start.elapsed().as_secs_f64();
+        Ok(expectation.map(|expectation| Results {
+            scheme,
+            because,
+            expectation,
+            coarsest_steps,
+            seconds,
+        }))
+    }
+}
+
+/// Steps of the coarsest level: an eighth of a unit of time or shorter. Finer levels follow from
+/// what is measured.
+fn coarsest_steps(until: f64) -> u64 {
+    let most = f64::from(1u32 << 24);
+    ((8.0 * until).ceil().clamp(4.0, most) as u64).next_power_of_two()
+}
+
+/// Says what was found.
+pub fn report(scene: &Scene, results: &Results, json: bool) -> Done {
+    match json {
+        true => print_json(&output::expectation_json(scene, results)),
+        false => print(&output::expectation_text(results)),
+    }
+}

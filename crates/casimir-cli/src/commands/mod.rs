@@ -1,0 +1,118 @@
+//! The commands, each in a file of its own.
+
+mod expect;
+mod folder;
+mod inspect;
+mod new;
+mod parts;
+mod run;
+
+use std::{fs, io::Write, path::Path};
+
+use casimir::{
+    mc::parts::{Job, Program, Stop, limit_threads},
+    verify::inspect::Purpose,
+};
+use clap::CommandFactory;
+
+pub use expect::{Results as Expected, expect};
+pub use inspect::inspect;
+pub use new::new;
+pub use parts::{extend, merge, part, plan};
+pub use run::{Results, run};
+
+use crate::{
+    arguments::Arguments,
+    failure::{Done, Failure},
+    model::{Findings, Model},
+    scene::{AUTO, Changes, Scene, Source},
+};
+
+/// Reads a scene and checks it.
+fn open(file: &Path, changes: &Changes) -> Done<Scene> {
+    let name = file.display().to_string();
+    let text = fs::read_to_string(file)
+        .map_err(|error| Failure::Usage(format!("cannot read the scene {name}: {error}")))?;
+    Ok(Scene::new(Source { name, text }, changes)?)
+}
+
+/// The scheme of a scene, and why it was chosen if that was left to the program.
+fn scheme<N>(
+    scene: &Scene,
+    model: &dyn Model<N>,
+    findings: &Findings,
+    purpose: Purpose,
+) -> (String, Option<String>) {
+    if scene.settings.scheme != AUTO {
+        return (scene.settings.scheme.clone(), None);
+    }
+    let (scheme, because) = findings.recommended(purpose);
+    if model.schemes().contains(&&*scheme) {
+        return (scheme, Some(because));
+    }
+    // Lévy areas are not drawn for this system.
+    let (scheme, _) = findings.recommended(Purpose::Expectations);
+    let because = "the noises do not commute, and Lévy areas are drawn for systems of the project \
+                   only: strong order 1/2, weak order 1";
+    (scheme, Some(because.into()))
+}
+
+/// What the system is. Whoever has a wrong system should know before its numbers.
+fn findings<N>(scene: &Scene, model: &dyn Model<N>) -> Done<Findings> {
+    let findings = model.findings();
+    let findings = findings.map_err(|error| scene.source.error_of_all(error))?;
+    for mistake in findings.mistakes() {
+        eprintln!("warning: {mistake}");
+    }
+    Ok(findings)
+}
+
+/// This program, as files of parts name it.
+fn program() -> Program {
+    Program { name: "casimir".into(), version: env!("CARGO_PKG_VERSION").into() }
+}
+
+/// What a signal stops. A second one ends the process at once.
+fn stop() -> Stop {
+    let stop = Stop::default();
+    if let Err(error) = stop.on_signals() {
+        eprintln!("warning: Ctrl-C loses what is not in a checkpoint: {error}");
+    }
+    stop
+}
+
+fn threads(threads: Option<u64>) -> Done {
+    if let Some(threads) = threads {
+        limit_threads(threads)?;
+    }
+    Ok(())
+}
+
+/// Prints to the standard output; a reader that went away is no error.
+fn print(text: &str) -> Done {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
+fn print_json(value: &serde_json::Value) -> Done {
+    print(&format!("{}\n", serde_json::to_string_pretty(value)?))
+}
+
+/// Prints the JSON schema of scenes.
+pub fn schema() -> Done {
+    print_json(&serde_json::to_value(crate::scene::schema())?)
+}
+
+/// Prints completions for a shell.
+pub fn completions(shell: clap_complete::Shell) -> Done {
+    let mut text = Vec::new();
+    clap_complete::generate(shell, &mut Arguments::command(), "casimir", &mut text);
+    print(&String::from_utf8_lossy(&text))
+}
+
+/// A job that ends early when `stop` asks for it, with what is done.
+fn stoppable(job: Job, stop: &Stop) -> Job {
+    job.stopped_by(stop).giving_what_is_done()
+}

@@ -1,0 +1,59 @@
+//! `casimir new`: scenes to begin with.
+
+use super::print;
+use crate::{
+    arguments::New,
+    failure::{Done, Failure},
+    model::PROJECT,
+};
+
+/// The scenes of the gallery, by name.
+macro_rules! gallery {
+    ($($name:literal)+) => {
+        /// Name and text of every scene of the gallery.
+        pub const GALLERY: &[(&str, &str)] =
+            &[$(($name, include_str!(concat!("../../../../scenes/", $name, ".toml")))),+];
+    };
+}
+
+gallery! {
+    "empty"
+    "pendulum"
+    "rigid-body"
+    "lotka-volterra"
+    "maxwell-bloch"
+    "poisson3"
+    "heavy-top"
+    "spin-lattice"
+}
+
+/// Prints a scene, or lists them.
+pub fn new(arguments: &New) -> Done {
+    if arguments.list {
+        let mut list = String::from("Scenes, for casimir new NAME:\n");
+        for (name, text) in GALLERY {
+            list += &format!("  {name:<16}{}\n", headline(text));
+        }
+        list += "\nSystems of the project, for `name` in [system], and their parameters:\n";
+        for (name, parameters, what) in PROJECT {
+            list += &format!("  {name:<16}{what}\n");
+            if !parameters.is_empty() {
+                list += &format!("{:18}{parameters}\n", "");
+            }
+        }
+        return print(&list);
+    }
+    let name = arguments.name.as_deref().unwrap_or("empty");
+    match GALLERY.iter().find(|(known, _)| *known == name) {
+        Some((_, text)) => print(text),
+        None => {
+            let names: Vec<&str> = GALLERY.iter().map(|(name, _)| *name).collect();
+            Err(Failure::Usage(format!("no scene `{name}`; there are {}", names.join(", "))))
+        }
+    }
+}
+
+/// The first line of a scene, without its #.
+fn headline(text: &str) -> &str {
+    text.lines().next().unwrap_or("").trim_start_matches(['#', ' '])
+}

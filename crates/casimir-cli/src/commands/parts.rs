@@ -1,0 +1,230 @@
+//! `casimir plan`, `part`, `merge` and `extend`: a scene on many machines.
+
+use std::{
+    env, fs,
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+use casimir::{
+    mc::parts::{Job, JobError, Plan as Planned, Share, Stop},
+    report::{
+        cluster::{JOB, Script},
+        files,
+    },
+};
+use serde::{Deserialize, Serialize};
+
+use super::{expect, folder, open, print, program, run, stop, threads};
+use crate::{
+    arguments::{Extend, Merge, Part, Plan},
+    failure::{Done, Failure},
+    model::with_model,
+    output,
+    scene::{Changes, Scene},
+};
+
+/// What is divided into parts: `study.json` in the folder of the parts, beside the scene.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Divided {
+    /// Whether expectations are computed, or paths.
+    expect: bool,
+    /// Number of parts.
+    parts: u64,
+    /// What the command line changed.
+    paths: Option<u64>,
+    steps: Option<u64>,
+    scheme: Option<String>,
+    seed: Option<u64>,
+    /// The accuracy of expectations.
+    accuracy: Option<f64>,
+}
+
+const STUDY: &str = "study.json";
+const SCENE: &str = "scene.toml";
+/// How long each piece of work is measured for a plan.
+const MEASURED: Duration = Duration::from_millis(300);
+
+/// What a folder of parts has.
+struct Folder {
+    folder: PathBuf,
+    divided: Divided,
+    scene: Scene,
+}
+
+impl Folder {
+    fn open(folder: &Path) -> Done<Self> {
+        let file = folder.join(STUDY);
+        let wrong = |error: &dyn std::fmt::Display| {
+            let file = file.display();
+            Failure::Usage(format!(
+                "{file} does not say what its parts are: {error}; see casimir plan"
+            ))
+        };
+        let text = fs::read(&file).map_err(|error| wrong(&error))?;
+        let divided: Divided = serde_json::from_slice(&text).map_err(|error| wrong(&error))?;
+        let Divided { paths, steps, seed, .. } = divided;
+        let changes = Changes { paths, steps, seed, scheme: divided.scheme.clone() };
+        let mut scene = open(&folder.join(SCENE), &changes)?;
+        scene.accuracy = divided.accuracy.or(scene.accuracy);
+        Ok(Self { folder: folder.to_owned(), divided, scene })
+    }
+
+    fn settle(&self) -> Done {
+        Ok(files::write_json(&self.folder.join(STUDY), &self.divided)?)
+    }
+
+    /// Does with a job what the folder is for; the results if there are some here.
+    fn compute(&self, job: &Job, stop: &Stop) -> Done<Option<Found>> {
+        let scene = &self.scene;
+        with_model!(&scene.model, model => match self.divided.expect {
+            true => Ok(expect::Ready::new(scene, model)?.compute(job)?.map(Found::Expected)),
+            false => {
+                let found = run::Ready::new(scene, model)?.compute(job, stop)?;
+                Ok(found.map(|results| Found::Run(Box::new(results))))
+            }
+        })
+    }
+}
+
+enum Found {
+    Run(Box<run::Results>),
+    Expected(expect::Results),
+}
+
+/// Writes what there is to be done, and a job script.
+pub fn plan(arguments: &Plan) -> Done {
+    let scene = open(&arguments.scene, &arguments.changes)?;
+    if !arguments.expect && !scene.settings.is_study() {
+        let message = "a few paths are not divided: take at least 100 `paths`, or `casimir run`";
+        return Err(Failure::Usage(message.into()));
+    }
+    Share::new(1, arguments.parts)?;
+    let out = &arguments.out;
+    if out.join(STUDY).exists() {
+        let out = out.display();
+        let message =
+            format!("{out} has parts already: take another folder, or casimir extend {out}");
+        return Err(Failure::Usage(message));
+    }
+    folder::prepare(out)?;
+    files::write(&out.join(SCENE), &scene.source.text)?;
+    let Changes { paths, steps, scheme, seed } = arguments.changes.clone();
+    let (expect, parts) = (arguments.expect, arguments.parts);
+    let divided = Divided { expect, parts, paths, steps, scheme, seed, accuracy: None };
+    let folder = Folder { folder: out.clone(), divided, scene };
+    let job = Job::pilot(MEASURED);
+    folder.compute(&job, &Stop::default())?;
+    let planned = job.plan()?;
+    folder.settle()?;
+    let absolute = fs::canonicalize(out)?;
+    let program = env::current_exe()?;
+    let cpus = arguments.cpus.max(1);
+    let part_seconds =
+        planned.parts(parts, cpus).iter().map(|part| part.seconds).fold(0.0, f64::max);
+    let text = |path: &Path| path.display().to_string();
+    let [program, absolute] = [text(&program), text(&absolute)];
+    let script = Script {
+        name: "casimir",
+        written_by: "casimir plan",
+        parts,
+        program: &program,
+        arguments: &["part".to_owned(), absolute.clone()],
+        folder: &absolute,
+        directory: &absolute,
+        // Twice as long as measured, and a minute to start.
+        minutes: 1 + (2.0 * part_seconds / 60.0).ceil() as u64,
+        cpus,
+        options: &arguments.sbatch,
+    };
+    files::write(&out.join(JOB), script.slurm())?;
+    print(&format!("{}{}", planned_text(&planned, parts, part_seconds), script.lines()))
+}
+
+fn planned_text(planned: &Planned, parts: u64, part_seconds: f64) -> String {
+    let mut text = String::new();
+    for work in &planned.works {
+        text += &format!("{}: {} paths of {} steps\n", work.name, work.items, work.steps);
+    }
+    text += &format!(
+        "{:.3e} path-steps, {:.1} ns each on one thread; {parts} parts of about {part_seconds:.0} s\n",
+        planned.path_steps() as f64,
+        planned.nanoseconds(),
+    );
+    text
+}
+
+/// Computes one part.
+pub fn part(arguments: &Part) -> Done {
+    threads(arguments.threads)?;
+    let folder = Folder::open(&arguments.folder)?;
+    let share = Share::new(arguments.part, folder.divided.parts)?;
+    let stop = stop();
+    let job = Job::part(&folder.folder, share, program())?.stopped_by(&stop);
+    folder.compute(&job, &stop)?;
+    match job.finish() {
+        Err(JobError::Stopped) => {
+            Err(Failure::Stopped("the same command goes on from the checkpoint".into()))
+        }
+        finished => {
+            finished?;
+            print(&format!(
+                "{share} is done; when all are: casimir merge {}\n",
+                arguments.folder.display()
+            ))
+        }
+    }
+}
+
+/// Puts the parts together.
+pub fn merge(arguments: &Merge) -> Done {
+    let folder = Folder::open(&arguments.folder)?;
+    let stop = stop();
+    let job = Job::merge(&folder.folder, program())?.stopped_by(&stop);
+    let found = folder.compute(&job, &stop)?;
+    job.finish()?;
+    let (scene, out) = (&folder.scene, &folder.folder);
+    match found {
+        Some(Found::Run(results)) => {
+            output::write(scene, &results, out, &arguments.write)?;
+            run::report(scene, &results, out, arguments.json)
+        }
+        Some(Found::Expected(results)) => {
+            output::write_expectation(scene, &results, out)?;
+            expect::report(scene, &results, arguments.json)
+        }
+        None => Ok(()),
+    }
+}
+
+/// Asks for more in a folder.
+pub fn extend(arguments: &Extend) -> Done {
+    let mut folder = Folder::open(&arguments.folder)?;
+    let Divided { expect, parts, .. } = folder.divided;
+    match (expect, arguments.paths, arguments.accuracy) {
+        (false, Some(paths), None) if paths > folder.scene.settings.paths => {
+            folder.divided.paths = Some(paths);
+        }
+        (true, None, Some(accuracy)) if folder.scene.accuracy.is_some_and(|now| accuracy < now) => {
+            folder.divided.accuracy = Some(accuracy);
+        }
+        (false, ..) => {
+            let paths = folder.scene.settings.paths;
+            return Err(Failure::Usage(format!("ask for more than {paths} paths: --paths N")));
+        }
+        (true, ..) => {
+            let now = folder.scene.accuracy.unwrap_or(f64::NAN);
+            return Err(Failure::Usage(format!("ask for less than {now}: --accuracy E")));
+        }
+    }
+    if !folder.folder.join("merged.json").exists() {
+        let name = arguments.folder.display();
+        let message = format!("the parts are not merged yet: casimir merge {name}, then extend");
+        return Err(Failure::Usage(message));
+    }
+    folder.settle()?;
+    let name = arguments.folder.display();
+    print(&format!(
+        "now compute parts 1 to {parts} again (sbatch {name}/{JOB}), and casimir merge {name}\n"
+    ))
+}

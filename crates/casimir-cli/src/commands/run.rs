@@ -1,0 +1,207 @@
+//! `casimir run`: paths and their statistics.
+
+use std::{path::Path, time::Instant};
+
+use casimir::{
+    mc::{
+        DynSimulation, Observe, Study, StudySettings, TimeSeries,
+        parts::{Job, JobError, Share, Stop, remove},
+        study::StudyResult,
+    },
+    noise::StepNoise,
+    report::Bars,
+    verify::{Progress, inspect::Purpose},
+};
+
+use super::{findings, folder, open, print, print_json, program, scheme, stop, stoppable, threads};
+use crate::{
+    arguments::{Format, Run},
+    failure::{Done, Failure},
+    model::{Findings, Model, with_model},
+    output,
+    scene::{Observable, Scene},
+};
+
+/// What a run found.
+pub struct Results {
+    /// The scheme.
+    pub scheme: String,
+    /// Why, if it was left to the program.
+    pub because: Option<String>,
+    /// What the system is.
+    pub findings: Findings,
+    /// Tables of the first paths.
+    pub tables: Vec<TimeSeries>,
+    /// Statistics of all paths, if there are many.
+    pub study: Option<StudyResult>,
+    /// Seconds of the computation.
+    pub seconds: f64,
+}
+
+/// Runs a scene and writes its results.
+pub fn run(arguments: &Run) -> Done {
+    let scene = open(&arguments.scene, &arguments.changes)?;
+    threads(arguments.output.threads)?;
+    let folder = folder::of(arguments.output.out.as_ref(), &arguments.scene, "run");
+    check_size(&scene, &arguments.write, arguments.large)?;
+    let stop = stop();
+    // The scene is checked before the folder is made.
+    let (results, stopped) = with_model!(&scene.model, model => {
+        let ready = Ready::new(&scene, model)?;
+        folder::prepare(&folder)?;
+        let job = match scene.settings.is_study() {
+            true => Job::part(&folder, Share::WHOLE, program())?,
+            false => Job::here(),
+        };
+        if job.resumes() {
+            let file = folder.join(Share::WHOLE.file_name());
+            eprintln!("going on from a checkpoint; to begin anew, delete {}", file.display());
+        }
+        let job = stoppable(job, &stop);
+        let results = ready.compute(&job, &stop)?;
+        let stopped = match job.finish() {
+            Err(JobError::Stopped) => true,
+            finished => { finished?; stop.is_asked() }
+        };
+        (results, stopped)
+    });
+    if let Some(results) = &results {
+        output::write(&scene, results, &folder, &arguments.write)?;
+        report(&scene, results, &folder, arguments.output.json)?;
+    }
+    if stopped {
+        let folder = folder.display();
+        let words = format!("{folder} has what is complete; the same command goes on from there");
+        return Err(Failure::Stopped(words));
+    }
+    if scene.settings.is_study() {
+        remove(&folder, Share::WHOLE)?;
+    }
+    Ok(())
+}
+
+/// A run that was checked.
+pub struct Ready<'a, N> {
+    scene: &'a Scene,
+    model: &'a dyn Model<N>,
+    findings: Findings,
+    scheme: String,
+    because: Option<String>,
+}
+
+impl<'a, N: StepNoise> Ready<'a, N> {
+    /// Chooses the scheme, and checks that it can be run.
+    pub fn new(scene: &'a Scene, model: &'a dyn Model<N>) -> Done<Self> {
+        let findings = findings(scene, model)?;
+        let (scheme, because) = scheme(scene, model, &findings, Purpose::Paths);
+        let (source, settings) = (&scene.source, &scene.settings);
+        let setup = model.setup(&scheme);
+        let setup = setup.map_err(|error| settings.scheme_error(source, error))?;
+        settings.check_steps(source, &setup)?;
+        Ok(Self { scene, model, findings, scheme, because })
+    }
+
+    /// Computes tables and statistics; none if another part has them.
+    pub fn compute(self, job: &Job, stop: &Stop) -> Done<Option<Results>> {
+        let start = Instant::now();
+        let study = match self.scene.settings.is_study() {
+            true => match self.study(job)? {
+                Some(study) => Some(study),
+                None => return Ok(None),
+            },
+            false => None,
+        };
+        let tables = self.tables(stop)?;
+        let Self { findings, scheme, because, .. } = self;
+        let seconds = start.elapsed().as_secs_f64();
+        Ok(Some(Results { scheme, because, findings, tables, study, seconds }))
+    }
+
+    fn setup(&self) -> Done<casimir::mc::Setup<'_, N>> {
+        let Self { scene, model, scheme, .. } = self;
+        let setup = model.setup(scheme);
+        Ok(setup.map_err(|error| scene.settings.scheme_error(&scene.source, error))?)
+    }
+
+    fn tables(&self, stop: &Stop) -> Done<Vec<TimeSeries>> {
+        let Scene { source, components, observables, settings, .. } = self.scene;
+        let mut simulation = DynSimulation::new(self.setup()?, settings.truncation)
+            .every(settings.steps / settings.times)
+            .with_components(components.clone())
+            .stopped_by(stop);
+        for observable in observables.iter().filter(|observable| !observable.is_component()) {
+            simulation = simulation.observing(observable.clone());
+        }
+        let tables = simulation.paths(settings.steps, settings.key, 0..settings.tables);
+        Ok(tables.map_err(|error| settings.steps_error(source, error))?)
+    }
+
+    /// Statistics of all paths, as a piece of work of a job.
+    fn study(&self, job: &Job) -> Done<Option<StudyResult>> {
+        let Scene { source, observables, settings, .. } = self.scene;
+        let (setup, steps) = (self.setup()?, settings.steps);
+        let (truncation, key) = (settings.truncation, settings.key);
+        let study_settings =
+            StudySettings::new(steps, settings.times, settings.paths, truncation, key);
+        let observables: Vec<&dyn Observe> =
+            observables.iter().map(|observable: &Observable| observable as _).collect();
+        let study = Study::of(&setup, observables, &study_settings);
+        let study = study.map_err(|error| settings.steps_error(source, error))?;
+        let bars = Bars::default();
+        bars.begin("paths", settings.paths * steps);
+        let result = study.run_in(job, "study", &|work| bars.advance(work));
+        bars.finish();
+        Ok(result)
+    }
+}
+
+/// Refuses to write gigabytes by mistake.
+fn check_size(scene: &Scene, formats: &[Format], allowed: bool) -> Done {
+    const GIGABYTE: f64 = 1e9;
+    let settings = &scene.settings;
+    let columns = 1 + scene.components.len() + scene.observables.len();
+    let numbers = settings.tables as f64 * (settings.times + 1) as f64 * columns as f64;
+    let bytes = |format: &Format| match format {
+        Format::Npz => 8.0,
+        // A number in shortest form.
+        Format::Csv | Format::Json => 20.0,
+    };
+    let written: f64 = formats.iter().map(bytes).sum::<f64>() * numbers;
+    let held = 8.0 * numbers;
+    if written.max(held) > GIGABYTE && !allowed {
+        let message = format!(
+            "{} tables of {} times and {columns} columns take {:.1} GB of memory and {:.1} GB of \
+             files: take fewer `tables` or `times`, or say --large",
+            settings.tables,
+            settings.times,
+            held / GIGABYTE,
+            written / GIGABYTE,
+        );
+        return Err(Failure::Usage(message));
+    }
+    Ok(())
+}
+
+/// Says what was computed and where it is.
+pub fn report(scene: &Scene, results: &Results, folder: &Path, json: bool) -> Done {
+    if json {
+        return print_json(&output::summary(scene, results, folder)?);
+    }
+    let mut text = String::new();
+    let Results { scheme, because, tables, study, seconds, .. } = results;
+    let reason = because.as_ref().map_or(String::new(), |because| format!(" ({because})"));
+    let paths = study.as_ref().map_or(tables.len() as u64, |study| study.record.paths);
+    let steps = scene.settings.steps;
+    text += &format!("{paths} paths, {steps} steps of {scheme}{reason}, {seconds:.2} s\n");
+    if let Some(study) = study {
+        text += &output::table_at_end(study);
+        study.warnings.iter().for_each(|warning| text += &format!("warning: {warning}\n"));
+    }
+    for (path, table) in tables.iter().enumerate() {
+        if let Some(halted) = &table.halted {
+            text += &format!("warning: path {path}: {halted}\n");
+        }
+    }
+    text += &format!("report: {}\n", folder.join(folder::REPORT).display());
+    print(&text)
+}

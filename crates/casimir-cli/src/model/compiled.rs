@@ -1,0 +1,76 @@
+//! A system of the project, on its tuned kernels.
+
+use std::{error::Error, sync::Arc};
+
+use casimir::{
+    mc::Setup,
+    noise::BlockNoise,
+    schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Split},
+    systems::{Damping, Flows, PoissonSystem, Problem},
+    verify::inspect_problem,
+};
+
+use super::{Findings, Model};
+
+type Schemes<S, const D: usize, const M: usize> =
+    Vec<(&'static str, Result<Box<dyn Scheme<S, D, M>>, String>)>;
+
+/// A problem with the schemes that are compiled for it.
+pub struct Compiled<S, const D: usize, const M: usize> {
+    problem: Problem<S, Arc<dyn Damping>, D>,
+    schemes: Schemes<S, D, M>,
+    names: Vec<&'static str>,
+}
+
+impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Compiled<S, D, M> {
+    /// The problem with all schemes but `split`.
+    pub fn new(problem: Problem<S, Arc<dyn Damping>, D>) -> Self {
+        let (system, y0) = (problem.system(), problem.y0());
+        let mut schemes: Schemes<S, D, M> = vec![
+            ("sexp", Ok(Box::new(Sexp))),
+            ("midpoint", Ok(Box::new(Midpoint))),
+            ("heun", Ok(Box::new(Heun))),
+            ("em", Ok(Box::new(EulerMaruyama))),
+        ];
+        let boxed = |scheme| -> Box<dyn Scheme<S, D, M>> { Box::new(scheme) };
+        let words = |error: casimir::schemes::SexpLiError| error.to_string();
+        schemes.push(("sexp-li", SexpLi::new(system, y0).map(boxed).map_err(words)));
+        // The areas of one noise are zero.
+        if M > 1 {
+            schemes.push(("sexp-levy", Ok(Box::new(SexpLevy::new(system, y0)))));
+            let scheme = SexpLi::with_areas(system, y0);
+            schemes.push(("sexp-li-levy", scheme.map(boxed).map_err(words)));
+        }
+        let names = schemes.iter().map(|(name, _)| *name).collect();
+        Self { problem, schemes, names }
+    }
+
+    /// With `split`, too.
+    #[must_use]
+    pub fn with_flows(mut self) -> Self
+    where
+        S: Flows<D, M>,
+    {
+        self.schemes.push(("split", Ok(Box::new(Split))));
+        self.names.push("split");
+        self
+    }
+}
+
+impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Model<BlockNoise<M>>
+    for Compiled<S, D, M>
+{
+    fn setup(&self, scheme: &str) -> Result<Setup<'_, BlockNoise<M>>, String> {
+        let found = self.schemes.iter().find(|(name, _)| *name == scheme);
+        let (_, scheme) = found.ok_or_else(|| super::unknown_scheme(scheme, &self.names))?;
+        Ok(Setup::of(&self.problem, &**scheme.as_ref()?))
+    }
+
+    fn schemes(&self) -> &[&'static str] {
+        &self.names
+    }
+
+    fn findings(&self) -> Result<Findings, Box<dyn Error>> {
+        Ok(Findings::Small(Box::new(inspect_problem(&self.problem)?)))
+    }
+}

@@ -1,0 +1,224 @@
+//! A system from formulas.
+
+use std::{
+    error::Error,
+    sync::{Arc, OnceLock},
+};
+
+use casimir::{
+    formula::{Definition, DefinitionError, Formula, FormulaSystem, Which},
+    mc::Setup,
+    noise::NoiseRows,
+    schemes::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi, run_time::Scheme},
+    systems::{Damping, run_time::Problem},
+    verify::{inspect::Inspection, inspect_formula_problem},
+};
+use toml::Spanned;
+
+use super::{
+    AnyModel, Built, Findings, Model,
+    laws::{laws, with_laws},
+};
+use crate::scene::{
+    Constants, Parameter, Quantity, Read, SceneError, Settings, Source, SystemTable, Text,
+};
+
+/// The schemes on a system whose dimension is known at run time.
+pub struct RowSchemes(Vec<(&'static str, Result<Box<dyn Scheme>, String>)>, Vec<&'static str>);
+
+impl RowSchemes {
+    /// All but `split`.
+    pub fn new(system: &dyn casimir::systems::run_time::System) -> Self {
+        let linear = SexpLi::at_run_time(system);
+        let linear = linear.map(|scheme| -> Box<dyn Scheme> { Box::new(scheme) });
+        let mut schemes = Self(Vec::new(), Vec::new());
+        schemes.add("sexp", Ok(Box::new(Sexp)));
+        schemes.add("sexp-li", linear.map_err(|error| error.to_string()));
+        schemes.add("midpoint", Ok(Box::new(Midpoint)));
+        schemes.add("heun", Ok(Box::new(Heun)));
+        schemes.add("em", Ok(Box::new(EulerMaruyama)));
+        schemes
+    }
+
+    /// One more.
+    pub fn add(&mut self, name: &'static str, scheme: Result<Box<dyn Scheme>, String>) {
+        self.0.push((name, scheme));
+        self.1.push(name);
+    }
+
+    /// All names.
+    pub fn names(&self) -> &[&'static str] {
+        &self.1
+    }
+
+    /// A scheme by its name.
+    pub fn get(&self, name: &str) -> Result<&dyn Scheme, String> {
+        let found = self.0.iter().find(|(known, _)| *known == name);
+        let (_, scheme) = found.ok_or_else(|| super::unknown_scheme(name, &self.1))?;
+        Ok(&**scheme.as_ref()?)
+    }
+}
+
+struct Formulas {
+    system: Arc<FormulaSystem>,
+    problem: Problem,
+    schemes: RowSchemes,
+    inspection: OnceLock<Result<Inspection, String>>,
+}
+
+impl Formulas {
+    /// What the system is, found once.
+    fn inspection(&self) -> Result<&Inspection, String> {
+        let inspect = || {
+            let (damping, y0) = (self.problem.damping(), self.problem.y0());
+            inspect_formula_problem(&self.system, damping, y0, self.problem.t_end())
+                .map_err(|error| error.to_string())
+        };
+        self.inspection.get_or_init(inspect).as_ref().map_err(Clone::clone)
+    }
+}
+
+impl Model<NoiseRows> for Formulas {
+    fn setup(&self, scheme: &str) -> Result<Setup<'_, NoiseRows>, String> {
+        let scheme = self.schemes.get(scheme)?;
+        let setup = Setup::at_run_time(&self.problem, scheme).map_err(|error| error.to_string())?;
+        // Without findings nothing is claimed.
+        let laws = self.inspection().map(laws).unwrap_or_default();
+        Ok(Setup { problem: with_laws(setup.problem, laws), scheme: setup.scheme })
+    }
+
+    fn schemes(&self) -> &[&'static str] {
+        self.schemes.names()
+    }
+
+    fn findings(&self) -> Result<Findings, Box<dyn Error>> {
+        Ok(Findings::Small(Box::new(self.inspection()?.clone())))
+    }
+}
+
+/// The model of formulas.
+pub fn build(
+    source: &Source,
+    table: &SystemTable,
+    constants: &Constants,
+    damping: Arc<dyn Damping>,
+    settings: &Settings,
+) -> Read<Built> {
+    let (Some(state), Some(structure), Some(energy)) =
+        (&table.state, &table.structure, &table.energy)
+    else {
+        let missing = match (&table.state, &table.structure) {
+            (None, _) => "`state`, the names of the components",
+            (_, None) => "`B`, the structure matrix",
+            _ => "`H0`, the Hamiltonian",
+        };
+        let message = format!(
+            "[system] needs {missing}; or the `name` of a system of the project, see `casimir new \
+             --list`"
+        );
+        return Err(source.error_of_all(message));
+    };
+    if let Some((key, value)) =
+        table.parameters.iter().find(|(_, value)| !matches!(value.get_ref(), Parameter::One(_)))
+    {
+        let message = format!("the parameter `{}` of formulas is one number", key.get_ref());
+        return Err(source.error(value.span(), message));
+    }
+    let words = |text: &Spanned<Text>| text.get_ref().0.clone();
+    let rows = structure.get_ref();
+    let noises = table.noises.as_ref().map(Spanned::get_ref);
+    let definition = Definition {
+        name: "formulas".into(),
+        state: state.get_ref().iter().map(|name| name.get_ref().clone()).collect(),
+        parameters: constants.numbers.clone(),
+        structure: rows.iter().map(|row| row.get_ref().iter().map(words).collect()).collect(),
+        energy: words(energy),
+        noises: noises.map_or(Vec::new(), |noises| noises.iter().map(words).collect()),
+        observables: Vec::new(),
+    };
+    let y0 = &settings.initial;
+    let system = FormulaSystem::new(&definition, y0)
+        .map_err(|error| misdefined(source, table, settings, &definition, error))?;
+    let h0 = Formula::parse(&definition.energy, system.names());
+    let h0 = h0.map_err(|error| source.formula_error(energy, &error))?;
+    let (schemes, names) = (RowSchemes::new(&system), system.names().clone());
+    let system = Arc::new(system);
+    let problem = Problem::new(system.clone(), damping, y0.clone(), settings.until)
+        .map_err(|error| settings.initial_error(source, error))?;
+    Ok(Built {
+        model: AnyModel::Rows(Box::new(Formulas {
+            system,
+            problem,
+            schemes,
+            inspection: OnceLock::new(),
+        })),
+        components: definition.state,
+        names,
+        energy: Quantity::Formula(Arc::new(h0)),
+        quantities: Vec::new(),
+    })
+}
+
+/// The place of what is wrong with a definition.
+fn misdefined(
+    source: &Source,
+    table: &SystemTable,
+    settings: &Settings,
+    definition: &Definition,
+    error: DefinitionError,
+) -> SceneError {
+    let formula = |which: &Which| formula_of(table, definition.state.len(), which);
+    let structure = table.structure.as_ref().map_or(0..0, Spanned::span);
+    match &error {
+        DefinitionError::Formula { which, error: inner } => match formula(which) {
+            Some(formula) => source.formula_error(formula, inner),
+            None => source.error_of_all(error),
+        },
+        DefinitionError::NotFinite { which, error: inner } => match formula(which) {
+            Some(formula) => {
+                let place = source.place_in(formula, &inner.span);
+                let (operation, value) = (&inner.operation, inner.value);
+                source.error(place, format!("{operation} is {value} at the initial value"))
+            }
+            None => source.error_of_all(error),
+        },
+        DefinitionError::DerivativeNotFinite { which, .. } => match formula(which) {
+            Some(formula) => source.error(formula.span(), error),
+            None => source.error_of_all(error),
+        },
+        DefinitionError::NotSkew { row, column, .. } => {
+            let entry = formula(&Which::Structure(*row, *column));
+            source.error(entry.map_or(structure, Spanned::span), error)
+        }
+        DefinitionError::StructureSize { .. } => source.error(structure, error),
+        DefinitionError::Name(_) | DefinitionError::NoState => {
+            // A name in the message is in quotes.
+            let message = error.to_string();
+            let names = table.state.iter().flat_map(|state| state.get_ref());
+            let wrong = names.filter(|name| message.contains(&format!("`{}`", name.get_ref())));
+            let place = wrong.last().map(Spanned::span);
+            let state = table.state.as_ref().map_or(0..0, Spanned::span);
+            source.error(place.unwrap_or(state), message)
+        }
+        _ => settings.initial_error(source, error),
+    }
+}
+
+/// A formula of a definition in the file.
+fn formula_of<'a>(
+    table: &'a SystemTable,
+    dimension: usize,
+    which: &Which,
+) -> Option<&'a Spanned<Text>> {
+    match *which {
+        Which::Structure(row, column) => {
+            let rows = table.structure.as_ref()?.get_ref();
+            let entries = rows.get(row - 1)?.get_ref();
+            let above = if rows.len() == dimension { 0 } else { row };
+            entries.get(column - 1 - above)
+        }
+        Which::Energy => table.energy.as_ref(),
+        Which::Noise(m) => table.noises.as_ref()?.get_ref().get(m - 1),
+        Which::Observable(_) => None,
+    }
+}

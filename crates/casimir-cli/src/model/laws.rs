@@ -1,0 +1,70 @@
+//! Functions that obey the conformal law because `inspect` found that they do.
+
+use casimir::{
+    mc::{ConformalLaw, DynProblem, Formulas},
+    verify::inspect::{FoundCasimir, Inspection},
+};
+
+/// A function F with F(y(t)) = e^{−p∫γ}F(y(0)).
+#[derive(Clone)]
+pub enum Law {
+    /// A linear or quadratic Casimir.
+    Casimir(FoundCasimir),
+    /// H₀, homogeneous of this degree, with noises proportional to it.
+    Energy(f64),
+}
+
+/// The laws that follow from what was found.
+pub fn laws(found: &Inspection) -> Vec<Law> {
+    let casimirs = found.casimirs.found.iter().filter(|found| found.casimir.holds());
+    let mut laws: Vec<Law> = casimirs.cloned().map(Law::Casimir).collect();
+    let hamiltonians = &found.hamiltonians;
+    let proportional = hamiltonians.proportional.as_ref().is_some_and(|found| found.holds());
+    let degree = hamiltonians.shapes.first().and_then(|shape| shape.degree);
+    if let (true, Some(degree)) = (proportional, degree) {
+        laws.push(Law::Energy(degree));
+    }
+    laws
+}
+
+/// A problem with these laws.
+pub fn with_laws(problem: DynProblem<'_>, laws: Vec<Law>) -> DynProblem<'_> {
+    let mut casimirs = 0;
+    let law = |law: &Law| match law {
+        Law::Casimir(found) => {
+            casimirs += 1;
+            ConformalLaw { name: format!("C{casimirs}"), degree: f64::from(found.degree) }
+        }
+        Law::Energy(degree) => ConformalLaw { name: "H0".into(), degree: *degree },
+    };
+    let columns = laws.iter().map(law).collect();
+    let formulas = Box::new(WithLaws {
+        formulas: problem.formulas,
+        laws,
+        no_noise: vec![0.0; problem.noises],
+    });
+    DynProblem { laws: columns, formulas, ..problem }
+}
+
+struct WithLaws<'a> {
+    formulas: Box<dyn Formulas + 'a>,
+    laws: Vec<Law>,
+    no_noise: Vec<f64>,
+}
+
+impl Formulas for WithLaws<'_> {
+    fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
+        self.formulas.structure(y, v)
+    }
+
+    fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64 {
+        self.formulas.energy(y, dt, dw)
+    }
+
+    fn law(&self, index: usize, y: &[f64]) -> f64 {
+        match &self.laws[index] {
+            Law::Casimir(found) => found.value(y),
+            Law::Energy(_) => self.formulas.energy(y, 1.0, &self.no_noise),
+        }
+    }
+}

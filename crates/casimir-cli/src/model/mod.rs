@@ -1,0 +1,191 @@
+//! A system with its damping, initial value and schemes, behind one trait for systems of the
+//! project, formulas and lattices.
+
+mod compiled;
+mod formulas;
+mod lattice;
+mod laws;
+mod project;
+
+use std::{error::Error, fmt::Display, sync::Arc};
+
+use casimir::{
+    formula::{FormulaDamping, Names},
+    mc::Setup,
+    noise::{BlockNoise, NoiseRows},
+    systems::{Constant, Damping},
+    verify::inspect::{Inspection, LargeInspection, Purpose},
+};
+
+use crate::scene::{Constants, Observable, Quantity, Read, SceneFile, Settings, Source};
+
+pub use project::PROJECT;
+
+/// A system with its damping and initial value, whose steps have the noise N.
+pub trait Model<N>: Send + Sync {
+    /// The problem and a scheme for it.
+    ///
+    /// # Errors
+    /// Why the scheme is not for the system.
+    fn setup(&self, scheme: &str) -> Result<Setup<'_, N>, String>;
+
+    /// The schemes that it may have.
+    fn schemes(&self) -> &[&'static str];
+
+    /// What the system is.
+    ///
+    /// # Errors
+    /// Those of [`casimir::verify::inspect`].
+    fn findings(&self) -> Result<Findings, Box<dyn Error>>;
+}
+
+/// A model with any noise.
+pub enum AnyModel {
+    /// The number of noises is known at run time.
+    Rows(Box<dyn Model<NoiseRows>>),
+    /// One noise.
+    One(Box<dyn Model<BlockNoise<1>>>),
+    /// Three noises.
+    Three(Box<dyn Model<BlockNoise<3>>>),
+}
+
+/// Calls `$body` with the model in `$any`, whatever its noise.
+macro_rules! with_model {
+    ($any:expr, $model:ident => $body:expr) => {
+        match $any {
+            $crate::model::AnyModel::Rows($model) => {
+                let $model = &**$model;
+                $body
+            }
+            $crate::model::AnyModel::One($model) => {
+                let $model = &**$model;
+                $body
+            }
+            $crate::model::AnyModel::Three($model) => {
+                let $model = &**$model;
+                $body
+            }
+        }
+    };
+}
+pub(crate) use with_model;
+
+/// A model with the names of what it has.
+pub struct Built {
+    /// The model.
+    pub model: AnyModel,
+    /// The names of the components.
+    pub components: Vec<String>,
+    /// The names that formulas of observables may use.
+    pub names: Names,
+    /// H₀.
+    pub energy: Quantity,
+    /// Observables that come by themselves.
+    pub quantities: Vec<Observable>,
+}
+
+/// The model of a scene.
+pub fn build(
+    source: &Source,
+    file: &SceneFile,
+    constants: &Constants,
+    settings: &Settings,
+) -> Read<Built> {
+    let damping = damping(source, file, constants, settings)?;
+    match &file.system.name {
+        Some(name) => project::build(source, &file.system, name, damping, settings),
+        None => formulas::build(source, &file.system, constants, damping, settings),
+    }
+}
+
+fn damping(
+    source: &Source,
+    file: &SceneFile,
+    constants: &Constants,
+    settings: &Settings,
+) -> Read<Arc<dyn Damping>> {
+    use casimir::formula::DampingError;
+
+    let constant = |rate| -> Arc<dyn Damping> {
+        Arc::new(Constant::new(rate).unwrap_or_else(|error| unreachable!("{error}")))
+    };
+    let Some(table) = &file.damping else { return Ok(constant(0.0)) };
+    let rate = &table.rate;
+    let damping = FormulaDamping::new(&rate.get_ref().0, &constants.numbers);
+    let damping = damping.map_err(|error| match error {
+        DampingError::Formula(error) => source.formula_error(rate, &error),
+        other => source.error(rate.span(), other),
+    })?;
+    let formula = damping.formula();
+    for t in [0.0, settings.until] {
+        if let Some(error) = formula.explain(&[t]) {
+            let place = source.place_in(rate, &error.span);
+            let message = format!("{} is {} at t = {t}", error.operation, error.value);
+            return Err(source.error(place, message));
+        }
+    }
+    Ok(if formula.depends_on(0) { Arc::new(damping) } else { constant(damping.rate(0.0)) })
+}
+
+fn unknown_scheme(name: &str, known: &[&str]) -> String {
+    let nearest = known.iter().map(|known| (strsim::damerau_levenshtein(name, known), known));
+    let nearest = nearest.filter(|(distance, _)| *distance <= 3).min();
+    let hint = nearest.map_or(String::new(), |(_, known)| format!("; the nearest is `{known}`"));
+    format!("no scheme `{name}` for this system; there are auto, {}{hint}", known.join(", "))
+}
+
+/// What a system is.
+pub enum Findings {
+    /// Of few components.
+    Small(Box<Inspection>),
+    /// Of many.
+    Large(LargeInspection),
+}
+
+impl Findings {
+    /// A scheme to take and why.
+    pub fn recommended(&self, purpose: Purpose) -> (String, String) {
+        match self {
+            Self::Small(inspection) => {
+                let recommended = &inspection.recommended;
+                let of = recommended.iter().find(|of| of.purpose == purpose);
+                match of.or(recommended.first()) {
+                    Some(of) => (of.scheme.into(), of.because.clone()),
+                    None => ("heun".into(), "nothing was found to keep".into()),
+                }
+            }
+            Self::Large(inspection) => match &inspection.sexp_li_refused {
+                None => ("sexp-li".into(), "it keeps every Casimir and needs no iteration".into()),
+                Some(reason) => ("sexp".into(), reason.clone()),
+            },
+        }
+    }
+
+    /// What is wrong with the system.
+    pub fn mistakes(&self) -> Vec<String> {
+        match self {
+            Self::Small(inspection) => inspection.mistakes.clone(),
+            Self::Large(inspection) => {
+                let refuted = inspection.identities.iter().filter(|found| !found.status.holds());
+                refuted.map(|found| format!("not to round-off: {}", found.what)).collect()
+            }
+        }
+    }
+
+    /// As JSON.
+    pub fn json(&self) -> serde_json::Result<serde_json::Value> {
+        match self {
+            Self::Small(inspection) => serde_json::to_value(inspection),
+            Self::Large(inspection) => serde_json::to_value(inspection),
+        }
+    }
+}
+
+impl Display for Findings {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Small(inspection) => inspection.fmt(f),
+            Self::Large(inspection) => inspection.fmt(f),
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! Expectations as text, as JSON and as a table.
+
+use std::path::Path;
+
+use casimir::{
+    mc::multilevel::{Estimate, Level},
+    report::files,
+};
+use serde_json::{Value, json};
+
+use super::{aligned, digits};
+use crate::{commands::Expected, failure::Done, scene::Scene};
+
+/// The expectations in words.
+pub fn expectation_text(results: &Expected) -> String {
+    let Expected { scheme, because, expectation, seconds, .. } = results;
+    let reason = because.as_ref().map_or(String::new(), |because| format!(" ({because})"));
+    let row = |estimate: &Estimate| {
+        [
+            format!("E[{}]", estimate.name),
+            format!("{:.*}", decimals(estimate.half_width()), estimate.value),
+            format!("{:.1e}", estimate.half_width()),
+            format!("{:.1e}", 1.96 * estimate.standard_error),
+            format!("{:.1e}", estimate.bias_bound),
+            if estimate.judged.all() { "yes".into() } else { "NO".into() },
+        ]
+    };
+    let header = ["", "value", "± (95 %)", "sampling", "bias below", "to be believed"];
+    let mut text =
+        aligned(header.map(String::from), expectation.estimates.iter().map(row).collect());
+    let finest = expectation.levels.iter().map(|level| level.tau).fold(f64::INFINITY, f64::min);
+    text += &format!(
+        "{scheme}{reason}: {} levels of steps, the finest {}; {:.2e} path-steps, {seconds:.2} s\n",
+        expectation.levels.len(),
+        digits(Some(finest)),
+        expectation.cost as f64,
+    );
+    for warning in &expectation.warnings {
+        text += &format!("warning: {warning}\n");
+    }
+    if !expectation.reached() {
+        text += &format!("the accuracy {:.1e} was NOT reached\n", expectation.accuracy);
+    }
+    text
+}
+
+/// Decimals of a value that is known to this half-width: two digits of the half-width.
+fn decimals(half_width: f64) -> usize {
+    match half_width > 0.0 && half_width.is_finite() {
+        true => (1.0 - half_width.log10().floor()).clamp(0.0, 17.0) as usize,
+        false => 6,
+    }
+}
+
+/// The expectations for programs.
+pub fn expectation_json(scene: &Scene, results: &Expected) -> Value {
+    let Expected { scheme, because, expectation, coarsest_steps, seconds } = results;
+    let finite = |x: f64| x.is_finite().then_some(x);
+    let estimate = |estimate: &Estimate| {
+        let (lo, hi) = estimate.interval();
+        json!({
+            "of": estimate.name, "value": estimate.value, "lo": lo, "hi": hi,
+            "half_width": estimate.half_width(), "standard_error": estimate.standard_error,
+            "bias_bound": estimate.bias_bound, "missed": estimate.missed,
+            "judged": {
+                "variance": estimate.judged.variance, "bias": estimate.judged.bias,
+                "resolution": estimate.judged.resolution,
+            },
+            "failed_paths": estimate.failed,
+        })
+    };
+    let level = |level: &Level| {
+        let variances: Vec<_> = level.values.iter().map(|value| finite(value.variance)).collect();
+        json!({
+            "level": level.level, "tau": level.tau, "samples": level.samples,
+            "failed": level.failed, "path_steps_each": level.cost_per_path,
+            "variances": variances,
+        })
+    };
+    let warnings: Vec<String> = expectation.warnings.iter().map(ToString::to_string).collect();
+    json!({
+        "title": scene.title, "scheme": scheme, "because": because,
+        "accuracy": expectation.accuracy, "reached": expectation.reached(),
+        "estimates": expectation.estimates.iter().map(estimate).collect::<Vec<_>>(),
+        "coarsest_steps": coarsest_steps,
+        "levels": expectation.levels.iter().map(level).collect::<Vec<_>>(),
+        "path_steps": expectation.cost, "warnings": warnings, "seconds": seconds,
+    })
+}
+
+/// Writes `expectation.json` and `expectation.txt`.
+pub fn write_expectation(scene: &Scene, results: &Expected, folder: &Path) -> Done {
+    files::write_json(&folder.join("expectation.json"), &expectation_json(scene, results))?;
+    Ok(files::write(&folder.join("expectation.txt"), expectation_text(results))?)
+}

@@ -1,0 +1,148 @@
+//! What results are written as: a page, figures, tables and arrays.
+
+mod expectation;
+mod figures;
+mod npz;
+mod page;
+
+use std::path::Path;
+
+use casimir::{
+    mc::{study::StudyResult, write_csv},
+    report::files,
+};
+use serde_json::{Value, json};
+
+pub use expectation::{expectation_json, expectation_text, write_expectation};
+
+use crate::{arguments::Format, commands::Results, failure::Done, scene::Scene};
+
+/// Writes the report with its figures, and what else is asked for.
+pub fn write(scene: &Scene, results: &Results, folder: &Path, formats: &[Format]) -> Done {
+    let figures = figures::all(scene, results);
+    let drawings = folder.join("figures");
+    files::prepare(&drawings)?;
+    for figure in figures.iter().flat_map(|(_, figures)| figures) {
+        files::write(&drawings.join(format!("{}.svg", figure.file)), &figure.svg)?;
+    }
+    for format in formats {
+        write_as(*format, results, folder)?;
+    }
+    Ok(files::write(&folder.join("index.html"), page::page(scene, results, &figures))?)
+}
+
+fn write_as(format: Format, results: &Results, folder: &Path) -> Done {
+    let Results { tables, study, .. } = results;
+    let mut text = Vec::new();
+    match format {
+        Format::Csv => {
+            write_csv(tables, &mut text)?;
+            files::write(&folder.join("paths.csv"), &text)?;
+            if let Some(study) = study {
+                text.clear();
+                study.write_csv(&mut text)?;
+                files::write(&folder.join("study.csv"), &text)?;
+            }
+        }
+        Format::Json => {
+            casimir::mc::write_json(tables, &mut text)?;
+            files::write(&folder.join("paths.json"), &text)?;
+            if let Some(study) = study {
+                text.clear();
+                study.write_json(&mut text)?;
+                files::write(&folder.join("study.json"), &text)?;
+            }
+        }
+        Format::Npz => {
+            npz::paths(&folder.join("paths.npz"), tables)?;
+            if let Some(study) = study {
+                npz::study(&folder.join("study.npz"), study)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A number with as many digits as a reader needs.
+pub fn digits(value: Option<f64>) -> String {
+    match value {
+        None => "–".into(),
+        Some(0.0) => "0".into(),
+        Some(value) if (1e-3..1e5).contains(&value.abs()) => {
+            let decimals = (4.0 - value.abs().log10().floor()).clamp(0.0, 8.0) as usize;
+            format!("{value:.decimals$}")
+        }
+        Some(value) => format!("{value:.4e}"),
+    }
+}
+
+/// The columns of [`rows_at_end`].
+pub const AT_END: [&str; 6] =
+    ["at the end", "mean", "95 % interval", "deviation", "median", "5 % … 95 %"];
+
+/// The statistics at the final time.
+pub fn rows_at_end(study: &StudyResult) -> Vec<[String; 6]> {
+    let row = |series: &casimir::mc::study::Series| {
+        let last = series.last();
+        let quantile = |level: f64| {
+            let found = last.quantiles.iter().find(|quantile| quantile.level == level);
+            digits(found.and_then(|quantile| quantile.value))
+        };
+        let (lo, hi) = last.mean_interval.unzip();
+        [
+            series.observable.clone(),
+            digits(last.mean),
+            format!("[{}, {}]", digits(lo), digits(hi)),
+            digits(last.deviation),
+            quantile(0.5),
+            format!("{} … {}", quantile(0.05), quantile(0.95)),
+        ]
+    };
+    study.series.iter().map(row).collect()
+}
+
+/// The same as text with aligned columns.
+pub fn table_at_end(study: &StudyResult) -> String {
+    aligned(AT_END.map(String::from), rows_at_end(study))
+}
+
+/// Columns as wide as their widest cell.
+pub fn aligned<const N: usize>(header: [String; N], rows: Vec<[String; N]>) -> String {
+    let all: Vec<[String; N]> = [header].into_iter().chain(rows).collect();
+    let width = |k: usize| all.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..N).map(width).collect();
+    let line = |row: &[String; N]| {
+        let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}"));
+        format!("{}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
+    };
+    all.iter().map(line).collect()
+}
+
+/// The results of a run for programs.
+pub fn summary(scene: &Scene, results: &Results, folder: &Path) -> serde_json::Result<Value> {
+    let Results { scheme, because, tables, study, seconds, .. } = results;
+    let last = |study: &StudyResult| {
+        let last = |series: &casimir::mc::study::Series| {
+            Ok((series.observable.clone(), serde_json::to_value(series.last())?))
+        };
+        study.series.iter().map(last).collect::<serde_json::Result<serde_json::Map<_, _>>>()
+    };
+    let halted: Vec<Value> = tables
+        .iter()
+        .enumerate()
+        .filter_map(|(path, table)| Some(json!({ "path": path, "why": table.halted.as_ref()? })))
+        .collect();
+    Ok(json!({
+        "title": scene.title,
+        "scheme": scheme,
+        "because": because,
+        "steps": scene.settings.steps,
+        "paths": study.as_ref().map_or(tables.len() as u64, |study| study.record.paths),
+        "seed": scene.settings.key.seed,
+        "at_end": study.as_ref().map(last).transpose()?,
+        "warnings": study.as_ref().map_or(&[][..], |study| &study.warnings),
+        "halted": halted,
+        "seconds": seconds,
+        "report": folder.join("index.html"),
+    }))
+}

@@ -1,0 +1,77 @@
+//! Arrays for NumPy.
+
+use std::{
+    fs::File,
+    io::{self, BufWriter},
+    path::Path,
+};
+
+use casimir::mc::{TimeSeries, study::StudyResult};
+use npyz::{WriterBuilder, npz::NpzWriter};
+
+type Writer = NpzWriter<BufWriter<File>>;
+
+/// An array of this shape in row-major order.
+fn array(out: &mut Writer, name: &str, shape: &[u64], values: Vec<f64>) -> io::Result<()> {
+    let file = out.array(name, Default::default())?;
+    let mut writer = file.default_dtype().shape(shape).begin_nd()?;
+    writer.extend(values)?;
+    writer.finish()
+}
+
+fn create(file: &Path) -> io::Result<Writer> {
+    Ok(NpzWriter::new(BufWriter::new(File::create(file)?)))
+}
+
+/// The tables of paths: `t`, and for each column an array [path, time]. A path that ended early has
+/// NaN from there on.
+pub fn paths(file: &Path, tables: &[TimeSeries]) -> io::Result<()> {
+    let longest = tables.iter().max_by_key(|table| table.times().len());
+    let Some(longest) = longest else { return Ok(()) };
+    let times = longest.times();
+    let mut out = create(file)?;
+    for (k, column) in longest.columns.iter().enumerate() {
+        if column.name == "t" {
+            array(&mut out, "t", &[times.len() as u64], times.to_vec())?;
+            continue;
+        }
+        let padded = |table: &TimeSeries| {
+            let mut values = table.columns[k].values.clone();
+            values.resize(times.len(), f64::NAN);
+            values
+        };
+        let values = tables.iter().flat_map(padded).collect();
+        array(&mut out, &column.name, &[tables.len() as u64, times.len() as u64], values)?;
+    }
+    Ok(())
+}
+
+/// Statistics: `t`, `quantile levels`, and for each observable `<name> mean`, `<name> lo` and
+/// `<name> hi` (the 95 % interval of the mean), `<name> deviation` and `<name> quantiles`, an array
+/// [time, level]. What is not known is NaN.
+pub fn study(file: &Path, result: &StudyResult) -> io::Result<()> {
+    let mut out = create(file)?;
+    let Some(first) = result.series.first() else { return Ok(()) };
+    let times: Vec<f64> = first.points.iter().map(|point| point.time).collect();
+    let (count, levels) = (times.len() as u64, result.record.quantiles.clone());
+    let shape = [count, levels.len() as u64];
+    array(&mut out, "t", &[count], times)?;
+    array(&mut out, "quantile levels", &[shape[1]], levels)?;
+    let known = |value: Option<f64>| value.unwrap_or(f64::NAN);
+    for series in &result.series {
+        let name = &series.observable;
+        let points = &series.points;
+        let mut column = |what: &str, values: Vec<f64>| {
+            array(&mut out, &format!("{name} {what}"), &[count], values)
+        };
+        column("mean", points.iter().map(|point| known(point.mean)).collect())?;
+        let interval = |point: &casimir::mc::study::Summary| point.mean_interval.unzip();
+        column("lo", points.iter().map(|point| known(interval(point).0)).collect())?;
+        column("hi", points.iter().map(|point| known(interval(point).1)).collect())?;
+        column("deviation", points.iter().map(|point| known(point.deviation)).collect())?;
+        let quantiles =
+            points.iter().flat_map(|point| point.quantiles.iter().map(|q| known(q.value)));
+        array(&mut out, &format!("{name} quantiles"), &shape, quantiles.collect())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,74 @@
+//! The report of a run.
+
+use casimir::report::Document;
+
+use super::{AT_END, digits, figures::Section, rows_at_end};
+use crate::{commands::Results, scene::Scene};
+
+/// The page with all figures.
+pub fn page(scene: &Scene, results: &Results, figures: &[Section]) -> String {
+    let Results { scheme, because, findings, tables, study, seconds } = results;
+    let settings = &scene.settings;
+    let mut page = Document::new("casimir run", &scene.title);
+    let paths = study.as_ref().map_or(tables.len() as u64, |study| study.record.paths);
+    let first = tables.first();
+    page.section("What was computed");
+    let reason = because.as_ref().map_or(String::new(), |because| format!(": {because}"));
+    let tau = settings.until / settings.steps as f64;
+    page.table(
+        ["", ""],
+        [
+            ["system".to_owned(), first.map_or(String::new(), |table| table.system.clone())],
+            ["damping".to_owned(), first.map_or(String::new(), |table| table.damping.clone())],
+            ["initial value y(0)".to_owned(), numbers(&settings.initial)],
+            [
+                "time".to_owned(),
+                format!(
+                    "0 to {} in {} steps of {}",
+                    settings.until,
+                    settings.steps,
+                    digits(Some(tau))
+                ),
+            ],
+            ["scheme".to_owned(), format!("{scheme}{reason}")],
+            ["paths".to_owned(), format!("{paths}, seed {}", settings.key.seed)],
+            ["computing".to_owned(), format!("{seconds:.2} s of wall time")],
+            ["program".to_owned(), format!("casimir {}", env!("CARGO_PKG_VERSION"))],
+        ],
+    );
+    let warnings = study.iter().flat_map(|study| study.warnings.clone());
+    let halted = tables.iter().enumerate().filter_map(|(path, table)| {
+        table.halted.as_ref().map(|halted| format!("path {path} ended early: {halted}"))
+    });
+    for warning in findings.mistakes().into_iter().chain(warnings).chain(halted) {
+        page.warning(&warning);
+    }
+    for (title, figures) in figures {
+        page.section(title);
+        if let (Some(study), "At the end") = (study, *title) {
+            page.table(AT_END, rows_at_end(study));
+            page.note(
+                "The interval is that of sampling; the error of the step size is not in it: see \
+                 casimir expect.",
+            );
+        }
+        page.figures(figures.iter().map(|drawn| (drawn.svg.clone(), drawn.caption.clone())));
+    }
+    page.section("What the system is");
+    page.paragraph("Found by evaluating B and the Hamiltonians, see casimir inspect.");
+    page.verbatim("casimir inspect", &findings.to_string());
+    page.section("The scene");
+    page.verbatim(&scene.source.name, &scene.source.text);
+    page.html()
+}
+
+/// `(0.2, 0.4)`, shortened where there are many.
+fn numbers(values: &[f64]) -> String {
+    const SHOWN: usize = 12;
+    let mut words: Vec<String> =
+        values.iter().take(SHOWN).map(|value| digits(Some(*value))).collect();
+    if values.len() > SHOWN {
+        words.push(format!("… {} in all", values.len()));
+    }
+    format!("({})", words.join(", "))
+}

@@ -1,0 +1,119 @@
+//! The keys of a scene file. Their comments are the descriptions in its JSON schema.
+
+use indexmap::IndexMap;
+use schemars::JsonSchema;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::values::{Count, Parameter, Text};
+
+/// A scene: one simulation of dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// Title of reports. Default: the name of the system or of the file.
+    pub title: Option<String>,
+    /// What is simulated.
+    pub system: SystemTable,
+    /// Linear damping −γ(t)y. Default: none.
+    pub damping: Option<DampingTable>,
+    /// How it is simulated.
+    pub run: RunTable,
+    /// Functions of the state that are of interest, by name.
+    #[serde(default)]
+    #[schemars(with = "IndexMap<String, Text>")]
+    pub observe: IndexMap<Spanned<String>, Spanned<Text>>,
+    /// Expectations for `casimir expect`.
+    pub expect: Option<ExpectTable>,
+}
+
+/// A system of the project by its `name`, or formulas: `state`, `B`, `H0` and `H`.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SystemTable {
+    /// A system of the project, see `casimir new --list`. Not together with formulas.
+    #[schemars(with = "Option<String>")]
+    pub name: Option<Spanned<String>>,
+    /// Values of names in formulas, or of the parameters of a system of the project.
+    #[serde(default)]
+    #[schemars(with = "IndexMap<String, Parameter>")]
+    pub parameters: IndexMap<Spanned<String>, Spanned<Parameter>>,
+    /// The names of the components of y.
+    #[schemars(with = "Option<Vec<String>>")]
+    pub state: Option<Spanned<Vec<Spanned<String>>>>,
+    /// The skew-symmetric matrix B(y), row by row: all of it, or the entries above the diagonal.
+    #[serde(rename = "B")]
+    #[schemars(with = "Option<Vec<Vec<Text>>>")]
+    pub structure: Option<Spanned<Vec<Spanned<Vec<Spanned<Text>>>>>>,
+    /// The Hamiltonian H₀(y).
+    #[serde(rename = "H0")]
+    #[schemars(with = "Option<Text>")]
+    pub energy: Option<Spanned<Text>>,
+    /// The Hamiltonians Hₘ(y), one for each noise. Default: none.
+    #[serde(rename = "H")]
+    #[schemars(with = "Option<Vec<Text>>")]
+    pub noises: Option<Spanned<Vec<Spanned<Text>>>>,
+}
+
+/// Linear damping −γ(t)y.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DampingTable {
+    /// γ(t) in 1/time, a formula in t and the parameters. A negative rate excites.
+    #[schemars(with = "Text")]
+    pub rate: Spanned<Text>,
+}
+
+/// How the system is simulated.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RunTable {
+    /// The initial value y(0): a number or a formula of the parameters for each component. For
+    /// spins on a lattice three numbers may stand for all.
+    #[schemars(with = "Vec<Text>")]
+    pub initial: Spanned<Vec<Spanned<Text>>>,
+    /// The final time T > 0; paths begin at time 0.
+    #[schemars(with = "Text")]
+    pub until: Spanned<Text>,
+    /// Number of steps on [0, T].
+    #[schemars(with = "Count")]
+    pub steps: Spanned<Count>,
+    /// The scheme: `auto` (what `casimir inspect` recommends), `sexp`, `sexp-li`, `split`,
+    /// `sexp-levy`, `sexp-li-levy`, `midpoint`, `heun` or `em`. Default: `auto`.
+    #[schemars(with = "Option<String>")]
+    pub scheme: Option<Spanned<String>>,
+    /// Number of paths. From 100 on means, quantiles and histograms are computed, below that tables
+    /// of all paths. Default: 1.
+    #[schemars(with = "Option<Count>")]
+    pub paths: Option<Spanned<Count>>,
+    /// Number of paths of which tables are kept beside the statistics. Default: 3.
+    #[schemars(with = "Option<Count>")]
+    pub tables: Option<Spanned<Count>>,
+    /// Number of saved times, evenly spaced; it divides the number of steps. Default: the largest
+    /// number up to 200 that does.
+    #[schemars(with = "Option<Count>")]
+    pub times: Option<Spanned<Count>>,
+    /// Seed of the random numbers: the same seed gives the same bits. Default: 1.
+    pub seed: Option<u64>,
+    /// Order k of the truncation of increments, |ΔW| ≤ √(2kτ|ln τ|), for schemes that need one; the
+    /// step τ must be below 1 then. Default: 4.
+    #[schemars(with = "Option<Count>")]
+    pub truncation: Option<Spanned<Count>>,
+}
+
+/// Expectations E[φ(y(T))] for `casimir expect`.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExpectTable {
+    /// Functions φ: names of components or observables, or formulas.
+    #[schemars(with = "Vec<Text>")]
+    pub of: Spanned<Vec<Spanned<Text>>>,
+    /// Half-width of the 95 % intervals.
+    #[schemars(with = "f64")]
+    pub accuracy: Spanned<f64>,
+}
+
+/// The JSON schema of a scene file.
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(SceneFile)
+}

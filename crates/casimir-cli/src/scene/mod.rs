@@ -1,0 +1,132 @@
+//! A scene: read from its file, checked, and ready to be run.
+
+mod file;
+mod observe;
+mod read;
+mod run;
+mod source;
+mod values;
+
+pub use file::{ExpectTable, SceneFile, SystemTable, schema};
+pub use observe::{Observable, Quantity};
+pub use read::{Constants, Parameters};
+pub use run::{AUTO, Changes, Settings, count};
+pub use source::{Read, SceneError, Source};
+pub use values::{Parameter, Text};
+
+use casimir::formula::Names;
+use toml::Spanned;
+
+use crate::model::{self, AnyModel};
+
+/// A checked scene.
+pub struct Scene {
+    /// Its text.
+    pub source: Source,
+    /// The title of reports.
+    pub title: String,
+    /// The names of the components.
+    pub components: Vec<String>,
+    /// The system with its damping and initial value.
+    pub model: AnyModel,
+    /// How it is simulated.
+    pub settings: Settings,
+    /// The observables, after the components if there are few.
+    pub observables: Vec<Observable>,
+    /// The test functions of expectations.
+    pub expected: Vec<Observable>,
+    /// The half-width of their intervals.
+    pub accuracy: Option<f64>,
+}
+
+/// More components than this are too many to be looked at one by one.
+pub const MOST_COMPONENTS: usize = 12;
+
+impl Scene {
+    /// The scene of a text, with the changes that a command line makes.
+    ///
+    /// # Errors
+    /// [`SceneError`] with line and column of what is wrong.
+    pub fn new(source: Source, changes: &Changes) -> Read<Self> {
+        let file = read::parse(&source)?;
+        let constants = Constants::new(&source, &file.system)?;
+        let settings = Settings::new(&source, &file.run, &constants, changes)?;
+        let model::Built { model, components, names, energy, quantities } =
+            model::build(&source, &file, &constants, &settings)?;
+        let words = (&names, &energy);
+        let mut observables = Vec::new();
+        if components.len() <= MOST_COMPONENTS {
+            let named = components.iter().enumerate();
+            observables
+                .extend(named.map(|(i, name)| Observable::new(name, Quantity::Component(i))));
+        }
+        observables.extend(quantities);
+        for (name, formula) in &file.observe {
+            let known = components.contains(name.get_ref())
+                || observables.iter().any(|known| known.name == *name.get_ref())
+                || name.get_ref() == "t";
+            if known {
+                let message =
+                    format!("`{}` is a column already: choose another name", name.get_ref());
+                return Err(source.error(name.span(), message));
+            }
+            let quantity = observe::quantity(&source, formula, words, &settings.initial)?;
+            observables.push(Observable::new(name.get_ref(), quantity));
+        }
+        if observables.is_empty() {
+            let message = "a system of so many components needs observables: add [observe]";
+            return Err(source.error_of_all(message));
+        }
+        let (expected, accuracy) = match &file.expect {
+            Some(table) => {
+                let known = (&components[..], &observables[..]);
+                expected(&source, table, known, words, &settings.initial)?
+            }
+            None => (Vec::new(), None),
+        };
+        let stem =
+            std::path::Path::new(&source.name).file_stem().map(|stem| stem.to_string_lossy());
+        let name = file.system.name.map(Spanned::into_inner);
+        let title = file.title.or(name).or(stem.map(Into::into)).unwrap_or_default();
+        Ok(Self { source, title, components, model, settings, observables, expected, accuracy })
+    }
+}
+
+/// The test functions and the accuracy of `[expect]`.
+fn expected(
+    source: &Source,
+    table: &ExpectTable,
+    (components, observables): (&[String], &[Observable]),
+    words: (&Names, &Quantity),
+    y0: &[f64],
+) -> Read<(Vec<Observable>, Option<f64>)> {
+    let accuracy = *table.accuracy.get_ref();
+    if !(accuracy > 0.0 && accuracy.is_finite()) {
+        let message = format!("the accuracy must be positive and finite, got {accuracy}");
+        return Err(source.error(table.accuracy.span(), message));
+    }
+    if table.of.get_ref().is_empty() {
+        return Err(source.error(table.of.span(), "name at least one function, such as \"y1\""));
+    }
+    let mut expected: Vec<Observable> = Vec::new();
+    for formula in table.of.get_ref() {
+        let text = formula.get_ref().0.as_str();
+        let known = observables.iter().find(|known| known.name == text).cloned();
+        let component = || components.iter().position(|component| component == text);
+        let phi = match (known, component()) {
+            (Some(known), _) => known,
+            (None, Some(i)) => Observable::new(text, Quantity::Component(i)),
+            (None, None) => Observable::new(text, observe::quantity(source, formula, words, y0)?),
+        };
+        if expected.iter().any(|before| before.name == phi.name) {
+            return Err(source.error(formula.span(), format!("`{text}` is listed twice")));
+        }
+        expected.push(phi);
+    }
+    Ok((expected, Some(accuracy)))
+}
+
+/// The value and the place of something that may be left out.
+pub fn or<T: Clone>(value: Option<&Spanned<T>>, otherwise: T) -> T {
+    value.map_or(otherwise, |value| value.get_ref().clone())
+}

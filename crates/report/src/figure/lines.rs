@@ -1,0 +1,92 @@
+//! Curves in plain coordinates: components of a path in time, phase portraits.
+
+use super::{
+    axis::{Axis, Range, Scale},
+    canvas::Canvas,
+    chart::{BELOW, RIGHT},
+    frame::Frame,
+    legend::{Sample, legend},
+    look,
+    stroke::{Position, Stroke},
+    ticks::Ticks,
+};
+use crate::label::Label;
+
+const WIDTH: f64 = 340.0;
+const LEFT: f64 = 52.0;
+const HEIGHT: f64 = 190.0;
+/// Radius of the marker at the first point of a curve.
+const START: f64 = 2.8;
+
+const UNIT: Range = Range { lo: 0.0, hi: 1.0 };
+
+/// A curve with its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    /// Its name in the legend.
+    pub name: String,
+    /// Its points; one that is not finite interrupts the line.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Curves over linear axes as an SVG document. A marker stands where each begins. A single curve
+/// has no legend.
+pub fn lines(title: &str, x_title: &str, y_title: &str, traces: &[Trace]) -> String {
+    let looks = look::of_quantities(&traces.iter().map(|trace| &*trace.name).collect::<Vec<_>>());
+    let names = traces.iter().map(|trace| Label::words(&trace.name));
+    let entries = looks.iter().map(|look| Sample::Curve(*look)).zip(names);
+    let mut canvas = Canvas::default();
+    let several = usize::from(traces.len() > 1) * traces.len();
+    let top = legend(&mut canvas, entries.take(several), LEFT, WIDTH - LEFT - RIGHT);
+    let bottom = top + HEIGHT;
+    let points = || traces.iter().flat_map(|trace| &trace.points);
+    let x = Range::of(points().map(|point| point.0), UNIT);
+    let x = if x.lo < x.hi { x } else { x.padded(0.1) };
+    let y = Range::of(points().map(|point| point.1), UNIT).padded(0.06);
+    let axis = |range, start, end| Axis { scale: Scale::Linear, range, start, end };
+    let frame = Frame { x: axis(x, LEFT, WIDTH - RIGHT), y: axis(y, bottom, top) };
+    frame.draw(
+        &mut canvas,
+        (&Ticks::decimal(x, 6), Some(x_title)),
+        (&Ticks::decimal(y, 5), Some(y_title)),
+    );
+    for (trace, look) in traces.iter().zip(looks) {
+        let places: Vec<Position> = trace.points.iter().map(|&(x, y)| frame.place(x, y)).collect();
+        frame.polyline(&mut canvas, &places, Stroke::new(look.color, 1.1));
+        if let Some(&at) = places.first().filter(|at| frame.holds(**at)) {
+            canvas.marker(at, look, START, false);
+        }
+    }
+    if points().next().is_none() {
+        frame.say(&mut canvas, "no data");
+    }
+    canvas.page((WIDTH, bottom + BELOW), title)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trace(name: &str, points: &[(f64, f64)]) -> Trace {
+        Trace { name: name.into(), points: points.into() }
+    }
+
+    #[test]
+    fn curves_have_names_where_there_are_several() {
+        let one = [trace("a<b", &[(0.0, 1.0), (1.0, 2.0)])];
+        let svg = lines("A & B", "time t", "y", &one);
+        assert!(svg.contains("A &amp; B") && svg.contains("time t") && !svg.contains("a&lt;b"));
+        let two = [one[0].clone(), trace("c", &[(0.0, 0.0)])];
+        assert!(lines("", "t", "y", &two).contains("a&lt;b"));
+    }
+
+    #[test]
+    fn awkward_curves_still_make_a_figure() {
+        let gap = [(0.0, 1.0), (1.0, f64::NAN), (2.0, f64::INFINITY), (3.0, 1.0)];
+        for traces in [vec![], vec![trace("", &[])], vec![trace("", &gap)]] {
+            let svg = lines("", "x", "y", &traces);
+            assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
+            assert!(!svg.contains("NaN"));
+        }
+    }
+}
