@@ -9,7 +9,6 @@ use casimir::{
     formula::{Definition, DefinitionError, Formula, FormulaSystem, Which},
     mc::Setup,
     noise::NoiseRows,
-    schemes::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi, run_time::Scheme},
     systems::{Damping, run_time::Problem},
     verify::{inspect::Inspection, inspect_formula_problem},
 };
@@ -18,46 +17,12 @@ use toml::Spanned;
 use super::{
     AnyModel, Built, Findings, Model,
     laws::{laws, with_laws},
+    row_schemes::RowSchemes,
 };
 use crate::scene::{
-    Constants, Parameter, Quantity, Read, SceneError, Settings, Source, SystemTable, Text,
+    Constants, Parameter, Quantity, Read, SceneError, SceneFile, Settings, Source, SystemTable,
+    Text,
 };
-
-/// The schemes on a system whose dimension is known at run time.
-pub struct RowSchemes(Vec<(&'static str, Result<Box<dyn Scheme>, String>)>, Vec<&'static str>);
-
-impl RowSchemes {
-    /// All but `split`.
-    pub fn new(system: &dyn casimir::systems::run_time::System) -> Self {
-        let linear = SexpLi::at_run_time(system);
-        let linear = linear.map(|scheme| -> Box<dyn Scheme> { Box::new(scheme) });
-        let mut schemes = Self(Vec::new(), Vec::new());
-        schemes.add("sexp", Ok(Box::new(Sexp)));
-        schemes.add("sexp-li", linear.map_err(|error| error.to_string()));
-        schemes.add("midpoint", Ok(Box::new(Midpoint)));
-        schemes.add("heun", Ok(Box::new(Heun)));
-        schemes.add("em", Ok(Box::new(EulerMaruyama)));
-        schemes
-    }
-
-    /// One more.
-    pub fn add(&mut self, name: &'static str, scheme: Result<Box<dyn Scheme>, String>) {
-        self.0.push((name, scheme));
-        self.1.push(name);
-    }
-
-    /// All names.
-    pub fn names(&self) -> &[&'static str] {
-        &self.1
-    }
-
-    /// A scheme by its name.
-    pub fn get(&self, name: &str) -> Result<&dyn Scheme, String> {
-        let found = self.0.iter().find(|(known, _)| *known == name);
-        let (_, scheme) = found.ok_or_else(|| super::unknown_scheme(name, &self.1))?;
-        Ok(&**scheme.as_ref()?)
-    }
-}
 
 struct Formulas {
     system: Arc<FormulaSystem>,
@@ -99,11 +64,12 @@ impl Model<NoiseRows> for Formulas {
 /// The model of formulas.
 pub fn build(
     source: &Source,
-    table: &SystemTable,
+    file: &SceneFile,
     constants: &Constants,
     damping: Arc<dyn Damping>,
     settings: &Settings,
 ) -> Read<Built> {
+    let table = &file.system;
     let (Some(state), Some(structure), Some(energy)) =
         (&table.state, &table.structure, &table.energy)
     else {
@@ -128,7 +94,7 @@ pub fn build(
     let rows = structure.get_ref();
     let noises = table.noises.as_ref().map(Spanned::get_ref);
     let definition = Definition {
-        name: "formulas".into(),
+        name: file.title.clone().unwrap_or("formulas".into()),
         state: state.get_ref().iter().map(|name| name.get_ref().clone()).collect(),
         parameters: constants.numbers.clone(),
         structure: rows.iter().map(|row| row.get_ref().iter().map(words).collect()).collect(),
@@ -195,8 +161,8 @@ fn misdefined(
             // A name in the message is in quotes.
             let message = error.to_string();
             let names = table.state.iter().flat_map(|state| state.get_ref());
-            let wrong = names.filter(|name| message.contains(&format!("`{}`", name.get_ref())));
-            let place = wrong.last().map(Spanned::span);
+            let mut wrong = names.filter(|name| message.contains(&format!("`{}`", name.get_ref())));
+            let place = wrong.next_back().map(Spanned::span);
             let state = table.state.as_ref().map_or(0..0, Spanned::span);
             source.error(place.unwrap_or(state), message)
         }

@@ -15,7 +15,7 @@ use casimir::{
     verify::inspect_large,
 };
 
-use super::{AnyModel, Built, Findings, Model, formulas::RowSchemes};
+use super::{AnyModel, Built, Findings, Model, row_schemes::RowSchemes};
 use crate::scene::{Observable, Parameters, Quantity, Read, Settings, Source, SystemTable};
 
 /// The parameters of a lattice.

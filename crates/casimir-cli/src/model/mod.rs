@@ -6,6 +6,7 @@ mod formulas;
 mod lattice;
 mod laws;
 mod project;
+mod row_schemes;
 
 use std::{error::Error, fmt::Display, sync::Arc};
 
@@ -94,7 +95,7 @@ pub fn build(
     let damping = damping(source, file, constants, settings)?;
     match &file.system.name {
         Some(name) => project::build(source, &file.system, name, damping, settings),
-        None => formulas::build(source, &file.system, constants, damping, settings),
+        None => formulas::build(source, file, constants, damping, settings),
     }
 }
 

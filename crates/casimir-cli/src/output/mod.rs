@@ -69,10 +69,15 @@ pub fn digits(value: Option<f64>) -> String {
         None => "–".into(),
         Some(0.0) => "0".into(),
         Some(value) if (1e-3..1e5).contains(&value.abs()) => {
-            let decimals = (4.0 - value.abs().log10().floor()).clamp(0.0, 8.0) as usize;
-            format!("{value:.decimals$}")
+            let decimals = (3.0 - value.abs().log10().floor()).clamp(0.0, 8.0) as usize;
+            let text = format!("{value:.decimals$}");
+            // 0.2 and not 0.2000.
+            match text.contains('.') {
+                true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+                false => text,
+            }
         }
-        Some(value) => format!("{value:.4e}"),
+        Some(value) => format!("{value:.3e}"),
     }
 }
 

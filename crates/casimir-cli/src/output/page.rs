@@ -15,27 +15,18 @@ pub fn page(scene: &Scene, results: &Results, figures: &[Section]) -> String {
     page.section("What was computed");
     let reason = because.as_ref().map_or(String::new(), |because| format!(": {because}"));
     let tau = settings.until / settings.steps as f64;
-    page.table(
-        ["", ""],
-        [
-            ["system".to_owned(), first.map_or(String::new(), |table| table.system.clone())],
-            ["damping".to_owned(), first.map_or(String::new(), |table| table.damping.clone())],
-            ["initial value y(0)".to_owned(), numbers(&settings.initial)],
-            [
-                "time".to_owned(),
-                format!(
-                    "0 to {} in {} steps of {}",
-                    settings.until,
-                    settings.steps,
-                    digits(Some(tau))
-                ),
-            ],
-            ["scheme".to_owned(), format!("{scheme}{reason}")],
-            ["paths".to_owned(), format!("{paths}, seed {}", settings.key.seed)],
-            ["computing".to_owned(), format!("{seconds:.2} s of wall time")],
-            ["program".to_owned(), format!("casimir {}", env!("CARGO_PKG_VERSION"))],
-        ],
-    );
+    let steps =
+        format!("0 to {} in {} steps of {}", settings.until, settings.steps, digits(Some(tau)));
+    page.facts([
+        ("system", first.map_or(String::new(), |table| table.system.clone())),
+        ("damping", first.map_or(String::new(), |table| table.damping.clone())),
+        ("initial value", numbers(&settings.initial)),
+        ("time", steps),
+        ("scheme", format!("{scheme}{reason}")),
+        ("paths", format!("{paths}, seed {}", settings.key.seed)),
+        ("computing", format!("{seconds:.2} s of wall time")),
+        ("program", format!("casimir {}", env!("CARGO_PKG_VERSION"))),
+    ]);
     let warnings = study.iter().flat_map(|study| study.warnings.clone());
     let halted = tables.iter().enumerate().filter_map(|(path, table)| {
         table.halted.as_ref().map(|halted| format!("path {path} ended early: {halted}"))

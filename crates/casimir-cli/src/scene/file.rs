@@ -27,6 +27,9 @@ pub struct SceneFile {
     pub expect: Option<ExpectTable>,
 }
 
+/// A row of a matrix.
+pub type Entries = Spanned<Vec<Spanned<Text>>>;
+
 /// A system of the project by its `name`, or formulas: `state`, `B`, `H0` and `H`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -44,7 +47,7 @@ pub struct SystemTable {
     /// The skew-symmetric matrix B(y), row by row: all of it, or the entries above the diagonal.
     #[serde(rename = "B")]
     #[schemars(with = "Option<Vec<Vec<Text>>>")]
-    pub structure: Option<Spanned<Vec<Spanned<Vec<Spanned<Text>>>>>>,
+    pub structure: Option<Spanned<Vec<Entries>>>,
     /// The Hamiltonian H₀(y).
     #[serde(rename = "H0")]
     #[schemars(with = "Option<Text>")]

@@ -1,6 +1,9 @@
 //! A page of sections with paragraphs, figures and tables, in one file.
 
-use super::{STYLE, markup::quiet};
+use super::{
+    STYLE,
+    markup::{entry, quiet},
+};
 use crate::escape::escape;
 
 /// A page that opens without a network and without scripts.
@@ -53,6 +56,15 @@ impl Document {
         self.body += &format!("<p class=\"lead erratum\">{}</p>\n", escape(words));
     }
 
+    /// Adds pairs of a term and what it is.
+    pub fn facts(&mut self, facts: impl IntoIterator<Item = (impl AsRef<str>, impl AsRef<str>)>) {
+        self.body += "<dl class=\"facts\">";
+        for (term, what) in facts {
+            self.body += &entry(&escape(term.as_ref()), &escape(what.as_ref()));
+        }
+        self.body += "</dl>\n";
+    }
+
     /// Adds figures side by side where the window is wide, each an SVG document with the words
     /// below it.
     pub fn figures(&mut self, figures: impl IntoIterator<Item = (String, String)>) {
@@ -73,7 +85,7 @@ impl Document {
         header: impl IntoIterator<Item = H>,
         rows: impl IntoIterator<Item = R>,
     ) {
-        self.body += "<div class=\"wide\"><table class=\"numbers\"><thead><tr>";
+        self.body += "<div class=\"card\"><div class=\"wide\"><table class=\"numbers\"><thead><tr>";
         for cell in header {
             self.body += &format!("<th>{}</th>", escape(cell.as_ref()));
         }
@@ -82,15 +94,15 @@ impl Document {
             let cells = row.into_iter().map(|cell| format!("<td>{}</td>", escape(cell.as_ref())));
             self.body += &format!("<tr>{}</tr>\n", cells.collect::<String>());
         }
-        self.body += "</tbody></table></div>\n";
+        self.body += "</tbody></table></div></div>\n";
     }
 
     /// Adds lines as they are, hidden until asked for by their title.
     pub fn verbatim(&mut self, title: &str, lines: &str) {
         let (title, lines) = (escape(title), escape(lines));
         self.body += &format!(
-            "<details><summary>{title}</summary><div class=\"wide\"><pre>{lines}</pre></div>\
-             </details>\n"
+            "<details class=\"card\"><summary>{title}</summary><div class=\"wide\">\
+             <pre>{lines}</pre></div></details>\n"
         );
     }
 
@@ -138,11 +150,14 @@ mod tests {
             page.section(title);
             page.warning("x < y");
             page.verbatim("e", "1 < 2");
+            page.facts([("h < i", "j < k")]);
             page.figures([("<svg></svg>".into(), "f & g".into())]);
         }
         let html = page.html();
         assert_eq!(html.matches("<section").count(), html.matches("</section>").count());
-        for words in ["a&lt;b", "c &amp; d", "x &lt; y", "1 &lt; 2", "f &amp; g", "#section-2"] {
+        for words in
+            ["a&lt;b", "c &amp; d", "x &lt; y", "1 &lt; 2", "f &amp; g", "h &lt; i", "#section-2"]
+        {
             assert!(html.contains(words), "{words}");
         }
         assert!(!html.contains("<script") && !html.contains("src="));
