@@ -41,7 +41,9 @@ pub fn lines(title: &str, x_title: &str, y_title: &str, traces: &[Trace]) -> Str
     let bottom = top + HEIGHT;
     let points = || traces.iter().flat_map(|trace| &trace.points);
     let x = Range::of(points().map(|point| point.0), UNIT);
-    let x = if x.lo < x.hi { x } else { x.padded(0.1) };
+    // Times fill the width.
+    let of_time = traces.iter().all(|trace| trace.points.is_sorted_by(|a, b| a.0 <= b.0));
+    let x = if x.lo < x.hi && of_time { x } else { x.padded(0.04) };
     let y = Range::of(points().map(|point| point.1), UNIT).padded(0.06);
     let axis = |range, start, end| Axis { scale: Scale::Linear, range, start, end };
     let frame = Frame { x: axis(x, LEFT, WIDTH - RIGHT), y: axis(y, bottom, top) };
