@@ -8,7 +8,7 @@ mod laws;
 mod project;
 mod row_schemes;
 
-use std::{error::Error, fmt::Display, sync::Arc};
+use std::{error::Error, sync::Arc};
 
 use casimir::{
     formula::{FormulaDamping, Names},
@@ -182,11 +182,44 @@ impl Findings {
     }
 }
 
-impl Display for Findings {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Small(inspection) => inspection.fmt(f),
-            Self::Large(inspection) => inspection.fmt(f),
+/// A text in which `y1`, `y2`, … are the names of the components.
+fn with_names(text: &str, components: &[String]) -> String {
+    let mut named = String::new();
+    let mut rest = text;
+    while let Some(at) = rest.find('y') {
+        let (before, found) = rest.split_at(at);
+        let digits = found[1..].bytes().take_while(u8::is_ascii_digit).count();
+        let begins = !before.ends_with(|c: char| c.is_alphanumeric() || c == '_');
+        let name = found[1..=digits].parse().ok().filter(|n: &usize| begins && *n > 0);
+        named += before;
+        match name.and_then(|number| components.get(number - 1)) {
+            Some(name) => named += name,
+            None => named += &found[..=digits],
         }
+        rest = &found[1 + digits..];
+    }
+    named + rest
+}
+
+impl Findings {
+    /// The findings in words, with the names of the components.
+    pub fn text(&self, components: &[String]) -> String {
+        let text = match self {
+            Self::Small(inspection) => inspection.to_string(),
+            Self::Large(inspection) => inspection.to_string(),
+        };
+        with_names(&text, components)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_names;
+
+    #[test]
+    fn components_get_their_names() {
+        let names = ["M1".to_owned(), "G".to_owned()];
+        let text = "0.5 y1² + y1 y2, ‖y‖, y3, any2, B(y)";
+        assert_eq!(with_names(text, &names), "0.5 M1² + M1 G, ‖y‖, y3, any2, B(y)");
     }
 }

@@ -47,7 +47,7 @@ pub fn page(scene: &Scene, results: &Results, figures: &[Section]) -> String {
     }
     page.section("What the system is");
     page.paragraph("Found by evaluating B and the Hamiltonians, see casimir inspect.");
-    page.verbatim("casimir inspect", &findings.to_string());
+    page.verbatim("casimir inspect", &findings.text(&scene.components));
     page.section("The scene");
     page.verbatim(&scene.source.name, &scene.source.text);
     page.html()

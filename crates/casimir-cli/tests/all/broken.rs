@@ -1,0 +1,155 @@
+//! Broken scenes: exit code 2, a place, a way out, and nothing written.
+
+use std::fs;
+
+use crate::common::{BODY, OSCILLATOR, SPINS, run, with_scene};
+
+/// A scene, what is replaced in it by what, the place of the error, and words of the message.
+type Broken = (&'static str, &'static str, &'static str, &'static str, &'static str);
+
+#[rustfmt::skip]
+const BROKEN: &[Broken] = &[
+    // Keys and types.
+    (OSCILLATOR, "steps = 64", "stepz = 64", "line 13, column 1", "the nearest is `steps`"),
+    (OSCILLATOR, "[damping]", "[dumping]", "line 8, column 2", "the nearest is `damping`"),
+    (OSCILLATOR, "H0 =", "H00 =", "line 6, column 1", "the nearest is `H0`"),
+    (OSCILLATOR, "title =", "titel =", "line 1, column 1", "the nearest is `title`"),
+    (OSCILLATOR, "rate =", "rates =", "line 9, column 1", "the nearest is `rate`"),
+    (OSCILLATOR, "accuracy =", "precision =", "line 20, column 1", "expected `of` or `accuracy`"),
+    (OSCILLATOR, "steps = 64\n", "", "line 10, column 1", "missing key `steps`"),
+    (OSCILLATOR, "until = 2.0\n", "", "line 10, column 1", "missing key `until`"),
+    (OSCILLATOR, "steps = 64", "steps = -64", "line 13, column 9", "at least 1"),
+    (OSCILLATOR, "steps = 64", "steps = 0", "line 13, column 9", "at least 1"),
+    (OSCILLATOR, "steps = 64", "steps = 6.5", "line 13, column 9", "a whole number"),
+    (OSCILLATOR, "steps = 64", "steps = \"many\"", "line 13, column 9", "a whole number"),
+    (OSCILLATOR, "steps = 64", "steps = [64]", "line 13, column 9", "a whole number"),
+    (OSCILLATOR, "paths = 4", "paths = 1e30", "line 15, column 9", "a whole number"),
+    (OSCILLATOR, "title = \"Oscillator\"", "title = 3", "line 1, column 9", "string"),
+    (OSCILLATOR, "until = 2.0", "until = true", "line 12, column 9", "a number or a formula"),
+    (OSCILLATOR, "until = 2.0", "until = ", "line 12, column 9", ""),
+    (OSCILLATOR, "\"q\", \"p\"]", "\"q\", \"p\"", "line 4", ""),
+    (OSCILLATOR, "steps = 64", "steps = 64\nsteps = 65", "line 14, column 1", "duplicate"),
+    // Values.
+    (OSCILLATOR, "until = 2.0", "until = -2.0", "line 12, column 9", "must be positive, got -2"),
+    (OSCILLATOR, "until = 2.0", "until = inf", "line 12, column 9", "must be finite"),
+    (OSCILLATOR, "until = 2.0", "until = \"ln(0)\"", "line 12, column 10", "not a finite number"),
+    (OSCILLATOR, "[1.0, 0.5]", "[nan, 0.5]", "line 11, column 12", "must be finite"),
+    (OSCILLATOR, "[1.0, 0.5]", "[1.0]", "line 11, column 11", "must have 2 components, got 1"),
+    (OSCILLATOR, "[1.0, 0.5]", "[1.0, 0.5, 2]", "line 11, column 11", "2 components, got 3"),
+    (OSCILLATOR, "[1.0, 0.5]", "[1.0, \"x\"]", "line 11, column 18", "unknown name `x`"),
+    (OSCILLATOR, "accuracy = 0.05", "accuracy = 0", "line 20, column 12", "must be positive"),
+    (OSCILLATOR, "paths = 4", "times = 7", "line 15, column 9", "do not divide 64 steps: take 4"),
+    (OSCILLATOR, "\"sexp-li\"", "\"sexp-lo\"", "line 14, column 10", "the nearest is `sexp-li`"),
+    (OSCILLATOR, "\"sexp-li\"", "\"split\"", "line 14, column 10", "no scheme `split`"),
+    // Formulas.
+    (OSCILLATOR, "k*q^2/2", "k*q^2/2)", "line 6, column 22", "was not opened"),
+    (OSCILLATOR, "p^2/2 +", "(p^2/2 +", "line 6, column 7", "not closed"),
+    (OSCILLATOR, "k*q^2/2", "k*q^2/", "line 6, column 21", "is missing at the end"),
+    (OSCILLATOR, "k*q^2/2", "2q", "line 6, column 16", "write 2*q"),
+    (OSCILLATOR, "k*q^2/2", "kk*q^2/2", "line 6, column 15", "the nearest is `k`"),
+    (OSCILLATOR, "k*q^2/2", "sinn(q)", "line 6, column 15", "the nearest is `sin`"),
+    (OSCILLATOR, "k*q^2/2", "log(q)", "line 6, column 15", "unknown function `log`"),
+    (OSCILLATOR, "k*q^2/2", "ln(q - 2)", "line 6, column 15", "ln of -1"),
+    (OSCILLATOR, "k*q^2/2", "sqrt(q - 1)", "line 6, column 6", "derivative of H0 by q"),
+    (OSCILLATOR, "s*q", "s*q**2", "line 7, column 11", "write ^"),
+    (OSCILLATOR, "\"0.1\"", "\"0.1*q\"", "line 9, column 13", "unknown name `q`"),
+    (OSCILLATOR, "\"0.1\"", "\"1/t\"", "line 9, column 9", "at t = 0"),
+    (OSCILLATOR, "energy = \"H0\"", "e = \"H1\"", "line 17, column 6", "unknown name `H1`"),
+    (OSCILLATOR, "energy = \"H0\"", "q = \"H0\"", "line 17, column 1", "a column already"),
+    (OSCILLATOR, "of = [\"energy\"", "of = [\"enrgy\"", "line 19, column 8", "unknown name"),
+    (OSCILLATOR, "[\"energy\", \"q\"]", "[]", "line 19, column 6", "at least one function"),
+    (OSCILLATOR, "[\"energy\", \"q\"]", "[\"q\", \"q\"]", "line 19, column 12", "listed twice"),
+    // The structure matrix and the names.
+    (OSCILLATOR, "\"-1\"", "\"1\"", "line 5, column 12", "B is not skew"),
+    (OSCILLATOR, "[\"0\", \"1\"]", "[\"0\"]", "line 5, column 5", "must have 2 rows"),
+    (OSCILLATOR, "B = [[\"0\", \"1\"], [\"-1\", \"0\"]]\n", "", "", "[system] needs `B`"),
+    (OSCILLATOR, "[\"q\", \"p\"]\nparam", "[\"q\", \"q\"]\nparam", "line 3, column 15", "given twice"),
+    (OSCILLATOR, "[\"q\", \"p\"]\nparam", "[\"q\", \"2p\"]\nparam", "line 3, column 15", "is no name"),
+    (OSCILLATOR, "k = 1.0", "k = [1, 2]", "line 4, column 20", "is one number"),
+    (OSCILLATOR, "k = 1.0", "sin = 1.0", "line 4, column 16", "choose another"),
+    // Systems of the project.
+    (BODY, "rigid-body", "rigid-bodi", "line 2, column 8", "the nearest is `rigid-body`"),
+    (BODY, "[2, 1, \"2/3\"]", "[2, 1]", "line 3, column 26", "has three numbers, got 2"),
+    (BODY, "[2, 1, \"2/3\"]", "[2, -1, 1]", "line 3, column 26", "got -1"),
+    (BODY, "noise = [1", "noises = [1", "line 3, column 41", "there are inertia, noise"),
+    (BODY, "\nparameters", "\nH0 = \"1\"\nparameters", "line 3, column 6", "is for formulas"),
+    (BODY, "noise = [1, 2, 3]", "noise = [1, 2]", "line 3, column 49", "one or three numbers"),
+    (BODY, "\"sexp-li\"", "\"split-levy\"", "line 10, column 10", "there are auto, sexp"),
+    (BODY, "1.0\nsteps = 64\nscheme = \"sexp-li\"", "64.0\nsteps = 64\nscheme = \"sexp\"",
+        "line 9, column 9", "Take at least 65 steps"),
+    (SPINS, "[4, 4]", "[4, 0]", "line 3, column 24", "at least 1"),
+    (SPINS, "transverse = 0.1, ", "", "line 3, column 63", "needs `transverse` damping"),
+    (SPINS, "periodic = true", "periodic = 1", "line 3, column 43", "true or false"),
+    (SPINS, "initial = [0, 0, 1]", "initial = [0, 1]", "line 5, column 11", "48 components, got 2"),
+    (SPINS, "[4, 4], periodic = true", "[3, 3], periodic = true", "", "even size"),
+];
+
+#[test]
+fn broken_scenes_have_a_place_and_a_way_out() {
+    assert!(BROKEN.len() >= 50);
+    let mut wrong = Vec::new();
+    for (number, (base, what, by, place, words)) in BROKEN.iter().enumerate() {
+        assert!(base.contains(what), "case {number}: {what}");
+        let mut text = base.replacen(what, by, 1);
+        if words.contains("even size") {
+            text += "scheme = \"split\"\n";
+            text = text.replace("transverse = 0.1, temperature = 0.5", "noise = 0.1");
+        }
+        let folder = with_scene(&text);
+        let output = run(folder.path(), &["run", "scene.toml"]);
+        let message = String::from_utf8_lossy(&output.stderr);
+        let files = fs::read_dir(folder.path()).unwrap().count();
+        if output.status.code() != Some(2)
+            || !message.starts_with("error: scene.toml")
+            || !message.contains(place)
+            || !message.contains(words)
+            || files != 1
+        {
+            let code = output.status.code();
+            wrong.push(format!("{what} -> {by}: {place}: {words}\n{code:?}, {files}: {message}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{} of {}:\n{}", wrong.len(), BROKEN.len(), wrong.join("\n"));
+}
+
+#[test]
+fn what_is_no_scene_is_refused() {
+    let folder = with_scene("");
+    for (arguments, code, words) in [
+        (&["run", "nowhere.toml"][..], 2, "cannot read the scene nowhere.toml"),
+        (&["run", "scene.toml"], 2, "missing key `system`"),
+        (&["run"], 2, "<SCENE>"),
+        (&["rum", "scene.toml"], 2, "'run'"),
+        (&["new", "nothing"], 2, "there are empty"),
+        (&["run", "scene.toml", "--paths", "few"], 2, "not a whole number"),
+        (&["merge", "."], 2, "does not say what its parts are"),
+    ] {
+        let output = run(folder.path(), arguments);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+        assert!(message.contains(words), "{arguments:?}: {message}");
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_a_failure_of_the_run() {
+    let folder = with_scene(OSCILLATOR);
+    fs::write(folder.path().join("taken"), "").unwrap();
+    for out in ["taken", "taken/inside", "/proc/here"] {
+        let output = run(folder.path(), &["run", "scene.toml", "--out", out]);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{out}: {message}");
+        assert!(message.contains(out), "{message}");
+    }
+}
+
+#[test]
+fn gigabytes_are_not_written_by_mistake() {
+    let text = OSCILLATOR.replace("paths = 4", "paths = 1e8\ntables = 1e7");
+    let folder = with_scene(&text);
+    let output = run(folder.path(), &["run", "scene.toml", "--write", "csv"]);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("GB") && message.contains("--large"), "{message}");
+}

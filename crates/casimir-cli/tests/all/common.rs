@@ -1,0 +1,82 @@
+//! Running the program in a folder of its own.
+
+use std::{
+    fs,
+    path::Path,
+    process::{Command, Output},
+};
+
+/// The program in this folder.
+pub fn casimir(folder: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_casimir"));
+    command.current_dir(folder);
+    command
+}
+
+/// Runs the program with these arguments.
+pub fn run(folder: &Path, arguments: &[&str]) -> Output {
+    casimir(folder).args(arguments).output().expect("the program starts")
+}
+
+/// Runs it, and gives what it printed; it must succeed.
+#[track_caller]
+pub fn succeeds(folder: &Path, arguments: &[&str]) -> String {
+    let output = run(folder, arguments);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {errors}");
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+/// A folder with a scene.
+pub fn with_scene(text: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("scene.toml"), text).expect("a scene");
+    folder
+}
+
+/// A scene of formulas.
+pub const OSCILLATOR: &str = r#"title = "Oscillator"
+[system]
+state = ["q", "p"]
+parameters = { k = 1.0, s = 0.3 }
+B = [["0", "1"], ["-1", "0"]]
+H0 = "p^2/2 + k*q^2/2"
+H = ["s*q"]
+[damping]
+rate = "0.1"
+[run]
+initial = [1.0, 0.5]
+until = 2.0
+steps = 64
+scheme = "sexp-li"
+paths = 4
+[observe]
+energy = "H0"
+[expect]
+of = ["energy", "q"]
+accuracy = 0.05
+"#;
+
+/// A scene of a system of the project.
+pub const BODY: &str = r#"[system]
+name = "rigid-body"
+parameters = { inertia = [2, 1, "2/3"], noise = [1, 2, 3] }
+[damping]
+rate = "0.5*cos(2*t)"
+[run]
+initial = ["cos(1.1)", 0, "sin(1.1)"]
+until = 1.0
+steps = 64
+scheme = "sexp-li"
+paths = 256
+"#;
+
+/// Spins.
+pub const SPINS: &str = r#"[system]
+name = "spin-lattice"
+parameters = { sizes = [4, 4], periodic = true, transverse = 0.1, temperature = 0.5 }
+[run]
+initial = [0, 0, 1]
+until = 1.0
+steps = 64
+"#;

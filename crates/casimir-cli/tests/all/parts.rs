@@ -1,0 +1,128 @@
+//! Scenes in parts, and what a signal leaves.
+
+use std::{
+    fs,
+    path::Path,
+    process::{Command, Stdio},
+    thread::sleep,
+    time::Duration,
+};
+
+use crate::common::{BODY, OSCILLATOR, casimir, run, succeeds, with_scene};
+
+fn csv(folder: &Path) -> String {
+    fs::read_to_string(folder.join("study.csv")).unwrap()
+}
+
+#[test]
+fn parts_give_the_bits_of_the_whole() {
+    let folder = with_scene(BODY);
+    let path = folder.path();
+    let whole = |paths: &str, out: &str| {
+        let arguments = ["run", "scene.toml", "--paths", paths, "--write", "csv", "--out", out];
+        succeeds(path, &arguments);
+        csv(&path.join(out))
+    };
+    let told =
+        succeeds(path, &["plan", "scene.toml", "--paths", "2048", "--parts", "3", "--out", "big"]);
+    assert!(told.contains("2048 paths of 64 steps") && told.contains("sbatch"), "{told}");
+    let job = fs::read_to_string(path.join("big/job.sh")).unwrap();
+    assert!(job.contains("#SBATCH --array=1-3") && job.contains(" part "), "{job}");
+    let part = |number: &str| succeeds(path, &["part", "big", "--part", number, "--threads", "1"]);
+    part("3");
+    let output = run(path, &["merge", "big"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("1-2"), "{output:?}");
+    // A part by the script, as a scheduler calls it.
+    let script = Command::new("bash").arg(path.join("big/job.sh")).arg("1").status().unwrap();
+    assert!(script.success());
+    part("2");
+    succeeds(path, &["merge", "big", "--write", "csv"]);
+    assert_eq!(csv(&path.join("big")), whole("2048", "whole"));
+
+    // More paths: what is there is not computed again.
+    assert_eq!(run(path, &["extend", "big", "--paths", "2000"]).status.code(), Some(2));
+    succeeds(path, &["extend", "big", "--paths", "4096"]);
+    for number in ["1", "2", "3"] {
+        part(number);
+    }
+    succeeds(path, &["merge", "big", "--write", "csv"]);
+    assert_eq!(csv(&path.join("big")), whole("4096", "more"));
+}
+
+#[test]
+fn expectations_in_parts_are_those_of_one_machine() {
+    let folder = with_scene(OSCILLATOR);
+    let path = folder.path();
+    succeeds(path, &["plan", "scene.toml", "--expect", "--parts", "2", "--out", "big"]);
+    for part in ["1", "2"] {
+        succeeds(path, &["part", "big", "--part", part]);
+    }
+    let estimates = |text: &str| {
+        let json: serde_json::Value = serde_json::from_str(text).unwrap();
+        json["estimates"].clone()
+    };
+    let merged = estimates(&succeeds(path, &["merge", "big", "--json"]));
+    assert_eq!(merged, estimates(&succeeds(path, &["expect", "scene.toml", "--json"])));
+}
+
+/// Interrupts a run after some time, as Ctrl-C does.
+#[cfg(unix)]
+fn interrupted(path: &Path, arguments: &[&str], after: Duration) -> Option<i32> {
+    let mut child = casimir(path)
+        .args(arguments)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    sleep(after);
+    let signalled = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(signalled.is_ok());
+    child.wait().expect("it ends").code()
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_complete_is_written_when_it_is_interrupted() {
+    let folder = with_scene(&BODY.replace("paths = 256", "paths = 3e6"));
+    let path = folder.path();
+    let arguments = ["run", "scene.toml", "--write", "csv,json,npz"];
+    let out = path.join("scene-run");
+    let mut before = 0.0;
+    for moment in 0..10u64 {
+        // Moments from 50 to 600 ms, in no order.
+        let code =
+            interrupted(path, &arguments, Duration::from_millis(50 + 61 * (moment * 7 % 10)));
+        match code {
+            // Interrupted before signals were waited for: nothing is written, or all of the last.
+            None => continue,
+            Some(0) => break,
+            code => assert_eq!(code, Some(130)),
+        }
+        let json = fs::read_to_string(out.join("study.json")).unwrap();
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let paths = json["record"]["paths"].as_f64().unwrap();
+        let last = json["series"][0]["points"].as_array().unwrap().last().unwrap();
+        assert_eq!(last["count"].as_f64(), Some(paths));
+        assert!(paths >= before && paths <= 3e6, "{before} {paths}");
+        let warnings = json["warnings"].to_string();
+        assert!(warnings.contains("of 3000000 paths"), "{warnings}");
+        let page = fs::read_to_string(out.join("index.html")).unwrap();
+        assert!(page.trim_end().ends_with("</html>"));
+        before = paths;
+    }
+    assert!(before > 0.0);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_long_path_ends_where_it_is_interrupted() {
+    let folder =
+        with_scene(&BODY.replace("paths = 256", "paths = 1").replace("= 64", "= 40000000"));
+    let arguments = ["run", "scene.toml", "--write", "json"];
+    let code = interrupted(folder.path(), &arguments, Duration::from_millis(700));
+    assert_eq!(code, Some(130));
+    let json = fs::read_to_string(folder.path().join("scene-run/paths.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert!(json[0]["halted"].as_str().unwrap().starts_with("stopped after t = "));
+}

@@ -1,0 +1,157 @@
+//! What the commands print and write.
+
+use std::fs;
+
+use crate::common::{BODY, OSCILLATOR, SPINS, run, succeeds, with_scene};
+
+#[test]
+fn few_paths_are_tables_and_many_are_statistics() {
+    let folder = with_scene(OSCILLATOR);
+    let path = folder.path();
+    let text = succeeds(path, &["run", "scene.toml", "--write", "csv,json,npz"]);
+    assert!(text.contains("4 paths, 64 steps of sexp-li"), "{text}");
+    let out = path.join("scene-run");
+    let page = fs::read_to_string(out.join("index.html")).unwrap();
+    for words in ["Oscillator", "Phase portraits", "time t", "sexp-li", "scene.toml", "4 paths"] {
+        assert!(page.contains(words), "{words}");
+    }
+    assert!(!page.contains("<script") && !page.contains("src="));
+    let csv = fs::read_to_string(out.join("paths.csv")).unwrap();
+    assert!(csv.starts_with("scheme,path,t,q,p,energy\n"), "{}", csv.lines().next().unwrap());
+    assert_eq!(csv.lines().count(), 1 + 4 * 65);
+    for file in ["paths.json", "paths.npz", "figures/time-q.svg", "figures/portrait-q-p.svg"] {
+        assert!(out.join(file).is_file(), "{file}");
+    }
+    assert!(!out.join("study.csv").exists());
+
+    let text = succeeds(
+        path,
+        &["run", "scene.toml", "--paths", "512", "--write", "csv,json,npz", "--out", "many"],
+    );
+    assert!(text.contains("512 paths") && text.contains("95 % interval"), "{text}");
+    for file in ["study.csv", "study.json", "study.npz", "paths.csv", "figures/end-energy.svg"] {
+        assert!(path.join("many").join(file).is_file(), "{file}");
+    }
+    // Nothing of a checkpoint is left.
+    let left = fs::read_dir(path.join("many")).unwrap().map(|entry| entry.unwrap().file_name());
+    assert!(left.into_iter().all(|name| !name.to_string_lossy().contains("part")));
+}
+
+#[test]
+fn results_are_the_same_bits_with_any_number_of_threads() {
+    let folder = with_scene(BODY);
+    let path = folder.path();
+    let csv = |threads: &str, scheme: &str| {
+        let out = format!("{threads}-{scheme}");
+        succeeds(
+            path,
+            &[
+                "run",
+                "scene.toml",
+                "--paths",
+                "700",
+                "--threads",
+                threads,
+                "--scheme",
+                scheme,
+                "--write",
+                "csv",
+                "--out",
+                &out,
+            ],
+        );
+        fs::read_to_string(path.join(out).join("study.csv")).unwrap()
+    };
+    for scheme in ["auto", "sexp", "sexp-li-levy", "split", "midpoint", "heun", "em"] {
+        assert_eq!(csv("1", scheme), csv("2", scheme), "{scheme}");
+    }
+    assert_ne!(csv("1", "sexp"), csv("1", "em"));
+}
+
+#[test]
+fn formulas_and_systems_of_the_project_agree() {
+    let formulas = r#"[system]
+state = ["y1", "y2", "y3"]
+parameters = { a = 0.5, b = 1, c = 1.5 }
+B = [["-y3", "y2"], ["-y1"]]
+H0 = "(a*y1^2 + b*y2^2 + c*y3^2)/2"
+H = ["y1^2/2", "y2^2/4", "y3^2/6"]
+"#;
+    let rest = &BODY[BODY.find("[damping]").unwrap()..];
+    let value = |text: &str| -> Vec<f64> {
+        let folder = with_scene(text);
+        let text = succeeds(folder.path(), &["run", "scene.toml", "--json"]);
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        ["y1", "y2", "y3"].map(|name| json["at_end"][name]["mean"].as_f64().unwrap()).into()
+    };
+    let (compiled, formulas) = (value(BODY), value(&format!("{formulas}{rest}")));
+    for (a, b) in compiled.iter().zip(&formulas) {
+        assert!((a - b).abs() < 1e-13, "{compiled:?} {formulas:?}");
+    }
+}
+
+#[test]
+fn casimirs_stay_on_their_law_and_the_report_says_so() {
+    for text in [BODY, SPINS] {
+        let folder = with_scene(&text.replace("paths = 256", "paths = 2"));
+        succeeds(folder.path(), &["run", "scene.toml", "--write", "json"]);
+        let json = fs::read_to_string(folder.path().join("scene-run/paths.json")).unwrap();
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let columns = json[0]["columns"].as_array().unwrap();
+        let defects = columns.iter().filter(|c| c["name"].as_str().unwrap().ends_with("defect"));
+        let defects: Vec<f64> = defects
+            .flat_map(|column| column["values"].as_array().unwrap())
+            .map(|defect| defect.as_f64().unwrap())
+            .collect();
+        assert!(!defects.is_empty() && defects.iter().all(|defect| defect.abs() < 1e-13));
+    }
+}
+
+#[test]
+fn expectations_have_intervals() {
+    let folder = with_scene(OSCILLATOR);
+    let text = succeeds(folder.path(), &["expect", "scene.toml"]);
+    assert!(text.contains("E[energy]") && text.contains("E[q]") && text.contains("yes"), "{text}");
+    let text = succeeds(folder.path(), &["expect", "scene.toml", "--json", "--out", "kept"]);
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(json["reached"], true);
+    for estimate in json["estimates"].as_array().unwrap() {
+        assert!(estimate["half_width"].as_f64().unwrap() <= 0.05);
+    }
+    assert!(folder.path().join("kept/expectation.json").is_file());
+    let none = OSCILLATOR.split("[expect]").next().unwrap();
+    let output = run(with_scene(none).path(), &["expect", "scene.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("[expect]"));
+}
+
+#[test]
+fn inspect_names_casimirs() {
+    let folder = with_scene(BODY);
+    let text = succeeds(folder.path(), &["inspect", "scene.toml"]);
+    assert!(text.contains("0.5 y1² + 0.5 y2² + 0.5 y3²"), "{text}");
+    let text = succeeds(folder.path(), &["inspect", "scene.toml", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(json["dimension"], 3);
+}
+
+#[test]
+fn replaced_results_are_told() {
+    let folder = with_scene(OSCILLATOR);
+    succeeds(folder.path(), &["run", "scene.toml"]);
+    let output = run(folder.path(), &["run", "scene.toml"]);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("will be replaced"));
+}
+
+#[test]
+fn helpers_for_shells_and_editors_are_printed() {
+    let folder = with_scene(OSCILLATOR);
+    assert!(succeeds(folder.path(), &["completions", "bash"]).contains("casimir"));
+    let schema = succeeds(folder.path(), &["schema"]);
+    let json: serde_json::Value = serde_json::from_str(&schema).unwrap();
+    assert!(json["properties"]["system"].is_object());
+    for command in ["new", "inspect", "run", "expect", "order", "compare", "plan", "part"] {
+        let help = succeeds(folder.path(), &["help", command]);
+        assert!(help.contains("Example"), "{command}: {help}");
+    }
+}
