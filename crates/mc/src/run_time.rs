@@ -17,8 +17,6 @@ impl<'a> DynProblem<'a> {
     /// The problem with a system that is known at run time.
     pub fn at_run_time(problem: &'a Problem) -> Self {
         let system = problem.system();
-        let law =
-            |law: systems::Invariant| ConformalLaw { name: law.name.into(), degree: law.degree };
         Self {
             name: system.name().into(),
             parameters: system.parameters(),
@@ -26,7 +24,7 @@ impl<'a> DynProblem<'a> {
             y0: problem.y0().into(),
             t_end: problem.t_end(),
             damping: problem.damping(),
-            laws: system.invariants().into_iter().map(law).collect(),
+            laws: system.invariants().into_iter().map(ConformalLaw::from).collect(),
             formulas: Box::new(OnRows(system)),
         }
     }
@@ -114,6 +112,15 @@ impl RunState<NoiseRows> for Paths<'_> {
     fn rows(&self) -> &[Row] {
         self.0.state()
     }
+
+    fn rows_mut(&mut self) -> &mut [Row] {
+        self.0.state_mut()
+    }
+}
+
+/// The state of path 0.
+fn first_path(y: &[Row]) -> Vec<f64> {
+    y.iter().map(|row| row[0]).collect()
 }
 
 /// The formulas of a system at single states.
@@ -132,13 +139,29 @@ impl Formulas for OnRows<'_> {
         let mut out = splat(y);
         let tile = 0..out.len();
         self.0.structure(tile, &splat(y), &splat(v), &mut out, &mut self.scratch());
-        out.iter().map(|row| row[0]).collect()
+        first_path(&out)
     }
 
     fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64 {
         let (mut out, dw) = (splat(&[0.0]), splat(dw));
         self.0.energy(&splat(y), Weights { dt, dw: &dw }, &mut out[0], &mut self.scratch());
         out[0][0]
+    }
+
+    fn field(&self, y: &[f64], dt: f64, dw: &[f64]) -> Vec<f64> {
+        let (y, dw) = (splat(y), splat(dw));
+        let (tile, mut gradient) = (0..y.len(), y.clone());
+        let (h, mut scratch) = (Weights { dt, dw: &dw }, self.scratch());
+        self.0.gradient(tile.clone(), &y, h, &mut gradient, &mut scratch);
+        let mut out = y.clone();
+        self.0.structure(tile, &y, &gradient, &mut out, &mut scratch);
+        first_path(&out)
+    }
+
+    fn ito_correction(&self, y: &[f64]) -> Vec<f64> {
+        let mut out = splat(y);
+        self.0.ito_correction(0..out.len(), &splat(y), &mut out, &mut self.scratch());
+        first_path(&out)
     }
 
     fn law(&self, index: usize, y: &[f64]) -> f64 {

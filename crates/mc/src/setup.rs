@@ -6,7 +6,9 @@ use noise::BlockNoise;
 use nonlin::BlockStatus;
 use real::{Block, Row};
 use schemes::{DynScheme, RunState, Scheme, Step};
-use systems::{Damping, PoissonSystem, Problem};
+use systems::{
+    Damping, Invariant, InvariantKind, PoissonSystem, Problem, ito_correction, vector_field,
+};
 
 use crate::observable::components;
 
@@ -40,6 +42,15 @@ pub struct ConformalLaw {
     pub name: String,
     /// The degree p.
     pub degree: f64,
+    /// Whether F is a Casimir.
+    pub casimir: bool,
+}
+
+impl From<Invariant> for ConformalLaw {
+    fn from(invariant: Invariant) -> Self {
+        let Invariant { name, degree, kind, .. } = invariant;
+        Self { name: name.into(), degree, casimir: kind == InvariantKind::Casimir }
+    }
 }
 
 /// The formulas of a system, evaluated at single states.
@@ -48,6 +59,10 @@ pub trait Formulas: Sync {
     fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64>;
     /// h(y) = H₀(y)·dt + Σₘ Hₘ(y)·dwₘ.
     fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64;
+    /// B(y)·∇h(y), the change of the state in dt and dw without damping.
+    fn field(&self, y: &[f64], dt: f64, dw: &[f64]) -> Vec<f64>;
+    /// ½Σₘ fₘ′(y)fₘ(y) with fₘ = B∇Hₘ, the drift that Itô's form of the equation has besides.
+    fn ito_correction(&self, y: &[f64]) -> Vec<f64>;
     /// The value at y of the function number `index` among [`DynProblem::laws`].
     fn law(&self, index: usize, y: &[f64]) -> f64;
 }
@@ -84,6 +99,7 @@ pub trait Formulas: Sync {
 ///         *status = BlockStatus::explicit();
 ///     }
 ///     fn rows(&self) -> &[Row] { &self.0 }
+///     fn rows_mut(&mut self) -> &mut [Row] { &mut self.0 }
 /// }
 /// /// Its formulas tell a file of parts from that of another system.
 /// impl Formulas for Walk {
@@ -91,6 +107,8 @@ pub trait Formulas: Sync {
 ///     fn energy(&self, y: &[f64], _dt: f64, dw: &[f64]) -> f64 {
 ///         y.iter().zip(dw).map(|(y, dw)| y * dw).sum()
 ///     }
+///     fn field(&self, _y: &[f64], _dt: f64, dw: &[f64]) -> Vec<f64> { dw.to_vec() }
+///     fn ito_correction(&self, y: &[f64]) -> Vec<f64> { vec![0.0; y.len()] }
 ///     fn law(&self, _index: usize, _y: &[f64]) -> f64 { unreachable!("there are no laws") }
 /// }
 ///
@@ -146,9 +164,6 @@ impl<'a> DynProblem<'a> {
         problem: &'a Problem<S, G, D>,
     ) -> Self {
         let system = problem.system();
-        let laws = system.invariants().into_iter();
-        let law =
-            |law: systems::Invariant| ConformalLaw { name: law.name.into(), degree: law.degree };
         Self {
             name: system.name().into(),
             parameters: system.parameters(),
@@ -156,7 +171,7 @@ impl<'a> DynProblem<'a> {
             y0: problem.y0().into(),
             t_end: problem.t_end(),
             damping: problem.damping(),
-            laws: laws.map(law).collect(),
+            laws: system.invariants().into_iter().map(ConformalLaw::from).collect(),
             formulas: Box::new(Compiled::<_, D, M> { system }),
         }
     }
@@ -191,6 +206,14 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Formulas for Compil
 
     fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64 {
         self.system.energy(array::<D>(y), dt, array(dw))
+    }
+
+    fn field(&self, y: &[f64], dt: f64, dw: &[f64]) -> Vec<f64> {
+        vector_field(self.system, array::<D>(y), dt, array(dw)).into()
+    }
+
+    fn ito_correction(&self, y: &[f64]) -> Vec<f64> {
+        ito_correction::<_, f64, D, M>(self.system, array(y)).into()
     }
 
     fn law(&self, index: usize, y: &[f64]) -> f64 {
@@ -246,5 +269,9 @@ impl<S: Sync, const D: usize, const M: usize> RunState<BlockNoise<M>> for BlockS
 
     fn rows(&self) -> &[Row] {
         &self.y.0
+    }
+
+    fn rows_mut(&mut self) -> &mut [Row] {
+        &mut self.y.0
     }
 }

@@ -2,7 +2,9 @@
 
 use real::{Block, Row, Rows};
 
-use crate::{AreaBlock, AreaLadder, AreaMethod, AreaSampler, DyadicLadder, StreamKey, WienerRows};
+use crate::{
+    AreaBlock, AreaLadder, AreaMethod, AreaSampler, DyadicLadder, StreamKey, WienerRows, join,
+};
 
 /// The noise of one step on 32 paths: of M noises ([`BlockNoise`]), or of a number that is known at
 /// run time only ([`NoiseRows`]).
@@ -21,6 +23,21 @@ pub trait StepNoise: Send + Sync + Sized + 'static {
 
     /// Draws the next increments, each N(0, τ); `sqrt_tau` = √τ.
     fn draw(&mut self, wiener: &mut WienerRows, sqrt_tau: f64);
+
+    /// Gives path `p` the noise of path `q` of `other`.
+    fn set_path(&mut self, p: usize, other: &Self, q: usize) {
+        for (row, other) in self.increments_mut().iter_mut().zip(other.increments()) {
+            row[p] = other[q];
+        }
+    }
+
+    /// Makes this the noise of its step and the `next` one together: sums of increments, and areas
+    /// by Chen's relation.
+    fn join(&mut self, next: &Self) {
+        for (row, next) in self.increments_mut().iter_mut().zip(next.increments()) {
+            row.iter_mut().zip(next).for_each(|(dw, next)| *dw += next);
+        }
+    }
 
     /// What draws the Lévy areas of the paths from `first_path` on; `None` if this type has none.
     fn area_draw(
@@ -118,6 +135,19 @@ impl<const M: usize> StepNoise for BlockNoise<M> {
     fn draw(&mut self, wiener: &mut WienerRows, sqrt_tau: f64) {
         // The kernel knows the number of rows.
         wiener.increments(sqrt_tau, &mut self.increments.0);
+    }
+
+    fn set_path(&mut self, p: usize, other: &Self, q: usize) {
+        self.increments.set_path(p, other.increments.path(q));
+        self.areas.set_path(p, other.areas.path(q));
+    }
+
+    fn join(&mut self, next: &Self) {
+        let (first, second) = (&mut self.increments, &next.increments);
+        self.areas = join(&self.areas, &first.0, &next.areas, &second.0);
+        for (row, next) in first.0.iter_mut().zip(&second.0) {
+            row.iter_mut().zip(next).for_each(|(dw, next)| *dw += next);
+        }
     }
 
     fn area_draw(

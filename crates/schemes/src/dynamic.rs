@@ -38,4 +38,7 @@ pub trait RunState<N>: Send {
 
     /// The states; row i is component i.
     fn rows(&self) -> &[Row];
+
+    /// The states, to be set.
+    fn rows_mut(&mut self) -> &mut [Row];
 }

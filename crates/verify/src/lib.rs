@@ -38,14 +38,16 @@ mod verdict;
 
 pub use compare::{Candidates, CompareSettings, Comparison, compare};
 pub use evidence::{DEVIATIONS, worse};
-pub use final_moments::{FinalMoments, FinalValues};
+pub use final_moments::{FinalMoments, FinalRows, FinalValues};
 pub use inspect::{
     inspect, inspect_formula_problem, inspect_formulas, inspect_large, inspect_problem,
 };
 pub use number::number;
 pub use orders::{
-    Decision, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes, exact_mean, strong_order,
-    strong_order_against, strong_order_within, weak_order, weak_order_within, wrong_limit,
+    Decision, DynExact, DynReference, Exact, Limit, OneStep, Order, ReferenceSolution, StepSizes,
+    exact_mean, strong_order, strong_order_against, strong_order_of, strong_order_of_within,
+    strong_order_within, weak_order, weak_order_of, weak_order_of_within, weak_order_within,
+    wrong_limit,
 };
 pub use other_noise::OtherNoise;
 pub use settings::{Mode, Progress, Settings, Silent};

@@ -50,6 +50,9 @@ impl<N: StepNoise> RunState<N> for Walked {
     fn rows(&self) -> &[Row] {
         &self.0
     }
+    fn rows_mut(&mut self) -> &mut [Row] {
+        &mut self.0
+    }
 }
 
 /// No formulas.
@@ -61,6 +64,12 @@ impl Formulas for Nothing {
     }
     fn energy(&self, _: &[f64], _: f64, _: &[f64]) -> f64 {
         0.0
+    }
+    fn field(&self, _: &[f64], _: f64, _: &[f64]) -> Vec<f64> {
+        Vec::new()
+    }
+    fn ito_correction(&self, _: &[f64]) -> Vec<f64> {
+        Vec::new()
     }
     fn law(&self, _: usize, _: &[f64]) -> f64 {
         0.0
@@ -171,6 +180,14 @@ impl Formulas for TurnFormulas {
         let [a, b] = [dt + dw[0] + dw[2], dt + dw[1] + dw[2]];
         y[0] * y[0] * (0.5 * a) + y[1] * y[1] * (0.5 * b)
     }
+    fn field(&self, y: &[f64], dt: f64, dw: &[f64]) -> Vec<f64> {
+        let [a, b] = [dt + dw[0] + dw[2], dt + dw[1] + dw[2]];
+        vec![y[1] * b, -y[0] * a]
+    }
+    /// (f₁′)² = (f₂′)² = 0 and (f₃′)² = −1.
+    fn ito_correction(&self, y: &[f64]) -> Vec<f64> {
+        vec![-0.5 * y[0], -0.5 * y[1]]
+    }
     fn law(&self, _: usize, _: &[f64]) -> f64 {
         unreachable!("there is none")
     }
@@ -217,6 +234,9 @@ impl RunState<NoiseRows> for Turned {
     }
     fn rows(&self) -> &[Row] {
         &self.0
+    }
+    fn rows_mut(&mut self) -> &mut [Row] {
+        &mut self.0
     }
 }
 

@@ -173,7 +173,8 @@ where
         let key = self.key(1);
         let pilot = Pilot::new(scheme, problem, settings.truncation, key, base, wanted, &spent)?;
         let sizes = StepSizes::new(base << pilot.first, settings.truncation, key);
-        let inconsistent = match single_steps(scheme, problem, &sizes)? {
+        let setup = mc::Setup::of(problem, scheme);
+        let inconsistent = match single_steps(crate::orders::Subject::from(&setup), &sizes)? {
             Consistency::Inconsistent(defect) => Some(defect),
             _ => None,
         };

@@ -10,11 +10,15 @@
 //! A law is the right one, whatever the paths, if the covariance of a step replaces its noise:
 //! |Eδ| = o(τ) and |E[ΔyΔyᵀ] − Σ fₘfₘᵀτ| = o(τ) (Milstein, *Theory Probab. Appl.* 30, 1986).
 
-use noise::{Noise, StreamKey, WienerPath};
-use schemes::{Scheme, Step};
-use systems::{Damping, PoissonSystem, Problem, ito_correction, unit_noise, vector_field};
+use noise::{StepNoise, StreamKey, WienerRows};
+use real::{PathMask, WIDTH};
+use schemes::Step;
 
-use super::{StepSizes, visits::Visit};
+use super::{
+    StepSizes,
+    steps::{Steps, Subject},
+    visits::Visit,
+};
 
 /// What single steps show as τ → 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,24 +51,20 @@ const STAYS: f64 = 0.1;
 
 /// Compares steps from these states with the coefficients of the equation, for paths or for their
 /// law alone.
-pub fn consistency<S, G, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
+pub fn consistency<N: StepNoise>(
+    subject: Subject<'_, N>,
     sizes: &StepSizes,
-    visits: &[Visit<D>],
+    visits: &[Visit],
     law: bool,
-) -> Consistency
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    let visits = &visits[..visits.len().min(VISITS)];
-    let t_end = problem.t_end();
+) -> Consistency {
+    let visits = visits.iter().take(VISITS).map(|visit| Coefficients::new(subject, visit));
+    let (visits, mut steps) = (visits.collect::<Vec<_>>(), Steps::new(subject));
+    let t_end = subject.problem.t_end;
     let coarsest = t_end / sizes.coarsest_steps as f64;
     let (mut drift, mut noise, mut motion) = (Vec::new(), Vec::new(), 0.0f64);
     for scale in 0..SCALES {
         let tau = coarsest * f64::powi(0.25, scale);
-        let Some(errors) = errors(scheme, problem, sizes.key, visits, tau) else { continue };
+        let Some(errors) = errors(&mut steps, sizes.key, &visits, tau) else { continue };
         drift.push(Error { value: errors.drift / tau, floor: ROUND_OFF / tau });
         let value = if law { errors.covariance / tau } else { errors.noise / tau.sqrt() };
         motion = motion.max(errors.motion);
@@ -125,56 +125,85 @@ struct Errors {
     motion: f64,
 }
 
+/// A visit and the coefficients of the equation there.
+struct Coefficients<'a> {
+    visit: &'a Visit,
+    /// B∇H₀ and ½Σ fₘ′fₘ.
+    field: Vec<f64>,
+    correction: Vec<f64>,
+    /// The noises fₘ = B∇Hₘ.
+    noises: Vec<Vec<f64>>,
+}
+
+impl<'a> Coefficients<'a> {
+    fn new<N>(subject: Subject<'_, N>, visit: &'a Visit) -> Self {
+        let (formulas, noises) = (&subject.problem.formulas, subject.problem.noises);
+        let field = |dt: f64, dw: &dyn Fn(usize) -> f64| {
+            formulas.field(&visit.state, dt, &(0..noises).map(dw).collect::<Vec<_>>())
+        };
+        let noise = |m: usize| field(0.0, &|l| f64::from(u8::from(l == m)));
+        Self {
+            visit,
+            field: field(1.0, &|_| 0.0),
+            correction: formulas.ito_correction(&visit.state),
+            noises: (0..noises).map(noise).collect(),
+        }
+    }
+}
+
 /// Errors of steps from these states; `None` if a tenth of the steps fail, or y = 0.
-fn errors<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
+fn errors<N: StepNoise>(
+    steps: &mut Steps<'_, N>,
     key: StreamKey,
-    visits: &[Visit<D>],
+    visits: &[Coefficients<'_>],
     tau: f64,
 ) -> Option<Errors> {
-    let (system, damping, t_end) = (problem.system(), problem.damping(), problem.t_end());
+    let problem = steps.subject.problem;
     let (mut drift, mut noise, mut covariance, mut motion) = (0.0, 0.0, 0.0, 0.0);
     let (mut size, mut scale, mut failed) = (0.0, 0.0, 0);
-    for (path, visit) in (0..).zip(visits) {
-        let y = visit.state;
-        let step = Step::new(damping, (visit.t / tau).round() as u64, tau).ok()?;
-        // The coefficients of the equation in Itô's form.
-        let field: [f64; D] = vector_field(system, y, 1.0, [0.0; M]);
-        let correction: [f64; D] = ito_correction(system, y);
-        let a: [f64; D] =
-            std::array::from_fn(|i| field[i] + correction[i] - step.rate_at_start * y[i]);
-        let b: [[f64; D]; M] = std::array::from_fn(|m| vector_field(system, y, 0.0, unit_noise(m)));
-        // Δy, and its error δ.
-        let change = |dw: [f64; M]| {
-            let solution = scheme.step(system, &step, &Noise::increments(dw), y);
-            let change: [f64; D] = std::array::from_fn(|i| solution.z[i] - y[i]);
-            let exact = |i: usize| a[i] * tau + (0..M).map(|m| b[m][i] * dw[m]).sum::<f64>();
-            let error: [f64; D] = std::array::from_fn(|i| change[i] - exact(i));
-            let good = solution.outcome.converged() && error.iter().all(|e| e.is_finite());
-            good.then_some((change, error))
-        };
-        let normal = change(WienerPath::<M>::new(key, path).increments(tau.sqrt()));
-        let signed: Option<Vec<_>> =
-            signs::<M>().map(|signs| change(signs.map(|sign| sign * tau.sqrt()))).collect();
-        let (Some((_, normal)), Some(signed)) = (normal, signed) else {
-            failed += 1;
-            continue;
-        };
-        let number = signed.len() as f64;
-        let mean = |i: usize| signed.iter().map(|(_, error)| error[i]).sum::<f64>() / number;
-        let wrong = |i: usize, j: usize| {
-            let product = signed.iter().map(|(change, _)| change[i] * change[j]).sum::<f64>();
-            product / number - tau * b.iter().map(|b| b[i] * b[j]).sum::<f64>()
-        };
-        let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
-        let noises = square(b.as_flattened());
-        drift += square(&std::array::from_fn::<f64, D, _>(mean));
-        noise += square(&normal);
-        covariance += (0..D).map(|i| (0..D).map(|j| wrong(i, j).powi(2)).sum::<f64>()).sum::<f64>();
-        motion += square(&a) * t_end * t_end + noises * t_end;
-        size += square(&y);
-        scale += square(&y) * noises;
+    // Normal increments, then signs.
+    let signed = signs(problem.noises).map(|signs| signs.map(|sign| sign * tau.sqrt()).collect());
+    let mut increments: Vec<Vec<f64>> = std::iter::once(Vec::new()).chain(signed).collect();
+    for (block, visits) in (0..).zip(visits.chunks(WIDTH)) {
+        let mut normals = N::zero(problem.noises);
+        normals.draw(&mut WienerRows::new(key, block * WIDTH as u64), tau.sqrt());
+        for (p, coefficients) in visits.iter().enumerate() {
+            let Coefficients { visit: Visit { t, state: y }, field, correction, noises: b } =
+                coefficients;
+            let step = Step::new(problem.damping, (t / tau).round() as u64, tau).ok()?;
+            let coefficient = |i: usize| field[i] + correction[i] - step.rate_at_start * y[i];
+            let a: Vec<f64> = (0..y.len()).map(coefficient).collect();
+            increments[0] = normals.increments().iter().map(|row| row[p]).collect();
+            let Some(changes) = changes(steps, &step, y, &increments) else {
+                failed += 1;
+                continue;
+            };
+            // δ of each step.
+            let error = |(change, dw): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+                let of_noise = |i: usize| b.iter().zip(dw).map(|(b, dw)| b[i] * dw).sum::<f64>();
+                (0..y.len()).map(|i| change[i] - (a[i] * tau + of_noise(i))).collect()
+            };
+            let errors: Vec<Vec<f64>> = changes.iter().zip(&increments).map(error).collect();
+            if errors.iter().flatten().any(|error| !error.is_finite()) {
+                failed += 1;
+                continue;
+            }
+            let (number, signed) = ((changes.len() - 1) as f64, &changes[1..]);
+            let mean = |i: usize| errors[1..].iter().map(|error| error[i]).sum::<f64>() / number;
+            let wrong = |i: usize, j: usize| {
+                let product = signed.iter().map(|change| change[i] * change[j]).sum::<f64>();
+                product / number - tau * b.iter().map(|b| b[i] * b[j]).sum::<f64>()
+            };
+            let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+            let (all, noises) = (0..y.len(), square(&b.concat()));
+            drift += square(&all.clone().map(mean).collect::<Vec<_>>());
+            noise += square(&errors[0]);
+            let of_row = |i: usize| all.clone().map(|j| wrong(i, j).powi(2)).sum::<f64>();
+            covariance += all.clone().map(of_row).sum::<f64>();
+            motion += square(&a) * problem.t_end * problem.t_end + noises * problem.t_end;
+            size += square(y);
+            scale += square(y) * noises;
+        }
     }
     let usable = 10 * failed <= visits.len() && size > 0.0;
     usable.then(|| Errors {
@@ -185,19 +214,44 @@ fn errors<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     })
 }
 
+/// The changes Δy in steps from y on these increments; `None` if a step fails.
+fn changes<N: StepNoise>(
+    steps: &mut Steps<'_, N>,
+    step: &Step,
+    y: &[f64],
+    increments: &[Vec<f64>],
+) -> Option<Vec<Vec<f64>>> {
+    let mut changes = Vec::with_capacity(increments.len());
+    for increments in increments.chunks(WIDTH) {
+        for (m, row) in steps.noises[0].increments_mut().iter_mut().enumerate() {
+            row.iter_mut().zip(increments).for_each(|(dw, increments)| *dw = increments[m]);
+        }
+        let (end, live) = steps.step(step, y, increments.len());
+        if live != PathMask::first(increments.len()) {
+            return None;
+        }
+        let change = |p: usize| y.iter().zip(end).map(|(y, end)| end[p] - y).collect();
+        changes.extend((0..increments.len()).map(change));
+    }
+    Some(changes)
+}
+
 /// The rows of a Hadamard matrix and their negatives: any two columns are orthogonal, and odd
 /// moments vanish.
-fn signs<const M: usize>() -> impl Iterator<Item = [f64; M]> {
-    let rows = M.next_power_of_two();
+fn signs(noises: usize) -> impl Iterator<Item = impl Iterator<Item = f64>> {
+    let rows = noises.next_power_of_two();
     (0..2 * rows).map(move |row| {
         let sign = if row < rows { 1.0 } else { -1.0 };
-        std::array::from_fn(|m| if (row & m).count_ones().is_multiple_of(2) { sign } else { -sign })
+        let odd = move |m: usize| !(row & m).count_ones().is_multiple_of(2);
+        (0..noises).map(move |m| if odd(m) { -sign } else { sign })
     })
 }
 
 #[cfg(test)]
 mod tests {
-    use systems::{Constant, paper::valid};
+    use mc::Setup;
+    use noise::WienerPath;
+    use systems::{Constant, Problem, paper::valid};
 
     use super::{
         super::tests::{Anything, Single},
@@ -206,7 +260,7 @@ mod tests {
 
     #[test]
     fn signs_have_the_moments_of_normals_up_to_the_third() {
-        let signs: Vec<[f64; 5]> = signs().collect();
+        let signs: Vec<Vec<f64>> = signs(5).map(Iterator::collect).collect();
         let n = signs.len() as f64;
         for i in 0..5 {
             assert_eq!(signs.iter().map(|s| s[i]).sum::<f64>(), 0.0);
@@ -275,10 +329,16 @@ mod tests {
         let damping = valid(Constant::new(0.5));
         let problem = valid(Problem::new(Anything, damping, [3.0, 4.0], 2.0));
         let key = StreamKey { seed: 1, experiment: 1 };
-        let good = Visit { t: 0.0, state: [3.0, 4.0] };
-        let failing = Visit { state: [-3.0, 4.0], ..good };
-        let of = |visits: &[Visit<2>]| errors(&scheme, &problem, key, visits, 0.25);
-        let found = of(&[good; 2]).unwrap();
+        let good = || Visit { t: 0.0, state: vec![3.0, 4.0] };
+        let failing = || Visit { t: 0.0, state: vec![-3.0, 4.0] };
+        let setup = Setup::of(&problem, &scheme);
+        let of = |good_ones: usize, others: &[Visit]| {
+            let visits = [vec![good(); good_ones], others.to_vec()].concat();
+            let subject = Subject::from(&setup);
+            let known = visits.iter().map(|visit| Coefficients::new(subject, visit));
+            errors(&mut Steps::new(subject), key, &known.collect::<Vec<_>>(), 0.25)
+        };
+        let found = of(2, &[]).unwrap();
         let close = |found: f64, exact: f64| {
             assert!((found / exact - 1.0).abs() < 1e-12, "{found} {exact}");
         };
@@ -292,13 +352,15 @@ mod tests {
         // |a|²T² + |b|²T.
         close(found.motion, (4.25f64 * 4.0 + 2.0).sqrt() / 5.0);
         // A tenth of the steps may fail.
-        let visits = [&[good; 9][..], &[failing]].concat();
-        close(of(&visits).unwrap().drift, 0.125 / 5.0);
-        assert!(of(&[&[good; 8][..], &[failing]].concat()).is_none());
-        assert!(of(&[Visit { state: [0.0; 2], ..good }]).is_none());
+        close(of(9, &[failing()]).unwrap().drift, 0.125 / 5.0);
+        assert!(of(8, &[failing()]).is_none());
+        assert!(of(0, &[Visit { t: 0.0, state: vec![0.0; 2] }]).is_none());
         // The drift is wrong by a tenth of |y|, told to an eighth; without it, the noise is wrong.
         let sizes = StepSizes::new(4, noise::Truncation::none(), key);
-        let told = |scheme: &Single| consistency(scheme, &problem, &sizes, &[good; 4], false);
+        let told = |scheme: &Single| {
+            let setup = Setup::of(&problem, scheme);
+            consistency(Subject::from(&setup), &sizes, &vec![good(); 4], false)
+        };
         let Consistency::Inconsistent(part) = told(&scheme) else { panic!("{:?}", told(&scheme)) };
         assert!((part - 0.1).abs() < 0.1 / SHOWN, "{part}");
         let right = Single(|_, tau, dw, y| [y[0] - 0.5 * tau + dw, y[1] - 2.0 * tau]);

@@ -1,27 +1,39 @@
 //! Errors against the limit, from runs alone.
 
+use real::{PathMask, Row, WIDTH};
 use stats::{CrossMoments, Point, root_mean_squares};
 
 /// What is recorded of a path with n runs, coarsest first, of which the first L have points: with
 /// D = y_{n−2} − y_{n−1} the last difference,
 /// |y_l − y_{n−1}|² and ⟨y_l − y_{n−2}, D⟩ for l < L, then |y_k − y_{k+1}|² for k < n − 1, then
 /// ⟨y_{n−3} − y_{n−2}, D⟩.
-pub fn record<const D: usize>(states: &[[f64; D]], levels: usize, numbers: &mut [f64]) {
-    let n = states.len();
-    let difference =
-        |k: usize, l: usize| -> [f64; D] { std::array::from_fn(|i| states[k][i] - states[l][i]) };
-    let dot = |a: [f64; D], b: [f64; D]| (0..D).map(|i| a[i] * b[i]).sum::<f64>();
-    let last = difference(n - 2, n - 1);
-    for l in 0..levels {
-        let to_finest = difference(l, n - 1);
-        numbers[l] = dot(to_finest, to_finest);
-        numbers[levels + l] = dot(difference(l, n - 2), last);
+pub fn record(states: &[&[Row]], live: PathMask, levels: usize, numbers: &mut [Row]) {
+    let (n, dimension) = (states.len(), states[0].len());
+    for p in live.paths() {
+        // ⟨y_a − y_b, y_c − y_d⟩.
+        let dot = |[a, b]: [usize; 2], [c, d]: [usize; 2]| {
+            let difference = |k: usize, l: usize, i: usize| states[k][i][p] - states[l][i][p];
+            (0..dimension).map(|i| difference(a, b, i) * difference(c, d, i)).sum::<f64>()
+        };
+        let last = [n - 2, n - 1];
+        for l in 0..levels {
+            numbers[l][p] = dot([l, n - 1], [l, n - 1]);
+            numbers[levels + l][p] = dot([l, n - 2], last);
+        }
+        for k in 0..n - 1 {
+            numbers[2 * levels + k][p] = dot([k, k + 1], [k, k + 1]);
+        }
+        numbers[2 * levels + n - 1][p] = dot([n - 3, n - 2], last);
     }
-    for k in 0..n - 1 {
-        let step = difference(k, k + 1);
-        numbers[2 * levels + k] = dot(step, step);
+}
+
+/// |y − x|² of the paths that are live.
+pub fn squared_distance(y: &[Row], x: &[Row], live: PathMask) -> Row {
+    let mut square = [0.0; WIDTH];
+    for p in live.paths() {
+        square[p] = y.iter().zip(x).map(|(y, x)| (y[p] - x[p]) * (y[p] - x[p])).sum();
     }
-    numbers[2 * levels + n - 1] = dot(difference(n - 3, n - 2), last);
+    square
 }
 
 /// Length of that record.

@@ -4,15 +4,22 @@
 //! far a wrong limit is, and where they differ although single steps agree, the step sizes do not
 //! show how the scheme converges. With an exact solution paths alone decide.
 
-use mc::{LadderError, Run, View, squared_distance};
-use schemes::{Heun, Midpoint, Scheme};
+use std::sync::Arc;
+
+use mc::{DynRun, LadderError, View};
+use noise::StepNoise;
+use real::{PathMask, Row};
+use schemes::DynScheme;
 use stats::CrossMoments;
-use systems::{Damping, PoissonSystem, Problem};
 
 use super::{
-    Exact, Measure, ReferenceSolution, StepSizes,
+    DynExact, DynReference, Measure, StepSizes,
     consistency::{Consistency, consistency},
+    difference,
+    errors::squared_distance,
+    evaluate,
     runs::measure,
+    steps::Subject,
     visits::Visit,
 };
 
@@ -70,36 +77,29 @@ const TAIL: f64 = 2.42;
 /// Two schemes whose distance is below this fraction of their errors are the same one.
 const SAME: f64 = 1e-6;
 
-/// Compares the limit of `scheme`; there are more than [`SPAN`] step sizes.
-pub fn limit<S, G, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
+/// Compares the limit of a scheme; there are more than [`SPAN`] step sizes.
+pub fn limit<N: StepNoise>(
+    subject: Subject<'_, N>,
     sizes: &StepSizes,
-    visits: &[Visit<D>],
-    reference: &ReferenceSolution<'_, S, D, M>,
-    what: Measure<D>,
-) -> Result<Limit, LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    let compare = |other: Other<'_, S, D, M>| match what {
+    visits: &[Visit],
+    reference: &DynReference<'_, N>,
+    what: Measure<'_>,
+) -> Result<Limit, LadderError> {
+    let compare = |other: Other<'_, N>| match what {
         Measure::Strong => {
             let sizes = StepSizes { samples: sizes.samples.min(STRONG_PATHS), ..*sizes };
-            compare_strong(scheme, problem, &sizes, other)
+            compare_strong(subject, &sizes, other)
         }
-        Measure::Weak(_) => compare_weak(scheme, problem, sizes, other, what),
+        Measure::Weak(_) => compare_weak(subject, sizes, other, what),
     };
-    match *reference {
-        ReferenceSolution::Exact(exact) => {
-            Ok(compare(Other::Exact(exact))?.unwrap_or(Limit::Unchecked))
-        }
-        ReferenceSolution::Scheme(other) => {
+    match reference {
+        DynReference::Exact(exact) => Ok(compare(Other::Exact(exact))?.unwrap_or(Limit::Unchecked)),
+        DynReference::Scheme(other) => {
             Ok(compare(Other::Scheme(other))?.unwrap_or(Limit::Unchecked))
         }
-        ReferenceSolution::Independent => {
+        DynReference::Independent(others) => {
             let mut paths = Limit::Unchecked;
-            for other in [&Heun as &dyn Scheme<S, D, M>, &Midpoint] {
+            for other in others {
                 // One scheme may need finer steps than the other.
                 match compare(Other::Scheme(other))? {
                     Some(unclear @ Limit::Unclear { .. }) => paths = unclear,
@@ -111,7 +111,7 @@ where
                 }
             }
             let law = matches!(what, Measure::Weak(_));
-            Ok(combine(consistency(scheme, problem, sizes, visits, law), paths))
+            Ok(combine(consistency(subject, sizes, visits, law), paths))
         }
     }
 }
@@ -134,12 +134,12 @@ fn combine(steps: Consistency, paths: Limit) -> Limit {
 }
 
 /// What a scheme is compared with.
-enum Other<'a, S, const D: usize, const M: usize> {
-    Scheme(&'a dyn Scheme<S, D, M>),
-    Exact(Exact<'a, D>),
+enum Other<'a, N> {
+    Scheme(&'a Arc<dyn DynScheme<N> + 'a>),
+    Exact(&'a DynExact<'a>),
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Other<'_, S, D, M> {
+impl<N> Other<'_, N> {
     fn name(&self) -> &'static str {
         match self {
             Self::Scheme(scheme) => scheme.id(),
@@ -150,36 +150,32 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Other<'_, S, D, M> 
 
 /// Moments of the [`distances`] of the states of the scheme and of the other one at the levels 0, 1
 /// and [`SPAN`]; `None` if paths fail that would not fail with the scheme alone.
-fn moments<S, G, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
+fn moments<'a, N: StepNoise>(
+    subject: Subject<'a, N>,
     sizes: &StepSizes,
-    other: &Other<'_, S, D, M>,
-    what: Measure<D>,
-) -> Result<Option<CrossMoments>, LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    let levels = [0, 1, SPAN];
-    let mut runs: Vec<Run<'_, S, D, M>> = levels.map(|level| Run::new(scheme, level)).into();
+    other: &Other<'a, N>,
+    what: Measure<'_>,
+) -> Result<Option<CrossMoments>, LadderError> {
+    let on_levels = |scheme: &Arc<dyn DynScheme<N> + 'a>| {
+        [0, 1, SPAN].map(|level| DynRun::new(Arc::clone(scheme), level))
+    };
+    let mut runs = Vec::from(on_levels(subject.scheme));
     let exact = match *other {
         Other::Exact(exact) => Some(exact),
         Other::Scheme(other) => {
-            runs.extend(levels.map(|level| Run::new(other, level)));
+            runs.extend(on_levels(other));
             None
         }
     };
-    let of_view = |view: &View<'_>, p: usize, numbers: &mut [f64]| {
-        let state = |run: usize| view.path(run, p);
-        let others = match exact {
-            None => [3, 4, 5].map(state),
-            Some(exact) => [(exact.solution)(view.random_time[p]); 3],
-        };
-        numbers.copy_from_slice(&distances(what, [0, 1, 2].map(state), others));
+    let of_view = |view: &View<'_>, numbers: &mut [Row]| {
+        let state = |run: usize| view.state(run);
+        let solution = exact.map(|exact| exact.rows(view));
+        let others = solution.as_ref().map_or_else(|| [3, 4, 5].map(state), |y| [&y[..]; 3]);
+        let distances = distances(what, [0, 1, 2].map(state), others, view.live);
+        numbers.copy_from_slice(&distances);
     };
     let time_change = exact.map(|exact| exact.time_change);
-    let (moments, failed) = measure(problem, sizes, runs, time_change, 4, &of_view)?;
+    let (moments, failed) = measure(subject.problem, sizes, runs, time_change, 4, &of_view)?;
     let usable = failed <= sizes.samples / 10 && moments.means().iter().all(|x| x.is_finite());
     Ok(usable.then_some(moments))
 }
@@ -188,33 +184,29 @@ where
 /// then the squared differences of levels 0 and 1 of y and of z. Weak: the differences of φ between
 /// y and z at level 0, between levels 0 and 1 of y and of z, and between the last level and level 0
 /// of y.
-fn distances<const D: usize>(what: Measure<D>, y: [[f64; D]; 3], z: [[f64; D]; 3]) -> [f64; 4] {
+fn distances(what: Measure<'_>, y: [&[Row]; 3], z: [&[Row]; 3], live: PathMask) -> [Row; 4] {
     match what {
         Measure::Strong => {
-            let [far, near] = [2, 0].map(|run| squared_distance(y[run], z[run]));
-            let [own, others] = [y, z].map(|y| squared_distance(y[0], y[1]));
+            let [far, near] = [2, 0].map(|run| squared_distance(y[run], z[run], live));
+            let [own, others] = [y, z].map(|y| squared_distance(y[0], y[1], live));
             [far, near, own, others]
         }
         Measure::Weak(observable) => {
-            let [y, z] = [y, z].map(|states| states.map(observable.function));
-            [y[0] - z[0], y[0] - y[1], z[0] - z[1], y[2] - y[0]]
+            let [y, z] = [y, z].map(|states| states.map(|y| evaluate(observable, y, live)));
+            [(&y[0], &z[0]), (&y[0], &y[1]), (&z[0], &z[1]), (&y[2], &y[0])]
+                .map(|(a, b)| difference(a, b))
         }
     }
 }
 
 /// The distance of the limits, (E|y − z|²)^½, from the mean squares X at two step sizes that are
 /// 2^[`SPAN`] apart.
-fn compare_strong<S, G, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
+fn compare_strong<N: StepNoise>(
+    subject: Subject<'_, N>,
     sizes: &StepSizes,
-    other: Other<'_, S, D, M>,
-) -> Result<Option<Limit>, LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    let moments = moments(scheme, problem, sizes, &other, Measure::Strong)?;
+    other: Other<'_, N>,
+) -> Result<Option<Limit>, LadderError> {
+    let moments = moments(subject, sizes, &other, Measure::Strong)?;
     Ok(moments.and_then(|moments| strong_limit(&moments, other.name())))
 }
 
@@ -268,18 +260,13 @@ pub fn wrong_limit(errors: &CrossMoments, differences: &CrossMoments) -> Option<
 
 /// The distance of the limits, |E[φ(y) − φ(z)]|, from the finest step. Either error is at most its
 /// last difference, as for order one, or half of the one before.
-fn compare_weak<S, G, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
+fn compare_weak<N: StepNoise>(
+    subject: Subject<'_, N>,
     sizes: &StepSizes,
-    other: Other<'_, S, D, M>,
-    what: Measure<D>,
-) -> Result<Option<Limit>, LadderError>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    let moments = moments(scheme, problem, sizes, &other, what)?;
+    other: Other<'_, N>,
+    what: Measure<'_>,
+) -> Result<Option<Limit>, LadderError> {
+    let moments = moments(subject, sizes, &other, what)?;
     let scheme = matches!(other, Other::Scheme(_));
     Ok(moments.and_then(|moments| weak_limit(&moments, other.name(), scheme)))
 }
@@ -306,6 +293,7 @@ fn weak_limit(moments: &CrossMoments, with: &'static str, may_be_same: bool) -> 
 #[cfg(test)]
 mod tests {
     use mc::Observable;
+    use real::WIDTH;
 
     use super::*;
 
@@ -328,9 +316,14 @@ mod tests {
     #[test]
     fn distances_are_between_schemes_and_between_their_step_sizes() {
         let (y, z) = ([[1.0, 0.0], [4.0, 4.0], [1.0, 6.0]], [[3.0, 0.0], [3.0, 1.0], [1.0, 0.0]]);
-        assert_eq!(distances(Measure::Strong, y, z), [36.0, 4.0, 25.0, 1.0]);
+        let [y, z] = [y, z].map(|states| states.map(|y| y.map(|y| [y; WIDTH])));
+        let of = |what| {
+            let (y, z) = (y.each_ref().map(|y| &y[..]), z.each_ref().map(|z| &z[..]));
+            distances(what, y, z, PathMask::ALL).map(|row| row[7])
+        };
+        assert_eq!(of(Measure::Strong), [36.0, 4.0, 25.0, 1.0]);
         let sum = Observable { name: "sum", function: |y: [f64; 2]| y[0] + y[1] };
-        assert_eq!(distances(Measure::Weak(sum), y, z), [-2.0, -7.0, -1.0, 6.0]);
+        assert_eq!(of(Measure::Weak(&sum)), [-2.0, -7.0, -1.0, 6.0]);
     }
 
     #[test]

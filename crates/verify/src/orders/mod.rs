@@ -13,14 +13,19 @@
 //! 4. the steps resolve the damping ([`SeenDamping`](mc::SeenDamping)).
 //!
 //! Otherwise [`Order::decision`] says why no order is named, and what would decide.
+//!
+//! All of this knows a scheme as [`Setup`](mc::Setup) describes it, of any dimension; the functions
+//! that take a `Problem<S, G, D>` make such a description.
 
 mod consistency;
 mod decision;
 mod errors;
 mod limit;
 mod one_step;
+mod reference;
 mod runs;
 mod step_sizes;
+mod steps;
 mod strong;
 #[cfg(test)]
 mod tests;
@@ -28,22 +33,27 @@ mod visits;
 mod weak;
 mod within;
 
-use mc::{LadderError, Observable, TimeChange};
-use schemes::Scheme;
+use mc::{LadderError, Observe};
+use noise::StepNoise;
 use stats::{Point, Rate};
-use systems::{Damping, PoissonSystem, Problem};
 
 use crate::results::Evidence;
 
 pub(crate) use consistency::Consistency;
+pub(crate) use steps::Subject;
+pub(crate) use weak::{difference, evaluate};
+
 pub use decision::Decision;
 pub use limit::{Limit, wrong_limit};
 pub use one_step::OneStep;
+pub use reference::{DynExact, DynReference, Exact, ReferenceSolution};
 pub use runs::exact_mean;
 pub use step_sizes::StepSizes;
-pub use strong::{strong_order, strong_order_against};
-pub use weak::weak_order;
-pub use within::{strong_order_within, weak_order_within};
+pub use strong::{strong_order, strong_order_against, strong_order_of};
+pub use weak::{weak_order, weak_order_of};
+pub use within::{
+    strong_order_of_within, strong_order_within, weak_order_of_within, weak_order_within,
+};
 
 /// The order of one scheme, with what it rests on.
 ///
@@ -87,49 +97,19 @@ impl Order {
     }
 }
 
-/// What the limit of a scheme is compared with, path by path.
-pub enum ReferenceSolution<'a, S, const D: usize, const M: usize> {
-    /// The coefficients of the equation, in single steps as τ → 0, and the paths of `heun`, or of
-    /// `midpoint` where that fails or is the scheme itself.
-    Independent,
-    /// This scheme.
-    Scheme(&'a dyn Scheme<S, D, M>),
-    /// The exact solution. Errors of points are measured against it.
-    Exact(Exact<'a, D>),
-}
-
-impl<'a, S, const D: usize, const M: usize> ReferenceSolution<'a, S, D, M> {
-    fn exact(&self) -> Option<Exact<'a, D>> {
-        match *self {
-            Self::Exact(exact) => Some(exact),
-            _ => None,
-        }
-    }
-}
-
-/// An exact solution at the final time, a function of a random time ([`TimeChange`]).
-#[derive(Clone, Copy)]
-pub struct Exact<'a, const D: usize> {
-    /// The random time, carried along each path.
-    pub time_change: &'a dyn TimeChange,
-    /// y(T) as a function of the random time at T.
-    pub solution: &'a (dyn Fn(f64) -> [f64; D] + Sync),
-}
-
 /// What an order is measured of: the states themselves, or a test function.
 #[derive(Clone, Copy)]
-enum Measure<const D: usize> {
+enum Measure<'a> {
     Strong,
-    Weak(Observable<D>),
+    Weak(&'a dyn Observe),
 }
 
 /// Compares single steps of the scheme with the coefficients of the equation as τ → 0, at states
 /// that its paths visit.
-pub(crate) fn single_steps<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
+pub(crate) fn single_steps<N: StepNoise>(
+    subject: Subject<'_, N>,
     sizes: &StepSizes,
 ) -> Result<Consistency, LadderError> {
-    let visits = visits::visits(scheme, problem, sizes)?;
-    Ok(consistency::consistency(scheme, problem, sizes, &visits, false))
+    let visits = visits::visits(subject, sizes)?;
+    Ok(consistency::consistency(subject, sizes, &visits, false))
 }

@@ -11,11 +11,14 @@
 //! these test functions is r. Means are those of a cubature of degree five (Stroud, *Approximate
 //! Calculation of Multiple Integrals*, 1971), exact for the terms up to τ^{5/2}.
 
-use noise::{AreaMethod, AreaPath, Noise, StreamKey, WienerPath};
-use schemes::{Scheme, Step};
-use systems::{Damping, PoissonSystem, Problem};
+use noise::{AreaMethod, StepNoise, StreamKey, WienerRows};
+use real::WIDTH;
 
-use super::{StepSizes, visits::Visit};
+use super::{
+    StepSizes,
+    steps::{OneAndTwo, Steps, Subject},
+    visits::Visit,
+};
 
 /// The order of the error of one step, a multiple of ½: E|δ|² ∝ τ^{2q}.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,69 +53,68 @@ const ROUND_OFF: f64 = 3e-14;
 /// the distance.
 const TOLERANCE: f64 = 0.05;
 
-/// The smallest order that one step of `scheme` shows with the noise of the problem or an amplified
+/// The smallest order that one step of a scheme shows with the noise of the problem or an amplified
 /// one, from these states at their times; `None` if it is not clear.
-pub fn one_step<S, G, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
+pub fn one_step<N: StepNoise>(
+    subject: Subject<'_, N>,
     sizes: &StepSizes,
-    visits: &[Visit<D>],
-) -> Option<OneStep>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    least_order(problem, sizes, &|tau, amplification| {
-        difference(scheme, problem, sizes.key, visits, tau, amplification)
+    visits: &[Visit],
+) -> Option<OneStep> {
+    let mut steps = Steps::new(subject);
+    least_order(subject.problem.t_end, sizes, &mut |tau, amplifications| {
+        differences(&mut steps, sizes.key, visits, tau, amplifications)
     })
 }
 
 /// The smallest weak order that the means of one step leave, for the components and their squares,
 /// with the noise of the problem or an amplified one; `None` if it is not clear, or if the scheme
 /// reads areas, which the cubature has not.
-pub fn mean_order<S, G, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
+pub fn mean_order<N: StepNoise>(
+    subject: Subject<'_, N>,
     sizes: &StepSizes,
-    visits: &[Visit<D>],
-) -> Option<f64>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    if scheme.reads_areas() {
+    visits: &[Visit],
+) -> Option<f64> {
+    if subject.scheme.reads_areas() {
         return None;
     }
     let visits = &visits[..visits.len().min(MEAN_VISITS)];
-    let least = least_order(problem, sizes, &|tau, amplification| {
-        mean_difference(scheme, problem, visits, tau, amplification)
+    let (mut steps, points) = (Steps::new(subject), cubature(subject.problem.noises));
+    let least = least_order(subject.problem.t_end, sizes, &mut |tau, amplifications| {
+        let mean = |&factor: &f64| mean_difference(&mut steps, &points, visits, tau, factor);
+        amplifications.iter().map(mean).collect()
     });
     least.map(|step| step.order - 1.0)
 }
 
-/// The smallest clear order of a mean square of differences, which is given with that of the states
-/// for a step size and a factor of the noise.
-fn least_order<S, G: Damping, const D: usize>(
-    problem: &Problem<S, G, D>,
-    sizes: &StepSizes,
-    squares_of: &dyn Fn(f64, f64) -> (f64, f64),
-) -> Option<OneStep> {
-    let mut least: Option<OneStep> = None;
-    for amplification in AMPLIFICATIONS {
-        let mut squares = Vec::new();
-        let finest = problem.t_end() / sizes.reference_steps() as f64;
-        let coarser = sizes.level(0) as i32 / 2;
-        for scale in -coarser..SCALES {
-            let tau = 0.25 * finest * f64::powi(0.25, scale);
-            let (square, size) = squares_of(tau, amplification);
-            if square <= ROUND_OFF * ROUND_OFF * size {
-                break;
-            }
+/// For a step size and factors of the noise, mean squares of differences and of states.
+type SquaresOf<'a> = dyn FnMut(f64, &[f64]) -> Vec<(f64, f64)> + 'a;
+
+/// The smallest clear order of a mean square of differences.
+fn least_order(t_end: f64, sizes: &StepSizes, squares_of: &mut SquaresOf<'_>) -> Option<OneStep> {
+    let mut squares = AMPLIFICATIONS.map(|_| Vec::new());
+    // The factors for which rounding does not show yet.
+    let mut left: Vec<usize> = (0..AMPLIFICATIONS.len()).collect();
+    let finest = t_end / sizes.reference_steps() as f64;
+    let coarser = sizes.level(0) as i32 / 2;
+    for scale in -coarser..SCALES {
+        let tau = 0.25 * finest * f64::powi(0.25, scale);
+        let factors: Vec<f64> = left.iter().map(|&n| AMPLIFICATIONS[n]).collect();
+        let mut found = squares_of(tau, &factors).into_iter();
+        left.retain(|&n| {
+            let Some((square, size)) = found.next() else { return false };
+            let shows = square <= ROUND_OFF * ROUND_OFF * size;
             // A step with very strong noise may fail, or overflow.
-            if square.is_finite() {
-                squares.push((tau, square));
+            if !shows && square.is_finite() {
+                squares[n].push((tau, square));
             }
+            !shows
+        });
+        if left.is_empty() {
+            break;
         }
+    }
+    let mut least: Option<OneStep> = None;
+    for (squares, amplification) in squares.iter().zip(AMPLIFICATIONS) {
         // Squares with τ a quarter as large: E|δ|² falls by 4^{2q}.
         let exponents: Vec<f64> =
             squares.windows(2).map(|pair| 0.25 * (pair[0].1 / pair[1].1).log2()).collect();
@@ -137,137 +139,137 @@ const MEAN_VISITS: usize = 16;
 
 /// Means over visits of the squares of E[g(one step) − g(two half steps)] and of g, where g are the
 /// components and their squares; NaN if no step succeeds.
-fn mean_difference<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
-    visits: &[Visit<D>],
+fn mean_difference<N: StepNoise>(
+    steps: &mut Steps<'_, N>,
+    points: &[Point],
+    visits: &[Visit],
     tau: f64,
     amplification: f64,
 ) -> (f64, f64) {
     let (mut square, mut size, mut count) = (0.0, 0.0, 0.0);
     let root = amplification * (0.5 * tau).sqrt();
     for visit in visits {
-        let mut means = [[0.0; D]; 2];
-        let mut add = |weight: f64, normals: [[f64; M]; 2]| {
-            let noises = normals.map(|normals| Noise::increments(normals.map(|x| root * x)));
-            let (one, two) = one_and_two(scheme, problem, visit, tau, noises)?;
-            for i in 0..D {
-                let difference = one[i] - two[i];
-                means[0][i] += weight * difference;
-                means[1][i] += weight * difference * (one[i] + two[i]);
+        let mut means = [(); 2].map(|()| vec![0.0; visit.state.len()]);
+        let mut add = |points: &[Point]| {
+            for (k, noise) in steps.noises.iter_mut().enumerate() {
+                for (m, row) in noise.increments_mut().iter_mut().enumerate() {
+                    row.iter_mut().zip(points).for_each(|(dw, (_, x))| *dw = root * x[k][m]);
+                }
+            }
+            let OneAndTwo { one, two, live } = steps.one_and_two(visit, tau, points.len())?;
+            for (p, (weight, _)) in points.iter().enumerate() {
+                if !live.contains(p) {
+                    return None;
+                }
+                for i in 0..one.len() {
+                    let difference = one[i][p] - two[i][p];
+                    means[0][i] += weight * difference;
+                    means[1][i] += weight * difference * (one[i][p] + two[i][p]);
+                }
             }
             Some(())
         };
-        if cubature::<M>().try_for_each(|(weight, normals)| add(weight, normals)).is_some() {
-            square += means.map(square_of).iter().sum::<f64>();
-            size += square_of(visit.state) + square_of(visit.state.map(|y| y * y));
+        if points.chunks(WIDTH).try_for_each(&mut add).is_some() {
+            square += means.iter().map(|mean| square_of(mean.iter().copied())).sum::<f64>();
+            let y = || visit.state.iter().copied();
+            size += square_of(y()) + square_of(y().map(|y| y * y));
             count += 1.0;
         }
     }
     (square / count, size / count)
 }
 
-fn square_of<const D: usize>(x: [f64; D]) -> f64 {
-    x.iter().map(|x| x * x).sum()
+fn square_of(x: impl Iterator<Item = f64>) -> f64 {
+    x.map(|x| x * x).sum()
 }
 
-/// A step τ from the visit and two half steps on the same noise; `None` if one fails.
-fn one_and_two<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
-    visit: &Visit<D>,
-    tau: f64,
-    [first, second]: [Noise<M>; 2],
-) -> Option<([f64; D], [f64; D])> {
-    let step = |n: u64, tau: f64, noise: &Noise<M>, y: [f64; D]| {
-        let step = Step::new(problem.damping(), n, tau).ok()?;
-        let solution = scheme.step(problem.system(), &step, noise, y);
-        solution.outcome.converged().then_some(solution.z)
-    };
-    // Times are multiples of the step size.
-    let n = (visit.t / tau).round() as u64;
-    let one = step(n, tau, &join(first, second), visit.state)?;
-    let half = step(2 * n, 0.5 * tau, &first, visit.state)?;
-    Some((one, step(2 * n + 1, 0.5 * tau, &second, half)?))
-}
+/// A weight and two vectors of normals.
+type Point = (f64, [Vec<f64>; 2]);
 
-/// Weights and points of a cubature of degree five for two vectors of M normals.
-fn cubature<const M: usize>() -> impl Iterator<Item = (f64, [[f64; M]; 2])> {
-    let n = 2 * M;
+/// A cubature of degree five for two vectors of normals, one for each noise.
+fn cubature(noises: usize) -> Vec<Point> {
+    let n = 2 * noises;
     let r = n as f64 + 2.0;
-    let point = move |entries: &[(usize, f64)]| {
-        let mut point = [[0.0; M]; 2];
-        entries.iter().for_each(|&(i, x)| point[i / M][i % M] = x);
+    let point = |entries: &[(usize, f64)]| {
+        let mut point = [(); 2].map(|()| vec![0.0; noises]);
+        entries.iter().for_each(|&(i, x)| point[i / noises][i % noises] = x);
         point
     };
-    let centre = std::iter::once((2.0 / r, [[0.0; M]; 2]));
-    let axes = (0..n).flat_map(move |i| {
-        [r.sqrt(), -r.sqrt()].map(|x| ((4.0 - n as f64) / (2.0 * r * r), point(&[(i, x)])))
-    });
-    let pairs = (0..n).flat_map(move |i| (i + 1..n).map(move |j| (i, j)));
-    let planes = pairs.flat_map(move |(i, j)| {
-        let x = (0.5 * r).sqrt();
-        let signs = [(x, x), (x, -x), (-x, x), (-x, -x)];
-        signs.map(|(a, b)| (1.0 / (r * r), point(&[(i, a), (j, b)])))
-    });
-    centre.chain(axes).chain(planes)
-}
-
-/// Means of |δ|² and |y|² over the steps that succeed; NaN if none does.
-fn difference<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-    scheme: &dyn Scheme<S, D, M>,
-    problem: &Problem<S, G, D>,
-    key: StreamKey,
-    visits: &[Visit<D>],
-    tau: f64,
-    amplification: f64,
-) -> (f64, f64) {
-    let (mut square, mut size, mut count) = (0.0, 0.0, 0.0);
-    for (path, visit) in (0..).zip(visits) {
-        let noises = two_steps(key, path, 0.5 * tau, amplification, scheme.reads_areas());
-        if let Some((one, two)) = one_and_two(scheme, problem, visit, tau, noises) {
-            square += square_of(std::array::from_fn::<f64, D, _>(|i| one[i] - two[i]));
-            size += square_of(two);
-            count += 1.0;
+    let mut points = vec![(2.0 / r, point(&[]))];
+    for i in 0..n {
+        let weight = (4.0 - n as f64) / (2.0 * r * r);
+        points.extend([r.sqrt(), -r.sqrt()].map(|x| (weight, point(&[(i, x)]))));
+    }
+    for i in 0..n {
+        for j in i + 1..n {
+            let x = (0.5 * r).sqrt();
+            let signs = [(x, x), (x, -x), (-x, x), (-x, -x)];
+            points.extend(signs.map(|(a, b)| (1.0 / (r * r), point(&[(i, a), (j, b)]))));
         }
     }
-    (square / count, size / count)
+    points
 }
 
-/// The noise of two steps τ, times a factor. Areas have one term of their series, since one step
-/// and two half steps share them and only their law is that of the series.
-fn two_steps<const M: usize>(
+/// For each factor of the noise, means of |δ|² and |y|² over the steps that succeed; NaN if none
+/// does.
+fn differences<N: StepNoise>(
+    steps: &mut Steps<'_, N>,
     key: StreamKey,
-    path: u64,
+    visits: &[Visit],
+    tau: f64,
+    amplifications: &[f64],
+) -> Vec<(f64, f64)> {
+    let (noises, areas) = (steps.subject.problem.noises, steps.subject.scheme.reads_areas());
+    let mut sums = vec![(0.0, 0.0, 0.0); amplifications.len()];
+    for (block, visits) in (0..).zip(visits.chunks(WIDTH)) {
+        let first_path = block * WIDTH as u64;
+        let draw = |&factor: &f64| two_steps(key, first_path, 0.5 * tau, factor, noises, areas);
+        let drawn: Vec<[N; 2]> = amplifications.iter().map(draw).collect();
+        for (p, visit) in visits.iter().enumerate() {
+            for (lane, drawn) in drawn.iter().enumerate() {
+                steps
+                    .noises
+                    .iter_mut()
+                    .zip(drawn)
+                    .for_each(|(to, from)| to.set_path(lane, from, p));
+            }
+            let Some(ends) = steps.one_and_two(visit, tau, drawn.len()) else { continue };
+            let OneAndTwo { one, two, live } = ends;
+            for lane in live.paths() {
+                let (square, size, count) = &mut sums[lane];
+                *square += square_of(one.iter().zip(two).map(|(one, two)| one[lane] - two[lane]));
+                *size += square_of(two.iter().map(|row| row[lane]));
+                *count += 1.0;
+            }
+        }
+    }
+    sums.into_iter().map(|(square, size, count)| (square / count, size / count)).collect()
+}
+
+/// The noise of two steps τ of 32 paths, times a factor. Areas have one term of their series, since
+/// one step and two half steps share them and only their law is that of the series.
+fn two_steps<N: StepNoise>(
+    key: StreamKey,
+    first_path: u64,
     tau: f64,
     factor: f64,
+    noises: usize,
     areas: bool,
-) -> [Noise<M>; 2] {
-    let mut wiener = WienerPath::<M>::new(key, path);
+) -> [N; 2] {
+    let mut wiener = WienerRows::new(key, first_path);
     let method = AreaMethod::MrongowiusRoessler;
-    let mut sampler = areas.then(|| AreaPath::<M>::new(key, path, method, 1));
+    let areas = areas.then(|| N::area_draw(key, first_path, method, 1));
+    let mut areas = areas.flatten();
     // Brownian motion times a factor is Brownian motion of another time.
     let time = tau * factor * factor;
     [(); 2].map(|()| {
-        let mut noise = Noise::increments(wiener.increments(time.sqrt()));
-        if let Some(sampler) = &mut sampler {
-            noise.areas = sampler.areas(time, noise.increments);
+        let mut noise = N::zero(noises);
+        noise.draw(&mut wiener, time.sqrt());
+        if let Some(draw) = &mut areas {
+            draw(time, &mut noise);
         }
         noise
     })
-}
-
-/// The noise of a step that consists of two: areas by Chen's relation.
-fn join<const M: usize>(first: Noise<M>, second: Noise<M>) -> Noise<M> {
-    let mut both = first;
-    for i in 0..M {
-        both.increments[i] += second.increments[i];
-        for j in 0..M {
-            let (a, b) = (first.increments, second.increments);
-            both.areas[i][j] += second.areas[i][j] + 0.5 * (a[i] * b[j] - b[i] * a[j]);
-        }
-    }
-    both
 }
 
 #[cfg(test)]
@@ -276,10 +278,10 @@ mod tests {
 
     #[test]
     fn the_cubature_has_the_moments_of_normals_up_to_the_fifth() {
-        let points: Vec<(f64, [[f64; 3]; 2])> = cubature().collect();
+        let points = cubature(3);
         let moment = |of: &dyn Fn([f64; 6]) -> f64| {
-            let flat = |p: [[f64; 3]; 2]| std::array::from_fn(|i| p[i / 3][i % 3]);
-            points.iter().map(|&(weight, p)| weight * of(flat(p))).sum::<f64>()
+            let flat = |p: &[Vec<f64>; 2]| std::array::from_fn(|i| p[i / 3][i % 3]);
+            points.iter().map(|(weight, p)| weight * of(flat(p))).sum::<f64>()
         };
         let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-13, "{a} {b}");
         close(moment(&|_| 1.0), 1.0);
@@ -296,8 +298,9 @@ mod tests {
         }
     }
 
-    use noise::Truncation;
-    use systems::{Constant, paper::valid};
+    use mc::Setup;
+    use noise::{BlockNoise, NoiseRows, Truncation};
+    use systems::{Constant, Problem, paper::valid};
 
     use super::super::tests::{Anything, Single};
 
@@ -314,7 +317,10 @@ mod tests {
     fn the_least_clear_order_of_all_strengths_of_noise_is_taken() {
         // From T/64 times 4² down: two levels above the finest of four sizes.
         let of = |squares: &dyn Fn(f64, f64) -> (f64, f64)| {
-            let found = least_order(&problem(), &sizes(), squares);
+            let mut all = |tau: f64, strengths: &[f64]| {
+                strengths.iter().map(|&strength| squares(tau, strength)).collect()
+            };
+            let found = least_order(2.0, &sizes(), &mut all);
             found.map(|step| (step.order, step.amplification, step.tau))
         };
         // Halfway to rounding: (3e-14)² < τ³ down to τ = 2⁻²⁷ (from 2⁻³, by quarters).
@@ -340,17 +346,30 @@ mod tests {
 
     #[test]
     fn step_sizes_begin_above_the_finest_and_fall_by_quarters() {
-        let asked = std::cell::RefCell::new(Vec::new());
-        least_order(&problem(), &sizes(), &|tau, strength| {
-            if strength == 1.0 {
-                asked.borrow_mut().push(tau);
-            }
-            (1.0, 1.0)
+        let mut asked = Vec::new();
+        least_order(2.0, &sizes(), &mut |tau, strengths| {
+            assert_eq!(strengths, AMPLIFICATIONS);
+            asked.push(tau);
+            vec![(1.0, 1.0); strengths.len()]
         });
         // The reference has 4·2⁴ steps on [0, 2]; a quarter of it, and two quarters more up.
         let finest = 2.0 / 64.0 / 4.0;
         let expected: Vec<f64> = (-2..20).map(|n| finest * 0.25f64.powi(n)).collect();
-        assert_eq!(asked.into_inner(), expected);
+        assert_eq!(asked, expected);
+    }
+
+    #[test]
+    fn factors_of_the_noise_are_left_out_where_rounding_shows() {
+        let mut asked = Vec::new();
+        least_order(2.0, &sizes(), &mut |tau, strengths| {
+            asked.push(strengths.to_vec());
+            // Rounding at the first step size without a factor, never with the largest.
+            let shows = |&strength: &f64| tau < 0.1 && strength < 2e4 || strength == 1.0;
+            strengths.iter().map(|s| (if shows(s) { 0.0 } else { 1.0 }, 1.0)).collect()
+        });
+        assert_eq!(asked[0], AMPLIFICATIONS);
+        assert_eq!(asked[1], AMPLIFICATIONS[1..]);
+        assert_eq!((asked.len(), &asked[21][..]), (22, &[65_536.0][..]));
     }
 
     #[test]
@@ -358,66 +377,89 @@ mod tests {
         // y₁ + 2t + 3τ + 5ΔW, and y₂ + τ².
         let scheme =
             Single(|t, tau, dw, y| [y[0] + 2.0 * t + 3.0 * tau + 5.0 * dw, y[1] + tau * tau]);
-        let visit = Visit { t: 0.5, state: [1.0, -2.0] };
-        let noises = [0.25, -0.5].map(|dw| Noise::increments([dw]));
-        let (one, two) = one_and_two(&scheme, &problem(), &visit, 0.25, noises).unwrap();
-        assert_eq!(one, [1.0 + 1.0 + 0.75 - 1.25, -2.0 + 0.0625]);
-        assert_eq!(two, [1.0 + (1.0 + 1.25) + 0.75 - 1.25, -2.0 + 2.0 * 0.015_625]);
+        let visit = Visit { t: 0.5, state: vec![1.0, -2.0] };
+        let problem = problem();
+        let setup = Setup::of(&problem, &scheme);
+        let mut steps = Steps::new(Subject::from(&setup));
+        for (noise, dw) in steps.noises.iter_mut().zip([0.25, -0.5]) {
+            noise.increments_mut()[0][..2].copy_from_slice(&[7.0, dw]);
+        }
+        let OneAndTwo { one, two, live } = steps.one_and_two(&visit, 0.25, 2).unwrap();
+        assert_eq!(live, real::PathMask::first(2));
+        let path = |y: &[real::Row], p: usize| [y[0][p], y[1][p]];
+        assert_eq!(path(one, 1), [1.0 + 1.0 + 0.75 - 1.25, -2.0 + 0.0625]);
+        assert_eq!(path(two, 1), [1.0 + (1.0 + 1.25) + 0.75 - 1.25, -2.0 + 2.0 * 0.015_625]);
+        // The others have no noise.
+        assert_eq!(path(one, 2), [1.0 + 1.0 + 0.75, -2.0 + 0.0625]);
         // Visits whose steps fail are left out of both means.
         let partly =
             Single(|_, tau, _, y| [y[0] + tau.sqrt(), if y[0] > 2.0 { f64::NAN } else { y[1] }]);
-        let visits = [[1.0, 0.0], [0.5, 1.0], [3.0, 0.0]].map(|state| Visit { t: 0.0, state });
+        let visits =
+            [[1.0, 0.0], [0.5, 1.0], [3.0, 0.0]].map(|y| Visit { t: 0.0, state: y.into() });
         let key = StreamKey { seed: 1, experiment: 1 };
-        let (square, size) = difference(&partly, &problem(), key, &visits, 0.04, 1.0);
+        let setup = Setup::of(&problem, &partly);
+        let mut steps = Steps::new(Subject::from(&setup));
+        let mut of = |visits: &[Visit]| differences(&mut steps, key, visits, 0.04, &[1.0])[0];
+        let (square, size) = of(&visits);
         let (one, two) = (0.2, 2.0 * 0.02f64.sqrt());
         let states = [1.0 + two, 0.5 + two];
         let exact = (states[0] * states[0] + states[1] * states[1] + 1.0) / 2.0;
         assert!((square / ((one - two) * (one - two)) - 1.0).abs() < 1e-12, "{square}");
         assert!((size / exact - 1.0).abs() < 1e-12, "{size} {exact}");
-        assert!(difference(&partly, &problem(), key, &visits[2..], 0.04, 1.0).0.is_nan());
+        assert!(of(&visits[2..]).0.is_nan());
     }
 
     #[test]
     fn means_of_one_step_are_those_over_the_noise() {
         // y₁ + ΔW + ½τ² and y₂: the means of y₁ and y₁² differ by τ²/4 and by what ΔW² adds.
         let scheme = Single(|_, tau, dw, y| [y[0] + dw + 0.5 * tau * tau, y[1]]);
-        let visits = [Visit { t: 0.0, state: [3.0, 1.0] }];
-        let (tau, strength) = (0.5, 2.0);
-        let (square, size) = mean_difference(&scheme, &problem(), &visits, tau, strength);
+        let (tau, strength, problem) = (0.5, 2.0, problem());
+        let of = |scheme: &Single, state: [f64; 2]| {
+            let (setup, visit) =
+                (Setup::of(&problem, scheme), Visit { t: 0.0, state: state.into() });
+            let mut steps = Steps::new(Subject::from(&setup));
+            mean_difference(&mut steps, &cubature(1), &[visit], tau, strength)
+        };
+        let (square, size) = of(&scheme, [3.0, 1.0]);
         // One step ends at 3 + ΔW + 0.125 and two at 3 + ΔW + 0.0625.
         let second = 0.0625 * (2.0 * 3.0 + 0.1875);
         assert!((square - 0.0625 * 0.0625 - second * second).abs() < 1e-12, "{square}");
         assert_eq!(size, 10.0 + 82.0);
         // Two steps of ΔW² each have twice the mean; squares of increments are strength²·τ.
         let scheme = Single(|_, tau, dw, y| [y[0] + if tau < 0.5 { dw * dw } else { 0.0 }, y[1]]);
-        let visits = [Visit { t: 0.0, state: [0.0, 0.0] }];
-        let (square, _) = mean_difference(&scheme, &problem(), &visits, tau, strength);
+        let (square, _) = of(&scheme, [0.0, 0.0]);
         // E of the sum, 4·0.5 = 2, and of its square, 2·3·1² + 2·1·1 = 8.
         assert!((square - 4.0 - 64.0).abs() < 1e-9, "{square}");
         // Of order τ² in the mean: weak order one, from sixteen visits at most.
         let drift = Single(|_, tau, dw, y| [y[0] + dw + tau * tau, y[1]]);
-        let visits = vec![Visit { t: 0.0, state: [1.0, 1.0] }; 20];
-        assert_eq!(mean_order(&drift, &problem(), &sizes(), &visits), Some(1.0));
+        let visits = vec![Visit { t: 0.0, state: vec![1.0, 1.0] }; 20];
+        let setup = Setup::of(&problem, &drift);
+        assert_eq!(mean_order(Subject::from(&setup), &sizes(), &visits), Some(1.0));
     }
 
     #[test]
     fn areas_of_two_steps_add_up_by_chens_relation() {
-        let noise = |increments: [f64; 2], area: f64| Noise {
-            increments,
-            areas: [[0.0, area], [-area, 0.0]],
+        let noise = |increments: [f64; 2], area: f64| {
+            let mut noise = BlockNoise::<2>::zero();
+            noise.increments.set_path(5, increments);
+            noise.areas.set_path(5, [[0.0, area], [-area, 0.0]]);
+            noise
         };
-        let both = join(noise([1.0, 2.0], 0.25), noise([3.0, 5.0], 0.5));
+        let mut both = noise([1.0, 2.0], 0.25);
+        both.join(&noise([3.0, 5.0], 0.5));
         // ½(1·5 − 2·3) = −½.
-        assert_eq!(both.increments, [4.0, 7.0]);
-        assert_eq!(both.areas, [[0.0, 0.25], [-0.25, 0.0]]);
+        assert_eq!(both.path(5).increments, [4.0, 7.0]);
+        assert_eq!(both.path(5).areas, [[0.0, 0.25], [-0.25, 0.0]]);
         // Brownian motion times two is that of four times the time.
         let key = StreamKey { seed: 7, experiment: 1 };
-        let of = |tau, factor| two_steps::<2>(key, 3, tau, factor, true);
-        assert_eq!(of(0.5, 2.0).map(|n| n.increments), of(2.0, 1.0).map(|n| n.increments));
-        assert_eq!(of(0.5, 2.0).map(|n| n.areas), of(2.0, 1.0).map(|n| n.areas));
-        assert!(of(0.5, 2.0)[0].areas[0][1] != 0.0);
-        let without = two_steps::<2>(key, 3, 2.0, 1.0, false);
-        assert_eq!(without.map(|n| n.increments), of(2.0, 1.0).map(|n| n.increments));
-        assert_eq!(without[0].areas, [[0.0; 2]; 2]);
+        let of = |tau, factor, areas| two_steps::<BlockNoise<2>>(key, 3, tau, factor, 2, areas);
+        assert_eq!(of(0.5, 2.0, true), of(2.0, 1.0, true));
+        assert!(of(0.5, 2.0, true)[0].path(0).areas[0][1] != 0.0);
+        let without = of(2.0, 1.0, false);
+        assert_eq!(without[0].increments, of(0.5, 2.0, true)[0].increments);
+        assert_eq!(without[0].path(0).areas, [[0.0; 2]; 2]);
+        // Noises that are counted at run time are the same.
+        let rows = two_steps::<NoiseRows>(key, 3, 2.0, 1.0, 2, false);
+        assert_eq!(rows.map(|n| n.increments.to_vec()), without.map(|n| n.increments.0.to_vec()));
     }
 }

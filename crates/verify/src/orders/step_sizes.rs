@@ -1,9 +1,7 @@
 //! Step sizes, paths and noise of a measurement.
 
-use mc::{LadderError, SeenDamping};
-use noise::{StreamKey, Truncation};
-use schemes::Scheme;
-use systems::{Damping, PoissonSystem, Problem};
+use mc::{LadderError, SeenDamping, Setup};
+use noise::{StepNoise, StreamKey, Truncation};
 
 /// Step sizes, paths and noise of a measurement of an order.
 ///
@@ -65,17 +63,8 @@ impl StepSizes {
     }
 
     /// What the sums of the damping over the finest steps lack, if these do not resolve it.
-    pub(super) fn damping<S, G, const D: usize, const M: usize>(
-        &self,
-        scheme: &dyn Scheme<S, D, M>,
-        problem: &Problem<S, G, D>,
-    ) -> Option<f64>
-    where
-        S: PoissonSystem<D, M>,
-        G: Damping,
-    {
-        let seen = SeenDamping::new(scheme, problem, self.coarsest_steps);
-        seen.unresolved(self.sizes() - 1)
+    pub(super) fn damping<N: StepNoise>(&self, setup: &Setup<'_, N>) -> Option<f64> {
+        SeenDamping::of(setup, self.coarsest_steps).unresolved(self.sizes() - 1)
     }
 
     /// Refuses sizes without a step or a step size, or with too many.

@@ -1,16 +1,19 @@
 //! Strong orders.
 
-use mc::{LadderError, View, squared_distance};
+use mc::{LadderError, Setup, View};
+use noise::StepNoise;
+use real::Row;
 use schemes::Scheme;
 use stats::fit_strong;
 use systems::{Damping, PoissonSystem, Problem};
 
 use super::{
-    Measure, Order, ReferenceSolution, StepSizes, decision,
-    errors::{differences, record, record_length, strong_points},
+    DynReference, Measure, Order, ReferenceSolution, StepSizes, decision,
+    errors::{differences, record, record_length, squared_distance, strong_points},
     limit::limit,
     one_step::one_step,
     runs::{at_all_sizes, measure},
+    steps::Subject,
     visits::visits,
 };
 
@@ -50,29 +53,72 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
+    strong_order_of(&Setup::of(problem, scheme), sizes, &reference.erased(problem))
+}
+
+/// The same as [`strong_order_against`] for a problem of any dimension.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use formula::{Definition, FormulaSystem};
+/// use mc::Setup;
+/// use noise::{StreamKey, Truncation};
+/// use schemes::Sexp;
+/// use systems::{Constant, run_time::Problem};
+/// use verify::{DynReference, StepSizes, strong_order_of};
+///
+/// let words = |texts: &[&str]| texts.iter().map(|text| text.to_string()).collect::<Vec<_>>();
+/// let pendulum = Definition {
+///     name: "pendulum".into(),
+///     state: words(&["p", "q"]),
+///     structure: vec![words(&["-1"])],
+///     energy: "p^2/2 - cos(q)".into(),
+///     noises: words(&["p^2/2 - cos(q)"]),
+///     ..Definition::default()
+/// };
+/// let (y0, damping) = ([0.2, 1.0], Constant::new(2.0)?);
+/// let system = FormulaSystem::new(&pendulum, &y0)?;
+/// let problem = Problem::new(Arc::new(system), Arc::new(damping), y0.into(), 1.0)?;
+/// let key = StreamKey { seed: 1, experiment: 1 };
+/// let sizes = StepSizes::new(16, Truncation::new(4)?, key);
+/// let setup = Setup::at_run_time(&problem, &Sexp)?;
+/// let order = strong_order_of(&setup, &sizes, &DynReference::independent(&problem)?)?;
+/// assert_eq!(order.order(), Some(1.0), "{order}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// As [`strong_order`].
+pub fn strong_order_of<N: StepNoise>(
+    setup: &Setup<'_, N>,
+    sizes: &StepSizes,
+    reference: &DynReference<'_, N>,
+) -> Result<Order, LadderError> {
     sizes.check_order(LEAST_SIZES)?;
     let (levels, number) = (sizes.levels, sizes.sizes());
-    let (runs, exact) = (at_all_sizes(scheme, sizes), reference.exact());
-    let values = |view: &View<'_>, p: usize, numbers: &mut [f64]| {
-        let states: Vec<[f64; D]> = (0..view.runs()).map(|run| view.path(run, p)).collect();
-        record(&states, levels, numbers);
+    let (subject, exact) = (Subject::from(setup), reference.exact());
+    let values = |view: &View<'_>, numbers: &mut [Row]| {
+        let states: Vec<&[Row]> = (0..view.runs()).map(|run| view.state(run)).collect();
+        record(&states, view.live, levels, numbers);
         if let Some(exact) = exact {
-            let solution = (exact.solution)(view.random_time[p]);
+            let solution = exact.rows(view);
             for (number, state) in numbers.iter_mut().zip(&states[..levels]) {
-                *number = squared_distance(*state, solution);
+                *number = squared_distance(state, &solution, view.live);
             }
         }
     };
-    let time_change = exact.map(|exact| exact.time_change);
+    let (runs, time_change) =
+        (at_all_sizes(subject.scheme, sizes), exact.map(|exact| exact.time_change));
     let length = record_length(number, levels);
-    let (moments, failed) = measure(problem, sizes, runs, time_change, length, &values)?;
+    let (moments, failed) = measure(subject.problem, sizes, runs, time_change, length, &values)?;
 
-    let taus = sizes.taus(problem.t_end());
+    let taus = sizes.taus(subject.problem.t_end);
     let mut rate = fit_strong(&taus[..number - 1], &differences(&moments, number, levels));
-    let visits = visits(scheme, problem, sizes)?;
-    let one_step = one_step(scheme, problem, sizes, &visits);
-    let limit = limit(scheme, problem, sizes, &visits, reference, Measure::Strong)?;
-    let decision = decision::obstacle(failed, sizes.samples, sizes.damping(scheme, problem))
+    let visits = visits(subject, sizes)?;
+    let one_step = one_step(subject, sizes, &visits);
+    let limit = limit(subject, sizes, &visits, reference, Measure::Strong)?;
+    let decision = decision::obstacle(failed, sizes.samples, sizes.damping(setup))
         .unwrap_or_else(|| decision::strong(rate.as_ref(), one_step, limit));
     let points = match &mut rate {
         _ if exact.is_some() => stats::root_mean_squares(&taus[..levels], &moments),

@@ -1,15 +1,16 @@
 //! The arithmetic of orders, and what is decided, on numbers that are made up.
 
-use mc::Observable;
+use mc::{Observable, Setup};
 use noise::{BlockNoise, Noise, StreamKey, Truncation};
 use nonlin::{BlockStatus, Outcome, Solution};
-use real::{Block, Real};
+use real::{Block, PathMask, Real, WIDTH};
 use schemes::{EulerMaruyama, Midpoint, Scheme, Step};
 use stats::{CrossMoments, Point, Rate};
 use systems::{Constant, PoissonSystem, Problem, paper::valid};
 
 use super::{
-    Decision, Exact, Limit, Measure, OneStep, Order, ReferenceSolution, StepSizes, decision,
+    Decision, DynReference, Exact, Limit, Measure, OneStep, Order, ReferenceSolution, StepSizes,
+    Subject, decision,
     errors::{differences, record, record_length, strong_points},
     exact_mean,
     limit::limit,
@@ -195,9 +196,10 @@ fn recorded<const D: usize>(states: [[f64; D]; SIZES]) -> CrossMoments {
     let mut moments = CrossMoments::new(length);
     for path in 0..64 {
         let size = [1.1, 0.9, -1.1, -0.9][path % 4];
-        let mut numbers = vec![0.0; length];
-        record(&states.map(|state| state.map(|y| size * y)), LEVELS, &mut numbers);
-        moments.add(&numbers);
+        let rows = states.map(|state| state.map(|y| [size * y; WIDTH]));
+        let mut numbers = vec![[0.0; WIDTH]; length];
+        record(&rows.each_ref().map(|y| &y[..]), PathMask::ALL, LEVELS, &mut numbers);
+        moments.add(&numbers.iter().map(|row| row[3]).collect::<Vec<_>>());
     }
     moments
 }
@@ -317,13 +319,18 @@ impl Scheme<Anything, 2, 1> for Single {
     }
     fn step_block(
         &self,
-        _: &Anything,
-        _: &Step,
-        _: &BlockNoise<1>,
-        _: &mut Block<2>,
-        _: &mut BlockStatus,
+        system: &Anything,
+        step: &Step,
+        noise: &BlockNoise<1>,
+        y: &mut Block<2>,
+        status: &mut BlockStatus,
     ) {
-        unreachable!("single steps only")
+        *status = BlockStatus::explicit();
+        for p in 0..WIDTH {
+            let Solution { z, outcome } = self.step(system, step, &noise.path(p), y.path(p));
+            y.set_path(p, z);
+            status.set(p, outcome);
+        }
     }
     fn step(&self, _: &Anything, step: &Step, noise: &Noise<1>, y: [f64; 2]) -> Solution<2> {
         let z = (self.0)(step.t, step.tau, noise.increments[0], y);
@@ -355,8 +362,8 @@ fn moved(offset: f64, seed: u64) -> Limit {
     let time_change = RandomTime::new(problem.damping(), 1.0, 1.0, tau);
     let solution = |s: f64| [s.cos() + offset, s.sin()];
     let exact = Exact { time_change: &time_change, solution: &solution };
-    let reference = ReferenceSolution::Exact(exact);
-    limit(&EulerMaruyama, &problem, &sizes, &[], &reference, Measure::Strong).unwrap()
+    let (setup, exact) = (Setup::of(&problem, &EulerMaruyama), DynReference::Exact(exact.into()));
+    limit(Subject::from(&setup), &sizes, &[], &exact, Measure::Strong).unwrap()
 }
 
 #[test]

@@ -1,16 +1,19 @@
 //! Weak orders.
 
-use mc::{LadderError, Observable, View};
+use mc::{LadderError, Observable, Observe, Setup, View};
+use noise::StepNoise;
+use real::{PathMask, Row, WIDTH};
 use schemes::Scheme;
 use stats::{Against, CrossMoments, Point, fit_weak, lower_share};
 use systems::{Damping, PoissonSystem, Problem};
 
 use super::{
-    Measure, Order, ReferenceSolution, StepSizes, decision,
+    DynReference, Measure, Order, ReferenceSolution, StepSizes, decision,
     errors::widen,
     limit::limit,
     one_step::mean_order,
     runs::{at_all_sizes, measure},
+    steps::Subject,
     visits::visits,
 };
 
@@ -40,25 +43,40 @@ where
     S: PoissonSystem<D, M>,
     G: Damping,
 {
+    let (setup, reference) = (Setup::of(problem, scheme), reference.erased(problem));
+    weak_order_of(&setup, &observable, sizes, &reference)
+}
+
+/// The same for a problem of any dimension.
+///
+/// # Errors
+/// As [`strong_order`](super::strong_order).
+pub fn weak_order_of<N: StepNoise>(
+    setup: &Setup<'_, N>,
+    observable: &dyn Observe,
+    sizes: &StepSizes,
+    reference: &DynReference<'_, N>,
+) -> Result<Order, LadderError> {
     sizes.check_order(LEAST_SIZES)?;
     let (levels, number) = (sizes.levels, sizes.sizes());
-    let (runs, exact) = (at_all_sizes(scheme, sizes), reference.exact());
-    let phi = observable.function;
+    let (subject, exact) = (Subject::from(setup), reference.exact());
     // φ(y_k) − φ(y_{k+1}) for all but the finest, then the finest against the exact solution.
-    let values = |view: &View<'_>, p: usize, numbers: &mut [f64]| {
-        let finest = view.runs() - 1;
-        for (run, number) in numbers.iter_mut().enumerate().take(finest) {
-            *number = phi(view.path(run, p)) - phi(view.path(run + 1, p));
+    let values = |view: &View<'_>, numbers: &mut [Row]| {
+        let phi = |y: &[Row]| evaluate(observable, y, view.live);
+        let mut next = phi(view.state(0));
+        for run in 1..view.runs() {
+            let this = std::mem::replace(&mut next, phi(view.state(run)));
+            numbers[run - 1] = difference(&this, &next);
         }
         if let Some(exact) = exact {
-            let solution = (exact.solution)(view.random_time[p]);
-            numbers[number - 1] = phi(view.path(finest, p)) - phi(solution);
+            numbers[number - 1] = difference(&next, &phi(&exact.rows(view)));
         }
     };
-    let time_change = exact.map(|exact| exact.time_change);
-    let (moments, failed) = measure(problem, sizes, runs, time_change, number, &values)?;
+    let (runs, time_change) =
+        (at_all_sizes(subject.scheme, sizes), exact.map(|exact| exact.time_change));
+    let (moments, failed) = measure(subject.problem, sizes, runs, time_change, number, &values)?;
 
-    let taus = sizes.taus(problem.t_end());
+    let taus = sizes.taus(subject.problem.t_end);
     // Errors against the exact solution at all step sizes, or differences at all but the finest.
     let (fitted, against) = match exact {
         Some(_) => (errors(number, &moments, None), Against::Exact),
@@ -72,14 +90,12 @@ where
         covariance[l][l] += (MODEL_ERROR * mean).powi(2);
     }
     let mut rate = fit_weak(&taus[..means.len()], &means, &covariance, against);
-    let visits = visits(scheme, problem, sizes)?;
-    let limit = limit(scheme, problem, sizes, &visits, reference, Measure::Weak(observable))?;
+    let visits = visits(subject, sizes)?;
+    let limit = limit(subject, sizes, &visits, reference, Measure::Weak(observable))?;
     let share = |order| lower_share(&taus[..means.len()], &means, &covariance, order, against);
-    let decision = decision::obstacle(failed, sizes.samples, sizes.damping(scheme, problem))
-        .unwrap_or_else(|| {
-            let one_step = || mean_order(scheme, problem, sizes, &visits);
-            decision::weak(rate.as_ref(), share, one_step, limit)
-        });
+    let one_step = || mean_order(subject, sizes, &visits);
+    let decision = decision::obstacle(failed, sizes.samples, sizes.damping(setup))
+        .unwrap_or_else(|| decision::weak(rate.as_ref(), share, one_step, limit));
     let likely = rate.as_mut().map_or(1.0, |rate| decision.settle(rate)).max(0.5);
     let tail = |p: f64| if exact.is_some() { None } else { Some(1.0 / (p.exp2() - 1.0)) };
     let mut points = match rate.is_some() || exact.is_some() {
@@ -93,6 +109,18 @@ where
         }
     }
     Ok(Order { points, rate, one_step: None, limit, decision, failed })
+}
+
+/// φ of the paths that are live.
+pub fn evaluate(observable: &dyn Observe, y: &[Row], live: PathMask) -> Row {
+    let mut values = [0.0; WIDTH];
+    observable.evaluate(y, live, &mut values);
+    values
+}
+
+/// a − b on every path.
+pub fn difference(a: &Row, b: &Row) -> Row {
+    std::array::from_fn(|p| a[p] - b[p])
 }
 
 /// Points with normal intervals.

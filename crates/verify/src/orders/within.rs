@@ -1,10 +1,14 @@
 //! Orders within a budget: more paths or finer steps, whatever would decide.
 
-use mc::{LadderError, Observable};
+use mc::{LadderError, Observable, Observe, Setup};
+use noise::StepNoise;
 use schemes::Scheme;
 use systems::{Damping, PoissonSystem, Problem};
 
-use super::{Decision, Limit, Order, ReferenceSolution, StepSizes, strong_order, weak_order};
+use super::{
+    Decision, DynReference, Limit, Order, ReferenceSolution, StepSizes, strong_order,
+    strong_order_of, weak_order, weak_order_of,
+};
 
 /// [`strong_order`] with more paths or finer steps, whatever would decide, until an order is named
 /// or the next measurement would exceed `path_steps` in all.
@@ -24,6 +28,19 @@ where
     within(sizes, path_steps, &|sizes| strong_order(scheme, problem, sizes))
 }
 
+/// The same as [`strong_order_within`] for a problem of any dimension.
+///
+/// # Errors
+/// As [`strong_order`].
+pub fn strong_order_of_within<N: StepNoise>(
+    setup: &Setup<'_, N>,
+    sizes: &StepSizes,
+    reference: &DynReference<'_, N>,
+    path_steps: u64,
+) -> Result<Order, LadderError> {
+    within(sizes, path_steps, &|sizes| strong_order_of(setup, sizes, reference))
+}
+
 /// The same for [`weak_order`].
 ///
 /// # Errors
@@ -41,6 +58,20 @@ where
     G: Damping,
 {
     within(sizes, path_steps, &|sizes| weak_order(scheme, problem, observable, sizes, reference))
+}
+
+/// The same as [`weak_order_within`] for a problem of any dimension.
+///
+/// # Errors
+/// As [`weak_order`].
+pub fn weak_order_of_within<N: StepNoise>(
+    setup: &Setup<'_, N>,
+    observable: &dyn Observe,
+    sizes: &StepSizes,
+    reference: &DynReference<'_, N>,
+    path_steps: u64,
+) -> Result<Order, LadderError> {
+    within(sizes, path_steps, &|sizes| weak_order_of(setup, observable, sizes, reference))
 }
 
 /// Measures until an order is named, none can be, or the budget is spent.

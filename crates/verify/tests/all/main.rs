@@ -6,3 +6,4 @@ mod false_answers;
 mod generated;
 mod inspect;
 mod orders;
+mod run_time;

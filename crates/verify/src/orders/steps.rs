@@ -1,0 +1,116 @@
+//! Single steps of a scheme, 32 at once.
+
+use std::sync::Arc;
+
+use mc::{DynProblem, Setup};
+use noise::StepNoise;
+use nonlin::BlockStatus;
+use real::{PathMask, Row, WIDTH};
+use schemes::{DynScheme, RunState, Step};
+
+use super::visits::Visit;
+
+/// A scheme on the system of a problem.
+pub struct Subject<'a, N> {
+    pub problem: &'a DynProblem<'a>,
+    pub scheme: &'a Arc<dyn DynScheme<N> + 'a>,
+}
+
+impl<N> Clone for Subject<'_, N> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<N> Copy for Subject<'_, N> {}
+
+impl<'a, N> From<&'a Setup<'_, N>> for Subject<'a, N> {
+    fn from(setup: &'a Setup<'_, N>) -> Self {
+        Self { problem: &setup.problem, scheme: &setup.scheme }
+    }
+}
+
+/// Steps from one state on 32 noises. Lanes that nobody sets have none.
+pub struct Steps<'a, N> {
+    /// What is stepped.
+    pub subject: Subject<'a, N>,
+    /// The noise of a step, or of the two halves of one.
+    pub noises: [N; 2],
+    /// No noise, and that of both halves.
+    zero: N,
+    both: N,
+    state: Box<dyn RunState<N> + 'a>,
+    /// The ends of whole steps.
+    one: Vec<Row>,
+}
+
+/// The ends of one step and of two half steps on the same noise, on the paths whose steps succeed.
+pub struct OneAndTwo<'a> {
+    pub one: &'a [Row],
+    pub two: &'a [Row],
+    pub live: PathMask,
+}
+
+impl<'a, N: StepNoise> Steps<'a, N> {
+    pub fn new(subject: Subject<'a, N>) -> Self {
+        let start: Vec<Row> = subject.problem.y0.iter().map(|&y| [y; WIDTH]).collect();
+        let none = || N::zero(subject.problem.noises);
+        Self {
+            noises: [none(), none()],
+            zero: none(),
+            both: none(),
+            state: subject.scheme.start(&start),
+            one: start,
+            subject,
+        }
+    }
+
+    /// Sets all paths to a state, except these.
+    fn set(&mut self, state: &[f64], except: PathMask) {
+        for (row, &y) in self.state.rows_mut().iter_mut().zip(state) {
+            PathMask::ALL.without(except).paths().for_each(|p| row[p] = y);
+        }
+    }
+
+    /// The ends of steps from `state` on the first `count` of the first noises, on the paths whose
+    /// steps succeed.
+    pub fn step(&mut self, step: &Step, state: &[f64], count: usize) -> (&[Row], PathMask) {
+        self.idle(count);
+        self.set(state, PathMask::NONE);
+        let mut status = BlockStatus::explicit();
+        self.state.step(step, &self.noises[0], &mut status);
+        (self.state.rows(), PathMask::first(count).without(status.failed))
+    }
+
+    /// Takes the noise from paths that are not asked for.
+    fn idle(&mut self, count: usize) {
+        let Self { noises, zero, .. } = self;
+        noises.iter_mut().for_each(|n| (count..WIDTH).for_each(|p| n.set_path(p, zero, p)));
+    }
+
+    /// A step τ from the visit and two half steps, on the first `count` of the noises; `None` if
+    /// there is no such step.
+    pub fn one_and_two(&mut self, visit: &Visit, tau: f64, count: usize) -> Option<OneAndTwo<'_>> {
+        self.idle(count);
+        // Times are multiples of the step size.
+        let n = (visit.t / tau).round() as u64;
+        let damping = self.subject.problem.damping;
+        let step = |n: u64, tau: f64| Step::new(damping, n, tau).ok();
+        let (whole, first) = (step(n, tau)?, step(2 * n, 0.5 * tau)?);
+        let second = step(2 * n + 1, 0.5 * tau)?;
+        (0..WIDTH).for_each(|p| self.both.set_path(p, &self.noises[0], p));
+        self.both.join(&self.noises[1]);
+        let mut status = [(); 3].map(|()| BlockStatus::explicit());
+        self.set(&visit.state, PathMask::NONE);
+        self.state.step(&whole, &self.both, &mut status[0]);
+        self.one.copy_from_slice(self.state.rows());
+        self.set(&visit.state, PathMask::NONE);
+        self.state.step(&first, &self.noises[0], &mut status[1]);
+        // A path that failed may hold anything.
+        self.set(&visit.state, PathMask::ALL.without(status[1].failed));
+        self.state.step(&second, &self.noises[1], &mut status[2]);
+        let failed = status.iter().fold(PathMask::NONE, |all, status| all.or(status.failed));
+        let live = PathMask::first(count).without(failed);
+        Some(OneAndTwo { one: &self.one, two: self.state.rows(), live })
+    }
+}
