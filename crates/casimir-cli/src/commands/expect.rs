@@ -15,7 +15,9 @@ use casimir::{
     verify::{Progress, inspect::Purpose},
 };
 
-use super::{findings, folder, open, print, print_json, program, scheme, stop, threads};
+use super::{
+    coarsest_steps, findings, folder, open, print, print_json, program, scheme, stop, threads,
+};
 use crate::{
     arguments::Expect,
     failure::{Done, Failure},
@@ -148,13 +150,6 @@ impl<'a, N: StepNoise> Ready<'a, N> {
             seconds,
         }))
     }
-}
-
-/// Steps of the coarsest level: an eighth of a unit of time or shorter. Finer levels follow from
-/// what is measured.
-fn coarsest_steps(until: f64) -> u64 {
-    let most = f64::from(1u32 << 24);
-    ((8.0 * until).ceil().clamp(4.0, most) as u64).next_power_of_two()
 }
 
 /// Says what was found.

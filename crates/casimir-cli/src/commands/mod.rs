@@ -4,6 +4,7 @@ mod expect;
 mod folder;
 mod inspect;
 mod new;
+mod order;
 mod parts;
 mod run;
 
@@ -18,6 +19,7 @@ use clap::CommandFactory;
 pub use expect::{Results as Expected, expect};
 pub use inspect::inspect;
 pub use new::new;
+pub use order::order;
 pub use parts::{extend, merge, part, plan};
 pub use run::{Results, run};
 
@@ -65,6 +67,13 @@ fn findings<N>(scene: &Scene, model: &dyn Model<N>) -> Done<Findings> {
         eprintln!("warning: {mistake}");
     }
     Ok(findings)
+}
+
+/// Steps of the coarsest level: an eighth of a unit of time or shorter. Finer levels follow from
+/// what is measured.
+fn coarsest_steps(until: f64) -> u64 {
+    let most = f64::from(1u32 << 24);
+    ((8.0 * until).ceil().clamp(4.0, most) as u64).next_power_of_two()
 }
 
 /// This program, as files of parts name it.

@@ -33,9 +33,10 @@ pub fn with_laws(problem: DynProblem<'_>, laws: Vec<Law>) -> DynProblem<'_> {
     let law = |law: &Law| match law {
         Law::Casimir(found) => {
             casimirs += 1;
-            ConformalLaw { name: format!("C{casimirs}"), degree: f64::from(found.degree) }
+            let degree = f64::from(found.degree);
+            ConformalLaw { name: format!("C{casimirs}"), degree, casimir: true }
         }
-        Law::Energy(degree) => ConformalLaw { name: "H0".into(), degree: *degree },
+        Law::Energy(degree) => ConformalLaw { name: "H0".into(), degree: *degree, casimir: false },
     };
     let columns = laws.iter().map(law).collect();
     let formulas = Box::new(WithLaws {
@@ -59,6 +60,14 @@ impl Formulas for WithLaws<'_> {
 
     fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64 {
         self.formulas.energy(y, dt, dw)
+    }
+
+    fn field(&self, y: &[f64], dt: f64, dw: &[f64]) -> Vec<f64> {
+        self.formulas.field(y, dt, dw)
+    }
+
+    fn ito_correction(&self, y: &[f64]) -> Vec<f64> {
+        self.formulas.ito_correction(y)
     }
 
     fn law(&self, index: usize, y: &[f64]) -> f64 {
