@@ -100,7 +100,7 @@ impl<'a, N: StepNoise> Ready<'a, N> {
             return Err(scene.source.error_of_all(message).into());
         };
         let findings = findings(scene, model)?;
-        let (scheme, because) = scheme(scene, model, &findings, Purpose::Expectations);
+        let (scheme, because) = scheme(scene, &findings, Purpose::Expectations);
         let (source, settings) = (&scene.source, &scene.settings);
         let setup = model.setup(&scheme);
         setup.map_err(|error| settings.scheme_error(source, error))?;

@@ -39,24 +39,12 @@ fn open(file: &Path, changes: &Changes) -> Done<Scene> {
 }
 
 /// The scheme of a scene, and why it was chosen if that was left to the program.
-fn scheme<N>(
-    scene: &Scene,
-    model: &dyn Model<N>,
-    findings: &Findings,
-    purpose: Purpose,
-) -> (String, Option<String>) {
+fn scheme(scene: &Scene, findings: &Findings, purpose: Purpose) -> (String, Option<String>) {
     if scene.settings.scheme != AUTO {
         return (scene.settings.scheme.clone(), None);
     }
     let (scheme, because) = findings.recommended(purpose);
-    if model.schemes().contains(&&*scheme) {
-        return (scheme, Some(because));
-    }
-    // Lévy areas are not drawn for this system.
-    let (scheme, _) = findings.recommended(Purpose::Expectations);
-    let because = "the noises do not commute, and Lévy areas are drawn for systems of the project \
-                   only: strong order 1/2, weak order 1";
-    (scheme, Some(because.into()))
+    (scheme, Some(because))
 }
 
 /// What the system is. Whoever has a wrong system should know before its numbers.

@@ -89,7 +89,7 @@ fn described(found: &Found) -> Value {
 fn measure<N: StepNoise>(scene: &Scene, model: &dyn Model<N>) -> Done<Results> {
     let start = Instant::now();
     let findings = findings(scene, model)?;
-    let (scheme, because) = scheme(scene, model, &findings, Purpose::Paths);
+    let (scheme, because) = scheme(scene, &findings, Purpose::Paths);
     let (source, settings) = (&scene.source, &scene.settings);
     let setup = |scheme: &str| {
         let setup = model.setup(scheme);

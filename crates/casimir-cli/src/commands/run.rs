@@ -93,7 +93,7 @@ impl<'a, N: StepNoise> Ready<'a, N> {
     /// Chooses the scheme, and checks that it can be run.
     pub fn new(scene: &'a Scene, model: &'a dyn Model<N>) -> Done<Self> {
         let findings = findings(scene, model)?;
-        let (scheme, because) = scheme(scene, model, &findings, Purpose::Paths);
+        let (scheme, because) = scheme(scene, &findings, Purpose::Paths);
         let (source, settings) = (&scene.source, &scene.settings);
         let setup = model.setup(&scheme);
         let setup = setup.map_err(|error| settings.scheme_error(source, error))?;

@@ -17,6 +17,8 @@ pub struct WithoutIteration {
     pub truncates: bool,
     /// Why `sexp-li-levy` refuses the system, if it does.
     pub areas_refused: Option<String>,
+    /// Whether Lévy areas are drawn for the system: not where its noises are counted at run time.
+    pub draws_areas: bool,
 }
 
 impl WithoutIteration {
@@ -32,6 +34,7 @@ impl WithoutIteration {
             refused: scheme.err().map(|refused| refused.to_string()),
             truncates,
             areas_refused: SexpLi::with_areas(system, y).err().map(|refused| refused.to_string()),
+            draws_areas: true,
         }
     }
 }

@@ -146,7 +146,8 @@ impl System for OfFormulas<'_> {
             structure: run_time::System::linearity(self.0),
             truncates: scheme.as_ref().is_ok_and(Scheme::clips_increments),
             refused: scheme.err().map(|refused| refused.to_string()),
-            areas_refused: Some("Lévy areas are drawn for compiled systems only".into()),
+            areas_refused: Some("Lévy areas are not drawn for systems known at run time".into()),
+            draws_areas: false,
         }
     }
     fn overrides(&self, _: &[Vec<f64>]) -> Vec<Override> {

@@ -68,7 +68,8 @@ pub fn recommendations(report: &Inspection, circumstances: Circumstances) -> Vec
         && hamiltonians.proportional.as_ref().is_some_and(Finding::holds)
         && (hamiltonians.shapes[0].degree.is_some() || !circumstances.damped);
     let linear = without_iteration.refused.is_none();
-    let areas = matches!(noise.commute.status, Status::Refuted | Status::Unknown);
+    let commuting = noise.commute.holds();
+    let areas = !commuting && without_iteration.draws_areas;
     let mut found = Vec::new();
     let mut take = |purpose, scheme, because: &str| {
         found.push(Recommendation { purpose, scheme, because: because.into() });
@@ -106,7 +107,8 @@ pub fn recommendations(report: &Inspection, circumstances: Circumstances) -> Vec
     } else if noise.silent.holds() {
         take(Purpose::Paths, "heun", &format!("explicit, of order 2; {nothing}"));
     } else {
-        take(Purpose::Paths, "heun", &format!("explicit, of strong order 1; {nothing}"));
+        let order = if commuting { "1" } else { "1/2, since the noises do not commute" };
+        take(Purpose::Paths, "heun", &format!("explicit, of strong order {order}; {nothing}"));
     }
 
     if areas && !noise.silent.holds() {

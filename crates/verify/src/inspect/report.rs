@@ -92,6 +92,7 @@ impl Inspection {
         let invariants = ClaimedInvariant::all(system, points);
         let casimirs = Casimirs::of(system, points);
         let bound = Bound::of(&structure, &hamiltonians, &casimirs);
+        let without_iteration = system.without_iteration(&points.for_identities[0]);
         Self {
             system: system.name().into(),
             dimension: system.dimension(),
@@ -110,8 +111,8 @@ impl Inspection {
                 &invariants,
                 bound.as_ref(),
             ),
-            orders: orders(&noise),
-            without_iteration: system.without_iteration(&points.for_identities[0]),
+            orders: orders(&noise, without_iteration.draws_areas),
+            without_iteration,
             recommended: Vec::new(),
             overrides: system.overrides(&points.for_identities),
             mistakes: Vec::new(),
@@ -357,7 +358,7 @@ impl Inspection {
     }
 
     fn write_advice(&self, f: &mut Formatter<'_>) -> Result {
-        let WithoutIteration { structure, refused, truncates, areas_refused } =
+        let WithoutIteration { structure, refused, truncates, areas_refused, .. } =
             &self.without_iteration;
         match refused {
             Some(reason) => writeln!(f, "{reason}")?,

@@ -53,40 +53,44 @@ pub struct ExpectedOrder {
     pub known: Status,
 }
 
-/// Orders of the schemes of this workspace. Strong order one takes Lévy areas where noises do not
+/// Orders of the schemes of this workspace, of those with Lévy areas if `areas` are drawn. Strong order one takes Lévy areas where noises do not
 /// commute, and the terms ½ΔWₘΔW_l fₘ′f_l, which `em` leaves out, where they are not zero. Without
 /// noise all but `em` are symmetric or Runge–Kutta methods of order two.
-pub fn orders(noises: &Noises) -> Vec<ExpectedOrder> {
+pub fn orders(noises: &Noises, areas: bool) -> Vec<ExpectedOrder> {
     let smooth = if noises.pieces { Status::Found } else { Status::Shown };
+    let expected = |(scheme, (strong, weak, known))| ExpectedOrder { scheme, strong, weak, known };
+    let listed = |without_areas, with_areas, em| {
+        let all = [
+            ("sexp", Some(without_areas)),
+            ("sexp-levy", areas.then_some(with_areas)),
+            ("sexp-li", Some(without_areas)),
+            ("sexp-li-levy", areas.then_some(with_areas)),
+            ("split", Some(without_areas)),
+            ("midpoint", Some(without_areas)),
+            ("heun", Some(without_areas)),
+            ("em", Some(em)),
+        ];
+        let listed = all.into_iter().filter_map(|(scheme, order)| Some((scheme, order?)));
+        listed.map(expected).collect()
+    };
     if noises.silent.holds() {
         let known = noises.silent.status.min(smooth);
-        let schemes = ["sexp", "sexp-levy", "sexp-li", "sexp-li-levy", "split", "midpoint", "heun"];
-        let schemes = schemes.into_iter().map(|scheme| (scheme, 2.0));
-        return (schemes.chain([("em", 1.0)]))
-            .map(|(scheme, order)| ExpectedOrder { scheme, strong: order, weak: order, known })
-            .collect();
+        return listed((2.0, 2.0, known), (2.0, 2.0, known), (1.0, 1.0, known));
     }
     // A counterexample shows that the order is ½, unless paths stay where there is none.
     let one_if = |finding: &Finding, on_paths: &Finding| match finding.status {
-        Status::Refuted if on_paths.points > 0 && !on_paths.refuted() => (0.5, Status::Unknown),
-        Status::Refuted => (0.5, Status::Shown),
-        Status::Unknown => (0.5, Status::Unknown),
-        holds => (1.0, holds.min(smooth)),
+        Status::Refuted if on_paths.points > 0 && !on_paths.refuted() => {
+            (0.5, 1.0, Status::Unknown)
+        }
+        Status::Refuted => (0.5, 1.0, Status::Shown),
+        Status::Unknown => (0.5, 1.0, Status::Unknown),
+        holds => (1.0, 1.0, holds.min(smooth)),
     };
-    let without_areas = one_if(&noises.commute, &noises.on_paths[0]);
-    let orders = [
-        ("sexp", without_areas),
-        ("sexp-levy", (1.0, smooth)),
-        ("sexp-li", without_areas),
-        ("sexp-li-levy", (1.0, smooth)),
-        ("split", without_areas),
-        ("midpoint", without_areas),
-        ("heun", without_areas),
-        ("em", one_if(&noises.no_correction, &noises.on_paths[1])),
-    ];
-    orders
-        .map(|(scheme, (strong, known))| ExpectedOrder { scheme, strong, weak: 1.0, known })
-        .into()
+    listed(
+        one_if(&noises.commute, &noises.on_paths[0]),
+        (1.0, 1.0, smooth),
+        one_if(&noises.no_correction, &noises.on_paths[1]),
+    )
 }
 
 /// What a statement that needs this takes.

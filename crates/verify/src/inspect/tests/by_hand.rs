@@ -168,8 +168,8 @@ impl System for ByHand {
     }
     fn without_iteration(&self, _y: &[f64]) -> WithoutIteration {
         let [refused, areas_refused] = [None, None];
-        let structure = Linearity::Affine;
-        WithoutIteration { structure, refused, truncates: false, areas_refused }
+        let (structure, draws_areas) = (Linearity::Affine, true);
+        WithoutIteration { structure, refused, truncates: false, areas_refused, draws_areas }
     }
     fn overrides(&self, _points: &[Vec<f64>]) -> Vec<Override> {
         Vec::new()

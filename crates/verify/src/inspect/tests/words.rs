@@ -251,7 +251,7 @@ fn orders_follow_from_what_commutes_and_from_where_paths_are() {
         ..Noises::default()
     };
     let of = |noises: &Noises| -> Vec<(f64, f64, Status)> {
-        orders(noises).iter().map(|order| (order.strong, order.weak, order.known)).collect()
+        orders(noises, true).iter().map(|order| (order.strong, order.weak, order.known)).collect()
     };
     let (one, half) = ((1.0, 1.0, Shown), (0.5, 1.0, Shown));
     // sexp, sexp-levy, sexp-li, sexp-li-levy, split, midpoint, heun and em.
