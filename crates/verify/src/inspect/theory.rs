@@ -53,8 +53,9 @@ pub struct ExpectedOrder {
     pub known: Status,
 }
 
-/// Orders of the schemes of this workspace, of those with Lévy areas if `areas` are drawn. Strong order one takes Lévy areas where noises do not
-/// commute, and the terms ½ΔWₘΔW_l fₘ′f_l, which `em` leaves out, where they are not zero. Without
+/// Orders of the schemes of this workspace, of those with Lévy areas if `areas` are drawn. Strong
+/// order one takes Lévy areas where noises do not commute, and the terms ½ΔWₘΔW_l fₘ′f_l, which
+/// `em` leaves out, where they are not zero. Without
 /// noise all but `em` are symmetric or Runge–Kutta methods of order two.
 pub fn orders(noises: &Noises, areas: bool) -> Vec<ExpectedOrder> {
     let smooth = if noises.pieces { Status::Found } else { Status::Shown };
