@@ -1,6 +1,6 @@
 //! Problems whose system is known at run time, for the driver.
 
-use std::sync::Arc;
+use std::{borrow::Borrow, sync::Arc};
 
 use noise::NoiseRows;
 use nonlin::BlockStatus;
@@ -62,25 +62,43 @@ impl<'a> Setup<'a, NoiseRows> {
     /// [`SchemeError::OnePath`] if rows of the system hold one path, which is for
     /// [`LargePath`](crate::LargePath).
     pub fn at_run_time(problem: &'a Problem, scheme: &'a dyn Scheme) -> Result<Self, SchemeError> {
+        Self::with(problem, scheme)
+    }
+
+    /// The same with a scheme that is given away.
+    ///
+    /// # Errors
+    /// Those of [`at_run_time`](Setup::at_run_time).
+    pub fn owning(problem: &'a Problem, scheme: Box<dyn Scheme + 'a>) -> Result<Self, SchemeError> {
+        Self::with(problem, scheme)
+    }
+
+    fn with<B>(problem: &'a Problem, scheme: B) -> Result<Self, SchemeError>
+    where
+        B: Borrow<dyn Scheme + 'a> + Send + Sync + 'a,
+    {
         let system = problem.system();
         if system.lanes() == systems::run_time::Lanes::Components {
             return Err(SchemeError::OnePath { system: system.name().into() });
         }
-        scheme.stepper(system)?;
+        scheme.borrow().stepper(system)?;
         let scheme = Arc::new(Bound { system, scheme });
         Ok(Self { problem: DynProblem::at_run_time(problem), scheme })
     }
 }
 
 /// A scheme on a system, both known at run time.
-struct Bound<'a> {
+struct Bound<'a, B> {
     system: &'a dyn System,
-    scheme: &'a dyn Scheme,
+    scheme: B,
 }
 
-impl DynScheme<NoiseRows> for Bound<'_> {
+impl<'a, B> DynScheme<NoiseRows> for Bound<'a, B>
+where
+    B: Borrow<dyn Scheme + 'a> + Send + Sync,
+{
     fn id(&self) -> &'static str {
-        self.scheme.id()
+        self.scheme.borrow().id()
     }
 
     fn reads_areas(&self) -> bool {
@@ -89,13 +107,13 @@ impl DynScheme<NoiseRows> for Bound<'_> {
     }
 
     fn clips_increments(&self) -> bool {
-        self.scheme.clips_increments()
+        self.scheme.borrow().clips_increments()
     }
 
     /// # Panics
     /// If there is no more memory.
     fn start(&self, y: &[Row]) -> Box<dyn RunState<NoiseRows> + '_> {
-        let stepper = self.scheme.stepper(self.system);
+        let stepper = self.scheme.borrow().stepper(self.system);
         let mut stepper = stepper.unwrap_or_else(|error| panic!("{error}"));
         stepper.state_mut().copy_from_slice(y);
         Box::new(Paths(stepper))

@@ -1,8 +1,16 @@
 //! The schemes that are compared.
 
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi};
-use systems::{PoissonSystem, Problem};
+use std::sync::Arc;
 
+use mc::Setup;
+use noise::{BlockNoise, NoiseRows};
+use schemes::{
+    DynScheme, EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi,
+    run_time::{self, SchemeError},
+};
+use systems::{Damping, PoissonSystem, Problem, run_time::Problem as RunTimeProblem};
+
+use super::own_areas::OwnAreas;
 use crate::inspect::{FoundCasimir, inspect};
 
 /// Schemes to compare, the reference, and Casimirs whose laws are measured.
@@ -43,26 +51,6 @@ impl<'a, S, const D: usize, const M: usize> Candidates<'a, S, D, M> {
         self.schemes.push(Held::Lent(scheme));
         self
     }
-
-    /// The schemes.
-    pub(super) fn schemes(&self) -> Vec<&dyn Scheme<S, D, M>> {
-        self.schemes.iter().map(Held::scheme).collect()
-    }
-
-    /// The reference.
-    pub(super) fn reference(&self) -> &dyn Scheme<S, D, M> {
-        self.reference.scheme()
-    }
-
-    /// The scheme that errors are related to, by number.
-    pub(super) fn base(&self) -> Option<usize> {
-        self.base
-    }
-
-    /// Casimirs that the system does not name.
-    pub(super) fn casimirs(&self) -> &[FoundCasimir] {
-        &self.casimirs
-    }
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Candidates<'_, S, D, M> {
@@ -102,5 +90,105 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Candidates<'_, S, D
         };
         let schemes = schemes.into_iter().map(Held::Own).collect();
         Self { schemes, reference: Held::Own(Box::new(levy)), casimirs, base }
+    }
+
+    /// The same without the dimension; `problem` is theirs.
+    pub(super) fn erased<'b, G: Damping>(
+        &'b self,
+        problem: &'b Problem<S, G, D>,
+    ) -> DynCandidates<'b, BlockNoise<M>> {
+        let entrant = |held: &'b Held<'_, S, D, M>| Entrant::of(problem, held.scheme());
+        DynCandidates {
+            schemes: self.schemes.iter().map(entrant).collect(),
+            reference: entrant(&self.reference),
+            casimirs: self.casimirs.clone(),
+            base: self.base,
+        }
+    }
+}
+
+/// The same as [`Candidates`] for systems of any dimension; N is the noise of a step, see
+/// [`Setup`], whose schemes these are.
+pub struct DynCandidates<'a, N> {
+    pub(super) schemes: Vec<Entrant<'a, N>>,
+    pub(super) reference: Entrant<'a, N>,
+    /// Casimirs that the system does not name.
+    pub(super) casimirs: Vec<FoundCasimir>,
+    /// The scheme that errors are related to, by number.
+    pub(super) base: Option<usize>,
+}
+
+/// A scheme in a comparison.
+pub(super) struct Entrant<'a, N> {
+    pub scheme: Arc<dyn DynScheme<N> + 'a>,
+    /// The scheme with Lévy areas as it would draw them, if it reads areas.
+    pub drawn: Option<Arc<dyn DynScheme<N> + 'a>>,
+}
+
+impl<N> Clone for Entrant<'_, N> {
+    fn clone(&self) -> Self {
+        Self { scheme: Arc::clone(&self.scheme), drawn: self.drawn.clone() }
+    }
+}
+
+impl<'a, N> Entrant<'a, N> {
+    /// The scheme as users have it: with Lévy areas as it would draw them.
+    pub fn as_drawn(&self) -> &Arc<dyn DynScheme<N> + 'a> {
+        self.drawn.as_ref().unwrap_or(&self.scheme)
+    }
+}
+
+impl<'a, const M: usize> Entrant<'a, BlockNoise<M>> {
+    pub fn of<S: PoissonSystem<D, M>, G: Damping, const D: usize>(
+        problem: &'a Problem<S, G, D>,
+        scheme: &'a dyn Scheme<S, D, M>,
+    ) -> Self {
+        let scheme = Setup::of(problem, scheme).scheme;
+        let drawn = || Arc::new(OwnAreas(Arc::clone(&scheme))) as Arc<dyn DynScheme<_> + 'a>;
+        Self { drawn: scheme.reads_areas().then(drawn), scheme }
+    }
+}
+
+impl<'a> DynCandidates<'a, NoiseRows> {
+    /// No scheme yet, and this reference, see [`Candidates::against`].
+    pub fn against(reference: Arc<dyn DynScheme<NoiseRows> + 'a>) -> Self {
+        let reference = Entrant { scheme: reference, drawn: None };
+        Self { schemes: Vec::new(), reference, casimirs: Vec::new(), base: None }
+    }
+
+    /// With this scheme, too.
+    #[must_use]
+    pub fn and(mut self, scheme: Arc<dyn DynScheme<NoiseRows> + 'a>) -> Self {
+        self.schemes.push(Entrant { scheme, drawn: None });
+        self
+    }
+
+    /// With the laws of these Casimirs, such as those that
+    /// [`inspect_formulas`](crate::inspect_formulas) finds.
+    #[must_use]
+    pub fn with_casimirs(self, casimirs: Vec<FoundCasimir>) -> Self {
+        Self { casimirs, ..self }
+    }
+
+    /// All schemes for a system known at run time: [`Sexp`] and, if it is for the system,
+    /// [`SexpLi`]; [`Midpoint`], [`Heun`] and [`EulerMaruyama`]. Strong errors are related to those
+    /// of [`Heun`].
+    ///
+    /// The reference is [`Sexp`]. Where noises do not commute it is of strong order ½, as all of
+    /// these schemes are, and needs many steps for an error that is small beside theirs.
+    ///
+    /// # Errors
+    /// Those of [`Setup::at_run_time`].
+    pub fn all(problem: &'a RunTimeProblem) -> Result<Self, SchemeError> {
+        let scheme = |scheme: &'a dyn run_time::Scheme| {
+            Setup::at_run_time(problem, scheme).map(|setup| setup.scheme)
+        };
+        let mut all = Self::against(scheme(&Sexp)?).and(scheme(&Sexp)?);
+        if let Ok(linear) = SexpLi::at_run_time(problem.system()) {
+            all = all.and(Setup::owning(problem, Box::new(linear))?.scheme);
+        }
+        all = all.and(scheme(&Midpoint)?);
+        all.base = Some(all.schemes.len());
+        Ok(all.and(scheme(&Heun)?).and(scheme(&EulerMaruyama)?))
     }
 }

@@ -1,16 +1,16 @@
 //! Schemes at step sizes on the same noise, with a reference.
 
-use std::{array, ops::Range};
+use std::{array, ops::Range, sync::Arc};
 
-use mc::{Ladder, LadderError, Run};
-use noise::{BlockNoise, Noise, StreamKey, Truncation};
-use schemes::{Scheme, Step};
+use mc::{DynProblem, DynRun, Ladder, LadderError};
+use noise::{BlockNoise, StepNoise, StreamKey, Truncation};
+use schemes::{DynScheme, Scheme};
 use serde::{Deserialize, Serialize};
 use stats::CrossMoments;
 use systems::{Damping, PoissonSystem, Problem};
 
-use super::{own_areas::own_areas, time::Time};
-use crate::{FinalMoments, FinalValues, OtherNoise};
+use super::{candidates::Entrant, time::Time};
+use crate::{FinalMoments, FinalRows};
 
 /// Which schemes run at which step sizes, on which noise, and against what.
 pub struct Grid<'a, S, G, const D: usize, const M: usize> {
@@ -31,6 +31,19 @@ pub struct Grid<'a, S, G, const D: usize, const M: usize> {
     /// How increments are truncated.
     pub truncation: Truncation,
     /// Which noise.
+    pub key: StreamKey,
+}
+
+/// The same for systems of any dimension.
+pub(super) struct DynGrid<'a, N> {
+    pub problem: &'a DynProblem<'a>,
+    pub schemes: Vec<Entrant<'a, N>>,
+    pub levels: Vec<Range<usize>>,
+    pub reference: Arc<dyn DynScheme<N> + 'a>,
+    pub reference_level: usize,
+    pub finest_steps: u64,
+    pub samples: u64,
+    pub truncation: Truncation,
     pub key: StreamKey,
 }
 
@@ -79,18 +92,36 @@ impl<P: Timed> Series<P> {
 /// Runs of the reference: at its level and at the next two.
 pub(super) const REFERENCES: usize = 3;
 
-/// A scheme with areas as it would draw them.
-type OwnAreas<'a, S, const D: usize, const M: usize> =
-    OtherNoise<'a, S, fn(&Step, &BlockNoise<M>, usize) -> Noise<M>, D, M>;
+impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Grid<'a, S, G, D, M> {
+    /// Path-steps of all runs.
+    pub fn work(&self) -> u64 {
+        let points = self.levels.iter().cloned().flatten();
+        let references = self.reference_level..self.reference_level + REFERENCES;
+        let steps = |level| self.finest_steps >> level;
+        points.chain(references).map(|level| steps(level) * self.samples).sum()
+    }
 
-/// The scheme with areas as it would draw them; `None` if it reads none.
-pub(super) fn as_drawn<'a, S, const D: usize, const M: usize>(
-    scheme: &'a dyn Scheme<S, D, M>,
-) -> Option<OwnAreas<'a, S, D, M>> {
-    scheme.reads_areas().then_some(OtherNoise { scheme, noise: own_areas::<M> })
+    /// The same without the dimension; `problem` is that of the grid.
+    pub(super) fn erased<'b>(&self, problem: &'b DynProblem<'b>) -> DynGrid<'b, BlockNoise<M>>
+    where
+        'a: 'b,
+    {
+        let entrant = |scheme: &&'a dyn Scheme<S, D, M>| Entrant::of(self.problem, *scheme);
+        DynGrid {
+            problem,
+            schemes: self.schemes.iter().map(entrant).collect(),
+            levels: self.levels.clone(),
+            reference: Entrant::of(self.problem, self.reference).scheme,
+            reference_level: self.reference_level,
+            finest_steps: self.finest_steps,
+            samples: self.samples,
+            truncation: self.truncation,
+            key: self.key,
+        }
+    }
 }
 
-impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Grid<'_, S, G, D, M> {
+impl<'a, N: StepNoise> DynGrid<'a, N> {
     /// Number of points of all schemes, one at each step size.
     pub(super) fn points(&self) -> usize {
         self.levels.iter().map(|levels| levels.len()).sum()
@@ -98,7 +129,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Grid<'_
 
     /// Whether a scheme reads areas, so that it has another error with exact ones.
     fn reads(&self, s: usize) -> bool {
-        self.schemes[s].reads_areas()
+        self.schemes[s].drawn.is_some()
     }
 
     /// The number among all points of that of scheme `s` with this many steps.
@@ -118,13 +149,6 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Grid<'_
         array::from_fn(|k| self.steps(self.reference_level + k))
     }
 
-    /// Path-steps of all runs.
-    pub fn work(&self) -> u64 {
-        let points = self.levels.iter().cloned().flatten();
-        let references = self.reference_level..self.reference_level + REFERENCES;
-        points.chain(references).map(|level| self.steps(level) * self.samples).sum()
-    }
-
     /// Moments of `length` values of the final states: those of the reference on its three levels,
     /// then those of every scheme at every step size, coarsest first, and then the same again with
     /// exact areas for the schemes that read areas, where `exact` is asked for.
@@ -135,25 +159,25 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Grid<'_
         &self,
         exact: bool,
         length: usize,
-        values: &FinalValues<'_>,
+        values: &FinalRows<'_>,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<(CrossMoments, Sampled), LadderError> {
-        let own: Vec<_> = self.schemes.iter().map(|&scheme| as_drawn(scheme)).collect();
+        let on = |scheme: &Arc<dyn DynScheme<N> + 'a>, levels: Range<usize>| {
+            let runs = levels.map(|level| DynRun::new(Arc::clone(scheme), level));
+            runs.collect::<Vec<_>>()
+        };
         let first = self.reference_level;
-        let mut runs: Vec<Run<'_, S, D, M>> =
-            (first..first + REFERENCES).map(|level| Run::new(self.reference, level)).collect();
-        for (s, own) in own.iter().enumerate() {
-            let scheme = own.as_ref().map_or(self.schemes[s], |own| own as &dyn Scheme<S, D, M>);
-            runs.extend(self.levels[s].clone().rev().map(|level| Run::new(scheme, level)));
+        let mut runs = on(&self.reference, first..first + REFERENCES);
+        for (entrant, levels) in self.schemes.iter().zip(&self.levels) {
+            runs.extend(on(entrant.as_drawn(), levels.clone()).into_iter().rev());
         }
         for s in (0..self.schemes.len()).filter(|&s| exact && self.reads(s)) {
-            let levels = self.levels[s].clone().rev();
-            runs.extend(levels.map(|level| Run::new(self.schemes[s], level)));
+            runs.extend(on(&self.schemes[s].scheme, self.levels[s].clone()).into_iter().rev());
         }
         let top = runs.iter().map(|run| run.level).max().unwrap_or(0);
         let Self { problem, finest_steps, samples, truncation, key, .. } = *self;
-        let ladder = Ladder::new(problem, finest_steps, top, truncation, key, runs)?;
-        let new = || FinalMoments::new(ladder.coarse_steps(), length, values);
+        let ladder = Ladder::of(problem, finest_steps, top, truncation, key, runs)?;
+        let new = || FinalMoments::of_rows(ladder.coarse_steps(), length, values);
         let measured = ladder.run(samples, new, progress);
         let sampled = Sampled {
             samples,
@@ -172,7 +196,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Grid<'_
     ) -> Vec<Series<P>> {
         let (mut number, mut exact) = (0, self.points());
         let mut all = Vec::with_capacity(self.schemes.len());
-        for (s, scheme) in self.schemes.iter().enumerate() {
+        for (s, entrant) in self.schemes.iter().enumerate() {
             let mut points = Vec::new();
             for level in self.levels[s].clone().rev() {
                 let with_exact = self.reads(s).then_some(exact);
@@ -180,7 +204,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Grid<'_
                 number += 1;
                 exact += usize::from(self.reads(s));
             }
-            all.push(Series { scheme: scheme.id().to_owned(), points });
+            all.push(Series { scheme: entrant.scheme.id().to_owned(), points });
         }
         all
     }

@@ -46,6 +46,7 @@
 //! | item | job |
 //! |---|---|
 //! | [`compare`], [`Candidates`], [`CompareSettings`], [`Expectations`] | the call |
+//! | [`compare_of`], [`DynCandidates`], [`DynCompareSettings`] | the same for any dimension |
 //! | [`Comparison`], [`Verdicts`], [`Candidate`], [`Outcome`], [`Choice`] | what it says |
 //! | [`Grid`], [`Strong`], [`Weak`], [`Series`] | errors at given step sizes |
 //! | [`path_times`], [`Repetitions`], [`Time`] | processor times |
@@ -66,14 +67,18 @@ mod strong;
 mod time;
 mod weak;
 
+use mc::DynProblem;
+use noise::StepNoise;
 use serde::{Deserialize, Serialize};
 use systems::{Damping, PoissonSystem, Problem};
 
-pub use candidates::Candidates;
+pub use candidates::{Candidates, DynCandidates};
 pub use cost::{Crossing, Curve, cost_at, crossing};
 pub use grid::{Grid, Sampled, Series, Timed};
 pub use recommend::{Candidate, Choice, Measured, Outcome};
-pub use settings::{CompareError, CompareSettings, EXPERIMENTS, Expectations};
+pub use settings::{
+    CompareError, CompareSettings, DynCompareSettings, DynExpectations, EXPERIMENTS, Expectations,
+};
 pub use strong::{Ratio, Strong, StrongPoint};
 pub use time::{Repetitions, Time, path_times};
 pub use weak::{Cost, Weak, WeakObservable, WeakPoint};
@@ -174,6 +179,22 @@ pub fn compare<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usiz
     problem: &Problem<S, G, D>,
     candidates: &Candidates<'_, S, D, M>,
     settings: &CompareSettings<'_, D>,
+) -> Result<Comparison, CompareError> {
+    let (candidates, settings) = (candidates.erased(problem), settings.erased());
+    compare_of(&DynProblem::of(problem), &candidates, &settings)
+}
+
+/// The same as [`compare`] for a problem of any dimension.
+///
+/// # Errors
+/// As [`compare`].
+///
+/// # Panics
+/// When no thread can be started.
+pub fn compare_of<N: StepNoise>(
+    problem: &DynProblem<'_>,
+    candidates: &DynCandidates<'_, N>,
+    settings: &DynCompareSettings<'_>,
 ) -> Result<Comparison, CompareError> {
     search::Search::new(problem, candidates, settings)?.run()
 }

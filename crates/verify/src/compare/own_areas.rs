@@ -9,8 +9,12 @@
 //! same in any block. The actual error is about half the bound, so the error measured is an upper
 //! estimate.
 
-use noise::{AreaMethod, BlockNoise, Noise, StreamKey, WienerPath, strong_order_one_error};
-use schemes::Step;
+use std::sync::Arc;
+
+use noise::{AreaMethod, BlockNoise, StreamKey, WienerPath, strong_order_one_error};
+use nonlin::BlockStatus;
+use real::{Row, WIDTH};
+use schemes::{DynScheme, RunState, Step};
 
 /// The method that areas are drawn with.
 const METHOD: AreaMethod = AreaMethod::MrongowiusRoessler;
@@ -26,10 +30,41 @@ fn size(tau: f64, noises: usize) -> f64 {
     terms(tau, noises).map_or(asked, |terms| METHOD.rms_error(tau, terms, noises))
 }
 
-/// The noise of path p with areas as they are drawn at the step itself.
-pub fn own_areas<const M: usize>(step: &Step, noise: &BlockNoise<M>, p: usize) -> Noise<M> {
-    let exact = noise.path(p);
-    Noise { areas: disturb(size(step.tau, M), exact.areas), ..exact }
+/// A scheme with areas as they are drawn at the step itself.
+pub struct OwnAreas<'a, const M: usize>(pub Arc<dyn DynScheme<BlockNoise<M>> + 'a>);
+
+impl<const M: usize> DynScheme<BlockNoise<M>> for OwnAreas<'_, M> {
+    fn id(&self) -> &'static str {
+        self.0.id()
+    }
+    fn reads_areas(&self) -> bool {
+        self.0.reads_areas()
+    }
+    fn clips_increments(&self) -> bool {
+        self.0.clips_increments()
+    }
+    fn stack(&self) -> usize {
+        self.0.stack()
+    }
+    fn start(&self, y: &[Row]) -> Box<dyn RunState<BlockNoise<M>> + '_> {
+        Box::new(Disturbed(self.0.start(y)))
+    }
+}
+
+struct Disturbed<'a, const M: usize>(Box<dyn RunState<BlockNoise<M>> + 'a>);
+
+impl<const M: usize> RunState<BlockNoise<M>> for Disturbed<'_, M> {
+    fn step(&mut self, step: &Step, noise: &BlockNoise<M>, status: &mut BlockStatus) {
+        let (mut drawn, size) = (noise.clone(), size(step.tau, M));
+        (0..WIDTH).for_each(|p| drawn.areas.set_path(p, disturb(size, noise.areas.path(p))));
+        self.0.step(step, &drawn, status);
+    }
+    fn rows(&self) -> &[Row] {
+        self.0.rows()
+    }
+    fn rows_mut(&mut self) -> &mut [Row] {
+        self.0.rows_mut()
+    }
 }
 
 /// A stream of its own among those of the workspace.

@@ -1,12 +1,13 @@
 //! A few paths of one scheme at several step sizes: where it runs, and how its error falls.
 
-use mc::{Ladder, LadderError, Run, View, squared_distance};
-use noise::{StreamKey, Truncation};
-use schemes::Scheme;
-use systems::{Damping, PoissonSystem, Problem};
+use std::sync::Arc;
 
-use super::grid::as_drawn;
-use crate::{FinalMoments, Stopwatch};
+use mc::{DynProblem, DynRun, Ladder, LadderError, View};
+use noise::{StepNoise, StreamKey, Truncation};
+use real::Row;
+
+use super::candidates::Entrant;
+use crate::{FinalMoments, Stopwatch, orders::squared_distance};
 
 /// Paths of a pilot.
 const PATHS: u64 = 64;
@@ -33,29 +34,29 @@ pub struct Pilot {
 impl Pilot {
     /// Runs the scheme at step sizes from T/`base` on until its errors fall, or are below `wanted`.
     /// It ends early when `spent` says so.
-    pub fn new<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
-        scheme: &dyn Scheme<S, D, M>,
-        problem: &Problem<S, G, D>,
+    pub fn new<N: StepNoise>(
+        entrant: &Entrant<'_, N>,
+        problem: &DynProblem<'_>,
         truncation: Truncation,
         key: StreamKey,
         base: u64,
         wanted: f64,
         spent: &dyn Fn() -> bool,
     ) -> Result<Self, LadderError> {
-        let own = as_drawn(scheme);
-        let scheme = own.as_ref().map_or(scheme, |own| own as &dyn Scheme<S, D, M>);
+        let scheme = entrant.as_drawn();
         let (mut first, mut finest) = (0, SIZES[0] - 1);
         loop {
             let sizes = (finest - first + 1) as usize;
-            let runs = (0..sizes).rev().map(|level| Run::new(scheme, level)).collect();
+            let run = |level| DynRun::new(Arc::clone(scheme), level);
+            let runs = (0..sizes).rev().map(run).collect();
             let steps = base << finest;
-            let ladder = Ladder::new(problem, steps, sizes - 1, truncation, key, runs)?;
-            let values = |view: &View<'_>, p: usize, values: &mut [f64]| {
+            let ladder = Ladder::of(problem, steps, sizes - 1, truncation, key, runs)?;
+            let values = |view: &View<'_>, values: &mut [Row]| {
                 for (run, value) in values.iter_mut().enumerate() {
-                    *value = squared_distance::<D>(view.path(run, p), view.path(run + 1, p));
+                    *value = squared_distance(view.state(run), view.state(run + 1), view.live);
                 }
             };
-            let new = || FinalMoments::new(ladder.coarse_steps(), sizes - 1, &values);
+            let new = || FinalMoments::of_rows(ladder.coarse_steps(), sizes - 1, &values);
             let watch = Stopwatch::start();
             let measured = ladder.run(PATHS, new, &|_| ());
             let seconds = watch.wall_s() / (PATHS * ladder.steps_per_path()) as f64;

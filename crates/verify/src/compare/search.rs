@@ -1,23 +1,25 @@
 //! Step sizes, paths and times of a comparison.
 
-use std::cell::Cell;
+use std::{cell::Cell, sync::Arc};
 
-use noise::StreamKey;
-use schemes::Scheme;
-use systems::{Damping, PoissonSystem, Problem};
+use mc::DynProblem;
+use noise::{StepNoise, StreamKey};
 
 use super::{
-    Candidate, Candidates, Choice, CompareError, CompareSettings, Comparison, Expectations, Grid,
-    Outcome, Repetitions, Series, Stopped, Strong, Time, Verdicts, Weak, WeakPoint,
+    Candidate, Choice, CompareError, Comparison, DynCandidates, DynCompareSettings,
+    DynExpectations, Outcome, Repetitions, Series, Stopped, Strong, Time, Verdicts, Weak,
+    WeakPoint,
+    candidates::Entrant,
+    grid::DynGrid,
     laws::Law,
-    path_times,
     pilot::{Pilot, steps_beyond},
     plan::{HALVINGS, Known, Lacks, Plan, below, common, good, lacks},
     recommend::choose,
+    time::times_of,
 };
 use crate::{
     StepSizes, Stopwatch,
-    orders::{Consistency, single_steps},
+    orders::{Consistency, Subject, single_steps},
 };
 
 /// The least number of coarsest steps.
@@ -46,11 +48,10 @@ const TIMING: (usize, u64, u64) = (3, 1 << 14, 128);
 
 /// A comparison under way. Step sizes are numbered by the base 2 logarithm of their steps over
 /// those of the longest step.
-pub struct Search<'a, S, G, const D: usize, const M: usize> {
-    problem: &'a Problem<S, G, D>,
-    settings: &'a CompareSettings<'a, D>,
-    candidates: &'a Candidates<'a, S, D, M>,
-    schemes: Vec<&'a dyn Scheme<S, D, M>>,
+pub struct Search<'a, N> {
+    problem: &'a DynProblem<'a>,
+    settings: &'a DynCompareSettings<'a>,
+    candidates: &'a DynCandidates<'a, N>,
     /// Number of the longest steps.
     base: u64,
     watch: Stopwatch,
@@ -58,25 +59,20 @@ pub struct Search<'a, S, G, const D: usize, const M: usize> {
     stopped: Cell<Option<u64>>,
 }
 
-impl<'a, S, G, const D: usize, const M: usize> Search<'a, S, G, D, M>
-where
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
+impl<'a, N: StepNoise> Search<'a, N> {
     pub fn new(
-        problem: &'a Problem<S, G, D>,
-        candidates: &'a Candidates<'a, S, D, M>,
-        settings: &'a CompareSettings<'a, D>,
+        problem: &'a DynProblem<'a>,
+        candidates: &'a DynCandidates<'a, N>,
+        settings: &'a DynCompareSettings<'a>,
     ) -> Result<Self, CompareError> {
-        let schemes = candidates.schemes();
-        settings.check(schemes.len())?;
-        let least = ((problem.t_end() / LONGEST).ceil() as u64).max(LEAST_STEPS);
+        settings.check(candidates.schemes.len())?;
+        let least = ((problem.t_end / LONGEST).ceil() as u64).max(LEAST_STEPS);
         if least > 1 << MOST_STEPS {
-            return Err(CompareError::FinalTime { t_end: problem.t_end() });
+            return Err(CompareError::FinalTime { t_end: problem.t_end });
         }
         let base = least.next_power_of_two();
         let (watch, stopped) = (Stopwatch::start(), Cell::new(None));
-        Ok(Self { problem, settings, candidates, schemes, base, watch, stopped })
+        Ok(Self { problem, settings, candidates, base, watch, stopped })
     }
 
     /// The noise of a part of the comparison.
@@ -91,18 +87,16 @@ where
 
     pub fn run(self) -> Result<Comparison, CompareError> {
         let Self { problem, settings, candidates, .. } = self;
-        let reference = self.known(candidates.reference(), REFERENCE * settings.error)?;
+        let reference = self.known(&candidates.reference, REFERENCE * settings.error)?;
         if let Some(failure) = reference.pilot.failure {
-            let (scheme, steps) = (candidates.reference().id(), self.base << reference.pilot.first);
+            let scheme = candidates.reference.scheme.id();
+            let steps = self.base << reference.pilot.first;
             return Err(CompareError::Reference { scheme, steps, failure });
         }
-        let known: Vec<Known> = self
-            .schemes
-            .iter()
-            .map(|&scheme| self.known(scheme, settings.error))
-            .collect::<Result<_, _>>()?;
+        let known = candidates.schemes.iter().map(|entrant| self.known(entrant, settings.error));
+        let known: Vec<Known> = known.collect::<Result<_, _>>()?;
         let mut strong = self.strong(&known, &reference)?;
-        let mut weak = match settings.expectations {
+        let mut weak = match &settings.expectations {
             Some(wanted) => Some(self.weak(&known, wanted)?),
             None => None,
         };
@@ -113,7 +107,7 @@ where
                 observable.series[s].add_times(times);
             }
         }
-        let laws = Law::all(problem, candidates.casimirs());
+        let laws = Law::all(problem, &candidates.casimirs);
         let casimirs: Vec<usize> = (0..laws.len()).filter(|&law| laws[law].casimir).collect();
         let verdicts = |quantity: &str, wanted, fares: &dyn Fn(usize) -> Candidate| {
             let excluded = |s: usize| {
@@ -136,7 +130,7 @@ where
         let for_error = verdicts("y(T)", settings.error, &|s| {
             Candidate::strong(&strong.series[s], settings.error, &casimirs)
         });
-        let accuracy = settings.expectations.map_or(0.0, |wanted| wanted.accuracy);
+        let accuracy = settings.expectations.as_ref().map_or(0.0, |wanted| wanted.accuracy);
         let observables = weak.iter().flat_map(|weak| &weak.observables);
         let for_expectations = observables.map(|observable| {
             verdicts(&format!("E[{}]", observable.name), accuracy, &|s| {
@@ -148,10 +142,10 @@ where
         let stopped = |steps| Stopped { budget_s: settings.budget_s, steps };
         let clock = if Stopwatch::MEASURES_PROCESSOR { "processor time" } else { "wall time" };
         Ok(Comparison {
-            system: problem.system().name().to_owned(),
-            dimension: D,
-            noises: M,
-            t_end: problem.t_end(),
+            system: problem.name.clone(),
+            dimension: problem.y0.len(),
+            noises: problem.noises,
+            t_end: problem.t_end,
             invariants: laws.iter().map(|law| law.name.clone()).collect(),
             strong,
             for_error,
@@ -164,17 +158,17 @@ where
     }
 
     /// A pilot of a scheme, and whether its single steps are right.
-    fn known(&self, scheme: &dyn Scheme<S, D, M>, wanted: f64) -> Result<Known, CompareError> {
+    fn known(&self, entrant: &Entrant<'a, N>, wanted: f64) -> Result<Known, CompareError> {
         let Self { problem, settings, base, .. } = *self;
-        let pilots = (2 + self.schemes.len()) as f64;
+        let pilots = (2 + self.candidates.schemes.len()) as f64;
         let share = PILOTS * settings.budget_s / pilots;
         let watch = Stopwatch::start();
         let spent = || watch.wall_s() > share;
         let key = self.key(1);
-        let pilot = Pilot::new(scheme, problem, settings.truncation, key, base, wanted, &spent)?;
+        let pilot = Pilot::new(entrant, problem, settings.truncation, key, base, wanted, &spent)?;
         let sizes = StepSizes::new(base << pilot.first, settings.truncation, key);
-        let setup = mc::Setup::of(problem, scheme);
-        let inconsistent = match single_steps(crate::orders::Subject::from(&setup), &sizes)? {
+        let subject = Subject { problem, scheme: &entrant.scheme };
+        let inconsistent = match single_steps(subject, &sizes)? {
             Consistency::Inconsistent(defect) => Some(defect),
             _ => None,
         };
@@ -183,23 +177,17 @@ where
 
     /// A grid with schemes up to these step sizes. A scheme whose paths fail is left out: a path
     /// that fails is in no error of any scheme.
-    fn grid(
-        &self,
-        known: &[Known],
-        plan: &Plan,
-        samples: u64,
-        key: StreamKey,
-    ) -> Grid<'_, S, G, D, M> {
+    fn grid(&self, known: &[Known], plan: &Plan, samples: u64, key: StreamKey) -> DynGrid<'a, N> {
         let finest = plan.finest();
         let levels = known.iter().zip(&plan.last).map(|(known, &last)| match known.pilot.failure {
             None => (finest - last) as usize..(finest - known.pilot.first.min(last)) as usize + 1,
             Some(_) => 0..0,
         });
-        Grid {
+        DynGrid {
             problem: self.problem,
-            schemes: self.schemes.clone(),
+            schemes: self.candidates.schemes.clone(),
             levels: levels.collect(),
-            reference: self.candidates.reference(),
+            reference: Arc::clone(&self.candidates.reference.scheme),
             reference_level: (finest - plan.reference) as usize,
             finest_steps: self.base << finest,
             samples,
@@ -224,8 +212,8 @@ where
         loop {
             self.limit(known, reference, &mut plan);
             let grid = self.grid(known, &plan, self.settings.samples, self.key(0));
-            let (casimirs, base) = (self.candidates.casimirs(), self.candidates.base());
-            let strong = Strong::measure(&grid, casimirs, base, &|_| ())?;
+            let DynCandidates { casimirs, base, .. } = self.candidates;
+            let strong = Strong::of(&grid, casimirs, *base, &|_| ())?;
             let mut next = plan.clone();
             let mut reference_lacks = strong.reference_error > ENOUGH * wanted;
             for (s, series) in strong.series.iter().enumerate().filter(|(s, _)| known[*s].sound()) {
@@ -294,14 +282,14 @@ where
 
     /// Weak errors until every scheme has a step size whose bias is below the wanted accuracy, or
     /// it is out of reach.
-    fn weak(&self, known: &[Known], wanted: Expectations<'_, D>) -> Result<Weak, CompareError> {
+    fn weak(&self, known: &[Known], wanted: &DynExpectations<'_>) -> Result<Weak, CompareError> {
         let (mut samples, more) = WEAK;
         let mut finest = common(known) + more;
         loop {
             let plan = Plan { last: vec![finest - 2; known.len()], reference: finest };
             let watch = Stopwatch::start();
             let grid = self.grid(known, &plan, samples, self.key(2));
-            let weak = Weak::measure(&grid, wanted.observables, &|_| ())?;
+            let weak = Weak::of(&grid, &wanted.observables, &|_| ())?;
             let reach = u64::from(self.settings.reach.ilog2());
             let (mut paths, mut steps) = (false, false);
             for observable in &weak.observables {
@@ -364,7 +352,8 @@ where
         let room = (self.left_s() / once).clamp(1.0, count as f64) as usize;
         let repetitions = Repetitions { count: room, path_steps };
         let (truncation, key) = (self.settings.truncation, self.key(3));
-        let (schemes, problem) = (&self.schemes, self.problem);
-        Ok(path_times(schemes, problem, &steps, truncation, key, repetitions, &|_| ())?)
+        let schemes = self.candidates.schemes.iter().map(|entrant| Arc::clone(&entrant.scheme));
+        let (schemes, problem) = (schemes.collect::<Vec<_>>(), self.problem);
+        Ok(times_of(&schemes, problem, &steps, truncation, key, repetitions, &|_| ())?)
     }
 }

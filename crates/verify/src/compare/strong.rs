@@ -1,18 +1,20 @@
 //! Strong errors against a reference whose own error is estimated.
 
-use mc::{LadderError, View, squared_distance};
+use mc::{DynProblem, LadderError, View};
+use noise::StepNoise;
+use real::Row;
 use serde::{Deserialize, Serialize};
 use stats::{CrossMoments, root_mean_square_interval};
 use systems::{Damping, PoissonSystem};
 
 use super::{
     cost::Curve,
-    grid::{Grid, REFERENCES, Sampled, Series, Timed},
+    grid::{DynGrid, Grid, REFERENCES, Sampled, Series, Timed},
     laws::Law,
     own_areas::terms,
     time::Time,
 };
-use crate::inspect::FoundCasimir;
+use crate::{inspect::FoundCasimir, orders::squared_distance};
 
 /// Strong errors of several schemes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -192,23 +194,37 @@ impl Strong {
         base: Option<usize>,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Self, LadderError> {
+        let problem = DynProblem::of(grid.problem);
+        Self::of(&grid.erased(&problem), found, base, progress)
+    }
+
+    /// The same for systems of any dimension.
+    pub(super) fn of<N: StepNoise>(
+        grid: &DynGrid<'_, N>,
+        found: &[FoundCasimir],
+        base: Option<usize>,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Self, LadderError> {
         let laws = Law::all(grid.problem, found);
         let (points, exact) = (grid.points(), grid.exact_points());
         // Differences of the reference, squared errors of every run, squared defects of every
         // point.
         let (own, runs) = (REFERENCES - 1, points + exact);
-        let values = |view: &View<'_>, p: usize, values: &mut [f64]| {
-            let state = |run: usize| view.path(run, p);
+        let values = |view: &View<'_>, values: &mut [Row]| {
+            let state = |run: usize| view.state(run);
             for (k, value) in values[..own].iter_mut().enumerate() {
-                *value = squared_distance(state(k), state(k + 1));
+                *value = squared_distance(state(k), state(k + 1), view.live);
             }
             let (squares, defects) = values[own..].split_at_mut(runs);
             for (run, square) in squares.iter_mut().enumerate() {
-                *square = squared_distance(state(REFERENCES + run), state(0));
+                *square = squared_distance(state(REFERENCES + run), state(0), view.live);
             }
             for (run, defects) in (0..points).zip(defects.chunks_exact_mut(laws.len().max(1))) {
-                for (defect, law) in defects.iter_mut().zip(&laws) {
-                    *defect = law.defect(state(REFERENCES + run)).powi(2);
+                for p in view.live.paths() {
+                    let y: Vec<f64> = state(REFERENCES + run).iter().map(|row| row[p]).collect();
+                    for (defect, law) in defects.iter_mut().zip(&laws) {
+                        defect[p] = law.defect(&y).powi(2);
+                    }
                 }
             }
         };
@@ -221,7 +237,7 @@ impl Strong {
         let [steps, ..] = grid.reference_steps();
         sampled.reference += &format!(" with {steps} steps on the same noise");
         let point = |number: usize, exact: Option<usize>, steps: u64| {
-            let tau = grid.problem.t_end() / steps as f64;
+            let tau = grid.problem.t_end / steps as f64;
             let point = StrongPoint::new(tau, steps, &moments, own + number, reference_error);
             let first = own + runs + number * laws.len();
             let base = base.and_then(|base| grid.point_number(base, steps));
@@ -231,7 +247,7 @@ impl Strong {
                     Ratio::of(&moments, own + number, own + base, reference_error)
                 }),
                 error_exact_areas: exact.map(|exact| rms(own + exact)),
-                area_terms: exact.and_then(|_| terms(tau, M)),
+                area_terms: exact.and_then(|_| terms(tau, grid.problem.noises)),
                 defects: (first..first + laws.len()).map(rms).collect(),
                 ..point
             }

@@ -1,11 +1,11 @@
 //! Processor time of a path: increments drawn and clipped, areas where a scheme reads them, steps.
 
-use std::hint::black_box;
+use std::{hint::black_box, sync::Arc};
 
-use mc::{Ladder, LadderError, Run, View};
-use noise::{StreamKey, Truncation};
+use mc::{DynProblem, DynRun, Ladder, LadderError, Setup, View};
+use noise::{StepNoise, StreamKey, Truncation};
 use rayon::ThreadPoolBuilder;
-use schemes::Scheme;
+use schemes::{DynScheme, Scheme};
 use serde::{Deserialize, Serialize};
 use systems::{Damping, PoissonSystem, Problem};
 
@@ -77,12 +77,27 @@ pub fn path_times<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
     repetitions: Repetitions,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Vec<Vec<(u64, Time)>>, LadderError> {
+    let schemes: Vec<_> = schemes.iter().map(|&scheme| Setup::of(problem, scheme).scheme).collect();
+    let problem = DynProblem::of(problem);
+    times_of(&schemes, &problem, steps, truncation, key, repetitions, progress)
+}
+
+/// The same for systems of any dimension.
+pub(super) fn times_of<'a, N: StepNoise>(
+    schemes: &[Arc<dyn DynScheme<N> + 'a>],
+    problem: &DynProblem<'a>,
+    steps: &[Vec<u64>],
+    truncation: Truncation,
+    key: StreamKey,
+    repetitions: Repetitions,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Vec<Vec<(u64, Time)>>, LadderError> {
     assert!(repetitions.count > 0, "a time needs at least one repetition");
     let mut ladders = Vec::new();
-    for (&scheme, steps) in schemes.iter().zip(steps) {
+    for (scheme, steps) in schemes.iter().zip(steps) {
         for &steps in steps {
-            let runs = vec![Run::new(scheme, 0)];
-            let ladder = Ladder::new(problem, steps, 0, truncation, key, runs)?;
+            let runs = vec![DynRun::new(Arc::clone(scheme), 0)];
+            let ladder = Ladder::of(problem, steps, 0, truncation, key, runs)?;
             ladders.push((ladder, steps));
         }
     }

@@ -1,14 +1,17 @@
 //! Weak errors against a reference on the same noise, and what expectations cost.
 
-use mc::{LadderError, Observable, View};
+use mc::{DynProblem, LadderError, Observable, Observe, View};
+use noise::StepNoise;
+use real::Row;
 use serde::{Deserialize, Serialize};
 use systems::{Damping, PoissonSystem};
 
 use super::{
     cost::Curve,
-    grid::{Grid, REFERENCES, Sampled, Series, Timed},
+    grid::{DynGrid, Grid, REFERENCES, Sampled, Series, Timed},
     time::Time,
 };
+use crate::orders::{difference, evaluate};
 
 /// Weak errors of several schemes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -146,20 +149,32 @@ impl Weak {
         observables: &[Observable<D>],
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Self, LadderError> {
+        let problem = DynProblem::of(grid.problem);
+        let observables: Vec<_> = observables.iter().map(|phi| phi as &dyn Observe).collect();
+        Self::of(&grid.erased(&problem), &observables, progress)
+    }
+
+    /// The same for systems of any dimension.
+    pub(super) fn of<N: StepNoise>(
+        grid: &DynGrid<'_, N>,
+        observables: &[&dyn Observe],
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Self, LadderError> {
         // The reference, its difference to that at twice the step, and for every point φ and its
         // difference to the reference.
         let each = 2 + 2 * grid.points();
-        let values = |view: &View<'_>, p: usize, values: &mut [f64]| {
+        let values = |view: &View<'_>, values: &mut [Row]| {
             for (observable, values) in observables.iter().zip(values.chunks_exact_mut(each)) {
-                let phi = |run: usize| (observable.function)(view.path(run, p));
+                let phi = |run: usize| evaluate(*observable, view.state(run), view.live);
                 // An error Cτ + O(τ²) of the expectation is C·2τ + O(τ²) at twice the step.
-                let extrapolated = |run: usize| 2.0 * phi(run) - phi(run + 1);
+                let extrapolated =
+                    |run: usize| difference(&phi(run).map(|phi| 2.0 * phi), &phi(run + 1));
                 values[0] = extrapolated(0);
-                values[1] = values[0] - extrapolated(1);
+                values[1] = difference(&values[0], &extrapolated(1));
                 let reference = values[0];
                 for (run, pair) in values[2..].chunks_exact_mut(2).enumerate() {
                     pair[0] = phi(REFERENCES + run);
-                    pair[1] = pair[0] - reference;
+                    pair[1] = difference(&pair[0], &reference);
                 }
             }
         };
@@ -178,7 +193,7 @@ impl Weak {
                 let half_width = QUANTILE * error + reference_error;
                 WeakPoint {
                     steps,
-                    tau: grid.problem.t_end() / steps as f64,
+                    tau: grid.problem.t_end / steps as f64,
                     bias,
                     se: error,
                     lo: (bias.abs() - half_width).max(0.0),
@@ -188,7 +203,7 @@ impl Weak {
                 }
             };
             WeakObservable {
-                name: observable.name.to_owned(),
+                name: observable.name().to_owned(),
                 exact: None,
                 reference_mean: moments.mean(first),
                 reference_se: se(first),

@@ -40,6 +40,7 @@ use stats::{Point, Rate};
 use crate::results::Evidence;
 
 pub(crate) use consistency::Consistency;
+pub(crate) use errors::squared_distance;
 pub(crate) use steps::Subject;
 pub(crate) use weak::{difference, evaluate};
 

@@ -7,3 +7,4 @@ mod generated;
 mod inspect;
 mod orders;
 mod run_time;
+mod run_time_compare;

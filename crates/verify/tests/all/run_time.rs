@@ -43,19 +43,19 @@ fn constant(rate: f64) -> Constant {
     Constant::new(rate).unwrap()
 }
 
-/// The rigid body with M = 1 or 3 noises, compiled and from texts.
+/// The rigid body with this number of noises, of three.
+pub fn body_definition(noises: usize) -> Definition {
+    let all = ["y1^2/2", "y2^2/4", "y3^2/6"];
+    texts("y1 y2 y3", &["-y3 y2", "-y1"], "(y1^2/2 + y2^2 + 2*y3^2)/2", &all[..noises])
+}
+
+/// The same, compiled and from texts.
 pub fn body<const M: usize>(
     body: RigidBody<M>,
     damping: f64,
-) -> (Problem<RigidBody<M>, Constant, 3>, systems_at::Problem)
-where
-    RigidBody<M>: PoissonSystem<3, M>,
-{
+) -> (Problem<RigidBody<M>, Constant, 3>, systems_at::Problem) {
     let problem = Problem::new(body, constant(damping), [0.5, 0.6, 0.62], 1.0).unwrap();
-    let noises = ["y1^2/2", "y2^2/4", "y3^2/6"];
-    let definition =
-        texts("y1 y2 y3", &["-y3 y2", "-y1"], "(y1^2/2 + y2^2 + 2*y3^2)/2", &noises[..M]);
-    let other = of_texts(&definition, &problem);
+    let other = of_texts(&body_definition(M), &problem);
     (problem, other)
 }
 
@@ -206,9 +206,9 @@ fn an_exact_solution_serves_texts_too() {
 }
 
 /// Euler's scheme with a part of the Itô correction, and damping times a factor.
-struct Wrong {
-    correction: f64,
-    damping: f64,
+pub struct Wrong {
+    pub correction: f64,
+    pub damping: f64,
 }
 
 impl Explicit for Wrong {
