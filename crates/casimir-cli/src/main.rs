@@ -20,7 +20,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => commands::run(&arguments),
         Command::Expect(arguments) => commands::expect(&arguments),
         Command::Order(arguments) => commands::order(&arguments),
-        Command::Compare(_) => todo!(),
+        Command::Compare(arguments) => commands::compare(&arguments),
         Command::Plan(arguments) => commands::plan(&arguments),
         Command::Part(arguments) => commands::part(&arguments),
         Command::Merge(arguments) => commands::merge(&arguments),

@@ -1,5 +1,6 @@
 //! The commands, each in a file of its own.
 
+mod compare;
 mod expect;
 mod folder;
 mod inspect;
@@ -16,6 +17,7 @@ use casimir::{
 };
 use clap::CommandFactory;
 
+pub use compare::compare;
 pub use expect::{Results as Expected, expect};
 pub use inspect::inspect;
 pub use new::new;

@@ -3,11 +3,11 @@
 use std::{error::Error, sync::Arc};
 
 use casimir::{
-    mc::Setup,
+    mc::{DynProblem, Setup},
     noise::BlockNoise,
     schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Split},
     systems::{Damping, Flows, PoissonSystem, Problem},
-    verify::inspect_problem,
+    verify::{Candidates, Comparison, DynCompareSettings, compare_of, inspect_problem},
 };
 
 use super::{Findings, Model};
@@ -20,6 +20,8 @@ pub struct Compiled<S, const D: usize, const M: usize> {
     problem: Problem<S, Arc<dyn Damping>, D>,
     schemes: Schemes<S, D, M>,
     names: Vec<&'static str>,
+    /// The number of `split`, where the system has flows.
+    split: Option<usize>,
 }
 
 impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Compiled<S, D, M> {
@@ -42,7 +44,7 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Compiled<
             schemes.push(("sexp-li-levy", scheme.map(boxed).map_err(words)));
         }
         let names = schemes.iter().map(|(name, _)| *name).collect();
-        Self { problem, schemes, names }
+        Self { problem, schemes, names, split: None }
     }
 
     /// With `split`, too.
@@ -51,6 +53,7 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Compiled<
     where
         S: Flows<D, M>,
     {
+        self.split = Some(self.schemes.len());
         self.schemes.push(("split", Ok(Box::new(Split))));
         self.names.push("split");
         self
@@ -66,8 +69,13 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Model<Blo
         Ok(Setup::of(&self.problem, &**scheme.as_ref()?))
     }
 
-    fn schemes(&self) -> &[&'static str] {
-        &self.names
+    fn compare(&self, settings: &DynCompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
+        let mut candidates = Candidates::all(&self.problem);
+        if let Some(Ok(split)) = self.split.map(|number| self.schemes[number].1.as_ref()) {
+            candidates = candidates.and(&**split);
+        }
+        let candidates = candidates.erased(&self.problem);
+        Ok(compare_of(&DynProblem::of(&self.problem), &candidates, settings)?)
     }
 
     fn findings(&self) -> Result<Findings, Box<dyn Error>> {

@@ -7,10 +7,13 @@ use std::{
 
 use casimir::{
     formula::{Definition, DefinitionError, Formula, FormulaSystem, Which},
-    mc::Setup,
+    mc::{DynProblem, Setup},
     noise::NoiseRows,
     systems::{Damping, run_time::Problem},
-    verify::{inspect::Inspection, inspect_formula_problem},
+    verify::{
+        Comparison, DynCandidates, DynCompareSettings, compare_of, inspect::Inspection,
+        inspect_formula_problem,
+    },
 };
 use toml::Spanned;
 
@@ -52,8 +55,11 @@ impl Model<NoiseRows> for Formulas {
         Ok(Setup { problem: with_laws(setup.problem, laws), scheme: setup.scheme })
     }
 
-    fn schemes(&self) -> &[&'static str] {
-        self.schemes.names()
+    fn compare(&self, settings: &DynCompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
+        let casimirs = self.inspection().map(|found| found.casimirs.found.clone());
+        let candidates = DynCandidates::all(&self.problem)?;
+        let candidates = candidates.with_casimirs(casimirs.unwrap_or_default());
+        Ok(compare_of(&DynProblem::at_run_time(&self.problem), &candidates, settings)?)
     }
 
     fn findings(&self) -> Result<Findings, Box<dyn Error>> {

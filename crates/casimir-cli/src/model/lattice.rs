@@ -4,7 +4,7 @@ use std::{error::Error, sync::Arc};
 
 use casimir::{
     formula::Names,
-    mc::Setup,
+    mc::{DynProblem, Setup},
     noise::NoiseRows,
     real::Row,
     schemes::Split,
@@ -12,7 +12,7 @@ use casimir::{
         Damping,
         run_time::{Couplings, Problem, Shape, SpinLattice, System, Weights, noise_at_temperature},
     },
-    verify::inspect_large,
+    verify::{Comparison, DynCandidates, DynCompareSettings, compare_of, inspect_large},
 };
 
 use super::{AnyModel, Built, Findings, Model, row_schemes::RowSchemes};
@@ -42,8 +42,9 @@ impl Model<NoiseRows> for Lattice {
         Setup::at_run_time(&self.problem, scheme).map_err(|error| error.to_string())
     }
 
-    fn schemes(&self) -> &[&'static str] {
-        self.schemes.names()
+    fn compare(&self, settings: &DynCompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
+        let candidates = DynCandidates::all(&self.problem)?;
+        Ok(compare_of(&DynProblem::at_run_time(&self.problem), &candidates, settings)?)
     }
 
     fn findings(&self) -> Result<Findings, Box<dyn Error>> {

@@ -15,7 +15,10 @@ use casimir::{
     mc::Setup,
     noise::{BlockNoise, NoiseRows},
     systems::{Constant, Damping},
-    verify::inspect::{Inspection, LargeInspection, Purpose},
+    verify::{
+        Comparison, DynCompareSettings,
+        inspect::{Inspection, LargeInspection, Purpose},
+    },
 };
 
 use crate::scene::{Constants, Observable, Quantity, Read, SceneFile, Settings, Source};
@@ -30,8 +33,11 @@ pub trait Model<N>: Send + Sync {
     /// Why the scheme is not for the system.
     fn setup(&self, scheme: &str) -> Result<Setup<'_, N>, String>;
 
-    /// The schemes that it may have.
-    fn schemes(&self) -> &[&'static str];
+    /// Errors against cost of all schemes.
+    ///
+    /// # Errors
+    /// Those of [`compare_of`](casimir::verify::compare_of).
+    fn compare(&self, settings: &DynCompareSettings<'_>) -> Result<Comparison, Box<dyn Error>>;
 
     /// What the system is.
     ///

@@ -36,11 +36,6 @@ impl RowSchemes {
         self.schemes.push(scheme);
     }
 
-    /// All names.
-    pub fn names(&self) -> &[&'static str] {
-        &self.names
-    }
-
     /// A scheme by its name.
     ///
     /// # Errors

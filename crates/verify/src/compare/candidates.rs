@@ -93,7 +93,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Candidates<'_, S, D
     }
 
     /// The same without the dimension; `problem` is theirs.
-    pub(super) fn erased<'b, G: Damping>(
+    pub fn erased<'b, G: Damping>(
         &'b self,
         problem: &'b Problem<S, G, D>,
     ) -> DynCandidates<'b, BlockNoise<M>> {
