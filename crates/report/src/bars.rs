@@ -10,12 +10,19 @@ pub struct Bars {
     bar: ProgressBar,
 }
 
+/// Of work whose amount is known, and of other work.
+const KNOWN: &str = "{elapsed:>4} [{bar:28}] {percent:>3}% {msg}, {eta} left";
+const UNKNOWN: &str = "{elapsed:>4} {spinner} {msg}";
+
+fn style(template: &str) -> ProgressStyle {
+    let style = ProgressStyle::with_template(template).expect("the template is valid");
+    style.progress_chars("=> ")
+}
+
 impl Default for Bars {
     /// No bar yet.
     fn default() -> Self {
-        let style = "{elapsed:>4} [{bar:28}] {percent:>3}% {msg}, {eta} left";
-        let style = ProgressStyle::with_template(style).expect("the template is valid");
-        let bar = ProgressBar::new(0).with_style(style.progress_chars("=> "));
+        let bar = ProgressBar::new(0).with_style(style(KNOWN));
         bar.enable_steady_tick(Duration::from_millis(200));
         Self { bar }
     }
@@ -34,7 +41,9 @@ impl Bars {
 }
 
 impl Progress for Bars {
+    /// Without work its amount is not known.
     fn begin(&self, id: &str, work: u64) {
+        self.bar.set_style(style(if work > 0 { KNOWN } else { UNKNOWN }));
         self.bar.reset();
         self.bar.set_length(work);
         self.bar.set_message(id.to_owned());

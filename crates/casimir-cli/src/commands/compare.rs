@@ -1,8 +1,8 @@
 //! `casimir compare`: which scheme is cheapest for an error.
 
 use casimir::{
-    report::{comparison_csv, figure::comparison, files},
-    verify::DynCompareSettings,
+    report::{Bars, comparison_csv, figure::comparison, files},
+    verify::{DynCompareSettings, Progress},
 };
 
 use super::{folder, open, print, print_json, threads};
@@ -23,7 +23,10 @@ pub fn compare(arguments: &Compare) -> Done {
     threads(arguments.output.threads)?;
     let settings = &scene.settings;
     let wanted = DynCompareSettings::new(error, settings.truncation, settings.key);
+    let bars = Bars::default();
+    bars.begin("errors and times of all schemes, a minute at most", 0);
     let found = with_model!(&scene.model, model => model.compare(&wanted));
+    bars.finish();
     let found = found.map_err(|error| scene.source.error_of_all(error))?;
     let folder = folder::of(arguments.output.out.as_ref(), &arguments.scene, "compare");
     folder::prepare(&folder)?;

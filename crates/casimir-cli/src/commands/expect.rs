@@ -123,7 +123,7 @@ impl<'a, N: StepNoise> Ready<'a, N> {
             ExpectationSettings::new(settings.key, settings.truncation, coarsest_steps, coupling);
         let observables: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
         let bars = Bars::default();
-        bars.begin("path-steps", 0);
+        bars.begin("sampling until the accuracy is reached", 0);
         let advance = |work| bars.advance(work);
         let found = expectation_of_in(
             job,

@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use casimir::{
     noise::StepNoise,
-    report::{figure::convergence, files},
+    report::{Bars, figure::convergence, files},
     verify::{
-        self, DynReference, StepSizes,
+        self, DynReference, Progress, StepSizes,
         inspect::Purpose,
         results::{Kind, Series},
         strong_order_of_within, weak_order_of_within,
@@ -71,8 +71,9 @@ pub fn order(arguments: &Order) -> Done {
     }
     let reason = because.as_ref().map_or(String::new(), |because| format!(" ({because})"));
     let mut text = format!("{scheme}{reason}, {seconds:.1} s\n");
-    for Found { quantity, order } in std::iter::once(strong).chain(weak) {
-        text += &format!("{quantity}: {order}\n");
+    text += &format!("strong, {}: {}\n", strong.quantity, strong.order);
+    for Found { quantity, order } in weak {
+        text += &format!("weak, {quantity}: {order}\n");
     }
     let folder = folder.display();
     print(&format!("{text}figures: {folder}/strong.svg, {folder}/weak.svg\n"))
@@ -100,6 +101,8 @@ fn measure<N: StepNoise>(scene: &Scene, model: &dyn Model<N>) -> Done<Results> {
     let reference = DynReference::Independent(vec![heun, midpoint]);
     let sizes = StepSizes::new(coarsest_steps(settings.until), settings.truncation, settings.key);
     let wrong = |error| settings.steps_error(source, error);
+    let bars = Bars::default();
+    bars.begin(&format!("strong order of {scheme}"), 0);
     let order = strong_order_of_within(&measured, &sizes, &reference, BUDGET).map_err(wrong)?;
     let strong = Found { quantity: "y(T)".into(), order };
     let mut weak = Vec::new();
@@ -109,10 +112,12 @@ fn measure<N: StepNoise>(scene: &Scene, model: &dyn Model<N>) -> Done<Results> {
         false => scene.expected.iter().collect(),
     };
     for phi in expected {
+        bars.begin(&format!("weak order of {scheme} for E[{}]", phi.name), 0);
         let order = weak_order_of_within(&measured, phi, &sizes, &reference, BUDGET);
         let quantity = format!("E[{}]", phi.name);
         weak.push(Found { quantity, order: order.map_err(wrong)? });
     }
+    bars.finish();
     let seconds = start.elapsed().as_secs_f64();
     Ok(Results { scheme, because, strong, weak, seconds })
 }
