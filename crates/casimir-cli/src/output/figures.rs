@@ -26,6 +26,8 @@ pub type Section = (&'static str, Vec<Drawn>);
 
 /// Paths in a figure; more hide each other.
 const SHOWN_PATHS: usize = 4;
+/// Laws in a report.
+const SHOWN_LAWS: usize = 6;
 /// Phase portraits in a report.
 const PORTRAITS: usize = 3;
 
@@ -144,8 +146,26 @@ fn portraits(scene: &Scene, results: &Results) -> Vec<Drawn> {
 /// Casimirs and energies with their conformal law and the defect from it.
 fn laws(results: &Results) -> Vec<Drawn> {
     let Some(first) = results.tables.first() else { return Vec::new() };
-    let defects = first.columns.iter().filter_map(|column| column.name.strip_suffix(" defect"));
-    let law = |name: &str| {
+    let largest = |name: &str| {
+        let columns = results.tables.iter().filter_map(|table| table.column(name));
+        columns.flatten().fold(0.0f64, |largest, defect| largest.max(defect.abs()))
+    };
+    let defects = first.columns.iter().filter(|column| column.name.ends_with(" defect"));
+    let mut defects: Vec<(&str, f64)> =
+        defects.map(|column| (&*column.name, largest(&column.name))).collect();
+    let all = defects.len();
+    // Those that deviate most, of many.
+    if all > SHOWN_LAWS {
+        defects.sort_by(|a, b| b.1.total_cmp(&a.1));
+        defects.truncate(SHOWN_LAWS);
+    }
+    let of_all = if all > SHOWN_LAWS {
+        format!(", one of the largest of {all} laws")
+    } else {
+        String::new()
+    };
+    let law = |(column, largest): (&str, f64)| {
+        let name = column.trim_end_matches(" defect");
         let series = |(path, table): (usize, &TimeSeries)| {
             let (values, defects) = (table.column(name)?, table.column(&format!("{name} defect"))?);
             let points = table.times().iter().zip(values).zip(defects);
@@ -164,23 +184,17 @@ fn laws(results: &Results) -> Vec<Drawn> {
         };
         let tables = results.tables.iter().enumerate().take(SHOWN_PATHS);
         let series: Vec<Series> = tables.filter_map(series).collect();
-        let largest = results
-            .tables
-            .iter()
-            .filter_map(|table| table.column(&format!("{name} defect")))
-            .flatten()
-            .fold(0.0f64, |largest, defect| largest.max(defect.abs()));
         Drawn {
             file: file("law", name),
             svg: evolution(name, &series),
             caption: format!(
                 "{name} on {}: values with the conformal law e^(−p∫γ) {name}(y(0)) above, relative \
-                 defects below; the largest is {largest:.1e}.",
+                 defects below; the largest is {largest:.1e}{of_all}.",
                 paths(series.len(), results)
             ),
         }
     };
-    defects.map(law).collect()
+    defects.into_iter().map(law).collect()
 }
 
 /// The law of which `value` has the relative defect `defect`.
