@@ -30,6 +30,9 @@ const BETWEEN: f64 = 10.0;
 
 const UNIT: Range = Range { lo: 0.0, hi: 1.0 };
 
+/// Values that differ by less than this part of them are drawn as one.
+const ROUNDING: f64 = 1e-9;
+
 /// A point of the path.
 struct Sampled {
     time: f64,
@@ -112,7 +115,11 @@ fn value_range(curves: &[Vec<Sampled>]) -> Range {
         0.0 => f64::INFINITY,
         reach => reach,
     };
-    Range { lo: all.lo.max(law.lo - reach), hi: all.hi.min(law.hi + reach) }.padded(0.06)
+    let range = Range { lo: all.lo.max(law.lo - reach), hi: all.hi.min(law.hi + reach) };
+    // Rounding errors of a constant are no range.
+    let constant = range.hi - range.lo <= ROUNDING * range.hi.abs();
+    let range = if constant { Range { lo: range.hi, hi: range.hi } } else { range };
+    range.padded(0.06)
 }
 
 fn defect_range(curves: &[Vec<Sampled>]) -> Range {
