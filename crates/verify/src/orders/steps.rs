@@ -65,33 +65,33 @@ impl<'a, N: StepNoise> Steps<'a, N> {
         }
     }
 
-    /// Sets all paths to a state, except these.
-    fn set(&mut self, state: &[f64], except: PathMask) {
+    /// Sets these paths to a state.
+    fn set(&mut self, state: &[f64], paths: PathMask) {
         for (row, &y) in self.state.rows_mut().iter_mut().zip(state) {
-            PathMask::ALL.without(except).paths().for_each(|p| row[p] = y);
+            paths.paths().for_each(|p| row[p] = y);
         }
     }
 
     /// The ends of steps from `state` on the first `count` of the first noises, on the paths whose
     /// steps succeed.
     pub fn step(&mut self, step: &Step, state: &[f64], count: usize) -> (&[Row], PathMask) {
-        self.idle(count);
-        self.set(state, PathMask::NONE);
+        self.take_noise(PathMask::ALL.without(PathMask::first(count)));
+        self.set(state, PathMask::ALL);
         let mut status = BlockStatus::explicit();
         self.state.step(step, &self.noises[0], &mut status);
         (self.state.rows(), PathMask::first(count).without(status.failed))
     }
 
-    /// Takes the noise from paths that are not asked for.
-    fn idle(&mut self, count: usize) {
+    /// Takes the noise from paths that nobody asks for, or no more.
+    fn take_noise(&mut self, paths: PathMask) {
         let Self { noises, zero, .. } = self;
-        noises.iter_mut().for_each(|n| (count..WIDTH).for_each(|p| n.set_path(p, zero, p)));
+        noises.iter_mut().for_each(|n| paths.paths().for_each(|p| n.set_path(p, zero, p)));
     }
 
     /// A step τ from the visit and two half steps, on the first `count` of the noises; `None` if
     /// there is no such step.
     pub fn one_and_two(&mut self, visit: &Visit, tau: f64, count: usize) -> Option<OneAndTwo<'_>> {
-        self.idle(count);
+        self.take_noise(PathMask::ALL.without(PathMask::first(count)));
         // Times are multiples of the step size.
         let n = (visit.t / tau).round() as u64;
         let damping = self.subject.problem.damping;
@@ -100,17 +100,21 @@ impl<'a, N: StepNoise> Steps<'a, N> {
         let second = step(2 * n + 1, 0.5 * tau)?;
         (0..WIDTH).for_each(|p| self.both.set_path(p, &self.noises[0], p));
         self.both.join(&self.noises[1]);
-        let mut status = [(); 3].map(|()| BlockStatus::explicit());
-        self.set(&visit.state, PathMask::NONE);
-        self.state.step(&whole, &self.both, &mut status[0]);
+        let (mut live, mut status) = (PathMask::first(count), BlockStatus::explicit());
+        self.set(&visit.state, PathMask::ALL);
+        self.state.step(&whole, &self.both, &mut status);
         self.one.copy_from_slice(self.state.rows());
-        self.set(&visit.state, PathMask::NONE);
-        self.state.step(&first, &self.noises[0], &mut status[1]);
+        live = live.without(status.failed);
+        // More steps of a path that failed would only cost time.
+        self.take_noise(status.failed);
+        self.set(&visit.state, PathMask::ALL);
+        self.state.step(&first, &self.noises[0], &mut status);
+        live = live.without(status.failed);
         // A path that failed may hold anything.
-        self.set(&visit.state, PathMask::ALL.without(status[1].failed));
-        self.state.step(&second, &self.noises[1], &mut status[2]);
-        let failed = status.iter().fold(PathMask::NONE, |all, status| all.or(status.failed));
-        let live = PathMask::first(count).without(failed);
+        self.take_noise(status.failed);
+        self.set(&visit.state, status.failed);
+        self.state.step(&second, &self.noises[1], &mut status);
+        live = live.without(status.failed);
         Some(OneAndTwo { one: &self.one, two: self.state.rows(), live })
     }
 }
