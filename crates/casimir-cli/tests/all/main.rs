@@ -2,5 +2,6 @@
 
 mod broken;
 mod common;
+mod cost;
 mod parts;
 mod results;
