@@ -205,8 +205,15 @@ fn one_path_has_the_common_noise_of_the_path_with_its_number() {
 
 #[test]
 fn local_noise_depends_on_neither_threads_nor_pieces_of_time() {
+    // One slab, and with one thread four, of which the first and the last are neighbours.
+    for shape in [Shape::open(&[5000]).unwrap(), Shape::periodic(&[70, 70, 8]).unwrap()] {
+        local_noise_is_the_same(shape);
+    }
+}
+
+fn local_noise_is_the_same(shape: Shape) {
     let couplings = Couplings { exchange: 0.7, noise: 0.5, local: true, ..Couplings::default() };
-    let lattice = SpinLattice::one_path(Shape::open(&[5000]).unwrap(), couplings).unwrap();
+    let lattice = SpinLattice::one_path(shape, couplings).unwrap();
     let sexp_li = SexpLi::at_run_time(&lattice).unwrap();
     let problem = problem(lattice, 0.1, 1.0);
     let run = |threads, pieces: u64, path| {
