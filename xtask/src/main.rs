@@ -46,8 +46,8 @@ const CHORES: [Chore; 6] = [
     (
         "dimension",
         ["lab", "dimension"],
-        &["--features", "dimension"],
-        "Measure the fixed point against Newton's method up to D = 300",
+        MEASURING,
+        "Measure the fixed point against Newton's method on long chains",
     ),
 ];
 

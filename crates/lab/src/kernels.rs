@@ -25,8 +25,10 @@
 use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Split};
 use systems::{
     IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
-    RigidBodyEnergy, SpinChain,
+    RigidBodyEnergy,
 };
+
+use crate::TwoSpins;
 
 /// A system for which the scheme F is compiled here.
 pub trait Compiled<F, const D: usize, const M: usize>: PoissonSystem<D, M> + Sized {
@@ -96,6 +98,6 @@ systems_of_the_paper! {
     }
 }
 compiled! {
-    Sexp { SpinChain<6>, 6, 3; }
-    SexpLevy { RigidBody<3>, 3, 3; SpinChain<6>, 6, 3; }
+    Sexp { TwoSpins, 6, 3; }
+    SexpLevy { RigidBody<3>, 3, 3; TwoSpins, 6, 3; }
 }

@@ -13,6 +13,7 @@
 //! | [`Experiment`], [`Conditions`], [`Findings`] | what an experiment is, is given and returns |
 //! | [`statements`], [`conformal_law`] | measurements that twins repeat on wrong methods |
 //! | [`Compiled`], [`compiled()`], [`PaperSystem`] | schemes on systems, compiled once |
+//! | [`TwoSpins`] | a system in six dimensions |
 //! | [`streams`] | which noise belongs to which experiment |
 //! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
 //! | [`command`] | what the command lines of all programs share |
@@ -32,6 +33,7 @@ pub mod setups;
 pub mod statements;
 pub mod streams;
 mod supplements;
+mod two_spins;
 
 pub use experiment::{
     Conditions, Experiment, Findings, TRUNCATED, TRUNCATION_ORDER, set_up, truncation,
@@ -43,3 +45,4 @@ pub use panels::EXPERIMENTS;
 pub use reproduce::{UnknownId, check_ids, ids, reproduce};
 pub use statements::STATEMENTS;
 pub use supplements::{SUPPLEMENTS, expectation_claims};
+pub use two_spins::TwoSpins;

@@ -3,9 +3,9 @@
 use anyhow::Result;
 use mc::Observable;
 use real::elementary::{cos, sin};
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Split};
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi};
 use systems::{
-    Constant, Damping, PoissonSystem, Problem, SpinChain,
+    Constant, Damping, PoissonSystem, Problem,
     paper::{
         lotka_volterra_1_1, lotka_volterra_2_2, maxwell_bloch, pendulum, poisson3_strong,
         rigid_body_energy, rigid_body_one_noise, rigid_body_three_noises, valid,
@@ -13,7 +13,7 @@ use systems::{
 };
 use verify::rigid_body_expectations;
 
-use crate::{PaperSystem, compiled, in_words};
+use crate::{PaperSystem, TwoSpins, compiled, in_words};
 
 /// What a scheme is.
 #[derive(Clone, Copy, PartialEq)]
@@ -172,9 +172,9 @@ pub fn visit_paper(visitor: &mut impl Visit) -> Result<()> {
 }
 
 /// Two spins with exchange and anisotropy in a field that fluctuates about all three axes: D = 6.
-pub(crate) fn spin_pair<G: Damping>(damping: G) -> Problem<SpinChain<6>, G, 6> {
-    let chain = valid(SpinChain::new(1.0, 0.5, 0.8));
-    valid(Problem::new(chain, damping, [1.0, 0.0, 0.0, 0.0, 0.6, 0.8], 1.0))
+pub(crate) fn spin_pair<G: Damping>(damping: G) -> Problem<TwoSpins, G, 6> {
+    let spins = valid(TwoSpins::new(1.0, 0.5, 0.8));
+    valid(Problem::new(spins, damping, [1.0, 0.0, 0.0, 0.0, 0.6, 0.8], 1.0))
 }
 
 /// Visits three more on [0, 1], of which only times are measured: the rigid body with noise H₀,
@@ -188,11 +188,10 @@ pub fn visit_others(visitor: &mut impl Visit) -> Result<()> {
     let problem = spin_pair(valid(Constant::new(0.1)));
     let levy = compiled(SexpLevy::new(problem.system(), problem.y0()));
     let linearly_implicit = valid(SexpLi::new(problem.system(), problem.y0()));
-    let schemes: Vec<(Kind, Box<dyn Scheme<SpinChain<6>, 6, 3>>)> = vec![
+    let schemes: Vec<(Kind, Box<dyn Scheme<TwoSpins, 6, 3>>)> = vec![
         (Kind::Sexp, compiled(Sexp)),
         (Kind::SexpLevy, levy),
         (Kind::WithoutIteration, Box::new(linearly_implicit)),
-        (Kind::WithoutIteration, Box::new(Split)),
         (Kind::OtherImplicit, Box::new(Midpoint)),
         (Kind::Heun, Box::new(Heun)),
         (Kind::EulerMaruyama, Box::new(EulerMaruyama)),

@@ -45,8 +45,7 @@
 //!
 //! Dampings: [`Constant`], [`Linear`], [`Sine`], [`Cosine`], [`DampingFunction`]. Systems:
 //! [`Pendulum`], [`RigidBody`], [`RigidBodyEnergy`], [`LotkaVolterra`], [`MaxwellBloch`],
-//! [`Poisson3`] (Bréhier, Cohen and Komori 2025), and [`SpinChain`] with more than three
-//! dimensions.
+//! [`Poisson3`] (Bréhier, Cohen and Komori 2025). Spins on lattices: [`run_time::SpinLattice`].
 
 mod cayley;
 mod damping;
@@ -63,7 +62,6 @@ mod poisson3;
 mod problem;
 mod rigid_body;
 pub mod run_time;
-mod spin_chain;
 mod system;
 
 pub use damping::{
@@ -84,5 +82,4 @@ pub use pendulum::Pendulum;
 pub use poisson3::Poisson3;
 pub use problem::Problem;
 pub use rigid_body::{RigidBody, RigidBodyEnergy};
-pub use spin_chain::SpinChain;
 pub use system::{ImplicitStep, PoissonSystem};

@@ -6,7 +6,7 @@ mod common;
 use common::{Check, INERTIA, NOISE_INERTIA, Numbers, Region, every_system};
 use systems::{
     IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
-    RigidBodyEnergy, SpinChain, ito_correction, unit_noise, vector_field,
+    RigidBodyEnergy, ito_correction, unit_noise, vector_field,
 };
 
 /// The drift f₀ and the diffusions f₁ … f_M at y.
@@ -253,48 +253,12 @@ fn ito_correction_by_differences() {
 }
 
 #[test]
-fn a_chain_of_three_spins() {
-    // Only the spin in the middle has two neighbours.
-    let (j, k, sigma) = (0.9, 0.4, 0.7);
-    let chain = SpinChain::<9>::new(j, k, sigma).unwrap();
-    let mut numbers = Numbers(15);
-    for _ in 0..100 {
-        let y: [f64; 9] = Region::Box.point(&mut numbers);
-        let (dt, [b1, b2, b3]) = (numbers.next(), numbers.vector());
-        let spin = |n: usize| [y[3 * n], y[3 * n + 1], y[3 * n + 2]];
-        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let [one, two, three] = [0, 1, 2].map(spin);
-        let squares = one[2] * one[2] + two[2] * two[2] + three[2] * three[2];
-        let sum: [f64; 3] = std::array::from_fn(|i| one[i] + two[i] + three[i]);
-        let energy = -(j * (dot(one, two) + dot(two, three)) + 0.5 * k * squares) * dt
-            - sigma * dot(sum, [b1, b2, b3]);
-        // Some twenty products of at most 4, with a few roundings each.
-        let found: f64 = chain.energy(y, dt, [b1, b2, b3]);
-        assert!((found - energy).abs() < 80.0 * 4.0 * f64::EPSILON, "{found} {energy}");
-        // −∂H/∂sᵢ is the field on spin i.
-        let outer: [f64; 3] = std::array::from_fn(|i| one[i] + three[i]);
-        let neighbours = [two, outer, two];
-        let mut exact = [0.0; 9];
-        for n in 0..3 {
-            for i in 0..3 {
-                exact[3 * n + i] = -j * dt * neighbours[n][i] - sigma * [b1, b2, b3][i];
-            }
-            exact[3 * n + 2] -= k * dt * y[3 * n + 2];
-        }
-        assert_close(chain.gradient(y, dt, [b1, b2, b3]), exact, 8.0, "gradient of the chain");
-    }
-}
-
-#[test]
 fn invariants_have_the_values_of_their_formulas() {
     // All at y = (1, 2, 3), in numbers that are not rounded.
     let y = [1.0, 2.0, 3.0];
     let body = RigidBodyEnergy::new([2.0, 1.0, 0.5], 0.7).unwrap();
     let values: [f64; 2] = [0, 1].map(|index| body.invariant(index, y));
     assert_eq!(values, [7.0, 0.25 + 2.0 + 9.0]);
-    let chain: f64 =
-        SpinChain::<6>::new(0.9, 0.4, 0.7).unwrap().invariant(1, [9.0, 9.0, 9.0, 1.0, 2.0, 3.0]);
-    assert_eq!(chain, 7.0);
     let bloch: f64 = MaxwellBloch.invariant(0, y);
     assert_eq!(bloch, 6.5);
     let poisson = Poisson3::new(0.7).unwrap();

@@ -3,13 +3,12 @@
 
 mod common;
 
-use approx::assert_abs_diff_eq;
 use common::{
     Check, INERTIA, NOISE_INERTIA, Numbers, Region, dot, every_system, invariant_gradient,
 };
 use real::Real;
 use systems::{
-    Constant, InvariantKind, Pendulum, PoissonSystem, Problem, RigidBody, SpinChain, SystemError,
+    Constant, InvariantKind, Pendulum, PoissonSystem, Problem, RigidBody, SystemError,
     area_gradient, noises_commute, unit_noise, vector_field,
 };
 
@@ -118,18 +117,6 @@ fn commutators_are_what_they_should_be() {
     every_system(&mut Commutators);
 }
 
-#[test]
-fn fields_of_a_common_rotation_turn_about_the_third_axis() {
-    // Hₘ = −σ Σ sᵢᵐ turns every spin about axis m, and so(3) says [fₓ, f_y] = X_{{H_y, Hₓ}} with
-    // {H_y, Hₓ} = σ²Σ sᵢᶻ.
-    let chain = SpinChain::<6>::new(1.0, 0.3, 0.5).unwrap();
-    let y = [0.1, 0.2, 0.3, -0.4, 0.5, 0.6];
-    let areas = [[0.0, 2.0, 0.0], [-2.0, 0.0, 0.0], [0.0; 3]];
-    let expected = [0.2 * 0.5, -0.1 * 0.5, 0.0, 0.5 * 0.5, 0.4 * 0.5, 0.0];
-    let ours: [f64; 6] = chain.commutators(y, areas);
-    assert_abs_diff_eq!(ours[..], expected[..], epsilon = 1e-15);
-}
-
 /// An oscillator shaken by two noises that are functions of one Hamiltonian, or of two different
 /// ones.
 struct Shaken {
@@ -170,7 +157,7 @@ impl Check for NeedsAreas {
 fn commuting_noises_are_recognised() {
     let mut seen = NeedsAreas(Vec::new());
     every_system(&mut seen);
-    assert!(seen.0.contains(&("spin-chain", false)) && seen.0.contains(&("pendulum", true)));
+    assert!(seen.0.contains(&("rigid-body", false)) && seen.0.contains(&("pendulum", true)));
     // Functions of one Hamiltonian commute, B constant or not: {H, H²} = 0. The default gradient
     // rounds, and is seen through.
     assert!(noises_commute(&Shaken { same: true }, [0.3, -0.8]));

@@ -4,8 +4,8 @@ use formula::{Definition, DefinitionError, FormulaSystem, Which};
 use real::{Row, Rows, WIDTH};
 use systems::{
     IntegerExponents, Linearity, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, RigidBody,
-    SpinChain, SystemError,
-    run_time::{Compiled, System, Weights},
+    SystemError,
+    run_time::{Compiled, Couplings, Shape, SpinLattice, System, Weights},
 };
 
 use crate::{expression::Random, paper};
@@ -160,7 +160,7 @@ fn the_linearly_implicit_step_is_solved_in_every_dimension() {
     }
 }
 
-/// A chain of spins of the compiled crate, with the elimination in six dimensions.
+/// A lattice of two spins, with the elimination in six dimensions.
 #[test]
 fn six_dimensions_agree() {
     let y0 = [0.6, 0.1, 0.8, 0.2, 0.8, 0.6];
@@ -178,8 +178,10 @@ fn six_dimensions_agree() {
     definition.noises = (1..=3).map(|m| format!("-sigma*(a{m} + b{m})")).collect();
     let parameters = [("J", 1.0), ("K", 0.5), ("sigma", 0.7)];
     definition.parameters = parameters.map(|(name, value)| (name.into(), value)).to_vec();
-    let compiled = Compiled::new(SpinChain::<6>::new(1.0, 0.5, 0.7).unwrap(), y0);
-    Pair::new(&definition, &y0, compiled).agree(ROUNDING);
+    let couplings =
+        Couplings { exchange: 1.0, anisotropy: 0.5, noise: 0.7, ..Couplings::default() };
+    let lattice = SpinLattice::on_paths(Shape::open(&[2]).unwrap(), couplings).unwrap();
+    Pair::new(&definition, &y0, lattice).agree(ROUNDING);
 }
 
 fn harmonic() -> Definition {

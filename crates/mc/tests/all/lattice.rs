@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use mc::{DynSimulation, LargePath, LargePathError, Setup};
 use noise::{StreamKey, Truncation};
+use nonlin::Solver;
 use schemes::{
-    Explicit, Heun, Increment, Sexp, SexpLi, Split,
+    Explicit, Heun, Increment, Sexp, SexpLi, Split, WithSolver,
     run_time::{Scheme, SchemeError},
 };
 use stats::{StationaryMean, TimeAverage};
@@ -42,10 +43,14 @@ fn every_length_is_on_its_law_after_100_000_steps() {
     let damped = Couplings { damping: 0.2, ..couplings };
     let transverse = SpinLattice::one_path(lattice.shape().clone(), damped).unwrap();
     let sexp_li = SexpLi::at_run_time(&lattice).unwrap();
+    // The residual of a step is at most 2ε of all spins together, of one sign for long, and may
+    // fall on one of them. One more sweep leaves round-off.
+    let settled = WithSolver { formula: Sexp, solver: Solver::default().settled() };
     for (lattice, scheme, steps) in [
         (&lattice, &sexp_li as &dyn Scheme, STEPS),
         (&transverse, &sexp_li, STEPS),
         (&lattice, &Split, STEPS),
+        (&lattice, &settled, STEPS),
         (&lattice, &Sexp, STEPS / 10),
     ] {
         let problem = problem(lattice.clone(), 1e-3, 1e-2 * STEPS as f64);
@@ -205,8 +210,15 @@ fn one_path_has_the_common_noise_of_the_path_with_its_number() {
 
 #[test]
 fn local_noise_depends_on_neither_threads_nor_pieces_of_time() {
+    // One slab, and with one thread four, of which the first and the last are neighbours.
+    for shape in [Shape::open(&[5000]).unwrap(), Shape::periodic(&[70, 70, 8]).unwrap()] {
+        local_noise_is_the_same(shape);
+    }
+}
+
+fn local_noise_is_the_same(shape: Shape) {
     let couplings = Couplings { exchange: 0.7, noise: 0.5, local: true, ..Couplings::default() };
-    let lattice = SpinLattice::one_path(Shape::open(&[5000]).unwrap(), couplings).unwrap();
+    let lattice = SpinLattice::one_path(shape, couplings).unwrap();
     let sexp_li = SexpLi::at_run_time(&lattice).unwrap();
     let problem = problem(lattice, 0.1, 1.0);
     let run = |threads, pieces: u64, path| {

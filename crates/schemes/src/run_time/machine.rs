@@ -1,4 +1,11 @@
 //! Executes the plan of a formula on rows.
+//!
+//! A stage reads of the stages before it what is at most [`System::reach`] tiles away. So the
+//! stages of a step follow each other through the state, slab by slab of at least so many tiles,
+//! and what a stage stores is still in a cache when the next one reads it. Slabs are counted
+//! around. Stage s begins at slab s, and stage s of slab k comes right after stage s − 1 of slab
+//! k + 1. A result that takes the place of another one does so on slabs that no earlier stage has
+//! yet to read: those are ahead.
 
 use std::{
     ops::Range,
@@ -20,8 +27,12 @@ pub struct Machine<'a> {
     program: Option<Box<dyn Program>>,
     /// Memory of the tiles, for each thread.
     desks: Vec<Mutex<Desk>>,
+    /// Rows of a slab.
+    slab: usize,
 }
 
+/// Least tiles of a slab for each thread.
+const SLAB_TILES: usize = 8;
 /// Most inputs of a formula: ẑ, z and a direction.
 const MOST_INPUTS: usize = 3;
 
@@ -58,7 +69,8 @@ impl<'a> Machine<'a> {
         };
         let desks = (0..threads).map(|_| desk()).collect::<Result<_, OutOfMemory>>()?;
         let plan = Plan::default();
-        Ok(Self { system, buffers: Vec::new(), plan, program: None, desks })
+        let slab = system.tile_rows() * system.reach().max(SLAB_TILES * threads);
+        Ok(Self { system, buffers: Vec::new(), plan, program: None, desks, slab })
     }
 
     /// Plans operations, of which the last is the result, unless they are the same as before, and
@@ -106,29 +118,41 @@ impl<'a> Machine<'a> {
             inputs.iter().zip(&mut states).for_each(|(input, state)| *state = input);
             return program.run(&states[..inputs.len()], factors, h, &mut rest[0]);
         }
-        for stage in &self.plan.stages {
-            // The buffers in which the stage stores are taken out while the others are read.
-            let mut taken: [Rows; MOST_STORES] = Default::default();
-            for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
-                std::mem::swap(taken, &mut self.buffers[buffer]);
+        let (stages, slabs) = (self.plan.stages.len(), (self.system.rows() / self.slab).max(1));
+        for time in 0..slabs + 2 * (stages - 1) {
+            for stage in (0..stages).filter(|s| (2 * s..2 * s + slabs).contains(&time)) {
+                let slab = (time - stage) % slabs;
+                let end =
+                    if slab + 1 < slabs { (slab + 1) * self.slab } else { self.system.rows() };
+                self.execute_stage(stage, slab * self.slab..end, factors, h);
             }
-            let execution = Execution {
-                system: self.system,
-                stage,
-                factors,
-                h,
-                buffers: &self.buffers,
-                desks: &self.desks,
-            };
-            let mut stores = taken.iter_mut();
-            let stores = std::array::from_fn(|_| match stores.next() {
-                Some(rows) => &mut rows[..],
-                None => &mut [],
-            });
-            execution.on_rows(0..self.system.rows(), stores);
-            for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
-                std::mem::swap(taken, &mut self.buffers[buffer]);
-            }
+        }
+    }
+
+    /// Executes a stage on some rows.
+    fn execute_stage(&mut self, stage: usize, rows: Range<usize>, factors: &[f64], h: Weights<'_>) {
+        let stage = &self.plan.stages[stage];
+        // The buffers in which the stage stores are taken out while the others are read.
+        let mut taken: [Rows; MOST_STORES] = Default::default();
+        for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
+            std::mem::swap(taken, &mut self.buffers[buffer]);
+        }
+        let execution = Execution {
+            system: self.system,
+            stage,
+            factors,
+            h,
+            buffers: &self.buffers,
+            desks: &self.desks,
+        };
+        let mut stores = taken.iter_mut();
+        let stores = std::array::from_fn(|n| match stores.next() {
+            Some(store) if n < stage.stores.len() => &mut store[rows.clone()],
+            _ => &mut [],
+        });
+        execution.on_rows(rows, stores);
+        for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
+            std::mem::swap(taken, &mut self.buffers[buffer]);
         }
     }
 }

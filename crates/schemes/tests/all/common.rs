@@ -4,8 +4,8 @@ use noise::Truncation;
 use real::{Real, ScalarFunction, gradient};
 use schemes::Step;
 use systems::{
-    Constant, Cosine, Damping, IntegerExponents, Linear, LotkaVolterra, MaxwellBloch, Pendulum,
-    Poisson3, PoissonSystem, RigidBody, RigidBodyEnergy, Sine, SpinChain,
+    Constant, Cosine, Damping, ImplicitStep, IntegerExponents, Invariant, Linear, LotkaVolterra,
+    MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody, RigidBodyEnergy, Sine,
 };
 
 pub const INERTIA: [f64; 3] = [2.0, 1.0, 2.0 / 3.0];
@@ -45,9 +45,73 @@ pub fn every_system(visit: &mut impl Visit) {
     visit.visit(&LotkaVolterra::new(-0.7, -1.9, 1.0).unwrap(), [0.2, 0.4, 0.6]);
 }
 
-/// Two spins in a fluctuating field.
-pub fn spins() -> SpinChain<6> {
-    SpinChain::new(1.0, 0.5, 0.8).unwrap()
+/// D/3 spins in a row in a fluctuating field: B(y)v = (sᵢ × vᵢ), H₀ = −Σ sᵢ·sᵢ₊₁ − ¼Σ (sᵢᶻ)² and
+/// Hₘ = −0.8 Σ sᵢᵐ, in more than three dimensions.
+#[derive(Clone, Copy, Debug)]
+pub struct Spins<const D: usize>;
+
+impl<const D: usize> PoissonSystem<D, 3> for Spins<D> {
+    fn name(&self) -> &'static str {
+        "spins"
+    }
+
+    #[inline(always)]
+    fn structure<R: Real>(&self, y: [R; D], v: [R; D]) -> [R; D] {
+        let mut turned = y;
+        for i in (0..D).step_by(3) {
+            turned[i] = y[i + 1] * v[i + 2] - y[i + 2] * v[i + 1];
+            turned[i + 1] = y[i + 2] * v[i] - y[i] * v[i + 2];
+            turned[i + 2] = y[i] * v[i + 1] - y[i + 1] * v[i];
+        }
+        turned
+    }
+
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; 3]) -> R {
+        let mut energy = R::zero();
+        for i in 0..D {
+            energy = energy - y[i] * (0.8 * dw[i % 3]);
+            if i % 3 == 2 {
+                energy = energy - y[i] * y[i] * (0.25 * dt);
+            }
+            if i + 3 < D {
+                energy = energy - y[i] * y[i + 3] * dt;
+            }
+        }
+        energy
+    }
+
+    // Derivatives of derivatives in nine dimensions take minutes to compile.
+    #[inline(always)]
+    fn gradient<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; 3]) -> [R; D] {
+        let mut gradient = y;
+        for i in 0..D {
+            let own = if i % 3 == 2 { 0.5 } else { 0.0 };
+            let after = if i + 3 < D { y[i + 3] } else { R::zero() };
+            let before = if i >= 3 { y[i - 3] } else { R::zero() };
+            gradient[i] = -(after + before + y[i] * own) * dt - 0.8 * dw[i % 3];
+        }
+        gradient
+    }
+
+    /// The areas rotate all spins about one axis.
+    #[inline(always)]
+    fn commutators<R: Real>(&self, y: [R; D], areas: [[f64; 3]; 3]) -> [R; D] {
+        let axis = [areas[1][2], -areas[0][2], areas[0][1]].map(|area| R::constant(0.64 * area));
+        self.structure(y, std::array::from_fn(|i| axis[i % 3]))
+    }
+
+    fn invariants(&self) -> Vec<Invariant> {
+        vec![Invariant::quadratic_casimir("C", "½|sᵢ|²"); D / 3]
+    }
+
+    fn invariant<R: Real>(&self, index: usize, y: [R; D]) -> R {
+        let s = &y[3 * index..3 * index + 3];
+        (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) * 0.5
+    }
+
+    const IMPLICIT_STEP: ImplicitStep =
+        if D <= 6 { ImplicitStep::UnrolledFixedPoint } else { ImplicitStep::FixedPoint };
 }
 
 /// a = b = −1: H = y₁y₂y₃.

@@ -2,8 +2,8 @@
 //! noises commute.
 
 use crate::common::{
-    Numbers, Visit, any_damping, any_increments, any_state, any_step, conformal_defect,
-    every_system, spins,
+    Numbers, Spins, Visit, any_damping, any_increments, any_state, any_step, conformal_defect,
+    every_system,
 };
 use noise::{Noise, Truncation};
 use nonlin::Outcome;
@@ -87,7 +87,7 @@ impl KeepsCasimirs {
 fn casimirs_are_kept_whatever_the_areas() {
     let mut keeps = KeepsCasimirs(0);
     every_system(&mut keeps);
-    keeps.visit(&spins(), [1.0, 0.0, 0.0, 0.0, 0.6, 0.8]);
+    keeps.visit(&Spins::<6>, [1.0, 0.0, 0.0, 0.0, 0.6, 0.8]);
     // The body's one Casimir and the two of the spins.
     assert!(keeps.0 > 10_000, "{}", keeps.0);
 }
@@ -234,7 +234,7 @@ fn areas_enter_both_schemes_alike() {
         assert!(found[0] > 2.85 && wrong, "{}: {found:?}", system.name());
     }
     check(&crate::common::body(), [0.45, 0.3, 0.84]);
-    check(&spins(), [1.0, 0.2, 0.1, 0.1, 0.6, 0.8]);
+    check(&Spins::<6>, [1.0, 0.2, 0.1, 0.1, 0.6, 0.8]);
     // By dual numbers.
     check(&Rotations, [0.6, 0.3, 0.7]);
 }

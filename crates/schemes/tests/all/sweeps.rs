@@ -10,7 +10,7 @@
 //! costs, in the mean over blocks and steps, and the most sweeps of a path, both pinned a little
 //! above what they are.
 
-use crate::common::{Visit, body, exact_systems, spins};
+use crate::common::{Spins, Visit, body, exact_systems};
 use noise::{
     AreaMethod, AreaPath, Noise, StreamKey, Truncation, WienerPath, strong_order_one_error,
 };
@@ -168,7 +168,7 @@ const PINNED: [(&str, usize, f64, u32); 7] = [
     ("lotka-volterra", 1, 2.1, 4),
     ("maxwell-bloch", 1, 1.1, 2),
     ("poisson3", 1, 2.1, 3),
-    ("spin-chain", 3, 2.2, 3),
+    ("spins", 3, 2.2, 3),
 ];
 /// The same at 2⁻¹² for every system: the first sweep is enough on nearly every block. A rescue
 /// from a cycle of roundings costs 55 sweeps, so that four of them on 2048 blocks add a tenth to
@@ -265,7 +265,7 @@ impl Visit for Guard {
 fn no_step_takes_more_sweeps_than_its_equation_needs() {
     let mut guard = Guard::default();
     exact_systems(&mut guard);
-    guard.visit(&spins(), [1.0, 0.0, 0.0, 0.0, 0.6, 0.8]);
+    guard.visit(&Spins::<6>, [1.0, 0.0, 0.0, 0.0, 0.6, 0.8]);
     // Nine systems, two schemes, two of the systems with a third, two step sizes.
     assert_eq!(guard.seen, (9 * 2 + 2) * 2);
     assert!(guard.wrong.is_empty(), "{}", guard.wrong.join("\n"));

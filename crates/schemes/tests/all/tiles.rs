@@ -75,6 +75,9 @@ impl System for Chain {
     fn tile_rows(&self) -> usize {
         self.tile
     }
+    fn reach(&self) -> usize {
+        1
+    }
     fn structure(&self, _: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], _: &mut [Row]) {
         cross(y, v, out);
     }

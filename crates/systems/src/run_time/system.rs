@@ -80,6 +80,13 @@ pub trait System: Send + Sync {
         self.rows()
     }
 
+    /// How many tiles away from a tile [`gradient`](Self::gradient) and
+    /// [`hessian`](Self::hessian) read their arguments at most, counted around from the last tile
+    /// to the first. All unless overridden.
+    fn reach(&self) -> usize {
+        self.rows().div_ceil(self.tile_rows().max(1))
+    }
+
     /// Rows of scratch for a method that is not derived from others.
     fn own_scratch_rows(&self) -> usize {
         0

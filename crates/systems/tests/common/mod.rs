@@ -4,7 +4,7 @@
 use real::{Real, ScalarFunction, gradient};
 use systems::{
     IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
-    RigidBodyEnergy, SpinChain,
+    RigidBodyEnergy,
 };
 
 /// Something to check of every system.
@@ -55,7 +55,6 @@ pub fn every_system(check: &mut impl Check) {
     check.check(&LotkaVolterra::<IntegerExponents<4, 5>>::integer(0.5).unwrap(), Positive);
     check.check(&MaxwellBloch, Box);
     check.check(&Poisson3::new(0.7).unwrap(), Box);
-    check.check(&SpinChain::<6>::new(0.9, 0.4, 0.7).unwrap(), Box);
 }
 
 /// An invariant as a function, to be differentiated.

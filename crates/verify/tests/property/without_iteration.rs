@@ -10,8 +10,8 @@ use proptest::test_runner::TestCaseResult;
 use real::Real;
 use schemes::{Scheme, SexpLi, Split, Step};
 use systems::{
-    Flows, InvariantKind, Linearity, MaxwellBloch, PoissonSystem, RigidBody, SpinChain,
-    always_solvable, linearity,
+    Flows, InvariantKind, Linearity, MaxwellBloch, PoissonSystem, RigidBody, always_solvable,
+    linearity,
 };
 
 use crate::affine::{Affine, Algebra, affine};
@@ -237,13 +237,10 @@ fn flows_keep<S: Flows<D, M> + std::fmt::Debug, const D: usize, const M: usize>(
 }
 
 #[test]
-fn split_keeps_the_casimirs_of_random_bodies_and_spins_for_every_increment() {
+fn split_keeps_the_casimirs_of_random_bodies_for_every_increment() {
     let moments = || uniform(0.2..3.0f64);
     let bodies = (moments(), moments())
         .prop_map(|(drift, noise)| RigidBody::three_noises(drift, noise).unwrap());
     flows_keep::<_, 3, 3>("rigid body", bodies);
     flows_keep::<_, 3, 1>("Maxwell–Bloch", Just(MaxwellBloch));
-    let spins =
-        uniform(-2.0..2.0f64).prop_map(|[j, k, s]: [f64; 3]| SpinChain::<6>::new(j, k, s).unwrap());
-    flows_keep::<_, 6, 3>("spin chain", spins);
 }

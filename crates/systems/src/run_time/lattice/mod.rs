@@ -31,7 +31,7 @@ use super::{Lanes, System, Weights};
 use crate::{Invariant, Linearity};
 use bonds::{Flow, Part};
 use formulas::{Function, OnTile};
-use layout::{OnPaths, OnePath, TILE_ROWS};
+use layout::{OnPaths, OnePath, TILE_ROWS, TILE_SITES};
 
 pub use formulas::Couplings;
 pub use shape::{Direction, Shape};
@@ -267,6 +267,14 @@ impl System for SpinLattice {
         match self.lanes() {
             Lanes::Paths => self.rows(),
             Lanes::Components => TILE_ROWS,
+        }
+    }
+
+    fn reach(&self) -> usize {
+        match self.lanes() {
+            Lanes::Paths => 1,
+            // One more, since the last tile may be shorter.
+            Lanes::Components => self.shape.farthest().div_ceil(TILE_SITES) + 1,
         }
     }
 

@@ -79,6 +79,11 @@ impl Shape {
         self.sizes[..axis].iter().product()
     }
 
+    /// The largest distance between the numbers of neighbours, counted around.
+    pub(super) fn farthest(&self) -> usize {
+        (0..3).filter(|&axis| self.sizes[axis] > 1).map(|axis| self.stride(axis)).max().unwrap_or(0)
+    }
+
     /// The coordinate of a site along an axis.
     pub(super) fn coordinate(&self, site: usize, axis: usize) -> usize {
         site / self.stride(axis) % self.sizes[axis]

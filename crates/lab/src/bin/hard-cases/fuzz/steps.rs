@@ -1,14 +1,14 @@
 //! Problems and steps of every system with every scheme.
 
 use anyhow::{Context, Result, ensure};
-use lab::{PaperSystem, compiled};
+use lab::{PaperSystem, TwoSpins, compiled};
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Method, Outcome, Solution, Solver};
 use real::{Block, WIDTH};
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Step, WithSolver};
 use systems::{
     Constant, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
-    Problem, RealExponents, RigidBody, RigidBodyEnergy, SpinChain, SystemError,
+    Problem, RealExponents, RigidBody, RigidBodyEnergy, SystemError,
 };
 
 use super::{Bits, Fed, Refused, accepted};
@@ -38,7 +38,7 @@ pub fn any_system(bits: &mut Bits, job: Job, wild: u64) -> Fed {
         5 => with_system(bits, job, LotkaVolterra::<IntegerExponents<2, 2>>::integer(a), &p[..1]),
         6 => with_system(bits, job, Poisson3::new(a), &p[..1]),
         7 => with_system(bits, job, Ok(MaxwellBloch), &[]),
-        _ => with_system(bits, job, SpinChain::<6>::new(a, b, c), &p[..3]),
+        _ => with_system(bits, job, TwoSpins::new(a, b, c), &p[..3]),
     }
 }
 

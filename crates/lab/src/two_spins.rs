@@ -1,0 +1,117 @@
+//! Two classical spins in a fluctuating magnetic field, compiled.
+
+use real::Real;
+use systems::{ImplicitStep, Invariant, PoissonSystem, SystemError};
+
+/// Two spins with y = (s₁, s₂), B(y)v = (s₁ × v₁, s₂ × v₂), H₀ = −J s₁·s₂ − ½K Σ (sᵢᶻ)², and the
+/// same field on both, Hₘ = −σ(s₁ᵐ + s₂ᵐ) for m = x, y, z.
+///
+/// Lévy areas are drawn for compiled systems only. Where none are needed, take
+/// [`SpinLattice`](systems::run_time::SpinLattice). The three noises do not commute: \[fₓ, f_y\]
+/// rotates about z. Casimirs: ½|sᵢ|².
+#[derive(Clone, Copy, Debug)]
+pub struct TwoSpins {
+    exchange: f64,
+    anisotropy: f64,
+    field: f64,
+}
+
+impl TwoSpins {
+    /// The spins with exchange J, anisotropy K and field strength σ.
+    ///
+    /// # Errors
+    /// [`SystemError::NonFiniteParameter`] unless all three are finite.
+    pub fn new(exchange: f64, anisotropy: f64, field: f64) -> Result<Self, SystemError> {
+        for (name, value) in
+            [("the exchange J", exchange), ("the anisotropy K", anisotropy), ("the field σ", field)]
+        {
+            if !value.is_finite() {
+                return Err(SystemError::NonFiniteParameter { name, value });
+            }
+        }
+        Ok(Self { exchange, anisotropy, field })
+    }
+}
+
+/// The same function of both spins.
+#[inline(always)]
+fn on_each<R: Real>(y: [R; 6], v: [R; 6], f: impl Fn([R; 3], [R; 3]) -> [R; 3]) -> [R; 6] {
+    let [a, b, c] = f([y[0], y[1], y[2]], [v[0], v[1], v[2]]);
+    let [d, e, f] = f([y[3], y[4], y[5]], [v[3], v[4], v[5]]);
+    [a, b, c, d, e, f]
+}
+
+#[inline(always)]
+fn cross<R: Real>(s: [R; 3], v: [R; 3]) -> [R; 3] {
+    [s[1] * v[2] - s[2] * v[1], s[2] * v[0] - s[0] * v[2], s[0] * v[1] - s[1] * v[0]]
+}
+
+impl PoissonSystem<6, 3> for TwoSpins {
+    fn name(&self) -> &'static str {
+        "spin-chain"
+    }
+
+    fn parameters(&self) -> String {
+        format!("J = {}, K = {}, σ = {}", self.exchange, self.anisotropy, self.field)
+    }
+
+    #[inline(always)]
+    fn structure<R: Real>(&self, y: [R; 6], v: [R; 6]) -> [R; 6] {
+        on_each(y, v, cross)
+    }
+
+    /// Rodrigues' rotation by the half angle ½v: s + 2(s × u + (s × u) × u)/(1 + |u|²), u = ½v.
+    #[inline(always)]
+    fn cayley<R: Real>(&self, y: [R; 6], v: [R; 6]) -> [R; 6] {
+        on_each(y, v, |s, v| {
+            let u = [v[0] * 0.5, v[1] * 0.5, v[2] * 0.5];
+            let once = cross(s, u);
+            let twice = cross(once, u);
+            let square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+            let factor = R::constant(2.0) / (R::one() + square);
+            let z = |i: usize| s[i] + (once[i] + twice[i]) * factor;
+            [z(0), z(1), z(2)]
+        })
+    }
+
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 6], dt: f64, dw: [f64; 3]) -> R {
+        let exchange = y[0] * y[3] + y[1] * y[4] + y[2] * y[5];
+        let anisotropy = y[2] * y[2] + y[5] * y[5];
+        let mut energy =
+            exchange * (-self.exchange * dt) - anisotropy * (0.5 * self.anisotropy * dt);
+        for m in 0..3 {
+            energy = energy - (y[m] + y[m + 3]) * (self.field * dw[m]);
+        }
+        energy
+    }
+
+    #[inline(always)]
+    fn gradient<R: Real>(&self, y: [R; 6], dt: f64, dw: [f64; 3]) -> [R; 6] {
+        let component = |i: usize| y[(i + 3) % 6] * (-self.exchange * dt) - self.field * dw[i % 3];
+        let weight = self.anisotropy * dt;
+        let (third, sixth) = (component(2) - y[2] * weight, component(5) - y[5] * weight);
+        [component(0), component(1), third, component(3), component(4), sixth]
+    }
+
+    /// \[fₘ, f_l\] = B∇{H_l, Hₘ} with {H_l, Hₘ} = σ² Σᵢ sᵢ·(eₘ × e_l). So the areas rotate both
+    /// spins about one axis.
+    #[inline(always)]
+    fn commutators<R: Real>(&self, y: [R; 6], areas: [[f64; 3]; 3]) -> [R; 6] {
+        let axis = [areas[1][2], -areas[0][2], areas[0][1]]
+            .map(|area| R::constant(self.field * self.field * area));
+        on_each(y, y, |s, _| cross(s, axis))
+    }
+
+    fn invariants(&self) -> Vec<Invariant> {
+        vec![Invariant::quadratic_casimir("C", "½|sᵢ|²"); 2]
+    }
+
+    #[inline(always)]
+    fn invariant<R: Real>(&self, index: usize, y: [R; 6]) -> R {
+        let s = &y[3 * index..3 * index + 3];
+        (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) * 0.5
+    }
+
+    const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
+}
