@@ -149,3 +149,30 @@ fn wrong_doors_are_found() -> anyhow::Result<()> {
     assert_eq!(found, ["attic is not in the table", "real -> mc", "systems -> nonlin"]);
     Ok(())
 }
+
+/// What the program reads and writes does not come with the library.
+#[test]
+fn the_library_has_no_dependency_of_the_program() -> anyhow::Result<()> {
+    let tree = |package: &str| -> anyhow::Result<Vec<String>> {
+        let arguments =
+            ["tree", "--offline", "--locked", "--edges", "normal", "--prefix", "none", "-p"];
+        let output = Command::new(env!("CARGO"))
+            .args(arguments)
+            .arg(package)
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .output()?;
+        anyhow::ensure!(
+            output.status.success(),
+            "cargo tree: {}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        let names = String::from_utf8(output.stdout)?;
+        Ok(names.lines().filter_map(|line| Some(line.split(' ').next()?.into())).collect())
+    };
+    let (library, program) = (tree("casimir-poisson")?, tree("casimir-cli")?);
+    for dependency in ["clap", "toml", "schemars", "npyz", "indexmap"] {
+        let has = |names: &[String]| names.iter().any(|name| name == dependency);
+        assert!(has(&program) && !has(&library), "{dependency}");
+    }
+    Ok(())
+}
