@@ -92,8 +92,8 @@ fn average(
 }
 
 const ALPHA: f64 = 1.0;
-/// Steps of size 0.004β/α, so that σ²τ = 0.008, and at most 0.01: the weak error, of this relative
-/// size, is below a third of the standard error. They are some 500 times of decorrelation, β/2α.
+/// Steps of size 0.004β/α, so that σ²τ = 0.008, and at most 0.01. They are some 500 times of
+/// decorrelation, β/2α.
 const STEPS: u64 = 150_000;
 
 fn tau(beta: f64) -> f64 {
@@ -135,8 +135,13 @@ fn mean_bond(path: &LargePath<'_>) -> f64 {
     (0..64).map(bond).sum::<f64>() / 64.0
 }
 
-/// Standard errors that a mean may be off: each of six tests fails by chance with a probability of
-/// 6e-5 for a normal mean, 2e-4 for Student's t with 31 degrees of freedom.
+/// The weak error in units of σ²τ. With steps four and eight times as large it is seen, in
+/// proportion to τ: at most 0.2 for spins in a field, and 0.17, 0.35 and 0.2 for the chain at β =
+/// ½, 2 and 6. For the chain at β = 2 it is 1.6 standard errors, elsewhere less than one.
+const WEAK_ERROR: f64 = 0.4;
+
+/// Standard errors that a mean may be off beside that: each of six tests fails by chance with a
+/// probability of 6e-5 for a normal mean, 2e-4 for Student's t with 31 degrees of freedom.
 const MOST_ERRORS: f64 = 4.0;
 
 /// E s_z = coth βh − 1/(βh) (Langevin), and E sᵢ·sᵢ₊₁ = coth βJ − 1/(βJ) (Fisher, *Am. J. Phys.*
@@ -151,8 +156,9 @@ fn the_equilibrium_is_that_of_the_temperature() {
             ("a field", average(&spins, &sexp_li, (tau(beta), STEPS), key, &mean_z)),
             ("a chain", average(&bonds, &sexp_li, (tau(beta), STEPS), key, &mean_bond)),
         ] {
-            let errors = (mean.mean - langevin(beta)) / mean.se;
-            assert!(errors.abs() < MOST_ERRORS, "{what} at {beta}: {errors} of {mean:?}");
+            let error = (mean.mean - langevin(beta)).abs();
+            let weak = WEAK_ERROR * 2.0 * ALPHA / beta * tau(beta);
+            assert!(error < MOST_ERRORS * mean.se + weak, "{what} at {beta}: {error} of {mean:?}");
             assert!(mean.se < 0.005, "{what} at {beta}: {mean:?}");
         }
     }
