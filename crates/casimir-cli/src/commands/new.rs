@@ -4,7 +4,7 @@ use super::print;
 use crate::{
     arguments::New,
     failure::{Done, Failure},
-    model::PROJECT,
+    model::{PROJECT, nearest},
 };
 
 /// The scenes of the gallery, by name.
@@ -58,7 +58,9 @@ pub fn new(arguments: &New) -> Done {
         Some((_, text)) => print(text),
         None => {
             let names: Vec<&str> = GALLERY.iter().map(|(name, _)| *name).collect();
-            Err(Failure::Usage(format!("no scene `{name}`; there are {}", names.join(", "))))
+            let hint = nearest(name, &names);
+            let message = format!("no scene `{name}`; there are {}{hint}", names.join(", "));
+            Err(Failure::Usage(message))
         }
     }
 }
