@@ -114,7 +114,8 @@ impl<'a, N: StepNoise> Ready<'a, N> {
         let (source, settings) = (&scene.source, &scene.settings);
         let setup = model.setup(&scheme);
         let setup = setup.map_err(|error| settings.scheme_error(source, error))?;
-        let coarsest_steps = coarsest_steps(settings.until);
+        let coarsest_steps =
+            settings.coarsest_steps.unwrap_or_else(|| coarsest_steps(settings.until));
         let coupling = match setup.problem.noises > 1 && !setup.scheme.reads_areas() {
             true => Coupling::Antithetic,
             false => Coupling::Plain,

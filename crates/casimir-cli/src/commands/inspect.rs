@@ -9,6 +9,6 @@ pub fn inspect(arguments: &Inspect) -> Done {
     let findings = with_model!(&scene.model, model => findings(&scene, model)?);
     match arguments.json {
         true => print_json(&findings.json()?),
-        false => print(&format!("{}\n", findings.text(&scene.components))),
+        false => print(&format!("{}\n", findings.text(&scene.components).trim_end())),
     }
 }

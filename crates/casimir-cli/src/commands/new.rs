@@ -4,7 +4,7 @@ use super::print;
 use crate::{
     arguments::New,
     failure::{Done, Failure},
-    model::PROJECT,
+    model::{PROJECT, nearest},
 };
 
 /// The scenes of the gallery, by name.
@@ -18,13 +18,23 @@ macro_rules! gallery {
 
 gallery! {
     "empty"
+    "kubo"
     "pendulum"
     "rigid-body"
+    "heavy-top"
+    "kirchhoff"
+    "spin-in-field"
+    "spin-lattice"
     "lotka-volterra"
+    "predator-prey"
+    "epidemic"
     "maxwell-bloch"
     "poisson3"
-    "heavy-top"
-    "spin-lattice"
+    "charged-particle"
+    "henon-heiles"
+    "oscillator-chain"
+    "toda"
+    "point-vortices"
 }
 
 /// Prints a scene, or lists them.
@@ -32,13 +42,13 @@ pub fn new(arguments: &New) -> Done {
     if arguments.list {
         let mut list = String::from("Scenes, for casimir new NAME:\n");
         for (name, text) in GALLERY {
-            list += &format!("  {name:<16}{}\n", headline(text));
+            list += &format!("  {name:<18}{}\n", headline(text));
         }
         list += "\nSystems of the project, for `name` in [system], and their parameters:\n";
         for (name, parameters, what) in PROJECT {
-            list += &format!("  {name:<16}{what}\n");
+            list += &format!("  {name:<18}{what}\n");
             if !parameters.is_empty() {
-                list += &format!("{:18}{parameters}\n", "");
+                list += &format!("{:20}{parameters}\n", "");
             }
         }
         return print(&list);
@@ -48,7 +58,9 @@ pub fn new(arguments: &New) -> Done {
         Some((_, text)) => print(text),
         None => {
             let names: Vec<&str> = GALLERY.iter().map(|(name, _)| *name).collect();
-            Err(Failure::Usage(format!("no scene `{name}`; there are {}", names.join(", "))))
+            let hint = nearest(name, &names);
+            let message = format!("no scene `{name}`; there are {}{hint}", names.join(", "));
+            Err(Failure::Usage(message))
         }
     }
 }

@@ -189,10 +189,13 @@ pub fn report(scene: &Scene, results: &Results, folder: &Path, json: bool) -> Do
     }
     let mut text = String::new();
     let Results { scheme, because, tables, study, seconds, .. } = results;
-    let reason = because.as_ref().map_or(String::new(), |because| format!(" ({because})"));
     let paths = study.as_ref().map_or(tables.len() as u64, |study| study.record.paths);
     let steps = scene.settings.steps;
-    text += &format!("{paths} paths, {steps} steps of {scheme}{reason}, {seconds:.2} s\n");
+    let word = if paths == 1 { "path" } else { "paths" };
+    text += &format!("{paths} {word}, {steps} steps of {scheme}, {seconds:.2} s\n");
+    if let Some(because) = because {
+        text += &format!("{scheme}: {because}\n");
+    }
     if let Some(study) = study {
         text += &output::table_at_end(study);
         study.warnings.iter().for_each(|warning| text += &format!("warning: {warning}\n"));

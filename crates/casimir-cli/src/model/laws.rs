@@ -17,6 +17,11 @@ pub enum Law {
 /// The laws that follow from what was found.
 pub fn laws(found: &Inspection) -> Vec<Law> {
     let casimirs = found.casimirs.found.iter().filter(|found| found.casimir.holds());
+    let of_degree = |degree| casimirs.clone().filter(move |found| found.degree == degree);
+    let (linear, quadratic) = (of_degree(1).count(), of_degree(2).count());
+    // As many as the products of linear ones: they say nothing new.
+    let most = if quadratic == linear * (linear + 1) / 2 { 1 } else { 2 };
+    let casimirs = casimirs.filter(|found| found.degree <= most);
     let mut laws: Vec<Law> = casimirs.cloned().map(Law::Casimir).collect();
     let hamiltonians = &found.hamiltonians;
     let proportional = hamiltonians.proportional.as_ref().is_some_and(|found| found.holds());

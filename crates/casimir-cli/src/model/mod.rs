@@ -134,10 +134,15 @@ fn damping(
     Ok(if formula.depends_on(0) { Arc::new(damping) } else { constant(damping.rate(0.0)) })
 }
 
-fn unknown_scheme(name: &str, known: &[&str]) -> String {
+/// "; the nearest is `…`", if a known name is near.
+pub fn nearest(name: &str, known: &[&str]) -> String {
     let nearest = known.iter().map(|known| (strsim::damerau_levenshtein(name, known), known));
     let nearest = nearest.filter(|(distance, _)| *distance <= 3).min();
-    let hint = nearest.map_or(String::new(), |(_, known)| format!("; the nearest is `{known}`"));
+    nearest.map_or(String::new(), |(_, known)| format!("; the nearest is `{known}`"))
+}
+
+fn unknown_scheme(name: &str, known: &[&str]) -> String {
+    let hint = nearest(name, known);
     format!("no scheme `{name}` for this system; there are auto, {}{hint}", known.join(", "))
 }
 

@@ -107,9 +107,7 @@ pub fn build(
 
 fn unknown_system(name: &str) -> String {
     let known = PROJECT.map(|(known, ..)| known);
-    let nearest = known.iter().map(|known| (strsim::damerau_levenshtein(name, known), known));
-    let nearest = nearest.filter(|(distance, _)| *distance <= 3).min();
-    let hint = nearest.map_or(String::new(), |(_, known)| format!("; the nearest is `{known}`"));
+    let hint = super::nearest(name, &known);
     format!("unknown system `{name}`; there are {}{hint}", known.join(", "))
 }
 

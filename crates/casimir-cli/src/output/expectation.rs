@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use casimir::{
-    mc::multilevel::{Estimate, Level},
+    mc::multilevel::{Estimate, Level, Warning},
     report::files,
 };
 use serde_json::{Value, json};
@@ -14,7 +14,6 @@ use crate::{commands::Expected, failure::Done, scene::Scene};
 /// The expectations in words.
 pub fn expectation_text(results: &Expected) -> String {
     let Expected { scheme, because, expectation, seconds, .. } = results;
-    let reason = because.as_ref().map_or(String::new(), |because| format!(" ({because})"));
     let row = |estimate: &Estimate| {
         [
             format!("E[{}]", estimate.name),
@@ -30,13 +29,21 @@ pub fn expectation_text(results: &Expected) -> String {
         aligned(header.map(String::from), expectation.estimates.iter().map(row).collect());
     let finest = expectation.levels.iter().map(|level| level.tau).fold(f64::INFINITY, f64::min);
     text += &format!(
-        "{scheme}{reason}: {} levels of steps, the finest {}; {:.2e} path-steps, {seconds:.2} s\n",
+        "{} levels of steps of {scheme}, the finest {}; {:.2e} path-steps, {seconds:.2} s\n",
         expectation.levels.len(),
         digits(Some(finest)),
         expectation.cost as f64,
     );
+    if let Some(because) = because {
+        text += &format!("{scheme}: {because}\n");
+    }
     for warning in &expectation.warnings {
-        text += &format!("warning: {warning}\n");
+        text += &match warning {
+            Warning::CoarsestSteps { steps } => {
+                format!("note: --steps {steps} would have cost less\n")
+            }
+            other => format!("warning: {other}\n"),
+        };
     }
     if !expectation.reached() {
         text += &format!("the accuracy {:.1e} was NOT reached\n", expectation.accuracy);

@@ -21,7 +21,7 @@ pub struct Changes {
     /// Number of paths, instead of that of the scene; 1e6 is a number
     #[arg(long, value_name = "N", value_parser = count)]
     pub paths: Option<u64>,
-    /// Number of steps, instead of that of the scene
+    /// Number of steps, instead of that of the scene; of expectations, those of the coarsest level
     #[arg(long, value_name = "N", value_parser = count)]
     pub steps: Option<u64>,
     /// The scheme, instead of that of the scene: auto, sexp, sexp-li, heun, …
@@ -52,6 +52,8 @@ pub struct Settings {
     pub until: f64,
     /// Number of steps.
     pub steps: u64,
+    /// Steps of the coarsest level of expectations, if the command line says it.
+    pub coarsest_steps: Option<u64>,
     /// The scheme, or `auto`.
     pub scheme: String,
     /// Number of paths.
@@ -134,7 +136,19 @@ impl Settings {
             scheme: run.scheme.as_ref().filter(|_| changes.scheme.is_none()).map(Spanned::span),
         };
         let key = StreamKey { seed: changes.seed.or(run.seed).unwrap_or(1), experiment: 0 };
-        Ok(Self { initial, until, steps, scheme, paths, tables, times, key, truncation, places })
+        Ok(Self {
+            initial,
+            until,
+            steps,
+            coarsest_steps: changes.steps,
+            scheme,
+            paths,
+            tables,
+            times,
+            key,
+            truncation,
+            places,
+        })
     }
 
     /// An error about the initial value.

@@ -3,5 +3,6 @@
 mod broken;
 mod common;
 mod cost;
+mod gallery;
 mod parts;
 mod results;

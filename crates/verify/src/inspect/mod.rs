@@ -69,6 +69,7 @@ use formulas::OfFormulas;
 use pilot::{pilot_paths, pilot_paths_of};
 use points::Points;
 use recommendation::Circumstances;
+use report::Quadrature;
 use theory::{with_unbounded_rate, without_damping};
 
 pub use advice::{Override, WithoutIteration};
@@ -106,7 +107,7 @@ pub fn inspect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     let system = Erased::<S, D, M>(system);
     let points = Points::new(&system, Region::Box(HALF_SIDE), None)?;
     check_finite(&system, &points)?;
-    Ok(Inspection::of(&system, &points).with_mistakes())
+    Ok(Inspection::of(&system, &points).with_mistakes(Quadrature::OfTheSystem))
 }
 
 /// Inspects the system of a problem at random points with ‖y‖ ≤ 2‖y₀‖, around y₀ and at states of
@@ -126,7 +127,8 @@ where
     let system = Erased::<S, D, M>(problem.system());
     let pilot = pilot_paths(problem);
     let (damping, y0) = (problem.damping() as &dyn Damping, problem.y0());
-    inspect_around(&system, damping, &y0, problem.t_end(), pilot)
+    let report = inspect_around(&system, damping, &y0, problem.t_end(), pilot)?;
+    Ok(report.with_mistakes(Quadrature::OfTheSystem))
 }
 
 /// Inspects a system from texts, without damping, at random points with ‖y‖ ≤ 2‖y₀‖ and around y₀.
@@ -137,7 +139,7 @@ pub fn inspect_formulas(system: &FormulaSystem, y0: &[f64]) -> Result<Inspection
     let system = OfFormulas(system);
     let points = Points::new(&system, ball(y0), Some(y0))?;
     check_finite(&system, &points)?;
-    Ok(Inspection::of(&system, &points).with_mistakes())
+    Ok(Inspection::of(&system, &points).with_mistakes(Quadrature::Ours))
 }
 
 /// Inspects a problem whose system is from texts, as [`inspect_problem`].
@@ -151,7 +153,8 @@ pub fn inspect_formula_problem(
     t_end: f64,
 ) -> Result<Inspection, InspectError> {
     let pilot = pilot_paths_of(system, damping, y0, t_end);
-    inspect_around(&OfFormulas(system), damping, y0, t_end, pilot)
+    let report = inspect_around(&OfFormulas(system), damping, y0, t_end, pilot)?;
+    Ok(report.with_mistakes(Quadrature::Ours))
 }
 
 /// The ball around zero in which a problem is inspected.
@@ -185,7 +188,7 @@ fn inspect_around(
     let (damped, finite_rate) = (!findings.integral.none, findings.integral.finite);
     report = report.in_circumstances(Circumstances { damped, finite_rate });
     report.problem = Some(findings);
-    Ok(report.with_mistakes())
+    Ok(report)
 }
 
 fn check_finite(system: &dyn System, points: &Points) -> Result<(), InspectError> {

@@ -1,0 +1,14 @@
+#!/bin/sh
+# Draws the figures of docs/gallery.md again. With an argument: the program `casimir` to take.
+set -eu
+cd "$(dirname "$0")/.."
+casimir=${1:-casimir}
+results=$(mktemp -d)
+trap 'rm -rf "$results"' EXIT
+
+# In the page: <!-- figure NAME FIGURE -->
+sed -n 's/^<!-- figure \(.*\) -->$/\1/p' docs/gallery.md | while read -r name figure; do
+    "$casimir" run "scenes/$name.toml" --out "$results/$name" > /dev/null
+    cp "$results/$name/figures/$figure.svg" "docs/figures/gallery-$name.svg"
+    echo "$name: $figure"
+done
