@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::scene::Changes;
+use crate::scene::{Changes, SchemeAndSeed, count};
 
 /// Damped stochastic Poisson systems from a text file:
 /// dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ
@@ -131,10 +131,13 @@ pub struct Expect {
     /// The file of the scene, which has [expect]
     pub scene: PathBuf,
     /// Half-width of the 95 % intervals, instead of that of the scene
-    #[arg(long, value_name = "ERROR")]
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub accuracy: Option<f64>,
+    /// Steps of the coarsest level. Default: about eight in a unit of time
+    #[arg(long, value_name = "N", value_parser = count)]
+    pub steps: Option<u64>,
     #[command(flatten)]
-    pub changes: Changes,
+    pub scheme: SchemeAndSeed,
     #[command(flatten)]
     pub output: Output,
 }
@@ -143,8 +146,11 @@ pub struct Expect {
 pub struct Order {
     /// The file of the scene
     pub scene: PathBuf,
+    /// Path-steps that each measurement may take
+    #[arg(long, value_name = "N", value_parser = count, default_value = "3e8")]
+    pub path_steps: u64,
     #[command(flatten)]
-    pub changes: Changes,
+    pub scheme: SchemeAndSeed,
     #[command(flatten)]
     pub output: Output,
 }
@@ -154,10 +160,14 @@ pub struct Compare {
     /// The file of the scene
     pub scene: PathBuf,
     /// The wanted root-mean-square error of y(T)
-    #[arg(long, value_name = "ERROR", default_value_t = 1e-3)]
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true, default_value_t = 1e-3)]
     pub error: f64,
-    #[command(flatten)]
-    pub changes: Changes,
+    /// Seconds that it may take
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value_t = 60.0)]
+    pub budget: f64,
+    /// Seed of the random numbers, instead of that of the scene
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
     #[command(flatten)]
     pub output: Output,
 }
@@ -175,6 +185,9 @@ pub struct Plan {
     /// Plan `casimir expect` instead of `casimir run`
     #[arg(long)]
     pub expect: bool,
+    /// Half-width of the intervals with --expect, instead of that of the scene
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true, requires = "expect")]
+    pub accuracy: Option<f64>,
     /// Processors of a part
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub cpus: u64,
@@ -214,9 +227,9 @@ pub struct Extend {
     /// The folder that `casimir plan` made
     pub folder: PathBuf,
     /// The new number of paths, in all
-    #[arg(long, value_name = "N", value_parser = crate::scene::count)]
+    #[arg(long, value_name = "N", value_parser = count)]
     pub paths: Option<u64>,
     /// The new half-width of the intervals
-    #[arg(long, value_name = "ERROR")]
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub accuracy: Option<f64>,
 }

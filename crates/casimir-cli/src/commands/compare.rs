@@ -10,21 +10,30 @@ use crate::{
     arguments::Compare,
     failure::{Done, Failure},
     model::with_model,
+    scene::{Changes, SchemeAndSeed},
 };
 
 /// Compares all schemes on a scene.
 pub fn compare(arguments: &Compare) -> Done {
     let error = arguments.error;
+    if !(arguments.budget > 0.0 && arguments.budget.is_finite()) {
+        let message = format!("the budget must be positive and finite, got {} s", arguments.budget);
+        return Err(Failure::Usage(message));
+    }
     if !(error > 0.0 && error.is_finite()) {
         let message = format!("the wanted error must be positive and finite, got {error}");
         return Err(Failure::Usage(message));
     }
-    let scene = open(&arguments.scene, &arguments.changes)?;
+    let seed = SchemeAndSeed { scheme: None, seed: arguments.seed };
+    let scene = open(&arguments.scene, &Changes::from(&seed))?;
     threads(arguments.output.threads)?;
     let settings = &scene.settings;
-    let wanted = DynCompareSettings::new(error, settings.truncation, settings.key);
+    let wanted = DynCompareSettings {
+        budget_s: arguments.budget,
+        ..DynCompareSettings::new(error, settings.truncation, settings.key)
+    };
     let bars = Bars::default();
-    bars.begin("errors and times of all schemes, a minute at most", 0);
+    bars.begin(&format!("errors and times of all schemes, {} s at most", arguments.budget), 0);
     let found = with_model!(&scene.model, model => model.compare(&wanted));
     bars.finish();
     let found = found.map_err(|error| scene.source.error_of_all(error))?;

@@ -23,7 +23,7 @@ use crate::{
     failure::{Done, Failure},
     model::{Model, with_model},
     output,
-    scene::Scene,
+    scene::{Changes, Scene},
 };
 
 /// What was found.
@@ -42,7 +42,10 @@ pub struct Results {
 
 /// Computes the expectations of a scene.
 pub fn expect(arguments: &Expect) -> Done {
-    let mut scene = open(&arguments.scene, &arguments.changes)?;
+    let mut scene = open(
+        &arguments.scene,
+        &Changes { steps: arguments.steps, ..Changes::from(&arguments.scheme) },
+    )?;
     threads(arguments.output.threads)?;
     scene.accuracy = arguments.accuracy.or(scene.accuracy);
     let stop = stop();
@@ -157,6 +160,6 @@ impl<'a, N: StepNoise> Ready<'a, N> {
 pub fn report(scene: &Scene, results: &Results, json: bool) -> Done {
     match json {
         true => print_json(&output::expectation_json(scene, results)),
-        false => print(&output::expectation_text(results)),
+        false => print(&output::expectation_text(scene, results)),
     }
 }

@@ -19,11 +19,8 @@ use crate::{
     arguments::Order,
     failure::Done,
     model::{Model, with_model},
-    scene::{Observable, Scene},
+    scene::{Changes, Observable, Scene},
 };
-
-/// Path-steps of each measurement: a few seconds.
-const BUDGET: u64 = 300_000_000;
 
 /// The order of one quantity.
 struct Found {
@@ -42,9 +39,9 @@ struct Results {
 
 /// Measures the orders of a scheme on a scene.
 pub fn order(arguments: &Order) -> Done {
-    let scene = open(&arguments.scene, &arguments.changes)?;
+    let scene = open(&arguments.scene, &Changes::from(&arguments.scheme))?;
     threads(arguments.output.threads)?;
-    let results = with_model!(&scene.model, model => measure(&scene, model)?);
+    let results = with_model!(&scene.model, model => measure(&scene, model, arguments.path_steps)?);
     let folder = folder::of(arguments.output.out.as_ref(), &arguments.scene, "order");
     folder::prepare(&folder)?;
     let Results { scheme, because, strong, weak, seconds } = &results;
@@ -87,7 +84,7 @@ fn described(found: &Found) -> Value {
     })
 }
 
-fn measure<N: StepNoise>(scene: &Scene, model: &dyn Model<N>) -> Done<Results> {
+fn measure<N: StepNoise>(scene: &Scene, model: &dyn Model<N>, path_steps: u64) -> Done<Results> {
     let start = Instant::now();
     let findings = findings(scene, model)?;
     let (scheme, because) = scheme(scene, &findings, Purpose::Paths);
@@ -103,7 +100,7 @@ fn measure<N: StepNoise>(scene: &Scene, model: &dyn Model<N>) -> Done<Results> {
     let wrong = |error| settings.steps_error(source, error);
     let bars = Bars::default();
     bars.begin(&format!("strong order of {scheme}"), 0);
-    let order = strong_order_of_within(&measured, &sizes, &reference, BUDGET).map_err(wrong)?;
+    let order = strong_order_of_within(&measured, &sizes, &reference, path_steps).map_err(wrong)?;
     let strong = Found { quantity: "y(T)".into(), order };
     let mut weak = Vec::new();
     let first = scene.observables.first().into_iter();
@@ -113,7 +110,7 @@ fn measure<N: StepNoise>(scene: &Scene, model: &dyn Model<N>) -> Done<Results> {
     };
     for phi in expected {
         bars.begin(&format!("weak order of {scheme} for E[{}]", phi.name), 0);
-        let order = weak_order_of_within(&measured, phi, &sizes, &reference, BUDGET);
+        let order = weak_order_of_within(&measured, phi, &sizes, &reference, path_steps);
         let quantity = format!("E[{}]", phi.name);
         weak.push(Found { quantity, order: order.map_err(wrong)? });
     }

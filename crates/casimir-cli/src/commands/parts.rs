@@ -21,7 +21,7 @@ use crate::{
     failure::{Done, Failure},
     model::with_model,
     output,
-    scene::{Changes, Scene},
+    scene::{Changes, Scene, SchemeAndSeed},
 };
 
 /// What is divided into parts: `study.json` in the folder of the parts, beside the scene.
@@ -64,7 +64,8 @@ impl Folder {
         let text = fs::read(&file).map_err(|error| wrong(&error))?;
         let divided: Divided = serde_json::from_slice(&text).map_err(|error| wrong(&error))?;
         let Divided { paths, steps, seed, .. } = divided;
-        let changes = Changes { paths, steps, seed, scheme: divided.scheme.clone() };
+        let scheme = SchemeAndSeed { scheme: divided.scheme.clone(), seed };
+        let changes = Changes { paths, steps, scheme };
         let mut scene = open(&folder.join(SCENE), &changes)?;
         scene.accuracy = divided.accuracy.or(scene.accuracy);
         Ok(Self { folder: folder.to_owned(), divided, scene })
@@ -94,7 +95,8 @@ enum Found {
 
 /// Writes what there is to be done, and a job script.
 pub fn plan(arguments: &Plan) -> Done {
-    let scene = open(&arguments.scene, &arguments.changes)?;
+    let mut scene = open(&arguments.scene, &arguments.changes)?;
+    scene.accuracy = arguments.accuracy.or(scene.accuracy);
     if !arguments.expect && !scene.settings.is_study() {
         let message = "a few paths are not divided: take at least 100 `paths`, or `casimir run`";
         return Err(Failure::Usage(message.into()));
@@ -109,9 +111,11 @@ pub fn plan(arguments: &Plan) -> Done {
     }
     folder::prepare(out)?;
     files::write(&out.join(SCENE), &scene.source.text)?;
-    let Changes { paths, steps, scheme, seed } = arguments.changes.clone();
+    let Changes { paths, steps, scheme } = arguments.changes.clone();
+    let SchemeAndSeed { scheme, seed } = scheme;
     let (expect, parts) = (arguments.expect, arguments.parts);
-    let divided = Divided { expect, parts, paths, steps, scheme, seed, accuracy: None };
+    let divided =
+        Divided { expect, parts, paths, steps, scheme, seed, accuracy: arguments.accuracy };
     let folder = Folder { folder: out.clone(), divided, scene };
     let job = Job::pilot(MEASURED);
     folder.compute(&job, &Stop::default())?;

@@ -12,7 +12,7 @@ use super::{aligned, digits};
 use crate::{commands::Expected, failure::Done, scene::Scene};
 
 /// The expectations in words.
-pub fn expectation_text(results: &Expected) -> String {
+pub fn expectation_text(scene: &Scene, results: &Expected) -> String {
     let Expected { scheme, because, expectation, seconds, .. } = results;
     let row = |estimate: &Estimate| {
         [
@@ -42,13 +42,26 @@ pub fn expectation_text(results: &Expected) -> String {
             Warning::CoarsestSteps { steps } => {
                 format!("note: --steps {steps} would have cost less\n")
             }
-            other => format!("warning: {other}\n"),
+            other => format!("warning: {}\n", of_scene(other, scene)),
         };
     }
     if !expectation.reached() {
         text += &format!("the accuracy {:.1e} was NOT reached\n", expectation.accuracy);
     }
     text
+}
+
+/// A warning in the words of a scene: names of components, options of the program.
+fn of_scene(warning: &Warning, scene: &Scene) -> String {
+    let text = warning.to_string();
+    let text = match warning {
+        Warning::Unresolved { component, .. } => {
+            text.replace(&format!("y{component}"), &scene.components[component - 1])
+        }
+        _ => text,
+    };
+    let text = text.replace("coarsest steps, or a higher finest level", "--steps");
+    text.replace("take more coarsest steps", "take more --steps")
 }
 
 /// Decimals of a value that is known to this half-width: two digits of the half-width.
@@ -98,5 +111,5 @@ pub fn expectation_json(scene: &Scene, results: &Expected) -> Value {
 /// Writes `expectation.json` and `expectation.txt`.
 pub fn write_expectation(scene: &Scene, results: &Expected, folder: &Path) -> Done {
     files::write_json(&folder.join("expectation.json"), &expectation_json(scene, results))?;
-    Ok(files::write(&folder.join("expectation.txt"), expectation_text(results))?)
+    Ok(files::write(&folder.join("expectation.txt"), expectation_text(scene, results))?)
 }

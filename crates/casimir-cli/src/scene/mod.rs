@@ -10,7 +10,7 @@ mod values;
 pub use file::{ExpectTable, SceneFile, SystemTable, schema};
 pub use observe::{Observable, Quantity};
 pub use read::{Constants, Parameters};
-pub use run::{AUTO, Changes, Settings, count};
+pub use run::{AUTO, Changes, SchemeAndSeed, Settings, count};
 pub use source::{Read, SceneError, Source};
 pub use values::{Parameter, Text};
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use casimir::{
-    formula::{DomainError, Formula, Names},
+    formula::{DomainError, Formula, FormulaErrorKind, Names},
     mc::Observe,
     real::{PathMask, Row},
 };
@@ -73,7 +73,13 @@ pub fn quantity(
         return Ok(energy.clone());
     }
     let formula = Formula::parse(&text.get_ref().0, names);
-    let formula = formula.map_err(|error| source.formula_error(text, &error))?;
+    let formula = formula.map_err(|error| match &error.kind {
+        FormulaErrorKind::UnknownName { name, .. } if name == "H0" => {
+            let message = "`H0` stands alone in an observable: write its formula here";
+            source.error(source.place_in(text, &error.span), message)
+        }
+        _ => source.formula_error(text, &error),
+    })?;
     match formula.explain(y0) {
         Some(error) => {
             let DomainError { operation, value, span, .. } = error;

@@ -21,15 +21,28 @@ pub struct Changes {
     /// Number of paths, instead of that of the scene; 1e6 is a number
     #[arg(long, value_name = "N", value_parser = count)]
     pub paths: Option<u64>,
-    /// Number of steps, instead of that of the scene; of expectations, those of the coarsest level
+    /// Number of steps, instead of that of the scene
     #[arg(long, value_name = "N", value_parser = count)]
     pub steps: Option<u64>,
+    #[command(flatten)]
+    pub scheme: SchemeAndSeed,
+}
+
+/// What every command that samples may change.
+#[derive(Args, Clone, Debug, Default)]
+pub struct SchemeAndSeed {
     /// The scheme, instead of that of the scene: auto, sexp, sexp-li, heun, …
     #[arg(long, value_name = "NAME")]
     pub scheme: Option<String>,
     /// Seed of the random numbers, instead of that of the scene
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
+}
+
+impl From<&SchemeAndSeed> for Changes {
+    fn from(scheme: &SchemeAndSeed) -> Self {
+        Self { scheme: scheme.clone(), ..Self::default() }
+    }
 }
 
 /// A whole number from a command line.
@@ -129,13 +142,15 @@ impl Settings {
             return Err(source.error(place, format!("the order must be below 2^32, got {order}")));
         };
         let scheme = run.scheme.as_ref().map(Spanned::get_ref).cloned();
-        let scheme = changes.scheme.clone().or(scheme).unwrap_or(AUTO.into());
+        let SchemeAndSeed { scheme: changed, seed } = changes.scheme.clone();
+        let keeps = changed.is_none();
+        let scheme = changed.or(scheme).unwrap_or(AUTO.into());
         let places = Places {
             initial: run.initial.span(),
             steps: run.steps.span(),
-            scheme: run.scheme.as_ref().filter(|_| changes.scheme.is_none()).map(Spanned::span),
+            scheme: run.scheme.as_ref().filter(|_| keeps).map(Spanned::span),
         };
-        let key = StreamKey { seed: changes.seed.or(run.seed).unwrap_or(1), experiment: 0 };
+        let key = StreamKey { seed: seed.or(run.seed).unwrap_or(1), experiment: 0 };
         Ok(Self {
             initial,
             until,

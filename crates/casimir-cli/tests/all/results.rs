@@ -155,3 +155,28 @@ fn helpers_for_shells_and_editors_are_printed() {
         assert!(help.contains("Example"), "{command}: {help}");
     }
 }
+
+#[test]
+fn orders_and_comparisons_are_measured() {
+    let folder = with_scene(&OSCILLATOR.replace("sexp-li", "auto"));
+    let path = folder.path();
+    let text = succeeds(path, &["order", "scene.toml", "--scheme", "heun", "--path-steps", "1e7"]);
+    assert!(text.contains("strong, y(T): order 1;") && text.contains("weak, E[energy]"), "{text}");
+    let json = fs::read_to_string(path.join("scene-order/order.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["strong"]["order"], 1.0);
+    let text = succeeds(path, &["compare", "scene.toml", "--error", "0.05", "--budget", "20"]);
+    assert!(text.contains("Take ") && text.contains("sexp-li"), "{text}");
+    for file in ["scene-order/strong.svg", "scene-order/weak.svg", "scene-compare/compare.svg"] {
+        assert!(fs::read_to_string(path.join(file)).unwrap().starts_with("<svg"), "{file}");
+    }
+    for (arguments, words) in [
+        (["compare", "scene.toml", "--error", "-1"], "must be positive and finite, got -1"),
+        (["compare", "scene.toml", "--budget", "nan"], "must be positive and finite"),
+        (["order", "scene.toml", "--path-steps", "0"], "at least 1"),
+    ] {
+        let output = run(path, &arguments);
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        assert!(String::from_utf8_lossy(&output.stderr).contains(words), "{output:?}");
+    }
+}

@@ -1,9 +1,15 @@
 //! The wish that a computation ends early.
 
-use std::sync::{
-    Arc,
-    atomic::{AtomicBool, Ordering},
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::{Duration, Instant},
 };
+
+/// Signals within this time are one wish.
+const ONE_WISH: Duration = Duration::from_secs(1);
 
 /// A flag that ends a computation at the next step. What complete groups of paths gave is kept.
 #[derive(Clone, Debug, Default)]
@@ -21,15 +27,20 @@ impl Stop {
     }
 
     /// Asks for the end on Ctrl-C and on SIGTERM, which Slurm sends when the time of a job is up.
-    /// A second signal ends the process at once, with exit code 130.
+    /// A second signal ends the process at once, with exit code 130; not one within a second, since
+    /// one wish may come as two signals.
     ///
     /// # Errors
     /// When the process has a handler of these signals already.
     pub fn on_signals(&self) -> Result<(), ctrlc::Error> {
-        let stop = self.clone();
+        let (stop, mut first) = (self.clone(), None);
         ctrlc::set_handler(move || {
+            let asked = *first.get_or_insert_with(Instant::now);
             if stop.is_asked() {
-                std::process::exit(130);
+                if asked.elapsed() > ONE_WISH {
+                    std::process::exit(130);
+                }
+                return;
             }
             eprintln!("stopping; once more to stop without a checkpoint");
             stop.now();
