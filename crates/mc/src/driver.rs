@@ -3,6 +3,8 @@
 //! The states of a run are a trait object here, so the loop is compiled once for each type of noise
 //! and not for each system and dimension.
 
+use std::sync::OnceLock;
+
 use noise::{AreaSums, DyadicLadder, StepNoise, StreamKey, WienerBlock, clip};
 use nonlin::BlockStatus;
 use real::{Block, PathMask, Row, WIDTH};
@@ -69,6 +71,23 @@ pub(crate) struct Driver<'a, N> {
     pub(crate) batches: Vec<Batch>,
     pub(crate) time_change: Option<&'a dyn TimeChange>,
     pub(crate) described_failures: usize,
+    pub(crate) steps: StepTable,
+}
+
+/// The steps of the levels of a ladder, found once and not for every group of paths; none where
+/// there are too many.
+pub(crate) struct StepTable(Vec<Vec<OnceLock<Step>>>);
+
+/// Most steps in a table, of a few megabytes.
+const MOST_STEPS: u64 = 1 << 14;
+
+impl StepTable {
+    /// The table of a ladder, before any step is known.
+    pub(crate) fn new(finest_steps: u64, levels: usize) -> Self {
+        let of_level = |level| (0..finest_steps >> level).map(|_| OnceLock::new()).collect();
+        let levels = if finest_steps > MOST_STEPS { 0..0 } else { 0..levels + 1 };
+        Self(levels.map(of_level).collect())
+    }
 }
 
 /// A failed path: which run failed when and why.
@@ -148,8 +167,14 @@ impl<N: StepNoise> Driver<'_, N> {
     /// Step number `n` of a level.
     fn step(&self, level: usize, n: u64) -> Step {
         // `Ladder::new` checks that the finest step is positive and finite.
-        Step::new(self.damping, n, self.tau(level))
-            .unwrap_or_else(|error| unreachable!("the steps of a ladder are valid: {error}"))
+        let new = || {
+            Step::new(self.damping, n, self.tau(level))
+                .unwrap_or_else(|error| unreachable!("the steps of a ladder are valid: {error}"))
+        };
+        match self.steps.0.get(level) {
+            Some(steps) => *steps[n as usize].get_or_init(new),
+            None => new(),
+        }
     }
 
     /// Advances `paths` paths from `first_path` on to the final time. Calls `observe` for each

@@ -10,7 +10,7 @@ use systems::{Damping, PoissonSystem, Problem};
 
 use crate::{
     DynProblem, DynRun, LadderError, NoiseSource, PathFailure,
-    driver::{Batch, Bounds, Driver, Failed, GROUP_PATHS, Tally},
+    driver::{Batch, Bounds, Driver, Failed, GROUP_PATHS, StepTable, Tally},
     noise_source::Drawn,
     observable::{components, path},
     parallel::grow,
@@ -261,6 +261,7 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
             batches: Vec::new(),
             time_change: None,
             described_failures: DESCRIBED_FAILURES,
+            steps: StepTable::new(finest_steps, levels),
         };
         for (number, &DynRun { ref scheme, level, swapped }) in runs.iter().enumerate() {
             if level + usize::from(swapped) > levels {

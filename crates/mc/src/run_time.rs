@@ -116,23 +116,37 @@ where
         let stepper = self.scheme.borrow().stepper(self.system);
         let mut stepper = stepper.unwrap_or_else(|error| panic!("{error}"));
         stepper.state_mut().copy_from_slice(y);
-        Box::new(Paths(stepper))
+        let guard = self.system.has_guard().then(|| {
+            let scratch = Rows::zero(self.system.scratch_rows());
+            scratch.unwrap_or_else(|error| panic!("{error}"))
+        });
+        Box::new(Paths { stepper, system: self.system, guard })
     }
 }
 
-struct Paths<'a>(Box<dyn Stepper + 'a>);
+struct Paths<'a> {
+    stepper: Box<dyn Stepper + 'a>,
+    system: &'a dyn System,
+    /// What the guard of the system needs, if it has one.
+    guard: Option<Rows>,
+}
 
 impl RunState<NoiseRows> for Paths<'_> {
     fn step(&mut self, step: &Step, noise: &NoiseRows, status: &mut BlockStatus) {
-        self.0.step(step, &noise.increments, status);
+        self.stepper.step(step, &noise.increments, status);
+        if let Some(scratch) = &mut self.guard {
+            let mut guard = [0.0; real::WIDTH];
+            self.system.guard(self.stepper.state(), &mut guard, scratch);
+            status.fail_where_not_finite(&[guard]);
+        }
     }
 
     fn rows(&self) -> &[Row] {
-        self.0.state()
+        self.stepper.state()
     }
 
     fn rows_mut(&mut self) -> &mut [Row] {
-        self.0.state_mut()
+        self.stepper.state_mut()
     }
 }
 

@@ -1,6 +1,7 @@
 //! The commands, each in a file of its own.
 
 mod compare;
+mod exact_quantiles;
 mod expect;
 mod folder;
 mod inspect;

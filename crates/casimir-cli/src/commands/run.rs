@@ -13,7 +13,10 @@ use casimir::{
     verify::{Progress, inspect::Purpose},
 };
 
-use super::{findings, folder, open, print, print_json, program, scheme, stop, stoppable, threads};
+use super::{
+    exact_quantiles, findings, folder, open, print, print_json, program, scheme, stop, stoppable,
+    threads,
+};
 use crate::{
     arguments::{Format, Run},
     failure::{Done, Failure},
@@ -77,7 +80,29 @@ pub fn run(arguments: &Run) -> Done {
     if scene.settings.is_study() {
         remove(&folder, Share::WHOLE)?;
     }
-    Ok(())
+    match results.and_then(|results| results.all_failed()) {
+        Some(failure) => Err(Failure::Run(anyhow::anyhow!(
+            "all paths failed: take more steps, or another scheme; {failure}"
+        ))),
+        None => Ok(()),
+    }
+}
+
+impl Results {
+    /// The first failure, if no path came to its end.
+    fn all_failed(self) -> Option<String> {
+        match self.study {
+            Some(study) => {
+                let all = study.losses.failed >= study.record.paths;
+                all.then(|| study.losses.failures.into_iter().next()).flatten()
+            }
+            None => {
+                let failed: Option<Vec<String>> =
+                    self.tables.into_iter().map(|table| table.halted).collect();
+                failed.and_then(|failed| failed.into_iter().next())
+            }
+        }
+    }
 }
 
 /// A run that was checked.
@@ -104,14 +129,22 @@ impl<'a, N: StepNoise> Ready<'a, N> {
     /// Computes tables and statistics; none if another part has them.
     pub fn compute(self, job: &Job, stop: &Stop) -> Done<Option<Results>> {
         let start = Instant::now();
-        let study = match self.scene.settings.is_study() {
+        let settings = &self.scene.settings;
+        let mut study = match settings.is_study() {
             true => match self.study(job)? {
                 Some(study) => Some(study),
                 None => return Ok(None),
             },
             false => None,
         };
-        let tables = self.tables(stop)?;
+        let exact = study.as_mut().filter(|study| study.record.paths == settings.paths);
+        let exact = exact.filter(|_| exact_quantiles::are_affordable(self.scene));
+        let all = if exact.is_some() { settings.paths } else { settings.tables };
+        let mut tables = self.tables(all, stop)?;
+        if let Some(study) = exact.filter(|_| !stop.is_asked()) {
+            exact_quantiles::replace(study, &tables);
+        }
+        tables.truncate(settings.tables as usize);
         let Self { findings, scheme, because, .. } = self;
         let seconds = start.elapsed().as_secs_f64();
         Ok(Some(Results { scheme, because, findings, tables, study, seconds }))
@@ -123,7 +156,8 @@ impl<'a, N: StepNoise> Ready<'a, N> {
         Ok(setup.map_err(|error| scene.settings.scheme_error(&scene.source, error))?)
     }
 
-    fn tables(&self, stop: &Stop) -> Done<Vec<TimeSeries>> {
+    /// The tables of the first paths.
+    fn tables(&self, paths: u64, stop: &Stop) -> Done<Vec<TimeSeries>> {
         let Scene { source, components, observables, settings, .. } = self.scene;
         let mut simulation = DynSimulation::new(self.setup()?, settings.truncation)
             .every(settings.steps / settings.times)
@@ -132,7 +166,7 @@ impl<'a, N: StepNoise> Ready<'a, N> {
         for observable in observables.iter().filter(|observable| !observable.is_component()) {
             simulation = simulation.observing(observable.clone());
         }
-        let tables = simulation.paths(settings.steps, settings.key, 0..settings.tables);
+        let tables = simulation.paths(settings.steps, settings.key, 0..paths);
         Ok(tables.map_err(|error| settings.steps_error(source, error))?)
     }
 

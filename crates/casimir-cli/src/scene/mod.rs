@@ -54,6 +54,12 @@ impl Scene {
         let model::Built { model, components, names, energy, quantities } =
             model::build(&source, &file, &constants, &settings)?;
         let words = (&names, &energy);
+        let place = file.system.state.as_ref().map(Spanned::span);
+        if let Some((name, place)) = components.iter().find(|name| is_law(name)).zip(place) {
+            let message =
+                format!("`{name}` is the name of a Casimir or an energy in tables: choose another");
+            return Err(source.error(place, message));
+        }
         let mut observables = Vec::new();
         if components.len() <= MOST_COMPONENTS {
             let named = components.iter().enumerate();
@@ -68,6 +74,13 @@ impl Scene {
             if known {
                 let message =
                     format!("`{}` is a column already: choose another name", name.get_ref());
+                return Err(source.error(name.span(), message));
+            }
+            if is_law(name.get_ref()) {
+                let message = format!(
+                    "`{}` is the name of a Casimir or an energy in tables: choose another name",
+                    name.get_ref()
+                );
                 return Err(source.error(name.span(), message));
             }
             let quantity = observe::quantity(&source, formula, words, &settings.initial)?;
@@ -90,6 +103,12 @@ impl Scene {
         let title = file.title.or(name).or(stem.map(Into::into)).unwrap_or_default();
         Ok(Self { source, title, components, model, settings, observables, expected, accuracy })
     }
+}
+
+/// Whether tables may have a column of this name for a conformal law: C, C1, …, H and H0.
+fn is_law(name: &str) -> bool {
+    let number = name.strip_prefix('C').or(name.strip_prefix('H'));
+    number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
 /// The test functions and the accuracy of `[expect]`.

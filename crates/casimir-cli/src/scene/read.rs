@@ -59,6 +59,9 @@ impl Constants {
             let text = Spanned::new(value.span(), text.clone());
             let value = constant(source, &text, &none)?;
             let name = key.get_ref();
+            if name == "t" {
+                return Err(source.error(key.span(), "`t` is the time in the rate of damping"));
+            }
             let taken = |error| source.error(key.span(), error);
             names.parameter(name, value).map_err(taken)?;
             numbers.push((name.clone(), value));

@@ -5,7 +5,7 @@ use std::{
     ops::Range,
 };
 
-use casimir::formula::{Excerpt, FormulaError, line_column};
+use casimir::formula::{Excerpt, FormulaError, FormulaErrorKind, line_column};
 use toml::Spanned;
 
 use super::values::Text;
@@ -48,7 +48,13 @@ impl Source {
 
     /// Something wrong with a formula, at its place in the file.
     pub fn formula_error(&self, formula: &Spanned<Text>, error: &FormulaError) -> SceneError {
-        self.error(self.place_in(formula, &error.span), &error.kind)
+        let place = self.place_in(formula, &error.span);
+        match &error.kind {
+            FormulaErrorKind::UnknownName { name, .. } if name == "t" => {
+                self.error(place, "unknown name `t`: time is known in the rate of damping only")
+            }
+            kind => self.error(place, kind),
+        }
     }
 
     /// A place in a formula, in bytes of the file; the whole formula if it is written with escapes.

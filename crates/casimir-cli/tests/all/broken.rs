@@ -59,7 +59,10 @@ const BROKEN: &[Broken] = &[
     (OSCILLATOR, "of = [\"energy\"", "of = [\"enrgy\"", "line 19, column 8", "unknown name"),
     (OSCILLATOR, "[\"energy\", \"q\"]", "[]", "line 19, column 6", "at least one function"),
     (OSCILLATOR, "[\"energy\", \"q\"]", "[\"q\", \"q\"]", "line 19, column 12", "listed twice"),
+    (OSCILLATOR, "energy = \"H0\"", "C1 = \"q\"", "line 17, column 1", "choose another name"),
+    (OSCILLATOR, "s*q", "s*q*t", "line 7, column 11", "in the rate of damping only"),
     // The structure matrix and the names.
+    (OSCILLATOR, "k = 1.0", "t = 1.0", "line 4, column 16", "`t` is the time"),
     (OSCILLATOR, "\"-1\"", "\"1\"", "line 5, column 12", "B is not skew"),
     (OSCILLATOR, "[\"0\", \"1\"]", "[\"0\"]", "line 5, column 5", "must have 2 rows"),
     (OSCILLATOR, "B = [[\"0\", \"1\"], [\"-1\", \"0\"]]\n", "", "", "[system] needs `B`"),

@@ -180,3 +180,51 @@ fn orders_and_comparisons_are_measured() {
         assert!(String::from_utf8_lossy(&output.stderr).contains(words), "{output:?}");
     }
 }
+
+#[test]
+fn quantiles_of_few_paths_are_order_statistics() {
+    let folder = with_scene(&OSCILLATOR.replace("paths = 4", "paths = 301\ntables = 301"));
+    succeeds(folder.path(), &["run", "scene.toml", "--write", "json"]);
+    let read = |file: &str| -> serde_json::Value {
+        let text = fs::read_to_string(folder.path().join("scene-run").join(file)).unwrap();
+        serde_json::from_str(&text).unwrap()
+    };
+    let (tables, study) = (read("paths.json"), read("study.json"));
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    for (k, name) in ["q", "p", "energy"].iter().enumerate() {
+        let last = |table: &serde_json::Value| {
+            let columns = table["columns"].as_array().unwrap();
+            let column = columns.iter().find(|column| column["name"] == *name).unwrap();
+            number(column["values"].as_array().unwrap().last().unwrap())
+        };
+        let mut values: Vec<f64> = tables.as_array().unwrap().iter().map(last).collect();
+        values.sort_by(f64::total_cmp);
+        let point = study["series"][k]["points"].as_array().unwrap().last().unwrap();
+        // Rank 151 of 301 is the median, rank 16 the first of 5 %.
+        assert_eq!(number(&point["quantiles"][2]["value"]), values[150]);
+        assert_eq!(number(&point["quantiles"][0]["value"]), values[15]);
+        let (lo, hi) = (&point["quantiles"][2]["lo"], &point["quantiles"][2]["hi"]);
+        assert!(number(lo) < values[150] && values[150] < number(hi));
+    }
+}
+
+/// Behind its pole a logarithm has slopes and no value.
+#[test]
+fn paths_that_leave_the_domain_fail() {
+    let text = r#"[system]
+state = ["q", "p"]
+B = [["1"]]
+H0 = "p^2/2 + q - ln(q)"
+[run]
+initial = [1, 1.5]
+until = 50
+steps = 100
+scheme = "heun"
+"#;
+    let output = run(with_scene(text).path(), &["run", "scene.toml"]);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("all paths failed: take more steps"), "{message}");
+    // With short steps nothing is left.
+    succeeds(with_scene(&text.replace("100", "10000")).path(), &["run", "scene.toml"]);
+}

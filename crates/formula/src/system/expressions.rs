@@ -9,7 +9,10 @@ use super::{
 };
 use real::Real;
 
-use crate::{Formula, Graph, Id, Tape};
+use crate::{
+    Formula, Graph, Id, Tape,
+    graph::{Binary, Node, Unary},
+};
 
 /// What a system is asked for, in the inputs y, u, v, dt and dw, in this order.
 pub struct Expressions {
@@ -149,6 +152,25 @@ impl Expressions {
             field.push(sum);
         }
         field
+    }
+
+    /// Whether a Hamiltonian has a logarithm, a root or a quotient.
+    pub fn have_domain(&self) -> bool {
+        let needed = self.graph.needed(&self.hamiltonians);
+        let is_partial = |id: &Id| {
+            matches!(
+                self.graph.node(*id),
+                Node::Unary(Unary::Ln | Unary::Sqrt, _) | Node::Binary(Binary::Div, ..)
+            )
+        };
+        self.graph.ids().filter(|id| needed[id.index()]).any(|id| is_partial(&id))
+    }
+
+    /// H₀ + H₁ + …, which is finite where all of them are.
+    pub fn guard_tape(&mut self) -> Tape {
+        let ones = vec![self.graph.constant(1.0); self.hamiltonians.len()];
+        let sum = self.weighted(&ones);
+        Tape::new(&self.graph, &[sum], &[self.y()])
     }
 
     /// The largest degree of B(y) in y.

@@ -74,6 +74,7 @@ pub struct FormulaSystem {
     averaged_gradient: Tape,
     ito_correction: Tape,
     observables: Tape,
+    guard: Option<Tape>,
     cayley: Cayley,
     expressions: Expressions,
     rule: Rule,
@@ -147,6 +148,7 @@ impl FormulaSystem {
             averaged_gradient: expressions.averaged_gradient_tape(),
             ito_correction: expressions.ito_correction_tape(),
             observables: expressions.observables_tape(),
+            guard: expressions.have_domain().then(|| expressions.guard_tape()),
             cayley,
             expressions,
             rule: Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}")),
@@ -167,6 +169,7 @@ impl FormulaSystem {
         let weighted = [&self.energy, &self.gradient, &self.hessian, &self.averaged_gradient];
         let plain =
             [&self.structure, &self.structure_along, &self.ito_correction, &self.observables];
+        let plain = plain.into_iter().chain(&self.guard);
         let cayley = match &self.cayley {
             Cayley::Tape(tape) => tape.scratch_rows(),
             Cayley::Rows { matrix, right } => {
@@ -176,7 +179,7 @@ impl FormulaSystem {
         };
         // One more row has dt.
         let weighted = weighted.iter().map(|tape| tape.scratch_rows() + 1);
-        let plain = plain.iter().map(|tape| tape.scratch_rows());
+        let plain = plain.map(|tape| tape.scratch_rows());
         weighted.chain(plain).chain([cayley]).max().unwrap_or(0)
     }
 
@@ -343,6 +346,19 @@ impl System for FormulaSystem {
     ) -> Option<Box<dyn Program>> {
         let program = FormulaProgram::new(&self.expressions, &self.rule, nodes, inputs, results)?;
         Some(Box::new(program))
+    }
+
+    /// Where H₀ or Hₘ has a logarithm, a root or a quotient.
+    fn has_guard(&self) -> bool {
+        self.guard.is_some()
+    }
+
+    /// H₀ + H₁ + ….
+    fn guard(&self, y: &[Row], out: &mut Row, scratch: &mut [Row]) {
+        match &self.guard {
+            Some(guard) => guard.evaluate(&[y], std::slice::from_mut(out), scratch),
+            None => out.fill(0.0),
+        }
     }
 
     /// The formulas of B, H₀ and Hₘ must be finite. The error names the first component that the

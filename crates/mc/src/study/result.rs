@@ -99,6 +99,9 @@ impl Series {
     }
 }
 
+/// A deviation below this part of the values is that of rounding errors.
+const ROUNDING: f64 = 1e-12;
+
 fn warnings(record: &Record, losses: &Losses, series: &[Series]) -> Vec<String> {
     let mut warnings = Vec::new();
     if losses.failed > 0 {
@@ -112,12 +115,18 @@ fn warnings(record: &Record, losses: &Losses, series: &[Series]) -> Vec<String> 
             let times = points.iter().filter(|point| concerns(point));
             let (mut times, number) = (times.clone().map(|point| point.time), times.count());
             if let Some(first) = times.next() {
-                warnings.push(format!("{observable}: {what} at {number} times, first t = {first}"));
+                warnings
+                    .push(format!("{observable}: {what} at {number} times, first t = {first:.6}"));
             }
         };
         warn("values that are not finite, left out", &|point| point.not_finite > 0);
-        warn("too few values carry the variance for the interval of the mean", &|point| {
-            point.effective.is_some_and(|effective| effective < FEW_SAMPLES)
+        warn("fewer than 30 values carry the variance, so intervals of means may miss", &|point| {
+            let varies = point.deviation.zip(point.largest).zip(point.least);
+            // The rounding errors of a constant are no law.
+            let varies = varies.is_none_or(|((deviation, largest), least)| {
+                deviation > ROUNDING * largest.abs().max(least.abs())
+            });
+            varies && point.effective.is_some_and(|effective| effective < FEW_SAMPLES)
         });
         warn(
             "a quantile lies outside of the grid: a larger pilot would choose a wider one",

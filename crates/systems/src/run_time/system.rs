@@ -263,6 +263,19 @@ pub trait System: Send + Sync {
         crate::system::no_invariant(self.name(), index)
     }
 
+    /// Whether paths may leave the domain of the system where their steps are still finite, as
+    /// behind the pole of a logarithm. Then [`guard`](Self::guard) is asked after every step.
+    fn has_guard(&self) -> bool {
+        false
+    }
+
+    /// Writes numbers that are finite on the paths that are in the domain. Only asked for if
+    /// [`has_guard`](Self::has_guard).
+    fn guard(&self, y: &[Row], out: &mut Row, scratch: &mut [Row]) {
+        let _ = (y, scratch);
+        out.fill(0.0);
+    }
+
     /// Checks that the components y are in the domain of the system: ℝᴰ unless overridden.
     ///
     /// # Errors
