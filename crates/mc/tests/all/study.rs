@@ -307,7 +307,7 @@ fn values_that_are_not_finite_are_counted_and_in_no_mean() {
     assert_eq!((first.count, first.not_finite, first.mean), (0, 1000, None));
     assert_eq!(first.quantiles[0].place, Place::NoValues);
     assert_eq!(result.record.initial, [Some(0.0), Some(0.0), None]);
-    let warning = "√p: values that are not finite, left out at 2 times, first t = 0.5";
+    let warning = "√p: values that are not finite, left out at 2 times, first t = 0.500000";
     assert!(result.warnings.iter().any(|text| text == warning), "{:?}", result.warnings);
 }
 
