@@ -349,8 +349,7 @@ impl<'a, N: StepNoise> Marcher<'a, N> {
             self.states[number].step(step, noise, status);
             let failed = status.failed.and(self.live);
             if !failed.is_empty() {
-                // The number of the step follows from its time.
-                let n = (step.t / step.tau).round() as u64;
+                let n = step.number();
                 for p in failed.paths() {
                     let cause = Cause::of_residual(self.statuses[number].residual(p));
                     let path = self.first_path + p as u64;

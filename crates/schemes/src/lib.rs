@@ -30,6 +30,7 @@
 //! | [`SexpLevy`] | implicit, exponential, with Lévy areas | 1 / 1 |
 //! | [`SexpLi`] | linearly implicit, exponential | 1 / ½ |
 //! | [`Split`] | explicit, exponential | 1 / ½ |
+//! | [`Nv`] | explicit, exponential, weak order 2 | 1 / ½ |
 //! | [`Midpoint`] | implicit | 1 / ½ |
 //! | [`Heun`] | explicit | 1 / ½ |
 //! | [`EulerMaruyama`] | explicit | ½ / ½ |
@@ -43,6 +44,8 @@ mod heun;
 mod increment;
 mod kernel;
 mod midpoint;
+mod nv;
+mod poisson_flow;
 pub mod run_time;
 mod scheme;
 mod sexp;
@@ -58,6 +61,7 @@ pub use formula::{Explicit, Implicit};
 pub use heun::Heun;
 pub use increment::{Increment, Vector};
 pub use midpoint::Midpoint;
+pub use nv::{Nv, PartFlows, StageFlows, Sweep};
 pub use scheme::Scheme;
 pub use sexp::Sexp;
 pub use sexp_levy::SexpLevy;

@@ -41,16 +41,18 @@ pub struct SexpLi {
     pub(crate) clips: bool,
 }
 
-/// A system that [`SexpLi`] is not for.
+/// A system that [`SexpLi`], or [`Nv`](crate::Nv) without flows of its own, is not for.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SexpLiError {
     /// The structure matrix is neither constant nor affine, and Casimirs need not be linear.
     #[error(
-        "sexp-li needs a structure matrix that is constant or affine in y, or a system whose \
+        "{scheme} needs a structure matrix that is constant or affine in y, or a system whose \
          Casimirs are all linear; B of `{system}` is {found}; sexp is for any B"
     )]
     Structure {
+        /// The scheme.
+        scheme: &'static str,
         /// The name of the system.
         system: String,
         /// What was found.
@@ -111,19 +113,13 @@ impl SexpLi {
         invariants: &[Invariant],
     ) -> Result<Self, SexpLiError> {
         let scheme = |implicit, clips| Ok(Self { implicit, areas: false, clips });
-        let refused = |found| Err(SexpLiError::Structure { system: name.into(), found });
-        let mut casimirs =
-            invariants.iter().filter(|f| f.kind == InvariantKind::Casimir).peekable();
         match linearity {
             Linearity::Constant => scheme(false, false),
             Linearity::Affine => scheme(true, !solvable),
-            Linearity::Other if casimirs.peek().is_none() => {
-                refused("neither, and the system names no Casimir")
+            Linearity::Other => {
+                has_linear_casimirs("sexp-li", name, invariants)?;
+                scheme(false, true)
             }
-            Linearity::Other if casimirs.any(|casimir| casimir.form != Form::Linear) => {
-                refused("neither, and the system names a Casimir that is not linear")
-            }
-            Linearity::Other => scheme(false, true),
         }
     }
 
@@ -147,6 +143,23 @@ impl SexpLi {
         }
         Ok(Self { areas, ..scheme })
     }
+}
+
+/// Checks that a system names Casimirs, and that all are linear.
+pub(crate) fn has_linear_casimirs(
+    scheme: &'static str,
+    name: &str,
+    invariants: &[Invariant],
+) -> Result<(), SexpLiError> {
+    let refused = |found| Err(SexpLiError::Structure { scheme, system: name.into(), found });
+    let mut casimirs = invariants.iter().filter(|f| f.kind == InvariantKind::Casimir).peekable();
+    if casimirs.peek().is_none() {
+        return refused("neither, and the system names no Casimir");
+    }
+    if casimirs.any(|casimir| casimir.form != Form::Linear) {
+        return refused("neither, and the system names a Casimir that is not linear");
+    }
+    Ok(())
 }
 
 /// The formula. `IMPLICIT`: for an affine B, else for linear Casimirs.

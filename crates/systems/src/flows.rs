@@ -15,6 +15,32 @@ pub trait Flows<const D: usize, const M: usize>: PoissonSystem<D, M> {
     /// The number of parts, at least one.
     const PARTS: usize;
 
-    /// The flow of part number `part` < [`PARTS`](Self::PARTS) for h⁽ᵏ⁾(·; dt, dw), from y.
+    /// For each noise m the part that has all of Hₘ, so that the flow of Hₘ is that of this part;
+    /// `None` where Hₘ is spread over several parts, as it is unless overridden.
+    const NOISE_PARTS: [Option<usize>; M] = [None; M];
+
+    /// The flow of part number `part` < [`PARTS`](Self::PARTS) for h⁽ᵏ⁾(·; dt, dw), from y. The
+    /// flow for −dt and −dw must be its inverse.
     fn flow(&self, part: usize, y: [f64; D], dt: f64, dw: [f64; M]) -> [f64; D];
+
+    /// The same with an error of fifth order in (dt, dw) at most, as schemes of weak order two
+    /// need; by a triple jump of [`flow`](Self::flow) unless overridden. Override it where `flow`
+    /// is exact already, or where a map of higher order costs less.
+    #[inline(always)]
+    fn precise_flow(&self, part: usize, y: [f64; D], dt: f64, dw: [f64; M]) -> [f64; D] {
+        let mut z = y;
+        for share in TRIPLE_JUMP {
+            let mut part_dw = dw;
+            for m in 0..M {
+                part_dw[m] *= share;
+            }
+            z = self.flow(part, z, share * dt, part_dw);
+        }
+        z
+    }
 }
+
+/// The shares c, 1 − 2c, c with c = 1/(2 − 2^{1/3}) of three steps in a row, each symmetric and of
+/// order two, that have order four together (Yoshida, *Phys. Lett. A* 150, 1990).
+pub const TRIPLE_JUMP: [f64; 3] =
+    [1.351_207_191_959_657_8, -1.702_414_383_919_315_5, 1.351_207_191_959_657_8];

@@ -73,7 +73,7 @@ pub use field::{
     HamiltonianIncrement, area_gradient, is_quadratic, ito_correction, jacobi_holds,
     noises_commute, unit_noise, vector_field, vector_field_derivative,
 };
-pub use flows::Flows;
+pub use flows::{Flows, TRIPLE_JUMP};
 pub use invariant::{Form, Invariant, InvariantKind};
 pub use linearity::{Linearity, always_solvable, linearity, shown_solvable};
 pub use lotka_volterra::{Exponents, IntegerExponents, LotkaVolterra, RealExponents};

@@ -2,7 +2,11 @@
 
 use real::Real;
 
-use crate::{Flows, ImplicitStep, Invariant, PoissonSystem, cayley::turned, system::no_invariant};
+use crate::{
+    Flows, ImplicitStep, Invariant, PoissonSystem,
+    cayley::{turned, turned_precisely},
+    system::no_invariant,
+};
 
 /// The Maxwell–Bloch system of laser-matter dynamics (Bréhier, Cohen and Komori 2025, Example 4):
 /// B(y)v = (−y₃v₂ + y₂v₃, y₃v₁, −y₂v₁), H₀ = ½y₁² + y₃, H₁ = y₃.
@@ -15,6 +19,8 @@ pub struct MaxwellBloch;
 impl Flows<3, 1> for MaxwellBloch {
     const PARTS: usize = 2;
 
+    const NOISE_PARTS: [Option<usize>; 1] = [Some(1)];
+
     #[inline(always)]
     fn flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
         match part {
@@ -23,6 +29,17 @@ impl Flows<3, 1> for MaxwellBloch {
                 [y[0], second, third]
             }
             _ => [y[0] + (dt + dw[0]) * y[1], y[1], y[2]],
+        }
+    }
+
+    #[inline(always)]
+    fn precise_flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
+        match part {
+            0 => {
+                let (second, third) = turned_precisely(y[1], y[2], 0.5 * dt * y[0]);
+                [y[0], second, third]
+            }
+            _ => self.flow(part, y, dt, dw),
         }
     }
 }

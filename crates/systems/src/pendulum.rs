@@ -36,6 +36,11 @@ impl Flows<2, 1> for Pendulum {
             _ => [y[0] - time * elementary::sin(y[1]), y[1]],
         }
     }
+
+    #[inline(always)]
+    fn precise_flow(&self, part: usize, y: [f64; 2], dt: f64, dw: [f64; 1]) -> [f64; 2] {
+        self.flow(part, y, dt, dw)
+    }
 }
 
 impl PoissonSystem<2, 1> for Pendulum {

@@ -39,6 +39,11 @@ impl Flows<3, 1> for Poisson3 {
             _ => [y[0] - shift, y[1] + shift, y[2]],
         }
     }
+
+    #[inline(always)]
+    fn precise_flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
+        self.flow(part, y, dt, dw)
+    }
 }
 
 impl PoissonSystem<3, 1> for Poisson3 {

@@ -4,7 +4,7 @@ use real::Real;
 
 use crate::{
     Flows, Form, ImplicitStep, Invariant, InvariantKind, PoissonSystem, SystemError,
-    cayley::{cayley_cross, cross, turned},
+    cayley::{cayley_cross, cross, turned, turned_precisely},
     error::{finite, positive},
     system::no_invariant,
 };
@@ -80,12 +80,13 @@ impl<const M: usize> RigidBody<M> {
     }
 }
 
-/// ẏ = y × k yᵢeᵢ for time one: a rotation about axis i, by Cayley's map.
+/// ẏ = y × k yᵢeᵢ for time one: a rotation about axis i, by Cayley's map or up to ninth order.
 #[inline(always)]
-fn turned_about(axis: usize, y: [f64; 3], k: f64) -> [f64; 3] {
+fn turned_about(axis: usize, y: [f64; 3], k: f64, precisely: bool) -> [f64; 3] {
     let (j, l) = ((axis + 1) % 3, (axis + 2) % 3);
-    let mut z = y;
-    (z[j], z[l]) = turned(y[j], y[l], 0.5 * k * y[axis]);
+    let (mut z, half) = (y, 0.5 * k * y[axis]);
+    (z[j], z[l]) =
+        if precisely { turned_precisely(y[j], y[l], half) } else { turned(y[j], y[l], half) };
     z
 }
 
@@ -93,9 +94,24 @@ fn turned_about(axis: usize, y: [f64; 3], k: f64) -> [f64; 3] {
 impl<const M: usize> Flows<3, M> for RigidBody<M> {
     const PARTS: usize = 3;
 
+    const NOISE_PARTS: [Option<usize>; M] = {
+        let mut parts = [None; M];
+        let mut m = 0;
+        while m < M {
+            parts[m] = Some(m);
+            m += 1;
+        }
+        parts
+    };
+
     #[inline(always)]
     fn flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; M]) -> [f64; 3] {
-        turned_about(part, y, self.coefficients(dt, dw)[part])
+        turned_about(part, y, self.coefficients(dt, dw)[part], false)
+    }
+
+    #[inline(always)]
+    fn precise_flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; M]) -> [f64; 3] {
+        turned_about(part, y, self.coefficients(dt, dw)[part], true)
     }
 }
 
@@ -208,6 +224,11 @@ impl Flows<3, 1> for RigidBodyEnergy {
     #[inline(always)]
     fn flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
         self.body.flow(part, y, dt + self.noise * dw[0], [])
+    }
+
+    #[inline(always)]
+    fn precise_flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
+        self.body.precise_flow(part, y, dt + self.noise * dw[0], [])
     }
 }
 

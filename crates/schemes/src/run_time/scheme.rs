@@ -61,6 +61,17 @@ pub enum SchemeError {
         /// Why it has none.
         reason: String,
     },
+    /// Every component has a noise of its own.
+    #[error(
+        "{scheme} follows the flow of each noise in turn, and `{system}` has a noise for every \
+         component: take sexp-li"
+    )]
+    LocalNoise {
+        /// The scheme.
+        scheme: &'static str,
+        /// The system.
+        system: String,
+    },
     /// Rows of the system hold one path.
     #[error(
         "rows of `{system}` hold one path, and not 32: take `mc::LargePath`, or the layout of the \

@@ -1,11 +1,14 @@
-//! `sexp-li` and `split` on systems known at run time.
+//! `sexp-li`, `split` and `nv` on systems known at run time.
 
 use nonlin::BlockStatus;
-use real::{OutOfMemory, Row, Rows};
+use real::{OutOfMemory, Row, Rows, WIDTH};
 use systems::run_time::{Lanes, System, Weights};
 
 use super::{Scheme, SchemeError, Stepper, explicit::ExplicitStepper};
-use crate::{SexpLi, Split, Step, sexp_li::LinearlyImplicit, split};
+use crate::{
+    Implicit, Nv, SexpLi, Split, StageFlows, Step, Sweep, nv, poisson_flow::PoissonFlow,
+    sexp_li::LinearlyImplicit, split,
+};
 
 impl Scheme for SexpLi {
     fn id(&self) -> &'static str {
@@ -107,5 +110,94 @@ impl Stepper for SplitStepper<'_> {
         if self.system.lanes() == Lanes::Paths {
             status.fail_where_not_finite(&self.state);
         }
+    }
+}
+
+impl Scheme for Nv<StageFlows> {
+    fn id(&self) -> &'static str {
+        nv::ID
+    }
+
+    fn clips_increments(&self) -> bool {
+        false
+    }
+
+    fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
+        if system.local_noise() {
+            return Err(SchemeError::LocalNoise { scheme: nv::ID, system: system.name().into() });
+        }
+        Ok(match self.is_affine() {
+            true => Box::new(NvStepper::new(self.sweep(), &PoissonFlow::<true>, system)?),
+            false => Box::new(NvStepper::new(self.sweep(), &PoissonFlow::<false>, system)?),
+        })
+    }
+}
+
+/// Flows of the Hamiltonians one by one.
+struct NvStepper<'a, F> {
+    sweep: Sweep,
+    flow: ExplicitStepper<'a, F>,
+    noises: usize,
+    /// The increment of one noise, zero for all others.
+    single: Rows,
+}
+
+impl<'a, F: Implicit> NvStepper<'a, F> {
+    fn new(sweep: Sweep, flow: &'a F, system: &'a dyn System) -> Result<Self, OutOfMemory> {
+        let flow = ExplicitStepper::new(flow, system)?;
+        Ok(Self { sweep, flow, noises: system.noises(), single: Rows::zero(system.noise_rows())? })
+    }
+}
+
+/// A step by flows of the Hamiltonians.
+struct Flowing<'s, 'a, F> {
+    stepper: &'s mut NvStepper<'a, F>,
+    half_tau: f64,
+    dw: &'s [Row],
+    status: &'s mut BlockStatus,
+}
+
+impl<F: Implicit> Flowing<'_, '_, F> {
+    /// The flow of H₀dt and of the single noise. A path that fails stays failed: its state is not
+    /// finite.
+    fn flow(&mut self, dt: f64) {
+        let NvStepper { flow, single, .. } = &mut *self.stepper;
+        flow.step(&Step::without_damping(dt), single, self.status);
+    }
+}
+
+impl<F: Implicit> nv::Moved for Flowing<'_, '_, F> {
+    fn scale(&mut self, factor: f64) {
+        self.stepper.flow.state_mut().iter_mut().flatten().for_each(|y| *y *= factor);
+    }
+
+    fn drift(&mut self) {
+        self.flow(self.half_tau);
+    }
+
+    fn noises(&mut self, backward: bool) {
+        let noises = self.stepper.noises;
+        for k in 0..noises {
+            let m = if backward { noises - 1 - k } else { k };
+            self.stepper.single[m] = self.dw[m];
+            self.flow(0.0);
+            self.stepper.single[m] = [0.0; WIDTH];
+        }
+    }
+}
+
+impl<F: Implicit> Stepper for NvStepper<'_, F> {
+    fn state(&self) -> &[Row] {
+        self.flow.state()
+    }
+
+    fn state_mut(&mut self) -> &mut [Row] {
+        self.flow.state_mut()
+    }
+
+    fn step(&mut self, step: &Step, dw: &[Row], status: &mut BlockStatus) {
+        let backward = self.noises > 1 && self.sweep.is_backward(step);
+        let half_tau = 0.5 * step.tau;
+        nv::compose(backward, step, &mut Flowing { stepper: self, half_tau, dw, status });
     }
 }

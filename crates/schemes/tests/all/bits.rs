@@ -8,7 +8,7 @@ use noise::{BlockNoise, StreamKey, Truncation, WienerBlock, clip};
 use nonlin::{BlockStatus, Method, Outcome, Solver};
 use real::{Block, Level, WIDTH, limit_to};
 use schemes::{
-    EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Split, Step, WithSolver,
+    EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split, Step, WithSolver,
 };
 use systems::{Cosine, PoissonSystem, RigidBody};
 
@@ -142,6 +142,8 @@ fn a_block_is_its_paths_at_every_level() {
         // two noises, since a kernel for three takes five times as long to compile.
         side_by_side.compare(&SexpLevy::new(&Rotations, y0), &Rotations, y0);
         side_by_side.compare(&Split, &body, y0);
+        side_by_side.compare(&Nv::of_parts(), &body, y0);
+        side_by_side.compare(&Nv::new(&body, y0).unwrap(), &body, y0);
         side_by_side.compare(&EulerWithAreas, &body, y0);
         seen.push(side_by_side.ways);
     }

@@ -6,6 +6,7 @@ mod by_hand;
 mod common;
 mod conformal;
 mod levy;
+mod nv;
 mod order;
 mod overflow;
 mod own_schemes;

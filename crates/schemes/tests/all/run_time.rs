@@ -5,7 +5,7 @@ use noise::{BlockNoise, StreamKey, WienerBlock};
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Block, Row, Rows, WIDTH};
 use schemes::{
-    EulerMaruyama, Heun, Implicit, Midpoint, Scheme, Sexp, SexpLi, Split, Step, WithSolver,
+    EulerMaruyama, Heun, Implicit, Midpoint, Nv, Scheme, Sexp, SexpLi, Split, Step, WithSolver,
     run_time,
 };
 use systems::{
@@ -67,6 +67,9 @@ where
     let sexp_li = SexpLi::new(&system, y0).unwrap();
     assert_eq!(difference(&system, &sexp_li, &adapter, y0, tau), 0.0, "{name}");
     assert_eq!(SexpLi::at_run_time(&adapter).as_ref(), Ok(&sexp_li));
+    let nv = Nv::new(&system, y0).unwrap();
+    assert_eq!(difference(&system, &nv, &adapter, y0, tau), 0.0, "{name}");
+    assert_eq!(Nv::at_run_time(&adapter).as_ref(), Ok(&nv));
     // Residuals are at most 2ε of the size in each step, and errors of some forty steps add up.
     let allowed = 8.0 * STEPS as f64 * f64::EPSILON;
     assert!(difference(&system, &Sexp, &adapter, y0, tau) <= allowed, "{name}");

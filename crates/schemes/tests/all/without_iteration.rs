@@ -18,10 +18,10 @@ const SAMPLES: usize = 2000;
 /// are counted there is rounded at most eight times, half an ε each.
 const ALLOWED: f64 = 4.0;
 const SPINS: [f64; 6] = [0.6, 0.0, 0.8, 0.0, 1.0, 0.0];
-const MOMENTUM: [f64; 3] = [0.45, 0.0, 0.89];
+pub const MOMENTUM: [f64; 3] = [0.45, 0.0, 0.89];
 
 /// The largest defect of a Casimir over random steps.
-fn largest_defect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+pub fn largest_defect<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     scheme: &impl Scheme<S, D, M>,
     system: &S,
     y0: [f64; D],
@@ -228,7 +228,7 @@ impl PoissonSystem<3, 1> for Hyperbolic {
 }
 
 /// B(y) = y₃²J, with the Casimir y₃ named or not.
-struct Squared(Option<Form>);
+pub struct Squared(pub Option<Form>);
 
 impl PoissonSystem<3, 1> for Squared {
     fn name(&self) -> &'static str {

@@ -1,0 +1,121 @@
+//! The scheme of weak order two, `nv`: Casimirs in every step, flows of order four, two orders of
+//! the noises in turn. The weak order itself is tested in `verify`, without sampling.
+
+use crate::common::{Numbers, any_increments, body};
+use crate::without_iteration::{MOMENTUM, Squared, largest_defect};
+use noise::Noise;
+use schemes::{Nv, Scheme, SexpLiError, Step, Sweep};
+use systems::{
+    Constant, Form, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
+    PoissonSystem, RigidBody, RigidBodyEnergy,
+};
+
+#[test]
+fn every_casimir_is_kept() {
+    let turning = RigidBody::one_noise([2.0, 1.0, 2.0 / 3.0], 1.0).unwrap();
+    let along = RigidBodyEnergy::new([2.0, 1.0, 2.0 / 3.0], 1.0).unwrap();
+    let poisson = Poisson3::new(1.0).unwrap();
+    let start = [1.0, 2.0, 3.0];
+    let parts = Nv::of_parts();
+    // Maps in a step, each of which is rounded at most four times as in the units of a defect.
+    for (maps, largest) in [
+        (13.0, largest_defect(&parts, &body(), MOMENTUM)),
+        (11.0, largest_defect(&parts, &turning, MOMENTUM)),
+        (25.0, largest_defect(&parts, &along, MOMENTUM)),
+        (7.0, largest_defect(&parts, &MaxwellBloch, start)),
+        (25.0, largest_defect(&parts, &poisson, start)),
+        (30.0, largest_defect(&Nv::new(&body(), MOMENTUM).unwrap(), &body(), MOMENTUM)),
+        (18.0, largest_defect(&Nv::new(&MaxwellBloch, start).unwrap(), &MaxwellBloch, start)),
+        (3.0, largest_defect(&Nv::new(&poisson, start).unwrap(), &poisson, start)),
+    ] {
+        println!("{maps} maps: {largest}");
+        assert!(largest <= 4.0 * maps, "{maps} maps: {largest}");
+    }
+}
+
+/// The exponent of s in the distance between one step of noise s and two steps of noise s/2,
+/// almost without drift.
+fn order_of_flows<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    scheme: &impl Scheme<S, D, M>,
+    system: &S,
+    y0: [f64; D],
+    m: usize,
+) -> f64 {
+    let step = Step::new(&Constant::new(0.0).unwrap(), 0, 1e-200).unwrap();
+    let distance = |s: f64| {
+        let noise = |s: f64| {
+            let mut dw = [0.0; M];
+            dw[m] = s;
+            Noise::increments(dw)
+        };
+        let once = scheme.step(system, &step, &noise(s), y0).z;
+        let half = scheme.step(system, &step, &noise(0.5 * s), y0).z;
+        let twice = scheme.step(system, &step, &noise(0.5 * s), half).z;
+        (0..D).map(|i| (once[i] - twice[i]).powi(2)).sum::<f64>().sqrt()
+    };
+    (distance(0.04) / distance(0.02)).log2()
+}
+
+#[test]
+fn flows_of_noises_have_order_four_or_more() {
+    let along = RigidBodyEnergy::new([2.0, 1.0, 2.0 / 3.0], 1.0).unwrap();
+    let pendulum = Pendulum::new(1.0).unwrap();
+    let poisson = Poisson3::new(1.0).unwrap();
+    let populations = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0).unwrap();
+    let (start, many) = ([1.0, 2.0, 3.0], [0.9, 1.1, 0.8]);
+    for order in [
+        order_of_flows(&Nv::of_parts(), &along, MOMENTUM, 0),
+        order_of_flows(&Nv::of_parts(), &pendulum, [0.2, 1.0], 0),
+        order_of_flows(&Nv::of_parts(), &poisson, start, 0),
+        order_of_flows(&Nv::new(&along, MOMENTUM).unwrap(), &along, MOMENTUM, 0),
+        order_of_flows(&Nv::new(&pendulum, [0.2, 1.0]).unwrap(), &pendulum, [0.2, 1.0], 0),
+        order_of_flows(&Nv::new(&populations, many).unwrap(), &populations, many, 0),
+    ] {
+        assert!((order - 5.0).abs() < 0.1, "{order}");
+    }
+    // A rotation is exact to the ninth order: nothing is left at this size.
+    let step = Step::new(&Constant::new(0.0).unwrap(), 0, 1e-200).unwrap();
+    let noise = Noise::increments([0.3, 0.0, 0.0]);
+    let z = Nv::of_parts().step(&body(), &step, &noise, MOMENTUM).z;
+    let (sin, cos) = (0.3 * MOMENTUM[0]).sin_cos();
+    assert!((z[1] - sin * MOMENTUM[2]).abs() < 1e-15 && (z[2] - cos * MOMENTUM[2]).abs() < 1e-15);
+}
+
+#[test]
+fn noises_go_forward_and_backward_in_turn() {
+    let (body, gamma) = (body(), Constant::new(0.2).unwrap());
+    let mut numbers = Numbers(4);
+    for n in 0..20 {
+        let step = Step::new(&gamma, n, 0.1).unwrap();
+        assert_eq!(step.number(), n);
+        let noise = Noise::increments(any_increments(&mut numbers, 0.1));
+        let advance =
+            |sweep| Nv::of_parts().with_sweep(sweep).step(&body, &step, &noise, MOMENTUM).z;
+        let (forward, backward) = (advance(Sweep::Forward), advance(Sweep::Backward));
+        assert_ne!(forward, backward);
+        assert_eq!(advance(Sweep::Alternating), if n % 2 == 0 { forward } else { backward });
+    }
+}
+
+#[test]
+fn both_kinds_of_flows_agree() {
+    let (body, gamma) = (body(), Constant::new(0.2).unwrap());
+    let stages = Nv::new(&body, MOMENTUM).unwrap();
+    let distance = |tau: f64| {
+        let step = Step::new(&gamma, 0, tau).unwrap();
+        // Increments like τ, so that the drift, of order two by parts, counts.
+        let noise = Noise::increments([tau, -tau, 0.5 * tau]);
+        let a = Nv::of_parts().step(&body, &step, &noise, MOMENTUM).z;
+        let b = stages.step(&body, &step, &noise, MOMENTUM).z;
+        (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+    };
+    let order = (distance(0.1) / distance(0.05)).log2();
+    assert!((order - 3.0).abs() < 0.1, "{order}");
+}
+
+#[test]
+fn systems_without_suitable_flows_are_refused() {
+    assert!(Nv::new(&Squared(Some(Form::Linear)), [1.0; 3]).is_ok());
+    let refused = Nv::new(&Squared(None), [1.0; 3]);
+    assert!(matches!(refused, Err(SexpLiError::Structure { scheme: "nv", .. })), "{refused:?}");
+}
