@@ -220,4 +220,44 @@ mod tests {
         let quarter = Node { node: 2, left: 0, right: 4, weight: 0.5, deviation: 2.0 };
         assert_eq!(bridge(8, 32.0)[2], quarter);
     }
+
+    const KEY: StreamKey = StreamKey { seed: 1, experiment: 1 };
+
+    #[test]
+    fn bad_input_is_named() {
+        let new = |steps, noises, t_end| QuasiWiener::new(KEY, 0, steps, noises, t_end);
+        assert_eq!(new(0, 1, 1.0).unwrap_err(), NoiseError::StepsZero);
+        for t_end in [0.0, -1.0, f64::INFINITY] {
+            assert_eq!(new(1, 1, t_end).unwrap_err(), NoiseError::EndNotPositive { t_end });
+        }
+        assert!(new(1, 0, f64::NAN).unwrap_err().to_string().ends_with("got NaN"));
+        for (steps, noises) in [(1 << 23, 3), (u64::MAX, 2), (1, usize::MAX)] {
+            let error = new(steps, noises, 1.0).unwrap_err();
+            assert_eq!(error, NoiseError::TooManyDimensions { steps, noises });
+            assert!(error.to_string().contains(&format!("{steps} steps of {noises} noises")));
+        }
+    }
+
+    #[test]
+    fn points_outside_of_a_scramble_are_named() {
+        let noise = QuasiWiener::new(KEY, 0, 2, 1, 1.0).unwrap();
+        let mut rows = [[f64::NAN; WIDTH]; 2];
+        let mut block =
+            |first_point, count: usize| noise.block(first_point, &mut rows[..count]).unwrap_err();
+        let point = 1 << 32;
+        assert_eq!(block(point, 2), NoiseError::PointOutsideScramble { point });
+        assert_eq!(noise.path(point).unwrap_err(), NoiseError::PointOutsideScramble { point });
+        assert_eq!(block(33, 2), NoiseError::PointNotFirstOfBlock { first_point: 33 });
+        assert_eq!(block(32, 1), NoiseError::RowsNotDimensions { rows: 1, dimensions: 2 });
+        assert!(block(33, 2).to_string().contains("multiple of 32, got 33"));
+        assert!(rows.iter().flatten().all(|x| x.is_nan()));
+    }
+
+    #[test]
+    fn without_noises_there_is_nothing_to_write() {
+        let noise = QuasiWiener::new(KEY, 0, u64::MAX, 0, 1.0).unwrap();
+        assert_eq!(noise.dimensions(), 0);
+        noise.block(32, &mut []).unwrap();
+        assert_eq!(noise.path(1), Ok(Vec::new()));
+    }
 }
