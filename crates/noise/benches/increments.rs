@@ -3,6 +3,9 @@
 //! First, ns per normal of [`WienerBlock::increments`] for one, two and three noises at each level
 //! of instructions: the least of many runs of 256 steps of 32 paths.
 //!
+//! Then the same of [`WienerRows`] and of [`QuasiWiener`] for a few steps: points, scrambling,
+//! quantiles, bridge and differences. The two take turns, and the least of many runs counts.
+//!
 //! Then, by criterion, the same steps for one and for three noises, and those of [`WienerPath`] for
 //! a single path. An element is one path and step, so criterion's `Melem/s` are millions of
 //! path-steps a second: **ns per path-step = 1000 / (Melem/s)**; divided by the number of noises it
@@ -13,8 +16,8 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group};
-use noise::{StreamKey, WienerBlock, WienerPath};
-use real::{Block, Level, WIDTH, limit_to};
+use noise::{QuasiWiener, StreamKey, WienerBlock, WienerPath, WienerRows};
+use real::{Block, Level, Rows, WIDTH, limit_to};
 
 const STEPS: usize = 256;
 
@@ -46,6 +49,46 @@ fn print_ns_per_normal() {
             let [one, two, three] =
                 [ns_per_normal::<1>(), ns_per_normal::<2>(), ns_per_normal::<3>()];
             println!("{:13} {one:9.2} {two:9.2} {three:9.2}", level.name());
+        }
+    }
+    limit_to(Level::Avx512);
+}
+
+/// ns per normal of Box–Muller and of Sobol points.
+fn both_kinds(noises: usize, steps: u64) -> [f64; 2] {
+    let quasi = QuasiWiener::new(KEY, 0, steps, noises, 1.0).unwrap();
+    let mut wiener = WienerRows::new(KEY, 0);
+    let mut rows = Rows::zero(quasi.dimensions()).unwrap();
+    let mut least = [Duration::MAX; 2];
+    let blocks = STEPS / steps as usize * 4;
+    for run in 0..RUNS as u64 {
+        let start = Instant::now();
+        for _ in 0..blocks {
+            for step in rows.chunks_mut(noises) {
+                wiener.increments(black_box(0.0625), step);
+            }
+            black_box(&rows);
+        }
+        least[0] = least[0].min(start.elapsed());
+        let start = Instant::now();
+        for block in 0..blocks as u64 {
+            quasi.block((run << 12) + block * WIDTH as u64, &mut rows).unwrap();
+            black_box(&rows);
+        }
+        least[1] = least[1].min(start.elapsed());
+    }
+    let normals = (quasi.dimensions() * WIDTH * blocks) as f64;
+    least.map(|least| least.as_secs_f64() * 1e9 / normals)
+}
+
+fn print_both_kinds() {
+    println!("ns per normal   Box-Muller  Sobol (3 noises, 4 steps)   Box-Muller  Sobol (1, 64)");
+    for level in [Level::Baseline, Level::Avx2, Level::Avx512] {
+        limit_to(level);
+        if Level::current() == level {
+            let ([random, quasi], [random_64, quasi_64]) = (both_kinds(3, 4), both_kinds(1, 64));
+            let name = level.name();
+            println!("{name:15} {random:10.2} {quasi:26.2} {random_64:12.2} {quasi_64:14.2}");
         }
     }
     limit_to(Level::Avx512);
@@ -94,6 +137,7 @@ fn main() {
     // `cargo test` starts benches without this argument.
     if std::env::args().any(|argument| argument == "--bench") {
         print_ns_per_normal();
+        print_both_kinds();
     }
     benches();
     Criterion::default().configure_from_args().final_summary();

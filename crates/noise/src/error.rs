@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// An invalid argument for truncated increments or Lévy areas.
+/// An invalid argument for truncated increments, Lévy areas or points of quasi-Monte Carlo.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum NoiseError {
@@ -28,6 +28,39 @@ pub enum NoiseError {
     TooManyTerms {
         /// The required number of terms, before rounding up.
         terms: f64,
+    },
+    /// The time interval has no steps.
+    StepsZero,
+    /// The end of the time interval is not positive and finite.
+    EndNotPositive {
+        /// The given end.
+        t_end: f64,
+    },
+    /// More dimensions, steps times noises, than
+    /// [`QuasiWiener::MAX_DIMENSIONS`](crate::QuasiWiener::MAX_DIMENSIONS).
+    TooManyDimensions {
+        /// The given number of steps.
+        steps: u64,
+        /// The given number of noises.
+        noises: usize,
+    },
+    /// The point is not one of the [`ScrambledSobol::POINTS`](crate::ScrambledSobol::POINTS) of a
+    /// scramble.
+    PointOutsideScramble {
+        /// The given point.
+        point: u64,
+    },
+    /// A block of points begins at a number that is not a multiple of 32.
+    PointNotFirstOfBlock {
+        /// The given first point.
+        first_point: u64,
+    },
+    /// There are more or fewer rows to be written than dimensions.
+    RowsNotDimensions {
+        /// The given number of rows.
+        rows: usize,
+        /// The number of dimensions.
+        dimensions: usize,
     },
 }
 
@@ -58,6 +91,23 @@ impl fmt::Display for NoiseError {
                     f,
                     "the error asked of the areas needs {terms:.3e} terms a step, more than {most}"
                 )
+            }
+            Self::StepsZero => write!(f, "a time interval needs at least one step, got steps = 0"),
+            Self::EndNotPositive { t_end } => {
+                write!(f, "the end of time must be positive and finite, got {t_end}")
+            }
+            Self::TooManyDimensions { steps, noises } => {
+                let most = crate::QuasiWiener::MAX_DIMENSIONS;
+                write!(f, "{steps} steps of {noises} noises have more than {most} dimensions")
+            }
+            Self::PointOutsideScramble { point } => {
+                write!(f, "a scramble has the points 0 to 2^32 - 1, got point {point}")
+            }
+            Self::PointNotFirstOfBlock { first_point } => {
+                write!(f, "a block of points begins at a multiple of 32, got {first_point}")
+            }
+            Self::RowsNotDimensions { rows, dimensions } => {
+                write!(f, "there are {dimensions} dimensions, got {rows} rows")
             }
         }
     }

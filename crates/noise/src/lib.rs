@@ -34,6 +34,8 @@
 //! | [`Noise`], [`BlockNoise`] | increments and Lévy areas of one step |
 //! | [`WienerRows`], [`NoiseRows`] | increments of noises whose number is known at run time only |
 //! | [`StepNoise`] | what a driver asks of the noise of a step |
+//! | [`QuasiWiener`] | increments from scrambled Sobol points, by a Brownian bridge |
+//! | [`ScrambledSobol`], [`inverse_normal`] | the points, and the normal of a word |
 //! | [`Truncation`], [`clip`] | truncated increments ΔŴ |
 //! | [`DyadicLadder`], [`AreaLadder`] | increments and areas of all coarser steps |
 //! | [`AreaMethod`] | approximations of the Lévy areas: errors and costs |
@@ -48,8 +50,11 @@ mod area_sampler;
 mod box_muller;
 mod error;
 mod exact_area;
+mod inverse_normal;
 mod iterated;
 mod ladder;
+mod quasi_wiener;
+mod sobol;
 mod step;
 mod stream;
 mod truncation;
@@ -60,8 +65,11 @@ pub use area_method::{AreaMethod, strong_order_one_error};
 pub use area_sampler::{AREA_STREAM, AreaPath, AreaSampler};
 pub use error::NoiseError;
 pub use exact_area::ExactArea;
+pub use inverse_normal::inverse_normal;
 pub use iterated::{ito, stratonovich};
 pub use ladder::DyadicLadder;
+pub use quasi_wiener::QuasiWiener;
+pub use sobol::ScrambledSobol;
 pub use step::{AreaDraw, AreaSums, BlockNoise, Noise, NoiseRows, StepNoise};
 pub use stream::StreamKey;
 pub use truncation::{Truncation, clip};

@@ -13,14 +13,17 @@ pub struct StreamKey {
 }
 
 /// The odd constant of SplitMix64: ⌊2⁶⁴/φ⌋ made odd.
-const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+pub(crate) const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The bit of the experiment number that separates the streams of tiles from those of paths.
 const TILE_STREAM: u64 = 1 << 61;
 
+/// The bit of the experiment number that separates the words of scrambles from the streams of paths.
+const SCRAMBLE_STREAM: u64 = 1 << 60;
+
 /// The finaliser of SplitMix64, a bijection of 64-bit words.
 #[inline(always)]
-fn mix(mut x: u64) -> u64 {
+pub(crate) fn mix(mut x: u64) -> u64 {
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     x ^ (x >> 31)
@@ -39,6 +42,12 @@ impl StreamKey {
     #[must_use]
     pub fn of_tiles(self, path: u64) -> Self {
         Self { seed: self.path_seed(path), experiment: self.experiment ^ TILE_STREAM }
+    }
+
+    /// The 64-bit seed of a scramble of Sobol points: a path seed with bit 60 of the experiment number
+    /// flipped.
+    pub(crate) fn scramble_seed(self, scramble: u64) -> u64 {
+        Self { experiment: self.experiment ^ SCRAMBLE_STREAM, ..self }.path_seed(scramble)
     }
 
     /// The state of xoshiro256++ after `seed_from_u64` of [`path_seed`](Self::path_seed), which

@@ -2,8 +2,8 @@
 //! and alone, at every level of instructions, in any block, and in every release.
 
 use noise::{
-    AreaBlock, AreaMethod, AreaPath, AreaSampler, DyadicLadder, ExactArea, NoiseRows, StepNoise,
-    StreamKey, WienerBlock, WienerPath, WienerRows,
+    AreaBlock, AreaMethod, AreaPath, AreaSampler, DyadicLadder, ExactArea, NoiseRows, QuasiWiener,
+    ScrambledSobol, StepNoise, StreamKey, WienerBlock, WienerPath, WienerRows,
 };
 use real::{Block, Level, Row, WIDTH, limit_to};
 
@@ -58,6 +58,33 @@ fn areas_equal_those_of_the_paths<const M: usize>(first_path: u64, steps: usize)
     }
 }
 
+fn quasi_block_equals_its_paths(steps: u64, noises: usize) {
+    let noise = QuasiWiener::new(KEY, 9, steps, noises, 2.0).unwrap();
+    assert_eq!(noise.dimensions(), steps as usize * noises);
+    let mut rows = vec![[f64::NAN; WIDTH]; noise.dimensions()];
+    for first_point in [0, 32, 4096 + 64, ScrambledSobol::POINTS - 32] {
+        noise.block(first_point, &mut rows).unwrap();
+        for p in 0..WIDTH {
+            let path = noise.path(first_point + p as u64).unwrap();
+            let block: Vec<u64> = rows.iter().map(|row| row[p].to_bits()).collect();
+            let path: Vec<u64> = path.into_iter().map(f64::to_bits).collect();
+            assert_eq!(block, path, "{steps} steps, {noises} noises, point {first_point} + {p}");
+        }
+    }
+}
+
+fn scrambled_block_equals_its_points() {
+    let points = ScrambledSobol::new(KEY, 3, 1100);
+    let mut words = vec![[0; WIDTH]; 1100];
+    for first_point in [0, 1 << 20, ScrambledSobol::POINTS - 32] {
+        points.block(first_point, &mut words).unwrap();
+        for p in [0, 1, 17, 31] {
+            let point = points.point(first_point + p as u64).unwrap();
+            assert!(point.iter().zip(&words).all(|(word, row)| *word == row[p]));
+        }
+    }
+}
+
 /// One test: the limit belongs to the whole process.
 #[test]
 fn a_block_is_its_paths_at_every_level() {
@@ -68,6 +95,14 @@ fn a_block_is_its_paths_at_every_level() {
         block_equals_its_paths::<3>(64, 2000);
         block_equals_its_paths::<4>(1 << 40, 2000);
         block_equals_its_paths::<5>(7, 500);
+        for steps in [1, 2, 3, 7, 8] {
+            for noises in [0, 1, 2, 3, 5] {
+                quasi_block_equals_its_paths(steps, noises);
+            }
+        }
+        quasi_block_equals_its_paths(100, 11); // 76 padded dimensions
+        scrambled_block_equals_its_points();
+        assert_eq!(quasi_increments(), PINNED_QUASI);
         areas_equal_those_of_the_paths::<1>(0, 10);
         areas_equal_those_of_the_paths::<2>(32, 200);
         areas_equal_those_of_the_paths::<3>(64, 200);
@@ -75,6 +110,24 @@ fn a_block_is_its_paths_at_every_level() {
         areas_equal_those_of_the_paths::<5>(7, 100);
     }
 }
+
+/// A padded dimension and the first ones of two points; a change is a value-breaking change.
+fn quasi_increments() -> [f64; 6] {
+    let noise = QuasiWiener::new(StreamKey { seed: 1, experiment: 1 }, 2, 1025, 1, 1.0).unwrap();
+    let few = QuasiWiener::new(StreamKey { seed: 1, experiment: 1 }, 2, 2, 2, 1.0).unwrap();
+    let (long, one, other) =
+        (noise.path(4711).unwrap(), few.path(0).unwrap(), few.path(4711).unwrap());
+    [one[0], one[1], other[0], other[3], long[0], long[1024]]
+}
+
+const PINNED_QUASI: [f64; 6] = [
+    -0.599386928164209,
+    -1.0442425933794381,
+    0.06643554181938893,
+    0.8996308926916476,
+    -0.025412003890909356,
+    -0.03848109206897632,
+];
 
 /// Increments of a number of noises that is known at run time only are those of the paths.
 #[test]

@@ -1,0 +1,446 @@
+//! Sobol points with nested uniform scrambling.
+
+use std::sync::LazyLock;
+
+use real::{Kernel, WIDTH, dispatch};
+
+use crate::{
+    NoiseError, StreamKey,
+    box_muller::open_unit,
+    stream::{GOLDEN, mix},
+};
+
+/// The direction numbers of dimensions 2 to 1024 of new-joe-kuo-6 (Joe and Kuo 2008), a line each:
+/// dimension, degree s and inner coefficients a of the polynomial, m₁ … m_s. Their licence is in
+/// `data/LICENCE-JOE-KUO`.
+const JOE_KUO: &str = include_str!("data/new-joe-kuo-6.1024");
+
+/// Digits of a Sobol number in base 2.
+const DIGITS: usize = 32;
+/// Digits of the number of a point within a block: WIDTH = 2⁵.
+const LOW_DIGITS: usize = WIDTH.trailing_zeros() as usize;
+
+/// The points of randomised quasi-Monte Carlo: the Sobol sequence (Sobol 1967) in base 2 with the
+/// direction numbers of Joe and Kuo (2008), with nested uniform scrambling (Owen 1995).
+///
+/// A coordinate is a word of 64 bits, the digits of a number in [0, 1): see
+/// [`uniform`](Self::uniform) and [`inverse_normal`](crate::inverse_normal).
+///
+/// - The first 2^m points have one coordinate in every interval [k, k+1)·2^−m, in each dimension;
+///   so have the points j·2^m … (j+1)·2^m − 1.
+/// - The upper 32 bits are scrambled by a hash in which a digit is flipped or not as a function of
+///   the digits before it and of two random words (Laine and Karras 2011, Burley 2020, with the
+///   constants of Vegdahl 2022 and a word each for the sum and the product). The flips are added to
+///   a third random word. So every coordinate is uniform, whatever the hash does, and a mean over
+///   points is unbiased over scrambles. The variance of the mean of u over n = 2^m points is
+///   1/(12n³), as of the scrambling of Owen: `tests/quasi.rs`.
+/// - The lower 32 bits are random words of the point.
+/// - **Padding**: dimensions above [`DIMENSIONS`](Self::DIMENSIONS) have independent random words
+///   instead of Sobol numbers, as in Monte Carlo.
+///
+/// The words of a point are a function of (seed, experiment, scramble, point) alone, and that of a
+/// dimension does not depend on the number of dimensions. Points are in the order of their numbers,
+/// not in that of the Gray code.
+///
+/// ```
+/// use noise::{ScrambledSobol, StreamKey};
+///
+/// let points = ScrambledSobol::new(StreamKey { seed: 1, experiment: 7 }, 0, 2);
+/// let mut words = [[0; 32]; 2];
+/// points.block(64, &mut words)?;
+/// assert_eq!(points.point(67)?, [words[0][3], words[1][3]]);
+///
+/// // In each dimension the 32 points have one number in every interval of length 1/32.
+/// let mut cells = words[1].map(|word| (32.0 * ScrambledSobol::uniform(word)) as usize);
+/// cells.sort();
+/// assert!(cells.into_iter().eq(0..32));
+/// # Ok::<(), noise::NoiseError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ScrambledSobol {
+    groups: &'static [Group],
+    seeds: Vec<Seeds>,
+    padding: Vec<PaddingSeeds>,
+}
+
+impl ScrambledSobol {
+    /// Dimensions that have Sobol numbers.
+    pub const DIMENSIONS: usize = 1024;
+    /// Number of points of a scramble, 2³².
+    pub const POINTS: u64 = 1 << DIGITS;
+
+    /// The points of scramble number `scramble`. Scrambles of a key are independent.
+    pub fn new(key: StreamKey, scramble: u64, dimensions: usize) -> Self {
+        let root = key.scramble_seed(scramble);
+        let sobol = dimensions.min(Self::DIMENSIONS);
+        let words = |d| DimensionWords::new(root, d);
+        Self {
+            groups: &TABLE[..sobol.div_ceil(WIDTH)],
+            seeds: (0..sobol).map(|d| Seeds::new(words(d))).collect(),
+            padding: (sobol..dimensions).map(|d| PaddingSeeds::new(words(d))).collect(),
+        }
+    }
+
+    /// Number of dimensions.
+    pub fn dimensions(&self) -> usize {
+        self.seeds.len() + self.padding.len()
+    }
+
+    /// The words of points `first_point` .. `first_point + 32`: `words[d][p]` is coordinate d of
+    /// point `first_point + p`.
+    ///
+    /// # Errors
+    /// [`NoiseError::PointOutsideScramble`] for points from 2³² on,
+    /// [`NoiseError::PointNotFirstOfBlock`] if 32 does not divide `first_point`,
+    /// [`NoiseError::RowsNotDimensions`] unless there is a row of words for every dimension.
+    pub fn block(&self, first_point: u64, words: &mut [[u64; WIDTH]]) -> Result<(), NoiseError> {
+        let points = self.block_points(first_point, words.len())?;
+        dispatch(Fill { sobol: self, points, words });
+        Ok(())
+    }
+
+    /// The words of one point, with the same bits.
+    ///
+    /// # Errors
+    /// [`NoiseError::PointOutsideScramble`] for points from 2³² on.
+    pub fn point(&self, point: u64) -> Result<Vec<u64>, NoiseError> {
+        let points = Self::single_point(point)?;
+        let mut words = vec![[0]; self.dimensions()];
+        Fill { sobol: self, points, words: &mut words }.run();
+        Ok(words.into_flattened())
+    }
+
+    /// The number (⌊`word` / 2¹²⌋ + ½)·2⁻⁵² of a word, which is never 0 and never 1.
+    #[inline(always)]
+    pub fn uniform(word: u64) -> f64 {
+        open_unit(word >> 12)
+    }
+
+    /// The points of a block, for as many `rows` as there are dimensions.
+    pub(crate) fn block_points(
+        &self,
+        first_point: u64,
+        rows: usize,
+    ) -> Result<Points<WIDTH>, NoiseError> {
+        let dimensions = self.dimensions();
+        if rows != dimensions {
+            return Err(NoiseError::RowsNotDimensions { rows, dimensions });
+        }
+        if !first_point.is_multiple_of(WIDTH as u64) {
+            return Err(NoiseError::PointNotFirstOfBlock { first_point });
+        }
+        Points::new(first_point)
+    }
+
+    /// One point.
+    pub(crate) fn single_point(point: u64) -> Result<Points<1>, NoiseError> {
+        Points::new(point)
+    }
+
+    /// The Sobol numbers of the first of the points without its lowest five digits, in dimensions
+    /// 32g .. 32g + 32; zeros for a group of padded dimensions.
+    #[inline(always)]
+    pub(crate) fn high_digits<const L: usize>(&self, g: usize, points: Points<L>) -> [u32; WIDTH] {
+        let mut high = [0; WIDTH];
+        if let Some(group) = self.groups.get(g) {
+            let mut rest = points.first >> LOW_DIGITS;
+            while rest != 0 {
+                let directions = &group.high[rest.trailing_zeros() as usize];
+                for d in 0..WIDTH {
+                    high[d] ^= directions[d];
+                }
+                rest &= rest - 1;
+            }
+        }
+        high
+    }
+
+    /// Coordinate `d` of the points, from the [`high_digits`](Self::high_digits) of its group.
+    #[inline(always)]
+    pub(crate) fn fill<const L: usize>(
+        &self,
+        d: usize,
+        high: &[u32; WIDTH],
+        points: Points<L>,
+        words: &mut [u64; L],
+    ) {
+        if let Some(seeds) = self.seeds.get(d) {
+            // L is 1, or WIDTH for points that begin at a multiple of it.
+            let offset = points.first as usize % WIDTH;
+            let low = &self.groups[d / WIDTH].low[d % WIDTH][offset..offset + L];
+            let (mut digits, mut random) = ([0; L], [0; L]);
+            for p in 0..L {
+                digits[p] = seeds.scrambled(high[d % WIDTH] ^ low[p]);
+            }
+            for p in 0..L {
+                random[p] = seeds.random(points.first.wrapping_add(p as u32));
+            }
+            for p in 0..L {
+                words[p] = u64::from(digits[p]) << DIGITS | u64::from(random[p]);
+            }
+        } else {
+            let seeds = &self.padding[d - self.seeds.len()];
+            for p in 0..L {
+                words[p] = seeds.word(u64::from(points.first) + p as u64);
+            }
+        }
+    }
+}
+
+/// L consecutive points: one, or a block of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Points<const L: usize> {
+    first: u32,
+}
+
+impl<const L: usize> Points<L> {
+    fn new(first: u64) -> Result<Self, NoiseError> {
+        match u32::try_from(first) {
+            Ok(first) => Ok(Self { first }),
+            Err(_) => Err(NoiseError::PointOutsideScramble { point: first }),
+        }
+    }
+}
+
+/// The words of all dimensions.
+struct Fill<'a, const L: usize> {
+    sobol: &'a ScrambledSobol,
+    points: Points<L>,
+    words: &'a mut [[u64; L]],
+}
+
+impl<const L: usize> Kernel for Fill<'_, L> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { sobol, points, words } = self;
+        for (g, group) in words.chunks_mut(WIDTH).enumerate() {
+            let high = sobol.high_digits(g, points);
+            for (d, words) in group.iter_mut().enumerate() {
+                sobol.fill(g * WIDTH + d, &high, points, words);
+            }
+        }
+    }
+}
+
+/// The random words of the scrambling of a dimension.
+#[derive(Clone, Copy, Debug)]
+struct Seeds {
+    sum: u32,
+    factor: u32,
+    flips: u32,
+    random_sum: u32,
+    random_factor: u32,
+}
+
+impl Seeds {
+    fn new(mut words: DimensionWords) -> Self {
+        let [one, two, three] = [(); 3].map(|()| words.next());
+        Self {
+            sum: one as u32,
+            factor: (one >> DIGITS) as u32 | 1,
+            flips: two as u32,
+            random_sum: (two >> DIGITS) as u32,
+            random_factor: three as u32 | 1,
+        }
+    }
+
+    /// The scrambled number of a Sobol number whose first digit is the lowest bit.
+    ///
+    /// Sums, products and x·c with an even c carry upwards only: a bit of the hash is its own bit of
+    /// x, flipped or not by the lower ones.
+    #[inline(always)]
+    fn scrambled(&self, x: u32) -> u32 {
+        let x = x ^ x.wrapping_mul(0x3d20_adea);
+        let x = x.wrapping_add(self.sum).wrapping_mul(self.factor);
+        let x = x ^ x.wrapping_mul(0x0552_6c56);
+        let x = x ^ x.wrapping_mul(0x53a2_2864);
+        x.reverse_bits() ^ self.flips
+    }
+
+    /// A random word of a point, by the finaliser `lowbias32` of Wellons (2018).
+    #[inline(always)]
+    fn random(&self, point: u32) -> u32 {
+        let x = point.wrapping_mul(self.random_factor).wrapping_add(self.random_sum);
+        let x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
+        let x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
+        x ^ (x >> 16)
+    }
+}
+
+/// The random words of a padded dimension.
+#[derive(Clone, Copy, Debug)]
+struct PaddingSeeds {
+    sum: u64,
+    factor: u64,
+}
+
+impl PaddingSeeds {
+    fn new(mut words: DimensionWords) -> Self {
+        Self { sum: words.next(), factor: words.next() | 1 }
+    }
+
+    /// SplitMix64 with a random increment, at the number of the point.
+    #[inline(always)]
+    fn word(&self, point: u64) -> u64 {
+        mix(self.sum.wrapping_add(point.wrapping_mul(self.factor)))
+    }
+}
+
+/// The words of the scrambling of a dimension, by SplitMix64.
+struct DimensionWords(u64);
+
+impl DimensionWords {
+    fn new(root: u64, dimension: usize) -> Self {
+        Self(mix(root.wrapping_add((dimension as u64 + 1).wrapping_mul(GOLDEN))))
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(GOLDEN);
+        mix(self.0)
+    }
+}
+
+/// The direction numbers of 32 dimensions, the first digit in the lowest bit.
+#[derive(Debug)]
+#[repr(align(64))]
+struct Group {
+    /// Those of the digits of a point above the lowest five: digit by digit, dimension innermost.
+    high: [[u32; WIDTH]; DIGITS - LOW_DIGITS],
+    /// The Sobol numbers of points 0 .. 32: dimension by dimension, point innermost.
+    low: [[u32; WIDTH]; WIDTH],
+}
+
+static TABLE: LazyLock<Vec<Group>> = LazyLock::new(|| {
+    let directions = all_directions();
+    let groups = directions.chunks(WIDTH).map(|dimensions| {
+        let mut group = Group { high: [[0; WIDTH]; DIGITS - LOW_DIGITS], low: [[0; WIDTH]; WIDTH] };
+        for (d, directions) in dimensions.iter().enumerate() {
+            for k in LOW_DIGITS..DIGITS {
+                group.high[k - LOW_DIGITS][d] = directions[k].reverse_bits();
+            }
+            group.low[d] = std::array::from_fn(|p| sobol(directions, p as u32).reverse_bits());
+        }
+        group
+    });
+    groups.collect()
+});
+
+/// Number `point` of the Sobol sequence with these direction numbers, times 2³².
+fn sobol(directions: &[u32; DIGITS], point: u32) -> u32 {
+    let digits = (0..DIGITS).filter(|k| point >> k & 1 == 1);
+    digits.fold(0, |number, k| number ^ directions[k])
+}
+
+/// The direction numbers of all dimensions, times 2³². The first is that of van der Corput.
+fn all_directions() -> Vec<[u32; DIGITS]> {
+    let mut all = vec![std::array::from_fn(|k| 1 << (DIGITS - 1 - k))];
+    for line in JOE_KUO.lines() {
+        // The title has no numbers.
+        let numbers: Vec<u32> = line.split(' ').filter_map(|word| word.parse().ok()).collect();
+        if let [_, degree, coefficients, first @ ..] = &numbers[..] {
+            all.push(directions(*degree as usize, *coefficients, first));
+        }
+    }
+    all
+}
+
+/// The direction numbers of a primitive polynomial of degree s with inner coefficients a, from m₁ …
+/// m_s, by the recurrence of Joe and Kuo (2008), equation (2).
+fn directions(s: usize, a: u32, m: &[u32]) -> [u32; DIGITS] {
+    let mut v = [0; DIGITS];
+    for k in 0..DIGITS {
+        if k < s {
+            v[k] = m[k] << (DIGITS - 1 - k);
+        } else {
+            v[k] = v[k - s] ^ (v[k - s] >> s);
+            for i in 1..s {
+                v[k] ^= (a >> (s - 1 - i) & 1) * v[k - i];
+            }
+        }
+    }
+    v
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_points_are_those_of_scipy() {
+        // scipy.stats.qmc.Sobol(d, scramble=False), in the order of the Gray code: its point i is
+        // number i ^ (i >> 1) of the sequence. In units of 2⁻³⁰, the digits that it has.
+        let all = all_directions();
+        assert_eq!(all.len(), ScrambledSobol::DIMENSIONS);
+        for (d, pinned) in SCIPY {
+            for (i, pinned) in (0u32..).zip(pinned) {
+                assert_eq!(sobol(&all[d], i ^ (i >> 1)) >> 2, pinned, "{d} {i}");
+            }
+        }
+        for (d, i, pinned) in SCIPY_FAR {
+            assert_eq!(sobol(&all[d], i ^ (i >> 1)) >> 2, pinned, "{d} {i}");
+        }
+    }
+    const SCIPY: [(usize, [u32; 8]); 10] = [
+        (0, [0, 536870912, 805306368, 268435456, 402653184, 939524096, 671088640, 134217728]),
+        (1, [0, 536870912, 268435456, 805306368, 402653184, 939524096, 134217728, 671088640]),
+        (2, [0, 536870912, 268435456, 805306368, 671088640, 134217728, 939524096, 402653184]),
+        (3, [0, 536870912, 268435456, 805306368, 939524096, 402653184, 671088640, 134217728]),
+        (5, [0, 536870912, 805306368, 268435456, 134217728, 671088640, 939524096, 402653184]),
+        (31, [0, 536870912, 268435456, 805306368, 134217728, 671088640, 402653184, 939524096]),
+        (32, [0, 536870912, 268435456, 805306368, 939524096, 402653184, 671088640, 134217728]),
+        (100, [0, 536870912, 268435456, 805306368, 671088640, 134217728, 939524096, 402653184]),
+        (517, [0, 536870912, 805306368, 268435456, 402653184, 939524096, 671088640, 134217728]),
+        (1023, [0, 536870912, 805306368, 268435456, 939524096, 402653184, 134217728, 671088640]),
+    ];
+    const SCIPY_FAR: [(usize, u32, u32); 15] = [
+        (1, 1000, 103809024),
+        (7, 1000, 965738496),
+        (63, 1000, 479199232),
+        (255, 1000, 267386880),
+        (1023, 1000, 766509056),
+        (1, 123457, 733093888),
+        (7, 123457, 1035149312),
+        (63, 123457, 485482496),
+        (255, 123457, 1059790848),
+        (1023, 123457, 1016799232),
+        (1, 87654321, 741178616),
+        (7, 87654321, 107809464),
+        (63, 87654321, 910680),
+        (255, 87654321, 191483336),
+        (1023, 87654321, 565772696),
+    ];
+
+    #[test]
+    fn a_block_has_the_numbers_of_the_sequence() {
+        // Seeds that leave all digits as they are would be zeros; here the numbers themselves.
+        let all = all_directions();
+        let points = ScrambledSobol::new(StreamKey { seed: 0, experiment: 0 }, 0, 1024);
+        for first in [0, 32, 96, 1 << 20, u32::MAX - 31, 0x1234_5660] {
+            let block: Points<WIDTH> = Points { first };
+            for g in 0..32 {
+                let high = points.high_digits(g, block);
+                for d in 0..WIDTH {
+                    for p in 0..WIDTH {
+                        let digits = high[d] ^ points.groups[g].low[d][p];
+                        let number = sobol(&all[g * WIDTH + d], first + p as u32);
+                        assert_eq!(digits.reverse_bits(), number);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn scrambling_is_nested() {
+        // Numbers that agree in k digits and differ in the next do so after scrambling.
+        let mut words = DimensionWords::new(1, 0);
+        for n in 0..10_000 {
+            let seeds = Seeds::new(DimensionWords::new(2, n % 100));
+            let (x, k) = (words.next() as u32, n % DIGITS);
+            let y = x ^ (1 | (words.next() as u32) << 1) << k;
+            let difference = seeds.scrambled(x) ^ seeds.scrambled(y);
+            assert_eq!(difference.leading_zeros() as usize, k);
+        }
+    }
+}
