@@ -40,7 +40,8 @@
 //! | [`Setup`], [`LargePath`] | problems and large systems known at run time |
 //! | [`Recording`] | the increments of a path, to exchange with other programs |
 //! | [`PathFailure`] | a failed path: scheme, step, time and reason |
-//! | [`multilevel`] | E[φ(y(T))] to a given accuracy |
+//! | [`expect`], [`Expect`] | E[φ(y(T))] to a given accuracy, scheme and points chosen |
+//! | [`multilevel`] | the same with a given scheme, levels and random points |
 //! | [`parts`], [`Kept`] | a study on many machines, with checkpoints |
 //!
 //! Everything but [`trajectory`] also takes a [`DynProblem`] or a [`Setup`], whose dimension and
@@ -49,6 +50,7 @@
 
 mod driver;
 mod error;
+mod expect;
 mod failure;
 mod ladder;
 mod large_path;
@@ -68,6 +70,7 @@ mod trajectory;
 mod tree;
 
 pub use error::LadderError;
+pub use expect::{Expect, expect};
 pub use failure::{Cause, PathFailure};
 pub use ladder::{Kept, Ladder, Measured, Run, Statistic, TimeChange, View};
 pub use large_path::{LargePath, LargePathError};

@@ -1,6 +1,6 @@
 //! A problem and a scheme, whose dimension and number of noises are known at run time only.
 
-use std::sync::Arc;
+use std::{ops::Deref, sync::Arc};
 
 use noise::BlockNoise;
 use nonlin::BlockStatus;
@@ -195,6 +195,14 @@ pub(crate) fn bound<'a, S: Sync, const D: usize, const M: usize>(
     Arc::new(Bound { system, scheme })
 }
 
+/// The same with a scheme of its own.
+pub(crate) fn bound_owning<'a, S: Sync, const D: usize, const M: usize>(
+    system: &'a S,
+    scheme: Box<dyn Scheme<S, D, M> + 'a>,
+) -> Arc<dyn DynScheme<BlockNoise<M>> + 'a> {
+    Arc::new(Bound { system, scheme })
+}
+
 struct Compiled<'a, S, const D: usize, const M: usize> {
     system: &'a S,
 }
@@ -225,12 +233,16 @@ fn array<const D: usize>(y: &[f64]) -> [f64; D] {
     y.try_into().unwrap_or_else(|_| panic!("got {} numbers instead of {D}", y.len()))
 }
 
-struct Bound<'a, S, const D: usize, const M: usize> {
+struct Bound<'a, S, B> {
     system: &'a S,
-    scheme: &'a dyn Scheme<S, D, M>,
+    scheme: B,
 }
 
-impl<S: Sync, const D: usize, const M: usize> DynScheme<BlockNoise<M>> for Bound<'_, S, D, M> {
+impl<'a, S, B, const D: usize, const M: usize> DynScheme<BlockNoise<M>> for Bound<'a, S, B>
+where
+    S: Sync,
+    B: Deref<Target = dyn Scheme<S, D, M> + 'a> + Send + Sync,
+{
     fn id(&self) -> &'static str {
         self.scheme.id()
     }
@@ -250,15 +262,15 @@ impl<S: Sync, const D: usize, const M: usize> DynScheme<BlockNoise<M>> for Bound
     }
 
     fn start(&self, y: &[Row]) -> Box<dyn RunState<BlockNoise<M>> + '_> {
-        let Self { system, scheme } = *self;
-        Box::new(BlockState { system, scheme, y: Block(*components(y)) })
+        let Self { system, scheme } = self;
+        Box::new(BlockState { system: *system, scheme: &**scheme, y: Block(*components(y)) })
     }
 }
 
 /// A block of paths of a scheme on a system.
 struct BlockState<'a, S, const D: usize, const M: usize> {
     system: &'a S,
-    scheme: &'a dyn Scheme<S, D, M>,
+    scheme: &'a (dyn Scheme<S, D, M> + 'a),
     y: Block<D>,
 }
 

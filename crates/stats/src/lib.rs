@@ -59,6 +59,7 @@ pub use independent::fit_independent;
 pub use mean_squares::{Bend, Estimate, LogMeanSquares};
 pub use moments::{BATCHES, CrossMoments, FEW_SAMPLES, Moments};
 pub use point::Point;
+pub use quantile::{CONFIDENCE, two_sided};
 pub use quantile_ranks::quantile_ranks;
 pub use rate::{Against, Model, Rate, StraightLine};
 pub use root_mean_square::{root_mean_square_interval, root_mean_squares};

@@ -22,8 +22,8 @@ pub(crate) mod system;
 use std::fmt::Display;
 
 use mc::{
-    Observable,
-    multilevel::{Coupling, Estimate, ExpectationSettings, expectation},
+    Expect, Observable,
+    multilevel::{Coupling, Estimate, Expectation, ExpectationSettings, expectation},
     parts::Job,
 };
 use noise::{StreamKey, Truncation};
@@ -47,6 +47,8 @@ pub enum Question {
     StrongError,
     /// E[φ(y(T))].
     Expectation,
+    /// E[φ(y(T))] with everything chosen, by [`mc::Expect`].
+    Chosen,
 }
 
 impl Question {
@@ -55,7 +57,7 @@ impl Question {
     pub fn tolerated(self) -> f64 {
         match self {
             Self::StrongOrder | Self::WeakOrder => 0.01,
-            Self::StrongError | Self::Expectation => 0.07,
+            Self::StrongError | Self::Expectation | Self::Chosen => 0.07,
         }
     }
 
@@ -66,6 +68,7 @@ impl Question {
             Self::WeakOrder => "weak order",
             Self::StrongError => "strong error",
             Self::Expectation => "expectation",
+            Self::Chosen => "expectation, all chosen",
         }
     }
 }
@@ -148,6 +151,8 @@ pub struct Entry {
     /// Whether an answer takes seconds: it is asked with every fourth seed.
     slow: bool,
     ask: Ask,
+    /// The same expectation with everything chosen.
+    chosen: Option<Ask>,
 }
 
 impl Entry {
@@ -160,7 +165,18 @@ impl Entry {
         ask: impl Fn(StreamKey) -> Answer + Send + Sync + 'static,
     ) -> Self {
         let (name, ask) = (name.into(), Box::new(ask));
-        Self { kind, name, question, truth, old_rule, number: 0, slow: false, ask }
+        Self { kind, name, question, truth, old_rule, number: 0, slow: false, ask, chosen: None }
+    }
+}
+
+impl Entry {
+    /// The entry that asks for the same expectation with everything chosen.
+    fn take_chosen(&mut self) -> Option<Self> {
+        let Self { kind, truth, .. } = *self;
+        let (name, question) = (self.name.clone(), Question::Chosen);
+        let ask = self.chosen.take()?;
+        let (old_rule, number, slow, chosen) = (None, 0, false, None);
+        Some(Self { kind, name, question, truth, old_rule, number, slow, ask, chosen })
     }
 }
 
@@ -241,6 +257,8 @@ pub fn entries() -> Vec<Entry> {
     ] {
         entries.extend(part());
     }
+    let chosen: Vec<Entry> = entries.iter_mut().filter_map(Entry::take_chosen).collect();
+    entries.extend(chosen);
     entries.iter_mut().zip(0..).for_each(|(entry, number)| entry.number = number);
     entries
 }
@@ -318,9 +336,18 @@ fn expected<S, X, const D: usize, const M: usize>(
     truth: f64,
 ) -> Entry
 where
-    S: PoissonSystem<D, M> + 'static,
+    S: PoissonSystem<D, M> + Clone + 'static,
     X: Scheme<S, D, M> + 'static,
 {
+    let same = problem.clone();
+    let chosen = move |key: StreamKey| {
+        let observable = Observable { name: "φ", function };
+        let expect = Expect::new(&same).with_key(key).with_max_cost(MAX_COST);
+        match expect.run(&[&observable], how.accuracy, &|_| ()) {
+            Ok(result) => Answer { stated: stated(&result), old: None, cost: result.cost },
+            Err(error) => Answer::refused(error),
+        }
+    };
     let ask = move |key: StreamKey| {
         let settings = ExpectationSettings {
             max_level: MAX_LEVEL,
@@ -335,18 +362,23 @@ where
             Ok(result) => result,
             Err(error) => return Answer::refused(error),
         };
-        let stated = if result.reached() {
-            let (lo, hi) = result.estimates[0].interval();
-            Stated::Interval(lo, hi)
-        } else {
-            let reasons: Vec<String> = result.warnings.iter().map(ToString::to_string).collect();
-            Stated::Undecided(reasons.join("; "))
-        };
+        let stated = stated(&result);
         let old = how.old_rule.map(|rule| match run(&rule.settings(settings)) {
             Ok(result) => rule.interval(&result.estimates[0], how.accuracy),
             Err(error) => Stated::undecided(error),
         });
         Answer { stated, old, cost: result.cost }
     };
-    Entry::new(kind, name, Question::Expectation, Some(truth), how.old_rule, ask)
+    let entry = Entry::new(kind, name, Question::Expectation, Some(truth), how.old_rule, ask);
+    Entry { chosen: Some(Box::new(chosen)), ..entry }
+}
+
+/// The interval of the only φ, if it may be believed.
+fn stated(result: &Expectation) -> Stated {
+    if result.reached() {
+        let (lo, hi) = result.estimates[0].interval();
+        return Stated::Interval(lo, hi);
+    }
+    let reasons: Vec<String> = result.warnings.iter().map(ToString::to_string).collect();
+    Stated::Undecided(reasons.join("; "))
 }

@@ -33,12 +33,23 @@ pub struct Total {
     pub missed: u64,
     /// Path-steps of all.
     pub cost: u64,
+    /// Sum of the half-widths of the stated intervals.
+    pub half_widths: f64,
+    /// Sum of the squares of the distances of their middles from the truth.
+    pub squares: f64,
 }
 
 impl Total {
     fn of_one(entry: &Entry, stated: &Stated, cost: u64) -> Self {
+        let (half_widths, squares) = match (stated, entry.truth) {
+            (&Stated::Interval(lo, hi), Some(truth)) => {
+                let error = 0.5 * (lo + hi) - truth;
+                (0.5 * (hi - lo), error * error)
+            }
+            _ => (0.0, 0.0),
+        };
         let [stated, missed] = [stated.decided(), stated.misses(entry.truth)].map(u64::from);
-        Self { asked: 1, stated, missed, cost }
+        Self { asked: 1, stated, missed, cost, half_widths, squares }
     }
 
     fn plus(self, more: Self) -> Self {
@@ -47,12 +58,21 @@ impl Total {
             stated: self.stated + more.stated,
             missed: self.missed + more.missed,
             cost: self.cost + more.cost,
+            half_widths: self.half_widths + more.half_widths,
+            squares: self.squares + more.squares,
         }
     }
 
     /// Part of the stated answers that are false.
     pub fn missed_share(&self) -> f64 {
         self.missed as f64 / self.stated.max(1) as f64
+    }
+
+    /// The mean half-width over 1.96 times the root mean square of the errors: one for intervals of
+    /// normal errors without bias.
+    pub fn relative_width(&self) -> f64 {
+        let n = self.stated as f64;
+        self.half_widths / n / (1.96 * (self.squares / n).sqrt())
     }
 
     /// Part of the answers that state nothing.
@@ -143,7 +163,7 @@ mod tests {
     fn binomial_tails() {
         assert!((at_least(1, 10, 0.07) - (1.0 - 0.93f64.powi(10))).abs() < 1e-15);
         assert!((at_least(3, 3, 0.5) - 0.125).abs() < 1e-15);
-        let of = |missed| Total { asked: 20, stated: 20, missed, cost: 0 };
+        let of = |missed| Total { asked: 20, stated: 20, missed, ..Total::default() };
         assert!(!of(1).refuted(0.07, 0.01) && of(6).refuted(0.07, 0.01));
     }
 }

@@ -9,7 +9,7 @@ use super::{
     error::MultilevelError,
     level::{Drawn, Samples, Values, hull},
     plan::{self, BIAS_SHARE, Term},
-    report::{Estimate, Expectation, Judged, Level, Warning},
+    report::{Estimate, Expectation, Judged, Level, QUANTILE, Warning},
     resolution::{Motion, coupled, is_near, unresolved, unresolved_function},
     settings::{Coupling, Estimator, ExpectationSettings, whole},
     tails::is_heavy,
@@ -414,6 +414,7 @@ impl Sampler<'_> {
                 name: name.clone(),
                 value: sum.iter().map(|term| term.mean).sum(),
                 standard_error: plan::variance_of_sum(&sum).sqrt(),
+                quantile: QUANTILE,
                 missed: plan::tail_of_sum(&sum),
                 bias: bias.value,
                 bias_bound: bias.bound,
@@ -438,7 +439,8 @@ impl Sampler<'_> {
         let damping = levels.last().and_then(|last| self.unresolved_damping(last.level));
         let evidence = Evidence { levels, terms, accuracy, order, damping };
         let warnings = evidence.judge(&reports, &mut estimates);
-        Expectation { accuracy, cost: self.cost, levels: reports, warnings, estimates }
+        let decisions = Vec::new();
+        Expectation { accuracy, cost: self.cost, levels: reports, warnings, estimates, decisions }
     }
 }
 

@@ -103,8 +103,9 @@ impl Samples {
     }
 }
 
-/// Folds the values of all test functions at the final time, and the motion. The runs are fine,
-/// coarse and swapped, as many as there are.
+/// Folds the values of all test functions at the final time, and the motion. The runs of a
+/// difference are fine, coarse, a second fine one and a second coarse one, as many as there are;
+/// those of single paths are one or two. Of two the mean of φ counts.
 #[derive(Clone)]
 pub struct PathValues<'a> {
     pub observables: &'a [&'a dyn Observe],
@@ -112,6 +113,8 @@ pub struct PathValues<'a> {
     /// φ(y₀) of each observable.
     pub starts: &'a [f64],
     pub last_time: u64,
+    /// Whether there are coarse paths.
+    pub coupled: bool,
     pub sums: Sums,
 }
 
@@ -124,21 +127,26 @@ pub struct Sums {
 
 impl Statistic for PathValues<'_> {
     fn observe(&mut self, view: &View<'_>) {
-        let (coupled, last) = (view.runs() > 1, view.time == self.last_time);
-        self.sums.motion.add(view, self.y0);
+        let (coupled, last) = (self.coupled, view.time == self.last_time);
+        if coupled {
+            self.sums.motion.add(view, self.y0);
+        }
         let compared = coupled && compares_at(view.time, self.last_time, view.first_path);
         if !last && !compared {
             return;
         }
         let observables = self.observables.iter().zip(self.starts);
         for ((observable, &start), values) in observables.zip(&mut self.sums.values) {
-            let mut phi = [[0.0; WIDTH]; 3];
+            let mut phi = [[0.0; WIDTH]; 4];
             for (run, phi) in phi.iter_mut().enumerate().take(view.runs()) {
                 observable.evaluate(view.state(run), view.live, phi);
             }
+            let present = |run: usize, else_run: usize| if run < view.runs() { run } else { else_run };
+            let second = if coupled { present(2, 0) } else { present(1, 0) };
+            let other = present(3, 1);
             for p in view.live.paths() {
-                let fine = if view.runs() == 3 { 0.5 * (phi[0][p] + phi[2][p]) } else { phi[0][p] };
-                let coarse = if coupled { phi[1][p] } else { fine };
+                let fine = 0.5 * (phi[0][p] + phi[second][p]);
+                let coarse = if coupled { 0.5 * (phi[1][p] + phi[other][p]) } else { fine };
                 if coupled {
                     values.motion.add(start, fine, coarse);
                 }

@@ -92,6 +92,7 @@ mod diagnosis;
 mod error;
 mod level;
 mod plan;
+mod quasi;
 mod report;
 mod resolution;
 mod settings;
@@ -118,6 +119,8 @@ use resolution::Motion;
 pub use error::MultilevelError;
 pub use report::{Estimate, Expectation, Judged, Level, LevelValue, Rate, Warning};
 pub use settings::{Coupling, Estimator, ExpectationSettings};
+
+pub(crate) use quasi::quasi_expectation;
 
 /// E[φ(y(T))] of every φ to the half-width `accuracy`, by the [`Estimator`] of the settings.
 ///
@@ -216,7 +219,8 @@ pub fn expectation_of_in<N: StepNoise>(
         let motion = Motion::new(y0);
         let new = || {
             let sums = Sums { values: values.clone(), motion: motion.clone() };
-            PathValues { observables, y0, starts: &starts, last_time, sums }
+            let coupled = level.coupling.is_some();
+            PathValues { observables, y0, starts: &starts, last_time, coupled, sums }
         };
         let work = format!("{name}/level {family} from {}", level.paths);
         let groups = level.paths / GROUP_PATHS..paths / GROUP_PATHS;

@@ -1,6 +1,6 @@
 //! The result: estimates, levels and warnings.
 
-use super::{plan::half_width, settings::Coupling, tails::UNSEEN};
+use super::{settings::Coupling, tails::UNSEEN};
 
 /// P(|N(0, 1)| ≤ this) = 95 %.
 pub const QUANTILE: f64 = 1.959_963_984_540_054;
@@ -16,6 +16,8 @@ pub struct Expectation {
     pub cost: u64,
     /// The levels that were sampled.
     pub levels: Vec<Level>,
+    /// What was decided, and why, in words; empty where nothing was.
+    pub decisions: Vec<String>,
     /// Assumptions of the intervals that do not hold, and limits that were reached; usually none.
     /// What is not [`Judged`] good is named here.
     pub warnings: Vec<Warning>,
@@ -65,6 +67,8 @@ pub struct Estimate {
     pub value: f64,
     /// Standard error of the estimate, without bias.
     pub standard_error: f64,
+    /// How many standard errors the 95 % interval has on each side: 1.96, or Student's quantile.
+    pub quantile: f64,
     /// Estimate of E[φ(y(T))] − E[φ(y_τ)] at the finest step: d/(2^α − 1) from the last difference
     /// d. It is not added to the estimate.
     pub bias: f64,
@@ -89,9 +93,12 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Half of the 95 % interval: √((1.96 standard errors)² + missed²) and the bound on the bias.
+    /// Half of the 95 % interval: √((q standard errors)² + missed²), with the
+    /// [`quantile`](Self::quantile) q, and the bound on the bias.
     pub fn half_width(&self) -> f64 {
-        half_width(self.standard_error * self.standard_error, self.missed) + self.bias_bound
+        let Self { quantile, standard_error, missed, .. } = self;
+        let variance = quantile * quantile * (standard_error * standard_error);
+        (variance + missed * missed).sqrt() + self.bias_bound
     }
 
     /// The 95 % interval, from and to. It covers more often when the bias is below its bound.

@@ -40,24 +40,26 @@ impl Motion {
         Self { difference: zero.clone(), displacement: zero, start, points: 0.0 }
     }
 
-    /// Adds the states of fine, coarse and, with [`Antithetic`](super::Coupling::Antithetic), of
-    /// swapped paths, whose average with the fine ones takes the place of fine: without areas it is
-    /// near the coarse path by order one where the fine one is by one half.
+    /// Adds the states of fine and coarse paths, and of a second fine path and a second coarse one
+    /// if there are. Averages take the place of both: without areas the average of fine and swapped
+    /// paths is near the coarse path by order one where the fine one is by one half.
     pub fn add(&mut self, view: &View<'_>, y0: &[f64]) {
         if view.runs() < 2 {
             return;
         }
         let (fine, coarse, live) = (view.state(0), view.state(1), view.live);
         let swapped = if view.runs() > 2 { view.state(2) } else { fine };
+        let other = if view.runs() > 3 { view.state(3) } else { coarse };
         self.points += f64::from(live.len());
         // The usual case is vectorised.
         let all = live == PathMask::ALL;
         for i in 0..y0.len() {
-            let (fine, coarse, swapped) = (&fine[i], &coarse[i], &swapped[i]);
+            let (fine, coarse) = (&fine[i], &coarse[i]);
+            let (swapped, other) = (&swapped[i], &other[i]);
             let (difference, displacement) = (&mut self.difference[i], &mut self.displacement[i]);
             for p in 0..WIDTH {
                 if all || live.contains(p) {
-                    let d = 0.5 * (fine[p] + swapped[p]) - coarse[p];
+                    let d = 0.5 * (fine[p] + swapped[p]) - 0.5 * (coarse[p] + other[p]);
                     let m = fine[p] - y0[i];
                     difference[p] += d * d;
                     displacement[p] += m * m;

@@ -25,7 +25,7 @@ pub struct Tail {
 impl Tail {
     /// The tail of n samples with this kurtosis, NaN where none differs, that may spread by
     /// `reach`. N/κ samples carry the variance: the events, if it is due to events.
-    fn new(n: f64, kurtosis: f64, reach: f64) -> Self {
+    pub fn new(n: f64, kurtosis: f64, reach: f64) -> Self {
         let enough = EVENTS * if kurtosis.is_nan() { n } else { kurtosis };
         Self { size: if n < enough { UNSEEN * reach } else { 0.0 }, enough }
     }

@@ -102,15 +102,16 @@ fn values_know_their_range_and_what_never_differs() {
 fn path_values_are_those_of_the_runs() {
     let observable = Observable { name: "y", function: |y: [f64; 1]| 10.0 * y[0] };
     let observables = [&observable as &dyn Observe];
-    let new = || PathValues {
+    let new = |coupled| PathValues {
         observables: &observables,
         y0: &[0.0],
         starts: &[0.0],
         last_time: 2,
+        coupled,
         sums: Sums { values: vec![Values::default()], motion: Motion::new(&[0.0]) },
     };
     let observe = |states: &Vec<Block<1>>, times: &[u64]| {
-        let mut seen = new();
+        let mut seen = new(states.len() > 1);
         for &time in times {
             seen.observe(&View { time, ..View::of(states, PathMask::first(3)) });
         }

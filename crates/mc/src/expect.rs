@@ -1,0 +1,320 @@
+//! E[φ(y(T))] to a requested accuracy, with everything else chosen.
+
+use std::sync::Arc;
+
+use noise::{BlockNoise, NoiseRows, StepNoise, StreamKey, Truncation};
+use schemes::{DynScheme, Nv, Scheme, Sexp, Sweep, run_time::SchemeError};
+use systems::{Damping, Flows, PoissonSystem, Problem, run_time};
+
+use crate::{
+    DynProblem, Observable, Observe, Setup,
+    multilevel::{
+        Coupling, Expectation, ExpectationSettings, MultilevelError, Warning, quasi_expectation,
+    },
+    observable::erased,
+    parts::Job,
+    setup::bound_owning,
+};
+
+/// E[φ(y(T))] of every φ to the half-width `accuracy`: value, interval, cost and decisions.
+///
+/// The same as [`Expect::new`] with default settings.
+///
+/// ```
+/// use mc::{Observable, expect};
+/// use systems::{Constant, Problem, RigidBody};
+///
+/// let body = RigidBody::one_noise([1.0, 1.0, 1.0], 1.0)?;
+/// let problem = Problem::new(body, Constant::new(0.0)?, [1.0, 0.5, 0.0], 1.0)?;
+/// let y2 = [Observable { name: "y2", function: |y| y[1] }];
+/// let found = expect(&problem, &y2, 1e-4)?;
+///
+/// // A symmetric top with noise about its axis: y₂ + iy₃ turns by a normal angle.
+/// let (lower, upper) = found.estimates[0].interval();
+/// let exact = 0.5 * (-0.5f64).exp();
+/// assert!(found.reached() && lower < exact && exact < upper && upper - lower <= 2e-4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// Those of [`Expect::run`].
+pub fn expect<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    problem: &Problem<S, G, D>,
+    observables: &[Observable<D>],
+    accuracy: f64,
+) -> Result<Expectation, MultilevelError> {
+    Expect::new(problem).run(&erased(observables), accuracy, &|_| ())
+}
+
+/// The computation of expectations: the scheme is chosen, everything else may be set.
+///
+/// **Scheme.** `nv` of weak order two ([`Nv`]), with the mean of φ over both orders of the noises,
+/// which has an expansion in even powers of τ. Where it is not for the system, `sexp` of weak order
+/// one.
+///
+/// **Points.** Scrambled Sobol points, 32 independent scrambles, with a Brownian bridge; see
+/// [`multilevel`](crate::multilevel). Levels of τ, τ/2, … are added until the bound on the bias is
+/// a quarter of the accuracy, and half of the statistical half-width; points are doubled where a
+/// path-step gains most. Where paths fail on large steps, the coarsest level takes more of them.
+///
+/// What was decided is in [`Expectation::decisions`].
+pub struct Expect<'a, N> {
+    candidates: Vec<Candidate<'a, N>>,
+    key: StreamKey,
+    scrambles: u64,
+    max_cost: u64,
+    coarsest_steps: u64,
+}
+
+/// A scheme with which an expectation may be computed.
+struct Candidate<'a, N> {
+    setup: Setup<'a, N>,
+    /// The scheme with the noises in the other order.
+    mirror: Option<Arc<dyn DynScheme<N> + 'a>>,
+    weak_order: f64,
+    /// Why it is this one.
+    reason: String,
+}
+
+impl<'a, const M: usize> Expect<'a, BlockNoise<M>> {
+    /// Expectations of a problem. Its flows are computed by stages.
+    pub fn new<S: PoissonSystem<D, M>, G: Damping, const D: usize>(
+        problem: &'a Problem<S, G, D>,
+    ) -> Self {
+        match Nv::new(problem.system(), problem.y0()) {
+            Ok(nv) => Self::choose(Some(by_flows(nv, problem, "nv: weak order two")), problem, ""),
+            Err(error) => Self::choose(None, problem, &error.to_string()),
+        }
+    }
+
+    /// Expectations of a problem whose system has parts with flows, which cost less.
+    pub fn by_parts<S: Flows<D, M>, G: Damping, const D: usize>(
+        problem: &'a Problem<S, G, D>,
+    ) -> Self {
+        let reason = "nv: weak order two, with the flows of the parts";
+        Self::choose(Some(by_flows(Nv::of_parts(), problem, reason)), problem, "")
+    }
+
+    fn choose<S: PoissonSystem<D, M>, G: Damping, const D: usize>(
+        nv: Option<Candidate<'a, BlockNoise<M>>>,
+        problem: &'a Problem<S, G, D>,
+        refusal: &str,
+    ) -> Self {
+        let scheme = bound_owning(problem.system(), Box::new(Sexp));
+        Self::of(nv, Setup { problem: DynProblem::of(problem), scheme }, refusal)
+    }
+}
+
+impl<'a> Expect<'a, NoiseRows> {
+    /// Expectations of a problem known at run time.
+    ///
+    /// # Errors
+    /// [`SchemeError`] if no scheme is for the system, or memory is not there.
+    pub fn at_run_time(problem: &'a run_time::Problem) -> Result<Self, SchemeError> {
+        let system = problem.system();
+        let sexp = Setup::owning(problem, Box::new(Sexp))?;
+        if system.local_noise() {
+            return Ok(Self::of(None, sexp, "each component has a noise of its own"));
+        }
+        let nv = match Nv::at_run_time(system) {
+            Ok(nv) => nv,
+            Err(error) => return Ok(Self::of(None, sexp, &error.to_string())),
+        };
+        let of = |sweep| Setup::owning(problem, Box::new(nv.with_sweep(sweep)));
+        let mirror = if system.noises() > 1 { Some(of(Sweep::Backward)?.scheme) } else { None };
+        let (setup, reason) = (of(Sweep::Forward)?, "nv: weak order two".to_owned());
+        Ok(Self::of(Some(Candidate { setup, mirror, weak_order: 2.0, reason }), sexp, ""))
+    }
+}
+
+fn by_flows<'a, F, S, G, const D: usize, const M: usize>(
+    nv: Nv<F>,
+    problem: &'a Problem<S, G, D>,
+    reason: &str,
+) -> Candidate<'a, BlockNoise<M>>
+where
+    Nv<F>: Scheme<S, D, M> + Copy + 'a,
+    S: PoissonSystem<D, M>,
+    G: Damping,
+{
+    let of = |sweep| bound_owning(problem.system(), Box::new(nv.with_sweep(sweep)));
+    Candidate {
+        setup: Setup { problem: DynProblem::of(problem), scheme: of(Sweep::Forward) },
+        mirror: (M > 1).then(|| of(Sweep::Backward)),
+        weak_order: 2.0,
+        reason: reason.to_owned(),
+    }
+}
+
+/// How often the coarsest level takes four times as many steps where paths fail.
+const REFINEMENTS: u32 = 3;
+
+impl<'a, N: StepNoise> Expect<'a, N> {
+    /// `nv` where it is for the system, and `sexp`.
+    fn of(nv: Option<Candidate<'a, N>>, sexp: Setup<'a, N>, refusal: &str) -> Self {
+        let reason = match nv {
+            Some(_) => "sexp: weak order one, since paths of nv fail".to_owned(),
+            None => format!("sexp: weak order one, since {refusal}"),
+        };
+        let sexp = Candidate { setup: sexp, mirror: None, weak_order: 1.0, reason };
+        let key = StreamKey { seed: 1, experiment: 0 };
+        Self {
+            candidates: nv.into_iter().chain([sexp]).collect(),
+            key,
+            scrambles: 32,
+            max_cost: 10_000_000_000,
+            coarsest_steps: 1,
+        }
+    }
+
+    /// Takes the points of this key; of seed 1 and experiment 0 unless set. The experiment is below
+    /// 2⁴⁰.
+    #[must_use]
+    pub fn with_key(self, key: StreamKey) -> Self {
+        Self { key, ..self }
+    }
+
+    /// Takes so many independent scrambles, at least 16; 32 unless set.
+    #[must_use]
+    pub fn with_scrambles(self, scrambles: u64) -> Self {
+        Self { scrambles, ..self }
+    }
+
+    /// Ends with so many path-steps, whether the accuracy is reached or not; 10¹⁰ unless set.
+    #[must_use]
+    pub fn with_max_cost(self, max_cost: u64) -> Self {
+        Self { max_cost, ..self }
+    }
+
+    /// Begins with so many steps on the coarsest level; one unless set. A level that does not help
+    /// is left out in any case.
+    #[must_use]
+    pub fn with_coarsest_steps(self, coarsest_steps: u64) -> Self {
+        Self { coarsest_steps, ..self }
+    }
+
+    /// The expectations. `progress` is called now and then, from any thread, with the number of
+    /// path-steps done since.
+    ///
+    /// # Errors
+    /// Those of [`multilevel::expectation`](crate::multilevel::expectation).
+    pub fn run(
+        self,
+        observables: &[&dyn Observe],
+        accuracy: f64,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Expectation, MultilevelError> {
+        let found = self.run_in(&Job::here(), "", observables, accuracy, progress)?;
+        Ok(found.unwrap_or_else(|| unreachable!("a job that computes everything has results")))
+    }
+
+    /// The same as a piece of work of a job with the name `name`, with the same bits; see
+    /// [`multilevel::expectation_in`](crate::multilevel::expectation_in).
+    ///
+    /// # Errors
+    /// Those of [`run`](Self::run).
+    pub fn run_in(
+        self,
+        job: &Job,
+        name: &str,
+        observables: &[&dyn Observe],
+        accuracy: f64,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Option<Expectation>, MultilevelError> {
+        if !(16..=1 << 20).contains(&self.scrambles) {
+            let (name, allowed) = ("number of scrambles", "from 16 to 2^20");
+            let value = self.scrambles as f64;
+            return Err(MultilevelError::Setting { name, allowed, value });
+        }
+        let (mut decisions, mut cost) = (Vec::new(), 0);
+        let last = self.candidates.len() - 1;
+        for (n, candidate) in self.candidates.iter().enumerate() {
+            decisions.push(candidate.reason.clone());
+            let mut steps = self.coarsest_steps.max(candidate.least_steps());
+            for refinement in 0..=REFINEMENTS {
+                let found = candidate.expectation(
+                    job,
+                    &format!("{name}/{} from {steps} steps", candidate.setup.scheme.id()),
+                    (self.scrambles, &self.settings(candidate, steps)),
+                    observables,
+                    accuracy,
+                    progress,
+                );
+                let end = n == last && refinement == REFINEMENTS;
+                match found {
+                    Ok(Some(mut found)) => {
+                        cost += found.cost;
+                        let fails = |w: &Warning| matches!(w, Warning::FailedPaths { .. });
+                        if end || !found.warnings.iter().any(fails) {
+                            found.cost = cost;
+                            decisions.append(&mut found.decisions);
+                            found.decisions = decisions;
+                            return Ok(Some(found));
+                        }
+                    }
+                    Err(MultilevelError::NoPaths { .. }) if !end => {}
+                    other => return other,
+                }
+                decisions.push(format!("paths fail with {steps} steps on the coarsest level"));
+                steps *= 4;
+            }
+        }
+        unreachable!("the last candidate returns")
+    }
+
+    fn settings(&self, candidate: &Candidate<'_, N>, steps: u64) -> ExpectationSettings {
+        let clips = candidate.setup.scheme.clips_increments();
+        let truncation = if clips { clipping() } else { Truncation::none() };
+        ExpectationSettings {
+            weak_order: candidate.weak_order,
+            pilot: PILOT_POINTS * self.scrambles,
+            max_cost: self.max_cost,
+            ..ExpectationSettings::new(self.key, truncation, steps, candidate.coupling())
+        }
+    }
+}
+
+/// Points of each scramble in the pilot.
+const PILOT_POINTS: u64 = 128;
+
+impl<N: StepNoise> Candidate<'_, N> {
+    fn coupling(&self) -> Coupling {
+        let several = self.setup.problem.noises > 1 && !self.setup.scheme.reads_areas();
+        if several { Coupling::Antithetic } else { Coupling::Plain }
+    }
+
+    /// The least number of steps on the coarsest level: truncation is for steps below one.
+    fn least_steps(&self) -> u64 {
+        match self.setup.scheme.clips_increments() {
+            true => 2 * (self.setup.problem.t_end.ceil() as u64).next_power_of_two(),
+            false => 1,
+        }
+    }
+
+    fn expectation(
+        &self,
+        job: &Job,
+        name: &str,
+        (scrambles, settings): (u64, &ExpectationSettings),
+        observables: &[&dyn Observe],
+        accuracy: f64,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Option<Expectation>, MultilevelError> {
+        quasi_expectation(
+            job,
+            name,
+            &self.setup,
+            self.mirror.as_ref(),
+            scrambles,
+            observables,
+            accuracy,
+            settings,
+            progress,
+        )
+    }
+}
+
+/// The truncation of schemes that need one: of order τ⁴.
+fn clipping() -> Truncation {
+    Truncation::new(4).unwrap_or_else(|error| unreachable!("{error}"))
+}

@@ -1,0 +1,385 @@
+//! Which points are drawn on which level, and when to stop.
+
+use std::ops::Range;
+
+use stats::{CONFIDENCE, two_sided};
+
+use super::{
+    super::{
+        algorithm::Halt,
+        bias::{self, BIAS_LEVELS},
+        diagnosis::{Evidence, level_values},
+        error::MultilevelError,
+        level::{Drawn, Samples, Values, hull},
+        plan::{self, Term},
+        report::{Estimate, Expectation, Judged, Level, QUANTILE, Warning},
+        resolution::{Motion, coupled, is_near, unresolved, unresolved_function},
+        settings::{Coupling, ExpectationSettings, whole},
+        tails::{Tail, is_heavy, tails},
+    },
+    extrapolation::{Extrapolation, extrapolation},
+    level::Scrambles,
+};
+use crate::SeenDamping;
+
+/// The highest level of the pilot: three differences bound the bias.
+const PILOT_LEVEL: usize = BIAS_LEVELS;
+/// The part of the accuracy that may go to the bias: it falls by eight or more from a level to the
+/// next.
+const BIAS_SHARE: f64 = 1.0 / 3.0;
+/// The bound on the bias is at most this part of the statistical half-width, so that errors are as
+/// large as the interval says.
+const BIAS_PART: f64 = 0.5;
+
+/// No more points of a scramble than these: twice as many have distinct numbers.
+const MAX_POINTS: u64 = 1 << 31;
+/// Less than this gain is none to speak of.
+const FEW_GAINED: f64 = 2.0;
+
+/// Gives all points of every scramble of a level: from a number of points drawn before up to
+/// another, where the new ones take so many path-steps; `None` if they are drawn elsewhere.
+type Draw<'a> =
+    dyn Fn(&Samples, Range<u64>, u64) -> Result<Option<Vec<Drawn>>, MultilevelError> + 'a;
+
+/// Draws points, and counts their cost.
+pub struct Quasi<'a> {
+    pub draw: &'a Draw<'a>,
+    pub t_end: f64,
+    pub damping: SeenDamping<'a>,
+    /// Names of the test functions.
+    pub names: Vec<String>,
+    pub accuracy: f64,
+    pub settings: &'a ExpectationSettings,
+    /// Independent scrambles.
+    pub scrambles: u64,
+    /// How levels above the first are coupled.
+    pub coupling: Coupling,
+    /// Runs of a path on each side of a difference: fine and coarse.
+    pub runs: (u64, u64),
+    /// Runs of a single path.
+    pub single: u64,
+    /// The least and the largest value of each test function so far.
+    pub ranges: Vec<Option<(f64, f64)>>,
+    /// Path-steps so far.
+    pub cost: u64,
+    /// What was decided, and why.
+    pub decisions: Vec<String>,
+}
+
+/// The sum over the levels for one test function.
+struct Sum {
+    /// The first level and all differences above it.
+    terms: Vec<Term>,
+    /// The order by which it is extrapolated.
+    order: f64,
+    extrapolation: Extrapolation,
+    /// Student's quantile.
+    quantile: f64,
+}
+
+impl Sum {
+    /// The weights of the terms: one, and more for the last difference.
+    fn weight(&self, term: usize) -> f64 {
+        let last = term + 1 == self.terms.len();
+        if last { 1.0 + self.extrapolation.weight } else { 1.0 }
+    }
+
+    fn value(&self) -> f64 {
+        self.terms.iter().enumerate().map(|(n, term)| self.weight(n) * term.mean).sum()
+    }
+
+    fn standard_error(&self) -> f64 {
+        let part = |(n, term): (usize, &Term)| {
+            let weight = self.weight(n);
+            weight * weight * term.variance / term.count
+        };
+        self.terms.iter().enumerate().map(part).sum::<f64>().sqrt()
+    }
+
+    fn tail(&self) -> f64 {
+        let part = |(n, term): (usize, &Term)| self.weight(n) * term.tail.size / term.count;
+        self.terms.iter().enumerate().map(|one| part(one).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// Half of the interval without the bias.
+    fn spread(&self) -> f64 {
+        f64::hypot(self.quantile * self.standard_error(), self.tail())
+    }
+
+    fn bias_bound(&self) -> f64 {
+        self.extrapolation.size + self.quantile * self.extrapolation.standard_error
+    }
+}
+
+/// All levels.
+struct Levels {
+    samples: Vec<Samples>,
+    scrambles: Vec<Scrambles>,
+}
+
+impl Levels {
+    /// All but the first are differences.
+    fn differences(&self) -> &[Samples] {
+        &self.samples[1..]
+    }
+
+    /// The differences of test function number k.
+    fn terms(&self, k: usize, range: f64) -> Vec<Term> {
+        let levels = self.differences().iter().zip(&self.scrambles[1..]);
+        let terms = levels.zip(tails(self.differences(), k, range));
+        terms.map(|((samples, own), tail)| own.term(samples, k, false, tail)).collect()
+    }
+}
+
+impl Quasi<'_> {
+    pub fn expectation(mut self) -> Result<Expectation, Halt> {
+        self.settings.check(self.accuracy)?;
+        if self.names.is_empty() {
+            return Err(MultilevelError::NoObservable.into());
+        }
+        let pilot = whole(self.settings.pilot.div_ceil(self.scrambles));
+        let mut levels = Levels { samples: Vec::new(), scrambles: Vec::new() };
+        for level in 0..=PILOT_LEVEL {
+            levels.samples.push(self.level(level));
+            levels.scrambles.push(Scrambles::default());
+        }
+        let cost = |samples: &Samples| self.scrambles * pilot * samples.cost_per_path;
+        let pilot_cost = levels.samples.iter().map(cost).fold(0, u64::saturating_add);
+        if pilot_cost > self.settings.max_cost {
+            let max_cost = self.settings.max_cost;
+            return Err(MultilevelError::PilotCost { pilot_cost, max_cost }.into());
+        }
+        for level in 0..=PILOT_LEVEL {
+            self.sample(&mut levels, level, pilot)?;
+        }
+        let mut first = self.first_level(&levels);
+        let limit = loop {
+            let sums: Vec<Sum> =
+                (0..self.names.len()).map(|k| self.sum(&levels, first, k)).collect();
+            let last = levels.samples.len() - 1;
+            let finer = sums.iter().any(|sum| self.is_biased(sum)) || !self.resolves(&levels);
+            if finer && last < self.settings.max_level {
+                let level = self.level(last + 1);
+                if !self.affordable(&level, pilot) {
+                    break Some(self.cost_limit());
+                }
+                levels.samples.push(level);
+                levels.scrambles.push(Scrambles::default());
+                self.sample(&mut levels, last + 1, pilot)?;
+                // Once points are doubled, the first level stays.
+                if levels.scrambles.iter().all(|own| own.points == pilot) {
+                    first = self.first_level(&levels);
+                }
+                continue;
+            }
+            let wide = sums.iter().any(|sum| self.is_wide(sum));
+            let heavy = (0..self.names.len()).any(|k| is_heavy(&levels.samples[0], k));
+            if !wide && !heavy {
+                break finer.then_some(Warning::LevelLimit { level: last });
+            }
+            let worst = if wide { self.worst(first, &sums) } else { 0 };
+            let points = levels.scrambles[worst].points;
+            if !self.affordable(&levels.samples[worst], points) {
+                break Some(self.cost_limit());
+            }
+            self.sample(&mut levels, worst, 2 * points)?;
+        };
+        Ok(self.report(levels, first, limit))
+    }
+
+    /// Whether a finer level is wanted: the bias has more than its share, and is seen beside the
+    /// noise.
+    fn is_biased(&self, sum: &Sum) -> bool {
+        let Extrapolation { size, standard_error, .. } = sum.extrapolation;
+        let share = f64::min(BIAS_SHARE * self.accuracy, BIAS_PART * sum.spread());
+        size > share && size > sum.quantile * standard_error
+    }
+
+    fn is_wide(&self, sum: &Sum) -> bool {
+        sum.spread() + sum.bias_bound() > self.accuracy
+    }
+
+    /// A level without points.
+    fn level(&self, level: usize) -> Samples {
+        let steps = self.settings.steps(level);
+        let (coupling, cost_per_path) = match level {
+            0 => (None, self.single * steps),
+            _ => (Some(self.coupling), self.runs.0 * steps + self.runs.1 * (steps / 2)),
+        };
+        let (values, motion) = (vec![Values::default(); self.names.len()], Motion::default());
+        Samples { level, coupling, cost_per_path, values, motion, paths: 0, failed: 0 }
+    }
+
+    fn cost_limit(&self) -> Warning {
+        Warning::CostLimit { max_cost: self.settings.max_cost }
+    }
+
+    fn affordable(&self, level: &Samples, points: u64) -> bool {
+        let cost = points.saturating_mul(self.scrambles).saturating_mul(level.cost_per_path);
+        self.cost.saturating_add(cost) <= self.settings.max_cost && points < MAX_POINTS
+    }
+
+    /// Draws points of every scramble of a level up to so many.
+    fn sample(&mut self, levels: &mut Levels, level: usize, points: u64) -> Result<(), Halt> {
+        let (samples, own) = (&mut levels.samples[level], &mut levels.scrambles[level]);
+        let new = self.scrambles * (points - own.points) * samples.cost_per_path;
+        let Some(scrambles) = (self.draw)(samples, own.points..points, new)? else {
+            return Err(Halt::Elsewhere);
+        };
+        let first = scrambles.iter().find_map(|scramble| scramble.first_failure);
+        for scramble in &scrambles {
+            let ranges = self.ranges.iter_mut().zip(&scramble.sums.values);
+            ranges.for_each(|(range, values)| *range = hull(*range, values.range()));
+        }
+        self.cost += new;
+        own.take(samples, scrambles, points);
+        if samples.count() < 2 {
+            let failed = samples.failed;
+            return Err(MultilevelError::NoPaths { level, failed, first }.into());
+        }
+        let mut values = self.names.iter().zip(&samples.values);
+        match values.find(|(_, values)| !values.sample.variance().is_finite()) {
+            Some((observable, _)) => {
+                let observable = observable.clone();
+                Err(MultilevelError::NotFinite { observable, level }.into())
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// How far test function number k may spread.
+    fn range(&self, k: usize) -> f64 {
+        let spread = self.ranges[k].map_or(0.0, |(least, largest)| largest - least);
+        if spread > 0.0 { spread } else { 1.0 }
+    }
+
+    /// Test function number k, summed from level `first` on.
+    fn sum(&self, levels: &Levels, first: usize, k: usize) -> Sum {
+        let differences = levels.terms(k, self.range(k));
+        let alpha = plan::alpha(levels.differences(), &differences, k);
+        let order = bias::order(self.settings.weak_order, alpha);
+        let from = differences.len().saturating_sub(BIAS_LEVELS);
+        let extrapolation = extrapolation(&differences[from..], order);
+        let samples = &levels.samples[first];
+        let kurtosis = samples.values[k].fine.kurtosis();
+        let tail = Tail::new(samples.count() as f64, kurtosis, self.range(k));
+        let begin = levels.scrambles[first].term(samples, k, true, tail);
+        let terms = std::iter::once(begin).chain(differences[first..].iter().copied()).collect();
+        let quantile = two_sided(CONFIDENCE, Some(self.scrambles as f64 - 1.0));
+        Sum { terms, order, extrapolation, quantile }
+    }
+
+    /// The level to begin with, for which an accuracy costs least: Σ√(VC) is least (Giles 2008),
+    /// for all test functions together.
+    fn first_level(&self, levels: &Levels) -> usize {
+        let root = |first: usize, k: usize| {
+            let sum = self.sum(levels, first, k);
+            sum.terms.iter().map(|term| (term.variance * term.cost).sqrt()).sum::<f64>()
+        };
+        let mut totals = vec![0.0; levels.differences().len()];
+        for k in 0..self.names.len() {
+            let roots: Vec<f64> = (0..totals.len()).map(|first| root(first, k)).collect();
+            let least = roots.iter().copied().fold(f64::INFINITY, f64::min);
+            if least > 0.0 {
+                totals.iter_mut().zip(&roots).for_each(|(total, root)| *total += root / least);
+            }
+        }
+        (0..totals.len()).min_by(|&a, &b| totals[a].total_cmp(&totals[b])).unwrap_or(0)
+    }
+
+    /// The level on which a path-step gains most for the function that gains most (Giles and
+    /// Waterhouse 2009).
+    fn worst(&self, first: usize, sums: &[Sum]) -> usize {
+        let gain = |n: usize, sum: &Sum| {
+            let term = &sum.terms[n];
+            let (weight, tail) = (sum.weight(n), term.tail.size / term.count);
+            let square = QUANTILE * QUANTILE * term.variance / term.count + tail * tail;
+            weight * weight * square / (term.cost * term.count)
+        };
+        let wide = || sums.iter().filter(|sum| self.is_wide(sum));
+        let most = |n: usize| wide().map(|sum| gain(n, sum)).fold(0.0, f64::max);
+        let terms = sums.first().map_or(0, |sum| sum.terms.len());
+        first + (0..terms).max_by(|&a, &b| most(a).total_cmp(&most(b))).unwrap_or(0)
+    }
+
+    /// Whether the last difference resolves the damping, the motion and every φ.
+    fn resolves(&self, levels: &Levels) -> bool {
+        let differences = levels.differences();
+        let [.., last] = differences else { return false };
+        self.damping.unresolved(last.level).is_none()
+            && is_near(differences)
+            && unresolved(differences).is_none()
+            && last.values.iter().all(|values| coupled(values, self.accuracy))
+            && (0..self.names.len())
+                .all(|k| unresolved_function(differences, k, self.accuracy).is_none())
+    }
+
+    fn report(mut self, levels: Levels, first: usize, limit: Option<Warning>) -> Expectation {
+        let differences = levels.differences();
+        let estimate = |(k, name): (usize, &String)| {
+            let sum = self.sum(&levels, first, k);
+            let terms = levels.terms(k, self.range(k));
+            let last = terms.last().map_or(0.0, |term| term.mean);
+            Estimate {
+                name: name.clone(),
+                value: sum.value(),
+                standard_error: sum.standard_error(),
+                quantile: sum.quantile,
+                missed: sum.tail(),
+                bias: -sum.extrapolation.weight * last,
+                bias_bound: sum.bias_bound(),
+                alpha: plan::alpha(differences, &terms, k),
+                beta: plan::beta(differences, k),
+                failed: levels.samples[first..].iter().map(|samples| samples.failed).sum(),
+                judged: Judged::default(),
+            }
+        };
+        let mut estimates: Vec<_> = self.names.iter().enumerate().map(estimate).collect();
+        self.decide(&levels, first);
+        let samples = &levels.samples;
+        let level = |one: &Samples| Level {
+            level: one.level,
+            tau: self.t_end / self.settings.steps(one.level) as f64,
+            coupling: one.coupling,
+            samples: one.count(),
+            failed: one.failed,
+            cost_per_path: one.cost_per_path,
+            values: level_values(samples, one),
+        };
+        let reports: Vec<_> = samples.iter().map(level).collect();
+        let (accuracy, order) = (self.accuracy, self.settings.weak_order);
+        let damping = samples.last().and_then(|last| self.damping.unresolved(last.level));
+        let evidence =
+            Evidence { levels: samples, terms: samples.len(), accuracy, order, damping };
+        let mut warnings = evidence.judge(&reports, &mut estimates);
+        warnings.extend(limit);
+        let (cost, decisions) = (self.cost, self.decisions);
+        Expectation { accuracy, cost, levels: reports, warnings, estimates, decisions }
+    }
+
+    /// Says which levels and how many points were chosen, and what Sobol points gained.
+    fn decide(&mut self, levels: &Levels, first: usize) {
+        let numbers = 0..self.names.len();
+        let orders = numbers.clone().map(|k| self.sum(levels, first, k).order);
+        let points: Vec<String> =
+            levels.scrambles[first..].iter().map(|own| own.points.to_string()).collect();
+        self.decisions.push(format!(
+            "levels of {} to {} steps, extrapolated with order {:.2}; {} scrambles of {} Sobol \
+             points on them",
+            self.settings.steps(first),
+            self.settings.steps(levels.samples.len() - 1),
+            orders.fold(f64::INFINITY, f64::min),
+            self.scrambles,
+            points.join(", "),
+        ));
+        let gain = |k: usize| levels.scrambles[first].gain(&levels.samples[first], k);
+        let least = numbers.map(gain).fold(f64::INFINITY, f64::min);
+        self.decisions.push(if least < FEW_GAINED {
+            "Sobol points are hardly better than random ones for some function: it jumps, or many \
+             dimensions count"
+                .into()
+        } else {
+            format!("Sobol points have at most 1/{least:.0} of the variance of random ones")
+        });
+    }
+}

@@ -1,0 +1,64 @@
+//! Means over the points of each scramble of a level.
+
+use stats::CentralMoments;
+
+use super::super::{
+    level::{Drawn, Samples, Sums, Values},
+    plan::Term,
+    resolution::Motion,
+    tails::Tail,
+};
+
+/// The scrambles of one level.
+#[derive(Default)]
+pub struct Scrambles {
+    /// Points of each, failed ones included.
+    pub points: u64,
+    /// One for each test function.
+    means: Vec<Means>,
+}
+
+/// Means of one test function over the points of each scramble, as samples.
+#[derive(Clone, Copy, Default)]
+struct Means {
+    /// Of φ of single paths, or of the difference.
+    sample: CentralMoments,
+    /// Of φ on the fine path.
+    fine: CentralMoments,
+}
+
+impl Scrambles {
+    /// Takes all samples of every scramble, each with so many points, and gives `samples` those of
+    /// all together.
+    pub fn take(&mut self, samples: &mut Samples, scrambles: Vec<Drawn>, points: u64) {
+        let functions = samples.values.len();
+        let (mut values, mut motion) = (vec![Values::default(); functions], Motion::default());
+        self.means = vec![Means::default(); functions];
+        (samples.failed, samples.paths) = (0, points * scrambles.len() as u64);
+        for Drawn { sums: Sums { values: own, motion: moved }, failed, .. } in scrambles {
+            for (k, own) in own.iter().enumerate() {
+                self.means[k].sample.add(own.sample.mean());
+                self.means[k].fine.add(own.fine.mean());
+                values[k].merge(own);
+            }
+            motion.merge(&moved);
+            samples.failed += failed;
+        }
+        (samples.values, samples.motion, self.points) = (values, motion, points);
+    }
+
+    /// Test function number k on this level as a term of a sum: the difference, or, as `first`
+    /// term, φ on the fine path. Its variance is such that variance/count is that of the mean over
+    /// scrambles.
+    pub fn term(&self, samples: &Samples, k: usize, first: bool, tail: Tail) -> Term {
+        let means = if first { &self.means[k].fine } else { &self.means[k].sample };
+        let (cost, count) = (samples.cost_per_path as f64, samples.count() as f64);
+        Term { cost, count, mean: means.mean(), variance: count * means.variance_of_mean(), tail }
+    }
+
+    /// The variance of independent points over that of Sobol points, for the mean of φ number k on
+    /// the fine path; NaN where it does not vary.
+    pub fn gain(&self, samples: &Samples, k: usize) -> f64 {
+        samples.values[k].fine.variance_of_mean() / self.means[k].fine.variance_of_mean()
+    }
+}
