@@ -132,8 +132,8 @@ mod tests {
     use super::*;
     use crate::{StreamKey, stream::next_word};
 
-    /// Lines of k and Φ⁻¹((k + ½)·2⁻⁵³) to 30 digits, by mpmath: random k, both tails to their ends,
-    /// and the middle to ½ ± 2⁻⁵⁴.
+    /// Lines of k and Φ⁻¹((k + ½)·2⁻⁵³) to 30 digits, by mpmath: random k, both tails to their
+    /// ends, and the middle to ½ ± 2⁻⁵⁴.
     const QUANTILES: &str = include_str!("../tests/data/quantiles.txt");
 
     #[test]

@@ -11,8 +11,8 @@ use crate::{NoiseError, ScrambledSobol, StreamKey, inverse_normal::fill_normals,
 ///
 /// A point has a dimension for every noise and every time node, and
 /// [`inverse_normal`](crate::inverse_normal) makes a normal of each coordinate. A Brownian bridge
-/// makes paths of the normals (Caflisch and Moskowitz 1995): W(T) = √T·Z, and between two nodes r and
-/// t that are known, W(s) = W(r) + (s − r)/(t − r)·(W(t) − W(r)) + √((s − r)(t − s)/(t − r))·Z.
+/// makes paths of the normals (Caflisch and Moskowitz 1995): W(T) = √T·Z, and between two known
+/// nodes r and t, W(s) = W(r) + (s − r)/(t − r)·(W(t) − W(r)) + √((s − r)(t − s)/(t − r))·Z.
 /// The first dimensions are the W_m(T) of all noises, then the values at T/2, then those at the
 /// quarters, and so on: the points are most even in the first dimensions. A node lies in the middle
 /// of its interval, rounded down to a step.
@@ -98,8 +98,8 @@ impl QuasiWiener {
         self.sobol.dimensions()
     }
 
-    /// Writes the increments of points `first_point` .. `first_point + 32`: row n·M + m is ΔW_m over
-    /// step n.
+    /// Writes the increments of points `first_point` .. `first_point + 32`: row n·M + m is ΔW_m
+    /// over step n.
     ///
     /// # Errors
     /// [`NoiseError::PointOutsideScramble`] for points from 2³² on,

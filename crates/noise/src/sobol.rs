@@ -32,8 +32,9 @@ const LOW_DIGITS: usize = WIDTH.trailing_zeros() as usize;
 ///   the digits before it and of two random words (Laine and Karras 2011, Burley 2020, with the
 ///   constants of Vegdahl 2022 and a word each for the sum and the product). The flips are added to
 ///   a third random word. So every coordinate is uniform, whatever the hash does, and a mean over
-///   points is unbiased over scrambles. The variance of the mean of u over n = 2^m points is
-///   1/(12n³), as of the scrambling of Owen: `tests/quasi.rs`.
+///   points is unbiased over scrambles. The mean of u over n = 2^m points has the variance 1/(12n³)
+///   of Owen's scrambling within the error of 0.2 % of its measurement, 4 ≤ n ≤ 1024;
+///   `tests/quasi.rs` checks it with 8000 scrambles.
 /// - The lower 32 bits are random words of the point.
 /// - **Padding**: dimensions above [`DIMENSIONS`](Self::DIMENSIONS) have independent random words
 ///   instead of Sobol numbers, as in Monte Carlo.
@@ -247,8 +248,8 @@ impl Seeds {
 
     /// The scrambled number of a Sobol number whose first digit is the lowest bit.
     ///
-    /// Sums, products and x·c with an even c carry upwards only: a bit of the hash is its own bit of
-    /// x, flipped or not by the lower ones.
+    /// Sums, products and x·c with an even c carry upwards only: a bit of the hash is its own bit
+    /// of x, flipped or not by the lower ones.
     #[inline(always)]
     fn scrambled(&self, x: u32) -> u32 {
         let x = x ^ x.wrapping_mul(0x3d20_adea);

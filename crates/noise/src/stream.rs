@@ -18,7 +18,8 @@ pub(crate) const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 /// The bit of the experiment number that separates the streams of tiles from those of paths.
 const TILE_STREAM: u64 = 1 << 61;
 
-/// The bit of the experiment number that separates the words of scrambles from the streams of paths.
+/// The bit of the experiment number that separates the words of scrambles from the streams of
+/// paths.
 const SCRAMBLE_STREAM: u64 = 1 << 60;
 
 /// The finaliser of SplitMix64, a bijection of 64-bit words.
@@ -44,8 +45,8 @@ impl StreamKey {
         Self { seed: self.path_seed(path), experiment: self.experiment ^ TILE_STREAM }
     }
 
-    /// The 64-bit seed of a scramble of Sobol points: a path seed with bit 60 of the experiment number
-    /// flipped.
+    /// The 64-bit seed of a scramble of Sobol points: a path seed with bit 60 of the experiment
+    /// number flipped.
     pub(crate) fn scramble_seed(self, scramble: u64) -> u64 {
         Self { experiment: self.experiment ^ SCRAMBLE_STREAM, ..self }.path_seed(scramble)
     }

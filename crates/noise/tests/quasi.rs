@@ -245,8 +245,8 @@ fn products(key: StreamKey, steps: u64, noises: usize, t_end: f64) -> Vec<Vec<f6
     means
 }
 
-/// E W_l(s) W_m(t) = min(s, t) for l = m and 0 otherwise: 3 + 10 + 21 + 105 + 136 + 120 products for
-/// each key.
+/// E W_l(s) W_m(t) = min(s, t) for l = m and 0 otherwise: 3 + 10 + 21 + 105 + 136 + 120 products
+/// for each key.
 #[test]
 fn values_have_the_covariance_of_wiener_processes() {
     const T: f64 = 2.5;
