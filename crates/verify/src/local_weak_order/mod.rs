@@ -23,7 +23,7 @@ mod slope;
 #[cfg(test)]
 mod tests;
 
-use std::{fmt, sync::Arc};
+use std::{collections::HashMap, fmt, sync::Arc};
 
 use mc::{DynProblem, Setup};
 use noise::StepNoise;
@@ -37,17 +37,21 @@ use fields::Fields;
 use generator::Generator;
 use hermite::Rule;
 use polynomial::{Exponents, degree, exponents_up_to};
+use slope::Slope;
 
 /// The local weak order: the error of one step in the mean is of order τ^`order`.
 ///
 /// [`Display`](fmt::Display) words it.
 #[derive(Clone, Debug)]
 pub struct LocalWeakOrder {
-    /// The local order p + 1, extrapolated to τ → 0.
+    /// The local order p + 1, extrapolated to τ → 0: the lowest of all test functions.
     pub order: f64,
     /// How far it may be off: the last change of the extrapolation, and rounding errors.
     pub uncertainty: f64,
-    /// The errors that it is found from, those of the largest step size first.
+    /// The exponents α of a test function that has this order, Π((y − y₀)ᵢ/s)^{αᵢ}, where s is the
+    /// size of y₀.
+    pub function: Vec<u8>,
+    /// Its errors, those of the largest step size first.
     pub errors: Vec<LocalError>,
     /// The state y₀ from which steps are taken, near the initial value of the problem.
     pub state: Vec<f64>,
@@ -55,17 +59,15 @@ pub struct LocalWeakOrder {
     pub degree: usize,
 }
 
-/// The errors of one step in the mean at one step size.
-#[derive(Clone, Debug, PartialEq)]
+/// The error of one step in the mean of a test function at one step size.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalError {
     /// The step size.
     pub tau: f64,
-    /// √Σ e(τ; φ)² over the φ = Π((y − y₀)ᵢ/s)^{αᵢ} with |α| ≤ 5, where s is the size of y₀.
+    /// |e(τ; φ)|.
     pub error: f64,
     /// How far it may be off by rounding, by quadrature, and by the end of the series.
     pub doubt: f64,
-    /// The exponents α of the φ with the largest error.
-    pub function: Vec<u8>,
 }
 
 /// Why there is no local weak order.
@@ -136,8 +138,8 @@ pub enum LocalWeakOrderError {
     },
     /// Errors do not exceed their own uncertainty at enough step sizes.
     #[error(
-        "a local weak order needs errors above round-off at {needed} step sizes, got {got}: the \
-         scheme is exact in the mean for the test functions, or nearly so"
+        "a local weak order needs errors above round-off at {needed} step sizes, got {got} at \
+         most: the scheme is exact in the mean for the test functions, or nearly so"
     )]
     RoundOff {
         /// The number of errors above round-off.
@@ -145,9 +147,15 @@ pub enum LocalWeakOrderError {
         /// The number that an order needs.
         needed: usize,
     },
-    /// The slopes show no order.
-    #[error("the errors of one step show no order: slopes are {slopes:.2?}, largest steps first")]
+    /// The slopes of the errors of a test function show no order, and are lower than the orders of
+    /// all others.
+    #[error(
+        "the errors of one step show no order: for the powers {function:?} of the components \
+         slopes are {slopes:.2?}, largest steps first"
+    )]
     Unclear {
+        /// The exponents of the test function.
+        function: Vec<u8>,
         /// log₂(e(τ)/e(τ/2)).
         slopes: Vec<f64>,
     },
@@ -164,12 +172,12 @@ const TERMS: usize = 6;
 /// Numbers of nodes for each noise: quadrature errors are of order τⁿ for the smaller number n, and
 /// their difference shows them.
 const NODES: [usize; 2] = [8, 10];
-/// Rounding errors of means, at least, for states of size one.
+/// Rounding errors of a state after one step, for states of size one.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// An error is used if it exceeds its doubt by this factor.
 const CLEAR: f64 = 100.0;
-/// Halvings of the step size, at most.
-const HALVINGS: i32 = 60;
+/// Step sizes, each half of the one before.
+const STEP_SIZES: i32 = 30;
 /// Errors for a slope with an uncertainty.
 const LEAST_ERRORS: usize = 4;
 /// The largest uncertainty of an order.
@@ -179,17 +187,16 @@ const UNCLEAR: f64 = 0.2;
 /// polynomial vector fields and constant damping.
 ///
 /// With several schemes E[φ(ψ)] is the mean of those of all of them: that is a scheme that tosses a
-/// coin, such as the composition of flows forwards or backwards (Ninomiya and Victoir, *Appl. Math.
-/// Finance* 15, 2008).
+/// coin, such as flows forwards or backwards (Ninomiya and Victoir, *Appl. Math. Finance* 15, 2008).
 ///
 /// - Test functions are all monomials in y − y₀ up to degree five, which decide weak orders up to
 ///   two.
 /// - The state y₀ is moved a little from the initial value of the problem, which may be special.
-/// - Increments are not truncated, also not for schemes for which a driver truncates them: the order
-///   is that of the formula. [`Truncation`](noise::Truncation) of order k changes means by τᵏ, up
+/// - Increments are not truncated, also not for schemes for which a driver does so: the order is that
+///   of the formula. [`Truncation`](noise::Truncation) of order k changes means by τᵏ, up
 ///   to logarithms (Milstein, Repin and Tretyakov, *SIAM J. Numer. Anal.* 40, 2002).
-/// - A term of low order that is so small that it is below round-off at every step size is not
-///   seen; where it begins to show, no order is named.
+/// - The order is the lowest of all test functions. A term of low order that is so small that it is
+///   below round-off at every step size is not seen; where it begins to show, no order is named.
 ///
 /// It takes some milliseconds in three dimensions with three noises, and a tenth of a second in
 /// six.
@@ -273,35 +280,78 @@ pub fn local_weak_order_of<N: StepNoise>(
         steps: subjects.map(Steps::new).collect(),
         grids: NODES.map(|n| Rule::new(n).grid(problem.noises)),
         state: &state,
+        scale,
         functions: &functions,
     };
-    let (mut errors, mut failure) = (Vec::new(), None);
-    for halvings in 0..HALVINGS {
+    // The errors of all test functions, for each step size.
+    let (mut table, mut failure) = (Vec::new(), None);
+    for halvings in 0..STEP_SIZES {
         let tau = largest_step(&series, problem.t_end) * f64::powi(0.5, halvings);
-        match error(&mut means, &series, tau) {
-            Ok(error) if error.error >= CLEAR * error.doubt => errors.push(error),
-            // Too coarse at first; then rounding.
-            Ok(_) if errors.is_empty() => {}
-            Ok(_) => break,
+        match means.errors(&series, tau) {
+            Ok(errors) => table.push(errors),
             Err(failed) => {
-                errors.clear();
+                table.clear();
                 failure = Some(failed);
             }
         }
     }
     drop(means);
-    let Some(slope) = slope::extrapolated(&errors) else {
-        let got = errors.len();
-        return Err(failure.unwrap_or(LocalWeakOrderError::RoundOff { got, needed: LEAST_ERRORS }));
-    };
-    let slopes = slope::slopes(&errors);
-    // A slope at finer steps that has changed would be that of another term.
-    let at_end = slopes.last().is_some_and(|last| (last - slope.order).abs() < UNCLEAR);
-    if slope.uncertainty > UNCLEAR || !at_end {
-        return Err(LocalWeakOrderError::Unclear { slopes });
-    }
+    let Lowest { slope, function, errors } =
+        lowest(&table, &functions.exponents).map_err(|error| match (failure, error) {
+            (Some(failed), LocalWeakOrderError::RoundOff { .. }) => failed,
+            (_, error) => error,
+        })?;
     let (order, uncertainty) = (slope.order, slope.uncertainty);
-    Ok(LocalWeakOrder { order, uncertainty, errors, state, degree: fields.degree() })
+    Ok(LocalWeakOrder { order, uncertainty, function, errors, state, degree: fields.degree() })
+}
+
+/// The lowest order of the test functions.
+struct Lowest {
+    slope: Slope,
+    function: Exponents,
+    errors: Vec<LocalError>,
+}
+
+/// The lowest order, from the errors of all test functions for each step size.
+///
+/// Of the functions whose order may be the lowest within its uncertainty, the one is taken that has
+/// the smallest uncertainty.
+fn lowest(
+    table: &[Vec<LocalError>],
+    exponents: &[Exponents],
+) -> Result<Lowest, LocalWeakOrderError> {
+    let (mut found, mut unclear, mut got) = (Vec::new(), Vec::new(), 0);
+    for (n, function) in exponents.iter().enumerate() {
+        let column: Vec<LocalError> = table.iter().map(|row| row[n]).collect();
+        let clear = |error: &LocalError| error.error > CLEAR * error.doubt;
+        // The finest of them without a gap.
+        let end = column.iter().rposition(clear).map_or(0, |last| last + 1);
+        let start = column[..end].iter().rposition(|error| !clear(error)).map_or(0, |n| n + 1);
+        let errors = &column[start..end];
+        got = got.max(errors.len());
+        let Some(slope) = slope::extrapolated(errors) else { continue };
+        match slope.uncertainty <= UNCLEAR {
+            true => found.push((slope, function, errors.to_vec())),
+            false => unclear.push((function, errors.to_vec())),
+        }
+    }
+    let highest = |(slope, ..): &(Slope, _, _)| slope.order + slope.uncertainty;
+    let bound = found.iter().map(highest).fold(f64::INFINITY, f64::min);
+    // Slopes of the finest steps that fall below the order would be those of another term.
+    let all = found.iter().map(|(_, function, errors)| (*function, errors));
+    let others = unclear.iter().map(|(function, errors)| (*function, errors));
+    for (function, errors) in all.chain(others) {
+        let slopes = slope::slopes(errors);
+        if slopes.last().is_some_and(|&last| last < bound - UNCLEAR) {
+            return Err(LocalWeakOrderError::Unclear { function: function.clone(), slopes });
+        }
+    }
+    let (slope, function, errors) = found
+        .into_iter()
+        .filter(|(slope, ..)| slope.order - slope.uncertainty <= bound)
+        .min_by(|(one, ..), (other, ..)| one.uncertainty.total_cmp(&other.uncertainty))
+        .ok_or(LocalWeakOrderError::RoundOff { got, needed: LEAST_ERRORS })?;
+    Ok(Lowest { slope, function: function.clone(), errors })
 }
 
 impl LocalWeakOrder {
@@ -314,7 +364,9 @@ impl LocalWeakOrder {
 impl fmt::Display for LocalWeakOrder {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { order, uncertainty, errors, .. } = self;
-        let (reach, weak) = (crate::number(*uncertainty), self.weak_order());
+        // Adding zero takes the sign from −0.
+        let weak = (100.0 * self.weak_order()).round() / 100.0 + 0.0;
+        let reach = crate::number(*uncertainty);
         write!(f, "local order {order:.3} ± {reach}, weak order {weak:.2}")?;
         if let [first, .., last] = &errors[..] {
             let (from, to) = (crate::number(first.tau), crate::number(last.tau));
@@ -379,27 +431,39 @@ fn largest_step(series: &[Vec<f64>], t_end: f64) -> f64 {
     if rate > 0.0 { (1.0 / rate).log2().floor().exp2() } else { t_end }
 }
 
-/// All monomials of degree one to [`TESTS`] in x = y − y₀.
+/// All monomials φ of degree one to [`TESTS`] in x = y − y₀.
 struct Functions {
     exponents: Vec<Exponents>,
     /// scale^|α|.
     sizes: Vec<f64>,
     /// Each is a variable times an earlier one, or alone.
     factors: Vec<(usize, Option<usize>)>,
+    /// The derivatives of each: factors and earlier monomials, or none for 1.
+    derivatives: Vec<Vec<(f64, Option<usize>)>>,
 }
 
 impl Functions {
     fn new(dimension: usize, scale: f64) -> Self {
         let exponents = exponents_up_to(dimension, TESTS).split_off(1);
-        let factor = |alpha: &Exponents| {
-            let i = alpha.iter().position(|&n| n > 0).unwrap_or(0);
-            let mut rest = alpha.clone();
-            rest[i] -= 1;
-            (i, exponents.iter().position(|other| *other == rest))
+        let numbers: HashMap<&Exponents, usize> =
+            exponents.iter().enumerate().map(|(n, alpha)| (alpha, n)).collect();
+        let derivatives = |alpha: &Exponents| -> Vec<(usize, f64, Option<usize>)> {
+            let present = (0..dimension).filter(|&i| alpha[i] > 0);
+            let derivative = |i: usize| {
+                let mut lower = alpha.clone();
+                lower[i] -= 1;
+                (i, f64::from(alpha[i]), numbers.get(&lower).copied())
+            };
+            present.map(derivative).collect()
         };
-        let factors = exponents.iter().map(factor).collect();
+        let all: Vec<_> = exponents.iter().map(derivatives).collect();
+        let factors = all.iter().map(|all| (all[0].0, all[0].2)).collect();
+        let without = |all: &Vec<(usize, f64, Option<usize>)>| {
+            all.iter().map(|&(_, factor, lower)| (factor, lower)).collect()
+        };
+        let derivatives = all.iter().map(without).collect();
         let sizes = exponents.iter().map(|alpha| scale.powi(degree(alpha) as i32)).collect();
-        Self { exponents, sizes, factors }
+        Self { sizes, factors, derivatives, exponents }
     }
 }
 
@@ -408,15 +472,16 @@ struct Means<'a, N> {
     steps: Vec<Steps<'a, N>>,
     grids: [Vec<(f64, Vec<f64>)>; 2],
     state: &'a [f64],
+    scale: f64,
     functions: &'a Functions,
 }
 
 impl<N: StepNoise> Means<'_, N> {
-    /// E[φ] over the grid number `grid` and over all schemes, in units of the sizes of φ.
-    fn of(&mut self, grid: usize, tau: f64) -> Result<Vec<f64>, LocalWeakOrderError> {
-        let Functions { sizes, factors, .. } = self.functions;
-        let mut means = vec![0.0; sizes.len()];
-        let mut values: Vec<Row> = vec![[0.0; WIDTH]; sizes.len()];
+    /// E[φ] and E|φ| over the grid number `grid` and over all schemes.
+    fn of(&mut self, grid: usize, tau: f64) -> Result<[Vec<f64>; 2], LocalWeakOrderError> {
+        let factors = &self.functions.factors;
+        let mut means = [(); 2].map(|()| vec![0.0; factors.len()]);
+        let mut values: Vec<Row> = vec![[0.0; WIDTH]; factors.len()];
         let (root, share) = (tau.sqrt(), 1.0 / self.steps.len() as f64);
         for steps in &mut self.steps {
             let (scheme, damping) = (steps.subject.scheme.id(), steps.subject.problem.damping);
@@ -433,38 +498,41 @@ impl<N: StepNoise> Means<'_, N> {
                 for (n, &(i, rest)) in factors.iter().enumerate() {
                     let rest = rest.map_or([1.0; WIDTH], |rest| values[rest]);
                     for p in 0..WIDTH {
-                        values[n][p] = rest[p] * (rows[i][p] - self.state[i]);
+                        values[n][p] = rest[p] * ((rows[i][p] - self.state[i]) / self.scale);
                     }
-                }
-                for (mean, value) in means.iter_mut().zip(&values) {
-                    let terms = nodes.iter().zip(value).map(|((weight, _), value)| weight * value);
-                    *mean += share * terms.sum::<f64>();
+                    for ((weight, _), value) in nodes.iter().zip(&values[n]) {
+                        means[0][n] += share * weight * value;
+                        means[1][n] += share * weight * value.abs();
+                    }
                 }
             }
         }
-        means.iter_mut().zip(sizes).for_each(|(mean, size)| *mean /= size);
         Ok(means)
     }
-}
 
-/// The error of one step at one step size.
-fn error<N: StepNoise>(
-    means: &mut Means<'_, N>,
-    series: &[Vec<f64>],
-    tau: f64,
-) -> Result<LocalError, LocalWeakOrderError> {
-    let [fewer, more] = [means.of(0, tau)?, means.of(1, tau)?];
-    let powers: Vec<f64> = (0..series.len()).map(|k| tau.powi(k as i32)).collect();
-    let exact = |n: usize| -> f64 { powers.iter().zip(series).map(|(t, row)| t * row[n]).sum() };
-    let errors: Vec<f64> = more.iter().enumerate().map(|(n, mean)| mean - exact(n)).collect();
-    let norm = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>().sqrt();
-    let quadrature = norm(&mut more.iter().zip(&fewer).map(|(more, fewer)| more - fewer));
-    let rest = norm(&mut series[TERMS].iter().map(|value| powers[TERMS] * value));
-    let largest = (0..errors.len()).max_by(|&a, &b| errors[a].abs().total_cmp(&errors[b].abs()));
-    Ok(LocalError {
-        tau,
-        error: norm(&mut errors.iter().copied()),
-        doubt: quadrature + rest + ROUNDING,
-        function: largest.map_or_else(Vec::new, |n| means.functions.exponents[n].clone()),
-    })
+    /// The errors of one step for all test functions. A rounding error of the state counts as much
+    /// as the derivative of φ, on average.
+    fn errors(
+        &mut self,
+        series: &[Vec<f64>],
+        tau: f64,
+    ) -> Result<Vec<LocalError>, LocalWeakOrderError> {
+        let [fewer, _] = self.of(0, tau)?;
+        let [means, sizes] = self.of(1, tau)?;
+        let powers: Vec<f64> = (0..series.len()).map(|k| tau.powi(k as i32)).collect();
+        let error = |n: usize| {
+            let term = |k: usize| powers[k] * series[k][n];
+            let exact: f64 = (0..series.len()).map(term).sum();
+            let derivative: f64 = self.functions.derivatives[n]
+                .iter()
+                .map(|&(factor, lower)| factor * lower.map_or(1.0, |lower| sizes[lower]))
+                .sum();
+            let rounding = ROUNDING * (derivative + sizes[n] + exact.abs());
+            let quadrature = (means[n] - fewer[n]).abs();
+            let rest = term(TERMS).abs() + term(TERMS - 1).abs();
+            let doubt = rounding + quadrature + rest;
+            LocalError { tau, error: (means[n] - exact).abs(), doubt }
+        };
+        Ok((0..means.len()).map(error).collect())
+    }
 }

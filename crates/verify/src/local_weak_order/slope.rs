@@ -51,7 +51,7 @@ mod tests {
     fn errors(of: impl Fn(f64) -> f64, doubt: f64, count: i32) -> Vec<LocalError> {
         let at = |n: i32| {
             let tau = f64::powi(0.5, n);
-            LocalError { tau, error: of(tau), doubt, function: Vec::new() }
+            LocalError { tau, error: of(tau), doubt }
         };
         (1..=count).map(at).collect()
     }

@@ -134,6 +134,20 @@ fn the_mean_over_both_orders_of_the_flows_has_local_order_three() {
 }
 
 #[test]
+fn orders_are_those_of_any_state_size_and_damping() {
+    let starts = [[1e-3, -2e-3, 5e-4], [40.0, 0.0, -70.0], [0.3, 0.4, 1.2]];
+    for (start, gamma) in starts.into_iter().zip([0.0, 3.0, -1.0]) {
+        let (body, damping) = (*body().system(), paper::valid(Constant::new(gamma)));
+        let problem = paper::valid(Problem::new(body, damping, start, 1.0));
+        let one = Rotations::default();
+        let both = local_weak_order(&[&one, &Rotations { backwards: true, ..one }], &problem);
+        assert_order(both, 3.0);
+        assert_order(local_weak_order(&[&one], &problem), 2.0);
+        assert_order(local_weak_order(&[&Sexp], &problem), 2.0);
+    }
+}
+
+#[test]
 fn twins_with_one_mistake_have_local_order_two() {
     let right = Rotations::default();
     assert_order(of_both(Rotations { cayley: true, ..right }), 2.0);
@@ -242,7 +256,7 @@ fn means_decide_and_not_paths() {
     assert_order(of_first(|tau, dw, y| y + tau * dw), 3.0);
     // The mean of ΔW⁵ is zero, and that of its square 945τ⁵.
     let found = of_first(|_, dw, y| y + dw.powi(5)).unwrap();
-    assert!((found.order - 5.0).abs() < 0.05 && found.errors[0].function == [2, 0], "{found}");
+    assert!((found.order - 5.0).abs() < 0.05 && found.function == [2, 0], "{found}");
 }
 
 #[test]
@@ -268,6 +282,35 @@ fn the_state_is_near_the_initial_value_and_generic() {
     assert!((1.0..1.2).contains(&state[0]) && (-0.012..-0.01).contains(&state[2]));
     assert!(state[1] > 0.1 && (3.0..3.6).contains(&state[3]));
     assert_eq!(generic(&[0.0, 0.0]).1, 1.0);
+}
+
+#[test]
+fn any_number_of_noises_is_a_grid_up_to_six() {
+    let problem = |noises: &[&str]| {
+        let words = |texts: &[&str]| texts.iter().map(|s| s.to_string()).collect::<Vec<_>>();
+        let definition = Definition {
+            name: "oscillator".into(),
+            state: words(&["p", "q"]),
+            structure: vec![words(&["-1"])],
+            energy: "p^2/2 + q^4/4".into(),
+            noises: words(noises),
+            ..Definition::default()
+        };
+        let y0 = [0.2, 1.0];
+        let system = Arc::new(FormulaSystem::new(&definition, &y0).unwrap());
+        let damping = Arc::new(paper::valid(Constant::new(0.5)));
+        run_time::Problem::new(system, damping, y0.into(), 1.0).unwrap()
+    };
+    let of = |noises: &[&str]| {
+        let problem = problem(noises);
+        let Setup { problem, scheme } = Setup::at_run_time(&problem, &Heun).unwrap();
+        local_weak_order_of(&problem, &[scheme])
+    };
+    // Heun's method has order two without noise.
+    assert_order(of(&[]), 3.0);
+    let all = ["q^2/2", "p", "p*q/2", "q", "p^2/3", "q^3/9", "p/2"];
+    assert_order(of(&all[..5]), 2.0);
+    assert_eq!(of(&all).unwrap_err(), LocalWeakOrderError::Noises { given: 7, most: 6 });
 }
 
 /// The heavy top in six dimensions, with three noises that do not commute.
