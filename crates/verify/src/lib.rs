@@ -10,7 +10,7 @@
 //! | [`strong_order_within`], [`weak_order_within`] | the same within a budget |
 //! | [`strong_order_of`], [`weak_order_of`], [`DynReference`] | of systems known at run time |
 //! | [`strong_order_of_within`], [`weak_order_of_within`] | these within a budget |
-//! | [`local_weak_order`], [`local_weak_order_of`] | that of one step, without sampling |
+//! | [`local_weak_order()`], [`local_weak_order_of`] | weak orders of one step, without sampling |
 //! | [`Order`], [`Decision`], [`OneStep`], [`Limit`], [`wrong_limit`] | an order, its reasons |
 //! | [`StepSizes`], [`ReferenceSolution`] | how it is measured, and against what |
 //! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
