@@ -10,6 +10,7 @@ use super::{
 };
 
 /// f₀ = B∇H₀ − γy and fₘ = B∇Hₘ, each as a polynomial for every component, in x = y − y₀.
+#[derive(Clone)]
 pub struct Fields {
     pub drift: Vec<Polynomial>,
     pub noises: Vec<Vec<Polynomial>>,
@@ -33,8 +34,8 @@ const AGREEMENT: f64 = 1e-10;
 const DROPPED: f64 = 256.0 * f64::EPSILON;
 
 impl Fields {
-    /// The fields about y₀, on the scale of states. Coordinates of y₀ must be multiples of
-    /// scale/2²⁰ at least, so that points of interpolation are exact.
+    /// The fields about y₀, on the scale of states, a power of two. Where components of y₀ have few
+    /// digits, points of interpolation are exact.
     ///
     /// # Errors
     /// [`LocalWeakOrderError::NotPolynomial`] if no polynomial of degree up to [`MOST_DEGREE`]
@@ -67,6 +68,25 @@ impl Fields {
             component.add_term(unit, -gamma);
         }
         Ok(Self { drift, noises: (1..=noises).map(field).collect::<Result<_, _>>()? })
+    }
+
+    /// The power of two by which noises are multiplied for ½Σ|fₘ|² to be s|f| about, with the size s
+    /// of states; one if either is zero.
+    pub fn balance(&self, scale: f64) -> f64 {
+        let square = |field: &[Polynomial]| -> f64 {
+            let origin = vec![0.0; field.len()];
+            field.iter().map(|component| component.value(&origin).powi(2)).sum()
+        };
+        let noise: f64 = self.noises.iter().map(|field| 0.5 * square(field)).sum();
+        let ratio = scale * square(&self.drift).sqrt() / noise;
+        if ratio > 0.0 && ratio.is_finite() { (0.5 * ratio.log2()).round().exp2() } else { 1.0 }
+    }
+
+    /// The fields with noises multiplied by a number.
+    pub fn amplified(&self, factor: f64) -> Self {
+        let mut amplified = self.clone();
+        amplified.noises.iter_mut().flatten().for_each(|component| component.multiply(factor));
+        amplified
     }
 
     /// The largest degree of a field.
@@ -194,6 +214,22 @@ mod tests {
                 assert!(exponents == same && (c / exact - 1.0).abs() < 1e-13, "{terms:?}");
             }
         }
+    }
+
+    #[test]
+    fn the_balance_makes_noise_as_strong_as_drift() {
+        let constant = |c: f64| {
+            let mut component = Polynomial::default();
+            component.add_term(vec![0, 0], c);
+            vec![component, Polynomial::default()]
+        };
+        let fields = Fields { drift: constant(3.0), noises: vec![constant(0.05), constant(0.05)] };
+        // a²(0.05)² = 2·3 at a = 49, nearest to 2⁶ = 64 in a ratio.
+        let balance = fields.balance(2.0);
+        assert_eq!(balance, 64.0);
+        assert_eq!(fields.amplified(balance).noises[1][0].value(&[0.0; 2]), 3.2);
+        assert_eq!(Fields { noises: vec![], ..fields.clone() }.balance(2.0), 1.0);
+        assert_eq!(Fields { drift: constant(0.0), ..fields }.balance(2.0), 1.0);
     }
 
     #[test]

@@ -55,6 +55,8 @@ pub struct LocalWeakOrder {
     pub errors: Vec<LocalError>,
     /// The state y₀ from which steps are taken, near the initial value of the problem.
     pub state: Vec<f64>,
+    /// The factor of the noise, a power of two.
+    pub amplification: f64,
     /// The degree of the vector fields.
     pub degree: usize,
 }
@@ -64,7 +66,7 @@ pub struct LocalWeakOrder {
 pub struct LocalError {
     /// The step size.
     pub tau: f64,
-    /// |e(τ; φ)|.
+    /// e(τ; φ).
     pub error: f64,
     /// How far it may be off by rounding, by quadrature, and by the end of the series.
     pub doubt: f64,
@@ -180,6 +182,9 @@ const CLEAR: f64 = 100.0;
 const STEP_SIZES: i32 = 30;
 /// Errors for a slope with an uncertainty.
 const LEAST_ERRORS: usize = 4;
+/// Between the local order of a scheme that solves another equation, one, and that of one that does
+/// not, two or more.
+const CONSISTENT: f64 = 1.5;
 /// The largest uncertainty of an order.
 const UNCLEAR: f64 = 0.2;
 
@@ -192,7 +197,12 @@ const UNCLEAR: f64 = 0.2;
 ///
 /// - Test functions are all monomials in y − y₀ up to degree five, which decide weak orders up to
 ///   two.
-/// - The state y₀ is moved a little from the initial value of the problem, which may be special.
+/// - The state y₀ is moved from the initial value of the problem, which may be special, by a tenth
+///   to a fifth of its components.
+/// - Terms of low order may hide where the noise is weak or strong. So it is also multiplied by a
+///   power of two that makes it as strong as the drift, and the lower order counts. A scheme whose
+///   drift has an Itô correction, such as `em`, is for the noise as it is: with another noise its
+///   local order is one, and is not counted.
 /// - Increments are not truncated, also not for schemes for which a driver does so: the order is
 ///   that of the formula. [`Truncation`](noise::Truncation) of order k changes means by τᵏ, up to
 ///   logarithms (Milstein, Repin and Tretyakov, *SIAM J. Numer. Anal.* 40, 2002).
@@ -269,6 +279,40 @@ pub fn local_weak_order_of<N: StepNoise>(
     let gamma = check(problem, schemes)?;
     let (state, scale) = generic(&problem.y0);
     let fields = Fields::new(&*problem.formulas, problem.noises, gamma, &state, scale)?;
+    let at = |amplification: f64| {
+        of_amplified(problem, schemes, &fields, (&state, scale), amplification)
+    };
+    let (as_it_is, balance) = (at(1.0), fields.balance(scale));
+    if balance == 1.0 {
+        return as_it_is;
+    }
+    match (as_it_is, at(balance)) {
+        // The scheme is for the noise as it is.
+        (as_it_is, Ok(amplified)) if amplified.order < CONSISTENT => as_it_is,
+        (as_it_is, Err(_)) => as_it_is,
+        (Err(_), amplified) => amplified,
+        (Ok(one), Ok(other)) => {
+            // The lower order, or the more certain one if they agree.
+            let difference = one.order - other.order;
+            let amplified = match difference.abs() <= one.uncertainty + other.uncertainty {
+                true => other.uncertainty < one.uncertainty,
+                false => difference > 0.0,
+            };
+            Ok(if amplified { other } else { one })
+        }
+    }
+}
+
+/// The local order with the noises of the fields multiplied by a number, from steps at a state of
+/// the size given.
+fn of_amplified<N: StepNoise>(
+    problem: &DynProblem<'_>,
+    schemes: &[Arc<dyn DynScheme<N> + '_>],
+    fields: &Fields,
+    (state, scale): (&[f64], f64),
+    amplification: f64,
+) -> Result<LocalWeakOrder, LocalWeakOrderError> {
+    let fields = fields.amplified(amplification);
     let functions = Functions::new(state.len(), scale);
     let mut series = Generator::new(&fields).powers(&functions.exponents, TERMS);
     let mut factorial = 1.0;
@@ -282,8 +326,9 @@ pub fn local_weak_order_of<N: StepNoise>(
     let mut means = Means {
         steps: subjects.map(Steps::new).collect(),
         grids: NODES.map(|n| Rule::new(n).grid(problem.noises)),
-        state: &state,
+        state,
         scale,
+        amplification,
         functions: &functions,
     };
     // The errors of all test functions, for each step size.
@@ -305,7 +350,8 @@ pub fn local_weak_order_of<N: StepNoise>(
             (_, error) => error,
         })?;
     let (order, uncertainty) = (slope.order, slope.uncertainty);
-    Ok(LocalWeakOrder { order, uncertainty, function, errors, state, degree: fields.degree() })
+    let (state, degree) = (state.to_vec(), fields.degree());
+    Ok(LocalWeakOrder { order, uncertainty, function, errors, state, amplification, degree })
 }
 
 /// The lowest order of the test functions.
@@ -326,10 +372,13 @@ fn lowest(
     let (mut found, mut unclear, mut got) = (Vec::new(), Vec::new(), 0);
     for (n, function) in exponents.iter().enumerate() {
         let column: Vec<LocalError> = table.iter().map(|row| row[n]).collect();
-        let clear = |error: &LocalError| error.error > CLEAR * error.doubt;
-        // The finest of them without a gap.
+        let clear = |error: &LocalError| error.error.abs() > CLEAR * error.doubt;
+        // The finest of them without a gap, and of one sign: errors of the other one are of terms
+        // of higher order.
         let end = column.iter().rposition(clear).map_or(0, |last| last + 1);
-        let start = column[..end].iter().rposition(|error| !clear(error)).map_or(0, |n| n + 1);
+        let sign = column[..end].last().map_or(1.0, |last| last.error.signum());
+        let other = |error: &LocalError| !clear(error) || error.error * sign <= 0.0;
+        let start = column[..end].iter().rposition(other).map_or(0, |n| n + 1);
         let errors = &column[start..end];
         got = got.max(errors.len());
         let Some(slope) = slope::extrapolated(errors) else { continue };
@@ -416,9 +465,8 @@ fn constant_rate(damping: &dyn Damping, end: f64) -> Result<f64, LocalWeakOrderE
 /// Times at which the damping is looked at.
 const TIMES: u32 = 13;
 
-/// A state near the initial value, and its size as a power of two. Components are moved by a few
-/// per cent, keep their signs, and are zero no more. They are multiples of 2⁻¹² of the size, or of
-/// a power of two below their own.
+/// A state near the initial value, and its size as a power of two. Components are moved away from
+/// zero by a tenth to a fifth, keep their signs, and have twelve binary digits or so.
 fn generic(y0: &[f64]) -> (Vec<f64>, f64) {
     let largest = y0.iter().fold(0.0, |size: f64, y| size.max(y.abs()));
     let scale = if largest > 0.0 { largest.log2().round().exp2() } else { 1.0 };
@@ -481,6 +529,7 @@ struct Means<'a, N> {
     grids: [Vec<(f64, Vec<f64>)>; 2],
     state: &'a [f64],
     scale: f64,
+    amplification: f64,
     functions: &'a Functions,
 }
 
@@ -490,7 +539,8 @@ impl<N: StepNoise> Means<'_, N> {
         let factors = &self.functions.factors;
         let mut means = [(); 2].map(|()| vec![0.0; factors.len()]);
         let mut values: Vec<Row> = vec![[0.0; WIDTH]; factors.len()];
-        let (root, share) = (tau.sqrt(), 1.0 / self.steps.len() as f64);
+        let root = self.amplification * tau.sqrt();
+        let share = 1.0 / self.steps.len() as f64;
         for steps in &mut self.steps {
             let (scheme, damping) = (steps.subject.scheme.id(), steps.subject.problem.damping);
             let fails = || LocalWeakOrderError::StepFails { scheme, tau };
@@ -539,7 +589,7 @@ impl<N: StepNoise> Means<'_, N> {
             let quadrature = (means[n] - fewer[n]).abs();
             let rest = term(TERMS).abs() + term(TERMS - 1).abs();
             let doubt = rounding + quadrature + rest;
-            LocalError { tau, error: (means[n] - exact).abs(), doubt }
+            LocalError { tau, error: means[n] - exact, doubt }
         };
         Ok((0..means.len()).map(error).collect())
     }

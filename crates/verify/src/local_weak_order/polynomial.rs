@@ -73,6 +73,11 @@ impl Polynomial {
         }
     }
 
+    /// Multiplies by a number.
+    pub fn multiply(&mut self, factor: f64) {
+        self.terms.values_mut().for_each(|c| *c *= factor);
+    }
+
     /// The derivative in the variable number `i`.
     pub fn derivative(&self, i: usize) -> Self {
         let mut derivative = Self::default();
@@ -133,6 +138,8 @@ mod tests {
         let mut sum = product.clone();
         sum.add_multiple(&[1, 2], -2.0, &other, 9);
         assert_eq!(sum.value(&[2.0, 3.0]), product.value(&[2.0, 3.0]) + 36.0 * 7.0);
+        product.multiply(0.5);
+        assert_eq!(product.value(&[2.0, 3.0]), 4.0 * (2.0 - 9.0));
         // Up to degree four that is −2x²y².
         let mut sum = Polynomial::default();
         sum.add_multiple(&[1, 2], -2.0, &other, 4);

@@ -16,24 +16,25 @@ const ENOUGH: f64 = 0.02;
 
 /// log₂(e(τ)/e(τ/2)) of successive errors.
 pub fn slopes(errors: &[LocalError]) -> Vec<f64> {
-    errors.windows(2).map(|pair| (pair[0].error / pair[1].error).log2()).collect()
+    errors.windows(2).map(|pair| (pair[0].error / pair[1].error).abs().log2()).collect()
 }
 
 /// The slope as τ → 0, of errors at step sizes each half of the one before; `None` for fewer than
 /// four of them.
 ///
 /// Of errors cτ^q(1 + O(τ)) the slopes are q + O(τ), and 2s(τ/2) − s(τ) is q + O(τ²). It differs
-/// from the one before by three times its own error, at least, and errors of the errors add to
-/// that. The finest step sizes are taken at which the sum is small, or else those at which it is
-/// smallest.
+/// from the one before by three times its own error, at least, and is as far off as the square of
+/// the change from s(τ/2). Errors of the errors add to that. The finest step sizes are taken at
+/// which the sum is small, or else those at which it is smallest.
 pub fn extrapolated(errors: &[LocalError]) -> Option<Slope> {
     let slopes = slopes(errors);
     let values: Vec<f64> = slopes.windows(2).map(|pair| 2.0 * pair[1] - pair[0]).collect();
-    let doubt = |n: usize| errors[n].doubt / errors[n].error;
+    let doubt = |n: usize| errors[n].doubt / errors[n].error.abs();
     let mut least: Option<Slope> = None;
     for n in (1..values.len()).rev() {
         let rounding = (doubt(n) + 3.0 * doubt(n + 1) + 2.0 * doubt(n + 2)) / LN_2;
-        let uncertainty = (values[n] - values[n - 1]).abs() + rounding;
+        let change = (slopes[n + 1] - slopes[n]).powi(2);
+        let uncertainty = (values[n] - values[n - 1]).abs() + change + rounding;
         if least.is_none_or(|least| uncertainty < least.uncertainty) {
             least = Some(Slope { order: values[n], uncertainty });
         }

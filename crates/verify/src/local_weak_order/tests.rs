@@ -148,6 +148,22 @@ fn orders_are_those_of_any_state_size_and_damping() {
 }
 
 #[test]
+fn a_wrong_term_that_hides_in_weak_noise_is_found() {
+    // At |y| = 0.01 the noise is 10⁻⁴ times the damping, and what it does wrong below round-off.
+    let start = [0.003, -0.0057, 0.0084];
+    let damping = paper::valid(Constant::new(0.8));
+    let problem = paper::valid(Problem::new(*body().system(), damping, start, 1.0));
+    let wrong = Rotations { cayley: true, ..Rotations::default() };
+    let found = local_weak_order(&[&wrong, &Rotations { backwards: true, ..wrong }], &problem);
+    assert!(found.as_ref().is_ok_and(|found| found.amplification > 1.0), "{found:?}");
+    assert_order(found, 2.0);
+    let right = Rotations::default();
+    let both = [right, Rotations { backwards: true, ..right }];
+    assert_order(local_weak_order(&[&both[0], &both[1]], &problem), 3.0);
+    assert_order(local_weak_order(&[&EulerMaruyama], &problem), 2.0);
+}
+
+#[test]
 fn twins_with_one_mistake_have_local_order_two() {
     let right = Rotations::default();
     assert_order(of_both(Rotations { cayley: true, ..right }), 2.0);
