@@ -209,7 +209,7 @@ const UNCLEAR: f64 = 0.2;
 /// - The order is the lowest of all test functions. A term of low order that is so small that it is
 ///   below round-off at every step size is not seen; where it begins to show, no order is named.
 ///
-/// It takes a hundredth of a second in three dimensions with three noises, and some tenths of a
+/// It takes some hundredths of a second in three dimensions with three noises, and some tenths of a
 /// second in six.
 ///
 /// ```
