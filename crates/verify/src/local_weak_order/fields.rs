@@ -70,8 +70,8 @@ impl Fields {
         Ok(Self { drift, noises: (1..=noises).map(field).collect::<Result<_, _>>()? })
     }
 
-    /// The power of two by which noises are multiplied for ½Σ|fₘ|² to be s|f| about, with the size s
-    /// of states; one if either is zero.
+    /// The power of two by which noises are multiplied for ½Σ|fₘ|² to be about s|f|, with the size
+    /// s of states; one if either is zero.
     pub fn balance(&self, scale: f64) -> f64 {
         let square = |field: &[Polynomial]| -> f64 {
             let origin = vec![0.0; field.len()];
