@@ -104,6 +104,11 @@ impl CentralMoments {
         self.variance() / self.count as f64
     }
 
+    /// E(x − Ex)³; zero without samples.
+    pub fn third_moment(&self) -> f64 {
+        self.m3 / self.count.max(1) as f64
+    }
+
     /// E[(x − Ex)⁴]/Var(x)², three for normals; NaN for a constant.
     pub fn kurtosis(&self) -> f64 {
         self.count as f64 * self.m4 / (self.m2 * self.m2)

@@ -141,7 +141,8 @@ impl Statistic for PathValues<'_> {
             for (run, phi) in phi.iter_mut().enumerate().take(view.runs()) {
                 observable.evaluate(view.state(run), view.live, phi);
             }
-            let present = |run: usize, else_run: usize| if run < view.runs() { run } else { else_run };
+            let present =
+                |run: usize, else_run: usize| if run < view.runs() { run } else { else_run };
             let second = if coupled { present(2, 0) } else { present(1, 0) };
             let other = present(3, 1);
             for p in view.live.paths() {

@@ -18,13 +18,39 @@ pub struct Scrambles {
     means: Vec<Means>,
 }
 
-/// Means of one test function over the points of each scramble, as samples.
+/// One test function: numbers of each scramble, as samples.
 #[derive(Clone, Copy, Default)]
 struct Means {
     /// Of φ of single paths, or of the difference.
-    sample: CentralMoments,
+    sample: Own,
     /// Of φ on the fine path.
-    fine: CentralMoments,
+    fine: Own,
+}
+
+/// Numbers of each scramble.
+#[derive(Clone, Copy, Default)]
+pub struct Own {
+    /// The mean over its points.
+    pub mean: CentralMoments,
+    /// Its largest and its least value.
+    ends: [CentralMoments; 2],
+}
+
+impl Own {
+    fn add(&mut self, points: &CentralMoments) {
+        self.mean.add(points.mean());
+        if let Some((least, largest)) = points.range() {
+            self.ends[0].add(largest);
+            self.ends[1].add(least);
+        }
+    }
+
+    /// The variance that the largest and the least of so many points give to the mean of a
+    /// scramble.
+    pub fn variance_of_ends(&self, points: u64) -> f64 {
+        let n = points as f64;
+        self.ends.iter().map(CentralMoments::variance).sum::<f64>() / (n * n)
+    }
 }
 
 impl Scrambles {
@@ -37,8 +63,8 @@ impl Scrambles {
         (samples.failed, samples.paths) = (0, points * scrambles.len() as u64);
         for Drawn { sums: Sums { values: own, motion: moved }, failed, .. } in scrambles {
             for (k, own) in own.iter().enumerate() {
-                self.means[k].sample.add(own.sample.mean());
-                self.means[k].fine.add(own.fine.mean());
+                self.means[k].sample.add(&own.sample);
+                self.means[k].fine.add(&own.fine);
                 values[k].merge(own);
             }
             motion.merge(&moved);
@@ -47,18 +73,23 @@ impl Scrambles {
         (samples.values, samples.motion, self.points) = (values, motion, points);
     }
 
-    /// Test function number k on this level as a term of a sum: the difference, or, as `first`
-    /// term, φ on the fine path. Its variance is such that variance/count is that of the mean over
-    /// scrambles.
+    /// The numbers of test function number k: of the difference, or, for the `first` term of a sum,
+    /// of φ on the fine path.
+    pub fn own(&self, k: usize, first: bool) -> &Own {
+        if first { &self.means[k].fine } else { &self.means[k].sample }
+    }
+
+    /// Test function number k on this level as a term of a sum. Its variance is such that
+    /// variance/count is that of the mean over scrambles.
     pub fn term(&self, samples: &Samples, k: usize, first: bool, tail: Tail) -> Term {
-        let means = if first { &self.means[k].fine } else { &self.means[k].sample };
+        let mean = &self.own(k, first).mean;
         let (cost, count) = (samples.cost_per_path as f64, samples.count() as f64);
-        Term { cost, count, mean: means.mean(), variance: count * means.variance_of_mean(), tail }
+        Term { cost, count, mean: mean.mean(), variance: count * mean.variance_of_mean(), tail }
     }
 
     /// The variance of independent points over that of Sobol points, for the mean of φ number k on
     /// the fine path; NaN where it does not vary.
     pub fn gain(&self, samples: &Samples, k: usize) -> f64 {
-        samples.values[k].fine.variance_of_mean() / self.means[k].fine.variance_of_mean()
+        samples.values[k].fine.variance_of_mean() / self.means[k].fine.mean.variance_of_mean()
     }
 }
