@@ -1,0 +1,288 @@
+//! `docs/expectations.md`, made from the measurements.
+
+use report::{
+    Page,
+    figure::{Curve, Figure, Measured, Plot, Spacing, Style},
+    number,
+    provenance::generated_by,
+};
+
+use crate::results::{BiasPoint, Cost, FunctionBias, Measurements, Method, SchemeBias, Slope};
+
+/// The whole page with its figures.
+pub fn page(measured: &Measurements) -> Page {
+    let mut page = Page::new("Expectations");
+    page.paragraph(format!(
+        "What does an expectation cost, and how large is the bias of a scheme? {} The load average \
+         of the minute before was {}: {}. Times hold for that machine.",
+        generated_by(&measured.provenance),
+        measured.load.map_or("not known".into(), |load| format!("{load:.2}")),
+        match measured.load {
+            Some(load) if load < 0.5 => "little else ran at the start",
+            Some(_) => "other work ran beside, or had just ended",
+            None => "other work may have run beside",
+        },
+    ));
+    page.paragraph(PROBLEM);
+    page.heading(2, "Cost of E[cos y₃]");
+    page.paragraph(format!("{METHOD} Processor time is: {}.", measured.clock));
+    page.list(measured.methods.iter().map(exponents));
+    let steps = |row: &Cost| row.path_steps as f64;
+    let drawing = figure(&measured.methods, "path-steps", steps, |method| method.beyond_pilot);
+    page.figure("expectations-path-steps.svg", "Path-steps against accuracy", drawing);
+    let seconds = |row: &Cost| row.processor_s;
+    let drawing = figure(&measured.methods, "processor seconds", seconds, |m| m.beyond_pilot_s);
+    page.figure("expectations-seconds.svg", "Processor seconds against accuracy", drawing);
+    page.paragraph(PATHS_COMPARED);
+    let head = ["ε", "against", "path-steps", "processor seconds"];
+    page.table(head, compared(&measured.methods));
+    for method in &measured.methods {
+        section(&mut page, method);
+    }
+    twelve(&mut page, measured);
+    bias(&mut page, measured);
+    page.paragraph("The fields of `expectations.json` are in [results.md](results.md).");
+    page
+}
+
+/// A slope with its interval.
+fn interval(slope: Slope) -> String {
+    let half = 0.5 * (slope.hi - slope.lo);
+    format!("{:.2} ± {:.2}", slope.value, half.max(0.01)).replace('-', "−")
+}
+
+fn exponents(method: &Method) -> String {
+    let of = |slope: Option<Slope>| slope.map_or("not known".into(), interval);
+    let (steps, seconds) = (of(method.path_steps), of(method.processor_s));
+    let (later, later_s) = (of(method.beyond_pilot), of(method.beyond_pilot_s));
+    format!(
+        "**{}**: ε to the power {later} in path-steps and {later_s} in seconds beyond the pilot; \
+         {steps} and {seconds} over all rows.",
+        method.name
+    )
+}
+
+/// The cost of the other methods over that of the last at the accuracies of both.
+fn compared(methods: &[Method]) -> Vec<[String; 4]> {
+    let Some((last, others)) = methods.split_last() else { return Vec::new() };
+    let mut rows = Vec::new();
+    for row in &last.rows {
+        for other in others {
+            let same = other.rows.iter().find(|candidate| candidate.accuracy == row.accuracy);
+            rows.extend(same.map(|same| {
+                [
+                    format!("{:.0e}", row.accuracy),
+                    other.name.into(),
+                    format!("{} ×", number(same.path_steps as f64 / row.path_steps as f64)),
+                    format!("{} ×", number(same.processor_s / row.processor_s)),
+                ]
+            }));
+        }
+    }
+    rows
+}
+
+fn figure(
+    methods: &[Method],
+    y_title: &str,
+    cost: fn(&Cost) -> f64,
+    exponent: fn(&Method) -> Option<Slope>,
+) -> String {
+    let curve = |method: &Method| {
+        let points = method.rows.iter().map(|row| Measured::new(row.accuracy, cost(row)));
+        let note = exponent(method).map_or(String::new(), interval);
+        Curve { note, ..Curve::new(method.name, points) }
+    };
+    let plot = Plot {
+        x_title: "requested half-width ε of the 95 % interval".into(),
+        spacing: Spacing::Decades,
+        lines: Vec::new(),
+        curves: methods.iter().map(curve).collect(),
+    };
+    Figure {
+        title: format!("E[cos y_3] of the rigid body with three noises: {y_title}"),
+        y_title: y_title.into(),
+        size: (340.0, 230.0),
+        style: Style::Schemes,
+        plots: vec![plot],
+    }
+    .svg()
+}
+
+fn section(page: &mut Page, method: &Method) {
+    page.heading(3, &format!("By {}", method.name));
+    let head = [
+        "ε",
+        "estimate",
+        "half-width",
+        "error",
+        "finest steps",
+        "path-steps",
+        "wall s",
+        "processor s",
+    ];
+    let row = |row: &Cost| {
+        let mut width = format!("{:.1e}", row.half_width);
+        if !row.reached {
+            width += ", not reached";
+        }
+        let mut error = format!("{:+.1e}", row.error);
+        if row.error.abs() > row.half_width {
+            error += ", outside";
+        }
+        [
+            format!("{:.0e}", row.accuracy),
+            format!("{:.8}", row.estimate),
+            width,
+            error,
+            row.finest_steps.to_string(),
+            format!("{:.2e}", row.path_steps as f64),
+            number(row.wall_s),
+            number(row.processor_s),
+        ]
+    };
+    page.table(head, method.rows.iter().map(row));
+    page.paragraph(method.stopped.clone().unwrap_or_default());
+    if !method.decisions.is_empty() {
+        page.paragraph("What was decided in the last row:");
+        page.list(method.decisions.iter().cloned());
+    }
+}
+
+fn twelve(page: &mut Page, measured: &Measurements) {
+    let twelve = &measured.twelve;
+    page.heading(2, "Twelve test functions");
+    page.paragraph(format!(
+        "All of them by one run of `Expect` to ± {:.0e}: {:.2e} path-steps, {} s of wall time and \
+         {} s of processor time. {} of {} intervals contain the exact value. They share their \
+         paths.",
+        twelve.accuracy,
+        twelve.path_steps as f64,
+        number(twelve.wall_s),
+        number(twelve.processor_s),
+        twelve.estimates.iter().filter(|e| (e.estimate - e.exact).abs() <= e.half_width).count(),
+        twelve.estimates.len(),
+    ));
+    let rows = twelve.estimates.iter().map(|known| {
+        [
+            format!("`{}`", known.name),
+            format!("{:.9}", known.estimate),
+            format!("{:.1e}", known.half_width),
+            format!("{:.9}", known.exact),
+            format!("{:+.1e}", known.estimate - known.exact),
+        ]
+    });
+    page.table(["φ", "estimate", "half-width", "exact", "error"], rows);
+}
+
+fn bias(page: &mut Page, measured: &Measurements) {
+    let bias = &measured.bias;
+    page.heading(2, "Bias of schemes");
+    let all = bias.schemes.iter().flat_map(|s| &s.functions).flat_map(|f| &f.points);
+    let points = all.map(|point| point.points).min().unwrap_or(0);
+    page.paragraph(format!(
+        "E[φ(y_N)] − E[φ(y(T))] at N steps, with the half-width of its 95 % interval, from {} \
+         independent scrambles of {} Sobol points, for `nv` of so many times the number of steps. \
+         {BIAS}",
+        bias.scrambles, points
+    ));
+    let steps: Vec<u64> = [1, 2, 4, 8, 16].into();
+    let head = ["scheme", "φ"].map(str::to_owned).into_iter();
+    let head =
+        head.chain(steps.iter().map(|n| format!("{n} step{}", if *n == 1 { "" } else { "s" })));
+    let row = |scheme: &SchemeBias, function: &FunctionBias| {
+        let cell = |steps: &u64| {
+            let at = function.points.iter().find(|point| point.steps == *steps);
+            at.map_or("–".into(), in_words)
+        };
+        let first = [format!("`{}`", scheme.scheme), function.name.clone()];
+        first.into_iter().chain(steps.iter().map(cell)).collect::<Vec<_>>()
+    };
+    let rows = bias.schemes.iter().flat_map(|s| s.functions.iter().map(move |f| row(s, f)));
+    page.table(head, rows);
+    page.heading(3, "The weak order of nv");
+    page.paragraph(ORDER);
+    let head = ["scheme", "φ", "order, 2 to 16 steps", "2 to 4", "4 to 8", "8 to 16"];
+    let of = |slope: Option<Slope>| slope.map_or("–".into(), interval);
+    let row = |scheme: &SchemeBias, function: &FunctionBias| {
+        let mut cells = vec![format!("`{}`", scheme.scheme), function.name.clone()];
+        cells.push(of(function.order));
+        cells.extend((0..3).map(|n| of(function.orders.get(n).copied())));
+        cells
+    };
+    let second = || bias.schemes.iter().filter(|s| s.functions.iter().any(|f| f.order.is_some()));
+    let rows = second().flat_map(|s| s.functions.iter().map(move |f| row(s, f)));
+    page.table(head, rows);
+    let far = second().flat_map(|s| s.functions.iter().filter_map(move |f| outside(s, f)));
+    page.list(far);
+}
+
+fn in_words(point: &BiasPoint) -> String {
+    let failed = match point.failed {
+        0 => String::new(),
+        failed => format!(", {failed} paths failed"),
+    };
+    format!("{:+.2e} ± {:.0e}{failed}", point.bias, point.half_width)
+}
+
+/// What is seen where the order with its interval is not within 2 ± 0.1.
+fn outside(scheme: &SchemeBias, function: &FunctionBias) -> Option<String> {
+    let order = function.order.filter(|order| order.lo < 1.9 || order.hi > 2.1)?;
+    let last = function.orders.last()?;
+    let points = function.points.iter().filter(|point| point.steps > 1);
+    let mut signs: Vec<bool> = points.map(|point| point.bias > 0.0).collect();
+    signs.dedup();
+    let agrees = last.lo <= 2.0 && 2.0 <= last.hi;
+    let why = if signs.len() > 1 {
+        "The bias changes its sign at these steps, so that the points lie on no line"
+    } else if agrees && last.hi - last.lo > 0.5 {
+        "The bias at the last steps is small beside its standard error, and the coarse steps bend"
+    } else {
+        "The coarse steps bend the line by terms of higher order, which makes the interval"
+    };
+    let pair =
+        if agrees { "agrees with order two" } else { "does not agree with order two either" };
+    let why = format!("{why}. The last pair alone, {}, {pair}.", interval(*last));
+    Some(format!(
+        "`{}`, {}: {} is not within 2 ± 0.1. {why}",
+        scheme.scheme,
+        function.name,
+        interval(order)
+    ))
+}
+
+const PROBLEM: &str = "\
+The problem is the rigid body with three noises of the weak panels: I = (2, 1, 2/3), Î = (1, 2, \
+3), γ(t) = ½cos 2t, y(0) = (cos 1.1, 0, sin 1.1), T = 1. Its expectations are known to round-off \
+from the Kolmogorov equation on the sphere, so every error here is an actual one.";
+
+const METHOD: &str = "\
+ε is the requested half-width of the 95 % interval, bias included. All runs are on one thread, and \
+pilots are part of the cost.
+
+**Single paths**: random points, `sexp` on one level, the first one whose bias is at most ε/4; the \
+coupled paths that show the bias count. **Multilevel**: random points, `sexp`, antithetic \
+differences from τ = 1/2 on. **Expect**: `mc::Expect`, which takes `nv` with the flows of the \
+parts, scrambled Sobol points on levels, and extrapolation. `Expect` has no setting for a single \
+level, so a row of quasi-Monte Carlo on one level is not here.
+
+**Exponents** are slopes of the logarithm of the cost over the logarithm of ε by least squares, all \
+rows alike, with 95 % intervals from the scatter about the line. *Beyond the pilot*, as in the \
+legends, are the rows that cost over a fifth more than the first one. Rows are few and levels come \
+one at a time, so the intervals are wide.";
+
+const PATHS_COMPARED: &str = "\
+How many times the cost of `Expect` another method takes for the same ε:";
+
+const BIAS: &str = "\
+`em`, `heun`, `midpoint` and `sexp` clip increments, as the paper does, which takes steps below \
+one: they begin with two steps, and the clipping is part of their bias. `nv` changes the order of \
+the noises from step to step; *nv, both orders* is the mean of φ over first to last and last to \
+first in every step, on the same increments, which is what `Expect` takes.";
+
+const ORDER: &str = "\
+The slope of ln |bias| over ln τ at 2, 4, 8 and 16 steps by least squares, with an interval of \
+95 % from the scatter about the line and from the standard errors; beside it the orders between \
+neighbouring numbers of steps, with intervals from the standard errors alone. Scatter of four \
+points has two degrees of freedom and the quantile 4.3, so a slight bend, by the next term of the \
+expansion, makes a wide interval.";
