@@ -53,7 +53,8 @@ fn every_method_has_rows_and_every_scheme_a_bias() {
         point["bias"].as_f64().unwrap().abs()
     };
     assert_eq!(schemes.len(), 8);
-    for other in ["em", "midpoint", "sexp", "sexp-li", "split"] {
+    // The bias of sexp-li for this function changes its sign near four steps.
+    for other in ["em", "midpoint", "sexp", "split"] {
         assert!(size("nv", 4) < 0.5 * size(other, 4), "{other}");
     }
 
