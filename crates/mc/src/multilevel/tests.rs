@@ -123,6 +123,7 @@ fn path_values_are_those_of_the_runs() {
         (vec![state(3.0)], 30.0, 30.0),
         (vec![state(3.0), state(2.0)], 30.0, 10.0),
         (vec![state(3.0), state(2.0), state(5.0)], 40.0, 20.0),
+        (vec![state(3.0), state(2.0), state(5.0), state(1.0)], 40.0, 25.0),
     ] {
         let mut seen = observe(&states, &[1, 2]);
         assert_eq!(

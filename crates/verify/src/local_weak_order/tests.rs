@@ -169,8 +169,7 @@ fn a_wrong_term_that_hides_in_weak_noise_is_found() {
 macro_rules! orders_of {
     ($nv:expr, $problem:expr) => {{
         let nv = $nv;
-        let (forward, backward) =
-            (nv.with_sweep(Sweep::Forward), nv.with_sweep(Sweep::Backward));
+        let (forward, backward) = (nv.with_sweep(Sweep::Forward), nv.with_sweep(Sweep::Backward));
         [
             local_weak_order(&[&forward, &backward], $problem),
             local_weak_order(&[&forward], $problem),
