@@ -252,7 +252,8 @@ impl<'a, N: StepNoise> Expect<'a, N> {
                             return Ok(Some(found));
                         }
                     }
-                    Err(MultilevelError::NoPaths { .. }) if !end => {}
+                    Err(MultilevelError::NoPaths { .. } | MultilevelError::NotFinite { .. })
+                        if !end => {}
                     other => return other,
                 }
                 decisions.push(format!("paths fail with {steps} steps on the coarsest level"));

@@ -24,6 +24,7 @@ fn quick(entry: &Entry) -> bool {
         }
         Question::WeakOrder => return false,
         Question::StrongError => return true,
+        Question::Chosen => &["damping", "Langevin"],
         Question::Expectation => {
             &["Kubo", "large steps", "damping", "kinks", "time change", "Langevin", "geometric"]
         }
@@ -50,6 +51,40 @@ fn the_library_is_answered_and_old_rules_are_refuted() {
     }
 }
 
+/// Seeds of each entry below.
+const MANY: u64 = 100;
+
+/// Smooth functions, kinks, jumps and unbounded functions, with and without damping.
+fn covered(entry: &Entry) -> bool {
+    let names = [
+        "p, ω = 2, σ = ½, midpoint",
+        "q > ½, Kubo, ω = σ = 1",
+        "(W − ½)₊",
+        "e^W",
+        "|∫W|^½",
+        "p²",
+        "y₁ of a damped top, c = 0.7",
+    ];
+    entry.question == Question::Chosen && names.contains(&&*entry.name)
+}
+
+/// The share of misses of an entry is below 7 % with an error of 1e-3 over all, and the intervals
+/// are at most twice as wide as errors of this size need: the root mean square of 100 errors is
+/// known to a tenth, and widths of 1.66 at most were measured with 1000.
+#[test]
+fn chosen_intervals_cover_and_are_not_too_wide() {
+    let entries: Vec<Entry> = entries().into_iter().filter(covered).collect();
+    assert_eq!(entries.len(), 7);
+    let rows = ask(&entries, MANY, &Job::here()).unwrap();
+    for row in &rows {
+        let width = row.total.relative_width();
+        println!("{}: {:?}, width {width:.2}", row.name, row.total);
+        assert!(!row.total.refuted(0.07, CHANCE / rows.len() as f64), "{row:?}");
+        assert_eq!(row.total.stated, MANY, "{row:?}");
+        assert!((0.8..2.0).contains(&width), "{width}: {row:?}");
+    }
+}
+
 #[test]
 fn answers_are_functions_of_the_seed() {
     let some = || -> Vec<Entry> { entries().into_iter().filter(|e| e.kind == "damping").collect() };
@@ -60,7 +95,8 @@ fn answers_are_functions_of_the_seed() {
 
 #[test]
 fn answers_and_coverage_come_in_parts() {
-    let entries: Vec<Entry> = entries().into_iter().filter(|e| e.kind == "damping").collect();
+    let damping = |e: &Entry| e.kind == "damping" && e.question == Question::Expectation;
+    let entries: Vec<Entry> = entries().into_iter().filter(damping).collect();
     let run = |job: &Job| (ask(&entries, 2, job), coverage(120, 1, job));
     let folder = tempfile::tempdir().unwrap();
     let program = || Program { name: "battery".into(), version: "1".into() };

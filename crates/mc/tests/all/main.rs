@@ -4,6 +4,7 @@
 mod damping;
 mod driver;
 mod dynamic;
+mod expect;
 mod explosive;
 mod judged;
 mod ladder;

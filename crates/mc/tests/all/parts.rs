@@ -8,7 +8,7 @@ use std::{
 };
 
 use mc::{
-    Kept, Ladder, Measured, Observable, Run, Statistic, View,
+    Expect, Kept, Ladder, Measured, Observable, Run, Statistic, View,
     multilevel::{Coupling, Expectation, ExpectationSettings, expectation_in},
     parts::{Job, JobError, Outcome, Program, Share, Stop, remove},
 };
@@ -470,6 +470,39 @@ fn an_expectation_in_parts_takes_rounds_and_has_the_same_bits() {
         }
     }
     assert!(rounds.iter().all(|&n| n >= 2), "{rounds:?}");
+}
+
+#[test]
+fn sobol_points_in_parts_take_rounds_and_have_the_same_bits() {
+    let problem = pendulum(1.0);
+    let phi = Observable { name: "q^2", function: |y: [f64; 2]| y[0] * y[0] };
+    let run = |job: Job, accuracy: f64| {
+        let job = job.splitting_rounds_above(10_000);
+        let expect = Expect::by_parts(&problem).with_scrambles(16);
+        let found = expect.run_in(&job, "E", &[&phi], accuracy, &|_| ()).unwrap();
+        job.finish().map(|_| found)
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let mut rounds = 0;
+    // The second accuracy extends the points of the first.
+    for (accuracy, of) in [(2e-3, 3), (5e-4, 2)] {
+        let here = run(Job::here(), accuracy).unwrap();
+        assert!(here.as_ref().unwrap().reached());
+        loop {
+            for number in (1..=of).rev() {
+                let found = run(STUDY.part(folder.path(), number, of).unwrap(), accuracy).unwrap();
+                assert!(found.is_none() || found == here);
+            }
+            rounds += 1;
+            match run(Job::merge(folder.path(), STUDY.program()).unwrap(), accuracy) {
+                Ok(found) => break assert_eq!(found, here),
+                Err(JobError::NextRound { work }) => assert!(work.starts_with("E/nv"), "{work}"),
+                Err(error) => panic!("{error}"),
+            }
+            assert!(rounds < 60);
+        }
+    }
+    println!("{rounds} rounds");
 }
 
 #[test]

@@ -4,7 +4,9 @@ use formula::{Definition, FormulaSystem};
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Outcome, Solution};
 use real::{Block, Real, WIDTH};
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Split, Step};
+use schemes::{
+    EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split, Step, Sweep,
+};
 use systems::{
     Constant, IntegerExponents, LotkaVolterra, MaxwellBloch, Poisson3, Problem, RigidBody, paper,
     run_time,
@@ -161,6 +163,44 @@ fn a_wrong_term_that_hides_in_weak_noise_is_found() {
     let both = [right, Rotations { backwards: true, ..right }];
     assert_order(local_weak_order(&[&both[0], &both[1]], &problem), 3.0);
     assert_order(local_weak_order(&[&EulerMaruyama], &problem), 2.0);
+}
+
+/// The local order of both orders of the noises together, and of the first alone.
+macro_rules! orders_of {
+    ($nv:expr, $problem:expr) => {{
+        let nv = $nv;
+        let (forward, backward) = (nv.with_sweep(Sweep::Forward), nv.with_sweep(Sweep::Backward));
+        [
+            local_weak_order(&[&forward, &backward], $problem),
+            local_weak_order(&[&forward], $problem),
+        ]
+    }};
+}
+
+#[test]
+fn nv_has_local_order_three() {
+    let problem = body();
+    for [both, one] in [
+        orders_of!(Nv::of_parts(), &problem),
+        orders_of!(Nv::new(problem.system(), problem.y0()).unwrap(), &problem),
+    ] {
+        assert_order(both, 3.0);
+        assert_order(one, 2.0);
+    }
+    // One noise needs no second order.
+    let damping = || paper::valid(Constant::new(0.2));
+    let laser = paper::valid(Problem::new(MaxwellBloch, damping(), paper::POISSON_START, 1.0));
+    let system = paper::valid(LotkaVolterra::<IntegerExponents<1, 1>>::integer(1.0));
+    let start = paper::LOTKA_VOLTERRA_START;
+    let populations = paper::valid(Problem::new(system, damping(), start, 1.0));
+    for [both, one] in [
+        orders_of!(Nv::of_parts(), &laser),
+        orders_of!(Nv::new(laser.system(), laser.y0()).unwrap(), &laser),
+        orders_of!(Nv::new(populations.system(), populations.y0()).unwrap(), &populations),
+    ] {
+        assert_order(both, 3.0);
+        assert_order(one, 3.0);
+    }
 }
 
 #[test]

@@ -1,0 +1,140 @@
+//! Expectations with everything chosen: exact values, the same bits for any threads and flows, and
+//! what is done where `nv` is not for a system.
+
+use std::sync::Arc;
+
+use mc::{Expect, Observable, Observe, expect, multilevel::MultilevelError};
+use noise::StreamKey;
+use real::Real;
+use systems::{
+    Constant, Cosine, IntegerExponents, LotkaVolterra, Pendulum, PoissonSystem, Problem, RigidBody,
+    run_time::Compiled,
+};
+
+/// E cos y₃ of [`body`], by eigenfunctions on the sphere (`verify::sphere`).
+const EXACT: f64 = 0.797_719_94;
+
+fn body() -> Problem<RigidBody<3>, Cosine, 3> {
+    let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
+    let y0 = [1.1f64.cos(), 0.0, 1.1f64.sin()];
+    Problem::new(body, Cosine::new(0.5, 2.0).unwrap(), y0, 1.0).unwrap()
+}
+
+const COS_Y3: Observable<3> = Observable { name: "cos y3", function: |y| y[2].cos() };
+
+#[test]
+fn three_noises_that_do_not_commute() {
+    let problem = body();
+    let found = Expect::by_parts(&problem).run(&[&COS_Y3], 1e-4, &|_| ()).unwrap();
+    let estimate = &found.estimates[0];
+    // With 95 % the interval contains the value; a seed that fails would be one of twenty.
+    assert!(found.reached() && found.warnings.is_empty(), "{:?}", found.warnings);
+    assert!((estimate.value - EXACT).abs() < estimate.half_width(), "{estimate:?}");
+    assert!(estimate.half_width() <= 1e-4 && estimate.quantile > 2.0);
+    // Random points on levels take some hundred times as much.
+    assert!(found.cost < 2_000_000, "{}", found.cost);
+    assert!(found.decisions[0].starts_with("nv: weak order two"), "{:?}", found.decisions);
+    assert!(found.decisions[1].contains("scrambles of"), "{:?}", found.decisions);
+    // By stages the bias is another one, and the truth the same.
+    let stages = expect(&problem, &[COS_Y3], 1e-4).unwrap();
+    assert!(stages.reached());
+    assert!((stages.estimates[0].value - EXACT).abs() < stages.estimates[0].half_width());
+    assert_ne!(stages.estimates[0].value, estimate.value);
+}
+
+#[test]
+fn threads_do_not_count_and_keys_do() {
+    let problem = body();
+    let with = |threads: usize, seed: u64| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let key = StreamKey { seed, experiment: 5 };
+        let found =
+            || Expect::by_parts(&problem).with_key(key).run(&[&COS_Y3], 3e-4, &|_| ()).unwrap();
+        pool.install(found)
+    };
+    let one = with(1, 1);
+    assert_eq!(one, with(3, 1));
+    assert_ne!(one.estimates[0].value, with(1, 2).estimates[0].value);
+}
+
+#[test]
+fn systems_known_at_run_time_have_the_bits_of_stages() {
+    let compiled = body();
+    let system = Arc::new(Compiled::new(*compiled.system(), compiled.y0()));
+    let damping = Arc::new(Cosine::new(0.5, 2.0).unwrap());
+    let problem =
+        systems::run_time::Problem::new(system, damping, compiled.y0().to_vec(), 1.0).unwrap();
+    let found = Expect::at_run_time(&problem).unwrap().run(&[&COS_Y3], 1e-3, &|_| ()).unwrap();
+    let stages = Expect::new(&compiled).run(&[&COS_Y3], 1e-3, &|_| ()).unwrap();
+    assert_eq!(found, stages);
+}
+
+/// B(y) = (1 + y₃²)·(y × ·), with the Casimir ½|y|² named: not affine, and not linear.
+#[derive(Clone)]
+struct Curved;
+
+impl PoissonSystem<3, 2> for Curved {
+    fn name(&self) -> &'static str {
+        "curved"
+    }
+    fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+        let factor = y[2] * y[2] + 1.0;
+        let cross =
+            [y[1] * v[2] - y[2] * v[1], y[2] * v[0] - y[0] * v[2], y[0] * v[1] - y[1] * v[0]];
+        cross.map(|x| x * factor)
+    }
+    fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 2]) -> R {
+        y[2] * dt + y[0] * (0.5 * dw[0]) + y[2] * (0.5 * dw[1])
+    }
+}
+
+#[test]
+fn where_nv_is_refused_sexp_is_taken() {
+    let problem = Problem::new(Curved, Constant::new(0.1).unwrap(), [0.6, 0.0, 0.8], 0.5).unwrap();
+    let square =
+        Observable { name: "|y|²", function: |y: [f64; 3]| y.iter().map(|y| y * y).sum() };
+    let first = Observable { name: "y1", function: |y: [f64; 3]| y[0] };
+    let found = expect(&problem, &[square, first], 3e-3).unwrap();
+    assert!(found.decisions[0].starts_with("sexp: weak order one, since nv needs"), "{found:?}");
+    assert!(found.decisions[0].contains("curved"));
+    // |y|² is damped by e^{−2γT} on every path.
+    let exact = (-0.1f64).exp();
+    assert!((found.estimates[0].value - exact).abs() < 1e-12);
+    assert!(found.estimates[1].half_width() <= 3e-3);
+}
+
+#[test]
+fn large_steps_on_which_paths_fail_are_left_out() {
+    // The stages of Runge and Kutta overflow here with large noise.
+    let system = LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0).unwrap();
+    let problem = Problem::new(system, Constant::new(0.0).unwrap(), [0.9, 1.1, 0.8], 1.0).unwrap();
+    let h = Observable { name: "H", function: |y: [f64; 3]| y[0].powi(2) * y[1].powi(2) * y[2] };
+    let found = expect(&problem, &[h], 1e-2).unwrap();
+    // Drift and noise are the same H: it is constant.
+    let (exact, estimate) = (0.81 * 1.21 * 0.8, &found.estimates[0]);
+    assert!(found.reached() && (estimate.value - exact).abs() < estimate.half_width());
+    assert!(found.decisions[1].starts_with("paths fail with 1 steps"), "{:?}", found.decisions);
+    assert!(found.levels[0].tau <= 0.25, "{:?}", found.levels[0]);
+}
+
+#[test]
+fn bad_settings_are_refused() {
+    let problem =
+        Problem::new(Pendulum::new(1.0).unwrap(), Constant::new(0.5).unwrap(), [0.2, 1.0], 1.0)
+            .unwrap();
+    let q = Observable { name: "q", function: |y: [f64; 2]| y[1] };
+    let run =
+        |expect: Expect<'_, _>, accuracy| expect.run(&[&q as &dyn Observe], accuracy, &|_| ());
+    for accuracy in [0.0, f64::NAN, -1.0] {
+        let refused = run(Expect::new(&problem), accuracy).unwrap_err();
+        assert!(matches!(refused, MultilevelError::Setting { name: "accuracy", .. }), "{refused}");
+    }
+    let few = run(Expect::new(&problem).with_scrambles(3), 1e-2).unwrap_err();
+    assert_eq!(few.to_string(), "the number of scrambles must be from 16 to 2^20, got 3");
+    let none = Expect::new(&problem).run(&[], 1e-2, &|_| ()).unwrap_err();
+    assert_eq!(none, MultilevelError::NoObservable);
+    let cheap = run(Expect::new(&problem).with_max_cost(1000), 1e-2).unwrap_err();
+    assert!(matches!(cheap, MultilevelError::PilotCost { max_cost: 1000, .. }), "{cheap}");
+    let limited = run(Expect::new(&problem).with_max_cost(200_000), 1e-9).unwrap();
+    assert!(!limited.reached() && limited.cost <= 200_000);
+}
