@@ -179,6 +179,6 @@ fn pilots(rows: &[Cost]) -> usize {
 
 /// The exponent of a cost in ε.
 fn exponent(rows: &[Cost], cost: fn(&Cost) -> f64) -> Option<Slope> {
-    let point = |row: &Cost| (row.accuracy.ln(), cost(row).ln(), 0.0);
+    let point = |row: &Cost| (row.accuracy.ln(), cost(row).ln());
     slope(&rows.iter().map(point).collect::<Vec<_>>())
 }

@@ -6,8 +6,10 @@
 mod bias;
 mod cost;
 mod line;
+mod order;
 mod page;
 mod results;
+mod scrambles;
 
 use std::{fs, path::PathBuf, process::ExitCode, time::Instant};
 
@@ -50,11 +52,13 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     let mode = if arguments.quick { Mode::Quick } else { Mode::Paper };
     // On the one thread of this pool, whose processor time is that of all the work.
     let pool = ThreadPoolBuilder::new().num_threads(1).build()?;
-    let (methods, twelve, bias, threads) = pool.install(|| -> Result<_> {
+    let (methods, twelve, threads) = pool.install(|| -> Result<_> {
         let (methods, twelve) = cost::measure(arguments.seed, arguments.quick)?;
-        let bias = bias::measure(arguments.seed, arguments.quick)?;
-        Ok((methods, twelve, bias, Provenance::of_run(arguments.seed, mode.id())))
+        Ok((methods, twelve, Provenance::of_run(arguments.seed, mode.id())))
     })?;
+    // No times: on all threads.
+    let bias = bias::measure(arguments.seed, arguments.quick)?;
+    let orders = order::measure(arguments.seed, arguments.quick)?;
     let measured = Measurements {
         schema: results::SCHEMA,
         provenance: provenance::complete(threads, "cargo xtask expectations", start),
@@ -67,6 +71,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         methods,
         twelve,
         bias,
+        orders,
     };
     files::write_json(&arguments.out.join("expectations.json"), &measured)?;
     let page = page::page(&measured);

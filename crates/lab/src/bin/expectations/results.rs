@@ -23,6 +23,8 @@ pub struct Measurements {
     pub twelve: Twelve,
     /// The bias of schemes.
     pub bias: Bias,
+    /// The weak order of `nv` and its twins.
+    pub orders: Orders,
 }
 
 /// A way to compute an expectation.
@@ -80,6 +82,18 @@ pub struct Slope {
     pub hi: f64,
 }
 
+impl Slope {
+    /// A slope with the half-width of its interval.
+    pub fn within(value: f64, half_width: f64) -> Self {
+        Self { value, lo: value - half_width, hi: value + half_width }
+    }
+
+    /// Half of the interval.
+    pub fn half_width(self) -> f64 {
+        0.5 * (self.hi - self.lo)
+    }
+}
+
 /// Several expectations of one run.
 #[derive(Serialize)]
 pub struct Twelve {
@@ -133,13 +147,9 @@ pub struct FunctionBias {
     pub name: String,
     /// By number of steps.
     pub points: Vec<BiasPoint>,
-    /// The slope of ln |bias| over ln τ from two steps on; only of schemes of weak order two.
-    pub order: Option<Slope>,
-    /// Orders between neighbouring numbers of steps, from two steps on; of the same schemes.
-    pub orders: Vec<Slope>,
 }
 
-/// A bias at a number of steps.
+/// A bias at a number of steps; also against twice as many, see [`ProblemOrders`].
 #[derive(Clone, Copy, Serialize)]
 pub struct BiasPoint {
     /// Steps on [0, T].
@@ -152,4 +162,54 @@ pub struct BiasPoint {
     pub half_width: f64,
     /// Paths without a solution, which are left out.
     pub failed: u64,
+}
+
+/// Weak orders.
+#[derive(Serialize)]
+pub struct Orders {
+    /// Independent scrambles.
+    pub scrambles: u64,
+    /// The problems.
+    pub problems: Vec<ProblemOrders>,
+}
+
+/// Weak orders on a problem.
+#[derive(Serialize)]
+pub struct ProblemOrders {
+    /// The name of its system.
+    pub problem: &'static str,
+    /// T.
+    pub t_end: f64,
+    /// Whether biases are against exact values. Otherwise they are against twice as many steps.
+    pub exact: bool,
+    /// The schemes.
+    pub schemes: Vec<SchemeOrders>,
+}
+
+/// Weak orders of a scheme.
+#[derive(Serialize)]
+pub struct SchemeOrders {
+    /// What it is called.
+    pub scheme: &'static str,
+    /// Whether it is a twin, of order one.
+    pub twin: bool,
+    /// The largest relative defect of a Casimir on any path at any time kT/n.
+    pub defect: f64,
+    /// For each test function.
+    pub functions: Vec<FunctionOrder>,
+}
+
+/// The weak order for a test function.
+#[derive(Serialize)]
+pub struct FunctionOrder {
+    /// Name of φ.
+    pub name: String,
+    /// At n, 2n and 4n steps.
+    pub points: Vec<BiasPoint>,
+    /// The order p₁ between the first two; none where a bias is smaller than its half-width.
+    pub coarse: Option<Slope>,
+    /// The order p₂ between the last two.
+    pub fine: Option<Slope>,
+    /// (4p₂ − p₁)/3.
+    pub order: Option<Slope>,
 }
