@@ -36,7 +36,7 @@ pub const LIBRARY: u64 = 1 << 34;
 pub const EXPECTATION_COST: u64 = 1 << 35;
 /// The bias of schemes, a number for each number of steps.
 pub const EXPECTATION_BIAS: u64 = EXPECTATION_COST + (1 << 16);
-/// The weak order of schemes, 16 numbers for each problem.
+/// The weak order of schemes, 32 numbers for each problem.
 pub const EXPECTATION_ORDER: u64 = EXPECTATION_BIAS + (1 << 16);
 /// Coverage: case number n takes the numbers from n times this on.
 pub const COVERAGE: u64 = 1 << 40;

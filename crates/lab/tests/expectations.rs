@@ -58,6 +58,25 @@ fn every_method_has_rows_and_every_scheme_a_bias() {
         assert!(size("nv", 4) < 0.5 * size(other, 4), "{other}");
     }
 
+    let problems = measured["orders"]["problems"].as_array().unwrap();
+    let names: Vec<_> =
+        problems.iter().map(|problem| problem["problem"].as_str().unwrap()).collect();
+    assert_eq!(names, ["rigid-body", "maxwell-bloch", "poisson3"]);
+    let mut refuted = 0;
+    for scheme in problems.iter().flat_map(|problem| problem["schemes"].as_array().unwrap()) {
+        assert!(scheme["defect"].as_f64().unwrap() < 1e-12, "{}", scheme["scheme"]);
+        let functions = scheme["functions"].as_array().unwrap();
+        assert_eq!(functions.len(), 6);
+        // Intervals of neighbours, which are narrower than those without the next term.
+        let below_two =
+            |function: &&Value| function["fine"]["hi"].as_f64().is_some_and(|hi| hi < 2.0);
+        if scheme["twin"] == true {
+            assert!(functions.iter().filter(below_two).count() >= 2, "{}", scheme["scheme"]);
+            refuted += 1;
+        }
+    }
+    assert_eq!(refuted, 4);
+
     let text = fs::read_to_string(dir.path().join("expectations.md")).unwrap();
     assert_eq!(text, fs::read_to_string(&page).unwrap());
     assert!(!text.contains("NaN") && text.contains("## Bias of schemes"));

@@ -5,14 +5,13 @@ use lab::streams;
 use mc::{Observable, Run, View};
 use noise::StreamKey;
 use schemes::{EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLi, Split, Sweep};
-use stats::Moments;
 use systems::{Cosine, Problem, RigidBody, paper::rigid_body_three_noises};
 use verify::{FinalMoments, rigid_body_expectations};
 
 use crate::{
     cost::degree,
     results::{Bias, BiasPoint, FunctionBias, SchemeBias},
-    scrambles::{Scrambles, with_half_width},
+    scrambles::{Scrambles, means},
 };
 
 /// Numbers of steps.
@@ -56,6 +55,12 @@ pub fn measure(seed: u64, quick: bool) -> Result<Bias> {
     let observables = observables();
     let exact = rigid_body_expectations(&problem, degree(quick), &observables);
     let (scrambles, points) = if quick { (16, 1 << 8) } else { (32, 1 << 16) };
+    let values = |view: &View<'_>, p: usize, numbers: &mut [f64]| {
+        for (number, observable) in numbers.iter_mut().zip(&observables) {
+            let phi = |run: usize| (observable.function)(view.path(run, p));
+            *number = (0..view.runs()).map(phi).sum::<f64>() / view.runs() as f64;
+        }
+    };
     let mut schemes = Vec::new();
     for entry in entries(&problem)? {
         let clips = entry.schemes.iter().any(|scheme| scheme.clips_increments());
@@ -66,10 +71,14 @@ pub fn measure(seed: u64, quick: bool) -> Result<Bias> {
             // The same scrambles for all schemes, and others for each number of steps.
             let experiment = streams::EXPECTATION_BIAS + u64::from(steps.ilog2());
             let key = StreamKey { seed, experiment };
-            let of_points = Scrambles { key, count: scrambles, points };
-            let (means, failed) = means(&problem, &entry, &observables, steps, of_points)?;
-            for ((function, mean), exact) in functions.iter_mut().zip(&means).zip(&exact) {
-                let (mean, half_width) = with_half_width(mean);
+            let settings = Scrambles { key, count: scrambles, points };
+            let runs = || entry.schemes.iter().map(|one| Run::new(one.as_ref(), 0)).collect();
+            let new = || FinalMoments::new(steps, observables.len(), &values);
+            let measured = settings.each(&problem, (steps, 0), runs, new)?;
+            let (means, failed) = means(&measured, |last| &last.moments);
+            for ((function, (mean, half_width)), exact) in
+                functions.iter_mut().zip(means).zip(&exact)
+            {
                 let bias = mean - exact;
                 function.points.push(BiasPoint { steps, points, bias, half_width, failed });
             }
@@ -82,30 +91,4 @@ pub fn measure(seed: u64, quick: bool) -> Result<Bias> {
 fn none(observable: &Observable<3>) -> FunctionBias {
     let name = observable.name.into();
     FunctionBias { name, points: Vec::new() }
-}
-
-/// The means of each test function over scrambles, and the number of failed paths.
-fn means(
-    problem: &Problem<Body, Cosine, 3>,
-    entry: &Entry,
-    observables: &[Observable<3>],
-    steps: u64,
-    scrambles: Scrambles,
-) -> Result<(Vec<Moments>, u64)> {
-    let values = |view: &View<'_>, p: usize, numbers: &mut [f64]| {
-        for (number, observable) in numbers.iter_mut().zip(observables) {
-            let phi = |run: usize| (observable.function)(view.path(run, p));
-            *number = (0..view.runs()).map(phi).sum::<f64>() / view.runs() as f64;
-        }
-    };
-    let runs = || entry.schemes.iter().map(|scheme| Run::new(scheme.as_ref(), 0)).collect();
-    let new = || FinalMoments::new(steps, observables.len(), &values);
-    let (mut means, mut failed) = (vec![Moments::default(); observables.len()], 0);
-    for measured in scrambles.each(problem, (steps, 0), runs, new)? {
-        failed += measured.failed;
-        for (index, mean) in means.iter_mut().enumerate() {
-            mean.add(measured.statistic.moments.mean(index));
-        }
-    }
-    Ok((means, failed))
 }

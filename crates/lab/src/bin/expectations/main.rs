@@ -1,7 +1,9 @@
-//! `cargo xtask expectations`: what an expectation costs, and how large the bias of a scheme is.
+//! `cargo xtask expectations`: what an expectation costs, how large the bias of a scheme is, and
+//! the weak order of `nv`.
 //!
-//! The problem is the rigid body with three noises, whose expectations are known without sampling.
-//! All times are those of one thread. `docs/expectations.md` is made from them.
+//! The problem is the rigid body with three noises, whose expectations are known without sampling;
+//! orders are measured on two others as well. All times are those of one thread.
+//! `docs/expectations.md` is made from them.
 
 mod bias;
 mod cost;
@@ -21,7 +23,8 @@ use report::{files, provenance};
 use results::Measurements;
 use verify::{Mode, Stopwatch, results::Provenance};
 
-/// Measures what an expectation costs by several methods, and the bias of every scheme.
+/// Measures what an expectation costs by several methods, the bias of every scheme, and the weak
+/// order of nv.
 #[derive(Parser)]
 #[command(name = "cargo xtask expectations", version)]
 struct Arguments {

@@ -11,7 +11,6 @@ use lab::{Compiled, compiled, streams, weak_observables};
 use mc::{Observable, Run, Statistic, View};
 use noise::StreamKey;
 use schemes::{Nv, Scheme, Sexp, Sweep};
-use stats::Moments;
 use systems::{
     Damping, Flows, Invariant, InvariantKind, Problem,
     paper::{maxwell_bloch, poisson3_strong, rigid_body_three_noises},
@@ -21,7 +20,7 @@ use verify::{FinalMoments, rigid_body_expectations, worse};
 use crate::{
     cost::degree,
     results::{BiasPoint, FunctionOrder, Orders, ProblemOrders, SchemeOrders, Slope},
-    scrambles::{Scrambles, with_half_width},
+    scrambles::{Scrambles, means},
 };
 
 /// Numbers of steps n at which errors are measured on a problem: so many, twice and four times.
@@ -29,7 +28,7 @@ const STEPS: usize = 3;
 /// Test functions: each component and its square, the first of the twelve.
 const FUNCTIONS: usize = 6;
 /// Streams of a problem, one for each n.
-const PROBLEM_STREAMS: u64 = 16;
+const PROBLEM_STREAMS: u64 = 32;
 
 /// What is the same for all schemes on a problem.
 struct Settings {
@@ -38,9 +37,20 @@ struct Settings {
     scrambles: u64,
     /// The least n.
     first: u64,
-    /// Points of a scramble over n, and those for twins.
-    points: u64,
-    twin_points: u64,
+    /// Points of a scramble at each n, and the least number for twins.
+    points: [u64; STEPS],
+    least_points: u64,
+    /// Whether the noises have flows that are exact up to high order. Triple jumps leave odd powers
+    /// of τ in the expansion of the error.
+    even: bool,
+}
+
+impl Settings {
+    /// A twin has larger errors.
+    fn points_of<S, const D: usize, const M: usize>(&self, entry: &Entry<S, D, M>) -> [u64; STEPS] {
+        let of_twin = |points: u64| (points / 16).max(self.least_points);
+        if entry.twin { self.points.map(of_twin) } else { self.points }
+    }
 }
 
 /// One scheme, or several over which φ is averaged on the same increments.
@@ -51,23 +61,28 @@ struct Entry<S, const D: usize, const M: usize> {
     schemes: Vec<Box<dyn Scheme<S, D, M>>>,
 }
 
-/// The orders on all problems. Numbers of steps are the finest that these points resolved for most
-/// functions in a pilot with another seed.
+/// The orders on all problems. Numbers of steps and points are from pilots with other seeds.
 pub fn measure(seed: u64, quick: bool) -> Result<Orders> {
     let scrambles = if quick { 16 } else { 32 };
-    let settings = |number: u64, first, quick_points: u64, paper_points: u64| {
+    // Points are powers of two, given by their logarithms.
+    let settings = |number: u64, first, least: u32, points: [u32; STEPS], even| {
         let experiment = streams::EXPECTATION_ORDER + number * PROBLEM_STREAMS;
-        let key = StreamKey { seed, experiment };
-        let points = if quick { quick_points } else { paper_points };
-        Settings { key, scrambles, first, points, twin_points: quick_points.max(points / 16) }
+        Settings {
+            key: StreamKey { seed, experiment },
+            scrambles,
+            first,
+            points: points.map(|points| 1 << if quick { least } else { points }),
+            least_points: 1 << least,
+            even,
+        }
     };
     let functions = &weak_observables()[..FUNCTIONS];
     let body = rigid_body_three_noises(1.0);
     let exact = rigid_body_expectations(&body, degree(quick), functions);
     let problems = vec![
-        on_problem(&body, functions, Some(&exact), &settings(0, 4, 1 << 8, 1 << 17))?,
-        on_problem(&maxwell_bloch(1.0), functions, None, &settings(1, 8, 1 << 8, 1 << 14))?,
-        on_problem(&poisson3_strong(), functions, None, &settings(2, 16, 1 << 6, 1 << 11))?,
+        on_problem(&body, functions, Some(&exact), &settings(0, 4, 13, [18, 20, 21], true))?,
+        on_problem(&maxwell_bloch(1.0), functions, None, &settings(1, 8, 11, [16, 16, 17], true))?,
+        on_problem(&poisson3_strong(), functions, None, &settings(2, 64, 10, [14, 16, 15], false))?,
     ];
     Ok(Orders { scrambles, problems })
 }
@@ -133,55 +148,54 @@ fn of_scheme<S: Flows<D, M>, G: Damping, const D: usize, const M: usize>(
         }
     };
     let mut errors = vec![Vec::new(); functions.len()];
-    let (mut defect, mut failed) = (0.0, 0);
-    for steps in (0..STEPS).map(|doublings| settings.first << doublings) {
+    let mut defect = 0.0;
+    for (doublings, points) in settings.points_of(entry).into_iter().enumerate() {
+        let steps = settings.first << doublings;
         let experiment = settings.key.experiment + u64::from(steps.ilog2());
         let key = StreamKey { experiment, ..settings.key };
-        let points = steps * if entry.twin { settings.twin_points } else { settings.points };
         let defect_of = casimir_defect(problem, steps);
         let new = || AlongPaths {
             last: FinalMoments::new(steps, functions.len(), &values),
             defect_of: &defect_of,
             defect: 0.0,
         };
-        let mut means = vec![Moments::default(); functions.len()];
         let scrambles = Scrambles { key, count: settings.scrambles, points };
-        for measured in scrambles.each(problem, (steps << level, level), runs, new)? {
-            failed += measured.failed;
-            defect = worse(defect, measured.statistic.defect);
-            for (index, mean) in means.iter_mut().enumerate() {
-                mean.add(measured.statistic.last.moments.mean(index));
-            }
-        }
-        for (errors, mean) in errors.iter_mut().zip(&means) {
-            let (bias, half_width) = with_half_width(mean);
+        let measured = scrambles.each(problem, (steps << level, level), runs, new)?;
+        defect = measured.iter().map(|one| one.statistic.defect).fold(defect, worse);
+        let (means, failed) = means(&measured, |along| &along.last.moments);
+        for (errors, (bias, half_width)) in errors.iter_mut().zip(means) {
             errors.push(BiasPoint { steps, points, bias, half_width, failed });
         }
     }
+    let even = settings.even && !entry.twin;
     let function = |(function, points): (&Observable<D>, Vec<BiasPoint>)| FunctionOrder {
         name: function.name.into(),
         coarse: order(&points, COARSE),
         fine: order(&points, FINE),
-        order: order(&points, WITHOUT_BEND),
+        order: order(&points, if even { WITHOUT_EVEN } else { WITHOUT_ODD }),
         points,
     };
     let functions = functions.iter().zip(errors).map(function).collect();
-    Ok(SchemeOrders { scheme: entry.name, twin: entry.twin, defect, functions })
+    Ok(SchemeOrders { scheme: entry.name, twin: entry.twin, even, defect, functions })
 }
 
-/// Weights of log₂ |error| at n, 2n and 4n steps: for the orders p₁ and p₂ between neighbours, and for
-/// (4p₂ − p₁)/3, which the next even power of τ does not change, to first order.
+/// Weights of log₂ |error| at n, 2n and 4n steps: for the orders p₁ and p₂ between neighbours, for
+/// (4p₂ − p₁)/3, which a next term of relative size τ² does not change to first order, and for
+/// 2p₂ − p₁, which one of relative size τ does not.
 const COARSE: [f64; STEPS] = [1.0, -1.0, 0.0];
 const FINE: [f64; STEPS] = [0.0, 1.0, -1.0];
-const WITHOUT_BEND: [f64; STEPS] = [-1.0 / 3.0, 5.0 / 3.0, -4.0 / 3.0];
+const WITHOUT_EVEN: [f64; STEPS] = [-1.0 / 3.0, 5.0 / 3.0, -4.0 / 3.0];
+const WITHOUT_ODD: [f64; STEPS] = [-1.0, 3.0, -2.0];
 
-/// The weighted sum of log₂ |error|. The half-width of a
-/// logarithm is that of the number, relative. None where an interval has both signs.
+/// The weighted sum of log₂ |error|. The half-width of a logarithm is that of the number, relative.
+/// None where an interval has both signs, or the errors have.
 fn order(points: &[BiasPoint], weights: [f64; STEPS]) -> Option<Slope> {
     let (mut value, mut square) = (0.0, 0.0);
-    for (point, weight) in points.iter().zip(weights).filter(|(_, weight)| *weight != 0.0) {
-        let relative = point.half_width / point.bias.abs();
-        if relative.is_nan() || relative >= 1.0 {
+    let used = || points.iter().zip(weights).filter(|(_, weight)| *weight != 0.0);
+    let sign = used().next()?.0.bias.signum();
+    for (point, weight) in used() {
+        let relative = point.half_width / (sign * point.bias);
+        if !(0.0..1.0).contains(&relative) {
             return None;
         }
         value += weight * point.bias.abs().log2();
@@ -247,38 +261,44 @@ impl Statistic for AlongPaths<'_> {
 mod tests {
     use super::*;
 
-    /// Errors cτᵖ(1 + bτ²) at 4, 8 and 16 steps, and their half-widths relative to them.
-    fn points(c: f64, p: f64, b: f64, relative: f64) -> Vec<BiasPoint> {
+    /// Errors cτᵖ(1 + bτ^q) at 4, 8 and 16 steps, with half-widths of 1 %.
+    fn points(c: f64, p: i32, b: f64, q: i32) -> Vec<BiasPoint> {
         let point = |steps: u64| {
             let tau = 1.0 / steps as f64;
-            let bias = c * tau.powf(p) * (1.0 + b * tau * tau);
-            BiasPoint { steps, points: 1, bias, half_width: relative * bias.abs(), failed: 0 }
+            let bias = c * tau.powi(p) * (1.0 + b * tau.powi(q));
+            BiasPoint { steps, points: 1, bias, half_width: 0.01 * bias.abs(), failed: 0 }
         };
         [4, 8, 16].map(point).into()
     }
 
     #[test]
     fn a_known_order_is_recovered() {
-        for (c, p) in [(1e-3, 2.0), (-0.2, 1.0)] {
-            let order = |b: f64, weights| order(&points(c, p, b, 0.01), weights).unwrap();
-            for weights in [COARSE, FINE, WITHOUT_BEND] {
-                assert!((order(0.0, weights).value - p).abs() < 1e-12);
+        for (c, p) in [(1e-3, 2), (-0.2, 1)] {
+            let off = |b, q, weights| {
+                let order = order(&points(c, p, b, q), weights).unwrap();
+                (order.value - f64::from(p)).abs()
+            };
+            for weights in [COARSE, FINE, WITHOUT_EVEN, WITHOUT_ODD] {
+                assert!(off(0.0, 1, weights) < 1e-12);
             }
-            // The next even power bends the line, a quarter as much for half the steps. What is left
-            // without it is of fourth order in τ.
-            let [coarse, fine, rest] =
-                [COARSE, FINE, WITHOUT_BEND].map(|weights| (order(2.0, weights).value - p).abs());
-            assert!(coarse > 0.1 && fine > 0.03 && rest < 0.005, "{coarse} {fine} {rest}");
+            // A next term bends the line. What is left without it is of its square.
+            for (b, q, without) in [(2.0, 2, WITHOUT_EVEN), (0.5, 1, WITHOUT_ODD)] {
+                let [coarse, fine, rest] = [COARSE, FINE, without].map(|w| off(b, q, w));
+                assert!(coarse > 0.07 && fine > 0.03 && rest < 0.006, "{coarse} {fine} {rest}");
+            }
         }
     }
 
     #[test]
     fn an_interval_is_that_of_independent_errors_or_there_is_none() {
-        let half = |weights| order(&points(1.0, 2.0, 0.0, 0.01), weights).unwrap().half_width();
-        assert!((half(FINE) - 2f64.sqrt() * 0.01 / LN_2).abs() < 1e-12);
-        assert!((half(WITHOUT_BEND) - 42f64.sqrt() * 0.01 / (3.0 * LN_2)).abs() < 1e-12);
-        let mut unresolved = points(1.0, 2.0, 0.0, 0.01);
-        unresolved[2].half_width = 2.0 * unresolved[2].bias;
-        assert!(order(&unresolved, COARSE).is_some() && order(&unresolved, FINE).is_none());
+        let mut measured = points(1.0, 2, 0.0, 1);
+        for (weights, square) in [(FINE, 2.0), (WITHOUT_EVEN, 42.0 / 9.0), (WITHOUT_ODD, 14.0f64)] {
+            let half_width = order(&measured, weights).unwrap().half_width();
+            assert!((half_width - square.sqrt() * 0.01 / LN_2).abs() < 1e-12);
+        }
+        measured[2].half_width = 2.0 * measured[2].bias;
+        assert!(order(&measured, COARSE).is_some() && order(&measured, FINE).is_none());
+        measured[0].bias *= -1.0;
+        assert!(order(&measured, COARSE).is_none());
     }
 }

@@ -336,25 +336,26 @@ the noises from step to step; *nv, both orders* is the mean of φ over first to 
 first in every step, on the same increments, which is what `Expect` takes.";
 
 const ORDER: &str = "\
-Errors are the bias where the exact value is known, otherwise E[φ(y_n)] − E[φ(y_{2n})] on the same \
-increments, which has the same order and needs no exact value. Between n and 2n steps the order p is \
-the binary logarithm of the ratio of the errors. For an even number of steps the errors of `nv` have \
-an expansion in even powers of τ ([theory](theory.md)), and the term in τ⁴ alters p a quarter as \
-much in the second pair as in the first. So (4p₂ − p₁)/3 is without it, and is the order stated, for \
-all schemes alike. Intervals of 95 % are from the standard errors of SCRAMBLES independent scrambles \
-at each n, by Student's law. They have no part for terms from τ⁶ on. *Not resolved*: an error is \
-smaller than its half-width.
+Errors are the bias where the exact value is known, otherwise E[φ(y_n)] − E[φ(y_{2n})] on the \
+same increments, which has the same order and needs no exact value. The order p₁ between n and 2n \
+steps is the binary logarithm of the ratio of the errors, p₂ that between 2n and 4n. The *order* \
+in the last column is without the next term of the expansion of the error: (4p₂ − p₁)/3 where \
+that is two powers of τ above the first, 2p₂ − p₁ where it is one. For `nv` with an even number \
+of steps powers are even, if the flows of the noises are exact ([theory](theory.md)); those of \
+`poisson3` are triple jumps, which leave odd powers, and twins have all powers. Intervals of 95 % \
+are from the standard errors of SCRAMBLES independent scrambles at each n, by Student's law. They \
+have no part for later terms. *Not resolved*: an error is smaller than its half-width, or errors \
+differ in sign.
 
 The functions are each component and its square on every problem. Casimirs tie some of them: the \
-three squares of the body, two squares of Maxwell–Bloch, the three components of `poisson3`. The \
-numbers of steps are the finest that these points resolved for most functions in a pilot with \
-another seed.
+three squares of the body, two squares of Maxwell–Bloch, the three components of `poisson3`. \
+Numbers of steps and points, and these formulas, were fixed after pilots with other seeds.
 
-`nv` has the flows of the parts. *nv, one order*, first to last in every step, and `sexp` are twins \
-of weak order one. One noise has no order, so the last two problems have `nv` once. The first table \
-counts intervals: within 2 ± 0.1; not within it, but with 2 in them, or not resolved; others. Its \
-last column is the largest relative defect of a Casimir from its conformal law, on any of these \
-paths at any multiple of T/n.";
+`nv` has the flows of the parts. *nv, one order*, first to last in every step, and `sexp` are \
+twins of weak order one. One noise has no order, so the last two problems have `nv` once. The \
+first table counts intervals: within 2 ± 0.1; not within it, but with 2 in them, or not resolved; \
+others. Its last column is the largest relative defect of a Casimir from its conformal law, on \
+any of these paths at any multiple of T/n.";
 
 const AGAINST_EXACT: &str = "The problem above. Errors are biases against exact values.";
 

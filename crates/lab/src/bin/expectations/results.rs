@@ -193,6 +193,8 @@ pub struct SchemeOrders {
     pub scheme: &'static str,
     /// Whether it is a twin, of order one.
     pub twin: bool,
+    /// Whether the next term of the error is two powers of τ above the first. Otherwise it is one.
+    pub even: bool,
     /// The largest relative defect of a Casimir on any path at any time kT/n.
     pub defect: f64,
     /// For each test function.
@@ -206,10 +208,11 @@ pub struct FunctionOrder {
     pub name: String,
     /// At n, 2n and 4n steps.
     pub points: Vec<BiasPoint>,
-    /// The order p₁ between the first two; none where a bias is smaller than its half-width.
+    /// The order p₁ between the first two; none where a bias is smaller than its half-width, or
+    /// biases differ in sign.
     pub coarse: Option<Slope>,
     /// The order p₂ between the last two.
     pub fine: Option<Slope>,
-    /// (4p₂ − p₁)/3.
+    /// (4p₂ − p₁)/3 if the next term is two powers of τ above the first, else 2p₂ − p₁.
     pub order: Option<Slope>,
 }

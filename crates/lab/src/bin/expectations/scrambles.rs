@@ -5,7 +5,7 @@ use lab::truncation;
 use mc::{Ladder, Measured, NextNoise, NoiseSource, Run, Statistic};
 use noise::{BlockNoise, QuasiWiener, StepNoise, StreamKey};
 use real::WIDTH;
-use stats::{CONFIDENCE, Moments, two_sided};
+use stats::{CONFIDENCE, CrossMoments, Moments, two_sided};
 use systems::{Damping, PoissonSystem, Problem};
 
 /// Independent scrambles, and the points of each.
@@ -34,8 +34,8 @@ impl<const M: usize> NoiseSource<BlockNoise<M>> for Points {
 }
 
 impl Scrambles {
-    /// A statistic of `runs` over the points of each scramble, with the finest `steps` on [0, T] and
-    /// so many levels above them. `new` makes an empty one.
+    /// A statistic of `runs` over the points of each scramble, with the finest `steps` on [0, T]
+    /// and so many levels above them. `new` makes an empty one.
     pub fn each<
         'a,
         S: PoissonSystem<D, M>,
@@ -59,8 +59,18 @@ impl Scrambles {
     }
 }
 
-/// The mean of the means of scrambles, and the half-width of its 95 % interval by Student's law.
-pub fn with_half_width(means: &Moments) -> (f64, f64) {
-    let quantile = two_sided(CONFIDENCE, Some((means.count() - 1) as f64));
-    (means.mean(), quantile * means.standard_error())
+/// For each number the mean of the means of scrambles with the half-width of its 95 % interval by
+/// Student's law, and the failed paths of all scrambles.
+pub fn means<T>(
+    measured: &[Measured<T>],
+    moments: impl Fn(&T) -> &CrossMoments,
+) -> (Vec<(f64, f64)>, u64) {
+    let length = measured.first().map_or(0, |one| moments(&one.statistic).length());
+    let quantile = two_sided(CONFIDENCE, Some(measured.len() as f64 - 1.0));
+    let mean = |index| {
+        let mut means = Moments::default();
+        measured.iter().for_each(|one| means.add(moments(&one.statistic).mean(index)));
+        (means.mean(), quantile * means.standard_error())
+    };
+    ((0..length).map(mean).collect(), measured.iter().map(|one| one.failed).sum())
 }
