@@ -40,7 +40,7 @@ const CHORES: [Chore; 7] = [
         "expectations",
         ["lab", "expectations"],
         MEASURING,
-        "Measure what expectations cost, and the bias of schemes",
+        "Measure what expectations cost, the bias of schemes, and the order of nv",
     ),
     (
         "stability",

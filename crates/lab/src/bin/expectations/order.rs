@@ -82,7 +82,7 @@ pub fn measure(seed: u64, quick: bool) -> Result<Orders> {
     let problems = vec![
         on_problem(&body, functions, Some(&exact), &settings(0, 4, 13, [18, 20, 21], true))?,
         on_problem(&maxwell_bloch(1.0), functions, None, &settings(1, 8, 11, [16, 16, 17], true))?,
-        on_problem(&poisson3_strong(), functions, None, &settings(2, 64, 10, [14, 16, 15], false))?,
+        on_problem(&poisson3_strong(), functions, None, &settings(2, 64, 10, [15, 16, 16], false))?,
     ];
     Ok(Orders { scrambles, problems })
 }
