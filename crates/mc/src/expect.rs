@@ -193,6 +193,11 @@ impl<'a, N: StepNoise> Expect<'a, N> {
         Self { coarsest_steps, ..self }
     }
 
+    /// The identifier of the scheme that is tried first.
+    pub fn scheme(&self) -> &'static str {
+        self.candidates[0].setup.scheme.id()
+    }
+
     /// The expectations. `progress` is called now and then, from any thread, with the number of
     /// path-steps done since.
     ///

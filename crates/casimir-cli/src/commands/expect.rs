@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use casimir::{
     mc::{
-        Observe,
+        self, Observe, Setup,
         multilevel::{
             Coupling, Expectation, ExpectationSettings, MultilevelError, expectation_of_in,
         },
@@ -23,7 +23,7 @@ use crate::{
     failure::{Done, Failure},
     model::{Model, with_model},
     output,
-    scene::{Changes, Scene},
+    scene::{AUTO, Changes, Scene},
 };
 
 /// What was found.
@@ -34,8 +34,6 @@ pub struct Results {
     pub because: Option<String>,
     /// Expectations with levels and warnings.
     pub expectation: Expectation,
-    /// Steps of the coarsest level.
-    pub coarsest_steps: u64,
     /// Seconds of the computation.
     pub seconds: f64,
 }
@@ -87,6 +85,8 @@ pub fn expect(arguments: &Expect) -> Done {
 pub struct Ready<'a, N> {
     scene: &'a Scene,
     model: &'a dyn Model<N>,
+    /// With everything chosen, unless the scene names a scheme.
+    chosen: Option<mc::Expect<'a, N>>,
     scheme: String,
     because: Option<String>,
     accuracy: f64,
@@ -103,41 +103,48 @@ impl<'a, N: StepNoise> Ready<'a, N> {
             return Err(scene.source.error_of_all(message).into());
         };
         let findings = findings(scene, model)?;
+        let chosen = if scene.settings.scheme == AUTO { model.expect() } else { None };
+        if let Some(mut chosen) = chosen {
+            chosen = chosen.with_key(scene.settings.key);
+            if let Some(steps) = scene.settings.coarsest_steps {
+                chosen = chosen.with_coarsest_steps(steps);
+            }
+            let (scheme, because) = (chosen.scheme().to_owned(), None);
+            return Ok(Self { scene, model, chosen: Some(chosen), scheme, because, accuracy });
+        }
         let (scheme, because) = scheme(scene, &findings, Purpose::Expectations);
         let (source, settings) = (&scene.source, &scene.settings);
         let setup = model.setup(&scheme);
         setup.map_err(|error| settings.scheme_error(source, error))?;
-        Ok(Self { scene, model, scheme, because, accuracy })
+        Ok(Self { scene, model, chosen: None, scheme, because, accuracy })
     }
 
     /// Computes the expectations as a piece of work of a job.
     pub fn compute(self, job: &Job) -> Done<Option<Results>> {
-        let Self { scene, model, scheme, because, accuracy } = self;
+        let Self { scene, model, chosen, scheme, because, accuracy } = self;
         let start = Instant::now();
-        let (source, settings) = (&scene.source, &scene.settings);
-        let setup = model.setup(&scheme);
-        let setup = setup.map_err(|error| settings.scheme_error(source, error))?;
-        let coarsest_steps =
-            settings.coarsest_steps.unwrap_or_else(|| coarsest_steps(settings.until));
-        let coupling = match setup.problem.noises > 1 && !setup.scheme.reads_areas() {
-            true => Coupling::Antithetic,
-            false => Coupling::Plain,
-        };
-        let expectation_settings =
-            ExpectationSettings::new(settings.key, settings.truncation, coarsest_steps, coupling);
         let observables: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
         let bars = Bars::default();
         bars.begin("sampling until the accuracy is reached", 0);
         let advance = |work| bars.advance(work);
-        let found = expectation_of_in(
-            job,
-            "expectation",
-            &setup,
-            &observables,
-            accuracy,
-            &expectation_settings,
-            &advance,
-        );
+        let found = match chosen {
+            Some(chosen) => chosen.run_in(job, "expectation", &observables, accuracy, &advance),
+            None => {
+                let (source, settings) = (&scene.source, &scene.settings);
+                let setup = model.setup(&scheme);
+                let setup = setup.map_err(|error| settings.scheme_error(source, error))?;
+                let settings = multilevel(scene, &setup);
+                expectation_of_in(
+                    job,
+                    "expectation",
+                    &setup,
+                    &observables,
+                    accuracy,
+                    &settings,
+                    &advance,
+                )
+            }
+        };
         bars.finish();
         let expectation = found.map_err(|error| match error {
             MultilevelError::Setting { .. } | MultilevelError::NoObservable => {
@@ -146,14 +153,19 @@ impl<'a, N: StepNoise> Ready<'a, N> {
             other => Failure::Run(other.into()),
         })?;
         let seconds = start.elapsed().as_secs_f64();
-        Ok(expectation.map(|expectation| Results {
-            scheme,
-            because,
-            expectation,
-            coarsest_steps,
-            seconds,
-        }))
+        Ok(expectation.map(|expectation| Results { scheme, because, expectation, seconds }))
     }
+}
+
+/// Levels of random points, for a scheme that the scene names.
+fn multilevel<N: StepNoise>(scene: &Scene, setup: &Setup<'_, N>) -> ExpectationSettings {
+    let settings = &scene.settings;
+    let steps = settings.coarsest_steps.unwrap_or_else(|| coarsest_steps(settings.until));
+    let coupling = match setup.problem.noises > 1 && !setup.scheme.reads_areas() {
+        true => Coupling::Antithetic,
+        false => Coupling::Plain,
+    };
+    ExpectationSettings::new(settings.key, settings.truncation, steps, coupling)
 }
 
 /// Says what was found.

@@ -3,7 +3,7 @@
 use std::{error::Error, sync::Arc};
 
 use casimir::{
-    mc::{DynProblem, Setup},
+    mc::{DynProblem, Expect, Setup},
     noise::BlockNoise,
     schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Split},
     systems::{Damping, Flows, PoissonSystem, Problem},
@@ -15,6 +15,10 @@ use super::{Findings, Model};
 type Schemes<S, const D: usize, const M: usize> =
     Vec<(&'static str, Result<Box<dyn Scheme<S, D, M>>, String>)>;
 
+/// Expectations of a problem, by the flows of its parts or without them.
+type Expected<S, const D: usize, const M: usize> =
+    for<'a> fn(&'a Problem<S, Arc<dyn Damping>, D>) -> Expect<'a, BlockNoise<M>>;
+
 /// A problem with the schemes that are compiled for it.
 pub struct Compiled<S, const D: usize, const M: usize> {
     problem: Problem<S, Arc<dyn Damping>, D>,
@@ -22,6 +26,7 @@ pub struct Compiled<S, const D: usize, const M: usize> {
     names: Vec<&'static str>,
     /// The number of `split`, where the system has flows.
     split: Option<usize>,
+    expect: Expected<S, D, M>,
 }
 
 impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Compiled<S, D, M> {
@@ -44,7 +49,7 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Compiled<
             schemes.push(("sexp-li-levy", scheme.map(boxed).map_err(words)));
         }
         let names = schemes.iter().map(|(name, _)| *name).collect();
-        Self { problem, schemes, names, split: None }
+        Self { problem, schemes, names, split: None, expect: |problem| Expect::new(problem) }
     }
 
     /// With `split`, too.
@@ -56,6 +61,7 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Compiled<
         self.split = Some(self.schemes.len());
         self.schemes.push(("split", Ok(Box::new(Split))));
         self.names.push("split");
+        self.expect = |problem| Expect::by_parts(problem);
         self
     }
 }
@@ -67,6 +73,10 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Model<Blo
         let found = self.schemes.iter().find(|(name, _)| *name == scheme);
         let (_, scheme) = found.ok_or_else(|| super::unknown_scheme(scheme, &self.names))?;
         Ok(Setup::of(&self.problem, &**scheme.as_ref()?))
+    }
+
+    fn expect(&self) -> Option<Expect<'_, BlockNoise<M>>> {
+        Some((self.expect)(&self.problem))
     }
 
     fn compare(&self, settings: &DynCompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {

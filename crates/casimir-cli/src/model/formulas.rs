@@ -7,7 +7,7 @@ use std::{
 
 use casimir::{
     formula::{Definition, DefinitionError, Formula, FormulaSystem, Which},
-    mc::{DynProblem, Setup},
+    mc::{DynProblem, Expect, Setup},
     noise::NoiseRows,
     systems::{Damping, run_time::Problem},
     verify::{
@@ -53,6 +53,10 @@ impl Model<NoiseRows> for Formulas {
         // Without findings nothing is claimed.
         let laws = self.inspection().map(laws).unwrap_or_default();
         Ok(Setup { problem: with_laws(setup.problem, laws), scheme: setup.scheme })
+    }
+
+    fn expect(&self) -> Option<Expect<'_, NoiseRows>> {
+        Expect::at_run_time(&self.problem).ok()
     }
 
     fn compare(&self, settings: &DynCompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {

@@ -12,7 +12,7 @@ use std::{error::Error, sync::Arc};
 
 use casimir::{
     formula::{FormulaDamping, Names},
-    mc::Setup,
+    mc::{Expect, Setup},
     noise::{BlockNoise, NoiseRows},
     systems::{Constant, Damping},
     verify::{
@@ -32,6 +32,9 @@ pub trait Model<N>: Send + Sync {
     /// # Errors
     /// Why the scheme is not for the system.
     fn setup(&self, scheme: &str) -> Result<Setup<'_, N>, String>;
+
+    /// Expectations with everything chosen; `None` where a scheme has to be chosen before.
+    fn expect(&self) -> Option<Expect<'_, N>>;
 
     /// Errors against cost of all schemes.
     ///
