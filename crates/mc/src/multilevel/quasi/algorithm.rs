@@ -199,7 +199,8 @@ impl Quasi<'_> {
                 continue;
             }
             let wide = sums.iter().any(|sum| self.is_wide(sum));
-            let heavy = (0..self.names.len()).any(|k| is_heavy(&levels.samples[0], k));
+            // Single paths are seen on level 0 only; large steps may have tails of their own.
+            let heavy = first == 0 && (0..self.names.len()).any(|k| is_heavy(&levels.samples[0], k));
             if !wide && !heavy {
                 break finer.then_some(Warning::LevelLimit { level: last });
             }
