@@ -421,6 +421,7 @@ fn judged_at(
 #[test]
 fn each_assumption_is_judged_at_its_limit() {
     let estimate = Estimate {
+        quantile: QUANTILE,
         name: "phi".into(),
         value: 0.0,
         standard_error: 0.0,
@@ -504,6 +505,7 @@ fn better_coarsest_steps_save_a_fifth() {
 #[test]
 fn an_interval_adds_the_bias_to_the_rest() {
     let estimate = Estimate {
+        quantile: QUANTILE,
         name: "phi".into(),
         value: 2.0,
         standard_error: 3.0 / QUANTILE,
@@ -519,6 +521,7 @@ fn an_interval_adds_the_bias_to_the_rest() {
     let (lower, upper) = estimate.interval();
     assert!(close(lower, -4.0) && close(upper, 8.0));
     let result = |accuracy: f64, judged: Judged| Expectation {
+        decisions: Vec::new(),
         estimates: vec![Estimate { judged, ..estimate.clone() }],
         accuracy,
         cost: 0,
