@@ -13,7 +13,8 @@ use crate::{commands::Expected, failure::Done, scene::Scene};
 
 /// The expectations in words.
 pub fn expectation_text(scene: &Scene, results: &Expected) -> String {
-    let Expected { scheme, because, expectation, seconds, .. } = results;
+    let Expected { because, expectation, seconds } = results;
+    let scheme = expectation.scheme;
     let row = |estimate: &Estimate| {
         [
             format!("E[{}]", estimate.name),
@@ -77,14 +78,14 @@ fn decimals(half_width: f64) -> usize {
 
 /// The expectations for programs.
 pub fn expectation_json(scene: &Scene, results: &Expected) -> Value {
-    let Expected { scheme, because, expectation, seconds } = results;
+    let Expected { because, expectation, seconds } = results;
     let finite = |x: f64| x.is_finite().then_some(x);
     let estimate = |estimate: &Estimate| {
         let (lo, hi) = estimate.interval();
         json!({
             "of": estimate.name, "value": estimate.value, "lo": lo, "hi": hi,
-            "half_width": estimate.half_width(), "standard_error": estimate.standard_error, "quantile": estimate.quantile,
-            "bias_bound": estimate.bias_bound, "missed": estimate.missed,
+            "half_width": estimate.half_width(), "standard_error": estimate.standard_error,
+            "quantile": estimate.quantile, "bias_bound": estimate.bias_bound, "missed": estimate.missed,
             "judged": {
                 "variance": estimate.judged.variance, "bias": estimate.judged.bias,
                 "resolution": estimate.judged.resolution,
@@ -102,7 +103,7 @@ pub fn expectation_json(scene: &Scene, results: &Expected) -> Value {
     };
     let warnings: Vec<String> = expectation.warnings.iter().map(ToString::to_string).collect();
     json!({
-        "title": scene.title, "scheme": scheme, "because": because,
+        "title": scene.title, "scheme": expectation.scheme, "because": because,
         "accuracy": expectation.accuracy, "reached": expectation.reached(),
         "estimates": expectation.estimates.iter().map(estimate).collect::<Vec<_>>(),
         "decisions": expectation.decisions,
