@@ -30,6 +30,9 @@ const BIAS_SHARE: f64 = 1.0 / 3.0;
 /// The bound on the bias is at most this part of the statistical half-width, so that errors are as
 /// large as the interval says.
 const BIAS_PART: f64 = 0.5;
+/// A bound on the bias below this part of the accuracy is small enough in any case. Where φ hardly
+/// varies, half of the statistical half-width may be round-off.
+const BIAS_ENOUGH: f64 = 1.0 / 64.0;
 
 /// The part of the variance from which on the largest and the least value of a scramble decide.
 const FEW_DECIDE: f64 = 0.5;
@@ -230,7 +233,8 @@ impl Quasi<'_> {
     /// Whether a finer level is wanted: the bias has more than its share, significantly.
     fn is_biased(&self, sum: &Sum) -> bool {
         let Extrapolation { size, standard_error, .. } = sum.extrapolation;
-        let share = f64::min(BIAS_SHARE * self.accuracy, BIAS_PART * sum.spread());
+        let (least, most) = (BIAS_ENOUGH * self.accuracy, BIAS_SHARE * self.accuracy);
+        let share = (BIAS_PART * sum.spread()).clamp(least, most);
         size > share + sum.quantile() * standard_error
     }
 
