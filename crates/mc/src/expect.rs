@@ -113,9 +113,6 @@ impl<'a> Expect<'a, NoiseRows> {
     pub fn at_run_time(problem: &'a run_time::Problem) -> Result<Self, SchemeError> {
         let system = problem.system();
         let sexp = Setup::owning(problem, Box::new(Sexp))?;
-        if system.local_noise() {
-            return Ok(Self::of(None, sexp, "each component has a noise of its own"));
-        }
         let nv = match Nv::at_run_time(system) {
             Ok(nv) => nv,
             Err(error) => return Ok(Self::of(None, sexp, &error.to_string())),

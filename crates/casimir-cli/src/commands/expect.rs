@@ -12,7 +12,7 @@ use casimir::{
     },
     noise::StepNoise,
     report::Bars,
-    verify::{Progress, inspect::Purpose},
+    verify::Progress,
 };
 
 use super::{
@@ -23,7 +23,7 @@ use crate::{
     failure::{Done, Failure},
     model::{Model, with_model},
     output,
-    scene::{AUTO, Changes, Scene},
+    scene::{Changes, Scene},
 };
 
 /// What was found.
@@ -89,7 +89,7 @@ pub struct Ready<'a, N> {
 
 /// How they are computed.
 enum Way<'a, N> {
-    /// With everything chosen, unless the scene names a scheme.
+    /// With points, levels and order chosen.
     Chosen(mc::Expect<'a, N>),
     /// By levels of random points.
     Levels(Setup<'a, N>),
@@ -107,15 +107,14 @@ impl<'a, N: StepNoise> Ready<'a, N> {
         };
         let findings = findings(scene, model)?;
         let settings = &scene.settings;
-        let chosen = if settings.scheme == AUTO { model.expect() } else { None };
-        if let Some(mut chosen) = chosen {
+        if let Some(mut chosen) = model.expect(&settings.scheme) {
             chosen = chosen.with_key(settings.key);
             if let Some(steps) = settings.coarsest_steps {
                 chosen = chosen.with_coarsest_steps(steps);
             }
             return Ok(Self { scene, way: Way::Chosen(chosen), because: None, accuracy });
         }
-        let (scheme, because) = scheme(scene, &findings, Purpose::Expectations);
+        let (scheme, because) = scheme(scene, &findings);
         let setup = model.setup(&scheme);
         let setup = setup.map_err(|error| settings.scheme_error(&scene.source, error))?;
         Ok(Self { scene, way: Way::Levels(setup), because, accuracy })

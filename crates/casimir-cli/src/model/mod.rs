@@ -33,8 +33,9 @@ pub trait Model<N>: Send + Sync {
     /// Why the scheme is not for the system.
     fn setup(&self, scheme: &str) -> Result<Setup<'_, N>, String>;
 
-    /// Expectations with everything chosen; `None` where a scheme has to be chosen before.
-    fn expect(&self) -> Option<Expect<'_, N>>;
+    /// Expectations for which everything but this scheme, or `auto`, is chosen; `None` if they are
+    /// computed by levels of random points.
+    fn expect(&self, scheme: &str) -> Option<Expect<'_, N>>;
 
     /// Errors against cost of all schemes.
     ///
@@ -159,11 +160,11 @@ pub enum Findings {
 
 impl Findings {
     /// A scheme to take and why.
-    pub fn recommended(&self, purpose: Purpose) -> (String, String) {
+    pub fn recommended(&self) -> (String, String) {
         match self {
             Self::Small(inspection) => {
                 let recommended = &inspection.recommended;
-                let of = recommended.iter().find(|of| of.purpose == purpose);
+                let of = recommended.iter().find(|of| of.purpose == Purpose::Paths);
                 match of.or(recommended.first()) {
                     Some(of) => (of.scheme.into(), of.because.clone()),
                     None => ("heun".into(), "nothing was found to keep".into()),
