@@ -22,7 +22,7 @@ type Chore = (&'static str, [&'static str; 2], &'static [&'static str], &'static
 /// The feature without which the programs that measure are not built.
 const MEASURING: &[&str] = &["--features", "measuring"];
 
-const CHORES: [Chore; 6] = [
+const CHORES: [Chore; 7] = [
     ("reproduce", ["lab", "reproduce"], &[], "Run the paper's experiments and write the report"),
     (
         "verify",
@@ -35,6 +35,12 @@ const CHORES: [Chore; 6] = [
         ["lab", "work-precision"],
         MEASURING,
         "Measure errors against processor time",
+    ),
+    (
+        "expectations",
+        ["lab", "expectations"],
+        MEASURING,
+        "Measure what expectations cost, and the bias of schemes",
     ),
     (
         "stability",

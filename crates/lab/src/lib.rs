@@ -18,9 +18,10 @@
 //! | [`setups`] | the problems on which schemes are compared, with the schemes for each |
 //! | [`command`] | what the command lines of all programs share |
 //! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo, against its value |
+//! | [`weak_observables`] | the test functions of the weak panels |
 //!
-//! The programs of this package are `reproduce`, `work-precision`, `hard-cases` and `bench`; what
-//! one of them alone needs is in its folder.
+//! The programs of this package are `reproduce`, `work-precision`, `expectations`, `hard-cases`,
+//! `bench` and `dimension`; what one of them alone needs is in its folder.
 
 pub mod command;
 pub mod conformal_law;
@@ -41,7 +42,7 @@ pub use experiment::{
 use experiment::{Words, in_words};
 pub use kernels::{Compiled, PaperSystem, compiled};
 pub use method::Method;
-pub use panels::EXPERIMENTS;
+pub use panels::{EXPERIMENTS, weak_observables};
 pub use reproduce::{UnknownId, check_ids, ids, reproduce};
 pub use statements::STATEMENTS;
 pub use supplements::{SUPPLEMENTS, expectation_claims};

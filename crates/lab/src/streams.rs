@@ -32,6 +32,12 @@ pub const HARD_CASES: u64 = 1 << 33;
 pub const GROWTH: u64 = HARD_CASES + (1 << 16);
 /// Entries of the library, one number each; expectations need numbers below 2⁴⁰.
 pub const LIBRARY: u64 = 1 << 34;
+/// What expectations cost, one number each, below 2⁴⁰ too.
+pub const EXPECTATION_COST: u64 = 1 << 35;
+/// The bias of schemes, a number for each number of steps.
+pub const EXPECTATION_BIAS: u64 = EXPECTATION_COST + (1 << 16);
+/// The weak order of schemes, 32 numbers for each problem.
+pub const EXPECTATION_ORDER: u64 = EXPECTATION_BIAS + (1 << 16);
 /// Coverage: case number n takes the numbers from n times this on.
 pub const COVERAGE: u64 = 1 << 40;
 
@@ -52,8 +58,17 @@ mod tests {
     fn ranges_are_disjoint() {
         let families = [PANELS, STATEMENTS, SUPPLEMENTS, TWINS, EXPECTATIONS, EXPECTATIONS + 1];
         let ends = families.map(|first| first * PARTS).into_iter();
-        let starts: Vec<u64> =
-            ends.chain([WORK_PRECISION, HARD_CASES, GROWTH, LIBRARY, COVERAGE]).collect();
+        let further = [
+            WORK_PRECISION,
+            HARD_CASES,
+            GROWTH,
+            LIBRARY,
+            EXPECTATION_COST,
+            EXPECTATION_BIAS,
+            EXPECTATION_ORDER,
+            COVERAGE,
+        ];
+        let starts: Vec<u64> = ends.chain(further).collect();
         // Fewer experiments in each family than there are numbers.
         assert!(starts.windows(2).all(|pair| pair[0] + 16 <= pair[1]), "{starts:?}");
     }
