@@ -19,10 +19,12 @@ pub enum Method {
     SexpLiLevy,
     /// Exact flows in turn, which is not in the paper.
     Split,
+    /// Flows of the Hamiltonians in turn, of weak order two, which is not in the paper.
+    Nv,
 }
 
 impl Method {
-    /// The schemes that are not in the paper.
+    /// The schemes that are not in the paper and can be further series of its panels.
     pub const FURTHER: [Self; 4] = [Self::SexpLevy, Self::SexpLi, Self::SexpLiLevy, Self::Split];
 
     /// Identifier in results, that of the scheme itself.
@@ -35,6 +37,7 @@ impl Method {
             Self::SexpLi => "sexp-li",
             Self::SexpLiLevy => "sexp-li-levy",
             Self::Split => "split",
+            Self::Nv => "nv",
         }
     }
 
@@ -43,7 +46,7 @@ impl Method {
         match self {
             Self::SexpLevy | Self::SexpLiLevy => 1.0,
             Self::EulerMaruyama => 0.5,
-            Self::Sexp | Self::Midpoint | Self::SexpLi | Self::Split => {
+            Self::Sexp | Self::Midpoint | Self::SexpLi | Self::Split | Self::Nv => {
                 if commuting {
                     1.0
                 } else {
@@ -58,7 +61,9 @@ impl Method {
     pub fn obeys_law(self, of: InvariantKind) -> bool {
         match self {
             Self::Sexp | Self::SexpLevy => true,
-            Self::SexpLi | Self::SexpLiLevy | Self::Split => of == InvariantKind::Casimir,
+            Self::SexpLi | Self::SexpLiLevy | Self::Split | Self::Nv => {
+                of == InvariantKind::Casimir
+            }
             Self::EulerMaruyama | Self::Midpoint => false,
         }
     }

@@ -9,7 +9,8 @@ use systems::{Damping, Flows, PoissonSystem, Problem, run_time};
 use crate::{
     DynProblem, Observable, Observe, Setup,
     multilevel::{
-        Coupling, Expectation, ExpectationSettings, MultilevelError, Warning, quasi_expectation,
+        Coupling, Expectation, ExpectationSettings, MultilevelError, Orders, QuasiSettings,
+        Warning, quasi_expectation,
     },
     observable::erased,
     parts::Job,
@@ -49,8 +50,8 @@ pub fn expect<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
 /// The computation of expectations: the scheme is chosen, everything else may be set.
 ///
 /// **Scheme.** `nv` of weak order two ([`Nv`]), with the mean of φ over both orders of the noises,
-/// which has an expansion in even powers of τ. Where it is not for the system, `sexp` of weak order
-/// one.
+/// which has an expansion in even powers of τ where the flows are exact. Where it is not for the
+/// system, `sexp` of weak order one.
 ///
 /// **Points.** Scrambled Sobol points, 32 independent scrambles, with a Brownian bridge; see
 /// [`multilevel`](crate::multilevel). Levels of τ, τ/2, … are added until the bound on the bias is
@@ -71,7 +72,7 @@ struct Candidate<'a, N> {
     setup: Setup<'a, N>,
     /// The scheme with the noises in the other order.
     mirror: Option<Arc<dyn DynScheme<N> + 'a>>,
-    weak_order: f64,
+    orders: Orders,
     /// Why it is this one.
     reason: String,
 }
@@ -82,7 +83,7 @@ impl<'a, const M: usize> Expect<'a, BlockNoise<M>> {
         problem: &'a Problem<S, G, D>,
     ) -> Self {
         match Nv::new(problem.system(), problem.y0()) {
-            Ok(nv) => Self::choose(Some(by_flows(nv, problem, "nv: weak order two")), problem, ""),
+            Ok(nv) => Self::choose(Some(by_flows(nv, problem, BY_STAGES)), problem, ""),
             Err(error) => Self::choose(None, problem, &error.to_string()),
         }
     }
@@ -91,8 +92,7 @@ impl<'a, const M: usize> Expect<'a, BlockNoise<M>> {
     pub fn by_parts<S: Flows<D, M>, G: Damping, const D: usize>(
         problem: &'a Problem<S, G, D>,
     ) -> Self {
-        let reason = "nv: weak order two, with the flows of the parts";
-        Self::choose(Some(by_flows(Nv::of_parts(), problem, reason)), problem, "")
+        Self::choose(Some(by_flows(Nv::of_parts(), problem, BY_PARTS)), problem, "")
     }
 
     fn choose<S: PoissonSystem<D, M>, G: Damping, const D: usize>(
@@ -113,24 +113,21 @@ impl<'a> Expect<'a, NoiseRows> {
     pub fn at_run_time(problem: &'a run_time::Problem) -> Result<Self, SchemeError> {
         let system = problem.system();
         let sexp = Setup::owning(problem, Box::new(Sexp))?;
-        if system.local_noise() {
-            return Ok(Self::of(None, sexp, "each component has a noise of its own"));
-        }
         let nv = match Nv::at_run_time(system) {
             Ok(nv) => nv,
             Err(error) => return Ok(Self::of(None, sexp, &error.to_string())),
         };
         let of = |sweep| Setup::owning(problem, Box::new(nv.with_sweep(sweep)));
         let mirror = if system.noises() > 1 { Some(of(Sweep::Backward)?.scheme) } else { None };
-        let (setup, reason) = (of(Sweep::Forward)?, "nv: weak order two".to_owned());
-        Ok(Self::of(Some(Candidate { setup, mirror, weak_order: 2.0, reason }), sexp, ""))
+        let (setup, (orders, reason)) = (of(Sweep::Forward)?, BY_STAGES);
+        Ok(Self::of(Some(Candidate { setup, mirror, orders, reason: reason.into() }), sexp, ""))
     }
 }
 
 fn by_flows<'a, F, S, G, const D: usize, const M: usize>(
     nv: Nv<F>,
     problem: &'a Problem<S, G, D>,
-    reason: &str,
+    (orders, reason): (Orders, &str),
 ) -> Candidate<'a, BlockNoise<M>>
 where
     Nv<F>: Scheme<S, D, M> + Copy + 'a,
@@ -141,10 +138,16 @@ where
     Candidate {
         setup: Setup { problem: DynProblem::of(problem), scheme: of(Sweep::Forward) },
         mirror: (M > 1).then(|| of(Sweep::Backward)),
-        weak_order: 2.0,
+        orders,
         reason: reason.to_owned(),
     }
 }
+
+/// Flows of parts are exact: an expansion in even powers of τ.
+const BY_PARTS: (Orders, &str) =
+    (Orders { weak: 2.0, next: 4.0 }, "nv: weak order two, with the flows of the parts");
+/// Errors of the flows of the noises of order four have all powers from the second on.
+const BY_STAGES: (Orders, &str) = (Orders { weak: 2.0, next: 3.0 }, "nv: weak order two");
 
 /// How often the coarsest level takes four times as many steps where paths fail.
 const REFINEMENTS: u32 = 3;
@@ -156,7 +159,8 @@ impl<'a, N: StepNoise> Expect<'a, N> {
             Some(_) => "sexp: weak order one, since paths of nv fail".to_owned(),
             None => format!("sexp: weak order one, since {refusal}"),
         };
-        let sexp = Candidate { setup: sexp, mirror: None, weak_order: 1.0, reason };
+        let orders = Orders { weak: 1.0, next: 2.0 };
+        let sexp = Candidate { setup: sexp, mirror: None, orders, reason };
         let key = StreamKey { seed: 1, experiment: 0 };
         Self {
             candidates: nv.into_iter().chain([sexp]).collect(),
@@ -256,7 +260,8 @@ impl<'a, N: StepNoise> Expect<'a, N> {
                         if !end => {}
                     other => return other,
                 }
-                decisions.push(format!("paths fail with {steps} steps on the coarsest level"));
+                let steps_taken = format!("{steps} step{}", if steps == 1 { "" } else { "s" });
+                decisions.push(format!("paths fail with {steps_taken} on the coarsest level"));
                 steps *= 4;
             }
         }
@@ -267,7 +272,7 @@ impl<'a, N: StepNoise> Expect<'a, N> {
         let clips = candidate.setup.scheme.clips_increments();
         let truncation = if clips { clipping() } else { Truncation::none() };
         ExpectationSettings {
-            weak_order: candidate.weak_order,
+            weak_order: candidate.orders.weak,
             pilot: PILOT_POINTS * self.scrambles,
             max_cost: self.max_cost,
             ..ExpectationSettings::new(self.key, truncation, steps, candidate.coupling())
@@ -305,8 +310,7 @@ impl<N: StepNoise> Candidate<'_, N> {
             job,
             name,
             &self.setup,
-            self.mirror.as_ref(),
-            scrambles,
+            &QuasiSettings { mirror: self.mirror.as_ref(), orders: self.orders, scrambles },
             observables,
             accuracy,
             settings,

@@ -93,8 +93,10 @@ impl Nv<StageFlows> {
     /// The scheme for a system known at run time.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// As [`new`](Self::new), and [`SexpLiError::LocalNoise`] if every component has a noise of its
+    /// own.
     pub fn at_run_time(system: &dyn run_time::System) -> Result<Self, SexpLiError> {
+        refuse_local_noise(system)?;
         Self::suited(system.name(), system.linearity(), &system.invariants())
     }
 
@@ -104,7 +106,7 @@ impl Nv<StageFlows> {
         invariants: &[systems::Invariant],
     ) -> Result<Self, SexpLiError> {
         if linearity == Linearity::Other {
-            has_linear_casimirs("nv", name, invariants)?;
+            has_linear_casimirs(ID, name, invariants)?;
         }
         let flows = StageFlows { affine: linearity == Linearity::Affine };
         Ok(Self { flows, sweep: Sweep::default() })
@@ -112,6 +114,14 @@ impl Nv<StageFlows> {
 
     pub(crate) fn is_affine(&self) -> bool {
         self.flows.affine
+    }
+}
+
+/// Checks that noises follow each other one by one.
+pub(crate) fn refuse_local_noise(system: &dyn run_time::System) -> Result<(), SexpLiError> {
+    match system.local_noise() {
+        true => Err(SexpLiError::LocalNoise { scheme: ID, system: system.name().into() }),
+        false => Ok(()),
     }
 }
 

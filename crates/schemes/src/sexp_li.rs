@@ -58,6 +58,17 @@ pub enum SexpLiError {
         /// What was found.
         found: &'static str,
     },
+    /// Every component has a noise of its own.
+    #[error(
+        "{scheme} follows the flow of each noise in turn, and `{system}` has a noise for every \
+         component: take sexp-li"
+    )]
+    LocalNoise {
+        /// The scheme.
+        scheme: &'static str,
+        /// The name of the system.
+        system: String,
+    },
     /// Areas enter by Jacobi's identity, which was not found to hold.
     #[error(
         "sexp-li with areas needs Jacobi's identity [f_m, f_l] = -B grad {{H_m, H_l}}, which \

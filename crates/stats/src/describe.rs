@@ -20,13 +20,14 @@ fn method(rate: &Rate) -> String {
             format!("least squares, ln mean square = a + 2p ln τ{curvature}")
         }
         Model::Logarithms => "weighted least squares, ln error = a + p ln τ + bτ + cτ²".into(),
-        Model::Powers { against, terms } => {
+        Model::Powers { against, terms, expansion } => {
             let errors = match against {
                 Against::Exact => "error",
                 Against::HalfStep => "differences e(τ) − e(τ/2) of an error",
             };
-            let third = if terms == 3 { " + Cτ^(p+2)" } else { "" };
-            format!("profile of generalised least squares, {errors} = Aτ^p + Bτ^(p+1){third}")
+            let step = expansion.step();
+            let third = if terms == 3 { format!(" + Cτ^(p+{})", 2.0 * step) } else { "".into() };
+            format!("profile of generalised least squares, {errors} = Aτ^p + Bτ^(p+{step}){third}")
         }
     };
     let mut text =
@@ -102,6 +103,7 @@ pub fn few_paths(effective: f64) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rate::Expansion;
 
     fn words(rate: Rate) -> String {
         describe(rate).method
@@ -111,7 +113,8 @@ mod tests {
     fn the_model_is_named() {
         let of =
             |model: Model| words(Rate { model, chi_square: 1.26, degrees: 3, ..Rate::default() });
-        let powers = |against, terms| of(Model::Powers { against, terms });
+        let expanded = |against, terms, expansion| of(Model::Powers { against, terms, expansion });
+        let powers = |against, terms| expanded(against, terms, Expansion::EveryPower);
         let fits = "profile of generalised least squares,";
         let chi = "χ² = 1.3 with 3 degrees of freedom";
         let line = "least squares, ln mean square = a + 2p ln τ";
@@ -124,6 +127,8 @@ mod tests {
         assert_eq!(powers(Against::Exact, 2), two);
         let three = "differences e(τ) − e(τ/2) of an error = Aτ^p + Bτ^(p+1) + Cτ^(p+2)";
         assert_eq!(powers(Against::HalfStep, 3), format!("{fits} {three}, {chi}"));
+        let even = format!("{fits} error = Aτ^p + Bτ^(p+2) + Cτ^(p+4), {chi}");
+        assert_eq!(expanded(Against::Exact, 3, Expansion::EvenPowers), even);
     }
 
     #[test]

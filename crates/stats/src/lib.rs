@@ -61,7 +61,7 @@ pub use moments::{BATCHES, CrossMoments, FEW_SAMPLES, Moments};
 pub use point::Point;
 pub use quantile::{CONFIDENCE, two_sided};
 pub use quantile_ranks::quantile_ranks;
-pub use rate::{Against, Model, Rate, StraightLine};
+pub use rate::{Against, Expansion, Model, Rate, StraightLine};
 pub use root_mean_square::{root_mean_square_interval, root_mean_squares};
 pub use strong::fit_strong;
 pub use time_average::{FEWEST_SAMPLES, StationaryMean, TimeAverage, TimeAverageError};

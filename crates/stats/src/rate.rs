@@ -72,13 +72,42 @@ pub enum Model {
     MeanSquares,
     /// Independent positive errors: ln e = a + p ln τ + bτ + cτ².
     Logarithms,
-    /// Signed errors: e(τ) = Aτᵖ + Bτ^{p+1} + …, with this many terms.
+    /// Signed errors: e(τ) = Aτᵖ + Bτ^{p+1} + …, with this many terms, or with every second power.
     Powers {
         /// What the errors are measured against.
         against: Against,
         /// Number of terms.
         terms: u32,
+        /// Which powers follow the first.
+        #[serde(default, skip_serializing_if = "Expansion::has_every_power")]
+        expansion: Expansion,
     },
+}
+
+/// The powers of τ in a weak error.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Expansion {
+    /// All from one on.
+    #[default]
+    EveryPower,
+    /// Two, four and so on: of means over a scheme and its adjoint.
+    EvenPowers,
+}
+
+impl Expansion {
+    /// The first power, and from one to the next.
+    pub(crate) fn step(self) -> f64 {
+        match self {
+            Self::EveryPower => 1.0,
+            Self::EvenPowers => 2.0,
+        }
+    }
+
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+    fn has_every_power(&self) -> bool {
+        *self == Self::EveryPower
+    }
 }
 
 /// What a signed error is measured against.

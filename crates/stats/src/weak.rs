@@ -8,7 +8,7 @@ use crate::{
     moments::CrossMoments,
     point::Point,
     quantile::{CONFIDENCE, chi_square_p_value, two_sided},
-    rate::{Against, Model, Rate},
+    rate::{Against, Expansion, Model, Rate},
 };
 
 /// Orders among which the weak order is looked for: 0 to 4, on a grid of 1/500.
@@ -35,6 +35,18 @@ pub fn fit_weak(
     covariance: &[Vec<f64>],
     against: Against,
 ) -> Option<Rate> {
+    fit_expansion(taus, errors, covariance, against, Expansion::EveryPower)
+}
+
+/// The same with the powers of an expansion. In even powers an order below one is no candidate: the
+/// power two above it would be taken for the leading one.
+fn fit_expansion(
+    taus: &[f64],
+    errors: &[f64],
+    covariance: &[Vec<f64>],
+    against: Against,
+    expansion: Expansion,
+) -> Option<Rate> {
     let levels = taus.len();
     let visible = (0..levels).any(|l| errors[l].abs() > NOISE * covariance[l][l].sqrt());
     if levels < 4 || !visible {
@@ -44,8 +56,12 @@ pub fn fit_weak(
     let (coarsest, finest) = (taus[0], taus[levels - 1]);
     let weighting = Weighting::new(covariance)?;
     let mut profile = Vec::new();
-    for p in ORDERS.map(|i| f64::from(i) / f64::from(GRID)) {
-        let powers = (0..terms).map(|term| p + f64::from(term));
+    let lowest = match expansion {
+        Expansion::EveryPower => 0,
+        Expansion::EvenPowers => GRID,
+    };
+    for p in ORDERS.filter(|i| *i >= lowest).map(|i| f64::from(i) / f64::from(GRID)) {
+        let powers = (0..terms).map(|term| p + expansion.step() * f64::from(term));
         let column = |q| taus.iter().map(|&tau| against.power(tau, coarsest, q)).collect();
         let design: Vec<Vec<f64>> = powers.clone().map(column).collect();
         // With p = 0 against another step there is nothing to fit: a constant has no difference.
@@ -72,7 +88,7 @@ pub fn fit_weak(
         lo,
         hi: inside.next_back().unwrap_or(lo),
         confidence: CONFIDENCE,
-        model: Model::Powers { against, terms },
+        model: Model::Powers { against, terms, expansion },
         chi_square: least,
         degrees,
         p_value: chi_square_p_value(least, degrees),
@@ -125,23 +141,26 @@ impl Against {
 /// that halve, coarsest first: component `index` of the moments.
 ///
 /// The errors are the sums e_l = Σ_{j ≥ l} d_j with a Richardson tail: below the finest step L, an
-/// error Cτ + O(τ²) leaves d_L once more, up to O(τ²). The order is fitted to the differences,
-/// without the tail.
+/// error of first order leaves d_L once more, and one in even powers d_L/3, up to the next power.
+/// The order is fitted to the differences, without the tail; the further terms of the fit are those
+/// of the expansion.
 pub fn weak_errors(
     taus: &[f64],
     differences: &[CrossMoments],
     index: usize,
+    expansion: Expansion,
 ) -> (Vec<Point>, Option<Rate>) {
+    let last = 1.0 + 1.0 / (expansion.step().exp2() - 1.0);
     let means: Vec<f64> = differences.iter().map(|d| d.mean(index)).collect();
     let variances: Vec<f64> =
         differences.iter().map(|d| d.covariance_of_means(index, index)).collect();
     let finest = taus.len() - 1;
     let point = |l: usize| {
-        let error = means[l..finest].iter().sum::<f64>() + 2.0 * means[finest];
-        let variance = variances[l..finest].iter().sum::<f64>() + 4.0 * variances[finest];
+        let error = means[l..finest].iter().sum::<f64>() + last * means[finest];
+        let variance = variances[l..finest].iter().sum::<f64>() + last * last * variances[finest];
         Point::normal(taus[l], error, variance.sqrt())
     };
-    let rate = fit_weak(taus, &means, &diagonal(&variances), Against::HalfStep);
+    let rate = fit_expansion(taus, &means, &diagonal(&variances), Against::HalfStep, expansion);
     ((0..taus.len()).map(point).collect(), rate)
 }
 
@@ -173,7 +192,8 @@ mod tests {
                 assert_eq!(rate.estimate, p, "{rate:?}");
                 assert!(rate.chi_square < 1e-9 && rate.lo <= p && p <= rate.hi, "{rate:?}");
                 assert_eq!((rate.degrees, rate.confidence), (levels - terms as usize - 1, 0.95));
-                assert_eq!(rate.model, Model::Powers { against, terms });
+                let expansion = Expansion::EveryPower;
+                assert_eq!(rate.model, Model::Powers { against, terms, expansion });
                 assert_eq!(rate.p_value.is_some(), rate.degrees > 0);
                 assert!(rate.p_value.is_none_or(|p| p > 0.999) && rate.warning.is_none());
                 // Signs do not matter.
@@ -254,7 +274,12 @@ mod tests {
             moments
         };
         let all = [moments(8.0, 1.0), moments(4.0, 1.0), moments(2.0, 1.0), moments(1.0, 2.0)];
-        let (points, rate) = weak_errors(&taus(4), &all, 0);
+        let (points, rate) = weak_errors(&taus(4), &all, 0, Expansion::EveryPower);
+        // Of order two a third of the last difference is left.
+        let (of_two, _) = weak_errors(&taus(4), &all, 0, Expansion::EvenPowers);
+        let Point::Error { value, se, .. } = of_two[3] else { panic!("{of_two:?}") };
+        assert!((value - 4.0 / 3.0).abs() < 1e-15);
+        assert!((se / ((16.0 / 9.0) * (4.0 / 63.0f64)).sqrt() - 1.0).abs() < 1e-12, "{se}");
         let variance = 1.0 / 63.0;
         for (l, (value, of_sum)) in
             [(16.0, 19.0), (8.0, 18.0), (4.0, 17.0), (2.0, 16.0)].into_iter().enumerate()
@@ -267,6 +292,32 @@ mod tests {
         }
         let rate = rate.unwrap();
         assert_eq!((points.len(), rate.estimate), (4, 1.0));
-        assert_eq!(rate.model, Model::Powers { against: Against::HalfStep, terms: 2 });
+        let (against, expansion) = (Against::HalfStep, Expansion::EveryPower);
+        assert_eq!(rate.model, Model::Powers { against, terms: 2, expansion });
+    }
+
+    #[test]
+    fn an_order_is_found_in_even_powers() {
+        // 2τ² − 3τ⁴ in units of the coarsest step: with τ³ in the place of τ⁴ another order fits.
+        let taus = taus(5);
+        let e = |tau: f64| 2.0 * (tau / 0.1).powi(2) - 3.0 * (tau / 0.1).powi(4);
+        let errors: Vec<f64> = taus.iter().map(|&tau| e(tau) - e(0.5 * tau)).collect();
+        let variances: Vec<f64> = errors.iter().map(|e| (1e-3 * e).powi(2)).collect();
+        let fit = |expansion| {
+            let variances = diagonal(&variances);
+            fit_expansion(&taus, &errors, &variances, Against::HalfStep, expansion).unwrap()
+        };
+        let even = fit(Expansion::EvenPowers);
+        assert!(even.estimate == 2.0 && even.lo > 1.98 && even.hi < 2.02, "{even:?}");
+        assert!(even.chi_square < 1e-9 && even.degrees == 2, "{even:?}");
+        let every = fit(Expansion::EveryPower);
+        assert!(every.chi_square > 100.0, "{every:?}");
+        // Order one is seen, though it is no such expansion.
+        let e = |tau: f64| 2.0 * tau / 0.1 - 3.0 * (tau / 0.1).powi(2);
+        let errors: Vec<f64> = taus.iter().map(|&tau| e(tau) - e(0.5 * tau)).collect();
+        let variances = diagonal(&errors.iter().map(|e| (0.03 * e).powi(2)).collect::<Vec<_>>());
+        let (against, even) = (Against::HalfStep, Expansion::EvenPowers);
+        let one = fit_expansion(&taus, &errors, &variances, against, even).unwrap();
+        assert!(one.hi < 1.5, "{one:?}");
     }
 }

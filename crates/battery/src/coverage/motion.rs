@@ -4,7 +4,7 @@ use mc::{Ladder, Run, View};
 use noise::{StreamKey, Truncation};
 use schemes::EulerMaruyama;
 use stats::{
-    CrossMoments,
+    CrossMoments, Expansion,
     Expected::{Calibrated, Miscovers, Silent},
     normal_covers, weak_errors,
 };
@@ -47,7 +47,7 @@ pub fn rows(tally: &mut Tally<'_>) {
             ladder.run(PATHS, new, &|_| ()).statistic.moments
         };
         let differences: Vec<CrossMoments> = EXPONENTS.map(difference).collect();
-        let (points, rate) = weak_errors(&taus, &differences, 0);
+        let (points, rate) = weak_errors(&taus, &differences, 0, Expansion::EveryPower);
         let truth = |level: usize| weak_error(taus[level]);
         // As if the tail below the finest step had no error.
         let [before, finest] = [taus.len() - 2, taus.len() - 1];

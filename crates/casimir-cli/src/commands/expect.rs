@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use casimir::{
     mc::{
-        Observe,
+        self, Observe, Setup,
         multilevel::{
             Coupling, Expectation, ExpectationSettings, MultilevelError, expectation_of_in,
         },
@@ -12,7 +12,7 @@ use casimir::{
     },
     noise::StepNoise,
     report::Bars,
-    verify::{Progress, inspect::Purpose},
+    verify::Progress,
 };
 
 use super::{
@@ -28,14 +28,10 @@ use crate::{
 
 /// What was found.
 pub struct Results {
-    /// The scheme.
-    pub scheme: String,
-    /// Why, if it was left to the program.
+    /// Why it is this scheme, if that was left to the program.
     pub because: Option<String>,
     /// Expectations with levels and warnings.
     pub expectation: Expectation,
-    /// Steps of the coarsest level.
-    pub coarsest_steps: u64,
     /// Seconds of the computation.
     pub seconds: f64,
 }
@@ -86,14 +82,21 @@ pub fn expect(arguments: &Expect) -> Done {
 /// Expectations that were checked.
 pub struct Ready<'a, N> {
     scene: &'a Scene,
-    model: &'a dyn Model<N>,
-    scheme: String,
+    way: Way<'a, N>,
     because: Option<String>,
     accuracy: f64,
 }
 
+/// How they are computed.
+enum Way<'a, N> {
+    /// With points, levels and order chosen.
+    Chosen(mc::Expect<'a, N>),
+    /// By levels of random points.
+    Levels(Setup<'a, N>),
+}
+
 impl<'a, N: StepNoise> Ready<'a, N> {
-    /// Chooses the scheme, and checks that there is something to expect.
+    /// Chooses the way, and checks that there is something to expect.
     pub fn new(scene: &'a Scene, model: &'a dyn Model<N>) -> Done<Self> {
         let (false, Some(accuracy)) = (scene.expected.is_empty(), scene.accuracy) else {
             let name = scene.observables.first().map_or("y1", |observable| &*observable.name);
@@ -103,41 +106,35 @@ impl<'a, N: StepNoise> Ready<'a, N> {
             return Err(scene.source.error_of_all(message).into());
         };
         let findings = findings(scene, model)?;
-        let (scheme, because) = scheme(scene, &findings, Purpose::Expectations);
-        let (source, settings) = (&scene.source, &scene.settings);
+        let settings = &scene.settings;
+        if let Some(mut chosen) = model.expect(&settings.scheme) {
+            chosen = chosen.with_key(settings.key);
+            if let Some(steps) = settings.coarsest_steps {
+                chosen = chosen.with_coarsest_steps(steps);
+            }
+            return Ok(Self { scene, way: Way::Chosen(chosen), because: None, accuracy });
+        }
+        let (scheme, because) = scheme(scene, &findings);
         let setup = model.setup(&scheme);
-        setup.map_err(|error| settings.scheme_error(source, error))?;
-        Ok(Self { scene, model, scheme, because, accuracy })
+        let setup = setup.map_err(|error| settings.scheme_error(&scene.source, error))?;
+        Ok(Self { scene, way: Way::Levels(setup), because, accuracy })
     }
 
     /// Computes the expectations as a piece of work of a job.
     pub fn compute(self, job: &Job) -> Done<Option<Results>> {
-        let Self { scene, model, scheme, because, accuracy } = self;
+        let Self { scene, way, because, accuracy } = self;
         let start = Instant::now();
-        let (source, settings) = (&scene.source, &scene.settings);
-        let setup = model.setup(&scheme);
-        let setup = setup.map_err(|error| settings.scheme_error(source, error))?;
-        let coarsest_steps =
-            settings.coarsest_steps.unwrap_or_else(|| coarsest_steps(settings.until));
-        let coupling = match setup.problem.noises > 1 && !setup.scheme.reads_areas() {
-            true => Coupling::Antithetic,
-            false => Coupling::Plain,
-        };
-        let expectation_settings =
-            ExpectationSettings::new(settings.key, settings.truncation, coarsest_steps, coupling);
-        let observables: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
-        let bars = Bars::default();
+        let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
+        let (name, bars) = ("expectation", Bars::default());
         bars.begin("sampling until the accuracy is reached", 0);
         let advance = |work| bars.advance(work);
-        let found = expectation_of_in(
-            job,
-            "expectation",
-            &setup,
-            &observables,
-            accuracy,
-            &expectation_settings,
-            &advance,
-        );
+        let found = match way {
+            Way::Chosen(chosen) => chosen.run_in(job, name, &phi, accuracy, &advance),
+            Way::Levels(setup) => {
+                let settings = levels(scene, &setup);
+                expectation_of_in(job, name, &setup, &phi, accuracy, &settings, &advance)
+            }
+        };
         bars.finish();
         let expectation = found.map_err(|error| match error {
             MultilevelError::Setting { .. } | MultilevelError::NoObservable => {
@@ -146,14 +143,19 @@ impl<'a, N: StepNoise> Ready<'a, N> {
             other => Failure::Run(other.into()),
         })?;
         let seconds = start.elapsed().as_secs_f64();
-        Ok(expectation.map(|expectation| Results {
-            scheme,
-            because,
-            expectation,
-            coarsest_steps,
-            seconds,
-        }))
+        Ok(expectation.map(|expectation| Results { because, expectation, seconds }))
     }
+}
+
+/// Levels of random points, for one scheme.
+fn levels<N: StepNoise>(scene: &Scene, setup: &Setup<'_, N>) -> ExpectationSettings {
+    let settings = &scene.settings;
+    let steps = settings.coarsest_steps.unwrap_or_else(|| coarsest_steps(settings.until));
+    let coupling = match setup.problem.noises > 1 && !setup.scheme.reads_areas() {
+        true => Coupling::Antithetic,
+        false => Coupling::Plain,
+    };
+    ExpectationSettings::new(settings.key, settings.truncation, steps, coupling)
 }
 
 /// Says what was found.

@@ -12,10 +12,7 @@ mod run;
 
 use std::{fs, io::Write, path::Path};
 
-use casimir::{
-    mc::parts::{Job, Program, Stop, limit_threads},
-    verify::inspect::Purpose,
-};
+use casimir::mc::parts::{Job, Program, Stop, limit_threads};
 use clap::CommandFactory;
 
 pub use compare::compare;
@@ -42,11 +39,11 @@ fn open(file: &Path, changes: &Changes) -> Done<Scene> {
 }
 
 /// The scheme of a scene, and why it was chosen if that was left to the program.
-fn scheme(scene: &Scene, findings: &Findings, purpose: Purpose) -> (String, Option<String>) {
+fn scheme(scene: &Scene, findings: &Findings) -> (String, Option<String>) {
     if scene.settings.scheme != AUTO {
         return (scene.settings.scheme.clone(), None);
     }
-    let (scheme, because) = findings.recommended(purpose);
+    let (scheme, because) = findings.recommended();
     (scheme, Some(because))
 }
 

@@ -7,7 +7,6 @@ use casimir::{
     report::{Bars, figure::convergence, files},
     verify::{
         self, DynReference, Progress, StepSizes,
-        inspect::Purpose,
         results::{Kind, Series},
         strong_order_of_within, weak_order_of_within,
     },
@@ -87,7 +86,7 @@ fn described(found: &Found) -> Value {
 fn measure<N: StepNoise>(scene: &Scene, model: &dyn Model<N>, path_steps: u64) -> Done<Results> {
     let start = Instant::now();
     let findings = findings(scene, model)?;
-    let (scheme, because) = scheme(scene, &findings, Purpose::Paths);
+    let (scheme, because) = scheme(scene, &findings);
     let (source, settings) = (&scene.source, &scene.settings);
     let setup = |scheme: &str| {
         let setup = model.setup(scheme);

@@ -10,7 +10,7 @@ use casimir::{
     },
     noise::StepNoise,
     report::Bars,
-    verify::{Progress, inspect::Purpose},
+    verify::Progress,
 };
 
 use super::{
@@ -118,7 +118,7 @@ impl<'a, N: StepNoise> Ready<'a, N> {
     /// Chooses the scheme, and checks that it can be run.
     pub fn new(scene: &'a Scene, model: &'a dyn Model<N>) -> Done<Self> {
         let findings = findings(scene, model)?;
-        let (scheme, because) = scheme(scene, &findings, Purpose::Paths);
+        let (scheme, because) = scheme(scene, &findings);
         let (source, settings) = (&scene.source, &scene.settings);
         let setup = model.setup(&scheme);
         let setup = setup.map_err(|error| settings.scheme_error(source, error))?;

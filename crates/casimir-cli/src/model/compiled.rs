@@ -3,33 +3,68 @@
 use std::{error::Error, sync::Arc};
 
 use casimir::{
-    mc::{DynProblem, Setup},
+    mc::{DynProblem, Expect, Setup},
     noise::BlockNoise,
-    schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Split},
+    schemes::{EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split},
     systems::{Damping, Flows, PoissonSystem, Problem},
     verify::{Candidates, Comparison, DynCompareSettings, compare_of, inspect_problem},
 };
 
 use super::{Findings, Model};
+use crate::scene::AUTO;
 
-type Schemes<S, const D: usize, const M: usize> =
-    Vec<(&'static str, Result<Box<dyn Scheme<S, D, M>>, String>)>;
+/// A scheme, or why it is not for the system.
+type Suited<S, const D: usize, const M: usize> = Result<Box<dyn Scheme<S, D, M>>, String>;
+
+type Schemes<S, const D: usize, const M: usize> = Vec<(&'static str, Suited<S, D, M>)>;
+
+/// Expectations of a problem, by the flows of its parts or without them.
+type Expected<S, const D: usize, const M: usize> =
+    for<'a> fn(&'a Problem<S, Arc<dyn Damping>, D>) -> Expect<'a, BlockNoise<M>>;
 
 /// A problem with the schemes that are compiled for it.
 pub struct Compiled<S, const D: usize, const M: usize> {
     problem: Problem<S, Arc<dyn Damping>, D>,
     schemes: Schemes<S, D, M>,
     names: Vec<&'static str>,
-    /// The number of `split`, where the system has flows.
-    split: Option<usize>,
+    /// The schemes of a comparison.
+    candidates: Compared<S, D, M>,
+    expect: Expected<S, D, M>,
 }
 
+type Compared<S, const D: usize, const M: usize> =
+    for<'a> fn(&'a Problem<S, Arc<dyn Damping>, D>) -> Candidates<'a, S, D, M>;
+
 impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Compiled<S, D, M> {
-    /// The problem with all schemes but `split`.
+    /// The problem of a system without flows of its own, and its schemes.
     pub fn new(problem: Problem<S, Arc<dyn Damping>, D>) -> Self {
+        let nv = Nv::new(problem.system(), problem.y0());
+        let nv = nv.map(|nv| Box::new(nv) as _).map_err(|error| error.to_string());
+        Self::with(problem, nv, |p| Candidates::all(p), |p| Expect::new(p))
+    }
+
+    /// The problem of a system with flows, and its schemes.
+    pub fn by_parts(problem: Problem<S, Arc<dyn Damping>, D>) -> Self
+    where
+        S: Flows<D, M>,
+    {
+        let nv = Ok(Box::new(Nv::of_parts()) as _);
+        let mut all = Self::with(problem, nv, |p| Candidates::by_parts(p), |p| Expect::by_parts(p));
+        all.schemes.push(("split", Ok(Box::new(Split))));
+        all.names.push("split");
+        all
+    }
+
+    fn with(
+        problem: Problem<S, Arc<dyn Damping>, D>,
+        nv: Suited<S, D, M>,
+        candidates: Compared<S, D, M>,
+        expect: Expected<S, D, M>,
+    ) -> Self {
         let (system, y0) = (problem.system(), problem.y0());
         let mut schemes: Schemes<S, D, M> = vec![
             ("sexp", Ok(Box::new(Sexp))),
+            ("nv", nv),
             ("midpoint", Ok(Box::new(Midpoint))),
             ("heun", Ok(Box::new(Heun))),
             ("em", Ok(Box::new(EulerMaruyama))),
@@ -44,19 +79,7 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Compiled<
             schemes.push(("sexp-li-levy", scheme.map(boxed).map_err(words)));
         }
         let names = schemes.iter().map(|(name, _)| *name).collect();
-        Self { problem, schemes, names, split: None }
-    }
-
-    /// With `split`, too.
-    #[must_use]
-    pub fn with_flows(mut self) -> Self
-    where
-        S: Flows<D, M>,
-    {
-        self.split = Some(self.schemes.len());
-        self.schemes.push(("split", Ok(Box::new(Split))));
-        self.names.push("split");
-        self
+        Self { problem, schemes, names, candidates, expect }
     }
 }
 
@@ -69,11 +92,12 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Model<Blo
         Ok(Setup::of(&self.problem, &**scheme.as_ref()?))
     }
 
+    fn expect(&self, scheme: &str) -> Option<Expect<'_, BlockNoise<M>>> {
+        matches!(scheme, AUTO | "nv").then(|| (self.expect)(&self.problem))
+    }
+
     fn compare(&self, settings: &DynCompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
-        let mut candidates = Candidates::all(&self.problem);
-        if let Some(Ok(split)) = self.split.map(|number| self.schemes[number].1.as_ref()) {
-            candidates = candidates.and(&**split);
-        }
+        let candidates = (self.candidates)(&self.problem);
         let candidates = candidates.erased(&self.problem);
         Ok(compare_of(&DynProblem::of(&self.problem), &candidates, settings)?)
     }

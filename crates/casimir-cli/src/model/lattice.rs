@@ -4,7 +4,7 @@ use std::{error::Error, sync::Arc};
 
 use casimir::{
     formula::Names,
-    mc::{DynProblem, Setup},
+    mc::{DynProblem, Expect, Setup},
     noise::NoiseRows,
     real::Row,
     schemes::Split,
@@ -40,6 +40,11 @@ impl Model<NoiseRows> for Lattice {
     fn setup(&self, scheme: &str) -> Result<Setup<'_, NoiseRows>, String> {
         let scheme = self.schemes.get(scheme)?;
         Setup::at_run_time(&self.problem, scheme).map_err(|error| error.to_string())
+    }
+
+    /// None: a point has as many dimensions as spins, steps and noises together.
+    fn expect(&self, _: &str) -> Option<Expect<'_, NoiseRows>> {
+        None
     }
 
     fn compare(&self, settings: &DynCompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {

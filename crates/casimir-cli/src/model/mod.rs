@@ -12,7 +12,7 @@ use std::{error::Error, sync::Arc};
 
 use casimir::{
     formula::{FormulaDamping, Names},
-    mc::Setup,
+    mc::{Expect, Setup},
     noise::{BlockNoise, NoiseRows},
     systems::{Constant, Damping},
     verify::{
@@ -32,6 +32,10 @@ pub trait Model<N>: Send + Sync {
     /// # Errors
     /// Why the scheme is not for the system.
     fn setup(&self, scheme: &str) -> Result<Setup<'_, N>, String>;
+
+    /// Expectations for which everything but this scheme, or `auto`, is chosen; `None` if they are
+    /// computed by levels of random points.
+    fn expect(&self, scheme: &str) -> Option<Expect<'_, N>>;
 
     /// Errors against cost of all schemes.
     ///
@@ -156,11 +160,11 @@ pub enum Findings {
 
 impl Findings {
     /// A scheme to take and why.
-    pub fn recommended(&self, purpose: Purpose) -> (String, String) {
+    pub fn recommended(&self) -> (String, String) {
         match self {
             Self::Small(inspection) => {
                 let recommended = &inspection.recommended;
-                let of = recommended.iter().find(|of| of.purpose == purpose);
+                let of = recommended.iter().find(|of| of.purpose == Purpose::Paths);
                 match of.or(recommended.first()) {
                     Some(of) => (of.scheme.into(), of.because.clone()),
                     None => ("heun".into(), "nothing was found to keep".into()),

@@ -59,7 +59,7 @@ pub fn build(
         "pendulum" => {
             let c = parameters(&["c"])?;
             let system = Pendulum::new(c.number("c", 1.0)?).map_err(|e| c.error("c", e))?;
-            built(Compiled::new(run.problem(system, damping)?).with_flows(), system, one)
+            built(Compiled::by_parts(run.problem(system, damping)?), system, one)
         }
         "rigid-body" => {
             let p = parameters(&["inertia", "noise"])?;
@@ -68,12 +68,12 @@ pub fn build(
                 [noise] => {
                     let system = RigidBody::one_noise(inertia, noise);
                     let system = system.map_err(|e| p.error("inertia", e))?;
-                    built(Compiled::new(run.problem(system, damping)?).with_flows(), system, one)
+                    built(Compiled::by_parts(run.problem(system, damping)?), system, one)
                 }
                 [a, b, c] => {
                     let system = RigidBody::three_noises(inertia, [a, b, c]);
                     let system = system.map_err(|e| p.error("inertia", e))?;
-                    let model = Compiled::new(run.problem(system, damping)?).with_flows();
+                    let model = Compiled::by_parts(run.problem(system, damping)?);
                     built(model, system, three)
                 }
                 ref list => {
@@ -92,13 +92,13 @@ pub fn build(
         }
         "maxwell-bloch" => {
             parameters(&[])?;
-            let model = Compiled::new(run.problem(MaxwellBloch, damping)?).with_flows();
+            let model = Compiled::by_parts(run.problem(MaxwellBloch, damping)?);
             built(model, MaxwellBloch, one)
         }
         "poisson3" => {
             let c = parameters(&["c"])?;
             let system = Poisson3::new(c.number("c", 1.0)?).map_err(|e| c.error("c", e))?;
-            built(Compiled::new(run.problem(system, damping)?).with_flows(), system, one)
+            built(Compiled::by_parts(run.problem(system, damping)?), system, one)
         }
         "spin-lattice" => lattice::build(source, table, damping.clone(), settings),
         unknown => Err(source.error(name.span(), unknown_system(unknown))),

@@ -1,7 +1,7 @@
 //! The schemes on a system whose dimension is known at run time.
 
 use casimir::{
-    schemes::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi, run_time::Scheme},
+    schemes::{EulerMaruyama, Heun, Midpoint, Nv, Sexp, SexpLi, SexpLiError, run_time::Scheme},
     systems::run_time::System,
 };
 
@@ -17,13 +17,13 @@ pub struct RowSchemes {
 impl RowSchemes {
     /// All but `split`.
     pub fn new(system: &dyn System) -> Self {
-        let linear: Suited = match SexpLi::at_run_time(system) {
-            Ok(scheme) => Ok(Box::new(scheme)),
-            Err(error) => Err(error.to_string()),
-        };
+        fn suited<S: Scheme + 'static>(scheme: Result<S, SexpLiError>) -> Suited {
+            Ok(Box::new(scheme.map_err(|error| error.to_string())?))
+        }
         let mut all = Self { names: Vec::new(), schemes: Vec::new() };
         all.add("sexp", Ok(Box::new(Sexp)));
-        all.add("sexp-li", linear);
+        all.add("sexp-li", suited(SexpLi::at_run_time(system)));
+        all.add("nv", suited(Nv::at_run_time(system)));
         all.add("midpoint", Ok(Box::new(Midpoint)));
         all.add("heun", Ok(Box::new(Heun)));
         all.add("em", Ok(Box::new(EulerMaruyama)));

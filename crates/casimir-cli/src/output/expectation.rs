@@ -13,13 +13,14 @@ use crate::{commands::Expected, failure::Done, scene::Scene};
 
 /// The expectations in words.
 pub fn expectation_text(scene: &Scene, results: &Expected) -> String {
-    let Expected { scheme, because, expectation, seconds, .. } = results;
+    let Expected { because, expectation, seconds } = results;
+    let scheme = expectation.scheme;
     let row = |estimate: &Estimate| {
         [
             format!("E[{}]", estimate.name),
             format!("{:.*}", decimals(estimate.half_width()), estimate.value),
             format!("{:.1e}", estimate.half_width()),
-            format!("{:.1e}", 1.96 * estimate.standard_error),
+            format!("{:.1e}", estimate.quantile * estimate.standard_error),
             format!("{:.1e}", estimate.bias_bound),
             if estimate.judged.all() { "yes".into() } else { "NO".into() },
         ]
@@ -36,6 +37,9 @@ pub fn expectation_text(scene: &Scene, results: &Expected) -> String {
     );
     if let Some(because) = because {
         text += &format!("{scheme}: {because}\n");
+    }
+    for decision in &expectation.decisions {
+        text += &format!("{decision}\n");
     }
     for warning in &expectation.warnings {
         text += &match warning {
@@ -74,14 +78,14 @@ fn decimals(half_width: f64) -> usize {
 
 /// The expectations for programs.
 pub fn expectation_json(scene: &Scene, results: &Expected) -> Value {
-    let Expected { scheme, because, expectation, coarsest_steps, seconds } = results;
+    let Expected { because, expectation, seconds } = results;
     let finite = |x: f64| x.is_finite().then_some(x);
     let estimate = |estimate: &Estimate| {
         let (lo, hi) = estimate.interval();
         json!({
             "of": estimate.name, "value": estimate.value, "lo": lo, "hi": hi,
             "half_width": estimate.half_width(), "standard_error": estimate.standard_error,
-            "bias_bound": estimate.bias_bound, "missed": estimate.missed,
+            "quantile": estimate.quantile, "bias_bound": estimate.bias_bound, "missed": estimate.missed,
             "judged": {
                 "variance": estimate.judged.variance, "bias": estimate.judged.bias,
                 "resolution": estimate.judged.resolution,
@@ -99,10 +103,10 @@ pub fn expectation_json(scene: &Scene, results: &Expected) -> Value {
     };
     let warnings: Vec<String> = expectation.warnings.iter().map(ToString::to_string).collect();
     json!({
-        "title": scene.title, "scheme": scheme, "because": because,
+        "title": scene.title, "scheme": expectation.scheme, "because": because,
         "accuracy": expectation.accuracy, "reached": expectation.reached(),
         "estimates": expectation.estimates.iter().map(estimate).collect::<Vec<_>>(),
-        "coarsest_steps": coarsest_steps,
+        "decisions": expectation.decisions,
         "levels": expectation.levels.iter().map(level).collect::<Vec<_>>(),
         "path_steps": expectation.cost, "warnings": warnings, "seconds": seconds,
     })

@@ -82,7 +82,7 @@ pub struct RunTable {
     #[schemars(with = "Count")]
     pub steps: Spanned<Count>,
     /// The scheme: `auto` (what `casimir inspect` recommends), `sexp`, `sexp-li`, `split`,
-    /// `sexp-levy`, `sexp-li-levy`, `midpoint`, `heun` or `em`. Default: `auto`.
+    /// `sexp-levy`, `sexp-li-levy`, `nv`, `midpoint`, `heun` or `em`. Default: `auto`.
     #[schemars(with = "Option<String>")]
     pub scheme: Option<Spanned<String>>,
     /// Number of paths. From 100 on means, quantiles and histograms are computed, below that tables

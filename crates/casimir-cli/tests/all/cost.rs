@@ -7,11 +7,7 @@
 use std::time::Instant;
 
 use casimir::{
-    mc::{
-        Observable, StudySettings,
-        multilevel::{Coupling, ExpectationSettings, expectation},
-        study,
-    },
+    mc::{Expect, Observable, StudySettings, study},
     noise::{StreamKey, Truncation},
     schemes::SexpLi,
     systems::{Cosine, Problem, RigidBody},
@@ -61,14 +57,10 @@ fn the_program_costs_what_the_library_costs() {
         || drop(succeeds(path, &["run", "scene.toml", "--paths", "1e6"])),
         || drop(study(&problem, &scheme, &components, &settings, &|_| ()).unwrap()),
     );
-    let settings = ExpectationSettings::new(key, truncation, 8, Coupling::Antithetic);
     compare(
         "an expectation to 1e-5",
-        1,
+        5,
         || drop(succeeds(path, &["expect", "scene.toml"])),
-        || {
-            let phi = &components[2..];
-            drop(expectation(&scheme, &problem, phi, 1e-5, &settings, &|_| ()).unwrap());
-        },
+        || drop(Expect::by_parts(&problem).run(&[&components[2]], 1e-5, &|_| ()).unwrap()),
     );
 }

@@ -62,7 +62,7 @@ fn results_are_the_same_bits_with_any_number_of_threads() {
         );
         fs::read_to_string(path.join(out).join("study.csv")).unwrap()
     };
-    for scheme in ["auto", "sexp", "sexp-li-levy", "split", "midpoint", "heun", "em"] {
+    for scheme in ["auto", "sexp", "sexp-li-levy", "split", "nv", "midpoint", "heun", "em"] {
         assert_eq!(csv("1", scheme), csv("2", scheme), "{scheme}");
     }
     assert_ne!(csv("1", "sexp"), csv("1", "em"));
@@ -176,6 +176,45 @@ fn orders_and_comparisons_are_measured() {
         (["order", "scene.toml", "--path-steps", "0"], "at least 1"),
     ] {
         let output = run(path, &arguments);
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        assert!(String::from_utf8_lossy(&output.stderr).contains(words), "{output:?}");
+    }
+}
+
+#[test]
+fn nv_is_a_scheme_like_the_others() {
+    for (text, expect) in [(OSCILLATOR, ""), (BODY, "[expect]\nof = [\"y3\"]\naccuracy = 0.01\n")] {
+        let folder = with_scene(&format!("{}{expect}", text.replace("sexp-li", "nv")));
+        let path = folder.path();
+        let printed = succeeds(path, &["run", "scene.toml", "--paths", "128"]);
+        assert!(printed.contains("steps of nv"), "{printed}");
+        let printed = succeeds(path, &["expect", "scene.toml"]);
+        assert!(printed.contains("steps of nv") && printed.contains("yes"), "{printed}");
+        let printed = succeeds(path, &["order", "scene.toml", "--path-steps", "1e7"]);
+        assert!(printed.starts_with("nv, ") && printed.contains("strong, y(T)"), "{printed}");
+        succeeds(path, &["compare", "scene.toml", "--error", "0.05", "--budget", "20"]);
+        let json = fs::read_to_string(path.join("scene-compare/compare.json")).unwrap();
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let candidates = json["for_error"]["candidates"].as_array().unwrap();
+        let nv = candidates.iter().find(|one| one["scheme"] == "nv").expect("a candidate");
+        assert!(nv["outcome"]["reached"].is_object(), "{nv}");
+    }
+    // Neither B nor the noises are for it.
+    let populations = r#"[system]
+state = ["x", "y"]
+B = [["x*y"]]
+H0 = "x - ln(x) + y - ln(y)"
+H = ["0.1*x"]
+[run]
+initial = [1, 2]
+until = 1.0
+steps = 64
+"#;
+    for (text, words) in [
+        (populations, "nv needs a structure matrix that is constant or affine"),
+        (SPINS, "has a noise for every component: take sexp-li"),
+    ] {
+        let output = run(with_scene(text).path(), &["run", "scene.toml", "--scheme", "nv"]);
         assert_eq!(output.status.code(), Some(2), "{output:?}");
         assert!(String::from_utf8_lossy(&output.stderr).contains(words), "{output:?}");
     }

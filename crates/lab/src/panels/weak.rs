@@ -40,7 +40,7 @@ mod tests;
 
 use mc::{Ladder, Observable, Run, View};
 use schemes::Sexp;
-use stats::{CrossMoments, weak_errors};
+use stats::{CrossMoments, Expansion, weak_errors};
 use systems::{
     Cosine, Problem, RigidBody,
     paper::{rigid_body_three_noises, valid},
@@ -121,7 +121,7 @@ pub fn measure(panels: &[WeakPanel], conditions: &Conditions) -> Findings {
             continue;
         };
         let mut series = observables.iter().enumerate().map(|(f, observable)| {
-            let (points, rate) = weak_errors(&taus, &moments, f);
+            let (points, rate) = weak_errors(&taus, &moments, f, Expansion::EveryPower);
             let (scheme, quantity) = (curve.name.into(), observable.name.into());
             Series { scheme, quantity, points, rate, ..Series::default() }
         });

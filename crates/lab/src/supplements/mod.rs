@@ -4,6 +4,7 @@ mod exact_references;
 mod expectations;
 mod levy;
 mod truncation_orders;
+mod weak_two;
 
 pub use expectations::expectation_claims;
 
@@ -17,4 +18,5 @@ pub const SUPPLEMENTS: &[Experiment] = &[
     Experiment::new(&["spin-pair-levy"], levy::measure).long().in_parts(),
     Experiment::new(&["rigid-body-expectations"], expectations::measure).long(),
     Experiment::new(&["expectation-cost"], expectations::cost).long(),
+    Experiment::new(&["rigid-body-weak-two"], weak_two::measure).long(),
 ];

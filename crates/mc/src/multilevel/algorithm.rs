@@ -44,6 +44,8 @@ impl<E: Into<MultilevelError>> From<E> for Halt {
 /// Draws samples, and counts their cost.
 pub struct Sampler<'a> {
     pub draw: &'a Draw<'a>,
+    /// The identifier of the scheme.
+    pub scheme: &'static str,
     pub t_end: f64,
     pub damping: SeenDamping<'a>,
     /// Names of the test functions.
@@ -196,7 +198,7 @@ impl Sampler<'_> {
         let wide = |(k, width): (usize, &f64)| {
             let terms = self.terms(levels, k);
             let found = plan::half_width(plan::variance_of_sum(&terms), plan::tail_of_sum(&terms));
-            found > *width || levels.iter().any(|samples| is_heavy(samples, k))
+            found > *width || is_heavy(&levels[0], k)
         };
         half_widths.iter().enumerate().any(wide)
     }
@@ -207,8 +209,9 @@ impl Sampler<'_> {
         for (k, &half_width) in half_widths.iter().enumerate() {
             let terms = self.terms(levels, k);
             plan::raise(&mut wanted, &terms, half_width);
-            for (l, samples) in levels.iter().enumerate().filter(|(_, one)| is_heavy(one, k)) {
-                wanted[l] = wanted[l].max(2 * samples.count()).max(terms[l].tail.enough as u64);
+            if is_heavy(&levels[0], k) {
+                let enough = terms[0].tail.enough as u64;
+                wanted[0] = wanted[0].max(2 * levels[0].count()).max(enough);
             }
         }
         wanted
@@ -437,10 +440,11 @@ impl Sampler<'_> {
         let reports: Vec<_> = levels.iter().map(level).collect();
         let (accuracy, order) = (self.accuracy, self.settings.weak_order);
         let damping = levels.last().and_then(|last| self.unresolved_damping(last.level));
-        let evidence = Evidence { levels, terms, accuracy, order, damping };
+        let evidence = Evidence { levels, first: 0, terms, accuracy, order, damping };
         let warnings = evidence.judge(&reports, &mut estimates);
         let decisions = Vec::new();
-        Expectation { accuracy, cost: self.cost, levels: reports, warnings, estimates, decisions }
+        let (scheme, cost, levels) = (self.scheme, self.cost, reports);
+        Expectation { scheme, accuracy, cost, levels, warnings, estimates, decisions }
     }
 }
 

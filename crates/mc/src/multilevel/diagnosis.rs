@@ -53,6 +53,8 @@ pub fn level_values(levels: &[Samples], samples: &Samples) -> Vec<LevelValue> {
 pub struct Evidence<'a> {
     /// All levels; all but the first are differences.
     pub levels: &'a [Samples],
+    /// The one that the sums begin with.
+    pub first: usize,
     /// How many of them, from the first on, make the estimates.
     pub terms: usize,
     pub accuracy: f64,
@@ -73,7 +75,7 @@ impl Evidence<'_> {
     /// Judges the estimates, and returns all warnings but those about limits. `reports` are of the
     /// same levels.
     pub fn judge(&self, reports: &[Level], estimates: &mut [Estimate]) -> Vec<Warning> {
-        let failing = reports.iter().filter(|level| level.failed > 0);
+        let failing = reports[self.first..].iter().filter(|level| level.failed > 0);
         let mut warnings: Vec<Warning> = failing
             .map(|&Level { level, failed, .. }| Warning::FailedPaths { level, failed })
             .collect();
@@ -132,9 +134,10 @@ impl Evidence<'_> {
                     });
                 }
             }
-            for heavy in self.levels[..self.terms].iter().filter(|one| is_heavy(one, k)) {
+            let begin = &self.levels[self.first];
+            if is_heavy(begin, k) {
                 judged.variance = false;
-                let (level, index) = (heavy.level, tail_index(heavy, k));
+                let (level, index) = (begin.level, tail_index(begin, k));
                 warnings.push(Warning::HeavyTail { observable: observable(), level, index });
             }
             if let Some(beta) = estimate.beta.filter(|beta| beta.upper < 1.0) {

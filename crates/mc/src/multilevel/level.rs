@@ -20,7 +20,7 @@ pub struct Values {
     pub fine: CentralMoments,
     /// φ on the coarse path.
     pub coarse: CentralMoments,
-    /// The extreme φ of single paths.
+    /// The extreme φ on the fine path.
     pub extremes: Extremes,
     /// How φ moves along fine and coarse paths.
     pub motion: FunctionMotion,
@@ -30,11 +30,9 @@ impl Values {
     /// φ at the final time, and φ of the coarse path if there is one.
     fn add(&mut self, fine: f64, coarse: Option<f64>) {
         self.fine.add(fine);
+        self.extremes.add(fine);
         match coarse {
-            None => {
-                self.sample.add(fine);
-                self.extremes.add(fine);
-            }
+            None => self.sample.add(fine),
             Some(coarse) => {
                 self.coarse.add(coarse);
                 self.sample.add(fine - coarse);

@@ -120,7 +120,7 @@ pub use error::MultilevelError;
 pub use report::{Estimate, Expectation, Judged, Level, LevelValue, Rate, Warning};
 pub use settings::{Coupling, Estimator, ExpectationSettings};
 
-pub(crate) use quasi::quasi_expectation;
+pub(crate) use quasi::{Orders, QuasiSettings, quasi_expectation};
 
 /// E[φ(y(T))] of every φ to the half-width `accuracy`, by the [`Estimator`] of the settings.
 ///
@@ -236,9 +236,18 @@ pub fn expectation_of_in<N: StepNoise>(
     let t_end = problem.t_end;
     let ranges = vec![None; observables.len()];
     let damping = SeenDamping::of(setup, settings.coarsest_steps);
-    let (cost, reserve) = (0, 0);
-    let sampler =
-        Sampler { draw: &draw, t_end, damping, names, accuracy, settings, ranges, cost, reserve };
+    let sampler = Sampler {
+        draw: &draw,
+        scheme: scheme.id(),
+        t_end,
+        damping,
+        names,
+        accuracy,
+        settings,
+        ranges,
+        cost: 0,
+        reserve: 0,
+    };
     match sampler.expectation() {
         Ok(expectation) => Ok(Some(expectation)),
         Err(Halt::Elsewhere) => Ok(None),

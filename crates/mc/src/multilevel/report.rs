@@ -8,6 +8,8 @@ pub const QUANTILE: f64 = 1.959_963_984_540_054;
 /// Expectations of all test functions, with the levels that were sampled and warnings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expectation {
+    /// The identifier of the scheme.
+    pub scheme: &'static str,
     /// One for each test function, in their order.
     pub estimates: Vec<Estimate>,
     /// The requested half-width.
@@ -261,7 +263,7 @@ pub enum Warning {
         /// Its kurtosis.
         kurtosis: f64,
     },
-    /// On single paths, fewer than thirty samples carry the variance, or the largest deviations x
+    /// On the level the sum begins with, fewer than thirty samples carry the variance, or the largest deviations x
     /// are as frequent as x^{−α} with α below two: events larger than all that were seen may be
     /// missing, and the variance is not known. Blocks [`Judged::variance`], unless φ has two
     /// values.

@@ -52,24 +52,23 @@ pub fn tails(levels: &[Samples], k: usize, range: f64) -> Vec<Tail> {
     levels.iter().map(tail).collect()
 }
 
-/// Whether fewer than [`EVENTS`] single paths carry the variance of test function number k, or its
+/// Whether fewer than [`EVENTS`] fine paths carry the variance of test function number k, or its
 /// [`tail_index`] is below two, and the events are not of one size: larger ones may be missing,
-/// whose size is not known. φ of two values has events of one size.
+/// whose size is not known. φ of two values has events of one size. Asked of the level that a sum
+/// begins with.
 pub fn is_heavy(samples: &Samples, k: usize) -> bool {
-    let sample = &samples.values[k].sample;
-    let few = || (samples.count() as f64) < EVENTS * sample.kurtosis();
-    samples.coupling.is_none()
-        && (few() || tail_index(samples, k) < LEAST_INDEX)
-        && !sample.is_two_valued()
+    let fine = &samples.values[k].fine;
+    let few = || (samples.count() as f64) < EVENTS * fine.kurtosis();
+    (few() || tail_index(samples, k) < LEAST_INDEX) && !fine.is_two_valued()
 }
 
 /// Hill's estimate of the exponent α in P(|φ − Eφ| > x) ∝ x^{−α} from the largest sixteenth of the
-/// deviations of single paths, 64 at most (Hill, *Ann. Statist.* 3, 1975); infinite if they are of
+/// deviations of fine paths, 64 at most (Hill, *Ann. Statist.* 3, 1975); infinite if they are of
 /// one size. With α ≤ 2 there is no variance, and where a sample shows α ≤ 2, as that of e^{3W}
 /// does, it is far below the true one.
 pub fn tail_index(samples: &Samples, k: usize) -> f64 {
     let values = &samples.values[k];
-    let deviations = values.extremes.deviations(values.sample.mean());
+    let deviations = values.extremes.deviations(values.fine.mean());
     let number = (samples.count() / 16).min(deviations.len().saturating_sub(1) as u64) as usize;
     let logarithm = |x: f64| Real::ln(x / deviations[number]);
     let sum: f64 = deviations[..number].iter().map(|&x| logarithm(x)).sum();
@@ -168,7 +167,7 @@ mod tests {
             for i in 0..n {
                 let u: f64 = (f64::from(i) + 0.5) / f64::from(n);
                 for sign in [1.0, -1.0] {
-                    values.sample.add(100.0 + sign * u.powf(-1.0 / alpha));
+                    values.fine.add(100.0 + sign * u.powf(-1.0 / alpha));
                     values.extremes.add(100.0 + sign * u.powf(-1.0 / alpha));
                 }
             }

@@ -345,17 +345,15 @@ fn tails_reach_as_far_as_what_was_seen_on_a_level_or_below() {
 }
 
 #[test]
-fn single_paths_are_heavy_below_thirty_that_carry_the_variance() {
-    let of = |times: usize| Samples {
-        coupling: None,
-        ..difference(0, 0.0, &[-2.0, -1.0, 0.0, 3.0], times)
+fn paths_are_heavy_below_thirty_that_carry_the_variance() {
+    let of = |values: &[f64], times: usize| {
+        let fine = values.repeat(times);
+        level(0, fine.len() as u64, Values { fine: moments(&fine), ..Values::default() })
     };
     // Kurtosis 2: sixty samples.
-    assert!(is_heavy(&of(14), 0) && !is_heavy(&of(16), 0));
-    let coupled = Samples { coupling: Some(Coupling::Plain), ..of(5) };
-    assert!(!is_heavy(&coupled, 0));
-    let two_values = Samples { coupling: None, ..difference(0, 0.0, &[-1.0, 1.0], 4) };
-    assert!(!is_heavy(&two_values, 0));
+    let four = [-2.0, -1.0, 0.0, 3.0];
+    assert!(is_heavy(&of(&four, 14), 0) && !is_heavy(&of(&four, 16), 0));
+    assert!(!is_heavy(&of(&[-1.0, 1.0], 4), 0));
 }
 
 #[test]
@@ -412,7 +410,8 @@ fn judged_at(
     };
     let mut reports: Vec<_> = (0..3).map(|l| report(l, 180, good)).collect();
     reports.push(report(3, samples, value));
-    let evidence = Evidence { levels: &levels, terms: 4, accuracy: 1e9, order: 1.0, damping: None };
+    let evidence =
+        Evidence { levels: &levels, first: 0, terms: 4, accuracy: 1e9, order: 1.0, damping: None };
     let mut estimates = [estimate.clone()];
     let warnings = evidence.judge(&reports, &mut estimates);
     (estimates[0].judged, warnings)
@@ -521,6 +520,7 @@ fn an_interval_adds_the_bias_to_the_rest() {
     let (lower, upper) = estimate.interval();
     assert!(close(lower, -4.0) && close(upper, 8.0));
     let result = |accuracy: f64, judged: Judged| Expectation {
+        scheme: "sexp",
         decisions: Vec::new(),
         estimates: vec![Estimate { judged, ..estimate.clone() }],
         accuracy,
@@ -603,6 +603,7 @@ fn run(
     let undamped = Constant::new(0.0).unwrap();
     let problem = Problem::new(Pendulum::new(1.0).unwrap(), undamped, [0.2, 1.0], 2.0).unwrap();
     let sampler = Sampler {
+        scheme: "sexp",
         draw: &draw,
         t_end: 2.0,
         damping: SeenDamping::new(&Heun, &problem, settings.coarsest_steps),

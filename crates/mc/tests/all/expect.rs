@@ -113,7 +113,7 @@ fn large_steps_on_which_paths_fail_are_left_out() {
     // Drift and noise are the same H: it is constant.
     let (exact, estimate) = (0.81 * 1.21 * 0.8, &found.estimates[0]);
     assert!(found.reached() && (estimate.value - exact).abs() < estimate.half_width());
-    assert!(found.decisions[1].starts_with("paths fail with 1 steps"), "{:?}", found.decisions);
+    assert!(found.decisions[1].starts_with("paths fail with 1 step "), "{:?}", found.decisions);
     assert!(found.levels[0].tau <= 0.25, "{:?}", found.levels[0]);
 }
 

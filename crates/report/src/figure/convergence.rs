@@ -15,7 +15,8 @@ use crate::{
 ///
 /// Of strong errors it shows the error at the final time, of weak errors all quantities, in a plot
 /// for each scheme. Fitted orders stand in the legend, unless it is that of several plots; grey
-/// lines show the slopes 1/2 and 1, whichever is nearer to each order.
+/// lines show the slopes 1/2 and 1, whichever is nearer to each order, and 2 for weak orders above
+/// 3/2.
 ///
 /// ```
 /// use report::figure::convergence;
@@ -47,8 +48,13 @@ pub fn convergence(title: &str, kind: Kind, series: &[Series]) -> Figure {
     let trends = drawn.iter().zip(&curves).map(|(series, curve)| {
         let points = curve.trend();
         let fitted = || rate(series).map_or_else(|| overall_order(&points), |rate| rate.estimate);
-        // Intervals of weak orders are too wide to choose between two lines.
-        let order = if weak || fitted() >= 0.75 { 1.0 } else { 0.5 };
+        // Intervals of weak orders are too wide to choose between slopes 1/2 and 1.
+        let two = rate(series).is_some_and(|rate| rate.lo > 1.5);
+        let order = match weak {
+            true if two => 2.0,
+            false if fitted() < 0.75 => 0.5,
+            _ => 1.0,
+        };
         (order, points)
     });
     let lines = reference_slopes(&trends.filter(|_| !cost).collect::<Vec<_>>());
@@ -111,13 +117,13 @@ fn overall_order(points: &[(f64, f64)]) -> f64 {
     }
 }
 
-/// The lines of slope 1/2 and 1 that curves need, given by their order and their points.
+/// The lines of slope 2, 1 and 1/2 that curves need, given by their order and their points.
 ///
-/// The first line lies below all points, a second one, of slope 1/2, above.
+/// The first line lies below all points, the others above.
 fn reference_slopes(trends: &[(f64, Vec<(f64, f64)>)]) -> Vec<Line> {
     /// The distance of a line from the nearest point, as a factor.
     const CLEARANCE: f64 = 1.8;
-    let shown = [(1.0, "slope 1"), (0.5, "slope 1/2")]
+    let shown = [(2.0, "slope 2"), (1.0, "slope 1"), (0.5, "slope 1/2")]
         .into_iter()
         .filter(|(power, _)| trends.iter().any(|(order, _)| order == power));
     let line = |(place, (power, name)): (usize, (f64, &str))| {
@@ -168,5 +174,7 @@ mod tests {
         let slopes = reference_slopes(&[trend(0.5, 1.0), trend(0.5, 2.0)]);
         assert_eq!((slopes.len(), slopes[0].power), (1, 0.5));
         assert!(reference_slopes(&[]).is_empty());
+        let slopes = reference_slopes(&[trend(2.0, 1.0)]);
+        assert_eq!((slopes.len(), slopes[0].power, slopes[0].name.as_str()), (1, 2.0, "slope 2"));
     }
 }

@@ -5,7 +5,7 @@ use real::{OutOfMemory, Row};
 use systems::run_time::System;
 
 use super::{explicit::ExplicitStepper, implicit::ImplicitStepper};
-use crate::{Implicit, Step};
+use crate::{Implicit, SexpLiError, Step};
 
 /// A one-step method for systems whose dimension is known at run time. Every formula is one, with
 /// the same formula as for compiled systems; see [`Explicit`](crate::Explicit) and [`Implicit`].
@@ -61,17 +61,9 @@ pub enum SchemeError {
         /// Why it has none.
         reason: String,
     },
-    /// Every component has a noise of its own.
-    #[error(
-        "{scheme} follows the flow of each noise in turn, and `{system}` has a noise for every \
-         component: take sexp-li"
-    )]
-    LocalNoise {
-        /// The scheme.
-        scheme: &'static str,
-        /// The system.
-        system: String,
-    },
+    /// The scheme is not for the system.
+    #[error(transparent)]
+    System(#[from] SexpLiError),
     /// Rows of the system hold one path.
     #[error(
         "rows of `{system}` hold one path, and not 32: take `mc::LargePath`, or the layout of the \

@@ -123,9 +123,7 @@ impl Scheme for Nv<StageFlows> {
     }
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
-        if system.local_noise() {
-            return Err(SchemeError::LocalNoise { scheme: nv::ID, system: system.name().into() });
-        }
+        nv::refuse_local_noise(system)?;
         Ok(match self.is_affine() {
             true => Box::new(NvStepper::new(self.sweep(), &PoissonFlow::<true>, system)?),
             false => Box::new(NvStepper::new(self.sweep(), &PoissonFlow::<false>, system)?),

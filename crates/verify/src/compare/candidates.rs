@@ -5,10 +5,10 @@ use std::sync::Arc;
 use mc::Setup;
 use noise::{BlockNoise, NoiseRows};
 use schemes::{
-    DynScheme, EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi,
+    DynScheme, EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split,
     run_time::{self, SchemeError},
 };
-use systems::{Damping, PoissonSystem, Problem, run_time::Problem as RunTimeProblem};
+use systems::{Damping, Flows, PoissonSystem, Problem, run_time::Problem as RunTimeProblem};
 
 use super::own_areas::OwnAreas;
 use crate::inspect::{FoundCasimir, inspect};
@@ -55,13 +55,34 @@ impl<'a, S, const D: usize, const M: usize> Candidates<'a, S, D, M> {
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Candidates<'_, S, D, M> {
     /// All schemes for `problem`: [`Sexp`] and, if it is for the system, [`SexpLi`], both with Lévy
-    /// areas as well if the noises do not commute; [`Midpoint`], [`Heun`] and [`EulerMaruyama`].
-    /// The reference is [`SexpLevy`]. Strong errors are related to those of [`Heun`] on the same
-    /// paths ([`StrongPoint::ratio`](super::StrongPoint::ratio)).
+    /// areas as well if the noises do not commute; [`Nv`] if it is for the system; [`Midpoint`],
+    /// [`Heun`] and [`EulerMaruyama`]. The reference is [`SexpLevy`]. Strong errors are related to
+    /// those of [`Heun`] on the same paths ([`StrongPoint::ratio`](super::StrongPoint::ratio)).
     ///
     /// If the system names no invariant, the linear and quadratic Casimirs that [`inspect()`] finds
     /// are measured.
     pub fn all<G>(problem: &Problem<S, G, D>) -> Self
+    where
+        S: 'static,
+    {
+        let nv = Nv::new(problem.system(), problem.y0()).ok();
+        Self::with_flows(problem, nv.map(|nv| Box::new(nv) as _), None)
+    }
+
+    /// The same for a system of parts with flows: [`Nv`] by these, and [`Split`].
+    pub fn by_parts<G>(problem: &Problem<S, G, D>) -> Self
+    where
+        S: Flows<D, M> + 'static,
+    {
+        Self::with_flows(problem, Some(Box::new(Nv::of_parts())), Some(Box::new(Split)))
+    }
+
+    /// All schemes but those of flows, and these.
+    fn with_flows<G>(
+        problem: &Problem<S, G, D>,
+        nv: Option<Box<dyn Scheme<S, D, M>>>,
+        split: Option<Box<dyn Scheme<S, D, M>>>,
+    ) -> Self
     where
         S: 'static,
     {
@@ -79,6 +100,8 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Candidates<'_, S, D
         {
             schemes.push(Box::new(scheme));
         }
+        schemes.extend(split);
+        schemes.extend(nv);
         schemes.push(Box::new(Midpoint));
         let base = Some(schemes.len());
         schemes.push(Box::new(Heun));
@@ -171,8 +194,8 @@ impl<'a> DynCandidates<'a, NoiseRows> {
     }
 
     /// All schemes for a system known at run time: [`Sexp`] and, if it is for the system,
-    /// [`SexpLi`]; [`Midpoint`], [`Heun`] and [`EulerMaruyama`]. Strong errors are related to those
-    /// of [`Heun`].
+    /// [`SexpLi`] and [`Nv`]; [`Midpoint`], [`Heun`] and [`EulerMaruyama`]. Strong errors are
+    /// related to those of [`Heun`].
     ///
     /// The reference is [`Sexp`]. Where noises do not commute it is of strong order ½, as all of
     /// these schemes are, and needs many steps for an error that is small beside theirs.
@@ -186,6 +209,9 @@ impl<'a> DynCandidates<'a, NoiseRows> {
         let mut all = Self::against(scheme(&Sexp)?).and(scheme(&Sexp)?);
         if let Ok(linear) = SexpLi::at_run_time(problem.system()) {
             all = all.and(Setup::owning(problem, Box::new(linear))?.scheme);
+        }
+        if let Ok(nv) = Nv::at_run_time(problem.system()) {
+            all = all.and(Setup::owning(problem, Box::new(nv))?.scheme);
         }
         all = all.and(scheme(&Midpoint)?);
         all.base = Some(all.schemes.len());

@@ -1,11 +1,11 @@
-//! Whether `sexp-li` is for a system, and which methods are worth writing out.
+//! Whether `sexp-li` and `nv` are for a system, and which methods are worth writing out.
 
 use real::Degree;
-use schemes::{Scheme, SexpLi};
+use schemes::{Nv, Scheme, SexpLi};
 use serde::{Serialize, Serializer};
 use systems::{ImplicitStep, Linearity, PoissonSystem, is_quadratic, linearity};
 
-/// What [`SexpLi`] says of a system.
+/// What [`SexpLi`] and [`Nv`] say of a system.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WithoutIteration {
     /// How B depends on y.
@@ -17,6 +17,8 @@ pub struct WithoutIteration {
     pub truncates: bool,
     /// Why `sexp-li-levy` refuses the system, if it does.
     pub areas_refused: Option<String>,
+    /// Why `nv` refuses the system, unless it is given flows of its parts.
+    pub nv_refused: Option<String>,
     /// Whether Lévy areas are drawn for the system: not where its noises are counted at run time.
     pub draws_areas: bool,
 }
@@ -34,6 +36,7 @@ impl WithoutIteration {
             refused: scheme.err().map(|refused| refused.to_string()),
             truncates,
             areas_refused: SexpLi::with_areas(system, y).err().map(|refused| refused.to_string()),
+            nv_refused: Nv::new(system, y).err().map(|refused| refused.to_string()),
             draws_areas: true,
         }
     }

@@ -41,7 +41,7 @@ pub trait System {
     fn field(&self, y: &[f64], weights: &[f64]) -> (Vec<Bounded>, Matrix<Bounded>);
     /// Σ A_ml [fₘ, f_l] as the system implements it.
     fn commutators(&self, y: &[f64], areas: &Matrix) -> Vec<Bounded>;
-    /// What `sexp-li` says of the system around y.
+    /// What `sexp-li` and `nv` say of the system around y.
     fn without_iteration(&self, y: &[f64]) -> WithoutIteration;
     /// The methods that are worth writing out.
     fn overrides(&self, points: &[Vec<f64>]) -> Vec<Override>;

@@ -2,7 +2,7 @@
 
 use formula::FormulaSystem;
 use real::{Bounded, Dual, Real};
-use schemes::{SexpLi, run_time::Scheme};
+use schemes::{Nv, SexpLi, run_time::Scheme};
 use systems::{Invariant, run_time};
 
 use super::{
@@ -147,6 +147,7 @@ impl System for OfFormulas<'_> {
             truncates: scheme.as_ref().is_ok_and(Scheme::clips_increments),
             refused: scheme.err().map(|refused| refused.to_string()),
             areas_refused: Some("Lévy areas are not drawn for systems known at run time".into()),
+            nv_refused: Nv::at_run_time(self.0).err().map(|refused| refused.to_string()),
             draws_areas: false,
         }
     }

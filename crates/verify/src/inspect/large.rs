@@ -3,7 +3,7 @@
 use std::fmt;
 
 use real::{OutOfMemory, Row, Rows, WIDTH};
-use schemes::SexpLi;
+use schemes::{Nv, SexpLi};
 use serde::Serialize;
 use systems::run_time::{Lanes, System, Weights};
 
@@ -29,6 +29,8 @@ pub struct LargeInspection {
     pub identities: Vec<Identity>,
     /// Why `sexp-li` is not for the system, if it is not.
     pub sexp_li_refused: Option<String>,
+    /// Why `nv` is not for the system, if it is not.
+    pub nv_refused: Option<String>,
     /// Why `split` is not for the system, if it is not.
     pub split_refused: Option<String>,
 }
@@ -148,6 +150,7 @@ pub fn inspect_large(system: &dyn System, y0: &[f64]) -> Result<LargeInspection,
         directions: DIRECTIONS,
         identities: identities.into_iter().map(Check::finding).collect(),
         sexp_li_refused: SexpLi::at_run_time(system).err().map(|refused| refused.to_string()),
+        nv_refused: Nv::at_run_time(system).err().map(|refused| refused.to_string()),
         split_refused: system.parts().err(),
     })
 }
@@ -319,9 +322,11 @@ impl fmt::Display for LargeInspection {
             let word = status.name();
             writeln!(f, "{what}: {word}, to {defect:.1e} of its terms (allowed {allowed:.0e})")?;
         }
-        for (scheme, refused) in
-            [("sexp-li", &self.sexp_li_refused), ("split", &self.split_refused)]
-        {
+        for (scheme, refused) in [
+            ("sexp-li", &self.sexp_li_refused),
+            ("nv", &self.nv_refused),
+            ("split", &self.split_refused),
+        ] {
             match refused {
                 None => writeln!(f, "{scheme} is for it")?,
                 Some(reason) => writeln!(f, "{scheme} is not for it: {reason}")?,

@@ -111,7 +111,12 @@ pub fn recommendations(report: &Inspection, circumstances: Circumstances) -> Vec
         take(Purpose::Paths, "heun", &format!("explicit, of strong order {order}; {nothing}"));
     }
 
-    if areas && !noise.silent.holds() {
+    let random = !noise.silent.holds();
+    if random && without_iteration.nv_refused.is_none() {
+        let kept = if casimirs { " and keeps the Casimirs" } else { "" };
+        let because = format!("it has weak order 2{kept}; mc::expect chooses all else");
+        take(Purpose::Expectations, "nv", &because);
+    } else if random && areas {
         let because = "weak order 1 takes no areas";
         let scheme = match (casimirs || !circumstances.finite_rate, linear) {
             (true, true) => "sexp-li",
@@ -122,7 +127,7 @@ pub fn recommendations(report: &Inspection, circumstances: Circumstances) -> Vec
     }
     // With a constant B the scheme is explicit, and large steps grow.
     let implicit = linear && without_iteration.structure == Linearity::Affine;
-    if sound && implicit && !without_iteration.truncates && !noise.silent.holds() {
+    if sound && implicit && !without_iteration.truncates && random {
         let because = "every step has a solution, so no increment is truncated";
         let scheme = if areas && without_iteration.areas_refused.is_none() {
             "sexp-li or sexp-li-levy"

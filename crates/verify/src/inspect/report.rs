@@ -63,7 +63,7 @@ pub struct Inspection {
     pub theorems: Vec<Theorem>,
     /// The orders that theory predicts for the schemes.
     pub orders: Vec<ExpectedOrder>,
-    /// What `sexp-li` says of the system.
+    /// What `sexp-li` and `nv` say of the system.
     pub without_iteration: WithoutIteration,
     /// The schemes to take, that for paths first.
     pub recommended: Vec<Recommendation>,

@@ -360,7 +360,8 @@ fn a_report_says_why_a_statement_does_not_apply() {
         "H1       c H0 up to a constant, c = 0.",
         "Casimirs of B, linear or quadratic, coefficients to six digits: none (shown)",
         "no             energy-balance: sexp keeps the energy",
-        "  1 / 1: sexp, sexp-levy, sexp-li, sexp-li-levy, split, midpoint, heun\n  0.5 / 1: em\n",
+        "  1 / 1: sexp, sexp-levy, sexp-li, sexp-li-levy, split, midpoint, heun\n",
+        "\n  1 / 2: nv\n  0.5 / 1: em\n",
         "sexp-li applies: B is constant in y, every step has a solution\n",
         "Take heun for paths: explicit, of strong order 1; nothing was found to keep",
         "No mistakes found.",
@@ -373,8 +374,10 @@ fn a_report_says_why_a_statement_does_not_apply() {
     let text = body.to_string();
     for words in [
         "  0.5 / 1: sexp, sexp-li, split, midpoint, heun, em\n  1 / 1: sexp-levy, sexp-li-levy\n",
+        "\n  0.5 / 2: nv\n",
         "do not commute: strong order 1 needs Lévy areas",
         "Take sexp-li-levy for paths: noises do not commute",
+        "Take nv for expectations: it has weak order 2 and keeps the Casimirs; mc::expect chooses",
         "0.5 y1² + 0.5 y2² + 0.5 y3²; degree 2, m = 5.0000e-1 > 0 (shown); B∇C = 0 shown",
     ] {
         assert!(text.contains(words), "{words}: {text}");

@@ -60,13 +60,15 @@ pub struct ExpectedOrder {
 pub fn orders(noises: &Noises, areas: bool) -> Vec<ExpectedOrder> {
     let smooth = if noises.pieces { Status::Found } else { Status::Shown };
     let expected = |(scheme, (strong, weak, known))| ExpectedOrder { scheme, strong, weak, known };
-    let listed = |without_areas, with_areas, em| {
+    let listed = |without_areas: (f64, f64, Status), with_areas, em| {
+        let (strong, _, status) = without_areas;
         let all = [
             ("sexp", Some(without_areas)),
             ("sexp-levy", areas.then_some(with_areas)),
             ("sexp-li", Some(without_areas)),
             ("sexp-li-levy", areas.then_some(with_areas)),
             ("split", Some(without_areas)),
+            ("nv", Some((strong, 2.0, status))),
             ("midpoint", Some(without_areas)),
             ("heun", Some(without_areas)),
             ("em", Some(em)),

@@ -560,6 +560,7 @@ fn a_report_reads_like_this() {
         "Expected orders, strong / weak",
         "  0.5 / 1: sexp, sexp-li, split, midpoint, heun, em",
         "  1 / 1: sexp-levy, sexp-li-levy",
+        "  0.5 / 2: nv",
         "Implicit steps of sexp are contractions, C(k, τ) < 1, for τ below",
         "  9.9e-4 for k = 1, 4.5e-4 for k = 2, 2.0e-4 for k = 4",
         "  by the largest norms found at 400 points with ‖y‖ ≤ 2.7183",
@@ -568,7 +569,10 @@ fn a_report_reads_like_this() {
             "Take sexp-li-levy for paths: noises do not commute, and Lévy areas give strong ",
             "order 1; no iteration"
         ),
-        "Take sexp-li for expectations: weak order 1 takes no areas",
+        concat!(
+            "Take nv for expectations: it has weak order 2 and keeps the Casimirs; mc::expect ",
+            "chooses all else"
+        ),
         concat!(
             "Take sexp-li or sexp-li-levy for large noise: every step has a solution, so no ",
             "increment is truncated"
@@ -614,7 +618,7 @@ fn formulas_are_inspected_like_compiled_systems() {
     assert_eq!(theirs.orders.iter().filter(areas).count(), 2);
     assert!(ours.orders.iter().eq(theirs.orders.iter().filter(|order| !areas(order))));
     let recommended = ours.recommended.iter().map(|recommended| recommended.scheme);
-    assert_eq!(recommended.collect::<Vec<_>>(), ["sexp-li", "sexp-li"]);
+    assert_eq!(recommended.collect::<Vec<_>>(), ["sexp-li", "nv", "sexp-li"]);
     assert_eq!(ours.pilot.unwrap().states, theirs.pilot.unwrap().states);
     let radius = |report: &verify::inspect::Inspection| {
         report.problem.as_ref().and_then(|problem| problem.radius).unwrap()
@@ -660,11 +664,16 @@ fn lattices_are_inspected_along_directions() {
         assert!(report.is_sound(), "{report}");
         assert_eq!(report.identities.len(), if damping == 0.0 { 5 } else { 4 });
         assert!(report.sexp_li_refused.is_none() && report.split_refused.is_some());
+        assert!(report.nv_refused.is_some(), "each component has a noise: {report}");
         assert!(report.to_string().contains("9000 components, 9000 noises"), "{report}");
     }
     // On 32 paths, and formulas.
     let ring = SpinLattice::on_paths(Shape::periodic(&[4]).unwrap(), couplings).unwrap();
     assert!(verify::inspect_large(&ring, &y0[..12]).unwrap().is_sound());
+    let one_field = Couplings { local: false, ..couplings };
+    let ring = SpinLattice::on_paths(Shape::periodic(&[4]).unwrap(), one_field).unwrap();
+    let report = verify::inspect_large(&ring, &y0[..12]).unwrap();
+    assert!(report.nv_refused.is_none() && report.to_string().contains("\nnv is for it\n"));
     // A body whose B is not skew, and one with a wrong Casimir, given as compiled systems.
     struct Wrong {
         skew: bool,

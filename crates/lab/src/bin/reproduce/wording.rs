@@ -13,6 +13,7 @@ pub const WORDING: Wording<'static> = Wording {
         ("sexp-levy", "sexp with Lévy areas, not in the paper"),
         ("sexp-li", "sexp by a linear equation, not in the paper"),
         ("split", "exact flows in turn, not in the paper"),
+        ("nv", "flows in turn, of weak order two, not in the paper"),
     ],
     statements: &STATEMENTS,
 };

@@ -17,7 +17,7 @@ use super::{
         settings::{Coupling, ExpectationSettings, whole},
         tails::{Tail, is_heavy, tails},
     },
-    extrapolation::{Extrapolation, extrapolation},
+    extrapolation::{Extrapolation, Orders, extrapolation},
     level::Scrambles,
 };
 use crate::SeenDamping;
@@ -30,6 +30,9 @@ const BIAS_SHARE: f64 = 1.0 / 3.0;
 /// The bound on the bias is at most this part of the statistical half-width, so that errors are as
 /// large as the interval says.
 const BIAS_PART: f64 = 0.5;
+/// A bound on the bias below this part of the accuracy is small enough in any case. Where φ hardly
+/// varies, half of the statistical half-width may be round-off.
+const BIAS_ENOUGH: f64 = 1.0 / 64.0;
 
 /// The part of the variance from which on the largest and the least value of a scramble decide.
 const FEW_DECIDE: f64 = 0.5;
@@ -48,6 +51,8 @@ type Draw<'a> =
 /// Draws points, and counts their cost.
 pub struct Quasi<'a> {
     pub draw: &'a Draw<'a>,
+    /// The identifier of the scheme.
+    pub scheme: &'static str,
     pub t_end: f64,
     pub damping: SeenDamping<'a>,
     /// Names of the test functions.
@@ -56,6 +61,8 @@ pub struct Quasi<'a> {
     pub settings: &'a ExpectationSettings,
     /// Independent scrambles.
     pub scrambles: u64,
+    /// How the bias falls.
+    pub orders: Orders,
     /// How levels above the first are coupled.
     pub coupling: Coupling,
     /// Runs of a path on each side of a difference: fine and coarse.
@@ -83,10 +90,20 @@ struct Sum {
 }
 
 impl Sum {
-    /// The weights of the terms: one, and more for the last difference.
+    /// The weights of the terms: one, and others for the last two differences.
     fn weight(&self, term: usize) -> f64 {
-        let last = term + 1 == self.terms.len();
-        if last { 1.0 + self.extrapolation.weight } else { 1.0 }
+        let [before, last] = self.extrapolation.weights;
+        match self.terms.len() - term {
+            1 => 1.0 + last,
+            2 => 1.0 + before,
+            _ => 1.0,
+        }
+    }
+
+    /// What extrapolation takes for the bias of the last level.
+    fn bias(&self) -> f64 {
+        let part = |(n, term): (usize, &Term)| (1.0 - self.weight(n)) * term.mean;
+        self.terms.iter().enumerate().map(part).sum()
     }
 
     fn value(&self) -> f64 {
@@ -199,11 +216,11 @@ impl Quasi<'_> {
                 continue;
             }
             let wide = sums.iter().any(|sum| self.is_wide(sum));
-            let heavy = (0..self.names.len()).any(|k| is_heavy(&levels.samples[0], k));
+            let heavy = (0..self.names.len()).any(|k| is_heavy(&levels.samples[first], k));
             if !wide && !heavy {
                 break finer.then_some(Warning::LevelLimit { level: last });
             }
-            let worst = if wide { self.worst(first, &sums) } else { 0 };
+            let worst = if wide { self.worst(first, &sums) } else { first };
             let points = levels.scrambles[worst].points;
             if !self.affordable(&levels.samples[worst], points) {
                 break Some(self.cost_limit());
@@ -216,7 +233,8 @@ impl Quasi<'_> {
     /// Whether a finer level is wanted: the bias has more than its share, significantly.
     fn is_biased(&self, sum: &Sum) -> bool {
         let Extrapolation { size, standard_error, .. } = sum.extrapolation;
-        let share = f64::min(BIAS_SHARE * self.accuracy, BIAS_PART * sum.spread());
+        let (least, most) = (BIAS_ENOUGH * self.accuracy, BIAS_SHARE * self.accuracy);
+        let share = (BIAS_PART * sum.spread()).clamp(least, most);
         size > share + sum.quantile() * standard_error
     }
 
@@ -284,7 +302,8 @@ impl Quasi<'_> {
         let from = differences.len().saturating_sub(BIAS_LEVELS);
         let last = &differences[from..];
         let alpha = plan::alpha(&levels.differences()[from..], last, k);
-        let extrapolation = extrapolation(last, self.settings.weak_order, alpha);
+        let summed = differences.len() - first;
+        let extrapolation = extrapolation(last, summed, self.orders, alpha);
         let samples = &levels.samples[first];
         let kurtosis = samples.values[k].fine.kurtosis();
         let tail = Tail::new(samples.count() as f64, kurtosis, self.range(k));
@@ -348,14 +367,13 @@ impl Quasi<'_> {
         let estimate = |(k, name): (usize, &String)| {
             let sum = self.sum(&levels, first, k);
             let terms = levels.terms(k, self.range(k));
-            let last = terms.last().map_or(0.0, |term| term.mean);
             Estimate {
                 name: name.clone(),
                 value: sum.value(),
                 standard_error: sum.standard_error(),
                 quantile: sum.quantile(),
                 missed: sum.tail(),
-                bias: -sum.extrapolation.weight * last,
+                bias: sum.bias(),
                 bias_bound: sum.bias_bound(),
                 alpha: plan::alpha(differences, &terms, k),
                 beta: plan::beta(differences, k),
@@ -378,11 +396,12 @@ impl Quasi<'_> {
         let reports: Vec<_> = samples.iter().map(level).collect();
         let (accuracy, order) = (self.accuracy, self.settings.weak_order);
         let damping = samples.last().and_then(|last| self.damping.unresolved(last.level));
-        let evidence = Evidence { levels: samples, terms: samples.len(), accuracy, order, damping };
+        let terms = samples.len() - first;
+        let evidence = Evidence { levels: samples, first, terms, accuracy, order, damping };
         let mut warnings = evidence.judge(&reports, &mut estimates);
         warnings.extend(limit);
-        let (cost, decisions) = (self.cost, self.decisions);
-        Expectation { accuracy, cost, levels: reports, warnings, estimates, decisions }
+        let (scheme, cost, decisions, levels) = (self.scheme, self.cost, self.decisions, reports);
+        Expectation { scheme, accuracy, cost, levels, warnings, estimates, decisions }
     }
 
     /// Says which levels and how many points were chosen, and what Sobol points gained.

@@ -1,10 +1,14 @@
 //! The limit τ → 0 from several levels, and a bound on what is left.
 //!
 //! With E_l = E[φ(y_l)], d_l = E_l − E_{l−1} and the weak order p, R_l = E_l + c·d_l with
-//! c = 1/(2^p − 1) has no error of order p (Richardson; Talay and Tubaro 1990). R_L − R_{L−1} =
-//! c(2^p d_L − d_{L−1}), and if what is left is of order p + 1 or more, as expansions in powers of
-//! τ say, its size is at most b|R_L − R_{L−1}| and at most b2^{−p−1}|R_{L−1} − R_{L−2}| with
-//! b = 1/(2^{p+1} − 1). The larger one is the bound: one alone may be small by chance.
+//! c = 1/(2^p − 1) has no error of order p (Richardson; Talay and Tubaro 1990). If the next order of
+//! the expansion is q, S_L = R_L + c′(R_L − R_{L−1}) with c′ = 1/(2^q − 1) has none of order q.
+//!
+//! What is left of S_L is at most c′|R_L − R_{L−1}| if the error of R_l falls by order q − 1 + ε or
+//! more, ε = log₂(1 + 2^{−q}), and what is left of R_L if it falls by q or more. So the bound on S_L
+//! does not rest on the power that S_L removes. c′2^{−q}|R_{L−1} − R_{L−2}| is a second bound, and
+//! the larger one is taken: one alone may be small by chance. S_L is taken where both its
+//! differences are in the sum over levels, else R_L.
 //!
 //! Where the differences are seen to fall by less than order p, there is no such expansion yet. c
 //! then has the observed order, and the whole extrapolated part c|d_L| is the bound.
@@ -20,44 +24,61 @@ use super::super::{
 /// How far the observed order may significantly fall below the theoretical one.
 const ORDER_TOLERANCE: f64 = 0.25;
 
+/// The powers of τ in an expansion of the bias.
+#[derive(Clone, Copy, Debug)]
+pub struct Orders {
+    /// The weak order p.
+    pub weak: f64,
+    /// The next one q.
+    pub next: f64,
+}
+
 /// The extrapolation of one test function.
 pub struct Extrapolation {
-    /// The order by which it is extrapolated.
+    /// The first order by which it is extrapolated.
     pub order: f64,
-    /// c, the weight of the last difference beside one.
-    pub weight: f64,
+    /// What the last difference but one and the last one count for, beside one.
+    pub weights: [f64; 2],
     /// The bound, without a statistical margin.
     pub size: f64,
     /// The standard error of the difference that makes it.
     pub standard_error: f64,
 }
 
-/// By the last three differences or fewer, the last one last, for a scheme of weak order
-/// `weak_order`, where they fall by the order `alpha`.
-pub fn extrapolation(differences: &[Term], weak_order: f64, alpha: Option<Rate>) -> Extrapolation {
-    let order = bias::order(weak_order, alpha);
-    let expands = order >= weak_order - ORDER_TOLERANCE;
-    let order = if expands { weak_order } else { order };
-    let power = elementary::exp(order * LN_2);
-    let (weight, share) = (1.0 / (power - 1.0), 1.0 / (2.0 * power - 1.0));
+/// By the last three differences or fewer, the last one last, of which the last `summed` are terms
+/// of the sum, for a scheme with these orders, where differences fall by the order `alpha`.
+pub fn extrapolation(
+    differences: &[Term],
+    summed: usize,
+    orders: Orders,
+    alpha: Option<Rate>,
+) -> Extrapolation {
+    let order = bias::order(orders.weak, alpha);
+    let expands = order >= orders.weak - ORDER_TOLERANCE;
+    let order = if expands { orders.weak } else { order };
+    let one_over = |order: f64| 1.0 / (elementary::exp(order * LN_2) - 1.0);
+    let (c, next) = (one_over(order), one_over(orders.next));
     let variance = |term: &Term| term.variance / term.count;
+    // c′(R_L − R_{L−1}), in differences.
     let change = |last: &Term, before: &Term| {
-        let mean = weight * (power * last.mean - before.mean);
-        let square = power * power * variance(last) + variance(before);
-        (share * mean.abs(), share * weight * square.sqrt())
+        let mean = (1.0 + c) * last.mean - c * before.mean;
+        let square = (1.0 + c).powi(2) * variance(last) + c * c * variance(before);
+        (next * mean.abs(), next * square.sqrt())
     };
-    let whole = |last: &Term| (weight * last.mean.abs(), weight * variance(last).sqrt());
     let larger = |a: (f64, f64), b: (f64, f64)| if a.0 < b.0 { b } else { a };
     let (size, standard_error) = match differences {
-        [.., last] if !expands => whole(last),
+        [.., last] if !expands => (c * last.mean.abs(), c * variance(last).sqrt()),
         [before, between, last] => {
             let (size, error) = change(between, before);
-            larger(change(last, between), (0.5 * size / power, 0.5 * error / power))
+            let falls = next / (1.0 + next);
+            larger(change(last, between), (falls * size, falls * error))
         }
         [.., before, last] => change(last, before),
         _ => (f64::INFINITY, 0.0),
     };
-    Extrapolation { order, weight, size, standard_error }
+    let twice = expands && summed >= 2;
+    let weights = if twice { [-next * c, c + next * (1.0 + c)] } else { [0.0, c] };
+    Extrapolation { order, weights, size, standard_error }
 }
 
 #[cfg(test)]
@@ -72,20 +93,32 @@ mod tests {
         ((1..4).map(|l| term(at(l) - at(l - 1))).collect(), at(3))
     }
 
+    /// What is left of the last error.
+    fn left(terms: &[Term], last: f64, found: &Extrapolation) -> f64 {
+        last + found.weights[0] * terms[1].mean + found.weights[1] * terms[2].mean
+    }
+
     #[test]
     fn the_bound_holds_what_extrapolation_leaves() {
-        for (p, a, b) in [(2.0, 1.0, 0.5), (2.0, 1.0, -3.0), (2.0, 0.0, 1.0), (1.0, 2.0, -0.7)] {
-            for q in [p + 1.0, p + 1.5, 2.0 * p] {
-                let (terms, last) = differences(|tau| a * tau.powf(p) + b * tau.powf(q));
-                let found = extrapolation(&terms, p, None);
-                let left = last + found.weight * terms[2].mean;
-                assert!(left.abs() <= found.size * (1.0 + 1e-9), "{p} {q}: {left}");
-                // The first of higher order is met.
-                assert!(q > p + 1.0 || left.abs() > 0.99 * found.size, "{p} {q}: {left}");
+        for (weak, next) in [(2.0, 4.0), (2.0, 3.0), (1.0, 2.0)] {
+            let orders = Orders { weak, next };
+            for (a, b) in [(1.0, 0.5), (1.0, -3.0), (0.0, 1.0), (2.0, -0.7)] {
+                for q in [next - 0.6, next, next + 1.0, 2.0 * next] {
+                    let (terms, last) =
+                        differences(|tau| a * tau.powf(weak) + b * tau.powf(q.max(weak)));
+                    let once = extrapolation(&terms, 1, orders, None);
+                    let twice = extrapolation(&terms, 3, orders, None);
+                    let (one, two) = (left(&terms, last, &once), left(&terms, last, &twice));
+                    assert_eq!(once.size, twice.size);
+                    // R_L needs the order q, S_L one less.
+                    assert!(two.abs() <= twice.size * (1.0 + 1e-9), "{weak} {next} {q}: {two}");
+                    let held = one.abs() <= once.size * (1.0 + 1e-9);
+                    assert!(held == (q >= next), "{weak} {next} {q}: {one}");
+                    if q == next {
+                        assert!(two.abs() < 1e-14 && one.abs() > 0.99 * once.size);
+                    }
+                }
             }
-            let (terms, last) = differences(|tau| a * tau.powf(p));
-            let found = extrapolation(&terms, p, None);
-            assert!((last + found.weight * terms[2].mean).abs() < 1e-14 && found.size < 1e-14);
         }
     }
 
@@ -93,18 +126,20 @@ mod tests {
     fn without_an_expansion_the_whole_is_the_bound() {
         let (terms, _) = differences(|tau| tau);
         let slow = Rate { value: 1.0, lower: 0.9, upper: 1.1 };
-        let found = extrapolation(&terms, 2.0, Some(slow));
+        let orders = Orders { weak: 2.0, next: 3.0 };
+        let found = extrapolation(&terms, 3, orders, Some(slow));
         let weight = 1.0 / (1.1f64.exp2() - 1.0);
-        assert!((found.order - 1.1).abs() < 1e-15 && (found.weight - weight).abs() < 1e-14);
-        assert!((found.size - weight / 8.0).abs() < 1e-14);
+        assert!((found.order - 1.1).abs() < 1e-15 && (found.weights[1] - weight).abs() < 1e-14);
+        assert!((found.size - weight / 8.0).abs() < 1e-14 && found.weights[0] == 0.0);
         let near = Rate { value: 1.7, lower: 1.5, upper: 1.9 };
-        assert_eq!(extrapolation(&terms, 2.0, Some(near)).order, 2.0);
+        assert_eq!(extrapolation(&terms, 3, orders, Some(near)).order, 2.0);
     }
 
     #[test]
     fn one_difference_bounds_nothing() {
         let (terms, _) = differences(|tau| tau);
-        assert_eq!(extrapolation(&terms[..1], 1.0, None).size, f64::INFINITY);
-        assert!(extrapolation(&terms[..2], 1.0, None).size < 1e-15);
+        let orders = Orders { weak: 1.0, next: 2.0 };
+        assert_eq!(extrapolation(&terms[..1], 1, orders, None).size, f64::INFINITY);
+        assert!(extrapolation(&terms[..2], 1, orders, None).size < 1e-15);
     }
 }

@@ -26,6 +26,7 @@ use crate::{
     observable::value, parts::Job,
 };
 use algorithm::Quasi;
+pub(crate) use extrapolation::Orders;
 
 /// The increments of the points of a scramble.
 struct Points {
@@ -47,16 +48,24 @@ impl<N: StepNoise> NoiseSource<N> for Points {
     }
 }
 
+/// What is computed beside one scheme at random points.
+pub(crate) struct QuasiSettings<'a, N> {
+    /// The scheme with the noises in the other order: φ is averaged over both.
+    pub mirror: Option<&'a Arc<dyn DynScheme<N> + 'a>>,
+    /// How the bias falls.
+    pub orders: Orders,
+    /// Independent scrambles.
+    pub scrambles: u64,
+}
+
 /// E[φ(y(T))] of every φ by scrambled Sobol points, as a piece of work of a job; see
-/// [`expectation_of_in`](super::expectation_of_in). With `mirror`, a scheme with the noises in the
-/// other order, φ is averaged over both.
-#[expect(clippy::too_many_arguments, reason = "those of `expectation_of_in`, and two more")]
+/// [`expectation_of_in`](super::expectation_of_in).
+#[expect(clippy::too_many_arguments, reason = "those of `expectation_of_in`, and one more")]
 pub(crate) fn quasi_expectation<N: StepNoise>(
     job: &Job,
     name: &str,
     setup: &Setup<'_, N>,
-    mirror: Option<&Arc<dyn DynScheme<N> + '_>>,
-    scrambles: u64,
+    &QuasiSettings { mirror, orders, scrambles }: &QuasiSettings<'_, N>,
     observables: &[&dyn Observe],
     accuracy: f64,
     settings: &ExpectationSettings,
@@ -122,12 +131,14 @@ pub(crate) fn quasi_expectation<N: StepNoise>(
     let names = observables.iter().map(|observable| observable.name().to_owned()).collect();
     let quasi = Quasi {
         draw: &draw,
+        scheme: scheme.id(),
         t_end: problem.t_end,
         damping: SeenDamping::of(setup, settings.coarsest_steps),
         names,
         accuracy,
         settings,
         scrambles,
+        orders,
         coupling,
         runs,
         single: if mirror.is_some() { 2 } else { 1 },

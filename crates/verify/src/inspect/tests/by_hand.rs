@@ -167,9 +167,14 @@ impl System for ByHand {
         (self.commutators)(areas)
     }
     fn without_iteration(&self, _y: &[f64]) -> WithoutIteration {
-        let [refused, areas_refused] = [None, None];
-        let (structure, draws_areas) = (Linearity::Affine, true);
-        WithoutIteration { structure, refused, truncates: false, areas_refused, draws_areas }
+        WithoutIteration {
+            structure: Linearity::Affine,
+            refused: None,
+            truncates: false,
+            areas_refused: None,
+            draws_areas: true,
+            nv_refused: None,
+        }
     }
     fn overrides(&self, _points: &[Vec<f64>]) -> Vec<Override> {
         Vec::new()

@@ -241,6 +241,12 @@ fn the_surest_bound_is_taken_and_that_of_a_casimir_first() {
     assert_eq!(bound(&report), None);
 }
 
+/// The same with another one in this place.
+fn but<T, const N: usize>(place: usize, other: T, mut all: [T; N]) -> [T; N] {
+    all[place] = other;
+    all
+}
+
 #[test]
 fn orders_follow_from_what_commutes_and_from_where_paths_are() {
     let noises = |commute, no_correction, pieces| Noises {
@@ -254,20 +260,21 @@ fn orders_follow_from_what_commutes_and_from_where_paths_are() {
         orders(noises, true).iter().map(|order| (order.strong, order.weak, order.known)).collect()
     };
     let (one, half) = ((1.0, 1.0, Shown), (0.5, 1.0, Shown));
-    // sexp, sexp-levy, sexp-li, sexp-li-levy, split, midpoint, heun and em.
-    assert_eq!(of(&noises(Shown, Shown, false)), [one; 8]);
-    let with_areas = [half, one, half, one, half, half, half, half];
+    let weak_two = |(strong, _, known)| (strong, 2.0, known);
+    // sexp, sexp-levy, sexp-li, sexp-li-levy, split, nv, midpoint, heun and em.
+    assert_eq!(of(&noises(Shown, Shown, false)), but(5, weak_two(one), [one; 9]));
+    let with_areas = [half, one, half, one, half, weak_two(half), half, half, half];
     assert_eq!(of(&noises(Refuted, Refuted, false)), with_areas);
     let (found, doubt) = ((1.0, 1.0, Found), (0.5, 1.0, Unknown));
-    let [but_em @ .., _] = [found; 8];
-    assert_eq!(of(&noises(Found, Unknown, true)), [&but_em[..], &[doubt]].concat());
+    let nv_found = but(5, weak_two(found), [found; 9]);
+    assert_eq!(of(&noises(Found, Unknown, true)), but(8, doubt, nv_found));
     // A counterexample off the paths does not tell on which order there is.
     let calm = [finding(Found), finding(Refuted)];
     let special = Noises { on_paths: calm, ..noises(Refuted, Refuted, false) };
-    assert_eq!(of(&special), [doubt, one, doubt, one, doubt, doubt, doubt, half]);
+    let nv = weak_two(doubt);
+    assert_eq!(of(&special), [doubt, one, doubt, one, doubt, nv, doubt, doubt, half]);
     let silent = Noises { silent: finding(Found), ..noises(Shown, Shown, false) };
-    let [but_em @ .., _] = [(2.0, 2.0, Found); 8];
-    assert_eq!(of(&silent), [&but_em[..], &[(1.0, 1.0, Found)]].concat());
+    assert_eq!(of(&silent), but(8, (1.0, 1.0, Found), [(2.0, 2.0, Found); 9]));
 }
 
 #[test]
@@ -287,15 +294,20 @@ fn a_scheme_is_recommended_for_what_it_keeps() {
     let usual = |change: &dyn Fn(&mut Inspection)| of(change, true, true);
     let large = "sexp-li for large noise: every step has a solution, so no increment is truncated";
     let energy = "sexp for paths: it keeps the energy".to_owned();
-    assert_eq!(usual(&|_| ()), [&energy, large]);
-    assert_eq!(usual(&|r| r.without_iteration.structure = Linearity::Constant), [energy.as_str()]);
+    let weak = "nv for expectations: it has weak order 2; mc::expect chooses all else";
+    let weak_kept = &weak.replace("order 2", "order 2 and keeps the Casimirs");
+    assert_eq!(usual(&|_| ()), [&energy, weak, large]);
+    let constant = usual(&|r| r.without_iteration.structure = Linearity::Constant);
+    assert_eq!(constant, [&energy, weak]);
+    // Without areas any scheme for paths is one for expectations.
+    assert_eq!(usual(&|r| r.without_iteration.nv_refused = Some("no".into())), [&energy, large]);
     let inexact = usual(&|r| r.hamiltonians.discrete_gradient = finding(Refuted));
     assert_eq!(inexact[0], format!("{energy}; the energy up to the error of ∇̄h"));
     let no_energy = |r: &mut Inspection| r.hamiltonians.shapes[0].degree = None;
     let explicit = "heun for paths: explicit, of strong order 1; nothing was found to keep";
     assert_eq!(usual(&no_energy)[0], explicit);
     assert_eq!(usual(&|r| r.hamiltonians.proportional = Some(finding(Refuted)))[0], explicit);
-    assert_eq!(usual(&|r| r.structure.skew = finding(Refuted)), [explicit]);
+    assert_eq!(usual(&|r| r.structure.skew = finding(Refuted)), [explicit, weak]);
     assert_eq!(of(&no_energy, false, true)[0], format!("{energy}, since there is no damping"));
     let rate = "sexp-li for paths: it takes the integral of the damping, whose rate is not finite";
     assert_eq!(of(&no_energy, true, false)[0], rate);
@@ -306,10 +318,16 @@ fn a_scheme_is_recommended_for_what_it_keeps() {
     assert_eq!(both[0], "sexp for paths: it keeps the energy and the Casimirs");
     assert_eq!(both[1], format!("sexp-li for paths, if the energy does not matter: {price}"));
     let only = |r: &mut Inspection| (casimir(r), no_energy(r)).1;
-    assert_eq!(usual(&only), [format!("sexp-li for paths: {price}"), large.into()]);
-    let refused = usual(&|r| (only(r), r.without_iteration.refused = Some("no".into())).1);
+    let li = format!("sexp-li for paths: {price}");
+    assert_eq!(usual(&only), [&li, weak_kept, large]);
+    let refused = usual(&|r| {
+        only(r);
+        r.without_iteration.refused = Some("no".into());
+        r.without_iteration.nv_refused = Some("no".into());
+    });
     assert_eq!(refused, ["sexp for paths: it keeps the Casimirs, and B is not affine in y"]);
-    assert_eq!(usual(&|r| (only(r), r.without_iteration.truncates = true).1).len(), 1);
+    let truncates = usual(&|r| (only(r), r.without_iteration.truncates = true).1);
+    assert_eq!(truncates, [li.as_str(), weak_kept]);
     let silent = usual(&|r| (no_energy(r), r.noise.silent = finding(Found)).1);
     assert_eq!(silent, [explicit.replace("strong order 1", "order 2")]);
     // Areas.
@@ -318,16 +336,26 @@ fn a_scheme_is_recommended_for_what_it_keeps() {
         doubt[0],
         "sexp-li-levy for paths: strong order 1 whether noises commute or not; no iteration"
     );
-    assert_eq!(doubt[1], "heun for expectations: weak order 1 takes no areas");
+    assert_eq!(doubt[1], weak);
     assert!(doubt[2].starts_with("sexp-li or sexp-li-levy for large noise"), "{doubt:?}");
-    let refuted = usual(&|r| {
-        only(r);
-        r.noise.commute = finding(Refuted);
-        r.without_iteration.areas_refused = Some("no".into());
-    });
+    let refuted = |nv_refused: Option<&str>| {
+        usual(&|r| {
+            only(r);
+            r.noise.commute = finding(Refuted);
+            r.without_iteration.areas_refused = Some("no".into());
+            r.without_iteration.nv_refused = nv_refused.map(Into::into);
+        })
+    };
     let areas = "sexp-levy for paths: noises do not commute, and Lévy areas give strong order 1";
+    assert_eq!(refuted(None), [areas, weak_kept, large]);
     let weak = "sexp-li for expectations: weak order 1 takes no areas";
-    assert_eq!(refuted, [areas, weak, large]);
+    assert_eq!(refuted(Some("no")), [areas, weak, large]);
+    let nothing = usual(&|r| {
+        r.noise.commute = finding(Refuted);
+        r.hamiltonians.proportional = Some(finding(Refuted));
+        r.without_iteration.nv_refused = Some("no".into());
+    });
+    assert_eq!(nothing[1], "heun for expectations: weak order 1 takes no areas");
 }
 
 #[test]
