@@ -24,7 +24,7 @@ use crate::{Formula, Names, Tape};
 use definition::Formulas;
 use elimination::Eliminate;
 use expressions::Expressions;
-use program::FormulaProgram;
+use program::Programs;
 
 /// Nodes of the averaged gradient of what is no polynomial, and the most for a polynomial. The
 /// error of n nodes is of order |b − a|²ⁿ.
@@ -78,6 +78,7 @@ pub struct FormulaSystem {
     cayley: Cayley,
     expressions: Expressions,
     rule: Rule,
+    programs: Programs,
     linearity: Linearity,
     solvable: bool,
     scratch: usize,
@@ -152,6 +153,7 @@ impl FormulaSystem {
             cayley,
             expressions,
             rule: Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}")),
+            programs: Programs::default(),
             linearity,
             solvable,
             scratch: 0,
@@ -344,7 +346,8 @@ impl System for FormulaSystem {
         inputs: usize,
         results: &[usize],
     ) -> Option<Box<dyn Program>> {
-        let program = FormulaProgram::new(&self.expressions, &self.rule, nodes, inputs, results)?;
+        let (system, rule) = (&self.expressions, &self.rule);
+        let program = self.programs.program(system, rule, nodes, inputs, results)?;
         Some(Box::new(program))
     }
 

@@ -1,6 +1,9 @@
 //! The formula of a scheme on a system as one tape.
 
-use std::iter::once;
+use std::{
+    iter::once,
+    sync::{Arc, Mutex, PoisonError},
+};
 
 use dgrad::Rule;
 use real::{Row, Rows, WIDTH};
@@ -15,19 +18,55 @@ const MOST_EXPRESSIONS: usize = 100_000;
 /// The largest number of states that a formula has as inputs.
 const MOST_INPUTS: usize = 4;
 
+/// Formulas of schemes that were compiled, so that each is compiled once and not for every block.
+#[derive(Default)]
+pub struct Programs(Mutex<Vec<(Definition, Option<Arc<Compiled>>)>>);
+
+/// The nodes, the number of inputs, and the nodes that are results.
+type Definition = (Vec<Node>, usize, Vec<usize>);
+
+impl Programs {
+    /// The tape of the `results` among the nodes; none if it would be too long.
+    pub fn program(
+        &self,
+        system: &Expressions,
+        rule: &Rule,
+        nodes: &[Node],
+        inputs: usize,
+        results: &[usize],
+    ) -> Option<FormulaProgram> {
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let same = |((n, i, r), _): &&(Definition, _)| n == nodes && *i == inputs && r == results;
+        let compiled = match known.iter().find(same) {
+            Some((_, compiled)) => compiled.clone(),
+            None => {
+                let compiled = Compiled::new(system, rule, nodes, inputs, results).map(Arc::new);
+                known.push(((nodes.into(), inputs, results.into()), compiled.clone()));
+                compiled
+            }
+        }?;
+        let numbers = Rows::zero(1 + compiled.multiples.len()).ok()?;
+        let scratch = Rows::zero(compiled.tape.scratch_rows()).ok()?;
+        Some(FormulaProgram { compiled, numbers, scratch })
+    }
+}
+
 /// A scheme's formula on 32 paths.
 pub struct FormulaProgram {
-    tape: Tape,
+    compiled: Arc<Compiled>,
     /// Rows of dt and of the factors.
     numbers: Rows,
-    /// The operations that have a factor.
-    multiples: Vec<usize>,
     scratch: Rows,
 }
 
-impl FormulaProgram {
-    /// The tape of the `results` among the nodes; none if it would be too long.
-    pub fn new(
+struct Compiled {
+    tape: Tape,
+    /// The operations that have a factor.
+    multiples: Vec<usize>,
+}
+
+impl Compiled {
+    fn new(
         system: &Expressions,
         rule: &Rule,
         nodes: &[Node],
@@ -60,23 +99,22 @@ impl FormulaProgram {
         }
         let results: Vec<Id> = results.iter().flat_map(|&n| builder.states[n].clone()).collect();
         let tape = Tape::new(&builder.graph, &results, &groups);
-        let numbers = Rows::zero(1 + multiples.len()).ok()?;
-        let scratch = Rows::zero(tape.scratch_rows()).ok()?;
-        Some(Self { tape, numbers, multiples, scratch })
+        Some(Self { tape, multiples })
     }
 }
 
 impl Program for FormulaProgram {
     fn run(&mut self, inputs: &[&[Row]], factors: &[f64], h: Weights<'_>, out: &mut [Row]) {
+        let Compiled { tape, multiples } = &*self.compiled;
         self.numbers[0] = [h.dt; WIDTH];
-        for (k, &multiple) in self.multiples.iter().enumerate() {
+        for (k, &multiple) in multiples.iter().enumerate() {
             self.numbers[1 + k] = [factors[multiple]; WIDTH];
         }
         let mut groups: [&[Row]; MOST_INPUTS + 2] = [&[]; MOST_INPUTS + 2];
         groups[..inputs.len()].copy_from_slice(inputs);
         groups[inputs.len()] = &self.numbers;
         groups[inputs.len() + 1] = h.dw;
-        self.tape.evaluate(&groups[..inputs.len() + 2], out, &mut self.scratch);
+        tape.evaluate(&groups[..inputs.len() + 2], out, &mut self.scratch);
     }
 }
 
