@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use noise::{BlockNoise, NoiseRows, StepNoise, StreamKey, Truncation};
-use schemes::{DynScheme, Nv, Scheme, Sexp, Sweep, run_time::SchemeError};
+use schemes::{DynScheme, Nv, Sexp, SexpLi, Sweep, run_time::SchemeError};
 use systems::{Damping, Flows, PoissonSystem, Problem, run_time};
 
 use crate::{
@@ -49,14 +49,16 @@ pub fn expect<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
 
 /// The computation of expectations: the scheme is chosen, everything else may be set.
 ///
-/// **Scheme.** `nv` of weak order two ([`Nv`]), with the mean of φ over both orders of the noises,
-/// which has an expansion in even powers of τ where the flows are exact. Where it is not for the
-/// system, `sexp` of weak order one.
+/// **Scheme.** By [`by_parts`](Self::by_parts) `nv` of weak order two ([`Nv`]), with the mean of φ
+/// over both orders of the noises, which has an expansion in even powers of τ. Without flows of
+/// parts `sexp-li` of weak order one ([`SexpLi`]): a step of `nv` by stages costs ten times as much
+/// and more, and extrapolation makes up for the order. Where neither is for the system, or its
+/// paths fail, `sexp`.
 ///
 /// **Points.** Scrambled Sobol points, 32 independent scrambles, with a Brownian bridge; see
 /// [`multilevel`](crate::multilevel). Levels of τ, τ/2, … are added until the bound on the bias is
-/// a quarter of the accuracy, and half of the statistical half-width; points are doubled where a
-/// path-step gains most. Where paths fail on large steps, the coarsest level takes more of them.
+/// half of the statistical half-width and a third of the accuracy, or 1/64 of the accuracy; points
+/// are doubled where a path-step gains most. Where paths fail on large steps, the coarsest level takes more of them.
 ///
 /// What was decided is in [`Expectation::decisions`].
 pub struct Expect<'a, N> {
@@ -78,30 +80,26 @@ struct Candidate<'a, N> {
 }
 
 impl<'a, const M: usize> Expect<'a, BlockNoise<M>> {
-    /// Expectations of a problem. Its flows are computed by stages.
+    /// Expectations of a problem.
     pub fn new<S: PoissonSystem<D, M>, G: Damping, const D: usize>(
         problem: &'a Problem<S, G, D>,
     ) -> Self {
-        match Nv::new(problem.system(), problem.y0()) {
-            Ok(nv) => Self::choose(Some(by_flows(nv, problem, BY_STAGES)), problem, ""),
-            Err(error) => Self::choose(None, problem, &error.to_string()),
-        }
+        let setup = |scheme| Setup {
+            problem: DynProblem::of(problem),
+            scheme: bound_owning(problem.system(), scheme),
+        };
+        let first = SexpLi::new(problem.system(), problem.y0());
+        let first = first.map(|scheme| Candidate::of_order_one(setup(Box::new(scheme))));
+        Self::of(first.map_err(|error| error.to_string()), setup(Box::new(Sexp)))
     }
 
     /// Expectations of a problem whose system has parts with flows, which cost less.
     pub fn by_parts<S: Flows<D, M>, G: Damping, const D: usize>(
         problem: &'a Problem<S, G, D>,
     ) -> Self {
-        Self::choose(Some(by_flows(Nv::of_parts(), problem, BY_PARTS)), problem, "")
-    }
-
-    fn choose<S: PoissonSystem<D, M>, G: Damping, const D: usize>(
-        nv: Option<Candidate<'a, BlockNoise<M>>>,
-        problem: &'a Problem<S, G, D>,
-        refusal: &str,
-    ) -> Self {
         let scheme = bound_owning(problem.system(), Box::new(Sexp));
-        Self::of(nv, Setup { problem: DynProblem::of(problem), scheme }, refusal)
+        let sexp = Setup { problem: DynProblem::of(problem), scheme };
+        Self::of(Ok(by_parts(problem)), sexp)
     }
 }
 
@@ -111,60 +109,43 @@ impl<'a> Expect<'a, NoiseRows> {
     /// # Errors
     /// [`SchemeError`] if no scheme is for the system, or memory is not there.
     pub fn at_run_time(problem: &'a run_time::Problem) -> Result<Self, SchemeError> {
-        let system = problem.system();
         let sexp = Setup::owning(problem, Box::new(Sexp))?;
-        let nv = match Nv::at_run_time(system) {
-            Ok(nv) => nv,
-            Err(error) => return Ok(Self::of(None, sexp, &error.to_string())),
+        let first = match SexpLi::at_run_time(problem.system()) {
+            Ok(scheme) => Ok(Candidate::of_order_one(Setup::owning(problem, Box::new(scheme))?)),
+            Err(error) => Err(error.to_string()),
         };
-        let of = |sweep| Setup::owning(problem, Box::new(nv.with_sweep(sweep)));
-        let mirror = if system.noises() > 1 { Some(of(Sweep::Backward)?.scheme) } else { None };
-        let (setup, (orders, reason)) = (of(Sweep::Forward)?, BY_STAGES);
-        Ok(Self::of(Some(Candidate { setup, mirror, orders, reason: reason.into() }), sexp, ""))
+        Ok(Self::of(first, sexp))
     }
 }
 
-fn by_flows<'a, F, S, G, const D: usize, const M: usize>(
-    nv: Nv<F>,
+/// `nv` with the flows of the parts.
+fn by_parts<'a, S: Flows<D, M>, G: Damping, const D: usize, const M: usize>(
     problem: &'a Problem<S, G, D>,
-    (orders, reason): (Orders, &str),
-) -> Candidate<'a, BlockNoise<M>>
-where
-    Nv<F>: Scheme<S, D, M> + Copy + 'a,
-    S: PoissonSystem<D, M>,
-    G: Damping,
-{
-    let of = |sweep| bound_owning(problem.system(), Box::new(nv.with_sweep(sweep)));
+) -> Candidate<'a, BlockNoise<M>> {
+    let of = |sweep| bound_owning(problem.system(), Box::new(Nv::of_parts().with_sweep(sweep)));
     Candidate {
         setup: Setup { problem: DynProblem::of(problem), scheme: of(Sweep::Forward) },
         mirror: (M > 1).then(|| of(Sweep::Backward)),
-        orders,
-        reason: reason.to_owned(),
+        orders: Orders { weak: 2.0, next: 4.0 },
+        reason: "nv: weak order two, with the flows of the parts".into(),
     }
 }
 
-/// Flows of parts are exact: an expansion in even powers of τ.
-const BY_PARTS: (Orders, &str) =
-    (Orders { weak: 2.0, next: 4.0 }, "nv: weak order two, with the flows of the parts");
-/// Errors of the flows of the noises of order four have all powers from the second on.
-const BY_STAGES: (Orders, &str) = (Orders { weak: 2.0, next: 3.0 }, "nv: weak order two");
-
-/// How often the coarsest level takes four times as many steps where paths fail.
-const REFINEMENTS: u32 = 3;
+/// How often the coarsest level takes twice as many steps where paths fail.
+const REFINEMENTS: u32 = 8;
 
 impl<'a, N: StepNoise> Expect<'a, N> {
-    /// `nv` where it is for the system, and `sexp`.
-    fn of(nv: Option<Candidate<'a, N>>, sexp: Setup<'a, N>, refusal: &str) -> Self {
-        let reason = match nv {
-            Some(_) => "sexp: weak order one, since paths of nv fail".to_owned(),
-            None => format!("sexp: weak order one, since {refusal}"),
+    /// The first scheme where it is for the system, and `sexp`.
+    fn of(first: Result<Candidate<'a, N>, String>, sexp: Setup<'a, N>) -> Self {
+        let mut sexp = Candidate::of_order_one(sexp);
+        let why = match &first {
+            Ok(first) => format!("paths of {} fail", first.setup.scheme.id()),
+            Err(refusal) => refusal.clone(),
         };
-        let orders = Orders { weak: 1.0, next: 2.0 };
-        let sexp = Candidate { setup: sexp, mirror: None, orders, reason };
-        let key = StreamKey { seed: 1, experiment: 0 };
+        sexp.reason = format!("{}, since {why}", sexp.reason);
         Self {
-            candidates: nv.into_iter().chain([sexp]).collect(),
-            key,
+            candidates: first.into_iter().chain([sexp]).collect(),
+            key: StreamKey { seed: 1, experiment: 0 },
             scrambles: 32,
             max_cost: 10_000_000_000,
             coarsest_steps: 1,
@@ -260,9 +241,12 @@ impl<'a, N: StepNoise> Expect<'a, N> {
                         if !end => {}
                     other => return other,
                 }
-                let steps_taken = format!("{steps} step{}", if steps == 1 { "" } else { "s" });
-                decisions.push(format!("paths fail with {steps_taken} on the coarsest level"));
-                steps *= 4;
+                if refinement > 0 {
+                    decisions.pop();
+                }
+                let taken = format!("{steps} step{}", if steps == 1 { "" } else { "s" });
+                decisions.push(format!("paths fail with {taken} on the coarsest level"));
+                steps *= 2;
             }
         }
         unreachable!("the last candidate returns")
@@ -283,7 +267,12 @@ impl<'a, N: StepNoise> Expect<'a, N> {
 /// Points of each scramble in the pilot.
 const PILOT_POINTS: u64 = 128;
 
-impl<N: StepNoise> Candidate<'_, N> {
+impl<'a, N: StepNoise> Candidate<'a, N> {
+    fn of_order_one(setup: Setup<'a, N>) -> Self {
+        let reason = format!("{}: weak order one", setup.scheme.id());
+        Self { setup, mirror: None, orders: Orders { weak: 1.0, next: 2.0 }, reason }
+    }
+
     fn coupling(&self) -> Coupling {
         let several = self.setup.problem.noises > 1 && !self.setup.scheme.reads_areas();
         if several { Coupling::Antithetic } else { Coupling::Plain }

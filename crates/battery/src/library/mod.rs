@@ -22,16 +22,16 @@ pub(crate) mod system;
 use std::fmt::Display;
 
 use mc::{
-    Expect, Observable,
+    Observable,
     multilevel::{Coupling, Estimate, Expectation, ExpectationSettings, expectation},
     parts::Job,
 };
 use noise::{StreamKey, Truncation};
 use schemes::Scheme;
-use systems::{PoissonSystem, Problem};
+use systems::Problem;
 
 use lab::streams;
-use system::Rate;
+use system::{Chosen, Rate};
 
 use summary::Counted;
 pub use summary::{Row, Total, by_kind, by_old_rule};
@@ -336,13 +336,13 @@ fn expected<S, X, const D: usize, const M: usize>(
     truth: f64,
 ) -> Entry
 where
-    S: PoissonSystem<D, M> + Clone + 'static,
+    S: Chosen<D, M> + Clone + 'static,
     X: Scheme<S, D, M> + 'static,
 {
     let same = problem.clone();
     let chosen = move |key: StreamKey| {
         let observable = Observable { name: "φ", function };
-        let expect = Expect::new(&same).with_key(key).with_max_cost(MAX_COST);
+        let expect = S::expect(&same).with_key(key).with_max_cost(MAX_COST);
         match expect.run(&[&observable], how.accuracy, &|_| ()) {
             Ok(result) => Answer { stated: stated(&result), old: None, cost: result.cost },
             Err(error) => Answer::refused(error),

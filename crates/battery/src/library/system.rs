@@ -1,7 +1,9 @@
 //! The systems of the library: four families, so that few kernels are compiled.
 
-use real::Real;
-use systems::{Damping, PoissonSystem, Problem, paper::valid};
+use mc::Expect;
+use noise::BlockNoise;
+use real::{Real, elementary};
+use systems::{Damping, Flows, PoissonSystem, Problem, paper::valid};
 
 /// Linear damping with an exact integral.
 #[derive(Clone, Copy, Debug)]
@@ -66,6 +68,27 @@ pub fn problem<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     t_end: f64,
 ) -> Problem<S, Rate, D> {
     valid(Problem::new(system, damping, y0, t_end))
+}
+
+/// A system for which an expectation is computed with everything chosen.
+pub trait Chosen<const D: usize, const M: usize>: PoissonSystem<D, M> {
+    /// By the flows of its parts, if it has them.
+    fn expect(problem: &Problem<Self, Rate, D>) -> Expect<'_, BlockNoise<M>>
+    where
+        Self: Sized,
+    {
+        Expect::new(problem)
+    }
+}
+
+impl Chosen<2, 1> for Plane {}
+impl Chosen<2, 1> for Growth {}
+impl Chosen<4, 2> for Planes {}
+
+impl<const M: usize> Chosen<3, M> for Body<M> {
+    fn expect(problem: &Problem<Self, Rate, 3>) -> Expect<'_, BlockNoise<M>> {
+        Expect::by_parts(problem)
+    }
 }
 
 /// The plane (q, p): H₀ = ½(aq² + bp²) and H₁ = ½σ(q² + p²) − cq, so that dq = bp dt + σp ∘ dW and
@@ -196,6 +219,16 @@ impl<const M: usize> PoissonSystem<3, M> for Body<M> {
     }
     #[inline(always)]
     fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; M]) -> R {
+        let (square, linear) = self.coefficients(dt, dw);
+        let term = |i: usize| y[i] * y[i] * (0.5 * square[i]) + y[i] * linear[i];
+        term(0) + term(1) + term(2)
+    }
+}
+
+impl<const M: usize> Body<M> {
+    /// h = Σ ½squareᵢyᵢ² + linearᵢyᵢ.
+    #[inline(always)]
+    fn coefficients(&self, dt: f64, dw: [f64; M]) -> ([f64; 3], [f64; 3]) {
         let (mut square, mut linear) = (self.a.map(|a| a * dt), self.c.map(|c| c * dt));
         for m in 0..M {
             for i in 0..3 {
@@ -204,8 +237,28 @@ impl<const M: usize> PoissonSystem<3, M> for Body<M> {
             }
             square[2] += self.b[m] * dw[m];
         }
-        let term = |i: usize| y[i] * y[i] * (0.5 * square[i]) + y[i] * linear[i];
-        term(0) + term(1) + term(2)
+        (square, linear)
+    }
+}
+
+/// Part i is that of yᵢ, whose flow turns y about axis i.
+impl<const M: usize> Flows<3, M> for Body<M> {
+    const PARTS: usize = 3;
+
+    #[inline(always)]
+    fn flow(&self, i: usize, y: [f64; 3], dt: f64, dw: [f64; M]) -> [f64; 3] {
+        let (square, linear) = self.coefficients(dt, dw);
+        let (j, l) = ((i + 1) % 3, (i + 2) % 3);
+        let (sine, cosine) = elementary::sin_cos(square[i] * y[i] + linear[i]);
+        let mut z = y;
+        z[j] = cosine * y[j] + sine * y[l];
+        z[l] = cosine * y[l] - sine * y[j];
+        z
+    }
+
+    #[inline(always)]
+    fn precise_flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; M]) -> [f64; 3] {
+        self.flow(part, y, dt, dw)
     }
 }
 

@@ -23,7 +23,7 @@ use crate::{
     failure::{Done, Failure},
     model::{Model, with_model},
     output,
-    scene::{Changes, Scene},
+    scene::{AUTO, Changes, Scene},
 };
 
 /// What was found.
@@ -107,7 +107,8 @@ impl<'a, N: StepNoise> Ready<'a, N> {
         };
         let findings = findings(scene, model)?;
         let settings = &scene.settings;
-        if let Some(mut chosen) = model.expect(&settings.scheme) {
+        let chosen = if settings.scheme == AUTO { model.expect() } else { None };
+        if let Some(mut chosen) = chosen {
             chosen = chosen.with_key(settings.key);
             if let Some(steps) = settings.coarsest_steps {
                 chosen = chosen.with_coarsest_steps(steps);

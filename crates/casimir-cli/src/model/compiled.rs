@@ -11,7 +11,6 @@ use casimir::{
 };
 
 use super::{Findings, Model};
-use crate::scene::AUTO;
 
 /// A scheme, or why it is not for the system.
 type Suited<S, const D: usize, const M: usize> = Result<Box<dyn Scheme<S, D, M>>, String>;
@@ -92,8 +91,8 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Model<Blo
         Ok(Setup::of(&self.problem, &**scheme.as_ref()?))
     }
 
-    fn expect(&self, scheme: &str) -> Option<Expect<'_, BlockNoise<M>>> {
-        matches!(scheme, AUTO | "nv").then(|| (self.expect)(&self.problem))
+    fn expect(&self) -> Option<Expect<'_, BlockNoise<M>>> {
+        Some((self.expect)(&self.problem))
     }
 
     fn compare(&self, settings: &DynCompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {

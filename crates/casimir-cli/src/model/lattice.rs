@@ -43,7 +43,7 @@ impl Model<NoiseRows> for Lattice {
     }
 
     /// None: a point has as many dimensions as spins, steps and noises together.
-    fn expect(&self, _: &str) -> Option<Expect<'_, NoiseRows>> {
+    fn expect(&self) -> Option<Expect<'_, NoiseRows>> {
         None
     }
 

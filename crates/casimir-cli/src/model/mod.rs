@@ -33,9 +33,9 @@ pub trait Model<N>: Send + Sync {
     /// Why the scheme is not for the system.
     fn setup(&self, scheme: &str) -> Result<Setup<'_, N>, String>;
 
-    /// Expectations for which everything but this scheme, or `auto`, is chosen; `None` if they are
-    /// computed by levels of random points.
-    fn expect(&self, scheme: &str) -> Option<Expect<'_, N>>;
+    /// Expectations for which everything is chosen; `None` if they are computed by levels of random
+    /// points.
+    fn expect(&self) -> Option<Expect<'_, N>>;
 
     /// Errors against cost of all schemes.
     ///

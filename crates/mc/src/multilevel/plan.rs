@@ -14,7 +14,7 @@ use super::{
 /// where a level is cheap.
 pub const BIAS_SHARE: f64 = 0.25;
 /// Differences of this many standard errors have a logarithm that is nearly normal.
-const SIGNIFICANT: f64 = 4.0;
+pub const SIGNIFICANT: f64 = 4.0;
 /// Halvings of an interval until it has the width of rounding errors.
 const HALVINGS: usize = 52;
 

@@ -19,6 +19,11 @@ use crate::View;
 const RESOLVED: f64 = 0.5;
 /// What a level gains at least: strong order ½ gives 1/√2.
 const GAIN: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// A motion that falls by this or more from level to level, twice, is an error of the scheme: a true
+/// one has a limit.
+const VANISHES: f64 = 0.75;
+/// The largest part of the largest component that such a motion has.
+const ERROR: f64 = 0.1;
 
 /// Sums over paths and coarse times, for each component and each place in a block.
 #[derive(Clone, Default, Serialize, Deserialize)]
@@ -81,6 +86,13 @@ impl Motion {
             let pairs = sums.iter_mut().flatten().zip(more.iter().flatten());
             pairs.for_each(|(sum, more)| *sum += more);
         }
+    }
+
+    /// Root mean square of the motion of component i over the size of the largest component.
+    fn displacement(&self, i: usize) -> f64 {
+        let sum = |i: usize| self.displacement[i].iter().sum::<f64>();
+        let sizes = (0..self.start.len()).map(|i| self.points * self.start[i] + sum(i));
+        (sum(i) / sizes.fold(0.0, f64::max)).sqrt()
     }
 
     /// Root mean square of fine minus coarse over that of the motion of component i; zero if it is
@@ -169,10 +181,18 @@ pub struct Unresolved {
     pub before: f64,
 }
 
-/// The quotients of component i on the last three levels, the last one last.
+/// The quotients of component i on the last three levels, the last one last. Zero if the component
+/// moves by errors of the scheme alone, as one does that the equations keep.
 fn quotients(differences: &[Samples], i: usize) -> Option<[f64; 3]> {
     let [.., a, b, c] = differences else { return None };
-    Some([a, b, c].map(|samples| samples.motion.difference(i)))
+    let motions = [a, b, c].map(|samples| &samples.motion);
+    let vanishes = vanishes(motions.map(|motion| motion.displacement(i)));
+    Some(if vanishes { [0.0; 3] } else { motions.map(|motion| motion.difference(i)) })
+}
+
+/// Whether motions on three levels fall to zero.
+fn vanishes([a, b, c]: [f64; 3]) -> bool {
+    c <= ERROR && c <= VANISHES * b && b <= VANISHES * a
 }
 
 /// Whether every component is near on the last three levels.
@@ -262,6 +282,30 @@ mod tests {
             motion.add(&View::of(&vec![at(1.0), at(-1.0)], PathMask::ALL), &[1.0, 0.0]);
         }
         assert_eq!([motion.difference(0), motion.difference(1)], [0.0, 0.0]);
+    }
+
+    #[test]
+    fn errors_of_a_scheme_vanish_and_motions_do_not() {
+        // Errors of orders ½, 1 and 2 of a component that is kept.
+        for order in [0.5f64, 1.0, 2.0] {
+            assert!(vanishes([0.0, 1.0, 2.0].map(|level: f64| 0.1 * (-order * level).exp2())));
+        }
+        for motion in [[0.0; 3], [0.05, 0.05, 0.05], [0.2, 0.1, 0.09], [1.0, 0.5, 0.25]] {
+            assert!(!vanishes(motion) || motion[2] == 0.0);
+        }
+        // Random phases of a rotation, a tenth in size: motions of the same size.
+        let motions = [8, 16, 32].map(|n| {
+            let mut motion = Motion::new(&[1.0]);
+            for k in 1..=n {
+                let at = |steps: u32| {
+                    let angle = f64::from(k) * midpoint(1e4, steps) / f64::from(steps);
+                    Block([[0.9 + 0.1 * angle.cos(); WIDTH]])
+                };
+                motion.add(&View::of(&vec![at(2 * n), at(n)], PathMask::ALL), &[1.0]);
+            }
+            motion.displacement(0)
+        });
+        assert!(!vanishes(motions), "{motions:?}");
     }
 
     #[test]

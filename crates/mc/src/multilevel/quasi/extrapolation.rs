@@ -10,15 +10,16 @@
 //! the larger one is taken: one alone may be small by chance. S_L is taken where both its
 //! differences are in the sum over levels, else R_L.
 //!
-//! Where the differences are seen to fall by less than order p, there is no such expansion yet. c
-//! then has the observed order, and the whole extrapolated part c|d_L| is the bound.
+//! Where the differences are seen to fall by less than order p, all of them or one to the next,
+//! there is no such expansion yet. c then has the least observed order, and the whole extrapolated
+//! part c|d_L| is the bound.
 
 use real::elementary;
 
 use super::super::{
     bias,
-    plan::{LN_2, Term},
-    report::Rate,
+    plan::{LN_2, SIGNIFICANT, Term},
+    report::{QUANTILE, Rate},
 };
 
 /// How far the observed order may significantly fall below the theoretical one.
@@ -53,7 +54,9 @@ pub fn extrapolation(
     orders: Orders,
     alpha: Option<Rate>,
 ) -> Extrapolation {
-    let order = bias::order(orders.weak, alpha);
+    let least = bias::order(orders.weak, alpha);
+    let local = differences.windows(2).filter_map(|pair| local_order(&pair[0], &pair[1]));
+    let order = local.fold(least, f64::min).max(bias::lowest(orders.weak));
     let expands = order >= orders.weak - ORDER_TOLERANCE;
     let order = if expands { orders.weak } else { order };
     let one_over = |order: f64| 1.0 / (elementary::exp(order * LN_2) - 1.0);
@@ -79,6 +82,18 @@ pub fn extrapolation(
     let twice = expands && summed >= 2;
     let weights = if twice { [-next * c, c + next * (1.0 + c)] } else { [0.0, c] };
     Extrapolation { order, weights, size, standard_error }
+}
+
+/// The upper end of the order by which one difference falls to the next, if both are significant
+/// and of one sign.
+fn local_order(before: &Term, last: &Term) -> Option<f64> {
+    let square = |term: &Term| term.variance / (term.count * term.mean * term.mean);
+    let significant = |term: &Term| SIGNIFICANT * SIGNIFICANT * square(term) < 1.0;
+    let ratio = before.mean / last.mean;
+    if !(significant(before) && significant(last) && ratio > 0.0) {
+        return None;
+    }
+    Some((elementary::ln(ratio) + QUANTILE * (square(before) + square(last)).sqrt()) / LN_2)
 }
 
 #[cfg(test)]
@@ -112,6 +127,9 @@ mod tests {
                     assert_eq!(once.size, twice.size);
                     // R_L needs the order q, S_L one less.
                     assert!(two.abs() <= twice.size * (1.0 + 1e-9), "{weak} {next} {q}: {two}");
+                    if twice.order < weak {
+                        continue;
+                    }
                     let held = one.abs() <= once.size * (1.0 + 1e-9);
                     assert!(held == (q >= next), "{weak} {next} {q}: {one}");
                     if q == next {
@@ -124,15 +142,32 @@ mod tests {
 
     #[test]
     fn without_an_expansion_the_whole_is_the_bound() {
-        let (terms, _) = differences(|tau| tau);
+        let (terms, _) = differences(|tau| tau.powf(1.2));
         let slow = Rate { value: 1.0, lower: 0.9, upper: 1.1 };
         let orders = Orders { weak: 2.0, next: 3.0 };
         let found = extrapolation(&terms, 3, orders, Some(slow));
-        let weight = 1.0 / (1.1f64.exp2() - 1.0);
+        let (weight, last) = (1.0 / (1.1f64.exp2() - 1.0), terms[2].mean.abs());
         assert!((found.order - 1.1).abs() < 1e-15 && (found.weights[1] - weight).abs() < 1e-14);
-        assert!((found.size - weight / 8.0).abs() < 1e-14 && found.weights[0] == 0.0);
+        assert!((found.size - weight * last).abs() < 1e-14 && found.weights[0] == 0.0);
+        // The upper end of an observed order counts.
+        let (terms, _) = differences(|tau| tau.powf(1.8));
         let near = Rate { value: 1.7, lower: 1.5, upper: 1.9 };
         assert_eq!(extrapolation(&terms, 3, orders, Some(near)).order, 2.0);
+    }
+
+    #[test]
+    fn two_differences_that_hardly_fall_are_no_expansion() {
+        // Orders 0.76 and 1.8, where the changes of R happen to be small.
+        let term =
+            |mean: f64| Term { cost: 1.0, count: 1.0, mean, variance: 0.0, tail: Tail::default() };
+        let terms = [0.0303, 0.0179, 0.00518].map(term);
+        let orders = Orders { weak: 2.0, next: 4.0 };
+        let found = extrapolation(&terms, 3, orders, None);
+        assert!((found.order - (0.0303f64 / 0.0179).log2()).abs() < 1e-12, "{}", found.order);
+        assert!(found.size > 0.00518 && found.weights[0] == 0.0, "{}", found.size);
+        // Differences of noise say nothing.
+        let noisy = terms.map(|term| Term { variance: 1.0, ..term });
+        assert_eq!(extrapolation(&noisy, 3, orders, None).order, 2.0);
     }
 
     #[test]
