@@ -112,18 +112,13 @@ pub fn recommendations(report: &Inspection, circumstances: Circumstances) -> Vec
     }
 
     let random = !noise.silent.holds();
-    if random && without_iteration.nv_refused.is_none() {
-        let kept = if casimirs { " and keeps the Casimirs" } else { "" };
-        let because = format!("it has weak order 2{kept}; mc::expect chooses all else");
-        take(Purpose::Expectations, "nv", &because);
+    if random && linear {
+        let because = "mc::expect extrapolates weak order 1; with flows of parts take nv";
+        take(Purpose::Expectations, "sexp-li", because);
     } else if random && areas {
         let because = "weak order 1 takes no areas";
-        let scheme = match (casimirs || !circumstances.finite_rate, linear) {
-            (true, true) => "sexp-li",
-            (true, false) => "sexp",
-            (false, _) => "heun",
-        };
-        take(Purpose::Expectations, scheme, because);
+        let kept = casimirs || !circumstances.finite_rate;
+        take(Purpose::Expectations, if kept { "sexp" } else { "heun" }, because);
     }
     // With a constant B the scheme is explicit, and large steps grow.
     let implicit = linear && without_iteration.structure == Linearity::Affine;

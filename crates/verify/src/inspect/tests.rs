@@ -377,7 +377,7 @@ fn a_report_says_why_a_statement_does_not_apply() {
         "\n  0.5 / 2: nv\n",
         "do not commute: strong order 1 needs Lévy areas",
         "Take sexp-li-levy for paths: noises do not commute",
-        "Take nv for expectations: it has weak order 2 and keeps the Casimirs; mc::expect chooses",
+        "Take sexp-li for expectations: mc::expect extrapolates weak order 1;",
         "0.5 y1² + 0.5 y2² + 0.5 y3²; degree 2, m = 5.0000e-1 > 0 (shown); B∇C = 0 shown",
     ] {
         assert!(text.contains(words), "{words}: {text}");

@@ -569,10 +569,7 @@ fn a_report_reads_like_this() {
             "Take sexp-li-levy for paths: noises do not commute, and Lévy areas give strong ",
             "order 1; no iteration"
         ),
-        concat!(
-            "Take nv for expectations: it has weak order 2 and keeps the Casimirs; mc::expect ",
-            "chooses all else"
-        ),
+        "Take sexp-li for expectations: mc::expect extrapolates weak order 1; with flows of parts take nv",
         concat!(
             "Take sexp-li or sexp-li-levy for large noise: every step has a solution, so no ",
             "increment is truncated"

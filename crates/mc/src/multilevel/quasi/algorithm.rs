@@ -301,9 +301,10 @@ impl Quasi<'_> {
         let differences = levels.terms(k, self.range(k));
         let from = differences.len().saturating_sub(BIAS_LEVELS);
         let last = &differences[from..];
-        let alpha = plan::alpha(&levels.differences()[from..], last, k);
+        let of_last = &levels.differences()[from..];
+        let rates = (plan::alpha(of_last, last, k), plan::beta(of_last, k));
         let summed = differences.len() - first;
-        let extrapolation = extrapolation(last, summed, self.orders, alpha);
+        let extrapolation = extrapolation(last, summed, self.orders, rates);
         let samples = &levels.samples[first];
         let kurtosis = samples.values[k].fine.kurtosis();
         let tail = Tail::new(samples.count() as f64, kurtosis, self.range(k));

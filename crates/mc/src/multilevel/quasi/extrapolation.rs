@@ -12,7 +12,8 @@
 //!
 //! Where the differences are seen to fall by less than order p, all of them or one to the next,
 //! there is no such expansion yet. c then has the least observed order, and the whole extrapolated
-//! part c|d_L| is the bound.
+//! part c|d_L| is the bound. Where φ is rough, the largest of the last three takes its place, since
+//! their means are hardly known and may pass through zero.
 
 use real::elementary;
 
@@ -24,6 +25,10 @@ use super::super::{
 
 /// How far the observed order may significantly fall below the theoretical one.
 const ORDER_TOLERANCE: f64 = 0.25;
+
+/// Variances of differences fall by two for a smooth φ on steps that resolve the motion, by 3/2 for
+/// one with kinks, and by one for one with jumps (Giles 2015). Below this φ is taken to be rough.
+const SMOOTH: f64 = 1.25;
 
 /// The powers of τ in an expansion of the bias.
 #[derive(Clone, Copy, Debug)]
@@ -47,18 +52,20 @@ pub struct Extrapolation {
 }
 
 /// By the last three differences or fewer, the last one last, of which the last `summed` are terms
-/// of the sum, for a scheme with these orders, where differences fall by the order `alpha`.
+/// of the sum, for a scheme with these orders, where differences fall by the order `alpha`, and
+/// their variances by `beta`.
 pub fn extrapolation(
     differences: &[Term],
     summed: usize,
     orders: Orders,
-    alpha: Option<Rate>,
+    (alpha, beta): (Option<Rate>, Option<Rate>),
 ) -> Extrapolation {
-    let least = bias::order(orders.weak, alpha);
     let local = differences.windows(2).filter_map(|pair| local_order(&pair[0], &pair[1]));
-    let order = local.fold(least, f64::min).max(bias::lowest(orders.weak));
-    let expands = order >= orders.weak - ORDER_TOLERANCE;
-    let order = if expands { orders.weak } else { order };
+    let least = local.fold(bias::order(orders.weak, alpha), f64::min);
+    let falls = least >= orders.weak - ORDER_TOLERANCE;
+    let order = if falls { orders.weak } else { least.max(bias::lowest(orders.weak)) };
+    let rough = beta.is_some_and(|beta| beta.value < SMOOTH);
+    let expands = falls && !rough;
     let one_over = |order: f64| 1.0 / (elementary::exp(order * LN_2) - 1.0);
     let (c, next) = (one_over(order), one_over(orders.next));
     let variance = |term: &Term| term.variance / term.count;
@@ -68,9 +75,11 @@ pub fn extrapolation(
         let square = (1.0 + c).powi(2) * variance(last) + c * c * variance(before);
         (next * mean.abs(), next * square.sqrt())
     };
+    let whole = |term: &Term| (c * term.mean.abs(), c * variance(term).sqrt());
     let larger = |a: (f64, f64), b: (f64, f64)| if a.0 < b.0 { b } else { a };
     let (size, standard_error) = match differences {
-        [.., last] if !expands => (c * last.mean.abs(), c * variance(last).sqrt()),
+        [.., _, _] if rough => differences.iter().map(whole).fold((0.0, 0.0), larger),
+        [.., _, last] if !expands => whole(last),
         [before, between, last] => {
             let (size, error) = change(between, before);
             let falls = next / (1.0 + next);
@@ -121,12 +130,13 @@ mod tests {
                 for q in [next - 0.6, next, next + 1.0, 2.0 * next] {
                     let (terms, last) =
                         differences(|tau| a * tau.powf(weak) + b * tau.powf(q.max(weak)));
-                    let once = extrapolation(&terms, 1, orders, None);
-                    let twice = extrapolation(&terms, 3, orders, None);
+                    let once = extrapolation(&terms, 1, orders, (None, None));
+                    let twice = extrapolation(&terms, 3, orders, (None, None));
                     let (one, two) = (left(&terms, last, &once), left(&terms, last, &twice));
                     assert_eq!(once.size, twice.size);
                     // R_L needs the order q, S_L one less.
                     assert!(two.abs() <= twice.size * (1.0 + 1e-9), "{weak} {next} {q}: {two}");
+                    // There is no expansion yet.
                     if twice.order < weak {
                         continue;
                     }
@@ -145,14 +155,14 @@ mod tests {
         let (terms, _) = differences(|tau| tau.powf(1.2));
         let slow = Rate { value: 1.0, lower: 0.9, upper: 1.1 };
         let orders = Orders { weak: 2.0, next: 3.0 };
-        let found = extrapolation(&terms, 3, orders, Some(slow));
+        let found = extrapolation(&terms, 3, orders, (Some(slow), None));
         let (weight, last) = (1.0 / (1.1f64.exp2() - 1.0), terms[2].mean.abs());
         assert!((found.order - 1.1).abs() < 1e-15 && (found.weights[1] - weight).abs() < 1e-14);
         assert!((found.size - weight * last).abs() < 1e-14 && found.weights[0] == 0.0);
         // The upper end of an observed order counts.
         let (terms, _) = differences(|tau| tau.powf(1.8));
         let near = Rate { value: 1.7, lower: 1.5, upper: 1.9 };
-        assert_eq!(extrapolation(&terms, 3, orders, Some(near)).order, 2.0);
+        assert_eq!(extrapolation(&terms, 3, orders, (Some(near), None)).order, 2.0);
     }
 
     #[test]
@@ -162,19 +172,23 @@ mod tests {
             |mean: f64| Term { cost: 1.0, count: 1.0, mean, variance: 0.0, tail: Tail::default() };
         let terms = [0.0303, 0.0179, 0.00518].map(term);
         let orders = Orders { weak: 2.0, next: 4.0 };
-        let found = extrapolation(&terms, 3, orders, None);
+        let found = extrapolation(&terms, 3, orders, (None, None));
         assert!((found.order - (0.0303f64 / 0.0179).log2()).abs() < 1e-12, "{}", found.order);
         assert!(found.size > 0.00518 && found.weights[0] == 0.0, "{}", found.size);
+        // Of a rough φ the largest counts.
+        let beta = Rate { value: 1.0, lower: 0.9, upper: 1.1 };
+        let rough = extrapolation(&terms, 3, orders, (None, Some(beta)));
+        assert!(rough.size > 0.0303 && rough.weights[0] == 0.0, "{}", rough.size);
         // Differences of noise say nothing.
         let noisy = terms.map(|term| Term { variance: 1.0, ..term });
-        assert_eq!(extrapolation(&noisy, 3, orders, None).order, 2.0);
+        assert_eq!(extrapolation(&noisy, 3, orders, (None, None)).order, 2.0);
     }
 
     #[test]
     fn one_difference_bounds_nothing() {
         let (terms, _) = differences(|tau| tau);
         let orders = Orders { weak: 1.0, next: 2.0 };
-        assert_eq!(extrapolation(&terms[..1], 1, orders, None).size, f64::INFINITY);
-        assert!(extrapolation(&terms[..2], 1, orders, None).size < 1e-15);
+        assert_eq!(extrapolation(&terms[..1], 1, orders, (None, None)).size, f64::INFINITY);
+        assert!(extrapolation(&terms[..2], 1, orders, (None, None)).size < 1e-15);
     }
 }

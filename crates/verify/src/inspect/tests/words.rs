@@ -294,13 +294,13 @@ fn a_scheme_is_recommended_for_what_it_keeps() {
     let usual = |change: &dyn Fn(&mut Inspection)| of(change, true, true);
     let large = "sexp-li for large noise: every step has a solution, so no increment is truncated";
     let energy = "sexp for paths: it keeps the energy".to_owned();
-    let weak = "nv for expectations: it has weak order 2; mc::expect chooses all else";
-    let weak_kept = &weak.replace("order 2", "order 2 and keeps the Casimirs");
+    let weak = "sexp-li for expectations: mc::expect extrapolates weak order 1; with flows of parts take nv";
     assert_eq!(usual(&|_| ()), [&energy, weak, large]);
     let constant = usual(&|r| r.without_iteration.structure = Linearity::Constant);
     assert_eq!(constant, [&energy, weak]);
     // Without areas any scheme for paths is one for expectations.
-    assert_eq!(usual(&|r| r.without_iteration.nv_refused = Some("no".into())), [&energy, large]);
+    let refused = usual(&|r| r.without_iteration.refused = Some("no".into()));
+    assert_eq!(refused, [energy.as_str()]);
     let inexact = usual(&|r| r.hamiltonians.discrete_gradient = finding(Refuted));
     assert_eq!(inexact[0], format!("{energy}; the energy up to the error of ∇̄h"));
     let no_energy = |r: &mut Inspection| r.hamiltonians.shapes[0].degree = None;
@@ -319,7 +319,7 @@ fn a_scheme_is_recommended_for_what_it_keeps() {
     assert_eq!(both[1], format!("sexp-li for paths, if the energy does not matter: {price}"));
     let only = |r: &mut Inspection| (casimir(r), no_energy(r)).1;
     let li = format!("sexp-li for paths: {price}");
-    assert_eq!(usual(&only), [&li, weak_kept, large]);
+    assert_eq!(usual(&only), [&li, weak, large]);
     let refused = usual(&|r| {
         only(r);
         r.without_iteration.refused = Some("no".into());
@@ -327,7 +327,7 @@ fn a_scheme_is_recommended_for_what_it_keeps() {
     });
     assert_eq!(refused, ["sexp for paths: it keeps the Casimirs, and B is not affine in y"]);
     let truncates = usual(&|r| (only(r), r.without_iteration.truncates = true).1);
-    assert_eq!(truncates, [li.as_str(), weak_kept]);
+    assert_eq!(truncates, [li.as_str(), weak]);
     let silent = usual(&|r| (no_energy(r), r.noise.silent = finding(Found)).1);
     assert_eq!(silent, [explicit.replace("strong order 1", "order 2")]);
     // Areas.
@@ -347,7 +347,7 @@ fn a_scheme_is_recommended_for_what_it_keeps() {
         })
     };
     let areas = "sexp-levy for paths: noises do not commute, and Lévy areas give strong order 1";
-    assert_eq!(refuted(None), [areas, weak_kept, large]);
+    assert_eq!(refuted(None), [areas, weak, large]);
     let weak = "sexp-li for expectations: weak order 1 takes no areas";
     assert_eq!(refuted(Some("no")), [areas, weak, large]);
     let nothing = usual(&|r| {
