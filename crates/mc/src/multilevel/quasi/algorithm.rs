@@ -364,7 +364,9 @@ impl Quasi<'_> {
     }
 
     fn report(mut self, levels: Levels, first: usize, limit: Option<Warning>) -> Expectation {
+        // Levels below the first may be far from the limit; three differences make a slope.
         let differences = levels.differences();
+        let from = first.min(differences.len().saturating_sub(BIAS_LEVELS));
         let estimate = |(k, name): (usize, &String)| {
             let sum = self.sum(&levels, first, k);
             let terms = levels.terms(k, self.range(k));
@@ -376,8 +378,8 @@ impl Quasi<'_> {
                 missed: sum.tail(),
                 bias: sum.bias(),
                 bias_bound: sum.bias_bound(),
-                alpha: plan::alpha(differences, &terms, k),
-                beta: plan::beta(differences, k),
+                alpha: plan::alpha(&differences[from..], &terms[from..], k),
+                beta: plan::beta(&differences[from..], k),
                 failed: levels.samples[first..].iter().map(|samples| samples.failed).sum(),
                 judged: Judged::default(),
             }

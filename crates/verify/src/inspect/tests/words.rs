@@ -338,22 +338,22 @@ fn a_scheme_is_recommended_for_what_it_keeps() {
     );
     assert_eq!(doubt[1], weak);
     assert!(doubt[2].starts_with("sexp-li or sexp-li-levy for large noise"), "{doubt:?}");
-    let refuted = |nv_refused: Option<&str>| {
+    let refuted = |refused: Option<&str>| {
         usual(&|r| {
             only(r);
             r.noise.commute = finding(Refuted);
             r.without_iteration.areas_refused = Some("no".into());
-            r.without_iteration.nv_refused = nv_refused.map(Into::into);
+            r.without_iteration.refused = refused.map(Into::into);
         })
     };
     let areas = "sexp-levy for paths: noises do not commute, and Lévy areas give strong order 1";
     assert_eq!(refuted(None), [areas, weak, large]);
-    let weak = "sexp-li for expectations: weak order 1 takes no areas";
-    assert_eq!(refuted(Some("no")), [areas, weak, large]);
+    let kept = "sexp for expectations: weak order 1 takes no areas";
+    assert_eq!(refuted(Some("no")), [areas, kept]);
     let nothing = usual(&|r| {
         r.noise.commute = finding(Refuted);
         r.hamiltonians.proportional = Some(finding(Refuted));
-        r.without_iteration.nv_refused = Some("no".into());
+        r.without_iteration.refused = Some("no".into());
     });
     assert_eq!(nothing[1], "heun for expectations: weak order 1 takes no areas");
 }
