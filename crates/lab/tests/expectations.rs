@@ -29,7 +29,7 @@ fn every_method_has_rows_and_every_scheme_a_bias() {
     );
 
     let methods = measured["methods"].as_array().unwrap();
-    assert_eq!(methods.len(), 3);
+    assert_eq!(methods.len(), 4);
     for method in methods {
         let rows = method["rows"].as_array().unwrap();
         assert!(!rows.is_empty());

@@ -4,9 +4,7 @@ use anyhow::Result;
 use lab::{compiled, streams, truncation, weak_observables};
 use mc::{
     Expect, Observable, Observe,
-    multilevel::{
-        Coupling, Estimator, Expectation, ExpectationSettings, MultilevelError, expectation,
-    },
+    multilevel::{Coupling, Estimator, Expectation, ExpectationSettings, expectation},
 };
 use noise::StreamKey;
 use schemes::Sexp;
@@ -15,6 +13,7 @@ use verify::{Stopwatch, rigid_body_expectations};
 
 use crate::{
     line::slope,
+    one_level::one_level,
     results::{Cost, Known, Method, Slope, Twelve},
 };
 
@@ -24,12 +23,12 @@ const COARSEST_STEPS: u64 = 2;
 /// The accuracies of the methods, and the one of the twelve test functions.
 const SINGLE: &[f64] = &[1e-2, 3e-3, 1e-3, 3e-4, 1e-4];
 const MULTILEVEL: &[f64] = &[1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5];
-const EXPECT: &[f64] = &[1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6];
+const QUASI: &[f64] = &[1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6];
 const OF_TWELVE: f64 = 1e-5;
-/// No run of random points may take longer, as far as the run before it tells, and none of
-/// `Expect`.
+/// No run of random points may take longer, as far as the run before it tells, and none of Sobol
+/// points.
 const LONGEST_S: f64 = 20.0;
-const LONGEST_EXPECT_S: f64 = 45.0;
+const LONGEST_QUASI_S: f64 = 45.0;
 /// Path-steps after which `Expect` ends.
 const MOST_STEPS: u64 = 3_000_000_000;
 
@@ -44,10 +43,31 @@ fn cos_y3() -> Observable<3> {
     Observable { name: "cos y3", function: |y| real::elementary::cos(y[2]) }
 }
 
-/// A result with its wall time and processor time.
-type Timed = (Expectation, f64, f64);
+/// What a method found for E[cos y₃].
+pub struct Found {
+    pub value: f64,
+    pub half_width: f64,
+    pub reached: bool,
+    pub path_steps: u64,
+    pub finest_steps: u64,
+    pub decisions: Vec<String>,
+}
 
-fn timed(run: impl FnOnce() -> Result<Expectation, MultilevelError>) -> Result<Timed> {
+impl Found {
+    fn of(found: Expectation) -> Self {
+        let (reached, path_steps, estimate) = (found.reached(), found.cost, &found.estimates[0]);
+        let finest = found.levels.iter().map(|level| level.tau).fold(f64::INFINITY, f64::min);
+        let finest_steps = (1.0 / finest).round() as u64;
+        let (value, half_width) = (estimate.value, estimate.half_width());
+        let decisions = found.decisions;
+        Self { value, half_width, reached, path_steps, finest_steps, decisions }
+    }
+}
+
+/// A result with its wall time and processor time.
+type Timed<T> = (T, f64, f64);
+
+fn timed<T>(run: impl FnOnce() -> Result<T>) -> Result<Timed<T>> {
     let watch = Stopwatch::start();
     let found = run()?;
     Ok((found, watch.wall_s(), watch.thread_s()))
@@ -67,13 +87,19 @@ pub fn measure(seed: u64, quick: bool) -> Result<(Vec<Method>, Twelve)> {
                 ..ExpectationSettings::new(key, truncation(), COARSEST_STEPS, Coupling::Antithetic)
             };
             let (sexp, observables) = (compiled(Sexp), [cos_y3()]);
-            timed(|| {
-                expectation(sexp.as_ref(), problem, &observables, accuracy, &settings, &|_| ())
-            })
+            let progress = |_| ();
+            let run = || {
+                expectation(sexp.as_ref(), problem, &observables, accuracy, &settings, &progress)
+            };
+            timed(|| Ok(Found::of(run()?)))
         }
     };
-    let quasi = |number: u64, accuracy: f64| {
-        timed(|| by_expect(&problem, key(seed, 32 + number), &[cos_y3()], accuracy))
+    let one = |number: u64, accuracy: f64| {
+        timed(|| one_level(&problem, key(seed, 24 + number), &cos_y3(), accuracy))
+    };
+    let chosen = |number: u64, accuracy: f64| {
+        let run = || by_expect(&problem, key(seed, 32 + number), &[cos_y3()], accuracy);
+        timed(|| Ok(Found::of(run()?)))
     };
     let accuracies = |all: &'static [f64]| if quick { &all[..3] } else { all };
     let single = random(Estimator::SinglePaths, 0);
@@ -82,7 +108,8 @@ pub fn measure(seed: u64, quick: bool) -> Result<(Vec<Method>, Twelve)> {
     let methods = vec![
         method("single paths", accuracies(SINGLE), (3, LONGEST_S), exact, single)?,
         method("multilevel", accuracies(MULTILEVEL), (2, LONGEST_S), exact, levels)?,
-        method("Expect", accuracies(EXPECT), (2, LONGEST_EXPECT_S), exact, quasi)?,
+        method("quasi-Monte Carlo", accuracies(QUASI), (2, LONGEST_QUASI_S), exact, one)?,
+        method("Expect", accuracies(QUASI), (2, LONGEST_QUASI_S), exact, chosen)?,
     ];
     let observables = weak_observables();
     let accuracy = if quick { 1e-3 } else { OF_TWELVE };
@@ -109,11 +136,11 @@ fn by_expect(
     key: StreamKey,
     observables: &[Observable<3>],
     accuracy: f64,
-) -> Result<Expectation, MultilevelError> {
+) -> Result<Expectation> {
     let observables: Vec<&dyn Observe> =
         observables.iter().map(|observable| observable as &dyn Observe).collect();
     let expect = Expect::by_parts(problem).with_key(key).with_max_cost(MOST_STEPS);
-    expect.run(&observables, accuracy, &|_| ())
+    Ok(expect.run(&observables, accuracy, &|_| ())?)
 }
 
 /// The rows of a method. Its cost is taken to grow with the half-width to the power −`power` when
@@ -123,7 +150,7 @@ fn method(
     accuracies: &[f64],
     (power, longest_s): (i32, f64),
     exact: f64,
-    run: impl Fn(u64, f64) -> Result<Timed>,
+    run: impl Fn(u64, f64) -> Result<Timed<Found>>,
 ) -> Result<Method> {
     let (mut rows, mut stopped, mut decisions) = (Vec::<Cost>::new(), None, Vec::new());
     for (number, &accuracy) in (0..).zip(accuracies) {
@@ -138,16 +165,14 @@ fn method(
             }
         }
         let (found, wall_s, processor_s) = run(number, accuracy)?;
-        let estimate = &found.estimates[0];
-        let finest = found.levels.iter().map(|level| level.tau).fold(f64::INFINITY, f64::min);
         rows.push(Cost {
             accuracy,
-            estimate: estimate.value,
-            half_width: estimate.half_width(),
-            error: estimate.value - exact,
-            reached: found.reached(),
-            path_steps: found.cost,
-            finest_steps: (1.0 / finest).round() as u64,
+            estimate: found.value,
+            half_width: found.half_width,
+            error: found.value - exact,
+            reached: found.reached,
+            path_steps: found.path_steps,
+            finest_steps: found.finest_steps,
             wall_s,
             processor_s,
         });

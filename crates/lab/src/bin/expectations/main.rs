@@ -8,6 +8,7 @@
 mod bias;
 mod cost;
 mod line;
+mod one_level;
 mod order;
 mod page;
 mod results;

@@ -317,9 +317,11 @@ pilots are part of the cost.
 
 **Single paths**: random points, `sexp` on one level, the first one whose bias is at most ε/4; the \
 coupled paths that show the bias count. **Multilevel**: random points, `sexp`, antithetic \
-differences from τ = 1/2 on. **Expect**: `mc::Expect`, which takes `nv` with the flows of the \
-parts, scrambled Sobol points on levels, and extrapolation. `Expect` has no setting for a single \
-level, so a row of quasi-Monte Carlo on one level is not here.
+differences from τ = 1/2 on. **Quasi-Monte Carlo**: scrambled Sobol points, `nv` with the flows of \
+the parts and both orders of the noises, on one level of n steps, extrapolated from n and n/2 steps \
+on the same points; steps are doubled until the bound on the bias is ε/4, then points, and each \
+round computes all its points anew. **Expect**: `mc::Expect`, which takes the same scheme and \
+points on levels, multilevel quasi-Monte Carlo.
 
 **Exponents** are slopes of the logarithm of the cost over the logarithm of ε by least squares, all \
 rows alike, with 95 % intervals from the scatter about the line. *Beyond the pilot*, as in the \
