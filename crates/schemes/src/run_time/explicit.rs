@@ -1,7 +1,7 @@
 //! Explicit formulas on systems known at run time.
 
 use nonlin::BlockStatus;
-use real::{OutOfMemory, Row};
+use real::{Kernel, OutOfMemory, Row, dispatch};
 use systems::{
     Constant,
     run_time::{Lanes, System, Weights},
@@ -68,7 +68,21 @@ impl<F: Implicit> Stepper for ExplicitStepper<'_, F> {
         self.machine.execute(self.recorder.operations().1, h);
         self.machine.feed_back(0);
         if self.system.lanes() == Lanes::Paths {
-            status.fail_where_not_finite(self.state());
+            dispatch(Check { y: self.state(), status });
         }
+    }
+}
+
+/// Paths with a state that is not finite fail.
+pub struct Check<'a> {
+    pub y: &'a [Row],
+    pub status: &'a mut BlockStatus,
+}
+
+impl Kernel for Check<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        self.status.fail_where_not_finite(self.y);
     }
 }
