@@ -19,41 +19,65 @@ struct Operations {
     nodes: Vec<Node>,
     /// The factor of every [`Node::Multiple`], 1 elsewhere.
     factors: Vec<f64>,
+    /// The number of operations since the start; those that follow are of an earlier record.
+    count: usize,
+    /// Whether they differ from those of the record before.
+    changed: bool,
+}
+
+impl Operations {
+    #[inline(always)]
+    fn push(&mut self, node: Node, factor: f64) -> usize {
+        let number = self.count;
+        self.count += 1;
+        match (self.nodes.get(number), self.factors.get_mut(number)) {
+            (Some(known), Some(place)) if *known == node => *place = factor,
+            _ => self.change(number, node, factor),
+        }
+        number
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn change(&mut self, number: usize, node: Node, factor: f64) {
+        self.nodes.truncate(number);
+        self.factors.truncate(number);
+        self.nodes.push(node);
+        self.factors.push(factor);
+        self.changed = true;
+    }
 }
 
 impl Recorder {
-    /// Forgets all operations, and gives the inputs.
+    /// Begins a record with the inputs.
     pub fn restart<const N: usize>(&self) -> [Symbol<'_>; N] {
         let mut operations = self.0.borrow_mut();
-        operations.nodes.clear();
-        operations.factors.clear();
+        (operations.count, operations.changed) = (0, false);
         drop(operations);
         std::array::from_fn(|input| self.push(Node::Input(input), 1.0))
     }
 
-    #[inline]
+    #[inline(always)]
     fn push(&self, node: Node, factor: f64) -> Symbol<'_> {
-        let mut operations = self.0.borrow_mut();
-        let number = operations.nodes.len();
-        operations.nodes.push(node);
-        operations.factors.push(factor);
-        Symbol { recorder: self, number }
+        Symbol { recorder: self, number: self.0.borrow_mut().push(node, factor) }
     }
 
-    /// Ends with this result, which is the last operation then, and no input.
-    pub fn finish(&mut self, result: usize) {
+    /// Ends with this result, which is the last operation then, and no input. Whether the
+    /// operations differ from those of the record before.
+    pub fn finish(&mut self, result: usize) -> bool {
         let operations = self.0.get_mut();
-        operations.nodes.truncate(result + 1);
-        operations.factors.truncate(result + 1);
-        if let Some(Node::Input(_)) = operations.nodes.last() {
-            self.push(Node::Multiple(result), 1.0);
+        let before = operations.nodes.len();
+        operations.count = result + 1;
+        if let Node::Input(_) = operations.nodes[result] {
+            operations.push(Node::Multiple(result), 1.0);
         }
+        operations.changed || operations.count != before
     }
 
     /// The operations and the factor of each.
     pub fn operations(&mut self) -> (&[Node], &[f64]) {
         let operations = self.0.get_mut();
-        (&operations.nodes, &operations.factors)
+        (&operations.nodes[..operations.count], &operations.factors[..operations.count])
     }
 }
 
