@@ -3,7 +3,7 @@
 use std::iter::once;
 
 use dgrad::Rule;
-use real::{Row, Rows, WIDTH};
+use real::{Row, Rows};
 use systems::run_time::{Node, Program, Weights};
 
 use super::{average::point, expressions::Expressions};
@@ -18,8 +18,6 @@ const MOST_INPUTS: usize = 4;
 /// A scheme's formula on 32 paths.
 pub struct FormulaProgram {
     tape: Tape,
-    /// Rows of dt and of the factors.
-    numbers: Rows,
     /// The operations that have a factor.
     multiples: Vec<usize>,
     scratch: Rows,
@@ -53,30 +51,25 @@ impl FormulaProgram {
             }
         }
         let states = (0..inputs).map(|k| k * system.dimension()..(k + 1) * system.dimension());
-        let groups: Vec<_> =
-            states.chain([numbers..noise, noise..noise + system.noises()]).collect();
+        let groups: Vec<_> = states.chain([noise..noise + system.noises()]).collect();
         if inputs > MOST_INPUTS {
             return None;
         }
         let results: Vec<Id> = results.iter().flat_map(|&n| builder.states[n].clone()).collect();
-        let tape = Tape::new(&builder.graph, &results, &groups);
-        let numbers = Rows::zero(1 + multiples.len()).ok()?;
+        let tape = Tape::with_numbers(&builder.graph, &results, &groups, numbers..noise);
         let scratch = Rows::zero(tape.scratch_rows()).ok()?;
-        Some(Self { tape, numbers, multiples, scratch })
+        Some(Self { tape, multiples, scratch })
     }
 }
 
 impl Program for FormulaProgram {
     fn run(&mut self, inputs: &[&[Row]], factors: &[f64], h: Weights<'_>, out: &mut [Row]) {
-        self.numbers[0] = [h.dt; WIDTH];
-        for (k, &multiple) in self.multiples.iter().enumerate() {
-            self.numbers[1 + k] = [factors[multiple]; WIDTH];
-        }
-        let mut groups: [&[Row]; MOST_INPUTS + 2] = [&[]; MOST_INPUTS + 2];
+        let factors = self.multiples.iter().map(|&multiple| factors[multiple]);
+        self.tape.set_numbers(once(h.dt).chain(factors));
+        let mut groups: [&[Row]; MOST_INPUTS + 1] = [&[]; MOST_INPUTS + 1];
         groups[..inputs.len()].copy_from_slice(inputs);
-        groups[inputs.len()] = &self.numbers;
-        groups[inputs.len() + 1] = h.dw;
-        self.tape.evaluate(&groups[..inputs.len() + 2], out, &mut self.scratch);
+        groups[inputs.len()] = h.dw;
+        self.tape.evaluate(&groups[..=inputs.len()], out, &mut self.scratch);
     }
 }
 
