@@ -1,28 +1,43 @@
 //! From a graph to instructions: operations joined with those that they feed alone, rows given out
 //! by liveness.
 
+use std::ops::Range;
+
 use crate::{
     Id,
     graph::{Binary, Graph, Node, Unary},
-    instruction::{Instruction, OUT, Operation, Place, SCRATCH},
+    instruction::{Instruction, MOST_ROWS, OUT, Operation, Place, SCRATCH},
+    uniform::{Collector, Number, Numbers, ONE, uniform},
 };
 
-/// The instructions for `outputs`, and the number of scratch rows. Input k is at `inputs[k]`.
+/// Instructions with their numbers and the rows of scratch that they need.
+pub struct Compiled {
+    pub code: Vec<Instruction>,
+    pub numbers: Numbers,
+    pub scratch: usize,
+}
+
+/// The instructions for `outputs`. Input k is at `inputs[k]`, unless it is one of the
+/// `uniform_inputs`, which are the same at all points.
 pub fn compile(
     graph: &Graph,
     outputs: &[Id],
     inputs: &[Option<Place>],
-) -> (Vec<Instruction>, usize) {
+    uniform_inputs: Range<usize>,
+) -> Compiled {
     let (graph, outputs) = lowered(graph, outputs);
-    let steps = joined(&graph, &outputs);
-    let mut rows = Rows::new(&graph, &outputs, &steps, inputs);
+    let uniform = uniform(&graph, &uniform_inputs);
+    let steps = joined(&graph, &outputs, &uniform);
+    let taken: Vec<Id> = steps.iter().flatten().flat_map(Step::numbers).map(|k| k.id).collect();
+    let numbers = Collector::new(&graph, uniform_inputs, &taken);
+    let mut rows = Rows::new(&graph, &outputs, &steps, inputs, &uniform, numbers);
     for (index, id) in graph.ids().enumerate() {
         if let Some(step) = steps[index] {
             rows.emit(id, step);
         }
     }
     rows.copy_repeated_outputs(&outputs);
-    (rows.code, rows.count as usize)
+    Compiled { code: rows.code, numbers: rows.numbers.finish(), scratch: rows.count as usize }
 }
 
 /// The same expressions with powers written out as products.
@@ -32,17 +47,11 @@ fn lowered(graph: &Graph, outputs: &[Id]) -> (Graph, Vec<Id>) {
     let mut copies: Vec<Option<Id>> = vec![None; graph.len()];
     for id in graph.ids().filter(|id| needed[id.index()]) {
         let of = |id: Id| copies[id.index()].unwrap_or_else(|| unreachable!("operands come first"));
-        let node = match graph.node(id) {
-            node @ (Node::Constant(_) | Node::Input(_)) => node,
-            Node::Unary(function, a) => Node::Unary(function, of(a)),
-            Node::Binary(function, a, b) => Node::Binary(function, of(a), of(b)),
-            Node::Where(all) => Node::Where(all.map(of)),
-            Node::Power(a, n) => {
-                copies[id.index()] = Some(product(&mut lower, of(a), n));
-                continue;
-            }
+        let copy = match graph.node(id) {
+            Node::Power(a, n) => product(&mut lower, of(a), n),
+            node => lower.intern(node.with_operands(of)),
         };
-        copies[id.index()] = Some(lower.intern(node));
+        copies[id.index()] = Some(copy);
     }
     let outputs = outputs.iter().filter_map(|output| copies[output.index()]).collect();
     (lower, outputs)
@@ -70,27 +79,48 @@ fn product(graph: &mut Graph, x: Id, n: u32) -> Id {
 #[derive(Clone, Copy)]
 struct Step {
     operation: Operation,
-    operands: [Id; 4],
+    operands: [Id; MOST_ROWS],
     count: usize,
-    numbers: [f64; 2],
+    /// A number that is not there is one.
+    numbers: [Option<Number>; 2],
 }
 
 impl Step {
-    fn new<const N: usize>(operation: Operation, operands: [Id; N], numbers: &[f64]) -> Self {
-        let mut step = Self { operation, operands: [Id::FIRST; 4], count: N, numbers: [0.0; 2] };
+    fn new<const N: usize>(operation: Operation, operands: [Id; N], numbers: &[Number]) -> Self {
+        let (rows, none) = ([Id::FIRST; MOST_ROWS], [None; 2]);
+        let mut step = Self { operation, operands: rows, count: N, numbers: none };
         step.operands[..N].copy_from_slice(&operands);
-        step.numbers[..numbers.len()].copy_from_slice(numbers);
+        for (place, &number) in step.numbers.iter_mut().zip(numbers) {
+            *place = Some(number);
+        }
         step
     }
 
     fn operands(&self) -> &[Id] {
         &self.operands[..self.count]
     }
+
+    /// The same times a number, if the operation has such a factor.
+    fn times(mut self, k: Number) -> Option<Self> {
+        use Operation::*;
+        let factor = match self.operation {
+            Add | Sub | Mul | MulAdd | MulSub | SubMul | MulAddMul | MulSubMul => 0,
+            MulAddMulAdd | MulSubMulAdd | MulAddAddMul | Dot => 0,
+            AddNumber | ScaleAdd | ScaleSub => 1,
+            _ => return None,
+        };
+        self.numbers[factor] = Some(k);
+        Some(self)
+    }
+
+    fn numbers(&self) -> impl Iterator<Item = Number> + use<> {
+        self.numbers.into_iter().flatten()
+    }
 }
 
 /// For every expression that needs an instruction, its step. A product that one sum or product uses
 /// alone becomes part of that.
-fn joined(graph: &Graph, outputs: &[Id]) -> Vec<Option<Step>> {
+fn joined(graph: &Graph, outputs: &[Id], uniform: &[bool]) -> Vec<Option<Step>> {
     let mut uses = vec![0_u32; graph.len()];
     outputs.iter().for_each(|output| uses[output.index()] += 2);
     for id in graph.ids() {
@@ -99,7 +129,7 @@ fn joined(graph: &Graph, outputs: &[Id]) -> Vec<Option<Step>> {
     let mut wanted = vec![false; graph.len()];
     outputs.iter().for_each(|output| wanted[output.index()] = true);
     let mut steps = vec![None; graph.len()];
-    let join = Join { graph, uses };
+    let join = Join { graph, uses, uniform };
     for id in graph.ids().rev().filter(|id| id.index() < graph.len()) {
         if wanted[id.index()] {
             let step = join.step(id);
@@ -113,13 +143,14 @@ fn joined(graph: &Graph, outputs: &[Id]) -> Vec<Option<Step>> {
 struct Join<'a> {
     graph: &'a Graph,
     uses: Vec<u32>,
+    uniform: &'a [bool],
 }
 
 /// An operand of a sum.
 enum Term {
-    Number(f64),
+    Number(Number),
     Product(Id, Id),
-    Scaled(Id, f64),
+    Scaled(Id, Number),
     Other,
 }
 
@@ -127,18 +158,40 @@ impl Join<'_> {
     /// The operands of a function that is used here alone.
     fn alone(&self, id: Id, function: Binary) -> Option<(Id, Id)> {
         match self.graph.node(id) {
-            Node::Binary(found, a, b) if found == function && self.uses[id.index()] == 1 => {
+            Node::Binary(found, a, b)
+                if found == function && self.uses[id.index()] == 1 && !self.uniform[id.index()] =>
+            {
                 Some((a, b))
             }
             _ => None,
         }
     }
 
+    /// The step for a sum, or a product of rows, that is used here alone.
+    fn inner(&self, id: Id) -> Option<Step> {
+        let of = |function| self.alone(id, function);
+        match (of(Binary::Add), of(Binary::Sub), of(Binary::Mul)) {
+            (Some((a, b)), ..) => Some(self.long_sum(a, b)),
+            (_, Some((a, b)), _) => Some(self.difference(a, b)),
+            (.., Some((a, b))) if self.scaled(a, b).is_none() => Some(self.product(a, b)),
+            _ => None,
+        }
+    }
+
+    fn number(&self, id: Id) -> Option<Number> {
+        self.uniform[id.index()].then_some(Number { id, negative: false })
+    }
+
+    /// The factors, if one of them is a number.
+    fn scaled(&self, a: Id, b: Id) -> Option<(Id, Number)> {
+        self.number(b).map(|k| (a, k)).or_else(|| self.number(a).map(|k| (b, k)))
+    }
+
     fn term(&self, id: Id) -> Term {
-        match (self.graph.as_constant(id), self.alone(id, Binary::Mul)) {
-            (Some(x), _) => Term::Number(x),
-            (_, Some((a, b))) => match self.graph.as_constant(b) {
-                Some(c) => Term::Scaled(a, c),
+        match (self.number(id), self.alone(id, Binary::Mul)) {
+            (Some(k), _) => Term::Number(k),
+            (_, Some((a, b))) => match self.scaled(a, b) {
+                Some((x, k)) => Term::Scaled(x, k),
                 None => Term::Product(a, b),
             },
             _ => Term::Other,
@@ -147,33 +200,60 @@ impl Join<'_> {
 
     /// The step for an expression; none for an input.
     fn step(&self, id: Id) -> Option<Step> {
+        if let Some(k) = self.number(id) {
+            return Some(Step::new(Operation::Fill, [], &[k]));
+        }
         Some(match self.graph.node(id) {
             Node::Input(_) => return None,
-            Node::Constant(bits) => Step::new(Operation::Fill, [], &[f64::from_bits(bits)]),
             Node::Unary(Unary::Neg, a) => match self.term(a) {
                 Term::Product(a, b) => Step::new(Operation::NegMul, [a, b], &[]),
                 _ => Step::new(Operation::Neg, [a], &[]),
             },
             Node::Unary(function, a) => Step::new(unary(function), [a], &[]),
-            Node::Binary(Binary::Add, a, b) => self.sum(a, b),
+            Node::Binary(Binary::Add, a, b) => self.long_sum(a, b),
             Node::Binary(Binary::Sub, a, b) => self.difference(a, b),
             Node::Binary(Binary::Mul, a, b) => self.product(a, b),
-            Node::Binary(Binary::Div, a, b) => {
-                match (self.graph.as_constant(a), self.graph.as_constant(b)) {
-                    (Some(k), _) => Step::new(Operation::NumberDiv, [b], &[k]),
-                    (_, Some(k)) => Step::new(Operation::DivNumber, [a], &[k]),
-                    _ => Step::new(Operation::Div, [a, b], &[]),
-                }
-            }
+            Node::Binary(Binary::Div, a, b) => match (self.number(a), self.number(b)) {
+                (Some(k), _) => Step::new(Operation::NumberDiv, [b], &[k]),
+                (_, Some(k)) => Step::new(Operation::DivNumber, [a], &[k]),
+                _ => Step::new(Operation::Div, [a, b], &[]),
+            },
             Node::Binary(Binary::Min, a, b) => Step::new(Operation::Min, [a, b], &[]),
             Node::Binary(Binary::Max, a, b) => Step::new(Operation::Max, [a, b], &[]),
             Node::Where(all) => Step::new(Operation::Where, all, &[]),
+            Node::Constant(_) => unreachable!("constants are numbers"),
             Node::Power(..) => unreachable!("powers are written out"),
+        })
+    }
+
+    /// The step for a + b, one of which may be a sum that is used here alone.
+    fn long_sum(&self, a: Id, b: Id) -> Step {
+        let longer = self.longer(a, b).or_else(|| self.longer(b, a));
+        longer.unwrap_or_else(|| self.sum(a, b))
+    }
+
+    /// The step for b and a sum of products that is used here alone.
+    fn longer(&self, a: Id, b: Id) -> Option<Step> {
+        use Operation::*;
+        let inner = match (self.alone(a, Binary::Add), self.alone(a, Binary::Sub)) {
+            (Some((x, y)), _) => self.sum(x, y),
+            (_, Some((x, y))) => self.difference(x, y),
+            _ => return None,
+        };
+        let [p, q, r, s, ..] = inner.operands;
+        Some(match (inner.operation, self.term(b)) {
+            (MulAddMul, Term::Product(x, y)) => Step::new(Dot, [p, q, r, s, x, y], &[]),
+            (MulAddMul, Term::Other) => Step::new(MulAddMulAdd, [p, q, r, s, b], &[]),
+            (MulSubMul, Term::Other) => Step::new(MulSubMulAdd, [p, q, r, s, b], &[]),
+            (MulAdd, Term::Product(x, y)) => Step::new(MulAddAddMul, [p, q, r, x, y], &[]),
+            _ => return None,
         })
     }
 
     fn sum(&self, a: Id, b: Id) -> Step {
         use Operation::*;
+        // a + b = b + a to the bit.
+        let (a, b) = if self.number(a).is_some() { (b, a) } else { (a, b) };
         match (self.term(a), self.term(b)) {
             (Term::Product(a, b), Term::Product(c, d)) => Step::new(MulAddMul, [a, b, c, d], &[]),
             (Term::Product(a, b), Term::Number(k)) => Step::new(MulAddNumber, [a, b], &[k]),
@@ -193,21 +273,25 @@ impl Join<'_> {
         match (self.term(a), self.term(b)) {
             (Term::Product(a, b), Term::Product(c, d)) => Step::new(MulSubMul, [a, b, c, d], &[]),
             (Term::Number(k), Term::Product(a, b)) => Step::new(NumberSubMul, [a, b], &[k]),
+            (Term::Product(a, b), Term::Number(k)) => Step::new(MulAddNumber, [a, b], &[-k]),
             (Term::Product(x, y), _) => Step::new(MulSub, [x, y, b], &[]),
             (_, Term::Product(x, y)) => Step::new(SubMul, [x, y, a], &[]),
             (Term::Scaled(a, k), Term::Scaled(b, l)) => Step::new(ScaleAddScale, [a, b], &[k, -l]),
             (Term::Number(l), Term::Scaled(a, k)) => Step::new(ScaleAddNumber, [a], &[-k, l]),
+            (Term::Scaled(a, k), Term::Number(l)) => Step::new(ScaleAddNumber, [a], &[k, -l]),
             (Term::Scaled(x, k), _) => Step::new(ScaleSub, [x, b], &[k]),
             (_, Term::Scaled(x, k)) => Step::new(ScaleAdd, [x, a], &[-k]),
             (Term::Number(k), _) => Step::new(NumberSub, [b], &[k]),
+            (_, Term::Number(k)) => Step::new(AddNumber, [a], &[-k]),
             _ => Step::new(Sub, [a, b], &[]),
         }
     }
 
     fn product(&self, a: Id, b: Id) -> Step {
         use Operation::*;
-        if let Some(k) = self.graph.as_constant(b) {
-            return Step::new(Scale, [a], &[k]);
+        if let Some((x, k)) = self.scaled(a, b) {
+            let inner = self.inner(x).and_then(|step| step.times(k));
+            return inner.unwrap_or_else(|| Step::new(Scale, [x], &[k]));
         }
         for (a, b) in [(a, b), (b, a)] {
             match self.term(a) {
@@ -215,19 +299,22 @@ impl Join<'_> {
                 Term::Scaled(x, k) => return Step::new(ScaleMul, [x, b], &[k]),
                 _ => {}
             }
-            let plain = |x: Id, y: Id| {
-                let is_plain = |id| matches!(self.term(id), Term::Other);
-                is_plain(x) && is_plain(y)
-            };
             match (self.alone(a, Binary::Add), self.alone(a, Binary::Sub)) {
-                (Some((x, y)), _) if plain(x, y) => return Step::new(AddMul, [x, y, b], &[]),
-                (_, Some((x, y))) if plain(x, y) => {
+                (Some((x, y)), _) if self.are_plain(x, y) => {
+                    return Step::new(AddMul, [x, y, b], &[]);
+                }
+                (_, Some((x, y))) if self.are_plain(x, y) => {
                     return Step::new(DifferenceMul, [x, y, b], &[]);
                 }
                 _ => {}
             }
         }
         Step::new(Mul, [a, b], &[])
+    }
+
+    /// Whether neither term of a sum is a number or would become part of the sum.
+    fn are_plain(&self, x: Id, y: Id) -> bool {
+        [x, y].into_iter().all(|term| matches!(self.term(term), Term::Other))
     }
 }
 
@@ -250,6 +337,7 @@ fn unary(function: Unary) -> Operation {
 
 /// Rows for values, from the first instruction to the last.
 struct Rows {
+    numbers: Collector,
     /// Where a value is.
     homes: Vec<Option<Place>>,
     /// The row of a value that is a result.
@@ -266,6 +354,8 @@ impl Rows {
         outputs: &[Id],
         steps: &[Option<Step>],
         inputs: &[Option<Place>],
+        uniform: &[bool],
+        numbers: Collector,
     ) -> Self {
         let mut results = vec![None; graph.len()];
         for (k, output) in outputs.iter().enumerate().rev() {
@@ -277,15 +367,15 @@ impl Rows {
         for (index, step) in steps.iter().enumerate() {
             step.iter().flat_map(Step::operands).for_each(|x| last_use[x.index()] = index);
         }
-        let home = |id| match graph.node(id) {
-            Node::Input(k) => {
+        let home = |id: Id| match graph.node(id) {
+            Node::Input(k) if !uniform[id.index()] => {
                 let place = inputs.get(k as usize).copied().flatten();
                 Some(place.unwrap_or_else(|| panic!("input {k} is in no group")))
             }
             _ => None,
         };
         let homes = graph.ids().map(home).collect();
-        Self { homes, results, last_use, free: Vec::new(), count: 0, code: Vec::new() }
+        Self { numbers, homes, results, last_use, free: Vec::new(), count: 0, code: Vec::new() }
     }
 
     fn home(&self, id: Id) -> Place {
@@ -293,7 +383,7 @@ impl Rows {
     }
 
     fn emit(&mut self, id: Id, step: Step) {
-        let mut from = [Place::default(); 4];
+        let mut from = [Place::default(); MOST_ROWS];
         for (k, &operand) in step.operands().iter().enumerate() {
             from[k] = self.home(operand);
             // A row that is not used after this instruction may be written by it.
@@ -306,7 +396,8 @@ impl Rows {
             Some(row) => Place { bank: OUT, row },
             None => Place { bank: SCRATCH, row: self.free_row() },
         };
-        self.code.push(Instruction { operation: step.operation, to, from, numbers: step.numbers });
+        let numbers = step.numbers.map(|k| k.map_or(ONE, |k| self.numbers.place(k)));
+        self.code.push(Instruction { operation: step.operation, to, from, numbers });
         self.homes[id.index()] = Some(to);
     }
 
@@ -322,8 +413,9 @@ impl Rows {
         for (k, &output) in outputs.iter().enumerate() {
             let (to, from) = (Place { bank: OUT, row: k as u32 }, self.home(output));
             if to != from {
-                let from = [from, Place::default(), Place::default(), Place::default()];
-                let (operation, numbers) = (Operation::Copy, [0.0; 2]);
+                let mut rows = [Place::default(); MOST_ROWS];
+                rows[0] = from;
+                let (operation, from, numbers) = (Operation::Copy, rows, [ONE; 2]);
                 self.code.push(Instruction { operation, to, from, numbers });
             }
         }

@@ -18,6 +18,10 @@ impl Id {
     /// Stands in where there is no operand.
     pub(crate) const FIRST: Self = Self(0);
 
+    pub(crate) fn at(index: usize) -> Self {
+        Self(index as u32)
+    }
+
     pub(crate) fn index(self) -> usize {
         self.0 as usize
     }
@@ -164,6 +168,17 @@ impl Node {
             Self::Where(all) => (all, 4),
         };
         all.into_iter().take(count)
+    }
+
+    /// The node with other operands, without any identity.
+    pub(crate) fn with_operands(self, mut of: impl FnMut(Id) -> Id) -> Self {
+        match self {
+            Self::Constant(_) | Self::Input(_) => self,
+            Self::Unary(function, a) => Self::Unary(function, of(a)),
+            Self::Binary(function, a, b) => Self::Binary(function, of(a), of(b)),
+            Self::Power(a, n) => Self::Power(of(a), n),
+            Self::Where(all) => Self::Where(all.map(of)),
+        }
     }
 
     /// The value, from those of the inputs and of earlier expressions.

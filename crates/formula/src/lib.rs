@@ -64,6 +64,7 @@ mod shape;
 mod system;
 mod tape;
 mod terms;
+mod uniform;
 
 pub use damping::{DampingError, FormulaDamping};
 pub use domain::DomainError;

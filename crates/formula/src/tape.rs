@@ -6,9 +6,10 @@ use real::{Kernel, Row, dispatch};
 
 use crate::{
     Id,
-    compile::compile,
+    compile::{Compiled, compile},
     graph::Graph,
     instruction::{Instruction, Place, run},
+    uniform::Numbers,
 };
 
 /// Some expressions of a graph, ready to be evaluated on 32 points at a time.
@@ -38,6 +39,7 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct Tape {
     code: Vec<Instruction>,
+    numbers: Numbers,
     inputs: Vec<usize>,
     outputs: usize,
     scratch: usize,
@@ -50,6 +52,17 @@ impl Tape {
     /// If an input that is used is in no group.
     #[must_use]
     pub fn new(graph: &Graph, outputs: &[Id], groups: &[Range<usize>]) -> Self {
+        Self::with_numbers(graph, outputs, groups, 0..0)
+    }
+
+    /// As [`new`](Self::new), with inputs that are the same at all points. They are zero until
+    /// [`set_numbers`](Self::set_numbers).
+    pub(crate) fn with_numbers(
+        graph: &Graph,
+        outputs: &[Id],
+        groups: &[Range<usize>],
+        numbers: Range<usize>,
+    ) -> Self {
         let count = groups.iter().map(|group| group.end).max().unwrap_or(0);
         let mut inputs = vec![None; count];
         for (bank, group) in groups.iter().enumerate() {
@@ -57,9 +70,14 @@ impl Tape {
                 inputs[input] = Some(Place { bank: bank as u32, row: row as u32 });
             }
         }
-        let (code, scratch) = compile(graph, outputs, &inputs);
+        let Compiled { code, numbers, scratch } = compile(graph, outputs, &inputs, numbers);
         let inputs = groups.iter().map(ExactSizeIterator::len).collect();
-        Self { code, inputs, outputs: outputs.len(), scratch }
+        Self { code, numbers, inputs, outputs: outputs.len(), scratch }
+    }
+
+    /// Sets the inputs that are the same at all points, and computes what depends on them alone.
+    pub(crate) fn set_numbers(&mut self, inputs: impl Iterator<Item = f64>) {
+        self.numbers.set(inputs);
     }
 
     /// The rows of scratch that an evaluation needs.
@@ -87,7 +105,8 @@ impl Tape {
     /// result, and `scratch` has at least [`scratch_rows`](Self::scratch_rows) rows.
     pub fn evaluate(&self, inputs: &[&[Row]], out: &mut [Row], scratch: &mut [Row]) {
         self.check(inputs, out.len(), scratch.len());
-        dispatch(Evaluation(&mut Parts { code: &self.code, inputs, out, scratch }));
+        let (code, numbers) = (&self.code, self.numbers.values());
+        dispatch(Evaluation(&mut Parts { code, numbers, inputs, out, scratch }));
     }
 
     /// The results at one point, with the bits of [`evaluate`](Self::evaluate).
@@ -98,7 +117,7 @@ impl Tape {
         let inputs: Vec<&[[f64; 1]]> = inputs.iter().map(|group| group.as_chunks().0).collect();
         let mut scratch = vec![[0.0]; self.scratch];
         self.check(&inputs, out.len(), scratch.len());
-        run(&self.code, &inputs, out.as_chunks_mut().0, &mut scratch);
+        run(&self.code, self.numbers.values(), &inputs, out.as_chunks_mut().0, &mut scratch);
     }
 
     fn check<R>(&self, inputs: &[&[R]], out: usize, scratch: usize) {
@@ -116,6 +135,7 @@ struct Evaluation<'a, 'b>(&'a mut Parts<'b>);
 
 struct Parts<'a> {
     code: &'a [Instruction],
+    numbers: &'a [f64],
     inputs: &'a [&'a [Row]],
     out: &'a mut [Row],
     scratch: &'a mut [Row],
@@ -125,6 +145,6 @@ impl Kernel for Evaluation<'_, '_> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        run(self.0.code, self.0.inputs, self.0.out, self.0.scratch);
+        run(self.0.code, self.0.numbers, self.0.inputs, self.0.out, self.0.scratch);
     }
 }

@@ -2,11 +2,11 @@
 
 use std::{
     iter::once,
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Mutex, PoisonError},
 };
 
 use dgrad::Rule;
-use real::{Row, Rows, WIDTH};
+use real::{Row, Rows};
 use systems::run_time::{Node, Program, Weights};
 
 use super::{average::point, expressions::Expressions};
@@ -20,7 +20,7 @@ const MOST_INPUTS: usize = 4;
 
 /// Formulas of schemes that were compiled, so that each is compiled once and not for every block.
 #[derive(Default)]
-pub struct Programs(Mutex<Vec<(Definition, Option<Arc<Compiled>>)>>);
+pub struct Programs(Mutex<Vec<(Definition, Option<Compiled>)>>);
 
 /// The nodes, the number of inputs, and the nodes that are results.
 type Definition = (Vec<Node>, usize, Vec<usize>);
@@ -40,25 +40,23 @@ impl Programs {
         let compiled = match known.iter().find(same) {
             Some((_, compiled)) => compiled.clone(),
             None => {
-                let compiled = Compiled::new(system, rule, nodes, inputs, results).map(Arc::new);
+                let compiled = Compiled::new(system, rule, nodes, inputs, results);
                 known.push(((nodes.into(), inputs, results.into()), compiled.clone()));
                 compiled
             }
         }?;
-        let numbers = Rows::zero(1 + compiled.multiples.len()).ok()?;
         let scratch = Rows::zero(compiled.tape.scratch_rows()).ok()?;
-        Some(FormulaProgram { compiled, numbers, scratch })
+        Some(FormulaProgram { compiled, scratch })
     }
 }
 
 /// A scheme's formula on 32 paths.
 pub struct FormulaProgram {
-    compiled: Arc<Compiled>,
-    /// Rows of dt and of the factors.
-    numbers: Rows,
+    compiled: Compiled,
     scratch: Rows,
 }
 
+#[derive(Clone)]
 struct Compiled {
     tape: Tape,
     /// The operations that have a factor.
@@ -92,29 +90,24 @@ impl Compiled {
             }
         }
         let states = (0..inputs).map(|k| k * system.dimension()..(k + 1) * system.dimension());
-        let groups: Vec<_> =
-            states.chain([numbers..noise, noise..noise + system.noises()]).collect();
+        let groups: Vec<_> = states.chain(once(noise..noise + system.noises())).collect();
         if inputs > MOST_INPUTS {
             return None;
         }
         let results: Vec<Id> = results.iter().flat_map(|&n| builder.states[n].clone()).collect();
-        let tape = Tape::new(&builder.graph, &results, &groups);
+        let tape = Tape::with_numbers(&builder.graph, &results, &groups, numbers..noise);
         Some(Self { tape, multiples })
     }
 }
 
 impl Program for FormulaProgram {
     fn run(&mut self, inputs: &[&[Row]], factors: &[f64], h: Weights<'_>, out: &mut [Row]) {
-        let Compiled { tape, multiples } = &*self.compiled;
-        self.numbers[0] = [h.dt; WIDTH];
-        for (k, &multiple) in multiples.iter().enumerate() {
-            self.numbers[1 + k] = [factors[multiple]; WIDTH];
-        }
-        let mut groups: [&[Row]; MOST_INPUTS + 2] = [&[]; MOST_INPUTS + 2];
+        let Compiled { tape, multiples } = &mut self.compiled;
+        tape.set_numbers(once(h.dt).chain(multiples.iter().map(|&multiple| factors[multiple])));
+        let mut groups: [&[Row]; MOST_INPUTS + 1] = [&[]; MOST_INPUTS + 1];
         groups[..inputs.len()].copy_from_slice(inputs);
-        groups[inputs.len()] = &self.numbers;
-        groups[inputs.len() + 1] = h.dw;
-        tape.evaluate(&groups[..inputs.len() + 2], out, &mut self.scratch);
+        groups[inputs.len()] = h.dw;
+        tape.evaluate(&groups[..=inputs.len()], out, &mut self.scratch);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Explicit formulas on systems known at run time.
 
 use nonlin::BlockStatus;
-use real::{OutOfMemory, Row};
+use real::{Kernel, OutOfMemory, Row, WIDTH, dispatch};
 use systems::{
     Constant,
     run_time::{Lanes, System, Weights},
@@ -37,7 +37,9 @@ impl<'a, F: Implicit> ExplicitStepper<'a, F> {
         let [y] = self.recorder.restart();
         let h = Recording { system: self.system, step, recorder: &self.recorder };
         let result = self.formula.psi(h, y, y);
-        self.recorder.finish(result.number);
+        if !self.recorder.finish(result.number) {
+            return Ok(());
+        }
         self.machine.prepare(self.recorder.operations().0, &[true])
     }
 }
@@ -59,7 +61,6 @@ impl<F: Implicit> Stepper for ExplicitStepper<'_, F> {
     }
 
     fn step(&mut self, step: &Step, dw: &[Row], status: &mut BlockStatus) {
-        *status = BlockStatus::explicit();
         // Operations that a formula did not have before may need more memory.
         if self.prepare(step).is_err() {
             return status.fail_everywhere();
@@ -67,8 +68,34 @@ impl<F: Implicit> Stepper for ExplicitStepper<'_, F> {
         let h = Weights { dt: step.tau, dw };
         self.machine.execute(self.recorder.operations().1, h);
         self.machine.feed_back(0);
-        if self.system.lanes() == Lanes::Paths {
-            status.fail_where_not_finite(self.state());
+        let y = match self.system.lanes() {
+            Lanes::Paths => self.state(),
+            Lanes::Components => &[],
+        };
+        dispatch(Check { y, status });
+    }
+}
+
+/// The status of an explicit step, in which paths with a state that is not finite fail.
+struct Check<'a> {
+    y: &'a [Row],
+    status: &'a mut BlockStatus,
+}
+
+impl Kernel for Check<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        *self.status = BlockStatus::explicit();
+        // 0·y is NaN if y is infinite or NaN, else zero of some sign: the first bit.
+        let mut bits = 0;
+        for row in self.y {
+            for p in 0..WIDTH {
+                bits |= (0.0 * row[p]).to_bits();
+            }
+        }
+        if bits << 1 != 0 {
+            self.status.fail_where_not_finite(self.y);
         }
     }
 }

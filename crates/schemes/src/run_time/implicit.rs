@@ -55,7 +55,9 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
         let [start, z] = self.recorder.restart();
         let h = Recording { system: self.system, step, recorder: &self.recorder };
         let result = self.formula.psi(h, start, z);
-        self.recorder.finish(result.number);
+        if !self.recorder.finish(result.number) {
+            return Ok(());
+        }
         self.machine.prepare(self.recorder.operations().0, &[false; 2])
     }
 

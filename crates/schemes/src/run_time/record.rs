@@ -12,40 +12,72 @@ use crate::{Increment, Step};
 /// The operations of a formula in their order. A formula is recorded anew in every step, since its
 /// factors change; the operations do not, and how they are executed is planned once.
 #[derive(Debug, Default)]
-pub struct Recorder {
-    nodes: RefCell<Vec<Node>>,
+pub struct Recorder(RefCell<Operations>);
+
+#[derive(Debug, Default)]
+struct Operations {
+    nodes: Vec<Node>,
     /// The factor of every [`Node::Multiple`], 1 elsewhere.
-    factors: RefCell<Vec<f64>>,
+    factors: Vec<f64>,
+    /// The number of operations since the start; those that follow are of an earlier record.
+    count: usize,
+    /// Whether they differ from those of the record before.
+    changed: bool,
+}
+
+impl Operations {
+    #[inline(always)]
+    fn push(&mut self, node: Node, factor: f64) -> usize {
+        let number = self.count;
+        self.count += 1;
+        match (self.nodes.get(number), self.factors.get_mut(number)) {
+            (Some(known), Some(place)) if *known == node => *place = factor,
+            _ => self.change(number, node, factor),
+        }
+        number
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn change(&mut self, number: usize, node: Node, factor: f64) {
+        self.nodes.truncate(number);
+        self.factors.truncate(number);
+        self.nodes.push(node);
+        self.factors.push(factor);
+        self.changed = true;
+    }
 }
 
 impl Recorder {
-    /// Forgets all operations, and gives the inputs.
+    /// Begins a record with the inputs.
     pub fn restart<const N: usize>(&self) -> [Symbol<'_>; N] {
-        self.nodes.borrow_mut().clear();
-        self.factors.borrow_mut().clear();
+        let mut operations = self.0.borrow_mut();
+        (operations.count, operations.changed) = (0, false);
+        drop(operations);
         std::array::from_fn(|input| self.push(Node::Input(input), 1.0))
     }
 
-    #[inline]
+    #[inline(always)]
     fn push(&self, node: Node, factor: f64) -> Symbol<'_> {
-        let mut nodes = self.nodes.borrow_mut();
-        nodes.push(node);
-        self.factors.borrow_mut().push(factor);
-        Symbol { recorder: self, number: nodes.len() - 1 }
+        Symbol { recorder: self, number: self.0.borrow_mut().push(node, factor) }
     }
 
-    /// Ends with this result, which is the last operation then, and no input.
-    pub fn finish(&mut self, result: usize) {
-        self.nodes.get_mut().truncate(result + 1);
-        self.factors.get_mut().truncate(result + 1);
-        if let Some(Node::Input(_)) = self.nodes.get_mut().last() {
-            self.push(Node::Multiple(result), 1.0);
+    /// Ends with this result, which is the last operation then, and no input. Whether the
+    /// operations differ from those of the record before.
+    pub fn finish(&mut self, result: usize) -> bool {
+        let operations = self.0.get_mut();
+        let before = operations.nodes.len();
+        operations.count = result + 1;
+        if let Node::Input(_) = operations.nodes[result] {
+            operations.push(Node::Multiple(result), 1.0);
         }
+        operations.changed || operations.count != before
     }
 
     /// The operations and the factor of each.
     pub fn operations(&mut self) -> (&[Node], &[f64]) {
-        (self.nodes.get_mut(), self.factors.get_mut())
+        let operations = self.0.get_mut();
+        (&operations.nodes[..operations.count], &operations.factors[..operations.count])
     }
 }
 
@@ -59,6 +91,7 @@ pub struct Symbol<'a> {
 
 impl Add for Symbol<'_> {
     type Output = Self;
+    #[inline]
     fn add(self, b: Self) -> Self {
         self.recorder.push(Node::Sum(self.number, b.number), 1.0)
     }
@@ -66,6 +99,7 @@ impl Add for Symbol<'_> {
 
 impl Sub for Symbol<'_> {
     type Output = Self;
+    #[inline]
     fn sub(self, b: Self) -> Self {
         self.recorder.push(Node::Difference(self.number, b.number), 1.0)
     }
@@ -73,6 +107,7 @@ impl Sub for Symbol<'_> {
 
 impl Mul<f64> for Symbol<'_> {
     type Output = Self;
+    #[inline]
     fn mul(self, factor: f64) -> Self {
         self.recorder.push(Node::Multiple(self.number), factor)
     }
@@ -96,22 +131,27 @@ impl Recording<'_> {
 impl<'a> Increment for Recording<'a> {
     type Vector = Symbol<'a>;
 
+    #[inline]
     fn step(&self) -> &Step {
         self.step
     }
 
+    #[inline]
     fn is_quadratic(self) -> bool {
         self.system.is_quadratic()
     }
 
+    #[inline]
     fn structure(self, y: Symbol<'a>, v: Symbol<'a>) -> Symbol<'a> {
         self.recorder.push(Node::Structure { y: y.number, v: v.number }, 1.0)
     }
 
+    #[inline]
     fn gradient(self, y: Symbol<'a>) -> Symbol<'a> {
         self.recorder.push(Node::Gradient { y: y.number }, 1.0)
     }
 
+    #[inline]
     fn averaged_gradient(self, a: Symbol<'a>, b: Symbol<'a>) -> Symbol<'a> {
         if self.has_tiles() {
             return self.gradient((a + b) * 0.5);
@@ -119,6 +159,7 @@ impl<'a> Increment for Recording<'a> {
         self.recorder.push(Node::AveragedGradient { a: a.number, b: b.number }, 1.0)
     }
 
+    #[inline]
     fn averaged_field(self, a: Symbol<'a>, b: Symbol<'a>) -> Symbol<'a> {
         if self.has_tiles() {
             return self.field((a + b) * 0.5);
@@ -126,20 +167,24 @@ impl<'a> Increment for Recording<'a> {
         self.recorder.push(Node::AveragedField { a: a.number, b: b.number }, 1.0)
     }
 
+    #[inline]
     fn cayley(self, y: Symbol<'a>, v: Symbol<'a>) -> Symbol<'a> {
         self.recorder.push(Node::Cayley { y: y.number, v: v.number }, 1.0)
     }
 
+    #[inline]
     fn ito_correction(self, y: Symbol<'a>) -> Symbol<'a> {
         self.recorder.push(Node::ItoCorrection { y: y.number }, 1.0)
     }
 
     /// Zero: formulas that read areas are refused unless there is at most one noise.
+    #[inline]
     fn commutators(self, y: Symbol<'a>) -> Symbol<'a> {
         y * 0.0
     }
 
     /// Zero, as [`commutators`](Self::commutators).
+    #[inline]
     fn area_gradient(self, y: Symbol<'a>) -> Symbol<'a> {
         y * 0.0
     }
