@@ -57,6 +57,7 @@ mod formula;
 mod functions;
 mod graph;
 mod instruction;
+mod join;
 mod names;
 mod numbers;
 mod parse;

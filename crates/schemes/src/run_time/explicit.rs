@@ -63,6 +63,7 @@ impl<F: Implicit> Stepper for ExplicitStepper<'_, F> {
     fn step(&mut self, step: &Step, dw: &[Row], status: &mut BlockStatus) {
         // Operations that a formula did not have before may need more memory.
         if self.prepare(step).is_err() {
+            *status = BlockStatus::explicit();
             return status.fail_everywhere();
         }
         let h = Weights { dt: step.tau, dw };

@@ -1,0 +1,268 @@
+//! Operations joined with those that they feed alone.
+
+use crate::{
+    Id,
+    graph::{Binary, Graph, Node, Unary},
+    instruction::{MOST_ROWS, Operation},
+    uniform::Number,
+};
+
+/// An operation with the expressions that are its operands.
+#[derive(Clone, Copy)]
+pub struct Step {
+    pub operation: Operation,
+    operands: [Id; MOST_ROWS],
+    count: usize,
+    /// A number that is not there is one.
+    pub numbers: [Option<Number>; 2],
+}
+
+impl Step {
+    fn new<const N: usize>(operation: Operation, operands: [Id; N], numbers: &[Number]) -> Self {
+        let (rows, none) = ([Id::FIRST; MOST_ROWS], [None; 2]);
+        let mut step = Self { operation, operands: rows, count: N, numbers: none };
+        step.operands[..N].copy_from_slice(&operands);
+        for (place, &number) in step.numbers.iter_mut().zip(numbers) {
+            *place = Some(number);
+        }
+        step
+    }
+
+    pub fn operands(&self) -> &[Id] {
+        &self.operands[..self.count]
+    }
+
+    /// The same times a number, if the operation has such a factor.
+    fn times(mut self, k: Number) -> Option<Self> {
+        use Operation::*;
+        let factor = match self.operation {
+            Add | Sub | Mul | MulAdd | MulSub | SubMul | MulAddMul | MulSubMul => 0,
+            MulAddMulAdd | MulSubMulAdd | MulAddAddMul | Dot => 0,
+            AddNumber | ScaleAdd | ScaleSub => 1,
+            _ => return None,
+        };
+        self.numbers[factor] = Some(k);
+        Some(self)
+    }
+
+    pub fn numbers(&self) -> impl Iterator<Item = Number> + use<> {
+        self.numbers.into_iter().flatten()
+    }
+}
+
+/// For every expression that needs an instruction, its step. A product that one sum or product uses
+/// alone becomes part of that.
+pub fn joined(graph: &Graph, outputs: &[Id], uniform: &[bool]) -> Vec<Option<Step>> {
+    let mut uses = vec![0_u32; graph.len()];
+    outputs.iter().for_each(|output| uses[output.index()] += 2);
+    for id in graph.ids() {
+        graph.node(id).operands().for_each(|operand| uses[operand.index()] += 1);
+    }
+    let mut wanted = vec![false; graph.len()];
+    outputs.iter().for_each(|output| wanted[output.index()] = true);
+    let mut steps = vec![None; graph.len()];
+    let join = Join { graph, uses, uniform };
+    for id in graph.ids().rev().filter(|id| id.index() < graph.len()) {
+        if wanted[id.index()] {
+            let step = join.step(id);
+            step.iter().flat_map(Step::operands).for_each(|x| wanted[x.index()] = true);
+            steps[id.index()] = step;
+        }
+    }
+    steps
+}
+
+struct Join<'a> {
+    graph: &'a Graph,
+    uses: Vec<u32>,
+    uniform: &'a [bool],
+}
+
+/// An operand of a sum.
+enum Term {
+    Number(Number),
+    Product(Id, Id),
+    Scaled(Id, Number),
+    Other,
+}
+
+impl Join<'_> {
+    /// The operands of a function that is used here alone.
+    fn alone(&self, id: Id, function: Binary) -> Option<(Id, Id)> {
+        match self.graph.node(id) {
+            Node::Binary(found, a, b)
+                if found == function && self.uses[id.index()] == 1 && !self.uniform[id.index()] =>
+            {
+                Some((a, b))
+            }
+            _ => None,
+        }
+    }
+
+    /// The step for a sum, or a product of rows, that is used here alone.
+    fn inner(&self, id: Id) -> Option<Step> {
+        let of = |function| self.alone(id, function);
+        match (of(Binary::Add), of(Binary::Sub), of(Binary::Mul)) {
+            (Some((a, b)), ..) => Some(self.long_sum(a, b)),
+            (_, Some((a, b)), _) => Some(self.difference(a, b)),
+            (.., Some((a, b))) if self.scaled(a, b).is_none() => Some(self.product(a, b)),
+            _ => None,
+        }
+    }
+
+    fn number(&self, id: Id) -> Option<Number> {
+        self.uniform[id.index()].then_some(Number { id, negative: false })
+    }
+
+    /// The factors, if one of them is a number.
+    fn scaled(&self, a: Id, b: Id) -> Option<(Id, Number)> {
+        self.number(b).map(|k| (a, k)).or_else(|| self.number(a).map(|k| (b, k)))
+    }
+
+    fn term(&self, id: Id) -> Term {
+        match (self.number(id), self.alone(id, Binary::Mul)) {
+            (Some(k), _) => Term::Number(k),
+            (_, Some((a, b))) => match self.scaled(a, b) {
+                Some((x, k)) => Term::Scaled(x, k),
+                None => Term::Product(a, b),
+            },
+            _ => Term::Other,
+        }
+    }
+
+    /// The step for an expression; none for an input.
+    fn step(&self, id: Id) -> Option<Step> {
+        if let Some(k) = self.number(id) {
+            return Some(Step::new(Operation::Fill, [], &[k]));
+        }
+        Some(match self.graph.node(id) {
+            Node::Input(_) => return None,
+            Node::Unary(Unary::Neg, a) => match self.term(a) {
+                Term::Product(a, b) => Step::new(Operation::NegMul, [a, b], &[]),
+                _ => Step::new(Operation::Neg, [a], &[]),
+            },
+            Node::Unary(function, a) => Step::new(unary(function), [a], &[]),
+            Node::Binary(Binary::Add, a, b) => self.long_sum(a, b),
+            Node::Binary(Binary::Sub, a, b) => self.difference(a, b),
+            Node::Binary(Binary::Mul, a, b) => self.product(a, b),
+            Node::Binary(Binary::Div, a, b) => match (self.number(a), self.number(b)) {
+                (Some(k), _) => Step::new(Operation::NumberDiv, [b], &[k]),
+                (_, Some(k)) => Step::new(Operation::DivNumber, [a], &[k]),
+                _ => Step::new(Operation::Div, [a, b], &[]),
+            },
+            Node::Binary(Binary::Min, a, b) => Step::new(Operation::Min, [a, b], &[]),
+            Node::Binary(Binary::Max, a, b) => Step::new(Operation::Max, [a, b], &[]),
+            Node::Where(all) => Step::new(Operation::Where, all, &[]),
+            Node::Constant(_) => unreachable!("constants are numbers"),
+            Node::Power(..) => unreachable!("powers are written out"),
+        })
+    }
+
+    /// The step for a + b, one of which may be a sum that is used here alone.
+    fn long_sum(&self, a: Id, b: Id) -> Step {
+        let longer = self.longer(a, b).or_else(|| self.longer(b, a));
+        longer.unwrap_or_else(|| self.sum(a, b))
+    }
+
+    /// The step for b and a sum of products that is used here alone.
+    fn longer(&self, a: Id, b: Id) -> Option<Step> {
+        use Operation::*;
+        let inner = match (self.alone(a, Binary::Add), self.alone(a, Binary::Sub)) {
+            (Some((x, y)), _) => self.sum(x, y),
+            (_, Some((x, y))) => self.difference(x, y),
+            _ => return None,
+        };
+        let [p, q, r, s, ..] = inner.operands;
+        Some(match (inner.operation, self.term(b)) {
+            (MulAddMul, Term::Product(x, y)) => Step::new(Dot, [p, q, r, s, x, y], &[]),
+            (MulAddMul, Term::Other) => Step::new(MulAddMulAdd, [p, q, r, s, b], &[]),
+            (MulSubMul, Term::Other) => Step::new(MulSubMulAdd, [p, q, r, s, b], &[]),
+            (MulAdd, Term::Product(x, y)) => Step::new(MulAddAddMul, [p, q, r, x, y], &[]),
+            _ => return None,
+        })
+    }
+
+    fn sum(&self, a: Id, b: Id) -> Step {
+        use Operation::*;
+        // a + b = b + a to the bit.
+        let (a, b) = if self.number(a).is_some() { (b, a) } else { (a, b) };
+        match (self.term(a), self.term(b)) {
+            (Term::Product(a, b), Term::Product(c, d)) => Step::new(MulAddMul, [a, b, c, d], &[]),
+            (Term::Product(a, b), Term::Number(k)) => Step::new(MulAddNumber, [a, b], &[k]),
+            (Term::Product(x, y), _) => Step::new(MulAdd, [x, y, b], &[]),
+            (_, Term::Product(x, y)) => Step::new(MulAdd, [x, y, a], &[]),
+            (Term::Scaled(a, k), Term::Scaled(b, l)) => Step::new(ScaleAddScale, [a, b], &[k, l]),
+            (Term::Scaled(a, k), Term::Number(l)) => Step::new(ScaleAddNumber, [a], &[k, l]),
+            (Term::Scaled(x, k), _) => Step::new(ScaleAdd, [x, b], &[k]),
+            (_, Term::Scaled(x, k)) => Step::new(ScaleAdd, [x, a], &[k]),
+            (_, Term::Number(k)) => Step::new(AddNumber, [a], &[k]),
+            _ => Step::new(Add, [a, b], &[]),
+        }
+    }
+
+    fn difference(&self, a: Id, b: Id) -> Step {
+        use Operation::*;
+        match (self.term(a), self.term(b)) {
+            (Term::Product(a, b), Term::Product(c, d)) => Step::new(MulSubMul, [a, b, c, d], &[]),
+            (Term::Number(k), Term::Product(a, b)) => Step::new(NumberSubMul, [a, b], &[k]),
+            (Term::Product(a, b), Term::Number(k)) => Step::new(MulAddNumber, [a, b], &[-k]),
+            (Term::Product(x, y), _) => Step::new(MulSub, [x, y, b], &[]),
+            (_, Term::Product(x, y)) => Step::new(SubMul, [x, y, a], &[]),
+            (Term::Scaled(a, k), Term::Scaled(b, l)) => Step::new(ScaleAddScale, [a, b], &[k, -l]),
+            (Term::Number(l), Term::Scaled(a, k)) => Step::new(ScaleAddNumber, [a], &[-k, l]),
+            (Term::Scaled(a, k), Term::Number(l)) => Step::new(ScaleAddNumber, [a], &[k, -l]),
+            (Term::Scaled(x, k), _) => Step::new(ScaleSub, [x, b], &[k]),
+            (_, Term::Scaled(x, k)) => Step::new(ScaleAdd, [x, a], &[-k]),
+            (Term::Number(k), _) => Step::new(NumberSub, [b], &[k]),
+            (_, Term::Number(k)) => Step::new(AddNumber, [a], &[-k]),
+            _ => Step::new(Sub, [a, b], &[]),
+        }
+    }
+
+    fn product(&self, a: Id, b: Id) -> Step {
+        use Operation::*;
+        if let Some((x, k)) = self.scaled(a, b) {
+            let inner = self.inner(x).and_then(|step| step.times(k));
+            return inner.unwrap_or_else(|| Step::new(Scale, [x], &[k]));
+        }
+        for (a, b) in [(a, b), (b, a)] {
+            match self.term(a) {
+                Term::Product(x, y) => return Step::new(MulMul, [x, y, b], &[]),
+                Term::Scaled(x, k) => return Step::new(ScaleMul, [x, b], &[k]),
+                _ => {}
+            }
+            match (self.alone(a, Binary::Add), self.alone(a, Binary::Sub)) {
+                (Some((x, y)), _) if self.are_plain(x, y) => {
+                    return Step::new(AddMul, [x, y, b], &[]);
+                }
+                (_, Some((x, y))) if self.are_plain(x, y) => {
+                    return Step::new(DifferenceMul, [x, y, b], &[]);
+                }
+                _ => {}
+            }
+        }
+        Step::new(Mul, [a, b], &[])
+    }
+
+    /// Whether neither term of a sum is a number or would become part of the sum.
+    fn are_plain(&self, x: Id, y: Id) -> bool {
+        [x, y].into_iter().all(|term| matches!(self.term(term), Term::Other))
+    }
+}
+
+fn unary(function: Unary) -> Operation {
+    match function {
+        Unary::Neg => Operation::Neg,
+        Unary::Abs => Operation::Abs,
+        Unary::Sqrt => Operation::Sqrt,
+        Unary::Exp => Operation::Exp,
+        Unary::Ln => Operation::Ln,
+        Unary::Sin => Operation::Sin,
+        Unary::Cos => Operation::Cos,
+        Unary::Tan => Operation::Tan,
+        Unary::Sinh => Operation::Sinh,
+        Unary::Cosh => Operation::Cosh,
+        Unary::Tanh => Operation::Tanh,
+        Unary::Sinc => Operation::Sinc,
+    }
+}
