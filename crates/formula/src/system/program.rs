@@ -51,7 +51,7 @@ impl FormulaProgram {
             }
         }
         let states = (0..inputs).map(|k| k * system.dimension()..(k + 1) * system.dimension());
-        let groups: Vec<_> = states.chain([noise..noise + system.noises()]).collect();
+        let groups: Vec<_> = states.chain(once(noise..noise + system.noises())).collect();
         if inputs > MOST_INPUTS {
             return None;
         }
