@@ -51,7 +51,7 @@ impl Step {
 }
 
 /// For every expression that needs an instruction, its step. A product that one sum or product uses
-/// alone becomes part of that.
+/// alone becomes part of that, and so does a sum of products, or a sum that is multiplied.
 pub fn joined(graph: &Graph, outputs: &[Id], uniform: &[bool]) -> Vec<Option<Step>> {
     let mut uses = vec![0_u32; graph.len()];
     outputs.iter().for_each(|output| uses[output.index()] += 2);
