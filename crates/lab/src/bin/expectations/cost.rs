@@ -29,8 +29,8 @@ const OF_TWELVE: f64 = 1e-5;
 /// points.
 const LONGEST_S: f64 = 20.0;
 const LONGEST_QUASI_S: f64 = 45.0;
-/// Path-steps after which `Expect` ends.
-const MOST_STEPS: u64 = 3_000_000_000;
+/// Path-steps after which a run with Sobol points ends.
+pub const MOST_STEPS: u64 = 3_000_000_000;
 
 type Body = Problem<RigidBody<3>, Cosine, 3>;
 

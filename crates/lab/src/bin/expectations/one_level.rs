@@ -8,7 +8,7 @@ use systems::{Cosine, Problem, RigidBody};
 use verify::FinalMoments;
 
 use crate::{
-    cost::Found,
+    cost::{Found, MOST_STEPS},
     scrambles::{Scrambles, means},
 };
 
@@ -48,19 +48,21 @@ pub fn one_level(
         let measured = scrambles.each(problem, (steps, 2), runs, new)?;
         // Both orders at n, n/2 and n/4 steps.
         path_steps += SCRAMBLES * points * (7 * steps / 2);
-        let (found, _) = means(&measured, |last| &last.moments);
+        let (found, failed) = means(&measured, |last| &last.moments);
         let [(value, spread), (bias, margin)] = [found[0], found[1]];
         let half_width = spread + bias.abs() + margin;
-        if bias.abs() - margin > 0.25 * accuracy {
-            steps *= 2;
-        } else if half_width > accuracy {
+        let (biased, wide) = (bias.abs() - margin > 0.25 * accuracy, half_width > accuracy);
+        let limited = 2 * path_steps > MOST_STEPS;
+        if biased && !limited {
+            (steps, points) = (2 * steps, FIRST_POINTS);
+        } else if wide && !limited {
             points *= 2;
         } else {
             let decisions = vec![format!(
                 "one level of {steps} steps, extrapolated with order 2; {SCRAMBLES} scrambles of \
                  {points} Sobol points"
             )];
-            let (reached, finest_steps) = (true, steps);
+            let (reached, finest_steps) = (!biased && !wide && failed == 0, steps);
             return Ok(Found { value, half_width, reached, path_steps, finest_steps, decisions });
         }
     }

@@ -319,9 +319,9 @@ pilots are part of the cost.
 coupled paths that show the bias count. **Multilevel**: random points, `sexp`, antithetic \
 differences from τ = 1/2 on. **Quasi-Monte Carlo**: scrambled Sobol points, `nv` with the flows of \
 the parts and both orders of the noises, on one level of n steps, extrapolated from n and n/2 steps \
-on the same points; steps are doubled until the bound on the bias is ε/4, then points, and each \
-round computes all its points anew. **Expect**: `mc::Expect`, which takes the same scheme and \
-points on levels, multilevel quasi-Monte Carlo.
+on the same points, and n/4 steps for the bias; steps are doubled until its bound is ε/4, then \
+points. Each round computes all its points anew, which is up to half of the cost. **Expect**: \
+`mc::Expect`, which takes the same scheme and points on levels, multilevel quasi-Monte Carlo.
 
 **Exponents** are slopes of the logarithm of the cost over the logarithm of ε by least squares, all \
 rows alike, with 95 % intervals from the scatter about the line. *Beyond the pilot*, as in the \
