@@ -2,8 +2,8 @@
 //!
 //! `cargo run --release -p casimir-mc --example lattice_cost [LEVEL]` prints ns per spin and step
 //! of cubic lattices with local noise, for several numbers of spins, schemes and threads: the least
-//! of several runs. The last column is the time of one thread over that of two. Then follow steps
-//! of `sexp` on a chain of 100 spins, the larger ones without contraction.
+//! of the runs of some seconds. The last column is the time of one thread over that of two. Then
+//! follow steps of `sexp` on a chain of 100 spins, the larger ones without contraction.
 
 use std::{sync::Arc, time::Instant};
 
@@ -18,25 +18,29 @@ use systems::{
 };
 
 const KEY: StreamKey = StreamKey { seed: 1, experiment: 1 };
-const RUNS: usize = 3;
+const SECONDS: f64 = 5.0;
 /// Spins times steps of a run.
 const WORK: usize = 4_000_000;
 
-fn cost(problem: &Problem, scheme: &dyn Scheme, spins: usize, threads: usize) -> f64 {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    pool.install(|| {
+/// The least cost on one thread and on two, in runs that take turns.
+fn costs(problem: &Problem, scheme: &dyn Scheme, spins: usize) -> [f64; 2] {
+    let steps = (WORK / spins).max(2) as u64;
+    let mut paths = [1, 2].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let truncation = Truncation::new(4).unwrap();
-        let mut path = LargePath::new(problem, scheme, 1000, truncation, KEY, 0).unwrap();
-        let steps = (WORK / spins).max(2) as u64;
-        path.advance(steps.min(20)).unwrap();
-        let mut least = f64::INFINITY;
-        for _ in 0..RUNS {
+        let path = LargePath::new(problem, scheme, 1000, truncation, KEY, 0).unwrap();
+        (pool, path)
+    });
+    let (mut least, start) = ([f64::INFINITY; 2], Instant::now());
+    while start.elapsed().as_secs_f64() < SECONDS {
+        for ((pool, path), least) in paths.iter_mut().zip(&mut least) {
             let begin = Instant::now();
-            path.advance(steps).unwrap();
-            least = least.min(begin.elapsed().as_nanos() as f64 / (spins as f64 * steps as f64));
+            pool.install(|| path.advance(steps).unwrap());
+            let ns = begin.elapsed().as_nanos() as f64;
+            *least = least.min(ns / (spins as f64 * steps as f64));
         }
-        least
-    })
+    }
+    least
 }
 
 fn main() {
@@ -62,7 +66,7 @@ fn main() {
         let problem = Problem::new(Arc::new(lattice), damping, y0, 10.0).unwrap();
         let schemes: [&dyn Scheme; 4] = [&sexp_li, &Heun, &Split, &Sexp];
         for scheme in schemes {
-            let [one, two] = [1, 2].map(|threads| cost(&problem, scheme, spins, threads));
+            let [one, two] = costs(&problem, scheme, spins);
             let id = scheme.id();
             println!("{id:>8} {spins:>8} {one:>10.1} {two:>10.1} {:>6.2}", one / two);
         }
