@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use noise::{AreaSums, DyadicLadder, StepNoise, StreamKey, WienerBlock, clip};
 use nonlin::BlockStatus;
-use real::{Block, PathMask, Row, WIDTH};
+use real::{Block, Kernel, PathMask, Row, WIDTH, dispatch};
 use schemes::{RunState, Step};
 use serde::{Deserialize, Serialize};
 use systems::Damping;
@@ -242,13 +242,15 @@ struct Marcher<'a, N> {
     /// For each run the paths with a clipped increment so far.
     clipped: Vec<PathMask>,
     random_time: Block<1>,
-    time_change_noise: WienerBlock<1>,
+    /// Normals of the time change, if there is one.
+    time_change_noise: Option<WienerBlock<1>>,
 }
 
 impl<'a, N: StepNoise> Marcher<'a, N> {
     fn new(driver: &'a Driver<'a, N>, first_path: u64, paths: usize) -> Self {
         let runs = driver.runs.len();
         let experiment = driver.key.experiment ^ TIME_CHANGE_STREAM;
+        let key = StreamKey { experiment, ..driver.key };
         let start = splat(&driver.y0);
         Self {
             driver,
@@ -263,7 +265,7 @@ impl<'a, N: StepNoise> Marcher<'a, N> {
             statuses: vec![BlockStatus::explicit(); runs],
             clipped: vec![PathMask::NONE; runs],
             random_time: Block::zero(),
-            time_change_noise: WienerBlock::new(StreamKey { experiment, ..driver.key }, first_path),
+            time_change_noise: driver.time_change.map(|_| WienerBlock::new(key, first_path)),
         }
     }
 
@@ -277,9 +279,10 @@ impl<'a, N: StepNoise> Marcher<'a, N> {
     ) {
         let driver = self.driver;
         (self.next_noise)(&mut self.drawn);
-        if let Some(time_change) = driver.time_change {
+        if let (Some(time_change), Some(noise)) = (driver.time_change, &mut self.time_change_noise)
+        {
             let mut normals = Block::zero();
-            self.time_change_noise.increments(1.0, &mut normals);
+            noise.increments(1.0, &mut normals);
             let (dw, [time]) = (self.drawn.increments(), &mut self.random_time.0);
             time_change.advance(n - 1, dw, &normals.0[0], time);
         }
@@ -364,7 +367,7 @@ impl<'a, N: StepNoise> Marcher<'a, N> {
     /// themselves. Called once in each coarsest step.
     fn drop_non_finite(&mut self, n: u64, tally: &mut Tally) {
         for (number, state) in self.states.iter().enumerate() {
-            if are_finite(state.rows()) {
+            if dispatch(AreFinite(state.rows())) {
                 continue;
             }
             let mut status = BlockStatus::explicit();
@@ -381,14 +384,26 @@ impl<'a, N: StepNoise> Marcher<'a, N> {
 }
 
 /// Whether all numbers are finite, in the least time: it is asked for once in each coarsest step.
-fn are_finite(rows: &[Row]) -> bool {
-    // 0·y is NaN if y is infinite or NaN, else zero.
-    let mut sums = [0.0; WIDTH / 2];
-    for half in rows.as_flattened().as_chunks().0 {
-        let half: &[f64; WIDTH / 2] = half;
-        (0..WIDTH / 2).for_each(|k| sums[k] += 0.0 * half[k]);
+struct AreFinite<'a>(&'a [Row]);
+
+impl Kernel for AreFinite<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        // 0·y is NaN if y is infinite or NaN, else zero.
+        let mut sums = [0.0; WIDTH];
+        for row in self.0 {
+            for p in 0..WIDTH {
+                sums[p] += 0.0 * row[p];
+            }
+        }
+        let mut lanes = [0.0; WIDTH / 4];
+        for k in 0..WIDTH / 4 {
+            lanes[k] = (sums[k] + sums[k + 8]) + (sums[k + 16] + sums[k + 24]);
+        }
+        lanes.iter().sum::<f64>() == 0.0
     }
-    sums.iter().sum::<f64>() == 0.0
 }
 
 /// The paths on which two blocks differ, and the number of differing entries on the `live` paths.

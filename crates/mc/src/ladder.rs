@@ -165,6 +165,14 @@ pub struct Ladder<'a, N> {
     system: String,
 }
 
+/// A piece of work: groups of paths.
+pub(crate) struct Piece {
+    pub name: String,
+    /// The number after that of the last path.
+    pub paths: u64,
+    pub groups: Range<u64>,
+}
+
 /// The results of a ladder.
 #[derive(Clone, Debug)]
 pub struct Measured<T> {
@@ -395,49 +403,66 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Option<Measured<T>> {
         let groups = 0..samples.div_ceil(GROUP_PATHS);
-        let nodes = self.nodes_in(job, (name, None), samples, groups, &new, progress)?;
+        let piece = Piece { name: name.to_owned(), paths: samples, groups };
+        let nodes = self.nodes_in(job, &[piece], None, &new, progress)?.pop()?;
         let mut tree = MergeTree::new(merge);
         nodes.into_iter().for_each(|node| tree.push(node));
         Some(self.measured(tree.finish(), &new))
     }
 
-    /// The nodes of some groups of `samples` paths, as a piece of work of a job with this name; of
-    /// a round with its path-steps, which is computed here if these are few.
+    /// The nodes of some pieces of work of a job, none of which depends on another; of a round with
+    /// its path-steps, which is computed here if these are few.
     pub(crate) fn nodes_in<T: Kept>(
         &self,
         job: &Job,
-        (name, round): (&str, Option<u64>),
-        samples: u64,
-        groups: Range<u64>,
+        pieces: &[Piece],
+        round: Option<u64>,
         new: &(impl Fn() -> T + Sync),
         progress: &(dyn Fn(u64) + Sync),
-    ) -> Option<Vec<Node<(T, Tally)>>> {
+    ) -> Option<Vec<Vec<Node<(T, Tally)>>>> {
         let unpack = |bytes: &[u8]| {
             let (sums, tally) = postcard::from_bytes(bytes)?;
             let mut statistic = new();
             *statistic.sums_mut() = sums;
             Ok((statistic, tally))
         };
-        job.collect(&Work {
-            name,
-            round,
-            fingerprint: self.fingerprint(new),
-            key: self.driver.key,
-            paths: samples,
-            groups,
-            steps: self.steps_per_path(),
-            pack: &|(statistic, tally): &(T, Tally)| {
-                Ok(postcard::to_stdvec(&(statistic.sums(), tally))?)
-            },
-            unpack: &unpack,
-            merge: &merge,
-            empty: &|| (new(), self.driver.tally()),
-            compute: &|group| {
-                let (statistic, tally) = self.group(0, samples, group, new, progress, job.stop());
+        let pack =
+            |(statistic, tally): &(T, Tally)| Ok(postcard::to_stdvec(&(statistic.sums(), tally))?);
+        let fingerprint = || self.fingerprint(new);
+        let empty = || (new(), self.driver.tally());
+        let skipped = |groups| progress(groups * GROUP_PATHS * self.steps_per_path());
+        let compute = |piece: &Piece| {
+            let paths = piece.paths;
+            move |group| {
+                let (statistic, tally) = self.group(0, paths, group, new, progress, job.stop());
                 tally.ok().map(|tally| (statistic, tally))
-            },
-            skipped: &|groups| progress(groups * GROUP_PATHS * self.steps_per_path()),
-        })
+            }
+        };
+        let computes: Vec<_> = pieces.iter().map(compute).collect();
+        let work = |(piece, compute)| {
+            let &Piece { ref name, paths, ref groups }: &Piece = piece;
+            Work {
+                name,
+                round,
+                fingerprint: &fingerprint,
+                key: self.driver.key,
+                paths,
+                groups: groups.clone(),
+                steps: self.steps_per_path(),
+                pack: &pack,
+                unpack: &unpack,
+                merge: &merge,
+                empty: &empty,
+                compute,
+                skipped: &skipped,
+            }
+        };
+        let works: Vec<_> = pieces
+            .iter()
+            .zip(&computes)
+            .map(|(piece, compute)| work((piece, compute as &(dyn Fn(u64) -> _ + Sync))))
+            .collect();
+        job.collect_all(&works)
     }
 
     /// Adds the nodes of more groups to those before, and gives the sum of all.

@@ -4,23 +4,31 @@ use std::{
     collections::BTreeMap,
     ops::Range,
     sync::{Mutex, PoisonError},
-    time::{Duration, Instant},
+    time::Instant,
 };
 
 use rayon::prelude::*;
 
 use crate::tree::{MergeTree, Node};
 
-/// Most items per thread in a wave, enough that no thread waits long at its end.
-const PER_THREAD: u64 = 8;
-/// Waves of quick items grow up to this time; a wave of slow ones has one item per thread, so that
-/// little is lost when it is interrupted.
-const LONG: Duration = Duration::from_secs(2);
+/// Most tasks per thread in a wave, enough that no thread waits long at its end.
+const TASKS: u64 = 8;
+/// Waves of as many tasks of one item may take about so long: not more is lost when one is
+/// interrupted.
+const LONG_S: f64 = 1.0;
+/// Items that are quicker than such a task of a wave of this time are gathered into tasks, so that
+/// threads seldom wait for each other.
+const SHORT_S: f64 = 0.05;
+/// A wave grows by no more than this factor.
+const GROWTH: u64 = 16;
 
-/// Adds the results for some items to a tree, in waves. `compute` gives `None` when it is stopped.
-/// `after` sees the tree and the next item after each wave, and says whether to go on. Returns the
-/// first item without result.
-pub fn grow<T: Send, F: Fn(&mut T, T)>(
+/// Adds the results for some items to a tree, in waves of tasks on the current rayon pool. `compute`
+/// gives `None` when it is stopped. `after` sees the tree and the next item after each wave, and
+/// says whether to go on. Returns the first item without result.
+///
+/// A task is a run of items, which it merges. The first wave has one item for each thread, so that
+/// little is lost when slow ones are interrupted.
+pub fn grow<T: Send, F: Fn(&mut T, T) + Sync>(
     tree: &mut MergeTree<T, F>,
     items: Range<u64>,
     compute: &(dyn Fn(u64) -> Option<T> + Sync),
@@ -31,20 +39,32 @@ pub fn grow<T: Send, F: Fn(&mut T, T)>(
     while next < items.end {
         let start = Instant::now();
         let end = items.end.min(next + wave);
-        let results = in_parallel(next..end, compute);
-        for sum in results.into_iter().map_while(|result| result) {
-            tree.push(Node::leaf(next, sum));
-            next += 1;
+        // A power of two, and tasks that begin at multiples of it: each is a node of the tree.
+        let size = wave.div_ceil(TASKS * threads).next_power_of_two();
+        let merge = tree.merging();
+        let task = |number: u64| {
+            let mut own = MergeTree::new(merge);
+            for item in next.max(number * size)..end.min((number + 1) * size) {
+                let Some(sum) = compute(item) else { break };
+                own.push(Node::leaf(item, sum));
+            }
+            own.into_nodes()
+        };
+        let results = in_parallel(next / size..end.div_ceil(size), &task);
+        for node in results.into_iter().flatten() {
+            // Those after a task that was stopped are lost.
+            if node.first == next {
+                next = node.end();
+                tree.push(node);
+            }
         }
         if !after(tree.nodes(), next) || next < end {
             break;
         }
-        let elapsed = start.elapsed();
-        if elapsed > LONG {
-            wave = threads;
-        } else if 2 * elapsed < LONG {
-            wave = (2 * wave).min(threads * PER_THREAD);
-        }
+        let per_second = wave as f64 / start.elapsed().as_secs_f64();
+        let items_in = |seconds: f64| (seconds * per_second) as u64;
+        let single = items_in(LONG_S).min(TASKS * threads);
+        wave = single.max(items_in(SHORT_S)).clamp(threads, GROWTH * wave);
     }
     next
 }
@@ -53,7 +73,7 @@ pub fn grow<T: Send, F: Fn(&mut T, T)>(
 ///
 /// Rayon's code does not depend on the type of the results. So it is compiled once, and not for
 /// every statistic in every crate that runs a ladder.
-fn in_parallel<R: Send>(items: Range<u64>, work: &(dyn Fn(u64) -> R + Sync)) -> Vec<R> {
+pub fn in_parallel<R: Send>(items: Range<u64>, work: &(dyn Fn(u64) -> R + Sync)) -> Vec<R> {
     let results = Mutex::new(BTreeMap::new());
     for_each(items, &|item| {
         let result = work(item);

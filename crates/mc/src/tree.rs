@@ -53,6 +53,11 @@ impl<T, F: Fn(&mut T, T)> MergeTree<T, F> {
         self.nodes.push(node);
     }
 
+    /// How two sums become one.
+    pub fn merging(&self) -> &F {
+        &self.merge
+    }
+
     /// The nodes so far.
     pub fn nodes(&self) -> &[Node<T>] {
         &self.nodes

@@ -1,6 +1,6 @@
 //! Wiener increments from scrambled Sobol points, by a Brownian bridge.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, sync::Arc};
 
 use real::{Kernel, Row, WIDTH, dispatch};
 
@@ -53,7 +53,8 @@ use crate::{NoiseError, ScrambledSobol, StreamKey, inverse_normal::fill_normals,
 #[derive(Clone, Debug)]
 pub struct QuasiWiener {
     sobol: ScrambledSobol,
-    nodes: Vec<Node>,
+    key: StreamKey,
+    nodes: Arc<[Node]>,
     noises: usize,
 }
 
@@ -88,9 +89,20 @@ impl QuasiWiener {
         };
         Ok(Self {
             sobol: ScrambledSobol::new(key, scramble, dimensions),
-            nodes: dimensions.checked_div(noises).map_or_else(Vec::new, |n| bridge(n, t_end)),
+            key,
+            nodes: dimensions
+                .checked_div(noises)
+                .map_or_else(Vec::new, |n| bridge(n, t_end))
+                .into(),
             noises,
         })
+    }
+
+    /// The same of another scramble of the key. Both share what does not depend on it.
+    #[must_use]
+    pub fn of_scramble(&self, scramble: u64) -> Self {
+        let sobol = ScrambledSobol::new(self.key, scramble, self.dimensions());
+        Self { sobol, key: self.key, nodes: Arc::clone(&self.nodes), noises: self.noises }
     }
 
     /// Number of dimensions of the points, and of increments of a path: steps times noises.
@@ -168,11 +180,11 @@ impl<const L: usize> Kernel for Fill<'_, L> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { noise: QuasiWiener { sobol, nodes, noises }, points, rows } = self;
+        let Self { noise: QuasiWiener { sobol, nodes, noises, .. }, points, rows } = self;
         let (mut high, mut words, mut normals) = ([0; WIDTH], [0; L], [0.0; L]);
         // First the values W_m at the nodes.
         let mut d = 0;
-        for node in nodes {
+        for node in nodes.iter() {
             for m in 0..*noises {
                 if d % WIDTH == 0 {
                     high = sobol.high_digits(d / WIDTH, points);

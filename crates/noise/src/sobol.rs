@@ -60,8 +60,11 @@ const LOW_DIGITS: usize = WIDTH.trailing_zeros() as usize;
 #[derive(Clone, Debug)]
 pub struct ScrambledSobol {
     groups: &'static [Group],
+    dimensions: usize,
+    /// Of the dimensions that have Sobol numbers.
     seeds: Vec<Seeds>,
-    padding: Vec<PaddingSeeds>,
+    /// Of the words of all dimensions.
+    root: u64,
 }
 
 impl ScrambledSobol {
@@ -74,17 +77,17 @@ impl ScrambledSobol {
     pub fn new(key: StreamKey, scramble: u64, dimensions: usize) -> Self {
         let root = key.scramble_seed(scramble);
         let sobol = dimensions.min(Self::DIMENSIONS);
-        let words = |d| DimensionWords::new(root, d);
         Self {
             groups: &TABLE[..sobol.div_ceil(WIDTH)],
-            seeds: (0..sobol).map(|d| Seeds::new(words(d))).collect(),
-            padding: (sobol..dimensions).map(|d| PaddingSeeds::new(words(d))).collect(),
+            dimensions,
+            seeds: (0..sobol).map(|d| Seeds::new(DimensionWords::new(root, d))).collect(),
+            root,
         }
     }
 
     /// Number of dimensions.
     pub fn dimensions(&self) -> usize {
-        self.seeds.len() + self.padding.len()
+        self.dimensions
     }
 
     /// The words of points `first_point` .. `first_point + 32`: `words[d][p]` is coordinate d of
@@ -180,7 +183,7 @@ impl ScrambledSobol {
                 words[p] = u64::from(digits[p]) << DIGITS | u64::from(random[p]);
             }
         } else {
-            let seeds = &self.padding[d - self.seeds.len()];
+            let seeds = PaddingSeeds::new(DimensionWords::new(self.root, d));
             for p in 0..L {
                 words[p] = seeds.word(u64::from(points.first) + p as u64);
             }

@@ -1,6 +1,6 @@
 //! The samples of one level.
 
-use real::WIDTH;
+use real::{PathMask, Row, WIDTH};
 use serde::{Deserialize, Serialize};
 use stats::CentralMoments;
 
@@ -27,15 +27,19 @@ pub struct Values {
 }
 
 impl Values {
-    /// φ at the final time, and φ of the coarse path if there is one.
-    fn add(&mut self, fine: f64, coarse: Option<f64>) {
-        self.fine.add(fine);
-        self.extremes.add(fine);
+    /// φ at the final time on these paths of a block, and φ of the coarse paths if there are some.
+    fn add(&mut self, fine: &Row, coarse: Option<&Row>, paths: PathMask) {
+        let of = |values: &Row| CentralMoments::of_block(values, paths);
+        let of_fine = of(fine);
+        self.fine.merge(&of_fine);
+        self.extremes.add(fine, paths);
         match coarse {
-            None => self.sample.add(fine),
+            None => self.sample.merge(&of_fine),
             Some(coarse) => {
-                self.coarse.add(coarse);
-                self.sample.add(fine - coarse);
+                self.coarse.merge(&of(coarse));
+                let mut difference = *fine;
+                difference.iter_mut().zip(coarse).for_each(|(fine, coarse)| *fine -= coarse);
+                self.sample.merge(&of(&difference));
             }
         }
     }
@@ -143,15 +147,14 @@ impl Statistic for PathValues<'_> {
                 |run: usize, else_run: usize| if run < view.runs() { run } else { else_run };
             let second = if coupled { present(2, 0) } else { present(1, 0) };
             let other = present(3, 1);
-            for p in view.live.paths() {
-                let fine = 0.5 * (phi[0][p] + phi[second][p]);
-                let coarse = if coupled { 0.5 * (phi[1][p] + phi[other][p]) } else { fine };
-                if coupled {
-                    values.motion.add(start, fine, coarse);
-                }
-                if last {
-                    values.add(fine, coupled.then_some(coarse));
-                }
+            let mean = |a: &Row, b: &Row| std::array::from_fn(|p| 0.5 * (a[p] + b[p]));
+            let fine = mean(&phi[0], &phi[second]);
+            let coarse = coupled.then(|| mean(&phi[1], &phi[other]));
+            if let Some(coarse) = &coarse {
+                view.live.paths().for_each(|p| values.motion.add(start, fine[p], coarse[p]));
+            }
+            if last {
+                values.add(&fine, coarse.as_ref(), view.live);
             }
         }
     }

@@ -109,6 +109,7 @@ use systems::{Damping, PoissonSystem, Problem};
 use crate::{
     DynRun, Ladder, Observable, Observe, SeenDamping, Setup,
     driver::GROUP_PATHS,
+    ladder::Piece,
     observable::{erased, value},
     parts::Job,
 };
@@ -222,10 +223,13 @@ pub fn expectation_of_in<N: StepNoise>(
             let coupled = level.coupling.is_some();
             PathValues { observables, y0, starts: &starts, last_time, coupled, sums }
         };
-        let work = format!("{name}/level {family} from {}", level.paths);
-        let groups = level.paths / GROUP_PATHS..paths / GROUP_PATHS;
-        let more = ladder.nodes_in(job, (&work, Some(round)), paths, groups, &new, progress);
-        let Some(more) = more else { return Ok(None) };
+        let piece = Piece {
+            name: format!("{name}/level {family} from {}", level.paths),
+            paths,
+            groups: level.paths / GROUP_PATHS..paths / GROUP_PATHS,
+        };
+        let more = ladder.nodes_in(job, &[piece], Some(round), &new, progress);
+        let Some(more) = more.and_then(|mut more| more.pop()) else { return Ok(None) };
         let mut drawn = drawn.borrow_mut();
         let nodes: &mut Vec<_> = drawn.entry(family).or_default();
         let outcome = ladder.join(nodes, more, &new);

@@ -6,7 +6,7 @@
 //! is divided by that of its motion y − y(0). Two paths of uncorrelated phases give √(2/3) to √2.
 //! Each φ is compared in the same way, at eight coarse times.
 
-use real::{PathMask, WIDTH};
+use real::{Kernel, PathMask, Row, WIDTH, dispatch};
 use serde::{Deserialize, Serialize};
 use stats::ROUND_OFF;
 
@@ -56,21 +56,7 @@ impl Motion {
         let swapped = if view.runs() > 2 { view.state(2) } else { fine };
         let other = if view.runs() > 3 { view.state(3) } else { coarse };
         self.points += f64::from(live.len());
-        // The usual case is vectorised.
-        let all = live == PathMask::ALL;
-        for i in 0..y0.len() {
-            let (fine, coarse) = (&fine[i], &coarse[i]);
-            let (swapped, other) = (&swapped[i], &other[i]);
-            let (difference, displacement) = (&mut self.difference[i], &mut self.displacement[i]);
-            for p in 0..WIDTH {
-                if all || live.contains(p) {
-                    let d = 0.5 * (fine[p] + swapped[p]) - 0.5 * (coarse[p] + other[p]);
-                    let m = fine[p] - y0[i];
-                    difference[p] += d * d;
-                    displacement[p] += m * m;
-                }
-            }
-        }
+        dispatch(AddMotion { motion: self, y0, fine, swapped, coarse, other, live });
     }
 
     pub fn merge(&mut self, later: &Self) {
@@ -108,6 +94,42 @@ impl Motion {
             0.0
         } else {
             (difference / displacement).sqrt()
+        }
+    }
+}
+
+/// The sums of [`Motion::add`].
+struct AddMotion<'a> {
+    motion: &'a mut Motion,
+    y0: &'a [f64],
+    fine: &'a [Row],
+    swapped: &'a [Row],
+    coarse: &'a [Row],
+    other: &'a [Row],
+    live: PathMask,
+}
+
+impl Kernel for AddMotion<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { motion, y0, fine, swapped, coarse, other, live } = self;
+        // The usual case is vectorised.
+        let all = live == PathMask::ALL;
+        for i in 0..y0.len() {
+            let (fine, coarse) = (&fine[i], &coarse[i]);
+            let (swapped, other) = (&swapped[i], &other[i]);
+            let difference = &mut motion.difference[i];
+            let displacement = &mut motion.displacement[i];
+            for p in 0..WIDTH {
+                if all || live.contains(p) {
+                    let d = 0.5 * (fine[p] + swapped[p]) - 0.5 * (coarse[p] + other[p]);
+                    let m = fine[p] - y0[i];
+                    difference[p] += d * d;
+                    displacement[p] += m * m;
+                }
+            }
         }
     }
 }

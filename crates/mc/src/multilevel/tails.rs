@@ -1,6 +1,8 @@
 //! Events that the samples of a level may have missed.
 
-use real::Real;
+use std::cmp::Ordering;
+
+use real::{PathMask, Real, Row, WIDTH};
 use serde::{Deserialize, Serialize};
 
 use super::level::Samples;
@@ -85,28 +87,44 @@ const KEPT: usize = 65;
 pub struct Extremes {
     largest: Vec<f64>,
     smallest: Vec<f64>,
+    /// No samples between these count any more.
+    passed: Option<(f64, f64)>,
 }
 
 impl Extremes {
-    pub fn add(&mut self, x: f64) {
-        self.largest.push(x);
-        self.smallest.push(x);
-        self.trim(4 * KEPT);
+    /// Adds these paths of a block.
+    pub fn add(&mut self, x: &Row, paths: PathMask) {
+        if self.largest.is_empty() {
+            self.largest.reserve(4 * WIDTH);
+            self.smallest.reserve(4 * WIDTH);
+        }
+        self.extend(paths.paths().map(|p| x[p]), paths.paths().map(|p| x[p]));
     }
 
     pub fn merge(&mut self, later: &Self) {
-        self.largest.extend(&later.largest);
-        self.smallest.extend(&later.smallest);
-        self.trim(2 * KEPT);
+        if let Some((below, above)) = later.passed {
+            let (low, high) = self.passed.unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
+            self.passed = Some((low.min(below), high.max(above)));
+        }
+        self.extend(later.largest.iter().copied(), later.smallest.iter().copied());
     }
 
-    /// Keeps those that count, if there are more than `most`.
-    fn trim(&mut self, most: usize) {
-        if self.largest.len() > most {
-            self.largest.select_nth_unstable_by(KEPT - 1, |a, b| b.total_cmp(a));
-            self.smallest.select_nth_unstable_by(KEPT - 1, f64::total_cmp);
-            self.largest.truncate(KEPT);
-            self.smallest.truncate(KEPT);
+    /// Keeps those that count, if there are many.
+    fn extend(&mut self, large: impl Iterator<Item = f64>, small: impl Iterator<Item = f64>) {
+        let (below, above) = self.passed.unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
+        self.largest.extend(large.filter(|&x| x > above));
+        self.smallest.extend(small.filter(|&x| x < below));
+        if self.largest.len().max(self.smallest.len()) > 4 * KEPT {
+            let kept = |samples: &mut Vec<f64>, order: fn(&f64, &f64) -> Ordering| {
+                if samples.len() > KEPT {
+                    samples.select_nth_unstable_by(KEPT - 1, order);
+                    samples.truncate(KEPT);
+                }
+                samples.get(KEPT - 1).copied()
+            };
+            let above = kept(&mut self.largest, |a, b| b.total_cmp(a));
+            let below = kept(&mut self.smallest, f64::total_cmp);
+            self.passed = below.zip(above);
         }
     }
 
@@ -125,6 +143,8 @@ impl Extremes {
 mod tests {
     use super::*;
     use crate::multilevel::{level::Values, resolution::Motion};
+
+    const ONE: PathMask = PathMask(1);
 
     /// P(X ≤ k), X Poisson with mean λ.
     fn poisson(k: i32, mean: f64) -> f64 {
@@ -168,7 +188,7 @@ mod tests {
                 let u: f64 = (f64::from(i) + 0.5) / f64::from(n);
                 for sign in [1.0, -1.0] {
                     values.fine.add(100.0 + sign * u.powf(-1.0 / alpha));
-                    values.extremes.add(100.0 + sign * u.powf(-1.0 / alpha));
+                    values.extremes.add(&[100.0 + sign * u.powf(-1.0 / alpha); WIDTH], ONE);
                 }
             }
             let samples = single(values, 2 * n as u64);
@@ -189,7 +209,7 @@ mod tests {
         let mut all = Extremes::default();
         for part in samples.chunks(170) {
             let mut extremes = Extremes::default();
-            part.iter().for_each(|&x| extremes.add(x));
+            part.iter().for_each(|&x| extremes.add(&[x; WIDTH], ONE));
             all.merge(&extremes);
         }
         assert_eq!(all.deviations(700.0)[..5], [700.0, 699.0, 698.0, 697.0, 696.0]);

@@ -22,7 +22,7 @@ use super::{
 };
 use crate::{
     driver::GROUP_PATHS,
-    parallel::grow,
+    parallel::{grow, in_parallel},
     tree::{MergeTree, Node},
 };
 
@@ -81,22 +81,23 @@ pub(crate) struct Work<'a, T> {
     /// Path-steps, if later work follows from its result: then it is computed here, whatever the
     /// job is, unless it is worth a round of parts.
     pub round: Option<u64>,
-    pub fingerprint: Fingerprint,
+    /// Is not asked for where nothing is written or read.
+    pub fingerprint: &'a (dyn Fn() -> Fingerprint + Sync),
     pub key: StreamKey,
     /// Paths of the whole.
     pub paths: u64,
     pub groups: Range<u64>,
     /// Steps of a path; 0 where work is not counted in steps.
     pub steps: u64,
-    pub pack: &'a dyn Fn(&T) -> Packing<Vec<u8>>,
-    pub unpack: &'a dyn Fn(&[u8]) -> Packing<T>,
-    pub merge: &'a dyn Fn(&mut T, T),
+    pub pack: &'a (dyn Fn(&T) -> Packing<Vec<u8>> + Sync),
+    pub unpack: &'a (dyn Fn(&[u8]) -> Packing<T> + Sync),
+    pub merge: &'a (dyn Fn(&mut T, T) + Sync),
     /// The sums of no group.
-    pub empty: &'a dyn Fn() -> T,
+    pub empty: &'a (dyn Fn() -> T + Sync),
     /// The sums of a group, or `None` if it was stopped.
     pub compute: &'a (dyn Fn(u64) -> Option<T> + Sync),
     /// Is told how many groups need not be computed.
-    pub skipped: &'a dyn Fn(u64),
+    pub skipped: &'a (dyn Fn(u64) + Sync),
 }
 
 impl<T: Send> Work<'_, T> {
@@ -117,7 +118,7 @@ impl<T> Work<'_, T> {
     /// What a file says of these groups, of which it has none yet.
     pub(super) fn header(&self, groups: Range<u64>) -> Header {
         Header {
-            fingerprint: self.fingerprint.clone(),
+            fingerprint: (self.fingerprint)(),
             seed: self.key.seed,
             experiment: self.key.experiment,
             paths: self.paths,
@@ -128,13 +129,13 @@ impl<T> Work<'_, T> {
 
     /// Whether a file has the same study, of any size.
     pub(super) fn check(&self, path: &Path, found: &Header) -> Result<(), JobError> {
-        let Fingerprint { system, schemes, observed } = &self.fingerprint;
+        let Fingerprint { system, schemes, observed } = (self.fingerprint)();
         let pairs = [
             ("the seed", found.seed.to_string(), self.key.seed.to_string()),
             ("the experiment", found.experiment.to_string(), self.key.experiment.to_string()),
-            ("the system with hash", found.fingerprint.system.clone(), system.clone()),
-            ("schemes with hash", found.fingerprint.schemes.clone(), schemes.clone()),
-            ("observables with hash", found.fingerprint.observed.clone(), observed.clone()),
+            ("the system with hash", found.fingerprint.system.clone(), system),
+            ("schemes with hash", found.fingerprint.schemes.clone(), schemes),
+            ("observables with hash", found.fingerprint.observed.clone(), observed),
         ];
         match pairs.into_iter().find(|(_, found, here)| found != here) {
             None => Ok(()),
@@ -316,7 +317,7 @@ impl Job {
         let nodes = self.collect(&Work {
             name,
             round: None,
-            fingerprint: Fingerprint {
+            fingerprint: &|| Fingerprint {
                 system: String::new(),
                 schemes: String::new(),
                 observed: Hash::default().with(of.as_bytes()).finish(),
@@ -338,35 +339,63 @@ impl Job {
 
     /// The nodes of all groups of a piece of work, if they are known here: computed, or merged.
     pub(crate) fn collect<T: Send>(&self, work: &Work<'_, T>) -> Option<Vec<Node<T>>> {
+        self.collect_all(std::slice::from_ref(work))?.pop()
+    }
+
+    /// The same of several pieces, none of which depends on another. They are all rounds or none.
+    pub(crate) fn collect_all<T: Send>(&self, works: &[Work<'_, T>]) -> Option<Vec<Vec<Node<T>>>> {
         let Ok(mut state) = self.state.try_lock() else {
             // Waiting would be for ever: this thread may be at work on the other one.
-            *self.nested.lock().unwrap_or_else(PoisonError::into_inner) = Some(work.name.into());
+            *self.nested.lock().unwrap_or_else(PoisonError::into_inner) =
+                works.first().map(|work| work.name.into());
             return None;
         };
         let State { mode, error, names } = &mut *state;
         if error.is_some() {
             return None;
         }
+        let is_small = |work: &Work<'_, T>| work.round.is_some_and(|cost| cost <= self.alone);
         // Later rounds follow from whole ones only.
-        let incomplete = self.incomplete && work.round.is_none();
-        let found = match mode {
-            _ if !names.insert(work.name.to_owned()) => {
-                Err(JobError::SameName(work.name.to_owned()))
+        let incomplete = self.incomplete && works.iter().all(|work| work.round.is_none());
+        let again = works.iter().find(|work| !names.insert(work.name.to_owned()));
+        let found: Result<Vec<_>, _> = match mode {
+            _ if let Some(work) = again => Err(JobError::SameName(work.name.to_owned())),
+            Mode::Here => here(works, incomplete),
+            Mode::Plan(pilot) if pilot.only_lists() => {
+                Ok(works.iter().map(|work| pilot.list(work)).collect())
             }
-            Mode::Here => work.here(incomplete),
-            Mode::Plan(pilot) if pilot.only_lists() => Ok(pilot.list(work)),
-            _ if work.round.is_some_and(|path_steps| path_steps <= self.alone) => work.here(false),
-            Mode::Part(computing) => computing.collect(work, self.interval, incomplete),
-            Mode::Merge(merging) => merging.collect(work),
-            Mode::Plan(pilot) => pilot.measure(work),
+            _ if works.iter().all(is_small) => here(works, false),
+            Mode::Part(computing) => {
+                let collect = |work| computing.collect(work, self.interval, incomplete);
+                works.iter().map(collect).collect()
+            }
+            Mode::Merge(merging) => works.iter().map(|work| merging.collect(work)).collect(),
+            Mode::Plan(pilot) => works.iter().map(|work| pilot.measure(work)).collect(),
         };
-        let found = found.unwrap_or_else(|met| {
-            *error = Some(met);
-            None
-        });
+        let found = match found {
+            Ok(found) => found.into_iter().collect(),
+            Err(met) => {
+                *error = Some(met);
+                None
+            }
+        };
         if incomplete && self.stop.is_asked() {
             error.get_or_insert(JobError::Stopped);
         }
         found
+    }
+}
+
+/// What becomes of each of these pieces where all are computed here.
+fn here<T: Send>(
+    works: &[Work<'_, T>],
+    incomplete: bool,
+) -> Result<Vec<Option<Vec<Node<T>>>>, JobError> {
+    match works {
+        [work] => Ok(vec![work.here(incomplete)?]),
+        _ => {
+            let one = |number: u64| works[number as usize].here(incomplete);
+            in_parallel(0..works.len() as u64, &one).into_iter().collect()
+        }
     }
 }

@@ -11,9 +11,14 @@ mod algorithm;
 mod extrapolation;
 mod level;
 
-use std::{cell::RefCell, collections::BTreeMap, ops::Range, sync::Arc};
+use std::{
+    cell::RefCell,
+    collections::{BTreeMap, btree_map::Entry},
+    ops::Range,
+    sync::Arc,
+};
 
-use noise::{QuasiWiener, StepNoise};
+use noise::{QuasiWiener, ScrambledSobol, StepNoise};
 use real::WIDTH;
 use schemes::DynScheme;
 
@@ -23,23 +28,25 @@ use super::{
 };
 use crate::{
     DynRun, Ladder, NextNoise, NoiseSource, Observe, SeenDamping, Setup, driver::GROUP_PATHS,
-    observable::value, parts::Job,
+    ladder::Piece, observable::value, parts::Job,
 };
 use algorithm::Quasi;
 pub(crate) use extrapolation::Orders;
 
-/// The increments of the points of a scramble.
+/// The increments of the points of all scrambles. A path has the number of its scramble times
+/// [`ScrambledSobol::POINTS`], plus that of its point.
 struct Points {
-    wiener: QuasiWiener,
+    scrambles: Vec<QuasiWiener>,
     noises: usize,
 }
 
 impl<N: StepNoise> NoiseSource<N> for Points {
     fn block(&self, first_path: u64) -> NextNoise<'_, N> {
-        let mut increments = vec![[0.0; WIDTH]; self.wiener.dimensions()];
-        // The number of points is limited before they are drawn.
-        let drawn = self.wiener.block(first_path, &mut increments);
-        drawn.unwrap_or_else(|error| unreachable!("{error}"));
+        let scramble = (first_path / ScrambledSobol::POINTS) as usize;
+        let wiener = &self.scrambles[scramble];
+        let mut increments = vec![[0.0; WIDTH]; wiener.dimensions()];
+        let drawn = wiener.block(first_path % ScrambledSobol::POINTS, &mut increments);
+        drawn.unwrap_or_else(|error| unreachable!("the points of a block are many: {error}"));
         let (mut next, noises) = (0, self.noises);
         Box::new(move |noise: &mut N| {
             noise.increments_mut().copy_from_slice(&increments[next..next + noises]);
@@ -74,15 +81,14 @@ pub(crate) fn quasi_expectation<N: StepNoise>(
     let Setup { problem, scheme } = setup;
     let y0 = &problem.y0[..];
     let starts: Vec<f64> = observables.iter().map(|phi| value(*phi, y0)).collect();
-    // The nodes of each level and scramble so far.
+    // The ladder of each level, and the nodes of its scrambles so far.
     let drawn = RefCell::new(BTreeMap::new());
     let (coupling, runs) = match (mirror, settings.coupling) {
         (Some(_), _) => (Coupling::Antithetic, (2, 2)),
         (None, Coupling::Antithetic) => (Coupling::Antithetic, (2, 1)),
         (None, Coupling::Plain) => (Coupling::Plain, (1, 1)),
     };
-    let draw_one = |level: &Samples, scramble: u64, points: &Range<u64>, round: u64| {
-        let number = level.level;
+    let ladder_of = |level: &Samples| {
         let coupled = level.coupling.is_some();
         let mut runs = vec![DynRun::new(Arc::clone(scheme), 0)];
         if coupled {
@@ -99,34 +105,50 @@ pub(crate) fn quasi_expectation<N: StepNoise>(
             }
             (None, _) => (),
         }
-        let (key, steps) = (settings.stream(number), settings.steps(number));
+        let (key, steps) = (settings.stream(level.level), settings.steps(level.level));
         let levels = usize::from(coupled);
         let ladder = Ladder::of(problem, steps, levels, settings.truncation, key, runs)?;
-        let wiener = QuasiWiener::new(key, scramble, steps, problem.noises, problem.t_end)
+        let wiener = QuasiWiener::new(key, 0, steps, problem.noises, problem.t_end)
             .map_err(crate::LadderError::from)?;
-        let ladder = ladder.with_noise(Points { wiener, noises: problem.noises })?;
-        let last_time = ladder.coarse_steps();
+        let points = Points {
+            scrambles: (0..scrambles).map(|scramble| wiener.of_scramble(scramble)).collect(),
+            noises: problem.noises,
+        };
+        let nodes = vec![Vec::new(); scrambles as usize];
+        Ok::<_, MultilevelError>((ladder.with_noise(points)?, nodes))
+    };
+    let draw = |level: &Samples, points: Range<u64>, round: u64| {
+        let mut drawn = drawn.borrow_mut();
+        let (ladder, nodes) = match drawn.entry(level.level) {
+            Entry::Occupied(drawn) => drawn.into_mut(),
+            Entry::Vacant(place) => place.insert(ladder_of(level)?),
+        };
+        let (last_time, coupled) = (ladder.coarse_steps(), level.coupling.is_some());
         let values = vec![Values::default(); observables.len()];
         let motion = Motion::new(y0);
         let new = || {
             let sums = Sums { values: values.clone(), motion: motion.clone() };
             PathValues { observables, y0, starts: &starts, last_time, coupled, sums }
         };
-        let work = format!("{name}/level {number} scramble {scramble} from {}", points.start);
-        let groups = points.start / GROUP_PATHS..points.end / GROUP_PATHS;
-        let more = ladder.nodes_in(job, (&work, Some(round)), points.end, groups, &new, progress);
+        let piece = |scramble: u64| {
+            let first = scramble * ScrambledSobol::POINTS;
+            let (number, from) = (level.level, points.start);
+            Piece {
+                name: format!("{name}/level {number} scramble {scramble} from {from}"),
+                paths: first + points.end,
+                groups: (first + points.start) / GROUP_PATHS..(first + points.end) / GROUP_PATHS,
+            }
+        };
+        // All scrambles are begun: none depends on another.
+        let pieces: Vec<_> = (0..scrambles).map(piece).collect();
+        let more = ladder.nodes_in(job, &pieces, Some(round), &new, progress);
         let Some(more) = more else { return Ok(None) };
-        let mut drawn = drawn.borrow_mut();
-        let nodes: &mut Vec<_> = drawn.entry((number, scramble)).or_default();
-        let outcome = ladder.join(nodes, more, &new);
-        let first_failure = outcome.failures.first().copied();
-        Ok(Some(Drawn { sums: outcome.statistic.sums, failed: outcome.failed, first_failure }))
-    };
-    // All scrambles are begun: none depends on another.
-    let draw = |level: &Samples, points: Range<u64>, round: u64| {
-        let all: Result<Vec<_>, MultilevelError> =
-            (0..scrambles).map(|scramble| draw_one(level, scramble, &points, round)).collect();
-        Ok(all?.into_iter().collect::<Option<Vec<_>>>())
+        let joined = |(nodes, more): (&mut Vec<_>, Vec<_>)| {
+            let outcome = ladder.join(nodes, more, &new);
+            let first_failure = outcome.failures.first().copied();
+            Drawn { sums: outcome.statistic.sums, failed: outcome.failed, first_failure }
+        };
+        Ok(Some(nodes.iter_mut().zip(more).map(joined).collect()))
     };
     let names = observables.iter().map(|observable| observable.name().to_owned()).collect();
     let quasi = Quasi {
