@@ -35,7 +35,7 @@ impl Cause {
     *step as f64 * tau
 )]
 pub struct PathFailure {
-    /// Number of the path.
+    /// Number of the path; of Sobol points 2³² times the scramble plus the point.
     pub path: u64,
     /// The key of its random streams.
     pub key: StreamKey,

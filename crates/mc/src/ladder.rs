@@ -165,6 +165,9 @@ pub struct Ladder<'a, N> {
     system: String,
 }
 
+/// The sums of a piece of work, on the largest subtrees that it covers.
+pub(crate) type Nodes<T> = Vec<Node<(T, Tally)>>;
+
 /// A piece of work: groups of paths.
 pub(crate) struct Piece {
     pub name: String,
@@ -419,7 +422,7 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
         round: Option<u64>,
         new: &(impl Fn() -> T + Sync),
         progress: &(dyn Fn(u64) + Sync),
-    ) -> Option<Vec<Vec<Node<(T, Tally)>>>> {
+    ) -> Option<Vec<Nodes<T>>> {
         let unpack = |bytes: &[u8]| {
             let (sums, tally) = postcard::from_bytes(bytes)?;
             let mut statistic = new();
@@ -439,14 +442,14 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
             }
         };
         let computes: Vec<_> = pieces.iter().map(compute).collect();
-        let work = |(piece, compute)| {
-            let &Piece { ref name, paths, ref groups }: &Piece = piece;
-            Work {
+        let mut works = Vec::new();
+        for (Piece { name, paths, groups }, compute) in pieces.iter().zip(&computes) {
+            works.push(Work {
                 name,
                 round,
                 fingerprint: &fingerprint,
                 key: self.driver.key,
-                paths,
+                paths: *paths,
                 groups: groups.clone(),
                 steps: self.steps_per_path(),
                 pack: &pack,
@@ -455,21 +458,16 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
                 empty: &empty,
                 compute,
                 skipped: &skipped,
-            }
-        };
-        let works: Vec<_> = pieces
-            .iter()
-            .zip(&computes)
-            .map(|(piece, compute)| work((piece, compute as &(dyn Fn(u64) -> _ + Sync))))
-            .collect();
+            });
+        }
         job.collect_all(&works)
     }
 
     /// Adds the nodes of more groups to those before, and gives the sum of all.
     pub(crate) fn join<T: Statistic + Clone>(
         &self,
-        nodes: &mut Vec<Node<(T, Tally)>>,
-        more: Vec<Node<(T, Tally)>>,
+        nodes: &mut Nodes<T>,
+        more: Nodes<T>,
         new: &impl Fn() -> T,
     ) -> Measured<T> {
         let mut tree = MergeTree::new(merge);

@@ -268,19 +268,26 @@ struct Flowing<'a, F, S, const D: usize, const M: usize, const N: usize> {
 }
 
 impl<S: Flows<D, M>, const D: usize, const M: usize, const N: usize> Paths<'_, S, D, M, N> {
-    /// The flows of all parts, composed symmetrically.
+    /// The flows of all parts that move, composed symmetrically.
     #[inline(always)]
     fn symmetric(&mut self, times: Times) {
         // Numbers of parts are constants, so that each loop over paths has one flow.
         unrolled!(f64: part in 0..S::PARTS => {
             let times = if part + 1 < S::PARTS { times.half() } else { times };
-            self.move_each(times, &Part::<false>(part));
+            self.part(part, times);
         });
         unrolled!(f64: k in 0..S::PARTS => {
             if k > 0 {
-                self.move_each(times.half(), &Part::<false>(S::PARTS - 1 - k));
+                self.part(S::PARTS - 1 - k, times.half());
             }
         });
+    }
+
+    #[inline(always)]
+    fn part(&mut self, part: usize, times: Times) {
+        if matches!(times, Times::Increments { .. }) || self.system.drifts(part) {
+            self.move_each(times, &Part::<false>(part));
+        }
     }
 
     /// The flow of Hₘ for the time ΔWₘ.

@@ -19,6 +19,13 @@ pub trait Flows<const D: usize, const M: usize>: PoissonSystem<D, M> {
     /// `None` where Hₘ is spread over several parts, as it is unless overridden.
     const NOISE_PARTS: [Option<usize>; M] = [None; M];
 
+    /// Whether part number `part` < [`PARTS`](Self::PARTS) has a part of H₀: if not, its flow
+    /// without noise is the identity.
+    #[inline(always)]
+    fn drifts(&self, _part: usize) -> bool {
+        true
+    }
+
     /// The flow of part number `part` < [`PARTS`](Self::PARTS) for h⁽ᵏ⁾(·; dt, dw), from y. The
     /// flow for −dt and −dw must be its inverse.
     fn flow(&self, part: usize, y: [f64; D], dt: f64, dw: [f64; M]) -> [f64; D];

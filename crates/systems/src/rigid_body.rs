@@ -38,6 +38,8 @@ pub struct RigidBody<const M: usize> {
     drift: [f64; 3],
     /// 1/Îₘ, zero where there is no noise.
     noise: [f64; M],
+    /// The middle one of 1/Iᵢ.
+    middle: f64,
 }
 
 impl RigidBody<3> {
@@ -63,7 +65,9 @@ impl RigidBody<1> {
 impl<const M: usize> RigidBody<M> {
     fn with_noises(inertia: [f64; 3], noise_inertia: [f64; M]) -> Result<Self, SystemError> {
         let drift = reciprocals(inertia, ["I1", "I2", "I3"])?;
-        Ok(Self { drift, noise: reciprocals(noise_inertia, ["Î1", "Î2", "Î3"])? })
+        let [a, b, c] = drift;
+        let middle = a.min(b).max(a.max(b).min(c));
+        Ok(Self { drift, noise: reciprocals(noise_inertia, ["Î1", "Î2", "Î3"])?, middle })
     }
 
     /// kᵢ = dt/Iᵢ + dwᵢ/Îᵢ. The Hamiltonian increment is ½Σ kᵢyᵢ².
@@ -90,7 +94,8 @@ fn turned_about(axis: usize, y: [f64; 3], k: f64, precisely: bool) -> [f64; 3] {
     z
 }
 
-/// Parts ½yᵢ²(dt/Iᵢ + dwᵢ/Îᵢ): rotations about the axes.
+/// Parts ½yᵢ²((1/Iᵢ − k)dt + dwᵢ/Îᵢ): rotations about the axes. The Casimir ½k|y|²dt that they lack
+/// moves nothing. With the middle one of 1/Iᵢ for k angles are least, and one part has no drift.
 impl<const M: usize> Flows<3, M> for RigidBody<M> {
     const PARTS: usize = 3;
 
@@ -106,12 +111,17 @@ impl<const M: usize> Flows<3, M> for RigidBody<M> {
 
     #[inline(always)]
     fn flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; M]) -> [f64; 3] {
-        turned_about(part, y, self.coefficients(dt, dw)[part], false)
+        turned_about(part, y, self.coefficients(dt, dw)[part] - self.middle * dt, false)
     }
 
     #[inline(always)]
     fn precise_flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; M]) -> [f64; 3] {
-        turned_about(part, y, self.coefficients(dt, dw)[part], true)
+        turned_about(part, y, self.coefficients(dt, dw)[part] - self.middle * dt, true)
+    }
+
+    #[inline(always)]
+    fn drifts(&self, part: usize) -> bool {
+        self.drift[part] != self.middle
     }
 }
 
@@ -229,6 +239,11 @@ impl Flows<3, 1> for RigidBodyEnergy {
     #[inline(always)]
     fn precise_flow(&self, part: usize, y: [f64; 3], dt: f64, dw: [f64; 1]) -> [f64; 3] {
         self.body.precise_flow(part, y, dt + self.noise * dw[0], [])
+    }
+
+    #[inline(always)]
+    fn drifts(&self, part: usize) -> bool {
+        self.body.drifts(part)
     }
 }
 

@@ -149,6 +149,16 @@ impl Sum {
         f64::hypot(self.quantile() * self.standard_error(), self.tail())
     }
 
+    /// About half of the interval with twice as many points of term n, whose variance falls as that
+    /// of random points at least.
+    fn with_twice(&self, n: usize) -> f64 {
+        let term = &self.terms[n];
+        let gained = 0.5 * self.weight(n).powi(2) * term.variance / term.count;
+        let spread = self.spread();
+        let square = spread * spread - self.quantile().powi(2) * gained;
+        square.max(0.0).sqrt() + self.bias_bound()
+    }
+
     fn bias_bound(&self) -> f64 {
         self.extrapolation.size + self.quantile() * self.extrapolation.standard_error
     }
@@ -336,8 +346,9 @@ impl Quasi<'_> {
         (0..totals.len()).min_by(|&a, &b| totals[a].total_cmp(&totals[b])).unwrap_or(0)
     }
 
-    /// The level on which a path-step gains most for the function that gains most (Giles and
-    /// Waterhouse 2009).
+    /// The level whose points are doubled: the cheapest one that is enough for every function, if
+    /// one is, else the one on which a path-step gains most for the function that gains most (Giles
+    /// and Waterhouse 2009).
     fn worst(&self, first: usize, sums: &[Sum]) -> usize {
         let gain = |n: usize, sum: &Sum| {
             let term = &sum.terms[n];
@@ -347,8 +358,14 @@ impl Quasi<'_> {
         };
         let wide = || sums.iter().filter(|sum| self.is_wide(sum));
         let most = |n: usize| wide().map(|sum| gain(n, sum)).fold(0.0, f64::max);
-        let terms = sums.first().map_or(0, |sum| sum.terms.len());
-        first + (0..terms).max_by(|&a, &b| most(a).total_cmp(&most(b))).unwrap_or(0)
+        let enough = |n: usize| wide().all(|sum| sum.with_twice(n) <= self.accuracy);
+        let cost =
+            |n: usize| sums.first().map_or(0.0, |sum| sum.terms[n].cost * sum.terms[n].count);
+        let terms = 0..sums.first().map_or(0, |sum| sum.terms.len());
+        let cheapest =
+            terms.clone().filter(|&n| enough(n)).min_by(|&a, &b| cost(a).total_cmp(&cost(b)));
+        let best = || terms.max_by(|&a, &b| most(a).total_cmp(&most(b)));
+        first + cheapest.or_else(best).unwrap_or(0)
     }
 
     /// Whether the last difference resolves the damping, the motion and every φ.
