@@ -40,10 +40,12 @@ const EXPONENTS: RangeInclusive<u32> = 1..=4;
 /// Scrambles: many, so that the normal law is that of their mean.
 const SCRAMBLES: u64 = 64;
 
+/// Of the twelve functions of the weak panels those whose bias stands out most from the noise; that
+/// of functions of y₃ is a tenth of y₂'s. `docs/expectations.md` has six.
 const OBSERVABLES: [Observable<3>; 3] = [
-    Observable { name: "y3", function: |y| y[2] },
+    Observable { name: "y2", function: |y| y[1] },
+    Observable { name: "y1^2", function: |y| y[0] * y[0] },
     Observable { name: "y2^2", function: |y| y[1] * y[1] },
-    Observable { name: "cos y3", function: |y| real::elementary::cos(y[2]) },
 ];
 
 /// Weak errors and orders of `nv`.
