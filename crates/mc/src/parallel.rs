@@ -88,7 +88,35 @@ fn for_each(items: Range<u64>, work: &(dyn Fn(u64) + Sync)) {
 
 #[cfg(test)]
 mod tests {
-    use super::in_parallel;
+    use super::{MergeTree, Node, grow, in_parallel};
+
+    fn join(left: &mut String, right: String) {
+        *left = format!("({left}{right})");
+    }
+
+    #[test]
+    fn tasks_of_quick_items_make_the_tree_of_single_ones() {
+        // Enough of them that waves grow to tasks of many items.
+        for items in [3..4, 0..1000, 517..20_000] {
+            let (mut single, mut grown) = (MergeTree::new(join), MergeTree::new(join));
+            items.clone().for_each(|item| single.push(Node::leaf(item, item.to_string())));
+            let compute = |item: u64| Some(item.to_string());
+            let next = grow(&mut grown, items.clone(), &compute, &mut |_, _| true);
+            assert_eq!(next, items.end);
+            assert!(grown.into_nodes() == single.into_nodes());
+        }
+    }
+
+    #[test]
+    fn items_after_one_that_was_stopped_are_lost() {
+        for first in [0, 1, 100, 4321] {
+            let compute = |item: u64| (item < first || item > first + 3).then(|| item.to_string());
+            let (mut tree, mut single) = (MergeTree::new(join), MergeTree::new(join));
+            assert_eq!(grow(&mut tree, 0..10_000, &compute, &mut |_, _| true), first);
+            (0..first).for_each(|item| single.push(Node::leaf(item, item.to_string())));
+            assert!(tree.into_nodes() == single.into_nodes());
+        }
+    }
 
     #[test]
     fn results_come_in_the_order_of_the_items() {

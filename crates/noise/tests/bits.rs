@@ -61,6 +61,8 @@ fn areas_equal_those_of_the_paths<const M: usize>(first_path: u64, steps: usize)
 fn quasi_block_equals_its_paths(steps: u64, noises: usize) {
     let noise = QuasiWiener::new(KEY, 9, steps, noises, 2.0).unwrap();
     assert_eq!(noise.dimensions(), steps as usize * noises);
+    let of_scramble = QuasiWiener::new(KEY, 2, steps, noises, 2.0).unwrap().of_scramble(9);
+    assert_eq!(of_scramble.path(70), noise.path(70));
     let mut rows = vec![[f64::NAN; WIDTH]; noise.dimensions()];
     for first_point in [0, 32, 4096 + 64, ScrambledSobol::POINTS - 32] {
         noise.block(first_point, &mut rows).unwrap();
