@@ -1,4 +1,4 @@
-//! Expectations as text, as JSON and as a table.
+//! Expectations as text and as JSON.
 
 use std::path::Path;
 
@@ -8,57 +8,26 @@ use casimir::{
 };
 use serde_json::{Value, json};
 
-use super::{aligned, digits};
 use crate::{commands::Expected, failure::Done, scene::Scene};
 
 /// The expectations in words.
 pub fn expectation_text(scene: &Scene, results: &Expected) -> String {
     let Expected { because, expectation, seconds } = results;
-    let scheme = expectation.scheme;
-    let row = |estimate: &Estimate| {
-        [
-            format!("E[{}]", estimate.name),
-            format!("{:.*}", decimals(estimate.half_width()), estimate.value),
-            format!("{:.1e}", estimate.half_width()),
-            format!("{:.1e}", estimate.quantile * estimate.standard_error),
-            format!("{:.1e}", estimate.bias_bound),
-            if estimate.judged.all() { "yes".into() } else { "NO".into() },
-        ]
-    };
-    let header = ["", "value", "± (95 %)", "sampling", "bias below", "to be believed"];
-    let mut text =
-        aligned(header.map(String::from), expectation.estimates.iter().map(row).collect());
-    let finest = expectation.levels.iter().map(|level| level.tau).fold(f64::INFINITY, f64::min);
-    text += &format!(
-        "{} levels of steps of {scheme}, the finest {}; {:.2e} path-steps, {seconds:.2} s\n",
-        expectation.levels.len(),
-        digits(Some(finest)),
-        expectation.cost as f64,
-    );
-    if let Some(because) = because {
-        text += &format!("{scheme}: {because}\n");
-    }
-    for decision in &expectation.decisions {
-        text += &format!("{decision}\n");
-    }
+    let mut text = expectation.to_string();
     for warning in &expectation.warnings {
-        text += &match warning {
-            Warning::CoarsestSteps { steps } => {
-                format!("note: --steps {steps} would have cost less\n")
-            }
-            other => format!("warning: {}\n", of_scene(other, scene)),
-        };
+        text = text.replace(&format!("warning: {warning}"), &of_scene(warning, scene));
     }
-    if !expectation.reached() {
-        text += &format!("the accuracy {:.1e} was NOT reached\n", expectation.accuracy);
+    if let Some(because) = because {
+        text += &format!("{}: {because}\n", expectation.scheme);
     }
-    text
+    text + &format!("{seconds:.2} s\n")
 }
 
 /// A warning in the words of a scene: names of components, options of the program.
 fn of_scene(warning: &Warning, scene: &Scene) -> String {
-    let text = warning.to_string();
+    let text = format!("warning: {warning}");
     let text = match warning {
+        Warning::CoarsestSteps { steps } => format!("note: --steps {steps} would have cost less"),
         Warning::Unresolved { component, .. } => {
             text.replace(&format!("y{component}"), &scene.components[component - 1])
         }
@@ -66,14 +35,6 @@ fn of_scene(warning: &Warning, scene: &Scene) -> String {
     };
     let text = text.replace("coarsest steps, or a higher finest level", "--steps");
     text.replace("take more coarsest steps", "take more --steps")
-}
-
-/// Decimals of a value that is known to this half-width: two digits of the half-width.
-fn decimals(half_width: f64) -> usize {
-    match half_width > 0.0 && half_width.is_finite() {
-        true => (1.0 - half_width.log10().floor()).clamp(0.0, 17.0) as usize,
-        false => 6,
-    }
 }
 
 /// The expectations for programs.

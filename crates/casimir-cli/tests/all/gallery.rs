@@ -115,8 +115,10 @@ fn blocks(page: &str, language: &str) -> Vec<String> {
 
 /// What a program printed without its seconds.
 fn timeless(text: &str) -> Vec<String> {
+    let is_time = |text: &str| text.strip_suffix(" s").is_some_and(|n| n.parse::<f64>().is_ok());
     let line = |line: &str| match line.rsplit_once(", ") {
-        Some((rest, seconds)) if seconds.ends_with(" s") => rest.to_owned(),
+        _ if is_time(line) => String::new(),
+        Some((rest, seconds)) if is_time(seconds) => rest.to_owned(),
         _ => line.to_owned(),
     };
     text.trim().lines().map(line).collect()

@@ -99,6 +99,7 @@ mod settings;
 mod tails;
 #[cfg(test)]
 mod tests;
+mod write;
 
 use std::{cell::RefCell, collections::BTreeMap, sync::Arc};
 

@@ -71,13 +71,15 @@ pub struct Estimate {
     pub standard_error: f64,
     /// How many standard errors the 95 % interval has on each side: 1.96, or Student's quantile.
     pub quantile: f64,
-    /// Estimate of E[φ(y(T))] − E[φ(y_τ)] at the finest step: d/(2^α − 1) from the last difference
-    /// d. It is not added to the estimate.
+    /// Estimate of E[φ(y(T))] − E[φ(y_τ)] at the finest step, from the last differences d:
+    /// d/(2^α − 1). Sobol points: it is in the value, by extrapolation. Random points: it is not.
     pub bias: f64,
-    /// Bound on its absolute value: with the half-width from standard errors and missed events
-    /// added, the largest of |d_l|·2^{−α(L−l)}/(2^α − 1) over the last three levels l and of
-    /// |u/(2^α − 1) + v/(2^{α+1} − 1)|, where v = (d_{L−1} − 2^α d_L)/2^α and u = d_L − v, which is
-    /// the bias Aτ^α + Bτ^{α+1} for any A and B.
+    /// Bound on the error that the steps leave in the estimate. Sobol points: what extrapolation
+    /// leaves, from the next power of τ, with a half-width from standard errors added. Random
+    /// points: with the half-width from standard errors and missed events added, the largest of
+    /// |d_l|·2^{−α(L−l)}/(2^α − 1) over the last three levels l, where d_l is the difference that
+    /// level l adds, and of |u/(2^α − 1) + v/(2^{α+1} − 1)|, where v = (d_{L−1} − 2^α d_L)/2^α and
+    /// u = d_L − v, which is the bias Aτ^α + Bτ^{α+1} for any A and B.
     pub bias_bound: f64,
     /// What events that the samples missed may add: the root of the sum of squares of 3.69·R/N over
     /// the levels where fewer than thirty of N samples carry the variance (N/κ < 30 with the

@@ -100,9 +100,9 @@ impl Sum {
         }
     }
 
-    /// What extrapolation takes for the bias of the last level.
+    /// What extrapolation adds to the mean at the finest step.
     fn bias(&self) -> f64 {
-        let part = |(n, term): (usize, &Term)| (1.0 - self.weight(n)) * term.mean;
+        let part = |(n, term): (usize, &Term)| (self.weight(n) - 1.0) * term.mean;
         self.terms.iter().enumerate().map(part).sum()
     }
 
@@ -430,15 +430,14 @@ impl Quasi<'_> {
         let orders = numbers.clone().map(|k| self.sum(levels, first, k).extrapolation.order);
         let points: Vec<String> =
             levels.scrambles[first..].iter().map(|own| own.points.to_string()).collect();
+        let order = orders.fold(f64::INFINITY, f64::min);
+        let (fewest, most) =
+            (self.settings.steps(first), self.settings.steps(levels.samples.len() - 1));
         self.decisions.push(format!(
-            "levels of {} to {} steps, extrapolated with order {:.2}; {} scrambles of {} Sobol \
-             points on them",
-            self.settings.steps(first),
-            self.settings.steps(levels.samples.len() - 1),
-            orders.fold(f64::INFINITY, f64::min),
-            self.scrambles,
-            points.join(", "),
+            "levels of {fewest} to {most} steps, extrapolated with order {order:.2}"
         ));
+        let (scrambles, points) = (self.scrambles, points.join(", "));
+        self.decisions.push(format!("{scrambles} scrambles of {points} Sobol points on them"));
         let gain = |k: usize| levels.scrambles[first].gain(&levels.samples[first], k);
         let least = numbers.map(gain).fold(f64::INFINITY, f64::min);
         self.decisions.push(if least < FEW_GAINED {
