@@ -22,7 +22,7 @@ use crate::{
     Arguments,
     fuzz::Bits,
     results::{Growth, GrowthPoint},
-    rounding::{FIVE_ROTATIONS, LINEARLY_IMPLICIT, PER_STEP},
+    rounding::{LINEARLY_IMPLICIT, PER_STEP, rotations},
     row::Verdict,
 };
 
@@ -138,7 +138,7 @@ fn scheme<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
             let scheme = SexpLi::new(problem.system(), problem.y0())?;
             (compiled(scheme), "sexp-li", LINEARLY_IMPLICIT)
         }
-        Rule::Split => (S::split().context("no flows")?, "split", FIVE_ROTATIONS),
+        Rule::Split => (S::split().context("no flows")?, "split", rotations(5)),
     })
 }
 

@@ -156,15 +156,15 @@ fn fuzz(page: &mut Page, fuzz: &[Fuzzed]) {
 
 const METHOD: &str = "\
 Every case runs `sexp` (fixed point first), `sexp-newton` (Newton's method first), `sexp-levy` \
-where noises do not commute, `sexp-li`, `split` where flows are known, `midpoint`, `heun` and `em`. \
-A guarantee is a derived bound. ✓: it \
-holds; ✗: the scheme fails, as theory predicts; no mark: nothing is guaranteed. Increments are \
-truncated with k = 4 unless said otherwise. A path that cannot go on ends with a typed error, \
-never with NaN.
+where noises do not commute, `sexp-li`, `split` and `nv` where flows are known, `midpoint`, `heun` \
+and `em`. A guarantee is a derived bound. ✓: it holds; ✗: the scheme fails, as theory predicts; no \
+mark: nothing is guaranteed. Increments are truncated with k = 4 unless said otherwise. A path that \
+cannot go on ends with a typed error, never with NaN.
 
 *To rounding*: |y_n|² = e^(−2∫γ)|y₀|² up to (32n + 4∫|γ| + 8)ε after n steps, the worst case of \
-all roundings, see `crates/lab/src/bin/hard-cases/rounding.rs`; twice that for `sexp-li`, three \
-times for `split`.";
+all roundings, see `crates/lab/src/bin/hard-cases/rounding.rs`; twice that for `sexp-li`, and \
+(13m + 6)nε instead of 32nε with m rotations about axes in a step: five of `split`, up to eleven of \
+`nv`, and 23 where the noise has no part of its own.";
 
 const GROWTH: &str = "\
 Shown: d = F(y_n)e^(p∫γ)/F(y₀) − 1 over 32 paths, or over 512 without iteration. Roundings \
@@ -175,7 +175,7 @@ The roundings of the damping factors, which all paths share, show in the mean on
 *Guarantee.* With a settled solver the root mean square stays below 32ε√n, a walk of a step's \
 worst roundings. The default solver leaves a residual of up to 2ε in the same direction in every \
 step, a drift; one more sweep, `Solver::settled()`, removes it. `sexp-li` and `split` solve \
-nothing by iteration and have no such option: twice and three times that bound, and an exponent \
+nothing by iteration and have no such option: twice and 2.2 times that bound, and an exponent \
 whose interval lies below 0.55. The Maxwell–Bloch system turns by an angle that grows like √t, \
 and with it what a step rounds; its steps are short, so that the angle stays small.";
 

@@ -17,7 +17,7 @@ use crate::{
     case::Context,
     rounding::{law_bound, residual_share},
     row::Row,
-    schemes::{Family, Tested, schemes, split},
+    schemes::{Family, Tested, by_parts, schemes},
 };
 
 /// One path as far as it lasts.
@@ -47,9 +47,11 @@ pub struct Experiment<S, G, const D: usize, const M: usize> {
     /// Where the noise comes from, if not from the streams.
     /// It gives that of a block of paths, see [`mc::NoiseSource`].
     pub noise: Option<Box<dyn Fn(u64) -> NextNoise<'static, BlockNoise<M>> + Sync>>,
-    /// `split`, where flows are known.
-    pub split: Option<fn() -> Tested<S, D, M>>,
+    /// `split` and `nv`, where flows are known.
+    pub by_parts: Option<ByParts<S, D, M>>,
 }
+
+type ByParts<S, const D: usize, const M: usize> = fn(&S) -> [Tested<S, D, M>; 2];
 
 /// A conformal law with the rounding that is allowed.
 pub struct Law {
@@ -95,7 +97,7 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
     ) -> Result<Self> {
         let problem = Problem::new::<M>(system, damping, y0, steps as f64 * tau)?;
         let (truncation, key) = (lab::truncation(), context.key);
-        Ok(Self { problem, steps, paths: 1, truncation, key, noise: None, split: None })
+        Ok(Self { problem, steps, paths: 1, truncation, key, noise: None, by_parts: None })
     }
 
     /// With noise from elsewhere: a function of the number of a block's first path.
@@ -122,9 +124,10 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
     /// The schemes.
     pub fn schemes(&self) -> Vec<Tested<S, D, M>> {
         let mut all = schemes(self.problem.system(), self.problem.y0());
-        if let Some(split) = self.split {
+        if let Some(by_parts) = self.by_parts {
             let midpoint = all.iter().position(|scheme| scheme.family == Family::Midpoint);
-            all.insert(midpoint.unwrap_or(all.len()), split());
+            let place = midpoint.unwrap_or(all.len());
+            all.splice(place..place, by_parts(self.problem.system()));
         }
         for scheme in &mut all {
             scheme.paths = WIDTH.min(self.paths as usize);
@@ -210,9 +213,9 @@ impl<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Experim
 }
 
 impl<S: Flows<D, M>, G: Damping, const D: usize, const M: usize> Experiment<S, G, D, M> {
-    /// With `split`.
-    pub fn with_split(self) -> Self {
-        Self { split: Some(split), ..self }
+    /// With `split` and `nv`.
+    pub fn with_parts(self) -> Self {
+        Self { by_parts: Some(by_parts), ..self }
     }
 }
 
@@ -273,5 +276,5 @@ pub fn body<G: Damping>(
     steps: (u64, f64),
 ) -> Result<Experiment<RigidBody<3>, G, 3, 3>> {
     let (body, _, y0, _) = rigid_body_three_noises(1.0).into_parts();
-    Ok(Experiment::new(context, (body, damping), y0, steps)?.with_split())
+    Ok(Experiment::new(context, (body, damping), y0, steps)?.with_parts())
 }

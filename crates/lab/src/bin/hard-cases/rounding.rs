@@ -20,8 +20,8 @@
 //! A rotation by Cayley's map, z = y + f·w with w = y × s + (y × s) × s and f = 2/(1 + |s|²), adds
 //! at most 55u whatever s is: 20 by f, which is off by 5u, since |z|² changes by 2z·w δf and z·w f
 //! ≤ 2|y|²; twice 17½ by w and the sum, since |s|f ≤ 1 and |s|²f ≤ 2. With the damping a step of
-//! `sexp-li` adds 67u, [`LINEARLY_IMPLICIT`] times [`PER_STEP`]. About an axis it is 26u, and
-//! `split` makes five of them: [`FIVE_ROTATIONS`].
+//! `sexp-li` adds 67u, [`LINEARLY_IMPLICIT`] times [`PER_STEP`]. About an axis it is 26u, also with
+//! the tangent that `nv` takes for s: see [`rotations`].
 //!
 //! A step that the robust solver takes adds its residual: see [`residual_share`].
 
@@ -29,8 +29,10 @@
 pub const PER_STEP: f64 = 32.0;
 /// What a step of `sexp-li` adds at most, in units of [`PER_STEP`]: 34ε.
 pub const LINEARLY_IMPLICIT: f64 = 2.0;
-/// The same for `split` with five rotations: 71ε.
-pub const FIVE_ROTATIONS: f64 = 3.0;
+/// The same for a step of so many rotations about axes, as those of `split` and `nv`: (13n + 6)ε.
+pub const fn rotations(number: usize) -> f64 {
+    (13 * number + 6) as f64 / PER_STEP
+}
 /// Units of ε for each unit of ∫|γ|: p = 2 times one for each step's integral and one for the law's
 /// exponent.
 const PER_DAMPING: f64 = 4.0;

@@ -27,7 +27,7 @@ pub struct Row {
     /// As a number, where it is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub x: Option<f64>,
-    /// `sexp`, `sexp-newton`, `sexp-levy`, `sexp-li`, `split`, `midpoint`, `heun`, `em`; or the
+    /// `sexp`, `sexp-newton`, `sexp-levy`, `sexp-li`, `split`, `nv`, `midpoint`, `heun`, `em`; or the
     /// discrete gradient that is tested.
     pub scheme: &'static str,
     /// The measured figure; none where it is not finite.

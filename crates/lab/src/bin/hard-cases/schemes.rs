@@ -4,11 +4,11 @@ use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Method, Solution, Solver};
 use real::{Block, WIDTH};
 use schemes::{
-    EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Split, Step, WithSolver,
+    EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split, Step, WithSolver,
 };
 use systems::{Flows, InvariantKind, PoissonSystem};
 
-use crate::rounding::{FIVE_ROTATIONS, LINEARLY_IMPLICIT};
+use crate::rounding::{LINEARLY_IMPLICIT, rotations};
 
 /// Where a scheme reads γ, and what it keeps.
 #[derive(Clone, Copy, PartialEq)]
@@ -55,7 +55,7 @@ pub struct Tested<S, const D: usize, const M: usize> {
 type Advance<S, const D: usize, const M: usize> =
     dyn Fn(&S, &Step, &Noise<M>, [f64; D]) -> Solution<D> + Send + Sync;
 
-/// Every scheme that differs from the others with M noises, but for [`split`].
+/// Every scheme that differs from the others with M noises, but for those [`by_parts`].
 pub fn schemes<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     system: &S,
     y0: [f64; D],
@@ -83,9 +83,22 @@ pub fn schemes<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
     all
 }
 
-/// Exact flows in turn.
-pub fn split<S: Flows<D, M>, const D: usize, const M: usize>() -> Tested<S, D, M> {
-    Tested { rounding: FIVE_ROTATIONS, ..Tested::new(Family::WithoutIteration, Split) }
+/// Exact flows of parts that are rotations about axes: `split` and `nv`.
+pub fn by_parts<S: Flows<D, M>, const D: usize, const M: usize>(
+    system: &S,
+) -> [Tested<S, D, M>; 2] {
+    let all = 2 * S::PARTS - 1;
+    let drifting = 2 * (0..S::PARTS).filter(|&part| system.drifts(part)).count();
+    let noise = |part: Option<usize>| if part.is_some() { 1 } else { 3 * all };
+    let noises: usize = S::NOISE_PARTS.into_iter().map(noise).sum();
+    let without = |rounding, scheme| Tested { rounding, ..scheme };
+    [
+        without(rotations(all), Tested::new(Family::WithoutIteration, Split)),
+        without(
+            rotations(2 * drifting + noises),
+            Tested::new(Family::WithoutIteration, Nv::of_parts()),
+        ),
+    ]
 }
 
 impl<S, const D: usize, const M: usize> Tested<S, D, M> {

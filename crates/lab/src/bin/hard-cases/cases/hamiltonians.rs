@@ -27,8 +27,8 @@ pub const STIFF: Case = Case {
     mathematics: "|y|² and H₀ decay as e^(−2∫γ) for every ω, the order of the body's \
                   frequencies.",
     quantity: "largest relative distance of |y|² and H₀ from their laws",
-    guarantee: "`sexp` is on both laws to rounding, or ends with a typed error; `sexp-li` and `split` \
-                are on that of |y|². The phase is not guaranteed. From ω = 1000 on `em` and `heun` must be off by more than one.",
+    guarantee: "`sexp` is on both laws to rounding, or ends with a typed error; `sexp-li`, `split` \
+                and `nv` are on that of |y|². The phase is not guaranteed. From ω = 1000 on `em` and `heun` must be off by more than one.",
     varied: "ω",
     rows: stiff,
 };
@@ -47,7 +47,7 @@ fn stiff(context: &Context) -> Rows {
         let fails = |family| omega >= EXPLICIT_FAILS && family == Family::Explicit;
         let experiment = Experiment::new(context, system, rigid_body_start(), (256, 1.0 / 64.0))?;
         experiment
-            .with_split()
+            .with_parts()
             .law_rows(omega, Some(omega), &LAWS, |family| fails(family).then_some(1.0))
     })
 }

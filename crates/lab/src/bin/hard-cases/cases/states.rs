@@ -37,7 +37,7 @@ fn scales(context: &Context) -> Rows {
             let mut increments = WienerBlock::new(key, first_path);
             Box::new(move |noise| increments.increments(tau.sqrt(), &mut noise.increments))
         });
-        anyhow::Ok(without_areas.with_split())
+        anyhow::Ok(without_areas.with_parts())
     };
     let plain = scaled(1.0)?;
     // Powers of two next to 10⁻¹⁵⁰ … 10¹⁵⁰.

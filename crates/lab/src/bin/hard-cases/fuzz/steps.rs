@@ -5,10 +5,12 @@ use lab::{PaperSystem, TwoSpins, compiled};
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Method, Outcome, Solution, Solver};
 use real::{Block, WIDTH};
-use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Step, WithSolver};
+use schemes::{
+    EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Step, WithSolver,
+};
 use systems::{
-    Constant, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
-    Problem, RealExponents, RigidBody, RigidBodyEnergy, SystemError,
+    Constant, Flows, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
+    PoissonSystem, Problem, RealExponents, RigidBody, RigidBodyEnergy, SystemError,
 };
 
 use super::{Bits, Fed, Refused, accepted};
@@ -29,7 +31,7 @@ pub enum Job {
 /// Any system; one parameter in `wild` is any number.
 pub fn any_system(bits: &mut Bits, job: Job, wild: u64) -> Fed {
     let p @ [a, b, c, d, e, f] = [(); 6].map(|()| bits.positive(wild));
-    match bits.below(9) {
+    match bits.below(10) {
         0 => with_system(bits, job, Pendulum::new(a), &p[..1]),
         1 => with_system(bits, job, RigidBody::three_noises([a, b, c], [d, e, f]), &p),
         2 => with_system(bits, job, RigidBody::one_noise([a, b, c], d), &p[..4]),
@@ -116,13 +118,13 @@ pub fn block(bits: &mut Bits) -> Fed {
 }
 
 /// A step of 32 different paths, some ordinary and some not.
-fn block_step<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
+fn block_step<S: PaperSystem<D, M> + Flows<D, M> + 'static, const D: usize, const M: usize>(
     bits: &mut Bits,
     system: &S,
 ) -> Fed {
     let step = any_step(bits)?;
     let with_solver = |solver| Box::new(WithSolver { formula: Sexp, solver });
-    let scheme: Box<dyn Scheme<S, D, M>> = match bits.below(9) {
+    let scheme: Box<dyn Scheme<S, D, M>> = match bits.below(10) {
         0 => with_solver(Solver::new(Method::FixedPoint)),
         1 => with_solver(Solver::new(Method::Newton)),
         2 => with_solver(Solver::default().settled()),
@@ -131,6 +133,7 @@ fn block_step<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
         5 => Box::new(Heun),
         6 => compiled(SexpLi::new(system, [1.0; D])?),
         7 => S::split().context("flows are known")?,
+        8 => Box::new(Nv::of_parts()),
         _ => compiled(EulerMaruyama),
     };
     let (mut noises, mut start) = (BlockNoise::zero(), Block::zero());
