@@ -22,7 +22,7 @@
 //!
 //! A system of your own needs none of this: take its schemes from [`schemes`].
 
-use schemes::{EulerMaruyama, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Split};
+use schemes::{EulerMaruyama, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split};
 use systems::{
     IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem, RigidBody,
     RigidBodyEnergy,
@@ -50,8 +50,8 @@ pub trait PaperSystem<const D: usize, const M: usize>:
     + Compiled<Midpoint, D, M>
     + Compiled<SexpLi, D, M>
 {
-    /// `split`, where the system is a sum of parts with known flows.
-    fn split() -> Option<Box<dyn Scheme<Self, D, M>>>;
+    /// `split` and `nv`, where the system is a sum of parts with known flows.
+    fn by_parts() -> Option<[Box<dyn Scheme<Self, D, M>>; 2]>;
 }
 
 // Not inlined: a caller that sees the constructor would compile what it constructs.
@@ -67,7 +67,7 @@ macro_rules! compiled {
 }
 
 macro_rules! systems_of_the_paper {
-    ($($split:expr => { $($system:ty, $d:literal, $m:literal;)+ })+) => {$($(
+    ($($by_parts:expr => { $($system:ty, $d:literal, $m:literal;)+ })+) => {$($(
         compiled! {
             Sexp { $system, $d, $m; }
             EulerMaruyama { $system, $d, $m; }
@@ -76,15 +76,15 @@ macro_rules! systems_of_the_paper {
         }
         impl PaperSystem<$d, $m> for $system {
             #[inline(never)]
-            fn split() -> Option<Box<dyn Scheme<Self, $d, $m>>> {
-                $split
+            fn by_parts() -> Option<[Box<dyn Scheme<Self, $d, $m>>; 2]> {
+                $by_parts
             }
         }
     )+)+};
 }
 
 systems_of_the_paper! {
-    Some(Box::new(Split)) => {
+    Some([Box::new(Split), Box::new(Nv::of_parts())]) => {
         Pendulum, 2, 1;
         RigidBody<1>, 3, 1;
         RigidBody<3>, 3, 3;

@@ -51,8 +51,8 @@ pub struct Setup<S, G, const D: usize, const M: usize> {
     pub id: &'static str,
     /// System, damping, start and final time.
     pub problem: Problem<S, G, D>,
-    /// `sexp`, `sexp-levy` where noises do not commute, `sexp-li`, `split` where flows are known,
-    /// `midpoint`, `heun` and `em`.
+    /// `sexp`, `sexp-levy` where noises do not commute, `sexp-li`, `split` and `nv` where flows are
+    /// known, `midpoint`, `heun` and `em`.
     pub schemes: Vec<(Kind, Box<dyn Scheme<S, D, M>>)>,
     /// What it is called on a figure; empty where only times are measured, and so are the next two.
     pub title: &'static str,
@@ -105,7 +105,8 @@ fn setup<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
     let linearly_implicit = valid(SexpLi::new(problem.system(), problem.y0()));
     let mut schemes =
         vec![(Kind::Sexp, compiled(Sexp)), (Kind::WithoutIteration, compiled(linearly_implicit))];
-    schemes.extend(S::split().map(|split| (Kind::WithoutIteration, split)));
+    let by_parts = S::by_parts().into_iter().flatten();
+    schemes.extend(by_parts.map(|scheme| (Kind::WithoutIteration, scheme)));
     schemes.extend([
         (Kind::OtherImplicit, compiled(Midpoint)),
         (Kind::Heun, Box::new(Heun) as Box<dyn Scheme<S, D, M>>),

@@ -40,7 +40,7 @@ pub fn without_iteration<S: PaperSystem<D, M>, G, const D: usize, const M: usize
 ) -> Vec<Curve<S, D, M>> {
     let scheme = |method: &Method| match method {
         Method::SexpLi => Some(compiled(valid(SexpLi::new(problem.system(), problem.y0())))),
-        Method::Split => S::split(),
+        Method::Split => S::by_parts().map(|[split, _]| split),
         _ => None,
     };
     let curve = |method: &Method| Some(Curve::new(*method, scheme(method)?));

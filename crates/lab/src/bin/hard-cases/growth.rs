@@ -48,6 +48,7 @@ enum Rule {
     Sexp(&'static str, Solver),
     SexpLi,
     Split,
+    Nv,
 }
 
 /// A system, and of Lotka–Volterra the number of the invariant; of the others the only Casimir.
@@ -85,7 +86,7 @@ pub fn run(arguments: &Arguments, job: &Job) -> Result<Vec<Growth>> {
     // Maxwell–Bloch turns by an angle that grows like √t, and with it what a step rounds: steps are
     // so short that the angle stays small.
     let short = 1.0 / 1024.0;
-    let runs: [(_, &dyn Damping, _, _, _, _); 20] = [
+    let runs: [(_, &dyn Damping, _, _, _, _); 21] = [
         ("default solver, undamped", none, dyadic, default, Body, true),
         ("undamped", none, dyadic, settled, Body, true),
         ("undamped, Newton", none, dyadic, newton, Body, false),
@@ -106,6 +107,7 @@ pub fn run(arguments: &Arguments, job: &Job) -> Result<Vec<Growth>> {
         ("split, undamped", none, dyadic, split, Body, false),
         ("split, γ = ½cos 2t", cosine, dyadic, split, Body, false),
         ("split, Maxwell–Bloch", none, short, split, Light, false),
+        ("nv, γ = ½cos 2t", cosine, dyadic, Rule::Nv, Body, false),
     ];
     let growth = |((id, damping, tau, rule, followed, drawn), number)| {
         let run = LongRun { id, damping, tau, rule, followed, drawn };
@@ -138,7 +140,14 @@ fn scheme<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
             let scheme = SexpLi::new(problem.system(), problem.y0())?;
             (compiled(scheme), "sexp-li", LINEARLY_IMPLICIT)
         }
-        Rule::Split => (S::split().context("no flows")?, "split", rotations(5)),
+        Rule::Split | Rule::Nv => {
+            let [split, nv] = S::by_parts().context("no flows")?;
+            match rule {
+                Rule::Split => (split, "split", rotations(5)),
+                // Of the body with three noises.
+                _ => (nv, "nv", rotations(9)),
+            }
+        }
     })
 }
 
@@ -187,7 +196,9 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
     let walk = end <= rounding * PER_STEP * f64::EPSILON * (steps as f64).sqrt();
     let held = |kept| if kept { Verdict::Holds } else { Verdict::Refuted };
     let verdict = match run.rule {
-        Rule::SexpLi | Rule::Split => held(walk && (steps < TELLING || hi <= MOST_EXPONENT)),
+        Rule::SexpLi | Rule::Split | Rule::Nv => {
+            held(walk && (steps < TELLING || hi <= MOST_EXPONENT))
+        }
         Rule::Sexp(_, solver) if solver.settle => held(walk),
         // The stopping test leaves a residual that has a direction: a drift is expected, and no
         // bound is stated.

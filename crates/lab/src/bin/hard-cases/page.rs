@@ -174,8 +174,8 @@ The roundings of the damping factors, which all paths share, show in the mean on
 
 *Guarantee.* With a settled solver the root mean square stays below 32ε√n, a walk of a step's \
 worst roundings. The default solver leaves a residual of up to 2ε in the same direction in every \
-step, a drift; one more sweep, `Solver::settled()`, removes it. `sexp-li` and `split` solve \
-nothing by iteration and have no such option: twice and 2.2 times that bound, and an exponent \
+step, a drift; one more sweep, `Solver::settled()`, removes it. `sexp-li`, `split` and `nv` solve \
+nothing by iteration and have no such option: 2, 2.2 and 3.8 times that bound, and an exponent \
 whose interval lies below 0.55. The Maxwell–Bloch system turns by an angle that grows like √t, \
 and with it what a step rounds; its steps are short, so that the angle stays small.";
 

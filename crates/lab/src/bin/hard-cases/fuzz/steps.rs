@@ -5,12 +5,10 @@ use lab::{PaperSystem, TwoSpins, compiled};
 use noise::{BlockNoise, Noise};
 use nonlin::{BlockStatus, Method, Outcome, Solution, Solver};
 use real::{Block, WIDTH};
-use schemes::{
-    EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Step, WithSolver,
-};
+use schemes::{EulerMaruyama, Heun, Midpoint, Scheme, Sexp, SexpLevy, SexpLi, Step, WithSolver};
 use systems::{
-    Constant, Flows, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
-    PoissonSystem, Problem, RealExponents, RigidBody, RigidBodyEnergy, SystemError,
+    Constant, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
+    Problem, RealExponents, RigidBody, RigidBodyEnergy, SystemError,
 };
 
 use super::{Bits, Fed, Refused, accepted};
@@ -118,7 +116,7 @@ pub fn block(bits: &mut Bits) -> Fed {
 }
 
 /// A step of 32 different paths, some ordinary and some not.
-fn block_step<S: PaperSystem<D, M> + Flows<D, M> + 'static, const D: usize, const M: usize>(
+fn block_step<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
     bits: &mut Bits,
     system: &S,
 ) -> Fed {
@@ -132,8 +130,10 @@ fn block_step<S: PaperSystem<D, M> + Flows<D, M> + 'static, const D: usize, cons
         4 => compiled(Midpoint),
         5 => Box::new(Heun),
         6 => compiled(SexpLi::new(system, [1.0; D])?),
-        7 => S::split().context("flows are known")?,
-        8 => Box::new(Nv::of_parts()),
+        7 | 8 => {
+            let [split, nv] = S::by_parts().context("flows are known")?;
+            if bits.one_in(2) { split } else { nv }
+        }
         _ => compiled(EulerMaruyama),
     };
     let (mut noises, mut start) = (BlockNoise::zero(), Block::zero());
