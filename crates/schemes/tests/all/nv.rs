@@ -148,12 +148,10 @@ fn order_beside_the_bracket<S: PoissonSystem<D, 1>, const D: usize>(
 #[test]
 fn nothing_but_the_bracket_of_drift_and_noise_is_of_order_three_halves() {
     let turning = RigidBody::one_noise([2.0, 1.0, 2.0 / 3.0], 1.0).unwrap();
-    let along = RigidBodyEnergy::new([2.0, 1.0, 2.0 / 3.0], 1.0).unwrap();
     let (pendulum, poisson) = (Pendulum::new(1.0).unwrap(), Poisson3::new(1.0).unwrap());
     let (swing, start) = ([0.2, 1.0], [1.0, 2.0, 3.0]);
     for order in [
         order_beside_the_bracket(&Nv::of_parts(), &turning, MOMENTUM),
-        order_beside_the_bracket(&Nv::of_parts(), &along, MOMENTUM),
         order_beside_the_bracket(&Nv::of_parts(), &MaxwellBloch, start),
         order_beside_the_bracket(&Nv::of_parts(), &pendulum, swing),
         order_beside_the_bracket(&Nv::of_parts(), &poisson, start),
