@@ -52,8 +52,8 @@ fn every_scheme_is_measured_on_every_system() {
             _ => &[],
         };
         let flows = !system.starts_with("lotka") && system != "spin-chain";
-        let split: &[&str] = if flows { &["split"] } else { &[] };
-        let all = [&["sexp"], levy, &["sexp-li"], split, &["midpoint", "heun", "em"]].concat();
+        let by_parts: &[&str] = if flows { &["split", "nv"] } else { &[] };
+        let all = [&["sexp"], levy, &["sexp-li"], by_parts, &["midpoint", "heun", "em"]].concat();
         assert_eq!(names, all, "{system}");
         assert!(page.contains(system), "{system} is not on the page");
     }

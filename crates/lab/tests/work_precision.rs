@@ -68,8 +68,8 @@ fn all_cases_have_numbers_figures_and_words() {
         let schemes: Vec<&str> =
             series.iter().map(|series| series["scheme"].as_str().unwrap()).collect();
         let levy: &[&str] = if id == "rigid-body-3" { &["sexp-levy", "sexp-li-levy"] } else { &[] };
-        let split: &[&str] = if id == "lotka-volterra" { &[] } else { &["split"] };
-        let all = [&["sexp"], levy, &["sexp-li"], split, &["midpoint", "heun", "em"]].concat();
+        let by_parts: &[&str] = if id == "lotka-volterra" { &[] } else { &["split", "nv"] };
+        let all = [&["sexp"], levy, &["sexp-li"], by_parts, &["midpoint", "heun", "em"]].concat();
         assert_eq!(schemes, all, "{id}");
         for series in series {
             for point in series["points"].as_array().unwrap() {
@@ -87,7 +87,9 @@ fn all_cases_have_numbers_figures_and_words() {
                     // has one is kept by `sexp` alone.
                     let keeps = match scheme {
                         "sexp" | "sexp-levy" => true,
-                        "sexp-li" | "sexp-li-levy" | "split" => id != "lotka-volterra" || index > 0,
+                        "sexp-li" | "sexp-li-levy" | "split" | "nv" => {
+                            id != "lotka-volterra" || index > 0
+                        }
                         _ => false,
                     };
                     let kept = defect.as_f64().unwrap() < 1e-12;
