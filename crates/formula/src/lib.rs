@@ -66,6 +66,7 @@ mod system;
 mod tape;
 mod terms;
 mod uniform;
+mod words;
 
 pub use damping::{DampingError, FormulaDamping};
 pub use domain::DomainError;

@@ -12,7 +12,12 @@ use crate::NoiseError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Truncation {
     order: Option<u32>,
+    wide: bool,
 }
+
+/// Standard deviations below which a [wide](Truncation::wide) truncation clips nothing: a normal
+/// number exceeds them with probability 2·10⁻⁹.
+const WIDE: f64 = 6.0;
 
 impl Truncation {
     /// Truncation of order k ≥ 1. The theorems on `sexp` need k ≥ 2.
@@ -20,12 +25,23 @@ impl Truncation {
     /// # Errors
     /// [`NoiseError::TruncationOrderZero`] for k = 0.
     pub fn new(k: u32) -> Result<Self, NoiseError> {
-        if k == 0 { Err(NoiseError::TruncationOrderZero) } else { Ok(Self { order: Some(k) }) }
+        if k == 0 {
+            Err(NoiseError::TruncationOrderZero)
+        } else {
+            Ok(Self { order: Some(k), wide: false })
+        }
     }
 
     /// No truncation: for explicit schemes, and for experiments without it.
     pub fn none() -> Self {
-        Self { order: None }
+        Self { order: None, wide: false }
+    }
+
+    /// The same with the threshold max(A, 6), for any step size. At long steps A is a few standard
+    /// deviations and shows in the results: 2.35 for k = 4 and τ = ½. As τ → 0 both are the same.
+    #[must_use]
+    pub fn wide(self) -> Self {
+        Self { wide: true, ..self }
     }
 
     /// The order k; `None` for [`Truncation::none`].
@@ -36,14 +52,16 @@ impl Truncation {
     /// The largest |ΔŴ| at step `tau`: √τ·√(2k|log τ|). Infinite for [`Truncation::none`].
     ///
     /// # Errors
-    /// [`NoiseError::StepOutsideUnitInterval`] unless 0 < τ < 1. For τ ≥ 1 the threshold A is zero
-    /// or increases with τ.
+    /// [`NoiseError::StepOutsideUnitInterval`] unless 0 < τ < 1, or 0 < τ < ∞ for a wide truncation.
+    /// For τ ≥ 1 the threshold A is zero or increases with τ.
     pub fn bound(self, tau: f64) -> Result<f64, NoiseError> {
         match self.order {
             None => Ok(f64::INFINITY),
             Some(k) if tau > 0.0 && tau < 1.0 => {
-                Ok(tau.sqrt() * (2.0 * f64::from(k) * tau.ln().abs()).sqrt())
+                let threshold = (2.0 * f64::from(k) * tau.ln().abs()).sqrt();
+                Ok(tau.sqrt() * if self.wide { threshold.max(WIDE) } else { threshold })
             }
+            Some(_) if self.wide && tau >= 1.0 && tau.is_finite() => Ok(tau.sqrt() * WIDE),
             Some(_) => Err(NoiseError::StepOutsideUnitInterval { tau }),
         }
     }
@@ -104,6 +122,19 @@ mod tests {
             (Truncation::none().order(), Truncation::new(2).unwrap().order()),
             (None, Some(2))
         );
+    }
+
+    #[test]
+    fn a_wide_truncation_leaves_six_deviations_at_any_step() {
+        let (plain, wide) = (Truncation::new(4).unwrap(), Truncation::new(4).unwrap().wide());
+        for tau in [0.5, 1.0, 3.0, 1e6] {
+            assert_eq!(wide.bound(tau), Ok(tau.sqrt() * 6.0), "{tau}");
+        }
+        assert_eq!(wide.bound(0.01), plain.bound(0.01));
+        assert!(plain.bound(0.5).unwrap() < 2.36 * 0.5f64.sqrt());
+        for tau in [0.0, -0.5, f64::NAN, f64::INFINITY] {
+            assert!(wide.bound(tau).is_err(), "{tau}");
+        }
     }
 
     #[test]

@@ -22,6 +22,7 @@
 //! | [`FinalMoments`], [`Stopwatch`], [`Spread`], [`number()`] | moments of final states; times; digits |
 //! | [`results::Evidence`], [`results::Claim`] | a measurement as data, its verdict in words |
 //! | [`exact`], [`runge_kutta`], [`rigid_body_expectations`] | references |
+//! | [`step_check()`], [`StepCheck`], [`StepError`] | whether the steps of a run are short enough |
 //! | [`Settings`], [`Mode`], [`Progress`], [`Silent`] | how much to compute; progress |
 //! | [`results`] | the `results.json` contract |
 
@@ -38,6 +39,7 @@ pub mod results;
 pub mod runge_kutta;
 mod settings;
 mod sphere;
+mod step_check;
 mod stopwatch;
 mod verdict;
 
@@ -62,5 +64,6 @@ pub use orders::{
 pub use other_noise::OtherNoise;
 pub use settings::{Mode, Progress, Settings, Silent};
 pub use sphere::rigid_body_expectations;
+pub use step_check::{Halved, STIFF, StepCheck, StepError, StepErrors, checked_paths, step_check};
 pub use stopwatch::{Spread, Stopwatch};
 pub use verdict::{ORDER_MARGIN, Verdict, bound_verdict, order_verdict};

@@ -12,7 +12,10 @@ mod run;
 
 use std::{fs, io::Write, path::Path};
 
-use casimir::mc::parts::{Job, Program, Stop, limit_threads};
+use casimir::{
+    mc::parts::{Job, Program, Stop, limit_threads},
+    verify::inspect::long_times,
+};
 use clap::CommandFactory;
 
 pub use compare::compare;
@@ -26,7 +29,7 @@ pub use run::{Results, run};
 use crate::{
     arguments::Arguments,
     failure::{Done, Failure},
-    model::{Findings, Model},
+    model::{Known, Model},
     scene::{AUTO, Changes, Scene, Source},
 };
 
@@ -38,23 +41,33 @@ fn open(file: &Path, changes: &Changes) -> Done<Scene> {
     Ok(Scene::new(Source { name, text }, changes)?)
 }
 
-/// The scheme of a scene, and why it was chosen if that was left to the program.
-fn scheme(scene: &Scene, findings: &Findings) -> (String, Option<String>) {
-    if scene.settings.scheme != AUTO {
-        return (scene.settings.scheme.clone(), None);
+/// The scheme of a scene, and why it was chosen if that was left to the program, or what it loses
+/// over long times.
+fn scheme<N>(scene: &Scene, model: &dyn Model<N>) -> Settled {
+    let (auto, because) = model.recommended();
+    let named = &scene.settings.scheme;
+    if named == AUTO {
+        return (auto.into(), Some(because));
     }
-    let (scheme, because) = findings.recommended();
-    (scheme, Some(because))
+    let constant = model.constant_structure();
+    let explicit = match named.as_str() {
+        "heun" | "em" => true,
+        "sexp-li" | "sexp-li-levy" => constant,
+        _ => false,
+    };
+    let loses = format!("{}; auto takes {auto}", long_times(named, constant));
+    (named.clone(), explicit.then_some(loses))
 }
 
-/// What the system is. Whoever has a wrong system should know before its numbers.
-fn findings<N>(scene: &Scene, model: &dyn Model<N>) -> Done<Findings> {
-    let findings = model.findings();
-    let findings = findings.map_err(|error| scene.source.error_of_all(error))?;
-    for mistake in findings.mistakes() {
-        eprintln!("warning: {mistake}");
-    }
-    Ok(findings)
+/// A scheme, and why it was chosen if that was left to the program: what `plan` settles, so that
+/// no part inspects the system.
+type Settled = (String, Option<String>);
+
+/// Prints what is wrong. Whoever has a wrong system should know before its numbers.
+fn warn<N>(model: &dyn Model<N>) -> Known {
+    let known = model.known();
+    known.mistake.iter().for_each(|mistake| eprintln!("warning: {mistake}"));
+    known
 }
 
 /// Steps of the coarsest level: an eighth of a unit of time or shorter. Finer levels follow from

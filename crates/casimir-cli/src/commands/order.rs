@@ -13,7 +13,7 @@ use casimir::{
 };
 use serde_json::{Value, json};
 
-use super::{coarsest_steps, findings, folder, open, print, print_json, scheme, threads};
+use super::{coarsest_steps, folder, open, print, print_json, scheme, threads, warn};
 use crate::{
     arguments::Order,
     failure::Done,
@@ -85,8 +85,8 @@ fn described(found: &Found) -> Value {
 
 fn measure<N: StepNoise>(scene: &Scene, model: &dyn Model<N>, path_steps: u64) -> Done<Results> {
     let start = Instant::now();
-    let findings = findings(scene, model)?;
-    let (scheme, because) = scheme(scene, &findings);
+    warn(model);
+    let (scheme, because) = scheme(scene, model);
     let (source, settings) = (&scene.source, &scene.settings);
     let setup = |scheme: &str| {
         let setup = model.setup(scheme);

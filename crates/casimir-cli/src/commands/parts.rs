@@ -79,9 +79,9 @@ impl Folder {
     fn compute(&self, job: &Job, stop: &Stop) -> Done<Option<Found>> {
         let scene = &self.scene;
         with_model!(&scene.model, model => match self.divided.expect {
-            true => Ok(expect::Ready::new(scene, model)?.compute(job)?.map(Found::Expected)),
+            true => Ok(expect::Ready::new(scene, model, None)?.compute(job)?.map(Found::Expected)),
             false => {
-                let found = run::Ready::new(scene, model)?.compute(job, stop)?;
+                let found = run::Ready::new(scene, model, None)?.compute(job, stop)?;
                 Ok(found.map(|results| Found::Run(Box::new(results))))
             }
         })

@@ -10,17 +10,17 @@ use casimir::{
     },
     noise::StepNoise,
     report::Bars,
-    verify::Progress,
+    verify::{Progress, StepCheck, checked_paths, step_check},
 };
 
 use super::{
-    exact_quantiles, findings, folder, open, print, print_json, program, scheme, stop, stoppable,
-    threads,
+    Settled, exact_quantiles, folder, open, print, print_json, program, scheme, stop, stoppable,
+    threads, warn,
 };
 use crate::{
     arguments::{Format, Run},
     failure::{Done, Failure},
-    model::{Findings, Model, with_model},
+    model::{Known, Model, with_model},
     output,
     scene::{Observable, Scene},
 };
@@ -32,11 +32,13 @@ pub struct Results {
     /// Why, if it was left to the program.
     pub because: Option<String>,
     /// What the system is.
-    pub findings: Findings,
+    pub known: Known,
     /// Tables of the first paths.
     pub tables: Vec<TimeSeries>,
     /// Statistics of all paths, if there are many.
     pub study: Option<StudyResult>,
+    /// How large the step errors are.
+    pub check: Option<StepCheck>,
     /// Seconds of the computation.
     pub seconds: f64,
 }
@@ -50,7 +52,7 @@ pub fn run(arguments: &Run) -> Done {
     let stop = stop();
     // The scene is checked before the folder is made.
     let (results, stopped) = with_model!(&scene.model, model => {
-        let ready = Ready::new(&scene, model)?;
+        let ready = Ready::new(&scene, model, None)?;
         folder::prepare(&folder)?;
         let job = match scene.settings.is_study() {
             true => Job::part(&folder, Share::WHOLE, program())?,
@@ -109,34 +111,33 @@ impl Results {
 pub struct Ready<'a, N> {
     scene: &'a Scene,
     model: &'a dyn Model<N>,
-    findings: Findings,
     scheme: String,
     because: Option<String>,
 }
 
 impl<'a, N: StepNoise> Ready<'a, N> {
-    /// Chooses the scheme, and checks that it can be run.
-    pub fn new(scene: &'a Scene, model: &'a dyn Model<N>) -> Done<Self> {
-        let findings = findings(scene, model)?;
-        let (scheme, because) = scheme(scene, &findings);
+    /// Chooses the scheme unless it is settled, and checks that it can be run.
+    pub fn new(scene: &'a Scene, model: &'a dyn Model<N>, settled: Option<&Settled>) -> Done<Self> {
+        let (scheme, because) = settled.cloned().unwrap_or_else(|| self::scheme(scene, model));
         let (source, settings) = (&scene.source, &scene.settings);
         let setup = model.setup(&scheme);
         let setup = setup.map_err(|error| settings.scheme_error(source, error))?;
         settings.check_steps(source, &setup)?;
-        Ok(Self { scene, model, findings, scheme, because })
+        Ok(Self { scene, model, scheme, because })
     }
 
     /// Computes tables and statistics; none if another part has them.
     pub fn compute(self, job: &Job, stop: &Stop) -> Done<Option<Results>> {
         let start = Instant::now();
         let settings = &self.scene.settings;
-        let mut study = match settings.is_study() {
-            true => match self.study(job)? {
-                Some(study) => Some(study),
-                None => return Ok(None),
-            },
-            false => None,
-        };
+        let is_study = settings.is_study();
+        let study = if is_study { self.study(job)? } else { None };
+        let check = self.check(job)?;
+        if is_study && study.is_none() {
+            return Ok(None);
+        }
+        let known = warn(self.model);
+        let mut study = study;
         let exact = study.as_mut().filter(|study| study.record.paths == settings.paths);
         let exact = exact.filter(|_| exact_quantiles::are_affordable(self.scene));
         let all = if exact.is_some() { settings.paths } else { settings.tables };
@@ -145,9 +146,9 @@ impl<'a, N: StepNoise> Ready<'a, N> {
             exact_quantiles::replace(study, &tables);
         }
         tables.truncate(settings.tables as usize);
-        let Self { findings, scheme, because, .. } = self;
+        let Self { scheme, because, .. } = self;
         let seconds = start.elapsed().as_secs_f64();
-        Ok(Some(Results { scheme, because, findings, tables, study, seconds }))
+        Ok(Some(Results { scheme, because, known, tables, study, check, seconds }))
     }
 
     fn setup(&self) -> Done<casimir::mc::Setup<'_, N>> {
@@ -156,10 +157,23 @@ impl<'a, N: StepNoise> Ready<'a, N> {
         Ok(setup.map_err(|error| scene.settings.scheme_error(&scene.source, error))?)
     }
 
+    /// The step errors of what is shown, as a piece of work of a job.
+    fn check(&self, job: &Job) -> Done<Option<StepCheck>> {
+        let Scene { source, observables, settings, .. } = self.scene;
+        let setup = self.setup()?;
+        let paths = checked_paths(settings.paths, setup.problem.noises);
+        let observables: Vec<&dyn Observe> =
+            observables.iter().map(|observable: &Observable| observable as _).collect();
+        let noise = (settings.truncation, settings.key);
+        let check = step_check(&setup, &observables, settings.steps, paths, noise, job);
+        Ok(check.map_err(|error| settings.steps_error(source, error))?)
+    }
+
     /// The tables of the first paths.
     fn tables(&self, paths: u64, stop: &Stop) -> Done<Vec<TimeSeries>> {
         let Scene { source, components, observables, settings, .. } = self.scene;
-        let mut simulation = DynSimulation::new(self.setup()?, settings.truncation)
+        let setup = self.model.with_laws(self.setup()?);
+        let mut simulation = DynSimulation::new(setup, settings.truncation)
             .every(settings.steps / settings.times)
             .with_components(components.clone())
             .stopped_by(stop);
@@ -222,7 +236,9 @@ pub fn report(scene: &Scene, results: &Results, folder: &Path, json: bool) -> Do
         return print_json(&output::summary(scene, results, folder)?);
     }
     let mut text = String::new();
-    let Results { scheme, because, tables, study, seconds, .. } = results;
+    let Results { scheme, because, tables, study, check, seconds, .. } = results;
+    let lines = check.iter().flat_map(|check| output::step_lines(check, study.as_ref(), scene));
+    lines.for_each(|line| text += &format!("warning: {line}\n"));
     let paths = study.as_ref().map_or(tables.len() as u64, |study| study.record.paths);
     let steps = scene.settings.steps;
     let word = if paths == 1 { "path" } else { "paths" };
@@ -231,7 +247,7 @@ pub fn report(scene: &Scene, results: &Results, folder: &Path, json: bool) -> Do
         text += &format!("{scheme}: {because}\n");
     }
     if let Some(study) = study {
-        text += &output::table_at_end(study);
+        text += &output::table_at_end(study, check.as_ref());
         study.warnings.iter().for_each(|warning| text += &format!("warning: {warning}\n"));
     }
     for (path, table) in tables.iter().enumerate() {

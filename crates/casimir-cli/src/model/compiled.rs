@@ -6,8 +6,10 @@ use casimir::{
     mc::{DynProblem, Expect, Setup},
     noise::BlockNoise,
     schemes::{EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split},
-    systems::{Damping, Flows, PoissonSystem, Problem},
-    verify::{Candidates, Comparison, DynCompareSettings, compare_of, inspect_problem},
+    systems::{Damping, Flows, InvariantKind, Linearity, PoissonSystem, Problem, linearity},
+    verify::{
+        Candidates, Comparison, DynCompareSettings, compare_of, inspect::Kept, inspect_problem,
+    },
 };
 
 use super::{Findings, Model};
@@ -89,6 +91,18 @@ impl<S: PoissonSystem<D, M> + 'static, const D: usize, const M: usize> Model<Blo
         let found = self.schemes.iter().find(|(name, _)| *name == scheme);
         let (_, scheme) = found.ok_or_else(|| super::unknown_scheme(scheme, &self.names))?;
         Ok(Setup::of(&self.problem, &**scheme.as_ref()?))
+    }
+
+    fn recommended(&self) -> (&'static str, String) {
+        let (system, y0) = (self.problem.system(), self.problem.y0());
+        let has = |kind| system.invariants().iter().any(|law| law.kind == kind);
+        let areas = M > 1 && !SexpLevy::new(system, y0).commuting();
+        Kept { casimirs: has(InvariantKind::Casimir), energy: has(InvariantKind::Energy), areas }
+            .scheme()
+    }
+
+    fn constant_structure(&self) -> bool {
+        linearity(self.problem.system(), self.problem.y0()) == Linearity::Constant
     }
 
     fn expect(&self) -> Option<Expect<'_, BlockNoise<M>>> {

@@ -9,16 +9,20 @@ use casimir::{
     formula::{Definition, DefinitionError, Formula, FormulaSystem, Which},
     mc::{DynProblem, Expect, Setup},
     noise::NoiseRows,
-    systems::{Damping, run_time::Problem},
+    systems::{
+        Damping, Linearity,
+        run_time::{Problem, System},
+    },
     verify::{
-        Comparison, DynCandidates, DynCompareSettings, compare_of, inspect::Inspection,
+        Comparison, DynCandidates, DynCompareSettings, compare_of,
+        inspect::{Facts, Form},
         inspect_formula_problem,
     },
 };
 use toml::Spanned;
 
 use super::{
-    AnyModel, Built, Findings, Model,
+    AnyModel, Built, Findings, Known, Model,
     laws::{laws, with_laws},
     row_schemes::RowSchemes,
 };
@@ -31,28 +35,46 @@ struct Formulas {
     system: Arc<FormulaSystem>,
     problem: Problem,
     schemes: RowSchemes,
-    inspection: OnceLock<Result<Inspection, String>>,
+    facts: OnceLock<Facts>,
 }
 
 impl Formulas {
-    /// What the system is, found once.
-    fn inspection(&self) -> Result<&Inspection, String> {
-        let inspect = || {
-            let (damping, y0) = (self.problem.damping(), self.problem.y0());
-            inspect_formula_problem(&self.system, damping, y0, self.problem.t_end())
-                .map_err(|error| error.to_string())
-        };
-        self.inspection.get_or_init(inspect).as_ref().map_err(Clone::clone)
+    /// What the system keeps, found once.
+    fn facts(&self) -> &Facts {
+        self.facts.get_or_init(|| Facts::of(&self.problem))
     }
 }
 
 impl Model<NoiseRows> for Formulas {
     fn setup(&self, scheme: &str) -> Result<Setup<'_, NoiseRows>, String> {
         let scheme = self.schemes.get(scheme)?;
-        let setup = Setup::at_run_time(&self.problem, scheme).map_err(|error| error.to_string())?;
-        // Without findings nothing is claimed.
-        let laws = self.inspection().map(laws).unwrap_or_default();
-        Ok(Setup { problem: with_laws(setup.problem, laws), scheme: setup.scheme })
+        Setup::at_run_time(&self.problem, scheme).map_err(|error| error.to_string())
+    }
+
+    fn with_laws<'a>(&'a self, setup: Setup<'a, NoiseRows>) -> Setup<'a, NoiseRows> {
+        Setup { problem: with_laws(setup.problem, laws(self.facts())), ..setup }
+    }
+
+    fn recommended(&self) -> (&'static str, String) {
+        self.facts().kept().scheme()
+    }
+
+    fn known(&self) -> Known {
+        let facts = self.facts();
+        let form = |(k, form): (usize, &Form)| format!("Casimir C{} = {}", k + 1, form.formula());
+        let energy = facts.energy_law().map(|degree| match facts.damped {
+            true => format!("H0 decays as exp(-{degree} ∫γ)"),
+            false => "H0 is constant".into(),
+        });
+        Known {
+            equations: self.system.equations(facts.damped),
+            laws: facts.casimirs.iter().enumerate().map(form).chain(energy).collect(),
+            mistake: facts.mistake.clone(),
+        }
+    }
+
+    fn constant_structure(&self) -> bool {
+        self.system.linearity() == Linearity::Constant
     }
 
     fn expect(&self) -> Option<Expect<'_, NoiseRows>> {
@@ -60,14 +82,15 @@ impl Model<NoiseRows> for Formulas {
     }
 
     fn compare(&self, settings: &DynCompareSettings<'_>) -> Result<Comparison, Box<dyn Error>> {
-        let casimirs = self.inspection().map(|found| found.casimirs.found.clone());
         let candidates = DynCandidates::all(&self.problem)?;
-        let candidates = candidates.with_casimirs(casimirs.unwrap_or_default());
+        let candidates = candidates.with_casimirs(self.facts().casimirs.clone());
         Ok(compare_of(&DynProblem::at_run_time(&self.problem), &candidates, settings)?)
     }
 
     fn findings(&self) -> Result<Findings, Box<dyn Error>> {
-        Ok(Findings::Small(Box::new(self.inspection()?.clone())))
+        let (damping, y0) = (self.problem.damping(), self.problem.y0());
+        let found = inspect_formula_problem(&self.system, damping, y0, self.problem.t_end())?;
+        Ok(Findings::Small(Box::new(found)))
     }
 }
 
@@ -126,7 +149,7 @@ pub fn build(
             system,
             problem,
             schemes,
-            inspection: OnceLock::new(),
+            facts: OnceLock::new(),
         })),
         components: definition.state,
         names,

@@ -42,6 +42,23 @@ impl Model<NoiseRows> for Lattice {
         Setup::at_run_time(&self.problem, scheme).map_err(|error| error.to_string())
     }
 
+    fn recommended(&self) -> (&'static str, String) {
+        let system = self.problem.system();
+        match system.parts() {
+            Ok(_) => {
+                ("split", "it keeps the length of each spin, and the energy stays near".into())
+            }
+            Err(_) if system.is_transverse() => {
+                let because =
+                    "it keeps the length of each spin; transverse damping governs the energy";
+                ("sexp-li", because.into())
+            }
+            Err(reason) => {
+                ("sexp", format!("it keeps the length of each spin; split would not do: {reason}"))
+            }
+        }
+    }
+
     /// None: a point has as many dimensions as spins, steps and noises together.
     fn expect(&self) -> Option<Expect<'_, NoiseRows>> {
         None

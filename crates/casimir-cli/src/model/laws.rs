@@ -1,35 +1,23 @@
-//! Functions that obey the conformal law because `inspect` found that they do.
+//! Functions that were found to obey the conformal law.
 
 use casimir::{
     mc::{ConformalLaw, DynProblem, Formulas},
-    verify::inspect::{FoundCasimir, Inspection},
+    verify::inspect::{Facts, Form},
 };
 
 /// A function F with F(y(t)) = e^{−p∫γ}F(y(0)).
 #[derive(Clone)]
 pub enum Law {
     /// A linear or quadratic Casimir.
-    Casimir(FoundCasimir),
-    /// H₀, homogeneous of this degree, with noises proportional to it.
+    Casimir(Form),
+    /// H₀, with noises proportional to it.
     Energy(f64),
 }
 
 /// The laws that follow from what was found.
-pub fn laws(found: &Inspection) -> Vec<Law> {
-    let casimirs = found.casimirs.found.iter().filter(|found| found.casimir.holds());
-    let of_degree = |degree| casimirs.clone().filter(move |found| found.degree == degree);
-    let (linear, quadratic) = (of_degree(1).count(), of_degree(2).count());
-    // As many as the products of linear ones: they say nothing new.
-    let most = if quadratic == linear * (linear + 1) / 2 { 1 } else { 2 };
-    let casimirs = casimirs.filter(|found| found.degree <= most);
-    let mut laws: Vec<Law> = casimirs.cloned().map(Law::Casimir).collect();
-    let hamiltonians = &found.hamiltonians;
-    let proportional = hamiltonians.proportional.as_ref().is_some_and(|found| found.holds());
-    let degree = hamiltonians.shapes.first().and_then(|shape| shape.degree);
-    if let (true, Some(degree)) = (proportional, degree) {
-        laws.push(Law::Energy(degree));
-    }
-    laws
+pub fn laws(facts: &Facts) -> Vec<Law> {
+    let casimirs = facts.casimirs.iter().cloned().map(Law::Casimir);
+    casimirs.chain(facts.energy_law().map(Law::Energy)).collect()
 }
 
 /// A problem with these laws.

@@ -17,7 +17,7 @@ use casimir::{
     systems::{Constant, Damping},
     verify::{
         Comparison, DynCompareSettings,
-        inspect::{Inspection, LargeInspection, Purpose},
+        inspect::{Inspection, LargeInspection},
     },
 };
 
@@ -32,6 +32,24 @@ pub trait Model<N>: Send + Sync {
     /// # Errors
     /// Why the scheme is not for the system.
     fn setup(&self, scheme: &str) -> Result<Setup<'_, N>, String>;
+
+    /// The same with the laws that were found as columns of tables.
+    fn with_laws<'a>(&'a self, setup: Setup<'a, N>) -> Setup<'a, N> {
+        setup
+    }
+
+    /// The scheme that `auto` takes, and why.
+    fn recommended(&self) -> (&'static str, String);
+
+    /// What the system is, as far as a run has to know; nothing of a system of the project.
+    fn known(&self) -> Known {
+        Known::default()
+    }
+
+    /// Whether B does not depend on y.
+    fn constant_structure(&self) -> bool {
+        false
+    }
 
     /// Expectations for which everything is chosen; `None` if they are computed by levels of random
     /// points.
@@ -48,6 +66,33 @@ pub trait Model<N>: Send + Sync {
     /// # Errors
     /// Those of [`casimir::verify::inspect`].
     fn findings(&self) -> Result<Findings, Box<dyn Error>>;
+}
+
+/// What is found within milliseconds.
+#[derive(Clone, Default)]
+pub struct Known {
+    /// The equation that was understood, component by component.
+    pub equations: Vec<String>,
+    /// Casimirs and the law of the energy.
+    pub laws: Vec<String>,
+    /// What is wrong.
+    pub mistake: Option<String>,
+}
+
+impl Known {
+    /// The equation as lines; nothing of a system of the project.
+    pub fn equation(&self) -> String {
+        match self.equations[..] {
+            [] => String::new(),
+            _ => format!("The equation as it was understood\n  {}\n", self.equations.join("\n  ")),
+        }
+    }
+
+    /// Equation and laws, with the names of the components.
+    pub fn text(&self, components: &[String]) -> String {
+        let laws = self.laws.iter().map(|law| format!("{}\n", with_names(law, components)));
+        self.equation() + &laws.collect::<String>()
+    }
 }
 
 /// A model with any noise.
@@ -159,35 +204,6 @@ pub enum Findings {
 }
 
 impl Findings {
-    /// A scheme to take and why.
-    pub fn recommended(&self) -> (String, String) {
-        match self {
-            Self::Small(inspection) => {
-                let recommended = &inspection.recommended;
-                let of = recommended.iter().find(|of| of.purpose == Purpose::Paths);
-                match of.or(recommended.first()) {
-                    Some(of) => (of.scheme.into(), of.because.clone()),
-                    None => ("heun".into(), "nothing was found to keep".into()),
-                }
-            }
-            Self::Large(inspection) => match &inspection.sexp_li_refused {
-                None => ("sexp-li".into(), "it keeps every Casimir and needs no iteration".into()),
-                Some(reason) => ("sexp".into(), reason.clone()),
-            },
-        }
-    }
-
-    /// What is wrong with the system.
-    pub fn mistakes(&self) -> Vec<String> {
-        match self {
-            Self::Small(inspection) => inspection.mistakes.clone(),
-            Self::Large(inspection) => {
-                let refuted = inspection.identities.iter().filter(|found| !found.status.holds());
-                refuted.map(|found| format!("not to round-off: {}", found.what)).collect()
-            }
-        }
-    }
-
     /// As JSON.
     pub fn json(&self) -> serde_json::Result<serde_json::Value> {
         match self {
@@ -198,7 +214,7 @@ impl Findings {
 }
 
 /// A text in which `y1`, `y2`, … are the names of the components.
-fn with_names(text: &str, components: &[String]) -> String {
+pub fn with_names(text: &str, components: &[String]) -> String {
     let mut named = String::new();
     let mut rest = text;
     while let Some(at) = rest.find('y') {

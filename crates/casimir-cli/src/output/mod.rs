@@ -4,14 +4,20 @@ mod expectation;
 mod figures;
 mod npz;
 mod page;
+mod steps;
 
 use std::path::Path;
 
 use casimir::{
     mc::{study::StudyResult, write_csv},
     report::files,
+    verify::StepCheck,
 };
 use serde_json::{Value, json};
+
+use steps::{step_cell, step_errors};
+
+pub use steps::step_lines;
 
 pub use expectation::{expectation_json, expectation_text, write_expectation};
 
@@ -82,11 +88,11 @@ pub fn digits(value: Option<f64>) -> String {
 }
 
 /// The columns of [`rows_at_end`].
-pub const AT_END: [&str; 6] =
-    ["at the end", "mean", "95 % interval", "deviation", "median", "5 % … 95 %"];
+pub const AT_END: [&str; 7] =
+    ["at the end", "mean", "95 % interval", "step error", "deviation", "median", "5 % … 95 %"];
 
 /// The statistics at the final time.
-pub fn rows_at_end(study: &StudyResult) -> Vec<[String; 6]> {
+pub fn rows_at_end(study: &StudyResult, check: Option<&StepCheck>) -> Vec<[String; 7]> {
     let row = |series: &casimir::mc::study::Series| {
         let last = series.last();
         let quantile = |level: f64| {
@@ -98,6 +104,7 @@ pub fn rows_at_end(study: &StudyResult) -> Vec<[String; 6]> {
             series.observable.clone(),
             digits(last.mean),
             format!("[{}, {}]", digits(lo), digits(hi)),
+            step_cell(check.and_then(|check| step_errors(check, study, &series.observable))),
             digits(last.deviation),
             quantile(0.5),
             format!("{} … {}", quantile(0.05), quantile(0.95)),
@@ -107,8 +114,8 @@ pub fn rows_at_end(study: &StudyResult) -> Vec<[String; 6]> {
 }
 
 /// The same as text with aligned columns.
-pub fn table_at_end(study: &StudyResult) -> String {
-    aligned(AT_END.map(String::from), rows_at_end(study))
+pub fn table_at_end(study: &StudyResult, check: Option<&StepCheck>) -> String {
+    aligned(AT_END.map(String::from), rows_at_end(study, check))
 }
 
 /// Columns as wide as their widest cell.
@@ -125,10 +132,16 @@ pub fn aligned<const N: usize>(header: [String; N], rows: Vec<[String; N]>) -> S
 
 /// The results of a run for programs.
 pub fn summary(scene: &Scene, results: &Results, folder: &Path) -> serde_json::Result<Value> {
-    let Results { scheme, because, tables, study, seconds, .. } = results;
+    let Results { scheme, because, tables, study, check, seconds, .. } = results;
     let last = |study: &StudyResult| {
         let last = |series: &casimir::mc::study::Series| {
-            Ok((series.observable.clone(), serde_json::to_value(series.last())?))
+            let mut last = serde_json::to_value(series.last())?;
+            let check = check.as_ref();
+            let errors = check.and_then(|check| step_errors(check, study, &series.observable));
+            last["step_error"] = json!(errors.map(|[mean, deviation]| json!({
+                "mean": mean, "deviation": deviation,
+            })));
+            Ok((series.observable.clone(), last))
         };
         study.series.iter().map(last).collect::<serde_json::Result<serde_json::Map<_, _>>>()
     };
@@ -145,6 +158,7 @@ pub fn summary(scene: &Scene, results: &Results, folder: &Path) -> serde_json::R
         "paths": study.as_ref().map_or(tables.len() as u64, |study| study.record.paths),
         "seed": scene.settings.key.seed,
         "at_end": study.as_ref().map(last).transpose()?,
+        "step_check": check,
         "warnings": study.as_ref().map_or(&[][..], |study| &study.warnings),
         "halted": halted,
         "seconds": seconds,

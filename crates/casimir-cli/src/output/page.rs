@@ -2,12 +2,12 @@
 
 use casimir::report::Document;
 
-use super::{AT_END, digits, figures::Section, rows_at_end};
+use super::{AT_END, digits, figures::Section, rows_at_end, steps::step_lines};
 use crate::{commands::Results, scene::Scene};
 
 /// The page with all figures.
 pub fn page(scene: &Scene, results: &Results, figures: &[Section]) -> String {
-    let Results { scheme, because, findings, tables, study, seconds } = results;
+    let Results { scheme, because, known, tables, study, check, seconds } = results;
     let settings = &scene.settings;
     let mut page = Document::new("casimir run", &scene.title);
     let paths = study.as_ref().map_or(tables.len() as u64, |study| study.record.paths);
@@ -31,23 +31,27 @@ pub fn page(scene: &Scene, results: &Results, figures: &[Section]) -> String {
     let halted = tables.iter().enumerate().filter_map(|(path, table)| {
         table.halted.as_ref().map(|halted| format!("path {path} ended early: {halted}"))
     });
-    for warning in findings.mistakes().into_iter().chain(warnings).chain(halted) {
+    let steps = check.iter().flat_map(|check| step_lines(check, study.as_ref(), scene));
+    for warning in known.mistake.iter().cloned().chain(steps).chain(warnings).chain(halted) {
         page.warning(&warning);
     }
     for (title, figures) in figures {
         page.section(title);
         if let (Some(study), "At the end") = (study, *title) {
-            page.table(AT_END, rows_at_end(study));
+            page.table(AT_END, rows_at_end(study, check.as_ref()));
             page.note(
-                "The interval is that of sampling; the error of the step size is not in it: see \
-                 casimir expect.",
+                "The interval is that of sampling. The step error of the mean, and in brackets that \
+                 of the deviation, follows from a few paths with half the step; ? where these are \
+                 too few to tell.",
             );
         }
         page.figures(figures.iter().map(|drawn| (drawn.svg.clone(), drawn.caption.clone())));
     }
-    page.section("What the system is");
-    page.paragraph("Found by evaluating B and the Hamiltonians, see casimir inspect.");
-    page.verbatim("casimir inspect", &findings.text(&scene.components));
+    let known = known.text(&scene.components);
+    if !known.is_empty() {
+        page.section("What the system is");
+        page.verbatim("see casimir inspect for more", &known);
+    }
     page.section("The scene");
     page.verbatim(&scene.source.name, &scene.source.text);
     page.html()

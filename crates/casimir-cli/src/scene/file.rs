@@ -81,8 +81,8 @@ pub struct RunTable {
     /// Number of steps on [0, T].
     #[schemars(with = "Count")]
     pub steps: Spanned<Count>,
-    /// The scheme: `auto` (what `casimir inspect` recommends), `sexp`, `sexp-li`, `split`,
-    /// `sexp-levy`, `sexp-li-levy`, `nv`, `midpoint`, `heun` or `em`. Default: `auto`.
+    /// The scheme: `auto` (one that damps exactly and keeps Casimirs and energy), `sexp`, `sexp-li`,
+    /// `split`, `sexp-levy`, `sexp-li-levy`, `nv`, `midpoint`, `heun` or `em`. Default: `auto`.
     #[schemars(with = "Option<String>")]
     pub scheme: Option<Spanned<String>>,
     /// Number of paths. From 100 on means, quantiles and histograms are computed, below that tables
@@ -99,7 +99,7 @@ pub struct RunTable {
     /// Seed of the random numbers: the same seed gives the same bits. Default: 1.
     pub seed: Option<u64>,
     /// Order k of the truncation of increments, |ΔW| ≤ √(2kτ|ln τ|), for schemes that need one; the
-    /// step τ must be below 1 then. Default: 4.
+    /// step τ must be below 1 then. Default: 4, and never fewer than six deviations.
     #[schemars(with = "Option<Count>")]
     pub truncation: Option<Spanned<Count>>,
 }

@@ -137,6 +137,11 @@ impl Settings {
         };
         let order = number(run.truncation.as_ref(), 4);
         let truncation = u32::try_from(order).ok().and_then(|order| Truncation::new(order).ok());
+        // Nobody asked for clipped increments that show in the results.
+        let truncation = match run.truncation {
+            None => truncation.map(Truncation::wide),
+            Some(_) => truncation,
+        };
         let Some(truncation) = truncation else {
             let place = run.truncation.as_ref().map_or(0..0, Spanned::span);
             return Err(source.error(place, format!("the order must be below 2^32, got {order}")));
@@ -193,8 +198,8 @@ impl Settings {
             let least = self.until.floor() as u64 + 1;
             let scheme = setup.scheme.id();
             let message = format!(
-                "{scheme} truncates increments: {error}. Take at least {least} steps, or a scheme \
-                 that does not, such as heun"
+                "{scheme} truncates increments: {error}. Take at least {least} steps, or leave out \
+                 `truncation`"
             );
             return Err(self.steps_error(source, message));
         }

@@ -3,6 +3,7 @@
 mod broken;
 mod common;
 mod cost;
+mod defaults;
 mod gallery;
 mod parts;
 mod results;

@@ -12,9 +12,11 @@ use real::Real;
 use crate::{
     Formula, Graph, Id, Tape,
     graph::{Binary, Node, Unary},
+    words::{self, Binding},
 };
 
 /// What a system is asked for, in the inputs y, u, v, dt and dw, in this order.
+#[derive(Clone)]
 pub struct Expressions {
     pub graph: Graph,
     dimension: usize,
@@ -154,9 +156,9 @@ impl Expressions {
         field
     }
 
-    /// Whether a Hamiltonian has a logarithm, a root or a quotient.
+    /// Whether B or a Hamiltonian has a logarithm, a root or a quotient.
     pub fn have_domain(&self) -> bool {
-        let needed = self.graph.needed(&self.hamiltonians);
+        let needed = self.graph.needed(&[&self.hamiltonians[..], &self.field].concat());
         let is_partial = |id: &Id| {
             matches!(
                 self.graph.node(*id),
@@ -166,10 +168,15 @@ impl Expressions {
         self.graph.ids().filter(|id| needed[id.index()]).any(|id| is_partial(&id))
     }
 
-    /// H₀ + H₁ + …, which is finite where all of them are.
+    /// H₀ + H₁ + … and the components of B(y)(1, 2, …), a sum that is finite where all are.
     pub fn guard_tape(&mut self) -> Tape {
         let ones = vec![self.graph.constant(1.0); self.hamiltonians.len()];
-        let sum = self.weighted(&ones);
+        let mut sum = self.weighted(&ones);
+        // No two entries cancel, as they would if all numbers were one.
+        let v: Vec<Id> = self.y().map(|k| self.graph.constant(1.0 + k as f64)).collect();
+        for component in self.field_at(None, Some(&v)) {
+            sum = self.graph.add(sum, component);
+        }
         Tape::new(&self.graph, &[sum], &[self.y()])
     }
 
@@ -241,6 +248,46 @@ impl Expressions {
             }
         }
         correction
+    }
+
+    /// The equation with damping or without, a text for each component: `dp = -q dt + 0.5 ∘ dW1`.
+    pub fn equations(mut self, state: &[String], damped: bool) -> Vec<String> {
+        let fields: Vec<Vec<Id>> = (0..self.hamiltonians.len())
+            .map(|m| {
+                let mut unit = vec![self.graph.constant(0.0); self.hamiltonians.len()];
+                unit[m] = self.graph.constant(1.0);
+                let gradient = self.gradient_of(&unit);
+                self.field_at(None, Some(&gradient))
+            })
+            .collect();
+        let equation = |(i, name): (usize, &String)| {
+            let mut terms = String::new();
+            for (m, field) in fields.iter().enumerate() {
+                if self.graph.is_zero(field[i]) {
+                    continue;
+                }
+                let minus = words::negated(&mut self.graph, field[i]);
+                let sign = match (minus, terms.is_empty()) {
+                    (Some(_), true) => "-",
+                    (None, true) => "",
+                    (Some(_), false) => " - ",
+                    (None, false) => " + ",
+                };
+                let factor = minus.unwrap_or(field[i]);
+                let text = match self.graph.as_constant(factor) == Some(1.0) {
+                    true => String::new(),
+                    false => words::text(&self.graph, factor, state, Binding::Product) + " ",
+                };
+                let of = if m == 0 { "dt".into() } else { format!("∘ dW{m}") };
+                terms += &format!("{sign}{text}{of}");
+            }
+            if damped {
+                terms += &format!(" - γ {name} dt");
+            }
+            let terms = terms.trim_start();
+            format!("d{name} = {}", if terms.is_empty() { "0" } else { terms })
+        };
+        state.iter().enumerate().map(equation).collect()
     }
 
     /// B(y)v for other expressions y and v.

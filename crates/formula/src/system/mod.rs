@@ -216,6 +216,13 @@ impl FormulaSystem {
         self.observables.evaluate(&[y], out, scratch);
     }
 
+    /// The equation dy = (B∇H₀ − γy)dt + Σ B∇Hₘ ∘ dWₘ as it was understood, a line for each
+    /// component, with the values of the parameters: `dp = -q dt + 0.5 ∘ dW1`.
+    #[must_use]
+    pub fn equations(&self, damped: bool) -> Vec<String> {
+        self.expressions.clone().equations(&self.definition.state, damped)
+    }
+
     /// The number of instructions for B(y)v, h, ∇h, ∇²h·u, in this order.
     #[must_use]
     pub fn instructions(&self) -> [usize; 4] {
@@ -351,12 +358,12 @@ impl System for FormulaSystem {
         Some(Box::new(program))
     }
 
-    /// Where H₀ or Hₘ has a logarithm, a root or a quotient.
+    /// Where B, H₀ or Hₘ has a logarithm, a root or a quotient.
     fn has_guard(&self) -> bool {
         self.guard.is_some()
     }
 
-    /// H₀ + H₁ + ….
+    /// H₀ + H₁ + … and the entries of B.
     fn guard(&self, y: &[Row], out: &mut Row, scratch: &mut [Row]) {
         match &self.guard {
             Some(guard) => guard.evaluate(&[y], std::slice::from_mut(out), scratch),

@@ -11,13 +11,13 @@ use schemes::{
 use systems::{Damping, Flows, PoissonSystem, Problem, run_time::Problem as RunTimeProblem};
 
 use super::own_areas::OwnAreas;
-use crate::inspect::{FoundCasimir, inspect};
+use crate::inspect::{Form, FoundCasimir, inspect};
 
 /// Schemes to compare, the reference, and Casimirs whose laws are measured.
 pub struct Candidates<'a, S, const D: usize, const M: usize> {
     schemes: Vec<Held<'a, S, D, M>>,
     reference: Held<'a, S, D, M>,
-    casimirs: Vec<FoundCasimir>,
+    casimirs: Vec<Form>,
     /// The scheme that errors are related to, by number.
     base: Option<usize>,
 }
@@ -108,7 +108,9 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Candidates<'_, S, D
         schemes.push(Box::new(EulerMaruyama));
         let casimirs = match system.invariants()[..] {
             // A domain that is hard to find leaves the Casimirs unknown.
-            [] => inspect(system).map(|report| report.casimirs.found).unwrap_or_default(),
+            [] => inspect(system)
+                .map(|report| report.casimirs.found.iter().map(FoundCasimir::form).collect())
+                .unwrap_or_default(),
             _ => Vec::new(),
         };
         let schemes = schemes.into_iter().map(Held::Own).collect();
@@ -136,7 +138,7 @@ pub struct DynCandidates<'a, N> {
     pub(super) schemes: Vec<Entrant<'a, N>>,
     pub(super) reference: Entrant<'a, N>,
     /// Casimirs that the system does not name.
-    pub(super) casimirs: Vec<FoundCasimir>,
+    pub(super) casimirs: Vec<Form>,
     /// The scheme that errors are related to, by number.
     pub(super) base: Option<usize>,
 }
@@ -187,9 +189,9 @@ impl<'a> DynCandidates<'a, NoiseRows> {
     }
 
     /// With the laws of these Casimirs, such as those that
-    /// [`inspect_formulas`](crate::inspect_formulas) finds.
+    /// [`Facts`](crate::inspect::Facts) have.
     #[must_use]
-    pub fn with_casimirs(self, casimirs: Vec<FoundCasimir>) -> Self {
+    pub fn with_casimirs(self, casimirs: Vec<Form>) -> Self {
         Self { casimirs, ..self }
     }
 

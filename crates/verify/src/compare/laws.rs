@@ -2,7 +2,7 @@
 
 use mc::DynProblem;
 
-use crate::inspect::FoundCasimir;
+use crate::inspect::Form;
 
 /// The value of a function of the state.
 type Value<'a> = Box<dyn Fn(&[f64]) -> f64 + Sync + 'a>;
@@ -22,14 +22,14 @@ pub struct Law<'a> {
 
 impl<'a> Law<'a> {
     /// The laws of the invariants that the system names, then of Casimirs that were found.
-    pub fn all(problem: &'a DynProblem<'a>, found: &'a [FoundCasimir]) -> Vec<Self> {
+    pub fn all(problem: &'a DynProblem<'a>, found: &'a [Form]) -> Vec<Self> {
         let named = problem.laws.iter().enumerate().map(|(index, law)| {
             let value: Value<'a> = Box::new(move |y| problem.formulas.law(index, y));
             (law.name.clone(), law.casimir, law.degree, value)
         });
         let found = found.iter().map(|casimir| {
-            let value: Value<'a> = Box::new(move |y| form(casimir, y));
-            (casimir.formula.clone(), true, f64::from(casimir.degree), value)
+            let value: Value<'a> = Box::new(move |y| casimir.value(y));
+            (casimir.formula(), true, f64::from(casimir.degree), value)
         });
         let law = |(name, casimir, degree, value): (String, bool, f64, Value<'a>)| {
             let decay = (-degree * problem.damping.integral(0.0, problem.t_end)).exp();
@@ -43,17 +43,5 @@ impl<'a> Law<'a> {
     /// (F(y) − e^{−p∫γ}F(y₀))/(e^{−p∫γ}F(y₀)).
     pub fn defect(&self, y: &[f64]) -> f64 {
         ((self.value)(y) - self.at_end) / self.scale
-    }
-}
-
-/// βᵀy, or ½yᵀQy.
-fn form(casimir: &FoundCasimir, y: &[f64]) -> f64 {
-    let dot = |row: &[f64]| row.iter().zip(y).map(|(c, y)| c * y).sum::<f64>();
-    match casimir.degree {
-        1 => dot(&casimir.coefficients),
-        _ => {
-            let rows = casimir.coefficients.chunks_exact(y.len()).zip(y);
-            0.5 * rows.map(|(row, y)| y * dot(row)).sum::<f64>()
-        }
     }
 }

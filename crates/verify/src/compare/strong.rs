@@ -14,7 +14,7 @@ use super::{
     own_areas::terms,
     time::Time,
 };
-use crate::{inspect::FoundCasimir, orders::squared_distance};
+use crate::{inspect::Form, orders::squared_distance};
 
 /// Strong errors of several schemes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -190,7 +190,7 @@ impl Strong {
     /// size.
     pub fn measure<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
         grid: &Grid<'_, S, G, D, M>,
-        found: &[FoundCasimir],
+        found: &[Form],
         base: Option<usize>,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Self, LadderError> {
@@ -201,7 +201,7 @@ impl Strong {
     /// The same for systems of any dimension.
     pub(super) fn of<N: StepNoise>(
         grid: &DynGrid<'_, N>,
-        found: &[FoundCasimir],
+        found: &[Form],
         base: Option<usize>,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Self, LadderError> {

@@ -9,6 +9,7 @@ use super::{
         smallest_eigenvalue, times, values,
     },
     erased::System,
+    facts::Form,
     finding::{Finding, Status},
     function::Minimum,
     logarithms::LogarithmicCasimir,
@@ -58,10 +59,9 @@ impl FoundCasimir {
         Self { formula, degree, coefficients, coefficient_error, casimir, minimum }
     }
 
-    /// C(y).
-    pub fn value(&self, y: &[f64]) -> f64 {
-        let coefficients: Vec<_> = self.coefficients.iter().map(|&c| Bounded::exact(c)).collect();
-        value(self.degree, &coefficients, y).value
+    /// C.
+    pub fn form(&self) -> Form {
+        Form { degree: self.degree, coefficients: self.coefficients.clone() }
     }
 }
 
@@ -87,12 +87,12 @@ fn value(degree: u32, coefficients: &[Bounded], y: &[f64]) -> Bounded {
 }
 
 /// The places (i, j), i ≤ j, of a symmetric matrix.
-fn places(d: usize) -> impl Iterator<Item = (usize, usize)> {
+pub(super) fn places(d: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..d).flat_map(move |i| (i..d).map(move |j| (i, j)))
 }
 
 /// `2 y1 + y2 − 0.5 y3`, coefficients to six digits.
-fn formula(degree: u32, coefficients: &[f64], d: usize) -> String {
+pub(super) fn formula(degree: u32, coefficients: &[f64], d: usize) -> String {
     let (squares, products): (Vec<_>, Vec<_>) = places(d).partition(|(i, j)| i == j);
     let term = |(i, j): (usize, usize)| match (degree, i == j) {
         (1, _) => (coefficients[i], format!("y{}", i + 1)),
@@ -270,7 +270,7 @@ impl Equations {
 }
 
 /// The rows of the symmetric matrix with x at [`places`].
-fn symmetric(x: &[f64], d: usize) -> Vec<f64> {
+pub(super) fn symmetric(x: &[f64], d: usize) -> Vec<f64> {
     let mut q = vec![0.0; d * d];
     for ((i, j), &x) in places(d).zip(x) {
         (q[i * d + j], q[j * d + i]) = (x, x);

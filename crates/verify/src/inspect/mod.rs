@@ -41,6 +41,7 @@ mod casimirs;
 mod damping;
 mod erased;
 mod error;
+mod facts;
 mod finding;
 mod formulas;
 mod function;
@@ -68,7 +69,6 @@ use erased::{Erased, System};
 use formulas::OfFormulas;
 use pilot::{pilot_paths, pilot_paths_of};
 use points::Points;
-use recommendation::Circumstances;
 use report::Quadrature;
 use theory::{with_unbounded_rate, without_damping};
 
@@ -76,6 +76,7 @@ pub use advice::{Override, WithoutIteration};
 pub use casimirs::{Casimirs, FoundCasimir};
 pub use damping::DampingIntegral;
 pub use error::InspectError;
+pub use facts::{Facts, Form};
 pub use finding::{Finding, Status};
 pub use function::{Kind, Minimum, Shape};
 pub use hamiltonian::Hamiltonians;
@@ -86,7 +87,7 @@ pub use noises::Noises;
 pub use pilot::Pilot;
 pub use points::Region;
 pub use problem::{Bound, ProblemFindings};
-pub use recommendation::{Purpose, Recommendation};
+pub use recommendation::{Kept, Purpose, Recommendation, long_times};
 pub use report::Inspection;
 pub use solvability::Solvability;
 pub use structure::Structure;
@@ -185,8 +186,7 @@ fn inspect_around(
     if !findings.integral.finite {
         with_unbounded_rate(&mut report);
     }
-    let (damped, finite_rate) = (!findings.integral.none, findings.integral.finite);
-    report = report.in_circumstances(Circumstances { damped, finite_rate });
+    report = report.with_recommendations(!findings.integral.none);
     report.problem = Some(findings);
     Ok(report)
 }

@@ -62,7 +62,7 @@ impl Bound {
     /// (F(y)/m(F))^{1/p}: the bound of undamped paths from y.
     fn radius(&self, system: &dyn System, y: &[f64]) -> f64 {
         let energy = || system.hamiltonian(0).value(y).value;
-        let value = self.casimir.as_ref().map_or_else(energy, |casimir| casimir.value(y));
+        let value = self.casimir.as_ref().map_or_else(energy, |casimir| casimir.form().value(y));
         (value / (self.minimum.value - self.minimum.error)).powf(1.0 / self.degree)
     }
 }

@@ -1,4 +1,16 @@
-//! Which scheme to take, for what.
+//! Which scheme to take, for what: one rule for `inspect`, `run` and `recommend`.
+//!
+//! | scheme | damping | Casimirs of degree 1, 2 | energy over long times |
+//! |---|---|---|---|
+//! | `sexp`, `sexp-levy` | exact | kept | kept but for the noise |
+//! | `split`, `nv` | exact | kept, of any degree where flows are exact | stays near |
+//! | `sexp-li`, `sexp-li-levy` | exact | kept; explicit where B is constant | drifts |
+//! | `midpoint` | of order 2 | kept without damping | stays near without damping |
+//! | `heun`, `em` | of order 2, 1 | lost | drifts, or explodes |
+//!
+//! So paths are for `sexp`, with Lévy areas where noises do not commute and areas are drawn; for
+//! `split` where a step of `sexp` is dear and flows are known, as on a lattice. `heun` and `em` are
+//! for those who name them.
 
 use serde::Serialize;
 use systems::Linearity;
@@ -14,8 +26,8 @@ use super::{
 pub enum Purpose {
     /// Paths: strong order, and everything kept that can be.
     Paths,
-    /// Paths on which Casimirs matter and the energy does not.
-    Casimirs,
+    /// Paths that are too short for the energy to drift.
+    ShortPaths,
     /// Expectations.
     Expectations,
     /// Steps with large increments.
@@ -27,7 +39,7 @@ impl Purpose {
     pub fn name(self) -> &'static str {
         match self {
             Self::Paths => "for paths",
-            Self::Casimirs => "for paths, if the energy does not matter",
+            Self::ShortPaths => "for short paths",
             Self::Expectations => "for expectations",
             Self::LargeNoise => "for large noise",
         }
@@ -45,91 +57,89 @@ pub struct Recommendation {
     pub because: String,
 }
 
-/// What a problem adds to its system.
-#[derive(Clone, Copy, Debug)]
-pub struct Circumstances {
-    /// Whether there is damping.
-    pub damped: bool,
-    /// Whether the rate of the damping is finite.
-    pub finite_rate: bool,
+/// What a scheme for paths has to care for.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Kept {
+    /// There are linear or quadratic Casimirs.
+    pub casimirs: bool,
+    /// The equation has an energy law: every noise is a multiple of H₀, which is homogeneous or
+    /// not damped.
+    pub energy: bool,
+    /// Noises do not commute, and Lévy areas are drawn.
+    pub areas: bool,
 }
 
-/// The schemes to take, that for paths first.
-pub fn recommendations(report: &Inspection, circumstances: Circumstances) -> Vec<Recommendation> {
+impl Kept {
+    /// The scheme for paths, and why; see the [module](self).
+    pub fn scheme(self) -> (&'static str, String) {
+        let kept = match (self.casimirs, self.energy) {
+            (true, true) => "it keeps the energy and the Casimirs",
+            (false, true) => "it keeps the energy",
+            (true, false) => "it keeps the Casimirs, and the energy but for the noise",
+            (false, false) => "it damps exactly, and keeps the energy but for the noise",
+        };
+        match self.areas {
+            true => ("sexp-levy", format!("{kept}; Lévy areas give strong order 1")),
+            false => ("sexp", kept.into()),
+        }
+    }
+}
+
+/// What a scheme does over long times, see the [module](self). `constant`: B does not depend on y.
+pub fn long_times(scheme: &str, constant: bool) -> &'static str {
+    match scheme {
+        "sexp" | "sexp-levy" => "exact damping; Casimirs and, but for the noise, the energy kept",
+        "sexp-li" | "sexp-li-levy" if constant => {
+            "exact damping; explicit, since B is constant: the energy drifts"
+        }
+        "sexp-li" | "sexp-li-levy" => "exact damping; Casimirs kept; the energy drifts",
+        "split" | "nv" => {
+            "exact damping; Casimirs kept; the energy stays near where flows are exact"
+        }
+        "midpoint" => "without damping Casimirs are kept, and the energy stays near",
+        _ => "nothing is kept: the energy drifts, or explodes",
+    }
+}
+
+/// The schemes to take for a system with damping or without, that for paths first.
+pub fn recommendations(report: &Inspection, damped: bool) -> Vec<Recommendation> {
     let Inspection { structure, hamiltonians, casimirs, noise, without_iteration, .. } = report;
     let sound = structure.sound() != Status::Refuted;
-    // Sums of logarithms are kept by flows alone.
-    let nothing = match casimirs.logarithmic.is_empty() {
-        true => "nothing was found to keep",
-        false => "split alone keeps the Casimir with logarithms",
-    };
     let casimirs = sound && !casimirs.found.is_empty();
     let energy = sound
         && hamiltonians.proportional.as_ref().is_some_and(Finding::holds)
-        && (hamiltonians.shapes[0].degree.is_some() || !circumstances.damped);
+        && (hamiltonians.shapes[0].degree.is_some() || !damped);
     let linear = without_iteration.refused.is_none();
-    let commuting = noise.commute.holds();
-    let areas = !commuting && without_iteration.draws_areas;
+    let areas = !noise.commute.holds() && without_iteration.draws_areas;
     let mut found = Vec::new();
-    let mut take = |purpose, scheme, because: &str| {
-        found.push(Recommendation { purpose, scheme, because: because.into() });
+    let mut take = |purpose, scheme, because: String| {
+        found.push(Recommendation { purpose, scheme, because });
     };
-
-    if areas {
-        let because = match noise.commute.status {
-            Status::Refuted => "noises do not commute, and Lévy areas give strong order 1",
-            _ => "strong order 1 whether noises commute or not",
-        };
-        match without_iteration.areas_refused {
-            None => take(Purpose::Paths, "sexp-li-levy", &format!("{because}; no iteration")),
-            Some(_) => take(Purpose::Paths, "sexp-levy", because),
-        }
-    } else if energy {
-        let kept = match (casimirs, circumstances.damped) {
-            (true, _) => "it keeps the energy and the Casimirs",
-            (false, true) => "it keeps the energy",
-            (false, false) => "it keeps the energy, since there is no damping",
-        };
-        let exact = hamiltonians.discrete_gradient.holds();
-        let but = if exact { "" } else { "; the energy up to the error of ∇̄h" };
-        take(Purpose::Paths, "sexp", &format!("{kept}{but}"));
-        if casimirs && linear {
-            let because = "it keeps the Casimirs at about the price of heun";
-            take(Purpose::Casimirs, "sexp-li", because);
-        }
-    } else if casimirs && linear {
-        take(Purpose::Paths, "sexp-li", "it keeps the Casimirs at about the price of heun");
-    } else if casimirs {
-        take(Purpose::Paths, "sexp", "it keeps the Casimirs, and B is not affine in y");
-    } else if !circumstances.finite_rate {
-        let because = "it takes the integral of the damping, whose rate is not finite";
-        take(Purpose::Paths, if linear { "sexp-li" } else { "sexp" }, because);
-    } else if noise.silent.holds() {
-        take(Purpose::Paths, "heun", &format!("explicit, of order 2; {nothing}"));
-    } else {
-        let order = if commuting { "1" } else { "1/2, since the noises do not commute" };
-        take(Purpose::Paths, "heun", &format!("explicit, of strong order {order}; {nothing}"));
+    let (scheme, mut because) = Kept { casimirs, energy, areas }.scheme();
+    if !hamiltonians.discrete_gradient.holds() {
+        because += "; the energy up to the error of ∇̄h";
     }
-
+    take(Purpose::Paths, scheme, because);
+    let implicit = linear && without_iteration.structure == Linearity::Affine;
+    let without_iteration_too = match areas && without_iteration.areas_refused.is_none() {
+        true => "sexp-li-levy",
+        false => "sexp-li",
+    };
+    if casimirs && implicit {
+        let because = "it keeps the Casimirs at about the price of heun, and the energy drifts";
+        take(Purpose::ShortPaths, without_iteration_too, because.into());
+    }
     let random = !noise.silent.holds();
     if random && linear {
         let because = "mc::expect extrapolates weak order 1; with flows of parts take nv";
-        take(Purpose::Expectations, "sexp-li", because);
+        take(Purpose::Expectations, "sexp-li", because.into());
     } else if random && areas {
-        let because = "weak order 1 takes no areas";
-        let kept = casimirs || !circumstances.finite_rate;
-        take(Purpose::Expectations, if kept { "sexp" } else { "heun" }, because);
+        take(Purpose::Expectations, "sexp", "weak order 1 takes no areas".into());
     }
     // With a constant B the scheme is explicit, and large steps grow.
-    let implicit = linear && without_iteration.structure == Linearity::Affine;
-    if sound && implicit && !without_iteration.truncates && random {
+    if sound && implicit && !report.without_iteration.truncates && random {
         let because = "every step has a solution, so no increment is truncated";
-        let scheme = if areas && without_iteration.areas_refused.is_none() {
-            "sexp-li or sexp-li-levy"
-        } else {
-            "sexp-li"
-        };
-        take(Purpose::LargeNoise, scheme, because);
+        take(Purpose::LargeNoise, without_iteration_too, because.into());
     }
     found
 }

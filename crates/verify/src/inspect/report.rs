@@ -3,6 +3,7 @@
 use std::fmt::{Display, Formatter, Result};
 
 use serde::Serialize;
+use systems::Linearity;
 
 use super::{
     advice::{Override, WithoutIteration, word},
@@ -18,7 +19,7 @@ use super::{
     pilot::Pilot,
     points::{Points, Region},
     problem::{Bound, ProblemFindings},
-    recommendation::{Circumstances, Recommendation, recommendations},
+    recommendation::{Recommendation, long_times, recommendations},
     solvability::Solvability,
     structure::Structure,
     theory::{Applies, ExpectedOrder, Theorem, orders, theorems},
@@ -133,12 +134,12 @@ impl Inspection {
             casimirs,
             bound,
         }
-        .in_circumstances(Circumstances { damped: true, finite_rate: true })
+        .with_recommendations(true)
     }
 
-    /// With the schemes to take.
-    pub(super) fn in_circumstances(mut self, circumstances: Circumstances) -> Self {
-        self.recommended = recommendations(&self, circumstances);
+    /// With the schemes to take, with damping or without.
+    pub(super) fn with_recommendations(mut self, damped: bool) -> Self {
+        self.recommended = recommendations(&self, damped);
         self
     }
 
@@ -344,6 +345,18 @@ impl Inspection {
         let orders: Vec<_> =
             orders.iter().map(|(order, of)| format!("{order}: {}", of.join(", "))).collect();
         writeln!(f, "Expected orders, strong / weak\n  {}", orders.join("\n  "))?;
+        let constant = self.without_iteration.structure == Linearity::Constant;
+        let mut over: Vec<(&str, Vec<&str>)> = Vec::new();
+        for ExpectedOrder { scheme, .. } in &self.orders {
+            let words = long_times(scheme, constant);
+            match over.iter_mut().find(|(same, _)| *same == words) {
+                Some((_, schemes)) => schemes.push(scheme),
+                None => over.push((words, vec![scheme])),
+            }
+        }
+        let over: Vec<_> =
+            over.iter().map(|(words, of)| format!("{}: {words}", of.join(", "))).collect();
+        writeln!(f, "Over long times\n  {}", over.join("\n  "))?;
         self.write_solvability(f)?;
         self.write_advice(f)
     }

@@ -615,7 +615,7 @@ fn formulas_are_inspected_like_compiled_systems() {
     assert_eq!(theirs.orders.iter().filter(areas).count(), 2);
     assert!(ours.orders.iter().eq(theirs.orders.iter().filter(|order| !areas(order))));
     let recommended = ours.recommended.iter().map(|recommended| recommended.scheme);
-    assert_eq!(recommended.collect::<Vec<_>>(), ["sexp-li", "sexp-li", "sexp-li"]);
+    assert_eq!(recommended.collect::<Vec<_>>(), ["sexp", "sexp-li", "sexp-li", "sexp-li"]);
     assert_eq!(ours.pilot.unwrap().states, theirs.pilot.unwrap().states);
     let radius = |report: &verify::inspect::Inspection| {
         report.problem.as_ref().and_then(|problem| problem.radius).unwrap()

@@ -2,6 +2,7 @@
 //! by side, and what they share is compiled once.
 
 mod compare;
+mod facts;
 mod false_answers;
 mod generated;
 mod inspect;

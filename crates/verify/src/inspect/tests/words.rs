@@ -280,18 +280,18 @@ fn orders_follow_from_what_commutes_and_from_where_paths_are() {
 #[test]
 fn a_scheme_is_recommended_for_what_it_keeps() {
     let body = inspect(&valid(RigidBody::one_noise([1.0, 2.0, 4.0], 5.0))).unwrap();
-    let of = |change: &dyn Fn(&mut Inspection), damped, finite_rate| {
+    let of = |change: &dyn Fn(&mut Inspection), damped| {
         let mut report = sound();
         report.noise.commute = finding(Shown);
         report.noise.silent = finding(Refuted);
         report.without_iteration.structure = Linearity::Affine;
         change(&mut report);
-        report = report.in_circumstances(Circumstances { damped, finite_rate });
+        report = report.with_recommendations(damped);
         let said = report.recommended.iter();
         said.map(|taken| format!("{} {}: {}", taken.scheme, taken.purpose.name(), taken.because))
             .collect::<Vec<_>>()
     };
-    let usual = |change: &dyn Fn(&mut Inspection)| of(change, true, true);
+    let usual = |change: &dyn Fn(&mut Inspection)| of(change, true);
     let large = "sexp-li for large noise: every step has a solution, so no increment is truncated";
     let energy = "sexp for paths: it keeps the energy".to_owned();
     let weak = "sexp-li for expectations: mc::expect extrapolates weak order 1; with flows of parts take nv";
@@ -303,59 +303,40 @@ fn a_scheme_is_recommended_for_what_it_keeps() {
     assert_eq!(refused, [energy.as_str()]);
     let inexact = usual(&|r| r.hamiltonians.discrete_gradient = finding(Refuted));
     assert_eq!(inexact[0], format!("{energy}; the energy up to the error of ∇̄h"));
+    // Nothing found to keep: never an explicit scheme.
     let no_energy = |r: &mut Inspection| r.hamiltonians.shapes[0].degree = None;
-    let explicit = "heun for paths: explicit, of strong order 1; nothing was found to keep";
-    assert_eq!(usual(&no_energy)[0], explicit);
-    assert_eq!(usual(&|r| r.hamiltonians.proportional = Some(finding(Refuted)))[0], explicit);
-    assert_eq!(usual(&|r| r.structure.skew = finding(Refuted)), [explicit, weak]);
-    assert_eq!(of(&no_energy, false, true)[0], format!("{energy}, since there is no damping"));
-    let rate = "sexp-li for paths: it takes the integral of the damping, whose rate is not finite";
-    assert_eq!(of(&no_energy, true, false)[0], rate);
+    let exact = "sexp for paths: it damps exactly, and keeps the energy but for the noise";
+    assert_eq!(usual(&no_energy)[0], exact);
+    assert_eq!(usual(&|r| r.hamiltonians.proportional = Some(finding(Refuted)))[0], exact);
+    assert_eq!(usual(&|r| r.structure.skew = finding(Refuted)), [exact, weak]);
+    assert_eq!(of(&no_energy, false)[0], energy);
     // Casimirs, with and without an energy, and where sexp-li refuses the system or truncates.
-    let price = "it keeps the Casimirs at about the price of heun";
+    let price = "it keeps the Casimirs at about the price of heun, and the energy drifts";
     let casimir = |r: &mut Inspection| r.casimirs = body.casimirs.clone();
     let both = usual(&casimir);
     assert_eq!(both[0], "sexp for paths: it keeps the energy and the Casimirs");
-    assert_eq!(both[1], format!("sexp-li for paths, if the energy does not matter: {price}"));
+    let short = format!("sexp-li for short paths: {price}");
+    assert_eq!(both[1], short);
     let only = |r: &mut Inspection| (casimir(r), no_energy(r)).1;
-    let li = format!("sexp-li for paths: {price}");
-    assert_eq!(usual(&only), [&li, weak, large]);
+    let kept = "sexp for paths: it keeps the Casimirs, and the energy but for the noise";
+    assert_eq!(usual(&only), [kept, &short, weak, large]);
     let refused = usual(&|r| {
         only(r);
         r.without_iteration.refused = Some("no".into());
         r.without_iteration.nv_refused = Some("no".into());
     });
-    assert_eq!(refused, ["sexp for paths: it keeps the Casimirs, and B is not affine in y"]);
+    assert_eq!(refused, [kept]);
     let truncates = usual(&|r| (only(r), r.without_iteration.truncates = true).1);
-    assert_eq!(truncates, [li.as_str(), weak]);
-    let silent = usual(&|r| (no_energy(r), r.noise.silent = finding(Found)).1);
-    assert_eq!(silent, [explicit.replace("strong order 1", "order 2")]);
-    // Areas.
-    let doubt = usual(&|r| r.noise.commute = finding(Unknown));
-    assert_eq!(
-        doubt[0],
-        "sexp-li-levy for paths: strong order 1 whether noises commute or not; no iteration"
-    );
-    assert_eq!(doubt[1], weak);
-    assert!(doubt[2].starts_with("sexp-li or sexp-li-levy for large noise"), "{doubt:?}");
-    let refuted = |refused: Option<&str>| {
-        usual(&|r| {
-            only(r);
-            r.noise.commute = finding(Refuted);
-            r.without_iteration.areas_refused = Some("no".into());
-            r.without_iteration.refused = refused.map(Into::into);
-        })
-    };
-    let areas = "sexp-levy for paths: noises do not commute, and Lévy areas give strong order 1";
-    assert_eq!(refuted(None), [areas, weak, large]);
-    let kept = "sexp for expectations: weak order 1 takes no areas";
-    assert_eq!(refuted(Some("no")), [areas, kept]);
-    let nothing = usual(&|r| {
+    assert_eq!(truncates, [kept, &short, weak]);
+    let areas = usual(&|r| {
+        only(r);
         r.noise.commute = finding(Refuted);
-        r.hamiltonians.proportional = Some(finding(Refuted));
-        r.without_iteration.refused = Some("no".into());
+        r.without_iteration.draws_areas = true;
     });
-    assert_eq!(nothing[1], "heun for expectations: weak order 1 takes no areas");
+    assert_eq!(
+        areas[0],
+        format!("{}; Lévy areas give strong order 1", kept.replacen("sexp", "sexp-levy", 1))
+    );
 }
 
 #[test]

@@ -1,0 +1,199 @@
+//! **Are the steps of a run short enough?** Means and deviations at τ and at τ/2, on common noise.
+//!
+//! A few paths are simulated to the final time with the steps of a run and with twice as many. The
+//! differences of means and of deviations, with their standard errors, say how large the step
+//! errors of the run are: about twice the difference at weak order one, 4/3 of it at order two.
+//! Chaotic paths part, but their means agree. What cannot be seen with so few paths is said.
+
+use std::sync::Arc;
+
+use mc::{DynRun, Ladder, LadderError, Observe, Setup, View, parts::Job};
+use noise::{StepNoise, StreamKey, Truncation};
+use real::{Row, WIDTH};
+use serde::Serialize;
+use stats::CrossMoments;
+
+use crate::FinalMoments;
+
+/// The step errors of a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StepCheck {
+    /// Number of paths that came to their end at both step sizes.
+    pub paths: u64,
+    /// Number of those that did not.
+    pub failed: u64,
+    /// |∫γ| over the last step. Above [`STIFF`] the damping outruns the step, at τ/2 as at τ, so
+    /// that the two may agree on what is wrong.
+    pub damping: f64,
+    /// The step errors of each observable.
+    pub observables: Vec<StepErrors>,
+}
+
+/// The step errors of an observable.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StepErrors {
+    /// Its name.
+    pub observable: String,
+    /// Of its mean.
+    pub mean: Halved,
+    /// Of its deviation.
+    pub deviation: Halved,
+    /// The root mean square of the difference along paths.
+    pub along_paths: f64,
+}
+
+/// A statistic at τ and at τ/2.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Halved {
+    /// At τ.
+    pub value: f64,
+    /// That at τ minus that at τ/2.
+    pub difference: f64,
+    /// The standard error of the difference.
+    pub standard_error: f64,
+}
+
+/// What is known of a step error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "decided", content = "size")]
+pub enum StepError {
+    /// Below the sampling error; none larger than this was missed.
+    Fine(f64),
+    /// About this.
+    About(f64),
+    /// None was seen, and one larger than this, which is above the sampling error, would have been.
+    Below(f64),
+    /// None was seen, but one as large as the spread of the values would not have been.
+    CannotTell,
+}
+
+/// From this ∫γ of a step on, noise and forces within the step are damped by less than a third of
+/// what they should, or by more than three times.
+pub const STIFF: f64 = 2.0;
+/// Standard errors that a difference exceeds by chance with probability 0.003, 0.005 at 32 paths.
+const SEEN: f64 = 3.0;
+/// Standard errors that a difference which was not seen may hide.
+const HIDDEN: f64 = 2.0;
+/// A difference of order τ is half of the error.
+const OF_ERROR: f64 = 2.0;
+/// A step error below this part of the sampling error is not worth a word.
+const WORTH: f64 = 0.1;
+/// The difference of two numbers of this relative size is rounding.
+const ROUNDING: f64 = 1e-12;
+/// Paths of the check for each path of the run, and paths that the run simulates besides for its
+/// bins: three steps for each of its own make a tenth.
+const SHARE: u64 = 30;
+const PILOT: u64 = 1024;
+/// Most blocks: the check then sees a hundredth of a deviation.
+const MOST_BLOCKS: u64 = 1024;
+/// The streams of the check differ from those of the run in this bit.
+const CHECK_STREAM: u64 = 1 << 46;
+
+impl StepCheck {
+    /// What is known of a step error where the half-width of the sampling error is `sampling`, and
+    /// the deviation of the values is `spread`.
+    pub fn step_error(&self, halved: Halved, sampling: f64, spread: f64) -> StepError {
+        let Halved { value, difference, standard_error } = halved;
+        let (size, noise) = (difference.abs(), standard_error.max(ROUNDING * value.abs()));
+        let hidden = OF_ERROR * (size + HIDDEN * noise);
+        let rounding = 10.0 * ROUNDING * value.abs();
+        if size > SEEN * noise && OF_ERROR * size > WORTH * sampling {
+            StepError::About(OF_ERROR * size)
+        } else if self.damping > STIFF {
+            StepError::CannotTell
+        } else if hidden <= sampling.max(rounding) {
+            StepError::Fine(hidden)
+        } else if hidden <= spread {
+            StepError::Below(hidden)
+        } else {
+            StepError::CannotTell
+        }
+    }
+}
+
+/// Paths of the check of a run of so many: it costs at most a tenth of the run. One without noise.
+pub fn checked_paths(run: u64, noises: usize) -> u64 {
+    let width = WIDTH as u64;
+    match noises {
+        0 => 1,
+        _ => width * ((run.saturating_add(PILOT)) / (SHARE * width)).clamp(1, MOST_BLOCKS),
+    }
+}
+
+/// Checks the steps of a run, as a piece of work of a job with the name "steps"; `None` if the
+/// results are not here.
+///
+/// # Errors
+/// [`LadderError`] if the scheme cannot be run on twice as many steps.
+pub fn step_check<N: StepNoise>(
+    setup: &Setup<'_, N>,
+    observables: &[&dyn Observe],
+    steps: u64,
+    paths: u64,
+    (truncation, key): (Truncation, StreamKey),
+    job: &Job,
+) -> Result<Option<StepCheck>, LadderError> {
+    let run = |level| DynRun::new(Arc::clone(&setup.scheme), level);
+    let key = StreamKey { experiment: key.experiment | CHECK_STREAM, ..key };
+    let (twice, runs) = (steps.saturating_mul(2), vec![run(1), run(0)]);
+    let ladder = Ladder::of(&setup.problem, twice, 1, truncation, key, runs)?;
+    let initial: Vec<Row> = setup.problem.y0.iter().map(|&y| [y; WIDTH]).collect();
+    let center = |phi: &&dyn Observe| {
+        let mut values = [0.0; WIDTH];
+        phi.evaluate(&initial, real::PathMask::ALL, &mut values);
+        if values[0].is_finite() { values[0] } else { 0.0 }
+    };
+    let centers: Vec<f64> = observables.iter().map(center).collect();
+    let numbers = |view: &View<'_>, rows: &mut [Row]| {
+        for ((phi, &center), rows) in observables.iter().zip(&centers).zip(rows.chunks_mut(3)) {
+            let [one, half, square] = rows else { unreachable!("three rows") };
+            phi.evaluate(view.state(0), view.live, one);
+            phi.evaluate(view.state(1), view.live, half);
+            for p in 0..WIDTH {
+                (one[p], half[p]) = (one[p] - center, half[p] - center);
+                square[p] = one[p] * one[p] - half[p] * half[p];
+            }
+        }
+    };
+    let new = || FinalMoments::of_rows(steps, 3 * observables.len(), &numbers);
+    let Some(measured) = ladder.run_in(job, "steps", paths, new, &|_| ()) else { return Ok(None) };
+    let moments = &measured.statistic.moments;
+    let of = |(k, phi): (usize, &&dyn Observe)| errors(phi.name(), centers[k], moments, 3 * k);
+    let end = setup.problem.t_end;
+    let last = end - end / steps as f64;
+    Ok(Some(StepCheck {
+        damping: setup.problem.damping.integral(last, end).abs(),
+        paths: moments.count(),
+        failed: measured.failed,
+        observables: observables.iter().enumerate().map(of).collect(),
+    }))
+}
+
+/// The step errors from the moments of a = φ_τ − c, b = φ_{τ/2} − c and a² − b².
+fn errors(name: &str, center: f64, moments: &CrossMoments, first: usize) -> StepErrors {
+    let count = moments.count() as f64;
+    let mean = |k| moments.mean(first + k);
+    // Of one path there is no variance, and without noise none is needed.
+    let covariance = |k, l| match moments.count() {
+        0 => f64::NAN,
+        1 => 0.0,
+        _ => moments.covariance_of_means(first + k, first + l),
+    };
+    let error = |row: [f64; 3]| {
+        let terms = (0..9).map(|k| row[k / 3] * row[k % 3] * covariance(k / 3, k % 3));
+        terms.sum::<f64>().max(0.0).sqrt()
+    };
+    let (a, b) = (mean(0), mean(1));
+    let mean =
+        Halved { value: center + a, difference: a - b, standard_error: error([1.0, -1.0, 0.0]) };
+    let deviations = [0, 1].map(|k| (count * covariance(k, k)).max(0.0).sqrt());
+    let sum = deviations[0] + deviations[1];
+    let deviation = Halved {
+        value: deviations[0],
+        difference: deviations[0] - deviations[1],
+        // Of the variance, by its linear part in the three means.
+        standard_error: if sum > 0.0 { error([-2.0 * a, 2.0 * b, 1.0]) / sum } else { 0.0 },
+    };
+    let along_paths = (mean.difference.powi(2) + count * mean.standard_error.powi(2)).sqrt();
+    StepErrors { observable: name.into(), mean, deviation, along_paths }
+}
