@@ -62,7 +62,7 @@ pub struct DynExpectations<'a> {
 /// Numbers of experiments that a comparison takes.
 pub const EXPERIMENTS: u64 = 4;
 /// Paths without which there are no intervals.
-const LEAST_SAMPLES: u64 = 32;
+pub(super) const LEAST_SAMPLES: u64 = 32;
 
 /// A comparison that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -117,7 +117,7 @@ pub enum CompareError {
 }
 
 impl<'a, const D: usize> CompareSettings<'a, D> {
-    /// A strong error, on this noise: 512 paths, no expectations, a minute, 64 times the fewest
+    /// A strong error, on this noise: 256 paths, no expectations, a minute, 64 times the fewest
     /// steps, increments truncated with k = 4.
     pub fn new(error: f64, truncation: Truncation, key: StreamKey) -> Self {
         let settings = DynCompareSettings::new(error, truncation, key);
@@ -140,7 +140,7 @@ impl<'a, const D: usize> CompareSettings<'a, D> {
 impl DynCompareSettings<'_> {
     /// A strong error, on this noise, with the defaults of [`CompareSettings::new`].
     pub fn new(error: f64, truncation: Truncation, key: StreamKey) -> Self {
-        let (expectations, budget_s, samples, reach) = (None, 60.0, 512, 64);
+        let (expectations, budget_s, samples, reach) = (None, 60.0, 256, 64);
         Self { error, expectations, budget_s, samples, reach, truncation, key }
     }
 

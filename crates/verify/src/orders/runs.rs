@@ -20,8 +20,16 @@ pub fn at_all_sizes<'a, N>(
     (0..sizes.sizes()).map(run).collect()
 }
 
-/// Moments of a vector of this length at the final time, and the number of paths that were left
-/// out.
+/// Paths that were left out.
+#[derive(Clone, Copy)]
+pub struct Failed {
+    /// Their number.
+    pub paths: u64,
+    /// When the first of them failed.
+    pub t: f64,
+}
+
+/// Moments of a vector of this length at the final time, and the paths that were left out.
 pub fn measure<'a, N: StepNoise>(
     problem: &DynProblem<'a>,
     sizes: &StepSizes,
@@ -29,7 +37,7 @@ pub fn measure<'a, N: StepNoise>(
     time_change: Option<&'a dyn TimeChange>,
     length: usize,
     values: &FinalRows<'_>,
-) -> Result<(CrossMoments, u64), LadderError> {
+) -> Result<(CrossMoments, Failed), LadderError> {
     sizes.check()?;
     let (steps, top) = (sizes.reference_steps(), sizes.level(0));
     let mut ladder = Ladder::of(problem, steps, top, sizes.truncation, sizes.key, runs)?;
@@ -38,7 +46,8 @@ pub fn measure<'a, N: StepNoise>(
     }
     let none = || FinalMoments::of_rows(ladder.coarse_steps(), length, values);
     let measured = ladder.run(sizes.samples, none, &|_| ());
-    Ok((measured.statistic.moments, measured.failed))
+    let t = measured.failures.first().map_or(problem.t_end, |first| first.step as f64 * first.tau);
+    Ok((measured.statistic.moments, Failed { paths: measured.failed, t }))
 }
 
 /// Mean of φ over exact solutions on sampled paths, with its standard error.
