@@ -29,35 +29,33 @@ impl Comparison {
     fn out_of_reach(&self, verdicts: &Verdicts) -> String {
         let Verdicts { candidates, wanted, quantity, .. } = verdicts;
         let strong = &self.strong;
-        let budget = self.stopped.map_or(String::new(), |stopped| {
-            format!(" within {} s", number(stopped.budget_s))
-        });
+        let budget = self
+            .stopped
+            .map_or(String::new(), |stopped| format!(" within {} s", number(stopped.budget_s)));
         let mut words = format!("No scheme reaches {}{budget}", verdicts.goal());
         let measured = |n: &Candidate| match n.outcome {
             Outcome::NotReached { steps, error, needs, .. } => Some((steps, error, needs)),
             _ => None,
         };
         let all = || candidates.iter().filter_map(|n| Some((&n.scheme, measured(n)?)));
-        if quantity == "y(T)" && strong.parts() && *wanted < strong.last_difference {
-            return words
-                + &format!(
-                    ": paths part. {}, on the same noise, ends {} from itself with half as many; \
-                     two independent paths are {} apart. More steps may help, how many cannot be \
-                     told.\nSingle paths are not predictable up to T = {} then, but expectations \
-                     may be: ask `casimir run` or `casimir expect` for these, or `compare` at a \
-                     shorter final time.",
-                    strong.sampled.reference,
-                    number(strong.last_difference),
-                    number(strong.spread),
-                    self.t_end
-                );
-        }
         let needs = all().filter_map(|(scheme, (.., needs))| Some((scheme, needs?)));
         if let Some((scheme, needs)) = needs.min_by(|a, b| a.1.total_cmp(&b.1)) {
             words += &format!(
                 ". {scheme} is expected to need fewest steps, about {}: extrapolated, not measured",
                 number(needs)
             );
+        } else if quantity == "y(T)" && strong.parts() && *wanted < strong.last_difference {
+            return words
+                + &format!(
+                    ": paths part. {} ends {} from itself with half as many steps; two independent \
+                     paths end {} apart. How many steps would do cannot be told.\nSingle paths are \
+                     not predictable up to T = {} then, but expectations may be: ask `casimir run` or `casimir expect` for these, or `compare` at a \
+                     shorter final time.",
+                    strong.sampled.reference,
+                    number(strong.last_difference),
+                    number(strong.spread),
+                    self.t_end
+                );
         } else if let Some((scheme, (steps, error, _))) =
             all().min_by(|a, b| a.1.1.total_cmp(&b.1.1))
         {
@@ -74,17 +72,20 @@ impl Comparison {
         let candidates = &verdicts.candidates;
         let Candidate { scheme: name, keeps, .. } = &candidates[scheme];
         let mut words = format!("Take {name} for {}: ", verdicts.goal());
-        let times = |n: usize, of: usize| verdicts.ratio(n, of).map(interval).unwrap_or_default();
-        if scheme == cheapest {
-            words += "it is the cheapest";
-        } else {
-            let Candidate { scheme: other, keeps: less, .. } = &candidates[cheapest];
-            let lost = self.lacks(keeps, less);
-            let ratio = times(scheme, cheapest);
-            words += &format!("it costs {ratio} times {other}, the cheapest, which loses {lost}");
-        }
         let kept = self.lacks(keeps, &Keeps::default());
-        words += &if kept.is_empty() { String::new() } else { format!("; it keeps {kept}") };
+        words += &match (scheme == cheapest, kept.is_empty()) {
+            (true, true) => "it is the cheapest".to_owned(),
+            (true, false) => format!("it is the cheapest, and keeps {kept}"),
+            (false, _) => {
+                let Candidate { scheme: other, keeps: less, .. } = &candidates[cheapest];
+                let ratio = verdicts.ratio(scheme, cheapest).map_or(String::new(), interval);
+                let lost = self.lacks(keeps, less);
+                format!(
+                    "it keeps {kept}, and costs {ratio} times {other}, the cheapest, which loses \
+                     {lost}"
+                )
+            }
+        };
         let reached = (0..candidates.len()).filter(|&n| candidates[n].cost_s().is_some());
         // The cheapest of those that keep more cost significantly more.
         let more = reached.clone().filter(|&n| candidates[n].keeps > *keeps);
@@ -129,11 +130,11 @@ impl Comparison {
 
     /// What one keeps and another does not.
     fn lacks(&self, one: &Keeps, other: &Keeps) -> String {
-        let conformal = if self.damped { "the exact damping" } else { "bounded energies" };
+        let conformal = if self.damped { "the exact damping" } else { "bounds of the energy" };
         let all = [
             (one.casimirs && !other.casimirs, "the Casimirs"),
             (one.energy && !other.energy, "the energy of H₀"),
-            (one.conformal && !other.conformal, conformal),
+            (one.conformal && !other.conformal && (self.damped || !one.energy), conformal),
         ];
         let lost: Vec<&str> = all.iter().filter(|(lost, _)| *lost).map(|(_, name)| *name).collect();
         lost.join(", ")
@@ -230,7 +231,10 @@ impl fmt::Display for Comparison {
                 writeln!(f, "  {}", cells.collect::<Vec<_>>().join("  ").trim_end())?;
             }
             if rows.iter().any(|row| row[1].starts_with('≈')) {
-                writeln!(f, "  ≈ steps are extrapolated from the measured errors")?;
+                writeln!(f, "  ≈ extrapolated from the measured errors")?;
+            }
+            if rows.iter().any(|row| row[2].starts_with("about")) {
+                writeln!(f, "  about: the distance from a reference that is not exact enough")?;
             }
         }
         writeln!(f)?;

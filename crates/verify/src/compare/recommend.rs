@@ -25,9 +25,7 @@ pub struct Candidate {
 }
 
 /// What a scheme keeps over long times; a scheme that keeps more is larger.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize,
-)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Keeps {
     /// The laws of all known Casimirs to rounding, as measured.
     pub casimirs: bool,
@@ -273,7 +271,11 @@ pub(super) fn choose(candidates: &[Candidate]) -> Choice {
     let mut costs: Vec<(usize, f64)> = costs.collect();
     costs.sort_by(|a, b| a.1.total_cmp(&b.1));
     let Some(&(cheapest, _)) = costs.first() else { return Choice::NoneReaches };
-    let near = |n: usize| ratio(candidates, n, cheapest).is_some_and(|(_, lo, _)| lo <= WORTH);
+    // Without an interval the value decides.
+    let near = |n: usize| match ratio(candidates, n, cheapest) {
+        Some((ratio, lo, _)) => WORTH >= if lo > 0.0 { lo } else { ratio },
+        None => false,
+    };
     let near = costs.iter().map(|&(n, _)| n).filter(|&n| n == cheapest || near(n));
     // Of several the last is taken, so the cheapest come last.
     let most = near.rev().max_by_key(|&n| candidates[n].keeps);
@@ -310,15 +312,16 @@ mod tests {
         body[2] = candidate("sexp", 2.0, width, kept);
         assert_eq!(choose(&body), take(2, 0));
         // 1.11 times the cost with 95 %, and 1.09 times.
-        let near = |ratio: f64| [candidate("heun", 1.0, 1.0, lost), candidate("sexp", ratio, 1.0, kept)];
+        let near =
+            |ratio: f64| [candidate("heun", 1.0, 1.0, lost), candidate("sexp", ratio, 1.0, kept)];
         assert_eq!([choose(&near(1.11)), choose(&near(1.09))], [take(0, 0), take(1, 0)]);
         // Casimirs first, then the energy, then the damping; of equals the cheapest.
-        let order = ["em", "midpoint", "nv", "sexp"].map(|scheme| candidate(scheme, 1.0, 2.0, None));
-        assert_eq!((choose(&order), choose(&order[..3]), choose(&order[..2])), (
-            take(3, 0),
-            take(2, 0),
-            take(0, 0),
-        ));
+        let order =
+            ["em", "midpoint", "nv", "sexp"].map(|scheme| candidate(scheme, 1.0, 2.0, None));
+        assert_eq!(
+            (choose(&order), choose(&order[..3]), choose(&order[..2])),
+            (take(3, 0), take(2, 0), take(0, 0),)
+        );
         let casimirs = [candidate("sexp", 1.0, 2.0, lost), candidate("sexp-li", 1.2, 2.0, kept)];
         assert_eq!(choose(&casimirs), take(1, 0));
         let outcome = Outcome::Inconsistent(0.5);

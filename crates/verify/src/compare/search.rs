@@ -117,9 +117,7 @@ impl<'a, N: StepNoise> Search<'a, N> {
         let mut strong =
             within(ERRORS * self.left_s(), |stop| self.strong(&known, &reference, stop))?;
         let mut weak = match &settings.expectations {
-            Some(wanted) => {
-                within(ERRORS * self.left_s(), |stop| self.weak(&known, wanted, stop))?
-            }
+            Some(wanted) => within(ERRORS * self.left_s(), |stop| self.weak(&known, wanted, stop))?,
             None => None,
         };
         let times = within(self.left_s(), |stop| self.times(&known, &strong, weak.as_ref(), stop))?;
@@ -185,8 +183,7 @@ impl<'a, N: StepNoise> Search<'a, N> {
         let pilots = (1 + self.candidates.schemes.len()) as f64;
         let seconds = (PILOTS * settings.budget_s / pilots).min(self.left_s());
         within(seconds, |stop| {
-            let known =
-                Known::new(entrant, problem, settings.truncation, self.key(1), base, stop)?;
+            let known = Known::new(entrant, problem, settings.truncation, self.key(1), base, stop)?;
             self.cut.set(self.cut.get() || !known.runs() && stop.is_asked());
             Ok(known)
         })
@@ -230,8 +227,7 @@ impl<'a, N: StepNoise> Search<'a, N> {
         stop: &Stop,
     ) -> Result<Strong, CompareError> {
         let DynCandidates { casimirs, base, schemes, .. } = self.candidates;
-        let mut found =
-            Strong::nothing(&schemes.iter().map(|s| s.scheme.id()).collect::<Vec<_>>());
+        let mut found = Strong::nothing(&schemes.iter().map(|s| s.scheme.id()).collect::<Vec<_>>());
         let last = known.iter().map(|known| if known.runs() { known.first } else { 0 });
         let mut plan = Plan { last: last.collect(), reference: reference.first + AHEAD };
         let (mut samples, room) = (LEAST_SAMPLES, ERRORS * self.left_s());
@@ -332,7 +328,11 @@ impl<'a, N: StepNoise> Search<'a, N> {
             let reach = u64::from(self.settings.reach.ilog2());
             let (mut paths, mut steps) = (false, false);
             for observable in &weak.observables {
-                let sound = observable.series.iter().zip(known).filter(|(_, known)| known.excluded.is_none());
+                let sound = observable
+                    .series
+                    .iter()
+                    .zip(known)
+                    .filter(|(_, known)| known.excluded.is_none());
                 let series: Vec<_> = sound.map(|(series, _)| series).collect();
                 let enough = |series: &&Series<WeakPoint>| {
                     let point = series.points.iter().find(|point| good(point, wanted.accuracy));

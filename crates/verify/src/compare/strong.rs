@@ -285,9 +285,9 @@ impl Strong {
     }
 
     /// Whether paths of the reference part: at its finest two step sizes they are as far apart as
-    /// independent ones, nearly, and did not come nearer with the last halving.
+    /// independent ones, nearly.
     pub fn parts(&self) -> bool {
-        self.reference_error == f64::INFINITY && self.last_difference > PARTED * self.spread
+        self.last_difference > PARTED * self.spread
     }
 }
 

@@ -346,7 +346,13 @@ mod tests {
             let visits = [vec![good(); good_ones], others.to_vec()].concat();
             let subject = Subject::from(&setup);
             let known = visits.iter().map(|visit| Coefficients::new(subject, visit));
-            errors(&mut Steps::new(subject), key, &known.collect::<Vec<_>>(), 0.25, &Stop::default())
+            errors(
+                &mut Steps::new(subject),
+                key,
+                &known.collect::<Vec<_>>(),
+                0.25,
+                &Stop::default(),
+            )
         };
         let found = of(2, &[]).unwrap();
         let close = |found: f64, exact: f64| {

@@ -76,10 +76,11 @@ pub fn obstacle(failed: Failed, samples: u64, damping: Option<f64>) -> Option<De
 /// Whether these differences in so many steps are rounding errors of something of this size.
 pub fn kept(differences: &CrossMoments, steps: u64, size: f64) -> bool {
     let rounding = ROUND_OFF * steps as f64 * size.abs();
-    differences.count() > 1 && (0..differences.length()).all(|k| {
-        let se = differences.covariance_of_means(k, k).max(0.0).sqrt();
-        differences.mean(k).abs() + 2.0 * se <= rounding
-    })
+    differences.count() > 1
+        && (0..differences.length()).all(|k| {
+            let se = differences.covariance_of_means(k, k).max(0.0).sqrt();
+            differences.mean(k).abs() + 2.0 * se <= rounding
+        })
 }
 
 /// The strong order.

@@ -176,7 +176,8 @@ fn moments<'a, N: StepNoise>(
     };
     let time_change = exact.map(|exact| exact.time_change);
     let (moments, failed) = measure(subject.problem, sizes, runs, time_change, 4, &of_view)?;
-    let usable = failed.paths <= sizes.samples / 10 && moments.means().iter().all(|x| x.is_finite());
+    let usable =
+        failed.paths <= sizes.samples / 10 && moments.means().iter().all(|x| x.is_finite());
     Ok(usable.then_some(moments))
 }
 

@@ -12,7 +12,7 @@ use super::{
     errors::{differences, record, record_length, squared_distance, strong_points},
     limit::limit,
     one_step::one_step,
-    runs::{at_all_sizes, measure},
+    runs::{at_all_sizes, failing, measure},
     steps::Subject,
     visits::visits,
 };
@@ -98,6 +98,9 @@ pub fn strong_order_of<N: StepNoise>(
     sizes.check_order(LEAST_SIZES)?;
     let (levels, number) = (sizes.levels, sizes.sizes());
     let (subject, exact) = (Subject::from(setup), reference.exact());
+    if let Some(failing) = failing(subject, sizes)? {
+        return Ok(failing);
+    }
     let values = |view: &View<'_>, numbers: &mut [Row]| {
         let states: Vec<&[Row]> = (0..view.runs()).map(|run| view.state(run)).collect();
         record(&states, view.live, levels, numbers);

@@ -12,7 +12,7 @@ use super::{
     errors::widen,
     limit::limit,
     one_step::mean_order,
-    runs::{at_all_sizes, measure},
+    runs::{at_all_sizes, failing, measure},
     steps::Subject,
     visits::visits,
 };
@@ -60,6 +60,9 @@ pub fn weak_order_of<N: StepNoise>(
     sizes.check_order(LEAST_SIZES)?;
     let (levels, number) = (sizes.levels, sizes.sizes());
     let (subject, exact) = (Subject::from(setup), reference.exact());
+    if let Some(failing) = failing(subject, sizes)? {
+        return Ok(failing);
+    }
     // φ(y_k) − φ(y_{k+1}) for all but the finest, then the finest against the exact solution.
     let values = |view: &View<'_>, numbers: &mut [Row]| {
         let phi = |y: &[Row]| evaluate(observable, y, view.live);

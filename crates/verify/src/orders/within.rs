@@ -145,7 +145,8 @@ mod tests {
         }
         let order = Decision::Order { order: 1.0, shown: true };
         for last in [order, Decision::WrongLimit] {
-            let decisions = [(wide, limit), (Decision::Failures { all: false, t: 1.0 }, limit), (last, limit)];
+            let decisions =
+                [(wide, limit), (Decision::Failures { all: false, t: 1.0 }, limit), (last, limit)];
             assert_eq!(measured(&decisions, u64::MAX), [(3, 10), (3, 40), (12, 40)]);
         }
         // Without another scheme finer steps are of no use.
