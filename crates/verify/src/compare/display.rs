@@ -74,7 +74,7 @@ impl Comparison {
         let mut words = format!("Take {name} for {}: ", verdicts.goal());
         let kept = self.lacks(keeps, &Keeps::default());
         words += &match (scheme == cheapest, kept.is_empty()) {
-            (true, true) => "it is the cheapest".to_owned(),
+            (true, true) => "it is the cheapest, and keeps nothing over long times".to_owned(),
             (true, false) => format!("it is the cheapest, and keeps {kept}"),
             (false, _) => {
                 let Candidate { scheme: other, keeps: less, .. } = &candidates[cheapest];
@@ -108,22 +108,13 @@ impl Comparison {
             );
         }
         let cost = candidates[scheme].cost_s().unwrap_or(f64::INFINITY);
-        let mut missed = Vec::new();
         for Candidate { scheme, outcome, .. } in candidates {
-            let Outcome::NotReached { steps, at_least_s, needs, .. } = outcome else { continue };
-            let step_s = at_least_s / *steps as f64;
-            missed.push(match needs.filter(|_| *at_least_s > 0.0) {
-                Some(needs) => {
-                    let times = number(needs * step_s / cost);
-                    let about = number(needs);
-                    format!("{scheme} would need about {about} steps, {times} times the cost")
-                }
-                None => format!("{scheme} does not in {steps} steps"),
-            });
-        }
-        if !missed.is_empty() {
-            let missed = missed.join("; ");
-            words += &format!(".\nNot reached, and extrapolated where a number is: {missed}");
+            if let Outcome::NotReached { steps, at_least_s, .. } = outcome
+                && *at_least_s < cost
+            {
+                words +=
+                    &format!(".\n{scheme} may be cheaper: it was not tried beyond {steps} steps");
+            }
         }
         words + "."
     }
@@ -169,13 +160,19 @@ impl Verdicts {
             }
             Outcome::NotReached { steps, error, at_least_s, resolved, needs } => {
                 let about = if *resolved { "" } else { "about " };
-                let ns = match *at_least_s > 0.0 {
-                    true => number(1e9 * at_least_s / *steps as f64),
-                    false => dash(),
+                let step_s = at_least_s / *steps as f64;
+                let cheapest = match self.choice {
+                    Choice::Take { cheapest, .. } => self.candidates[cheapest].cost_s(),
+                    _ => None,
                 };
-                // Extrapolated.
-                let needs = needs.map_or(format!("> {steps}"), |needs| format!("≈ {needs:.1e}"));
-                (needs, format!("{about}{} in {steps}", number(*error)), ns, dash())
+                let extrapolated = |x: f64| format!("≈ {}", number(x));
+                let cost = needs.zip(cheapest).map(|(n, cost)| extrapolated(n * step_s / cost));
+                (
+                    needs.map_or(format!("> {steps}"), extrapolated),
+                    format!("{about}{} in {steps}", number(*error)),
+                    number(1e9 * step_s),
+                    cost.unwrap_or_else(dash),
+                )
             }
             Outcome::NotMeasured => (dash(), "not measured in this time".into(), dash(), dash()),
             Outcome::Inconsistent(defect) => (

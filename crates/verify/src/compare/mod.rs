@@ -49,7 +49,7 @@
 //! | item | job |
 //! |---|---|
 //! | [`compare`], [`Candidates`], [`CompareSettings`], [`Expectations`] | the call |
-//! | [`compare_of`], [`DynCandidates`], [`DynCompareSettings`] | the same for any dimension |
+//! | [`compare_of`], [`DynCandidates`] | the same for any dimension |
 //! | [`Comparison`], [`Verdicts`], [`Candidate`], [`Outcome`], [`Keeps`], [`Choice`] | what it says |
 //! | [`Grid`], [`Strong`], [`Weak`], [`Series`] | errors at given step sizes |
 //! | [`path_times`], [`Repetitions`], [`Time`] | processor times |
@@ -78,9 +78,7 @@ pub use candidates::{Candidates, DynCandidates};
 pub use cost::{Crossing, Curve, cost_at, crossing};
 pub use grid::{Grid, Sampled, Series, Timed};
 pub use recommend::{Candidate, Choice, Keeps, Measured, Outcome};
-pub use settings::{
-    CompareError, CompareSettings, DynCompareSettings, DynExpectations, EXPERIMENTS, Expectations,
-};
+pub use settings::{CompareError, CompareSettings, DynCompareSettings, EXPERIMENTS, Expectations};
 pub use strong::{Ratio, Strong, StrongPoint};
 pub use time::{Repetitions, Time, path_times};
 pub use weak::{Cost, Weak, WeakObservable, WeakPoint};
@@ -176,10 +174,9 @@ impl Verdicts {
 pub fn compare<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
     candidates: &Candidates<'_, S, D, M>,
-    settings: &CompareSettings<'_, D>,
+    settings: &CompareSettings<'_>,
 ) -> Result<Comparison, CompareError> {
-    let (candidates, settings) = (candidates.erased(problem), settings.erased());
-    compare_of(&DynProblem::of(problem), &candidates, &settings)
+    compare_of(&DynProblem::of(problem), &candidates.erased(problem), settings)
 }
 
 /// The same as [`compare`] for a problem of any dimension.
@@ -192,7 +189,7 @@ pub fn compare<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usiz
 pub fn compare_of<N: StepNoise>(
     problem: &DynProblem<'_>,
     candidates: &DynCandidates<'_, N>,
-    settings: &DynCompareSettings<'_>,
+    settings: &CompareSettings<'_>,
 ) -> Result<Comparison, CompareError> {
     search::Search::new(problem, candidates, settings)?.run()
 }

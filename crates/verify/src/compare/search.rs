@@ -6,9 +6,9 @@ use mc::{DynProblem, parts::Stop};
 use noise::{StepNoise, StreamKey};
 
 use super::{
-    Candidate, Choice, CompareError, Comparison, DynCandidates, DynCompareSettings,
-    DynExpectations, Keeps, Outcome, Repetitions, Series, Stopped, Strong, StrongPoint, Time,
-    Verdicts, Weak, WeakPoint,
+    Candidate, Choice, CompareError, CompareSettings, Comparison, DynCandidates, Expectations,
+    Keeps, Outcome, Repetitions, Series, Stopped, Strong, StrongPoint, Time, Verdicts, Weak,
+    WeakPoint,
     candidates::Entrant,
     grid::DynGrid,
     laws::Law,
@@ -46,7 +46,7 @@ const TIMING: (usize, u64, u64) = (3, 1 << 14, 128);
 /// those of the longest step.
 pub struct Search<'a, N> {
     problem: &'a DynProblem<'a>,
-    settings: &'a DynCompareSettings<'a>,
+    settings: &'a CompareSettings<'a>,
     candidates: &'a DynCandidates<'a, N>,
     /// Number of the longest steps.
     base: u64,
@@ -82,7 +82,7 @@ impl<'a, N: StepNoise> Search<'a, N> {
     pub fn new(
         problem: &'a DynProblem<'a>,
         candidates: &'a DynCandidates<'a, N>,
-        settings: &'a DynCompareSettings<'a>,
+        settings: &'a CompareSettings<'a>,
     ) -> Result<Self, CompareError> {
         settings.check(candidates.schemes.len())?;
         let least = ((problem.t_end / LONGEST).ceil() as u64).max(LEAST_STEPS);
@@ -243,6 +243,10 @@ impl<'a, N: StepNoise> Search<'a, N> {
                 break;
             }
             found = strong;
+            if reference.excluded.is_some() {
+                // Errors against it are no errors.
+                return Ok(found);
+            }
             let next = self.refined(known, &found, &plan);
             let all = self.settings.samples;
             if next == plan && samples == all {
@@ -309,7 +313,7 @@ impl<'a, N: StepNoise> Search<'a, N> {
     fn weak(
         &self,
         known: &[Known],
-        wanted: &DynExpectations<'_>,
+        wanted: &Expectations<'_>,
         stop: &Stop,
     ) -> Result<Option<Weak>, CompareError> {
         let (mut samples, more) = WEAK;
@@ -320,7 +324,7 @@ impl<'a, N: StepNoise> Search<'a, N> {
             let plan = Plan { last: vec![finest - 2; known.len()], reference: finest };
             let watch = Stopwatch::start();
             let grid = self.grid(known, &plan, samples, self.key(2), stop);
-            let weak = Weak::of(&grid, &wanted.observables, &|_| ())?;
+            let weak = Weak::of(&grid, wanted.observables, &|_| ())?;
             if stop.is_asked() {
                 self.cut.set(true);
                 return Ok(found);

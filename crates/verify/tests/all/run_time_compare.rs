@@ -10,7 +10,7 @@ use schemes::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi};
 use systems::{Constant, run_time::Problem};
 use verify::compare::{
     Candidates, Choice, CompareError, CompareSettings, Comparison, DynCandidates,
-    DynCompareSettings, DynExpectations, Expectations, Keeps, Outcome, compare, compare_of,
+    DynCompareSettings, Expectations, Keeps, Outcome, compare, compare_of,
 };
 
 use crate::run_time::{Wrong, body, one_noise, pendulum, texts};
@@ -57,8 +57,8 @@ fn check_same(one: &Comparison, other: &Comparison) {
 #[test]
 fn errors_on_texts_are_those_on_compiled_systems() {
     let (compiled, texts) = pendulum(0.3);
-    let momentum = [Observable { name: "p", function: |y: [f64; 2]| y[0] }];
-    let wanted = Expectations { observables: &momentum, accuracy: 0.05 };
+    let momentum = Observable { name: "p", function: |y: [f64; 2]| y[0] };
+    let wanted = Expectations { observables: &[&momentum], accuracy: 0.05 };
     let DynCompareSettings { samples, truncation, .. } = settings(0.01);
     let one = CompareSettings {
         samples,
@@ -69,7 +69,7 @@ fn errors_on_texts_are_those_on_compiled_systems() {
     let one = compare(&compiled, &all, &one).unwrap();
 
     let row = RowFunction { name: "p".into(), function: |y: &[Row], p: &mut Row| *p = y[0] };
-    let wanted = DynExpectations { observables: vec![&row], accuracy: 0.05 };
+    let wanted = Expectations { observables: &[&row], accuracy: 0.05 };
     let other = DynCompareSettings { expectations: Some(wanted), ..settings(0.01) };
     let all = DynCandidates::all(&texts).unwrap();
     let other = compare_of(&DynProblem::at_run_time(&texts), &all, &other).unwrap();
@@ -167,7 +167,7 @@ fn paths_that_part_are_said_to_part() {
 }
 
 #[test]
-fn a_budget_is_kept_and_what_was_not_reached_is_extrapolated() {
+fn a_budget_is_kept_on_a_heavy_system() {
     let (n, names) = (6, |name: &str| (0..6).map(|i| format!("{name}{i} ")).collect::<String>());
     let row =
         |i: usize| (i + 1..2 * n).map(|j| if j == i + n { "1 " } else { "0 " }).collect::<String>();
@@ -184,14 +184,24 @@ fn a_budget_is_kept_and_what_was_not_reached_is_extrapolated() {
     assert_eq!(found.for_error.choice, Choice::NoneReaches);
     assert!(found.stopped.is_some(), "{found}");
     let text = found.to_string();
-    let extrapolated = |n: &verify::compare::Candidate| match n.outcome {
-        Outcome::NotReached { steps, error, needs: Some(needs), resolved, .. } => {
-            assert!(resolved && needs > steps as f64 && error > 1e-6, "{text}");
-            true
-        }
-        _ => false,
+    assert!(text.contains("the budget of 2.00 s is spent") && !text.contains("inf"), "{text}");
+}
+
+#[test]
+fn what_was_not_reached_is_extrapolated_and_marked() {
+    let pendulum = texts("q p", &["1"], "p^2/2-cos(q)", &["0.1*q"]);
+    let found = of_texts((&pendulum, &[2.0, 0.0], 1.0), 1e-8, 1.0);
+    assert_eq!(found.for_error.choice, Choice::NoneReaches);
+    let text = found.to_string();
+    // Heun has order one here, so that steps times error stay.
+    let heun = found.for_error.candidates.iter().find(|one| one.scheme == "heun").unwrap();
+    let Outcome::NotReached { steps, error, needs, resolved, .. } = heun.outcome else {
+        panic!("{text}")
     };
-    assert!(found.for_error.candidates.iter().any(extrapolated), "{text}");
+    let predicted = steps as f64 * error / 1e-8;
+    assert!(resolved && error > 1e-8, "{text}");
+    let needs = needs.expect("extrapolated");
+    assert!((0.9 * predicted..5.0 * predicted).contains(&needs), "{needs} {predicted}\n{text}");
     assert!(text.contains("≈") && text.contains("extrapolated, not measured"), "{text}");
 }
 
