@@ -38,24 +38,28 @@ impl Comparison {
             _ => None,
         };
         let all = || candidates.iter().filter_map(|n| Some((&n.scheme, measured(n)?)));
-        let needs = all().filter_map(|(scheme, (.., needs))| Some((scheme, needs?)));
-        if let Some((scheme, needs)) = needs.min_by(|a, b| a.1.total_cmp(&b.1)) {
+        // The scheme that keeps most, and the fewest steps of several.
+        let needs = candidates.iter().filter_map(|n| Some((n, measured(n)?.2?)));
+        let most = needs.max_by(|(a, x), (b, y)| a.keeps.cmp(&b.keeps).then(y.total_cmp(x)));
+        if quantity == "y(T)" && strong.parts() && *wanted < strong.last_difference {
             words += &format!(
-                ". {scheme} is expected to need fewest steps, about {}: extrapolated, not measured",
-                number(needs)
+                ": paths part. {} ends {} from itself with half as many steps; two independent \
+                 paths end {} apart. How many steps would do cannot be told.\nSingle paths are not \
+                 predictable up to T = {} then, but expectations may be: ask `casimir run` or \
+                 `casimir expect` for these, or `compare` at a shorter final time",
+                strong.sampled.reference,
+                number(strong.last_difference),
+                number(strong.spread),
+                self.t_end
             );
-        } else if quantity == "y(T)" && strong.parts() && *wanted < strong.last_difference {
-            return words
-                + &format!(
-                    ": paths part. {} ends {} from itself with half as many steps; two independent \
-                     paths end {} apart. How many steps would do cannot be told.\nSingle paths are \
-                     not predictable up to T = {} then, but expectations may be: ask `casimir run` or `casimir expect` for these, or `compare` at a \
-                     shorter final time.",
-                    strong.sampled.reference,
-                    number(strong.last_difference),
-                    number(strong.spread),
-                    self.t_end
-                );
+        } else if let Some((Candidate { scheme, keeps, .. }, needs)) = most {
+            let kept = self.lacks(keeps, &Keeps::default());
+            words += &format!(
+                ".\n{scheme} would need about {} steps, which is extrapolated, not \
+                 measured{}{kept}",
+                number(needs),
+                if kept.is_empty() { "" } else { "; it keeps " }
+            );
         } else if let Some((scheme, (steps, error, _))) =
             all().min_by(|a, b| a.1.1.total_cmp(&b.1.1))
         {
@@ -214,7 +218,10 @@ impl fmt::Display for Comparison {
         }
         if let Some(Stopped { budget_s, steps }) = self.stopped {
             let budget = number(budget_s);
-            writeln!(f, "the budget of {budget} s is spent; schemes had up to {steps} steps")?;
+            writeln!(
+                f,
+                "schemes had up to {steps} steps; more would exceed the budget of {budget} s"
+            )?;
         }
         for verdicts in [&self.for_error].into_iter().chain(&self.for_expectations) {
             writeln!(f, "\n{}", verdicts.goal())?;

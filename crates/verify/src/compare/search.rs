@@ -28,8 +28,8 @@ const MOST: u32 = 60;
 const LONGEST: f64 = 0.5;
 /// A reference is not refined if its error is at most this part of the wanted one.
 const ENOUGH: f64 = 1.0 / 8.0;
-/// Step sizes of the reference beyond the first.
-const AHEAD: u32 = 3;
+/// Halvings of the step sizes at first, of schemes and of the reference, and if these take long.
+const AHEAD: [[u32; 2]; 2] = [[1, 4], [0, 2]];
 /// Errors that are that many times the wanted one are refined by two halvings at once.
 const FAR: f64 = 16.0;
 /// The parts of the budget that pilots may take, and of what is left then, errors.
@@ -228,9 +228,16 @@ impl<'a, N: StepNoise> Search<'a, N> {
     ) -> Result<Strong, CompareError> {
         let DynCandidates { casimirs, base, schemes, .. } = self.candidates;
         let mut found = Strong::nothing(&schemes.iter().map(|s| s.scheme.id()).collect::<Vec<_>>());
-        let last = known.iter().map(|known| if known.runs() { known.first } else { 0 });
-        let mut plan = Plan { last: last.collect(), reference: reference.first + AHEAD };
         let (mut samples, room) = (LEAST_SAMPLES, ERRORS * self.left_s());
+        let plans = AHEAD.map(|[scheme, ahead]| Plan {
+            last: known.iter().map(|k| if k.runs() { k.first + scheme } else { 0 }).collect(),
+            reference: reference.first + ahead,
+        });
+        let fits = self.work(known, reference, &plans[0], samples) < 0.5 * room;
+        let [mut plan, small] = plans;
+        if !fits {
+            plan = small;
+        }
         let watch = Stopwatch::start();
         loop {
             let before = watch.wall_s();
@@ -402,7 +409,7 @@ impl<'a, N: StepNoise> Search<'a, N> {
         let (schemes, problem) = (schemes.collect::<Vec<_>>(), self.problem);
         let nobody = &|_| ();
         let mut times =
-            times_of(&schemes, problem, &steps, truncation, key, repetitions, stop, nobody)?;
+            times_of(&schemes, problem, &steps, truncation, key, (repetitions, stop), nobody)?;
         self.cut.set(self.cut.get() || stop.is_asked());
         for ((times, steps), known) in times.iter_mut().zip(&steps).zip(known) {
             let step_s = times.last().map_or(known.seconds, |(n, time)| time.min_s / *n as f64);

@@ -80,7 +80,7 @@ pub fn path_times<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
     let schemes: Vec<_> = schemes.iter().map(|&scheme| Setup::of(problem, scheme).scheme).collect();
     let problem = DynProblem::of(problem);
     let stop = Stop::default();
-    times_of(&schemes, &problem, steps, truncation, key, repetitions, &stop, progress)
+    times_of(&schemes, &problem, steps, truncation, key, (repetitions, &stop), progress)
 }
 
 /// The same for systems of any dimension. Few steps come first; what `stop` cuts short is left out.
@@ -90,8 +90,7 @@ pub(super) fn times_of<'a, N: StepNoise>(
     steps: &[Vec<u64>],
     truncation: Truncation,
     key: StreamKey,
-    repetitions: Repetitions,
-    stop: &Stop,
+    (repetitions, stop): (Repetitions, &Stop),
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Vec<Vec<(u64, Time)>>, LadderError> {
     assert!(repetitions.count > 0, "a time needs at least one repetition");

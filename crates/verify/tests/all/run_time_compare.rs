@@ -184,7 +184,7 @@ fn a_budget_is_kept_on_a_heavy_system() {
     assert_eq!(found.for_error.choice, Choice::NoneReaches);
     assert!(found.stopped.is_some(), "{found}");
     let text = found.to_string();
-    assert!(text.contains("the budget of 2.00 s is spent") && !text.contains("inf"), "{text}");
+    assert!(text.contains("exceed the budget of 2.00 s") && !text.contains("inf"), "{text}");
 }
 
 #[test]
