@@ -32,8 +32,7 @@ const ENOUGH: f64 = 1.0 / 8.0;
 const AHEAD: [[u32; 2]; 2] = [[1, 4], [0, 2]];
 /// Errors that are that many times the wanted one are refined by two halvings at once.
 const FAR: f64 = 16.0;
-/// The parts of the budget that pilots may take, and of what is left then, errors.
-const PILOTS: f64 = 0.2;
+/// The part of the time left that errors may take.
 const ERRORS: f64 = 0.75;
 /// Paths and halvings of the first measurement of weak errors.
 const WEAK: (u64, u32) = (4096, 6);
@@ -106,13 +105,15 @@ impl<'a, N: StepNoise> Search<'a, N> {
 
     pub fn run(self) -> Result<Comparison, CompareError> {
         let Self { problem, settings, candidates, .. } = self;
-        let reference = self.known(&candidates.reference)?;
+        let reference = self.known(&candidates.reference, 2)?;
         if let Some(Outcome::Fails(failure)) = reference.excluded {
             let scheme = candidates.reference.scheme.id();
             let steps = self.base << reference.first;
             return Err(CompareError::Reference { scheme, steps, failure });
         }
-        let known = candidates.schemes.iter().map(|entrant| self.known(entrant));
+        let waiting = (1..=candidates.schemes.len()).rev();
+        let known = candidates.schemes.iter().zip(waiting);
+        let known = known.map(|(entrant, waiting)| self.known(entrant, waiting));
         let known: Vec<Known> = known.collect::<Result<_, _>>()?;
         let mut strong =
             within(ERRORS * self.left_s(), |stop| self.strong(&known, &reference, stop))?;
@@ -177,12 +178,10 @@ impl<'a, N: StepNoise> Search<'a, N> {
         })
     }
 
-    /// What a pilot shows of a scheme.
-    fn known(&self, entrant: &Entrant<'a, N>) -> Result<Known, CompareError> {
+    /// What a pilot shows of a scheme, where so many pilots share a third of the time left.
+    fn known(&self, entrant: &Entrant<'a, N>, waiting: usize) -> Result<Known, CompareError> {
         let Self { problem, settings, base, .. } = *self;
-        let pilots = (1 + self.candidates.schemes.len()) as f64;
-        let seconds = (PILOTS * settings.budget_s / pilots).min(self.left_s());
-        within(seconds, |stop| {
+        within(self.left_s() / (3 * waiting) as f64, |stop| {
             let known = Known::new(entrant, problem, settings.truncation, self.key(1), base, stop)?;
             self.cut.set(self.cut.get() || !known.runs() && stop.is_asked());
             Ok(known)
