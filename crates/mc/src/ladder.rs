@@ -371,8 +371,12 @@ impl<'a, N: StepNoise> Ladder<'a, N> {
         self.run_until(&Stop::default(), first, samples, new, progress)
     }
 
-    /// The same with paths that end where `stop` asks for the end.
-    pub(crate) fn run_until<T: Statistic>(
+    /// The same with paths that end where `stop` asks for the end: the sums are then those of some
+    /// paths.
+    ///
+    /// # Panics
+    /// As [`run`](Self::run).
+    pub fn run_until<T: Statistic>(
         &self,
         stop: &Stop,
         first: u64,

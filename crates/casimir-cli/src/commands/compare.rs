@@ -1,11 +1,13 @@
 //! `casimir compare`: which scheme is cheapest for an error.
 
+use std::time::Instant;
+
 use casimir::{
     report::{Bars, comparison_csv, figure::comparison, files},
     verify::{DynCompareSettings, Progress},
 };
 
-use super::{folder, open, print, print_json, threads};
+use super::{findings, folder, open, print, print_json, threads};
 use crate::{
     arguments::Compare,
     failure::{Done, Failure},
@@ -27,9 +29,13 @@ pub fn compare(arguments: &Compare) -> Done {
     let seed = SchemeAndSeed { scheme: None, seed: arguments.seed };
     let scene = open(&arguments.scene, &Changes::from(&seed))?;
     threads(arguments.output.threads)?;
-    let settings = &scene.settings;
+    let (settings, start) = (&scene.settings, Instant::now());
+    // What a run takes, for other reasons.
+    let (auto, because) =
+        with_model!(&scene.model, model => findings(&scene, model)?.recommended());
+    let spent = start.elapsed().as_secs_f64();
     let wanted = DynCompareSettings {
-        budget_s: arguments.budget,
+        budget_s: (arguments.budget - spent).max(0.5 * arguments.budget),
         ..DynCompareSettings::new(error, settings.truncation, settings.key)
     };
     let bars = Bars::default();
@@ -45,5 +51,13 @@ pub fn compare(arguments: &Compare) -> Done {
     if arguments.output.json {
         return print_json(&serde_json::to_value(&found)?);
     }
-    print(&format!("{found}\nfigure: {}\n", folder.join("compare.svg").display()))
+    let rule = match found.recommended() {
+        Some(scheme) if scheme == auto => format!("`casimir run` takes {auto}, too"),
+        _ => format!(
+            "`casimir run` takes {auto} by another rule, that of long times: {because}.\nHere the \
+             processor time for this error at T = {}, on this machine, decides",
+            settings.until
+        ),
+    };
+    print(&format!("{found}\n{rule}.\nfigure: {}\n", folder.join("compare.svg").display()))
 }

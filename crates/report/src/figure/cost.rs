@@ -63,7 +63,7 @@ pub fn comparison(comparison: &Comparison) -> String {
 #[cfg(test)]
 pub(crate) mod tests {
     use verify::compare::{
-        Candidate, Choice, Outcome, Sampled, Strong, Time, Verdicts, Weak, WeakPoint,
+        Candidate, Choice, Keeps, Outcome, Sampled, Strong, Time, Verdicts, Weak, WeakPoint,
     };
 
     use super::*;
@@ -118,15 +118,24 @@ pub(crate) mod tests {
             reference_error: 0.01,
             series: vec![Series { scheme: "heun".into(), points: vec![weak] }],
         };
-        let outcome = Outcome::NotReached { steps: 8, error: 0.0625, at_least_s: 1e-6 };
-        let candidate = Candidate { scheme: "heun".into(), outcome, defect: Some(1e-3) };
+        let (steps, error, at_least_s) = (8, 0.0625, 1e-6);
+        let (resolved, needs, keeps) = (true, None, Keeps::default());
+        let outcome = Outcome::NotReached { steps, error, at_least_s, resolved, needs };
+        let candidate = Candidate { scheme: "heun".into(), outcome, defect: Some(1e-3), keeps };
         Comparison {
             system: "a<b".into(),
             dimension: 3,
             noises: 1,
             t_end: 1.0,
+            damped: true,
             invariants: vec!["C".into()],
-            strong: Strong { sampled: sampled.clone(), reference_error: 1e-3, series: strong },
+            strong: Strong {
+                sampled: sampled.clone(),
+                reference_error: 1e-3,
+                last_difference: 1e-3,
+                spread: 1.0,
+                series: strong,
+            },
             for_error: Verdicts {
                 quantity: "y(T)".into(),
                 wanted: 1e-3,

@@ -2,7 +2,7 @@
 
 use std::{array, ops::Range, sync::Arc};
 
-use mc::{DynProblem, DynRun, Ladder, LadderError};
+use mc::{DynProblem, DynRun, Ladder, LadderError, parts::Stop};
 use noise::{BlockNoise, StepNoise, StreamKey, Truncation};
 use schemes::{DynScheme, Scheme};
 use serde::{Deserialize, Serialize};
@@ -45,6 +45,8 @@ pub(super) struct DynGrid<'a, N> {
     pub samples: u64,
     pub truncation: Truncation,
     pub key: StreamKey,
+    /// Ends the runs; what was measured is then of no use.
+    pub stop: Stop,
 }
 
 /// What the errors of a grid are made of.
@@ -117,6 +119,7 @@ impl<'a, S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize> Gri
             samples: self.samples,
             truncation: self.truncation,
             key: self.key,
+            stop: Stop::default(),
         }
     }
 }
@@ -178,7 +181,7 @@ impl<'a, N: StepNoise> DynGrid<'a, N> {
         let Self { problem, finest_steps, samples, truncation, key, .. } = *self;
         let ladder = Ladder::of(problem, finest_steps, top, truncation, key, runs)?;
         let new = || FinalMoments::of_rows(ladder.coarse_steps(), length, values);
-        let measured = ladder.run(samples, new, progress);
+        let measured = ladder.run_until(&self.stop, 0, samples, new, progress);
         let sampled = Sampled {
             samples,
             failed: measured.failed,

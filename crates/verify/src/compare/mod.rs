@@ -1,8 +1,9 @@
 //! **Which scheme for my system?** Errors against the processor time that they cost.
 //!
 //! [`compare`] takes a problem, schemes and a wanted strong error. It measures errors against a
-//! reference whose own error is estimated, with intervals; times the schemes; and recommends the
-//! cheapest one, or one that keeps the Casimirs and costs at most a tenth more.
+//! reference whose own error is estimated, with intervals; times the schemes; and recommends one.
+//! The scheme that keeps most ([`Keeps`]: Casimirs, then the energy, then exact damping) is taken
+//! unless it costs significantly more than the cheapest: more than 1.1 times as much with 95 %.
 //!
 //! ```
 //! use noise::{StreamKey, Truncation};
@@ -32,13 +33,15 @@
 //! coefficients of the equation as τ → 0 ([`Limit::Consistent`](crate::Limit)). One that misses
 //! them converges to something else and is not recommended; a reference that misses them is named.
 //!
-//! **Step sizes.** A pilot of 64 paths shows how the error of each scheme falls, and from which
-//! step size on no path fails. It predicts the steps for the wanted error. They are measured, and
-//! refined until every scheme has a point on either side of the error, or has
-//! [`reach`](CompareSettings::reach) times the steps of the scheme that needs fewest. These choices
-//! depend on samples only, so errors are the same bits for the same seed, unless
-//! the budget stops them; the result says whether it did ([`Comparison::stopped`]). Nothing is
-//! extrapolated: an error that was not reached is not priced.
+//! **Step sizes.** A pilot of 64 paths shows from which step size on no path of a scheme fails. Then
+//! all schemes run at T/2ᵏ on 256 paths, with finer and finer steps, until every scheme has an error
+//! below the wanted one, or has [`reach`](CompareSettings::reach) times the steps of the scheme that
+//! needs fewest, or the budget is spent. Errors are the same bits for the same seed, unless the
+//! budget stops them; the result says whether it did ([`Comparison::stopped`]). An error that was
+//! not reached is not priced; the steps that it needs are extrapolated and marked. Where paths at τ
+//! and τ/2 part ([`Strong::parts`]), no strong error is predicted.
+//!
+//! **Budget.** Pilots, errors and times each get a part of it, and end when it is over.
 //!
 //! **Costs** are processor times of the block kernels on one thread with their noise, and with
 //! areas where a scheme reads them; between points they are interpolated in the logarithms.
@@ -46,8 +49,8 @@
 //! | item | job |
 //! |---|---|
 //! | [`compare`], [`Candidates`], [`CompareSettings`], [`Expectations`] | the call |
-//! | [`compare_of`], [`DynCandidates`], [`DynCompareSettings`] | the same for any dimension |
-//! | [`Comparison`], [`Verdicts`], [`Candidate`], [`Outcome`], [`Choice`] | what it says |
+//! | [`compare_of`], [`DynCandidates`] | the same for any dimension |
+//! | [`Comparison`], [`Verdicts`], [`Candidate`], [`Outcome`], [`Keeps`], [`Choice`] | what it says |
 //! | [`Grid`], [`Strong`], [`Weak`], [`Series`] | errors at given step sizes |
 //! | [`path_times`], [`Repetitions`], [`Time`] | processor times |
 //! | [`cost_at`], [`crossing`], [`Curve`] | what an error costs between the points |
@@ -59,7 +62,6 @@ mod grid;
 mod laws;
 mod own_areas;
 mod pilot;
-mod plan;
 mod recommend;
 mod search;
 mod settings;
@@ -75,10 +77,8 @@ use systems::{Damping, PoissonSystem, Problem};
 pub use candidates::{Candidates, DynCandidates};
 pub use cost::{Crossing, Curve, cost_at, crossing};
 pub use grid::{Grid, Sampled, Series, Timed};
-pub use recommend::{Candidate, Choice, Measured, Outcome};
-pub use settings::{
-    CompareError, CompareSettings, DynCompareSettings, DynExpectations, EXPERIMENTS, Expectations,
-};
+pub use recommend::{Candidate, Choice, Keeps, Measured, Outcome};
+pub use settings::{CompareError, CompareSettings, DynCompareSettings, EXPERIMENTS, Expectations};
 pub use strong::{Ratio, Strong, StrongPoint};
 pub use time::{Repetitions, Time, path_times};
 pub use weak::{Cost, Weak, WeakObservable, WeakPoint};
@@ -96,6 +96,9 @@ pub struct Comparison {
     pub noises: usize,
     /// The final time.
     pub t_end: f64,
+    /// Whether there is damping.
+    #[serde(default)]
+    pub damped: bool,
     /// The invariants whose defects the points have: those that the system names, or the Casimirs
     /// that were found.
     pub invariants: Vec<String>,
@@ -156,14 +159,7 @@ impl Verdicts {
     /// How many times the cost of candidate `other` that of candidate `one` is, with its interval;
     /// no upper end where there is none. `None` unless both reach the error.
     pub fn ratio(&self, one: usize, other: usize) -> Option<(f64, f64, Option<f64>)> {
-        let ends = |n: usize| match self.candidates.get(n)?.outcome {
-            Outcome::Reached { cost_s, cost_lo, cost_hi, .. } => Some((cost_s, cost_lo, cost_hi)),
-            _ => None,
-        };
-        let ((a, a_lo, a_hi), (b, b_lo, b_hi)) = (ends(one)?, ends(other)?);
-        let lo = b_hi.map_or(0.0, |hi| a_lo / hi);
-        let hi = a_hi.filter(|_| b_lo > 0.0).map(|hi| hi / b_lo);
-        Some((a / b, lo, hi))
+        recommend::ratio(&self.candidates, one, other)
     }
 }
 
@@ -178,10 +174,9 @@ impl Verdicts {
 pub fn compare<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
     problem: &Problem<S, G, D>,
     candidates: &Candidates<'_, S, D, M>,
-    settings: &CompareSettings<'_, D>,
+    settings: &CompareSettings<'_>,
 ) -> Result<Comparison, CompareError> {
-    let (candidates, settings) = (candidates.erased(problem), settings.erased());
-    compare_of(&DynProblem::of(problem), &candidates, &settings)
+    compare_of(&DynProblem::of(problem), &candidates.erased(problem), settings)
 }
 
 /// The same as [`compare`] for a problem of any dimension.
@@ -194,7 +189,7 @@ pub fn compare<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usiz
 pub fn compare_of<N: StepNoise>(
     problem: &DynProblem<'_>,
     candidates: &DynCandidates<'_, N>,
-    settings: &DynCompareSettings<'_>,
+    settings: &CompareSettings<'_>,
 ) -> Result<Comparison, CompareError> {
     search::Search::new(problem, candidates, settings)?.run()
 }

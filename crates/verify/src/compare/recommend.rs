@@ -19,6 +19,36 @@ pub struct Candidate {
     /// The largest relative defect of a Casimir at the step size that is needed; none if no Casimir
     /// is known.
     pub defect: Option<f64>,
+    /// What it keeps over long times.
+    #[serde(default)]
+    pub keeps: Keeps,
+}
+
+/// What a scheme keeps over long times; a scheme that keeps more is larger.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Keeps {
+    /// The laws of all known Casimirs to rounding, as measured.
+    pub casimirs: bool,
+    /// The energy of H₀ without noise and damping.
+    pub energy: bool,
+    /// The damping is exact; without damping, the scheme is no explicit one, whose energies grow
+    /// exponentially.
+    pub conformal: bool,
+}
+
+impl Keeps {
+    /// By the identifier of the scheme and the measured Casimirs.
+    pub(super) fn of(candidate: &Candidate, damped: bool) -> Self {
+        let casimirs = candidate.keeps() == Some(true);
+        let (energy, conformal) = match &candidate.scheme[..] {
+            "sexp" | "sexp-levy" => (true, true),
+            "split" | "nv" => (false, true),
+            "sexp-li" | "sexp-li-levy" => (false, damped || casimirs),
+            "midpoint" => (false, !damped),
+            _ => (false, false),
+        };
+        Self { casimirs, energy, conformal }
+    }
 }
 
 /// Whether a scheme reaches the wanted error.
@@ -47,9 +77,17 @@ pub enum Outcome {
         steps: u64,
         /// The error, or the upper end of the bias, with these.
         error: f64,
-        /// Seconds that the wanted error costs at least, as far as they were timed.
+        /// Seconds of the processor for that: what the wanted error costs at least.
         at_least_s: f64,
+        /// Whether the reference resolves the error; otherwise it is a distance of paths that are
+        /// both wrong.
+        resolved: bool,
+        /// Steps that the wanted error needs, extrapolated from the last two errors; none where
+        /// these do not fall.
+        needs: Option<f64>,
     },
+    /// The budget was too short for a first error.
+    NotMeasured,
     /// Single steps miss the coefficients of the equation as τ → 0 by this part: the scheme
     /// converges to something else.
     Inconsistent(f64),
@@ -80,8 +118,8 @@ pub enum Choice {
     Take {
         /// Its number.
         scheme: usize,
-        /// Number of the cheapest one. Another one is taken if it keeps the Casimirs and costs
-        /// hardly more.
+        /// Number of the cheapest one. Another one is taken if it keeps more and does not cost
+        /// significantly more.
         cheapest: usize,
     },
     /// No scheme reaches the error.
@@ -93,8 +131,10 @@ pub enum Choice {
 
 /// A Casimir with a smaller relative defect is kept: rounding is all that is left.
 const KEPT: f64 = 1e-10;
-/// A scheme that keeps Casimirs may cost this factor more.
+/// A scheme that keeps more is taken unless it costs more than this factor, with 95 %.
 const WORTH: f64 = 1.1;
+/// Errors that fall with less than this exponent of the step size are not extrapolated.
+const FALLS: f64 = 0.3;
 
 impl Candidate {
     /// Whether the laws of all known Casimirs are kept to rounding.
@@ -142,18 +182,32 @@ impl Candidate {
                 (outcome, beside.map(|(point, _)| point))
             }
             None => {
-                let last = resolved().next_back();
-                let outcome = Outcome::NotReached {
-                    steps: last.map_or(0, |point| point.steps),
-                    error: last.map_or(f64::INFINITY, |point| point.error),
-                    at_least_s: timed().next_back().map_or(0.0, |(_, time)| time.min_s),
+                // Without a resolved point, the distance from a reference that is wrong as well.
+                let last = resolved().next_back().or(series.points.last());
+                let outcome = match last {
+                    Some(last) => Outcome::NotReached {
+                        steps: last.steps,
+                        error: last.error,
+                        at_least_s: last.time.map_or(0.0, |time| time.min_s),
+                        resolved: last.resolved,
+                        needs: match resolved().collect::<Vec<_>>()[..] {
+                            [.., before, last] => {
+                                let p = (before.error / last.error).log2();
+                                let factor = (last.error / wanted).powf(1.0 / p.clamp(0.5, 1.0));
+                                (p >= FALLS).then_some(last.steps as f64 * factor.max(1.0))
+                            }
+                            _ => None,
+                        },
+                    },
+                    None => Outcome::NotMeasured,
                 };
                 (outcome, last)
             }
         };
         let defect = point
             .and_then(|point| casimirs.iter().map(|&law| point.defects[law]).reduce(crate::worse));
-        Self { scheme: series.scheme.clone(), outcome, defect }
+        let keeps = Keeps::default();
+        Self { scheme: series.scheme.clone(), outcome, defect, keeps }
     }
 
     /// An expectation by a scheme.
@@ -178,9 +232,12 @@ impl Candidate {
                 steps: series.points.last().map_or(0, |point| point.steps),
                 error: series.points.last().map_or(f64::INFINITY, |point| point.hi),
                 at_least_s: series.least_cost(wanted).map_or(0.0, |least| least.cost_s),
+                resolved: true,
+                needs: None,
             },
         };
-        Self { scheme: series.scheme.clone(), outcome, defect }
+        let keeps = Keeps::default();
+        Self { scheme: series.scheme.clone(), outcome, defect, keeps }
     }
 }
 
@@ -191,43 +248,86 @@ fn least_cost(curve: &[(f64, f64)], wanted: f64) -> Option<f64> {
     if all { Some(*coarsest) } else { cost_at(curve, wanted) }
 }
 
-/// The cheapest candidate, or one that keeps the Casimirs and costs at most a tenth more.
+/// How many times the cost of candidate `other` that of candidate `one` is, with its interval; no
+/// upper end where there is none. `None` unless both reach the error.
+pub(super) fn ratio(
+    candidates: &[Candidate],
+    one: usize,
+    other: usize,
+) -> Option<(f64, f64, Option<f64>)> {
+    let ends = |n: usize| match candidates.get(n)?.outcome {
+        Outcome::Reached { cost_s, cost_lo, cost_hi, .. } => Some((cost_s, cost_lo, cost_hi)),
+        _ => None,
+    };
+    let ((a, a_lo, a_hi), (b, b_lo, b_hi)) = (ends(one)?, ends(other)?);
+    let lo = b_hi.map_or(0.0, |hi| a_lo / hi);
+    let hi = a_hi.filter(|_| b_lo > 0.0).map(|hi| hi / b_lo);
+    Some((a / b, lo, hi))
+}
+
+/// The candidate that keeps most among those that do not cost significantly more than the cheapest.
 pub(super) fn choose(candidates: &[Candidate]) -> Choice {
     let costs = candidates.iter().enumerate().filter_map(|(n, one)| Some((n, one.cost_s()?)));
-    let least = |candidates: &mut dyn Iterator<Item = (usize, f64)>| {
-        candidates.min_by(|a, b| a.1.total_cmp(&b.1))
+    let mut costs: Vec<(usize, f64)> = costs.collect();
+    costs.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let Some(&(cheapest, _)) = costs.first() else { return Choice::NoneReaches };
+    // Without an interval the value decides.
+    let near = |n: usize| match ratio(candidates, n, cheapest) {
+        Some((ratio, lo, _)) => WORTH >= if lo > 0.0 { lo } else { ratio },
+        None => false,
     };
-    let Some((cheapest, cost)) = least(&mut costs.clone()) else { return Choice::NoneReaches };
-    let keeping =
-        costs.filter(|&(n, other)| candidates[n].keeps() == Some(true) && other <= WORTH * cost);
-    let scheme = least(&mut keeping.into_iter()).map_or(cheapest, |(n, _)| n);
-    Choice::Take { scheme, cheapest }
+    let near = costs.iter().map(|&(n, _)| n).filter(|&n| n == cheapest || near(n));
+    // Of several the last is taken, so the cheapest come last.
+    let most = near.rev().max_by_key(|&n| candidates[n].keeps);
+    Choice::Take { scheme: most.unwrap_or(cheapest), cheapest }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn candidate(cost_s: f64, defect: Option<f64>) -> Candidate {
+    /// A scheme with this cost, to this factor either way.
+    fn candidate(scheme: &str, cost_s: f64, width: f64, defect: Option<f64>) -> Candidate {
         let measured = Measured { steps: 8, error: 1e-3, lo: 9e-4, hi: 1.1e-3, step_ns: 1.0 };
-        let (cost_lo, cost_hi) = (0.9 * cost_s, Some(1.1 * cost_s));
+        let (cost_lo, cost_hi) = (cost_s / width, Some(cost_s * width));
         let outcome = Outcome::Reached { steps: 8.0, cost_s, cost_lo, cost_hi, measured };
-        Candidate { scheme: "a".to_owned(), outcome, defect }
+        let keeps = Keeps::default();
+        let candidate = Candidate { scheme: scheme.to_owned(), outcome, defect, keeps };
+        Candidate { keeps: Keeps::of(&candidate, true), ..candidate }
     }
 
     #[test]
-    fn a_scheme_that_keeps_casimirs_may_cost_a_tenth_more() {
+    fn a_scheme_that_keeps_more_is_taken_unless_it_costs_significantly_more() {
         let (kept, lost) = (Some(1e-14), Some(1e-3));
-        let chosen = |candidates: &[Candidate]| choose(candidates);
         let take = |scheme, cheapest| Choice::Take { scheme, cheapest };
-        let near = [candidate(1.0, lost), candidate(1.2, kept), candidate(1.09, kept)];
-        assert_eq!(chosen(&near), take(2, 0));
-        assert_eq!(chosen(&near[..2]), take(0, 0));
-        assert_eq!(chosen(&[candidate(1.0, None), candidate(1.05, None)]), take(0, 0));
+        // The body of six dimensions: 1.16 [0.62, 2.21], and `sexp` dearer by far.
+        let width = 1.9f64.sqrt();
+        let mut body = vec![
+            candidate("heun", 1.0, width, lost),
+            candidate("sexp-li", 1.16, width, kept),
+            candidate("sexp", 3.0, width, kept),
+        ];
+        assert_eq!(choose(&body), take(1, 0));
+        // With wider intervals the energy is kept as well.
+        body[2] = candidate("sexp", 2.0, width, kept);
+        assert_eq!(choose(&body), take(2, 0));
+        // 1.11 times the cost with 95 %, and 1.09 times.
+        let near =
+            |ratio: f64| [candidate("heun", 1.0, 1.0, lost), candidate("sexp", ratio, 1.0, kept)];
+        assert_eq!([choose(&near(1.11)), choose(&near(1.09))], [take(0, 0), take(1, 0)]);
+        // Casimirs first, then the energy, then the damping; of equals the cheapest.
+        let order =
+            ["em", "midpoint", "nv", "sexp"].map(|scheme| candidate(scheme, 1.0, 2.0, None));
+        assert_eq!(
+            (choose(&order), choose(&order[..3]), choose(&order[..2])),
+            (take(3, 0), take(2, 0), take(0, 0),)
+        );
+        let casimirs = [candidate("sexp", 1.0, 2.0, lost), candidate("sexp-li", 1.2, 2.0, kept)];
+        assert_eq!(choose(&casimirs), take(1, 0));
         let outcome = Outcome::Inconsistent(0.5);
-        let wrong = Candidate { scheme: "b".to_owned(), outcome, defect: kept };
-        assert_eq!(chosen(&[wrong.clone(), candidate(2.0, lost)]), take(1, 1));
-        assert_eq!(chosen(&[wrong]), Choice::NoneReaches);
+        let wrong = Candidate { outcome, ..candidate("sexp", 1.0, 1.0, kept) };
+        assert_eq!(choose(&[wrong.clone(), candidate("heun", 2.0, 1.0, lost)]), take(1, 1));
+        assert_eq!(choose(&[wrong]), Choice::NoneReaches);
     }
 
     #[test]

@@ -2,25 +2,22 @@
 
 use std::{cell::Cell, sync::Arc};
 
-use mc::DynProblem;
+use mc::{DynProblem, parts::Stop};
 use noise::{StepNoise, StreamKey};
 
 use super::{
-    Candidate, Choice, CompareError, Comparison, DynCandidates, DynCompareSettings,
-    DynExpectations, Outcome, Repetitions, Series, Stopped, Strong, Time, Verdicts, Weak,
+    Candidate, Choice, CompareError, CompareSettings, Comparison, DynCandidates, Expectations,
+    Keeps, Outcome, Repetitions, Series, Stopped, Strong, StrongPoint, Time, Verdicts, Weak,
     WeakPoint,
     candidates::Entrant,
     grid::DynGrid,
     laws::Law,
-    pilot::{Pilot, steps_beyond},
-    plan::{HALVINGS, Known, Lacks, Plan, below, common, good, lacks},
+    pilot::{Known, within},
     recommend::choose,
+    settings::LEAST_SAMPLES,
     time::times_of,
 };
-use crate::{
-    StepSizes, Stopwatch,
-    orders::{Consistency, Subject, single_steps},
-};
+use crate::Stopwatch;
 
 /// The least number of coarsest steps.
 const LEAST_STEPS: u64 = 4;
@@ -29,16 +26,14 @@ const MOST_STEPS: u32 = 32;
 const MOST: u32 = 60;
 /// The longest step: truncation needs less than one.
 const LONGEST: f64 = 0.5;
-/// The error of the reference is to be this part of the wanted one.
-const REFERENCE: f64 = 1.0 / 12.0;
-/// A reference is not refined if its error is at most this part.
+/// A reference is not refined if its error is at most this part of the wanted one.
 const ENOUGH: f64 = 1.0 / 8.0;
-/// Rounds of refinement.
-const ROUNDS: usize = 4;
-/// The part of the budget that pilots may take.
-const PILOTS: f64 = 0.2;
-/// The part of the time left that a measurement may take by estimate.
-const SHARE: f64 = 0.7;
+/// Halvings of the step sizes at first, of schemes and of the reference, and if these take long.
+const AHEAD: [[u32; 2]; 2] = [[1, 4], [0, 2]];
+/// Errors that are that many times the wanted one are refined by two halvings at once.
+const FAR: f64 = 16.0;
+/// The part of the time left that errors may take.
+const ERRORS: f64 = 0.75;
 /// Paths and halvings of the first measurement of weak errors.
 const WEAK: (u64, u32) = (4096, 6);
 /// The most paths of weak errors.
@@ -50,20 +45,43 @@ const TIMING: (usize, u64, u64) = (3, 1 << 14, 128);
 /// those of the longest step.
 pub struct Search<'a, N> {
     problem: &'a DynProblem<'a>,
-    settings: &'a DynCompareSettings<'a>,
+    settings: &'a CompareSettings<'a>,
     candidates: &'a DynCandidates<'a, N>,
     /// Number of the longest steps.
     base: u64,
     watch: Stopwatch,
-    /// The finest steps, once the budget has cut something short.
-    stopped: Cell<Option<u64>>,
+    /// Whether the budget has cut something short.
+    cut: Cell<bool>,
+}
+
+/// The finest step sizes of the schemes and that of the reference.
+#[derive(Clone, PartialEq)]
+struct Plan {
+    last: Vec<u32>,
+    reference: u32,
+}
+
+impl Plan {
+    fn finest(&self) -> u32 {
+        self.last.iter().copied().fold(self.reference, u32::max)
+    }
+}
+
+/// Whether an error is resolved and its whole interval at most the wanted one.
+fn below(point: &StrongPoint, wanted: f64) -> bool {
+    point.resolved && point.hi.unwrap_or(point.error) <= wanted
+}
+
+/// Whether an expectation of this accuracy is not much dearer for the bias of the point.
+fn good(point: &WeakPoint, accuracy: f64) -> bool {
+    point.hi <= std::f64::consts::FRAC_1_SQRT_2 * accuracy
 }
 
 impl<'a, N: StepNoise> Search<'a, N> {
     pub fn new(
         problem: &'a DynProblem<'a>,
         candidates: &'a DynCandidates<'a, N>,
-        settings: &'a DynCompareSettings<'a>,
+        settings: &'a CompareSettings<'a>,
     ) -> Result<Self, CompareError> {
         settings.check(candidates.schemes.len())?;
         let least = ((problem.t_end / LONGEST).ceil() as u64).max(LEAST_STEPS);
@@ -71,8 +89,8 @@ impl<'a, N: StepNoise> Search<'a, N> {
             return Err(CompareError::FinalTime { t_end: problem.t_end });
         }
         let base = least.next_power_of_two();
-        let (watch, stopped) = (Stopwatch::start(), Cell::new(None));
-        Ok(Self { problem, settings, candidates, base, watch, stopped })
+        let (watch, cut) = (Stopwatch::start(), Cell::new(false));
+        Ok(Self { problem, settings, candidates, base, watch, cut })
     }
 
     /// The noise of a part of the comparison.
@@ -82,25 +100,28 @@ impl<'a, N: StepNoise> Search<'a, N> {
     }
 
     fn left_s(&self) -> f64 {
-        self.settings.budget_s - self.watch.wall_s()
+        (self.settings.budget_s - self.watch.wall_s()).max(0.0)
     }
 
     pub fn run(self) -> Result<Comparison, CompareError> {
         let Self { problem, settings, candidates, .. } = self;
-        let reference = self.known(&candidates.reference, REFERENCE * settings.error)?;
-        if let Some(failure) = reference.pilot.failure {
+        let reference = self.known(&candidates.reference, 2)?;
+        if let Some(Outcome::Fails(failure)) = reference.excluded {
             let scheme = candidates.reference.scheme.id();
-            let steps = self.base << reference.pilot.first;
+            let steps = self.base << reference.first;
             return Err(CompareError::Reference { scheme, steps, failure });
         }
-        let known = candidates.schemes.iter().map(|entrant| self.known(entrant, settings.error));
+        let waiting = (1..=candidates.schemes.len()).rev();
+        let known = candidates.schemes.iter().zip(waiting);
+        let known = known.map(|(entrant, waiting)| self.known(entrant, waiting));
         let known: Vec<Known> = known.collect::<Result<_, _>>()?;
-        let mut strong = self.strong(&known, &reference)?;
+        let mut strong =
+            within(ERRORS * self.left_s(), |stop| self.strong(&known, &reference, stop))?;
         let mut weak = match &settings.expectations {
-            Some(wanted) => Some(self.weak(&known, wanted)?),
+            Some(wanted) => within(ERRORS * self.left_s(), |stop| self.weak(&known, wanted, stop))?,
             None => None,
         };
-        let times = self.times(&known, &strong, weak.as_ref())?;
+        let times = within(self.left_s(), |stop| self.times(&known, &strong, weak.as_ref(), stop))?;
         for (s, times) in times.iter().enumerate() {
             strong.series[s].add_times(times);
             for observable in weak.iter_mut().flat_map(|weak| &mut weak.observables) {
@@ -109,21 +130,18 @@ impl<'a, N: StepNoise> Search<'a, N> {
         }
         let laws = Law::all(problem, &candidates.casimirs);
         let casimirs: Vec<usize> = (0..laws.len()).filter(|&law| laws[law].casimir).collect();
+        let damped = problem.damping.integral(0.0, problem.t_end) != 0.0;
         let verdicts = |quantity: &str, wanted, fares: &dyn Fn(usize) -> Candidate| {
-            let excluded = |s: usize| {
-                let Known { pilot, inconsistent } = &known[s];
-                let failure = pilot.failure.clone().map(Outcome::Fails);
-                failure.or(inconsistent.map(Outcome::Inconsistent))
-            };
-            let candidates: Vec<Candidate> = (0..known.len())
-                .map(|s| match (excluded(s), fares(s)) {
-                    (Some(outcome), fares) => Candidate { outcome, ..fares },
-                    (None, fares) => fares,
-                })
-                .collect();
-            let choice = match reference.inconsistent {
-                Some(defect) => Choice::WrongReference(defect),
-                None => choose(&candidates),
+            let candidates = known.iter().enumerate().map(|(s, known)| {
+                let fares = fares(s);
+                let keeps = Keeps::of(&fares, damped);
+                let outcome = known.excluded.clone().unwrap_or(fares.outcome);
+                Candidate { outcome, keeps, ..fares }
+            });
+            let candidates: Vec<Candidate> = candidates.collect();
+            let choice = match reference.excluded {
+                Some(Outcome::Inconsistent(defect)) => Choice::WrongReference(defect),
+                _ => choose(&candidates),
             };
             Verdicts { quantity: quantity.to_owned(), wanted, candidates, choice }
         };
@@ -139,49 +157,51 @@ impl<'a, N: StepNoise> Search<'a, N> {
             })
         });
         let for_expectations = for_expectations.collect();
-        let stopped = |steps| Stopped { budget_s: settings.budget_s, steps };
+        let points = strong.series.iter().flat_map(|series| &series.points);
+        let steps = points.map(|point| point.steps).max().unwrap_or(0);
+        let stopped = Stopped { budget_s: settings.budget_s, steps };
         let clock = if Stopwatch::MEASURES_PROCESSOR { "processor time" } else { "wall time" };
         Ok(Comparison {
             system: problem.name.clone(),
             dimension: problem.y0.len(),
             noises: problem.noises,
             t_end: problem.t_end,
+            damped,
             invariants: laws.iter().map(|law| law.name.clone()).collect(),
             strong,
             for_error,
             weak,
             for_expectations,
-            stopped: self.stopped.get().map(stopped),
+            stopped: self.cut.get().then_some(stopped),
             clock: clock.to_owned(),
             wall_s: self.watch.wall_s(),
         })
     }
 
-    /// A pilot of a scheme, and whether its single steps are right.
-    fn known(&self, entrant: &Entrant<'a, N>, wanted: f64) -> Result<Known, CompareError> {
+    /// What a pilot shows of a scheme, where so many pilots share a third of the time left.
+    fn known(&self, entrant: &Entrant<'a, N>, waiting: usize) -> Result<Known, CompareError> {
         let Self { problem, settings, base, .. } = *self;
-        let pilots = (2 + self.candidates.schemes.len()) as f64;
-        let share = PILOTS * settings.budget_s / pilots;
-        let watch = Stopwatch::start();
-        let spent = || watch.wall_s() > share;
-        let key = self.key(1);
-        let pilot = Pilot::new(entrant, problem, settings.truncation, key, base, wanted, &spent)?;
-        let sizes = StepSizes::new(base << pilot.first, settings.truncation, key);
-        let subject = Subject { problem, scheme: &entrant.scheme };
-        let inconsistent = match single_steps(subject, &sizes)? {
-            Consistency::Inconsistent(defect) => Some(defect),
-            _ => None,
-        };
-        Ok(Known { pilot, inconsistent })
+        within(self.left_s() / (3 * waiting) as f64, |stop| {
+            let known = Known::new(entrant, problem, settings.truncation, self.key(1), base, stop)?;
+            self.cut.set(self.cut.get() || !known.runs() && stop.is_asked());
+            Ok(known)
+        })
     }
 
     /// A grid with schemes up to these step sizes. A scheme whose paths fail is left out: a path
     /// that fails is in no error of any scheme.
-    fn grid(&self, known: &[Known], plan: &Plan, samples: u64, key: StreamKey) -> DynGrid<'a, N> {
+    fn grid(
+        &self,
+        known: &[Known],
+        plan: &Plan,
+        samples: u64,
+        key: StreamKey,
+        stop: &Stop,
+    ) -> DynGrid<'a, N> {
         let finest = plan.finest();
-        let levels = known.iter().zip(&plan.last).map(|(known, &last)| match known.pilot.failure {
-            None => (finest - last) as usize..(finest - known.pilot.first.min(last)) as usize + 1,
-            Some(_) => 0..0,
+        let levels = known.iter().zip(&plan.last).map(|(known, &last)| match known.runs() {
+            true => (finest - last) as usize..(finest - known.first.min(last)) as usize + 1,
+            false => 0..0,
         });
         DynGrid {
             problem: self.problem,
@@ -193,107 +213,136 @@ impl<'a, N: StepNoise> Search<'a, N> {
             samples,
             truncation: self.settings.truncation,
             key,
+            stop: stop.clone(),
         }
     }
 
-    /// Strong errors on either side of the wanted one.
-    fn strong(&self, known: &[Known], reference: &Known) -> Result<Strong, CompareError> {
-        let wanted = self.settings.error;
-        let predicted = known.iter().map(|known| match known.pilot.failure {
-            None if known.sound() => known.pilot.predicted(wanted) + 1,
-            None => known.pilot.first + HALVINGS,
-            Some(_) => 0,
+    /// Strong errors on either side of the wanted one: at T/2ᵏ, with k by one or two larger until
+    /// it is reached, or the next errors would take too long. A few paths come first.
+    fn strong(
+        &self,
+        known: &[Known],
+        reference: &Known,
+        stop: &Stop,
+    ) -> Result<Strong, CompareError> {
+        let DynCandidates { casimirs, base, schemes, .. } = self.candidates;
+        let mut found = Strong::nothing(&schemes.iter().map(|s| s.scheme.id()).collect::<Vec<_>>());
+        let (mut samples, room) = (LEAST_SAMPLES, ERRORS * self.left_s());
+        let plans = AHEAD.map(|[scheme, ahead]| Plan {
+            last: known.iter().map(|k| if k.runs() { k.first + scheme } else { 0 }).collect(),
+            reference: reference.first + ahead,
         });
-        let mut plan = Plan {
-            last: predicted.collect(),
-            reference: reference.pilot.predicted(REFERENCE * wanted).max(reference.pilot.first + 2),
-        };
-        let mut round = 0;
+        let fits = self.work(known, reference, &plans[0], samples) < 0.5 * room;
+        let [mut plan, small] = plans;
+        if !fits {
+            plan = small;
+        }
+        let watch = Stopwatch::start();
         loop {
-            self.limit(known, reference, &mut plan);
-            let grid = self.grid(known, &plan, self.settings.samples, self.key(0));
-            let DynCandidates { casimirs, base, .. } = self.candidates;
+            let before = watch.wall_s();
+            if !reference.runs() {
+                break;
+            }
+            let grid = self.grid(known, &plan, samples, self.key(0), stop);
             let strong = Strong::of(&grid, casimirs, *base, &|_| ())?;
-            let mut next = plan.clone();
-            let mut reference_lacks = strong.reference_error > ENOUGH * wanted;
-            for (s, series) in strong.series.iter().enumerate().filter(|(s, _)| known[*s].sound()) {
-                match lacks(series, wanted) {
-                    Lacks::Nothing => {}
-                    Lacks::Reference => reference_lacks = true,
-                    Lacks::Halvings(halvings) => next.last[s] += halvings,
-                }
+            if stop.is_asked() {
+                break;
             }
-            if reference_lacks {
-                let beyond = steps_beyond(strong.reference_error, REFERENCE * wanted, 1.0);
-                next.reference += beyond.clamp(1, HALVINGS);
+            found = strong;
+            if reference.excluded.is_some() {
+                // Errors against it are no errors.
+                return Ok(found);
             }
-            self.reach(known, &mut next);
-            round += 1;
-            if next == plan || round == ROUNDS || self.stopped.get().is_some() {
-                return Ok(strong);
+            let next = self.refined(known, &found, &plan);
+            let all = self.settings.samples;
+            if next == plan && samples == all {
+                return Ok(found);
+            }
+            let each = (watch.wall_s() - before) / self.work(known, reference, &plan, samples);
+            let fits = |&samples: &u64| {
+                let next = each * self.work(known, reference, &next, samples);
+                watch.wall_s() + next <= room
+            };
+            match [all, samples].into_iter().find(fits) {
+                Some(paths) if next != plan || paths != samples => samples = paths,
+                _ => break,
             }
             plan = next;
         }
+        self.cut.set(true);
+        Ok(found)
     }
 
-    /// Keeps the schemes within reach of the one that needs fewest steps.
-    fn reach(&self, known: &[Known], plan: &mut Plan) {
-        let sound = known.iter().zip(&plan.last).filter(|(known, _)| known.sound());
-        let Some(fewest) = sound.map(|(_, last)| *last).min() else { return };
-        let most = fewest + self.settings.reach.ilog2();
-        plan.last.iter_mut().for_each(|last| *last = (*last).min(most));
-    }
-
-    /// Keeps the schemes within reach, and the plan within the time left by estimate.
-    fn limit(&self, known: &[Known], reference: &Known, plan: &mut Plan) {
-        let most = MOST - self.base.ilog2();
-        plan.last.iter_mut().for_each(|last| *last = (*last).min(most));
-        plan.reference = plan.reference.min(most);
-        self.reach(known, plan);
-        let samples = self.settings.samples;
-        let threads = (rayon::current_num_threads() as u64).min(samples.div_ceil(128)) as f64;
-        let (count, _, least) = TIMING;
-        let estimate = |plan: &Plan| {
-            let steps = |last: u32| (self.base as f64) * f64::from(last).exp2();
-            // Twice the finest steps with all coarser ones; times without the finest.
-            let of = |(known, &last): (&Known, &u32)| {
-                let errors = 2.0 * samples as f64 / threads;
-                (errors + (least * count as u64) as f64) * steps(last) * known.pilot.seconds
-            };
-            let schemes: f64 = known.iter().zip(&plan.last).map(of).sum();
-            let finest = plan.finest();
-            let references = 0.75 * steps(plan.reference) + steps(finest);
-            schemes + references * samples as f64 / threads * reference.pilot.seconds
-        };
-        let (budget, mut cut) = (SHARE * self.left_s(), false);
-        while estimate(plan) > budget {
-            let finest = plan.finest();
-            if finest <= common(known).max(reference.pilot.first) + 2 {
-                break;
+    /// Finer step sizes for schemes whose errors are above the wanted one, and for the reference.
+    fn refined(&self, known: &[Known], strong: &Strong, plan: &Plan) -> Plan {
+        let (wanted, mut next) = (self.settings.error, plan.clone());
+        let by = |error: f64| if error.is_finite() && error > FAR * wanted { 2 } else { 1 };
+        let mut finer = strong.reference_error > ENOUGH * wanted;
+        let sound = |s: &usize| known[*s].excluded.is_none();
+        for s in (0..known.len()).filter(sound) {
+            let points = &strong.series[s].points;
+            match points.last() {
+                _ if points.iter().any(|point| below(point, wanted)) => {}
+                Some(last) if last.resolved => next.last[s] += by(last.error),
+                _ => finer = true,
             }
-            plan.reference = plan.reference.min(finest - 1);
-            plan.last.iter_mut().for_each(|last| *last = (*last).min(finest - 1));
-            cut = true;
         }
-        if cut {
-            self.stopped.set(Some(self.base << plan.last.iter().copied().max().unwrap_or(0)));
+        if finer {
+            next.reference += by(strong.reference_error);
         }
+        let fewest = (0..known.len()).filter(sound).map(|s| next.last[s]).min().unwrap_or(0);
+        let most = MOST - self.base.ilog2();
+        let within = (fewest + self.settings.reach.ilog2()).min(most);
+        // A first step size may be out of reach.
+        next.last.iter_mut().zip(&plan.last).for_each(|(next, last)| {
+            *next = (*next).min(within).max(*last);
+        });
+        next.reference = next.reference.min(most);
+        next
+    }
+
+    /// Seconds of a plan on so many paths, by what steps of the pilots took.
+    fn work(&self, known: &[Known], reference: &Known, plan: &Plan, samples: u64) -> f64 {
+        let groups = samples.div_ceil(128).div_ceil(rayon::current_num_threads() as u64);
+        let steps = |last: u32| (self.base as f64) * f64::from(last).exp2();
+        let of = |(known, &last): (&Known, &u32)| match known.runs() {
+            true => 2.0 * steps(last) * known.seconds,
+            false => 0.0,
+        };
+        let schemes: f64 = known.iter().zip(&plan.last).map(of).sum();
+        let reference = 2.0 * steps(plan.reference) * reference.seconds;
+        (samples.min(128) * groups) as f64 * (schemes + reference)
     }
 
     /// Weak errors until every scheme has a step size whose bias is below the wanted accuracy, or
     /// it is out of reach.
-    fn weak(&self, known: &[Known], wanted: &DynExpectations<'_>) -> Result<Weak, CompareError> {
+    fn weak(
+        &self,
+        known: &[Known],
+        wanted: &Expectations<'_>,
+        stop: &Stop,
+    ) -> Result<Option<Weak>, CompareError> {
         let (mut samples, more) = WEAK;
-        let mut finest = common(known) + more;
+        let running = known.iter().filter(|known| known.runs());
+        let mut finest = running.map(|known| known.first).max().unwrap_or(0) + more;
+        let (mut found, room, begin) = (None, ERRORS * self.left_s(), Stopwatch::start());
         loop {
             let plan = Plan { last: vec![finest - 2; known.len()], reference: finest };
             let watch = Stopwatch::start();
-            let grid = self.grid(known, &plan, samples, self.key(2));
-            let weak = Weak::of(&grid, &wanted.observables, &|_| ())?;
+            let grid = self.grid(known, &plan, samples, self.key(2), stop);
+            let weak = Weak::of(&grid, wanted.observables, &|_| ())?;
+            if stop.is_asked() {
+                self.cut.set(true);
+                return Ok(found);
+            }
             let reach = u64::from(self.settings.reach.ilog2());
             let (mut paths, mut steps) = (false, false);
             for observable in &weak.observables {
-                let sound = observable.series.iter().zip(known).filter(|(_, known)| known.sound());
+                let sound = observable
+                    .series
+                    .iter()
+                    .zip(known)
+                    .filter(|(_, known)| known.excluded.is_none());
                 let series: Vec<_> = sound.map(|(series, _)| series).collect();
                 let enough = |series: &&Series<WeakPoint>| {
                     let point = series.points.iter().find(|point| good(point, wanted.accuracy));
@@ -311,24 +360,27 @@ impl<'a, N: StepNoise> Search<'a, N> {
             }
             samples *= if paths { 4 } else { 1 };
             finest += if steps { 2 } else { 0 };
+            found = Some(weak);
             if !paths && !steps || samples > MOST_PATHS {
-                return Ok(weak);
+                return Ok(found);
             }
             let factor = (if paths { 4.0 } else { 1.0 }) * (if steps { 4.0 } else { 1.0 });
-            if factor * watch.wall_s() > SHARE * self.left_s() {
-                self.stopped.set(Some(self.base << (finest - 2)));
-                return Ok(weak);
+            if begin.wall_s() + factor * watch.wall_s() > room {
+                self.cut.set(true);
+                return Ok(found);
             }
         }
     }
 
     /// Times of the strong errors up to one that is clearly below the wanted one, and of all weak
-    /// errors.
+    /// errors. Where there is no time, a step costs what one of the finest timed ones does, or of
+    /// the pilot.
     fn times(
         &self,
         known: &[Known],
         strong: &Strong,
         weak: Option<&Weak>,
+        stop: &Stop,
     ) -> Result<Vec<Vec<(u64, Time)>>, CompareError> {
         let wanted = self.settings.error;
         let mut steps: Vec<Vec<u64>> = Vec::with_capacity(known.len());
@@ -341,19 +393,32 @@ impl<'a, N: StepNoise> Search<'a, N> {
             each.extend(weak.iter().flat_map(|w| &w.series[s].points).map(|point| point.steps));
             each.sort_unstable();
             each.dedup();
-            steps.push(if known.sound() { each } else { Vec::new() });
+            steps.push(if known.excluded.is_none() { each } else { Vec::new() });
         }
         let (count, path_steps, paths) = TIMING;
         // One repetition at least, and as many as the budget has room for.
         let once: f64 = steps.iter().zip(known).fold(0.0, |sum, (steps, known)| {
             let all = steps.iter().map(|steps| path_steps.max(steps * paths)).sum::<u64>();
-            sum + all as f64 * known.pilot.seconds
+            sum + all as f64 * known.seconds
         });
         let room = (self.left_s() / once).clamp(1.0, count as f64) as usize;
         let repetitions = Repetitions { count: room, path_steps };
         let (truncation, key) = (self.settings.truncation, self.key(3));
         let schemes = self.candidates.schemes.iter().map(|entrant| Arc::clone(&entrant.scheme));
         let (schemes, problem) = (schemes.collect::<Vec<_>>(), self.problem);
-        Ok(times_of(&schemes, problem, &steps, truncation, key, repetitions, &|_| ())?)
+        let nobody = &|_| ();
+        let mut times =
+            times_of(&schemes, problem, &steps, truncation, key, (repetitions, stop), nobody)?;
+        self.cut.set(self.cut.get() || stop.is_asked());
+        for ((times, steps), known) in times.iter_mut().zip(&steps).zip(known) {
+            let step_s = times.last().map_or(known.seconds, |(n, time)| time.min_s / *n as f64);
+            for &steps in &steps[times.len()..] {
+                let s = step_s * steps as f64;
+                let (min_s, median_s, max_s) = (s, s, s);
+                let (repetitions, paths, failed) = (0, 0, 0);
+                times.push((steps, Time { min_s, median_s, max_s, repetitions, paths, failed }));
+            }
+        }
+        Ok(times)
     }
 }

@@ -1,15 +1,15 @@
 //! What is asked of a comparison.
 
-use mc::{LadderError, Observable, Observe};
+use mc::{LadderError, Observe};
 use noise::{StreamKey, Truncation};
 
 /// What is wanted of a comparison, and what it may cost.
-#[derive(Clone, Copy, Debug)]
-pub struct CompareSettings<'a, const D: usize> {
+#[derive(Clone, Copy)]
+pub struct CompareSettings<'a> {
     /// The wanted strong error, (E|y_N − y(T)|²)^½.
     pub error: f64,
     /// Expectations that are wanted, too.
-    pub expectations: Option<Expectations<'a, D>>,
+    pub expectations: Option<Expectations<'a>>,
     /// Seconds of wall time. When they are spent, what was found so far is the answer.
     pub budget_s: f64,
     /// Paths behind strong errors, 32 at least.
@@ -21,40 +21,15 @@ pub struct CompareSettings<'a, const D: usize> {
     /// Which noise. Comparisons use the experiments from this one on, [`EXPERIMENTS`] of them.
     pub key: StreamKey,
 }
+
+/// [`CompareSettings`] by the name that they had for systems known at run time.
+pub type DynCompareSettings<'a> = CompareSettings<'a>;
 
 /// Expectations E φ(y(T)) to be estimated by plain Monte Carlo.
-#[derive(Clone, Copy, Debug)]
-pub struct Expectations<'a, const D: usize> {
+#[derive(Clone, Copy)]
+pub struct Expectations<'a> {
     /// The functions φ.
-    pub observables: &'a [Observable<D>],
-    /// The wanted root-mean-square error of an estimate, bias and sampling together.
-    pub accuracy: f64,
-}
-
-/// The same as [`CompareSettings`] for systems of any dimension.
-#[derive(Clone)]
-pub struct DynCompareSettings<'a> {
-    /// The wanted strong error, (E|y_N − y(T)|²)^½.
-    pub error: f64,
-    /// Expectations that are wanted, too.
-    pub expectations: Option<DynExpectations<'a>>,
-    /// Seconds of wall time. When they are spent, what was found so far is the answer.
-    pub budget_s: f64,
-    /// Paths behind strong errors, 32 at least.
-    pub samples: u64,
-    /// A scheme gets at most so many times the steps of the scheme that needs fewest.
-    pub reach: u64,
-    /// How increments are truncated.
-    pub truncation: Truncation,
-    /// Which noise. Comparisons use the experiments from this one on, [`EXPERIMENTS`] of them.
-    pub key: StreamKey,
-}
-
-/// The same as [`Expectations`] for systems of any dimension.
-#[derive(Clone)]
-pub struct DynExpectations<'a> {
-    /// The functions φ.
-    pub observables: Vec<&'a dyn Observe>,
+    pub observables: &'a [&'a dyn Observe],
     /// The wanted root-mean-square error of an estimate, bias and sampling together.
     pub accuracy: f64,
 }
@@ -62,7 +37,7 @@ pub struct DynExpectations<'a> {
 /// Numbers of experiments that a comparison takes.
 pub const EXPERIMENTS: u64 = 4;
 /// Paths without which there are no intervals.
-const LEAST_SAMPLES: u64 = 32;
+pub(super) const LEAST_SAMPLES: u64 = 32;
 
 /// A comparison that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -116,31 +91,11 @@ pub enum CompareError {
     Ladder(#[from] LadderError),
 }
 
-impl<'a, const D: usize> CompareSettings<'a, D> {
-    /// A strong error, on this noise: 512 paths, no expectations, a minute, 64 times the fewest
-    /// steps, increments truncated with k = 4.
+impl CompareSettings<'_> {
+    /// A strong error, on this noise: 256 paths, no expectations, a minute, 64 times the fewest
+    /// steps.
     pub fn new(error: f64, truncation: Truncation, key: StreamKey) -> Self {
-        let settings = DynCompareSettings::new(error, truncation, key);
-        let DynCompareSettings { budget_s, samples, reach, .. } = settings;
-        Self { error, expectations: None, budget_s, samples, reach, truncation, key }
-    }
-
-    /// The same without the dimension.
-    pub(super) fn erased(&self) -> DynCompareSettings<'a> {
-        let Self { error, expectations, budget_s, samples, reach, truncation, key } = *self;
-        let erased = |Expectations { observables, accuracy }: Expectations<'a, D>| {
-            let observables = observables.iter().map(|phi| phi as &dyn Observe).collect();
-            DynExpectations { observables, accuracy }
-        };
-        let expectations = expectations.map(erased);
-        DynCompareSettings { error, expectations, budget_s, samples, reach, truncation, key }
-    }
-}
-
-impl DynCompareSettings<'_> {
-    /// A strong error, on this noise, with the defaults of [`CompareSettings::new`].
-    pub fn new(error: f64, truncation: Truncation, key: StreamKey) -> Self {
-        let (expectations, budget_s, samples, reach) = (None, 60.0, 512, 64);
+        let (expectations, budget_s, samples, reach) = (None, 60.0, 256, 64);
         Self { error, expectations, budget_s, samples, reach, truncation, key }
     }
 

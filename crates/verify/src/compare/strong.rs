@@ -25,6 +25,13 @@ pub struct Strong {
     /// A bound of the error of the reference: (E|y_ref − y(T)|²)^½ with 95 %. It is in every
     /// interval.
     pub reference_error: f64,
+    /// (E|y_τ − y_{2τ}|²)^½ of the reference at its finest two step sizes.
+    #[serde(default)]
+    pub last_difference: f64,
+    /// (E|y(T) − y′(T)|²)^½ of two independent paths of the reference. Differences of step sizes
+    /// that are nearly as large say that paths have parted.
+    #[serde(default)]
+    pub spread: f64,
     /// A curve for each scheme.
     pub series: Vec<Series<StrongPoint>>,
 }
@@ -110,6 +117,8 @@ impl Ratio {
 
 /// The part of an error that the error of the reference may be.
 const RESOLVED: f64 = 0.25;
+/// Paths whose distance is this part of that of independent ones have parted.
+const PARTED: f64 = 0.25;
 /// Two-sided 95 % quantile of the normal distribution.
 const QUANTILE: f64 = 1.96;
 /// Paths without which there is no interval.
@@ -207,13 +216,18 @@ impl Strong {
     ) -> Result<Self, LadderError> {
         let laws = Law::all(grid.problem, found);
         let (points, exact) = (grid.points(), grid.exact_points());
-        // Differences of the reference, squared errors of every run, squared defects of every
-        // point.
-        let (own, runs) = (REFERENCES - 1, points + exact);
+        // Differences of the reference and of neighbouring paths, squared errors of every run,
+        // squared defects of every point.
+        let (own, runs) = (REFERENCES, points + exact);
         let values = |view: &View<'_>, values: &mut [Row]| {
             let state = |run: usize| view.state(run);
-            for (k, value) in values[..own].iter_mut().enumerate() {
+            for (k, value) in values[..own - 1].iter_mut().enumerate() {
                 *value = squared_distance(state(k), state(k + 1), view.live);
+            }
+            let (mut other, y) = (view.live.paths().last().unwrap_or(0), state(0));
+            for p in view.live.paths() {
+                values[own - 1][p] = y.iter().map(|row| (row[p] - row[other]).powi(2)).sum();
+                other = p;
             }
             let (squares, defects) = values[own..].split_at_mut(runs);
             for (run, square) in squares.iter_mut().enumerate() {
@@ -252,7 +266,28 @@ impl Strong {
                 ..point
             }
         };
-        Ok(Self { series: grid.series(point), reference_error, sampled })
+        let (last_difference, spread) = (rms(0), rms(own - 1));
+        let series = grid.series(point);
+        Ok(Self { series, reference_error, last_difference, spread, sampled })
+    }
+
+    /// No errors of these schemes.
+    pub(super) fn nothing(schemes: &[&str]) -> Self {
+        let none = |scheme: &&str| Series { scheme: (*scheme).to_owned(), points: Vec::new() };
+        let (samples, failed, failures, reference) = (0, 0, Vec::new(), String::new());
+        Self {
+            sampled: Sampled { samples, failed, failures, reference },
+            reference_error: f64::INFINITY,
+            last_difference: 0.0,
+            spread: 0.0,
+            series: schemes.iter().map(none).collect(),
+        }
+    }
+
+    /// Whether paths of the reference part: at its finest two step sizes they are as far apart as
+    /// independent ones, nearly.
+    pub fn parts(&self) -> bool {
+        self.last_difference > PARTED * self.spread
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::{hint::black_box, sync::Arc};
 
-use mc::{DynProblem, DynRun, Ladder, LadderError, Setup, View};
+use mc::{DynProblem, DynRun, Ladder, LadderError, Setup, View, parts::Stop};
 use noise::{StepNoise, StreamKey, Truncation};
 use rayon::ThreadPoolBuilder;
 use schemes::{DynScheme, Scheme};
@@ -79,28 +79,30 @@ pub fn path_times<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: u
 ) -> Result<Vec<Vec<(u64, Time)>>, LadderError> {
     let schemes: Vec<_> = schemes.iter().map(|&scheme| Setup::of(problem, scheme).scheme).collect();
     let problem = DynProblem::of(problem);
-    times_of(&schemes, &problem, steps, truncation, key, repetitions, progress)
+    let stop = Stop::default();
+    times_of(&schemes, &problem, steps, truncation, key, (repetitions, &stop), progress)
 }
 
-/// The same for systems of any dimension.
+/// The same for systems of any dimension. Few steps come first; what `stop` cuts short is left out.
 pub(super) fn times_of<'a, N: StepNoise>(
     schemes: &[Arc<dyn DynScheme<N> + 'a>],
     problem: &DynProblem<'a>,
     steps: &[Vec<u64>],
     truncation: Truncation,
     key: StreamKey,
-    repetitions: Repetitions,
+    (repetitions, stop): (Repetitions, &Stop),
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Vec<Vec<(u64, Time)>>, LadderError> {
     assert!(repetitions.count > 0, "a time needs at least one repetition");
     let mut ladders = Vec::new();
-    for (scheme, steps) in schemes.iter().zip(steps) {
+    for (s, (scheme, steps)) in schemes.iter().zip(steps).enumerate() {
         for &steps in steps {
             let runs = vec![DynRun::new(Arc::clone(scheme), 0)];
             let ladder = Ladder::of(problem, steps, 0, truncation, key, runs)?;
-            ladders.push((ladder, steps));
+            ladders.push((ladder, steps, s));
         }
     }
+    ladders.sort_by_key(|&(_, steps, _)| steps);
     let nothing = |_: &View<'_>, _: usize, _: &mut [f64]| ();
     let mut measured = vec![(Vec::with_capacity(repetitions.count), 0); ladders.len()];
     // The clock of the thread is read on the thread that works.
@@ -108,23 +110,30 @@ pub(super) fn times_of<'a, N: StepNoise>(
     let one = one.unwrap_or_else(|error| panic!("cannot start a thread: {error}"));
     one.install(|| {
         for _ in 0..repetitions.count {
-            for (&(ref ladder, steps), (seconds, failed)) in ladders.iter().zip(&mut measured) {
+            for (&(ref ladder, steps, _), (seconds, failed)) in ladders.iter().zip(&mut measured) {
                 let paths = repetitions.paths(steps);
                 let watch = Stopwatch::start();
                 let new = || FinalMoments::new(ladder.coarse_steps(), 0, &nothing);
-                *failed = black_box(ladder.run(paths, new, &|_| ())).failed;
+                let run = black_box(ladder.run_until(stop, 0, paths, new, &|_| ()));
+                if stop.is_asked() {
+                    return;
+                }
+                *failed = run.failed;
                 let time = if ladder.runs_on_pool() { watch.thread_s() } else { watch.wall_s() };
                 seconds.push(time / paths as f64);
                 progress(paths * steps);
             }
         }
     });
-    let mut times = ladders.iter().zip(measured).map(|(&(_, steps), (seconds, failed))| {
-        let Spread { best: min_s, median: median_s, worst: max_s } = Spread::of(seconds);
-        let (paths, repetitions) = (repetitions.paths(steps), repetitions.count);
-        (steps, Time { min_s, median_s, max_s, repetitions, paths, failed })
-    });
-    Ok(steps.iter().map(|steps| times.by_ref().take(steps.len()).collect()).collect())
+    let mut times = vec![Vec::new(); steps.len()];
+    for (&(_, steps, s), (seconds, failed)) in ladders.iter().zip(measured) {
+        if !seconds.is_empty() {
+            let (paths, repetitions) = (repetitions.paths(steps), seconds.len());
+            let Spread { best: min_s, median: median_s, worst: max_s } = Spread::of(seconds);
+            times[s].push((steps, Time { min_s, median_s, max_s, repetitions, paths, failed }));
+        }
+    }
+    Ok(times)
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@
 //! A law is the right one, whatever the paths, if the covariance of a step replaces its noise:
 //! |Eδ| = o(τ) and |E[ΔyΔyᵀ] − Σ fₘfₘᵀτ| = o(τ) (Milstein, *Theory Probab. Appl.* 30, 1986).
 
+use mc::parts::Stop;
 use noise::{StepNoise, StreamKey, WienerRows};
 use real::{PathMask, WIDTH};
 use schemes::Step;
@@ -33,7 +34,7 @@ pub enum Consistency {
 }
 
 /// Paths whose states are taken.
-const VISITS: usize = 64;
+pub const VISITS: usize = 64;
 /// Step sizes, each a quarter of the one before.
 const SCALES: i32 = 24;
 /// Rounding errors of one step are this part of |y|, or less.
@@ -50,12 +51,13 @@ const KNOWN: f64 = 1e-3;
 const STAYS: f64 = 0.1;
 
 /// Compares steps from these states with the coefficients of the equation, for paths or for their
-/// law alone.
+/// law alone; unclear if `stop` asks for the end before.
 pub fn consistency<N: StepNoise>(
     subject: Subject<'_, N>,
     sizes: &StepSizes,
     visits: &[Visit],
     law: bool,
+    stop: &Stop,
 ) -> Consistency {
     let visits = visits.iter().take(VISITS).map(|visit| Coefficients::new(subject, visit));
     let (visits, mut steps) = (visits.collect::<Vec<_>>(), Steps::new(subject));
@@ -64,7 +66,11 @@ pub fn consistency<N: StepNoise>(
     let (mut drift, mut noise, mut motion) = (Vec::new(), Vec::new(), 0.0f64);
     for scale in 0..SCALES {
         let tau = coarsest * f64::powi(0.25, scale);
-        let Some(errors) = errors(&mut steps, sizes.key, &visits, tau) else { continue };
+        let found = errors(&mut steps, sizes.key, &visits, tau, stop);
+        if stop.is_asked() {
+            return Consistency::Unclear;
+        }
+        let Some(errors) = found else { continue };
         drift.push(Error { value: errors.drift / tau, floor: ROUND_OFF / tau });
         let value = if law { errors.covariance / tau } else { errors.noise / tau.sqrt() };
         motion = motion.max(errors.motion);
@@ -157,6 +163,7 @@ fn errors<N: StepNoise>(
     key: StreamKey,
     visits: &[Coefficients<'_>],
     tau: f64,
+    stop: &Stop,
 ) -> Option<Errors> {
     let problem = steps.subject.problem;
     let (mut drift, mut noise, mut covariance, mut motion) = (0.0, 0.0, 0.0, 0.0);
@@ -173,6 +180,9 @@ fn errors<N: StepNoise>(
             let step = Step::new(problem.damping, (t / tau).round() as u64, tau).ok()?;
             let coefficient = |i: usize| field[i] + correction[i] - step.rate_at_start * y[i];
             let a: Vec<f64> = (0..y.len()).map(coefficient).collect();
+            if stop.is_asked() {
+                return None;
+            }
             increments[0] = normals.increments().iter().map(|row| row[p]).collect();
             let Some(changes) = changes(steps, &step, y, &increments) else {
                 failed += 1;
@@ -336,7 +346,13 @@ mod tests {
             let visits = [vec![good(); good_ones], others.to_vec()].concat();
             let subject = Subject::from(&setup);
             let known = visits.iter().map(|visit| Coefficients::new(subject, visit));
-            errors(&mut Steps::new(subject), key, &known.collect::<Vec<_>>(), 0.25)
+            errors(
+                &mut Steps::new(subject),
+                key,
+                &known.collect::<Vec<_>>(),
+                0.25,
+                &Stop::default(),
+            )
         };
         let found = of(2, &[]).unwrap();
         let close = |found: f64, exact: f64| {
@@ -359,7 +375,7 @@ mod tests {
         let sizes = StepSizes::new(4, noise::Truncation::none(), key);
         let told = |scheme: &Single| {
             let setup = Setup::of(&problem, scheme);
-            consistency(Subject::from(&setup), &sizes, &vec![good(); 4], false)
+            consistency(Subject::from(&setup), &sizes, &vec![good(); 4], false, &Stop::default())
         };
         let Consistency::Inconsistent(part) = told(&scheme) else { panic!("{:?}", told(&scheme)) };
         assert!((part - 0.1).abs() < 0.1 / SHOWN, "{part}");

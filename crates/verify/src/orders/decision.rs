@@ -2,9 +2,10 @@
 
 use std::fmt;
 
-use stats::Rate;
+use stats::{CrossMoments, Rate};
 
-use super::{Limit, OneStep, Order};
+use super::{Limit, OneStep, Order, runs::Failed};
+use crate::number;
 
 /// The order of a scheme, or why no order is named and what would decide.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +36,14 @@ pub enum Decision {
         share: f64,
     },
     /// More than a tenth of the paths failed: the rest says little about the scheme.
-    Failures,
+    Failures {
+        /// Whether all did.
+        all: bool,
+        /// The time of the first of these.
+        t: f64,
+    },
+    /// The differences between step sizes are rounding errors: the scheme keeps the function.
+    Kept,
     /// The finest step does not resolve the damping ([`SeenDamping`](mc::SeenDamping)).
     Damping {
         /// How far its sums over the steps are from ∫γ.
@@ -54,10 +62,25 @@ const WIDEST: f64 = 0.5;
 /// The part that terms of lower order may have of the last difference.
 const HIDDEN: f64 = 0.1;
 
+/// Rounding errors of a step as a part of the size.
+const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
+
 /// What forbids any order: failed paths, or what the sums of the damping lack.
-pub fn obstacle(failed: u64, samples: u64, damping: Option<f64>) -> Option<Decision> {
-    let failures = (10 * failed > samples).then_some(Decision::Failures);
+pub fn obstacle(failed: Failed, samples: u64, damping: Option<f64>) -> Option<Decision> {
+    let Failed { paths, t } = failed;
+    let failures = Decision::Failures { all: paths == samples, t };
+    let failures = (10 * paths > samples).then_some(failures);
     failures.or(damping.map(|defect| Decision::Damping { defect }))
+}
+
+/// Whether these differences in so many steps are rounding errors of something of this size.
+pub fn kept(differences: &CrossMoments, steps: u64, size: f64) -> bool {
+    let rounding = ROUND_OFF * steps as f64 * size.abs();
+    differences.count() > 1
+        && (0..differences.length()).all(|k| {
+            let se = differences.covariance_of_means(k, k).max(0.0).sqrt();
+            differences.mean(k).abs() + 2.0 * se <= rounding
+        })
 }
 
 /// The strong order.
@@ -166,8 +189,17 @@ impl fmt::Display for Decision {
                  paths or finer steps would decide",
                 100.0 * share
             ),
-            Self::Failures => f.write_str(
+            Self::Failures { all: false, .. } => f.write_str(
                 "undecided: a tenth of the paths failed, or more; finer steps would decide",
+            ),
+            Self::Failures { t, .. } => write!(
+                f,
+                "undecided: all paths failed, the first at t = {}: there the solution itself may \
+                 end, and no step size helps; take a shorter final time",
+                number(*t)
+            ),
+            Self::Kept => f.write_str(
+                "no order: the errors are at rounding at all step sizes; the scheme keeps this",
             ),
             Self::Damping { defect } => write!(
                 f,
@@ -187,7 +219,10 @@ impl fmt::Display for Decision {
 impl fmt::Display for Order {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.decision)?;
-        if let Some(rate) = &self.rate {
+        if let Decision::Failures { .. } = self.decision {
+            return write!(f, "; {} paths failed", self.failed);
+        }
+        if let Some(rate) = self.rate.as_ref().filter(|_| self.decision != Decision::Kept) {
             write!(f, "; fitted {:.2} [{:.2}, {:.2}]", rate.estimate, rate.lo, rate.hi)?;
         }
         if let (Decision::Order { shown: false, .. }, Some(step)) = (self.decision, self.one_step) {

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use mc::{DynRun, LadderError, View};
+use mc::{DynRun, LadderError, View, parts::Stop};
 use noise::StepNoise;
 use real::{PathMask, Row};
 use schemes::DynScheme;
@@ -111,7 +111,7 @@ pub fn limit<N: StepNoise>(
                 }
             }
             let law = matches!(what, Measure::Weak(_));
-            Ok(combine(consistency(subject, sizes, visits, law), paths))
+            Ok(combine(consistency(subject, sizes, visits, law, &Stop::default()), paths))
         }
     }
 }
@@ -176,7 +176,8 @@ fn moments<'a, N: StepNoise>(
     };
     let time_change = exact.map(|exact| exact.time_change);
     let (moments, failed) = measure(subject.problem, sizes, runs, time_change, 4, &of_view)?;
-    let usable = failed <= sizes.samples / 10 && moments.means().iter().all(|x| x.is_finite());
+    let usable =
+        failed.paths <= sizes.samples / 10 && moments.means().iter().all(|x| x.is_finite());
     Ok(usable.then_some(moments))
 }
 

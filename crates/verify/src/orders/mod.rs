@@ -33,7 +33,7 @@ mod visits;
 mod weak;
 mod within;
 
-use mc::{LadderError, Observe};
+use mc::{LadderError, Observe, parts::Stop};
 use noise::StepNoise;
 use stats::{Point, Rate};
 
@@ -106,11 +106,12 @@ enum Measure<'a> {
 }
 
 /// Compares single steps of the scheme with the coefficients of the equation as τ → 0, at states
-/// that its paths visit.
+/// that its paths visit, until `stop` asks for the end.
 pub(crate) fn single_steps<N: StepNoise>(
     subject: Subject<'_, N>,
     sizes: &StepSizes,
+    stop: &Stop,
 ) -> Result<Consistency, LadderError> {
-    let visits = visits::visits(subject, sizes)?;
-    Ok(consistency::consistency(subject, sizes, &visits, false))
+    let visits = visits::visits_of(subject, sizes, consistency::VISITS as u64, stop)?;
+    Ok(consistency::consistency(subject, sizes, &visits, false, stop))
 }

@@ -8,7 +8,7 @@ use schemes::DynScheme;
 use stats::CrossMoments;
 use systems::{Damping, PoissonSystem, Problem};
 
-use super::{Exact, StepSizes};
+use super::{Decision, Exact, Limit, Order, StepSizes, steps::Subject};
 use crate::{FinalMoments, FinalRows};
 
 /// The scheme at every step size, coarsest first.
@@ -20,8 +20,16 @@ pub fn at_all_sizes<'a, N>(
     (0..sizes.sizes()).map(run).collect()
 }
 
-/// Moments of a vector of this length at the final time, and the number of paths that were left
-/// out.
+/// Paths that were left out.
+#[derive(Clone, Copy)]
+pub struct Failed {
+    /// Their number.
+    pub paths: u64,
+    /// When the first of them failed.
+    pub t: f64,
+}
+
+/// Moments of a vector of this length at the final time, and the paths that were left out.
 pub fn measure<'a, N: StepNoise>(
     problem: &DynProblem<'a>,
     sizes: &StepSizes,
@@ -29,7 +37,7 @@ pub fn measure<'a, N: StepNoise>(
     time_change: Option<&'a dyn TimeChange>,
     length: usize,
     values: &FinalRows<'_>,
-) -> Result<(CrossMoments, u64), LadderError> {
+) -> Result<(CrossMoments, Failed), LadderError> {
     sizes.check()?;
     let (steps, top) = (sizes.reference_steps(), sizes.level(0));
     let mut ladder = Ladder::of(problem, steps, top, sizes.truncation, sizes.key, runs)?;
@@ -38,7 +46,26 @@ pub fn measure<'a, N: StepNoise>(
     }
     let none = || FinalMoments::of_rows(ladder.coarse_steps(), length, values);
     let measured = ladder.run(sizes.samples, none, &|_| ());
-    Ok((measured.statistic.moments, measured.failed))
+    let t = measured.failures.first().map_or(problem.t_end, |first| first.step as f64 * first.tau);
+    Ok((measured.statistic.moments, Failed { paths: measured.failed, t }))
+}
+
+/// Paths that show whether most fail: one block.
+const FEW: u64 = 32;
+
+/// What is said where half of a few paths fail. More of them decide nothing, and steps that fail
+/// take longest.
+pub fn failing<N: StepNoise>(
+    subject: Subject<'_, N>,
+    sizes: &StepSizes,
+) -> Result<Option<Order>, LadderError> {
+    let few = StepSizes { samples: sizes.samples.min(FEW), ..*sizes };
+    let runs = at_all_sizes(subject.scheme, sizes);
+    let (_, Failed { paths, t }) = measure(subject.problem, &few, runs, None, 0, &|_, _| ())?;
+    let decision = Decision::Failures { all: paths == few.samples, t };
+    let (points, rate, one_step, limit) = (Vec::new(), None, None, Limit::Unchecked);
+    let order = Order { points, rate, one_step, limit, decision, failed: paths };
+    Ok((paths > 0 && 2 * paths >= few.samples).then_some(order))
 }
 
 /// Mean of φ over exact solutions on sampled paths, with its standard error.

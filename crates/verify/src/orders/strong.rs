@@ -8,11 +8,11 @@ use stats::fit_strong;
 use systems::{Damping, PoissonSystem, Problem};
 
 use super::{
-    DynReference, Measure, Order, ReferenceSolution, StepSizes, decision,
+    Decision, DynReference, Limit, Measure, Order, ReferenceSolution, StepSizes, decision,
     errors::{differences, record, record_length, squared_distance, strong_points},
     limit::limit,
     one_step::one_step,
-    runs::{at_all_sizes, measure},
+    runs::{at_all_sizes, failing, measure},
     steps::Subject,
     visits::visits,
 };
@@ -98,6 +98,9 @@ pub fn strong_order_of<N: StepNoise>(
     sizes.check_order(LEAST_SIZES)?;
     let (levels, number) = (sizes.levels, sizes.sizes());
     let (subject, exact) = (Subject::from(setup), reference.exact());
+    if let Some(failing) = failing(subject, sizes)? {
+        return Ok(failing);
+    }
     let values = |view: &View<'_>, numbers: &mut [Row]| {
         let states: Vec<&[Row]> = (0..view.runs()).map(|run| view.state(run)).collect();
         record(&states, view.live, levels, numbers);
@@ -115,11 +118,17 @@ pub fn strong_order_of<N: StepNoise>(
 
     let taus = sizes.taus(subject.problem.t_end);
     let mut rate = fit_strong(&taus[..number - 1], &differences(&moments, number, levels));
-    let visits = visits(subject, sizes)?;
-    let one_step = one_step(subject, sizes, &visits);
-    let limit = limit(subject, sizes, &visits, reference, Measure::Strong)?;
-    let decision = decision::obstacle(failed, sizes.samples, sizes.damping(setup))
-        .unwrap_or_else(|| decision::strong(rate.as_ref(), one_step, limit));
+    let obstacle = decision::obstacle(failed, sizes.samples, sizes.damping(setup));
+    // Where paths fail, steps that fail take longest, and decide nothing.
+    let (one_step, limit) = match obstacle {
+        Some(Decision::Failures { .. }) => (None, Limit::Unchecked),
+        _ => {
+            let visits = visits(subject, sizes)?;
+            let limit = limit(subject, sizes, &visits, reference, Measure::Strong)?;
+            (one_step(subject, sizes, &visits), limit)
+        }
+    };
+    let decision = obstacle.unwrap_or_else(|| decision::strong(rate.as_ref(), one_step, limit));
     let points = match &mut rate {
         _ if exact.is_some() => stats::root_mean_squares(&taus[..levels], &moments),
         Some(rate) => {
@@ -133,5 +142,5 @@ pub fn strong_order_of<N: StepNoise>(
     if let Some(rate) = rate.as_mut().filter(|_| exact.is_some()) {
         decision.settle(rate);
     }
-    Ok(Order { points, rate, one_step, limit, decision, failed })
+    Ok(Order { points, rate, one_step, limit, decision, failed: failed.paths })
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mc::{DynRun, Ladder, LadderError, Statistic, View};
+use mc::{DynRun, Ladder, LadderError, Statistic, View, parts::Stop};
 use noise::StepNoise;
 
 use super::{StepSizes, steps::Subject};
@@ -14,13 +14,20 @@ pub struct Visit {
     pub state: Vec<f64>,
 }
 
-/// Paths, each of which gives one state.
-const PATHS: u64 = 256;
-
-/// States of some paths of the scheme, each at a time of its own, or y₀ if none survives.
+/// States of 256 paths.
 pub fn visits<N: StepNoise>(
     subject: Subject<'_, N>,
     sizes: &StepSizes,
+) -> Result<Vec<Visit>, LadderError> {
+    visits_of(subject, sizes, 256, &Stop::default())
+}
+
+/// States of so many paths of the scheme, each at a time of its own, or y₀ if none survives.
+pub fn visits_of<N: StepNoise>(
+    subject: Subject<'_, N>,
+    sizes: &StepSizes,
+    paths: u64,
+    stop: &Stop,
 ) -> Result<Vec<Visit>, LadderError> {
     let Subject { problem, scheme } = subject;
     let steps = sizes.coarsest_steps << (sizes.levels - 1);
@@ -28,7 +35,7 @@ pub fn visits<N: StepNoise>(
     let ladder = Ladder::of(problem, steps, 0, sizes.truncation, sizes.key, runs)?;
     let tau = problem.t_end / steps as f64;
     let none = || Visits { steps, tau, visits: Vec::new() };
-    let mut visits = ladder.run(PATHS, none, &|_| ()).statistic.visits;
+    let mut visits = ladder.run_until(stop, 0, paths, none, &|_| ()).statistic.visits;
     if visits.is_empty() {
         visits.push(Visit { t: 0.0, state: problem.y0.clone() });
     }

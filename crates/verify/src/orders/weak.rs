@@ -8,11 +8,11 @@ use stats::{Against, CrossMoments, Point, fit_weak, lower_share};
 use systems::{Damping, PoissonSystem, Problem};
 
 use super::{
-    DynReference, Measure, Order, ReferenceSolution, StepSizes, decision,
+    Decision, DynReference, Limit, Measure, Order, ReferenceSolution, StepSizes, decision,
     errors::widen,
     limit::limit,
     one_step::mean_order,
-    runs::{at_all_sizes, measure},
+    runs::{at_all_sizes, failing, measure},
     steps::Subject,
     visits::visits,
 };
@@ -60,6 +60,9 @@ pub fn weak_order_of<N: StepNoise>(
     sizes.check_order(LEAST_SIZES)?;
     let (levels, number) = (sizes.levels, sizes.sizes());
     let (subject, exact) = (Subject::from(setup), reference.exact());
+    if let Some(failing) = failing(subject, sizes)? {
+        return Ok(failing);
+    }
     // φ(y_k) − φ(y_{k+1}) for all but the finest, then the finest against the exact solution.
     let values = |view: &View<'_>, numbers: &mut [Row]| {
         let phi = |y: &[Row]| evaluate(observable, y, view.live);
@@ -90,12 +93,25 @@ pub fn weak_order_of<N: StepNoise>(
         covariance[l][l] += (MODEL_ERROR * mean).powi(2);
     }
     let mut rate = fit_weak(&taus[..means.len()], &means, &covariance, against);
-    let visits = visits(subject, sizes)?;
-    let limit = limit(subject, sizes, &visits, reference, Measure::Weak(observable))?;
+    let obstacle = decision::obstacle(failed, sizes.samples, sizes.damping(setup));
+    let (visits, limit) = match obstacle {
+        Some(Decision::Failures { .. }) => (Vec::new(), Limit::Unchecked),
+        _ => {
+            let visits = visits(subject, sizes)?;
+            let limit = limit(subject, sizes, &visits, reference, Measure::Weak(observable))?;
+            (visits, limit)
+        }
+    };
     let share = |order| lower_share(&taus[..means.len()], &means, &covariance, order, against);
     let one_step = || mean_order(subject, sizes, &visits);
-    let decision = decision::obstacle(failed, sizes.samples, sizes.damping(setup))
-        .unwrap_or_else(|| decision::weak(rate.as_ref(), share, one_step, limit));
+    let y0: Vec<Row> = subject.problem.y0.iter().map(|&y| [y; WIDTH]).collect();
+    let size = evaluate(observable, &y0, PathMask::first(1))[0];
+    let decide = || match decision::weak(rate.as_ref(), share, one_step, limit) {
+        Decision::WrongLimit => Decision::WrongLimit,
+        _ if decision::kept(&fitted, sizes.reference_steps(), size) => Decision::Kept,
+        decision => decision,
+    };
+    let decision = obstacle.unwrap_or_else(decide);
     let likely = rate.as_mut().map_or(1.0, |rate| decision.settle(rate)).max(0.5);
     let tail = |p: f64| if exact.is_some() { None } else { Some(1.0 / (p.exp2() - 1.0)) };
     let mut points = match rate.is_some() || exact.is_some() {
@@ -108,7 +124,7 @@ pub fn weak_order_of<N: StepNoise>(
             points.iter_mut().zip(other).for_each(|(point, other)| widen(point, &other));
         }
     }
-    Ok(Order { points, rate, one_step: None, limit, decision, failed })
+    Ok(Order { points, rate, one_step: None, limit, decision, failed: failed.paths })
 }
 
 /// φ of the paths that are live.

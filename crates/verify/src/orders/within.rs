@@ -85,7 +85,7 @@ fn within(
         let order = measure(&sizes)?;
         spent = spent.saturating_add(sizes.cost());
         match order.decision {
-            Decision::Order { .. } | Decision::WrongLimit => return Ok(order),
+            Decision::Order { .. } | Decision::WrongLimit | Decision::Kept => return Ok(order),
             Decision::LimitUnclear if order.limit == Limit::Unchecked => return Ok(order),
             Decision::NoDifferences | Decision::Wide { .. } | Decision::Hidden { .. } => {
                 sizes.samples *= 4;
@@ -137,7 +137,7 @@ mod tests {
         for decision in [
             Decision::NotAsymptotic,
             Decision::OneStepUnclear,
-            Decision::Failures,
+            Decision::Failures { all: true, t: 1.0 },
             Decision::Damping { defect: 1.0 },
             Decision::LimitUnclear,
         ] {
@@ -145,7 +145,8 @@ mod tests {
         }
         let order = Decision::Order { order: 1.0, shown: true };
         for last in [order, Decision::WrongLimit] {
-            let decisions = [(wide, limit), (Decision::Failures, limit), (last, limit)];
+            let decisions =
+                [(wide, limit), (Decision::Failures { all: false, t: 1.0 }, limit), (last, limit)];
             assert_eq!(measured(&decisions, u64::MAX), [(3, 10), (3, 40), (12, 40)]);
         }
         // Without another scheme finer steps are of no use.

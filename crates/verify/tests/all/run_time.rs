@@ -17,7 +17,7 @@ use verify::{
 };
 
 /// Texts of a system.
-fn texts(state: &str, structure: &[&str], energy: &str, noises: &[&str]) -> Definition {
+pub fn texts(state: &str, structure: &[&str], energy: &str, noises: &[&str]) -> Definition {
     let words = |text: &str| text.split_whitespace().map(String::from).collect::<Vec<_>>();
     Definition {
         name: "texts".into(),
@@ -271,4 +271,46 @@ fn a_budget_is_spent_on_texts_as_on_compiled_systems() {
     let few = StepSizes { levels: 2, refinement: 1, ..few };
     let error = strong_order_of(&setup, &few, &reference).unwrap_err();
     assert!(matches!(error, LadderError::StepSizes { given: 3, from: 4, .. }), "{error}");
+}
+
+#[test]
+fn a_function_that_a_scheme_keeps_has_no_order() {
+    let oscillator = texts("q p", &["1"], "(p^2+q^2)/2", &["0.1*(p^2+q^2)/2"]);
+    let y0 = [1.0, 0.0];
+    let system = FormulaSystem::new(&oscillator, &y0).unwrap();
+    let none = Arc::new(constant(0.0));
+    let texts = systems_at::Problem::new(Arc::new(system), none, y0.to_vec(), 2.0).unwrap();
+    let energy = |y: &[Row], h: &mut Row| {
+        h.iter_mut().enumerate().for_each(|(p, h)| *h = 0.5 * (y[0][p].powi(2) + y[1][p].powi(2)));
+    };
+    let phi = RowFunction { name: "energy".into(), function: energy };
+    let reference = DynReference::independent(&texts).unwrap();
+    let of = |scheme: &dyn run_time::Scheme| {
+        let setup = Setup::at_run_time(&texts, scheme).unwrap();
+        weak_order_of_within(&setup, &phi, &sizes(8), &reference, 4_000_000).unwrap()
+    };
+    let kept = of(&Sexp);
+    assert_eq!(kept.decision, Decision::Kept, "{kept}");
+    assert!(kept.to_string().contains("at rounding") && !kept.to_string().contains("finer"));
+    // The twin does not keep it.
+    assert_ne!(of(&Heun).decision, Decision::Kept);
+}
+
+#[test]
+fn a_solution_that_ends_is_said_to_end() {
+    // dq/dt = q² from q = 1: q is infinite at t = 1.
+    let growth = texts("q p", &["1"], "q^2*p", &["0.1*q"]);
+    let system = FormulaSystem::new(&growth, &[1.0, 0.5]).unwrap();
+    let (none, y0) = (Arc::new(constant(0.0)), vec![1.0, 0.5]);
+    let texts = systems_at::Problem::new(Arc::new(system), none, y0, 5.0).unwrap();
+    let reference = DynReference::independent(&texts).unwrap();
+    for scheme in [&Heun as &dyn run_time::Scheme, &Sexp] {
+        let setup = Setup::at_run_time(&texts, scheme).unwrap();
+        let order = strong_order_of_within(&setup, &sizes(64), &reference, 10_000_000).unwrap();
+        let Decision::Failures { all: true, t } = order.decision else { panic!("{order}") };
+        assert!((0.5..1.5).contains(&t), "{order}");
+        assert!(order.to_string().contains("the solution itself may end"), "{order}");
+        // Few paths show it: no budget is spent on steps that fail.
+        assert!(order.failed <= 32, "{order}");
+    }
 }

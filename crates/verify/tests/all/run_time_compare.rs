@@ -1,15 +1,19 @@
 //! `compare` on systems from texts: the errors of the compiled systems, with wrong schemes as twins.
 
+use std::sync::Arc;
+
+use formula::{Definition, FormulaSystem};
 use mc::{DynProblem, Observable, RowFunction, Setup};
 use noise::{NoiseRows, StreamKey, Truncation};
 use real::Row;
 use schemes::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi};
+use systems::{Constant, run_time::Problem};
 use verify::compare::{
     Candidates, Choice, CompareError, CompareSettings, Comparison, DynCandidates,
-    DynCompareSettings, DynExpectations, Expectations, Outcome, compare, compare_of,
+    DynCompareSettings, Expectations, Keeps, Outcome, compare, compare_of,
 };
 
-use crate::run_time::{Wrong, body, one_noise, pendulum};
+use crate::run_time::{Wrong, body, one_noise, pendulum, texts};
 
 fn key(seed: u64) -> StreamKey {
     StreamKey { seed, experiment: 17 }
@@ -53,8 +57,8 @@ fn check_same(one: &Comparison, other: &Comparison) {
 #[test]
 fn errors_on_texts_are_those_on_compiled_systems() {
     let (compiled, texts) = pendulum(0.3);
-    let momentum = [Observable { name: "p", function: |y: [f64; 2]| y[0] }];
-    let wanted = Expectations { observables: &momentum, accuracy: 0.05 };
+    let momentum = Observable { name: "p", function: |y: [f64; 2]| y[0] };
+    let wanted = Expectations { observables: &[&momentum], accuracy: 0.05 };
     let DynCompareSettings { samples, truncation, .. } = settings(0.01);
     let one = CompareSettings {
         samples,
@@ -65,7 +69,7 @@ fn errors_on_texts_are_those_on_compiled_systems() {
     let one = compare(&compiled, &all, &one).unwrap();
 
     let row = RowFunction { name: "p".into(), function: |y: &[Row], p: &mut Row| *p = y[0] };
-    let wanted = DynExpectations { observables: vec![&row], accuracy: 0.05 };
+    let wanted = Expectations { observables: &[&row], accuracy: 0.05 };
     let other = DynCompareSettings { expectations: Some(wanted), ..settings(0.01) };
     let all = DynCandidates::all(&texts).unwrap();
     let other = compare_of(&DynProblem::at_run_time(&texts), &all, &other).unwrap();
@@ -127,4 +131,98 @@ fn wrong_schemes_on_texts_are_not_recommended() {
     let all = none.and(scheme(&Heun));
     let refused = compare_of(&problem, &all, &settings(0.0)).unwrap_err().to_string();
     assert_eq!(refused, "the wanted error must be positive and finite, got 0");
+}
+
+/// All schemes on texts without damping, in a budget of seconds.
+fn of_texts(
+    (definition, y0, t_end): (&Definition, &[f64], f64),
+    error: f64,
+    budget_s: f64,
+) -> Comparison {
+    let system = FormulaSystem::new(definition, y0).unwrap();
+    let none = Arc::new(Constant::new(0.0).unwrap());
+    let problem = Problem::new(Arc::new(system), none, y0.to_vec(), t_end).unwrap();
+    let all = DynCandidates::all(&problem).unwrap();
+    let settings = DynCompareSettings { budget_s, ..settings(error) };
+    let found = compare_of(&DynProblem::at_run_time(&problem), &all, &settings).unwrap();
+    // A fifth and a second beside the budget.
+    assert!(found.wall_s <= 1.2 * budget_s + 1.0, "{} s\n{found}", found.wall_s);
+    found
+}
+
+#[test]
+fn paths_that_part_are_said_to_part() {
+    let pendulum = texts("q p", &["1"], "p^2/2-cos(q)", &["0.1*q"]);
+    let found = of_texts((&pendulum, &[2.0, 0.0], 500.0), 0.1, 4.0);
+    assert_eq!(found.for_error.choice, Choice::NoneReaches);
+    assert!(found.strong.parts(), "{found}");
+    let text = found.to_string();
+    for words in ["paths part", "casimir expect", "about "] {
+        assert!(text.contains(words), "{words} is not in\n{text}");
+    }
+    assert!(!text.contains("inf") && !text.contains("> 0"), "{text}");
+    // The twin: in a short time they do not part.
+    let found = of_texts((&pendulum, &[2.0, 0.0], 1.0), 0.01, 20.0);
+    assert!(!found.strong.parts() && found.recommended().is_some(), "{found}");
+}
+
+#[test]
+fn a_budget_is_kept_on_a_heavy_system() {
+    let (n, names) = (6, |name: &str| (0..6).map(|i| format!("{name}{i} ")).collect::<String>());
+    let row =
+        |i: usize| (i + 1..2 * n).map(|j| if j == i + n { "1 " } else { "0 " }).collect::<String>();
+    let rows: Vec<String> = (0..2 * n - 1).map(row).collect();
+    let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
+    let energy = (0..n).fold(String::from("0"), |sum, i| {
+        format!("{sum}+p{i}^2/2+q{i}^2/2+(q{i}-q{})^2/2+0.1*(q{i}-q0)^4", (i + 1) % n)
+    });
+    let noises: Vec<String> = (0..n).map(|i| format!("0.1*q{i}")).collect();
+    let noises: Vec<&str> = noises.iter().map(String::as_str).collect();
+    let chain = texts(&format!("{}{}", names("q"), names("p")), &rows, &energy, &noises);
+    let y0 = [0.5, 0.0, -0.2, 0.1, 0.3, 0.0, 0.0, 0.1, 0.0, 0.2, 0.0, 0.0];
+    let found = of_texts((&chain, &y0, 50.0), 1e-6, 2.0);
+    assert_eq!(found.for_error.choice, Choice::NoneReaches);
+    assert!(found.stopped.is_some(), "{found}");
+    let text = found.to_string();
+    assert!(text.contains("exceed the budget of 2.00 s") && !text.contains("inf"), "{text}");
+}
+
+#[test]
+fn what_was_not_reached_is_extrapolated_and_marked() {
+    let pendulum = texts("q p", &["1"], "p^2/2-cos(q)", &["0.1*q"]);
+    let found = of_texts((&pendulum, &[2.0, 0.0], 1.0), 1e-8, 1.0);
+    assert_eq!(found.for_error.choice, Choice::NoneReaches);
+    let text = found.to_string();
+    // Heun has order one here, so that steps times error stay.
+    let heun = found.for_error.candidates.iter().find(|one| one.scheme == "heun").unwrap();
+    let Outcome::NotReached { steps, error, needs, resolved, .. } = heun.outcome else {
+        panic!("{text}")
+    };
+    let predicted = steps as f64 * error / 1e-8;
+    assert!(resolved && error > 1e-8, "{text}");
+    let needs = needs.expect("extrapolated");
+    assert!((0.9 * predicted..5.0 * predicted).contains(&needs), "{needs} {predicted}\n{text}");
+    assert!(text.contains("≈") && text.contains("extrapolated, not measured"), "{text}");
+}
+
+#[test]
+fn a_scheme_that_keeps_more_is_taken_and_the_words_say_so() {
+    let (_, damped) = pendulum(0.3);
+    let problem = DynProblem::at_run_time(&damped);
+    let scheme = |scheme| Setup::at_run_time(&damped, scheme).unwrap().scheme;
+    let all = DynCandidates::against(scheme(&Sexp)).and(scheme(&Heun)).and(scheme(&Sexp));
+    let found = compare_of(&problem, &all, &settings(0.01)).unwrap();
+    let Choice::Take { scheme: taken, cheapest } = found.for_error.choice else {
+        panic!("{found}")
+    };
+    let [heun, sexp] = &found.for_error.candidates[..] else { panic!("{found}") };
+    assert!(!heun.keeps.conformal && sexp.keeps.conformal && sexp.keeps > heun.keeps);
+    let (_, lo, _) = found.for_error.ratio(1, 0).unwrap();
+    let text = found.to_string();
+    // The rule, and that what is lost is said either way.
+    assert_eq!(taken == 1, cheapest == 1 || lo <= 1.1, "{text}");
+    let words =
+        if taken == 1 { "keeps the energy of H₀, the exact damping" } else { "Given up: " };
+    assert!(text.contains(words), "{text}");
+    assert_eq!(Keeps::default(), heun.keeps);
 }
