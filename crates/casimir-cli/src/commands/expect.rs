@@ -16,7 +16,8 @@ use casimir::{
 };
 
 use super::{
-    coarsest_steps, findings, folder, open, print, print_json, program, scheme, stop, threads,
+    Settled, coarsest_steps, findings, folder, open, print, print_json, program, scheme, stop,
+    threads,
 };
 use crate::{
     arguments::Expect,
@@ -47,7 +48,7 @@ pub fn expect(arguments: &Expect) -> Done {
     let stop = stop();
     let folder = arguments.output.out.as_ref();
     let (results, finished) = with_model!(&scene.model, model => {
-        let ready = Ready::new(&scene, model)?;
+        let ready = Ready::new(&scene, model, None)?;
         let job = match folder {
             Some(folder) => {
                 folder::prepare(folder)?;
@@ -79,6 +80,13 @@ pub fn expect(arguments: &Expect) -> Done {
     report(&scene, &results, arguments.output.json)
 }
 
+/// The scheme, which stays `auto` where points, levels and order are chosen too.
+pub fn settle<N>(scene: &Scene, model: &dyn Model<N>) -> Done<Settled> {
+    let findings = findings(scene, model)?;
+    let is_chosen = scene.settings.scheme == AUTO && model.expect().is_some();
+    Ok(if is_chosen { (AUTO.into(), None) } else { scheme(scene, &findings) })
+}
+
 /// Expectations that were checked.
 pub struct Ready<'a, N> {
     scene: &'a Scene,
@@ -97,7 +105,7 @@ enum Way<'a, N> {
 
 impl<'a, N: StepNoise> Ready<'a, N> {
     /// Chooses the way, and checks that there is something to expect.
-    pub fn new(scene: &'a Scene, model: &'a dyn Model<N>) -> Done<Self> {
+    pub fn new(scene: &'a Scene, model: &'a dyn Model<N>, settled: Option<&Settled>) -> Done<Self> {
         let (false, Some(accuracy)) = (scene.expected.is_empty(), scene.accuracy) else {
             let name = scene.observables.first().map_or("y1", |observable| &*observable.name);
             let message = format!(
@@ -105,9 +113,9 @@ impl<'a, N: StepNoise> Ready<'a, N> {
             );
             return Err(scene.source.error_of_all(message).into());
         };
-        let findings = findings(scene, model)?;
         let settings = &scene.settings;
-        let chosen = if settings.scheme == AUTO { model.expect() } else { None };
+        let (scheme, because) = settled.cloned().map_or_else(|| settle(scene, model), Ok)?;
+        let chosen = if scheme == AUTO { model.expect() } else { None };
         if let Some(mut chosen) = chosen {
             chosen = chosen.with_key(settings.key);
             if let Some(steps) = settings.coarsest_steps {
@@ -115,7 +123,6 @@ impl<'a, N: StepNoise> Ready<'a, N> {
             }
             return Ok(Self { scene, way: Way::Chosen(chosen), because: None, accuracy });
         }
-        let (scheme, because) = scheme(scene, &findings);
         let setup = model.setup(&scheme);
         let setup = setup.map_err(|error| settings.scheme_error(&scene.source, error))?;
         Ok(Self { scene, way: Way::Levels(setup), because, accuracy })

@@ -39,13 +39,17 @@ fn open(file: &Path, changes: &Changes) -> Done<Scene> {
 }
 
 /// The scheme of a scene, and why it was chosen if that was left to the program.
-fn scheme(scene: &Scene, findings: &Findings) -> (String, Option<String>) {
+fn scheme(scene: &Scene, findings: &Findings) -> Settled {
     if scene.settings.scheme != AUTO {
         return (scene.settings.scheme.clone(), None);
     }
     let (scheme, because) = findings.recommended();
     (scheme, Some(because))
 }
+
+/// A scheme, and why it was chosen if that was left to the program: what `plan` settles, so that
+/// no part inspects the system.
+type Settled = (String, Option<String>);
 
 /// What the system is. Whoever has a wrong system should know before its numbers.
 fn findings<N>(scene: &Scene, model: &dyn Model<N>) -> Done<Findings> {

@@ -14,8 +14,8 @@ use casimir::{
 };
 
 use super::{
-    exact_quantiles, findings, folder, open, print, print_json, program, scheme, stop, stoppable,
-    threads,
+    Settled, exact_quantiles, findings, folder, open, print, print_json, program, scheme, stop,
+    stoppable, threads,
 };
 use crate::{
     arguments::{Format, Run},
@@ -50,7 +50,7 @@ pub fn run(arguments: &Run) -> Done {
     let stop = stop();
     // The scene is checked before the folder is made.
     let (results, stopped) = with_model!(&scene.model, model => {
-        let ready = Ready::new(&scene, model)?;
+        let ready = Ready::new(&scene, model, None)?;
         folder::prepare(&folder)?;
         let job = match scene.settings.is_study() {
             true => Job::part(&folder, Share::WHOLE, program())?,
@@ -109,16 +109,23 @@ impl Results {
 pub struct Ready<'a, N> {
     scene: &'a Scene,
     model: &'a dyn Model<N>,
-    findings: Findings,
+    /// None yet if the scheme was settled before.
+    findings: Option<Findings>,
     scheme: String,
     because: Option<String>,
 }
 
 impl<'a, N: StepNoise> Ready<'a, N> {
-    /// Chooses the scheme, and checks that it can be run.
-    pub fn new(scene: &'a Scene, model: &'a dyn Model<N>) -> Done<Self> {
-        let findings = findings(scene, model)?;
-        let (scheme, because) = scheme(scene, &findings);
+    /// Chooses the scheme unless it is settled, and checks that it can be run.
+    pub fn new(scene: &'a Scene, model: &'a dyn Model<N>, settled: Option<&Settled>) -> Done<Self> {
+        let (findings, (scheme, because)) = match settled {
+            Some(settled) => (None, settled.clone()),
+            None => {
+                let findings = findings(scene, model)?;
+                let scheme = scheme(scene, &findings);
+                (Some(findings), scheme)
+            }
+        };
         let (source, settings) = (&scene.source, &scene.settings);
         let setup = model.setup(&scheme);
         let setup = setup.map_err(|error| settings.scheme_error(source, error))?;
@@ -145,7 +152,8 @@ impl<'a, N: StepNoise> Ready<'a, N> {
             exact_quantiles::replace(study, &tables);
         }
         tables.truncate(settings.tables as usize);
-        let Self { findings, scheme, because, .. } = self;
+        let Self { scene, model, findings: found, scheme, because } = self;
+        let findings = found.map_or_else(|| findings(scene, model), Ok)?;
         let seconds = start.elapsed().as_secs_f64();
         Ok(Some(Results { scheme, because, findings, tables, study, seconds }))
     }
@@ -159,7 +167,8 @@ impl<'a, N: StepNoise> Ready<'a, N> {
     /// The tables of the first paths.
     fn tables(&self, paths: u64, stop: &Stop) -> Done<Vec<TimeSeries>> {
         let Scene { source, components, observables, settings, .. } = self.scene;
-        let mut simulation = DynSimulation::new(self.setup()?, settings.truncation)
+        let setup = self.model.with_laws(self.setup()?);
+        let mut simulation = DynSimulation::new(setup, settings.truncation)
             .every(settings.steps / settings.times)
             .with_components(components.clone())
             .stopped_by(stop);

@@ -49,10 +49,13 @@ impl Formulas {
 impl Model<NoiseRows> for Formulas {
     fn setup(&self, scheme: &str) -> Result<Setup<'_, NoiseRows>, String> {
         let scheme = self.schemes.get(scheme)?;
-        let setup = Setup::at_run_time(&self.problem, scheme).map_err(|error| error.to_string())?;
+        Setup::at_run_time(&self.problem, scheme).map_err(|error| error.to_string())
+    }
+
+    fn with_laws<'a>(&self, setup: Setup<'a, NoiseRows>) -> Setup<'a, NoiseRows> {
         // Without findings nothing is claimed.
         let laws = self.inspection().map(laws).unwrap_or_default();
-        Ok(Setup { problem: with_laws(setup.problem, laws), scheme: setup.scheme })
+        Setup { problem: with_laws(setup.problem, laws), scheme: setup.scheme }
     }
 
     fn expect(&self) -> Option<Expect<'_, NoiseRows>> {

@@ -33,6 +33,11 @@ pub trait Model<N>: Send + Sync {
     /// Why the scheme is not for the system.
     fn setup(&self, scheme: &str) -> Result<Setup<'_, N>, String>;
 
+    /// A setup of this model with the laws that are found, for tables of single paths.
+    fn with_laws<'a>(&self, setup: Setup<'a, N>) -> Setup<'a, N> {
+        setup
+    }
+
     /// Expectations for which everything is chosen; `None` if they are computed by levels of random
     /// points.
     fn expect(&self) -> Option<Expect<'_, N>>;

@@ -64,6 +64,25 @@ pub enum SchemeError {
     /// The scheme is not for the system.
     #[error(transparent)]
     System(#[from] SexpLiError),
+    /// Averages of ∇h are computed tile by tile for quadratic h only.
+    #[error(
+        "∇̄h of `{system}`, whose h is not quadratic, cannot be computed in tiles: take a scheme \
+         without ∇̄h, such as midpoint, or give the system one tile"
+    )]
+    Average {
+        /// The system.
+        system: String,
+    },
+    /// Newton's method, which solves where fixed-point iteration does not, needs a derivative that
+    /// is not known.
+    #[error(
+        "an implicit formula cannot have {operation} of z, since its derivative along z is not \
+         known; take {operation} of ẑ"
+    )]
+    Derivative {
+        /// The operation.
+        operation: &'static str,
+    },
     /// Rows of the system hold one path.
     #[error(
         "rows of `{system}` hold one path, and not 32: take `mc::LargePath`, or the layout of the \
