@@ -134,7 +134,7 @@ impl<'a, N: StepNoise> Ready<'a, N> {
     }
 
     /// Computes tables and statistics; none if another part has them.
-    pub fn compute(mut self, job: &Job, stop: &Stop) -> Done<Option<Results>> {
+    pub fn compute(self, job: &Job, stop: &Stop) -> Done<Option<Results>> {
         let start = Instant::now();
         let settings = &self.scene.settings;
         let mut study = match settings.is_study() {
@@ -144,9 +144,6 @@ impl<'a, N: StepNoise> Ready<'a, N> {
             },
             false => None,
         };
-        let (sampling, found) = (start.elapsed(), self.findings.take());
-        let findings = found.map_or_else(|| findings(self.scene, self.model), Ok)?;
-        let start = Instant::now();
         let exact = study.as_mut().filter(|study| study.record.paths == settings.paths);
         let exact = exact.filter(|_| exact_quantiles::are_affordable(self.scene));
         let all = if exact.is_some() { settings.paths } else { settings.tables };
@@ -155,8 +152,9 @@ impl<'a, N: StepNoise> Ready<'a, N> {
             exact_quantiles::replace(study, &tables);
         }
         tables.truncate(settings.tables as usize);
-        let Self { scheme, because, .. } = self;
-        let seconds = (sampling + start.elapsed()).as_secs_f64();
+        let Self { scene, model, findings: found, scheme, because } = self;
+        let findings = found.map_or_else(|| findings(scene, model), Ok)?;
+        let seconds = start.elapsed().as_secs_f64();
         Ok(Some(Results { scheme, because, findings, tables, study, seconds }))
     }
 

@@ -54,31 +54,26 @@ struct Stores<'a> {
 }
 
 impl<'a> Stores<'a> {
-    fn new(mut stores: impl Iterator<Item = &'a mut [Row]>) -> Self {
-        let first = std::array::from_fn(|_| stores.next().unwrap_or_default());
-        Self { first, more: stores.collect() }
+    /// Adds store number n.
+    fn push(&mut self, n: usize, store: &'a mut [Row]) {
+        match self.first.get_mut(n) {
+            Some(place) => *place = store,
+            None => self.more.push(store),
+        }
     }
 
     fn split_at(self, row: usize) -> (Self, Self) {
-        let mut later = Self::default();
-        let split = |store: &'a mut [Row]| store.split_at_mut(row.min(store.len()));
-        let mut n = 0;
-        let first = self.first.map(|store| {
-            let (earlier, second) = split(store);
-            later.first[n] = second;
-            n += 1;
-            earlier
-        });
-        let (more, later_more) = self.more.into_iter().map(split).unzip();
-        (Self { first, more }, Self { more: later_more, ..later })
+        let (mut earlier, mut later) = (Self::default(), Self::default());
+        for (n, store) in self.first.into_iter().chain(self.more).enumerate() {
+            let (first, second) = store.split_at_mut(row.min(store.len()));
+            earlier.push(n, first);
+            later.push(n, second);
+        }
+        (earlier, later)
     }
 
     fn get(&self, n: usize) -> &[Row] {
         self.first.get(n).unwrap_or_else(|| &self.more[n - 4])
-    }
-
-    fn iter_mut(&mut self) -> impl Iterator<Item = &mut [Row]> {
-        self.first.iter_mut().chain(&mut self.more).map(|store| &mut **store)
     }
 }
 
@@ -121,8 +116,7 @@ impl<'a> Machine<'a> {
             return Ok(());
         }
         let is_average = |node: &Node| {
-            use Node::{AveragedField, AveragedGradient, AveragedHessian};
-            matches!(node, AveragedField { .. } | AveragedGradient { .. } | AveragedHessian { .. })
+            matches!(node, Node::AveragedField { .. } | Node::AveragedGradient { .. })
         };
         if self.system.tile_rows() < self.system.rows() && nodes.iter().any(is_average) {
             return Err(SchemeError::Average { system: self.system.name().into() });
@@ -192,8 +186,10 @@ impl<'a> Machine<'a> {
             buffers: &self.buffers,
             desks: &self.desks,
         };
-        let stores = taken.iter_mut().take(stage.stores.len());
-        let stores = Stores::new(stores.map(|store| &mut store[rows.clone()]));
+        let mut stores = Stores::default();
+        for (n, store) in taken.iter_mut().take(stage.stores.len()).enumerate() {
+            stores.push(n, &mut store[rows.clone()]);
+        }
         execution.on_rows(rows, stores);
         for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
             std::mem::swap(taken, &mut self.buffers[buffer]);
@@ -225,7 +221,7 @@ impl Execution<'_> {
     }
 
     /// Executes the stage on one tile.
-    fn on_tile(&self, tile: Range<usize>, mut stores: Stores<'_>, desk: &mut Desk) {
+    fn on_tile(&self, tile: Range<usize>, stores: Stores<'_>, desk: &mut Desk) {
         let Desk { slots, scratch } = desk;
         for &Instruction { operation, slot } in &self.stage.instructions {
             let mut result = std::mem::take(&mut slots[slot]);
@@ -278,7 +274,8 @@ impl Execution<'_> {
             }
             slots[slot] = result;
         }
-        for (store, &(slot, _)) in stores.iter_mut().zip(&self.stage.stores) {
+        let stores = stores.first.into_iter().chain(stores.more);
+        for (store, &(slot, _)) in stores.zip(&self.stage.stores) {
             store.copy_from_slice(&slots[slot][..tile.len()]);
         }
     }

@@ -66,8 +66,8 @@ pub enum SchemeError {
     System(#[from] SexpLiError),
     /// Averages of ∇h are computed tile by tile for quadratic h only.
     #[error(
-        "∇̄h of `{system}`, whose h is not quadratic, cannot be computed in tiles: take a scheme \
-         without ∇̄h, such as midpoint, or give the system one tile"
+        "∇̄h of `{system}`, whose h is not quadratic, cannot be computed in tiles: take midpoint, \
+         or one tile"
     )]
     Average {
         /// The system.
@@ -76,13 +76,10 @@ pub enum SchemeError {
     /// Newton's method, which solves where fixed-point iteration does not, needs a derivative that
     /// is not known.
     #[error(
-        "an implicit formula cannot have {operation} of z, since its derivative along z is not \
-         known; take {operation} of ẑ"
+        "an implicit formula cannot have `cayley` or `ito_correction` of z, whose derivatives \
+         along z are not known: take them of ẑ"
     )]
-    Derivative {
-        /// The operation.
-        operation: &'static str,
-    },
+    Derivative,
     /// Rows of the system hold one path.
     #[error(
         "rows of `{system}` hold one path, and not 32: take `mc::LargePath`, or the layout of the \

@@ -302,12 +302,9 @@ impl<const CAYLEY: bool> Implicit for WithoutDerivative<CAYLEY> {
 #[test]
 fn formulas_whose_derivative_is_not_known_are_refused() {
     for system in [Chain::new(64, 3), Chain::new(64, 6)] {
-        let refused = |scheme: &dyn Scheme| scheme.stepper(&system).err().map(|e| e.to_string());
-        for (refused, operation) in [
-            (refused(&WithoutDerivative::<true>), "`cayley` of z"),
-            (refused(&WithoutDerivative::<false>), "`ito_correction` of z"),
-        ] {
-            assert!(refused.as_ref().is_some_and(|why| why.contains(operation)), "{refused:?}");
+        let refused = |scheme: &dyn Scheme| scheme.stepper(&system).err();
+        for refused in [refused(&WithoutDerivative::<true>), refused(&WithoutDerivative::<false>)] {
+            assert_eq!(refused, Some(SchemeError::Derivative));
         }
         // Of ẑ they are constants.
         assert!(SexpLi::at_run_time(&system).unwrap().stepper(&system).is_ok());
