@@ -41,9 +41,9 @@ pub fn grow<T: Send, F: Fn(&mut T, T) + Sync>(
         let end = items.end.min(next + wave);
         // A power of two, and tasks that begin at multiples of it: each is a node of the tree.
         let size = wave.div_ceil(TASKS * threads).next_power_of_two();
-        let merge = tree.merging();
+        let (merge, whole) = tree.merging();
         let task = |number: u64| {
-            let mut own = MergeTree::new(merge);
+            let mut own = MergeTree::of_whole(merge, whole);
             for item in next.max(number * size)..end.min((number + 1) * size) {
                 let Some(sum) = compute(item) else { break };
                 own.push(Node::leaf(item, sum));

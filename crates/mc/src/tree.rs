@@ -37,25 +37,35 @@ pub struct MergeTree<T, F> {
     /// The largest nodes of the tree that cover the leaves so far.
     nodes: Vec<Node<T>>,
     merge: F,
+    /// Leaves from this one on are no part of larger nodes.
+    whole: u64,
 }
 
 impl<T, F: Fn(&mut T, T)> MergeTree<T, F> {
     pub fn new(merge: F) -> Self {
-        Self { nodes: Vec::new(), merge }
+        Self::of_whole(merge, u64::MAX)
+    }
+
+    /// A tree that merges leaf number `whole` and those after it in [`finish`](Self::finish) only,
+    /// so that they can be replaced until then. If it is the last one, the bits are the same.
+    pub fn of_whole(merge: F, whole: u64) -> Self {
+        Self { nodes: Vec::new(), merge, whole }
     }
 
     /// Adds a node that begins where the last one ends.
     pub fn push(&mut self, mut node: Node<T>) {
-        while let Some(mut left) = self.nodes.pop_if(|left| left.precedes(&node)) {
+        let joins =
+            |left: &Node<T>, node: &Node<T>| node.end() <= self.whole && left.precedes(node);
+        while let Some(mut left) = self.nodes.pop_if(|left| joins(left, &node)) {
             (self.merge)(&mut left.sum, node.sum);
             node = Node { level: left.level + 1, ..left };
         }
         self.nodes.push(node);
     }
 
-    /// How two sums become one.
-    pub fn merging(&self) -> &F {
-        &self.merge
+    /// How two sums become one, and the first leaf that is merged at the end only.
+    pub fn merging(&self) -> (&F, u64) {
+        (&self.merge, self.whole)
     }
 
     /// The nodes so far.
@@ -115,6 +125,17 @@ mod tests {
                     assert_eq!(finished(parts.concat()), whole, "{a} {b} {leaves}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_last_leaf_that_is_kept_apart_changes_no_bit() {
+        for leaves in 1..=40 {
+            let mut tree = MergeTree::of_whole(join, leaves - 1);
+            nodes(0..leaves - 1).into_iter().for_each(|node| tree.push(node));
+            tree.push(Node::leaf(leaves - 1, (leaves - 1).to_string()));
+            assert_eq!(tree.nodes().last().map(|node| node.level), Some(0));
+            assert_eq!(tree.finish().unwrap(), finished(nodes(0..leaves)), "{leaves}");
         }
     }
 

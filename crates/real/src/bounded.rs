@@ -70,9 +70,12 @@ impl Bounded {
     /// logarithm, as √x² = |x| and (x²)^{1/2} do, or has a condition.
     /// Otherwise it is analytic but for poles.
     pub fn piecewise<T>(formula: impl FnOnce() -> T) -> (T, bool) {
-        PIECES.set(false);
+        let before = PIECES.replace(false);
         let result = formula();
-        (result, PIECES.get())
+        let own = PIECES.get();
+        // A formula within another one belongs to that one too.
+        PIECES.set(before || own);
+        (result, own)
     }
 
     fn rounded(value: f64, error: f64, degree: Degree) -> Self {
@@ -271,6 +274,21 @@ mod tests {
         assert!(piecewise(|x| Bounded::where_less(Bounded::one(), x, x, -x)));
         assert!(piecewise(|x| (x * x).sqrt()) && piecewise(|x| (x * x).powf(0.5)));
         assert!(!piecewise(|x| (x * x + x.exp()).sin() / x));
+    }
+
+    #[test]
+    fn a_formula_within_another_hides_no_pieces() {
+        let x = Bounded::variable(0.3);
+        let nested = |first: fn(Bounded) -> Bounded, second: fn(Bounded) -> Bounded| {
+            let (inner, outer) = Bounded::piecewise(|| {
+                first(x);
+                Bounded::piecewise(|| second(x)).1
+            });
+            [inner, outer]
+        };
+        assert_eq!(nested(|x| x.sqrt(), |x| x * x), [false, true]);
+        assert_eq!(nested(|x| x * x, |x| x.sqrt()), [true, true]);
+        assert_eq!(nested(|x| x * x, |x| x + x), [false, false]);
     }
 
     #[test]

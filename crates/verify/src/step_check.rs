@@ -97,10 +97,10 @@ impl StepCheck {
         let (size, noise) = (difference.abs(), standard_error.max(ROUNDING * value.abs()));
         let hidden = OF_ERROR * (size + HIDDEN * noise);
         let rounding = 10.0 * ROUNDING * value.abs();
-        if size > SEEN * noise && OF_ERROR * size > WORTH * sampling {
-            StepError::About(OF_ERROR * size)
-        } else if self.damping > STIFF {
+        if self.damping > STIFF {
             StepError::CannotTell
+        } else if size > SEEN * noise && OF_ERROR * size > WORTH * sampling {
+            StepError::About(OF_ERROR * size)
         } else if hidden <= sampling.max(rounding) {
             StepError::Fine(hidden)
         } else if hidden <= spread {

@@ -7,7 +7,7 @@ use casimir::{
     verify::{DynCompareSettings, Progress},
 };
 
-use super::{findings, folder, open, print, print_json, threads};
+use super::{folder, open, print, print_json, threads};
 use crate::{
     arguments::Compare,
     failure::{Done, Failure},
@@ -31,8 +31,7 @@ pub fn compare(arguments: &Compare) -> Done {
     threads(arguments.output.threads)?;
     let (settings, start) = (&scene.settings, Instant::now());
     // What a run takes, for other reasons.
-    let (auto, because) =
-        with_model!(&scene.model, model => findings(&scene, model)?.recommended());
+    let (auto, because) = with_model!(&scene.model, model => model.recommended());
     let spent = start.elapsed().as_secs_f64();
     let wanted = DynCompareSettings {
         budget_s: (arguments.budget - spent).max(0.5 * arguments.budget),

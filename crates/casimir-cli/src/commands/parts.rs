@@ -7,7 +7,7 @@ use std::{
 };
 
 use casimir::{
-    mc::parts::{Job, JobError, Plan as Planned, Share, Stop},
+    mc::parts::{Job, JobError, Plan as Planned, Share, Stop, merged_paths},
     report::{
         cluster::{JOB, Script},
         files,
@@ -15,7 +15,7 @@ use casimir::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::{expect, folder, open, print, program, run, stop, threads};
+use super::{Settled, expect, folder, open, print, program, run, stop, threads};
 use crate::{
     arguments::{Extend, Merge, Part, Plan},
     failure::{Done, Failure},
@@ -24,7 +24,7 @@ use crate::{
     scene::{Changes, Scene, SchemeAndSeed},
 };
 
-/// What is divided into parts: `study.json` in the folder of the parts, beside the scene.
+/// What is divided into parts: `plan.json` in the folder of the parts, beside the scene.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Divided {
     /// Whether expectations are computed, or paths.
@@ -38,9 +38,13 @@ struct Divided {
     seed: Option<u64>,
     /// The accuracy of expectations.
     accuracy: Option<f64>,
+    /// The scheme that `auto` means in all parts, and why.
+    settled: Option<Settled>,
 }
 
-const STUDY: &str = "study.json";
+const PLAN: &str = "plan.json";
+/// Its name at first, which is also that of results.
+const OLD_PLAN: &str = "study.json";
 const SCENE: &str = "scene.toml";
 /// How long each piece of work is measured for a plan.
 const MEASURED: Duration = Duration::from_millis(300);
@@ -54,7 +58,8 @@ struct Folder {
 
 impl Folder {
     fn open(folder: &Path) -> Done<Self> {
-        let file = folder.join(STUDY);
+        let file = Some(folder.join(PLAN)).filter(|file| file.exists());
+        let file = file.unwrap_or_else(|| folder.join(OLD_PLAN));
         let wrong = |error: &dyn std::fmt::Display| {
             let file = file.display();
             Failure::Usage(format!(
@@ -71,17 +76,20 @@ impl Folder {
         Ok(Self { folder: folder.to_owned(), divided, scene })
     }
 
-    fn settle(&self) -> Done {
-        Ok(files::write_json(&self.folder.join(STUDY), &self.divided)?)
+    fn write(&self) -> Done {
+        Ok(files::write_json(&self.folder.join(PLAN), &self.divided)?)
     }
 
     /// Does with a job what the folder is for; the results if there are some here.
     fn compute(&self, job: &Job, stop: &Stop) -> Done<Option<Found>> {
-        let scene = &self.scene;
+        let (scene, settled) = (&self.scene, self.divided.settled.as_ref());
         with_model!(&scene.model, model => match self.divided.expect {
-            true => Ok(expect::Ready::new(scene, model, None)?.compute(job)?.map(Found::Expected)),
+            true => {
+                let ready = expect::Ready::new(scene, model, settled)?;
+                Ok(ready.compute(job)?.map(Found::Expected))
+            }
             false => {
-                let found = run::Ready::new(scene, model, None)?.compute(job, stop)?;
+                let found = run::Ready::new(scene, model, settled)?.compute(job, stop)?;
                 Ok(found.map(|results| Found::Run(Box::new(results))))
             }
         })
@@ -103,24 +111,28 @@ pub fn plan(arguments: &Plan) -> Done {
     }
     Share::new(1, arguments.parts)?;
     let out = &arguments.out;
-    if out.join(STUDY).exists() {
+    if out.join(PLAN).exists() || Folder::open(out).is_ok() {
         let out = out.display();
         let message =
             format!("{out} has parts already: take another folder, or casimir extend {out}");
         return Err(Failure::Usage(message));
     }
+    let settled = with_model!(&scene.model, model => match arguments.expect {
+        true => expect::settle(&scene, model)?,
+        false => super::scheme(&scene, model),
+    });
     folder::prepare(out)?;
     files::write(&out.join(SCENE), &scene.source.text)?;
     let Changes { paths, steps, scheme } = arguments.changes.clone();
     let SchemeAndSeed { scheme, seed } = scheme;
     let (expect, parts) = (arguments.expect, arguments.parts);
-    let divided =
-        Divided { expect, parts, paths, steps, scheme, seed, accuracy: arguments.accuracy };
+    let (accuracy, settled) = (arguments.accuracy, Some(settled));
+    let divided = Divided { expect, parts, paths, steps, scheme, seed, accuracy, settled };
     let folder = Folder { folder: out.clone(), divided, scene };
     let job = Job::pilot(MEASURED);
     folder.compute(&job, &Stop::default())?;
     let planned = job.plan()?;
-    folder.settle()?;
+    folder.write()?;
     let absolute = fs::canonicalize(out)?;
     let program = env::current_exe()?;
     let cpus = arguments.cpus.max(1);
@@ -188,6 +200,10 @@ pub fn merge(arguments: &Merge) -> Done {
     let found = folder.compute(&job, &stop)?;
     job.finish()?;
     let (scene, out) = (&folder.scene, &folder.folder);
+    if found.is_some() {
+        // Results may take the place of an old plan.
+        folder.write()?;
+    }
     match found {
         Some(Found::Run(results)) => {
             output::write(scene, &results, out, &arguments.write)?;
@@ -221,12 +237,17 @@ pub fn extend(arguments: &Extend) -> Done {
             return Err(Failure::Usage(format!("ask for less than {now}: --accuracy E")));
         }
     }
-    if !folder.folder.join("merged.json").exists() {
+    let merged = merged_paths(&folder.folder, &program())?;
+    let is_merged = match expect {
+        true => !merged.is_empty(),
+        false => merged.get("study") == Some(&folder.scene.settings.paths),
+    };
+    if !is_merged {
         let name = arguments.folder.display();
         let message = format!("the parts are not merged yet: casimir merge {name}, then extend");
         return Err(Failure::Usage(message));
     }
-    folder.settle()?;
+    folder.write()?;
     let name = arguments.folder.display();
     print(&format!(
         "now compute parts 1 to {parts} again (sbatch {name}/{JOB}), and casimir merge {name}\n"

@@ -7,13 +7,19 @@ use std::{
 };
 
 use casimir::mc::{TimeSeries, study::StudyResult};
-use npyz::{WriterBuilder, npz::NpzWriter};
+use npyz::{
+    WriterBuilder,
+    npz::NpzWriter,
+    zip::{DateTime, write::FileOptions},
+};
 
 type Writer = NpzWriter<BufWriter<File>>;
 
 /// An array of this shape in row-major order.
 fn array(out: &mut Writer, name: &str, shape: &[u64], values: Vec<f64>) -> io::Result<()> {
-    let file = out.array(name, Default::default())?;
+    // Without the time of day: the same results are the same bytes.
+    let options = FileOptions::default().last_modified_time(DateTime::default());
+    let file = out.array(name, options)?;
     let mut writer = file.default_dtype().shape(shape).begin_nd()?;
     writer.extend(values)?;
     writer.finish()

@@ -89,7 +89,7 @@ pub fn step_lines(check: &StepCheck, study: Option<&StudyResult>, scene: &Scene)
         let along = if study.is_some() { "" } else { " along a path" };
         lines.push(format!("step error{along} of {}; by {at_half}", seen.join(", of ")));
     }
-    if !hidden.is_empty() {
+    if !hidden.is_empty() && check.damping <= STIFF {
         lines.push(format!(
             "cannot tell the step error of {}: {at_half} see none, and would miss one as large as the \
              deviation",

@@ -50,6 +50,123 @@ fn parts_give_the_bits_of_the_whole() {
     assert_eq!(csv(&path.join("big")), whole("4096", "more"));
 }
 
+/// Runs one part, which is killed twice before.
+#[cfg(unix)]
+fn killed_part(path: &Path, number: u64) {
+    let number = number.to_string();
+    let arguments = ["part", "big", "--part", &number, "--threads", "1"];
+    for (signal, milliseconds) in [("-KILL", 9), ("-TERM", 31)] {
+        signalled(path, &arguments, signal, Duration::from_millis(milliseconds));
+    }
+    succeeds(path, &arguments);
+}
+
+/// Every file that `--write` makes of a run.
+const WRITTEN: [&str; 6] =
+    ["study.csv", "study.json", "study.npz", "paths.csv", "paths.json", "paths.npz"];
+
+#[cfg(unix)]
+#[test]
+fn any_number_of_paths_extends_to_the_bits_of_one_run() {
+    for (of, numbers) in [(3, &["127", "128", "3000", "5000"][..]), (7, &["127", "3001"])] {
+        let folder = with_scene(BODY);
+        let path = folder.path();
+        let parts = of.to_string();
+        let plan =
+            |paths| ["plan", "scene.toml", "--paths", paths, "--parts", &parts, "--out", "big"];
+        // A few paths are no study, and leave nothing behind.
+        let refused = run(path, &plan("1"));
+        assert_eq!(refused.status.code(), Some(2), "{refused:?}");
+        assert!(!path.join("big").exists());
+        for (n, &paths) in numbers.iter().enumerate() {
+            match n {
+                0 => succeeds(path, &plan(paths)),
+                _ => succeeds(path, &["extend", "big", "--paths", paths]),
+            };
+            // Not before it is merged.
+            let again = run(path, &["extend", "big", "--paths", "1e6"]);
+            assert_eq!(again.status.code(), Some(2), "{again:?}");
+            (1..=of).for_each(|number| killed_part(path, number));
+            succeeds(path, &["merge", "big", "--write", "csv,json,npz"]);
+            let whole = ["run", "scene.toml", "--paths", paths, "--write", "csv,json,npz"];
+            succeeds(path, &whole);
+            for name in WRITTEN {
+                let read = |folder: &str| fs::read(path.join(folder).join(name)).unwrap();
+                assert!(read("big") == read("scene-run"), "{name}, {paths} in {of} parts");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_folder_of_parts_may_have_any_results() {
+    let folder = with_scene(BODY);
+    let path = folder.path();
+    succeeds(path, &["plan", "scene.toml", "--parts", "2", "--out", "big"]);
+    // As plan.json was called at first.
+    let (plan, old) = (path.join("big/plan.json"), path.join("big/study.json"));
+    let mut divided: serde_json::Value = serde_json::from_slice(&fs::read(&plan).unwrap()).unwrap();
+    divided.as_object_mut().unwrap().remove("settled");
+    fs::write(&old, divided.to_string()).unwrap();
+    fs::remove_file(&plan).unwrap();
+    let parts = || {
+        for number in ["1", "2"] {
+            succeeds(path, &["part", "big", "--part", number]);
+        }
+    };
+    parts();
+    let all = ["csv", "json", "npz"];
+    for formats in 0..8 {
+        let wanted: Vec<&str> = (0..3).filter(|n| formats >> n & 1 > 0).map(|n| all[n]).collect();
+        let wanted = wanted.join(",");
+        for _ in 0..2 {
+            match formats {
+                0 => succeeds(path, &["merge", "big"]),
+                _ => succeeds(path, &["merge", "big", "--write", &wanted]),
+            };
+        }
+    }
+    assert!(fs::read_to_string(&old).unwrap().contains("series"));
+    let taken = run(path, &["plan", "scene.toml", "--parts", "2", "--out", "big"]);
+    assert_eq!(taken.status.code(), Some(2));
+    succeeds(path, &["extend", "big", "--paths", "300"]);
+    parts();
+    succeeds(path, &["merge", "big", "--write", "csv"]);
+    let whole = ["run", "scene.toml", "--paths", "300", "--write", "csv", "--out", "whole"];
+    succeeds(path, &whole);
+    assert_eq!(csv(&path.join("big")), csv(&path.join("whole")));
+}
+
+/// `plan` settles what `auto` means, and parts do not ask again.
+#[test]
+fn parts_take_the_scheme_that_was_settled() {
+    let scene =
+        OSCILLATOR.replace("scheme = \"sexp-li\"\n", "").replace("paths = 4", "paths = 200");
+    let folder = with_scene(&scene);
+    let path = folder.path();
+    succeeds(path, &["plan", "scene.toml", "--parts", "2", "--out", "big"]);
+    let plan = path.join("big/plan.json");
+    let mut divided: serde_json::Value = serde_json::from_slice(&fs::read(&plan).unwrap()).unwrap();
+    let summary = |arguments: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&succeeds(path, arguments)).unwrap()
+    };
+    let run = summary(&["run", "scene.toml", "--json"]);
+    assert_eq!(divided["settled"][0], run["scheme"]);
+    // Another version of the program might choose another scheme.
+    divided["settled"] = serde_json::json!(["em", "it was chosen then"]);
+    fs::write(&plan, divided.to_string()).unwrap();
+    for number in ["1", "2"] {
+        succeeds(path, &["part", "big", "--part", number]);
+    }
+    let merged = summary(&["merge", "big", "--json"]);
+    assert_eq!(
+        (&merged["scheme"], &merged["because"]),
+        (&"em".into(), &"it was chosen then".into())
+    );
+    let em = summary(&["run", "scene.toml", "--scheme", "em", "--json"]);
+    assert_eq!(merged["at_end"], em["at_end"]);
+}
+
 #[test]
 fn expectations_in_parts_are_those_of_one_machine() {
     let folder = with_scene(OSCILLATOR);
@@ -66,9 +183,9 @@ fn expectations_in_parts_are_those_of_one_machine() {
     assert_eq!(merged, estimates(&succeeds(path, &["expect", "scene.toml", "--json"])));
 }
 
-/// Interrupts a run after some time, as Ctrl-C does.
+/// Sends a signal to the program after some time.
 #[cfg(unix)]
-fn interrupted(path: &Path, arguments: &[&str], after: Duration) -> Option<i32> {
+fn signalled(path: &Path, arguments: &[&str], signal: &str, after: Duration) -> Option<i32> {
     let mut child = casimir(path)
         .args(arguments)
         .stdout(Stdio::null())
@@ -76,9 +193,15 @@ fn interrupted(path: &Path, arguments: &[&str], after: Duration) -> Option<i32> 
         .spawn()
         .expect("the program starts");
     sleep(after);
-    let signalled = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(signalled.is_ok());
+    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status();
+    assert!(sent.is_ok());
     child.wait().expect("it ends").code()
+}
+
+/// Interrupts a run after some time, as Ctrl-C does.
+#[cfg(unix)]
+fn interrupted(path: &Path, arguments: &[&str], after: Duration) -> Option<i32> {
+    signalled(path, arguments, "-INT", after)
 }
 
 #[cfg(unix)]

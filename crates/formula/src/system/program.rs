@@ -7,16 +7,13 @@ use std::{
 
 use dgrad::Rule;
 use real::{Row, Rows};
-use systems::run_time::{Node, Program, Weights};
+use systems::run_time::{MOST_INPUTS, Node, Program, Weights};
 
 use super::{average::point, expressions::Expressions};
 use crate::{Graph, Id, Tape};
 
 /// Expressions of a scheme's formula beyond which it is not worth one tape.
 const MOST_EXPRESSIONS: usize = 100_000;
-
-/// The largest number of states that a formula has as inputs.
-const MOST_INPUTS: usize = 4;
 
 /// Formulas of schemes that were compiled, so that each is compiled once and not for every block.
 #[derive(Default)]

@@ -9,7 +9,7 @@ use real::{Row, Rows, WIDTH};
 use schemes::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi, Step, run_time::Scheme};
 use systems::{
     Constant, Linearity,
-    run_time::{System, Weights},
+    run_time::{MOST_INPUTS, Node, System, Weights},
 };
 
 use crate::{expression::Random, paper};
@@ -112,6 +112,18 @@ fn path(scheme: &dyn Scheme, system: &dyn System, y0: &[f64]) -> Vec<Row> {
         assert!(status.failed.is_empty(), "{}: {status:?}", scheme.id());
     }
     stepper.state().to_vec()
+}
+
+/// Formulas of schemes and their programs have the same limit.
+#[test]
+fn a_formula_has_at_most_so_many_inputs() {
+    let system = FormulaSystem::new(&paper::pendulum(0.5), &[1.0, 1.2]).unwrap();
+    let compiles = |inputs: usize| {
+        let mut nodes: Vec<Node> = (0..inputs).map(Node::Input).collect();
+        nodes.push(Node::Sum(0, inputs - 1));
+        system.compile(&nodes, inputs, &[inputs]).is_some()
+    };
+    assert!(compiles(MOST_INPUTS) && !compiles(MOST_INPUTS + 1));
 }
 
 #[test]

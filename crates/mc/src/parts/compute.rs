@@ -114,7 +114,7 @@ impl Computing {
         let first = known.last().map_or(work.groups.start, Node::end);
         let mut header =
             work.header(self.shares.range(work.name, self.share, &(first..work.groups.end)));
-        let mut tree = MergeTree::new(work.merge);
+        let mut tree = work.tree();
         header.done = self.resume(work, first, &header, &mut tree)?;
         (work.skipped)(first - work.groups.start + header.done - header.groups.start);
         let rest = header.done..header.groups.end;
@@ -164,8 +164,7 @@ impl Computing {
             entry.nodes(path, work)?.into_iter().for_each(|node| tree.push(node));
             return Ok(found.done);
         }
-        // Groups that are merged by now are no longer needed here.
-        if found.groups.end <= known {
+        if self.known.has(work, found, known) {
             return Ok(groups.start);
         }
         if found.paths != work.paths {

@@ -118,19 +118,6 @@ pub enum JobError {
         /// The piece of work.
         work: String,
     },
-    /// A study can be extended by whole groups of paths only.
-    #[error(
-        "{work} has {paths} paths, which is no multiple of {group}: it cannot be extended. Begin \
-         anew in another folder with a multiple of {group}"
-    )]
-    NotWhole {
-        /// The piece of work.
-        work: String,
-        /// Its paths.
-        paths: u64,
-        /// Paths of a group.
-        group: u64,
-    },
     /// Two pieces of work have the same name.
     #[error("the name {0:?} is given to two pieces of work; names tell them apart in files")]
     SameName(String),

@@ -16,7 +16,7 @@ use super::{
     fingerprint::checksum,
     job::{Packing, Work},
 };
-use crate::tree::Node;
+use crate::{driver::GROUP_PATHS, tree::Node};
 
 /// The version of the format.
 const SCHEMA: u32 = 1;
@@ -48,6 +48,12 @@ pub struct Header {
 impl Header {
     pub fn is_complete(&self) -> bool {
         self.done == self.groups.end
+    }
+
+    /// The end of the groups that are the same in a study of so many paths: the last group has
+    /// more paths there if it is not full here.
+    pub fn whole(&self, paths: u64) -> u64 {
+        if self.paths < paths { self.paths / GROUP_PATHS } else { self.groups.end }
     }
 }
 

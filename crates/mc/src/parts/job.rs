@@ -114,7 +114,13 @@ impl<T: Send> Work<'_, T> {
     }
 }
 
-impl<T> Work<'_, T> {
+impl<'a, T> Work<'a, T> {
+    /// An empty tree for its nodes. The last group stays apart if it is not full, since it is
+    /// computed again when there are more paths.
+    pub(super) fn tree(&self) -> MergeTree<T, &'a (dyn Fn(&mut T, T) + Sync)> {
+        MergeTree::of_whole(self.merge, self.paths / GROUP_PATHS)
+    }
+
     /// What a file says of these groups, of which it has none yet.
     pub(super) fn header(&self, groups: Range<u64>) -> Header {
         Header {

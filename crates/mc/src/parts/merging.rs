@@ -9,13 +9,10 @@ use std::{
 use super::{
     JobError, Outcome, Plan, Planned, Program, Share,
     balance::{Load, Shares},
-    file::{Entry, Index, PartFile, Place, file_error, foreign},
+    file::{Entry, Header, Index, PartFile, Place, file_error, foreign},
     job::Work,
 };
-use crate::{
-    driver::GROUP_PATHS,
-    tree::{MergeTree, Node},
-};
+use crate::{driver::GROUP_PATHS, tree::Node};
 
 /// The file of what was merged.
 pub const MERGED: &str = "merged.json";
@@ -27,7 +24,8 @@ impl Known {
     /// What is left to be computed of planned works.
     pub fn left(&self, plan: &Plan) -> Vec<Load> {
         let load = |work: &Planned| {
-            let merged = self.0.works.get(&work.name).map_or(0, |entry| entry.header.groups.end);
+            let merged = self.0.works.get(&work.name);
+            let merged = merged.map_or(0, |entry| entry.header.whole(work.items));
             let (name, groups) = (work.name.clone(), merged.min(work.groups)..work.groups);
             Load { name, groups, steps: work.steps }
         };
@@ -41,10 +39,6 @@ impl Known {
         let Some(entry) = self.0.works.get(work.name) else { return Ok(Vec::new()) };
         let header = &entry.header;
         work.check(path, header)?;
-        if header.paths < work.paths && !header.paths.is_multiple_of(GROUP_PATHS) {
-            let (name, paths) = (work.name.to_owned(), header.paths);
-            return Err(JobError::NotWhole { work: name, paths, group: GROUP_PATHS });
-        }
         if header.paths > work.paths && work.round.is_some() {
             // A round that is smaller this time is drawn anew.
             return Ok(Vec::new());
@@ -52,8 +46,26 @@ impl Known {
         if header.groups.start != work.groups.start || header.paths > work.paths {
             return Err(foreign(path, work.name, "a number of paths", header.paths, work.paths));
         }
-        entry.nodes(path, work)
+        let (whole, mut nodes) = (header.whole(work.paths), entry.nodes(path, work)?);
+        nodes.retain(|node| node.end() <= whole);
+        Ok(nodes)
     }
+
+    /// Whether the groups of a part are no longer needed, where those before `known` are merged:
+    /// they are merged, maybe in a study of fewer paths that was merged and extended since.
+    pub fn has<T>(&self, work: &Work<'_, T>, part: &Header, known: u64) -> bool {
+        let merged = self.0.works.get(work.name).map_or(0, |entry| entry.header.paths);
+        part.groups.end <= known || (part.paths < work.paths && part.paths <= merged)
+    }
+}
+
+/// The number of paths of each piece of work that was merged in a folder.
+///
+/// # Errors
+/// [`JobError`] if the file cannot be read, is damaged or is of another program.
+pub fn merged_paths(folder: &Path, program: &Program) -> Result<BTreeMap<String, u64>, JobError> {
+    let works = PartFile::open(folder.join(MERGED), program, None)?.works;
+    Ok(works.into_iter().map(|(name, entry)| (name, entry.header.paths)).collect())
 }
 
 /// The parts in a folder, by piece of work.
@@ -106,12 +118,12 @@ impl Merging {
 
     /// The nodes of all groups, if the parts have them.
     pub fn collect<T>(&mut self, work: &Work<'_, T>) -> Result<Option<Vec<Node<T>>>, JobError> {
-        let mut tree = MergeTree::new(work.merge);
+        let mut tree = work.tree();
         self.known.nodes(work)?.into_iter().for_each(|node| tree.push(node));
         let known = tree.nodes().last().map_or(work.groups.start, Node::end);
         if known < work.groups.end {
             let mut places = self.works.remove(work.name).unwrap_or_default();
-            places.retain(|(_, place)| place.header.groups.end > known);
+            places.retain(|(_, place)| !self.known.has(work, &place.header, known));
             places.sort_by_key(|(_, place)| (place.header.groups.start, place.header.groups.end));
             if places.is_empty() {
                 self.not_begun(work.name);

@@ -44,7 +44,8 @@
 //!
 //! Statistics are merged on a fixed binary tree over groups of 128 paths. A part has a range of
 //! groups and writes the largest subtrees of the tree within it, at most 2 log₂G of them. Whoever
-//! merges completes the tree: the same bits in any number of parts.
+//! merges completes the tree: the same bits in any number of parts. A last group that is not full
+//! stays apart in the files: it alone is computed again when there are to be more paths.
 //!
 //! | file in the folder | content |
 //! |---|---|
@@ -71,6 +72,7 @@ pub use compute::remove;
 pub use error::JobError;
 pub use file::Program;
 pub use job::{Job, Outcome};
+pub use merging::merged_paths;
 pub use plan::{Plan, Planned, PlannedPart};
 pub use share::Share;
 pub use stop::Stop;

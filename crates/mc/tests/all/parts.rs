@@ -10,7 +10,7 @@ use std::{
 use mc::{
     Expect, Kept, Ladder, Measured, Observable, Run, Statistic, View,
     multilevel::{Coupling, Expectation, ExpectationSettings, expectation_in},
-    parts::{Job, JobError, Outcome, Program, Share, Stop, remove},
+    parts::{Job, JobError, Outcome, Program, Share, Stop, merged_paths, remove},
 };
 use noise::{StreamKey, Truncation};
 use schemes::{EulerMaruyama, Heun, Scheme};
@@ -248,13 +248,82 @@ fn an_extended_study_has_the_bits_of_one_planned_so() {
     let count = |work| _ = computed.fetch_add(work, Ordering::Relaxed);
     assert_eq!(STUDY.run_with(late, &count).unwrap().1, Some(STUDY.here()));
     assert_eq!(computed.into_inner(), STUDY.paths.div_ceil(128) * 128 * 8);
+}
 
-    let folder = tempfile::tempdir().unwrap();
-    let odd = Study { paths: 1000, ..STUDY };
-    odd.run_parts(folder.path(), 1..=2, 2);
-    odd.merged(folder.path()).unwrap();
-    let refused = message(STUDY.run(STUDY.part(folder.path(), 1, 2).unwrap()));
-    assert!(refused.contains("1000 paths, which is no multiple of 128"), "{refused}");
+/// From any number of paths to any larger one, within the last group too, and again. Only groups
+/// that were not full are computed again. Parts that are stopped go on.
+#[test]
+fn any_number_of_paths_can_be_extended() {
+    let series: [&[u64]; 4] =
+        [&[1, 2, 127, 128, 129], &[1, 3000], &[127, 3000, 3050, 5000], &[3000, 3072]];
+    for (numbers, of) in series.into_iter().flat_map(|numbers| [(numbers, 3), (numbers, 7)]) {
+        let (folder, stops) = (tempfile::tempdir().unwrap(), of == 7);
+        let mut known = 0;
+        for &paths in numbers {
+            let study = Study { paths, ..STUDY };
+            let computed = AtomicU64::new(0);
+            let part = |number, stops: bool| {
+                let (stop, reports) = (Stop::default(), AtomicU64::new(0));
+                let job = study.part(folder.path(), number, of).unwrap().stopped_by(&stop);
+                study.run_with(job, &|work| {
+                    // The first report is of what was done before.
+                    if reports.fetch_add(1, Ordering::Relaxed) > 0 {
+                        computed.fetch_add(work, Ordering::Relaxed);
+                        if stops {
+                            stop.now();
+                        }
+                    }
+                })
+            };
+            for number in 1..=of {
+                if stops {
+                    let stopped = (part(number, true), part(number, true));
+                    let is_fine = |found: &Result<_, JobError>| {
+                        found.as_ref().err().is_none_or(|e| matches!(e, JobError::Stopped))
+                    };
+                    assert!(is_fine(&stopped.0) && is_fine(&stopped.1), "{stopped:?}");
+                }
+                part(number, false).unwrap();
+            }
+            assert_eq!(study.merged(folder.path()).unwrap(), study.here(), "{paths} in {of}");
+            assert_eq!(merged_paths(folder.path(), &study.program()).unwrap()["sum"], paths);
+            let new = (paths - known / 128 * 128) * 8;
+            let computed = computed.into_inner();
+            assert!(computed == new || (stops && computed > new), "{computed} {new}");
+            known = paths;
+        }
+        // Missing parts are named, though the files of smaller studies are there.
+        let more = Study { paths: 9000, ..STUDY };
+        more.run_parts(folder.path(), [2], of);
+        let missing = message(more.merged(folder.path()));
+        assert!(missing.ends_with(if of == 3 { "=1,3" } else { "=1,3-7" }), "{missing}");
+    }
+}
+
+/// Folders in which a last group that is not full was merged with those before it, as 007651e did:
+/// no node with that group is used. Here such a node has the sums of a full group.
+#[test]
+fn a_folder_whose_last_group_is_not_apart_can_be_extended() {
+    for (full, paths) in [(128, 1), (1024, 1000), (3072, 3000)] {
+        let folder = tempfile::tempdir().unwrap();
+        let old = Study { paths: full, ..STUDY };
+        old.run_parts(folder.path(), 1..=3, 3);
+        old.merged(folder.path()).unwrap();
+        for entry in fs::read_dir(folder.path()).unwrap() {
+            let file = entry.unwrap().path();
+            if !file.file_name().unwrap().to_string_lossy().starts_with('.') {
+                let mut value: serde_json::Value =
+                    serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+                value["content"]["works"]["sum"]["paths"] = paths.into();
+                let content = value["content"].to_string();
+                let sum = <sha2::Sha256 as sha2::Digest>::digest(content.as_bytes());
+                let sum: String = sum.iter().map(|byte| format!("{byte:02x}")).collect();
+                fs::write(&file, format!(r#"{{"sha256":"{sum}","content":{content}}}"#)).unwrap();
+            }
+        }
+        STUDY.run_parts(folder.path(), 1..=3, 3);
+        assert_eq!(STUDY.merged(folder.path()).unwrap(), STUDY.here(), "{paths}");
+    }
 }
 
 #[test]

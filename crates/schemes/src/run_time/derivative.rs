@@ -2,14 +2,16 @@
 
 use systems::run_time::Node;
 
+use super::SchemeError;
+
 /// The operations of ∂ψ/∂z·u for a formula ψ(ẑ, z) with the inputs ẑ, z; the inputs of the result
 /// are ẑ, z, u. Operations that do not depend on z are kept, their derivatives are zero and not
 /// computed.
 ///
-/// # Panics
-/// If the formula has an operation whose second derivatives would be needed: ½Σ fₘ′fₘ, or the
-/// solution of a linear equation. An implicit formula has none of them at z.
-pub fn derivative(nodes: &[Node], factors: &[f64]) -> (Vec<Node>, Vec<f64>) {
+/// # Errors
+/// [`SchemeError::Derivative`] for operations at z whose second derivatives would be needed: ½Σ
+/// fₘ′fₘ, or the solution of a linear equation.
+pub fn derivative(nodes: &[Node], factors: &[f64]) -> Result<(Vec<Node>, Vec<f64>), SchemeError> {
     let mut list = List { nodes: Vec::new(), factors: Vec::new() };
     // The place of each node, and of its derivative unless it is zero.
     let mut place: Vec<usize> = Vec::new();
@@ -62,17 +64,13 @@ pub fn derivative(nodes: &[Node], factors: &[f64]) -> (Vec<Node>, Vec<f64>) {
                 let turned = curved.map(|v| list.push(Node::Structure { y: middle, v }, 1.0));
                 (value, list.sum(bent, turned))
             }
-            Node::Cayley { y, v } => {
-                assert!(slope[y].is_none() && slope[v].is_none(), "{NO_SECOND_DERIVATIVES}");
+            Node::Cayley { y, v } if slope[y].or(slope[v]).is_none() => {
                 (list.push(Node::Cayley { y: place[y], v: place[v] }, 1.0), None)
             }
-            Node::ItoCorrection { y } => {
-                assert!(slope[y].is_none(), "{NO_SECOND_DERIVATIVES}");
+            Node::ItoCorrection { y } if slope[y].is_none() => {
                 (list.push(Node::ItoCorrection { y: place[y] }, 1.0), None)
             }
-            Node::StructureAlong { .. } | Node::Hessian { .. } | Node::AveragedHessian { .. } => {
-                unreachable!("{NO_SECOND_DERIVATIVES}")
-            }
+            _ => return Err(SchemeError::Derivative),
         };
         place.push(value);
         slope.push(along);
@@ -81,10 +79,8 @@ pub fn derivative(nodes: &[Node], factors: &[f64]) -> (Vec<Node>, Vec<f64>) {
     let result = slope.last().copied().flatten();
     let result = result.map_or((direction, 0.0), |slope| (slope, 1.0));
     list.push(Node::Multiple(result.0), result.1);
-    (list.nodes, list.factors)
+    Ok((list.nodes, list.factors))
 }
-
-const NO_SECOND_DERIVATIVES: &str = "an implicit formula has second derivatives at z";
 
 struct List {
     nodes: Vec<Node>,

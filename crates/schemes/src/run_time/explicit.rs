@@ -1,14 +1,14 @@
 //! Explicit formulas on systems known at run time.
 
 use nonlin::BlockStatus;
-use real::{Kernel, OutOfMemory, Row, WIDTH, dispatch};
+use real::{Kernel, Row, WIDTH, dispatch};
 use systems::{
     Constant,
     run_time::{Lanes, System, Weights},
 };
 
 use super::{
-    Stepper,
+    SchemeError, Stepper,
     machine::Machine,
     record::{Recorder, Recording},
 };
@@ -24,7 +24,7 @@ pub struct ExplicitStepper<'a, F> {
 }
 
 impl<'a, F: Implicit> ExplicitStepper<'a, F> {
-    pub fn new(formula: &'a F, system: &'a dyn System) -> Result<Self, OutOfMemory> {
+    pub fn new(formula: &'a F, system: &'a dyn System) -> Result<Self, SchemeError> {
         let machine = Machine::new(system)?;
         let recorder = Recorder::default();
         let mut stepper = Self { formula, system, recorder, machine };
@@ -33,7 +33,7 @@ impl<'a, F: Implicit> ExplicitStepper<'a, F> {
     }
 
     /// Records the formula for a step, and plans it if its operations are new.
-    fn prepare(&mut self, step: &Step) -> Result<(), OutOfMemory> {
+    fn prepare(&mut self, step: &Step) -> Result<(), SchemeError> {
         let [y] = self.recorder.restart();
         let h = Recording { system: self.system, step, recorder: &self.recorder };
         let result = self.formula.psi(h, y, y);
@@ -61,7 +61,7 @@ impl<F: Implicit> Stepper for ExplicitStepper<'_, F> {
     }
 
     fn step(&mut self, step: &Step, dw: &[Row], status: &mut BlockStatus) {
-        // Operations that a formula did not have before may need more memory.
+        // Operations that a formula did not have before may need more memory, or be refused.
         if self.prepare(step).is_err() {
             *status = BlockStatus::explicit();
             return status.fail_everywhere();

@@ -1,11 +1,12 @@
 //! Implicit formulas on systems known at run time.
 
 use nonlin::{BlockStatus, Outcome};
-use real::{Kernel, OutOfMemory, PathMask, Row, Rows, WIDTH, dispatch};
+use real::{Kernel, PathMask, Row, Rows, WIDTH, dispatch};
 use systems::run_time::{Lanes, System, Weights};
 
 use super::{
-    Stepper,
+    SchemeError, Stepper,
+    derivative::derivative,
     explicit::some_step,
     krylov::{Equation, Krylov},
     machine::{Machine, Multiple},
@@ -32,7 +33,7 @@ pub struct ImplicitStepper<'a, F> {
 }
 
 impl<'a, F: Implicit> ImplicitStepper<'a, F> {
-    pub fn new(formula: &'a F, system: &'a dyn System) -> Result<Self, OutOfMemory> {
+    pub fn new(formula: &'a F, system: &'a dyn System) -> Result<Self, SchemeError> {
         let rows = || Rows::zero(system.rows());
         let mut stepper = Self {
             formula,
@@ -51,14 +52,17 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
     }
 
     /// Records the formula for a step, and plans it if its operations are new.
-    fn prepare(&mut self, step: &Step) -> Result<(), OutOfMemory> {
+    fn prepare(&mut self, step: &Step) -> Result<(), SchemeError> {
         let [start, z] = self.recorder.restart();
         let h = Recording { system: self.system, step, recorder: &self.recorder };
         let result = self.formula.psi(h, start, z);
         if !self.recorder.finish(result.number) {
             return Ok(());
         }
-        self.machine.prepare(self.recorder.operations().0, &[false; 2])
+        let (nodes, factors) = self.recorder.operations();
+        // A rescue needs the derivative, maybe after hours.
+        derivative(nodes, factors)?;
+        self.machine.prepare(nodes, &[false; 2])
     }
 
     /// ψ of the iterate, which becomes the iterate.
@@ -104,7 +108,7 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
     }
 
     /// Solves some paths by Newton's method.
-    fn rescue(&mut self, paths: PathMask, h: Weights<'_>) -> Result<[Outcome; WIDTH], OutOfMemory> {
+    fn rescue(&mut self, paths: PathMask, h: Weights<'_>) -> Result<[Outcome; WIDTH], SchemeError> {
         let krylov = match &mut self.krylov {
             Some(krylov) => krylov,
             none => none.insert(Krylov::new(self.system)?),
@@ -132,7 +136,7 @@ impl<F: Implicit> Stepper for ImplicitStepper<'_, F> {
 
     fn step(&mut self, step: &Step, dw: &[Row], status: &mut BlockStatus) {
         *status = BlockStatus::explicit();
-        // Operations that a formula did not have before may need more memory.
+        // Operations that a formula did not have before may need more memory, or be refused.
         if self.prepare(step).is_err() {
             return status.fail_everywhere();
         }

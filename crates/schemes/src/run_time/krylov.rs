@@ -11,6 +11,7 @@ use real::{Kernel, OutOfMemory, PathMask, Row, Rows, WIDTH, dispatch};
 use systems::run_time::{Node, System, Weights};
 
 use super::{
+    SchemeError,
     derivative::derivative,
     machine::Machine,
     norm::{Product, Size, sum},
@@ -85,13 +86,13 @@ impl<'a> Krylov<'a> {
     /// in `z`. Returns how each ended.
     ///
     /// # Errors
-    /// [`OutOfMemory`].
+    /// [`SchemeError`] if memory is not there.
     pub fn solve(
         &mut self,
         equation: &Equation<'_>,
         paths: PathMask,
-    ) -> Result<[Outcome; WIDTH], OutOfMemory> {
-        let (nodes, slope_factors) = derivative(equation.nodes, equation.factors);
+    ) -> Result<[Outcome; WIDTH], SchemeError> {
+        let (nodes, slope_factors) = derivative(equation.nodes, equation.factors)?;
         self.psi.prepare(equation.nodes, &[false; 2])?;
         self.slope.prepare(&nodes, &[false; 3])?;
         let mut homotopy = Homotopy { equation, slope_factors, s: [0.0; WIDTH] };

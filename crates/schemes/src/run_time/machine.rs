@@ -13,9 +13,12 @@ use std::{
 };
 
 use real::{Kernel, OutOfMemory, Row, Rows, dispatch};
-use systems::run_time::{Node, Program, System, Weights, averaged_hessian};
+use systems::run_time::{MOST_INPUTS, Node, Program, System, Weights, averaged_hessian};
 
-use super::plan::{Instruction, MOST_STORES, Operation, Plan, Source, Stage};
+use super::{
+    SchemeError,
+    plan::{Instruction, Operation, Plan, Source, Stage},
+};
 
 /// Memory for the operations of formulas on one system.
 pub struct Machine<'a> {
@@ -25,6 +28,8 @@ pub struct Machine<'a> {
     plan: Plan,
     /// The formula in one piece, for systems that can compute it so.
     program: Option<Box<dyn Program>>,
+    /// The buffers in which a stage stores, while it is executed.
+    taken: Vec<Rows>,
     /// Memory of the tiles, for each thread.
     desks: Vec<Mutex<Desk>>,
     /// Rows of a slab.
@@ -33,8 +38,6 @@ pub struct Machine<'a> {
 
 /// Least tiles of a slab for each thread.
 const SLAB_TILES: usize = 8;
-/// Most inputs of a formula: ẑ, z and a direction.
-const MOST_INPUTS: usize = 3;
 
 /// What a tile needs.
 struct Desk {
@@ -42,8 +45,37 @@ struct Desk {
     scratch: Rows,
 }
 
-/// The parts of buffers in which a tile stores its results; empty ones are not used.
-type Stores<'a> = [&'a mut [Row]; MOST_STORES];
+/// The parts of buffers in which a tile stores its results: four, of which empty ones are not used,
+/// and the more that few formulas have, for which memory is allocated in a step.
+#[derive(Default)]
+struct Stores<'a> {
+    first: [&'a mut [Row]; 4],
+    more: Vec<&'a mut [Row]>,
+}
+
+impl<'a> Stores<'a> {
+    /// Adds store number n.
+    fn push(&mut self, n: usize, store: &'a mut [Row]) {
+        match self.first.get_mut(n) {
+            Some(place) => *place = store,
+            None => self.more.push(store),
+        }
+    }
+
+    fn split_at(self, row: usize) -> (Self, Self) {
+        let (mut earlier, mut later) = (Self::default(), Self::default());
+        for (n, store) in self.first.into_iter().chain(self.more).enumerate() {
+            let (first, second) = store.split_at_mut(row.min(store.len()));
+            earlier.push(n, first);
+            later.push(n, second);
+        }
+        (earlier, later)
+    }
+
+    fn get(&self, n: usize) -> &[Row] {
+        self.first.get(n).unwrap_or_else(|| &self.more[n - 4])
+    }
+}
 
 /// A stage that is being executed.
 struct Execution<'a> {
@@ -70,23 +102,32 @@ impl<'a> Machine<'a> {
         let desks = (0..threads).map(|_| desk()).collect::<Result<_, OutOfMemory>>()?;
         let plan = Plan::default();
         let slab = system.tile_rows() * system.reach().max(SLAB_TILES * threads);
-        Ok(Self { system, buffers: Vec::new(), plan, program: None, desks, slab })
+        let (buffers, taken) = (Vec::new(), Vec::new());
+        Ok(Self { system, buffers, plan, program: None, taken, desks, slab })
     }
 
     /// Plans operations, of which the last is the result, unless they are the same as before, and
     /// provides the memory that they need. Only the inputs `consumed` may be overwritten.
     ///
     /// # Errors
-    /// [`OutOfMemory`].
-    pub fn prepare(&mut self, nodes: &[Node], consumed: &[bool]) -> Result<(), OutOfMemory> {
+    /// [`SchemeError`] if memory is not there, or averages are to be computed tile by tile.
+    pub fn prepare(&mut self, nodes: &[Node], consumed: &[bool]) -> Result<(), SchemeError> {
         if self.plan.is_for(nodes) {
             return Ok(());
+        }
+        let is_average = |node: &Node| {
+            matches!(node, Node::AveragedField { .. } | Node::AveragedGradient { .. })
+        };
+        if self.system.tile_rows() < self.system.rows() && nodes.iter().any(is_average) {
+            return Err(SchemeError::Average { system: self.system.name().into() });
         }
         self.program = self.system.compile(nodes, consumed.len(), &[nodes.len() - 1]);
         self.plan = match self.program {
             Some(_) => Plan::of_program(nodes, consumed.len()),
             None => Plan::new(nodes, consumed),
         };
+        let most = self.plan.stages.iter().map(|stage| stage.stores.len()).max();
+        self.taken.resize_with(most.unwrap_or(0), Rows::default);
         let tile = self.system.tile_rows().min(self.system.rows());
         for desk in &mut self.desks {
             let desk = desk.get_mut().unwrap_or_else(PoisonError::into_inner);
@@ -133,7 +174,7 @@ impl<'a> Machine<'a> {
     fn execute_stage(&mut self, stage: usize, rows: Range<usize>, factors: &[f64], h: Weights<'_>) {
         let stage = &self.plan.stages[stage];
         // The buffers in which the stage stores are taken out while the others are read.
-        let mut taken: [Rows; MOST_STORES] = Default::default();
+        let mut taken = std::mem::take(&mut self.taken);
         for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
             std::mem::swap(taken, &mut self.buffers[buffer]);
         }
@@ -145,15 +186,15 @@ impl<'a> Machine<'a> {
             buffers: &self.buffers,
             desks: &self.desks,
         };
-        let mut stores = taken.iter_mut();
-        let stores = std::array::from_fn(|n| match stores.next() {
-            Some(store) if n < stage.stores.len() => &mut store[rows.clone()],
-            _ => &mut [],
-        });
+        let mut stores = Stores::default();
+        for (n, store) in taken.iter_mut().take(stage.stores.len()).enumerate() {
+            stores.push(n, &mut store[rows.clone()]);
+        }
         execution.on_rows(rows, stores);
         for (taken, &(_, buffer)) in taken.iter_mut().zip(&stage.stores) {
             std::mem::swap(taken, &mut self.buffers[buffer]);
         }
+        self.taken = taken;
     }
 }
 
@@ -171,14 +212,7 @@ impl Execution<'_> {
             return self.on_tile(rows, stores, &mut desk);
         }
         let half = tiles / 2 * tile;
-        let mut later: Stores<'_> = Default::default();
-        let mut n = 0;
-        let earlier = stores.map(|store| {
-            let (first, second) = store.split_at_mut(half.min(store.len()));
-            later[n] = second;
-            n += 1;
-            first
-        });
+        let (earlier, later) = stores.split_at(half);
         let middle = rows.start + half;
         rayon::join(
             || self.on_rows(rows.start..middle, earlier),
@@ -196,7 +230,7 @@ impl Execution<'_> {
                 Source::Buffer(buffer) => {
                     let stored = self.stage.stores.iter().position(|&(_, b)| b == buffer);
                     match stored {
-                        Some(n) => &*stores[n],
+                        Some(n) => stores.get(n),
                         None => &self.buffers[buffer][tile.clone()],
                     }
                 }
@@ -240,8 +274,9 @@ impl Execution<'_> {
             }
             slots[slot] = result;
         }
-        for (n, &(slot, _)) in self.stage.stores.iter().enumerate() {
-            stores[n].copy_from_slice(&slots[slot][..tile.len()]);
+        let stores = stores.first.into_iter().chain(stores.more);
+        for (store, &(slot, _)) in stores.zip(&self.stage.stores) {
+            store.copy_from_slice(&slots[slot][..tile.len()]);
         }
     }
 }

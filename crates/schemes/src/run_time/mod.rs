@@ -4,7 +4,7 @@
 //! list of operations on states, and the list is executed on rows of 32 numbers, tile by tile. A
 //! [`Stepper`] holds the state of 32 paths, or of one large path, whose tiles are computed in
 //! parallel; the bits do not depend on the number of threads. Memory is a few states, and nothing
-//! is allocated in a step.
+//! is allocated in a step unless a formula stores more than four results at a time.
 //!
 //! Implicit equations are solved by fixed-point iteration, and where that does not converge by
 //! Newton's method with continuation whose linear equations are solved without a matrix.

@@ -7,9 +7,6 @@
 
 use systems::run_time::Node;
 
-/// Most results that a stage stores.
-pub const MOST_STORES: usize = 4;
-
 /// Where an argument is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
@@ -232,10 +229,6 @@ impl Plan {
                 buffer[n] = own;
                 plan.stages[s].stores.push((slot[n], own));
             }
-            assert!(
-                plan.stages[s].stores.len() <= MOST_STORES,
-                "a formula stores too much at once"
-            );
         }
         plan.buffers = content.len();
         plan.result = buffer[last];

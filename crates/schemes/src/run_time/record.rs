@@ -122,9 +122,9 @@ pub struct Recording<'a> {
 }
 
 impl Recording<'_> {
-    /// Whether B(y)v is computed tile by tile.
-    fn has_tiles(&self) -> bool {
-        self.system.tile_rows() < self.system.rows()
+    /// Whether ∇̄h(a, b) is ∇h at the midpoint, which is computed tile by tile.
+    fn averages_by_tiles(&self) -> bool {
+        self.system.tile_rows() < self.system.rows() && self.system.is_quadratic()
     }
 }
 
@@ -153,7 +153,7 @@ impl<'a> Increment for Recording<'a> {
 
     #[inline]
     fn averaged_gradient(self, a: Symbol<'a>, b: Symbol<'a>) -> Symbol<'a> {
-        if self.has_tiles() {
+        if self.averages_by_tiles() {
             return self.gradient((a + b) * 0.5);
         }
         self.recorder.push(Node::AveragedGradient { a: a.number, b: b.number }, 1.0)
@@ -161,7 +161,7 @@ impl<'a> Increment for Recording<'a> {
 
     #[inline]
     fn averaged_field(self, a: Symbol<'a>, b: Symbol<'a>) -> Symbol<'a> {
-        if self.has_tiles() {
+        if self.averages_by_tiles() {
             return self.field((a + b) * 0.5);
         }
         self.recorder.push(Node::AveragedField { a: a.number, b: b.number }, 1.0)

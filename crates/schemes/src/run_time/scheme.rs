@@ -64,6 +64,22 @@ pub enum SchemeError {
     /// The scheme is not for the system.
     #[error(transparent)]
     System(#[from] SexpLiError),
+    /// Averages of ∇h are computed tile by tile for quadratic h only.
+    #[error(
+        "∇̄h of `{system}`, whose h is not quadratic, cannot be computed in tiles: take midpoint, \
+         or one tile"
+    )]
+    Average {
+        /// The system.
+        system: String,
+    },
+    /// Newton's method, which solves where fixed-point iteration does not, needs a derivative that
+    /// is not known.
+    #[error(
+        "an implicit formula cannot have `cayley` or `ito_correction` of z, whose derivatives \
+         along z are not known: take them of ẑ"
+    )]
+    Derivative,
     /// Rows of the system hold one path.
     #[error(
         "rows of `{system}` hold one path, and not 32: take `mc::LargePath`, or the layout of the \

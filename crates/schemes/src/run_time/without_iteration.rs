@@ -141,7 +141,7 @@ struct NvStepper<'a, F> {
 }
 
 impl<'a, F: Implicit> NvStepper<'a, F> {
-    fn new(sweep: Sweep, flow: &'a F, system: &'a dyn System) -> Result<Self, OutOfMemory> {
+    fn new(sweep: Sweep, flow: &'a F, system: &'a dyn System) -> Result<Self, SchemeError> {
         let flow = ExplicitStepper::new(flow, system)?;
         Ok(Self { sweep, flow, noises: system.noises(), single: Rows::zero(system.noise_rows())? })
     }

@@ -5,7 +5,10 @@ use std::ops::Range;
 use dgrad::Rule;
 use nonlin::{BlockStatus, Method, Solver};
 use real::{Row, Rows, WIDTH};
-use schemes::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi, Step, WithSolver, run_time::Scheme};
+use schemes::{
+    EulerMaruyama, Explicit, Heun, Implicit, Increment, Midpoint, Sexp, SexpLi, Step, WithSolver,
+    run_time::{Scheme, SchemeError},
+};
 use systems::{
     Constant, Linearity,
     run_time::{Lanes, System, Weights},
@@ -219,4 +222,102 @@ fn lengths_of_spins_are_on_their_law() {
             assert!((square / law - 1.0).abs() < allowed, "{} {site}: {square}", scheme.id());
         }
     }
+}
+
+/// y + Σ cₖ B(yₖ)∇h(yₖ) with yₖ = y + ⅛k B(y)∇h(y): a stage stores six results.
+struct Wide;
+
+/// The number of points yₖ, and the weight of each.
+const POINTS: u32 = 6;
+const WEIGHT: f64 = 1.0 / 8.0;
+
+impl Explicit for Wide {
+    const ID: &'static str = "wide";
+
+    #[inline(always)]
+    fn advance<H: Increment>(&self, h: H, y: H::Vector) -> H::Vector {
+        let first = h.field(y);
+        let points: Vec<H::Vector> =
+            (1..=POINTS).map(|k| y + first * (0.125 * f64::from(k))).collect();
+        points.into_iter().fold(y, |z, point| z + h.field(point) * WEIGHT)
+    }
+}
+
+/// One step of [`Wide`], each operation on the whole state.
+fn wide_by_hand(system: &Chain, y: &[Row], h: Weights<'_>) -> Vec<Row> {
+    let whole = 0..y.len();
+    let field = |y: &[Row]| {
+        let (mut v, mut field) = (vec![[0.0; WIDTH]; y.len()], vec![[0.0; WIDTH]; y.len()]);
+        system.gradient(whole.clone(), y, h, &mut v, &mut []);
+        system.structure(whole.clone(), y, &v, &mut field, &mut []);
+        field
+    };
+    let plus = |y: &[Row], v: &[Row], factor: f64| -> Vec<Row> {
+        let plus = |(y, v): (&Row, &Row)| std::array::from_fn(|p| y[p] + v[p] * factor);
+        y.iter().zip(v).map(plus).collect()
+    };
+    let first = field(y);
+    let points = (1..=POINTS).map(|k| plus(y, &first, 0.125 * f64::from(k)));
+    points.fold(y.to_vec(), |z, point| plus(&z, &field(&point), WEIGHT))
+}
+
+#[test]
+fn a_formula_may_store_any_number_of_results() {
+    for (spins, tile, threads) in [(100, 3, 1), (2000, 33, 2), (2000, 189, 1)] {
+        let system = Chain::new(spins, tile);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut path = Wide.stepper(&system).unwrap();
+            path.state_mut().copy_from_slice(&start(&system));
+            let step = Step::new(&Constant::new(0.0).unwrap(), 0, 0.05).unwrap();
+            let dw = Rows::splat(&[0.1, -0.2, 0.05]).unwrap();
+            for _ in 0..3 {
+                let weights = Weights { dt: step.tau, dw: &dw };
+                let expected = wide_by_hand(&system, path.state(), weights);
+                path.step(&step, &dw, &mut BlockStatus::explicit());
+                assert!(path.state() == expected, "{spins} {tile}");
+            }
+        });
+    }
+}
+
+/// z = ẑ + (cayley or ½Σ fₘ′fₘ of the midpoint) − z̄.
+struct WithoutDerivative<const CAYLEY: bool>;
+
+impl<const CAYLEY: bool> Implicit for WithoutDerivative<CAYLEY> {
+    const ID: &'static str = "without-derivative";
+    const EXACT_DAMPING: bool = true;
+
+    #[inline(always)]
+    fn psi<H: Increment>(&self, h: H, start: H::Vector, z: H::Vector) -> H::Vector {
+        let middle = (start + z) * 0.5;
+        match CAYLEY {
+            true => start + h.cayley(middle, h.gradient(start)) - middle,
+            false => start + h.field(middle) + h.ito_correction(middle) * h.step().tau,
+        }
+    }
+}
+
+/// Newton's method has no derivative of these: known before the first step and not after hours.
+#[test]
+fn formulas_whose_derivative_is_not_known_are_refused() {
+    for system in [Chain::new(64, 3), Chain::new(64, 6)] {
+        let refused = |scheme: &dyn Scheme| scheme.stepper(&system).err();
+        for refused in [refused(&WithoutDerivative::<true>), refused(&WithoutDerivative::<false>)] {
+            assert_eq!(refused, Some(SchemeError::Derivative));
+        }
+        // Of ẑ they are constants.
+        assert!(SexpLi::at_run_time(&system).unwrap().stepper(&system).is_ok());
+    }
+}
+
+/// ∇̄h is ∇h at the midpoint for quadratic h only.
+#[test]
+fn averages_in_tiles_need_a_quadratic_energy() {
+    let quartic = |tile| Chain { rule: Rule::new(2).unwrap(), ..Chain::new(64, tile) };
+    let (tiles, whole) = (quartic(3), quartic(6));
+    let refused = Sexp.stepper(&tiles).err().unwrap();
+    assert!(matches!(refused, SchemeError::Average { .. }), "{refused}");
+    assert!(refused.to_string().contains("`chain`"), "{refused}");
+    assert!(Sexp.stepper(&whole).is_ok() && Midpoint.stepper(&tiles).is_ok());
 }

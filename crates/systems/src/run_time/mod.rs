@@ -37,6 +37,6 @@ mod system;
 pub use compiled::Compiled;
 pub use derived::{averaged_field, averaged_gradient, averaged_hessian, ito_correction};
 pub use lattice::{Couplings, Direction, LatticeError, Shape, SpinLattice, noise_at_temperature};
-pub use node::{Node, Program};
+pub use node::{MOST_INPUTS, Node, Program};
 pub use problem::{Problem, ProblemError};
 pub use system::{Lanes, System, Weights};

@@ -4,6 +4,9 @@ use real::Row;
 
 use super::Weights;
 
+/// Most states that a formula has as inputs: ẑ, z and a direction.
+pub const MOST_INPUTS: usize = 3;
+
 /// An operation on states. Arguments are numbers of earlier nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Node {

@@ -90,6 +90,9 @@ impl Points {
         start: Option<&[f64]>,
     ) -> Result<Self, InspectError> {
         let d = system.dimension();
+        if d == 0 {
+            return Err(InspectError::NoComponents);
+        }
         let identities = IDENTITIES.max(2 * d);
         let wanted = SUPREMA.max(identities);
         let mut random = Random::new(Purpose::Points);

@@ -376,6 +376,28 @@ fn what_cannot_be_looked_at_is_refused() {
     );
 }
 
+/// A state without components.
+struct Nothing;
+
+impl PoissonSystem<0, 1> for Nothing {
+    fn name(&self) -> &'static str {
+        "nothing"
+    }
+    fn structure<R: Real>(&self, y: [R; 0], _: [R; 0]) -> [R; 0] {
+        y
+    }
+    fn energy<R: Real>(&self, _: [R; 0], dt: f64, dw: [f64; 1]) -> R {
+        R::constant(dt + dw[0])
+    }
+}
+
+#[test]
+fn a_state_without_components_is_refused() {
+    assert_eq!(inspect(&Nothing), Err(InspectError::NoComponents));
+    let problem = Problem::new(Nothing, Constant::new(0.1).unwrap(), [], 1.0).unwrap();
+    assert_eq!(inspect_problem(&problem), Err(InspectError::NoComponents));
+}
+
 /// Two bodies, turned by the same noises.
 struct TwoBodies;
 
