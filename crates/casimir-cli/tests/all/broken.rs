@@ -60,6 +60,11 @@ const BROKEN: &[Broken] = &[
     (OSCILLATOR, "[\"energy\", \"q\"]", "[]", "line 19, column 6", "at least one function"),
     (OSCILLATOR, "[\"energy\", \"q\"]", "[\"q\", \"q\"]", "line 19, column 12", "listed twice"),
     (OSCILLATOR, "energy = \"H0\"", "C1 = \"q\"", "line 17, column 1", "choose another name"),
+    (OSCILLATOR, "energy = \"H0\"", "path = \"q\"", "line 17, column 1", "`path` is a column"),
+    (OSCILLATOR, "energy = \"H0\"", "\"H0 defect\" = \"q\"", "line 17, column 1", "defect` is a column"),
+    (OSCILLATOR, "[\"q\", \"p\"]\nparam", "[\"q\", \"path\"]\nparam", "line 3, column 15", "`path` is"),
+    (OSCILLATOR, "[\"q\", \"p\"]\nparam", "[\"scheme\", \"p\"]\nparam", "line 3, column 10",
+        "`scheme` is a column of the tables already"),
     (OSCILLATOR, "s*q", "s*q*t", "line 7, column 11", "in the rate of damping only"),
     // The structure matrix and the names.
     (OSCILLATOR, "k = 1.0", "t = 1.0", "line 4, column 16", "`t` is the time"),

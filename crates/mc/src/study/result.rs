@@ -1,6 +1,5 @@
 //! The result of a study.
 
-use serde::{Deserialize, Serialize};
 use super::{
     StudyPlan,
     plan::Record,
@@ -8,6 +7,7 @@ use super::{
     sums::Sums,
 };
 use crate::Measured;
+use serde::{Deserialize, Serialize};
 
 /// What is known of the law of every observable at every time, with everything that made it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -236,14 +236,15 @@ impl Histogram {
         &self,
         (level, (l, u)): (f64, (u64, u64)),
         range: Option<(f64, f64)>,
-        [low, high]: [u64; 2],
+        ends: [u64; 2],
     ) -> Quantile {
         let Some(range) = range else {
             return Quantile { level, value: None, lo: None, hi: None, place: Place::NoValues };
         };
         let n = self.below + self.counts.iter().sum::<u64>() + self.above;
         let rank = level * n as f64;
-        // Values equal to the ends are known, and count no more in their bins.
+        // Values equal to the ends are known, and count no more in their bins. One is no atom.
+        let [low, high] = ends.map(|n| if n > 1 { n } else { 0 });
         let [first, last] = [1, n].map(|rank| self.find(|up_to| up_to >= rank).0);
         let others = |place: usize| {
             let count = match place.checked_sub(1) {
@@ -293,24 +294,30 @@ mod tests {
     fn quantile(histogram: &Histogram, level: f64, range: Option<(f64, f64)>) -> Quantile {
         let count = histogram.below + histogram.counts.iter().sum::<u64>() + histogram.above;
         let mut ranks = Ranks::new(&[level]);
-        histogram.quantile(ranks.of(count)[0], range)
+        histogram.quantile(ranks.of(count)[0], range, [1; 2])
     }
 
     const RANGE: Option<(f64, f64)> = Some((-2.0, 9.0));
 
     #[test]
     fn a_quantile_is_interpolated_in_its_bin() {
-        let histogram = histogram([0, 1000, 2000, 0, 1000, 0]);
-        let quantile = |level: f64| quantile(&histogram, level, Some((0.25, 3.75)));
+        let near = histogram([0, 1000, 2000, 500, 500, 0]);
+        let quantile = |level: f64| quantile(&near, level, Some((0.25, 3.75)));
         assert_eq!(quantile(0.125).value, Some(0.5));
         assert_eq!(quantile(0.5).value, Some(1.5));
-        assert_eq!(quantile(0.875).value, Some(3.5));
+        assert_eq!(quantile(0.9375).value, Some(3.5));
         // In the first and the last bin no value lies beyond the least and the largest.
         assert_eq!((quantile(0.01).value, quantile(0.01).lo), (Some(0.25), Some(0.25)));
         assert_eq!((quantile(0.999).value, quantile(0.999).hi), (Some(3.75), Some(3.75)));
         // At the border of two bins, and of an empty one, the interval has both.
+        let histogram = histogram([0, 1000, 2000, 0, 1000, 0]);
+        let quantile = |level: f64| super::tests::quantile(&histogram, level, Some((0.25, 3.75)));
         assert_eq!((quantile(0.25).lo, quantile(0.25).hi), (Some(0.25), Some(2.0)));
         assert_eq!((quantile(0.75).lo, quantile(0.75).hi), (Some(1.0), Some(3.75)));
+        // A bin between empty ones may hold an atom anywhere.
+        let alone = quantile(0.9);
+        let bounds = (alone.value, alone.lo, alone.hi, alone.place);
+        assert_eq!(bounds, (None, Some(3.0), Some(3.75), Place::Crowded));
     }
 
     #[test]

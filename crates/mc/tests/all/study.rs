@@ -77,7 +77,8 @@ fn moments_and_quantiles_are_those_of_the_law() {
         assert_eq!(point.deviation, Some(point.variance.unwrap().sqrt()));
         let (lo, hi) = point.mean_interval.unwrap();
         let width = 2.0 * 1.96 * point.deviation.unwrap() / 20_000f64.sqrt();
-        assert!(((hi - lo) / width - 1.0).abs() < 1e-3);
+        // What was not seen widens it by a thousandth.
+        assert!((1e-4..3e-3).contains(&((hi - lo) / width - 1.0)));
         // κ is 3 with the standard error √(24/n).
         assert!((20_000.0 / point.effective.unwrap() - 3.0).abs() < 0.2);
     }
@@ -278,7 +279,7 @@ fn failed_paths_are_left_out_counted_and_described() {
     let warning = format!("{} of 400 paths failed", result.losses.failed);
     assert!(result.warnings[0].starts_with(&warning), "{:?}", result.warnings);
     // tan near its pole has no variance to speak of.
-    assert!(result.warnings.iter().any(|warning| warning.contains("fewer than 30 values carry")));
+    assert!(result.warnings.iter().any(|warning| warning.contains("too few values carry")));
 }
 
 #[test]
