@@ -116,6 +116,18 @@ fn what_is_complete_is_written_when_it_is_interrupted() {
 
 #[cfg(unix)]
 #[test]
+fn nothing_is_said_of_no_path() {
+    // The bins are still being chosen.
+    let text = BODY.replace("= 256", "= 3e5").replace("= 64", "= 200000");
+    let folder = with_scene(&text);
+    let arguments = ["run", "scene.toml", "--threads", "1"];
+    let code = interrupted(folder.path(), &arguments, Duration::from_millis(500));
+    assert_eq!(code, Some(130));
+    assert!(!folder.path().join("scene-run/index.html").exists());
+}
+
+#[cfg(unix)]
+#[test]
 fn a_long_path_ends_where_it_is_interrupted() {
     let folder =
         with_scene(&BODY.replace("paths = 256", "paths = 1").replace("= 64", "= 40000000"));
