@@ -70,7 +70,7 @@ pub fn run(arguments: &Run) -> Done {
     });
     let none =
         |results: &Results| results.study.as_ref().is_some_and(|study| study.record.paths == 0);
-    if stopped && results.as_ref().is_none_or(none) {
+    if stopped && results.as_ref().is_some_and(none) {
         return Err(Failure::Stopped("before the first path: nothing was computed".into()));
     }
     if let Some(results) = &results {

@@ -51,9 +51,6 @@ impl Scene {
         let file = read::parse(&source)?;
         let constants = Constants::new(&source, &file.system)?;
         let settings = Settings::new(&source, &file.run, &constants, changes)?;
-        let model::Built { model, components, names, energy, quantities } =
-            model::build(&source, &file, &constants, &settings)?;
-        let words = (&names, &energy);
         let taken = |name: &str, place| {
             let message =
                 format!("`{name}` is a column of the tables already: choose another name");
@@ -63,6 +60,9 @@ impl Scene {
         if let Some(name) = state.find(|name| is_column(name.get_ref())) {
             return Err(taken(name.get_ref(), name.span()));
         }
+        let model::Built { model, components, names, energy, quantities } =
+            model::build(&source, &file, &constants, &settings)?;
+        let words = (&names, &energy);
         let mut observables = Vec::new();
         if components.len() <= MOST_COMPONENTS {
             let named = components.iter().enumerate();

@@ -55,7 +55,7 @@ const BROKEN: &[Broken] = &[
     (OSCILLATOR, "\"0.1\"", "\"0.1*q\"", "line 9, column 13", "unknown name `q`"),
     (OSCILLATOR, "\"0.1\"", "\"1/t\"", "line 9, column 9", "at t = 0"),
     (OSCILLATOR, "energy = \"H0\"", "e = \"H1\"", "line 17, column 6", "unknown name `H1`"),
-    (OSCILLATOR, "energy = \"H0\"", "q = \"H0\"", "line 17, column 1", "a column already"),
+    (OSCILLATOR, "energy = \"H0\"", "q = \"H0\"", "line 17, column 1", "a column of the tables"),
     (OSCILLATOR, "of = [\"energy\"", "of = [\"enrgy\"", "line 19, column 8", "unknown name"),
     (OSCILLATOR, "[\"energy\", \"q\"]", "[]", "line 19, column 6", "at least one function"),
     (OSCILLATOR, "[\"energy\", \"q\"]", "[\"q\", \"q\"]", "line 19, column 12", "listed twice"),

@@ -44,7 +44,7 @@ fn no_event_is_not_a_probability_of_zero() {
     let (text, event) = at_end(&wiener(100, "1", event), "event");
     assert_eq!((event["mean"].as_f64(), event["mean_interval"].as_array()), (Some(0.0), None));
     let row = text.lines().find(|line| line.starts_with("event")).unwrap();
-    assert!(row.contains("all equal; others on fewer than 1 path in 33"), "{row}");
+    assert!(row.contains("all equal; others < 1 path in 33"), "{row}");
 }
 
 #[test]

@@ -151,7 +151,7 @@ impl Summary {
         let interval = interval.map(|(lo, hi)| (lo * unit, hi * unit));
         let note = || match equal {
             true if count > 2 => {
-                format!("all equal; others on fewer than 1 path in {}", count / 3)
+                format!("all equal; others < 1 path in {}", count / 3)
             }
             _ => TOO_FEW.into(),
         };

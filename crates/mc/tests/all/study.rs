@@ -458,12 +458,12 @@ fn what_was_not_seen_is_not_excluded() {
         let last = result.series(name).unwrap().last();
         assert!((last.mean.unwrap() - mean).abs() < 1e-14 && last.mean_interval.is_none());
         let note = last.interval_note.as_deref();
-        assert_eq!(note, Some("all equal; others on fewer than 1 path in 33"));
+        assert_eq!(note, Some("all equal; others < 1 path in 33"));
     }
     let mut csv = Vec::new();
     result.write_csv(&mut csv).unwrap();
     let csv = String::from_utf8(csv).unwrap();
-    assert!(csv.contains("1.0,p > 4,mean,0.0,,,all equal; others on fewer than 1 path in 33\n"));
+    assert!(csv.contains("1.0,p > 4,mean,0.0,,,all equal; others < 1 path in 33\n"));
     // One event of 100.
     let one = (1..100).map(|seed| run(&[seldom], &settings(2, 1, 100, seed)));
     let one = one.into_iter().find(|result| result.series[0].last().mean == Some(0.01)).unwrap();
