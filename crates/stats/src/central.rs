@@ -77,15 +77,34 @@ impl CentralMoments {
         self.mean
     }
 
-    /// Half the width of the 95 % interval of the mean by Student's quantile; NaN with fewer than
-    /// two samples. The interval assumes a mean that is nearly normal: see
-    /// [`effective_samples`](Self::effective_samples).
-    pub fn half_width(&self) -> f64 {
-        if self.count < 2 {
-            return f64::NAN;
-        }
-        let quantile = two_sided(CONFIDENCE, Some(self.count as f64 - 1.0));
-        quantile * self.variance_of_mean().sqrt()
+    /// The 95 % interval of the mean, also of laws that are skewed, heavy or rare. `None` where one
+    /// sample carries the variance ([`effective_samples`](Self::effective_samples) below 1.5), or
+    /// none: nothing is known then of what was not seen.
+    ///
+    /// With W = (mean − μ)/se and g = skewness/√N, Hall's W + gW²/3 + g²W³/27 + g/6 (*J. R.
+    /// Statist. Soc. B* 54, 1992) has Student's law with the 2N/(κ − 1) degrees of freedom that a
+    /// variance from these samples has, N − 1 at most. What was not seen adds to each side: up to
+    /// 3.69 samples (none seen of so many: 2.5 %) as far away as the furthest on that side.
+    ///
+    /// It misses at most 7 % at 100 and 1000 samples of laws up to the lognormal one with σ = 1.5,
+    /// and at most a tenth wider than Student's where that is right: `tests/means.rs`.
+    pub fn mean_interval(&self) -> Option<(f64, f64)> {
+        const FEWEST: f64 = 1.5;
+        const UNSEEN: f64 = 3.688_879_454_113_936;
+        let (n, kurtosis) = (self.count as f64, self.kurtosis());
+        let known = self.effective_samples() >= FEWEST && kurtosis > 0.0;
+        let degrees = (2.0 * n / (kurtosis - 1.0).max(0.0)).min(n - 1.0);
+        let quantile = two_sided(CONFIDENCE, known.then_some(degrees));
+        let se = self.variance_of_mean().sqrt();
+        let g = self.m3 / self.m2 / self.m2.sqrt();
+        let end = |quantile: f64, reach: f64| {
+            let t = quantile - g / 6.0;
+            let root = (1.0 + g * t).cbrt();
+            (3.0 * t / (root * root + root + 1.0) * se).hypot(UNSEEN * reach / n)
+        };
+        let lo = self.mean - end(quantile, self.mean - self.least);
+        let hi = self.mean + end(-quantile, self.largest - self.mean);
+        (known && lo.is_finite() && hi.is_finite()).then_some((lo, hi))
     }
 
     /// How many samples carry the variance, N/κ with the kurtosis κ; NaN for a constant. With fewer
@@ -311,16 +330,6 @@ mod tests {
         let constant = CentralMoments::of_block(&values, PathMask(!8));
         let range = Some((0.1, 0.1));
         assert_eq!((constant.mean, constant.m2, constant.range()), (0.1, 0.0, range));
-    }
-
-    #[test]
-    fn half_widths_are_students() {
-        let mut moments = CentralMoments::default();
-        assert!(moments.half_width().is_nan());
-        [1.0, 2.0, 3.0].iter().for_each(|&x| moments.add(x));
-        // The quantile of two degrees of freedom is 4.302 652 73, the standard error 1/√3.
-        assert!((moments.half_width() * 3f64.sqrt() / 4.302_652_73 - 1.0).abs() < 1e-8);
-        assert!((moments.effective_samples() - 2.0).abs() < 1e-14);
     }
 
     #[test]

@@ -21,7 +21,7 @@
 //! | item | job |
 //! |---|---|
 //! | [`Moments`], [`CrossMoments`] | means and covariances |
-//! | [`CentralMoments`] | mean, variance, kurtosis and range, without cancellation |
+//! | [`CentralMoments`] | mean with interval, variance, kurtosis and range, without cancellation |
 //! | [`TimeAverage`] | averages of a correlated series, in memory that does not grow |
 //! | [`quantile_ranks`] | order statistics that enclose a quantile |
 //! | [`fit_strong`] | strong orders, from squared differences that share paths |

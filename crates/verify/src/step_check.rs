@@ -51,6 +51,8 @@ pub struct Halved {
     pub difference: f64,
     /// The standard error of the difference.
     pub standard_error: f64,
+    /// What rounding may make of the difference.
+    pub rounding: f64,
 }
 
 /// What is known of a step error.
@@ -78,8 +80,8 @@ const HIDDEN: f64 = 2.0;
 const OF_ERROR: f64 = 2.0;
 /// A step error below this part of the sampling error is not worth a word.
 const WORTH: f64 = 0.1;
-/// The difference of two numbers of this relative size is rounding.
-const ROUNDING: f64 = 1e-12;
+/// Rounding relative to the terms of a mean, and of the root of a difference of their squares.
+const ROUNDING: [f64; 2] = [1e-12, 1e-7];
 /// Paths of the check for each path of the run, and paths that the run simulates besides for its
 /// bins: three steps for each of its own make a tenth.
 const SHARE: u64 = 30;
@@ -93,15 +95,14 @@ impl StepCheck {
     /// What is known of a step error where the half-width of the sampling error is `sampling`, and
     /// the deviation of the values is `spread`.
     pub fn step_error(&self, halved: Halved, sampling: f64, spread: f64) -> StepError {
-        let Halved { value, difference, standard_error } = halved;
-        let (size, noise) = (difference.abs(), standard_error.max(ROUNDING * value.abs()));
+        let Halved { difference, standard_error, rounding, .. } = halved;
+        let (size, noise) = (difference.abs(), standard_error.max(rounding));
         let hidden = OF_ERROR * (size + HIDDEN * noise);
-        let rounding = 10.0 * ROUNDING * value.abs();
         if self.damping > STIFF {
             StepError::CannotTell
         } else if size > SEEN * noise && OF_ERROR * size > WORTH * sampling {
             StepError::About(OF_ERROR * size)
-        } else if hidden <= sampling.max(rounding) {
+        } else if hidden <= sampling.max(10.0 * rounding) {
             StepError::Fine(hidden)
         } else if hidden <= spread {
             StepError::Below(hidden)
@@ -193,6 +194,7 @@ fn errors(name: &str, center: f64, moments: &CrossMoments, first: usize) -> Step
         difference: deviations[0] - deviations[1],
         // Of the variance, by its linear part in the three means.
         standard_error: if sum > 0.0 { error([-2.0 * a, 2.0 * b, 1.0]) / sum } else { 0.0 },
+        rounding: ROUNDING[1] * a.abs(),
     };
     let along_paths = (mean.difference.powi(2) + count * mean.standard_error.powi(2)).sqrt();
     StepErrors { observable: name.into(), mean, deviation, along_paths }

@@ -70,6 +70,11 @@ pub fn run(arguments: &Run) -> Done {
         };
         (results, stopped)
     });
+    let none =
+        |results: &Results| results.study.as_ref().is_some_and(|study| study.record.paths == 0);
+    if stopped && results.as_ref().is_some_and(none) {
+        return Err(Failure::Stopped("before the first path: nothing was computed".into()));
+    }
     if let Some(results) = &results {
         output::write(&scene, results, &folder, &arguments.write)?;
         report(&scene, results, &folder, arguments.output.json)?;
@@ -207,7 +212,7 @@ impl<'a, N: StepNoise> Ready<'a, N> {
 fn check_size(scene: &Scene, formats: &[Format], allowed: bool) -> Done {
     const GIGABYTE: f64 = 1e9;
     let settings = &scene.settings;
-    let columns = 1 + scene.components.len() + scene.observables.len();
+    let columns = scene.columns();
     let numbers = settings.tables as f64 * (settings.times + 1) as f64 * columns as f64;
     let bytes = |format: &Format| match format {
         Format::Npz => 8.0,

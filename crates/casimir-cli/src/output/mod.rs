@@ -95,15 +95,18 @@ pub const AT_END: [&str; 7] =
 pub fn rows_at_end(study: &StudyResult, check: Option<&StepCheck>) -> Vec<[String; 7]> {
     let row = |series: &casimir::mc::study::Series| {
         let last = series.last();
+        let between = |(lo, hi)| format!("[{}, {}]", digits(Some(lo)), digits(Some(hi)));
         let quantile = |level: f64| {
             let found = last.quantiles.iter().find(|quantile| quantile.level == level);
-            digits(found.and_then(|quantile| quantile.value))
+            let ends = found.filter(|found| found.value.is_none());
+            let ends = ends.and_then(|found| found.lo.zip(found.hi));
+            ends.map_or_else(|| digits(found.and_then(|found| found.value)), between)
         };
-        let (lo, hi) = last.mean_interval.unzip();
+        let why = || last.interval_note.clone().unwrap_or("–".into());
         [
             series.observable.clone(),
             digits(last.mean),
-            format!("[{}, {}]", digits(lo), digits(hi)),
+            last.mean_interval.map_or_else(why, between),
             step_cell(check.and_then(|check| step_errors(check, study, &series.observable))),
             digits(last.deviation),
             quantile(0.5),

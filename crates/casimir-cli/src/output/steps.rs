@@ -12,8 +12,10 @@ use crate::scene::Scene;
 /// shows with the half-width of its interval.
 pub fn step_errors(check: &StepCheck, study: &StudyResult, name: &str) -> Option<[StepError; 2]> {
     let errors = check.observables.iter().find(|errors| errors.observable == name)?;
-    let (lo, hi) = study.series(name)?.last().mean_interval?;
-    let (sampling, spread) = (0.5 * (hi - lo), errors.deviation.value);
+    let interval = study.series(name)?.last().mean_interval;
+    // Without an interval a step error is compared with the spread alone.
+    let sampling = interval.map_or(0.0, |(lo, hi)| 0.5 * (hi - lo));
+    let spread = errors.deviation.value;
     Some([errors.mean, errors.deviation].map(|of| check.step_error(of, sampling, spread)))
 }
 

@@ -51,15 +51,18 @@ impl Scene {
         let file = read::parse(&source)?;
         let constants = Constants::new(&source, &file.system)?;
         let settings = Settings::new(&source, &file.run, &constants, changes)?;
+        let taken = |name: &str, place| {
+            let message =
+                format!("`{name}` is a column of the tables already: choose another name");
+            source.error(place, message)
+        };
+        let mut state = file.system.state.iter().flat_map(|names| names.get_ref());
+        if let Some(name) = state.find(|name| is_column(name.get_ref())) {
+            return Err(taken(name.get_ref(), name.span()));
+        }
         let model::Built { model, components, names, energy, quantities } =
             model::build(&source, &file, &constants, &settings)?;
         let words = (&names, &energy);
-        let place = file.system.state.as_ref().map(Spanned::span);
-        if let Some((name, place)) = components.iter().find(|name| is_law(name)).zip(place) {
-            let message =
-                format!("`{name}` is the name of a Casimir or an energy in tables: choose another");
-            return Err(source.error(place, message));
-        }
         let mut observables = Vec::new();
         if components.len() <= MOST_COMPONENTS {
             let named = components.iter().enumerate();
@@ -69,19 +72,9 @@ impl Scene {
         observables.extend(quantities);
         for (name, formula) in &file.observe {
             let known = components.contains(name.get_ref())
-                || observables.iter().any(|known| known.name == *name.get_ref())
-                || name.get_ref() == "t";
-            if known {
-                let message =
-                    format!("`{}` is a column already: choose another name", name.get_ref());
-                return Err(source.error(name.span(), message));
-            }
-            if is_law(name.get_ref()) {
-                let message = format!(
-                    "`{}` is the name of a Casimir or an energy in tables: choose another name",
-                    name.get_ref()
-                );
-                return Err(source.error(name.span(), message));
+                || observables.iter().any(|known| known.name == *name.get_ref());
+            if known || is_column(name.get_ref()) {
+                return Err(taken(name.get_ref(), name.span()));
             }
             let quantity = observe::quantity(&source, formula, words, &settings.initial)?;
             observables.push(Observable::new(name.get_ref(), quantity));
@@ -103,12 +96,21 @@ impl Scene {
         let title = file.title.or(name).or(stem.map(Into::into)).unwrap_or_default();
         Ok(Self { source, title, components, model, settings, observables, expected, accuracy })
     }
+
+    /// Columns of a table: the time, components and other observables.
+    pub fn columns(&self) -> usize {
+        let others = self.observables.iter().filter(|observable| !observable.is_component());
+        1 + self.components.len() + others.count()
+    }
 }
 
-/// Whether tables may have a column of this name for a conformal law: C, C1, …, H and H0.
-fn is_law(name: &str) -> bool {
-    let number = name.strip_prefix('C').or(name.strip_prefix('H'));
-    number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
+/// Whether tables may have a column of this name beside components and observables: what a row is
+/// of, or a conformal law C, C1, …, H and H0 and its defect.
+fn is_column(name: &str) -> bool {
+    let law = name.trim_end_matches(" defect");
+    let number = law.strip_prefix('C').or(law.strip_prefix('H'));
+    ["scheme", "path", "t"].contains(&name)
+        || number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
 /// The test functions and the accuracy of `[expect]`.

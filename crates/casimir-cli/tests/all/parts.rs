@@ -222,7 +222,12 @@ fn what_is_complete_is_written_when_it_is_interrupted() {
             Some(0) => break,
             code => assert_eq!(code, Some(130)),
         }
-        let json = fs::read_to_string(out.join("study.json")).unwrap();
+        let json = match fs::read_to_string(out.join("study.json")) {
+            Ok(json) => json,
+            // Before the first path.
+            Err(_) if before == 0.0 => continue,
+            Err(error) => panic!("{error}"),
+        };
         let json: serde_json::Value = serde_json::from_str(&json).unwrap();
         let paths = json["record"]["paths"].as_f64().unwrap();
         let last = json["series"][0]["points"].as_array().unwrap().last().unwrap();
@@ -235,6 +240,18 @@ fn what_is_complete_is_written_when_it_is_interrupted() {
         before = paths;
     }
     assert!(before > 0.0);
+}
+
+#[cfg(unix)]
+#[test]
+fn nothing_is_said_of_no_path() {
+    // The bins are still being chosen.
+    let text = BODY.replace("= 256", "= 3e5").replace("= 64", "= 200000");
+    let folder = with_scene(&text);
+    let arguments = ["run", "scene.toml", "--threads", "1"];
+    let code = interrupted(folder.path(), &arguments, Duration::from_millis(500));
+    assert_eq!(code, Some(130));
+    assert!(!folder.path().join("scene-run/index.html").exists());
 }
 
 #[cfg(unix)]

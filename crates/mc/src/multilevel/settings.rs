@@ -98,9 +98,15 @@ impl ExpectationSettings {
 
     pub(crate) fn check(&self, accuracy: f64) -> Result<(), MultilevelError> {
         let positive = |x: f64| x > 0.0 && x.is_finite();
+        let has_fourth_power = (1e-70..1e70).contains(&accuracy);
         let Self { key, coarsest_steps, weak_order, pilot, max_level, .. } = *self;
         let requirements = [
-            (positive(accuracy), "accuracy", "positive and finite", accuracy),
+            (
+                has_fourth_power,
+                "accuracy",
+                "from 1e-70 to 1e70 (else scale the function)",
+                accuracy,
+            ),
             (
                 key.experiment >> LEVEL_BIT == 0,
                 "experiment number",

@@ -53,6 +53,14 @@ impl Grid {
         self.lo + f64::from(k) * self.width
     }
 
+    /// A power of two in which squares of the values neither overflow nor vanish: one, where they
+    /// do not anyhow.
+    pub(super) fn unit(&self) -> f64 {
+        const FAR: f64 = (1u128 << 64) as f64;
+        let length = self.width * f64::from(self.bins);
+        if (1.0 / FAR..FAR).contains(&length) { 1.0 } else { power_of_two_below(length) }
+    }
+
     /// Number of counts: bins, underflow and overflow.
     pub(super) fn cells(&self) -> usize {
         self.bins as usize + 2

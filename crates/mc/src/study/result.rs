@@ -1,15 +1,13 @@
 //! The result of a study.
 
-use serde::{Deserialize, Serialize};
-use stats::FEW_SAMPLES;
-
 use super::{
     StudyPlan,
     plan::Record,
-    summary::{Histogram, Place, Ranks, Summary},
+    summary::{CROWDED, Histogram, Place, Ranks, Summary, TOO_FEW},
     sums::Sums,
 };
 use crate::Measured;
+use serde::{Deserialize, Serialize};
 
 /// What is known of the law of every observable at every time, with everything that made it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -71,8 +69,7 @@ impl StudyResult {
                 let cell = time * record.observables.len() + k;
                 let histogram = Histogram::new(grids[cell], sums.counts(cell, &grids[cell]));
                 let at = (step, record.time(step));
-                let moments = sums.moments(cell);
-                Summary::new(at, moments, sums.not_finite(cell), histogram, &mut ranks)
+                Summary::new(at, sums, cell, histogram, &mut ranks)
             });
             let first = Summary::exact(*initial, record.paths, &record.quantiles);
             Series { observable: name.clone(), points: [first].into_iter().chain(later).collect() }
@@ -99,9 +96,6 @@ impl Series {
     }
 }
 
-/// A deviation below this part of the values is that of rounding errors.
-const ROUNDING: f64 = 1e-12;
-
 fn warnings(record: &Record, losses: &Losses, series: &[Series]) -> Vec<String> {
     let mut warnings = Vec::new();
     if losses.failed > 0 {
@@ -120,14 +114,7 @@ fn warnings(record: &Record, losses: &Losses, series: &[Series]) -> Vec<String> 
             }
         };
         warn("values that are not finite, left out", &|point| point.not_finite > 0);
-        warn("fewer than 30 values carry the variance, so intervals of means may miss", &|point| {
-            let varies = point.deviation.zip(point.largest).zip(point.least);
-            // The rounding errors of a constant are no law.
-            let varies = varies.is_none_or(|((deviation, largest), least)| {
-                deviation > ROUNDING * largest.abs().max(least.abs())
-            });
-            varies && point.effective.is_some_and(|effective| effective < FEW_SAMPLES)
-        });
+        warn(TOO_FEW, &|point| point.interval_note.as_deref() == Some(TOO_FEW));
         warn(
             "a quantile lies outside of the grid: a larger pilot would choose a wider one",
             &|p| {
@@ -135,6 +122,7 @@ fn warnings(record: &Record, losses: &Losses, series: &[Series]) -> Vec<String> 
                 p.quantiles.iter().any(|quantile| outside(quantile.place))
             },
         );
+        warn(CROWDED, &|point| point.quantiles.iter().any(|q| q.place == Place::Crowded));
     }
     warnings
 }

@@ -1,9 +1,20 @@
 //! The law of one observable at one time.
 
 use serde::{Deserialize, Serialize};
-use stats::{CentralMoments, quantile_ranks};
+use stats::quantile_ranks;
 
-use super::Grid;
+use super::{Grid, sums::Sums};
+
+/// Why there is no interval of a mean.
+pub(super) const TOO_FEW: &str = "too few values carry the mean";
+/// Why there is no quantile.
+pub(super) const CROWDED: &str = "a quantile lies in a bin with many more values than its \
+                                  neighbours: more bins would resolve it";
+/// Values that differ by less than this part of them are equal but for rounding errors.
+const ROUNDING: f64 = 1e-12;
+/// A bin with so many times the values of a neighbour, and [`MORE`], holds an atom or a peak.
+const TIMES: u64 = 4;
+const MORE: u64 = 16;
 
 /// Statistics of one observable at one time, over the paths that have not failed by then and on
 /// which it is finite.
@@ -19,14 +30,17 @@ pub struct Summary {
     pub not_finite: u64,
     /// The mean; `None` without values.
     pub mean: Option<f64>,
-    /// Its 95 % interval, by Student's law; `None` with fewer than two values.
+    /// Its 95 % interval by [`CentralMoments::mean_interval`](stats::CentralMoments::mean_interval).
     pub mean_interval: Option<(f64, f64)>,
-    /// The sample variance; `None` with fewer than two values.
+    /// Why there is none: too few values carry the mean, or all are equal but for rounding errors.
+    /// Then the note says on how few paths others are, with 95 % confidence: n equal values leave
+    /// room for one path in n/3.
+    pub interval_note: Option<String>,
+    /// The sample variance; `None` with fewer than two values, or if it is no number of 64 bits.
     pub variance: Option<f64>,
-    /// The standard deviation, its square root.
+    /// The standard deviation.
     pub deviation: Option<f64>,
-    /// N/κ with the kurtosis κ: how many values carry the variance. With fewer than thirty the
-    /// interval of the mean may be too narrow. `None` if all values are the same.
+    /// N/κ with the kurtosis κ: how many values carry the variance. `None` if all are the same.
     pub effective: Option<f64>,
     /// The smallest value.
     pub least: Option<f64>,
@@ -43,7 +57,8 @@ pub struct Summary {
 pub struct Quantile {
     /// The level, between 0 and 1.
     pub level: f64,
-    /// The estimate, interpolated inside of its bin; `None` outside of the grid.
+    /// The estimate, interpolated inside of its bin; the smallest or the largest value where so
+    /// many are equal to it. `None` outside of the grid and in a crowded bin.
     pub value: Option<f64>,
     /// Lower end of the 95 % interval; `None` if there are too few values to know one.
     ///
@@ -64,6 +79,9 @@ pub struct Quantile {
 pub enum Place {
     /// In a bin.
     Inside,
+    /// In a bin that has many more values than its neighbours, as where many are equal: it is known
+    /// to lie between `lo` and `hi` only.
+    Crowded,
     /// Below the grid: it is known to lie between `lo` and `hi` only.
     BelowGrid,
     /// Above the grid, likewise.
@@ -98,6 +116,7 @@ impl Summary {
             not_finite: if value.is_some() { 0 } else { count },
             mean: value,
             mean_interval: value.zip(value),
+            interval_note: None,
             variance: zero,
             deviation: zero,
             effective: None,
@@ -108,32 +127,50 @@ impl Summary {
         }
     }
 
-    /// The summary of values with these moments and counts, at the end of step `step` at `time`.
+    /// The summary of the values of a cell, at the end of step `step` at `time`.
     pub(super) fn new(
         (step, time): (u64, f64),
-        moments: &CentralMoments,
-        not_finite: u64,
+        sums: &Sums,
+        cell: usize,
         histogram: Histogram,
         ranks: &mut Ranks,
     ) -> Self {
         let finite = |x: f64| x.is_finite().then_some(x);
-        let (count, range) = (moments.count(), moments.range());
-        let mean = finite(moments.mean()).filter(|_| count > 0);
-        let variance = finite(moments.variance()).filter(|_| count > 1);
-        let half_width = finite(moments.half_width());
-        let quantiles = ranks.of(count).iter().map(|&ranks| histogram.quantile(ranks, range));
+        let (moments, unit) = (sums.moments(cell), histogram.grid.unit());
+        let count = moments.count();
+        let range = moments.range().map(|(least, largest)| (least * unit, largest * unit));
+        let (least, largest) = range.unzip();
+        let spread = range.map_or(0.0, |(least, largest)| largest - least);
+        let size = range.map_or(0.0, |(least, largest)| least.abs().max(largest.abs()));
+        let equal = spread <= ROUNDING * size;
+        // A spread whose square is zero is not known.
+        let known = |x: &f64| count > 1 && (*x > 0.0 || spread == 0.0);
+        let variance = moments.variance();
+        let deviation = finite(variance.sqrt() * unit).filter(known);
+        let interval = moments.mean_interval().filter(|_| !equal);
+        let interval = interval.map(|(lo, hi)| (lo * unit, hi * unit));
+        let note = || match equal {
+            true if count > 2 => {
+                format!("all equal; others < 1 path in {}", count / 3)
+            }
+            _ => TOO_FEW.into(),
+        };
+        let ends = sums.ends(cell);
+        let quantile = |&ranks| histogram.quantile(ranks, range, ends);
+        let quantiles = ranks.of(count).iter().map(quantile);
         Self {
             step,
             time,
             count,
-            not_finite,
-            mean,
-            mean_interval: mean.zip(half_width).map(|(mean, half)| (mean - half, mean + half)),
-            variance,
-            deviation: variance.map(f64::sqrt),
+            not_finite: sums.not_finite(cell),
+            mean: finite(moments.mean() * unit).filter(|_| count > 0),
+            interval_note: (count > 0 && interval.is_none()).then(note),
+            mean_interval: interval,
+            variance: finite(variance * unit * unit).filter(known),
+            deviation,
             effective: finite(moments.effective_samples()),
-            least: range.map(|(least, _)| least),
-            largest: range.map(|(_, largest)| largest),
+            least,
+            largest,
             quantiles: quantiles.collect(),
             histogram: Some(histogram),
         }
@@ -194,19 +231,46 @@ impl Histogram {
         (lo.max(least), hi.min(largest))
     }
 
-    /// The quantile of values in this range.
-    fn quantile(&self, (level, (l, u)): (f64, (u64, u64)), range: Option<(f64, f64)>) -> Quantile {
+    /// The quantile of values in this range. So many values are equal to its `ends`.
+    fn quantile(
+        &self,
+        (level, (l, u)): (f64, (u64, u64)),
+        range: Option<(f64, f64)>,
+        ends: [u64; 2],
+    ) -> Quantile {
         let Some(range) = range else {
             return Quantile { level, value: None, lo: None, hi: None, place: Place::NoValues };
         };
         let n = self.below + self.counts.iter().sum::<u64>() + self.above;
         let rank = level * n as f64;
-        let (place, before, count) = self.find(|up_to| up_to as f64 >= rank);
-        let ends = |rank: u64| self.ends(self.find(|up_to| up_to >= rank).0, range);
-        let (value, place) = if place == 0 {
+        // Values equal to the ends are known, and count no more in their bins. One is no atom.
+        let [low, high] = ends.map(|n| if n > 1 { n } else { 0 });
+        let [first, last] = [1, n].map(|rank| self.find(|up_to| up_to >= rank).0);
+        let others = |place: usize| {
+            let count = match place.checked_sub(1) {
+                None => self.below,
+                Some(bin) => self.counts.get(bin).copied().unwrap_or(self.above),
+            };
+            let known = [(first, low), (last, high)].map(|(at, n)| if at == place { n } else { 0 });
+            count.saturating_sub(known[0] + known[1])
+        };
+        let (place, before, _) = self.find(|up_to| up_to as f64 >= rank);
+        let (before, count) = (before.max(low), others(place));
+        let ends = |rank: u64| match rank {
+            _ if rank <= low => (range.0, range.0),
+            _ if rank > n - high => (range.1, range.1),
+            _ => self.ends(self.find(|up_to| up_to >= rank).0, range),
+        };
+        let (value, place) = if rank <= low as f64 {
+            (Some(range.0), Place::Inside)
+        } else if rank > (n - high) as f64 {
+            (Some(range.1), Place::Inside)
+        } else if place == 0 {
             (None, Place::BelowGrid)
         } else if place > self.counts.len() {
             (None, Place::AboveGrid)
+        } else if count > MORE + TIMES * others(place - 1).max(others(place + 1)) {
+            (None, Place::Crowded)
         } else {
             let share = (rank - before as f64) / count as f64;
             let value = self.grid.edge(place as u32 - 1) + share * self.grid.width;
@@ -230,24 +294,30 @@ mod tests {
     fn quantile(histogram: &Histogram, level: f64, range: Option<(f64, f64)>) -> Quantile {
         let count = histogram.below + histogram.counts.iter().sum::<u64>() + histogram.above;
         let mut ranks = Ranks::new(&[level]);
-        histogram.quantile(ranks.of(count)[0], range)
+        histogram.quantile(ranks.of(count)[0], range, [1; 2])
     }
 
     const RANGE: Option<(f64, f64)> = Some((-2.0, 9.0));
 
     #[test]
     fn a_quantile_is_interpolated_in_its_bin() {
-        let histogram = histogram([0, 1000, 2000, 0, 1000, 0]);
-        let quantile = |level: f64| quantile(&histogram, level, Some((0.25, 3.75)));
+        let near = histogram([0, 1000, 2000, 500, 500, 0]);
+        let quantile = |level: f64| quantile(&near, level, Some((0.25, 3.75)));
         assert_eq!(quantile(0.125).value, Some(0.5));
         assert_eq!(quantile(0.5).value, Some(1.5));
-        assert_eq!(quantile(0.875).value, Some(3.5));
+        assert_eq!(quantile(0.9375).value, Some(3.5));
         // In the first and the last bin no value lies beyond the least and the largest.
         assert_eq!((quantile(0.01).value, quantile(0.01).lo), (Some(0.25), Some(0.25)));
         assert_eq!((quantile(0.999).value, quantile(0.999).hi), (Some(3.75), Some(3.75)));
         // At the border of two bins, and of an empty one, the interval has both.
+        let histogram = histogram([0, 1000, 2000, 0, 1000, 0]);
+        let quantile = |level: f64| super::tests::quantile(&histogram, level, Some((0.25, 3.75)));
         assert_eq!((quantile(0.25).lo, quantile(0.25).hi), (Some(0.25), Some(2.0)));
         assert_eq!((quantile(0.75).lo, quantile(0.75).hi), (Some(1.0), Some(3.75)));
+        // A bin between empty ones may hold an atom anywhere.
+        let alone = quantile(0.9);
+        let bounds = (alone.value, alone.lo, alone.hi, alone.place);
+        assert_eq!(bounds, (None, Some(3.0), Some(3.75), Place::Crowded));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use super::{
     StudyResult,
-    summary::{Place, Quantile, Summary},
+    summary::{CROWDED, Place, Quantile, Summary},
 };
 use crate::simulation::quoted;
 
@@ -17,9 +17,10 @@ impl StudyResult {
     /// | quantity | value |
     /// |---|---|
     /// | `count`, `not finite` | number of values, and of those that are not finite and left out |
-    /// | `mean`, `variance`, `deviation` | mean with interval, variance, standard deviation |
+    /// | `mean` | mean with interval; a note says why there is none |
+    /// | `variance`, `deviation` | variance, standard deviation |
     /// | `least`, `largest` | smallest and largest value |
-    /// | `q0.05` … | quantile with interval; a note says when it is outside of the grid |
+    /// | `q0.05` … | quantile with interval; a note says why there is no value |
     /// | `below grid`, `above grid` | number of values outside of the bins |
     ///
     /// Histograms and the record are in [`write_json`](Self::write_json).
@@ -51,9 +52,9 @@ impl StudyResult {
     }
 }
 
-type Row = (String, [String; 3], &'static str);
+type Row<'a> = (String, [String; 3], &'a str);
 
-fn rows(point: &Summary) -> Vec<Row> {
+fn rows(point: &Summary) -> Vec<Row<'_>> {
     let text = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:?}"));
     let row = |name: &str, value: Option<f64>, interval: Option<(f64, f64)>| {
         let (lo, hi) = interval.unzip();
@@ -71,11 +72,13 @@ fn rows(point: &Summary) -> Vec<Row> {
         row("least", point.least, None),
         row("largest", point.largest, None),
     ];
+    rows[2].2 = point.interval_note.as_deref().unwrap_or_default();
     rows.extend(point.quantiles.iter().map(|&Quantile { level, value, lo, hi, place }| {
         let note = match place {
             Place::Inside | Place::NoValues => "",
             Place::BelowGrid => "below the grid",
             Place::AboveGrid => "above the grid",
+            Place::Crowded => CROWDED,
         };
         (format!("q{level}"), [value, lo, hi].map(text), note)
     }));

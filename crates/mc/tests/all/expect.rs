@@ -131,7 +131,8 @@ fn bad_settings_are_refused() {
     let q = Observable { name: "q", function: |y: [f64; 2]| y[1] };
     let run =
         |expect: Expect<'_, _>, accuracy| expect.run(&[&q as &dyn Observe], accuracy, &|_| ());
-    for accuracy in [0.0, f64::NAN, -1.0] {
+    // Squares of squares of 1e-100 vanish.
+    for accuracy in [0.0, f64::NAN, -1.0, 1e-100, 1e100] {
         let refused = run(Expect::new(&problem), accuracy).unwrap_err();
         assert!(matches!(refused, MultilevelError::Setting { name: "accuracy", .. }), "{refused}");
     }

@@ -77,7 +77,8 @@ fn moments_and_quantiles_are_those_of_the_law() {
         assert_eq!(point.deviation, Some(point.variance.unwrap().sqrt()));
         let (lo, hi) = point.mean_interval.unwrap();
         let width = 2.0 * 1.96 * point.deviation.unwrap() / 20_000f64.sqrt();
-        assert!(((hi - lo) / width - 1.0).abs() < 1e-3);
+        // What was not seen widens it by a thousandth.
+        assert!((1e-4..3e-3).contains(&((hi - lo) / width - 1.0)));
         // κ is 3 with the standard error √(24/n).
         assert!((20_000.0 / point.effective.unwrap() - 3.0).abs() < 0.2);
     }
@@ -277,8 +278,6 @@ fn failed_paths_are_left_out_counted_and_described() {
     assert!(text.starts_with("path ") && text.contains("seed 1, experiment 4"), "{text}");
     let warning = format!("{} of 400 paths failed", result.losses.failed);
     assert!(result.warnings[0].starts_with(&warning), "{:?}", result.warnings);
-    // tan near its pole has no variance to speak of.
-    assert!(result.warnings.iter().any(|warning| warning.contains("fewer than 30 values carry")));
 }
 
 #[test]
@@ -393,4 +392,83 @@ fn impossible_studies_are_refused() {
     assert!(matches!(refuse(steps, &[P]), StudyError::Ladder(LadderError::Steps { .. })));
     let coarse = StudySettings { truncation: Truncation::new(4).unwrap(), ..settings(1, 1, 9, 1) };
     assert!(matches!(refuse(coarse, &[P]), StudyError::Ladder(LadderError::Noise(_))));
+}
+
+/// A value that many paths share: at an end it is known, elsewhere it is not made up.
+#[test]
+fn quantiles_at_atoms_have_no_false_digits() {
+    let zero = Observable { name: "max(0, p − 1.6)", function: |y| f64::max(0.0, y[1] - 1.6) };
+    let negative =
+        Observable { name: "min(0, 1.6 − p)", function: |y| f64::min(0.0, 1.6 - y[1]) };
+    let whole = Observable { name: "round", function: |y| (2.0 * y[1]).round() };
+    let exponential = Observable { name: "e^p", function: |y| (2.0 * y[1]).exp() };
+    let result = run(&[zero, negative, whole, exponential], &settings(2, 1, 20_000, 5));
+    let quantiles = |name: &str| result.series(name).unwrap().last().quantiles.clone();
+    // The 95 % quantile is 0.0449, at the atom's edge P = 0.9452.
+    let above = quantiles("max(0, p − 1.6)");
+    for quantile in &above[..4] {
+        assert_eq!([quantile.value, quantile.lo, quantile.hi], [Some(0.0); 3]);
+    }
+    assert!(above[4].lo.unwrap() <= 0.0449 && above[4].hi.unwrap() >= 0.0449, "{:?}", above[4]);
+    for quantile in &quantiles("min(0, 1.6 − p)")[1..] {
+        assert_eq!([quantile.value, quantile.lo, quantile.hi], [Some(0.0); 3]);
+    }
+    // ±3, ±1 and 0, in bins of their own.
+    for (quantile, exact) in quantiles("round").iter().zip([-3.0, -1.0, 0.0, 1.0, 3.0]) {
+        assert_eq!((quantile.value, quantile.place), (None, Place::Crowded));
+        let (lo, hi) = (quantile.lo.unwrap(), quantile.hi.unwrap());
+        assert!(lo <= exact && exact <= hi && hi - lo < 0.2, "{quantile:?}");
+    }
+    assert!(
+        result.warnings.iter().any(|text| text.contains("many more values than its neighbours"))
+    );
+    // Most values of a heavy law lie in one bin: a quantile within is not known.
+    assert_eq!(quantiles("e^p")[0].place, Place::Crowded);
+}
+
+/// Numbers whose squares are no numbers have the statistics of p.
+#[test]
+fn tiny_and_huge_values_have_their_deviation() {
+    const TINY: f64 = f64::from_bits((1023 - 668) << 52);
+    let tiny = Observable { name: "tiny", function: |y| TINY * y[1] };
+    let huge = Observable { name: "huge", function: |y| y[1] / TINY };
+    let small = Observable { name: "small", function: |y| f64::powi(0.5, 300) * y[1] };
+    let result = run(&[P, tiny, huge, small], &settings(2, 1, 1000, 5));
+    let p = result.series("p").unwrap().last();
+    let factors = [("tiny", TINY), ("huge", 1.0 / TINY), ("small", 0.5f64.powi(300))];
+    for (name, factor) in factors {
+        let last = result.series(name).unwrap().last();
+        let scaled = |x: Option<f64>| x.map(|x| x * factor);
+        assert_eq!((last.mean, last.deviation), (scaled(p.mean), scaled(p.deviation)), "{name}");
+        let interval = p.mean_interval.map(|(lo, hi)| (lo * factor, hi * factor));
+        assert_eq!((last.mean_interval, last.least), (interval, scaled(p.least)));
+        assert_eq!(last.effective, p.effective);
+        let representable = (name == "small").then(|| p.variance.unwrap() * factor * factor);
+        assert_eq!(last.variance, representable, "{name}");
+    }
+}
+
+#[test]
+fn what_was_not_seen_is_not_excluded() {
+    let rare = Observable { name: "p > 4", function: |y| f64::from(u8::from(y[1] > 4.0)) };
+    let steady = Observable { name: "1 + ε", function: |y| 1.0 + 1e-15 * y[1] };
+    let seldom = Observable { name: "p > 2", function: |y| f64::from(u8::from(y[1] > 2.0)) };
+    let result = run(&[rare, steady, seldom], &settings(2, 1, 100, 5));
+    for (name, mean) in [("p > 4", 0.0), ("1 + ε", 1.0)] {
+        let last = result.series(name).unwrap().last();
+        assert!((last.mean.unwrap() - mean).abs() < 1e-14 && last.mean_interval.is_none());
+        let note = last.interval_note.as_deref();
+        assert_eq!(note, Some("all equal; others < 1 path in 33"));
+    }
+    let mut csv = Vec::new();
+    result.write_csv(&mut csv).unwrap();
+    let csv = String::from_utf8(csv).unwrap();
+    assert!(csv.contains("1.0,p > 4,mean,0.0,,,all equal; others < 1 path in 33\n"));
+    // One event of 100.
+    let one = (1..100).map(|seed| run(&[seldom], &settings(2, 1, 100, seed)));
+    let one = one.into_iter().find(|result| result.series[0].last().mean == Some(0.01)).unwrap();
+    let last = one.series[0].last();
+    assert_eq!(last.interval_note.as_deref(), Some("too few values carry the mean"));
+    let warning = "p > 2: too few values carry the mean at 1 times, first t = 1.000000";
+    assert!(one.warnings.iter().any(|text| text == warning), "{:?}", one.warnings);
 }

@@ -137,6 +137,7 @@ pub(super) mod tests {
             not_finite: 0,
             mean: Some(0.25),
             mean_interval: None,
+            interval_note: None,
             variance: None,
             deviation: None,
             effective: None,
