@@ -6,3 +6,4 @@ mod cost;
 mod gallery;
 mod parts;
 mod results;
+mod truths;
