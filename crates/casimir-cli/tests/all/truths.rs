@@ -11,7 +11,7 @@ use std::fmt;
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::common::{succeeds, with_scene};
+use crate::common::{run, with_scene};
 
 #[derive(Deserialize)]
 struct File {
@@ -82,7 +82,17 @@ impl Judged {
         let folder = with_scene(&problem.scene);
         let seed = seed.to_string();
         let all = [&["run", "scene.toml", "--json", "--seed", &seed], arguments].concat();
-        let json: Value = serde_json::from_str(&succeeds(folder.path(), &all)).expect("JSON");
+        let output = run(folder.path(), &all);
+        if !output.status.success() {
+            // Honest, but no answer.
+            println!("{}: {}", problem.name, String::from_utf8_lossy(&output.stderr));
+            let names = problem.truth.keys();
+            let both = names.flat_map(|name| ["mean", "deviation"].map(|key| (name, key)));
+            self.refused
+                .extend(both.map(|(name, key)| format!("{}, {key} of {name}", problem.name)));
+            return;
+        }
+        let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
         for (name, truth) in &problem.truth {
             let numbers: Vec<f64> = truth.clone().try_into().expect("five numbers");
             let [mean, deviation, mean_error, deviation_error, kurtosis] = numbers[..] else {
@@ -93,9 +103,9 @@ impl Judged {
             let step = &point["step_error"];
             let width = 1.96 * 0.5 * deviation * ((kurtosis - 1.0) / count).max(0.0).sqrt();
             let stated = |key: &str| point[key].as_f64().unwrap_or(f64::NAN);
-            let interval = point["mean_interval"].as_array().map(|interval| {
-                [0, 1].map(|k: usize| interval[k].as_f64().unwrap_or(f64::NAN))
-            });
+            let interval = point["mean_interval"]
+                .as_array()
+                .map(|interval| [0, 1].map(|k: usize| interval[k].as_f64().unwrap_or(f64::NAN)));
             let of_deviation = Some([stated("deviation") - width, stated("deviation") + width]);
             for (key, truth, error, interval) in [
                 ("mean", mean, mean_error, interval),
@@ -141,7 +151,11 @@ impl Judged {
         }
         refused.iter().for_each(|what| println!("no answer: {what}"));
         let (wrong, budget) = (self.wrong(), self.budget());
-        println!("{wrong} of {} wrong, budget {budget:.0}; {} no answer", answers.len(), refused.len());
+        println!(
+            "{wrong} of {} wrong, budget {budget:.0}; {} no answer",
+            answers.len(),
+            refused.len()
+        );
         assert!(wrong as f64 <= budget, "{wrong} wrong answers, {budget:.0} allowed");
         let gross: Vec<String> =
             answers.iter().filter(|answer| answer.grossly_wrong()).map(Answer::to_string).collect();

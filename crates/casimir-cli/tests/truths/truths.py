@@ -72,8 +72,12 @@ class System:
         self.field = [self.numbers(f) for f in self.fields]
 
     def numbers(self, expressions):
-        function = sp.lambdify(self.y, [POWERS(sp.sympify(f)) for f in expressions], "numpy", cse=True)
-        return lambda y: np.stack([np.broadcast_to(x, y[0].shape) for x in function(*y)])
+        # No `cse`: it makes −x²y of −2xy beside products that are not to be evaluated.
+        fast = sp.lambdify(self.y, [POWERS(sp.sympify(f)) for f in expressions], "numpy")
+        plain = sp.lambdify(self.y, list(expressions), "numpy")
+        point = np.linspace(0.3, 1.1, len(self.y))
+        assert np.allclose(fast(*point), plain(*point), rtol=1e-12, atol=0)
+        return lambda y: np.stack([np.broadcast_to(x, y[0].shape) for x in fast(*y)])
 
     def observables(self, y):
         return {name: self.numbers([f])(y)[0] for name, f in self.observed.items()}
@@ -237,10 +241,9 @@ def deterministic(system, settings):
 def lattice(scene):
     """Four spins, each in its noise σ(dW₁, dW₂, dW₃), with field h e₃: E s decays with γ + σ².
 
-    E s_i s_j: traceless part decays with 2γ + 3σ² and rotates, trace with 2γ.
+    The traceless part of E ssᵀ decays with 2γ + 3σ², the trace with 2γ. By the equation of Landau
+    and Lifshitz ds = −s × h dt: with the field e₃ a spin turns about e₃ by the right hand.
     """
-    # Field h: ds = s × h as the scene's sign of B∇H₀ with H₀ = −h·s has ds = −h × s or s × h;
-    # means that depend on the direction of the turn are y components only.
     table = tomllib.loads(scene)
     s = table["system"]["parameters"]["noise"]
     gamma, until = float(table["damping"]["rate"]), float(table["run"]["until"])
@@ -248,7 +251,7 @@ def lattice(scene):
     found = {}
     mean = np.exp(-(gamma + s * s) * until)
     turn = until
-    r = np.array([[np.cos(turn), np.sin(turn), 0], [-np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    r = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
     m = mean * (r @ y0)
     p = np.outer(r @ y0, r @ y0) - np.eye(3) / 3
     second = np.exp(-2 * gamma * until) * (np.eye(3) / 3 + np.exp(-3 * s * s * until) * p)
