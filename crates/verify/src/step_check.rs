@@ -185,8 +185,12 @@ fn errors(name: &str, center: f64, moments: &CrossMoments, first: usize) -> Step
         terms.sum::<f64>().max(0.0).sqrt()
     };
     let (a, b) = (mean(0), mean(1));
-    let mean =
-        Halved { value: center + a, difference: a - b, standard_error: error([1.0, -1.0, 0.0]) };
+    let mean = Halved {
+        value: center + a,
+        difference: a - b,
+        standard_error: error([1.0, -1.0, 0.0]),
+        rounding: ROUNDING[0] * (center.abs() + a.abs()),
+    };
     let deviations = [0, 1].map(|k| (count * covariance(k, k)).max(0.0).sqrt());
     let sum = deviations[0] + deviations[1];
     let deviation = Halved {

@@ -8,3 +8,4 @@ mod gallery;
 mod parts;
 mod results;
 mod statistics;
+mod truths;
