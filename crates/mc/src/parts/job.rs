@@ -114,10 +114,10 @@ impl<T: Send> Work<'_, T> {
     }
 }
 
-impl<'a, T> Work<'a, T> {
+impl<T> Work<'_, T> {
     /// An empty tree for its nodes. The last group stays apart if it is not full, since it is
     /// computed again when there are more paths.
-    pub(super) fn tree(&self) -> MergeTree<T, &'a (dyn Fn(&mut T, T) + Sync)> {
+    pub(super) fn tree(&self) -> MergeTree<T, impl Fn(&mut T, T) + Sync> {
         MergeTree::of_whole(self.merge, self.paths / GROUP_PATHS)
     }
 
