@@ -1,0 +1,319 @@
+//! What becomes of the energy over a million periods.
+//!
+//! State (q, p), H₀ = ½|p|² + V(q), H₁ = σq₁, γ = 0. The trace formula (Chen, Cohen, D'Ambrosio
+//! and Lang 2020) gives E[H₀(t)] = E[H₀(0)] + ½σ²t for every V. So d = H₀(y_n) − H₀(y₀) − ½σ²t + Σ
+//! σΔW p̂ has mean zero for the solution: p̂ is p in the middle of a step as far as it is known at its
+//! start, so the sum is of mean zero for every scheme, and takes most of the variance away.
+
+use anyhow::Result;
+use dgrad::averaged;
+use lab::streams;
+use noise::{BlockNoise, StreamKey, WienerBlock};
+use nonlin::BlockStatus;
+use rayon::prelude::*;
+use real::{Block, PathMask, Real, WIDTH};
+use schemes::{EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLi, Split, Step};
+use systems::{Constant, Flows, HamiltonianIncrement, PoissonSystem};
+
+use crate::{
+    Arguments,
+    fuzz::Bits,
+    growth::{Row, bootstrap},
+    results::Energy,
+    row::Verdict,
+};
+
+/// 2²⁴ steps, 15 to a period or so.
+const STEPS: u64 = 1 << 24;
+const QUICK_STEPS: u64 = 1 << 15;
+pub const PATHS: usize = 2 * WIDTH;
+/// Window number k has the steps from 2ᵏ to 2ᵏ⁺¹, of which so many are looked at, or one more.
+const SAMPLES: u64 = 61;
+const FIRST_WINDOW: u32 = 6;
+/// A drift is the change of d from a window to the one of 16 times the time. Beyond this share of
+/// what the noise adds meanwhile, and four standard errors, it is one.
+const EARLIER: usize = 4;
+const ALLOWED: f64 = 0.2;
+const STANDARD_ERRORS: f64 = 4.0;
+/// How far each component of a start is from that of the system.
+const SPREAD: f64 = 0.05;
+
+/// V and ∂V/∂q; only the first half of the arguments is read.
+trait Potential<const D: usize>: Copy + Send + Sync + 'static {
+    fn value<R: Real>(q: [R; D]) -> R;
+    /// In the first half.
+    fn slope<R: Real>(q: [R; D]) -> [R; D];
+}
+
+/// ½|p|² + V(q) with the noise σq₁; N nodes for the discrete gradient.
+#[derive(Clone, Copy)]
+struct Canonical<V, const N: usize>(V, f64);
+
+impl<V: Potential<D>, const N: usize, const D: usize> PoissonSystem<D, 1> for Canonical<V, N> {
+    fn name(&self) -> &'static str {
+        "canonical"
+    }
+
+    #[inline(always)]
+    fn structure<R: Real>(&self, _: [R; D], v: [R; D]) -> [R; D] {
+        let mut field = v;
+        for i in 0..D / 2 {
+            (field[i], field[i + D / 2]) = (v[i + D / 2], -v[i]);
+        }
+        field
+    }
+
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; 1]) -> R {
+        let kinetic = (D / 2..D).fold(R::zero(), |sum, i| sum + y[i] * y[i] * 0.5);
+        (kinetic + V::value(y)) * dt + y[0] * (self.1 * dw[0])
+    }
+
+    #[inline(always)]
+    fn gradient<R: Real>(&self, y: [R; D], dt: f64, dw: [f64; 1]) -> [R; D] {
+        let mut slope = V::slope(y);
+        for i in 0..D {
+            slope[i] = if i < D / 2 { slope[i] * dt } else { y[i] * dt };
+        }
+        slope[0] = slope[0] + self.1 * dw[0];
+        slope
+    }
+
+    #[inline(always)]
+    fn averaged_gradient<R: Real>(&self, a: [R; D], b: [R; D], dt: f64, dw: [f64; 1]) -> [R; D] {
+        averaged::<N, R, _, D>(&HamiltonianIncrement { system: self, dt, dw }, a, b)
+    }
+}
+
+/// ½|p|², then V with the noise.
+impl<V: Potential<D>, const N: usize, const D: usize> Flows<D, 1> for Canonical<V, N> {
+    const PARTS: usize = 2;
+    const NOISE_PARTS: [Option<usize>; 1] = [Some(1)];
+
+    #[inline(always)]
+    fn flow(&self, part: usize, mut y: [f64; D], dt: f64, dw: [f64; 1]) -> [f64; D] {
+        let slope = self.gradient(y, dt, dw);
+        for i in 0..D / 2 {
+            match part {
+                0 => y[i] += dt * y[i + D / 2],
+                _ => y[i + D / 2] -= slope[i],
+            }
+        }
+        y
+    }
+
+    #[inline(always)]
+    fn precise_flow(&self, part: usize, y: [f64; D], dt: f64, dw: [f64; 1]) -> [f64; D] {
+        self.flow(part, y, dt, dw)
+    }
+}
+
+macro_rules! potentials {
+    ($($name:ident $d:literal $q:ident: $value:expr, $slope:expr;)+) => {$(
+        #[derive(Clone, Copy)]
+        struct $name;
+        impl Potential<$d> for $name {
+            #[inline(always)]
+            fn value<R: Real>($q: [R; $d]) -> R {
+                $value
+            }
+            #[inline(always)]
+            fn slope<R: Real>($q: [R; $d]) -> [R; $d] {
+                $slope
+            }
+        }
+    )+};
+}
+
+potentials! {
+    Spring 2 q: q[0] * q[0] * 0.5, q;
+    Sine 2 q: -q[0].cos(), [q[0].sin(), q[1]];
+    Kepler 4 q: -soft(q).sqrt(), {
+        let s = soft(q);
+        let cube = s * s.sqrt();
+        [q[0] * cube, q[1] * cube, q[2], q[3]]
+    };
+    HenonHeiles 4 q:
+        (q[0] * q[0] + q[1] * q[1]) * 0.5 + (q[0] * q[0] - q[1] * q[1] * (1.0 / 3.0)) * q[1],
+        [q[0] + q[0] * q[1] * 2.0, q[1] + q[0] * q[0] - q[1] * q[1], q[2], q[3]];
+    Toda 6 q: { let [a, b, c] = bonds(q); a + b + c }, {
+        let [a, b, c] = bonds(q);
+        [a - c, b - a, c - b, q[3], q[4], q[5]]
+    };
+}
+
+/// 1/(|q|² + 0.01).
+#[inline(always)]
+fn soft<R: Real>(q: [R; 4]) -> R {
+    (q[0] * q[0] + q[1] * q[1] + R::constant(0.01)).recip()
+}
+
+#[inline(always)]
+fn bonds<R: Real>(q: [R; 6]) -> [R; 3] {
+    [(q[0] - q[1]).exp(), (q[1] - q[2]).exp(), (q[2] - q[0]).exp()]
+}
+
+/// All systems, with τ, a start, and what the noise adds to E[H₀] in [`STEPS`] steps.
+pub fn run(arguments: &Arguments) -> Result<Vec<Energy>> {
+    let mut all = energies::<_, 2>(arguments, 0, Canonical::<_, 1>(Spring, 0.1), 0.4, [1.0, 0.0])?;
+    all.extend(energies(arguments, 1, Canonical::<_, 8>(Sine, 0.05), 0.4, [1.0, 0.0])?);
+    let (kepler, near_circle) = (Canonical::<_, 8>(Kepler, 0.005), [1.0, 0.0, 0.0, 1.0]);
+    all.extend(energies(arguments, 2, kepler, 0.4, near_circle)?);
+    let (stars, bound) = (Canonical::<_, 2>(HenonHeiles, 0.002), [0.2, 0.1, 0.1, 0.25]);
+    all.extend(energies(arguments, 3, stars, 0.4, bound)?);
+    let (toda, apart) = (Canonical::<_, 8>(Toda, 0.05), [0.5, 0.0, -0.5, 0.0, 0.5, -0.5]);
+    all.extend(energies(arguments, 4, toda, 0.25, apart)?);
+    Ok(all)
+}
+
+pub const SYSTEMS: [&str; 5] = [
+    "oscillator, V = ½q², τ = 0.4",
+    "pendulum, V = −cos q, τ = 0.4",
+    "Kepler, V = −(|q|² + 0.01)^(−½), τ = 0.4",
+    "Hénon–Heiles, energy below ⅙, τ = 0.4",
+    "Toda ring of three, V = Σ exp(qᵢ − qᵢ₊₁), τ = 0.25",
+];
+
+/// A scheme with its name, and whether E[H₀] stays near its truth.
+type Named<S, const D: usize> = (Box<dyn Scheme<S, D, 1>>, &'static str, bool);
+
+fn energies<V: Potential<D>, const D: usize, const N: usize>(
+    arguments: &Arguments,
+    number: u64,
+    Canonical(potential, added): Canonical<V, N>,
+    tau: f64,
+    y0: [f64; D],
+) -> Result<Vec<Energy>> {
+    eprintln!("{}", SYSTEMS[number as usize]);
+    let rate = added / (STEPS as f64 * tau);
+    let system = Canonical(potential, (2.0 * rate).sqrt());
+    let schemes: [Named<Canonical<V, N>, D>; 8] = [
+        (Box::new(Sexp), "sexp", true),
+        (Box::new(Midpoint), "midpoint", true),
+        (Box::new(Split), "split", true),
+        (Box::new(Nv::of_parts()), "nv", true),
+        (Box::new(Nv::new(&system, y0)?), "nv, stages", false),
+        (Box::new(SexpLi::new(&system, y0)?), "sexp-li", false),
+        (Box::new(Heun), "heun", false),
+        (Box::new(EulerMaruyama), "em", false),
+    ];
+    let key = StreamKey { seed: arguments.seed, experiment: streams::ENERGY + number };
+    let steps = arguments.many(STEPS, QUICK_STEPS);
+    let starts: Vec<usize> = (0..PATHS).step_by(WIDTH).collect();
+    let march = |&first: &usize| march(&system, &schemes, key, (steps, tau), rate, (y0, first));
+    let blocks: Vec<Vec<Vec<Row>>> = starts.par_iter().map(march).collect::<Result<_>>()?;
+    let energy = |(n, (_, scheme, keeps)): (usize, &Named<Canonical<V, N>, D>)| {
+        let mut rows = blocks[0][n].clone();
+        for block in &blocks[1..] {
+            rows.iter_mut().zip(&block[n]).for_each(|(row, more)| row.1.extend(&more.1));
+        }
+        let mean = |d: &[f64]| d.iter().sum::<f64>() / PATHS as f64;
+        let (last, early) = (&rows[rows.len() - 1], &rows[rows.len() - 1 - EARLIER]);
+        let grown = rate * tau * 1.5 * (last.0 - early.0) as f64;
+        let change: Vec<f64> =
+            last.1.iter().zip(&early.1).map(|(last, early)| (last - early) / grown).collect();
+        let drift = mean(&change);
+        let squares: f64 = change.iter().map(|change| (change - drift).powi(2)).sum();
+        let error = (squares / (PATHS * (PATHS - 1)) as f64).sqrt();
+        let failed = last.1.iter().filter(|d| !d.is_finite()).count();
+        let outcome = match drift.abs() <= ALLOWED + STANDARD_ERRORS * error {
+            _ if failed > 0 => "fails",
+            true => "bounded",
+            false => "drifts",
+        };
+        let (exponent, lo, hi) =
+            bootstrap(&rows, &mut Bits::new(arguments.seed, key.experiment, n as u64), |d| {
+                (d.sum::<f64>() / PATHS as f64).abs()
+            });
+        let verdict = match (*keeps, outcome == "bounded") {
+            (true, true) => Verdict::Holds,
+            (false, false) => Verdict::FailsAsItMust,
+            _ => Verdict::Refuted,
+        };
+        let system = SYSTEMS[number as usize];
+        let end = mean(&last.1);
+        Energy {
+            system,
+            scheme,
+            steps,
+            end,
+            drift,
+            error,
+            exponent,
+            lo,
+            hi,
+            failed,
+            outcome,
+            verdict,
+        }
+    };
+    Ok(schemes.iter().enumerate().map(energy).collect())
+}
+
+/// The means of d over windows for every scheme, of the paths of a block.
+fn march<V: Potential<D>, const D: usize, const N: usize>(
+    system: &Canonical<V, N>,
+    schemes: &[Named<Canonical<V, N>, D>],
+    key: StreamKey,
+    (steps, tau): (u64, f64),
+    rate: f64,
+    (y0, first): ([f64; D], usize),
+) -> Result<Vec<Vec<Row>>> {
+    let mut start = Block::splat(y0);
+    for p in 0..WIDTH {
+        let mut bits = Bits::new(key.seed, key.experiment, (first + p) as u64);
+        let mut any = || SPREAD * (bits.below(2001) as f64 / 1000.0 - 1.0);
+        start.set_path(p, y0.map(|y| y + any()));
+    }
+    let step = Step::new(&Constant::new(0.0)?, 0, tau)?;
+    let mut noise = WienerBlock::<1>::new(key, first as u64);
+    let mut drawn = BlockNoise::increments(Block::splat([0.0]));
+    // State, the sum of mean zero, p and σΔW of the step before, paths that have not failed.
+    let new = || (start, [0.0; WIDTH], start.0[D / 2], PathMask::first(WIDTH), Vec::<Row>::new());
+    let mut runs: Vec<_> = schemes.iter().map(|_| new()).collect();
+    let mut before = [0.0; WIDTH];
+    let mut status = BlockStatus::explicit();
+    let energy = |y| system.energy::<f64>(y, 1.0, [0.0]);
+    for n in 1..=steps {
+        noise.increments(tau.sqrt(), &mut drawn.increments);
+        let kick = drawn.increments.0[0].map(|dw| system.1 * dw);
+        let window = n.ilog2();
+        let stride = ((1 << window) / SAMPLES) | 1;
+        let due = window >= FIRST_WINDOW && n < steps && (n - (1 << window)).is_multiple_of(stride);
+        for ((scheme, ..), (y, sum, last, live, rows)) in schemes.iter().zip(&mut runs) {
+            if !live.is_empty() {
+                let p = y.0[D / 2];
+                for i in 0..WIDTH {
+                    sum[i] += kick[i] * (p[i] + 0.5 * (p[i] - last[i] + before[i]));
+                }
+                *last = p;
+                scheme.step_block(system, &step, &drawn, y, &mut status);
+                *live = live.without(status.failed);
+            }
+            if due {
+                if rows.last().is_none_or(|row| row.0 != 1 << window) {
+                    rows.push((1 << window, vec![0.0; WIDTH]));
+                }
+                let count = (1u64 << window).div_ceil(stride) as f64;
+                let grown = rate * tau * n as f64;
+                for (p, d) in
+                    rows.last_mut().into_iter().flat_map(|row| row.1.iter_mut().enumerate())
+                {
+                    let defect = energy(y.path(p)) - energy(start.path(p)) - grown + sum[p];
+                    *d += if live.contains(p) { defect / count } else { f64::NAN };
+                    if !d.is_finite() {
+                        *live = live.without(one(p));
+                    }
+                }
+            }
+        }
+        before = kick;
+    }
+    Ok(runs.into_iter().map(|run| run.4).collect())
+}
+
+fn one(p: usize) -> PathMask {
+    let mut mask = PathMask::NONE;
+    mask.insert(p);
+    mask
+}
