@@ -6,6 +6,7 @@ mod by_hand;
 mod common;
 mod conformal;
 mod levy;
+mod long_time;
 mod nv;
 mod order;
 mod overflow;
