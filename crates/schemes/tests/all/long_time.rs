@@ -24,7 +24,7 @@ const FREQUENCIES: [f64; 3] = [0.1, 0.5, 1.0];
 /// ½σ².
 const EXACT: f64 = 0.5 * SIGMA * SIGMA;
 
-struct Oscillator {
+pub struct Oscillator {
     square: f64,
 }
 
@@ -64,7 +64,7 @@ impl Flows<2, 1> for Oscillator {
 }
 
 impl Oscillator {
-    fn new(tau_omega: f64) -> Self {
+    pub fn new(tau_omega: f64) -> Self {
         Self { square: (tau_omega / TAU).powi(2) }
     }
     fn energy_of(&self, y: [f64; 2]) -> f64 {
@@ -81,11 +81,7 @@ fn with(
     work: &mut dyn FnMut(Advance<'_>),
 ) {
     let step = Step::new(&Constant::new(0.0).unwrap(), 0, TAU).unwrap();
-    work(&|y, dw| {
-        let solution = scheme.step(oscillator, &step, &Noise::increments([dw]), y);
-        assert!(solution.outcome.converged());
-        solution.z
-    });
+    work(&|y, dw| scheme.step(oscillator, &step, &Noise::increments([dw]), y).z);
 }
 
 /// The mean energy after one step from y: exact for a scheme that is affine in (y, ΔW), since the
@@ -214,10 +210,10 @@ fn sampled(oscillator: &Oscillator, advance: Advance<'_>, y0: [f64; 2], paths: u
     [mean, (squares / (paths * (paths - 1)) as f64).sqrt()]
 }
 
-const PATHS: u64 = 16;
-/// Two-sided, of Student's distribution with 15 degrees of freedom: 10⁻⁵ for each of twelve slopes,
-/// together 1.2·10⁻⁴.
-const QUANTILE: f64 = 6.5;
+const PATHS: u64 = 8;
+/// Two-sided, of Student's distribution with 7 degrees of freedom: 10⁻⁵ for each of nine slopes, and
+/// no more for Heun's, of sixteen times as many paths.
+const QUANTILE: f64 = 11.3;
 
 #[test]
 fn sampled_slopes_have_the_derived_values_and_no_others() {
@@ -233,8 +229,8 @@ fn sampled_slopes_have_the_derived_values_and_no_others() {
                 let name = scheme.id();
                 println!(
                     "τω = {tau_omega} {name}: {slope:.5} [{:.5}, {:.5}], derived {expected:.5}",
-                    slope - 2.131 * error,
-                    slope + 2.131 * error
+                    slope - 2.365 * error,
+                    slope + 2.365 * error
                 );
                 // The energies of the others oscillate, at the start by less than 0.125 of 125.
                 let room = if name == "sexp" { 0.0 } else { 2e-3 };
@@ -247,10 +243,10 @@ fn sampled_slopes_have_the_derived_values_and_no_others() {
             });
         }
         with(&oscillator, &Heun, &mut |advance| {
-            let [slope, error] = sampled(&oscillator, advance, y0, 8 * PATHS);
+            let [slope, error] = sampled(&oscillator, advance, y0, 16 * PATHS);
             println!("τω = {tau_omega} heun: {slope:.3e} ± {error:.0e}");
             // The energy overflows for τω = ½ and 1. For 0.1 it has grown by e^{2.5}.
-            let refuted = (slope - 1.0).abs() > QUANTILE * error && slope > 1.5;
+            let refuted = (slope - 1.0).abs() > 6.5 * error;
             assert!(!slope.is_finite() || refuted, "{tau_omega}: {slope} ± {error}");
         });
     }

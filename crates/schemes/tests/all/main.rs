@@ -12,6 +12,7 @@ mod order;
 mod overflow;
 mod own_schemes;
 mod run_time;
+mod stiff_damping;
 mod sweeps;
 mod tiles;
 mod without_iteration;

@@ -12,7 +12,7 @@ use nonlin::BlockStatus;
 use rayon::prelude::*;
 use real::{Block, PathMask, Real, WIDTH};
 use schemes::{EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLi, Split, Step};
-use systems::{Constant, Flows, PoissonSystem};
+use systems::{Constant, Flows, ImplicitStep, PoissonSystem};
 
 use crate::{
     Arguments,
@@ -22,13 +22,13 @@ use crate::{
     row::Verdict,
 };
 
-/// Of 8 to 17 in a period.
-const STEPS: u64 = 1 << 24;
-const QUICK_STEPS: u64 = 1 << 16;
+const PERIODS: u64 = 1_000_000;
+const QUICK_PERIODS: u64 = 5000;
 pub const PATHS: usize = 2 * WIDTH;
-/// Window number k has the steps from 2ᵏ to 2ᵏ⁺¹, of which so many are looked at, or one more.
+/// The steps of a window, between n/2 and n for dyadic fractions n of all steps, of which so many
+/// are looked at, or one more.
 const SAMPLES: u64 = 61;
-const FIRST_WINDOW: u32 = 6;
+const WINDOWS: u32 = 14;
 /// A drift is the change of d from a window to the one of 16 times the time. Beyond this share of
 /// what the noise adds meanwhile, and four standard errors, it is one.
 const EARLIER: usize = 4;
@@ -103,6 +103,8 @@ impl<V: Potential<D>, const D: usize> PoissonSystem<D, 1> for Canonical<V> {
         }
         self.with(V::mean(m, d), m, dt, dw[0])
     }
+
+    const IMPLICIT_STEP: ImplicitStep = ImplicitStep::UnrolledFixedPoint;
 }
 
 /// ½|p|², then V with the noise.
@@ -209,25 +211,28 @@ fn toda<R: Real>(m: [R; 6], d: [R; 6]) -> [R; 6] {
     [mean[0] - mean[2], mean[1] - mean[0], mean[2] - mean[1], m[3], m[4], m[5]]
 }
 
-/// All systems, with τ, a start, and what the noise adds to E[H₀] in all steps.
+/// All systems, with a period and the number of steps in it, a start, and what the noise adds to
+/// E[H₀] in all steps.
 pub fn run(arguments: &Arguments) -> Result<Vec<Energy>> {
-    let mut all = energies(arguments, 0, Canonical(Spring, 0.1), 0.4, [1.0, 0.0])?;
-    all.extend(energies(arguments, 1, Canonical(Sine, 0.05), 0.4, [1.0, 0.0])?);
-    let (kepler, near_circle) = (Canonical(Kepler, 0.005), [1.0, 0.0, 0.0, 0.85]);
-    all.extend(energies(arguments, 2, kepler, 0.5, near_circle)?);
-    let (stars, bound) = (Canonical(HenonHeiles, 0.002), [0.2, 0.1, 0.1, 0.25]);
-    all.extend(energies(arguments, 3, stars, 0.4, bound)?);
-    let (toda, apart) = (Canonical(Toda, 0.05), [0.5, 0.0, -0.5, 0.0, 0.5, -0.5]);
-    all.extend(energies(arguments, 4, toda, 0.45, apart)?);
-    Ok(all)
+    let near_circle = [1.0, 0.0, 0.0, 0.85];
+    let bound = [0.2, 0.1, 0.1, 0.25];
+    let apart = [0.5, 0.0, -0.5, 0.0, 0.5, -0.5];
+    let all = [
+        energies(arguments, 0, Canonical(Spring, 0.1), (6.2832, 12), [1.0, 0.0])?,
+        energies(arguments, 1, Canonical(Sine, 0.05), (6.7, 12), [1.0, 0.0])?,
+        energies(arguments, 2, Canonical(Kepler, 0.005), (7.43, 12), near_circle)?,
+        energies(arguments, 3, Canonical(HenonHeiles, 0.002), (6.2832, 12), bound)?,
+        energies(arguments, 4, Canonical(Toda, 0.05), (3.6276, 8), apart)?,
+    ];
+    Ok(all.into_iter().flatten().collect())
 }
 
 pub const SYSTEMS: [&str; 5] = [
-    "oscillator, V = ½q², τ = 0.4",
-    "pendulum, V = −cos q, τ = 0.4",
-    "Kepler, softened, V = −(|q|² + ¼)^(−½), τ = 0.5",
-    "Hénon–Heiles, energy below ⅙, τ = 0.4",
-    "Toda ring of three, V = Σ exp(qᵢ − qᵢ₊₁), τ = 0.45",
+    "oscillator, V = ½q²",
+    "pendulum, V = −cos q",
+    "Kepler, softened, V = −(|q|² + ¼)^(−½)",
+    "Hénon–Heiles",
+    "Toda ring of three, V = Σ exp(qᵢ − qᵢ₊₁)",
 ];
 
 /// A scheme with its name, and whether E[H₀] stays near its truth.
@@ -237,11 +242,12 @@ fn energies<V: Potential<D>, const D: usize>(
     arguments: &Arguments,
     number: u64,
     Canonical(potential, added): Canonical<V>,
-    tau: f64,
+    (period, per_period): (f64, u64),
     y0: [f64; D],
 ) -> Result<Vec<Energy>> {
     eprintln!("{}", SYSTEMS[number as usize]);
-    let steps = arguments.many(if D == 6 { STEPS / 2 } else { STEPS }, QUICK_STEPS);
+    let (steps, tau) =
+        (arguments.many(PERIODS, QUICK_PERIODS) * per_period, period / per_period as f64);
     let rate = added / (steps as f64 * tau);
     let system = Canonical(potential, (2.0 * rate).sqrt());
     let schemes: [Named<Canonical<V>, D>; 8] = [
@@ -265,7 +271,7 @@ fn energies<V: Potential<D>, const D: usize>(
         }
         let mean = |d: &[f64]| d.iter().sum::<f64>() / PATHS as f64;
         let (last, early) = (&rows[rows.len() - 1], &rows[rows.len() - 1 - EARLIER]);
-        let grown = rate * tau * 1.5 * (last.0 - early.0) as f64;
+        let grown = rate * tau * 0.75 * (last.0 - early.0) as f64;
         let change: Vec<f64> =
             last.1.iter().zip(&early.1).map(|(last, early)| (last - early) / grown).collect();
         let drift = mean(&change);
@@ -331,12 +337,16 @@ fn march<V: Potential<D>, const D: usize>(
     let mut before = [0.0; WIDTH];
     let mut status = BlockStatus::explicit();
     let energy = |y| system.energy::<f64>(y, 1.0, [0.0]);
+    let (mut window, mut end) = (WINDOWS, 0);
     for n in 1..=steps {
         noise.increments(tau.sqrt(), &mut drawn.increments);
         let kick = drawn.increments.0[0].map(|dw| system.1 * dw);
-        let window = n.ilog2();
-        let stride = ((1 << window) / SAMPLES) | 1;
-        let due = window >= FIRST_WINDOW && n < steps && (n - (1 << window)).is_multiple_of(stride);
+        while n > end {
+            window -= 1;
+            end = steps >> window;
+        }
+        let stride = (end / 2 / SAMPLES) | 1;
+        let due = n > end / 2 && (end - n).is_multiple_of(stride);
         for ((scheme, ..), (y, sum, last, live, rows)) in schemes.iter().zip(&mut runs) {
             if !live.is_empty() {
                 let p = y.0[D / 2];
@@ -351,10 +361,10 @@ fn march<V: Potential<D>, const D: usize>(
                 }
             }
             if due {
-                if rows.last().is_none_or(|row| row.0 != 1 << window) {
-                    rows.push((1 << window, vec![0.0; WIDTH]));
+                if rows.last().is_none_or(|row| row.0 != end) {
+                    rows.push((end, vec![0.0; WIDTH]));
                 }
-                let count = (1u64 << window).div_ceil(stride) as f64;
+                let count = (end - end / 2).div_ceil(stride) as f64;
                 let grown = rate * tau * n as f64;
                 for (p, d) in
                     rows.last_mut().into_iter().flat_map(|row| row.1.iter_mut().enumerate())
