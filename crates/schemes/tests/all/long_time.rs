@@ -200,6 +200,9 @@ fn sampled(oscillator: &Oscillator, advance: Advance<'_>, y0: [f64; 2], paths: u
                 let before = oscillator.energy_of(y);
                 let other = oscillator.energy_of(advance(y, -dw));
                 y = advance(y, dw);
+                if !sum.is_finite() {
+                    break;
+                }
                 sum += 0.5 * (oscillator.energy_of(y) + other) - before - EXACT * (dw * dw - TAU);
             }
             sum / (TAU * EXACT * STEPS as f64)
@@ -243,7 +246,8 @@ fn sampled_slopes_have_the_derived_values_and_no_others() {
             });
         }
         with(&oscillator, &Heun, &mut |advance| {
-            let [slope, error] = sampled(&oscillator, advance, y0, 16 * PATHS);
+            let paths = if tau_omega < 0.2 { 16 * PATHS } else { PATHS };
+            let [slope, error] = sampled(&oscillator, advance, y0, paths);
             println!("τω = {tau_omega} heun: {slope:.3e} ± {error:.0e}");
             // The energy overflows for τω = ½ and 1. For 0.1 it has grown by e^{2.5}.
             let refuted = (slope - 1.0).abs() > 6.5 * error;

@@ -294,7 +294,7 @@ fn slope(rows: &[Row], paths: &[usize], size: impl Fn(Values<'_>) -> f64) -> f64
         .iter()
         .filter(|(n, _)| *n >= FIRST)
         .map(|(n, d)| ((*n as f64).ln(), size(&mut paths.iter().map(|&path| d[path])).ln()))
-        .filter(|(_, y)| *y > f64::NEG_INFINITY)
+        .filter(|(_, y)| y.is_finite())
         .collect();
     let count = points.len() as f64;
     let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / count, y + p.1 / count));

@@ -93,7 +93,7 @@ pub struct GrowthPoint {
 }
 
 /// The distance d of E[H₀] from its exact value over a long time.
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 pub struct Energy {
     /// System and step in words.
     pub system: &'static str,
@@ -107,12 +107,8 @@ pub struct Energy {
     pub drift: f64,
     /// Its standard error.
     pub error: f64,
-    /// The exponent a of |d| ∝ tᵃ.
-    pub exponent: f64,
-    /// Lower end of its 95 % interval.
-    pub lo: f64,
-    /// Upper end.
-    pub hi: f64,
+    /// The exponent a of |d| ∝ tᵃ, and the ends of its 95 % interval.
+    pub exponent: (f64, f64, f64),
     /// Paths that failed.
     pub failed: usize,
     /// `bounded`, `drifts` or `fails`.
