@@ -172,11 +172,12 @@ fn exact_slopes_over_a_hundred_thousand_steps() {
         close(slope(&Split), (1.0 - s / 2.0) / (1.0 - s), 2e-3);
         close(slope(&nv), 1.0 - s / 8.0, 2e-3);
         // Twins: linear growth refuted.
+        let grows = |slope: f64| slope.is_nan() || slope > 2.0;
         for twin in [&Heun as &dyn Scheme<Oscillator, 2, 1>, &EulerMaruyama] {
-            assert!(!(slope(twin) < 2.0), "{tau_omega}");
+            assert!(grows(slope(twin)), "{tau_omega}");
         }
         let li = SexpLi::new(&oscillator, y0).unwrap();
-        assert!(!(slope(&li) < 2.0), "{tau_omega}");
+        assert!(grows(slope(&li)), "{tau_omega}");
         // By stages the energy tends to ½σ²τ over what a step loses, and has grown to that for 1.
         let [half, end] = energies(&Nv::new(&oscillator, y0).unwrap());
         let loss = tau_omega.powi(6) / 2304.0 * STEPS as f64;
@@ -194,7 +195,7 @@ fn sampled(oscillator: &Oscillator, advance: Advance<'_>, y0: [f64; 2], paths: u
     let slopes: Vec<f64> = (0..paths)
         .map(|path| {
             let mut noise = WienerPath::<1>::new(key, path);
-            let (mut y, mut sum) = (y0, 0.0);
+            let (mut y, mut sum) = (y0, 0.0f64);
             for _ in 0..STEPS {
                 let [dw] = noise.increments(TAU.sqrt());
                 let before = oscillator.energy_of(y);

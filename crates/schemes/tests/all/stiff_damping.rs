@@ -106,7 +106,7 @@ impl Table {
             if seen.largest > 3.0 * size(y0) + 1.0 || seen.largest.is_nan() {
                 self.wrong.push(format!("{name}: grows to {}", seen.largest));
             }
-            if !(seen.defect <= LAW) {
+            if seen.defect > LAW {
                 self.wrong.push(format!("{name}: off its law by {}", seen.defect));
             }
             match seen.failed {
@@ -240,7 +240,7 @@ fn damping_that_acts_alone_is_exact() {
                 let off = (y[i] / (y0[i] * (-integral).exp()) - 1.0).abs();
                 // Two products of factors within an ε in each step; two exponents.
                 let allowed = f64::EPSILON * (4.0 * (n + 1) as f64 + 2.0 * integral.abs() + 8.0);
-                worst = worst.max(off / allowed);
+                worst = if off.is_nan() { f64::INFINITY } else { worst.max(off / allowed) };
             }
         }
         worst
@@ -251,7 +251,7 @@ fn damping_that_acts_alone_is_exact() {
             assert!(worst <= 1.0, "{} {}: {worst}", scheme.id(), damping.describe());
         }
         // Twins.
-        assert!(!(largest(&Heun, damping.as_ref()) < 1e6), "{}", damping.describe());
-        assert!(!(largest(&Midpoint, damping.as_ref()) < 1e6), "{}", damping.describe());
+        assert!(largest(&Heun, damping.as_ref()) > 1e6, "{}", damping.describe());
+        assert!(largest(&Midpoint, damping.as_ref()) > 1e6, "{}", damping.describe());
     }
 }

@@ -5,6 +5,8 @@
 //! σΔW p̂ has mean zero for the solution: p̂ is p in the middle of a step as far as it is known at its
 //! start, so the sum is of mean zero for every scheme, and takes most of the variance away.
 
+use std::f64::consts::TAU;
+
 use anyhow::Result;
 use lab::streams;
 use noise::{BlockNoise, StreamKey, WienerBlock};
@@ -193,10 +195,10 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Energy>> {
     let bound = [0.2, 0.1, 0.1, 0.25];
     let apart = [0.5, 0.0, -0.5, 0.0, 0.5, -0.5];
     Ok([
-        energies(arguments, "oscillator", Canonical(Spring, 0.1), 6.2832, 12, [1.0, 0.0])?,
+        energies(arguments, "oscillator", Canonical(Spring, 0.1), TAU, 12, [1.0, 0.0])?,
         energies(arguments, "pendulum", Canonical(Sine, 0.05), 6.7, 12, [1.0, 0.0])?,
         energies(arguments, "Kepler", Canonical(Kepler, 0.005), 7.43, 12, near_circle)?,
-        energies(arguments, "Hénon–Heiles", Canonical(HenonHeiles, 0.002), 6.2832, 12, bound)?,
+        energies(arguments, "Hénon–Heiles", Canonical(HenonHeiles, 0.002), TAU, 12, bound)?,
         energies(arguments, "Toda chain", Canonical(Toda, 0.05), 3.6276, 8, apart)?,
     ]
     .concat())
