@@ -30,6 +30,8 @@ pub const WORK_PRECISION_PARTS: u64 = 4;
 pub const HARD_CASES: u64 = 1 << 33;
 /// Growth of the defect over long runs.
 pub const GROWTH: u64 = HARD_CASES + (1 << 16);
+/// Energies over long runs.
+pub const ENERGY: u64 = GROWTH + (1 << 15);
 /// Entries of the library, one number each; expectations need numbers below 2⁴⁰.
 pub const LIBRARY: u64 = 1 << 34;
 /// What expectations cost, one number each, below 2⁴⁰ too.
@@ -62,6 +64,7 @@ mod tests {
             WORK_PRECISION,
             HARD_CASES,
             GROWTH,
+            ENERGY,
             LIBRARY,
             EXPECTATION_COST,
             EXPECTATION_BIAS,

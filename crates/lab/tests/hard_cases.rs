@@ -68,6 +68,14 @@ fn no_guarantee_is_refuted_and_schemes_fail_where_they_must() {
         let verdict = if run["scheme"] == "sexp" { "fails-as-it-must" } else { "holds" };
         assert_eq!(run["verdict"], verdict, "{run}");
     }
+    // What keeps the energy near does so on all systems; explicit methods drift or fail.
+    let energy = list(&results, "energy");
+    assert_eq!(energy.len(), 40);
+    for run in energy {
+        let keeps = ["sexp", "midpoint", "split", "nv"].iter().any(|name| run["scheme"] == *name);
+        assert_eq!(run["outcome"] == "bounded", keeps, "{run}");
+        assert_eq!(run["verdict"], if keeps { "holds" } else { "fails-as-it-must" }, "{run}");
+    }
     for fuzzed in list(&results, "fuzz") {
         assert_eq!(fuzzed["failures"], 0, "{fuzzed}");
         assert!(fuzzed["accepted"] != 0 && fuzzed["refused"] != 0, "{fuzzed}");
@@ -93,7 +101,7 @@ fn a_case_that_does_not_exist_is_refused() {
     let output = run(&out, &["--only", "equilibrium"]);
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2));
-    for word in ["'equilibrium'", "equilibria", "growth", "fuzz"] {
+    for word in ["'equilibrium'", "equilibria", "growth", "energy", "fuzz"] {
         assert!(message.contains(word), "{message}");
     }
     assert!(!out.exists());

@@ -180,17 +180,13 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
     let rows = measured.statistic.rows;
     let point = |(steps, d): &Row| GrowthPoint {
         steps: *steps,
-        rms: rms(d.iter().copied()),
+        rms: rms(&mut d.iter().copied()),
         mean: d.iter().sum::<f64>() / paths as f64,
         max: d.iter().map(|d| d.abs()).fold(0.0, f64::max),
     };
     let points: Vec<GrowthPoint> = rows.iter().map(point).collect();
-    let mut bits = Bits::new(arguments.seed, streams::GROWTH, number);
-    let mut resampled =
-        || (0..paths).map(|_| bits.below(paths as u64) as usize).collect::<Vec<_>>();
-    let mut slopes: Vec<f64> = (0..RESAMPLES).map(|_| slope(&rows, &resampled())).collect();
-    slopes.sort_unstable_by(f64::total_cmp);
-    let (lo, hi) = (slopes[RESAMPLES / 40], slopes[RESAMPLES - 1 - RESAMPLES / 40]);
+    let bits = &mut Bits::new(arguments.seed, streams::GROWTH, number);
+    let (exponent, lo, hi) = bootstrap(&rows, bits, rms);
     let end = points.last().map_or(f64::NAN, |point| point.rms);
     // A walk whose steps are independent, each no larger than the worst case of a step; NaN is not.
     let walk = end <= rounding * PER_STEP * f64::EPSILON * (steps as f64).sqrt();
@@ -212,7 +208,7 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
         invariant: invariant.name,
         paths,
         points,
-        exponent: slope(&rows, &(0..paths).collect::<Vec<_>>()),
+        exponent,
         lo,
         hi,
         linear: steps as f64 * f64::EPSILON,
@@ -222,7 +218,7 @@ fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
 }
 
 /// d_n of every path for one n; NaN of a path that failed.
-type Row = (u64, Vec<f64>);
+pub type Row = (u64, Vec<f64>);
 
 /// d of every path at powers of two of n and at the end.
 struct Defects<'a, F, const D: usize> {
@@ -269,18 +265,36 @@ impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Kept for Defects<'_, F,
     }
 }
 
-fn rms(d: impl ExactSizeIterator<Item = f64>) -> f64 {
-    let paths = d.len() as f64;
-    (d.map(|d| d * d).sum::<f64>() / paths).sqrt()
+fn rms(d: Values<'_>) -> f64 {
+    let (sum, paths) = d.fold((0.0, 0.0), |(sum, paths), d| (sum + d * d, paths + 1.0));
+    (sum / paths).sqrt()
 }
 
-/// The slope of ln RMS over ln n by least squares, over the given paths.
-fn slope(rows: &[Row], paths: &[usize]) -> f64 {
+/// d of some paths.
+pub type Values<'a> = &'a mut dyn Iterator<Item = f64>;
+
+/// The exponent of the `size` of d, with the percentile interval of the bootstrap over paths.
+pub fn bootstrap(
+    rows: &[Row],
+    bits: &mut Bits,
+    size: impl Fn(Values<'_>) -> f64,
+) -> (f64, f64, f64) {
+    let paths = rows[0].1.len();
+    let mut resampled =
+        || (0..paths).map(|_| bits.below(paths as u64) as usize).collect::<Vec<_>>();
+    let mut slopes: Vec<f64> = (0..RESAMPLES).map(|_| slope(rows, &resampled(), &size)).collect();
+    slopes.sort_unstable_by(f64::total_cmp);
+    let all = slope(rows, &(0..paths).collect::<Vec<_>>(), &size);
+    (all, slopes[RESAMPLES / 40], slopes[RESAMPLES - 1 - RESAMPLES / 40])
+}
+
+/// The slope of the logarithm of the size over ln n by least squares, over the given paths.
+fn slope(rows: &[Row], paths: &[usize], size: impl Fn(Values<'_>) -> f64) -> f64 {
     let points: Vec<(f64, f64)> = rows
         .iter()
         .filter(|(n, _)| *n >= FIRST)
-        .map(|(n, d)| ((*n as f64).ln(), rms(paths.iter().map(|&path| d[path])).ln()))
-        .filter(|(_, y)| *y > f64::NEG_INFINITY)
+        .map(|(n, d)| ((*n as f64).ln(), size(&mut paths.iter().map(|&path| d[path])).ln()))
+        .filter(|(_, y)| y.is_finite())
         .collect();
     let count = points.len() as f64;
     let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / count, y + p.1 / count));

@@ -2,12 +2,13 @@
 //!
 //! `cargo xtask stability`. Each case runs all schemes on inputs that break numerical codes:
 //! damping factors that underflow, rates that are infinite, noise past the contraction bound,
-//! states of 10¹⁵⁰, ten million steps. A guarantee is a derived bound; a row reports whether it
+//! states of 10¹⁵⁰, ten million steps, a million periods. A guarantee is a derived bound; a row reports whether it
 //! holds, whether a scheme fails where theory predicts failure, or that the guarantee is refuted.
 //! The fuzzer feeds arbitrary bit patterns to constructors, functions and steps.
 
 mod case;
 mod cases;
+mod energy;
 mod figures;
 mod fuzz;
 mod growth;
@@ -36,7 +37,7 @@ struct Arguments {
     /// Fewer paths, steps and inputs: seconds instead of minutes.
     #[arg(long)]
     quick: bool,
-    /// Run only this case, or `growth`, or `fuzz`; may be given several times.
+    /// Run only this case, or `growth`, `energy` or `fuzz`; may be given several times.
     #[arg(long, value_name = "ID", value_parser = PossibleValuesParser::new(parts()))]
     only: Vec<String>,
     /// Inputs of the cheapest fuzzed targets, fewer for the others; by default about a minute's
@@ -55,11 +56,12 @@ struct Arguments {
 }
 
 const GROWTH: &str = "growth";
+const ENERGY: &str = "energy";
 const FUZZ: &str = "fuzz";
 
 /// What can be run alone.
 fn parts() -> impl Iterator<Item = &'static str> {
-    cases::CASES.iter().map(|case| case.id).chain([GROWTH, FUZZ])
+    cases::CASES.iter().map(|case| case.id).chain([GROWTH, ENERGY, FUZZ])
 }
 
 impl Arguments {
@@ -98,6 +100,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     let growth = if arguments.wants(GROWTH) { growth::run(arguments, &job)? } else { Vec::new() };
     job.finish()?;
     let cases = cases::run(arguments)?;
+    let energy = if arguments.wants(ENERGY) { energy::run(arguments)? } else { Vec::new() };
     let fuzz = if arguments.wants(FUZZ) { fuzz::run(arguments) } else { Vec::new() };
     let mode = if arguments.quick { "quick" } else { "full" };
     let provenance = provenance::complete(
@@ -105,7 +108,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         "cargo xtask stability",
         start,
     );
-    let results = Stability { schema: SCHEMA, provenance, cases, growth, fuzz };
+    let results = Stability { schema: SCHEMA, provenance, cases, growth, energy, fuzz };
     files::write_json(&arguments.out.join("stability.json"), &results)?;
     remove(&arguments.out, Share::WHOLE)?;
     let page = page::page(&results);

@@ -22,6 +22,8 @@ pub struct Stability {
     pub cases: Vec<CaseResult>,
     /// The conformal law over long times.
     pub growth: Vec<Growth>,
+    /// The energy over long times.
+    pub energy: Vec<Energy>,
     /// What was fuzzed.
     pub fuzz: Vec<Fuzzed>,
 }
@@ -31,6 +33,7 @@ impl Stability {
     pub fn refuted(&self) -> usize {
         let rows = self.cases.iter().flat_map(|case| &case.rows).map(|row| row.verdict);
         let verdicts = rows.chain(self.growth.iter().map(|run| run.verdict));
+        let verdicts = verdicts.chain(self.energy.iter().map(|run| run.verdict));
         verdicts.filter(|verdict| *verdict == Verdict::Refuted).count()
             + self.fuzz.iter().filter(|fuzzed| fuzzed.failures > 0).count()
     }
@@ -87,6 +90,31 @@ pub struct GrowthPoint {
     pub mean: f64,
     /// Largest |d|.
     pub max: f64,
+}
+
+/// The distance d of E[H₀] from its exact value over a long time.
+#[derive(Clone, Serialize)]
+pub struct Energy {
+    /// System and step in words.
+    pub system: &'static str,
+    /// The scheme.
+    pub scheme: &'static str,
+    /// Steps.
+    pub steps: u64,
+    /// The mean of d over the second half of the time.
+    pub end: f64,
+    /// By how much it changed since 1/16 of the time, in units of what the noise added meanwhile.
+    pub drift: f64,
+    /// Its standard error.
+    pub error: f64,
+    /// The exponent a of |d| ∝ tᵃ, and the ends of its 95 % interval.
+    pub exponent: (f64, f64, f64),
+    /// Paths that failed.
+    pub failed: usize,
+    /// `bounded`, `drifts` or `fails`.
+    pub outcome: &'static str,
+    /// What became of the guarantee.
+    pub verdict: Verdict,
 }
 
 /// One target of the fuzzer.

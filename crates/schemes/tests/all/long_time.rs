@@ -1,0 +1,258 @@
+//! The oscillator with additive noise over 10⁵ steps: state (q, p), H₀ = ½p² + ½ω²q², H₁ = σq. For
+//! the solution E[H₀] grows by ½σ² in a unit of time. With s = (τω)²/4 the schemes have
+//!
+//! - `sexp` and `midpoint`: ½σ²/(1 + s), from every state and in every step;
+//! - `split` with the parts ½p², then ½ω²q² and the noise: ½σ²(1 − ½s)/(1 − s) in the long run,
+//!   since ½ω²q² + ½(1 − s)p² grows by ½σ² exactly and oscillates about equal shares;
+//! - `nv` of the same parts: ½σ²(1 − ⅛s), for the same reason with half of the step;
+//! - `heun` and `sexp-li`, which is explicit here, grow by the factor 1 + 4s² in a step.
+//!
+//! `nv` by stages, the method of Runge and Kutta of order four in half steps, loses (τω)⁶/2304 of
+//! the energy in a step and cannot grow for ever.
+
+use noise::{Noise, StreamKey, WienerPath};
+use nonlin::{Method, Solver};
+use real::Real;
+use schemes::{EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLi, Split, Step, WithSolver};
+use systems::{Constant, Flows, PoissonSystem};
+
+const TAU: f64 = 0.01;
+const SIGMA: f64 = 0.5;
+const STEPS: u64 = 100_000;
+/// τω.
+const FREQUENCIES: [f64; 3] = [0.1, 0.5, 1.0];
+/// ½σ².
+const EXACT: f64 = 0.5 * SIGMA * SIGMA;
+
+pub struct Oscillator {
+    square: f64,
+}
+
+impl PoissonSystem<2, 1> for Oscillator {
+    fn name(&self) -> &'static str {
+        "oscillator"
+    }
+    #[inline(always)]
+    fn structure<R: Real>(&self, _y: [R; 2], v: [R; 2]) -> [R; 2] {
+        [v[1], -v[0]]
+    }
+    #[inline(always)]
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
+        (y[1] * y[1] + y[0] * y[0] * self.square) * (0.5 * dt) + y[0] * (SIGMA * dw[0])
+    }
+    #[inline(always)]
+    fn gradient<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> [R; 2] {
+        [y[0] * (self.square * dt) + SIGMA * dw[0], y[1] * dt]
+    }
+}
+
+impl Flows<2, 1> for Oscillator {
+    const PARTS: usize = 2;
+    const NOISE_PARTS: [Option<usize>; 1] = [Some(1)];
+
+    #[inline(always)]
+    fn flow(&self, part: usize, y: [f64; 2], dt: f64, dw: [f64; 1]) -> [f64; 2] {
+        match part {
+            0 => [y[0] + dt * y[1], y[1]],
+            _ => [y[0], y[1] - self.square * dt * y[0] - SIGMA * dw[0]],
+        }
+    }
+    #[inline(always)]
+    fn precise_flow(&self, part: usize, y: [f64; 2], dt: f64, dw: [f64; 1]) -> [f64; 2] {
+        self.flow(part, y, dt, dw)
+    }
+}
+
+impl Oscillator {
+    pub fn new(tau_omega: f64) -> Self {
+        Self { square: (tau_omega / TAU).powi(2) }
+    }
+    fn energy_of(&self, y: [f64; 2]) -> f64 {
+        0.5 * (y[1] * y[1] + self.square * y[0] * y[0])
+    }
+}
+
+/// A step from y with the increment dw.
+type Advance<'a> = &'a dyn Fn([f64; 2], f64) -> [f64; 2];
+
+fn with(
+    oscillator: &Oscillator,
+    scheme: &dyn Scheme<Oscillator, 2, 1>,
+    work: &mut dyn FnMut(Advance<'_>),
+) {
+    let step = Step::new(&Constant::new(0.0).unwrap(), 0, TAU).unwrap();
+    work(&|y, dw| scheme.step(oscillator, &step, &Noise::increments([dw]), y).z);
+}
+
+/// The mean energy after one step from y: exact for a scheme that is affine in (y, ΔW), since the
+/// Gauss–Hermite rule with the two nodes ±√τ is exact for quadratic polynomials.
+fn mean_energy(oscillator: &Oscillator, advance: Advance<'_>, y: [f64; 2]) -> f64 {
+    let [up, down] = [TAU.sqrt(), -TAU.sqrt()].map(|dw| oscillator.energy_of(advance(y, dw)));
+    0.5 * (up + down)
+}
+
+/// E[H₀] after 10⁵ steps and after half of them, without sampling: z = My + gΔW is read off, and
+/// P = E[yyᵀ] becomes MPMᵀ + τggᵀ.
+fn mean_energies(oscillator: &Oscillator, advance: Advance<'_>, y0: [f64; 2]) -> [f64; 2] {
+    let columns = [advance([1.0, 0.0], 0.0), advance([0.0, 1.0], 0.0)];
+    let g = advance([0.0, 0.0], 1.0);
+    let m = |i: usize, k: usize| columns[k][i];
+    let mut p = [[0, 1].map(|k| y0[0] * y0[k]), [0, 1].map(|k| y0[1] * y0[k])];
+    let mut half = 0.0;
+    for n in 1..=STEPS {
+        let mut next = [[0.0; 2]; 2];
+        for (i, k) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            next[i][k] = TAU * g[i] * g[k];
+            for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                next[i][k] += m(i, a) * p[a][b] * m(k, b);
+            }
+        }
+        p = next;
+        if n == STEPS / 2 {
+            half = 0.5 * (p[1][1] + oscillator.square * p[0][0]);
+        }
+    }
+    [half, 0.5 * (p[1][1] + oscillator.square * p[0][0])]
+}
+
+fn start(tau_omega: f64) -> [f64; 2] {
+    [0.3 * TAU / tau_omega, 0.4]
+}
+
+#[test]
+fn the_mean_energy_of_an_averaged_field_step_is_known_from_every_state() {
+    for tau_omega in FREQUENCIES {
+        let (oscillator, s) = (Oscillator::new(tau_omega), tau_omega * tau_omega / 4.0);
+        let grown = |scheme: &dyn Scheme<Oscillator, 2, 1>, y| {
+            let mut change = 0.0;
+            with(&oscillator, scheme, &mut |advance| {
+                change = mean_energy(&oscillator, advance, y) - oscillator.energy_of(y);
+            });
+            change / (TAU * EXACT)
+        };
+        for y in [[0.0, 0.0], start(tau_omega), [-0.2 * TAU, 0.1], [0.0, 1.0]] {
+            for scheme in [&Sexp as &dyn Scheme<Oscillator, 2, 1>, &Midpoint] {
+                // The solver leaves some ε of |y|, which ω²q = 100 amplifies; changes are 10⁻³.
+                assert!((grown(scheme, y) * (1.0 + s) - 1.0).abs() < 1e-9, "{tau_omega} {y:?}");
+            }
+            // Twins: what Heun's method adds depends on the state, and is wrong at any.
+            let heun = grown(&Heun, y);
+            assert!((heun * (1.0 + s) - 1.0).abs() > 1e-4, "{tau_omega} {y:?} {heun}");
+        }
+    }
+}
+
+#[test]
+fn exact_slopes_over_a_hundred_thousand_steps() {
+    for tau_omega in FREQUENCIES {
+        let (oscillator, y0) = (Oscillator::new(tau_omega), start(tau_omega));
+        let s = tau_omega * tau_omega / 4.0;
+        let nv = Nv::of_parts();
+        let energies = |scheme: &dyn Scheme<Oscillator, 2, 1>| {
+            let mut energies = [0.0; 2];
+            with(&oscillator, scheme, &mut |advance| {
+                energies = mean_energies(&oscillator, advance, y0);
+            });
+            energies
+        };
+        let slope = |scheme| {
+            let [half, end] = energies(scheme);
+            (end - half) / (TAU * EXACT * (STEPS / 2) as f64)
+        };
+        // Energies oscillate by less than the start's, 0.125 of 125 and more.
+        let close = |slope: f64, expected: f64, error: f64| {
+            assert!((slope / expected - 1.0).abs() < error, "{tau_omega}: {slope} {expected}");
+        };
+        // What the solver leaves of M counts 10⁵ times: Newton's method, which solves linear equations.
+        let solver = Solver::new(Method::Newton);
+        let sexp = WithSolver { formula: Sexp, solver };
+        let midpoint = WithSolver { formula: Midpoint, solver };
+        close(slope(&sexp), 1.0 / (1.0 + s), 1e-8);
+        close(slope(&midpoint), 1.0 / (1.0 + s), 1e-8);
+        close(slope(&Split), (1.0 - s / 2.0) / (1.0 - s), 2e-3);
+        close(slope(&nv), 1.0 - s / 8.0, 2e-3);
+        // Twins: linear growth refuted.
+        let grows = |slope: f64| slope.is_nan() || slope > 2.0;
+        for twin in [&Heun as &dyn Scheme<Oscillator, 2, 1>, &EulerMaruyama] {
+            assert!(grows(slope(twin)), "{tau_omega}");
+        }
+        let li = SexpLi::new(&oscillator, y0).unwrap();
+        assert!(grows(slope(&li)), "{tau_omega}");
+        // By stages the energy tends to ½σ²τ over what a step loses, and has grown to that for 1.
+        let [half, end] = energies(&Nv::new(&oscillator, y0).unwrap());
+        let loss = tau_omega.powi(6) / 2304.0 * STEPS as f64;
+        println!("τω = {tau_omega}: nv by stages {half} {end} of {}", EXACT * TAU * STEPS as f64);
+        let factor = (1.0 - (-loss).exp()) / loss;
+        close(end / (EXACT * TAU * STEPS as f64), factor, 0.05);
+    }
+}
+
+/// The slope of E[H₀] over 10⁵ steps of paths, and its standard error. The change of the energy in a
+/// step is averaged over ±ΔW, of which the path takes +ΔW, and ½σ²(ΔW² − τ) is subtracted: both leave
+/// its mean as it is, and take most of the variance away.
+fn sampled(oscillator: &Oscillator, advance: Advance<'_>, y0: [f64; 2], paths: u64) -> [f64; 2] {
+    let key = StreamKey { seed: 1, experiment: 33 };
+    let slopes: Vec<f64> = (0..paths)
+        .map(|path| {
+            let mut noise = WienerPath::<1>::new(key, path);
+            let (mut y, mut sum) = (y0, 0.0f64);
+            for _ in 0..STEPS {
+                let [dw] = noise.increments(TAU.sqrt());
+                let before = oscillator.energy_of(y);
+                let other = oscillator.energy_of(advance(y, -dw));
+                y = advance(y, dw);
+                if !sum.is_finite() {
+                    break;
+                }
+                sum += 0.5 * (oscillator.energy_of(y) + other) - before - EXACT * (dw * dw - TAU);
+            }
+            sum / (TAU * EXACT * STEPS as f64)
+        })
+        .collect();
+    let mean = slopes.iter().sum::<f64>() / paths as f64;
+    let squares: f64 = slopes.iter().map(|slope| (slope - mean).powi(2)).sum();
+    [mean, (squares / (paths * (paths - 1)) as f64).sqrt()]
+}
+
+const PATHS: u64 = 8;
+/// Two-sided, of Student's distribution with 7 degrees of freedom: 10⁻⁵ for each of nine slopes, and
+/// no more for Heun's, of sixteen times as many paths.
+const QUANTILE: f64 = 11.3;
+
+#[test]
+fn sampled_slopes_have_the_derived_values_and_no_others() {
+    for tau_omega in FREQUENCIES {
+        let (oscillator, y0) = (Oscillator::new(tau_omega), start(tau_omega));
+        let s = tau_omega * tau_omega / 4.0;
+        let nv = Nv::of_parts();
+        let schemes: [(&dyn Scheme<Oscillator, 2, 1>, f64); 3] =
+            [(&Sexp, 1.0 / (1.0 + s)), (&Split, (1.0 - s / 2.0) / (1.0 - s)), (&nv, 1.0 - s / 8.0)];
+        for (scheme, expected) in schemes {
+            with(&oscillator, scheme, &mut |advance| {
+                let [slope, error] = sampled(&oscillator, advance, y0, PATHS);
+                let name = scheme.id();
+                println!(
+                    "τω = {tau_omega} {name}: {slope:.5} [{:.5}, {:.5}], derived {expected:.5}",
+                    slope - 2.365 * error,
+                    slope + 2.365 * error
+                );
+                // The energies of the others oscillate, at the start by less than 0.125 of 125.
+                let room = if name == "sexp" { 0.0 } else { 2e-3 };
+                let off = (slope - expected).abs();
+                assert!(off < QUANTILE * error + room, "{tau_omega} {name}: {slope} ± {error}");
+                // And `sexp` has not the slope of the solution.
+                let wrong = (slope - 1.0).abs();
+                let told = wrong > QUANTILE * error || name != "sexp";
+                assert!(told, "{tau_omega} {name}: {slope} ± {error}");
+            });
+        }
+        with(&oscillator, &Heun, &mut |advance| {
+            let paths = if tau_omega < 0.2 { 16 * PATHS } else { PATHS };
+            let [slope, error] = sampled(&oscillator, advance, y0, paths);
+            println!("τω = {tau_omega} heun: {slope:.3e} ± {error:.0e}");
+            // The energy overflows for τω = ½ and 1. For 0.1 it has grown by e^{2.5}.
+            let refuted = (slope - 1.0).abs() > 6.5 * error;
+            assert!(!slope.is_finite() || refuted, "{tau_omega}: {slope} ± {error}");
+        });
+    }
+}
