@@ -22,7 +22,7 @@ type Chore = (&'static str, [&'static str; 2], &'static [&'static str], &'static
 /// The feature without which the programs that measure are not built.
 const MEASURING: &[&str] = &["--features", "measuring"];
 
-const CHORES: [Chore; 7] = [
+const CHORES: [Chore; 5] = [
     ("reproduce", ["lab", "reproduce"], &[], "Run the paper's experiments and write the report"),
     (
         "verify",
@@ -37,24 +37,12 @@ const CHORES: [Chore; 7] = [
         "Measure errors against processor time",
     ),
     (
-        "expectations",
-        ["lab", "expectations"],
-        MEASURING,
-        "Measure what expectations cost, the bias of schemes, and the order of nv",
-    ),
-    (
         "stability",
         ["lab", "hard-cases"],
         MEASURING,
         "Run the hard cases, the long runs and the fuzzer",
     ),
     ("bench", ["lab", "bench"], MEASURING, "Measure what a path-step costs"),
-    (
-        "dimension",
-        ["lab", "dimension"],
-        MEASURING,
-        "Measure the fixed point against Newton's method on long chains",
-    ),
 ];
 
 fn main() -> ExitCode {

@@ -20,8 +20,8 @@
 //! | [`expectation_claims`] | E[φ(y(T))] by multilevel Monte Carlo, against its value |
 //! | [`weak_observables`] | the test functions of the weak panels |
 //!
-//! The programs of this package are `reproduce`, `work-precision`, `expectations`, `hard-cases`,
-//! `bench` and `dimension`; what one of them alone needs is in its folder.
+//! The programs of this package are `reproduce`, `work-precision`, `hard-cases` and `bench`; what
+//! one of them alone needs is in its folder.
 
 pub mod command;
 pub mod conformal_law;
