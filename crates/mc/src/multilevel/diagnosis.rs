@@ -9,12 +9,6 @@ use super::{
     tails::{is_heavy, tail_index},
 };
 
-/// Largest kurtosis κ without a check of the number of samples N. The relative error of a variance
-/// is √(κ/N), a third with κ = 100 and a thousand samples, and κ itself is underestimated.
-const KURTOSIS_LIMIT: f64 = 100.0;
-/// With this many samples for each unit of kurtosis the variance is known to a quarter, and the
-/// standard error to an eighth.
-const SAMPLES_PER_KURTOSIS: f64 = 16.0;
 /// Standard errors between two means of one expectation: exceeded once in 10⁵ comparisons of
 /// normals.
 const DEVIATION_LIMIT: f64 = 4.5;
@@ -60,8 +54,10 @@ pub struct Evidence<'a> {
     pub accuracy: f64,
     /// The weak order given.
     pub order: f64,
-    /// What sums of the damping lack on the last level, if it does not resolve the damping.
-    pub damping: Option<f64>,
+    /// How the last level does not resolve the damping.
+    pub damping: Option<Warning>,
+    /// Whether there is noise.
+    pub random: bool,
 }
 
 impl Evidence<'_> {
@@ -90,16 +86,15 @@ impl Evidence<'_> {
             let (component, level) = (component + 1, last.level);
             warnings.push(Warning::Unresolved { component, level, difference, before });
         }
-        if let Some(defect) = self.damping {
-            warnings.push(Warning::Damping { level: last.level, defect });
-        }
+        warnings.extend(self.damping.clone());
         let resolution = unresolved.is_none() && self.damping.is_none();
         for (k, estimate) in estimates.iter_mut().enumerate() {
             let judged = &mut estimate.judged;
             *judged = Judged { variance: true, bias: enough, resolution };
             let name = &estimate.name;
             let observable = || name.clone();
-            if let Some(blind) = self.deciding().find(|samples| samples.values[k].is_blind()) {
+            let blind = |samples: &&Samples| self.random && samples.values[k].is_blind();
+            if let Some(blind) = self.deciding().find(blind) {
                 judged.variance = false;
                 let (level, samples) = (blind.level, blind.count());
                 warnings.push(Warning::Constant { observable: observable(), level, samples });
@@ -118,13 +113,8 @@ impl Evidence<'_> {
                     difference,
                 });
             }
-            for &Level { level, samples, ref values, .. } in reports {
-                let LevelValue { kurtosis, deviation, .. } = values[k];
-                // A NaN is no kurtosis above the limit.
-                let unsure = samples as f64 <= SAMPLES_PER_KURTOSIS * kurtosis;
-                if kurtosis > KURTOSIS_LIMIT && unsure {
-                    warnings.push(Warning::Kurtosis { observable: observable(), level, kurtosis });
-                }
+            for &Level { level, ref values, .. } in reports {
+                let deviation = values[k].deviation;
                 if deviation > DEVIATION_LIMIT {
                     judged.bias = false;
                     warnings.push(Warning::Inconsistent {
@@ -139,9 +129,6 @@ impl Evidence<'_> {
                 judged.variance = false;
                 let (level, index) = (begin.level, tail_index(begin, k));
                 warnings.push(Warning::HeavyTail { observable: observable(), level, index });
-            }
-            if let Some(beta) = estimate.beta.filter(|beta| beta.upper < 1.0) {
-                warnings.push(Warning::VarianceDecay { observable: observable(), beta });
             }
             let assumed = self.order;
             if let Some(alpha) = estimate.alpha {

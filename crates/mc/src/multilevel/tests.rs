@@ -613,6 +613,7 @@ fn run(
         ranges: vec![None],
         cost: 0,
         reserve: 0,
+        stopped: &|| false,
     };
     let result = sampler.expectation().map_err(|halt| match halt {
         Halt::Error(error) => error,
