@@ -241,8 +241,12 @@ impl<'a, N: StepNoise> Expect<'a, N> {
             for refinement in 0..=REFINEMENTS {
                 let Candidate { mirror, orders, setup, .. } = candidate;
                 let scrambles = self.scrambles;
-                let quasi =
-                    QuasiSettings { mirror: mirror.as_ref(), orders: *orders, scrambles, spent: &spent };
+                let quasi = QuasiSettings {
+                    mirror: mirror.as_ref(),
+                    orders: *orders,
+                    scrambles,
+                    spent: &spent,
+                };
                 let found = quasi_expectation(
                     job,
                     &format!("{name}/{} from {steps} steps", setup.scheme.id()),

@@ -86,7 +86,7 @@ impl<'a> SeenDamping<'a> {
     /// The largest ∫|γ| over one of the coarsest steps that are halved `halvings` times, nearly.
     /// Above one a step forgets what noise and forces do in its first half.
     pub fn largest_exponent(&self, halvings: usize) -> f64 {
-        let steps = self.coarsest_steps as f64 * (halvings as f64).exp2();
+        let steps = self.coarsest_steps as f64 * (1u64 << halvings) as f64;
         let parts = self.sizes.len() as f64 / steps;
         let chunks = self.sizes.chunks(parts.max(1.0) as usize);
         let largest = chunks.map(|chunk| chunk.iter().sum()).fold(0.0, f64::max);

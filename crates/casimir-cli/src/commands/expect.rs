@@ -193,12 +193,17 @@ fn hear(so_far: &SoFar) {
 
 /// The half-width so far, and what the accuracy takes.
 fn how_far(done: f64, seconds: f64) -> String {
-    let text = format!("{seconds:.0} s, {done:.1e} path-steps: ");
+    let mut text = format!("{seconds:.0} s, {done:.1e} path-steps: ");
     let Some(SoFar { half_width, accuracy, expected, max_cost, .. }) =
         *SO_FAR.lock().unwrap_or_else(PoisonError::into_inner)
     else {
         return text + "no interval yet";
     };
+    if half_width.is_infinite() {
+        text += "no interval yet, ";
+    } else {
+        text += &format!("± {half_width:.1e} so far, ± {accuracy:.1e} is wanted: ");
+    }
     let most = max_cost as f64;
     let left = |cost: f64| (cost - done).max(0.0) * seconds / done;
     let rest = match expected {
@@ -209,7 +214,7 @@ fn how_far(done: f64, seconds: f64) -> String {
         ),
         Some(cost) => format!("about {:.0} s more", left(cost)),
     };
-    format!("{text}± {half_width:.1e} so far, ± {accuracy:.1e} is wanted: {rest}")
+    text + &rest
 }
 
 /// Says what was found.

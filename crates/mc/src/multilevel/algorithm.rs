@@ -69,7 +69,8 @@ pub struct Sampler<'a> {
 /// How the steps of a level do not resolve the damping, if they do not.
 pub fn unresolved_damping(damping: &SeenDamping<'_>, level: usize) -> Option<Warning> {
     let exponent = damping.largest_exponent(level);
-    let strong = (exponent > LARGEST_EXPONENT).then_some(Warning::StrongDamping { level, exponent });
+    let strong =
+        (exponent > LARGEST_EXPONENT).then_some(Warning::StrongDamping { level, exponent });
     strong.or_else(|| damping.unresolved(level).map(|defect| Warning::Damping { level, defect }))
 }
 
@@ -170,7 +171,9 @@ impl Sampler<'_> {
         };
         let half_width = biases.iter().enumerate().map(half_width).fold(0.0, f64::max);
         let wanted = self.samples(levels, half_widths);
-        let cost = |(level, n): (&Samples, &u64)| level.count().max(*n) as f64 * level.cost_per_path as f64;
+        let cost = |(level, n): (&Samples, &u64)| {
+            level.count().max(*n) as f64 * level.cost_per_path as f64
+        };
         (self.settings.watch)(&SoFar {
             half_width,
             accuracy: self.accuracy,

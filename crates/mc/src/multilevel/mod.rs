@@ -104,7 +104,11 @@ mod tails;
 mod tests;
 mod write;
 
-use std::{cell::{Cell, RefCell}, collections::BTreeMap, sync::Arc};
+use std::{
+    cell::{Cell, RefCell},
+    collections::BTreeMap,
+    sync::Arc,
+};
 
 use noise::StepNoise;
 use schemes::Scheme;
@@ -207,7 +211,16 @@ pub fn expectation_of_in<N: StepNoise>(
     if problem.noises == 0 {
         let orders = Orders { weak: settings.weak_order, next: settings.weak_order + 1.0 };
         let quasi = QuasiSettings { mirror: None, orders, scrambles: 1, spent: &Cell::new(0) };
-        return quasi_expectation(job, name, setup, &quasi, observables, accuracy, settings, progress);
+        return quasi_expectation(
+            job,
+            name,
+            setup,
+            &quasi,
+            observables,
+            accuracy,
+            settings,
+            progress,
+        );
     }
     let y0 = &problem.y0[..];
     let starts: Vec<f64> = observables.iter().map(|phi| value(*phi, y0)).collect();

@@ -28,7 +28,8 @@ impl fmt::Display for Expectation {
             }
             write!(f, "warning: {warning}")?;
             let others = warnings[n + 1..].iter().filter(alike).filter_map(Warning::observable);
-            let others: Vec<&str> = others.filter(|one| Some(*one) != warning.observable()).collect();
+            let others: Vec<&str> =
+                others.filter(|one| Some(*one) != warning.observable()).collect();
             if !others.is_empty() {
                 write!(f, "; the same of {}", others.join(", "))?;
             }

@@ -2,6 +2,7 @@
 
 use std::{cell::Cell, ops::Range};
 
+use real::elementary;
 use stats::{CONFIDENCE, two_sided};
 
 use super::{
@@ -182,7 +183,8 @@ impl Sum {
         let part = |(n, term): (usize, &Term)| {
             let error = self.quantile() * (term.variance / term.count).sqrt();
             let error = self.weight(n) * f64::hypot(error, term.tail.size / term.count);
-            term.cost * term.count * (error / wanted).max(1.0).powf(growth)
+            let more = elementary::exp(growth * elementary::ln((error / wanted).max(1.0)));
+            term.cost * term.count * more
         };
         self.terms.iter().enumerate().map(part).sum()
     }
@@ -200,10 +202,10 @@ impl Levels {
         &self.samples[1..]
     }
 
-    /// The differences of test function number k.
-    fn terms(&self, k: usize, range: f64) -> Vec<Term> {
+    /// The differences of test function number k, which spreads by `range`; not at all without noise.
+    fn terms(&self, k: usize, range: Option<f64>) -> Vec<Term> {
         let levels = self.differences().iter().zip(&self.scrambles[1..]);
-        let terms = levels.zip(tails(self.differences(), k, range));
+        let terms = levels.zip(tails(self.differences(), k, range.unwrap_or(0.0)));
         terms.map(|((samples, own), tail)| own.term(samples, k, false, tail)).collect()
     }
 }
@@ -224,11 +226,16 @@ impl Quasi<'_> {
             levels.scrambles.push(Scrambles::default());
         }
         let cost = |samples: &Samples| self.scrambles * pilot * samples.cost_per_path;
-        let pilot_cost = levels.samples.iter().map(cost).fold(self.spent.get(), u64::saturating_add);
+        let pilot_cost =
+            levels.samples.iter().map(cost).fold(self.spent.get(), u64::saturating_add);
         if pilot_cost > self.settings.max_cost {
             let max_cost = self.settings.max_cost;
             return Err(MultilevelError::PilotCost { pilot_cost, max_cost }.into());
         }
+        let (accuracy, cost) = (self.accuracy, self.spent.get());
+        let (half_width, expected) = (f64::INFINITY, Some(pilot_cost as f64));
+        let max_cost = self.settings.max_cost;
+        (self.settings.watch)(&SoFar { half_width, accuracy, cost, expected, max_cost });
         for level in 0..=PILOT_LEVEL {
             self.sample(&mut levels, level, pilot)?;
         }
@@ -245,7 +252,7 @@ impl Quasi<'_> {
                 false => self.is_wide(sum),
             };
             let finer = sums.iter().any(biased) || !self.resolves(&levels);
-            self.tell(&sums, finer);
+            self.tell(&levels, first, &sums, finer);
             if sums.iter().any(|sum| sum.lost > LOST * self.accuracy) {
                 break None;
             }
@@ -317,14 +324,18 @@ impl Quasi<'_> {
         points.max(levels)
     }
 
-    /// Says how far it is.
-    fn tell(&self, sums: &[Sum], finer: bool) {
+    /// Says how far it is. Errors are taken to fall as they did for the points that there are.
+    fn tell(&self, levels: &Levels, first: usize, sums: &[Sum], finer: bool) {
         let half_widths = sums.iter().map(|sum| sum.spread() + sum.bias_bound());
-        let cost = |sum: &Sum| {
+        let (samples, own) = (&levels.samples[first], &levels.scrambles[first]);
+        let cost = |(k, sum): (usize, &Sum)| {
             let wanted = (self.accuracy - sum.bias_bound()).max(0.5 * self.accuracy);
-            sum.cost(wanted, 1.0)
+            let [gain, points] =
+                [own.gain(samples, k).max(1.0), own.points as f64].map(elementary::ln);
+            let order = 0.5 + 0.5 * gain / points;
+            sum.cost(wanted, 1.0 / order.min(1.0 / LEAST_GROWTH))
         };
-        let cost = sums.iter().map(cost).fold(self.spent.get() as f64, f64::max);
+        let cost = sums.iter().enumerate().map(cost).fold(self.spent.get() as f64, f64::max);
         (self.settings.watch)(&SoFar {
             half_width: half_widths.fold(0.0, f64::max),
             accuracy: self.accuracy,
@@ -386,10 +397,10 @@ impl Quasi<'_> {
         }
     }
 
-    /// How far test function number k may spread.
-    fn range(&self, k: usize) -> f64 {
+    /// How far test function number k may spread; `None` without noise.
+    fn range(&self, k: usize) -> Option<f64> {
         let spread = self.ranges[k].map_or(0.0, |(least, largest)| largest - least);
-        if spread > 0.0 { spread } else { 1.0 }
+        self.random.then_some(if spread > 0.0 { spread } else { 1.0 })
     }
 
     /// Test function number k, summed from level `first` on.
@@ -404,10 +415,8 @@ impl Quasi<'_> {
         let mut extrapolation = extrapolation(last, summed, orders, rates);
         let samples = &levels.samples[first];
         let fine = &samples.values[k].fine;
-        let tail = match self.random {
-            true => Tail::new(samples.count() as f64, fine.kurtosis(), self.range(k)),
-            false => Tail::default(),
-        };
+        let tail = |range| Tail::new(samples.count() as f64, fine.kurtosis(), range);
+        let tail = self.range(k).map_or(Tail::default(), tail);
         if !self.random {
             // Rounding errors of n steps.
             let steps = self.settings.steps(levels.samples.len() - 1) as f64;
@@ -421,7 +430,8 @@ impl Quasi<'_> {
         };
         let shapes = levels.scrambles[first..].iter().enumerate().map(shape).collect();
         let share = |samples: &Samples| samples.failed as f64 / samples.paths as f64;
-        let lost = levels.samples[first..].iter().map(share).sum::<f64>() * self.range(k);
+        let lost = levels.samples[first..].iter().map(share).sum::<f64>();
+        let lost = lost * self.range(k).unwrap_or(0.0);
         Sum { terms, extrapolation, shapes, scrambles: self.scrambles as f64, lost }
     }
 

@@ -46,7 +46,8 @@ const WHOLE: f64 = 0.2;
 /// numbers: the first by d_{L−1}/d_L and d_{L−2}/d_{L−1}, the second by those of R; else `given`.
 pub fn seen_orders(differences: &[Term], given: Orders) -> Orders {
     let order = |before: f64, last: f64| elementary::ln((before / last).max(0.0)) / LN_2;
-    let whole = |x: f64, width: f64| (x.round() >= 1.0 && (x - x.round()).abs() < width).then(|| x.round());
+    let whole =
+        |x: f64, width: f64| (x.round() >= 1.0 && (x - x.round()).abs() < width).then(|| x.round());
     let [.., a, b, c] = differences else { return given };
     let Some(weak) = whole(order(b.mean, c.mean), WHOLE) else { return given };
     if whole(order(a.mean, b.mean), 0.5) != Some(weak) {
