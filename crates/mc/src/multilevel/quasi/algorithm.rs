@@ -317,11 +317,13 @@ impl Quasi<'_> {
     fn least_cost(&self, sums: &[Sum], last: usize) -> f64 {
         let of_sum = |sum: &Sum| sum.cost(self.accuracy, LEAST_GROWTH);
         let points = sums.iter().map(of_sum).fold(0.0, f64::max);
-        let resolved = |level: &usize| self.damping.largest_exponent(*level) <= LARGEST_EXPONENT;
-        let level = (last..=self.settings.max_level).find(resolved).unwrap_or(last);
-        let pilot = self.settings.pilot as f64 * self.level(level).cost_per_path as f64;
-        let levels = if level > last && self.random { 2.0 * pilot } else { 0.0 };
-        points.max(levels)
+        let exponent = self.damping.largest_exponent(last) / LARGEST_EXPONENT;
+        if !self.random || exponent <= 1.0 {
+            return points;
+        }
+        // The points of a pilot on a level with as many more steps, and on those below it.
+        let pilot = self.settings.pilot as f64 * self.level(last).cost_per_path as f64;
+        points.max(2.0 * pilot * exponent)
     }
 
     /// Says how far it is. Errors are taken to fall as they did for the points that there are.
