@@ -5,7 +5,7 @@ use crate::driver::GROUP_PATHS;
 
 use super::{
     bias::{self, BIAS_LEVELS, Bias},
-    diagnosis::{Evidence, better_coarsest_steps, level_values},
+    diagnosis::{Evidence, level_values},
     error::MultilevelError,
     level::{Drawn, Samples, Values, hull},
     plan::{self, BIAS_SHARE, Term},
@@ -127,8 +127,6 @@ impl Sampler<'_> {
             }
         };
         let mut expectation = self.report(&levels, levels.len());
-        let better = better_coarsest_steps(&levels, self.settings);
-        expectation.warnings.extend(better.map(|steps| Warning::CoarsestSteps { steps }));
         expectation.warnings.extend(limit);
         Ok(expectation)
     }

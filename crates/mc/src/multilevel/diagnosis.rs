@@ -5,7 +5,6 @@ use super::{
     level::Samples,
     report::{Estimate, Judged, Level, LevelValue, Warning},
     resolution::{Unresolved, coupled, share, unresolved, unresolved_function},
-    settings::ExpectationSettings,
     tails::{is_heavy, tail_index},
 };
 
@@ -15,9 +14,6 @@ const DEVIATION_LIMIT: f64 = 4.5;
 /// How far the observed order may significantly fall below the given one. With large steps it does
 /// by a tenth or so, and the bound on the bias allows for it.
 const ORDER_TOLERANCE: f64 = 0.25;
-/// Least relative saving for which another number of coarsest steps is recommended.
-const SAVING: f64 = 0.2;
-
 /// Distance in standard errors of the fine mean of one level and the coarse mean of another, which
 /// have the same expectation; relative to rounding where neither varies.
 fn deviation(fine: &Samples, coarse: &Samples, k: usize) -> f64 {
@@ -141,26 +137,4 @@ impl Evidence<'_> {
         }
         warnings
     }
-}
-
-/// The number of coarsest steps with which the same levels would cost least, if that saves a fifth
-/// or more. Begun on level m, they are single paths there and the differences above.
-pub fn better_coarsest_steps(levels: &[Samples], settings: &ExpectationSettings) -> Option<u64> {
-    let root = |m: usize, k: usize| {
-        // Single paths on level m are the coarse paths of the level above it.
-        let first = match m {
-            0 => (&levels[0].values[k].sample, levels[0].cost_per_path),
-            _ => (&levels[m + 1].values[k].coarse, settings.steps(m)),
-        };
-        let above = levels[m + 1..].iter();
-        let above = above.map(|samples| (&samples.values[k].sample, samples.cost_per_path));
-        let all = std::iter::once(first).chain(above);
-        all.map(|(moments, cost)| (moments.variance() * cost as f64).sqrt()).sum::<f64>()
-    };
-    let cost = |m: usize| {
-        let values = levels[0].values.iter().enumerate().filter(|(_, values)| values.varies());
-        values.map(|(k, _)| root(m, k) * root(m, k)).fold(0.0, f64::max)
-    };
-    let best = (0..levels.len() - 1).min_by(|&a, &b| cost(a).total_cmp(&cost(b)))?;
-    (cost(best) < (1.0 - SAVING) * cost(0)).then(|| settings.steps(best))
 }

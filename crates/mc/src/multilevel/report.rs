@@ -310,12 +310,6 @@ pub enum Warning {
         /// Distance in standard errors.
         deviation: f64,
     },
-    /// With this number of coarsest steps the same accuracy would have cost less.
-    #[error("{steps} coarsest steps would have cost less")]
-    CoarsestSteps {
-        /// The better number.
-        steps: u64,
-    },
     /// The cost reached its limit before the accuracy.
     #[error("the accuracy was not reached with the {max_cost} path-steps allowed")]
     CostLimit {

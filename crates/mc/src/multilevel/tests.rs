@@ -10,7 +10,7 @@ use systems::{Constant, Pendulum, Problem};
 
 use super::{
     algorithm::{Halt, Sampler},
-    diagnosis::{Evidence, better_coarsest_steps, level_values},
+    diagnosis::{Evidence, level_values},
     error::MultilevelError,
     level::{Drawn, PathValues, Samples, Sums, Values, hull},
     plan::{self, Term},
@@ -467,35 +467,6 @@ fn each_assumption_is_judged_at_its_limit() {
 }
 
 #[test]
-fn better_coarsest_steps_save_a_fifth() {
-    // (Σ√(VC))² of level 0 with its differences, against single paths on level 1 with the rest.
-    let of = |v1: f64| {
-        let size = |v: f64| [-v.sqrt(), v.sqrt()].repeat(32);
-        let coarse = |v: f64| Values {
-            sample: moments(&size(v)),
-            fine: moments(&size(1.0)),
-            coarse: moments(&size(1.0)),
-            ..Values::default()
-        };
-        let cost = [4, 12, 24, 48];
-        let values = [1.0, v1, 0.01, 0.0025];
-        let mut levels: Vec<Samples> = (0..4).map(|l| level(l, 64, coarse(values[l]))).collect();
-        levels.iter_mut().zip(cost).for_each(|(level, cost)| level.cost_per_path = cost);
-        let root = |v: f64, c: f64| (v * c).sqrt();
-        let above = root(0.01, 24.0) + root(0.0025, 48.0);
-        let first = root(1.0, 4.0) + root(v1, 12.0) + above;
-        // From level 1 on, single paths cost eight steps, with the variance one of coarse paths.
-        let second = root(1.0, 8.0) + above;
-        (better_coarsest_steps(&levels, &settings()), (second / first).powi(2))
-    };
-    for v1 in [0.1, 0.15, 0.2, 0.25, 0.3, 0.5] {
-        let (steps, saving) = of(v1);
-        assert_eq!(steps, (saving < 0.8).then_some(8), "{v1} {saving}");
-    }
-    assert!(of(0.1).1 > 0.8 && of(0.5).1 < 0.8);
-}
-
-#[test]
 fn an_interval_adds_the_bias_to_the_rest() {
     let estimate = Estimate {
         quantile: QUANTILE,
@@ -624,8 +595,7 @@ fn the_accuracy_is_reached_with_little_more_than_it_takes() {
             let (result, rounds) = run(accuracy, &settings);
             let result = result.unwrap();
             let estimate = &result.estimates[0];
-            let advice = |warning: &Warning| matches!(warning, Warning::CoarsestSteps { .. });
-            assert!(result.reached() && result.warnings.iter().all(advice), "{result:?}");
+            assert!(result.reached() && result.warnings.is_empty(), "{result:?}");
             let (lower, upper) = estimate.interval();
             assert!(lower < 1.0 / 3.0 && 1.0 / 3.0 < upper, "{result:?}");
             // The bias has a quarter at most, and the rest is used up to the pilots.

@@ -280,7 +280,7 @@ impl PoissonSystem<2, 1> for Bounded {
         [v[1], -v[0]]
     }
     fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
-        (-y[1] + 3.5).ln() * dt - y[0] * dw[0]
+        (-y[1] + 3.5).sqrt() * dt - y[0] * dw[0]
     }
 }
 
@@ -293,9 +293,9 @@ fn few_failed_paths_widen_the_interval() {
     assert!(found.reached() && estimate.failed > 0, "{found}");
     let fails = found.decisions.iter().any(|decision| decision.starts_with("paths fail"));
     assert!(!fails, "{found}");
-    let (truth, share) = (f64::exp(-0.5), estimate.failed as f64 / 20_000.0);
+    let truth = f64::exp(-0.5);
     assert!((estimate.value - truth).abs() <= estimate.half_width(), "{found}");
-    assert!(estimate.bias_bound > share, "{found}");
+    assert!(estimate.bias_bound > 2e-4, "{found}");
 }
 
 #[test]
