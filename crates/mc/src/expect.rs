@@ -1,15 +1,15 @@
 //! E[φ(y(T))] to a requested accuracy, with everything else chosen.
 
-use std::sync::Arc;
+use std::{cell::Cell, sync::Arc};
 
 use noise::{BlockNoise, NoiseRows, StepNoise, StreamKey, Truncation};
 use schemes::{DynScheme, Nv, Sexp, SexpLi, Sweep, run_time::SchemeError};
-use systems::{Damping, Flows, PoissonSystem, Problem, run_time};
+use systems::{Damping, Flows, Linearity, PoissonSystem, Problem, linearity, run_time};
 
 use crate::{
     DynProblem, Observable, Observe, Setup,
     multilevel::{
-        Coupling, Expectation, ExpectationSettings, MultilevelError, Orders, QuasiSettings,
+        Coupling, Expectation, ExpectationSettings, MultilevelError, Orders, QuasiSettings, SoFar,
         Warning, quasi_expectation,
     },
     observable::erased,
@@ -53,12 +53,18 @@ pub fn expect<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
 /// over both orders of the noises, which has an expansion in even powers of τ. Without flows of
 /// parts `sexp-li` of weak order one ([`SexpLi`]): a step of `nv` by stages costs ten times as much
 /// and more, and extrapolation makes up for the order. Where neither is for the system, or its
-/// paths fail, `sexp`.
+/// paths fail, `sexp`; also where B is constant, since `sexp-li` is explicit there and its energy
+/// drifts.
 ///
 /// **Points.** Scrambled Sobol points, 32 independent scrambles, with a Brownian bridge; see
 /// [`multilevel`](crate::multilevel). Levels of τ, τ/2, … are added until the bound on the bias is
 /// half of the statistical half-width and a third of the accuracy, or 1/64 of the accuracy; points
-/// are doubled where a path-step gains most. Where paths fail on large steps, the coarsest level takes more of them.
+/// are doubled where a path-step gains most. Where paths fail on large steps, the coarsest level
+/// takes more of them, unless so few fail that their share times the range of φ, which is added to
+/// the half-width, leaves the accuracy within reach.
+///
+/// **Limits.** It ends early where the accuracy would take more path-steps than are allowed even
+/// if errors fell as N^{−3/2} ([`Warning::OutOfReach`]).
 ///
 /// What was decided is in [`Expectation::decisions`].
 pub struct Expect<'a, N> {
@@ -67,6 +73,7 @@ pub struct Expect<'a, N> {
     scrambles: u64,
     max_cost: u64,
     coarsest_steps: u64,
+    watch: fn(&SoFar),
 }
 
 /// A scheme with which an expectation may be computed.
@@ -88,9 +95,12 @@ impl<'a, const M: usize> Expect<'a, BlockNoise<M>> {
             problem: DynProblem::of(problem),
             scheme: bound_owning(problem.system(), scheme),
         };
-        let first = SexpLi::new(problem.system(), problem.y0());
+        let first = match linearity(problem.system(), problem.y0()) {
+            Linearity::Constant => Err(EXPLICIT.into()),
+            _ => SexpLi::new(problem.system(), problem.y0()).map_err(|error| error.to_string()),
+        };
         let first = first.map(|scheme| Candidate::of_order_one(setup(Box::new(scheme))));
-        Self::of(first.map_err(|error| error.to_string()), setup(Box::new(Sexp)))
+        Self::of(first, setup(Box::new(Sexp)))
     }
 
     /// Expectations of a problem whose system has parts with flows, which cost less.
@@ -111,6 +121,7 @@ impl<'a> Expect<'a, NoiseRows> {
     pub fn at_run_time(problem: &'a run_time::Problem) -> Result<Self, SchemeError> {
         let sexp = Setup::owning(problem, Box::new(Sexp))?;
         let first = match SexpLi::at_run_time(problem.system()) {
+            _ if problem.system().linearity() == Linearity::Constant => Err(EXPLICIT.into()),
             Ok(scheme) => Ok(Candidate::of_order_one(Setup::owning(problem, Box::new(scheme))?)),
             Err(error) => Err(error.to_string()),
         };
@@ -131,6 +142,9 @@ fn by_parts<'a, S: Flows<D, M>, G: Damping, const D: usize, const M: usize>(
     }
 }
 
+/// Why `sexp-li` is not taken for a constant B.
+const EXPLICIT: &str = "sexp-li is explicit where B is constant";
+
 /// How often the coarsest level takes twice as many steps where paths fail.
 const REFINEMENTS: u32 = 8;
 
@@ -149,6 +163,7 @@ impl<'a, N: StepNoise> Expect<'a, N> {
             scrambles: 32,
             max_cost: 10_000_000_000,
             coarsest_steps: 1,
+            watch: |_| (),
         }
     }
 
@@ -165,7 +180,8 @@ impl<'a, N: StepNoise> Expect<'a, N> {
         Self { scrambles, ..self }
     }
 
-    /// Ends with so many path-steps, whether the accuracy is reached or not; 10¹⁰ unless set.
+    /// Ends with so many path-steps of all attempts together, whether the accuracy is reached or
+    /// not; 10¹⁰ unless set.
     #[must_use]
     pub fn with_max_cost(self, max_cost: u64) -> Self {
         Self { max_cost, ..self }
@@ -176,6 +192,12 @@ impl<'a, N: StepNoise> Expect<'a, N> {
     #[must_use]
     pub fn with_coarsest_steps(self, coarsest_steps: u64) -> Self {
         Self { coarsest_steps, ..self }
+    }
+
+    /// Calls `watch` between two rounds of samples.
+    #[must_use]
+    pub fn with_watch(self, watch: fn(&SoFar)) -> Self {
+        Self { watch, ..self }
     }
 
     /// The expectations. `progress` is called now and then, from any thread, with the number of
@@ -211,34 +233,53 @@ impl<'a, N: StepNoise> Expect<'a, N> {
             let value = self.scrambles as f64;
             return Err(MultilevelError::Setting { name, allowed, value });
         }
-        let (mut decisions, mut cost) = (Vec::new(), 0);
+        let (mut decisions, spent, mut best) = (Vec::new(), Cell::new(0), None);
         let last = self.candidates.len() - 1;
         for (n, candidate) in self.candidates.iter().enumerate() {
             decisions.push(candidate.reason.clone());
             let mut steps = self.coarsest_steps.max(candidate.least_steps());
             for refinement in 0..=REFINEMENTS {
-                let found = candidate.expectation(
+                let Candidate { mirror, orders, setup, .. } = candidate;
+                let scrambles = self.scrambles;
+                let quasi = QuasiSettings {
+                    mirror: mirror.as_ref(),
+                    orders: *orders,
+                    scrambles,
+                    spent: &spent,
+                };
+                let found = quasi_expectation(
                     job,
-                    &format!("{name}/{} from {steps} steps", candidate.setup.scheme.id()),
-                    (self.scrambles, &self.settings(candidate, steps)),
+                    &format!("{name}/{} from {steps} steps", setup.scheme.id()),
+                    setup,
+                    &quasi,
                     observables,
                     accuracy,
+                    &self.settings(candidate, steps),
                     progress,
                 );
                 let end = n == last && refinement == REFINEMENTS;
+                let good = |found: &Expectation| {
+                    let fails = |w: &Warning| matches!(w, Warning::FailedPaths { .. });
+                    let stopped = found.warnings.contains(&Warning::Stopped);
+                    stopped || found.reached() || !found.warnings.iter().any(fails)
+                };
                 match found {
                     Ok(Some(mut found)) => {
-                        cost += found.cost;
-                        let fails = |w: &Warning| matches!(w, Warning::FailedPaths { .. });
-                        if end || !found.warnings.iter().any(fails) {
-                            found.cost = cost;
-                            decisions.append(&mut found.decisions);
-                            found.decisions = decisions;
+                        let mut all = decisions.clone();
+                        all.append(&mut found.decisions);
+                        found.decisions = all;
+                        if end || good(&found) {
                             return Ok(Some(found));
                         }
+                        best = Some(found);
                     }
                     Err(MultilevelError::NoPaths { .. } | MultilevelError::NotFinite { .. })
                         if !end => {}
+                    // The limit is for all attempts together.
+                    Err(error @ MultilevelError::PilotCost { .. }) => {
+                        let best = best.map(|best| Expectation { cost: spent.get(), ..best });
+                        return best.map(Some).ok_or(error);
+                    }
                     other => return other,
                 }
                 if refinement > 0 {
@@ -259,6 +300,7 @@ impl<'a, N: StepNoise> Expect<'a, N> {
             weak_order: candidate.orders.weak,
             pilot: PILOT_POINTS * self.scrambles,
             max_cost: self.max_cost,
+            watch: self.watch,
             ..ExpectationSettings::new(self.key, truncation, steps, candidate.coupling())
         }
     }
@@ -284,27 +326,6 @@ impl<'a, N: StepNoise> Candidate<'a, N> {
             true => 2 * (self.setup.problem.t_end.ceil() as u64).next_power_of_two(),
             false => 1,
         }
-    }
-
-    fn expectation(
-        &self,
-        job: &Job,
-        name: &str,
-        (scrambles, settings): (u64, &ExpectationSettings),
-        observables: &[&dyn Observe],
-        accuracy: f64,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Option<Expectation>, MultilevelError> {
-        quasi_expectation(
-            job,
-            name,
-            &self.setup,
-            &QuasiSettings { mirror: self.mirror.as_ref(), orders: self.orders, scrambles },
-            observables,
-            accuracy,
-            settings,
-            progress,
-        )
     }
 }
 

@@ -39,7 +39,8 @@ pub struct SeenDamping<'a> {
     coarsest_steps: u64,
     /// ∫₀ᵗγ at the times kT/n.
     exact: Vec<f64>,
-    /// ∫|γ| over [0, T].
+    /// ∫|γ| over the parts of the quadrature, which are equal, and over [0, T].
+    sizes: Vec<f64>,
     size: f64,
     /// Defects that were asked for: the number of halvings, and what was found.
     known: RefCell<Vec<(usize, f64)>>,
@@ -71,14 +72,25 @@ impl<'a> SeenDamping<'a> {
         }
         let per_time = LEAST_PARTS.div_ceil(times);
         let quadrature = RateQuadrature::new(damping, t_end, (times * per_time) as u32);
-        let (mut sum, mut size) = (0.0, 0.0);
+        let mut sum = 0.0;
         let exact = quadrature.parts.chunks(per_time as usize).map(|parts| {
             sum += parts.iter().map(|part| part.net).sum::<f64>();
-            size += parts.iter().map(|part| part.size).sum::<f64>();
             sum
         });
         let exact = exact.collect();
-        Self { damping, reads_rates, t_end, coarsest_steps, exact, size, known: RefCell::default() }
+        let sizes: Vec<f64> = quadrature.parts.iter().map(|part| part.size).collect();
+        let (size, known) = (sizes.iter().sum(), RefCell::default());
+        Self { damping, reads_rates, t_end, coarsest_steps, exact, sizes, size, known }
+    }
+
+    /// The largest ∫|γ| over one of the coarsest steps that are halved `halvings` times, nearly.
+    /// Above one a step forgets what noise and forces do in its first half.
+    pub fn largest_exponent(&self, halvings: usize) -> f64 {
+        let steps = self.coarsest_steps as f64 * (1u64 << halvings) as f64;
+        let parts = self.sizes.len() as f64 / steps;
+        let chunks = self.sizes.chunks(parts.max(1.0) as usize);
+        let largest = chunks.map(|chunk| chunk.iter().sum()).fold(0.0, f64::max);
+        largest * parts.min(1.0)
     }
 
     /// The largest distance from ∫₀ᵗγ of the sums that the scheme sees, and of the integrals given,

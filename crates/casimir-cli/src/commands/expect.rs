@@ -1,12 +1,18 @@
 //! `casimir expect`: expectations with intervals.
 
-use std::time::Instant;
+use std::{
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::Instant,
+};
 
 use casimir::{
     mc::{
         self, Observe, Setup,
         multilevel::{
-            Coupling, Expectation, ExpectationSettings, MultilevelError, expectation_of_in,
+            Coupling, Expectation, ExpectationSettings, MultilevelError, SoFar, expectation_of_in,
         },
         parts::{Job, JobError, Share, remove},
     },
@@ -16,7 +22,8 @@ use casimir::{
 };
 
 use super::{
-    Settled, coarsest_steps, folder, open, print, print_json, program, scheme, stop, threads, warn,
+    Settled, coarsest_steps, folder, open, print, print_json, program, scheme, stop, stoppable,
+    threads, warn,
 };
 use crate::{
     arguments::Expect,
@@ -55,11 +62,14 @@ pub fn expect(arguments: &Expect) -> Done {
             }
             None => Job::here(),
         };
-        let job = job.stopped_by(&stop);
+        let job = stoppable(job, &stop);
         (ready.compute(&job)?, job.finish())
     });
     match finished {
         Err(JobError::Stopped) => {
+            if let Some(results) = results {
+                report(&scene, &results, arguments.output.json)?;
+            }
             let kept = match folder {
                 Some(folder) => format!(
                     "{} has a checkpoint; the same command goes on from there",
@@ -116,7 +126,7 @@ impl<'a, N: StepNoise> Ready<'a, N> {
         let (scheme, because) = settled.cloned().map_or_else(|| settle(scene, model), Ok)?;
         let chosen = if scheme == AUTO { model.expect() } else { None };
         if let Some(mut chosen) = chosen {
-            chosen = chosen.with_key(settings.key);
+            chosen = chosen.with_key(settings.key).with_watch(hear);
             if let Some(steps) = settings.coarsest_steps {
                 chosen = chosen.with_coarsest_steps(steps);
             }
@@ -134,7 +144,18 @@ impl<'a, N: StepNoise> Ready<'a, N> {
         let phi: Vec<&dyn Observe> = scene.expected.iter().map(|phi| phi as _).collect();
         let (name, bars) = ("expectation", Bars::default());
         bars.begin("sampling until the accuracy is reached", 0);
-        let advance = |work| bars.advance(work);
+        let (done, next) = (AtomicU64::new(0), Mutex::new(FIRST));
+        let advance = |work| {
+            bars.advance(work);
+            let done = done.fetch_add(work, Ordering::Relaxed) + work;
+            let seconds = start.elapsed().as_secs_f64();
+            if let Ok(mut next) = next.try_lock()
+                && seconds > *next
+            {
+                *next = seconds + seconds.min(MOST_SILENCE);
+                bars.note(&how_far(done as f64, seconds));
+            }
+        };
         let found = match way {
             Way::Chosen(chosen) => chosen.run_in(job, name, &phi, accuracy, &advance),
             Way::Levels(setup) => {
@@ -162,7 +183,44 @@ fn levels<N: StepNoise>(scene: &Scene, setup: &Setup<'_, N>) -> ExpectationSetti
         true => Coupling::Antithetic,
         false => Coupling::Plain,
     };
-    ExpectationSettings::new(settings.key, settings.truncation, steps, coupling)
+    let settings = ExpectationSettings::new(settings.key, settings.truncation, steps, coupling);
+    ExpectationSettings { watch: hear, ..settings }
+}
+
+/// What the last round of samples gave.
+static SO_FAR: Mutex<Option<SoFar>> = Mutex::new(None);
+/// Seconds until something is said, and between two lines.
+const FIRST: f64 = 5.0;
+const MOST_SILENCE: f64 = 60.0;
+
+fn hear(so_far: &SoFar) {
+    *SO_FAR.lock().unwrap_or_else(PoisonError::into_inner) = Some(*so_far);
+}
+
+/// The half-width so far, and what the accuracy takes.
+fn how_far(done: f64, seconds: f64) -> String {
+    let mut text = format!("{seconds:.0} s, {done:.1e} path-steps: ");
+    let Some(SoFar { half_width, accuracy, expected, max_cost, .. }) =
+        *SO_FAR.lock().unwrap_or_else(PoisonError::into_inner)
+    else {
+        return text + "no interval yet";
+    };
+    if half_width.is_infinite() {
+        text += "no interval yet, ";
+    } else {
+        text += &format!("± {half_width:.1e} so far, ± {accuracy:.1e} is wanted: ");
+    }
+    let most = max_cost as f64;
+    let left = |cost: f64| (cost - done).max(0.0) * seconds / done;
+    let rest = match expected {
+        None => "smaller steps are needed".into(),
+        Some(cost) if cost > most => format!(
+            "that takes about {cost:.0e} path-steps, and {most:.0e} are allowed, {:.0} s more",
+            left(most)
+        ),
+        Some(cost) => format!("about {:.0} s more", left(cost)),
+    };
+    text + &rest
 }
 
 /// Says what was found.

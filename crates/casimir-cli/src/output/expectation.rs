@@ -27,7 +27,6 @@ pub fn expectation_text(scene: &Scene, results: &Expected) -> String {
 fn of_scene(warning: &Warning, scene: &Scene) -> String {
     let text = format!("warning: {warning}");
     let text = match warning {
-        Warning::CoarsestSteps { steps } => format!("note: --steps {steps} would have cost less"),
         Warning::Unresolved { component, .. } => {
             text.replace(&format!("y{component}"), &scene.components[component - 1])
         }

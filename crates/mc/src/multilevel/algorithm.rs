@@ -5,13 +5,13 @@ use crate::driver::GROUP_PATHS;
 
 use super::{
     bias::{self, BIAS_LEVELS, Bias},
-    diagnosis::{Evidence, better_coarsest_steps, level_values},
+    diagnosis::{Evidence, level_values},
     error::MultilevelError,
     level::{Drawn, Samples, Values, hull},
     plan::{self, BIAS_SHARE, Term},
     report::{Estimate, Expectation, Judged, Level, QUANTILE, Warning},
     resolution::{Motion, coupled, is_near, unresolved, unresolved_function},
-    settings::{Coupling, Estimator, ExpectationSettings, whole},
+    settings::{Coupling, Estimator, ExpectationSettings, SoFar, whole},
     tails::is_heavy,
 };
 
@@ -22,6 +22,10 @@ const LATER_PILOT: u64 = 4;
 
 /// What the largest difference loses from a level to the next if it falls with strong order ½.
 const SHRINKS: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// The largest ∫|γ| over a step that is resolved: noise of a step that enters in its middle has the
+/// variance x/sinh x of the true one, x = γτ, which has an expansion in τ where x is below one.
+pub const LARGEST_EXPONENT: f64 = 1.0;
 
 /// Gives all samples of a level, so many paths, where those of the whole round take so many
 /// path-steps; `None` if they are drawn elsewhere.
@@ -58,6 +62,16 @@ pub struct Sampler<'a> {
     pub cost: u64,
     /// Path-steps that are kept for single paths.
     pub reserve: u64,
+    /// Whether the computation was stopped and gives what is done.
+    pub stopped: &'a dyn Fn() -> bool,
+}
+
+/// How the steps of a level do not resolve the damping, if they do not.
+pub fn unresolved_damping(damping: &SeenDamping<'_>, level: usize) -> Option<Warning> {
+    let exponent = damping.largest_exponent(level);
+    let strong =
+        (exponent > LARGEST_EXPONENT).then_some(Warning::StrongDamping { level, exponent });
+    strong.or_else(|| damping.unresolved(level).map(|defect| Warning::Damping { level, defect }))
 }
 
 impl Sampler<'_> {
@@ -85,6 +99,7 @@ impl Sampler<'_> {
             let budget = if at_end && resolvable { 0.5 } else { BIAS_SHARE } * self.accuracy;
             let half_widths = self.half_widths(&biases, budget);
             let bounded = biases.iter().all(|bias| bias.bound <= budget);
+            self.tell(&levels, &biases, &half_widths);
             let complete = if !at_end && !is_near(&levels[1..]) {
                 self.add_level(&mut levels, 0)?
             } else if self.too_wide(&levels, &half_widths) {
@@ -112,8 +127,6 @@ impl Sampler<'_> {
             }
         };
         let mut expectation = self.report(&levels, levels.len());
-        let better = better_coarsest_steps(&levels, self.settings);
-        expectation.warnings.extend(better.map(|steps| Warning::CoarsestSteps { steps }));
         expectation.warnings.extend(limit);
         Ok(expectation)
     }
@@ -131,6 +144,9 @@ impl Sampler<'_> {
         let half_widths = self.half_widths(&self.biases(&differences), BIAS_SHARE * self.accuracy);
         let mut single = vec![self.level(differences.len(), None)];
         let mut complete = self.sample_up_to(&mut single, &[self.settings.whole_pilot()])?;
+        if single[0].paths == 0 {
+            return Err(Halt::Elsewhere);
+        }
         while complete && self.too_wide(&single, &half_widths) {
             let wanted = self.samples(&single, &half_widths);
             complete = self.sample_up_to(&mut single, &wanted)?;
@@ -142,6 +158,27 @@ impl Sampler<'_> {
         let mut expectation = self.report(&single, 1);
         expectation.warnings.extend(limit);
         Ok(expectation)
+    }
+
+    /// Says how far it is.
+    fn tell(&self, levels: &[Samples], biases: &[Bias], half_widths: &[f64]) {
+        let half_width = |(k, bias): (usize, &Bias)| {
+            let terms = self.terms(levels, k);
+            let (variance, tail) = (plan::variance_of_sum(&terms), plan::tail_of_sum(&terms));
+            plan::half_width(variance, tail) + bias.bound
+        };
+        let half_width = biases.iter().enumerate().map(half_width).fold(0.0, f64::max);
+        let wanted = self.samples(levels, half_widths);
+        let cost = |(level, n): (&Samples, &u64)| {
+            level.count().max(*n) as f64 * level.cost_per_path as f64
+        };
+        (self.settings.watch)(&SoFar {
+            half_width,
+            accuracy: self.accuracy,
+            cost: self.cost,
+            expected: Some(levels.iter().zip(&wanted).map(cost).sum()),
+            max_cost: self.settings.max_cost,
+        });
     }
 
     /// A level without samples.
@@ -161,8 +198,12 @@ impl Sampler<'_> {
         self.level(level, Some(self.settings.coupling))
     }
 
+    /// Why not all samples that were wanted were drawn.
     fn cost_limit(&self) -> Warning {
-        Warning::CostLimit { max_cost: self.settings.max_cost }
+        match (self.stopped)() {
+            true => Warning::Stopped,
+            false => Warning::CostLimit { max_cost: self.settings.max_cost },
+        }
     }
 
     /// Test function number k on these levels. It may spread as it does on all levels that were
@@ -228,12 +269,6 @@ impl Sampler<'_> {
         wanted[levels.len()]
     }
 
-    /// What the sums of the damping over the steps of a level lack, if the level does not resolve
-    /// it.
-    fn unresolved_damping(&self, level: usize) -> Option<f64> {
-        self.damping.unresolved(level)
-    }
-
     /// Twice as many samples of the levels that decide the bias and on which some φ is the same on
     /// every path while it varies on others: it has rare events that a few more paths will meet.
     fn blind_samples(&self, levels: &[Samples]) -> Option<Vec<u64>> {
@@ -252,7 +287,7 @@ impl Sampler<'_> {
     /// Whether the last difference resolves the damping, the motion and every φ.
     fn resolves(&self, differences: &[Samples]) -> bool {
         let [.., last] = differences else { return false };
-        self.unresolved_damping(last.level).is_none()
+        unresolved_damping(&self.damping, last.level).is_none()
             && unresolved(differences).is_none()
             && last.values.iter().all(|values| coupled(values, self.accuracy))
             && (0..self.names.len())
@@ -339,7 +374,11 @@ impl Sampler<'_> {
         }
         levels.push(level);
         let last = levels.len() - 1;
-        self.sample_up_to(&mut levels[last..], &[paths.max(least_pilot)])
+        let complete = self.sample_up_to(&mut levels[last..], &[paths.max(least_pilot)])?;
+        if levels[last].paths == 0 {
+            levels.pop();
+        }
+        Ok(complete)
     }
 
     /// Path-steps that may be spent now.
@@ -361,8 +400,10 @@ impl Sampler<'_> {
             true => (u128::from(paths) * budget / cost) as u64 / GROUP_PATHS * GROUP_PATHS,
             false => paths,
         };
-        self.sample(levels, &more.into_iter().map(within).collect::<Vec<_>>())?;
-        Ok(cost <= budget)
+        match self.sample(levels, &more.into_iter().map(within).collect::<Vec<_>>()) {
+            Err(Halt::Elsewhere) if (self.stopped)() => Ok(false),
+            drawn => drawn.map(|()| cost <= budget),
+        }
     }
 
     /// Draws more paths of each level.
@@ -439,8 +480,9 @@ impl Sampler<'_> {
         };
         let reports: Vec<_> = levels.iter().map(level).collect();
         let (accuracy, order) = (self.accuracy, self.settings.weak_order);
-        let damping = levels.last().and_then(|last| self.unresolved_damping(last.level));
-        let evidence = Evidence { levels, first: 0, terms, accuracy, order, damping };
+        let damping = levels.last().and_then(|last| unresolved_damping(&self.damping, last.level));
+        let random = true;
+        let evidence = Evidence { levels, first: 0, terms, accuracy, order, damping, random };
         let warnings = evidence.judge(&reports, &mut estimates);
         let decisions = Vec::new();
         let (scheme, cost, levels) = (self.scheme, self.cost, reports);

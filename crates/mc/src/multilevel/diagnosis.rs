@@ -5,25 +5,15 @@ use super::{
     level::Samples,
     report::{Estimate, Judged, Level, LevelValue, Warning},
     resolution::{Unresolved, coupled, share, unresolved, unresolved_function},
-    settings::ExpectationSettings,
     tails::{is_heavy, tail_index},
 };
 
-/// Largest kurtosis κ without a check of the number of samples N. The relative error of a variance
-/// is √(κ/N), a third with κ = 100 and a thousand samples, and κ itself is underestimated.
-const KURTOSIS_LIMIT: f64 = 100.0;
-/// With this many samples for each unit of kurtosis the variance is known to a quarter, and the
-/// standard error to an eighth.
-const SAMPLES_PER_KURTOSIS: f64 = 16.0;
 /// Standard errors between two means of one expectation: exceeded once in 10⁵ comparisons of
 /// normals.
 const DEVIATION_LIMIT: f64 = 4.5;
 /// How far the observed order may significantly fall below the given one. With large steps it does
 /// by a tenth or so, and the bound on the bias allows for it.
 const ORDER_TOLERANCE: f64 = 0.25;
-/// Least relative saving for which another number of coarsest steps is recommended.
-const SAVING: f64 = 0.2;
-
 /// Distance in standard errors of the fine mean of one level and the coarse mean of another, which
 /// have the same expectation; relative to rounding where neither varies.
 fn deviation(fine: &Samples, coarse: &Samples, k: usize) -> f64 {
@@ -60,8 +50,10 @@ pub struct Evidence<'a> {
     pub accuracy: f64,
     /// The weak order given.
     pub order: f64,
-    /// What sums of the damping lack on the last level, if it does not resolve the damping.
-    pub damping: Option<f64>,
+    /// How the last level does not resolve the damping.
+    pub damping: Option<Warning>,
+    /// Whether there is noise.
+    pub random: bool,
 }
 
 impl Evidence<'_> {
@@ -90,16 +82,15 @@ impl Evidence<'_> {
             let (component, level) = (component + 1, last.level);
             warnings.push(Warning::Unresolved { component, level, difference, before });
         }
-        if let Some(defect) = self.damping {
-            warnings.push(Warning::Damping { level: last.level, defect });
-        }
+        warnings.extend(self.damping.clone());
         let resolution = unresolved.is_none() && self.damping.is_none();
         for (k, estimate) in estimates.iter_mut().enumerate() {
             let judged = &mut estimate.judged;
             *judged = Judged { variance: true, bias: enough, resolution };
             let name = &estimate.name;
             let observable = || name.clone();
-            if let Some(blind) = self.deciding().find(|samples| samples.values[k].is_blind()) {
+            let blind = |samples: &&Samples| self.random && samples.values[k].is_blind();
+            if let Some(blind) = self.deciding().find(blind) {
                 judged.variance = false;
                 let (level, samples) = (blind.level, blind.count());
                 warnings.push(Warning::Constant { observable: observable(), level, samples });
@@ -118,13 +109,8 @@ impl Evidence<'_> {
                     difference,
                 });
             }
-            for &Level { level, samples, ref values, .. } in reports {
-                let LevelValue { kurtosis, deviation, .. } = values[k];
-                // A NaN is no kurtosis above the limit.
-                let unsure = samples as f64 <= SAMPLES_PER_KURTOSIS * kurtosis;
-                if kurtosis > KURTOSIS_LIMIT && unsure {
-                    warnings.push(Warning::Kurtosis { observable: observable(), level, kurtosis });
-                }
+            for &Level { level, ref values, .. } in reports {
+                let deviation = values[k].deviation;
                 if deviation > DEVIATION_LIMIT {
                     judged.bias = false;
                     warnings.push(Warning::Inconsistent {
@@ -140,9 +126,6 @@ impl Evidence<'_> {
                 let (level, index) = (begin.level, tail_index(begin, k));
                 warnings.push(Warning::HeavyTail { observable: observable(), level, index });
             }
-            if let Some(beta) = estimate.beta.filter(|beta| beta.upper < 1.0) {
-                warnings.push(Warning::VarianceDecay { observable: observable(), beta });
-            }
             let assumed = self.order;
             if let Some(alpha) = estimate.alpha {
                 let slow = alpha.upper < lowest(assumed);
@@ -154,26 +137,4 @@ impl Evidence<'_> {
         }
         warnings
     }
-}
-
-/// The number of coarsest steps with which the same levels would cost least, if that saves a fifth
-/// or more. Begun on level m, they are single paths there and the differences above.
-pub fn better_coarsest_steps(levels: &[Samples], settings: &ExpectationSettings) -> Option<u64> {
-    let root = |m: usize, k: usize| {
-        // Single paths on level m are the coarse paths of the level above it.
-        let first = match m {
-            0 => (&levels[0].values[k].sample, levels[0].cost_per_path),
-            _ => (&levels[m + 1].values[k].coarse, settings.steps(m)),
-        };
-        let above = levels[m + 1..].iter();
-        let above = above.map(|samples| (&samples.values[k].sample, samples.cost_per_path));
-        let all = std::iter::once(first).chain(above);
-        all.map(|(moments, cost)| (moments.variance() * cost as f64).sqrt()).sum::<f64>()
-    };
-    let cost = |m: usize| {
-        let values = levels[0].values.iter().enumerate().filter(|(_, values)| values.varies());
-        values.map(|(k, _)| root(m, k) * root(m, k)).fold(0.0, f64::max)
-    };
-    let best = (0..levels.len() - 1).min_by(|&a, &b| cost(a).total_cmp(&cost(b)))?;
-    (cost(best) < (1.0 - SAVING) * cost(0)).then(|| settings.steps(best))
 }

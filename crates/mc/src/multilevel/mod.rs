@@ -52,9 +52,12 @@
 //! **Paths that fail** are in no mean, from their failure on; their number stands beside each
 //! estimate and level, and the estimate is conditional on survival.
 //!
-//! **Further checks** only warn: kurtosis, and the decay of variances and means; see [`Warning`].
+//! **Further checks** only warn: the decay of means; see [`Warning`].
 //! Whether the levels telescope is seen to some standard errors of φ itself on a level, which is
 //! far more than the accuracy.
+//!
+//! **Without noise** there is one path, on as many levels as the accuracy takes, extrapolated with
+//! the order that its differences show. The interval is a bound on what extrapolation leaves.
 //!
 //! **Lévy areas.** The sum over the levels is E[φ(y_L)] only if the coarse path of a level has the
 //! law of the fine path below. Areas are drawn on fine steps and joined on coarse ones, so the two
@@ -101,7 +104,11 @@ mod tails;
 mod tests;
 mod write;
 
-use std::{cell::RefCell, collections::BTreeMap, sync::Arc};
+use std::{
+    cell::{Cell, RefCell},
+    collections::BTreeMap,
+    sync::Arc,
+};
 
 use noise::StepNoise;
 use schemes::Scheme;
@@ -120,7 +127,7 @@ use resolution::Motion;
 
 pub use error::MultilevelError;
 pub use report::{Estimate, Expectation, Judged, Level, LevelValue, Rate, Warning};
-pub use settings::{Coupling, Estimator, ExpectationSettings};
+pub use settings::{Coupling, Estimator, ExpectationSettings, SoFar};
 
 pub(crate) use quasi::{Orders, QuasiSettings, quasi_expectation};
 
@@ -161,7 +168,9 @@ pub fn expectation_of<N: StepNoise>(
 }
 
 /// The same as [`expectation`], as a piece of work of a job with the name `name`, whole, in parts
-/// or merged, with the same bits. `None` if the results are not here; [`Job::finish`] says why.
+/// or merged, with the same bits. `None` if the results are not here; [`Job::finish`] says why. A
+/// job that is stopped and [gives what is done](Job::giving_what_is_done) has the estimates of the
+/// rounds before, with [`Warning::Stopped`].
 ///
 /// Samples are drawn in rounds, and every round follows from those before: run the parts, merge,
 /// and if [`Job::finish`] reports [`NextRound`](crate::parts::JobError::NextRound), run the parts
@@ -199,6 +208,20 @@ pub fn expectation_of_in<N: StepNoise>(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Option<Expectation>, MultilevelError> {
     let Setup { problem, scheme } = setup;
+    if problem.noises == 0 {
+        let orders = Orders { weak: settings.weak_order, next: settings.weak_order + 1.0 };
+        let quasi = QuasiSettings { mirror: None, orders, scrambles: 1, spent: &Cell::new(0) };
+        return quasi_expectation(
+            job,
+            name,
+            setup,
+            &quasi,
+            observables,
+            accuracy,
+            settings,
+            progress,
+        );
+    }
     let y0 = &problem.y0[..];
     let starts: Vec<f64> = observables.iter().map(|phi| value(*phi, y0)).collect();
     // The nodes of each family of streams so far.
@@ -230,6 +253,7 @@ pub fn expectation_of_in<N: StepNoise>(
             groups: level.paths / GROUP_PATHS..paths / GROUP_PATHS,
         };
         let more = ladder.nodes_in(job, &[piece], Some(round), &new, progress);
+        let more = more.filter(|_| !job.stop().is_asked());
         let Some(more) = more.and_then(|mut more| more.pop()) else { return Ok(None) };
         let mut drawn = drawn.borrow_mut();
         let nodes: &mut Vec<_> = drawn.entry(family).or_default();
@@ -252,6 +276,7 @@ pub fn expectation_of_in<N: StepNoise>(
         ranges,
         cost: 0,
         reserve: 0,
+        stopped: &|| job.gives_what_is_done(),
     };
     match sampler.expectation() {
         Ok(expectation) => Ok(Some(expectation)),

@@ -48,8 +48,8 @@ pub struct Judged {
     /// [`Warning::Inconsistent`]).
     pub bias: bool,
     /// The finest paths follow the motion and the damping, and φ the same events on fine and coarse
-    /// paths ([`Warning::Unresolved`], [`Warning::Damping`], [`Warning::UnresolvedFunction`],
-    /// [`Warning::Uncoupled`]).
+    /// paths ([`Warning::Unresolved`], [`Warning::Damping`], [`Warning::StrongDamping`],
+    /// [`Warning::UnresolvedFunction`], [`Warning::Uncoupled`]).
     pub resolution: bool,
 }
 
@@ -225,6 +225,18 @@ pub enum Warning {
         /// The largest difference from ∫₀ᵗγ.
         defect: f64,
     },
+    /// The damping of one step is strong: what noise and forces do within the step is not resolved,
+    /// and step sizes that all forget it agree. Blocks [`Judged::resolution`].
+    #[error(
+        "the steps do not resolve the damping: on level {level} it is e^-{exponent:.1} in one \
+         step; take more coarsest steps, or a higher finest level"
+    )]
+    StrongDamping {
+        /// The last level.
+        level: usize,
+        /// The largest ∫|γ| over a step, above one.
+        exponent: f64,
+    },
     /// φ differs between fine and coarse paths by more than 0.7 of its motion: it multiplies phases
     /// that the states resolve. Blocks [`Judged::resolution`].
     #[error(
@@ -253,18 +265,6 @@ pub enum Warning {
         /// The quotient.
         share: f64,
     },
-    /// The kurtosis is above 100 and above a sixteenth of the samples, so that the variance is not
-    /// known to a quarter, nor the standard error of the level to an eighth. With a kurtosis above
-    /// a thirtieth of the samples the interval allows for [missed events](Estimate::missed).
-    #[error("{observable}: kurtosis {kurtosis:.0} on level {level}, its variance is not reliable")]
-    Kurtosis {
-        /// Name of φ.
-        observable: String,
-        /// The level.
-        level: usize,
-        /// Its kurtosis.
-        kurtosis: f64,
-    },
     /// On the level the sum begins with, fewer than thirty samples carry the variance, or the largest deviations x
     /// are as frequent as x^{−α} with α below two: events larger than all that were seen may be
     /// missing, and the variance is not known. Blocks [`Judged::variance`], unless φ has two
@@ -280,15 +280,6 @@ pub enum Warning {
         level: usize,
         /// Hill's estimate of α.
         index: f64,
-    },
-    /// Variances fall more slowly than costs grow, so the cost is not of order ε⁻²: wrong coupling,
-    /// or an order of strong convergence below ½.
-    #[error("{observable}: variances fall with exponent {beta}, below the exponent 1 of the cost")]
-    VarianceDecay {
-        /// Name of φ.
-        observable: String,
-        /// Observed exponent, significantly below one.
-        beta: Rate,
     },
     /// The differences fall more slowly than the weak order says; the bias is extrapolated by the
     /// upper end of the observed interval then, but by no order below ½ or half of the one given.
@@ -319,22 +310,45 @@ pub enum Warning {
         /// Distance in standard errors.
         deviation: f64,
     },
-    /// With this number of coarsest steps the same accuracy would have cost less.
-    #[error("{steps} coarsest steps would have cost less")]
-    CoarsestSteps {
-        /// The better number.
-        steps: u64,
-    },
     /// The cost reached its limit before the accuracy.
     #[error("the accuracy was not reached with the {max_cost} path-steps allowed")]
     CostLimit {
         /// Path-steps allowed.
         max_cost: u64,
     },
+    /// The accuracy takes more path-steps than are allowed; no more samples were drawn.
+    #[error(
+        "the accuracy is out of reach: it takes {least:.0e} path-steps or more, {max_cost:.0e} are \
+         allowed"
+    )]
+    OutOfReach {
+        /// Path-steps that are not enough.
+        least: f64,
+        /// Path-steps allowed.
+        max_cost: f64,
+    },
+    /// The computation was stopped; see [`Job::giving_what_is_done`](crate::parts::Job).
+    #[error("stopped before the accuracy was reached")]
+    Stopped,
     /// The bias is too large on the finest level allowed.
     #[error("the bias is too large on the finest level allowed, {level}")]
     LevelLimit {
         /// That level.
         level: usize,
     },
+}
+
+impl Warning {
+    /// The φ that is concerned; `None` if all are.
+    pub fn observable(&self) -> Option<&str> {
+        match self {
+            Self::Constant { observable, .. }
+            | Self::UnresolvedFunction { observable, .. }
+            | Self::Uncoupled { observable, .. }
+            | Self::HeavyTail { observable, .. }
+            | Self::WeakOrder { observable, .. }
+            | Self::Inconsistent { observable, .. } => Some(observable),
+            _ => None,
+        }
+    }
 }

@@ -30,6 +30,21 @@ pub enum Estimator {
     SinglePaths,
 }
 
+/// How far a computation is, between two rounds of samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SoFar {
+    /// The largest half-width of an interval.
+    pub half_width: f64,
+    /// The one that is requested.
+    pub accuracy: f64,
+    /// Path-steps so far.
+    pub cost: u64,
+    /// Path-steps that the accuracy takes in all, roughly; `None` while levels are added.
+    pub expected: Option<f64>,
+    /// Path-steps that are allowed.
+    pub max_cost: u64,
+}
+
 /// Settings of [`expectation`](super::expectation), beside the accuracy.
 #[derive(Clone, Copy, Debug)]
 pub struct ExpectationSettings {
@@ -56,6 +71,8 @@ pub struct ExpectationSettings {
     pub max_level: usize,
     /// Limit of the path-steps, whether the accuracy is reached or not. Default 10¹⁰: minutes.
     pub max_cost: u64,
+    /// Is called between two rounds of samples. Default: does nothing.
+    pub watch: fn(&SoFar),
 }
 
 /// The highest `max_level`: with 2²⁴ coarsest steps, its number of steps is still exact as a
@@ -87,6 +104,7 @@ impl ExpectationSettings {
             pilot: 1024,
             max_level: 16,
             max_cost: 10_000_000_000,
+            watch: |_| (),
         }
     }
 

@@ -1,8 +1,8 @@
 //! Expectations in words.
 
-use std::fmt;
+use std::{fmt, mem::discriminant};
 
-use super::{Estimate, Expectation};
+use super::{Estimate, Expectation, Warning};
 
 /// Each expectation with its interval and the parts of it, what it cost, decisions and warnings.
 impl fmt::Display for Expectation {
@@ -19,8 +19,21 @@ impl fmt::Display for Expectation {
         for decision in decisions {
             writeln!(f, "{decision}")?;
         }
-        for warning in warnings {
-            writeln!(f, "warning: {warning}")?;
+        for (n, warning) in warnings.iter().enumerate() {
+            let alike = |other: &&Warning| {
+                other.observable().is_some() && discriminant(*other) == discriminant(warning)
+            };
+            if warnings[..n].iter().any(|before| alike(&before)) {
+                continue;
+            }
+            write!(f, "warning: {warning}")?;
+            let others = warnings[n + 1..].iter().filter(alike).filter_map(Warning::observable);
+            let others: Vec<&str> =
+                others.filter(|one| Some(*one) != warning.observable()).collect();
+            if !others.is_empty() {
+                write!(f, "; the same of {}", others.join(", "))?;
+            }
+            writeln!(f)?;
         }
         if !self.reached() {
             writeln!(f, "the accuracy {accuracy:.1e} was NOT reached")?;
@@ -50,7 +63,7 @@ impl fmt::Display for Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::multilevel::{Judged, Warning};
+    use crate::multilevel::Judged;
 
     #[test]
     fn an_expectation_says_what_it_is_and_what_it_lacks() {

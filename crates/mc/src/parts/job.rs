@@ -212,7 +212,7 @@ impl Job {
     }
 
     /// A study or ladder that is stopped gives the result of the paths that are done, not of part of
-    /// several. [`finish`](Self::finish) says [`JobError::Stopped`] all the same.
+    /// several; an expectation the estimates of the rounds before. [`finish`](Self::finish) says [`JobError::Stopped`] all the same.
     pub fn giving_what_is_done(mut self) -> Self {
         self.incomplete = true;
         self
@@ -231,6 +231,11 @@ impl Job {
     pub fn splitting_rounds_above(mut self, path_steps: u64) -> Self {
         self.alone = path_steps;
         self
+    }
+
+    /// Whether it was stopped and gives what is done.
+    pub(crate) fn gives_what_is_done(&self) -> bool {
+        self.incomplete && self.stop.is_asked()
     }
 
     /// Whether this job goes on from a checkpoint.

@@ -1,11 +1,19 @@
 //! Expectations with everything chosen: exact values, the same bits for any threads and flows, and
 //! what is done where a scheme is not for a system.
 
-use std::sync::Arc;
+use std::sync::{
+    Arc,
+    atomic::{AtomicU64, Ordering},
+};
 
-use mc::{Expect, Observable, Observe, expect, multilevel::MultilevelError};
-use noise::StreamKey;
+use mc::{
+    Expect, Observable, Observe, expect,
+    multilevel::{Coupling, ExpectationSettings, MultilevelError, Warning, expectation},
+    parts::{Job, JobError, Stop},
+};
+use noise::{StreamKey, Truncation};
 use real::Real;
+use schemes::Sexp;
 use systems::{
     Constant, Cosine, IntegerExponents, LotkaVolterra, Pendulum, PoissonSystem, Problem, RigidBody,
     run_time::Compiled,
@@ -144,4 +152,176 @@ fn bad_settings_are_refused() {
     assert!(matches!(cheap, MultilevelError::PilotCost { max_cost: 1000, .. }), "{cheap}");
     let limited = run(Expect::new(&problem).with_max_cost(200_000), 1e-9).unwrap();
     assert!(!limited.reached() && limited.cost <= 200_000);
+}
+
+/// H₀ = ½(q² + p²), and H₁ = σq if there is noise: constant B.
+#[derive(Clone)]
+struct Oscillator<const M: usize>(f64);
+
+impl<const M: usize> PoissonSystem<2, M> for Oscillator<M> {
+    fn name(&self) -> &'static str {
+        "oscillator"
+    }
+    fn structure<R: Real>(&self, _: [R; 2], v: [R; 2]) -> [R; 2] {
+        [v[1], -v[0]]
+    }
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; M]) -> R {
+        (y[0] * y[0] + y[1] * y[1]) * (0.5 * dt) + y[0] * (self.0 * dw.iter().sum::<f64>())
+    }
+}
+
+fn oscillator<const M: usize>(gamma: f64, t_end: f64) -> Problem<Oscillator<M>, Constant, 2> {
+    let damping = Constant::new(gamma).unwrap();
+    Problem::new(Oscillator(0.5), damping, [1.0, 0.0], t_end).unwrap()
+}
+
+const Q: Observable<2> = Observable { name: "q", function: |y| y[0] };
+const P: Observable<2> = Observable { name: "p", function: |y| y[1] };
+const P_SQUARED: Observable<2> = Observable { name: "p²", function: |y| y[1] * y[1] };
+
+#[test]
+fn without_noise_one_path_is_extrapolated() {
+    for (gamma, t_end, accuracy) in [(0.0, 1.0, 1e-4), (0.0, 50.0, 1e-9), (0.3, 4.0, 1e-12)] {
+        let problem = oscillator::<0>(gamma, t_end);
+        let chosen = expect(&problem, &[Q, P], accuracy).unwrap();
+        let key = StreamKey { seed: 1, experiment: 0 };
+        let settings = ExpectationSettings::new(key, Truncation::none(), 128, Coupling::Plain);
+        let given = expectation(&Sexp, &problem, &[Q, P], accuracy, &settings, &|_| ()).unwrap();
+        for found in [chosen, given] {
+            assert!(found.reached() && found.warnings.is_empty(), "{found}");
+            assert!(found.cost < 1_000_000, "{found}");
+            let decay = f64::exp(-gamma * t_end);
+            for (estimate, exact) in
+                found.estimates.iter().zip([t_end.cos() * decay, -t_end.sin() * decay])
+            {
+                let error = (estimate.value - exact).abs();
+                assert!(error <= estimate.half_width(), "{error:e} {estimate:?}");
+                // The last value alone is none.
+                assert!(estimate.bias.abs() > estimate.half_width(), "{estimate:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn strong_damping_is_resolved_or_refused() {
+    // Var p = σ²∫e^{−2γs}cos² s ds; schemes of any step size far above 1/γ agree on zero.
+    let gamma = 50.0;
+    let variance = 0.125 * (0.5 / gamma + 0.5 * gamma / (gamma * gamma + 1.0));
+    let found = expect(&oscillator::<1>(gamma, 1.0), &[P, P_SQUARED], 1e-3).unwrap();
+    assert!(found.reached(), "{found}");
+    for (estimate, exact) in found.estimates.iter().zip([0.0, variance]) {
+        assert!((estimate.value - exact).abs() <= estimate.half_width(), "{found}");
+    }
+    let found = expect(&oscillator::<1>(1e7, 1.0), &[P_SQUARED], 1e-4).unwrap();
+    assert!(!found.reached() && found.cost < 1_000_000, "{found}");
+    let named = |warning: &Warning| matches!(warning, Warning::OutOfReach { .. });
+    assert!(found.warnings.iter().any(named), "{found}");
+}
+
+#[test]
+fn a_constant_matrix_has_a_conformal_scheme() {
+    let problem = oscillator::<1>(0.0, 1.0);
+    let chosen = expect(&problem, &[Q], 1e-2).unwrap();
+    let system = Arc::new(Compiled::new(problem.system().clone(), problem.y0()));
+    let damping = Arc::new(Constant::new(0.0).unwrap());
+    let problem = systems::run_time::Problem::new(system, damping, vec![1.0, 0.0], 1.0).unwrap();
+    let found = Expect::at_run_time(&problem).unwrap().run(&[&Q], 1e-2, &|_| ()).unwrap();
+    assert!(found.scheme == "sexp" && found == chosen, "{found}");
+}
+
+#[test]
+fn what_is_out_of_reach_is_said_early() {
+    let found = expect(&oscillator::<1>(0.1, 1.0), &[Q, P], 1e-14).unwrap();
+    let named = |warning: &Warning| matches!(warning, Warning::OutOfReach { .. });
+    assert!(!found.reached() && found.warnings.iter().any(named), "{found}");
+    assert!(found.cost < 10_000_000, "{found}");
+    let truths = [1f64.cos(), -(1f64.sin())].map(|x| x * (-0.1f64).exp());
+    for (estimate, truth) in found.estimates.iter().zip(truths) {
+        assert!((estimate.value - truth).abs() < 1.5 * estimate.half_width(), "{found}");
+    }
+}
+
+/// [`Explosive`](crate::explosive::Explosive) from θ₀ = −0.46 on, where y₂ = tan(θ₀ + t + W).
+fn explosive(t_end: f64) -> Problem<crate::explosive::Explosive, Constant, 2> {
+    let damping = Constant::new(0.0).unwrap();
+    Problem::new(crate::explosive::Explosive, damping, [0.1, -0.5], t_end).unwrap()
+}
+
+const COS_SQUARED: Observable<2> =
+    Observable { name: "cos²", function: |y| 1.0 / (1.0 + y[1] * y[1]) };
+
+#[test]
+fn the_limit_is_for_all_attempts_together() {
+    for max_cost in [300_000, 1_000_000] {
+        let done = AtomicU64::new(0);
+        let progress = |work: u64| {
+            done.fetch_add(work, Ordering::Relaxed);
+        };
+        let problem = explosive(1.0);
+        let expect = Expect::new(&problem).with_max_cost(max_cost);
+        let found = expect.run(&[&COS_SQUARED], 1e-2, &progress);
+        let done = done.into_inner();
+        assert!(done <= max_cost, "{done}");
+        match found {
+            Ok(found) => assert!(found.cost == done && !found.reached(), "{found} {done}"),
+            Err(error) => assert!(matches!(error, MultilevelError::PilotCost { .. }), "{error}"),
+        }
+    }
+}
+
+/// p = W, and no step is defined where p > 3.5.
+struct Bounded;
+
+impl PoissonSystem<2, 1> for Bounded {
+    fn name(&self) -> &'static str {
+        "bounded"
+    }
+    fn structure<R: Real>(&self, _: [R; 2], v: [R; 2]) -> [R; 2] {
+        [v[1], -v[0]]
+    }
+    fn energy<R: Real>(&self, y: [R; 2], dt: f64, dw: [f64; 1]) -> R {
+        (-y[1] + 3.5).sqrt() * dt - y[0] * dw[0]
+    }
+}
+
+#[test]
+fn few_failed_paths_widen_the_interval() {
+    let problem = Problem::new(Bounded, Constant::new(0.0).unwrap(), [0.0, 0.0], 1.0).unwrap();
+    let cosine = Observable { name: "cos p", function: |y: [f64; 2]| y[1].cos() };
+    let found = expect(&problem, &[cosine], 0.03).unwrap();
+    let estimate = &found.estimates[0];
+    assert!(found.reached() && estimate.failed > 0, "{found}");
+    let fails = found.decisions.iter().any(|decision| decision.starts_with("paths fail"));
+    assert!(!fails, "{found}");
+    let truth = f64::exp(-0.5);
+    assert!((estimate.value - truth).abs() <= estimate.half_width(), "{found}");
+    assert!(estimate.bias_bound > 2e-4, "{found}");
+}
+
+#[test]
+fn who_is_stopped_keeps_the_estimates_so_far() {
+    let problem = oscillator::<1>(0.1, 1.0);
+    let stop = Stop::default();
+    let job = Job::here().stopped_by(&stop).giving_what_is_done();
+    let done = AtomicU64::new(0);
+    let progress = |work: u64| {
+        if done.fetch_add(work, Ordering::Relaxed) > 20_000_000 {
+            stop.now();
+        }
+    };
+    let expect = Expect::new(&problem).with_max_cost(u64::MAX);
+    let found = expect.run_in(&job, "all", &[&Q], 1e-7, &progress).unwrap().unwrap();
+    assert!(!found.reached() && found.warnings.contains(&Warning::Stopped), "{found}");
+    assert!(found.estimates[0].half_width() < 1e-2, "{found}");
+    assert!(matches!(job.finish(), Err(JobError::Stopped)));
+}
+
+#[test]
+fn alike_warnings_are_one_sentence() {
+    let rare = |name| Observable { name, function: |y: [f64; 2]| f64::from(u8::from(y[0] > 9.0)) };
+    let found = expect(&oscillator::<1>(0.1, 1.0), &[rare("a"), rare("b")], 0.5).unwrap();
+    let text = found.to_string();
+    assert_eq!(text.matches("is the same on all").count(), 1, "{text}");
+    assert!(text.contains("; the same of b\n"), "{text}");
 }

@@ -9,8 +9,8 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use mc::multilevel::{
-    Coupling, Estimate, Estimator, Expectation, ExpectationSettings, Level, MultilevelError,
-    Warning, expectation,
+    Coupling, Estimate, Estimator, Expectation, ExpectationSettings, MultilevelError, Warning,
+    expectation,
 };
 use mc::{LadderError, Observable};
 use noise::{BlockNoise, Noise, NoiseError, StreamKey, Truncation};
@@ -246,12 +246,7 @@ fn the_twin_doubles_the_order_of_the_variance() {
         let result =
             expectation(&Sexp, &problem, &COS_Y3, accuracy, &settings(4, coupling), &|_| ())
                 .unwrap();
-        let kurtosis = |warning: &Warning| matches!(warning, Warning::Kurtosis { .. });
-        assert!(
-            result.reached() && result.warnings.iter().all(kurtosis),
-            "{coupling:?}: {:?}",
-            result.warnings
-        );
+        assert!(result.reached() && result.warnings.is_empty(), "{coupling:?}: {result:?}");
         let beta = result.estimates[0].beta.unwrap();
         assert!(range.contains(&beta.value), "{coupling:?}: {beta:?}");
         assert!(beta.lower < *range.end() && beta.upper > *range.start(), "{coupling:?}: {beta:?}");
@@ -342,13 +337,13 @@ fn paths_that_do_not_share_their_noise_are_noticed() {
     let settings =
         ExpectationSettings { max_cost: 20_000_000, ..settings(6, Coupling::Antithetic) };
     let result = expectation(&alternating, &problem, &COS_Y3, 1e-3, &settings, &|_| ()).unwrap();
-    let decay = |warning: &Warning| matches!(warning, Warning::VarianceDecay { beta, .. } if beta.upper < 0.5);
-    assert!(result.warnings.iter().any(decay), "{:?}", result.warnings);
+    assert!(result.estimates[0].beta.unwrap().upper < 0.5, "{result:?}");
     // The law is right, so nothing else is wrong.
     assert!(!result.warnings.iter().any(|warning| matches!(warning, Warning::Inconsistent { .. })));
     let same = Altered(|_| 1.0);
     let result = expectation(&same, &problem, &COS_Y3, 1e-3, &settings, &|_| ()).unwrap();
     assert!(result.warnings.is_empty(), "{:?}", result.warnings);
+    assert!(result.estimates[0].beta.unwrap().lower > 1.0, "{result:?}");
 }
 
 #[test]
@@ -523,44 +518,6 @@ fn the_accuracy_holds_for_each_test_function() {
         let difference = (alone.estimates[0].value - together.estimates[k].value).abs();
         assert!(difference < 8e-3, "{}: {difference}", one.name);
     }
-}
-
-#[test]
-fn more_coarsest_steps_are_advised_where_they_pay() {
-    // Fast rotations: at one step in four the coarse path knows little of the fine one.
-    let body = RigidBody::three_noises([0.4, 0.3, 0.2], [0.5, 0.6, 0.7]).unwrap();
-    let problem = Problem::new(body, Constant::new(0.0).unwrap(), [0.5, 0.6, 0.7], 1.0).unwrap();
-    let run = |seed: u64, coarsest_steps: u64| {
-        // The advice is for variances, which cost ε⁻²; tails of differences cost ε⁻¹ with any
-        // steps.
-        let settings = ExpectationSettings {
-            coarsest_steps,
-            max_cost: 200_000_000,
-            ..settings(seed, Coupling::Antithetic)
-        };
-        expectation(&Sexp, &problem, &COS_Y3, 6e-3, &settings, &|_| ()).unwrap()
-    };
-    let advice = |result: &Expectation| {
-        result.warnings.iter().find_map(|warning| match warning {
-            Warning::CoarsestSteps { steps } => Some(*steps),
-            _ => None,
-        })
-    };
-    // What the advice is about: the cost of equal statistical errors is (Σ√(V_l c_l))². Over seeds
-    // it is 5.7 ± 0.7 with the advice and 9.4 ± 2.0 without, so the sums over eight seeds are five
-    // of their standard deviations apart.
-    let cost = |result: &Expectation| {
-        let root = |level: &Level| (level.values[0].variance * level.cost_per_path as f64).sqrt();
-        result.levels.iter().map(root).sum::<f64>().powi(2)
-    };
-    let (mut with, mut without) = (0.0, 0.0);
-    for seed in 12..20 {
-        let first = run(seed, 2);
-        let better = run(seed, advice(&first).unwrap());
-        (with, without) = (with + cost(&better), without + cost(&first));
-        assert_eq!(advice(&better), None, "{better:?}");
-    }
-    assert!(with < without, "{with:e} against {without:e}");
 }
 
 #[test]

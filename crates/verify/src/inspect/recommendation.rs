@@ -132,7 +132,10 @@ pub fn recommendations(report: &Inspection, damped: bool) -> Vec<Recommendation>
     let random = !noise.silent.holds();
     if random && linear {
         let because = "mc::expect extrapolates weak order 1; with flows of parts take nv";
-        take(Purpose::Expectations, "sexp-li", because.into());
+        // Without iteration a step is explicit where B is constant.
+        let scheme =
+            if without_iteration.structure == Linearity::Constant { "sexp" } else { "sexp-li" };
+        take(Purpose::Expectations, scheme, because.into());
     } else if random && areas {
         take(Purpose::Expectations, "sexp", "weak order 1 takes no areas".into());
     }

@@ -1,12 +1,13 @@
 //! Which points are drawn on which level, and when to stop.
 
-use std::ops::Range;
+use std::{cell::Cell, ops::Range};
 
+use real::elementary;
 use stats::{CONFIDENCE, two_sided};
 
 use super::{
     super::{
-        algorithm::Halt,
+        algorithm::{Halt, LARGEST_EXPONENT, unresolved_damping},
         bias::BIAS_LEVELS,
         diagnosis::{Evidence, level_values},
         error::MultilevelError,
@@ -14,10 +15,10 @@ use super::{
         plan::{self, Term},
         report::{Estimate, Expectation, Judged, Level, QUANTILE, Warning},
         resolution::{Motion, coupled, is_near, unresolved, unresolved_function},
-        settings::{Coupling, ExpectationSettings, whole},
+        settings::{Coupling, ExpectationSettings, SoFar, whole},
         tails::{Tail, is_heavy, tails},
     },
-    extrapolation::{Extrapolation, Orders, extrapolation},
+    extrapolation::{Extrapolation, Orders, extrapolation, seen_orders},
     level::Scrambles,
 };
 use crate::SeenDamping;
@@ -42,6 +43,12 @@ const HIGH_CONFIDENCE: f64 = 0.99;
 const MAX_POINTS: u64 = 1 << 31;
 /// Less than this gain is none to speak of.
 const FEW_GAINED: f64 = 2.0;
+/// The error of scrambled points falls as N^{−3/2} at most (Owen 1997): as many more are needed.
+const LEAST_GROWTH: f64 = 2.0 / 3.0;
+/// More samples of the first level do not show a variance that so many have not shown.
+const MOST_SAMPLES: u64 = 1 << 24;
+/// The part of the accuracy that paths which failed may have: with more, nothing is reached.
+const LOST: f64 = 0.25;
 
 /// Gives all points of every scramble of a level: from a number of points drawn before up to
 /// another, where the new ones take so many path-steps; `None` if they are drawn elsewhere.
@@ -71,8 +78,12 @@ pub struct Quasi<'a> {
     pub single: u64,
     /// The least and the largest value of each test function so far.
     pub ranges: Vec<Option<(f64, f64)>>,
-    /// Path-steps so far.
-    pub cost: u64,
+    /// Path-steps so far, those of failed attempts included.
+    pub spent: &'a Cell<u64>,
+    /// Whether there is noise.
+    pub random: bool,
+    /// Whether the computation was stopped and gives what is done.
+    pub stopped: &'a dyn Fn() -> bool,
     /// What was decided, and why.
     pub decisions: Vec<String>,
 }
@@ -87,6 +98,8 @@ struct Sum {
     shapes: Vec<(f64, f64)>,
     /// Number of scrambles.
     scrambles: f64,
+    /// How much paths that failed may add: their share of each level times the range of φ.
+    lost: f64,
 }
 
 impl Sum {
@@ -160,7 +173,20 @@ impl Sum {
     }
 
     fn bias_bound(&self) -> f64 {
-        self.extrapolation.size + self.quantile() * self.extrapolation.standard_error
+        let Extrapolation { size, standard_error, .. } = self.extrapolation;
+        size + self.quantile() * standard_error + self.lost
+    }
+
+    /// About as many path-steps as the half-width `wanted` takes, if the error of a level falls
+    /// with its points as N^{−1/growth}.
+    fn cost(&self, wanted: f64, growth: f64) -> f64 {
+        let part = |(n, term): (usize, &Term)| {
+            let error = self.quantile() * (term.variance / term.count).sqrt();
+            let error = self.weight(n) * f64::hypot(error, term.tail.size / term.count);
+            let more = elementary::exp(growth * elementary::ln((error / wanted).max(1.0)));
+            term.cost * term.count * more
+        };
+        self.terms.iter().enumerate().map(part).sum()
     }
 }
 
@@ -176,10 +202,10 @@ impl Levels {
         &self.samples[1..]
     }
 
-    /// The differences of test function number k.
-    fn terms(&self, k: usize, range: f64) -> Vec<Term> {
+    /// The differences of test function number k, which spreads by `range`; not at all without noise.
+    fn terms(&self, k: usize, range: Option<f64>) -> Vec<Term> {
         let levels = self.differences().iter().zip(&self.scrambles[1..]);
-        let terms = levels.zip(tails(self.differences(), k, range));
+        let terms = levels.zip(tails(self.differences(), k, range.unwrap_or(0.0)));
         terms.map(|((samples, own), tail)| own.term(samples, k, false, tail)).collect()
     }
 }
@@ -190,52 +216,86 @@ impl Quasi<'_> {
         if self.names.is_empty() {
             return Err(MultilevelError::NoObservable.into());
         }
-        let pilot = whole(self.settings.pilot.div_ceil(self.scrambles));
+        let pilot = match self.random {
+            true => whole(self.settings.pilot.div_ceil(self.scrambles)),
+            false => 1,
+        };
         let mut levels = Levels { samples: Vec::new(), scrambles: Vec::new() };
         for level in 0..=PILOT_LEVEL {
             levels.samples.push(self.level(level));
             levels.scrambles.push(Scrambles::default());
         }
         let cost = |samples: &Samples| self.scrambles * pilot * samples.cost_per_path;
-        let pilot_cost = levels.samples.iter().map(cost).fold(0, u64::saturating_add);
+        let pilot_cost =
+            levels.samples.iter().map(cost).fold(self.spent.get(), u64::saturating_add);
         if pilot_cost > self.settings.max_cost {
             let max_cost = self.settings.max_cost;
             return Err(MultilevelError::PilotCost { pilot_cost, max_cost }.into());
         }
+        let (accuracy, cost) = (self.accuracy, self.spent.get());
+        let (half_width, expected) = (f64::INFINITY, Some(pilot_cost as f64));
+        let max_cost = self.settings.max_cost;
+        (self.settings.watch)(&SoFar { half_width, accuracy, cost, expected, max_cost });
         for level in 0..=PILOT_LEVEL {
             self.sample(&mut levels, level, pilot)?;
         }
         let mut first = self.first_level(&levels);
         let limit = loop {
+            if !self.random {
+                first = levels.samples.len() - BIAS_LEVELS;
+            }
             let sums: Vec<Sum> =
                 (0..self.names.len()).map(|k| self.sum(&levels, first, k)).collect();
             let last = levels.samples.len() - 1;
-            let finer = sums.iter().any(|sum| self.is_biased(sum)) || !self.resolves(&levels);
-            if finer && last < self.settings.max_level {
+            let biased = |sum: &Sum| match self.random {
+                true => self.is_biased(sum),
+                false => self.is_wide(sum),
+            };
+            let finer = sums.iter().any(biased) || !self.resolves(&levels);
+            self.tell(&levels, first, &sums, finer);
+            if sums.iter().any(|sum| sum.lost > LOST * self.accuracy) {
+                break None;
+            }
+            let least = self.least_cost(&sums, last);
+            if least > self.settings.max_cost as f64 {
+                let max_cost = self.settings.max_cost as f64;
+                break Some(Warning::OutOfReach { least, max_cost });
+            }
+            let next = if finer && last < self.settings.max_level {
                 let level = self.level(last + 1);
                 if !self.affordable(&level, pilot) {
                     break Some(self.cost_limit());
                 }
                 levels.samples.push(level);
                 levels.scrambles.push(Scrambles::default());
-                self.sample(&mut levels, last + 1, pilot)?;
-                // Once points are doubled, the first level stays.
-                if levels.scrambles.iter().all(|own| own.points == pilot) {
-                    first = self.first_level(&levels);
+                (last + 1, pilot)
+            } else {
+                let wide = sums.iter().any(|sum| self.is_wide(sum));
+                let begin = &levels.samples[first];
+                let heavy = (0..self.names.len()).any(|k| is_heavy(begin, k));
+                let hopeless = !wide && begin.count() >= MOST_SAMPLES;
+                if !self.random || !wide && !heavy || hopeless {
+                    break finer.then_some(Warning::LevelLimit { level: last });
                 }
-                continue;
+                let worst = if wide { self.worst(first, &sums) } else { first };
+                let points = levels.scrambles[worst].points;
+                if !self.affordable(&levels.samples[worst], points) {
+                    break Some(self.cost_limit());
+                }
+                (worst, 2 * points)
+            };
+            match self.sample(&mut levels, next.0, next.1) {
+                Err(Halt::Elsewhere) if (self.stopped)() => {
+                    levels.samples.retain(|samples| samples.paths > 0);
+                    levels.scrambles.truncate(levels.samples.len());
+                    break Some(Warning::Stopped);
+                }
+                drawn => drawn?,
             }
-            let wide = sums.iter().any(|sum| self.is_wide(sum));
-            let heavy = (0..self.names.len()).any(|k| is_heavy(&levels.samples[first], k));
-            if !wide && !heavy {
-                break finer.then_some(Warning::LevelLimit { level: last });
+            // Once points are doubled, the first level stays.
+            if levels.scrambles.iter().all(|own| own.points == pilot) {
+                first = self.first_level(&levels);
             }
-            let worst = if wide { self.worst(first, &sums) } else { first };
-            let points = levels.scrambles[worst].points;
-            if !self.affordable(&levels.samples[worst], points) {
-                break Some(self.cost_limit());
-            }
-            self.sample(&mut levels, worst, 2 * points)?;
         };
         Ok(self.report(levels, first, limit))
     }
@@ -250,6 +310,41 @@ impl Quasi<'_> {
 
     fn is_wide(&self, sum: &Sum) -> bool {
         sum.spread() + sum.bias_bound() > self.accuracy
+    }
+
+    /// Path-steps without which the accuracy is not reached: those of points that lack, and those of
+    /// levels that the damping lacks.
+    fn least_cost(&self, sums: &[Sum], last: usize) -> f64 {
+        let of_sum = |sum: &Sum| sum.cost(self.accuracy, LEAST_GROWTH);
+        let points = sums.iter().map(of_sum).fold(0.0, f64::max);
+        let exponent = self.damping.largest_exponent(last) / LARGEST_EXPONENT;
+        if !self.random || exponent <= 1.0 {
+            return points;
+        }
+        // The points of a pilot on a level with as many more steps, and on those below it.
+        let pilot = self.settings.pilot as f64 * self.level(last).cost_per_path as f64;
+        points.max(2.0 * pilot * exponent)
+    }
+
+    /// Says how far it is. Errors are taken to fall as they did for the points that there are.
+    fn tell(&self, levels: &Levels, first: usize, sums: &[Sum], finer: bool) {
+        let half_widths = sums.iter().map(|sum| sum.spread() + sum.bias_bound());
+        let (samples, own) = (&levels.samples[first], &levels.scrambles[first]);
+        let cost = |(k, sum): (usize, &Sum)| {
+            let wanted = (self.accuracy - sum.bias_bound()).max(0.5 * self.accuracy);
+            let [gain, points] =
+                [own.gain(samples, k).max(1.0), own.points as f64].map(elementary::ln);
+            let order = 0.5 + 0.5 * gain / points;
+            sum.cost(wanted, 1.0 / order.min(1.0 / LEAST_GROWTH))
+        };
+        let cost = sums.iter().enumerate().map(cost).fold(self.spent.get() as f64, f64::max);
+        (self.settings.watch)(&SoFar {
+            half_width: half_widths.fold(0.0, f64::max),
+            accuracy: self.accuracy,
+            cost: self.spent.get(),
+            expected: (!finer).then_some(cost),
+            max_cost: self.settings.max_cost,
+        });
     }
 
     /// A level without points.
@@ -269,7 +364,7 @@ impl Quasi<'_> {
 
     fn affordable(&self, level: &Samples, points: u64) -> bool {
         let cost = points.saturating_mul(self.scrambles).saturating_mul(level.cost_per_path);
-        self.cost.saturating_add(cost) <= self.settings.max_cost && points < MAX_POINTS
+        self.spent.get().saturating_add(cost) <= self.settings.max_cost && points < MAX_POINTS
     }
 
     /// Draws points of every scramble of a level up to so many.
@@ -284,14 +379,18 @@ impl Quasi<'_> {
             let ranges = self.ranges.iter_mut().zip(&scramble.sums.values);
             ranges.for_each(|(range, values)| *range = hull(*range, values.range()));
         }
-        self.cost += new;
+        self.spent.set(self.spent.get() + new);
         own.take(samples, scrambles, points);
-        if samples.count() < 2 {
+        if samples.count() < 1 + u64::from(self.random) {
             let failed = samples.failed;
             return Err(MultilevelError::NoPaths { level, failed, first }.into());
         }
         let mut values = self.names.iter().zip(&samples.values);
-        match values.find(|(_, values)| !values.sample.variance().is_finite()) {
+        let finite = |values: &Values| match self.random {
+            true => values.sample.variance().is_finite(),
+            false => values.sample.mean().is_finite(),
+        };
+        match values.find(|(_, values)| !finite(values)) {
             Some((observable, _)) => {
                 let observable = observable.clone();
                 Err(MultilevelError::NotFinite { observable, level }.into())
@@ -300,10 +399,10 @@ impl Quasi<'_> {
         }
     }
 
-    /// How far test function number k may spread.
-    fn range(&self, k: usize) -> f64 {
+    /// How far test function number k may spread; `None` without noise.
+    fn range(&self, k: usize) -> Option<f64> {
         let spread = self.ranges[k].map_or(0.0, |(least, largest)| largest - least);
-        if spread > 0.0 { spread } else { 1.0 }
+        self.random.then_some(if spread > 0.0 { spread } else { 1.0 })
     }
 
     /// Test function number k, summed from level `first` on.
@@ -314,10 +413,17 @@ impl Quasi<'_> {
         let of_last = &levels.differences()[from..];
         let rates = (plan::alpha(of_last, last, k), plan::beta(of_last, k));
         let summed = differences.len() - first;
-        let extrapolation = extrapolation(last, summed, self.orders, rates);
+        let orders = if self.random { self.orders } else { seen_orders(last, self.orders) };
+        let mut extrapolation = extrapolation(last, summed, orders, rates);
         let samples = &levels.samples[first];
-        let kurtosis = samples.values[k].fine.kurtosis();
-        let tail = Tail::new(samples.count() as f64, kurtosis, self.range(k));
+        let fine = &samples.values[k].fine;
+        let tail = |range| Tail::new(samples.count() as f64, fine.kurtosis(), range);
+        let tail = self.range(k).map_or(Tail::default(), tail);
+        if !self.random {
+            // Rounding errors of n steps.
+            let steps = self.settings.steps(levels.samples.len() - 1) as f64;
+            extrapolation.size += fine.mean().abs() * f64::EPSILON * steps.sqrt();
+        }
         let begin = levels.scrambles[first].term(samples, k, true, tail);
         let terms = std::iter::once(begin).chain(differences[first..].iter().copied()).collect();
         let shape = |(n, scrambles): (usize, &Scrambles)| {
@@ -325,7 +431,10 @@ impl Quasi<'_> {
             (own.mean.third_moment(), own.variance_of_ends(scrambles.points))
         };
         let shapes = levels.scrambles[first..].iter().enumerate().map(shape).collect();
-        Sum { terms, extrapolation, shapes, scrambles: self.scrambles as f64 }
+        let share = |samples: &Samples| samples.failed as f64 / samples.paths as f64;
+        let lost = levels.samples[first..].iter().map(share).sum::<f64>();
+        let lost = lost * self.range(k).unwrap_or(0.0);
+        Sum { terms, extrapolation, shapes, scrambles: self.scrambles as f64, lost }
     }
 
     /// The level to begin with, for which an accuracy costs least: Σ√(VC) is least (Giles 2008),
@@ -372,7 +481,7 @@ impl Quasi<'_> {
     fn resolves(&self, levels: &Levels) -> bool {
         let differences = levels.differences();
         let [.., last] = differences else { return false };
-        self.damping.unresolved(last.level).is_none()
+        unresolved_damping(&self.damping, last.level).is_none()
             && is_near(differences)
             && unresolved(differences).is_none()
             && last.values.iter().all(|values| coupled(values, self.accuracy))
@@ -415,12 +524,14 @@ impl Quasi<'_> {
         };
         let reports: Vec<_> = samples.iter().map(level).collect();
         let (accuracy, order) = (self.accuracy, self.settings.weak_order);
-        let damping = samples.last().and_then(|last| self.damping.unresolved(last.level));
+        let damping = samples.last().and_then(|last| unresolved_damping(&self.damping, last.level));
         let terms = samples.len() - first;
-        let evidence = Evidence { levels: samples, first, terms, accuracy, order, damping };
+        let random = self.random;
+        let evidence = Evidence { levels: samples, first, terms, accuracy, order, damping, random };
         let mut warnings = evidence.judge(&reports, &mut estimates);
         warnings.extend(limit);
-        let (scheme, cost, decisions, levels) = (self.scheme, self.cost, self.decisions, reports);
+        let (scheme, cost) = (self.scheme, self.spent.get());
+        let (decisions, levels) = (self.decisions, reports);
         Expectation { scheme, accuracy, cost, levels, warnings, estimates, decisions }
     }
 
@@ -436,16 +547,23 @@ impl Quasi<'_> {
         self.decisions.push(format!(
             "levels of {fewest} to {most} steps, extrapolated with order {order:.2}"
         ));
+        if !self.random {
+            return self.decisions.push("one path: there is no noise".into());
+        }
         let (scrambles, points) = (self.scrambles, points.join(", "));
         self.decisions.push(format!("{scrambles} scrambles of {points} Sobol points on them"));
         let gain = |k: usize| levels.scrambles[first].gain(&levels.samples[first], k);
-        let least = numbers.map(gain).fold(f64::INFINITY, f64::min);
-        self.decisions.push(if least < FEW_GAINED {
-            "Sobol points are hardly better than random ones for some function: it jumps, or many \
-             dimensions count"
-                .into()
-        } else {
-            format!("Sobol points have at most 1/{least:.0} of the variance of random ones")
+        let gains = numbers.map(gain).filter(|gain| gain.is_finite());
+        self.decisions.push(match gains.reduce(f64::min) {
+            None => "no function varies from scramble to scramble".into(),
+            Some(least) if least < FEW_GAINED => {
+                "Sobol points are hardly better than random ones for some function: it jumps, or \
+                 many dimensions count"
+                    .into()
+            }
+            Some(least) => {
+                format!("Sobol points have at most 1/{least:.0} of the variance of random ones")
+            }
         });
     }
 }

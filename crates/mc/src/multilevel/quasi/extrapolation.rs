@@ -39,6 +39,26 @@ pub struct Orders {
     pub next: f64,
 }
 
+/// A slope this near to a whole number is that order.
+const WHOLE: f64 = 0.2;
+
+/// The orders that differences without errors of sampling show, the last one last, if they are whole
+/// numbers: the first by d_{L−1}/d_L and d_{L−2}/d_{L−1}, the second by those of R; else `given`.
+pub fn seen_orders(differences: &[Term], given: Orders) -> Orders {
+    let order = |before: f64, last: f64| elementary::ln((before / last).max(0.0)) / LN_2;
+    let whole =
+        |x: f64, width: f64| (x.round() >= 1.0 && (x - x.round()).abs() < width).then(|| x.round());
+    let [.., a, b, c] = differences else { return given };
+    let Some(weak) = whole(order(b.mean, c.mean), WHOLE) else { return given };
+    if whole(order(a.mean, b.mean), 0.5) != Some(weak) {
+        return given;
+    }
+    let factor = 1.0 / (elementary::exp(weak * LN_2) - 1.0);
+    let change = |last: &Term, before: &Term| (1.0 + factor) * last.mean - factor * before.mean;
+    let next = whole(order(change(b, a), change(c, b)), WHOLE).filter(|next| *next > weak);
+    Orders { weak, next: next.unwrap_or(weak + 1.0).min(2.0 * weak + 2.0) }
+}
+
 /// The extrapolation of one test function.
 pub struct Extrapolation {
     /// The first order by which it is extrapolated.

@@ -84,7 +84,9 @@ impl Scrambles {
     pub fn term(&self, samples: &Samples, k: usize, first: bool, tail: Tail) -> Term {
         let mean = &self.own(k, first).mean;
         let (cost, count) = (samples.cost_per_path as f64, samples.count() as f64);
-        Term { cost, count, mean: mean.mean(), variance: count * mean.variance_of_mean(), tail }
+        // One path without noise has no error of sampling.
+        let variance = if mean.count() > 1 { count * mean.variance_of_mean() } else { 0.0 };
+        Term { cost, count, mean: mean.mean(), variance, tail }
     }
 
     /// The variance of independent points over that of Sobol points, for the mean of φ number k on

@@ -12,7 +12,7 @@ mod extrapolation;
 mod level;
 
 use std::{
-    cell::RefCell,
+    cell::{Cell, RefCell},
     collections::{BTreeMap, btree_map::Entry},
     ops::Range,
     sync::Arc,
@@ -63,7 +63,12 @@ pub(crate) struct QuasiSettings<'a, N> {
     pub orders: Orders,
     /// Independent scrambles.
     pub scrambles: u64,
+    /// Path-steps of all attempts so far, which the limit is for.
+    pub spent: &'a Cell<u64>,
 }
+
+/// The most levels of a path without noise: 2²² steps take seconds.
+const MOST_HALVINGS: usize = 22;
 
 /// E[φ(y(T))] of every φ by scrambled Sobol points, as a piece of work of a job; see
 /// [`expectation_of_in`](super::expectation_of_in).
@@ -72,13 +77,18 @@ pub(crate) fn quasi_expectation<N: StepNoise>(
     job: &Job,
     name: &str,
     setup: &Setup<'_, N>,
-    &QuasiSettings { mirror, orders, scrambles }: &QuasiSettings<'_, N>,
+    &QuasiSettings { mirror, orders, scrambles, spent }: &QuasiSettings<'_, N>,
     observables: &[&dyn Observe],
     accuracy: f64,
     settings: &ExpectationSettings,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Option<Expectation>, MultilevelError> {
     let Setup { problem, scheme } = setup;
+    let random = problem.noises > 0;
+    let most = MOST_HALVINGS.saturating_sub(settings.coarsest_steps.max(1).ilog2() as usize).max(3);
+    let max_level = if random { settings.max_level } else { most };
+    let settings = &ExpectationSettings { max_level, ..*settings };
+    let scrambles = if random { scrambles } else { 1 };
     let y0 = &problem.y0[..];
     let starts: Vec<f64> = observables.iter().map(|phi| value(*phi, y0)).collect();
     // The ladder of each level, and the nodes of its scrambles so far.
@@ -136,13 +146,14 @@ pub(crate) fn quasi_expectation<N: StepNoise>(
             Piece {
                 name: format!("{name}/level {number} scramble {scramble} from {from}"),
                 paths: first + points.end,
-                groups: (first + points.start) / GROUP_PATHS..(first + points.end) / GROUP_PATHS,
+                groups: (first + points.start) / GROUP_PATHS
+                    ..(first + points.end).div_ceil(GROUP_PATHS),
             }
         };
         // All scrambles are begun: none depends on another.
         let pieces: Vec<_> = (0..scrambles).map(piece).collect();
         let more = ladder.nodes_in(job, &pieces, Some(round), &new, progress);
-        let Some(more) = more else { return Ok(None) };
+        let Some(more) = more.filter(|_| !job.stop().is_asked()) else { return Ok(None) };
         let joined = |(nodes, more): (&mut Vec<_>, Vec<_>)| {
             let outcome = ladder.join(nodes, more, &new);
             let first_failure = outcome.failures.first().copied();
@@ -165,7 +176,9 @@ pub(crate) fn quasi_expectation<N: StepNoise>(
         runs,
         single: if mirror.is_some() { 2 } else { 1 },
         ranges: vec![None; observables.len()],
-        cost: 0,
+        spent,
+        random,
+        stopped: &|| job.gives_what_is_done(),
         decisions: Vec::new(),
     };
     match quasi.expectation() {
