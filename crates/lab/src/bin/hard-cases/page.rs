@@ -147,12 +147,13 @@ fn energy(page: &mut Page, energy: &[Energy]) {
     page.paragraph(ENERGY);
     let rows = energy.iter().map(|run| {
         let (a, lo, hi) = run.exponent;
+        let shown = |x: f64, text| if x.is_finite() { text } else { "–".to_owned() };
         [
             run.system.into(),
             format!("`{}`", run.scheme),
-            format!("{:+.1e}", run.end),
-            format!("{:+.2e} ± {:.0e}", run.drift, run.error),
-            format!("{a:.2} [{lo:.2}, {hi:.2}]"),
+            shown(run.end, format!("{:+.1e}", run.end)),
+            shown(run.drift, format!("{:+.2e} ± {:.0e}", run.drift, run.error)),
+            shown(a, format!("{a:.2} [{lo:.2}, {hi:.2}]")),
             run.failed.to_string(),
             format!("{} {}", run.outcome, mark(run.verdict)),
         ]
