@@ -198,7 +198,7 @@ fn errors(name: &str, center: f64, moments: &CrossMoments, first: usize) -> Step
         difference: deviations[0] - deviations[1],
         // Of the variance, by its linear part in the three means.
         standard_error: if sum > 0.0 { error([-2.0 * a, 2.0 * b, 1.0]) / sum } else { 0.0 },
-        rounding: ROUNDING[1] * a.abs(),
+        rounding: mean.rounding + ROUNDING[1] * a.abs(),
     };
     let along_paths = (mean.difference.powi(2) + count * mean.standard_error.powi(2)).sqrt();
     StepErrors { observable: name.into(), mean, deviation, along_paths }

@@ -10,7 +10,7 @@ mod order;
 mod parts;
 mod run;
 
-use std::{fs, io::Write, path::Path};
+use std::{fs, io::Write, path::Path, sync::mpsc::RecvTimeoutError, time::Duration};
 
 use casimir::{
     mc::parts::{Job, Program, Stop, limit_threads},
@@ -68,6 +68,21 @@ fn warn<N>(model: &dyn Model<N>) -> Known {
     let known = model.known();
     known.mistake.iter().for_each(|mistake| eprintln!("warning: {mistake}"));
     known
+}
+
+/// Does some work, and says after a second what it is.
+fn saying<R>(what: &str, work: impl FnOnce() -> R) -> R {
+    let (done, waiting) = std::sync::mpsc::channel::<()>();
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            if waiting.recv_timeout(Duration::from_secs(1)) == Err(RecvTimeoutError::Timeout) {
+                eprintln!("{what} …");
+            }
+        });
+        let result = work();
+        drop(done);
+        result
+    })
 }
 
 /// Steps of the coarsest level: an eighth of a unit of time or shorter. Finer levels follow from

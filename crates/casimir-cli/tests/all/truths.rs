@@ -106,6 +106,9 @@ impl Judged {
             let interval = point["mean_interval"]
                 .as_array()
                 .map(|interval| [0, 1].map(|k: usize| interval[k].as_f64().unwrap_or(f64::NAN)));
+            // Of a constant, such as a Casimir, the mean itself is the answer.
+            let constant = deviation <= 1e-9 * mean.abs();
+            let interval = interval.or(constant.then_some([stated("mean"); 2]));
             let of_deviation = Some([stated("deviation") - width, stated("deviation") + width]);
             for (key, truth, error, interval) in [
                 ("mean", mean, mean_error, interval),
