@@ -4,7 +4,7 @@ use std::{cell::Cell, sync::Arc};
 
 use noise::{BlockNoise, NoiseRows, StepNoise, StreamKey, Truncation};
 use schemes::{DynScheme, Nv, Sexp, SexpLi, Sweep, run_time::SchemeError};
-use systems::{Damping, Flows, Linearity, PoissonSystem, Problem, linearity, run_time};
+use systems::{Damping, Flows, Linearity, PoissonSystem, Problem, run_time};
 
 use crate::{
     DynProblem, Observable, Observe, Setup,
@@ -53,8 +53,8 @@ pub fn expect<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize
 /// over both orders of the noises, which has an expansion in even powers of τ. Without flows of
 /// parts `sexp-li` of weak order one ([`SexpLi`]): a step of `nv` by stages costs ten times as much
 /// and more, and extrapolation makes up for the order. Where neither is for the system, or its
-/// paths fail, `sexp`; also where B is constant, since `sexp-li` is explicit there and its energy
-/// drifts.
+/// paths fail, `sexp`; at run time also where B is constant, since `sexp-li` is explicit there and
+/// its energy drifts.
 ///
 /// **Points.** Scrambled Sobol points, 32 independent scrambles, with a Brownian bridge; see
 /// [`multilevel`](crate::multilevel). Levels of τ, τ/2, … are added until the bound on the bias is
@@ -95,12 +95,9 @@ impl<'a, const M: usize> Expect<'a, BlockNoise<M>> {
             problem: DynProblem::of(problem),
             scheme: bound_owning(problem.system(), scheme),
         };
-        let first = match linearity(problem.system(), problem.y0()) {
-            Linearity::Constant => Err(EXPLICIT.into()),
-            _ => SexpLi::new(problem.system(), problem.y0()).map_err(|error| error.to_string()),
-        };
+        let first = SexpLi::new(problem.system(), problem.y0());
         let first = first.map(|scheme| Candidate::of_order_one(setup(Box::new(scheme))));
-        Self::of(first, setup(Box::new(Sexp)))
+        Self::of(first.map_err(|error| error.to_string()), setup(Box::new(Sexp)))
     }
 
     /// Expectations of a problem whose system has parts with flows, which cost less.
@@ -121,7 +118,9 @@ impl<'a> Expect<'a, NoiseRows> {
     pub fn at_run_time(problem: &'a run_time::Problem) -> Result<Self, SchemeError> {
         let sexp = Setup::owning(problem, Box::new(Sexp))?;
         let first = match SexpLi::at_run_time(problem.system()) {
-            _ if problem.system().linearity() == Linearity::Constant => Err(EXPLICIT.into()),
+            _ if problem.system().linearity() == Linearity::Constant => {
+                Err("sexp-li is explicit where B is constant".into())
+            }
             Ok(scheme) => Ok(Candidate::of_order_one(Setup::owning(problem, Box::new(scheme))?)),
             Err(error) => Err(error.to_string()),
         };
@@ -141,9 +140,6 @@ fn by_parts<'a, S: Flows<D, M>, G: Damping, const D: usize, const M: usize>(
         reason: "nv: weak order two, with the flows of the parts".into(),
     }
 }
-
-/// Why `sexp-li` is not taken for a constant B.
-const EXPLICIT: &str = "sexp-li is explicit where B is constant";
 
 /// How often the coarsest level takes twice as many steps where paths fail.
 const REFINEMENTS: u32 = 8;

@@ -83,14 +83,17 @@ impl<'a> SeenDamping<'a> {
         Self { damping, reads_rates, t_end, coarsest_steps, exact, sizes, size, known }
     }
 
-    /// The largest ∫|γ| over one of the coarsest steps that are halved `halvings` times, nearly.
-    /// Above one a step forgets what noise and forces do in its first half.
-    pub fn largest_exponent(&self, halvings: usize) -> f64 {
+    /// The largest ∫|γ| that each of three steps in a row has, nearly, for the coarsest steps halved
+    /// `halvings` times. Above one, steps forget what noise and forces do in their first halves. A
+    /// pulse within a step or two is none of this: it concerns a part of the time that vanishes.
+    pub fn lasting_exponent(&self, halvings: usize) -> f64 {
         let steps = self.coarsest_steps as f64 * (1u64 << halvings) as f64;
         let parts = self.sizes.len() as f64 / steps;
         let chunks = self.sizes.chunks(parts.max(1.0) as usize);
-        let largest = chunks.map(|chunk| chunk.iter().sum()).fold(0.0, f64::max);
-        largest * parts.min(1.0)
+        let sums: Vec<f64> = chunks.map(|chunk| chunk.iter().sum()).collect();
+        let row = if parts < 1.0 { 1 } else { sums.len().min(3) };
+        let least = |row: &[f64]| row.iter().copied().fold(f64::INFINITY, f64::min);
+        sums.windows(row).map(least).fold(0.0, f64::max) * parts.min(1.0)
     }
 
     /// The largest distance from ∫₀ᵗγ of the sums that the scheme sees, and of the integrals given,

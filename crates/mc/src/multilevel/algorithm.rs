@@ -68,7 +68,7 @@ pub struct Sampler<'a> {
 
 /// How the steps of a level do not resolve the damping, if they do not.
 pub fn unresolved_damping(damping: &SeenDamping<'_>, level: usize) -> Option<Warning> {
-    let exponent = damping.largest_exponent(level);
+    let exponent = damping.lasting_exponent(level);
     let strong =
         (exponent > LARGEST_EXPONENT).then_some(Warning::StrongDamping { level, exponent });
     strong.or_else(|| damping.unresolved(level).map(|defect| Warning::Damping { level, defect }))

@@ -234,7 +234,7 @@ pub enum Warning {
     StrongDamping {
         /// The last level.
         level: usize,
-        /// The largest ∫|γ| over a step, above one.
+        /// The largest ∫|γ| that each of three steps in a row has, above one.
         exponent: f64,
     },
     /// φ differs between fine and coarse paths by more than 0.7 of its motion: it multiplies phases

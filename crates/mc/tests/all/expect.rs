@@ -222,12 +222,13 @@ fn strong_damping_is_resolved_or_refused() {
 #[test]
 fn a_constant_matrix_has_a_conformal_scheme() {
     let problem = oscillator::<1>(0.0, 1.0);
-    let chosen = expect(&problem, &[Q], 1e-2).unwrap();
     let system = Arc::new(Compiled::new(problem.system().clone(), problem.y0()));
     let damping = Arc::new(Constant::new(0.0).unwrap());
     let problem = systems::run_time::Problem::new(system, damping, vec![1.0, 0.0], 1.0).unwrap();
     let found = Expect::at_run_time(&problem).unwrap().run(&[&Q], 1e-2, &|_| ()).unwrap();
-    assert!(found.scheme == "sexp" && found == chosen, "{found}");
+    let (truth, estimate) = (1f64.cos(), &found.estimates[0]);
+    assert!(found.reached() && found.scheme == "sexp", "{found}");
+    assert!((estimate.value - truth).abs() <= estimate.half_width(), "{found}");
 }
 
 #[test]

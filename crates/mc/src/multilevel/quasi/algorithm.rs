@@ -317,7 +317,7 @@ impl Quasi<'_> {
     fn least_cost(&self, sums: &[Sum], last: usize) -> f64 {
         let of_sum = |sum: &Sum| sum.cost(self.accuracy, LEAST_GROWTH);
         let points = sums.iter().map(of_sum).fold(0.0, f64::max);
-        let exponent = self.damping.largest_exponent(last) / LARGEST_EXPONENT;
+        let exponent = self.damping.lasting_exponent(last) / LARGEST_EXPONENT;
         if !self.random || exponent <= 1.0 {
             return points;
         }
