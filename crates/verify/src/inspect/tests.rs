@@ -444,7 +444,10 @@ fn casimirs_are_written_with_their_signs() {
     assert_eq!(formulas, ["y1 − 2 y2", "0.5 y1² + 2 y2² − 2 y1 y2"]);
     let [line, square] = &report.casimirs.found[..] else { panic!("{report}") };
     assert_eq!((line.degree, square.degree), (1, 2));
-    assert_eq!((line.value(&[3.0, 1.0, 7.0]), square.value(&[3.0, 0.0, 7.0])), (1.0, 4.5));
+    assert_eq!(
+        (line.form().value(&[3.0, 1.0, 7.0]), square.form().value(&[3.0, 0.0, 7.0])),
+        (1.0, 4.5)
+    );
     // A minimum of −√5 at (−1, 2, 0)/√5, and zero beside it.
     let least = line.minimum;
     assert!((least.value + 5f64.sqrt()).abs() < 1e-6 && least.positive == Status::Refuted);
