@@ -236,7 +236,8 @@ fn what_is_out_of_reach_is_said_early() {
     let found = expect(&oscillator::<1>(0.1, 1.0), &[Q, P], 1e-14).unwrap();
     let named = |warning: &Warning| matches!(warning, Warning::OutOfReach { .. });
     assert!(!found.reached() && found.warnings.iter().any(named), "{found}");
-    assert!(found.cost < 10_000_000, "{found}");
+    // One in a hundred of the path-steps that are allowed.
+    assert!(found.cost < 100_000_000, "{found}");
     let truths = [1f64.cos(), -(1f64.sin())].map(|x| x * (-0.1f64).exp());
     for (estimate, truth) in found.estimates.iter().zip(truths) {
         assert!((estimate.value - truth).abs() < 1.5 * estimate.half_width(), "{found}");

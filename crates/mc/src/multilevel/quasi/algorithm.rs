@@ -256,7 +256,7 @@ impl Quasi<'_> {
             if sums.iter().any(|sum| sum.lost > LOST * self.accuracy) {
                 break None;
             }
-            let least = self.least_cost(&sums, last);
+            let least = self.least_cost(&sums, last, finer);
             if least > self.settings.max_cost as f64 {
                 let max_cost = self.settings.max_cost as f64;
                 break Some(Warning::OutOfReach { least, max_cost });
@@ -312,18 +312,21 @@ impl Quasi<'_> {
         sum.spread() + sum.bias_bound() > self.accuracy
     }
 
-    /// Path-steps without which the accuracy is not reached: those of points that lack, and those of
-    /// levels that the damping lacks.
-    fn least_cost(&self, sums: &[Sum], last: usize) -> f64 {
-        let of_sum = |sum: &Sum| sum.cost(self.accuracy, LEAST_GROWTH);
-        let points = sums.iter().map(of_sum).fold(0.0, f64::max);
+    /// Path-steps without which the accuracy is not reached: those of points that lack, on levels
+    /// that are fine enough; else those of finer levels that the damping needs.
+    fn least_cost(&self, sums: &[Sum], last: usize, finer: bool) -> f64 {
         let exponent = self.damping.lasting_exponent(last) / LARGEST_EXPONENT;
-        if !self.random || exponent <= 1.0 {
-            return points;
+        match finer {
+            false => {
+                sums.iter().map(|sum| sum.cost(self.accuracy, LEAST_GROWTH)).fold(0.0, f64::max)
+            }
+            // A pilot on a level with as many more steps, and on those below it.
+            true if self.random && exponent > 1.0 => {
+                let pilot = self.settings.pilot as f64 * self.level(last).cost_per_path as f64;
+                2.0 * pilot * exponent
+            }
+            true => 0.0,
         }
-        // The points of a pilot on a level with as many more steps, and on those below it.
-        let pilot = self.settings.pilot as f64 * self.level(last).cost_per_path as f64;
-        points.max(2.0 * pilot * exponent)
     }
 
     /// Says how far it is. Errors are taken to fall as they did for the points that there are.
