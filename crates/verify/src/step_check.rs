@@ -185,20 +185,23 @@ fn errors(name: &str, center: f64, moments: &CrossMoments, first: usize) -> Step
         terms.sum::<f64>().max(0.0).sqrt()
     };
     let (a, b) = (mean(0), mean(1));
+    // What is left of a difference of squares by rounding.
+    let root = ROUNDING[1] * a.abs();
+    let above = |x: f64| if x <= root { 0.0 } else { x };
     let mean = Halved {
         value: center + a,
         difference: a - b,
-        standard_error: error([1.0, -1.0, 0.0]),
+        standard_error: above(error([1.0, -1.0, 0.0])),
         rounding: ROUNDING[0] * (center.abs() + a.abs()),
     };
-    let deviations = [0, 1].map(|k| (count * covariance(k, k)).max(0.0).sqrt());
+    let deviations = [0, 1].map(|k| above((count * covariance(k, k)).max(0.0).sqrt()));
     let sum = deviations[0] + deviations[1];
     let deviation = Halved {
         value: deviations[0],
         difference: deviations[0] - deviations[1],
         // Of the variance, by its linear part in the three means.
         standard_error: if sum > 0.0 { error([-2.0 * a, 2.0 * b, 1.0]) / sum } else { 0.0 },
-        rounding: mean.rounding + ROUNDING[1] * a.abs(),
+        rounding: mean.rounding + root,
     };
     let along_paths = (mean.difference.powi(2) + count * mean.standard_error.powi(2)).sqrt();
     StepErrors { observable: name.into(), mean, deviation, along_paths }

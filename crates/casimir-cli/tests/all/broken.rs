@@ -83,7 +83,7 @@ const BROKEN: &[Broken] = &[
     (BODY, "\nparameters", "\nH0 = \"1\"\nparameters", "line 3, column 6", "is for formulas"),
     (BODY, "noise = [1, 2, 3]", "noise = [1, 2]", "line 3, column 49", "one or three numbers"),
     (BODY, "\"sexp-li\"", "\"split-levy\"", "line 10, column 10", "there are auto, sexp"),
-    (BODY, "1.0\nsteps = 64\nscheme = \"sexp-li\"", "64.0\nsteps = 64\nscheme = \"sexp\"",
+    (BODY, "1.0\nsteps = 64\nscheme = \"sexp-li\"", "64.0\nsteps = 64\ntruncation = 4\nscheme = \"sexp\"",
         "line 9, column 9", "Take at least 65 steps"),
     (SPINS, "[4, 4]", "[4, 0]", "line 3, column 24", "at least 1"),
     (SPINS, "transverse = 0.1, ", "", "line 3, column 63", "needs `transverse` damping"),
