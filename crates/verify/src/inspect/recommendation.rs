@@ -119,6 +119,9 @@ pub fn recommendations(report: &Inspection, damped: bool) -> Vec<Recommendation>
     if !hamiltonians.discrete_gradient.holds() {
         because += "; the energy up to the error of ∇̄h";
     }
+    if !report.casimirs.logarithmic.is_empty() {
+        because += "; split alone keeps the Casimir with logarithms";
+    }
     take(Purpose::Paths, scheme, because);
     let implicit = linear && without_iteration.structure == Linearity::Affine;
     let without_iteration_too = match areas && without_iteration.areas_refused.is_none() {

@@ -363,7 +363,8 @@ fn a_report_says_why_a_statement_does_not_apply() {
         "  1 / 1: sexp, sexp-levy, sexp-li, sexp-li-levy, split, midpoint, heun\n",
         "\n  1 / 2: nv\n  0.5 / 1: em\n",
         "sexp-li applies: B is constant in y, every step has a solution\n",
-        "Take heun for paths: explicit, of strong order 1; nothing was found to keep",
+        "  sexp-li, sexp-li-levy: exact damping; explicit, since B is constant: the energy drifts\n",
+        "Take sexp for paths: it damps exactly, and keeps the energy but for the noise\n",
         "No mistakes found.",
     ] {
         assert!(text.contains(words), "{words}: {text}");
