@@ -377,7 +377,7 @@ fn a_report_says_why_a_statement_does_not_apply() {
         "  0.5 / 1: sexp, sexp-li, split, midpoint, heun, em\n  1 / 1: sexp-levy, sexp-li-levy\n",
         "\n  0.5 / 2: nv\n",
         "do not commute: strong order 1 needs Lévy areas",
-        "Take sexp-li-levy for paths: noises do not commute",
+        "Take sexp-levy for paths: it keeps the Casimirs",
         "Take sexp-li for expectations: mc::expect extrapolates weak order 1;",
         "0.5 y1² + 0.5 y2² + 0.5 y3²; degree 2, m = 5.0000e-1 > 0 (shown); B∇C = 0 shown",
     ] {
