@@ -70,7 +70,7 @@ pub struct Kept {
 }
 
 impl Kept {
-    /// The scheme for paths, and why; see the [module](self).
+    /// The scheme for paths, and why.
     pub fn scheme(self) -> (&'static str, String) {
         let kept = match (self.casimirs, self.energy) {
             (true, true) => "it keeps the energy and the Casimirs",
@@ -85,7 +85,7 @@ impl Kept {
     }
 }
 
-/// What a scheme does over long times, see the [module](self). `constant`: B does not depend on y.
+/// What a scheme does over long times. `constant`: B does not depend on y.
 pub fn long_times(scheme: &str, constant: bool) -> &'static str {
     match scheme {
         "sexp" | "sexp-levy" => "exact damping; Casimirs and, but for the noise, the energy kept",
