@@ -1,4 +1,4 @@
-//! Chores of the workspace: programs of the packages `lab` and `battery`, built and run here.
+//! Chores of the workspace: programs of the packages `casimir-verify` and `battery`, built and run here.
 //!
 //! `cargo xtask CHORE ARGUMENTS…` is `cargo run --release -p PACKAGE --bin PROGRAM --
 //! ARGUMENTS…`, so a chore builds what it needs and nothing else.
@@ -23,7 +23,12 @@ type Chore = (&'static str, [&'static str; 2], &'static [&'static str], &'static
 const MEASURING: &[&str] = &["--features", "measuring"];
 
 const CHORES: [Chore; 5] = [
-    ("reproduce", ["lab", "reproduce"], &[], "Run the paper's experiments and write the report"),
+    (
+        "reproduce",
+        ["casimir-verify", "reproduce"],
+        &[],
+        "Run the paper's experiments and write the report",
+    ),
     (
         "verify",
         ["battery", "battery"],
@@ -32,17 +37,17 @@ const CHORES: [Chore; 5] = [
     ),
     (
         "work-precision",
-        ["lab", "work-precision"],
+        ["casimir-verify", "work-precision"],
         MEASURING,
         "Measure errors against processor time",
     ),
     (
         "stability",
-        ["lab", "hard-cases"],
+        ["casimir-verify", "hard-cases"],
         MEASURING,
         "Run the hard cases, the long runs and the fuzzer",
     ),
-    ("bench", ["lab", "bench"], MEASURING, "Measure what a path-step costs"),
+    ("bench", ["casimir-verify", "bench"], MEASURING, "Measure what a path-step costs"),
 ];
 
 fn main() -> ExitCode {

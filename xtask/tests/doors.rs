@@ -19,28 +19,28 @@ const DOORS: [(&str, &[&str]); 16] = [
     ("stats", &["real"]),
     ("mc", &["stats", "real", "schemes", "systems", "noise", "nonlin"]),
     (
-        "verify",
+        "analysis",
         &["mc", "stats", "formula", "schemes", "systems", "nonlin", "dgrad", "noise", "real"],
     ),
-    ("report", &["verify", "mc", "stats", "real"]),
+    ("report", &["analysis", "mc", "stats", "real"]),
     (
         "casimir",
         &[
-            "report", "verify", "mc", "stats", "formula", "schemes", "systems", "nonlin", "dgrad",
-            "noise", "real",
+            "report", "analysis", "mc", "stats", "formula", "schemes", "systems", "nonlin",
+            "dgrad", "noise", "real",
         ],
     ),
     (
-        "lab",
+        "verify",
         &[
-            "report", "verify", "mc", "stats", "schemes", "systems", "nonlin", "dgrad", "noise",
+            "report", "analysis", "mc", "stats", "schemes", "systems", "nonlin", "dgrad", "noise",
             "real",
         ],
     ),
     (
         "battery",
         &[
-            "lab", "report", "verify", "mc", "stats", "schemes", "systems", "nonlin", "dgrad",
+            "verify", "report", "analysis", "mc", "stats", "schemes", "systems", "nonlin", "dgrad",
             "noise", "real",
         ],
     ),

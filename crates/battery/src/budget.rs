@@ -1,8 +1,8 @@
 //! How many false alarms are to be expected, and how many are too many.
 
+use analysis::results::{Claim, Evidence};
 use report::Outcome;
 use statrs::distribution::{DiscreteCDF, Poisson};
-use verify::results::{Claim, Evidence};
 
 /// The most often that an order is refuted by chance: a 99.9 % interval misses on one side.
 const ORDER_ALARM: f64 = 0.0005;

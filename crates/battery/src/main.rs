@@ -3,6 +3,10 @@
 
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
+use analysis::{
+    Mode, Progress, Settings, Silent,
+    results::{Claim, Evidence},
+};
 use anyhow::Result;
 use battery::{
     library,
@@ -10,16 +14,12 @@ use battery::{
     twins::{TWINS, measure_twins},
 };
 use clap::{Parser, value_parser};
-use lab::{
-    EXPERIMENTS, Experiment, Method, STATEMENTS, SUPPLEMENTS,
-    command::{self, Parts, Study},
-    ids,
-};
 use mc::parts::{Job, limit_threads};
 use report::{Bars, files, terminal};
 use verify::{
-    Mode, Progress, Settings, Silent,
-    results::{Claim, Evidence},
+    EXPERIMENTS, Experiment, Method, STATEMENTS, SUPPLEMENTS,
+    command::{self, Parts, Study},
+    ids,
 };
 
 /// Runs the whole battery for many seeds, with all wrong twins, and writes docs/verification.md.
@@ -64,7 +64,7 @@ impl Arguments {
         let arguments = arguments.map(|(name, value)| [name.to_owned(), value]).concat();
         let sizes = [("--seeds", self.seeds), ("--library-seeds", self.library_seeds)];
         let sizes = sizes.map(|(name, seeds)| (name.to_owned(), seeds as f64)).into();
-        Study::new("verify", arguments, sizes, &self.out)
+        Study::new("analysis", arguments, sizes, &self.out)
     }
 }
 
@@ -133,7 +133,7 @@ fn measure(arguments: &Arguments, job: &Job, bars: &Bars) -> Battery {
     });
     part("expectations", 1);
     let settings = Settings::new(1, Mode::Paper);
-    let expectations = lab::expectation_claims(settings, accuracy, job, bars);
+    let expectations = verify::expectation_claims(settings, accuracy, job, bars);
     part("coverage of the intervals", 1);
     let coverage = battery::coverage(replications, 1, job);
     part("the library of known answers", 1);
@@ -177,7 +177,7 @@ fn claims(seed: u64, job: &Job) -> Result<Vec<Claim>> {
     let run = |mode, experiments: &[Experiment]| -> Result<Vec<Claim>> {
         let here = Job::here().stopped_by(job.stop());
         let (ids, settings) = (ids(experiments), Settings::new(seed, mode));
-        let results = lab::reproduce(settings, &ids, &Method::FURTHER, &here, &Silent)?;
+        let results = verify::reproduce(settings, &ids, &Method::FURTHER, &here, &Silent)?;
         here.finish()?;
         Ok(results.claims)
     };

@@ -1,8 +1,8 @@
 //! The page about the battery: statements, twins, coverage, the library.
 
+use analysis::results::{Claim, Evidence, Verdict};
 use report::{Outcome, Page};
 use stats::{Coverage, Expected};
-use verify::results::{Claim, Evidence, Verdict};
 
 use crate::{
     budget::{expected_alarms, least_power, poisson_quantile},

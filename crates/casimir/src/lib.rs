@@ -28,8 +28,8 @@
 //!   [`Implicit`](schemes::Implicit) for your own.
 //! - [`mc`]: many paths with [`Simulation`](mc::Simulation), [`study`](mc::study()),
 //!   [`Ladder`](mc::Ladder) and [`multilevel`](mc::multilevel).
-//! - [`verify`]: [`inspect`](verify::inspect()), [`strong_order`](verify::strong_order),
-//!   [`weak_order`](verify::weak_order), and [`compare`](verify::compare()), which says which scheme
+//! - [`analysis`]: [`inspect`](analysis::inspect()), [`strong_order`](analysis::strong_order),
+//!   [`weak_order`](analysis::weak_order), and [`compare`](analysis::compare()), which says which scheme
 //!   is cheapest for an error.
 //! - [`formula`]: systems, dampings and observables from text; [`systems::run_time`] and
 //!   [`schemes::run_time`] for any system whose dimension is known at run time.
@@ -39,18 +39,18 @@
 
 #[cfg(feature = "report")]
 pub use report;
-pub use {dgrad, formula, mc, noise, nonlin, real, schemes, stats, systems, verify};
+pub use {analysis, dgrad, formula, mc, noise, nonlin, real, schemes, stats, systems};
 
 /// The names that most programs use: `use casimir::prelude::*`.
 pub mod prelude {
+    pub use analysis::{
+        Candidates, CompareSettings, StepSizes, compare, inspect, inspect_problem, strong_order,
+    };
     pub use mc::{Observable, Simulation, StudySettings, Times, study, write_csv};
     pub use noise::{StreamKey, Truncation};
     pub use real::Real;
     pub use schemes::{Explicit, Heun, Implicit, Increment, Scheme, Sexp, SexpLevy, SexpLi, Split};
     pub use systems::{Constant, Damping, PoissonSystem, Problem};
-    pub use verify::{
-        Candidates, CompareSettings, StepSizes, compare, inspect, inspect_problem, strong_order,
-    };
 }
 
 /// The examples of the README, compiled and run with the other examples.

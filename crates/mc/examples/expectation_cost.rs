@@ -20,7 +20,7 @@ use rustix::time::{ClockId, clock_gettime};
 use schemes::Sexp;
 use systems::{Cosine, Problem, RigidBody};
 
-/// E[cos y₃(1)] by spherical harmonics (`verify::rigid_body_expectations`).
+/// E[cos y₃(1)] by spherical harmonics (`analysis::rigid_body_expectations`).
 const EXACT: f64 = 0.797_719_935_281_68;
 const LIMIT: f64 = 2e9;
 

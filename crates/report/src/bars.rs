@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
+use analysis::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
-use verify::Progress;
 
 /// A bar for the panel that is running; nothing where the output is no terminal.
 pub struct Bars {

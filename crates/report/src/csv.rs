@@ -3,7 +3,7 @@
 //! Every number is written with the shortest digits that read back as the same `f64`; what is not
 //! finite appears as `inf`, `-inf` or `NaN`.
 
-use verify::{
+use analysis::{
     compare::{Comparison, Time},
     results::{Kind, Panel, Point},
 };
@@ -15,7 +15,7 @@ use crate::panel::relative_defect;
 ///
 /// | column | meaning |
 /// |---|---|
-/// | `scheme`, `quantity` | as in [`Series`](verify::results::Series) |
+/// | `scheme`, `quantity` | as in [`Series`](analysis::results::Series) |
 /// | `tau`, `value` | step size; root-mean-square error (strong) or signed weak error (weak) |
 /// | `se`, `lo`, `hi` | standard error, ends of the interval, empty where it is value ± 1.96 se |
 /// | `t`, `value`, `exact` | time, value along the path, value by the conformal law |
@@ -114,7 +114,7 @@ fn field(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use verify::results::Series;
+    use analysis::results::Series;
 
     use super::*;
 

@@ -61,15 +61,15 @@ pub mod terminal;
 
 use std::{io::Result, path::Path};
 
-use verify::results::Results;
+use analysis::results::Results;
 
+pub use analysis::number;
 pub use bars::Bars;
 pub use csv::{comparison_csv, csv};
 pub use html::{Document, Wording};
 pub use label::Label;
 pub use markdown::{Page, anchor, distinct};
 pub use outcome::Outcome;
-pub use verify::number;
 
 /// Writes the report of a run into a folder.
 ///
@@ -102,7 +102,7 @@ pub fn write_report(results: &Results, wording: &Wording, folder: &Path) -> Resu
 mod tests {
     use std::fs;
 
-    use verify::results::{Kind, Panel, Point, Provenance, SCHEMA, Series};
+    use analysis::results::{Kind, Panel, Point, Provenance, SCHEMA, Series};
 
     use super::*;
 

@@ -1,6 +1,6 @@
 //! What a verdict means to a reader.
 
-use verify::results::{Claim, Verdict};
+use analysis::results::{Claim, Verdict};
 
 /// A verdict, with refutations that a documented misprint explains set apart.
 ///

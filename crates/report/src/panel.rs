@@ -1,6 +1,6 @@
 //! What figures, tables and files agree on about a panel.
 
-use verify::results::Series;
+use analysis::results::Series;
 
 /// Two-sided 95 % quantile of the normal distribution.
 pub const QUANTILE: f64 = 1.96;

@@ -2,8 +2,8 @@
 
 use std::{fs, process::Command, time::Instant};
 
+use analysis::results::Provenance;
 use real::Level;
-use verify::results::Provenance;
 
 /// What is written for a fact that nobody tells.
 const UNKNOWN: &str = "unknown";

@@ -1,9 +1,9 @@
 //! The verdicts in the terminal.
 
+use analysis::results::Claim;
 use comfy_table::{
     Attribute, Cell, Color, ContentArrangement, Table, presets::UTF8_HORIZONTAL_ONLY,
 };
-use verify::results::Claim;
 
 use crate::Outcome;
 

@@ -14,7 +14,7 @@ use mc::parts::Job;
 use noise::StreamKey;
 use stats::{Bend, Coverage, CrossMoments, Expected, LogMeanSquares, Point, Rate, normal_covers};
 
-use lab::streams;
+use verify::streams;
 
 /// Measures the coverage of every kind of interval on `replications` data sets each, as work of
 /// `job`: `None` where that gives no results.

@@ -1,5 +1,6 @@
 //! Weak orders and errors of geometric Brownian motion, which have closed forms.
 
+use analysis::FinalMoments;
 use mc::{Ladder, Run, View};
 use noise::{StreamKey, Truncation};
 use schemes::EulerMaruyama;
@@ -9,7 +10,6 @@ use stats::{
     normal_covers, weak_errors,
 };
 use systems::paper::valid;
-use verify::FinalMoments;
 
 use super::{Tally, point_checks, warns};
 use crate::library::system::{Growth, UNDAMPED, problem};

@@ -4,11 +4,11 @@
 //! turns by e^{−ia}. Steps are independent: after n of them
 //! E|Π A − Π e^{−ia}|² = (E|A|²)ⁿ + 1 − 2 Re (E[A e^{ia}])ⁿ, with expectations over one normal.
 
+use analysis::{StepSizes, strong_order};
 use mc::{Ladder, Reference, Run, StrongErrors};
 use noise::StreamKey;
 use schemes::{EulerMaruyama, Heun, Midpoint, Scheme};
 use stats::{Point, root_mean_squares};
-use verify::{StepSizes, strong_order};
 
 use super::{
     Answer, Entry, OldRule, Question, Stated,

@@ -1,5 +1,5 @@
 //! Problems with exactly known answers, and how often the answers of `mc::multilevel` and of
-//! `verify::strong_order` and `weak_order` are true.
+//! `analysis::strong_order` and `weak_order` are true.
 //!
 //! An [`Entry`] is a question with its truth, a closed form, and settings as a user would choose
 //! them. It is asked with many seeds. An answer that is *stated* may be false, in the share
@@ -30,8 +30,8 @@ use noise::{StreamKey, Truncation};
 use schemes::Scheme;
 use systems::Problem;
 
-use lab::streams;
 use system::{Chosen, Rate};
+use verify::streams;
 
 use summary::Counted;
 pub use summary::{Row, Total, by_kind, by_old_rule};
@@ -39,7 +39,7 @@ pub use summary::{Row, Total, by_kind, by_old_rule};
 /// What is asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Question {
-    /// The strong order of a scheme, with the defaults of [`verify::StepSizes::new`].
+    /// The strong order of a scheme, with the defaults of [`analysis::StepSizes::new`].
     StrongOrder,
     /// Its weak order.
     WeakOrder,

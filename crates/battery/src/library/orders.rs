@@ -7,11 +7,11 @@
 
 use std::fmt::Display;
 
+use analysis::{Decision, Order, ReferenceSolution, StepSizes, strong_order, weak_order};
 use mc::Observable;
 use noise::StreamKey;
 use schemes::{EulerMaruyama, Explicit, Heun, Increment, Midpoint, Scheme, Sexp, SexpLevy};
 use systems::{PoissonSystem, Problem};
-use verify::{Decision, Order, ReferenceSolution, StepSizes, strong_order, weak_order};
 
 use super::{
     Answer, Entry, OldRule, Question, Stated, Truth,

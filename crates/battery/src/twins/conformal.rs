@@ -1,16 +1,16 @@
 //! Twins of the conformal laws and of the bounds that follow from them.
 
-use lab::{
-    Conditions,
-    conformal_law::{ROUND_OFF, along, approach, largest_defect},
-    statements::{exact_conformal, moment_bound},
-};
+use analysis::results::{Claim, Evidence};
 use schemes::{EulerMaruyama, Implicit, Increment, Scheme, Sexp};
 use systems::{
     Damping, PoissonSystem, Problem, RigidBody,
     paper::{lotka_volterra_2_2, rigid_body_three_noises, valid},
 };
-use verify::results::{Claim, Evidence};
+use verify::{
+    Conditions,
+    conformal_law::{ROUND_OFF, along, approach, largest_defect},
+    statements::{exact_conformal, moment_bound},
+};
 
 use super::wrong_systems::WrongSystem;
 

@@ -1,11 +1,11 @@
 //! Twins of the one-step remainders.
 
-use lab::{
+use analysis::results::Claim;
+use schemes::Sexp;
+use verify::{
     Conditions,
     statements::local::{self, PIECES, Vector, difference, remainder_claims},
 };
-use schemes::Sexp;
-use verify::results::Claim;
 
 /// The increment over the whole step.
 fn whole(pieces: &[Vector; PIECES]) -> Vector {

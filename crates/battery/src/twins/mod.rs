@@ -11,14 +11,14 @@ mod orders;
 mod without_iteration;
 mod wrong_systems;
 
-use lab::{
+use analysis::{Progress, Settings, results::Claim};
+use mc::parts::Job;
+use systems::paper::{pendulum, poisson3_strong};
+use verify::{
     Conditions,
     statements::{solvability::contraction, truncation::sampled_variance},
     streams,
 };
-use mc::parts::Job;
-use systems::paper::{pendulum, poisson3_strong};
-use verify::{Progress, Settings, results::Claim};
 
 /// A wrong method: the statement that it is a twin of, its mistake in words, and its measurement.
 pub type Twin = (&'static str, &'static str, fn(&Conditions) -> Claim);

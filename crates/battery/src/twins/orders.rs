@@ -1,6 +1,8 @@
 //! Twins of the convergence orders.
 
-use lab::{Conditions, truncation};
+use analysis::{
+    Order, OtherNoise, ReferenceSolution, StepSizes, results::Claim, strong_order, weak_order,
+};
 use mc::Observable;
 use noise::{BlockNoise, Noise, StreamKey, WienerPath};
 use real::WIDTH;
@@ -9,9 +11,7 @@ use systems::{
     Damping, PoissonSystem, Problem,
     paper::{rigid_body_one_noise, rigid_body_three_noises, valid},
 };
-use verify::{
-    Order, OtherNoise, ReferenceSolution, StepSizes, results::Claim, strong_order, weak_order,
-};
+use verify::{Conditions, truncation};
 
 /// Step sizes 2⁻⁵ … 2⁻¹², reference 2⁻¹⁴: enough levels and paths to tell order ½ from order 1 on
 /// every seed.

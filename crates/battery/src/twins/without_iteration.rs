@@ -1,12 +1,6 @@
 //! Twins of the schemes without iteration.
 
-use lab::{
-    Conditions,
-    statements::{
-        local::{BodyScheme, remainder_claims, scheme_remainder},
-        without_iteration::{keeps_casimir, order_two},
-    },
-};
+use analysis::results::Claim;
 use schemes::{Explicit, Increment, SexpLi, Split};
 use systems::{
     Damping, Flows, PoissonSystem, Problem,
@@ -14,7 +8,13 @@ use systems::{
         maxwell_bloch, pendulum, poisson3_strong, rigid_body_energy, rigid_body_three_noises, valid,
     },
 };
-use verify::results::Claim;
+use verify::{
+    Conditions,
+    statements::{
+        local::{BodyScheme, remainder_claims, scheme_remainder},
+        without_iteration::{keeps_casimir, order_two},
+    },
+};
 
 use super::{
     altered::{Altered, InARow, damped_after, damped_before, damped_by_first_half},

@@ -1,7 +1,7 @@
 //! What the page says of alarms, undecided verdicts and misprints.
 
+use analysis::results::{Claim, Evidence, Verdict};
 use battery::page::{Battery, page};
-use verify::results::{Claim, Evidence, Verdict};
 
 fn claim(verdict: Verdict, erratum: &str) -> Claim {
     let measured = Evidence::order(1.0, None);

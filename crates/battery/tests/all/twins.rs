@@ -1,11 +1,11 @@
 //! The twins are refuted, the right methods are not, and every statement has a twin. Many seeds:
 //! `cargo xtask verify`.
 
+use analysis::{Mode, Settings, Silent, results::Verdict};
 use battery::twins::{TWINS, measure_twins};
-use lab::{STATEMENTS, ids, reproduce};
 use mc::parts::Job;
 use report::Outcome;
-use verify::{Mode, Settings, Silent, results::Verdict};
+use verify::{STATEMENTS, ids, reproduce};
 
 const QUICK: Settings = Settings { seed: 1, mode: Mode::Quick, samples_times: None };
 

@@ -9,6 +9,7 @@ use std::{
 };
 
 use casimir::{
+    analysis::Progress,
     mc::{
         self, Observe, Setup,
         multilevel::{
@@ -18,7 +19,6 @@ use casimir::{
     },
     noise::StepNoise,
     report::Bars,
-    verify::Progress,
 };
 
 use super::{

@@ -13,8 +13,8 @@ mod run;
 use std::{fs, io::Write, path::Path, sync::mpsc::RecvTimeoutError, time::Duration};
 
 use casimir::{
+    analysis::inspect::long_times,
     mc::parts::{Job, Program, Stop, limit_threads},
-    verify::inspect::long_times,
 };
 use clap::CommandFactory;
 

@@ -3,13 +3,13 @@
 use std::time::Instant;
 
 use casimir::{
-    noise::StepNoise,
-    report::{Bars, figure::convergence, files},
-    verify::{
+    analysis::{
         self, DynReference, Progress, StepSizes,
         results::{Kind, Series},
         strong_order_of_within, weak_order_of_within,
     },
+    noise::StepNoise,
+    report::{Bars, figure::convergence, files},
 };
 use serde_json::{Value, json};
 
@@ -24,7 +24,7 @@ use crate::{
 /// The order of one quantity.
 struct Found {
     quantity: String,
-    order: verify::Order,
+    order: analysis::Order,
 }
 
 /// What was found of a scheme.

@@ -3,6 +3,7 @@
 use std::{path::Path, time::Instant};
 
 use casimir::{
+    analysis::{Progress, StepCheck, checked_paths, step_check},
     mc::{
         DynSimulation, Observe, Study, StudySettings, TimeSeries,
         parts::{Job, JobError, Share, Stop, remove},
@@ -10,7 +11,6 @@ use casimir::{
     },
     noise::StepNoise,
     report::Bars,
-    verify::{Progress, StepCheck, checked_paths, step_check},
 };
 
 use super::{

@@ -3,13 +3,13 @@
 use std::{error::Error, sync::Arc};
 
 use casimir::{
+    analysis::{
+        Candidates, Comparison, DynCompareSettings, compare_of, inspect::Kept, inspect_problem,
+    },
     mc::{DynProblem, Expect, Setup},
     noise::BlockNoise,
     schemes::{EulerMaruyama, Heun, Midpoint, Nv, Scheme, Sexp, SexpLevy, SexpLi, Split},
     systems::{Damping, Flows, InvariantKind, Linearity, PoissonSystem, Problem, linearity},
-    verify::{
-        Candidates, Comparison, DynCompareSettings, compare_of, inspect::Kept, inspect_problem,
-    },
 };
 
 use super::{Findings, Model};

@@ -6,17 +6,17 @@ use std::{
 };
 
 use casimir::{
+    analysis::{
+        Comparison, DynCandidates, DynCompareSettings, compare_of,
+        inspect::{Facts, Form},
+        inspect_formula_problem,
+    },
     formula::{Definition, DefinitionError, Formula, FormulaSystem, Which},
     mc::{DynProblem, Expect, Setup},
     noise::NoiseRows,
     systems::{
         Damping, Linearity,
         run_time::{Problem, System},
-    },
-    verify::{
-        Comparison, DynCandidates, DynCompareSettings, compare_of,
-        inspect::{Facts, Form},
-        inspect_formula_problem,
     },
 };
 use toml::Spanned;

@@ -3,6 +3,7 @@
 use std::{error::Error, sync::Arc};
 
 use casimir::{
+    analysis::{Comparison, DynCandidates, DynCompareSettings, compare_of, inspect_large},
     formula::Names,
     mc::{DynProblem, Expect, Setup},
     noise::NoiseRows,
@@ -12,7 +13,6 @@ use casimir::{
         Damping,
         run_time::{Couplings, Problem, Shape, SpinLattice, System, Weights, noise_at_temperature},
     },
-    verify::{Comparison, DynCandidates, DynCompareSettings, compare_of, inspect_large},
 };
 
 use super::{AnyModel, Built, Findings, Model, row_schemes::RowSchemes};

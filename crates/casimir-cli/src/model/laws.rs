@@ -1,8 +1,8 @@
 //! Functions that were found to obey the conformal law.
 
 use casimir::{
+    analysis::inspect::{Facts, Form},
     mc::{ConformalLaw, DynProblem, Formulas},
-    verify::inspect::{Facts, Form},
 };
 
 /// A function F with F(y(t)) = e^{−p∫γ}F(y(0)).

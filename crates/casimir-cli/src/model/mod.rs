@@ -11,14 +11,14 @@ mod row_schemes;
 use std::{error::Error, sync::Arc};
 
 use casimir::{
+    analysis::{
+        Comparison, DynCompareSettings,
+        inspect::{Inspection, LargeInspection},
+    },
     formula::{FormulaDamping, Names},
     mc::{Expect, Setup},
     noise::{BlockNoise, NoiseRows},
     systems::{Constant, Damping},
-    verify::{
-        Comparison, DynCompareSettings,
-        inspect::{Inspection, LargeInspection},
-    },
 };
 
 use crate::scene::{Constants, Observable, Quantity, Read, SceneFile, Settings, Source};
@@ -58,13 +58,13 @@ pub trait Model<N>: Send + Sync {
     /// Errors against cost of all schemes.
     ///
     /// # Errors
-    /// Those of [`compare_of`](casimir::verify::compare_of).
+    /// Those of [`compare_of`](casimir::analysis::compare_of).
     fn compare(&self, settings: &DynCompareSettings<'_>) -> Result<Comparison, Box<dyn Error>>;
 
     /// What the system is.
     ///
     /// # Errors
-    /// Those of [`casimir::verify::inspect`].
+    /// Those of [`casimir::analysis::inspect`].
     fn findings(&self) -> Result<Findings, Box<dyn Error>>;
 }
 

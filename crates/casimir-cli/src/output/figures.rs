@@ -1,9 +1,9 @@
 //! The figures of a run.
 
 use casimir::{
+    analysis::results::{Point, Series},
     mc::TimeSeries,
     report::figure::{Trace, bands, evolution, histogram, lines},
-    verify::results::{Point, Series},
 };
 
 use crate::{

@@ -9,9 +9,9 @@ mod steps;
 use std::path::Path;
 
 use casimir::{
+    analysis::StepCheck,
     mc::{study::StudyResult, write_csv},
     report::files,
-    verify::StepCheck,
 };
 use serde_json::{Value, json};
 

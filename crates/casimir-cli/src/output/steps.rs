@@ -1,8 +1,8 @@
 //! Step errors in words.
 
 use casimir::{
+    analysis::{STIFF, StepCheck, StepError, StepErrors},
     mc::study::StudyResult,
-    verify::{STIFF, StepCheck, StepError, StepErrors},
 };
 
 use super::digits;

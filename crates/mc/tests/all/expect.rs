@@ -19,7 +19,7 @@ use systems::{
     run_time::Compiled,
 };
 
-/// E cos y₃ of [`body`], by eigenfunctions on the sphere (`verify::sphere`).
+/// E cos y₃ of [`body`], by eigenfunctions on the sphere (`analysis::sphere`).
 const EXACT: f64 = 0.797_719_94;
 
 fn body() -> Problem<RigidBody<3>, Cosine, 3> {

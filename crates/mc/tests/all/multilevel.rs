@@ -540,7 +540,7 @@ fn paths_that_fail_are_counted_and_reported() {
 }
 
 /// E[cos y₃] of [`body`], from the Kolmogorov equation on the sphere by spherical harmonics
-/// (`verify`).
+/// (`analysis`).
 const EXACT_COS_Y3: f64 = 0.797_719_935_281_68;
 
 #[test]

@@ -1,6 +1,6 @@
 //! Errors against the step size, or cost against accuracy.
 
-use verify::results::{Kind, Point, Rate, Series};
+use analysis::results::{Kind, Point, Rate, Series};
 
 use super::{
     chart::{COLUMN, Curve, Figure, Line, Measured, Plot, Style},
@@ -20,7 +20,7 @@ use crate::{
 ///
 /// ```
 /// use report::figure::convergence;
-/// use verify::results::{Kind, Point, Series};
+/// use analysis::results::{Kind, Point, Series};
 ///
 /// let points = [0.1, 0.05, 0.025].map(|tau| Point::normal(tau, 0.3 * tau, 0.001 * tau));
 /// let series = Series {

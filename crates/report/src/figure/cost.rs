@@ -1,6 +1,6 @@
 //! Figures of error against cost.
 
-use verify::compare::{Comparison, Series, StrongPoint, WeakObservable};
+use analysis::compare::{Comparison, Series, StrongPoint, WeakObservable};
 
 use super::{Curve, Figure, Measured, Plot, Spacing, Style};
 
@@ -62,7 +62,7 @@ pub fn comparison(comparison: &Comparison) -> String {
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use verify::compare::{
+    use analysis::compare::{
         Candidate, Choice, Keeps, Outcome, Sampled, Strong, Time, Verdicts, Weak, WeakPoint,
     };
 

@@ -1,7 +1,7 @@
 //! An invariant along one path: its value with the conformal law above, the relative defect of the
 //! law below.
 
-use verify::results::{Point, Series};
+use analysis::results::{Point, Series};
 
 use super::{
     axis::{Axis, Range, Scale},

@@ -21,7 +21,7 @@ mod scripts;
 mod stroke;
 mod ticks;
 
-use verify::results::{Kind, Panel};
+use analysis::results::{Kind, Panel};
 
 pub use bands::bands;
 pub use chart::{Curve, Figure, Line, Measured, Plot, Style};

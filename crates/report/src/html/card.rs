@@ -1,7 +1,7 @@
 //! One panel of the page: its figure, what the paper says, what was measured, and where the numbers
 //! are.
 
-use verify::results::{Claim, Clipped, Kind, Panel};
+use analysis::results::{Claim, Clipped, Kind, Panel};
 
 use super::{
     markup::{code, entry, list},

@@ -1,6 +1,6 @@
 //! Claims about the same statement, and their common verdict.
 
-use verify::results::{Claim, Evidence};
+use analysis::results::{Claim, Evidence};
 
 use super::{
     markup::{code, scheme},
@@ -119,7 +119,7 @@ impl<'a> Group<'a> {
 
 #[cfg(test)]
 mod tests {
-    use verify::results::{Rate, Verdict};
+    use analysis::results::{Rate, Verdict};
 
     use super::super::tests::claim;
     use super::*;

@@ -2,7 +2,7 @@
 
 use std::{fmt::Display, iter};
 
-use verify::results::Claim;
+use analysis::results::Claim;
 
 use crate::{Outcome, escape::escape};
 

@@ -1,7 +1,7 @@
 //! What was measured on a panel, as tables: fitted orders, errors at every step, or largest
 //! defects.
 
-use verify::results::{Kind, Panel, Point, Series};
+use analysis::results::{Kind, Panel, Point, Series};
 
 use super::{
     markup::{code, details, list, quiet, table},

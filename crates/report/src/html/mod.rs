@@ -12,7 +12,7 @@ mod provenance;
 mod statements;
 mod summary;
 
-use verify::results::{Claim, Panel, Results};
+use analysis::results::{Claim, Panel, Results};
 
 use crate::escape::escape;
 
@@ -100,7 +100,7 @@ pub fn page(results: &Results, wording: &Wording, figures: &[String]) -> String 
 
 #[cfg(test)]
 mod tests {
-    use verify::results::{Evidence, Verdict};
+    use analysis::results::{Evidence, Verdict};
 
     use super::*;
 

@@ -1,6 +1,6 @@
 //! Where a run comes from, how long it took, and how to read its files.
 
-use verify::results::Provenance;
+use analysis::results::Provenance;
 
 use super::{
     markup::{code, entry, table},

@@ -1,6 +1,6 @@
 //! The statements and their verdicts: one row each, which opens to the claims behind it.
 
-use verify::results::{Claim, Panel};
+use analysis::results::{Claim, Panel};
 
 use super::{
     Wording,
@@ -100,7 +100,7 @@ pub fn badges(claims: &[Claim], panel: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use verify::results::Verdict;
+    use analysis::results::Verdict;
 
     use super::super::tests::claim;
     use super::*;

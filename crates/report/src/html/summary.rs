@@ -1,6 +1,6 @@
 //! The run in one paragraph: what holds, by name what does not, and what it took.
 
-use verify::results::Results;
+use analysis::results::Results;
 
 use super::{group::Group, number::duration, prose::prose};
 use crate::{Outcome, escape::escape};
@@ -64,7 +64,7 @@ The statement as printed is refuted: {}.</p>
 
 #[cfg(test)]
 mod tests {
-    use verify::results::{Claim, Provenance, SCHEMA, Verdict};
+    use analysis::results::{Claim, Provenance, SCHEMA, Verdict};
 
     use super::super::tests::claim;
     use super::*;

@@ -1,5 +1,5 @@
 //! The scheme of weak order two, `nv`: Casimirs in every step, flows of order four, two orders of
-//! the noises in turn. The weak order itself is tested in `verify`, without sampling.
+//! the noises in turn. The weak order itself is tested in `analysis`, without sampling.
 
 use crate::common::{Numbers, any_increments, body};
 use crate::without_iteration::{MOMENTUM, Squared, largest_defect};

@@ -1,0 +1,195 @@
+//! **Which scheme for my system?** Errors against the processor time that they cost.
+//!
+//! [`compare`] takes a problem, schemes and a wanted strong error. It measures errors against a
+//! reference whose own error is estimated, with intervals; times the schemes; and recommends one.
+//! The scheme that keeps most ([`Keeps`]: Casimirs, then the energy, then exact damping) is taken
+//! unless it costs significantly more than the cheapest: more than 1.1 times as much with 95 %.
+//!
+//! ```
+//! use noise::{StreamKey, Truncation};
+//! use schemes::{EulerMaruyama, Heun, Sexp};
+//! use systems::{Constant, Pendulum, Problem};
+//! use analysis::compare::{Candidates, Choice, CompareSettings, Outcome, compare};
+//!
+//! let problem = Problem::new(Pendulum::new(1.0)?, Constant::new(2.0)?, [0.2, 1.0], 1.0)?;
+//! // `Candidates::all(&problem)` has all schemes; these are two of one's own choice.
+//! let candidates = Candidates::against(&Sexp).and(&Heun).and(&EulerMaruyama);
+//! let key = StreamKey { seed: 1, experiment: 1 };
+//! let settings = CompareSettings::new(3e-3, Truncation::new(4)?, key);
+//! let comparison = compare(&problem, &candidates, &settings)?;
+//! // Heun is of order one here, Euler–Maruyama of order ½.
+//! assert_eq!(comparison.recommended(), Some("heun"));
+//! println!("{comparison}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! **Errors.** All schemes see the same noise. An error is (E|y_N − y_ref|²)^½ at the final time,
+//! with a bootstrap-t interval of 95 %. The reference is one of strong order one; its own error is
+//! bounded by its differences at three step sizes and widens every interval. Points that are less
+//! than four times that error are marked and not used. A scheme that reads Lévy areas has the error
+//! that areas have when drawn at its own step.
+//!
+//! **Limits.** Of the reference and of every scheme, single steps are compared with the
+//! coefficients of the equation as τ → 0 ([`Limit::Consistent`](crate::Limit)). One that misses
+//! them converges to something else and is not recommended; a reference that misses them is named.
+//!
+//! **Step sizes.** A pilot of 64 paths shows from which step size on no path of a scheme fails. Then
+//! all schemes run at T/2ᵏ on 256 paths, with finer and finer steps, until every scheme has an error
+//! below the wanted one, or has [`reach`](CompareSettings::reach) times the steps of the scheme that
+//! needs fewest, or the budget is spent. Errors are the same bits for the same seed, unless the
+//! budget stops them; the result says whether it did ([`Comparison::stopped`]). An error that was
+//! not reached is not priced; the steps that it needs are extrapolated and marked. Where paths at τ
+//! and τ/2 part ([`Strong::parts`]), no strong error is predicted.
+//!
+//! **Budget.** Pilots, errors and times each get a part of it, and end when it is over.
+//!
+//! **Costs** are processor times of the block kernels on one thread with their noise, and with
+//! areas where a scheme reads them; between points they are interpolated in the logarithms.
+//!
+//! | item | job |
+//! |---|---|
+//! | [`compare`], [`Candidates`], [`CompareSettings`], [`Expectations`] | the call |
+//! | [`compare_of`], [`DynCandidates`] | the same for any dimension |
+//! | [`Comparison`], [`Verdicts`], [`Candidate`], [`Outcome`], [`Keeps`], [`Choice`] | what it says |
+//! | [`Grid`], [`Strong`], [`Weak`], [`Series`] | errors at given step sizes |
+//! | [`path_times`], [`Repetitions`], [`Time`] | processor times |
+//! | [`cost_at`], [`crossing`], [`Curve`] | what an error costs between the points |
+
+mod candidates;
+mod cost;
+mod display;
+mod grid;
+mod laws;
+mod own_areas;
+mod pilot;
+mod recommend;
+mod search;
+mod settings;
+mod strong;
+mod time;
+mod weak;
+
+use mc::DynProblem;
+use noise::StepNoise;
+use serde::{Deserialize, Serialize};
+use systems::{Damping, PoissonSystem, Problem};
+
+pub use candidates::{Candidates, DynCandidates};
+pub use cost::{Crossing, Curve, cost_at, crossing};
+pub use grid::{Grid, Sampled, Series, Timed};
+pub use recommend::{Candidate, Choice, Keeps, Measured, Outcome};
+pub use settings::{CompareError, CompareSettings, DynCompareSettings, EXPERIMENTS, Expectations};
+pub use strong::{Ratio, Strong, StrongPoint};
+pub use time::{Repetitions, Time, path_times};
+pub use weak::{Cost, Weak, WeakObservable, WeakPoint};
+
+/// Errors and costs of several schemes, and which to take.
+///
+/// [`Display`](std::fmt::Display) prints a table and a sentence for each question.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// The name of the system.
+    pub system: String,
+    /// Its dimension.
+    pub dimension: usize,
+    /// Its number of noises.
+    pub noises: usize,
+    /// The final time.
+    pub t_end: f64,
+    /// Whether there is damping.
+    #[serde(default)]
+    pub damped: bool,
+    /// The invariants whose defects the points have: those that the system names, or the Casimirs
+    /// that were found.
+    pub invariants: Vec<String>,
+    /// Strong errors.
+    pub strong: Strong,
+    /// Which scheme for the wanted strong error.
+    pub for_error: Verdicts,
+    /// Weak errors, where expectations are wanted.
+    pub weak: Option<Weak>,
+    /// Which scheme for each expectation.
+    pub for_expectations: Vec<Verdicts>,
+    /// What the budget cut short.
+    pub stopped: Option<Stopped>,
+    /// What the times are, in words.
+    pub clock: String,
+    /// Seconds of wall time that the comparison took.
+    pub wall_s: f64,
+}
+
+/// How the schemes fare at one wanted error.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Verdicts {
+    /// What the error is of: `y(T)`, path by path, or `E[φ]`.
+    pub quantity: String,
+    /// The wanted error.
+    pub wanted: f64,
+    /// The schemes in the order of the candidates.
+    pub candidates: Vec<Candidate>,
+    /// Which to take.
+    pub choice: Choice,
+}
+
+/// What the budget cut short.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stopped {
+    /// The budget, seconds.
+    pub budget_s: f64,
+    /// The finest steps of a scheme that were measured.
+    pub steps: u64,
+}
+
+impl Comparison {
+    /// The scheme for the wanted strong error, if one reaches it.
+    pub fn recommended(&self) -> Option<&str> {
+        self.for_error.recommended()
+    }
+}
+
+impl Verdicts {
+    /// The scheme to take, if one reaches the error.
+    pub fn recommended(&self) -> Option<&str> {
+        match self.choice {
+            Choice::Take { scheme, .. } => Some(&self.candidates[scheme].scheme),
+            _ => None,
+        }
+    }
+
+    /// How many times the cost of candidate `other` that of candidate `one` is, with its interval;
+    /// no upper end where there is none. `None` unless both reach the error.
+    pub fn ratio(&self, one: usize, other: usize) -> Option<(f64, f64, Option<f64>)> {
+        recommend::ratio(&self.candidates, one, other)
+    }
+}
+
+/// Which scheme for this problem? See the [module](self).
+///
+/// # Errors
+/// [`CompareError`] if there is no scheme, if a setting is out of range, if the reference fails, or
+/// if a step size is refused.
+///
+/// # Panics
+/// When no thread can be started.
+pub fn compare<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+    problem: &Problem<S, G, D>,
+    candidates: &Candidates<'_, S, D, M>,
+    settings: &CompareSettings<'_>,
+) -> Result<Comparison, CompareError> {
+    compare_of(&DynProblem::of(problem), &candidates.erased(problem), settings)
+}
+
+/// The same as [`compare`] for a problem of any dimension.
+///
+/// # Errors
+/// As [`compare`].
+///
+/// # Panics
+/// When no thread can be started.
+pub fn compare_of<N: StepNoise>(
+    problem: &DynProblem<'_>,
+    candidates: &DynCandidates<'_, N>,
+    settings: &CompareSettings<'_>,
+) -> Result<Comparison, CompareError> {
+    search::Search::new(problem, candidates, settings)?.run()
+}

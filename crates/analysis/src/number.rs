@@ -1,0 +1,32 @@
+//! Numbers for people.
+
+/// A number in three significant digits where it is of ordinary size, in two otherwise.
+///
+/// ```
+/// assert_eq!([27.18, 3.2e-15].map(analysis::number), ["27.2", "3.2e-15"]);
+/// ```
+pub fn number(x: f64) -> String {
+    match x.abs() {
+        0.0 => format!("{x}"),
+        99.95..1e5 => format!("{x:.0}"),
+        9.995..99.95 => format!("{x:.1}"),
+        0.0995..9.995 => format!("{x:.2}"),
+        _ => format!("{x:.1e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_three_digits() {
+        let read =
+            [0.0, f64::NAN, f64::NEG_INFINITY, 0.25, 3.16, 27.18, 1234.6, 1e-3, 3.2e-15, 4e7]
+                .map(number);
+        assert_eq!(
+            read,
+            ["0", "NaN", "-inf", "0.25", "3.16", "27.2", "1235", "1.0e-3", "3.2e-15", "4.0e7"]
+        );
+    }
+}

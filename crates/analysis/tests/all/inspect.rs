@@ -1,0 +1,734 @@
+//! `inspect` says what the paper's systems are, and finds what is wrong with spoiled ones.
+
+use analysis::inspect::{Applies, InspectError, Inspection, Kind};
+use analysis::{inspect, inspect_problem};
+use real::{Real, elementary};
+use systems::{
+    Constant, Damping, Form, IntegerExponents, Invariant, InvariantKind, LotkaVolterra,
+    MaxwellBloch, Pendulum, Poisson3, PoissonSystem, Problem, RealExponents, RigidBody,
+    RigidBodyEnergy, Sine, SystemError,
+};
+
+const INERTIA: [f64; 3] = [2.0, 1.0, 2.0 / 3.0];
+
+type PaperLotkaVolterra = LotkaVolterra<IntegerExponents<2, 2>>;
+
+/// One row of the table of systems: dimensions, noises, Casimirs of B, degree of the energy where
+/// it has a law.
+fn row(
+    report: &Inspection,
+    dimension: usize,
+    noises: usize,
+    casimirs: &[&str],
+    energy: Option<f64>,
+) {
+    assert!(report.mistakes.is_empty(), "{report}");
+    assert!(report.structure.skew.holds() && report.structure.jacobi.holds(), "{report}");
+    assert_eq!((report.dimension, report.noises), (dimension, noises), "{report}");
+    let found: Vec<&str> =
+        report.casimirs.found.iter().map(|casimir| casimir.formula.as_str()).collect();
+    assert_eq!(found, casimirs, "{report}");
+    let hamiltonians = &report.hamiltonians;
+    assert_eq!(hamiltonians.noise_size.and(hamiltonians.shapes[0].degree), energy, "{report}");
+    assert!(hamiltonians.discrete_gradient.holds(), "{report}");
+}
+
+/// (kind, degree, m(F) > 0) of a claimed invariant.
+fn claimed(report: &Inspection, name: &str) -> (Kind, Option<f64>, bool) {
+    let invariant = report
+        .invariants
+        .iter()
+        .find(|invariant| invariant.name == name)
+        .expect("a claimed invariant");
+    let shape = &invariant.shape;
+    (shape.kind, shape.degree, shape.minimum.is_some_and(|minimum| minimum.positive.holds()))
+}
+
+#[test]
+fn the_table_of_systems_is_reproduced() {
+    let sphere = "0.5 y1² + 0.5 y2² + 0.5 y3²";
+
+    let pendulum = inspect(&Pendulum::new(0.7).unwrap()).unwrap();
+    row(&pendulum, 2, 1, &[], None);
+    assert!((pendulum.hamiltonians.noise_size.unwrap() - 0.7).abs() < 1e-15);
+    assert!(pendulum.structure.constant.holds() && pendulum.invariants.is_empty());
+    assert_eq!(pendulum.applies("exact-conformal"), Some(Applies::No));
+
+    let three = inspect(&RigidBody::three_noises(INERTIA, [1.0, 2.0, 3.0]).unwrap()).unwrap();
+    row(&three, 3, 3, &[sphere], None);
+    assert_eq!(claimed(&three, "C"), (Kind::Quadratic, Some(2.0), true));
+    assert!(!three.noise.commute.holds() && !three.structure.constant.holds());
+    assert_eq!(
+        (three.order("sexp"), three.order("sexp-levy")),
+        (Some((0.5, 1.0)), Some((1.0, 1.0)))
+    );
+    assert_eq!(three.applies("strong-half"), Some(Applies::Yes));
+    assert_eq!(three.applies("strong-one"), None);
+    // m(H₀) > 0 and m(Hₘ) = 0, as the paper's remark says.
+    let positive: Vec<bool> =
+        three.hamiltonians.shapes.iter().map(|h| h.minimum.unwrap().positive.holds()).collect();
+    assert_eq!(positive, [true, false, false, false]);
+
+    let one = inspect(&RigidBody::one_noise(INERTIA, 1.5).unwrap()).unwrap();
+    row(&one, 3, 1, &[sphere], None);
+    assert_eq!(
+        (one.applies("strong-one"), one.applies("energy-balance")),
+        (Some(Applies::Yes), Some(Applies::No))
+    );
+    assert_eq!((one.order("sexp"), one.order("em")), (Some((1.0, 1.0)), Some((0.5, 1.0))));
+
+    let energy = inspect(&RigidBodyEnergy::new(INERTIA, 0.7).unwrap()).unwrap();
+    row(&energy, 3, 1, &[sphere], Some(2.0));
+    assert_eq!(claimed(&energy, "H"), (Kind::Quadratic, Some(2.0), true));
+    assert_eq!(energy.applies("energy-balance"), Some(Applies::Yes));
+
+    let lotka = inspect(&PaperLotkaVolterra::integer(1.0).unwrap()).unwrap();
+    let square = "2 y1² + 0.5 y2² + 0.5 y3² + 2 y1 y2 + 2 y1 y3 + y2 y3";
+    row(&lotka, 3, 1, &["2 y1 + y2 + y3", square], Some(5.0));
+    assert_eq!(claimed(&lotka, "H"), (Kind::Homogeneous, Some(5.0), false));
+    assert_eq!(claimed(&lotka, "C"), (Kind::Linear, Some(1.0), true));
+    // The positive cone is not seen as a formula: a search on it proves nothing.
+    assert_eq!(lotka.applies("moment-bound"), Some(Applies::Conditionally));
+
+    let maxwell = inspect(&MaxwellBloch).unwrap();
+    row(&maxwell, 3, 1, &["0.5 y2² + 0.5 y3²"], None);
+    assert_eq!(claimed(&maxwell, "C"), (Kind::Quadratic, Some(2.0), false));
+    assert_eq!(maxwell.applies("moment-bound"), Some(Applies::No));
+    // f₁ = (y₂, 0, 0) does not act on itself: Euler–Maruyama is Milstein's method here.
+    assert_eq!(maxwell.order("em"), Some((1.0, 1.0)));
+
+    let poisson = inspect(&Poisson3::new(1.0).unwrap()).unwrap();
+    let square = "0.5 y1² + 0.5 y2² + 0.5 y3² + y1 y2 + y1 y3 + y2 y3";
+    row(&poisson, 3, 1, &["y1 + y2 + y3", square], None);
+    assert_eq!(claimed(&poisson, "C"), (Kind::Quadratic, Some(2.0), false));
+    assert_eq!(claimed(&poisson, "S"), (Kind::Linear, Some(1.0), false));
+}
+
+/// The Lotka–Volterra system with the Casimir that the paper names, ab ln y₁ − b ln y₂ + ln y₃.
+struct AsPrinted(LotkaVolterra<RealExponents>);
+const A: f64 = -0.7;
+const B: f64 = -1.9;
+
+impl PoissonSystem<3, 1> for AsPrinted {
+    fn name(&self) -> &'static str {
+        "lotka-volterra as printed"
+    }
+    fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+        self.0.structure(y, v)
+    }
+    fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> R {
+        self.0.energy(y, dt, dw)
+    }
+    fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
+        self.0.check_domain(y)
+    }
+    fn invariants(&self) -> Vec<Invariant> {
+        let formula = "ab ln y₁ − b ln y₂ + ln y₃";
+        vec![Invariant {
+            name: "C",
+            formula,
+            kind: InvariantKind::Casimir,
+            form: Form::Homogeneous,
+            degree: 1.0,
+        }]
+    }
+    fn invariant<R: Real>(&self, _index: usize, y: [R; 3]) -> R {
+        y[0].ln() * (A * B) - y[1].ln() * B + y[2].ln()
+    }
+}
+
+#[test]
+fn the_misprinted_casimir_is_found_and_the_true_one_named() {
+    let report = inspect(&AsPrinted(LotkaVolterra::new(A, B, 1.0).unwrap())).unwrap();
+    let printed = &report.invariants[0];
+    // B∇ ln H = B∇H/H is the vector field itself; ln H is constant along it, and not homogeneous.
+    assert!(!printed.casimir.holds() && printed.casimir.defect > 1e-3, "{report}");
+    assert!(printed.conserved.holds() && printed.shape.degree.is_none());
+    assert_eq!(report.mistakes.len(), 2, "{report}");
+    assert!(report.mistakes[0].contains("is claimed as a Casimir and is none"), "{report}");
+    assert!(report.mistakes[0].contains("a function of the Hamiltonian"), "{report}");
+    let text = report.to_string();
+    for words in [
+        "D = 3, M = 1; 24 points with |yᵢ| ≤ 2 in its domain\n",
+        "C        ab ln y₁ − b ln y₂ + ln y₃: Casimir (WRONG, see below); not homogeneous (",
+        "y3; degree 1, m = 1.0000e0 > 0 (found by search) on the domain; B∇C = 0 found at 24",
+        "  1 (found) / 1: sexp, sexp-levy, sexp-li,",
+        "Take sexp for paths: it keeps the energy and the Casimirs; the energy up to the error of ∇̄h\n",
+        "\nMistakes\n  - C = ab ln y₁ − b ln y₂ + ln y₃ is claimed as a Casimir and is none",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+
+    // ab y₁ + y₂ − a y₃, up to a factor.
+    let casimir = &report.casimirs.found[0];
+    assert_eq!(casimir.degree, 1);
+    let factor = casimir.coefficients[1];
+    for (found, exact) in casimir.coefficients.iter().zip([A * B, 1.0, -A]) {
+        assert!((found / factor - exact).abs() < 1e-9, "{}", casimir.formula);
+    }
+    assert!(casimir.minimum.positive.holds() && casimir.minimum.in_domain_only);
+}
+
+/// One thing wrong with a rigid body.
+#[derive(Clone, Copy, PartialEq)]
+enum Fault {
+    None,
+    /// A sign in B.
+    Sign,
+    /// B(y) = y₁J with J that couples y₂ and y₁ only, plus a constant part: skew, but not Jacobi's.
+    NotJacobi,
+    /// |v| in B(y)v.
+    NotLinear,
+    /// dt² in the energy.
+    EnergyNotLinear,
+    Gradient,
+    AveragedGradient,
+    /// ∇̄ at an end point: right at a = b and nowhere else.
+    OneSided,
+    AveragedField,
+    /// An explicit step, predicted to have no residual.
+    Prediction,
+    Commutators,
+    Degree,
+    Form,
+    /// H₀ as an energy beside noises that change it.
+    Energy,
+    /// Two invariants are listed, and one is implemented.
+    MissingInvariant,
+    /// NaN in the energy.
+    NaN,
+    /// Nowhere defined.
+    Nowhere,
+}
+
+struct Spoiled(Fault);
+
+fn body() -> RigidBody<3> {
+    RigidBody::three_noises(INERTIA, [1.0, 2.0, 3.0]).unwrap()
+}
+
+impl PoissonSystem<3, 3> for Spoiled {
+    fn name(&self) -> &'static str {
+        "spoiled"
+    }
+    fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+        let mut result = body().structure(y, v);
+        match self.0 {
+            Fault::Sign => result[2] = y[0] * v[1] + y[1] * v[0],
+            Fault::NotJacobi => {
+                result = [v[1] * y[0] + v[2], -(v[0] * y[0]) + v[2] * y[1], -v[0] - v[1] * y[1]]
+            }
+            Fault::NotLinear => result[0] = result[0] + v[0] * v[0],
+            _ => {}
+        }
+        result
+    }
+    fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 3]) -> R {
+        match self.0 {
+            Fault::EnergyNotLinear => body().energy(y, dt * dt, dw),
+            Fault::NaN => (y[0] - 1.0).ln() * dt,
+            _ => body().energy(y, dt, dw),
+        }
+    }
+    fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 3]) -> [R; 3] {
+        let mut gradient = real::gradient(&Energy { system: self, dt, dw }, y);
+        if self.0 == Fault::Gradient {
+            gradient[1] = gradient[1] * 1.000_001;
+        }
+        gradient
+    }
+    fn averaged_gradient<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 3]) -> [R; 3] {
+        let at = if self.0 == Fault::OneSided { b } else { dgrad::midpoint(a, b) };
+        let dt = if self.0 == Fault::AveragedGradient { 1.01 * dt } else { dt };
+        real::gradient(&Energy { system: self, dt, dw }, at)
+    }
+    fn averaged_field<R: Real>(&self, a: [R; 3], b: [R; 3], dt: f64, dw: [f64; 3]) -> [R; 3] {
+        let at = if self.0 == Fault::AveragedField { a } else { dgrad::midpoint(a, b) };
+        self.structure(at, self.averaged_gradient(a, b, dt, dw))
+    }
+    fn predict(&self, a: [f64; 3], dt: f64, dw: [f64; 3]) -> ([f64; 3], f64) {
+        if self.0 != Fault::Prediction {
+            return (a, f64::INFINITY);
+        }
+        let field = systems::vector_field(self, a, dt, dw);
+        (std::array::from_fn(|i| a[i] + field[i]), 0.0)
+    }
+    fn commutators<R: Real>(&self, y: [R; 3], areas: [[f64; 3]; 3]) -> [R; 3] {
+        if self.0 == Fault::Commutators {
+            return body().commutators(y, areas).map(|x| -x);
+        }
+        // In the words of the trait, since a provided method cannot be called once it is
+        // overridden.
+        let mut sum = [R::zero(); 3];
+        for l in 0..3 {
+            let weights = [areas[0][l], areas[1][l], areas[2][l]];
+            let along = systems::vector_field(self, y, 0.0, weights);
+            let slope =
+                systems::vector_field_derivative(self, y, 0.0, systems::unit_noise(l), along);
+            for i in 0..3 {
+                sum[i] = sum[i] + slope[i];
+            }
+        }
+        sum
+    }
+    fn invariants(&self) -> Vec<Invariant> {
+        let mut casimir = body().invariants()[0];
+        match self.0 {
+            Fault::NotJacobi | Fault::Sign => return Vec::new(),
+            Fault::Degree => casimir.degree = 3.0,
+            Fault::Form => casimir.form = Form::Homogeneous,
+            Fault::Energy => casimir.kind = InvariantKind::Energy,
+            Fault::MissingInvariant => return vec![casimir; 2],
+            _ => {}
+        }
+        vec![casimir]
+    }
+    fn invariant<R: Real>(&self, index: usize, y: [R; 3]) -> R {
+        match self.0 {
+            Fault::Energy => body().energy(y, 1.0, [0.0; 3]),
+            _ if index > 0 => y[0] * f64::NAN,
+            _ => body().invariant(index, y),
+        }
+    }
+    fn check_domain(&self, y: [f64; 3]) -> Result<(), SystemError> {
+        let refused = SystemError::OutsideDomain { component: 1, value: y[0], domain: "nothing" };
+        if self.0 == Fault::Nowhere { Err(refused) } else { Ok(()) }
+    }
+}
+
+struct Energy<'a> {
+    system: &'a Spoiled,
+    dt: f64,
+    dw: [f64; 3],
+}
+
+impl real::ScalarFunction<3> for Energy<'_> {
+    fn value<R: Real>(&self, y: [R; 3]) -> R {
+        self.system.energy(y, self.dt, self.dw)
+    }
+}
+
+#[test]
+fn every_mistake_is_named() {
+    assert!(inspect(&Spoiled(Fault::None)).unwrap().mistakes.is_empty());
+    for (fault, words) in [
+        (Fault::Sign, "B(y) is not skew-symmetric"),
+        (Fault::NotLinear, "structure(y, v) is not linear in v"),
+        (Fault::EnergyNotLinear, "energy(y, dt, dw) is not linear"),
+        (Fault::Gradient, "gradient is not the gradient of energy"),
+        (Fault::AveragedGradient, "averaged_gradient(y, y) is not the gradient"),
+        (Fault::OneSided, "is not the change of energy"),
+        (Fault::AveragedField, "averaged_field(a, b) is not structure"),
+        (Fault::Prediction, "the residual of the predicted step exceeds"),
+        (Fault::Commutators, "commutators is not what follows"),
+        (Fault::Degree, "is claimed to have degree 3 and has degree 2"),
+        (Fault::Form, "is claimed as homogeneous and is quadratic"),
+        (Fault::Energy, "is claimed as an energy, and the flow changes it"),
+        (Fault::MissingInvariant, "is listed, but invariant(1, y) returns NaN in the domain"),
+    ] {
+        let report = inspect(&Spoiled(fault)).unwrap();
+        assert!(report.mistakes.iter().any(|mistake| mistake.contains(words)), "{words}: {report}");
+        assert!(report.to_string().contains(words));
+        // One mistake is one line, but for those that spoil what is derived from them.
+        if !matches!(
+            fault,
+            Fault::Sign | Fault::NotLinear | Fault::EnergyNotLinear | Fault::AveragedGradient
+        ) {
+            assert_eq!(report.mistakes.len(), 1, "{report}");
+        }
+    }
+}
+
+#[test]
+fn without_a_skew_structure_no_statement_applies() {
+    let report = inspect(&Spoiled(Fault::Sign)).unwrap();
+    for statement in
+        ["exact-conformal", "conformal-casimir", "moment-bound", "strong-half", "weak-one"]
+    {
+        assert_eq!(report.applies(statement), Some(Applies::No), "{report}");
+    }
+    assert!(report.to_string().contains("NOT skew-symmetric"));
+}
+
+#[test]
+fn a_structure_without_jacobis_identity_is_reported_and_no_mistake() {
+    let report = inspect(&Spoiled(Fault::NotJacobi)).unwrap();
+    assert!(
+        !report.structure.jacobi.holds()
+            && report.structure.skew.holds()
+            && report.mistakes.is_empty(),
+        "{report}"
+    );
+    assert!(report.to_string().contains("no Jacobi identity"), "{report}");
+}
+
+#[test]
+fn what_cannot_be_looked_at_is_refused() {
+    assert_eq!(
+        inspect(&Spoiled(Fault::Nowhere)),
+        Err(InspectError::NoPoints { found: 0, wanted: 24 })
+    );
+    let error = inspect(&Spoiled(Fault::NaN)).unwrap_err();
+    assert!(
+        matches!(&error, InspectError::NotFinite { .. })
+            && error.to_string().contains("NaN at y = ["),
+        "{error}"
+    );
+}
+
+/// A state without components.
+struct Nothing;
+
+impl PoissonSystem<0, 1> for Nothing {
+    fn name(&self) -> &'static str {
+        "nothing"
+    }
+    fn structure<R: Real>(&self, y: [R; 0], _: [R; 0]) -> [R; 0] {
+        y
+    }
+    fn energy<R: Real>(&self, _: [R; 0], dt: f64, dw: [f64; 1]) -> R {
+        R::constant(dt + dw[0])
+    }
+}
+
+#[test]
+fn a_state_without_components_is_refused() {
+    assert_eq!(inspect(&Nothing), Err(InspectError::NoComponents));
+    let problem = Problem::new(Nothing, Constant::new(0.1).unwrap(), [], 1.0).unwrap();
+    assert_eq!(inspect_problem(&problem), Err(InspectError::NoComponents));
+}
+
+/// Two bodies, turned by the same noises.
+struct TwoBodies;
+
+impl PoissonSystem<6, 3> for TwoBodies {
+    fn name(&self) -> &'static str {
+        "two bodies"
+    }
+    fn structure<R: Real>(&self, y: [R; 6], v: [R; 6]) -> [R; 6] {
+        std::array::from_fn(|i| {
+            let (j, k) = (i / 3 * 3 + (i + 1) % 3, i / 3 * 3 + (i + 2) % 3);
+            y[j] * v[k] - y[k] * v[j]
+        })
+    }
+    fn energy<R: Real>(&self, y: [R; 6], dt: f64, dw: [f64; 3]) -> R {
+        let mut energy = y[2] * y[5] * dt;
+        for i in 0..6 {
+            energy = energy + y[i] * y[i] * (0.5 * dt / INERTIA[i % 3]) + y[i] * (0.7 * dw[i % 3]);
+        }
+        energy
+    }
+}
+
+#[test]
+fn casimirs_of_parts_are_summed_to_a_bound() {
+    let report = inspect(&TwoBodies).unwrap();
+    assert!(report.mistakes.is_empty() && !report.noise.commute.holds(), "{report}");
+    assert_eq!(report.casimirs.found.len(), 2);
+    assert!(report.casimirs.found.iter().all(|casimir| !casimir.minimum.positive.holds()));
+    let sum = report.casimirs.definite.as_ref().unwrap();
+    assert!(
+        (sum.minimum.value - 0.5).abs() < 1e-12
+            && report.applies("strong-half") == Some(Applies::Yes),
+        "{report}"
+    );
+    let words = format!("    a positive definite sum: {}, m = 5.0000e-1 > 0 (shown)", sum.formula);
+    assert!(report.to_string().contains(&words), "{report}");
+}
+
+#[test]
+fn a_problem_knows_its_radius_and_its_largest_step() {
+    // γ < 0 pumps: the radius is reached at the time of the least ∫γ, here T.
+    let y0 = [0.6, 0.0, 0.8];
+    let problem = Problem::new(body(), Constant::new(-0.5).unwrap(), y0, 2.0).unwrap();
+    let report = inspect_problem(&problem).unwrap();
+    let radius = report.problem.as_ref().unwrap().radius.unwrap();
+    assert!((radius - elementary::exp(1.0)).abs() < 1e-12, "{radius}");
+    // ‖B‖ = ‖y‖ ≤ e; ‖∇²H₀‖ = 3/2.
+    assert!((report.solvability.structure - radius).abs() < 1e-12);
+    assert!((report.solvability.hessians[0] - 1.5).abs() < 1e-12);
+
+    // Lotka–Volterra, where the paper has no bound: 2·0.2 + 0.4 + 0.6 = 1.4, and γ = sin t never
+    // pumps.
+    let problem = Problem::new(
+        PaperLotkaVolterra::integer(1.0).unwrap(),
+        Sine::new(1.0, 1.0).unwrap(),
+        [0.2, 0.4, 0.6],
+        10.0,
+    );
+    let report = inspect_problem(&problem.unwrap()).unwrap();
+    let radius = report.problem.as_ref().unwrap().radius.unwrap();
+    assert!((radius - 1.4).abs() < 1e-5, "{report}");
+    let words = "stay within ‖y‖ ≤ 1.4000 while they are in the domain if that bound, found by \
+                 search, holds\n";
+    assert!(report.to_string().contains(words), "{report}");
+
+    // The pendulum has ‖B‖ = ‖∇²H‖ = 1: C(4, τ) = τ + √(8τ|ln τ|), and nothing bounds it.
+    let pendulum = Pendulum::new(1.0).unwrap();
+    let problem = Problem::new(pendulum, Constant::new(2.0).unwrap(), [0.2, 1.0], 1.0).unwrap();
+    let report = inspect_problem(&problem).unwrap();
+    assert_eq!(report.problem.as_ref().unwrap().radius, None);
+    let tau = report.solvability.largest_step(4);
+    assert!((tau + (8.0 * tau * tau.ln().abs()).sqrt() - 1.0).abs() < 1e-3, "{tau}");
+}
+
+/// γ(t) = 2t with the integral of t.
+struct WrongIntegral;
+
+impl Damping for WrongIntegral {
+    fn rate(&self, t: f64) -> f64 {
+        2.0 * t
+    }
+    fn integral(&self, a: f64, b: f64) -> f64 {
+        0.5 * (b * b - a * a)
+    }
+    fn describe(&self) -> String {
+        "γ = 2t".to_owned()
+    }
+}
+
+/// A damping that is switched on.
+struct Switched;
+
+impl Damping for Switched {
+    fn rate(&self, t: f64) -> f64 {
+        if t < 0.7 { 0.0 } else { 3.0 }
+    }
+    fn integral(&self, a: f64, b: f64) -> f64 {
+        3.0 * (b.max(0.7) - a.max(0.7))
+    }
+    fn describe(&self) -> String {
+        "γ = 3 from t = 0.7 on".to_owned()
+    }
+}
+
+#[test]
+fn a_wrong_integral_of_the_damping_is_found_and_a_jump_is_none() {
+    let wrong =
+        inspect_problem(&Problem::new(body(), WrongIntegral, [1.0, 0.0, 0.0], 2.0).unwrap())
+            .unwrap();
+    assert_eq!(wrong.mistakes.len(), 1);
+    assert!(wrong.mistakes[0].contains("integral of the damping"), "{wrong}");
+    let switched =
+        inspect_problem(&Problem::new(body(), Switched, [1.0, 0.0, 0.0], 2.0).unwrap()).unwrap();
+    assert!(switched.mistakes.is_empty(), "{switched}");
+}
+
+#[test]
+fn a_report_is_data() {
+    let report = inspect(&MaxwellBloch).unwrap();
+    let json = serde_json::to_value(&report).unwrap();
+    assert_eq!(json["system"], "maxwell-bloch");
+    assert_eq!(json["structure"]["skew"]["status"], "shown");
+    assert_eq!(json["casimirs"]["found"][0]["degree"], 2);
+    assert_eq!(json["theorems"][3]["applies"], "no");
+    assert_eq!(report, inspect(&MaxwellBloch).unwrap());
+}
+
+#[test]
+fn a_report_reads_like_this() {
+    let problem = Problem::new(body(), Constant::new(-0.5).unwrap(), [0.6, 0.0, 0.8], 2.0).unwrap();
+    let text = inspect_problem(&problem).unwrap().to_string();
+    let expected = [
+        "rigid-body: D = 3, M = 3; 29 points with ‖y‖ ≤ 2.0000 or near y₀",
+        "  and 32 states of 4 paths, followed to t = 2",
+        "  B(y)     skew-symmetric (shown, to 1e-15)",
+        "           depends on y; Jacobi identity (shown, to 0e0)",
+        "  H0       quadratic, degree 2 (shown, to 5e-14), m = 2.5000e-1 > 0 (shown)",
+        "  H1       quadratic, degree 2 (shown, to 4e-14), m = 0 to 4e-15",
+        "  H2       quadratic, degree 2 (shown, to 2e-14), m = 0 to 2e-15",
+        "  H3       quadratic, degree 2 (shown, to 6e-15), m = 0 to 1e-15",
+        "  ∇̄h       exact (shown, to 2e-14)",
+        "  noises   do not commute: strong order 1 needs Lévy areas",
+        "           (defect 3.2e0 at [0.533, 1.824, -1.944], round-off 1e-14)",
+        concat!(
+            "  C        ½(y₁² + y₂² + y₃²): Casimir (shown); quadratic, degree 2 (shown, to ",
+            "2e-14), m = 5.0000e-1 > 0 (shown)"
+        ),
+        "  Casimirs of B, linear or quadratic, coefficients to six digits:",
+        concat!(
+            "    0.5 y1² + 0.5 y2² + 0.5 y3²; degree 2, m = 5.0000e-1 > 0 (shown); B∇C = 0 ",
+            "shown, to 5e-15"
+        ),
+        "  damping  γ = -0.5; rate and integral agree to 0e0, pulses below 2e-5 aside",
+        "  paths    stay within ‖y‖ ≤ 2.7183",
+        "Which statements of the paper apply",
+        concat!(
+            "  yes            exact-conformal: homogeneous Casimirs (one noise: and the ",
+            "energy) obey exp(−p∫γ)"
+        ),
+        "                 C (shown); 0.5 y1² + 0.5 y2² + 0.5 y3² (shown)",
+        concat!(
+            "  yes            conformal-casimir: sexp keeps linear and quadratic Casimirs on ",
+            "their law for any τ"
+        ),
+        "                 0.5 y1² + 0.5 y2² + 0.5 y3² (shown)",
+        concat!(
+            "  no             energy-balance: sexp keeps the energy of a one-noise system on ",
+            "its law for any τ"
+        ),
+        "                 there is not one noise with H₁ = c H₀",
+        "  yes            moment-bound: all paths stay in a known ball",
+        "                 m(0.5 y1² + 0.5 y2² + 0.5 y3²) = 5.0000e-1 > 0 (shown)",
+        concat!(
+            "  conditional    solvability: an implicit step below a known size has exactly ",
+            "one solution"
+        ),
+        "                 in the ball of the moment bound",
+        "  yes            strong-half: strong order 1/2 of sexp (k ≥ 1)",
+        "                 m(0.5 y1² + 0.5 y2² + 0.5 y3²) = 5.0000e-1 > 0 (shown)",
+        "  yes            weak-one: weak order 1 of sexp (k ≥ 2)",
+        "                 m(0.5 y1² + 0.5 y2² + 0.5 y3²) = 5.0000e-1 > 0 (shown)",
+        "Expected orders, strong / weak",
+        "  0.5 / 1: sexp, sexp-li, split, midpoint, heun, em",
+        "  1 / 1: sexp-levy, sexp-li-levy",
+        "  0.5 / 2: nv",
+        "Over long times",
+        "  sexp, sexp-levy: exact damping; Casimirs and, but for the noise, the energy kept",
+        "  sexp-li, sexp-li-levy: exact damping; Casimirs kept; the energy drifts",
+        "  split, nv: exact damping; Casimirs kept; the energy stays near where flows are exact",
+        "  midpoint: without damping Casimirs are kept, and the energy stays near",
+        "  heun, em: nothing is kept: the energy drifts, or explodes",
+        "Implicit steps of sexp are contractions, C(k, τ) < 1, for τ below",
+        "  9.9e-4 for k = 1, 4.5e-4 for k = 2, 2.0e-4 for k = 4",
+        "  by the largest norms found at 400 points with ‖y‖ ≤ 2.7183",
+        "sexp-li applies: B is affine in y, every step has a solution",
+        concat!(
+            "Take sexp-levy for paths: it keeps the Casimirs, and the energy but for the noise; ",
+            "Lévy areas give strong order 1"
+        ),
+        concat!(
+            "Take sexp-li-levy for short paths: it keeps the Casimirs at about the price of heun, ",
+            "and the energy drifts"
+        ),
+        "Take sexp-li for expectations: mc::expect extrapolates weak order 1; with flows of parts take nv",
+        concat!(
+            "Take sexp-li-levy for large noise: every step has a solution, so no increment is ",
+            "truncated"
+        ),
+        "split keeps every Casimir, if you can write the flows of parts of H",
+        "No mistakes found.",
+    ];
+    for (line, words) in text.lines().zip(expected) {
+        assert_eq!(line, words);
+    }
+    assert_eq!(text.lines().count(), expected.len());
+}
+
+/// A system from texts is found to be what the compiled one is.
+#[test]
+fn formulas_are_inspected_like_compiled_systems() {
+    let words = |text: &str| text.split_whitespace().map(String::from).collect::<Vec<_>>();
+    let definition = formula::Definition {
+        name: "body".into(),
+        state: words("y1 y2 y3"),
+        structure: ["-y3 y2", "-y1"].map(words).into(),
+        energy: "(y1^2/2 + y2^2 + 1.5*y3^2)/2".into(),
+        noises: words("y1^2/2 y2^2/4 y3^2/6"),
+        ..formula::Definition::default()
+    };
+    let y0 = [0.45, 0.0, 0.89];
+    let texts = formula::FormulaSystem::new(&definition, &y0).unwrap();
+    let body = RigidBody::three_noises([2.0, 1.0, 2.0 / 3.0], [1.0, 2.0, 3.0]).unwrap();
+    let damping = systems::Cosine::new(0.5, 2.0).unwrap();
+    let ours = analysis::inspect_formula_problem(&texts, &damping, &y0, 1.0).unwrap();
+    let problem = systems::Problem::new(body, damping, y0, 1.0).unwrap();
+    let theirs = analysis::inspect_problem(&problem).unwrap();
+    assert!(ours.mistakes.is_empty(), "{ours}");
+    assert_eq!(ours.structure.skew.status, theirs.structure.skew.status);
+    assert_eq!(ours.structure.jacobi.status, theirs.structure.jacobi.status);
+    assert_eq!(ours.noise.commute.status, theirs.noise.commute.status);
+    let found = |report: &analysis::inspect::Inspection| -> Vec<String> {
+        report.casimirs.found.iter().map(|casimir| casimir.formula.clone()).collect()
+    };
+    assert_eq!(found(&ours), found(&theirs));
+    // Lévy areas are drawn for compiled systems only.
+    let areas = |order: &&analysis::inspect::ExpectedOrder| order.scheme.ends_with("-levy");
+    assert_eq!(theirs.orders.iter().filter(areas).count(), 2);
+    assert!(ours.orders.iter().eq(theirs.orders.iter().filter(|order| !areas(order))));
+    let recommended = ours.recommended.iter().map(|recommended| recommended.scheme);
+    assert_eq!(recommended.collect::<Vec<_>>(), ["sexp", "sexp-li", "sexp-li", "sexp-li"]);
+    assert_eq!(ours.pilot.unwrap().states, theirs.pilot.unwrap().states);
+    let radius = |report: &analysis::inspect::Inspection| {
+        report.problem.as_ref().and_then(|problem| problem.radius).unwrap()
+    };
+    assert!((radius(&ours) / radius(&theirs) - 1.0).abs() < 1e-12);
+    assert!(ours.without_iteration.refused.is_none());
+
+    // Two populations: Σ cᵢ ln yᵢ, and a domain that has to be found.
+    let populations = formula::Definition {
+        name: "populations".into(),
+        state: words("x y z"),
+        structure: ["x*y -x*z", "y*z"].map(words).into(),
+        energy: "x + y + z - ln(x) - ln(y)".into(),
+        noises: words("0.1*x"),
+        ..formula::Definition::default()
+    };
+    let texts = formula::FormulaSystem::new(&populations, &[1.0, 0.5, 0.7]).unwrap();
+    let report = analysis::inspect_formulas(&texts, &[1.0, 0.5, 0.7]).unwrap();
+    assert!(report.mistakes.is_empty() && !report.defined_everywhere, "{report}");
+    assert_eq!(report.casimirs.logarithmic.len(), 1, "{report}");
+    // Affine structure only: it has products.
+    assert!(report.without_iteration.refused.is_some());
+}
+
+/// Large systems are inspected along directions, and what is wrong is seen.
+#[test]
+fn lattices_are_inspected_along_directions() {
+    use systems::run_time::{Couplings, Shape, SpinLattice};
+    let couplings = Couplings {
+        exchange: 1.0,
+        anisotropy: 0.4,
+        field: [0.1, 0.2, 0.3],
+        noise: 0.5,
+        local: true,
+        damping: 0.0,
+    };
+    let shape = Shape::periodic(&[20, 15, 10]).unwrap();
+    let y0 = [0.6, 0.0, 0.8].repeat(3000);
+    for damping in [0.0, 0.2] {
+        let couplings = Couplings { damping, ..couplings };
+        let lattice = SpinLattice::one_path(shape.clone(), couplings).unwrap();
+        let report = analysis::inspect_large(&lattice, &y0).unwrap();
+        assert!(report.is_sound(), "{report}");
+        assert_eq!(report.identities.len(), if damping == 0.0 { 5 } else { 4 });
+        assert!(report.sexp_li_refused.is_none() && report.split_refused.is_some());
+        assert!(report.nv_refused.is_some(), "each component has a noise: {report}");
+        assert!(report.to_string().contains("9000 components, 9000 noises"), "{report}");
+    }
+    // On 32 paths, and formulas.
+    let ring = SpinLattice::on_paths(Shape::periodic(&[4]).unwrap(), couplings).unwrap();
+    assert!(analysis::inspect_large(&ring, &y0[..12]).unwrap().is_sound());
+    let one_field = Couplings { local: false, ..couplings };
+    let ring = SpinLattice::on_paths(Shape::periodic(&[4]).unwrap(), one_field).unwrap();
+    let report = analysis::inspect_large(&ring, &y0[..12]).unwrap();
+    assert!(report.nv_refused.is_none() && report.to_string().contains("\nnv is for it\n"));
+    // A body whose B is not skew, and one with a wrong Casimir, given as compiled systems.
+    struct Wrong {
+        skew: bool,
+    }
+    impl PoissonSystem<3, 1> for Wrong {
+        fn name(&self) -> &'static str {
+            "wrong"
+        }
+        fn structure<R: Real>(&self, y: [R; 3], v: [R; 3]) -> [R; 3] {
+            let first = if self.skew { y[1] * v[2] - y[2] * v[1] } else { y[1] * v[2] };
+            [first, y[2] * v[0] - y[0] * v[2], y[0] * v[1] - y[1] * v[0]]
+        }
+        fn energy<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> R {
+            y[0] * y[1] * dt + y[2] * dw[0]
+        }
+        fn gradient<R: Real>(&self, y: [R; 3], dt: f64, dw: [f64; 1]) -> [R; 3] {
+            [y[1] * dt, y[0] * dt * if self.skew { 1.01 } else { 1.0 }, R::constant(dw[0])]
+        }
+    }
+    for (skew, what) in [(false, "vᵀB(y)v = 0"), (true, "∇h is the derivative of h")] {
+        let y0 = [0.5, -0.3, 0.8];
+        let system = systems::run_time::Compiled::new(Wrong { skew }, y0);
+        let report = analysis::inspect_large(&system, &y0).unwrap();
+        let refuted: Vec<_> =
+            report.identities.iter().filter(|identity| !identity.status.holds()).collect();
+        assert_eq!(refuted.len(), 1, "{report}");
+        assert_eq!(refuted[0].what, what);
+    }
+}

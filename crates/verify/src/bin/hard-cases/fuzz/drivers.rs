@@ -1,0 +1,57 @@
+//! Everything that runs paths.
+
+use anyhow::ensure;
+use mc::{
+    Ladder, Observable, Run,
+    multilevel::{Coupling, ExpectationSettings, expectation},
+    trajectory,
+};
+use noise::{StreamKey, Truncation};
+use schemes::EulerMaruyama;
+use systems::{Constant, Pendulum, Problem};
+use verify::compiled;
+
+use super::{Bits, Fed, accepted};
+
+pub fn drivers(bits: &mut Bits) -> Fed {
+    let [amplitude, t_end] = [(); 2].map(|()| bits.positive(8));
+    let problem = accepted(Pendulum::new(amplitude).and_then(|system| {
+        Problem::new::<1>(system, Constant::new(bits.number())?, bits.state(), t_end)
+    }))?;
+    let drawn = Truncation::new(bits.below(5) as u32);
+    let truncation = if bits.one_in(3) { Truncation::none() } else { accepted(drawn)? };
+    let key = StreamKey { seed: bits.word(), experiment: bits.word() };
+    let em = compiled(EulerMaruyama);
+    let mut few = |wild: u64, few: u64| {
+        if bits.one_in(8) { bits.below(wild) } else { bits.below(few) }
+    };
+    match few(3, 3) {
+        0 => {
+            let (steps, path) = (bits.below(20), bits.word());
+            let path = accepted(trajectory(&problem, &*em, steps, truncation, key, path))?;
+            ensure!(path.states.iter().flatten().all(|y| y.is_finite()), "{path:?}");
+            let words = path.failure.map(|failure| failure.to_string());
+            ensure!(words.is_none_or(|words| !words.is_empty()), "a failure without words");
+        }
+        1 => {
+            let (levels, steps) = (few(200, 4) as usize, few(u64::MAX, 33));
+            let runs = vec![Run::new(&*em, few(300, 4) as usize)];
+            accepted(Ladder::new(&problem, steps, levels, truncation, key, runs))?;
+        }
+        _ => {
+            let mut settings =
+                ExpectationSettings::new(key, truncation, bits.below(8), Coupling::Plain);
+            settings.weak_order = if bits.one_in(2) { 1.0 } else { bits.number() };
+            settings.pilot = if bits.one_in(2) { 128 } else { bits.word() };
+            settings.max_level = bits.below(30) as usize;
+            settings.key.experiment >>= bits.below(40);
+            settings.max_cost = bits.below(20_000);
+            let first = [Observable { name: "y1", function: |y: [f64; 2]| y[0] }];
+            let accuracy = bits.positive(8);
+            let result = expectation(&*em, &problem, &first, accuracy, &settings, &|_| ());
+            let (lower, upper) = accepted(result)?.estimates[0].interval();
+            ensure!(!lower.is_nan() && !upper.is_nan(), "interval [{lower}, {upper}]");
+        }
+    }
+    Ok(0)
+}

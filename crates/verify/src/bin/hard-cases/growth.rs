@@ -1,0 +1,303 @@
+//! How the distance from a conformal law grows over a long time.
+//!
+//! d_n = F(y_n)e^{pΓ(t_n)}/F(y₀) − 1 on independent paths, at powers of two of n. Errors of
+//! rounding without a direction make a random walk, d_n ~ √n·ε; errors with one a drift, d_n ~ n·ε.
+//! The exponent is the slope of ln RMS(d_n) over ln n, from n = 1024 on; its interval is the
+//! percentile interval of the bootstrap over whole paths, which are independent of each other as
+//! points of one path are not.
+
+use anyhow::{Context, Result};
+use mc::{Kept, Ladder, Run, Statistic, View, parts::Job};
+use noise::StreamKey;
+use nonlin::{Method, Solver};
+use real::{WIDTH, elementary};
+use schemes::{Scheme, Sexp, SexpLi, WithSolver};
+use systems::{
+    Constant, Damping, Linear, Problem,
+    paper::{half_cosine, lotka_volterra_1_1, maxwell_bloch, rigid_body_three_noises, sine},
+};
+use verify::{PaperSystem, compiled, streams};
+
+use crate::{
+    Arguments,
+    fuzz::Bits,
+    results::{Growth, GrowthPoint},
+    rounding::{LINEARLY_IMPLICIT, PER_STEP, rotations},
+    row::Verdict,
+};
+
+const STEPS: u64 = 10_000_000;
+const QUICK_STEPS: u64 = 65_536;
+/// The exponent is fitted from here on: before, a handful of roundings has not become a walk.
+const FIRST: u64 = 1024;
+/// Intervals of the exponents of the schemes without iteration lie below this. Before a million
+/// steps the walk that all paths share, which intervals do not contain, is too large beside the
+/// others to tell.
+const MOST_EXPONENT: f64 = 0.55;
+const TELLING: u64 = 1_000_000;
+/// Paths of a run, and of one without iteration, whose exponent is held to a bound.
+const PATHS: usize = WIDTH;
+const MANY_PATHS: usize = 16 * WIDTH;
+/// Samples of the bootstrap.
+const RESAMPLES: usize = 2000;
+
+/// A scheme under the name of a run.
+#[derive(Clone, Copy)]
+enum Rule {
+    /// `sexp` with this solver.
+    Sexp(&'static str, Solver),
+    SexpLi,
+    Split,
+    Nv,
+}
+
+/// A system, and of Lotka–Volterra the number of the invariant; of the others the only Casimir.
+#[derive(Clone, Copy)]
+enum Followed {
+    Body,
+    Volterra(usize),
+    Light,
+}
+
+/// A long run of one scheme.
+struct LongRun<'a> {
+    id: &'static str,
+    damping: &'a dyn Damping,
+    tau: f64,
+    rule: Rule,
+    followed: Followed,
+    /// Whether the figure shows it: as many as can be told apart.
+    drawn: bool,
+}
+
+/// All long runs, as pieces of work of a job; nothing where it was stopped.
+pub fn run(arguments: &Arguments, job: &Job) -> Result<Vec<Growth>> {
+    use Followed::{Body, Light, Volterra};
+    let (none, sine, cosine) = (&Constant::new(0.0)?, &sine(), &half_cosine());
+    let (weak, negative) = (&Constant::new(2e-5)?, &Constant::new(-2e-5)?);
+    let linear = &Linear::new(1e-8)?;
+    let default = Rule::Sexp("sexp", Solver::default());
+    let settled = Rule::Sexp("sexp, settled", Solver::default().settled());
+    let newton = Rule::Sexp("sexp-newton, settled", Solver::new(Method::Newton).settled());
+    let (li, split) = (Rule::SexpLi, Rule::Split);
+    // 1/100 is rounded, so that steps of a grid differ in their last bits; 1/128 is not, and a
+    // constant γ gives the same factor in every step.
+    let (rounded, dyadic) = (1.0 / 100.0, 1.0 / 128.0);
+    // Maxwell–Bloch turns by an angle that grows like √t, and with it what a step rounds: steps are
+    // so short that the angle stays small.
+    let short = 1.0 / 1024.0;
+    let runs: [(_, &dyn Damping, _, _, _, _); 21] = [
+        ("default solver, undamped", none, dyadic, default, Body, true),
+        ("undamped", none, dyadic, settled, Body, true),
+        ("undamped, Newton", none, dyadic, newton, Body, false),
+        ("constant γ", weak, dyadic, settled, Body, true),
+        ("constant γ < 0", negative, dyadic, settled, Body, false),
+        ("γ = 1e-8 t", linear, dyadic, settled, Body, false),
+        ("γ = ½cos 2t", cosine, dyadic, settled, Body, true),
+        ("γ = ½cos 2t, τ rounded", cosine, rounded, settled, Body, false),
+        ("γ = sin t, τ = ¹⁄₁₀", sine, 0.1, settled, Body, false),
+        ("Lotka–Volterra, H, undamped", none, dyadic, settled, Volterra(0), true),
+        ("Lotka–Volterra, H, γ = sin t", sine, rounded, settled, Volterra(0), false),
+        ("Lotka–Volterra, C, γ = sin t", sine, rounded, settled, Volterra(1), false),
+        ("sexp-li, undamped", none, dyadic, li, Body, false),
+        ("sexp-li, constant γ", weak, dyadic, li, Body, false),
+        ("sexp-li, γ = ½cos 2t", cosine, dyadic, li, Body, false),
+        ("sexp-li, Maxwell–Bloch", none, short, li, Light, false),
+        ("sexp-li, Maxwell–Bloch, γ = ½cos 2t", cosine, short, li, Light, false),
+        ("split, undamped", none, dyadic, split, Body, false),
+        ("split, γ = ½cos 2t", cosine, dyadic, split, Body, false),
+        ("split, Maxwell–Bloch", none, short, split, Light, false),
+        ("nv, γ = ½cos 2t", cosine, dyadic, Rule::Nv, Body, false),
+    ];
+    let growth = |((id, damping, tau, rule, followed, drawn), number)| {
+        let run = LongRun { id, damping, tau, rule, followed, drawn };
+        match followed {
+            Body => {
+                let (body, _, y0, _) = rigid_body_three_noises(1.0).into_parts();
+                growth(arguments, job, number, &run, ("Rigid body with three noises", body, y0))
+            }
+            Volterra(_) => {
+                let (system, _, y0, _) = lotka_volterra_1_1().into_parts();
+                growth(arguments, job, number, &run, ("Lotka–Volterra with a = b = −1", system, y0))
+            }
+            Light => {
+                let (system, _, y0, _) = maxwell_bloch(1.0).into_parts();
+                growth(arguments, job, number, &run, ("Maxwell–Bloch", system, y0))
+            }
+        }
+    };
+    runs.into_iter().zip(0..).filter_map(|run| growth(run).transpose()).collect()
+}
+
+/// The scheme, its name, and what a step of it rounds in units of [`PER_STEP`].
+fn scheme<S: PaperSystem<D, M> + 'static, G, const D: usize, const M: usize>(
+    rule: Rule,
+    problem: &Problem<S, G, D>,
+) -> Result<(Box<dyn Scheme<S, D, M>>, &'static str, f64)> {
+    Ok(match rule {
+        Rule::Sexp(name, solver) => (Box::new(WithSolver { formula: Sexp, solver }), name, 1.0),
+        Rule::SexpLi => {
+            let scheme = SexpLi::new(problem.system(), problem.y0())?;
+            (compiled(scheme), "sexp-li", LINEARLY_IMPLICIT)
+        }
+        Rule::Split | Rule::Nv => {
+            let [split, nv] = S::by_parts().context("no flows")?;
+            match rule {
+                Rule::Split => (split, "split", rotations(5)),
+                // Of the body with three noises.
+                _ => (nv, "nv", rotations(9)),
+            }
+        }
+    })
+}
+
+fn growth<S: PaperSystem<D, M> + 'static, const D: usize, const M: usize>(
+    arguments: &Arguments,
+    job: &Job,
+    number: u64,
+    run: &LongRun<'_>,
+    (name, system, y0): (&str, S, [f64; D]),
+) -> Result<Option<Growth>> {
+    eprintln!("{}", run.id);
+    let steps = arguments.many(STEPS, QUICK_STEPS);
+    let key = StreamKey { seed: arguments.seed, experiment: streams::GROWTH + number };
+    let problem = Problem::new::<M>(system, run.damping, y0, steps as f64 * run.tau)?;
+    let index = if let Followed::Volterra(index) = run.followed { index } else { 0 };
+    let invariant = problem.system().invariants()[index];
+    let value = |y| problem.system().invariant(index, y);
+    let defect = |n: u64, y| {
+        let damping = run.damping.integral(0.0, n as f64 * run.tau);
+        value(y) / (value(y0) * elementary::exp(-invariant.degree * damping)) - 1.0
+    };
+    let (scheme, scheme_name, rounding) = scheme(run.rule, &problem)?;
+    let runs = vec![Run::new(scheme.as_ref(), 0)];
+    let ladder = Ladder::new(&problem, steps, 0, verify::truncation(), key, runs)?;
+    let new = || Defects::<_, D> { steps, defect: &defect, rows: Vec::new() };
+    let paths = if let Rule::Sexp(..) = run.rule { PATHS } else { MANY_PATHS };
+    let Some(measured) = ladder.run_in(job, run.id, paths as u64, new, &|_| ()) else {
+        return Ok(None);
+    };
+    let rows = measured.statistic.rows;
+    let point = |(steps, d): &Row| GrowthPoint {
+        steps: *steps,
+        rms: rms(&mut d.iter().copied()),
+        mean: d.iter().sum::<f64>() / paths as f64,
+        max: d.iter().map(|d| d.abs()).fold(0.0, f64::max),
+    };
+    let points: Vec<GrowthPoint> = rows.iter().map(point).collect();
+    let bits = &mut Bits::new(arguments.seed, streams::GROWTH, number);
+    let (exponent, lo, hi) = bootstrap(&rows, bits, rms);
+    let end = points.last().map_or(f64::NAN, |point| point.rms);
+    // A walk whose steps are independent, each no larger than the worst case of a step; NaN is not.
+    let walk = end <= rounding * PER_STEP * f64::EPSILON * (steps as f64).sqrt();
+    let held = |kept| if kept { Verdict::Holds } else { Verdict::Refuted };
+    let verdict = match run.rule {
+        Rule::SexpLi | Rule::Split | Rule::Nv => {
+            held(walk && (steps < TELLING || hi <= MOST_EXPONENT))
+        }
+        Rule::Sexp(_, solver) if solver.settle => held(walk),
+        // The stopping test leaves a residual that has a direction: a drift is expected, and no
+        // bound is stated.
+        Rule::Sexp(..) if lo > 0.5 => Verdict::FailsAsItMust,
+        Rule::Sexp(..) => Verdict::Observed,
+    };
+    Ok(Some(Growth {
+        id: run.id,
+        setup: format!("{name}, {}, τ = {}.", run.damping.describe(), run.tau),
+        scheme: scheme_name,
+        invariant: invariant.name,
+        paths,
+        points,
+        exponent,
+        lo,
+        hi,
+        linear: steps as f64 * f64::EPSILON,
+        verdict,
+        drawn: run.drawn,
+    }))
+}
+
+/// d_n of every path for one n; NaN of a path that failed.
+pub type Row = (u64, Vec<f64>);
+
+/// d of every path at powers of two of n and at the end.
+struct Defects<'a, F, const D: usize> {
+    steps: u64,
+    defect: &'a F,
+    rows: Vec<Row>,
+}
+
+impl<F, const D: usize> Defects<'_, F, D> {
+    fn add(&mut self, n: u64, d: impl IntoIterator<Item = f64>) {
+        match self.rows.iter_mut().find(|row| row.0 == n) {
+            Some(row) => row.1.extend(d),
+            None => self.rows.push((n, d.into_iter().collect())),
+        }
+    }
+}
+
+impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Statistic for Defects<'_, F, D> {
+    fn observe(&mut self, view: &View<'_>) {
+        let n = view.time;
+        if n.is_power_of_two() || n == self.steps {
+            let of_path = |p: usize| match view.live.contains(p) {
+                true => (self.defect)(n, view.path(0, p)),
+                false => f64::NAN,
+            };
+            self.add(n, (0..WIDTH).map(of_path));
+        }
+    }
+
+    fn merge(&mut self, later: Self) {
+        later.rows.into_iter().for_each(|(n, d)| self.add(n, d));
+    }
+}
+
+impl<F: Fn(u64, [f64; D]) -> f64 + Sync, const D: usize> Kept for Defects<'_, F, D> {
+    type Sums = Vec<Row>;
+
+    fn sums(&self) -> &Vec<Row> {
+        &self.rows
+    }
+
+    fn sums_mut(&mut self) -> &mut Vec<Row> {
+        &mut self.rows
+    }
+}
+
+fn rms(d: Values<'_>) -> f64 {
+    let (sum, paths) = d.fold((0.0, 0.0), |(sum, paths), d| (sum + d * d, paths + 1.0));
+    (sum / paths).sqrt()
+}
+
+/// d of some paths.
+pub type Values<'a> = &'a mut dyn Iterator<Item = f64>;
+
+/// The exponent of the `size` of d, with the percentile interval of the bootstrap over paths.
+pub fn bootstrap(
+    rows: &[Row],
+    bits: &mut Bits,
+    size: impl Fn(Values<'_>) -> f64,
+) -> (f64, f64, f64) {
+    let paths = rows[0].1.len();
+    let mut resampled =
+        || (0..paths).map(|_| bits.below(paths as u64) as usize).collect::<Vec<_>>();
+    let mut slopes: Vec<f64> = (0..RESAMPLES).map(|_| slope(rows, &resampled(), &size)).collect();
+    slopes.sort_unstable_by(f64::total_cmp);
+    let all = slope(rows, &(0..paths).collect::<Vec<_>>(), &size);
+    (all, slopes[RESAMPLES / 40], slopes[RESAMPLES - 1 - RESAMPLES / 40])
+}
+
+/// The slope of the logarithm of the size over ln n by least squares, over the given paths.
+fn slope(rows: &[Row], paths: &[usize], size: impl Fn(Values<'_>) -> f64) -> f64 {
+    let points: Vec<(f64, f64)> = rows
+        .iter()
+        .filter(|(n, _)| *n >= FIRST)
+        .map(|(n, d)| ((*n as f64).ln(), size(&mut paths.iter().map(|&path| d[path])).ln()))
+        .filter(|(_, y)| y.is_finite())
+        .collect();
+    let count = points.len() as f64;
+    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / count, y + p.1 / count));
+    let sum = |f: &dyn Fn(f64, f64) -> f64| points.iter().map(|p| f(p.0 - x, p.1 - y)).sum::<f64>();
+    sum(&|x, y| x * y) / sum(&|x, _| x * x)
+}

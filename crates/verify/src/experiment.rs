@@ -1,0 +1,206 @@
+//! What an experiment is, what it is given and what it returns.
+
+use analysis::{
+    Mode, Progress, Settings,
+    results::{Claim, Kind, Panel},
+};
+use mc::{
+    Kept, Ladder, Measured, Trajectory,
+    parts::{GROUP_PATHS, Job},
+    trajectory,
+};
+use noise::{StepNoise, StreamKey, Truncation};
+use schemes::Scheme;
+use systems::{Damping, PoissonSystem, Problem, paper::valid};
+
+use crate::{Method, streams};
+
+/// What an experiment is given.
+pub struct Conditions<'a> {
+    /// Seed, mode and number of paths.
+    pub settings: Settings,
+    /// What is done with long ladders: computed here, in parts, or merged.
+    pub job: &'a Job,
+    /// Number of the experiment ([`streams`]), so that no two share noise.
+    pub experiment: u64,
+    /// The ids that are wanted of those that the experiment can make.
+    pub wanted: &'a [&'a str],
+    /// Schemes that are not in the paper and are to be further series of its panels.
+    pub further: &'a [Method],
+    /// Is told how far it is.
+    pub progress: &'a dyn Progress,
+}
+
+/// The truncation order of the reproduction. The theorems ask k ≥ 2; with k = 2 a handful of
+/// clipped increments dominates the mean-square error, with k = 4 none is clipped.
+pub const TRUNCATION_ORDER: u32 = 4;
+
+impl Conditions<'_> {
+    /// The id of what is made, where that is a single panel or statement.
+    ///
+    /// # Panics
+    /// When nothing is wanted, as of twins.
+    pub fn id(&self) -> &str {
+        self.wanted[0]
+    }
+
+    /// The streams of part number `part` of the experiment.
+    pub fn key(&self, part: u64) -> StreamKey {
+        streams::key(self.settings.seed, self.experiment, part)
+    }
+
+    /// Path number `path` of a scheme on the streams of part number `part`, in `steps` steps.
+    ///
+    /// # Panics
+    /// When there is no such part, or truncation is not defined for such steps.
+    pub fn path<S: PoissonSystem<D, M>, G: Damping, const D: usize, const M: usize>(
+        &self,
+        part: u64,
+        problem: &Problem<S, G, D>,
+        scheme: &dyn Scheme<S, D, M>,
+        steps: u64,
+        path: u64,
+    ) -> Trajectory<D> {
+        valid(trajectory(problem, scheme, steps, truncation(), self.key(part), path))
+    }
+
+    /// The results of a ladder with `samples` paths, as a piece of work of the job: `None` if they
+    /// are not here. Two ladders of an experiment have different names.
+    pub fn run<T: Kept, N: StepNoise>(
+        &self,
+        name: &str,
+        ladder: &Ladder<'_, N>,
+        samples: u64,
+        new: impl Fn() -> T + Sync,
+    ) -> Option<Measured<T>> {
+        let advance = |work| self.progress.advance(work);
+        ladder.run_in(self.job, name, samples, new, &advance)
+    }
+
+    /// A number of paths, as often as the settings want it: in whole groups, so that the study can
+    /// be extended, or the number itself where they want nothing.
+    pub fn paths(&self, paths: u64) -> u64 {
+        self.settings.samples_times.map_or(paths, |times| {
+            let groups = (times * paths as f64 / GROUP_PATHS as f64).ceil();
+            groups as u64 * GROUP_PATHS
+        })
+    }
+
+    /// How often there are these paths, in words after a comma; nothing where nothing was wanted.
+    pub fn times_in_words(&self) -> String {
+        let whose = self.choose("paper's", "quick mode's");
+        let times = self.settings.samples_times;
+        times.map_or(String::new(), |times| format!(", {times} times the {whose} paths"))
+    }
+
+    /// `paper` at the paper's sizes, `quick` for continuous integration.
+    pub fn choose<T>(&self, paper: T, quick: T) -> T {
+        match self.settings.mode {
+            Mode::Paper => paper,
+            Mode::Quick => quick,
+        }
+    }
+}
+
+/// The truncation of the reproduction.
+pub fn truncation() -> Truncation {
+    valid(Truncation::new(TRUNCATION_ORDER))
+}
+
+/// What an experiment found.
+#[derive(Default)]
+pub struct Findings {
+    /// Figures.
+    pub panels: Vec<Panel>,
+    /// Claims, measured on them or on their own.
+    pub claims: Vec<Claim>,
+}
+
+impl From<Vec<Claim>> for Findings {
+    fn from(claims: Vec<Claim>) -> Self {
+        Self { claims, panels: Vec::new() }
+    }
+}
+
+/// One set of runs, which makes panels, claims or both.
+#[derive(Clone, Copy)]
+pub struct Experiment {
+    /// The ids of what it makes: of panels, or of a statement.
+    pub ids: &'static [&'static str],
+    /// Runs it.
+    pub run: fn(&Conditions) -> Findings,
+    /// Whether it takes most of the time of a run: the battery repeats it at small sizes only.
+    pub takes_long: bool,
+    /// Whether it has ladders that are divided among parts. What has none is computed when parts
+    /// are merged.
+    pub in_parts: bool,
+}
+
+impl Experiment {
+    /// One that does not take long.
+    pub(crate) const fn new(
+        ids: &'static [&'static str],
+        run: fn(&Conditions) -> Findings,
+    ) -> Self {
+        Self { ids, run, takes_long: false, in_parts: false }
+    }
+
+    /// The same as one that takes long.
+    pub(crate) const fn long(self) -> Self {
+        Self { takes_long: true, ..self }
+    }
+
+    /// The same as one with ladders that are divided among parts.
+    pub(crate) const fn in_parts(self) -> Self {
+        Self { in_parts: true, ..self }
+    }
+}
+
+/// A figure in words.
+#[derive(Clone, Copy)]
+pub struct Words {
+    pub title: &'static str,
+    /// The system and its parameters.
+    pub system: &'static str,
+    /// What the paper says that the figure shows.
+    pub paper: &'static str,
+}
+
+/// The paper's systems and their parameters in words.
+pub mod in_words {
+    pub const PENDULUM: &str = "pendulum, c = 1";
+    pub const BODY_3: &str = "rigid body, three noises, I = (2, 1, 2/3), Î = (1, 2, 3)";
+    pub const BODY_1: &str = "rigid body, only W₁, I = (2, 1, 2/3), Î₁ = 1";
+    pub const BODY_ENERGY: &str = "rigid body, one noise H₀, I = (2, 1, 2/3)";
+    pub const VOLTERRA: &str = "Lotka–Volterra, a = −1, b = −1, c = 1";
+    pub const POISSON: &str = "three-dimensional Poisson system, c = 1";
+}
+
+/// How increments are truncated in most panels, in words.
+pub const TRUNCATED: &str = "increments truncated with k = 4";
+
+impl Words {
+    /// A panel without curves.
+    pub fn panel<S, G: Damping, const D: usize>(
+        &self,
+        id: &str,
+        kind: Kind,
+        problem: &Problem<S, G, D>,
+        steps: &str,
+    ) -> Panel {
+        let [id, title, paper] = [id, self.title, self.paper].map(str::to_owned);
+        let setup = set_up(self.system, problem, steps);
+        Panel { id, kind, title, setup, paper, ..Panel::default() }
+    }
+}
+
+/// A set-up in words: "system, γ = …, y₀ = …, T = …, steps".
+pub fn set_up<S, G: Damping, const D: usize>(
+    system: &str,
+    problem: &Problem<S, G, D>,
+    steps: &str,
+) -> String {
+    let start = problem.y0().map(|y| ((1e4 * y).round() / 1e4).to_string()).join(", ");
+    let (damping, t_end) = (problem.damping().describe(), problem.t_end());
+    format!("{system}, {damping}, y₀ = ({start}), T = {t_end}, {steps}")
+}

@@ -1,0 +1,95 @@
+//! Runs experiments and collects their results.
+
+use std::{collections::BTreeMap, time::Instant};
+
+use analysis::{
+    Progress, Settings,
+    results::{Provenance, Results, SCHEMA},
+};
+use mc::parts::Job;
+use thiserror::Error;
+
+use crate::{Conditions, EXPERIMENTS, Experiment, Method, STATEMENTS, SUPPLEMENTS, streams};
+
+/// A panel or statement that does not exist.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error(
+    "there is no panel or statement {id:?}; panels: {}; figures that are not in the paper: {}; \
+     statements measured on their own, not on panels: {}",
+    ids(EXPERIMENTS).join(", "),
+    ids(SUPPLEMENTS).join(", "),
+    ids(STATEMENTS).join(", ")
+)]
+pub struct UnknownId {
+    /// What was asked for.
+    pub id: String,
+}
+
+/// The ids that experiments make.
+pub fn ids(experiments: &[Experiment]) -> Vec<String> {
+    experiments.iter().flat_map(|experiment| experiment.ids).map(ToString::to_string).collect()
+}
+
+/// Checks that every id names a panel or a statement.
+///
+/// # Errors
+/// [`UnknownId`] names the first that does not, and lists those that do.
+pub fn check_ids(wanted: &[String]) -> Result<(), UnknownId> {
+    let known = [ids(EXPERIMENTS), ids(STATEMENTS), ids(SUPPLEMENTS)].concat();
+    match wanted.iter().find(|id| !known.contains(id)) {
+        None => Ok(()),
+        Some(id) => Err(UnknownId { id: id.clone() }),
+    }
+}
+
+/// Runs the panels, statements and supplements in `only`, or all of them when it is empty, on the
+/// current rayon pool. The schemes in `further` are series of the panels that they are for, beside
+/// those of the paper, whose numbers do not depend on them.
+///
+/// `job` says what is done with the long ladders. If it gives no results, they are incomplete, and
+/// [`Job::finish`] says why.
+///
+/// Of the provenance, the seed, the mode, the threads and the timings by id are filled in; the rest
+/// is left to the caller.
+///
+/// # Errors
+/// [`UnknownId`] before anything is computed.
+pub fn reproduce(
+    settings: Settings,
+    only: &[String],
+    further: &[Method],
+    job: &Job,
+    progress: &dyn Progress,
+) -> Result<Results, UnknownId> {
+    check_ids(only)?;
+    let mut wall_s_by_id = BTreeMap::new();
+    let (mut panels, mut supplements, mut claims) = (Vec::new(), Vec::new(), Vec::new());
+    let families = [
+        (streams::PANELS, EXPERIMENTS, true),
+        (streams::STATEMENTS, STATEMENTS, false),
+        (streams::SUPPLEMENTS, SUPPLEMENTS, false),
+    ];
+    for (first, family, of_paper) in families {
+        for (experiment, member) in (first..).zip(family) {
+            let mut wanted = member.ids.to_vec();
+            wanted.retain(|id| only.is_empty() || only.iter().any(|name| name == id));
+            let here = member.in_parts || job.gives_results();
+            if wanted.is_empty() || !here {
+                continue;
+            }
+            let (names, start) = (wanted.join(", "), Instant::now());
+            let wanted = &wanted;
+            let conditions = Conditions { settings, job, experiment, wanted, further, progress };
+            progress.begin(&names, 0);
+            let found = (member.run)(&conditions);
+            progress.end();
+            if of_paper { &mut panels } else { &mut supplements }.extend(found.panels);
+            claims.extend(found.claims);
+            wall_s_by_id.insert(names, start.elapsed().as_secs_f64());
+        }
+    }
+    let run = Provenance::of_run(settings.seed, settings.mode.id());
+    let samples_times = settings.samples_times;
+    let provenance = Provenance { wall_s_by_id, samples_times, ..run };
+    Ok(Results { schema: SCHEMA, provenance, panels, supplements, claims })
+}

@@ -1,0 +1,93 @@
+//! `solvability`: the step has a unique solution once the contraction constant is below one
+//! (Bréhier, Cohen and Komori 2025, §3).
+//!
+//! C_{k,τ} = τ(½‖B′‖‖∇H₀‖ + ‖B‖‖∇²H₀‖) + √(2kτ|log τ|) Σₘ (½‖B′‖‖∇Hₘ‖ + ‖B‖‖∇²Hₘ‖). Two systems
+//! have globally Lipschitz data with constant B: the pendulum (‖B‖ = 1) and the three-dimensional
+//! Poisson system (‖B‖ = √3), both with ‖∇²H‖ ≤ 1. At the largest step 2^−j with C_{k,τ} < 1,
+//! random pairs of points with increments up to the truncation bound are mapped, and the iteration
+//! is started from both.
+
+use analysis::{
+    results::{Bounded, Claim, Evidence},
+    worse,
+};
+use mc::squared_distance;
+use noise::WienerPath;
+use real::elementary::ln;
+use systems::{
+    PoissonSystem,
+    paper::{pendulum, poisson3_strong, valid},
+};
+
+use crate::{Conditions, Findings, TRUNCATION_ORDER, truncation};
+
+pub(super) fn measure(conditions: &Conditions) -> Findings {
+    vec![
+        contraction(conditions, 0, pendulum().system(), 1.0, 1.0),
+        contraction(conditions, 1, poisson3_strong().system(), 3f64.sqrt(), 1.0),
+    ]
+    .into()
+}
+
+/// C_{k,τ} for constant B and ‖∇²H‖ ≤ 1, one noise of size 1.
+fn constant(tau: f64, structure: f64) -> f64 {
+    structure * (tau + (2.0 * f64::from(TRUNCATION_ORDER) * tau * tau.ln().abs()).sqrt())
+}
+
+/// Points are drawn with this spread: several periods of the sines.
+const SPREAD: f64 = 10.0;
+/// Two iterations agree when they differ by round-off, amplified by 1/(1 − C) near the bound.
+const AGREEMENT: f64 = 1e-9;
+
+/// The claim for one system, ‖B‖ = `structure`; increments go up to `reach` times the truncation
+/// bound.
+pub fn contraction<S: PoissonSystem<D, 1>, const D: usize>(
+    conditions: &Conditions,
+    part: u64,
+    system: &S,
+    structure: f64,
+    reach: f64,
+) -> Claim {
+    // The constant rises from 0, and below one there is a largest step.
+    let exponent = (1..60).find(|&j| constant(0.5f64.powi(j), structure) < 1.0).unwrap_or(60);
+    let tau = 0.5f64.powi(exponent);
+    let lipschitz = constant(tau, structure);
+    let bound = reach * valid(truncation().bound(tau));
+    let mut noise = WienerPath::<1>::new(conditions.key(part), 0);
+    let mut point = || -> [f64; D] { std::array::from_fn(|_| noise.normal() * SPREAD) };
+    let pairs = conditions.choose(5_000, 500);
+    let (mut quotient, mut apart) = (0.0, 0.0);
+    for pair in 0..pairs {
+        let (z_hat, mut one, mut other) = (point(), point(), point());
+        // Increments sweep the whole truncated range, its ends included.
+        let dw = bound * (2.0 * f64::from(pair) / f64::from(pairs - 1) - 1.0);
+        // ψ(z) of the scheme.
+        let psi = |z: [f64; D]| -> [f64; D] {
+            let change = system.averaged_field(z_hat, z, tau, [dw]);
+            std::array::from_fn(|i| z_hat[i] + change[i])
+        };
+        let distance = squared_distance(one, other).sqrt();
+        quotient = worse(quotient, squared_distance(psi(one), psi(other)).sqrt() / distance);
+        // Cⁿ·distance below round-off.
+        let sweeps = (ln(AGREEMENT * 1e-3 / distance) / ln(lipschitz)).ceil() as u32;
+        for _ in 0..sweeps {
+            one = psi(one);
+            other = psi(other);
+        }
+        apart = worse(apart, squared_distance(one, other).sqrt());
+    }
+    let quantities = vec![
+        Bounded::at_most(
+            format!("largest Lipschitz quotient at τ = 2^-{exponent}, k = {TRUNCATION_ORDER}"),
+            quotient,
+            lipschitz,
+        ),
+        Bounded::at_most(
+            format!("largest distance between limits from {pairs} pairs of starts"),
+            apart,
+            AGREEMENT,
+        ),
+    ];
+    let statement = format!("{}: the step has a unique solution once C(k, τ) < 1", system.name());
+    Claim::new("solvability", statement, Evidence::bounds(quantities))
+}
