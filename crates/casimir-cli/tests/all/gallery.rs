@@ -158,13 +158,14 @@ fn reads_in_python(programs: &[String], folder: &Path) {
 
 #[test]
 fn the_gallery_shows_every_scene() {
-    let page = read("docs/gallery.md");
+    let page = read("docs/scenes.md");
     let names = page.lines().filter_map(|line| line.strip_prefix("<!-- figure "));
     let names: BTreeSet<String> =
         names.map(|figure| figure.split(' ').next().unwrap().to_owned()).collect();
     assert_eq!(names, scenes());
     for name in names {
         assert!(project(&format!("docs/figures/gallery-{name}.svg")).is_file(), "{name}");
-        assert!(page.contains(&format!("`casimir new {name} > {name}.toml")), "{name}");
+        assert!(page.contains(&format!("`casimir new {name}`")), "{name}");
+        assert!(page.contains(&format!("(figures/gallery-{name}.svg)")), "{name}");
     }
 }
