@@ -1,6 +1,6 @@
 //! The `results.json` contract: what a reproduction run says, as data.
 //!
-//! Documented for readers in other languages in `docs/results.md`.
+//! The guide (`docs/guide.md`, "Results as data") documents it for other languages.
 //! All timings live in [`Provenance`], so that everything else is bit-identical for the same seed
 //! on any number of threads and any instruction set.
 

@@ -41,7 +41,7 @@ const EXPONENTS: RangeInclusive<u32> = 1..=4;
 const SCRAMBLES: u64 = 64;
 
 /// Of the twelve functions of the weak panels those whose bias stands out most from the noise; that
-/// of functions of y₃ is a tenth of y₂'s. `docs/expectations.md` has six.
+/// of functions of y₃ is a tenth of y₂'s.
 const OBSERVABLES: [Observable<3>; 3] = [
     Observable { name: "y2", function: |y| y[1] },
     Observable { name: "y1^2", function: |y| y[0] * y[0] },

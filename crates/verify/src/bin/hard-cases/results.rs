@@ -1,4 +1,4 @@
-//! The contract of `stability.json`; documented for other languages in `docs/results.md`.
+//! The contract of `stability.json`.
 
 use analysis::results::Provenance;
 use serde::Serialize;

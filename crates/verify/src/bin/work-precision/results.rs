@@ -1,4 +1,4 @@
-//! The contract of `work-precision.json`; documented for other languages in `docs/results.md`.
+//! The contract of `work-precision.json`.
 
 use analysis::{
     compare::{Cost, Curve, Series, Strong, StrongPoint, Weak, WeakPoint},
