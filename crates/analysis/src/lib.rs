@@ -10,7 +10,6 @@
 //! | [`strong_order_within`], [`weak_order_within`] | the same within a budget |
 //! | [`strong_order_of`], [`weak_order_of`], [`DynReference`] | of systems known at run time |
 //! | [`strong_order_of_within`], [`weak_order_of_within`] | these within a budget |
-//! | [`local_weak_order()`], [`local_weak_order_of`] | weak orders of one step, without sampling |
 //! | [`Order`], [`Decision`], [`OneStep`], [`Limit`], [`wrong_limit`] | an order, its reasons |
 //! | [`StepSizes`], [`ReferenceSolution`] | how it is measured, and against what |
 //! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
@@ -31,7 +30,6 @@ mod evidence;
 pub mod exact;
 mod final_moments;
 pub mod inspect;
-mod local_weak_order;
 mod number;
 mod orders;
 mod other_noise;
@@ -50,9 +48,6 @@ pub use evidence::{DEVIATIONS, worse};
 pub use final_moments::{FinalMoments, FinalRows, FinalValues};
 pub use inspect::{
     inspect, inspect_formula_problem, inspect_formulas, inspect_large, inspect_problem,
-};
-pub use local_weak_order::{
-    LocalError, LocalWeakOrder, LocalWeakOrderError, local_weak_order, local_weak_order_of,
 };
 pub use number::number;
 pub use orders::{

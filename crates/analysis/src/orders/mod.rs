@@ -41,7 +41,7 @@ use crate::results::Evidence;
 
 pub(crate) use consistency::Consistency;
 pub(crate) use errors::squared_distance;
-pub(crate) use steps::{Steps, Subject};
+pub(crate) use steps::Subject;
 pub(crate) use weak::{difference, evaluate};
 
 pub use decision::Decision;

@@ -7,26 +7,23 @@ use std::{
 };
 
 use casimir::mc::{TimeSeries, study::StudyResult};
-use npyz::{
-    WriterBuilder,
-    npz::NpzWriter,
-    zip::{DateTime, write::FileOptions},
-};
+use npyz::{WriteOptions, WriterBuilder, npz::file_name_from_array_name};
+use zip::{DateTime, ZipWriter, write::SimpleFileOptions};
 
-type Writer = NpzWriter<BufWriter<File>>;
+type Writer = ZipWriter<BufWriter<File>>;
 
 /// An array of this shape in row-major order.
 fn array(out: &mut Writer, name: &str, shape: &[u64], values: Vec<f64>) -> io::Result<()> {
     // Without the time of day: the same results are the same bytes.
-    let options = FileOptions::default().last_modified_time(DateTime::default());
-    let file = out.array(name, options)?;
-    let mut writer = file.default_dtype().shape(shape).begin_nd()?;
+    let options = SimpleFileOptions::default().last_modified_time(DateTime::default());
+    out.start_file(file_name_from_array_name(name), options)?;
+    let mut writer = WriteOptions::new().default_dtype().shape(shape).writer(out).begin_nd()?;
     writer.extend(values)?;
     writer.finish()
 }
 
 fn create(file: &Path) -> io::Result<Writer> {
-    Ok(NpzWriter::new(BufWriter::new(File::create(file)?)))
+    Ok(ZipWriter::new(BufWriter::new(File::create(file)?)))
 }
 
 /// The tables of paths: `t`, and for each column an array [path, time]. A path that ended early has
@@ -49,6 +46,7 @@ pub fn paths(file: &Path, tables: &[TimeSeries]) -> io::Result<()> {
         let values = tables.iter().flat_map(padded).collect();
         array(&mut out, &column.name, &[tables.len() as u64, times.len() as u64], values)?;
     }
+    out.finish()?;
     Ok(())
 }
 
@@ -79,5 +77,6 @@ pub fn study(file: &Path, result: &StudyResult) -> io::Result<()> {
             points.iter().flat_map(|point| point.quantiles.iter().map(|q| known(q.value)));
         array(&mut out, &format!("{name} quantiles"), &shape, quantiles.collect())?;
     }
+    out.finish()?;
     Ok(())
 }
