@@ -2,8 +2,8 @@
 //! single paths.
 //!
 //! ```text
-//! cargo run --release -p casimir-mc --example expectation_cost -- 1e-3 1e-4
-//! cargo run --release -p casimir-mc --example expectation_cost -- 1e-3 1e-4 1e-5 --long
+//! cargo run --release -p casimir-mc --features measuring --example expectation_cost -- 1e-3 1e-4
+//! cargo run --release -p casimir-mc --features measuring --example expectation_cost -- 1e-3 1e-4 1e-5 --long
 //! ```
 //!
 //! prints path-steps, seconds and seconds of processor time for each half-width of the 95 %

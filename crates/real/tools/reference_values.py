@@ -10,7 +10,7 @@ Usage: python3 crates/real/tools/reference_values.py > crates/real/tests/element
 With --measure it reads the lines printed by an example of the crate and prints the largest error of
 each function, in ulp (absolute where `absolute` says so):
 
-    cargo run --release --package real --example elementary_values |
+    cargo run --release --package casimir-real --example elementary_values |
         python3 crates/real/tools/reference_values.py --measure
 """
 
