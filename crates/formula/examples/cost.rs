@@ -11,7 +11,7 @@ use real::{Level, Rows, WIDTH};
 use systems::{
     IntegerExponents, Linearity, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, PoissonSystem,
     RigidBody,
-    run_time::{Compiled, System, Weights},
+    run_time::{Compiled, Op, System, Weights},
 };
 
 /// Rounds of which the fastest counts, and evaluations in a round.
@@ -53,23 +53,19 @@ where
 
 /// The costs of B(y)v, h, ∇h, ∇²h·u and the linearly implicit step; zero where there is none.
 fn operations(system: &dyn System, y0: &[f64]) -> Outcome<[f64; 5]> {
-    let all = || 0..y0.len();
     let (y, v) = (Rows::splat(y0)?, Rows::splat(&vec![0.01; y0.len()])?);
-    let dw = Rows::splat(&vec![0.1; system.noises()])?;
-    let (mut out, mut scratch) = (Rows::zero(y0.len())?, Rows::zero(system.scratch_rows())?);
+    let description = system.description();
+    let dw = Rows::splat(&vec![0.1; description.noises])?;
+    let (mut out, mut scratch) = (Rows::zero(y0.len())?, Rows::zero(description.scratch_rows())?);
     let h = Weights { dt: 0.01, dw: &dw };
-    let affine = system.linearity() != Linearity::Other;
-    Ok([
-        cost(|| system.structure(all(), &y, &v, &mut out, &mut scratch)),
-        cost(|| system.energy(&y, h, &mut out[0], &mut scratch)),
-        cost(|| system.gradient(all(), &y, h, &mut out, &mut scratch)),
-        cost(|| system.hessian(all(), &y, &v, h, &mut out, &mut scratch)),
-        cost(|| {
-            if affine {
-                system.cayley(all(), &y, &v, &mut out, &mut scratch);
-            }
-        }),
-    ])
+    let affine = description.linearity != Linearity::Other;
+    let (y, v): (&[real::Row], &[real::Row]) = (&y, &v);
+    let mut of = |op| cost(|| system.apply(op, 0..y.len(), h, &mut out, &mut scratch));
+    let [field, gradient, hessian] =
+        [Op::Structure { y, v }, Op::Gradient { y }, Op::Hessian { y, u: v }].map(&mut of);
+    let cayley = if affine { of(Op::Cayley { y, v }) } else { 0.0 };
+    let energy = cost(|| system.energy(y, h, &mut out[0], &mut scratch));
+    Ok([field, energy, gradient, hessian, cayley])
 }
 
 /// Nanoseconds per path.

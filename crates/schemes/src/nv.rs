@@ -97,7 +97,8 @@ impl Nv<StageFlows> {
     /// own.
     pub fn at_run_time(system: &dyn run_time::System) -> Result<Self, SexpLiError> {
         refuse_local_noise(system)?;
-        Self::suited(system.name(), system.linearity(), &system.invariants())
+        let system = system.description();
+        Self::suited(&system.name, system.linearity, &system.invariants)
     }
 
     fn suited(
@@ -119,8 +120,9 @@ impl Nv<StageFlows> {
 
 /// Checks that noises follow each other one by one.
 pub(crate) fn refuse_local_noise(system: &dyn run_time::System) -> Result<(), SexpLiError> {
-    match system.local_noise() {
-        true => Err(SexpLiError::LocalNoise { scheme: ID, system: system.name().into() }),
+    let system = system.description();
+    match system.layout.local_noise {
+        true => Err(SexpLiError::LocalNoise { scheme: ID, system: system.name.clone() }),
         false => Ok(()),
     }
 }

@@ -105,8 +105,8 @@ impl SexpLi {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn at_run_time(system: &dyn run_time::System) -> Result<Self, SexpLiError> {
-        let (linearity, solvable) = (system.linearity(), system.always_solvable());
-        Self::suited(system.name(), linearity, solvable, &system.invariants())
+        let system = system.description();
+        Self::suited(&system.name, system.linearity, system.always_solvable, &system.invariants)
     }
 
     pub(crate) fn name(&self) -> &'static str {

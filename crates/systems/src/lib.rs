@@ -45,7 +45,7 @@
 //!
 //! Dampings: [`Constant`], [`Linear`], [`Sine`], [`Cosine`], [`DampingFunction`]. Systems:
 //! [`Pendulum`], [`RigidBody`], [`RigidBodyEnergy`], [`LotkaVolterra`], [`MaxwellBloch`],
-//! [`Poisson3`] (Bréhier, Cohen and Komori 2025). Spins on lattices: [`run_time::SpinLattice`].
+//! [`Poisson3`] (Bréhier, Cohen and Komori 2025). Spins on lattices: [`lattice`].
 
 mod cayley;
 mod damping;
@@ -53,6 +53,7 @@ mod error;
 mod field;
 mod flows;
 mod invariant;
+pub mod lattice;
 mod linearity;
 mod lotka_volterra;
 mod maxwell_bloch;

@@ -14,7 +14,7 @@ use dgrad::{Rule, nodes_for_degree};
 use real::{Real, Row, WIDTH, dispatch};
 use systems::{
     Linearity, SystemError,
-    run_time::{Node, Program, System, Weights},
+    run_time::{Description, Op, Program, Recorded, System, Weights, derived},
     shown_solvable,
 };
 
@@ -40,7 +40,7 @@ const MOST_NODES: usize = 16;
 /// ```
 /// use formula::{Definition, FormulaSystem};
 /// use real::Rows;
-/// use systems::run_time::{System, Weights};
+/// use systems::run_time::{Op, System, Weights};
 ///
 /// let words = |texts: &[&str]| texts.iter().map(|text| text.to_string()).collect::<Vec<_>>();
 /// let definition = Definition {
@@ -53,17 +53,18 @@ const MOST_NODES: usize = 16;
 ///     observables: vec![],
 /// };
 /// let body = FormulaSystem::new(&definition, &[0.6, 0.0, 0.8])?;
-/// assert!(body.is_quadratic() && body.always_solvable());
+/// assert!(body.description().is_quadratic() && body.description().always_solvable);
 ///
 /// let (y, dw) = (Rows::splat(&[0.6, 0.0, 0.8])?, Rows::splat(&[0.3])?);
-/// let (mut gradient, mut scratch) = (Rows::zero(3)?, Rows::zero(body.scratch_rows())?);
-/// let h = Weights { dt: 0.01, dw: &dw };
-/// body.gradient(0..3, &y, h, &mut gradient, &mut scratch);
+/// let mut scratch = Rows::zero(body.description().scratch_rows())?;
+/// let (mut gradient, h) = (Rows::zero(3)?, Weights { dt: 0.01, dw: &dw });
+/// body.apply(Op::Gradient { y: &y }, 0..3, h, &mut gradient, &mut scratch);
 /// assert!((gradient[0][5] - 0.6 * (0.005 + 0.5 * 0.3)).abs() < 1e-16);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct FormulaSystem {
     definition: Definition,
+    description: Description,
     names: Names,
     checked: Vec<Formula>,
     structure: Tape,
@@ -77,11 +78,7 @@ pub struct FormulaSystem {
     guard: Option<Tape>,
     cayley: Cayley,
     expressions: Expressions,
-    rule: Rule,
     programs: Programs,
-    linearity: Linearity,
-    solvable: bool,
-    scratch: usize,
 }
 
 /// How z = y + B((y+z)/2)v is solved.
@@ -103,6 +100,29 @@ impl Cayley {
                 matrix: expressions.cayley_matrix_tape(),
                 right: expressions.right_side_tape(),
             },
+        }
+    }
+
+    fn solve(&self, y: &[Row], v: &[Row], out: &mut [Row], scratch: &mut [Row]) {
+        match self {
+            Self::Tape(tape) => tape.evaluate(&[y, v], out, scratch),
+            Self::Rows { matrix, right } => {
+                let (entries, scratch) = scratch.split_at_mut(matrix.outputs());
+                matrix.evaluate(&[v], entries, scratch);
+                right.evaluate(&[y, v], out, scratch);
+                dispatch(Eliminate { matrix: entries, x: out });
+            }
+            Self::None => unreachable!("B is not affine"),
+        }
+    }
+
+    fn scratch_rows(&self) -> usize {
+        match self {
+            Self::Tape(tape) => tape.scratch_rows(),
+            Self::Rows { matrix, right } => {
+                matrix.outputs() + matrix.scratch_rows().max(right.scratch_rows())
+            }
+            Self::None => 0,
         }
     }
 }
@@ -139,8 +159,21 @@ impl FormulaSystem {
                 (Cayley::new(&mut expressions), solvable)
             }
         };
+        let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
+        let parameters =
+            definition.parameters.iter().map(|(name, value)| format!("{name} = {value}"));
+        let (dimension, noises) = (definition.state.len(), definition.noises.len());
+        let has_guard = expressions.have_domain();
+        let description = Description {
+            parameters: parameters.collect::<Vec<_>>().join(", "),
+            linearity,
+            always_solvable: solvable,
+            has_guard,
+            ..Description::new(&definition.name, dimension, noises, rule)
+        };
         let mut system = Self {
             definition: definition.clone(),
+            description,
             structure: expressions.structure_tape(),
             structure_along: expressions.structure_along_tape(),
             energy: expressions.energy_tape(),
@@ -149,21 +182,17 @@ impl FormulaSystem {
             averaged_gradient: expressions.averaged_gradient_tape(),
             ito_correction: expressions.ito_correction_tape(),
             observables: expressions.observables_tape(),
-            guard: expressions.have_domain().then(|| expressions.guard_tape()),
+            guard: has_guard.then(|| expressions.guard_tape()),
             cayley,
             expressions,
-            rule: Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}")),
             programs: Programs::default(),
-            linearity,
-            solvable,
-            scratch: 0,
             names: formulas.names,
             checked: std::iter::once(formulas.energy)
                 .chain(formulas.noises)
                 .chain(formulas.structure.into_iter().flatten())
                 .collect(),
         };
-        system.scratch = system.largest_scratch();
+        system.description.own_scratch_rows = system.largest_scratch();
         Ok(system)
     }
 
@@ -172,17 +201,10 @@ impl FormulaSystem {
         let plain =
             [&self.structure, &self.structure_along, &self.ito_correction, &self.observables];
         let plain = plain.into_iter().chain(&self.guard);
-        let cayley = match &self.cayley {
-            Cayley::Tape(tape) => tape.scratch_rows(),
-            Cayley::Rows { matrix, right } => {
-                matrix.outputs() + matrix.scratch_rows().max(right.scratch_rows())
-            }
-            Cayley::None => 0,
-        };
         // One more row has dt.
         let weighted = weighted.iter().map(|tape| tape.scratch_rows() + 1);
         let plain = plain.map(|tape| tape.scratch_rows());
-        weighted.chain(plain).chain([cayley]).max().unwrap_or(0)
+        weighted.chain(plain).chain([self.cayley.scratch_rows()]).max().unwrap_or(0)
     }
 
     /// The texts.
@@ -211,7 +233,7 @@ impl FormulaSystem {
     }
 
     /// The observables at y, in their order, one row each. `scratch` has at least
-    /// [`scratch_rows`](System::scratch_rows) rows.
+    /// [`scratch_rows`](Description::scratch_rows) rows.
     pub fn observe(&self, y: &[Row], out: &mut [Row], scratch: &mut [Row]) {
         self.observables.evaluate(&[y], out, scratch);
     }
@@ -238,129 +260,59 @@ fn with_dt(dt: f64, scratch: &mut [Row]) -> (&[Row], &mut [Row]) {
 }
 
 impl System for FormulaSystem {
-    fn name(&self) -> &str {
-        &self.definition.name
+    fn description(&self) -> &Description {
+        &self.description
     }
 
-    fn parameters(&self) -> String {
-        let each = self.definition.parameters.iter();
-        each.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
-    }
-
-    fn dimension(&self) -> usize {
-        self.definition.state.len()
-    }
-
-    fn noises(&self) -> usize {
-        self.definition.noises.len()
-    }
-
-    fn own_scratch_rows(&self) -> usize {
-        self.scratch
-    }
-
-    fn structure(&self, _: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], s: &mut [Row]) {
-        self.structure.evaluate(&[y, v], out, s);
-    }
-
-    fn structure_along(
+    fn apply(
         &self,
+        op: Op<&[Row]>,
         _: Range<usize>,
-        y: &[Row],
-        u: &[Row],
-        v: &[Row],
-        out: &mut [Row],
-        scratch: &mut [Row],
-    ) {
-        self.structure_along.evaluate(&[y, u, v], out, scratch);
-    }
-
-    fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]) {
-        let (dt, scratch) = with_dt(h.dt, scratch);
-        self.energy.evaluate(&[y, dt, h.dw], std::slice::from_mut(out), scratch);
-    }
-
-    fn gradient(
-        &self,
-        _: Range<usize>,
-        y: &[Row],
         h: Weights<'_>,
         out: &mut [Row],
         scratch: &mut [Row],
     ) {
-        let (dt, scratch) = with_dt(h.dt, scratch);
-        self.gradient.evaluate(&[y, dt, h.dw], out, scratch);
-    }
-
-    fn hessian(
-        &self,
-        _: Range<usize>,
-        y: &[Row],
-        u: &[Row],
-        h: Weights<'_>,
-        out: &mut [Row],
-        scratch: &mut [Row],
-    ) {
-        let (dt, scratch) = with_dt(h.dt, scratch);
-        self.hessian.evaluate(&[y, u, dt, h.dw], out, scratch);
-    }
-
-    fn rule(&self) -> &Rule {
-        &self.rule
-    }
-
-    fn averaged_gradient(
-        &self,
-        a: &[Row],
-        b: &[Row],
-        h: Weights<'_>,
-        out: &mut [Row],
-        scratch: &mut [Row],
-    ) {
-        let (dt, scratch) = with_dt(h.dt, scratch);
-        self.averaged_gradient.evaluate(&[a, b, dt, h.dw], out, scratch);
-    }
-
-    fn linearity(&self) -> Linearity {
-        self.linearity
-    }
-
-    fn always_solvable(&self) -> bool {
-        self.solvable
-    }
-
-    fn cayley(&self, _: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], s: &mut [Row]) {
-        match &self.cayley {
-            Cayley::Tape(tape) => tape.evaluate(&[y, v], out, s),
-            Cayley::Rows { matrix, right } => {
-                let (entries, s) = s.split_at_mut(matrix.outputs());
-                matrix.evaluate(&[v], entries, s);
-                right.evaluate(&[y, v], out, s);
-                dispatch(Eliminate { matrix: entries, x: out });
+        match op {
+            Op::Structure { y, v } => self.structure.evaluate(&[y, v], out, scratch),
+            Op::StructureAlong { y, u, v } => {
+                self.structure_along.evaluate(&[y, u, v], out, scratch);
             }
-            Cayley::None => unreachable!("B of {} is not affine", self.name()),
+            Op::ItoCorrection { y } => self.ito_correction.evaluate(&[y], out, scratch),
+            Op::Cayley { y, v } => self.cayley.solve(y, v, out, scratch),
+            Op::Gradient { y } => {
+                let (dt, scratch) = with_dt(h.dt, scratch);
+                self.gradient.evaluate(&[y, dt, h.dw], out, scratch);
+            }
+            Op::Hessian { y, u } => {
+                let (dt, scratch) = with_dt(h.dt, scratch);
+                self.hessian.evaluate(&[y, u, dt, h.dw], out, scratch);
+            }
+            Op::AveragedGradient { a, b } => {
+                let (dt, scratch) = with_dt(h.dt, scratch);
+                self.averaged_gradient.evaluate(&[a, b, dt, h.dw], out, scratch);
+            }
+            Op::AveragedHessian { .. } | Op::AveragedField { .. } => {
+                derived(self, op, h, out, scratch);
+            }
         }
-    }
-
-    fn ito_correction(&self, _: Range<usize>, y: &[Row], out: &mut [Row], scratch: &mut [Row]) {
-        self.ito_correction.evaluate(&[y], out, scratch);
     }
 
     /// The whole formula of a scheme is one tape.
     fn compile(
         &self,
-        nodes: &[Node],
+        operations: &[Recorded],
         inputs: usize,
         results: &[usize],
     ) -> Option<Box<dyn Program>> {
-        let (system, rule) = (&self.expressions, &self.rule);
-        let program = self.programs.program(system, rule, nodes, inputs, results)?;
+        let rule = &self.description.rule;
+        let program =
+            self.programs.program(&self.expressions, rule, operations, inputs, results)?;
         Some(Box::new(program))
     }
 
-    /// Where B, H₀ or Hₘ has a logarithm, a root or a quotient.
-    fn has_guard(&self) -> bool {
-        self.guard.is_some()
+    fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]) {
+        let (dt, scratch) = with_dt(h.dt, scratch);
+        self.energy.evaluate(&[y, dt, h.dw], std::slice::from_mut(out), scratch);
     }
 
     /// H₀ + H₁ + … and the entries of B.

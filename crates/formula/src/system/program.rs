@@ -7,7 +7,7 @@ use std::{
 
 use dgrad::Rule;
 use real::{Row, Rows};
-use systems::run_time::{MOST_INPUTS, Node, Program, Weights};
+use systems::run_time::{MOST_INPUTS, Op, Program, Recorded, Weights};
 
 use super::{average::point, expressions::Expressions};
 use crate::{Graph, Id, Tape};
@@ -17,10 +17,10 @@ const MOST_EXPRESSIONS: usize = 100_000;
 
 /// Formulas of schemes that were compiled, so that each is compiled once and not for every block.
 #[derive(Default)]
-pub struct Programs(Mutex<Vec<(Definition, Option<Compiled>)>>);
+pub struct Programs(Mutex<Vec<(Key, Option<Compiled>)>>);
 
 /// The nodes, the number of inputs, and the nodes that are results.
-type Definition = (Vec<Node>, usize, Vec<usize>);
+type Key = (Vec<Recorded>, usize, Vec<usize>);
 
 impl Programs {
     /// The tape of the `results` among the nodes; none if it would be too long.
@@ -28,12 +28,12 @@ impl Programs {
         &self,
         system: &Expressions,
         rule: &Rule,
-        nodes: &[Node],
+        nodes: &[Recorded],
         inputs: usize,
         results: &[usize],
     ) -> Option<FormulaProgram> {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let same = |((n, i, r), _): &&(Definition, _)| n == nodes && *i == inputs && r == results;
+        let same = |((n, i, r), _): &&(Key, _)| n == nodes && *i == inputs && r == results;
         let compiled = match known.iter().find(same) {
             Some((_, compiled)) => compiled.clone(),
             None => {
@@ -64,11 +64,11 @@ impl Compiled {
     fn new(
         system: &Expressions,
         rule: &Rule,
-        nodes: &[Node],
+        nodes: &[Recorded],
         inputs: usize,
         results: &[usize],
     ) -> Option<Self> {
-        let is_multiple = |n: &usize| matches!(nodes[*n], Node::Multiple(_));
+        let is_multiple = |n: &usize| matches!(nodes[*n], Recorded::Multiple(_));
         let multiples: Vec<usize> = (0..nodes.len()).filter(is_multiple).collect();
         let numbers = inputs * system.dimension();
         let noise = numbers + 1 + multiples.len();
@@ -120,40 +120,39 @@ struct Builder<'a> {
 
 impl Builder<'_> {
     /// The components of a node; none if it has no expression.
-    fn state(&mut self, node: Node, factor: Option<Id>) -> Option<Vec<Id>> {
+    fn state(&mut self, node: Recorded, factor: Option<Id>) -> Option<Vec<Id>> {
         let system = self.system;
         let of = |n: usize| self.states[n].clone();
         Some(match node {
-            Node::Input(k) => {
+            Recorded::Input(k) => {
                 let first = k * system.dimension();
                 (first..first + system.dimension()).map(|k| self.graph.input(k)).collect()
             }
-            Node::Sum(a, b) => self.each(&of(a), &of(b), Graph::add),
-            Node::Difference(a, b) => self.each(&of(a), &of(b), Graph::sub),
-            Node::Multiple(a) => {
+            Recorded::Sum(a, b) => self.each(&of(a), &of(b), Graph::add),
+            Recorded::Difference(a, b) => self.each(&of(a), &of(b), Graph::sub),
+            Recorded::Multiple(a) => {
                 let (state, factor) = (of(a), factor?);
                 state.into_iter().map(|x| self.graph.mul(x, factor)).collect()
             }
-            Node::Structure { y, v } => self.import(&system.field, &of(y), None, Some(&of(v))),
-            Node::StructureAlong { y, u, v } => {
-                self.import(&system.field_along, &of(y), Some(&of(u)), Some(&of(v)))
-            }
-            Node::Gradient { y } => self.import(&system.gradient, &of(y), None, None),
-            Node::Hessian { y, u } => self.import(&system.hessian, &of(y), Some(&of(u)), None),
-            Node::AveragedGradient { a, b } => {
-                self.import(&system.averaged_gradient, &of(a), Some(&of(b)), None)
-            }
-            Node::AveragedHessian { a, b, u } => self.averaged_hessian(&of(a), &of(b), &of(u)),
-            Node::AveragedField { a, b } => {
-                let (a, b) = (of(a), of(b));
-                let gradient = self.import(&system.averaged_gradient, &a, Some(&b), None);
-                let middle = point(&mut self.graph, &a, &b, 0.0);
-                self.import(&system.field, &middle, None, Some(&gradient))
-            }
-            Node::Cayley { y, v } => {
-                self.import(system.cayley.as_ref()?, &of(y), None, Some(&of(v)))
-            }
-            Node::ItoCorrection { y } => self.import(&system.ito_correction, &of(y), None, None),
+            Recorded::Of(op) => match op.map(|n| self.states[n].clone()) {
+                Op::Structure { y, v } => self.import(&system.field, &y, None, Some(&v)),
+                Op::StructureAlong { y, u, v } => {
+                    self.import(&system.field_along, &y, Some(&u), Some(&v))
+                }
+                Op::Gradient { y } => self.import(&system.gradient, &y, None, None),
+                Op::Hessian { y, u } => self.import(&system.hessian, &y, Some(&u), None),
+                Op::AveragedGradient { a, b } => {
+                    self.import(&system.averaged_gradient, &a, Some(&b), None)
+                }
+                Op::AveragedHessian { a, b, u } => self.averaged_hessian(&a, &b, &u),
+                Op::AveragedField { a, b } => {
+                    let gradient = self.import(&system.averaged_gradient, &a, Some(&b), None);
+                    let middle = point(&mut self.graph, &a, &b, 0.0);
+                    self.import(&system.field, &middle, None, Some(&gradient))
+                }
+                Op::Cayley { y, v } => self.import(system.cayley.as_ref()?, &y, None, Some(&v)),
+                Op::ItoCorrection { y } => self.import(&system.ito_correction, &y, None, None),
+            },
         })
     }
 

@@ -69,7 +69,7 @@ impl<F: Implicit> Stepper for ExplicitStepper<'_, F> {
         let h = Weights { dt: step.tau, dw };
         self.machine.execute(self.recorder.operations().1, h);
         self.machine.feed_back(0);
-        let y = match self.system.lanes() {
+        let y = match self.system.description().layout.lanes {
             Lanes::Paths => self.state(),
             Lanes::Components => &[],
         };

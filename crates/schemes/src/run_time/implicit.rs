@@ -28,13 +28,15 @@ pub struct ImplicitStepper<'a, F> {
     state: Rows,
     solution: Rows,
     previous: Rows,
+    lanes: Lanes,
     sweep: Option<Sweep>,
     krylov: Option<Krylov<'a>>,
 }
 
 impl<'a, F: Implicit> ImplicitStepper<'a, F> {
     pub fn new(formula: &'a F, system: &'a dyn System) -> Result<Self, SchemeError> {
-        let rows = || Rows::zero(system.rows());
+        let layout = system.description().layout;
+        let rows = || Rows::zero(layout.rows);
         let mut stepper = Self {
             formula,
             system,
@@ -43,6 +45,7 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
             state: rows()?,
             solution: rows()?,
             previous: rows()?,
+            lanes: layout.lanes,
             sweep: None,
             krylov: None,
         };
@@ -156,13 +159,13 @@ impl<F: Implicit> Stepper for ImplicitStepper<'_, F> {
         if !unsolved.is_empty() {
             let failed = [Outcome::Failed { residual: f64::INFINITY }; WIDTH];
             let solved = self.rescue(unsolved, h).unwrap_or(failed);
-            let one_path = self.system.lanes() == Lanes::Components;
+            let one_path = self.lanes == Lanes::Components;
             let paths = if one_path { PathMask::first(1) } else { unsolved };
             paths.paths().for_each(|p| status.set(p, solved[p]));
         }
         dispatch(Multiple { x: &self.solution, factor: second, out: &mut self.state });
         // The second half of the damping may give a state that is not finite.
-        if (second > 1.0 || second.is_nan()) && self.system.lanes() == Lanes::Paths {
+        if (second > 1.0 || second.is_nan()) && self.lanes == Lanes::Paths {
             status.fail_where_not_finite(self.state());
         }
     }

@@ -8,7 +8,7 @@
 
 use nonlin::Outcome;
 use real::{Kernel, OutOfMemory, PathMask, Row, Rows, WIDTH, dispatch};
-use systems::run_time::{Node, System, Weights};
+use systems::run_time::{Recorded, System, Weights};
 
 use super::{
     SchemeError,
@@ -49,7 +49,7 @@ pub struct Krylov<'a> {
 
 /// The equation z = ψ(ẑ, z).
 pub struct Equation<'e> {
-    pub nodes: &'e [Node],
+    pub nodes: &'e [Recorded],
     pub factors: &'e [f64],
     pub h: Weights<'e>,
     /// ẑ.
@@ -69,7 +69,7 @@ impl<'a> Krylov<'a> {
     /// # Errors
     /// [`OutOfMemory`].
     pub fn new(system: &'a dyn System) -> Result<Self, OutOfMemory> {
-        let rows = || Rows::zero(system.rows());
+        let rows = || Rows::zero(system.description().layout.rows);
         Ok(Self {
             system,
             psi: Machine::new(system)?,
@@ -305,7 +305,7 @@ impl<'a> Krylov<'a> {
     /// Memory for a direction of the basis, taken out of it.
     fn direction(&mut self, k: usize) -> Result<Rows, OutOfMemory> {
         while self.basis.len() <= k {
-            self.basis.push(Rows::zero(self.system.rows())?);
+            self.basis.push(Rows::zero(self.z.len())?);
         }
         Ok(std::mem::take(&mut self.basis[k]))
     }

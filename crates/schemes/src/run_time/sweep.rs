@@ -1,7 +1,7 @@
 //! Sweeps of fixed-point iteration, for systems that compile three evaluations in a row.
 
 use real::{Kernel, OutOfMemory, Row, Rows, WIDTH, dispatch};
-use systems::run_time::{Node, Program, System, Weights};
+use systems::run_time::{Program, Recorded, System, Weights};
 
 use super::record::{Recorder, Recording};
 use crate::{Implicit, Step};
@@ -25,7 +25,7 @@ pub fn excess(change: f64, change_before: f64, size: f64) -> f64 {
 /// Three evaluations in a row as one program.
 pub struct Sweep {
     recorder: Recorder,
-    nodes: Vec<Node>,
+    operations: Vec<Recorded>,
     program: Box<dyn Program>,
     /// The three iterates.
     iterates: Rows,
@@ -43,16 +43,16 @@ impl Sweep {
     ) -> Result<Option<Self>, OutOfMemory> {
         let mut recorder = Recorder::default();
         let results = record(&recorder, formula, system, step);
-        let nodes = recorder.operations().0.to_vec();
-        let Some(program) = system.compile(&nodes, 2, &results) else { return Ok(None) };
-        let iterates = Rows::zero(3 * system.rows())?;
-        Ok(Some(Self { recorder, nodes, program, iterates }))
+        let operations = recorder.operations().0.to_vec();
+        let Some(program) = system.compile(&operations, 2, &results) else { return Ok(None) };
+        let iterates = Rows::zero(3 * system.description().layout.rows)?;
+        Ok(Some(Self { recorder, operations, program, iterates }))
     }
 
     /// Records the formula for a step. Whether its operations are those of the program.
     pub fn record(&mut self, formula: &impl Implicit, system: &dyn System, step: &Step) -> bool {
         record(&self.recorder, formula, system, step);
-        self.recorder.operations().0 == self.nodes
+        self.recorder.operations().0 == self.operations
     }
 
     /// Sweeps from `solution` until every path has converged or their number is reached.

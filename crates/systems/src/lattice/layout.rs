@@ -80,11 +80,6 @@ pub struct OnePath<'a> {
 }
 
 impl OnePath<'_> {
-    /// The number of rows.
-    pub fn row_count(sites: usize) -> usize {
-        3 * sites.div_ceil(WIDTH)
-    }
-
     /// Row and lane of a component of a site.
     pub fn place(sites: usize, site: usize, component: usize) -> (usize, usize) {
         let tile = site / TILE_SITES;
