@@ -8,6 +8,7 @@ use super::{
     definition::Formulas,
 };
 use real::Real;
+use systems::run_time::Op;
 
 use crate::{
     Formula, Graph, Id, Tape,
@@ -25,25 +26,25 @@ pub struct Expressions {
     hamiltonians: Vec<Id>,
     observables: Vec<Id>,
     /// B(y)v.
-    pub field: Vec<Id>,
+    field: Vec<Id>,
     /// (∂B·u)v.
-    pub field_along: Vec<Id>,
+    field_along: Vec<Id>,
     /// h.
     energy: Id,
     /// ∇h.
-    pub gradient: Vec<Id>,
+    gradient: Vec<Id>,
     /// ∇²h·u.
-    pub hessian: Vec<Id>,
+    hessian: Vec<Id>,
     /// ∇̄h(y, u).
-    pub averaged_gradient: Vec<Id>,
+    averaged_gradient: Vec<Id>,
     /// ½Σₘ fₘ′fₘ with fₘ = B∇Hₘ.
-    pub ito_correction: Vec<Id>,
+    ito_correction: Vec<Id>,
     /// The solution z of z = y + B((y+z)/2)v; none if B is not affine, or the dimension too large.
-    pub cayley: Option<Vec<Id>>,
+    cayley: Option<Vec<Id>>,
 }
 
 /// From this dimension on the elimination has more instructions than a tape should.
-const LARGEST_ELIMINATION: usize = 24;
+pub const LARGEST_ELIMINATION: usize = 24;
 
 impl Expressions {
     pub fn new(formulas: &Formulas) -> Self {
@@ -318,65 +319,64 @@ impl Expressions {
         cayley::right_side(&mut self.graph, &y, &self.field, &constant)
     }
 
-    fn tape(&self, outputs: &[Id], groups: &[Range<usize>]) -> Tape {
-        Tape::new(&self.graph, outputs, groups)
+    /// The expressions of an operation, and the groups of inputs (y, u, v) that its arguments are;
+    /// none if it follows from others, or has no expression.
+    pub fn of<P>(&self, op: &Op<P>) -> Option<(Op<usize>, &[Id])> {
+        let (y, u, v, a, b) = (0, 1, 2, 0, 1);
+        Some(match op {
+            Op::Structure { .. } => (Op::Structure { y, v }, &self.field),
+            Op::StructureAlong { .. } => (Op::StructureAlong { y, u, v }, &self.field_along),
+            Op::Gradient { .. } => (Op::Gradient { y }, &self.gradient),
+            Op::Hessian { .. } => (Op::Hessian { y, u }, &self.hessian),
+            Op::AveragedGradient { .. } => (Op::AveragedGradient { a, b }, &self.averaged_gradient),
+            Op::Cayley { .. } => (Op::Cayley { y, v }, self.cayley.as_ref()?),
+            Op::ItoCorrection { .. } => (Op::ItoCorrection { y }, &self.ito_correction),
+            Op::AveragedHessian { .. } | Op::AveragedField { .. } => return None,
+        })
     }
 
-    /// B(y)v from y and v.
-    pub fn structure_tape(&self) -> Tape {
-        self.tape(&self.field, &[self.y(), self.v()])
-    }
-
-    /// (∂B·u)v from y, u and v.
-    pub fn structure_along_tape(&self) -> Tape {
-        self.tape(&self.field_along, &[self.y(), self.u(), self.v()])
+    /// The operations that have expressions, each with a tape from its arguments, and from dt and dw
+    /// if it reads them.
+    pub fn op_tapes(&self) -> Vec<(Op<()>, Tape)> {
+        let (y, u, v, a, b) = ((), (), (), (), ());
+        let all = [
+            Op::Structure { y, v },
+            Op::StructureAlong { y, u, v },
+            Op::Gradient { y },
+            Op::Hessian { y, u },
+            Op::AveragedGradient { a, b },
+            Op::Cayley { y, v },
+            Op::ItoCorrection { y },
+        ];
+        let tape = |op: Op<()>| {
+            let (groups, roots) = self.of(&op)?;
+            let weights = groups.reads_weights().then(|| [self.dt(), self.dw()]);
+            let states = groups.arguments().map(|k| k * self.dimension..(k + 1) * self.dimension);
+            let inputs: Vec<_> = states.chain(weights.into_iter().flatten()).collect();
+            Some((op, Tape::new(&self.graph, roots, &inputs)))
+        };
+        all.into_iter().filter_map(tape).collect()
     }
 
     /// h from y, dt and dw.
     pub fn energy_tape(&self) -> Tape {
-        self.tape(&[self.energy], &[self.y(), self.dt(), self.dw()])
-    }
-
-    /// ∇h from y, dt and dw.
-    pub fn gradient_tape(&self) -> Tape {
-        self.tape(&self.gradient, &[self.y(), self.dt(), self.dw()])
-    }
-
-    /// ∇²h·u from y, u, dt and dw.
-    pub fn hessian_tape(&self) -> Tape {
-        self.tape(&self.hessian, &[self.y(), self.u(), self.dt(), self.dw()])
-    }
-
-    /// ∇̄h(a, b) from a, b, dt and dw.
-    pub fn averaged_gradient_tape(&self) -> Tape {
-        let groups = [self.y(), self.u(), self.dt(), self.dw()];
-        self.tape(&self.averaged_gradient, &groups)
-    }
-
-    /// ½Σₘ fₘ′fₘ from y.
-    pub fn ito_correction_tape(&self) -> Tape {
-        self.tape(&self.ito_correction, from_ref(&self.y()))
+        Tape::new(&self.graph, &[self.energy], &[self.y(), self.dt(), self.dw()])
     }
 
     /// The observables from y.
     pub fn observables_tape(&self) -> Tape {
-        self.tape(&self.observables, from_ref(&self.y()))
-    }
-
-    /// The solution of the linearly implicit step from y and v.
-    pub fn cayley_tape(&self) -> Option<Tape> {
-        Some(self.tape(self.cayley.as_ref()?, &[self.y(), self.v()]))
+        Tape::new(&self.graph, &self.observables, from_ref(&self.y()))
     }
 
     /// The entries of I − ½A(v) from v, row by row.
     pub fn cayley_matrix_tape(&mut self) -> Tape {
         let matrix = cayley::matrix(&mut self.graph, &self.field).concat();
-        self.tape(&matrix, from_ref(&self.v()))
+        Tape::new(&self.graph, &matrix, from_ref(&self.v()))
     }
 
     /// y + ½(B(y)v + B(0)v) from y and v.
     pub fn right_side_tape(&mut self) -> Tape {
         let right = self.right_side();
-        self.tape(&right, &[self.y(), self.v()])
+        Tape::new(&self.graph, &right, &[self.y(), self.v()])
     }
 }

@@ -23,7 +23,7 @@ pub use definition::{Definition, DefinitionError, Which};
 use crate::{Formula, Names, Tape};
 use definition::Formulas;
 use elimination::Eliminate;
-use expressions::Expressions;
+use expressions::{Expressions, LARGEST_ELIMINATION};
 use program::Programs;
 
 /// Nodes of the averaged gradient of what is no polynomial, and the most for a polynomial. The
@@ -67,64 +67,15 @@ pub struct FormulaSystem {
     description: Description,
     names: Names,
     checked: Vec<Formula>,
-    structure: Tape,
-    structure_along: Tape,
+    tapes: Vec<(Op<()>, Tape)>,
     energy: Tape,
-    gradient: Tape,
-    hessian: Tape,
-    averaged_gradient: Tape,
-    ito_correction: Tape,
     observables: Tape,
     guard: Option<Tape>,
-    cayley: Cayley,
+    /// The matrix and the right-hand side of the linearly implicit step, for dimensions whose
+    /// elimination is too long for a tape.
+    elimination: Option<[Tape; 2]>,
     expressions: Expressions,
     programs: Programs,
-}
-
-/// How z = y + B((y+z)/2)v is solved.
-enum Cayley {
-    /// By a tape that has the whole elimination.
-    Tape(Tape),
-    /// By elimination on rows.
-    Rows { matrix: Tape, right: Tape },
-    /// Not at all, since B is not affine.
-    None,
-}
-
-impl Cayley {
-    /// For an affine B.
-    fn new(expressions: &mut Expressions) -> Self {
-        match expressions.cayley_tape() {
-            Some(tape) => Self::Tape(tape),
-            None => Self::Rows {
-                matrix: expressions.cayley_matrix_tape(),
-                right: expressions.right_side_tape(),
-            },
-        }
-    }
-
-    fn solve(&self, y: &[Row], v: &[Row], out: &mut [Row], scratch: &mut [Row]) {
-        match self {
-            Self::Tape(tape) => tape.evaluate(&[y, v], out, scratch),
-            Self::Rows { matrix, right } => {
-                let (entries, scratch) = scratch.split_at_mut(matrix.outputs());
-                matrix.evaluate(&[v], entries, scratch);
-                right.evaluate(&[y, v], out, scratch);
-                dispatch(Eliminate { matrix: entries, x: out });
-            }
-            Self::None => unreachable!("B is not affine"),
-        }
-    }
-
-    fn scratch_rows(&self) -> usize {
-        match self {
-            Self::Tape(tape) => tape.scratch_rows(),
-            Self::Rows { matrix, right } => {
-                matrix.outputs() + matrix.scratch_rows().max(right.scratch_rows())
-            }
-            Self::None => 0,
-        }
-    }
 }
 
 impl FormulaSystem {
@@ -146,19 +97,22 @@ impl FormulaSystem {
             }
             None => NODES,
         };
-        let (cayley, solvable) = match linearity {
-            Linearity::Other => (Cayley::None, false),
-            Linearity::Constant => (Cayley::new(&mut expressions), true),
+        let always_solvable = match linearity {
+            Linearity::Other => false,
+            Linearity::Constant => true,
             Linearity::Affine => {
                 let matrix = expressions.cayley_matrix_tape();
-                let solvable = shown_solvable(y0.len(), |v| {
+                shown_solvable(y0.len(), |v| {
                     let mut entries = vec![0.0; v.len() * v.len()];
                     matrix.evaluate_one(&[v], &mut entries);
                     entries.chunks(v.len()).map(Vec::from).collect()
-                });
-                (Cayley::new(&mut expressions), solvable)
+                })
             }
         };
+        let tapes = expressions.op_tapes();
+        let is_long = linearity != Linearity::Other && y0.len() > LARGEST_ELIMINATION;
+        let elimination =
+            is_long.then(|| [expressions.cayley_matrix_tape(), expressions.right_side_tape()]);
         let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
         let parameters =
             definition.parameters.iter().map(|(name, value)| format!("{name} = {value}"));
@@ -167,23 +121,18 @@ impl FormulaSystem {
         let description = Description {
             parameters: parameters.collect::<Vec<_>>().join(", "),
             linearity,
-            always_solvable: solvable,
+            always_solvable,
             has_guard,
             ..Description::new(&definition.name, dimension, noises, rule)
         };
         let mut system = Self {
             definition: definition.clone(),
             description,
-            structure: expressions.structure_tape(),
-            structure_along: expressions.structure_along_tape(),
+            tapes,
             energy: expressions.energy_tape(),
-            gradient: expressions.gradient_tape(),
-            hessian: expressions.hessian_tape(),
-            averaged_gradient: expressions.averaged_gradient_tape(),
-            ito_correction: expressions.ito_correction_tape(),
             observables: expressions.observables_tape(),
             guard: has_guard.then(|| expressions.guard_tape()),
-            cayley,
+            elimination,
             expressions,
             programs: Programs::default(),
             names: formulas.names,
@@ -197,14 +146,21 @@ impl FormulaSystem {
     }
 
     fn largest_scratch(&self) -> usize {
-        let weighted = [&self.energy, &self.gradient, &self.hessian, &self.averaged_gradient];
-        let plain =
-            [&self.structure, &self.structure_along, &self.ito_correction, &self.observables];
-        let plain = plain.into_iter().chain(&self.guard);
+        let tapes = self.tapes.iter().map(|(_, tape)| tape);
+        let tapes = tapes.chain([&self.energy, &self.observables]).chain(&self.guard);
+        let elimination = self.elimination.iter().map(|[matrix, right]| {
+            matrix.outputs() + matrix.scratch_rows().max(right.scratch_rows())
+        });
         // One more row has dt.
-        let weighted = weighted.iter().map(|tape| tape.scratch_rows() + 1);
-        let plain = plain.map(|tape| tape.scratch_rows());
-        weighted.chain(plain).chain([self.cayley.scratch_rows()]).max().unwrap_or(0)
+        tapes.map(|tape| tape.scratch_rows() + 1).chain(elimination).max().unwrap_or(0)
+    }
+
+    fn tape<P>(&self, op: Op<P>) -> &Tape {
+        let op = op.map(|_| ());
+        match self.tapes.iter().find(|(known, _)| *known == op) {
+            Some((_, tape)) => tape,
+            None => unreachable!("{} has no {op:?}", self.definition.name),
+        }
     }
 
     /// The texts.
@@ -248,7 +204,11 @@ impl FormulaSystem {
     /// The number of instructions for B(y)v, h, ∇h, ∇²h·u, in this order.
     #[must_use]
     pub fn instructions(&self) -> [usize; 4] {
-        [&self.structure, &self.energy, &self.gradient, &self.hessian].map(Tape::instructions)
+        let (y, u, v) = ((), (), ());
+        let [field, gradient, hessian] =
+            [Op::Structure { y, v }, Op::Gradient { y }, Op::Hessian { y, u }];
+        [self.tape(field), &self.energy, self.tape(gradient), self.tape(hessian)]
+            .map(Tape::instructions)
     }
 }
 
@@ -272,29 +232,21 @@ impl System for FormulaSystem {
         out: &mut [Row],
         scratch: &mut [Row],
     ) {
-        match op {
-            Op::Structure { y, v } => self.structure.evaluate(&[y, v], out, scratch),
-            Op::StructureAlong { y, u, v } => {
-                self.structure_along.evaluate(&[y, u, v], out, scratch);
-            }
-            Op::ItoCorrection { y } => self.ito_correction.evaluate(&[y], out, scratch),
-            Op::Cayley { y, v } => self.cayley.solve(y, v, out, scratch),
-            Op::Gradient { y } => {
-                let (dt, scratch) = with_dt(h.dt, scratch);
-                self.gradient.evaluate(&[y, dt, h.dw], out, scratch);
-            }
-            Op::Hessian { y, u } => {
-                let (dt, scratch) = with_dt(h.dt, scratch);
-                self.hessian.evaluate(&[y, u, dt, h.dw], out, scratch);
-            }
-            Op::AveragedGradient { a, b } => {
-                let (dt, scratch) = with_dt(h.dt, scratch);
-                self.averaged_gradient.evaluate(&[a, b, dt, h.dw], out, scratch);
-            }
-            Op::AveragedHessian { .. } | Op::AveragedField { .. } => {
-                derived(self, op, h, out, scratch);
-            }
+        if let Op::AveragedHessian { .. } | Op::AveragedField { .. } = op {
+            return derived(self, op, h, out, scratch);
         }
+        if let (Op::Cayley { y, v }, Some([matrix, right])) = (op, &self.elimination) {
+            let (entries, scratch) = scratch.split_at_mut(matrix.outputs());
+            matrix.evaluate(&[v], entries, scratch);
+            right.evaluate(&[y, v], out, scratch);
+            return dispatch(Eliminate { matrix: entries, x: out });
+        }
+        let (dt, scratch) = with_dt(h.dt, scratch);
+        let mut inputs = [&[][..]; 5];
+        let weights = op.reads_weights().then_some([dt, h.dw]);
+        let given = op.arguments().chain(weights.into_iter().flatten());
+        let count = inputs.iter_mut().zip(given).map(|(input, rows)| *input = rows).count();
+        self.tape(op).evaluate(&inputs[..count], out, scratch);
     }
 
     /// The whole formula of a scheme is one tape.

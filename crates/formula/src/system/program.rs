@@ -121,12 +121,11 @@ struct Builder<'a> {
 impl Builder<'_> {
     /// The components of a node; none if it has no expression.
     fn state(&mut self, node: Recorded, factor: Option<Id>) -> Option<Vec<Id>> {
-        let system = self.system;
         let of = |n: usize| self.states[n].clone();
         Some(match node {
             Recorded::Input(k) => {
-                let first = k * system.dimension();
-                (first..first + system.dimension()).map(|k| self.graph.input(k)).collect()
+                let first = k * self.system.dimension();
+                (first..first + self.system.dimension()).map(|k| self.graph.input(k)).collect()
             }
             Recorded::Sum(a, b) => self.each(&of(a), &of(b), Graph::add),
             Recorded::Difference(a, b) => self.each(&of(a), &of(b), Graph::sub),
@@ -134,25 +133,10 @@ impl Builder<'_> {
                 let (state, factor) = (of(a), factor?);
                 state.into_iter().map(|x| self.graph.mul(x, factor)).collect()
             }
-            Recorded::Of(op) => match op.map(|n| self.states[n].clone()) {
-                Op::Structure { y, v } => self.import(&system.field, &y, None, Some(&v)),
-                Op::StructureAlong { y, u, v } => {
-                    self.import(&system.field_along, &y, Some(&u), Some(&v))
-                }
-                Op::Gradient { y } => self.import(&system.gradient, &y, None, None),
-                Op::Hessian { y, u } => self.import(&system.hessian, &y, Some(&u), None),
-                Op::AveragedGradient { a, b } => {
-                    self.import(&system.averaged_gradient, &a, Some(&b), None)
-                }
-                Op::AveragedHessian { a, b, u } => self.averaged_hessian(&a, &b, &u),
-                Op::AveragedField { a, b } => {
-                    let gradient = self.import(&system.averaged_gradient, &a, Some(&b), None);
-                    let middle = point(&mut self.graph, &a, &b, 0.0);
-                    self.import(&system.field, &middle, None, Some(&gradient))
-                }
-                Op::Cayley { y, v } => self.import(system.cayley.as_ref()?, &y, None, Some(&v)),
-                Op::ItoCorrection { y } => self.import(&system.ito_correction, &y, None, None),
-            },
+            Recorded::Of(op) => {
+                let op = op.map(|n| self.states[n].clone());
+                self.apply(op)?
+            }
         })
     }
 
@@ -160,10 +144,27 @@ impl Builder<'_> {
         a.iter().zip(b).map(|(&a, &b)| f(&mut self.graph, a, b)).collect()
     }
 
-    /// Expressions of the system at other states; a state that they do not read may be anything.
-    fn import(&mut self, roots: &[Id], y: &[Id], u: Option<&[Id]>, v: Option<&[Id]>) -> Vec<Id> {
-        let inputs = [y, u.unwrap_or(y), v.unwrap_or(y), &self.weights].concat();
-        self.graph.import(&self.system.graph, roots, &inputs)
+    /// An operation of the system; none if it has no expression.
+    fn apply(&mut self, op: Op<Vec<Id>>) -> Option<Vec<Id>> {
+        match op {
+            Op::AveragedHessian { a, b, u } => self.averaged_hessian(&a, &b, &u),
+            Op::AveragedField { a, b } => {
+                let y = point(&mut self.graph, &a, &b, 0.0);
+                let v = self.apply(Op::AveragedGradient { a, b })?;
+                self.apply(Op::Structure { y, v })
+            }
+            op => {
+                let (groups, roots) = self.system.of(&op)?;
+                let mut states = [&[][..]; 3];
+                let arguments: Vec<Vec<Id>> = op.arguments().collect();
+                // What is not read may be anything.
+                states.fill(&arguments[0]);
+                groups.arguments().zip(&arguments).for_each(|(group, state)| states[group] = state);
+                let [y, u, v] = states;
+                let inputs = [y, u, v, &self.weights].concat();
+                Some(self.graph.import(&self.system.graph, roots, &inputs))
+            }
+        }
     }
 
     /// sum + weight·value.
@@ -173,14 +174,14 @@ impl Builder<'_> {
     }
 
     /// ∂∇̄h(a, b)/∂b·u.
-    fn averaged_hessian(&mut self, a: &[Id], b: &[Id], u: &[Id]) -> Vec<Id> {
+    fn averaged_hessian(&mut self, a: &[Id], b: &[Id], u: &[Id]) -> Option<Vec<Id>> {
         let mut sum = vec![self.graph.constant(0.0); self.system.dimension()];
         for k in 0..self.rule.nodes().len() {
             let (node, weight) = (self.rule.nodes()[k], self.rule.weights()[k]);
-            let point = point(&mut self.graph, a, b, node - 0.5);
-            let value = self.import(&self.system.hessian, &point, Some(u), None);
+            let y = point(&mut self.graph, a, b, node - 0.5);
+            let value = self.apply(Op::Hessian { y, u: u.into() })?;
             sum = self.plus(&sum, &value, weight * node);
         }
-        sum
+        Some(sum)
     }
 }
