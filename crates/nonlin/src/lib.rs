@@ -33,8 +33,10 @@
 //! | [`Solver`], [`Method`] | the iteration and the number of its sweeps |
 //! | [`Solution`], [`Outcome`] | the result on one path: method, iterations, residual |
 //! | [`BlockStatus`] | the results on a block |
+//! | [`criteria`] | when an iteration has converged |
 
 mod block;
+pub mod criteria;
 mod elimination;
 mod equation;
 mod robust;

@@ -1,6 +1,6 @@
 //! Implicit formulas on systems known at run time.
 
-use nonlin::{BlockStatus, Outcome};
+use nonlin::{BlockStatus, Outcome, criteria::excess};
 use real::{Kernel, PathMask, Row, Rows, WIDTH, dispatch};
 use systems::run_time::{Lanes, System, Weights};
 
@@ -12,7 +12,7 @@ use super::{
     machine::{Machine, Multiple},
     norm::{Distance, Size, sum},
     record::{Recorder, Recording},
-    sweep::{Pending, Sweep, excess},
+    sweep::{Pending, Sweep},
 };
 use crate::{Implicit, Step};
 

@@ -6,7 +6,10 @@
 //! iteration on, otherwise it is halved. Every path has numbers of its own, 32 in a [`Row`]; if a
 //! row belongs to one path they are equal.
 
-use nonlin::Outcome;
+use nonlin::{
+    Outcome,
+    criteria::{CONTRACTION, LEAST_STEP, MOST_ITERATIONS, ROUND_OFF, TOLERANCE},
+};
 use real::{Kernel, OutOfMemory, PathMask, Row, Rows, WIDTH, dispatch};
 use systems::run_time::{Recorded, System, Weights};
 
@@ -17,16 +20,6 @@ use super::{
     norm::{Product, Size, sum},
 };
 
-/// ‖z − ψ(z)‖₁ relative to ‖z‖₁ at which Newton's method ends.
-const TOLERANCE: f64 = 2.0 * f64::EPSILON;
-/// Most Newton iterations at one s.
-const MOST_ITERATIONS: u32 = 20;
-/// The largest ratio of successive changes.
-const CONTRACTION: f64 = 0.5;
-/// The smallest step in s.
-const LEAST_STEP: f64 = 1.0 / 16384.0;
-/// Changes that no longer decrease below this size are round-off.
-const ROUND_OFF: f64 = 1.0 / (1u64 << 26) as f64;
 /// Dimension of the Krylov space at most; then it is begun anew.
 const DIRECTIONS: usize = 40;
 /// Times that it is begun.

@@ -1,5 +1,6 @@
 //! Sweeps of fixed-point iteration, for systems that compile three evaluations in a row.
 
+use nonlin::criteria::excess;
 use real::{Kernel, OutOfMemory, Row, Rows, WIDTH, dispatch};
 use systems::run_time::{Program, Recorded, System, Weights};
 
@@ -8,19 +9,6 @@ use crate::{Implicit, Step};
 
 /// Minus the number of sweeps of a path that has converged; positive on other paths.
 pub type Pending = Row;
-
-/// The convergence test of `nonlin`: residuals below this fraction of ‖z‖₁ are round-off.
-const TOLERANCE: f64 = 2.0 * f64::EPSILON;
-/// Prevents an underflow of the product of two changes.
-const GUARD: f64 = (1u128 << 64) as f64;
-
-/// The test of fixed-point iteration from the last two changes and the size of the last iterate: at
-/// most zero if it has converged, as in [`nonlin`].
-#[inline(always)]
-pub fn excess(change: f64, change_before: f64, size: f64) -> f64 {
-    let before = if change_before < size { change_before } else { size };
-    change * GUARD * change - size * (GUARD * TOLERANCE) * before
-}
 
 /// Three evaluations in a row as one program.
 pub struct Sweep {
