@@ -57,7 +57,7 @@ fn operations(system: &dyn System, y0: &[f64]) -> Outcome<[f64; 5]> {
     let description = system.description();
     let dw = Rows::splat(&vec![0.1; description.noises])?;
     let (mut out, mut scratch) = (Rows::zero(y0.len())?, Rows::zero(description.scratch_rows())?);
-    let h = Weights { dt: 0.01, dw: &dw };
+    let h = Weights { dt: 0.01, dw: &dw, areas: &[] };
     let affine = description.linearity != Linearity::Other;
     let (y, v): (&[real::Row], &[real::Row]) = (&y, &v);
     let mut of = |op| cost(|| system.apply(op, 0..y.len(), h, &mut out, &mut scratch));

@@ -181,13 +181,18 @@ impl Formulas for OnRows<'_> {
 
     fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64 {
         let (mut out, dw) = (splat(&[0.0]), splat(dw));
-        self.0.energy(&splat(y), Weights { dt, dw: &dw }, &mut out[0], &mut self.scratch());
+        self.0.energy(
+            &splat(y),
+            Weights { dt, dw: &dw, areas: &[] },
+            &mut out[0],
+            &mut self.scratch(),
+        );
         out[0][0]
     }
 
     fn field(&self, y: &[f64], dt: f64, dw: &[f64]) -> Vec<f64> {
         let (y, dw) = (splat(y), splat(dw));
-        let h = Weights { dt, dw: &dw };
+        let h = Weights { dt, dw: &dw, areas: &[] };
         let gradient = self.apply(Op::Gradient { y: &y }, h);
         first_path(&self.apply(Op::Structure { y: &y, v: &gradient }, h))
     }

@@ -171,7 +171,7 @@ fn both_layouts_are_the_lattice_spin_by_spin() {
                     let what = format!("{} of {}", system.description().parameters, layout.rows);
                     let y = rows(system, &s);
                     let dw = if local { rows(system, &w) } else { Rows::splat(&w[0]).unwrap() };
-                    let h = Weights { dt, dw: &dw };
+                    let h = Weights { dt, dw: &dw, areas: &[] };
                     let gradient = tiles(system, Op::Gradient { y: &y }, h);
                     near(&vectors(system, &gradient), &v, tolerance, &what);
                     let turned = tiles(system, Op::Structure { y: &y, v: &gradient }, h);
@@ -239,8 +239,8 @@ fn flows_turn_spins_and_lengths_stay() {
         let small = rows(system, &small);
         let mut moved = rows(system, &s);
         for part in 0..6 {
-            system.flow(part, &mut y, Weights { dt: 0.3, dw: &dw }, &mut []);
-            system.flow(part, &mut moved, Weights { dt: step, dw: &small }, &mut []);
+            system.flow(part, &mut y, Weights { dt: 0.3, dw: &dw, areas: &[] }, &mut []);
+            system.flow(part, &mut moved, Weights { dt: step, dw: &small, areas: &[] }, &mut []);
         }
         let bonds = bonds([6, 4, 1], [true, false, false]);
         let (v, _) = by_hand(&bonds, &k, &s, 1.0, &|i| w[i]);

@@ -1,9 +1,11 @@
 //! Compiled systems through the trait of systems known at run time.
 
+use std::cmp::Ordering;
+
 use real::{Row, Rows, WIDTH, directional};
 use systems::{
     HamiltonianIncrement, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
-    PoissonSystem, RigidBody, ito_correction,
+    PoissonSystem, RigidBody, area_gradient, ito_correction,
     run_time::{Compiled, Op, System, Weights, derived},
 };
 
@@ -33,7 +35,8 @@ where
     let mut scratch = Rows::zero(adapter.description().scratch_rows()).unwrap();
     let (a, b) = (around(&y0, 0.1, 0), around(&y0, 0.1, 1000));
     let (u, dw) = (around(&[0.0; D], 1.0, 77), around(&[0.0; M], 0.1, 5));
-    let h = Weights { dt: 0.03, dw: &dw };
+    let areas = around(&vec![0.0; M * M], 1.0, 99);
+    let h = Weights { dt: 0.03, dw: &dw, areas: &areas };
     let each = |found: &[Row], expected: &dyn Fn(usize) -> [f64; D], rounding: f64| {
         for p in 0..WIDTH {
             let (found, expected) = (path::<D>(found, p), expected(p));
@@ -59,6 +62,18 @@ where
     each(&apply(Op::AveragedField { a, b }), &field, 0.0);
     let ito = |p| ito_correction(&system, path(a, p));
     each(&apply(Op::ItoCorrection { y: a }), &ito, 0.0);
+    let skew = |p: usize| -> [[f64; M]; M] {
+        let area = |m: usize, l: usize| areas[m * M + l][p];
+        std::array::from_fn(|m| {
+            std::array::from_fn(|l| match m.cmp(&l) {
+                Ordering::Less => area(m, l),
+                Ordering::Equal => 0.0,
+                Ordering::Greater => -area(l, m),
+            })
+        })
+    };
+    let of_areas = |p| area_gradient(&system, path(a, p), skew(p));
+    each(&apply(Op::AreaGradient { y: a }), &of_areas, 0.0);
 
     // The derivative of B∇h along u is (∂B·u)∇h + B∇²h·u, and that of ∇̄h a difference quotient.
     let bent = apply(Op::StructureAlong { y: a, u, v: &gradient });

@@ -146,7 +146,7 @@ impl Probe<'_> {
         if m > 0 {
             dw[m - 1] = [1.0; WIDTH];
         }
-        let h = Weights { dt: if m == 0 { 1.0 } else { 0.0 }, dw: &dw };
+        let h = Weights { dt: if m == 0 { 1.0 } else { 0.0 }, dw: &dw, areas: &[] };
         let mut out = vec![[0.0; WIDTH]; y.len()];
         self.system.apply(Op::Gradient { y }, 0..y.len(), h, &mut out, &mut self.scratch);
         out
@@ -161,7 +161,12 @@ impl Probe<'_> {
         let proportional = all.iter().all(|noise| multiple(flat, noise.as_flattened()).is_some());
         let dw = vec![[0.0; WIDTH]; all.len()];
         let mut energy = [0.0; WIDTH];
-        self.system.energy(y, Weights { dt: 1.0, dw: &dw }, &mut energy, &mut self.scratch);
+        self.system.energy(
+            y,
+            Weights { dt: 1.0, dw: &dw, areas: &[] },
+            &mut energy,
+            &mut self.scratch,
+        );
         // Euler's identity y·∇H₀ = pH₀.
         let euler: Row =
             std::array::from_fn(|p| y.iter().zip(&slope).map(|(y, g)| y[p] * g[p]).sum());

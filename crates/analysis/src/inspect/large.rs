@@ -103,7 +103,7 @@ pub fn inspect_large(system: &dyn System, y0: &[f64]) -> Result<LargeInspection,
         let dw: Vec<f64> = (0..system.description().noises).map(|_| random.uniform()).collect();
         let at = probe.at(&y)?;
         let (along, covector, noise) = (probe.at(&u)?, probe.at(&v)?, probe.noise(&dw)?);
-        let h = Weights { dt, dw: &noise };
+        let h = Weights { dt, dw: &noise, areas: &[] };
         // B and its derivative.
         let turned = probe.structure(&at, &covector)?;
         skew.add(0.0, probe.products(&covector, &turned));

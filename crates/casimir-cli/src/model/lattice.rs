@@ -171,6 +171,6 @@ fn energy(lattice: SpinLattice) -> impl Fn(&[Row], &mut Row) + Send + Sync {
     move |y, values| {
         let dw = vec![[0.0; casimir::real::WIDTH]; noises];
         let mut scratch = vec![[0.0; casimir::real::WIDTH]; lattice.description().scratch_rows()];
-        lattice.energy(y, Weights { dt: 1.0, dw: &dw }, values, &mut scratch);
+        lattice.energy(y, Weights { dt: 1.0, dw: &dw, areas: &[] }, values, &mut scratch);
     }
 }

@@ -39,12 +39,17 @@ pub struct Expressions {
     averaged_gradient: Vec<Id>,
     /// ½Σₘ fₘ′fₘ with fₘ = B∇Hₘ.
     ito_correction: Vec<Id>,
+    /// Σ_{m<l} A_ml ∇{Hₘ, H_l}; none for more than [`MOST_NOISES`].
+    area_gradient: Option<Vec<Id>>,
     /// The solution z of z = y + B((y+z)/2)v; none if B is not affine, or the dimension too large.
     cayley: Option<Vec<Id>>,
 }
 
 /// From this dimension on the elimination has more instructions than a tape should.
 pub const LARGEST_ELIMINATION: usize = 24;
+
+/// The most noises whose Lévy areas are used.
+pub const MOST_NOISES: usize = 32;
 
 impl Expressions {
     pub fn new(formulas: &Formulas) -> Self {
@@ -73,6 +78,7 @@ impl Expressions {
             hessian: none(),
             averaged_gradient: none(),
             ito_correction: none(),
+            area_gradient: None,
             cayley: None,
         };
         let v = new.inputs(new.v());
@@ -84,6 +90,7 @@ impl Expressions {
         new.hessian = new.along(&new.gradient.clone());
         new.averaged_gradient = new.averaged(&weights);
         new.ito_correction = new.corrected();
+        new.area_gradient = (noises <= MOST_NOISES).then(|| new.bracketed());
         if new.structure_degree().is_some_and(|degree| degree <= 1)
             && dimension <= LARGEST_ELIMINATION
         {
@@ -120,13 +127,18 @@ impl Expressions {
         self.dt().end..self.dt().end + self.noises
     }
 
+    /// The matrix of Lévy areas, of which the part above the diagonal is read.
+    fn areas(&self) -> Range<usize> {
+        self.dw().end..self.dw().end + self.noises * self.noises
+    }
+
     fn inputs(&mut self, range: Range<usize>) -> Vec<Id> {
         range.map(|k| self.graph.input(k)).collect()
     }
 
     /// B(y)v on numbers of any type.
     pub fn field_on<R: Real>(&self, y: &[R], v: &[R]) -> Vec<R> {
-        let rest = vec![R::zero(); 1 + self.noises];
+        let rest = vec![R::zero(); self.areas().end - self.dt().start];
         let inputs = [y, y, v, &rest].concat();
         self.graph.evaluate(&self.field, &inputs)
     }
@@ -237,10 +249,7 @@ impl Expressions {
     fn corrected(&mut self) -> Vec<Id> {
         let mut correction = vec![self.graph.constant(0.0); self.dimension];
         for m in 1..self.hamiltonians.len() {
-            let mut unit = vec![self.graph.constant(0.0); self.hamiltonians.len()];
-            unit[m] = self.graph.constant(1.0);
-            let gradient = self.gradient_of(&unit);
-            let field = self.field_at(None, Some(&gradient));
+            let (_, field) = self.field_of(m);
             let direction: Vec<(usize, Id)> = self.y().zip(field.iter().copied()).collect();
             let derivative = self.graph.forward(&field, &direction);
             for (sum, part) in correction.iter_mut().zip(derivative) {
@@ -251,16 +260,33 @@ impl Expressions {
         correction
     }
 
+    /// Σ_{m<l} A_ml ∇{Hₘ, H_l}.
+    fn bracketed(&mut self) -> Vec<Id> {
+        let fields: Vec<(Vec<Id>, Vec<Id>)> = (1..=self.noises).map(|m| self.field_of(m)).collect();
+        let mut brackets = Vec::new();
+        for (m, (slope, _)) in fields.iter().enumerate() {
+            for (l, (_, field)) in fields.iter().enumerate().skip(m + 1) {
+                let area = self.graph.input(self.areas().start + m * self.noises + l);
+                brackets.push((self.graph.dot(slope, field), area));
+            }
+        }
+        let y: Vec<usize> = self.y().collect();
+        self.graph.reverse(&brackets, &y)
+    }
+
+    /// ∇Hₘ and B∇Hₘ.
+    fn field_of(&mut self, m: usize) -> (Vec<Id>, Vec<Id>) {
+        let mut unit = vec![self.graph.constant(0.0); self.hamiltonians.len()];
+        unit[m] = self.graph.constant(1.0);
+        let gradient = self.gradient_of(&unit);
+        let field = self.field_at(None, Some(&gradient));
+        (gradient, field)
+    }
+
     /// The equation with damping or without, a text for each component: `dp = -q dt + 0.5 ∘ dW1`.
     pub fn equations(mut self, state: &[String], damped: bool) -> Vec<String> {
-        let fields: Vec<Vec<Id>> = (0..self.hamiltonians.len())
-            .map(|m| {
-                let mut unit = vec![self.graph.constant(0.0); self.hamiltonians.len()];
-                unit[m] = self.graph.constant(1.0);
-                let gradient = self.gradient_of(&unit);
-                self.field_at(None, Some(&gradient))
-            })
-            .collect();
+        let fields: Vec<Vec<Id>> =
+            (0..self.hamiltonians.len()).map(|m| self.field_of(m).1).collect();
         let equation = |(i, name): (usize, &String)| {
             let mut terms = String::new();
             for (m, field) in fields.iter().enumerate() {
@@ -331,12 +357,13 @@ impl Expressions {
             Op::AveragedGradient { .. } => (Op::AveragedGradient { a, b }, &self.averaged_gradient),
             Op::Cayley { .. } => (Op::Cayley { y, v }, self.cayley.as_ref()?),
             Op::ItoCorrection { .. } => (Op::ItoCorrection { y }, &self.ito_correction),
+            Op::AreaGradient { .. } => (Op::AreaGradient { y }, self.area_gradient.as_ref()?),
             Op::AveragedHessian { .. } | Op::AveragedField { .. } => return None,
         })
     }
 
     /// The operations that have expressions, each with a tape from its arguments, and from dt and dw
-    /// if it reads them.
+    /// or the areas if it reads them.
     pub fn op_tapes(&self) -> Vec<(Op<()>, Tape)> {
         let (y, u, v, a, b) = ((), (), (), (), ());
         let all = [
@@ -347,12 +374,14 @@ impl Expressions {
             Op::AveragedGradient { a, b },
             Op::Cayley { y, v },
             Op::ItoCorrection { y },
+            Op::AreaGradient { y },
         ];
         let tape = |op: Op<()>| {
             let (groups, roots) = self.of(&op)?;
             let weights = groups.reads_weights().then(|| [self.dt(), self.dw()]);
+            let areas = matches!(op, Op::AreaGradient { .. }).then(|| self.areas());
             let states = groups.arguments().map(|k| k * self.dimension..(k + 1) * self.dimension);
-            let inputs: Vec<_> = states.chain(weights.into_iter().flatten()).collect();
+            let inputs: Vec<_> = states.chain(weights.into_iter().flatten()).chain(areas).collect();
             Some((op, Tape::new(&self.graph, roots, &inputs)))
         };
         all.into_iter().filter_map(tape).collect()

@@ -23,7 +23,7 @@ pub use definition::{Definition, DefinitionError, Which};
 use crate::{Formula, Names, Tape};
 use definition::Formulas;
 use elimination::Eliminate;
-use expressions::{Expressions, LARGEST_ELIMINATION};
+use expressions::{Expressions, LARGEST_ELIMINATION, MOST_NOISES};
 use program::Programs;
 
 /// Nodes of the averaged gradient of what is no polynomial, and the most for a polynomial. The
@@ -57,7 +57,7 @@ const MOST_NODES: usize = 16;
 ///
 /// let (y, dw) = (Rows::splat(&[0.6, 0.0, 0.8])?, Rows::splat(&[0.3])?);
 /// let mut scratch = Rows::zero(body.description().scratch_rows())?;
-/// let (mut gradient, h) = (Rows::zero(3)?, Weights { dt: 0.01, dw: &dw });
+/// let (mut gradient, h) = (Rows::zero(3)?, Weights { dt: 0.01, dw: &dw, areas: &[] });
 /// body.apply(Op::Gradient { y: &y }, 0..3, h, &mut gradient, &mut scratch);
 /// assert!((gradient[0][5] - 0.6 * (0.005 + 0.5 * 0.3)).abs() < 1e-16);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -123,6 +123,7 @@ impl FormulaSystem {
             linearity,
             always_solvable,
             has_guard,
+            has_area_gradient: noises <= MOST_NOISES,
             ..Description::new(&definition.name, dimension, noises, rule)
         };
         let mut system = Self {
@@ -243,8 +244,9 @@ impl System for FormulaSystem {
         }
         let (dt, scratch) = with_dt(h.dt, scratch);
         let mut inputs = [&[][..]; 5];
-        let weights = op.reads_weights().then_some([dt, h.dw]);
-        let given = op.arguments().chain(weights.into_iter().flatten());
+        let weights = op.reads_weights().then_some([dt, h.dw]).into_iter().flatten();
+        let areas = matches!(op, Op::AreaGradient { .. }).then_some(h.areas);
+        let given = op.arguments().chain(weights).chain(areas);
         let count = inputs.iter_mut().zip(given).map(|(input, rows)| *input = rows).count();
         self.tape(op).evaluate(&inputs[..count], out, scratch);
     }

@@ -58,6 +58,7 @@ struct Compiled {
     tape: Tape,
     /// The operations that have a factor.
     multiples: Vec<usize>,
+    reads_areas: bool,
 }
 
 impl Compiled {
@@ -74,8 +75,9 @@ impl Compiled {
         let noise = numbers + 1 + multiples.len();
         let mut graph = Graph::new();
         let dt = graph.input(numbers);
-        let weights =
-            once(dt).chain((0..system.noises()).map(|m| graph.input(noise + m))).collect();
+        let areas = noise + system.noises();
+        let end = areas + system.noises() * system.noises();
+        let weights = once(dt).chain((noise..end).map(|k| graph.input(k))).collect();
         let mut builder = Builder { system, rule, graph, weights, states: Vec::new() };
         for (n, &node) in nodes.iter().enumerate() {
             let factor = multiples.iter().position(|&multiple| multiple == n);
@@ -87,24 +89,27 @@ impl Compiled {
             }
         }
         let states = (0..inputs).map(|k| k * system.dimension()..(k + 1) * system.dimension());
-        let groups: Vec<_> = states.chain(once(noise..noise + system.noises())).collect();
+        let is_area = |node: &Recorded| matches!(node, Recorded::Of(Op::AreaGradient { .. }));
+        let reads_areas = nodes.iter().any(is_area);
+        let groups: Vec<_> =
+            states.chain(once(noise..areas)).chain(reads_areas.then_some(areas..end)).collect();
         if inputs > MOST_INPUTS {
             return None;
         }
         let results: Vec<Id> = results.iter().flat_map(|&n| builder.states[n].clone()).collect();
         let tape = Tape::with_numbers(&builder.graph, &results, &groups, numbers..noise);
-        Some(Self { tape, multiples })
+        Some(Self { tape, multiples, reads_areas })
     }
 }
 
 impl Program for FormulaProgram {
     fn run(&mut self, inputs: &[&[Row]], factors: &[f64], h: Weights<'_>, out: &mut [Row]) {
-        let Compiled { tape, multiples } = &mut self.compiled;
+        let Compiled { tape, multiples, reads_areas } = &mut self.compiled;
         tape.set_numbers(once(h.dt).chain(multiples.iter().map(|&multiple| factors[multiple])));
-        let mut groups: [&[Row]; MOST_INPUTS + 1] = [&[]; MOST_INPUTS + 1];
-        groups[..inputs.len()].copy_from_slice(inputs);
-        groups[inputs.len()] = h.dw;
-        tape.evaluate(&groups[..=inputs.len()], out, &mut self.scratch);
+        let mut groups = [&[][..]; MOST_INPUTS + 2];
+        let given = inputs.iter().copied().chain([h.dw]).chain(reads_areas.then_some(h.areas));
+        let count = groups.iter_mut().zip(given).map(|(group, rows)| *group = rows).count();
+        tape.evaluate(&groups[..count], out, &mut self.scratch);
     }
 }
 
@@ -113,7 +118,7 @@ struct Builder<'a> {
     system: &'a Expressions,
     rule: &'a Rule,
     graph: Graph,
-    /// dt, dw₁, …
+    /// dt, dw₁, …, and the areas.
     weights: Vec<Id>,
     states: Vec<Vec<Id>>,
 }

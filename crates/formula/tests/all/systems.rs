@@ -50,7 +50,8 @@ impl Pair {
         let y = rows(&mut random, d, 0.5, 1.5);
         let (u, v) = (rows(&mut random, d, 1.0, 0.0), rows(&mut random, d, 0.1, 0.0));
         let dw = rows(&mut random, ours.noises, 0.1, 0.0);
-        let h = Weights { dt: 0.01, dw: &dw };
+        let areas = rows(&mut random, ours.noises * ours.noises, 1.0, 0.0);
+        let h = Weights { dt: 0.01, dw: &dw, areas: &areas };
         let affine = theirs.linearity != Linearity::Other;
         let (y, u, v): (&[Row], &[Row], &[Row]) = (&y, &u, &v);
         let mut ops = vec![
@@ -63,6 +64,9 @@ impl Pair {
         ];
         if affine {
             ops.push(Op::Cayley { y, v });
+        }
+        if ours.noises > 1 {
+            ops.push(Op::AreaGradient { y });
         }
         // And h.
         for (number, op) in ops.into_iter().map(Some).chain([None]).enumerate() {
@@ -316,7 +320,7 @@ fn averaged_gradients_keep_the_energy() {
     let mut random = Random::new(23);
     let (a, b) = (rows(&mut random, 2, 0.7, 0.0), rows(&mut random, 2, 0.7, 0.5));
     let dw = rows(&mut random, 2, 1.0, 0.0);
-    let h = Weights { dt: 0.3, dw: &dw };
+    let h = Weights { dt: 0.3, dw: &dw, areas: &[] };
     let mut scratch = Rows::zero(system.description().scratch_rows()).unwrap();
     let (mut mean, mut start, mut end) = (Rows::zero(2).unwrap(), [0.0; WIDTH], [0.0; WIDTH]);
     system.apply(Op::AveragedGradient { a: &a, b: &b }, 0..2, h, &mut mean, &mut scratch);

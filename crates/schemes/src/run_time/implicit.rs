@@ -143,7 +143,7 @@ impl<F: Implicit> Stepper for ImplicitStepper<'_, F> {
         if self.prepare(step).is_err() {
             return status.fail_everywhere();
         }
-        let h = Weights { dt: step.tau, dw };
+        let h = Weights { dt: step.tau, dw, areas: &[] };
         let (first, second) =
             if F::EXACT_DAMPING { (step.first_decay, step.second_decay) } else { (1.0, 1.0) };
         dispatch(Multiple { x: &self.state, factor: first, out: &mut self.machine.buffers[0] });

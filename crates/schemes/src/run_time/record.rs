@@ -182,15 +182,20 @@ impl<'a> Increment for Recording<'a> {
         self.record(Op::ItoCorrection { y })
     }
 
-    /// Zero: formulas that read areas are refused unless there is at most one noise.
+    /// −B(y) times the [`area_gradient`](Self::area_gradient), by Jacobi's identity.
     #[inline]
     fn commutators(self, y: Symbol<'a>) -> Symbol<'a> {
-        y * 0.0
+        match self.system.description().noises {
+            ..2 => y * 0.0,
+            _ => self.structure(y, self.area_gradient(y)) * -1.0,
+        }
     }
 
-    /// Zero, as [`commutators`](Self::commutators).
     #[inline]
     fn area_gradient(self, y: Symbol<'a>) -> Symbol<'a> {
-        y * 0.0
+        match self.system.description().noises {
+            ..2 => y * 0.0,
+            _ => self.record(Op::AreaGradient { y }),
+        }
     }
 }

@@ -85,8 +85,8 @@ impl split::Moved for Moving<'_, '_> {
     fn flow(&mut self, part: usize, half: bool) {
         let SplitStepper { system, state, half_dw, scratch, .. } = &mut *self.stepper;
         let h = match half {
-            true => Weights { dt: 0.5 * self.tau, dw: half_dw },
-            false => Weights { dt: self.tau, dw: self.dw },
+            true => Weights { dt: 0.5 * self.tau, dw: half_dw, areas: &[] },
+            false => Weights { dt: self.tau, dw: self.dw, areas: &[] },
         };
         system.flow(part, state, h, scratch);
     }

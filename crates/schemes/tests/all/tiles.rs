@@ -241,7 +241,7 @@ fn a_formula_may_store_any_number_of_results() {
             let step = Step::new(&Constant::new(0.0).unwrap(), 0, 0.05).unwrap();
             let dw = Rows::splat(&[0.1, -0.2, 0.05]).unwrap();
             for _ in 0..3 {
-                let weights = Weights { dt: step.tau, dw: &dw };
+                let weights = Weights { dt: step.tau, dw: &dw, areas: &[] };
                 let expected = wide_by_hand(&system, path.state(), weights);
                 path.step(&step, &dw, &mut BlockStatus::explicit());
                 assert!(path.state() == expected, "{spins} {tile}");

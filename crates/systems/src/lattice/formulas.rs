@@ -94,6 +94,14 @@ impl<L: Layout> Kernel for OnTile<'_, L> {
                 }
                 couplings.hessian((spins, along), (sum, sum_along), h.dt)
             }),
+            // {Hₘ, H_l} = σ² Σ sᵢ·(e_l × eₘ) for common noise.
+            Op::AreaGradient { .. } => {
+                let weight = couplings.noise * couplings.noise;
+                // Rows 1, 2 and 5 have A₁₂, A₁₃ and A₂₃.
+                let v = [(5, -weight), (2, weight), (1, -weight)]
+                    .map(|(row, weight)| h.areas[row].map(|area| area * weight));
+                on_each!(|group, rows| v)
+            }
             Op::AveragedGradient { .. } | Op::AveragedHessian { .. } | Op::AveragedField { .. } => {
                 unreachable!("averages are derived")
             }

@@ -7,8 +7,8 @@ use real::{Kernel, Real, Row, VectorFunction, WIDTH, directional, dispatch};
 
 use super::{Description, Op, System, Weights, derived};
 use crate::{
-    Flows, HamiltonianIncrement, PoissonSystem, SystemError, always_solvable, is_quadratic,
-    ito_correction, linearity,
+    Flows, HamiltonianIncrement, PoissonSystem, SystemError, always_solvable, area_gradient,
+    is_quadratic, ito_correction, linearity,
 };
 
 /// Nodes of the rule for derivatives of the averaged gradient. The gradient itself is that of the
@@ -37,6 +37,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
             always_solvable: always_solvable(&system, y0),
             parts: Err("its flows were not given".into()),
             invariants: system.invariants(),
+            has_area_gradient: true,
             ..Description::new(system.name(), D, M, rule)
         };
         Self { system, description, flow: |_, _, y, _, _| y }
@@ -58,6 +59,7 @@ struct OnPaths<'a, S, const D: usize, const M: usize> {
     op: Op<&'a [Row; D]>,
     dt: f64,
     dw: &'a [Row; M],
+    areas: &'a [Row],
     out: &'a mut [Row; D],
 }
 
@@ -66,7 +68,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for OnPaths<
 
     #[inline(always)]
     fn run(self) {
-        let Self { system: s, op, dt, dw, out } = self;
+        let Self { system: s, op, dt, dw, areas, out } = self;
         // One loop for each operation, which writes into memory of its own, so that each is
         // vectorised.
         let mut rows = [[0.0; WIDTH]; D];
@@ -99,6 +101,9 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for OnPaths<
             }
             Op::Cayley { y, v } => on_each!(p => s.cayley(path(y, p), path(v, p))),
             Op::ItoCorrection { y } => on_each!(p => ito_correction(s, path(y, p))),
+            Op::AreaGradient { y } => {
+                on_each!(p => area_gradient(s, path(y, p), skew(areas, p)));
+            }
             Op::AveragedHessian { .. } => unreachable!("it is derived"),
         }
         *out = rows;
@@ -113,6 +118,19 @@ fn path<const N: usize>(rows: &[Row; N], p: usize) -> [f64; N] {
         y[i] = rows[i][p];
     }
     y
+}
+
+/// The skew matrix of the areas of path p.
+#[inline(always)]
+fn skew<const M: usize>(rows: &[Row], p: usize) -> [[f64; M]; M] {
+    let mut areas = [[0.0; M]; M];
+    for m in 0..M {
+        for l in m + 1..M {
+            areas[m][l] = rows[m * M + l][p];
+            areas[l][m] = -areas[m][l];
+        }
+    }
+    areas
 }
 
 /// B(y)v as a function of y; M says of which [`PoissonSystem`] it is.
@@ -177,7 +195,14 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Compiled
         let count = out.len();
         let out = out.try_into().unwrap_or_else(|_| panic!("{D} rows are needed, got {count}"));
         let dw = if op.reads_weights() { array(h.dw) } else { &Self::NO_NOISE };
-        dispatch(OnPaths { system: &self.system, op: op.map(array), dt: h.dt, dw, out });
+        dispatch(OnPaths {
+            system: &self.system,
+            op: op.map(array),
+            dt: h.dt,
+            dw,
+            areas: h.areas,
+            out,
+        });
     }
 
     fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, _: &mut [Row]) {

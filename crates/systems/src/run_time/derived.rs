@@ -107,7 +107,7 @@ fn ito_correction<S: System + ?Sized>(system: &S, y: &[Row], out: &mut [Row], sc
     dw.fill([0.0; WIDTH]);
     for m in 0..description.noises {
         dw[m] = [1.0; WIDTH];
-        let h = Weights { dt: 0.0, dw };
+        let h = Weights { dt: 0.0, dw, areas: &[] };
         let mut apply =
             |op: Op<&[Row]>, out: &mut [Row]| system.apply(op, 0..y.len(), h, out, scratch);
         apply(Op::Gradient { y }, gradient);

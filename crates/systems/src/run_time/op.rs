@@ -31,6 +31,8 @@ pub enum Op<P> {
     Cayley { y: P, v: P },
     /// ½Σₘ fₘ′(y)fₘ(y) with fₘ = B∇Hₘ.
     ItoCorrection { y: P },
+    /// Σ_{m<l} A_ml ∇{Hₘ, H_l}(y) with the Lévy areas A of the step and {F, G} = ∇FᵀB∇G.
+    AreaGradient { y: P },
 }
 
 impl<P> Op<P> {
@@ -47,6 +49,7 @@ impl<P> Op<P> {
             Self::AveragedField { a, b } => Op::AveragedField { a: f(a), b: f(b) },
             Self::Cayley { y, v } => Op::Cayley { y: f(y), v: f(v) },
             Self::ItoCorrection { y } => Op::ItoCorrection { y: f(y) },
+            Self::AreaGradient { y } => Op::AreaGradient { y: f(y) },
         }
     }
 
@@ -80,7 +83,7 @@ impl<P> Op<P> {
     /// Whether the result depends on the weights of h.
     #[inline(always)]
     pub fn reads_weights(&self) -> bool {
-        !self.is_local() && !matches!(self, Self::ItoCorrection { .. })
+        !self.is_local() && !matches!(self, Self::ItoCorrection { .. } | Self::AreaGradient { .. })
     }
 }
 

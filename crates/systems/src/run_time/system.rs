@@ -14,11 +14,14 @@ pub struct Weights<'a> {
     pub dt: f64,
     /// The weights of H₁, …: as many rows as [`Layout::noise_rows`](super::Layout::noise_rows).
     pub dw: &'a [Row],
+    /// The Lévy areas of M noises, read by [`Op::AreaGradient`] alone: A_ml for m < l in row
+    /// mM + l of M² rows. Empty where no operation reads them.
+    pub areas: &'a [Row],
 }
 
 impl Weights<'_> {
     /// No time and no noise, for operations that do not read them.
-    pub const NONE: Self = Self { dt: 0.0, dw: &[] };
+    pub const NONE: Self = Self { dt: 0.0, dw: &[], areas: &[] };
 }
 
 /// A Poisson system dy = B∇H₀ dt + Σₘ B∇Hₘ ∘ dWₘ whose dimension and number of noises are known at
