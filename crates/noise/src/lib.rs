@@ -7,6 +7,11 @@
 //! [`DyadicLadder`] sums the increments of the finest steps over the coarser steps of a convergence
 //! study, so that noise is drawn once and not stored.
 //!
+//! The way through the crate: key → `stream` (words) → `box_muller` (normals) → `wiener`
+//! (increments) → `ladder` (sums over steps) → `truncation`; increments → `area_sampler` (Lévy areas
+//! by an `area_method`) → `area` (joined over steps). `sobol` points → `inverse_normal` →
+//! `quasi_wiener` (increments by a Brownian bridge). `step` has the noise of one step.
+//!
 //! ```
 //! use noise::{StreamKey, Truncation, WienerBlock, WienerPath};
 //! use real::Block;

@@ -147,7 +147,7 @@ impl Sweep {
 }
 
 /// A state that is moved by the flows of Hamiltonians: paths, or rows of numbers.
-pub(crate) trait Moved {
+pub(crate) trait FlowState {
     /// Multiplies the state by a number.
     fn scale(&mut self, factor: f64);
     /// The flow of H₀ over half of the step.
@@ -158,7 +158,7 @@ pub(crate) trait Moved {
 
 /// The composition of flows.
 #[inline(always)]
-pub(crate) fn compose(backward: bool, step: &Step, state: &mut impl Moved) {
+pub(crate) fn compose(backward: bool, step: &Step, state: &mut impl FlowState) {
     state.drift();
     state.scale(step.first_decay);
     state.noises(backward);
@@ -306,7 +306,7 @@ impl<S: Flows<D, M>, const D: usize, const M: usize, const N: usize> Paths<'_, S
     }
 }
 
-impl<S: Flows<D, M>, const D: usize, const M: usize, const N: usize> Moved
+impl<S: Flows<D, M>, const D: usize, const M: usize, const N: usize> FlowState
     for Flowing<'_, PartFlows, S, D, M, N>
 {
     #[inline(always)]
@@ -342,7 +342,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize, const N: usize>
     }
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize, const N: usize> Moved
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize, const N: usize> FlowState
     for Flowing<'_, StageFlows, S, D, M, N>
 {
     #[inline(always)]
@@ -375,7 +375,7 @@ struct NvKernel<'a, F, S, const D: usize, const M: usize> {
 
 impl<'a, F: Copy, S, const D: usize, const M: usize> Kernel for NvKernel<'a, F, S, D, M>
 where
-    Flowing<'a, F, S, D, M, WIDTH>: Moved,
+    Flowing<'a, F, S, D, M, WIDTH>: FlowState,
 {
     type Output = ();
 

@@ -7,6 +7,11 @@
 //! them. A [`Damping`] gives γ and its integral. A [`Problem`] adds an initial value and a final
 //! time.
 //!
+//! The way through the crate: two formulas (`system`) → what follows from them (`field`, `cayley`,
+//! `linearity`) → [`run_time::Compiled`], a [`run_time::System`] with a
+//! [`Description`](run_time::Description) and operations ([`Op`](run_time::Op)) on rows. Lattices
+//! and formulas are such systems from the start. [`Flows`] are exact solutions of parts.
+//!
 //! ```
 //! use real::Real;
 //! use systems::{Constant, PoissonSystem, Problem};

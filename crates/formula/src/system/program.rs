@@ -17,7 +17,7 @@ const MOST_EXPRESSIONS: usize = 100_000;
 
 /// Formulas of schemes that were compiled, so that each is compiled once and not for every block.
 #[derive(Default)]
-pub struct Programs(Mutex<Vec<(Key, Option<Compiled>)>>);
+pub struct Programs(Mutex<Vec<(Key, Option<SchemeTape>)>>);
 
 /// The nodes, the number of inputs, and the nodes that are results.
 type Key = (Vec<Recorded>, usize, Vec<usize>);
@@ -37,7 +37,7 @@ impl Programs {
         let compiled = match known.iter().find(same) {
             Some((_, compiled)) => compiled.clone(),
             None => {
-                let compiled = Compiled::new(system, rule, nodes, inputs, results);
+                let compiled = SchemeTape::new(system, rule, nodes, inputs, results);
                 known.push(((nodes.into(), inputs, results.into()), compiled.clone()));
                 compiled
             }
@@ -49,19 +49,19 @@ impl Programs {
 
 /// A scheme's formula on 32 paths.
 pub struct FormulaProgram {
-    compiled: Compiled,
+    compiled: SchemeTape,
     scratch: Rows,
 }
 
 #[derive(Clone)]
-struct Compiled {
+struct SchemeTape {
     tape: Tape,
     /// The operations that have a factor.
     multiples: Vec<usize>,
     reads_areas: bool,
 }
 
-impl Compiled {
+impl SchemeTape {
     fn new(
         system: &Expressions,
         rule: &Rule,
@@ -78,7 +78,7 @@ impl Compiled {
         let areas = noise + system.noises();
         let end = areas + system.noises() * system.noises();
         let weights = once(dt).chain((noise..end).map(|k| graph.input(k))).collect();
-        let mut builder = Builder { system, rule, graph, weights, states: Vec::new() };
+        let mut builder = SchemeBuilder { system, rule, graph, weights, states: Vec::new() };
         for (n, &node) in nodes.iter().enumerate() {
             let factor = multiples.iter().position(|&multiple| multiple == n);
             let factor = factor.map(|k| builder.graph.input(numbers + 1 + k));
@@ -104,7 +104,7 @@ impl Compiled {
 
 impl Program for FormulaProgram {
     fn run(&mut self, inputs: &[&[Row]], factors: &[f64], h: Weights<'_>, out: &mut [Row]) {
-        let Compiled { tape, multiples, reads_areas } = &mut self.compiled;
+        let SchemeTape { tape, multiples, reads_areas } = &mut self.compiled;
         tape.set_numbers(once(h.dt).chain(multiples.iter().map(|&multiple| factors[multiple])));
         let mut groups = [&[][..]; MOST_INPUTS + 2];
         let given = inputs.iter().copied().chain([h.dw]).chain(reads_areas.then_some(h.areas));
@@ -114,7 +114,7 @@ impl Program for FormulaProgram {
 }
 
 /// The states of a formula, operation by operation.
-struct Builder<'a> {
+struct SchemeBuilder<'a> {
     system: &'a Expressions,
     rule: &'a Rule,
     graph: Graph,
@@ -123,7 +123,7 @@ struct Builder<'a> {
     states: Vec<Vec<Id>>,
 }
 
-impl Builder<'_> {
+impl SchemeBuilder<'_> {
     /// The components of a node; none if it has no expression.
     fn state(&mut self, node: Recorded, factor: Option<Id>) -> Option<Vec<Id>> {
         let of = |n: usize| self.states[n].clone();

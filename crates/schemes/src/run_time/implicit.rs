@@ -12,7 +12,7 @@ use super::{
     machine::{Machine, Multiple},
     norm::{Distance, Size, sum},
     record::{Recorder, Recording},
-    sweep::{Pending, Sweep},
+    sweep::{Pending, TripleProgram},
 };
 use crate::{Implicit, Step};
 
@@ -29,7 +29,7 @@ pub struct ImplicitStepper<'a, F> {
     solution: Rows,
     previous: Rows,
     lanes: Lanes,
-    sweep: Option<Sweep>,
+    sweep: Option<TripleProgram>,
     krylov: Option<Krylov<'a>>,
 }
 
@@ -49,7 +49,7 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
             sweep: None,
             krylov: None,
         };
-        stepper.sweep = Sweep::new(formula, system, &some_step())?;
+        stepper.sweep = TripleProgram::new(formula, system, &some_step())?;
         stepper.prepare(&some_step())?;
         Ok(stepper)
     }

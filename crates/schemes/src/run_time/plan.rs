@@ -1,9 +1,4 @@
 //! How the operations of a formula are executed: stages, tiles and memory.
-//!
-//! Operations are computed tile by tile, each tile in memory of its own that fits a cache. ∇h on a
-//! tile reads all of its argument, which therefore has to be complete: operations are divided into
-//! stages, and what a later stage reads is stored in a whole buffer. A buffer is used again as soon
-//! as its content is no longer needed.
 
 use systems::run_time::{Op, Recorded};
 
@@ -18,14 +13,14 @@ pub enum Source {
 
 /// An operation with places in memory. Its result goes into a slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Instruction {
-    pub operation: Operation,
+pub struct Planned {
+    pub operation: Computation,
     pub slot: usize,
 }
 
 /// What is computed. Numbers beside sources are those of nodes with factors.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Operation {
+pub enum Computation {
     /// fx·x, with the product of the factors of up to two nodes.
     Multiple { x: (Source, usize) },
     /// fx·x ± fy·y.
@@ -37,7 +32,7 @@ pub enum Operation {
 /// Operations that every tile can do when the stages before are complete.
 #[derive(Clone, Debug, Default)]
 pub struct Stage {
-    pub instructions: Vec<Instruction>,
+    pub instructions: Vec<Planned>,
     /// Slots that are stored in buffers after the last instruction.
     pub stores: Vec<(usize, usize)>,
 }
@@ -136,7 +131,7 @@ impl Plan {
                 let operation = operation(nodes, n, &absorbed, &source);
                 let own = slots.take();
                 slot[n] = own;
-                plan.stages[s].instructions.push(Instruction { operation, slot: own });
+                plan.stages[s].instructions.push(Planned { operation, slot: own });
                 // Slots that no later instruction of this stage reads, and that are not stored.
                 for &m in &of_stage[..=place] {
                     let read_later =
@@ -186,21 +181,21 @@ fn operation(
     n: usize,
     absorbed: &[bool],
     source: &dyn Fn(usize) -> Source,
-) -> Operation {
+) -> Computation {
     let with_factor = |x: usize| match nodes[x] {
         Recorded::Multiple(inner) if absorbed[x] => (source(inner), Some(x)),
         _ => (source(x), None),
     };
     match nodes[n] {
         Recorded::Input(_) => unreachable!("inputs are not computed"),
-        Recorded::Multiple(x) => Operation::Multiple { x: (source(x), n) },
+        Recorded::Multiple(x) => Computation::Multiple { x: (source(x), n) },
         Recorded::Sum(x, y) => {
-            Operation::Combination { x: with_factor(x), y: with_factor(y), minus: false }
+            Computation::Combination { x: with_factor(x), y: with_factor(y), minus: false }
         }
         Recorded::Difference(x, y) => {
-            Operation::Combination { x: with_factor(x), y: with_factor(y), minus: true }
+            Computation::Combination { x: with_factor(x), y: with_factor(y), minus: true }
         }
-        Recorded::Of(op) => Operation::Of(op.map(source)),
+        Recorded::Of(op) => Computation::Of(op.map(source)),
     }
 }
 

@@ -11,7 +11,7 @@ use crate::{Implicit, Step};
 pub type Pending = Row;
 
 /// Three evaluations in a row as one program.
-pub struct Sweep {
+pub struct TripleProgram {
     recorder: Recorder,
     operations: Vec<Recorded>,
     program: Box<dyn Program>,
@@ -19,7 +19,7 @@ pub struct Sweep {
     iterates: Rows,
 }
 
-impl Sweep {
+impl TripleProgram {
     /// The sweep of a formula, if the system compiles it.
     ///
     /// # Errors

@@ -77,7 +77,7 @@ struct Moving<'s, 'a> {
     dw: &'s [Row],
 }
 
-impl split::Moved for Moving<'_, '_> {
+impl split::SplitState for Moving<'_, '_> {
     fn scale(&mut self, factor: f64) {
         self.stepper.state.iter_mut().flatten().for_each(|y| *y *= factor);
     }
@@ -165,7 +165,7 @@ impl<F: Implicit> Flowing<'_, '_, F> {
     }
 }
 
-impl<F: Implicit> nv::Moved for Flowing<'_, '_, F> {
+impl<F: Implicit> nv::FlowState for Flowing<'_, '_, F> {
     fn scale(&mut self, factor: f64) {
         self.stepper.flow.state_mut().iter_mut().flatten().for_each(|y| *y *= factor);
     }

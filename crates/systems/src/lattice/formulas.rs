@@ -6,7 +6,7 @@ use real::{Kernel, Row, WIDTH};
 
 use super::{
     Shape,
-    layout::{Layout, Spins},
+    layout::{SpinRows, Spins},
 };
 use crate::{
     cayley::{cayley_cross, cross},
@@ -42,7 +42,7 @@ pub struct OnTile<'a, L> {
     pub out: &'a mut [Row],
 }
 
-impl<L: Layout> Kernel for OnTile<'_, L> {
+impl<L: SpinRows> Kernel for OnTile<'_, L> {
     type Output = ();
 
     #[inline(always)]
