@@ -57,6 +57,7 @@ mod damping;
 mod error;
 mod field;
 mod flows;
+mod golden;
 mod invariant;
 pub mod lattice;
 mod linearity;
@@ -80,6 +81,7 @@ pub use field::{
     noises_commute, unit_noise, vector_field, vector_field_derivative,
 };
 pub use flows::{Flows, TRIPLE_JUMP};
+pub use golden::golden;
 pub use invariant::{Form, Invariant, InvariantKind};
 pub use linearity::{Linearity, always_solvable, linearity, shown_solvable};
 pub use lotka_volterra::{Exponents, IntegerExponents, LotkaVolterra, RealExponents};

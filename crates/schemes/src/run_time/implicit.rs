@@ -1,14 +1,14 @@
 //! Implicit formulas on systems known at run time.
 
 use nonlin::{BlockStatus, Outcome, criteria::excess};
-use real::{Kernel, PathMask, Row, Rows, WIDTH, dispatch};
+use real::{PathMask, Row, Rows, WIDTH, dispatch};
 use systems::run_time::{Lanes, System, Weights};
 
 use super::{
     SchemeError, Stepper,
     derivative::derivative,
     explicit::some_step,
-    krylov::{Equation, Krylov},
+    krylov::{Choose, Equation, Krylov},
     machine::{Machine, Multiple},
     norm::{Distance, Size, sum},
     record::{Recorder, Recording},
@@ -102,7 +102,8 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
                 let now = if excess <= 0.0 { -f64::from(sweep) } else { 1.0 };
                 pending[p] = if frozen[p] <= 0.0 { frozen[p] } else { now };
             }
-            dispatch(Select { frozen: &frozen, next, solution: &mut self.solution });
+            let going = frozen.map(|frozen| if frozen <= 0.0 { 0.0 } else { 1.0 });
+            dispatch(Choose { x: &mut self.solution, y: next, paths: going });
             if pending.iter().all(|&pending| pending <= 0.0) {
                 break;
             }
@@ -179,26 +180,5 @@ impl<F: Implicit> ImplicitStepper<'_, F> {
             self.evaluate(h);
         }
         self.solution.copy_from_slice(&self.machine.buffers[1]);
-    }
-}
-
-/// solution ← next on paths that were not frozen.
-struct Select<'a> {
-    frozen: &'a Pending,
-    next: &'a [Row],
-    solution: &'a mut [Row],
-}
-
-impl Kernel for Select<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        for (solution, next) in self.solution.iter_mut().zip(self.next) {
-            let (mut row, next) = (*solution, *next);
-            for p in 0..WIDTH {
-                row[p] = if self.frozen[p] <= 0.0 { row[p] } else { next[p] };
-            }
-            *solution = row;
-        }
     }
 }

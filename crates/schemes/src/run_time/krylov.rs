@@ -373,10 +373,10 @@ impl Kernel for Scale<'_> {
 }
 
 /// x ← y on paths with the weight one.
-struct Choose<'a> {
-    x: &'a mut [Row],
-    y: &'a [Row],
-    paths: Row,
+pub struct Choose<'a> {
+    pub x: &'a mut [Row],
+    pub y: &'a [Row],
+    pub paths: Row,
 }
 
 impl Kernel for Choose<'_> {
