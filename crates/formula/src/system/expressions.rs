@@ -6,8 +6,9 @@ use super::{
     average::{self, Segment},
     cayley,
     definition::Formulas,
+    skew::points,
 };
-use real::Real;
+use real::{Bounded, Real};
 use systems::run_time::Op;
 
 use crate::{
@@ -49,7 +50,13 @@ pub struct Expressions {
 pub const LARGEST_ELIMINATION: usize = 24;
 
 /// The most noises whose Lévy areas are used.
-pub const MOST_NOISES: usize = 32;
+const MOST_NOISES: usize = 16;
+
+/// Expressions beyond which commutators are not written out.
+const MOST_EXPRESSIONS: usize = 100_000;
+
+/// The least number of points that show an identity.
+const LEAST_POINTS: usize = 3;
 
 impl Expressions {
     pub fn new(formulas: &Formulas) -> Self {
@@ -272,6 +279,51 @@ impl Expressions {
         }
         let y: Vec<usize> = self.y().collect();
         self.graph.reverse(&brackets, &y)
+    }
+
+    /// Whether \[fₘ, f_l\] = −B∇{Hₘ, H_l} for all noises: each component is zero within its own
+    /// rounding error at points around `y0`, and the formulas are not made of pieces, as in
+    /// [`systems::jacobi_holds`]. False if there are too many noises or expressions.
+    pub fn jacobi_holds(mut self, y0: &[f64]) -> bool {
+        if self.area_gradient.is_none() {
+            return false;
+        }
+        let fields: Vec<(Vec<Id>, Vec<Id>)> = (1..=self.noises).map(|m| self.field_of(m)).collect();
+        let (y, one) = (self.y().collect::<Vec<_>>(), self.graph.constant(1.0));
+        let mut defects = Vec::new();
+        for (m, (slope, f)) in fields.iter().enumerate() {
+            for (_, g) in &fields[m + 1..] {
+                let bracket = self.graph.dot(slope, g);
+                let v = self.graph.reverse(&[(bracket, one)], &y);
+                let turned = self.field_at(None, Some(&v));
+                let [moved, other] = [(g, f), (f, g)].map(|(of, along)| {
+                    let direction: Vec<_> = y.iter().copied().zip(along.iter().copied()).collect();
+                    self.graph.forward(of, &direction)
+                });
+                for i in 0..self.dimension {
+                    let commutator = self.graph.sub(moved[i], other[i]);
+                    defects.push(self.graph.add(commutator, turned[i]));
+                }
+                if self.graph.len() > MOST_EXPRESSIONS {
+                    return false;
+                }
+            }
+        }
+        let mut shown = 0;
+        for point in points(y0) {
+            let mut inputs = vec![Bounded::exact(0.0); self.areas().end];
+            inputs.iter_mut().zip(&point).for_each(|(y, &x)| *y = Bounded::variable(x));
+            let (values, is_piecewise) =
+                Bounded::piecewise(|| self.graph.evaluate(&defects, &inputs));
+            // Outside of the domain there is no number.
+            if values.iter().all(|defect| defect.value.is_finite() && defect.error.is_finite()) {
+                if is_piecewise || values.iter().any(|defect| defect.value.abs() > defect.error) {
+                    return false;
+                }
+                shown += 1;
+            }
+        }
+        shown >= LEAST_POINTS
     }
 
     /// ∇Hₘ and B∇Hₘ.

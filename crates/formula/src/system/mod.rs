@@ -23,7 +23,7 @@ pub use definition::{Definition, DefinitionError, Which};
 use crate::{Formula, Names, Tape};
 use definition::Formulas;
 use elimination::Eliminate;
-use expressions::{Expressions, LARGEST_ELIMINATION, MOST_NOISES};
+use expressions::{Expressions, LARGEST_ELIMINATION};
 use program::Programs;
 
 /// Nodes of the averaged gradient of what is no polynomial, and the most for a polynomial. The
@@ -123,7 +123,7 @@ impl FormulaSystem {
             linearity,
             always_solvable,
             has_guard,
-            has_area_gradient: noises <= MOST_NOISES,
+            jacobi_holds: expressions.clone().jacobi_holds(y0),
             ..Description::new(&definition.name, dimension, noises, rule)
         };
         let mut system = Self {

@@ -333,3 +333,30 @@ fn averaged_gradients_keep_the_energy() {
         assert!((work - change).abs() < 2e-14 * scale, "{work} {change}");
     }
 }
+
+/// The commutators of noises are −B times the gradient of their brackets where B is a Poisson
+/// structure, and need not be where it is skew only.
+#[test]
+fn jacobi_is_shown_or_not() {
+    let definition = |structure: [&[&str]; 2], noises: &[&str]| Definition {
+        name: "three".into(),
+        state: words(&["x", "y", "z"]),
+        parameters: vec![],
+        structure: structure.map(words).to_vec(),
+        energy: "x^2/2 + y^2 + z".into(),
+        noises: words(noises),
+        observables: vec![],
+    };
+    let holds = |structure, noises| {
+        let system = FormulaSystem::new(&definition(structure, noises), &[0.6, 0.7, 0.8]).unwrap();
+        system.description().jacobi_holds
+    };
+    let quadratic: &[&str] = &["x^2/2 + y*z", "sin(y) + exp(z)", "x"];
+    let body: [&[&str]; 2] = [&["-z", "y"], &["-x"]];
+    assert!(holds(body, quadratic) && holds(body, &["x"]));
+    // Bv = b × v with b = (−y, x, 1), and b·curl b = 2.
+    let skew: [&[&str]; 2] = [&["-1", "x"], &["y"]];
+    assert!(!holds(skew, &["x", "y", "z"]));
+    // Pieces may act where no point is.
+    assert!(!holds(body, &["abs(x)", "y"]));
+}

@@ -144,7 +144,7 @@ impl SpinLattice {
             linearity: Linearity::Affine,
             always_solvable: true,
             is_transverse: damping != 0.0,
-            has_area_gradient: !couplings.local,
+            jacobi_holds: !couplings.local,
             parts: exact,
             invariants: match sites {
                 ..=SPINS_NAMED => vec![Invariant::quadratic_casimir("C", "½|sᵢ|²"); sites],

@@ -37,7 +37,6 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
             always_solvable: always_solvable(&system, y0),
             parts: Err("its flows were not given".into()),
             invariants: system.invariants(),
-            has_area_gradient: true,
             ..Description::new(system.name(), D, M, rule)
         };
         Self { system, description, flow: |_, _, y, _, _| y }

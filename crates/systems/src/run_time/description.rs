@@ -116,8 +116,9 @@ pub struct Description {
     pub parts: Result<usize, String>,
     /// The functions that obey the conformal law.
     pub invariants: Vec<Invariant>,
-    /// Whether the system has [`Op::AreaGradient`](super::Op::AreaGradient).
-    pub has_area_gradient: bool,
+    /// Whether the system has [`Op::AreaGradient`](super::Op::AreaGradient), and −B times it was
+    /// shown to be Σ_{m<l} A_ml \[fₘ, f_l\], as Jacobi's identity for B implies.
+    pub jacobi_holds: bool,
     /// Whether paths may leave the domain of the system where their steps are still finite, as
     /// behind the pole of a logarithm. Then [`guard`](super::System::guard) is asked after every
     /// step.
@@ -144,7 +145,7 @@ impl Description {
             is_transverse: false,
             parts: Err("it names no parts".into()),
             invariants: Vec::new(),
-            has_area_gradient: false,
+            jacobi_holds: false,
             has_guard: false,
             own_scratch_rows: 0,
         }
