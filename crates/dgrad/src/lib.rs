@@ -5,6 +5,9 @@
 //! (Harten, Lax and van Leer 1983; McLachlan, Quispel and Robidoux 1999). An integrator with ∇̄H
 //! therefore keeps H as exactly as the integral is computed.
 //!
+//! The way through the crate: `closed` and `short` have closed forms for quadratics and sines;
+//! everything else goes by nodes and weights (`legendre`) to their sum (`average`).
+//!
 //! ```
 //! use dgrad::{GradientField, averaged, averaged_with_error};
 //! use real::Real;

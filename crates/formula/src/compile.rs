@@ -6,12 +6,12 @@ use crate::{
     Id,
     graph::{Binary, Graph, Node},
     instruction::{Instruction, MOST_ROWS, OUT, Operation, Place, SCRATCH},
-    join::{Step, joined},
+    join::{Joined, joined},
     uniform::{Collector, Numbers, ONE, uniform},
 };
 
 /// Instructions with their numbers and the rows of scratch that they need.
-pub struct Compiled {
+pub struct Code {
     pub code: Vec<Instruction>,
     pub numbers: Numbers,
     pub scratch: usize,
@@ -24,20 +24,20 @@ pub fn compile(
     outputs: &[Id],
     inputs: &[Option<Place>],
     uniform_inputs: Range<usize>,
-) -> Compiled {
+) -> Code {
     let (graph, outputs) = lowered(graph, outputs);
     let uniform = uniform(&graph, &uniform_inputs);
     let steps = joined(&graph, &outputs, &uniform);
-    let taken: Vec<Id> = steps.iter().flatten().flat_map(Step::numbers).map(|k| k.id).collect();
+    let taken: Vec<Id> = steps.iter().flatten().flat_map(Joined::numbers).map(|k| k.id).collect();
     let numbers = Collector::new(&graph, uniform_inputs, &taken);
-    let mut rows = Rows::new(&graph, &outputs, &steps, inputs, &uniform, numbers);
+    let mut rows = RowAllocator::new(&graph, &outputs, &steps, inputs, &uniform, numbers);
     for (index, id) in graph.ids().enumerate() {
         if let Some(step) = steps[index] {
             rows.emit(id, step);
         }
     }
     rows.copy_repeated_outputs(&outputs);
-    Compiled { code: rows.code, numbers: rows.numbers.finish(), scratch: rows.count as usize }
+    Code { code: rows.code, numbers: rows.numbers.finish(), scratch: rows.count as usize }
 }
 
 /// The same expressions with powers written out as products.
@@ -75,8 +75,8 @@ fn product(graph: &mut Graph, x: Id, n: u32) -> Id {
     }
 }
 
-/// Rows for values, from the first instruction to the last.
-struct Rows {
+/// Gives out rows for values, from the first instruction to the last.
+struct RowAllocator {
     numbers: Collector,
     /// Where a value is.
     homes: Vec<Option<Place>>,
@@ -88,11 +88,11 @@ struct Rows {
     code: Vec<Instruction>,
 }
 
-impl Rows {
+impl RowAllocator {
     fn new(
         graph: &Graph,
         outputs: &[Id],
-        steps: &[Option<Step>],
+        steps: &[Option<Joined>],
         inputs: &[Option<Place>],
         uniform: &[bool],
         numbers: Collector,
@@ -105,7 +105,7 @@ impl Rows {
         }
         let mut last_use = vec![0; graph.len()];
         for (index, step) in steps.iter().enumerate() {
-            step.iter().flat_map(Step::operands).for_each(|x| last_use[x.index()] = index);
+            step.iter().flat_map(Joined::operands).for_each(|x| last_use[x.index()] = index);
         }
         let home = |id: Id| match graph.node(id) {
             Node::Input(k) if !uniform[id.index()] => {
@@ -122,7 +122,7 @@ impl Rows {
         self.homes[id.index()].unwrap_or_else(|| unreachable!("operands come first"))
     }
 
-    fn emit(&mut self, id: Id, step: Step) {
+    fn emit(&mut self, id: Id, step: Joined) {
         let mut from = [Place::default(); MOST_ROWS];
         for (k, &operand) in step.operands().iter().enumerate() {
             from[k] = self.home(operand);

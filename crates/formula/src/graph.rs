@@ -222,13 +222,13 @@ fn powu(x: f64, n: u32) -> f64 {
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
-    places: Vec<Option<Place>>,
+    places: Vec<Option<TextPlace>>,
     ids: HashMap<Node, Id>,
-    place: Option<Place>,
+    place: Option<TextPlace>,
 }
 
 /// A range of bytes of a text.
-pub(crate) type Place = (u32, u32);
+pub(crate) type TextPlace = (u32, u32);
 
 impl Graph {
     /// A graph without expressions.

@@ -9,7 +9,7 @@ use crate::{
 
 /// An operation with the expressions that are its operands.
 #[derive(Clone, Copy)]
-pub struct Step {
+pub struct Joined {
     pub operation: Operation,
     operands: [Id; MOST_ROWS],
     count: usize,
@@ -17,7 +17,7 @@ pub struct Step {
     pub numbers: [Option<Number>; 2],
 }
 
-impl Step {
+impl Joined {
     fn new<const N: usize>(operation: Operation, operands: [Id; N], numbers: &[Number]) -> Self {
         let (rows, none) = ([Id::FIRST; MOST_ROWS], [None; 2]);
         let mut step = Self { operation, operands: rows, count: N, numbers: none };
@@ -52,7 +52,7 @@ impl Step {
 
 /// For every expression that needs an instruction, its step. A product that one sum or product uses
 /// alone becomes part of that, and so does a sum of products, or a sum that is multiplied.
-pub fn joined(graph: &Graph, outputs: &[Id], uniform: &[bool]) -> Vec<Option<Step>> {
+pub fn joined(graph: &Graph, outputs: &[Id], uniform: &[bool]) -> Vec<Option<Joined>> {
     let mut uses = vec![0_u32; graph.len()];
     outputs.iter().for_each(|output| uses[output.index()] += 2);
     for id in graph.ids() {
@@ -65,7 +65,7 @@ pub fn joined(graph: &Graph, outputs: &[Id], uniform: &[bool]) -> Vec<Option<Ste
     for id in graph.ids().rev().filter(|id| id.index() < graph.len()) {
         if wanted[id.index()] {
             let step = join.step(id);
-            step.iter().flat_map(Step::operands).for_each(|x| wanted[x.index()] = true);
+            step.iter().flat_map(Joined::operands).for_each(|x| wanted[x.index()] = true);
             steps[id.index()] = step;
         }
     }
@@ -100,7 +100,7 @@ impl Join<'_> {
     }
 
     /// The step for a sum, or a product of rows, that is used here alone.
-    fn inner(&self, id: Id) -> Option<Step> {
+    fn inner(&self, id: Id) -> Option<Joined> {
         let of = |function| self.alone(id, function);
         match (of(Binary::Add), of(Binary::Sub), of(Binary::Mul)) {
             (Some((a, b)), ..) => Some(self.long_sum(a, b)),
@@ -131,41 +131,41 @@ impl Join<'_> {
     }
 
     /// The step for an expression; none for an input.
-    fn step(&self, id: Id) -> Option<Step> {
+    fn step(&self, id: Id) -> Option<Joined> {
         if let Some(k) = self.number(id) {
-            return Some(Step::new(Operation::Fill, [], &[k]));
+            return Some(Joined::new(Operation::Fill, [], &[k]));
         }
         Some(match self.graph.node(id) {
             Node::Input(_) => return None,
             Node::Unary(Unary::Neg, a) => match self.term(a) {
-                Term::Product(a, b) => Step::new(Operation::NegMul, [a, b], &[]),
-                _ => Step::new(Operation::Neg, [a], &[]),
+                Term::Product(a, b) => Joined::new(Operation::NegMul, [a, b], &[]),
+                _ => Joined::new(Operation::Neg, [a], &[]),
             },
-            Node::Unary(function, a) => Step::new(unary(function), [a], &[]),
+            Node::Unary(function, a) => Joined::new(unary(function), [a], &[]),
             Node::Binary(Binary::Add, a, b) => self.long_sum(a, b),
             Node::Binary(Binary::Sub, a, b) => self.difference(a, b),
             Node::Binary(Binary::Mul, a, b) => self.product(a, b),
             Node::Binary(Binary::Div, a, b) => match (self.number(a), self.number(b)) {
-                (Some(k), _) => Step::new(Operation::NumberDiv, [b], &[k]),
-                (_, Some(k)) => Step::new(Operation::DivNumber, [a], &[k]),
-                _ => Step::new(Operation::Div, [a, b], &[]),
+                (Some(k), _) => Joined::new(Operation::NumberDiv, [b], &[k]),
+                (_, Some(k)) => Joined::new(Operation::DivNumber, [a], &[k]),
+                _ => Joined::new(Operation::Div, [a, b], &[]),
             },
-            Node::Binary(Binary::Min, a, b) => Step::new(Operation::Min, [a, b], &[]),
-            Node::Binary(Binary::Max, a, b) => Step::new(Operation::Max, [a, b], &[]),
-            Node::Where(all) => Step::new(Operation::Where, all, &[]),
+            Node::Binary(Binary::Min, a, b) => Joined::new(Operation::Min, [a, b], &[]),
+            Node::Binary(Binary::Max, a, b) => Joined::new(Operation::Max, [a, b], &[]),
+            Node::Where(all) => Joined::new(Operation::Where, all, &[]),
             Node::Constant(_) => unreachable!("constants are numbers"),
             Node::Power(..) => unreachable!("powers are written out"),
         })
     }
 
     /// The step for a + b, one of which may be a sum that is used here alone.
-    fn long_sum(&self, a: Id, b: Id) -> Step {
+    fn long_sum(&self, a: Id, b: Id) -> Joined {
         let longer = self.longer(a, b).or_else(|| self.longer(b, a));
         longer.unwrap_or_else(|| self.sum(a, b))
     }
 
     /// The step for b and a sum of products that is used here alone.
-    fn longer(&self, a: Id, b: Id) -> Option<Step> {
+    fn longer(&self, a: Id, b: Id) -> Option<Joined> {
         use Operation::*;
         let inner = match (self.alone(a, Binary::Add), self.alone(a, Binary::Sub)) {
             (Some((x, y)), _) => self.sum(x, y),
@@ -174,74 +174,76 @@ impl Join<'_> {
         };
         let [p, q, r, s, ..] = inner.operands;
         Some(match (inner.operation, self.term(b)) {
-            (MulAddMul, Term::Product(x, y)) => Step::new(Dot, [p, q, r, s, x, y], &[]),
-            (MulAddMul, Term::Other) => Step::new(MulAddMulAdd, [p, q, r, s, b], &[]),
-            (MulSubMul, Term::Other) => Step::new(MulSubMulAdd, [p, q, r, s, b], &[]),
-            (MulAdd, Term::Product(x, y)) => Step::new(MulAddAddMul, [p, q, r, x, y], &[]),
+            (MulAddMul, Term::Product(x, y)) => Joined::new(Dot, [p, q, r, s, x, y], &[]),
+            (MulAddMul, Term::Other) => Joined::new(MulAddMulAdd, [p, q, r, s, b], &[]),
+            (MulSubMul, Term::Other) => Joined::new(MulSubMulAdd, [p, q, r, s, b], &[]),
+            (MulAdd, Term::Product(x, y)) => Joined::new(MulAddAddMul, [p, q, r, x, y], &[]),
             _ => return None,
         })
     }
 
-    fn sum(&self, a: Id, b: Id) -> Step {
+    fn sum(&self, a: Id, b: Id) -> Joined {
         use Operation::*;
         // a + b = b + a to the bit.
         let (a, b) = if self.number(a).is_some() { (b, a) } else { (a, b) };
         match (self.term(a), self.term(b)) {
-            (Term::Product(a, b), Term::Product(c, d)) => Step::new(MulAddMul, [a, b, c, d], &[]),
-            (Term::Product(a, b), Term::Number(k)) => Step::new(MulAddNumber, [a, b], &[k]),
-            (Term::Product(x, y), _) => Step::new(MulAdd, [x, y, b], &[]),
-            (_, Term::Product(x, y)) => Step::new(MulAdd, [x, y, a], &[]),
-            (Term::Scaled(a, k), Term::Scaled(b, l)) => Step::new(ScaleAddScale, [a, b], &[k, l]),
-            (Term::Scaled(a, k), Term::Number(l)) => Step::new(ScaleAddNumber, [a], &[k, l]),
-            (Term::Scaled(x, k), _) => Step::new(ScaleAdd, [x, b], &[k]),
-            (_, Term::Scaled(x, k)) => Step::new(ScaleAdd, [x, a], &[k]),
-            (_, Term::Number(k)) => Step::new(AddNumber, [a], &[k]),
-            _ => Step::new(Add, [a, b], &[]),
+            (Term::Product(a, b), Term::Product(c, d)) => Joined::new(MulAddMul, [a, b, c, d], &[]),
+            (Term::Product(a, b), Term::Number(k)) => Joined::new(MulAddNumber, [a, b], &[k]),
+            (Term::Product(x, y), _) => Joined::new(MulAdd, [x, y, b], &[]),
+            (_, Term::Product(x, y)) => Joined::new(MulAdd, [x, y, a], &[]),
+            (Term::Scaled(a, k), Term::Scaled(b, l)) => Joined::new(ScaleAddScale, [a, b], &[k, l]),
+            (Term::Scaled(a, k), Term::Number(l)) => Joined::new(ScaleAddNumber, [a], &[k, l]),
+            (Term::Scaled(x, k), _) => Joined::new(ScaleAdd, [x, b], &[k]),
+            (_, Term::Scaled(x, k)) => Joined::new(ScaleAdd, [x, a], &[k]),
+            (_, Term::Number(k)) => Joined::new(AddNumber, [a], &[k]),
+            _ => Joined::new(Add, [a, b], &[]),
         }
     }
 
-    fn difference(&self, a: Id, b: Id) -> Step {
+    fn difference(&self, a: Id, b: Id) -> Joined {
         use Operation::*;
         match (self.term(a), self.term(b)) {
-            (Term::Product(a, b), Term::Product(c, d)) => Step::new(MulSubMul, [a, b, c, d], &[]),
-            (Term::Number(k), Term::Product(a, b)) => Step::new(NumberSubMul, [a, b], &[k]),
-            (Term::Product(a, b), Term::Number(k)) => Step::new(MulAddNumber, [a, b], &[-k]),
-            (Term::Product(x, y), _) => Step::new(MulSub, [x, y, b], &[]),
-            (_, Term::Product(x, y)) => Step::new(SubMul, [x, y, a], &[]),
-            (Term::Scaled(a, k), Term::Scaled(b, l)) => Step::new(ScaleAddScale, [a, b], &[k, -l]),
-            (Term::Number(l), Term::Scaled(a, k)) => Step::new(ScaleAddNumber, [a], &[-k, l]),
-            (Term::Scaled(a, k), Term::Number(l)) => Step::new(ScaleAddNumber, [a], &[k, -l]),
-            (Term::Scaled(x, k), _) => Step::new(ScaleSub, [x, b], &[k]),
-            (_, Term::Scaled(x, k)) => Step::new(ScaleAdd, [x, a], &[-k]),
-            (Term::Number(k), _) => Step::new(NumberSub, [b], &[k]),
-            (_, Term::Number(k)) => Step::new(AddNumber, [a], &[-k]),
-            _ => Step::new(Sub, [a, b], &[]),
+            (Term::Product(a, b), Term::Product(c, d)) => Joined::new(MulSubMul, [a, b, c, d], &[]),
+            (Term::Number(k), Term::Product(a, b)) => Joined::new(NumberSubMul, [a, b], &[k]),
+            (Term::Product(a, b), Term::Number(k)) => Joined::new(MulAddNumber, [a, b], &[-k]),
+            (Term::Product(x, y), _) => Joined::new(MulSub, [x, y, b], &[]),
+            (_, Term::Product(x, y)) => Joined::new(SubMul, [x, y, a], &[]),
+            (Term::Scaled(a, k), Term::Scaled(b, l)) => {
+                Joined::new(ScaleAddScale, [a, b], &[k, -l])
+            }
+            (Term::Number(l), Term::Scaled(a, k)) => Joined::new(ScaleAddNumber, [a], &[-k, l]),
+            (Term::Scaled(a, k), Term::Number(l)) => Joined::new(ScaleAddNumber, [a], &[k, -l]),
+            (Term::Scaled(x, k), _) => Joined::new(ScaleSub, [x, b], &[k]),
+            (_, Term::Scaled(x, k)) => Joined::new(ScaleAdd, [x, a], &[-k]),
+            (Term::Number(k), _) => Joined::new(NumberSub, [b], &[k]),
+            (_, Term::Number(k)) => Joined::new(AddNumber, [a], &[-k]),
+            _ => Joined::new(Sub, [a, b], &[]),
         }
     }
 
-    fn product(&self, a: Id, b: Id) -> Step {
+    fn product(&self, a: Id, b: Id) -> Joined {
         use Operation::*;
         if let Some((x, k)) = self.scaled(a, b) {
             let inner = self.inner(x).and_then(|step| step.times(k));
-            return inner.unwrap_or_else(|| Step::new(Scale, [x], &[k]));
+            return inner.unwrap_or_else(|| Joined::new(Scale, [x], &[k]));
         }
         for (a, b) in [(a, b), (b, a)] {
             match self.term(a) {
-                Term::Product(x, y) => return Step::new(MulMul, [x, y, b], &[]),
-                Term::Scaled(x, k) => return Step::new(ScaleMul, [x, b], &[k]),
+                Term::Product(x, y) => return Joined::new(MulMul, [x, y, b], &[]),
+                Term::Scaled(x, k) => return Joined::new(ScaleMul, [x, b], &[k]),
                 _ => {}
             }
             match (self.alone(a, Binary::Add), self.alone(a, Binary::Sub)) {
                 (Some((x, y)), _) if self.are_plain(x, y) => {
-                    return Step::new(AddMul, [x, y, b], &[]);
+                    return Joined::new(AddMul, [x, y, b], &[]);
                 }
                 (_, Some((x, y))) if self.are_plain(x, y) => {
-                    return Step::new(DifferenceMul, [x, y, b], &[]);
+                    return Joined::new(DifferenceMul, [x, y, b], &[]);
                 }
                 _ => {}
             }
         }
-        Step::new(Mul, [a, b], &[])
+        Joined::new(Mul, [a, b], &[])
     }
 
     /// Whether neither term of a sum is a number or would become part of the sum.

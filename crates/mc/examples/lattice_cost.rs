@@ -14,7 +14,8 @@ use real::{Level, Rows, limit_to};
 use schemes::{Heun, Sexp, SexpLi, Split, Step, run_time::Scheme};
 use systems::{
     Constant,
-    run_time::{Couplings, Problem, Shape, SpinLattice},
+    lattice::{Couplings, Shape, SpinLattice},
+    run_time::Problem,
 };
 
 const KEY: StreamKey = StreamKey { seed: 1, experiment: 1 };

@@ -118,7 +118,7 @@ impl<'a> Expect<'a, NoiseRows> {
     pub fn at_run_time(problem: &'a run_time::Problem) -> Result<Self, SchemeError> {
         let sexp = Setup::owning(problem, Box::new(Sexp))?;
         let first = match SexpLi::at_run_time(problem.system()) {
-            _ if problem.system().linearity() == Linearity::Constant => {
+            _ if problem.system().description().linearity == Linearity::Constant => {
                 Err("sexp-li is explicit where B is constant".into())
             }
             Ok(scheme) => Ok(Candidate::of_order_one(Setup::owning(problem, Box::new(scheme))?)),

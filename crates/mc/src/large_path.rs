@@ -10,7 +10,7 @@ use schemes::{
 };
 use systems::{
     Damping,
-    run_time::{Lanes, Problem, System},
+    run_time::{Description, Lanes, Problem, System},
 };
 
 use crate::{Cause, PathFailure};
@@ -27,7 +27,7 @@ use crate::{Cause, PathFailure};
 /// use mc::LargePath;
 /// use noise::{StreamKey, Truncation};
 /// use schemes::SexpLi;
-/// use systems::{Constant, run_time::{Couplings, Problem, Shape, SpinLattice}};
+/// use systems::{Constant, lattice::{Couplings, Shape, SpinLattice}, run_time::Problem};
 ///
 /// let couplings = Couplings { exchange: 1.0, noise: 0.3, local: true, ..Couplings::default() };
 /// let lattice = SpinLattice::one_path(Shape::periodic(&[20, 20, 20])?, couplings)?;
@@ -109,8 +109,9 @@ impl<'a> LargePath<'a> {
         path: u64,
     ) -> Result<Self, LargePathError> {
         let (system, damping) = (problem.system(), problem.damping());
-        if system.lanes() == Lanes::Paths {
-            return Err(LargePathError::Paths { system: system.name().into() });
+        let Description { name, layout, .. } = system.description();
+        if layout.lanes == Lanes::Paths {
+            return Err(LargePathError::Paths { system: name.clone() });
         }
         if steps == 0 {
             return Err(LargePathError::Steps);
@@ -121,18 +122,18 @@ impl<'a> LargePath<'a> {
         let bound = if clips { truncation.bound(tau)? } else { f64::INFINITY };
         let mut stepper = scheme.stepper(system)?;
         for (component, &y) in problem.y0().iter().enumerate() {
-            let (row, place) = system.place(component);
+            let (row, place) = layout.place(component);
             stepper.state_mut()[row][place] = y;
         }
-        let tiles = system.rows().div_ceil(system.tile_rows()) as u64;
-        let noise = if system.local_noise() {
+        let tiles = layout.rows.div_ceil(layout.tile_rows) as u64;
+        let noise = if layout.local_noise {
             let key = key.of_tiles(path);
             let streams = |tile| WienerRows::new(key, tile * WIDTH as u64);
             Noise::Local((0..tiles).map(streams).collect())
         } else {
             Noise::Common(WienerPath::new(key, path))
         };
-        let dw = Rows::zero(system.noise_rows())?;
+        let dw = Rows::zero(layout.noise_rows)?;
         let (scheme, cause) = (scheme.id(), Cause::NotFinite);
         let failure = PathFailure { path, key, scheme, swapped: false, tau, step: 0, cause };
         Ok(Self { system, damping, stepper, noise, dw, bound, tau, done: 0, failure })
@@ -172,7 +173,7 @@ impl<'a> LargePath<'a> {
                 }
             }
             Noise::Local(streams) => {
-                let tiles = self.dw.par_chunks_mut(self.system.tile_rows());
+                let tiles = self.dw.par_chunks_mut(self.system.description().layout.tile_rows);
                 tiles.zip(streams).for_each(|(dw, stream)| {
                     stream.increments(sqrt_tau, dw);
                     if bound < f64::INFINITY {
@@ -192,7 +193,7 @@ impl<'a> LargePath<'a> {
     /// A component of the state.
     #[must_use]
     pub fn component(&self, number: usize) -> f64 {
-        let (row, place) = self.system.place(number);
+        let (row, place) = self.system.description().layout.place(number);
         self.state()[row][place]
     }
 

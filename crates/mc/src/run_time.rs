@@ -9,7 +9,7 @@ use schemes::{
     DynScheme, RunState, Step,
     run_time::{Scheme, SchemeError, Stepper},
 };
-use systems::run_time::{Problem, System, Weights};
+use systems::run_time::{Lanes, Op, Problem, System, Weights};
 
 use crate::{ConformalLaw, DynProblem, Formulas, Setup, observable::splat};
 
@@ -17,14 +17,15 @@ impl<'a> DynProblem<'a> {
     /// The problem with a system that is known at run time.
     pub fn at_run_time(problem: &'a Problem) -> Self {
         let system = problem.system();
+        let description = system.description();
         Self {
-            name: system.name().into(),
-            parameters: system.parameters(),
-            noises: system.noises(),
+            name: description.name.clone(),
+            parameters: description.parameters.clone(),
+            noises: description.noises,
             y0: problem.y0().into(),
             t_end: problem.t_end(),
             damping: problem.damping(),
-            laws: system.invariants().into_iter().map(ConformalLaw::from).collect(),
+            laws: description.invariants.iter().copied().map(ConformalLaw::from).collect(),
             formulas: Box::new(OnRows(system)),
         }
     }
@@ -39,7 +40,7 @@ impl<'a> Setup<'a, NoiseRows> {
     /// use mc::{DynSimulation, Setup};
     /// use noise::{StreamKey, Truncation};
     /// use schemes::SexpLi;
-    /// use systems::{Constant, run_time::{Couplings, Problem, Shape, SpinLattice}};
+    /// use systems::{Constant, lattice::{Couplings, Shape, SpinLattice}, run_time::Problem};
     ///
     /// // Four spins in a ring with a noise for each component.
     /// let couplings =
@@ -78,8 +79,9 @@ impl<'a> Setup<'a, NoiseRows> {
         B: Borrow<dyn Scheme + 'a> + Send + Sync + 'a,
     {
         let system = problem.system();
-        if system.lanes() == systems::run_time::Lanes::Components {
-            return Err(SchemeError::OnePath { system: system.name().into() });
+        let description = system.description();
+        if description.layout.lanes == Lanes::Components {
+            return Err(SchemeError::OnePath { system: description.name.clone() });
         }
         scheme.borrow().stepper(system)?;
         let scheme = Arc::new(Bound { system, scheme });
@@ -116,8 +118,8 @@ where
         let stepper = self.scheme.borrow().stepper(self.system);
         let mut stepper = stepper.unwrap_or_else(|error| panic!("{error}"));
         stepper.state_mut().copy_from_slice(y);
-        let guard = self.system.has_guard().then(|| {
-            let scratch = Rows::zero(self.system.scratch_rows());
+        let guard = self.system.description().has_guard.then(|| {
+            let scratch = Rows::zero(self.system.description().scratch_rows());
             scratch.unwrap_or_else(|error| panic!("{error}"))
         });
         Box::new(Paths { stepper, system: self.system, guard })
@@ -162,38 +164,41 @@ impl OnRows<'_> {
     /// # Panics
     /// If there is no memory.
     fn scratch(&self) -> Rows {
-        Rows::zero(self.0.scratch_rows()).unwrap_or_else(|error| panic!("{error}"))
+        Rows::zero(self.0.description().scratch_rows()).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    fn apply(&self, op: Op<&[Row]>, h: Weights<'_>) -> Vec<Row> {
+        let mut out = vec![[0.0; real::WIDTH]; self.0.description().layout.rows];
+        self.0.apply(op, 0..out.len(), h, &mut out, &mut self.scratch());
+        out
     }
 }
 
 impl Formulas for OnRows<'_> {
     fn structure(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
-        let mut out = splat(y);
-        let tile = 0..out.len();
-        self.0.structure(tile, &splat(y), &splat(v), &mut out, &mut self.scratch());
-        first_path(&out)
+        first_path(&self.apply(Op::Structure { y: &splat(y), v: &splat(v) }, Weights::NONE))
     }
 
     fn energy(&self, y: &[f64], dt: f64, dw: &[f64]) -> f64 {
         let (mut out, dw) = (splat(&[0.0]), splat(dw));
-        self.0.energy(&splat(y), Weights { dt, dw: &dw }, &mut out[0], &mut self.scratch());
+        self.0.energy(
+            &splat(y),
+            Weights { dt, dw: &dw, areas: &[] },
+            &mut out[0],
+            &mut self.scratch(),
+        );
         out[0][0]
     }
 
     fn field(&self, y: &[f64], dt: f64, dw: &[f64]) -> Vec<f64> {
         let (y, dw) = (splat(y), splat(dw));
-        let (tile, mut gradient) = (0..y.len(), y.clone());
-        let (h, mut scratch) = (Weights { dt, dw: &dw }, self.scratch());
-        self.0.gradient(tile.clone(), &y, h, &mut gradient, &mut scratch);
-        let mut out = y.clone();
-        self.0.structure(tile, &y, &gradient, &mut out, &mut scratch);
-        first_path(&out)
+        let h = Weights { dt, dw: &dw, areas: &[] };
+        let gradient = self.apply(Op::Gradient { y: &y }, h);
+        first_path(&self.apply(Op::Structure { y: &y, v: &gradient }, h))
     }
 
     fn ito_correction(&self, y: &[f64]) -> Vec<f64> {
-        let mut out = splat(y);
-        self.0.ito_correction(0..out.len(), &splat(y), &mut out, &mut self.scratch());
-        first_path(&out)
+        first_path(&self.apply(Op::ItoCorrection { y: &splat(y) }, Weights::NONE))
     }
 
     fn law(&self, index: usize, y: &[f64]) -> f64 {

@@ -2,8 +2,8 @@
 //!
 //! Measured: [`AreaSampler::areas`] with [`AreaMethod::MrongowiusRoessler`], and the other methods
 //! at the error of eleven of its terms for three noises (strong order one at a step of 2⁻¹²), 64
-//! steps of 32 paths; the same steps of [`AreaPath`] for a single path; and [`ExactArea`]. The
-//! increments are drawn beforehand.
+//! steps of 32 paths, and the same steps of [`AreaPath`] for a single path. The increments are drawn
+//! beforehand.
 //!
 //! An element is one path and step, so criterion's `Melem/s` are millions of path-steps a second:
 //! **ns per path-step = 1000 / (Melem/s)**; divided by [`AreaMethod::normals`] it is ns per normal,
@@ -13,7 +13,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use noise::{AreaBlock, AreaMethod, AreaPath, AreaSampler, ExactArea, StreamKey, WienerBlock};
+use noise::{AreaBlock, AreaMethod, AreaPath, AreaSampler, StreamKey, WienerBlock};
 use real::{Block, WIDTH};
 
 const STEPS: usize = 64;
@@ -56,19 +56,6 @@ fn areas<const M: usize>(group: &mut Group<'_>, noises: &str, method: AreaMethod
     }
 }
 
-fn exact(group: &mut Group<'_>) {
-    let dw = increment::<2>();
-    group.throughput(Throughput::Elements((WIDTH * STEPS) as u64));
-    group.bench_function("two noises/exact", |bencher| {
-        let mut sampler = ExactArea::new(KEY, 0);
-        bencher.iter(|| {
-            for n in 0..STEPS * WIDTH {
-                black_box(sampler.area(STEP, dw.path(n % WIDTH)));
-            }
-        });
-    });
-}
-
 fn bench(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("areas");
     group
@@ -81,7 +68,6 @@ fn bench(criterion: &mut Criterion) {
     areas::<3>(&mut group, "three noises", AreaMethod::Fourier, 623);
     areas::<2>(&mut group, "two noises", AreaMethod::MrongowiusRoessler, 9);
     areas::<6>(&mut group, "six noises", AreaMethod::MrongowiusRoessler, 15);
-    exact(&mut group);
     group.finish();
 }
 

@@ -7,6 +7,11 @@
 //! [`DyadicLadder`] sums the increments of the finest steps over the coarser steps of a convergence
 //! study, so that noise is drawn once and not stored.
 //!
+//! The way through the crate: key → `stream` (words) → `box_muller` (normals) → `wiener`
+//! (increments) → `ladder` (sums over steps) → `truncation`; increments → `area_sampler` (Lévy areas
+//! by an `area_method`) → `area` (joined over steps). `sobol` points → `inverse_normal` →
+//! `quasi_wiener` (increments by a Brownian bridge). `step` has the noise of one step.
+//!
 //! ```
 //! use noise::{StreamKey, Truncation, WienerBlock, WienerPath};
 //! use real::Block;
@@ -40,7 +45,6 @@
 //! | [`DyadicLadder`], [`AreaLadder`] | increments and areas of all coarser steps |
 //! | [`AreaMethod`] | approximations of the Lévy areas: errors and costs |
 //! | [`AreaSampler`], [`AreaPath`] | Lévy areas given the increments, of 32 paths, of one path |
-//! | [`ExactArea`] | the area of two noises from its characteristic function |
 //! | [`AreaBlock`], [`join`] | Lévy areas of 32 paths, Chen's relation |
 //! | [`stratonovich`], [`ito`] | iterated integrals of one path |
 
@@ -49,7 +53,6 @@ mod area_method;
 mod area_sampler;
 mod box_muller;
 mod error;
-mod exact_area;
 mod inverse_normal;
 mod iterated;
 mod ladder;
@@ -64,7 +67,6 @@ pub use area::{AreaBlock, AreaLadder, join};
 pub use area_method::{AreaMethod, strong_order_one_error};
 pub use area_sampler::{AREA_STREAM, AreaPath, AreaSampler};
 pub use error::NoiseError;
-pub use exact_area::ExactArea;
 pub use inverse_normal::inverse_normal;
 pub use iterated::{ito, stratonovich};
 pub use ladder::DyadicLadder;

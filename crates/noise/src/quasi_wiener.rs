@@ -54,7 +54,7 @@ use crate::{NoiseError, ScrambledSobol, StreamKey, inverse_normal::fill_normals,
 pub struct QuasiWiener {
     sobol: ScrambledSobol,
     key: StreamKey,
-    nodes: Arc<[Node]>,
+    nodes: Arc<[BridgeNode]>,
     noises: usize,
 }
 
@@ -139,7 +139,7 @@ impl QuasiWiener {
 
 /// A time node of the bridge. Nodes are counted from 1 at the end of the first step; W(0) = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Node {
+struct BridgeNode {
     /// The node itself, and the nodes on its left and right; itself is the right one of the last.
     node: usize,
     left: usize,
@@ -151,8 +151,9 @@ struct Node {
 }
 
 /// The nodes of `steps` steps, in the order of their dimensions: breadth first.
-fn bridge(steps: usize, t_end: f64) -> Vec<Node> {
-    let last = Node { node: steps, left: 0, right: steps, weight: 0.0, deviation: t_end.sqrt() };
+fn bridge(steps: usize, t_end: f64) -> Vec<BridgeNode> {
+    let last =
+        BridgeNode { node: steps, left: 0, right: steps, weight: 0.0, deviation: t_end.sqrt() };
     let mut nodes = vec![last];
     let mut intervals = VecDeque::from([(0, steps)]);
     while let Some((left, right)) = intervals.pop_front() {
@@ -162,7 +163,7 @@ fn bridge(steps: usize, t_end: f64) -> Vec<Node> {
                 [node - left, right - node, right - left].map(|n| n as f64);
             let variance = before * after / whole * (t_end / steps as f64);
             let (weight, deviation) = (before / whole, variance.sqrt());
-            nodes.push(Node { node, left, right, weight, deviation });
+            nodes.push(BridgeNode { node, left, right, weight, deviation });
             intervals.extend([(left, node), (node, right)]);
         }
     }
@@ -229,7 +230,7 @@ mod tests {
         assert_eq!(order(7), [7, 3, 1, 5, 2, 4, 6]);
         assert_eq!(order(8), [8, 4, 2, 6, 1, 3, 5, 7]);
         // On [0, 32], the quarter of eight steps is the middle of [0, 16].
-        let quarter = Node { node: 2, left: 0, right: 4, weight: 0.5, deviation: 2.0 };
+        let quarter = BridgeNode { node: 2, left: 0, right: 4, weight: 0.5, deviation: 2.0 };
         assert_eq!(bridge(8, 32.0)[2], quarter);
     }
 

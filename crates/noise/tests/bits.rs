@@ -2,7 +2,7 @@
 //! and alone, at every level of instructions, in any block, and in every release.
 
 use noise::{
-    AreaBlock, AreaMethod, AreaPath, AreaSampler, DyadicLadder, ExactArea, NoiseRows, QuasiWiener,
+    AreaBlock, AreaMethod, AreaPath, AreaSampler, DyadicLadder, NoiseRows, QuasiWiener,
     ScrambledSobol, StepNoise, StreamKey, WienerBlock, WienerPath, WienerRows,
 };
 use real::{Block, Level, Row, WIDTH, limit_to};
@@ -213,15 +213,13 @@ fn the_first_areas_are_pinned() {
             areas.push([a[0][1], a[0][2], a[1][2]]);
         }
     }
-    let mut path = ExactArea::new(key, 4711);
-    areas.push([(); 3].map(|()| path.area(0.5, [0.5, -0.25])));
     for (n, (areas, pinned)) in areas.iter().zip(PINNED_AREAS).enumerate() {
         assert_eq!(areas.map(f64::to_bits), pinned.map(f64::to_bits), "{n}: {areas:?}");
     }
     assert_eq!(areas.len(), PINNED_AREAS.len());
 }
 
-const PINNED_AREAS: [[f64; 3]; 9] = [
+const PINNED_AREAS: [[f64; 3]; 8] = [
     [-0.07613831104243644, 0.09661736281624822, -0.05750003151871797],
     [-0.06438351454819069, 0.11387765924149279, 0.056229915983917515],
     [-0.08985484987696071, 0.07881353893441113, -0.0211650419087509],
@@ -230,7 +228,6 @@ const PINNED_AREAS: [[f64; 3]; 9] = [
     [0.06475421306197836, -0.5489395051786384, -0.01824344226112263],
     [-0.11222549423521401, 0.15278648700086347, -0.08053545733925623],
     [-0.1564441842148171, 0.025960342247222143, 0.18669002879909163],
-    [0.1282962944889015, 0.05095140426824981, -0.13124366734535384],
 ];
 
 #[test]

@@ -5,6 +5,9 @@
 //! and freezes converged paths. Paths on which the fast method fails are solved by Newton's method
 //! with continuation. [`Solver::solve`] solves the equation of one path, with the same bits.
 //!
+//! The way through the crate: `equation` → `solver` → `block` or `single` → `sweep` (one pass of the
+//! fast method) → `robust` (where it fails, with `elimination`). [`criteria`] say when to stop.
+//!
 //! ```
 //! use nonlin::{FixedPoint, Solver};
 //! use real::Real;
@@ -33,8 +36,10 @@
 //! | [`Solver`], [`Method`] | the iteration and the number of its sweeps |
 //! | [`Solution`], [`Outcome`] | the result on one path: method, iterations, residual |
 //! | [`BlockStatus`] | the results on a block |
+//! | [`criteria`] | when an iteration has converged |
 
 mod block;
+pub mod criteria;
 mod elimination;
 mod equation;
 mod robust;

@@ -12,20 +12,13 @@
 
 use crate::{
     FixedPoint, Outcome, Solution,
+    criteria::{CONTRACTION, LEAST_STEP, MOST_ITERATIONS, ROUND_OFF, TOLERANCE},
     elimination::solve_pivoted,
-    sweep::{TOLERANCE, linearised},
+    sweep::linearised,
 };
 
-/// Largest number of Newton iterations at one s. After a contraction by [`CONTRACTION`] and then
-/// quadratic convergence, ten reach round-off. Twenty allow for slow initial convergence.
-const MAX_ITERATIONS: u32 = 20;
-/// The largest ratio of successive Newton changes.
-const CONTRACTION: f64 = 0.5;
 /// The largest ‖J⁻¹J′ − I‖₁ from one accepted step to the next.
 const MAX_JACOBIAN_CHANGE: f64 = 0.5;
-/// The smallest step in s. The first accepted step is about MAX_JACOBIAN_CHANGE/‖ψ′‖, so ‖ψ′‖ may
-/// be up to 8000.
-const MIN_STEP: f64 = 1.0 / 16384.0;
 
 pub fn solve_robust<E: FixedPoint<D>, const D: usize>(equation: &E) -> Solution<D> {
     let start = equation.start();
@@ -44,7 +37,7 @@ pub fn solve_robust<E: FixedPoint<D>, const D: usize>(equation: &E) -> Solution<
             step *= 2.0;
         } else {
             step *= 0.5;
-            if step < MIN_STEP {
+            if step < LEAST_STEP {
                 return Solution {
                     z,
                     outcome: Outcome::Failed { residual: residual(equation, z) },
@@ -105,7 +98,7 @@ fn newton<E: FixedPoint<D>, const D: usize>(
         let solved = length <= TOLERANCE * size;
         let contracts = length <= CONTRACTION * before;
         // With a NaN both are false, with an infinite change both are true.
-        if solved || !contracts || iterations == MAX_ITERATIONS {
+        if solved || !contracts || iterations == MOST_ITERATIONS {
             // Small changes that no longer decrease are round-off, amplified by the condition of
             // I − sψ′.
             return Attempt {
@@ -118,11 +111,6 @@ fn newton<E: FixedPoint<D>, const D: usize>(
         before = length;
     }
 }
-
-/// Changes that stagnate below √ε times the size of the unknowns are round-off. This is the
-/// attainable accuracy at a double root, where I − sψ′ is singular. Near a regular root Newton's
-/// method would converge from there.
-const ROUND_OFF: f64 = 1.0 / (1u64 << 26) as f64;
 
 fn residual<E: FixedPoint<D>, const D: usize>(equation: &E, z: [f64; D]) -> f64 {
     let (_, defect) = linearised(equation, z);

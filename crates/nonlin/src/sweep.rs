@@ -2,16 +2,11 @@
 
 use real::Factored;
 
-use crate::{FirstSweep, FixedPoint, solver::Method};
-
-/// A path has converged when the estimate of ‖z − ψ(z)‖₁ is below this fraction of ‖z‖₁. Evaluating
-/// ψ rounds each component of z by up to half an ulp, so smaller residuals carry no information.
-pub const TOLERANCE: f64 = 2.0 * f64::EPSILON;
-
-/// The test below multiplies two changes. For unknowns of size r their product can be as small as
-/// (εr)². This power of two prevents an underflow to zero, which would count as convergence, for r
-/// down to 10⁻¹⁵⁵. For r above 10¹⁴⁵ the product may overflow, which counts as not converged.
-const GUARD: f64 = (1u128 << 64) as f64;
+use crate::{
+    FirstSweep, FixedPoint,
+    criteria::{GUARD, TOLERANCE, excess},
+    solver::Method,
+};
 
 /// After a Newton step the residual is of the order of the squared change. So √ε suffices; the
 /// margin for the constant is 2⁶.
@@ -155,15 +150,11 @@ fn changes<const D: usize>([previous, before, next]: Tail<D>) -> (f64, f64, f64)
     (change, change_before, size)
 }
 
-/// The convergence test of fixed-point iteration. The last two changes c, c′ give the contraction
-/// c′/c and with it the next change c′²/c, which is the residual. It must be below the tolerance.
+/// The convergence test of fixed-point iteration.
 #[inline(always)]
 fn test_fixed_point<const D: usize>(tail: Tail<D>) -> Iterate<D> {
     let (change, change_before, size) = changes(tail);
-    // A change c larger than z itself is an excursion and does not measure the contraction.
-    let before = if change_before < size { change_before } else { size };
-    let allowed = size * (GUARD * TOLERANCE);
-    (tail[2], change * GUARD * change - allowed * before)
+    (tail[2], excess(change, change_before, size))
 }
 
 /// ψ(ψ(start)), then a Newton step and a simplified one with the same matrix, for two paths.

@@ -6,6 +6,11 @@
 //! homogeneous Hamiltonians. [`EulerMaruyama`], [`Heun`] and [`Midpoint`] do not. To define a
 //! scheme, implement [`Explicit`] or [`Implicit`].
 //!
+//! The way through the crate: a formula ([`Explicit`] or [`Implicit`], written against
+//! [`Increment`]) → `kernel` (compiled systems: one path, or blocks of 32) or [`run_time`] (the
+//! formula is recorded and run on rows). [`Split`] and [`Nv`] are compositions of flows. [`Step`]
+//! has time and damping.
+//!
 //! ```
 //! use noise::Noise;
 //! use schemes::{Scheme, Sexp, Step};

@@ -97,7 +97,8 @@ impl Nv<StageFlows> {
     /// own.
     pub fn at_run_time(system: &dyn run_time::System) -> Result<Self, SexpLiError> {
         refuse_local_noise(system)?;
-        Self::suited(system.name(), system.linearity(), &system.invariants())
+        let system = system.description();
+        Self::suited(&system.name, system.linearity, &system.invariants)
     }
 
     fn suited(
@@ -119,8 +120,9 @@ impl Nv<StageFlows> {
 
 /// Checks that noises follow each other one by one.
 pub(crate) fn refuse_local_noise(system: &dyn run_time::System) -> Result<(), SexpLiError> {
-    match system.local_noise() {
-        true => Err(SexpLiError::LocalNoise { scheme: ID, system: system.name().into() }),
+    let system = system.description();
+    match system.layout.local_noise {
+        true => Err(SexpLiError::LocalNoise { scheme: ID, system: system.name.clone() }),
         false => Ok(()),
     }
 }
@@ -145,7 +147,7 @@ impl Sweep {
 }
 
 /// A state that is moved by the flows of Hamiltonians: paths, or rows of numbers.
-pub(crate) trait Moved {
+pub(crate) trait FlowState {
     /// Multiplies the state by a number.
     fn scale(&mut self, factor: f64);
     /// The flow of H₀ over half of the step.
@@ -156,7 +158,7 @@ pub(crate) trait Moved {
 
 /// The composition of flows.
 #[inline(always)]
-pub(crate) fn compose(backward: bool, step: &Step, state: &mut impl Moved) {
+pub(crate) fn compose(backward: bool, step: &Step, state: &mut impl FlowState) {
     state.drift();
     state.scale(step.first_decay);
     state.noises(backward);
@@ -304,7 +306,7 @@ impl<S: Flows<D, M>, const D: usize, const M: usize, const N: usize> Paths<'_, S
     }
 }
 
-impl<S: Flows<D, M>, const D: usize, const M: usize, const N: usize> Moved
+impl<S: Flows<D, M>, const D: usize, const M: usize, const N: usize> FlowState
     for Flowing<'_, PartFlows, S, D, M, N>
 {
     #[inline(always)]
@@ -340,7 +342,7 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize, const N: usize>
     }
 }
 
-impl<S: PoissonSystem<D, M>, const D: usize, const M: usize, const N: usize> Moved
+impl<S: PoissonSystem<D, M>, const D: usize, const M: usize, const N: usize> FlowState
     for Flowing<'_, StageFlows, S, D, M, N>
 {
     #[inline(always)]
@@ -373,7 +375,7 @@ struct NvKernel<'a, F, S, const D: usize, const M: usize> {
 
 impl<'a, F: Copy, S, const D: usize, const M: usize> Kernel for NvKernel<'a, F, S, D, M>
 where
-    Flowing<'a, F, S, D, M, WIDTH>: Moved,
+    Flowing<'a, F, S, D, M, WIDTH>: FlowState,
 {
     type Output = ();
 

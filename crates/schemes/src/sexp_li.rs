@@ -105,8 +105,24 @@ impl SexpLi {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn at_run_time(system: &dyn run_time::System) -> Result<Self, SexpLiError> {
-        let (linearity, solvable) = (system.linearity(), system.always_solvable());
-        Self::suited(system.name(), linearity, solvable, &system.invariants())
+        let system = system.description();
+        Self::suited(&system.name, system.linearity, system.always_solvable, &system.invariants)
+    }
+
+    /// The scheme with Lévy areas for a system known at run time. With one noise it is that of
+    /// [`at_run_time`](Self::at_run_time).
+    ///
+    /// # Errors
+    /// As [`at_run_time`](Self::at_run_time), and [`SexpLiError::Jacobi`] unless the system
+    /// [shows the identity](run_time::Description::jacobi_holds).
+    pub fn at_run_time_with_areas(system: &dyn run_time::System) -> Result<Self, SexpLiError> {
+        let scheme = Self::at_run_time(system)?;
+        let description = system.description();
+        let areas = description.noises > 1;
+        if areas && !description.jacobi_holds {
+            return Err(SexpLiError::Jacobi { system: description.name.clone() });
+        }
+        Ok(Self { areas, ..scheme })
     }
 
     pub(crate) fn name(&self) -> &'static str {

@@ -24,7 +24,7 @@ use crate::{Scheme, Step};
 pub struct Split;
 
 /// A state that is moved by flows: one path, or rows of numbers.
-pub(crate) trait Moved {
+pub(crate) trait SplitState {
     /// Multiplies the state by a number.
     fn scale(&mut self, factor: f64);
     /// The flow of a part over the step, or over half of it.
@@ -33,7 +33,7 @@ pub(crate) trait Moved {
 
 /// The composition of the flows of `parts` ≥ 1 parts.
 #[inline(always)]
-pub(crate) fn compose(parts: usize, step: &Step, state: &mut impl Moved) {
+pub(crate) fn compose(parts: usize, step: &Step, state: &mut impl SplitState) {
     state.scale(step.first_decay);
     for part in 0..parts - 1 {
         state.flow(part, true);
@@ -53,7 +53,7 @@ struct Path<'a, S, const D: usize, const M: usize> {
     y: [f64; D],
 }
 
-impl<S: Flows<D, M>, const D: usize, const M: usize> Moved for Path<'_, S, D, M> {
+impl<S: Flows<D, M>, const D: usize, const M: usize> SplitState for Path<'_, S, D, M> {
     #[inline(always)]
     fn scale(&mut self, factor: f64) {
         for i in 0..D {

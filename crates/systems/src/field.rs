@@ -6,7 +6,7 @@ use real::{
     unrolled,
 };
 
-use crate::PoissonSystem;
+use crate::{PoissonSystem, golden};
 
 /// The Hamiltonian increment h(y) = H₀(y)dt + Σ Hₘ(y)dwₘ of a system. As a [`ScalarFunction`] it is
 /// h(y), as a [`GradientField`] ∇h(y), and as a [`VectorFunction`] the [`vector_field`] B(y)∇h(y).
@@ -231,7 +231,7 @@ fn around<S: PoissonSystem<D, M> + ?Sized, const D: usize, const M: usize>(
             for i in 0..D {
                 // Multiples of the golden ratio, modulo one, differ in every component.
                 let number = f64::from(n / 2) * D as f64 + (i + 1) as f64;
-                let direction = 2.0 * (number * 0.618_033_988_749_894_8).fract() - 1.0;
+                let direction = 2.0 * golden(number) - 1.0;
                 let length = distance * f64::powi(0.5, halvings as i32);
                 point[i] += sign * direction * length * f64::max(1.0, y[i].abs());
             }

@@ -7,6 +7,11 @@
 //! them. A [`Damping`] gives γ and its integral. A [`Problem`] adds an initial value and a final
 //! time.
 //!
+//! The way through the crate: two formulas (`system`) → what follows from them (`field`, `cayley`,
+//! `linearity`) → [`run_time::Compiled`], a [`run_time::System`] with a
+//! [`Description`](run_time::Description) and operations ([`Op`](run_time::Op)) on rows. Lattices
+//! and formulas are such systems from the start. [`Flows`] are exact solutions of parts.
+//!
 //! ```
 //! use real::Real;
 //! use systems::{Constant, PoissonSystem, Problem};
@@ -45,14 +50,16 @@
 //!
 //! Dampings: [`Constant`], [`Linear`], [`Sine`], [`Cosine`], [`DampingFunction`]. Systems:
 //! [`Pendulum`], [`RigidBody`], [`RigidBodyEnergy`], [`LotkaVolterra`], [`MaxwellBloch`],
-//! [`Poisson3`] (Bréhier, Cohen and Komori 2025). Spins on lattices: [`run_time::SpinLattice`].
+//! [`Poisson3`] (Bréhier, Cohen and Komori 2025). Spins on lattices: [`lattice`].
 
 mod cayley;
 mod damping;
 mod error;
 mod field;
 mod flows;
+mod golden;
 mod invariant;
+pub mod lattice;
 mod linearity;
 mod lotka_volterra;
 mod maxwell_bloch;
@@ -74,6 +81,7 @@ pub use field::{
     noises_commute, unit_noise, vector_field, vector_field_derivative,
 };
 pub use flows::{Flows, TRIPLE_JUMP};
+pub use golden::golden;
 pub use invariant::{Form, Invariant, InvariantKind};
 pub use linearity::{Linearity, always_solvable, linearity, shown_solvable};
 pub use lotka_volterra::{Exponents, IntegerExponents, LotkaVolterra, RealExponents};

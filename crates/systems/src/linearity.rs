@@ -2,7 +2,7 @@
 
 use real::{Bounded, Degree};
 
-use crate::{PoissonSystem, cayley::identity_minus_half};
+use crate::{PoissonSystem, cayley::identity_minus_half, golden};
 
 /// How the structure matrix B depends on y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,7 +78,7 @@ fn direction(n: u32, dimension: usize) -> Vec<f64> {
     let size = SIZES[0] * (SIZES[1] / SIZES[0]).powf(position);
     let component = |i: usize| {
         let number = f64::from(n) * dimension as f64 + (i + 1) as f64;
-        2.0 * (number * 0.618_033_988_749_894_8).fract() - 1.0
+        2.0 * golden(number) - 1.0
     };
     let v: Vec<f64> = (0..dimension).map(component).collect();
     let norm = v.iter().map(|x| x * x).sum::<f64>().sqrt();

@@ -1,8 +1,9 @@
 //! Spin lattices against formulas written out spin by spin, in both layouts.
 
 use real::{Row, Rows, WIDTH};
-use systems::run_time::{
-    Couplings, LatticeError, Shape, SpinLattice, System, Weights, noise_at_temperature,
+use systems::{
+    lattice::{Couplings, LatticeError, Shape, SpinLattice, noise_at_temperature},
+    run_time::{Op, System, Weights},
 };
 
 type Spin = [f64; 3];
@@ -18,11 +19,12 @@ fn spins(sites: usize, first: usize) -> Vec<Spin> {
 
 /// Vectors in the rows of a system, the same on all paths.
 fn rows(system: &dyn System, vectors: &[Spin]) -> Rows {
-    let mut rows = Rows::zero(system.rows()).unwrap();
+    let layout = system.description().layout;
+    let mut rows = Rows::zero(layout.rows).unwrap();
     for (component, &x) in vectors.as_flattened().iter().enumerate() {
-        let (row, lane) = system.place(component);
+        let (row, lane) = layout.place(component);
         rows[row][lane] = x;
-        if lane == 0 && system.rows() == system.dimension() {
+        if lane == 0 && layout.rows == system.description().dimension {
             rows[row] = [x; WIDTH];
         }
     }
@@ -30,11 +32,12 @@ fn rows(system: &dyn System, vectors: &[Spin]) -> Rows {
 }
 
 fn vectors(system: &dyn System, rows: &[Row]) -> Vec<Spin> {
+    let layout = system.description().layout;
     let at = |component| {
-        let (row, lane) = system.place(component);
+        let (row, lane) = layout.place(component);
         rows[row][lane]
     };
-    (0..system.dimension() / 3).map(|i| [0, 1, 2].map(|c| at(3 * i + c))).collect()
+    (0..system.description().dimension / 3).map(|i| [0, 1, 2].map(|c| at(3 * i + c))).collect()
 }
 
 fn cross(a: Spin, b: Spin) -> Spin {
@@ -109,11 +112,14 @@ fn near(found: &[Spin], expected: &[Spin], tolerance: f64, what: &str) {
 }
 
 /// All rows of a result, tile by tile.
-fn tiles(system: &dyn System, compute: &dyn Fn(std::ops::Range<usize>, &mut [Row])) -> Rows {
-    let mut out = Rows::zero(system.rows()).unwrap();
-    for first in (0..system.rows()).step_by(system.tile_rows()) {
-        let tile = first..(first + system.tile_rows()).min(system.rows());
-        compute(tile.clone(), &mut out[tile]);
+fn tiles(system: &dyn System, op: Op<&Rows>, h: Weights<'_>) -> Rows {
+    let layout = system.description().layout;
+    let mut out = Rows::zero(layout.rows).unwrap();
+    for first in (0..layout.rows).step_by(layout.tile_rows) {
+        let tile = first..(first + layout.tile_rows).min(layout.rows);
+        let is_local = op.is_local();
+        let op = op.map(|rows| if is_local { &rows[tile.clone()] } else { &rows[..] });
+        system.apply(op, tile.clone(), h, &mut out[tile], &mut []);
     }
     out
 }
@@ -161,18 +167,14 @@ fn both_layouts_are_the_lattice_spin_by_spin() {
                 ];
                 let mut first = None;
                 for system in &systems {
-                    let what = format!("{} of {}", system.parameters(), system.rows());
+                    let layout = system.description().layout;
+                    let what = format!("{} of {}", system.description().parameters, layout.rows);
                     let y = rows(system, &s);
                     let dw = if local { rows(system, &w) } else { Rows::splat(&w[0]).unwrap() };
-                    let h = Weights { dt, dw: &dw };
-                    let gradient = tiles(system, &|tile, out| {
-                        system.gradient(tile, &y, h, out, &mut []);
-                    });
+                    let h = Weights { dt, dw: &dw, areas: &[] };
+                    let gradient = tiles(system, Op::Gradient { y: &y }, h);
                     near(&vectors(system, &gradient), &v, tolerance, &what);
-                    let turned = tiles(system, &|tile, out| {
-                        let (y, v) = (&y[tile.clone()], &gradient[tile.clone()]);
-                        system.structure(tile, y, v, out, &mut []);
-                    });
+                    let turned = tiles(system, Op::Structure { y: &y, v: &gradient }, h);
                     let expected: Vec<Spin> =
                         s.iter().zip(&v).map(|(&s, &v)| cross(s, v)).collect();
                     near(&vectors(system, &turned), &expected, tolerance, &what);
@@ -191,9 +193,7 @@ fn both_layouts_are_the_lattice_spin_by_spin() {
                         |(a, b): (&Spin, &Spin)| [0, 1, 2].map(|c| (a[c] - b[c]) / (2.0 * step));
                     let expected: Vec<Spin> = up.iter().zip(&down).map(quotient).collect();
                     let along = rows(system, &u);
-                    let hessian = tiles(system, &|tile, out| {
-                        system.hessian(tile, &y, &along, h, out, &mut []);
-                    });
+                    let hessian = tiles(system, Op::Hessian { y: &y, u: &along }, h);
                     // Third derivatives of 1/|s| at |s| ≥ 0.1, times step².
                     near(&vectors(system, &hessian), &expected, 1e-6, &what);
                     // Both layouts compute in the same order.
@@ -203,7 +203,7 @@ fn both_layouts_are_the_lattice_spin_by_spin() {
                     let count = |rows: &[Row]| rows.iter().flatten().filter(|x| **x != 0.0).count();
                     assert!(
                         count(&turned)
-                            <= 3 * sites * if system.rows() == 3 * sites { WIDTH } else { 1 }
+                            <= 3 * sites * if layout.rows == 3 * sites { WIDTH } else { 1 }
                     );
                 }
             }
@@ -232,15 +232,15 @@ fn flows_turn_spins_and_lengths_stay() {
         let mut y = rows(system, &s);
         let dw = rows(system, &w);
         // Field and noise, anisotropy, and two parts for each axis.
-        assert_eq!(system.parts(), Ok(6));
+        assert_eq!(system.description().parts, Ok(6));
         // To first order the flows add up to B∇h.
         let step = 1e-7;
         let small: Vec<Spin> = w.iter().map(|w| w.map(|w| w * step)).collect();
         let small = rows(system, &small);
         let mut moved = rows(system, &s);
         for part in 0..6 {
-            system.flow(part, &mut y, Weights { dt: 0.3, dw: &dw }, &mut []);
-            system.flow(part, &mut moved, Weights { dt: step, dw: &small }, &mut []);
+            system.flow(part, &mut y, Weights { dt: 0.3, dw: &dw, areas: &[] }, &mut []);
+            system.flow(part, &mut moved, Weights { dt: step, dw: &small, areas: &[] }, &mut []);
         }
         let bonds = bonds([6, 4, 1], [true, false, false]);
         let (v, _) = by_hand(&bonds, &k, &s, 1.0, &|i| w[i]);
@@ -270,11 +270,11 @@ fn wrong_lattices_are_refused() {
     let nan = Couplings { anisotropy: f64::NAN, ..k };
     let error = SpinLattice::on_paths(shape.clone(), nan).unwrap_err().to_string();
     assert_eq!(error, "the anisotropy K must be finite, got NaN");
-    let odd = SpinLattice::one_path(shape, k).unwrap().parts().unwrap_err();
+    let odd = SpinLattice::one_path(shape, k).unwrap().description().parts.clone().unwrap_err();
     assert!(odd.contains("axis 2 is periodic with 5 sites"), "{odd}");
     let damped = Couplings { damping: 0.1, ..k };
     let lattice = SpinLattice::one_path(Shape::open(&[4]).unwrap(), damped).unwrap();
-    assert!(lattice.parts().is_err());
+    assert!(lattice.description().parts.is_err());
     // Two exbibytes.
     let error = SpinLattice::one_path(Shape::open(&[1 << 56]).unwrap(), k).unwrap_err();
     assert!(error.to_string().contains("1729382256910270528 bytes"), "{error}");

@@ -1,10 +1,12 @@
 //! Compiled systems through the trait of systems known at run time.
 
+use std::cmp::Ordering;
+
 use real::{Row, Rows, WIDTH, directional};
 use systems::{
     HamiltonianIncrement, IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3,
-    PoissonSystem, RigidBody, ito_correction,
-    run_time::{self, Compiled, System, Weights},
+    PoissonSystem, RigidBody, area_gradient, ito_correction,
+    run_time::{Compiled, Op, System, Weights, derived},
 };
 
 /// States near y0, one for each path.
@@ -30,11 +32,11 @@ where
     S: PoissonSystem<D, M> + Copy,
 {
     let adapter = Compiled::new(system, y0);
-    let mut scratch = Rows::zero(adapter.scratch_rows()).unwrap();
+    let mut scratch = Rows::zero(adapter.description().scratch_rows()).unwrap();
     let (a, b) = (around(&y0, 0.1, 0), around(&y0, 0.1, 1000));
     let (u, dw) = (around(&[0.0; D], 1.0, 77), around(&[0.0; M], 0.1, 5));
-    let h = Weights { dt: 0.03, dw: &dw };
-    let mut out = Rows::zero(D).unwrap();
+    let areas = around(&vec![0.0; M * M], 1.0, 99);
+    let h = Weights { dt: 0.03, dw: &dw, areas: &areas };
     let each = |found: &[Row], expected: &dyn Fn(usize) -> [f64; D], rounding: f64| {
         for p in 0..WIDTH {
             let (found, expected) = (path::<D>(found, p), expected(p));
@@ -44,48 +46,62 @@ where
             }
         }
     };
-    adapter.structure(0..D, &a, &u, &mut out, &mut scratch);
-    each(&out, &|p| system.structure(path(&a, p), path(&u, p)), 0.0);
-    adapter.gradient(0..D, &a, h, &mut out, &mut scratch);
-    each(&out, &|p| system.gradient(path(&a, p), h.dt, path(&dw, p)), 0.0);
-    adapter.averaged_gradient(&a, &b, h, &mut out, &mut scratch);
-    let averaged = |p| system.averaged_gradient(path(&a, p), path(&b, p), h.dt, path(&dw, p));
-    each(&out, &averaged, 0.0);
-    adapter.averaged_field(&a, &b, h, &mut out, &mut scratch);
-    let field = |p| system.averaged_field(path(&a, p), path(&b, p), h.dt, path(&dw, p));
-    each(&out, &field, 0.0);
-    adapter.ito_correction(0..D, &a, &mut out, &mut scratch);
-    each(&out, &|p| ito_correction(&system, path(&a, p)), 0.0);
-    let mut energy = [0.0; WIDTH];
-    adapter.energy(&a, h, &mut energy, &mut scratch);
-    assert_eq!(energy[9], system.energy(path(&a, 9), h.dt, path(&dw, 9)));
-
-    let derived: &dyn System = &adapter;
-    run_time::averaged_gradient(derived, &a, &b, h, &mut out, &mut scratch);
-    each(&out, &averaged, rounding);
-    run_time::averaged_field(derived, &a, &b, h, &mut out, &mut scratch);
-    each(&out, &field, rounding);
-    run_time::ito_correction(derived, &a, &mut out, &mut scratch);
-    each(&out, &|p| ito_correction(&system, path(&a, p)), rounding);
+    let (a, b, u): (&[Row], &[Row], &[Row]) = (&a, &b, &u);
+    let mut apply = |op: Op<&[Row]>| {
+        let mut out = Rows::zero(D).unwrap();
+        adapter.apply(op, 0..D, h, &mut out, &mut scratch);
+        out
+    };
+    let turned = apply(Op::Structure { y: a, v: u });
+    each(&turned, &|p| system.structure(path(a, p), path(u, p)), 0.0);
+    let gradient = apply(Op::Gradient { y: a });
+    each(&gradient, &|p| system.gradient(path(a, p), h.dt, path(&dw, p)), 0.0);
+    let averaged = |p| system.averaged_gradient(path(a, p), path(b, p), h.dt, path(&dw, p));
+    each(&apply(Op::AveragedGradient { a, b }), &averaged, 0.0);
+    let field = |p| system.averaged_field(path(a, p), path(b, p), h.dt, path(&dw, p));
+    each(&apply(Op::AveragedField { a, b }), &field, 0.0);
+    let ito = |p| ito_correction(&system, path(a, p));
+    each(&apply(Op::ItoCorrection { y: a }), &ito, 0.0);
+    let skew = |p: usize| -> [[f64; M]; M] {
+        let area = |m: usize, l: usize| areas[m * M + l][p];
+        std::array::from_fn(|m| {
+            std::array::from_fn(|l| match m.cmp(&l) {
+                Ordering::Less => area(m, l),
+                Ordering::Equal => 0.0,
+                Ordering::Greater => -area(l, m),
+            })
+        })
+    };
+    let of_areas = |p| area_gradient(&system, path(a, p), skew(p));
+    each(&apply(Op::AreaGradient { y: a }), &of_areas, 0.0);
 
     // The derivative of B∇h along u is (∂B·u)∇h + B∇²h·u, and that of ∇̄h a difference quotient.
-    let mut parts = [0, 1, 2].map(|_| Rows::zero(D).unwrap());
-    let [gradient, bent, curved] = &mut parts;
-    adapter.gradient(0..D, &a, h, gradient, &mut scratch);
-    adapter.structure_along(0..D, &a, &u, gradient, bent, &mut scratch);
-    adapter.hessian(0..D, &a, &u, h, curved, &mut scratch);
-    adapter.structure(0..D, &a, curved, &mut out, &mut scratch);
-    out.iter_mut().flatten().zip(bent.iter().flatten()).for_each(|(x, bent)| *x += bent);
+    let bent = apply(Op::StructureAlong { y: a, u, v: &gradient });
+    let curved = apply(Op::Hessian { y: a, u });
+    let mut slope = apply(Op::Structure { y: a, v: &curved });
+    slope.iter_mut().flatten().zip(bent.iter().flatten()).for_each(|(x, bent)| *x += bent);
     let along = |p| {
         let field = HamiltonianIncrement { system: &system, dt: h.dt, dw: path(&dw, p) };
-        directional(&field, path(&a, p), path(&u, p)).1
+        directional(&field, path(a, p), path(u, p)).1
     };
-    each(&out, &along, rounding);
-    let mut slope = Rows::zero(D).unwrap();
-    run_time::averaged_hessian(derived, &a, &b, &u, h, &mut slope, &mut scratch);
+    each(&slope, &along, rounding);
+    let slope = apply(Op::AveragedHessian { a, b, u });
+
+    let mut energy = [0.0; WIDTH];
+    adapter.energy(a, h, &mut energy, &mut scratch);
+    assert_eq!(energy[9], system.energy(path(a, 9), h.dt, path(&dw, 9)));
+    let mut derived = |op| {
+        let mut out = Rows::zero(D).unwrap();
+        derived(&adapter as &dyn System, op, h, &mut out, &mut scratch);
+        out
+    };
+    each(&derived(Op::AveragedGradient { a, b }), &averaged, rounding);
+    each(&derived(Op::AveragedField { a, b }), &field, rounding);
+    each(&derived(Op::ItoCorrection { y: a }), &ito, rounding);
+
     let step = 1e-5;
     let quotient = |p| {
-        let (a, b, u): ([f64; D], [f64; D], [f64; D]) = (path(&a, p), path(&b, p), path(&u, p));
+        let (a, b, u): ([f64; D], [f64; D], [f64; D]) = (path(a, p), path(b, p), path(u, p));
         let moved = |s: f64| {
             let b = std::array::from_fn(|i| b[i] + s * u[i]);
             system.averaged_gradient(a, b, h.dt, path(&dw, p))

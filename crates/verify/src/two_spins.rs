@@ -7,7 +7,7 @@ use systems::{ImplicitStep, Invariant, PoissonSystem, SystemError};
 /// same field on both, Hₘ = −σ(s₁ᵐ + s₂ᵐ) for m = x, y, z.
 ///
 /// Lévy areas are drawn for compiled systems only. Where none are needed, take
-/// [`SpinLattice`](systems::run_time::SpinLattice). The three noises do not commute: \[fₓ, f_y\]
+/// [`SpinLattice`](systems::lattice::SpinLattice). The three noises do not commute: \[fₓ, f_y\]
 /// rotates about z. Casimirs: ½|sᵢ|².
 #[derive(Clone, Copy, Debug)]
 pub struct TwoSpins {

@@ -3,7 +3,7 @@
 use real::{Row, WIDTH};
 use systems::{
     Linearity,
-    run_time::{Problem, System, Weights},
+    run_time::{Op, Problem, System, Weights},
 };
 
 use super::{
@@ -79,7 +79,7 @@ impl Facts {
         let mut probe = Probe {
             system,
             y0: problem.y0(),
-            scratch: vec![[0.0; WIDTH]; system.scratch_rows()],
+            scratch: vec![[0.0; WIDTH]; system.description().scratch_rows()],
             random: Random::new(Purpose::Points),
         };
         let y = probe.points();
@@ -142,26 +142,31 @@ impl Probe<'_> {
 
     /// ∇h for a unit weight of H₀ (0) or of Hₘ.
     fn gradient(&mut self, y: &[Row], m: usize) -> Vec<Row> {
-        let mut dw = vec![[0.0; WIDTH]; self.system.noises()];
+        let mut dw = vec![[0.0; WIDTH]; self.system.description().noises];
         if m > 0 {
             dw[m - 1] = [1.0; WIDTH];
         }
-        let h = Weights { dt: if m == 0 { 1.0 } else { 0.0 }, dw: &dw };
+        let h = Weights { dt: if m == 0 { 1.0 } else { 0.0 }, dw: &dw, areas: &[] };
         let mut out = vec![[0.0; WIDTH]; y.len()];
-        self.system.gradient(0..y.len(), y, h, &mut out, &mut self.scratch);
+        self.system.apply(Op::Gradient { y }, 0..y.len(), h, &mut out, &mut self.scratch);
         out
     }
 
     /// Whether all noises are multiples of H₀, and the degree of H₀.
     fn energies(&mut self, y: &[Row]) -> (bool, Option<f64>) {
         let slope = self.gradient(y, 0);
-        let noises = (1..=self.system.noises()).map(|m| self.gradient(y, m));
+        let noises = (1..=self.system.description().noises).map(|m| self.gradient(y, m));
         let all: Vec<Vec<Row>> = noises.collect();
         let flat = slope.as_flattened();
         let proportional = all.iter().all(|noise| multiple(flat, noise.as_flattened()).is_some());
         let dw = vec![[0.0; WIDTH]; all.len()];
         let mut energy = [0.0; WIDTH];
-        self.system.energy(y, Weights { dt: 1.0, dw: &dw }, &mut energy, &mut self.scratch);
+        self.system.energy(
+            y,
+            Weights { dt: 1.0, dw: &dw, areas: &[] },
+            &mut energy,
+            &mut self.scratch,
+        );
         // Euler's identity y·∇H₀ = pH₀.
         let euler: Row =
             std::array::from_fn(|p| y.iter().zip(&slope).map(|(y, g)| y[p] * g[p]).sum());
@@ -175,7 +180,8 @@ impl Probe<'_> {
         let column = |j| {
             let unit: Vec<Row> = axis(d, j).into_iter().map(|x| [x; WIDTH]).collect();
             let mut out = vec![[0.0; WIDTH]; d];
-            self.system.structure(0..d, y, &unit, &mut out, &mut self.scratch);
+            let op = Op::Structure { y, v: &unit };
+            self.system.apply(op, 0..d, Weights::NONE, &mut out, &mut self.scratch);
             out
         };
         (0..d).map(column).collect()
@@ -194,7 +200,8 @@ impl Probe<'_> {
         for j in 0..d {
             let unit: Vec<Row> = axis(d, j).into_iter().map(|x| [x; WIDTH]).collect();
             let mut along = vec![[0.0; WIDTH]; d];
-            self.system.structure_along(0..d, y, &unit, &v, &mut along, &mut self.scratch);
+            let op = Op::StructureAlong { y, u: &unit, v: &v };
+            self.system.apply(op, 0..d, Weights::NONE, &mut along, &mut self.scratch);
             let moved = |i: &usize| !is_zero(&matrix[j][*i]) || !is_zero(&along[*i]);
             (0..d).filter(moved).for_each(|i| join(i, j));
         }
@@ -206,6 +213,7 @@ impl Probe<'_> {
     fn casimirs(&mut self, y: &[Row]) -> Vec<Form> {
         let d = y.len();
         let first = self.matrix(y);
+        let is_variable = self.system.description().linearity != Linearity::Constant;
         let parts = self.parts(y, &first);
         let (mut linear, mut quadratic) = (Vec::new(), Vec::new());
         let mut states = vec![(y.to_vec(), first)];
@@ -215,7 +223,7 @@ impl Probe<'_> {
             let unknowns = size * (size + 1) / 2;
             let mut twos = Matrix::new();
             let rank = size - ones.len();
-            if self.system.linearity() != Linearity::Constant && unknowns <= UNKNOWNS && rank > 0 {
+            if is_variable && unknowns <= UNKNOWNS && rank > 0 {
                 while states.len() * WIDTH * rank < SURPLUS * unknowns {
                     let y = self.points();
                     let matrix = self.matrix(&y);

@@ -65,15 +65,21 @@ impl Function for Energy<'_> {
     }
 }
 
+impl OfFormulas<'_> {
+    fn description(&self) -> &run_time::Description {
+        run_time::System::description(self.0)
+    }
+}
+
 impl System for OfFormulas<'_> {
     fn name(&self) -> &str {
-        run_time::System::name(self.0)
+        &self.description().name
     }
     fn dimension(&self) -> usize {
-        run_time::System::dimension(self.0)
+        self.description().dimension
     }
     fn noises(&self) -> usize {
-        run_time::System::noises(self.0)
+        self.description().noises
     }
     fn in_domain(&self, y: &[f64]) -> bool {
         run_time::System::check_domain(self.0, y).is_ok()
@@ -102,7 +108,7 @@ impl System for OfFormulas<'_> {
         values(|| gradient(self.0, &variables(y), weights))
     }
     fn averages(&self, a: &[f64], b: &[f64], weights: &[f64]) -> [Vec<Bounded>; 2] {
-        let rule = run_time::System::rule(self.0);
+        let rule = &self.description().rule;
         let (a, b) = (variables(a), variables(b));
         let averaged = || {
             let mut sum = vec![Bounded::exact(0.0); a.len()];
@@ -143,7 +149,7 @@ impl System for OfFormulas<'_> {
     fn without_iteration(&self, _: &[f64]) -> WithoutIteration {
         let scheme = SexpLi::at_run_time(self.0);
         WithoutIteration {
-            structure: run_time::System::linearity(self.0),
+            structure: self.description().linearity,
             truncates: scheme.as_ref().is_ok_and(Scheme::clips_increments),
             refused: scheme.err().map(|refused| refused.to_string()),
             areas_refused: Some("Lévy areas are not drawn for systems known at run time".into()),

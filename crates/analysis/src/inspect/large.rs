@@ -5,7 +5,7 @@ use std::fmt;
 use real::{OutOfMemory, Row, Rows, WIDTH};
 use schemes::{Nv, SexpLi};
 use serde::Serialize;
-use systems::run_time::{Lanes, System, Weights};
+use systems::run_time::{Description, Lanes, Layout, Op, System, Weights};
 
 use super::{
     finding::Status,
@@ -74,13 +74,13 @@ impl LargeInspection {
 /// # Panics
 /// Unless `y0` has as many components as the system.
 pub fn inspect_large(system: &dyn System, y0: &[f64]) -> Result<LargeInspection, OutOfMemory> {
-    assert_eq!(y0.len(), system.dimension(), "components of a state");
+    assert_eq!(y0.len(), system.description().dimension, "components of a state");
     let mut probe = Probe::new(system)?;
     let mut skew = Check::new("vᵀB(y)v = 0", ROUNDING);
     let mut gradient = Check::new("∇h is the derivative of h", QUOTIENT);
     let mut hessian = Check::new("∇²h·u is the derivative of ∇h", QUOTIENT);
     let mut structure = Check::new("(∂B·u)v is the derivative of B(y)v", QUOTIENT);
-    let laws = system.invariants();
+    let laws = &system.description().invariants;
     let mut casimirs: Vec<Check> = laws
         .iter()
         .enumerate()
@@ -100,10 +100,10 @@ pub fn inspect_large(system: &dyn System, y0: &[f64]) -> Result<LargeInspection,
         }
         let (u, v) = (vector(&|i| 0.1 + y0[i].abs()), vector(&|_| 1.0));
         let dt = 0.5 + 0.5 * random.uniform();
-        let dw: Vec<f64> = (0..system.noises()).map(|_| random.uniform()).collect();
+        let dw: Vec<f64> = (0..system.description().noises).map(|_| random.uniform()).collect();
         let at = probe.at(&y)?;
         let (along, covector, noise) = (probe.at(&u)?, probe.at(&v)?, probe.noise(&dw)?);
-        let h = Weights { dt, dw: &noise };
+        let h = Weights { dt, dw: &noise, areas: &[] };
         // B and its derivative.
         let turned = probe.structure(&at, &covector)?;
         skew.add(0.0, probe.products(&covector, &turned));
@@ -125,7 +125,7 @@ pub fn inspect_large(system: &dyn System, y0: &[f64]) -> Result<LargeInspection,
         let curved = probe.hessian(&at, &along, h)?;
         let expected = quotient(&probe.gradient(&up, h)?, &probe.gradient(&down, h)?)?;
         hessian.compare(&probe, &curved, &expected, &slope);
-        if !system.is_transverse() {
+        if !system.description().is_transverse {
             let difference = (probe.energy(&up, h) - probe.energy(&down, h)) / (2.0 * STEP);
             gradient.add(difference, probe.products(&along, &slope));
         }
@@ -139,19 +139,20 @@ pub fn inspect_large(system: &dyn System, y0: &[f64]) -> Result<LargeInspection,
         }
     }
     let mut identities = vec![skew, structure, hessian];
-    if !system.is_transverse() {
+    if !system.description().is_transverse {
         identities.push(gradient);
     }
     identities.extend(casimirs);
+    let Description { name, parameters, dimension, noises, parts, .. } = system.description();
     Ok(LargeInspection {
-        system: format!("{} ({})", system.name(), system.parameters()),
-        dimension: system.dimension(),
-        noises: system.noises(),
+        system: format!("{name} ({parameters})"),
+        dimension: *dimension,
+        noises: *noises,
         directions: DIRECTIONS,
         identities: identities.into_iter().map(Check::finding).collect(),
         sexp_li_refused: SexpLi::at_run_time(system).err().map(|refused| refused.to_string()),
         nv_refused: Nv::at_run_time(system).err().map(|refused| refused.to_string()),
-        split_refused: system.parts().err(),
+        split_refused: parts.clone().err(),
     })
 }
 
@@ -212,40 +213,43 @@ impl Check {
     }
 }
 
-/// The methods of a system, tile by tile, on states of one path.
+/// The operations of a system, tile by tile, on states of one path.
 struct Probe<'a> {
     system: &'a dyn System,
+    layout: Layout,
     scratch: Rows,
 }
 
 impl<'a> Probe<'a> {
     fn new(system: &'a dyn System) -> Result<Self, OutOfMemory> {
-        Ok(Self { system, scratch: Rows::zero(system.scratch_rows())? })
+        let description = system.description();
+        let scratch = Rows::zero(description.scratch_rows())?;
+        Ok(Self { system, layout: description.layout, scratch })
     }
 
     /// A state in rows, on path 0.
     fn at(&self, y: &[f64]) -> Result<Rows, OutOfMemory> {
-        if self.system.lanes() == Lanes::Paths {
+        if self.layout.lanes == Lanes::Paths {
             return Rows::splat(y);
         }
-        let mut rows = Rows::zero(self.system.rows())?;
+        let mut rows = Rows::zero(self.layout.rows)?;
         for (component, &y) in y.iter().enumerate() {
-            let (row, place) = self.system.place(component);
+            let (row, place) = self.layout.place(component);
             rows[row][place] = y;
         }
         Ok(rows)
     }
 
     fn noise(&self, dw: &[f64]) -> Result<Rows, OutOfMemory> {
-        if self.system.local_noise() { self.at(dw) } else { Rows::splat(dw) }
+        if self.layout.local_noise { self.at(dw) } else { Rows::splat(dw) }
     }
 
     fn components(&self, rows: &[Row]) -> Vec<f64> {
         let at = |component| {
-            let (row, place) = self.system.place(component);
+            let (row, place) = self.layout.place(component);
             rows[row][place]
         };
-        (0..self.system.dimension()).map(at).collect()
+        (0..self.system.description().dimension).map(at).collect()
     }
 
     /// Σ aᵢbᵢ and Σ |aᵢbᵢ|.
@@ -254,39 +258,32 @@ impl<'a> Probe<'a> {
         terms.fold((0.0, 0.0), |(sum, size), term| (sum + term, size + term.abs()))
     }
 
-    /// A result, tile by tile.
-    fn tiles(
-        &mut self,
-        compute: impl Fn(&dyn System, std::ops::Range<usize>, &mut [Row], &mut [Row]),
-    ) -> Result<Rows, OutOfMemory> {
-        let rows = self.system.rows();
-        let mut out = Rows::zero(rows)?;
-        for first in (0..rows).step_by(self.system.tile_rows()) {
-            let tile = first..(first + self.system.tile_rows()).min(rows);
-            compute(self.system, tile.clone(), &mut out[tile], &mut self.scratch);
+    /// The result of an operation on whole states.
+    fn apply(&mut self, op: Op<&Rows>, h: Weights<'_>) -> Result<Rows, OutOfMemory> {
+        let Layout { rows, tile_rows, .. } = self.layout;
+        let (mut out, is_local) = (Rows::zero(rows)?, op.is_local());
+        for first in (0..rows).step_by(tile_rows) {
+            let tile = first..(first + tile_rows).min(rows);
+            let op = op.map(|state| if is_local { &state[tile.clone()] } else { &state[..] });
+            self.system.apply(op, tile.clone(), h, &mut out[tile], &mut self.scratch);
         }
         Ok(out)
     }
 
     fn structure(&mut self, y: &Rows, v: &Rows) -> Result<Rows, OutOfMemory> {
-        self.tiles(|system, tile, out, scratch| {
-            system.structure(tile.clone(), &y[tile.clone()], &v[tile], out, scratch);
-        })
+        self.apply(Op::Structure { y, v }, Weights::NONE)
     }
 
     fn structure_along(&mut self, y: &Rows, u: &Rows, v: &Rows) -> Result<Rows, OutOfMemory> {
-        self.tiles(|system, tile, out, scratch| {
-            let (y, u, v) = (&y[tile.clone()], &u[tile.clone()], &v[tile.clone()]);
-            system.structure_along(tile, y, u, v, out, scratch);
-        })
+        self.apply(Op::StructureAlong { y, u, v }, Weights::NONE)
     }
 
     fn gradient(&mut self, y: &Rows, h: Weights<'_>) -> Result<Rows, OutOfMemory> {
-        self.tiles(|system, tile, out, scratch| system.gradient(tile, y, h, out, scratch))
+        self.apply(Op::Gradient { y }, h)
     }
 
     fn hessian(&mut self, y: &Rows, u: &Rows, h: Weights<'_>) -> Result<Rows, OutOfMemory> {
-        self.tiles(|system, tile, out, scratch| system.hessian(tile, y, u, h, out, scratch))
+        self.apply(Op::Hessian { y, u }, h)
     }
 
     fn energy(&mut self, y: &Rows, h: Weights<'_>) -> f64 {
@@ -303,7 +300,7 @@ impl<'a> Probe<'a> {
 
     /// The number of path 0, or the sum over the row of one path.
     fn of_row(&self, row: &Row) -> f64 {
-        match self.system.lanes() {
+        match self.layout.lanes {
             Lanes::Paths => row[0],
             Lanes::Components => row.iter().sum(),
         }

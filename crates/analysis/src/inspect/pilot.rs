@@ -88,7 +88,7 @@ pub fn pilot_paths_of(
     };
     paths.state_mut().iter_mut().zip(y0).for_each(|(row, &y)| *row = [y; WIDTH]);
     let mut random = Random::new(Purpose::Paths);
-    let mut dw = vec![[0.0; WIDTH]; system.noises()];
+    let mut dw = vec![[0.0; WIDTH]; system.description().noises];
     let mut live: Vec<usize> = (0..PATHS).collect();
     for n in 0..STEPS {
         for increment in dw.iter_mut().flat_map(|row| &mut row[..PATHS]) {

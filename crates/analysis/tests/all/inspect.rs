@@ -675,7 +675,7 @@ fn formulas_are_inspected_like_compiled_systems() {
 /// Large systems are inspected along directions, and what is wrong is seen.
 #[test]
 fn lattices_are_inspected_along_directions() {
-    use systems::run_time::{Couplings, Shape, SpinLattice};
+    use systems::lattice::{Couplings, Shape, SpinLattice};
     let couplings = Couplings {
         exchange: 1.0,
         anisotropy: 0.4,

@@ -74,7 +74,7 @@ impl Model<NoiseRows> for Formulas {
     }
 
     fn constant_structure(&self) -> bool {
-        self.system.linearity() == Linearity::Constant
+        self.system.description().linearity == Linearity::Constant
     }
 
     fn expect(&self) -> Option<Expect<'_, NoiseRows>> {

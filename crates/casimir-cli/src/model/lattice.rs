@@ -11,7 +11,8 @@ use casimir::{
     schemes::Split,
     systems::{
         Damping,
-        run_time::{Couplings, Problem, Shape, SpinLattice, System, Weights, noise_at_temperature},
+        lattice::{Couplings, Shape, SpinLattice, noise_at_temperature},
+        run_time::{Problem, System, Weights},
     },
 };
 
@@ -43,12 +44,12 @@ impl Model<NoiseRows> for Lattice {
     }
 
     fn recommended(&self) -> (&'static str, String) {
-        let system = self.problem.system();
-        match system.parts() {
+        let system = self.problem.system().description();
+        match &system.parts {
             Ok(_) => {
                 ("split", "it keeps the length of each spin, and the energy stays near".into())
             }
-            Err(_) if system.is_transverse() => {
+            Err(_) if system.is_transverse => {
                 let because =
                     "it keeps the length of each spin; transverse damping governs the energy";
                 ("sexp-li", because.into())
@@ -166,10 +167,10 @@ pub fn build(
 
 /// H₀ of 32 paths.
 fn energy(lattice: SpinLattice) -> impl Fn(&[Row], &mut Row) + Send + Sync {
-    let noises = lattice.noises();
+    let noises = lattice.description().noises;
     move |y, values| {
         let dw = vec![[0.0; casimir::real::WIDTH]; noises];
-        let mut scratch = vec![[0.0; casimir::real::WIDTH]; lattice.scratch_rows()];
-        lattice.energy(y, Weights { dt: 1.0, dw: &dw }, values, &mut scratch);
+        let mut scratch = vec![[0.0; casimir::real::WIDTH]; lattice.description().scratch_rows()];
+        lattice.energy(y, Weights { dt: 1.0, dw: &dw, areas: &[] }, values, &mut scratch);
     }
 }

@@ -109,7 +109,7 @@ impl Graph {
     }
 
     /// Σ uᵢvᵢ.
-    fn dot(&mut self, u: &[Id], v: &[Id]) -> Id {
+    pub fn dot(&mut self, u: &[Id], v: &[Id]) -> Id {
         let mut sum = self.constant(0.0);
         for (&u, &v) in u.iter().zip(v) {
             let product = self.mul(u, v);

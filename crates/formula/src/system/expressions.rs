@@ -6,8 +6,10 @@ use super::{
     average::{self, Segment},
     cayley,
     definition::Formulas,
+    skew::points,
 };
-use real::Real;
+use real::{Bounded, Real};
+use systems::run_time::Op;
 
 use crate::{
     Formula, Graph, Id, Tape,
@@ -25,25 +27,36 @@ pub struct Expressions {
     hamiltonians: Vec<Id>,
     observables: Vec<Id>,
     /// B(y)v.
-    pub field: Vec<Id>,
+    field: Vec<Id>,
     /// (∂B·u)v.
-    pub field_along: Vec<Id>,
+    field_along: Vec<Id>,
     /// h.
     energy: Id,
     /// ∇h.
-    pub gradient: Vec<Id>,
+    gradient: Vec<Id>,
     /// ∇²h·u.
-    pub hessian: Vec<Id>,
+    hessian: Vec<Id>,
     /// ∇̄h(y, u).
-    pub averaged_gradient: Vec<Id>,
+    averaged_gradient: Vec<Id>,
     /// ½Σₘ fₘ′fₘ with fₘ = B∇Hₘ.
-    pub ito_correction: Vec<Id>,
+    ito_correction: Vec<Id>,
+    /// Σ_{m<l} A_ml ∇{Hₘ, H_l}; none for more than [`MOST_NOISES`].
+    area_gradient: Option<Vec<Id>>,
     /// The solution z of z = y + B((y+z)/2)v; none if B is not affine, or the dimension too large.
-    pub cayley: Option<Vec<Id>>,
+    cayley: Option<Vec<Id>>,
 }
 
 /// From this dimension on the elimination has more instructions than a tape should.
-const LARGEST_ELIMINATION: usize = 24;
+pub const LARGEST_ELIMINATION: usize = 24;
+
+/// The most noises whose Lévy areas are used.
+const MOST_NOISES: usize = 16;
+
+/// Expressions beyond which commutators are not written out.
+const MOST_EXPRESSIONS: usize = 100_000;
+
+/// The least number of points that show an identity.
+const LEAST_POINTS: usize = 3;
 
 impl Expressions {
     pub fn new(formulas: &Formulas) -> Self {
@@ -72,6 +85,7 @@ impl Expressions {
             hessian: none(),
             averaged_gradient: none(),
             ito_correction: none(),
+            area_gradient: None,
             cayley: None,
         };
         let v = new.inputs(new.v());
@@ -83,6 +97,7 @@ impl Expressions {
         new.hessian = new.along(&new.gradient.clone());
         new.averaged_gradient = new.averaged(&weights);
         new.ito_correction = new.corrected();
+        new.area_gradient = (noises <= MOST_NOISES).then(|| new.bracketed());
         if new.structure_degree().is_some_and(|degree| degree <= 1)
             && dimension <= LARGEST_ELIMINATION
         {
@@ -119,13 +134,18 @@ impl Expressions {
         self.dt().end..self.dt().end + self.noises
     }
 
+    /// The matrix of Lévy areas, of which the part above the diagonal is read.
+    fn areas(&self) -> Range<usize> {
+        self.dw().end..self.dw().end + self.noises * self.noises
+    }
+
     fn inputs(&mut self, range: Range<usize>) -> Vec<Id> {
         range.map(|k| self.graph.input(k)).collect()
     }
 
     /// B(y)v on numbers of any type.
     pub fn field_on<R: Real>(&self, y: &[R], v: &[R]) -> Vec<R> {
-        let rest = vec![R::zero(); 1 + self.noises];
+        let rest = vec![R::zero(); self.areas().end - self.dt().start];
         let inputs = [y, y, v, &rest].concat();
         self.graph.evaluate(&self.field, &inputs)
     }
@@ -236,10 +256,7 @@ impl Expressions {
     fn corrected(&mut self) -> Vec<Id> {
         let mut correction = vec![self.graph.constant(0.0); self.dimension];
         for m in 1..self.hamiltonians.len() {
-            let mut unit = vec![self.graph.constant(0.0); self.hamiltonians.len()];
-            unit[m] = self.graph.constant(1.0);
-            let gradient = self.gradient_of(&unit);
-            let field = self.field_at(None, Some(&gradient));
+            let (_, field) = self.field_of(m);
             let direction: Vec<(usize, Id)> = self.y().zip(field.iter().copied()).collect();
             let derivative = self.graph.forward(&field, &direction);
             for (sum, part) in correction.iter_mut().zip(derivative) {
@@ -250,16 +267,78 @@ impl Expressions {
         correction
     }
 
+    /// Σ_{m<l} A_ml ∇{Hₘ, H_l}.
+    fn bracketed(&mut self) -> Vec<Id> {
+        let fields: Vec<(Vec<Id>, Vec<Id>)> = (1..=self.noises).map(|m| self.field_of(m)).collect();
+        let mut brackets = Vec::new();
+        for (m, (slope, _)) in fields.iter().enumerate() {
+            for (l, (_, field)) in fields.iter().enumerate().skip(m + 1) {
+                let area = self.graph.input(self.areas().start + m * self.noises + l);
+                brackets.push((self.graph.dot(slope, field), area));
+            }
+        }
+        let y: Vec<usize> = self.y().collect();
+        self.graph.reverse(&brackets, &y)
+    }
+
+    /// Whether \[fₘ, f_l\] = −B∇{Hₘ, H_l} for all noises: each component is zero within its own
+    /// rounding error at points around `y0`, and the formulas are not made of pieces, as in
+    /// [`systems::jacobi_holds`]. False if there are too many noises or expressions.
+    pub fn jacobi_holds(mut self, y0: &[f64]) -> bool {
+        if self.area_gradient.is_none() {
+            return false;
+        }
+        let fields: Vec<(Vec<Id>, Vec<Id>)> = (1..=self.noises).map(|m| self.field_of(m)).collect();
+        let (y, one) = (self.y().collect::<Vec<_>>(), self.graph.constant(1.0));
+        let mut defects = Vec::new();
+        for (m, (slope, f)) in fields.iter().enumerate() {
+            for (_, g) in &fields[m + 1..] {
+                let bracket = self.graph.dot(slope, g);
+                let v = self.graph.reverse(&[(bracket, one)], &y);
+                let turned = self.field_at(None, Some(&v));
+                let [moved, other] = [(g, f), (f, g)].map(|(of, along)| {
+                    let direction: Vec<_> = y.iter().copied().zip(along.iter().copied()).collect();
+                    self.graph.forward(of, &direction)
+                });
+                for i in 0..self.dimension {
+                    let commutator = self.graph.sub(moved[i], other[i]);
+                    defects.push(self.graph.add(commutator, turned[i]));
+                }
+                if self.graph.len() > MOST_EXPRESSIONS {
+                    return false;
+                }
+            }
+        }
+        let mut shown = 0;
+        for point in points(y0) {
+            let mut inputs = vec![Bounded::exact(0.0); self.areas().end];
+            inputs.iter_mut().zip(&point).for_each(|(y, &x)| *y = Bounded::variable(x));
+            let (values, is_piecewise) =
+                Bounded::piecewise(|| self.graph.evaluate(&defects, &inputs));
+            // Outside of the domain there is no number.
+            if values.iter().all(|defect| defect.value.is_finite() && defect.error.is_finite()) {
+                if is_piecewise || values.iter().any(|defect| defect.value.abs() > defect.error) {
+                    return false;
+                }
+                shown += 1;
+            }
+        }
+        shown >= LEAST_POINTS
+    }
+
+    /// ∇Hₘ and B∇Hₘ.
+    fn field_of(&mut self, m: usize) -> (Vec<Id>, Vec<Id>) {
+        let mut unit = vec![self.graph.constant(0.0); self.hamiltonians.len()];
+        unit[m] = self.graph.constant(1.0);
+        let gradient = self.gradient_of(&unit);
+        let field = self.field_at(None, Some(&gradient));
+        (gradient, field)
+    }
+
     /// The equation with damping or without, a text for each component: `dp = -q dt + 0.5 ∘ dW1`.
     pub fn equations(mut self, state: &[String], damped: bool) -> Vec<String> {
-        let fields: Vec<Vec<Id>> = (0..self.hamiltonians.len())
-            .map(|m| {
-                let mut unit = vec![self.graph.constant(0.0); self.hamiltonians.len()];
-                unit[m] = self.graph.constant(1.0);
-                let gradient = self.gradient_of(&unit);
-                self.field_at(None, Some(&gradient))
-            })
-            .collect();
+        let fields: Vec<Vec<Id>> =
+            (0..self.hamiltonians.len()).map(|m| self.field_of(m).1).collect();
         let equation = |(i, name): (usize, &String)| {
             let mut terms = String::new();
             for (m, field) in fields.iter().enumerate() {
@@ -318,65 +397,67 @@ impl Expressions {
         cayley::right_side(&mut self.graph, &y, &self.field, &constant)
     }
 
-    fn tape(&self, outputs: &[Id], groups: &[Range<usize>]) -> Tape {
-        Tape::new(&self.graph, outputs, groups)
+    /// The expressions of an operation, and the groups of inputs (y, u, v) that its arguments are;
+    /// none if it follows from others, or has no expression.
+    pub fn of<P>(&self, op: &Op<P>) -> Option<(Op<usize>, &[Id])> {
+        let (y, u, v, a, b) = (0, 1, 2, 0, 1);
+        Some(match op {
+            Op::Structure { .. } => (Op::Structure { y, v }, &self.field),
+            Op::StructureAlong { .. } => (Op::StructureAlong { y, u, v }, &self.field_along),
+            Op::Gradient { .. } => (Op::Gradient { y }, &self.gradient),
+            Op::Hessian { .. } => (Op::Hessian { y, u }, &self.hessian),
+            Op::AveragedGradient { .. } => (Op::AveragedGradient { a, b }, &self.averaged_gradient),
+            Op::Cayley { .. } => (Op::Cayley { y, v }, self.cayley.as_ref()?),
+            Op::ItoCorrection { .. } => (Op::ItoCorrection { y }, &self.ito_correction),
+            Op::AreaGradient { .. } => (Op::AreaGradient { y }, self.area_gradient.as_ref()?),
+            Op::AveragedHessian { .. } | Op::AveragedField { .. } => return None,
+        })
     }
 
-    /// B(y)v from y and v.
-    pub fn structure_tape(&self) -> Tape {
-        self.tape(&self.field, &[self.y(), self.v()])
-    }
-
-    /// (∂B·u)v from y, u and v.
-    pub fn structure_along_tape(&self) -> Tape {
-        self.tape(&self.field_along, &[self.y(), self.u(), self.v()])
+    /// The operations that have expressions, each with a tape from its arguments, and from dt and dw
+    /// or the areas if it reads them.
+    pub fn op_tapes(&self) -> Vec<(Op<()>, Tape)> {
+        let (y, u, v, a, b) = ((), (), (), (), ());
+        let all = [
+            Op::Structure { y, v },
+            Op::StructureAlong { y, u, v },
+            Op::Gradient { y },
+            Op::Hessian { y, u },
+            Op::AveragedGradient { a, b },
+            Op::Cayley { y, v },
+            Op::ItoCorrection { y },
+            Op::AreaGradient { y },
+        ];
+        let tape = |op: Op<()>| {
+            let (groups, roots) = self.of(&op)?;
+            let weights = groups.reads_weights().then(|| [self.dt(), self.dw()]);
+            let areas = matches!(op, Op::AreaGradient { .. }).then(|| self.areas());
+            let states = groups.arguments().map(|k| k * self.dimension..(k + 1) * self.dimension);
+            let inputs: Vec<_> = states.chain(weights.into_iter().flatten()).chain(areas).collect();
+            Some((op, Tape::new(&self.graph, roots, &inputs)))
+        };
+        all.into_iter().filter_map(tape).collect()
     }
 
     /// h from y, dt and dw.
     pub fn energy_tape(&self) -> Tape {
-        self.tape(&[self.energy], &[self.y(), self.dt(), self.dw()])
-    }
-
-    /// ∇h from y, dt and dw.
-    pub fn gradient_tape(&self) -> Tape {
-        self.tape(&self.gradient, &[self.y(), self.dt(), self.dw()])
-    }
-
-    /// ∇²h·u from y, u, dt and dw.
-    pub fn hessian_tape(&self) -> Tape {
-        self.tape(&self.hessian, &[self.y(), self.u(), self.dt(), self.dw()])
-    }
-
-    /// ∇̄h(a, b) from a, b, dt and dw.
-    pub fn averaged_gradient_tape(&self) -> Tape {
-        let groups = [self.y(), self.u(), self.dt(), self.dw()];
-        self.tape(&self.averaged_gradient, &groups)
-    }
-
-    /// ½Σₘ fₘ′fₘ from y.
-    pub fn ito_correction_tape(&self) -> Tape {
-        self.tape(&self.ito_correction, from_ref(&self.y()))
+        Tape::new(&self.graph, &[self.energy], &[self.y(), self.dt(), self.dw()])
     }
 
     /// The observables from y.
     pub fn observables_tape(&self) -> Tape {
-        self.tape(&self.observables, from_ref(&self.y()))
-    }
-
-    /// The solution of the linearly implicit step from y and v.
-    pub fn cayley_tape(&self) -> Option<Tape> {
-        Some(self.tape(self.cayley.as_ref()?, &[self.y(), self.v()]))
+        Tape::new(&self.graph, &self.observables, from_ref(&self.y()))
     }
 
     /// The entries of I − ½A(v) from v, row by row.
     pub fn cayley_matrix_tape(&mut self) -> Tape {
         let matrix = cayley::matrix(&mut self.graph, &self.field).concat();
-        self.tape(&matrix, from_ref(&self.v()))
+        Tape::new(&self.graph, &matrix, from_ref(&self.v()))
     }
 
     /// y + ½(B(y)v + B(0)v) from y and v.
     pub fn right_side_tape(&mut self) -> Tape {
         let right = self.right_side();
-        self.tape(&right, &[self.y(), self.v()])
+        Tape::new(&self.graph, &right, &[self.y(), self.v()])
     }
 }

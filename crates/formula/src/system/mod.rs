@@ -14,7 +14,7 @@ use dgrad::{Rule, nodes_for_degree};
 use real::{Real, Row, WIDTH, dispatch};
 use systems::{
     Linearity, SystemError,
-    run_time::{Node, Program, System, Weights},
+    run_time::{Description, Op, Program, Recorded, System, Weights, derived},
     shown_solvable,
 };
 
@@ -23,7 +23,7 @@ pub use definition::{Definition, DefinitionError, Which};
 use crate::{Formula, Names, Tape};
 use definition::Formulas;
 use elimination::Eliminate;
-use expressions::Expressions;
+use expressions::{Expressions, LARGEST_ELIMINATION};
 use program::Programs;
 
 /// Nodes of the averaged gradient of what is no polynomial, and the most for a polynomial. The
@@ -40,7 +40,7 @@ const MOST_NODES: usize = 16;
 /// ```
 /// use formula::{Definition, FormulaSystem};
 /// use real::Rows;
-/// use systems::run_time::{System, Weights};
+/// use systems::run_time::{Op, System, Weights};
 ///
 /// let words = |texts: &[&str]| texts.iter().map(|text| text.to_string()).collect::<Vec<_>>();
 /// let definition = Definition {
@@ -53,58 +53,29 @@ const MOST_NODES: usize = 16;
 ///     observables: vec![],
 /// };
 /// let body = FormulaSystem::new(&definition, &[0.6, 0.0, 0.8])?;
-/// assert!(body.is_quadratic() && body.always_solvable());
+/// assert!(body.description().is_quadratic() && body.description().always_solvable);
 ///
 /// let (y, dw) = (Rows::splat(&[0.6, 0.0, 0.8])?, Rows::splat(&[0.3])?);
-/// let (mut gradient, mut scratch) = (Rows::zero(3)?, Rows::zero(body.scratch_rows())?);
-/// let h = Weights { dt: 0.01, dw: &dw };
-/// body.gradient(0..3, &y, h, &mut gradient, &mut scratch);
+/// let mut scratch = Rows::zero(body.description().scratch_rows())?;
+/// let (mut gradient, h) = (Rows::zero(3)?, Weights { dt: 0.01, dw: &dw, areas: &[] });
+/// body.apply(Op::Gradient { y: &y }, 0..3, h, &mut gradient, &mut scratch);
 /// assert!((gradient[0][5] - 0.6 * (0.005 + 0.5 * 0.3)).abs() < 1e-16);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct FormulaSystem {
     definition: Definition,
+    description: Description,
     names: Names,
     checked: Vec<Formula>,
-    structure: Tape,
-    structure_along: Tape,
+    tapes: Vec<(Op<()>, Tape)>,
     energy: Tape,
-    gradient: Tape,
-    hessian: Tape,
-    averaged_gradient: Tape,
-    ito_correction: Tape,
     observables: Tape,
     guard: Option<Tape>,
-    cayley: Cayley,
+    /// The matrix and the right-hand side of the linearly implicit step, for dimensions whose
+    /// elimination is too long for a tape.
+    elimination: Option<[Tape; 2]>,
     expressions: Expressions,
-    rule: Rule,
     programs: Programs,
-    linearity: Linearity,
-    solvable: bool,
-    scratch: usize,
-}
-
-/// How z = y + B((y+z)/2)v is solved.
-enum Cayley {
-    /// By a tape that has the whole elimination.
-    Tape(Tape),
-    /// By elimination on rows.
-    Rows { matrix: Tape, right: Tape },
-    /// Not at all, since B is not affine.
-    None,
-}
-
-impl Cayley {
-    /// For an affine B.
-    fn new(expressions: &mut Expressions) -> Self {
-        match expressions.cayley_tape() {
-            Some(tape) => Self::Tape(tape),
-            None => Self::Rows {
-                matrix: expressions.cayley_matrix_tape(),
-                right: expressions.right_side_tape(),
-            },
-        }
-    }
 }
 
 impl FormulaSystem {
@@ -126,63 +97,71 @@ impl FormulaSystem {
             }
             None => NODES,
         };
-        let (cayley, solvable) = match linearity {
-            Linearity::Other => (Cayley::None, false),
-            Linearity::Constant => (Cayley::new(&mut expressions), true),
+        let always_solvable = match linearity {
+            Linearity::Other => false,
+            Linearity::Constant => true,
             Linearity::Affine => {
                 let matrix = expressions.cayley_matrix_tape();
-                let solvable = shown_solvable(y0.len(), |v| {
+                shown_solvable(y0.len(), |v| {
                     let mut entries = vec![0.0; v.len() * v.len()];
                     matrix.evaluate_one(&[v], &mut entries);
                     entries.chunks(v.len()).map(Vec::from).collect()
-                });
-                (Cayley::new(&mut expressions), solvable)
+                })
             }
+        };
+        let tapes = expressions.op_tapes();
+        let is_long = linearity != Linearity::Other && y0.len() > LARGEST_ELIMINATION;
+        let elimination =
+            is_long.then(|| [expressions.cayley_matrix_tape(), expressions.right_side_tape()]);
+        let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
+        let parameters =
+            definition.parameters.iter().map(|(name, value)| format!("{name} = {value}"));
+        let (dimension, noises) = (definition.state.len(), definition.noises.len());
+        let has_guard = expressions.have_domain();
+        let description = Description {
+            parameters: parameters.collect::<Vec<_>>().join(", "),
+            linearity,
+            always_solvable,
+            has_guard,
+            jacobi_holds: expressions.clone().jacobi_holds(y0),
+            ..Description::new(&definition.name, dimension, noises, rule)
         };
         let mut system = Self {
             definition: definition.clone(),
-            structure: expressions.structure_tape(),
-            structure_along: expressions.structure_along_tape(),
+            description,
+            tapes,
             energy: expressions.energy_tape(),
-            gradient: expressions.gradient_tape(),
-            hessian: expressions.hessian_tape(),
-            averaged_gradient: expressions.averaged_gradient_tape(),
-            ito_correction: expressions.ito_correction_tape(),
             observables: expressions.observables_tape(),
-            guard: expressions.have_domain().then(|| expressions.guard_tape()),
-            cayley,
+            guard: has_guard.then(|| expressions.guard_tape()),
+            elimination,
             expressions,
-            rule: Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}")),
             programs: Programs::default(),
-            linearity,
-            solvable,
-            scratch: 0,
             names: formulas.names,
             checked: std::iter::once(formulas.energy)
                 .chain(formulas.noises)
                 .chain(formulas.structure.into_iter().flatten())
                 .collect(),
         };
-        system.scratch = system.largest_scratch();
+        system.description.own_scratch_rows = system.largest_scratch();
         Ok(system)
     }
 
     fn largest_scratch(&self) -> usize {
-        let weighted = [&self.energy, &self.gradient, &self.hessian, &self.averaged_gradient];
-        let plain =
-            [&self.structure, &self.structure_along, &self.ito_correction, &self.observables];
-        let plain = plain.into_iter().chain(&self.guard);
-        let cayley = match &self.cayley {
-            Cayley::Tape(tape) => tape.scratch_rows(),
-            Cayley::Rows { matrix, right } => {
-                matrix.outputs() + matrix.scratch_rows().max(right.scratch_rows())
-            }
-            Cayley::None => 0,
-        };
+        let tapes = self.tapes.iter().map(|(_, tape)| tape);
+        let tapes = tapes.chain([&self.energy, &self.observables]).chain(&self.guard);
+        let elimination = self.elimination.iter().map(|[matrix, right]| {
+            matrix.outputs() + matrix.scratch_rows().max(right.scratch_rows())
+        });
         // One more row has dt.
-        let weighted = weighted.iter().map(|tape| tape.scratch_rows() + 1);
-        let plain = plain.map(|tape| tape.scratch_rows());
-        weighted.chain(plain).chain([cayley]).max().unwrap_or(0)
+        tapes.map(|tape| tape.scratch_rows() + 1).chain(elimination).max().unwrap_or(0)
+    }
+
+    fn tape<P>(&self, op: Op<P>) -> &Tape {
+        let op = op.map(|_| ());
+        match self.tapes.iter().find(|(known, _)| *known == op) {
+            Some((_, tape)) => tape,
+            None => unreachable!("{} has no {op:?}", self.definition.name),
+        }
     }
 
     /// The texts.
@@ -211,7 +190,7 @@ impl FormulaSystem {
     }
 
     /// The observables at y, in their order, one row each. `scratch` has at least
-    /// [`scratch_rows`](System::scratch_rows) rows.
+    /// [`scratch_rows`](Description::scratch_rows) rows.
     pub fn observe(&self, y: &[Row], out: &mut [Row], scratch: &mut [Row]) {
         self.observables.evaluate(&[y], out, scratch);
     }
@@ -226,7 +205,11 @@ impl FormulaSystem {
     /// The number of instructions for B(y)v, h, ∇h, ∇²h·u, in this order.
     #[must_use]
     pub fn instructions(&self) -> [usize; 4] {
-        [&self.structure, &self.energy, &self.gradient, &self.hessian].map(Tape::instructions)
+        let (y, u, v) = ((), (), ());
+        let [field, gradient, hessian] =
+            [Op::Structure { y, v }, Op::Gradient { y }, Op::Hessian { y, u }];
+        [self.tape(field), &self.energy, self.tape(gradient), self.tape(hessian)]
+            .map(Tape::instructions)
     }
 }
 
@@ -238,129 +221,52 @@ fn with_dt(dt: f64, scratch: &mut [Row]) -> (&[Row], &mut [Row]) {
 }
 
 impl System for FormulaSystem {
-    fn name(&self) -> &str {
-        &self.definition.name
+    fn description(&self) -> &Description {
+        &self.description
     }
 
-    fn parameters(&self) -> String {
-        let each = self.definition.parameters.iter();
-        each.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
-    }
-
-    fn dimension(&self) -> usize {
-        self.definition.state.len()
-    }
-
-    fn noises(&self) -> usize {
-        self.definition.noises.len()
-    }
-
-    fn own_scratch_rows(&self) -> usize {
-        self.scratch
-    }
-
-    fn structure(&self, _: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], s: &mut [Row]) {
-        self.structure.evaluate(&[y, v], out, s);
-    }
-
-    fn structure_along(
+    fn apply(
         &self,
+        op: Op<&[Row]>,
         _: Range<usize>,
-        y: &[Row],
-        u: &[Row],
-        v: &[Row],
-        out: &mut [Row],
-        scratch: &mut [Row],
-    ) {
-        self.structure_along.evaluate(&[y, u, v], out, scratch);
-    }
-
-    fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]) {
-        let (dt, scratch) = with_dt(h.dt, scratch);
-        self.energy.evaluate(&[y, dt, h.dw], std::slice::from_mut(out), scratch);
-    }
-
-    fn gradient(
-        &self,
-        _: Range<usize>,
-        y: &[Row],
         h: Weights<'_>,
         out: &mut [Row],
         scratch: &mut [Row],
     ) {
-        let (dt, scratch) = with_dt(h.dt, scratch);
-        self.gradient.evaluate(&[y, dt, h.dw], out, scratch);
-    }
-
-    fn hessian(
-        &self,
-        _: Range<usize>,
-        y: &[Row],
-        u: &[Row],
-        h: Weights<'_>,
-        out: &mut [Row],
-        scratch: &mut [Row],
-    ) {
-        let (dt, scratch) = with_dt(h.dt, scratch);
-        self.hessian.evaluate(&[y, u, dt, h.dw], out, scratch);
-    }
-
-    fn rule(&self) -> &Rule {
-        &self.rule
-    }
-
-    fn averaged_gradient(
-        &self,
-        a: &[Row],
-        b: &[Row],
-        h: Weights<'_>,
-        out: &mut [Row],
-        scratch: &mut [Row],
-    ) {
-        let (dt, scratch) = with_dt(h.dt, scratch);
-        self.averaged_gradient.evaluate(&[a, b, dt, h.dw], out, scratch);
-    }
-
-    fn linearity(&self) -> Linearity {
-        self.linearity
-    }
-
-    fn always_solvable(&self) -> bool {
-        self.solvable
-    }
-
-    fn cayley(&self, _: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], s: &mut [Row]) {
-        match &self.cayley {
-            Cayley::Tape(tape) => tape.evaluate(&[y, v], out, s),
-            Cayley::Rows { matrix, right } => {
-                let (entries, s) = s.split_at_mut(matrix.outputs());
-                matrix.evaluate(&[v], entries, s);
-                right.evaluate(&[y, v], out, s);
-                dispatch(Eliminate { matrix: entries, x: out });
-            }
-            Cayley::None => unreachable!("B of {} is not affine", self.name()),
+        if let Op::AveragedHessian { .. } | Op::AveragedField { .. } = op {
+            return derived(self, op, h, out, scratch);
         }
-    }
-
-    fn ito_correction(&self, _: Range<usize>, y: &[Row], out: &mut [Row], scratch: &mut [Row]) {
-        self.ito_correction.evaluate(&[y], out, scratch);
+        if let (Op::Cayley { y, v }, Some([matrix, right])) = (op, &self.elimination) {
+            let (entries, scratch) = scratch.split_at_mut(matrix.outputs());
+            matrix.evaluate(&[v], entries, scratch);
+            right.evaluate(&[y, v], out, scratch);
+            return dispatch(Eliminate { matrix: entries, x: out });
+        }
+        let (dt, scratch) = with_dt(h.dt, scratch);
+        let mut inputs = [&[][..]; 5];
+        let weights = op.reads_weights().then_some([dt, h.dw]).into_iter().flatten();
+        let areas = matches!(op, Op::AreaGradient { .. }).then_some(h.areas);
+        let given = op.arguments().chain(weights).chain(areas);
+        let count = inputs.iter_mut().zip(given).map(|(input, rows)| *input = rows).count();
+        self.tape(op).evaluate(&inputs[..count], out, scratch);
     }
 
     /// The whole formula of a scheme is one tape.
     fn compile(
         &self,
-        nodes: &[Node],
+        operations: &[Recorded],
         inputs: usize,
         results: &[usize],
     ) -> Option<Box<dyn Program>> {
-        let (system, rule) = (&self.expressions, &self.rule);
-        let program = self.programs.program(system, rule, nodes, inputs, results)?;
+        let rule = &self.description.rule;
+        let program =
+            self.programs.program(&self.expressions, rule, operations, inputs, results)?;
         Some(Box::new(program))
     }
 
-    /// Where B, H₀ or Hₘ has a logarithm, a root or a quotient.
-    fn has_guard(&self) -> bool {
-        self.guard.is_some()
+    fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]) {
+        let (dt, scratch) = with_dt(h.dt, scratch);
+        self.energy.evaluate(&[y, dt, h.dw], std::slice::from_mut(out), scratch);
     }
 
     /// H₀ + H₁ + … and the entries of B.

@@ -7,7 +7,7 @@ use std::{
 
 use dgrad::Rule;
 use real::{Row, Rows};
-use systems::run_time::{MOST_INPUTS, Node, Program, Weights};
+use systems::run_time::{MOST_INPUTS, Op, Program, Recorded, Weights};
 
 use super::{average::point, expressions::Expressions};
 use crate::{Graph, Id, Tape};
@@ -17,10 +17,10 @@ const MOST_EXPRESSIONS: usize = 100_000;
 
 /// Formulas of schemes that were compiled, so that each is compiled once and not for every block.
 #[derive(Default)]
-pub struct Programs(Mutex<Vec<(Definition, Option<Compiled>)>>);
+pub struct Programs(Mutex<Vec<(Key, Option<SchemeTape>)>>);
 
 /// The nodes, the number of inputs, and the nodes that are results.
-type Definition = (Vec<Node>, usize, Vec<usize>);
+type Key = (Vec<Recorded>, usize, Vec<usize>);
 
 impl Programs {
     /// The tape of the `results` among the nodes; none if it would be too long.
@@ -28,16 +28,16 @@ impl Programs {
         &self,
         system: &Expressions,
         rule: &Rule,
-        nodes: &[Node],
+        nodes: &[Recorded],
         inputs: usize,
         results: &[usize],
     ) -> Option<FormulaProgram> {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let same = |((n, i, r), _): &&(Definition, _)| n == nodes && *i == inputs && r == results;
+        let same = |((n, i, r), _): &&(Key, _)| n == nodes && *i == inputs && r == results;
         let compiled = match known.iter().find(same) {
             Some((_, compiled)) => compiled.clone(),
             None => {
-                let compiled = Compiled::new(system, rule, nodes, inputs, results);
+                let compiled = SchemeTape::new(system, rule, nodes, inputs, results);
                 known.push(((nodes.into(), inputs, results.into()), compiled.clone()));
                 compiled
             }
@@ -49,34 +49,36 @@ impl Programs {
 
 /// A scheme's formula on 32 paths.
 pub struct FormulaProgram {
-    compiled: Compiled,
+    compiled: SchemeTape,
     scratch: Rows,
 }
 
 #[derive(Clone)]
-struct Compiled {
+struct SchemeTape {
     tape: Tape,
     /// The operations that have a factor.
     multiples: Vec<usize>,
+    reads_areas: bool,
 }
 
-impl Compiled {
+impl SchemeTape {
     fn new(
         system: &Expressions,
         rule: &Rule,
-        nodes: &[Node],
+        nodes: &[Recorded],
         inputs: usize,
         results: &[usize],
     ) -> Option<Self> {
-        let is_multiple = |n: &usize| matches!(nodes[*n], Node::Multiple(_));
+        let is_multiple = |n: &usize| matches!(nodes[*n], Recorded::Multiple(_));
         let multiples: Vec<usize> = (0..nodes.len()).filter(is_multiple).collect();
         let numbers = inputs * system.dimension();
         let noise = numbers + 1 + multiples.len();
         let mut graph = Graph::new();
         let dt = graph.input(numbers);
-        let weights =
-            once(dt).chain((0..system.noises()).map(|m| graph.input(noise + m))).collect();
-        let mut builder = Builder { system, rule, graph, weights, states: Vec::new() };
+        let areas = noise + system.noises();
+        let end = areas + system.noises() * system.noises();
+        let weights = once(dt).chain((noise..end).map(|k| graph.input(k))).collect();
+        let mut builder = SchemeBuilder { system, rule, graph, weights, states: Vec::new() };
         for (n, &node) in nodes.iter().enumerate() {
             let factor = multiples.iter().position(|&multiple| multiple == n);
             let factor = factor.map(|k| builder.graph.input(numbers + 1 + k));
@@ -87,73 +89,59 @@ impl Compiled {
             }
         }
         let states = (0..inputs).map(|k| k * system.dimension()..(k + 1) * system.dimension());
-        let groups: Vec<_> = states.chain(once(noise..noise + system.noises())).collect();
+        let is_area = |node: &Recorded| matches!(node, Recorded::Of(Op::AreaGradient { .. }));
+        let reads_areas = nodes.iter().any(is_area);
+        let groups: Vec<_> =
+            states.chain(once(noise..areas)).chain(reads_areas.then_some(areas..end)).collect();
         if inputs > MOST_INPUTS {
             return None;
         }
         let results: Vec<Id> = results.iter().flat_map(|&n| builder.states[n].clone()).collect();
         let tape = Tape::with_numbers(&builder.graph, &results, &groups, numbers..noise);
-        Some(Self { tape, multiples })
+        Some(Self { tape, multiples, reads_areas })
     }
 }
 
 impl Program for FormulaProgram {
     fn run(&mut self, inputs: &[&[Row]], factors: &[f64], h: Weights<'_>, out: &mut [Row]) {
-        let Compiled { tape, multiples } = &mut self.compiled;
+        let SchemeTape { tape, multiples, reads_areas } = &mut self.compiled;
         tape.set_numbers(once(h.dt).chain(multiples.iter().map(|&multiple| factors[multiple])));
-        let mut groups: [&[Row]; MOST_INPUTS + 1] = [&[]; MOST_INPUTS + 1];
-        groups[..inputs.len()].copy_from_slice(inputs);
-        groups[inputs.len()] = h.dw;
-        tape.evaluate(&groups[..=inputs.len()], out, &mut self.scratch);
+        let mut groups = [&[][..]; MOST_INPUTS + 2];
+        let given = inputs.iter().copied().chain([h.dw]).chain(reads_areas.then_some(h.areas));
+        let count = groups.iter_mut().zip(given).map(|(group, rows)| *group = rows).count();
+        tape.evaluate(&groups[..count], out, &mut self.scratch);
     }
 }
 
 /// The states of a formula, operation by operation.
-struct Builder<'a> {
+struct SchemeBuilder<'a> {
     system: &'a Expressions,
     rule: &'a Rule,
     graph: Graph,
-    /// dt, dw₁, …
+    /// dt, dw₁, …, and the areas.
     weights: Vec<Id>,
     states: Vec<Vec<Id>>,
 }
 
-impl Builder<'_> {
+impl SchemeBuilder<'_> {
     /// The components of a node; none if it has no expression.
-    fn state(&mut self, node: Node, factor: Option<Id>) -> Option<Vec<Id>> {
-        let system = self.system;
+    fn state(&mut self, node: Recorded, factor: Option<Id>) -> Option<Vec<Id>> {
         let of = |n: usize| self.states[n].clone();
         Some(match node {
-            Node::Input(k) => {
-                let first = k * system.dimension();
-                (first..first + system.dimension()).map(|k| self.graph.input(k)).collect()
+            Recorded::Input(k) => {
+                let first = k * self.system.dimension();
+                (first..first + self.system.dimension()).map(|k| self.graph.input(k)).collect()
             }
-            Node::Sum(a, b) => self.each(&of(a), &of(b), Graph::add),
-            Node::Difference(a, b) => self.each(&of(a), &of(b), Graph::sub),
-            Node::Multiple(a) => {
+            Recorded::Sum(a, b) => self.each(&of(a), &of(b), Graph::add),
+            Recorded::Difference(a, b) => self.each(&of(a), &of(b), Graph::sub),
+            Recorded::Multiple(a) => {
                 let (state, factor) = (of(a), factor?);
                 state.into_iter().map(|x| self.graph.mul(x, factor)).collect()
             }
-            Node::Structure { y, v } => self.import(&system.field, &of(y), None, Some(&of(v))),
-            Node::StructureAlong { y, u, v } => {
-                self.import(&system.field_along, &of(y), Some(&of(u)), Some(&of(v)))
+            Recorded::Of(op) => {
+                let op = op.map(|n| self.states[n].clone());
+                self.apply(op)?
             }
-            Node::Gradient { y } => self.import(&system.gradient, &of(y), None, None),
-            Node::Hessian { y, u } => self.import(&system.hessian, &of(y), Some(&of(u)), None),
-            Node::AveragedGradient { a, b } => {
-                self.import(&system.averaged_gradient, &of(a), Some(&of(b)), None)
-            }
-            Node::AveragedHessian { a, b, u } => self.averaged_hessian(&of(a), &of(b), &of(u)),
-            Node::AveragedField { a, b } => {
-                let (a, b) = (of(a), of(b));
-                let gradient = self.import(&system.averaged_gradient, &a, Some(&b), None);
-                let middle = point(&mut self.graph, &a, &b, 0.0);
-                self.import(&system.field, &middle, None, Some(&gradient))
-            }
-            Node::Cayley { y, v } => {
-                self.import(system.cayley.as_ref()?, &of(y), None, Some(&of(v)))
-            }
-            Node::ItoCorrection { y } => self.import(&system.ito_correction, &of(y), None, None),
         })
     }
 
@@ -161,10 +149,27 @@ impl Builder<'_> {
         a.iter().zip(b).map(|(&a, &b)| f(&mut self.graph, a, b)).collect()
     }
 
-    /// Expressions of the system at other states; a state that they do not read may be anything.
-    fn import(&mut self, roots: &[Id], y: &[Id], u: Option<&[Id]>, v: Option<&[Id]>) -> Vec<Id> {
-        let inputs = [y, u.unwrap_or(y), v.unwrap_or(y), &self.weights].concat();
-        self.graph.import(&self.system.graph, roots, &inputs)
+    /// An operation of the system; none if it has no expression.
+    fn apply(&mut self, op: Op<Vec<Id>>) -> Option<Vec<Id>> {
+        match op {
+            Op::AveragedHessian { a, b, u } => self.averaged_hessian(&a, &b, &u),
+            Op::AveragedField { a, b } => {
+                let y = point(&mut self.graph, &a, &b, 0.0);
+                let v = self.apply(Op::AveragedGradient { a, b })?;
+                self.apply(Op::Structure { y, v })
+            }
+            op => {
+                let (groups, roots) = self.system.of(&op)?;
+                let mut states = [&[][..]; 3];
+                let arguments: Vec<Vec<Id>> = op.arguments().collect();
+                // What is not read may be anything.
+                states.fill(&arguments[0]);
+                groups.arguments().zip(&arguments).for_each(|(group, state)| states[group] = state);
+                let [y, u, v] = states;
+                let inputs = [y, u, v, &self.weights].concat();
+                Some(self.graph.import(&self.system.graph, roots, &inputs))
+            }
+        }
     }
 
     /// sum + weight·value.
@@ -174,14 +179,14 @@ impl Builder<'_> {
     }
 
     /// ∂∇̄h(a, b)/∂b·u.
-    fn averaged_hessian(&mut self, a: &[Id], b: &[Id], u: &[Id]) -> Vec<Id> {
+    fn averaged_hessian(&mut self, a: &[Id], b: &[Id], u: &[Id]) -> Option<Vec<Id>> {
         let mut sum = vec![self.graph.constant(0.0); self.system.dimension()];
         for k in 0..self.rule.nodes().len() {
             let (node, weight) = (self.rule.nodes()[k], self.rule.weights()[k]);
-            let point = point(&mut self.graph, a, b, node - 0.5);
-            let value = self.import(&self.system.hessian, &point, Some(u), None);
+            let y = point(&mut self.graph, a, b, node - 0.5);
+            let value = self.apply(Op::Hessian { y, u: u.into() })?;
             sum = self.plus(&sum, &value, weight * node);
         }
-        sum
+        Some(sum)
     }
 }

@@ -42,11 +42,11 @@ fn is_negative(a: &Formula, b: &Formula, variables: usize) -> bool {
 
 /// The initial value, and points whose components differ from it by at most half of 1 + |y|, by
 /// multiples of the golden ratio.
-fn points(y0: &[f64]) -> impl Iterator<Item = Vec<f64>> {
+pub fn points(y0: &[f64]) -> impl Iterator<Item = Vec<f64>> {
     (0..=POINTS).map(|n| {
         let moved = |(i, y): (usize, &f64)| {
             let number = f64::from(n) * (y0.len() + 1) as f64 + (i + 1) as f64;
-            let shift = (number * 0.618_033_988_749_894_8).fract() - 0.5;
+            let shift = systems::golden(number) - 0.5;
             if n == 0 { *y } else { y + (1.0 + y.abs()) * shift }
         };
         y0.iter().enumerate().map(moved).collect()

@@ -2,14 +2,13 @@
 
 use std::ops::Range;
 
-use dgrad::Rule;
 use formula::FormulaSystem;
 use nonlin::BlockStatus;
 use real::{Row, Rows, WIDTH};
 use schemes::{EulerMaruyama, Heun, Midpoint, Sexp, SexpLi, Step, run_time::Scheme};
 use systems::{
-    Constant, Linearity,
-    run_time::{MOST_INPUTS, Node, System, Weights},
+    Constant,
+    run_time::{Description, MOST_INPUTS, Op, Recorded, System, Weights},
 };
 
 use crate::{expression::Random, paper};
@@ -18,80 +17,21 @@ use crate::{expression::Random, paper};
 struct OneByOne<'a>(&'a FormulaSystem);
 
 impl System for OneByOne<'_> {
-    fn name(&self) -> &str {
-        self.0.name()
+    fn description(&self) -> &Description {
+        self.0.description()
     }
-    fn dimension(&self) -> usize {
-        self.0.dimension()
-    }
-    fn noises(&self) -> usize {
-        self.0.noises()
-    }
-    fn own_scratch_rows(&self) -> usize {
-        self.0.own_scratch_rows()
-    }
-    fn structure(&self, tile: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], s: &mut [Row]) {
-        self.0.structure(tile, y, v, out, s);
-    }
-    fn structure_along(
+    fn apply(
         &self,
+        op: Op<&[Row]>,
         tile: Range<usize>,
-        y: &[Row],
-        u: &[Row],
-        v: &[Row],
-        out: &mut [Row],
-        s: &mut [Row],
-    ) {
-        self.0.structure_along(tile, y, u, v, out, s);
-    }
-    fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, s: &mut [Row]) {
-        self.0.energy(y, h, out, s);
-    }
-    fn gradient(
-        &self,
-        tile: Range<usize>,
-        y: &[Row],
         h: Weights<'_>,
         out: &mut [Row],
-        s: &mut [Row],
+        scratch: &mut [Row],
     ) {
-        self.0.gradient(tile, y, h, out, s);
+        self.0.apply(op, tile, h, out, scratch);
     }
-    fn hessian(
-        &self,
-        tile: Range<usize>,
-        y: &[Row],
-        u: &[Row],
-        h: Weights<'_>,
-        out: &mut [Row],
-        s: &mut [Row],
-    ) {
-        self.0.hessian(tile, y, u, h, out, s);
-    }
-    fn rule(&self) -> &Rule {
-        self.0.rule()
-    }
-    fn averaged_gradient(
-        &self,
-        a: &[Row],
-        b: &[Row],
-        h: Weights<'_>,
-        out: &mut [Row],
-        s: &mut [Row],
-    ) {
-        self.0.averaged_gradient(a, b, h, out, s);
-    }
-    fn linearity(&self) -> Linearity {
-        self.0.linearity()
-    }
-    fn always_solvable(&self) -> bool {
-        self.0.always_solvable()
-    }
-    fn cayley(&self, tile: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], s: &mut [Row]) {
-        self.0.cayley(tile, y, v, out, s);
-    }
-    fn ito_correction(&self, tile: Range<usize>, y: &[Row], out: &mut [Row], s: &mut [Row]) {
-        self.0.ito_correction(tile, y, out, s);
+    fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, scratch: &mut [Row]) {
+        self.0.energy(y, h, out, scratch);
     }
 }
 
@@ -105,7 +45,7 @@ fn path(scheme: &dyn Scheme, system: &dyn System, y0: &[f64]) -> Vec<Row> {
     let damping = Constant::new(0.3).unwrap();
     for n in 0..5 {
         let step = Step::new(&damping, n, 0.01).unwrap();
-        let mut dw = Rows::zero(system.noises()).unwrap();
+        let mut dw = Rows::zero(system.description().noises).unwrap();
         dw.iter_mut().flatten().for_each(|dw| *dw = 0.05 * random.number());
         let mut status = BlockStatus::explicit();
         stepper.step(&step, &dw, &mut status);
@@ -119,8 +59,8 @@ fn path(scheme: &dyn Scheme, system: &dyn System, y0: &[f64]) -> Vec<Row> {
 fn a_formula_has_at_most_so_many_inputs() {
     let system = FormulaSystem::new(&paper::pendulum(0.5), &[1.0, 1.2]).unwrap();
     let compiles = |inputs: usize| {
-        let mut nodes: Vec<Node> = (0..inputs).map(Node::Input).collect();
-        nodes.push(Node::Sum(0, inputs - 1));
+        let mut nodes: Vec<Recorded> = (0..inputs).map(Recorded::Input).collect();
+        nodes.push(Recorded::Sum(0, inputs - 1));
         system.compile(&nodes, inputs, &[inputs]).is_some()
     };
     assert!(compiles(MOST_INPUTS) && !compiles(MOST_INPUTS + 1));

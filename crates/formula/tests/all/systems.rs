@@ -5,7 +5,8 @@ use real::{Row, Rows, WIDTH};
 use systems::{
     IntegerExponents, Linearity, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, RigidBody,
     SystemError,
-    run_time::{Compiled, Couplings, Shape, SpinLattice, System, Weights},
+    lattice::{Couplings, Shape, SpinLattice},
+    run_time::{Compiled, Op, System, Weights},
 };
 
 use crate::{expression::Random, paper};
@@ -42,42 +43,48 @@ impl Pair {
     /// Compares every method near 1.5 in each component.
     fn agree(&self, tolerance: f64) {
         let systems: [&dyn System; 2] = [&self.formula, &*self.compiled];
-        let (d, name) = (self.formula.dimension(), self.formula.name());
-        assert_eq!(systems.map(System::noises)[0], self.compiled.noises());
+        let (ours, theirs) = (self.formula.description(), self.compiled.description());
+        let (d, name) = (ours.dimension, &ours.name);
+        assert_eq!(ours.noises, theirs.noises);
         let mut random = Random::new(5);
         let y = rows(&mut random, d, 0.5, 1.5);
         let (u, v) = (rows(&mut random, d, 1.0, 0.0), rows(&mut random, d, 0.1, 0.0));
-        let dw = rows(&mut random, self.formula.noises(), 0.1, 0.0);
-        let h = Weights { dt: 0.01, dw: &dw };
-        let affine = self.compiled.linearity() != Linearity::Other;
-        type Method<'a> = &'a dyn Fn(&dyn System, &mut [Row], &mut [Row]);
-        let methods: [(&str, Method); 8] = [
-            ("B v", &|s, out, scratch| s.structure(0..d, &y, &v, out, scratch)),
-            ("(dB u) v", &|s, out, scratch| s.structure_along(0..d, &y, &u, &v, out, scratch)),
-            ("h", &|s, out, scratch| s.energy(&y, h, &mut out[0], scratch)),
-            ("grad h", &|s, out, scratch| s.gradient(0..d, &y, h, out, scratch)),
-            ("hess h u", &|s, out, scratch| s.hessian(0..d, &y, &u, h, out, scratch)),
-            ("field", &|s, out, scratch| s.averaged_field(&y, &v, h, out, scratch)),
-            ("ito", &|s, out, scratch| s.ito_correction(0..d, &y, out, scratch)),
-            ("cayley", &|s, out, scratch| {
-                if affine {
-                    s.cayley(0..d, &y, &v, out, scratch);
-                }
-            }),
+        let dw = rows(&mut random, ours.noises, 0.1, 0.0);
+        let areas = rows(&mut random, ours.noises * ours.noises, 1.0, 0.0);
+        let h = Weights { dt: 0.01, dw: &dw, areas: &areas };
+        let affine = theirs.linearity != Linearity::Other;
+        let (y, u, v): (&[Row], &[Row], &[Row]) = (&y, &u, &v);
+        let mut ops = vec![
+            Op::Structure { y, v },
+            Op::StructureAlong { y, u, v },
+            Op::Gradient { y },
+            Op::Hessian { y, u },
+            Op::AveragedField { a: y, b: v },
+            Op::ItoCorrection { y },
         ];
-        for (method, run) in methods {
-            let [ours, theirs] = systems.map(|system| {
+        if affine {
+            ops.push(Op::Cayley { y, v });
+        }
+        if ours.noises > 1 {
+            ops.push(Op::AreaGradient { y });
+        }
+        // And h.
+        for (number, op) in ops.into_iter().map(Some).chain([None]).enumerate() {
+            let [found, expected] = systems.map(|system| {
                 let mut out = Rows::zero(d).unwrap();
-                let mut scratch = Rows::zero(system.scratch_rows()).unwrap();
+                let mut scratch = Rows::zero(system.description().scratch_rows()).unwrap();
                 scratch.fill([f64::NAN; WIDTH]);
-                run(system, &mut out, &mut scratch);
+                match op {
+                    Some(op) => system.apply(op, 0..d, h, &mut out, &mut scratch),
+                    None => system.energy(y, h, &mut out[0], &mut scratch),
+                }
                 out
             });
             // The averaged gradient of the compiled system may be a closed form.
-            assert_near(&ours, &theirs, tolerance, &format!("{name}: {method}"));
+            assert_near(&found, &expected, tolerance, &format!("{name}: {number}"));
         }
-        assert_eq!(self.formula.linearity(), self.compiled.linearity(), "{name}");
-        assert_eq!(self.formula.always_solvable(), self.compiled.always_solvable(), "{name}");
+        assert_eq!(ours.linearity, theirs.linearity, "{name}");
+        assert_eq!(ours.always_solvable, theirs.always_solvable, "{name}");
     }
 }
 
@@ -88,7 +95,7 @@ fn the_systems_of_the_paper_are_the_compiled_ones() {
     let body = RigidBody::three_noises(inertia, noise).unwrap();
     let body = Pair::new(&paper::rigid_body(inertia, noise), &y3, Compiled::new(body, y3));
     body.agree(ROUNDING);
-    assert!(body.formula.is_quadratic());
+    assert!(body.formula.description().is_quadratic());
 
     let pendulum = Compiled::new(Pendulum::new(0.5).unwrap(), [0.2, 1.0]);
     Pair::new(&paper::pendulum(0.5), &[0.2, 1.0], pendulum).agree(1e-13);
@@ -97,7 +104,7 @@ fn the_systems_of_the_paper_are_the_compiled_ones() {
     let populations = Compiled::new(populations, y3);
     let populations = Pair::new(&paper::lotka_volterra(0.5), &y3, populations);
     // ∇H has degree 4.
-    assert_eq!(populations.formula.rule().nodes().len(), 3);
+    assert_eq!(populations.formula.description().rule.nodes().len(), 3);
     populations.agree(1e-13);
 
     Pair::new(&paper::maxwell_bloch(), &y3, Compiled::new(MaxwellBloch, y3)).agree(ROUNDING);
@@ -140,17 +147,21 @@ fn the_linearly_implicit_step_is_solved_in_every_dimension() {
         let d = 3 * count;
         let y0: Vec<f64> = (0..d).map(|i| 0.3 + 0.1 * i as f64).collect();
         let system = FormulaSystem::new(&bodies(count), &y0).unwrap();
-        assert!(system.linearity() == Linearity::Affine && system.always_solvable());
+        assert!(
+            system.description().linearity == Linearity::Affine
+                && system.description().always_solvable
+        );
         let mut random = Random::new(9);
         let (y, v) = (rows(&mut random, d, 1.0, 0.0), rows(&mut random, d, 0.5, 0.0));
-        let mut scratch = Rows::zero(system.scratch_rows()).unwrap();
+        let mut scratch = Rows::zero(system.description().scratch_rows()).unwrap();
         let (mut z, mut field) = (Rows::zero(d).unwrap(), Rows::zero(d).unwrap());
-        system.cayley(0..d, &y, &v, &mut z, &mut scratch);
+        system.apply(Op::Cayley { y: &y, v: &v }, 0..d, Weights::NONE, &mut z, &mut scratch);
         let mut middle = Rows::zero(d).unwrap();
         for i in 0..d {
             middle[i] = std::array::from_fn(|p| 0.5 * (y[i][p] + z[i][p]));
         }
-        system.structure(0..d, &middle, &v, &mut field, &mut scratch);
+        let op = Op::Structure { y: &middle[..], v: &v };
+        system.apply(op, 0..d, Weights::NONE, &mut field, &mut scratch);
         for i in 0..d {
             for p in 0..WIDTH {
                 let defect = z[i][p] - y[i][p] - field[i][p];
@@ -205,10 +216,13 @@ fn error(change: impl FnOnce(&mut Definition)) -> DefinitionError {
 #[test]
 fn observables_and_descriptions_are_kept() {
     let system = FormulaSystem::new(&harmonic(), &[3.0, 4.0]).unwrap();
-    assert_eq!((system.name(), system.parameters().as_str()), ("harmonic", "c = 2"));
+    assert_eq!(
+        (&*system.description().name, &*system.description().parameters),
+        ("harmonic", "c = 2")
+    );
     let y = Rows::splat(&[3.0, 4.0]).unwrap();
     let (mut out, mut scratch) =
-        (Rows::zero(2).unwrap(), Rows::zero(system.scratch_rows()).unwrap());
+        (Rows::zero(2).unwrap(), Rows::zero(system.description().scratch_rows()).unwrap());
     system.observe(&y, &mut out, &mut scratch);
     assert_eq!((out[0][31], out[1][0]), (5.0, 1.0));
 }
@@ -306,10 +320,10 @@ fn averaged_gradients_keep_the_energy() {
     let mut random = Random::new(23);
     let (a, b) = (rows(&mut random, 2, 0.7, 0.0), rows(&mut random, 2, 0.7, 0.5));
     let dw = rows(&mut random, 2, 1.0, 0.0);
-    let h = Weights { dt: 0.3, dw: &dw };
-    let mut scratch = Rows::zero(system.scratch_rows()).unwrap();
+    let h = Weights { dt: 0.3, dw: &dw, areas: &[] };
+    let mut scratch = Rows::zero(system.description().scratch_rows()).unwrap();
     let (mut mean, mut start, mut end) = (Rows::zero(2).unwrap(), [0.0; WIDTH], [0.0; WIDTH]);
-    system.averaged_gradient(&a, &b, h, &mut mean, &mut scratch);
+    system.apply(Op::AveragedGradient { a: &a, b: &b }, 0..2, h, &mut mean, &mut scratch);
     system.energy(&a, h, &mut start, &mut scratch);
     system.energy(&b, h, &mut end, &mut scratch);
     for p in 0..WIDTH {
@@ -318,4 +332,31 @@ fn averaged_gradients_keep_the_energy() {
         let scale = 1.0 + start[p].abs() + end[p].abs() + work.abs();
         assert!((work - change).abs() < 2e-14 * scale, "{work} {change}");
     }
+}
+
+/// The commutators of noises are −B times the gradient of their brackets where B is a Poisson
+/// structure, and need not be where it is skew only.
+#[test]
+fn jacobi_is_shown_or_not() {
+    let definition = |structure: [&[&str]; 2], noises: &[&str]| Definition {
+        name: "three".into(),
+        state: words(&["x", "y", "z"]),
+        parameters: vec![],
+        structure: structure.map(words).to_vec(),
+        energy: "x^2/2 + y^2 + z".into(),
+        noises: words(noises),
+        observables: vec![],
+    };
+    let holds = |structure, noises| {
+        let system = FormulaSystem::new(&definition(structure, noises), &[0.6, 0.7, 0.8]).unwrap();
+        system.description().jacobi_holds
+    };
+    let quadratic: &[&str] = &["x^2/2 + y*z", "sin(y) + exp(z)", "x"];
+    let body: [&[&str]; 2] = [&["-z", "y"], &["-x"]];
+    assert!(holds(body, quadratic) && holds(body, &["x"]));
+    // Bv = b × v with b = (−y, x, 1), and b·curl b = 2.
+    let skew: [&[&str]; 2] = [&["-1", "x"], &["y"]];
+    assert!(!holds(skew, &["x", "y", "z"]));
+    // Pieces may act where no point is.
+    assert!(!holds(body, &["abs(x)", "y"]));
 }

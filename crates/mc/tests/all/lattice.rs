@@ -12,7 +12,8 @@ use schemes::{
 use stats::{StationaryMean, TimeAverage};
 use systems::{
     Constant,
-    run_time::{Couplings, Problem, Shape, SpinLattice, noise_at_temperature},
+    lattice::{Couplings, Shape, SpinLattice, noise_at_temperature},
+    run_time::Problem,
 };
 
 const KEY: StreamKey = StreamKey { seed: 20_261_122, experiment: 0 };

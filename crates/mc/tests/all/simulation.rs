@@ -12,7 +12,8 @@ use real::Real;
 use schemes::{EulerMaruyama, Sexp, SexpLevy, WithSolver};
 use systems::{
     Cosine, Damping, PoissonSystem, Problem, RigidBody,
-    run_time::{self, Couplings, Shape, SpinLattice},
+    lattice::{Couplings, Shape, SpinLattice},
+    run_time,
 };
 
 const KEY: StreamKey = StreamKey { seed: 5, experiment: 2 };

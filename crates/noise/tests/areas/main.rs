@@ -9,6 +9,7 @@
 //! if everything is right; `AREA_SEED` in the environment replaces the seed.
 
 mod battery;
+mod exact;
 mod law;
 mod rebuilt;
 mod truncation;
@@ -16,11 +17,12 @@ mod written_out;
 
 use std::f64::consts::{FRAC_2_PI, PI};
 
-use noise::{AreaBlock, AreaMethod, AreaSampler, ExactArea, StreamKey, WienerBlock, join};
+use noise::{AreaBlock, AreaMethod, AreaSampler, StreamKey, WienerBlock, join};
 use real::{Block, Row, WIDTH};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::battery::{CHECKS, FALSE_ALARM, battery};
+use crate::exact::ExactArea;
 use crate::law::Law;
 use crate::written_out::{Knobs, RIGHT, WrittenOut};
 

@@ -66,10 +66,10 @@ impl<F: Implicit> Stepper for ExplicitStepper<'_, F> {
             *status = BlockStatus::explicit();
             return status.fail_everywhere();
         }
-        let h = Weights { dt: step.tau, dw };
+        let h = Weights { dt: step.tau, dw, areas: &[] };
         self.machine.execute(self.recorder.operations().1, h);
         self.machine.feed_back(0);
-        let y = match self.system.lanes() {
+        let y = match self.system.description().layout.lanes {
             Lanes::Paths => self.state(),
             Lanes::Components => &[],
         };

@@ -1,18 +1,18 @@
 //! Implicit formulas on systems known at run time.
 
-use nonlin::{BlockStatus, Outcome};
-use real::{Kernel, PathMask, Row, Rows, WIDTH, dispatch};
+use nonlin::{BlockStatus, Outcome, criteria::excess};
+use real::{PathMask, Row, Rows, WIDTH, dispatch};
 use systems::run_time::{Lanes, System, Weights};
 
 use super::{
     SchemeError, Stepper,
     derivative::derivative,
     explicit::some_step,
-    krylov::{Equation, Krylov},
+    krylov::{Choose, Equation, Krylov},
     machine::{Machine, Multiple},
     norm::{Distance, Size, sum},
     record::{Recorder, Recording},
-    sweep::{Pending, Sweep, excess},
+    sweep::{Pending, TripleProgram},
 };
 use crate::{Implicit, Step};
 
@@ -28,13 +28,15 @@ pub struct ImplicitStepper<'a, F> {
     state: Rows,
     solution: Rows,
     previous: Rows,
-    sweep: Option<Sweep>,
+    lanes: Lanes,
+    sweep: Option<TripleProgram>,
     krylov: Option<Krylov<'a>>,
 }
 
 impl<'a, F: Implicit> ImplicitStepper<'a, F> {
     pub fn new(formula: &'a F, system: &'a dyn System) -> Result<Self, SchemeError> {
-        let rows = || Rows::zero(system.rows());
+        let layout = system.description().layout;
+        let rows = || Rows::zero(layout.rows);
         let mut stepper = Self {
             formula,
             system,
@@ -43,10 +45,11 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
             state: rows()?,
             solution: rows()?,
             previous: rows()?,
+            lanes: layout.lanes,
             sweep: None,
             krylov: None,
         };
-        stepper.sweep = Sweep::new(formula, system, &some_step())?;
+        stepper.sweep = TripleProgram::new(formula, system, &some_step())?;
         stepper.prepare(&some_step())?;
         Ok(stepper)
     }
@@ -99,7 +102,8 @@ impl<'a, F: Implicit> ImplicitStepper<'a, F> {
                 let now = if excess <= 0.0 { -f64::from(sweep) } else { 1.0 };
                 pending[p] = if frozen[p] <= 0.0 { frozen[p] } else { now };
             }
-            dispatch(Select { frozen: &frozen, next, solution: &mut self.solution });
+            let going = frozen.map(|frozen| if frozen <= 0.0 { 0.0 } else { 1.0 });
+            dispatch(Choose { x: &mut self.solution, y: next, paths: going });
             if pending.iter().all(|&pending| pending <= 0.0) {
                 break;
             }
@@ -140,7 +144,7 @@ impl<F: Implicit> Stepper for ImplicitStepper<'_, F> {
         if self.prepare(step).is_err() {
             return status.fail_everywhere();
         }
-        let h = Weights { dt: step.tau, dw };
+        let h = Weights { dt: step.tau, dw, areas: &[] };
         let (first, second) =
             if F::EXACT_DAMPING { (step.first_decay, step.second_decay) } else { (1.0, 1.0) };
         dispatch(Multiple { x: &self.state, factor: first, out: &mut self.machine.buffers[0] });
@@ -156,13 +160,13 @@ impl<F: Implicit> Stepper for ImplicitStepper<'_, F> {
         if !unsolved.is_empty() {
             let failed = [Outcome::Failed { residual: f64::INFINITY }; WIDTH];
             let solved = self.rescue(unsolved, h).unwrap_or(failed);
-            let one_path = self.system.lanes() == Lanes::Components;
+            let one_path = self.lanes == Lanes::Components;
             let paths = if one_path { PathMask::first(1) } else { unsolved };
             paths.paths().for_each(|p| status.set(p, solved[p]));
         }
         dispatch(Multiple { x: &self.solution, factor: second, out: &mut self.state });
         // The second half of the damping may give a state that is not finite.
-        if (second > 1.0 || second.is_nan()) && self.system.lanes() == Lanes::Paths {
+        if (second > 1.0 || second.is_nan()) && self.lanes == Lanes::Paths {
             status.fail_where_not_finite(self.state());
         }
     }
@@ -176,26 +180,5 @@ impl<F: Implicit> ImplicitStepper<'_, F> {
             self.evaluate(h);
         }
         self.solution.copy_from_slice(&self.machine.buffers[1]);
-    }
-}
-
-/// solution ← next on paths that were not frozen.
-struct Select<'a> {
-    frozen: &'a Pending,
-    next: &'a [Row],
-    solution: &'a mut [Row],
-}
-
-impl Kernel for Select<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        for (solution, next) in self.solution.iter_mut().zip(self.next) {
-            let (mut row, next) = (*solution, *next);
-            for p in 0..WIDTH {
-                row[p] = if self.frozen[p] <= 0.0 { row[p] } else { next[p] };
-            }
-            *solution = row;
-        }
     }
 }

@@ -6,9 +6,12 @@
 //! iteration on, otherwise it is halved. Every path has numbers of its own, 32 in a [`Row`]; if a
 //! row belongs to one path they are equal.
 
-use nonlin::Outcome;
+use nonlin::{
+    Outcome,
+    criteria::{CONTRACTION, LEAST_STEP, MOST_ITERATIONS, ROUND_OFF, TOLERANCE},
+};
 use real::{Kernel, OutOfMemory, PathMask, Row, Rows, WIDTH, dispatch};
-use systems::run_time::{Node, System, Weights};
+use systems::run_time::{Recorded, System, Weights};
 
 use super::{
     SchemeError,
@@ -17,16 +20,6 @@ use super::{
     norm::{Product, Size, sum},
 };
 
-/// ‖z − ψ(z)‖₁ relative to ‖z‖₁ at which Newton's method ends.
-const TOLERANCE: f64 = 2.0 * f64::EPSILON;
-/// Most Newton iterations at one s.
-const MOST_ITERATIONS: u32 = 20;
-/// The largest ratio of successive changes.
-const CONTRACTION: f64 = 0.5;
-/// The smallest step in s.
-const LEAST_STEP: f64 = 1.0 / 16384.0;
-/// Changes that no longer decrease below this size are round-off.
-const ROUND_OFF: f64 = 1.0 / (1u64 << 26) as f64;
 /// Dimension of the Krylov space at most; then it is begun anew.
 const DIRECTIONS: usize = 40;
 /// Times that it is begun.
@@ -49,7 +42,7 @@ pub struct Krylov<'a> {
 
 /// The equation z = ψ(ẑ, z).
 pub struct Equation<'e> {
-    pub nodes: &'e [Node],
+    pub nodes: &'e [Recorded],
     pub factors: &'e [f64],
     pub h: Weights<'e>,
     /// ẑ.
@@ -69,7 +62,7 @@ impl<'a> Krylov<'a> {
     /// # Errors
     /// [`OutOfMemory`].
     pub fn new(system: &'a dyn System) -> Result<Self, OutOfMemory> {
-        let rows = || Rows::zero(system.rows());
+        let rows = || Rows::zero(system.description().layout.rows);
         Ok(Self {
             system,
             psi: Machine::new(system)?,
@@ -305,7 +298,7 @@ impl<'a> Krylov<'a> {
     /// Memory for a direction of the basis, taken out of it.
     fn direction(&mut self, k: usize) -> Result<Rows, OutOfMemory> {
         while self.basis.len() <= k {
-            self.basis.push(Rows::zero(self.system.rows())?);
+            self.basis.push(Rows::zero(self.z.len())?);
         }
         Ok(std::mem::take(&mut self.basis[k]))
     }
@@ -380,10 +373,10 @@ impl Kernel for Scale<'_> {
 }
 
 /// x ← y on paths with the weight one.
-struct Choose<'a> {
-    x: &'a mut [Row],
-    y: &'a [Row],
-    paths: Row,
+pub struct Choose<'a> {
+    pub x: &'a mut [Row],
+    pub y: &'a [Row],
+    pub paths: Row,
 }
 
 impl Kernel for Choose<'_> {

@@ -1,11 +1,4 @@
-//! Executes the plan of a formula on rows.
-//!
-//! A stage reads of the stages before it what is at most [`System::reach`] tiles away. So the
-//! stages of a step follow each other through the state, slab by slab of at least so many tiles,
-//! and what a stage stores is still in a cache when the next one reads it. Slabs are counted
-//! around. Stage s begins at slab s, and stage s of slab k comes right after stage s − 1 of slab
-//! k + 1. A result that takes the place of another one does so on slabs that no earlier stage has
-//! yet to read: those are ahead.
+//! Runs the plan of a formula on rows: stage by stage, slab by slab, tile by tile.
 
 use std::{
     ops::Range,
@@ -13,16 +6,17 @@ use std::{
 };
 
 use real::{Kernel, OutOfMemory, Row, Rows, dispatch};
-use systems::run_time::{MOST_INPUTS, Node, Program, System, Weights, averaged_hessian};
+use systems::run_time::{Layout, MOST_INPUTS, Program, Recorded, System, Weights};
 
 use super::{
     SchemeError,
-    plan::{Instruction, Operation, Plan, Source, Stage},
+    plan::{Computation, Plan, Planned, Source, Stage},
 };
 
 /// Memory for the operations of formulas on one system.
 pub struct Machine<'a> {
     system: &'a dyn System,
+    layout: Layout,
     /// Whole states: inputs of the formula first.
     pub buffers: Vec<Rows>,
     plan: Plan,
@@ -31,7 +25,7 @@ pub struct Machine<'a> {
     /// The buffers in which a stage stores, while it is executed.
     taken: Vec<Rows>,
     /// Memory of the tiles, for each thread.
-    desks: Vec<Mutex<Desk>>,
+    memories: Vec<Mutex<TileMemory>>,
     /// Rows of a slab.
     slab: usize,
 }
@@ -39,8 +33,8 @@ pub struct Machine<'a> {
 /// Least tiles of a slab for each thread.
 const SLAB_TILES: usize = 8;
 
-/// What a tile needs.
-struct Desk {
+/// Scratch memory for one tile.
+struct TileMemory {
     slots: Vec<Rows>,
     scratch: Rows,
 }
@@ -84,7 +78,7 @@ struct Execution<'a> {
     factors: &'a [f64],
     h: Weights<'a>,
     buffers: &'a [Rows],
-    desks: &'a [Mutex<Desk>],
+    memories: &'a [Mutex<TileMemory>],
 }
 
 impl<'a> Machine<'a> {
@@ -93,17 +87,18 @@ impl<'a> Machine<'a> {
     /// # Errors
     /// [`OutOfMemory`].
     pub fn new(system: &'a dyn System) -> Result<Self, OutOfMemory> {
-        let threads =
-            if system.tile_rows() < system.rows() { rayon::current_num_threads() } else { 1 };
-        let desk = || {
-            let scratch = Rows::zero(system.scratch_rows())?;
-            Ok(Mutex::new(Desk { slots: Vec::new(), scratch }))
+        let description = system.description();
+        let layout = description.layout;
+        let threads = if layout.is_tiled() { rayon::current_num_threads() } else { 1 };
+        let memory = || {
+            let scratch = Rows::zero(description.scratch_rows())?;
+            Ok(Mutex::new(TileMemory { slots: Vec::new(), scratch }))
         };
-        let desks = (0..threads).map(|_| desk()).collect::<Result<_, OutOfMemory>>()?;
+        let memories = (0..threads).map(|_| memory()).collect::<Result<_, OutOfMemory>>()?;
         let plan = Plan::default();
-        let slab = system.tile_rows() * system.reach().max(SLAB_TILES * threads);
+        let slab = layout.tile_rows * layout.reach.max(SLAB_TILES * threads);
         let (buffers, taken) = (Vec::new(), Vec::new());
-        Ok(Self { system, buffers, plan, program: None, taken, desks, slab })
+        Ok(Self { system, layout, buffers, plan, program: None, taken, memories, slab })
     }
 
     /// Plans operations, of which the last is the result, unless they are the same as before, and
@@ -111,15 +106,14 @@ impl<'a> Machine<'a> {
     ///
     /// # Errors
     /// [`SchemeError`] if memory is not there, or averages are to be computed tile by tile.
-    pub fn prepare(&mut self, nodes: &[Node], consumed: &[bool]) -> Result<(), SchemeError> {
+    pub fn prepare(&mut self, nodes: &[Recorded], consumed: &[bool]) -> Result<(), SchemeError> {
         if self.plan.is_for(nodes) {
             return Ok(());
         }
-        let is_average = |node: &Node| {
-            matches!(node, Node::AveragedField { .. } | Node::AveragedGradient { .. })
-        };
-        if self.system.tile_rows() < self.system.rows() && nodes.iter().any(is_average) {
-            return Err(SchemeError::Average { system: self.system.name().into() });
+        let is_average = |node: &Recorded| matches!(node, Recorded::Of(op) if op.is_average());
+        let description = self.system.description();
+        if self.layout.is_tiled() && nodes.iter().any(is_average) {
+            return Err(SchemeError::Average { system: description.name.clone() });
         }
         self.program = self.system.compile(nodes, consumed.len(), &[nodes.len() - 1]);
         self.plan = match self.program {
@@ -128,15 +122,15 @@ impl<'a> Machine<'a> {
         };
         let most = self.plan.stages.iter().map(|stage| stage.stores.len()).max();
         self.taken.resize_with(most.unwrap_or(0), Rows::default);
-        let tile = self.system.tile_rows().min(self.system.rows());
-        for desk in &mut self.desks {
-            let desk = desk.get_mut().unwrap_or_else(PoisonError::into_inner);
-            while desk.slots.len() < self.plan.slots {
-                desk.slots.push(Rows::zero(tile)?);
+        let tile = self.layout.tile_rows.min(self.layout.rows);
+        for memory in &mut self.memories {
+            let memory = memory.get_mut().unwrap_or_else(PoisonError::into_inner);
+            while memory.slots.len() < self.plan.slots {
+                memory.slots.push(Rows::zero(tile)?);
             }
         }
         while self.buffers.len() < self.plan.buffers {
-            self.buffers.push(Rows::zero(self.system.rows())?);
+            self.buffers.push(Rows::zero(self.layout.rows)?);
         }
         Ok(())
     }
@@ -159,12 +153,11 @@ impl<'a> Machine<'a> {
             inputs.iter().zip(&mut states).for_each(|(input, state)| *state = input);
             return program.run(&states[..inputs.len()], factors, h, &mut rest[0]);
         }
-        let (stages, slabs) = (self.plan.stages.len(), (self.system.rows() / self.slab).max(1));
+        let (stages, slabs) = (self.plan.stages.len(), (self.layout.rows / self.slab).max(1));
         for time in 0..slabs + 2 * (stages - 1) {
             for stage in (0..stages).filter(|s| (2 * s..2 * s + slabs).contains(&time)) {
                 let slab = (time - stage) % slabs;
-                let end =
-                    if slab + 1 < slabs { (slab + 1) * self.slab } else { self.system.rows() };
+                let end = if slab + 1 < slabs { (slab + 1) * self.slab } else { self.layout.rows };
                 self.execute_stage(stage, slab * self.slab..end, factors, h);
             }
         }
@@ -184,7 +177,7 @@ impl<'a> Machine<'a> {
             factors,
             h,
             buffers: &self.buffers,
-            desks: &self.desks,
+            memories: &self.memories,
         };
         let mut stores = Stores::default();
         for (n, store) in taken.iter_mut().take(stage.stores.len()).enumerate() {
@@ -201,15 +194,15 @@ impl<'a> Machine<'a> {
 impl Execution<'_> {
     /// Executes the stage on some rows: halves in parallel, down to single tiles.
     fn on_rows(&self, rows: Range<usize>, stores: Stores<'_>) {
-        let tile = self.system.tile_rows();
+        let tile = self.system.description().layout.tile_rows;
         let tiles = rows.len().div_ceil(tile);
         if tiles <= 1 {
-            let thread = match self.desks.len() {
+            let thread = match self.memories.len() {
                 1 => 0,
                 threads => rayon::current_thread_index().unwrap_or(0) % threads,
             };
-            let mut desk = self.desks[thread].lock().unwrap_or_else(PoisonError::into_inner);
-            return self.on_tile(rows, stores, &mut desk);
+            let mut memory = self.memories[thread].lock().unwrap_or_else(PoisonError::into_inner);
+            return self.on_tile(rows, stores, &mut memory);
         }
         let half = tiles / 2 * tile;
         let (earlier, later) = stores.split_at(half);
@@ -221,9 +214,9 @@ impl Execution<'_> {
     }
 
     /// Executes the stage on one tile.
-    fn on_tile(&self, tile: Range<usize>, stores: Stores<'_>, desk: &mut Desk) {
-        let Desk { slots, scratch } = desk;
-        for &Instruction { operation, slot } in &self.stage.instructions {
+    fn on_tile(&self, tile: Range<usize>, stores: Stores<'_>, memory: &mut TileMemory) {
+        let TileMemory { slots, scratch } = memory;
+        for &Planned { operation, slot } in &self.stage.instructions {
             let mut result = std::mem::take(&mut slots[slot]);
             let local = |source: Source| match source {
                 Source::Slot(slot) => &slots[slot][..tile.len()],
@@ -235,41 +228,24 @@ impl Execution<'_> {
                     }
                 }
             };
-            let whole = |buffer: usize| &self.buffers[buffer][..];
-            let (system, h, rows) = (self.system, self.h, tile.clone());
             let out = &mut result[..tile.len()];
             match operation {
-                Operation::Multiple { x: (x, factor) } => {
+                Computation::Multiple { x: (x, factor) } => {
                     dispatch(Multiple { x: local(x), factor: self.factors[factor], out });
                 }
-                Operation::Combination { x: (x, fx), y: (y, fy), minus } => {
+                Computation::Combination { x: (x, fx), y: (y, fy), minus } => {
                     let factor = |node: Option<usize>| node.map_or(1.0, |node| self.factors[node]);
                     // a − fb = a + (−f)b to the bit.
                     let fy = if minus { -factor(fy) } else { factor(fy) };
                     dispatch(Combination { x: local(x), fx: factor(fx), y: local(y), fy, out });
                 }
-                Operation::Structure { y, v } => {
-                    system.structure(rows, local(y), local(v), out, scratch);
-                }
-                Operation::StructureAlong { y, u, v } => {
-                    system.structure_along(rows, local(y), local(u), local(v), out, scratch);
-                }
-                Operation::Cayley { y, v } => system.cayley(rows, local(y), local(v), out, scratch),
-                Operation::Gradient { y } => system.gradient(rows, whole(y), h, out, scratch),
-                Operation::Hessian { y, u } => {
-                    system.hessian(rows, whole(y), whole(u), h, out, scratch);
-                }
-                Operation::AveragedGradient { a, b } => {
-                    system.averaged_gradient(whole(a), whole(b), h, out, scratch);
-                }
-                Operation::AveragedHessian { a, b, u } => {
-                    averaged_hessian(system, whole(a), whole(b), whole(u), h, out, scratch);
-                }
-                Operation::AveragedField { a, b } => {
-                    system.averaged_field(whole(a), whole(b), h, out, scratch);
-                }
-                Operation::ItoCorrection { y } => {
-                    system.ito_correction(rows, whole(y), out, scratch);
+                Computation::Of(op) => {
+                    let is_local = op.is_local();
+                    let state = |source: Source| match source {
+                        Source::Buffer(buffer) if !is_local => &self.buffers[buffer][..],
+                        source => local(source),
+                    };
+                    self.system.apply(op.map(state), tile.clone(), self.h, out, scratch);
                 }
             }
             slots[slot] = result;

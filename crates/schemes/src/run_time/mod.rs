@@ -1,13 +1,27 @@
 //! The schemes on systems whose dimension is known at run time.
 //!
-//! A scheme has one formula for compiled systems and for these: here the formula is recorded as a
-//! list of operations on states, and the list is executed on rows of 32 numbers, tile by tile. A
-//! [`Stepper`] holds the state of 32 paths, or of one large path, whose tiles are computed in
+//! A formula is the same for compiled systems and for these. The way of a step:
+//!
+//! [`Implicit`](crate::Implicit) formula → `record` (a list of operations) → `plan` (stages and
+//! memory), or a [`Program`](systems::run_time::Program) of the system → `machine` (runs it on rows,
+//! tile by tile) → `explicit`, or `implicit` with `sweep` (fixed-point iteration) and, where that
+//! does not converge, `krylov` (Newton's method with continuation) with `derivative`.
+//!
+//! **Stages.** Operations are computed tile by tile, each tile in memory of its own that fits a
+//! cache. ∇h on a tile reads all of its argument, which therefore has to be complete: operations
+//! are divided into stages, and what a later stage reads is stored in a whole buffer. A buffer is
+//! used again as soon as its content is no longer needed.
+//!
+//! **Slabs.** A stage reads of the stages before it what is at most
+//! [`Layout::reach`](systems::run_time::Layout::reach) tiles away. So the stages of a step follow
+//! each other through the state, slab by slab of at least so many tiles, and what a stage stores is
+//! still in a cache when the next one reads it. Slabs are counted around. Stage s begins at slab s,
+//! and stage s of slab k comes right after stage s − 1 of slab k + 1. A result that takes the place
+//! of another one does so on slabs that no earlier stage has yet to read: those are ahead.
+//!
+//! A [`Stepper`] holds the state of 32 paths, or of one large path, whose tiles are computed in
 //! parallel; the bits do not depend on the number of threads. Memory is a few states, and nothing
 //! is allocated in a step unless a formula stores more than four results at a time.
-//!
-//! Implicit equations are solved by fixed-point iteration, and where that does not converge by
-//! Newton's method with continuation whose linear equations are solved without a matrix.
 //!
 //! ```
 //! use nonlin::BlockStatus;

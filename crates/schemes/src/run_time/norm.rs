@@ -45,7 +45,7 @@ impl Term for Size {
 /// belong to one path, every number of the result is the sum over that path. The bits do not depend
 /// on the number of threads.
 pub fn sum<T: Term>(system: &dyn System, term: T, x: &[Row], y: &[Row]) -> Row {
-    match system.lanes() {
+    match system.description().layout.lanes {
         Lanes::Paths => dispatch(Sum { term, x, y }),
         Lanes::Components => [over_path(term, x, y); WIDTH],
     }

@@ -1,11 +1,6 @@
 //! How the operations of a formula are executed: stages, tiles and memory.
-//!
-//! Operations are computed tile by tile, each tile in memory of its own that fits a cache. ∇h on a
-//! tile reads all of its argument, which therefore has to be complete: operations are divided into
-//! stages, and what a later stage reads is stored in a whole buffer. A buffer is used again as soon
-//! as its content is no longer needed.
 
-use systems::run_time::Node;
+use systems::run_time::{Op, Recorded};
 
 /// Where an argument is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,67 +13,26 @@ pub enum Source {
 
 /// An operation with places in memory. Its result goes into a slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Instruction {
-    pub operation: Operation,
+pub struct Planned {
+    pub operation: Computation,
     pub slot: usize,
 }
 
 /// What is computed. Numbers beside sources are those of nodes with factors.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Operation {
+pub enum Computation {
     /// fx·x, with the product of the factors of up to two nodes.
-    Multiple {
-        x: (Source, usize),
-    },
+    Multiple { x: (Source, usize) },
     /// fx·x ± fy·y.
-    Combination {
-        x: (Source, Option<usize>),
-        y: (Source, Option<usize>),
-        minus: bool,
-    },
-    Structure {
-        y: Source,
-        v: Source,
-    },
-    StructureAlong {
-        y: Source,
-        u: Source,
-        v: Source,
-    },
-    /// Arguments that are numbers are read whole, from buffers.
-    Gradient {
-        y: usize,
-    },
-    Hessian {
-        y: usize,
-        u: usize,
-    },
-    AveragedGradient {
-        a: usize,
-        b: usize,
-    },
-    AveragedHessian {
-        a: usize,
-        b: usize,
-        u: usize,
-    },
-    AveragedField {
-        a: usize,
-        b: usize,
-    },
-    Cayley {
-        y: Source,
-        v: Source,
-    },
-    ItoCorrection {
-        y: usize,
-    },
+    Combination { x: (Source, Option<usize>), y: (Source, Option<usize>), minus: bool },
+    /// An operation of the system; states that it reads whole are in buffers.
+    Of(Op<Source>),
 }
 
 /// Operations that every tile can do when the stages before are complete.
 #[derive(Clone, Debug, Default)]
 pub struct Stage {
-    pub instructions: Vec<Instruction>,
+    pub instructions: Vec<Planned>,
     /// Slots that are stored in buffers after the last instruction.
     pub stores: Vec<(usize, usize)>,
 }
@@ -86,34 +40,13 @@ pub struct Stage {
 /// The plan for a formula.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {
-    nodes: Vec<Node>,
+    nodes: Vec<Recorded>,
     pub stages: Vec<Stage>,
     /// Number of slots of a tile, and of buffers with the inputs, which come first.
     pub slots: usize,
     pub buffers: usize,
     /// The buffer of the result.
     pub result: usize,
-}
-
-/// The reads of a node: argument, and whether it is read whole.
-fn reads(node: Node) -> impl Iterator<Item = (usize, bool)> {
-    let (local, whole) = match node {
-        Node::Input(_) => ([None; 3], [None; 3]),
-        Node::Multiple(x) => ([Some(x), None, None], [None; 3]),
-        Node::Sum(x, y)
-        | Node::Difference(x, y)
-        | Node::Structure { y: x, v: y }
-        | Node::Cayley { y: x, v: y } => ([Some(x), Some(y), None], [None; 3]),
-        Node::StructureAlong { y, u, v } => ([Some(y), Some(u), Some(v)], [None; 3]),
-        Node::Gradient { y } | Node::ItoCorrection { y } => ([None; 3], [Some(y), None, None]),
-        Node::Hessian { y, u } => ([None; 3], [Some(y), Some(u), None]),
-        Node::AveragedGradient { a, b } | Node::AveragedField { a, b } => {
-            ([None; 3], [Some(a), Some(b), None])
-        }
-        Node::AveragedHessian { a, b, u } => ([None; 3], [Some(a), Some(b), Some(u)]),
-    };
-    let local = local.into_iter().flatten().map(|x| (x, false));
-    local.chain(whole.into_iter().flatten().map(|x| (x, true)))
 }
 
 /// A read of a node: in which stage, and whether whole.
@@ -124,41 +57,42 @@ struct Read {
 
 impl Plan {
     /// The plan for operations that a program computes in one piece from `inputs` inputs.
-    pub fn of_program(nodes: &[Node], inputs: usize) -> Self {
+    pub fn of_program(nodes: &[Recorded], inputs: usize) -> Self {
         let nodes = nodes.to_vec();
         Self { nodes, buffers: inputs + 1, result: inputs, ..Self::default() }
     }
 
     /// Whether the plan is for these operations.
-    pub fn is_for(&self, nodes: &[Node]) -> bool {
+    pub fn is_for(&self, nodes: &[Recorded]) -> bool {
         self.nodes == nodes
     }
 
     /// The plan for `nodes`, the last of which is the result. Only the inputs `consumed` may be
     /// overwritten.
-    pub fn new(nodes: &[Node], consumed: &[bool]) -> Self {
+    pub fn new(nodes: &[Recorded], consumed: &[bool]) -> Self {
         let last = nodes.len() - 1;
         let mut count = vec![0; nodes.len()];
-        nodes.iter().for_each(|&node| reads(node).for_each(|(x, _)| count[x] += 1));
+        nodes.iter().flat_map(|node| node.arguments()).for_each(|x| count[x] += 1);
         // Multiples that only one sum or difference reads are computed there.
         let mut absorbed = vec![false; nodes.len()];
         for &node in nodes {
-            if let Node::Sum(x, y) | Node::Difference(x, y) = node {
+            if let Recorded::Sum(x, y) | Recorded::Difference(x, y) = node {
                 for x in [x, y] {
-                    absorbed[x] |= count[x] == 1 && matches!(nodes[x], Node::Multiple(_));
+                    absorbed[x] |= count[x] == 1 && matches!(nodes[x], Recorded::Multiple(_));
                 }
             }
         }
         // The stage of each node, and who reads it when.
-        let is_input = |x: usize| matches!(nodes[x], Node::Input(_));
+        let is_input = |x: usize| matches!(nodes[x], Recorded::Input(_));
         let mut stage = vec![0; nodes.len()];
         for n in 0..nodes.len() {
-            let after = |(x, whole): (usize, bool)| stage[x] + usize::from(whole && !is_input(x));
-            stage[n] = reads(nodes[n]).map(after).max().unwrap_or(0);
+            let whole = !nodes[n].is_local();
+            let after = |x: usize| stage[x] + usize::from(whole && !is_input(x));
+            stage[n] = nodes[n].arguments().map(after).max().unwrap_or(0);
         }
         // An absorbed multiple is read by its reader, in that one's stage.
         for n in 0..nodes.len() {
-            for (x, _) in reads(nodes[n]) {
+            for x in nodes[n].arguments() {
                 if absorbed[x] {
                     stage[x] = stage[n];
                 }
@@ -166,8 +100,8 @@ impl Plan {
         }
         let mut readers: Vec<Vec<Read>> = nodes.iter().map(|_| Vec::new()).collect();
         for n in 0..nodes.len() {
-            for (x, whole) in reads(nodes[n]) {
-                readers[x].push(Read { stage: stage[n], whole });
+            for x in nodes[n].arguments() {
+                readers[x].push(Read { stage: stage[n], whole: !nodes[n].is_local() });
             }
         }
         let stored = |n: usize| {
@@ -194,10 +128,10 @@ impl Plan {
                     usize::MAX => Source::Buffer(buffer[x]),
                     slot => Source::Slot(slot),
                 };
-                let operation = operation(nodes, n, &absorbed, &source, &buffer);
+                let operation = operation(nodes, n, &absorbed, &source);
                 let own = slots.take();
                 slot[n] = own;
-                plan.stages[s].instructions.push(Instruction { operation, slot: own });
+                plan.stages[s].instructions.push(Planned { operation, slot: own });
                 // Slots that no later instruction of this stage reads, and that are not stored.
                 for &m in &of_stage[..=place] {
                     let read_later =
@@ -213,7 +147,7 @@ impl Plan {
                 // A buffer whose content no later stage reads, and no tile of this stage whole.
                 let is_free = |(b, content): (usize, &Option<usize>)| {
                     let Some(x) = *content else { return Some(b) };
-                    let keeps = x == last || matches!(nodes[x], Node::Input(i) if !consumed[i]);
+                    let keeps = x == last || matches!(nodes[x], Recorded::Input(i) if !consumed[i]);
                     let read = |read: &Read| read.stage > s || (read.stage == s && read.whole);
                     (!keeps
                         && stage[x] + usize::from(!is_input(x)) <= s
@@ -237,47 +171,31 @@ impl Plan {
 }
 
 /// Whether node k reads node m, itself or through a multiple that it absorbs.
-fn reads_slot(nodes: &[Node], k: usize, m: usize, absorbed: &[bool]) -> bool {
-    reads(nodes[k])
-        .any(|(x, _)| x == m || (absorbed[x] && reads(nodes[x]).any(|(inner, _)| inner == m)))
+fn reads_slot(nodes: &[Recorded], k: usize, m: usize, absorbed: &[bool]) -> bool {
+    nodes[k].arguments().any(|x| x == m || (absorbed[x] && nodes[x].arguments().any(|y| y == m)))
 }
 
 /// The operation of node n.
 fn operation(
-    nodes: &[Node],
+    nodes: &[Recorded],
     n: usize,
     absorbed: &[bool],
     source: &dyn Fn(usize) -> Source,
-    buffer: &[usize],
-) -> Operation {
+) -> Computation {
     let with_factor = |x: usize| match nodes[x] {
-        Node::Multiple(inner) if absorbed[x] => (source(inner), Some(x)),
+        Recorded::Multiple(inner) if absorbed[x] => (source(inner), Some(x)),
         _ => (source(x), None),
     };
     match nodes[n] {
-        Node::Input(_) => unreachable!("inputs are not computed"),
-        Node::Multiple(x) => Operation::Multiple { x: (source(x), n) },
-        Node::Sum(x, y) => {
-            Operation::Combination { x: with_factor(x), y: with_factor(y), minus: false }
+        Recorded::Input(_) => unreachable!("inputs are not computed"),
+        Recorded::Multiple(x) => Computation::Multiple { x: (source(x), n) },
+        Recorded::Sum(x, y) => {
+            Computation::Combination { x: with_factor(x), y: with_factor(y), minus: false }
         }
-        Node::Difference(x, y) => {
-            Operation::Combination { x: with_factor(x), y: with_factor(y), minus: true }
+        Recorded::Difference(x, y) => {
+            Computation::Combination { x: with_factor(x), y: with_factor(y), minus: true }
         }
-        Node::Structure { y, v } => Operation::Structure { y: source(y), v: source(v) },
-        Node::StructureAlong { y, u, v } => {
-            Operation::StructureAlong { y: source(y), u: source(u), v: source(v) }
-        }
-        Node::Gradient { y } => Operation::Gradient { y: buffer[y] },
-        Node::Hessian { y, u } => Operation::Hessian { y: buffer[y], u: buffer[u] },
-        Node::AveragedGradient { a, b } => {
-            Operation::AveragedGradient { a: buffer[a], b: buffer[b] }
-        }
-        Node::AveragedHessian { a, b, u } => {
-            Operation::AveragedHessian { a: buffer[a], b: buffer[b], u: buffer[u] }
-        }
-        Node::AveragedField { a, b } => Operation::AveragedField { a: buffer[a], b: buffer[b] },
-        Node::Cayley { y, v } => Operation::Cayley { y: source(y), v: source(v) },
-        Node::ItoCorrection { y } => Operation::ItoCorrection { y: buffer[y] },
+        Recorded::Of(op) => Computation::Of(op.map(source)),
     }
 }
 

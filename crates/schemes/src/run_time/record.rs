@@ -5,7 +5,7 @@ use std::{
     ops::{Add, Mul, Sub},
 };
 
-use systems::run_time::{Node, System};
+use systems::run_time::{Op, Recorded, System};
 
 use crate::{Increment, Step};
 
@@ -16,8 +16,8 @@ pub struct Recorder(RefCell<Operations>);
 
 #[derive(Debug, Default)]
 struct Operations {
-    nodes: Vec<Node>,
-    /// The factor of every [`Node::Multiple`], 1 elsewhere.
+    nodes: Vec<Recorded>,
+    /// The factor of every [`Recorded::Multiple`], 1 elsewhere.
     factors: Vec<f64>,
     /// The number of operations since the start; those that follow are of an earlier record.
     count: usize,
@@ -27,7 +27,7 @@ struct Operations {
 
 impl Operations {
     #[inline(always)]
-    fn push(&mut self, node: Node, factor: f64) -> usize {
+    fn push(&mut self, node: Recorded, factor: f64) -> usize {
         let number = self.count;
         self.count += 1;
         match (self.nodes.get(number), self.factors.get_mut(number)) {
@@ -39,7 +39,7 @@ impl Operations {
 
     #[cold]
     #[inline(never)]
-    fn change(&mut self, number: usize, node: Node, factor: f64) {
+    fn change(&mut self, number: usize, node: Recorded, factor: f64) {
         self.nodes.truncate(number);
         self.factors.truncate(number);
         self.nodes.push(node);
@@ -54,11 +54,11 @@ impl Recorder {
         let mut operations = self.0.borrow_mut();
         (operations.count, operations.changed) = (0, false);
         drop(operations);
-        std::array::from_fn(|input| self.push(Node::Input(input), 1.0))
+        std::array::from_fn(|input| self.push(Recorded::Input(input), 1.0))
     }
 
     #[inline(always)]
-    fn push(&self, node: Node, factor: f64) -> Symbol<'_> {
+    fn push(&self, node: Recorded, factor: f64) -> Symbol<'_> {
         Symbol { recorder: self, number: self.0.borrow_mut().push(node, factor) }
     }
 
@@ -68,14 +68,14 @@ impl Recorder {
         let operations = self.0.get_mut();
         let before = operations.nodes.len();
         operations.count = result + 1;
-        if let Node::Input(_) = operations.nodes[result] {
-            operations.push(Node::Multiple(result), 1.0);
+        if let Recorded::Input(_) = operations.nodes[result] {
+            operations.push(Recorded::Multiple(result), 1.0);
         }
         operations.changed || operations.count != before
     }
 
     /// The operations and the factor of each.
-    pub fn operations(&mut self) -> (&[Node], &[f64]) {
+    pub fn operations(&mut self) -> (&[Recorded], &[f64]) {
         let operations = self.0.get_mut();
         (&operations.nodes[..operations.count], &operations.factors[..operations.count])
     }
@@ -93,7 +93,7 @@ impl Add for Symbol<'_> {
     type Output = Self;
     #[inline]
     fn add(self, b: Self) -> Self {
-        self.recorder.push(Node::Sum(self.number, b.number), 1.0)
+        self.recorder.push(Recorded::Sum(self.number, b.number), 1.0)
     }
 }
 
@@ -101,7 +101,7 @@ impl Sub for Symbol<'_> {
     type Output = Self;
     #[inline]
     fn sub(self, b: Self) -> Self {
-        self.recorder.push(Node::Difference(self.number, b.number), 1.0)
+        self.recorder.push(Recorded::Difference(self.number, b.number), 1.0)
     }
 }
 
@@ -109,7 +109,7 @@ impl Mul<f64> for Symbol<'_> {
     type Output = Self;
     #[inline]
     fn mul(self, factor: f64) -> Self {
-        self.recorder.push(Node::Multiple(self.number), factor)
+        self.recorder.push(Recorded::Multiple(self.number), factor)
     }
 }
 
@@ -121,10 +121,15 @@ pub struct Recording<'a> {
     pub recorder: &'a Recorder,
 }
 
-impl Recording<'_> {
+impl<'a> Recording<'a> {
     /// Whether ∇̄h(a, b) is ∇h at the midpoint, which is computed tile by tile.
     fn averages_by_tiles(&self) -> bool {
-        self.system.tile_rows() < self.system.rows() && self.system.is_quadratic()
+        let description = self.system.description();
+        description.layout.is_tiled() && description.is_quadratic()
+    }
+
+    fn record(self, op: Op<Symbol<'a>>) -> Symbol<'a> {
+        self.recorder.push(Recorded::Of(op.map(|symbol| symbol.number)), 1.0)
     }
 }
 
@@ -138,17 +143,17 @@ impl<'a> Increment for Recording<'a> {
 
     #[inline]
     fn is_quadratic(self) -> bool {
-        self.system.is_quadratic()
+        self.system.description().is_quadratic()
     }
 
     #[inline]
     fn structure(self, y: Symbol<'a>, v: Symbol<'a>) -> Symbol<'a> {
-        self.recorder.push(Node::Structure { y: y.number, v: v.number }, 1.0)
+        self.record(Op::Structure { y, v })
     }
 
     #[inline]
     fn gradient(self, y: Symbol<'a>) -> Symbol<'a> {
-        self.recorder.push(Node::Gradient { y: y.number }, 1.0)
+        self.record(Op::Gradient { y })
     }
 
     #[inline]
@@ -156,7 +161,7 @@ impl<'a> Increment for Recording<'a> {
         if self.averages_by_tiles() {
             return self.gradient((a + b) * 0.5);
         }
-        self.recorder.push(Node::AveragedGradient { a: a.number, b: b.number }, 1.0)
+        self.record(Op::AveragedGradient { a, b })
     }
 
     #[inline]
@@ -164,28 +169,33 @@ impl<'a> Increment for Recording<'a> {
         if self.averages_by_tiles() {
             return self.field((a + b) * 0.5);
         }
-        self.recorder.push(Node::AveragedField { a: a.number, b: b.number }, 1.0)
+        self.record(Op::AveragedField { a, b })
     }
 
     #[inline]
     fn cayley(self, y: Symbol<'a>, v: Symbol<'a>) -> Symbol<'a> {
-        self.recorder.push(Node::Cayley { y: y.number, v: v.number }, 1.0)
+        self.record(Op::Cayley { y, v })
     }
 
     #[inline]
     fn ito_correction(self, y: Symbol<'a>) -> Symbol<'a> {
-        self.recorder.push(Node::ItoCorrection { y: y.number }, 1.0)
+        self.record(Op::ItoCorrection { y })
     }
 
-    /// Zero: formulas that read areas are refused unless there is at most one noise.
+    /// −B(y) times the [`area_gradient`](Self::area_gradient), by Jacobi's identity.
     #[inline]
     fn commutators(self, y: Symbol<'a>) -> Symbol<'a> {
-        y * 0.0
+        match self.system.description().noises {
+            ..2 => y * 0.0,
+            _ => self.structure(y, self.area_gradient(y)) * -1.0,
+        }
     }
 
-    /// Zero, as [`commutators`](Self::commutators).
     #[inline]
     fn area_gradient(self, y: Symbol<'a>) -> Symbol<'a> {
-        y * 0.0
+        match self.system.description().noises {
+            ..2 => y * 0.0,
+            _ => self.record(Op::AreaGradient { y }),
+        }
     }
 }

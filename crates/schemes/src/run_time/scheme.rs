@@ -94,6 +94,13 @@ pub enum SchemeError {
     Memory(#[from] OutOfMemory),
 }
 
+impl SchemeError {
+    pub(super) fn areas(scheme: &'static str, system: &dyn System) -> Self {
+        let description = system.description();
+        Self::Areas { scheme, system: description.name.clone(), noises: description.noises }
+    }
+}
+
 impl<F: Implicit> Scheme for F {
     fn id(&self) -> &'static str {
         F::ID
@@ -104,9 +111,8 @@ impl<F: Implicit> Scheme for F {
     }
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
-        if F::READS_AREAS && system.noises() > 1 {
-            let (scheme, noises) = (F::ID, system.noises());
-            return Err(SchemeError::Areas { scheme, system: system.name().into(), noises });
+        if F::READS_AREAS && system.description().noises > 1 {
+            return Err(SchemeError::areas(F::ID, system));
         }
         if F::EXPLICIT {
             return Ok(Box::new(ExplicitStepper::new(self, system)?));

@@ -1,7 +1,8 @@
 //! Sweeps of fixed-point iteration, for systems that compile three evaluations in a row.
 
+use nonlin::criteria::excess;
 use real::{Kernel, OutOfMemory, Row, Rows, WIDTH, dispatch};
-use systems::run_time::{Node, Program, System, Weights};
+use systems::run_time::{Program, Recorded, System, Weights};
 
 use super::record::{Recorder, Recording};
 use crate::{Implicit, Step};
@@ -9,29 +10,16 @@ use crate::{Implicit, Step};
 /// Minus the number of sweeps of a path that has converged; positive on other paths.
 pub type Pending = Row;
 
-/// The convergence test of `nonlin`: residuals below this fraction of ‖z‖₁ are round-off.
-const TOLERANCE: f64 = 2.0 * f64::EPSILON;
-/// Prevents an underflow of the product of two changes.
-const GUARD: f64 = (1u128 << 64) as f64;
-
-/// The test of fixed-point iteration from the last two changes and the size of the last iterate: at
-/// most zero if it has converged, as in [`nonlin`].
-#[inline(always)]
-pub fn excess(change: f64, change_before: f64, size: f64) -> f64 {
-    let before = if change_before < size { change_before } else { size };
-    change * GUARD * change - size * (GUARD * TOLERANCE) * before
-}
-
 /// Three evaluations in a row as one program.
-pub struct Sweep {
+pub struct TripleProgram {
     recorder: Recorder,
-    nodes: Vec<Node>,
+    operations: Vec<Recorded>,
     program: Box<dyn Program>,
     /// The three iterates.
     iterates: Rows,
 }
 
-impl Sweep {
+impl TripleProgram {
     /// The sweep of a formula, if the system compiles it.
     ///
     /// # Errors
@@ -43,16 +31,16 @@ impl Sweep {
     ) -> Result<Option<Self>, OutOfMemory> {
         let mut recorder = Recorder::default();
         let results = record(&recorder, formula, system, step);
-        let nodes = recorder.operations().0.to_vec();
-        let Some(program) = system.compile(&nodes, 2, &results) else { return Ok(None) };
-        let iterates = Rows::zero(3 * system.rows())?;
-        Ok(Some(Self { recorder, nodes, program, iterates }))
+        let operations = recorder.operations().0.to_vec();
+        let Some(program) = system.compile(&operations, 2, &results) else { return Ok(None) };
+        let iterates = Rows::zero(3 * system.description().layout.rows)?;
+        Ok(Some(Self { recorder, operations, program, iterates }))
     }
 
     /// Records the formula for a step. Whether its operations are those of the program.
     pub fn record(&mut self, formula: &impl Implicit, system: &dyn System, step: &Step) -> bool {
         record(&self.recorder, formula, system, step);
-        self.recorder.operations().0 == self.nodes
+        self.recorder.operations().0 == self.operations
     }
 
     /// Sweeps from `solution` until every path has converged or their number is reached.

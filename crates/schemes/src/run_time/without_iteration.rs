@@ -2,7 +2,7 @@
 
 use nonlin::BlockStatus;
 use real::{OutOfMemory, Row, Rows, WIDTH};
-use systems::run_time::{Lanes, System, Weights};
+use systems::run_time::{Description, Lanes, System, Weights};
 
 use super::{Scheme, SchemeError, Stepper, explicit::ExplicitStepper};
 use crate::{
@@ -21,8 +21,7 @@ impl Scheme for SexpLi {
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
         if self.areas {
-            let (system, noises) = (system.name().into(), system.noises());
-            return Err(SchemeError::Areas { scheme: self.name(), system, noises });
+            return Err(SchemeError::areas(self.name(), system));
         }
         Ok(if self.implicit {
             Box::new(ExplicitStepper::new(&LinearlyImplicit::<true, false>, system)?)
@@ -42,9 +41,9 @@ impl Scheme for Split {
     }
 
     fn stepper<'a>(&'a self, system: &'a dyn System) -> Result<Box<dyn Stepper + 'a>, SchemeError> {
-        let parts = system
-            .parts()
-            .map_err(|reason| SchemeError::Parts { system: system.name().into(), reason })?;
+        let Description { name, parts, .. } = system.description();
+        let parts =
+            parts.clone().map_err(|reason| SchemeError::Parts { system: name.clone(), reason })?;
         Ok(Box::new(SplitStepper::new(system, parts)?))
     }
 }
@@ -60,12 +59,13 @@ struct SplitStepper<'a> {
 
 impl<'a> SplitStepper<'a> {
     fn new(system: &'a dyn System, parts: usize) -> Result<Self, OutOfMemory> {
+        let description = system.description();
         Ok(Self {
             system,
             parts,
-            state: Rows::zero(system.rows())?,
-            half_dw: Rows::zero(system.noise_rows())?,
-            scratch: Rows::zero(system.scratch_rows())?,
+            state: Rows::zero(description.layout.rows)?,
+            half_dw: Rows::zero(description.layout.noise_rows)?,
+            scratch: Rows::zero(description.scratch_rows())?,
         })
     }
 }
@@ -77,7 +77,7 @@ struct Moving<'s, 'a> {
     dw: &'s [Row],
 }
 
-impl split::Moved for Moving<'_, '_> {
+impl split::SplitState for Moving<'_, '_> {
     fn scale(&mut self, factor: f64) {
         self.stepper.state.iter_mut().flatten().for_each(|y| *y *= factor);
     }
@@ -85,8 +85,8 @@ impl split::Moved for Moving<'_, '_> {
     fn flow(&mut self, part: usize, half: bool) {
         let SplitStepper { system, state, half_dw, scratch, .. } = &mut *self.stepper;
         let h = match half {
-            true => Weights { dt: 0.5 * self.tau, dw: half_dw },
-            false => Weights { dt: self.tau, dw: self.dw },
+            true => Weights { dt: 0.5 * self.tau, dw: half_dw, areas: &[] },
+            false => Weights { dt: self.tau, dw: self.dw, areas: &[] },
         };
         system.flow(part, state, h, scratch);
     }
@@ -107,7 +107,7 @@ impl Stepper for SplitStepper<'_> {
         halves.for_each(|(half, dw)| *half = 0.5 * dw);
         let parts = self.parts;
         split::compose(parts, step, &mut Moving { stepper: self, tau: step.tau, dw });
-        if self.system.lanes() == Lanes::Paths {
+        if self.system.description().layout.lanes == Lanes::Paths {
             status.fail_where_not_finite(&self.state);
         }
     }
@@ -143,7 +143,8 @@ struct NvStepper<'a, F> {
 impl<'a, F: Implicit> NvStepper<'a, F> {
     fn new(sweep: Sweep, flow: &'a F, system: &'a dyn System) -> Result<Self, SchemeError> {
         let flow = ExplicitStepper::new(flow, system)?;
-        Ok(Self { sweep, flow, noises: system.noises(), single: Rows::zero(system.noise_rows())? })
+        let Description { noises, layout, .. } = system.description();
+        Ok(Self { sweep, flow, noises: *noises, single: Rows::zero(layout.noise_rows)? })
     }
 }
 
@@ -164,7 +165,7 @@ impl<F: Implicit> Flowing<'_, '_, F> {
     }
 }
 
-impl<F: Implicit> nv::Moved for Flowing<'_, '_, F> {
+impl<F: Implicit> nv::FlowState for Flowing<'_, '_, F> {
     fn scale(&mut self, factor: f64) {
         self.stepper.flow.state_mut().iter_mut().flatten().for_each(|y| *y *= factor);
     }

@@ -11,7 +11,7 @@ use schemes::{
 };
 use systems::{
     Constant, Linearity,
-    run_time::{Lanes, System, Weights},
+    run_time::{Description, Layout, Op, System, Weights, derived},
 };
 
 const SIGMA: f64 = 0.8;
@@ -20,13 +20,24 @@ const SIGMA: f64 = 0.8;
 /// hold the components of 32 spins.
 struct Chain {
     spins: usize,
-    tile: usize,
-    rule: Rule,
+    description: Description,
 }
 
 impl Chain {
     fn new(spins: usize, tile: usize) -> Self {
-        Self { spins, tile, rule: Rule::new(1).unwrap() }
+        Self::with_nodes(1, spins, tile)
+    }
+
+    /// With another number of nodes for ∇̄h.
+    fn with_nodes(nodes: usize, spins: usize, tile_rows: usize) -> Self {
+        let rule = Rule::new(nodes).unwrap();
+        let mut description = Description {
+            linearity: Linearity::Affine,
+            always_solvable: true,
+            ..Description::new("chain", 3 * spins, 3, rule)
+        };
+        description.layout = Layout { reach: 1, ..Layout::one_path(3 * spins, 3, 3, tile_rows) };
+        Self { spins, description }
     }
 
     fn neighbours(&self, y: &[Row], row: usize, lane: usize) -> f64 {
@@ -59,102 +70,60 @@ fn cross(y: &[Row], v: &[Row], out: &mut [Row]) {
     }
 }
 
-impl System for Chain {
-    fn name(&self) -> &str {
-        "chain"
-    }
-    fn dimension(&self) -> usize {
-        3 * self.spins
-    }
-    fn noises(&self) -> usize {
-        3
-    }
-    fn lanes(&self) -> Lanes {
-        Lanes::Components
-    }
-    fn rows(&self) -> usize {
-        3 * self.spins.div_ceil(WIDTH)
-    }
-    fn tile_rows(&self) -> usize {
-        self.tile
-    }
-    fn reach(&self) -> usize {
-        1
-    }
-    fn structure(&self, _: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], _: &mut [Row]) {
-        cross(y, v, out);
-    }
-    fn structure_along(
-        &self,
-        _: Range<usize>,
-        _: &[Row],
-        u: &[Row],
-        v: &[Row],
-        out: &mut [Row],
-        _: &mut [Row],
-    ) {
-        cross(u, v, out);
-    }
-    fn energy(&self, _: &[Row], _: Weights<'_>, _: &mut Row, _: &mut [Row]) {
-        unreachable!("no scheme asks for it")
-    }
-    fn gradient(
-        &self,
-        tile: Range<usize>,
-        y: &[Row],
-        h: Weights<'_>,
-        out: &mut [Row],
-        _: &mut [Row],
-    ) {
-        self.each(tile, out, |row, lane| {
-            -h.dt * self.neighbours(y, row, lane) - SIGMA * h.dw[row % 3][0]
-        });
-    }
-    fn hessian(
-        &self,
-        tile: Range<usize>,
-        _: &[Row],
-        u: &[Row],
-        h: Weights<'_>,
-        out: &mut [Row],
-        _: &mut [Row],
-    ) {
-        self.each(tile, out, |row, lane| -h.dt * self.neighbours(u, row, lane));
-    }
-    fn rule(&self) -> &Rule {
-        &self.rule
-    }
-    fn linearity(&self) -> Linearity {
-        Linearity::Affine
-    }
-    fn always_solvable(&self) -> bool {
-        true
-    }
-    fn cayley(&self, _: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], _: &mut [Row]) {
-        for triple in (0..y.len()).step_by(3) {
-            for p in 0..WIDTH {
-                let at = |x: &[Row]| [0, 1, 2].map(|c| x[triple + c][p]);
-                let (y, s) = (at(y), at(v).map(|v| 0.5 * v));
-                let cross = |a: [f64; 3], b: [f64; 3]| {
-                    [0, 1, 2]
-                        .map(|c| a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3])
-                };
-                let once = cross(y, s);
-                let twice = cross(once, s);
-                let factor = 2.0 / (1.0 + s.iter().map(|s| s * s).sum::<f64>());
-                (0..3).for_each(|c| out[triple + c][p] = y[c] + factor * (once[c] + twice[c]));
-            }
+fn cayley(y: &[Row], v: &[Row], out: &mut [Row]) {
+    for triple in (0..y.len()).step_by(3) {
+        for p in 0..WIDTH {
+            let at = |x: &[Row]| [0, 1, 2].map(|c| x[triple + c][p]);
+            let (y, s) = (at(y), at(v).map(|v| 0.5 * v));
+            let cross = |a: [f64; 3], b: [f64; 3]| {
+                [0, 1, 2].map(|c| a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3])
+            };
+            let once = cross(y, s);
+            let twice = cross(once, s);
+            let factor = 2.0 / (1.0 + s.iter().map(|s| s * s).sum::<f64>());
+            (0..3).for_each(|c| out[triple + c][p] = y[c] + factor * (once[c] + twice[c]));
         }
     }
-    /// ½σ² Σ (s × eₘ) × eₘ = −σ²s.
-    fn ito_correction(&self, tile: Range<usize>, y: &[Row], out: &mut [Row], _: &mut [Row]) {
-        self.each(tile, out, |row, lane| -SIGMA * SIGMA * y[row][lane]);
+}
+
+impl System for Chain {
+    fn description(&self) -> &Description {
+        &self.description
+    }
+
+    fn apply(
+        &self,
+        op: Op<&[Row]>,
+        tile: Range<usize>,
+        h: Weights<'_>,
+        out: &mut [Row],
+        scratch: &mut [Row],
+    ) {
+        match op {
+            Op::Structure { y: s, v } | Op::StructureAlong { u: s, v, .. } => cross(s, v, out),
+            Op::Cayley { y, v } => cayley(y, v, out),
+            Op::Gradient { y } => self.each(tile, out, |row, lane| {
+                -h.dt * self.neighbours(y, row, lane) - SIGMA * h.dw[row % 3][0]
+            }),
+            Op::Hessian { u, .. } => {
+                self.each(tile, out, |row, lane| -h.dt * self.neighbours(u, row, lane));
+            }
+            // ½σ² Σ (s × eₘ) × eₘ = −σ²s.
+            Op::ItoCorrection { y } => {
+                self.each(tile, out, |row, lane| -SIGMA * SIGMA * y[row][lane]);
+            }
+            _ => derived(self, op, h, out, scratch),
+        }
+    }
+
+    fn energy(&self, _: &[Row], _: Weights<'_>, _: &mut Row, _: &mut [Row]) {
+        unreachable!("no scheme asks for it")
     }
 }
 
 /// Unit vectors in many directions.
 fn start(system: &Chain) -> Rows {
-    let mut rows = Rows::zero(system.rows()).unwrap();
+    let mut rows = Rows::zero(system.description.layout.rows).unwrap();
     for site in 0..system.spins {
         let (angle, height) = (site as f64 * 2.4, (site as f64 * 0.618).fract() * 2.0 - 1.0);
         let radius = (1.0 - height * height).sqrt();
@@ -248,8 +217,8 @@ fn wide_by_hand(system: &Chain, y: &[Row], h: Weights<'_>) -> Vec<Row> {
     let whole = 0..y.len();
     let field = |y: &[Row]| {
         let (mut v, mut field) = (vec![[0.0; WIDTH]; y.len()], vec![[0.0; WIDTH]; y.len()]);
-        system.gradient(whole.clone(), y, h, &mut v, &mut []);
-        system.structure(whole.clone(), y, &v, &mut field, &mut []);
+        system.apply(Op::Gradient { y }, whole.clone(), h, &mut v, &mut []);
+        system.apply(Op::Structure { y, v: &v }, whole.clone(), h, &mut field, &mut []);
         field
     };
     let plus = |y: &[Row], v: &[Row], factor: f64| -> Vec<Row> {
@@ -272,7 +241,7 @@ fn a_formula_may_store_any_number_of_results() {
             let step = Step::new(&Constant::new(0.0).unwrap(), 0, 0.05).unwrap();
             let dw = Rows::splat(&[0.1, -0.2, 0.05]).unwrap();
             for _ in 0..3 {
-                let weights = Weights { dt: step.tau, dw: &dw };
+                let weights = Weights { dt: step.tau, dw: &dw, areas: &[] };
                 let expected = wide_by_hand(&system, path.state(), weights);
                 path.step(&step, &dw, &mut BlockStatus::explicit());
                 assert!(path.state() == expected, "{spins} {tile}");
@@ -314,7 +283,7 @@ fn formulas_whose_derivative_is_not_known_are_refused() {
 /// ∇̄h is ∇h at the midpoint for quadratic h only.
 #[test]
 fn averages_in_tiles_need_a_quadratic_energy() {
-    let quartic = |tile| Chain { rule: Rule::new(2).unwrap(), ..Chain::new(64, tile) };
+    let quartic = |tile| Chain::with_nodes(2, 64, tile);
     let (tiles, whole) = (quartic(3), quartic(6));
     let refused = Sexp.stepper(&tiles).err().unwrap();
     assert!(matches!(refused, SchemeError::Average { .. }), "{refused}");

@@ -5,9 +5,9 @@ use std::ops::Range;
 use dgrad::{GradientField, Rule};
 use real::{Kernel, Real, Row, VectorFunction, WIDTH, directional, dispatch};
 
-use super::{System, Weights};
+use super::{Description, Op, System, Weights, derived};
 use crate::{
-    Flows, HamiltonianIncrement, Invariant, Linearity, PoissonSystem, SystemError, always_solvable,
+    Flows, HamiltonianIncrement, PoissonSystem, SystemError, always_solvable, area_gradient,
     is_quadratic, ito_correction, linearity,
 };
 
@@ -22,50 +22,43 @@ type Flow<S, const D: usize, const M: usize> = fn(&S, usize, [f64; D], f64, [f64
 /// system on each path.
 pub struct Compiled<S, const D: usize, const M: usize> {
     system: S,
-    linearity: Linearity,
-    solvable: bool,
-    rule: Rule,
-    parts: usize,
+    description: Description,
     flow: Flow<S, D, M>,
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
     /// The system; how B depends on y is found at `y0`.
     pub fn new(system: S, y0: [f64; D]) -> Self {
-        let (linearity, solvable) = (linearity(&system, y0), always_solvable(&system, y0));
         let nodes = if is_quadratic(&system, 1.0, [1.0; M]) { 1 } else { NODES };
         let rule = Rule::new(nodes).unwrap_or_else(|error| unreachable!("{error}"));
-        Self { system, linearity, solvable, rule, parts: 0, flow: |_, _, y, _, _| y }
+        let description = Description {
+            parameters: system.parameters(),
+            linearity: linearity(&system, y0),
+            always_solvable: always_solvable(&system, y0),
+            parts: Err("its flows were not given".into()),
+            invariants: system.invariants(),
+            ..Description::new(system.name(), D, M, rule)
+        };
+        Self { system, description, flow: |_, _, y, _, _| y }
     }
 }
 
 impl<S: Flows<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
     /// The system with its flows; how B depends on y is found at `y0`.
     pub fn with_flows(system: S, y0: [f64; D]) -> Self {
-        Self { parts: S::PARTS, flow: S::flow, ..Self::new(system, y0) }
+        let mut new = Self { flow: S::flow, ..Self::new(system, y0) };
+        new.description.parts = Ok(S::PARTS);
+        new
     }
 }
 
-/// What is computed on each path.
-#[derive(Clone, Copy)]
-enum Function {
-    Structure,
-    StructureAlong,
-    Gradient,
-    Hessian,
-    AveragedGradient,
-    AveragedField,
-    Cayley,
-    ItoCorrection,
-}
-
-/// A function of up to three states on 32 paths.
+/// An operation on 32 paths.
 struct OnPaths<'a, S, const D: usize, const M: usize> {
     system: &'a S,
-    function: Function,
-    states: [&'a [Row; D]; 3],
+    op: Op<&'a [Row; D]>,
     dt: f64,
     dw: &'a [Row; M],
+    areas: &'a [Row],
     out: &'a mut [Row; D],
 }
 
@@ -74,8 +67,8 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for OnPaths<
 
     #[inline(always)]
     fn run(self) {
-        let Self { system: s, function, states: [x, y, z], dt, dw, out } = self;
-        // One loop for each function, which writes into memory of its own, so that each is
+        let Self { system: s, op, dt, dw, areas, out } = self;
+        // One loop for each operation, which writes into memory of its own, so that each is
         // vectorised.
         let mut rows = [[0.0; WIDTH]; D];
         macro_rules! on_each {
@@ -88,25 +81,29 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Kernel for OnPaths<
                 }
             };
         }
-        match function {
-            Function::Structure => on_each!(p => s.structure(path(x, p), path(y, p))),
-            Function::StructureAlong => on_each!(p => {
-                let structure = StructureTimes::<_, D, M> { system: s, v: path(z, p) };
-                directional(&structure, path(x, p), path(y, p)).1
+        match op {
+            Op::Structure { y, v } => on_each!(p => s.structure(path(y, p), path(v, p))),
+            Op::StructureAlong { y, u, v } => on_each!(p => {
+                let structure = StructureTimes::<_, D, M> { system: s, v: path(v, p) };
+                directional(&structure, path(y, p), path(u, p)).1
             }),
-            Function::Gradient => on_each!(p => s.gradient(path(x, p), dt, path(dw, p))),
-            Function::Hessian => on_each!(p => {
+            Op::Gradient { y } => on_each!(p => s.gradient(path(y, p), dt, path(dw, p))),
+            Op::Hessian { y, u } => on_each!(p => {
                 let gradient = GradientOf(HamiltonianIncrement { system: s, dt, dw: path(dw, p) });
-                directional(&gradient, path(x, p), path(y, p)).1
+                directional(&gradient, path(y, p), path(u, p)).1
             }),
-            Function::AveragedGradient => {
-                on_each!(p => s.averaged_gradient(path(x, p), path(y, p), dt, path(dw, p)));
+            Op::AveragedGradient { a, b } => {
+                on_each!(p => s.averaged_gradient(path(a, p), path(b, p), dt, path(dw, p)));
             }
-            Function::AveragedField => {
-                on_each!(p => s.averaged_field(path(x, p), path(y, p), dt, path(dw, p)));
+            Op::AveragedField { a, b } => {
+                on_each!(p => s.averaged_field(path(a, p), path(b, p), dt, path(dw, p)));
             }
-            Function::Cayley => on_each!(p => s.cayley(path(x, p), path(y, p))),
-            Function::ItoCorrection => on_each!(p => ito_correction(s, path(x, p))),
+            Op::Cayley { y, v } => on_each!(p => s.cayley(path(y, p), path(v, p))),
+            Op::ItoCorrection { y } => on_each!(p => ito_correction(s, path(y, p))),
+            Op::AreaGradient { y } => {
+                on_each!(p => area_gradient(s, path(y, p), skew(areas, p)));
+            }
+            Op::AveragedHessian { .. } => unreachable!("it is derived"),
         }
         *out = rows;
     }
@@ -120,6 +117,19 @@ fn path<const N: usize>(rows: &[Row; N], p: usize) -> [f64; N] {
         y[i] = rows[i][p];
     }
     y
+}
+
+/// The skew matrix of the areas of path p.
+#[inline(always)]
+fn skew<const M: usize>(rows: &[Row], p: usize) -> [[f64; M]; M] {
+    let mut areas = [[0.0; M]; M];
+    for m in 0..M {
+        for l in m + 1..M {
+            areas[m][l] = rows[m * M + l][p];
+            areas[l][m] = -areas[m][l];
+        }
+    }
+    areas
 }
 
 /// B(y)v as a function of y; M says of which [`PoissonSystem`] it is.
@@ -163,113 +173,40 @@ fn array<const N: usize>(rows: &[Row]) -> &[Row; N] {
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> Compiled<S, D, M> {
     const NO_NOISE: [Row; M] = [[0.0; WIDTH]; M];
-
-    fn evaluate(&self, function: Function, states: [&[Row]; 3], h: Weights<'_>, out: &mut [Row]) {
-        let count = out.len();
-        let out = out.try_into().unwrap_or_else(|_| panic!("{D} rows are needed, got {count}"));
-        let (system, states, dw) = (&self.system, states.map(array), array(h.dw));
-        dispatch(OnPaths { system, function, states, dt: h.dt, dw, out });
-    }
 }
 
 impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Compiled<S, D, M> {
-    fn name(&self) -> &str {
-        self.system.name()
+    fn description(&self) -> &Description {
+        &self.description
     }
 
-    fn parameters(&self) -> String {
-        self.system.parameters()
-    }
-
-    fn dimension(&self) -> usize {
-        D
-    }
-
-    fn noises(&self) -> usize {
-        M
-    }
-
-    fn structure(&self, _: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], _: &mut [Row]) {
-        let none = Weights { dt: 0.0, dw: &Self::NO_NOISE };
-        self.evaluate(Function::Structure, [y, v, y], none, out);
-    }
-
-    fn structure_along(
+    fn apply(
         &self,
+        op: Op<&[Row]>,
         _: Range<usize>,
-        y: &[Row],
-        u: &[Row],
-        v: &[Row],
+        h: Weights<'_>,
         out: &mut [Row],
-        _: &mut [Row],
+        scratch: &mut [Row],
     ) {
-        let none = Weights { dt: 0.0, dw: &Self::NO_NOISE };
-        self.evaluate(Function::StructureAlong, [y, u, v], none, out);
+        if let Op::AveragedHessian { .. } = op {
+            return derived(self, op, h, out, scratch);
+        }
+        let count = out.len();
+        let out = out.try_into().unwrap_or_else(|_| panic!("{D} rows are needed, got {count}"));
+        let dw = if op.reads_weights() { array(h.dw) } else { &Self::NO_NOISE };
+        dispatch(OnPaths {
+            system: &self.system,
+            op: op.map(array),
+            dt: h.dt,
+            dw,
+            areas: h.areas,
+            out,
+        });
     }
 
     fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, _: &mut [Row]) {
         for p in 0..WIDTH {
             out[p] = self.system.energy(path(array(y), p), h.dt, path(array(h.dw), p));
-        }
-    }
-
-    fn gradient(&self, _: Range<usize>, y: &[Row], h: Weights<'_>, out: &mut [Row], _: &mut [Row]) {
-        self.evaluate(Function::Gradient, [y, y, y], h, out);
-    }
-
-    fn hessian(
-        &self,
-        _: Range<usize>,
-        y: &[Row],
-        u: &[Row],
-        h: Weights<'_>,
-        out: &mut [Row],
-        _: &mut [Row],
-    ) {
-        self.evaluate(Function::Hessian, [y, u, y], h, out);
-    }
-
-    fn rule(&self) -> &Rule {
-        &self.rule
-    }
-
-    fn averaged_gradient(
-        &self,
-        a: &[Row],
-        b: &[Row],
-        h: Weights<'_>,
-        out: &mut [Row],
-        _: &mut [Row],
-    ) {
-        self.evaluate(Function::AveragedGradient, [a, b, a], h, out);
-    }
-
-    fn averaged_field(&self, a: &[Row], b: &[Row], h: Weights<'_>, out: &mut [Row], _: &mut [Row]) {
-        self.evaluate(Function::AveragedField, [a, b, a], h, out);
-    }
-
-    fn linearity(&self) -> Linearity {
-        self.linearity
-    }
-
-    fn always_solvable(&self) -> bool {
-        self.solvable
-    }
-
-    fn cayley(&self, _: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], _: &mut [Row]) {
-        let none = Weights { dt: 0.0, dw: &Self::NO_NOISE };
-        self.evaluate(Function::Cayley, [y, v, y], none, out);
-    }
-
-    fn ito_correction(&self, _: Range<usize>, y: &[Row], out: &mut [Row], _: &mut [Row]) {
-        let none = Weights { dt: 0.0, dw: &Self::NO_NOISE };
-        self.evaluate(Function::ItoCorrection, [y, y, y], none, out);
-    }
-
-    fn parts(&self) -> Result<usize, String> {
-        match self.parts {
-            0 => Err("its flows were not given".into()),
-            parts => Ok(parts),
         }
     }
 
@@ -281,10 +218,6 @@ impl<S: PoissonSystem<D, M>, const D: usize, const M: usize> System for Compiled
                 y[i][p] = moved[i];
             }
         }
-    }
-
-    fn invariants(&self) -> Vec<Invariant> {
-        self.system.invariants()
     }
 
     fn invariant(&self, index: usize, y: &[Row], out: &mut Row, _: &mut [Row]) {

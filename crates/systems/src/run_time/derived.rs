@@ -2,19 +2,35 @@
 
 use real::{Kernel, Row, WIDTH, dispatch};
 
-use super::{System, Weights};
+use super::{Op, System, Weights};
 
-/// States that a derived method keeps beside the scratch of the methods that it calls.
-const STATES: usize = 4;
-
-/// Rows of scratch for the methods below, beside what a system needs for its own.
-pub fn scratch_rows(rows: usize, noise_rows: usize) -> usize {
-    STATES * rows + noise_rows
+/// An operation that follows from others, for systems with one tile:
+///
+/// - ∇̄h(a, b) = Σ wₖ ∇h(a + ηₖ(b − a)) with the nodes and weights of the
+///   [rule](super::Description::rule), pair by pair as in [`dgrad::averaged`];
+/// - ∂∇̄h(a, b)/∂b·u = Σ wₖ ηₖ ∇²h(a + ηₖ(b − a))·u;
+/// - B((a+b)/2)∇̄h(a, b);
+/// - ½Σₘ fₘ′fₘ with fₘ = B∇Hₘ and fₘ′u = (∂B·u)∇Hₘ + B∇²Hₘu.
+///
+/// # Panics
+/// For other operations.
+pub fn derived<S: System + ?Sized>(
+    system: &S,
+    op: Op<&[Row]>,
+    h: Weights<'_>,
+    out: &mut [Row],
+    scratch: &mut [Row],
+) {
+    match op {
+        Op::AveragedGradient { a, b } => averaged_gradient(system, a, b, h, out, scratch),
+        Op::AveragedHessian { a, b, u } => averaged_hessian(system, [a, b, u], h, out, scratch),
+        Op::AveragedField { a, b } => averaged_field(system, a, b, h, out, scratch),
+        Op::ItoCorrection { y } => ito_correction(system, y, out, scratch),
+        _ => panic!("{} has no {op:?}", system.description().name),
+    }
 }
 
-/// ∇̄h(a, b) = Σ wₖ ∇h(a + ηₖ(b − a)) with the nodes of [`System::rule`], pair by pair as in
-/// [`dgrad::averaged`].
-pub fn averaged_gradient<S: System + ?Sized>(
+fn averaged_gradient<S: System + ?Sized>(
     system: &S,
     a: &[Row],
     b: &[Row],
@@ -26,31 +42,29 @@ pub fn averaged_gradient<S: System + ?Sized>(
     let (point, scratch) = scratch.split_at_mut(a.len());
     let (lower, scratch) = scratch.split_at_mut(a.len());
     let (upper, scratch) = scratch.split_at_mut(a.len());
-    let (nodes, weights) = (system.rule().nodes(), system.rule().weights());
+    let rule = &system.description().rule;
+    let (nodes, weights) = (rule.nodes(), rule.weights());
     for k in 0..nodes.len() / 2 {
         let distance = 0.5 - nodes[k];
         dispatch(Point { a, b, distance: -distance, point });
-        system.gradient(all.clone(), point, h, lower, scratch);
+        system.apply(Op::Gradient { y: point }, all.clone(), h, lower, scratch);
         dispatch(Point { a, b, distance, point });
-        system.gradient(all.clone(), point, h, upper, scratch);
+        system.apply(Op::Gradient { y: point }, all.clone(), h, upper, scratch);
         dispatch(AddPair { sum: out, lower, upper, weight: weights[k], first: k == 0 });
     }
     if nodes.len() % 2 == 1 {
         dispatch(Point { a, b, distance: 0.0, point });
         if nodes.len() == 1 {
-            return system.gradient(all, point, h, out, scratch);
+            return system.apply(Op::Gradient { y: point }, all, h, out, scratch);
         }
-        system.gradient(all, point, h, lower, scratch);
+        system.apply(Op::Gradient { y: point }, all, h, lower, scratch);
         dispatch(Add { sum: out, value: lower, weight: weights[nodes.len() / 2] });
     }
 }
 
-/// ∂∇̄h(a, b)/∂b·u = Σ wₖ ηₖ ∇²h(a + ηₖ(b − a))·u.
-pub fn averaged_hessian<S: System + ?Sized>(
+fn averaged_hessian<S: System + ?Sized>(
     system: &S,
-    a: &[Row],
-    b: &[Row],
-    u: &[Row],
+    [a, b, u]: [&[Row]; 3],
     h: Weights<'_>,
     out: &mut [Row],
     scratch: &mut [Row],
@@ -58,11 +72,52 @@ pub fn averaged_hessian<S: System + ?Sized>(
     let (point, scratch) = scratch.split_at_mut(a.len());
     let (value, scratch) = scratch.split_at_mut(a.len());
     out.fill([0.0; WIDTH]);
-    let rule = system.rule();
+    let rule = &system.description().rule;
     for (&node, &weight) in rule.nodes().iter().zip(rule.weights()) {
         dispatch(Point { a, b, distance: node - 0.5, point });
-        system.hessian(0..a.len(), point, u, h, value, scratch);
+        system.apply(Op::Hessian { y: point, u }, 0..a.len(), h, value, scratch);
         dispatch(Add { sum: out, value, weight: weight * node });
+    }
+}
+
+fn averaged_field<S: System + ?Sized>(
+    system: &S,
+    a: &[Row],
+    b: &[Row],
+    h: Weights<'_>,
+    out: &mut [Row],
+    scratch: &mut [Row],
+) {
+    let all = 0..a.len();
+    let (gradient, scratch) = scratch.split_at_mut(a.len());
+    system.apply(Op::AveragedGradient { a, b }, all.clone(), h, gradient, scratch);
+    let (middle, scratch) = scratch.split_at_mut(a.len());
+    dispatch(Point { a, b, distance: 0.0, point: middle });
+    system.apply(Op::Structure { y: middle, v: gradient }, all, h, out, scratch);
+}
+
+fn ito_correction<S: System + ?Sized>(system: &S, y: &[Row], out: &mut [Row], scratch: &mut [Row]) {
+    let description = system.description();
+    let (dw, scratch) = scratch.split_at_mut(description.layout.noise_rows);
+    let (gradient, scratch) = scratch.split_at_mut(y.len());
+    let (field, scratch) = scratch.split_at_mut(y.len());
+    let (value, scratch) = scratch.split_at_mut(y.len());
+    let (curved, scratch) = scratch.split_at_mut(y.len());
+    out.fill([0.0; WIDTH]);
+    dw.fill([0.0; WIDTH]);
+    for m in 0..description.noises {
+        dw[m] = [1.0; WIDTH];
+        let h = Weights { dt: 0.0, dw, areas: &[] };
+        let mut apply =
+            |op: Op<&[Row]>, out: &mut [Row]| system.apply(op, 0..y.len(), h, out, scratch);
+        apply(Op::Gradient { y }, gradient);
+        apply(Op::Structure { y, v: gradient }, field);
+        apply(Op::StructureAlong { y, u: field, v: gradient }, value);
+        dispatch(Add { sum: out, value, weight: 0.5 });
+        apply(Op::Hessian { y, u: field }, curved);
+        apply(Op::Structure { y, v: curved }, value);
+        dispatch(Add { sum: out, value, weight: 0.5 });
+        dw[m] = [0.0; WIDTH];
     }
 }
 
@@ -130,50 +185,5 @@ impl Kernel for AddPair<'_> {
             }
             *sum = row;
         }
-    }
-}
-
-/// B((a+b)/2)·∇̄h(a, b).
-pub fn averaged_field<S: System + ?Sized>(
-    system: &S,
-    a: &[Row],
-    b: &[Row],
-    h: Weights<'_>,
-    out: &mut [Row],
-    scratch: &mut [Row],
-) {
-    let (gradient, scratch) = scratch.split_at_mut(a.len());
-    system.averaged_gradient(a, b, h, gradient, scratch);
-    let (middle, scratch) = scratch.split_at_mut(a.len());
-    dispatch(Point { a, b, distance: 0.0, point: middle });
-    system.structure(0..a.len(), middle, gradient, out, scratch);
-}
-
-/// ½Σₘ fₘ′fₘ with fₘ = B∇Hₘ and fₘ′u = (∂B·u)∇Hₘ + B∇²Hₘu.
-pub fn ito_correction<S: System + ?Sized>(
-    system: &S,
-    y: &[Row],
-    out: &mut [Row],
-    scratch: &mut [Row],
-) {
-    let all = 0..y.len();
-    let (dw, scratch) = scratch.split_at_mut(system.noise_rows());
-    let (gradient, scratch) = scratch.split_at_mut(y.len());
-    let (field, scratch) = scratch.split_at_mut(y.len());
-    let (value, scratch) = scratch.split_at_mut(y.len());
-    let (curved, scratch) = scratch.split_at_mut(y.len());
-    out.fill([0.0; WIDTH]);
-    dw.fill([0.0; WIDTH]);
-    for m in 0..system.noises() {
-        dw[m] = [1.0; WIDTH];
-        let h = Weights { dt: 0.0, dw };
-        system.gradient(all.clone(), y, h, gradient, scratch);
-        system.structure(all.clone(), y, gradient, field, scratch);
-        system.structure_along(all.clone(), y, field, gradient, value, scratch);
-        dispatch(Add { sum: out, value, weight: 0.5 });
-        system.hessian(all.clone(), y, field, h, curved, scratch);
-        system.structure(all.clone(), y, curved, value, scratch);
-        dispatch(Add { sum: out, value, weight: 0.5 });
-        dw[m] = [0.0; WIDTH];
     }
 }

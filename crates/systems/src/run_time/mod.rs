@@ -3,25 +3,27 @@
 //!
 //! States are rows of 32 numbers on the heap. For an ensemble of small systems row i is component i
 //! of 32 paths. For one path of a large system the rows are pieces of its state, in an order that
-//! the system chooses. A [`System`] evaluates B(y)v, ∇h and their derivatives on rows; every method
-//! writes to rows that it is given, and allocates nothing.
+//! the system chooses. A [`System`] has a [`Description`], which is data, and applies every [`Op`],
+//! such as B(y)v and ∇h, to rows. Results are written to rows that it is given; nothing is
+//! allocated.
 //!
 //! [`Compiled`] makes a [`PoissonSystem`](crate::PoissonSystem) such a system, with the same bits.
 //!
 //! ```
 //! use real::Rows;
-//! use systems::run_time::{Compiled, System, Weights};
+//! use systems::run_time::{Compiled, Op, System, Weights};
 //! use systems::RigidBody;
 //!
 //! let body = RigidBody::three_noises([2.0, 1.0, 0.5], [1.0, 2.0, 3.0])?;
 //! let system = Compiled::new(body, [0.6, 0.0, 0.8]);
-//! assert_eq!((system.dimension(), system.noises()), (3, 3));
+//! let description = system.description();
+//! assert_eq!((description.dimension, description.noises), (3, 3));
 //! let (y, dw) = (Rows::splat(&[0.6, 0.0, 0.8])?, Rows::splat(&[0.1, -0.2, 0.3])?);
 //! let (mut gradient, mut field) = (Rows::zero(3)?, Rows::zero(3)?);
-//! let mut scratch = Rows::zero(system.scratch_rows())?;
-//! let h = Weights { dt: 0.01, dw: &dw };
-//! system.gradient(0..3, &y, h, &mut gradient, &mut scratch);
-//! system.structure(0..3, &y, &gradient, &mut field, &mut scratch);
+//! let mut scratch = Rows::zero(description.scratch_rows())?;
+//! let h = Weights { dt: 0.01, dw: &dw, areas: &[] };
+//! system.apply(Op::Gradient { y: &y }, 0..3, h, &mut gradient, &mut scratch);
+//! system.apply(Op::Structure { y: &y, v: &gradient }, 0..3, h, &mut field, &mut scratch);
 //! // B∇h is tangent to the level sets of ½|y|².
 //! assert!((y[0][7] * field[0][7] + y[2][7] * field[2][7]).abs() < 1e-16);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -29,14 +31,14 @@
 
 mod compiled;
 mod derived;
-pub mod lattice;
-mod node;
+mod description;
+mod op;
 mod problem;
 mod system;
 
 pub use compiled::Compiled;
-pub use derived::{averaged_field, averaged_gradient, averaged_hessian, ito_correction};
-pub use lattice::{Couplings, Direction, LatticeError, Shape, SpinLattice, noise_at_temperature};
-pub use node::{MOST_INPUTS, Node, Program};
+pub use derived::derived;
+pub use description::{Description, Lanes, Layout};
+pub use op::{MOST_INPUTS, Op, Program, Recorded};
 pub use problem::{Problem, ProblemError};
-pub use system::{Lanes, System, Weights};
+pub use system::{System, Weights};

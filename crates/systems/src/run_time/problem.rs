@@ -43,7 +43,7 @@ impl Problem {
         y0: Vec<f64>,
         t_end: f64,
     ) -> Result<Self, ProblemError> {
-        let (dimension, components) = (system.dimension(), y0.len());
+        let (dimension, components) = (system.description().dimension, y0.len());
         if components != dimension {
             return Err(ProblemError::Dimension { dimension, components });
         }

@@ -4,8 +4,14 @@ use std::ops::Range;
 
 use real::{Kernel, Row, WIDTH};
 
-use super::layout::{Layout, Spins};
-use crate::{cayley::cayley_cross, cayley::cross, run_time::Weights};
+use super::{
+    Shape,
+    layout::{SpinRows, Spins},
+};
+use crate::{
+    cayley::{cayley_cross, cross},
+    run_time::{Op, Weights},
+};
 
 /// The couplings of a lattice of spins: H₀ = −J Σ sᵢ·sⱼ over bonds − ½K Σ (sᵢᶻ)² − h·Σ sᵢ, noise σ
 /// and transverse damping α.
@@ -25,38 +31,23 @@ pub struct Couplings {
     pub damping: f64,
 }
 
-/// What is computed on a tile.
-#[derive(Clone, Copy)]
-pub enum Function<'a> {
-    /// s × v, with s and v on the tile.
-    Cross { s: &'a [Row], v: &'a [Row] },
-    /// The solution of z = s + (s+z)/2 × v, with s and v on the tile.
-    Cayley { s: &'a [Row], v: &'a [Row] },
-    /// ∇h(y), and the transverse damping.
-    Gradient { y: &'a [Row] },
-    /// Its derivative along u.
-    Hessian { y: &'a [Row], u: &'a [Row] },
-    /// −σ²s.
-    Ito { y: &'a [Row] },
-}
-
 /// The loop over the groups of a tile.
 pub struct OnTile<'a, L> {
     pub layout: L,
     pub directions: usize,
     pub couplings: Couplings,
     pub tile: Range<usize>,
-    pub function: Function<'a>,
+    pub op: Op<&'a [Row]>,
     pub h: Weights<'a>,
     pub out: &'a mut [Row],
 }
 
-impl<L: Layout> Kernel for OnTile<'_, L> {
+impl<L: SpinRows> Kernel for OnTile<'_, L> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { layout, directions, couplings, tile, function, h, out } = self;
+        let Self { layout, directions, couplings, tile, op, h, out } = self;
         macro_rules! on_each {
             (|$group:ident, $rows:ident| $value:expr) => {
                 for $group in 0..layout.groups(&tile) {
@@ -68,14 +59,15 @@ impl<L: Layout> Kernel for OnTile<'_, L> {
                 }
             };
         }
-        match function {
-            Function::Cross { s, v } => {
+        match op {
+            Op::Structure { y: s, v } | Op::StructureAlong { u: s, v, .. } => {
                 on_each!(|group, rows| on_lanes(at(s, rows), at(v, rows), cross))
             }
-            Function::Cayley { s, v } => {
-                on_each!(|group, rows| on_lanes(at(s, rows), at(v, rows), cayley_cross))
+            Op::Cayley { y, v } => {
+                on_each!(|group, rows| on_lanes(at(y, rows), at(v, rows), cayley_cross))
             }
-            Function::Ito { y } => on_each!(|group, rows| {
+            // −σ²s.
+            Op::ItoCorrection { y } => on_each!(|group, rows| {
                 let mut spins = at(&y[tile.clone()], rows);
                 for c in 0..3 {
                     for p in 0..WIDTH {
@@ -84,7 +76,7 @@ impl<L: Layout> Kernel for OnTile<'_, L> {
                 }
                 spins
             }),
-            Function::Gradient { y } => on_each!(|group, rows| {
+            Op::Gradient { y } => on_each!(|group, rows| {
                 let spins = at(&y[tile.clone()], rows);
                 let mut sum = [[0.0; WIDTH]; 3];
                 for direction in 0..directions {
@@ -93,7 +85,7 @@ impl<L: Layout> Kernel for OnTile<'_, L> {
                 let noise = increments(couplings.local, h.dw, &tile, rows);
                 couplings.gradient(spins, sum, noise, h.dt)
             }),
-            Function::Hessian { y, u } => on_each!(|group, rows| {
+            Op::Hessian { y, u } => on_each!(|group, rows| {
                 let (spins, along) = (at(&y[tile.clone()], rows), at(&u[tile.clone()], rows));
                 let (mut sum, mut sum_along) = ([[0.0; WIDTH]; 3], [[0.0; WIDTH]; 3]);
                 for direction in 0..directions {
@@ -102,6 +94,17 @@ impl<L: Layout> Kernel for OnTile<'_, L> {
                 }
                 couplings.hessian((spins, along), (sum, sum_along), h.dt)
             }),
+            // {Hₘ, H_l} = σ² Σ sᵢ·(e_l × eₘ) for common noise.
+            Op::AreaGradient { .. } => {
+                let weight = couplings.noise * couplings.noise;
+                // Rows 1, 2 and 5 have A₁₂, A₁₃ and A₂₃.
+                let v = [(5, -weight), (2, weight), (1, -weight)]
+                    .map(|(row, weight)| h.areas[row].map(|area| area * weight));
+                on_each!(|group, rows| v)
+            }
+            Op::AveragedGradient { .. } | Op::AveragedHessian { .. } | Op::AveragedField { .. } => {
+                unreachable!("averages are derived")
+            }
         }
     }
 }
@@ -131,6 +134,17 @@ fn on_lanes(a: Spins, b: Spins, function: impl Fn([f64; 3], [f64; 3]) -> [f64; 3
 }
 
 impl Couplings {
+    /// Shape and couplings in words.
+    pub(super) fn describe(self, shape: &Shape) -> String {
+        let Self { exchange, anisotropy, field, noise, local, damping } = self;
+        let kind = if local { "local" } else { "common" };
+        format!(
+            "{}, J = {exchange}, K = {anisotropy}, h = {field:?}, σ = {noise} ({kind}), \
+             α = {damping}",
+            shape.describe()
+        )
+    }
+
     /// The field on a spin, −∂H₀/∂s = JΣs′ + K s_z e_z + h.
     #[inline(always)]
     fn field_on(self, s: [f64; 3], sum: [f64; 3]) -> [f64; 3] {

@@ -18,7 +18,7 @@ pub const TILE_ROWS: usize = 3 * TILE_SITES / WIDTH;
 pub type Spins = [Row; 3];
 
 /// A layout of the spins.
-pub trait Layout: Copy + Sync {
+pub trait SpinRows: Copy + Sync {
     /// The number of groups of 32 spins on a tile of rows.
     fn groups(self, tile: &Range<usize>) -> usize;
     /// The rows of group number `group` of a tile, counted from its first row.
@@ -41,7 +41,7 @@ pub struct OnPaths<'a> {
     pub directions: &'a [Direction],
 }
 
-impl Layout for OnPaths<'_> {
+impl SpinRows for OnPaths<'_> {
     #[inline(always)]
     fn groups(self, tile: &Range<usize>) -> usize {
         tile.len() / 3
@@ -80,11 +80,6 @@ pub struct OnePath<'a> {
 }
 
 impl OnePath<'_> {
-    /// The number of rows.
-    pub fn row_count(sites: usize) -> usize {
-        3 * sites.div_ceil(WIDTH)
-    }
-
     /// Row and lane of a component of a site.
     pub fn place(sites: usize, site: usize, component: usize) -> (usize, usize) {
         let tile = site / TILE_SITES;
@@ -147,7 +142,7 @@ impl OnePath<'_> {
     }
 }
 
-impl Layout for OnePath<'_> {
+impl SpinRows for OnePath<'_> {
     #[inline(always)]
     fn groups(self, tile: &Range<usize>) -> usize {
         tile.len() / 3

@@ -27,10 +27,12 @@ use std::ops::Range;
 use dgrad::Rule;
 use real::{OutOfMemory, Row, Rows, WIDTH, dispatch};
 
-use super::{Lanes, System, Weights};
-use crate::{Invariant, Linearity};
+use crate::{
+    Invariant, Linearity,
+    run_time::{Description, Layout, Op, System, Weights, derived},
+};
 use bonds::{Flow, Part};
-use formulas::{Function, OnTile};
+use formulas::OnTile;
 use layout::{OnPaths, OnePath, TILE_ROWS, TILE_SITES};
 
 pub use formulas::Couplings;
@@ -40,7 +42,7 @@ pub use shape::{Direction, Shape};
 ///
 /// ```
 /// let (alpha, beta) = (0.1, 5.0);
-/// let sigma = systems::run_time::noise_at_temperature(alpha, 1.0 / beta);
+/// let sigma = systems::lattice::noise_at_temperature(alpha, 1.0 / beta);
 /// assert_eq!(sigma, 0.2);
 /// ```
 #[must_use]
@@ -79,12 +81,13 @@ pub enum LatticeError {
 /// path of many spins.
 ///
 /// ```
-/// use systems::run_time::{Couplings, Shape, SpinLattice, System};
+/// use systems::lattice::{Couplings, Shape, SpinLattice};
+/// use systems::run_time::System;
 ///
 /// let couplings = Couplings { exchange: 1.0, noise: 0.1, local: true, ..Couplings::default() };
 /// let lattice = SpinLattice::one_path(Shape::periodic(&[100, 100, 100])?, couplings)?;
-/// assert_eq!((lattice.dimension(), lattice.noises()), (3_000_000, 3_000_000));
-/// # Ok::<(), systems::run_time::LatticeError>(())
+/// assert_eq!(lattice.description().noises, 3_000_000);
+/// # Ok::<(), systems::lattice::LatticeError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct SpinLattice {
@@ -94,8 +97,8 @@ pub struct SpinLattice {
     /// For one path: the offsets of each direction, and the last sites of each group of 32.
     offsets: Vec<((isize, isize), bool)>,
     ends: Option<Vec<u32>>,
-    parts: Result<Vec<Part>, String>,
-    rule: Rule,
+    parts: Vec<Part>,
+    description: Description,
 }
 
 impl SpinLattice {
@@ -120,7 +123,8 @@ impl SpinLattice {
         }
         let directions = shape.directions();
         let odd = (0..3).find(|&axis| shape.is_periodic(axis) && shape.sizes()[axis] % 2 == 1);
-        let parts = if damping != 0.0 {
+        let parts = Part::all(&shape, &couplings);
+        let exact = if damping != 0.0 {
             Err("transverse damping has no exact flow; take sexp-li".into())
         } else if let Some(axis) = odd {
             let size = shape.sizes()[axis];
@@ -130,11 +134,27 @@ impl SpinLattice {
                 axis + 1
             ))
         } else {
-            Ok(Part::all(&shape, &couplings))
+            Ok(parts.len())
         };
+        let sites = shape.sites();
+        let noises = if couplings.local { 3 * sites } else { 3 };
         let rule = Rule::new(1).unwrap_or_else(|error| unreachable!("{error}"));
+        let mut description = Description {
+            parameters: couplings.describe(&shape),
+            linearity: Linearity::Affine,
+            always_solvable: true,
+            is_transverse: damping != 0.0,
+            jacobi_holds: !couplings.local,
+            parts: exact,
+            invariants: match sites {
+                ..=SPINS_NAMED => vec![Invariant::quadratic_casimir("C", "½|sᵢ|²"); sites],
+                _ => vec![Invariant::quadratic_casimir("C", "½Σ|sᵢ|²")],
+            },
+            ..Description::new("spin-lattice", 3 * sites, noises, rule)
+        };
+        description.layout.local_noise = couplings.local;
         let offsets = Vec::new();
-        Ok(Self { shape, directions, couplings, offsets, ends: None, parts, rule })
+        Ok(Self { shape, directions, couplings, offsets, ends: None, parts, description })
     }
 
     /// The lattice on rows that hold one path.
@@ -143,9 +163,16 @@ impl SpinLattice {
     /// [`LatticeError::NotFinite`], and [`LatticeError::Memory`] if there is no memory for a state.
     pub fn one_path(shape: Shape, couplings: Couplings) -> Result<Self, LatticeError> {
         let mut lattice = Self::on_paths(shape, couplings)?;
+        let Description { dimension, noises, .. } = lattice.description;
+        let mut layout = Layout::one_path(dimension, noises, 3, TILE_ROWS);
+        Rows::zero(layout.rows)?;
         let Self { shape, directions, .. } = &lattice;
         let sites = shape.sites();
-        Rows::zero(OnePath::row_count(sites))?;
+        // One more, since the last tile may be shorter.
+        layout.reach = shape.farthest().div_ceil(TILE_SITES) + 1;
+        if couplings.local {
+            layout = layout.with_local_noise();
+        }
         let offsets = directions
             .iter()
             .map(|&direction| (shape.offsets(direction), shape.is_periodic(direction.axis)))
@@ -159,6 +186,7 @@ impl SpinLattice {
             }
         }
         (lattice.offsets, lattice.ends) = (offsets, Some(ends));
+        lattice.description.layout = layout;
         Ok(lattice)
     }
 
@@ -181,14 +209,8 @@ impl SpinLattice {
         let defect = |square: f64| (square.sqrt() / length - 1.0).abs();
         let mut largest = 0.0f64;
         for site in 0..self.shape.sites() {
-            let lanes = if self.ends.is_some() { 0..1 } else { 0..WIDTH };
-            for p in lanes {
-                let square: f64 = (0..3)
-                    .map(|c| {
-                        let (row, lane) = self.place(3 * site + c);
-                        y[row][lane + p].powi(2)
-                    })
-                    .sum();
+            for p in self.lanes() {
+                let square: f64 = (0..3).map(|c| self.at(y, site, c, p).powi(2)).sum();
                 let this = defect(square);
                 // A NaN is the largest.
                 largest = if this > largest || this.is_nan() { this } else { largest };
@@ -197,24 +219,18 @@ impl SpinLattice {
         largest
     }
 
-    fn evaluate(
-        &self,
-        function: Function<'_>,
-        tile: Range<usize>,
-        h: Weights<'_>,
-        out: &mut [Row],
-    ) {
-        let (couplings, directions) = (self.couplings, self.directions.len());
-        match &self.ends {
-            None => {
-                let layout = OnPaths { shape: &self.shape, directions: &self.directions };
-                dispatch(OnTile { layout, directions, couplings, tile, function, h, out });
-            }
-            Some(ends) => {
-                let layout = OnePath { sites: self.shape.sites(), offsets: &self.offsets, ends };
-                dispatch(OnTile { layout, directions, couplings, tile, function, h, out });
-            }
-        }
+    /// Component c of a site on path p.
+    fn at(&self, y: &[Row], site: usize, c: usize, p: usize) -> f64 {
+        let (row, lane) = match self.ends {
+            None => (3 * site + c, 0),
+            Some(_) => OnePath::place(self.shape.sites(), site, c),
+        };
+        y[row][lane + p]
+    }
+
+    /// The paths of a row, by their places in it.
+    fn lanes(&self) -> Range<usize> {
+        if self.ends.is_some() { 0..1 } else { 0..WIDTH }
     }
 }
 
@@ -222,184 +238,69 @@ impl SpinLattice {
 const SPINS_NAMED: usize = 16;
 
 impl System for SpinLattice {
-    fn name(&self) -> &str {
-        "spin-lattice"
+    fn description(&self) -> &Description {
+        &self.description
     }
 
-    fn parameters(&self) -> String {
-        let Couplings { exchange, anisotropy, field, noise, local, damping } = self.couplings;
-        let kind = if local { "local" } else { "common" };
-        format!(
-            "{}, J = {exchange}, K = {anisotropy}, h = {field:?}, σ = {noise} ({kind}), \
-             α = {damping}",
-            self.shape.describe()
-        )
-    }
-
-    fn dimension(&self) -> usize {
-        3 * self.shape.sites()
-    }
-
-    fn noises(&self) -> usize {
-        if self.couplings.local { self.dimension() } else { 3 }
-    }
-
-    fn lanes(&self) -> Lanes {
-        if self.ends.is_some() { Lanes::Components } else { Lanes::Paths }
-    }
-
-    fn rows(&self) -> usize {
-        match self.lanes() {
-            Lanes::Paths => self.dimension(),
-            Lanes::Components => OnePath::row_count(self.shape.sites()),
-        }
-    }
-
-    fn noise_rows(&self) -> usize {
-        if self.couplings.local { self.rows() } else { 3 }
-    }
-
-    fn local_noise(&self) -> bool {
-        self.couplings.local
-    }
-
-    fn tile_rows(&self) -> usize {
-        match self.lanes() {
-            Lanes::Paths => self.rows(),
-            Lanes::Components => TILE_ROWS,
-        }
-    }
-
-    fn reach(&self) -> usize {
-        match self.lanes() {
-            Lanes::Paths => 1,
-            // One more, since the last tile may be shorter.
-            Lanes::Components => self.shape.farthest().div_ceil(TILE_SITES) + 1,
-        }
-    }
-
-    fn place(&self, component: usize) -> (usize, usize) {
-        match self.lanes() {
-            Lanes::Paths => (component, 0),
-            Lanes::Components => OnePath::place(self.shape.sites(), component / 3, component % 3),
-        }
-    }
-
-    fn structure(&self, tile: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], _: &mut [Row]) {
-        self.evaluate(Function::Cross { s: y, v }, tile, Weights::NONE, out);
-    }
-
-    fn structure_along(
+    fn apply(
         &self,
+        op: Op<&[Row]>,
         tile: Range<usize>,
-        _: &[Row],
-        u: &[Row],
-        v: &[Row],
+        h: Weights<'_>,
         out: &mut [Row],
-        _: &mut [Row],
+        scratch: &mut [Row],
     ) {
-        self.evaluate(Function::Cross { s: u, v }, tile, Weights::NONE, out);
+        if op.is_average() {
+            return derived(self, op, h, out, scratch);
+        }
+        let (couplings, directions) = (self.couplings, self.directions.len());
+        match &self.ends {
+            None => {
+                let layout = OnPaths { shape: &self.shape, directions: &self.directions };
+                dispatch(OnTile { layout, directions, couplings, tile, op, h, out });
+            }
+            Some(ends) => {
+                let layout = OnePath { sites: self.shape.sites(), offsets: &self.offsets, ends };
+                dispatch(OnTile { layout, directions, couplings, tile, op, h, out });
+            }
+        }
     }
 
     fn energy(&self, y: &[Row], h: Weights<'_>, out: &mut Row, _: &mut [Row]) {
         let Couplings { exchange, anisotropy, field, noise, local, .. } = self.couplings;
-        let at = |rows: &[Row], site: usize, c: usize, p: usize| {
-            let (row, lane) = self.place(3 * site + c);
-            rows[row][lane + p]
-        };
-        let lanes = if self.ends.is_some() { 0..1 } else { 0..WIDTH };
         *out = [0.0; WIDTH];
-        for p in lanes {
+        for p in self.lanes() {
             for site in 0..self.shape.sites() {
-                let s = [0, 1, 2].map(|c| at(y, site, c, p));
+                let s = [0, 1, 2].map(|c| self.at(y, site, c, p));
                 let up = self.directions.iter().filter(|direction| direction.up);
                 for next in up.filter_map(|&direction| self.shape.neighbour(site, direction)) {
-                    let product: f64 = (0..3).map(|c| s[c] * at(y, next, c, p)).sum();
+                    let product: f64 = (0..3).map(|c| s[c] * self.at(y, next, c, p)).sum();
                     out[p] -= exchange * h.dt * product;
                 }
                 out[p] -= 0.5 * anisotropy * h.dt * s[2] * s[2];
                 for c in 0..3 {
-                    let dw = if local { at(h.dw, site, c, p) } else { h.dw[c][p] };
+                    let dw = if local { self.at(h.dw, site, c, p) } else { h.dw[c][p] };
                     out[p] -= (field[c] * h.dt + noise * dw) * s[c];
                 }
             }
         }
     }
 
-    fn gradient(
-        &self,
-        tile: Range<usize>,
-        y: &[Row],
-        h: Weights<'_>,
-        out: &mut [Row],
-        _: &mut [Row],
-    ) {
-        self.evaluate(Function::Gradient { y }, tile, h, out);
-    }
-
-    fn hessian(
-        &self,
-        tile: Range<usize>,
-        y: &[Row],
-        u: &[Row],
-        h: Weights<'_>,
-        out: &mut [Row],
-        _: &mut [Row],
-    ) {
-        self.evaluate(Function::Hessian { y, u }, tile, h, out);
-    }
-
-    fn is_transverse(&self) -> bool {
-        self.couplings.damping != 0.0
-    }
-
-    fn rule(&self) -> &Rule {
-        &self.rule
-    }
-
-    fn linearity(&self) -> Linearity {
-        Linearity::Affine
-    }
-
-    fn always_solvable(&self) -> bool {
-        true
-    }
-
-    fn cayley(&self, tile: Range<usize>, y: &[Row], v: &[Row], out: &mut [Row], _: &mut [Row]) {
-        self.evaluate(Function::Cayley { s: y, v }, tile, Weights::NONE, out);
-    }
-
-    fn ito_correction(&self, tile: Range<usize>, y: &[Row], out: &mut [Row], _: &mut [Row]) {
-        self.evaluate(Function::Ito { y }, tile, Weights::NONE, out);
-    }
-
-    fn parts(&self) -> Result<usize, String> {
-        self.parts.as_ref().map(Vec::len).map_err(String::clone)
-    }
-
     fn flow(&self, part: usize, y: &mut [Row], h: Weights<'_>, _: &mut [Row]) {
-        let Ok(parts) = &self.parts else { unreachable!("a lattice without parts") };
         let on_paths = self.ends.is_none();
         let (shape, couplings) = (&self.shape, &self.couplings);
-        dispatch(Flow { shape, couplings, on_paths, part: parts[part], h, y });
-    }
-
-    fn invariants(&self) -> Vec<Invariant> {
-        match self.shape.sites() {
-            sites @ ..=SPINS_NAMED => vec![Invariant::quadratic_casimir("C", "½|sᵢ|²"); sites],
-            _ => vec![Invariant::quadratic_casimir("C", "½Σ|sᵢ|²")],
-        }
+        dispatch(Flow { shape, couplings, on_paths, part: self.parts[part], h, y });
     }
 
     fn invariant(&self, index: usize, y: &[Row], out: &mut Row, _: &mut [Row]) {
         let sites = self.shape.sites();
         let spins = if sites <= SPINS_NAMED { index..index + 1 } else { 0..sites };
         *out = [0.0; WIDTH];
-        let lanes = if self.ends.is_some() { 0..1 } else { 0..WIDTH };
-        for component in 3 * spins.start..3 * spins.end {
-            let (row, lane) = self.place(component);
-            for p in lanes.clone() {
-                out[p] += 0.5 * y[row][lane + p].powi(2);
+        for site in spins {
+            for c in 0..3 {
+                for p in self.lanes() {
+                    out[p] += 0.5 * self.at(y, site, c, p).powi(2);
+                }
             }
         }
     }

@@ -1,0 +1,169 @@
+//! What a system known at run time is, as data.
+
+use dgrad::Rule;
+use real::WIDTH;
+
+use crate::{Invariant, Linearity};
+
+/// What the 32 numbers of a row belong to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lanes {
+    /// To 32 paths: row i is component i.
+    Paths,
+    /// To one path. Numbers beyond its last component are zero and stay so.
+    Components,
+}
+
+/// Where the numbers of a state and of its noises are in rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    /// What the numbers of a row belong to.
+    pub lanes: Lanes,
+    /// The number of rows of a state.
+    pub rows: usize,
+    /// The number of rows of a tile; the last tile may have fewer. B(y)v on a tile depends on y and
+    /// v there.
+    pub tile_rows: usize,
+    /// How many tiles away from a tile ∇h and ∇²h read their arguments at most, counted around from
+    /// the last tile to the first.
+    pub reach: usize,
+    /// Components that follow each other in a state and are in different rows: a site has so many.
+    pub site: usize,
+    /// The number of rows of the increments of all noises.
+    pub noise_rows: usize,
+    /// Whether every component has a noise of its own, in the row and place of the component.
+    /// Otherwise noise m is in row m.
+    pub local_noise: bool,
+}
+
+impl Layout {
+    /// Rows of 32 paths in one tile, with noise m in row m.
+    #[must_use]
+    pub fn paths(dimension: usize, noises: usize) -> Self {
+        Self {
+            lanes: Lanes::Paths,
+            rows: dimension,
+            tile_rows: dimension,
+            reach: 1,
+            site: 1,
+            noise_rows: noises,
+            local_noise: false,
+        }
+    }
+
+    /// Rows of one path in tiles of `tile_rows` rows, with noise m in row m. Each tile has the first
+    /// components of its sites, then the second ones, and so on.
+    #[must_use]
+    pub fn one_path(dimension: usize, noises: usize, site: usize, tile_rows: usize) -> Self {
+        let rows = site * (dimension / site).div_ceil(WIDTH);
+        let reach = rows.div_ceil(tile_rows.max(1));
+        let lanes = Lanes::Components;
+        Self { lanes, rows, tile_rows, reach, site, noise_rows: noises, local_noise: false }
+    }
+
+    /// The same layout, where every component has a noise of its own.
+    #[must_use]
+    pub fn with_local_noise(self) -> Self {
+        Self { noise_rows: self.rows, local_noise: true, ..self }
+    }
+
+    /// Whether there is more than one tile.
+    #[must_use]
+    pub fn is_tiled(&self) -> bool {
+        self.tile_rows < self.rows
+    }
+
+    /// Row and place in it of a component, on path 0. If rows belong to one path, it is its only
+    /// place; otherwise path p is p places further.
+    #[must_use]
+    pub fn place(&self, component: usize) -> (usize, usize) {
+        if self.lanes == Lanes::Paths {
+            return (component, 0);
+        }
+        let (site, inside) = (component / self.site, component % self.site);
+        let most = self.tile_rows / self.site;
+        let tile = site / (most * WIDTH);
+        let place = site % (most * WIDTH);
+        let plane = (self.rows / self.site - tile * most).min(most);
+        (tile * self.tile_rows + inside * plane + place / WIDTH, place % WIDTH)
+    }
+}
+
+/// What a system known at run time is.
+#[derive(Clone, Debug)]
+pub struct Description {
+    /// The name of the system in reports.
+    pub name: String,
+    /// The parameters of the system in reports, for example `c = 0.5`.
+    pub parameters: String,
+    /// The number of components of a path.
+    pub dimension: usize,
+    /// The number of noises.
+    pub noises: usize,
+    /// Where the numbers of a state are.
+    pub layout: Layout,
+    /// How B depends on y.
+    pub linearity: Linearity,
+    /// Whether z = y + B((y+z)/2)·v has a solution for every v, see
+    /// [`always_solvable`](crate::always_solvable).
+    pub always_solvable: bool,
+    /// The Gauss–Legendre rule for ∇̄h: n nodes are exact if ∇h is a polynomial of degree at most
+    /// 2n − 1.
+    pub rule: Rule,
+    /// Whether [`Op::Gradient`](super::Op::Gradient) is more than ∇h.
+    pub is_transverse: bool,
+    /// The number of parts with exact flows, see [`Flows`](crate::Flows), or why there are none.
+    pub parts: Result<usize, String>,
+    /// The functions that obey the conformal law.
+    pub invariants: Vec<Invariant>,
+    /// Whether the system has [`Op::AreaGradient`](super::Op::AreaGradient), and −B times it was
+    /// shown to be Σ_{m<l} A_ml \[fₘ, f_l\], as Jacobi's identity for B implies.
+    pub jacobi_holds: bool,
+    /// Whether paths may leave the domain of the system where their steps are still finite, as
+    /// behind the pole of a logarithm. Then [`guard`](super::System::guard) is asked after every
+    /// step.
+    pub has_guard: bool,
+    /// Rows of scratch for an operation that is not [derived](super::derived) from others.
+    pub own_scratch_rows: usize,
+}
+
+impl Description {
+    /// A system on rows of 32 paths, with any B, no parts, no invariants and no guard.
+    ///
+    /// ∇h is affine for a rule with one node.
+    #[must_use]
+    pub fn new(name: impl Into<String>, dimension: usize, noises: usize, rule: Rule) -> Self {
+        Self {
+            name: name.into(),
+            parameters: String::new(),
+            dimension,
+            noises,
+            layout: Layout::paths(dimension, noises),
+            linearity: Linearity::Other,
+            always_solvable: false,
+            rule,
+            is_transverse: false,
+            parts: Err("it names no parts".into()),
+            invariants: Vec::new(),
+            jacobi_holds: false,
+            has_guard: false,
+            own_scratch_rows: 0,
+        }
+    }
+
+    /// Whether h is a polynomial of degree at most two, so that ∇̄h(a, b) = ∇h((a+b)/2). What
+    /// [`Op::Gradient`](super::Op::Gradient) adds is then taken at (a+b)/2 too.
+    #[must_use]
+    pub fn is_quadratic(&self) -> bool {
+        self.rule.nodes().len() == 1
+    }
+
+    /// Rows of scratch for any operation. Every thread has them; operations that are derived from
+    /// others are for systems with one tile, so that one large path has none for them.
+    #[must_use]
+    pub fn scratch_rows(&self) -> usize {
+        let Layout { rows, noise_rows, .. } = self.layout;
+        let derived = if self.layout.is_tiled() { 0 } else { 4 * rows + noise_rows };
+        derived + self.own_scratch_rows
+    }
+}
