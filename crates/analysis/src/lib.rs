@@ -1,6 +1,6 @@
 //! **Whether a system and a scheme do what is claimed of them, by measurements that can fail.**
 //!
-//! [`inspect()`] says what a system is; [`strong_order`] and [`weak_order`] measure the order of a
+//! `inspect` says what a system is (with the feature `inspect`); [`strong_order`] and [`weak_order`] measure the order of a
 //! scheme with an interval; [`order_verdict`] says whether an order holds, is refuted or undecided.
 //! [`results::Results`] is what a run of many such measurements says, as data.
 //!
@@ -14,7 +14,7 @@
 //! | [`Order`], [`Decision`], [`OneStep`], [`Limit`], [`wrong_limit`] | an order, its reasons |
 //! | [`StepSizes`], [`ReferenceSolution`] | how it is measured, and against what |
 //! | [`exact_mean`], [`Exact`] | exact solutions on sampled paths |
-//! | [`inspect()`], [`inspect_problem`] | what a system is, and which statements apply |
+//! | `inspect`, [`facts::Facts`] | what a system is, and which statements apply |
 //! | [`order_verdict`], [`bound_verdict`] | when an order is said to hold |
 //! | [`compare()`], [`Candidates`], [`CompareSettings`] | which scheme is cheapest for an error |
 //! | [`compare_of`], [`DynCandidates`], [`DynCompareSettings`] | of systems known at run time |
@@ -29,7 +29,10 @@
 pub mod compare;
 mod evidence;
 pub mod exact;
+#[cfg_attr(not(feature = "inspect"), allow(dead_code, reason = "for `inspect`"))]
+pub mod facts;
 mod final_moments;
+#[cfg(feature = "inspect")]
 pub mod inspect;
 mod local_weak_order;
 mod number;
@@ -48,9 +51,8 @@ pub use compare::{
 };
 pub use evidence::{DEVIATIONS, worse};
 pub use final_moments::{FinalMoments, FinalRows, FinalValues};
-pub use inspect::{
-    inspect, inspect_formula_problem, inspect_formulas, inspect_large, inspect_problem,
-};
+#[cfg(feature = "inspect")]
+pub use inspect::{InspectSettings, inspect};
 pub use local_weak_order::{
     LocalError, LocalWeakOrder, LocalWeakOrderError, local_weak_order, local_weak_order_of,
 };

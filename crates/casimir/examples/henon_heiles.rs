@@ -48,7 +48,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // The friction of a gas that thins out.
     let friction = DampingFunction::new(|t| 0.3 / (1.0 + t), 8)?;
     let problem = Problem::new(star, friction, [0.0, 0.1, 0.35, 0.1], 16.0)?;
-    println!("{}\n", inspect_problem(&problem)?);
+    let system = Compiled::new(problem.system(), problem.y0());
+    println!("{}\n", inspect(&system, &InspectSettings::of(&problem))?);
 
     // The noises commute, as the report says: no Lévy areas are needed for strong order 1.
     let sexp = Sexp;

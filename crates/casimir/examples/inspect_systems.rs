@@ -4,21 +4,29 @@
 //! cargo run -p casimir-poisson --example inspect_systems
 //! ```
 
+use casimir::analysis::inspect::{InspectError, Inspection};
 use casimir::prelude::*;
 use casimir::systems::{
     IntegerExponents, LotkaVolterra, MaxwellBloch, Pendulum, Poisson3, RigidBody, RigidBodyEnergy,
 };
 
+/// The report on a system alone.
+fn alone<S: PoissonSystem<D, M>, const D: usize, const M: usize>(
+    system: S,
+) -> Result<Inspection, InspectError> {
+    inspect(&Compiled::new(system, [1.0; D]), &InspectSettings::default())
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let inertia = [2.0, 1.0, 2.0 / 3.0];
     let reports = [
-        inspect(&Pendulum::new(1.0)?)?,
-        inspect(&RigidBody::three_noises(inertia, [1.0, 2.0, 3.0])?)?,
-        inspect(&RigidBody::one_noise(inertia, 1.0)?)?,
-        inspect(&RigidBodyEnergy::new(inertia, 1.0)?)?,
-        inspect(&LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0)?)?,
-        inspect(&MaxwellBloch)?,
-        inspect(&Poisson3::new(1.0)?)?,
+        alone(Pendulum::new(1.0)?)?,
+        alone(RigidBody::three_noises(inertia, [1.0, 2.0, 3.0])?)?,
+        alone(RigidBody::one_noise(inertia, 1.0)?)?,
+        alone(RigidBodyEnergy::new(inertia, 1.0)?)?,
+        alone(LotkaVolterra::<IntegerExponents<2, 2>>::integer(1.0)?)?,
+        alone(MaxwellBloch)?,
+        alone(Poisson3::new(1.0)?)?,
     ];
     if std::env::args().any(|argument| argument == "--json") {
         println!("{}", serde_json::to_string_pretty(&reports)?);

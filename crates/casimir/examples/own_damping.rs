@@ -4,6 +4,7 @@
 //! cargo run -p casimir-poisson --example own_damping
 //! ```
 
+use casimir::analysis::inspect::{InspectError, Inspection};
 use casimir::prelude::*;
 use casimir::systems::{DampingFunction, MaxwellBloch};
 
@@ -33,10 +34,17 @@ impl Damping for Shutter {
     }
 }
 
+fn report_on<G: Damping>(
+    problem: &Problem<MaxwellBloch, G, 3>,
+) -> Result<Inspection, InspectError> {
+    let system = Compiled::new(problem.system(), problem.y0());
+    inspect(&system, &InspectSettings::of(problem))
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let shutter = Shutter { rate: 0.8, open: 0.3 };
     let problem = Problem::new(MaxwellBloch, shutter, [1.0, 2.0, 3.0], 4.0)?;
-    let report = inspect_problem(&problem)?;
+    let report = report_on(&problem)?;
     println!("{}\n", report.problem.as_ref().map_or("", |problem| problem.damping.as_str()));
     assert!(report.mistakes.is_empty(), "{report}");
 
@@ -50,8 +58,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // the edges, says by how much, and cannot tell whether that matters. Smooth functions are
     // integrated to round-off.
     let by_quadrature = DampingFunction::new(move |t| shutter.rate(t), 4)?;
-    let report =
-        inspect_problem(&Problem::new(MaxwellBloch, by_quadrature, [1.0, 2.0, 3.0], 4.0)?)?;
+    let report = report_on(&Problem::new(MaxwellBloch, by_quadrature, [1.0, 2.0, 3.0], 4.0)?)?;
     println!(
         "\nby quadrature: {}",
         report.problem.map_or(String::new(), |problem| problem.integral.to_string())
@@ -70,8 +77,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "γ with a wrong integral".to_owned()
         }
     }
-    let report =
-        inspect_problem(&Problem::new(MaxwellBloch, Wrong(shutter), [1.0, 2.0, 3.0], 4.0)?)?;
+    let report = report_on(&Problem::new(MaxwellBloch, Wrong(shutter), [1.0, 2.0, 3.0], 4.0)?)?;
     println!("{}", report.mistakes.join("\n"));
     Ok(())
 }

@@ -88,7 +88,8 @@ impl PoissonSystem<4, 2> for Vortices {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let pair = Vortices { circulations: [1.0, 0.7], strain: 0.15 };
     let problem = Problem::new(pair, Constant::new(0.05)?, [0.5, 0.0, -0.5, 0.1], 4.0)?;
-    println!("{}\n", inspect_problem(&problem)?);
+    let system = Compiled::new(problem.system(), problem.y0());
+    println!("{}\n", inspect(&system, &InspectSettings::of(&problem))?);
 
     // One path with its areas, at two step sizes: the same noise, joined.
     let fine = Recording::<2>::draw(StreamKey { seed: 3, experiment: 0 }, 0, 4096, 4.0, true)?;

@@ -36,7 +36,8 @@ impl PoissonSystem<4, 1> for Toda {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem =
         Problem::new(Toda { noise: 0.3 }, Constant::new(0.2)?, [0.5, -0.5, 0.0, 0.5], 8.0)?;
-    println!("{}\n", inspect_problem(&problem)?);
+    let system = Compiled::new(problem.system(), problem.y0());
+    println!("{}\n", inspect(&system, &InspectSettings::of(&problem))?);
 
     let sexp = Sexp;
     let truncation = Truncation::new(4)?;
