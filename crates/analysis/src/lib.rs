@@ -1,8 +1,9 @@
 //! **Whether a system and a scheme do what is claimed of them, by measurements that can fail.**
 //!
-//! `inspect` says what a system is (with the feature `inspect`); [`strong_order`] and [`weak_order`] measure the order of a
-//! scheme with an interval; [`order_verdict`] says whether an order holds, is refuted or undecided.
-//! [`results::Results`] is what a run of many such measurements says, as data.
+//! `inspect` (with the feature of this name) says what a system is; [`strong_order`] and
+//! [`weak_order`] measure the order of a scheme with an interval; [`order_verdict`] says whether an
+//! order holds, is refuted or undecided. [`results::Results`] is what a run of many such measurements
+//! says, as data.
 //!
 //! | item | job |
 //! |---|---|

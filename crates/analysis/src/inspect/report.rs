@@ -419,6 +419,7 @@ impl Display for Finding {
         let Self { status, defect, at, .. } = self;
         match status {
             _ if self.points == 0 => f.write_str("not looked at"),
+            Status::Holds if *defect == 0.0 => f.write_str("exactly"),
             Status::Holds => write!(f, "to {defect:.0e} of its terms"),
             Status::Unknown => write!(f, "cannot tell: {defect:.0e} of its terms at {}", Point(at)),
             Status::Fails => write!(f, "off by {defect:.1e} of its terms at {}", Point(at)),

@@ -623,7 +623,7 @@ fn a_report_reads_like_this() {
         "No mistakes found.",
     ];
     for (line, words) in text.lines().zip(expected) {
-        assert_eq!(line, words);
+        assert_eq!(line, words, "{text}");
     }
     assert_eq!(text.lines().count(), expected.len());
 }
